@@ -1,0 +1,10 @@
+//! Monte Carlo of an oscillator with dry friction, driven by a harmonic and noisy temperature.
+#![deny(missing_docs)]
+
+pub mod ensemble;
+pub mod model;
+pub mod noise;
+pub mod scenario;
+pub mod scheme;
+pub mod stats;
+pub mod store;

@@ -1,0 +1,68 @@
+//! The cascade of phases: the one description of a path that every statistic is a function of.
+//!
+//! ```text
+//! tau_j        entry of the j-th static phase (tau_0 = 0 is an initial condition, not an entry)
+//! tau_{j+1/2}  its end, and the start of dynamic phase j:  inf{t >= tau_j : |b(x_j, t)| > f_s}
+//! tau_j^k      sub-phase boundaries of dynamic phase j: tau_j^0 = tau_{j+1/2}, tau_j^{k+1} = inf{t > tau_j^k : x'(t) = 0}
+//! k(j)         inf{k >= 1 : |b(x_j^k, tau_j^k)| <= f_s}: how many sub-phases it has; tau_{j+1} = tau_j^{k(j)}
+//! ```
+//!
+//! (paper, section 2.4.) Every path starts in a static phase at t = 0, which is empty if |b(x0, 0)| > f_s:
+//! then its first event is a slip started at t = 0.
+
+/// A direction of motion, or of a force.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Sign {
+    /// -1
+    Negative,
+    /// +1
+    Positive,
+}
+
+impl Sign {
+    /// The sign of a number; zero counts as positive.
+    pub fn of(value: f64) -> Self {
+        if value < 0.0 { Sign::Negative } else { Sign::Positive }
+    }
+
+    /// -1.0 or 1.0.
+    pub fn value(self) -> f64 {
+        match self {
+            Sign::Negative => -1.0,
+            Sign::Positive => 1.0,
+        }
+    }
+}
+
+/// What a path is doing between two events.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Phase {
+    /// x' = 0 and |b| <= f_s.
+    Static,
+    /// A sub-phase of a dynamic phase: x' has this sign.
+    Slip(Sign),
+}
+
+/// What happens at an instant of the cascade.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum EventKind {
+    /// tau_{j+1}: x' = 0 and |b| <= f_s; a dynamic phase ends.
+    StickEntered,
+    /// tau_{j+1/2} = tau_j^0: |b| exceeds f_s; a dynamic phase begins, moving in the direction eps_j^0.
+    SlipStarted(Sign),
+    /// tau_j^k, 0 < k < k(j): x' = 0 and |b| > f_s; the next sub-phase moves in the direction eps_j^k.
+    SubPhaseBoundary(Sign),
+}
+
+/// One instant of the cascade, with the state there.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Event {
+    /// What happens.
+    pub kind: EventKind,
+    /// tau_j, tau_{j+1/2} or tau_j^k.
+    pub time: f64,
+    /// x at that time.
+    pub displacement: f64,
+    /// b at that time.
+    pub force: f64,
+}

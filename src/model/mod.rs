@@ -1,0 +1,34 @@
+//! The mechanics: oscillator, dry friction, temperature, and the vocabulary of phases.
+//!
+//! Pure functions and plain values; nothing here draws a random number.
+//!
+//! ```text
+//! m x'' + F(x') = b(x, x', t),   b = K (beta T(t) - x) - 2 alpha x',   x(0) = x0, x'(0) = 0
+//! T(t) = sum_i a_i cos(w_i t + phi_i) + rho v(t),   dv = -theta v dt + sigma dW
+//! ```
+//!
+//! Bensoussan, Brouste, Cartiaux, Mathey, Mertz, *Mathematical formulation of a dynamical system
+//! with dry friction subjected to external forces*, equations (friction1), (engapp), (shaw).
+
+mod cascade;
+mod friction;
+mod oscillator;
+mod temperature;
+
+pub use cascade::{Event, EventKind, Phase, Sign};
+pub use friction::{Friction, prox};
+pub use oscillator::Oscillator;
+pub use temperature::{Harmonic, InitialNoise, Noise, Temperature};
+
+/// Everything the physics needs: one oscillator, its friction, its temperature, where it starts.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Model {
+    /// Mass, stiffness, damping, dilatation.
+    pub oscillator: Oscillator,
+    /// The two Coulomb thresholds.
+    pub friction: Friction,
+    /// What drives the oscillator.
+    pub temperature: Temperature,
+    /// x(0); the velocity starts at zero.
+    pub initial_displacement: f64,
+}

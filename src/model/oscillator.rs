@@ -1,0 +1,26 @@
+//! The linear part: a mass on a spring whose rest position follows the temperature.
+
+/// m, K, alpha and beta of the model.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Oscillator {
+    /// m > 0.
+    pub mass: f64,
+    /// K > 0.
+    pub stiffness: f64,
+    /// alpha >= 0; the damping force is 2 alpha x'.
+    pub damping: f64,
+    /// beta; the rest position is beta T.
+    pub dilatation: f64,
+}
+
+impl Oscillator {
+    /// w0 = sqrt(K/m), the undamped natural angular frequency.
+    pub fn natural_frequency(&self) -> f64 {
+        (self.stiffness / self.mass).sqrt()
+    }
+
+    /// b(x, x', t) = K (beta T - x) - 2 alpha x': every force but friction (paper, equations (engapp) and (shaw)).
+    pub fn force(&self, temperature: f64, displacement: f64, velocity: f64) -> f64 {
+        self.stiffness * (self.dilatation * temperature - displacement) - 2.0 * self.damping * velocity
+    }
+}

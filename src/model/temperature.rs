@@ -1,0 +1,64 @@
+//! What drives the oscillator: a sum of harmonics, and an Ornstein-Uhlenbeck noise on top.
+
+use std::f64::consts::TAU;
+
+/// a cos(w t + phi).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Harmonic {
+    /// a.
+    pub amplitude: f64,
+    /// w >= 0.
+    pub angular_frequency: f64,
+    /// phi.
+    pub phase: f64,
+}
+
+/// rho v(t) with dv = -theta v dt + sigma dW.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Noise {
+    /// rho >= 0.
+    pub intensity: f64,
+    /// theta > 0.
+    pub relaxation_rate: f64,
+    /// sigma >= 0.
+    pub diffusion: f64,
+    /// v(0).
+    pub initial: InitialNoise,
+}
+
+/// How v starts.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum InitialNoise {
+    /// At this value.
+    At(f64),
+    /// Drawn from the stationary law N(0, sigma^2 / (2 theta)); the first draw of the path's stream.
+    Stationary,
+}
+
+impl Noise {
+    /// sigma / sqrt(2 theta), the stationary standard deviation of v.
+    pub fn stationary_sd(&self) -> f64 {
+        self.diffusion / (2.0 * self.relaxation_rate).sqrt()
+    }
+}
+
+/// T(t) = sum_i a_i cos(w_i t + phi_i) + rho v(t).
+#[derive(Clone, Debug, PartialEq)]
+pub struct Temperature {
+    /// The deterministic part.
+    pub harmonics: Vec<Harmonic>,
+    /// The noise, if any; a scene without it draws no random number.
+    pub noise: Option<Noise>,
+}
+
+impl Temperature {
+    /// The deterministic part at time t, straight from its definition.
+    pub fn harmonic_sum(&self, t: f64) -> f64 {
+        self.harmonics.iter().map(|h| h.amplitude * libm::cos(h.angular_frequency * t + h.phase)).sum()
+    }
+
+    /// P: the period of the first harmonic whose frequency is above zero.
+    pub fn period(&self) -> Option<f64> {
+        self.harmonics.iter().find(|h| h.angular_frequency > 0.0).map(|h| TAU / h.angular_frequency)
+    }
+}

@@ -1,0 +1,35 @@
+//! Schemes: how noise becomes the cascade of stick and slip phases.
+//!
+//! A scheme simulates a list of paths and reports what happens to an [`Observer`] it is generic over: events as they
+//! occur, and the state of all its paths at the instants of a [`Timeline`]. It knows nothing of statistics, files or
+//! threads. A path is a function of the seed and its number alone, whatever company it is simulated in.
+
+mod timeline;
+
+pub use timeline::{Instant, Stop, Timeline};
+
+use crate::model::Event;
+
+/// What watches a simulation. `lane` is the position of a path in the list given to the scheme.
+pub trait Observer {
+    /// An event of one path; the events of a path arrive in time order.
+    fn event(&mut self, lane: usize, event: Event);
+
+    /// The state of every path at an instant; instants arrive in time order, and after every earlier event.
+    fn snapshot(&mut self, instant: Instant, snapshot: Snapshot<'_>);
+}
+
+/// The state of every path at one time; each slice has one entry a lane.
+#[derive(Clone, Copy, Debug)]
+pub struct Snapshot<'a> {
+    /// t.
+    pub time: f64,
+    /// x(t).
+    pub displacement: &'a [f64],
+    /// x'(t).
+    pub velocity: &'a [f64],
+    /// T(t), noise included.
+    pub temperature: &'a [f64],
+    /// Whether the path is in a static phase at t.
+    pub is_static: &'a [bool],
+}

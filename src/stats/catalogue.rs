@@ -1,0 +1,121 @@
+//! The list of reported statistics: one name each, the same in tables, JSON and HDF5.
+
+/// A reported number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Statistic {
+    /// Mean of D_j = tau_{j+1/2} - tau_j over completed sticks, j >= 1.
+    StickDurationMean,
+    /// Standard deviation of D_j over completed sticks, j >= 1.
+    StickDurationSd,
+    /// Median of D_j over completed sticks, j >= 1.
+    StickDurationMedian,
+    /// Mean of D_0 over the paths whose first stick ended.
+    FirstStickDurationMean,
+    /// Completed sticks, j >= 1, per path.
+    SticksPerPath,
+    /// Completed dynamic phases per path.
+    SlipsPerPath,
+    /// Mean of k(j) over completed dynamic phases.
+    SubPhasesMean,
+    /// Share of completed dynamic phases with k(j) >= 2.
+    SubPhasesMultipleShare,
+    /// Share of [0, t_end] spent static, the first and the last stick included.
+    StickingFraction,
+    /// Mean of x(t_end).
+    DisplacementEndMean,
+    /// Standard deviation of x(t_end).
+    DisplacementEndSd,
+    /// Slope of E x(nP) over the whole forcing periods n >= 1.
+    DriftVelocity,
+    /// Half the slope of Var x(nP) over the whole forcing periods n >= 1.
+    DiffusionCoefficient,
+    /// Mean of x_{j+1} - x_j over completed dynamic phases.
+    JumpMean,
+    /// Mean of |x_{j+1} - x_j| over completed dynamic phases.
+    JumpAbsMean,
+    /// Mean over paths of the friction work, integral of f_d |x'| dt over [0, t_end].
+    FrictionWorkMean,
+}
+
+/// What a number is measured in, as exponents of length, time and force.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Dimension {
+    /// A pure number.
+    One,
+    /// time
+    Time,
+    /// length
+    Length,
+    /// length / time
+    Velocity,
+    /// length^2 / time
+    Diffusivity,
+    /// force * length
+    Work,
+}
+
+impl Statistic {
+    /// Every statistic, in the order of tables and files.
+    pub const ALL: [Statistic; 16] = [
+        Statistic::StickDurationMean,
+        Statistic::StickDurationSd,
+        Statistic::StickDurationMedian,
+        Statistic::FirstStickDurationMean,
+        Statistic::SticksPerPath,
+        Statistic::SlipsPerPath,
+        Statistic::SubPhasesMean,
+        Statistic::SubPhasesMultipleShare,
+        Statistic::StickingFraction,
+        Statistic::DisplacementEndMean,
+        Statistic::DisplacementEndSd,
+        Statistic::DriftVelocity,
+        Statistic::DiffusionCoefficient,
+        Statistic::JumpMean,
+        Statistic::JumpAbsMean,
+        Statistic::FrictionWorkMean,
+    ];
+
+    /// The name in tables, JSON keys and HDF5.
+    pub fn name(self) -> &'static str {
+        match self {
+            Statistic::StickDurationMean => "stick_duration_mean",
+            Statistic::StickDurationSd => "stick_duration_sd",
+            Statistic::StickDurationMedian => "stick_duration_median",
+            Statistic::FirstStickDurationMean => "first_stick_duration_mean",
+            Statistic::SticksPerPath => "sticks_per_path",
+            Statistic::SlipsPerPath => "slips_per_path",
+            Statistic::SubPhasesMean => "sub_phases_mean",
+            Statistic::SubPhasesMultipleShare => "sub_phases_multiple_share",
+            Statistic::StickingFraction => "sticking_fraction",
+            Statistic::DisplacementEndMean => "displacement_end_mean",
+            Statistic::DisplacementEndSd => "displacement_end_sd",
+            Statistic::DriftVelocity => "drift_velocity",
+            Statistic::DiffusionCoefficient => "diffusion_coefficient",
+            Statistic::JumpMean => "jump_mean",
+            Statistic::JumpAbsMean => "jump_abs_mean",
+            Statistic::FrictionWorkMean => "friction_work_mean",
+        }
+    }
+
+    /// What the number is measured in.
+    pub fn dimension(self) -> Dimension {
+        match self {
+            Statistic::StickDurationMean
+            | Statistic::StickDurationSd
+            | Statistic::StickDurationMedian
+            | Statistic::FirstStickDurationMean => Dimension::Time,
+            Statistic::SticksPerPath
+            | Statistic::SlipsPerPath
+            | Statistic::SubPhasesMean
+            | Statistic::SubPhasesMultipleShare
+            | Statistic::StickingFraction => Dimension::One,
+            Statistic::DisplacementEndMean
+            | Statistic::DisplacementEndSd
+            | Statistic::JumpMean
+            | Statistic::JumpAbsMean => Dimension::Length,
+            Statistic::DriftVelocity => Dimension::Velocity,
+            Statistic::DiffusionCoefficient => Dimension::Diffusivity,
+            Statistic::FrictionWorkMean => Dimension::Work,
+        }
+    }
+}

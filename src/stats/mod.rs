@@ -1,0 +1,23 @@
+//! Statistics of the cascade: folded over one block of paths, merged in block order, summed up with intervals.
+//!
+//! ```text
+//! BlockObserver   watches one block of paths (implements scheme::Observer)
+//!   -> BlockResult   what the block leaves behind: Totals, and what was asked to be kept of each path
+//!        -> Totals::merge, in block order
+//!             -> Totals::summary -> Summary   estimates, intervals, bands, histograms
+//! ```
+//!
+//! Floating-point sums are formed path by path in time order, then over the paths of a block in order, then over blocks
+//! in order; counts are integers. So no statistic depends on threads, lanes or vector width.
+
+mod catalogue;
+mod record;
+mod summary;
+mod totals;
+
+pub use catalogue::{Dimension, Statistic};
+pub use record::{BlockResult, EventColumns, PathColumns, Record, TrajectoryRows};
+pub use summary::{
+    Band, Bands, Estimate, Histogram, PeriodMoments, QUANTILE_LEVELS, StickDurations, SubPhaseCounts, Summary,
+};
+pub use totals::Totals;

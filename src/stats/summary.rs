@@ -1,0 +1,119 @@
+//! What an ensemble comes down to: plain numbers, ready to print or store.
+
+use super::Statistic;
+use ndarray::Array2;
+
+/// The quantile levels of every band and of the stick durations.
+pub const QUANTILE_LEVELS: [f64; 5] = [0.05, 0.25, 0.5, 0.75, 0.95];
+
+/// One statistic with its 95 % interval. A number that does not exist (no stick ended, fewer than two periods) is NaN.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Estimate {
+    /// Which statistic.
+    pub statistic: Statistic,
+    /// The estimate.
+    pub estimate: f64,
+    /// Its standard error, the path being the independent unit.
+    pub standard_error: f64,
+    /// Lower end of the 95 % interval.
+    pub low: f64,
+    /// Upper end of the 95 % interval.
+    pub high: f64,
+    /// Estimated discretisation bias, where it is known.
+    pub bias: Option<f64>,
+}
+
+/// Pointwise distribution of one variable over the ensemble, on the output grid.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Band {
+    /// Mean at each time.
+    pub mean: Vec<f64>,
+    /// Standard deviation at each time.
+    pub sd: Vec<f64>,
+    /// Quantiles, shape (QUANTILE_LEVELS, time).
+    pub quantiles: Array2<f64>,
+}
+
+/// Bands of x, x', T and the probability of being static, on the output grid.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Bands {
+    /// Output times.
+    pub time: Vec<f64>,
+    /// x(t).
+    pub displacement: Band,
+    /// x'(t).
+    pub velocity: Band,
+    /// T(t).
+    pub temperature: Band,
+    /// P(static at t).
+    pub static_probability: Vec<f64>,
+}
+
+/// Counts in consecutive bins: bin i is [edges[i], edges[i + 1]).
+#[derive(Clone, Debug, PartialEq)]
+pub struct Histogram {
+    /// Bin edges, one more than there are bins.
+    pub edges: Vec<f64>,
+    /// Number of values in each bin.
+    pub counts: Vec<u64>,
+}
+
+/// Stick durations D_j, j >= 1: those that ended, and those still running at t_end.
+#[derive(Clone, Debug, PartialEq)]
+pub struct StickDurations {
+    /// Sticks, j >= 1, that ended.
+    pub completed: u64,
+    /// Sticks, j >= 1, still running at t_end (right-censored).
+    pub censored: u64,
+    /// First sticks (j = 0) that ended.
+    pub first_completed: u64,
+    /// First sticks (j = 0) still running at t_end.
+    pub first_censored: u64,
+    /// Durations of the completed sticks, logarithmic bins.
+    pub histogram: Histogram,
+    /// Durations so far of the censored sticks, in the same bins.
+    pub censored_counts: Vec<u64>,
+    /// Kaplan-Meier estimate of P(D > t) at the upper edge of each bin.
+    pub survival: Vec<f64>,
+    /// QUANTILE_LEVELS of the completed durations.
+    pub quantiles: Vec<f64>,
+}
+
+/// Distribution of k(j), the number of sub-phases of a dynamic phase.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SubPhaseCounts {
+    /// counts[k - 1]: completed dynamic phases with k sub-phases; the last entry also holds all larger k.
+    pub counts: Vec<u64>,
+    /// Dynamic phases still running at t_end.
+    pub censored: u64,
+}
+
+/// Moments of x at the whole forcing periods.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PeriodMoments {
+    /// n P, n = 1, 2, ...
+    pub time: Vec<f64>,
+    /// Mean of x(n P) - x0.
+    pub mean: Vec<f64>,
+    /// Variance of x(n P).
+    pub variance: Vec<f64>,
+}
+
+/// Everything that is known about an ensemble once its paths are folded.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Summary {
+    /// Paths simulated to the end, diverged ones included.
+    pub completed_paths: u64,
+    /// Numbers of the diverged paths, in order; they are in no statistic.
+    pub diverged: Vec<u64>,
+    /// One estimate for each of `Statistic::ALL`, in that order.
+    pub estimates: Vec<Estimate>,
+    /// Stick durations.
+    pub stick_durations: StickDurations,
+    /// Sub-phase counts.
+    pub sub_phases: SubPhaseCounts,
+    /// x at the whole forcing periods.
+    pub periods: PeriodMoments,
+    /// The output grid.
+    pub bands: Bands,
+}

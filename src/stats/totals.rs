@@ -1,0 +1,4 @@
+//! The mergeable sums.
+/// Placeholder.
+#[derive(Clone, Debug)]
+pub struct Totals;
