@@ -12,11 +12,13 @@
 
 mod cascade;
 mod friction;
+mod harmonic_clock;
 mod oscillator;
 mod temperature;
 
 pub use cascade::{Event, EventKind, Phase, Sign};
 pub use friction::{Friction, prox};
+pub use harmonic_clock::HarmonicClock;
 pub use oscillator::Oscillator;
 pub use temperature::{Harmonic, InitialNoise, Noise, Temperature};
 

@@ -4,8 +4,10 @@
 //! occur, and the state of all its paths at the instants of a [`Timeline`]. It knows nothing of statistics, files or
 //! threads. A path is a function of the seed and its number alone, whatever company it is simulated in.
 
+mod discrete_vi;
 mod timeline;
 
+pub use discrete_vi::{DiscreteVi, divergence_bound};
 pub use timeline::{Instant, Stop, Timeline};
 
 use crate::model::Event;
