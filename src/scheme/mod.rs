@@ -4,9 +4,11 @@
 //! occur, and the state of all its paths at the instants of a [`Timeline`]. It knows nothing of statistics, files or
 //! threads. A path is a function of the seed and its number alone, whatever company it is simulated in.
 
+mod any;
 mod discrete_vi;
 mod timeline;
 
+pub use any::Scheme;
 pub use discrete_vi::{DiscreteVi, divergence_bound};
 pub use timeline::{Instant, Stop, Timeline};
 
