@@ -1,7 +1,7 @@
 //! `mc check`: a scenario in full, what follows from it, and what to beware of.
 
 use super::failure::{Failure, print};
-use super::numbers::{bytes, grouped, significant};
+use super::numbers::{bytes, grouped, significant, wrapped};
 use super::overrides::Overrides;
 use std::fmt::Write as _;
 use std::path::PathBuf;
@@ -31,11 +31,10 @@ pub struct Check {
 impl Check {
     pub fn call(&self) -> Result<(), Failure> {
         let scenario = self.overrides.scenario(&self.scenario)?;
-        print(&if self.json {
-            json(&self.scenario.display().to_string(), &scenario)
-        } else {
-            report(&scenario) + &warnings(&scenario)
-        })
+        if self.json {
+            return print(&json(&self.scenario.display().to_string(), &scenario));
+        }
+        print(&(report(&scenario) + &warnings(&scenario)))
     }
 }
 
@@ -44,7 +43,7 @@ pub fn report(scenario: &Scenario) -> String {
     let mut text = scenario.to_toml();
     text.push_str("\n# What follows from it\n");
     for (meaning, value) in derived(scenario) {
-        let _ = writeln!(text, "# {meaning:<44}{value}");
+        let _ = writeln!(text, "# {meaning:<46}{value}");
     }
     text
 }
@@ -53,7 +52,7 @@ fn warnings(scenario: &Scenario) -> String {
     let warnings = scenario.warnings();
     let mut text = String::from("\n");
     for warning in &warnings {
-        let _ = writeln!(text, "# warning: {warning}");
+        text.push_str(&wrapped(&format!("# warning: {warning}"), "#   "));
     }
     if warnings.is_empty() {
         text.push_str("# no warnings\n");

@@ -34,7 +34,7 @@ impl Failure {
     /// Print to standard error; what the process exits with.
     pub fn report(&self) -> ExitCode {
         // Standard error may be closed as well: then there is nobody to tell.
-        let say = |text: String| drop(writeln!(io::stderr(), "mc: {text}"));
+        let say = |text: String| drop(writeln!(io::stderr(), "error: {text}"));
         match self {
             Failure::Usage { problem, remedy } => {
                 say(format!("{problem}\n  fix: {remedy}"));

@@ -1,4 +1,4 @@
-//! Numbers as people read them.
+//! Numbers and sentences as people read them.
 
 /// `digits` significant digits, in plain notation where that is readable; trailing zeros dropped.
 pub fn significant(x: f64, digits: usize) -> String {
@@ -45,6 +45,24 @@ pub fn duration(seconds: f64) -> String {
         s if s < 7200.0 => format!("{:.0} min {:.0} s", (s / 60.0).floor(), (s % 60.0).floor()),
         s => format!("{:.0} h {:.0} min", (s / 3600.0).floor(), (s % 3600.0 / 60.0).floor()),
     }
+}
+
+/// Most characters in a line of prose.
+const LINE: usize = 100;
+
+/// A sentence broken into lines; every line but the first begins with `indent`.
+pub fn wrapped(sentence: &str, indent: &str) -> String {
+    let mut text = String::new();
+    let mut line = String::new();
+    for word in sentence.split_inclusive(' ') {
+        if line.chars().count() + word.trim_end().chars().count() > LINE {
+            text.push_str(line.trim_end());
+            text.push('\n');
+            line = indent.to_string();
+        }
+        line.push_str(word);
+    }
+    text + line.trim_end() + "\n"
 }
 
 /// An estimate, its standard error and its interval, with a common number of decimals and a common power of ten.

@@ -299,3 +299,193 @@ impl Serialize for JsonStatistics<'_> {
         map.end()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use ndarray::Array2;
+    use stick_slip::stats::{Band, Bands, Histogram, PeriodMoments, QUANTILE_LEVELS, StickDurations, SubPhaseCounts};
+
+    /// An ensemble like that of `rho025`, with made-up standard errors.
+    fn summary() -> Summary {
+        let band = || Band { mean: vec![0.0], sd: vec![0.0], quantiles: Array2::zeros((QUANTILE_LEVELS.len(), 1)) };
+        let estimates = Statistic::ALL.map(|statistic| {
+            let (estimate, standard_error) = match statistic {
+                Statistic::StickDurationMean => (0.538572, 0.000266),
+                Statistic::SticksPerPath => (14.1226, 0.0073),
+                Statistic::DisplacementEndMean => (-4.2316, 0.016),
+                _ => (1.0, 0.01),
+            };
+            let (low, high) = (estimate - 1.96 * standard_error, estimate + 1.96 * standard_error);
+            Estimate { statistic, estimate, standard_error, low, high, bias: None }
+        });
+        Summary {
+            completed_paths: 10_000,
+            diverged: vec![],
+            estimates: estimates.to_vec(),
+            stick_durations: StickDurations {
+                completed: 141_226,
+                censored: 812,
+                first_completed: 10_000,
+                first_censored: 0,
+                histogram: Histogram { edges: vec![0.0, 1.0], counts: vec![141_226] },
+                censored_counts: vec![812],
+                survival: vec![0.0],
+                quantiles: vec![0.5; QUANTILE_LEVELS.len()],
+            },
+            sub_phases: SubPhaseCounts { counts: vec![100_000, 42_000], censored: 9_000 },
+            periods: PeriodMoments { time: vec![25.1, 50.3], mean: vec![0.0; 2], variance: vec![1.0; 2] },
+            bands: Bands {
+                time: vec![0.0],
+                displacement: band(),
+                velocity: band(),
+                temperature: band(),
+                static_probability: vec![1.0],
+            },
+        }
+    }
+
+    fn info() -> RunInfo {
+        RunInfo {
+            scenario: "scenarios/rho025.toml".into(),
+            title: "Noisy temperature".into(),
+            scheme: "discrete-vi".into(),
+            step: Some(0.01),
+            seed: 1,
+            paths: 10_000,
+            threads: Some(2),
+            seconds: Some(0.6),
+            steps_per_path: Some(6_000),
+            file: "rho025.h5".into(),
+            status: Status::Complete,
+            units: Units::default(),
+        }
+    }
+
+    fn set(summary: &mut Summary, statistic: Statistic, estimate: f64) {
+        for e in summary.estimates.iter_mut().filter(|e| e.statistic == statistic) {
+            *e = Estimate { estimate, standard_error: f64::NAN, low: f64::NAN, high: f64::NAN, ..*e };
+        }
+    }
+
+    fn row<'a>(table: &'a str, name: &str) -> &'a str {
+        table.lines().find(|line| line.split(' ').next() == Some(name)).unwrap_or_else(|| panic!("{name}:\n{table}"))
+    }
+
+    #[test]
+    fn the_table_shows_every_statistic_to_two_digits_of_its_error() {
+        let table = table(&summary(), &info());
+        for statistic in Statistic::ALL {
+            row(&table, statistic.name());
+        }
+        let cells: Vec<&str> = row(&table, "stick_duration_mean").split_whitespace().collect();
+        assert_eq!(cells, ["stick_duration_mean", "0.53857", "0.00027", "0.53805", "0.53909"]);
+        let ends: Vec<usize> = table.lines().skip(3).take(17).map(|line| line.trim_end().len()).collect();
+        assert!(ends[1..].iter().all(|end| *end == ends[1]), "the columns are aligned:\n{table}");
+        assert!(!table.contains("bias") && !table.contains("diverged"), "{table}");
+    }
+
+    #[test]
+    fn the_table_says_how_long_and_where() {
+        let table = table(&summary(), &info());
+        assert!(table.contains("0.60 s on 2 threads, 60 us per path, 10 ns per path-step"), "{table}");
+        assert!(table.contains("rho025.h5") && table.contains("812 still running at the end (censored)"), "{table}");
+    }
+
+    #[test]
+    fn known_bias_gets_a_column() {
+        let mut summary = summary();
+        summary.estimates[0].bias = Some(0.0955);
+        let table = table(&summary, &info());
+        assert!(row(&table, "statistic").contains("bias") && row(&table, "stick_duration_mean").contains("0.09550"));
+    }
+
+    #[test]
+    fn units_get_a_column_where_they_have_labels() {
+        let (time, length, force) = ("s".to_string(), "m".to_string(), "N".to_string());
+        let units = Units { time, length, force, temperature: String::new() };
+        let table = table(&summary(), &RunInfo { units, ..info() });
+        let unit = |name| row(&table, name).rsplit("  ").next().unwrap_or_default();
+        assert_eq!(unit("stick_duration_mean"), "s");
+        assert_eq!(unit("drift_velocity"), "m/s");
+        assert_eq!(unit("diffusion_coefficient"), "m^2/s");
+        assert_eq!(unit("friction_work_mean"), "N m");
+    }
+
+    #[test]
+    fn a_number_that_does_not_exist_says_why() {
+        let mut summary = summary();
+        summary.stick_durations.completed = 0;
+        summary.stick_durations.first_completed = 0;
+        summary.sub_phases.counts = vec![];
+        summary.periods.time.truncate(1);
+        for (statistic, reason) in [
+            (Statistic::StickDurationMean, "no stick ended"),
+            (Statistic::FirstStickDurationMean, "no first stick ended"),
+            (Statistic::SubPhasesMean, "no slip was completed"),
+            (Statistic::JumpAbsMean, "no slip was completed"),
+            (Statistic::DriftVelocity, "needs two whole forcing periods"),
+        ] {
+            set(&mut summary, statistic, f64::NAN);
+            let table = table(&summary, &info());
+            let row = row(&table, statistic.name());
+            assert!(row.contains("none") && row.contains(reason), "{row}");
+        }
+    }
+
+    #[test]
+    fn one_path_has_estimates_without_intervals() {
+        let mut summary = summary();
+        summary.completed_paths = 1;
+        set(&mut summary, Statistic::SticksPerPath, 4.0);
+        let table = table(&summary, &info());
+        let row = row(&table, "sticks_per_path");
+        assert!(row.contains("4.000000") && row.contains("an interval needs two paths"), "{row}");
+    }
+
+    #[test]
+    fn diverged_paths_are_counted_and_named() {
+        let mut summary = summary();
+        summary.diverged = (0..12).map(|i| 4711 + i).collect();
+        let table = table(&summary, &info());
+        assert!(table.contains("12 paths diverged, in no statistic: number 4711, 4712"), "{table}");
+        assert!(table.contains("4720, ...") && !table.contains("4721"), "{table}");
+        summary.diverged = (0..10_000).collect();
+        set(&mut summary, Statistic::DisplacementEndMean, f64::NAN);
+        assert!(super::table(&summary, &info()).contains("every path diverged"));
+    }
+
+    #[test]
+    fn json_has_the_names_of_the_table_and_null_for_what_is_not() {
+        let mut summary = summary();
+        set(&mut summary, Statistic::DriftVelocity, f64::NAN);
+        set(&mut summary, Statistic::JumpMean, f64::INFINITY);
+        let text = json(&summary, &info());
+        let value: serde_json::Value = serde_json::from_str(&text).expect("valid JSON");
+        for key in ["scenario", "scheme", "step", "seed", "paths", "completed_paths", "diverged_paths", "threads"] {
+            assert!(!value[key].is_null(), "{key}");
+        }
+        assert_eq!(value["seconds"], 0.6);
+        assert_eq!((value["us_per_path"].as_f64(), value["file"].as_str()), (Some(60.0), Some("rho025.h5")));
+        assert!((value["ns_per_path_step"].as_f64().unwrap_or(0.0) - 10.0).abs() < 1e-9);
+        let statistics = value["statistics"].as_object().expect("an object");
+        assert_eq!(statistics.len(), Statistic::ALL.len());
+        assert_eq!(statistics["stick_duration_mean"]["estimate"], 0.538572);
+        for name in ["drift_velocity", "jump_mean"] {
+            for key in ["estimate", "standard_error", "low", "high", "bias"] {
+                assert!(statistics[name].get(key).is_some_and(serde_json::Value::is_null), "{name}.{key}");
+            }
+        }
+        let place = |name: &str| text.find(&format!("\"{name}\"")).expect("every name");
+        assert!(Statistic::ALL.windows(2).all(|pair| place(pair[0].name()) < place(pair[1].name())), "in order");
+    }
+
+    #[test]
+    fn a_stored_run_has_no_times() {
+        let stored = RunInfo { seconds: None, threads: None, status: Status::Interrupted, ..info() };
+        assert!(table(&summary(), &stored).contains("interrupted"));
+        let value: serde_json::Value = serde_json::from_str(&json(&summary(), &stored)).expect("valid JSON");
+        assert!(value["seconds"].is_null() && value["ns_per_path_step"].is_null() && value["threads"].is_null());
+        assert_eq!(value["status"], "interrupted");
+    }
+}

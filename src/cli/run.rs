@@ -1,6 +1,7 @@
 //! `mc run`: simulate an ensemble, write its statistics, say what came out.
 
 use super::failure::{Failure, note, print, writable};
+use super::numbers::wrapped;
 use super::overrides::Overrides;
 use super::progress::Progress;
 use super::report::{self, RunInfo};
@@ -72,7 +73,7 @@ impl Run {
             note(&super::check::report(&scenario));
         }
         for warning in scenario.warnings() {
-            note(&format!("warning: {warning}"));
+            note(wrapped(&format!("warning: {warning}"), "  ").trim_end());
         }
         let threads = self.threads.map_or_else(cores, usize::from);
         let plan = Plan { scenario: &scenario, threads, output: &output };

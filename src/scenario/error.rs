@@ -88,7 +88,9 @@ impl fmt::Display for Fault {
             write!(f, ":{line}:{column}")?;
         }
         f.write_str(": ")?;
-        match (&self.key, &self.value) {
+        // A problem that names the key itself is a sentence of its own.
+        let key = self.key.as_ref().filter(|key| !self.problem.contains(&format!("`{key}` = ")));
+        match (key, &self.value) {
             (Some(key), Some(value)) => write!(f, "`{key}` = {value} ")?,
             (Some(key), None) => write!(f, "`{key}` ")?,
             _ => {}

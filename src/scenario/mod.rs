@@ -20,6 +20,9 @@ mod source;
 mod text;
 mod tree;
 
+#[cfg(test)]
+mod tests;
+
 pub use check::{Derived, Stability, Warning, largest_force};
 pub use error::{Fault, ScenarioError};
 pub use parse::{MAX_PATHS, MAX_ROWS, MAX_STEPS, MAX_TRAJECTORIES};

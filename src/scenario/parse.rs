@@ -32,6 +32,7 @@ const DEFAULT_SEED: u64 = 1;
 pub(super) fn scenario(sources: &Sources<'_>, default_title: &str) -> Result<Scenario, Box<Fault>> {
     let tree = tree::read(sources)?;
     let root = Fields::root(sources, &tree)?;
+    refuse_unknown_keys(&root)?;
     let model = model(sources, &root)?;
     let time = time(sources, &root, &model)?;
     let ensemble = root.table("ensemble")?;
@@ -61,6 +62,17 @@ pub(super) fn scenario(sources: &Sources<'_>, default_title: &str) -> Result<Sce
     })
 }
 
+/// Open every table before any is read: a misspelt key is the better explanation of a missing one.
+fn refuse_unknown_keys(root: &Fields<'_>) -> Result<(), Box<Fault>> {
+    for name in keys::of_table("").iter().filter(|name| !keys::of_table(name).is_empty()) {
+        root.table(name)?;
+    }
+    let temperature = root.table("temperature")?;
+    temperature.tables("harmonics")?;
+    temperature.table("noise")?;
+    Ok(())
+}
+
 fn model(sources: &Sources<'_>, root: &Fields<'_>) -> Result<Model, Box<Fault>> {
     let table = root.table("oscillator")?;
     let mass = table.number(keys::MASS)?;
@@ -73,7 +85,7 @@ fn model(sources: &Sources<'_>, root: &Fields<'_>) -> Result<Model, Box<Fault>> 
     let dynamic_force = table.number(keys::DYNAMIC)?;
     if dynamic_force.value > static_force.value {
         let (f_s, f_d) = (static_force.value, dynamic_force.value);
-        let problem = format!("does not fit: `friction.dynamic` = {f_d:?} is above `friction.static` = {f_s:?}");
+        let problem = format!("`friction.dynamic` = {f_d:?} is above `friction.static` = {f_s:?}");
         let remedy = "0 <= f_d <= f_s must hold: lower `friction.dynamic` or raise `friction.static`";
         return Err(about(sources, &[&dynamic_force, &static_force], problem, remedy.into()));
     }
@@ -118,7 +130,10 @@ fn model(sources: &Sources<'_>, root: &Fields<'_>) -> Result<Model, Box<Fault>> 
     if !largest.is_finite() {
         let problem = format!("lets the force b = K (beta T - x) reach {largest}, which a double cannot hold");
         let remedy = "lower the stiffness, dilatation, temperature or displacement, or change units";
-        return Err(about(sources, &[&stiffness], problem, remedy.into()));
+        // Most likely the largest factor of it is the one that is wrong.
+        let mut factors = [&stiffness, &dilatation, &initial];
+        factors.sort_by(|a, b| b.value.abs().total_cmp(&a.value.abs()));
+        return Err(about(sources, &factors, problem, remedy.into()));
     }
     Ok(model)
 }
@@ -158,13 +173,13 @@ fn time(sources: &Sources<'_>, root: &Fields<'_>, model: &Model) -> Result<Time,
 
     let ratio = t_end / h;
     if ratio > MAX_STEPS {
-        let problem = format!("does not fit: t_end / h = {ratio:.3e} steps, and at most 2^53 = 9.0e15 can be counted");
+        let problem = format!("makes t_end / h = {ratio:.3e} steps, and at most 2^53 = 9.0e15 can be counted");
         let remedy = format!("raise `time.step` to {:?} or more, or lower `time.end`", tidy(t_end / MAX_STEPS * 1.001));
         return Err(about(sources, &[&step, &end], problem, remedy));
     }
     let steps = whole_multiple(t_end, h).ok_or_else(|| {
         let (below, above) = (ratio.floor(), ratio.ceil());
-        let problem = format!("does not fit: `time.end` = {t_end:?} is not a whole number of steps of {h:?}");
+        let problem = format!("`time.end` = {t_end:?} is not a whole number of steps `time.step` = {h:?}");
         let list = |f: &dyn Fn(f64) -> f64, counts: [f64; 2]| {
             let values = counts.iter().filter(|n| **n > 0.0).map(|n| format!("{:?}", tidy(f(*n))));
             values.collect::<Vec<_>>().join(" or ")
@@ -191,7 +206,7 @@ fn time(sources: &Sources<'_>, root: &Fields<'_>, model: &Model) -> Result<Time,
             if whole_multiple(output.value, h).is_none() {
                 let spacing = output.value;
                 let problem =
-                    format!("does not fit: `time.output_step` = {spacing:?} is not a whole number of steps of {h:?}");
+                    format!("`time.output_step` = {spacing:?} is not a whole number of steps `time.step` = {h:?}");
                 let nearest = [ratio.floor(), ratio.ceil()].map(|n| tidy(n.max(1.0) * h));
                 let values = if nearest[0] == nearest[1] { &nearest[..1] } else { &nearest[..] };
                 let values: Vec<String> = values.iter().map(|x| format!("{x:?}")).collect();
@@ -200,7 +215,7 @@ fn time(sources: &Sources<'_>, root: &Fields<'_>, model: &Model) -> Result<Time,
             }
             let rows = (t_end / output.value * (1.0 + WHOLE)).floor() + 1.0;
             if rows > MAX_ROWS as f64 {
-                let problem = format!("does not fit: an output grid of {rows} rows; at most {MAX_ROWS} are kept");
+                let problem = format!("makes an output grid of {rows} rows, and at most {MAX_ROWS} are kept");
                 let least = (t_end / h / (MAX_ROWS - 1) as f64).ceil() * h;
                 let remedy = format!("write `time.output_step` = {:?} or more, or lower `time.end`", tidy(least));
                 return Err(about(sources, &[&output, &end], problem, remedy));

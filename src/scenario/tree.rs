@@ -166,5 +166,5 @@ fn relocate(node: &mut Node, place: Place) {
 }
 
 fn one_line(message: &str) -> String {
-    message.split_whitespace().collect::<Vec<_>>().join(" ")
+    message.trim_end_matches(", expected nothing").split_whitespace().collect::<Vec<_>>().join(" ")
 }
