@@ -21,7 +21,8 @@ fn commit(root: &Path) -> Option<String> {
         return None;
     }
     let branch = git(root, &["symbolic-ref", "-q", "HEAD"]);
-    for name in ["HEAD", "packed-refs"].into_iter().chain(branch.as_deref()) {
+    // The log moves with every commit, even where the branch has no file of its own because it is packed.
+    for name in ["HEAD", "logs/HEAD", "packed-refs"].into_iter().chain(branch.as_deref()) {
         if let Some(path) = git(root, &["rev-parse", "--git-path", name]) {
             watch(&root.join(path));
         }

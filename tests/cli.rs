@@ -261,7 +261,7 @@ fn check_derives_and_warns() {
         assert!(out.done().contains(part), "{part}\n{}", out.out);
     }
     let equal = Desk::new().mc(&["check", "scene.toml", "--set", "friction.dynamic=1.2"]);
-    assert!(equal.done().contains("properties of the step"), "{}", equal.out);
+    assert!(equal.done().contains("f_s = f_d under noise"), "{}", equal.out);
 }
 
 #[test]

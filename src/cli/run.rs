@@ -17,7 +17,7 @@ const EXAMPLES: &str = "\
 Examples:
   mc run scenarios/rho025.toml --paths 10000
   mc run scenarios/rho025.toml --step 0.001 -o fine.h5
-  mc run scenarios/rho025.toml --set friction.static=1.3 --set temperature.noise.intensity=0.5 -o other.h5
+  mc run scenarios/rho025.toml --set friction.static=1.3 -o stronger.h5
   mc run scenarios/shaw.toml --json | jq .statistics.stick_duration_mean
 
 A path's noise depends on the seed and the number of the path alone: the result is the same for any number of threads.
@@ -157,4 +157,15 @@ fn stop_on_ctrl_c() -> Arc<AtomicBool> {
 fn execute(plan: &Plan<'_>, stop: &AtomicBool, progress: &mut dyn FnMut(u64)) -> Result<Outcome, Failure> {
     let _ = (plan.scenario, plan.threads, plan.output, stop, progress);
     Err(Failure::Run("the engine is not built".into()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn results_are_named_after_the_scenario_and_stay_in_the_current_directory() {
+        assert_eq!(default_output(Path::new("scenarios/rho025.toml")), Path::new("rho025.h5"));
+        assert_eq!(default_output(Path::new("my.study.toml")), Path::new("my.study.h5"));
+    }
 }

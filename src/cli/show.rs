@@ -20,6 +20,7 @@ pub struct Show {
 }
 
 /// What is in a file.
+// Until the store reads files, nothing makes one.
 #[allow(dead_code)]
 pub struct Stored {
     pub header: Header,

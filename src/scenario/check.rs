@@ -135,7 +135,7 @@ fn force_per_v(oscillator: &Oscillator, noise: &Noise) -> f64 {
 const FARTHEST_SD: f64 = 40.0;
 
 /// A bound of |b| = |K (beta T - x)| while x has not left x0.
-pub fn largest_force(model: &Model) -> f64 {
+pub(super) fn largest_force(model: &Model) -> f64 {
     force_bound(model, FARTHEST_SD)
 }
 
@@ -465,7 +465,7 @@ impl fmt::Display for Warning {
             ),
             Warning::NeverSlips { largest_force } => write!(
                 f,
-                "nothing will slip: |b| stays below {}, and f_s is above that. Every stick is censored",
+                "nothing will slip: |b| does not exceed {}, and f_s is no less. Every stick is censored",
                 short(*largest_force)
             ),
             Warning::IdenticalPaths { paths } => {

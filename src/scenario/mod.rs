@@ -23,7 +23,7 @@ mod tree;
 #[cfg(test)]
 mod tests;
 
-pub use check::{Derived, Stability, Warning, largest_force};
+pub use check::{Derived, Stability, Warning};
 pub use error::{Fault, ScenarioError};
 pub use parse::{MAX_PATHS, MAX_ROWS, MAX_STEPS, MAX_TRAJECTORIES};
 pub use shipped::{SHIPPED, Shipped, shipped};
