@@ -153,7 +153,7 @@ impl BandsTotals {
 }
 
 /// How large x - x0, x' and T typically are: a quarter of a bound of the linear response, friction left out. Bins are
-/// 2^-9 of that wide near the centre; a wrong guess makes quantiles coarser or bins more numerous, never wrong.
+/// 2^-8 of that wide near the centre; a wrong guess makes quantiles coarser or bins more numerous, never wrong.
 struct Scales {
     displacement: f64,
     velocity: f64,

@@ -10,7 +10,7 @@ use crate::scheme::Timeline;
 const BATCHES: usize = 32;
 
 /// Fine bins that make one bin of the public histogram: 8 to an octave.
-const COARSENING: i32 = 64;
+const COARSENING: i32 = 32;
 
 /// Below this share of t_end, durations are binned evenly instead of logarithmically.
 const RESOLUTION: f64 = 1.0 / (1u64 << 30) as f64;
@@ -249,7 +249,7 @@ mod tests {
             [1.1, 2.3, 3.7].iter().for_each(|&d| totals.completed(path, d));
         }
         let e = totals.median().named(crate::stats::Statistic::StickDurationMedian);
-        assert!((e.estimate - 2.3).abs() <= 2.3 / 512.0);
+        assert!((e.estimate - 2.3).abs() <= 2.3 / 256.0);
         assert_eq!((e.standard_error, e.low, e.high), (0.0, e.estimate, e.estimate));
     }
 
