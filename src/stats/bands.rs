@@ -181,3 +181,59 @@ impl Scales {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::stats::sketch::BIN_WIDTH;
+    use crate::stats::synthetic::model;
+    use rand_distr::{Distribution, Normal};
+    use rand_pcg::Pcg64Dxsm;
+    use rand_pcg::rand_core::SeedableRng;
+
+    /// Hyndman and Fan's definition 7.
+    fn exact(values: &[f64], p: f64) -> f64 {
+        let mut sorted = values.to_vec();
+        sorted.sort_by(f64::total_cmp);
+        let rank = p * (sorted.len() - 1) as f64;
+        let (below, above) = (sorted[rank.floor() as usize], sorted[rank.ceil() as usize]);
+        below + (above - below) * rank.fract()
+    }
+
+    #[test]
+    fn bands_merged_over_blocks_are_those_of_all_paths_at_once() {
+        let timeline = Timeline { end: 1.0, output_step: 1.0, period: None };
+        let (scales, normal) = (Scales::of(&model()), Normal::new(4.0, 1.5).unwrap());
+        let mut rng = Pcg64Dxsm::seed_from_u64(3);
+        // 5000 paths, two fifths of which have not left x0 = 6.
+        let x: Vec<f64> = (0..5000).map(|i| if i % 5 < 2 { 6.0 } else { normal.sample(&mut rng) }).collect();
+        let mut totals = BandsTotals::empty(&model(), &timeline);
+        for block in x.chunks(256) {
+            let mut part = BandsTotals::empty(&model(), &timeline);
+            let is_static: Vec<bool> = block.iter().map(|&x| x == 6.0).collect();
+            let v: Vec<f64> = block.iter().map(|x| x - 6.0).collect();
+            let snapshot =
+                Snapshot { time: 1.0, displacement: block, velocity: &v, temperature: &v, is_static: &is_static };
+            part.fold(1, &snapshot);
+            totals.merge(&part);
+        }
+        let bands = totals.summary(&timeline);
+        assert_eq!((bands.time.clone(), bands.static_probability[1]), (vec![0.0, 1.0], 0.4));
+        assert!(bands.static_probability[0].is_nan() && bands.displacement.mean[0].is_nan());
+        // Two passes over all values; rounding is 1e-16 a value.
+        let mean = x.iter().sum::<f64>() / 5000.0;
+        let sd = (x.iter().map(|x| (x - mean) * (x - mean)).sum::<f64>() / 4999.0).sqrt();
+        assert!((bands.displacement.mean[1] - mean).abs() < 1e-12);
+        assert!((bands.displacement.sd[1] - sd).abs() < 1e-12);
+        for (i, &p) in QUANTILE_LEVELS.iter().enumerate() {
+            let exact = exact(&x, p);
+            let bound = BIN_WIDTH * ((exact - 6.0).abs() + scales.displacement);
+            assert!((bands.displacement.quantiles[[i, 1]] - exact).abs() <= bound, "{p}");
+            let bound = BIN_WIDTH * ((exact - 6.0).abs() + scales.velocity);
+            assert!((bands.velocity.quantiles[[i, 1]] - (exact - 6.0)).abs() <= bound, "{p}");
+        }
+        // The atom holds the quantiles from 0.53 to 0.96, so those in it are exact.
+        assert_eq!(bands.displacement.quantiles[[3, 1]], 6.0);
+        assert_eq!(bands.velocity.quantiles[[3, 1]], 0.0);
+    }
+}

@@ -21,6 +21,8 @@ mod periods;
 mod record;
 mod sketch;
 mod summary;
+#[cfg(test)]
+mod synthetic;
 mod totals;
 
 pub use catalogue::{Dimension, Statistic};

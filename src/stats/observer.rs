@@ -189,3 +189,142 @@ impl Block<'_> {
         columns
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::stats::Statistic;
+    use crate::stats::synthetic::{NOTHING_KEPT, Path, model, observe, slip, stick, turn};
+    use rand_distr::{Distribution, StandardNormal, StandardUniform};
+    use rand_pcg::Pcg64Dxsm;
+    use rand_pcg::rand_core::SeedableRng;
+
+    fn wandering(rng: &mut Pcg64Dxsm) -> Path {
+        let (mut x, mut t, mut events) = (6.0, 0.0, Vec::new());
+        for _ in 0..8 {
+            let mut wait = || Distribution::<f64>::sample(&StandardUniform, rng);
+            t += wait();
+            events.push(slip(t, x));
+            t += wait();
+            events.push(turn(t, x + 2.0));
+            t += wait();
+            x += Distribution::<f64>::sample(&StandardNormal, rng);
+            events.push(stick(t, x));
+        }
+        Path { events, end: x }
+    }
+
+    #[test]
+    fn blocks_merged_in_order_are_the_ensemble_folded_at_once() {
+        let timeline = Timeline { end: 32.0, output_step: 16.0, period: Some(10.0) };
+        let mut rng = Pcg64Dxsm::seed_from_u64(11);
+        let paths: Vec<Path> = (0..600).map(|_| wandering(&mut rng)).collect();
+        let mut snapshots = |n: usize| -> Vec<Vec<f64>> {
+            (0..n)
+                .map(|_| paths.iter().map(|p| p.end + Distribution::<f64>::sample(&StandardNormal, &mut rng)).collect())
+                .collect()
+        };
+        let (rows, periods) = (snapshots(3), snapshots(3));
+        let part = |from: usize, to: usize| {
+            let cut = |all: &[Vec<f64>]| all.iter().map(|row| row[from..to].to_vec()).collect::<Vec<_>>();
+            observe(&timeline, &NOTHING_KEPT, from as u64, &paths[from..to], &cut(&rows), &cut(&periods)).totals
+        };
+        let whole = part(0, 600).summary();
+        let mut merged = Totals::empty(&model(), &timeline);
+        for (from, to) in [(0, 256), (256, 512), (512, 599), (599, 600)] {
+            merged.merge(&part(from, to));
+        }
+        let merged = merged.summary();
+        // Sums of 600 numbers near 10: rounding is below 1e-13; a ratio of small differences of them loses a digit.
+        let close = |a: f64, b: f64| (a - b).abs() <= 1e-11 * (1.0 + a.abs()) || (a.is_nan() && b.is_nan());
+        for (a, b) in whole.estimates.iter().zip(&merged.estimates) {
+            assert!(close(a.estimate, b.estimate), "{a:?} {b:?}");
+            // The error of the diffusion coefficient is taken about block means, and the last path has no block to be
+            // compared with: a relative O(1/256).
+            if a.statistic == Statistic::DiffusionCoefficient {
+                assert!((a.standard_error / b.standard_error - 1.0).abs() < 0.01, "{a:?} {b:?}");
+            } else {
+                assert!(close(a.standard_error, b.standard_error), "{a:?} {b:?}");
+                assert!(close(a.low, b.low) && close(a.high, b.high), "{a:?} {b:?}");
+            }
+        }
+        assert_eq!(whole.stick_durations, merged.stick_durations);
+        assert_eq!(whole.sub_phases, merged.sub_phases);
+        assert_eq!(whole.bands.static_probability, merged.bands.static_probability);
+        for (a, b) in [
+            (&whole.bands.displacement, &merged.bands.displacement),
+            (&whole.bands.velocity, &merged.bands.velocity),
+            (&whole.bands.temperature, &merged.bands.temperature),
+        ] {
+            assert_eq!(a.quantiles, b.quantiles);
+            assert!(a.mean.iter().zip(&b.mean).chain(a.sd.iter().zip(&b.sd)).all(|(a, b)| close(*a, *b)));
+        }
+        assert!(whole.periods.variance.iter().zip(&merged.periods.variance).all(|(a, b)| close(*a, *b)));
+    }
+
+    #[test]
+    fn diverged_paths_keep_their_place_and_stay_out_of_the_statistics() {
+        let timeline = Timeline { end: 2.0, output_step: 1.0, period: None };
+        let record = Record { paths: true, events: true, trajectories: 103 };
+        // A block of paths 100 to 104, of which 101 and 104 diverged.
+        let mut observer = BlockObserver::new(&model(), &timeline, &record, &[100, 102, 103]);
+        observer.event(1, slip(0.5, 6.0));
+        observer.event(1, stick(1.5, 7.0));
+        observer.event(2, slip(1.0, 6.0));
+        let (v, is_static) = ([0.0, 0.25, 0.5], [true, false, false]);
+        for (row, x) in [[6.0, 6.0, 6.0], [6.0, 6.5, 6.0], [6.0, 7.0, 8.0]].iter().enumerate() {
+            let snapshot =
+                Snapshot { time: row as f64, displacement: x, velocity: &v, temperature: &v, is_static: &is_static };
+            observer.snapshot(Instant::Output(row), snapshot);
+            if row == 2 {
+                observer.snapshot(Instant::End, snapshot);
+            }
+        }
+        let result = observer.finish(100, 5, vec![101, 104]);
+
+        let columns = result.path_columns.expect("asked for");
+        assert_eq!(columns.diverged, [false, true, false, false, true]);
+        assert_eq!(columns.slips, [0, 0, 1, 0, 0]);
+        assert_eq!(columns.sub_phases, [0, 0, 1, 0, 0]);
+        // f_d = 2.
+        let expected = [0.0, f64::NAN, 2.0, 4.0, f64::NAN];
+        assert!(
+            columns
+                .friction_work
+                .iter()
+                .zip(expected)
+                .all(|(a, b)| a.to_bits() == b.to_bits() || (a.is_nan() && b.is_nan()))
+        );
+        assert_eq!((columns.displacement_end[3], columns.max_displacement[3]), (8.0, 8.0));
+        assert!(columns.first_stick_duration[0].is_nan());
+        assert_eq!((columns.first_stick_duration[2], columns.stick_time[2]), (0.5, 1.0));
+
+        let events = result.events.expect("asked for");
+        assert_eq!(events.count, [0, 0, 2, 1, 0]);
+        assert_eq!((events.time, events.kind, events.sign), (vec![0.5, 1.5, 1.0], vec![1, 0, 1], vec![1, 0, 1]));
+
+        let trajectories = result.trajectories.expect("paths 100 to 102 are among the first 103");
+        assert_eq!(trajectories.path, [100, 101, 102]);
+        assert_eq!(trajectories.displacement[..3], [6.0, 6.0, 6.0]);
+        assert!(trajectories.displacement[3..6].iter().all(|x| x.is_nan()));
+        assert_eq!(trajectories.displacement[6..], [6.0, 6.5, 7.0]);
+        assert_eq!(trajectories.velocity[6..], [0.25; 3]);
+        assert_eq!(trajectories.is_static, [1, 1, 1, 0, 0, 0, 0, 0, 0]);
+
+        let summary = result.totals.summary();
+        assert_eq!((summary.completed_paths, summary.diverged), (5, vec![101, 104]));
+        assert_eq!(summary.bands.displacement.mean, [6.0, 18.5 / 3.0, 7.0]);
+    }
+
+    #[test]
+    fn a_block_of_diverged_paths_alone_adds_nothing_but_their_numbers() {
+        let timeline = Timeline { end: 2.0, output_step: 1.0, period: Some(1.0) };
+        let record = Record { paths: true, events: true, trajectories: 2 };
+        let result = BlockObserver::new(&model(), &timeline, &record, &[]).finish(0, 2, vec![0, 1]);
+        let summary = result.totals.summary();
+        assert_eq!((summary.completed_paths, summary.diverged.len()), (2, 2));
+        assert!(summary.estimates.iter().all(|e| e.estimate.is_nan()));
+        let trajectories = result.trajectories.expect("both are asked for");
+        assert_eq!((trajectories.displacement.len(), trajectories.is_static), (6, vec![0; 6]));
+    }
+}

@@ -132,3 +132,60 @@ impl PeriodFold {
         self.totals
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::stats::Statistic;
+    use crate::stats::synthetic::Coverage;
+    use rand_distr::{Distribution, StandardNormal};
+    use rand_pcg::Pcg64Dxsm;
+    use rand_pcg::rand_core::SeedableRng;
+
+    #[test]
+    fn drift_and_diffusion_of_a_brownian_motion_are_covered() {
+        // x(t) = x0 + V t + sqrt(2 D) W(t), seen at 2.5, 5, ..., 15; 400 paths in blocks of 200.
+        let (drift, diffusion, x0) = (-0.3, 0.7, 6.0);
+        let timeline = Timeline { end: 16.0, output_step: 16.0, period: Some(2.5) };
+        let mut rng = Pcg64Dxsm::seed_from_u64(1905);
+        let (mut drift_held, mut diffusion_held) = (Coverage::default(), Coverage::default());
+        let mut mean_estimate = 0.0;
+        let ensembles = 2000;
+        for _ in 0..ensembles {
+            let mut totals = PeriodTotals::empty(&timeline);
+            for _ in 0..2 {
+                let mut fold = PeriodFold::new(&timeline, x0, 200);
+                let mut x = vec![x0; 200];
+                for n in 1..=6 {
+                    for x in &mut x {
+                        let normal: f64 = StandardNormal.sample(&mut rng);
+                        *x += drift * 2.5 + (2.0 * diffusion * 2.5f64).sqrt() * normal;
+                    }
+                    fold.fold(n, &x);
+                }
+                totals.merge(&fold.finish());
+            }
+            let v = totals.drift_velocity().named(Statistic::DriftVelocity);
+            let d = totals.diffusion_coefficient().named(Statistic::DiffusionCoefficient);
+            drift_held.count(v.low <= drift && drift <= v.high);
+            diffusion_held.count(d.low <= diffusion && diffusion <= d.high);
+            mean_estimate += d.estimate / f64::from(ensembles);
+        }
+        drift_held.assert_95_percent("drift velocity");
+        diffusion_held.assert_95_percent("diffusion coefficient");
+        // Unbiased. The slope of the variances of 400 paths has a relative sd of about 1.3 sqrt(2/400) = 0.09, so the mean
+        // over the ensembles is within 4 sd = 4 * 0.09 / sqrt(2000) = 0.8 % but for a false-alarm rate of 6e-5.
+        assert!((mean_estimate / diffusion - 1.0).abs() < 0.008, "{mean_estimate}");
+    }
+
+    #[test]
+    fn a_slope_takes_two_periods() {
+        let timeline = Timeline { end: 4.0, output_step: 4.0, period: Some(2.5) };
+        let mut fold = PeriodFold::new(&timeline, 0.0, 3);
+        fold.fold(1, &[1.0, 2.0, 6.0]);
+        let totals = fold.finish();
+        assert!(totals.drift_velocity().named(Statistic::DriftVelocity).estimate.is_nan());
+        assert!(totals.diffusion_coefficient().named(Statistic::DiffusionCoefficient).estimate.is_nan());
+        assert_eq!((totals.summary().mean, totals.summary().variance), (vec![3.0], vec![7.0]));
+    }
+}

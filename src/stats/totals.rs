@@ -238,3 +238,192 @@ impl SubPhaseTotals {
         SubPhaseCounts { counts: self.counts.to_vec(), censored: self.censored }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::stats::synthetic::{Coverage, NOTHING_KEPT, Path, estimate, model, observe, slip, stick, turn};
+    use rand_distr::{Distribution, Exp1, StandardUniform, Uniform};
+    use rand_pcg::Pcg64Dxsm;
+    use rand_pcg::rand_core::SeedableRng;
+
+    const TIMELINE: Timeline = Timeline { end: 1000.0, output_step: 1000.0, period: None };
+
+    /// A path whose sticks resemble each other: their mean is 1/2 or 2, a fair coin for the whole path, and they are
+    /// exponential about it, 5 to 15 of them. Pooled over all paths
+    ///
+    /// ```text
+    /// E D = 5/4,   E D^2 = 2 (1/4 + 4)/2 = 17/4,   P(D > m) = (e^{-2m} + e^{-m/2})/2
+    /// ```
+    fn dependent_sticks(rng: &mut Pcg64Dxsm) -> Vec<f64> {
+        let coin: f64 = StandardUniform.sample(rng);
+        let mean = if coin < 0.5 { 0.5 } else { 2.0 };
+        let number = Uniform::new_inclusive(5, 15).unwrap().sample(rng);
+        (0..number).map(|_| mean * Distribution::<f64>::sample(&Exp1, rng)).collect()
+    }
+
+    fn path_of(durations: &[f64]) -> Path {
+        let mut events = vec![slip(0.0, 6.0)];
+        let mut time = 0.0;
+        for duration in durations {
+            events.push(stick(time, 6.0));
+            time += duration;
+            events.push(slip(time, 6.0));
+        }
+        Path { events, end: 6.0 }
+    }
+
+    #[test]
+    fn intervals_of_pooled_stick_statistics_hold_where_those_of_independent_sticks_fail() {
+        let (ensembles, paths) = (2000, 300);
+        // z = e^{-m/2} solves z^4 + z = 1.
+        let (mean, sd, median) = (1.25, (4.25f64 - 1.25 * 1.25).sqrt(), -2.0 * 0.724_491_959_000_515_6_f64.ln());
+        let mut rng = Pcg64Dxsm::seed_from_u64(20_260);
+        let mut covered: [Coverage; 3] = Default::default();
+        let mut naive: [Coverage; 2] = Default::default();
+        for _ in 0..ensembles {
+            let durations: Vec<Vec<f64>> = (0..paths).map(|_| dependent_sticks(&mut rng)).collect();
+            let block: Vec<Path> = durations.iter().map(|d| path_of(d)).collect();
+            let summary = observe(&TIMELINE, &NOTHING_KEPT, 0, &block, &[], &[]).totals.summary();
+            let statistics = [Statistic::StickDurationMean, Statistic::StickDurationSd, Statistic::StickDurationMedian];
+            for ((covered, statistic), truth) in covered.iter_mut().zip(statistics).zip([mean, sd, median]) {
+                let e = estimate(&summary, statistic);
+                covered.count(e.low <= truth && truth <= e.high);
+            }
+            // As if all sticks were independent: mean -+ 1.96 sd/sqrt(N), and a binomial number of sticks below the median.
+            let pooled = durations.concat();
+            let n = pooled.len() as f64;
+            let average = pooled.iter().sum::<f64>() / n;
+            let spread = (pooled.iter().map(|d| (d - average).powi(2)).sum::<f64>() / n).sqrt();
+            naive[0].count((average - mean).abs() < 1.96 * spread / n.sqrt());
+            let below = pooled.iter().filter(|&&d| d < median).count() as f64;
+            naive[1].count((below - n / 2.0).abs() < 1.96 * n.sqrt() / 2.0);
+        }
+        covered[0].assert_95_percent("mean");
+        covered[1].assert_95_percent("standard deviation");
+        covered[2].assert_95_percent("median");
+        // The design effect is about 1 + 0.2 (11 - 1) = 3, so 1.96 naive standard errors are 1.13 true ones: 74 %.
+        assert!(naive[0].share() < 0.80 && naive[1].share() < 0.80, "{} {}", naive[0].share(), naive[1].share());
+    }
+
+    #[test]
+    fn every_statistic_of_two_paths_is_the_one_computed_by_hand() {
+        let timeline = Timeline { end: 20.0, output_step: 20.0, period: Some(8.0) };
+        // Slips 6 -> 8 (one sub-phase) and 8 -> 10 -> 9 (two); sticks D_0 = 1, D_1 = 2, the last one cut off at 20.
+        let first = Path {
+            events: vec![slip(1.0, 6.0), stick(2.0, 8.0), slip(4.0, 8.0), turn(5.0, 10.0), stick(7.0, 9.0)],
+            end: 9.0,
+        };
+        // Slip 6 -> 5; sticks D_0 = 3, D_1 = 6; then a slip 5 -> 4 cut off at 20.
+        let second = Path { events: vec![slip(3.0, 6.0), stick(4.0, 5.0), slip(10.0, 5.0)], end: 4.0 };
+        let periods = [vec![9.0, 5.0], vec![9.5, 4.5]];
+        let summary = observe(&timeline, &NOTHING_KEPT, 0, &[first, second], &[], &periods).totals.summary();
+        let t = 12.706_204_736_432_1; // Student's t, one degree of freedom
+        let check = |statistic: Statistic, value: f64, error: f64| {
+            let e = estimate(&summary, statistic);
+            for (got, expected) in [
+                (e.estimate, value),
+                (e.standard_error, error),
+                (e.low, value - t * error),
+                (e.high, value + t * error),
+            ] {
+                assert!((got - expected).abs() < 1e-9, "{}: {e:?}, expected {value} +- {error}", statistic.name());
+            }
+        };
+        // Of two paths, a mean has the standard error |difference|/2; a ratio that of its residuals y - R x.
+        check(Statistic::StickDurationMean, 4.0, 2.0);
+        check(Statistic::FirstStickDurationMean, 2.0, 1.0);
+        check(Statistic::SticksPerPath, 1.0, 0.0);
+        check(Statistic::SlipsPerPath, 1.5, 0.5);
+        // R = 4/3: residuals 3 - 8/3 and 1 - 4/3, over a mean of 3/2 slips.
+        check(Statistic::SubPhasesMean, 4.0 / 3.0, 1.0 / 3.0 / 1.5);
+        // R = 1/3: residuals 1 - 2/3 and 0 - 1/3.
+        check(Statistic::SubPhasesMultipleShare, 1.0 / 3.0, 1.0 / 3.0 / 1.5);
+        // Static for 1 + 2 + 13 = 16 and 3 + 6 = 9 of 20.
+        check(Statistic::StickingFraction, 0.625, 0.175);
+        check(Statistic::DisplacementEndMean, 6.5, 2.5);
+        // Drift: x moves by 0.5 and -0.5 in a period of 8.
+        check(Statistic::DriftVelocity, 0.0, 0.0625);
+        // Jumps 2 + 1 = 3 of two slips, -1 of one: R = 2/3, residuals 3 - 4/3 and -1 - 2/3.
+        check(Statistic::JumpMean, 2.0 / 3.0, 5.0 / 3.0 / 1.5);
+        check(Statistic::JumpAbsMean, 4.0 / 3.0, 1.0 / 3.0 / 1.5);
+        // f_d = 2 times the travel 2 + 2 + 1 = 5 and 1 + 1 = 2.
+        check(Statistic::FrictionWorkMean, 7.0, 3.0);
+        // Variances 4^2/2 and 5^2/2, half their slope over a period of 8; two paths are always equally far from their mean.
+        check(Statistic::DiffusionCoefficient, (12.5 - 8.0) / 16.0, 0.0);
+        check(Statistic::DisplacementEndSd, 12.5f64.sqrt(), 0.0);
+        // D = 2 and 6, both with (D - 4)^2 = 4.
+        check(Statistic::StickDurationSd, 2.0, 0.0);
+        assert_eq!(summary.sub_phases.counts[..3], [2, 1, 0]);
+        assert_eq!((summary.sub_phases.censored, summary.stick_durations.censored), (1, 1));
+        assert_eq!((summary.stick_durations.completed, summary.stick_durations.first_completed), (2, 2));
+        assert_eq!(summary.periods.mean, [1.0, 1.0]);
+        assert_eq!(summary.periods.variance, [8.0, 12.5]);
+    }
+
+    #[test]
+    fn an_ensemble_that_never_slips_has_no_stick_duration_and_a_certain_sticking_fraction() {
+        let paths: Vec<Path> = (0..10).map(|_| Path { events: Vec::new(), end: 6.0 }).collect();
+        let summary = observe(&TIMELINE, &NOTHING_KEPT, 0, &paths, &[], &[]).totals.summary();
+        for absent in [
+            Statistic::StickDurationMean,
+            Statistic::StickDurationSd,
+            Statistic::StickDurationMedian,
+            Statistic::FirstStickDurationMean,
+            Statistic::SubPhasesMean,
+            Statistic::SubPhasesMultipleShare,
+            Statistic::JumpMean,
+            Statistic::JumpAbsMean,
+            Statistic::DriftVelocity,
+            Statistic::DiffusionCoefficient,
+        ] {
+            let e = estimate(&summary, absent);
+            assert!(e.estimate.is_nan() && e.standard_error.is_nan() && e.low.is_nan(), "{}", absent.name());
+        }
+        let fraction = estimate(&summary, Statistic::StickingFraction);
+        assert_eq!((fraction.estimate, fraction.standard_error, fraction.low), (1.0, 0.0, 1.0));
+        assert_eq!(summary.stick_durations.first_censored, 10);
+        assert!(summary.stick_durations.histogram.counts.is_empty());
+    }
+
+    #[test]
+    fn equal_paths_give_standard_errors_of_exactly_zero_however_they_are_blocked() {
+        let block = |first, n| {
+            let path = || Path {
+                events: vec![slip(0.1, 6.0), stick(0.7, 5.3), slip(1.1, 5.3), turn(2.3, 7.7), stick(3.1, 6.9)],
+                end: 6.9,
+            };
+            let paths: Vec<Path> = (0..n).map(|_| path()).collect();
+            observe(&TIMELINE, &NOTHING_KEPT, first, &paths, &[], &[]).totals
+        };
+        let mut totals = block(0, 100);
+        totals.merge(&block(100, 7));
+        for e in totals.summary().estimates.iter().filter(|e| e.estimate.is_finite()) {
+            assert_eq!((e.standard_error, e.low, e.high), (0.0, e.estimate, e.estimate), "{}", e.statistic.name());
+        }
+        let median = estimate(&totals.summary(), Statistic::StickDurationMedian).estimate;
+        assert_eq!(median, 1.1 - 0.7);
+    }
+
+    #[test]
+    fn one_path_is_an_estimate_without_an_interval() {
+        let path = Path { events: vec![slip(1.0, 6.0), stick(2.0, 7.0), slip(5.0, 7.0)], end: 8.0 };
+        let summary = observe(&TIMELINE, &NOTHING_KEPT, 0, &[path], &[], &[]).totals.summary();
+        let mean = estimate(&summary, Statistic::StickDurationMean);
+        assert_eq!(mean.estimate, 3.0);
+        for e in &summary.estimates {
+            assert!(e.low.is_nan() && e.high.is_nan() && e.standard_error.is_nan(), "{}", e.statistic.name());
+        }
+    }
+
+    #[test]
+    fn the_totals_of_no_paths_are_neutral() {
+        let paths: Vec<Path> = (1..40).map(|n| path_of(&[0.3 * f64::from(n); 5])).collect();
+        let some = observe(&TIMELINE, &NOTHING_KEPT, 0, &paths, &[], &[]).totals;
+        let (mut left, mut right) = (Totals::empty(&model(), &TIMELINE), some.clone());
+        left.merge(&some);
+        right.merge(&Totals::empty(&model(), &TIMELINE));
+        assert_eq!(left, some);
+        assert_eq!(right, some);
+    }
+}
