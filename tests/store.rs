@@ -334,27 +334,6 @@ fn a_truncated_file_is_an_error_at_every_length() {
 }
 
 #[test]
-fn a_file_with_garbage_in_it_is_no_crash() {
-    let folder = tempfile::tempdir().unwrap();
-    let target = folder.path().join("run.h5");
-    write(&target, 200, 100, &EVERYTHING, Status::Complete);
-    let whole = fs::read(&target).unwrap();
-    for piece in 0..200_u64 {
-        let mut bytes = whole.clone();
-        let start = (noise(piece, 5) * whole.len() as f64) as usize;
-        for byte in bytes.iter_mut().skip(start).take(64) {
-            *byte ^= 0xA5;
-        }
-        let path = folder.path().join("garbled.h5");
-        fs::write(&path, bytes).unwrap();
-        // Damage in the rows of single paths is not met by `read`; elsewhere it must be an error.
-        if let Err(error) = read(&path) {
-            assert!(error.to_string().contains("garbled.h5"), "{error}");
-        }
-    }
-}
-
-#[test]
 fn a_missing_folder_and_one_that_cannot_be_written_are_named() {
     let folder = tempfile::tempdir().unwrap();
     let error = Writer::create(&folder.path().join("no/run.h5"), &header(1), &NOTHING).unwrap_err();
@@ -438,6 +417,30 @@ fn fill(target: &Path) -> Result<(), StoreError> {
         }
     }
     writer.finish(&summary(100_000, &header), Status::Complete)
+}
+
+/// How fast rows reach the disk, in the sizes of a real run: `cargo test --release --test store speed -- --ignored --nocapture`.
+#[test]
+#[ignore = "a measurement, not a check"]
+fn speed_of_writing() {
+    let folder = tempfile::tempdir().unwrap();
+    let paths = 256 * 3906;
+    for (name, record) in [("paths", Record { paths: true, ..NOTHING }), ("events", Record { events: true, ..NOTHING })] {
+        let header = header(paths);
+        let blocks: Vec<Block> = (0..256).map(|index| block(256 * index, 256, 0, 0)).collect();
+        let target = folder.path().join(name);
+        let mut writer = Writer::create(&target, &header, &record).unwrap();
+        let start = std::time::Instant::now();
+        let mut bytes = 0;
+        for index in 0..paths / 256 {
+            let block = &blocks[index as usize % blocks.len()];
+            bytes += if record.paths { 256 * 61 } else { 256 * 12 + 26 * block.events.time.len() };
+            writer.append_rows(block.rows(&record)).unwrap();
+        }
+        writer.finish(&Summary { completed_paths: paths, ..summary(100, &header) }, Status::Complete).unwrap();
+        let (seconds, size) = (start.elapsed().as_secs_f64(), fs::metadata(&target).unwrap().len());
+        println!("{name}: {:.0} MB in {seconds:.2} s, {:.0} MB on disk", bytes as f64 / 1e6, size as f64 / 1e6);
+    }
 }
 
 /// Where the readers of other languages find a file to try: `STORE_SAMPLES=DIR cargo test --test store samples`.

@@ -179,7 +179,13 @@ impl Writer {
     /// earlier one), or a finished one.
     pub fn finish(mut self, summary: &Summary, status: Status) -> Result<(), StoreError> {
         let paths = summary.completed_paths;
-        self.guarded(|open| open.finish(summary, status))?;
+        let appended = self.appended;
+        self.guarded(|open| {
+            if open.paths.is_some() && appended != paths {
+                return Err(format!("the statistics are of {paths} paths, but {appended} were appended").into());
+            }
+            open.finish(summary, status)
+        })?;
         self.claimed = paths;
         // Everything is on disk by now, so closing has nothing left to write.
         drop(self.open.take());
