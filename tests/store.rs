@@ -406,9 +406,9 @@ fn fill(target: &Path) -> Result<(), StoreError> {
     let header = header(100_000);
     let mut writer = Writer::create(target, &header, &EVERYTHING)?;
     for first in (0..100_000).step_by(10_000) {
-        let outcome = writer.append_rows(block(first, 10_000, 61, 40).rows(&EVERYTHING)).and_then(|()| {
-            if first > 50_000 { writer.checkpoint() } else { Ok(()) }
-        });
+        let outcome = writer
+            .append_rows(block(first, 10_000, 61, 40).rows(&EVERYTHING))
+            .and_then(|()| if first > 50_000 { writer.checkpoint() } else { Ok(()) });
         if let Err(error) = outcome {
             // Whoever goes on regardless hears the same again.
             assert!(writer.checkpoint().is_err());
@@ -425,7 +425,8 @@ fn fill(target: &Path) -> Result<(), StoreError> {
 fn speed_of_writing() {
     let folder = tempfile::tempdir().unwrap();
     let paths = 256 * 3906;
-    for (name, record) in [("paths", Record { paths: true, ..NOTHING }), ("events", Record { events: true, ..NOTHING })] {
+    for (name, record) in [("paths", Record { paths: true, ..NOTHING }), ("events", Record { events: true, ..NOTHING })]
+    {
         let header = header(paths);
         let blocks: Vec<Block> = (0..256).map(|index| block(256 * index, 256, 0, 0)).collect();
         let target = folder.path().join(name);

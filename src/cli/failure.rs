@@ -15,6 +15,8 @@ pub enum Failure {
         /// What would be right.
         remedy: String,
     },
+    /// A file of results is not what the arguments take it for; the message says what to do.
+    Refused(String),
     /// There is no scenario to work on.
     Scenario(ScenarioError),
     /// It was started and did not finish.
@@ -38,6 +40,10 @@ impl Failure {
         match self {
             Failure::Usage { problem, remedy } => {
                 say(format!("{problem}\n  fix: {remedy}"));
+                ExitCode::from(2)
+            }
+            Failure::Refused(problem) => {
+                say(problem.clone());
                 ExitCode::from(2)
             }
             Failure::Scenario(error) => {

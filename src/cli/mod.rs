@@ -9,6 +9,7 @@ mod overrides;
 mod progress;
 mod replay;
 mod report;
+mod results;
 mod run;
 mod show;
 

@@ -5,13 +5,14 @@ use super::numbers::wrapped;
 use super::overrides::Overrides;
 use super::progress::Progress;
 use super::report::{self, RunInfo};
+use super::results;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 use stick_slip::scenario::Scenario;
-use stick_slip::stats::Summary;
-use stick_slip::store::Status;
+use stick_slip::stats::{Summary, Totals};
+use stick_slip::store::{Status, StoreError};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -52,10 +53,11 @@ pub struct Run {
 }
 
 /// What the engine is asked to do.
-struct Plan<'a> {
+struct Job<'a> {
     scenario: &'a Scenario,
     threads: usize,
     output: &'a Path,
+    force: bool,
 }
 
 /// What it did.
@@ -76,15 +78,15 @@ impl Run {
             note(wrapped(&format!("warning: {warning}"), "  ").trim_end());
         }
         let threads = self.threads.map_or_else(cores, usize::from);
-        let plan = Plan { scenario: &scenario, threads, output: &output };
+        let job = Job { scenario: &scenario, threads, output: &output, force: self.force };
         let stop = stop_on_ctrl_c();
         let start = Instant::now();
         let mut progress = Progress::new(scenario.ensemble.paths, self.quiet);
-        let outcome = execute(&plan, &stop, &mut |done| progress.update(done));
+        let outcome = execute(&job, &stop, &mut |done| progress.update(done));
         progress.finish();
         let Outcome { summary, status } = outcome?;
 
-        let info = info(&self.scenario, &plan, status, start.elapsed().as_secs_f64());
+        let info = info(&self.scenario, &job, status, start.elapsed().as_secs_f64());
         if self.json {
             print(&report::json(&summary, &info))?;
         } else if !self.quiet {
@@ -120,8 +122,8 @@ fn cores() -> usize {
     std::thread::available_parallelism().map_or(1, usize::from)
 }
 
-fn info(scenario_path: &Path, plan: &Plan<'_>, status: Status, seconds: f64) -> RunInfo {
-    let Scenario { title, time, scheme, ensemble, units, .. } = plan.scenario;
+fn info(scenario_path: &Path, job: &Job<'_>, status: Status, seconds: f64) -> RunInfo {
+    let Scenario { title, time, scheme, ensemble, units, .. } = job.scenario;
     RunInfo {
         scenario: scenario_path.display().to_string(),
         title: title.clone(),
@@ -129,10 +131,10 @@ fn info(scenario_path: &Path, plan: &Plan<'_>, status: Status, seconds: f64) -> 
         step: Some(time.step),
         seed: ensemble.seed,
         paths: ensemble.paths,
-        threads: Some(plan.threads),
+        threads: Some(job.threads),
         seconds: Some(seconds),
         steps_per_path: Some(time.steps()),
-        file: plan.output.display().to_string(),
+        file: job.output.display().to_string(),
         status,
         units: units.clone(),
     }
@@ -154,9 +156,20 @@ fn stop_on_ctrl_c() -> Arc<AtomicBool> {
 
 /// Simulate, write the file, sum up. `progress` is told the paths done so far, once a block; when `stop` is raised, the
 /// blocks in flight are finished and the outcome is interrupted.
-fn execute(plan: &Plan<'_>, stop: &AtomicBool, progress: &mut dyn FnMut(u64)) -> Result<Outcome, Failure> {
-    let _ = (plan.scenario, plan.threads, plan.output, stop, progress);
-    Err(Failure::Run("the engine is not built".into()))
+fn execute(job: &Job<'_>, stop: &AtomicBool, progress: &mut (dyn FnMut(u64) + Send)) -> Result<Outcome, Failure> {
+    let plan = job.scenario.plan();
+    let mut writer = results::create(job.scenario, job.output, job.force)?;
+    let mut totals = Totals::empty(&plan.model, &plan.timeline);
+    let completed = plan.run_into(job.threads, stop, |block| {
+        totals.merge(&block.totals);
+        writer.append(&block)?;
+        progress(block.first_path + block.paths);
+        Ok::<_, StoreError>(())
+    })?;
+    let summary = totals.summary();
+    let status = if completed == plan.paths { Status::Complete } else { Status::Interrupted };
+    writer.finish(&summary, status)?;
+    Ok(Outcome { summary, status })
 }
 
 #[cfg(test)]

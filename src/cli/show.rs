@@ -5,8 +5,7 @@ use super::report::{self, RunInfo};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use stick_slip::scenario::{Scenario, Units};
-use stick_slip::stats::Summary;
-use stick_slip::store::{Header, Status};
+use stick_slip::store::{self, Header, Stored};
 
 /// Arguments of `mc show`.
 #[derive(Debug, clap::Args)]
@@ -19,35 +18,15 @@ pub struct Show {
     json: bool,
 }
 
-/// What is in a file.
-// Until the store reads files, nothing makes one.
-#[allow(dead_code)]
-pub struct Stored {
-    pub header: Header,
-    pub status: Status,
-    pub completed_paths: u64,
-    pub summary: Summary,
-}
-
 impl Show {
     pub fn call(&self) -> Result<(), Failure> {
-        let stored = read(&self.file)?;
+        let stored = store::read(&self.file)?;
         let info = info(&self.file, &stored);
         if self.json {
             return print(&report::json(&stored.summary, &info));
         }
         print(&(report::table(&stored.summary, &info) + &provenance(&stored.header)))
     }
-}
-
-/// Open a results file; every way in which it is not one is wrong usage.
-pub fn read(file: &Path) -> Result<Stored, Failure> {
-    let shown = file.display();
-    if !file.is_file() {
-        let what = if file.is_dir() { "is a directory" } else { "does not exist" };
-        return Err(Failure::usage(format!("{shown} {what}"), "give a file that `mc run` wrote"));
-    }
-    Err(Failure::Run(format!("cannot read {shown}: the store is not built")))
 }
 
 fn info(file: &Path, stored: &Stored) -> RunInfo {

@@ -145,8 +145,8 @@ impl<'a, E> State<'a, E> {
     }
 }
 
-impl<E> Queue<'_, E> {
-    fn lock(&self) -> MutexGuard<'_, State<'_, E>> {
+impl<'a, E> Queue<'a, E> {
+    fn lock(&self) -> MutexGuard<'_, State<'a, E>> {
         // a panic elsewhere is on its way to the caller already
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }

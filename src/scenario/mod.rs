@@ -15,6 +15,7 @@ mod error;
 mod fields;
 mod keys;
 mod parse;
+mod plan;
 mod shipped;
 mod source;
 mod text;

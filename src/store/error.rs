@@ -162,10 +162,7 @@ pub(super) fn system_error(error: &hdf5::Error) -> Option<io::Error> {
 
 /// Whether there is no room left: the disk, a quota, or a limit on the size of a file.
 pub(super) fn is_full(error: &io::Error) -> bool {
-    matches!(
-        error.kind(),
-        io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded | io::ErrorKind::FileTooLarge
-    )
+    matches!(error.kind(), io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded | io::ErrorKind::FileTooLarge)
 }
 
 /// One line on what went wrong.

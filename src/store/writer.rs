@@ -285,8 +285,12 @@ impl Open {
     fn append(&mut self, block: Rows) -> hdf5::Result<()> {
         if let Some(table) = &mut self.paths {
             let numbers: Vec<u64> = (block.first_path..).take(block.paths as usize).collect();
-            let diverged: Vec<i8> =
-                block.path_columns.iter().flat_map(|columns| &columns.diverged).map(|&diverged| diverged.into()).collect();
+            let diverged: Vec<i8> = block
+                .path_columns
+                .iter()
+                .flat_map(|columns| &columns.diverged)
+                .map(|&diverged| diverged.into())
+                .collect();
             let variables = path_variables(&numbers, block.path_columns, &diverged, block.events);
             table.push(numbers.len(), &variables)?;
         }
