@@ -46,7 +46,7 @@ pub enum StoreError {
     },
     /// The disk became full during a run.
     #[error(
-        "{}: the disk is full ({cause}) after {completed_paths} paths; nothing was written to the final file. \
+        "{}: the disk is full ({cause}); nothing was written to the final file. \
          Free some space or choose another disk, delete this file, and run again", partial.display()
     )]
     DiskFull {
@@ -58,7 +58,7 @@ pub enum StoreError {
         cause: String,
     },
     /// Writing failed for another reason.
-    #[error("{}: writing failed after {completed_paths} paths: {cause}; nothing was written to the final file", partial.display())]
+    #[error("{}: writing failed: {cause}; nothing was written to the final file", partial.display())]
     Write {
         /// The unfinished file.
         partial: PathBuf,
@@ -162,10 +162,7 @@ pub(super) fn system_error(error: &hdf5::Error) -> Option<io::Error> {
 
 /// Whether there is no room left: the disk, a quota, or a limit on the size of a file.
 pub(super) fn is_full(error: &io::Error) -> bool {
-    matches!(
-        error.kind(),
-        io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded | io::ErrorKind::FileTooLarge
-    )
+    matches!(error.kind(), io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded | io::ErrorKind::FileTooLarge)
 }
 
 /// One line on what went wrong.

@@ -112,12 +112,7 @@ impl Variable {
     }
 }
 
-const fn variable(
-    name: &'static str,
-    axes: &'static [&'static str],
-    unit: Unit,
-    long_name: &'static str,
-) -> Variable {
+const fn variable(name: &'static str, axes: &'static [&'static str], unit: Unit, long_name: &'static str) -> Variable {
     Variable { name, axes, unit, long_name, attributes: &[], flags: &[] }
 }
 
@@ -254,7 +249,9 @@ pub(super) fn long_name(statistic: Statistic) -> &'static str {
         Statistic::DisplacementEndMean => "mean displacement at the end",
         Statistic::DisplacementEndSd => "standard deviation of the displacement at the end",
         Statistic::DriftVelocity => "slope of the mean displacement over whole forcing periods",
-        Statistic::DiffusionCoefficient => "half the slope of the variance of the displacement over whole forcing periods",
+        Statistic::DiffusionCoefficient => {
+            "half the slope of the variance of the displacement over whole forcing periods"
+        }
         Statistic::JumpMean => "mean jump of the displacement in a dynamic phase",
         Statistic::JumpAbsMean => "mean size of the jump of the displacement in a dynamic phase",
         Statistic::FrictionWorkMean => "mean work done against dynamic friction",
@@ -291,7 +288,11 @@ mod tests {
     fn the_documentation_names_every_variable() {
         let text = include_str!("../../docs/output-format.md");
         for variable in ALL {
-            assert!(text.contains(&format!("`{}`", variable.name)), "{} is not in docs/output-format.md", variable.name);
+            assert!(
+                text.contains(&format!("`{}`", variable.name)),
+                "{} is not in docs/output-format.md",
+                variable.name
+            );
         }
     }
 }

@@ -7,7 +7,7 @@
 //! read             the header and the statistics of a finished file
 //! ```
 //!
-//! `docs/output-format.md` describes the file for its readers; [`layout`] is the same list for the code.
+//! `docs/output-format.md` describes the file for its readers; `layout.rs` is the same list for the code.
 
 mod error;
 mod growing;

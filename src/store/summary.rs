@@ -103,7 +103,8 @@ const VELOCITY: BandVariables = [&layout::VELOCITY_MEAN, &layout::VELOCITY_SD, &
 const TEMPERATURE: BandVariables = [&layout::TEMPERATURE_MEAN, &layout::TEMPERATURE_SD, &layout::TEMPERATURE_QUANTILE];
 
 fn write_bands(place: &Place, bands: &Bands) -> Result<()> {
-    let variables = [(DISPLACEMENT, &bands.displacement), (VELOCITY, &bands.velocity), (TEMPERATURE, &bands.temperature)];
+    let variables =
+        [(DISPLACEMENT, &bands.displacement), (VELOCITY, &bands.velocity), (TEMPERATURE, &bands.temperature)];
     for ([mean, sd, quantiles], band) in variables {
         place.put(mean, &band.mean)?;
         place.put(sd, &band.sd)?;

@@ -285,8 +285,12 @@ impl Open {
     fn append(&mut self, block: Rows) -> hdf5::Result<()> {
         if let Some(table) = &mut self.paths {
             let numbers: Vec<u64> = (block.first_path..).take(block.paths as usize).collect();
-            let diverged: Vec<i8> =
-                block.path_columns.iter().flat_map(|columns| &columns.diverged).map(|&diverged| diverged.into()).collect();
+            let diverged: Vec<i8> = block
+                .path_columns
+                .iter()
+                .flat_map(|columns| &columns.diverged)
+                .map(|&diverged| diverged.into())
+                .collect();
             let variables = path_variables(&numbers, block.path_columns, &diverged, block.events);
             table.push(numbers.len(), &variables)?;
         }
@@ -371,4 +375,15 @@ fn trajectory_variables(rows: &TrajectoryRows) -> [(&'static layout::Variable, V
         (&layout::TRAJECTORY_TEMPERATURE, Values::F64(&rows.temperature)),
         (&layout::TRAJECTORY_STATIC, Values::I8(&rows.is_static)),
     ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_writer_may_live_on_a_thread_of_its_own() {
+        fn check<T: Send>() {}
+        check::<Writer>();
+    }
 }
