@@ -74,7 +74,7 @@ impl DiscreteVi {
     ) -> Vec<usize> {
         let Model { oscillator, temperature, .. } = &self.model;
         let bound = divergence_bound(&self.model, self.timeline.end);
-        let clock = HarmonicClock::new(&temperature.harmonics, self.h, RUN + 1);
+        let clock = HarmonicClock::new(&temperature.harmonics, self.h);
         let to_force = oscillator.stiffness * oscillator.dilatation;
 
         let mut state =
