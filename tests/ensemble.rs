@@ -42,27 +42,39 @@ fn assert_agrees(h: f64, paths: u64, known: &[Known]) {
 #[test]
 fn the_noisy_ensemble_has_the_schemes_own_values_at_three_steps() {
     use Statistic::*;
-    assert_agrees(0.02, 40_000, &[
-        (StickDurationMean, 0.579783, 0.000291),
-        (SticksPerPath, 13.0958, 0.0068),
-        (SubPhasesMean, 1.3935, 0.0),
-        (SubPhasesMultipleShare, 0.2568, 0.0),
-        (StickingFraction, 0.143653, 8.1e-5),
-    ]);
-    assert_agrees(0.01, 40_000, &[
-        (StickDurationMean, 0.538572, 0.000266),
-        (SticksPerPath, 14.1226, 0.0073),
-        (SlipsPerPath, 14.2419, 0.0073),
-        (SubPhasesMean, 1.3505, 0.0),
-        (SubPhasesMultipleShare, 0.23316, 0.0),
-        (StickingFraction, 0.142823, 8e-5),
-    ]);
-    assert_agrees(0.001, 10_000, &[
-        (StickDurationMean, 0.476124, 0.000514),
-        (SticksPerPath, 15.8146, 0.0184),
-        (SubPhasesMean, 1.3049, 0.0),
-        (SubPhasesMultipleShare, 0.20635, 0.0),
-    ]);
+    assert_agrees(
+        0.02,
+        40_000,
+        &[
+            (StickDurationMean, 0.579783, 0.000291),
+            (SticksPerPath, 13.0958, 0.0068),
+            (SubPhasesMean, 1.3935, 0.0),
+            (SubPhasesMultipleShare, 0.2568, 0.0),
+            (StickingFraction, 0.143653, 8.1e-5),
+        ],
+    );
+    assert_agrees(
+        0.01,
+        40_000,
+        &[
+            (StickDurationMean, 0.538572, 0.000266),
+            (SticksPerPath, 14.1226, 0.0073),
+            (SlipsPerPath, 14.2419, 0.0073),
+            (SubPhasesMean, 1.3505, 0.0),
+            (SubPhasesMultipleShare, 0.23316, 0.0),
+            (StickingFraction, 0.142823, 8e-5),
+        ],
+    );
+    assert_agrees(
+        0.001,
+        10_000,
+        &[
+            (StickDurationMean, 0.476124, 0.000514),
+            (SticksPerPath, 15.8146, 0.0184),
+            (SubPhasesMean, 1.3049, 0.0),
+            (SubPhasesMultipleShare, 0.20635, 0.0),
+        ],
+    );
 }
 
 fn blocks(plan: &Plan, threads: usize) -> Vec<BlockResult> {
@@ -141,7 +153,12 @@ fn diverged_paths_are_counted_listed_and_kept_out() {
     model.friction = Friction { static_force: 0.01, dynamic_force: 0.01 };
     model.temperature = Temperature {
         harmonics: Vec::new(),
-        noise: Some(Noise { intensity: 1.0, relaxation_rate: 1e-9, diffusion: 1e-5, initial: InitialNoise::Stationary }),
+        noise: Some(Noise {
+            intensity: 1.0,
+            relaxation_rate: 1e-9,
+            diffusion: 1e-5,
+            initial: InitialNoise::Stationary,
+        }),
     };
     model.initial_displacement = 0.0;
     // the amplitude of a path is 6 |v(0)|, v(0) of sd 0.2236; at h = 0.02 the critical one is 0.637: about half are above
@@ -155,10 +172,13 @@ fn diverged_paths_are_counted_listed_and_kept_out() {
     assert!((100..460).contains(&diverged), "{diverged} of 512");
     assert_eq!(summary.completed_paths, 512);
     assert!(summary.diverged.is_sorted());
-    let columns: BTreeMap<u64, (f64, bool)> = all.iter().flat_map(|block| {
-        let columns = block.path_columns.as_ref().expect("kept");
-        (block.first_path..).zip(columns.displacement_end.iter().copied().zip(columns.diverged.iter().copied()))
-    }).collect();
+    let columns: BTreeMap<u64, (f64, bool)> = all
+        .iter()
+        .flat_map(|block| {
+            let columns = block.path_columns.as_ref().expect("kept");
+            (block.first_path..).zip(columns.displacement_end.iter().copied().zip(columns.diverged.iter().copied()))
+        })
+        .collect();
     for (path, (x, lost)) in &columns {
         assert_eq!(*lost, summary.diverged.binary_search(path).is_ok());
         assert_eq!(*lost, x.is_nan());

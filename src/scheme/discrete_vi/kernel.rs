@@ -8,8 +8,8 @@ use crate::noise::{LaneStreams, Transition};
 /// the first-level cache (64 steps of 32 lanes are 16 KiB).
 pub(super) const RUN: usize = 64;
 
-/// Registers stepped together, so that one's latency hides behind the others' work.
-const REGISTERS: usize = 4;
+/// Lanes stepped together, so that one register's latency hides behind the others' work: four registers of eight lanes, eight of four.
+const GROUP: usize = 32;
 
 /// Lanes are padded to a multiple of the widest register.
 const PADDING: usize = 8;
@@ -180,7 +180,7 @@ pub(super) struct Scratch {
 
 impl Scratch {
     pub(super) fn new() -> Self {
-        Scratch { tile: vec![0.0; RUN * REGISTERS * PADDING], turns: Vec::new() }
+        Scratch { tile: vec![0.0; RUN * GROUP], turns: Vec::new() }
     }
 }
 
@@ -197,11 +197,14 @@ impl<const NOISE: bool, const DAMPING: bool> LaneProgram for Run<'_, NOISE, DAMP
     #[inline(always)]
     fn run<L: Lanes>(&mut self) {
         let lanes = self.paths.noise.len();
-        let group = REGISTERS * L::WIDTH;
         let mut lane = 0;
-        while lane + group <= lanes {
-            self.advance_group::<L, REGISTERS>(lane);
-            lane += group;
+        while lane + GROUP <= lanes {
+            if L::WIDTH == 8 {
+                self.advance_group::<L, { GROUP / 8 }>(lane);
+            } else {
+                self.advance_group::<L, { GROUP / 4 }>(lane);
+            }
+            lane += GROUP;
         }
         while lane < lanes {
             self.advance_group::<L, 1>(lane);
@@ -227,17 +230,20 @@ impl<const NOISE: bool, const DAMPING: bool> Run<'_, NOISE, DAMPING> {
         let mut x: [L; R] = std::array::from_fn(|r| L::load(&self.paths.displacement[at(r)..]));
         let mut v: [L; R] = std::array::from_fn(|r| L::load(&self.paths.velocity[at(r)..]));
         let mut noise: [L; R] = std::array::from_fn(|r| L::load(&self.paths.noise[at(r)..]));
-        let mut moving: [(u32, u32); R] = std::array::from_fn(|r| directions(v[r]));
+        let mut directions: [u32; R] = [0; R];
+        for r in 0..R {
+            directions[r] = join::<L>(v[r].gt(L::splat(0.0)), v[r].lt(L::splat(0.0)));
+        }
 
         for (n, (&forcing, xi)) in self.forcing[..steps].iter().zip(tile.chunks_exact(stride)).enumerate() {
             for r in 0..R {
                 let xi = L::load(&xi[r * L::WIDTH..]);
                 let next = c.step::<NOISE, DAMPING>(x[r], v[r], noise[r], L::splat(forcing), xi);
-                let was = std::mem::replace(&mut moving[r], next.moving);
-                if was != next.moving {
-                    let turned = (was.0 ^ next.moving.0) | (was.1 ^ next.moving.1);
-                    let before = [x[r], v[r], noise[r]];
-                    note(turns, at(r), n, turned, before, [next.x, next.v, next.noise]);
+                let difference = directions[r] ^ next.directions;
+                if difference != 0 {
+                    let turned = (difference | difference >> L::WIDTH) & ((1 << L::WIDTH) - 1);
+                    note(turns, at(r), n, turned, [x[r], v[r], noise[r]], [next.x, next.v, next.noise]);
+                    directions[r] = next.directions;
                 }
                 (x[r], v[r], noise[r]) = (next.x, next.v, next.noise);
             }
@@ -301,7 +307,7 @@ impl<L: Lanes> Splat<L> {
         let next_x = self.h.mul_add(v, x);
         // v' = e^{-theta h} v + kick xi
         let next_noise = if NOISE { self.decay.mul_add(noise, xi) } else { noise };
-        Next { x: next_x, v: next_v, noise: next_noise, moving: (L::bitmask(up), L::bitmask(down)) }
+        Next { x: next_x, v: next_v, noise: next_noise, directions: join::<L>(up, down) }
     }
 }
 
@@ -309,13 +315,13 @@ struct Next<L> {
     x: L,
     v: L,
     noise: L,
-    /// Lanes whose new velocity is above, and below, zero.
-    moving: (u32, u32),
+    directions: u32,
 }
 
+/// Which lanes move up, and above those bits, which move down.
 #[inline(always)]
-fn directions<L: Lanes>(v: L) -> (u32, u32) {
-    (L::bitmask(v.gt(L::splat(0.0))), L::bitmask(v.lt(L::splat(0.0))))
+fn join<L: Lanes>(up: L::Mask, down: L::Mask) -> u32 {
+    L::bitmask(up) | L::bitmask(down) << L::WIDTH
 }
 
 /// Keep the turned lanes of a step.
