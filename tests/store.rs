@@ -354,6 +354,30 @@ fn a_run_that_does_not_fit_is_refused_before_it_starts() {
     assert!(matches!(error, StoreError::TooLittleSpace { .. }), "{error}");
 }
 
+/// Say why a test did not happen. Not `eprintln!`, which the test harness hides.
+fn skip(reason: &str) {
+    let _ = writeln!(std::io::stderr(), "{reason}");
+}
+
+/// A small disk that goes away with this value.
+struct SmallDisk(PathBuf);
+
+impl SmallDisk {
+    /// None where this user may not mount a file system.
+    fn mount(folder: &Path, size: &str) -> Option<SmallDisk> {
+        let options = format!("size={size}");
+        let output = Command::new("mount").args(["-t", "tmpfs", "-o", &options, "tmpfs"]).arg(folder).output();
+        output.is_ok_and(|output| output.status.success()).then(|| SmallDisk(folder.to_owned()))
+    }
+}
+
+impl Drop for SmallDisk {
+    fn drop(&mut self) {
+        // Lazy: after a write error the file stays open on purpose until the process ends.
+        let _ = Command::new("umount").arg("--lazy").arg(&self.0).status();
+    }
+}
+
 #[test]
 fn a_full_disk_is_one_clear_error_and_no_crash() {
     let folder = tempfile::tempdir().unwrap();

@@ -94,7 +94,7 @@ pub enum StoreError {
         source: io::Error,
     },
     /// There is no such file, or it may not be read.
-    #[error("{}: {source}{}", path.display(), unfinished_hint(path))]
+    #[error("{}: {source}; give a file written by `mc run`{}", path.display(), unfinished_hint(path))]
     NotOpened {
         /// The file.
         path: PathBuf,

@@ -198,25 +198,24 @@ impl<const NOISE: bool, const DAMPING: bool> LaneProgram for Run<'_, NOISE, DAMP
     fn run<L: Lanes>(&mut self) {
         let lanes = self.paths.noise.len();
         let mut lane = 0;
-        while lane + GROUP <= lanes {
-            if L::WIDTH == 8 {
-                self.advance_group::<L, { GROUP / 8 }>(lane);
-            } else {
-                self.advance_group::<L, { GROUP / 4 }>(lane);
-            }
-            lane += GROUP;
-        }
         while lane < lanes {
-            self.advance_group::<L, 1>(lane);
-            lane += L::WIDTH;
+            let left = lanes - lane;
+            lane += match (L::WIDTH, left) {
+                (8, GROUP..) => self.advance_group::<L, { GROUP / 8 }>(lane),
+                (8, 16..) => self.advance_group::<L, 2>(lane),
+                (8, _) => self.advance_group::<L, 1>(lane),
+                (_, GROUP..) => self.advance_group::<L, { GROUP / 4 }>(lane),
+                (_, 16..) => self.advance_group::<L, 4>(lane),
+                (_, _) => self.advance_group::<L, 2>(lane),
+            };
         }
     }
 }
 
 impl<const NOISE: bool, const DAMPING: bool> Run<'_, NOISE, DAMPING> {
-    /// `R` registers of paths, beginning at `lane`, through the whole run.
+    /// `R` registers of paths, beginning at `lane`, through the whole run. Returns how many lanes that are.
     #[inline(always)]
-    fn advance_group<L: Lanes, const R: usize>(&mut self, lane: usize) {
+    fn advance_group<L: Lanes, const R: usize>(&mut self, lane: usize) -> usize {
         let steps = self.forcing.len() - 1;
         let stride = R * L::WIDTH;
         let Scratch { tile, turns } = &mut *self.scratch;
@@ -253,6 +252,7 @@ impl<const NOISE: bool, const DAMPING: bool> Run<'_, NOISE, DAMPING> {
             v[r].store(&mut self.paths.velocity[at(r)..]);
             noise[r].store(&mut self.paths.noise[at(r)..]);
         }
+        stride
     }
 }
 
