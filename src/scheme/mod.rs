@@ -10,7 +10,7 @@ mod reference;
 mod timeline;
 
 pub use any::Scheme;
-pub use discrete_vi::{DiscreteVi, divergence_bound};
+pub use discrete_vi::{DiscreteVi, divergence_bound, monitoring_shift};
 pub use reference::reference_path;
 pub use timeline::{Instant, Stop, Timeline};
 
