@@ -4,8 +4,10 @@
 //! occur, and the state of all its paths at the instants of a [`Timeline`]. It knows nothing of statistics, files or
 //! threads. A path is a function of the seed and its number alone, whatever company it is simulated in.
 
+mod event_driven;
 mod timeline;
 
+pub use event_driven::Noiseless;
 pub use timeline::{Instant, Stop, Timeline};
 
 use crate::model::Event;

@@ -1,0 +1,9 @@
+//! Scheme B: event-driven, the paper's step-by-step construction of stick and slip phases.
+//!
+//! Without diffusion every phase is a closed form and every event a root: [`Noiseless`].
+
+mod exact_time;
+mod first_root;
+mod noiseless;
+
+pub use noiseless::Noiseless;

@@ -1,0 +1,276 @@
+//! The event-driven scheme against what it was not derived from.
+//!
+//! Exact tests compare with tables of high-precision arithmetic. Statistical tests have a fixed seed; each states its
+//! null hypothesis, sample size and false-alarm rate.
+
+use stick_slip::model::{
+    Event, EventKind, Friction, Harmonic, InitialNoise, Model, Noise, Oscillator, Sign, Temperature,
+};
+use stick_slip::scheme::{Instant, Noiseless, Observer, Snapshot, Timeline};
+
+/// The paper's parameters: m = K = f_d = 1, f_s = 1.2, beta = 6, x0 = 6, with one harmonic of this frequency.
+fn shaw(angular_frequency: f64) -> Model {
+    Model {
+        oscillator: Oscillator { mass: 1.0, stiffness: 1.0, damping: 0.0, dilatation: 6.0 },
+        friction: Friction { static_force: 1.2, dynamic_force: 1.0 },
+        temperature: Temperature {
+            harmonics: vec![Harmonic { amplitude: 1.0, angular_frequency, phase: 0.0 }],
+            noise: None,
+        },
+        initial_displacement: 6.0,
+    }
+}
+
+fn timeline(end: f64) -> Timeline {
+    Timeline { end, output_step: end.max(1.0), period: None }
+}
+
+/// Keeps everything, lane by lane.
+#[derive(Default)]
+struct Recorder {
+    events: Vec<Vec<Event>>,
+    /// (instant, time, displacement, velocity, temperature, is_static) of lane 0.
+    rows: Vec<(Instant, f64, f64, f64, f64, bool)>,
+}
+
+impl Observer for Recorder {
+    fn event(&mut self, lane: usize, event: Event) {
+        self.events.resize(self.events.len().max(lane + 1), Vec::new());
+        self.events[lane].push(event);
+    }
+
+    fn snapshot(&mut self, instant: Instant, s: Snapshot<'_>) {
+        self.rows.push((instant, s.time, s.displacement[0], s.velocity[0], s.temperature[0], s.is_static[0]));
+    }
+}
+
+fn noiseless_events(model: &Model, end: f64) -> Vec<Event> {
+    let mut recorder = Recorder::default();
+    let failed = Noiseless::new(model, &timeline(end)).simulate(1, &mut recorder);
+    assert!(failed.is_empty());
+    recorder.events.pop().unwrap_or_default()
+}
+
+/// 0 stick entered, 1 slip started, 2 sub-phase boundary.
+fn kind_number(kind: EventKind) -> u8 {
+    match kind {
+        EventKind::StickEntered => 0,
+        EventKind::SlipStarted(_) => 1,
+        EventKind::SubPhaseBoundary(_) => 2,
+    }
+}
+
+/// Kind, t, x, b of an exact table.
+type Row = (u8, f64, f64, f64);
+
+/// Exact cascade of the paper's noiseless scene, forcing frequency 1/4: 40-digit arithmetic, closed forms and bisection.
+const QUARTER: &[Row] = &[
+    (1, 2.57400443517313755, 6.0, -1.2),
+    (0, 13.3613220575479587, -6.18847247536762567, 0.306573202338802169),
+    (1, 14.9229792996515265, -6.18847247536762567, 1.2),
+    (0, 25.7770609413858963, 6.17862086514394278, -0.256292932048306973),
+    (1, 27.5011437042137581, 6.17862086514394278, -1.2),
+    (0, 38.3514520070005582, -6.17954770736860736, 0.259161209334353553),
+    (1, 40.0664069611809123, -6.17954770736860736, 1.2),
+    (0, 50.9170687658257681, 6.17946256643588498, -0.258892576084898404),
+    (1, 52.6328793178516317, 6.17946256643588498, -1.2),
+    (0, 63.4835086364843192, -6.17947040535345908, 0.258917263570057794),
+    (1, 65.1992405649667653, -6.17947040535345908, 1.2),
+    (0, 76.0498728744746008, 6.17946968377528879, -0.258914990684342223),
+    (1, 77.7656120415890556, 6.17946968377528879, -1.2),
+    (0, 88.6162440757836949, -6.17946975019836712, 0.258915199905907928),
+    (1, 90.3319825765747599, -6.17946975019836712, 1.2),
+    (0, 101.182614636112661, 6.17946974408396714, -0.258915180646545015),
+    (1, 102.898353198240447, 6.17946974408396714, -1.2),
+    (0, 113.748985255445441, -6.17946974464681207, 0.258915182419414548),
+    (1, 115.464723811927038, -6.17946974464681207, 1.2),
+    (0, 126.315355869346782, 6.17946974459500087, -0.258915182256217728),
+    (1, 128.031094426348124, 6.17946974459500087, -1.2),
+    (0, 138.881726483748099, -6.17946974459977021, 0.258915182271240379),
+];
+
+/// The same with forcing frequency 1/2, as the paper prints it: two sub-phases in every dynamic phase.
+const HALF: &[Row] = &[
+    (1, 1.28700221758656877, 6.0, -1.2),
+    (2, 6.42517019752096936, -9.74381267516092767, 3.75892610782486854),
+    (0, 12.2766918440973609, 6.3410547599469783, -0.403880155496365832),
+    (1, 13.6497355133912649, 6.3410547599469783, -1.2),
+    (2, 18.9313318141685687, -9.54628126776264921, 3.55129604151413879),
+    (0, 24.9918279578736896, 6.47694929115717113, -0.491835543936380579),
+    (1, 26.1247483298220846, 6.47694929115717113, -1.2),
+    (2, 31.4751618172631567, -9.45419585125020538, 3.45682727280264831),
+    (0, 37.6057535033426014, 6.55690498309035501, -0.56344063092488804),
+    (1, 38.6335801197006449, 6.55690498309035501, -1.2),
+    (2, 44.0288636907772373, -9.39608034950949943, 3.39770660806184117),
+    (0, 50.1962019636948363, 6.61038546886601577, -0.613984949022227328),
+    (1, 51.1595612652041369, 6.61038546886601577, -1.2),
+    (2, 56.587068481393395, -9.35549252693480973, 3.35659845424557539),
+    (0, 62.7769933667564707, 6.64872645821396749, -0.650983507120034222),
+    (1, 63.6958966083338313, 6.64872645821396749, -1.2),
+    (2, 69.1477619540541619, -9.32551757787501348, 3.3263206842327168),
+    (0, 75.3528589907806256, 6.67745420676543164, -0.678997607281670225),
+    (1, 76.2391056602252488, 6.67745420676543164, -1.2),
+    (2, 81.7099872261343369, -9.3025658700307459, 3.30317839615103233),
+    (0, 87.9258791914031578, 6.69964849087601238, -0.70077260052874386),
+    (1, 88.7871631547654182, 6.69964849087601238, -1.2),
+    (2, 94.2732245042581174, -9.28453951576336975, 3.28502509128456104),
+    (0, 100.497113492824869, 6.71718410619228798, -0.718043524755860186),
+    (1, 101.338788208220326, 6.71718410619228798, -1.2),
+    (2, 106.837165141822757, -9.27011266147690681, 3.27050992199206123),
+    (0, 113.067157830250777, 6.7312770156780601, -0.731960022856242772),
+    (1, 113.893121274915997, 6.7312770156780601, -1.2),
+    (2, 119.40161368708193, -9.25839883150209473, 3.25873250967127342),
+    (0, 125.636372571663224, 6.74275466840571362, -0.74331500279975691),
+    (1, 126.449559324689234, 6.74275466840571362, -1.2),
+    (2, 131.966440138653797, -9.24877941045307548, 3.24906602156965995),
+    (0, 138.20498808436356, 6.75220178977171212, -0.752673864737951006),
+];
+
+/// Every event within a relative 1e-12; the unit is the size of the motion where a value is near zero.
+fn assert_cascade(name: &str, events: &[Event], exact: &[Row]) {
+    assert_eq!(events.len(), exact.len(), "{name}: {events:?}");
+    for (event, &(kind, t, x, b)) in events.iter().zip(exact) {
+        assert_eq!(kind_number(event.kind), kind, "{name}, t = {t}");
+        for (got, want) in [(event.time, t), (event.displacement, x), (event.force, b)] {
+            assert!((got - want).abs() <= 1e-12 * want.abs().max(0.1), "{name}, t = {t}: {got} is not {want}");
+        }
+    }
+}
+
+#[test]
+fn every_event_of_the_paper_s_noiseless_scenes_is_exact() {
+    assert_cascade("forcing 1/4", &noiseless_events(&shaw(0.25), 139.0), QUARTER);
+    assert_cascade("forcing 1/2", &noiseless_events(&shaw(0.5), 139.0), HALF);
+}
+
+/// The scene of tests/reference/cascade.py with this name, and its t_end.
+fn reference_scene(name: &str) -> (Model, f64) {
+    let (damping, f_d, f_s, x0, harmonics, end): (_, _, _, _, &[(f64, f64, f64)], _) = match name {
+        "underdamped" => (0.125, 1.0, 1.2, 6.0, &[(1.0, 0.25, 0.0)], 60.0),
+        "critical" => (1.0, 0.5, 1.2, 6.0, &[(1.0, 0.25, 0.0)], 60.0),
+        "overdamped" => (3.0, 0.5, 1.2, 6.0, &[(1.0, 0.25, 0.0)], 60.0),
+        "resonant" => (0.0, 1.0, 1.2, 0.0, &[(0.5, 1.0, 0.3)], 30.0),
+        "near_resonant" => (0.0, 1.0, 1.2, 0.0, &[(0.5, 1.000000001, 0.3)], 30.0),
+        "two_harmonics_and_a_constant" => {
+            (0.05, 0.9, 1.1, 1.0, &[(0.7, 0.25, 0.5), (0.3, 1.75, -1.0), (0.2, 0.0, 0.4)], 60.0)
+        }
+        "starts_outside" => (0.0, 1.0, 1.2, 12.0, &[(1.0, 0.25, 0.0)], 30.0),
+        "no_dynamic_friction" => (0.05, 0.0, 1.2, 6.0, &[(1.0, 0.25, 0.0)], 30.0),
+        "equal_thresholds" => (0.0, 1.0, 1.0, 6.0, &[(1.0, 0.25, 0.0)], 60.0),
+        _ => panic!("{name} is not in cascade.py"),
+    };
+    let harmonics = harmonics
+        .iter()
+        .map(|&(amplitude, angular_frequency, phase)| Harmonic { amplitude, angular_frequency, phase })
+        .collect();
+    let mut model = shaw(0.25);
+    model.oscillator.damping = damping;
+    model.friction = Friction { static_force: f_s, dynamic_force: f_d };
+    model.temperature.harmonics = harmonics;
+    model.initial_displacement = x0;
+    (model, end)
+}
+
+#[test]
+fn every_damping_regime_and_resonance_is_exact() {
+    let mut scenes: Vec<(String, Vec<Row>)> = Vec::new();
+    for line in include_str!("reference/cascade.csv").lines().skip(1) {
+        let mut fields = line.split(',');
+        let name = fields.next().expect("a scene");
+        let mut number = || fields.next().and_then(|f| f.parse::<f64>().ok()).expect("a number");
+        let row = (number() as u8, number(), number(), number());
+        match scenes.last_mut() {
+            Some((last, rows)) if last == name => rows.push(row),
+            _ => scenes.push((name.to_owned(), vec![row])),
+        }
+    }
+    assert_eq!(scenes.len(), 9);
+    for (name, rows) in &scenes {
+        let (model, end) = reference_scene(name);
+        assert_cascade(name, &noiseless_events(&model, end), rows);
+    }
+}
+
+#[test]
+fn ten_thousand_periods_do_not_drift() {
+    // After its transient the orbit of the 1/4 scene is symmetric: half a forcing period later, everything has changed
+    // sign. The contraction (a factor 8 a phase, see QUARTER) has reached rounding long before event 100.
+    let half_period = std::f64::consts::PI / 0.25;
+    let periods = 1e4;
+    let events = noiseless_events(&shaw(0.25), 2.0 * half_period * periods);
+    assert_eq!(events.len(), 4 * 10_000 - 1, "two sticks and two slips a period; the first begins at t = 0");
+    let (first, last) = (events[100], events[events.len() - 3]);
+    let halves = ((last.time - first.time) / half_period).round();
+    assert!(halves > 19_900.0);
+    // Times are reported as doubles: 2.5e5 has a spacing of 2.9e-11.
+    assert!((last.time - first.time - halves * half_period).abs() < 6e-11);
+    for pair in events[100..].windows(3).map(|w| (w[0], w[2])) {
+        assert!((pair.0.displacement + pair.1.displacement).abs() < 1e-13 * 6.2);
+        assert!((pair.0.force + pair.1.force).abs() < 1e-13 * 6.2);
+    }
+}
+
+#[test]
+fn a_scene_that_never_slips_reports_no_event() {
+    let mut model = shaw(0.25);
+    model.friction.static_force = 13.0; // above |b| <= K beta 2
+    assert!(noiseless_events(&model, 1e6).is_empty());
+    assert!(noiseless_events(&shaw(0.25), 2.5).is_empty(), "the first slip is at 2.574");
+}
+
+#[test]
+fn a_run_of_length_zero_is_observed_once_and_does_nothing() {
+    let mut recorder = Recorder::default();
+    assert!(Noiseless::new(&shaw(0.25), &timeline(0.0)).simulate(1, &mut recorder).is_empty());
+    assert!(recorder.events.is_empty());
+    assert!(recorder.rows.iter().all(|row| (row.1, row.2, row.3, row.5) == (0.0, 6.0, 0.0, true)));
+}
+
+#[test]
+fn without_any_friction_it_is_the_plain_oscillator() {
+    let mut model = shaw(0.25);
+    model.friction = Friction { static_force: 0.0, dynamic_force: 0.0 };
+    model.initial_displacement = 0.0;
+    let line = Timeline { end: 50.0, output_step: 0.7, period: None };
+    let mut recorder = Recorder::default();
+    assert!(Noiseless::new(&model, &line).simulate(1, &mut recorder).is_empty());
+    for &(_, t, x, v, _, _) in &recorder.rows {
+        // x'' + x = 6 cos(t/4), x(0) = x'(0) = 0: x = 6.4 (cos(t/4) - cos t).
+        assert!((x - 6.4 * ((0.25 * t).cos() - t.cos())).abs() < 1e-12, "{t}");
+        assert!((v - 6.4 * (t.sin() - 0.25 * (0.25 * t).sin())).abs() < 1e-12, "{t}");
+    }
+}
+
+#[test]
+fn observing_does_not_touch_a_noiseless_path() {
+    let (mut coarse, mut fine) = (Recorder::default(), Recorder::default());
+    let line = |output_step| Timeline { end: 60.0, output_step, period: Some(8.0 * std::f64::consts::PI) };
+    Noiseless::new(&shaw(0.25), &line(60.0)).simulate(2, &mut coarse);
+    Noiseless::new(&shaw(0.25), &line(0.37)).simulate(2, &mut fine);
+    assert_eq!(coarse.events, fine.events);
+    assert_eq!(coarse.events[0], coarse.events[1]);
+    for &(_, t, x, v, temperature, is_static) in &fine.rows {
+        assert!((temperature - (0.25 * t).cos()).abs() < 1e-14);
+        assert!(!is_static || v == 0.0);
+        assert!(x.abs() < 6.3);
+    }
+}
+
+#[test]
+fn a_temperature_that_relaxes_without_diffusion_is_one_more_exponential() {
+    // sigma = 0, v(0) = 2, no harmonics: b = 6 e^{-t/2} - x leaves the corridor downwards where 6 e^{-t/2} = 6 - 1.2.
+    let mut model = shaw(0.25);
+    model.temperature = Temperature {
+        harmonics: Vec::new(),
+        noise: Some(Noise { intensity: 0.5, relaxation_rate: 0.5, diffusion: 0.0, initial: InitialNoise::At(2.0) }),
+    };
+    let events = noiseless_events(&model, 60.0);
+    assert!((events[0].time - 2.0 * (6.0f64 / 4.8).ln()).abs() < 1e-14);
+    assert_eq!(events[0].kind, EventKind::SlipStarted(Sign::Negative));
+    // Then x'' + x = 1 + 4.8 e^{-r/2} with x(0) = 6: x = 1 + 3.84 e^{-r/2} + 1.16 cos r + 1.92 sin r.
+    let r = events[1].time - events[0].time;
+    let velocity = -1.92 * (-r / 2.0).exp() - 1.16 * r.sin() + 1.92 * r.cos();
+    assert!(velocity.abs() < 1e-13);
+    let x = 1.0 + 3.84 * (-r / 2.0).exp() + 1.16 * r.cos() + 1.92 * r.sin();
+    assert!((events[1].displacement - x).abs() < 1e-13);
+}
