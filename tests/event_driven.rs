@@ -2,6 +2,8 @@
 //!
 //! Exact tests compare with tables of high-precision arithmetic. Statistical tests have a fixed seed; each states its
 //! null hypothesis, sample size and false-alarm rate.
+// Reference numbers keep the digits they were computed with.
+#![allow(clippy::excessive_precision)]
 
 use stick_slip::model::{
     Event, EventKind, Friction, Harmonic, InitialNoise, Model, Noise, Oscillator, Sign, Temperature,

@@ -21,6 +21,9 @@ pub struct Noiseless {
     span: f64,
 }
 
+/// The signs of b at the two thresholds.
+const SIDES: [f64; 2] = [1.0, -1.0];
+
 /// More events than a cascade may have before it is given up: a bound on work, far above any scene of interest.
 const EVENT_LIMIT: usize = 100_000_000;
 
@@ -109,21 +112,17 @@ impl Noiseless {
             None
         } else {
             let bend = m * self.body.forcing_curvature();
-            let distance = |side: f64| {
-                let (body, terms) = (&self.body, &terms);
-                move |r: f64| {
-                    let [increment, slope, _] = body.forcing_increment(terms, r).map(|derivative| derivative * m);
-                    let value = (f_s - side * force) - side * increment;
-                    Jet { value, slope: -side * slope, bend, bend_growth: 0.0 }
-                }
+            let distances = |r: f64| {
+                let [increment, slope, _] = self.body.forcing_increment(&terms, r).map(|derivative| derivative * m);
+                SIDES.map(|side| Jet {
+                    value: (f_s - side * force) - side * increment,
+                    slope: -side * slope,
+                    bend,
+                    bend_growth: 0.0,
+                })
             };
-            let up = self.exit_time(distance(1.0), horizon)?;
-            let down = self.exit_time(distance(-1.0), up.unwrap_or(horizon))?;
-            match (up, down) {
-                (Some(u), Some(d)) if u <= d => Some((u, f_s)),
-                (_, Some(d)) => Some((d, -f_s)),
-                (up, None) => up.map(|u| (u, f_s)),
-            }
+            let root = first_root(distances, self.inside(distances(0.0)), horizon, self.span)?;
+            root.map(|(r, side)| (r, SIDES[side] * f_s))
         };
         let end = exit.filter(|&(r, _)| r <= horizon).map(|(r, force)| {
             let kind = EventKind::SlipStarted(Sign::of(force));
@@ -138,20 +137,16 @@ impl Noiseless {
         oscillator.mass * self.body.forcing_size() + oscillator.stiffness * displacement.abs() <= f_s
     }
 
-    /// inf{r : g(r) < 0}, where g starts at or above zero; a start exactly on the threshold leaves it if g grows.
-    fn exit_time(&self, g: impl Fn(f64) -> Jet, horizon: f64) -> Result<Option<f64>, Unresolved> {
-        let first = g(0.0);
-        let start = if first.value > 0.0 {
-            0.0
-        } else if first.slope < 0.0 {
-            return Ok(Some(0.0));
-        } else if first.slope > 0.0 {
-            safe_step(0.0, first.slope, first.bend)
-        } else {
-            // On the threshold with zero slope: what follows is decided a little later than the rounding of g allows.
-            self.indeterminate_start()
+    /// A time until which b stays in the corridor, for a stick that may begin exactly on a threshold: zero unless b
+    /// moves inwards from there. With zero slope too, what follows is decided a little later than rounding allows.
+    fn inside(&self, distances: [Jet; 2]) -> f64 {
+        let stays = |g: &Jet| match g.slope {
+            _ if g.value > 0.0 => safe_step(g.value, g.slope, g.bend),
+            slope if slope < 0.0 => 0.0,
+            slope if slope > 0.0 => safe_step(0.0, slope, g.bend),
+            _ => self.indeterminate_start(),
         };
-        first_root(g, start, horizon, self.span)
+        if distances.iter().all(|g| g.value > 0.0) { 0.0 } else { stays(&distances[0]).min(stays(&distances[1])) }
     }
 
     /// A sub-phase, and its end: the first time after its start that eps x' = 0.
@@ -170,10 +165,10 @@ impl Noiseless {
         let jet = |r: f64| {
             let state = flow.at(r);
             let (bend, bend_growth) = flow.jerk_bound(&state);
-            Jet { value: eps * state.velocity, slope: eps * state.acceleration, bend, bend_growth }
+            [Jet { value: eps * state.velocity, slope: eps * state.acceleration, bend, bend_growth }]
         };
         let root = first_root(jet, self.departure(&flow, eps), horizon, self.span)?;
-        let end = root.filter(|&r| r <= horizon).map(|r| {
+        let end = root.filter(|&(r, _)| r <= horizon).map(|(r, _)| {
             let state = flow.at(r);
             let (displacement, force) = (displacement + state.displacement, mass * state.force_ratio);
             let kind = if force.abs() <= friction.static_force {
