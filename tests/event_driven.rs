@@ -6,8 +6,10 @@
 #![allow(clippy::excessive_precision)]
 
 use stick_slip::model::{
-    Event, EventKind, Friction, Harmonic, InitialNoise, Model, Noise, Oscillator, Sign, Temperature,
+    Complex, Event, EventKind, Friction, Harmonic, ImpulseResponse, InitialNoise, Model, Noise, Oscillator, Sign,
+    Temperature,
 };
+use stick_slip::noise::{DrivenOscillator, HarmonicResponse};
 use stick_slip::scheme::{Instant, Noiseless, Observer, Snapshot, Timeline};
 
 /// The paper's parameters: m = K = f_d = 1, f_s = 1.2, beta = 6, x0 = 6, with one harmonic of this frequency.
@@ -275,4 +277,72 @@ fn a_temperature_that_relaxes_without_diffusion_is_one_more_exponential() {
     assert!(velocity.abs() < 1e-13);
     let x = 1.0 + 3.84 * (-r / 2.0).exp() + 1.16 * r.cos() + 1.92 * r.sin();
     assert!((events[1].displacement - x).abs() < 1e-13);
+}
+
+#[test]
+fn the_slip_transition_keeps_ten_digits_in_every_entry_for_every_step() {
+    // Against Van Loan's block exponential and spectral sums in 220-digit arithmetic (tests/reference/slip_transition.py).
+    // Exempt: what has decayed to less than 1e-100 of its natural scale, where nothing it is added to can see it.
+    for line in include_str!("reference/slip_transition.csv").lines().skip(1) {
+        let row: Vec<f64> = line.split(',').map(|f| f.parse().expect("a number")).collect();
+        let (w0, theta, alpha, h) = (row[0], row[1], row[2], row[3]);
+        let step = DrivenOscillator::new(1.0, alpha, w0, theta, 1.0, &[]).transition(h, &mut []);
+        let ([xx, xv, xn, _], [vx, vv, vn, _]) = (step.x, step.v);
+        let got = [&[xx, xv, xn, vx, vv, vn, step.n][..], &step.covariance].concat();
+        let (sn, sv, sx) = (row[11].sqrt(), row[14].sqrt(), row[16].sqrt());
+        let scale = [
+            1.0,
+            1.0 / w0,
+            1.0 / (w0 * w0),
+            w0,
+            1.0,
+            1.0 / w0,
+            1.0,
+            sn * sn,
+            sn * sv,
+            sn * sx,
+            sv * sv,
+            sv * sx,
+            sx * sx,
+        ];
+        for (column, ((got, want), scale)) in got.iter().zip(&row[4..]).zip(scale).enumerate() {
+            let allowed = 1e-10 * want.abs() + 1e-100 * scale;
+            assert!(
+                (got - want).abs() <= allowed,
+                "w0 {w0} theta {theta} alpha {alpha} h {h}, {column}: {got:e} {want:e}"
+            );
+        }
+        // The factor reproduces the covariance: positive, though the covariance has condition h^-4.
+        let [nn, vn, vv, xn, xv, xx] = step.factor;
+        assert!(nn > 0.0 && vv > 0.0 && xx > 0.0, "{w0} {theta} {alpha} {h}: {:?}", step.factor);
+        for (got, want, scale) in [
+            (vn * vn + vv * vv, row[14], sv * sv),
+            (xn * nn, row[13], sn * sx),
+            (xn * vn + xv * vv, row[15], sv * sx),
+            (xn * xn + xv * xv + xx * xx, row[16], sx * sx),
+        ] {
+            assert!((got - want).abs() <= 1e-10 * scale, "{w0} {theta} {alpha} {h}");
+        }
+    }
+}
+
+#[test]
+fn a_step_through_the_transition_follows_the_closed_form_under_forcing() {
+    // The noiseless sub-phase by series and doubling against divided differences of the exponential, at resonance too.
+    for (alpha, w) in [(0.0, 1.0), (0.0, 0.25), (0.1, 1.75), (1.0, 0.25), (4.0, 0.0)] {
+        let free = ImpulseResponse::new(alpha, 1.0);
+        let oscillator = DrivenOscillator::new(1.0, alpha, 1.0, 1.0, 0.0, &[w]);
+        for h in [1e-6, 0.01, 0.3, 1.0, 7.0, 100.0] {
+            let mut responses = [HarmonicResponse { x: (0.0, 0.0), v: (0.0, 0.0), turn: (1.0, 0.0) }];
+            let step = oscillator.transition(h, &mut responses);
+            let (x, z) = (free.exponential(Complex::new(0.0, w), h), Complex::new(0.0, w));
+            let v = z * x + Complex::new(free.impulse(h), 0.0);
+            let [HarmonicResponse { x: got_x, v: got_v, turn }] = responses;
+            let close = |got: f64, want: f64, scale: f64| (got - want).abs() <= 1e-13 * scale * h.max(1.0); // rounding of the phase
+            assert!(close(got_x.0, x.re, x.abs()) && close(got_x.1, x.im, x.abs()), "{alpha} {w} {h}");
+            assert!(close(got_v.0, v.re, v.abs()) && close(got_v.1, v.im, v.abs()), "{alpha} {w} {h}");
+            assert!(close(turn.0, (w * h).cos(), 1.0) && close(step.x[1], free.impulse(h), 1.0));
+            assert!(close(step.x[3], free.exponential(Complex::ZERO, h).re, step.x[3]), "{alpha} {w} {h}");
+        }
+    }
 }
