@@ -7,7 +7,7 @@
 mod event_driven;
 mod timeline;
 
-pub use event_driven::Noiseless;
+pub use event_driven::{Noiseless, Noisy};
 pub use timeline::{Instant, Stop, Timeline};
 
 use crate::model::Event;
