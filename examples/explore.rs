@@ -71,8 +71,9 @@ impl Observer for Obs {
 }
 fn main() {
     let a: Vec<f64> = std::env::args().skip(1).map(|s| s.parse().unwrap()).collect();
-    let (rho, n, kappa, caution, len, out, end) = (a[0], a[1] as u64, a[2], a[3], a[4], a[5], a[6]);
-    let (fs, fd) = (a.get(7).copied().unwrap_or(1.2), a.get(8).copied().unwrap_or(1.0));
+    let (rho, n, tol, out, end) = (a[0], a[1] as u64, a[2], a[3], a[4]);
+    let (fs, fd) = (a.get(5).copied().unwrap_or(1.2), a.get(6).copied().unwrap_or(1.0));
+    let seed = a.get(7).copied().unwrap_or(1.0) as u64;
     let m = Model {
         oscillator: Oscillator { mass: 1.0, stiffness: 1.0, damping: 0.0, dilatation: 6.0 },
         friction: Friction { static_force: fs, dynamic_force: fd },
@@ -83,14 +84,14 @@ fn main() {
         initial_displacement: 6.0,
     };
     let tl = Timeline { end, output_step: out, period: None };
-    let sch = Noisy::new(&m, &tl, kappa, caution, len);
+    let sch = EventDriven::new(&m, &tl, tol);
     let mut all = Vec::new();
     let clock = std::time::Instant::now();
     let mut k = 0;
     while k < n {
         let ids: Vec<u64> = (k..(k + 256).min(n)).collect();
         let mut o = Obs { p: vec![P { slip0: -1.0, was_static: true, ..P::default() }; ids.len()], end };
-        let f = sch.simulate(1, &ids, &mut o);
+        let f = sch.simulate(seed, &ids, &mut o);
         if !f.is_empty() {
             println!("failed {f:?}")
         }
@@ -111,7 +112,7 @@ fn main() {
             (r - want) / e
         )
     };
-    println!("{us:.2} us/path");
+    println!("{us:.2} us/path {:?}", sch.resolution());
     show("stick_duration_mean", 0.443052, ratio(&|p| p.stick, &|p| p.n));
     show("sticks_per_path", 16.92537, ratio(&|p| p.n, &|_| 1.0));
     show("slips_per_path", 17.03947, ratio(&|p| p.slips, &|_| 1.0));

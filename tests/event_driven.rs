@@ -10,7 +10,7 @@ use stick_slip::model::{
     Temperature,
 };
 use stick_slip::noise::{DrivenOscillator, HarmonicResponse};
-use stick_slip::scheme::{Instant, Noiseless, Observer, Snapshot, Timeline};
+use stick_slip::scheme::{DEFAULT_TOLERANCE, EventDriven, Instant, Observer, Snapshot, Timeline};
 
 /// The paper's parameters: m = K = f_d = 1, f_s = 1.2, beta = 6, x0 = 6, with one harmonic of this frequency.
 fn shaw(angular_frequency: f64) -> Model {
@@ -50,7 +50,7 @@ impl Observer for Recorder {
 
 fn noiseless_events(model: &Model, end: f64) -> Vec<Event> {
     let mut recorder = Recorder::default();
-    let failed = Noiseless::new(model, &timeline(end)).simulate(1, &mut recorder);
+    let failed = EventDriven::new(model, &timeline(end), DEFAULT_TOLERANCE).simulate(0, &[0], &mut recorder);
     assert!(failed.is_empty());
     recorder.events.pop().unwrap_or_default()
 }
@@ -225,7 +225,9 @@ fn a_scene_that_never_slips_reports_no_event() {
 #[test]
 fn a_run_of_length_zero_is_observed_once_and_does_nothing() {
     let mut recorder = Recorder::default();
-    assert!(Noiseless::new(&shaw(0.25), &timeline(0.0)).simulate(1, &mut recorder).is_empty());
+    assert!(
+        EventDriven::new(&shaw(0.25), &timeline(0.0), DEFAULT_TOLERANCE).simulate(0, &[0], &mut recorder).is_empty()
+    );
     assert!(recorder.events.is_empty());
     assert!(recorder.rows.iter().all(|row| (row.1, row.2, row.3, row.5) == (0.0, 6.0, 0.0, true)));
 }
@@ -237,7 +239,7 @@ fn without_any_friction_it_is_the_plain_oscillator() {
     model.initial_displacement = 0.0;
     let line = Timeline { end: 50.0, output_step: 0.7, period: None };
     let mut recorder = Recorder::default();
-    assert!(Noiseless::new(&model, &line).simulate(1, &mut recorder).is_empty());
+    assert!(EventDriven::new(&model, &line, DEFAULT_TOLERANCE).simulate(0, &[0], &mut recorder).is_empty());
     for &(_, t, x, v, _, _) in &recorder.rows {
         // x'' + x = 6 cos(t/4), x(0) = x'(0) = 0: x = 6.4 (cos(t/4) - cos t).
         assert!((x - 6.4 * ((0.25 * t).cos() - t.cos())).abs() < 1e-12, "{t}");
@@ -249,8 +251,8 @@ fn without_any_friction_it_is_the_plain_oscillator() {
 fn observing_does_not_touch_a_noiseless_path() {
     let (mut coarse, mut fine) = (Recorder::default(), Recorder::default());
     let line = |output_step| Timeline { end: 60.0, output_step, period: Some(8.0 * std::f64::consts::PI) };
-    Noiseless::new(&shaw(0.25), &line(60.0)).simulate(2, &mut coarse);
-    Noiseless::new(&shaw(0.25), &line(0.37)).simulate(2, &mut fine);
+    EventDriven::new(&shaw(0.25), &line(60.0), DEFAULT_TOLERANCE).simulate(0, &[0, 1], &mut coarse);
+    EventDriven::new(&shaw(0.25), &line(0.37), DEFAULT_TOLERANCE).simulate(0, &[0, 1], &mut fine);
     assert_eq!(coarse.events, fine.events);
     assert_eq!(coarse.events[0], coarse.events[1]);
     for &(_, t, x, v, temperature, is_static) in &fine.rows {

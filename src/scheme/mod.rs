@@ -7,7 +7,7 @@
 mod event_driven;
 mod timeline;
 
-pub use event_driven::{Noiseless, Noisy};
+pub use event_driven::{DEFAULT_TOLERANCE, EventDriven, Resolution};
 pub use timeline::{Instant, Stop, Timeline};
 
 use crate::model::Event;

@@ -30,7 +30,7 @@ pub struct Jet {
 /// A search takes some ten evaluations per oscillation of g, so this is a million oscillations without a zero.
 const EVALUATION_LIMIT: usize = 10_000_000;
 
-/// The search took more than `EVALUATION_LIMIT` evaluations, or met a value that is not a number.
+/// A search took more steps than its limit, or met a value that is not a number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Unresolved;
 

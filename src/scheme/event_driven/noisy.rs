@@ -6,8 +6,9 @@
 //! A step ends on the next time the observer looks at, so every observed state is a draw from its law.
 
 use super::draws::Draws;
-use super::first_stop::{Motion, StopSearch};
+use super::first_stop::{Motion, Pending, Step, StopSearch};
 use super::scene::{Scene, forcing};
+use super::step_rules::StepRules;
 use super::stick::{StickOutcome, StickState, StickSteps};
 use crate::model::{Complex, Event, EventKind, Model, Phase, Sign};
 use crate::noise::{DrivenOscillator, HarmonicResponse, SlipTransition};
@@ -32,6 +33,13 @@ struct SlipStep {
     harmonics: Vec<HarmonicResponse>,
 }
 
+/// Room for what one path needs at a time.
+#[derive(Debug)]
+struct Scratch {
+    partial: SlipStep,
+    pending: Pending,
+}
+
 /// Where one path is.
 #[derive(Clone, Debug)]
 struct Path {
@@ -46,13 +54,14 @@ struct Path {
     failed: bool,
 }
 
-/// Slip steps and phases a path may take: hours of computing, where a path of interest takes microseconds to seconds.
-const WORK_LIMIT: u64 = 1_000_000_000;
+/// Slip steps and phases that a path may take, some ten seconds of computing: paths of interest take microseconds to seconds.
+const WORK_LIMIT: u64 = 100_000_000;
 
 impl Noisy {
     /// For a scene with noise.
-    pub fn new(model: &Model, timeline: &Timeline, kappa: f64, caution: f64, slip_length: f64) -> Self {
-        let scene = Scene::new(model);
+    pub fn new(model: &Model, timeline: &Timeline, rules: &StepRules) -> Self {
+        let mut scene = Scene::new(model);
+        scene.friction.static_force += rules.added_gap(&scene);
         let body = scene.oscillator;
         let frequencies: Vec<f64> = scene.harmonics.iter().map(|h| h.angular_frequency).collect();
         let oscillator = DrivenOscillator::new(
@@ -63,13 +72,13 @@ impl Noisy {
             scene.diffusion,
             &frequencies,
         );
-        let longest = slip_length / oscillator.fastest_rate();
+        let longest = rules.slip_length / oscillator.fastest_rate();
         let length = timeline.output_step / (timeline.output_step / longest).ceil();
         let mut harmonics = vec![NO_RESPONSE; frequencies.len()];
         let transition = oscillator.transition(length, &mut harmonics);
         let step = SlipStep { transition, root_length: length.sqrt(), harmonics };
-        let search = StopSearch { noise: scene.diffusion / body.mass, caution };
-        let stick = StickSteps::new(&scene, kappa, timeline.end);
+        let search = StopSearch { noise: scene.diffusion / body.mass, caution: rules.caution };
+        let stick = StickSteps::new(&scene, rules.chord_error, timeline.end);
         Noisy { scene, timeline: *timeline, stick, oscillator, step, search }
     }
 
@@ -81,12 +90,12 @@ impl Noisy {
         for terms in terms.chunks_exact_mut(harmonics.max(1)) {
             self.scene.set_terms(0.0, terms);
         }
-        let mut partial = self.step.clone();
+        let mut scratch = Scratch { partial: self.step.clone(), pending: Pending::new() };
         let mut columns = Columns::new(paths.len());
         for stop in self.timeline.stops() {
             for (lane, path) in lanes.iter_mut().enumerate() {
                 let terms = &mut terms[lane * harmonics..(lane + 1) * harmonics];
-                self.advance(path, terms, stop.time, &mut partial, |event| observer.event(lane, event));
+                self.advance(path, terms, stop.time, &mut scratch, |event| observer.event(lane, event));
                 columns.set(lane, path, self.temperature(path, terms));
             }
             observer.snapshot(stop.instant, columns.snapshot(stop.time));
@@ -121,13 +130,13 @@ impl Noisy {
         path: &mut Path,
         terms: &mut [Complex],
         until: f64,
-        partial: &mut SlipStep,
+        scratch: &mut Scratch,
         mut emit: impl FnMut(Event),
     ) {
         while !path.failed {
             let event = match path.phase {
                 Phase::Static => self.stick_until(path, terms, until),
-                Phase::Slip(direction) => self.slip_until(path, terms, direction, until, partial),
+                Phase::Slip(direction) => self.slip_until(path, terms, direction, until, scratch),
             };
             let Some(event) = event else { break };
             emit(event);
@@ -166,7 +175,7 @@ impl Noisy {
         terms: &mut [Complex],
         direction: Sign,
         until: f64,
-        partial: &mut SlipStep,
+        scratch: &mut Scratch,
     ) -> Option<Event> {
         let (eps, mass) = (direction.value(), self.scene.oscillator.mass);
         let friction = eps * self.scene.friction.dynamic_force;
@@ -177,10 +186,14 @@ impl Noisy {
                 return None;
             }
             path.count_work();
+            if path.failed {
+                return None;
+            }
             let usual = self.step.transition.length;
             // A remainder that differs from a usual step by rounding is one.
             let is_last = remaining <= usual * (1.0 + ALIGNMENT);
             let step = if is_last && remaining < usual * (1.0 - ALIGNMENT) {
+                let partial = &mut scratch.partial;
                 partial.transition = self.oscillator.transition(remaining, &mut partial.harmonics);
                 partial.root_length = remaining.sqrt();
                 &*partial
@@ -192,12 +205,22 @@ impl Noisy {
             self.take(step, path, terms, friction);
             acceleration = (self.force(path, terms) - friction) / mass;
             let end = Motion { velocity: eps * path.velocity, acceleration: eps * acceleration };
-            if !(end.velocity.is_finite() && end.acceleration.is_finite()) || path.work > WORK_LIMIT {
+            if !(end.velocity.is_finite() && end.acceleration.is_finite()) {
                 path.failed = true;
                 return None;
             }
-            if let Some(stop) = self.search.first(start, end, step.transition.length, step.root_length, &mut path.draws)
-            {
+            let step = Step {
+                start,
+                end,
+                way: eps * (path.displacement - before.1),
+                length: step.transition.length,
+                root_length: step.root_length,
+            };
+            let Ok(stop) = self.search.first(&step, &mut path.draws, &mut scratch.pending) else {
+                path.failed = true;
+                return None;
+            };
+            if let Some(stop) = stop {
                 path.time = before.0 + stop.after;
                 path.displacement = before.1 + eps * stop.way;
                 path.velocity = 0.0;
@@ -259,6 +282,7 @@ impl Path {
     #[inline]
     fn count_work(&mut self) {
         self.work += 1;
+        self.failed |= self.work > WORK_LIMIT;
     }
 }
 

@@ -9,7 +9,7 @@
 //! ```
 //!
 //! exact for U = A e^{theta t} + C e^{-theta t}. What any other U deviates from that chord at a fraction u of the step is
-//! c h^2 u (1-u)/2 with c = U'' - theta^2 U, to leading order; its mean over the place of touching shifts both
+//! c h^2 u (1-u)/2 with c = U'' - theta^2 U at mid-step, to leading order; its mean over the place of touching shifts both
 //! distances. (Symmetrically below.) After that correction the error of a step is of second order in
 //! c h^2 / (8 s sqrt h). The length of a step follows from the state at its start, which biases nothing:
 //!
@@ -43,6 +43,8 @@ struct StickStep {
     kick: f64,
     /// S.
     duration: f64,
+    /// e^{-3 theta h/2} (S/s^2)^2 = h^2 (1 + theta h/2 + ..): what c at mid-step bends the threshold by after the time change.
+    bow: f64,
     /// The largest |c| that this length allows: 8 kappa s h^{-3/2}.
     bend_limit: f64,
     /// 7 s sqrt(min(h, 1/(2 theta))): farther than the noise goes.
@@ -182,6 +184,7 @@ impl StickStep {
             growth,
             kick: s * (lost / (2.0 * theta)).sqrt(),
             duration: s * s * lost / (2.0 * theta) * growth * growth,
+            bow: (lost / (2.0 * theta)).powi(2) * growth * growth * growth.sqrt(),
             bend_limit: 8.0 * kappa * s / (length * length.sqrt()),
             reach: FAR * s * length.min(0.5 / theta).sqrt(),
             turns: Vec::new(),
@@ -216,7 +219,7 @@ impl StickStep {
             // U = n + distance on this side.
             let threshold = side * mean_noise + 0.5 * (d0 + d1);
             let c = side * bend - theta * theta * threshold;
-            (d0, d1 * self.growth, c * self.length * self.length)
+            (d0, d1 * self.growth, c * self.bow)
         };
         let probability = |side: f64| {
             let (d0, d1, bent) = chord(side);
