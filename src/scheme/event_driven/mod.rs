@@ -46,8 +46,7 @@ impl EventDriven {
     /// ([`DEFAULT_TOLERANCE`]; the noiseless cascade has none).
     pub fn new(model: &Model, timeline: &Timeline, tolerance: f64) -> Self {
         let scene = Scene::new(model);
-        let (_, initial_sd) = scene.initial_noise;
-        if scene.diffusion == 0.0 && initial_sd == 0.0 {
+        if !scene.is_noisy(timeline.end) {
             return EventDriven {
                 kernel: Kernel::Noiseless(Box::new(Noiseless::new(model, timeline))),
                 resolution: None,

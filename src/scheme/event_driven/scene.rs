@@ -77,6 +77,14 @@ impl Scene {
         }
     }
 
+    /// Whether noise can change a force at all within a time: not if it stays below the rounding of the other forces.
+    pub fn is_noisy(&self, end: f64) -> bool {
+        let forcing: f64 = self.harmonics.iter().map(|h| h.force.abs()).sum();
+        let forces = self.friction.static_force + forcing + self.oscillator.stiffness * self.initial_displacement.abs();
+        let wander = self.diffusion * end.min(0.5 / self.relaxation_rate).sqrt();
+        wander + self.initial_noise.1 > BELOW_ROUNDING * forces
+    }
+
     /// The terms K beta a e^{i (w t + phi)} of B at a time, from its definition.
     pub fn set_terms(&self, t: f64, terms: &mut [Complex]) {
         for (term, h) in terms.iter_mut().zip(&self.harmonics) {
@@ -84,6 +92,9 @@ impl Scene {
         }
     }
 }
+
+/// A relative size that is lost in a sum of doubles, with room for 7 standard deviations and for thousands of steps.
+const BELOW_ROUNDING: f64 = 1e-20;
 
 /// B: the real part of its terms.
 #[inline]
