@@ -5,9 +5,11 @@
 //! threads. A path is a function of the seed and its number alone, whatever company it is simulated in.
 
 mod event_driven;
+mod quasi_static;
 mod timeline;
 
 pub use event_driven::{DEFAULT_TOLERANCE, EventDriven, Resolution};
+pub use quasi_static::QuasiStatic;
 pub use timeline::{Instant, Stop, Timeline};
 
 use crate::model::Event;

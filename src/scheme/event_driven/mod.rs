@@ -20,12 +20,16 @@ mod stick;
 
 pub use step_rules::{DEFAULT_TOLERANCE, Resolution};
 
+pub(super) use draws::Draws;
+pub(super) use exact_time::ExactTime;
+pub(super) use noiseless::Noiseless;
+pub(super) use scene::{Scene, forcing};
+pub(super) use step_rules::StepRules;
+pub(super) use stick::{StickOutcome, StickState, StickSteps};
+
 use super::{Observer, Timeline};
 use crate::model::Model;
-use noiseless::Noiseless;
 use noisy::Noisy;
-use scene::Scene;
-use step_rules::StepRules;
 
 /// The event-driven scheme for one scene.
 #[derive(Clone, Debug)]

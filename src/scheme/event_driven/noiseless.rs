@@ -79,9 +79,8 @@ impl Noiseless {
 
     fn initial_leg(&self) -> Result<Leg, Unresolved> {
         let terms = self.terms_at(ExactTime::ZERO);
-        let temperature_force = self.model.oscillator.mass * terms.iter().map(|p| p.re).sum::<f64>();
         let displacement = self.model.initial_displacement;
-        let force = temperature_force - self.model.oscillator.stiffness * displacement;
+        let force = self.force_at_rest(&terms, displacement);
         self.stick(ExactTime::ZERO, displacement, force, terms)
     }
 
@@ -100,6 +99,19 @@ impl Noiseless {
 
     fn terms_at(&self, t: ExactTime) -> Vec<Complex> {
         self.body.terms().iter().map(|term| t.phased(term)).collect()
+    }
+
+    /// The exit of a static phase that begins at a time and a place, if before t_end.
+    pub fn stick_exit(&self, start: ExactTime, displacement: f64) -> Result<Option<Event>, Unresolved> {
+        let terms = self.terms_at(start);
+        let force = self.force_at_rest(&terms, displacement);
+        Ok(self.stick(start, displacement, force, terms)?.end.map(|(_, event)| event))
+    }
+
+    /// b with x' = 0.
+    fn force_at_rest(&self, terms: &[Complex], displacement: f64) -> f64 {
+        let body = &self.model.oscillator;
+        body.mass * terms.iter().map(|p| p.re).sum::<f64>() - body.stiffness * displacement
     }
 
     /// A static phase, and its exit: the first time that |b| > f_s.

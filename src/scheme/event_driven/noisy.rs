@@ -105,8 +105,7 @@ impl Noisy {
 
     fn start(&self, seed: u64, path: u64) -> Path {
         let mut draws = Draws::new(seed, path);
-        let (mean, sd) = self.scene.initial_noise;
-        let noise = if sd > 0.0 { mean + sd * draws.normal() } else { mean };
+        let noise = self.scene.draw_initial_noise(&mut draws);
         Path {
             time: 0.0,
             displacement: self.scene.initial_displacement,

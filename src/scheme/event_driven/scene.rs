@@ -4,6 +4,7 @@
 //! beta only turns W.) In a static phase b = B(t) - K x + n with B = K beta T_det, so the corridor of v becomes
 //! |b| <= f_s; in a slip, m x'' = B(t) - K x - 2 alpha x' - eps f_d + n.
 
+use super::draws::Draws;
 use crate::model::{Complex, Friction, InitialNoise, Model, Oscillator};
 
 /// One harmonic of B(t): Re[force e^{i w t}].
@@ -74,6 +75,24 @@ impl Scene {
             initial_noise,
             force_per_temperature: gain,
             forcing_curvature,
+        }
+    }
+
+    /// n(0); one draw if it is random.
+    pub fn draw_initial_noise(&self, draws: &mut Draws) -> f64 {
+        let (mean, sd) = self.initial_noise;
+        if sd > 0.0 { mean + sd * draws.normal() } else { mean }
+    }
+
+    /// The exact transition of n over a time; one draw if there is diffusion.
+    pub fn let_noise_pass(&self, noise: &mut f64, duration: f64, draws: &mut Draws) {
+        if duration > 0.0 {
+            let theta = self.relaxation_rate;
+            *noise *= libm::exp(-theta * duration);
+            if self.diffusion > 0.0 {
+                let lost = -libm::expm1(-2.0 * theta * duration);
+                *noise += self.diffusion * (lost / (2.0 * theta)).sqrt() * draws.normal();
+            }
         }
     }
 
