@@ -2,6 +2,7 @@
 #![deny(missing_docs)]
 
 pub mod ensemble;
+pub mod lanes;
 pub mod model;
 pub mod noise;
 pub mod scenario;

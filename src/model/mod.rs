@@ -13,6 +13,7 @@
 mod cascade;
 mod complex;
 mod friction;
+mod harmonic_clock;
 mod impulse_response;
 mod oscillator;
 mod slip_flow;
@@ -21,6 +22,7 @@ mod temperature;
 pub use cascade::{Event, EventKind, Phase, Sign};
 pub use complex::Complex;
 pub use friction::{Friction, prox};
+pub use harmonic_clock::HarmonicClock;
 pub use impulse_response::ImpulseResponse;
 pub use oscillator::Oscillator;
 pub use slip_flow::{ForcedOscillator, ForcingTerm, SlipFlow, SlipState};

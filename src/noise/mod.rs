@@ -1,9 +1,18 @@
 //! Randomness: one stream a path, normals by inversion, the Ornstein-Uhlenbeck process exactly.
 
 mod first_passage;
+mod normal;
+mod normal_table;
+mod ornstein_uhlenbeck;
 mod slip_transition;
 mod stream;
 
 pub use first_passage::{mean_touching_spread, meeting_place, meeting_probability};
+pub use normal::{MAX_NORMAL_ERROR, standard_normal};
+pub use ornstein_uhlenbeck::Transition;
 pub use slip_transition::{DrivenOscillator, HarmonicResponse, SlipTransition};
-pub use stream::Stream;
+pub use stream::{LaneStreams, Stream};
+
+/// What a file says about where its random numbers come from.
+pub const GENERATOR: &str =
+    "xoshiro256+, one stream a path seeded by SplitMix64 from (seed, path); normals by inversion";

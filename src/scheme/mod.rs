@@ -4,12 +4,18 @@
 //! occur, and the state of all its paths at the instants of a [`Timeline`]. It knows nothing of statistics, files or
 //! threads. A path is a function of the seed and its number alone, whatever company it is simulated in.
 
+mod any;
+mod discrete_vi;
 mod event_driven;
 mod quasi_static;
+mod reference;
 mod timeline;
 
+pub use any::Scheme;
+pub use discrete_vi::{DiscreteVi, divergence_bound};
 pub use event_driven::{DEFAULT_TOLERANCE, EventDriven, Resolution};
 pub use quasi_static::QuasiStatic;
+pub use reference::reference_path;
 pub use timeline::{Instant, Stop, Timeline};
 
 use crate::model::Event;

@@ -10,14 +10,25 @@
 //! Floating-point sums are formed path by path in time order, then over the paths of a block in order, then over blocks
 //! in order; counts are integers. So no statistic depends on threads, lanes or vector width.
 
+mod bands;
 mod catalogue;
+mod durations;
+mod interval;
+mod moments;
+mod observer;
+mod path;
+mod periods;
 mod record;
+mod sketch;
 mod summary;
+#[cfg(test)]
+mod synthetic;
 mod totals;
 
 pub use catalogue::{Dimension, Statistic};
+pub use observer::BlockObserver;
 pub use record::{BlockResult, EventColumns, PathColumns, Record, TrajectoryRows};
 pub use summary::{
     Band, Bands, Estimate, Histogram, PeriodMoments, QUANTILE_LEVELS, StickDurations, SubPhaseCounts, Summary,
 };
-pub use totals::Totals;
+pub use totals::{SUB_PHASE_CAP, Totals};

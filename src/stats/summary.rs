@@ -49,7 +49,7 @@ pub struct Bands {
     pub static_probability: Vec<f64>,
 }
 
-/// Counts in consecutive bins: bin i is [edges[i], edges[i + 1]).
+/// Counts in consecutive bins: bin i is `[edges[i], edges[i + 1])`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Histogram {
     /// Bin edges, one more than there are bins.

@@ -1,4 +1,429 @@
-//! The mergeable sums.
-/// Placeholder.
-#[derive(Clone, Debug)]
-pub struct Totals;
+//! The sums every statistic is computed from: empty, fold a block, merge, sum up.
+
+use super::bands::BandsTotals;
+use super::durations::DurationTotals;
+use super::interval::Measured;
+use super::moments::{FourMoments, JointMoments, Moments};
+use super::path::PathFold;
+use super::periods::PeriodTotals;
+use super::{Estimate, Statistic, SubPhaseCounts, Summary};
+use crate::model::Model;
+use crate::scheme::Timeline;
+
+/// Dynamic phases with this many sub-phases or more are counted together.
+pub const SUB_PHASE_CAP: usize = 64;
+
+/// Everything an ensemble, or a part of it, is summed up from. Its size does not grow with the number of paths (but for
+/// the numbers of the diverged ones).
+///
+/// Merging is associative up to rounding in the floating-point moments and exactly in every count; a run merges its
+/// blocks in block order, which makes it reproducible to the last bit.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Totals {
+    timeline: Timeline,
+    /// Paths folded, the diverged left out.
+    paths: u64,
+    diverged: Vec<u64>,
+    cascade: CascadeTotals,
+    pub(super) durations: DurationTotals,
+    pub(super) sub_phases: SubPhaseTotals,
+    pub(super) periods: PeriodTotals,
+    pub(super) bands: BandsTotals,
+}
+
+impl Totals {
+    /// The totals of no paths.
+    pub fn empty(model: &Model, timeline: &Timeline) -> Self {
+        Totals {
+            timeline: *timeline,
+            paths: 0,
+            diverged: Vec::new(),
+            cascade: CascadeTotals::default(),
+            durations: DurationTotals::empty(timeline),
+            sub_phases: SubPhaseTotals::default(),
+            periods: PeriodTotals::empty(timeline),
+            bands: BandsTotals::empty(model, timeline),
+        }
+    }
+
+    /// The paths of one block have reached t_end.
+    pub(super) fn end(&mut self, paths: &[PathFold], dynamic_force: f64, diverged: &[u64]) {
+        self.paths = paths.len() as u64;
+        self.diverged = diverged.to_vec();
+        self.cascade = CascadeTotals::of(paths, dynamic_force);
+    }
+
+    /// Add the paths of `other`, a later block of the same run.
+    pub fn merge(&mut self, other: &Totals) {
+        debug_assert_eq!(self.timeline, other.timeline, "totals of different runs");
+        self.paths += other.paths;
+        self.diverged.extend_from_slice(&other.diverged);
+        self.cascade.merge(&other.cascade);
+        self.durations.merge(&other.durations);
+        self.sub_phases.merge(&other.sub_phases);
+        self.periods.merge(&other.periods);
+        self.bands.merge(&other.bands);
+    }
+
+    /// Estimates with intervals, bands, histograms.
+    pub fn summary(&self) -> Summary {
+        Summary {
+            completed_paths: self.paths + self.diverged.len() as u64,
+            diverged: self.diverged.clone(),
+            estimates: Statistic::ALL.map(|statistic| self.estimate(statistic)).to_vec(),
+            stick_durations: self.durations.summary(),
+            sub_phases: self.sub_phases.summary(),
+            periods: self.periods.summary(),
+            bands: self.bands.summary(&self.timeline),
+        }
+    }
+
+    fn estimate(&self, statistic: Statistic) -> Estimate {
+        let CascadeTotals { sticks, first_sticks, slips, stick_time, work, displacement_end, contributing } =
+            &self.cascade;
+        let measured = match statistic {
+            Statistic::StickDurationMean => Measured::ratio(sticks, STICK_SUM, STICKS, contributing.sticks),
+            Statistic::StickDurationSd => stick_duration_sd(sticks, contributing.sticks),
+            Statistic::StickDurationMedian => self.durations.median(),
+            Statistic::FirstStickDurationMean => Measured::ratio(first_sticks, 1, 0, contributing.first_sticks),
+            Statistic::SticksPerPath => Measured::mean_of(sticks, STICKS),
+            Statistic::SlipsPerPath => Measured::mean_of(slips, SLIPS),
+            Statistic::SubPhasesMean => Measured::ratio(slips, SUB_PHASES, SLIPS, contributing.slips),
+            Statistic::SubPhasesMultipleShare => Measured::ratio(slips, MULTIPLE, SLIPS, contributing.slips),
+            Statistic::StickingFraction if self.timeline.end == 0.0 => Measured::NOTHING,
+            Statistic::StickingFraction => Measured::mean(stick_time).divided_by(self.timeline.end),
+            Statistic::DisplacementEndMean => Measured::mean(&displacement_end.two),
+            Statistic::DisplacementEndSd => Measured::standard_deviation(displacement_end),
+            Statistic::DriftVelocity => self.periods.drift_velocity(),
+            Statistic::DiffusionCoefficient => self.periods.diffusion_coefficient(),
+            Statistic::JumpMean => Measured::ratio(slips, JUMP, SLIPS, contributing.slips),
+            Statistic::JumpAbsMean => Measured::ratio(slips, JUMP_ABS, SLIPS, contributing.slips),
+            Statistic::FrictionWorkMean => Measured::mean(work),
+        };
+        measured.named(statistic)
+    }
+}
+
+// Entries of `CascadeTotals::sticks`; the third, the sum of squares, is used by `stick_duration_sd` alone.
+const STICKS: usize = 0;
+const STICK_SUM: usize = 1;
+
+// Entries of `CascadeTotals::slips`.
+const SLIPS: usize = 0;
+const SUB_PHASES: usize = 1;
+const MULTIPLE: usize = 2;
+const JUMP: usize = 3;
+const JUMP_ABS: usize = 4;
+
+/// Moments over paths of what each path's cascade comes down to.
+#[derive(Clone, Debug, Default, PartialEq)]
+struct CascadeTotals {
+    /// Number of completed sticks, j >= 1, sum of D_j, sum of D_j^2.
+    sticks: JointMoments<3>,
+    /// Whether the first stick ended, and its D_0.
+    first_sticks: JointMoments<2>,
+    /// Completed dynamic phases, sum of k(j), number with k(j) >= 2, sum of jumps, sum of |jumps|.
+    slips: JointMoments<5>,
+    stick_time: Moments,
+    work: Moments,
+    displacement_end: FourMoments,
+    contributing: Contributing,
+}
+
+/// Number of paths that completed at least one of each.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Contributing {
+    sticks: u64,
+    first_sticks: u64,
+    slips: u64,
+}
+
+impl CascadeTotals {
+    fn of(paths: &[PathFold], dynamic_force: f64) -> Self {
+        let column = |of: fn(&PathFold) -> f64| paths.iter().map(of).collect::<Vec<f64>>();
+        let count = |is: fn(&PathFold) -> bool| paths.iter().filter(|p| is(p)).count() as u64;
+        let work: Vec<f64> = paths.iter().map(|p| dynamic_force * p.travel).collect();
+        CascadeTotals {
+            sticks: JointMoments::of([
+                &column(|p| p.sticks.into()),
+                &column(|p| p.duration),
+                &column(|p| p.duration_squared),
+            ]),
+            first_sticks: JointMoments::of([
+                &column(|p| f64::from(u8::from(p.first_duration.is_some()))),
+                &column(|p| p.first_duration.unwrap_or(0.0)),
+            ]),
+            slips: JointMoments::of([
+                &column(|p| p.slips.into()),
+                &column(|p| p.sub_phases.into()),
+                &column(|p| p.multiple.into()),
+                &column(|p| p.jump),
+                &column(|p| p.jump_abs),
+            ]),
+            stick_time: Moments::of(&column(|p| p.stick_time)),
+            work: Moments::of(&work),
+            displacement_end: FourMoments::of(&column(|p| p.displacement_end)),
+            contributing: Contributing {
+                sticks: count(|p| p.sticks > 0),
+                first_sticks: count(|p| p.first_duration.is_some()),
+                slips: count(|p| p.slips > 0),
+            },
+        }
+    }
+
+    fn merge(&mut self, other: &CascadeTotals) {
+        self.sticks.merge(&other.sticks);
+        self.first_sticks.merge(&other.first_sticks);
+        self.slips.merge(&other.slips);
+        self.stick_time.merge(&other.stick_time);
+        self.work.merge(&other.work);
+        self.displacement_end.merge(&other.displacement_end);
+        self.contributing.sticks += other.contributing.sticks;
+        self.contributing.first_sticks += other.contributing.first_sticks;
+        self.contributing.slips += other.contributing.slips;
+    }
+}
+
+/// sqrt(q/n - (s/n)^2) from the means over paths n, s, q of the number of sticks, of their summed durations and of their
+/// summed squares. An sd below 1e-8 of the root mean square is lost in rounding, and comes out as zero.
+fn stick_duration_sd(paths: &JointMoments<3>, contributing: u64) -> Measured {
+    let [n, s, q] = paths.mean;
+    // One stick has no spread.
+    if n * paths.count as f64 <= 1.5 {
+        return Measured::NOTHING;
+    }
+    let (mean, mean_square) = (s / n, q / n);
+    let variance = mean_square - mean * mean;
+    if variance <= 4.0 * f64::EPSILON * mean_square {
+        return Measured::smooth(0.0, paths, [0.0; 3], contributing);
+    }
+    let sd = variance.sqrt();
+    let gradient = [2.0 * mean * mean - mean_square, -2.0 * mean, 1.0].map(|g| g / (2.0 * sd * n));
+    Measured::smooth(sd, paths, gradient, contributing)
+}
+
+/// Counts of k(j).
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct SubPhaseTotals {
+    counts: [u64; SUB_PHASE_CAP],
+    censored: u64,
+}
+
+impl Default for SubPhaseTotals {
+    fn default() -> Self {
+        SubPhaseTotals { counts: [0; SUB_PHASE_CAP], censored: 0 }
+    }
+}
+
+impl SubPhaseTotals {
+    /// A dynamic phase of k >= 1 sub-phases is complete.
+    #[inline]
+    pub fn completed(&mut self, k: u32) {
+        self.counts[(k.max(1) as usize).min(SUB_PHASE_CAP) - 1] += 1;
+    }
+
+    /// A dynamic phase runs at t_end.
+    pub fn censored(&mut self) {
+        self.censored += 1;
+    }
+
+    fn merge(&mut self, other: &SubPhaseTotals) {
+        for (mine, more) in self.counts.iter_mut().zip(&other.counts) {
+            *mine += more;
+        }
+        self.censored += other.censored;
+    }
+
+    fn summary(&self) -> SubPhaseCounts {
+        SubPhaseCounts { counts: self.counts.to_vec(), censored: self.censored }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::stats::synthetic::{Coverage, NOTHING_KEPT, Path, estimate, model, observe, slip, stick, turn};
+    use rand_distr::{Distribution, Exp1, StandardUniform, Uniform};
+    use rand_pcg::Pcg64Dxsm;
+    use rand_pcg::rand_core::SeedableRng;
+
+    const TIMELINE: Timeline = Timeline { end: 1000.0, output_step: 1000.0, period: None };
+
+    /// A path whose sticks resemble each other: their mean is 1/2 or 2, a fair coin for the whole path, and they are
+    /// exponential about it, 5 to 15 of them. Pooled over all paths
+    ///
+    /// ```text
+    /// E D = 5/4,   E D^2 = 2 (1/4 + 4)/2 = 17/4,   P(D > m) = (e^{-2m} + e^{-m/2})/2
+    /// ```
+    fn dependent_sticks(rng: &mut Pcg64Dxsm) -> Vec<f64> {
+        let coin: f64 = StandardUniform.sample(rng);
+        let mean = if coin < 0.5 { 0.5 } else { 2.0 };
+        let number = Uniform::new_inclusive(5, 15).unwrap().sample(rng);
+        (0..number).map(|_| mean * Distribution::<f64>::sample(&Exp1, rng)).collect()
+    }
+
+    fn path_of(durations: &[f64]) -> Path {
+        let mut events = vec![slip(0.0, 6.0)];
+        let mut time = 0.0;
+        for duration in durations {
+            events.push(stick(time, 6.0));
+            time += duration;
+            events.push(slip(time, 6.0));
+        }
+        Path { events, end: 6.0 }
+    }
+
+    #[test]
+    fn intervals_of_pooled_stick_statistics_hold_where_those_of_independent_sticks_fail() {
+        let (ensembles, paths) = (2000, 300);
+        // z = e^{-m/2} solves z^4 + z = 1.
+        let (mean, sd, median) = (1.25, (4.25f64 - 1.25 * 1.25).sqrt(), -2.0 * 0.724_491_959_000_515_6_f64.ln());
+        let mut rng = Pcg64Dxsm::seed_from_u64(20_260);
+        let mut covered: [Coverage; 3] = Default::default();
+        let mut naive: [Coverage; 2] = Default::default();
+        for _ in 0..ensembles {
+            let durations: Vec<Vec<f64>> = (0..paths).map(|_| dependent_sticks(&mut rng)).collect();
+            let block: Vec<Path> = durations.iter().map(|d| path_of(d)).collect();
+            let summary = observe(&TIMELINE, &NOTHING_KEPT, 0, &block, &[], &[]).totals.summary();
+            let statistics = [Statistic::StickDurationMean, Statistic::StickDurationSd, Statistic::StickDurationMedian];
+            for ((covered, statistic), truth) in covered.iter_mut().zip(statistics).zip([mean, sd, median]) {
+                let e = estimate(&summary, statistic);
+                covered.count(e.low <= truth && truth <= e.high);
+            }
+            // As if all sticks were independent: mean -+ 1.96 sd/sqrt(N), and a binomial number of sticks below the median.
+            let pooled = durations.concat();
+            let n = pooled.len() as f64;
+            let average = pooled.iter().sum::<f64>() / n;
+            let spread = (pooled.iter().map(|d| (d - average).powi(2)).sum::<f64>() / n).sqrt();
+            naive[0].count((average - mean).abs() < 1.96 * spread / n.sqrt());
+            let below = pooled.iter().filter(|&&d| d < median).count() as f64;
+            naive[1].count((below - n / 2.0).abs() < 1.96 * n.sqrt() / 2.0);
+        }
+        covered[0].assert_95_percent("mean");
+        covered[1].assert_95_percent("standard deviation");
+        covered[2].assert_95_percent("median");
+        // The design effect is about 1 + 0.2 (11 - 1) = 3, so 1.96 naive standard errors are 1.13 true ones: 74 %.
+        assert!(naive[0].share() < 0.80 && naive[1].share() < 0.80, "{} {}", naive[0].share(), naive[1].share());
+    }
+
+    #[test]
+    fn every_statistic_of_two_paths_is_the_one_computed_by_hand() {
+        let timeline = Timeline { end: 20.0, output_step: 20.0, period: Some(8.0) };
+        // Slips 6 -> 8 (one sub-phase) and 8 -> 10 -> 9 (two); sticks D_0 = 1, D_1 = 2, the last one cut off at 20.
+        let first = Path {
+            events: vec![slip(1.0, 6.0), stick(2.0, 8.0), slip(4.0, 8.0), turn(5.0, 10.0), stick(7.0, 9.0)],
+            end: 9.0,
+        };
+        // Slip 6 -> 5; sticks D_0 = 3, D_1 = 6; then a slip 5 -> 4 cut off at 20.
+        let second = Path { events: vec![slip(3.0, 6.0), stick(4.0, 5.0), slip(10.0, 5.0)], end: 4.0 };
+        let periods = [vec![9.0, 5.0], vec![9.5, 4.5]];
+        let summary = observe(&timeline, &NOTHING_KEPT, 0, &[first, second], &[], &periods).totals.summary();
+        let t = 12.706_204_736_432_1; // Student's t, one degree of freedom
+        let check = |statistic: Statistic, value: f64, error: f64| {
+            let e = estimate(&summary, statistic);
+            for (got, expected) in [
+                (e.estimate, value),
+                (e.standard_error, error),
+                (e.low, value - t * error),
+                (e.high, value + t * error),
+            ] {
+                assert!((got - expected).abs() < 1e-9, "{}: {e:?}, expected {value} +- {error}", statistic.name());
+            }
+        };
+        // Of two paths, a mean has the standard error |difference|/2; a ratio that of its residuals y - R x.
+        check(Statistic::StickDurationMean, 4.0, 2.0);
+        check(Statistic::FirstStickDurationMean, 2.0, 1.0);
+        check(Statistic::SticksPerPath, 1.0, 0.0);
+        check(Statistic::SlipsPerPath, 1.5, 0.5);
+        // R = 4/3: residuals 3 - 8/3 and 1 - 4/3, over a mean of 3/2 slips.
+        check(Statistic::SubPhasesMean, 4.0 / 3.0, 1.0 / 3.0 / 1.5);
+        // R = 1/3: residuals 1 - 2/3 and 0 - 1/3.
+        check(Statistic::SubPhasesMultipleShare, 1.0 / 3.0, 1.0 / 3.0 / 1.5);
+        // Static for 1 + 2 + 13 = 16 and 3 + 6 = 9 of 20.
+        check(Statistic::StickingFraction, 0.625, 0.175);
+        check(Statistic::DisplacementEndMean, 6.5, 2.5);
+        // Drift: x moves by 0.5 and -0.5 in a period of 8.
+        check(Statistic::DriftVelocity, 0.0, 0.0625);
+        // Jumps 2 + 1 = 3 of two slips, -1 of one: R = 2/3, residuals 3 - 4/3 and -1 - 2/3.
+        check(Statistic::JumpMean, 2.0 / 3.0, 5.0 / 3.0 / 1.5);
+        check(Statistic::JumpAbsMean, 4.0 / 3.0, 1.0 / 3.0 / 1.5);
+        // f_d = 2 times the travel 2 + 2 + 1 = 5 and 1 + 1 = 2.
+        check(Statistic::FrictionWorkMean, 7.0, 3.0);
+        // Variances 4^2/2 and 5^2/2, half their slope over a period of 8; two paths are always equally far from their mean.
+        check(Statistic::DiffusionCoefficient, (12.5 - 8.0) / 16.0, 0.0);
+        check(Statistic::DisplacementEndSd, 12.5f64.sqrt(), 0.0);
+        // D = 2 and 6, both with (D - 4)^2 = 4.
+        check(Statistic::StickDurationSd, 2.0, 0.0);
+        assert_eq!(summary.sub_phases.counts[..3], [2, 1, 0]);
+        assert_eq!((summary.sub_phases.censored, summary.stick_durations.censored), (1, 1));
+        assert_eq!((summary.stick_durations.completed, summary.stick_durations.first_completed), (2, 2));
+        assert_eq!(summary.periods.mean, [1.0, 1.0]);
+        assert_eq!(summary.periods.variance, [8.0, 12.5]);
+    }
+
+    #[test]
+    fn an_ensemble_that_never_slips_has_no_stick_duration_and_a_certain_sticking_fraction() {
+        let paths: Vec<Path> = (0..10).map(|_| Path { events: Vec::new(), end: 6.0 }).collect();
+        let summary = observe(&TIMELINE, &NOTHING_KEPT, 0, &paths, &[], &[]).totals.summary();
+        for absent in [
+            Statistic::StickDurationMean,
+            Statistic::StickDurationSd,
+            Statistic::StickDurationMedian,
+            Statistic::FirstStickDurationMean,
+            Statistic::SubPhasesMean,
+            Statistic::SubPhasesMultipleShare,
+            Statistic::JumpMean,
+            Statistic::JumpAbsMean,
+            Statistic::DriftVelocity,
+            Statistic::DiffusionCoefficient,
+        ] {
+            let e = estimate(&summary, absent);
+            assert!(e.estimate.is_nan() && e.standard_error.is_nan() && e.low.is_nan(), "{}", absent.name());
+        }
+        let fraction = estimate(&summary, Statistic::StickingFraction);
+        assert_eq!((fraction.estimate, fraction.standard_error, fraction.low), (1.0, 0.0, 1.0));
+        assert_eq!(summary.stick_durations.first_censored, 10);
+        assert!(summary.stick_durations.histogram.counts.is_empty());
+    }
+
+    #[test]
+    fn equal_paths_give_standard_errors_of_exactly_zero_however_they_are_blocked() {
+        let block = |first, n| {
+            let path = || Path {
+                events: vec![slip(0.1, 6.0), stick(0.7, 5.3), slip(1.1, 5.3), turn(2.3, 7.7), stick(3.1, 6.9)],
+                end: 6.9,
+            };
+            let paths: Vec<Path> = (0..n).map(|_| path()).collect();
+            observe(&TIMELINE, &NOTHING_KEPT, first, &paths, &[], &[]).totals
+        };
+        let mut totals = block(0, 100);
+        totals.merge(&block(100, 7));
+        for e in totals.summary().estimates.iter().filter(|e| e.estimate.is_finite()) {
+            assert_eq!((e.standard_error, e.low, e.high), (0.0, e.estimate, e.estimate), "{}", e.statistic.name());
+        }
+        let median = estimate(&totals.summary(), Statistic::StickDurationMedian).estimate;
+        assert_eq!(median, 1.1 - 0.7);
+    }
+
+    #[test]
+    fn one_path_is_an_estimate_without_an_interval() {
+        let path = Path { events: vec![slip(1.0, 6.0), stick(2.0, 7.0), slip(5.0, 7.0)], end: 8.0 };
+        let summary = observe(&TIMELINE, &NOTHING_KEPT, 0, &[path], &[], &[]).totals.summary();
+        let mean = estimate(&summary, Statistic::StickDurationMean);
+        assert_eq!(mean.estimate, 3.0);
+        for e in &summary.estimates {
+            assert!(e.low.is_nan() && e.high.is_nan() && e.standard_error.is_nan(), "{}", e.statistic.name());
+        }
+    }
+
+    #[test]
+    fn the_totals_of_no_paths_are_neutral() {
+        let paths: Vec<Path> = (1..40).map(|n| path_of(&[0.3 * f64::from(n); 5])).collect();
+        let some = observe(&TIMELINE, &NOTHING_KEPT, 0, &paths, &[], &[]).totals;
+        let (mut left, mut right) = (Totals::empty(&model(), &TIMELINE), some.clone());
+        left.merge(&some);
+        right.merge(&Totals::empty(&model(), &TIMELINE));
+        assert_eq!(left, some);
+        assert_eq!(right, some);
+    }
+}

@@ -354,7 +354,7 @@ mod tests {
             let times: Vec<f64> = found.iter().map(|e| e.0).collect();
             let (mean, _) = mean_and_error(&times);
             // The exit moves by about sd(n)/B' ~ 6 rho.
-            assert!((mean - 2.574_004_435_173_137_55).abs() < 6.0 * rho + 1e-9, "{rho}: {mean}");
+            assert!((mean - 2.574_004_435_173_137_6).abs() < 6.0 * rho + 1e-9, "{rho}: {mean}");
         }
     }
 }

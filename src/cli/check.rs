@@ -1,0 +1,179 @@
+//! `mc check`: a scenario in full, what follows from it, and what to beware of.
+
+use super::failure::{Failure, print};
+use super::numbers::{bytes, grouped, significant, wrapped};
+use super::overrides::Overrides;
+use std::fmt::Write as _;
+use std::path::PathBuf;
+use stick_slip::scenario::{Derived, Scenario, Stability};
+
+const EXAMPLES: &str = "\
+Examples:
+  mc check scenarios/rho025.toml
+  mc check scenarios/rho025.toml --step 0.1
+  mc check scenarios/rho025.toml --set friction.dynamic=1.2 > resolved.toml
+
+What is printed is itself a scenario: what follows from it, and the warnings, are comments.";
+
+/// Arguments of `mc check`.
+#[derive(Debug, clap::Args)]
+#[command(after_help = EXAMPLES)]
+pub struct Check {
+    /// The scenario, a TOML file
+    scenario: PathBuf,
+    #[command(flatten)]
+    overrides: Overrides,
+    /// Print one JSON object instead
+    #[arg(long)]
+    json: bool,
+}
+
+impl Check {
+    pub fn call(&self) -> Result<(), Failure> {
+        let scenario = self.overrides.scenario(&self.scenario)?;
+        if self.json {
+            return print(&json(&self.scenario.display().to_string(), &scenario));
+        }
+        print(&(report(&scenario) + &warnings(&scenario)))
+    }
+}
+
+/// The resolved scenario, and as comments what follows from it.
+pub fn report(scenario: &Scenario) -> String {
+    let mut text = scenario.to_toml();
+    text.push_str("\n# What follows from it\n");
+    for (meaning, value) in derived(scenario) {
+        let _ = writeln!(text, "# {meaning:<46}{value}");
+    }
+    text
+}
+
+fn warnings(scenario: &Scenario) -> String {
+    let warnings = scenario.warnings();
+    let mut text = String::from("\n");
+    for warning in &warnings {
+        text.push_str(&wrapped(&format!("# warning: {warning}"), "#   "));
+    }
+    if warnings.is_empty() {
+        text.push_str("# no warnings\n");
+    }
+    text
+}
+
+/// Significant digits of a derived quantity.
+const DIGITS: usize = 6;
+
+fn derived(scenario: &Scenario) -> Vec<(&'static str, String)> {
+    let number = |x: f64| significant(x, DIGITS);
+    let optional = |x: Option<f64>, none: &str| x.map_or(none.to_string(), number);
+    let Derived {
+        natural_frequency,
+        frequency_ratios,
+        friction_ratio,
+        noise_force,
+        corridor_half_width,
+        corridor_time,
+        stability,
+        expected_amplitude,
+        forcing_period,
+        whole_periods,
+        steps,
+        path_steps,
+        rows,
+        output_bytes,
+    } = scenario.derived();
+    let mut lines = vec![("w0 = sqrt(K/m), natural frequency", number(natural_frequency))];
+    lines.extend(frequency_ratios.iter().map(|ratio| ("w/w0, forcing", number(*ratio))));
+    lines.push(("f_d/f_s, friction ratio", optional(friction_ratio, "none: f_s = 0")));
+    lines.push(("K beta rho sigma/sqrt(2 theta), noise in b", optional(noise_force, "no noise")));
+    if noise_force.is_some() {
+        lines.push(("f_s/(K beta rho), corridor, in sd of v", optional(corridor_half_width, "unbounded")));
+        lines.push(("(f_s/(K beta rho sigma))^2, time to cross it", optional(corridor_time, "unbounded")));
+    }
+    lines.push(match stability {
+        Stability::Undamped { critical_amplitude } => {
+            ("A_c = 4 f_d/(pi w0 h K), critical amplitude", format!("{} (no damping)", number(critical_amplitude)))
+        }
+        Stability::Underdamped { largest_step } => {
+            ("2 alpha/K, stability limit of the step", format!("{} (underdamped)", number(largest_step)))
+        }
+        Stability::Overdamped { largest_step } => {
+            ("2/|lambda_max|, stability limit of the step", format!("{} (overdamped)", number(largest_step)))
+        }
+    });
+    lines.push(("largest |x| to be expected, roughly", significant(expected_amplitude, 2)));
+    lines.push(("2 pi/w, forcing period", optional(forcing_period, "none")));
+    lines.push(("whole forcing periods", number(whole_periods)));
+    lines.push(("steps of a path", grouped(steps)));
+    lines.push(("path-steps in all", significant(path_steps, 3)));
+    lines.push(("rows of the output grid", grouped(rows as u64)));
+    lines.push(("output file, about", bytes(output_bytes)));
+    lines
+}
+
+#[derive(serde::Serialize)]
+struct JsonCheck<'a> {
+    scenario: &'a str,
+    resolved: String,
+    derived: JsonDerived,
+    warnings: Vec<JsonWarning>,
+}
+
+#[derive(serde::Serialize)]
+struct JsonDerived {
+    natural_frequency: f64,
+    frequency_ratios: Vec<f64>,
+    friction_ratio: Option<f64>,
+    noise_force: Option<f64>,
+    corridor_half_width: Option<f64>,
+    corridor_time: Option<f64>,
+    critical_amplitude: Option<f64>,
+    largest_step: Option<f64>,
+    expected_amplitude: f64,
+    forcing_period: Option<f64>,
+    whole_periods: f64,
+    steps: u64,
+    path_steps: f64,
+    rows: usize,
+    output_bytes: f64,
+}
+
+#[derive(serde::Serialize)]
+struct JsonWarning {
+    name: &'static str,
+    text: String,
+}
+
+fn json(path: &str, scenario: &Scenario) -> String {
+    let d = scenario.derived();
+    let (critical_amplitude, largest_step) = match d.stability {
+        Stability::Undamped { critical_amplitude } => (Some(critical_amplitude), None),
+        Stability::Underdamped { largest_step } | Stability::Overdamped { largest_step } => (None, Some(largest_step)),
+    };
+    let check = JsonCheck {
+        scenario: path,
+        resolved: scenario.to_toml(),
+        derived: JsonDerived {
+            natural_frequency: d.natural_frequency,
+            frequency_ratios: d.frequency_ratios,
+            friction_ratio: d.friction_ratio,
+            noise_force: d.noise_force,
+            corridor_half_width: d.corridor_half_width,
+            corridor_time: d.corridor_time,
+            critical_amplitude,
+            largest_step,
+            expected_amplitude: d.expected_amplitude,
+            forcing_period: d.forcing_period,
+            whole_periods: d.whole_periods,
+            steps: d.steps,
+            path_steps: d.path_steps,
+            rows: d.rows,
+            output_bytes: d.output_bytes,
+        },
+        warnings: (scenario.warnings().iter())
+            .map(|warning| JsonWarning { name: warning.name(), text: warning.to_string() })
+            .collect(),
+    };
+    // Nothing in it can fail: every key is a string, and non-finite numbers become null.
+    serde_json::to_string_pretty(&check).unwrap_or_default() + "\n"
+}

@@ -1,0 +1,20 @@
+//! `mc completions`: a completion script on standard output.
+
+use super::failure::{Failure, print};
+use clap::CommandFactory as _;
+
+/// Arguments of `mc completions`.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Example:\n  mc completions bash > ~/.local/share/bash-completion/completions/mc")]
+pub struct Completions {
+    /// Which shell
+    shell: clap_complete::Shell,
+}
+
+impl Completions {
+    pub fn call(&self) -> Result<(), Failure> {
+        let mut script = Vec::new();
+        clap_complete::generate(self.shell, &mut super::Arguments::command(), "mc", &mut script);
+        print(&String::from_utf8_lossy(&script))
+    }
+}

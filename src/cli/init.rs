@@ -1,0 +1,50 @@
+//! `mc init`: a shipped scenario, comments and all, to start from.
+
+use super::failure::{Failure, note, print, writable};
+use std::fs::OpenOptions;
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+use stick_slip::scenario::{SHIPPED, shipped};
+
+const EXAMPLES: &str = "\
+Examples:
+  mc init                             rho025.toml here
+  mc init --from shaw -o mine.toml
+  mc init --from damped -o -          to standard output";
+
+/// Arguments of `mc init`.
+#[derive(Debug, clap::Args)]
+#[command(after_help = EXAMPLES)]
+pub struct Init {
+    /// Which shipped scenario
+    #[arg(long, value_name = "NAME", default_value = "rho025",
+          value_parser = clap::builder::PossibleValuesParser::new(SHIPPED.map(|scenario| scenario.name)))]
+    from: String,
+    /// Where to write it; `-` is standard output [default: NAME.toml]
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+    /// Overwrite the file if it exists
+    #[arg(long)]
+    force: bool,
+}
+
+impl Init {
+    pub fn call(&self) -> Result<(), Failure> {
+        let scenario = shipped(&self.from).ok_or_else(|| {
+            let names = SHIPPED.map(|scenario| scenario.name).join(", ");
+            Failure::usage(format!("there is no shipped scenario `{}`", self.from), format!("choose one of {names}"))
+        })?;
+        let output = self.output.clone().unwrap_or_else(|| format!("{}.toml", scenario.name).into());
+        if output == Path::new("-") {
+            return print(scenario.text);
+        }
+        writable(&output, self.force)?;
+        // create_new closes the gap between looking and writing.
+        let mut options = OpenOptions::new();
+        options.write(true).truncate(self.force).create(self.force).create_new(!self.force);
+        let written = options.open(&output).and_then(|mut file| file.write_all(scenario.text.as_bytes()));
+        written.map_err(|e| Failure::Run(format!("cannot write {}: {e}", output.display())))?;
+        note(&format!("wrote {0}; next: mc check {0}", output.display()));
+        Ok(())
+    }
+}

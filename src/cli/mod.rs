@@ -1,0 +1,68 @@
+//! The command line: one file per verb, each of them parse, call, print.
+
+mod check;
+mod completions;
+mod failure;
+mod init;
+mod numbers;
+mod overrides;
+mod progress;
+mod replay;
+mod report;
+mod results;
+mod run;
+mod show;
+
+pub use failure::Failure;
+
+/// Version and commit, as `--version` shows them.
+const VERSION: &str = concat!(env!("CARGO_PKG_VERSION"), " (", env!("MC_GIT_HASH"), ")");
+
+const EXAMPLES: &str = "\
+Examples:
+  mc init --from rho025 -o mine.toml        write a scenario to start from
+  mc check mine.toml                        is it sound, and what will it cost?
+  mc run mine.toml --paths 10000            simulate; results in mine.h5
+  mc run mine.toml --set friction.static=1.3 -o stronger.h5
+  mc show mine.h5                           the table again, from the file
+  mc replay mine.h5 --path 4711             one path alone, step by step
+
+Exit codes: 0 done, 1 the run failed, 2 the arguments or the scenario are wrong, 130 interrupted.";
+
+/// Monte Carlo of an oscillator with dry friction: when it sticks, when it slips, and how sure that is.
+#[derive(Debug, clap::Parser)]
+#[command(name = "mc", version = VERSION, after_help = EXAMPLES, arg_required_else_help = true)]
+pub struct Arguments {
+    #[command(subcommand)]
+    verb: Verb,
+}
+
+#[derive(Debug, clap::Subcommand)]
+enum Verb {
+    /// Simulate an ensemble and write its statistics
+    Run(run::Run),
+    /// Validate a scenario; print it in full, what follows from it, and warnings
+    Check(check::Check),
+    /// Print the results in a file again
+    Show(show::Show),
+    /// Rerun one path of a stored ensemble alone, keeping every step
+    Replay(replay::Replay),
+    /// Write a commented scenario to start from
+    Init(init::Init),
+    /// Print a completion script for a shell
+    Completions(completions::Completions),
+}
+
+impl Arguments {
+    /// Call the verb.
+    pub fn call(&self) -> Result<(), Failure> {
+        match &self.verb {
+            Verb::Run(run) => run.call(),
+            Verb::Check(check) => check.call(),
+            Verb::Show(show) => show.call(),
+            Verb::Replay(replay) => replay.call(),
+            Verb::Init(init) => init.call(),
+            Verb::Completions(completions) => completions.call(),
+        }
+    }
+}

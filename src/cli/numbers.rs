@@ -1,0 +1,155 @@
+//! Numbers and sentences as people read them.
+
+/// `digits` significant digits, in plain notation where that is readable; trailing zeros dropped.
+pub fn significant(x: f64, digits: usize) -> String {
+    if !x.is_finite() {
+        return if x.is_nan() {
+            "none".into()
+        } else if x > 0.0 {
+            "infinite".into()
+        } else {
+            "-infinite".into()
+        };
+    }
+    let rounded: f64 = format!("{x:.*e}", digits.saturating_sub(1)).parse().unwrap_or(x);
+    if rounded != 0.0 && !(1e-4..1e7).contains(&rounded.abs()) { format!("{rounded:e}") } else { format!("{rounded}") }
+}
+
+/// A whole number in groups of three: 60 000 000.
+pub fn grouped(n: u64) -> String {
+    let digits = n.to_string();
+    let mut text = String::with_capacity(digits.len() * 4 / 3);
+    for (i, digit) in digits.chars().enumerate() {
+        if i > 0 && (digits.len() - i).is_multiple_of(3) {
+            text.push(' ');
+        }
+        text.push(digit);
+    }
+    text
+}
+
+/// Bytes in the largest decimal unit that leaves a number above one.
+pub fn bytes(n: f64) -> String {
+    let units = [(1e15, "PB"), (1e12, "TB"), (1e9, "GB"), (1e6, "MB"), (1e3, "kB")];
+    match units.into_iter().find(|(unit, _)| n >= *unit) {
+        Some((unit, name)) => format!("{} {name}", significant(n / unit, 3)),
+        None => format!("{n:.0} B"),
+    }
+}
+
+/// Seconds as people say them: 0.42 s, 3 min 20 s, 2 h 5 min.
+pub fn duration(seconds: f64) -> String {
+    match seconds {
+        s if s < 10.0 => format!("{s:.2} s"),
+        s if s < 120.0 => format!("{s:.1} s"),
+        s if s < 7200.0 => format!("{:.0} min {:.0} s", (s / 60.0).floor(), (s % 60.0).floor()),
+        s => format!("{:.0} h {:.0} min", (s / 3600.0).floor(), (s % 3600.0 / 60.0).floor()),
+    }
+}
+
+/// Most characters in a line of prose.
+const LINE: usize = 100;
+
+/// A sentence broken into lines; every line but the first begins with `indent`.
+pub fn wrapped(sentence: &str, indent: &str) -> String {
+    let mut text = String::new();
+    let mut line = String::new();
+    for word in sentence.split_inclusive(' ') {
+        if line.chars().count() + word.trim_end().chars().count() > LINE {
+            text.push_str(line.trim_end());
+            text.push('\n');
+            line = indent.to_string();
+        }
+        line.push_str(word);
+    }
+    text + line.trim_end() + "\n"
+}
+
+/// An estimate, its standard error and its interval, with a common number of decimals and a common power of ten.
+///
+/// Two digits of the standard error say how far the estimate can be read; further digits are noise.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Digits {
+    exponent: i32,
+    decimals: usize,
+}
+
+/// Digits of a number that has no standard error.
+const EXACT_DIGITS: i32 = 7;
+/// Powers of ten that are printed plainly.
+const PLAIN: std::ops::RangeInclusive<i32> = -3..=6;
+
+impl Digits {
+    /// For this estimate and standard error.
+    pub fn of(estimate: f64, standard_error: f64) -> Self {
+        let sure = standard_error.is_finite() && standard_error > 0.0;
+        let error = if sure { standard_error } else { 0.0 };
+        let largest = power_of_ten(estimate.abs().max(error));
+        // Never more than a double holds.
+        let last = if sure { power_of_ten(error) - 1 } else { largest - EXACT_DIGITS + 1 }.max(largest - 15);
+        let exponent = if PLAIN.contains(&largest) { 0 } else { largest };
+        Digits { exponent, decimals: (exponent - last).max(0) as usize }
+    }
+
+    /// A number with these digits; `none` if it is not finite.
+    pub fn show(self, x: f64) -> String {
+        if !x.is_finite() {
+            return "none".into();
+        }
+        // In two halves: 10^324, or its inverse, is not a double.
+        let half = self.exponent / 2;
+        let scaled = x / 10f64.powi(half) / 10f64.powi(self.exponent - half);
+        let text = format!("{scaled:.*}", self.decimals);
+        let text = match text.strip_prefix('-') {
+            Some(zero) if zero.chars().all(|c| c == '0' || c == '.') => zero.to_string(),
+            _ => text,
+        };
+        if self.exponent == 0 { text } else { format!("{text}e{}", self.exponent) }
+    }
+}
+
+/// floor(log10 x); 0 for zero.
+fn power_of_ten(x: f64) -> i32 {
+    if x == 0.0 || !x.is_finite() {
+        return 0;
+    }
+    format!("{x:e}").split_once('e').and_then(|(_, power)| power.parse().ok()).unwrap_or(0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_estimate_shows_two_digits_of_its_error() {
+        let shown = |x, e| {
+            let digits = Digits::of(x, e);
+            (digits.show(x), digits.show(e))
+        };
+        assert_eq!(shown(0.538572, 0.000266), ("0.53857".into(), "0.00027".into()));
+        assert_eq!(shown(14.1226, 0.0073), ("14.1226".into(), "0.0073".into()));
+        assert_eq!(shown(-4.2316, 12.0), ("-4".into(), "12".into()));
+        assert_eq!(shown(1.88841e8, 9.67e6), ("1.888e8".into(), "0.097e8".into()));
+        assert_eq!(shown(3.06398e-4, 1.3427e-5), ("3.06e-4".into(), "0.13e-4".into()));
+    }
+
+    #[test]
+    fn an_estimate_without_error_shows_seven_digits() {
+        assert_eq!(Digits::of(2.5740044351, 0.0).show(2.5740044351), "2.574004");
+        assert_eq!(Digits::of(0.0, 0.0).show(-0.0), "0.000000");
+        assert_eq!(Digits::of(1.0, f64::NAN).show(f64::NAN), "none");
+        assert_eq!(Digits::of(1e300, 0.0).show(1e300), "1.000000e300");
+        assert_eq!(Digits::of(5e-324, 0.0).show(0.0), "0.000000e-324");
+    }
+
+    #[test]
+    fn numbers_read_plainly() {
+        assert_eq!(significant(0.125, 6), "0.125");
+        assert_eq!(significant(f64::INFINITY, 3), "infinite");
+        assert_eq!(significant(1.5e-9, 3), "1.5e-9");
+        assert_eq!(grouped(60_000_000), "60 000 000");
+        assert_eq!(grouped(12), "12");
+        assert_eq!(bytes(1_234_567.0), "1.23 MB");
+        assert_eq!(duration(200.0), "3 min 20 s");
+    }
+}

@@ -1,0 +1,53 @@
+//! What every file of results says about where it comes from.
+
+use super::failure::Failure;
+use std::path::Path;
+use stick_slip::ensemble::BLOCK_SIZE;
+use stick_slip::noise::GENERATOR;
+use stick_slip::scenario::Scenario;
+use stick_slip::store::{Header, StoreError, Writer, check_space, discard_partial};
+
+/// The header of the file that a scenario's run writes.
+pub fn header(scenario: &Scenario) -> Header {
+    let units = scenario.units.clone();
+    Header {
+        title: scenario.title.clone(),
+        scenario_text: scenario.to_toml(),
+        scheme: scenario.scheme.name().to_string(),
+        step: Some(scenario.time.step),
+        seed: scenario.ensemble.seed,
+        generator: GENERATOR.to_string(),
+        paths: scenario.ensemble.paths,
+        block_size: BLOCK_SIZE,
+        program_version: env!("CARGO_PKG_VERSION").to_string(),
+        git_hash: env!("MC_GIT_HASH").to_string(),
+        units: [units.time, units.length, units.force, units.temperature],
+        time: scenario.timeline().output_times(),
+    }
+}
+
+/// Start the file, if its disk has room for it. With `force`, what an unfinished run to the same name left goes.
+pub fn create(scenario: &Scenario, output: &Path, force: bool) -> Result<Writer, Failure> {
+    let header = header(scenario);
+    let folder = output.parent().unwrap_or(Path::new("."));
+    check_space(folder, scenario.derived().output_bytes as u64)?;
+    if force {
+        discard_partial(output)?;
+    }
+    Ok(Writer::create(output, &header, &scenario.record)?)
+}
+
+impl From<StoreError> for Failure {
+    fn from(error: StoreError) -> Self {
+        match error {
+            StoreError::NotOpened { .. }
+            | StoreError::NotHdf5 { .. }
+            | StoreError::Foreign { .. }
+            | StoreError::Newer { .. }
+            | StoreError::Unfinished { .. }
+            | StoreError::NoFolder { .. }
+            | StoreError::LeftOver { .. } => Failure::Refused(error.to_string()),
+            _ => Failure::Run(error.to_string()),
+        }
+    }
+}

@@ -1,0 +1,185 @@
+//! `mc run`: simulate an ensemble, write its statistics, say what came out.
+
+use super::failure::{Failure, note, print, writable};
+use super::numbers::wrapped;
+use super::overrides::Overrides;
+use super::progress::Progress;
+use super::report::{self, RunInfo};
+use super::results;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Instant;
+use stick_slip::scenario::Scenario;
+use stick_slip::stats::{Summary, Totals};
+use stick_slip::store::{Status, StoreError};
+
+const EXAMPLES: &str = "\
+Examples:
+  mc run scenarios/rho025.toml --paths 10000
+  mc run scenarios/rho025.toml --step 0.001 -o fine.h5
+  mc run scenarios/rho025.toml --set friction.static=1.3 -o stronger.h5
+  mc run scenarios/shaw.toml --json | jq .statistics.stick_duration_mean
+
+A path's noise depends on the seed and the number of the path alone: the result is the same for any number of threads.
+Ctrl-C finishes the blocks in flight and leaves a valid file; a second one stops at once.";
+
+/// Arguments of `mc run`.
+#[derive(Debug, clap::Args)]
+#[command(after_help = EXAMPLES)]
+pub struct Run {
+    /// The scenario, a TOML file
+    scenario: PathBuf,
+    #[command(flatten)]
+    overrides: Overrides,
+    /// Threads [default: one a core]
+    #[arg(long, value_name = "K", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: Option<u16>,
+    /// Where to write the results [default: SCENARIO.h5 in the current directory]
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+    /// Overwrite the results of another run
+    #[arg(long)]
+    force: bool,
+    /// Print nothing but warnings and errors
+    #[arg(short, long, conflicts_with = "verbose")]
+    quiet: bool,
+    /// Print one JSON object on standard output, and nothing else there
+    #[arg(long)]
+    json: bool,
+    /// Print the resolved scenario and what follows from it before the run
+    #[arg(short, long)]
+    verbose: bool,
+}
+
+/// What the engine is asked to do.
+struct Job<'a> {
+    scenario: &'a Scenario,
+    threads: usize,
+    output: &'a Path,
+    force: bool,
+}
+
+/// What it did.
+struct Outcome {
+    summary: Summary,
+    status: Status,
+}
+
+impl Run {
+    pub fn call(&self) -> Result<(), Failure> {
+        let scenario = self.overrides.scenario(&self.scenario)?;
+        let output = self.output.clone().unwrap_or_else(|| default_output(&self.scenario));
+        self.refuse_to_lose(&output)?;
+        if self.verbose {
+            note(&super::check::report(&scenario));
+            note(&format!("kernel: {}", scenario.plan().scheme.kernel()));
+        }
+        for warning in scenario.warnings() {
+            note(wrapped(&format!("warning: {warning}"), "  ").trim_end());
+        }
+        let threads = self.threads.map_or_else(cores, usize::from);
+        let job = Job { scenario: &scenario, threads, output: &output, force: self.force };
+        let stop = stop_on_ctrl_c();
+        let start = Instant::now();
+        let mut progress = Progress::new(scenario.ensemble.paths, self.quiet);
+        let outcome = execute(&job, &stop, &mut |done| progress.update(done));
+        progress.finish();
+        let Outcome { summary, status } = outcome?;
+
+        let info = info(&self.scenario, &job, status, start.elapsed().as_secs_f64());
+        if self.json {
+            print(&report::json(&summary, &info))?;
+        } else if !self.quiet {
+            print(&report::table(&summary, &info))?;
+        }
+        if let Some(line) = report::diverged(&summary).filter(|_| self.json || self.quiet) {
+            note(&format!("warning: {line}"));
+        }
+        match status {
+            Status::Complete => Ok(()),
+            Status::Interrupted | Status::Running => Err(Failure::Interrupted),
+        }
+    }
+
+    fn refuse_to_lose(&self, output: &Path) -> Result<(), Failure> {
+        let same = |a: &Path, b: &Path| a.canonicalize().is_ok_and(|a| b.canonicalize().is_ok_and(|b| a == b));
+        if same(output, &self.scenario) {
+            let problem = format!("{} is the scenario itself", output.display());
+            return Err(Failure::usage(problem, "choose another file for the results with -o"));
+        }
+        writable(output, self.force)
+    }
+}
+
+/// `<scenario>.h5` in the current directory.
+fn default_output(scenario: &Path) -> PathBuf {
+    let mut name = scenario.file_stem().unwrap_or("run".as_ref()).to_os_string();
+    name.push(".h5");
+    PathBuf::from(name)
+}
+
+fn cores() -> usize {
+    std::thread::available_parallelism().map_or(1, usize::from)
+}
+
+fn info(scenario_path: &Path, job: &Job<'_>, status: Status, seconds: f64) -> RunInfo {
+    let Scenario { title, time, scheme, ensemble, units, .. } = job.scenario;
+    RunInfo {
+        scenario: scenario_path.display().to_string(),
+        title: title.clone(),
+        scheme: scheme.name().to_string(),
+        step: Some(time.step),
+        seed: ensemble.seed,
+        paths: ensemble.paths,
+        threads: Some(job.threads),
+        seconds: Some(seconds),
+        steps_per_path: Some(time.steps()),
+        file: job.output.display().to_string(),
+        status,
+        units: units.clone(),
+    }
+}
+
+/// A flag that the first Ctrl-C raises; the second one ends the process.
+fn stop_on_ctrl_c() -> Arc<AtomicBool> {
+    let stop = Arc::new(AtomicBool::new(false));
+    let raised = Arc::clone(&stop);
+    // Without a handler Ctrl-C still stops the run, only less gently.
+    let _ = ctrlc::set_handler(move || {
+        if raised.swap(true, Ordering::Relaxed) {
+            std::process::exit(130);
+        }
+        note("\nstopping after the blocks in flight; press Ctrl-C again to stop at once");
+    });
+    stop
+}
+
+/// Simulate, write the file, sum up. `progress` is told the paths done so far, once a block; when `stop` is raised, the
+/// blocks in flight are finished and the outcome is interrupted.
+fn execute(job: &Job<'_>, stop: &AtomicBool, progress: &mut (dyn FnMut(u64) + Send)) -> Result<Outcome, Failure> {
+    let plan = job.scenario.plan();
+    let mut writer = results::create(job.scenario, job.output, job.force)?;
+    let mut totals = Totals::empty(&plan.model, &plan.timeline);
+    let completed = plan.run_into(job.threads, stop, |block| {
+        totals.merge(&block.totals);
+        writer.append(&block)?;
+        progress(block.first_path + block.paths);
+        Ok::<_, StoreError>(())
+    })?;
+    let summary = totals.summary();
+    let status = if completed == plan.paths { Status::Complete } else { Status::Interrupted };
+    writer.finish(&summary, status)?;
+    Ok(Outcome { summary, status })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn results_are_named_after_the_scenario_and_stay_in_the_current_directory() {
+        assert_eq!(default_output(Path::new("scenarios/rho025.toml")), Path::new("rho025.h5"));
+        assert_eq!(default_output(Path::new("my.study.toml")), Path::new("my.study.h5"));
+    }
+}

@@ -1,0 +1,62 @@
+//! `mc show`: the results in a file, and where they come from.
+
+use super::failure::{Failure, print};
+use super::report::{self, RunInfo};
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+use stick_slip::scenario::{Scenario, Units};
+use stick_slip::store::{self, Header, Stored};
+
+/// Arguments of `mc show`.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:\n  mc show rho025.h5\n  mc show rho025.h5 --json | jq .statistics")]
+pub struct Show {
+    /// A file that `mc run` wrote
+    file: PathBuf,
+    /// Print one JSON object instead
+    #[arg(long)]
+    json: bool,
+}
+
+impl Show {
+    pub fn call(&self) -> Result<(), Failure> {
+        let stored = store::read(&self.file)?;
+        let info = info(&self.file, &stored);
+        if self.json {
+            return print(&report::json(&stored.summary, &info));
+        }
+        print(&(report::table(&stored.summary, &info) + &provenance(&stored.header)))
+    }
+}
+
+fn info(file: &Path, stored: &Stored) -> RunInfo {
+    let Stored { header, status, .. } = stored;
+    let [time, length, force, temperature] = header.units.clone();
+    let scenario = Scenario::parse("scenario", &header.scenario_text, &[]);
+    RunInfo {
+        scenario: header.title.clone(),
+        title: header.title.clone(),
+        scheme: header.scheme.clone(),
+        step: header.step,
+        seed: header.seed,
+        paths: header.paths,
+        threads: None,
+        seconds: None,
+        steps_per_path: scenario.ok().map(|scenario| scenario.time.steps()),
+        file: file.display().to_string(),
+        status: *status,
+        units: Units { time, length, force, temperature },
+    }
+}
+
+fn provenance(header: &Header) -> String {
+    let mut text = String::new();
+    let _ = writeln!(text, "written by mc {} ({})", header.program_version, header.git_hash);
+    let _ = writeln!(text, "noise   {}, seed {}", header.generator, header.seed);
+    let _ = writeln!(text, "blocks  of {} paths\n", header.block_size);
+    let _ = writeln!(text, "scenario:");
+    for line in header.scenario_text.lines() {
+        let _ = writeln!(text, "{}", format!("  {line}").trim_end());
+    }
+    text
+}

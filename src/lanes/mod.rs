@@ -1,0 +1,145 @@
+//! Lanes: several paths side by side in one register, as a type that formulas read well in.
+//!
+//! [`Lanes`] is the arithmetic the noise and the discrete schemes need. There are three of it: eight lanes of AVX-512, four
+//! of AVX2 with FMA, and four portable ones. All of them compute the same bits: every operation is one that IEEE 754
+//! rounds correctly, and fused multiply-adds are written out, never left to the compiler. The widest one the processor has is
+//! chosen once per run ([`InstructionSet::detect`], [`InstructionSet::run`]).
+//!
+//! This is the only room with `unsafe` for speed. Its argument: the x86 lane types wrap intrinsics of one instruction set; code
+//! that uses them is only reached through `run`, which checks with `is_x86_feature_detected!` that the processor has it.
+
+mod portable;
+#[cfg(target_arch = "x86_64")]
+mod x86;
+
+pub use portable::Portable;
+
+/// Some numbers side by side, and the few operations the schemes need on them.
+///
+/// `Bits` are the same lanes seen as 64-bit integers; `Mask` says yes or no for each lane.
+pub trait Lanes: Copy {
+    /// How many lanes.
+    const WIDTH: usize;
+    /// One 64-bit integer a lane.
+    type Bits: Copy;
+    /// One boolean a lane.
+    type Mask: Copy;
+
+    /// The same number in every lane.
+    fn splat(value: f64) -> Self;
+    /// The first `WIDTH` numbers of a slice.
+    fn load(from: &[f64]) -> Self;
+    /// Write the lanes to the first `WIDTH` places of a slice.
+    fn store(self, to: &mut [f64]);
+    /// self + other
+    fn add(self, other: Self) -> Self;
+    /// self - other
+    fn sub(self, other: Self) -> Self;
+    /// self * factor + term, rounded once.
+    fn mul_add(self, factor: Self, term: Self) -> Self;
+    /// self > other
+    fn gt(self, other: Self) -> Self::Mask;
+    /// self < other
+    fn lt(self, other: Self) -> Self::Mask;
+    /// `a` where `up` holds, `b` where `down` holds, 0 elsewhere; they never hold both.
+    fn either(up: Self::Mask, a: Self, down: Self::Mask, b: Self) -> Self;
+    /// Bit i of the result is lane i of the mask.
+    fn bitmask(mask: Self::Mask) -> u32;
+    /// In each lane, the table entry numbered by the low 13 bits of `index`.
+    fn gather(table: &[u64; 8192], index: Self::Bits) -> Self::Bits;
+
+    /// The lanes' bit patterns.
+    fn to_bits(self) -> Self::Bits;
+    /// The numbers with these bit patterns.
+    fn from_bits(bits: Self::Bits) -> Self;
+    /// The same integer in every lane.
+    fn splat_bits(value: u64) -> Self::Bits;
+    /// The first `WIDTH` integers of a slice.
+    fn load_bits(from: &[u64]) -> Self::Bits;
+    /// Write the lanes to the first `WIDTH` places of a slice.
+    fn store_bits(bits: Self::Bits, to: &mut [u64]);
+    /// a + b modulo 2^64
+    fn add_bits(a: Self::Bits, b: Self::Bits) -> Self::Bits;
+    /// a ^ b
+    fn xor(a: Self::Bits, b: Self::Bits) -> Self::Bits;
+    /// a ^ b ^ c
+    fn xor3(a: Self::Bits, b: Self::Bits, c: Self::Bits) -> Self::Bits;
+    /// (bits & keep) | set
+    fn keep_and_set(bits: Self::Bits, keep: u64, set: u64) -> Self::Bits;
+    /// a ^ (b & mask)
+    fn xor_masked(a: Self::Bits, b: Self::Bits, mask: u64) -> Self::Bits;
+    /// The doubles nearest to the lanes as signed integers.
+    fn from_integers(bits: Self::Bits) -> Self;
+    /// bits << N
+    fn shl<const N: u32>(bits: Self::Bits) -> Self::Bits;
+    /// bits >> N
+    fn shr<const N: u32>(bits: Self::Bits) -> Self::Bits;
+    /// bits rotated left by N < 64
+    fn rotate_left<const N: i32>(bits: Self::Bits) -> Self::Bits;
+}
+
+/// A computation that is generic over the lanes it runs on.
+pub trait LaneProgram {
+    /// Run it on these lanes. Implementations are `#[inline(always)]`, so that they compile for the caller's instruction set.
+    fn run<L: Lanes>(&mut self);
+}
+
+/// The instruction sets there are lanes for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum InstructionSet {
+    /// Eight lanes; needs AVX-512 F, DQ and VL.
+    Avx512,
+    /// Four lanes; needs AVX2 and FMA.
+    Avx2,
+    /// Four lanes in plain Rust; runs anywhere, slowly where there is no fused multiply-add.
+    Portable,
+}
+
+impl InstructionSet {
+    /// From the widest to the one that always works.
+    pub const ALL: [InstructionSet; 3] = [InstructionSet::Avx512, InstructionSet::Avx2, InstructionSet::Portable];
+
+    /// The widest one this processor has.
+    pub fn detect() -> Self {
+        Self::ALL.into_iter().find(|set| set.is_available()).unwrap_or(InstructionSet::Portable)
+    }
+
+    /// Whether this processor has it.
+    pub fn is_available(self) -> bool {
+        match self {
+            #[cfg(target_arch = "x86_64")]
+            InstructionSet::Avx512 => {
+                InstructionSet::Avx2.is_available()
+                    && is_x86_feature_detected!("avx512f")
+                    && is_x86_feature_detected!("avx512dq")
+                    && is_x86_feature_detected!("avx512vl")
+            }
+            #[cfg(target_arch = "x86_64")]
+            InstructionSet::Avx2 => is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma"),
+            InstructionSet::Portable => true,
+            #[cfg(not(target_arch = "x86_64"))]
+            InstructionSet::Avx512 | InstructionSet::Avx2 => false,
+        }
+    }
+
+    /// Its name, as `mc run --verbose` prints it.
+    pub fn name(self) -> &'static str {
+        match self {
+            InstructionSet::Avx512 => "AVX-512",
+            InstructionSet::Avx2 => "AVX2",
+            InstructionSet::Portable => "portable",
+        }
+    }
+
+    /// Run a program on this instruction set's lanes, or on the portable ones if the processor lacks it; the result is the
+    /// same either way.
+    pub fn run(self, program: &mut impl LaneProgram) {
+        match self {
+            #[cfg(target_arch = "x86_64")]
+            InstructionSet::Avx512 if self.is_available() => x86::run_avx512(program),
+            #[cfg(target_arch = "x86_64")]
+            InstructionSet::Avx2 if self.is_available() => x86::run_avx2(program),
+            _ => program.run::<Portable>(),
+        }
+    }
+}

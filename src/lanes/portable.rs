@@ -1,0 +1,123 @@
+//! Four lanes in plain Rust, for processors without the wide instruction sets.
+
+use super::Lanes;
+
+/// Four numbers side by side.
+#[derive(Clone, Copy, Debug)]
+pub struct Portable([f64; 4]);
+
+#[inline(always)]
+fn zip<T: Copy, U: Copy, R>(a: [T; 4], b: [U; 4], f: impl Fn(T, U) -> R) -> [R; 4] {
+    std::array::from_fn(|i| f(a[i], b[i]))
+}
+
+impl Lanes for Portable {
+    const WIDTH: usize = 4;
+    type Bits = [u64; 4];
+    type Mask = [bool; 4];
+
+    #[inline(always)]
+    fn splat(value: f64) -> Self {
+        Portable([value; 4])
+    }
+    #[inline(always)]
+    fn load(from: &[f64]) -> Self {
+        Portable(std::array::from_fn(|i| from[i]))
+    }
+    #[inline(always)]
+    fn store(self, to: &mut [f64]) {
+        to[..4].copy_from_slice(&self.0);
+    }
+    #[inline(always)]
+    fn add(self, other: Self) -> Self {
+        Portable(zip(self.0, other.0, |a, b| a + b))
+    }
+    #[inline(always)]
+    fn sub(self, other: Self) -> Self {
+        Portable(zip(self.0, other.0, |a, b| a - b))
+    }
+    #[inline(always)]
+    fn mul_add(self, factor: Self, term: Self) -> Self {
+        Portable(std::array::from_fn(|i| self.0[i].mul_add(factor.0[i], term.0[i])))
+    }
+    #[inline(always)]
+    fn gt(self, other: Self) -> Self::Mask {
+        zip(self.0, other.0, |a, b| a > b)
+    }
+    #[inline(always)]
+    fn lt(self, other: Self) -> Self::Mask {
+        zip(self.0, other.0, |a, b| a < b)
+    }
+    #[inline(always)]
+    fn either(up: Self::Mask, a: Self, down: Self::Mask, b: Self) -> Self {
+        Portable(std::array::from_fn(|i| match (up[i], down[i]) {
+            (true, _) => a.0[i],
+            (_, true) => b.0[i],
+            _ => 0.0,
+        }))
+    }
+    #[inline(always)]
+    fn bitmask(mask: Self::Mask) -> u32 {
+        mask.iter().enumerate().map(|(i, &yes)| u32::from(yes) << i).sum()
+    }
+    #[inline(always)]
+    fn gather(table: &[u64; 8192], index: Self::Bits) -> Self::Bits {
+        index.map(|i| table[(i & 8191) as usize])
+    }
+    #[inline(always)]
+    fn to_bits(self) -> Self::Bits {
+        self.0.map(f64::to_bits)
+    }
+    #[inline(always)]
+    fn from_bits(bits: Self::Bits) -> Self {
+        Portable(bits.map(f64::from_bits))
+    }
+    #[inline(always)]
+    fn splat_bits(value: u64) -> Self::Bits {
+        [value; 4]
+    }
+    #[inline(always)]
+    fn load_bits(from: &[u64]) -> Self::Bits {
+        std::array::from_fn(|i| from[i])
+    }
+    #[inline(always)]
+    fn store_bits(bits: Self::Bits, to: &mut [u64]) {
+        to[..4].copy_from_slice(&bits);
+    }
+    #[inline(always)]
+    fn add_bits(a: Self::Bits, b: Self::Bits) -> Self::Bits {
+        zip(a, b, u64::wrapping_add)
+    }
+    #[inline(always)]
+    fn xor(a: Self::Bits, b: Self::Bits) -> Self::Bits {
+        zip(a, b, |a, b| a ^ b)
+    }
+    #[inline(always)]
+    fn keep_and_set(bits: Self::Bits, keep: u64, set: u64) -> Self::Bits {
+        bits.map(|b| (b & keep) | set)
+    }
+    #[inline(always)]
+    fn xor3(a: Self::Bits, b: Self::Bits, c: Self::Bits) -> Self::Bits {
+        Self::xor(Self::xor(a, b), c)
+    }
+    #[inline(always)]
+    fn xor_masked(a: Self::Bits, b: Self::Bits, mask: u64) -> Self::Bits {
+        zip(a, b, |a, b| a ^ (b & mask))
+    }
+    #[inline(always)]
+    fn from_integers(bits: Self::Bits) -> Self {
+        Portable(bits.map(|b| b as i64 as f64))
+    }
+    #[inline(always)]
+    fn shl<const N: u32>(bits: Self::Bits) -> Self::Bits {
+        bits.map(|b| b << N)
+    }
+    #[inline(always)]
+    fn shr<const N: u32>(bits: Self::Bits) -> Self::Bits {
+        bits.map(|b| b >> N)
+    }
+    #[inline(always)]
+    fn rotate_left<const N: i32>(bits: Self::Bits) -> Self::Bits {
+        bits.map(|b| b.rotate_left(N as u32))
+    }
+}

@@ -1,0 +1,271 @@
+//! Eight lanes of AVX-512 and four of AVX2: one intrinsic a method.
+//!
+//! SAFETY, for every `unsafe` block of this file. Arithmetic intrinsics have one precondition: that the processor has their
+//! instruction set. The two lane types are private to this file and are only named by `run_avx512` and `run_avx2`, which
+//! [`super::InstructionSet::run`] calls after detecting it. Loads and stores are unaligned and reach exactly `WIDTH`
+//! elements of a slice whose length is checked first; table reads are masked to the 8192 entries of the table.
+
+use super::{LaneProgram, Lanes};
+use std::arch::x86_64::*;
+
+pub(super) fn run_avx512(program: &mut impl LaneProgram) {
+    #[target_feature(enable = "avx512f,avx512dq,avx512vl,avx2,fma")]
+    fn widened(program: &mut impl LaneProgram) {
+        program.run::<Avx512>();
+    }
+    // SAFETY: see the head of this file.
+    unsafe { widened(program) }
+}
+
+pub(super) fn run_avx2(program: &mut impl LaneProgram) {
+    #[target_feature(enable = "avx2,fma")]
+    fn widened(program: &mut impl LaneProgram) {
+        program.run::<Avx2>();
+    }
+    // SAFETY: see the head of this file.
+    unsafe { widened(program) }
+}
+
+/// Eight lanes.
+#[derive(Clone, Copy)]
+struct Avx512(__m512d);
+
+impl Lanes for Avx512 {
+    const WIDTH: usize = 8;
+    type Bits = __m512i;
+    type Mask = __mmask8;
+
+    #[inline(always)]
+    fn splat(value: f64) -> Self {
+        unsafe { Avx512(_mm512_set1_pd(value)) }
+    }
+    #[inline(always)]
+    fn load(from: &[f64]) -> Self {
+        unsafe { Avx512(_mm512_loadu_pd(from[..8].as_ptr())) }
+    }
+    #[inline(always)]
+    fn store(self, to: &mut [f64]) {
+        unsafe { _mm512_storeu_pd(to[..8].as_mut_ptr(), self.0) }
+    }
+    #[inline(always)]
+    fn add(self, other: Self) -> Self {
+        unsafe { Avx512(_mm512_add_pd(self.0, other.0)) }
+    }
+    #[inline(always)]
+    fn sub(self, other: Self) -> Self {
+        unsafe { Avx512(_mm512_sub_pd(self.0, other.0)) }
+    }
+    #[inline(always)]
+    fn mul_add(self, factor: Self, term: Self) -> Self {
+        unsafe { Avx512(_mm512_fmadd_pd(self.0, factor.0, term.0)) }
+    }
+    #[inline(always)]
+    fn gt(self, other: Self) -> Self::Mask {
+        unsafe { _mm512_cmp_pd_mask::<_CMP_GT_OQ>(self.0, other.0) }
+    }
+    #[inline(always)]
+    fn lt(self, other: Self) -> Self::Mask {
+        unsafe { _mm512_cmp_pd_mask::<_CMP_LT_OQ>(self.0, other.0) }
+    }
+    #[inline(always)]
+    fn either(up: Self::Mask, a: Self, down: Self::Mask, b: Self) -> Self {
+        unsafe { Avx512(_mm512_mask_mov_pd(_mm512_maskz_mov_pd(down, b.0), up, a.0)) }
+    }
+    #[inline(always)]
+    fn bitmask(mask: Self::Mask) -> u32 {
+        u32::from(mask)
+    }
+    #[inline(always)]
+    fn gather(table: &[u64; 8192], index: Self::Bits) -> Self::Bits {
+        unsafe {
+            let index = _mm512_and_si512(index, Self::splat_bits(8191));
+            _mm512_i64gather_epi64::<8>(index, table.as_ptr().cast())
+        }
+    }
+    #[inline(always)]
+    fn to_bits(self) -> Self::Bits {
+        unsafe { _mm512_castpd_si512(self.0) }
+    }
+    #[inline(always)]
+    fn from_bits(bits: Self::Bits) -> Self {
+        unsafe { Avx512(_mm512_castsi512_pd(bits)) }
+    }
+    #[inline(always)]
+    fn splat_bits(value: u64) -> Self::Bits {
+        unsafe { _mm512_set1_epi64(value as i64) }
+    }
+    #[inline(always)]
+    fn load_bits(from: &[u64]) -> Self::Bits {
+        unsafe { _mm512_loadu_si512(from[..8].as_ptr().cast()) }
+    }
+    #[inline(always)]
+    fn store_bits(bits: Self::Bits, to: &mut [u64]) {
+        unsafe { _mm512_storeu_si512(to[..8].as_mut_ptr().cast(), bits) }
+    }
+    #[inline(always)]
+    fn add_bits(a: Self::Bits, b: Self::Bits) -> Self::Bits {
+        unsafe { _mm512_add_epi64(a, b) }
+    }
+    #[inline(always)]
+    fn xor(a: Self::Bits, b: Self::Bits) -> Self::Bits {
+        unsafe { _mm512_xor_si512(a, b) }
+    }
+    #[inline(always)]
+    fn keep_and_set(bits: Self::Bits, keep: u64, set: u64) -> Self::Bits {
+        // 0xEA is the truth table of (a & b) | c
+        unsafe { _mm512_ternarylogic_epi64::<0xEA>(bits, Self::splat_bits(keep), Self::splat_bits(set)) }
+    }
+    #[inline(always)]
+    fn xor3(a: Self::Bits, b: Self::Bits, c: Self::Bits) -> Self::Bits {
+        // 0x96 is the truth table of a ^ b ^ c
+        unsafe { _mm512_ternarylogic_epi64::<0x96>(a, b, c) }
+    }
+    #[inline(always)]
+    fn xor_masked(a: Self::Bits, b: Self::Bits, mask: u64) -> Self::Bits {
+        // 0x78 is the truth table of a ^ (b & c)
+        unsafe { _mm512_ternarylogic_epi64::<0x78>(a, b, Self::splat_bits(mask)) }
+    }
+    #[inline(always)]
+    fn from_integers(bits: Self::Bits) -> Self {
+        unsafe { Avx512(_mm512_cvtepi64_pd(bits)) }
+    }
+    #[inline(always)]
+    fn shl<const N: u32>(bits: Self::Bits) -> Self::Bits {
+        unsafe { _mm512_slli_epi64::<N>(bits) }
+    }
+    #[inline(always)]
+    fn shr<const N: u32>(bits: Self::Bits) -> Self::Bits {
+        unsafe { _mm512_srli_epi64::<N>(bits) }
+    }
+    #[inline(always)]
+    fn rotate_left<const N: i32>(bits: Self::Bits) -> Self::Bits {
+        unsafe { _mm512_rol_epi64::<N>(bits) }
+    }
+}
+
+/// Four lanes.
+#[derive(Clone, Copy)]
+struct Avx2(__m256d);
+
+impl Lanes for Avx2 {
+    const WIDTH: usize = 4;
+    type Bits = __m256i;
+    type Mask = __m256d;
+
+    #[inline(always)]
+    fn splat(value: f64) -> Self {
+        unsafe { Avx2(_mm256_set1_pd(value)) }
+    }
+    #[inline(always)]
+    fn load(from: &[f64]) -> Self {
+        unsafe { Avx2(_mm256_loadu_pd(from[..4].as_ptr())) }
+    }
+    #[inline(always)]
+    fn store(self, to: &mut [f64]) {
+        unsafe { _mm256_storeu_pd(to[..4].as_mut_ptr(), self.0) }
+    }
+    #[inline(always)]
+    fn add(self, other: Self) -> Self {
+        unsafe { Avx2(_mm256_add_pd(self.0, other.0)) }
+    }
+    #[inline(always)]
+    fn sub(self, other: Self) -> Self {
+        unsafe { Avx2(_mm256_sub_pd(self.0, other.0)) }
+    }
+    #[inline(always)]
+    fn mul_add(self, factor: Self, term: Self) -> Self {
+        unsafe { Avx2(_mm256_fmadd_pd(self.0, factor.0, term.0)) }
+    }
+    #[inline(always)]
+    fn gt(self, other: Self) -> Self::Mask {
+        unsafe { _mm256_cmp_pd::<_CMP_GT_OQ>(self.0, other.0) }
+    }
+    #[inline(always)]
+    fn lt(self, other: Self) -> Self::Mask {
+        unsafe { _mm256_cmp_pd::<_CMP_LT_OQ>(self.0, other.0) }
+    }
+    #[inline(always)]
+    fn either(up: Self::Mask, a: Self, down: Self::Mask, b: Self) -> Self {
+        unsafe { Avx2(_mm256_or_pd(_mm256_and_pd(up, a.0), _mm256_and_pd(down, b.0))) }
+    }
+    #[inline(always)]
+    fn bitmask(mask: Self::Mask) -> u32 {
+        unsafe { _mm256_movemask_pd(mask) as u32 }
+    }
+    #[inline(always)]
+    fn gather(table: &[u64; 8192], index: Self::Bits) -> Self::Bits {
+        unsafe {
+            let index = _mm256_and_si256(index, Self::splat_bits(8191));
+            _mm256_i64gather_epi64::<8>(table.as_ptr().cast(), index)
+        }
+    }
+    #[inline(always)]
+    fn to_bits(self) -> Self::Bits {
+        unsafe { _mm256_castpd_si256(self.0) }
+    }
+    #[inline(always)]
+    fn from_bits(bits: Self::Bits) -> Self {
+        unsafe { Avx2(_mm256_castsi256_pd(bits)) }
+    }
+    #[inline(always)]
+    fn splat_bits(value: u64) -> Self::Bits {
+        unsafe { _mm256_set1_epi64x(value as i64) }
+    }
+    #[inline(always)]
+    fn load_bits(from: &[u64]) -> Self::Bits {
+        unsafe { _mm256_loadu_si256(from[..4].as_ptr().cast()) }
+    }
+    #[inline(always)]
+    fn store_bits(bits: Self::Bits, to: &mut [u64]) {
+        unsafe { _mm256_storeu_si256(to[..4].as_mut_ptr().cast(), bits) }
+    }
+    #[inline(always)]
+    fn add_bits(a: Self::Bits, b: Self::Bits) -> Self::Bits {
+        unsafe { _mm256_add_epi64(a, b) }
+    }
+    #[inline(always)]
+    fn xor(a: Self::Bits, b: Self::Bits) -> Self::Bits {
+        unsafe { _mm256_xor_si256(a, b) }
+    }
+    #[inline(always)]
+    fn keep_and_set(bits: Self::Bits, keep: u64, set: u64) -> Self::Bits {
+        unsafe { _mm256_or_si256(_mm256_and_si256(bits, Self::splat_bits(keep)), Self::splat_bits(set)) }
+    }
+    #[inline(always)]
+    fn xor3(a: Self::Bits, b: Self::Bits, c: Self::Bits) -> Self::Bits {
+        Self::xor(Self::xor(a, b), c)
+    }
+    #[inline(always)]
+    fn xor_masked(a: Self::Bits, b: Self::Bits, mask: u64) -> Self::Bits {
+        unsafe { _mm256_xor_si256(a, _mm256_and_si256(b, Self::splat_bits(mask))) }
+    }
+    /// AVX2 has no such conversion. The upper 32 bits, signed, are placed in the mantissa of 3 2^67 and the lower ones in that of
+    /// 2^52; subtracting both constants from the former is exact, so the last addition rounds once.
+    #[inline(always)]
+    fn from_integers(bits: Self::Bits) -> Self {
+        const UPPER: f64 = 442_721_857_769_029_238_784.0; // 3 2^67
+        const LOWER: f64 = 4_503_599_627_370_496.0; // 2^52
+        unsafe {
+            let upper = _mm256_blend_epi16::<0x33>(_mm256_srai_epi32::<16>(bits), _mm256_setzero_si256());
+            let upper = Self::add_bits(upper, _mm256_castpd_si256(_mm256_set1_pd(UPPER)));
+            let lower = _mm256_blend_epi16::<0x88>(bits, _mm256_castpd_si256(_mm256_set1_pd(LOWER)));
+            let upper = _mm256_sub_pd(_mm256_castsi256_pd(upper), _mm256_set1_pd(UPPER + LOWER));
+            Avx2(_mm256_add_pd(upper, _mm256_castsi256_pd(lower)))
+        }
+    }
+    #[inline(always)]
+    fn shl<const N: u32>(bits: Self::Bits) -> Self::Bits {
+        unsafe { _mm256_sll_epi64(bits, _mm_cvtsi64_si128(i64::from(N))) }
+    }
+    #[inline(always)]
+    fn shr<const N: u32>(bits: Self::Bits) -> Self::Bits {
+        unsafe { _mm256_srl_epi64(bits, _mm_cvtsi64_si128(i64::from(N))) }
+    }
+    #[inline(always)]
+    fn rotate_left<const N: i32>(bits: Self::Bits) -> Self::Bits {
+        unsafe {
+            let left = _mm256_sll_epi64(bits, _mm_cvtsi64_si128(i64::from(N)));
+            _mm256_or_si256(left, _mm256_srl_epi64(bits, _mm_cvtsi64_si128(i64::from(64 - N))))
+        }
+    }
+}

@@ -1,0 +1,144 @@
+//! The deterministic temperature at the instants t_n = n h, accurate for as many steps as there are.
+
+use super::Harmonic;
+use std::f64::consts::TAU;
+
+/// 1/(2 pi) to 107 bits, as the sum of two doubles.
+const TURNS_PER_RADIAN: (f64, f64) = (0.159_154_943_091_895_35, -9.839_338_337_591_243e-18);
+
+/// Values between two reductions of the phase.
+const RUN: u64 = 64;
+
+/// sum_i a_i cos(w_i n h + phi_i) at consecutive n.
+///
+/// At every 64th n the phase is reduced in turns: n w h / (2 pi) in double-double arithmetic, whole turns dropped exactly, so its error
+/// stays below 1e-15 turns up to n = 2^53. From there the angle-addition theorem steps with a table of cos(w_i j h) and
+/// sin(w_i j h), j < 64. Nothing is carried on from one run of 64 to the next, so nothing drifts: each value has an error below
+/// 1e-14 sum_i |a_i|, and is the same bits whichever n the caller starts from.
+#[derive(Clone, Debug)]
+pub struct HarmonicClock {
+    voices: Vec<Voice>,
+}
+
+/// One harmonic, prepared.
+#[derive(Clone, Debug)]
+struct Voice {
+    amplitude: f64,
+    phase: f64,
+    /// w h / (2 pi), high and low part.
+    turns: (f64, f64),
+    /// (cos, sin) of w j h, j = 0, 1, ...
+    ahead: Vec<(f64, f64)>,
+}
+
+impl HarmonicClock {
+    /// For steps of length `h`.
+    pub fn new(harmonics: &[Harmonic], h: f64) -> Self {
+        let voice = |harmonic: &Harmonic| {
+            let mut voice = Voice {
+                amplitude: harmonic.amplitude,
+                phase: harmonic.phase,
+                turns: product(two_product(harmonic.angular_frequency, h), TURNS_PER_RADIAN),
+                ahead: Vec::new(),
+            };
+            voice.ahead = (0..RUN).map(|j| libm::sincos(voice.angle(j))).map(|(s, c)| (c, s)).collect();
+            voice
+        };
+        HarmonicClock { voices: harmonics.iter().map(voice).collect() }
+    }
+
+    /// The values at t_n, t_{n+1}, ... into `values`.
+    pub fn fill(&self, n: u64, values: &mut [f64]) {
+        let (first, rest) = values.split_at_mut(((RUN - n % RUN) as usize).min(values.len()));
+        self.fill_run(n, first);
+        for (run, values) in (n / RUN + 1..).zip(rest.chunks_mut(RUN as usize)) {
+            self.fill_run(run * RUN, values);
+        }
+    }
+
+    /// Values that all lie between two multiples of 64.
+    fn fill_run(&self, n: u64, values: &mut [f64]) {
+        values.fill(0.0);
+        for voice in &self.voices {
+            let (s, c) = libm::sincos(voice.angle(n - n % RUN) + voice.phase);
+            let (s, c) = (voice.amplitude * s, voice.amplitude * c);
+            for (value, (cos, sin)) in values.iter_mut().zip(&voice.ahead[(n % RUN) as usize..]) {
+                *value += c * cos - s * sin;
+            }
+        }
+    }
+}
+
+impl Voice {
+    /// w n h modulo whole turns, in radians.
+    fn angle(&self, n: u64) -> f64 {
+        let n = n as f64;
+        let (high, low) = two_product(n, self.turns.0);
+        TAU * ((high - high.round()) + (low + n * self.turns.1))
+    }
+}
+
+/// a b = high + low exactly.
+fn two_product(a: f64, b: f64) -> (f64, f64) {
+    let high = a * b;
+    (high, a.mul_add(b, -high))
+}
+
+/// The product of two double-doubles.
+fn product(a: (f64, f64), b: (f64, f64)) -> (f64, f64) {
+    let (high, low) = two_product(a.0, b.0);
+    (high, low + (a.0 * b.1 + a.1 * b.0))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// cos(0.25 * 0.01 * n), with 0.25 and 0.01 taken as the doubles they are; 40-digit arithmetic (mpmath).
+    const EXACT: [(u64, f64); 5] = [
+        (40, 0.9950041652780258),
+        (10040, 0.9994640538508954),
+        (1000000, 0.7598251134902195),
+        (1000000000, -0.6263685469527481),
+        (1125899906842624, 0.12667961654562018),
+    ];
+
+    #[test]
+    fn the_phase_holds_for_a_billion_steps_and_beyond() {
+        let harmonic = Harmonic { amplitude: 1.0, angular_frequency: 0.25, phase: 0.0 };
+        let clock = HarmonicClock::new(&[harmonic], 0.01);
+        for (n, cosine) in EXACT {
+            let mut run = [0.0; 64];
+            clock.fill(n - 40, &mut run);
+            assert!((run[40] - cosine).abs() < 1e-14, "{n}: {} {cosine}", run[40]);
+        }
+    }
+
+    #[test]
+    fn a_value_does_not_depend_on_where_the_caller_starts() {
+        let harmonic = Harmonic { amplitude: 1.3, angular_frequency: 0.7, phase: 0.2 };
+        let clock = HarmonicClock::new(&[harmonic], 0.01);
+        let mut all = [0.0; 300];
+        clock.fill(1000, &mut all);
+        for (from, length) in [(0, 1), (1, 70), (23, 1), (24, 64), (25, 200), (299, 1)] {
+            let mut some = vec![0.0; length];
+            clock.fill(1000 + from as u64, &mut some);
+            assert_eq!(some, all[from..from + length]);
+        }
+    }
+
+    #[test]
+    fn several_harmonics_and_phases_add() {
+        let harmonics = [
+            Harmonic { amplitude: 2.0, angular_frequency: 0.0, phase: 0.3 },
+            Harmonic { amplitude: -1.5, angular_frequency: 3.0, phase: -1.0 },
+        ];
+        let mut run = [0.0; 16];
+        HarmonicClock::new(&harmonics, 0.125).fill(1000, &mut run);
+        for (j, value) in run.iter().enumerate() {
+            let t = (1000 + j) as f64 * 0.125;
+            let direct = 2.0 * 0.3f64.cos() - 1.5 * (3.0 * t - 1.0).cos();
+            assert!((value - direct).abs() < 1e-12, "{t}");
+        }
+    }
+}

@@ -1,0 +1,106 @@
+//! What can be wrong with a scenario, said so that the reader knows what to change.
+
+use super::source::{Place, Sources};
+use std::fmt;
+
+/// Why there is no scenario.
+#[derive(Debug, thiserror::Error)]
+pub enum ScenarioError {
+    /// The file cannot be read at all.
+    #[error("cannot read {path}: {reason}\n  fix: {remedy}")]
+    Unreadable {
+        /// The file.
+        path: String,
+        /// Why.
+        reason: String,
+        /// What to do about it.
+        remedy: String,
+    },
+    /// It can be read, but something in it, or in an override, is wrong.
+    #[error("{0}")]
+    Invalid(Box<Fault>),
+}
+
+impl From<Box<Fault>> for ScenarioError {
+    fn from(fault: Box<Fault>) -> Self {
+        ScenarioError::Invalid(fault)
+    }
+}
+
+/// One thing that is wrong, and where.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Fault {
+    /// The file, or the override as it was typed.
+    pub origin: String,
+    /// Line in the file, from 1; an override has none.
+    pub line: Option<usize>,
+    /// Column in the file, from 1.
+    pub column: Option<usize>,
+    /// The dotted key, if it is about one.
+    pub key: Option<String>,
+    /// The value as written, if there is one.
+    pub value: Option<String>,
+    /// What is wrong.
+    pub problem: String,
+    /// What would be right.
+    pub remedy: String,
+    /// The line with a caret, ready to print.
+    pub excerpt: Option<String>,
+}
+
+impl Fault {
+    /// A fault at a place, or of the file as a whole.
+    pub(super) fn at(sources: &Sources<'_>, place: Option<Place>, problem: String, remedy: String) -> Box<Fault> {
+        let origin = match place.and_then(|p| sources.override_at(p)) {
+            Some(o) => o.shown.clone(),
+            None => sources.name.to_string(),
+        };
+        let excerpt = place.and_then(|p| sources.excerpt(p));
+        Box::new(Fault {
+            origin,
+            line: excerpt.as_ref().map(|e| e.line),
+            column: excerpt.as_ref().map(|e| e.column),
+            key: None,
+            value: None,
+            problem,
+            remedy,
+            excerpt: excerpt.map(|e| e.drawing),
+        })
+    }
+
+    /// The same fault, about this key.
+    pub(super) fn of(mut self: Box<Self>, key: &str) -> Box<Fault> {
+        self.key = Some(key.to_string());
+        self
+    }
+
+    /// The same fault, about this value.
+    pub(super) fn value(mut self: Box<Self>, value: String) -> Box<Fault> {
+        self.value = Some(value);
+        self
+    }
+}
+
+impl fmt::Display for Fault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.origin)?;
+        if let (Some(line), Some(column)) = (self.line, self.column) {
+            write!(f, ":{line}:{column}")?;
+        }
+        f.write_str(": ")?;
+        // A problem that names the key itself is a sentence of its own.
+        let key = self.key.as_ref().filter(|key| !self.problem.contains(&format!("`{key}` = ")));
+        match (key, &self.value) {
+            (Some(key), Some(value)) => write!(f, "`{key}` = {value} ")?,
+            (Some(key), None) => write!(f, "`{key}` ")?,
+            _ => {}
+        }
+        writeln!(f, "{}", self.problem)?;
+        if let Some(excerpt) = &self.excerpt {
+            for line in excerpt.lines() {
+                writeln!(f, "  {}", line.trim_end())?;
+            }
+        }
+        write!(f, "  fix: {}", self.remedy)
+    }
+}

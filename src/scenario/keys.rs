@@ -1,0 +1,149 @@
+//! Every key a scenario may hold: its table, its symbol, what it means, what is allowed.
+
+/// Which numbers a key takes; infinities and NaN are never among them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Range {
+    Any,
+    Positive,
+    NonNegative,
+}
+
+impl Range {
+    pub fn holds(self, x: f64) -> bool {
+        match self {
+            Range::Any => true,
+            Range::Positive => x > 0.0,
+            Range::NonNegative => x >= 0.0,
+        }
+    }
+
+    pub fn words(self) -> &'static str {
+        match self {
+            Range::Any => "a finite number",
+            Range::Positive => "a finite number above 0",
+            Range::NonNegative => "a finite number, 0 or above",
+        }
+    }
+}
+
+/// A key that holds a number.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Key {
+    pub name: &'static str,
+    pub symbol: &'static str,
+    pub meaning: &'static str,
+    pub range: Range,
+}
+
+const fn key(name: &'static str, symbol: &'static str, meaning: &'static str, range: Range) -> Key {
+    Key { name, symbol, meaning, range }
+}
+
+pub(super) const MASS: Key = key("mass", "m", "mass", Range::Positive);
+pub(super) const STIFFNESS: Key = key("stiffness", "K", "stiffness of the spring", Range::Positive);
+pub(super) const DAMPING: Key = key("damping", "alpha", "the damping force is 2 alpha x'", Range::NonNegative);
+pub(super) const DILATATION: Key = key("dilatation", "beta", "the rest position is beta T", Range::Any);
+pub(super) const STATIC: Key = key("static", "f_s", "a stick lasts while |b| <= f_s", Range::NonNegative);
+pub(super) const DYNAMIC: Key = key("dynamic", "f_d", "|F| in motion, at most f_s", Range::NonNegative);
+pub(super) const AMPLITUDE: Key = key("amplitude", "a", "amplitude of the harmonic", Range::Any);
+pub(super) const ANGULAR_FREQUENCY: Key =
+    key("angular_frequency", "w", "angular frequency of the forcing, not of the oscillator", Range::NonNegative);
+pub(super) const PHASE: Key = key("phase", "phi", "phase at t = 0, in radians", Range::Any);
+pub(super) const INTENSITY: Key = key("intensity", "rho", "weight of v in T", Range::NonNegative);
+pub(super) const RELAXATION_RATE: Key = key("relaxation_rate", "theta", "dv = -theta v dt + sigma dW", Range::Positive);
+pub(super) const DIFFUSION: Key = key("diffusion", "sigma", "dv = -theta v dt + sigma dW", Range::NonNegative);
+pub(super) const INITIAL_NOISE: Key = key("initial", "v(0)", "start of the noise", Range::Any);
+pub(super) const DISPLACEMENT: Key = key("displacement", "x0", "x(0); x'(0) = 0", Range::Any);
+pub(super) const END: Key = key("end", "t_end", "duration, a whole number of steps", Range::NonNegative);
+pub(super) const STEP: Key = key("step", "h", "time step", Range::Positive);
+pub(super) const OUTPUT_STEP: Key =
+    key("output_step", "", "spacing of the output grid, a whole number of steps", Range::Positive);
+
+/// The tables and the keys of each, in the order of a resolved scenario.
+pub(super) const TABLES: [(&str, &[&str]); 12] = [
+    (
+        "",
+        &["title", "oscillator", "friction", "temperature", "initial", "time", "scheme", "ensemble", "record", "units"],
+    ),
+    ("oscillator", &["mass", "stiffness", "damping", "dilatation"]),
+    ("friction", &["static", "dynamic"]),
+    ("temperature", &["harmonics", "noise"]),
+    ("temperature.harmonics", &["amplitude", "angular_frequency", "phase"]),
+    ("temperature.noise", &["intensity", "relaxation_rate", "diffusion", "initial"]),
+    ("initial", &["displacement"]),
+    ("time", &["end", "step", "output_step"]),
+    ("scheme", &["kind"]),
+    ("ensemble", &["paths", "seed"]),
+    ("record", &["paths", "events", "trajectories"]),
+    ("units", &["time", "length", "force", "temperature"]),
+];
+
+/// The keys of a table.
+pub(super) fn of_table(table: &str) -> &'static [&'static str] {
+    TABLES.iter().find(|(name, _)| *name == table).map_or(&[], |(_, keys)| keys)
+}
+
+/// What people write for a key: the paper's symbols and common synonyms.
+const SYNONYMS: [(&str, &str); 25] = [
+    ("m", "oscillator.mass"),
+    ("k", "oscillator.stiffness"),
+    ("alpha", "oscillator.damping"),
+    ("beta", "oscillator.dilatation"),
+    ("dilation", "oscillator.dilatation"),
+    ("f_s", "friction.static"),
+    ("fs", "friction.static"),
+    ("f_d", "friction.dynamic"),
+    ("fd", "friction.dynamic"),
+    ("kinetic", "friction.dynamic"),
+    ("a", "temperature.harmonics.amplitude"),
+    ("w", "temperature.harmonics.angular_frequency"),
+    ("omega", "temperature.harmonics.angular_frequency"),
+    ("frequency", "temperature.harmonics.angular_frequency"),
+    ("phi", "temperature.harmonics.phase"),
+    ("rho", "temperature.noise.intensity"),
+    ("theta", "temperature.noise.relaxation_rate"),
+    ("sigma", "temperature.noise.diffusion"),
+    ("v0", "temperature.noise.initial"),
+    ("x0", "initial.displacement"),
+    ("t_end", "time.end"),
+    ("until", "time.end"),
+    ("h", "time.step"),
+    ("dt", "time.step"),
+    ("n", "ensemble.paths"),
+];
+
+/// How alike two words must be (1 is equal) for one to be suggested for the other: less within a table than across
+/// tables, where chance likeness is more common.
+const ALIKE_WITHIN: f64 = 0.75;
+const ALIKE_ACROSS: f64 = 0.85;
+
+/// The key that was probably meant by `key` in `table`: dotted if it lives in another table.
+pub(super) fn suggestion(table: &str, key: &str) -> Option<String> {
+    let word = key.to_lowercase();
+    let dotted = |home: &str, name: &str| if home.is_empty() { name.to_string() } else { format!("{home}.{name}") };
+    let within = || most_alike(&word, of_table(table), ALIKE_WITHIN).map(|(_, name)| name.to_string());
+    let synonym = || {
+        let (home, name) = SYNONYMS.iter().find(|(synonym, _)| *synonym == word)?.1.rsplit_once('.')?;
+        Some(if home == table { name.to_string() } else { dotted(home, name) })
+    };
+    let across = || {
+        TABLES
+            .iter()
+            .filter_map(|(home, names)| Some((most_alike(&word, names, ALIKE_ACROSS)?, *home)))
+            .max_by(|a, b| a.0.0.total_cmp(&b.0.0))
+            .map(|((_, name), home)| dotted(home, name))
+    };
+    synonym().or_else(within).or_else(across)
+}
+
+/// The name most like a word, if any is alike enough; a part of a name, such as `frequency`, counts nearly in full.
+fn most_alike(word: &str, names: &[&'static str], enough: f64) -> Option<(f64, &'static str)> {
+    names
+        .iter()
+        .map(|name| {
+            let parts = name.split('_').map(|part| 0.95 * strsim::jaro_winkler(word, part));
+            (parts.fold(strsim::jaro_winkler(word, name), f64::max), *name)
+        })
+        .filter(|(likeness, _)| *likeness >= enough)
+        .max_by(|a, b| a.0.total_cmp(&b.0))
+}

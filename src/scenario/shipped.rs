@@ -1,0 +1,25 @@
+//! The scenarios that come with the program, comments and all.
+
+/// A shipped scenario.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Shipped {
+    /// Its name: the stem of its file.
+    pub name: &'static str,
+    /// The file.
+    pub text: &'static str,
+}
+
+macro_rules! shipped {
+    ($($name:literal),* $(,)?) => {
+        [$(Shipped { name: $name, text: include_str!(concat!("../../scenarios/", $name, ".toml")) }),*]
+    };
+}
+
+/// Every shipped scenario; `scenarios/` holds the same files.
+pub const SHIPPED: [Shipped; 7] =
+    shipped!["shaw", "shaw-as-printed", "rho025", "rho025-as-printed", "equal-friction", "damped", "never-slips",];
+
+/// The shipped scenario of this name.
+pub fn shipped(name: &str) -> Option<&'static Shipped> {
+    SHIPPED.iter().find(|scenario| scenario.name == name)
+}

@@ -1,0 +1,84 @@
+//! The texts a scenario is read from: one file, and the overrides of a command line.
+
+use super::Override;
+
+/// A stretch of one of the texts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Place {
+    /// Which text: 0 is the file, i > 0 is override i - 1.
+    pub text: usize,
+    /// First byte.
+    pub start: usize,
+    /// One past the last byte.
+    pub end: usize,
+}
+
+/// Line, column and excerpt of a place in the file.
+pub(super) struct Excerpt {
+    /// Counted from 1.
+    pub line: usize,
+    /// Counted from 1, in characters.
+    pub column: usize,
+    /// The line with a caret under the place.
+    pub drawing: String,
+}
+
+/// The file and the overrides.
+pub(super) struct Sources<'a> {
+    /// What the file is called.
+    pub name: &'a str,
+    /// What is in it.
+    pub text: &'a str,
+    /// What is laid over it.
+    pub overrides: &'a [Override],
+}
+
+impl Sources<'_> {
+    /// The override that a place is in, if it is not in the file.
+    pub fn override_at(&self, place: Place) -> Option<&Override> {
+        place.text.checked_sub(1).and_then(|i| self.overrides.get(i))
+    }
+
+    /// What stands at a place, cut to one short line; of an override, its whole value.
+    pub fn quote(&self, place: Place) -> String {
+        let raw = match self.override_at(place) {
+            Some(o) => o.value.as_str(),
+            None => self.text.get(place.start..place.end).unwrap_or(""),
+        };
+        let line = raw.lines().next().unwrap_or("");
+        let short: String = line.chars().take(QUOTE_LENGTH).collect();
+        if short.len() < raw.len() { format!("{short}...") } else { short }
+    }
+
+    /// Line, column and drawing of a place in the file.
+    pub fn excerpt(&self, place: Place) -> Option<Excerpt> {
+        if place.text > 0 {
+            return None;
+        }
+        let start = floor_boundary(self.text, place.start);
+        let line_start = self.text[..start].rfind('\n').map_or(0, |i| i + 1);
+        let line_end = self.text[start..].find('\n').map_or(self.text.len(), |i| start + i);
+        let line = self.text[..line_start].matches('\n').count() + 1;
+        let content = self.text[line_start..line_end].trim_end_matches('\r');
+        let before = &self.text[line_start..start];
+        let marked = &self.text[start..floor_boundary(self.text, place.end.clamp(start, line_end))];
+        let margin = line.to_string();
+        // A tab before the caret is copied, so that the caret stands under its place whatever the tab width.
+        let indent: String = before.chars().map(|c| if c == '\t' { '\t' } else { ' ' }).collect();
+        let drawing = format!(
+            "{0:1$} |\n{margin} | {content}\n{0:1$} | {indent}{2}",
+            "",
+            margin.len(),
+            "^".repeat(marked.trim_end().chars().count().max(1)),
+        );
+        Some(Excerpt { line, column: before.chars().count() + 1, drawing })
+    }
+}
+
+/// Longest quoted value, in characters: enough for any number.
+const QUOTE_LENGTH: usize = 40;
+
+/// The last character boundary at or before `index`.
+fn floor_boundary(text: &str, index: usize) -> usize {
+    (0..=index.min(text.len())).rev().find(|&i| text.is_char_boundary(i)).unwrap_or(0)
+}

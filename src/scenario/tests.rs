@@ -1,0 +1,491 @@
+//! What the scenario promises: every shipped one is sound, every mistake is located, every text reads back.
+
+use super::*;
+use crate::model::{Friction, Harmonic, InitialNoise, Noise, Oscillator, Temperature};
+use proptest::prelude::*;
+
+const BASE: &str = include_str!("../../scenarios/rho025.toml");
+
+fn base(overrides: &[&str]) -> Result<Scenario, ScenarioError> {
+    let overrides: Vec<Override> = overrides.iter().map(|text| Override::set(text)).collect::<Result<_, _>>()?;
+    Scenario::parse("rho025.toml", BASE, &overrides)
+}
+
+fn fault(result: Result<Scenario, ScenarioError>) -> Fault {
+    match result {
+        Err(ScenarioError::Invalid(fault)) => *fault,
+        other => panic!("expected a fault, got {other:?}"),
+    }
+}
+
+#[test]
+fn every_file_of_the_folder_is_shipped_and_sound() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios");
+    let mut files: Vec<String> = std::fs::read_dir(folder)
+        .unwrap()
+        .map(|entry| entry.unwrap().path())
+        .filter(|path| path.extension().is_some_and(|e| e == "toml"))
+        .map(|path| path.file_stem().unwrap().to_string_lossy().into_owned())
+        .collect();
+    files.sort();
+    let mut names = SHIPPED.map(|scenario| scenario.name.to_string());
+    names.sort();
+    assert_eq!(files, names);
+    for Shipped { name, text } in SHIPPED {
+        let scenario = Scenario::parse(name, text, &[]).unwrap_or_else(|e| panic!("{name}: {e}"));
+        assert_eq!(Scenario::parse(name, &scenario.to_toml(), &[]).unwrap(), scenario, "{name}");
+        assert!(text.starts_with("# ") && text.contains("Bensoussan"), "{name} says what it asks and where it is from");
+    }
+}
+
+#[test]
+fn the_paper_scenes_hold_its_parameters() {
+    for (name, w) in [("shaw", 0.25), ("shaw-as-printed", 0.5), ("rho025", 0.25), ("rho025-as-printed", 0.5)] {
+        let Scenario { model, time, .. } = Scenario::parse(name, shipped(name).unwrap().text, &[]).unwrap();
+        let noise = Noise { intensity: 0.25, relaxation_rate: 1.0, diffusion: 1.0, initial: InitialNoise::At(0.0) };
+        let expected = Model {
+            oscillator: Oscillator { mass: 1.0, stiffness: 1.0, damping: 0.0, dilatation: 6.0 },
+            friction: Friction { static_force: 1.2, dynamic_force: 1.0 },
+            temperature: Temperature {
+                harmonics: vec![Harmonic { amplitude: 1.0, angular_frequency: w, phase: 0.0 }],
+                noise: name.starts_with("rho025").then_some(noise),
+            },
+            initial_displacement: 6.0,
+        };
+        assert_eq!(model, expected, "{name}");
+        assert_eq!((time.end, time.step, time.output_step), (60.0, 0.01, 0.5), "{name}");
+    }
+}
+
+#[test]
+fn defaults_are_those_of_the_documentation() {
+    let minimal = "[oscillator]\nmass = 1\nstiffness = 1\ndilatation = 6\n[friction]\nstatic = 1.2\ndynamic = 1\n\
+                   [temperature.noise]\nintensity = 0.25\n[initial]\ndisplacement = 6\n[time]\nend = 60\nstep = 0.01\n";
+    let scenario = Scenario::parse("here/minimal.toml", minimal, &[]).unwrap();
+    assert_eq!(scenario.title, "minimal");
+    assert_eq!(scenario.model.oscillator.damping, 0.0);
+    let noise = Noise { intensity: 0.25, relaxation_rate: 1.0, diffusion: 1.0, initial: InitialNoise::At(0.0) };
+    assert_eq!(scenario.model.temperature, Temperature { harmonics: vec![], noise: Some(noise) });
+    assert_eq!(scenario.time.output_step, 0.5);
+    assert_eq!(scenario.scheme, SchemeKind::DiscreteVi);
+    assert_eq!(scenario.ensemble, Ensemble { paths: 10_000, seed: 1 });
+    assert_eq!(scenario.record, Record { paths: true, events: false, trajectories: 0 });
+    assert_eq!(scenario.units, Units::default());
+}
+
+#[test]
+fn the_default_grid_has_about_120_rows_and_ends_at_the_end() {
+    for (end, step) in [("60", "0.01"), ("1", "0.001"), ("50", "0.01"), ("36", "0.1"), ("7", "0.01"), ("1e7", "1e-3")] {
+        let text =
+            BASE.replace("end = 60.0 ", &format!("end = {end} ")).replace("step = 0.01 ", &format!("step = {step} "));
+        let text: String =
+            text.lines().filter(|line| !line.starts_with("output_step")).fold(String::new(), |t, l| t + l + "\n");
+        let scenario = Scenario::parse("x", &text, &[]).unwrap();
+        let rows = scenario.timeline().rows();
+        assert!((61..=241).contains(&rows), "{end} {step}: {rows}");
+        let last = *scenario.timeline().output_times().last().unwrap();
+        assert!((last - scenario.time.end).abs() < 1e-9 * scenario.time.end, "{end} {step}: {last}");
+    }
+}
+
+#[test]
+fn an_override_reaches_every_kind_of_key() {
+    let scenario = base(&[
+        "friction.static=1.3",
+        "temperature.harmonics.0.amplitude=2",
+        "temperature.harmonics.1={amplitude=0.5, angular_frequency=3}",
+        "temperature.noise.initial=stationary",
+        "title=a few words",
+        "record.events=true",
+        "ensemble.seed=18446744073709551615",
+        "units.time=s",
+    ])
+    .unwrap();
+    assert_eq!(scenario.model.friction.static_force, 1.3);
+    assert_eq!(scenario.model.temperature.harmonics[0].amplitude, 2.0);
+    assert_eq!(scenario.model.temperature.harmonics[1].angular_frequency, 3.0);
+    assert_eq!(scenario.model.temperature.noise.unwrap().initial, InitialNoise::Stationary);
+    assert_eq!((scenario.title.as_str(), scenario.record.events), ("a few words", true));
+    assert_eq!((scenario.ensemble.seed, scenario.units.time.as_str()), (u64::MAX, "s"));
+}
+
+#[test]
+fn the_last_override_wins() {
+    assert_eq!(base(&["time.end=30", "time.end=40"]).unwrap().time.end, 40.0);
+}
+
+#[test]
+fn a_fault_names_line_column_key_and_value() {
+    let text = BASE.replace("mass = 1.0", "mass = -1.5");
+    let line = text.lines().position(|line| line.starts_with("mass")).unwrap() + 1;
+    let fault = fault(Scenario::parse("rho025.toml", &text, &[]));
+    assert_eq!((fault.line, fault.column), (Some(line), Some(8)));
+    assert_eq!((fault.key.as_deref(), fault.value.as_deref()), (Some("oscillator.mass"), Some("-1.5")));
+    let message = fault.to_string();
+    assert!(
+        message.starts_with(&format!("rho025.toml:{line}:8: `oscillator.mass` = -1.5 is out of range")),
+        "{message}"
+    );
+    assert!(message.contains("mass = -1.5 ") && message.contains("^^^^\n") && message.contains("fix: "), "{message}");
+}
+
+#[test]
+fn a_fault_in_an_override_names_the_override() {
+    let fault = fault(base(&["oscillator.mass=-1"]));
+    assert_eq!(fault.origin, "--set oscillator.mass=-1");
+    assert_eq!((fault.line, fault.value.as_deref()), (None, Some("-1")));
+    let step = [Override::flag("--step", "time.step", "0.007")];
+    let text = Scenario::parse("x", BASE, &step).unwrap_err().to_string();
+    assert!(text.starts_with("--step 0.007: "), "{text}");
+    assert!(text.contains("the nearest ends are 59.997 or 60.004"), "{text}");
+}
+
+#[test]
+fn the_nearest_values_of_a_message_are_accepted() {
+    for (end, step) in [(60.0, 0.007), (1.0, 0.3), (0.005, 0.01), (1e6, 0.9), (1.0, 3.0)] {
+        let fault = fault(base(&[&format!("time.end={end}"), &format!("time.step={step}")]));
+        let (steps, ends) = fault.remedy.split_once("; ").unwrap();
+        let values = |part: &str| {
+            let list = part.rsplit_once(" are ").unwrap().1;
+            list.split(" or ").map(|value| value.parse::<f64>().unwrap()).collect::<Vec<_>>()
+        };
+        let sound = |end: f64, step: f64| {
+            let set =
+                [format!("time.end={end:?}"), format!("time.step={step:?}"), format!("time.output_step={step:?}")];
+            match base(&set.each_ref().map(String::as_str)) {
+                Ok(_) => true,
+                // A fine enough step makes too many rows; that is another matter.
+                Err(e) => e.to_string().contains("rows"),
+            }
+        };
+        assert!(values(steps).iter().all(|step| sound(end, *step)), "{fault}");
+        assert!(values(ends).iter().all(|end| sound(*end, step)), "{fault}");
+    }
+}
+
+#[test]
+fn unknown_keys_come_with_the_key_that_was_meant() {
+    for (table, wrong, meant) in [
+        ("temperature.harmonics", "frequncy", "angular_frequency"),
+        ("temperature.harmonics", "omega", "angular_frequency"),
+        ("oscillator", "stifness", "stiffness"),
+        ("oscillator", "alpha", "damping"),
+        ("oscillator", "static", "friction.static"),
+        ("friction", "f_s", "static"),
+        ("friction", "mass", "oscillator.mass"),
+        ("", "fricton", "friction"),
+        ("", "rho", "temperature.noise.intensity"),
+        ("time", "dt", "step"),
+        ("time", "outputstep", "output_step"),
+        ("record", "trajectory", "trajectories"),
+        ("units", "lenght", "length"),
+    ] {
+        assert_eq!(keys::suggestion(table, wrong).as_deref(), Some(meant), "{table}.{wrong}");
+    }
+    assert_eq!(keys::suggestion("time", "zzz"), None);
+}
+
+#[test]
+fn the_first_mistake_in_the_file_is_reported_first() {
+    let text = BASE.replace("[initial]", "[intial]").replace("[friction]", "[fricton]");
+    assert!(fault(Scenario::parse("x", &text, &[])).problem.contains("fricton"));
+}
+
+#[test]
+fn numbers_that_are_not_finite_are_refused_everywhere() {
+    for key in [
+        "oscillator.mass",
+        "oscillator.stiffness",
+        "oscillator.damping",
+        "oscillator.dilatation",
+        "friction.static",
+        "friction.dynamic",
+        "temperature.harmonics.0.amplitude",
+        "temperature.harmonics.0.angular_frequency",
+        "temperature.harmonics.0.phase",
+        "temperature.noise.intensity",
+        "temperature.noise.relaxation_rate",
+        "temperature.noise.diffusion",
+        "temperature.noise.initial",
+        "initial.displacement",
+        "time.end",
+        "time.step",
+        "time.output_step",
+    ] {
+        for value in ["nan", "-nan", "inf", "-inf", "1e999"] {
+            let fault = fault(base(&[&format!("{key}={value}")]));
+            assert_eq!(fault.key.as_deref(), Some(key), "{key}={value}: {fault}");
+            assert!(fault.problem.starts_with("is not "), "{key}={value}: {fault}");
+        }
+    }
+}
+
+#[test]
+fn values_that_cannot_be_computed_with_are_refused_with_the_reason() {
+    for (set, reason) in [
+        (&["oscillator.mass=1e-300", "oscillator.stiffness=1e300"][..], "K/m = inf"),
+        (&["oscillator.mass=1e300", "oscillator.stiffness=1e-300"], "K/m = 0e0"),
+        (&["oscillator.dilatation=1e308"], "reach inf"),
+        (&["oscillator.mass=1e-10", "oscillator.damping=1e300"], "alpha/m"),
+        (&["temperature.noise.relaxation_rate=1e-320", "temperature.noise.diffusion=1e300"], "sigma / sqrt(2 theta)"),
+        (&["friction.static=1e-310", "friction.dynamic=0"], "threshold"),
+        (&["time.end=1e18"], "2^53"),
+        (&["time.step=1e-320"], "2^53"),
+        (&["time.output_step=0.01", "time.end=1000"], "100001 rows"),
+        (&["ensemble.paths=0"], "from 1 to"),
+        (&["ensemble.paths=1099511627777"], "from 1 to"),
+        (&["ensemble.seed=18446744073709551616"], "from 0 to"),
+        (&["ensemble.paths=99999999999999999999999999999999999999999"], "from 1 to"),
+        (&["ensemble.paths=0xffffffffffffffffffff"], "from 1 to"),
+    ] {
+        let fault = fault(base(set));
+        assert!(fault.problem.contains(reason), "{set:?}: {fault}");
+    }
+}
+
+#[test]
+fn extremes_that_can_be_computed_with_are_accepted() {
+    for set in [
+        &["time.end=0"][..],
+        &["time.end=0.01", "ensemble.paths=1"],
+        &["time.end=-0.0"],
+        &["friction.static=0", "friction.dynamic=0"],
+        &["friction.static=1e300"],
+        &["oscillator.stiffness=1e9"],
+        &["oscillator.dilatation=0"],
+        &["temperature.noise.relaxation_rate=1e6"],
+        &["temperature.noise.intensity=1e6"],
+        &["temperature.harmonics=[]"],
+        &["time.step=1e-9", "time.end=1e6", "time.output_step=1000"],
+        &["ensemble.paths=1099511627776"],
+    ] {
+        let scenario = base(set).unwrap_or_else(|e| panic!("{set:?}: {e}"));
+        assert!(scenario.time.end.is_sign_positive());
+        // Neither may panic, whatever the scenario.
+        assert!(scenario.timeline().rows() <= MAX_ROWS && scenario.timeline().periods() <= MAX_PERIODS);
+        for warning in scenario.warnings() {
+            assert!(!warning.to_string().contains("NaN"), "{warning}");
+        }
+    }
+}
+
+#[test]
+fn a_noise_that_is_always_zero_is_no_noise() {
+    for set in [
+        &["temperature.noise.intensity=0"][..],
+        &["temperature.noise.diffusion=0"],
+        &["temperature.noise.diffusion=0", "temperature.noise.initial=stationary"],
+    ] {
+        assert_eq!(base(set).unwrap().model.temperature.noise, None, "{set:?}");
+    }
+    let decaying = base(&["temperature.noise.diffusion=0", "temperature.noise.initial=2"]).unwrap();
+    assert_eq!(decaying.model.temperature.noise.unwrap().initial, InitialNoise::At(2.0));
+}
+
+#[test]
+fn a_file_that_is_no_scenario_is_refused_with_a_way_on() {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, bytes: &[u8]| {
+        let path = folder.path().join(name);
+        std::fs::write(&path, bytes).unwrap();
+        path
+    };
+    for (path, says) in [
+        (folder.path().join("absent.toml"), "mc init"),
+        (folder.path().join("shaw.toml"), "mc init --from shaw"),
+        (folder.path().to_path_buf(), "directory"),
+        (write("result.h5", b"\x89HDF\r\n\x1a\n123"), "mc show"),
+        (write("latin1.toml", b"title = 'a'\n# caf\xe9\n"), "line 2 is not UTF-8"),
+        (write("large.toml", &vec![b'#'; (1 << 20) + 1]), "1 MiB"),
+    ] {
+        let message = Scenario::read(&path, &[]).unwrap_err().to_string();
+        assert!(message.contains(says) && message.contains("fix: "), "{message}");
+    }
+}
+
+#[test]
+fn the_caret_stands_under_the_value() {
+    let text = "# \u{e9}\r\n[oscillator]\r\n\tmass = \"\u{e9}\u{e9}\"\r\n";
+    let fault = fault(Scenario::parse("x", text, &[]));
+    assert_eq!((fault.line, fault.column), (Some(3), Some(9)));
+    assert_eq!(fault.excerpt.unwrap(), "  |\n3 | \tmass = \"\u{e9}\u{e9}\"\n  | \t       ^^^^");
+}
+
+#[test]
+fn every_key_is_documented() {
+    let page = include_str!("../../docs/scenario.md");
+    for (table, names) in keys::TABLES.iter().skip(1) {
+        for name in *names {
+            let leaf = !keys::TABLES.iter().any(|(other, _)| *other == format!("{table}.{name}"));
+            assert!(!leaf || page.contains(&format!("`{table}.{name}`")), "{table}.{name}");
+        }
+    }
+}
+
+/// A number of any size that keeps K/m and the forces within a double.
+fn size() -> impl Strategy<Value = f64> {
+    (1.0..10.0f64, -40..40i32).prop_map(|(x, power)| x * 10f64.powi(power))
+}
+
+fn signed() -> impl Strategy<Value = f64> {
+    prop_oneof![size(), size().prop_map(|x| -x), Just(0.0)]
+}
+
+fn label() -> impl Strategy<Value = String> {
+    any::<String>().prop_map(|text| text.chars().filter(|c| !c.is_control()).collect())
+}
+
+prop_compose! {
+    fn noise()(intensity in size(), relaxation_rate in size(), diffusion in size(), v0 in proptest::option::of(signed()))
+        -> Noise {
+        let initial = v0.map_or(InitialNoise::Stationary, InitialNoise::At);
+        Noise { intensity, relaxation_rate, diffusion, initial }
+    }
+}
+
+prop_compose! {
+    fn model()(
+        (mass, stiffness, damping, dilatation) in (size(), size(), prop_oneof![size(), Just(0.0)], signed()),
+        (static_force, ratio) in (size(), 0.0..=1.0f64),
+        harmonics in proptest::collection::vec((signed(), size(), signed()), 0..4),
+        noise in proptest::option::of(noise()),
+        initial_displacement in signed(),
+    ) -> Model {
+        let harmonic = |(amplitude, angular_frequency, phase)| Harmonic { amplitude, angular_frequency, phase };
+        Model {
+            oscillator: Oscillator { mass, stiffness, damping, dilatation },
+            friction: Friction { static_force, dynamic_force: static_force * ratio },
+            temperature: Temperature { harmonics: harmonics.into_iter().map(harmonic).collect(), noise },
+            initial_displacement,
+        }
+    }
+}
+
+prop_compose! {
+    fn scenario()(
+        title in label(),
+        model in model(),
+        (step, steps, stride) in (size(), 0..10_000u32, 1..10_000u32),
+        (paths, seed) in (1..=MAX_PATHS, any::<u64>()),
+        (keep_paths, events, trajectories) in (any::<bool>(), any::<bool>(), 0..=MAX_TRAJECTORIES),
+        (time, length, force, temperature) in (label(), label(), label(), label()),
+    ) -> Scenario {
+        Scenario {
+            title,
+            model,
+            time: Time { end: f64::from(steps) * step, step, output_step: f64::from(stride) * step },
+            scheme: SchemeKind::DiscreteVi,
+            ensemble: Ensemble { paths, seed },
+            record: Record { paths: keep_paths, events, trajectories },
+            units: Units { time, length, force, temperature },
+        }
+    }
+}
+
+proptest! {
+    #[test]
+    fn a_resolved_scenario_reads_back_as_itself(scenario in scenario()) {
+        let text = scenario.to_toml();
+        let again = Scenario::parse("again", &text, &[]);
+        prop_assert!(again.is_ok(), "{}\n{text}", again.unwrap_err());
+        prop_assert_eq!(again.unwrap(), scenario);
+    }
+
+    #[test]
+    fn no_text_makes_the_reader_panic(text in "[\\[\\]{}=.,\"'#a-z0-9 \n-]{0,80}", set in "[a-z0-9.={}\\[\\]-]{0,20}") {
+        let overrides: Vec<Override> = Override::set(&set).into_iter().collect();
+        if let Err(e) = Scenario::parse("x", &text, &overrides) {
+            prop_assert!(e.to_string().contains("fix: "));
+        }
+        if let Err(e) = Scenario::parse("x", BASE, &overrides) {
+            prop_assert!(e.to_string().contains("fix: "));
+        }
+    }
+
+    #[test]
+    fn no_scenario_makes_the_check_panic(scenario in scenario()) {
+        let derived = scenario.derived();
+        prop_assert!(derived.natural_frequency > 0.0 && derived.rows <= MAX_ROWS);
+        for warning in scenario.warnings() {
+            prop_assert!(!warning.to_string().contains("NaN"), "{}", warning);
+        }
+    }
+}
+
+/// The scheme's slip step without forcing and friction, iterated: does (X, V) stay bounded?
+fn decays(oscillator: &Oscillator, h: f64) -> bool {
+    let (mut x, mut v) = (1.0f64, 0.0f64);
+    for _ in 0..20_000 {
+        (x, v) = (x + h * v, v + h / oscillator.mass * oscillator.force(0.0, x, v));
+    }
+    x.abs() + v.abs() < 1.0
+}
+
+#[test]
+fn the_stability_limit_separates_decay_from_growth() {
+    for damping in [0.1, 0.5, 0.999, 1.0, 1.5, 4.0] {
+        let set = format!("oscillator.damping={damping}");
+        let scenario = base(&[&set]).unwrap();
+        let limit = match scenario.derived().stability {
+            Stability::Underdamped { largest_step } | Stability::Overdamped { largest_step } => largest_step,
+            undamped => panic!("{undamped:?}"),
+        };
+        assert!(decays(&scenario.model.oscillator, 0.99 * limit), "{damping}: {limit}");
+        assert!(!decays(&scenario.model.oscillator, 1.01 * limit), "{damping}: {limit}");
+    }
+}
+
+/// The slip scheme with friction f_d, free of forcing: the amplitude after many half-cycles.
+fn amplitude_after(start: f64, h: f64, f_d: f64, half_cycles: usize) -> f64 {
+    let (mut x, mut v, mut turns) = (start, 0.0f64, 0);
+    while turns < half_cycles {
+        let s = v - h * x;
+        let next = s - h * f_d * s.signum();
+        x += h * v;
+        turns += usize::from(v * next < 0.0);
+        v = next;
+    }
+    x.abs()
+}
+
+#[test]
+fn the_critical_amplitude_separates_decay_from_growth() {
+    let scenario = base(&["time.step=0.01"]).unwrap();
+    let Stability::Undamped { critical_amplitude: critical } = scenario.derived().stability else { panic!() };
+    assert!((critical - 127.32).abs() < 0.01);
+    assert!(amplitude_after(0.95 * critical, 0.01, 1.0, 20) < 0.95 * critical);
+    assert!(amplitude_after(1.05 * critical, 0.01, 1.0, 20) > 1.05 * critical);
+}
+
+#[test]
+fn derived_quantities_of_the_noisy_scene() {
+    let derived = base(&[]).unwrap().derived();
+    assert_eq!(derived.natural_frequency, 1.0);
+    assert_eq!(derived.frequency_ratios, [0.25]);
+    assert!((derived.noise_force.unwrap() - 1.5 / 2f64.sqrt()).abs() < 1e-15);
+    assert!((derived.corridor_half_width.unwrap() - 0.8 * 2f64.sqrt()).abs() < 1e-15);
+    assert!((derived.corridor_time.unwrap() - 0.64).abs() < 1e-15);
+    assert_eq!((derived.whole_periods, derived.steps, derived.rows), (2.0, 6000, 121));
+    assert_eq!(derived.path_steps, 6e7);
+}
+
+#[test]
+fn warnings_say_what_the_scene_is_about() {
+    let names = |set: &[&str]| base(set).unwrap().warnings().iter().map(Warning::name).collect::<Vec<_>>();
+    assert_eq!(names(&[]), ["stick-exit-bias"]);
+    assert_eq!(names(&["friction.static=1"]), ["equal-friction"]);
+    assert!(names(&["time.step=0.2", "time.output_step=0.2"]).contains(&"amplitude-above-critical"));
+    assert!(names(&["time.step=0.25"]).contains(&"step-against-corridor"));
+    assert!(names(&["time.step=0.02"]).contains(&"micro-slips"));
+    assert!(names(&["oscillator.damping=0.01", "time.step=0.02"]).contains(&"step-unstable"));
+    assert!(!names(&["oscillator.damping=0.01", "time.step=0.01"]).contains(&"step-unstable"));
+    assert!(names(&["temperature.noise.relaxation_rate=1000"]).contains(&"step-against-noise"));
+    assert!(names(&["temperature.harmonics.0.angular_frequency=100"]).contains(&"step-against-forcing"));
+    assert!(names(&["oscillator.stiffness=1e4"]).contains(&"step-against-oscillator"));
+    assert_eq!(names(&["temperature.noise.intensity=0"]), ["identical-paths"]);
+    assert_eq!(names(&["friction.static=1000"]), ["never-slips"]);
+    assert!(names(&["oscillator.dilatation=0"]).contains(&"no-dilatation"));
+    assert!(names(&["time.end=30"]).contains(&"few-periods"));
+    assert!(names(&["temperature.harmonics.0.angular_frequency=1e5"]).contains(&"many-periods"));
+    assert!(names(&["ensemble.paths=100000000"]).contains(&"large-output"));
+}

@@ -1,0 +1,95 @@
+//! A scenario as TOML: every default visible, the paper's symbol beside every number.
+
+use super::keys::{self, Key};
+use super::{Scenario, SchemeKind, Time, Units};
+use crate::model::{InitialNoise, Model, Noise};
+use crate::stats::Record;
+use std::fmt::Write as _;
+
+/// The text of a scenario. Numbers are the shortest decimals that read back as the same double.
+pub(super) fn resolved(scenario: &Scenario) -> String {
+    let Scenario { title, model, time, scheme, ensemble, record, units } = scenario;
+    let mut text = format!("title = {}\n", string(title));
+    physics(&mut text, model);
+    let Time { end, step, output_step } = *time;
+    table(&mut text, "time");
+    number(&mut text, keys::END, end);
+    number(&mut text, keys::STEP, step);
+    number(&mut text, keys::OUTPUT_STEP, output_step);
+    table(&mut text, "scheme");
+    let meaning = match scheme {
+        SchemeKind::DiscreteVi => "the discrete variational inequality",
+    };
+    line(&mut text, "kind", &string(scheme.name()), meaning);
+    table(&mut text, "ensemble");
+    line(&mut text, "paths", &ensemble.paths.to_string(), "number of paths");
+    line(&mut text, "seed", &ensemble.seed.to_string(), "with the number of a path, determines its noise");
+    let Record { paths, events, trajectories } = *record;
+    table(&mut text, "record");
+    line(&mut text, "paths", &paths.to_string(), "scalars of every path");
+    line(&mut text, "events", &events.to_string(), "the event table of every path");
+    line(&mut text, "trajectories", &trajectories.to_string(), "so many paths, the first, on the output grid");
+    let Units { time, length, force, temperature } = units;
+    table(&mut text, "units");
+    for (name, label) in [("time", time), ("length", length), ("force", force), ("temperature", temperature)] {
+        line(&mut text, name, &string(label), "label");
+    }
+    text
+}
+
+fn physics(text: &mut String, model: &Model) {
+    table(text, "oscillator");
+    number(text, keys::MASS, model.oscillator.mass);
+    number(text, keys::STIFFNESS, model.oscillator.stiffness);
+    number(text, keys::DAMPING, model.oscillator.damping);
+    number(text, keys::DILATATION, model.oscillator.dilatation);
+    table(text, "friction");
+    number(text, keys::STATIC, model.friction.static_force);
+    number(text, keys::DYNAMIC, model.friction.dynamic_force);
+    if model.temperature.harmonics.is_empty() {
+        table(text, "temperature");
+        line(text, "harmonics", "[]", "no deterministic part");
+    }
+    for harmonic in &model.temperature.harmonics {
+        text.push_str("\n[[temperature.harmonics]]  # a cos(w t + phi)\n");
+        number(text, keys::AMPLITUDE, harmonic.amplitude);
+        number(text, keys::ANGULAR_FREQUENCY, harmonic.angular_frequency);
+        number(text, keys::PHASE, harmonic.phase);
+    }
+    match &model.temperature.noise {
+        None => text.push_str("\n# no [temperature.noise]: rho = 0\n"),
+        Some(Noise { intensity, relaxation_rate, diffusion, initial }) => {
+            table(text, "temperature.noise");
+            number(text, keys::INTENSITY, *intensity);
+            number(text, keys::RELAXATION_RATE, *relaxation_rate);
+            number(text, keys::DIFFUSION, *diffusion);
+            match initial {
+                InitialNoise::At(v0) => number(text, keys::INITIAL_NOISE, *v0),
+                InitialNoise::Stationary => line(text, "initial", "\"stationary\"", "v(0) ~ N(0, sigma^2 / (2 theta))"),
+            }
+        }
+    }
+    table(text, "initial");
+    number(text, keys::DISPLACEMENT, model.initial_displacement);
+}
+
+fn table(text: &mut String, name: &str) {
+    let _ = writeln!(text, "\n[{name}]");
+}
+
+fn number(text: &mut String, key: Key, value: f64) {
+    let comment =
+        if key.symbol.is_empty() { key.meaning.to_string() } else { format!("{}: {}", key.symbol, key.meaning) };
+    line(text, key.name, &format!("{value:?}"), &comment);
+}
+
+/// Column at which comments start, if the value leaves room.
+const COMMENT_COLUMN: usize = 32;
+
+fn line(text: &mut String, name: &str, value: &str, comment: &str) {
+    let _ = writeln!(text, "{:COMMENT_COLUMN$}# {comment}", format!("{name} = {value}  "));
+}
+
+fn string(text: &str) -> String {
+    toml::Value::from(text).to_string()
+}

@@ -1,0 +1,170 @@
+//! TOML with places: the file as a tree, and the overrides laid over it.
+
+use super::error::Fault;
+use super::source::{Place, Sources};
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+
+/// A value and where it stands.
+#[derive(Clone, Debug)]
+pub(super) struct Node {
+    pub place: Place,
+    pub value: Value,
+}
+
+/// A TOML value; numbers as they are written, so that nothing is rounded or overflows before it is checked.
+#[derive(Clone, Debug)]
+pub(super) enum Value {
+    Text(String),
+    Integer { digits: String, radix: u32 },
+    Float(String),
+    Boolean(bool),
+    Datetime,
+    Array(Vec<Node>),
+    Table(Vec<Entry>),
+}
+
+/// A key of a table, with its value.
+#[derive(Clone, Debug)]
+pub(super) struct Entry {
+    pub key: String,
+    pub key_place: Place,
+    pub node: Node,
+}
+
+impl Value {
+    /// What a reader calls such a value.
+    pub fn kind(&self) -> &'static str {
+        match self {
+            Value::Text(_) => "a string",
+            Value::Integer { .. } => "a whole number",
+            Value::Float(_) => "a number",
+            Value::Boolean(_) => "true or false",
+            Value::Datetime => "a date",
+            Value::Array(_) => "an array",
+            Value::Table(_) => "a table",
+        }
+    }
+}
+
+/// The file's tree with every override applied, in order.
+pub(super) fn read(sources: &Sources<'_>) -> Result<Node, Box<Fault>> {
+    let parsed = DeTable::parse(sources.text).map_err(|e| {
+        let place = e.span().map(|span| Place { text: 0, start: span.start, end: span.end });
+        let remedy =
+            "write TOML: `key = value` lines under `[table]` headers; `mc init` prints a scenario to start from";
+        Fault::at(sources, place, format!("not valid TOML: {}", one_line(e.message())), remedy.into())
+    })?;
+    let mut root = Node { place: Place { text: 0, start: 0, end: 0 }, value: table(parsed.into_inner(), 0) };
+    for i in 0..sources.overrides.len() {
+        lay_over(&mut root, sources, i)?;
+    }
+    Ok(root)
+}
+
+fn node(value: Spanned<DeValue<'_>>, text: usize) -> Node {
+    let span = value.span();
+    let place = Place { text, start: span.start, end: span.end };
+    let value = match value.into_inner() {
+        DeValue::String(s) => Value::Text(s.into_owned()),
+        DeValue::Integer(i) => Value::Integer { digits: i.as_str().to_string(), radix: i.radix() },
+        DeValue::Float(x) => Value::Float(x.as_str().to_string()),
+        DeValue::Boolean(b) => Value::Boolean(b),
+        DeValue::Datetime(_) => Value::Datetime,
+        DeValue::Array(items) => Value::Array(items.into_iter().map(|item| node(item, text)).collect()),
+        DeValue::Table(entries) => table(entries, text),
+    };
+    Node { place, value }
+}
+
+fn table(entries: DeTable<'_>, text: usize) -> Value {
+    let mut entries: Vec<Entry> = entries
+        .into_iter()
+        .map(|(key, value)| {
+            let span = key.span();
+            let key_place = Place { text, start: span.start, end: span.end };
+            Entry { key: key.into_inner().into_owned(), key_place, node: node(value, text) }
+        })
+        .collect();
+    // The order of the file, so that the first mistake in it is the first one reported.
+    entries.sort_by_key(|entry| entry.key_place.start);
+    Value::Table(entries)
+}
+
+/// Apply override `i`: walk its dotted key, creating tables on the way, and put its value there.
+fn lay_over(root: &mut Node, sources: &Sources<'_>, i: usize) -> Result<(), Box<Fault>> {
+    let this = &sources.overrides[i];
+    let place = Place { text: i + 1, start: 0, end: 0 };
+    let wrong = |problem: String, remedy: String| Fault::at(sources, Some(place), problem, remedy);
+
+    let mut spot = root;
+    let mut walked = String::new();
+    for segment in this.key.split('.') {
+        let segment = segment.trim();
+        if segment.is_empty() {
+            return Err(wrong(
+                format!("`{}` is not a key", this.key),
+                "write table.key=value, e.g. friction.static=1.3, or temperature.harmonics.0.amplitude=2".into(),
+            ));
+        }
+        spot = match &mut spot.value {
+            Value::Table(entries) => {
+                let at = entries.iter().position(|entry| entry.key == segment).unwrap_or_else(|| {
+                    let empty = Node { place, value: Value::Table(Vec::new()) };
+                    entries.push(Entry { key: segment.to_string(), key_place: place, node: empty });
+                    entries.len() - 1
+                });
+                &mut entries[at].node
+            }
+            Value::Array(items) => {
+                let n = items.len();
+                // One past the end appends.
+                let index = segment.parse::<usize>().ok().filter(|&index| index <= n).ok_or_else(|| {
+                    let problem = format!("`{walked}` has {n} entries, and `{segment}` is not one of them");
+                    wrong(problem, format!("number them from 0; `{walked}.{n}` adds one"))
+                })?;
+                if index == n {
+                    items.push(Node { place, value: Value::Table(Vec::new()) });
+                }
+                &mut items[index]
+            }
+            other => {
+                let problem = format!("`{walked}` is {}, so there is no `{}`", other.kind(), this.key);
+                return Err(wrong(problem, "`mc check` prints every key of a scenario".into()));
+            }
+        };
+        if !walked.is_empty() {
+            walked.push('.');
+        }
+        walked.push_str(segment);
+    }
+
+    let text = this.value.trim();
+    spot.value = match DeValue::parse(text) {
+        Ok(value) => node(value, i + 1).value,
+        Err(_) if text.starts_with(|c: char| c.is_alphabetic()) => Value::Text(text.to_string()),
+        Err(e) => {
+            let problem = format!("`{text}` is not a TOML value: {}", one_line(e.message()));
+            return Err(wrong(problem, "give a number, a word, true, false, \"a string\" or { key = value }".into()));
+        }
+    };
+    relocate(spot, place);
+    Ok(())
+}
+
+/// Everything that an override brings stands at the override as a whole.
+fn relocate(node: &mut Node, place: Place) {
+    node.place = place;
+    match &mut node.value {
+        Value::Array(items) => items.iter_mut().for_each(|item| relocate(item, place)),
+        Value::Table(entries) => entries.iter_mut().for_each(|entry| {
+            entry.key_place = place;
+            relocate(&mut entry.node, place);
+        }),
+        _ => {}
+    }
+}
+
+fn one_line(message: &str) -> String {
+    message.trim_end_matches(", expected nothing").split_whitespace().collect::<Vec<_>>().join(" ")
+}

@@ -1,0 +1,180 @@
+//! The paper's discrete variational inequality: one explicit step for all phases.
+//!
+//! ```text
+//! X_0 = x0, V_0 = 0, t_n = n h
+//! X_{n+1} = X_n + h V_n
+//! S_n     = V_n + (h/m) b(X_n, V_n, t_n)
+//! V_{n+1} = 0                               if |S_n| <= (h/m) f_s
+//!         = S_n - (h/m) f_d sign(S_n)       otherwise
+//! ```
+//!
+//! (paper, section 3.1.) With f_d = f_s the last line is [`crate::model::prox`] at S_n, the solution of the discrete
+//! variational inequality. The noise between t_n and t_{n+1} is the exact Ornstein-Uhlenbeck transition.
+//!
+//! Paths are stepped many side by side ([`kernel`]); what turns a velocity into phases is rare, and scalar ([`reading`]).
+//! The scheme is first order in h where nothing random decides, and of order 1/2 in every statistic of sticks when there is
+//! noise: a stick exit is a barrier looked at only every h.
+
+mod kernel;
+mod reading;
+
+use self::kernel::{Kernel, Paths, RUN, Scratch};
+use self::reading::Reader;
+use super::{Observer, Snapshot, Timeline};
+use crate::lanes::InstructionSet;
+use crate::model::{HarmonicClock, InitialNoise, Model, Phase};
+use crate::noise::LaneStreams;
+
+/// How far beyond the greatest displacement the exact model can be thought to reach a path may go before it counts as diverged.
+const DIVERGENCE_MARGIN: f64 = 10.0;
+
+/// How many stationary standard deviations of v that greatest displacement allows for.
+const NOISE_REACH: f64 = 10.0;
+
+/// The discrete variational inequality on one model with one step.
+#[derive(Clone, Debug)]
+pub struct DiscreteVi {
+    model: Model,
+    timeline: Timeline,
+    h: f64,
+    instructions: InstructionSet,
+}
+
+impl DiscreteVi {
+    /// For steps of length `h`, of which the stops of the timeline are taken to be whole multiples: each is observed at
+    /// the nearest t_n.
+    pub fn new(model: &Model, timeline: &Timeline, h: f64) -> Self {
+        DiscreteVi { model: model.clone(), timeline: *timeline, h, instructions: InstructionSet::detect() }
+    }
+
+    /// The same on another instruction set; the results are the same bits.
+    pub fn with_instructions(self, instructions: InstructionSet) -> Self {
+        DiscreteVi { instructions, ..self }
+    }
+
+    /// The instruction set in use.
+    pub fn instructions(&self) -> InstructionSet {
+        self.instructions
+    }
+
+    /// Simulate these paths of the ensemble with this seed. Returns the lanes of the paths that diverged: whose |x| is not a
+    /// number below [`divergence_bound`]. What the observer saw of them is worthless.
+    pub fn simulate<O: Observer>(&self, seed: u64, paths: &[u64], observer: &mut O) -> Vec<usize> {
+        let kernel = Kernel::new(&self.model, self.h, self.instructions);
+        let mut streams = LaneStreams::new(seed, paths, Paths::padded(paths.len()));
+        self.drive(&kernel, &mut streams, paths.len(), observer)
+    }
+
+    fn drive<O: Observer>(
+        &self,
+        kernel: &Kernel,
+        streams: &mut LaneStreams,
+        paths: usize,
+        observer: &mut O,
+    ) -> Vec<usize> {
+        let Model { oscillator, temperature, .. } = &self.model;
+        let bound = divergence_bound(&self.model, self.timeline.end);
+        let clock = HarmonicClock::new(&temperature.harmonics, self.h);
+        let to_force = oscillator.stiffness * oscillator.dilatation;
+
+        let mut state =
+            Paths::at_rest(self.model.initial_displacement, &self.initial_noise(kernel.noise.kick, streams, paths));
+        let mut harmonics = [0.0; RUN + 1];
+        let mut forcing = [0.0; RUN + 1];
+        clock.fill(0, &mut harmonics);
+        forcing[0] = to_force * harmonics[0];
+        let mut reader = Reader::start(kernel, &state, forcing[0], paths, observer);
+        let mut diverged = vec![false; paths];
+        let mut sampled = Samples::default();
+        let mut scratch = Scratch::new();
+
+        let mut n = 0u64;
+        for stop in self.timeline.stops() {
+            let target = (stop.time / self.h).round() as u64;
+            while n < target {
+                let steps = RUN.min((target - n) as usize);
+                clock.fill(n, &mut harmonics[..=steps]);
+                for (force, harmonic) in forcing.iter_mut().zip(&harmonics[..=steps]) {
+                    *force = to_force * harmonic;
+                }
+                kernel.advance(&forcing[..=steps], streams, &mut state, &mut scratch);
+                reader.read(kernel, n, &forcing, &scratch.turns, observer);
+                for (lane, diverged) in diverged.iter_mut().enumerate() {
+                    *diverged |= !(state.displacement[lane].abs() <= bound);
+                }
+                n += steps as u64;
+                harmonics[0] = harmonics[steps];
+            }
+            let snapshot =
+                sampled.take(&state, reader.phases(), harmonics[0], kernel.noise.temperature, n as f64 * self.h);
+            observer.snapshot(stop.instant, snapshot);
+        }
+        (0..paths).filter(|&lane| diverged[lane]).collect()
+    }
+
+    /// v(0)/kick of each lane.
+    fn initial_noise(&self, kick: f64, streams: &mut LaneStreams, paths: usize) -> Vec<f64> {
+        let lanes = Paths::padded(paths);
+        match self.model.temperature.noise {
+            None => vec![0.0; lanes],
+            Some(noise) => match noise.initial {
+                InitialNoise::At(v) => vec![v / kick; lanes],
+                InitialNoise::Stationary => {
+                    let sd = noise.stationary_sd() / kick;
+                    streams.next_normals().into_iter().map(|z| sd * z).collect()
+                }
+            },
+        }
+    }
+}
+
+/// The displacement beyond which a path of the scheme has left every solution of the model behind.
+///
+/// The undamped oscillator without friction obeys |x(t)| <= |x0| + (1 + w0 t) sup |beta T|; friction and damping only take
+/// energy. The bound is ten times that at t_end, with ten stationary standard deviations of the noise, plus ten f_s/K.
+pub fn divergence_bound(model: &Model, end: f64) -> f64 {
+    let harmonics: f64 = model.temperature.harmonics.iter().map(|h| h.amplitude.abs()).sum();
+    let noise = model.temperature.noise.map_or(0.0, |noise| {
+        let start = match noise.initial {
+            InitialNoise::At(v) => v.abs(),
+            InitialNoise::Stationary => 0.0,
+        };
+        noise.intensity * (start + NOISE_REACH * noise.stationary_sd())
+    });
+    let oscillator = &model.oscillator;
+    let reach = oscillator.dilatation.abs() * (harmonics + noise);
+    let growth = 1.0 + oscillator.natural_frequency() * end;
+    let stuck = model.friction.static_force / oscillator.stiffness;
+    (DIVERGENCE_MARGIN * (model.initial_displacement.abs() + growth * reach + stuck)).min(f64::MAX)
+}
+
+/// The buffers a snapshot is shown from.
+#[derive(Default)]
+struct Samples {
+    temperature: Vec<f64>,
+    is_static: Vec<bool>,
+}
+
+impl Samples {
+    fn take<'a>(
+        &'a mut self,
+        state: &'a Paths,
+        phases: &[Phase],
+        harmonic: f64,
+        noise: f64,
+        time: f64,
+    ) -> Snapshot<'a> {
+        let paths = phases.len();
+        self.temperature.clear();
+        self.temperature.extend(state.noise[..paths].iter().map(|v| harmonic + noise * v));
+        self.is_static.clear();
+        self.is_static.extend(phases.iter().map(|phase| *phase == Phase::Static));
+        Snapshot {
+            time,
+            displacement: &state.displacement[..paths],
+            velocity: &state.velocity[..paths],
+            temperature: &self.temperature,
+            is_static: &self.is_static,
+        }
+    }
+}

@@ -1,0 +1,330 @@
+//! Watches one block of paths and leaves its totals, and what was asked to be kept of each path.
+
+use super::path::{Censored, Completed, PathFold};
+use super::periods::PeriodFold;
+use super::{BlockResult, EventColumns, PathColumns, Record, Totals, TrajectoryRows};
+use crate::model::{Event, Model};
+use crate::scheme::{Instant, Observer, Snapshot, Timeline};
+
+/// The observer of one block of paths.
+pub struct BlockObserver {
+    /// Number of the path in each lane.
+    path_numbers: Vec<u64>,
+    paths: Vec<PathFold>,
+    /// f_d.
+    dynamic_force: f64,
+    /// Rows of the output grid.
+    rows: usize,
+    totals: Totals,
+    periods: PeriodFold,
+    keeps_paths: bool,
+    /// Events of each lane, if they are kept.
+    events: Option<Vec<Vec<Event>>>,
+    /// How many of the first paths of the run are kept on the output grid, and those of them that are in this block.
+    trajectories: (u64, Vec<Trajectory>),
+}
+
+/// One path on the output grid.
+struct Trajectory {
+    lane: usize,
+    displacement: Vec<f64>,
+    velocity: Vec<f64>,
+    temperature: Vec<f64>,
+    is_static: Vec<i8>,
+}
+
+impl Trajectory {
+    fn unknown(lane: usize, rows: usize) -> Self {
+        let nothing = vec![f64::NAN; rows];
+        Trajectory {
+            lane,
+            displacement: nothing.clone(),
+            velocity: nothing.clone(),
+            temperature: nothing,
+            is_static: vec![0; rows],
+        }
+    }
+}
+
+impl BlockObserver {
+    /// An observer of these paths, in ascending order; lane i is path `paths[i]`. Each is at rest at x0, in its first
+    /// static phase.
+    pub fn new(model: &Model, timeline: &Timeline, record: &Record, paths: &[u64]) -> Self {
+        let rows = timeline.rows();
+        let kept = paths.iter().take_while(|&&path| path < record.trajectories).count();
+        BlockObserver {
+            path_numbers: paths.to_vec(),
+            paths: vec![PathFold::starting_at(model.initial_displacement); paths.len()],
+            dynamic_force: model.friction.dynamic_force,
+            rows,
+            totals: Totals::empty(model, timeline),
+            periods: PeriodFold::new(timeline, model.initial_displacement, paths.len()),
+            keeps_paths: record.paths,
+            events: record.events.then(|| vec![Vec::new(); paths.len()]),
+            trajectories: (record.trajectories, (0..kept).map(|lane| Trajectory::unknown(lane, rows)).collect()),
+        }
+    }
+
+    /// What the block leaves behind. It holds `path_count` paths from number `first_path` on, of which `diverged` did not
+    /// reach t_end and were not watched.
+    pub fn finish(mut self, first_path: u64, path_count: u64, diverged: Vec<u64>) -> BlockResult {
+        self.totals.periods = self.periods.finish();
+        self.totals.end(&self.paths, self.dynamic_force, &diverged);
+        let block = Block { first_path, path_count, rows: self.rows, path_numbers: &self.path_numbers };
+        let (wanted, trajectories) = self.trajectories;
+        BlockResult {
+            first_path,
+            paths: path_count,
+            diverged,
+            path_columns: self.keeps_paths.then(|| block.path_columns(&self.paths, self.dynamic_force)),
+            events: self.events.map(|events| block.event_columns(&events)),
+            trajectories: (first_path < wanted).then(|| block.trajectory_rows(wanted, &trajectories)),
+            totals: self.totals,
+        }
+    }
+
+    fn end(&mut self, snapshot: &Snapshot<'_>) {
+        for (path, &displacement) in self.paths.iter_mut().zip(snapshot.displacement) {
+            match path.end(snapshot.time, displacement) {
+                Censored::FirstStick => self.totals.durations.first_censored(),
+                Censored::Stick(so_far) => self.totals.durations.censored(so_far),
+                Censored::Slip => self.totals.sub_phases.censored(),
+            }
+        }
+    }
+}
+
+impl Observer for BlockObserver {
+    #[inline]
+    fn event(&mut self, lane: usize, event: Event) {
+        match self.paths[lane].event(&event) {
+            Some(Completed::FirstStick) => self.totals.durations.first_completed(),
+            Some(Completed::Stick(duration)) => self.totals.durations.completed(self.path_numbers[lane], duration),
+            Some(Completed::Slip(sub_phases)) => self.totals.sub_phases.completed(sub_phases),
+            None => {}
+        }
+        if let Some(events) = &mut self.events {
+            events[lane].push(event);
+        }
+    }
+
+    fn snapshot(&mut self, instant: Instant, snapshot: Snapshot<'_>) {
+        match instant {
+            Instant::Output(row) => {
+                self.totals.bands.fold(row, &snapshot);
+                for kept in &mut self.trajectories.1 {
+                    kept.displacement[row] = snapshot.displacement[kept.lane];
+                    kept.velocity[row] = snapshot.velocity[kept.lane];
+                    kept.temperature[row] = snapshot.temperature[kept.lane];
+                    kept.is_static[row] = i8::from(snapshot.is_static[kept.lane]);
+                }
+            }
+            Instant::Period(n) => self.periods.fold(n, snapshot.displacement),
+            Instant::End => self.end(&snapshot),
+        }
+    }
+}
+
+/// Which paths a block holds, and which of them were watched.
+struct Block<'a> {
+    first_path: u64,
+    path_count: u64,
+    rows: usize,
+    path_numbers: &'a [u64],
+}
+
+impl Block<'_> {
+    /// The lane of every path of the block, in order; none for a diverged path.
+    fn lanes(&self) -> impl Iterator<Item = (u64, Option<usize>)> {
+        let mut watched = self.path_numbers.iter().enumerate().peekable();
+        (self.first_path..self.first_path + self.path_count)
+            .map(move |number| (number, watched.next_if(|(_, path)| **path == number).map(|(lane, _)| lane)))
+    }
+
+    fn path_columns(&self, paths: &[PathFold], dynamic_force: f64) -> PathColumns {
+        let mut columns = PathColumns::default();
+        for (_, lane) in self.lanes() {
+            let path = lane.map(|lane| &paths[lane]);
+            let number = |of: fn(&PathFold) -> f64| path.map_or(f64::NAN, of);
+            let count = |of: fn(&PathFold) -> u32| path.map_or(0, of);
+            columns.displacement_end.push(number(|p| p.displacement_end));
+            columns.max_displacement.push(number(|p| p.max_displacement));
+            columns.first_stick_duration.push(number(|p| p.first_duration.unwrap_or(f64::NAN)));
+            columns.stick_time.push(number(|p| p.stick_time));
+            columns.friction_work.push(dynamic_force * number(|p| p.travel));
+            columns.sticks.push(count(|p| p.sticks));
+            columns.slips.push(count(|p| p.slips));
+            columns.sub_phases.push(count(|p| p.sub_phases));
+            columns.diverged.push(path.is_none());
+        }
+        columns
+    }
+
+    fn event_columns(&self, events: &[Vec<Event>]) -> EventColumns {
+        let mut columns = EventColumns::default();
+        for (_, lane) in self.lanes() {
+            columns.push_path(lane.map_or(&[], |lane| &events[lane]));
+        }
+        columns
+    }
+
+    /// The paths of the block with numbers below `wanted`.
+    fn trajectory_rows(&self, wanted: u64, kept: &[Trajectory]) -> TrajectoryRows {
+        let mut columns = TrajectoryRows::default();
+        for (number, lane) in self.lanes().take_while(|&(number, _)| number < wanted) {
+            let unknown;
+            let trajectory = match lane {
+                Some(lane) => &kept[lane],
+                None => {
+                    unknown = Trajectory::unknown(0, self.rows);
+                    &unknown
+                }
+            };
+            columns.path.push(number);
+            columns.displacement.extend_from_slice(&trajectory.displacement);
+            columns.velocity.extend_from_slice(&trajectory.velocity);
+            columns.temperature.extend_from_slice(&trajectory.temperature);
+            columns.is_static.extend_from_slice(&trajectory.is_static);
+        }
+        columns
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::stats::Statistic;
+    use crate::stats::synthetic::{NOTHING_KEPT, Path, model, observe, slip, stick, turn};
+    use rand_distr::{Distribution, StandardNormal, StandardUniform};
+    use rand_pcg::Pcg64Dxsm;
+    use rand_pcg::rand_core::SeedableRng;
+
+    fn wandering(rng: &mut Pcg64Dxsm) -> Path {
+        let (mut x, mut t, mut events) = (6.0, 0.0, Vec::new());
+        for _ in 0..8 {
+            let mut wait = || Distribution::<f64>::sample(&StandardUniform, rng);
+            t += wait();
+            events.push(slip(t, x));
+            t += wait();
+            events.push(turn(t, x + 2.0));
+            t += wait();
+            x += Distribution::<f64>::sample(&StandardNormal, rng);
+            events.push(stick(t, x));
+        }
+        Path { events, end: x }
+    }
+
+    #[test]
+    fn blocks_merged_in_order_are_the_ensemble_folded_at_once() {
+        let timeline = Timeline { end: 32.0, output_step: 16.0, period: Some(10.0) };
+        let mut rng = Pcg64Dxsm::seed_from_u64(11);
+        let paths: Vec<Path> = (0..600).map(|_| wandering(&mut rng)).collect();
+        let mut snapshots = |n: usize| -> Vec<Vec<f64>> {
+            (0..n)
+                .map(|_| paths.iter().map(|p| p.end + Distribution::<f64>::sample(&StandardNormal, &mut rng)).collect())
+                .collect()
+        };
+        let (rows, periods) = (snapshots(3), snapshots(3));
+        let part = |from: usize, to: usize| {
+            let cut = |all: &[Vec<f64>]| all.iter().map(|row| row[from..to].to_vec()).collect::<Vec<_>>();
+            observe(&timeline, &NOTHING_KEPT, from as u64, &paths[from..to], &cut(&rows), &cut(&periods)).totals
+        };
+        let whole = part(0, 600).summary();
+        let mut merged = Totals::empty(&model(), &timeline);
+        for (from, to) in [(0, 256), (256, 512), (512, 599), (599, 600)] {
+            merged.merge(&part(from, to));
+        }
+        let merged = merged.summary();
+        // Sums of 600 numbers near 10: rounding is below 1e-13; a ratio of small differences of them loses a digit.
+        let close = |a: f64, b: f64| (a - b).abs() <= 1e-11 * (1.0 + a.abs()) || (a.is_nan() && b.is_nan());
+        for (a, b) in whole.estimates.iter().zip(&merged.estimates) {
+            assert!(close(a.estimate, b.estimate), "{a:?} {b:?}");
+            // The error of the diffusion coefficient is taken about block means, and the last path has no block to be
+            // compared with: a relative O(1/256).
+            if a.statistic == Statistic::DiffusionCoefficient {
+                assert!((a.standard_error / b.standard_error - 1.0).abs() < 0.01, "{a:?} {b:?}");
+            } else {
+                assert!(close(a.standard_error, b.standard_error), "{a:?} {b:?}");
+                assert!(close(a.low, b.low) && close(a.high, b.high), "{a:?} {b:?}");
+            }
+        }
+        assert_eq!(whole.stick_durations, merged.stick_durations);
+        assert_eq!(whole.sub_phases, merged.sub_phases);
+        assert_eq!(whole.bands.static_probability, merged.bands.static_probability);
+        for (a, b) in [
+            (&whole.bands.displacement, &merged.bands.displacement),
+            (&whole.bands.velocity, &merged.bands.velocity),
+            (&whole.bands.temperature, &merged.bands.temperature),
+        ] {
+            assert_eq!(a.quantiles, b.quantiles);
+            assert!(a.mean.iter().zip(&b.mean).chain(a.sd.iter().zip(&b.sd)).all(|(a, b)| close(*a, *b)));
+        }
+        assert!(whole.periods.variance.iter().zip(&merged.periods.variance).all(|(a, b)| close(*a, *b)));
+    }
+
+    #[test]
+    fn diverged_paths_keep_their_place_and_stay_out_of_the_statistics() {
+        let timeline = Timeline { end: 2.0, output_step: 1.0, period: None };
+        let record = Record { paths: true, events: true, trajectories: 103 };
+        // A block of paths 100 to 104, of which 101 and 104 diverged.
+        let mut observer = BlockObserver::new(&model(), &timeline, &record, &[100, 102, 103]);
+        observer.event(1, slip(0.5, 6.0));
+        observer.event(1, stick(1.5, 7.0));
+        observer.event(2, slip(1.0, 6.0));
+        let (v, is_static) = ([0.0, 0.25, 0.5], [true, false, false]);
+        for (row, x) in [[6.0, 6.0, 6.0], [6.0, 6.5, 6.0], [6.0, 7.0, 8.0]].iter().enumerate() {
+            let snapshot =
+                Snapshot { time: row as f64, displacement: x, velocity: &v, temperature: &v, is_static: &is_static };
+            observer.snapshot(Instant::Output(row), snapshot);
+            if row == 2 {
+                observer.snapshot(Instant::End, snapshot);
+            }
+        }
+        let result = observer.finish(100, 5, vec![101, 104]);
+
+        let columns = result.path_columns.expect("asked for");
+        assert_eq!(columns.diverged, [false, true, false, false, true]);
+        assert_eq!(columns.slips, [0, 0, 1, 0, 0]);
+        assert_eq!(columns.sub_phases, [0, 0, 1, 0, 0]);
+        // f_d = 2.
+        let expected = [0.0, f64::NAN, 2.0, 4.0, f64::NAN];
+        assert!(
+            columns
+                .friction_work
+                .iter()
+                .zip(expected)
+                .all(|(a, b)| a.to_bits() == b.to_bits() || (a.is_nan() && b.is_nan()))
+        );
+        assert_eq!((columns.displacement_end[3], columns.max_displacement[3]), (8.0, 8.0));
+        assert!(columns.first_stick_duration[0].is_nan());
+        assert_eq!((columns.first_stick_duration[2], columns.stick_time[2]), (0.5, 1.0));
+
+        let events = result.events.expect("asked for");
+        assert_eq!(events.count, [0, 0, 2, 1, 0]);
+        assert_eq!((events.time, events.kind, events.sign), (vec![0.5, 1.5, 1.0], vec![1, 0, 1], vec![1, 0, 1]));
+
+        let trajectories = result.trajectories.expect("paths 100 to 102 are among the first 103");
+        assert_eq!(trajectories.path, [100, 101, 102]);
+        assert_eq!(trajectories.displacement[..3], [6.0, 6.0, 6.0]);
+        assert!(trajectories.displacement[3..6].iter().all(|x| x.is_nan()));
+        assert_eq!(trajectories.displacement[6..], [6.0, 6.5, 7.0]);
+        assert_eq!(trajectories.velocity[6..], [0.25; 3]);
+        assert_eq!(trajectories.is_static, [1, 1, 1, 0, 0, 0, 0, 0, 0]);
+
+        let summary = result.totals.summary();
+        assert_eq!((summary.completed_paths, summary.diverged), (5, vec![101, 104]));
+        assert_eq!(summary.bands.displacement.mean, [6.0, 18.5 / 3.0, 7.0]);
+    }
+
+    #[test]
+    fn a_block_of_diverged_paths_alone_adds_nothing_but_their_numbers() {
+        let timeline = Timeline { end: 2.0, output_step: 1.0, period: Some(1.0) };
+        let record = Record { paths: true, events: true, trajectories: 2 };
+        let result = BlockObserver::new(&model(), &timeline, &record, &[]).finish(0, 2, vec![0, 1]);
+        let summary = result.totals.summary();
+        assert_eq!((summary.completed_paths, summary.diverged.len()), (2, 2));
+        assert!(summary.estimates.iter().all(|e| e.estimate.is_nan()));
+        let trajectories = result.trajectories.expect("both are asked for");
+        assert_eq!((trajectories.displacement.len(), trajectories.is_static), (6, vec![0; 6]));
+    }
+}

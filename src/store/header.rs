@@ -1,0 +1,153 @@
+//! Root attributes: what a file says about itself, written and read side by side.
+
+use super::variable::{read_text, write_attribute, write_text};
+use hdf5::File;
+
+/// What `format_name` says in every file of this program.
+pub const FORMAT_NAME: &str = "stick-slip ensemble";
+
+/// Major and minor version of the file format. A new minor version only adds; a new major version may change or remove.
+pub const FORMAT_VERSION: (u32, u32) = (1, 0);
+
+/// Version of the CF conventions that the file follows.
+const CONVENTIONS: &str = "CF-1.11";
+
+/// Attribute names of `Header::units`, in its order.
+const UNIT_NAMES: [&str; 4] = ["time_unit", "length_unit", "force_unit", "temperature_unit"];
+
+/// Where the numbers of a file come from.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Header {
+    /// What the scenario asks, in a line.
+    pub title: String,
+    /// The resolved scenario as TOML: running it again gives the same data.
+    pub scenario_text: String,
+    /// Name of the scheme.
+    pub scheme: String,
+    /// h, for time-stepping schemes.
+    pub step: Option<f64>,
+    /// Seed of the ensemble.
+    pub seed: u64,
+    /// Name of the random number generator and of the normal sampler.
+    pub generator: String,
+    /// Paths asked for.
+    pub paths: u64,
+    /// Paths in a block.
+    pub block_size: u64,
+    /// Version of the program.
+    pub program_version: String,
+    /// Commit the program was built from.
+    pub git_hash: String,
+    /// Unit labels of time, length, force and temperature; empty where dimensionless.
+    pub units: [String; 4],
+    /// Times of the output grid.
+    pub time: Vec<f64>,
+}
+
+/// How far a run has come.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Status {
+    /// Every path asked for is in the file.
+    Complete,
+    /// Stopped early; the file holds `completed_paths` paths.
+    Interrupted,
+    /// Being written.
+    Running,
+}
+
+impl Status {
+    const ALL: [Status; 3] = [Status::Complete, Status::Interrupted, Status::Running];
+
+    /// The word in the file.
+    pub fn name(self) -> &'static str {
+        match self {
+            Status::Complete => "complete",
+            Status::Interrupted => "interrupted",
+            Status::Running => "running",
+        }
+    }
+
+    fn from_name(name: &str) -> Option<Status> {
+        Status::ALL.into_iter().find(|status| status.name() == name)
+    }
+}
+
+/// Write every root attribute of a run that has just started.
+pub(super) fn write(file: &File, header: &Header) -> hdf5::Result<()> {
+    let (major, minor) = FORMAT_VERSION;
+    write_text(file, "Conventions", CONVENTIONS)?;
+    write_text(file, "title", &header.title)?;
+    write_text(file, "format_name", FORMAT_NAME)?;
+    write_text(file, "format_version", &format!("{major}.{minor}"))?;
+    write_text(file, "program_version", &header.program_version)?;
+    write_text(file, "git_hash", &header.git_hash)?;
+    write_text(file, "scheme", &header.scheme)?;
+    if let Some(step) = header.step {
+        write_attribute(file, "step", step)?;
+    }
+    write_attribute(file, "seed", header.seed)?;
+    write_text(file, "generator", &header.generator)?;
+    write_attribute(file, "paths", header.paths)?;
+    write_attribute(file, "block_size", header.block_size)?;
+    write_text(file, "status", Status::Running.name())?;
+    write_attribute(file, "completed_paths", 0_u64)?;
+    for (name, label) in UNIT_NAMES.into_iter().zip(&header.units) {
+        // An absent label is a dimensionless one: some readers stumble over empty strings.
+        if !label.is_empty() {
+            write_text(file, name, label)?;
+        }
+    }
+    write_text(file, "scenario", &header.scenario_text)
+}
+
+/// Say how many paths the file holds.
+pub(super) fn set_completed_paths(file: &File, paths: u64) -> hdf5::Result<()> {
+    file.attr("completed_paths")?.write_scalar(&paths)
+}
+
+/// Say how many of the paths diverged; only a finished run knows.
+pub(super) fn set_diverged_paths(file: &File, paths: u64) -> hdf5::Result<()> {
+    write_attribute(file, "diverged_paths", paths)
+}
+
+/// Say how the run ended.
+pub(super) fn set_status(file: &File, status: Status) -> hdf5::Result<()> {
+    file.attr("status")?.write_scalar(&super::variable::text(status.name())?)
+}
+
+/// Major and minor format version, if the file is one of ours.
+pub(super) fn format_version(file: &File) -> Option<(u32, u32)> {
+    if read_text(file, "format_name").ok()? != FORMAT_NAME {
+        return None;
+    }
+    let version = read_text(file, "format_version").ok()?;
+    let (major, minor) = version.split_once('.')?;
+    Some((major.parse().ok()?, minor.parse().ok()?))
+}
+
+/// The status and the number of paths in the file.
+pub(super) fn progress(file: &File) -> hdf5::Result<(Status, u64)> {
+    let word = read_text(file, "status")?;
+    let status = Status::from_name(&word).ok_or_else(|| format!("unknown status \"{word}\""))?;
+    Ok((status, file.attr("completed_paths")?.read_scalar()?))
+}
+
+/// The header, given the output grid.
+pub(super) fn read(file: &File, time: Vec<f64>) -> hdf5::Result<Header> {
+    let label = |name| if file.attr(name).is_ok() { read_text(file, name) } else { Ok(String::new()) };
+    let [time_unit, length_unit, force_unit, temperature_unit] = UNIT_NAMES;
+    Ok(Header {
+        title: read_text(file, "title")?,
+        scenario_text: read_text(file, "scenario")?,
+        scheme: read_text(file, "scheme")?,
+        step: file.attr("step").ok().map(|step| step.read_scalar()).transpose()?,
+        seed: file.attr("seed")?.read_scalar()?,
+        generator: read_text(file, "generator")?,
+        paths: file.attr("paths")?.read_scalar()?,
+        block_size: file.attr("block_size")?.read_scalar()?,
+        program_version: read_text(file, "program_version")?,
+        git_hash: read_text(file, "git_hash")?,
+        units: [label(time_unit)?, label(length_unit)?, label(force_unit)?, label(temperature_unit)?],
+        time,
+    })
+}

@@ -1,0 +1,298 @@
+//! Every dimension and variable of the file: name, axes, unit and meaning, in one table for writer and reader.
+
+use crate::stats::{Dimension, Statistic};
+
+/// What a variable is measured in; `label` turns it into text.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Unit {
+    /// No `units` attribute: flags, names, and numbers of different kinds in one array.
+    None,
+    /// A pure number.
+    One,
+    /// time
+    Time,
+    /// length
+    Length,
+    /// force
+    Force,
+    /// temperature
+    Temperature,
+    /// length / time
+    Velocity,
+    /// length^2
+    Area,
+    /// length^2 / time
+    Diffusivity,
+    /// force * length
+    Work,
+}
+
+impl From<Dimension> for Unit {
+    fn from(dimension: Dimension) -> Unit {
+        match dimension {
+            Dimension::One => Unit::One,
+            Dimension::Time => Unit::Time,
+            Dimension::Length => Unit::Length,
+            Dimension::Velocity => Unit::Velocity,
+            Dimension::Diffusivity => Unit::Diffusivity,
+            Dimension::Work => Unit::Work,
+        }
+    }
+}
+
+impl Unit {
+    /// The `units` attribute, in UDUNITS notation, from the labels of time, length, force and temperature.
+    pub(super) fn label(self, units: &[String; 4]) -> Option<String> {
+        let [time, length, force, temperature] = units;
+        let powers: &[(&String, i32)] = match self {
+            Unit::None => return None,
+            Unit::One => &[],
+            Unit::Time => &[(time, 1)],
+            Unit::Length => &[(length, 1)],
+            Unit::Force => &[(force, 1)],
+            Unit::Temperature => &[(temperature, 1)],
+            Unit::Velocity => &[(length, 1), (time, -1)],
+            Unit::Area => &[(length, 2)],
+            Unit::Diffusivity => &[(length, 2), (time, -1)],
+            Unit::Work => &[(force, 1), (length, 1)],
+        };
+        let factors: Vec<String> = powers.iter().filter_map(|&(label, power)| factor(label, power)).collect();
+        Some(if factors.is_empty() { "1".to_owned() } else { factors.join(" ") })
+    }
+}
+
+/// `m` to the power 2 is `m2`; a label that is itself an expression needs brackets.
+fn factor(label: &str, power: i32) -> Option<String> {
+    let label = label.trim();
+    let simple = label.chars().all(char::is_alphabetic);
+    match power {
+        _ if label.is_empty() || label == "1" => None,
+        1 => Some(label.to_owned()),
+        _ if simple => Some(format!("{label}{power}")),
+        _ => Some(format!("({label})^{power}")),
+    }
+}
+
+/// One variable of the file.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Variable {
+    /// Its name; a variable named like its only axis is the coordinate of that dimension.
+    pub name: &'static str,
+    /// Names of its dimensions, slowest first.
+    pub axes: &'static [&'static str],
+    /// What it is measured in.
+    pub unit: Unit,
+    /// What it is, for a plot's axis.
+    pub long_name: &'static str,
+    /// Further CF attributes: name and text.
+    pub attributes: &'static [(&'static str, &'static str)],
+    /// Values of the flags, named in the attribute `flag_meanings`.
+    pub flags: &'static [i8],
+}
+
+impl Variable {
+    /// Whether it gives a dimension its name and length.
+    pub(super) fn is_coordinate(&self) -> bool {
+        *self.axes == [self.name]
+    }
+
+    /// Whether it is only a dimension, without values of its own.
+    pub(super) fn is_bare_dimension(&self) -> bool {
+        self.long_name == BARE_DIMENSION
+    }
+
+    const fn with(mut self, attributes: &'static [(&'static str, &'static str)]) -> Variable {
+        self.attributes = attributes;
+        self
+    }
+
+    const fn flags(mut self, values: &'static [i8], meanings: &'static [(&'static str, &'static str)]) -> Variable {
+        self.flags = values;
+        self.with(meanings)
+    }
+}
+
+const fn variable(name: &'static str, axes: &'static [&'static str], unit: Unit, long_name: &'static str) -> Variable {
+    Variable { name, axes, unit, long_name, attributes: &[], flags: &[] }
+}
+
+/// Declares the variables and the list of all of them together, so that neither can miss one.
+macro_rules! table {
+    ($($constant:ident = $value:expr;)*) => {
+        $(pub(super) const $constant: Variable = $value;)*
+        /// Every variable, in the order of the documentation.
+        #[cfg(test)]
+        pub(super) const ALL: &[&Variable] = &[$(&$constant),*];
+    };
+}
+
+/// The phrase by which netCDF-4 marks a dimension that is not a variable; the ten characters after it are a length that
+/// no reader uses.
+pub(super) const BARE_DIMENSION: &str = "This is a netCDF dimension but not a netCDF variable.         0";
+
+const PER_STATISTIC: &[(&str, &str)] = &[("coordinates", "statistic_long_name statistic_unit")];
+const PER_BIN: &[(&str, &str)] = &[("coordinates", "duration_bin_lower")];
+
+table! {
+    STATISTIC = variable("statistic", &["statistic"], Unit::None, "name of the statistic");
+    STATISTIC_LONG_NAME = variable("statistic_long_name", &["statistic"], Unit::None, "what the statistic is");
+    STATISTIC_UNIT = variable("statistic_unit", &["statistic"], Unit::None, "unit of the statistic");
+    ESTIMATE = variable("estimate", &["statistic"], Unit::None, "estimate").with(PER_STATISTIC);
+    STANDARD_ERROR = variable("standard_error", &["statistic"], Unit::None,
+        "standard error of the estimate, the path being the independent unit").with(PER_STATISTIC);
+    INTERVAL_LOW = variable("interval_low", &["statistic"], Unit::None,
+        "lower end of the 95 % confidence interval").with(PER_STATISTIC);
+    INTERVAL_HIGH = variable("interval_high", &["statistic"], Unit::None,
+        "upper end of the 95 % confidence interval").with(PER_STATISTIC);
+    BIAS = variable("bias", &["statistic"], Unit::None,
+        "estimated discretisation bias, missing where unknown").with(PER_STATISTIC);
+
+    TIME = variable("time", &["time"], Unit::Time, "time").with(&[("axis", "T")]);
+    QUANTILE = variable("quantile", &["quantile"], Unit::One, "quantile level");
+    DISPLACEMENT_MEAN = variable("displacement_mean", &["time"], Unit::Length, "mean of the displacement");
+    DISPLACEMENT_SD = variable("displacement_sd", &["time"], Unit::Length, "standard deviation of the displacement");
+    DISPLACEMENT_QUANTILE = variable("displacement_quantile", &["quantile", "time"], Unit::Length,
+        "quantiles of the displacement");
+    VELOCITY_MEAN = variable("velocity_mean", &["time"], Unit::Velocity, "mean of the velocity");
+    VELOCITY_SD = variable("velocity_sd", &["time"], Unit::Velocity, "standard deviation of the velocity");
+    VELOCITY_QUANTILE = variable("velocity_quantile", &["quantile", "time"], Unit::Velocity,
+        "quantiles of the velocity");
+    TEMPERATURE_MEAN = variable("temperature_mean", &["time"], Unit::Temperature, "mean of the temperature");
+    TEMPERATURE_SD = variable("temperature_sd", &["time"], Unit::Temperature, "standard deviation of the temperature");
+    TEMPERATURE_QUANTILE = variable("temperature_quantile", &["quantile", "time"], Unit::Temperature,
+        "quantiles of the temperature");
+    STATIC_PROBABILITY = variable("static_probability", &["time"], Unit::One, "probability of being in a static phase");
+
+    DURATION_BIN = variable("duration_bin", &["duration_bin"], Unit::Time, "upper edge of the stick duration bin");
+    DURATION_BIN_LOWER = variable("duration_bin_lower", &["duration_bin"], Unit::Time,
+        "lower edge of the stick duration bin, itself inside the bin");
+    STICK_DURATION_COUNT = variable("stick_duration_count", &["duration_bin"], Unit::One,
+        "completed sticks, the first of each path left out").with(PER_BIN);
+    STICK_DURATION_CENSORED_COUNT = variable("stick_duration_censored_count", &["duration_bin"], Unit::One,
+        "sticks still running at the end, by their duration so far, the first of each path left out").with(PER_BIN);
+    STICK_DURATION_SURVIVAL = variable("stick_duration_survival", &["duration_bin"], Unit::One,
+        "probability that a stick lasts beyond the upper edge of the bin (Kaplan-Meier)").with(PER_BIN);
+    STICK_DURATION_QUANTILE = variable("stick_duration_quantile", &["quantile"], Unit::Time,
+        "quantiles of the completed stick durations");
+    STICK_DURATION_COMPLETED = variable("stick_duration_completed", &[], Unit::One,
+        "completed sticks, the first of each path left out");
+    STICK_DURATION_CENSORED = variable("stick_duration_censored", &[], Unit::One,
+        "sticks still running at the end, the first of each path left out");
+    FIRST_STICK_COMPLETED = variable("first_stick_duration_completed", &[], Unit::One, "first sticks that ended");
+    FIRST_STICK_CENSORED = variable("first_stick_duration_censored", &[], Unit::One,
+        "first sticks still running at the end");
+
+    SUB_PHASE = variable("sub_phase", &["sub_phase"], Unit::One,
+        "sub-phases of a dynamic phase; the last entry stands for this many or more");
+    SUB_PHASE_COUNT = variable("sub_phase_count", &["sub_phase"], Unit::One,
+        "completed dynamic phases with so many sub-phases");
+    SUB_PHASE_CENSORED = variable("sub_phase_censored", &[], Unit::One, "dynamic phases still running at the end");
+
+    PERIOD = variable("period", &["period"], Unit::One, "number of whole forcing periods");
+    PERIOD_TIME = variable("period_time", &["period"], Unit::Time, "end of the forcing period");
+    DISPLACEMENT_PERIOD_MEAN = variable("displacement_period_mean", &["period"], Unit::Length,
+        "mean of the displacement since the start, at the end of the period").with(&[("coordinates", "period_time")]);
+    DISPLACEMENT_PERIOD_VARIANCE = variable("displacement_period_variance", &["period"], Unit::Area,
+        "variance of the displacement at the end of the period").with(&[("coordinates", "period_time")]);
+
+    DIVERGED_PATH = variable("diverged_path", &["diverged_path"], Unit::One,
+        "numbers of the diverged paths, which are in no statistic");
+
+    PATH = variable("path", &["path"], Unit::One, "path number");
+    PATH_DISPLACEMENT_END = variable("path_displacement_end", &["path"], Unit::Length, "displacement at the end");
+    PATH_MAX_DISPLACEMENT = variable("path_max_displacement", &["path"], Unit::Length,
+        "largest absolute displacement");
+    PATH_FIRST_STICK_DURATION = variable("path_first_stick_duration", &["path"], Unit::Time,
+        "duration of the first stick, missing while it runs at the end");
+    PATH_STICK_TIME = variable("path_stick_time", &["path"], Unit::Time, "total time in static phases");
+    PATH_FRICTION_WORK = variable("path_friction_work", &["path"], Unit::Work, "work done against dynamic friction");
+    PATH_STICKS = variable("path_sticks", &["path"], Unit::One, "completed sticks, the first left out");
+    PATH_SLIPS = variable("path_slips", &["path"], Unit::One, "completed dynamic phases");
+    PATH_SUB_PHASES = variable("path_sub_phases", &["path"], Unit::One, "sub-phases of the completed dynamic phases");
+    PATH_DIVERGED = variable("path_diverged", &["path"], Unit::None, "whether the path diverged")
+        .flags(&[0, 1], &[("flag_meanings", "finite diverged")]);
+
+    EVENT = variable("event", &["event"], Unit::None, BARE_DIMENSION);
+    EVENT_COUNT = variable("event_count", &["path"], Unit::One, "number of events of the path")
+        .with(&[("sample_dimension", "event")]);
+    EVENT_TIME = variable("event_time", &["event"], Unit::Time, "time of the event");
+    EVENT_DISPLACEMENT = variable("event_displacement", &["event"], Unit::Length, "displacement at the event");
+    EVENT_FORCE = variable("event_force", &["event"], Unit::Force, "total force besides friction (b) at the event");
+    EVENT_SIGN = variable("event_sign", &["event"], Unit::None, "direction of the sub-phase that starts")
+        .flags(&[-1, 0, 1], &[("flag_meanings", "negative none positive")]);
+    EVENT_KIND = variable("event_kind", &["event"], Unit::None, "kind of the event")
+        .flags(&[0, 1, 2], &[("flag_meanings", "stick_entered slip_started sub_phase_boundary")]);
+
+    TRAJECTORY = variable("trajectory", &["trajectory"], Unit::One, "path number");
+    TRAJECTORY_DISPLACEMENT = variable("trajectory_displacement", &["trajectory", "time"], Unit::Length,
+        "displacement");
+    TRAJECTORY_VELOCITY = variable("trajectory_velocity", &["trajectory", "time"], Unit::Velocity, "velocity");
+    TRAJECTORY_TEMPERATURE = variable("trajectory_temperature", &["trajectory", "time"], Unit::Temperature,
+        "temperature");
+    TRAJECTORY_STATIC = variable("trajectory_static", &["trajectory", "time"], Unit::None,
+        "whether the path is in a static phase")
+        .flags(&[0, 1], &[("flag_meanings", "dynamic static")]);
+}
+
+/// What a statistic is, for a table or a plot's title.
+pub(super) fn long_name(statistic: Statistic) -> &'static str {
+    match statistic {
+        Statistic::StickDurationMean => "mean duration of the completed sticks",
+        Statistic::StickDurationSd => "standard deviation of the durations of the completed sticks",
+        Statistic::StickDurationMedian => "median duration of the completed sticks",
+        Statistic::FirstStickDurationMean => "mean duration of the first sticks that ended",
+        Statistic::SticksPerPath => "completed sticks per path, the first left out",
+        Statistic::SlipsPerPath => "completed dynamic phases per path",
+        Statistic::SubPhasesMean => "mean number of sub-phases of a dynamic phase",
+        Statistic::SubPhasesMultipleShare => "share of dynamic phases with two or more sub-phases",
+        Statistic::StickingFraction => "share of the time spent in static phases",
+        Statistic::DisplacementEndMean => "mean displacement at the end",
+        Statistic::DisplacementEndSd => "standard deviation of the displacement at the end",
+        Statistic::DriftVelocity => "slope of the mean displacement over whole forcing periods",
+        Statistic::DiffusionCoefficient => {
+            "half the slope of the variance of the displacement over whole forcing periods"
+        }
+        Statistic::JumpMean => "mean jump of the displacement in a dynamic phase",
+        Statistic::JumpAbsMean => "mean size of the jump of the displacement in a dynamic phase",
+        Statistic::FrictionWorkMean => "mean work done against dynamic friction",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::HashSet;
+
+    #[test]
+    fn units_are_combined_in_udunits_notation() {
+        let si = ["s", "m", "N", "K"].map(String::from);
+        assert_eq!(Unit::Velocity.label(&si).as_deref(), Some("m s-1"));
+        assert_eq!(Unit::Diffusivity.label(&si).as_deref(), Some("m2 s-1"));
+        assert_eq!(Unit::Work.label(&si).as_deref(), Some("N m"));
+        let mixed = ["1/w0", "", "MN", ""].map(String::from);
+        assert_eq!(Unit::Velocity.label(&mixed).as_deref(), Some("(1/w0)^-1"));
+        assert_eq!(Unit::Work.label(&mixed).as_deref(), Some("MN"));
+        assert_eq!(Unit::Temperature.label(&mixed).as_deref(), Some("1"));
+    }
+
+    #[test]
+    fn every_name_is_used_once_and_every_axis_has_a_coordinate() {
+        let names: HashSet<&str> = ALL.iter().map(|variable| variable.name).collect();
+        assert_eq!(names.len(), ALL.len());
+        for axis in ALL.iter().flat_map(|variable| variable.axes) {
+            assert!(ALL.iter().any(|v| v.name == *axis && v.is_coordinate()), "{axis}");
+        }
+    }
+
+    #[test]
+    fn the_documentation_names_every_variable() {
+        let text = include_str!("../../docs/output-format.md");
+        for variable in ALL {
+            assert!(
+                text.contains(&format!("`{}`", variable.name)),
+                "{} is not in docs/output-format.md",
+                variable.name
+            );
+        }
+    }
+}

@@ -1,0 +1,68 @@
+//! Reading a finished file back.
+
+use super::error::{cause, system_error};
+use super::variable::read_or_empty;
+use super::{FORMAT_VERSION, Header, Status, StoreError, header, layout, summary};
+use crate::stats::Summary;
+use hdf5::File;
+use std::io::{self, Read};
+use std::path::Path;
+
+/// What a finished file says.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Stored {
+    /// Where its numbers come from.
+    pub header: Header,
+    /// How the run ended.
+    pub status: Status,
+    /// Paths in the file.
+    pub completed_paths: u64,
+    /// Its statistics.
+    pub summary: Summary,
+}
+
+/// The first bytes of every HDF5 file.
+const SIGNATURE: [u8; 8] = *b"\x89HDF\r\n\x1a\n";
+
+/// Read the header and the statistics of a finished file.
+pub fn read(path: &Path) -> Result<Stored, StoreError> {
+    check_signature(path)?;
+    let file = open(path)?;
+    match header::format_version(&file) {
+        None => return Err(StoreError::Foreign { path: path.to_owned() }),
+        Some((major, minor)) if major > FORMAT_VERSION.0 => {
+            return Err(StoreError::Newer { path: path.to_owned(), major, minor });
+        }
+        Some(_) => {}
+    }
+    let damaged = |error: hdf5::Error| StoreError::Damaged { path: path.to_owned(), cause: cause(&error) };
+    let (status, completed_paths) = header::progress(&file).map_err(damaged)?;
+    let header = read_or_empty(&file, &layout::TIME).and_then(|time| header::read(&file, time)).map_err(damaged)?;
+    if status == Status::Running {
+        return Err(StoreError::Unfinished { path: path.to_owned(), completed_paths, paths: header.paths });
+    }
+    let summary = summary::read(&file, completed_paths).map_err(damaged)?;
+    Ok(Stored { header, status, completed_paths, summary })
+}
+
+/// HDF5 has one answer for a missing, an unreadable and a foreign file; so look first.
+fn check_signature(path: &Path) -> Result<(), StoreError> {
+    let not_opened = |source| StoreError::NotOpened { path: path.to_owned(), source };
+    let mut start = [0; SIGNATURE.len()];
+    match std::fs::File::open(path).map_err(not_opened)?.read_exact(&mut start) {
+        Ok(()) if start == SIGNATURE => Ok(()),
+        Ok(()) => Err(StoreError::NotHdf5 { path: path.to_owned() }),
+        Err(error) if error.kind() == io::ErrorKind::UnexpectedEof => {
+            Err(StoreError::NotHdf5 { path: path.to_owned() })
+        }
+        Err(error) => Err(not_opened(error)),
+    }
+}
+
+fn open(path: &Path) -> Result<File, StoreError> {
+    File::open(path).map_err(|error| match system_error(&error) {
+        Some(system) if system.kind() == io::ErrorKind::WouldBlock => StoreError::InUse { path: path.to_owned() },
+        Some(system) => StoreError::NotOpened { path: path.to_owned(), source: system },
+        None => StoreError::Damaged { path: path.to_owned(), cause: cause(&error) },
+    })
+}

@@ -1,0 +1,161 @@
+//! A netCDF variable in HDF5: a dataset with its attributes, each of its axes attached to a coordinate.
+
+use super::layout::{BARE_DIMENSION, Variable};
+use super::scale::{attach_scale, make_scale};
+use hdf5::types::VarLenUnicode;
+use hdf5::{Dataset, Error, Extent, File, H5Type, Location, Result};
+use std::str::FromStr;
+
+/// Deflate level of per-path data: noise hardly compresses, and higher levels buy nothing.
+const DEFLATE_LEVEL: u8 = 1;
+
+/// How an axis that grows is laid out.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Growth {
+    /// Rows in a chunk.
+    pub rows: usize,
+    /// Values of one row in a chunk; 1 where a row is a single value.
+    pub columns: usize,
+}
+
+/// An HDF5 file seen as a place for netCDF variables.
+#[derive(Debug)]
+pub(super) struct Place {
+    /// The file; all variables are in its root group.
+    pub file: File,
+    /// Labels of time, length, force and temperature.
+    pub units: [String; 4],
+}
+
+impl Place {
+    /// Write a variable whose size is known. An empty one is left out, and so is its dimension: zero-length
+    /// dimensions read as unlimited ones.
+    pub(super) fn put<T: Element>(&self, variable: &Variable, values: &[T]) -> Result<()> {
+        if values.is_empty() {
+            return Ok(());
+        }
+        let shape = if variable.is_coordinate() {
+            vec![values.len()]
+        } else {
+            self.shape_along_axes(variable)?.ok_or_else(|| format!("{} has values but no coordinate", variable.name))?
+        };
+        if shape.iter().product::<usize>() != values.len() {
+            return Err(format!("{} has {} values for shape {shape:?}", variable.name, values.len()).into());
+        }
+        let dataset = T::builder(&self.file, variable).shape(shape).create(variable.name)?;
+        self.describe::<T>(&dataset, variable)?;
+        dataset.write_raw(values)
+    }
+
+    /// Make a variable that grows along its first axis, empty for now.
+    pub(super) fn define_growing<T: Element>(&self, variable: &Variable, growth: Growth) -> Result<Dataset> {
+        let mut shape = vec![Extent::resizable(0)];
+        let mut chunk = vec![growth.rows];
+        if variable.axes.len() > 1 {
+            for axis in &variable.axes[1..] {
+                shape.push(Extent::fixed(self.file.dataset(axis)?.size()));
+            }
+            chunk.push(growth.columns);
+        }
+        let builder = T::builder(&self.file, variable).chunk(chunk).shuffle().deflate(DEFLATE_LEVEL);
+        let dataset = builder.shape(shape).create(variable.name)?;
+        self.describe::<T>(&dataset, variable)?;
+        Ok(dataset)
+    }
+
+    /// Lengths of the axes, unless one of them is not in the file.
+    fn shape_along_axes(&self, variable: &Variable) -> Result<Option<Vec<usize>>> {
+        let mut shape = Vec::new();
+        for axis in variable.axes {
+            if !self.file.link_exists(axis) {
+                return Ok(None);
+            }
+            shape.push(self.file.dataset(axis)?.size());
+        }
+        Ok(Some(shape))
+    }
+
+    /// Attributes, and the coordinate of each axis.
+    fn describe<T: Element>(&self, dataset: &Dataset, variable: &Variable) -> Result<()> {
+        if variable.is_bare_dimension() {
+            return make_scale(dataset, BARE_DIMENSION);
+        }
+        write_text(dataset, "long_name", variable.long_name)?;
+        if let Some(label) = variable.unit.label(&self.units) {
+            write_text(dataset, "units", &label)?;
+        }
+        if !variable.flags.is_empty() {
+            dataset.new_attr_builder().with_data(variable.flags).create("flag_values")?;
+        }
+        for (name, value) in variable.attributes {
+            write_text(dataset, name, value)?;
+        }
+        if variable.is_coordinate() {
+            return make_scale(dataset, variable.name);
+        }
+        T::mark_missing(dataset)?;
+        for (index, axis) in variable.axes.iter().enumerate() {
+            attach_scale(dataset, index, &self.file.dataset(axis)?)?;
+        }
+        Ok(())
+    }
+}
+
+/// A type of values in the file.
+pub(super) trait Element: H5Type + Clone {
+    /// Start a dataset of this type.
+    fn builder(file: &File, _variable: &Variable) -> hdf5::DatasetBuilderEmpty {
+        file.new_dataset::<Self>()
+    }
+
+    /// Say which value means "missing", if one does.
+    fn mark_missing(_dataset: &Dataset) -> Result<()> {
+        Ok(())
+    }
+}
+
+impl Element for u64 {}
+impl Element for u32 {}
+impl Element for i8 {}
+impl Element for VarLenUnicode {}
+impl Element for f64 {
+    fn builder(file: &File, variable: &Variable) -> hdf5::DatasetBuilderEmpty {
+        let builder = file.new_dataset::<f64>();
+        // CF: a coordinate has no missing values.
+        if variable.is_coordinate() { builder } else { builder.fill_value(f64::NAN) }
+    }
+
+    fn mark_missing(dataset: &Dataset) -> Result<()> {
+        write_attribute(dataset, "_FillValue", f64::NAN)
+    }
+}
+
+/// Write a numeric attribute.
+pub(super) fn write_attribute<T: H5Type>(location: &Location, name: &str, value: T) -> Result<()> {
+    location.new_attr::<T>().create(name)?.write_scalar(&value)
+}
+
+/// Write a text attribute.
+pub(super) fn write_text(location: &Location, name: &str, value: &str) -> Result<()> {
+    location.new_attr::<VarLenUnicode>().create(name)?.write_scalar(&text(value)?)
+}
+
+/// Read a text attribute.
+pub(super) fn read_text(location: &Location, name: &str) -> Result<String> {
+    Ok(location.attr(name)?.read_scalar::<VarLenUnicode>()?.as_str().to_owned())
+}
+
+/// Text as HDF5 keeps it.
+pub(super) fn text(value: &str) -> Result<VarLenUnicode> {
+    VarLenUnicode::from_str(value).map_err(|_| Error::from("a text holds a NUL character"))
+}
+
+/// Read a variable, an absent one as empty.
+pub(super) fn read_or_empty<T: H5Type>(file: &File, variable: &Variable) -> Result<Vec<T>> {
+    if file.link_exists(variable.name) { file.dataset(variable.name)?.read_raw() } else { Ok(Vec::new()) }
+}
+
+/// Read a variable of a single value.
+pub(super) fn read_scalar<T: H5Type>(file: &File, variable: &Variable) -> Result<T> {
+    file.dataset(variable.name)?.read_scalar()
+}

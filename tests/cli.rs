@@ -1,0 +1,329 @@
+//! The program as a user meets it: every mistake is answered with the place, the value and what to write instead.
+
+use assert_cmd::Command;
+use std::path::{Path, PathBuf};
+use std::process::Stdio;
+use tempfile::TempDir;
+
+const RHO025: &str = include_str!("../scenarios/rho025.toml");
+
+/// A directory with one scenario in it, `scene.toml`.
+struct Desk {
+    folder: TempDir,
+}
+
+/// What the program said.
+struct Answer {
+    code: Option<i32>,
+    out: String,
+    err: String,
+}
+
+impl Desk {
+    fn with(text: &str) -> Desk {
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::write(folder.path().join("scene.toml"), text).unwrap();
+        Desk { folder }
+    }
+
+    fn new() -> Desk {
+        Desk::with(RHO025)
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.folder.path().join(name)
+    }
+
+    fn mc(&self, arguments: &[&str]) -> Answer {
+        let output =
+            Command::cargo_bin("mc").unwrap().current_dir(self.folder.path()).args(arguments).output().unwrap();
+        let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
+        Answer { code: output.status.code(), out: text(output.stdout), err: text(output.stderr) }
+    }
+}
+
+impl Answer {
+    /// Refused: exit code 2, nothing on standard output, and the message holds every one of these.
+    #[track_caller]
+    fn refused(&self, says: &[&str]) {
+        assert_eq!(self.code, Some(2), "{}", self.err);
+        assert_eq!(self.out, "");
+        for part in says {
+            assert!(self.err.contains(part), "{part:?} is not in:\n{}", self.err);
+        }
+    }
+
+    #[track_caller]
+    fn done(&self) -> &str {
+        assert_eq!(self.code, Some(0), "{}", self.err);
+        &self.out
+    }
+}
+
+/// `mc check` of the scenario with one piece of text replaced.
+#[track_caller]
+fn check_with(from: &str, to: &str) -> Answer {
+    // Below the opening comment, which mentions keys as well.
+    let (comment, body) = RHO025.split_at(RHO025.find("title = ").unwrap());
+    assert!(body.contains(from), "{from}");
+    Desk::with(&format!("{comment}{}", body.replacen(from, to, 1))).mc(&["check", "scene.toml"])
+}
+
+/// Number of the first line that starts like this.
+fn line_of(start: &str) -> usize {
+    RHO025.lines().position(|line| line.starts_with(start)).unwrap() + 1
+}
+
+#[test]
+fn a_missing_file_is_named() {
+    Desk::new().mc(&["check", "absent.toml"]).refused(&["absent.toml", "No such file", "fix: ", "mc init"]);
+    Desk::new().mc(&["run", "absent.toml"]).refused(&["absent.toml", "No such file", "fix: "]);
+    Desk::new().mc(&["check", "shaw.toml"]).refused(&["fix: `mc init --from shaw`"]);
+}
+
+#[test]
+fn a_directory_is_no_scenario() {
+    Desk::new().mc(&["check", "."]).refused(&["cannot read .: it is a directory", "fix: "]);
+}
+
+#[test]
+fn bad_toml_is_located() {
+    let place = format!("scene.toml:{}:", line_of("mass"));
+    check_with("mass = 1.0", "mass 1.0").refused(&[&place, "not valid TOML", "mass 1.0", "^", "fix: "]);
+    check_with("mass = 1.0", "mass = 1.0.0").refused(&[&place, "not valid TOML", "fix: "]);
+    check_with("[friction]", "[friction").refused(&["not valid TOML", "fix: "]);
+    check_with("mass = 1.0", "mass = 1.0\nmass = 2.0").refused(&["duplicate key", "mass = 2.0", "fix: "]);
+}
+
+#[test]
+fn an_unknown_key_comes_with_a_suggestion() {
+    let place = format!("scene.toml:{}:33: ", line_of("harmonics"));
+    let says = [&place, "unknown key `frequncy`; did you mean `angular_frequency`?", "^^^^^^^^", "fix: write `angular"];
+    check_with("angular_frequency", "frequncy").refused(&says);
+    check_with("[friction]", "[fricton]").refused(&["unknown key `fricton`; did you mean `friction`?"]);
+    check_with("stiffness", "k").refused(&["unknown key `k`; did you mean `stiffness`?"]);
+}
+
+#[test]
+fn a_missing_key_is_named_with_its_meaning() {
+    check_with("mass = 1.0", "").refused(&[
+        "missing key `oscillator.mass`",
+        "[oscillator]",
+        "add `mass = ...`",
+        "above 0",
+    ]);
+    check_with("[initial]", "[units]\n#").refused(&["`displacement`; did you mean `initial.displacement`"]);
+}
+
+#[test]
+fn a_wrong_type_is_named() {
+    let place = format!("scene.toml:{}:8: `oscillator.mass` = \"heavy\" is a string", line_of("mass"));
+    check_with("mass = 1.0", "mass = \"heavy\"").refused(&[&place, "must be a finite number above 0", "fix: "]);
+    check_with("paths = 10000", "paths = 1e4").refused(&["`ensemble.paths` = 1e4", "whole number", "fix: write 10000"]);
+    check_with("harmonics = [", "harmonics = 3 #").refused(&["`temperature.harmonics`", "array of tables"]);
+}
+
+#[test]
+fn a_value_out_of_range_is_located() {
+    for (from, to, key) in [
+        ("mass = 1.0", "mass = -1.0", "oscillator.mass` = -1.0"),
+        ("mass = 1.0", "mass = 0", "oscillator.mass` = 0"),
+        ("stiffness = 1.0", "stiffness = -2", "oscillator.stiffness` = -2"),
+        ("static = 1.2", "static = -1.2", "friction.static` = -1.2"),
+        ("intensity = 0.25", "intensity = -0.25", "temperature.noise.intensity` = -0.25"),
+        ("relaxation_rate = 1.0", "relaxation_rate = 0.0", "temperature.noise.relaxation_rate` = 0.0"),
+        ("end = 60.0", "end = -60.0", "time.end` = -60.0"),
+        ("step = 0.01", "step = 0.0", "time.step` = 0.0"),
+        ("angular_frequency = 0.25", "angular_frequency = -0.25", "temperature.harmonics.0.angular_frequency` = -0.25"),
+    ] {
+        check_with(from, to).refused(&["scene.toml:", key, "out of range: it must be a finite number", "^", "fix: "]);
+    }
+}
+
+#[test]
+fn dynamic_friction_above_static_is_refused() {
+    let place = format!("scene.toml:{}:11: ", line_of("dynamic"));
+    check_with("dynamic = 1.0", "dynamic = 2.0").refused(&[
+        &place,
+        "`friction.dynamic` = 2.0 is above `friction.static` = 1.2",
+        "fix: 0 <= f_d <= f_s",
+    ]);
+}
+
+#[test]
+fn nan_and_infinity_are_refused() {
+    check_with("mass = 1.0", "mass = nan").refused(&["`oscillator.mass` = nan is not a number", "fix: "]);
+    check_with("end = 60.0", "end = inf").refused(&["`time.end` = inf is not finite", "fix: "]);
+    check_with("mass = 1.0", "mass = 1e400").refused(&["`oscillator.mass` = 1e400 is not finite", "fix: "]);
+}
+
+#[test]
+fn a_step_that_does_not_divide_the_end_is_answered_with_the_nearest() {
+    let place = format!("scene.toml:{}:8: ", line_of("step"));
+    check_with("step = 0.01 ", "step = 0.007 ").refused(&[
+        &place,
+        "`time.end` = 60.0 is not a whole number of steps `time.step` = 0.007",
+        "the nearest ends are 59.997 or 60.004",
+    ]);
+    Desk::new().mc(&["check", "scene.toml", "--step", "0.007"]).refused(&["--step 0.007: ", "fix: the nearest steps"]);
+    Desk::new().mc(&["check", "scene.toml", "--until", "59.995"]).refused(&["--until 59.995: ", "59.99 or 60.0"]);
+}
+
+#[test]
+fn a_bad_override_is_named() {
+    let set = |text: &str| Desk::new().mc(&["check", "scene.toml", "--set", text]);
+    set("friction.static").refused(&["--set friction.static: there is no `=`", "fix: write --set key=value"]);
+    set("friction.statc=1").refused(&["--set friction.statc=1: ", "did you mean `static`?"]);
+    set("friction.static=abc").refused(&["--set friction.static=abc: ", "is a string", "fix: "]);
+    set("friction.static=1 2").refused(&["--set friction.static=1 2: ", "not a TOML value", "fix: "]);
+    set("friction.static.x=1").refused(&["`friction.static` is a number, so there is no `friction.static.x`"]);
+    set("temperature.harmonics.7.amplitude=1").refused(&["has 1 entries", "fix: number them from 0"]);
+    set("=1").refused(&["is not a key", "fix: "]);
+    set("time.step=nan").refused(&["--set time.step=nan: `time.step` = nan is not a number", "fix: "]);
+}
+
+#[test]
+fn a_bad_flag_is_named() {
+    let check = |arguments: &[&str]| Desk::new().mc(&[&["check", "scene.toml"], arguments].concat());
+    check(&["--paths", "0"]).refused(&["--paths 0: `ensemble.paths` = 0", "from 1 to", "fix: "]);
+    check(&["--paths", "-5"]).refused(&["--paths -5: `ensemble.paths` = -5", "from 1 to", "fix: "]);
+    check(&["--paths", "many"]).refused(&["--paths many: ", "must be a whole number", "fix: "]);
+    check(&["--paths", "99999999999999999999999"]).refused(&["out of range", "fix: "]);
+    check(&["--seed", "-1"]).refused(&["--seed -1: ", "from 0 to 18446744073709551615"]);
+    Desk::new().mc(&["run", "scene.toml", "--threads", "0"]).refused(&["--threads", "1..="]);
+    Desk::new().mc(&["run", "scene.toml", "--thread", "2"]).refused(&["--thread", "--threads"]);
+}
+
+#[test]
+fn an_unknown_verb_is_answered_with_a_similar_one() {
+    Desk::new().mc(&["ru"]).refused(&["unrecognized subcommand 'ru'", "run"]);
+    Desk::new().mc(&["run"]).refused(&["SCENARIO"]);
+    assert_eq!(Desk::new().mc(&[]).code, Some(2));
+}
+
+#[test]
+fn results_are_never_overwritten_silently() {
+    let desk = Desk::new();
+    std::fs::write(desk.path("scene.h5"), "precious").unwrap();
+    desk.mc(&["run", "scene.toml"]).refused(&["scene.h5 exists", "fix: ", "-o FILE", "--force"]);
+    std::fs::write(desk.path("other.h5"), "precious").unwrap();
+    desk.mc(&["run", "scene.toml", "-o", "other.h5"]).refused(&["other.h5 exists"]);
+    for name in ["scene.h5", "other.h5"] {
+        assert_eq!(std::fs::read_to_string(desk.path(name)).unwrap(), "precious");
+    }
+}
+
+#[test]
+fn results_need_a_place() {
+    let desk = Desk::new();
+    desk.mc(&["run", "scene.toml", "-o", "no/such/place.h5"]).refused(&["no directory no/such", "fix: create it"]);
+    desk.mc(&["run", "scene.toml", "-o", "."]).refused(&["is a directory", "fix: "]);
+    desk.mc(&["run", "scene.toml", "-o", "scene.toml", "--force"]).refused(&["is the scenario itself", "fix: "]);
+    assert_eq!(std::fs::read_to_string(desk.path("scene.toml")).unwrap(), RHO025);
+}
+
+#[test]
+fn a_file_that_is_not_a_result_is_refused_by_show_and_replay() {
+    Desk::new().mc(&["show", "absent.h5"]).refused(&["absent.h5: No such file", "give a file written by `mc run`"]);
+    Desk::new().mc(&["show", "."]).refused(&[".: ", "directory", "give a file written by `mc run`"]);
+    Desk::new().mc(&["replay", "absent.h5", "--path", "3"]).refused(&["absent.h5: No such file", "give a file"]);
+    Desk::new().mc(&["show", "scene.toml"]).refused(&["scene.toml: not an HDF5 file"]);
+    Desk::new().mc(&["replay", "absent.h5"]).refused(&["--path"]);
+}
+
+#[test]
+fn every_shipped_scenario_passes_the_check() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios");
+    let mut seen = 0;
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        let answer = Desk::new().mc(&["check", path.to_str().unwrap()]);
+        assert!(answer.done().contains("# What follows from it"), "{}", path.display());
+        seen += 1;
+    }
+    assert_eq!(seen, 7);
+}
+
+#[test]
+fn what_check_prints_is_the_same_scenario() {
+    let desk = Desk::new();
+    let first = desk.mc(&["check", "scene.toml", "--set", "friction.static=1.3", "--step", "0.005"]);
+    std::fs::write(desk.path("resolved.toml"), first.done()).unwrap();
+    assert!(first.out.contains("static = 1.3") && first.out.contains("step = 0.005") && first.out.contains("seed = 1"));
+    assert_eq!(desk.mc(&["check", "resolved.toml"]).done(), first.out);
+}
+
+#[test]
+fn check_derives_and_warns() {
+    let out = Desk::new().mc(&["check", "scene.toml"]);
+    for part in
+        ["w/w0, forcing                                 0.25\n", "critical amplitude   127.324", "6e7", "as a guide"]
+    {
+        assert!(out.done().contains(part), "{part}\n{}", out.out);
+    }
+    let equal = Desk::new().mc(&["check", "scene.toml", "--set", "friction.dynamic=1.2"]);
+    assert!(equal.done().contains("f_s = f_d under noise"), "{}", equal.out);
+}
+
+#[test]
+fn check_in_json_is_json_alone() {
+    let answer = Desk::new().mc(&["check", "scene.toml", "--json"]);
+    let value: serde_json::Value = serde_json::from_str(answer.done()).unwrap();
+    assert_eq!(value["derived"]["steps"], 6000);
+    assert_eq!(value["derived"]["largest_step"], serde_json::Value::Null);
+    assert_eq!(value["warnings"][0]["name"], "stick-exit-bias");
+    assert!(value["resolved"].as_str().unwrap().contains("mass = 1.0"));
+}
+
+#[test]
+fn init_writes_a_scenario_that_passes_and_never_overwrites() {
+    let desk = Desk::new();
+    desk.mc(&["init"]).done();
+    desk.mc(&["check", "rho025.toml"]).done();
+    desk.mc(&["init"]).refused(&["rho025.toml exists", "--force"]);
+    desk.mc(&["init", "--from", "shaw", "-o", "scene.toml"]).refused(&["scene.toml exists"]);
+    assert_eq!(std::fs::read_to_string(desk.path("scene.toml")).unwrap(), RHO025);
+    desk.mc(&["init", "--from", "shaw", "-o", "scene.toml", "--force"]).done();
+    assert!(std::fs::read_to_string(desk.path("scene.toml")).unwrap().contains("Shaw"));
+    assert_eq!(desk.mc(&["init", "--from", "rho025", "-o", "-"]).done(), RHO025);
+    desk.mc(&["init", "--from", "nowhere"]).refused(&["nowhere", "rho025", "shaw"]);
+}
+
+#[test]
+fn help_has_examples_and_version_has_a_commit() {
+    let desk = Desk::new();
+    assert!(desk.mc(&["--help"]).done().contains("Examples:"));
+    for verb in ["run", "check", "show", "init", "completions", "replay"] {
+        assert!(desk.mc(&[verb, "--help"]).done().contains("Example"), "{verb}");
+    }
+    let version = desk.mc(&["--version"]);
+    let commit = version.done().trim().rsplit_once(" (").unwrap().1.trim_end_matches(')').to_string();
+    let hash = commit.trim_end_matches("-dirty");
+    assert!(hash == "unknown" || (hash.len() >= 12 && hash.chars().all(|c| c.is_ascii_hexdigit())), "{commit}");
+}
+
+#[test]
+fn completions_exist_for_every_shell() {
+    for shell in ["bash", "zsh", "fish", "elvish", "powershell"] {
+        assert!(Desk::new().mc(&["completions", shell]).done().contains("mc"), "{shell}");
+    }
+    Desk::new().mc(&["completions", "cmd"]).refused(&["cmd", "bash"]);
+}
+
+#[test]
+fn a_closed_pipe_is_a_quiet_exit() {
+    for arguments in [&["check", "scene.toml"][..], &["init", "-o", "-"], &["completions", "bash"], &["--help"]] {
+        let desk = Desk::new();
+        let (reader, writer) = std::io::pipe().unwrap();
+        drop(reader);
+        let output = std::process::Command::new(assert_cmd::cargo::cargo_bin("mc"))
+            .current_dir(desk.folder.path())
+            .args(arguments)
+            .stdout(writer)
+            .stderr(Stdio::piped())
+            .output()
+            .unwrap();
+        assert_eq!(output.status.code(), Some(0), "{arguments:?}");
+        assert_eq!(String::from_utf8_lossy(&output.stderr), "", "{arguments:?}");
+    }
+}
