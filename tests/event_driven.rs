@@ -761,3 +761,27 @@ fn quasi_static_and_event_driven_agree_on_the_viaduct_and_not_under_fast_forcing
     let jump = |quasi| ratio(&fold(0..64, quasi, &shaw(0.25), &timeline(139.0)), |p| p.jumps, |p| p.slips).0;
     assert!(jump(false) > 12.0 && (jump(true) - 0.4).abs() < 1e-12);
 }
+
+#[test]
+fn the_quasi_static_approximation_fails_where_forcing_is_fast() {
+    // The table of docs/event-driven.md: mean |x_{j+1} - x_j| over ten periods, without noise.
+    println!("| w/w0 | event-driven | quasi-static |\n|---|---|---|");
+    let mut excesses = Vec::new();
+    for w in [1e-4, 1e-3, 3e-3, 1e-2, 3e-2, 0.1, 0.25] {
+        let line = timeline(10.0 * std::f64::consts::TAU / w);
+        let jump = |quasi: bool| {
+            let mut observer = Folds(vec![Fold::default()]);
+            let failed = if quasi {
+                QuasiStatic::new(&shaw(w), &line, DEFAULT_TOLERANCE).simulate(0, &[0], &mut observer)
+            } else {
+                EventDriven::new(&shaw(w), &line, DEFAULT_TOLERANCE).simulate(0, &[0], &mut observer)
+            };
+            assert!(failed.is_empty());
+            ratio(&observer.0, |p| p.jumps, |p| p.slips).0
+        };
+        println!("| {w} | {:.4} | {:.4} |", jump(false), jump(true));
+        excesses.push(jump(false) / jump(true) - 1.0);
+    }
+    assert!(excesses.windows(2).all(|pair| pair[1] > pair[0]), "the faster, the worse: {excesses:?}");
+    assert!(excesses[0] < 0.01 && excesses[6] > 10.0);
+}
