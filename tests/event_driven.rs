@@ -10,7 +10,7 @@ use stick_slip::model::{
     Temperature,
 };
 use stick_slip::noise::{DrivenOscillator, HarmonicResponse};
-use stick_slip::scheme::{DEFAULT_TOLERANCE, EventDriven, Instant, Observer, Snapshot, Timeline};
+use stick_slip::scheme::{DEFAULT_TOLERANCE, EventDriven, Instant, Observer, QuasiStatic, Snapshot, Timeline};
 
 /// The paper's parameters: m = K = f_d = 1, f_s = 1.2, beta = 6, x0 = 6, with one harmonic of this frequency.
 fn shaw(angular_frequency: f64) -> Model {
@@ -691,4 +691,97 @@ fn the_viaduct_slips_seldom_and_briefly() {
             assert!((jump.abs() / (2.0 * 0.047e6 / 1.888e8) - 1.0).abs() < 4e-2, "{jump}");
         }
     }
+}
+
+#[test]
+fn the_quasi_static_recursion_is_the_paper_s() {
+    // Slow forcing, w = w0/1000: exits where 6 cos(w t) = x_j -+ f_s by hand, slips of pi/w0 and 2 (f_s - f_d)/K.
+    let (w, f_s, jump) = (1e-3, 1.2, 0.4);
+    let mut model = shaw(w);
+    model.initial_displacement = 5.9; // from 6, steps of 0.4 would meet the forcing's extremum to the last digit
+    let mut recorder = Recorder::default();
+    let line = Timeline { end: 10_000.0, output_step: 100.0, period: None };
+    assert!(QuasiStatic::new(&model, &line, DEFAULT_TOLERANCE).simulate(0, &[0, 1], &mut recorder).is_empty());
+    assert_eq!(recorder.events[0], recorder.events[1]);
+    let (mut x, mut t): (f64, f64) = (5.9, 0.0);
+    for pair in recorder.events[0].chunks_exact(2) {
+        // The next time after t that 6 cos(w t) leaves [x - f_s, x + f_s]: the nearest of the two thresholds' crossings.
+        let crossings = [x - f_s, x + f_s].into_iter().filter(|level: &f64| level.abs() <= 6.0).flat_map(|level| {
+            let angle = (level / 6.0).acos();
+            let turn = std::f64::consts::TAU;
+            [angle, turn - angle].map(|a| (a + turn * ((w * t - a) / turn).ceil().max(0.0)) / w)
+        });
+        // A stick that begins outside the corridor is empty.
+        let outside = (6.0 * (w * t).cos() - x).abs() > f_s;
+        let exit = if outside { t } else { crossings.fold(f64::INFINITY, f64::min) };
+        let eps = (6.0 * (w * exit).cos() - x).signum();
+        (x, t) = (x + eps * jump, exit + std::f64::consts::PI);
+        assert!((pair[0].time - exit).abs() < 1e-9, "{} {exit}", pair[0].time);
+        assert!((pair[1].time - t).abs() < 1e-9 && (pair[1].displacement - x).abs() < 1e-12);
+    }
+    assert!(recorder.events[0].len() > 60);
+}
+
+#[test]
+fn quasi_static_with_equal_thresholds_never_moves() {
+    let mut model = noisy(0.25);
+    model.friction.static_force = 1.0;
+    let mut recorder = Recorder::default();
+    let line = Timeline { end: 60.0, output_step: 0.5, period: None };
+    assert!(QuasiStatic::new(&model, &line, DEFAULT_TOLERANCE).simulate(1, &[0], &mut recorder).is_empty());
+    assert!(recorder.rows.iter().all(|row| row.2 == 6.0 && row.3 == 0.0));
+    assert!(!recorder.events[0].is_empty());
+}
+
+#[test]
+fn quasi_static_and_event_driven_agree_on_the_viaduct_and_not_under_fast_forcing() {
+    // Null: equal means of the number of slips and of the final displacement; 400 paths a side, false alarm 1e-4 each. Their laws
+    // differ by the work of the noise during a slip of 0.07 s, far below what 400 paths can see.
+    let line = Timeline { end: 2.592e7, output_step: 2.592e7, period: None };
+    let fold = |numbers: std::ops::Range<u64>, quasi: bool, model: &Model, line: &Timeline| {
+        let numbers: Vec<u64> = numbers.collect();
+        let mut observer = Folds(vec![Fold::default(); numbers.len()]);
+        let failed = if quasi {
+            QuasiStatic::new(model, line, DEFAULT_TOLERANCE).simulate(1, &numbers, &mut observer)
+        } else {
+            EventDriven::new(model, line, DEFAULT_TOLERANCE).simulate(1, &numbers, &mut observer)
+        };
+        assert!(failed.is_empty());
+        observer.0
+    };
+    let exact = fold(0..400, false, &viaduct(), &line);
+    let quasi = fold(400..800, true, &viaduct(), &line);
+    let measures: [fn(&Fold) -> f64; 3] = [|p| p.slips, |p| p.displacement_end, |p| p.jumps];
+    for (i, measure) in measures.into_iter().enumerate() {
+        let ((a, sa), (b, sb)) = (ratio(&exact, measure, |_| 1.0), ratio(&quasi, measure, |_| 1.0));
+        println!("measure {i}: event-driven {a} +- {sa}, quasi-static {b} +- {sb}");
+        assert!((a - b).abs() <= FALSE_ALARM * sa.hypot(sb), "{i}: {a} +- {sa}, {b} +- {sb}");
+    }
+    // At w = w0/4 slips move by 12, not by 0.4.
+    let jump = |quasi| ratio(&fold(0..64, quasi, &shaw(0.25), &timeline(139.0)), |p| p.jumps, |p| p.slips).0;
+    assert!(jump(false) > 12.0 && (jump(true) - 0.4).abs() < 1e-12);
+}
+
+#[test]
+fn the_quasi_static_approximation_fails_where_forcing_is_fast() {
+    // The table of docs/event-driven.md: mean |x_{j+1} - x_j| over ten periods, without noise.
+    println!("| w/w0 | event-driven | quasi-static |\n|---|---|---|");
+    let mut excesses = Vec::new();
+    for w in [1e-4, 1e-3, 3e-3, 1e-2, 3e-2, 0.1, 0.25] {
+        let line = timeline(10.0 * std::f64::consts::TAU / w);
+        let jump = |quasi: bool| {
+            let mut observer = Folds(vec![Fold::default()]);
+            let failed = if quasi {
+                QuasiStatic::new(&shaw(w), &line, DEFAULT_TOLERANCE).simulate(0, &[0], &mut observer)
+            } else {
+                EventDriven::new(&shaw(w), &line, DEFAULT_TOLERANCE).simulate(0, &[0], &mut observer)
+            };
+            assert!(failed.is_empty());
+            ratio(&observer.0, |p| p.jumps, |p| p.slips).0
+        };
+        println!("| {w} | {:.4} | {:.4} |", jump(false), jump(true));
+        excesses.push(jump(false) / jump(true) - 1.0);
+    }
+    assert!(excesses.windows(2).all(|pair| pair[1] > pair[0]), "the faster, the worse: {excesses:?}");
+    assert!(excesses[0] < 0.01 && excesses[6] > 10.0);
 }
