@@ -18,7 +18,7 @@ mod scene;
 mod step_rules;
 mod stick;
 
-pub use step_rules::{DEFAULT_TOLERANCE, Resolution};
+pub use step_rules::{DEFAULT_TOLERANCE, Resolution, TOLERANCES};
 
 pub(super) use draws::Draws;
 pub(super) use exact_time::ExactTime;
