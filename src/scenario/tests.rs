@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::model::{Friction, Harmonic, InitialNoise, Noise, Oscillator, Temperature};
+use crate::scheme::{DEFAULT_TOLERANCE, monitoring_shift};
 use proptest::prelude::*;
 
 const BASE: &str = include_str!("../../scenarios/rho025.toml");
@@ -372,7 +373,7 @@ prop_compose! {
         (time, length, force, temperature) in (label(), label(), label(), label()),
     ) -> Scenario {
         let scheme = SchemeKind::ALL[kind].with_tolerance(tolerance);
-        let time = Time { end: f64::from(steps) * step, step: Some(step), output_step: f64::from(stride) * step };
+        let duration = Time { end: f64::from(steps) * step, step: Some(step), output_step: f64::from(stride) * step };
         let mut model = model;
         if scheme == SchemeKind::CorrectedVi && monitoring_shift(&model, step) >= model.friction.static_force / 2.0 {
             model.temperature.noise = None;
@@ -380,7 +381,7 @@ prop_compose! {
         Scenario {
             title,
             model,
-            time: if scheme.is_time_stepping() { time } else { Time { step: None, ..time } },
+            time: if scheme.is_time_stepping() { duration } else { Time { step: None, ..duration } },
             scheme,
             ensemble: Ensemble { paths, seed },
             record: Record { paths: keep_paths, events, trajectories },
