@@ -22,7 +22,7 @@ class Peer:
     paths: int = 10000
     option: str = ""
     absent: str = ""       # why it cannot run
-    rounds: list = dataclasses.field(default_factory=list)  # (ours before, its result, ours after)
+    runs: list = dataclasses.field(default_factory=list)  # (ours before, its result, ours after)
 
 
 def attempt(*command, **options):
@@ -94,13 +94,13 @@ def python():
             one("JAX, fori_loop", "f64", "jax_loop.py", option="f64"),
             one("NumPy, vectorised", "f64", "numpy_vectorised.py"),
             one("Numba, parallel", "f64", "numba_parallel.py", paths=5000),
-            one("diffrax, UnsafeBrownianPath", "f64", "diffrax_euler.py", option="unsafe", paths=4000),
-            one("diffrax, VirtualBrownianTree", "f64", "diffrax_euler.py", option="tree", paths=200)]
+            one("diffrax, UnsafeBrownianPath", "f64", "diffrax_euler.py", option="unsafe"),
+            one("diffrax, VirtualBrownianTree", "f64", "diffrax_euler.py", option="tree", paths=500)]
 
 
 def torch():
     """PyTorch is large: used where the system's or the caller's Python has it, never installed."""
     for interpreter in ("/usr/bin/python3", sys.executable):
         if not attempt(interpreter, "-c", "import torch"):
-            return [Peer("PyTorch, tensors", "f64", [interpreter, here / "python" / "torch_tensors.py"], paths=5000)]
+            return [Peer("PyTorch, tensors", "f64", [interpreter, here / "python" / "torch_tensors.py"])]
     return [Peer("PyTorch, tensors", "f64", [], absent="torch is not installed")]

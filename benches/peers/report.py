@@ -1,7 +1,7 @@
 """The table, and the same as CSV in results/, one file a machine.
 
-The ratio is the median over the rounds of the peer's time over the mean of our two runs beside it, with its range: processor
-time on one thread, clock time on several. ns are the best of all rounds.
+The ratio is the median over the runs of a peer of its time over the mean of our two runs beside it, with the range: processor
+time on one thread, clock time on several. ns are the best of all runs, so that their quotient need not be the ratio.
 """
 import csv
 import math
@@ -13,9 +13,10 @@ SIGMAS = 4  # two right programs are flagged once in 16000 comparisons
 
 
 def summary(peer, clock):
-    ratios = [result[clock] / ((before[clock] + after[clock]) / 2) for before, result, after in peer.rounds]
-    best = {key: min(result[key] for _, result, _ in peer.rounds) for key in ("wall", "cpu", "setup")}
-    before, result, _ = peer.rounds[-1]
+    """One line of the table; the means are those of its last run, which all runs share: seeds are fixed."""
+    ratios = [result[clock] / ((before[clock] + after[clock]) / 2) for before, result, after in peer.runs]
+    best = {key: min(result[key] for _, result, _ in peer.runs) for key in ("wall", "cpu", "setup")}
+    before, result, _ = peer.runs[-1]
     return {"ratio": statistics.median(ratios), "ratio_low": min(ratios), "ratio_high": max(ratios), **best,
             "sticks": result["sticks"], "duration": result["duration"], "agrees": agrees(before, result)}
 
@@ -28,7 +29,7 @@ def agrees(ours, result):
 
 
 def our_runs(peers):
-    return [run for peer in peers for before, _, after in peer.rounds for run in (before, after)]
+    return [run for peer in peers for before, _, after in peer.runs for run in (before, after)]
 
 
 def show(peers, threads, cores, machine):
@@ -45,7 +46,7 @@ def show(peers, threads, cores, machine):
                          f"{min(run['cpu'] for run in ours):.2f}", "1", "", "0.0", f"{ours[0]['sticks']['estimate']:.3f}",
                          f"{ours[0]['duration']['estimate']:.4f}", ""))
     for peer in peers:
-        if not peer.rounds:
+        if not peer.runs:
             print(f"{peer.name:<38} {peer.precision:<16} absent: {peer.absent}")
             continue
         s = summary(peer, clock)
@@ -71,7 +72,7 @@ def keep(peers, threads, slug):
                      "wall": round(min(run["wall"] for run in ours), 4), "cpu": round(min(run["cpu"] for run in ours), 4),
                      "sticks": round(ours[0]["sticks"]["estimate"], 4), "duration": round(ours[0]["duration"]["estimate"], 4)})
     for peer in peers:
-        values = summary(peer, clock) if peer.rounds else {"absent": peer.absent}
+        values = summary(peer, clock) if peer.runs else {"absent": peer.absent}
         rows.append({"threads": threads, "peer": peer.name, "precision": peer.precision,
                      **{key: round(value, 4) if isinstance(value, float) else value for key, value in values.items()}})
     path.parent.mkdir(exist_ok=True)
