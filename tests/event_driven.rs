@@ -281,6 +281,75 @@ fn a_temperature_that_relaxes_without_diffusion_is_one_more_exponential() {
     assert!((events[1].displacement - x).abs() < 1e-13);
 }
 
+/// Sums of T, T^2 and T(previous) T over the lanes, row by row, about the mean of T.
+struct TemperatureMoments {
+    mean: fn(f64) -> f64,
+    previous: Vec<f64>,
+    sums: Vec<(f64, [f64; 3])>,
+}
+
+impl Observer for TemperatureMoments {
+    fn event(&mut self, _: usize, _: Event) {}
+    fn snapshot(&mut self, instant: Instant, s: Snapshot<'_>) {
+        if instant == Instant::End {
+            return;
+        }
+        let about: Vec<f64> = s.temperature.iter().map(|t| t - (self.mean)(s.time)).collect();
+        self.previous.resize(about.len(), 0.0);
+        let product = about.iter().zip(&self.previous).map(|(a, b)| a * b).sum();
+        self.sums.push((s.time, [about.iter().sum(), about.iter().map(|a| a * a).sum(), product]));
+        self.previous = about;
+    }
+}
+
+#[test]
+fn noise_that_moves_nothing_is_seen_in_the_temperature() {
+    // beta = 0, and beta so small that the noise is lost in the rounding of the forces: T is still cos(t/4) + rho v, v the process
+    // started at 2 or in its stationary law. Null: mean, variance and autocovariance at lag 0.7 of that process. 1e5 paths, ten
+    // times, 240 comparisons at 3.9 standard errors (1e-4) each; seed 11.
+    let (rho, theta, sigma, lag, paths) = (0.25, 0.5, 2.0, 0.7, 100_000u64);
+    let stationary: f64 = rho * rho * sigma * sigma / (2.0 * theta);
+    let (numbers, n): (Vec<u64>, f64) = ((0..paths).collect(), paths as f64);
+    let line = Timeline { end: 6.3, output_step: lag, period: None };
+    for dilatation in [0.0, 1e-25] {
+        for initial in [InitialNoise::At(2.0), InitialNoise::Stationary] {
+            let mut model = shaw(0.25);
+            model.oscillator.dilatation = dilatation;
+            model.temperature.noise = Some(Noise { intensity: rho, relaxation_rate: theta, diffusion: sigma, initial });
+            let is_stationary = initial == InitialNoise::Stationary;
+            let variance = |t: f64| if is_stationary { stationary } else { -stationary * (-2.0 * theta * t).exp_m1() };
+            let mean = if is_stationary {
+                |t: f64| (0.25 * t).cos()
+            } else {
+                |t: f64| (0.25 * t).cos() + 0.5 * (-0.5 * t).exp()
+            };
+            for quasi in [false, true] {
+                let mut moments = TemperatureMoments { mean, previous: Vec::new(), sums: Vec::new() };
+                let failed = if quasi {
+                    QuasiStatic::new(&model, &line, DEFAULT_TOLERANCE).simulate(11, &numbers, &mut moments)
+                } else {
+                    EventDriven::new(&model, &line, DEFAULT_TOLERANCE).simulate(11, &numbers, &mut moments)
+                };
+                assert!(failed.is_empty());
+                assert_eq!(moments.sums.len(), 10);
+                for (row, &(t, sums)) in moments.sums.iter().enumerate() {
+                    let (var, before) = (variance(t), if row == 0 { 0.0 } else { variance(t - lag) });
+                    let covariance = before * (-theta * lag).exp();
+                    let errors = [var.sqrt(), 2f64.sqrt() * var, (var * before + covariance * covariance).sqrt()];
+                    for ((sum, want), sd) in sums.into_iter().zip([0.0, var, covariance]).zip(errors) {
+                        let (got, error) = (sum / n, sd / n.sqrt());
+                        // Rounding of T about its mean, where nothing fluctuates yet.
+                        assert!(
+                            (got - want).abs() <= FALSE_ALARM * error + 1e-14,
+                            "beta {dilatation}, {initial:?}, quasi-static {quasi}, t = {t}: {got}, not {want} +- {error}"
+                        );
+                    }
+                }
+            }
+        }
+    }
+}
+
 #[test]
 fn the_slip_transition_keeps_ten_digits_in_every_entry_for_every_step() {
     // Against Van Loan's block exponential and spectral sums in 220-digit arithmetic (tests/reference/slip_transition.py).

@@ -57,6 +57,15 @@ impl Temperature {
         self.harmonics.iter().map(|h| h.amplitude * libm::cos(h.angular_frequency * t + h.phase)).sum()
     }
 
+    /// E T(t), straight from its definition: the harmonics, and v relaxing from where it starts.
+    pub fn mean(&self, t: f64) -> f64 {
+        let relaxing = self.noise.map_or(0.0, |noise| match noise.initial {
+            InitialNoise::At(v) => noise.intensity * v * libm::exp(-noise.relaxation_rate * t),
+            InitialNoise::Stationary => 0.0,
+        });
+        self.harmonic_sum(t) + relaxing
+    }
+
     /// P: the period of the first harmonic whose frequency is above zero.
     pub fn period(&self) -> Option<f64> {
         self.harmonics.iter().find(|h| h.angular_frequency > 0.0).map(|h| TAU / h.angular_frequency)

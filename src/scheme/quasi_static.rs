@@ -15,7 +15,7 @@
 //! stick there is empty.
 
 use super::event_driven::{
-    Draws, ExactTime, Noiseless, Scene, StepRules, StickOutcome, StickState, StickSteps, forcing,
+    Draws, ExactTime, Noiseless, Scene, StepRules, StickOutcome, StickState, StickSteps, UnfeltNoise, forcing,
 };
 use super::{Observer, Snapshot, Timeline};
 use crate::model::{Complex, Event, EventKind, Model, Phase, Sign};
@@ -36,7 +36,8 @@ pub struct QuasiStatic {
 #[derive(Clone, Debug)]
 enum Exits {
     Noisy(StickSteps),
-    Noiseless(Box<Noiseless>),
+    /// The noise of the scene is its mean; what fluctuates is left to the observer.
+    Noiseless(Box<Noiseless>, UnfeltNoise),
 }
 
 /// Where one path is.
@@ -58,11 +59,12 @@ struct Path {
 impl QuasiStatic {
     /// For a scene, observed at the stops of a timeline; `tolerance` governs the noisy exits as in the event-driven scheme.
     pub fn new(model: &Model, timeline: &Timeline, tolerance: f64) -> Self {
-        let scene = Scene::new(model);
+        let mut scene = Scene::new(model);
         let exits = if scene.is_noisy(timeline.end) {
             Exits::Noisy(StickSteps::new(&scene, StepRules::new(tolerance).chord_error, timeline.end))
         } else {
-            Exits::Noiseless(Box::new(Noiseless::new(model, timeline)))
+            (scene.diffusion, scene.initial_noise.1) = (0.0, 0.0);
+            Exits::Noiseless(Box::new(Noiseless::new(model, timeline)), UnfeltNoise::new(model))
         };
         let friction = model.friction;
         QuasiStatic {
@@ -76,6 +78,13 @@ impl QuasiStatic {
 
     /// Simulate the paths with these numbers, telling the observer; the lanes that had to be given up are returned.
     pub fn simulate<O: Observer>(&self, seed: u64, paths: &[u64], observer: &mut O) -> Vec<usize> {
+        match &self.exits {
+            Exits::Noisy(_) => self.drive(seed, paths, observer),
+            Exits::Noiseless(_, noise) => self.drive(seed, paths, &mut noise.added_before(observer, seed, paths)),
+        }
+    }
+
+    fn drive<O: Observer>(&self, seed: u64, paths: &[u64], observer: &mut O) -> Vec<usize> {
         let harmonics = self.scene.harmonics.len();
         let mut lanes: Vec<Path> = paths.iter().map(|&path| self.start(seed, path)).collect();
         let mut terms = vec![Complex::ZERO; harmonics];
@@ -87,7 +96,10 @@ impl QuasiStatic {
                 self.advance(path, &mut terms, stop.time, |event| observer.event(lane, event));
                 self.scene.set_terms(stop.time, &mut terms);
                 (x[lane], v[lane]) = self.position(path, stop.time);
-                temperature[lane] = (forcing(&terms) + path.noise) / self.scene.force_per_temperature;
+                temperature[lane] = match &self.exits {
+                    Exits::Noisy(_) => (forcing(&terms) + path.noise) / self.scene.force_per_temperature,
+                    Exits::Noiseless(cascade, _) => cascade.mean_temperature(stop.time),
+                };
                 is_static[lane] = path.phase == Phase::Static;
             }
             observer.snapshot(
@@ -160,7 +172,7 @@ impl QuasiStatic {
                     }
                 }
             }
-            Exits::Noiseless(cascade) => {
+            Exits::Noiseless(cascade, _) => {
                 let exit = match path.exit {
                     Some(exit) => exit,
                     None => match cascade.stick_exit(ExactTime::ZERO.after(path.since), path.displacement) {

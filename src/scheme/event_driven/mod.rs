@@ -17,6 +17,8 @@ mod noisy;
 mod scene;
 mod step_rules;
 mod stick;
+mod stick_step;
+mod unfelt_noise;
 
 pub use step_rules::{DEFAULT_TOLERANCE, Resolution, TOLERANCES};
 
@@ -26,6 +28,7 @@ pub(super) use noiseless::Noiseless;
 pub(super) use scene::{Scene, forcing};
 pub(super) use step_rules::StepRules;
 pub(super) use stick::{StickOutcome, StickState, StickSteps};
+pub(super) use unfelt_noise::UnfeltNoise;
 
 use super::{Observer, Timeline};
 use crate::model::Model;
@@ -38,10 +41,10 @@ pub struct EventDriven {
     resolution: Option<Resolution>,
 }
 
-/// Chosen once: a scene without noise draws none.
+/// Chosen once: a scene whose motion feels no noise draws none for it.
 #[derive(Clone, Debug)]
 enum Kernel {
-    Noiseless(Box<Noiseless>),
+    Noiseless(Box<Noiseless>, UnfeltNoise),
     Noisy(Box<Noisy>),
 }
 
@@ -52,7 +55,7 @@ impl EventDriven {
         let scene = Scene::new(model);
         if !scene.is_noisy(timeline.end) {
             return EventDriven {
-                kernel: Kernel::Noiseless(Box::new(Noiseless::new(model, timeline))),
+                kernel: Kernel::Noiseless(Box::new(Noiseless::new(model, timeline)), UnfeltNoise::new(model)),
                 resolution: None,
             };
         }
@@ -69,7 +72,9 @@ impl EventDriven {
     /// Simulate the paths with these numbers, telling the observer; the lanes that had to be given up are returned.
     pub fn simulate<O: Observer>(&self, seed: u64, paths: &[u64], observer: &mut O) -> Vec<usize> {
         match &self.kernel {
-            Kernel::Noiseless(cascade) => cascade.simulate(paths.len(), observer),
+            Kernel::Noiseless(cascade, noise) => {
+                cascade.simulate(paths.len(), &mut noise.added_before(observer, seed, paths))
+            }
             Kernel::Noisy(cascade) => cascade.simulate(seed, paths, observer),
         }
     }

@@ -42,11 +42,11 @@ struct Leg {
 }
 
 impl Noiseless {
-    /// For a scene whose noise is absent or has sigma = 0 (then v relaxes from its initial value).
+    /// For a scene whose noise is absent, has sigma = 0 (then v relaxes from its initial value) or is not felt (then its mean does).
     pub fn new(model: &Model, timeline: &Timeline) -> Self {
         let noise_start = match model.temperature.noise.map(|n| n.initial) {
             Some(InitialNoise::At(v)) => v,
-            // Without diffusion the stationary law is the point 0.
+            // The mean of the stationary law.
             Some(InitialNoise::Stationary) | None => 0.0,
         };
         let body = ForcedOscillator::new(model, noise_start);
@@ -212,18 +212,19 @@ impl Noiseless {
         1e-2 * f64::EPSILON.cbrt() * self.span
     }
 
+    /// E T.
+    pub fn mean_temperature(&self, t: f64) -> f64 {
+        self.model.temperature.mean(t)
+    }
+
     /// x, x', T and whether static, at a time within the leg.
     fn state(&self, leg: &Leg, t: f64) -> (f64, f64, f64, bool) {
         let r = leg.start.until(t).max(0.0);
         let terms = self.body.terms();
         let gain = self.model.oscillator.stiffness * self.model.oscillator.dilatation / self.model.oscillator.mass;
-        let noise = self.model.temperature.noise.map_or(0.0, |noise| match noise.initial {
-            InitialNoise::At(v) => noise.intensity * v * libm::exp(-noise.relaxation_rate * t),
-            InitialNoise::Stationary => 0.0,
-        });
         // beta = 0 leaves the body blind to a temperature that the observer still sees.
         let temperature = if gain == 0.0 {
-            self.model.temperature.harmonic_sum(t) + noise
+            self.mean_temperature(t)
         } else {
             let here: f64 = terms.iter().zip(&leg.terms).map(|(term, p)| (*p * (term.rate * r).exp()).re).sum();
             here / gain

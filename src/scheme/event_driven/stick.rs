@@ -1,17 +1,7 @@
 //! A static phase: x rests, the noise wanders, and the first exit of b = B(t) - K x + n from |b| <= f_s ends it.
 //!
-//! One step of length h draws the end n(t+h) from the exact transition, then asks for each threshold whether the bridge
-//! between the two ends met it ([`meeting_probability`]), and if so when ([`meeting_place`]). With U = f_s - B + K x the
-//! upper threshold seen by n, and d0, d1 the distances of n below it at both ends, Doob's time change gives
-//!
-//! ```text
-//! S = s^2 (e^{2 theta h} - 1)/(2 theta),   distances d0 and D1 = d1 e^{theta h},
-//! ```
-//!
-//! exact for U = A e^{theta t} + C e^{-theta t}. What any other U deviates from that chord at a fraction u of the step is
-//! c h^2 u (1-u)/2 with c = U'' - theta^2 U at mid-step, to leading order; its mean over the place of touching shifts both
-//! distances. (Symmetrically below.) After that correction the error of a step is of second order in
-//! c h^2 / (8 s sqrt h). The length of a step follows from the state at its start, which biases nothing:
+//! Step by step ([`StickStep`]) with lengths from a ladder. The length of a step follows from the state at its start, which
+//! biases nothing:
 //!
 //! - h <= width^2/(8 s^2): the chance that one bridge meets both thresholds is below 2 exp(-16);
 //! - |c| h^2/8 <= kappa s sqrt(h), kappa the stick share of the tolerance: the chord error against the noise;
@@ -20,8 +10,8 @@
 
 use super::draws::Draws;
 use super::scene::{Scene, forcing};
+use super::stick_step::StickStep;
 use crate::model::{Complex, Sign};
-use crate::noise::{mean_touching_spread, meeting_place};
 
 /// Exact steps of a ladder of lengths, longest first.
 #[derive(Clone, Debug)]
@@ -29,28 +19,6 @@ pub struct StickSteps {
     ladder: Vec<StickStep>,
     /// The rung whose length is at most width^2/(8 s^2).
     width_rung: usize,
-}
-
-/// What a step of one length needs.
-#[derive(Clone, Debug)]
-struct StickStep {
-    length: f64,
-    /// e^{-theta h}.
-    decay: f64,
-    /// e^{theta h}.
-    growth: f64,
-    /// s sqrt((1 - e^{-2 theta h})/(2 theta)).
-    kick: f64,
-    /// S.
-    duration: f64,
-    /// e^{-3 theta h/2} (S/s^2)^2 = h^2 (1 + theta h/2 + ..): what c at mid-step bends the threshold by after the time change.
-    bow: f64,
-    /// The largest |c| that this length allows: 8 kappa s h^{-3/2}.
-    bend_limit: f64,
-    /// 7 s sqrt(min(h, 1/(2 theta))): farther than the noise goes.
-    reach: f64,
-    /// e^{i w h} of each harmonic; only rungs of the ladder have them.
-    turns: Vec<Complex>,
 }
 
 /// How a static phase left the interval it was simulated over.
@@ -81,12 +49,6 @@ const RUNGS: usize = 60;
 
 /// The width rule: steps of at most width^2 / (this s^2).
 const WIDTH_RULE: f64 = 8.0;
-
-/// Beyond this many standard deviations nothing is looked for: P = 3e-12 a side.
-const FAR: f64 = 7.0;
-
-/// exp(-FAR_EXPONENT) is a chance that 1e10 steps do not notice.
-const FAR_EXPONENT: f64 = 35.0;
 
 /// A bound on the work of one static phase between two looks at it.
 const STEP_LIMIT: usize = 1_000_000;
@@ -170,86 +132,6 @@ impl StickSteps {
             rung -= 1;
         }
         rung
-    }
-}
-
-impl StickStep {
-    fn new(scene: &Scene, kappa: f64, length: f64) -> Self {
-        let (theta, s) = (scene.relaxation_rate, scene.diffusion);
-        let lost = -libm::expm1(-2.0 * theta * length);
-        let growth = libm::exp(theta * length);
-        StickStep {
-            length,
-            decay: 1.0 / growth,
-            growth,
-            kick: s * (lost / (2.0 * theta)).sqrt(),
-            duration: s * s * lost / (2.0 * theta) * growth * growth,
-            bow: (lost / (2.0 * theta)).powi(2) * growth * growth * growth.sqrt(),
-            bend_limit: 8.0 * kappa * s / (length * length.sqrt()),
-            reach: FAR * s * length.min(0.5 / theta).sqrt(),
-            turns: Vec::new(),
-        }
-    }
-
-    fn with_turns(mut self, scene: &Scene) -> Self {
-        self.turns = scene.harmonics.iter().map(|h| Complex::unit(h.angular_frequency * self.length)).collect();
-        self
-    }
-
-    /// Whether, where and after which time the bridge between two forces leaves the corridor.
-    #[inline]
-    fn exit(
-        &self,
-        scene: &Scene,
-        f_s: f64,
-        (start, end): (f64, f64),
-        bend: f64,
-        mean_noise: f64,
-        draws: &mut Draws,
-    ) -> Option<(Sign, f64)> {
-        // Exponents of both meeting probabilities, before any correction: usually both are far.
-        let scale = 2.0 * self.growth / self.duration;
-        let near = |side: f64| scale * (f_s - side * start) * (f_s - side * end) < FAR_EXPONENT;
-        if !(near(1.0) || near(-1.0)) {
-            return None;
-        }
-        let theta = scene.relaxation_rate;
-        let chord = |side: f64| {
-            let (d0, d1) = (f_s - side * start, f_s - side * end);
-            // U = n + distance on this side.
-            let threshold = side * mean_noise + 0.5 * (d0 + d1);
-            let c = side * bend - theta * theta * threshold;
-            (d0, d1 * self.growth, c * self.bow)
-        };
-        let probability = |side: f64| {
-            let (d0, d1, bent) = chord(side);
-            if d1 <= 0.0 {
-                return 1.0;
-            }
-            let shift = 0.5 * bent * mean_touching_spread(d0, d1, self.duration);
-            let (d0, d1) = (d0 - shift, d1 - shift);
-            if d0 <= 0.0 || d1 <= 0.0 { 1.0 } else { libm::exp(-2.0 * d0 * d1 / self.duration) }
-        };
-        let u = draws.uniform();
-        let sign = if near(1.0) && u < probability(1.0) {
-            Sign::Positive
-        } else if near(-1.0) && u > 1.0 - probability(-1.0) {
-            Sign::Negative
-        } else {
-            return None;
-        };
-        let (d0, d1, bent) = chord(sign.value());
-        let (normal, uniform) = (draws.normal(), draws.uniform());
-        let mut place = meeting_place(d0, d1, self.duration, normal, uniform);
-        // The threshold met is the bent one: once more with the chord moved to it at that place.
-        let u = place / self.duration;
-        let shift = 0.5 * bent * u * (1.0 - u);
-        if shift < d0 {
-            place = meeting_place(d0 - shift, d1 - shift, self.duration, normal, uniform);
-        }
-        let s2 = scene.diffusion * scene.diffusion;
-        let after = libm::log1p(2.0 * theta * place / s2) / (2.0 * theta);
-        Some((sign, after.min(self.length)))
     }
 }
 

@@ -1,0 +1,82 @@
+//! Noise that no force feels, and whoever looks at the temperature sees all the same.
+//!
+//! With K beta = 0, or with noise below the rounding of the other forces, the motion is that of the scene without diffusion. T
+//! is not: v = E v + u, where E v relaxes from v(0) with the rest of the model and u is an Ornstein-Uhlenbeck process that
+//! starts at 0, or in its stationary law. Its exact transition from one instant to the next is added to the T of every snapshot.
+
+use super::draws::Draws;
+use crate::model::{Event, InitialNoise, Model, Noise};
+use crate::noise::Transition;
+use crate::scheme::{Instant, Observer, Snapshot};
+
+/// The fluctuations of T in a scene whose cascade does not feel them.
+#[derive(Clone, Copy, Debug)]
+pub struct UnfeltNoise(Option<Noise>);
+
+impl UnfeltNoise {
+    /// Of a model; a temperature without diffusion has none.
+    pub fn new(model: &Model) -> Self {
+        UnfeltNoise(model.temperature.noise.filter(|noise| noise.intensity * noise.diffusion > 0.0))
+    }
+
+    /// An observer that adds them, path by path, to what it passes on.
+    pub fn added_before<'a, O: Observer>(
+        &self,
+        observer: &'a mut O,
+        seed: u64,
+        paths: &[u64],
+    ) -> WithUnfeltNoise<'a, O> {
+        let lanes = match self.0 {
+            None => Vec::new(),
+            Some(noise) => paths.iter().map(|&path| Lane::start(&noise, Draws::new(seed, path))).collect(),
+        };
+        WithUnfeltNoise { observer, noise: self.0, lanes, time: 0.0, temperature: Vec::new() }
+    }
+}
+
+/// See [`UnfeltNoise::added_before`].
+pub struct WithUnfeltNoise<'a, O> {
+    observer: &'a mut O,
+    noise: Option<Noise>,
+    lanes: Vec<Lane>,
+    /// When it was last looked at.
+    time: f64,
+    temperature: Vec<f64>,
+}
+
+/// u and the random numbers of one path.
+struct Lane {
+    fluctuation: f64,
+    draws: Draws,
+}
+
+impl Lane {
+    fn start(noise: &Noise, mut draws: Draws) -> Self {
+        let fluctuation = match noise.initial {
+            InitialNoise::At(_) => 0.0,
+            InitialNoise::Stationary => noise.stationary_sd() * draws.normal(),
+        };
+        Lane { fluctuation, draws }
+    }
+}
+
+impl<O: Observer> Observer for WithUnfeltNoise<'_, O> {
+    fn event(&mut self, lane: usize, event: Event) {
+        self.observer.event(lane, event);
+    }
+
+    fn snapshot(&mut self, instant: Instant, snapshot: Snapshot<'_>) {
+        let Some(noise) = self.noise else { return self.observer.snapshot(instant, snapshot) };
+        if snapshot.time > self.time {
+            let step = Transition::new(noise.relaxation_rate, noise.diffusion, snapshot.time - self.time);
+            for lane in &mut self.lanes {
+                lane.fluctuation = step.decay * lane.fluctuation + step.kick * lane.draws.normal();
+            }
+            self.time = snapshot.time;
+        }
+        self.temperature.clear();
+        let lanes = snapshot.temperature.iter().zip(&self.lanes);
+        self.temperature.extend(lanes.map(|(mean, lane)| mean + noise.intensity * lane.fluctuation));
+        self.observer.snapshot(instant, Snapshot { temperature: &self.temperature, ..snapshot });
+    }
+}
