@@ -132,7 +132,7 @@ mod tests {
     fn the_grid_of_a_replay_is_never_too_long_and_still_a_scenario() {
         for (name, set, spacing) in [
             ("rho025", &[][..], 0.01),
-            ("rho025", &["time.step=1e-6"], 0.0075),
+            ("rho025", &["time.step=1e-6"], 0.00625),
             ("rho025", &["scheme.kind=event-driven"], 0.5),
             ("shaw", &["scheme.kind=event-driven"], 0.05),
             ("shaw", &["scheme.kind=quasi-static", "time.output_step=0.01"], 0.01),
