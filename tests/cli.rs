@@ -224,9 +224,10 @@ fn results_need_a_place() {
 
 #[test]
 fn a_file_that_is_not_a_result_is_refused_by_show_and_replay() {
-    Desk::new().mc(&["show", "absent.h5"]).refused(&["absent.h5 does not exist", "fix: "]);
-    Desk::new().mc(&["show", "."]).refused(&["is a directory", "fix: "]);
-    Desk::new().mc(&["replay", "absent.h5", "--path", "3"]).refused(&["absent.h5 does not exist", "fix: "]);
+    Desk::new().mc(&["show", "absent.h5"]).refused(&["absent.h5: No such file", "give a file written by `mc run`"]);
+    Desk::new().mc(&["show", "."]).refused(&[".: ", "directory", "give a file written by `mc run`"]);
+    Desk::new().mc(&["replay", "absent.h5", "--path", "3"]).refused(&["absent.h5: No such file", "give a file"]);
+    Desk::new().mc(&["show", "scene.toml"]).refused(&["scene.toml: not an HDF5 file"]);
     Desk::new().mc(&["replay", "absent.h5"]).refused(&["--path"]);
 }
 

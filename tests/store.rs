@@ -2,6 +2,7 @@
 
 use ndarray::Array2;
 use std::fs;
+use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use stick_slip::stats::{
@@ -353,14 +354,9 @@ fn a_run_that_does_not_fit_is_refused_before_it_starts() {
     assert!(matches!(error, StoreError::TooLittleSpace { .. }), "{error}");
 }
 
-#[test]
-fn the_estimated_size_is_an_upper_bound() {
-    let folder = tempfile::tempdir().unwrap();
-    let target = folder.path().join("run.h5");
-    let (header, _) = write(&target, 20_000, 256, &EVERYTHING, Status::Complete);
-    let size = fs::metadata(&target).unwrap().len();
-    let estimate = stick_slip::store::estimated_size(&header, &EVERYTHING, 2.0);
-    assert!(size < estimate && estimate < 3 * size, "{size} bytes, estimated {estimate}");
+/// Say why a test did not happen. Not `eprintln!`, which the test harness hides.
+fn skip(reason: &str) {
+    let _ = writeln!(std::io::stderr(), "{reason}");
 }
 
 /// A small disk that goes away with this value.
@@ -384,31 +380,43 @@ impl Drop for SmallDisk {
 
 #[test]
 fn a_full_disk_is_one_clear_error_and_no_crash() {
-    // Small enough to fail in `create`, then at a checkpoint, in `append`, and (for most of these sizes) in `finish`.
-    for size in ["8k", "32k", "64k", "96k", "128k", "160k", "192k", "256k", "512k", "1m", "2m"] {
+    let folder = tempfile::tempdir().unwrap();
+    fill(&folder.path().join("run.h5")).unwrap();
+    let needed = fs::metadata(folder.path().join("run.h5")).unwrap().len();
+    // Disks that fill up in `create`, in `append`, at a checkpoint, and, short of a few pages only, in `finish`.
+    let small = (1..8).map(|step| step * 16_384);
+    let large = (1..8).map(|step| step * needed / 8);
+    let almost = (1..16).map(|step| needed - step * 4096);
+    let mut failures = 0;
+    for size in small.chain(large).chain(almost) {
         let folder = tempfile::tempdir().unwrap();
-        let Some(disk) = SmallDisk::mount(folder.path(), size) else {
-            eprintln!("skipped: this user may not mount a small tmpfs, so the disk cannot be filled");
+        let Some(disk) = SmallDisk::mount(folder.path(), &size.to_string()) else {
+            skip("skipped: this user may not mount a small tmpfs, so the disk cannot be filled");
             return;
         };
         let target = disk.0.join("run.h5");
-        let error = fill(&target).unwrap_err();
+        let Err(error) = fill(&target) else {
+            // A file may need a little less than its size: a page of it that is never written takes no room.
+            assert!(size > needed - 16_384, "{size} of {needed} bytes were enough");
+            continue;
+        };
         let message = error.to_string();
-        println!("{size}: {message}");
         assert!(matches!(error, StoreError::DiskFull { .. } | StoreError::NotCreated { .. }), "{size}: {error:?}");
         assert!(message.contains("run.h5.partial") && message.contains("No space left"), "{message}");
         assert!(!target.exists());
+        failures += 1;
     }
+    assert!(failures >= 20, "{failures}");
 }
 
-/// Write 5 MB to a disk that is smaller than that.
+/// Write a run of about 2 MB.
 fn fill(target: &Path) -> Result<(), StoreError> {
-    let header = header(100_000);
+    let header = header(40_000);
     let mut writer = Writer::create(target, &header, &EVERYTHING)?;
-    for first in (0..100_000).step_by(10_000) {
+    for first in (0..40_000).step_by(4_000) {
         let outcome = writer
-            .append_rows(block(first, 10_000, 61, 40).rows(&EVERYTHING))
-            .and_then(|()| if first > 50_000 { writer.checkpoint() } else { Ok(()) });
+            .append_rows(block(first, 4_000, 61, 40).rows(&EVERYTHING))
+            .and_then(|()| if first > 20_000 { writer.checkpoint() } else { Ok(()) });
         if let Err(error) = outcome {
             // Whoever goes on regardless hears the same again.
             assert!(writer.checkpoint().is_err());
@@ -416,7 +424,7 @@ fn fill(target: &Path) -> Result<(), StoreError> {
             return Err(error);
         }
     }
-    writer.finish(&summary(100_000, &header), Status::Complete)
+    writer.finish(&summary(40_000, &header), Status::Complete)
 }
 
 /// How fast rows reach the disk, in the sizes of a real run: `cargo test --release --test store speed -- --ignored --nocapture`.
@@ -448,7 +456,7 @@ fn speed_of_writing() {
 #[test]
 fn samples_for_other_readers() {
     let Some(folder) = std::env::var_os("STORE_SAMPLES").map(PathBuf::from) else {
-        eprintln!("skipped: set STORE_SAMPLES to a folder to get sample files");
+        skip("skipped: set STORE_SAMPLES to a folder to get sample files");
         return;
     };
     fs::create_dir_all(&folder).unwrap();

@@ -73,6 +73,7 @@ impl Run {
         self.refuse_to_lose(&output)?;
         if self.verbose {
             note(&super::check::report(&scenario));
+            note(&format!("kernel: {}", scenario.plan().scheme.kernel()));
         }
         for warning in scenario.warnings() {
             note(wrapped(&format!("warning: {warning}"), "  ").trim_end());

@@ -20,3 +20,34 @@ pub struct Friction {
 pub fn prox(s: f64, c: f64) -> f64 {
     if s.abs() <= c { 0.0 } else { s - c.copysign(s) }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        /// The inequality itself, for arbitrary test velocities; equality up to rounding of its terms is allowed.
+        #[test]
+        fn prox_solves_the_variational_inequality(s in -1e3..1e3f64, c in 0.0..1e3f64, phi in -1e4..1e4f64) {
+            let v = prox(s, c);
+            let rounding = 1e-12 * (1.0 + s.abs() + c) * (1.0 + phi.abs() + v.abs());
+            prop_assert!((s - v) * (phi - v) + c * v.abs() <= c * phi.abs() + rounding);
+        }
+
+        /// And no other velocity solves it: a neighbour fails for some test velocity.
+        #[test]
+        fn nothing_else_solves_it(s in -1e3..1e3f64, c in 0.0..1e3f64, off in prop_oneof![-10.0..-1e-3f64, 1e-3..10.0f64]) {
+            let v = prox(s, c) + off;
+            let holds = |phi: f64| (s - v) * (phi - v) + c * v.abs() <= c * phi.abs() + 1e-9;
+            prop_assert!(![prox(s, c), 0.0, 2.0 * v].into_iter().all(holds));
+        }
+
+        #[test]
+        fn prox_is_odd_nonexpansive_and_zero_within_the_bound(s in -1e3..1e3f64, r in -1e3..1e3f64, c in 0.0..1e3f64) {
+            prop_assert_eq!(prox(-s, c), -prox(s, c));
+            prop_assert!((prox(s, c) - prox(r, c)).abs() <= (s - r).abs() * (1.0 + 1e-15) + 1e-12);
+            prop_assert_eq!(prox(s.clamp(-c, c), c), 0.0);
+        }
+    }
+}

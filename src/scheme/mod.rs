@@ -6,10 +6,12 @@
 
 mod any;
 mod discrete_vi;
+mod reference;
 mod timeline;
 
 pub use any::Scheme;
-pub use discrete_vi::{DiscreteVi, divergence_bound};
+pub use discrete_vi::{DiscreteVi, divergence_bound, monitoring_shift};
+pub use reference::reference_path;
 pub use timeline::{Instant, Stop, Timeline};
 
 use crate::model::Event;

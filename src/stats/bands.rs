@@ -44,12 +44,15 @@ impl Row {
 /// Smallest and largest value, by eights so that compilers can vectorise it.
 fn extremes(values: &[f64]) -> (f64, f64) {
     let (mut low, mut high) = ([f64::INFINITY; 8], [f64::NEG_INFINITY; 8]);
-    for chunk in values.chunks(8) {
-        for ((low, high), &v) in low.iter_mut().zip(&mut high).zip(chunk) {
-            *low = if v < *low { v } else { *low };
-            *high = if v > *high { v } else { *high };
-        }
+    let (chunks, rest) = values.as_chunks::<8>();
+    let mut widen = |i: usize, v: f64| {
+        low[i] = if v < low[i] { v } else { low[i] };
+        high[i] = if v > high[i] { v } else { high[i] };
+    };
+    for chunk in chunks {
+        (0..8).for_each(|i| widen(i, chunk[i]));
     }
+    rest.iter().enumerate().for_each(|(i, &v)| widen(i, v));
     (low.into_iter().fold(f64::INFINITY, f64::min), high.into_iter().fold(f64::NEG_INFINITY, f64::max))
 }
 

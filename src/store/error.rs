@@ -46,7 +46,7 @@ pub enum StoreError {
     },
     /// The disk became full during a run.
     #[error(
-        "{}: the disk is full ({cause}) after {completed_paths} paths; nothing was written to the final file. \
+        "{}: the disk is full ({cause}); nothing was written to the final file. \
          Free some space or choose another disk, delete this file, and run again", partial.display()
     )]
     DiskFull {
@@ -58,7 +58,7 @@ pub enum StoreError {
         cause: String,
     },
     /// Writing failed for another reason.
-    #[error("{}: writing failed after {completed_paths} paths: {cause}; nothing was written to the final file", partial.display())]
+    #[error("{}: writing failed: {cause}; nothing was written to the final file", partial.display())]
     Write {
         /// The unfinished file.
         partial: PathBuf,
@@ -94,7 +94,7 @@ pub enum StoreError {
         source: io::Error,
     },
     /// There is no such file, or it may not be read.
-    #[error("{}: {source}{}", path.display(), unfinished_hint(path))]
+    #[error("{}: {source}; give a file written by `mc run`{}", path.display(), unfinished_hint(path))]
     NotOpened {
         /// The file.
         path: PathBuf,

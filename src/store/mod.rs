@@ -7,7 +7,7 @@
 //! read             the header and the statistics of a finished file
 //! ```
 //!
-//! `docs/output-format.md` describes the file for its readers; [`layout`] is the same list for the code.
+//! `docs/output-format.md` describes the file for its readers; `layout.rs` is the same list for the code.
 
 mod error;
 mod growing;
@@ -23,5 +23,5 @@ mod writer;
 pub use error::StoreError;
 pub use header::{FORMAT_NAME, FORMAT_VERSION, Header, Status};
 pub use reader::{Stored, read};
-pub use space::{check_space, estimated_size};
+pub use space::check_space;
 pub use writer::{Rows, Writer, discard_partial, partial_path};

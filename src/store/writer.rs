@@ -376,3 +376,14 @@ fn trajectory_variables(rows: &TrajectoryRows) -> [(&'static layout::Variable, V
         (&layout::TRAJECTORY_STATIC, Values::I8(&rows.is_static)),
     ]
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_writer_may_live_on_a_thread_of_its_own() {
+        fn check<T: Send>() {}
+        check::<Writer>();
+    }
+}

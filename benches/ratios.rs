@@ -1,0 +1,266 @@
+//! Every speed that is claimed, in one run, and the ratios between them.
+//!
+//! `cargo bench --bench ratios` takes about three minutes on two cores. Absolute times depend on the machine and its other users;
+//! the ratios at the end are what the documentation quotes.
+
+use criterion::{BenchmarkGroup, Criterion, Throughput, measurement::WallTime};
+use rand_distr::{Distribution, StandardNormal};
+use rand_pcg::{Pcg64, rand_core::SeedableRng};
+use std::convert::Infallible;
+use std::hint::black_box;
+use std::path::Path;
+use std::sync::atomic::AtomicBool;
+use std::time::Duration;
+use stick_slip::ensemble::{BLOCK_SIZE, Plan};
+use stick_slip::lanes::{InstructionSet, LaneProgram, Lanes};
+use stick_slip::model::Event;
+use stick_slip::noise::LaneStreams;
+use stick_slip::scenario::{Override, Scenario};
+use stick_slip::scheme::{DiscreteVi, Instant, Observer, Snapshot};
+use stick_slip::stats::{BlockResult, Totals};
+use stick_slip::store::{Header, Status, Writer};
+
+const STEP: &str = "time.step=0.001";
+/// Long enough for the phases of the paths to mix, short enough for many repetitions.
+const END: &str = "time.end=12";
+const STEPS: u64 = 12_000;
+
+fn scenario(name: &str, set: &[&str]) -> Scenario {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios").join(name).with_extension("toml");
+    let overrides: Vec<Override> = set.iter().map(|s| Override::set(s).expect("well formed")).collect();
+    Scenario::read(&path, &overrides).expect("shipped")
+}
+
+/// Hears nothing: what the kernel costs alone.
+struct Deaf;
+
+impl Observer for Deaf {
+    fn event(&mut self, lane: usize, event: Event) {
+        black_box((lane, event));
+    }
+    fn snapshot(&mut self, _: Instant, snapshot: Snapshot<'_>) {
+        black_box(snapshot.displacement);
+    }
+}
+
+/// The loop everybody writes first: one path at a time, `rand_pcg` and the ziggurat of `rand_distr`, forcing from a table, sticks
+/// counted and their durations summed. Parameters (P) of the paper, rho = 0.25, forcing 1/4.
+fn scalar_loop(h: f64, steps: usize, paths: u64, forcing: &[f64]) -> (f64, f64) {
+    let (decay, kick) = ((-h).exp(), ((1.0 - (-2.0 * h).exp()) / 2.0).sqrt());
+    let (f_s, f_d) = (1.2, 1.0);
+    let (mut sticks, mut duration) = (0.0, 0.0);
+    for path in 0..paths {
+        let mut rng = Pcg64::seed_from_u64(path);
+        let (mut x, mut v, mut noise) = (6.0, 0.0f64, 0.0);
+        let mut b: f64 = forcing[0] - x;
+        let (mut is_static, mut entered) = (true, f64::NAN);
+        for n in 0..steps {
+            let s = v + h * b;
+            let next_x = x + h * v;
+            let next_v = if s.abs() <= h * f_s { 0.0 } else { s - (h * f_d).copysign(s) };
+            let xi: f64 = StandardNormal.sample(&mut rng);
+            noise = decay * noise + kick * xi;
+            b = forcing[n + 1] + 1.5 * noise - next_x;
+            if is_static {
+                if next_v != 0.0 {
+                    is_static = false;
+                    if entered >= 0.0 {
+                        sticks += 1.0;
+                        duration += n as f64 * h - entered;
+                    }
+                }
+            } else if next_v == 0.0 && b.abs() <= f_s {
+                is_static = true;
+                entered = (n + 1) as f64 * h;
+            }
+            (x, v) = (next_x, next_v);
+        }
+    }
+    (sticks, duration)
+}
+
+struct Normals {
+    streams: LaneStreams,
+    tile: Vec<f64>,
+}
+
+impl LaneProgram for Normals {
+    #[inline(always)]
+    fn run<L: Lanes>(&mut self) {
+        for lane in (0..32).step_by(L::WIDTH) {
+            self.streams.fill_normals::<L>(lane, 64, &mut self.tile[lane..], 32);
+        }
+    }
+}
+
+fn group<'a>(c: &'a mut Criterion, name: &str, elements: u64) -> BenchmarkGroup<'a, WallTime> {
+    let mut group = c.benchmark_group(name);
+    group.throughput(Throughput::Elements(elements)).sample_size(20).measurement_time(Duration::from_secs(3));
+    group
+}
+
+fn normals(c: &mut Criterion) {
+    let mut group = group(c, "normals", 32 * 64);
+    for set in InstructionSet::ALL.into_iter().filter(|set| set.is_available()) {
+        let paths: Vec<u64> = (0..32).collect();
+        let mut normals = Normals { streams: LaneStreams::new(1, &paths, 32), tile: vec![0.0; 32 * 64] };
+        group.bench_function(set.name(), |b| b.iter(|| set.run(&mut normals)));
+    }
+    group.bench_function("rand_pcg and rand_distr", |b| {
+        let mut rng = Pcg64::seed_from_u64(1);
+        b.iter(|| (0..32 * 64).map(|_| -> f64 { StandardNormal.sample(&mut rng) }).sum::<f64>())
+    });
+}
+
+/// A path-step of the bare kernel on a block of paths, feature by feature.
+fn kernel(c: &mut Criterion) {
+    let mut group = group(c, "kernel", BLOCK_SIZE * STEPS);
+    let paths: Vec<u64> = (0..BLOCK_SIZE).collect();
+    let mut bench = |name: &str, set: InstructionSet, scenario: &Scenario| {
+        let scheme = DiscreteVi::new(&scenario.model, &scenario.timeline(), scenario.time.step).with_instructions(set);
+        group.bench_function(name, |b| b.iter(|| scheme.simulate(1, &paths, &mut Deaf)));
+    };
+    let widest = InstructionSet::detect();
+    let noisy = scenario("rho025", &[STEP, END]);
+    for set in InstructionSet::ALL.into_iter().filter(|set| set.is_available()) {
+        bench(set.name(), set, &noisy);
+    }
+    bench("plain", widest, &scenario("shaw", &[STEP, END]));
+    bench("damping", widest, &scenario("damped", &[STEP, END]));
+    bench("second harmonic", widest, &{
+        let mut two = noisy.clone();
+        two.model.temperature.harmonics.push(two.model.temperature.harmonics[0]);
+        two
+    });
+    let forcing: Vec<f64> = (0..=STEPS).map(|n| 6.0 * (0.25 * 0.001 * n as f64).cos()).collect();
+    group.throughput(Throughput::Elements(16 * STEPS));
+    group.bench_function("scalar loop", |b| b.iter(|| scalar_loop(0.001, STEPS as usize, 16, &forcing)));
+}
+
+/// A path-step with everything a run does but the file.
+fn statistics(c: &mut Criterion) {
+    let paths = BLOCK_SIZE;
+    let mut group = group(c, "statistics", paths * STEPS);
+    let mut bench = |name: &str, set: &[&str]| {
+        let plan = Plan { paths, ..scenario("rho025", &[&[STEP, END], set].concat()).plan() };
+        group.bench_function(name, |b| b.iter(|| plan.block(0)));
+    };
+    bench("default", &[]);
+    bench("without per-path scalars", &["record.paths=false"]);
+    bench("events recorded", &["record.events=true"]);
+    bench("trajectories recorded", &["record.trajectories=256"]);
+    bench("a row every 10 steps", &["time.output_step=0.01"]);
+}
+
+/// A whole run of 10000 paths with all default statistics, t_end = 60, h = 0.001, file included.
+fn whole_run(c: &mut Criterion) {
+    let scenario = scenario("rho025", &[STEP]);
+    let plan = scenario.plan();
+    let mut group = group(c, "whole run", 10_000 * 60_000);
+    group.sample_size(10).measurement_time(Duration::from_secs(12));
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    for threads in [1, 2] {
+        let target = folder.path().join("run.h5");
+        group.bench_function(format!("{threads} threads"), |b| b.iter(|| run(&plan, &scenario, threads, &target)));
+    }
+}
+
+/// What a run hands to the store: 10000 paths' scalars, the statistics, the close.
+fn writing(c: &mut Criterion) {
+    let scenario = scenario("rho025", &[STEP]);
+    let plan = Plan { paths: 10_000, ..crate::scenario("rho025", &["time.step=0.05"]).plan() };
+    let blocks: Vec<BlockResult> = (0..plan.blocks()).map(|k| plan.block(k)).collect();
+    let mut totals = Totals::empty(&plan.model, &plan.timeline);
+    blocks.iter().for_each(|block| totals.merge(&block.totals));
+    let summary = totals.summary();
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let target = folder.path().join("written.h5");
+    let mut group = group(c, "writing", 10_000 * 60_000);
+    group.bench_function("10000 paths", |b| {
+        b.iter(|| {
+            let mut writer = Writer::create(&target, &header(&scenario), &scenario.record).expect("writable");
+            blocks.iter().for_each(|block| writer.append(block).expect("room"));
+            writer.finish(&summary, Status::Complete).expect("room");
+        })
+    });
+}
+
+fn run(plan: &Plan, scenario: &Scenario, threads: usize, target: &Path) {
+    let mut writer = Writer::create(target, &header(scenario), &scenario.record).expect("writable");
+    let mut totals = Totals::empty(&plan.model, &plan.timeline);
+    let done = plan.run_into(threads, &AtomicBool::new(false), |block| {
+        totals.merge(&block.totals);
+        writer.append(&block).expect("room");
+        Ok::<_, Infallible>(())
+    });
+    assert_eq!(done, Ok(plan.paths));
+    writer.finish(&totals.summary(), Status::Complete).expect("room");
+}
+
+fn header(scenario: &Scenario) -> Header {
+    Header {
+        title: scenario.title.clone(),
+        scenario_text: scenario.to_toml(),
+        scheme: scenario.scheme.name().to_string(),
+        step: Some(scenario.time.step),
+        seed: 1,
+        generator: String::new(),
+        paths: 10_000,
+        block_size: BLOCK_SIZE,
+        program_version: String::new(),
+        git_hash: String::new(),
+        units: Default::default(),
+        time: scenario.timeline().output_times(),
+    }
+}
+
+/// Nanoseconds an element, from what criterion has just written.
+fn measured(group: &str, name: &str, elements: f64) -> Option<f64> {
+    let folder = std::env::var("CARGO_TARGET_DIR").unwrap_or_else(|_| "target".into());
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(folder).join("criterion").join(group).join(name);
+    let text = std::fs::read_to_string(path.join("new/estimates.json")).ok()?;
+    let estimates: serde_json::Value = serde_json::from_str(&text).ok()?;
+    Some(estimates["median"]["point_estimate"].as_f64()? / elements)
+}
+
+fn print_ratios() {
+    let block = (BLOCK_SIZE * STEPS) as f64;
+    let kernel = |name: &str| measured("kernel", name, block);
+    let normal = |name: &str| measured("normals", name, 2048.0);
+    let scalar = measured("kernel", "scalar loop", (16 * STEPS) as f64);
+    let whole = |threads: u32| measured("whole run", &format!("{threads} threads"), 6e8);
+    let lines: [(&str, Option<f64>, Option<f64>, &str); 9] = [
+        ("kernel AVX-512 / its normals", kernel("AVX-512"), normal("AVX-512"), "at most 1.6"),
+        ("scalar loop / kernel AVX-512", scalar, kernel("AVX-512"), "at least 8"),
+        ("scalar loop / kernel AVX2", scalar, kernel("AVX2"), "at least 3"),
+        ("scalar loop / whole run, 1 thread", scalar, whole(1), "at least 6"),
+        ("whole run, 1 thread / 2 threads", whole(1), whole(2), "at least 1.9"),
+        (
+            "statistics / kernel",
+            measured("statistics", "default", block),
+            kernel(InstructionSet::detect().name()),
+            "at most 1.25",
+        ),
+        ("file / whole run, 1 thread", measured("writing", "10000 paths", 6e8), whole(1), "at most 0.1"),
+        ("no noise / noise", kernel("plain"), kernel(InstructionSet::detect().name()), ""),
+        ("normals: rand_distr / ours", normal("rand_pcg and rand_distr"), normal(InstructionSet::detect().name()), ""),
+    ];
+    println!("\n{:36} {:>9} {:>9} {:>7}  target", "ratio", "ns", "ns", "ratio");
+    for (name, a, b, target) in lines {
+        match (a, b) {
+            (Some(a), Some(b)) => println!("{name:36} {a:9.3} {b:9.3} {:7.2}  {target}", a / b),
+            _ => println!("{name:36} not measured here  {target}"),
+        }
+    }
+}
+
+fn main() {
+    let mut c = Criterion::default().configure_from_args().warm_up_time(Duration::from_secs(1));
+    normals(&mut c);
+    kernel(&mut c);
+    statistics(&mut c);
+    whole_run(&mut c);
+    writing(&mut c);
+    c.final_summary();
+    print_ratios();
+}

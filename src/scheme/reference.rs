@@ -1,0 +1,64 @@
+//! The discrete variational inequality word for word: one path, plain arithmetic, a branch for every case of the paper.
+//!
+//! This is the loop everybody writes first. It is here to be compared with: the fast kernel must give the same cascade on the same
+//! normals, and benchmarks measure against it.
+
+use crate::model::{Event, EventKind, InitialNoise, Model, Sign};
+use crate::noise::Transition;
+
+/// Step one path `steps` times with step `h`, drawing one standard normal a step from `normal` if there is noise (and one before
+/// the first for a stationary start). Events go to `on_event`; returns x and x' at the end.
+pub fn reference_path(
+    model: &Model,
+    h: f64,
+    steps: u64,
+    mut normal: impl FnMut() -> f64,
+    mut on_event: impl FnMut(Event),
+) -> (f64, f64) {
+    let Model { oscillator, friction, temperature, initial_displacement } = model;
+    let (h_over_m, f_s, f_d) = (h / oscillator.mass, friction.static_force, friction.dynamic_force);
+    let noise = temperature.noise;
+    let transition = noise.map(|noise| Transition::new(noise.relaxation_rate, noise.diffusion, h));
+    let mut eta = match noise {
+        None => 0.0,
+        Some(noise) => match noise.initial {
+            InitialNoise::At(v) => v,
+            InitialNoise::Stationary => noise.stationary_sd() * normal(),
+        },
+    };
+    let rho = noise.map_or(0.0, |noise| noise.intensity);
+    let force =
+        |n: u64, x: f64, v: f64, eta: f64| oscillator.force(temperature.harmonic_sum(n as f64 * h) + rho * eta, x, v);
+
+    let (mut x, mut v) = (*initial_displacement, 0.0);
+    let mut b = force(0, x, v, eta);
+    let mut is_static = b.abs() <= f_s;
+    if !is_static {
+        on_event(Event { kind: EventKind::SlipStarted(Sign::of(b)), time: 0.0, displacement: x, force: b });
+    }
+    for n in 0..steps {
+        let s = v + h_over_m * b;
+        let next_v = if s.abs() <= h_over_m * f_s { 0.0 } else { s - (h_over_m * f_d).copysign(s) };
+        let next_x = x + h * v;
+        if let Some(Transition { decay, kick }) = transition {
+            eta = decay * eta + kick * normal();
+        }
+        let next_b = force(n + 1, next_x, next_v, eta);
+
+        if is_static && next_v != 0.0 {
+            is_static = false;
+            let kind = EventKind::SlipStarted(Sign::of(next_v));
+            on_event(Event { kind, time: n as f64 * h, displacement: x, force: b });
+        } else if !is_static && (next_v == 0.0 || v * next_v < 0.0) {
+            is_static = next_v == 0.0 && next_b.abs() <= f_s;
+            let kind = match (is_static, next_v == 0.0) {
+                (true, _) => EventKind::StickEntered,
+                (false, true) => EventKind::SubPhaseBoundary(Sign::of(next_b)),
+                (false, false) => EventKind::SubPhaseBoundary(Sign::of(next_v)),
+            };
+            on_event(Event { kind, time: (n + 1) as f64 * h, displacement: next_x, force: next_b });
+        }
+        (x, v, b) = (next_x, next_v, next_b);
+    }
+    (x, v)
+}

@@ -1,0 +1,234 @@
+//! Ensembles: another program's numbers, the same bits however the work is shared out, and paths that diverge.
+
+mod common;
+
+use common::paper;
+use ndarray::Array1;
+use ndarray_stats::Quantile1dExt;
+use ndarray_stats::interpolate::Linear;
+use noisy_float::types::{N64, n64};
+use std::collections::BTreeMap;
+use std::convert::Infallible;
+use std::sync::atomic::{AtomicBool, Ordering};
+use stick_slip::ensemble::{BLOCK_SIZE, Plan};
+use stick_slip::model::*;
+use stick_slip::scheme::{DiscreteVi, Scheme, Timeline};
+use stick_slip::stats::{Band, BlockResult, QUANTILE_LEVELS, Record, Statistic, Summary, Totals, TrajectoryRows};
+
+fn plan(model: Model, end: f64, h: f64, paths: u64) -> Plan {
+    let timeline = Timeline { end, output_step: end / 10.0, period: model.temperature.period() };
+    let scheme = Scheme::DiscreteVi(DiscreteVi::new(&model, &timeline, h));
+    Plan { model, scheme, timeline, record: Record { paths: true, events: true, trajectories: 3 }, seed: 1, paths }
+}
+
+fn estimate(summary: &Summary, statistic: Statistic) -> (f64, f64) {
+    let e = summary.estimates.iter().find(|e| e.statistic == statistic).expect("all are reported");
+    (e.estimate, e.standard_error)
+}
+
+/// Value and standard error of a statistic in another program's ensemble; 0 where it gave none.
+type Known = (Statistic, f64, f64);
+
+/// Null: both programs draw from the same law. |difference| < 4 combined standard errors in each of up to six statistics: false-alarm
+/// rate below 4e-4 a test. The standard error here is below 1 % of each value, so a bias of 4 % in any would be seen.
+fn assert_agrees(h: f64, paths: u64, known: &[Known]) {
+    let summary = plan(paper(0.25, 0.25), 60.0, h, paths).run(2);
+    assert!(summary.diverged.is_empty());
+    for &(statistic, value, error) in known {
+        let (ours, our_error) = estimate(&summary, statistic);
+        let bound = 4.0 * our_error.hypot(if error > 0.0 { error } else { our_error });
+        assert!((ours - value).abs() < bound, "{}: {ours} +- {our_error} against {value}", statistic.name());
+        assert!(our_error < 0.01 * value.abs(), "{}: {our_error} is too coarse a test", statistic.name());
+    }
+}
+
+/// The scheme's own values at three steps, from an independent program (NumPy prototype, 4e4 to 2e5 paths).
+#[test]
+fn the_noisy_ensemble_has_the_schemes_own_values_at_three_steps() {
+    use Statistic::*;
+    assert_agrees(
+        0.02,
+        40_000,
+        &[
+            (StickDurationMean, 0.579783, 0.000291),
+            (SticksPerPath, 13.0958, 0.0068),
+            (SubPhasesMean, 1.3935, 0.0),
+            (SubPhasesMultipleShare, 0.2568, 0.0),
+            (StickingFraction, 0.143653, 8.1e-5),
+        ],
+    );
+    assert_agrees(
+        0.01,
+        40_000,
+        &[
+            (StickDurationMean, 0.538572, 0.000266),
+            (SticksPerPath, 14.1226, 0.0073),
+            (SlipsPerPath, 14.2419, 0.0073),
+            (SubPhasesMean, 1.3505, 0.0),
+            (SubPhasesMultipleShare, 0.23316, 0.0),
+            (StickingFraction, 0.142823, 8e-5),
+        ],
+    );
+    assert_agrees(
+        0.001,
+        10_000,
+        &[
+            (StickDurationMean, 0.476124, 0.000514),
+            (SticksPerPath, 15.8146, 0.0184),
+            (SubPhasesMean, 1.3049, 0.0),
+            (SubPhasesMultipleShare, 0.20635, 0.0),
+        ],
+    );
+}
+
+/// The sketch against the quantiles of all the paths, sorted: within the width of its bins, 1/256 of the distance from the centre plus a
+/// little. Where paths sit on an atom (x' = 0 while static) the quantile is the atom itself.
+#[test]
+fn bands_hold_the_quantiles_of_the_paths() {
+    let mut plan = plan(paper(0.25, 0.25), 60.0, 0.01, 3000);
+    plan.record.trajectories = plan.paths;
+    let blocks = blocks(&plan, 2);
+    let mut totals = Totals::empty(&plan.model, &plan.timeline);
+    blocks.iter().for_each(|block| totals.merge(&block.totals));
+    let bands = totals.summary().bands;
+    let rows = plan.timeline.rows();
+    for (band, centre, column) in [
+        (&bands.displacement, 6.0, (|t| &t.displacement) as fn(&TrajectoryRows) -> &Vec<f64>),
+        (&bands.velocity, 0.0, |t| &t.velocity),
+        (&bands.temperature, 0.0, |t| &t.temperature),
+    ] {
+        for row in 0..rows {
+            let values = blocks
+                .iter()
+                .filter_map(|b| b.trajectories.as_ref())
+                .flat_map(|t| column(t).iter().skip(row).step_by(rows));
+            let mut values: Array1<N64> = values.map(|&v| n64(v)).collect();
+            assert_eq!(values.len(), 3000);
+            for (level, sketched) in QUANTILE_LEVELS.iter().zip(bands_column(band, row)) {
+                let exact = values.quantile_mut(n64(*level), &Linear).expect("not empty").raw();
+                let width = ((exact - centre).abs() + 0.1) / 256.0;
+                // neighbouring order statistics may lie apart in the sparse flanks; 5 % and 95 % of 3000 are dense
+                assert!((sketched - exact).abs() <= 1.5 * width + 0.02, "row {row}, {level}: {sketched} {exact}");
+                if exact == centre {
+                    assert_eq!(sketched, exact, "an atom is exact");
+                }
+            }
+        }
+    }
+}
+
+fn bands_column(band: &Band, row: usize) -> Vec<f64> {
+    band.quantiles.column(row).to_vec()
+}
+
+fn blocks(plan: &Plan, threads: usize) -> Vec<BlockResult> {
+    let mut blocks = Vec::new();
+    let delivered = plan.run_into(threads, &AtomicBool::new(false), |block| {
+        blocks.push(block);
+        Ok::<_, Infallible>(())
+    });
+    assert_eq!(delivered, Ok(plan.paths));
+    blocks
+}
+
+#[test]
+fn any_number_of_threads_gives_the_same_bits() {
+    let plan = plan(paper(0.25, 0.25), 30.0, 0.01, 5 * BLOCK_SIZE + 17);
+    let alone = blocks(&plan, 1);
+    let summed = |blocks: &[BlockResult]| {
+        let mut totals = Totals::empty(&plan.model, &plan.timeline);
+        blocks.iter().for_each(|block| totals.merge(&block.totals));
+        totals
+    };
+    for threads in [2, 3, 8] {
+        let shared = blocks(&plan, threads);
+        assert!(summed(&shared) == summed(&alone), "{threads} threads");
+        for (a, b) in alone.iter().zip(&shared) {
+            assert!(a.path_columns == b.path_columns && a.events == b.events && a.trajectories == b.trajectories);
+            assert_eq!(a.first_path, b.first_path);
+        }
+    }
+}
+
+#[test]
+fn a_replayed_path_is_the_path_of_the_ensemble() {
+    let plan = plan(paper(0.25, 0.25), 30.0, 0.01, 2 * BLOCK_SIZE);
+    let all = blocks(&plan, 2);
+    let path = 300u64;
+    let alone = plan.replay(path);
+    let (block, lane) = (&all[1], (path - BLOCK_SIZE) as usize);
+    let (ours, theirs) = (alone.events.expect("kept"), block.events.as_ref().expect("kept"));
+    let before: u32 = theirs.count[..lane].iter().sum();
+    let range = before as usize..(before + theirs.count[lane]) as usize;
+    assert!(ours.time == theirs.time[range.clone()] && ours.displacement == theirs.displacement[range]);
+    let columns = block.path_columns.as_ref().expect("kept");
+    assert_eq!(alone.path_columns.expect("kept").displacement_end, [columns.displacement_end[lane]]);
+}
+
+#[test]
+fn a_stopped_run_delivers_a_prefix_and_a_failed_one_its_error() {
+    let plan = plan(paper(0.25, 0.0), 5.0, 0.01, 40 * BLOCK_SIZE);
+    for threads in [1, 3] {
+        let (stop, mut seen) = (AtomicBool::new(false), Vec::new());
+        let delivered = plan.run_into(threads, &stop, |block| {
+            seen.push(block.first_path);
+            stop.store(seen.len() == 4, Ordering::Relaxed);
+            Ok::<_, Infallible>(())
+        });
+        let in_order: Vec<u64> = (0..seen.len() as u64).map(|k| k * BLOCK_SIZE).collect();
+        assert_eq!(seen, in_order);
+        assert_eq!(delivered, Ok(seen.len() as u64 * BLOCK_SIZE));
+        assert!((4..=4 + threads).contains(&seen.len()), "the blocks in flight are finished, no more: {}", seen.len());
+
+        let mut count = 0;
+        let failed = plan.run_into(threads, &AtomicBool::new(false), |_| {
+            count += 1;
+            if count == 3 { Err("disk full") } else { Ok(()) }
+        });
+        assert_eq!((failed, count), (Err("disk full"), 3));
+    }
+}
+
+/// Above the critical amplitude the explicit scheme grows. A stationary start of a large, slow noise puts some paths above it and some
+/// below: the former are counted, listed and kept out of every mean.
+#[test]
+fn diverged_paths_are_counted_listed_and_kept_out() {
+    let mut model = paper(0.25, 0.0);
+    model.friction = Friction { static_force: 0.01, dynamic_force: 0.01 };
+    model.temperature = Temperature {
+        harmonics: Vec::new(),
+        noise: Some(Noise {
+            intensity: 1.0,
+            relaxation_rate: 1e-9,
+            diffusion: 1e-5,
+            initial: InitialNoise::Stationary,
+        }),
+    };
+    model.initial_displacement = 0.0;
+    // the amplitude of a path is 6 |v(0)|, v(0) of sd 0.2236; at h = 0.02 the critical one is 0.637: about half are above
+    let mut plan = plan(model, 3000.0, 0.02, 2 * BLOCK_SIZE);
+    plan.timeline.period = None;
+    let all = blocks(&plan, 2);
+    let mut totals = Totals::empty(&plan.model, &plan.timeline);
+    all.iter().for_each(|block| totals.merge(&block.totals));
+    let summary = totals.summary();
+    let diverged = summary.diverged.len();
+    assert!((100..460).contains(&diverged), "{diverged} of 512");
+    assert_eq!(summary.completed_paths, 512);
+    assert!(summary.diverged.is_sorted());
+    let columns: BTreeMap<u64, (f64, bool)> = all
+        .iter()
+        .flat_map(|block| {
+            let columns = block.path_columns.as_ref().expect("kept");
+            (block.first_path..).zip(columns.displacement_end.iter().copied().zip(columns.diverged.iter().copied()))
+        })
+        .collect();
+    for (path, (x, lost)) in &columns {
+        assert_eq!(*lost, summary.diverged.binary_search(path).is_ok());
+        assert_eq!(*lost, x.is_nan());
+    }
+    let kept: Vec<f64> = columns.values().filter(|c| !c.1).map(|c| c.0).collect();
+    let mean = kept.iter().sum::<f64>() / kept.len() as f64;
+    let (ours, _) = estimate(&summary, Statistic::DisplacementEndMean);
+    assert!((ours - mean).abs() < 1e-12 && ours.abs() < 1.0, "{ours} {mean}");
+}

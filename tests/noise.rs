@@ -1,0 +1,217 @@
+//! The random numbers: the generator they are said to be, streams that know nothing of each other, normals that are normal.
+//!
+//! Every statistical test states its null and its false-alarm rate; seeds are fixed, so each passes always or never.
+
+use rand_xoshiro::Xoshiro256Plus;
+use rand_xoshiro::rand_core::{Rng, SeedableRng};
+use statrs::distribution::{ChiSquared, ContinuousCDF};
+use stick_slip::lanes::{InstructionSet, LaneProgram, Lanes};
+use stick_slip::noise::{LaneStreams, Stream, standard_normal};
+
+#[test]
+fn a_stream_is_xoshiro256_plus_from_its_state() {
+    for (seed, path) in [(1, 0), (1, 1), (u64::MAX, 1 << 40)] {
+        let mut ours = Stream::new(seed, path);
+        let bytes: Vec<u8> = ours.state().iter().flat_map(|word| word.to_le_bytes()).collect();
+        let mut theirs = Xoshiro256Plus::from_seed(bytes.try_into().expect("32 bytes"));
+        for _ in 0..1000 {
+            assert_eq!(ours.next_u64(), theirs.next_u64());
+        }
+    }
+}
+
+/// Pinned, so that a change of the generator, of its seeding or of the normals cannot go unnoticed: it alters every result.
+#[test]
+fn the_first_values_never_change() {
+    let mut stream = Stream::new(1, 4711);
+    let draws: Vec<u64> = (0..3).map(|_| stream.next_u64()).collect();
+    assert_eq!(draws, PINNED_DRAWS);
+    assert_eq!(draws.iter().map(|&d| standard_normal(d).to_bits()).collect::<Vec<_>>(), PINNED_NORMALS);
+}
+
+const PINNED_DRAWS: [u64; 3] = [15416075624907741186, 9508115752145081868, 11747578446230996153];
+const PINNED_NORMALS: [u64; 3] = [13830346988445547304, 13809110395663261053, 13823349025224514198];
+
+struct Fill<'a> {
+    streams: &'a mut LaneStreams,
+    steps: usize,
+    lanes: usize,
+    normals: Vec<f64>,
+}
+
+impl LaneProgram for Fill<'_> {
+    #[inline(always)]
+    fn run<L: Lanes>(&mut self) {
+        for lane in (0..self.lanes).step_by(L::WIDTH) {
+            self.streams.fill_normals::<L>(lane, self.steps, &mut self.normals[lane..], self.lanes);
+        }
+    }
+}
+
+/// `steps` normals of each of the paths `first..first + lanes`, `[step][lane]`.
+fn normals(set: InstructionSet, seed: u64, first: u64, lanes: usize, steps: usize) -> Vec<f64> {
+    let paths: Vec<u64> = (first..first + lanes as u64).collect();
+    let mut streams = LaneStreams::new(seed, &paths, lanes);
+    let mut fill = Fill { streams: &mut streams, steps, lanes, normals: vec![0.0; steps * lanes] };
+    set.run(&mut fill);
+    fill.normals
+}
+
+#[test]
+fn lanes_draw_what_streams_draw_on_every_instruction_set() {
+    let (lanes, steps) = (16, 5000);
+    for set in InstructionSet::ALL.into_iter().filter(|set| set.is_available()) {
+        let all = normals(set, 5, 1000, lanes, steps);
+        for lane in 0..lanes {
+            let mut stream = Stream::new(5, 1000 + lane as u64);
+            for step in 0..steps {
+                assert_eq!(
+                    all[step * lanes + lane].to_bits(),
+                    stream.normal().to_bits(),
+                    "{} {lane} {step}",
+                    set.name()
+                );
+            }
+        }
+    }
+}
+
+/// Null: the states of neighbouring paths, and of neighbouring seeds, are independent uniform words: in a pair of words each of 64 bits
+/// differs with probability 1/2. 2^16 pairs: each bit's count has sd 128, the bound is 6 sd, false-alarm rate below 1e-6 for all 1536
+/// counts together. Seeds `seed + i` or increments of one LCG fail by hundreds of sd.
+#[test]
+fn neighbouring_paths_and_seeds_share_no_bit_of_state() {
+    let pairs = 1u64 << 16;
+    for neighbour in [(0, 1), (0, 2), (0, 64), (1, 0), (1 << 63, 0), (1, 1)] {
+        let mut differ = [[0i64; 64]; 4];
+        for path in 0..pairs {
+            let (a, b) = (Stream::new(17, path).state(), Stream::new(17 ^ neighbour.0, path + neighbour.1).state());
+            for (word, counts) in differ.iter_mut().enumerate() {
+                for (bit, count) in counts.iter_mut().enumerate() {
+                    *count += ((a[word] ^ b[word]) >> bit & 1) as i64;
+                }
+            }
+        }
+        for count in differ.iter().flatten() {
+            assert!((count - pairs as i64 / 2).abs() < 6 * 128, "{neighbour:?}: {count}");
+        }
+    }
+}
+
+/// Null: normals of different paths at the same step, of a path and its neighbour one step on, and of one path at small lags, are
+/// uncorrelated: n r^2 is chi-square with one degree of freedom. 25 correlations of n = 4e6 products each, bound at 5 sd: false-alarm
+/// rate below 2e-5. Squares are tested too (a dependence of the sizes).
+#[test]
+fn normals_are_uncorrelated_across_paths_and_along_them() {
+    let (lanes, steps) = (2048, 2048);
+    let z = normals(InstructionSet::detect(), 3, 0, lanes, steps);
+    let at = |step: usize, lane: usize| z[step * lanes + lane];
+    let mut pairs: Vec<(usize, usize)> =
+        vec![(0, 1), (0, 2), (0, 3), (0, 8), (0, 32), (0, 256), (1, 1), (1, 0), (2, 0), (3, 0), (7, 0), (64, 0)];
+    pairs.push((17, 5));
+    for (lag, shift) in pairs {
+        let (mut sum, mut squares, mut n) = (0.0, 0.0, 0.0);
+        for step in 0..steps - lag {
+            for lane in 0..lanes - shift {
+                let (a, b) = (at(step, lane), at(step + lag, lane + shift));
+                sum += a * b;
+                squares += (a * a - 1.0) * (b * b - 1.0) / 2.0;
+                n += 1.0;
+            }
+        }
+        for correlation in [sum / n, squares / n] {
+            assert!(
+                correlation.abs() < 5.0 / f64::sqrt(n),
+                "lag {lag}, shift {shift}: {correlation} of sd {}",
+                1.0 / f64::sqrt(n)
+            );
+        }
+    }
+}
+
+/// Null: the first normals of many paths (a sample across streams) and the normals of a few (a sample along them) are standard normal.
+/// Chi-square over 64 cells of equal probability and the tails beyond 3, 4, 5 sigma; each at false-alarm rate 1e-5.
+fn assert_normal(sample: impl Iterator<Item = f64>) {
+    let (mut cells, mut n) = ([0u64; 64], 0u64);
+    let mut beyond = [0u64; 6];
+    let (mut mean, mut square, mut fourth) = (0.0, 0.0, 0.0);
+    for z in sample {
+        // libm's erfc is accurate to an ulp, statrs' only to 1e-10
+        let p = 0.5 * libm::erfc(-z * std::f64::consts::FRAC_1_SQRT_2);
+        cells[((p * 64.0) as usize).min(63)] += 1;
+        for (sigma, count) in beyond.iter_mut().enumerate() {
+            *count += u64::from(z.abs() > sigma as f64);
+        }
+        (mean, square, fourth) = (mean + z, square + z * z, fourth + z.powi(4));
+        n += 1;
+    }
+    let total = n as f64;
+    let chi: f64 = cells.iter().map(|&c| (c as f64 - total / 64.0).powi(2) / (total / 64.0)).sum();
+    let p = 1.0 - ChiSquared::new(63.0).expect("63 > 0").cdf(chi);
+    assert!(p > 1e-5, "chi-square {chi} over 64 cells, p = {p}");
+    for sigma in 3..6 {
+        let expected = total * libm::erfc(sigma as f64 * std::f64::consts::FRAC_1_SQRT_2);
+        // Poisson: 4.5 sd, and one count where few are expected
+        assert!(
+            (beyond[sigma] as f64 - expected).abs() < 4.5 * expected.sqrt() + 1.0,
+            "{sigma} sigma: {} of {expected}",
+            beyond[sigma]
+        );
+    }
+    assert!((mean / total).abs() < 4.5 / total.sqrt());
+    assert!((square / total - 1.0).abs() < 4.5 * (2.0 / total).sqrt());
+    assert!((fourth / total - 3.0).abs() < 4.5 * (96.0 / total).sqrt());
+}
+
+#[test]
+fn normals_are_normal_across_streams() {
+    assert_normal((0..4_000_000).map(|path| Stream::new(11, path).normal()));
+}
+
+#[test]
+fn normals_are_normal_along_streams() {
+    assert_normal(normals(InstructionSet::detect(), 12, 0, 64, 1 << 17).into_iter());
+}
+
+/// The long battery: 2^32 normals (4.3e9) of 2^15 paths against the exact tail probabilities in half-sigma cells out to 6.5 sigma, moments, lag and
+/// cross-lane correlation. About a minute on one core: `cargo test --release --test noise -- --ignored --nocapture`.
+#[test]
+#[ignore = "four billion draws"]
+fn four_billion_normals() {
+    let (lanes, steps, blocks) = (1024, 2048, 2048u64);
+    let mut cells = [0u64; 28]; // half a sigma each, both signs apart
+    let (mut n, mut square, mut across, mut along) = (0.0, 0.0, 0.0, 0.0);
+    for block in 0..blocks {
+        let z = normals(InstructionSet::detect(), 99, block * lanes as u64, lanes, steps);
+        for (i, &value) in z.iter().enumerate() {
+            let cell = ((value.abs() * 2.0) as usize).min(13);
+            cells[2 * cell + usize::from(value < 0.0)] += 1;
+            square += value * value;
+            if i >= lanes {
+                along += value * z[i - lanes];
+                across += value * z[i - 1];
+            }
+        }
+        n += z.len() as f64;
+    }
+    let upper = |x: f64| 0.5 * libm::erfc(x * std::f64::consts::FRAC_1_SQRT_2);
+    let (mut chi, mut degrees) = (0.0, -1.0);
+    for (i, &count) in cells.iter().enumerate() {
+        let low = (i / 2) as f64 / 2.0;
+        let expected = n * (upper(low) - if i / 2 == 13 { 0.0 } else { upper(low + 0.5) });
+        println!("{} {low:.1} sigma and on: {count} of {expected:.2}", if i % 2 == 0 { '+' } else { '-' });
+        if expected > 5.0 {
+            chi += (count as f64 - expected).powi(2) / expected;
+            degrees += 1.0;
+        } else {
+            assert!(count <= 6, "{low} sigma: {count} where {expected} are expected");
+        }
+    }
+    let p = 1.0 - ChiSquared::new(degrees).expect("positive").cdf(chi);
+    println!("{n} normals: chi-square {chi:.2} with {degrees} degrees of freedom, p = {p:.3}");
+    println!("variance - 1 = {:.2e} (sd {:.1e})", square / n - 1.0, (2.0 / n).sqrt());
+    println!("correlation along {:.2e}, across {:.2e} (sd {:.1e})", along / n, across / n, 1.0 / n.sqrt());
+    assert!(p > 1e-4);
+    assert!((square / n - 1.0).abs() < 5.0 * (2.0 / n).sqrt());
+    assert!((along / n).abs() < 5.0 / n.sqrt() && (across / n).abs() < 5.0 / n.sqrt());
+}

@@ -1,0 +1,193 @@
+//! `mc run`, `mc show` and `mc replay` as a user meets them: the binary, its output, its files.
+
+use assert_cmd::Command;
+use serde_json::Value;
+use std::path::Path;
+use std::process::{Output, Stdio};
+use std::time::{Duration, Instant};
+use stick_slip::store::{self, Status};
+use tempfile::TempDir;
+
+const RHO025: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenarios/rho025.toml");
+
+fn mc(folder: &TempDir, arguments: &[&str]) -> Output {
+    Command::cargo_bin("mc").expect("built").current_dir(folder).args(arguments).output().expect("runs")
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(bytes).into_owned()
+}
+
+fn json(output: &Output) -> Value {
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    serde_json::from_slice(&output.stdout).expect("one JSON object and nothing else")
+}
+
+fn folder() -> TempDir {
+    tempfile::tempdir().expect("a temporary folder")
+}
+
+#[test]
+fn a_run_prints_a_table_and_leaves_a_file_of_the_scenarios_name() {
+    let here = folder();
+    let output = mc(&here, &["run", RHO025, "--paths", "300"]);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    let table = text(&output.stdout);
+    for expected in ["stick_duration_mean", "95 % interval", "300 of 300 completed", "per path-step", "rho025.h5"] {
+        assert!(table.contains(expected), "{expected} in\n{table}");
+    }
+    let stored = store::read(&here.path().join("rho025.h5")).expect("readable");
+    assert_eq!((stored.status, stored.completed_paths), (Status::Complete, 300));
+    assert!(!here.path().join("rho025.h5.partial").exists());
+
+    let shown = text(&mc(&here, &["show", "rho025.h5"]).stdout);
+    for line in table.lines().filter(|line| line.contains("_mean") || line.contains("_sd")) {
+        assert!(shown.contains(line), "{line} in\n{shown}");
+    }
+    assert!(shown.contains("xoshiro256+") && shown.contains("[oscillator]"), "provenance in\n{shown}");
+
+    let again = mc(&here, &["run", RHO025, "--paths", "300"]);
+    assert_eq!(again.status.code(), Some(2));
+    assert!(text(&again.stderr).contains("--force"));
+    assert!(mc(&here, &["run", RHO025, "--paths", "300", "--force", "--quiet"]).status.success());
+}
+
+#[test]
+fn json_is_alone_on_standard_output_and_the_same_for_any_number_of_threads() {
+    let here = folder();
+    let run = |threads: &str| {
+        let file = format!("{threads}.h5");
+        json(&mc(&here, &["run", RHO025, "--paths", "600", "--seed", "9", "--json", "--threads", threads, "-o", &file]))
+    };
+    let one = run("1");
+    for key in [
+        "scenario",
+        "scheme",
+        "step",
+        "seed",
+        "paths",
+        "completed_paths",
+        "diverged_paths",
+        "threads",
+        "seconds",
+        "ns_per_path_step",
+        "us_per_path",
+        "file",
+    ] {
+        assert!(one.get(key).is_some(), "{key} in {one}");
+    }
+    assert_eq!(
+        (one["paths"].as_u64(), one["seed"].as_u64(), one["diverged_paths"].as_u64()),
+        (Some(600), Some(9), Some(0))
+    );
+    assert_eq!(one["statistics"].as_object().map(serde_json::Map::len), Some(16));
+    let mean = &one["statistics"]["stick_duration_mean"];
+    let number = |key: &str| mean[key].as_f64().expect("a number");
+    assert!(
+        number("low") < number("estimate") && number("estimate") < number("high") && number("standard_error") > 0.0
+    );
+    assert!(mean["bias"].is_null());
+    for threads in ["2", "3", "8"] {
+        assert_eq!(run(threads)["statistics"], one["statistics"], "{threads} threads");
+    }
+    let shown = json(&mc(&here, &["show", "3.h5", "--json"]));
+    assert_eq!(shown["statistics"], one["statistics"]);
+}
+
+#[test]
+fn what_does_not_exist_is_null_and_not_zero() {
+    let here = folder();
+    let scenario = concat!(env!("CARGO_MANIFEST_DIR"), "/scenarios/never-slips.toml");
+    let run = json(&mc(&here, &["run", scenario, "--paths", "4", "--json"]));
+    assert!(run["statistics"]["stick_duration_mean"]["estimate"].is_null());
+    assert_eq!(run["statistics"]["sticks_per_path"]["estimate"].as_f64(), Some(0.0));
+    assert_eq!(run["statistics"]["sticking_fraction"]["estimate"].as_f64(), Some(1.0));
+    assert_eq!(run["sticks"]["first_censored"].as_u64(), Some(4));
+}
+
+#[test]
+fn a_run_of_the_resolved_scenario_in_a_file_gives_the_same_results() {
+    let here = folder();
+    let first =
+        json(&mc(&here, &["run", RHO025, "--paths", "64", "--set", "friction.static=1.3", "--json", "-o", "a.h5"]));
+    let stored = store::read(&here.path().join("a.h5")).expect("readable");
+    std::fs::write(here.path().join("again.toml"), stored.header.scenario_text).expect("written");
+    let second = json(&mc(&here, &["run", "again.toml", "--json"]));
+    assert_eq!(first["statistics"], second["statistics"]);
+}
+
+#[test]
+fn one_path_can_be_replayed_from_a_file() {
+    let here = folder();
+    let run =
+        json(&mc(&here, &["run", RHO025, "--paths", "20", "--set", "record.events=true", "--json", "-o", "all.h5"]));
+    assert_eq!(run["completed_paths"].as_u64(), Some(20));
+    let output = mc(&here, &["replay", "all.h5", "--path", "7"]);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    assert!(text(&output.stdout).lines().filter(|line| line.contains("stick")).count() > 5);
+    assert!(here.path().join("all-path-7.h5").exists());
+    let refused = mc(&here, &["replay", "all.h5", "--path", "20"]);
+    assert_eq!(refused.status.code(), Some(2));
+    assert!(text(&refused.stderr).contains("0 to 19"));
+}
+
+/// The first interrupt finishes the blocks in flight and leaves a valid file that says so.
+#[test]
+fn an_interrupted_run_keeps_what_is_done() {
+    let here = folder();
+    let mut child = std::process::Command::new(assert_cmd::cargo::cargo_bin!("mc"))
+        .current_dir(&here)
+        .args(["run", RHO025, "--paths", "1000000", "--step", "0.001", "--threads", "2", "--quiet"])
+        .stderr(Stdio::null())
+        .spawn()
+        .expect("starts");
+    let partial = here.path().join("rho025.h5.partial");
+    let start = Instant::now();
+    while !partial.exists() && start.elapsed() < Duration::from_secs(20) {
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    std::thread::sleep(Duration::from_millis(500));
+    let id = child.id().to_string();
+    assert!(std::process::Command::new("kill").args(["-INT", &id]).status().expect("kill").success());
+    assert_eq!(child.wait().expect("ends").code(), Some(130));
+    let stored = store::read(&here.path().join("rho025.h5")).expect("a valid file");
+    assert_eq!(stored.status, Status::Interrupted);
+    assert!(stored.completed_paths > 0 && stored.completed_paths < 1_000_000);
+    assert_eq!(stored.completed_paths % 256, 0, "whole blocks");
+    assert_eq!(stored.summary.completed_paths, stored.completed_paths);
+    let shown = text(&mc(&here, &["show", "rho025.h5"]).stdout);
+    assert!(shown.contains("interrupted"), "{shown}");
+}
+
+#[test]
+fn diverged_paths_are_announced() {
+    let here = folder();
+    let scenario = "[oscillator]\nmass = 1\nstiffness = 1\ndilatation = 6\n[friction]\nstatic = 0.01\ndynamic = 0.01\n[temperature]\nharmonics = []\n[initial]\ndisplacement = 5\n[time]\nend = 4000\nstep = 0.02\noutput_step = 1000\n";
+    std::fs::write(here.path().join("grows.toml"), scenario).expect("written");
+    let output = mc(&here, &["run", "grows.toml", "--paths", "2", "--json"]);
+    assert_eq!(json(&output)["diverged_paths"].as_u64(), Some(2));
+    assert!(text(&output.stderr).contains("diverged"), "{}", text(&output.stderr));
+    assert!(json(&output)["statistics"]["displacement_end_mean"]["estimate"].is_null());
+}
+
+/// A leftover of a killed run is not silently overwritten either, and a reader of the unfinished file is told.
+#[test]
+fn a_killed_run_leaves_a_partial_file_that_is_not_lost_silently() {
+    let here = folder();
+    assert!(mc(&here, &["run", RHO025, "--paths", "10", "--quiet"]).status.success());
+    std::fs::rename(here.path().join("rho025.h5"), here.path().join("rho025.h5.partial")).expect("renamed");
+    let refused = mc(&here, &["run", RHO025, "--paths", "10"]);
+    assert_eq!(refused.status.code(), Some(2), "{}", text(&refused.stderr));
+    assert!(text(&refused.stderr).contains("rho025.h5.partial") && text(&refused.stderr).contains("--force"));
+    assert!(mc(&here, &["run", RHO025, "--paths", "10", "--force", "--quiet"]).status.success());
+    assert!(Path::exists(&here.path().join("rho025.h5")));
+}
+
+/// The kernel in use is named, and so is every derived number.
+#[test]
+fn verbose_says_which_kernel_runs() {
+    let here = folder();
+    let output = mc(&here, &["run", RHO025, "--paths", "10", "--verbose"]);
+    let widest = stick_slip::lanes::InstructionSet::detect().name();
+    assert!(text(&output.stderr).contains(&format!("kernel: {widest} lanes")), "{}", text(&output.stderr));
+}
