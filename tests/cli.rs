@@ -241,7 +241,7 @@ fn every_shipped_scenario_passes_the_check() {
         assert!(answer.done().contains("# What follows from it"), "{}", path.display());
         seen += 1;
     }
-    assert_eq!(seen, 7);
+    assert_eq!(seen, 8);
 }
 
 #[test]

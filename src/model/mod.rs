@@ -11,15 +11,21 @@
 //! with dry friction subjected to external forces*, equations (friction1), (engapp), (shaw).
 
 mod cascade;
+mod complex;
 mod friction;
 mod harmonic_clock;
+mod impulse_response;
 mod oscillator;
+mod slip_flow;
 mod temperature;
 
 pub use cascade::{Event, EventKind, Phase, Sign};
+pub use complex::Complex;
 pub use friction::{Friction, prox};
 pub use harmonic_clock::HarmonicClock;
+pub use impulse_response::ImpulseResponse;
 pub use oscillator::Oscillator;
+pub use slip_flow::{ForcedOscillator, ForcingTerm, SlipFlow, SlipState};
 pub use temperature::{Harmonic, InitialNoise, Noise, Temperature};
 
 /// Everything the physics needs: one oscillator, its friction, its temperature, where it starts.

@@ -1,12 +1,16 @@
 //! Randomness: one stream a path, normals by inversion, the Ornstein-Uhlenbeck process exactly.
 
+mod first_passage;
 mod normal;
 mod normal_table;
 mod ornstein_uhlenbeck;
+mod slip_transition;
 mod stream;
 
+pub use first_passage::{mean_touching_spread, meeting_place, meeting_probability};
 pub use normal::{MAX_NORMAL_ERROR, standard_normal};
 pub use ornstein_uhlenbeck::Transition;
+pub use slip_transition::{DrivenOscillator, HarmonicResponse, SlipTransition};
 pub use stream::{LaneStreams, Stream};
 
 /// What a file says about where its random numbers come from.

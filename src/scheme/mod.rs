@@ -6,11 +6,15 @@
 
 mod any;
 mod discrete_vi;
+mod event_driven;
+mod quasi_static;
 mod reference;
 mod timeline;
 
 pub use any::Scheme;
 pub use discrete_vi::{DiscreteVi, divergence_bound, monitoring_shift};
+pub use event_driven::{DEFAULT_TOLERANCE, EventDriven, Resolution, TOLERANCES};
+pub use quasi_static::QuasiStatic;
 pub use reference::reference_path;
 pub use timeline::{Instant, Stop, Timeline};
 

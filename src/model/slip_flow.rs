@@ -1,0 +1,177 @@
+//! One sub-phase in closed form: position, velocity and force while the sign of x' is known and the forcing is a sum of
+//! exponentials.
+//!
+//! On a sub-phase of sign eps, with F_j e^{z_j t} the terms of K beta T(t)/m (z_j = i w_j for a harmonic),
+//!
+//! ```text
+//! x'' + 2 gamma x' + w0^2 x = sum_j Re[F_j e^{z_j t}] - eps f_d / m,      x'(t0) = 0.
+//! ```
+//!
+//! Let r = t - t0, P_j = F_j e^{z_j t0}, a0 = (b(t0) - eps f_d)/m. The displacement since t0, y = x - x(t0), starts at
+//! y = y' = 0 and obeys the same equation with right-hand side a0 + sum_j Re[P_j (e^{z_j r} - 1)], so that with S and
+//! G_z of [`ImpulseResponse`]
+//!
+//! ```text
+//! y   = a0 G_0 + sum_j Re[P_j (G_{z_j} - G_0)]
+//! y'  = a0 S   + sum_j Re[P_j z_j G_{z_j}]
+//! b/m = b(t0)/m + sum_j Re[P_j (e^{z_j r} - 1)] - w0^2 y - 2 gamma y'
+//! ```
+//!
+//! Increments only: slow forcing and small slips lose no digits, and x'' at the start is exactly a0.
+
+use super::complex::Complex;
+use super::impulse_response::ImpulseResponse;
+use super::{Model, Oscillator, Sign};
+
+/// One term Re[F e^{z t}] of the forcing K beta T / m.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ForcingTerm {
+    /// F, at t = 0.
+    pub amplitude: Complex,
+    /// z: i w for a harmonic, -theta for a temperature that relaxes.
+    pub rate: Complex,
+}
+
+/// The oscillator with its forcing as exponentials.
+#[derive(Clone, Debug)]
+pub struct ForcedOscillator {
+    free: ImpulseResponse,
+    oscillator: Oscillator,
+    terms: Vec<ForcingTerm>,
+    /// sum_j |F_j| |z_j|^2 >= |(K beta T / m)''|.
+    forcing_curvature: f64,
+}
+
+/// One sub-phase, from its start.
+#[derive(Clone, Debug)]
+pub struct SlipFlow<'a> {
+    body: &'a ForcedOscillator,
+    start_acceleration: f64,
+    start_force_ratio: f64,
+    friction_ratio: f64,
+    /// P_j.
+    terms: &'a [Complex],
+}
+
+/// Where a sub-phase is at one time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SlipState {
+    /// x - x(t0).
+    pub displacement: f64,
+    /// x'.
+    pub velocity: f64,
+    /// x''.
+    pub acceleration: f64,
+    /// b / m.
+    pub force_ratio: f64,
+    /// x'''.
+    pub jerk: f64,
+}
+
+impl ForcedOscillator {
+    /// The model without its diffusion: harmonics, and v relaxing from `noise_start` if that is not zero.
+    pub fn new(model: &Model, noise_start: f64) -> Self {
+        let oscillator = model.oscillator;
+        let w0 = oscillator.natural_frequency();
+        let gain = oscillator.stiffness * oscillator.dilatation / oscillator.mass;
+        let mut terms: Vec<_> = model
+            .temperature
+            .harmonics
+            .iter()
+            .map(|h| ForcingTerm {
+                amplitude: Complex::unit(h.phase) * (gain * h.amplitude),
+                rate: Complex::new(0.0, h.angular_frequency),
+            })
+            .collect();
+        if let Some(noise) = model.temperature.noise.filter(|n| n.intensity * noise_start != 0.0) {
+            terms.push(ForcingTerm {
+                amplitude: Complex::new(gain * noise.intensity * noise_start, 0.0),
+                rate: Complex::new(-noise.relaxation_rate, 0.0),
+            });
+        }
+        let forcing_curvature = terms.iter().map(|t| t.amplitude.abs() * t.rate.abs() * t.rate.abs()).sum();
+        let free = ImpulseResponse::new(oscillator.damping / oscillator.mass, w0);
+        ForcedOscillator { free, oscillator, terms, forcing_curvature }
+    }
+
+    /// F_j and z_j.
+    pub fn terms(&self) -> &[ForcingTerm] {
+        &self.terms
+    }
+
+    /// An upper bound of |(K beta T / m)''| at every time.
+    pub fn forcing_curvature(&self) -> f64 {
+        self.forcing_curvature
+    }
+
+    /// An upper bound of |K beta T / m| at every time.
+    pub fn forcing_size(&self) -> f64 {
+        self.terms.iter().map(|t| t.amplitude.abs()).sum()
+    }
+
+    /// The sub-phase of sign `direction` that starts at x' = 0 with force `force`, where `terms` are the P_j.
+    pub fn slip<'a>(&'a self, terms: &'a [Complex], force: f64, direction: Sign, dynamic_force: f64) -> SlipFlow<'a> {
+        let friction = direction.value() * dynamic_force;
+        SlipFlow {
+            body: self,
+            start_acceleration: (force - friction) / self.oscillator.mass,
+            start_force_ratio: force / self.oscillator.mass,
+            friction_ratio: friction / self.oscillator.mass,
+            terms,
+        }
+    }
+
+    /// Increment, first and second derivative of K beta T / m over a time r from where the terms are `terms`.
+    pub fn forcing_increment(&self, terms: &[Complex], r: f64) -> [f64; 3] {
+        let mut sum = [0.0; 3];
+        for (term, p) in self.terms.iter().zip(terms) {
+            let growth = (term.rate * r).exp_m1();
+            let slope = *p * term.rate * (Complex::ONE + growth);
+            sum[0] += (*p * growth).re;
+            sum[1] += slope.re;
+            sum[2] += (slope * term.rate).re;
+        }
+        sum
+    }
+}
+
+impl SlipFlow<'_> {
+    /// x''(t0).
+    pub fn start_acceleration(&self) -> f64 {
+        self.start_acceleration
+    }
+
+    /// The state a time r after the start.
+    pub fn at(&self, r: f64) -> SlipState {
+        let ForcedOscillator { free, oscillator, terms, .. } = self.body;
+        let w0_squared = oscillator.stiffness / oscillator.mass;
+        let two_gamma = 2.0 * oscillator.damping / oscillator.mass;
+        let mut displacement = self.start_acceleration * free.exponential(Complex::ZERO, r).re;
+        let mut velocity = self.start_acceleration * free.impulse(r);
+        for (term, p) in terms.iter().zip(self.terms) {
+            displacement += (*p * free.exponential_from_zero(term.rate, r)).re;
+            velocity += (*p * term.rate * free.exponential(term.rate, r)).re;
+        }
+        let [forcing, forcing_slope, _] = self.body.forcing_increment(self.terms, r);
+        let force_ratio = self.start_force_ratio + forcing - w0_squared * displacement - two_gamma * velocity;
+        let acceleration = force_ratio - self.friction_ratio;
+        let jerk = forcing_slope - w0_squared * velocity - two_gamma * acceleration;
+        SlipState { displacement, velocity, acceleration, force_ratio, jerk }
+    }
+
+    /// Bounds of |x'''| from a state onwards: at a time u later it is at most `bound.0 + bound.1 u`.
+    ///
+    /// q = x'' obeys q'' + 2 gamma q' + w0^2 q = (K beta T / m)''. Its energy norm sqrt(q'^2 + w0^2 q^2) >= |x'''|
+    /// grows at most at the rate of the right-hand side, since damping only lowers it. This holds for any damping and
+    /// across resonance, where bounds from the amplitudes of the modes would be useless.
+    pub fn jerk_bound(&self, state: &SlipState) -> (f64, f64) {
+        let w0 = self.body.oscillator.natural_frequency();
+        (libm::hypot(state.jerk, w0 * state.acceleration), self.body.forcing_curvature)
+    }
+
+    /// A bound of |x''''| where `bend` bounds the energy norm of [`SlipFlow::jerk_bound`]: the equation of q read for q''.
+    pub fn snap_bound(&self, bend: f64) -> f64 {
+        let Oscillator { mass, damping, .. } = self.body.oscillator;
+        self.body.forcing_curvature + (2.0 * damping / mass + self.body.oscillator.natural_frequency()) * bend
+    }
+}

@@ -1,0 +1,289 @@
+//! The exact transition of an oscillator driven by Ornstein-Uhlenbeck noise and harmonics, over any time step.
+//!
+//! ```text
+//! x' = v,   v' = -w0^2 x - 2 gamma v + (n + f(t))/m,   dn = -theta n dt + s dW
+//! ```
+//!
+//! is linear with Gaussian noise: over a step h the state moves by its mean, plus a Gaussian vector of covariance
+//! Q(h) = s^2 int_0^h g(r) g(r)^T dr, where g = (g_x, g_v, g_n) answers a unit kick of n:
+//!
+//! ```text
+//! S'' + 2 gamma S' + w0^2 S = 0,             S(0) = 0, S'(0) = 1      (x answers a kick of v)
+//! g_x'' + 2 gamma g_x' + w0^2 g_x = e^{-theta r}/m,  g_x(0) = g_x'(0) = 0;   g_v = g_x',  g_n = e^{-theta r}
+//! G_w'' + 2 gamma G_w' + w0^2 G_w = e^{i w r}/m,     G_w(0) = G_w'(0) = 0    (x answers a harmonic; w = 0: friction)
+//! ```
+//!
+//! Q is badly scaled (h, h^3, h^5 on its diagonal), and matrix exponentials of the textbook (Van Loan 1978) lose its small
+//! entries. Here every entry is a power series in h that starts at its own leading term, used where
+//! (fastest rate) h <= 1/2 so that nothing cancels; longer steps come from doubling,
+//!
+//! ```text
+//! Phi(2h) = Phi(h)^2,   Q(2h) = Q(h) + Phi(h) Q(h) Phi(h)^T,   G(2h) = Phi(h) G(h) + e^{i w h} G(h),
+//! ```
+//!
+//! which adds positive matrices. No eigenvalue appears: critical damping and resonance are ordinary points.
+
+/// Terms of each series. In units of the fastest rate L, coefficient k of the squared responses is below
+/// 2^k/k!, so with L h <= 1/2 the last term is below 1/18! = 2e-16 of the first.
+const TERMS: usize = 18;
+
+/// The series are used up to (fastest rate) h = 1/2.
+const SERIES_REACH: f64 = 0.5;
+
+/// More doublings than any finite step of a finite rate needs.
+const DOUBLINGS: u32 = 2100;
+
+type Series = [f64; TERMS];
+
+/// m, gamma, w0, theta, s and the forcing frequencies, with the series of all responses.
+#[derive(Clone, Debug)]
+pub struct DrivenOscillator {
+    mass: f64,
+    two_gamma: f64,
+    w0_squared: f64,
+    relaxation_rate: f64,
+    diffusion: f64,
+    frequencies: Vec<f64>,
+    fastest: f64,
+    /// S / h.
+    impulse: Series,
+    /// m g_x / h^2.
+    kick: Series,
+    /// m int e^{-theta r} g_x / h^3.
+    cov_nx: Series,
+    /// m^2 int g_v^2 / h^3.
+    cov_vv: Series,
+    /// m^2 int g_x^2 / h^5.
+    cov_xx: Series,
+    /// G_0 m / h^2.
+    constant: Series,
+    /// m G_w / h^2, real and imaginary part.
+    harmonic: Vec<(Series, Series)>,
+}
+
+/// The response of (x, v) to a harmonic force Re[P e^{i w r}]: x += Re[P x], v += Re[P v].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HarmonicResponse {
+    /// Real and imaginary part of G_w(h).
+    pub x: (f64, f64),
+    /// Real and imaginary part of G_w'(h).
+    pub v: (f64, f64),
+    /// cos(w h), sin(w h).
+    pub turn: (f64, f64),
+}
+
+/// The transition over one step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SlipTransition {
+    /// h.
+    pub length: f64,
+    /// x1 from x, v, n and a constant force.
+    pub x: [f64; 4],
+    /// v1 from x, v, n and a constant force.
+    pub v: [f64; 4],
+    /// n1 from n.
+    pub n: f64,
+    /// Covariances nn, nv, nx, vv, vx, xx.
+    pub covariance: [f64; 6],
+    /// Lower triangle of its Cholesky factor in the order n, v, x: n; v on n, v; x on n, v, x.
+    pub factor: [f64; 6],
+}
+
+impl DrivenOscillator {
+    /// From m, gamma = alpha/m, w0, theta, s and the frequencies of the forcing.
+    pub fn new(
+        mass: f64,
+        decay: f64,
+        natural_frequency: f64,
+        relaxation_rate: f64,
+        diffusion: f64,
+        frequencies: &[f64],
+    ) -> Self {
+        let (g, w0) = (decay, natural_frequency);
+        // |l1|, |l2| <= gamma + sqrt(gamma^2 - w0^2) if overdamped, else w0.
+        let free = if g > w0 { g + ((g - w0) * (g + w0)).sqrt() } else { w0 };
+        let fastest = frequencies.iter().copied().fold(free.max(relaxation_rate), f64::max);
+        // Everything below is in units of 1/fastest.
+        let damping = 2.0 * g / fastest;
+        let stiffness = (w0 / fastest) * (w0 / fastest);
+        let theta = relaxation_rate / fastest;
+        let answer = |re: &dyn Fn(usize) -> f64| response(damping, stiffness, re);
+        let zero = |_: usize| 0.0;
+        let (kick, constant) = (answer(&|k| (-theta).powi(k as i32)), answer(&|k| if k == 0 { 1.0 } else { 0.0 }));
+        let impulse = free_response(damping, stiffness);
+        let harmonic = frequencies
+            .iter()
+            .map(|&w| {
+                let w = w / fastest;
+                // (i w)^k = w^k (1, i, -1, -i, ...)
+                let re = |k: usize| [1.0, 0.0, -1.0, 0.0][k % 4] * w.powi(k as i32);
+                let im = |k: usize| [0.0, 1.0, 0.0, -1.0][k % 4] * w.powi(k as i32);
+                (answer(&re), if w == 0.0 { answer(&zero) } else { answer(&im) })
+            })
+            .collect();
+        let decay_series: Series = std::array::from_fn(|k| (-theta).powi(k as i32) / factorial(k));
+        let slope: Series = std::array::from_fn(|k| (k + 2) as f64 * kick[k]);
+        DrivenOscillator {
+            mass,
+            two_gamma: 2.0 * g,
+            w0_squared: w0 * w0,
+            relaxation_rate,
+            diffusion,
+            frequencies: frequencies.to_vec(),
+            fastest,
+            impulse,
+            cov_nx: integral_of_product(&decay_series, &kick, 2),
+            cov_vv: integral_of_product(&slope, &slope, 2),
+            cov_xx: integral_of_product(&kick, &kick, 4),
+            kick,
+            constant,
+            harmonic,
+        }
+    }
+
+    /// The largest of w0, the damping rate, theta and the forcing frequencies.
+    pub fn fastest_rate(&self) -> f64 {
+        self.fastest
+    }
+
+    /// The transition over h; `harmonics` receives one response per frequency.
+    pub fn transition(&self, h: f64, harmonics: &mut [HarmonicResponse]) -> SlipTransition {
+        // Halve until the series reach it.
+        let (mut base, mut doublings) = (h, 0);
+        while self.fastest * base > SERIES_REACH && doublings < DOUBLINGS {
+            base *= 0.5;
+            doublings += 1;
+        }
+        let mut step = self.series(base, harmonics);
+        for _ in 0..doublings {
+            step = self.doubled(&step, harmonics);
+        }
+        step.factor = cholesky(&step.covariance);
+        step
+    }
+
+    fn series(&self, h: f64, harmonics: &mut [HarmonicResponse]) -> SlipTransition {
+        let r = self.fastest * h;
+        let (w2, g2, theta, m) = (self.w0_squared, self.two_gamma, self.relaxation_rate, self.mass);
+        let impulse = h * sum(&self.impulse, r);
+        let constant = h * h * sum(&self.constant, r); // int S
+        let kick = h * h * sum(&self.kick, r) / m;
+        let remembered = libm::exp(-theta * h);
+        for ((response, (re, im)), &w) in harmonics.iter_mut().zip(&self.harmonic).zip(&self.frequencies) {
+            let x = (h * h * sum(re, r) / m, h * h * sum(im, r) / m);
+            let (sin, cos) = libm::sincos(w * h);
+            // G' = i w G + S/m.
+            *response = HarmonicResponse { x, v: (impulse / m - w * x.1, w * x.0), turn: (cos, sin) };
+        }
+        let s2 = self.diffusion * self.diffusion;
+        let cov_nx = s2 * h * h * h * sum(&self.cov_nx, r) / m;
+        let cov_vv = s2 * h * h * h * sum(&self.cov_vv, r) / (m * m);
+        let cov_xx = s2 * h * h * h * h * h * sum(&self.cov_xx, r) / (m * m);
+        SlipTransition {
+            length: h,
+            x: [1.0 - w2 * constant, impulse, kick, constant / m],
+            v: [-w2 * impulse, 1.0 - w2 * constant - g2 * impulse, impulse / m - theta * kick, impulse / m],
+            n: remembered,
+            covariance: [
+                self.noise_variance(h),
+                // int g_n g_v = [g_n g_x] + theta int g_n g_x, by parts.
+                s2 * remembered * kick + theta * cov_nx,
+                cov_nx,
+                cov_vv,
+                0.5 * s2 * kick * kick,
+                cov_xx,
+            ],
+            factor: [0.0; 6],
+        }
+    }
+
+    fn noise_variance(&self, h: f64) -> f64 {
+        let theta = self.relaxation_rate;
+        self.diffusion * self.diffusion * -libm::expm1(-2.0 * theta * h) / (2.0 * theta)
+    }
+
+    fn doubled(&self, step: &SlipTransition, harmonics: &mut [HarmonicResponse]) -> SlipTransition {
+        let ([a, b, c, d], [e, f, g, k], n) = (step.x, step.v, step.n);
+        for response in harmonics {
+            let (x, v, (cos, sin)) = (response.x, response.v, response.turn);
+            let turned = |(re, im): (f64, f64)| (re * cos - im * sin, re * sin + im * cos);
+            let (tx, tv) = (turned(x), turned(v));
+            response.x = (a * x.0 + b * v.0 + tx.0, a * x.1 + b * v.1 + tx.1);
+            response.v = (e * x.0 + f * v.0 + tv.0, e * x.1 + f * v.1 + tv.1);
+            response.turn = turned((cos, sin));
+        }
+        let [nn, nv, nx, vv, vx, xx] = step.covariance;
+        let kick = a * c + b * g + c * n;
+        // Rows of Phi Q, needed for Phi Q Phi^T.
+        let (qx, qv) = (
+            [a * xx + b * vx + c * nx, a * vx + b * vv + c * nv, a * nx + b * nv + c * nn],
+            [e * xx + f * vx + g * nx, e * vx + f * vv + g * nv, e * nx + f * nv + g * nn],
+        );
+        let length = 2.0 * step.length;
+        SlipTransition {
+            length,
+            x: [a * a + b * e, a * b + b * f, kick, a * d + b * k + d],
+            v: [e * a + f * e, e * b + f * f, e * c + f * g + g * n, e * d + f * k + k],
+            n: n * n,
+            covariance: [
+                self.noise_variance(length),
+                nv + qv[2] * n,
+                nx + qx[2] * n,
+                vv + e * qv[0] + f * qv[1] + g * qv[2],
+                // int g_x g_x' exactly.
+                0.5 * self.diffusion * self.diffusion * kick * kick,
+                xx + a * qx[0] + b * qx[1] + c * qx[2],
+            ],
+            factor: [0.0; 6],
+        }
+    }
+}
+
+/// y / h^2 for y'' + damping y' + stiffness y = sum_k f_k r^k/k!, y(0) = y'(0) = 0, in units of the fastest rate:
+/// (k+2)! y_{k+2} = f_k - damping (k+1)! y_{k+1} - stiffness k! y_k.
+fn response(damping: f64, stiffness: f64, force: &dyn Fn(usize) -> f64) -> Series {
+    let (mut before, mut last) = (0.0, 0.0);
+    std::array::from_fn(|k| {
+        let next = force(k) - damping * last - stiffness * before;
+        (before, last) = (last, next);
+        next / factorial(k + 2)
+    })
+}
+
+/// S / h likewise: no force, S'(0) = 1.
+fn free_response(damping: f64, stiffness: f64) -> Series {
+    let (mut before, mut last) = (0.0, 1.0);
+    std::array::from_fn(|k| {
+        if k > 0 {
+            (before, last) = (last, -damping * last - stiffness * before);
+        }
+        last / factorial(k + 1)
+    })
+}
+
+/// int_0^r a(u) b(u) u^power du / r^{power+1}.
+fn integral_of_product(a: &Series, b: &Series, power: usize) -> Series {
+    std::array::from_fn(|k| (0..=k).map(|i| a[i] * b[k - i]).sum::<f64>() / (k + power + 1) as f64)
+}
+
+fn factorial(k: usize) -> f64 {
+    (1..=k).map(|i| i as f64).product()
+}
+
+#[inline]
+fn sum(series: &Series, r: f64) -> f64 {
+    series.iter().rev().fold(0.0, |sum, &c| sum * r + c)
+}
+
+/// The factor of a covariance through its correlation matrix, whose entries are all of order one: the covariance itself
+/// has a condition number of h^-4.
+fn cholesky(&[nn, nv, nx, vv, vx, xx]: &[f64; 6]) -> [f64; 6] {
+    let (sn, sv, sx) = (nn.sqrt(), vv.sqrt(), xx.sqrt());
+    let ratio = |a: f64, b: f64| if b > 0.0 { a / b } else { 0.0 };
+    let (rnv, rnx, rvx) = (ratio(nv, sn * sv), ratio(nx, sn * sx), ratio(vx, sv * sx));
+    // In law never negative; rounding may make it so where the noise is all but white.
+    let l22 = (1.0 - rnv * rnv).max(0.0).sqrt();
+    let l32 = ratio(rvx - rnv * rnx, l22);
+    let l33 = (1.0 - rnx * rnx - l32 * l32).max(0.0).sqrt();
+    [sn, sv * rnv, sv * l22, sx * rnx, sx * l32, sx * l33]
+}

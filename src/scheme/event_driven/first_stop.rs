@@ -1,0 +1,366 @@
+//! The first zero of the velocity inside a slip step whose two ends are known.
+//!
+//! Let V = eps x' and a = V' on a step [0, h], and s the way made, eps (x1 - x0). To leading order in h (fastest rate), x is a
+//! twice integrated Brownian motion of intensity c = (noise diffusion)/m, conditioned at both ends on way, velocity and
+//! acceleration (the first neglected terms are of relative order (h rate)^2/100). Given those,
+//!
+//! - the mean is the quintic Hermite interpolant of x;
+//! - the precision of (x, V, a) at u, r = h - u, is the sum of the one-sided ones, c^-2 times
+//!
+//! ```text
+//! | 720 (1/u^5 + 1/r^5)   360 (1/r^4 - 1/u^4)    60 (1/u^3 + 1/r^3) |
+//! |          .            192 (1/u^3 + 1/r^3)    36 (1/r^2 - 1/u^2) |
+//! |          .                     .              9 (1/u + 1/r)     |
+//! ```
+//!
+//! so that at the midpoint sd V = c h^{3/2}/sqrt 3072, independent of (x, a), sd a = c h^{1/2}/4, E(dx | da) = -h^2 da/48,
+//! sd(x | a) = c h^{5/2}/sqrt 46080.
+//!
+//! So a path on [0, h] can be refined where it matters, by drawing midpoints, and left alone where it does not (recursive
+//! conditional bisection). Scanning from the left, an interval is
+//!
+//! - *clear* if the mean of V stays `caution` standard deviations above zero: its Bezier control points
+//!
+//!   ```text
+//!   V0,  c1 = V0 + h a0/4,  c2 = 5 s/h - 2 (V0 + V1) + h (a1 - a0)/4,  c3 = V1 - h a1/4,  V1
+//!   ```
+//!
+//!   bound it, and sd V <= c h^{3/2}/sqrt 1500. Where the slip starts, V0 = 0: there V/u is bounded by its control points a0,
+//!   2 c2/h, 4 c3/(3h), V1/h, and sd V/u <= 0.1284 c h^{1/2};
+//! - a *stop* if V1 <= 0 and the slope is `caution` standard deviations below zero all along: control points a0,
+//!   4 (c2 - c1)/h, 4 (c3 - c2)/h, a1, and sd a <= c h^{1/2}/4. Then there is one zero, near that of the mean;
+//! - otherwise bisected.
+//!
+//! A slip starts with V = 0 and a = (f_s - f_d)/m; noise turns it back within h* = (a/c)^2. Bisection goes there by itself,
+//! so that micro-slips are resolved in law. The recursion ends because at small enough h any V0 > 0 or a0 > 0 is clear; a
+//! tangency is cut off at 2^-DEPTH h.
+
+use super::draws::Draws;
+use super::first_root::Unresolved;
+
+/// The velocity eps x' and its derivative at one time.
+#[derive(Clone, Copy, Debug)]
+pub struct Motion {
+    /// V.
+    pub velocity: f64,
+    /// a.
+    pub acceleration: f64,
+}
+
+/// A slip step: its ends, the way between them, its length and the square root of that.
+#[derive(Clone, Copy, Debug)]
+pub struct Step {
+    /// At u = 0; V0 >= 0, and V0 = 0 only where a sub-phase starts.
+    pub start: Motion,
+    /// At u = h.
+    pub end: Motion,
+    /// s.
+    pub way: f64,
+    /// h.
+    pub length: f64,
+    /// sqrt(h).
+    pub root_length: f64,
+}
+
+/// A stop: the first zero of V.
+#[derive(Clone, Copy, Debug)]
+pub struct Stop {
+    /// u: time since the start of the step.
+    pub after: f64,
+    /// a there.
+    pub acceleration: f64,
+    /// The way made since the start of the step.
+    pub way: f64,
+}
+
+/// c, and how cautious to be.
+#[derive(Clone, Copy, Debug)]
+pub struct StopSearch {
+    /// c.
+    pub noise: f64,
+    /// How many standard deviations count as never.
+    pub caution: f64,
+}
+
+/// Halvings of a step; 2^-40 of it is far below the time scale of any micro-slip.
+const DEPTH: usize = 40;
+
+/// Intervals that one search may look at; tens are usual. A motion that is all zeros would be bisected for ever.
+const INTERVAL_LIMIT: usize = 1_000_000;
+
+/// 2^-DEPTH.
+const FINEST: f64 = 1.0 / (1u64 << DEPTH) as f64;
+
+/// max sd V(u) for h = c = 1: 1/sqrt 1500, at u = (1 -+ 1/sqrt 5)/2.
+const VELOCITY_SPREAD: f64 = 0.025_819_888_974_716_11;
+
+/// max sd V(u)/u for h = c = 1, attained at u = 0.1225.
+const START_SPREAD: f64 = 0.128_330_1;
+
+/// max sd a(u) for h = c = 1, at the midpoint.
+const SLOPE_SPREAD: f64 = 0.25;
+
+/// sd of V at the midpoint: 1/sqrt 3072.
+const MIDDLE_VELOCITY: f64 = 0.018_042_195_912_175_804;
+
+/// sd of x at the midpoint given a: 1/sqrt 46080.
+const MIDDLE_WAY: f64 = 0.004_658_474_953_124_562;
+
+/// 2^{-1/2}.
+const ROOT_HALF: f64 = std::f64::consts::FRAC_1_SQRT_2;
+
+/// An interval to the right of what has been scanned.
+#[derive(Clone, Copy, Debug)]
+struct Interval {
+    end: Motion,
+    way: f64,
+    length: f64,
+    /// 1 / length.
+    inverse: f64,
+    /// c sqrt(length).
+    noise: f64,
+}
+
+/// Intervals still to be scanned, the nearest on top; kept between searches so that none is cleared in vain.
+#[derive(Clone, Debug)]
+pub struct Pending([Interval; DEPTH + 1]);
+
+impl Pending {
+    /// An empty stack.
+    pub fn new() -> Self {
+        let end = Motion { velocity: 0.0, acceleration: 0.0 };
+        Pending([Interval { end, way: 0.0, length: 0.0, inverse: 0.0, noise: 0.0 }; DEPTH + 1])
+    }
+}
+
+impl StopSearch {
+    /// The first zero of V in a step, or none.
+    #[inline]
+    pub fn first(&self, step: &Step, draws: &mut Draws, pending: &mut Pending) -> Result<Option<Stop>, Unresolved> {
+        let whole = Interval {
+            end: step.end,
+            way: step.way,
+            length: step.length,
+            inverse: 1.0 / step.length,
+            noise: self.noise * step.root_length,
+        };
+        if self.is_clear(step.start, &whole) { Ok(None) } else { self.bisect(step.start, whole, draws, pending) }
+    }
+
+    /// The scan.
+    fn bisect(
+        &self,
+        start: Motion,
+        whole: Interval,
+        draws: &mut Draws,
+        Pending(pending): &mut Pending,
+    ) -> Result<Option<Stop>, Unresolved> {
+        pending[0] = whole;
+        let finest = whole.length * FINEST;
+        let (mut left, mut top, mut clear) = (start, 0, false);
+        let (mut after, mut way) = (0.0, 0.0);
+        for _ in 0..INTERVAL_LIMIT {
+            let next = pending[top];
+            if !clear {
+                if self.is_stop(left, &next) {
+                    let stop = self.stop(left, &next, draws);
+                    return Ok(Some(Stop { after: after + stop.after, way: way + stop.way, ..stop }));
+                }
+                if next.length > finest && top < DEPTH {
+                    let (near, far) = halves(left, &next, draws);
+                    pending[top] = far;
+                    top += 1;
+                    pending[top] = near;
+                    clear = self.is_clear(left, &near);
+                    continue;
+                }
+                if next.end.velocity <= 0.0 {
+                    // A tangency below the resolution: a straight line.
+                    let part = left.velocity / (left.velocity - next.end.velocity);
+                    let part = if part.is_finite() { part } else { 0.0 };
+                    let acceleration = left.acceleration + part * (next.end.acceleration - left.acceleration);
+                    let (after, way) = (after + part * next.length, way + part * next.way);
+                    return Ok(Some(Stop { after, acceleration, way }));
+                }
+            }
+            after += next.length;
+            way += next.way;
+            left = next.end;
+            if top == 0 {
+                return Ok(None);
+            }
+            top -= 1;
+            clear = self.is_clear(left, &pending[top]);
+        }
+        Err(Unresolved)
+    }
+
+    #[inline]
+    fn is_clear(&self, left: Motion, next: &Interval) -> bool {
+        let [v0, c1, c2, c3, v1] = velocity_controls(left, next);
+        if v0 == 0.0 {
+            let lowest = left.acceleration.min(next.inverse * v1.min(2.0 * c2).min((4.0 / 3.0) * c3));
+            lowest > self.caution * START_SPREAD * next.noise
+        } else {
+            v0.min(v1).min(c1).min(c2).min(c3) > self.caution * VELOCITY_SPREAD * next.noise * next.length
+        }
+    }
+
+    #[inline]
+    fn is_stop(&self, left: Motion, next: &Interval) -> bool {
+        let [v0, c1, c2, c3, v1] = velocity_controls(left, next);
+        let between = 4.0 * next.inverse * (c2 - c1).max(c3 - c2);
+        let highest = left.acceleration.max(between).max(next.end.acceleration);
+        v1 <= 0.0 && v0 > 0.0 && highest < -self.caution * SLOPE_SPREAD * next.noise
+    }
+
+    /// The zero of V on an interval where it falls throughout.
+    ///
+    /// The state is drawn, from the law above, near the zero of the mean. The true zero is then a time -V/a away, much
+    /// nearer than either end was; with the drawn state as the new end, repeat. The remaining time falls like its own power
+    /// 3/2, until the noise of a within it is below `STOP_PRECISION` of a. (The pull of both ends matters: a free step from
+    /// the first draw to the zero would give the force at the stop too much variance, and too many sticks.)
+    fn stop(&self, mut left: Motion, next: &Interval, draws: &mut Draws) -> Stop {
+        let mut next = *next;
+        let (mut after, mut way) = (0.0, 0.0);
+        for _ in 0..STOP_REFINEMENTS {
+            let mean = Quintic::new(left, &next);
+            let p = mean.near_zero();
+            let (h, noise) = (next.length, next.noise);
+            let [dx, dv, da] = conditional_draw(p, draws);
+            let passed = mean.way(p) + noise * h * h * dx;
+            let velocity = mean.velocity(p) + noise * h * dv;
+            let mean_acceleration = mean.acceleration(p) * next.inverse;
+            // In law below zero by `caution` standard deviations.
+            let drawn = mean_acceleration + noise * da;
+            let acceleration = if drawn < 0.0 { drawn } else { mean_acceleration };
+            let t = (-velocity / acceleration).clamp(-p * h, (1.0 - p) * h);
+            let tolerated = STOP_PRECISION * acceleration;
+            if self.noise * self.noise * t.abs() <= tolerated * tolerated {
+                let way = way + passed + t * (velocity + 0.5 * t * acceleration);
+                return Stop { after: after + p * h + t, acceleration, way };
+            }
+            let middle = Motion { velocity, acceleration };
+            if velocity > 0.0 {
+                (after, way, left) = (after + p * h, way + passed, middle);
+                next = Interval::new(next.end, next.way - passed, (1.0 - p) * h, self.noise);
+            } else {
+                next = Interval::new(middle, passed, p * h, self.noise);
+            }
+        }
+        Stop { after, acceleration: left.acceleration.min(next.end.acceleration), way }
+    }
+}
+
+impl Interval {
+    fn new(end: Motion, way: f64, length: f64, noise: f64) -> Self {
+        Interval { end, way, length, inverse: 1.0 / length, noise: noise * length.sqrt() }
+    }
+}
+
+/// The Bezier control points of the mean of V.
+#[inline]
+fn velocity_controls(left: Motion, next: &Interval) -> [f64; 5] {
+    let (v0, v1) = (left.velocity, next.end.velocity);
+    let (q0, q1) = (0.25 * next.length * left.acceleration, 0.25 * next.length * next.end.acceleration);
+    [v0, v0 + q0, 5.0 * next.way * next.inverse - 2.0 * (v0 + v1) + (q1 - q0), v1 - q1, v1]
+}
+
+/// Draw the state in the middle of an interval, and part it there.
+#[inline]
+fn halves(left: Motion, next: &Interval, draws: &mut Draws) -> (Interval, Interval) {
+    let (v0, v1, a0, a1) = (left.velocity, next.end.velocity, left.acceleration, next.end.acceleration);
+    let (h, noise) = (next.length, next.noise);
+    let (one, two, three) = (draws.normal(), draws.normal(), draws.normal());
+    let da = 0.25 * noise * one;
+    let middle = Motion {
+        velocity: 1.875 * next.inverse * next.way - 0.4375 * (v0 + v1)
+            + h * (0.03125 * (a1 - a0) + MIDDLE_VELOCITY * noise * two),
+        acceleration: 1.5 * next.inverse * (v1 - v0) - 0.25 * (a0 + a1) + da,
+    };
+    let way = 0.5 * next.way
+        + h * (0.15625 * (v0 - v1) + h * (0.015625 * (a0 + a1) - da / 48.0 + MIDDLE_WAY * noise * three));
+    let (length, inverse, noise) = (0.5 * h, 2.0 * next.inverse, ROOT_HALF * noise);
+    let near = Interval { end: middle, way, length, inverse, noise };
+    (near, Interval { end: next.end, way: next.way - way, length, inverse, noise })
+}
+
+/// A draw from the conditional law of (x, V, a) at a fraction p of an interval with h = c = 1, by the Cholesky factor L of its
+/// precision: y = L^-T z.
+fn conditional_draw(p: f64, draws: &mut Draws) -> [f64; 3] {
+    let (u, r) = (1.0 / p, 1.0 / (1.0 - p));
+    let (u2, r2) = (u * u, r * r);
+    let cubes = u2 * u + r2 * r;
+    let l11 = (720.0 * (u2 * u2 * u + r2 * r2 * r)).sqrt();
+    let l21 = 360.0 * (r2 * r2 - u2 * u2) / l11;
+    let l31 = 60.0 * cubes / l11;
+    let l22 = (192.0 * cubes - l21 * l21).sqrt();
+    let l32 = (36.0 * (r2 - u2) - l31 * l21) / l22;
+    let l33 = (9.0 * (u + r) - l31 * l31 - l32 * l32).sqrt();
+    let a = draws.normal() / l33;
+    let v = (draws.normal() - l32 * a) / l22;
+    [(draws.normal() - l21 * v - l31 * a) / l11, v, a]
+}
+
+/// The acceleration at a stop is known to this fraction of itself.
+const STOP_PRECISION: f64 = 1e-2;
+
+/// Each refinement takes the remaining distance to about its power 3/2; eight are never needed.
+const STOP_REFINEMENTS: usize = 8;
+
+/// The mean way on an interval as a polynomial in the fraction p of it; V and a are in units of 1/h and 1/h^2.
+struct Quintic {
+    h: f64,
+    d0: f64,
+    e0: f64,
+    c3: f64,
+    c4: f64,
+    c5: f64,
+    chord: f64,
+}
+
+impl Quintic {
+    fn new(left: Motion, next: &Interval) -> Self {
+        let (h, s) = (next.length, next.way);
+        let (d0, d1) = (h * left.velocity, h * next.end.velocity);
+        let (e0, e1) = (0.5 * h * h * left.acceleration, 0.5 * h * h * next.end.acceleration);
+        Quintic {
+            h,
+            d0,
+            e0,
+            c3: 10.0 * s - 6.0 * d0 - 4.0 * d1 - 3.0 * e0 + e1,
+            c4: -15.0 * s + 8.0 * d0 + 7.0 * d1 + 3.0 * e0 - 2.0 * e1,
+            c5: 6.0 * s - 3.0 * (d0 + d1) - e0 + e1,
+            chord: d0 / (d0 - d1),
+        }
+    }
+
+    fn way(&self, p: f64) -> f64 {
+        p * (self.d0 + p * (self.e0 + p * (self.c3 + p * (self.c4 + p * self.c5))))
+    }
+
+    fn velocity(&self, p: f64) -> f64 {
+        (self.d0 + p * (2.0 * self.e0 + p * (3.0 * self.c3 + p * (4.0 * self.c4 + p * 5.0 * self.c5)))) / self.h
+    }
+
+    /// Times h.
+    fn acceleration(&self, p: f64) -> f64 {
+        (2.0 * self.e0 + p * (6.0 * self.c3 + p * (12.0 * self.c4 + p * 20.0 * self.c5))) / self.h
+    }
+
+    /// A fraction near the zero of V: the chord's, improved twice by Newton. Any fraction may be drawn at; a near one
+    /// saves refinements. Away from the ends, where the precision degenerates.
+    fn near_zero(&self) -> f64 {
+        let mut p = self.chord;
+        for _ in 0..2 {
+            let next = p - self.velocity(p) / self.acceleration(p);
+            if next > 0.0 && next < 1.0 {
+                p = next;
+            }
+        }
+        p.clamp(MARGIN, 1.0 - MARGIN)
+    }
+}
+
+/// Draws keep away from the ends of an interval by this fraction.
+const MARGIN: f64 = 1e-6;

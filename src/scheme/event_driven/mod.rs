@@ -1,0 +1,76 @@
+//! Scheme B: event-driven, the paper's step-by-step construction of stick and slip phases (its section on the cascade).
+//!
+//! ```text
+//! rho = 0   Noiseless   every phase a closed form, every event a root; no step at all
+//! rho > 0   Noisy       stick: exact noise, bridge crossings; slip: exact transitions, conditional bisection
+//!                       StepRules   what the one tolerance means for its steps
+//! ```
+
+mod draws;
+mod exact_time;
+mod first_root;
+mod first_stop;
+#[cfg(test)]
+mod harness;
+mod noiseless;
+mod noisy;
+mod scene;
+mod step_rules;
+mod stick;
+
+pub use step_rules::{DEFAULT_TOLERANCE, Resolution, TOLERANCES};
+
+pub(super) use draws::Draws;
+pub(super) use exact_time::ExactTime;
+pub(super) use noiseless::Noiseless;
+pub(super) use scene::{Scene, forcing};
+pub(super) use step_rules::StepRules;
+pub(super) use stick::{StickOutcome, StickState, StickSteps};
+
+use super::{Observer, Timeline};
+use crate::model::Model;
+use noisy::Noisy;
+
+/// The event-driven scheme for one scene.
+#[derive(Clone, Debug)]
+pub struct EventDriven {
+    kernel: Kernel,
+    resolution: Option<Resolution>,
+}
+
+/// Chosen once: a scene without noise draws none.
+#[derive(Clone, Debug)]
+enum Kernel {
+    Noiseless(Box<Noiseless>),
+    Noisy(Box<Noisy>),
+}
+
+impl EventDriven {
+    /// For a scene, observed at the stops of a timeline, with discretisation errors of about `tolerance` relative
+    /// ([`DEFAULT_TOLERANCE`]; the noiseless cascade has none).
+    pub fn new(model: &Model, timeline: &Timeline, tolerance: f64) -> Self {
+        let scene = Scene::new(model);
+        if !scene.is_noisy(timeline.end) {
+            return EventDriven {
+                kernel: Kernel::Noiseless(Box::new(Noiseless::new(model, timeline))),
+                resolution: None,
+            };
+        }
+        let rules = StepRules::new(tolerance);
+        let kernel = Kernel::Noisy(Box::new(Noisy::new(model, timeline, &rules)));
+        EventDriven { kernel, resolution: rules.resolution(&scene) }
+    }
+
+    /// What is simulated in place of the scene where f_s and f_d (nearly) meet under noise; usually nothing.
+    pub fn resolution(&self) -> Option<Resolution> {
+        self.resolution
+    }
+
+    /// Simulate the paths with these numbers, telling the observer; the lanes that had to be given up are returned.
+    pub fn simulate<O: Observer>(&self, seed: u64, paths: &[u64], observer: &mut O) -> Vec<usize> {
+        match &self.kernel {
+            Kernel::Noiseless(cascade) => cascade.simulate(paths.len(), observer),
+            Kernel::Noisy(cascade) => cascade.simulate(seed, paths, observer),
+        }
+    }
+}

@@ -1,0 +1,277 @@
+//! The cascade without diffusion: closed forms between events, events as first roots; no time step at all.
+//!
+//! - Slip: [`ForcedOscillator::slip`] gives x, x', b at any time; the sub-phase ends at the first zero of eps x'.
+//! - Stick: b(t) is a sum of exponentials; the phase ends at the first zero of f_s - b or f_s + b.
+//!
+//! Both zeros are bracketed by bounds of the second derivative ([`first_root`]), so none is missed, and polished to
+//! rounding. Nothing is random: one path is computed and every lane is told about it.
+
+use super::exact_time::ExactTime;
+use super::first_root::{Jet, Unresolved, first_root, safe_step};
+use crate::model::{Complex, Event, EventKind, ForcedOscillator, InitialNoise, Model, Sign, SlipFlow};
+use crate::scheme::{Observer, Snapshot, Timeline};
+
+/// The deterministic cascade of one scene.
+#[derive(Clone, Debug)]
+pub struct Noiseless {
+    model: Model,
+    timeline: Timeline,
+    body: ForcedOscillator,
+    /// 1/max(w0, |z_j|): the time over which one derivative bound is used.
+    span: f64,
+}
+
+/// The signs of b at the two thresholds.
+const SIDES: [f64; 2] = [1.0, -1.0];
+
+/// More events than a cascade may have before it is given up: a bound on work, far above any scene of interest.
+const EVENT_LIMIT: usize = 100_000_000;
+
+/// Which phase the path is in, since when, and what ends it.
+struct Leg {
+    start: ExactTime,
+    displacement: f64,
+    /// b at the start.
+    force: f64,
+    /// P_j at the start.
+    terms: Vec<Complex>,
+    /// None while static.
+    direction: Option<Sign>,
+    /// The event that ends it and the time until then, if before t_end.
+    end: Option<(f64, Event)>,
+}
+
+impl Noiseless {
+    /// For a scene whose noise is absent or has sigma = 0 (then v relaxes from its initial value).
+    pub fn new(model: &Model, timeline: &Timeline) -> Self {
+        let noise_start = match model.temperature.noise.map(|n| n.initial) {
+            Some(InitialNoise::At(v)) => v,
+            // Without diffusion the stationary law is the point 0.
+            Some(InitialNoise::Stationary) | None => 0.0,
+        };
+        let body = ForcedOscillator::new(model, noise_start);
+        let fastest = body.terms().iter().map(|t| t.rate.abs()).fold(model.oscillator.natural_frequency(), f64::max);
+        Noiseless { model: model.clone(), timeline: *timeline, body, span: 1.0 / fastest }
+    }
+
+    /// Tell the observer about the path, once for each of `lanes` lanes. All lanes are returned if it cannot be resolved.
+    pub fn simulate<O: Observer>(&self, lanes: usize, observer: &mut O) -> Vec<usize> {
+        let mut columns = Columns::new(lanes);
+        let mut leg = self.initial_leg();
+        let mut events = 0;
+        for stop in self.timeline.stops() {
+            while let Ok(Some((_, event))) = leg.as_ref().map(|l| l.end) {
+                if event.time > stop.time {
+                    break;
+                }
+                (0..lanes).for_each(|lane| observer.event(lane, event));
+                events += 1;
+                leg = if events < EVENT_LIMIT { leg.and_then(|l| self.next_leg(&l)) } else { Err(Unresolved) };
+            }
+            match &leg {
+                Ok(leg) => columns.fill(self.state(leg, stop.time)),
+                Err(Unresolved) => columns.fill((f64::NAN, f64::NAN, f64::NAN, false)),
+            }
+            observer.snapshot(stop.instant, columns.snapshot(stop.time));
+        }
+        if leg.is_ok() { Vec::new() } else { (0..lanes).collect() }
+    }
+
+    fn initial_leg(&self) -> Result<Leg, Unresolved> {
+        let terms = self.terms_at(ExactTime::ZERO);
+        let displacement = self.model.initial_displacement;
+        let force = self.force_at_rest(&terms, displacement);
+        self.stick(ExactTime::ZERO, displacement, force, terms)
+    }
+
+    /// The leg that begins with the event that ends `leg`.
+    fn next_leg(&self, leg: &Leg) -> Result<Leg, Unresolved> {
+        let Some((duration, event)) = leg.end else { return Err(Unresolved) };
+        let start = leg.start.after(duration);
+        let terms = self.terms_at(start);
+        match event.kind {
+            EventKind::StickEntered => self.stick(start, event.displacement, event.force, terms),
+            EventKind::SlipStarted(sign) | EventKind::SubPhaseBoundary(sign) => {
+                self.slip(start, event.displacement, event.force, terms, sign)
+            }
+        }
+    }
+
+    fn terms_at(&self, t: ExactTime) -> Vec<Complex> {
+        self.body.terms().iter().map(|term| t.phased(term)).collect()
+    }
+
+    /// The exit of a static phase that begins at a time and a place, if before t_end.
+    pub fn stick_exit(&self, start: ExactTime, displacement: f64) -> Result<Option<Event>, Unresolved> {
+        let terms = self.terms_at(start);
+        let force = self.force_at_rest(&terms, displacement);
+        Ok(self.stick(start, displacement, force, terms)?.end.map(|(_, event)| event))
+    }
+
+    /// b with x' = 0.
+    fn force_at_rest(&self, terms: &[Complex], displacement: f64) -> f64 {
+        let body = &self.model.oscillator;
+        body.mass * terms.iter().map(|p| p.re).sum::<f64>() - body.stiffness * displacement
+    }
+
+    /// A static phase, and its exit: the first time that |b| > f_s.
+    fn stick(&self, start: ExactTime, displacement: f64, force: f64, terms: Vec<Complex>) -> Result<Leg, Unresolved> {
+        let (f_s, m) = (self.model.friction.static_force, self.model.oscillator.mass);
+        let horizon = start.until(self.timeline.end);
+        let exit = if force.abs() > f_s {
+            Some((0.0, force))
+        } else if self.never_exits(displacement, f_s) {
+            None
+        } else {
+            let bend = m * self.body.forcing_curvature();
+            let distances = |r: f64| {
+                let [increment, slope, _] = self.body.forcing_increment(&terms, r).map(|derivative| derivative * m);
+                SIDES.map(|side| Jet {
+                    value: (f_s - side * force) - side * increment,
+                    slope: -side * slope,
+                    bend,
+                    bend_growth: 0.0,
+                })
+            };
+            let root = first_root(distances, self.inside(distances(0.0)), horizon, self.span)?;
+            root.map(|(r, side)| (r, SIDES[side] * f_s))
+        };
+        let end = exit.filter(|&(r, _)| r <= horizon).map(|(r, force)| {
+            let kind = EventKind::SlipStarted(Sign::of(force));
+            (r, Event { kind, time: start.after(r).value(), displacement, force })
+        });
+        Ok(Leg { start, displacement, force, terms, direction: None, end })
+    }
+
+    /// |K (beta T - x)| <= f_s whatever the phases of the forcing are.
+    fn never_exits(&self, displacement: f64, f_s: f64) -> bool {
+        let Model { oscillator, .. } = &self.model;
+        oscillator.mass * self.body.forcing_size() + oscillator.stiffness * displacement.abs() <= f_s
+    }
+
+    /// A time until which b stays in the corridor, for a stick that may begin exactly on a threshold: zero unless b
+    /// moves inwards from there. With zero slope too, what follows is decided a little later than rounding allows.
+    fn inside(&self, distances: [Jet; 2]) -> f64 {
+        let stays = |g: &Jet| match g.slope {
+            _ if g.value > 0.0 => safe_step(g.value, g.slope, g.bend),
+            slope if slope < 0.0 => 0.0,
+            slope if slope > 0.0 => safe_step(0.0, slope, g.bend),
+            _ => self.indeterminate_start(),
+        };
+        if distances.iter().all(|g| g.value > 0.0) { 0.0 } else { stays(&distances[0]).min(stays(&distances[1])) }
+    }
+
+    /// A sub-phase, and its end: the first time after its start that eps x' = 0.
+    fn slip(
+        &self,
+        start: ExactTime,
+        displacement: f64,
+        force: f64,
+        terms: Vec<Complex>,
+        direction: Sign,
+    ) -> Result<Leg, Unresolved> {
+        let horizon = start.until(self.timeline.end);
+        let (friction, mass) = (self.model.friction, self.model.oscillator.mass);
+        let eps = direction.value();
+        let flow = self.body.slip(&terms, force, direction, friction.dynamic_force);
+        let jet = |r: f64| {
+            let state = flow.at(r);
+            let (bend, bend_growth) = flow.jerk_bound(&state);
+            [Jet { value: eps * state.velocity, slope: eps * state.acceleration, bend, bend_growth }]
+        };
+        let root = first_root(jet, self.departure(&flow, eps), horizon, self.span)?;
+        let end = root.filter(|&(r, _)| r <= horizon).map(|(r, _)| {
+            let state = flow.at(r);
+            let (displacement, force) = (displacement + state.displacement, mass * state.force_ratio);
+            let kind = if force.abs() <= friction.static_force {
+                EventKind::StickEntered
+            } else {
+                EventKind::SubPhaseBoundary(Sign::of(force))
+            };
+            (r, Event { kind, time: start.after(r).value(), displacement, force })
+        });
+        Ok(Leg { start, displacement, force, terms, direction: Some(direction), end })
+    }
+
+    /// A time before which eps x' cannot return to zero.
+    ///
+    /// With g = eps x': g(0) = 0, g'(0) = a >= 0, |g''| <= M over the span: g > 0 below 2a/M. Where f_s = f_d, a = 0 and
+    /// the jerk j = g''(0) > 0 lifts it; |g'''| <= N then gives g > 0 below 3 j / N.
+    fn departure(&self, flow: &SlipFlow<'_>, eps: f64) -> f64 {
+        let state = flow.at(0.0);
+        let (bend, growth) = flow.jerk_bound(&state);
+        let bend = bend + growth * self.span;
+        let by_acceleration = safe_step(0.0, eps * flow.start_acceleration(), bend);
+        let by_jerk = 3.0 * eps * state.jerk / flow.snap_bound(bend);
+        by_acceleration.max(by_jerk).min(self.span).max(self.indeterminate_start())
+    }
+
+    /// A duration over which a function of size 1 whose value and slope vanish does not rise above its own rounding
+    /// error (a cubic reaches eps at eps^{1/3} = 6e-6 of its time scale): slips shorter than this are not resolved.
+    fn indeterminate_start(&self) -> f64 {
+        1e-2 * f64::EPSILON.cbrt() * self.span
+    }
+
+    /// x, x', T and whether static, at a time within the leg.
+    fn state(&self, leg: &Leg, t: f64) -> (f64, f64, f64, bool) {
+        let r = leg.start.until(t).max(0.0);
+        let terms = self.body.terms();
+        let gain = self.model.oscillator.stiffness * self.model.oscillator.dilatation / self.model.oscillator.mass;
+        let noise = self.model.temperature.noise.map_or(0.0, |noise| match noise.initial {
+            InitialNoise::At(v) => noise.intensity * v * libm::exp(-noise.relaxation_rate * t),
+            InitialNoise::Stationary => 0.0,
+        });
+        // beta = 0 leaves the body blind to a temperature that the observer still sees.
+        let temperature = if gain == 0.0 {
+            self.model.temperature.harmonic_sum(t) + noise
+        } else {
+            let here: f64 = terms.iter().zip(&leg.terms).map(|(term, p)| (*p * (term.rate * r).exp()).re).sum();
+            here / gain
+        };
+        match leg.direction {
+            None => (leg.displacement, 0.0, temperature, true),
+            Some(direction) => {
+                let flow = self.body.slip(&leg.terms, leg.force, direction, self.model.friction.dynamic_force);
+                let state = flow.at(r);
+                (leg.displacement + state.displacement, state.velocity, temperature, false)
+            }
+        }
+    }
+}
+
+/// Equal lanes of a snapshot.
+struct Columns {
+    displacement: Vec<f64>,
+    velocity: Vec<f64>,
+    temperature: Vec<f64>,
+    is_static: Vec<bool>,
+}
+
+impl Columns {
+    fn new(lanes: usize) -> Self {
+        let zeros = vec![0.0; lanes];
+        Columns {
+            displacement: zeros.clone(),
+            velocity: zeros.clone(),
+            temperature: zeros,
+            is_static: vec![true; lanes],
+        }
+    }
+
+    fn fill(&mut self, (displacement, velocity, temperature, is_static): (f64, f64, f64, bool)) {
+        self.displacement.fill(displacement);
+        self.velocity.fill(velocity);
+        self.temperature.fill(temperature);
+        self.is_static.fill(is_static);
+    }
+
+    fn snapshot(&self, time: f64) -> Snapshot<'_> {
+        Snapshot {
+            time,
+            displacement: &self.displacement,
+            velocity: &self.velocity,
+            temperature: &self.temperature,
+            is_static: &self.is_static,
+        }
+    }
+}

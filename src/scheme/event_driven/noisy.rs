@@ -1,0 +1,323 @@
+//! The cascade with Ornstein-Uhlenbeck noise, in law.
+//!
+//! - Stick: exact steps of the noise with bridge crossings of the corridor ([`super::stick`]).
+//! - Slip: exact steps of (x, x', n) ([`DrivenOscillator`]), each searched for the first zero of x' ([`super::first_stop`]).
+//!
+//! A step ends on the next time the observer looks at, so every observed state is a draw from its law.
+
+use super::draws::Draws;
+use super::first_stop::{Motion, Pending, Step, StopSearch};
+use super::scene::{Scene, forcing};
+use super::step_rules::StepRules;
+use super::stick::{StickOutcome, StickState, StickSteps};
+use crate::model::{Complex, Event, EventKind, Model, Phase, Sign};
+use crate::noise::{DrivenOscillator, HarmonicResponse, SlipTransition};
+use crate::scheme::{Observer, Snapshot, Timeline};
+
+/// The noisy cascade of one scene.
+#[derive(Clone, Debug)]
+pub struct Noisy {
+    scene: Scene,
+    timeline: Timeline,
+    stick: StickSteps,
+    oscillator: DrivenOscillator,
+    step: SlipStep,
+    search: StopSearch,
+}
+
+/// A slip step of the usual length, tabulated.
+#[derive(Clone, Debug)]
+struct SlipStep {
+    transition: SlipTransition,
+    root_length: f64,
+    harmonics: Vec<HarmonicResponse>,
+}
+
+/// Room for what one path needs at a time.
+#[derive(Debug)]
+struct Scratch {
+    partial: SlipStep,
+    pending: Pending,
+}
+
+/// Where one path is.
+#[derive(Clone, Debug)]
+struct Path {
+    time: f64,
+    displacement: f64,
+    velocity: f64,
+    noise: f64,
+    phase: Phase,
+    draws: Draws,
+    /// Steps taken; a path that exceeds [`WORK_LIMIT`] is given up.
+    work: u64,
+    failed: bool,
+}
+
+/// Slip steps and phases that a path may take, some ten seconds of computing: paths of interest take microseconds to seconds.
+const WORK_LIMIT: u64 = 100_000_000;
+
+impl Noisy {
+    /// For a scene with noise.
+    pub fn new(model: &Model, timeline: &Timeline, rules: &StepRules) -> Self {
+        let mut scene = Scene::new(model);
+        scene.friction.static_force += rules.added_gap(&scene);
+        let body = scene.oscillator;
+        let frequencies: Vec<f64> = scene.harmonics.iter().map(|h| h.angular_frequency).collect();
+        let oscillator = DrivenOscillator::new(
+            body.mass,
+            body.damping / body.mass,
+            body.natural_frequency(),
+            scene.relaxation_rate,
+            scene.diffusion,
+            &frequencies,
+        );
+        let longest = rules.slip_length / oscillator.fastest_rate();
+        let length = timeline.output_step / (timeline.output_step / longest).ceil();
+        let mut harmonics = vec![NO_RESPONSE; frequencies.len()];
+        let transition = oscillator.transition(length, &mut harmonics);
+        let step = SlipStep { transition, root_length: length.sqrt(), harmonics };
+        let search = StopSearch { noise: scene.diffusion / body.mass, caution: rules.caution };
+        let stick = StickSteps::new(&scene, rules.chord_error, timeline.end);
+        Noisy { scene, timeline: *timeline, stick, oscillator, step, search }
+    }
+
+    /// Simulate the paths with these numbers; those that were given up are returned.
+    pub fn simulate<O: Observer>(&self, seed: u64, paths: &[u64], observer: &mut O) -> Vec<usize> {
+        let harmonics = self.scene.harmonics.len();
+        let mut lanes: Vec<Path> = paths.iter().map(|&path| self.start(seed, path)).collect();
+        let mut terms = vec![Complex::ZERO; harmonics * paths.len()];
+        for terms in terms.chunks_exact_mut(harmonics.max(1)) {
+            self.scene.set_terms(0.0, terms);
+        }
+        let mut scratch = Scratch { partial: self.step.clone(), pending: Pending::new() };
+        let mut columns = Columns::new(paths.len());
+        for stop in self.timeline.stops() {
+            for (lane, path) in lanes.iter_mut().enumerate() {
+                let terms = &mut terms[lane * harmonics..(lane + 1) * harmonics];
+                self.advance(path, terms, stop.time, &mut scratch, |event| observer.event(lane, event));
+                columns.set(lane, path, self.temperature(path, terms));
+            }
+            observer.snapshot(stop.instant, columns.snapshot(stop.time));
+        }
+        lanes.iter().enumerate().filter(|(_, path)| path.failed).map(|(lane, _)| lane).collect()
+    }
+
+    fn start(&self, seed: u64, path: u64) -> Path {
+        let mut draws = Draws::new(seed, path);
+        let noise = self.scene.draw_initial_noise(&mut draws);
+        Path {
+            time: 0.0,
+            displacement: self.scene.initial_displacement,
+            velocity: 0.0,
+            noise,
+            phase: Phase::Static,
+            draws,
+            work: 0,
+            failed: false,
+        }
+    }
+
+    /// T.
+    fn temperature(&self, path: &Path, terms: &[Complex]) -> f64 {
+        (forcing(terms) + path.noise) / self.scene.force_per_temperature
+    }
+
+    /// Follow a path, phase by phase, to a time.
+    fn advance(
+        &self,
+        path: &mut Path,
+        terms: &mut [Complex],
+        until: f64,
+        scratch: &mut Scratch,
+        mut emit: impl FnMut(Event),
+    ) {
+        while !path.failed {
+            let event = match path.phase {
+                Phase::Static => self.stick_until(path, terms, until),
+                Phase::Slip(direction) => self.slip_until(path, terms, direction, until, scratch),
+            };
+            let Some(event) = event else { break };
+            emit(event);
+            path.phase = match event.kind {
+                EventKind::StickEntered => Phase::Static,
+                EventKind::SlipStarted(sign) | EventKind::SubPhaseBoundary(sign) => Phase::Slip(sign),
+            };
+        }
+        if path.failed {
+            (path.displacement, path.velocity, path.noise) = (f64::NAN, f64::NAN, f64::NAN);
+        }
+    }
+
+    fn stick_until(&self, path: &mut Path, terms: &mut [Complex], until: f64) -> Option<Event> {
+        let spring_force = self.scene.oscillator.stiffness * path.displacement;
+        let mut state = StickState { time: path.time, spring_force, noise: path.noise, terms };
+        let outcome = self.stick.advance(&self.scene, &mut state, until, &mut path.draws);
+        (path.time, path.noise) = (state.time, state.noise);
+        path.count_work();
+        match outcome {
+            StickOutcome::Exit(sign) => {
+                let force = forcing(terms) - spring_force + path.noise;
+                Some(path.event(EventKind::SlipStarted(sign), force))
+            }
+            StickOutcome::Stays => None,
+            StickOutcome::Unresolved => {
+                path.failed = true;
+                None
+            }
+        }
+    }
+
+    fn slip_until(
+        &self,
+        path: &mut Path,
+        terms: &mut [Complex],
+        direction: Sign,
+        until: f64,
+        scratch: &mut Scratch,
+    ) -> Option<Event> {
+        let (eps, mass) = (direction.value(), self.scene.oscillator.mass);
+        let friction = eps * self.scene.friction.dynamic_force;
+        let mut acceleration = (self.force(path, terms) - friction) / mass;
+        loop {
+            let remaining = until - path.time;
+            if remaining <= 0.0 {
+                return None;
+            }
+            path.count_work();
+            if path.failed {
+                return None;
+            }
+            let usual = self.step.transition.length;
+            // A remainder that differs from a usual step by rounding is one.
+            let is_last = remaining <= usual * (1.0 + ALIGNMENT);
+            let step = if is_last && remaining < usual * (1.0 - ALIGNMENT) {
+                let partial = &mut scratch.partial;
+                partial.transition = self.oscillator.transition(remaining, &mut partial.harmonics);
+                partial.root_length = remaining.sqrt();
+                &*partial
+            } else {
+                &self.step
+            };
+            let start = Motion { velocity: eps * path.velocity, acceleration: eps * acceleration };
+            let before = (path.time, path.displacement);
+            self.take(step, path, terms, friction);
+            acceleration = (self.force(path, terms) - friction) / mass;
+            let end = Motion { velocity: eps * path.velocity, acceleration: eps * acceleration };
+            if !(end.velocity.is_finite() && end.acceleration.is_finite()) {
+                path.failed = true;
+                return None;
+            }
+            let step = Step {
+                start,
+                end,
+                way: eps * (path.displacement - before.1),
+                length: step.transition.length,
+                root_length: step.root_length,
+            };
+            let Ok(stop) = self.search.first(&step, &mut path.draws, &mut scratch.pending) else {
+                path.failed = true;
+                return None;
+            };
+            if let Some(stop) = stop {
+                path.time = before.0 + stop.after;
+                path.displacement = before.1 + eps * stop.way;
+                path.velocity = 0.0;
+                self.scene.set_terms(path.time, terms);
+                let force = friction + mass * eps * stop.acceleration;
+                path.noise = force - forcing(terms) + self.scene.oscillator.stiffness * path.displacement;
+                let kind = if force.abs() <= self.scene.friction.static_force {
+                    EventKind::StickEntered
+                } else {
+                    EventKind::SubPhaseBoundary(Sign::of(force))
+                };
+                return Some(path.event(kind, force));
+            }
+            if is_last {
+                path.time = until;
+                return None;
+            }
+        }
+    }
+
+    /// One exact step of (x, x', n) and of the forcing.
+    #[inline]
+    fn take(&self, step: &SlipStep, path: &mut Path, terms: &mut [Complex], friction: f64) {
+        let SlipTransition { length, x, v, n, factor, .. } = &step.transition;
+        let (x0, v0, n0) = (path.displacement, path.velocity, path.noise);
+        let mut x1 = x[0] * x0 + x[1] * v0 + x[2] * n0 - x[3] * friction;
+        let mut v1 = v[0] * x0 + v[1] * v0 + v[2] * n0 - v[3] * friction;
+        for (p, g) in terms.iter_mut().zip(&step.harmonics) {
+            x1 += p.re * g.x.0 - p.im * g.x.1;
+            v1 += p.re * g.v.0 - p.im * g.v.1;
+            *p = Complex::new(p.re * g.turn.0 - p.im * g.turn.1, p.re * g.turn.1 + p.im * g.turn.0);
+        }
+        let (a, b, c) = (path.draws.normal(), path.draws.normal(), path.draws.normal());
+        path.noise = n * n0 + factor[0] * a;
+        path.velocity = v1 + factor[1] * a + factor[2] * b;
+        path.displacement = x1 + factor[3] * a + factor[4] * b + factor[5] * c;
+        path.time += length;
+    }
+
+    /// b.
+    #[inline]
+    fn force(&self, path: &Path, terms: &[Complex]) -> f64 {
+        let body = &self.scene.oscillator;
+        forcing(terms) + path.noise - body.stiffness * path.displacement - 2.0 * body.damping * path.velocity
+    }
+}
+
+/// Relative difference of two step lengths that is rounding of the times they come from.
+const ALIGNMENT: f64 = 1e-9;
+
+/// A place for a response.
+const NO_RESPONSE: HarmonicResponse = HarmonicResponse { x: (0.0, 0.0), v: (0.0, 0.0), turn: (1.0, 0.0) };
+
+impl Path {
+    fn event(&self, kind: EventKind, force: f64) -> Event {
+        Event { kind, time: self.time, displacement: self.displacement, force }
+    }
+
+    #[inline]
+    fn count_work(&mut self) {
+        self.work += 1;
+        self.failed |= self.work > WORK_LIMIT;
+    }
+}
+
+/// The lanes of a snapshot.
+struct Columns {
+    displacement: Vec<f64>,
+    velocity: Vec<f64>,
+    temperature: Vec<f64>,
+    is_static: Vec<bool>,
+}
+
+impl Columns {
+    fn new(lanes: usize) -> Self {
+        let zeros = vec![0.0; lanes];
+        Columns {
+            displacement: zeros.clone(),
+            velocity: zeros.clone(),
+            temperature: zeros,
+            is_static: vec![true; lanes],
+        }
+    }
+
+    fn set(&mut self, lane: usize, path: &Path, temperature: f64) {
+        self.displacement[lane] = path.displacement;
+        self.velocity[lane] = path.velocity;
+        self.temperature[lane] = temperature;
+        self.is_static[lane] = path.phase == Phase::Static;
+    }
+
+    fn snapshot(&self, time: f64) -> Snapshot<'_> {
+        Snapshot {
+            time,
+            displacement: &self.displacement,
+            velocity: &self.velocity,
+            temperature: &self.temperature,
+            is_static: &self.is_static,
+        }
+    }
+}

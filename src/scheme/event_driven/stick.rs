@@ -1,0 +1,360 @@
+//! A static phase: x rests, the noise wanders, and the first exit of b = B(t) - K x + n from |b| <= f_s ends it.
+//!
+//! One step of length h draws the end n(t+h) from the exact transition, then asks for each threshold whether the bridge
+//! between the two ends met it ([`meeting_probability`]), and if so when ([`meeting_place`]). With U = f_s - B + K x the
+//! upper threshold seen by n, and d0, d1 the distances of n below it at both ends, Doob's time change gives
+//!
+//! ```text
+//! S = s^2 (e^{2 theta h} - 1)/(2 theta),   distances d0 and D1 = d1 e^{theta h},
+//! ```
+//!
+//! exact for U = A e^{theta t} + C e^{-theta t}. What any other U deviates from that chord at a fraction u of the step is
+//! c h^2 u (1-u)/2 with c = U'' - theta^2 U at mid-step, to leading order; its mean over the place of touching shifts both
+//! distances. (Symmetrically below.) After that correction the error of a step is of second order in
+//! c h^2 / (8 s sqrt h). The length of a step follows from the state at its start, which biases nothing:
+//!
+//! - h <= width^2/(8 s^2): the chance that one bridge meets both thresholds is below 2 exp(-16);
+//! - |c| h^2/8 <= kappa s sqrt(h), kappa the stick share of the tolerance: the chord error against the noise;
+//! - or any length within which no threshold can be met at all (7 standard deviations, moving thresholds included), so
+//!   that quiet phases, slow forcing and feeble noise cost few steps.
+
+use super::draws::Draws;
+use super::scene::{Scene, forcing};
+use crate::model::{Complex, Sign};
+use crate::noise::{mean_touching_spread, meeting_place};
+
+/// Exact steps of a ladder of lengths, longest first.
+#[derive(Clone, Debug)]
+pub struct StickSteps {
+    ladder: Vec<StickStep>,
+    /// The rung whose length is at most width^2/(8 s^2).
+    width_rung: usize,
+}
+
+/// What a step of one length needs.
+#[derive(Clone, Debug)]
+struct StickStep {
+    length: f64,
+    /// e^{-theta h}.
+    decay: f64,
+    /// e^{theta h}.
+    growth: f64,
+    /// s sqrt((1 - e^{-2 theta h})/(2 theta)).
+    kick: f64,
+    /// S.
+    duration: f64,
+    /// e^{-3 theta h/2} (S/s^2)^2 = h^2 (1 + theta h/2 + ..): what c at mid-step bends the threshold by after the time change.
+    bow: f64,
+    /// The largest |c| that this length allows: 8 kappa s h^{-3/2}.
+    bend_limit: f64,
+    /// 7 s sqrt(min(h, 1/(2 theta))): farther than the noise goes.
+    reach: f64,
+    /// e^{i w h} of each harmonic; only rungs of the ladder have them.
+    turns: Vec<Complex>,
+}
+
+/// How a static phase left the interval it was simulated over.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum StickOutcome {
+    /// b met f_s times this sign at the path's new time.
+    Exit(Sign),
+    /// Still static at the horizon.
+    Stays,
+    /// More steps than [`STEP_LIMIT`].
+    Unresolved,
+}
+
+/// Where a static path is.
+pub struct StickState<'a> {
+    /// t.
+    pub time: f64,
+    /// K x.
+    pub spring_force: f64,
+    /// n.
+    pub noise: f64,
+    /// The terms of B at t.
+    pub terms: &'a mut [Complex],
+}
+
+/// Rungs of the ladder: lengths down to 2^-59 of the longest.
+const RUNGS: usize = 60;
+
+/// The width rule: steps of at most width^2 / (this s^2).
+const WIDTH_RULE: f64 = 8.0;
+
+/// Beyond this many standard deviations nothing is looked for: P = 3e-12 a side.
+const FAR: f64 = 7.0;
+
+/// exp(-FAR_EXPONENT) is a chance that 1e10 steps do not notice.
+const FAR_EXPONENT: f64 = 35.0;
+
+/// A bound on the work of one static phase between two looks at it.
+const STEP_LIMIT: usize = 1_000_000;
+
+impl StickSteps {
+    /// For a scene, with the chord error held below `kappa` standard deviations of the noise over a step.
+    pub fn new(scene: &Scene, kappa: f64, end: f64) -> Self {
+        // Beyond a few relaxation times a longer step saves nothing.
+        let longest = (4.0 / scene.relaxation_rate).min(end.max(f64::MIN_POSITIVE));
+        let ladder: Vec<_> = (0..RUNGS)
+            .map(|k| StickStep::new(scene, kappa, longest * 0.5f64.powi(k as i32)).with_turns(scene))
+            .collect();
+        let width = 2.0 * scene.friction.static_force;
+        let allowed = width * width / (WIDTH_RULE * scene.diffusion * scene.diffusion);
+        let width_rung = ladder.iter().position(|step| step.length <= allowed || allowed.is_nan()).unwrap_or(RUNGS - 1);
+        StickSteps { ladder, width_rung }
+    }
+
+    /// Simulate until the exit or the horizon, whichever is first.
+    pub fn advance(&self, scene: &Scene, state: &mut StickState<'_>, horizon: f64, draws: &mut Draws) -> StickOutcome {
+        let f_s = scene.friction.static_force;
+        let mut force = forcing(state.terms) - state.spring_force + state.noise;
+        if force.abs() >= f_s {
+            return StickOutcome::Exit(Sign::of(force));
+        }
+        for _ in 0..STEP_LIMIT {
+            let remaining = horizon - state.time;
+            if remaining <= 0.0 {
+                return StickOutcome::Stays;
+            }
+            let rung = &self.ladder[self.rung(scene, state, force)];
+            let start_curvature = forcing_curvature(scene, state.terms);
+            let partial;
+            let step = if rung.length > remaining {
+                partial = StickStep::new(scene, 0.0, remaining);
+                scene.set_terms(horizon, state.terms);
+                &partial
+            } else {
+                for (term, turn) in state.terms.iter_mut().zip(&rung.turns) {
+                    *term = *term * *turn;
+                }
+                rung
+            };
+            let noise = state.noise * step.decay + step.kick * draws.normal();
+            let end_force = forcing(state.terms) - state.spring_force + noise;
+            let ends = (force, end_force);
+            // Chord deviation of the threshold seen by n: c = U'' - theta^2 U with U'' = -B'', averaged over the ends.
+            let bend = -0.5 * (start_curvature + forcing_curvature(scene, state.terms));
+            let mean_noise = 0.5 * (state.noise + noise);
+            if let Some((sign, after)) = step.exit(scene, f_s, ends, bend, mean_noise, draws) {
+                state.time += after;
+                scene.set_terms(state.time, state.terms);
+                state.noise = sign.value() * f_s - forcing(state.terms) + state.spring_force;
+                return StickOutcome::Exit(sign);
+            }
+            state.noise = noise;
+            force = end_force;
+            // The last step ends on the horizon itself, not a rounding beside it.
+            state.time = if rung.length > remaining { horizon } else { state.time + step.length };
+        }
+        StickOutcome::Unresolved
+    }
+
+    /// The rung to step with from here.
+    #[inline]
+    fn rung(&self, scene: &Scene, state: &StickState<'_>, force: f64) -> usize {
+        let (f_s, theta) = (scene.friction.static_force, scene.relaxation_rate);
+        let bend = scene.forcing_curvature + theta * theta * (state.noise.abs() + 2.0 * f_s);
+        let mut rung = self.width_rung;
+        while rung + 1 < RUNGS && self.ladder[rung].bend_limit < bend {
+            rung += 1;
+        }
+        let clear = f_s - force.abs();
+        // Most steps are near a threshold: decide that first, with the noise alone.
+        while rung > 0 && clear > self.ladder[rung - 1].reach {
+            let h = self.ladder[rung - 1].length;
+            let slope = forcing_slope(scene, state.terms).abs() + theta * state.noise.abs();
+            if clear <= self.ladder[rung - 1].reach + h * (slope + 0.5 * h * scene.forcing_curvature) {
+                break;
+            }
+            rung -= 1;
+        }
+        rung
+    }
+}
+
+impl StickStep {
+    fn new(scene: &Scene, kappa: f64, length: f64) -> Self {
+        let (theta, s) = (scene.relaxation_rate, scene.diffusion);
+        let lost = -libm::expm1(-2.0 * theta * length);
+        let growth = libm::exp(theta * length);
+        StickStep {
+            length,
+            decay: 1.0 / growth,
+            growth,
+            kick: s * (lost / (2.0 * theta)).sqrt(),
+            duration: s * s * lost / (2.0 * theta) * growth * growth,
+            bow: (lost / (2.0 * theta)).powi(2) * growth * growth * growth.sqrt(),
+            bend_limit: 8.0 * kappa * s / (length * length.sqrt()),
+            reach: FAR * s * length.min(0.5 / theta).sqrt(),
+            turns: Vec::new(),
+        }
+    }
+
+    fn with_turns(mut self, scene: &Scene) -> Self {
+        self.turns = scene.harmonics.iter().map(|h| Complex::unit(h.angular_frequency * self.length)).collect();
+        self
+    }
+
+    /// Whether, where and after which time the bridge between two forces leaves the corridor.
+    #[inline]
+    fn exit(
+        &self,
+        scene: &Scene,
+        f_s: f64,
+        (start, end): (f64, f64),
+        bend: f64,
+        mean_noise: f64,
+        draws: &mut Draws,
+    ) -> Option<(Sign, f64)> {
+        // Exponents of both meeting probabilities, before any correction: usually both are far.
+        let scale = 2.0 * self.growth / self.duration;
+        let near = |side: f64| scale * (f_s - side * start) * (f_s - side * end) < FAR_EXPONENT;
+        if !(near(1.0) || near(-1.0)) {
+            return None;
+        }
+        let theta = scene.relaxation_rate;
+        let chord = |side: f64| {
+            let (d0, d1) = (f_s - side * start, f_s - side * end);
+            // U = n + distance on this side.
+            let threshold = side * mean_noise + 0.5 * (d0 + d1);
+            let c = side * bend - theta * theta * threshold;
+            (d0, d1 * self.growth, c * self.bow)
+        };
+        let probability = |side: f64| {
+            let (d0, d1, bent) = chord(side);
+            if d1 <= 0.0 {
+                return 1.0;
+            }
+            let shift = 0.5 * bent * mean_touching_spread(d0, d1, self.duration);
+            let (d0, d1) = (d0 - shift, d1 - shift);
+            if d0 <= 0.0 || d1 <= 0.0 { 1.0 } else { libm::exp(-2.0 * d0 * d1 / self.duration) }
+        };
+        let u = draws.uniform();
+        let sign = if near(1.0) && u < probability(1.0) {
+            Sign::Positive
+        } else if near(-1.0) && u > 1.0 - probability(-1.0) {
+            Sign::Negative
+        } else {
+            return None;
+        };
+        let (d0, d1, bent) = chord(sign.value());
+        let (normal, uniform) = (draws.normal(), draws.uniform());
+        let mut place = meeting_place(d0, d1, self.duration, normal, uniform);
+        // The threshold met is the bent one: once more with the chord moved to it at that place.
+        let u = place / self.duration;
+        let shift = 0.5 * bent * u * (1.0 - u);
+        if shift < d0 {
+            place = meeting_place(d0 - shift, d1 - shift, self.duration, normal, uniform);
+        }
+        let s2 = scene.diffusion * scene.diffusion;
+        let after = libm::log1p(2.0 * theta * place / s2) / (2.0 * theta);
+        Some((sign, after.min(self.length)))
+    }
+}
+
+/// B''.
+#[inline]
+fn forcing_curvature(scene: &Scene, terms: &[Complex]) -> f64 {
+    -terms.iter().zip(&scene.harmonics).map(|(p, h)| p.re * h.angular_frequency * h.angular_frequency).sum::<f64>()
+}
+
+/// B'.
+#[inline]
+fn forcing_slope(scene: &Scene, terms: &[Complex]) -> f64 {
+    -terms.iter().zip(&scene.harmonics).map(|(p, h)| p.im * h.angular_frequency).sum::<f64>()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::harness::{exits, mean_and_error, paper_scene};
+    use super::*;
+
+    /// Statistical tests: null hypothesis, the mean is the exact one; n paths; they fail by chance once in 1e4 (3.9 standard
+    /// errors), with fixed seeds.
+    const FALSE_ALARM: f64 = 3.9;
+
+    fn assert_mean(name: &str, values: &[f64], exact: f64) {
+        let (mean, error) = mean_and_error(values);
+        assert!((mean - exact).abs() <= FALSE_ALARM * error, "{name}: {mean} +- {error}, exact {exact}");
+    }
+
+    /// Exit of dv = -v dt + dW from (lower, upper), started at `from`: Siegert's integrals by high-precision quadrature.
+    #[test]
+    fn exit_from_a_fixed_corridor_has_siegert_s_mean_and_side() {
+        // (lower, upper, from, mean, probability of the upper side)
+        let cases = [
+            (-0.25, 0.25, 0.0, 0.063_824_078_626_031_84, 0.5),
+            (-0.5, 0.5, 0.0, 0.272_300_063_376_112_1, 0.5),
+            (-0.8, 0.8, 0.0, 0.803_432_748_833_375_6, 0.5),
+            (-0.8, 0.8, 0.4, 0.634_522_479_697_277_3, f64::NAN),
+            (-2.0, 2.0, 0.0, 27.432_739_152_499_77, 0.5),
+            (-1.0, 0.5, 0.0, 0.590_704_042_576_515_5, 0.728_543_256_592_702),
+            (-0.4, 1.2, 0.0, 0.553_861_940_553_424, 0.164_777_335_275_732_8),
+        ];
+        for (case, (lower, upper, from, mean, up)) in cases.into_iter().enumerate() {
+            // K = beta = rho = 1 and no harmonics: b = n - x0 with threshold (upper - lower)/2.
+            let mut model = paper_scene(1.0);
+            model.oscillator.dilatation = 1.0;
+            model.temperature.harmonics.clear();
+            model.friction.static_force = 0.5 * (upper - lower);
+            model.initial_displacement = 0.5 * (upper + lower);
+            let found = exits(&model, from, 0.1, 1e4, case as u64, 100_000);
+            let times: Vec<f64> = found.iter().map(|e| e.0).collect();
+            assert_mean("mean exit time", &times, mean);
+            if !up.is_nan() {
+                let sides: Vec<f64> = found.iter().map(|e| f64::from(u8::from(e.1 == Sign::Positive))).collect();
+                assert_mean("share of upward exits", &sides, up);
+            }
+        }
+    }
+
+    #[test]
+    fn exit_does_not_depend_on_the_units_of_the_noise() {
+        // theta, sigma general: time scales by 1/theta and v by sigma/sqrt(theta); survival P(T > t) of the corridor 0.8.
+        let (theta, sigma) = (3.0, 0.2);
+        let mut model = paper_scene(1.0);
+        model.oscillator.dilatation = 1.0;
+        model.temperature.harmonics.clear();
+        model.initial_displacement = 0.0;
+        model.friction.static_force = 0.8 * sigma / f64::sqrt(theta);
+        if let Some(noise) = &mut model.temperature.noise {
+            (noise.relaxation_rate, noise.diffusion) = (theta, sigma);
+        }
+        let found = exits(&model, 0.0, 0.1, 1e4, 77, 200_000);
+        for (t, survival) in
+            [(0.25, 0.828_946_889_68), (0.5, 0.577_189_766_468), (1.0, 0.276_890_707_225), (2.0, 0.063_707_309_437)]
+        {
+            let alive: Vec<f64> = found.iter().map(|e| f64::from(u8::from(e.0 * theta > t))).collect();
+            assert_mean("survival", &alive, survival);
+        }
+    }
+
+    #[test]
+    fn first_stick_of_the_paper_s_noisy_scene_has_its_exact_mean() {
+        // The corridor moves with the forcing; means from the backward Kolmogorov equation (12 digits) and, for the two
+        // smallest rho, from a Volterra equation (tests/reference/first_stick.py, 7 digits).
+        for (rho, mean) in [
+            (0.01, 2.571_426),
+            (0.02, 2.563_677),
+            (0.1, 2.289_610_431_7),
+            (0.25, 0.775_576_827_665),
+            (1.0, 0.040_539_066_2),
+        ] {
+            let found = exits(&paper_scene(rho), 0.0, 0.1, 60.0, (rho * 1000.0) as u64, 200_000);
+            let times: Vec<f64> = found.iter().map(|e| e.0).collect();
+            assert_mean("first stick", &times, mean);
+        }
+    }
+
+    #[test]
+    fn feeble_noise_costs_few_steps_and_tends_to_the_deterministic_exit() {
+        for rho in [1e-4, 1e-6, 1e-9, 1e-12] {
+            let found = exits(&paper_scene(rho), 0.0, 0.1, 60.0, 5, 1_000);
+            let times: Vec<f64> = found.iter().map(|e| e.0).collect();
+            let (mean, _) = mean_and_error(&times);
+            // The exit moves by about sd(n)/B' ~ 6 rho.
+            assert!((mean - 2.574_004_435_173_137_6).abs() < 6.0 * rho + 1e-9, "{rho}: {mean}");
+        }
+    }
+}

@@ -1,0 +1,211 @@
+//! Scheme C: quasi-static, the paper's approximation for slow forcing (its section on the bridge).
+//!
+//! While the body slips the temperature is taken to stand still. Then each dynamic phase is one half-cycle about the
+//! equilibrium at its start, and the cascade is a recursion:
+//!
+//! ```text
+//! tau_{j+1/2} = inf{t > tau_j : |b(x_j, t)| > f_s},    tau_{j+1} = tau_{j+1/2} + pi/w0,
+//! x_{j+1} = x_j + 2 eps_j (f_s - f_d)/K,               eps_j = sign b(x_j, tau_{j+1/2})
+//! ```
+//!
+//! with b = K (beta T - x). (The paper prints the integrals of this section from tau_j; they start at tau_{j+1/2}.) Damping does
+//! not enter. With f_s = f_d the body never moves and only the times do. In between, for whoever looks,
+//! x(t) = x_j + eps (f_s - f_d)/K (1 - cos w0 (t - tau_{j+1/2})). Exits are those of the event-driven scheme: first roots
+//! without noise, bridge crossings with it. Nothing in the recursion asks whether |b| <= f_s at tau_{j+1}; where it is not, the
+//! stick there is empty.
+
+use super::event_driven::{
+    Draws, ExactTime, Noiseless, Scene, StepRules, StickOutcome, StickState, StickSteps, forcing,
+};
+use super::{Observer, Snapshot, Timeline};
+use crate::model::{Complex, Event, EventKind, Model, Phase, Sign};
+
+/// The quasi-static scheme for one scene.
+#[derive(Clone, Debug)]
+pub struct QuasiStatic {
+    scene: Scene,
+    timeline: Timeline,
+    exits: Exits,
+    /// pi / w0.
+    slip_duration: f64,
+    /// (f_s - f_d)/K: half of what a slip moves.
+    half_jump: f64,
+}
+
+/// How stick phases end.
+#[derive(Clone, Debug)]
+enum Exits {
+    Noisy(StickSteps),
+    Noiseless(Box<Noiseless>),
+}
+
+/// Where one path is.
+#[derive(Clone, Debug)]
+struct Path {
+    /// How far the noise has been simulated.
+    time: f64,
+    phase: Phase,
+    /// tau_{j+1/2} and x_j of the dynamic phase, or tau_j and x_j of the static one.
+    since: f64,
+    displacement: f64,
+    noise: f64,
+    draws: Draws,
+    /// The exit of the static phase, where it is known in advance: without noise. None before it has been looked for.
+    exit: Option<Option<Event>>,
+    failed: bool,
+}
+
+impl QuasiStatic {
+    /// For a scene, observed at the stops of a timeline; `tolerance` governs the noisy exits as in the event-driven scheme.
+    pub fn new(model: &Model, timeline: &Timeline, tolerance: f64) -> Self {
+        let scene = Scene::new(model);
+        let exits = if scene.is_noisy(timeline.end) {
+            Exits::Noisy(StickSteps::new(&scene, StepRules::new(tolerance).chord_error, timeline.end))
+        } else {
+            Exits::Noiseless(Box::new(Noiseless::new(model, timeline)))
+        };
+        let friction = model.friction;
+        QuasiStatic {
+            scene,
+            timeline: *timeline,
+            exits,
+            slip_duration: std::f64::consts::PI / model.oscillator.natural_frequency(),
+            half_jump: (friction.static_force - friction.dynamic_force) / model.oscillator.stiffness,
+        }
+    }
+
+    /// Simulate the paths with these numbers, telling the observer; the lanes that had to be given up are returned.
+    pub fn simulate<O: Observer>(&self, seed: u64, paths: &[u64], observer: &mut O) -> Vec<usize> {
+        let harmonics = self.scene.harmonics.len();
+        let mut lanes: Vec<Path> = paths.iter().map(|&path| self.start(seed, path)).collect();
+        let mut terms = vec![Complex::ZERO; harmonics];
+        let lane_count = paths.len();
+        let (mut x, mut v, mut temperature) = (vec![0.0; lane_count], vec![0.0; lane_count], vec![0.0; lane_count]);
+        let mut is_static = vec![true; lane_count];
+        for stop in self.timeline.stops() {
+            for (lane, path) in lanes.iter_mut().enumerate() {
+                self.advance(path, &mut terms, stop.time, |event| observer.event(lane, event));
+                self.scene.set_terms(stop.time, &mut terms);
+                (x[lane], v[lane]) = self.position(path, stop.time);
+                temperature[lane] = (forcing(&terms) + path.noise) / self.scene.force_per_temperature;
+                is_static[lane] = path.phase == Phase::Static;
+            }
+            observer.snapshot(
+                stop.instant,
+                Snapshot {
+                    time: stop.time,
+                    displacement: &x,
+                    velocity: &v,
+                    temperature: &temperature,
+                    is_static: &is_static,
+                },
+            );
+        }
+        lanes.iter().enumerate().filter(|(_, path)| path.failed).map(|(lane, _)| lane).collect()
+    }
+
+    fn start(&self, seed: u64, path: u64) -> Path {
+        let mut draws = Draws::new(seed, path);
+        let noise = self.scene.draw_initial_noise(&mut draws);
+        Path {
+            time: 0.0,
+            phase: Phase::Static,
+            since: 0.0,
+            displacement: self.scene.initial_displacement,
+            noise,
+            draws,
+            exit: None,
+            failed: false,
+        }
+    }
+
+    /// Follow a path, phase by phase, to a time.
+    fn advance(&self, path: &mut Path, terms: &mut [Complex], until: f64, mut emit: impl FnMut(Event)) {
+        while !path.failed {
+            let event = match path.phase {
+                Phase::Static => self.stick_until(path, terms, until),
+                Phase::Slip(direction) => self.slip_until(path, terms, direction, until),
+            };
+            let Some(event) = event else { break };
+            emit(event);
+            (path.since, path.displacement, path.exit) = (event.time, event.displacement, None);
+            path.phase = match event.kind {
+                EventKind::StickEntered => Phase::Static,
+                EventKind::SlipStarted(sign) | EventKind::SubPhaseBoundary(sign) => Phase::Slip(sign),
+            };
+        }
+        if path.failed {
+            (path.displacement, path.noise) = (f64::NAN, f64::NAN);
+        }
+    }
+
+    fn stick_until(&self, path: &mut Path, terms: &mut [Complex], until: f64) -> Option<Event> {
+        let spring_force = self.scene.oscillator.stiffness * path.displacement;
+        self.scene.set_terms(path.time, terms);
+        match &self.exits {
+            Exits::Noisy(steps) => {
+                let mut state = StickState { time: path.time, spring_force, noise: path.noise, terms };
+                let outcome = steps.advance(&self.scene, &mut state, until, &mut path.draws);
+                (path.time, path.noise) = (state.time, state.noise);
+                match outcome {
+                    StickOutcome::Exit(sign) => {
+                        let force = forcing(terms) - spring_force + path.noise;
+                        let kind = EventKind::SlipStarted(sign);
+                        Some(Event { kind, time: path.time, displacement: path.displacement, force })
+                    }
+                    StickOutcome::Stays => None,
+                    StickOutcome::Unresolved => {
+                        path.failed = true;
+                        None
+                    }
+                }
+            }
+            Exits::Noiseless(cascade) => {
+                let exit = match path.exit {
+                    Some(exit) => exit,
+                    None => match cascade.stick_exit(ExactTime::ZERO.after(path.since), path.displacement) {
+                        Ok(exit) => *path.exit.insert(exit),
+                        Err(_) => {
+                            path.failed = true;
+                            None
+                        }
+                    },
+                };
+                let reached = exit.filter(|event| event.time <= until);
+                self.let_noise_pass(path, reached.map_or(until, |event| event.time));
+                reached
+            }
+        }
+    }
+
+    fn slip_until(&self, path: &mut Path, terms: &mut [Complex], direction: Sign, until: f64) -> Option<Event> {
+        let end = path.since + self.slip_duration;
+        self.let_noise_pass(path, end.min(until));
+        if end > until {
+            return None;
+        }
+        self.scene.set_terms(end, terms);
+        let displacement = path.displacement + 2.0 * direction.value() * self.half_jump;
+        let force = forcing(terms) + path.noise - self.scene.oscillator.stiffness * displacement;
+        Some(Event { kind: EventKind::StickEntered, time: end, displacement, force })
+    }
+
+    /// The exact transition of the noise to a later time.
+    fn let_noise_pass(&self, path: &mut Path, until: f64) {
+        self.scene.let_noise_pass(&mut path.noise, until - path.time, &mut path.draws);
+        path.time = until;
+    }
+
+    /// x and x'.
+    fn position(&self, path: &Path, t: f64) -> (f64, f64) {
+        match path.phase {
+            Phase::Static => (path.displacement, 0.0),
+            Phase::Slip(direction) => {
+                let w0 = self.scene.oscillator.natural_frequency();
+                let (sin, cos) = libm::sincos(w0 * (t - path.since));
+                let swing = direction.value() * self.half_jump;
+                (path.displacement + swing * (1.0 - cos), swing * w0 * sin)
+            }
+        }
+    }
+}
