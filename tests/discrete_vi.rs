@@ -1,6 +1,8 @@
 //! The discrete variational inequality against what it was not derived from: the paper's printed digits, the exact cascade, another
 //! program's ensemble, invariances of the model, and the loop everybody writes first.
 
+#![allow(clippy::excessive_precision, reason = "reference numbers stand as their 40-digit source prints them")]
+
 mod common;
 
 use common::{Keep, paper, timeline};
