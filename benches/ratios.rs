@@ -117,7 +117,8 @@ fn kernel(c: &mut Criterion) {
     let mut group = group(c, "kernel", BLOCK_SIZE * STEPS);
     let paths: Vec<u64> = (0..BLOCK_SIZE).collect();
     let mut bench = |name: &str, set: InstructionSet, scenario: &Scenario| {
-        let scheme = DiscreteVi::new(&scenario.model, &scenario.timeline(), scenario.time.step).with_instructions(set);
+        let step = scenario.time.step.expect("a time-stepping scheme");
+        let scheme = DiscreteVi::new(&scenario.model, &scenario.timeline(), step).with_instructions(set);
         group.bench_function(name, |b| b.iter(|| scheme.simulate(1, &paths, &mut Deaf)));
     };
     let widest = InstructionSet::detect();
@@ -202,7 +203,7 @@ fn header(scenario: &Scenario) -> Header {
         title: scenario.title.clone(),
         scenario_text: scenario.to_toml(),
         scheme: scenario.scheme.name().to_string(),
-        step: Some(scenario.time.step),
+        step: scenario.time.step,
         seed: 1,
         generator: String::new(),
         paths: 10_000,

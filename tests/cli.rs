@@ -241,7 +241,7 @@ fn every_shipped_scenario_passes_the_check() {
         assert!(answer.done().contains("# What follows from it"), "{}", path.display());
         seen += 1;
     }
-    assert_eq!(seen, 7);
+    assert_eq!(seen, 8);
 }
 
 #[test]
@@ -326,4 +326,49 @@ fn a_closed_pipe_is_a_quiet_exit() {
         assert_eq!(output.status.code(), Some(0), "{arguments:?}");
         assert_eq!(String::from_utf8_lossy(&output.stderr), "", "{arguments:?}");
     }
+}
+
+#[test]
+fn a_scheme_is_answered_with_what_it_takes() {
+    let check = |arguments: &[&str]| Desk::new().mc(&[&["check", "scene.toml"], arguments].concat());
+    check(&["--tolerance", "1e-4"]).refused(&["--tolerance 1e-4: `scheme.tolerance`", "discrete-vi", "fix: remove it"]);
+    check(&["--scheme", "corrected-vi", "--tolerance", "1e-4"]).refused(&["corrected-vi", "event-driven"]);
+    check(&["--scheme", "event-driven", "--tolerance", "0"]).refused(&["from 1e-9 to 0.1", "fix: "]);
+    check(&["--scheme", "event-drivn"]).refused(&["--scheme event-drivn: ", "did you mean \"event-driven\"?"]);
+    check(&["--scheme", "euler"]).refused(&["\"discrete-vi\", \"corrected-vi\", \"event-driven\", \"quasi-static\""]);
+    check(&["--scheme", "event-driven", "--step", "0.1"]).refused(&["--step 0.1: ", "has no time step", "--scheme"]);
+    check(&["--scheme", "corrected-vi", "--step", "1", "--set", "time.output_step=1"]).refused(&[
+        "--step 1: `time.step` = 1.0",
+        "f_s",
+        "shift",
+        "fix: choose `time.step` below 0.471",
+    ]);
+    let place = format!("scene.toml:{}:", line_of("[ensemble]") + 1);
+    check_with("[ensemble]", "[scheme]\ntolerance = 1e-3\n[ensemble]").refused(&[&place, "`scheme.tolerance`"]);
+    let stepless = RHO025.lines().filter(|line| !line.starts_with("step")).collect::<Vec<_>>().join("\n");
+    Desk::with(&stepless).mc(&["check", "scene.toml"]).refused(&["missing key `time.step`"]);
+    Desk::with(&stepless).mc(&["check", "scene.toml", "--scheme", "event-driven"]).done();
+}
+
+#[test]
+fn check_says_what_a_scheme_does_with_the_step() {
+    let check = |arguments: &[&str]| Desk::new().mc(&[&["check", "scene.toml"], arguments].concat());
+    for scheme in ["event-driven", "quasi-static"] {
+        let out = check(&["--scheme", scheme]);
+        for part in [&*format!("the {scheme} scheme does not use time.step"), "tolerance = 0.001", "# no step: "] {
+            assert!(out.done().contains(part), "{part}\n{}", out.out);
+        }
+        assert!(!out.out.contains("stability") && !out.out.contains("sqrt(h)"), "{}", out.out);
+        let desk = Desk::with(&out.out);
+        assert_eq!(desk.mc(&["check", "scene.toml"]).done(), out.out);
+        // Its tolerance stays behind when another scheme is asked for.
+        desk.mc(&["check", "scene.toml", "--scheme", "discrete-vi", "--step", "0.01"]).done();
+    }
+    assert!(check(&["--scheme", "corrected-vi"]).done().contains("shift of f_s"));
+    let equal = check(&["--scheme", "event-driven", "--set", "friction.dynamic=1.2"]);
+    assert!(equal.done().contains("shortest slip resolved") && equal.out.contains("properties of that resolution"));
+    let json = check(&["--scheme", "event-driven", "--json"]);
+    let value: serde_json::Value = serde_json::from_str(json.done()).unwrap();
+    assert_eq!((value["derived"]["tolerance"].as_f64(), value["derived"]["steps"].is_null()), (Some(1e-3), true));
+    assert_eq!(value["warnings"].as_array().map(Vec::len), Some(0));
 }

@@ -149,17 +149,20 @@ fn every_instruction_set_gives_the_same_bits() {
     }] {
         // 77 paths: whole groups of registers, single registers, and a part of one
         let paths: Vec<u64> = (0..77).collect();
-        let run = |set: InstructionSet| {
+        let run = |set: InstructionSet, corrected: bool| {
             assert!(set.is_available());
             let mut keep = Keep::lanes(paths.len());
-            let scheme = DiscreteVi::new(&model, &timeline(20.0, 0.5), 0.01).with_instructions(set);
+            let make = if corrected { DiscreteVi::corrected } else { DiscreteVi::new };
+            let scheme = make(&model, &timeline(20.0, 0.5), 0.01).with_instructions(set);
             assert_eq!(scheme.instructions(), set);
             scheme.simulate(3, &paths, &mut keep);
             keep
         };
-        let portable = run(InstructionSet::Portable);
-        for set in InstructionSet::ALL.into_iter().filter(|set| set.is_available()) {
-            assert!(run(set) == portable, "{}", set.name());
+        for corrected in [false, true] {
+            let portable = run(InstructionSet::Portable, corrected);
+            for set in InstructionSet::ALL.into_iter().filter(|set| set.is_available()) {
+                assert!(run(set, corrected) == portable, "{}", set.name());
+            }
         }
     }
 }

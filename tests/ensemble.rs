@@ -3,13 +3,17 @@
 mod common;
 
 use common::paper;
+use ndarray::Array1;
+use ndarray_stats::Quantile1dExt;
+use ndarray_stats::interpolate::Linear;
+use noisy_float::types::{N64, n64};
 use std::collections::BTreeMap;
 use std::convert::Infallible;
 use std::sync::atomic::{AtomicBool, Ordering};
 use stick_slip::ensemble::{BLOCK_SIZE, Plan};
 use stick_slip::model::*;
 use stick_slip::scheme::{DiscreteVi, Scheme, Timeline};
-use stick_slip::stats::{BlockResult, Record, Statistic, Summary, Totals};
+use stick_slip::stats::{Band, BlockResult, QUANTILE_LEVELS, Record, Statistic, Summary, Totals, TrajectoryRows};
 
 fn plan(model: Model, end: f64, h: f64, paths: u64) -> Plan {
     let timeline = Timeline { end, output_step: end / 10.0, period: model.temperature.period() };
@@ -75,6 +79,46 @@ fn the_noisy_ensemble_has_the_schemes_own_values_at_three_steps() {
             (SubPhasesMultipleShare, 0.20635, 0.0),
         ],
     );
+}
+
+/// The sketch against the quantiles of all the paths, sorted: within the width of its bins, 1/256 of the distance from the centre plus a
+/// little. Where paths sit on an atom (x' = 0 while static) the quantile is the atom itself.
+#[test]
+fn bands_hold_the_quantiles_of_the_paths() {
+    let mut plan = plan(paper(0.25, 0.25), 60.0, 0.01, 3000);
+    plan.record.trajectories = plan.paths;
+    let blocks = blocks(&plan, 2);
+    let mut totals = Totals::empty(&plan.model, &plan.timeline);
+    blocks.iter().for_each(|block| totals.merge(&block.totals));
+    let bands = totals.summary().bands;
+    let rows = plan.timeline.rows();
+    for (band, centre, column) in [
+        (&bands.displacement, 6.0, (|t| &t.displacement) as fn(&TrajectoryRows) -> &Vec<f64>),
+        (&bands.velocity, 0.0, |t| &t.velocity),
+        (&bands.temperature, 0.0, |t| &t.temperature),
+    ] {
+        for row in 0..rows {
+            let values = blocks
+                .iter()
+                .filter_map(|b| b.trajectories.as_ref())
+                .flat_map(|t| column(t).iter().skip(row).step_by(rows));
+            let mut values: Array1<N64> = values.map(|&v| n64(v)).collect();
+            assert_eq!(values.len(), 3000);
+            for (level, sketched) in QUANTILE_LEVELS.iter().zip(bands_column(band, row)) {
+                let exact = values.quantile_mut(n64(*level), &Linear).expect("not empty").raw();
+                let width = ((exact - centre).abs() + 0.1) / 256.0;
+                // neighbouring order statistics may lie apart in the sparse flanks; 5 % and 95 % of 3000 are dense
+                assert!((sketched - exact).abs() <= 1.5 * width + 0.02, "row {row}, {level}: {sketched} {exact}");
+                if exact == centre {
+                    assert_eq!(sketched, exact, "an atom is exact");
+                }
+            }
+        }
+    }
+}
+
+fn bands_column(band: &Band, row: usize) -> Vec<f64> {
+    band.quantiles.column(row).to_vec()
 }
 
 fn blocks(plan: &Plan, threads: usize) -> Vec<BlockResult> {

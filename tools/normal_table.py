@@ -79,7 +79,7 @@ def rows(words):
 
 
 def write(f, name, doc, kind, rows, test=False, length=None):
-    f.write("\n/// %s\n%s#[rustfmt::skip]\npub(super) const %s: [%s; %d] = [\n" % (doc, "#[cfg(test)]\n" if test else "", name, kind, length or len(rows)))
+    f.write("\n/// %s\n%s#[rustfmt::skip]\npub(super) static %s: [%s; %d] = [\n" % (doc, "#[cfg(test)]\n" if test else "", name, kind, length or len(rows)))
     for row in rows:
         f.write("    %s,\n" % row)
     f.write("];\n")

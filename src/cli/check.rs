@@ -6,11 +6,13 @@ use super::overrides::Overrides;
 use std::fmt::Write as _;
 use std::path::PathBuf;
 use stick_slip::scenario::{Derived, Scenario, Stability};
+use stick_slip::scheme::Resolution;
 
 const EXAMPLES: &str = "\
 Examples:
   mc check scenarios/rho025.toml
   mc check scenarios/rho025.toml --step 0.1
+  mc check scenarios/rho025.toml --scheme event-driven --tolerance 1e-4
   mc check scenarios/rho025.toml --set friction.dynamic=1.2 > resolved.toml
 
 What is printed is itself a scenario: what follows from it, and the warnings, are comments.";
@@ -74,6 +76,8 @@ fn derived(scenario: &Scenario) -> Vec<(&'static str, String)> {
         corridor_half_width,
         corridor_time,
         stability,
+        monitoring_shift,
+        resolution,
         expected_amplitude,
         forcing_period,
         whole_periods,
@@ -90,7 +94,7 @@ fn derived(scenario: &Scenario) -> Vec<(&'static str, String)> {
         lines.push(("f_s/(K beta rho), corridor, in sd of v", optional(corridor_half_width, "unbounded")));
         lines.push(("(f_s/(K beta rho sigma))^2, time to cross it", optional(corridor_time, "unbounded")));
     }
-    lines.push(match stability {
+    lines.extend(stability.map(|stability| match stability {
         Stability::Undamped { critical_amplitude } => {
             ("A_c = 4 f_d/(pi w0 h K), critical amplitude", format!("{} (no damping)", number(critical_amplitude)))
         }
@@ -100,12 +104,20 @@ fn derived(scenario: &Scenario) -> Vec<(&'static str, String)> {
         Stability::Overdamped { largest_step } => {
             ("2/|lambda_max|, stability limit of the step", format!("{} (overdamped)", number(largest_step)))
         }
-    });
+        Stability::NewVelocity { largest_step } => ("stability limit of the step", number(largest_step)),
+    }));
+    lines.extend(monitoring_shift.map(|shift| ("0.5826 K beta rho sigma sqrt(h), shift of f_s", number(shift))));
+    lines.extend(scenario.scheme.tolerance().map(|tolerance| ("tolerance, relative", number(tolerance))));
+    if let Some(Resolution { static_force, shortest_slip }) = resolution {
+        lines.push(("resolution: shortest slip resolved, about", number(shortest_slip)));
+        lines.push(("resolution: f_s as simulated", static_force.to_string()));
+    }
     lines.push(("largest |x| to be expected, roughly", significant(expected_amplitude, 2)));
     lines.push(("2 pi/w, forcing period", optional(forcing_period, "none")));
     lines.push(("whole forcing periods", number(whole_periods)));
-    lines.push(("steps of a path", grouped(steps)));
-    lines.push(("path-steps in all", significant(path_steps, 3)));
+    let none = || format!("none; the {} scheme does not use time.step", scenario.scheme.name());
+    lines.push(("steps of a path", steps.map_or_else(none, grouped)));
+    lines.extend(path_steps.map(|steps| ("path-steps in all", significant(steps, 3))));
     lines.push(("rows of the output grid", grouped(rows as u64)));
     lines.push(("output file, about", bytes(output_bytes)));
     lines
@@ -129,11 +141,15 @@ struct JsonDerived {
     corridor_time: Option<f64>,
     critical_amplitude: Option<f64>,
     largest_step: Option<f64>,
+    monitoring_shift: Option<f64>,
+    tolerance: Option<f64>,
+    resolution_static_force: Option<f64>,
+    resolution_shortest_slip: Option<f64>,
     expected_amplitude: f64,
     forcing_period: Option<f64>,
     whole_periods: f64,
-    steps: u64,
-    path_steps: f64,
+    steps: Option<u64>,
+    path_steps: Option<f64>,
     rows: usize,
     output_bytes: f64,
 }
@@ -147,8 +163,13 @@ struct JsonWarning {
 fn json(path: &str, scenario: &Scenario) -> String {
     let d = scenario.derived();
     let (critical_amplitude, largest_step) = match d.stability {
-        Stability::Undamped { critical_amplitude } => (Some(critical_amplitude), None),
-        Stability::Underdamped { largest_step } | Stability::Overdamped { largest_step } => (None, Some(largest_step)),
+        None => (None, None),
+        Some(Stability::Undamped { critical_amplitude }) => (Some(critical_amplitude), None),
+        Some(
+            Stability::Underdamped { largest_step }
+            | Stability::Overdamped { largest_step }
+            | Stability::NewVelocity { largest_step },
+        ) => (None, Some(largest_step)),
     };
     let check = JsonCheck {
         scenario: path,
@@ -162,6 +183,10 @@ fn json(path: &str, scenario: &Scenario) -> String {
             corridor_time: d.corridor_time,
             critical_amplitude,
             largest_step,
+            monitoring_shift: d.monitoring_shift,
+            tolerance: scenario.scheme.tolerance(),
+            resolution_static_force: d.resolution.map(|resolution| resolution.static_force),
+            resolution_shortest_slip: d.resolution.map(|resolution| resolution.shortest_slip),
             expected_amplitude: d.expected_amplitude,
             forcing_period: d.forcing_period,
             whole_periods: d.whole_periods,

@@ -25,7 +25,7 @@ Examples:
   mc run mine.toml --paths 10000            simulate; results in mine.h5
   mc run mine.toml --set friction.static=1.3 -o stronger.h5
   mc show mine.h5                           the table again, from the file
-  mc replay mine.h5 --path 4711             one path alone, step by step
+  mc replay mine.h5 --path 4711             one path alone, event by event
 
 Exit codes: 0 done, 1 the run failed, 2 the arguments or the scenario are wrong, 130 interrupted.";
 
@@ -45,7 +45,7 @@ enum Verb {
     Check(check::Check),
     /// Print the results in a file again
     Show(show::Show),
-    /// Rerun one path of a stored ensemble alone, keeping every step
+    /// Rerun one path of a stored ensemble alone, keeping its events and its trajectory
     Replay(replay::Replay),
     /// Write a commented scenario to start from
     Init(init::Init),

@@ -13,7 +13,13 @@ pub struct Overrides {
     /// Seed; with the number of a path, determines its noise [ensemble.seed]
     #[arg(long, value_name = "S", allow_hyphen_values = true)]
     seed: Option<String>,
-    /// Time step h [time.step]
+    /// Scheme: discrete-vi, corrected-vi, event-driven or quasi-static [scheme.kind]
+    #[arg(long, value_name = "KIND", allow_hyphen_values = true)]
+    scheme: Option<String>,
+    /// Relative error that discretisation may leave; event-driven and quasi-static schemes [scheme.tolerance]
+    #[arg(long, value_name = "TOL", allow_hyphen_values = true)]
+    tolerance: Option<String>,
+    /// Time step h; discrete-vi and corrected-vi schemes [time.step]
     #[arg(long, value_name = "H", allow_hyphen_values = true)]
     step: Option<String>,
     /// End of the simulation [time.end]
@@ -35,6 +41,8 @@ impl Overrides {
         let named = [
             ("--paths", "ensemble.paths", &self.paths),
             ("--seed", "ensemble.seed", &self.seed),
+            ("--scheme", "scheme.kind", &self.scheme),
+            ("--tolerance", "scheme.tolerance", &self.tolerance),
             ("--step", "time.step", &self.step),
             ("--until", "time.end", &self.until),
         ];

@@ -5,6 +5,7 @@ use std::path::Path;
 use stick_slip::ensemble::BLOCK_SIZE;
 use stick_slip::noise::GENERATOR;
 use stick_slip::scenario::Scenario;
+use stick_slip::stats::Record;
 use stick_slip::store::{Header, StoreError, Writer, check_space, discard_partial};
 
 /// The header of the file that a scenario's run writes.
@@ -14,7 +15,7 @@ pub fn header(scenario: &Scenario) -> Header {
         title: scenario.title.clone(),
         scenario_text: scenario.to_toml(),
         scheme: scenario.scheme.name().to_string(),
-        step: Some(scenario.time.step),
+        step: scenario.time.step,
         seed: scenario.ensemble.seed,
         generator: GENERATOR.to_string(),
         paths: scenario.ensemble.paths,
@@ -28,13 +29,16 @@ pub fn header(scenario: &Scenario) -> Header {
 
 /// Start the file, if its disk has room for it. With `force`, what an unfinished run to the same name left goes.
 pub fn create(scenario: &Scenario, output: &Path, force: bool) -> Result<Writer, Failure> {
-    let header = header(scenario);
-    let folder = output.parent().unwrap_or(Path::new("."));
-    check_space(folder, scenario.derived().output_bytes as u64)?;
+    check_space(output.parent().unwrap_or(Path::new(".")), scenario.derived().output_bytes as u64)?;
+    start(scenario, &scenario.record, output, force)
+}
+
+/// The same for a file known to be small, which keeps something else than the scenario says.
+pub fn start(scenario: &Scenario, record: &Record, output: &Path, force: bool) -> Result<Writer, Failure> {
     if force {
         discard_partial(output)?;
     }
-    Ok(Writer::create(output, &header, &scenario.record)?)
+    Ok(Writer::create(output, &header(scenario), record)?)
 }
 
 impl From<StoreError> for Failure {

@@ -17,6 +17,7 @@ use stick_slip::store::{Status, StoreError};
 const EXAMPLES: &str = "\
 Examples:
   mc run scenarios/rho025.toml --paths 10000
+  mc run scenarios/rho025.toml --scheme event-driven -o exact.h5
   mc run scenarios/rho025.toml --step 0.001 -o fine.h5
   mc run scenarios/rho025.toml --set friction.static=1.3 -o stronger.h5
   mc run scenarios/shaw.toml --json | jq .statistics.stick_duration_mean
@@ -129,12 +130,12 @@ fn info(scenario_path: &Path, job: &Job<'_>, status: Status, seconds: f64) -> Ru
         scenario: scenario_path.display().to_string(),
         title: title.clone(),
         scheme: scheme.name().to_string(),
-        step: Some(time.step),
+        step: time.step,
         seed: ensemble.seed,
         paths: ensemble.paths,
         threads: Some(job.threads),
         seconds: Some(seconds),
-        steps_per_path: Some(time.steps()),
+        steps_per_path: time.steps(),
         file: job.output.display().to_string(),
         status,
         units: units.clone(),

@@ -42,7 +42,7 @@ fn info(file: &Path, stored: &Stored) -> RunInfo {
         paths: header.paths,
         threads: None,
         seconds: None,
-        steps_per_path: scenario.ok().map(|scenario| scenario.time.steps()),
+        steps_per_path: scenario.ok().and_then(|scenario| scenario.time.steps()),
         file: file.display().to_string(),
         status: *status,
         units: Units { time, length, force, temperature },

@@ -43,6 +43,8 @@ pub trait Lanes: Copy {
     fn lt(self, other: Self) -> Self::Mask;
     /// `a` where `up` holds, `b` where `down` holds, 0 elsewhere; they never hold both.
     fn either(up: Self::Mask, a: Self, down: Self::Mask, b: Self) -> Self;
+    /// `zero` where self is zero, `other` elsewhere.
+    fn where_zero(self, zero: Self, other: Self) -> Self;
     /// Bit i of the result is lane i of the mask.
     fn bitmask(mask: Self::Mask) -> u32;
     /// In each lane, the table entry numbered by the low 13 bits of `index`.

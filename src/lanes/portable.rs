@@ -57,6 +57,10 @@ impl Lanes for Portable {
         }))
     }
     #[inline(always)]
+    fn where_zero(self, zero: Self, other: Self) -> Self {
+        Portable(std::array::from_fn(|i| if self.0[i] == 0.0 { zero.0[i] } else { other.0[i] }))
+    }
+    #[inline(always)]
     fn bitmask(mask: Self::Mask) -> u32 {
         mask.iter().enumerate().map(|(i, &yes)| u32::from(yes) << i).sum()
     }

@@ -72,6 +72,13 @@ impl Lanes for Avx512 {
         unsafe { Avx512(_mm512_mask_mov_pd(_mm512_maskz_mov_pd(down, b.0), up, a.0)) }
     }
     #[inline(always)]
+    fn where_zero(self, zero: Self, other: Self) -> Self {
+        unsafe {
+            let is_zero = _mm512_cmp_pd_mask::<_CMP_EQ_OQ>(self.0, _mm512_setzero_pd());
+            Avx512(_mm512_mask_blend_pd(is_zero, other.0, zero.0))
+        }
+    }
+    #[inline(always)]
     fn bitmask(mask: Self::Mask) -> u32 {
         u32::from(mask)
     }
@@ -187,6 +194,13 @@ impl Lanes for Avx2 {
     #[inline(always)]
     fn either(up: Self::Mask, a: Self, down: Self::Mask, b: Self) -> Self {
         unsafe { Avx2(_mm256_or_pd(_mm256_and_pd(up, a.0), _mm256_and_pd(down, b.0))) }
+    }
+    #[inline(always)]
+    fn where_zero(self, zero: Self, other: Self) -> Self {
+        unsafe {
+            let is_zero = _mm256_cmp_pd::<_CMP_EQ_OQ>(self.0, _mm256_setzero_pd());
+            Avx2(_mm256_blendv_pd(other.0, zero.0, is_zero))
+        }
     }
     #[inline(always)]
     fn bitmask(mask: Self::Mask) -> u32 {

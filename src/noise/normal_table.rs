@@ -5,7 +5,7 @@ pub(super) const C2_BITS: u32 = 28;
 
 /// c0 of each cell.
 #[rustfmt::skip]
-pub(super) const LEVELS: [u64; 8192] = [
+pub(super) static LEVELS: [u64; 8192] = [
     0x4022020929489b86, 0x40220199a72a1db9, 0x4022012afe075f13, 0x402200bd2a95184f, 0x40220050299b3c4b, 0x4021ffe3f7f43c30,
     0x4021ff78928c79dc, 0x4021ff0df661d753, 0x4021fea42083004f, 0x4021fe3b0e0f3e2b, 0x4021fdd2bc35a035, 0x4021fd6b2834e5d5,
     0x4021fd044f5aad96, 0x4021fc9e2f035c0d, 0x4021fc38c49976a2, 0x4021fbd40d956205, 0x4021fb70077d0000, 0x4021fb0cafe31519,
@@ -1376,7 +1376,7 @@ pub(super) const LEVELS: [u64; 8192] = [
 
 /// c1 of each cell, and c2 in the low bits.
 #[rustfmt::skip]
-pub(super) const SLOPES: [u64; 8192] = [
+pub(super) static SLOPES: [u64; 8192] = [
     0xbfabfbf563f8b8b2, 0xbfabc54b43f8b1f5, 0xbfab8f7663f8ab5e, 0xbfab5a71f3f8a4ee, 0xbfab263923f89ea3, 0xbfaaf2c773f8987c,
     0xbfaac01883f89278, 0xbfaa8e27f3f88c95, 0xbfaa5cf1a3f886d4, 0xbfaa2c7183f88132, 0xbfa9fca3a3f87bb0, 0xbfa9cd8443f8764b,
     0xbfa99f0f93f87104, 0xbfa9714203f86bd9, 0xbfa9441813f866ca, 0xbfa9178e53f861d6, 0xbfa8eba173f85cfb, 0xbfa8c04e53f8583b,
@@ -2748,7 +2748,7 @@ pub(super) const SLOPES: [u64; 8192] = [
 /// (y, z(y)), 40 digits rounded: 32 points an octave, and the smallest y.
 #[cfg(test)]
 #[rustfmt::skip]
-pub(super) const REFERENCE: [(u64, f64); 1736] = [
+pub(super) static REFERENCE: [(u64, f64); 1736] = [
     (525, 8.371435315949821),
     (525, 8.371435315949821),
     (525, 8.371435315949821),

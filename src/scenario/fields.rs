@@ -59,6 +59,11 @@ impl<'a> Fields<'a> {
         self.entries.iter().find(|entry| entry.key == name).map(|entry| &entry.node)
     }
 
+    /// Where the value of a key is, if it is there.
+    pub fn place_of(&self, name: &str) -> Option<Place> {
+        self.node(name).map(|node| node.place)
+    }
+
     /// A table in this one; if it is missing, an empty one.
     pub fn table(&self, name: &str) -> Result<Fields<'a>, Box<Fault>> {
         let path = self.dotted(name);
@@ -143,7 +148,9 @@ impl<'a> Fields<'a> {
 
     fn unknown_word(&self, node: &Node, name: &str, words: &[&'static str], allowed: &str) -> Box<Fault> {
         let text = if let Value::Text(text) = &node.value { text.as_str() } else { "" };
-        let nearest = words.iter().filter(|word| strsim::jaro_winkler(text, word) > 0.8).copied().next();
+        let likeness = |word: &&'static str| (strsim::jaro_winkler(text, word), *word);
+        let alike = words.iter().map(likeness).filter(|(likeness, _)| *likeness > 0.8);
+        let nearest = alike.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, word)| word);
         let hint = nearest.map_or(String::new(), |word| format!("; did you mean \"{word}\"?"));
         let problem = format!("is not {allowed} {}{hint}", quoted(words));
         self.fault(node, &self.dotted(name), problem, format!("write {allowed} {}", quoted(words)))

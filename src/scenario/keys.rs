@@ -1,11 +1,14 @@
 //! Every key a scenario may hold: its table, its symbol, what it means, what is allowed.
 
+use crate::scheme::TOLERANCES;
+
 /// Which numbers a key takes; infinities and NaN are never among them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Range {
     Any,
     Positive,
     NonNegative,
+    Tolerance,
 }
 
 impl Range {
@@ -14,6 +17,7 @@ impl Range {
             Range::Any => true,
             Range::Positive => x > 0.0,
             Range::NonNegative => x >= 0.0,
+            Range::Tolerance => TOLERANCES.contains(&x),
         }
     }
 
@@ -22,6 +26,7 @@ impl Range {
             Range::Any => "a finite number",
             Range::Positive => "a finite number above 0",
             Range::NonNegative => "a finite number, 0 or above",
+            Range::Tolerance => "a number from 1e-9 to 0.1",
         }
     }
 }
@@ -54,10 +59,11 @@ pub(super) const RELAXATION_RATE: Key = key("relaxation_rate", "theta", "dv = -t
 pub(super) const DIFFUSION: Key = key("diffusion", "sigma", "dv = -theta v dt + sigma dW", Range::NonNegative);
 pub(super) const INITIAL_NOISE: Key = key("initial", "v(0)", "start of the noise", Range::Any);
 pub(super) const DISPLACEMENT: Key = key("displacement", "x0", "x(0); x'(0) = 0", Range::Any);
-pub(super) const END: Key = key("end", "t_end", "duration, a whole number of steps", Range::NonNegative);
+pub(super) const END: Key = key("end", "t_end", "duration", Range::NonNegative);
 pub(super) const STEP: Key = key("step", "h", "time step", Range::Positive);
-pub(super) const OUTPUT_STEP: Key =
-    key("output_step", "", "spacing of the output grid, a whole number of steps", Range::Positive);
+pub(super) const OUTPUT_STEP: Key = key("output_step", "", "spacing of the output grid", Range::Positive);
+pub(super) const TOLERANCE: Key =
+    key("tolerance", "", "relative error that discretisation may leave", Range::Tolerance);
 
 /// The tables and the keys of each, in the order of a resolved scenario.
 pub(super) const TABLES: [(&str, &[&str]); 12] = [
@@ -72,7 +78,7 @@ pub(super) const TABLES: [(&str, &[&str]); 12] = [
     ("temperature.noise", &["intensity", "relaxation_rate", "diffusion", "initial"]),
     ("initial", &["displacement"]),
     ("time", &["end", "step", "output_step"]),
-    ("scheme", &["kind"]),
+    ("scheme", &["kind", "tolerance"]),
     ("ensemble", &["paths", "seed"]),
     ("record", &["paths", "events", "trajectories"]),
     ("units", &["time", "length", "force", "temperature"]),
@@ -84,7 +90,7 @@ pub(super) fn of_table(table: &str) -> &'static [&'static str] {
 }
 
 /// What people write for a key: the paper's symbols and common synonyms.
-const SYNONYMS: [(&str, &str); 25] = [
+const SYNONYMS: [(&str, &str); 26] = [
     ("m", "oscillator.mass"),
     ("k", "oscillator.stiffness"),
     ("alpha", "oscillator.damping"),
@@ -110,6 +116,7 @@ const SYNONYMS: [(&str, &str); 25] = [
     ("h", "time.step"),
     ("dt", "time.step"),
     ("n", "ensemble.paths"),
+    ("epsilon", "scheme.tolerance"),
 ];
 
 /// How alike two words must be (1 is equal) for one to be suggested for the other: less within a table than across

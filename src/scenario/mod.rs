@@ -1,33 +1,43 @@
 //! A scenario: one physical question, read from TOML and checked. The only home of TOML.
-
 //!
 //! ```text
 //! source    the texts: a file, and the overrides of a command line
 //!   -> tree      TOML with the place of every value, overrides laid over it
 //!        -> fields    a table read key by key: unknown keys, types, ranges (keys lists them all)
-//!             -> parse     a checked Scenario, or the Fault that says what to change
+//!             -> parse, time   a checked Scenario, or the Fault that says what to change
+//! kind      the schemes by name
 //! text      a Scenario -> TOML, every default visible; reading it again gives the same Scenario
-//! check     what follows from a Scenario before it is run: derived quantities, warnings
+//! check     what follows from a Scenario before it is run; stability: limits of its step
+//! warnings  what to know before trusting the run
+//! plan      the ensemble that answers it
 //! ```
 
 mod check;
 mod error;
 mod fields;
 mod keys;
+mod kind;
 mod parse;
 mod plan;
 mod shipped;
 mod source;
+mod stability;
 mod text;
+mod time;
 mod tree;
+mod warnings;
 
 #[cfg(test)]
 mod tests;
 
-pub use check::{Derived, Stability, Warning};
+pub use check::Derived;
 pub use error::{Fault, ScenarioError};
-pub use parse::{MAX_PATHS, MAX_ROWS, MAX_STEPS, MAX_TRAJECTORIES};
+pub use kind::SchemeKind;
+pub use parse::{MAX_PATHS, MAX_TRAJECTORIES};
 pub use shipped::{SHIPPED, Shipped, shipped};
+pub use stability::Stability;
+pub use time::{MAX_ROWS, MAX_STEPS};
+pub use warnings::Warning;
 
 use crate::model::Model;
 use crate::scheme::Timeline;
@@ -60,17 +70,10 @@ pub struct Scenario {
 pub struct Time {
     /// t_end >= 0.
     pub end: f64,
-    /// h > 0; `end` and `output_step` are whole multiples of it (time-stepping schemes).
-    pub step: f64,
+    /// h > 0, of which `end` and `output_step` are whole multiples; none where the scheme has no steps.
+    pub step: Option<f64>,
     /// Spacing of the output grid.
     pub output_step: f64,
-}
-
-/// The schemes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum SchemeKind {
-    /// The paper's discrete variational inequality.
-    DiscreteVi,
 }
 
 /// How many paths, from which seed.
@@ -95,32 +98,16 @@ pub struct Units {
     pub temperature: String,
 }
 
-impl SchemeKind {
-    /// Every name, as in a scenario.
-    pub const NAMES: [&'static str; 1] = ["discrete-vi"];
-
-    /// The name in scenarios, tables, JSON and files.
-    pub fn name(self) -> &'static str {
-        match self {
-            SchemeKind::DiscreteVi => "discrete-vi",
-        }
-    }
-
-    /// The scheme of this name.
-    pub fn from_name(name: &str) -> Option<Self> {
-        (name == "discrete-vi").then_some(SchemeKind::DiscreteVi)
-    }
-}
-
 impl Time {
-    /// Number of steps from 0 to the end.
-    pub fn steps(&self) -> u64 {
-        (self.end / self.step).round() as u64
+    /// Number of steps from 0 to the end, if there are steps.
+    pub fn steps(&self) -> Option<u64> {
+        self.step.map(|step| (self.end / step).round() as u64)
     }
 
-    /// Number of steps between two rows of the output grid.
-    pub fn output_stride(&self) -> u64 {
-        (self.output_step / self.step).round() as u64
+    /// The step a time-stepping scheme makes. The reader lets no such scenario pass without one; one that was put together
+    /// without steps from row to row.
+    fn step_or_row(&self) -> f64 {
+        self.step.unwrap_or(self.output_step)
     }
 }
 

@@ -5,16 +5,11 @@ use super::error::Fault;
 use super::fields::{Fields, Read};
 use super::keys;
 use super::source::Sources;
+use super::time::time;
 use super::tree;
-use super::{Ensemble, Scenario, SchemeKind, Time, Units};
+use super::{Ensemble, Scenario, SchemeKind, Units};
 use crate::model::{Friction, Harmonic, InitialNoise, Model, Noise, Oscillator, Temperature};
 use crate::stats::Record;
-
-/// Most rows of the output grid: bands hold every path's value at every row of a block.
-pub const MAX_ROWS: usize = 10_000;
-
-/// Most steps of a path: beyond 2^53, t_n = n h is no longer distinct for every n.
-pub const MAX_STEPS: f64 = 9_007_199_254_740_992.0;
 
 /// Most paths.
 pub const MAX_PATHS: u64 = 1 << 40;
@@ -34,16 +29,16 @@ pub(super) fn scenario(sources: &Sources<'_>, default_title: &str) -> Result<Sce
     let root = Fields::root(sources, &tree)?;
     refuse_unknown_keys(&root)?;
     let model = model(sources, &root)?;
-    let time = time(sources, &root, &model)?;
+    let scheme = scheme(sources, &root)?;
+    let time = time(sources, &root, &model, scheme)?;
     let ensemble = root.table("ensemble")?;
     let record = root.table("record")?;
     let units = root.table("units")?;
-    let scheme = root.table("scheme")?.word("kind", &SchemeKind::NAMES)?;
     Ok(Scenario {
         title: root.line_or("title", default_title)?,
         model,
         time,
-        scheme: scheme.and_then(SchemeKind::from_name).unwrap_or(SchemeKind::DiscreteVi),
+        scheme,
         ensemble: Ensemble {
             paths: ensemble.whole_or("paths", DEFAULT_PATHS, (1, MAX_PATHS))?,
             seed: ensemble.whole_or("seed", DEFAULT_SEED, (0, u64::MAX))?,
@@ -164,119 +159,29 @@ fn noise(sources: &Sources<'_>, table: &Fields<'_>) -> Result<Option<Noise>, Box
     Ok((!silent).then_some(noise))
 }
 
-fn time(sources: &Sources<'_>, root: &Fields<'_>, model: &Model) -> Result<Time, Box<Fault>> {
-    let table = root.table("time")?;
-    let end = table.number(keys::END)?;
-    let step = table.number(keys::STEP)?;
-    // 0.0, never -0.0.
-    let (t_end, h) = (end.value.abs(), step.value);
-
-    let ratio = t_end / h;
-    if ratio > MAX_STEPS {
-        let problem = format!("makes t_end / h = {ratio:.3e} steps, and at most 2^53 = 9.0e15 can be counted");
-        let remedy = format!("raise `time.step` to {:?} or more, or lower `time.end`", tidy(t_end / MAX_STEPS * 1.001));
-        return Err(about(sources, &[&step, &end], problem, remedy));
+/// The scheme with its tolerance.
+fn scheme(sources: &Sources<'_>, root: &Fields<'_>) -> Result<SchemeKind, Box<Fault>> {
+    let table = root.table("scheme")?;
+    let named = table.word("kind", &SchemeKind::NAMES)?.and_then(SchemeKind::from_name);
+    let kind = named.unwrap_or(SchemeKind::DiscreteVi);
+    let Some(tolerance) = table.number_if_present(keys::TOLERANCE)? else { return Ok(kind) };
+    // A scheme chosen on the command line leaves the tolerance of the file's own behind.
+    let is_left_behind = sources.is_override(table.place_of("kind")) && !sources.is_override(tolerance.place);
+    if kind.tolerance().is_some() || is_left_behind {
+        return Ok(kind.with_tolerance(tolerance.value));
     }
-    let steps = whole_multiple(t_end, h).ok_or_else(|| {
-        let (below, above) = (ratio.floor(), ratio.ceil());
-        let problem = format!("`time.end` = {t_end:?} is not a whole number of steps `time.step` = {h:?}");
-        let list = |f: &dyn Fn(f64) -> f64, counts: [f64; 2]| {
-            let values = counts.iter().filter(|n| **n > 0.0).map(|n| format!("{:?}", tidy(f(*n))));
-            values.collect::<Vec<_>>().join(" or ")
-        };
-        let remedy = format!(
-            "the nearest steps are {}; the nearest ends are {}",
-            list(&|n| t_end / n, [above, below]),
-            list(&|n| n * h, [below, above]),
-        );
-        about(sources, &[&step, &end], problem, remedy)
-    })?;
-
-    if !step_is_usable(model, h) {
-        let problem =
-            format!("gives h/m = {:e} or a threshold h f_s/m that a double cannot hold", h / model.oscillator.mass);
-        let remedy = "choose units in which mass, forces and step are closer to 1";
-        return Err(about(sources, &[&step], problem, remedy.into()));
-    }
-
-    let output_step = match table.number_if_present(keys::OUTPUT_STEP)? {
-        None => default_output_step(t_end, h, steps),
-        Some(output) => {
-            let ratio = output.value / h;
-            if whole_multiple(output.value, h).is_none() {
-                let spacing = output.value;
-                let problem =
-                    format!("`time.output_step` = {spacing:?} is not a whole number of steps `time.step` = {h:?}");
-                let nearest = [ratio.floor(), ratio.ceil()].map(|n| tidy(n.max(1.0) * h));
-                let values = if nearest[0] == nearest[1] { &nearest[..1] } else { &nearest[..] };
-                let values: Vec<String> = values.iter().map(|x| format!("{x:?}")).collect();
-                let remedy = format!("the nearest output steps are {}", values.join(" or "));
-                return Err(about(sources, &[&output, &step], problem, remedy));
-            }
-            let rows = (t_end / output.value * (1.0 + WHOLE)).floor() + 1.0;
-            if rows > MAX_ROWS as f64 {
-                let problem = format!("makes an output grid of {rows} rows, and at most {MAX_ROWS} are kept");
-                let least = (t_end / h / (MAX_ROWS - 1) as f64).ceil() * h;
-                let remedy = format!("write `time.output_step` = {:?} or more, or lower `time.end`", tidy(least));
-                return Err(about(sources, &[&output, &end], problem, remedy));
-            }
-            output.value
-        }
-    };
-    Ok(Time { end: t_end, step: h, output_step })
-}
-
-/// h/m and the thresholds it makes of the friction forces: finite, and not so small that digits are lost.
-fn step_is_usable(model: &Model, h: f64) -> bool {
-    let h_over_m = h / model.oscillator.mass;
-    let usable = |x: f64| x == 0.0 || x.is_normal();
-    let thresholds = [model.friction.static_force, model.friction.dynamic_force];
-    h.is_normal()
-        && h_over_m.is_normal()
-        && thresholds.iter().all(|f| usable(*f) && (*f == 0.0 || (h_over_m * f).is_normal()))
-        && (h_over_m * largest_force(model)).is_finite()
-}
-
-/// How far, relative to it, a duration may be from a whole number of steps: rounding of decimal fractions, no more.
-const WHOLE: f64 = 1e-9;
-
-/// n, if `total` is n `part`.
-fn whole_multiple(total: f64, part: f64) -> Option<f64> {
-    let ratio = total / part;
-    let n = ratio.round();
-    ((ratio - n).abs() <= WHOLE * n && (n > 0.0 || total == 0.0)).then_some(n)
-}
-
-/// Rows of a default output grid, the first one not counted.
-const DEFAULT_ROWS: f64 = 120.0;
-
-/// About 120 rows: the count from 60 to 240 nearest to it that divides the steps, else whatever is near it.
-fn default_output_step(end: f64, h: f64, steps: f64) -> f64 {
-    if steps <= DEFAULT_ROWS {
-        return h;
-    }
-    let distance = |rows: &f64| (rows / DEFAULT_ROWS).ln().abs();
-    let divisor = (60..=240).map(f64::from).filter(|rows| steps % rows == 0.0);
-    match divisor.min_by(|a, b| distance(a).total_cmp(&distance(b))) {
-        // end / rows rather than a multiple of h: 60 / 120 is 0.5, 50 * 0.01 need not be.
-        Some(rows) => end / rows,
-        None => (steps / DEFAULT_ROWS).round() * h,
-    }
-}
-
-/// To twelve digits, if that is all there is to it: 0.9 rather than 0.8999999999999999.
-fn tidy(x: f64) -> f64 {
-    format!("{x:.11e}").parse().unwrap_or(x)
+    let problem = format!("is given, but the accuracy of the {} scheme is set by `time.step` alone", kind.name());
+    let remedy = "remove it, or choose the scheme \"event-driven\" or \"quasi-static\" (`--scheme event-driven`)";
+    Err(about(sources, &[&tolerance], problem, remedy.into()))
 }
 
 /// Whether `a` comes from an override and `b` does not: then `a` is the one to blame.
 fn override_of(sources: &Sources<'_>, a: &Read<f64>, b: &Read<f64>) -> bool {
-    let is_override = |read: &Read<f64>| read.place.is_some_and(|place| sources.override_at(place).is_some());
-    is_override(a) && !is_override(b)
+    sources.is_override(a.place) && !sources.is_override(b.place)
 }
 
 /// A fault in what several values make together, shown at the first, or at the one that an override brought.
-fn about(sources: &Sources<'_>, reads: &[&Read<f64>], problem: String, remedy: String) -> Box<Fault> {
+pub(super) fn about(sources: &Sources<'_>, reads: &[&Read<f64>], problem: String, remedy: String) -> Box<Fault> {
     let mut shown = reads[0];
     for read in &reads[1..] {
         if override_of(sources, read, shown) {

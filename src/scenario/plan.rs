@@ -2,14 +2,22 @@
 
 use super::{Scenario, SchemeKind};
 use crate::ensemble::Plan;
-use crate::scheme::{DiscreteVi, Scheme};
+use crate::scheme::{DiscreteVi, EventDriven, QuasiStatic, Scheme};
 
 impl Scenario {
     /// The ensemble this scenario asks for.
     pub fn plan(&self) -> Plan {
         let timeline = self.timeline();
+        let (model, step) = (&self.model, self.time.step_or_row());
         let scheme = match self.scheme {
-            SchemeKind::DiscreteVi => Scheme::DiscreteVi(DiscreteVi::new(&self.model, &timeline, self.time.step)),
+            SchemeKind::DiscreteVi => Scheme::DiscreteVi(DiscreteVi::new(model, &timeline, step)),
+            SchemeKind::CorrectedVi => Scheme::DiscreteVi(DiscreteVi::corrected(model, &timeline, step)),
+            SchemeKind::EventDriven { tolerance } => {
+                Scheme::EventDriven(Box::new(EventDriven::new(model, &timeline, tolerance)))
+            }
+            SchemeKind::QuasiStatic { tolerance } => {
+                Scheme::QuasiStatic(Box::new(QuasiStatic::new(model, &timeline, tolerance)))
+            }
         };
         Plan {
             model: self.model.clone(),

@@ -16,8 +16,16 @@ macro_rules! shipped {
 }
 
 /// Every shipped scenario; `scenarios/` holds the same files.
-pub const SHIPPED: [Shipped; 7] =
-    shipped!["shaw", "shaw-as-printed", "rho025", "rho025-as-printed", "equal-friction", "damped", "never-slips",];
+pub const SHIPPED: [Shipped; 8] = shipped![
+    "shaw",
+    "shaw-as-printed",
+    "rho025",
+    "rho025-as-printed",
+    "equal-friction",
+    "damped",
+    "never-slips",
+    "viaduct",
+];
 
 /// The shipped scenario of this name.
 pub fn shipped(name: &str) -> Option<&'static Shipped> {

@@ -39,6 +39,11 @@ impl Sources<'_> {
         place.text.checked_sub(1).and_then(|i| self.overrides.get(i))
     }
 
+    /// Whether an override brought what stands at a place.
+    pub fn is_override(&self, place: Option<Place>) -> bool {
+        place.is_some_and(|place| self.override_at(place).is_some())
+    }
+
     /// What stands at a place, cut to one short line; of an override, its whole value.
     pub fn quote(&self, place: Place) -> String {
         let raw = match self.override_at(place) {

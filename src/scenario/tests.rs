@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::model::{Friction, Harmonic, InitialNoise, Noise, Oscillator, Temperature};
+use crate::scheme::{DEFAULT_TOLERANCE, monitoring_shift};
 use proptest::prelude::*;
 
 const BASE: &str = include_str!("../../scenarios/rho025.toml");
@@ -53,7 +54,7 @@ fn the_paper_scenes_hold_its_parameters() {
             initial_displacement: 6.0,
         };
         assert_eq!(model, expected, "{name}");
-        assert_eq!((time.end, time.step, time.output_step), (60.0, 0.01, 0.5), "{name}");
+        assert_eq!((time.end, time.step, time.output_step), (60.0, Some(0.01), 0.5), "{name}");
     }
 }
 
@@ -366,15 +367,22 @@ prop_compose! {
         title in label(),
         model in model(),
         (step, steps, stride) in (size(), 0..10_000u32, 1..10_000u32),
+        (kind, tolerance) in (0..SchemeKind::ALL.len(), 1e-9..=0.1f64),
         (paths, seed) in (1..=MAX_PATHS, any::<u64>()),
         (keep_paths, events, trajectories) in (any::<bool>(), any::<bool>(), 0..=MAX_TRAJECTORIES),
         (time, length, force, temperature) in (label(), label(), label(), label()),
     ) -> Scenario {
+        let scheme = SchemeKind::ALL[kind].with_tolerance(tolerance);
+        let duration = Time { end: f64::from(steps) * step, step: Some(step), output_step: f64::from(stride) * step };
+        let mut model = model;
+        if scheme == SchemeKind::CorrectedVi && monitoring_shift(&model, step) >= model.friction.static_force / 2.0 {
+            model.temperature.noise = None;
+        }
         Scenario {
             title,
             model,
-            time: Time { end: f64::from(steps) * step, step, output_step: f64::from(stride) * step },
-            scheme: SchemeKind::DiscreteVi,
+            time: if scheme.is_time_stepping() { duration } else { Time { step: None, ..duration } },
+            scheme,
             ensemble: Ensemble { paths, seed },
             record: Record { paths: keep_paths, events, trajectories },
             units: Units { time, length, force, temperature },
@@ -412,13 +420,31 @@ proptest! {
     }
 }
 
-/// The scheme's slip step without forcing and friction, iterated: does (X, V) stay bounded?
-fn decays(oscillator: &Oscillator, h: f64) -> bool {
+/// A scheme's slip step without forcing and friction, iterated: how large (X, V) is in the end.
+fn size_after_slip(kind: SchemeKind, oscillator: &Oscillator, h: f64) -> f64 {
     let (mut x, mut v) = (1.0f64, 0.0f64);
     for _ in 0..20_000 {
-        (x, v) = (x + h * v, v + h / oscillator.mass * oscillator.force(0.0, x, v));
+        let next = v + h / oscillator.mass * oscillator.force(0.0, x, v);
+        x += h * if kind == SchemeKind::CorrectedVi { next } else { v };
+        v = next;
     }
-    x.abs() + v.abs() < 1.0
+    x.abs() + v.abs()
+}
+
+fn decays(oscillator: &Oscillator, h: f64) -> bool {
+    size_after_slip(SchemeKind::DiscreteVi, oscillator, h) < 1.0
+}
+
+#[test]
+fn the_stability_limit_of_the_corrected_scheme_separates_bounded_from_unbounded() {
+    let kind = SchemeKind::CorrectedVi;
+    for damping in [0.0, 0.1, 0.5, 1.0, 4.0] {
+        let scenario = base(&["scheme.kind=corrected-vi", &format!("oscillator.damping={damping}")]).unwrap();
+        let Some(Stability::NewVelocity { largest_step: limit }) = scenario.derived().stability else { panic!() };
+        assert!(size_after_slip(kind, &scenario.model.oscillator, 0.99 * limit) < 100.0, "{damping}: {limit}");
+        let beyond = size_after_slip(kind, &scenario.model.oscillator, 1.01 * limit);
+        assert!(beyond > 1e6 || beyond.is_nan(), "{damping}: {limit}");
+    }
 }
 
 #[test]
@@ -427,7 +453,7 @@ fn the_stability_limit_separates_decay_from_growth() {
         let set = format!("oscillator.damping={damping}");
         let scenario = base(&[&set]).unwrap();
         let limit = match scenario.derived().stability {
-            Stability::Underdamped { largest_step } | Stability::Overdamped { largest_step } => largest_step,
+            Some(Stability::Underdamped { largest_step } | Stability::Overdamped { largest_step }) => largest_step,
             undamped => panic!("{undamped:?}"),
         };
         assert!(decays(&scenario.model.oscillator, 0.99 * limit), "{damping}: {limit}");
@@ -451,7 +477,7 @@ fn amplitude_after(start: f64, h: f64, f_d: f64, half_cycles: usize) -> f64 {
 #[test]
 fn the_critical_amplitude_separates_decay_from_growth() {
     let scenario = base(&["time.step=0.01"]).unwrap();
-    let Stability::Undamped { critical_amplitude: critical } = scenario.derived().stability else { panic!() };
+    let Some(Stability::Undamped { critical_amplitude: critical }) = scenario.derived().stability else { panic!() };
     assert!((critical - 127.32).abs() < 0.01);
     assert!(amplitude_after(0.95 * critical, 0.01, 1.0, 20) < 0.95 * critical);
     assert!(amplitude_after(1.05 * critical, 0.01, 1.0, 20) > 1.05 * critical);
@@ -465,8 +491,8 @@ fn derived_quantities_of_the_noisy_scene() {
     assert!((derived.noise_force.unwrap() - 1.5 / 2f64.sqrt()).abs() < 1e-15);
     assert!((derived.corridor_half_width.unwrap() - 0.8 * 2f64.sqrt()).abs() < 1e-15);
     assert!((derived.corridor_time.unwrap() - 0.64).abs() < 1e-15);
-    assert_eq!((derived.whole_periods, derived.steps, derived.rows), (2.0, 6000, 121));
-    assert_eq!(derived.path_steps, 6e7);
+    assert_eq!((derived.whole_periods, derived.steps, derived.rows), (2.0, Some(6000), 121));
+    assert_eq!(derived.path_steps, Some(6e7));
 }
 
 #[test]
@@ -488,4 +514,107 @@ fn warnings_say_what_the_scene_is_about() {
     assert!(names(&["time.end=30"]).contains(&"few-periods"));
     assert!(names(&["temperature.harmonics.0.angular_frequency=1e5"]).contains(&"many-periods"));
     assert!(names(&["ensemble.paths=100000000"]).contains(&"large-output"));
+}
+
+#[test]
+fn every_scheme_is_chosen_by_name() {
+    assert_eq!(SchemeKind::ALL.map(SchemeKind::name), SchemeKind::NAMES);
+    for kind in SchemeKind::ALL {
+        let scenario = base(&[&format!("scheme.kind={}", kind.name())]).unwrap();
+        assert_eq!(scenario.scheme, kind);
+        assert_eq!(scenario.time.step.is_some(), kind.is_time_stepping(), "a step in the file is not used");
+        assert_eq!(scenario.time.step.map(|_| 6000), scenario.time.steps());
+        assert_eq!(kind.tolerance().is_none(), kind.is_time_stepping());
+    }
+    let set = ["scheme.kind=event-driven", "scheme.tolerance=1e-4"];
+    assert_eq!(base(&set).unwrap().scheme, SchemeKind::EventDriven { tolerance: 1e-4 });
+    assert_eq!(DEFAULT_TOLERANCE, 1e-3, "as in docs/scenario.md");
+}
+
+#[test]
+fn a_scheme_takes_only_what_it_has_a_use_for() {
+    for (set, key, says) in [
+        (&["scheme.kind=event-drivn"][..], "scheme.kind", "did you mean \"event-driven\"?"),
+        (&["scheme.kind=corrected"], "scheme.kind", "did you mean \"corrected-vi\"?"),
+        (&["scheme.tolerance=1e-3"], "scheme.tolerance", "discrete-vi"),
+        (&["scheme.kind=corrected-vi", "scheme.tolerance=1e-3"], "scheme.tolerance", "corrected-vi"),
+        (&["scheme.kind=event-driven", "scheme.tolerance=0"], "scheme.tolerance", "from 1e-9 to 0.1"),
+        (&["scheme.kind=quasi-static", "scheme.tolerance=0.2"], "scheme.tolerance", "from 1e-9 to 0.1"),
+        (&["scheme.kind=quasi-static", "scheme.tolerance=nan"], "scheme.tolerance", "not a number"),
+        (&["scheme.kind=event-driven", "time.step=0.01"], "time.step", "has no time step"),
+        (&["scheme.kind=event-driven", "time.step=nan"], "time.step", "not a number"),
+        (&["scheme.kind=event-driven", "time.output_step=0.001"], "time.output_step", "60001 rows"),
+    ] {
+        let fault = fault(base(set));
+        assert_eq!(fault.key.as_deref(), Some(key), "{set:?}: {fault}");
+        assert!(fault.problem.contains(says), "{set:?}: {fault}");
+    }
+    // Another scheme chosen on the command line leaves behind what the file says about its own.
+    let text = base(&["scheme.kind=event-driven"]).unwrap().to_toml();
+    let set =
+        |kind: &str| [Override::flag("--scheme", "scheme.kind", kind), Override::flag("--step", "time.step", "0.01")];
+    assert_eq!(Scenario::parse("x", &text, &set("corrected-vi")).unwrap().scheme, SchemeKind::CorrectedVi);
+}
+
+#[test]
+fn a_grid_without_steps_needs_no_whole_multiples() {
+    let stepless = |set: &[&str]| base(&[&["scheme.kind=event-driven"], set].concat()).map(|scenario| scenario.time);
+    let time = stepless(&["time.end=59.995", "time.output_step=0.7"]).unwrap();
+    assert_eq!(time, Time { end: 59.995, step: None, output_step: 0.7 });
+    let text: String =
+        BASE.lines().filter(|line| !line.starts_with("output_step")).fold(String::new(), |t, l| t + l + "\n");
+    for (end, spacing) in [("60", 0.5), ("59.995", 59.995 / 120.0), ("0", 1.0), ("5e-324", 1.0)] {
+        let set = [Override::set("scheme.kind=quasi-static").unwrap(), Override::flag("--until", "time.end", end)];
+        let scenario = Scenario::parse("x", &text, &set).unwrap();
+        assert_eq!(scenario.time.output_step, spacing, "{end}");
+        assert!(scenario.timeline().rows() <= 121);
+    }
+}
+
+#[test]
+fn the_corrected_scheme_is_refused_where_its_shift_is_not_small() {
+    // Shift 0.5826 * 6 * 0.25 sqrt(h) = f_s/2 = 0.6 at h = 0.4714, f_s/5 = 0.24 at 0.0754.
+    let corrected = |step: &str| base(&["scheme.kind=corrected-vi", step, "time.output_step=60"]);
+    for step in ["time.step=0.48", "time.step=1"] {
+        let fault = fault(corrected(step));
+        assert_eq!(fault.key.as_deref(), Some("time.step"));
+        for part in ["shift", "f_s", "friction.static", "`time.step` below 0.471"] {
+            assert!(fault.to_string().contains(part), "{part}: {fault}");
+        }
+    }
+    let names = |step| corrected(step).unwrap().warnings().iter().map(Warning::name).collect::<Vec<_>>();
+    assert!(names("time.step=0.08").contains(&"large-shift"));
+    assert!(!names("time.step=0.075").contains(&"large-shift"));
+    let frictionless = fault(base(&["scheme.kind=corrected-vi", "friction.static=0", "friction.dynamic=0"]));
+    assert!(frictionless.remedy.contains("discrete-vi"), "{frictionless}");
+    let quiet =
+        ["scheme.kind=corrected-vi", "friction.static=0", "friction.dynamic=0", "temperature.noise.intensity=0"];
+    assert!(base(&quiet).is_ok());
+}
+
+#[test]
+fn warnings_are_those_of_the_scheme() {
+    let names = |kind: &str, set: &[&str]| {
+        let scenario = base(&[&[&*format!("scheme.kind={kind}")], set].concat()).unwrap();
+        scenario.warnings().iter().map(Warning::name).collect::<Vec<_>>()
+    };
+    assert_eq!(names("corrected-vi", &[]), ["corrected-bias"]);
+    assert!(names("corrected-vi", &["time.step=0.001"]).is_empty());
+    assert!(names("event-driven", &[]).is_empty());
+    assert_eq!(names("quasi-static", &[]), ["forcing-during-slip"]);
+    assert_eq!(names("corrected-vi", &["friction.static=1"]), ["equal-friction"]);
+    assert_eq!(names("event-driven", &["friction.static=1"]), ["resolution"]);
+    assert_eq!(names("quasi-static", &["friction.static=1"]), ["never-moves"]);
+    assert!(
+        names("corrected-vi", &["oscillator.stiffness=1e4", "friction.static=1e5"])
+            .contains(&"step-against-oscillator")
+    );
+    assert!(names("event-driven", &["oscillator.stiffness=1e9", "temperature.noise.relaxation_rate=1e3"]).is_empty());
+    let slow = ["temperature.harmonics.0.angular_frequency=1e-4", "temperature.noise.intensity=0", "ensemble.paths=1"];
+    assert_eq!(names("quasi-static", &slow), ["few-periods"]);
+    let viaduct = |kind: &str| {
+        let set = [Override::flag("--scheme", "scheme.kind", kind)];
+        Scenario::parse("viaduct", shipped("viaduct").unwrap().text, &set).unwrap().warnings()
+    };
+    assert_eq!((viaduct("event-driven"), viaduct("quasi-static")), (vec![], vec![]));
 }

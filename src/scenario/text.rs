@@ -1,7 +1,7 @@
 //! A scenario as TOML: every default visible, the paper's symbol beside every number.
 
 use super::keys::{self, Key};
-use super::{Scenario, SchemeKind, Time, Units};
+use super::{Scenario, Time, Units};
 use crate::model::{InitialNoise, Model, Noise};
 use crate::stats::Record;
 use std::fmt::Write as _;
@@ -14,13 +14,16 @@ pub(super) fn resolved(scenario: &Scenario) -> String {
     let Time { end, step, output_step } = *time;
     table(&mut text, "time");
     number(&mut text, keys::END, end);
-    number(&mut text, keys::STEP, step);
+    match step {
+        Some(step) => number(&mut text, keys::STEP, step),
+        None => drop(writeln!(text, "# no step: the {} scheme has none", scheme.name())),
+    }
     number(&mut text, keys::OUTPUT_STEP, output_step);
     table(&mut text, "scheme");
-    let meaning = match scheme {
-        SchemeKind::DiscreteVi => "the discrete variational inequality",
-    };
-    line(&mut text, "kind", &string(scheme.name()), meaning);
+    line(&mut text, "kind", &string(scheme.name()), scheme.meaning());
+    if let Some(tolerance) = scheme.tolerance() {
+        number(&mut text, keys::TOLERANCE, tolerance);
+    }
     table(&mut text, "ensemble");
     line(&mut text, "paths", &ensemble.paths.to_string(), "number of paths");
     line(&mut text, "seed", &ensemble.seed.to_string(), "with the number of a path, determines its noise");

@@ -12,8 +12,8 @@ mod reference;
 mod timeline;
 
 pub use any::Scheme;
-pub use discrete_vi::{DiscreteVi, divergence_bound};
-pub use event_driven::{DEFAULT_TOLERANCE, EventDriven, Resolution};
+pub use discrete_vi::{DiscreteVi, divergence_bound, monitoring_shift};
+pub use event_driven::{DEFAULT_TOLERANCE, EventDriven, Resolution, TOLERANCES};
 pub use quasi_static::QuasiStatic;
 pub use reference::reference_path;
 pub use timeline::{Instant, Stop, Timeline};

@@ -1,5 +1,6 @@
 //! The step itself, many paths side by side: the hot loop.
 
+use super::monitoring_shift;
 use crate::lanes::{InstructionSet, LaneProgram, Lanes};
 use crate::model::{Model, Temperature};
 use crate::noise::{LaneStreams, Transition};
@@ -33,12 +34,15 @@ pub(super) struct Coefficients {
     pub static_impulse: f64,
     /// (h/m) f_d
     pub dynamic_impulse: f64,
+    /// (h/m) f_s at zero velocity, lowered if the scheme is corrected
+    pub exit_impulse: f64,
 }
 
 impl Coefficients {
-    fn new(model: &Model, h: f64) -> Self {
+    fn new(model: &Model, h: f64, is_corrected: bool) -> Self {
         let Model { oscillator, friction, temperature, .. } = model;
         let noise = NoiseScale::new(temperature, h);
+        let exit_shift = if is_corrected { monitoring_shift(model, h) } else { 0.0 };
         Coefficients {
             h,
             h_over_m: h / oscillator.mass,
@@ -48,6 +52,7 @@ impl Coefficients {
             decay: noise.decay,
             static_impulse: h / oscillator.mass * friction.static_force,
             dynamic_impulse: h / oscillator.mass * friction.dynamic_force,
+            exit_impulse: h / oscillator.mass * (friction.static_force - exit_shift),
         }
     }
 
@@ -130,16 +135,18 @@ pub(super) struct Kernel {
     pub noise: NoiseScale,
     has_noise: bool,
     has_damping: bool,
+    is_corrected: bool,
     instructions: InstructionSet,
 }
 
 impl Kernel {
-    pub(super) fn new(model: &Model, h: f64, instructions: InstructionSet) -> Self {
+    pub(super) fn new(model: &Model, h: f64, is_corrected: bool, instructions: InstructionSet) -> Self {
         Kernel {
-            coefficients: Coefficients::new(model, h),
+            coefficients: Coefficients::new(model, h, is_corrected),
             noise: NoiseScale::new(&model.temperature, h),
             has_noise: model.temperature.noise.is_some(),
             has_damping: model.oscillator.damping != 0.0,
+            is_corrected,
             instructions,
         }
     }
@@ -148,15 +155,19 @@ impl Kernel {
     /// instant. Leaves the turns in `scratch`, those of one lane in time order.
     pub(super) fn advance(&self, forcing: &[f64], streams: &mut LaneStreams, paths: &mut Paths, scratch: &mut Scratch) {
         scratch.turns.clear();
-        match (self.has_noise, self.has_damping) {
-            (false, false) => self.run::<false, false>(forcing, streams, paths, scratch),
-            (false, true) => self.run::<false, true>(forcing, streams, paths, scratch),
-            (true, false) => self.run::<true, false>(forcing, streams, paths, scratch),
-            (true, true) => self.run::<true, true>(forcing, streams, paths, scratch),
+        match (self.has_noise, self.has_damping, self.is_corrected) {
+            (false, false, false) => self.run::<false, false, false>(forcing, streams, paths, scratch),
+            (false, false, true) => self.run::<false, false, true>(forcing, streams, paths, scratch),
+            (false, true, false) => self.run::<false, true, false>(forcing, streams, paths, scratch),
+            (false, true, true) => self.run::<false, true, true>(forcing, streams, paths, scratch),
+            (true, false, false) => self.run::<true, false, false>(forcing, streams, paths, scratch),
+            (true, false, true) => self.run::<true, false, true>(forcing, streams, paths, scratch),
+            (true, true, false) => self.run::<true, true, false>(forcing, streams, paths, scratch),
+            (true, true, true) => self.run::<true, true, true>(forcing, streams, paths, scratch),
         }
     }
 
-    fn run<const NOISE: bool, const DAMPING: bool>(
+    fn run<const NOISE: bool, const DAMPING: bool, const CORRECTED: bool>(
         &self,
         forcing: &[f64],
         streams: &mut LaneStreams,
@@ -165,7 +176,7 @@ impl Kernel {
     ) {
         let draws = self.noise.draws;
         let c = &self.coefficients;
-        self.instructions.run(&mut Run::<NOISE, DAMPING> { c, draws, forcing, streams, paths, scratch });
+        self.instructions.run(&mut Run::<NOISE, DAMPING, CORRECTED> { c, draws, forcing, streams, paths, scratch });
     }
 }
 
@@ -184,7 +195,7 @@ impl Scratch {
     }
 }
 
-struct Run<'a, const NOISE: bool, const DAMPING: bool> {
+struct Run<'a, const NOISE: bool, const DAMPING: bool, const CORRECTED: bool> {
     c: &'a Coefficients,
     draws: bool,
     forcing: &'a [f64],
@@ -193,7 +204,7 @@ struct Run<'a, const NOISE: bool, const DAMPING: bool> {
     scratch: &'a mut Scratch,
 }
 
-impl<const NOISE: bool, const DAMPING: bool> LaneProgram for Run<'_, NOISE, DAMPING> {
+impl<const NOISE: bool, const DAMPING: bool, const CORRECTED: bool> LaneProgram for Run<'_, NOISE, DAMPING, CORRECTED> {
     #[inline(always)]
     fn run<L: Lanes>(&mut self) {
         let lanes = self.paths.noise.len();
@@ -212,7 +223,7 @@ impl<const NOISE: bool, const DAMPING: bool> LaneProgram for Run<'_, NOISE, DAMP
     }
 }
 
-impl<const NOISE: bool, const DAMPING: bool> Run<'_, NOISE, DAMPING> {
+impl<const NOISE: bool, const DAMPING: bool, const CORRECTED: bool> Run<'_, NOISE, DAMPING, CORRECTED> {
     /// `R` registers of paths, beginning at `lane`, through the whole run. Returns how many lanes that are.
     #[inline(always)]
     fn advance_group<L: Lanes, const R: usize>(&mut self, lane: usize) -> usize {
@@ -237,7 +248,7 @@ impl<const NOISE: bool, const DAMPING: bool> Run<'_, NOISE, DAMPING> {
         for (n, (&forcing, xi)) in self.forcing[..steps].iter().zip(tile.chunks_exact(stride)).enumerate() {
             for r in 0..R {
                 let xi = L::load(&xi[r * L::WIDTH..]);
-                let next = c.step::<NOISE, DAMPING>(x[r], v[r], noise[r], L::splat(forcing), xi);
+                let next = c.step::<NOISE, DAMPING, CORRECTED>(x[r], v[r], noise[r], L::splat(forcing), xi);
                 let difference = directions[r] ^ next.directions;
                 if difference != 0 {
                     let turned = (difference | difference >> L::WIDTH) & ((1 << L::WIDTH) - 1);
@@ -267,6 +278,8 @@ struct Splat<L> {
     static_impulse: L,
     minus_static_impulse: L,
     dynamic_impulse: L,
+    exit_impulse: L,
+    minus_exit_impulse: L,
 }
 
 impl<L: Lanes> Splat<L> {
@@ -282,12 +295,21 @@ impl<L: Lanes> Splat<L> {
             static_impulse: L::splat(c.static_impulse),
             minus_static_impulse: L::splat(-c.static_impulse),
             dynamic_impulse: L::splat(c.dynamic_impulse),
+            exit_impulse: L::splat(c.exit_impulse),
+            minus_exit_impulse: L::splat(-c.exit_impulse),
         }
     }
 
     /// One step of the discrete variational inequality.
     #[inline(always)]
-    fn step<const NOISE: bool, const DAMPING: bool>(&self, x: L, v: L, noise: L, forcing: L, xi: L) -> Next<L> {
+    fn step<const NOISE: bool, const DAMPING: bool, const CORRECTED: bool>(
+        &self,
+        x: L,
+        v: L,
+        noise: L,
+        forcing: L,
+        xi: L,
+    ) -> Next<L> {
         // b = K (beta T - X) - 2 alpha V
         let mut b = forcing;
         if NOISE {
@@ -300,11 +322,17 @@ impl<L: Lanes> Splat<L> {
         // S = V + (h/m) b
         let s = self.h_over_m.mul_add(b, v);
         // V' = 0 if |S| <= (h/m) f_s, else S - (h/m) f_d sign(S)
-        let (up, down) = (s.gt(self.static_impulse), s.lt(self.minus_static_impulse));
+        let (mut most, mut least) = (self.static_impulse, self.minus_static_impulse);
+        if CORRECTED {
+            // f_s lowered in the test that leaves stick only
+            most = v.where_zero(self.exit_impulse, most);
+            least = v.where_zero(self.minus_exit_impulse, least);
+        }
+        let (up, down) = (s.gt(most), s.lt(least));
         let fd = self.dynamic_impulse;
         let next_v = L::either(up, s.sub(fd), down, s.add(fd));
-        // X' = X + h V
-        let next_x = self.h.mul_add(v, x);
+        // X' = X + h V, corrected: X + h V'
+        let next_x = self.h.mul_add(if CORRECTED { next_v } else { v }, x);
         // v' = e^{-theta h} v + kick xi
         let next_noise = if NOISE { self.decay.mul_add(noise, xi) } else { noise };
         Next { x: next_x, v: next_v, noise: next_noise, directions: join::<L>(up, down) }

@@ -13,7 +13,8 @@
 //!
 //! Paths are stepped many side by side ([`kernel`]); what turns a velocity into phases is rare, and scalar ([`reading`]).
 //! The scheme is first order in h where nothing random decides, and of order 1/2 in every statistic of sticks when there is
-//! noise: a stick exit is a barrier looked at only every h.
+//! noise: a stick exit is a barrier looked at only every h. The corrected scheme mends most of that at no cost: it leaves
+//! stick at f_s less [`monitoring_shift`], and moves with the new velocity, X_{n+1} = X_n + h V_{n+1}.
 
 mod kernel;
 mod reading;
@@ -37,6 +38,7 @@ pub struct DiscreteVi {
     model: Model,
     timeline: Timeline,
     h: f64,
+    is_corrected: bool,
     instructions: InstructionSet,
 }
 
@@ -44,7 +46,13 @@ impl DiscreteVi {
     /// For steps of length `h`, of which the stops of the timeline are taken to be whole multiples: each is observed at
     /// the nearest t_n.
     pub fn new(model: &Model, timeline: &Timeline, h: f64) -> Self {
-        DiscreteVi { model: model.clone(), timeline: *timeline, h, instructions: InstructionSet::detect() }
+        let instructions = InstructionSet::detect();
+        DiscreteVi { model: model.clone(), timeline: *timeline, h, is_corrected: false, instructions }
+    }
+
+    /// The corrected scheme: order 1 instead of 1/2 in the statistics of sticks. Sound while [`monitoring_shift`] is small against f_s.
+    pub fn corrected(model: &Model, timeline: &Timeline, h: f64) -> Self {
+        DiscreteVi { is_corrected: true, ..DiscreteVi::new(model, timeline, h) }
     }
 
     /// The same on another instruction set; the results are the same bits.
@@ -60,7 +68,7 @@ impl DiscreteVi {
     /// Simulate these paths of the ensemble with this seed. Returns the lanes of the paths that diverged: whose |x| is not a
     /// number below [`divergence_bound`]. What the observer saw of them is worthless.
     pub fn simulate<O: Observer>(&self, seed: u64, paths: &[u64], observer: &mut O) -> Vec<usize> {
-        let kernel = Kernel::new(&self.model, self.h, self.instructions);
+        let kernel = Kernel::new(&self.model, self.h, self.is_corrected, self.instructions);
         let mut streams = LaneStreams::new(seed, paths, Paths::padded(paths.len()));
         self.drive(&kernel, &mut streams, paths.len(), observer)
     }
@@ -100,7 +108,8 @@ impl DiscreteVi {
                 kernel.advance(&forcing[..=steps], streams, &mut state, &mut scratch);
                 reader.read(kernel, n, &forcing, &scratch.turns, observer);
                 for (lane, diverged) in diverged.iter_mut().enumerate() {
-                    *diverged |= !(state.displacement[lane].abs() <= bound);
+                    let reach = state.displacement[lane].abs();
+                    *diverged |= reach > bound || reach.is_nan();
                 }
                 n += steps as u64;
                 harmonics[0] = harmonics[steps];
@@ -126,6 +135,18 @@ impl DiscreteVi {
             },
         }
     }
+}
+
+/// -zeta(1/2) / sqrt(2 pi): by how many standard deviations of a step a random walk overshoots a barrier, in the mean.
+const OVERSHOOT: f64 = 0.582_597_157_939_010_7;
+
+/// What looking at a barrier only every h amounts to, as a force: 0.5826 K beta rho sigma sqrt(h). Lowering the threshold by it gives
+/// the exit time of continuous monitoring up to o(sqrt(h)) (Broadie, Glasserman, Kou, Math. Finance 7 (1997); for moving barriers
+/// Gobet, Menozzi, Stoch. Proc. Appl. 120 (2010)).
+pub fn monitoring_shift(model: &Model, h: f64) -> f64 {
+    let Model { oscillator, temperature, .. } = model;
+    let noise = temperature.noise.map_or(0.0, |noise| noise.intensity * noise.diffusion);
+    OVERSHOOT * oscillator.stiffness * oscillator.dilatation.abs() * noise * h.sqrt()
 }
 
 /// The displacement beyond which a path of the scheme has left every solution of the model behind.

@@ -20,7 +20,7 @@ mod stick;
 mod stick_step;
 mod unfelt_noise;
 
-pub use step_rules::{DEFAULT_TOLERANCE, Resolution};
+pub use step_rules::{DEFAULT_TOLERANCE, Resolution, TOLERANCES};
 
 pub(super) use draws::Draws;
 pub(super) use exact_time::ExactTime;

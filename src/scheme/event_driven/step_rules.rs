@@ -12,6 +12,7 @@
 //! The states at the ends of slip steps are exact draws for any tolerance.
 
 use super::scene::Scene;
+use std::ops::RangeInclusive;
 
 /// The step rules at one tolerance.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,6 +30,9 @@ pub struct StepRules {
 /// Discretisation error below 0.1 % of the statistics of the paper's noisy scene.
 pub const DEFAULT_TOLERANCE: f64 = 1e-3;
 
+/// The tolerances that make a difference.
+pub const TOLERANCES: RangeInclusive<f64> = 1e-9..=0.1;
+
 /// What the scheme cannot resolve and therefore replaces, where f_s and f_d (nearly) meet under noise.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Resolution {
@@ -39,9 +43,10 @@ pub struct Resolution {
 }
 
 impl StepRules {
-    /// From a tolerance in (0, 1); values outside are taken as the nearest sensible ones.
+    /// From a tolerance; values outside of [`TOLERANCES`] are taken as the nearest in it.
     pub fn new(tolerance: f64) -> Self {
-        let t = if tolerance > 0.0 { tolerance.clamp(1e-9, 0.1) } else { 1e-9 } / DEFAULT_TOLERANCE;
+        let (least, greatest) = (*TOLERANCES.start(), *TOLERANCES.end());
+        let t = if tolerance > 0.0 { tolerance.clamp(least, greatest) } else { least } / DEFAULT_TOLERANCE;
         StepRules {
             slip_length: (0.5 * t.sqrt()).min(1.0),
             chord_error: (0.1 * t.sqrt()).min(0.5),

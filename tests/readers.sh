@@ -1,0 +1,31 @@
+#!/usr/bin/env bash
+# Write a file of every kind with `mc run`, and open each with every reader that docs/output-format.md names.
+# `tools/setup --tests` installs the readers.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+folder=$(mktemp -d)
+trap 'rm -rf "$folder"' EXIT
+
+run() { # NAME SCENARIO ARGUMENTS...
+    cargo run --release --quiet --bin mc -- run "scenarios/$2.toml" --quiet -o "$folder/$1.h5" "${@:3}" 2>"$folder/messages" || {
+        cat "$folder/messages" >&2
+        return 1
+    }
+}
+
+# Blocks, the last one not full; everything that can be recorded; unit labels.
+run recorded rho025 --paths 600 --set record.events=true --set record.trajectories=3 \
+    --set units.time=s --set units.length=mm --set units.force=N --set units.temperature=K
+# No rows of single paths at all.
+run summary rho025 --paths 600 --set record.paths=false
+# One path without noise: no interval exists.
+run one-path shaw
+# No stick ends: the dimension of durations is absent.
+run no-sticks never-slips
+# No time step: the attribute is absent.
+run no-step rho025 --paths 600 --scheme event-driven
+# A step so long that some paths diverge.
+run diverged rho025 --paths 600 --step 0.4 --set time.output_step=6
+
+target/venv/bin/python tests/python/check.py "$folder"/*.h5
