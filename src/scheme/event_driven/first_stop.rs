@@ -135,7 +135,7 @@ impl Pending {
 
 impl StopSearch {
     /// The first zero of V in a step, or none.
-    #[inline]
+    #[inline(always)]
     pub fn first(&self, step: &Step, draws: &mut Draws, pending: &mut Pending) -> Result<Option<Stop>, Unresolved> {
         let whole = Interval {
             end: step.end,
@@ -148,6 +148,7 @@ impl StopSearch {
     }
 
     /// The scan.
+    #[inline(always)]
     fn bisect(
         &self,
         start: Motion,
@@ -195,7 +196,7 @@ impl StopSearch {
         Err(Unresolved)
     }
 
-    #[inline]
+    #[inline(always)]
     fn is_clear(&self, left: Motion, next: &Interval) -> bool {
         let [v0, c1, c2, c3, v1] = velocity_controls(left, next);
         if v0 == 0.0 {
@@ -206,7 +207,7 @@ impl StopSearch {
         }
     }
 
-    #[inline]
+    #[inline(always)]
     fn is_stop(&self, left: Motion, next: &Interval) -> bool {
         let [v0, c1, c2, c3, v1] = velocity_controls(left, next);
         let between = 4.0 * next.inverse * (c2 - c1).max(c3 - c2);
@@ -220,6 +221,7 @@ impl StopSearch {
     /// nearer than either end was; with the drawn state as the new end, repeat. The remaining time falls like its own power
     /// 3/2, until the noise of a within it is below `STOP_PRECISION` of a. (The pull of both ends matters: a free step from
     /// the first draw to the zero would give the force at the stop too much variance, and too many sticks.)
+    #[inline(always)]
     fn stop(&self, mut left: Motion, next: &Interval, draws: &mut Draws) -> Stop {
         let mut next = *next;
         let (mut after, mut way) = (0.0, 0.0);
@@ -253,13 +255,14 @@ impl StopSearch {
 }
 
 impl Interval {
+    #[inline(always)]
     fn new(end: Motion, way: f64, length: f64, noise: f64) -> Self {
         Interval { end, way, length, inverse: 1.0 / length, noise: noise * length.sqrt() }
     }
 }
 
 /// The Bezier control points of the mean of V.
-#[inline]
+#[inline(always)]
 fn velocity_controls(left: Motion, next: &Interval) -> [f64; 5] {
     let (v0, v1) = (left.velocity, next.end.velocity);
     let (q0, q1) = (0.25 * next.length * left.acceleration, 0.25 * next.length * next.end.acceleration);
@@ -267,7 +270,7 @@ fn velocity_controls(left: Motion, next: &Interval) -> [f64; 5] {
 }
 
 /// Draw the state in the middle of an interval, and part it there.
-#[inline]
+#[inline(always)]
 fn halves(left: Motion, next: &Interval, draws: &mut Draws) -> (Interval, Interval) {
     let (v0, v1, a0, a1) = (left.velocity, next.end.velocity, left.acceleration, next.end.acceleration);
     let (h, noise) = (next.length, next.noise);
@@ -287,6 +290,7 @@ fn halves(left: Motion, next: &Interval, draws: &mut Draws) -> (Interval, Interv
 
 /// A draw from the conditional law of (x, V, a) at a fraction p of an interval with h = c = 1, by the Cholesky factor L of its
 /// precision: y = L^-T z.
+#[inline(always)]
 fn conditional_draw(p: f64, draws: &mut Draws) -> [f64; 3] {
     let (u, r) = (1.0 / p, 1.0 / (1.0 - p));
     let (u2, r2) = (u * u, r * r);
@@ -320,6 +324,7 @@ struct Quintic {
 }
 
 impl Quintic {
+    #[inline(always)]
     fn new(left: Motion, next: &Interval) -> Self {
         let (h, s) = (next.length, next.way);
         let (d0, d1) = (h * left.velocity, h * next.end.velocity);
@@ -335,21 +340,25 @@ impl Quintic {
         }
     }
 
+    #[inline(always)]
     fn way(&self, p: f64) -> f64 {
         p * (self.d0 + p * (self.e0 + p * (self.c3 + p * (self.c4 + p * self.c5))))
     }
 
+    #[inline(always)]
     fn velocity(&self, p: f64) -> f64 {
         (self.d0 + p * (2.0 * self.e0 + p * (3.0 * self.c3 + p * (4.0 * self.c4 + p * 5.0 * self.c5)))) / self.h
     }
 
     /// Times h.
+    #[inline(always)]
     fn acceleration(&self, p: f64) -> f64 {
         (2.0 * self.e0 + p * (6.0 * self.c3 + p * (12.0 * self.c4 + p * 20.0 * self.c5))) / self.h
     }
 
     /// A fraction near the zero of V: the chord's, improved twice by Newton. Any fraction may be drawn at; a near one
     /// saves refinements. Away from the ends, where the precision degenerates.
+    #[inline(always)]
     fn near_zero(&self) -> f64 {
         let mut p = self.chord;
         for _ in 0..2 {
