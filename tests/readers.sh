@@ -23,6 +23,8 @@ run summary rho025 --paths 600 --set record.paths=false
 run one-path shaw
 # No stick ends: the dimension of durations is absent.
 run no-sticks never-slips
+# No time step: the attribute is absent.
+run no-step rho025 --paths 600 --scheme event-driven
 # A step so long that some paths diverge.
 run diverged rho025 --paths 600 --step 0.4 --set time.output_step=6
 

@@ -1,8 +1,10 @@
 //! What the tests of the schemes share: scenes and an observer that keeps everything.
 #![allow(dead_code, reason = "each test file uses its own part")]
 
+use stick_slip::ensemble::BLOCK_SIZE;
 use stick_slip::model::*;
-use stick_slip::scheme::{Instant, Observer, Snapshot, Timeline};
+use stick_slip::scheme::{EventDriven, Instant, Observer, Snapshot, Timeline};
+use stick_slip::stats::{BlockObserver, Record, Statistic, Summary, Totals};
 
 /// The parameters (P) of the paper with forcing frequency `w` and noise intensity `rho`.
 pub fn paper(w: f64, rho: f64) -> Model {
@@ -54,4 +56,45 @@ impl Observer for Keep {
             }
         }
     }
+}
+
+/// The statistics of paths 0, 1, .. of a scheme that is given as its `simulate`, on two threads.
+pub fn summary_of<S>(model: &Model, timeline: &Timeline, paths: u64, simulate: S) -> Summary
+where
+    S: Fn(&[u64], &mut BlockObserver) -> Vec<usize> + Sync,
+{
+    const THREADS: u64 = 2;
+    let record = Record { paths: false, events: false, trajectories: 0 };
+    let work = |thread: u64| {
+        let mut totals = Totals::empty(model, timeline);
+        for block in (thread..paths.div_ceil(BLOCK_SIZE)).step_by(THREADS as usize) {
+            let (first, count) = (block * BLOCK_SIZE, BLOCK_SIZE.min(paths - block * BLOCK_SIZE));
+            let numbers: Vec<u64> = (first..first + count).collect();
+            let mut observer = BlockObserver::new(model, timeline, &record, &numbers);
+            assert!(simulate(&numbers, &mut observer).is_empty(), "no path is given up");
+            totals.merge(&observer.finish(first, count, Vec::new()).totals);
+        }
+        totals
+    };
+    std::thread::scope(|scope| {
+        let work = &work;
+        let threads: Vec<_> = (0..THREADS).map(|thread| scope.spawn(move || work(thread))).collect();
+        let mut totals = Totals::empty(model, timeline);
+        for thread in threads {
+            totals.merge(&thread.join().expect("a block failed"));
+        }
+        totals.summary()
+    })
+}
+
+/// The same for the event-driven scheme.
+pub fn event_driven_summary(model: &Model, timeline: &Timeline, tolerance: f64, seed: u64, paths: u64) -> Summary {
+    let scheme = EventDriven::new(model, timeline, tolerance);
+    summary_of(model, timeline, paths, |numbers, observer| scheme.simulate(seed, numbers, observer))
+}
+
+/// One statistic and its standard error.
+pub fn estimate(summary: &Summary, statistic: Statistic) -> (f64, f64) {
+    let e = summary.estimates.iter().find(|e| e.statistic == statistic).expect("all are reported");
+    (e.estimate, e.standard_error)
 }
