@@ -26,15 +26,15 @@ pub fn timeline(end: f64, output_step: f64) -> Timeline {
 }
 
 /// (t, x, x', T, static).
-pub type Row = (f64, f64, f64, f64, bool);
+pub type OutputRow = (f64, f64, f64, f64, bool);
 
 /// Keeps every event and every output row.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Keep {
     /// Events of each lane.
     pub events: Vec<Vec<Event>>,
-    /// The rows of each lane.
-    pub rows: Vec<Vec<Row>>,
+    /// Each lane, row by row.
+    pub rows: Vec<Vec<OutputRow>>,
 }
 
 impl Keep {
