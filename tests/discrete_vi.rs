@@ -3,8 +3,6 @@
 // Reference numbers keep the digits they were computed with.
 #![allow(clippy::excessive_precision)]
 
-#![allow(clippy::excessive_precision, reason = "reference numbers stand as their 40-digit source prints them")]
-
 mod common;
 
 use common::{Keep, paper, timeline};
