@@ -1,10 +1,11 @@
 //! The store from outside: what is written comes back, bad files are refused by name, and a full disk is no crash.
 
 use ndarray::Array2;
+use rustix::mount::{MountFlags, UnmountFlags, mount, unmount};
+use std::ffi::CString;
 use std::fs;
 use std::io::Write;
 use std::path::{Path, PathBuf};
-use std::process::Command;
 use stick_slip::stats::{
     Band, Bands, Estimate, EventColumns, Histogram, PathColumns, PeriodMoments, QUANTILE_LEVELS, Record, Statistic,
     StickDurations, SubPhaseCounts, Summary, TrajectoryRows,
@@ -365,16 +366,17 @@ struct SmallDisk(PathBuf);
 impl SmallDisk {
     /// None where this user may not mount a file system.
     fn mount(folder: &Path, size: &str) -> Option<SmallDisk> {
-        let options = format!("size={size}");
-        let output = Command::new("mount").args(["-t", "tmpfs", "-o", &options, "tmpfs"]).arg(folder).output();
-        output.is_ok_and(|output| output.status.success()).then(|| SmallDisk(folder.to_owned()))
+        // A system call and not the command: a child process would inherit the files that other tests have open, and their locks.
+        let options = CString::new(format!("size={size}")).ok()?;
+        let done = mount("tmpfs", folder, "tmpfs", MountFlags::empty(), options.as_c_str());
+        done.is_ok().then(|| SmallDisk(folder.to_owned()))
     }
 }
 
 impl Drop for SmallDisk {
     fn drop(&mut self) {
         // Lazy: after a write error the file stays open on purpose until the process ends.
-        let _ = Command::new("umount").arg("--lazy").arg(&self.0).status();
+        let _ = unmount(&self.0, UnmountFlags::DETACH);
     }
 }
 
