@@ -103,7 +103,8 @@ fn fast_noise_moves_the_free_oscillator_as_white_noise_does() {
     let end = works(&nearly_white(200.0, q, free), t, 31, 10_000).end;
     let (xx, vv) = (q * (0.5 * t - 0.25 * (2.0 * t).sin()), q * (0.5 * t + 0.25 * (2.0 * t).sin()));
     let xv = 0.5 * q * t.sin().powi(2);
-    let moments: [(&str, fn(&(f64, f64)) -> f64, f64); 5] = [
+    type Moment = fn(&(f64, f64)) -> f64;
+    let moments: [(&str, Moment, f64); 5] = [
         ("mean x", |s| s.0, 0.0),
         ("mean v", |s| s.1, 0.0),
         ("var x", |s| s.0 * s.0, xx),

@@ -106,7 +106,7 @@ fn finest_grid(scenario: &Scenario) -> (f64, String) {
 /// there is one up to twice that.
 fn stride(steps: u64, most: u64) -> u64 {
     let least = steps.div_ceil(most).max(1);
-    (least..=2 * least).take(MAX_ROWS).find(|stride| steps % stride == 0).unwrap_or(least)
+    (least..=2 * least).take(MAX_ROWS).find(|stride| steps.is_multiple_of(*stride)).unwrap_or(least)
 }
 
 #[cfg(test)]

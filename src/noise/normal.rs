@@ -23,6 +23,7 @@ const CELL_KEEP: u64 = !((1 << CELL_SHIFT) - 1);
 const CELL_CENTRE: u64 = 1 << (CELL_SHIFT - 1);
 
 /// The normal that a 64-bit draw stands for.
+#[inline(always)]
 pub fn standard_normal(draw: u64) -> f64 {
     let signed = draw as i64 as f64;
     let y = signed.abs();

@@ -42,6 +42,7 @@ impl Stream {
     }
 
     /// The next 64 random bits.
+    #[inline(always)]
     pub fn next_u64(&mut self) -> u64 {
         let s = &mut self.state;
         let result = s[0].wrapping_add(s[3]);
@@ -61,6 +62,7 @@ impl Stream {
     }
 
     /// A uniform number in (0, 1): the midpoint of one of 2^53 cells.
+    #[inline(always)]
     pub fn uniform(&mut self) -> f64 {
         ((self.next_u64() >> 11) as f64 + 0.5) * (1.0 / 9_007_199_254_740_992.0)
     }

@@ -25,13 +25,16 @@ pub fn timeline(end: f64, output_step: f64) -> Timeline {
     Timeline { end, output_step, period: None }
 }
 
+/// (t, x, x', T, static).
+pub type OutputRow = (f64, f64, f64, f64, bool);
+
 /// Keeps every event and every output row.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Keep {
     /// Events of each lane.
     pub events: Vec<Vec<Event>>,
-    /// (t, x, x', T, static) of each lane, row by row.
-    pub rows: Vec<Vec<(f64, f64, f64, f64, bool)>>,
+    /// Each lane, row by row.
+    pub rows: Vec<Vec<OutputRow>>,
 }
 
 impl Keep {

@@ -13,13 +13,13 @@ impl Draws {
     }
 
     /// Uniform in (0, 1).
-    #[inline]
+    #[inline(always)]
     pub fn uniform(&mut self) -> f64 {
         self.0.uniform()
     }
 
     /// Standard normal, one draw of the stream each.
-    #[inline]
+    #[inline(always)]
     pub fn normal(&mut self) -> f64 {
         standard_normal(self.0.next_u64())
     }

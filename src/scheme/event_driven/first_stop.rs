@@ -135,7 +135,7 @@ impl Pending {
 
 impl StopSearch {
     /// The first zero of V in a step, or none.
-    #[inline]
+    #[inline(always)]
     pub fn first(&self, step: &Step, draws: &mut Draws, pending: &mut Pending) -> Result<Option<Stop>, Unresolved> {
         let whole = Interval {
             end: step.end,
@@ -148,6 +148,7 @@ impl StopSearch {
     }
 
     /// The scan.
+    #[inline(always)]
     fn bisect(
         &self,
         start: Motion,
@@ -195,23 +196,27 @@ impl StopSearch {
         Err(Unresolved)
     }
 
-    #[inline]
+    #[inline(always)]
     fn is_clear(&self, left: Motion, next: &Interval) -> bool {
         let [v0, c1, c2, c3, v1] = velocity_controls(left, next);
+        // Not short-circuited: one branch is cheaper than five.
         if v0 == 0.0 {
-            let lowest = left.acceleration.min(next.inverse * v1.min(2.0 * c2).min((4.0 / 3.0) * c3));
-            lowest > self.caution * START_SPREAD * next.noise
+            let least = self.caution * START_SPREAD * next.noise;
+            let rise = least * next.length;
+            (left.acceleration > least) & (v1 > rise) & (2.0 * c2 > rise) & ((4.0 / 3.0) * c3 > rise)
         } else {
-            v0.min(v1).min(c1).min(c2).min(c3) > self.caution * VELOCITY_SPREAD * next.noise * next.length
+            let least = self.caution * VELOCITY_SPREAD * next.noise * next.length;
+            (v0 > least) & (c1 > least) & (c2 > least) & (c3 > least) & (v1 > least)
         }
     }
 
-    #[inline]
+    #[inline(always)]
     fn is_stop(&self, left: Motion, next: &Interval) -> bool {
         let [v0, c1, c2, c3, v1] = velocity_controls(left, next);
-        let between = 4.0 * next.inverse * (c2 - c1).max(c3 - c2);
-        let highest = left.acceleration.max(between).max(next.end.acceleration);
-        v1 <= 0.0 && v0 > 0.0 && highest < -self.caution * SLOPE_SPREAD * next.noise
+        let most = -self.caution * SLOPE_SPREAD * next.noise;
+        let fall = 0.25 * next.length * most;
+        let falls = (left.acceleration < most) & (c2 - c1 < fall) & (c3 - c2 < fall) & (next.end.acceleration < most);
+        (v1 <= 0.0) & (v0 > 0.0) & falls
     }
 
     /// The zero of V on an interval where it falls throughout.
@@ -220,6 +225,7 @@ impl StopSearch {
     /// nearer than either end was; with the drawn state as the new end, repeat. The remaining time falls like its own power
     /// 3/2, until the noise of a within it is below `STOP_PRECISION` of a. (The pull of both ends matters: a free step from
     /// the first draw to the zero would give the force at the stop too much variance, and too many sticks.)
+    #[inline(always)]
     fn stop(&self, mut left: Motion, next: &Interval, draws: &mut Draws) -> Stop {
         let mut next = *next;
         let (mut after, mut way) = (0.0, 0.0);
@@ -229,8 +235,8 @@ impl StopSearch {
             let (h, noise) = (next.length, next.noise);
             let [dx, dv, da] = conditional_draw(p, draws);
             let passed = mean.way(p) + noise * h * h * dx;
-            let velocity = mean.velocity(p) + noise * h * dv;
-            let mean_acceleration = mean.acceleration(p) * next.inverse;
+            let velocity = mean.velocity(p) * next.inverse + noise * h * dv;
+            let mean_acceleration = mean.acceleration(p) * next.inverse * next.inverse;
             // In law below zero by `caution` standard deviations.
             let drawn = mean_acceleration + noise * da;
             let acceleration = if drawn < 0.0 { drawn } else { mean_acceleration };
@@ -253,13 +259,14 @@ impl StopSearch {
 }
 
 impl Interval {
+    #[inline(always)]
     fn new(end: Motion, way: f64, length: f64, noise: f64) -> Self {
         Interval { end, way, length, inverse: 1.0 / length, noise: noise * length.sqrt() }
     }
 }
 
 /// The Bezier control points of the mean of V.
-#[inline]
+#[inline(always)]
 fn velocity_controls(left: Motion, next: &Interval) -> [f64; 5] {
     let (v0, v1) = (left.velocity, next.end.velocity);
     let (q0, q1) = (0.25 * next.length * left.acceleration, 0.25 * next.length * next.end.acceleration);
@@ -267,7 +274,7 @@ fn velocity_controls(left: Motion, next: &Interval) -> [f64; 5] {
 }
 
 /// Draw the state in the middle of an interval, and part it there.
-#[inline]
+#[inline(always)]
 fn halves(left: Motion, next: &Interval, draws: &mut Draws) -> (Interval, Interval) {
     let (v0, v1, a0, a1) = (left.velocity, next.end.velocity, left.acceleration, next.end.acceleration);
     let (h, noise) = (next.length, next.noise);
@@ -285,22 +292,36 @@ fn halves(left: Motion, next: &Interval, draws: &mut Draws) -> (Interval, Interv
     (near, Interval { end: next.end, way: next.way - way, length, inverse, noise })
 }
 
-/// A draw from the conditional law of (x, V, a) at a fraction p of an interval with h = c = 1, by the Cholesky factor L of its
-/// precision: y = L^-T z.
+/// A draw from the conditional law of (x, V, a) at a fraction p of an interval with h = c = 1.
+///
+/// In terms of q = p (1-p) and s = 1 - 2p the precision above, for (x q^{-5/2}, V q^{-3/2}, a q^{-1/2}), is
+///
+/// ```text
+/// | 720 D   -360 s (1-2q)    60 (1-3q) |
+/// |   .      192 (1-3q)        -36 s   |         D = 1 - 5q + 5q^2,   E = 1 - 8q + 20q^2
+/// |   .          .               9     |
+/// ```
+///
+/// Eliminating x leaves (12 E, -6 s (1-5q); ., 4 - 15q)/D, eliminating V leaves 1/E: three factors of the draw in closed form.
+#[inline(always)]
 fn conditional_draw(p: f64, draws: &mut Draws) -> [f64; 3] {
-    let (u, r) = (1.0 / p, 1.0 / (1.0 - p));
-    let (u2, r2) = (u * u, r * r);
-    let cubes = u2 * u + r2 * r;
-    let l11 = (720.0 * (u2 * u2 * u + r2 * r2 * r)).sqrt();
-    let l21 = 360.0 * (r2 * r2 - u2 * u2) / l11;
-    let l31 = 60.0 * cubes / l11;
-    let l22 = (192.0 * cubes - l21 * l21).sqrt();
-    let l32 = (36.0 * (r2 - u2) - l31 * l21) / l22;
-    let l33 = (9.0 * (u + r) - l31 * l31 - l32 * l32).sqrt();
-    let a = draws.normal() / l33;
-    let v = (draws.normal() - l32 * a) / l22;
-    [(draws.normal() - l21 * v - l31 * a) / l11, v, a]
+    conditional_factor(p, [draws.normal(), draws.normal(), draws.normal()])
 }
+
+/// [`conditional_draw`] from its three normals.
+#[inline(always)]
+fn conditional_factor(p: f64, [one, two, three]: [f64; 3]) -> [f64; 3] {
+    let (q, s) = (p * (1.0 - p), 1.0 - 2.0 * p);
+    let (root_q, root_e) = (q.sqrt(), (1.0 - q * (8.0 - 20.0 * q)).sqrt());
+    let root_12d = (12.0 * (1.0 - 5.0 * q * (1.0 - q))).sqrt();
+    let v = 0.5 * s * (1.0 - 5.0 * q) * one + root_12d / 12.0 * two;
+    let x = (1.0 - 6.0 * q) / 6.0 * one + 0.5 * s * (1.0 - 2.0 * q) / root_12d * two;
+    let (scale_v, scale_x) = (root_q * q, root_q * q * q);
+    [scale_x * (x / root_e + ROOT_60TH * three / root_12d), scale_v * v / root_e, root_q * root_e * one]
+}
+
+/// 60^{-1/2}.
+const ROOT_60TH: f64 = 0.129_099_444_873_580_57;
 
 /// The acceleration at a stop is known to this fraction of itself.
 const STOP_PRECISION: f64 = 1e-2;
@@ -308,9 +329,8 @@ const STOP_PRECISION: f64 = 1e-2;
 /// Each refinement takes the remaining distance to about its power 3/2; eight are never needed.
 const STOP_REFINEMENTS: usize = 8;
 
-/// The mean way on an interval as a polynomial in the fraction p of it; V and a are in units of 1/h and 1/h^2.
+/// The mean way on an interval as a polynomial in the fraction p of it; so are V, times h, and a, times h^2.
 struct Quintic {
-    h: f64,
     d0: f64,
     e0: f64,
     c3: f64,
@@ -320,12 +340,12 @@ struct Quintic {
 }
 
 impl Quintic {
+    #[inline(always)]
     fn new(left: Motion, next: &Interval) -> Self {
         let (h, s) = (next.length, next.way);
         let (d0, d1) = (h * left.velocity, h * next.end.velocity);
         let (e0, e1) = (0.5 * h * h * left.acceleration, 0.5 * h * h * next.end.acceleration);
         Quintic {
-            h,
             d0,
             e0,
             c3: 10.0 * s - 6.0 * d0 - 4.0 * d1 - 3.0 * e0 + e1,
@@ -335,32 +355,56 @@ impl Quintic {
         }
     }
 
+    #[inline(always)]
     fn way(&self, p: f64) -> f64 {
         p * (self.d0 + p * (self.e0 + p * (self.c3 + p * (self.c4 + p * self.c5))))
     }
 
+    #[inline(always)]
     fn velocity(&self, p: f64) -> f64 {
-        (self.d0 + p * (2.0 * self.e0 + p * (3.0 * self.c3 + p * (4.0 * self.c4 + p * 5.0 * self.c5)))) / self.h
+        self.d0 + p * (2.0 * self.e0 + p * (3.0 * self.c3 + p * (4.0 * self.c4 + p * 5.0 * self.c5)))
     }
 
-    /// Times h.
+    #[inline(always)]
     fn acceleration(&self, p: f64) -> f64 {
-        (2.0 * self.e0 + p * (6.0 * self.c3 + p * (12.0 * self.c4 + p * 20.0 * self.c5))) / self.h
+        2.0 * self.e0 + p * (6.0 * self.c3 + p * (12.0 * self.c4 + p * 20.0 * self.c5))
     }
 
-    /// A fraction near the zero of V: the chord's, improved twice by Newton. Any fraction may be drawn at; a near one
+    /// A fraction near the zero of V: the chord's, improved once by Newton. Any fraction may be drawn at; a near one
     /// saves refinements. Away from the ends, where the precision degenerates.
+    #[inline(always)]
     fn near_zero(&self) -> f64 {
-        let mut p = self.chord;
-        for _ in 0..2 {
-            let next = p - self.velocity(p) / self.acceleration(p);
-            if next > 0.0 && next < 1.0 {
-                p = next;
-            }
-        }
+        let newton = self.chord - self.velocity(self.chord) / self.acceleration(self.chord);
+        let p = if newton > 0.0 && newton < 1.0 { newton } else { self.chord };
         p.clamp(MARGIN, 1.0 - MARGIN)
     }
 }
 
 /// Draws keep away from the ends of an interval by this fraction.
 const MARGIN: f64 = 1e-6;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_factor_of_a_draw_inverts_the_precision_at_any_fraction() {
+        for p in [1e-6f64, 0.01, 0.2, 0.276, 0.5, 0.7, 0.999] {
+            let (u, r): (f64, f64) = (p, 1.0 - p);
+            let off = (360.0 * (r.powi(-4) - u.powi(-4)), 60.0 * (u.powi(-3) + r.powi(-3)));
+            let precision = [
+                [720.0 * (u.powi(-5) + r.powi(-5)), off.0, off.1],
+                [off.0, 192.0 * (u.powi(-3) + r.powi(-3)), 36.0 * (r.powi(-2) - u.powi(-2))],
+                [off.1, 36.0 * (r.powi(-2) - u.powi(-2)), 9.0 * (1.0 / u + 1.0 / r)],
+            ];
+            let columns = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(|z| conditional_factor(p, z));
+            // F^T (precision) F = 1.
+            for (i, a) in columns.iter().enumerate() {
+                for (j, b) in columns.iter().enumerate() {
+                    let product: f64 = (0..9).map(|k| a[k / 3] * precision[k / 3][k % 3] * b[k % 3]).sum();
+                    assert!((product - f64::from(u8::from(i == j))).abs() < 1e-8, "{p} {i} {j}: {product}");
+                }
+            }
+        }
+    }
+}

@@ -10,6 +10,7 @@ use super::first_stop::{Motion, Pending, Step, StopSearch};
 use super::scene::{Scene, forcing};
 use super::step_rules::StepRules;
 use super::stick::{StickOutcome, StickState, StickSteps};
+use crate::lanes::{InstructionSet, LaneProgram, Lanes};
 use crate::model::{Complex, Event, EventKind, Model, Phase, Sign};
 use crate::noise::{DrivenOscillator, HarmonicResponse, SlipTransition};
 use crate::scheme::{Observer, Snapshot, Timeline};
@@ -38,6 +39,23 @@ struct SlipStep {
 struct Scratch {
     partial: SlipStep,
     pending: Pending,
+}
+
+/// A simulation as one scalar program, compiled for each instruction set with everything that is called often (hence
+/// `inline(always)` below): fused multiply-adds become instructions instead of calls. The bits stay the same.
+struct Simulation<'a, O> {
+    cascade: &'a Noisy,
+    seed: u64,
+    paths: &'a [u64],
+    observer: &'a mut O,
+    failed: Vec<usize>,
+}
+
+impl<O: Observer> LaneProgram for Simulation<'_, O> {
+    #[inline(always)]
+    fn run<L: Lanes>(&mut self) {
+        self.failed = self.cascade.simulate_here(self.seed, self.paths, self.observer);
+    }
 }
 
 /// Where one path is.
@@ -84,6 +102,13 @@ impl Noisy {
 
     /// Simulate the paths with these numbers; those that were given up are returned.
     pub fn simulate<O: Observer>(&self, seed: u64, paths: &[u64], observer: &mut O) -> Vec<usize> {
+        let mut simulation = Simulation { cascade: self, seed, paths, observer, failed: Vec::new() };
+        InstructionSet::detect().run(&mut simulation);
+        simulation.failed
+    }
+
+    #[inline(always)]
+    fn simulate_here<O: Observer>(&self, seed: u64, paths: &[u64], observer: &mut O) -> Vec<usize> {
         let harmonics = self.scene.harmonics.len();
         let mut lanes: Vec<Path> = paths.iter().map(|&path| self.start(seed, path)).collect();
         let mut terms = vec![Complex::ZERO; harmonics * paths.len()];
@@ -124,6 +149,7 @@ impl Noisy {
     }
 
     /// Follow a path, phase by phase, to a time.
+    #[inline(always)]
     fn advance(
         &self,
         path: &mut Path,
@@ -149,6 +175,7 @@ impl Noisy {
         }
     }
 
+    #[inline(always)]
     fn stick_until(&self, path: &mut Path, terms: &mut [Complex], until: f64) -> Option<Event> {
         let spring_force = self.scene.oscillator.stiffness * path.displacement;
         let mut state = StickState { time: path.time, spring_force, noise: path.noise, terms };
@@ -168,6 +195,7 @@ impl Noisy {
         }
     }
 
+    #[inline(always)]
     fn slip_until(
         &self,
         path: &mut Path,
@@ -241,7 +269,7 @@ impl Noisy {
     }
 
     /// One exact step of (x, x', n) and of the forcing.
-    #[inline]
+    #[inline(always)]
     fn take(&self, step: &SlipStep, path: &mut Path, terms: &mut [Complex], friction: f64) {
         let SlipTransition { length, x, v, n, factor, .. } = &step.transition;
         let (x0, v0, n0) = (path.displacement, path.velocity, path.noise);
@@ -260,7 +288,7 @@ impl Noisy {
     }
 
     /// b.
-    #[inline]
+    #[inline(always)]
     fn force(&self, path: &Path, terms: &[Complex]) -> f64 {
         let body = &self.scene.oscillator;
         forcing(terms) + path.noise - body.stiffness * path.displacement - 2.0 * body.damping * path.velocity
@@ -278,7 +306,7 @@ impl Path {
         Event { kind, time: self.time, displacement: self.displacement, force }
     }
 
-    #[inline]
+    #[inline(always)]
     fn count_work(&mut self) {
         self.work += 1;
         self.failed |= self.work > WORK_LIMIT;
