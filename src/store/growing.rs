@@ -1,7 +1,7 @@
 //! Variables that grow together along one dimension, written in whole chunks.
 //!
-//! A block of 256 paths is far smaller than a chunk. Appending it directly would make HDF5 compress the same chunk over
-//! and over, so rows wait in memory until they fill one.
+//! A block of 256 paths is far smaller than a chunk. Appending it directly would rewrite the same chunk over and
+//! over, so rows wait in memory until they fill one.
 
 use super::layout::Variable;
 use super::variable::{Element, Growth, Place};

@@ -12,8 +12,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-/// Values in a chunk of per-path data: 128 kB of reals, so that a chunk of every variable fits into HDF5's cache and
-/// compressing one takes milliseconds.
+/// Values in a chunk of per-path data: 128 kB of reals, so that a chunk of every variable fits into HDF5's cache.
 const CHUNK: usize = 16_384;
 
 /// Shortest time between two moments at which the file on disk is brought up to date.
