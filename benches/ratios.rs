@@ -204,6 +204,7 @@ fn header(scenario: &Scenario) -> Header {
         scenario_text: scenario.to_toml(),
         scheme: scenario.scheme.name().to_string(),
         step: scenario.time.step,
+        resolution: None,
         seed: 1,
         generator: String::new(),
         paths: 10_000,

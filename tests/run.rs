@@ -292,3 +292,17 @@ fn verbose_and_warnings_name_the_resolution() {
         assert!(said.contains(part), "{part}\n{said}");
     }
 }
+
+/// With f_s = f_d and noise the number of sticks is a property of the resolution: it is in the JSON and in the file.
+#[test]
+fn the_resolution_is_reported_where_results_depend_on_it() {
+    let here = folder();
+    let scenario = concat!(env!("CARGO_MANIFEST_DIR"), "/scenarios/equal-friction.toml");
+    let equal = json(&mc(&here, &["run", scenario, "--scheme", "event-driven", "--paths", "4", "--json"]));
+    let resolution = equal["resolution"].as_f64().expect("a number");
+    assert!(resolution > 0.0 && resolution < 1e-3, "{resolution}");
+    let stored = store::read(&here.path().join("equal-friction.h5")).expect("readable");
+    assert_eq!(stored.header.resolution, Some(resolution));
+    let ordinary = json(&mc(&here, &["run", RHO025, "--scheme", "event-driven", "--paths", "4", "--json"]));
+    assert!(ordinary["resolution"].is_null());
+}

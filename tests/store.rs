@@ -29,6 +29,7 @@ fn header(paths: u64) -> Header {
         scenario_text: "[oscillator]\nmass = 1.0\n\n[ensemble]\npaths = 1000\n".to_owned(),
         scheme: "event-driven".to_owned(),
         step: Some(0.01),
+        resolution: Some(1e-6),
         // Beyond 2^63: a reader that takes it for a signed or a floating-point number shows.
         seed: 0xFEDC_BA98_7654_3211,
         generator: "PCG64DXSM, ziggurat".to_owned(),

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use stick_slip::ensemble::Plan;
 use stick_slip::scenario::{MAX_ROWS, MAX_TRAJECTORIES, Scenario};
 use stick_slip::stats::Record;
-use stick_slip::store::{self, Status};
+use stick_slip::store::{self, Header, Status};
 
 const EXAMPLE: &str = "\
 Example:
@@ -59,7 +59,9 @@ fn replay(mut scenario: Scenario, path: u64, output: &Path, force: bool) -> Resu
     scenario.record = Record { trajectories: record.trajectories.min(MAX_TRAJECTORIES), ..record };
     note(&remark);
     let block = Plan { record, ..scenario.plan() }.replay(path);
-    let mut writer = results::start(&scenario, &record, output, force)?;
+    // A file of one path, whatever its number in the ensemble.
+    let header = Header { paths: 1, ..results::header(&scenario) };
+    let mut writer = results::start(&header, &record, output, force)?;
     writer.append(&block)?;
     let summary = block.totals.summary();
     writer.finish(&summary, Status::Complete)?;
@@ -69,6 +71,7 @@ fn replay(mut scenario: Scenario, path: u64, output: &Path, force: bool) -> Resu
         return print("it diverged\n");
     }
     let events = block.events.unwrap_or_default();
+    print(&format!("{:>6} {:>14} {:>14} {:>14}\n", "event", "time", "displacement", "force b"))?;
     for i in 0..events.time.len() {
         let what = ["stick", "slip", "turn"][events.kind[i] as usize & 3];
         let line =

@@ -18,6 +18,8 @@ pub struct RunInfo {
     pub scheme: String,
     /// h, for time-stepping schemes.
     pub step: Option<f64>,
+    /// The shortest slip the scheme resolves, where its results depend on that.
+    pub resolution: Option<f64>,
     /// Seed of the ensemble.
     pub seed: u64,
     /// Paths asked for.
@@ -222,6 +224,7 @@ pub fn json(summary: &Summary, info: &RunInfo) -> String {
         title: &info.title,
         scheme: &info.scheme,
         step: info.step,
+        resolution: info.resolution,
         seed: info.seed,
         paths: info.paths,
         completed_paths: summary.completed_paths,
@@ -255,6 +258,7 @@ struct JsonReport<'a> {
     title: &'a str,
     scheme: &'a str,
     step: Option<f64>,
+    resolution: Option<f64>,
     seed: u64,
     paths: u64,
     completed_paths: u64,
@@ -351,6 +355,7 @@ mod tests {
             title: "Noisy temperature".into(),
             scheme: "discrete-vi".into(),
             step: Some(0.01),
+            resolution: None,
             seed: 1,
             paths: 10_000,
             threads: Some(2),

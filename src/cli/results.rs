@@ -1,6 +1,7 @@
 //! What every file of results says about where it comes from.
 
-use super::failure::Failure;
+use super::failure::{Failure, note};
+use super::numbers::wrapped;
 use std::path::Path;
 use stick_slip::ensemble::BLOCK_SIZE;
 use stick_slip::noise::GENERATOR;
@@ -16,6 +17,7 @@ pub fn header(scenario: &Scenario) -> Header {
         scenario_text: scenario.to_toml(),
         scheme: scenario.scheme.name().to_string(),
         step: scenario.time.step,
+        resolution: scenario.derived().resolution.map(|resolution| resolution.shortest_slip),
         seed: scenario.ensemble.seed,
         generator: GENERATOR.to_string(),
         paths: scenario.ensemble.paths,
@@ -27,18 +29,25 @@ pub fn header(scenario: &Scenario) -> Header {
     }
 }
 
+/// Say in what way the results of a scenario are not what they seem to be, on standard error.
+pub fn warn(scenario: &Scenario) {
+    for warning in scenario.warnings() {
+        note(wrapped(&format!("warning: {warning}"), "  ").trim_end());
+    }
+}
+
 /// Start the file, if its disk has room for it. With `force`, what an unfinished run to the same name left goes.
 pub fn create(scenario: &Scenario, output: &Path, force: bool) -> Result<Writer, Failure> {
     check_space(output.parent().unwrap_or(Path::new(".")), scenario.derived().output_bytes as u64)?;
-    start(scenario, &scenario.record, output, force)
+    start(&header(scenario), &scenario.record, output, force)
 }
 
-/// The same for a file known to be small, which keeps something else than the scenario says.
-pub fn start(scenario: &Scenario, record: &Record, output: &Path, force: bool) -> Result<Writer, Failure> {
+/// The same for a file known to be small, with a header of its own.
+pub fn start(header: &Header, record: &Record, output: &Path, force: bool) -> Result<Writer, Failure> {
     if force {
         discard_partial(output)?;
     }
-    Ok(Writer::create(output, &header(scenario), record)?)
+    Ok(Writer::create(output, header, record)?)
 }
 
 impl From<StoreError> for Failure {

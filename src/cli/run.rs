@@ -1,7 +1,6 @@
 //! `mc run`: simulate an ensemble, write its statistics, say what came out.
 
 use super::failure::{Failure, note, print, writable};
-use super::numbers::wrapped;
 use super::overrides::Overrides;
 use super::progress::Progress;
 use super::report::{self, RunInfo};
@@ -76,9 +75,7 @@ impl Run {
             note(&super::check::report(&scenario));
             note(&format!("kernel: {}", scenario.plan().scheme.kernel()));
         }
-        for warning in scenario.warnings() {
-            note(wrapped(&format!("warning: {warning}"), "  ").trim_end());
-        }
+        results::warn(&scenario);
         let threads = self.threads.map_or_else(cores, usize::from);
         let job = Job { scenario: &scenario, threads, output: &output, force: self.force };
         let stop = stop_on_ctrl_c();
@@ -131,6 +128,7 @@ fn info(scenario_path: &Path, job: &Job<'_>, status: Status, seconds: f64) -> Ru
         title: title.clone(),
         scheme: scheme.name().to_string(),
         step: time.step,
+        resolution: job.scenario.derived().resolution.map(|resolution| resolution.shortest_slip),
         seed: ensemble.seed,
         paths: ensemble.paths,
         threads: Some(job.threads),

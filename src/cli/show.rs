@@ -2,6 +2,7 @@
 
 use super::failure::{Failure, print};
 use super::report::{self, RunInfo};
+use super::results;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use stick_slip::scenario::{Scenario, Units};
@@ -22,6 +23,9 @@ impl Show {
     pub fn call(&self) -> Result<(), Failure> {
         let stored = store::read(&self.file)?;
         let info = info(&self.file, &stored);
+        if let Ok(scenario) = Scenario::parse("scenario", &stored.header.scenario_text, &[]) {
+            results::warn(&scenario);
+        }
         if self.json {
             return print(&report::json(&stored.summary, &info));
         }
@@ -38,6 +42,7 @@ fn info(file: &Path, stored: &Stored) -> RunInfo {
         title: header.title.clone(),
         scheme: header.scheme.clone(),
         step: header.step,
+        resolution: header.resolution,
         seed: header.seed,
         paths: header.paths,
         threads: None,

@@ -26,6 +26,8 @@ pub struct Header {
     pub scheme: String,
     /// h, for time-stepping schemes.
     pub step: Option<f64>,
+    /// The shortest slip the scheme resolves, where its results depend on that.
+    pub resolution: Option<f64>,
     /// Seed of the ensemble.
     pub seed: u64,
     /// Name of the random number generator and of the normal sampler.
@@ -85,6 +87,9 @@ pub(super) fn write(file: &File, header: &Header) -> hdf5::Result<()> {
     if let Some(step) = header.step {
         write_attribute(file, "step", step)?;
     }
+    if let Some(resolution) = header.resolution {
+        write_attribute(file, "resolution", resolution)?;
+    }
     write_attribute(file, "seed", header.seed)?;
     write_text(file, "generator", &header.generator)?;
     write_attribute(file, "paths", header.paths)?;
@@ -136,11 +141,13 @@ pub(super) fn progress(file: &File) -> hdf5::Result<(Status, u64)> {
 pub(super) fn read(file: &File, time: Vec<f64>) -> hdf5::Result<Header> {
     let label = |name| if file.attr(name).is_ok() { read_text(file, name) } else { Ok(String::new()) };
     let [time_unit, length_unit, force_unit, temperature_unit] = UNIT_NAMES;
+    let number = |name| file.attr(name).ok().map(|number| number.read_scalar()).transpose();
     Ok(Header {
         title: read_text(file, "title")?,
         scenario_text: read_text(file, "scenario")?,
         scheme: read_text(file, "scheme")?,
-        step: file.attr("step").ok().map(|step| step.read_scalar()).transpose()?,
+        step: number("step")?,
+        resolution: number("resolution")?,
         seed: file.attr("seed")?.read_scalar()?,
         generator: read_text(file, "generator")?,
         paths: file.attr("paths")?.read_scalar()?,

@@ -3,7 +3,8 @@
 //! V_{n+1} = 0 is not by itself a static phase: at a turning point with |b| > f_s the scheme gives a zero velocity for
 //! one step. Static begins at t_{n+1} iff V_{n+1} = 0 and |b(X_{n+1}, 0, t_{n+1})| <= f_s. A zero that is not static, or
 //! V_n V_{n+1} < 0, is a sub-phase boundary at t_{n+1}. A static phase ends at t_n, the last instant with V_n = 0: the paper's
-//! own convention (its tau_{3/2} = 14.86). Counting every zero as a stick would make sticks 13 % shorter at any step.
+//! own convention (its tau_{3/2} = 14.86). Counting every zero as a stick would make sticks 23 % shorter at
+//! h = 0.01 (docs/model.md), and never converge.
 
 use super::kernel::{Coefficients, Kernel, Paths, Point, Turn};
 use crate::model::{Event, EventKind, Phase, Sign};
