@@ -17,7 +17,7 @@ pub fn header(scenario: &Scenario) -> Header {
         scenario_text: scenario.to_toml(),
         scheme: scenario.scheme.name().to_string(),
         step: scenario.time.step,
-        resolution: scenario.derived().resolution.map(|resolution| resolution.shortest_slip),
+        resolution: scenario.resolution().map(|resolution| resolution.shortest_slip),
         seed: scenario.ensemble.seed,
         generator: GENERATOR.to_string(),
         paths: scenario.ensemble.paths,

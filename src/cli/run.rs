@@ -128,7 +128,7 @@ fn info(scenario_path: &Path, job: &Job<'_>, status: Status, seconds: f64) -> Ru
         title: title.clone(),
         scheme: scheme.name().to_string(),
         step: time.step,
-        resolution: job.scenario.derived().resolution.map(|resolution| resolution.shortest_slip),
+        resolution: job.scenario.resolution().map(|resolution| resolution.shortest_slip),
         seed: ensemble.seed,
         paths: ensemble.paths,
         threads: Some(job.threads),

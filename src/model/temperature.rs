@@ -66,6 +66,16 @@ impl Temperature {
         self.harmonic_sum(t) + relaxing
     }
 
+    /// A bound of |T|, with the noise kept to so many stationary standard deviations.
+    pub fn reach(&self, sds: f64) -> f64 {
+        let harmonics: f64 = self.harmonics.iter().map(|harmonic| harmonic.amplitude.abs()).sum();
+        let noise = self.noise.map_or(0.0, |noise| {
+            let start = if let InitialNoise::At(v0) = noise.initial { v0.abs() } else { 0.0 };
+            noise.intensity * (start + sds * noise.stationary_sd())
+        });
+        harmonics + noise
+    }
+
     /// P: the period of the first harmonic whose frequency is above zero.
     pub fn period(&self) -> Option<f64> {
         self.harmonics.iter().find(|h| h.angular_frequency > 0.0).map(|h| TAU / h.angular_frequency)

@@ -57,6 +57,7 @@ impl Stream {
     }
 
     /// The next standard normal.
+    #[inline(always)]
     pub fn normal(&mut self) -> f64 {
         super::standard_normal(self.next_u64())
     }

@@ -3,7 +3,7 @@
 //! Pure functions of the scenario; nothing is simulated.
 
 use super::{Scenario, SchemeKind, Stability};
-use crate::model::{InitialNoise, Model, Noise, Oscillator};
+use crate::model::{Model, Noise, Oscillator};
 use crate::scheme::{EventDriven, Resolution, monitoring_shift};
 use std::f64::consts::PI;
 
@@ -45,6 +45,16 @@ pub struct Derived {
 }
 
 impl Scenario {
+    /// What the event-driven scheme resolves where f_s and f_d (nearly) meet under noise; usually nothing.
+    pub fn resolution(&self) -> Option<Resolution> {
+        match self.scheme {
+            SchemeKind::EventDriven { tolerance } => {
+                EventDriven::new(&self.model, &self.timeline(), tolerance).resolution()
+            }
+            _ => None,
+        }
+    }
+
     /// What follows from the scenario before it is run.
     pub fn derived(&self) -> Derived {
         let Model { oscillator, friction, temperature, .. } = &self.model;
@@ -66,12 +76,7 @@ impl Scenario {
             monitoring_shift: step
                 .filter(|_| self.scheme == SchemeKind::CorrectedVi)
                 .map(|h| monitoring_shift(&self.model, h)),
-            resolution: match self.scheme {
-                SchemeKind::EventDriven { tolerance } => {
-                    EventDriven::new(&self.model, &self.timeline(), tolerance).resolution()
-                }
-                _ => None,
-            },
+            resolution: self.resolution(),
             expected_amplitude: expected_amplitude(&self.model, self.time.end),
             forcing_period: period,
             whole_periods: period.map_or(0.0, |period| (self.time.end / period * (1.0 + 1e-9)).floor()),
@@ -98,14 +103,8 @@ pub(super) fn largest_force(model: &Model) -> f64 {
 
 /// The same, with the noise kept to so many stationary standard deviations.
 pub(super) fn force_bound(model: &Model, sds: f64) -> f64 {
-    let temperature = &model.temperature;
-    let harmonics: f64 = temperature.harmonics.iter().map(|harmonic| harmonic.amplitude.abs()).sum();
-    let noise = temperature.noise.map_or(0.0, |noise| {
-        let start = if let InitialNoise::At(v0) = noise.initial { v0.abs() } else { 0.0 };
-        noise.intensity * (start + sds * noise.stationary_sd())
-    });
     model.oscillator.stiffness
-        * (model.oscillator.dilatation.abs() * (harmonics + noise) + model.initial_displacement.abs())
+        * (model.oscillator.dilatation.abs() * model.temperature.reach(sds) + model.initial_displacement.abs())
 }
 
 /// Standard deviations of the noise counted into an expected amplitude.

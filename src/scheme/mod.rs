@@ -5,6 +5,7 @@
 //! threads. A path is a function of the seed and its number alone, whatever company it is simulated in.
 
 mod any;
+mod columns;
 mod discrete_vi;
 mod event_driven;
 mod quasi_static;

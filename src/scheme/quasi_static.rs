@@ -14,11 +14,13 @@
 //! without noise, bridge crossings with it. Nothing in the recursion asks whether |b| <= f_s at tau_{j+1}; where it is not, the
 //! stick there is empty.
 
+use super::columns::Columns;
 use super::event_driven::{
-    Draws, ExactTime, Noiseless, Scene, StepRules, StickOutcome, StickState, StickSteps, UnfeltNoise, forcing,
+    ExactTime, Noiseless, Scene, StepRules, StickOutcome, StickState, StickSteps, UnfeltNoise, forcing,
 };
-use super::{Observer, Snapshot, Timeline};
+use super::{Observer, Timeline};
 use crate::model::{Complex, Event, EventKind, Model, Phase, Sign};
+use crate::noise::Stream;
 
 /// The quasi-static scheme for one scene.
 #[derive(Clone, Debug)]
@@ -50,7 +52,7 @@ struct Path {
     since: f64,
     displacement: f64,
     noise: f64,
-    draws: Draws,
+    draws: Stream,
     /// The exit of the static phase, where it is known in advance: without noise. None before it has been looked for.
     exit: Option<Option<Event>>,
     failed: bool,
@@ -88,36 +90,25 @@ impl QuasiStatic {
         let harmonics = self.scene.harmonics.len();
         let mut lanes: Vec<Path> = paths.iter().map(|&path| self.start(seed, path)).collect();
         let mut terms = vec![Complex::ZERO; harmonics];
-        let lane_count = paths.len();
-        let (mut x, mut v, mut temperature) = (vec![0.0; lane_count], vec![0.0; lane_count], vec![0.0; lane_count]);
-        let mut is_static = vec![true; lane_count];
+        let mut columns = Columns::new(paths.len());
         for stop in self.timeline.stops() {
             for (lane, path) in lanes.iter_mut().enumerate() {
                 self.advance(path, &mut terms, stop.time, |event| observer.event(lane, event));
                 self.scene.set_terms(stop.time, &mut terms);
-                (x[lane], v[lane]) = self.position(path, stop.time);
-                temperature[lane] = match &self.exits {
+                let (x, v) = self.position(path, stop.time);
+                let temperature = match &self.exits {
                     Exits::Noisy(_) => (forcing(&terms) + path.noise) / self.scene.force_per_temperature,
                     Exits::Noiseless(cascade, _) => cascade.mean_temperature(stop.time),
                 };
-                is_static[lane] = path.phase == Phase::Static;
+                columns.set(lane, (x, v, temperature, path.phase == Phase::Static));
             }
-            observer.snapshot(
-                stop.instant,
-                Snapshot {
-                    time: stop.time,
-                    displacement: &x,
-                    velocity: &v,
-                    temperature: &temperature,
-                    is_static: &is_static,
-                },
-            );
+            observer.snapshot(stop.instant, columns.snapshot(stop.time));
         }
         lanes.iter().enumerate().filter(|(_, path)| path.failed).map(|(lane, _)| lane).collect()
     }
 
     fn start(&self, seed: u64, path: u64) -> Path {
-        let mut draws = Draws::new(seed, path);
+        let mut draws = Stream::new(seed, path);
         let noise = self.scene.draw_initial_noise(&mut draws);
         Path {
             time: 0.0,

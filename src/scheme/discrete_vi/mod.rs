@@ -38,6 +38,7 @@ pub struct DiscreteVi {
     model: Model,
     timeline: Timeline,
     h: f64,
+    clock: HarmonicClock,
     is_corrected: bool,
     instructions: InstructionSet,
 }
@@ -46,8 +47,14 @@ impl DiscreteVi {
     /// For steps of length `h`, of which the stops of the timeline are taken to be whole multiples: each is observed at
     /// the nearest t_n.
     pub fn new(model: &Model, timeline: &Timeline, h: f64) -> Self {
-        let instructions = InstructionSet::detect();
-        DiscreteVi { model: model.clone(), timeline: *timeline, h, is_corrected: false, instructions }
+        DiscreteVi {
+            model: model.clone(),
+            timeline: *timeline,
+            h,
+            clock: HarmonicClock::new(&model.temperature.harmonics, h),
+            is_corrected: false,
+            instructions: InstructionSet::detect(),
+        }
     }
 
     /// The corrected scheme: order 1 instead of 1/2 in the statistics of sticks. Sound while [`monitoring_shift`] is small against f_s.
@@ -70,28 +77,16 @@ impl DiscreteVi {
     pub fn simulate<O: Observer>(&self, seed: u64, paths: &[u64], observer: &mut O) -> Vec<usize> {
         let kernel = Kernel::new(&self.model, self.h, self.is_corrected, self.instructions);
         let mut streams = LaneStreams::new(seed, paths, Paths::padded(paths.len()));
-        self.drive(&kernel, &mut streams, paths.len(), observer)
-    }
-
-    fn drive<O: Observer>(
-        &self,
-        kernel: &Kernel,
-        streams: &mut LaneStreams,
-        paths: usize,
-        observer: &mut O,
-    ) -> Vec<usize> {
-        let Model { oscillator, temperature, .. } = &self.model;
+        let paths = paths.len();
         let bound = divergence_bound(&self.model, self.timeline.end);
-        let clock = HarmonicClock::new(&temperature.harmonics, self.h);
-        let to_force = oscillator.stiffness * oscillator.dilatation;
-
-        let mut state =
-            Paths::at_rest(self.model.initial_displacement, &self.initial_noise(kernel.noise.kick, streams, paths));
+        let to_force = self.model.oscillator.stiffness * self.model.oscillator.dilatation;
+        let noise = self.initial_noise(kernel.noise.kick, &mut streams, paths);
+        let mut state = Paths::at_rest(self.model.initial_displacement, &noise);
         let mut harmonics = [0.0; RUN + 1];
         let mut forcing = [0.0; RUN + 1];
-        clock.fill(0, &mut harmonics);
+        self.clock.fill(0, &mut harmonics[..1]);
         forcing[0] = to_force * harmonics[0];
-        let mut reader = Reader::start(kernel, &state, forcing[0], paths, observer);
+        let mut reader = Reader::start(&kernel, &state, forcing[0], paths, observer);
         let mut diverged = vec![false; paths];
         let mut sampled = Samples::default();
         let mut scratch = Scratch::new();
@@ -101,12 +96,12 @@ impl DiscreteVi {
             let target = (stop.time / self.h).round() as u64;
             while n < target {
                 let steps = RUN.min((target - n) as usize);
-                clock.fill(n, &mut harmonics[..=steps]);
+                self.clock.fill(n, &mut harmonics[..=steps]);
                 for (force, harmonic) in forcing.iter_mut().zip(&harmonics[..=steps]) {
                     *force = to_force * harmonic;
                 }
-                kernel.advance(&forcing[..=steps], streams, &mut state, &mut scratch);
-                reader.read(kernel, n, &forcing, &scratch.turns, observer);
+                kernel.advance(&forcing[..=steps], &mut streams, &mut state, &mut scratch);
+                reader.read(&kernel, n, &forcing, &scratch.turns, observer);
                 for (lane, diverged) in diverged.iter_mut().enumerate() {
                     let reach = state.displacement[lane].abs();
                     *diverged |= reach > bound || reach.is_nan();
@@ -154,16 +149,8 @@ pub fn monitoring_shift(model: &Model, h: f64) -> f64 {
 /// The undamped oscillator without friction obeys |x(t)| <= |x0| + (1 + w0 t) sup |beta T|; friction and damping only take
 /// energy. The bound is ten times that at t_end, with ten stationary standard deviations of the noise, plus ten f_s/K.
 pub fn divergence_bound(model: &Model, end: f64) -> f64 {
-    let harmonics: f64 = model.temperature.harmonics.iter().map(|h| h.amplitude.abs()).sum();
-    let noise = model.temperature.noise.map_or(0.0, |noise| {
-        let start = match noise.initial {
-            InitialNoise::At(v) => v.abs(),
-            InitialNoise::Stationary => 0.0,
-        };
-        noise.intensity * (start + NOISE_REACH * noise.stationary_sd())
-    });
     let oscillator = &model.oscillator;
-    let reach = oscillator.dilatation.abs() * (harmonics + noise);
+    let reach = oscillator.dilatation.abs() * model.temperature.reach(NOISE_REACH);
     let growth = 1.0 + oscillator.natural_frequency() * end;
     let stuck = model.friction.static_force / oscillator.stiffness;
     (DIVERGENCE_MARGIN * (model.initial_displacement.abs() + growth * reach + stuck)).min(f64::MAX)

@@ -35,8 +35,8 @@
 //! so that micro-slips are resolved in law. The recursion ends because at small enough h any V0 > 0 or a0 > 0 is clear; a
 //! tangency is cut off at 2^-DEPTH h.
 
-use super::draws::Draws;
 use super::first_root::Unresolved;
+use crate::noise::Stream;
 
 /// The velocity eps x' and its derivative at one time.
 #[derive(Clone, Copy, Debug)]
@@ -136,7 +136,7 @@ impl Pending {
 impl StopSearch {
     /// The first zero of V in a step, or none.
     #[inline(always)]
-    pub fn first(&self, step: &Step, draws: &mut Draws, pending: &mut Pending) -> Result<Option<Stop>, Unresolved> {
+    pub fn first(&self, step: &Step, draws: &mut Stream, pending: &mut Pending) -> Result<Option<Stop>, Unresolved> {
         let whole = Interval {
             end: step.end,
             way: step.way,
@@ -153,7 +153,7 @@ impl StopSearch {
         &self,
         start: Motion,
         whole: Interval,
-        draws: &mut Draws,
+        draws: &mut Stream,
         Pending(pending): &mut Pending,
     ) -> Result<Option<Stop>, Unresolved> {
         pending[0] = whole;
@@ -226,7 +226,7 @@ impl StopSearch {
     /// 3/2, until the noise of a within it is below `STOP_PRECISION` of a. (The pull of both ends matters: a free step from
     /// the first draw to the zero would give the force at the stop too much variance, and too many sticks.)
     #[inline(always)]
-    fn stop(&self, mut left: Motion, next: &Interval, draws: &mut Draws) -> Stop {
+    fn stop(&self, mut left: Motion, next: &Interval, draws: &mut Stream) -> Stop {
         let mut next = *next;
         let (mut after, mut way) = (0.0, 0.0);
         for _ in 0..STOP_REFINEMENTS {
@@ -275,7 +275,7 @@ fn velocity_controls(left: Motion, next: &Interval) -> [f64; 5] {
 
 /// Draw the state in the middle of an interval, and part it there.
 #[inline(always)]
-fn halves(left: Motion, next: &Interval, draws: &mut Draws) -> (Interval, Interval) {
+fn halves(left: Motion, next: &Interval, draws: &mut Stream) -> (Interval, Interval) {
     let (v0, v1, a0, a1) = (left.velocity, next.end.velocity, left.acceleration, next.end.acceleration);
     let (h, noise) = (next.length, next.noise);
     let (one, two, three) = (draws.normal(), draws.normal(), draws.normal());
@@ -304,7 +304,7 @@ fn halves(left: Motion, next: &Interval, draws: &mut Draws) -> (Interval, Interv
 ///
 /// Eliminating x leaves (12 E, -6 s (1-5q); ., 4 - 15q)/D, eliminating V leaves 1/E: three factors of the draw in closed form.
 #[inline(always)]
-fn conditional_draw(p: f64, draws: &mut Draws) -> [f64; 3] {
+fn conditional_draw(p: f64, draws: &mut Stream) -> [f64; 3] {
     conditional_factor(p, [draws.normal(), draws.normal(), draws.normal()])
 }
 
@@ -380,7 +380,7 @@ impl Quintic {
     }
 }
 
-/// Draws keep away from the ends of an interval by this fraction.
+/// Stream keep away from the ends of an interval by this fraction.
 const MARGIN: f64 = 1e-6;
 
 #[cfg(test)]

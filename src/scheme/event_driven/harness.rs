@@ -1,9 +1,9 @@
 //! What the unit tests of the noisy scheme share.
 
-use super::draws::Draws;
 use super::scene::Scene;
 use super::stick::{StickOutcome, StickState, StickSteps};
 use crate::model::{Complex, Friction, Harmonic, InitialNoise, Model, Noise, Oscillator, Sign, Temperature};
+use crate::noise::Stream;
 
 /// The paper's parameters with forcing frequency 1/4 and noise of this intensity, v(0) = 0.
 pub fn paper_scene(rho: f64) -> Model {
@@ -28,7 +28,7 @@ pub fn exits(model: &Model, noise: f64, kappa: f64, horizon: f64, seed: u64, pat
             scene.set_terms(0.0, &mut terms);
             let spring_force = model.oscillator.stiffness * model.initial_displacement;
             let mut state = StickState { time: 0.0, spring_force, noise, terms: &mut terms };
-            match steps.advance(&scene, &mut state, horizon, &mut Draws::new(seed, path)) {
+            match steps.advance(&scene, &mut state, horizon, &mut Stream::new(seed, path)) {
                 StickOutcome::Exit(sign) => (state.time, sign),
                 outcome => panic!("no exit before {horizon}: {outcome:?}"),
             }

@@ -6,7 +6,6 @@
 //!                       StepRules   what the one tolerance means for its steps
 //! ```
 
-mod draws;
 mod exact_time;
 mod first_root;
 mod first_stop;
@@ -22,7 +21,6 @@ mod unfelt_noise;
 
 pub use step_rules::{DEFAULT_TOLERANCE, Resolution, TOLERANCES};
 
-pub(super) use draws::Draws;
 pub(super) use exact_time::ExactTime;
 pub(super) use noiseless::Noiseless;
 pub(super) use scene::{Scene, forcing};

@@ -9,7 +9,8 @@
 use super::exact_time::ExactTime;
 use super::first_root::{Jet, Unresolved, first_root, safe_step};
 use crate::model::{Complex, Event, EventKind, ForcedOscillator, InitialNoise, Model, Sign, SlipFlow};
-use crate::scheme::{Observer, Snapshot, Timeline};
+use crate::scheme::columns::Columns;
+use crate::scheme::{Observer, Timeline};
 
 /// The deterministic cascade of one scene.
 #[derive(Clone, Debug)]
@@ -236,43 +237,6 @@ impl Noiseless {
                 let state = flow.at(r);
                 (leg.displacement + state.displacement, state.velocity, temperature, false)
             }
-        }
-    }
-}
-
-/// Equal lanes of a snapshot.
-struct Columns {
-    displacement: Vec<f64>,
-    velocity: Vec<f64>,
-    temperature: Vec<f64>,
-    is_static: Vec<bool>,
-}
-
-impl Columns {
-    fn new(lanes: usize) -> Self {
-        let zeros = vec![0.0; lanes];
-        Columns {
-            displacement: zeros.clone(),
-            velocity: zeros.clone(),
-            temperature: zeros,
-            is_static: vec![true; lanes],
-        }
-    }
-
-    fn fill(&mut self, (displacement, velocity, temperature, is_static): (f64, f64, f64, bool)) {
-        self.displacement.fill(displacement);
-        self.velocity.fill(velocity);
-        self.temperature.fill(temperature);
-        self.is_static.fill(is_static);
-    }
-
-    fn snapshot(&self, time: f64) -> Snapshot<'_> {
-        Snapshot {
-            time,
-            displacement: &self.displacement,
-            velocity: &self.velocity,
-            temperature: &self.temperature,
-            is_static: &self.is_static,
         }
     }
 }

@@ -5,15 +5,16 @@
 //!
 //! A step ends on the next time the observer looks at, so every observed state is a draw from its law.
 
-use super::draws::Draws;
 use super::first_stop::{Motion, Pending, Step, StopSearch};
 use super::scene::{Scene, forcing};
 use super::step_rules::StepRules;
 use super::stick::{StickOutcome, StickState, StickSteps};
 use crate::lanes::{InstructionSet, LaneProgram, Lanes};
 use crate::model::{Complex, Event, EventKind, Model, Phase, Sign};
+use crate::noise::Stream;
 use crate::noise::{DrivenOscillator, HarmonicResponse, SlipTransition};
-use crate::scheme::{Observer, Snapshot, Timeline};
+use crate::scheme::columns::Columns;
+use crate::scheme::{Observer, Timeline};
 
 /// The noisy cascade of one scene.
 #[derive(Clone, Debug)]
@@ -66,7 +67,7 @@ struct Path {
     velocity: f64,
     noise: f64,
     phase: Phase,
-    draws: Draws,
+    draws: Stream,
     /// Steps taken; a path that exceeds [`WORK_LIMIT`] is given up.
     work: u64,
     failed: bool,
@@ -121,7 +122,8 @@ impl Noisy {
             for (lane, path) in lanes.iter_mut().enumerate() {
                 let terms = &mut terms[lane * harmonics..(lane + 1) * harmonics];
                 self.advance(path, terms, stop.time, &mut scratch, |event| observer.event(lane, event));
-                columns.set(lane, path, self.temperature(path, terms));
+                let is_static = path.phase == Phase::Static;
+                columns.set(lane, (path.displacement, path.velocity, self.temperature(path, terms), is_static));
             }
             observer.snapshot(stop.instant, columns.snapshot(stop.time));
         }
@@ -129,7 +131,7 @@ impl Noisy {
     }
 
     fn start(&self, seed: u64, path: u64) -> Path {
-        let mut draws = Draws::new(seed, path);
+        let mut draws = Stream::new(seed, path);
         let noise = self.scene.draw_initial_noise(&mut draws);
         Path {
             time: 0.0,
@@ -310,42 +312,5 @@ impl Path {
     fn count_work(&mut self) {
         self.work += 1;
         self.failed |= self.work > WORK_LIMIT;
-    }
-}
-
-/// The lanes of a snapshot.
-struct Columns {
-    displacement: Vec<f64>,
-    velocity: Vec<f64>,
-    temperature: Vec<f64>,
-    is_static: Vec<bool>,
-}
-
-impl Columns {
-    fn new(lanes: usize) -> Self {
-        let zeros = vec![0.0; lanes];
-        Columns {
-            displacement: zeros.clone(),
-            velocity: zeros.clone(),
-            temperature: zeros,
-            is_static: vec![true; lanes],
-        }
-    }
-
-    fn set(&mut self, lane: usize, path: &Path, temperature: f64) {
-        self.displacement[lane] = path.displacement;
-        self.velocity[lane] = path.velocity;
-        self.temperature[lane] = temperature;
-        self.is_static[lane] = path.phase == Phase::Static;
-    }
-
-    fn snapshot(&self, time: f64) -> Snapshot<'_> {
-        Snapshot {
-            time,
-            displacement: &self.displacement,
-            velocity: &self.velocity,
-            temperature: &self.temperature,
-            is_static: &self.is_static,
-        }
     }
 }

@@ -4,8 +4,8 @@
 //! beta only turns W.) In a static phase b = B(t) - K x + n with B = K beta T_det, so the corridor of v becomes
 //! |b| <= f_s; in a slip, m x'' = B(t) - K x - 2 alpha x' - eps f_d + n.
 
-use super::draws::Draws;
 use crate::model::{Complex, Friction, InitialNoise, Model, Oscillator};
+use crate::noise::Stream;
 
 /// One harmonic of B(t): Re[force e^{i w t}].
 #[derive(Clone, Copy, Debug)]
@@ -79,13 +79,13 @@ impl Scene {
     }
 
     /// n(0); one draw if it is random.
-    pub fn draw_initial_noise(&self, draws: &mut Draws) -> f64 {
+    pub fn draw_initial_noise(&self, draws: &mut Stream) -> f64 {
         let (mean, sd) = self.initial_noise;
         if sd > 0.0 { mean + sd * draws.normal() } else { mean }
     }
 
     /// The exact transition of n over a time; one draw if there is diffusion.
-    pub fn let_noise_pass(&self, noise: &mut f64, duration: f64, draws: &mut Draws) {
+    pub fn let_noise_pass(&self, noise: &mut f64, duration: f64, draws: &mut Stream) {
         if duration > 0.0 {
             let theta = self.relaxation_rate;
             *noise *= libm::exp(-theta * duration);

@@ -8,10 +8,10 @@
 //! - or any length within which no threshold can be met at all (7 standard deviations, moving thresholds included), so
 //!   that quiet phases, slow forcing and feeble noise cost few steps.
 
-use super::draws::Draws;
 use super::scene::{Scene, forcing};
 use super::stick_step::StickStep;
 use crate::model::{Complex, Sign};
+use crate::noise::Stream;
 
 /// Exact steps of a ladder of lengths, longest first.
 #[derive(Clone, Debug)]
@@ -68,7 +68,7 @@ impl StickSteps {
     }
 
     /// Simulate until the exit or the horizon, whichever is first.
-    pub fn advance(&self, scene: &Scene, state: &mut StickState<'_>, horizon: f64, draws: &mut Draws) -> StickOutcome {
+    pub fn advance(&self, scene: &Scene, state: &mut StickState<'_>, horizon: f64, draws: &mut Stream) -> StickOutcome {
         let f_s = scene.friction.static_force;
         let mut force = forcing(state.terms) - state.spring_force + state.noise;
         if force.abs() >= f_s {

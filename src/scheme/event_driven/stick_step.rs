@@ -13,9 +13,9 @@
 //! distances. (Symmetrically below.) After that correction the error of a step is of second order in
 //! c h^2 / (8 s sqrt h).
 
-use super::draws::Draws;
 use super::scene::Scene;
 use crate::model::{Complex, Sign};
+use crate::noise::Stream;
 use crate::noise::{mean_touching_spread, meeting_place};
 
 /// What a step of one length needs.
@@ -80,7 +80,7 @@ impl StickStep {
         (start, end): (f64, f64),
         bend: f64,
         mean_noise: f64,
-        draws: &mut Draws,
+        draws: &mut Stream,
     ) -> Option<(Sign, f64)> {
         // Exponents of both meeting probabilities, before any correction: usually both are far.
         let scale = 2.0 * self.growth / self.duration;
@@ -144,7 +144,7 @@ mod tests {
     }
 
     /// When a bridge of this duration between two values of n < 0 first reaches 0, if it does.
-    fn first_touch(scene: &Scene, from: f64, to: f64, duration: f64, draws: &mut Draws) -> Option<f64> {
+    fn first_touch(scene: &Scene, from: f64, to: f64, duration: f64, draws: &mut Stream) -> Option<f64> {
         let step = StickStep::new(scene, 0.1, duration);
         let exit = step.exit(scene, F_S, (F_S + from, F_S + to), 0.0, 0.5 * (from + to), draws);
         exit.map(|(sign, after)| {
@@ -174,12 +174,12 @@ mod tests {
         let (scene, h, bridges) = (scene(), 2.0, 200_000);
         let n = f64::from(bridges);
         for (from, to) in [(-0.3, -1.1), (-1.1, -0.3)] {
-            let mut draws = Draws::new(21, 0);
+            let mut draws = Stream::new(21, 0);
             let touches: Vec<f64> = (0..bridges).filter_map(|_| first_touch(&scene, from, to, h, &mut draws)).collect();
             for t in [0.05, 0.5, 1.5, 1.95] {
                 let share = touches.iter().filter(|&&after| after <= t).count() as f64 / n;
 
-                let mut draws = Draws::new(22, 0);
+                let mut draws = Stream::new(22, 0);
                 let (mean, sd) = bridge(to, from, h - t, h);
                 let late = (0..bridges).filter(|_| {
                     let state = mean + sd * draws.normal();
@@ -217,7 +217,7 @@ mod tests {
         for (from, to) in [(-0.1, -0.9), (-0.5, -2.0), (-0.01, -0.02)] {
             let count = |from: f64, to: f64| {
                 let hits =
-                    (0..100_000).filter(|&i| first_touch(&scene, from, to, 0.7, &mut Draws::new(23, i)).is_some());
+                    (0..100_000).filter(|&i| first_touch(&scene, from, to, 0.7, &mut Stream::new(23, i)).is_some());
                 hits.count()
             };
             assert_eq!(count(from, to), count(to, from));

@@ -4,8 +4,8 @@
 //! is not: v = E v + u, where E v relaxes from v(0) with the rest of the model and u is an Ornstein-Uhlenbeck process that
 //! starts at 0, or in its stationary law. Its exact transition from one instant to the next is added to the T of every snapshot.
 
-use super::draws::Draws;
 use crate::model::{Event, InitialNoise, Model, Noise};
+use crate::noise::Stream;
 use crate::noise::Transition;
 use crate::scheme::{Instant, Observer, Snapshot};
 
@@ -28,7 +28,7 @@ impl UnfeltNoise {
     ) -> WithUnfeltNoise<'a, O> {
         let lanes = match self.0 {
             None => Vec::new(),
-            Some(noise) => paths.iter().map(|&path| Lane::start(&noise, Draws::new(seed, path))).collect(),
+            Some(noise) => paths.iter().map(|&path| Lane::start(&noise, Stream::new(seed, path))).collect(),
         };
         WithUnfeltNoise { observer, noise: self.0, lanes, time: 0.0, temperature: Vec::new() }
     }
@@ -47,11 +47,11 @@ pub struct WithUnfeltNoise<'a, O> {
 /// u and the random numbers of one path.
 struct Lane {
     fluctuation: f64,
-    draws: Draws,
+    draws: Stream,
 }
 
 impl Lane {
-    fn start(noise: &Noise, mut draws: Draws) -> Self {
+    fn start(noise: &Noise, mut draws: Stream) -> Self {
         let fluctuation = match noise.initial {
             InitialNoise::At(_) => 0.0,
             InitialNoise::Stationary => noise.stationary_sd() * draws.normal(),
