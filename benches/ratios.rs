@@ -8,6 +8,7 @@ use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::{Pcg64, rand_core::SeedableRng};
 use std::convert::Infallible;
 use std::hint::black_box;
+use std::ops::ControlFlow;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 use std::time::Duration;
@@ -192,7 +193,7 @@ fn run(plan: &Plan, scenario: &Scenario, threads: usize, target: &Path) {
     let done = plan.run_into(threads, &AtomicBool::new(false), |block| {
         totals.merge(&block.totals);
         writer.append(&block).expect("room");
-        Ok::<_, Infallible>(())
+        Ok::<_, Infallible>(ControlFlow::Continue(()))
     });
     assert_eq!(done, Ok(plan.paths));
     writer.finish(&totals.summary(), Status::Complete).expect("room");

@@ -5,6 +5,7 @@ use super::overrides::Overrides;
 use super::progress::Progress;
 use super::report::{self, RunInfo};
 use super::results;
+use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -164,7 +165,7 @@ fn execute(job: &Job<'_>, stop: &AtomicBool, progress: &mut (dyn FnMut(u64) + Se
         totals.merge(&block.totals);
         writer.append(&block)?;
         progress(block.first_path + block.paths);
-        Ok::<_, StoreError>(())
+        Ok::<_, StoreError>(ControlFlow::Continue(()))
     })?;
     let summary = totals.summary();
     let status = if completed == plan.paths { Status::Complete } else { Status::Interrupted };
