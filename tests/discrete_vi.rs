@@ -404,3 +404,26 @@ fn amplitudes_above_the_critical_one_grow_and_are_reported() {
     let (lost, _) = run(1.1 * critical, 5000.0);
     assert_eq!(lost, [0], "grown beyond ten times every bound of the model");
 }
+
+/// Null: T(t) is the same on the grid of the coarsest step, up to the rounding of 1000 steps, however many of the shorter steps' normals a
+/// step is fed. The noise starts from a draw, decays over half a unit of time and is wide: a normal left out or weighed
+/// wrongly moves T by about 0.1.
+#[test]
+fn steps_fed_by_finer_ones_see_the_same_noise() {
+    let mut model = paper(0.25, 2.0);
+    let noise = Noise { intensity: 2.0, relaxation_rate: 2.0, diffusion: 1.5, initial: InitialNoise::Stationary };
+    model.temperature.noise = Some(noise);
+    let paths: Vec<u64> = (0..20).collect();
+    let temperature = |h: f64, refinement: usize| {
+        let mut keep = Keep::lanes(paths.len());
+        let scheme = DiscreteVi::new(&model, &timeline(10.0, 0.04), h).fed_by_finer(refinement);
+        assert_eq!(scheme.simulate(3, &paths, &mut keep), []);
+        keep.rows.into_iter().flatten().map(|row| row.3).collect::<Vec<f64>>()
+    };
+    let finest = temperature(0.01, 1);
+    for (h, refinement) in [(0.02, 2), (0.04, 4)] {
+        for (coarse, fine) in temperature(h, refinement).iter().zip(&finest) {
+            assert!((coarse - fine).abs() < 1e-12, "{h}: {coarse} {fine}");
+        }
+    }
+}

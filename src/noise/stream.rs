@@ -117,6 +117,31 @@ impl LaneStreams {
             L::store_bits(s, &mut word[lane..]);
         }
     }
+
+    /// The increments of an autoregression v' = decay v + xi over `refinement` steps at once: `tile[n * stride ..]` gets
+    /// sum of decay^(refinement - 1 - i) xi_i over the next `refinement` normals xi_0, xi_1, ... of each lane.
+    #[inline(always)]
+    pub fn fill_joined_normals<L: Lanes>(
+        &mut self,
+        lane: usize,
+        steps: usize,
+        (refinement, decay): (usize, f64),
+        tile: &mut [f64],
+        stride: usize,
+    ) {
+        let decay = L::splat(decay);
+        let mut s: [L::Bits; 4] = std::array::from_fn(|i| L::load_bits(&self.words[i][lane..]));
+        for row in tile.chunks_mut(stride).take(steps) {
+            let mut joined = L::splat(0.0);
+            for _ in 0..refinement {
+                joined = decay.mul_add(joined, standard_normals::<L>(next::<L>(&mut s)));
+            }
+            joined.store(row);
+        }
+        for (word, s) in self.words.iter_mut().zip(s) {
+            L::store_bits(s, &mut word[lane..]);
+        }
+    }
 }
 
 /// xoshiro256+, lane by lane; the order of [`Stream::next_u64`] with its exclusive-ors joined by threes.

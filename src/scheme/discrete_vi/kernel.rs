@@ -39,9 +39,8 @@ pub(super) struct Coefficients {
 }
 
 impl Coefficients {
-    fn new(model: &Model, h: f64, is_corrected: bool) -> Self {
-        let Model { oscillator, friction, temperature, .. } = model;
-        let noise = NoiseScale::new(temperature, h);
+    fn new(model: &Model, h: f64, is_corrected: bool, noise: &NoiseScale) -> Self {
+        let Model { oscillator, friction, .. } = model;
         let exit_shift = if is_corrected { monitoring_shift(model, h) } else { 0.0 };
         Coefficients {
             h,
@@ -65,11 +64,18 @@ impl Coefficients {
 }
 
 /// The noise of a step in units of its own increment: v/kick obeys (v/kick)' = decay (v/kick) + xi, one operation fewer.
+///
+/// A step may be fed the noise of `refinement` shorter ones. Its increment is then theirs, joined, and kick is that of the shorter
+/// step: v passes through the same values, whatever the refinement.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct NoiseScale {
     /// e^{-theta h}
     pub decay: f64,
-    /// kick, the sd of the increment of v; 1 where nothing is added.
+    /// How many normals make the increment of a step.
+    refinement: usize,
+    /// e^{-theta h/refinement}
+    shorter_decay: f64,
+    /// kick, the sd of the increment of v in a step of h/refinement; 1 where nothing is added.
     pub kick: f64,
     /// rho kick: the temperature per unit of v/kick.
     pub temperature: f64,
@@ -78,14 +84,32 @@ pub(super) struct NoiseScale {
 }
 
 impl NoiseScale {
-    pub(super) fn new(temperature: &Temperature, h: f64) -> Self {
+    pub(super) fn new(temperature: &Temperature, h: f64, refinement: usize) -> Self {
         let Some(noise) = temperature.noise else {
-            return NoiseScale { decay: 0.0, kick: 1.0, temperature: 0.0, draws: false };
+            return NoiseScale {
+                decay: 0.0,
+                refinement,
+                shorter_decay: 0.0,
+                kick: 1.0,
+                temperature: 0.0,
+                draws: false,
+            };
         };
-        let Transition { decay, kick } = Transition::new(noise.relaxation_rate, noise.diffusion, h);
+        let over = |h: f64| Transition::new(noise.relaxation_rate, noise.diffusion, h);
+        let Transition { decay: shorter_decay, kick } = over(h / refinement as f64);
         let draws = kick > 0.0;
         let kick = if draws { kick } else { 1.0 };
-        NoiseScale { decay, kick, temperature: noise.intensity * kick, draws }
+        let temperature = noise.intensity * kick;
+        NoiseScale { decay: over(h).decay, refinement, shorter_decay, kick, temperature, draws }
+    }
+
+    /// The increments of the next `steps` steps, in units of kick, for the lanes from `lane` on.
+    #[inline(always)]
+    fn fill<L: Lanes>(&self, streams: &mut LaneStreams, lane: usize, steps: usize, tile: &mut [f64], stride: usize) {
+        match self.refinement {
+            1 => streams.fill_normals::<L>(lane, steps, tile, stride),
+            n => streams.fill_joined_normals::<L>(lane, steps, (n, self.shorter_decay), tile, stride),
+        }
     }
 }
 
@@ -140,10 +164,17 @@ pub(super) struct Kernel {
 }
 
 impl Kernel {
-    pub(super) fn new(model: &Model, h: f64, is_corrected: bool, instructions: InstructionSet) -> Self {
+    pub(super) fn new(
+        model: &Model,
+        h: f64,
+        refinement: usize,
+        is_corrected: bool,
+        instructions: InstructionSet,
+    ) -> Self {
+        let noise = NoiseScale::new(&model.temperature, h, refinement);
         Kernel {
-            coefficients: Coefficients::new(model, h, is_corrected),
-            noise: NoiseScale::new(&model.temperature, h),
+            coefficients: Coefficients::new(model, h, is_corrected, &noise),
+            noise,
             has_noise: model.temperature.noise.is_some(),
             has_damping: model.oscillator.damping != 0.0,
             is_corrected,
@@ -174,9 +205,8 @@ impl Kernel {
         paths: &mut Paths,
         scratch: &mut Scratch,
     ) {
-        let draws = self.noise.draws;
-        let c = &self.coefficients;
-        self.instructions.run(&mut Run::<NOISE, DAMPING, CORRECTED> { c, draws, forcing, streams, paths, scratch });
+        let (c, scale) = (&self.coefficients, &self.noise);
+        self.instructions.run(&mut Run::<NOISE, DAMPING, CORRECTED> { c, scale, forcing, streams, paths, scratch });
     }
 }
 
@@ -197,7 +227,7 @@ impl Scratch {
 
 struct Run<'a, const NOISE: bool, const DAMPING: bool, const CORRECTED: bool> {
     c: &'a Coefficients,
-    draws: bool,
+    scale: &'a NoiseScale,
     forcing: &'a [f64],
     streams: &'a mut LaneStreams,
     paths: &'a mut Paths,
@@ -230,9 +260,9 @@ impl<const NOISE: bool, const DAMPING: bool, const CORRECTED: bool> Run<'_, NOIS
         let steps = self.forcing.len() - 1;
         let stride = R * L::WIDTH;
         let Scratch { tile, turns } = &mut *self.scratch;
-        if NOISE && self.draws {
+        if NOISE && self.scale.draws {
             for r in 0..R {
-                self.streams.fill_normals::<L>(lane + r * L::WIDTH, steps, &mut tile[r * L::WIDTH..], stride);
+                self.scale.fill::<L>(self.streams, lane + r * L::WIDTH, steps, &mut tile[r * L::WIDTH..], stride);
             }
         }
         let at = |r: usize| lane + r * L::WIDTH;

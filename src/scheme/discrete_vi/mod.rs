@@ -39,6 +39,7 @@ pub struct DiscreteVi {
     timeline: Timeline,
     h: f64,
     clock: HarmonicClock,
+    refinement: usize,
     is_corrected: bool,
     instructions: InstructionSet,
 }
@@ -52,6 +53,7 @@ impl DiscreteVi {
             timeline: *timeline,
             h,
             clock: HarmonicClock::new(&model.temperature.harmonics, h),
+            refinement: 1,
             is_corrected: false,
             instructions: InstructionSet::detect(),
         }
@@ -60,6 +62,12 @@ impl DiscreteVi {
     /// The corrected scheme: order 1 instead of 1/2 in the statistics of sticks. Sound while [`monitoring_shift`] is small against f_s.
     pub fn corrected(model: &Model, timeline: &Timeline, h: f64) -> Self {
         DiscreteVi { is_corrected: true, ..DiscreteVi::new(model, timeline, h) }
+    }
+
+    /// The same, each step fed the noise of `refinement` >= 1 steps of h/refinement: v passes through the values it has in the scheme with
+    /// that shorter step and the same seed, path by path. So the schemes with steps h, 2h, 4h are simulated on one realisation.
+    pub fn fed_by_finer(self, refinement: usize) -> Self {
+        DiscreteVi { refinement, ..self }
     }
 
     /// The same on another instruction set; the results are the same bits.
@@ -75,7 +83,7 @@ impl DiscreteVi {
     /// Simulate these paths of the ensemble with this seed. Returns the lanes of the paths that diverged: whose |x| is not a
     /// number below [`divergence_bound`]. What the observer saw of them is worthless.
     pub fn simulate<O: Observer>(&self, seed: u64, paths: &[u64], observer: &mut O) -> Vec<usize> {
-        let kernel = Kernel::new(&self.model, self.h, self.is_corrected, self.instructions);
+        let kernel = Kernel::new(&self.model, self.h, self.refinement, self.is_corrected, self.instructions);
         let mut streams = LaneStreams::new(seed, paths, Paths::padded(paths.len()));
         let paths = paths.len();
         let bound = divergence_bound(&self.model, self.timeline.end);
