@@ -3,13 +3,17 @@
 
 usage: python3 -m venv v && v/bin/pip install mpmath==1.4.1 && v/bin/python tools/normal_table.py
 
-z(y) = -Phi^{-1}(y 2^-64) = sqrt(2) erfc^{-1}(y 2^-63) for 1 <= y < 2^63. Each octave of y is cut into 128 equal cells; on a cell with
-centre c, z is the parabola c0 + c1 t + c2 t^2 in t = y - c that interpolates it at the Chebyshev nodes, computed with 40
-digits. y = 2^63, where z = 0, has a cell of its own.
+Z(y) = erfc^{-1}(y 2^-63) for 1 <= y < 2^63, a standard normal over sqrt(2). Each octave of y is cut into 128 equal cells, and t is the
+distance from a cell's centre down to y in widths of the cell, -1/2 < t <= 1/2. Because Z'' = 2 Z Z'^2, a level A and a slope b > 0 are
+enough for a parabola,
 
-Two 64-bit words hold the three coefficients: the first is c0; the second, read as a double, is c1, the bits of c2 being the end of its
-mantissa; shifted left it is c2, a double whose missing mantissa bits are zero. So first c2 is rounded to the bits it has, then c1
-and c0 are fitted to what is left.
+    Z = A + s + A s^2,   s = b t,
+
+wrong by the cubic term alone. A and b are fitted with 40 digits, so that this error has the same size at both ends and in between.
+y = 2^63, where Z = 0, has a cell of its own.
+
+One 64-bit word holds both: its lowest 22 bits are b in units of 2^-29; all of it, read as a double, is A. So first b is rounded,
+then A is fitted, among the doubles that end in these bits.
 """
 import struct
 
@@ -17,15 +21,15 @@ import mpmath as mp
 
 mp.mp.dps = 40
 OCTAVES, CELLS = 63, 128
-C2_BITS = 28  # sign, 11 bits of exponent, 16 of mantissa
+SLOPE_BITS, SLOPE_UNIT = 22, mp.mpf(2) ** -29
 
 
-def z(y):
+def erfc_inverse(y):
+    """Z(y)"""
     d = mp.mpf(y) / mp.mpf(2) ** 63
     if d > mp.mpf(2) ** -3:
-        return mp.sqrt(2) * mp.erfinv(1 - d)
-    guess = mp.sqrt(-2 * mp.log(d / 2))
-    return mp.findroot(lambda x: mp.log(mp.erfc(x / mp.sqrt(2))) - mp.log(d), guess)
+        return mp.erfinv(1 - d)
+    return mp.findroot(lambda x: mp.log(mp.erfc(x)) - mp.log(d), mp.sqrt(-mp.log(d)))
 
 
 def bits(x):
@@ -36,37 +40,29 @@ def double(b):
     return struct.unpack("<d", struct.pack("<Q", b))[0]
 
 
-def top(x, n):
-    """The n upper bits of the double nearest x among those with zeros below."""
-    return (bits(x) + (1 << (63 - n))) >> (64 - n)
+def word(x, low):
+    """The 64-bit word with `low` in its lowest bits that is nearest x as a double."""
+    b = ((bits(x) >> SLOPE_BITS) << SLOPE_BITS) | low
+    return min((b - (1 << SLOPE_BITS), b, b + (1 << SLOPE_BITS)), key=lambda b: abs(double(b) - x))
 
 
-def word(x, low, n):
-    """The 64-bit word with `low` in its n lower bits that is nearest x as a double."""
-    b = ((bits(x) >> n) << n) | low
-    return min((b - (1 << n), b, b + (1 << n)), key=lambda b: abs(double(b) - x))
-
-
-def fit(nodes, values, degree):
-    """Coefficients of the polynomial in t that fits best at the nodes."""
-    rows = mp.matrix(len(nodes), degree + 1)
-    for i, t in enumerate(nodes):
-        for k in range(degree + 1):
-            rows[i, k] = t**k
-    return mp.lu_solve(rows, mp.matrix(values))
+# The zeros of the Chebyshev polynomial T_3 on the cell, and its extrema.
+NODES = [mp.cos(mp.pi * (2 * k + 1) / 6) / 2 for k in range(3)]
+EXTREMA = [mp.cos(mp.pi * k / 3) / 2 for k in range(4)]
 
 
 def cell(o, i):
-    """The two words of cell i of 2^o <= y < 2^{o+1}."""
-    width = mp.mpf(2) ** o / CELLS
-    centre = mp.mpf(2) ** o + (i + mp.mpf(1) / 2) * width
-    nodes = [width / 2 * mp.cos(mp.pi * (2 * k + 1) / 6) for k in range(3)]
-    values = [z(centre + t) for t in nodes]
-    c2 = top(fit(nodes, values, 2)[2], C2_BITS)
-    values = [v - double(c2 << (64 - C2_BITS)) * t**2 for v, t in zip(values, nodes)]
-    w1 = word(fit(nodes, values, 1)[1], c2, C2_BITS)
-    values = [v - double(w1) * t for v, t in zip(values, nodes)]
-    return bits((max(values) + min(values)) / 2), w1
+    """The word of cell i of 2^o <= y < 2^{o+1}."""
+
+    def at(t):
+        return erfc_inverse(mp.mpf(2) ** o * (1 + (i + mp.mpf(1) / 2 - t) / CELLS))
+
+    # the slope of the parabola through the nodes
+    slope = int(mp.nint((at(NODES[2]) - at(NODES[0])) / (NODES[2] - NODES[0]) / SLOPE_UNIT))
+    assert 0 < slope < 1 << SLOPE_BITS
+    steps = [slope * SLOPE_UNIT * t for t in EXTREMA]
+    levels = [(at(t) - s) / (1 + s**2) for t, s in zip(EXTREMA, steps)]
+    return word((max(levels) + min(levels)) / 2, slope)
 
 
 def place(o, i):
@@ -86,7 +82,7 @@ def write(f, name, doc, kind, rows, test=False, length=None):
 
 
 if __name__ == "__main__":
-    words = [(0, 0)] * (64 * CELLS)
+    words = [0] * (64 * CELLS)
     for o in range(OCTAVES):
         for i in range(CELLS):
             words[place(o, i)] = cell(o, i)
@@ -97,8 +93,7 @@ if __name__ == "__main__":
     points += [1, 3, 5, 7, 9, 15, 33, 101]
     with open("src/noise/normal_table.rs", "w") as f:
         f.write("//! Parabolas of the inverse normal CDF; written by tools/normal_table.py, not by hand.\n")
-        f.write("\n/// Bits of a word of `SLOPES` that hold c2.\npub(super) const C2_BITS: u32 = %d;\n" % C2_BITS)
-        write(f, "LEVELS", "c0 of each cell.", "u64", rows([w[0] for w in words]), length=len(words))
-        write(f, "SLOPES", "c1 of each cell, and c2 in the low bits.", "u64", rows([w[1] for w in words]), length=len(words))
-        pairs = ["(%d, %r)" % (y, float(z(y))) for y in points]
+        f.write("\n/// Bits of a cell that hold its slope, in units of 2^-29.\npub(super) const SLOPE_BITS: u32 = %d;\n" % SLOPE_BITS)
+        write(f, "CELLS", "Each cell's level, a double, whose lowest bits are the slope.", "u64", rows(words), length=len(words))
+        pairs = ["(%d, %r)" % (y, float(mp.sqrt(2) * erfc_inverse(y))) for y in points]
         write(f, "REFERENCE", "(y, z(y)), 40 digits rounded: 32 points an octave, and the smallest y.", "(u64, f64)", pairs, True)

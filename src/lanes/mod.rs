@@ -35,6 +35,8 @@ pub trait Lanes: Copy {
     fn add(self, other: Self) -> Self;
     /// self - other
     fn sub(self, other: Self) -> Self;
+    /// self * other
+    fn mul(self, other: Self) -> Self;
     /// self * factor + term, rounded once.
     fn mul_add(self, factor: Self, term: Self) -> Self;
     /// self > other

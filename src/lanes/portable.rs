@@ -37,6 +37,10 @@ impl Lanes for Portable {
         Portable(zip(self.0, other.0, |a, b| a - b))
     }
     #[inline(always)]
+    fn mul(self, other: Self) -> Self {
+        Portable(zip(self.0, other.0, |a, b| a * b))
+    }
+    #[inline(always)]
     fn mul_add(self, factor: Self, term: Self) -> Self {
         Portable(std::array::from_fn(|i| self.0[i].mul_add(factor.0[i], term.0[i])))
     }

@@ -56,6 +56,10 @@ impl Lanes for Avx512 {
         unsafe { Avx512(_mm512_sub_pd(self.0, other.0)) }
     }
     #[inline(always)]
+    fn mul(self, other: Self) -> Self {
+        unsafe { Avx512(_mm512_mul_pd(self.0, other.0)) }
+    }
+    #[inline(always)]
     fn mul_add(self, factor: Self, term: Self) -> Self {
         unsafe { Avx512(_mm512_fmadd_pd(self.0, factor.0, term.0)) }
     }
@@ -178,6 +182,10 @@ impl Lanes for Avx2 {
     #[inline(always)]
     fn sub(self, other: Self) -> Self {
         unsafe { Avx2(_mm256_sub_pd(self.0, other.0)) }
+    }
+    #[inline(always)]
+    fn mul(self, other: Self) -> Self {
+        unsafe { Avx2(_mm256_mul_pd(self.0, other.0)) }
     }
     #[inline(always)]
     fn mul_add(self, factor: Self, term: Self) -> Self {

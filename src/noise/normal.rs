@@ -1,50 +1,57 @@
-//! Standard normals by inversion: one 64-bit draw, one normal.
+//! Normals by inversion: 64 uniform bits, one normal.
 //!
-//! A draw is a signed integer y, uniform, -2^63 <= y < 2^63; it stands for z = sign(y) z(|y|), z(y) = -Phi^{-1}(y 2^-64). Each
-//! octave of |y| is cut into 128 cells, and on each cell z(y) is a parabola, whose three coefficients are packed into two 64-bit
-//! words (`tools/normal_table.py`). The number of the cell is the exponent and the upper mantissa bits of |y| as a double, so
-//! there is nothing to search, no tail to treat apart, and no branch: the normals reach from the median to 9.1 sigma, where
-//! |y| = 1. (y = 0, once in 2^64 draws, falls into the cell of |y| = 2.)
+//! A draw is a signed integer y, uniform, -2^63 <= y < 2^63; it stands for sign(y) Z(|y|), Z(y) = erfc^{-1}(y 2^-63), which is a standard
+//! normal over sqrt(2). Each octave of |y| is cut into 128 cells. Because Z'' = 2 Z Z'^2, the level A = Z and the slope b of a cell give the
+//! parabola of Z about its centre,
 //!
-//! One draw a normal makes the position in a path's stream equal to the number of the step.
+//! ```text
+//! Z = A + s + A s^2,   s = b t,   t the distance from the centre down to |y|, in cells
+//! ```
+//!
+//! and both are packed into one 64-bit word (`tools/normal_table.py`). The number of the cell is the exponent and the upper mantissa bits
+//! of y as a double, and t is in the lower ones, so there is nothing to search, no tail to treat apart, and no branch: the normals reach from the
+//! median to 9.1 sigma, where |y| = 1. (y = 0, once in 2^64 draws, falls into the cell of |y| = 2.)
 
-use super::normal_table::{C2_BITS, LEVELS, SLOPES};
+use super::normal_table::{CELLS, SLOPE_BITS};
 use crate::lanes::Lanes;
+use std::f64::consts::SQRT_2;
 
 /// Greatest absolute error of [`standard_normal`] as an inverse of the normal distribution function, anywhere from the median
-/// to 9.1 sigma; attained next to the median, and measured by the tests.
-pub const MAX_NORMAL_ERROR: f64 = 2.4e-9;
+/// to 9.1 sigma; measured by the tests.
+pub const MAX_NORMAL_ERROR: f64 = 5e-9;
 
 const SIGN: u64 = 1 << 63;
-/// Bits of a double below the number of its cell: 52 of mantissa less seven.
+/// Bits of a double below the number of its cell: 52 of mantissa less seven. They are the place in the cell.
 const CELL_SHIFT: u32 = 45;
-/// What the doubles of a cell have in common, and what makes the cell's centre of it.
-const CELL_KEEP: u64 = !((1 << CELL_SHIFT) - 1);
-const CELL_CENTRE: u64 = 1 << (CELL_SHIFT - 1);
+const PLACE: u64 = (1 << CELL_SHIFT) - 1;
+/// With these upper bits instead of its own, a double is 128 plus its place, from 0 to 1.
+const BEFORE_PLACE: f64 = 128.0;
+const CENTRE: f64 = BEFORE_PLACE + 0.5;
+const SLOPE: u64 = (1 << SLOPE_BITS) - 1;
+/// Set before the bits of a slope, this makes a double of them: itself plus the slope, in units of 2^-29.
+const BEFORE_SLOPE: f64 = 8_388_608.0;
 
-/// The normal that a 64-bit draw stands for.
+/// The standard normal that a 64-bit draw stands for.
 #[inline(always)]
 pub fn standard_normal(draw: u64) -> f64 {
-    let signed = draw as i64 as f64;
-    let y = signed.abs();
-    let cell = (y.to_bits() >> CELL_SHIFT) as usize & (LEVELS.len() - 1);
-    let t = y - f64::from_bits(y.to_bits() & CELL_KEEP | CELL_CENTRE);
-    let (c0, c1) = (f64::from_bits(LEVELS[cell]), f64::from_bits(SLOPES[cell]));
-    let c2 = f64::from_bits(SLOPES[cell] << (64 - C2_BITS));
-    c2.mul_add(t, c1).mul_add(t, c0).copysign(signed)
+    let y = (draw as i64 as f64).to_bits();
+    let cell = CELLS[(y >> CELL_SHIFT) as usize % CELLS.len()];
+    let (level, slope) = (f64::from_bits(cell), f64::from_bits(cell & SLOPE | BEFORE_SLOPE.to_bits()) - BEFORE_SLOPE);
+    let s = slope * (CENTRE - f64::from_bits(y & PLACE | BEFORE_PLACE.to_bits()));
+    let z = level.mul_add(s.mul_add(s, 1.0), s);
+    SQRT_2 * f64::from_bits(z.to_bits() ^ y & SIGN)
 }
 
-/// The normals that draws stand for, lane by lane: the same bits as [`standard_normal`]'s.
+/// Normals of variance 1/2, those that draws stand for, lane by lane: [`standard_normal`]'s before the factor sqrt(2), the same bits.
 #[inline(always)]
-pub(super) fn standard_normals<L: Lanes>(draws: L::Bits) -> L {
-    let signed = L::from_integers(draws).to_bits();
-    let y = L::keep_and_set(signed, !SIGN, 0);
-    let cell = L::shr::<CELL_SHIFT>(y);
-    let t = L::from_bits(y).sub(L::from_bits(L::keep_and_set(y, CELL_KEEP, CELL_CENTRE)));
-    let (c0, slope) = (L::from_bits(L::gather(&LEVELS, cell)), L::gather(&SLOPES, cell));
-    let (c1, c2) = (L::from_bits(slope), L::from_bits(L::shl::<{ 64 - C2_BITS }>(slope)));
-    let z = c2.mul_add(t, c1).mul_add(t, c0);
-    L::from_bits(L::xor_masked(z.to_bits(), signed, SIGN))
+pub(super) fn half_normals<L: Lanes>(draws: L::Bits) -> L {
+    let y = L::from_integers(draws).to_bits();
+    let cell = L::gather(&CELLS, L::shr::<CELL_SHIFT>(y));
+    let slope = L::from_bits(L::keep_and_set(cell, SLOPE, BEFORE_SLOPE.to_bits())).sub(L::splat(BEFORE_SLOPE));
+    let place = L::from_bits(L::keep_and_set(y, PLACE, BEFORE_PLACE.to_bits()));
+    let s = slope.mul(L::splat(CENTRE).sub(place));
+    let z = L::from_bits(cell).mul_add(s.mul_add(s, L::splat(1.0)), s);
+    L::from_bits(L::xor_masked(z.to_bits(), y, SIGN))
 }
 
 #[cfg(test)]

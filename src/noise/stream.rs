@@ -7,7 +7,7 @@
 //! neighbouring paths share no structure, and 2^256 states leave overlaps of streams out of reach
 //! (probability below paths^2 * steps / 2^256).
 
-use super::normal::standard_normals;
+use super::normal::half_normals;
 use crate::lanes::Lanes;
 
 /// Increment of SplitMix64: 2^64 / golden ratio, odd.
@@ -111,7 +111,7 @@ impl LaneStreams {
     pub fn fill_normals<L: Lanes>(&mut self, lane: usize, steps: usize, tile: &mut [f64], stride: usize) {
         let mut s: [L::Bits; 4] = std::array::from_fn(|i| L::load_bits(&self.words[i][lane..]));
         for row in tile.chunks_mut(stride).take(steps) {
-            standard_normals::<L>(next::<L>(&mut s)).store(row);
+            half_normals::<L>(next::<L>(&mut s)).store(row);
         }
         for (word, s) in self.words.iter_mut().zip(s) {
             L::store_bits(s, &mut word[lane..]);
@@ -134,7 +134,7 @@ impl LaneStreams {
         for row in tile.chunks_mut(stride).take(steps) {
             let mut joined = L::splat(0.0);
             for _ in 0..refinement {
-                joined = decay.mul_add(joined, standard_normals::<L>(next::<L>(&mut s)));
+                joined = decay.mul_add(joined, half_normals::<L>(next::<L>(&mut s)));
             }
             joined.store(row);
         }

@@ -98,7 +98,7 @@ impl NoiseScale {
         let over = |h: f64| Transition::new(noise.relaxation_rate, noise.diffusion, h);
         let Transition { decay: shorter_decay, kick } = over(h / refinement as f64);
         let draws = kick > 0.0;
-        let kick = if draws { kick } else { 1.0 };
+        let kick = if draws { kick * std::f64::consts::SQRT_2 } else { 1.0 };
         let temperature = noise.intensity * kick;
         NoiseScale { decay: over(h).decay, refinement, shorter_decay, kick, temperature, draws }
     }
