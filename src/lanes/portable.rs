@@ -65,8 +65,16 @@ impl Lanes for Portable {
         Portable(std::array::from_fn(|i| if self.0[i] == 0.0 { zero.0[i] } else { other.0[i] }))
     }
     #[inline(always)]
-    fn bitmask(mask: Self::Mask) -> u32 {
-        mask.iter().enumerate().map(|(i, &yes)| u32::from(yes) << i).sum()
+    fn always() -> Self::Mask {
+        [true; 4]
+    }
+    #[inline(always)]
+    fn not_beyond(self, least: Self, most: Self, among: Self::Mask) -> Self::Mask {
+        std::array::from_fn(|i| among[i] && !(self.0[i] < least.0[i] || self.0[i] > most.0[i]))
+    }
+    #[inline(always)]
+    fn all(mask: Self::Mask) -> bool {
+        mask == [true; 4]
     }
     #[inline(always)]
     fn gather(table: &[u64; 8192], index: Self::Bits) -> Self::Bits {

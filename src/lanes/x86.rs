@@ -83,8 +83,19 @@ impl Lanes for Avx512 {
         }
     }
     #[inline(always)]
-    fn bitmask(mask: Self::Mask) -> u32 {
-        u32::from(mask)
+    fn always() -> Self::Mask {
+        0xFF
+    }
+    #[inline(always)]
+    fn not_beyond(self, least: Self, most: Self, among: Self::Mask) -> Self::Mask {
+        unsafe {
+            let among = _mm512_mask_cmp_pd_mask::<_CMP_NLT_UQ>(among, self.0, least.0);
+            _mm512_mask_cmp_pd_mask::<_CMP_NGT_UQ>(among, self.0, most.0)
+        }
+    }
+    #[inline(always)]
+    fn all(mask: Self::Mask) -> bool {
+        mask == 0xFF
     }
     #[inline(always)]
     fn gather(table: &[u64; 8192], index: Self::Bits) -> Self::Bits {
@@ -211,8 +222,19 @@ impl Lanes for Avx2 {
         }
     }
     #[inline(always)]
-    fn bitmask(mask: Self::Mask) -> u32 {
-        unsafe { _mm256_movemask_pd(mask) as u32 }
+    fn always() -> Self::Mask {
+        unsafe { _mm256_castsi256_pd(_mm256_set1_epi64x(-1)) }
+    }
+    #[inline(always)]
+    fn not_beyond(self, least: Self, most: Self, among: Self::Mask) -> Self::Mask {
+        unsafe {
+            let above = _mm256_and_pd(among, _mm256_cmp_pd::<_CMP_NLT_UQ>(self.0, least.0));
+            _mm256_and_pd(above, _mm256_cmp_pd::<_CMP_NGT_UQ>(self.0, most.0))
+        }
+    }
+    #[inline(always)]
+    fn all(mask: Self::Mask) -> bool {
+        unsafe { _mm256_movemask_pd(mask) == 0b1111 }
     }
     #[inline(always)]
     fn gather(table: &[u64; 8192], index: Self::Bits) -> Self::Bits {

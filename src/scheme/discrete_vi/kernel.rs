@@ -4,6 +4,7 @@ use super::monitoring_shift;
 use crate::lanes::{InstructionSet, LaneProgram, Lanes};
 use crate::model::{Model, Temperature};
 use crate::noise::{LaneStreams, Transition};
+use std::ops::Range;
 
 /// Steps between two looks at what happened: enough to keep the look cheap, few enough for the normals of a group to stay in
 /// the first-level cache (64 steps of 32 lanes are 16 KiB).
@@ -214,16 +215,21 @@ impl Kernel {
 #[derive(Clone, Debug)]
 pub(super) struct Scratch {
     /// The normals of a group, `[step][lane]`; zeros if there is nothing to draw.
-    tile: Vec<f64>,
+    tile: Box<Tile>,
     /// What turned.
     pub turns: Vec<Turn>,
 }
 
 impl Scratch {
     pub(super) fn new() -> Self {
-        Scratch { tile: vec![0.0; RUN * GROUP], turns: Vec::new() }
+        Scratch { tile: Box::new(Tile([0.0; RUN * GROUP])), turns: Vec::new() }
     }
 }
+
+/// Begins where a cache line does, so that no register's load or store goes over two.
+#[derive(Clone, Debug)]
+#[repr(align(64))]
+struct Tile([f64; RUN * GROUP]);
 
 struct Run<'a, const NOISE: bool, const DAMPING: bool, const CORRECTED: bool> {
     c: &'a Coefficients,
@@ -259,7 +265,7 @@ impl<const NOISE: bool, const DAMPING: bool, const CORRECTED: bool> Run<'_, NOIS
     fn advance_group<L: Lanes, const R: usize>(&mut self, lane: usize) -> usize {
         let steps = self.forcing.len() - 1;
         let stride = R * L::WIDTH;
-        let Scratch { tile, turns } = &mut *self.scratch;
+        let (tile, turns) = (&mut self.scratch.tile.0, &mut self.scratch.turns);
         if NOISE && self.scale.draws {
             for r in 0..R {
                 self.scale.fill::<L>(self.streams, lane + r * L::WIDTH, steps, &mut tile[r * L::WIDTH..], stride);
@@ -267,33 +273,80 @@ impl<const NOISE: bool, const DAMPING: bool, const CORRECTED: bool> Run<'_, NOIS
         }
         let at = |r: usize| lane + r * L::WIDTH;
         let c = Splat::<L>::new(self.c);
-        let mut x: [L; R] = std::array::from_fn(|r| L::load(&self.paths.displacement[at(r)..]));
-        let mut v: [L; R] = std::array::from_fn(|r| L::load(&self.paths.velocity[at(r)..]));
-        let mut noise: [L; R] = std::array::from_fn(|r| L::load(&self.paths.noise[at(r)..]));
-        let mut directions: [u32; R] = [0; R];
-        for r in 0..R {
-            directions[r] = join::<L>(v[r].gt(L::splat(0.0)), v[r].lt(L::splat(0.0)));
+        // plain loops: closures would not be compiled for the instruction set
+        let mut state = [State::load(self.paths, lane); R];
+        for r in 1..R {
+            state[r] = State::load(self.paths, at(r));
+        }
+        let mut regimes = [c.regime(state[0].v); R];
+        for r in 1..R {
+            regimes[r] = c.regime(state[r].v);
         }
 
         for (n, (&forcing, xi)) in self.forcing[..steps].iter().zip(tile.chunks_exact(stride)).enumerate() {
+            let forcing = L::splat(forcing);
+            let mut s = [forcing; R];
+            let mut same = L::always();
             for r in 0..R {
-                let xi = L::load(&xi[r * L::WIDTH..]);
-                let next = c.step::<NOISE, DAMPING, CORRECTED>(x[r], v[r], noise[r], L::splat(forcing), xi);
-                let difference = directions[r] ^ next.directions;
-                if difference != 0 {
-                    let turned = (difference | difference >> L::WIDTH) & ((1 << L::WIDTH) - 1);
-                    note(turns, at(r), n, turned, [x[r], v[r], noise[r]], [next.x, next.v, next.noise]);
-                    directions[r] = next.directions;
+                s[r] = c.impulse::<NOISE, DAMPING>(&state[r], forcing);
+                same = regimes[r].holds(s[r], same);
+            }
+            if L::all(same) {
+                for r in 0..R {
+                    let next_v = regimes[r].velocity(s[r]);
+                    state[r] = c.next::<NOISE, CORRECTED>(&state[r], next_v, L::load(&xi[r * L::WIDTH..]));
                 }
-                (x[r], v[r], noise[r]) = (next.x, next.v, next.noise);
+            } else {
+                for r in 0..R {
+                    let next_v = c.settle(s[r], state[r].v);
+                    let next = c.next::<NOISE, CORRECTED>(&state[r], next_v, L::load(&xi[r * L::WIDTH..]));
+                    if !L::all(regimes[r].holds(s[r], L::always())) {
+                        note(turns, at(r), n, &state[r], &next);
+                        regimes[r] = c.regime(next_v);
+                    }
+                    state[r] = next;
+                }
             }
         }
         for r in 0..R {
-            x[r].store(&mut self.paths.displacement[at(r)..]);
-            v[r].store(&mut self.paths.velocity[at(r)..]);
-            noise[r].store(&mut self.paths.noise[at(r)..]);
+            state[r].store(self.paths, at(r));
         }
         stride
+    }
+}
+
+/// X, V and v/kick of the paths in a register.
+#[derive(Clone, Copy)]
+struct State<L> {
+    x: L,
+    v: L,
+    noise: L,
+}
+
+impl<L: Lanes> State<L> {
+    #[inline(always)]
+    fn load(paths: &Paths, lane: usize) -> Self {
+        State {
+            x: L::load(&paths.displacement[lane..]),
+            v: L::load(&paths.velocity[lane..]),
+            noise: L::load(&paths.noise[lane..]),
+        }
+    }
+
+    #[inline(always)]
+    fn store(&self, paths: &mut Paths, lane: usize) {
+        self.x.store(&mut paths.displacement[lane..]);
+        self.v.store(&mut paths.velocity[lane..]);
+        self.noise.store(&mut paths.noise[lane..]);
+    }
+
+    #[inline(always)]
+    fn spill(&self) -> Spilled {
+        let mut values = [[0.0; PADDING]; 3];
+        self.x.store(&mut values[0]);
+        self.v.store(&mut values[1]);
+        self.noise.store(&mut values[2]);
+        values
     }
 }
 
@@ -306,10 +359,12 @@ struct Splat<L> {
     noise_force: L,
     decay: L,
     static_impulse: L,
-    minus_static_impulse: L,
     dynamic_impulse: L,
     exit_impulse: L,
+    minus_static_impulse: L,
     minus_exit_impulse: L,
+    /// The least impulse that moves on.
+    slip_impulse: L,
 }
 
 impl<L: Lanes> Splat<L> {
@@ -323,88 +378,106 @@ impl<L: Lanes> Splat<L> {
             noise_force: L::splat(c.noise_force),
             decay: L::splat(c.decay),
             static_impulse: L::splat(c.static_impulse),
-            minus_static_impulse: L::splat(-c.static_impulse),
             dynamic_impulse: L::splat(c.dynamic_impulse),
             exit_impulse: L::splat(c.exit_impulse),
+            minus_static_impulse: L::splat(-c.static_impulse),
             minus_exit_impulse: L::splat(-c.exit_impulse),
+            slip_impulse: L::splat(c.static_impulse.next_up()),
         }
     }
 
-    /// One step of the discrete variational inequality.
+    /// S = V + (h/m) b, b = K (beta T - X) - 2 alpha V.
     #[inline(always)]
-    fn step<const NOISE: bool, const DAMPING: bool, const CORRECTED: bool>(
-        &self,
-        x: L,
-        v: L,
-        noise: L,
-        forcing: L,
-        xi: L,
-    ) -> Next<L> {
-        // b = K (beta T - X) - 2 alpha V
+    fn impulse<const NOISE: bool, const DAMPING: bool>(&self, at: &State<L>, forcing: L) -> L {
         let mut b = forcing;
         if NOISE {
-            b = self.noise_force.mul_add(noise, b);
+            b = self.noise_force.mul_add(at.noise, b);
         }
-        b = self.minus_stiffness.mul_add(x, b);
+        b = self.minus_stiffness.mul_add(at.x, b);
         if DAMPING {
-            b = self.minus_two_alpha.mul_add(v, b);
+            b = self.minus_two_alpha.mul_add(at.v, b);
         }
-        // S = V + (h/m) b
-        let s = self.h_over_m.mul_add(b, v);
-        // V' = 0 if |S| <= (h/m) f_s, else S - (h/m) f_d sign(S)
-        let (mut most, mut least) = (self.static_impulse, self.minus_static_impulse);
-        if CORRECTED {
-            // f_s lowered in the test that leaves stick only
-            most = v.where_zero(self.exit_impulse, most);
-            least = v.where_zero(self.minus_exit_impulse, least);
-        }
-        let (up, down) = (s.gt(most), s.lt(least));
+        self.h_over_m.mul_add(b, at.v)
+    }
+
+    /// The discrete variational inequality: V' = 0 if |S| <= (h/m) f_s, else S - (h/m) f_d sign(S).
+    #[inline(always)]
+    fn settle(&self, s: L, v: L) -> L {
+        // f_s lowered, if the scheme is corrected, in the test that leaves stick only
+        let most = v.where_zero(self.exit_impulse, self.static_impulse);
+        let least = v.where_zero(self.minus_exit_impulse, self.minus_static_impulse);
         let fd = self.dynamic_impulse;
-        let next_v = L::either(up, s.sub(fd), down, s.add(fd));
-        // X' = X + h V, corrected: X + h V'
-        let next_x = self.h.mul_add(if CORRECTED { next_v } else { v }, x);
-        // v' = e^{-theta h} v + kick xi
-        let next_noise = if NOISE { self.decay.mul_add(noise, xi) } else { noise };
-        Next { x: next_x, v: next_v, noise: next_noise, directions: join::<L>(up, down) }
+        L::either(s.gt(most), s.sub(fd), s.lt(least), s.add(fd))
+    }
+
+    /// What [`Splat::settle`] comes to for velocities that keep the sign of v.
+    #[inline(always)]
+    fn regime(&self, v: L) -> Regime<L> {
+        let (zero, one, fd) = (L::splat(0.0), L::splat(1.0), self.dynamic_impulse);
+        let (up, down) = (v.gt(zero), v.lt(zero));
+        Regime {
+            keep: L::either(up, one, down, one),
+            push: L::either(up, zero.sub(fd), down, fd),
+            least: v.where_zero(self.minus_exit_impulse, L::either(up, self.slip_impulse, down, L::splat(f64::NEG_INFINITY))),
+            most: v.where_zero(self.exit_impulse, L::either(up, L::splat(f64::INFINITY), down, zero.sub(self.slip_impulse))),
+        }
+    }
+
+    /// The state at the next instant, where V is V'.
+    #[inline(always)]
+    fn next<const NOISE: bool, const CORRECTED: bool>(&self, at: &State<L>, next_v: L, xi: L) -> State<L> {
+        State {
+            // X' = X + h V, corrected: X + h V'
+            x: self.h.mul_add(if CORRECTED { next_v } else { at.v }, at.x),
+            v: next_v,
+            // v' = e^{-theta h} v + kick xi
+            noise: if NOISE { self.decay.mul_add(at.noise, xi) } else { at.noise },
+        }
     }
 }
 
-struct Next<L> {
-    x: L,
-    v: L,
-    noise: L,
-    directions: u32,
+/// The step while a lane keeps to slip up, slip down or stick: V' = keep S + push, as long as S is from `least` to `most`.
+#[derive(Clone, Copy)]
+struct Regime<L> {
+    keep: L,
+    push: L,
+    least: L,
+    most: L,
 }
 
-/// Which lanes move up, and above those bits, which move down.
+impl<L: Lanes> Regime<L> {
+    /// The lanes of `among` that stay in it.
+    #[inline(always)]
+    fn holds(&self, s: L, among: L::Mask) -> L::Mask {
+        s.not_beyond(self.least, self.most, among)
+    }
+
+    #[inline(always)]
+    fn velocity(&self, s: L) -> L {
+        self.keep.mul_add(s, self.push)
+    }
+}
+
+/// Keep the lanes that turned in a step.
 #[inline(always)]
-fn join<L: Lanes>(up: L::Mask, down: L::Mask) -> u32 {
-    L::bitmask(up) | L::bitmask(down) << L::WIDTH
+fn note<L: Lanes>(turns: &mut Vec<Turn>, lane: usize, step: usize, before: &State<L>, after: &State<L>) {
+    keep(turns, lane..lane + L::WIDTH, step, &before.spill(), &after.spill());
 }
 
-/// Keep the turned lanes of a step.
 #[cold]
-#[inline(always)]
-fn note<L: Lanes>(turns: &mut Vec<Turn>, lane: usize, step: usize, turned: u32, before: [L; 3], after: [L; 3]) {
-    let spill = |lanes: [L; 3]| {
-        lanes.map(|lanes| {
-            let mut values = [0.0; PADDING];
-            lanes.store(&mut values);
-            values
-        })
-    };
-    keep(turns, lane, step, turned, &spill(before), &spill(after));
-}
-
 #[inline(never)]
-fn keep(turns: &mut Vec<Turn>, lane: usize, step: usize, turned: u32, before: &Spilled, after: &Spilled) {
+fn keep(turns: &mut Vec<Turn>, lanes: Range<usize>, step: usize, before: &Spilled, after: &Spilled) {
     let point = |[displacement, velocity, noise]: &Spilled, i: usize| Point {
         displacement: displacement[i],
         velocity: velocity[i],
         noise: noise[i],
     };
-    for i in (0..PADDING).filter(|i| turned >> i & 1 == 1) {
-        turns.push(Turn { lane: lane + i, step, before: point(before, i), after: point(after, i) });
+    for (i, lane) in lanes.enumerate() {
+        let (before, after) = (point(before, i), point(after, i));
+        // a velocity that is not a number turns no more
+        if before.velocity.partial_cmp(&0.0) != after.velocity.partial_cmp(&0.0) {
+            turns.push(Turn { lane, step, before, after });
+        }
     }
 }
 
