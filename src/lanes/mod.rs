@@ -51,8 +51,8 @@ pub trait Lanes: Copy {
     fn always() -> Self::Mask;
     /// The lanes of `among` where self is neither below `least` nor above `most`; those where it is not a number are kept.
     fn not_beyond(self, least: Self, most: Self, among: Self::Mask) -> Self::Mask;
-    /// Whether every lane says yes.
-    fn all(mask: Self::Mask) -> bool;
+    /// Bit i of the result is lane i of the mask.
+    fn bitmask(mask: Self::Mask) -> u32;
     /// In each lane, the table entry numbered by the low 13 bits of `index`.
     fn gather(table: &[u64; 8192], index: Self::Bits) -> Self::Bits;
 

@@ -73,8 +73,8 @@ impl Lanes for Portable {
         std::array::from_fn(|i| among[i] && !(self.0[i] < least.0[i] || self.0[i] > most.0[i]))
     }
     #[inline(always)]
-    fn all(mask: Self::Mask) -> bool {
-        mask == [true; 4]
+    fn bitmask(mask: Self::Mask) -> u32 {
+        mask.iter().enumerate().map(|(i, &yes)| u32::from(yes) << i).sum()
     }
     #[inline(always)]
     fn gather(table: &[u64; 8192], index: Self::Bits) -> Self::Bits {

@@ -94,8 +94,8 @@ impl Lanes for Avx512 {
         }
     }
     #[inline(always)]
-    fn all(mask: Self::Mask) -> bool {
-        mask == 0xFF
+    fn bitmask(mask: Self::Mask) -> u32 {
+        u32::from(mask)
     }
     #[inline(always)]
     fn gather(table: &[u64; 8192], index: Self::Bits) -> Self::Bits {
@@ -233,8 +233,8 @@ impl Lanes for Avx2 {
         }
     }
     #[inline(always)]
-    fn all(mask: Self::Mask) -> bool {
-        unsafe { _mm256_movemask_pd(mask) == 0b1111 }
+    fn bitmask(mask: Self::Mask) -> u32 {
+        unsafe { _mm256_movemask_pd(mask) as u32 }
     }
     #[inline(always)]
     fn gather(table: &[u64; 8192], index: Self::Bits) -> Self::Bits {

@@ -11,7 +11,7 @@ pub use first_passage::{mean_touching_spread, meeting_place, meeting_probability
 pub use normal::{MAX_NORMAL_ERROR, standard_normal};
 pub use ornstein_uhlenbeck::Transition;
 pub use slip_transition::{DrivenOscillator, HarmonicResponse, SlipTransition};
-pub use stream::{LaneStreams, Stream};
+pub use stream::{LaneNormals, LaneStreams, Stream};
 
 /// What a file says about where its random numbers come from.
 pub const GENERATOR: &str =

@@ -8,7 +8,8 @@
 //! (probability below paths^2 * steps / 2^256).
 
 use super::normal::half_normals;
-use crate::lanes::Lanes;
+use crate::lanes::{InstructionSet, LaneProgram, Lanes};
+use std::f64::consts::SQRT_2;
 
 /// Increment of SplitMix64: 2^64 / golden ratio, odd.
 const GAMMA: u64 = 0x9E37_79B9_7F4A_7C15;
@@ -62,6 +63,14 @@ impl Stream {
         super::standard_normal(self.next_u64())
     }
 
+    /// The next two standard normals, of one draw w: those of w and of w with its halves exchanged. The upper halves, which decide a normal to
+    /// one part in 2^32, have no bit in common; the lower ones matter alone only beyond 6.2 sigma.
+    #[inline(always)]
+    pub fn normal_pair(&mut self) -> [f64; 2] {
+        let draw = self.next_u64();
+        [draw, draw.rotate_left(32)].map(super::standard_normal)
+    }
+
     /// A uniform number in (0, 1): the midpoint of one of 2^53 cells.
     #[inline(always)]
     pub fn uniform(&mut self) -> f64 {
@@ -69,11 +78,13 @@ impl Stream {
     }
 }
 
-/// The streams of several paths, advanced together. Lane i is the stream of `paths[i]`; the lanes are padded to whole
+/// The streams of several paths, to be drawn from in lanes. Lane i is the stream of `paths[i]`; the lanes are padded to whole
 /// registers with streams of paths beyond the last.
 #[derive(Clone, Debug)]
 pub struct LaneStreams {
     words: [Vec<u64>; 4],
+    /// Whether the next normal is the second of a pair.
+    is_second: Vec<bool>,
 }
 
 impl LaneStreams {
@@ -88,69 +99,97 @@ impl LaneStreams {
                 word.push(s);
             }
         }
-        LaneStreams { words }
+        LaneStreams { words, is_second: vec![false; lanes] }
     }
 
-    /// One normal from each lane.
-    pub fn next_normals(&mut self) -> Vec<f64> {
-        (0..self.words[0].len())
-            .map(|lane| {
-                let mut stream = Stream { state: std::array::from_fn(|i| self.words[i][lane]) };
-                let z = super::standard_normal(stream.next_u64());
-                for (word, s) in self.words.iter_mut().zip(stream.state) {
-                    word[lane] = s;
-                }
-                z
-            })
-            .collect()
+    /// The next `steps` standard normals of each lane, `[step][lane]`.
+    pub fn normals(&mut self, steps: usize, instructions: InstructionSet) -> Vec<f64> {
+        let mut normals = vec![0.0; steps * self.is_second.len()];
+        instructions.run(&mut Fill { streams: self, normals: &mut normals });
+        normals
     }
 
-    /// Draw `steps` normals from each of the `L::WIDTH` lanes that start at `lane`: the n-th of them goes to
-    /// `tile[n * stride ..]`.
+    /// Take out the streams of `R` registers of lanes, beginning at `lane`; [`LaneStreams::put`] brings them back.
     #[inline(always)]
-    pub fn fill_normals<L: Lanes>(&mut self, lane: usize, steps: usize, tile: &mut [f64], stride: usize) {
-        let mut s: [L::Bits; 4] = std::array::from_fn(|i| L::load_bits(&self.words[i][lane..]));
-        for row in tile.chunks_mut(stride).take(steps) {
-            half_normals::<L>(next::<L>(&mut s)).store(row);
-        }
-        for (word, s) in self.words.iter_mut().zip(s) {
-            L::store_bits(s, &mut word[lane..]);
-        }
-    }
-
-    /// The increments of an autoregression v' = decay v + xi over `refinement` steps at once: `tile[n * stride ..]` gets
-    /// sum of decay^(refinement - 1 - i) xi_i over the next `refinement` normals xi_0, xi_1, ... of each lane.
-    #[inline(always)]
-    pub fn fill_joined_normals<L: Lanes>(
-        &mut self,
-        lane: usize,
-        steps: usize,
-        (refinement, decay): (usize, f64),
-        tile: &mut [f64],
-        stride: usize,
-    ) {
-        let decay = L::splat(decay);
-        let mut s: [L::Bits; 4] = std::array::from_fn(|i| L::load_bits(&self.words[i][lane..]));
-        for row in tile.chunks_mut(stride).take(steps) {
-            let mut joined = L::splat(0.0);
-            for _ in 0..refinement {
-                joined = decay.mul_add(joined, half_normals::<L>(next::<L>(&mut s)));
+    pub fn take<L: Lanes, const R: usize>(&self, lane: usize) -> LaneNormals<L, R> {
+        let zero = L::splat_bits(0);
+        let mut taken = LaneNormals { words: [[zero; 4]; R], is_second: self.is_second[lane] };
+        for r in 0..R {
+            for i in 0..4 {
+                taken.words[r][i] = L::load_bits(&self.words[i][lane + r * L::WIDTH..]);
             }
-            joined.store(row);
         }
-        for (word, s) in self.words.iter_mut().zip(s) {
-            L::store_bits(s, &mut word[lane..]);
+        taken
+    }
+
+    /// Bring back what was taken out at `lane`.
+    #[inline(always)]
+    pub fn put<L: Lanes, const R: usize>(&mut self, lane: usize, taken: &LaneNormals<L, R>) {
+        for r in 0..R {
+            for i in 0..4 {
+                L::store_bits(taken.words[r][i], &mut self.words[i][lane + r * L::WIDTH..]);
+            }
+        }
+        self.is_second[lane..lane + R * L::WIDTH].fill(taken.is_second);
+    }
+}
+
+/// `R` registers of lanes, each the normals of its stream in pairs, as [`Stream::normal_pair`] draws them, over sqrt(2).
+#[derive(Clone, Copy)]
+pub struct LaneNormals<L: Lanes, const R: usize> {
+    words: [[L::Bits; 4]; R],
+    is_second: bool,
+}
+
+impl<L: Lanes, const R: usize> LaneNormals<L, R> {
+    /// The next normal of each lane, over sqrt(2).
+    #[inline(always)]
+    pub fn next(&mut self) -> [L; R] {
+        let mut normals = [L::splat(0.0); R];
+        for r in 0..R {
+            let mut draw = output::<L>(&self.words[r]);
+            if self.is_second {
+                draw = L::rotate_left::<32>(draw);
+                self.words[r] = step::<L>(self.words[r]);
+            }
+            normals[r] = half_normals::<L>(draw);
+        }
+        self.is_second = !self.is_second;
+        normals
+    }
+}
+
+struct Fill<'a> {
+    streams: &'a mut LaneStreams,
+    normals: &'a mut [f64],
+}
+
+impl LaneProgram for Fill<'_> {
+    #[inline(always)]
+    fn run<L: Lanes>(&mut self) {
+        let lanes = self.streams.is_second.len();
+        for lane in (0..lanes).step_by(2 * L::WIDTH) {
+            let mut taken = self.streams.take::<L, 2>(lane);
+            for row in self.normals.chunks_exact_mut(lanes) {
+                let [a, b] = taken.next();
+                a.mul(L::splat(SQRT_2)).store(&mut row[lane..]);
+                b.mul(L::splat(SQRT_2)).store(&mut row[lane + L::WIDTH..]);
+            }
+            self.streams.put(lane, &taken);
         }
     }
 }
 
-/// xoshiro256+, lane by lane; the order of [`Stream::next_u64`] with its exclusive-ors joined by threes.
+/// What xoshiro256+ gives in a state.
 #[inline(always)]
-fn next<L: Lanes>(s: &mut [L::Bits; 4]) -> L::Bits {
-    let result = L::add_bits(s[0], s[3]);
-    let t = L::shl::<17>(s[1]);
-    let [s0, s1, s2, s3] = *s;
+fn output<L: Lanes>([s0, _, _, s3]: &[L::Bits; 4]) -> L::Bits {
+    L::add_bits(*s0, *s3)
+}
+
+/// The next state of xoshiro256+: the order of [`Stream::next_u64`] with its exclusive-ors joined by threes.
+#[inline(always)]
+fn step<L: Lanes>([s0, s1, s2, s3]: [L::Bits; 4]) -> [L::Bits; 4] {
+    let t = L::shl::<17>(s1);
     let s3_s1 = L::xor(s3, s1);
-    *s = [L::xor(s0, s3_s1), L::xor3(s1, s2, s0), L::xor3(s2, s0, t), L::rotate_left::<45>(s3_s1)];
-    result
+    [L::xor(s0, s3_s1), L::xor3(s1, s2, s0), L::xor3(s2, s0, t), L::rotate_left::<45>(s3_s1)]
 }

@@ -3,15 +3,14 @@
 use super::monitoring_shift;
 use crate::lanes::{InstructionSet, LaneProgram, Lanes};
 use crate::model::{Model, Temperature};
-use crate::noise::{LaneStreams, Transition};
-use std::ops::Range;
+use crate::noise::{LaneNormals, LaneStreams, Transition};
 
 /// Steps between two looks at what happened: enough to keep the look cheap, few enough for the normals of a group to stay in
 /// the first-level cache (64 steps of 32 lanes are 16 KiB).
 pub(super) const RUN: usize = 64;
 
 /// Lanes stepped together, so that one register's latency hides behind the others' work: four registers of eight lanes, eight of four.
-const GROUP: usize = 32;
+const GROUP: usize = 16;
 
 /// Lanes are padded to a multiple of the widest register.
 const PADDING: usize = 8;
@@ -104,13 +103,20 @@ impl NoiseScale {
         NoiseScale { decay: over(h).decay, refinement, shorter_decay, kick, temperature, draws }
     }
 
-    /// The increments of the next `steps` steps, in units of kick, for the lanes from `lane` on.
+    /// The next increment, in units of kick.
     #[inline(always)]
-    fn fill<L: Lanes>(&self, streams: &mut LaneStreams, lane: usize, steps: usize, tile: &mut [f64], stride: usize) {
-        match self.refinement {
-            1 => streams.fill_normals::<L>(lane, steps, tile, stride),
-            n => streams.fill_joined_normals::<L>(lane, steps, (n, self.shorter_decay), tile, stride),
+    fn increment<L: Lanes, const R: usize>(&self, normals: &mut LaneNormals<L, R>) -> [L; R] {
+        if !self.draws {
+            return [L::splat(0.0); R];
         }
+        let mut joined = normals.next();
+        for _ in 1..self.refinement {
+            let xi = normals.next();
+            for r in 0..R {
+                joined[r] = L::splat(self.shorter_decay).mul_add(joined[r], xi[r]);
+            }
+        }
+        joined
     }
 }
 
@@ -184,18 +190,18 @@ impl Kernel {
     }
 
     /// Step every path through `forcing.len() - 1` <= RUN steps; `forcing[n]` is K beta times the harmonics at the n-th
-    /// instant. Leaves the turns in `scratch`, those of one lane in time order.
-    pub(super) fn advance(&self, forcing: &[f64], streams: &mut LaneStreams, paths: &mut Paths, scratch: &mut Scratch) {
-        scratch.turns.clear();
+    /// instant. Leaves the turns in `turns`, those of one lane in time order.
+    pub(super) fn advance(&self, forcing: &[f64], streams: &mut LaneStreams, paths: &mut Paths, turns: &mut Vec<Turn>) {
+        turns.clear();
         match (self.has_noise, self.has_damping, self.is_corrected) {
-            (false, false, false) => self.run::<false, false, false>(forcing, streams, paths, scratch),
-            (false, false, true) => self.run::<false, false, true>(forcing, streams, paths, scratch),
-            (false, true, false) => self.run::<false, true, false>(forcing, streams, paths, scratch),
-            (false, true, true) => self.run::<false, true, true>(forcing, streams, paths, scratch),
-            (true, false, false) => self.run::<true, false, false>(forcing, streams, paths, scratch),
-            (true, false, true) => self.run::<true, false, true>(forcing, streams, paths, scratch),
-            (true, true, false) => self.run::<true, true, false>(forcing, streams, paths, scratch),
-            (true, true, true) => self.run::<true, true, true>(forcing, streams, paths, scratch),
+            (false, false, false) => self.run::<false, false, false>(forcing, streams, paths, turns),
+            (false, false, true) => self.run::<false, false, true>(forcing, streams, paths, turns),
+            (false, true, false) => self.run::<false, true, false>(forcing, streams, paths, turns),
+            (false, true, true) => self.run::<false, true, true>(forcing, streams, paths, turns),
+            (true, false, false) => self.run::<true, false, false>(forcing, streams, paths, turns),
+            (true, false, true) => self.run::<true, false, true>(forcing, streams, paths, turns),
+            (true, true, false) => self.run::<true, true, false>(forcing, streams, paths, turns),
+            (true, true, true) => self.run::<true, true, true>(forcing, streams, paths, turns),
         }
     }
 
@@ -204,32 +210,12 @@ impl Kernel {
         forcing: &[f64],
         streams: &mut LaneStreams,
         paths: &mut Paths,
-        scratch: &mut Scratch,
+        turns: &mut Vec<Turn>,
     ) {
         let (c, scale) = (&self.coefficients, &self.noise);
-        self.instructions.run(&mut Run::<NOISE, DAMPING, CORRECTED> { c, scale, forcing, streams, paths, scratch });
+        self.instructions.run(&mut Run::<NOISE, DAMPING, CORRECTED> { c, scale, forcing, streams, paths, turns });
     }
 }
-
-/// Memory that one run leaves to the next.
-#[derive(Clone, Debug)]
-pub(super) struct Scratch {
-    /// The normals of a group, `[step][lane]`; zeros if there is nothing to draw.
-    tile: Box<Tile>,
-    /// What turned.
-    pub turns: Vec<Turn>,
-}
-
-impl Scratch {
-    pub(super) fn new() -> Self {
-        Scratch { tile: Box::new(Tile([0.0; RUN * GROUP])), turns: Vec::new() }
-    }
-}
-
-/// Begins where a cache line does, so that no register's load or store goes over two.
-#[derive(Clone, Debug)]
-#[repr(align(64))]
-struct Tile([f64; RUN * GROUP]);
 
 struct Run<'a, const NOISE: bool, const DAMPING: bool, const CORRECTED: bool> {
     c: &'a Coefficients,
@@ -237,7 +223,7 @@ struct Run<'a, const NOISE: bool, const DAMPING: bool, const CORRECTED: bool> {
     forcing: &'a [f64],
     streams: &'a mut LaneStreams,
     paths: &'a mut Paths,
-    scratch: &'a mut Scratch,
+    turns: &'a mut Vec<Turn>,
 }
 
 impl<const NOISE: bool, const DAMPING: bool, const CORRECTED: bool> LaneProgram for Run<'_, NOISE, DAMPING, CORRECTED> {
@@ -249,10 +235,8 @@ impl<const NOISE: bool, const DAMPING: bool, const CORRECTED: bool> LaneProgram 
             let left = lanes - lane;
             lane += match (L::WIDTH, left) {
                 (8, GROUP..) => self.advance_group::<L, { GROUP / 8 }>(lane),
-                (8, 16..) => self.advance_group::<L, 2>(lane),
                 (8, _) => self.advance_group::<L, 1>(lane),
                 (_, GROUP..) => self.advance_group::<L, { GROUP / 4 }>(lane),
-                (_, 16..) => self.advance_group::<L, 4>(lane),
                 (_, _) => self.advance_group::<L, 2>(lane),
             };
         }
@@ -263,14 +247,6 @@ impl<const NOISE: bool, const DAMPING: bool, const CORRECTED: bool> Run<'_, NOIS
     /// `R` registers of paths, beginning at `lane`, through the whole run. Returns how many lanes that are.
     #[inline(always)]
     fn advance_group<L: Lanes, const R: usize>(&mut self, lane: usize) -> usize {
-        let steps = self.forcing.len() - 1;
-        let stride = R * L::WIDTH;
-        let (tile, turns) = (&mut self.scratch.tile.0, &mut self.scratch.turns);
-        if NOISE && self.scale.draws {
-            for r in 0..R {
-                self.scale.fill::<L>(self.streams, lane + r * L::WIDTH, steps, &mut tile[r * L::WIDTH..], stride);
-            }
-        }
         let at = |r: usize| lane + r * L::WIDTH;
         let c = Splat::<L>::new(self.c);
         // plain loops: closures would not be compiled for the instruction set
@@ -283,7 +259,11 @@ impl<const NOISE: bool, const DAMPING: bool, const CORRECTED: bool> Run<'_, NOIS
             regimes[r] = c.regime(state[r].v);
         }
 
-        for (n, (&forcing, xi)) in self.forcing[..steps].iter().zip(tile.chunks_exact(stride)).enumerate() {
+        let mut normals = self.streams.take::<L, R>(lane);
+        let every_lane = (1 << L::WIDTH) - 1;
+
+        for (n, &forcing) in self.forcing[..self.forcing.len() - 1].iter().enumerate() {
+            let xi = if NOISE { self.scale.increment(&mut normals) } else { [L::splat(0.0); R] };
             let forcing = L::splat(forcing);
             let mut s = [forcing; R];
             let mut same = L::always();
@@ -291,17 +271,18 @@ impl<const NOISE: bool, const DAMPING: bool, const CORRECTED: bool> Run<'_, NOIS
                 s[r] = c.impulse::<NOISE, DAMPING>(&state[r], forcing);
                 same = regimes[r].holds(s[r], same);
             }
-            if L::all(same) {
+            if L::bitmask(same) == every_lane {
                 for r in 0..R {
                     let next_v = regimes[r].velocity(s[r]);
-                    state[r] = c.next::<NOISE, CORRECTED>(&state[r], next_v, L::load(&xi[r * L::WIDTH..]));
+                    state[r] = c.next::<NOISE, CORRECTED>(&state[r], next_v, xi[r]);
                 }
             } else {
                 for r in 0..R {
                     let next_v = c.settle(s[r], state[r].v);
-                    let next = c.next::<NOISE, CORRECTED>(&state[r], next_v, L::load(&xi[r * L::WIDTH..]));
-                    if !L::all(regimes[r].holds(s[r], L::always())) {
-                        note(turns, at(r), n, &state[r], &next);
+                    let next = c.next::<NOISE, CORRECTED>(&state[r], next_v, xi[r]);
+                    let turned = every_lane ^ L::bitmask(regimes[r].holds(s[r], L::always()));
+                    if turned != 0 {
+                        note(self.turns, at(r), n, turned, &state[r], &next);
                         regimes[r] = c.regime(next_v);
                     }
                     state[r] = next;
@@ -311,7 +292,8 @@ impl<const NOISE: bool, const DAMPING: bool, const CORRECTED: bool> Run<'_, NOIS
         for r in 0..R {
             state[r].store(self.paths, at(r));
         }
-        stride
+        self.streams.put(lane, &normals);
+        R * L::WIDTH
     }
 }
 
@@ -342,11 +324,11 @@ impl<L: Lanes> State<L> {
 
     #[inline(always)]
     fn spill(&self) -> Spilled {
-        let mut values = [[0.0; PADDING]; 3];
-        self.x.store(&mut values[0]);
-        self.v.store(&mut values[1]);
-        self.noise.store(&mut values[2]);
-        values
+        let mut spilled = Spilled([[0.0; PADDING]; 3]);
+        self.x.store(&mut spilled.0[0]);
+        self.v.store(&mut spilled.0[1]);
+        self.noise.store(&mut spilled.0[2]);
+        spilled
     }
 }
 
@@ -460,25 +442,33 @@ impl<L: Lanes> Regime<L> {
 
 /// Keep the lanes that turned in a step.
 #[inline(always)]
-fn note<L: Lanes>(turns: &mut Vec<Turn>, lane: usize, step: usize, before: &State<L>, after: &State<L>) {
-    keep(turns, lane..lane + L::WIDTH, step, &before.spill(), &after.spill());
+fn note<L: Lanes>(
+    turns: &mut Vec<Turn>,
+    lane: usize,
+    step: usize,
+    turned: u32,
+    before: &State<L>,
+    after: &State<L>,
+) {
+    keep(turns, lane, step, turned, &before.spill(), &after.spill());
 }
 
 #[cold]
 #[inline(never)]
-fn keep(turns: &mut Vec<Turn>, lanes: Range<usize>, step: usize, before: &Spilled, after: &Spilled) {
-    let point = |[displacement, velocity, noise]: &Spilled, i: usize| Point {
+fn keep(turns: &mut Vec<Turn>, lane: usize, step: usize, mut turned: u32, before: &Spilled, after: &Spilled) {
+    let point = |Spilled([displacement, velocity, noise]): &Spilled, i: usize| Point {
         displacement: displacement[i],
         velocity: velocity[i],
         noise: noise[i],
     };
-    for (i, lane) in lanes.enumerate() {
-        let (before, after) = (point(before, i), point(after, i));
-        // a velocity that is not a number turns no more
-        if before.velocity.partial_cmp(&0.0) != after.velocity.partial_cmp(&0.0) {
-            turns.push(Turn { lane, step, before, after });
-        }
+    while turned != 0 {
+        let i = turned.trailing_zeros() as usize;
+        turns.push(Turn { lane: lane + i, step, before: point(before, i), after: point(after, i) });
+        turned &= turned - 1;
     }
 }
 
-type Spilled = [[f64; PADDING]; 3];
+/// A register's state in memory. Its alignment makes the compiler align the stack of the loop, so that the registers it has no room for
+/// do not lie across two cache lines.
+#[repr(align(64))]
+struct Spilled([[f64; PADDING]; 3]);

@@ -19,7 +19,7 @@
 mod kernel;
 mod reading;
 
-use self::kernel::{Kernel, Paths, RUN, Scratch};
+use self::kernel::{Kernel, Paths, RUN};
 use self::reading::Reader;
 use super::{Observer, Snapshot, Timeline};
 use crate::lanes::InstructionSet;
@@ -97,7 +97,7 @@ impl DiscreteVi {
         let mut reader = Reader::start(&kernel, &state, forcing[0], paths, observer);
         let mut diverged = vec![false; paths];
         let mut sampled = Samples::default();
-        let mut scratch = Scratch::new();
+        let mut turns = Vec::new();
 
         let mut n = 0u64;
         for stop in self.timeline.stops() {
@@ -108,8 +108,8 @@ impl DiscreteVi {
                 for (force, harmonic) in forcing.iter_mut().zip(&harmonics[..=steps]) {
                     *force = to_force * harmonic;
                 }
-                kernel.advance(&forcing[..=steps], &mut streams, &mut state, &mut scratch);
-                reader.read(&kernel, n, &forcing, &scratch.turns, observer);
+                kernel.advance(&forcing[..=steps], &mut streams, &mut state, &mut turns);
+                reader.read(&kernel, n, &forcing, &turns, observer);
                 for (lane, diverged) in diverged.iter_mut().enumerate() {
                     let reach = state.displacement[lane].abs();
                     *diverged |= reach > bound || reach.is_nan();
@@ -133,7 +133,7 @@ impl DiscreteVi {
                 InitialNoise::At(v) => vec![v / kick; lanes],
                 InitialNoise::Stationary => {
                     let sd = noise.stationary_sd() / kick;
-                    streams.next_normals().into_iter().map(|z| sd * z).collect()
+                    streams.normals(1, self.instructions).into_iter().map(|z| sd * z).collect()
                 }
             },
         }
