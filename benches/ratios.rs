@@ -80,16 +80,24 @@ fn scalar_loop(h: f64, steps: usize, paths: u64, forcing: &[f64]) -> (f64, f64) 
     (sticks, duration)
 }
 
+/// 64 steps of 32 lanes, added up.
 struct Normals {
     streams: LaneStreams,
-    tile: Vec<f64>,
+    sums: [f64; 8],
 }
 
 impl LaneProgram for Normals {
     #[inline(always)]
     fn run<L: Lanes>(&mut self) {
-        for lane in (0..32).step_by(L::WIDTH) {
-            self.streams.fill_normals::<L>(lane, 64, &mut self.tile[lane..], 32);
+        for lane in (0..32).step_by(2 * L::WIDTH) {
+            let mut normals = self.streams.take::<L, 2>(lane);
+            let mut sums = [L::splat(0.0); 2];
+            for _ in 0..64 {
+                let [a, b] = normals.next();
+                sums = [sums[0].add(a), sums[1].add(b)];
+            }
+            sums[0].add(sums[1]).store(&mut self.sums);
+            self.streams.put(lane, &normals);
         }
     }
 }
@@ -104,7 +112,7 @@ fn normals(c: &mut Criterion) {
     let mut group = group(c, "normals", 32 * 64);
     for set in InstructionSet::ALL.into_iter().filter(|set| set.is_available()) {
         let paths: Vec<u64> = (0..32).collect();
-        let mut normals = Normals { streams: LaneStreams::new(1, &paths, 32), tile: vec![0.0; 32 * 64] };
+        let mut normals = Normals { streams: LaneStreams::new(1, &paths, 32), sums: [0.0; 8] };
         group.bench_function(set.name(), |b| b.iter(|| set.run(&mut normals)));
     }
     group.bench_function("rand_pcg and rand_distr", |b| {

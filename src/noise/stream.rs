@@ -168,12 +168,10 @@ impl LaneProgram for Fill<'_> {
     #[inline(always)]
     fn run<L: Lanes>(&mut self) {
         let lanes = self.streams.is_second.len();
-        for lane in (0..lanes).step_by(2 * L::WIDTH) {
-            let mut taken = self.streams.take::<L, 2>(lane);
+        for lane in (0..lanes).step_by(L::WIDTH) {
+            let mut taken = self.streams.take::<L, 1>(lane);
             for row in self.normals.chunks_exact_mut(lanes) {
-                let [a, b] = taken.next();
-                a.mul(L::splat(SQRT_2)).store(&mut row[lane..]);
-                b.mul(L::splat(SQRT_2)).store(&mut row[lane + L::WIDTH..]);
+                taken.next()[0].mul(L::splat(SQRT_2)).store(&mut row[lane..]);
             }
             self.streams.put(lane, &taken);
         }
