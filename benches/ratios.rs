@@ -93,7 +93,7 @@ impl LaneProgram for Normals {
             let mut normals = self.streams.take::<L, 2>(lane);
             let mut sums = [L::splat(0.0); 2];
             for _ in 0..64 {
-                let [a, b] = normals.next();
+                let [a, b] = normals.draw();
                 sums = [sums[0].add(a), sums[1].add(b)];
             }
             sums[0].add(sums[1]).store(&mut self.sums);

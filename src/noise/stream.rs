@@ -144,15 +144,15 @@ pub struct LaneNormals<L: Lanes, const R: usize> {
 impl<L: Lanes, const R: usize> LaneNormals<L, R> {
     /// The next normal of each lane, over sqrt(2).
     #[inline(always)]
-    pub fn next(&mut self) -> [L; R] {
+    pub fn draw(&mut self) -> [L; R] {
         let mut normals = [L::splat(0.0); R];
-        for r in 0..R {
-            let mut draw = output::<L>(&self.words[r]);
+        for (normal, words) in normals.iter_mut().zip(&mut self.words) {
+            let mut draw = output::<L>(words);
             if self.is_second {
                 draw = L::rotate_left::<32>(draw);
-                self.words[r] = step::<L>(self.words[r]);
+                *words = step::<L>(*words);
             }
-            normals[r] = half_normals::<L>(draw);
+            *normal = half_normals::<L>(draw);
         }
         self.is_second = !self.is_second;
         normals
@@ -171,7 +171,7 @@ impl LaneProgram for Fill<'_> {
         for lane in (0..lanes).step_by(L::WIDTH) {
             let mut taken = self.streams.take::<L, 1>(lane);
             for row in self.normals.chunks_exact_mut(lanes) {
-                taken.next()[0].mul(L::splat(SQRT_2)).store(&mut row[lane..]);
+                taken.draw()[0].mul(L::splat(SQRT_2)).store(&mut row[lane..]);
             }
             self.streams.put(lane, &taken);
         }

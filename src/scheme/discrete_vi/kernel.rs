@@ -109,9 +109,9 @@ impl NoiseScale {
         if !self.draws {
             return [L::splat(0.0); R];
         }
-        let mut joined = normals.next();
+        let mut joined = normals.draw();
         for _ in 1..self.refinement {
-            let xi = normals.next();
+            let xi = normals.draw();
             for r in 0..R {
                 joined[r] = L::splat(self.shorter_decay).mul_add(joined[r], xi[r]);
             }
@@ -251,12 +251,12 @@ impl<const NOISE: bool, const DAMPING: bool, const CORRECTED: bool> Run<'_, NOIS
         let c = Splat::<L>::new(self.c);
         // plain loops: closures would not be compiled for the instruction set
         let mut state = [State::load(self.paths, lane); R];
-        for r in 1..R {
-            state[r] = State::load(self.paths, at(r));
+        for (r, state) in state.iter_mut().enumerate() {
+            *state = State::load(self.paths, at(r));
         }
         let mut regimes = [c.regime(state[0].v); R];
-        for r in 1..R {
-            regimes[r] = c.regime(state[r].v);
+        for (regime, state) in regimes.iter_mut().zip(&state) {
+            *regime = c.regime(state.v);
         }
 
         let mut normals = self.streams.take::<L, R>(lane);
@@ -289,8 +289,8 @@ impl<const NOISE: bool, const DAMPING: bool, const CORRECTED: bool> Run<'_, NOIS
                 }
             }
         }
-        for r in 0..R {
-            state[r].store(self.paths, at(r));
+        for (r, state) in state.iter().enumerate() {
+            state.store(self.paths, at(r));
         }
         self.streams.put(lane, &normals);
         R * L::WIDTH
@@ -400,8 +400,14 @@ impl<L: Lanes> Splat<L> {
         Regime {
             keep: L::either(up, one, down, one),
             push: L::either(up, zero.sub(fd), down, fd),
-            least: v.where_zero(self.minus_exit_impulse, L::either(up, self.slip_impulse, down, L::splat(f64::NEG_INFINITY))),
-            most: v.where_zero(self.exit_impulse, L::either(up, L::splat(f64::INFINITY), down, zero.sub(self.slip_impulse))),
+            least: v.where_zero(
+                self.minus_exit_impulse,
+                L::either(up, self.slip_impulse, down, L::splat(f64::NEG_INFINITY)),
+            ),
+            most: v.where_zero(
+                self.exit_impulse,
+                L::either(up, L::splat(f64::INFINITY), down, zero.sub(self.slip_impulse)),
+            ),
         }
     }
 
@@ -442,14 +448,7 @@ impl<L: Lanes> Regime<L> {
 
 /// Keep the lanes that turned in a step.
 #[inline(always)]
-fn note<L: Lanes>(
-    turns: &mut Vec<Turn>,
-    lane: usize,
-    step: usize,
-    turned: u32,
-    before: &State<L>,
-    after: &State<L>,
-) {
+fn note<L: Lanes>(turns: &mut Vec<Turn>, lane: usize, step: usize, turned: u32, before: &State<L>, after: &State<L>) {
     keep(turns, lane, step, turned, &before.spill(), &after.spill());
 }
 
