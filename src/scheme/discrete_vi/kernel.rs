@@ -4,12 +4,12 @@ use super::monitoring_shift;
 use crate::lanes::{InstructionSet, LaneProgram, Lanes};
 use crate::model::{Model, Temperature};
 use crate::noise::{LaneNormals, LaneStreams, Transition};
+use std::f64::consts::SQRT_2;
 
-/// Steps between two looks at what happened: enough to keep the look cheap, few enough for the normals of a group to stay in
-/// the first-level cache (64 steps of 32 lanes are 16 KiB).
+/// Steps between two looks at what happened: enough to keep the look cheap.
 pub(super) const RUN: usize = 64;
 
-/// Lanes stepped together, so that one register's latency hides behind the others' work: four registers of eight lanes, eight of four.
+/// Lanes stepped together, so that one register's latency hides behind the others' work: two registers of eight lanes, four of four.
 const GROUP: usize = 16;
 
 /// Lanes are padded to a multiple of the widest register.
@@ -63,7 +63,8 @@ impl Coefficients {
     }
 }
 
-/// The noise of a step in units of its own increment: v/kick obeys (v/kick)' = decay (v/kick) + xi, one operation fewer.
+/// The noise of a step in units of its own increment: v/kick obeys (v/kick)' = decay (v/kick) + xi, one operation fewer. The lanes draw
+/// normals over sqrt(2), so here and below kick is sqrt(2) times the standard deviation of an increment.
 ///
 /// A step may be fed the noise of `refinement` shorter ones. Its increment is then theirs, joined, and kick is that of the shorter
 /// step: v passes through the same values, whatever the refinement.
@@ -75,7 +76,7 @@ pub(super) struct NoiseScale {
     refinement: usize,
     /// e^{-theta h/refinement}
     shorter_decay: f64,
-    /// kick, the sd of the increment of v in a step of h/refinement; 1 where nothing is added.
+    /// kick, sqrt(2) times the sd of the increment of v in a step of h/refinement; 1 where nothing is added.
     pub kick: f64,
     /// rho kick: the temperature per unit of v/kick.
     pub temperature: f64,
@@ -98,7 +99,7 @@ impl NoiseScale {
         let over = |h: f64| Transition::new(noise.relaxation_rate, noise.diffusion, h);
         let Transition { decay: shorter_decay, kick } = over(h / refinement as f64);
         let draws = kick > 0.0;
-        let kick = if draws { kick * std::f64::consts::SQRT_2 } else { 1.0 };
+        let kick = if draws { kick * SQRT_2 } else { 1.0 };
         let temperature = noise.intensity * kick;
         NoiseScale { decay: over(h).decay, refinement, shorter_decay, kick, temperature, draws }
     }
