@@ -64,7 +64,7 @@ impl Trade {
         note(&format!("measuring for about {} s on {threads} threads", self.budget.as_secs()));
         let trade = trade::measure_within(&scenario, self.budget, threads)?;
         let shown = self.statistic.or_else(|| trade.answerable().first().copied());
-        let asked = Asked { scenario: &scenario, budget: self.budget, threads };
+        let asked = Asked { scenario: &scenario, path: &self.scenario, shown, budget: self.budget, threads };
         print(&if self.json { trade_report::json(&trade, &asked) } else { trade_report::table(&trade, &asked) })?;
         match &self.output {
             Some(output) => self.write(output, &scenario, &trade, shown),

@@ -3,15 +3,20 @@
 use super::numbers::{duration, significant, wrapped};
 use serde::Serialize;
 use std::fmt::Write as _;
+use std::path::Path;
 use std::time::Duration;
 use stick_slip::scenario::Scenario;
 use stick_slip::stats::Statistic;
-use stick_slip::trade::{Choice, LeftOut, Rung, Standing, TARGETS, Trade};
+use stick_slip::trade::{Choice, LeftOut, Refusal, Rung, Standing, TARGETS, Trade};
 
 /// What was asked for.
 pub struct Asked<'a> {
     /// The scenario.
     pub scenario: &'a Scenario,
+    /// Its file.
+    pub path: &'a Path,
+    /// The statistic that the picture shows.
+    pub shown: Option<Statistic>,
     /// The budget of time.
     pub budget: Duration,
     /// Threads that measured.
@@ -27,7 +32,8 @@ pub fn table(trade: &Trade, asked: &Asked<'_>) -> String {
     let reference = &trade.rungs[trade.reference];
     let opening = format!(
         "Costs: CPU on one thread. Biases: percent, with half the 95 % interval, against {} ({} paths); in percent of the \
-         standard deviation per path (marked sd) where a value is zero within its error.",
+         standard deviation per path (marked sd) where a value is zero within its error. Each step is half the one before, \
+         shown to three digits.",
         reference.setting, reference.paths
     );
     text.push_str(&wrapped(&opening, ""));
@@ -42,6 +48,12 @@ pub fn table(trade: &Trade, asked: &Asked<'_>) -> String {
         text.push_str(&winners(trade, target));
     }
     text.push('\n');
+    let legend = "Cheapest run of each scheme: step or tolerance, x paths, CPU time; * the cheapest of all. A step in brackets was not \
+                  run: its bias is that of the fitted law. `bias b`: no setting has a smaller bias than b. `bias? b`: the bias is \
+                  known only to b, and a larger budget says more. A bias counts with its upper bound (one-sided 95 %).";
+    text.push_str(&wrapped(legend, ""));
+    text.push_str(&commands(trade, asked));
+    text.push('\n');
     for statistic in Statistic::ALL {
         let standing = trade.standing(statistic);
         if standing.scale().is_none() {
@@ -50,6 +62,18 @@ pub fn table(trade: &Trade, asked: &Asked<'_>) -> String {
     }
     for LeftOut { what, why } in &trade.left_out {
         text.push_str(&wrapped(&format!("not run: {what}: {why}"), "  "));
+    }
+    text
+}
+
+/// The runs to make for the statistic that is shown, ready to paste; here with every digit of the step.
+fn commands(trade: &Trade, asked: &Asked<'_>) -> String {
+    let mut text = String::new();
+    for (statistic, target) in asked.shown.iter().flat_map(|s| TARGETS.map(|target| (*s, target))) {
+        if let Ok(Choice { setting, paths, .. }) = trade.best(None, &[statistic], target) {
+            let (name, path) = (statistic.name(), asked.path.display());
+            let _ = writeln!(text, "{name} to {}: mc run {path} {setting} --paths {paths}", percent(target));
+        }
     }
     text
 }
@@ -127,30 +151,19 @@ fn winners(trade: &Trade, target: f64) -> String {
     let schemes = trade.schemes();
     let heading = format!("RMSE {}", percent(target));
     let mut rows = vec![[vec![heading], schemes.iter().map(|s| s.to_string()).collect()].concat()];
-    let mut reasons = Vec::new();
     for statistic in trade.answerable() {
         let winner = trade.best(None, &[statistic], target).ok();
         let cells = schemes.iter().map(|scheme| match trade.best(Some(scheme), &[statistic], target) {
-            Ok(choice) => {
-                let mark = if winner.is_some_and(|w| w.setting == choice.setting) { "*" } else { "" };
-                format!("{mark}{}", run(&choice))
-            }
-            Err(refusal) => {
-                let number = reasons.iter().position(|r| *r == refusal.to_string()).unwrap_or_else(|| {
-                    reasons.push(refusal.to_string());
-                    reasons.len() - 1
-                });
-                format!("none ({})", number + 1)
-            }
+            Ok(choice) if winner.is_some_and(|w| w.setting == choice.setting) => format!("*{}", run(&choice)),
+            Ok(choice) => run(&choice),
+            Err(Refusal::Bias { least, is_unresolved: true, .. }) => format!("bias? {least:.1e}"),
+            Err(Refusal::Bias { least, .. }) => format!("bias {least:.1e}"),
+            Err(Refusal::NotRun | Refusal::NoAnswer(_)) => "none".into(),
         });
         let cells: Vec<String> = cells.collect();
         rows.push([vec![label(trade, statistic)], cells].concat());
     }
-    let mut text = aligned(&rows);
-    for (i, reason) in reasons.iter().enumerate() {
-        text.push_str(&wrapped(&format!("  ({}) {reason}", i + 1), "      "));
-    }
-    text
+    aligned(&rows)
 }
 
 /// `0.0039 x684 12.3 ms`; a step that was not run is in brackets.

@@ -98,46 +98,61 @@ pub enum TradeError {
 
 /// Measure a scene within about `budget` of wall-clock time.
 pub fn measure_within(scenario: &Scenario, budget: Duration, threads: usize) -> Result<Trade, TradeError> {
-    let deadline = Instant::now() + budget;
+    let start = Instant::now();
     let mut ladder = Ladder::of(scenario);
     let effort = Effort::within(scenario, &mut ladder, budget, threads)?;
-    measure(scenario, &ladder, &effort, threads, Some(deadline))
+    measure(scenario, &ladder, &effort, threads, Some(budget.saturating_sub(start.elapsed())))
 }
 
-/// Measure a scene with a given effort. Past the deadline no further paths are begun; without one, everything but the costs is a
-/// function of scenario, ladder and effort.
+// Shares of the time after which no further paths are begun: of the reference, of everything without steps, of everything.
+const REFERENCE_ENDS: f64 = 0.35;
+const FREE_ENDS: f64 = 0.5;
+const ALL_ENDS: f64 = 0.9;
+
+/// Measure a scene with a given effort. With a time, what is not done by then is cut short, on a machine that is slower than its pilot;
+/// without one, everything but the costs is a function of scenario, ladder and effort.
 pub fn measure(
     scenario: &Scenario,
     ladder: &Ladder,
     effort: &Effort,
     threads: usize,
-    deadline: Option<Instant>,
+    time: Option<Duration>,
 ) -> Result<Trade, TradeError> {
     if scenario.time.end == 0.0 {
         return Err(TradeError::NothingHappens);
     }
-    let mut rungs = Vec::new();
-    // First, so that it is there whatever else the budget allows: what the others are measured against.
-    for (region, (&scheme, &paths)) in ladder.free.iter().zip(&effort.free_paths).enumerate().rev() {
-        if paths > 0 {
-            rungs.insert(0, free(scenario, scheme, paths, (region as u64 + 2) * APART, threads, deadline)?);
-        }
+    let start = Instant::now();
+    let until = |share: f64| time.map(|time| start + time.mul_f64(share));
+    let [reference_ends, free_ends] =
+        if effort.steps > 0 { [REFERENCE_ENDS, FREE_ENDS] } else { [FREE_ENDS, ALL_ENDS] };
+    let is_event_driven = |scheme: &SchemeKind| matches!(scheme, SchemeKind::EventDriven { .. });
+    let runs: Vec<(usize, SchemeKind, u64)> = (ladder.free.iter().zip(&effort.free_paths).enumerate())
+        .filter_map(|(i, (scheme, paths))| (*paths > 0).then_some((i, *scheme, *paths)))
+        .collect();
+    let tightest = runs.iter().rposition(|(_, scheme, _)| is_event_driven(scheme)).ok_or(TradeError::NothingHappens)?;
+    let run = |(i, scheme, paths): (usize, SchemeKind, u64), ends| {
+        free(scenario, scheme, paths, (i as u64 + 2) * APART, threads, ends)
+    };
+    // First, so that it is there whatever else the time allows: what the others are measured against.
+    let reference = run(runs[tightest], until(reference_ends))?;
+    let mut others = Vec::new();
+    for (i, other) in runs.iter().enumerate() {
+        others.push(if i == tightest { reference.clone() } else { run(*other, until(free_ends))? });
     }
-    let mut all = coupled(scenario, ladder, effort, threads, deadline)?;
-    all.append(&mut rungs);
-    for rung in &mut all {
+    let mut rungs = coupled(scenario, ladder, effort, threads, until(ALL_ENDS))?;
+    let reference = rungs.len() + tightest;
+    rungs.append(&mut others);
+    for rung in &mut rungs {
         rung.cost = cost(&rung.setting.of(scenario)?.plan(), effort.timing);
     }
-    let is_event_driven = |rung: &Rung| matches!(rung.setting.scheme, SchemeKind::EventDriven { .. });
-    let reference = all.iter().rposition(is_event_driven).ok_or(TradeError::NothingHappens)?;
-    let has_limitless_phases = all[reference].setting.of(scenario)?.resolution().is_some();
+    let has_limitless_phases = rungs[reference].setting.of(scenario)?.resolution().is_some();
     let mut left_out = ladder.left_out.clone();
-    left_out.extend(all.iter().filter(|rung| rung.diverged > 0).map(|rung| LeftOut {
+    left_out.extend(rungs.iter().filter(|rung| rung.diverged > 0).map(|rung| LeftOut {
         what: rung.setting.to_string(),
         why: format!("{} of {} paths diverged, so it is recommended for nothing", rung.diverged, rung.paths),
     }));
     let is_random = scenario.model.temperature.noise.is_some();
-    Ok(Trade { rungs: all, reference, left_out, is_random, has_limitless_phases })
+    Ok(Trade { rungs, reference, left_out, is_random, has_limitless_phases })
 }
 
 /// The ensemble of a setting without an output grid and without rows of single paths: what the estimates need.

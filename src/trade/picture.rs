@@ -4,8 +4,9 @@ use super::{TARGETS, Trade};
 use crate::stats::Statistic;
 use kuva::backend::raster::RasterBackend;
 use kuva::backend::svg::SvgBackend;
-use kuva::prelude::{Layout, LegendPosition, LinePlot, Plot, ScatterPlot};
+use kuva::prelude::{Layout, LegendPosition, LinePlot, Plot, ScatterPlot, TickFormat};
 use kuva::render::render::render_multiple;
+use std::sync::Arc;
 
 /// The picture in both of its formats.
 #[derive(Clone, Debug)]
@@ -19,7 +20,9 @@ pub struct Picture {
 /// Targets drawn per power of ten.
 const PER_DECADE: i32 = 12;
 /// From the largest target down.
-const DECADES: i32 = 4;
+const DECADES: i32 = 3;
+/// Runs of more than a year are not drawn.
+const YEAR: f64 = 3.2e7;
 /// Colours that remain distinct for colour-blind readers (Okabe and Ito).
 const COLOURS: [&str; 4] = ["#D55E00", "#0072B2", "#009E73", "#CC79A7"];
 /// Pixels of the PNG per unit of the SVG.
@@ -29,7 +32,10 @@ const SCALE: f32 = 2.0;
 pub fn picture(trade: &Trade, statistic: Statistic, title: &str) -> Option<Picture> {
     let mut plots: Vec<Plot> = Vec::new();
     for (scheme, colour) in trade.schemes().into_iter().zip(COLOURS) {
-        let cost = |target: f64| Some((trade.best(Some(scheme), &[statistic], target).ok()?.seconds, target));
+        let cost = |target: f64| {
+            let choice = trade.best(Some(scheme), &[statistic], target).ok()?;
+            (choice.seconds < YEAR).then_some((choice.seconds, target))
+        };
         let targets =
             (0..=DECADES * PER_DECADE).map(|i| TARGETS[0] * 10f64.powf(-f64::from(i) / f64::from(PER_DECADE)));
         let line: Vec<(f64, f64)> = targets.filter_map(cost).collect();
@@ -49,6 +55,7 @@ pub fn picture(trade: &Trade, statistic: Statistic, title: &str) -> Option<Pictu
         .with_title(title)
         .with_x_label("CPU seconds on one thread")
         .with_y_label(format!("relative RMSE of {}", statistic.name()))
+        .with_tick_format(TickFormat::Custom(Arc::new(power)))
         .with_legend_position(LegendPosition::InsideTopRight)
         .with_width(720.0)
         .with_height(480.0);
@@ -56,4 +63,9 @@ pub fn picture(trade: &Trade, statistic: Statistic, title: &str) -> Option<Pictu
     let svg = SvgBackend.render_scene(&scene);
     let png = RasterBackend::new().with_scale(SCALE).render_scene(&scene).ok()?;
     Some(Picture { svg, png })
+}
+
+/// A power of ten, plain where that is short.
+fn power(x: f64) -> String {
+    if (1e-4..1e4).contains(&x) { format!("{}", (x * 1e6).round() / 1e6) } else { format!("{x:.0e}") }
 }

@@ -76,6 +76,18 @@ struct Bound {
     is_unresolved: bool,
 }
 
+impl Bound {
+    /// The sharper of two.
+    fn or(self, other: Bound) -> Bound {
+        if other.value < self.value { other } else { self }
+    }
+}
+
+/// sum over k >= 0 of the changes at the steps h/r, h/2r, ... in terms of the change at h, if they fall like sqrt(h).
+fn tail(r: f64) -> f64 {
+    r.sqrt().recip() / (1.0 - 0.5f64.sqrt())
+}
+
 impl From<Number> for Bound {
     fn from(bias: Number) -> Self {
         Bound { value: bias.bound(), is_unresolved: bias.value.abs() < 2.0 * bias.error }
@@ -152,9 +164,8 @@ impl Trade {
             candidates.extend((1..=HALVINGS).map(|i| {
                 let finer = 2f64.powi(i);
                 let h = finest / finer;
-                // Without a law a bias that was not seen is no larger at a finer step, as far as is known; one that was, stays.
                 let bound = |s: Statistic, law: &Option<Law>| {
-                    law.as_ref().map_or_else(|| self.bound(rung, s, None), |law| Bound::from(law.bias(h)))
+                    law.as_ref().map_or_else(|| self.finer(&rungs, s, finer), |law| Bound::from(law.bias(h)))
                 };
                 Candidate {
                     setting: Setting { step: Some(h), ..rung.setting },
@@ -186,8 +197,40 @@ impl Trade {
                 }
             }
             (_, Some(h), Some(law)) if h <= law.coarsest && law.bias(h).error < measured.error => law.bias(h).into(),
+            (_, Some(_), None) => Bound::from(measured).or(self.changes_from(rung, statistic)),
             _ => measured.into(),
         }
+    }
+
+    /// A bound of the bias of a step without a law: the sum of the changes from it to the finest step, and beyond that what is left
+    /// of the last change if the bias falls no slower than sqrt(h), which is the slowest of these schemes.
+    fn changes_from(&self, rung: &Rung, statistic: Statistic) -> Bound {
+        let finer: Vec<Number> = (self.rungs.iter())
+            .filter(|other| {
+                other.setting.scheme.name() == rung.setting.scheme.name() && other.setting.step <= rung.setting.step
+            })
+            .filter_map(|rung| rung.change(statistic))
+            .collect();
+        let sum = Number {
+            value: finer.iter().map(|change| change.value).sum(),
+            error: finer.iter().map(|change| change.error).sum(),
+        };
+        let last = self.last_change(rung.setting.scheme, statistic);
+        Bound { value: sum.bound() + last * tail(2.0), is_unresolved: sum.value.abs() < 2.0 * sum.error }
+    }
+
+    /// The same at the finest step divided by `finer`.
+    fn finer(&self, rungs: &[&Rung], statistic: Statistic, finer: f64) -> Bound {
+        let Some(finest) = rungs.last() else { return Bound { value: f64::NAN, is_unresolved: true } };
+        let beyond = self.last_change(finest.setting.scheme, statistic) * tail(2.0 * finer);
+        self.bound(finest, statistic, None).or(Bound { value: beyond, is_unresolved: true })
+    }
+
+    /// A bound of the change between the two finest steps.
+    fn last_change(&self, scheme: SchemeKind, statistic: Statistic) -> f64 {
+        let changes =
+            self.rungs.iter().filter(|rung| rung.setting.scheme == scheme).filter_map(|r| r.change(statistic));
+        changes.last().map_or(f64::NAN, Number::bound)
     }
 }
 

@@ -11,7 +11,7 @@ pub enum Standing {
     Value(f64),
     /// Its value is zero as far as the reference can tell: its errors are given relative to its standard deviation per path.
     Deviation(f64),
-    /// It is zero in every path.
+    /// It is exactly zero.
     Zero,
     /// f_s and f_d meet under noise: it is a property of the step or the resolution.
     NoLimit,
@@ -35,7 +35,7 @@ impl fmt::Display for Standing {
         f.write_str(match self {
             Standing::Value(_) => "relative to its value",
             Standing::Deviation(_) => "zero within its error: relative to its sd per path",
-            Standing::Zero => "zero in every path: nothing to choose",
+            Standing::Zero => "exactly zero: nothing to choose",
             Standing::NoLimit => {
                 "no limit: f_s and f_d meet under noise, and it is a property of the step or the resolution"
             }
