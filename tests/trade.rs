@@ -51,7 +51,7 @@ fn rmse(choice: &Choice, (statistic, truth): (Statistic, f64), runs: u64) -> f64
 /// What was promised is found. Null: the root mean square error is at most `target`, and no less than what remains of it if the bias, of
 /// which the choice knows an upper bound U only, is zero: sqrt(target^2 - U^2). From M runs it is known to 1/sqrt(2M), relative (a
 /// chi-square of M degrees of freedom), of which four are allowed, and 3 % for the pilot's own error of the variance: false-alarm
-/// rate below 1e-4. Half or twice the paths change it by 1.41.
+/// rate below 1e-4. Half or twice the paths change it by 1.41, which 100 runs see with a play of 0.31.
 #[track_caller]
 fn keeps_its_promise(choice: &Choice, truth: (Statistic, f64), target: f64, runs: u64) {
     let ratio = rmse(choice, truth, runs) / target;
@@ -72,7 +72,7 @@ fn keeps_its_promise(choice: &Choice, truth: (Statistic, f64), target: f64, runs
 #[test]
 fn the_recommended_run_has_the_error_it_was_recommended_for() {
     for (truth, target, runs) in
-        [(STICK_DURATION_MEAN, 0.01, 200), (STICK_DURATION_MEAN, 0.005, 150), (STICKS_PER_PATH, 0.01, 200)]
+        [(STICK_DURATION_MEAN, 0.01, 200), (STICK_DURATION_MEAN, 0.005, 100), (STICKS_PER_PATH, 0.01, 150)]
     {
         let choice = PILOT.best(None, &[truth.0], target).expect("a choice");
         assert!(matches!(choice.setting.scheme, SchemeKind::EventDriven { .. }), "{choice:?}");
@@ -85,20 +85,20 @@ fn the_recommended_run_has_the_error_it_was_recommended_for() {
 fn so_has_the_best_run_of_a_scheme_with_a_step() {
     let discrete = PILOT.best(Some("discrete-vi"), &[STICK_DURATION_MEAN.0], 0.05).expect("a choice");
     assert!(!discrete.is_measured && discrete.bias > 0.02, "{discrete:?}");
-    keeps_its_promise(&discrete, STICK_DURATION_MEAN, 0.05, 300);
+    keeps_its_promise(&discrete, STICK_DURATION_MEAN, 0.05, 200);
     let corrected = PILOT.best(Some("corrected-vi"), &[STICK_DURATION_MEAN.0], 0.02).expect("a choice");
-    keeps_its_promise(&corrected, STICK_DURATION_MEAN, 0.02, 300);
+    keeps_its_promise(&corrected, STICK_DURATION_MEAN, 0.02, 200);
 }
 
 /// Several statistics at once: each is within the target, and the decisive one asked for the paths.
 #[test]
 fn a_run_for_several_statistics_suits_the_most_demanding() {
     let all = [STICK_DURATION_MEAN.0, STICKS_PER_PATH.0, STICKING_FRACTION.0, SUB_PHASES_MEAN.0];
-    let together = PILOT.best(None, &all, 0.01).expect("a choice");
-    let alone = all.map(|statistic| PILOT.best(None, &[statistic], 0.01).expect("a choice"));
+    let together = PILOT.best(Some("event-driven"), &all, 0.01).expect("a choice");
+    let alone = all.map(|statistic| PILOT.best(Some("event-driven"), &[statistic], 0.01).expect("a choice"));
     let most = alone.iter().max_by_key(|choice| choice.paths).expect("four");
     assert!(together.paths >= most.paths && together.decisive == STICKING_FRACTION.0, "{together:?} {alone:?}");
-    keeps_its_promise(&together, STICKING_FRACTION, 0.01, 200);
+    keeps_its_promise(&together, STICKING_FRACTION, 0.01, 100);
 }
 
 /// Theory: order 1/2 for the discrete VI, 1 for the corrected one. The errors of the fits are below 0.05 and 0.3.
@@ -167,7 +167,7 @@ fn synthetic(c: f64, p: f64, v: f64, a: f64) -> Trade {
 /// nearest steps cost at most 13 % (p = 1/2) or 19 % (p = 1) more. Beyond the ladder the law has an error, which counts as bias: 40 %.
 #[test]
 fn the_cheapest_step_is_that_of_the_closed_form() {
-    let (c, v, a) = (0.8, 0.3, 1e-6);
+    let (c, v, a) = (0.8, 300.0, 1e-6);
     for (p, within, beyond) in [(0.5, 0.13, 0.4), (1.0, 0.19, 0.4)] {
         let trade = synthetic(c, p, v, a);
         let least = |eps: f64| {
@@ -185,9 +185,9 @@ fn the_cheapest_step_is_that_of_the_closed_form() {
         let choice = trade.best(Some("discrete-vi"), &[Statistic::SticksPerPath], eps).expect("a choice");
         let excess = choice.seconds / least(eps) - 1.0;
         assert!(!choice.is_measured && (0.0..beyond).contains(&excess), "{excess} {choice:?}");
-        // The reference costs 1 s a path, N = v/(eps^2 - 1e-10).
+        // The reference costs 1 s a path, N = v/(eps^2 - 1e-10) = 300/(1e-4 (1 - 1e-6)).
         let exact = trade.best(Some("event-driven"), &[Statistic::SticksPerPath], 0.01).expect("a choice");
-        assert_eq!(exact.paths, 3001);
+        assert_eq!(exact.paths, 3_000_004);
     }
 }
 
@@ -292,6 +292,8 @@ fn the_command_leaves_a_table_a_file_and_two_pictures() {
     }
     let table = mc(folder.path(), &["trade", RHO025, "--budget", "2s"]);
     let table = String::from_utf8_lossy(&table.stdout).into_owned();
-    assert!(table.lines().all(|line| line.chars().count() <= 120), "{table}");
+    // A command to paste is in one line, however long.
+    let is_narrow = |line: &str| line.contains("mc run") || line.chars().count() <= 120;
+    assert!(table.lines().all(is_narrow), "{table}");
     assert!(table.contains("RMSE 0.01 %") && table.contains("mc run"), "{table}");
 }

@@ -54,10 +54,11 @@ pub fn table(trade: &Trade, asked: &Asked<'_>) -> String {
     text.push_str(&wrapped(legend, ""));
     text.push_str(&commands(trade, asked));
     text.push('\n');
-    for statistic in Statistic::ALL {
-        let standing = trade.standing(statistic);
-        if standing.scale().is_none() {
-            text.push_str(&wrapped(&format!("{}: {standing}", statistic.name()), "  "));
+    for standing in [Standing::Zero, Standing::NoLimit, Standing::Absent] {
+        let here = Statistic::ALL.into_iter().filter(|statistic| trade.standing(*statistic) == standing);
+        let names: Vec<&str> = here.map(Statistic::name).collect();
+        if !names.is_empty() {
+            text.push_str(&wrapped(&format!("{}: {standing}", names.join(", ")), "  "));
         }
     }
     for LeftOut { what, why } in &trade.left_out {

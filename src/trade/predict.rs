@@ -228,9 +228,9 @@ impl Trade {
 
     /// A bound of the change between the two finest steps.
     fn last_change(&self, scheme: SchemeKind, statistic: Statistic) -> f64 {
-        let changes =
+        let mut changes =
             self.rungs.iter().filter(|rung| rung.setting.scheme == scheme).filter_map(|r| r.change(statistic));
-        changes.last().map_or(f64::NAN, Number::bound)
+        changes.next_back().map_or(f64::NAN, Number::bound)
     }
 }
 
