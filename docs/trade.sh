@@ -12,4 +12,13 @@ for scene in shaw rho025 equal-friction damped viaduct; do
     target/release/mc trade "scenarios/$scene.toml" --budget "$budget" -o "$folder/$scene.h5" > "docs/pictures/trade-$scene.txt"
     cp "$folder/$scene.svg" "docs/pictures/trade-$scene.svg"
     cp "$folder/$scene.png" "docs/pictures/trade-$scene.png"
+    # Into the page: what 1 % and 0.1 % cost, in the block after the mark of the scene.
+    sed -n '/^RMSE 1 %/,/^RMSE 0.01 %/{/^RMSE 0.01 %/!p}' "docs/pictures/trade-$scene.txt" | sed '$d' >"$folder/block"
+    awk -v mark="<!-- $scene -->" -v block="$folder/block" '
+        inside && /^```$/ { inside = 0 }
+        !inside { print }
+        $0 == mark { marked = 1 }
+        marked && /^```text$/ { while ((getline line <block) > 0) print line; inside = 1; marked = 0 }
+    ' docs/trade.md >"$folder/page"
+    cp "$folder/page" docs/trade.md
 done

@@ -139,7 +139,7 @@ fn a_measurement_is_reproducible() {
 
 /// Rungs put together by hand: value 1, variance v a path, bias C h^p, cost a/h; an exact reference of cost 1 s.
 fn synthetic(c: f64, p: f64, v: f64, a: f64) -> Trade {
-    const PATHS: u64 = 1 << 40; // so many that errors vanish
+    const PATHS: u64 = 1 << 54; // so many that errors vanish
     let estimate = |value: f64| {
         let standard_error = (v / PATHS as f64).sqrt();
         let statistic = Statistic::SticksPerPath;

@@ -1,6 +1,7 @@
 //! The work-precision picture: what error which CPU time buys, one line a scheme, on logarithmic axes.
 
 use super::{TARGETS, Trade};
+use crate::scenario::SchemeKind;
 use crate::stats::Statistic;
 use kuva::backend::raster::RasterBackend;
 use kuva::backend::svg::SvgBackend;
@@ -23,15 +24,17 @@ const PER_DECADE: i32 = 12;
 const DECADES: i32 = 3;
 /// Runs of more than a year are not drawn.
 const YEAR: f64 = 3.2e7;
-/// Colours that remain distinct for colour-blind readers (Okabe and Ito).
+/// One a scheme, that remain distinct for colour-blind readers (Okabe and Ito).
 const COLOURS: [&str; 4] = ["#D55E00", "#0072B2", "#009E73", "#CC79A7"];
+/// Most characters in a line of the title.
+const TITLE_WIDTH: usize = 48;
 /// Pixels of the PNG per unit of the SVG.
 const SCALE: f32 = 2.0;
 
 /// For each scheme the least cost of every target, of one statistic; none if no scheme has any.
 pub fn picture(trade: &Trade, statistic: Statistic, title: &str) -> Option<Picture> {
     let mut plots: Vec<Plot> = Vec::new();
-    for (scheme, colour) in trade.schemes().into_iter().zip(COLOURS) {
+    for (scheme, colour) in SchemeKind::NAMES.into_iter().zip(COLOURS) {
         let cost = |target: f64| {
             let choice = trade.best(Some(scheme), &[statistic], target).ok()?;
             (choice.seconds < YEAR).then_some((choice.seconds, target))
@@ -53,6 +56,7 @@ pub fn picture(trade: &Trade, statistic: Statistic, title: &str) -> Option<Pictu
     let layout = Layout::auto_from_plots(&plots)
         .with_log_scale()
         .with_title(title)
+        .with_title_wrap(TITLE_WIDTH)
         .with_x_label("CPU seconds on one thread")
         .with_y_label(format!("relative RMSE of {}", statistic.name()))
         .with_tick_format(TickFormat::Custom(Arc::new(power)))
