@@ -9,3 +9,4 @@ pub mod scenario;
 pub mod scheme;
 pub mod stats;
 pub mod store;
+pub mod trade;

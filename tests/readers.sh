@@ -29,5 +29,7 @@ run no-step rho025 --paths 600 --scheme event-driven
 run diverged rho025 --paths 600 --step 0.4 --set time.output_step=6
 # One path of a stored ensemble.
 cargo run --release --quiet --bin mc -- replay "$folder/recorded.h5" --path 7 -o "$folder/replayed.h5" >"$folder/messages" 2>&1
+# What `mc trade` writes.
+cargo run --release --quiet --bin mc -- trade scenarios/rho025.toml --budget 2s -o "$folder/trade.h5" >"$folder/messages" 2>&1
 
 target/venv/bin/python tests/python/check.py "$folder"/*.h5

@@ -12,6 +12,8 @@ mod report;
 mod results;
 mod run;
 mod show;
+mod trade;
+mod trade_report;
 
 pub use failure::Failure;
 
@@ -26,6 +28,7 @@ Examples:
   mc run mine.toml --set friction.static=1.3 -o stronger.h5
   mc show mine.h5                           the table again, from the file
   mc replay mine.h5 --path 4711             one path alone, event by event
+  mc trade mine.toml                        which scheme, step and paths for which accuracy
 
 Exit codes: 0 done, 1 the run failed, 2 the arguments or the scenario are wrong, 130 interrupted.";
 
@@ -47,6 +50,8 @@ enum Verb {
     Show(show::Show),
     /// Rerun one path of a stored ensemble alone, keeping its events and its trajectory
     Replay(replay::Replay),
+    /// What accuracy costs: every scheme over a ladder of settings, and the cheapest for a target
+    Trade(trade::Trade),
     /// Write a commented scenario to start from
     Init(init::Init),
     /// Print a completion script for a shell
@@ -61,6 +66,7 @@ impl Arguments {
             Verb::Check(check) => check.call(),
             Verb::Show(show) => show.call(),
             Verb::Replay(replay) => replay.call(),
+            Verb::Trade(trade) => trade.call(),
             Verb::Init(init) => init.call(),
             Verb::Completions(completions) => completions.call(),
         }

@@ -46,17 +46,19 @@ impl Plan {
     /// Simulate block `index`.
     pub fn block(&self, index: u64) -> BlockResult {
         let first = index * BLOCK_SIZE;
-        self.simulate(first, BLOCK_SIZE.min(self.paths - first))
+        self.piece(first, BLOCK_SIZE.min(self.paths - first))
     }
 
     /// Simulate path `path` of the ensemble alone: the same path, bit for bit.
     pub fn replay(&self, path: u64) -> BlockResult {
-        self.simulate(path, 1)
+        self.piece(path, 1)
     }
 
+    /// Simulate the paths `first .. first + paths`, of this ensemble or beyond its end.
+    ///
     /// A path that diverges is left out, and the others are simulated again without it. They are independent of it, so this happens
     /// at most once a block.
-    fn simulate(&self, first: u64, paths: u64) -> BlockResult {
+    pub fn piece(&self, first: u64, paths: u64) -> BlockResult {
         let mut kept: Vec<u64> = (first..first + paths).collect();
         let mut diverged = Vec::new();
         loop {

@@ -25,6 +25,8 @@ pub(super) enum Unit {
     Diffusivity,
     /// force * length
     Work,
+    /// Seconds of a computer, whatever the scenario's unit of time.
+    Seconds,
 }
 
 impl From<Dimension> for Unit {
@@ -46,6 +48,7 @@ impl Unit {
         let [time, length, force, temperature] = units;
         let powers: &[(&String, i32)] = match self {
             Unit::None => return None,
+            Unit::Seconds => return Some("s".to_owned()),
             Unit::One => &[],
             Unit::Time => &[(time, 1)],
             Unit::Length => &[(length, 1)],
@@ -101,7 +104,7 @@ impl Variable {
         self.long_name == BARE_DIMENSION
     }
 
-    const fn with(mut self, attributes: &'static [(&'static str, &'static str)]) -> Variable {
+    pub(super) const fn with(mut self, attributes: &'static [(&'static str, &'static str)]) -> Variable {
         self.attributes = attributes;
         self
     }
@@ -112,7 +115,12 @@ impl Variable {
     }
 }
 
-const fn variable(name: &'static str, axes: &'static [&'static str], unit: Unit, long_name: &'static str) -> Variable {
+pub(super) const fn variable(
+    name: &'static str,
+    axes: &'static [&'static str],
+    unit: Unit,
+    long_name: &'static str,
+) -> Variable {
     Variable { name, axes, unit, long_name, attributes: &[], flags: &[] }
 }
 

@@ -17,6 +17,7 @@ mod reader;
 mod scale;
 mod space;
 mod summary;
+mod trade;
 mod variable;
 mod writer;
 
@@ -24,4 +25,5 @@ pub use error::StoreError;
 pub use header::{FORMAT_NAME, FORMAT_VERSION, Header, Status};
 pub use reader::{Stored, read};
 pub use space::check_space;
+pub use trade::{TRADE_FORMAT_NAME, write_trade};
 pub use writer::{Rows, Writer, discard_partial, partial_path};

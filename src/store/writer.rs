@@ -235,7 +235,8 @@ impl Drop for Writer {
     }
 }
 
-fn create_file(path: &Path) -> hdf5::Result<File> {
+/// An empty file of the kind that netCDF-4 readers expect.
+pub(super) fn create_file(path: &Path) -> hdf5::Result<File> {
     File::with_options()
         // V18 keeps the file readable after the process is killed; V110 and later mark it as open for writing.
         // A strong close closes the file even if a handle to one of its objects is still around.

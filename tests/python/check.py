@@ -135,6 +135,22 @@ def check_contents(data):
         check(data.trajectory_displacement.dims == ("trajectory", "time"), "axes of a trajectory")
 
 
+def check_trade(path):
+    """The file of `mc trade`: every reader sees the same named axes, and its predictions agree with its measurements."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        seen = [xr.open_dataset(path, engine=engine).load() for engine in ("h5netcdf", "netcdf4")]
+    check(seen[0].equals(seen[1]), "both xarray engines see the same data")
+    data = seen[0]
+    check(set(data.dims) == {"rung", "statistic", "scheme", "target"}, "the dimensions of a trade")
+    for name, variable in data.variables.items():
+        check(variable.attrs.get("long_name"), f"{name} has a long_name")
+    target = data.predicted_bias.where(data.predicted_seconds.notnull()) < data.target
+    check(bool((target | data.predicted_bias.isnull()).all()), "no recommended run has a bias above its target")
+    cheapest = data.predicted_seconds.min("scheme")
+    check(bool(((data.winner == "none") == cheapest.isnull()).all()), "there is a winner where there is a run")
+
+
 def check_command(*command):
     if shutil.which(command[0]) is None:
         print(f"  skipped {command[0]}: not installed")
@@ -147,6 +163,11 @@ def check_command(*command):
 def main(paths):
     for path in paths:
         print(path)
+        with h5py.File(path) as file:
+            is_trade = file.attrs["format_name"] == "stick-slip trade"
+        if is_trade:
+            check_trade(path)
+            continue
         seed = check_h5py(path)
         check_netcdf4(path, seed)
         seen = [check_xarray(path, engine, seed) for engine in ("h5netcdf", "netcdf4")]

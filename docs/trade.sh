@@ -1,0 +1,24 @@
+#!/usr/bin/env bash
+# Regenerate the tables and pictures of docs/trade.md: about four minutes. `docs/trade.sh [BUDGET]`
+set -euo pipefail
+cd "$(dirname "$0")/.."
+budget=${1:-45s}
+
+cargo build --release --quiet --bin mc
+folder=$(mktemp -d)
+trap 'rm -rf "$folder"' EXIT
+mkdir -p docs/pictures
+for scene in shaw rho025 equal-friction damped viaduct; do
+    target/release/mc trade "scenarios/$scene.toml" --budget "$budget" -o "$folder/$scene.h5" > "docs/pictures/trade-$scene.txt"
+    cp "$folder/$scene.svg" "docs/pictures/trade-$scene.svg"
+    cp "$folder/$scene.png" "docs/pictures/trade-$scene.png"
+    # Into the page: what 1 % and 0.1 % cost, in the block after the mark of the scene.
+    sed -n '/^RMSE 1 %/,/^RMSE 0.01 %/{/^RMSE 0.01 %/!p}' "docs/pictures/trade-$scene.txt" | sed '$d' >"$folder/block"
+    awk -v mark="<!-- $scene -->" -v block="$folder/block" '
+        inside && /^```$/ { inside = 0 }
+        !inside { print }
+        $0 == mark { marked = 1 }
+        marked && /^```text$/ { while ((getline line <block) > 0) print line; inside = 1; marked = 0 }
+    ' docs/trade.md >"$folder/page"
+    cp "$folder/page" docs/trade.md
+done

@@ -1,0 +1,162 @@
+//! `mc trade`: what accuracy costs, scheme by scheme, and which is cheapest for a target.
+
+use super::failure::{Failure, note, print, writable};
+use super::numbers::wrapped;
+use super::trade_report::{self, Asked};
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+use stick_slip::scenario::{Override, Scenario};
+use stick_slip::stats::Statistic;
+use stick_slip::store;
+use stick_slip::trade::{self, Trade as Measured, TradeError};
+
+const EXAMPLES: &str = "\
+Examples:
+  mc trade scenarios/rho025.toml
+  mc trade scenarios/rho025.toml --budget 5m -o rho025-trade.h5
+  mc trade scenarios/damped.toml --set friction.static=1.3 --statistic sticking_fraction
+  mc trade scenarios/rho025.toml --json | jq '.winners[] | select(.target == 0.01)'
+
+Every scheme that suits the scene is run over its steps or tolerances, whatever scheme the scenario names. Costs are CPU seconds on
+one thread and vary with the machine; everything else depends on the scenario, its seed, and the paths that the budget allowed.";
+
+/// Arguments of `mc trade`.
+#[derive(Debug, clap::Args)]
+#[command(after_help = EXAMPLES)]
+pub struct Trade {
+    /// The scenario, a TOML file
+    scenario: PathBuf,
+    /// How long to measure, e.g. 60s, 5m, 1h; a plain number is seconds
+    #[arg(long, value_name = "TIME", default_value = "30s", value_parser = budget)]
+    budget: Duration,
+    /// The statistic that the picture shows [default: the first that can be answered]
+    #[arg(long, value_name = "NAME", value_parser = statistic)]
+    statistic: Option<Statistic>,
+    /// Any key of the scenario, e.g. friction.static=1.3; repeatable
+    #[arg(long, value_name = "KEY=VALUE", allow_hyphen_values = true)]
+    set: Vec<String>,
+    /// Seed [ensemble.seed]
+    #[arg(long, value_name = "S", allow_hyphen_values = true)]
+    seed: Option<String>,
+    /// Threads to measure with [default: one a core]
+    #[arg(long, value_name = "K", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: Option<u16>,
+    /// Write everything measured to FILE, and the picture next to it as SVG and PNG
+    #[arg(short, long, value_name = "FILE.h5")]
+    output: Option<PathBuf>,
+    /// Overwrite earlier files
+    #[arg(long, requires = "output")]
+    force: bool,
+    /// Print one JSON object on standard output, and nothing else there
+    #[arg(long)]
+    json: bool,
+}
+
+impl Trade {
+    pub fn call(&self) -> Result<(), Failure> {
+        let mut overrides = self.set.iter().map(|text| Override::set(text)).collect::<Result<Vec<_>, _>>()?;
+        overrides.extend(self.seed.iter().map(|seed| Override::flag("--seed", "ensemble.seed", seed)));
+        let scenario = Scenario::read(&self.scenario, &overrides)?;
+        if let Some(output) = &self.output {
+            self.refuse_to_lose(output)?;
+        }
+        let threads = self.threads.map_or_else(cores, usize::from);
+        note(&format!("measuring for about {} s on {threads} threads", self.budget.as_secs()));
+        let trade = trade::measure_within(&scenario, self.budget, threads)?;
+        let shown = self.statistic.or_else(|| trade.answerable().first().copied());
+        let asked = Asked { scenario: &scenario, path: &self.scenario, shown, budget: self.budget, threads };
+        print(&if self.json { trade_report::json(&trade, &asked) } else { trade_report::table(&trade, &asked) })?;
+        match &self.output {
+            Some(output) => self.write(output, &scenario, &trade, shown),
+            None => Ok(()),
+        }
+    }
+
+    fn refuse_to_lose(&self, output: &Path) -> Result<(), Failure> {
+        if pictures(output).iter().any(|picture| picture == output) {
+            let problem = format!("{} is the name of a picture", output.display());
+            return Err(Failure::usage(problem, "name the HDF5 file, e.g. -o trade.h5; the pictures go next to it"));
+        }
+        writable(output, self.force)?;
+        pictures(output).iter().try_for_each(|picture| writable(picture, self.force))
+    }
+
+    fn write(
+        &self,
+        output: &Path,
+        scenario: &Scenario,
+        trade: &Measured,
+        shown: Option<Statistic>,
+    ) -> Result<(), Failure> {
+        store::write_trade(output, &super::results::header(scenario), trade, self.force)?;
+        let drawn = shown.and_then(|statistic| trade::picture(trade, statistic, &scenario.title));
+        let Some(picture) = drawn else {
+            let why = shown.map_or("no statistic can be answered".to_string(), |s| trade.standing(s).to_string());
+            note(wrapped(&format!("warning: no picture: {why}"), "  ").trim_end());
+            return Ok(());
+        };
+        let [svg, png] = pictures(output);
+        for (path, bytes) in [(svg, picture.svg.as_bytes()), (png, &picture.png)] {
+            std::fs::write(&path, bytes)
+                .map_err(|e| Failure::Run(format!("{}: cannot be written: {e}", path.display())))?;
+        }
+        Ok(())
+    }
+}
+
+fn cores() -> usize {
+    std::thread::available_parallelism().map_or(1, usize::from)
+}
+
+/// The SVG and the PNG next to a file.
+fn pictures(output: &Path) -> [PathBuf; 2] {
+    ["svg", "png"].map(|extension| output.with_extension(extension))
+}
+
+fn statistic(name: &str) -> Result<Statistic, String> {
+    Statistic::ALL.into_iter().find(|s| s.name() == name).ok_or_else(|| {
+        let names: Vec<_> = Statistic::ALL.iter().map(|s| s.name()).collect();
+        format!("there is no such statistic; write one of {}", names.join(", "))
+    })
+}
+
+/// The longest budget that is not a slip of the pen: a week.
+const LONGEST: f64 = 7.0 * 86_400.0;
+
+/// 60s, 5m, 1h, or plain seconds.
+fn budget(text: &str) -> Result<Duration, String> {
+    let units = [("s", 1.0), ("m", 60.0), ("h", 3600.0)];
+    let (number, unit) =
+        units.iter().find_map(|(name, unit)| Some((text.strip_suffix(name)?, *unit))).unwrap_or((text, 1.0));
+    let seconds = number.trim().parse::<f64>().map(|n| n * unit).unwrap_or(f64::NAN);
+    if (1.0..=LONGEST).contains(&seconds) {
+        Ok(Duration::from_secs_f64(seconds))
+    } else {
+        Err("write a time from one second to a week, e.g. 60s, 5m or 1h".into())
+    }
+}
+
+impl From<TradeError> for Failure {
+    fn from(error: TradeError) -> Self {
+        match error {
+            TradeError::Scenario(error) => Failure::Scenario(error),
+            TradeError::NothingHappens => Failure::Refused(error.to_string()),
+            TradeError::BudgetTooSmall { .. } => Failure::Run(error.to_string()),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_budget_is_a_number_with_a_unit() {
+        for (text, seconds) in [("60s", 60), ("5m", 300), ("1h", 3600), ("90", 90), ("1.5m", 90)] {
+            assert_eq!(budget(text), Ok(Duration::from_secs(seconds)), "{text}");
+        }
+        for text in ["", "s", "0", "-3s", "0.5", "nan", "inf", "1e9h", "5 days", "s5"] {
+            assert!(budget(text).is_err(), "{text}");
+        }
+    }
+}

@@ -1,0 +1,132 @@
+//! How a bias falls with the step: C h^p, fitted.
+
+use super::Number;
+
+/// S(h) - S(h/2) on one realisation.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Change {
+    /// h.
+    pub h: f64,
+    /// The change and its error.
+    pub change: Number,
+}
+
+/// bias(h) = C h^p.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Law {
+    /// p, and its standard error.
+    pub order: Number,
+    /// The coarsest step the law was fitted to.
+    pub coarsest: f64,
+    /// (p, C, standard error of C) wherever p is within its error.
+    within_error: Vec<[f64; 3]>,
+    /// The same at the best p.
+    best: [f64; 3],
+}
+
+/// What a power law leaves out, relative: each observation may be off by so much besides its own error.
+const REMAINDER: f64 = 0.05;
+/// Misfit per degree of freedom beyond which coarse steps are not yet, or the law is not at all, what is seen.
+const MISFIT: f64 = 3.0;
+/// Orders that are tried: p = 0.01 i.
+const ORDERS: std::ops::RangeInclusive<i32> = 10..=300;
+/// Standard errors that a coefficient must be away from zero.
+const RESOLVED: f64 = 3.0;
+
+impl Law {
+    /// From the changes of neighbouring steps (coarse to fine) and the bias at the finest step,
+    ///
+    /// ```text
+    /// S(h) - S(h/2) = C h^p (1 - 2^-p),    S(finest) - reference = C finest^p
+    /// ```
+    ///
+    /// by least squares: C in closed form for each p, then the best p; its error is where chi-square has risen by one. The
+    /// coarsest steps are left out until the rest fits. None, if nothing fits or C is not resolved.
+    pub fn fit(changes: &[Change], finest: f64, anchor: Number) -> Option<Law> {
+        // Three observations, two parameters.
+        (0..changes.len().saturating_sub(1)).find_map(|first| Law::fit_all(&changes[first..], finest, anchor))
+    }
+
+    fn fit_all(changes: &[Change], finest: f64, anchor: Number) -> Option<Law> {
+        let at = |p: f64| {
+            let mut sums = [0.0; 3]; // of y^2, g y, g^2 over squared errors, where y = C g
+            let mut add = |y: Number, g: f64| {
+                let weight = (y.error.powi(2) + (REMAINDER * y.value).powi(2)).recip();
+                for (sum, term) in sums.iter_mut().zip([y.value * y.value, g * y.value, g * g]) {
+                    *sum += weight * term;
+                }
+            };
+            changes.iter().for_each(|c| add(c.change, c.h.powf(p) * (1.0 - 2f64.powf(-p))));
+            add(anchor, finest.powf(p));
+            let [yy, gy, gg] = sums;
+            (yy - gy * gy / gg, [p, gy / gg, gg.sqrt().recip()])
+        };
+        let fits: Vec<(f64, [f64; 3])> = ORDERS.map(|i| at(0.01 * f64::from(i))).collect();
+        let (least, best) = fits.iter().copied().min_by(|a, b| a.0.total_cmp(&b.0))?;
+        let freedom = (changes.len() + 1 - 2) as f64;
+        let is_inside = best[0] > fits[0].1[0] && best[0] < fits[fits.len() - 1].1[0];
+        let is_resolved = best[1].abs() > RESOLVED * best[2];
+        if !(least <= MISFIT * freedom && is_inside && is_resolved) {
+            return None;
+        }
+        // A fit that is worse than chance has errors larger than stated.
+        let inflation = (least / freedom).max(1.0);
+        let within_error: Vec<_> = fits
+            .iter()
+            .filter(|(chi, _)| *chi <= least + inflation)
+            .map(|(_, [p, c, e])| [*p, *c, e * inflation.sqrt()])
+            .collect();
+        let reach = within_error.iter().map(|[p, ..]| (p - best[0]).abs()).fold(0.0, f64::max);
+        let order = Number { value: best[0], error: reach };
+        Some(Law { order, coarsest: changes[0].h, within_error, best })
+    }
+
+    /// C h^p, with the errors of both.
+    pub fn bias(&self, h: f64) -> Number {
+        let at = |[p, c, _]: [f64; 3]| c * h.powf(p);
+        let value = at(self.best);
+        let of_order = self.within_error.iter().map(|fit| (at(*fit) - value).abs()).fold(0.0, f64::max);
+        let [p, _, error] = self.best;
+        Number { value, error: of_order.hypot(error * h.powf(p)) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn ladder(bias: impl Fn(f64) -> f64, error: f64) -> (Vec<Change>, f64, Number) {
+        let steps: Vec<f64> = (0..8).map(|k| 0.1 * 0.5f64.powi(k)).collect();
+        let number = |value| Number { value, error };
+        let changes = steps.iter().map(|&h| Change { h, change: number(bias(h) - bias(h / 2.0)) }).collect();
+        let finest = steps[7] / 2.0;
+        (changes, finest, number(bias(finest)))
+    }
+
+    #[test]
+    fn a_power_is_found_and_carried_on() {
+        for (c, p) in [(2.4, 0.5), (-0.17, 1.0), (0.3, 2.0)] {
+            let (changes, finest, anchor) = ladder(|h| c * h.powf(p), 1e-9);
+            let law = Law::fit(&changes, finest, anchor).expect("a law");
+            assert!((law.order.value - p).abs() < 0.011, "{law:?}");
+            let beyond = law.bias(1e-5);
+            assert!((beyond.value / (c * 1e-5f64.powf(p)) - 1.0).abs() < 0.06, "{beyond:?}");
+        }
+    }
+
+    #[test]
+    fn steps_that_are_too_coarse_for_the_law_are_left_out() {
+        // Like the corrected scheme: flat where the step is coarse, of order one below.
+        let (changes, finest, anchor) = ladder(|h| -h / (1.0 + (h / 0.01).powi(2)).sqrt(), 1e-6);
+        let law = Law::fit(&changes, finest, anchor).expect("a law");
+        assert!((law.order.value - 1.0).abs() < 0.05 && law.coarsest < 0.01, "{law:?}");
+    }
+
+    #[test]
+    fn what_is_not_resolved_or_not_a_power_has_no_law() {
+        let (changes, finest, anchor) = ladder(|h| 1e-3 * h, 1e-2);
+        assert_eq!(Law::fit(&changes, finest, anchor), None);
+        let (changes, finest, anchor) = ladder(|h| h * (1.0 / h).sin(), 1e-9);
+        assert_eq!(Law::fit(&changes, finest, anchor), None);
+    }
+}

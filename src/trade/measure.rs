@@ -1,0 +1,329 @@
+//! Running the ladder: estimates, their change from step to step on one realisation, CPU time per path.
+
+use super::{Effort, Ladder, LeftOut, Number, Setting, Trade};
+use crate::ensemble::{Plan, in_order};
+use crate::scenario::{Scenario, ScenarioError, SchemeKind};
+use crate::scheme::Scheme;
+use crate::stats::{Estimate, Record, Statistic, Totals};
+use rustix::time::{ClockId, clock_gettime};
+use std::convert::Infallible;
+use std::ops::ControlFlow;
+use std::sync::atomic::AtomicBool;
+use std::time::{Duration, Instant};
+
+/// Groups of paths, each left out in turn for the error of a change (the jackknife).
+pub(super) const GROUPS: u64 = 20;
+
+/// Paths that one thread simulates at a time.
+const PIECE: u64 = 256;
+
+/// Path numbers of different parts of the measurement are this far apart, so that the parts are independent.
+const APART: u64 = 1 << 40;
+
+/// CPU seconds on one thread, results folded into every statistic but not written to a file.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cost {
+    /// Of a run of one path.
+    pub first: f64,
+    /// Of each path of a large run.
+    pub each: f64,
+}
+
+impl Cost {
+    /// Of a run of so many paths. Where paths are simulated side by side, one costs as much as a registerful.
+    pub fn of(&self, paths: f64) -> f64 {
+        self.first.max(paths * self.each)
+    }
+}
+
+/// One setting, measured.
+#[derive(Clone, Debug)]
+pub struct Rung {
+    /// What was run.
+    pub setting: Setting,
+    /// Paths simulated for the estimates.
+    pub paths: u64,
+    /// How many of them diverged; they are in no estimate.
+    pub diverged: u64,
+    /// What a path costs.
+    pub cost: Cost,
+    /// One for each of `Statistic::ALL`.
+    pub estimates: Vec<Estimate>,
+    /// S(h) - S(h/2) on one realisation, for each of `Statistic::ALL`; empty where there is no finer step to compare with.
+    pub changes: Vec<Number>,
+}
+
+impl Rung {
+    /// A statistic with its standard error.
+    pub fn estimate(&self, statistic: Statistic) -> Number {
+        let found = self.estimates.iter().find(|e| e.statistic == statistic);
+        found.map_or(Number { value: f64::NAN, error: f64::NAN }, |e| Number {
+            value: e.estimate,
+            error: e.standard_error,
+        })
+    }
+
+    /// The variance a statistic has per path: that of a run of N paths is one N-th of it.
+    pub fn variance(&self, statistic: Statistic) -> f64 {
+        (self.paths - self.diverged) as f64 * self.estimate(statistic).error.powi(2)
+    }
+
+    /// S(h) - S(h/2), if it was measured.
+    pub fn change(&self, statistic: Statistic) -> Option<Number> {
+        let index = Statistic::ALL.iter().position(|s| *s == statistic)?;
+        self.changes.get(index).copied()
+    }
+}
+
+/// Why nothing can be said about a scene.
+#[derive(Debug, thiserror::Error)]
+pub enum TradeError {
+    /// A setting cannot be laid over the scenario.
+    #[error(transparent)]
+    Scenario(#[from] ScenarioError),
+    /// time.end = 0.
+    #[error("`time.end` is 0: nothing happens, and there is nothing to compare; give `time.end` a value above 0")]
+    NothingHappens,
+    /// Not even the reference fits into the budget.
+    #[error(
+        "an event-driven path takes about {path_seconds:.3} s of CPU, and {least} paths of it do not fit into the budget; give more time with --budget, or shorten `time.end`"
+    )]
+    BudgetTooSmall {
+        /// CPU seconds of a path.
+        path_seconds: f64,
+        /// Paths needed.
+        least: u64,
+    },
+}
+
+/// Measure a scene within about `budget` of wall-clock time.
+pub fn measure_within(scenario: &Scenario, budget: Duration, threads: usize) -> Result<Trade, TradeError> {
+    let start = Instant::now();
+    let mut ladder = Ladder::of(scenario);
+    let effort = Effort::within(scenario, &mut ladder, budget, threads)?;
+    measure(scenario, &ladder, &effort, threads, Some(budget.saturating_sub(start.elapsed())))
+}
+
+// Shares of the time after which no further paths are begun: of the reference, of everything without steps, of everything.
+const REFERENCE_ENDS: f64 = 0.35;
+const FREE_ENDS: f64 = 0.5;
+const ALL_ENDS: f64 = 0.9;
+
+/// Measure a scene with a given effort. With a time, what is not done by then is cut short, on a machine that is slower than its pilot;
+/// without one, everything but the costs is a function of scenario, ladder and effort.
+pub fn measure(
+    scenario: &Scenario,
+    ladder: &Ladder,
+    effort: &Effort,
+    threads: usize,
+    time: Option<Duration>,
+) -> Result<Trade, TradeError> {
+    if scenario.time.end == 0.0 {
+        return Err(TradeError::NothingHappens);
+    }
+    let start = Instant::now();
+    let until = |share: f64| time.map(|time| start + time.mul_f64(share));
+    let [reference_ends, free_ends] =
+        if effort.steps > 0 { [REFERENCE_ENDS, FREE_ENDS] } else { [FREE_ENDS, ALL_ENDS] };
+    let is_event_driven = |scheme: &SchemeKind| matches!(scheme, SchemeKind::EventDriven { .. });
+    let runs: Vec<(usize, SchemeKind, u64)> = (ladder.free.iter().zip(&effort.free_paths).enumerate())
+        .filter_map(|(i, (scheme, paths))| (*paths > 0).then_some((i, *scheme, *paths)))
+        .collect();
+    let tightest = runs.iter().rposition(|(_, scheme, _)| is_event_driven(scheme)).ok_or(TradeError::NothingHappens)?;
+    let run = |(i, scheme, paths): (usize, SchemeKind, u64), ends| {
+        free(scenario, scheme, paths, (i as u64 + 2) * APART, threads, ends)
+    };
+    // First, so that it is there whatever else the time allows: what the others are measured against.
+    let reference = run(runs[tightest], until(reference_ends))?;
+    let mut others = Vec::new();
+    for (i, other) in runs.iter().enumerate() {
+        others.push(if i == tightest { reference.clone() } else { run(*other, until(free_ends))? });
+    }
+    let mut rungs = coupled(scenario, ladder, effort, threads, until(ALL_ENDS))?;
+    let reference = rungs.len() + tightest;
+    rungs.append(&mut others);
+    for rung in &mut rungs {
+        rung.cost = cost(&rung.setting.of(scenario)?.plan(), effort.timing);
+    }
+    let has_limitless_phases = rungs[reference].setting.of(scenario)?.resolution().is_some();
+    let mut left_out = ladder.left_out.clone();
+    left_out.extend(rungs.iter().filter(|rung| rung.diverged > 0).map(|rung| LeftOut {
+        what: rung.setting.to_string(),
+        why: format!("{} of {} paths diverged, so it is recommended for nothing", rung.diverged, rung.paths),
+    }));
+    let is_random = scenario.model.temperature.noise.is_some();
+    Ok(Trade { rungs, reference, left_out, is_random, has_limitless_phases })
+}
+
+/// The ensemble of a setting without an output grid and without rows of single paths: what the estimates need.
+pub(super) fn bare_plan(scenario: &Scenario, setting: Setting) -> Result<Plan, ScenarioError> {
+    let mut scenario = setting.of(scenario)?;
+    scenario.time.output_step = scenario.time.end;
+    scenario.record = Record { paths: false, events: false, trajectories: 0 };
+    Ok(scenario.plan())
+}
+
+/// CPU seconds that `paths` paths take on this thread.
+pub(super) fn timed(plan: &Plan, paths: u64) -> f64 {
+    let clock = || {
+        let now = clock_gettime(ClockId::ThreadCPUTime);
+        now.tv_sec as f64 + 1e-9 * now.tv_nsec as f64
+    };
+    let start = clock();
+    std::hint::black_box(plan.piece(0, paths));
+    clock() - start
+}
+
+/// Repetitions of a timing, of which the shortest counts: what disturbs a timing makes it longer.
+const REPETITIONS: usize = 3;
+/// Paths of a timing, if they fit into `seconds` or into a registerful.
+const TIMED_PATHS: [u64; 2] = [32, 256];
+
+fn cost(plan: &Plan, seconds: f64) -> Cost {
+    let least = |paths: u64| (0..REPETITIONS).map(|_| timed(plan, paths)).fold(f64::INFINITY, f64::min);
+    let [few, many] = TIMED_PATHS;
+    // Warm from here on: tables, caches, clock.
+    let first = timed(plan, 1);
+    if first * REPETITIONS as f64 > seconds {
+        return Cost { first, each: first };
+    }
+    let first = least(1);
+    let warm = timed(plan, few);
+    let growth = (many / few) as f64 * REPETITIONS as f64;
+    let paths = if warm * growth <= seconds { many } else { few };
+    let each = if warm > seconds { warm / few as f64 } else { least(paths) / paths as f64 };
+    Cost { first, each }
+}
+
+const UNTIMED: Cost = Cost { first: f64::NAN, each: f64::NAN };
+
+/// Whether to go on; the first pieces are always done.
+fn flow(deadline: Option<Instant>) -> ControlFlow<()> {
+    if deadline.is_some_and(|deadline| Instant::now() > deadline) {
+        ControlFlow::Break(())
+    } else {
+        ControlFlow::Continue(())
+    }
+}
+
+/// A rung of a scheme without steps.
+fn free(
+    scenario: &Scenario,
+    scheme: SchemeKind,
+    paths: u64,
+    first: u64,
+    threads: usize,
+    deadline: Option<Instant>,
+) -> Result<Rung, TradeError> {
+    let setting = Setting { scheme, step: None };
+    let plan = bare_plan(scenario, setting)?;
+    let mut totals = Totals::empty(&plan.model, &plan.timeline);
+    let make = |piece: u64| plan.piece(first + piece * PIECE, PIECE.min(paths - piece * PIECE)).totals;
+    let deliver = |piece: Totals| -> Result<_, Infallible> {
+        totals.merge(&piece);
+        Ok(flow(deadline))
+    };
+    let Ok(_) = in_order(paths.div_ceil(PIECE), threads, &AtomicBool::new(false), make, deliver);
+    Ok(rung(setting, &totals, Vec::new()))
+}
+
+fn rung(setting: Setting, totals: &Totals, changes: Vec<Number>) -> Rung {
+    let summary = totals.summary();
+    let (paths, diverged) = (summary.completed_paths, summary.diverged.len() as u64);
+    Rung { setting, paths, diverged, cost: UNTIMED, estimates: summary.estimates, changes }
+}
+
+/// The rungs of the time-stepping schemes, every step fed the noise of the finest: path by path they see one realisation.
+fn coupled(
+    scenario: &Scenario,
+    ladder: &Ladder,
+    effort: &Effort,
+    threads: usize,
+    deadline: Option<Instant>,
+) -> Result<Vec<Rung>, TradeError> {
+    let steps = &ladder.steps[..effort.steps.min(ladder.steps.len())];
+    let mut plans = Vec::new();
+    for &scheme in &ladder.stepping {
+        for (k, &h) in steps.iter().enumerate() {
+            let setting = Setting { scheme, step: Some(h) };
+            plans.push((setting, on_one_realisation(bare_plan(scenario, setting)?, 1 << (steps.len() - 1 - k))));
+        }
+    }
+    let Some((_, any)) = plans.first() else { return Ok(Vec::new()) };
+    let empty = Totals::empty(&any.model, &any.timeline);
+    // groups[g][r]: the paths of group g on rung r.
+    let mut groups = vec![vec![empty.clone(); plans.len()]; GROUPS as usize];
+    let of_group = effort.coupled_paths / GROUPS;
+    let make = |piece: u64| -> Vec<Totals> {
+        let (group, slice) = (piece % GROUPS, piece / GROUPS * PIECE);
+        let first = APART + group * of_group + slice;
+        plans.iter().map(|(_, plan)| plan.piece(first, PIECE.min(of_group - slice)).totals).collect()
+    };
+    let mut turn = 0;
+    let deliver = |rungs: Vec<Totals>| -> Result<_, Infallible> {
+        for (sum, totals) in groups[turn].iter_mut().zip(&rungs) {
+            sum.merge(totals);
+        }
+        turn = (turn + 1) % GROUPS as usize;
+        Ok(flow(deadline))
+    };
+    let Ok(_) = in_order(GROUPS * of_group.div_ceil(PIECE), threads, &AtomicBool::new(false), make, deliver);
+
+    groups.retain(|group| group[0] != empty);
+    let left_out: Vec<Vec<Vec<Estimate>>> = (0..plans.len()).map(|r| leaving_one_out(&groups, r, &empty)).collect();
+    let rungs = plans.iter().enumerate().map(|(r, (setting, _))| {
+        let totals = groups.iter().fold(empty.clone(), |sum, group| merged(sum, &group[r]));
+        let is_finest = (r + 1) % steps.len() == 0;
+        let changes = if is_finest { Vec::new() } else { changes(&left_out[r], &left_out[r + 1]) };
+        rung(*setting, &totals, changes)
+    });
+    let mut rungs: Vec<Rung> = rungs.collect();
+    for r in 0..rungs.len() {
+        let (here, finer) = rungs.split_at_mut(r + 1);
+        for (i, change) in here[r].changes.iter_mut().enumerate() {
+            change.value = here[r].estimates[i].estimate - finer[0].estimates[i].estimate;
+        }
+    }
+    Ok(rungs)
+}
+
+fn on_one_realisation(plan: Plan, refinement: usize) -> Plan {
+    let scheme = match plan.scheme {
+        Scheme::DiscreteVi(scheme) => Scheme::DiscreteVi(scheme.fed_by_finer(refinement)),
+        other => other,
+    };
+    Plan { scheme, ..plan }
+}
+
+fn merged(mut sum: Totals, more: &Totals) -> Totals {
+    sum.merge(more);
+    sum
+}
+
+/// The estimates of rung `r` from all groups but one, for each group.
+fn leaving_one_out(groups: &[Vec<Totals>], r: usize, empty: &Totals) -> Vec<Vec<Estimate>> {
+    // after[g] sums the groups from g on.
+    let mut after = vec![empty.clone()];
+    for group in groups.iter().rev() {
+        after.push(merged(group[r].clone(), &after[after.len() - 1]));
+    }
+    after.reverse();
+    let mut before = empty.clone();
+    let estimates = groups.iter().zip(&after[1..]).map(|(group, after)| {
+        let others = merged(before.clone(), after);
+        before.merge(&group[r]);
+        others.summary().estimates
+    });
+    estimates.collect()
+}
+
+/// The standard errors of the differences of two rungs: se^2 = (G - 1)/G sum_g (d_g - mean d)^2 over the G groups left out in turn.
+fn changes(coarse: &[Vec<Estimate>], fine: &[Vec<Estimate>]) -> Vec<Number> {
+    let g = coarse.len() as f64;
+    let error = |i: usize| {
+        let d: Vec<f64> = coarse.iter().zip(fine).map(|(c, f)| c[i].estimate - f[i].estimate).collect();
+        let mean = d.iter().sum::<f64>() / g;
+        ((g - 1.0) / g * d.iter().map(|d| (d - mean).powi(2)).sum::<f64>()).sqrt()
+    };
+    (0..Statistic::ALL.len()).map(|i| Number { value: f64::NAN, error: error(i) }).collect()
+}

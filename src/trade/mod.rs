@@ -1,0 +1,97 @@
+//! What accuracy costs: every scheme over a ladder of settings, measured, and what follows for a target.
+//!
+//! ```text
+//! Ladder::of        which settings a scene can be run with: steps, tolerances
+//!   -> Effort       how many paths of each, from a budget of time
+//!     -> measure    Rung by rung: CPU time per path, estimates, their change from step to step on one realisation
+//!       -> Law      bias = C h^p, fitted to those changes and to the distance from the event-driven run
+//!         -> Trade::best   statistics and a target -> the cheapest setting, its number of paths, its cost; or why there is none
+//! ```
+//!
+//! The mean square error of a run of N paths is bias^2 + variance/N. More paths buy the second term, a finer setting the first, and both
+//! cost CPU time: the cheapest setting for a target eps is the one with the least N c, N = variance/(eps^2 - bias^2).
+//!
+//! Except for times, everything is a function of the scenario, the seed and the [`Effort`].
+
+mod effort;
+mod ladder;
+mod law;
+mod measure;
+mod picture;
+mod predict;
+mod setting;
+mod standing;
+
+pub use effort::Effort;
+pub use ladder::{Ladder, LeftOut};
+pub use law::{Change, Law};
+pub use measure::{Cost, Rung, TradeError, measure, measure_within};
+pub use picture::{Picture, picture};
+pub use predict::{Choice, Refusal, TARGETS};
+pub use setting::Setting;
+pub use standing::Standing;
+
+use crate::stats::Statistic;
+
+/// A number and its standard error.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Number {
+    /// The estimate.
+    pub value: f64,
+    /// Its standard error.
+    pub error: f64,
+}
+
+impl Number {
+    /// An upper bound of the absolute value, at one-sided 95 %.
+    pub fn bound(self) -> f64 {
+        self.value.abs() + ONE_SIDED * self.error
+    }
+}
+
+/// The 95 % quantile of the normal law.
+const ONE_SIDED: f64 = 1.645;
+
+/// The measured ladder of a scene.
+#[derive(Clone, Debug)]
+pub struct Trade {
+    /// Scheme by scheme, from coarse to fine.
+    pub rungs: Vec<Rung>,
+    /// The rung that every bias is measured against: the tightest event-driven one.
+    pub reference: usize,
+    /// What was not run, and why.
+    pub left_out: Vec<LeftOut>,
+    /// Whether paths differ at all.
+    pub is_random: bool,
+    /// Whether f_s and f_d (nearly) meet under noise, so that counts and durations of single phases have no limit.
+    pub has_limitless_phases: bool,
+}
+
+impl Trade {
+    /// The bias of a statistic on a rung against the reference.
+    pub fn bias(&self, rung: &Rung, statistic: Statistic) -> Number {
+        let (here, there) = (rung.estimate(statistic), self.rungs[self.reference].estimate(statistic));
+        if std::ptr::eq(rung, &self.rungs[self.reference]) {
+            return Number { value: 0.0, error: 0.0 };
+        }
+        Number { value: here.value - there.value, error: here.error.hypot(there.error) }
+    }
+
+    /// How the bias of a time-stepping scheme falls with the step, where that can be seen; none for a scheme without steps.
+    pub fn law(&self, scheme: &str, statistic: Statistic) -> Option<Law> {
+        let rungs: Vec<&Rung> = self.rungs.iter().filter(|rung| rung.setting.scheme.name() == scheme).collect();
+        let (finest, coarser) = rungs.split_last()?;
+        let changes: Option<Vec<Change>> = coarser
+            .iter()
+            .map(|rung| Some(Change { h: rung.setting.step?, change: rung.change(statistic)? }))
+            .collect();
+        Law::fit(&changes?, finest.setting.step?, self.bias(finest, statistic))
+    }
+
+    /// The schemes that were run, in the order of the rungs.
+    pub fn schemes(&self) -> Vec<&'static str> {
+        let mut names: Vec<_> = self.rungs.iter().map(|rung| rung.setting.scheme.name()).collect();
+        names.dedup();
+        names
+    }
+}

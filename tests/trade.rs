@@ -1,0 +1,299 @@
+//! What `mc trade` promises, against closed forms, against the values of another event-driven program, and against what runs then do.
+
+use assert_cmd::Command;
+use std::path::Path;
+use std::sync::LazyLock;
+use stick_slip::scenario::{Scenario, SchemeKind};
+use stick_slip::stats::{Estimate, Statistic};
+use stick_slip::trade::{Choice, Cost, Effort, Ladder, Number, Refusal, Rung, Setting, Standing, Trade, measure};
+
+fn shipped(name: &str) -> Scenario {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios").join(name).with_extension("toml");
+    Scenario::read(&path, &[]).expect("a shipped scenario")
+}
+
+const TWO_THREADS: usize = 2;
+
+/// A few seconds of the paper's noisy scene. The costs are fixed, so that no choice depends on the machine: 1.2 ns a step, 30 us an
+/// event-driven path.
+static PILOT: LazyLock<Trade> = LazyLock::new(|| {
+    let scenario = shipped("rho025");
+    let effort = Effort { steps: 7, coupled_paths: 5120, free_paths: vec![1024, 8192, 1024, 32_768], timing: 0.0 };
+    let mut trade = measure(&scenario, &Ladder::of(&scenario), &effort, TWO_THREADS, None).expect("measured");
+    for rung in &mut trade.rungs {
+        let seconds = rung.setting.step.map_or(30e-6, |h| 1.2e-9 * 60.0 / h);
+        rung.cost = Cost { first: seconds, each: seconds };
+    }
+    trade
+});
+
+/// Values of another event-driven program, 1e6 paths (relative standard errors below 3e-4).
+const STICK_DURATION_MEAN: (Statistic, f64) = (Statistic::StickDurationMean, 0.443052);
+const STICKS_PER_PATH: (Statistic, f64) = (Statistic::SticksPerPath, 16.92537);
+const STICKING_FRACTION: (Statistic, f64) = (Statistic::StickingFraction, 0.138678);
+const SUB_PHASES_MEAN: (Statistic, f64) = (Statistic::SubPhasesMean, 1.284064);
+
+/// The relative root mean square error of a statistic over `runs` runs of a choice.
+fn rmse(choice: &Choice, (statistic, truth): (Statistic, f64), runs: u64) -> f64 {
+    let mut scenario = choice.setting.of(&shipped("rho025")).expect("a setting that `mc run` takes");
+    scenario.time.output_step = scenario.time.end;
+    scenario.record.paths = false;
+    scenario.ensemble.paths = choice.paths;
+    let square = |seed: u64| {
+        scenario.ensemble.seed = 1000 + seed;
+        let summary = scenario.plan().run(TWO_THREADS);
+        let found = summary.estimates.iter().find(|e| e.statistic == statistic).expect("every statistic");
+        (found.estimate / truth - 1.0).powi(2)
+    };
+    ((0..runs).map(square).sum::<f64>() / runs as f64).sqrt()
+}
+
+/// What was promised is found. Null: the root mean square error is at most `target`, and no less than what remains of it if the bias, of
+/// which the choice knows an upper bound U only, is zero: sqrt(target^2 - U^2). From M runs it is known to 1/sqrt(2M), relative (a
+/// chi-square of M degrees of freedom), of which four are allowed, and 3 % for the pilot's own error of the variance: false-alarm
+/// rate below 1e-4. Half or twice the paths change it by 1.41, which 100 runs see with a play of 0.31.
+#[track_caller]
+fn keeps_its_promise(choice: &Choice, truth: (Statistic, f64), target: f64, runs: u64) {
+    let ratio = rmse(choice, truth, runs) / target;
+    let play = 4.0 / (2.0 * runs as f64).sqrt() + 0.03;
+    let least = (1.0 - (choice.bias / target).powi(2)).sqrt();
+    println!(
+        "{} to {target}: {} --paths {}: found/promised = {ratio:.3}, between {:.3} and {:.3}",
+        truth.0.name(),
+        choice.setting,
+        choice.paths,
+        least * (1.0 - play),
+        1.0 + play
+    );
+    assert!(ratio < 1.0 + play, "{ratio} {choice:?}");
+    assert!(ratio > least * (1.0 - play), "{ratio} {choice:?}");
+}
+
+#[test]
+fn the_recommended_run_has_the_error_it_was_recommended_for() {
+    for (truth, target, runs) in
+        [(STICK_DURATION_MEAN, 0.01, 200), (STICK_DURATION_MEAN, 0.005, 100), (STICKS_PER_PATH, 0.01, 150)]
+    {
+        let choice = PILOT.best(None, &[truth.0], target).expect("a choice");
+        assert!(matches!(choice.setting.scheme, SchemeKind::EventDriven { .. }), "{choice:?}");
+        keeps_its_promise(&choice, truth, target, runs);
+    }
+}
+
+/// Here the promise rests on the bias: of the discrete VI by the law, at a step that the pilot did not run.
+#[test]
+fn so_has_the_best_run_of_a_scheme_with_a_step() {
+    let discrete = PILOT.best(Some("discrete-vi"), &[STICK_DURATION_MEAN.0], 0.05).expect("a choice");
+    assert!(!discrete.is_measured && discrete.bias > 0.02, "{discrete:?}");
+    keeps_its_promise(&discrete, STICK_DURATION_MEAN, 0.05, 200);
+    let corrected = PILOT.best(Some("corrected-vi"), &[STICK_DURATION_MEAN.0], 0.02).expect("a choice");
+    keeps_its_promise(&corrected, STICK_DURATION_MEAN, 0.02, 200);
+}
+
+/// Several statistics at once: each is within the target, and the decisive one asked for the paths.
+#[test]
+fn a_run_for_several_statistics_suits_the_most_demanding() {
+    let all = [STICK_DURATION_MEAN.0, STICKS_PER_PATH.0, STICKING_FRACTION.0, SUB_PHASES_MEAN.0];
+    let together = PILOT.best(Some("event-driven"), &all, 0.01).expect("a choice");
+    let alone = all.map(|statistic| PILOT.best(Some("event-driven"), &[statistic], 0.01).expect("a choice"));
+    let most = alone.iter().max_by_key(|choice| choice.paths).expect("four");
+    assert!(together.paths >= most.paths && together.decisive == STICKING_FRACTION.0, "{together:?} {alone:?}");
+    keeps_its_promise(&together, STICKING_FRACTION, 0.01, 100);
+}
+
+/// Theory: order 1/2 for the discrete VI, 1 for the corrected one. The errors of the fits are below 0.05 and 0.3.
+#[test]
+fn the_ladder_sees_the_orders() {
+    let order = |scheme| PILOT.law(scheme, STICK_DURATION_MEAN.0).expect("a law").order;
+    let (plain, corrected) = (order("discrete-vi"), order("corrected-vi"));
+    println!("{plain:?} {corrected:?}");
+    assert!((plain.value - 0.5).abs() < 0.08 && plain.error < 0.08, "{plain:?}");
+    assert!(corrected.value - 2.0 * corrected.error < 2.0 && corrected.value > 0.9, "{corrected:?}");
+}
+
+/// The biases at the pilot's steps are those against the other program's value: four standard errors.
+#[test]
+fn biases_are_those_against_another_program() {
+    for (statistic, truth) in [STICK_DURATION_MEAN, STICKS_PER_PATH, STICKING_FRACTION, SUB_PHASES_MEAN] {
+        for rung in &PILOT.rungs {
+            let (bias, reference) = (PILOT.bias(rung, statistic), PILOT.rungs[PILOT.reference].estimate(statistic));
+            let expected = rung.estimate(statistic).value - truth;
+            let allowed = 4.0 * reference.error + 3e-4 * truth;
+            assert!((bias.value - expected).abs() < allowed, "{} {bias:?} {expected}", rung.setting);
+        }
+    }
+}
+
+/// Everything but the costs is the same for any number of threads.
+#[test]
+fn a_measurement_is_reproducible() {
+    let scenario = shipped("damped");
+    let effort = Effort { steps: 3, coupled_paths: 400, free_paths: vec![300, 300, 0, 300], timing: 0.0 };
+    let run = |threads| measure(&scenario, &Ladder::of(&scenario), &effort, threads, None).expect("measured");
+    let (one, three) = (run(1), run(3));
+    assert_eq!(one.rungs.len(), 9);
+    for (a, b) in one.rungs.iter().zip(&three.rungs) {
+        assert_eq!((a.setting, a.paths, &a.estimates, &a.changes), (b.setting, b.paths, &b.estimates, &b.changes));
+    }
+}
+
+/// Rungs put together by hand: value 1, variance v a path, bias C h^p, cost a/h; an exact reference of cost 1 s.
+fn synthetic(c: f64, p: f64, v: f64, a: f64) -> Trade {
+    const PATHS: u64 = 1 << 54; // so many that errors vanish
+    let estimate = |value: f64| {
+        let standard_error = (v / PATHS as f64).sqrt();
+        let statistic = Statistic::SticksPerPath;
+        Estimate { statistic, estimate: value, standard_error, low: value, high: value, bias: None }
+    };
+    let rung = |setting, seconds, value: f64, changes| {
+        let cost = Cost { first: 0.0, each: seconds };
+        Rung { setting, paths: PATHS, diverged: 0, cost, estimates: vec![estimate(value)], changes }
+    };
+    let bias = |h: f64| c * h.powf(p);
+    let steps: Vec<f64> = (0..9).map(|k| 0.1 * 0.5f64.powi(k)).collect();
+    let mut rungs: Vec<Rung> = Vec::new();
+    for (k, &h) in steps.iter().enumerate() {
+        let change = Number { value: bias(h) - bias(h / 2.0), error: 1e-9 };
+        let changes = if k + 1 < steps.len() { vec![change; Statistic::ALL.len()] } else { Vec::new() };
+        rungs.push(rung(Setting { scheme: SchemeKind::DiscreteVi, step: Some(h) }, a / h, 1.0 + bias(h), changes));
+    }
+    let scheme = SchemeKind::EventDriven { tolerance: 1e-5 };
+    rungs.push(rung(Setting { scheme, step: None }, 1.0, 1.0, Vec::new()));
+    let reference = rungs.len() - 1;
+    Trade { rungs, reference, left_out: Vec::new(), is_random: true, has_limitless_phases: false }
+}
+
+/// With bias C h^p, cost a/h and variance v a path, N a/h = a v/(h (eps^2 - C^2 h^2p)) is least where C h^p = eps/sqrt(2p + 1). The ladder's
+/// nearest steps cost at most 13 % (p = 1/2) or 19 % (p = 1) more. Beyond the ladder the law has an error, which counts as bias: 40 %.
+#[test]
+fn the_cheapest_step_is_that_of_the_closed_form() {
+    let (c, v, a) = (0.8, 300.0, 1e-6);
+    for (p, within, beyond) in [(0.5, 0.13, 0.4), (1.0, 0.19, 0.4)] {
+        let trade = synthetic(c, p, v, a);
+        let least = |eps: f64| {
+            let h = (eps / (c * (2.0 * p + 1.0).sqrt())).powf(1.0 / p);
+            a * v / (h * (eps * eps - (c * h.powf(p)).powi(2)))
+        };
+        let finest = c * (0.1f64 / 256.0).powf(p) * (2.0 * p + 1.0).sqrt();
+        for i in 0..20 {
+            let eps = finest * 1.5 * 1.1f64.powi(i);
+            let choice = trade.best(Some("discrete-vi"), &[Statistic::SticksPerPath], eps).expect("a choice");
+            let excess = choice.seconds / least(eps) - 1.0;
+            assert!(choice.is_measured && (-1e-3..within + 1e-2).contains(&excess), "{eps} {excess} {choice:?}");
+        }
+        let eps = finest / 10.0;
+        let choice = trade.best(Some("discrete-vi"), &[Statistic::SticksPerPath], eps).expect("a choice");
+        let excess = choice.seconds / least(eps) - 1.0;
+        assert!(!choice.is_measured && (0.0..beyond).contains(&excess), "{excess} {choice:?}");
+        // The reference costs 1 s a path, N = v/(eps^2 - 1e-10) = 300/(1e-4 (1 - 1e-6)).
+        let exact = trade.best(Some("event-driven"), &[Statistic::SticksPerPath], 0.01).expect("a choice");
+        assert_eq!(exact.paths, 3_000_004);
+    }
+}
+
+/// Without noise every path is the same: one is the answer, and its error is the bias. The exact first stick lasts
+/// 2.574004435 (40-digit arithmetic).
+#[test]
+fn without_noise_one_path_is_the_answer() {
+    let scenario = shipped("shaw");
+    let effort = Effort { steps: 9, coupled_paths: 20, free_paths: vec![2], timing: 1e-3 };
+    let trade = measure(&scenario, &Ladder::of(&scenario), &effort, 1, None).expect("measured");
+    let first = Statistic::FirstStickDurationMean;
+    assert!((trade.rungs[trade.reference].estimate(first).value - 2.574_004_435_173_1).abs() < 1e-12);
+    for (scheme, target) in
+        [("discrete-vi", 0.01), ("discrete-vi", 0.001), ("corrected-vi", 0.001), ("event-driven", 1e-9)]
+    {
+        let choice = trade.best(Some(scheme), &[first], target).expect("a choice");
+        assert_eq!(choice.paths, 1);
+        let run = choice.setting.of(&scenario).expect("runs").plan().run(1);
+        let found = run.estimates.iter().find(|e| e.statistic == first).expect("every statistic").estimate;
+        assert!((found / 2.574_004_435_173_1 - 1.0).abs() <= target, "{found} {choice:?}");
+    }
+    let order = trade.law("discrete-vi", Statistic::DisplacementEndMean).expect("a law").order;
+    assert!((order.value - 1.0).abs() < 0.1, "{order:?}");
+    assert_eq!(trade.standing(Statistic::DisplacementEndSd), Standing::Zero);
+}
+
+#[test]
+fn what_cannot_be_answered_says_why() {
+    let small = |name: &str, tolerances: usize| {
+        let scenario = shipped(name);
+        let effort = Effort { steps: 2, coupled_paths: 40, free_paths: vec![64; tolerances], timing: 0.0 };
+        measure(&scenario, &Ladder::of(&scenario), &effort, TWO_THREADS, None).expect("measured")
+    };
+    let equal = small("equal-friction", 3);
+    assert_eq!(equal.standing(Statistic::StickDurationMean), Standing::NoLimit);
+    assert!(matches!(equal.standing(Statistic::StickingFraction), Standing::Value(_)));
+    let refused = equal.best(None, &[Statistic::StickingFraction, Statistic::SticksPerPath], 0.5);
+    assert_eq!(refused, Err(Refusal::NoAnswer(Statistic::SticksPerPath)));
+    let never = small("never-slips", 4);
+    assert_eq!(never.standing(Statistic::StickDurationMean), Standing::Absent);
+    assert_eq!(never.standing(Statistic::SticksPerPath), Standing::Zero);
+    assert!(never.best(None, &[Statistic::StickingFraction], 1e-4).is_ok());
+    let drift = PILOT.standing(Statistic::DriftVelocity);
+    assert!(matches!(drift, Standing::Deviation(_)), "{drift:?}");
+    assert_eq!(PILOT.best(Some("quasi-static"), &[Statistic::SticksPerPath], 0.1), Err(Refusal::NotRun));
+    // What 5120 paths say of the bias at the finest step is too little for 1e-5.
+    let refused = PILOT.best(Some("event-driven"), &[Statistic::SticksPerPath], 1e-6);
+    assert!(matches!(refused, Err(Refusal::Bias { .. })), "{refused:?}");
+}
+
+fn mc(folder: &Path, arguments: &[&str]) -> std::process::Output {
+    Command::cargo_bin("mc").expect("built").current_dir(folder).args(arguments).output().expect("runs")
+}
+
+const RHO025: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenarios/rho025.toml");
+
+#[test]
+fn the_command_refuses_before_it_measures() {
+    let folder = tempfile::tempdir().expect("a folder");
+    std::fs::write(folder.path().join("old.png"), "mine").expect("written");
+    for (arguments, says) in [
+        (vec!["--budget", "soon"], "60s"),
+        (vec!["--budget", "0"], "one second"),
+        (vec!["--statistic", "stick_duration"], "stick_duration_mean"),
+        (vec!["-o", "old.h5"], "old.png exists"),
+        (vec!["-o", "picture.svg"], "picture.svg is the name of a picture"),
+        (vec!["-o", "absent/trade.h5"], "no directory absent"),
+        (vec!["--set", "time.end=0"], "`time.end` is 0"),
+        (vec!["--force"], "--output"),
+    ] {
+        let output = mc(folder.path(), &[vec!["trade", RHO025], arguments].concat());
+        let error = String::from_utf8_lossy(&output.stderr);
+        assert_eq!((output.status.code(), error.contains(says)), (Some(2), true), "{says}: {error}");
+    }
+    assert_eq!(std::fs::read_to_string(folder.path().join("old.png")).expect("kept"), "mine");
+}
+
+#[test]
+fn the_command_leaves_a_table_a_file_and_two_pictures() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let output = mc(folder.path(), &["trade", RHO025, "--budget", "3s", "--json", "-o", "trade.h5"]);
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    let json: serde_json::Value = serde_json::from_slice(&output.stdout).expect("one JSON object");
+    let winners = json["winners"].as_array().expect("a list");
+    assert_eq!(winners.len() % 4, 0);
+    let at_one_percent = winners.iter().find(|w| w["statistic"] == "stick_duration_mean" && w["target"] == 0.01);
+    assert!(at_one_percent.is_some_and(|w| w["winner"].is_string()), "{at_one_percent:?}");
+
+    let file = hdf5::File::open(folder.path().join("trade.h5")).expect("HDF5");
+    let shape = |name: &str| file.dataset(name).expect(name).shape();
+    let rungs = json["rungs"].as_array().expect("a list").len();
+    assert_eq!(shape("rung_bias"), [rungs, Statistic::ALL.len()]);
+    assert_eq!(shape("predicted_seconds"), [3, Statistic::ALL.len(), 4]);
+    let biases: Vec<f64> = file.dataset("rung_bias").and_then(|d| d.read_raw()).expect("numbers");
+    assert_eq!(Some(biases[0]), json["rungs"][0]["statistics"][0]["bias"].as_f64());
+
+    let png = std::fs::read(folder.path().join("trade.png")).expect("a PNG");
+    assert!(png.starts_with(b"\x89PNG"));
+    let svg = std::fs::read_to_string(folder.path().join("trade.svg")).expect("an SVG");
+    for part in ["discrete-vi", "corrected-vi", "event-driven", "CPU seconds", "stick_duration_mean"] {
+        assert!(svg.contains(part), "{part}");
+    }
+    let table = mc(folder.path(), &["trade", RHO025, "--budget", "2s"]);
+    let table = String::from_utf8_lossy(&table.stdout).into_owned();
+    // A command to paste is in one line, however long.
+    let is_narrow = |line: &str| line.contains("mc run") || line.chars().count() <= 120;
+    assert!(table.lines().all(is_narrow), "{table}");
+    assert!(table.contains("RMSE 0.01 %") && table.contains("mc run"), "{table}");
+}
