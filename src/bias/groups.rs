@@ -16,6 +16,15 @@ use crate::stats::{BlockObserver, Record, Statistic, Totals};
 /// The value of every statistic, in the order of `Statistic::ALL`.
 pub(super) type Values = [f64; Statistic::ALL.len()];
 
+/// What the groups come to.
+#[derive(Clone, Debug)]
+pub(super) struct Grouped {
+    /// The statistics of all paths.
+    pub all: Values,
+    /// Group by group, those of all paths but the group's.
+    pub without: Vec<Values>,
+}
+
 /// The totals of each group of paths.
 #[derive(Clone, Debug)]
 pub(super) struct Groups {
@@ -37,8 +46,8 @@ impl Groups {
         }
     }
 
-    /// The statistics of all paths; then, group by group, of all paths but those of the group.
-    pub fn values(&self) -> (Values, Vec<Values>) {
+    /// The statistics of all paths, and without each group.
+    pub fn values(&self) -> Grouped {
         let mut after = vec![self.empty.clone()];
         for group in self.groups.iter().rev() {
             let mut sum = group.clone();
@@ -53,7 +62,7 @@ impl Groups {
             before.merge(group);
             rest.values()
         });
-        (all, without.collect())
+        Grouped { all, without: without.collect() }
     }
 }
 
@@ -112,6 +121,60 @@ impl Observer for GroupObserver {
                 is_static: &snapshot.is_static[lanes],
             };
             observer.snapshot(instant, part);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bias::BiasPlan;
+    use crate::model::{Friction, Harmonic, InitialNoise, Noise, Oscillator, Temperature};
+    use std::sync::atomic::AtomicBool;
+
+    #[test]
+    fn the_jackknife_of_a_mean_is_its_textbook_error() {
+        let x = [3.0, 1.0, 4.0, 1.0, 5.0];
+        let (sum, n) = (x.iter().sum::<f64>(), x.len() as f64);
+        let without: Vec<f64> = x.iter().map(|x| (sum - x) / (n - 1.0)).collect();
+        // s^2 = (0.04 + 3.24 + 1.44 + 3.24 + 4.84)/4 = 3.2.
+        assert!((jackknife(&without) - (3.2f64 / n).sqrt()).abs() < 1e-12);
+        assert_eq!(jackknife(&[7.0]), 0.0);
+    }
+
+    /// Null: D1 of a ratio and of a mean are within Student's t of their expectation, here the mean over all seeds, in 95 % of 400
+    /// seeds. The share is then within four binomial standard deviations, 4.4 %, and 1.5 % for the skewness of so few paths, but
+    /// for a false-alarm rate of 6e-5. An error of a factor of two gives 70 % or 99.9 %.
+    #[test]
+    fn differences_of_steps_scatter_as_the_jackknife_says() {
+        let noise = Noise { intensity: 0.25, relaxation_rate: 1.0, diffusion: 1.0, initial: InitialNoise::At(0.0) };
+        let model = Model {
+            oscillator: Oscillator { mass: 1.0, stiffness: 1.0, damping: 0.0, dilatation: 6.0 },
+            friction: Friction { static_force: 1.2, dynamic_force: 1.0 },
+            temperature: Temperature {
+                harmonics: vec![Harmonic { amplitude: 1.0, angular_frequency: 0.25, phase: 0.0 }],
+                noise: Some(noise),
+            },
+            initial_displacement: 6.0,
+        };
+        let timeline = Timeline { end: 30.0, output_step: 30.0, period: None };
+        for statistic in [Statistic::StickDurationMean, Statistic::SticksPerPath] {
+            let i = Statistic::ALL.iter().position(|s| *s == statistic).expect("it is one of all");
+            let differences: Vec<(f64, f64)> = (0..400)
+                .map(|seed| {
+                    let plan = BiasPlan::new(&model, &timeline, 0.05, seed, 4000).expect("enough paths");
+                    let levels = plan.simulate(1, &AtomicBool::new(false)).expect("none diverges");
+                    let [fine, middle, _] = levels.map(|groups| groups.values());
+                    let without: Vec<f64> =
+                        middle.without.iter().zip(&fine.without).map(|(middle, fine)| middle[i] - fine[i]).collect();
+                    (middle.all[i] - fine.all[i], jackknife(&without))
+                })
+                .collect();
+            let n = differences.len() as f64;
+            let truth = differences.iter().map(|d| d.0).sum::<f64>() / n;
+            let covered = differences.iter().filter(|d| (d.0 - truth).abs() < super::super::STUDENT * d.1).count();
+            let share = covered as f64 / n;
+            assert!((share - 0.95).abs() < 0.059, "{}: {share}", statistic.name());
         }
     }
 }

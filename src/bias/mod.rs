@@ -10,26 +10,29 @@ mod groups;
 use crate::ensemble::in_order;
 use crate::model::Model;
 use crate::scheme::{DiscreteVi, Timeline};
-use crate::stats::{Bias, Statistic, Totals};
-use extrapolation::Levels;
-use groups::{GroupObserver, Groups, Values, jackknife};
+use crate::stats::{Bias, Dimension, Statistic, Totals};
+use extrapolation::{Levels, lattice_error, leading_order, weight};
+use groups::{GroupObserver, Grouped, Groups, jackknife};
 use std::convert::Infallible;
 use std::fmt;
 use std::ops::ControlFlow;
 use std::sync::atomic::AtomicBool;
 
-/// One path in so many of a run is simulated at three steps: 1 + 0.83 + 0.74 times the work of a path, since each step draws the normals of
-/// the finest. So the bias costs 13 % of a run.
-pub const SHARE: u64 = 20;
+/// One path in so many of a run is simulated at three steps, at three times the work of a path at most, since each step draws the
+/// normals of the finest: an eighth of a run at most, and a little for the sums.
+const SHARE: u64 = 24;
 
 /// Groups of paths the standard error is taken from: its own error is 18 %, which Student's t with 15 degrees of freedom allows for.
-pub const GROUPS: usize = 16;
+const GROUPS: usize = 16;
 
 /// 97.5 % quantile of Student's t with GROUPS - 1 degrees of freedom (Abramowitz and Stegun, table 26.10).
 const STUDENT: f64 = 2.131;
 
 /// The steps, in units of h.
 const LEVELS: [usize; 3] = [1, 2, 4];
+
+/// An observed order with a larger standard error is not worth printing.
+const MAX_ORDER_ERROR: f64 = 0.5;
 
 /// Fewest steps of a path; the ends of the three simulations are rounded to a multiple of 4h.
 const MIN_STEPS: f64 = 16.0;
@@ -79,12 +82,14 @@ impl fmt::Display for NoBias {
     }
 }
 
-/// What the bias of a run is a function of.
+/// What the bias of a run is a function of. The three simulations end, and look at whole forcing periods, at the same instants: the
+/// multiples of 4h nearest to those of the run, which changes the statistics by a share of 2h/t_end and their bias likewise.
 #[derive(Clone, Debug)]
 pub struct BiasPlan {
     model: Model,
     timeline: Timeline,
     levels: [DiscreteVi; LEVELS.len()],
+    h: f64,
     seed: u64,
     groups: usize,
     per_group: u64,
@@ -112,7 +117,7 @@ impl BiasPlan {
             let scheme = DiscreteVi::new(model, &timeline, k as f64 * h);
             scheme.fed_by_finer(k).observed_every((coarsest / k) as u64)
         });
-        Ok(BiasPlan { model: model.clone(), timeline, levels, seed, groups, per_group })
+        Ok(BiasPlan { model: model.clone(), timeline, levels, h, seed, groups, per_group })
     }
 
     /// Number of paths that are simulated at each step.
@@ -123,10 +128,10 @@ impl BiasPlan {
     /// The bias of every statistic that exists, on `threads` threads, the same bits for any number of them.
     pub fn estimate(&self, threads: usize, stop: &AtomicBool) -> Result<Vec<(Statistic, Bias)>, NoBias> {
         let levels = self.simulate(threads, stop)?.map(|groups| groups.values());
-        let at = |of: &dyn Fn(&(Values, Vec<Values>)) -> f64| Levels(levels.each_ref().map(of));
+        let at = |of: &dyn Fn(&Grouped) -> f64| Levels(levels.each_ref().map(of));
         let bias = |(i, &statistic): (usize, &Statistic)| {
-            let all = at(&|level| level.0[i]);
-            let without: Vec<Levels> = (0..self.groups).map(|g| at(&|level| level.1[g][i])).collect();
+            let all = at(&|level| level.all[i]);
+            let without: Vec<Levels> = (0..self.groups).map(|g| at(&|level| level.without[g][i])).collect();
             all.is_known().then(|| (statistic, self.bias(statistic, all, &without)))
         };
         Ok(Statistic::ALL.iter().enumerate().filter_map(bias).collect())
@@ -135,15 +140,22 @@ impl BiasPlan {
     /// The bias of one statistic from its values at the three steps, of all paths and without each group.
     fn bias(&self, statistic: Statistic, all: Levels, without: &[Levels]) -> Bias {
         let error = |of: &dyn Fn(Levels) -> f64| jackknife(&without.iter().map(|&y| of(y)).collect::<Vec<f64>>());
-        let order = extrapolation::observed_order(all, error(&|y| y.observed_order()));
+        let is_told = |order: &f64| order.is_finite() && error(&|y| y.observed_order()) < MAX_ORDER_ERROR;
+        let order = Some(all.observed_order()).filter(is_told);
         if !is_random(&self.model) {
             let (estimate, uncertainty) = all.without_noise();
-            return Bias { estimate, uncertainty, order };
+            // Both ends of a phase are on the grid.
+            let grid = if statistic.dimension() == Dimension::Time { self.h } else { 0.0 };
+            return Bias { estimate, uncertainty: uncertainty + grid, order };
         }
-        let p = extrapolation::leading_order(statistic, all);
-        let weight = extrapolation::weight(all.curvature(p), error(&|y| y.curvature(p)));
+        let p = leading_order(statistic, all);
+        let weight = weight(all.second_term(p), error(&|y| y.second_term(p)));
         let sampling = STUDENT * error(&|y| y.bias(p, weight));
-        Bias { estimate: all.bias(p, weight), uncertainty: sampling.hypot(all.model_error(p)), order }
+        // A median is the duration of some stick, and that is a multiple of the step.
+        let is_on_grid = statistic == Statistic::StickDurationMedian;
+        let grid = if is_on_grid { lattice_error(self.h, p, weight) } else { 0.0 };
+        // Sums, not squares: what extrapolation misses is the same for every seed.
+        Bias { estimate: all.bias(p, weight), uncertainty: sampling + all.model_error(p, weight) + grid, order }
     }
 
     fn simulate(&self, threads: usize, stop: &AtomicBool) -> Result<[Groups; LEVELS.len()], NoBias> {

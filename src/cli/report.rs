@@ -80,7 +80,7 @@ pub fn table(summary: &Summary, info: &RunInfo) -> String {
 
 /// The rows of statistics under their headings.
 fn statistics_table(summary: &Summary, units: &Units) -> String {
-    let has_bias = summary.estimates.iter().any(|e| e.bias.is_some());
+    let has_bias = summary.has_bias();
     let labels: Vec<String> = summary.estimates.iter().map(|e| unit(e.statistic.dimension(), units)).collect();
     let has_unit = labels.iter().any(|label| !label.is_empty());
     let mut headings = vec!["statistic", "estimate", "std. error", "95 % interval", ""];
@@ -177,8 +177,9 @@ fn remarks(summary: &Summary, info: &RunInfo) -> Vec<(&'static str, String)> {
             grouped(sticks.first_censored)
         ),
     )];
-    if summary.estimates.iter().any(|e| e.bias.is_some()) {
-        let what = "of the step: estimate less its value without one, +- at 95 %, and the power of the step it goes with";
+    if summary.has_bias() {
+        let what =
+            "of the step: estimate less its value without one, +- at 95 %, and the power of the step it goes with";
         remarks.push(("bias", what.into()));
     } else if let Some(reason) = &info.no_bias {
         remarks.push(("bias", format!("not estimated: {reason}")));
@@ -204,7 +205,7 @@ fn remarks(summary: &Summary, info: &RunInfo) -> Vec<(&'static str, String)> {
         if let Some(ns) = info.ns_per_path_step(summary.completed_paths) {
             let _ = write!(line, ", {} ns per path-step", significant(ns, 3));
         }
-        if let Some(seconds) = info.bias_seconds.filter(|_| info.no_bias.is_none()) {
+        if let Some(seconds) = info.bias_seconds.filter(|_| summary.has_bias()) {
             let _ = write!(line, "; the bias took {} s of it", significant(seconds, 2));
         }
         remarks.push(("time", line));
@@ -233,7 +234,9 @@ pub fn dominating_bias(summary: &Summary) -> Option<String> {
     let worst = dominated.iter().max_by(|a, b| excess(a).total_cmp(&excess(b)))?;
     let [bias, uncertainty, _] = bias_cells(worst.bias);
     Some(format!(
-        "the step moves {} of {} statistics by more than their intervals show, most of all {}, whose bias is {bias} +-          {uncertainty} and whose interval is +- {}. A smaller `--step` lowers it, more paths do not; `--scheme corrected-vi`          has an error of order h instead, and `--scheme event-driven` has no step",
+        "the step moves {} of {} statistics by more than their intervals show, most of all {}, whose bias is {bias} +- \
+         {uncertainty} and whose interval is +- {}. A smaller `--step` lowers it, more paths do not; `--scheme corrected-vi` \
+         has an error of order h instead, and `--scheme event-driven` has no step",
         dominated.len(),
         summary.estimates.len(),
         worst.statistic.name(),
@@ -482,7 +485,10 @@ mod tests {
         summary.estimates[0].bias = bias(0.0955, 0.0311);
         summary.estimates[1].bias = bias(0.5, 0.1);
         let line = dominating_bias(&summary).expect("two are dominated");
-        assert!(line.contains("2 of 16") && line.contains("stick_duration_mean") && line.contains("0.096 +- 0.031"), "{line}");
+        assert!(
+            line.contains("2 of 16") && line.contains("stick_duration_mean") && line.contains("0.096 +- 0.031"),
+            "{line}"
+        );
     }
 
     #[test]
@@ -567,7 +573,8 @@ mod tests {
 
     #[test]
     fn a_stored_run_has_no_times() {
-        let stored = RunInfo { seconds: None, bias_seconds: None, threads: None, status: Status::Interrupted, ..info() };
+        let stored =
+            RunInfo { seconds: None, bias_seconds: None, threads: None, status: Status::Interrupted, ..info() };
         assert!(table(&summary(), &stored).contains("interrupted"));
         let value: serde_json::Value = serde_json::from_str(&json(&summary(), &stored)).expect("valid JSON");
         assert!(value["seconds"].is_null() && value["ns_per_path_step"].is_null() && value["threads"].is_null());

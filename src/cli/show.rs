@@ -24,7 +24,7 @@ impl Show {
         let stored = store::read(&self.file)?;
         let info = info(&self.file, &stored);
         if let Ok(scenario) = Scenario::parse("scenario", &stored.header.scenario_text, &[]) {
-            results::warn(&scenario, stored.summary.estimates.iter().any(|e| e.bias.is_some()));
+            results::warn(&scenario, stored.summary.has_bias());
         }
         results::warn_of_bias(&stored.summary);
         if self.json {

@@ -137,6 +137,11 @@ pub struct Summary {
 }
 
 impl Summary {
+    /// Whether the bias of any statistic is known.
+    pub fn has_bias(&self) -> bool {
+        self.estimates.iter().any(|e| e.bias.is_some())
+    }
+
     /// Add what is known of the bias. A statistic that does not exist has none.
     pub fn set_biases(&mut self, biases: &[(Statistic, Bias)]) {
         for e in self.estimates.iter_mut().filter(|e| e.estimate.is_finite()) {
