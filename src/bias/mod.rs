@@ -2,7 +2,7 @@
 //!
 //! The first few paths of the run are simulated with the steps h, 2h and 4h on one realisation of the noise. What the statistics
 //! change from 4h to 2h and from 2h to h is then known far better than the statistics themselves, and says what they
-//! would still change from h to 0 ([`extrapolation`]), with an error from groups of paths ([`groups`]).
+//! would still change from h to 0 (`extrapolation`), with an error from groups of paths (`groups`).
 
 mod extrapolation;
 mod groups;
