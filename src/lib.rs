@@ -1,6 +1,7 @@
 //! Monte Carlo of an oscillator with dry friction, driven by a harmonic and noisy temperature.
 #![deny(missing_docs)]
 
+pub mod bias;
 pub mod ensemble;
 pub mod lanes;
 pub mod model;

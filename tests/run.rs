@@ -86,12 +86,39 @@ fn json_is_alone_on_standard_output_and_the_same_for_any_number_of_threads() {
     assert!(
         number("low") < number("estimate") && number("estimate") < number("high") && number("standard_error") > 0.0
     );
-    assert!(mean["bias"].is_null());
+    assert!(number("bias_uncertainty") > 0.0 && (0.0..0.25).contains(&number("bias")), "{mean}");
+    let without =
+        json(&mc(&here, &["run", RHO025, "--paths", "600", "--seed", "9", "--json", "--no-bias", "-o", "no.h5"]));
+    for key in ["bias", "bias_uncertainty", "bias_order"] {
+        assert!(without["statistics"]["stick_duration_mean"][key].is_null(), "{key}");
+    }
+    assert_eq!(without["statistics"]["stick_duration_mean"]["estimate"], mean["estimate"]);
     for threads in ["2", "3", "8"] {
         assert_eq!(run(threads)["statistics"], one["statistics"], "{threads} threads");
     }
     let shown = json(&mc(&here, &["show", "3.h5", "--json"]));
     assert_eq!(shown["statistics"], one["statistics"]);
+}
+
+#[test]
+fn a_run_tells_how_much_of_a_number_is_the_step_or_why_it_does_not() {
+    let here = folder();
+    let run = |arguments: &[&str]| mc(&here, &[&["run", RHO025, "--step", "0.02", "--force"], arguments].concat());
+    let told = run(&["--paths", "2000"]);
+    // The measured bias replaces the guess before the run.
+    let (out, err) = (text(&told.stdout), text(&told.stderr));
+    assert!(out.contains("order") && out.contains("of the step"), "{out}");
+    assert!(err.contains("warning: the step moves") && !err.contains("as a guide"), "{err}");
+    let shown = mc(&here, &["show", "rho025.h5"]);
+    assert!(text(&shown.stderr).contains("warning: the step moves"));
+    assert_eq!(text(&shown.stdout).lines().nth(3), out.lines().nth(3), "the same headings");
+    let few = run(&["--paths", "300"]);
+    assert!(text(&few.stdout).contains("not estimated: it takes 384 paths or more"), "{}", text(&few.stdout));
+    assert!(text(&few.stderr).contains("as a guide"));
+    let corrected = run(&["--paths", "400", "--scheme", "corrected-vi"]);
+    assert!(text(&corrected.stdout).contains("not estimated"), "{}", text(&corrected.stdout));
+    let without = run(&["--paths", "400", "--no-bias"]);
+    assert!(text(&without.stderr).contains("as a guide") && !text(&without.stdout).contains("bias"));
 }
 
 #[test]

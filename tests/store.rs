@@ -7,8 +7,8 @@ use std::fs;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use stick_slip::stats::{
-    Band, Bands, Estimate, EventColumns, Histogram, PathColumns, PeriodMoments, QUANTILE_LEVELS, Record, Statistic,
-    StickDurations, SubPhaseCounts, Summary, TrajectoryRows,
+    Band, Bands, Bias, Estimate, EventColumns, Histogram, PathColumns, PeriodMoments, QUANTILE_LEVELS, Record,
+    Statistic, StickDurations, SubPhaseCounts, Summary, TrajectoryRows,
 };
 use stick_slip::store::{Header, Rows, Status, StoreError, Writer, check_space, discard_partial, partial_path, read};
 
@@ -130,7 +130,11 @@ fn summary(paths: u64, header: &Header) -> Summary {
             standard_error: 0.1,
             low: value - 0.2,
             high: value + 0.2,
-            bias: (index % 2 == 0).then_some(-0.01),
+            bias: (index % 2 == 0).then_some(Bias {
+                estimate: -0.01,
+                uncertainty: 0.004,
+                order: (index % 4 == 0).then_some(0.5),
+            }),
         }
     };
     Summary {

@@ -4,7 +4,7 @@ use super::numbers::{Digits, duration, grouped, significant};
 use serde::ser::{Serialize, SerializeMap as _, Serializer};
 use std::fmt::Write as _;
 use stick_slip::scenario::Units;
-use stick_slip::stats::{Dimension, Estimate, Statistic, Summary};
+use stick_slip::stats::{Bias, Dimension, Estimate, Statistic, Summary};
 use stick_slip::store::Status;
 
 /// What is known about a run besides its summary.
@@ -28,6 +28,10 @@ pub struct RunInfo {
     pub threads: Option<usize>,
     /// Wall-clock time, if known.
     pub seconds: Option<f64>,
+    /// How much of it went into the bias of the step.
+    pub bias_seconds: Option<f64>,
+    /// Why the bias was asked for and is not known.
+    pub no_bias: Option<String>,
     /// Steps of one path, for time-stepping schemes.
     pub steps_per_path: Option<u64>,
     /// Where the results are.
@@ -39,15 +43,20 @@ pub struct RunInfo {
 }
 
 impl RunInfo {
+    /// Wall-clock time of the ensemble itself.
+    fn ensemble_seconds(&self) -> Option<f64> {
+        Some(self.seconds? - self.bias_seconds?)
+    }
+
     /// Wall-clock nanoseconds per step of one path, all threads together.
     fn ns_per_path_step(&self, completed_paths: u64) -> Option<f64> {
         let path_steps = completed_paths as f64 * self.steps_per_path? as f64;
-        (path_steps > 0.0).then_some(self.seconds? * 1e9 / path_steps)
+        (path_steps > 0.0).then_some(self.ensemble_seconds()? * 1e9 / path_steps)
     }
 
     /// Wall-clock microseconds per path, all threads together.
     fn us_per_path(&self, completed_paths: u64) -> Option<f64> {
-        (completed_paths > 0).then_some(self.seconds? * 1e6 / completed_paths as f64)
+        (completed_paths > 0).then_some(self.ensemble_seconds()? * 1e6 / completed_paths as f64)
     }
 }
 
@@ -71,12 +80,12 @@ pub fn table(summary: &Summary, info: &RunInfo) -> String {
 
 /// The rows of statistics under their headings.
 fn statistics_table(summary: &Summary, units: &Units) -> String {
-    let has_bias = summary.estimates.iter().any(|e| e.bias.is_some());
+    let has_bias = summary.has_bias();
     let labels: Vec<String> = summary.estimates.iter().map(|e| unit(e.statistic.dimension(), units)).collect();
     let has_unit = labels.iter().any(|label| !label.is_empty());
     let mut headings = vec!["statistic", "estimate", "std. error", "95 % interval", ""];
     if has_bias {
-        headings.push("bias");
+        headings.extend(["bias", "+-", "order"]);
     }
     let mut rows: Vec<Vec<String>> = vec![headings.iter().map(|heading| heading.to_string()).collect()];
     let mut notes = vec![if has_unit { "unit".to_string() } else { String::new() }];
@@ -86,7 +95,7 @@ fn statistics_table(summary: &Summary, units: &Units) -> String {
         let mut row = vec![e.statistic.name().to_string(), digits.show(e.estimate), digits.show(e.standard_error)];
         row.extend(if known { [e.low, e.high].map(|x| digits.show(x)) } else { ["none".into(), String::new()] });
         if has_bias {
-            row.push(e.bias.map_or(String::new(), |bias| digits.show(bias)));
+            row.extend(bias_cells(e.bias));
         }
         notes.push(match absence(e, summary) {
             Some(reason) => [label, format!("({reason})")].join(" ").trim_start().to_string(),
@@ -106,6 +115,15 @@ fn statistics_table(summary: &Summary, units: &Units) -> String {
         let _ = writeln!(text, "{}", line.trim_end());
     }
     text
+}
+
+/// A bias, its uncertainty and its order, to two digits of the uncertainty; `none` where it is not known.
+fn bias_cells(bias: Option<Bias>) -> [String; 3] {
+    let Some(Bias { estimate, uncertainty, order }) = bias else {
+        return ["none".into(), String::new(), String::new()];
+    };
+    let digits = Digits::of(estimate, uncertainty);
+    [digits.show(estimate), digits.show(uncertainty), order.map_or("none".into(), |order| format!("{order:.1}"))]
 }
 
 /// Why a number, or its interval, does not exist.
@@ -159,6 +177,13 @@ fn remarks(summary: &Summary, info: &RunInfo) -> Vec<(&'static str, String)> {
             grouped(sticks.first_censored)
         ),
     )];
+    if summary.has_bias() {
+        let what =
+            "of the step: estimate less its value without one, +- at 95 %, and the power of the step it goes with";
+        remarks.push(("bias", what.into()));
+    } else if let Some(reason) = &info.no_bias {
+        remarks.push(("bias", format!("not estimated: {reason}")));
+    }
     let mut paths = format!("{} of {} completed", grouped(summary.completed_paths), grouped(info.paths));
     match info.status {
         Status::Complete => {}
@@ -180,6 +205,9 @@ fn remarks(summary: &Summary, info: &RunInfo) -> Vec<(&'static str, String)> {
         if let Some(ns) = info.ns_per_path_step(summary.completed_paths) {
             let _ = write!(line, ", {} ns per path-step", significant(ns, 3));
         }
+        if let Some(seconds) = info.bias_seconds.filter(|_| summary.has_bias()) {
+            let _ = write!(line, "; the bias took {} s of it", significant(seconds, 2));
+        }
         remarks.push(("time", line));
     }
     remarks.push(("file", info.file.clone()));
@@ -195,6 +223,25 @@ pub fn diverged(summary: &Summary) -> Option<String> {
     (n > 0).then(|| {
         format!("{} {paths} diverged, in no statistic: number {}{more}", grouped(n as u64), numbers.join(", "))
     })
+}
+
+/// In how many statistics the bias of the step is beyond doubt and larger than the statistical interval shows, and what to do; none if in
+/// none.
+pub fn dominating_bias(summary: &Summary) -> Option<String> {
+    let excess = |e: &Estimate| e.bias.map_or(0.0, |bias| bias.estimate.abs() / e.reach());
+    let dominates = |e: &&Estimate| e.bias.is_some_and(|b| b.estimate.abs() > b.uncertainty) && excess(e) > 1.0;
+    let dominated: Vec<&Estimate> = summary.estimates.iter().filter(dominates).collect();
+    let worst = dominated.iter().max_by(|a, b| excess(a).total_cmp(&excess(b)))?;
+    let [bias, uncertainty, _] = bias_cells(worst.bias);
+    Some(format!(
+        "the step moves {} of {} statistics by more than their intervals show, most of all {}, whose bias is {bias} +- \
+         {uncertainty} and whose interval is +- {}. A smaller `--step` lowers it, more paths do not; `--scheme corrected-vi` \
+         has an error of order h instead, and `--scheme event-driven` has no step",
+        dominated.len(),
+        summary.estimates.len(),
+        worst.statistic.name(),
+        significant(worst.reach(), 2)
+    ))
 }
 
 /// The label of what a number is measured in; empty where it has none.
@@ -237,6 +284,8 @@ pub fn json(summary: &Summary, info: &RunInfo) -> String {
         },
         threads: info.threads,
         seconds: info.seconds,
+        bias_seconds: info.bias_seconds,
+        no_bias: info.no_bias.as_deref(),
         ns_per_path_step: info.ns_per_path_step(summary.completed_paths),
         us_per_path: info.us_per_path(summary.completed_paths),
         file: &info.file,
@@ -267,6 +316,8 @@ struct JsonReport<'a> {
     status: &'static str,
     threads: Option<usize>,
     seconds: Option<f64>,
+    bias_seconds: Option<f64>,
+    no_bias: Option<&'a str>,
     ns_per_path_step: Option<f64>,
     us_per_path: Option<f64>,
     file: &'a str,
@@ -289,6 +340,8 @@ struct JsonEstimate {
     low: f64,
     high: f64,
     bias: Option<f64>,
+    bias_uncertainty: Option<f64>,
+    bias_order: Option<f64>,
 }
 
 /// Statistics by name, in the order of the table.
@@ -298,7 +351,16 @@ impl Serialize for JsonStatistics<'_> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let mut map = serializer.serialize_map(Some(self.0.len()))?;
         for &Estimate { statistic, estimate, standard_error, low, high, bias } in self.0 {
-            map.serialize_entry(statistic.name(), &JsonEstimate { estimate, standard_error, low, high, bias })?;
+            let entry = JsonEstimate {
+                estimate,
+                standard_error,
+                low,
+                high,
+                bias: bias.map(|bias| bias.estimate),
+                bias_uncertainty: bias.map(|bias| bias.uncertainty),
+                bias_order: bias.and_then(|bias| bias.order),
+            };
+            map.serialize_entry(statistic.name(), &entry)?;
         }
         map.end()
     }
@@ -360,6 +422,8 @@ mod tests {
             paths: 10_000,
             threads: Some(2),
             seconds: Some(0.6),
+            bias_seconds: Some(0.0),
+            no_bias: None,
             steps_per_path: Some(6_000),
             file: "rho025.h5".into(),
             status: Status::Complete,
@@ -400,9 +464,31 @@ mod tests {
     #[test]
     fn known_bias_gets_a_column() {
         let mut summary = summary();
-        summary.estimates[0].bias = Some(0.0955);
+        summary.estimates[0].bias = Some(Bias { estimate: 0.0955, uncertainty: 0.0311, order: Some(0.58) });
         let table = table(&summary, &info());
-        assert!(row(&table, "statistic").contains("bias") && row(&table, "stick_duration_mean").contains("0.09550"));
+        let cells = |name| row(&table, name).split_whitespace().skip(5).map(str::to_string).collect::<Vec<_>>();
+        assert_eq!(cells("stick_duration_mean"), ["0.096", "0.031", "0.6"]);
+        assert_eq!(cells("sticks_per_path"), ["none"]);
+        assert!(table.lines().take(20).all(|line| line.chars().count() <= 120), "{table}");
+    }
+
+    #[test]
+    fn a_bias_beyond_the_interval_is_told_with_the_worst_statistic() {
+        let bias = |estimate, uncertainty| Some(Bias { estimate, uncertainty, order: None });
+        let mut summary = summary();
+        assert_eq!(dominating_bias(&summary), None);
+        // Half-widths of the intervals: 0.00052, 0.0143, 0.0314.
+        summary.estimates[0].bias = bias(0.0005, 0.0001);
+        assert_eq!(dominating_bias(&summary), None, "within the interval");
+        summary.estimates[0].bias = bias(0.0955, 0.1);
+        assert_eq!(dominating_bias(&summary), None, "in doubt");
+        summary.estimates[0].bias = bias(0.0955, 0.0311);
+        summary.estimates[1].bias = bias(0.5, 0.1);
+        let line = dominating_bias(&summary).expect("two are dominated");
+        assert!(
+            line.contains("2 of 16") && line.contains("stick_duration_mean") && line.contains("0.096 +- 0.031"),
+            "{line}"
+        );
     }
 
     #[test]
@@ -487,7 +573,8 @@ mod tests {
 
     #[test]
     fn a_stored_run_has_no_times() {
-        let stored = RunInfo { seconds: None, threads: None, status: Status::Interrupted, ..info() };
+        let stored =
+            RunInfo { seconds: None, bias_seconds: None, threads: None, status: Status::Interrupted, ..info() };
         assert!(table(&summary(), &stored).contains("interrupted"));
         let value: serde_json::Value = serde_json::from_str(&json(&summary(), &stored)).expect("valid JSON");
         assert!(value["seconds"].is_null() && value["ns_per_path_step"].is_null() && value["threads"].is_null());

@@ -2,11 +2,12 @@
 
 use super::failure::{Failure, note};
 use super::numbers::wrapped;
+use super::report;
 use std::path::Path;
 use stick_slip::ensemble::BLOCK_SIZE;
 use stick_slip::noise::GENERATOR;
-use stick_slip::scenario::Scenario;
-use stick_slip::stats::Record;
+use stick_slip::scenario::{Scenario, Warning};
+use stick_slip::stats::{Record, Summary};
 use stick_slip::store::{Header, StoreError, Writer, check_space, discard_partial};
 
 /// The header of the file that a scenario's run writes.
@@ -29,10 +30,19 @@ pub fn header(scenario: &Scenario) -> Header {
     }
 }
 
-/// Say in what way the results of a scenario are not what they seem to be, on standard error.
-pub fn warn(scenario: &Scenario) {
-    for warning in scenario.warnings() {
+/// Say in what way the results of a scenario are not what they seem to be, on standard error. Where the bias of the step is
+/// measured, the guess at it is left out.
+pub fn warn(scenario: &Scenario, measures_bias: bool) {
+    let is_measured = |warning: &Warning| measures_bias && matches!(warning, Warning::StickExitBias { .. });
+    for warning in scenario.warnings().iter().filter(|warning| !is_measured(warning)) {
         note(wrapped(&format!("warning: {warning}"), "  ").trim_end());
+    }
+}
+
+/// Say so where the bias of the step is larger than the statistical interval tells.
+pub fn warn_of_bias(summary: &Summary) {
+    if let Some(line) = report::dominating_bias(summary) {
+        note(wrapped(&format!("warning: {line}"), "  ").trim_end());
     }
 }
 

@@ -10,6 +10,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
+use stick_slip::bias::{BiasPlan, NoBias};
 use stick_slip::scenario::Scenario;
 use stick_slip::stats::{Summary, Totals};
 use stick_slip::store::{Status, StoreError};
@@ -42,6 +43,9 @@ pub struct Run {
     /// Overwrite the results of another run
     #[arg(long)]
     force: bool,
+    /// Do not estimate the bias that the step gives each statistic; saves up to 15 % of the time
+    #[arg(long)]
+    no_bias: bool,
     /// Print nothing but warnings and errors
     #[arg(short, long, conflicts_with = "verbose")]
     quiet: bool,
@@ -59,12 +63,16 @@ struct Job<'a> {
     threads: usize,
     output: &'a Path,
     force: bool,
+    /// What the bias of the step is estimated from, or why it is not; none if it is not asked for.
+    bias: Option<Result<BiasPlan, NoBias>>,
 }
 
 /// What it did.
 struct Outcome {
     summary: Summary,
     status: Status,
+    /// Seconds spent on the bias, and why there is none.
+    bias: (f64, Option<NoBias>),
 }
 
 impl Run {
@@ -76,17 +84,18 @@ impl Run {
             note(&super::check::report(&scenario));
             note(&format!("kernel: {}", scenario.plan().scheme.kernel()));
         }
-        results::warn(&scenario);
+        let bias = (!self.no_bias).then(|| scenario.bias_plan());
+        results::warn(&scenario, matches!(bias, Some(Ok(_))));
         let threads = self.threads.map_or_else(cores, usize::from);
-        let job = Job { scenario: &scenario, threads, output: &output, force: self.force };
+        let job = Job { scenario: &scenario, threads, output: &output, force: self.force, bias };
         let stop = stop_on_ctrl_c();
         let start = Instant::now();
         let mut progress = Progress::new(scenario.ensemble.paths, self.quiet);
         let outcome = execute(&job, &stop, &mut |done| progress.update(done));
         progress.finish();
-        let Outcome { summary, status } = outcome?;
+        let Outcome { summary, status, bias } = outcome?;
 
-        let info = info(&self.scenario, &job, status, start.elapsed().as_secs_f64());
+        let info = info(&self.scenario, &job, status, start.elapsed().as_secs_f64(), bias);
         if self.json {
             print(&report::json(&summary, &info))?;
         } else if !self.quiet {
@@ -95,6 +104,7 @@ impl Run {
         if let Some(line) = report::diverged(&summary).filter(|_| self.json || self.quiet) {
             note(&format!("warning: {line}"));
         }
+        results::warn_of_bias(&summary);
         match status {
             Status::Complete => Ok(()),
             Status::Interrupted | Status::Running => Err(Failure::Interrupted),
@@ -122,7 +132,13 @@ fn cores() -> usize {
     std::thread::available_parallelism().map_or(1, usize::from)
 }
 
-fn info(scenario_path: &Path, job: &Job<'_>, status: Status, seconds: f64) -> RunInfo {
+fn info(
+    scenario_path: &Path,
+    job: &Job<'_>,
+    status: Status,
+    seconds: f64,
+    (bias_seconds, no_bias): (f64, Option<NoBias>),
+) -> RunInfo {
     let Scenario { title, time, scheme, ensemble, units, .. } = job.scenario;
     RunInfo {
         scenario: scenario_path.display().to_string(),
@@ -134,6 +150,8 @@ fn info(scenario_path: &Path, job: &Job<'_>, status: Status, seconds: f64) -> Ru
         paths: ensemble.paths,
         threads: Some(job.threads),
         seconds: Some(seconds),
+        bias_seconds: Some(bias_seconds),
+        no_bias: no_bias.filter(|reason| *reason != NoBias::NoStep).map(|reason| reason.to_string()),
         steps_per_path: time.steps(),
         file: job.output.display().to_string(),
         status,
@@ -167,10 +185,25 @@ fn execute(job: &Job<'_>, stop: &AtomicBool, progress: &mut (dyn FnMut(u64) + Se
         progress(block.first_path + block.paths);
         Ok::<_, StoreError>(ControlFlow::Continue(()))
     })?;
-    let summary = totals.summary();
+    let mut summary = totals.summary();
     let status = if completed == plan.paths { Status::Complete } else { Status::Interrupted };
+    let start = Instant::now();
+    let no_bias = job.bias.as_ref().and_then(|bias| add_bias(bias, job.threads, stop, &mut summary).err());
+    let bias = (start.elapsed().as_secs_f64(), no_bias);
     writer.finish(&summary, status)?;
-    Ok(Outcome { summary, status })
+    Ok(Outcome { summary, status, bias })
+}
+
+/// Estimate the bias of the step and add it to the summary.
+fn add_bias(
+    plan: &Result<BiasPlan, NoBias>,
+    threads: usize,
+    stop: &AtomicBool,
+    summary: &mut Summary,
+) -> Result<(), NoBias> {
+    let biases = plan.as_ref().map_err(NoBias::clone)?.estimate(threads, stop)?;
+    summary.set_biases(&biases);
+    Ok(())
 }
 
 #[cfg(test)]

@@ -24,8 +24,9 @@ impl Show {
         let stored = store::read(&self.file)?;
         let info = info(&self.file, &stored);
         if let Ok(scenario) = Scenario::parse("scenario", &stored.header.scenario_text, &[]) {
-            results::warn(&scenario);
+            results::warn(&scenario, stored.summary.has_bias());
         }
+        results::warn_of_bias(&stored.summary);
         if self.json {
             return print(&report::json(&stored.summary, &info));
         }
@@ -47,6 +48,8 @@ fn info(file: &Path, stored: &Stored) -> RunInfo {
         paths: header.paths,
         threads: None,
         seconds: None,
+        bias_seconds: None,
+        no_bias: None,
         steps_per_path: scenario.ok().and_then(|scenario| scenario.time.steps()),
         file: file.display().to_string(),
         status: *status,

@@ -1,6 +1,7 @@
 //! From a question to the ensemble that answers it.
 
 use super::{Scenario, SchemeKind};
+use crate::bias::{BiasPlan, NoBias};
 use crate::ensemble::Plan;
 use crate::scheme::{DiscreteVi, EventDriven, QuasiStatic, Scheme};
 
@@ -26,6 +27,18 @@ impl Scenario {
             record: self.record,
             seed: self.ensemble.seed,
             paths: self.ensemble.paths,
+        }
+    }
+
+    /// The simulations from which the error of its step is estimated.
+    pub fn bias_plan(&self) -> Result<BiasPlan, NoBias> {
+        match self.scheme {
+            SchemeKind::DiscreteVi => {
+                let (timeline, ensemble) = (self.timeline(), self.ensemble);
+                BiasPlan::new(&self.model, &timeline, self.time.step_or_row(), ensemble.seed, ensemble.paths)
+            }
+            SchemeKind::CorrectedVi => Err(NoBias::Corrected),
+            SchemeKind::EventDriven { .. } | SchemeKind::QuasiStatic { .. } => Err(NoBias::NoStep),
         }
     }
 }

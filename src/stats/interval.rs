@@ -41,24 +41,31 @@ pub(super) fn student(freedom: u64) -> f64 {
 pub(super) struct Measured {
     estimate: f64,
     standard_error: f64,
-    low: f64,
-    high: f64,
+    interval: Interval,
+}
+
+/// Where its interval comes from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Interval {
+    /// Student's t with so many degrees of freedom. It is costly, so it is evaluated when the interval is asked for.
+    Student(u64),
+    /// Its ends.
+    Ends(f64, f64),
 }
 
 impl Measured {
     /// A number that does not exist.
     pub const NOTHING: Measured =
-        Measured { estimate: f64::NAN, standard_error: f64::NAN, low: f64::NAN, high: f64::NAN };
+        Measured { estimate: f64::NAN, standard_error: f64::NAN, interval: Interval::Student(0) };
 
     /// An estimate with the interval of Student's t.
     fn new(estimate: f64, standard_error: f64, freedom: u64) -> Self {
-        let reach = student(freedom) * standard_error;
-        Measured { estimate, standard_error, low: estimate - reach, high: estimate + reach }
+        Measured { estimate, standard_error, interval: Interval::Student(freedom) }
     }
 
     /// An estimate whose interval was found by other means.
     pub fn within(estimate: f64, standard_error: f64, low: f64, high: f64) -> Self {
-        Measured { estimate, standard_error, low, high }
+        Measured { estimate, standard_error, interval: Interval::Ends(low, high) }
     }
 
     /// g(means of `paths`) with gradient of g at the means; `contributing` paths say something about it.
@@ -115,28 +122,39 @@ impl Measured {
 
     /// The same number divided by a constant.
     pub fn divided_by(self, constant: f64) -> Self {
-        let Measured { estimate, standard_error, low, high } = self;
-        Measured {
-            estimate: estimate / constant,
-            standard_error: standard_error / constant,
-            low: low / constant,
-            high: high / constant,
-        }
+        let interval = match self.interval {
+            Interval::Ends(low, high) => Interval::Ends(low / constant, high / constant),
+            student => student,
+        };
+        Measured { estimate: self.estimate / constant, standard_error: self.standard_error / constant, interval }
     }
 
     /// The same error about another estimate.
     pub fn about(self, estimate: f64) -> Self {
-        Measured {
-            estimate,
-            low: estimate + (self.low - self.estimate),
-            high: estimate + (self.high - self.estimate),
-            ..self
-        }
+        let interval = match self.interval {
+            Interval::Ends(low, high) => {
+                Interval::Ends(estimate + (low - self.estimate), estimate + (high - self.estimate))
+            }
+            student => student,
+        };
+        Measured { estimate, interval, ..self }
+    }
+
+    /// The estimate alone.
+    pub fn estimate(self) -> f64 {
+        self.estimate
     }
 
     /// Give it its name.
     pub fn named(self, statistic: Statistic) -> Estimate {
-        let Measured { estimate, standard_error, low, high } = self;
+        let Measured { estimate, standard_error, interval } = self;
+        let (low, high) = match interval {
+            Interval::Ends(low, high) => (low, high),
+            Interval::Student(freedom) => {
+                let reach = student(freedom) * standard_error;
+                (estimate - reach, estimate + reach)
+            }
+        };
         Estimate { statistic, estimate, standard_error, low, high, bias: None }
     }
 }
@@ -168,7 +186,8 @@ mod tests {
         let measured = Measured::ratio(&paths, 0, 1, 3);
         assert!((measured.estimate - 2.0).abs() < 1e-15);
         assert!((measured.standard_error - 3f64.sqrt() / 6.0).abs() < 1e-15);
-        assert!((measured.high - 2.0 - 4.302_652_729_911_275 * 3f64.sqrt() / 6.0).abs() < 1e-9);
+        let high = measured.named(Statistic::StickDurationMean).high;
+        assert!((high - 2.0 - 4.302_652_729_911_275 * 3f64.sqrt() / 6.0).abs() < 1e-9);
     }
 
     #[test]
@@ -201,6 +220,7 @@ mod tests {
     fn one_path_gives_an_estimate_without_an_interval_and_none_gives_nothing() {
         let one = Measured::mean_of(&JointMoments::of([&[3.0]]), 0);
         assert_eq!(one.estimate, 3.0);
+        let one = one.named(Statistic::StickDurationMean);
         assert!(one.standard_error.is_nan() && one.low.is_nan() && one.high.is_nan());
         let none = Measured::mean_of(&JointMoments::<1>::default(), 0);
         assert!(none.estimate.is_nan());

@@ -29,6 +29,6 @@ pub use catalogue::{Dimension, Statistic};
 pub use observer::BlockObserver;
 pub use record::{BlockResult, EventColumns, PathColumns, Record, TrajectoryRows};
 pub use summary::{
-    Band, Bands, Estimate, Histogram, PeriodMoments, QUANTILE_LEVELS, StickDurations, SubPhaseCounts, Summary,
+    Band, Bands, Bias, Estimate, Histogram, PeriodMoments, QUANTILE_LEVELS, StickDurations, SubPhaseCounts, Summary,
 };
 pub use totals::{SUB_PHASE_CAP, Totals};

@@ -19,8 +19,26 @@ pub struct Estimate {
     pub low: f64,
     /// Upper end of the 95 % interval.
     pub high: f64,
-    /// Estimated discretisation bias, where it is known.
-    pub bias: Option<f64>,
+    /// Discretisation bias, where it is known.
+    pub bias: Option<Bias>,
+}
+
+/// By how much the step moves a statistic away from its value without one ([`crate::bias`]).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bias {
+    /// Estimate at the run's step less that without a step.
+    pub estimate: f64,
+    /// The bias is within this of its estimate, at 95 %: error of sampling and of extrapolation together.
+    pub uncertainty: f64,
+    /// The power of the step with which the statistic was seen to change, where that is told by the paths.
+    pub order: Option<f64>,
+}
+
+impl Estimate {
+    /// How far the 95 % interval reaches to either side, in the mean.
+    pub fn reach(&self) -> f64 {
+        (self.high - self.low) / 2.0
+    }
 }
 
 /// Pointwise distribution of one variable over the ensemble, on the output grid.
@@ -116,4 +134,18 @@ pub struct Summary {
     pub periods: PeriodMoments,
     /// The output grid.
     pub bands: Bands,
+}
+
+impl Summary {
+    /// Whether the bias of any statistic is known.
+    pub fn has_bias(&self) -> bool {
+        self.estimates.iter().any(|e| e.bias.is_some())
+    }
+
+    /// Add what is known of the bias. A statistic that does not exist has none.
+    pub fn set_biases(&mut self, biases: &[(Statistic, Bias)]) {
+        for e in self.estimates.iter_mut().filter(|e| e.estimate.is_finite()) {
+            e.bias = biases.iter().find(|(statistic, _)| *statistic == e.statistic).map(|(_, bias)| *bias);
+        }
+    }
 }

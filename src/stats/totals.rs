@@ -6,7 +6,7 @@ use super::interval::Measured;
 use super::moments::{FourMoments, JointMoments, Moments};
 use super::path::PathFold;
 use super::periods::PeriodTotals;
-use super::{Estimate, Statistic, SubPhaseCounts, Summary};
+use super::{Statistic, SubPhaseCounts, Summary};
 use crate::model::Model;
 use crate::scheme::Timeline;
 
@@ -70,7 +70,7 @@ impl Totals {
         Summary {
             completed_paths: self.paths + self.diverged.len() as u64,
             diverged: self.diverged.clone(),
-            estimates: Statistic::ALL.map(|statistic| self.estimate(statistic)).to_vec(),
+            estimates: Statistic::ALL.map(|statistic| self.measured(statistic).named(statistic)).to_vec(),
             stick_durations: self.durations.summary(),
             sub_phases: self.sub_phases.summary(),
             periods: self.periods.summary(),
@@ -78,10 +78,15 @@ impl Totals {
         }
     }
 
-    fn estimate(&self, statistic: Statistic) -> Estimate {
+    /// The value of every statistic, in the order of `Statistic::ALL`, without errors and intervals.
+    pub fn values(&self) -> [f64; Statistic::ALL.len()] {
+        Statistic::ALL.map(|statistic| self.measured(statistic).estimate())
+    }
+
+    fn measured(&self, statistic: Statistic) -> Measured {
         let CascadeTotals { sticks, first_sticks, slips, stick_time, work, displacement_end, contributing } =
             &self.cascade;
-        let measured = match statistic {
+        match statistic {
             Statistic::StickDurationMean => Measured::ratio(sticks, STICK_SUM, STICKS, contributing.sticks),
             Statistic::StickDurationSd => stick_duration_sd(sticks, contributing.sticks),
             Statistic::StickDurationMedian => self.durations.median(),
@@ -99,8 +104,7 @@ impl Totals {
             Statistic::JumpMean => Measured::ratio(slips, JUMP, SLIPS, contributing.slips),
             Statistic::JumpAbsMean => Measured::ratio(slips, JUMP_ABS, SLIPS, contributing.slips),
             Statistic::FrictionWorkMean => Measured::mean(work),
-        };
-        measured.named(statistic)
+        }
     }
 }
 

@@ -154,6 +154,10 @@ table! {
         "upper end of the 95 % confidence interval").with(PER_STATISTIC);
     BIAS = variable("bias", &["statistic"], Unit::None,
         "estimated discretisation bias, missing where unknown").with(PER_STATISTIC);
+    BIAS_UNCERTAINTY = variable("bias_uncertainty", &["statistic"], Unit::None,
+        "the discretisation bias is within this of its estimate, at 95 %").with(PER_STATISTIC);
+    BIAS_ORDER = variable("bias_order", &["statistic"], Unit::None,
+        "power of the step with which the statistic was seen to change, missing where unknown").with(PER_STATISTIC);
 
     TIME = variable("time", &["time"], Unit::Time, "time").with(&[("axis", "T")]);
     QUANTILE = variable("quantile", &["quantile"], Unit::One, "quantile level");

@@ -3,7 +3,7 @@
 use super::layout::{self, Unit};
 use super::variable::{Place, read_or_empty, read_scalar, text};
 use crate::stats::{
-    Band, Bands, Estimate, Histogram, PeriodMoments, QUANTILE_LEVELS, Statistic, StickDurations, SubPhaseCounts,
+    Band, Bands, Bias, Estimate, Histogram, PeriodMoments, QUANTILE_LEVELS, Statistic, StickDurations, SubPhaseCounts,
     Summary,
 };
 use hdf5::types::VarLenUnicode;
@@ -57,12 +57,14 @@ pub(super) fn read(file: &File, completed_paths: u64) -> Result<Summary> {
 type Field = fn(&Estimate) -> f64;
 
 fn write_estimates(place: &Place, estimates: &[Estimate]) -> Result<()> {
-    let fields: [(&layout::Variable, Field); 5] = [
+    let fields: [(&layout::Variable, Field); 7] = [
         (&layout::ESTIMATE, |e| e.estimate),
         (&layout::STANDARD_ERROR, |e| e.standard_error),
         (&layout::INTERVAL_LOW, |e| e.low),
         (&layout::INTERVAL_HIGH, |e| e.high),
-        (&layout::BIAS, |e| e.bias.unwrap_or(f64::NAN)),
+        (&layout::BIAS, |e| e.bias.map_or(f64::NAN, |bias| bias.estimate)),
+        (&layout::BIAS_UNCERTAINTY, |e| e.bias.map_or(f64::NAN, |bias| bias.uncertainty)),
+        (&layout::BIAS_ORDER, |e| e.bias.and_then(|bias| bias.order).unwrap_or(f64::NAN)),
     ];
     for (variable, field) in fields {
         let value = |statistic| estimates.iter().find(|e| e.statistic == statistic).map_or(f64::NAN, field);
@@ -79,16 +81,23 @@ fn read_estimates(file: &File) -> Result<Vec<Estimate>> {
     let low: Vec<f64> = read_or_empty(file, &layout::INTERVAL_LOW)?;
     let high: Vec<f64> = read_or_empty(file, &layout::INTERVAL_HIGH)?;
     let bias: Vec<f64> = read_or_empty(file, &layout::BIAS)?;
+    let uncertainty: Vec<f64> = read_or_empty(file, &layout::BIAS_UNCERTAINTY)?;
+    let order: Vec<f64> = read_or_empty(file, &layout::BIAS_ORDER)?;
     let read = |statistic: Statistic| {
         let row = names.iter().position(|name| name.as_str() == statistic.name());
         let value = |values: &[f64]| row.and_then(|row| values.get(row).copied()).unwrap_or(f64::NAN);
+        let known = |values: &[f64]| Some(value(values)).filter(|value| !value.is_nan());
         Estimate {
             statistic,
             estimate: value(&estimate),
             standard_error: value(&standard_error),
             low: value(&low),
             high: value(&high),
-            bias: Some(value(&bias)).filter(|bias| !bias.is_nan()),
+            bias: known(&bias).map(|estimate| Bias {
+                estimate,
+                uncertainty: value(&uncertainty),
+                order: known(&order),
+            }),
         }
     };
     Ok(Statistic::ALL.map(read).to_vec())

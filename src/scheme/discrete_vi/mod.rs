@@ -40,6 +40,8 @@ pub struct DiscreteVi {
     h: f64,
     clock: HarmonicClock,
     refinement: usize,
+    /// Steps between the instants at which paths can be observed.
+    observed_every: u64,
     is_corrected: bool,
     instructions: InstructionSet,
 }
@@ -54,6 +56,7 @@ impl DiscreteVi {
             h,
             clock: HarmonicClock::new(&model.temperature.harmonics, h),
             refinement: 1,
+            observed_every: 1,
             is_corrected: false,
             instructions: InstructionSet::detect(),
         }
@@ -68,6 +71,12 @@ impl DiscreteVi {
     /// that shorter step and the same seed, path by path. So the schemes with steps h, 2h, 4h are simulated on one realisation.
     pub fn fed_by_finer(self, refinement: usize) -> Self {
         DiscreteVi { refinement, ..self }
+    }
+
+    /// The same, each stop of the timeline rounded to a whole multiple of `steps` >= 1 steps. So schemes with different steps look at
+    /// their paths at the same instants.
+    pub fn observed_every(self, steps: u64) -> Self {
+        DiscreteVi { observed_every: steps, ..self }
     }
 
     /// The same on another instruction set; the results are the same bits.
@@ -101,7 +110,8 @@ impl DiscreteVi {
 
         let mut n = 0u64;
         for stop in self.timeline.stops() {
-            let target = (stop.time / self.h).round() as u64;
+            let grid = self.h * self.observed_every as f64;
+            let target = (stop.time / grid).round() as u64 * self.observed_every;
             while n < target {
                 let steps = RUN.min((target - n) as usize);
                 self.clock.fill(n, &mut harmonics[..=steps]);

@@ -1,0 +1,176 @@
+//! The estimated bias of the step, against what is known without it: event-driven values, and the exact cascade.
+
+mod common;
+
+use common::{estimate, event_driven_summary, paper};
+use std::sync::atomic::AtomicBool;
+use stick_slip::bias::{BiasPlan, NoBias};
+use stick_slip::ensemble::Plan;
+use stick_slip::model::Model;
+use stick_slip::scheme::{DiscreteVi, Scheme, Timeline};
+use stick_slip::stats::{Bias, Record, Statistic, Summary};
+
+const STATISTICS: [Statistic; 5] = [
+    Statistic::StickDurationMean,
+    Statistic::SticksPerPath,
+    Statistic::SubPhasesMean,
+    Statistic::SubPhasesMultipleShare,
+    Statistic::StickingFraction,
+];
+
+/// Without a step, rho = 0.25, forcing 1/4, t_end = 60: values of an event-driven program, 1e6 paths; P(k >= 2) of `mc run
+/// scenarios/rho025.toml --scheme event-driven --paths 400000 --seed 77`, which gives the others within two standard errors.
+const TRUTH: [(f64, f64); 5] =
+    [(0.443052, 1.3e-4), (16.92537, 5e-3), (1.284064, 1.6e-4), (0.192723, 1.4e-4), (0.138678, 4e-5)];
+
+/// The same of `discrete-vi`, with standard errors: `mc run scenarios/rho025.toml --seed 11 --step H --paths N`.
+struct AtStep {
+    h: f64,
+    values: [(f64, f64); 5],
+}
+
+#[rustfmt::skip]
+const AT_STEP: [AtStep; 6] = [
+    AtStep { h: 0.04, values: [(0.640581, 0.00028), (11.7086, 0.0053), (1.4704, 0.00041), (0.293645, 0.0002), (0.143595, 7.1e-05)] }, // 400000 paths
+    AtStep { h: 0.02, values: [(0.579362, 0.00025), (13.0938, 0.0059), (1.39346, 0.00035), (0.256654, 0.00018), (0.143538, 7e-05)] }, // 400000 paths
+    AtStep { h: 0.01, values: [(0.538747, 0.00023), (14.1098, 0.0063), (1.35062, 0.00032), (0.23335, 0.00017), (0.142772, 6.9e-05)] }, // 400000 paths
+    AtStep { h: 0.005, values: [(0.512158, 0.00021), (14.8133, 0.0067), (1.32804, 0.0003), (0.220407, 0.00016), (0.141808, 6.9e-05)] }, // 400000 paths
+    AtStep { h: 0.0025, values: [(0.493337, 0.00029), (15.3471, 0.0098), (1.3146, 0.0004), (0.212515, 0.00022), (0.140988, 9.7e-05)] }, // 200000 paths
+    AtStep { h: 0.001, values: [(0.476148, 0.00032), (15.8587, 0.012), (1.30339, 0.00045), (0.205501, 0.00025), (0.140213, 0.00011)] }, // 150000 paths
+];
+
+fn timeline(model: &Model) -> Timeline {
+    Timeline { end: 60.0, output_step: 60.0, period: model.temperature.period() }
+}
+
+fn plan(h: f64, seed: u64, paths: u64) -> BiasPlan {
+    let model = paper(0.25, 0.25);
+    BiasPlan::new(&model, &timeline(&model), h, seed, paths).expect("enough paths")
+}
+
+fn biases(plan: &BiasPlan, threads: usize) -> Vec<(Statistic, Bias)> {
+    plan.estimate(threads, &AtomicBool::new(false)).expect("none diverges")
+}
+
+fn of(biases: &[(Statistic, Bias)], statistic: Statistic) -> Bias {
+    biases.iter().find(|(s, _)| *s == statistic).expect("it has a bias").1
+}
+
+/// Which of the thirty comparisons fail: the estimate, times each factor, against the large run at the same step less the truth.
+fn misses<const N: usize>(seed: u64, paths: impl Fn(f64) -> u64, factors: [f64; N]) -> [Vec<String>; N] {
+    let mut misses = [const { Vec::new() }; N];
+    for AtStep { h, values } in &AT_STEP {
+        let biases = biases(&plan(*h, seed, paths(*h)), 2);
+        for ((statistic, at_step), truth) in STATISTICS.iter().zip(values).zip(TRUTH) {
+            let Bias { estimate, uncertainty, .. } = of(&biases, *statistic);
+            let (bias, error) = (at_step.0 - truth.0, at_step.1.hypot(truth.1));
+            let line = format!("h = {h}, {}: {estimate} +- {uncertainty}, in truth {bias}", statistic.name());
+            println!("{line}");
+            for (misses, factor) in misses.iter_mut().zip(factors) {
+                if (factor * estimate - bias).abs() > uncertainty + 2.0 * error {
+                    misses.push(line.clone());
+                }
+            }
+        }
+    }
+    misses
+}
+
+/// As `mc run` does it with 10 000 paths, 416 of them at three steps. Null: each of the thirty is within its uncertainty, a 95 % one. Of
+/// 100 other seeds, none of the thirty missed more than 7 times, and all together 29 times in 3000: over the seeds the false-alarm rate of
+/// the thirty is below 30 %, and none for this one.
+#[test]
+fn the_estimate_is_within_its_uncertainty_of_the_event_driven_truth() {
+    assert_eq!(misses(1, |_| 10_000, [1.0]), [Vec::<String>::new()]);
+}
+
+/// With up to 10 000 paths at three steps the sampling error is below a tenth of most biases, and what is tested is the
+/// extrapolation. Its uncertainty was set to hold here, so this guards it rather than proves it; an estimate of twice the size, or
+/// of half, fails in most of the thirty.
+#[test]
+fn extrapolation_holds_and_an_error_of_a_factor_of_two_is_seen() {
+    let paths = |h| if h < 0.002 { 60_000 } else { 240_000 };
+    let [exact, double, half] = misses(2, paths, [1.0, 2.0, 0.5]);
+    assert_eq!(exact, Vec::<String>::new());
+    assert!(double.len() > 20 && half.len() > 10, "{} {}", double.len(), half.len());
+}
+
+/// With 10 000 paths at the step of the paper the bias of the mean stick duration is beyond doubt for seven of nine seeds or more, in
+/// the median it is known to better than 65 % of itself (extrapolation alone: 30 %), and the order is seen: in the median from 0.45 to 0.75.
+#[test]
+fn the_uncertainty_says_something() {
+    let of_seed = |seed| of(&biases(&plan(0.01, seed, 10_000), 2), Statistic::StickDurationMean);
+    let all: Vec<Bias> = (0..9).map(of_seed).collect();
+    let median = |of: &dyn Fn(&Bias) -> f64| {
+        let mut values: Vec<f64> = all.iter().map(of).collect();
+        values.sort_by(f64::total_cmp);
+        println!("{values:?}");
+        values[4]
+    };
+    assert!(median(&|b| b.uncertainty / b.estimate) < 0.65);
+    let order = median(&|b| b.order.unwrap_or(f64::NAN));
+    assert!((0.45..0.75).contains(&order), "{order}");
+    assert!(all.iter().filter(|b| b.uncertainty < b.estimate).count() >= 7);
+}
+
+fn summary(model: &Model, h: f64) -> Summary {
+    let timeline = timeline(model);
+    let scheme = Scheme::DiscreteVi(DiscreteVi::new(model, &timeline, h));
+    let record = Record { paths: false, events: false, trajectories: 0 };
+    Plan { model: model.clone(), scheme, timeline, record, seed: 1, paths: 1 }.run(1)
+}
+
+/// Without noise: every statistic of Shaw's case against the exact cascade, and x(t_end), the smoothest, to 15 %.
+#[test]
+fn without_noise_the_bias_is_that_against_the_exact_cascade() {
+    let model = paper(0.25, 0.0);
+    let exact = event_driven_summary(&model, &timeline(&model), 1e-3, 1, 1);
+    for h in [0.04, 0.02, 0.01, 0.005, 0.0025, 0.002, 0.001] {
+        let plan = BiasPlan::new(&model, &timeline(&model), h, 1, 1).expect("one path is enough");
+        assert_eq!(plan.paths(), 1);
+        let run = summary(&model, h);
+        let biases = biases(&plan, 1);
+        assert_eq!(biases.len(), 14, "all but the two spreads over paths");
+        for (statistic, Bias { estimate: bias, uncertainty, .. }) in biases {
+            let truth = estimate(&run, statistic).0 - estimate(&exact, statistic).0;
+            let rounding = 1e-12 * truth.abs().max(1.0);
+            assert!((bias - truth).abs() <= uncertainty + rounding, "{h} {}: {bias} {truth}", statistic.name());
+            if statistic == Statistic::DisplacementEndMean && h < 0.02 {
+                assert!((bias / truth - 1.0).abs() < 0.15, "{h}: {bias} {truth}");
+            }
+        }
+    }
+}
+
+#[test]
+fn the_bits_do_not_depend_on_the_number_of_threads() {
+    let plan = plan(0.05, 3, 30_000);
+    assert_eq!(plan.paths(), 30_000 / 24 / 16 * 16);
+    let one = biases(&plan, 1);
+    assert_eq!(one.len(), Statistic::ALL.len());
+    for threads in [2, 7] {
+        assert_eq!(biases(&plan, threads), one);
+    }
+}
+
+#[test]
+fn where_there_is_no_estimate_the_reason_is_told() {
+    let (model, quiet) = (paper(0.25, 0.25), paper(0.25, 0.0));
+    let try_with = |model: &Model, h, paths| BiasPlan::new(model, &timeline(model), h, 1, paths).map(|_| ());
+    assert_eq!(try_with(&model, 0.01, 383), Err(NoBias::FewPaths { needed: 384 }));
+    assert_eq!(try_with(&model, 0.01, 384), Ok(()));
+    assert_eq!(try_with(&model, 6.0, 1000), Err(NoBias::FewSteps));
+    let mut equal = model.clone();
+    equal.friction.dynamic_force = equal.friction.static_force;
+    assert_eq!(try_with(&equal, 0.01, 1000), Err(NoBias::EqualFriction));
+    let mut equal = quiet;
+    equal.friction.dynamic_force = equal.friction.static_force;
+    assert_eq!(try_with(&equal, 0.01, 1), Ok(()));
+
+    let stopped = plan(0.01, 1, 1000).estimate(2, &AtomicBool::new(true));
+    assert_eq!(stopped, Err(NoBias::Stopped));
+    // 4h = 0.8 is far beyond what an undamped slip of this size stands.
+    let long = Timeline { end: 1000.0, output_step: 1000.0, period: None };
+    let plan = BiasPlan::new(&model, &long, 0.2, 1, 1000).expect("enough paths");
+    assert!(matches!(plan.estimate(1, &AtomicBool::new(false)), Err(NoBias::Diverged { paths: 32.. })));
+}
