@@ -20,6 +20,7 @@ Examples:
   mc run scenarios/rho025.toml --scheme event-driven -o exact.h5
   mc run scenarios/rho025.toml --step 0.001 -o fine.h5
   mc run scenarios/rho025.toml --set friction.static=1.3 -o stronger.h5
+  mc run scenarios/rho025.toml --until "stick_duration_mean < 0.5%" --max-time 10m
   mc run scenarios/shaw.toml --json | jq .statistics.stick_duration_mean
 
 A path's noise depends on the seed and the number of the path alone: the result is the same for any number of threads.

@@ -78,7 +78,8 @@ impl Totals {
         }
     }
 
-    fn estimate(&self, statistic: Statistic) -> Estimate {
+    /// One statistic with its interval.
+    pub fn estimate(&self, statistic: Statistic) -> Estimate {
         let CascadeTotals { sticks, first_sticks, slips, stick_time, work, displacement_end, contributing } =
             &self.cascade;
         let measured = match statistic {
