@@ -23,8 +23,6 @@ pub const MOST_PATHS: u64 = 1_000_000_000;
 pub struct Endings {
     pub goals: Vec<Goal>,
     pub max_time: Option<Duration>,
-    /// The most paths the run may have.
-    pub paths: u64,
 }
 
 /// What a look at the blocks so far says.
@@ -105,9 +103,61 @@ impl Endings {
                 let needed = (done as f64 * times * 1.05 / BLOCK_SIZE as f64).ceil() as u64 * BLOCK_SIZE;
                 Some(format!("{goal} is not reached after {} paths; try --paths {needed}", grouped(done)))
             }
-            Verdict::Zero => Some(format!("{goal} is not reached: the estimate may be zero; give a bound in its own unit")),
+            Verdict::Zero => {
+                Some(format!("{goal} is not reached: the estimate may be zero; give a bound in its own unit"))
+            }
             Verdict::Missing => Some(format!("{goal} is not reached: the statistic does not exist")),
         };
         self.goals.iter().filter_map(missed).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use stick_slip::ensemble::Plan;
+    use stick_slip::scenario::{Override, Scenario};
+
+    fn plan(seed: u64) -> Plan {
+        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/scenarios/rho025.toml");
+        let set = ["time.step=0.02", "time.end=20", "time.output_step=20", "record.paths=false"];
+        let overrides: Vec<Override> = set.iter().map(|text| Override::set(text).expect("well formed")).collect();
+        Plan { seed, paths: 400 * BLOCK_SIZE, ..Scenario::read(path.as_ref(), &overrides).expect("shipped").plan() }
+    }
+
+    fn until(goal: &str) -> Endings {
+        Endings { goals: vec![goal.parse().expect("a goal")], max_time: None }
+    }
+
+    /// Ending a run when its standard error looks small enough prefers runs that underestimate it. Null: the intervals of such runs still
+    /// hold the value of 10^5 other paths (its own error is a ninth of theirs) in 95 % of cases. 400 runs, which end after 4 to 12
+    /// blocks, where the preference is greatest; sd of the share 1.1 %, the bounds are 3.5 of them (false-alarm rate 5e-4). Intervals of one
+    /// standard error hold it in 68 %.
+    #[test]
+    fn intervals_of_runs_ended_by_a_goal_hold_what_they_promise() {
+        let statistic = stick_slip::stats::Statistic::StickDurationMean;
+        let totals = |plan: &Plan, blocks: u64| {
+            let mut totals = Totals::empty(&plan.model, &plan.timeline);
+            (0..blocks).for_each(|block| totals.merge(&plan.block(block).totals));
+            totals
+        };
+        let truth = totals(&plan(1_000_000), 400).estimate(statistic).estimate;
+        let endings = until("stick_duration_mean < 1.2%");
+        let (mut held, mut lengths) = (0, Vec::new());
+        for seed in 0..400 {
+            let plan = plan(seed);
+            let mut totals = Totals::empty(&plan.model, &plan.timeline);
+            let blocks = (1..=400).find(|&blocks| {
+                totals.merge(&plan.block(blocks - 1).totals);
+                matches!(endings.look(blocks, &totals, Instant::now()), Look::Done(_))
+            });
+            lengths.push(blocks.expect("the goal is near"));
+            let e = totals.estimate(statistic);
+            held += u32::from(e.low <= truth && truth <= e.high);
+        }
+        lengths.sort_unstable();
+        assert!(lengths[20] >= 4 && lengths[380] <= 12 && lengths[20] < lengths[380], "{lengths:?}");
+        let share = f64::from(held) / 400.0;
+        assert!((0.912..0.988).contains(&share), "{share}");
     }
 }

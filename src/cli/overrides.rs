@@ -35,19 +35,24 @@ pub struct Overrides {
 
 impl Overrides {
     /// Read a scenario with the flags laid over it: `--set` in order, then the flags with names of their own.
-    pub fn scenario(&self, path: &Path) -> Result<Scenario, ScenarioError> {
-        Scenario::read(path, &self.list()?)
+    pub fn scenario(&self, path: &Path) -> Result<Scenario, Failure> {
+        match self.until.iter().find(|text| is_goal(text)) {
+            None => Ok(Scenario::read(path, &self.list()?)?),
+            Some(goal) => Err(Failure::usage(format!("--until \"{goal}\" is a goal of mc run"), "leave it out here")),
+        }
+    }
+
+    /// The same for a run, which may have goals.
+    pub fn scenario_and_goals(&self, path: &Path) -> Result<(Scenario, Vec<Goal>), Failure> {
+        let goals = self.until.iter().filter(|text| is_goal(text));
+        let goals: Result<Vec<Goal>, Failure> =
+            goals.map(|text| text.parse().map_err(|error| wrong_goal(text, &error))).collect();
+        Ok((Scenario::read(path, &self.list()?)?, goals?))
     }
 
     /// Whether the number of paths is set by its flag.
     pub fn gives_paths(&self) -> bool {
         self.paths.is_some()
-    }
-
-    /// The goals among the values of `--until`.
-    pub fn goals(&self) -> Result<Vec<Goal>, Failure> {
-        let goals = self.until.iter().filter(|text| is_goal(text));
-        goals.map(|text| text.parse().map_err(|error| wrong_goal(text, &error))).collect()
     }
 
     fn list(&self) -> Result<Vec<Override>, ScenarioError> {

@@ -1,5 +1,6 @@
 //! `mc run`: simulate an ensemble, write its statistics, say what came out.
 
+use super::ending::{Endings, Look, MOST_PATHS};
 use super::failure::{Failure, note, print, writable};
 use super::overrides::Overrides;
 use super::progress::Progress;
@@ -9,7 +10,8 @@ use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::Instant;
+use std::time::{Duration, Instant};
+use stick_slip::ensemble::{BLOCK_SIZE, Plan};
 use stick_slip::scenario::Scenario;
 use stick_slip::stats::{Summary, Totals};
 use stick_slip::store::{Status, StoreError};
@@ -20,7 +22,7 @@ Examples:
   mc run scenarios/rho025.toml --scheme event-driven -o exact.h5
   mc run scenarios/rho025.toml --step 0.001 -o fine.h5
   mc run scenarios/rho025.toml --set friction.static=1.3 -o stronger.h5
-  mc run scenarios/rho025.toml --until "stick_duration_mean < 0.5%" --max-time 10m
+  mc run scenarios/rho025.toml --until 'stick_duration_mean < 0.5%' --max-time 10m
   mc run scenarios/shaw.toml --json | jq .statistics.stick_duration_mean
 
 A path's noise depends on the seed and the number of the path alone: the result is the same for any number of threads.
@@ -34,6 +36,9 @@ pub struct Run {
     scenario: PathBuf,
     #[command(flatten)]
     overrides: Overrides,
+    /// End the run after so long: 90, 90s, 15m, 2h; the file says after which block
+    #[arg(long, value_name = "TIME", value_parser = super::numbers::parse_duration)]
+    max_time: Option<Duration>,
     /// Threads [default: one a core]
     #[arg(long, value_name = "K", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
@@ -57,6 +62,9 @@ pub struct Run {
 /// What the engine is asked to do.
 struct Job<'a> {
     scenario: &'a Scenario,
+    /// The most paths to simulate.
+    paths: u64,
+    endings: Endings,
     threads: usize,
     output: &'a Path,
     force: bool,
@@ -66,11 +74,19 @@ struct Job<'a> {
 struct Outcome {
     summary: Summary,
     status: Status,
+    ended_by: Option<String>,
+    /// The goals it has missed, and what they would need.
+    missed: Vec<String>,
+    /// Why it is of no use.
+    failure: Option<String>,
 }
 
 impl Run {
     pub fn call(&self) -> Result<(), Failure> {
-        let scenario = self.overrides.scenario(&self.scenario)?;
+        let (scenario, goals) = self.overrides.scenario_and_goals(&self.scenario)?;
+        let is_open_ended = !goals.is_empty() && !self.overrides.gives_paths();
+        let paths = if is_open_ended { MOST_PATHS } else { scenario.ensemble.paths };
+        let endings = Endings { goals, max_time: self.max_time };
         let output = self.output.clone().unwrap_or_else(|| default_output(&self.scenario));
         self.refuse_to_lose(&output)?;
         if self.verbose {
@@ -79,15 +95,15 @@ impl Run {
         }
         results::warn(&scenario);
         let threads = self.threads.map_or_else(cores, usize::from);
-        let job = Job { scenario: &scenario, threads, output: &output, force: self.force };
+        let job = Job { scenario: &scenario, paths, endings, threads, output: &output, force: self.force };
         let stop = stop_on_ctrl_c();
         let start = Instant::now();
-        let mut progress = Progress::new(scenario.ensemble.paths, self.quiet);
-        let outcome = execute(&job, &stop, &mut |done| progress.update(done));
+        let mut progress = Progress::new(paths, self.quiet);
+        let outcome = execute(&job, &stop, &mut progress);
         progress.finish();
-        let Outcome { summary, status } = outcome?;
+        let Outcome { summary, status, ended_by, missed, failure } = outcome?;
 
-        let info = info(&self.scenario, &job, status, start.elapsed().as_secs_f64());
+        let info = RunInfo { ended_by, ..info(&self.scenario, &job, status, start.elapsed().as_secs_f64()) };
         if self.json {
             print(&report::json(&summary, &info))?;
         } else if !self.quiet {
@@ -96,9 +112,13 @@ impl Run {
         if let Some(line) = report::diverged(&summary).filter(|_| self.json || self.quiet) {
             note(&format!("warning: {line}"));
         }
-        match status {
-            Status::Complete => Ok(()),
-            Status::Interrupted | Status::Running => Err(Failure::Interrupted),
+        for line in missed {
+            note(&format!("warning: {line}"));
+        }
+        match (failure, status) {
+            (Some(reason), _) => Err(Failure::Run(format!("{reason}\n  what was simulated is in {}", info.file))),
+            (None, Status::Complete | Status::Ended) => Ok(()),
+            (None, Status::Interrupted | Status::Running) => Err(Failure::Interrupted),
         }
     }
 
@@ -132,12 +152,13 @@ fn info(scenario_path: &Path, job: &Job<'_>, status: Status, seconds: f64) -> Ru
         step: time.step,
         resolution: job.scenario.resolution().map(|resolution| resolution.shortest_slip),
         seed: ensemble.seed,
-        paths: ensemble.paths,
+        paths: job.paths,
         threads: Some(job.threads),
         seconds: Some(seconds),
         steps_per_path: time.steps(),
         file: job.output.display().to_string(),
         status,
+        ended_by: None,
         units: units.clone(),
     }
 }
@@ -158,20 +179,48 @@ fn stop_on_ctrl_c() -> Arc<AtomicBool> {
 
 /// Simulate, write the file, sum up. `progress` is told the paths done so far, once a block; when `stop` is raised, the
 /// blocks in flight are finished and the outcome is interrupted.
-fn execute(job: &Job<'_>, stop: &AtomicBool, progress: &mut (dyn FnMut(u64) + Send)) -> Result<Outcome, Failure> {
-    let plan = job.scenario.plan();
-    let mut writer = results::create(job.scenario, job.output, job.force)?;
+fn execute(job: &Job<'_>, stop: &AtomicBool, progress: &mut Progress) -> Result<Outcome, Failure> {
+    let plan = Plan { paths: job.paths, ..job.scenario.plan() };
+    let mut writer = results::create(job.scenario, job.paths, job.output, job.force)?;
     let mut totals = Totals::empty(&plan.model, &plan.timeline);
+    let (start, mut ending) = (Instant::now(), Look::GoOn(None));
     let completed = plan.run_into(job.threads, stop, |block| {
         totals.merge(&block.totals);
         writer.append(&block)?;
-        progress(block.first_path + block.paths);
-        Ok::<_, StoreError>(ControlFlow::Continue(()))
+        let done = block.first_path + block.paths;
+        ending = job.endings.look(done.div_ceil(BLOCK_SIZE), &totals, start);
+        progress.update(done);
+        Ok::<_, StoreError>(match ending {
+            Look::GoOn(needed) => {
+                progress.expect(needed.unwrap_or(plan.paths).min(plan.paths));
+                ControlFlow::Continue(())
+            }
+            Look::Done(_) | Look::Hopeless(_) => ControlFlow::Break(()),
+        })
     })?;
     let summary = totals.summary();
-    let status = if completed == plan.paths { Status::Complete } else { Status::Interrupted };
+    let (status, ended_by, failure) = match ending {
+        Look::Done(reason) => (Status::Ended, Some(reason), None),
+        Look::Hopeless(reason) => (Status::Ended, Some("a goal that cannot be reached".to_string()), Some(reason)),
+        Look::GoOn(_) if completed == plan.paths => (Status::Complete, None, None),
+        Look::GoOn(_) => (Status::Interrupted, None, None),
+    };
+    if let Some(reason) = &ended_by {
+        writer.ended_by(reason)?;
+    }
     writer.finish(&summary, status)?;
-    Ok(Outcome { summary, status })
+    let missed = if status == Status::Complete { job.endings.missed(&totals, completed) } else { Vec::new() };
+    let failure = failure.or_else(|| all_diverged(&summary));
+    Ok(Outcome { summary, status, ended_by, missed, failure })
+}
+
+fn all_diverged(summary: &Summary) -> Option<String> {
+    let diverged = summary.diverged.len() as u64;
+    (diverged > 0 && diverged == summary.completed_paths).then(|| {
+        "every path diverged, so there are no statistics\n  fix: a smaller step, or --scheme corrected-vi or event-driven; mc check \
+         says how long a step may be"
+            .to_string()
+    })
 }
 
 #[cfg(test)]
