@@ -4,6 +4,7 @@
 pub mod ensemble;
 pub mod lanes;
 pub mod model;
+pub mod multilevel;
 pub mod noise;
 pub mod scenario;
 pub mod scheme;

@@ -28,6 +28,7 @@ mod totals;
 
 pub use catalogue::{Dimension, Statistic};
 pub use goal::{Bound, Goal, GoalError, Verdict};
+pub use moments::Moments;
 pub use observer::BlockObserver;
 pub use record::{BlockResult, EventColumns, PathColumns, Record, TrajectoryRows};
 pub use summary::{
