@@ -5,6 +5,7 @@ pub mod bias;
 pub mod ensemble;
 pub mod lanes;
 pub mod model;
+pub mod multilevel;
 pub mod noise;
 pub mod scenario;
 pub mod scheme;

@@ -192,9 +192,12 @@ fn diverged_paths_are_announced() {
     let scenario = "[oscillator]\nmass = 1\nstiffness = 1\ndilatation = 6\n[friction]\nstatic = 0.01\ndynamic = 0.01\n[temperature]\nharmonics = []\n[initial]\ndisplacement = 5\n[time]\nend = 4000\nstep = 0.02\noutput_step = 1000\n";
     std::fs::write(here.path().join("grows.toml"), scenario).expect("written");
     let output = mc(&here, &["run", "grows.toml", "--paths", "2", "--json"]);
-    assert_eq!(json(&output)["diverged_paths"].as_u64(), Some(2));
-    assert!(text(&output.stderr).contains("diverged"), "{}", text(&output.stderr));
-    assert!(json(&output)["statistics"]["displacement_end_mean"]["estimate"].is_null());
+    let printed: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    assert_eq!(printed["diverged_paths"].as_u64(), Some(2));
+    assert!(printed["statistics"]["displacement_end_mean"]["estimate"].is_null());
+    // nothing is left of the run: it has failed, and says what to do
+    assert_eq!(output.status.code(), Some(1));
+    assert!(text(&output.stderr).contains("every path diverged") && text(&output.stderr).contains("smaller step"));
 }
 
 /// A leftover of a killed run is not silently overwritten either, and a reader of the unfinished file is told.
@@ -332,4 +335,76 @@ fn the_resolution_is_reported_where_results_depend_on_it() {
     assert_eq!(stored.header.resolution, Some(resolution));
     let ordinary = json(&mc(&here, &["run", RHO025, "--scheme", "event-driven", "--paths", "4", "--json"]));
     assert!(ordinary["resolution"].is_null());
+}
+
+/// A goal ends a run after the first block, from the fourth on, at which it is reached: after the same one for any number of threads.
+#[test]
+fn a_goal_ends_a_run_at_the_first_block_that_reaches_it() {
+    let here = folder();
+    let run =
+        |more: &[&str]| json(&mc(&here, &[&["run", RHO025, "--step", "0.02", "--json", "--force"], more].concat()));
+    let error = |run: &Value| run["statistics"]["stick_duration_mean"]["standard_error"].as_f64().expect("a number");
+    let relative =
+        |run: &Value| error(run) / run["statistics"]["stick_duration_mean"]["estimate"].as_f64().expect("a number");
+    let goal = ["--until", "stick_duration_mean < 0.5%"];
+    let ended = run(&[&goal[..], &["--threads", "1"]].concat());
+    let shared = run(&[&goal[..], &["--threads", "2"]].concat());
+    assert_eq!(ended["statistics"], shared["statistics"]);
+    let paths = ended["completed_paths"].as_u64().expect("a number");
+    assert!(paths > 4 * 256 && paths.is_multiple_of(256), "{paths}");
+    let told = format!("stick_duration_mean < 0.5%, after block {}", paths / 256);
+    assert_eq!((&ended["status"], &ended["ended_by"]), (&Value::from("ended"), &Value::from(told.as_str())));
+    assert!(relative(&ended) < 0.005);
+    assert!(text(&mc(&here, &["show", "rho025.h5"]).stdout).contains(&told));
+
+    let before = run(&["--paths", &(paths - 256).to_string()]);
+    assert!(relative(&before) >= 0.005, "{}", relative(&before));
+    let same = run(&["--paths", &paths.to_string()]);
+    assert_eq!(same["statistics"], ended["statistics"]);
+
+    // too few paths: said, with a number that is enough
+    let capped =
+        mc(&here, &[&["run", RHO025, "--step", "0.02", "--force", "--quiet", "--paths", "600"], &goal[..]].concat());
+    assert!(capped.status.success());
+    let said = text(&capped.stderr);
+    let enough = said.split("try --paths ").nth(1).and_then(|rest| rest.split_whitespace().next()).expect("a number");
+    assert!(relative(&run(&["--paths", enough])) < 0.005 * 1.1, "{said}");
+}
+
+#[test]
+fn a_goal_that_cannot_be_reached_ends_the_run_with_the_reason_and_keeps_the_file() {
+    let here = folder();
+    let never = concat!(env!("CARGO_MANIFEST_DIR"), "/scenarios/never-slips.toml");
+    let short = ["--step", "0.02", "--set", "record.paths=false", "--force"];
+    for (scenario, goal, reason) in [
+        (RHO025, "drift_velocity < 1%", "zero, as far as they tell"),
+        (never, "stick_duration_mean < 1%", "does not exist after 16 384 paths"),
+    ] {
+        let output = mc(&here, &[&["run", scenario, "-o", "kept.h5", "--until", goal], &short[..]].concat());
+        assert_eq!(output.status.code(), Some(1));
+        assert!(text(&output.stderr).contains(reason), "{}", text(&output.stderr));
+        let stored = store::read(&here.path().join("kept.h5")).expect("readable");
+        assert_eq!((stored.status, stored.completed_paths), (Status::Ended, 16_384));
+    }
+    for (goal, remedy) in [("stick < 1%", "one of stick_duration_mean"), ("jump_mean < -1%", "such as --until")] {
+        let output = mc(&here, &["run", RHO025, "--until", goal]);
+        assert_eq!(output.status.code(), Some(2));
+        assert!(text(&output.stderr).contains(goal) && text(&output.stderr).contains(remedy));
+    }
+    let output = mc(&here, &["check", RHO025, "--until", "jump_mean < 1%"]);
+    assert_eq!(output.status.code(), Some(2));
+}
+
+#[test]
+fn a_time_limit_ends_a_run_at_a_block_and_that_many_paths_are_the_same_run() {
+    let here = folder();
+    let common = ["run", RHO025, "--json", "--force", "--set", "record.paths=false"];
+    let limited = json(&mc(&here, &[&common[..], &["--paths", "100000000", "--max-time", "0.3s"]].concat()));
+    assert_eq!(limited["status"], "ended");
+    assert!(limited["ended_by"].as_str().expect("said").starts_with("time limit, after block "));
+    let paths = limited["completed_paths"].to_string();
+    let again = json(&mc(&here, &[&common[..], &["--paths", &paths]].concat()));
+    assert_eq!((&again["statistics"], &again["status"]), (&limited["statistics"], &Value::from("complete")));
+    let output = mc(&here, &["run", RHO025, "--max-time", "soon"]);
+    assert_eq!(output.status.code(), Some(2));
 }

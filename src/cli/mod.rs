@@ -2,6 +2,7 @@
 
 mod check;
 mod completions;
+mod ending;
 mod failure;
 mod init;
 mod numbers;

@@ -1,5 +1,7 @@
 //! Numbers and sentences as people read them.
 
+use std::time::Duration;
+
 /// `digits` significant digits, in plain notation where that is readable; trailing zeros dropped.
 pub fn significant(x: f64, digits: usize) -> String {
     if !x.is_finite() {
@@ -45,6 +47,20 @@ pub fn duration(seconds: f64) -> String {
         s if s < 7200.0 => format!("{:.0} min {:.0} s", (s / 60.0).floor(), (s % 60.0).floor()),
         s => format!("{:.0} h {:.0} min", (s / 3600.0).floor(), (s % 3600.0 / 60.0).floor()),
     }
+}
+
+/// A time as it is typed: 90, 90s, 15m, 2h, 1d.
+pub fn parse_duration(text: &str) -> Result<Duration, String> {
+    let (number, unit) = match text.trim().char_indices().next_back() {
+        Some((at, 's')) => (&text.trim()[..at], 1.0),
+        Some((at, 'm')) => (&text.trim()[..at], 60.0),
+        Some((at, 'h')) => (&text.trim()[..at], 3600.0),
+        Some((at, 'd')) => (&text.trim()[..at], 86_400.0),
+        _ => (text.trim(), 1.0),
+    };
+    let seconds = number.trim().parse::<f64>().ok().map(|number| number * unit).filter(|s| *s > 0.0);
+    let duration = seconds.and_then(|seconds| Duration::try_from_secs_f64(seconds).ok());
+    duration.ok_or_else(|| "not a time above zero, such as 90, 90s, 15m or 2h".to_string())
 }
 
 /// Most characters in a line of prose.

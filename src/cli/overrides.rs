@@ -1,7 +1,9 @@
 //! The flags that change a scenario; each is a key of it by another name.
 
+use super::failure::Failure;
 use std::path::Path;
 use stick_slip::scenario::{Override, Scenario, ScenarioError};
+use stick_slip::stats::{Goal, GoalError, Statistic};
 
 /// Flags shared by every verb that reads a scenario.
 #[derive(Debug, Default, clap::Args)]
@@ -22,9 +24,10 @@ pub struct Overrides {
     /// Time step h; discrete-vi and corrected-vi schemes [time.step]
     #[arg(long, value_name = "H", allow_hyphen_values = true)]
     step: Option<String>,
-    /// End of the simulation [time.end]
-    #[arg(long, value_name = "T", allow_hyphen_values = true)]
-    until: Option<String>,
+    /// End of the simulation [time.end]; or, for mc run, a goal "NAME < 0.5%" (or "NAME < 0.01", in its unit): simulate until the
+    /// standard error of this statistic is so small; repeatable
+    #[arg(long, value_name = "T|GOAL", allow_hyphen_values = true)]
+    until: Vec<String>,
     /// Any key of the scenario, e.g. friction.static=1.3 or temperature.harmonics.0.amplitude=2; repeatable
     #[arg(long, value_name = "KEY=VALUE", allow_hyphen_values = true)]
     set: Vec<String>,
@@ -32,8 +35,24 @@ pub struct Overrides {
 
 impl Overrides {
     /// Read a scenario with the flags laid over it: `--set` in order, then the flags with names of their own.
-    pub fn scenario(&self, path: &Path) -> Result<Scenario, ScenarioError> {
-        Scenario::read(path, &self.list()?)
+    pub fn scenario(&self, path: &Path) -> Result<Scenario, Failure> {
+        match self.until.iter().find(|text| is_goal(text)) {
+            None => Ok(Scenario::read(path, &self.list()?)?),
+            Some(goal) => Err(Failure::usage(format!("--until \"{goal}\" is a goal of mc run"), "leave it out here")),
+        }
+    }
+
+    /// The same for a run, which may have goals.
+    pub fn scenario_and_goals(&self, path: &Path) -> Result<(Scenario, Vec<Goal>), Failure> {
+        let goals = self.until.iter().filter(|text| is_goal(text));
+        let goals: Result<Vec<Goal>, Failure> =
+            goals.map(|text| text.parse().map_err(|error| wrong_goal(text, &error))).collect();
+        Ok((Scenario::read(path, &self.list()?)?, goals?))
+    }
+
+    /// Whether the number of paths is set by its flag.
+    pub fn gives_paths(&self) -> bool {
+        self.paths.is_some()
     }
 
     fn list(&self) -> Result<Vec<Override>, ScenarioError> {
@@ -44,11 +63,28 @@ impl Overrides {
             ("--scheme", "scheme.kind", &self.scheme),
             ("--tolerance", "scheme.tolerance", &self.tolerance),
             ("--step", "time.step", &self.step),
-            ("--until", "time.end", &self.until),
         ];
         for (flag, key, value) in named {
             list.extend(value.iter().map(|value| Override::flag(flag, key, value)));
         }
+        let ends = self.until.iter().filter(|text| !is_goal(text));
+        list.extend(ends.map(|value| Override::flag("--until", "time.end", value)));
         Ok(list)
     }
+}
+
+/// A goal compares; a time does not.
+fn is_goal(until: &str) -> bool {
+    until.contains('<')
+}
+
+fn wrong_goal(text: &str, error: &GoalError) -> Failure {
+    let remedy = match error {
+        GoalError::UnknownStatistic(_) => {
+            let names: Vec<&str> = Statistic::ALL.into_iter().map(Statistic::name).collect();
+            format!("one of {}", names.join(", "))
+        }
+        GoalError::NoComparison | GoalError::NoBound(_) => "such as --until \"stick_duration_mean < 0.5%\"".to_string(),
+    };
+    Failure::usage(format!("--until \"{text}\": {error}"), remedy)
 }

@@ -44,6 +44,15 @@ impl Progress {
         }
     }
 
+    /// The run is expected to need so many paths in all.
+    pub fn expect(&mut self, paths: u64) {
+        match self {
+            Progress::Bar(bar) => bar.set_length(paths),
+            Progress::Lines(lines, _) => lines.paths = paths,
+            Progress::Silent => {}
+        }
+    }
+
     /// The run is over: the bar goes, the lines stay.
     pub fn finish(&self) {
         if let Progress::Bar(bar) = self {

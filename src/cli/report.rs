@@ -38,6 +38,8 @@ pub struct RunInfo {
     pub file: String,
     /// Whether every path was simulated.
     pub status: Status,
+    /// What ended the run before its last path, if it was asked to end.
+    pub ended_by: Option<String>,
     /// Labels of the units.
     pub units: Units,
 }
@@ -187,6 +189,10 @@ fn remarks(summary: &Summary, info: &RunInfo) -> Vec<(&'static str, String)> {
     let mut paths = format!("{} of {} completed", grouped(summary.completed_paths), grouped(info.paths));
     match info.status {
         Status::Complete => {}
+        Status::Ended => {
+            let reason = info.ended_by.as_deref().unwrap_or("request");
+            paths = format!("{} completed; ended by {reason}", grouped(summary.completed_paths));
+        }
         Status::Interrupted => paths.push_str(": the run was interrupted"),
         Status::Running => paths.push_str(": the run is not finished"),
     }
@@ -277,11 +283,8 @@ pub fn json(summary: &Summary, info: &RunInfo) -> String {
         completed_paths: summary.completed_paths,
         diverged_paths: summary.diverged.len(),
         diverged: &summary.diverged,
-        status: match info.status {
-            Status::Complete => "complete",
-            Status::Interrupted => "interrupted",
-            Status::Running => "running",
-        },
+        status: info.status.name(),
+        ended_by: info.ended_by.as_deref(),
         threads: info.threads,
         seconds: info.seconds,
         bias_seconds: info.bias_seconds,
@@ -314,6 +317,7 @@ struct JsonReport<'a> {
     diverged_paths: usize,
     diverged: &'a [u64],
     status: &'static str,
+    ended_by: Option<&'a str>,
     threads: Option<usize>,
     seconds: Option<f64>,
     bias_seconds: Option<f64>,
@@ -427,6 +431,7 @@ mod tests {
             steps_per_path: Some(6_000),
             file: "rho025.h5".into(),
             status: Status::Complete,
+            ended_by: None,
             units: Units::default(),
         }
     }

@@ -46,10 +46,11 @@ pub fn warn_of_bias(summary: &Summary) {
     }
 }
 
-/// Start the file, if its disk has room for it. With `force`, what an unfinished run to the same name left goes.
-pub fn create(scenario: &Scenario, output: &Path, force: bool) -> Result<Writer, Failure> {
+/// Start the file of a run of so many paths at most, if its disk has room for those the scenario asks for. With `force`, what an
+/// unfinished run to the same name left goes.
+pub fn create(scenario: &Scenario, paths: u64, output: &Path, force: bool) -> Result<Writer, Failure> {
     check_space(output.parent().unwrap_or(Path::new(".")), scenario.derived().output_bytes as u64)?;
-    start(&header(scenario), &scenario.record, output, force)
+    start(&Header { paths, ..header(scenario) }, &scenario.record, output, force)
 }
 
 /// The same for a file known to be small, with a header of its own.

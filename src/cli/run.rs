@@ -1,5 +1,6 @@
 //! `mc run`: simulate an ensemble, write its statistics, say what came out.
 
+use super::ending::{Endings, Look, MOST_PATHS};
 use super::failure::{Failure, note, print, writable};
 use super::overrides::Overrides;
 use super::progress::Progress;
@@ -9,8 +10,9 @@ use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 use stick_slip::bias::{BiasPlan, NoBias};
+use stick_slip::ensemble::{BLOCK_SIZE, Plan};
 use stick_slip::scenario::Scenario;
 use stick_slip::stats::{Summary, Totals};
 use stick_slip::store::{Status, StoreError};
@@ -21,6 +23,7 @@ Examples:
   mc run scenarios/rho025.toml --scheme event-driven -o exact.h5
   mc run scenarios/rho025.toml --step 0.001 -o fine.h5
   mc run scenarios/rho025.toml --set friction.static=1.3 -o stronger.h5
+  mc run scenarios/rho025.toml --until 'stick_duration_mean < 0.5%' --max-time 10m
   mc run scenarios/shaw.toml --json | jq .statistics.stick_duration_mean
 
 A path's noise depends on the seed and the number of the path alone: the result is the same for any number of threads.
@@ -34,6 +37,9 @@ pub struct Run {
     scenario: PathBuf,
     #[command(flatten)]
     overrides: Overrides,
+    /// End the run after so long: 90, 90s, 15m, 2h; the file says after which block
+    #[arg(long, value_name = "TIME", value_parser = super::numbers::parse_duration)]
+    max_time: Option<Duration>,
     /// Threads [default: one a core]
     #[arg(long, value_name = "K", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
@@ -60,6 +66,9 @@ pub struct Run {
 /// What the engine is asked to do.
 struct Job<'a> {
     scenario: &'a Scenario,
+    /// The most paths to simulate.
+    paths: u64,
+    endings: Endings,
     threads: usize,
     output: &'a Path,
     force: bool,
@@ -73,11 +82,19 @@ struct Outcome {
     status: Status,
     /// Seconds spent on the bias, and why there is none.
     bias: (f64, Option<NoBias>),
+    ended_by: Option<String>,
+    /// The goals it has missed, and what they would need.
+    missed: Vec<String>,
+    /// Why it is of no use.
+    failure: Option<String>,
 }
 
 impl Run {
     pub fn call(&self) -> Result<(), Failure> {
-        let scenario = self.overrides.scenario(&self.scenario)?;
+        let (scenario, goals) = self.overrides.scenario_and_goals(&self.scenario)?;
+        let is_open_ended = !goals.is_empty() && !self.overrides.gives_paths();
+        let paths = if is_open_ended { MOST_PATHS } else { scenario.ensemble.paths };
+        let endings = Endings { goals, max_time: self.max_time };
         let output = self.output.clone().unwrap_or_else(|| default_output(&self.scenario));
         self.refuse_to_lose(&output)?;
         if self.verbose {
@@ -87,15 +104,15 @@ impl Run {
         let bias = (!self.no_bias).then(|| scenario.bias_plan());
         results::warn(&scenario, matches!(bias, Some(Ok(_))));
         let threads = self.threads.map_or_else(cores, usize::from);
-        let job = Job { scenario: &scenario, threads, output: &output, force: self.force, bias };
+        let job = Job { scenario: &scenario, paths, endings, threads, output: &output, force: self.force, bias };
         let stop = stop_on_ctrl_c();
         let start = Instant::now();
-        let mut progress = Progress::new(scenario.ensemble.paths, self.quiet);
-        let outcome = execute(&job, &stop, &mut |done| progress.update(done));
+        let mut progress = Progress::new(paths, self.quiet);
+        let outcome = execute(&job, &stop, &mut progress);
         progress.finish();
-        let Outcome { summary, status, bias } = outcome?;
+        let Outcome { summary, status, bias, ended_by, missed, failure } = outcome?;
 
-        let info = info(&self.scenario, &job, status, start.elapsed().as_secs_f64(), bias);
+        let info = RunInfo { ended_by, ..info(&self.scenario, &job, status, start.elapsed().as_secs_f64(), bias) };
         if self.json {
             print(&report::json(&summary, &info))?;
         } else if !self.quiet {
@@ -105,9 +122,13 @@ impl Run {
             note(&format!("warning: {line}"));
         }
         results::warn_of_bias(&summary);
-        match status {
-            Status::Complete => Ok(()),
-            Status::Interrupted | Status::Running => Err(Failure::Interrupted),
+        for line in missed {
+            note(&format!("warning: {line}"));
+        }
+        match (failure, status) {
+            (Some(reason), _) => Err(Failure::Run(format!("{reason}\n  what was simulated is in {}", info.file))),
+            (None, Status::Complete | Status::Ended) => Ok(()),
+            (None, Status::Interrupted | Status::Running) => Err(Failure::Interrupted),
         }
     }
 
@@ -147,7 +168,7 @@ fn info(
         step: time.step,
         resolution: job.scenario.resolution().map(|resolution| resolution.shortest_slip),
         seed: ensemble.seed,
-        paths: ensemble.paths,
+        paths: job.paths,
         threads: Some(job.threads),
         seconds: Some(seconds),
         bias_seconds: Some(bias_seconds),
@@ -155,6 +176,7 @@ fn info(
         steps_per_path: time.steps(),
         file: job.output.display().to_string(),
         status,
+        ended_by: None,
         units: units.clone(),
     }
 }
@@ -175,23 +197,50 @@ fn stop_on_ctrl_c() -> Arc<AtomicBool> {
 
 /// Simulate, write the file, sum up. `progress` is told the paths done so far, once a block; when `stop` is raised, the
 /// blocks in flight are finished and the outcome is interrupted.
-fn execute(job: &Job<'_>, stop: &AtomicBool, progress: &mut (dyn FnMut(u64) + Send)) -> Result<Outcome, Failure> {
-    let plan = job.scenario.plan();
-    let mut writer = results::create(job.scenario, job.output, job.force)?;
+fn execute(job: &Job<'_>, stop: &AtomicBool, progress: &mut Progress) -> Result<Outcome, Failure> {
+    let plan = Plan { paths: job.paths, ..job.scenario.plan() };
+    let mut writer = results::create(job.scenario, job.paths, job.output, job.force)?;
     let mut totals = Totals::empty(&plan.model, &plan.timeline);
+    let (start, mut ending) = (Instant::now(), Look::GoOn(None));
     let completed = plan.run_into(job.threads, stop, |block| {
         totals.merge(&block.totals);
         writer.append(&block)?;
-        progress(block.first_path + block.paths);
-        Ok::<_, StoreError>(ControlFlow::Continue(()))
+        let done = block.first_path + block.paths;
+        ending = job.endings.look(done.div_ceil(BLOCK_SIZE), &totals, start);
+        progress.update(done);
+        Ok::<_, StoreError>(match ending {
+            Look::GoOn(needed) => {
+                progress.expect(needed.unwrap_or(plan.paths).min(plan.paths));
+                ControlFlow::Continue(())
+            }
+            Look::Done(_) | Look::Hopeless(_) => ControlFlow::Break(()),
+        })
     })?;
     let mut summary = totals.summary();
-    let status = if completed == plan.paths { Status::Complete } else { Status::Interrupted };
+    let (status, ended_by, failure) = match ending {
+        Look::Done(reason) => (Status::Ended, Some(reason), None),
+        Look::Hopeless(reason) => (Status::Ended, Some("a goal that cannot be reached".to_string()), Some(reason)),
+        Look::GoOn(_) if completed == plan.paths => (Status::Complete, None, None),
+        Look::GoOn(_) => (Status::Interrupted, None, None),
+    };
     let start = Instant::now();
-    let no_bias = job.bias.as_ref().and_then(|bias| add_bias(bias, job.threads, stop, &mut summary).err());
+    let no_bias = job.bias.as_ref().and_then(|bias| {
+        // a run that has ended earlier or later than planned is told the bias for the paths it has
+        let shorter = (completed != job.scenario.ensemble.paths).then(|| {
+            let mut scenario = job.scenario.clone();
+            scenario.ensemble.paths = completed;
+            scenario.bias_plan()
+        });
+        add_bias(shorter.as_ref().unwrap_or(bias), job.threads, stop, &mut summary).err()
+    });
     let bias = (start.elapsed().as_secs_f64(), no_bias);
+    if let Some(reason) = &ended_by {
+        writer.ended_by(reason)?;
+    }
     writer.finish(&summary, status)?;
-    Ok(Outcome { summary, status, bias })
+    let missed = if status == Status::Complete { job.endings.missed(&totals, completed) } else { Vec::new() };
+    let failure = failure.or_else(|| all_diverged(&summary));
+    Ok(Outcome { summary, status, bias, ended_by, missed, failure })
 }
 
 /// Estimate the bias of the step and add it to the summary.
@@ -204,6 +253,15 @@ fn add_bias(
     let biases = plan.as_ref().map_err(NoBias::clone)?.estimate(threads, stop)?;
     summary.set_biases(&biases);
     Ok(())
+}
+
+fn all_diverged(summary: &Summary) -> Option<String> {
+    let diverged = summary.diverged.len() as u64;
+    (diverged > 0 && diverged == summary.completed_paths).then(|| {
+        "every path diverged, so there are no statistics\n  fix: a smaller step, or --scheme corrected-vi or event-driven; mc check \
+         says how long a step may be"
+            .to_string()
+    })
 }
 
 #[cfg(test)]

@@ -35,7 +35,7 @@ impl Show {
 }
 
 fn info(file: &Path, stored: &Stored) -> RunInfo {
-    let Stored { header, status, .. } = stored;
+    let Stored { header, status, ended_by, .. } = stored;
     let [time, length, force, temperature] = header.units.clone();
     let scenario = Scenario::parse("scenario", &header.scenario_text, &[]);
     RunInfo {
@@ -53,6 +53,7 @@ fn info(file: &Path, stored: &Stored) -> RunInfo {
         steps_per_path: scenario.ok().and_then(|scenario| scenario.time.steps()),
         file: file.display().to_string(),
         status: *status,
+        ended_by: ended_by.clone(),
         units: Units { time, length, force, temperature },
     }
 }

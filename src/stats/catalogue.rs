@@ -75,6 +75,11 @@ impl Statistic {
         Statistic::FrictionWorkMean,
     ];
 
+    /// The statistic of this name.
+    pub fn from_name(name: &str) -> Option<Self> {
+        Statistic::ALL.into_iter().find(|statistic| statistic.name() == name)
+    }
+
     /// The name in tables, JSON keys and HDF5.
     pub fn name(self) -> &'static str {
         match self {

@@ -13,6 +13,7 @@
 mod bands;
 mod catalogue;
 mod durations;
+mod goal;
 mod interval;
 mod moments;
 mod observer;
@@ -26,6 +27,8 @@ mod synthetic;
 mod totals;
 
 pub use catalogue::{Dimension, Statistic};
+pub use goal::{Bound, Goal, GoalError, Verdict};
+pub use moments::Moments;
 pub use observer::BlockObserver;
 pub use record::{BlockResult, EventColumns, PathColumns, Record, TrajectoryRows};
 pub use summary::{

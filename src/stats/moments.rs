@@ -54,7 +54,7 @@ fn mean(values: &[f64]) -> f64 {
 
 /// Number, mean and spread of one quantity.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Moments {
+pub struct Moments {
     /// How many values.
     pub count: u64,
     /// Their mean; 0 if there are none.

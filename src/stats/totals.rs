@@ -70,12 +70,17 @@ impl Totals {
         Summary {
             completed_paths: self.paths + self.diverged.len() as u64,
             diverged: self.diverged.clone(),
-            estimates: Statistic::ALL.map(|statistic| self.measured(statistic).named(statistic)).to_vec(),
+            estimates: Statistic::ALL.map(|statistic| self.estimate(statistic)).to_vec(),
             stick_durations: self.durations.summary(),
             sub_phases: self.sub_phases.summary(),
             periods: self.periods.summary(),
             bands: self.bands.summary(&self.timeline),
         }
+    }
+
+    /// One statistic with its interval.
+    pub fn estimate(&self, statistic: Statistic) -> Estimate {
+        self.measured(statistic).named(statistic)
     }
 
     /// The value of every statistic, in the order of `Statistic::ALL`, without errors and intervals.

@@ -7,7 +7,7 @@ use hdf5::File;
 pub const FORMAT_NAME: &str = "stick-slip ensemble";
 
 /// Major and minor version of the file format. A new minor version only adds; a new major version may change or remove.
-pub const FORMAT_VERSION: (u32, u32) = (1, 0);
+pub const FORMAT_VERSION: (u32, u32) = (1, 1);
 
 /// Version of the CF conventions that the file follows.
 const CONVENTIONS: &str = "CF-1.11";
@@ -51,6 +51,8 @@ pub struct Header {
 pub enum Status {
     /// Every path asked for is in the file.
     Complete,
+    /// Ended at the end of a block as it was asked to, its goals reached or its time up; `ended_by` says which.
+    Ended,
     /// Stopped early; the file holds `completed_paths` paths.
     Interrupted,
     /// Being written.
@@ -58,12 +60,13 @@ pub enum Status {
 }
 
 impl Status {
-    const ALL: [Status; 3] = [Status::Complete, Status::Interrupted, Status::Running];
+    const ALL: [Status; 4] = [Status::Complete, Status::Ended, Status::Interrupted, Status::Running];
 
     /// The word in the file.
     pub fn name(self) -> &'static str {
         match self {
             Status::Complete => "complete",
+            Status::Ended => "ended",
             Status::Interrupted => "interrupted",
             Status::Running => "running",
         }
@@ -118,6 +121,16 @@ pub(super) fn set_diverged_paths(file: &File, paths: u64) -> hdf5::Result<()> {
 /// Say how the run ended.
 pub(super) fn set_status(file: &File, status: Status) -> hdf5::Result<()> {
     file.attr("status")?.write_scalar(&super::variable::text(status.name())?)
+}
+
+/// Say what ended the run before its last path.
+pub(super) fn set_ended_by(file: &File, reason: &str) -> hdf5::Result<()> {
+    write_text(file, "ended_by", reason)
+}
+
+/// What ended the run before its last path, if anything did.
+pub(super) fn ended_by(file: &File) -> hdf5::Result<Option<String>> {
+    if file.attr("ended_by").is_ok() { read_text(file, "ended_by").map(Some) } else { Ok(None) }
 }
 
 /// Major and minor format version, if the file is one of ours.

@@ -15,6 +15,8 @@ pub struct Stored {
     pub header: Header,
     /// How the run ended.
     pub status: Status,
+    /// What ended it before its last path, if it was asked to end.
+    pub ended_by: Option<String>,
     /// Paths in the file.
     pub completed_paths: u64,
     /// Its statistics.
@@ -42,7 +44,8 @@ pub fn read(path: &Path) -> Result<Stored, StoreError> {
         return Err(StoreError::Unfinished { path: path.to_owned(), completed_paths, paths: header.paths });
     }
     let summary = summary::read(&file, completed_paths).map_err(damaged)?;
-    Ok(Stored { header, status, completed_paths, summary })
+    let ended_by = header::ended_by(&file).map_err(damaged)?;
+    Ok(Stored { header, status, ended_by, completed_paths, summary })
 }
 
 /// HDF5 has one answer for a missing, an unreadable and a foreign file; so look first.

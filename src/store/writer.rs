@@ -174,6 +174,11 @@ impl Writer {
         Ok(())
     }
 
+    /// Say what ends the run before its last path.
+    pub fn ended_by(&mut self, reason: &str) -> Result<(), StoreError> {
+        self.guarded(|open| header::set_ended_by(&open.place.file, reason))
+    }
+
     /// Write the statistics, and give the file its name: at every moment there is either no file of that name (or the
     /// earlier one), or a finished one.
     pub fn finish(mut self, summary: &Summary, status: Status) -> Result<(), StoreError> {

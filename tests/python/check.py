@@ -94,7 +94,8 @@ def check_contents(data):
     """What the numbers promise of each other."""
     attributes = data.attrs
     tomllib.loads(attributes["scenario"])
-    check(attributes["status"] in ("complete", "interrupted"), "the status of a finished file")
+    check(attributes["status"] in ("complete", "ended", "interrupted"), "the status of a finished file")
+    check((attributes["status"] == "ended") == ("ended_by" in attributes), "a run that was ended says by what")
     completed, diverged = int(attributes["completed_paths"]), int(attributes["diverged_paths"])
     check(completed <= attributes["paths"], "no more paths than asked for")
     if attributes["status"] == "complete":
