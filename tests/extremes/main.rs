@@ -15,5 +15,8 @@
 mod common;
 
 mod draw;
+mod equal_friction;
 mod invariants;
+mod long_runs;
+mod stability;
 mod survey;
