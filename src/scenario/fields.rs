@@ -114,7 +114,12 @@ impl<'a> Fields<'a> {
             x if !key.range.holds(x) => format!("is out of range: it must be {allowed}"),
             x if x.abs() > keys::LARGEST && key.range != Range::Threshold => {
                 let remedy = format!("choose units in which it is closer to 1, or {remedy}");
-                return Err(self.fault(node, &path, format!("is above {:e}, too large to compute with", keys::LARGEST), remedy));
+                return Err(self.fault(
+                    node,
+                    &path,
+                    format!("is above {:e}, too large to compute with", keys::LARGEST),
+                    remedy,
+                ));
             }
             _ => return Ok(Some(Read { value, place: Some(node.place), path })),
         };

@@ -156,8 +156,11 @@ fn noise(sources: &Sources<'_>, table: &Fields<'_>) -> Result<Option<Noise>, Box
         initial,
     };
     let size = noise.intensity * noise.stationary_sd();
-    if !(size.max(noise.stationary_sd()) <= keys::LARGEST) || (noise.diffusion > 0.0 && !noise.stationary_sd().is_normal()) {
-        let problem = "gives a stationary sd of v, sigma / sqrt(2 theta), or of rho v, that cannot be computed with".to_string();
+    if !(size.max(noise.stationary_sd()) <= keys::LARGEST)
+        || (noise.diffusion > 0.0 && !noise.stationary_sd().is_normal())
+    {
+        let problem =
+            "gives a stationary sd of v, sigma / sqrt(2 theta), or of rho v, that cannot be computed with".to_string();
         let remedy = "choose units in which relaxation rate and diffusion are closer to 1";
         return Err(about(sources, &[&diffusion, &relaxation_rate], problem, remedy.into()));
     }

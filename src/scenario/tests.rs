@@ -272,6 +272,18 @@ fn extremes_that_can_be_computed_with_are_accepted() {
 }
 
 #[test]
+fn a_noise_that_starts_far_out_and_a_forcing_faster_than_the_step_are_expected_to_move_the_body() {
+    // A_c = 127 here; v(0) = 1e5 moves the body by K beta rho v(0). At w h = 10 the scheme takes a fast forcing for a slow one.
+    for set in [
+        &["temperature.noise.initial=1e5", "temperature.noise.relaxation_rate=1e-3"][..],
+        &["temperature.harmonics=[{ amplitude = 1e3, angular_frequency = 1e3 }]"],
+    ] {
+        let grows = |w: &Warning| matches!(w, Warning::AmplitudeAboveCritical { .. });
+        assert!(base(set).unwrap().warnings().iter().any(grows), "{set:?}");
+    }
+}
+
+#[test]
 fn a_noise_that_is_always_zero_is_no_noise() {
     for set in [
         &["temperature.noise.intensity=0"][..],

@@ -16,7 +16,8 @@
 
 use super::columns::Columns;
 use super::event_driven::{
-    ExactTime, Noiseless, Scene, StepRules, StickOutcome, StickState, StickSteps, UnfeltNoise, WORK_LIMIT, Work, forcing,
+    ExactTime, Noiseless, Scene, StepRules, StickOutcome, StickState, StickSteps, UnfeltNoise, WORK_LIMIT, Work,
+    forcing,
 };
 use super::{Observer, Timeline};
 use crate::model::{Complex, Event, EventKind, Model, Phase, Sign};
@@ -177,13 +178,15 @@ impl QuasiStatic {
             Exits::Noiseless(cascade, _) => {
                 let exit = match path.exit {
                     Some(exit) => exit,
-                    None => match cascade.stick_exit(ExactTime::ZERO.after(path.since), path.displacement, &mut path.work) {
-                        Ok(exit) => *path.exit.insert(exit),
-                        Err(_) => {
-                            path.failed = true;
-                            None
+                    None => {
+                        match cascade.stick_exit(ExactTime::ZERO.after(path.since), path.displacement, &mut path.work) {
+                            Ok(exit) => *path.exit.insert(exit),
+                            Err(_) => {
+                                path.failed = true;
+                                None
+                            }
                         }
-                    },
+                    }
                 };
                 let reached = exit.filter(|event| event.time <= until);
                 self.let_noise_pass(path, reached.map_or(until, |event| event.time));

@@ -127,7 +127,8 @@ fn together(draws: &mut Draws) -> Parts {
     let relaxed: f64 = harmonics.iter().map(|(a, _, phase)| a * phase.cos()).sum();
     let noise = draws.chance(0.7).then(|| {
         let (theta, sd) = (draws.decades(-3.0, 3.0), draws.decades(-3.0, 2.0));
-        let start = draws.chance(0.7).then(|| if draws.chance(0.8) { 0.0 } else { draws.sign() * draws.decades(0.0, 3.0) });
+        let start =
+            draws.chance(0.7).then(|| if draws.chance(0.8) { 0.0 } else { draws.sign() * draws.decades(0.0, 3.0) });
         (1.0, theta, sd * (2.0 * theta).sqrt(), start)
     });
     let (steps, paths) = steps(draws);

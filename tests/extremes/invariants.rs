@@ -164,7 +164,9 @@ impl Watch {
                         self.check_recursion(lane, time, x)?;
                     } else {
                         let most = self.static_force * (1.0 + 4.0 * ULP);
-                        ensure(force.abs() <= most, || format!("sticks at b = {force:e}, f_s = {:e}", self.static_force))?;
+                        ensure(force.abs() <= most, || {
+                            format!("sticks at b = {force:e}, f_s = {:e}", self.static_force)
+                        })?;
                     }
                     lane.slips += 1;
                     lane.sub_phases += lane.running;
@@ -217,7 +219,9 @@ impl Watch {
             }
         }
         match (self.scheme, lane.last) {
-            (SchemeKind::DiscreteVi | SchemeKind::CorrectedVi, Some(last)) if t > last.t => self.check_step(last, now)?,
+            (SchemeKind::DiscreteVi | SchemeKind::CorrectedVi, Some(last)) if t > last.t => {
+                self.check_step(last, now)?
+            }
             (SchemeKind::EventDriven { .. }, _) => self.balance(lane, now, ROUNDING),
             _ => {}
         }
@@ -236,8 +240,7 @@ impl Watch {
         let h = self.step;
         let force = a.g - k * a.x - 2.0 * damping * a.v;
         let impulse = a.v + h / m * force;
-        let friction =
-            if b.v == 0.0 { m / h * impulse } else { self.model.friction.dynamic_force.copysign(impulse) };
+        let friction = if b.v == 0.0 { m / h * impulse } else { self.model.friction.dynamic_force.copysign(impulse) };
         let (mover, surplus) = match self.scheme {
             SchemeKind::CorrectedVi => (b.v, -m * (b.v - a.v).powi(2)),
             _ => (a.v, m * (b.v - a.v).powi(2)),
@@ -248,9 +251,10 @@ impl Watch {
         let forces = a.g.abs() + (k * a.x).abs() + 2.0 * (damping * a.v).abs() + friction.abs();
         let speeds = a.v.abs() + b.v.abs();
         let scale = m * speeds * speeds + k * (a.x * a.x + b.x * b.x) + h * speeds * forces + k * way * way;
-        ensure(!scale.is_finite() || !right.is_finite() || (gained - right).abs() <= 1e-12 * scale + f64::MIN_POSITIVE, || {
-            format!("energy: a step gained {gained:e} where {right:e} was done")
-        })
+        ensure(
+            !scale.is_finite() || !right.is_finite() || (gained - right).abs() <= 1e-12 * scale + f64::MIN_POSITIVE,
+            || format!("energy: a step gained {gained:e} where {right:e} was done"),
+        )
     }
 
     /// From one instant to the next of the exact motion: E' - E = int g dx - f_d |dx| - 2 alpha int x'^2 dt. In between, g is the mean of
@@ -278,9 +282,7 @@ impl Watch {
         let damped = 2.0 * damping * dx.abs() * speed;
         let size = m * (now.v * now.v + last.v * last.v) + forces * (now.x.abs() + last.x.abs());
         lane.energy.mismatch += gained - done + 0.5 * damped;
-        lane.energy.allowed += wander * dx.abs()
-            + 0.5 * damped
-            + error * size;
+        lane.energy.allowed += wander * dx.abs() + 0.5 * damped + error * size;
     }
 
     fn check_end(&self, lane: &mut Lane) -> Result<(), String> {

