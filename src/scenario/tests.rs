@@ -227,7 +227,7 @@ fn values_that_cannot_be_computed_with_are_refused_with_the_reason() {
         (&["oscillator.mass=1e-300", "oscillator.stiffness=1e90"][..], "K/m = inf"),
         (&["oscillator.mass=1e90", "oscillator.stiffness=1e-300"], "K/m = 0e0"),
         (&["oscillator.dilatation=1e308"], "above 1e100"),
-        (&["oscillator.dilatation=1e99"], "reach 5"),
+        (&["oscillator.dilatation=5e99"], "reach 4"),
         (&["oscillator.mass=1e-10", "oscillator.damping=1e95"], "alpha/m"),
         (&["temperature.noise.relaxation_rate=1e-320", "temperature.noise.diffusion=1e90"], "sigma / sqrt(2 theta)"),
         (&["friction.static=1e-310", "friction.dynamic=0"], "threshold"),
@@ -338,7 +338,7 @@ fn every_key_is_documented() {
 
 /// A number of any size that keeps K/m and the forces within a double.
 fn size() -> impl Strategy<Value = f64> {
-    (1.0..10.0f64, -40..40i32).prop_map(|(x, power)| x * 10f64.powi(power))
+    (1.0..10.0f64, -12..12i32).prop_map(|(x, power)| x * 10f64.powi(power))
 }
 
 fn signed() -> impl Strategy<Value = f64> {

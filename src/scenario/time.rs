@@ -27,7 +27,10 @@ pub(super) fn time(
     let mut end = table.number(keys::END)?;
     // 0.0, never -0.0.
     end.value = end.value.abs();
-    let (reach, w0) = (divergence_bound(model, end.value), model.oscillator.natural_frequency());
+    // Friction takes the body nowhere, however large it is.
+    let mut free = model.clone();
+    free.friction.static_force = 0.0;
+    let (reach, w0) = (divergence_bound(&free, end.value), model.oscillator.natural_frequency());
     if !(reach.max(reach * w0) <= keys::LARGEST) {
         let speed = reach * w0;
         let problem = format!(
