@@ -125,7 +125,7 @@ fn model(sources: &Sources<'_>, root: &Fields<'_>) -> Result<Model, Box<Fault>> 
     };
     let (largest, mass) = (largest_force(&model), model.oscillator.mass);
     let acceleration = largest / mass;
-    if !(largest <= keys::LARGEST && acceleration <= keys::LARGEST) {
+    if !keys::can_be_computed_with(&[largest, acceleration]) {
         let problem = format!(
             "lets the force b = K (beta T - x) reach {largest:e} and b/m {acceleration:e}; above {:e} is too large to compute with",
             keys::LARGEST
@@ -156,7 +156,7 @@ fn noise(sources: &Sources<'_>, table: &Fields<'_>) -> Result<Option<Noise>, Box
         initial,
     };
     let size = noise.intensity * noise.stationary_sd();
-    if !(size.max(noise.stationary_sd()) <= keys::LARGEST)
+    if !keys::can_be_computed_with(&[size, noise.stationary_sd()])
         || (noise.diffusion > 0.0 && !noise.stationary_sd().is_normal())
     {
         let problem =

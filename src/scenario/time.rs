@@ -31,7 +31,7 @@ pub(super) fn time(
     let mut free = model.clone();
     free.friction.static_force = 0.0;
     let (reach, w0) = (divergence_bound(&free, end.value), model.oscillator.natural_frequency());
-    if !(reach.max(reach * w0) <= keys::LARGEST) {
+    if !keys::can_be_computed_with(&[reach, reach * w0]) {
         let speed = reach * w0;
         let problem = format!(
             "lets |x| grow towards {reach:e} and |x'| towards {speed:e}; above {:e} is too large to compute with",

@@ -298,7 +298,9 @@ impl Watch {
         let allowed = 2.0 * ULP * f64::from(lane.events + 2) * self.end;
         ensure((total - self.end).abs() <= allowed, || format!("stick and slip make {total:e} of {:e}", self.end))?;
         let Energy { mismatch, allowed } = lane.energy;
-        ensure(!(mismatch.abs() > allowed), || format!("energy off by {mismatch:e}, {allowed:e} allowed"))
+        ensure(allowed.is_nan() || mismatch.is_nan() || mismatch.abs() <= allowed, || {
+            format!("energy off by {mismatch:e}, {allowed:e} allowed")
+        })
     }
 
     fn complain(&mut self, lane: usize, check: impl FnOnce(&Watch, &mut Lane) -> Result<(), String>) {

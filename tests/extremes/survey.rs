@@ -142,11 +142,13 @@ fn compare<'a>(plan: &Plan, kept: impl Iterator<Item = &'a super::invariants::La
             return Err(format!("counts {counts:?}, seen {expected:?}"));
         }
         let (stick, work) = (columns.stick_time[row], columns.friction_work[row]);
-        if !((stick - lane.stick_time).abs() <= 1e-12 * end) {
+        let is_near = (stick - lane.stick_time).abs() <= 1e-12 * end;
+        if !is_near {
             return Err(format!("stick time {stick:e}, seen {:e}", lane.stick_time));
         }
         let seen = f_d * lane.travel;
-        if !((work - seen).abs() <= 1e-12 * seen || work == seen) {
+        let is_near = (work - seen).abs() <= 1e-12 * seen || work == seen;
+        if !is_near {
             return Err(format!("friction work {work:e}, seen {seen:e}"));
         }
     }

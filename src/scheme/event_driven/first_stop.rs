@@ -171,6 +171,9 @@ impl StopSearch {
             if !clear {
                 if self.is_stop(left, &next) {
                     let stop = self.stop(left, &next, draws);
+                    if !(stop.after + stop.way + stop.acceleration).is_finite() {
+                        return Err(Unresolved);
+                    }
                     return Ok(Some(Stop { after: after + stop.after, way: way + stop.way, ..stop }));
                 }
                 if next.length > finest && top < DEPTH {
@@ -245,7 +248,8 @@ impl StopSearch {
             // In law below zero by `caution` standard deviations.
             let drawn = mean_acceleration + noise * da;
             let acceleration = if drawn < 0.0 { drawn } else { mean_acceleration };
-            let t = (-velocity / acceleration).clamp(-p * h, (1.0 - p) * h);
+            // Not `clamp`, which panics where a step is so short that its moments underflow.
+            let t = (-velocity / acceleration).max(-p * h).min((1.0 - p) * h);
             let tolerated = STOP_PRECISION * acceleration;
             if self.noise * self.noise * t.abs() <= tolerated * tolerated {
                 let way = way + passed + t * (velocity + 0.5 * t * acceleration);
