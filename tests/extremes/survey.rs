@@ -45,7 +45,7 @@ struct Survey {
 }
 
 impl Survey {
-    fn run(families: [Family; 2], numbers: std::ops::Range<u64>) -> Self {
+    fn run(families: [Family; 2], numbers: impl Iterator<Item = u64>) -> Self {
         let mut survey = Survey::default();
         let now = Watchdog::start();
         for number in numbers {
@@ -179,7 +179,7 @@ fn check_summary(summary: &Summary, scenario: &Scenario, lost: u64) -> Result<()
         }
     }
     let fraction = value(StickingFraction).unwrap_or_default();
-    if fraction < 0.0 || fraction > 1.0 + 1e-12 {
+    if fraction.is_finite() && !(0.0..=1.0 + 1e-12).contains(&fraction) {
         return Err(format!("sticking fraction {fraction}"));
     }
     for e in &summary.estimates {
@@ -226,9 +226,12 @@ impl Drop for Watchdog {
     }
 }
 
+/// Scenarios in which the survey found what has been mended since: divergences without a warning, panics.
+const MENDED: [u64; 4] = [356, 611, 23_543, 30_848];
+
 #[test]
 fn a_slice_of_the_survey_finds_nothing() {
-    let survey = Survey::run([Family::Apart, Family::Together], 0..250);
+    let survey = Survey::run([Family::Apart, Family::Together], (0..250).chain(MENDED));
     survey.print();
     assert!(survey.findings.is_empty(), "{} findings", survey.findings.len());
 }
