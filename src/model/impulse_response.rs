@@ -54,6 +54,12 @@ impl ImpulseResponse {
         first_difference(self.roots[0], self.roots[1], r).re
     }
 
+    /// S'(r) = l1 S + e^{l2 r}: what is left of an overdamped motion keeps its digits, however small it has become.
+    pub fn impulse_slope(&self, r: f64) -> f64 {
+        let [l1, l2] = self.roots;
+        (l1 * first_difference(l1, l2, r) + (l2 * r).exp()).re
+    }
+
     /// G_z(r).
     pub fn exponential(&self, z: Complex, r: f64) -> Complex {
         let [l1, l2] = self.roots;

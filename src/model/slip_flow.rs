@@ -14,6 +14,7 @@
 //! ```text
 //! y   = a0 G_0 + sum_j Re[P_j (G_{z_j} - G_0)]
 //! y'  = a0 S   + sum_j Re[P_j z_j G_{z_j}]
+//! y'' = a0 S'  + sum_j Re[P_j z_j (S + z_j G_{z_j})]
 //! b/m = b(t0)/m + sum_j Re[P_j (e^{z_j r} - 1)] - w0^2 y - 2 gamma y'
 //! ```
 //!
@@ -48,7 +49,6 @@ pub struct SlipFlow<'a> {
     body: &'a ForcedOscillator,
     start_acceleration: f64,
     start_force_ratio: f64,
-    friction_ratio: f64,
     /// P_j.
     terms: &'a [Complex],
 }
@@ -116,7 +116,6 @@ impl ForcedOscillator {
             body: self,
             start_acceleration: (force - friction) / self.oscillator.mass,
             start_force_ratio: force / self.oscillator.mass,
-            friction_ratio: friction / self.oscillator.mass,
             terms,
         }
     }
@@ -147,14 +146,17 @@ impl SlipFlow<'_> {
         let w0_squared = oscillator.stiffness / oscillator.mass;
         let two_gamma = 2.0 * oscillator.damping / oscillator.mass;
         let mut displacement = self.start_acceleration * free.exponential(Complex::ZERO, r).re;
-        let mut velocity = self.start_acceleration * free.impulse(r);
+        let impulse = free.impulse(r);
+        let mut velocity = self.start_acceleration * impulse;
+        let mut acceleration = self.start_acceleration * free.impulse_slope(r);
         for (term, p) in terms.iter().zip(self.terms) {
             displacement += (*p * free.exponential_from_zero(term.rate, r)).re;
-            velocity += (*p * term.rate * free.exponential(term.rate, r)).re;
+            let (push, response) = (*p * term.rate, free.exponential(term.rate, r));
+            velocity += (push * response).re;
+            acceleration += (push * (response * term.rate + Complex::new(impulse, 0.0))).re;
         }
         let [forcing, forcing_slope, _] = self.body.forcing_increment(self.terms, r);
         let force_ratio = self.start_force_ratio + forcing - w0_squared * displacement - two_gamma * velocity;
-        let acceleration = force_ratio - self.friction_ratio;
         let jerk = forcing_slope - w0_squared * velocity - two_gamma * acceleration;
         SlipState { displacement, velocity, acceleration, force_ratio, jerk }
     }

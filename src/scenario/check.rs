@@ -3,7 +3,7 @@
 //! Pure functions of the scenario; nothing is simulated.
 
 use super::{Scenario, SchemeKind, Stability};
-use crate::model::{Model, Noise, Oscillator};
+use crate::model::{InitialNoise, Model, Noise, Oscillator};
 use crate::scheme::{EventDriven, Resolution, monitoring_shift};
 use std::f64::consts::PI;
 
@@ -77,7 +77,7 @@ impl Scenario {
                 .filter(|_| self.scheme == SchemeKind::CorrectedVi)
                 .map(|h| monitoring_shift(&self.model, h)),
             resolution: self.resolution(),
-            expected_amplitude: expected_amplitude(&self.model, self.time.end),
+            expected_amplitude: expected_amplitude(&self.model, self.time.end, step),
             forcing_period: period,
             whole_periods: period.map_or(0.0, |period| (self.time.end / period * (1.0 + 1e-9)).floor()),
             steps,
@@ -110,7 +110,7 @@ pub(super) fn force_bound(model: &Model, sds: f64) -> f64 {
 /// Standard deviations of the noise counted into an expected amplitude.
 const TYPICAL_SD: f64 = 3.0;
 
-fn expected_amplitude(model: &Model, end: f64) -> f64 {
+fn expected_amplitude(model: &Model, end: f64, step: Option<f64>) -> f64 {
     let Model { oscillator, temperature, .. } = model;
     let w0 = oscillator.natural_frequency();
     // At resonance without damping the amplitude grows by w0/2 per unit of time, so the end of the run bounds it.
@@ -121,10 +121,16 @@ fn expected_amplitude(model: &Model, end: f64) -> f64 {
         .map(|harmonic| {
             let r = harmonic.angular_frequency / w0;
             let damping = 2.0 * oscillator.damping * harmonic.angular_frequency / oscillator.stiffness;
-            harmonic.amplitude.abs() * (1.0 / (1.0 - r * r).hypot(damping)).min(growth)
+            let response = (1.0 / (1.0 - r * r).hypot(damping)).min(growth);
+            // A step that sees less than two instants of a period takes a fast harmonic for a slow one, to which the body yields.
+            let is_aliased = step.is_some_and(|h| harmonic.angular_frequency * h > PI);
+            harmonic.amplitude.abs() * if is_aliased { response.max(1.0) } else { response }
         })
         .sum();
-    let noise = temperature.noise.map_or(0.0, |noise| noise.intensity * TYPICAL_SD * noise.stationary_sd());
+    let noise = temperature.noise.map_or(0.0, |noise| {
+        let start = if let InitialNoise::At(v) = noise.initial { v.abs() } else { 0.0 };
+        noise.intensity * start.max(TYPICAL_SD * noise.stationary_sd())
+    });
     (oscillator.dilatation.abs() * (forced + noise)).max(model.initial_displacement.abs())
 }
 

@@ -1,7 +1,7 @@
 //! A table of the tree, read key by key: types and ranges are checked here, once for all keys.
 
 use super::error::Fault;
-use super::keys::{self, Key};
+use super::keys::{self, Key, Range};
 use super::source::{Place, Sources};
 use super::tree::{Entry, Node, Value};
 
@@ -112,6 +112,15 @@ impl<'a> Fields<'a> {
             x if x.is_nan() => "is not a number".to_string(),
             x if x.is_infinite() => "is not finite".to_string(),
             x if !key.range.holds(x) => format!("is out of range: it must be {allowed}"),
+            x if x.abs() > keys::LARGEST && key.range != Range::Threshold => {
+                let remedy = format!("choose units in which it is closer to 1, or {remedy}");
+                return Err(self.fault(
+                    node,
+                    &path,
+                    format!("is above {:e}, too large to compute with", keys::LARGEST),
+                    remedy,
+                ));
+            }
             _ => return Ok(Some(Read { value, place: Some(node.place), path })),
         };
         Err(self.fault(node, &path, problem, remedy))

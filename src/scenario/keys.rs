@@ -8,7 +8,17 @@ pub(super) enum Range {
     Any,
     Positive,
     NonNegative,
+    /// A friction threshold: 0 or above, and as large as one likes, for what no force reaches is never computed with.
+    Threshold,
     Tolerance,
+}
+
+/// The largest number that is computed with: squares and products of two such, summed over any run, fit a double.
+pub(super) const LARGEST: f64 = 1e100;
+
+/// Whether all of these are at most [`LARGEST`]; what is not a number is not.
+pub(super) fn can_be_computed_with(sizes: &[f64]) -> bool {
+    sizes.iter().all(|size| *size <= LARGEST)
 }
 
 impl Range {
@@ -16,7 +26,7 @@ impl Range {
         match self {
             Range::Any => true,
             Range::Positive => x > 0.0,
-            Range::NonNegative => x >= 0.0,
+            Range::NonNegative | Range::Threshold => x >= 0.0,
             Range::Tolerance => TOLERANCES.contains(&x),
         }
     }
@@ -25,7 +35,7 @@ impl Range {
         match self {
             Range::Any => "a finite number",
             Range::Positive => "a finite number above 0",
-            Range::NonNegative => "a finite number, 0 or above",
+            Range::NonNegative | Range::Threshold => "a finite number, 0 or above",
             Range::Tolerance => "a number from 1e-9 to 0.1",
         }
     }
@@ -48,8 +58,8 @@ pub(super) const MASS: Key = key("mass", "m", "mass", Range::Positive);
 pub(super) const STIFFNESS: Key = key("stiffness", "K", "stiffness of the spring", Range::Positive);
 pub(super) const DAMPING: Key = key("damping", "alpha", "the damping force is 2 alpha x'", Range::NonNegative);
 pub(super) const DILATATION: Key = key("dilatation", "beta", "the rest position is beta T", Range::Any);
-pub(super) const STATIC: Key = key("static", "f_s", "a stick lasts while |b| <= f_s", Range::NonNegative);
-pub(super) const DYNAMIC: Key = key("dynamic", "f_d", "|F| in motion, at most f_s", Range::NonNegative);
+pub(super) const STATIC: Key = key("static", "f_s", "a stick lasts while |b| <= f_s", Range::Threshold);
+pub(super) const DYNAMIC: Key = key("dynamic", "f_d", "|F| in motion, at most f_s", Range::Threshold);
 pub(super) const AMPLITUDE: Key = key("amplitude", "a", "amplitude of the harmonic", Range::Any);
 pub(super) const ANGULAR_FREQUENCY: Key =
     key("angular_frequency", "w", "angular frequency of the forcing, not of the oscillator", Range::NonNegative);

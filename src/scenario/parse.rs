@@ -111,9 +111,11 @@ fn model(sources: &Sources<'_>, root: &Fields<'_>) -> Result<Model, Box<Fault>> 
         let remedy = "choose units in which mass and stiffness are closer to 1";
         return Err(about(sources, &[&stiffness, &mass], problem, remedy.into()));
     }
-    if !(damping.value / mass.value).is_finite() {
+    let rate = damping.value / mass.value;
+    if rate > keys::LARGEST {
+        let problem = format!("gives alpha/m = {rate:e}, too large to compute with");
         let remedy = "choose units in which mass and damping are closer to 1";
-        return Err(about(sources, &[&damping, &mass], "gives an infinite alpha/m".into(), remedy.into()));
+        return Err(about(sources, &[&damping, &mass], problem, remedy.into()));
     }
     let model = Model {
         oscillator,
@@ -121,9 +123,13 @@ fn model(sources: &Sources<'_>, root: &Fields<'_>) -> Result<Model, Box<Fault>> 
         temperature: Temperature { harmonics, noise },
         initial_displacement: initial.value,
     };
-    let largest = largest_force(&model);
-    if !largest.is_finite() {
-        let problem = format!("lets the force b = K (beta T - x) reach {largest}, which a double cannot hold");
+    let (largest, mass) = (largest_force(&model), model.oscillator.mass);
+    let acceleration = largest / mass;
+    if !keys::can_be_computed_with(&[largest, acceleration]) {
+        let problem = format!(
+            "lets the force b = K (beta T - x) reach {largest:e} and b/m {acceleration:e}; above {:e} is too large to compute with",
+            keys::LARGEST
+        );
         let remedy = "lower the stiffness, dilatation, temperature or displacement, or change units";
         // Most likely the largest factor of it is the one that is wrong.
         let mut factors = [&stiffness, &dilatation, &initial];
@@ -149,8 +155,12 @@ fn noise(sources: &Sources<'_>, table: &Fields<'_>) -> Result<Option<Noise>, Box
         diffusion: diffusion.value,
         initial,
     };
-    if !noise.stationary_sd().is_finite() || (noise.diffusion > 0.0 && !noise.stationary_sd().is_normal()) {
-        let problem = "gives a stationary sd of v, sigma / sqrt(2 theta), which a double cannot hold".to_string();
+    let size = noise.intensity * noise.stationary_sd();
+    if !keys::can_be_computed_with(&[size, noise.stationary_sd()])
+        || (noise.diffusion > 0.0 && !noise.stationary_sd().is_normal())
+    {
+        let problem =
+            "gives a stationary sd of v, sigma / sqrt(2 theta), or of rho v, that cannot be computed with".to_string();
         let remedy = "choose units in which relaxation rate and diffusion are closer to 1";
         return Err(about(sources, &[&diffusion, &relaxation_rate], problem, remedy.into()));
     }

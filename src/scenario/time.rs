@@ -8,7 +8,7 @@ use super::parse::about;
 use super::source::Sources;
 use super::{SchemeKind, Time};
 use crate::model::Model;
-use crate::scheme::monitoring_shift;
+use crate::scheme::{divergence_bound, monitoring_shift};
 
 /// Most rows of the output grid: bands hold every path's value at every row of a block.
 pub const MAX_ROWS: usize = 10_000;
@@ -27,6 +27,19 @@ pub(super) fn time(
     let mut end = table.number(keys::END)?;
     // 0.0, never -0.0.
     end.value = end.value.abs();
+    // Friction takes the body nowhere, however large it is.
+    let mut free = model.clone();
+    free.friction.static_force = 0.0;
+    let (reach, w0) = (divergence_bound(&free, end.value), model.oscillator.natural_frequency());
+    if !keys::can_be_computed_with(&[reach, reach * w0]) {
+        let speed = reach * w0;
+        let problem = format!(
+            "lets |x| grow towards {reach:e} and |x'| towards {speed:e}; above {:e} is too large to compute with",
+            keys::LARGEST
+        );
+        let remedy = "choose units in which displacements, times and forces are closer to 1, or lower `time.end`";
+        return Err(about(sources, &[&end], problem, remedy.into()));
+    }
     let grid = Grid { sources, table, end };
     if scheme.is_time_stepping() { grid.stepped(model, scheme) } else { grid.free(scheme) }
 }

@@ -16,7 +16,8 @@
 
 use super::columns::Columns;
 use super::event_driven::{
-    ExactTime, Noiseless, Scene, StepRules, StickOutcome, StickState, StickSteps, UnfeltNoise, forcing,
+    ExactTime, Noiseless, Scene, StepRules, StickOutcome, StickState, StickSteps, UnfeltNoise, WORK_LIMIT, Work,
+    forcing,
 };
 use super::{Observer, Timeline};
 use crate::model::{Complex, Event, EventKind, Model, Phase, Sign};
@@ -28,6 +29,8 @@ pub struct QuasiStatic {
     scene: Scene,
     timeline: Timeline,
     exits: Exits,
+    /// What a path may spend.
+    work_limit: u64,
     /// pi / w0.
     slip_duration: f64,
     /// (f_s - f_d)/K: half of what a slip moves.
@@ -55,6 +58,7 @@ struct Path {
     draws: Stream,
     /// The exit of the static phase, where it is known in advance: without noise. None before it has been looked for.
     exit: Option<Option<Event>>,
+    work: Work,
     failed: bool,
 }
 
@@ -73,9 +77,15 @@ impl QuasiStatic {
             scene,
             timeline: *timeline,
             exits,
+            work_limit: WORK_LIMIT,
             slip_duration: std::f64::consts::PI / model.oscillator.natural_frequency(),
             half_jump: (friction.static_force - friction.dynamic_force) / model.oscillator.stiffness,
         }
+    }
+
+    /// The same, each path given up after `limit` evaluations instead of the usual 10^8.
+    pub fn with_work_limit(self, limit: u64) -> Self {
+        QuasiStatic { work_limit: limit, ..self }
     }
 
     /// Simulate the paths with these numbers, telling the observer; the lanes that had to be given up are returned.
@@ -118,6 +128,7 @@ impl QuasiStatic {
             noise,
             draws,
             exit: None,
+            work: Work::new(self.work_limit),
             failed: false,
         }
     }
@@ -130,6 +141,7 @@ impl QuasiStatic {
                 Phase::Slip(direction) => self.slip_until(path, terms, direction, until),
             };
             let Some(event) = event else { break };
+            path.failed |= path.work.spend().is_err();
             emit(event);
             (path.since, path.displacement, path.exit) = (event.time, event.displacement, None);
             path.phase = match event.kind {
@@ -148,7 +160,7 @@ impl QuasiStatic {
         match &self.exits {
             Exits::Noisy(steps) => {
                 let mut state = StickState { time: path.time, spring_force, noise: path.noise, terms };
-                let outcome = steps.advance(&self.scene, &mut state, until, &mut path.draws);
+                let outcome = steps.advance(&self.scene, &mut state, until, &mut path.draws, &mut path.work);
                 (path.time, path.noise) = (state.time, state.noise);
                 match outcome {
                     StickOutcome::Exit(sign) => {
@@ -166,13 +178,15 @@ impl QuasiStatic {
             Exits::Noiseless(cascade, _) => {
                 let exit = match path.exit {
                     Some(exit) => exit,
-                    None => match cascade.stick_exit(ExactTime::ZERO.after(path.since), path.displacement) {
-                        Ok(exit) => *path.exit.insert(exit),
-                        Err(_) => {
-                            path.failed = true;
-                            None
+                    None => {
+                        match cascade.stick_exit(ExactTime::ZERO.after(path.since), path.displacement, &mut path.work) {
+                            Ok(exit) => *path.exit.insert(exit),
+                            Err(_) => {
+                                path.failed = true;
+                                None
+                            }
                         }
-                    },
+                    }
                 };
                 let reached = exit.filter(|event| event.time <= until);
                 self.let_noise_pass(path, reached.map_or(until, |event| event.time));

@@ -6,7 +6,7 @@ use super::interval::Measured;
 use super::moments::{FourMoments, JointMoments, Moments};
 use super::path::PathFold;
 use super::periods::PeriodTotals;
-use super::{Statistic, SubPhaseCounts, Summary};
+use super::{Estimate, Statistic, SubPhaseCounts, Summary};
 use crate::model::Model;
 use crate::scheme::Timeline;
 

@@ -12,6 +12,8 @@
 //! a double zero it still gains a fixed factor a step. It ends where g <= 0 or u* is below the resolution of r.
 //! For the first zero of several functions, the smallest of their u* is the step.
 
+use super::work::{Unresolved, Work};
+
 /// A function at one point, and how much it may bend from there on.
 #[derive(Clone, Copy, Debug)]
 pub struct Jet {
@@ -25,28 +27,22 @@ pub struct Jet {
     pub bend_growth: f64,
 }
 
-/// More evaluations than any search may take; reaching it is reported, never silently accepted.
-///
-/// A search takes some ten evaluations per oscillation of g, so this is a million oscillations without a zero.
-const EVALUATION_LIMIT: usize = 10_000_000;
-
-/// A search took more steps than its limit, or met a value that is not a number.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Unresolved;
-
 /// The first zero of any of several functions at or after `start`, and which of them it belongs to, if that is at most
-/// `end`. `span` is the time scale over which one bound is used.
+/// `end`. `span` is the time scale over which one bound is used. A search takes some ten evaluations per oscillation of g; each is
+/// paid for.
 pub fn first_root<const N: usize>(
     mut jets: impl FnMut(f64) -> [Jet; N],
     start: f64,
     end: f64,
     span: f64,
+    work: &mut Work,
 ) -> Result<Option<(f64, usize)>, Unresolved> {
     let mut r = start;
-    for _ in 0..EVALUATION_LIMIT {
+    loop {
         if r > end {
             return Ok(None);
         }
+        work.spend()?;
         let (step, nearest) = jets(r)
             .iter()
             .enumerate()
@@ -61,7 +57,6 @@ pub fn first_root<const N: usize>(
         }
         r = next;
     }
-    Err(Unresolved)
 }
 
 impl Jet {
@@ -98,7 +93,7 @@ mod tests {
                     bend_growth: 0.0,
                 }]
             };
-            let root = first_root(g, 0.0, 100.0, 1.0).expect("bounded");
+            let root = first_root(g, 0.0, 100.0, 1.0, &mut Work::new(10_000)).expect("bounded");
             assert_eq!(root.is_some(), found, "{lift}");
             if let Some((r, _)) = root {
                 // 4.5 u^2 = -lift at the zero on the left.
@@ -109,8 +104,8 @@ mod tests {
 
     #[test]
     fn simple_zeros_are_exact_to_rounding() {
-        let root =
-            first_root(|r| [Jet { value: r.cos(), slope: -r.sin(), bend: 1.0, bend_growth: 0.0 }], 0.0, 9.0, 1.0);
+        let cosine = |r: f64| [Jet { value: r.cos(), slope: -r.sin(), bend: 1.0, bend_growth: 0.0 }];
+        let root = first_root(cosine, 0.0, 9.0, 1.0, &mut Work::new(100));
         let (root, _) = root.expect("bounded").expect("within reach");
         assert!((root - std::f64::consts::FRAC_PI_2).abs() <= 4e-16, "{root}");
     }

@@ -35,7 +35,7 @@
 //! so that micro-slips are resolved in law. The recursion ends because at small enough h any V0 > 0 or a0 > 0 is clear; a
 //! tangency is cut off at 2^-DEPTH h.
 
-use super::first_root::Unresolved;
+use super::work::{Unresolved, Work};
 use crate::noise::Stream;
 
 /// The velocity eps x' and its derivative at one time.
@@ -85,9 +85,6 @@ pub struct StopSearch {
 /// Halvings of a step; 2^-40 of it is far below the time scale of any micro-slip.
 const DEPTH: usize = 40;
 
-/// Intervals that one search may look at; tens are usual. A motion that is all zeros would be bisected for ever.
-const INTERVAL_LIMIT: usize = 1_000_000;
-
 /// 2^-DEPTH.
 const FINEST: f64 = 1.0 / (1u64 << DEPTH) as f64;
 
@@ -136,7 +133,13 @@ impl Pending {
 impl StopSearch {
     /// The first zero of V in a step, or none.
     #[inline(always)]
-    pub fn first(&self, step: &Step, draws: &mut Stream, pending: &mut Pending) -> Result<Option<Stop>, Unresolved> {
+    pub fn first(
+        &self,
+        step: &Step,
+        draws: &mut Stream,
+        pending: &mut Pending,
+        work: &mut Work,
+    ) -> Result<Option<Stop>, Unresolved> {
         let whole = Interval {
             end: step.end,
             way: step.way,
@@ -144,7 +147,7 @@ impl StopSearch {
             inverse: 1.0 / step.length,
             noise: self.noise * step.root_length,
         };
-        if self.is_clear(step.start, &whole) { Ok(None) } else { self.bisect(step.start, whole, draws, pending) }
+        if self.is_clear(step.start, &whole) { Ok(None) } else { self.bisect(step.start, whole, draws, pending, work) }
     }
 
     /// The scan.
@@ -155,16 +158,22 @@ impl StopSearch {
         whole: Interval,
         draws: &mut Stream,
         Pending(pending): &mut Pending,
+        work: &mut Work,
     ) -> Result<Option<Stop>, Unresolved> {
         pending[0] = whole;
         let finest = whole.length * FINEST;
         let (mut left, mut top, mut clear) = (start, 0, false);
         let (mut after, mut way) = (0.0, 0.0);
-        for _ in 0..INTERVAL_LIMIT {
+        // Tens of intervals are usual; a motion that is all zeros would be bisected for ever.
+        loop {
+            work.spend()?;
             let next = pending[top];
             if !clear {
                 if self.is_stop(left, &next) {
                     let stop = self.stop(left, &next, draws);
+                    if !(stop.after + stop.way + stop.acceleration).is_finite() {
+                        return Err(Unresolved);
+                    }
                     return Ok(Some(Stop { after: after + stop.after, way: way + stop.way, ..stop }));
                 }
                 if next.length > finest && top < DEPTH {
@@ -193,7 +202,6 @@ impl StopSearch {
             top -= 1;
             clear = self.is_clear(left, &pending[top]);
         }
-        Err(Unresolved)
     }
 
     #[inline(always)]
@@ -240,7 +248,8 @@ impl StopSearch {
             // In law below zero by `caution` standard deviations.
             let drawn = mean_acceleration + noise * da;
             let acceleration = if drawn < 0.0 { drawn } else { mean_acceleration };
-            let t = (-velocity / acceleration).clamp(-p * h, (1.0 - p) * h);
+            // Not `clamp`, which panics where a step is so short that its moments underflow.
+            let t = (-velocity / acceleration).max(-p * h).min((1.0 - p) * h);
             let tolerated = STOP_PRECISION * acceleration;
             if self.noise * self.noise * t.abs() <= tolerated * tolerated {
                 let way = way + passed + t * (velocity + 0.5 * t * acceleration);

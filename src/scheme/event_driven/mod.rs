@@ -18,6 +18,7 @@ mod step_rules;
 mod stick;
 mod stick_step;
 mod unfelt_noise;
+mod work;
 
 pub use step_rules::{DEFAULT_TOLERANCE, Resolution, TOLERANCES};
 
@@ -27,6 +28,7 @@ pub(super) use scene::{Scene, forcing};
 pub(super) use step_rules::StepRules;
 pub(super) use stick::{StickOutcome, StickState, StickSteps};
 pub(super) use unfelt_noise::UnfeltNoise;
+pub(super) use work::{WORK_LIMIT, Work};
 
 use super::{Observer, Timeline};
 use crate::model::Model;
@@ -60,6 +62,15 @@ impl EventDriven {
         let rules = StepRules::new(tolerance);
         let kernel = Kernel::Noisy(Box::new(Noisy::new(model, timeline, &rules)));
         EventDriven { kernel, resolution: rules.resolution(&scene) }
+    }
+
+    /// The same, each path given up after `limit` evaluations instead of the usual 10^8.
+    pub fn with_work_limit(mut self, limit: u64) -> Self {
+        match &mut self.kernel {
+            Kernel::Noiseless(cascade, _) => cascade.work_limit = limit,
+            Kernel::Noisy(cascade) => cascade.work_limit = limit,
+        }
+        self
     }
 
     /// What is simulated in place of the scene where f_s and f_d (nearly) meet under noise; usually nothing.

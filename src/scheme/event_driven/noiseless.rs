@@ -7,7 +7,8 @@
 //! rounding. Nothing is random: one path is computed and every lane is told about it.
 
 use super::exact_time::ExactTime;
-use super::first_root::{Jet, Unresolved, first_root, safe_step};
+use super::first_root::{Jet, first_root, safe_step};
+use super::work::{Unresolved, WORK_LIMIT, Work};
 use crate::model::{Complex, Event, EventKind, ForcedOscillator, InitialNoise, Model, Sign, SlipFlow};
 use crate::scheme::columns::Columns;
 use crate::scheme::{Observer, Timeline};
@@ -20,13 +21,12 @@ pub struct Noiseless {
     body: ForcedOscillator,
     /// 1/max(w0, |z_j|): the time over which one derivative bound is used.
     span: f64,
+    /// What the path may spend.
+    pub(super) work_limit: u64,
 }
 
 /// The signs of b at the two thresholds.
 const SIDES: [f64; 2] = [1.0, -1.0];
-
-/// More events than a cascade may have before it is given up: a bound on work, far above any scene of interest.
-const EVENT_LIMIT: usize = 100_000_000;
 
 /// Which phase the path is in, since when, and what ends it.
 struct Leg {
@@ -52,22 +52,21 @@ impl Noiseless {
         };
         let body = ForcedOscillator::new(model, noise_start);
         let fastest = body.terms().iter().map(|t| t.rate.abs()).fold(model.oscillator.natural_frequency(), f64::max);
-        Noiseless { model: model.clone(), timeline: *timeline, body, span: 1.0 / fastest }
+        Noiseless { model: model.clone(), timeline: *timeline, body, span: 1.0 / fastest, work_limit: WORK_LIMIT }
     }
 
     /// Tell the observer about the path, once for each of `lanes` lanes. All lanes are returned if it cannot be resolved.
     pub fn simulate<O: Observer>(&self, lanes: usize, observer: &mut O) -> Vec<usize> {
         let mut columns = Columns::new(lanes);
-        let mut leg = self.initial_leg();
-        let mut events = 0;
+        let mut work = Work::new(self.work_limit);
+        let mut leg = self.initial_leg(&mut work);
         for stop in self.timeline.stops() {
             while let Ok(Some((_, event))) = leg.as_ref().map(|l| l.end) {
                 if event.time > stop.time {
                     break;
                 }
                 (0..lanes).for_each(|lane| observer.event(lane, event));
-                events += 1;
-                leg = if events < EVENT_LIMIT { leg.and_then(|l| self.next_leg(&l)) } else { Err(Unresolved) };
+                leg = leg.and_then(|leg| self.next_leg(&leg, &mut work));
             }
             match &leg {
                 Ok(leg) => columns.fill(self.state(leg, stop.time)),
@@ -78,22 +77,23 @@ impl Noiseless {
         if leg.is_ok() { Vec::new() } else { (0..lanes).collect() }
     }
 
-    fn initial_leg(&self) -> Result<Leg, Unresolved> {
+    fn initial_leg(&self, work: &mut Work) -> Result<Leg, Unresolved> {
         let terms = self.terms_at(ExactTime::ZERO);
         let displacement = self.model.initial_displacement;
         let force = self.force_at_rest(&terms, displacement);
-        self.stick(ExactTime::ZERO, displacement, force, terms)
+        self.stick(ExactTime::ZERO, displacement, force, terms, work)
     }
 
     /// The leg that begins with the event that ends `leg`.
-    fn next_leg(&self, leg: &Leg) -> Result<Leg, Unresolved> {
+    fn next_leg(&self, leg: &Leg, work: &mut Work) -> Result<Leg, Unresolved> {
+        work.spend()?;
         let Some((duration, event)) = leg.end else { return Err(Unresolved) };
         let start = leg.start.after(duration);
         let terms = self.terms_at(start);
         match event.kind {
-            EventKind::StickEntered => self.stick(start, event.displacement, event.force, terms),
+            EventKind::StickEntered => self.stick(start, event.displacement, event.force, terms, work),
             EventKind::SlipStarted(sign) | EventKind::SubPhaseBoundary(sign) => {
-                self.slip(start, event.displacement, event.force, terms, sign)
+                self.slip(start, event.displacement, event.force, terms, sign, work)
             }
         }
     }
@@ -103,10 +103,15 @@ impl Noiseless {
     }
 
     /// The exit of a static phase that begins at a time and a place, if before t_end.
-    pub fn stick_exit(&self, start: ExactTime, displacement: f64) -> Result<Option<Event>, Unresolved> {
+    pub fn stick_exit(
+        &self,
+        start: ExactTime,
+        displacement: f64,
+        work: &mut Work,
+    ) -> Result<Option<Event>, Unresolved> {
         let terms = self.terms_at(start);
         let force = self.force_at_rest(&terms, displacement);
-        Ok(self.stick(start, displacement, force, terms)?.end.map(|(_, event)| event))
+        Ok(self.stick(start, displacement, force, terms, work)?.end.map(|(_, event)| event))
     }
 
     /// b with x' = 0.
@@ -116,7 +121,14 @@ impl Noiseless {
     }
 
     /// A static phase, and its exit: the first time that |b| > f_s.
-    fn stick(&self, start: ExactTime, displacement: f64, force: f64, terms: Vec<Complex>) -> Result<Leg, Unresolved> {
+    fn stick(
+        &self,
+        start: ExactTime,
+        displacement: f64,
+        force: f64,
+        terms: Vec<Complex>,
+        work: &mut Work,
+    ) -> Result<Leg, Unresolved> {
         let (f_s, m) = (self.model.friction.static_force, self.model.oscillator.mass);
         let horizon = start.until(self.timeline.end);
         let exit = if force.abs() > f_s {
@@ -134,7 +146,7 @@ impl Noiseless {
                     bend_growth: 0.0,
                 })
             };
-            let root = first_root(distances, self.inside(distances(0.0)), horizon, self.span)?;
+            let root = first_root(distances, self.inside(distances(0.0)), horizon, self.span, work)?;
             root.map(|(r, side)| (r, SIDES[side] * f_s))
         };
         let end = exit.filter(|&(r, _)| r <= horizon).map(|(r, force)| {
@@ -170,6 +182,7 @@ impl Noiseless {
         force: f64,
         terms: Vec<Complex>,
         direction: Sign,
+        work: &mut Work,
     ) -> Result<Leg, Unresolved> {
         let horizon = start.until(self.timeline.end);
         let (friction, mass) = (self.model.friction, self.model.oscillator.mass);
@@ -180,7 +193,7 @@ impl Noiseless {
             let (bend, bend_growth) = flow.jerk_bound(&state);
             [Jet { value: eps * state.velocity, slope: eps * state.acceleration, bend, bend_growth }]
         };
-        let root = first_root(jet, self.departure(&flow, eps), horizon, self.span)?;
+        let root = first_root(jet, self.departure(&flow, eps), horizon, self.span, work)?;
         let end = root.filter(|&(r, _)| r <= horizon).map(|(r, _)| {
             let state = flow.at(r);
             let (displacement, force) = (displacement + state.displacement, mass * state.force_ratio);

@@ -9,6 +9,7 @@ use super::first_stop::{Motion, Pending, Step, StopSearch};
 use super::scene::{Scene, forcing};
 use super::step_rules::StepRules;
 use super::stick::{StickOutcome, StickState, StickSteps};
+use super::work::{WORK_LIMIT, Work};
 use crate::lanes::{InstructionSet, LaneProgram, Lanes};
 use crate::model::{Complex, Event, EventKind, Model, Phase, Sign};
 use crate::noise::Stream;
@@ -25,6 +26,8 @@ pub struct Noisy {
     oscillator: DrivenOscillator,
     step: SlipStep,
     search: StopSearch,
+    /// What a path may spend.
+    pub(super) work_limit: u64,
 }
 
 /// A slip step of the usual length, tabulated.
@@ -68,13 +71,9 @@ struct Path {
     noise: f64,
     phase: Phase,
     draws: Stream,
-    /// Steps taken; a path that exceeds [`WORK_LIMIT`] is given up.
-    work: u64,
+    work: Work,
     failed: bool,
 }
-
-/// Slip steps and phases that a path may take, some ten seconds of computing: paths of interest take microseconds to seconds.
-const WORK_LIMIT: u64 = 100_000_000;
 
 impl Noisy {
     /// For a scene with noise.
@@ -98,7 +97,7 @@ impl Noisy {
         let step = SlipStep { transition, root_length: length.sqrt(), harmonics };
         let search = StopSearch { noise: scene.diffusion / body.mass, caution: rules.caution };
         let stick = StickSteps::new(&scene, rules.chord_error, timeline.end);
-        Noisy { scene, timeline: *timeline, stick, oscillator, step, search }
+        Noisy { scene, timeline: *timeline, stick, oscillator, step, search, work_limit: WORK_LIMIT }
     }
 
     /// Simulate the paths with these numbers; those that were given up are returned.
@@ -140,7 +139,7 @@ impl Noisy {
             noise,
             phase: Phase::Static,
             draws,
-            work: 0,
+            work: Work::new(self.work_limit),
             failed: false,
         }
     }
@@ -181,9 +180,8 @@ impl Noisy {
     fn stick_until(&self, path: &mut Path, terms: &mut [Complex], until: f64) -> Option<Event> {
         let spring_force = self.scene.oscillator.stiffness * path.displacement;
         let mut state = StickState { time: path.time, spring_force, noise: path.noise, terms };
-        let outcome = self.stick.advance(&self.scene, &mut state, until, &mut path.draws);
+        let outcome = self.stick.advance(&self.scene, &mut state, until, &mut path.draws, &mut path.work);
         (path.time, path.noise) = (state.time, state.noise);
-        path.count_work();
         match outcome {
             StickOutcome::Exit(sign) => {
                 let force = forcing(terms) - spring_force + path.noise;
@@ -214,8 +212,8 @@ impl Noisy {
             if remaining <= 0.0 {
                 return None;
             }
-            path.count_work();
-            if path.failed {
+            if path.work.spend().is_err() {
+                path.failed = true;
                 return None;
             }
             let usual = self.step.transition.length;
@@ -245,7 +243,8 @@ impl Noisy {
                 length: step.transition.length,
                 root_length: step.root_length,
             };
-            let Ok(stop) = self.search.first(&step, &mut path.draws, &mut scratch.pending) else {
+            let search = self.search.first(&step, &mut path.draws, &mut scratch.pending, &mut path.work);
+            let Ok(stop) = search else {
                 path.failed = true;
                 return None;
             };
@@ -306,11 +305,5 @@ const NO_RESPONSE: HarmonicResponse = HarmonicResponse { x: (0.0, 0.0), v: (0.0,
 impl Path {
     fn event(&self, kind: EventKind, force: f64) -> Event {
         Event { kind, time: self.time, displacement: self.displacement, force }
-    }
-
-    #[inline(always)]
-    fn count_work(&mut self) {
-        self.work += 1;
-        self.failed |= self.work > WORK_LIMIT;
     }
 }

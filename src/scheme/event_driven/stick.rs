@@ -10,6 +10,7 @@
 
 use super::scene::{Scene, forcing};
 use super::stick_step::StickStep;
+use super::work::Work;
 use crate::model::{Complex, Sign};
 use crate::noise::Stream;
 
@@ -28,7 +29,7 @@ pub enum StickOutcome {
     Exit(Sign),
     /// Still static at the horizon.
     Stays,
-    /// More steps than [`STEP_LIMIT`].
+    /// All work is spent.
     Unresolved,
 }
 
@@ -50,9 +51,6 @@ const RUNGS: usize = 60;
 /// The width rule: steps of at most width^2 / (this s^2).
 const WIDTH_RULE: f64 = 8.0;
 
-/// A bound on the work of one static phase between two looks at it.
-const STEP_LIMIT: usize = 1_000_000;
-
 impl StickSteps {
     /// For a scene, with the chord error held below `kappa` standard deviations of the noise over a step.
     pub fn new(scene: &Scene, kappa: f64, end: f64) -> Self {
@@ -68,13 +66,20 @@ impl StickSteps {
     }
 
     /// Simulate until the exit or the horizon, whichever is first.
-    pub fn advance(&self, scene: &Scene, state: &mut StickState<'_>, horizon: f64, draws: &mut Stream) -> StickOutcome {
+    pub fn advance(
+        &self,
+        scene: &Scene,
+        state: &mut StickState<'_>,
+        horizon: f64,
+        draws: &mut Stream,
+        work: &mut Work,
+    ) -> StickOutcome {
         let f_s = scene.friction.static_force;
         let mut force = forcing(state.terms) - state.spring_force + state.noise;
         if force.abs() >= f_s {
             return StickOutcome::Exit(Sign::of(force));
         }
-        for _ in 0..STEP_LIMIT {
+        while work.spend().is_ok() {
             let remaining = horizon - state.time;
             if remaining <= 0.0 {
                 return StickOutcome::Stays;

@@ -1,0 +1,198 @@
+//! One random scenario, as the text that a user would write.
+
+use rand_distr::{Distribution, StandardUniform};
+use rand_pcg::Pcg64Dxsm;
+use rand_pcg::rand_core::SeedableRng;
+use std::fmt::Write as _;
+
+/// How the parameters are drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Family {
+    /// Each by itself, log-uniform over 24 decades, special values mixed in. Most such scenes are absurd; that is the point.
+    Apart,
+    /// The dimensionless numbers around values where sticks and slips occur, the units at random.
+    Together,
+}
+
+/// Random numbers of one scenario.
+struct Draws(Pcg64Dxsm);
+
+impl Draws {
+    fn uniform(&mut self) -> f64 {
+        StandardUniform.sample(&mut self.0)
+    }
+
+    fn chance(&mut self, p: f64) -> bool {
+        self.uniform() < p
+    }
+
+    fn decades(&mut self, low: f64, high: f64) -> f64 {
+        10f64.powf(low + (high - low) * self.uniform())
+    }
+
+    fn of<const N: usize>(&mut self, values: [f64; N]) -> f64 {
+        values[(self.uniform() * N as f64) as usize]
+    }
+
+    fn sign(&mut self) -> f64 {
+        if self.chance(0.5) { 1.0 } else { -1.0 }
+    }
+
+    /// 1e-12 to 1e12, or something worse.
+    fn parameter(&mut self) -> f64 {
+        const SPECIAL: f64 = 0.04;
+        match self.chance(SPECIAL) {
+            true => self.of([0.0, 5e-324, 1e-310, 1e-300, 1e-150, 1e150, 1e300, f64::MAX]),
+            false => self.decades(-12.0, 12.0),
+        }
+    }
+}
+
+/// What a scenario is made of.
+#[derive(Default)]
+struct Parts {
+    mass: f64,
+    stiffness: f64,
+    damping: f64,
+    dilatation: f64,
+    static_force: f64,
+    dynamic_force: f64,
+    /// Amplitude, angular frequency, phase.
+    harmonics: Vec<(f64, f64, f64)>,
+    /// Intensity, relaxation rate, diffusion, v(0); none is the stationary law.
+    noise: Option<(f64, f64, f64, Option<f64>)>,
+    displacement: f64,
+    step: f64,
+    steps: f64,
+    paths: u64,
+}
+
+/// Most steps of a path.
+const MOST_STEPS: f64 = 1000.0;
+
+/// The scenario with this number.
+pub fn scenario(family: Family, number: u64) -> String {
+    let mut draws = Draws(Pcg64Dxsm::seed_from_u64(number << 1 | u64::from(family == Family::Together)));
+    match family {
+        Family::Apart => apart(&mut draws),
+        Family::Together => together(&mut draws),
+    }
+    .text(number)
+}
+
+fn steps(draws: &mut Draws) -> (f64, u64) {
+    let steps = if draws.chance(0.02) { 0.0 } else { draws.decades(0.0, MOST_STEPS.log10()).floor() };
+    (steps, if draws.chance(0.3) { 1 } else { 2 + (draws.uniform() * 4.0) as u64 })
+}
+
+fn apart(draws: &mut Draws) -> Parts {
+    let static_force = draws.parameter();
+    let ratio = if draws.chance(0.7) { draws.uniform() } else { draws.of([0.0, 1.0, 1e-12, 1.0 - 1e-12]) };
+    let (mass, stiffness) = (draws.parameter(), draws.parameter());
+    let mut harmonics = Vec::new();
+    while draws.chance(0.5) && harmonics.len() < 3 {
+        let resonant = draws.chance(0.05);
+        let frequency = if resonant { (stiffness / mass).sqrt() } else { draws.parameter() };
+        harmonics.push((draws.sign() * draws.parameter(), frequency, 7.0 * draws.uniform()));
+    }
+    let noise = draws.chance(0.7).then(|| {
+        let start = draws.chance(0.7).then(|| if draws.chance(0.5) { 0.0 } else { draws.sign() * draws.parameter() });
+        (draws.parameter(), draws.parameter(), draws.parameter(), start)
+    });
+    let (steps, paths) = steps(draws);
+    Parts {
+        mass,
+        stiffness,
+        damping: if draws.chance(0.5) { 0.0 } else { draws.parameter() },
+        dilatation: draws.sign() * draws.parameter(),
+        static_force,
+        dynamic_force: ratio * static_force,
+        harmonics,
+        noise,
+        displacement: if draws.chance(0.2) { 0.0 } else { draws.sign() * draws.parameter() },
+        step: draws.parameter(),
+        steps,
+        paths,
+    }
+}
+
+fn together(draws: &mut Draws) -> Parts {
+    // In units of m, K and f_s: time 1/w0, length f_s/K, and the temperature whose force is f_s.
+    let ratio = if draws.chance(0.6) { draws.uniform() } else { draws.of([0.0, 1.0, 0.99, 0.8]) };
+    let mut harmonics = Vec::new();
+    while draws.chance(0.6) && harmonics.len() < 3 {
+        let frequency = if draws.chance(0.1) { 1.0 } else { draws.decades(-3.0, 2.0) };
+        harmonics.push((draws.sign() * draws.decades(-1.0, 3.0), frequency, 7.0 * draws.uniform()));
+    }
+    let relaxed: f64 = harmonics.iter().map(|(a, _, phase)| a * phase.cos()).sum();
+    let noise = draws.chance(0.7).then(|| {
+        let (theta, sd) = (draws.decades(-3.0, 3.0), draws.decades(-3.0, 2.0));
+        let start =
+            draws.chance(0.7).then(|| if draws.chance(0.8) { 0.0 } else { draws.sign() * draws.decades(0.0, 3.0) });
+        (1.0, theta, sd * (2.0 * theta).sqrt(), start)
+    });
+    let (steps, paths) = steps(draws);
+    // The units.
+    let [m, k, force, degree] = [(); 4].map(|()| draws.decades(-4.0, 4.0));
+    let (time, length) = ((m / k).sqrt(), force / k);
+    let noise = noise.map(|(rho, theta, sigma, start)| {
+        let unit = draws.decades(-3.0, 3.0);
+        (rho * degree / unit, theta / time, sigma * unit / time.sqrt(), start.map(|v| v * unit))
+    });
+    Parts {
+        mass: m,
+        stiffness: k,
+        damping: if draws.chance(0.5) { 0.0 } else { draws.decades(-3.0, 2.0) * m / time },
+        dilatation: draws.sign() * length / degree,
+        static_force: force,
+        dynamic_force: ratio * force,
+        harmonics: harmonics.into_iter().map(|(a, w, phase)| (a * degree, w / time, phase)).collect(),
+        noise,
+        displacement: length
+            * match () {
+                () if draws.chance(0.5) => relaxed,
+                () if draws.chance(0.5) => draws.sign() * draws.decades(-1.0, 3.0),
+                () => 0.0,
+            },
+        step: draws.decades(-4.0, 0.5) * time,
+        steps,
+        paths,
+    }
+}
+
+impl Parts {
+    fn text(&self, number: u64) -> String {
+        let harmonics: Vec<String> = (self.harmonics.iter())
+            .map(|(a, w, phase)| format!("{{ amplitude = {a:e}, angular_frequency = {w:e}, phase = {phase:e} }}"))
+            .collect();
+        let mut text = format!(
+            "[oscillator]\nmass = {:e}\nstiffness = {:e}\ndamping = {:e}\ndilatation = {:e}\n\
+             [friction]\nstatic = {:e}\ndynamic = {:e}\n[temperature]\nharmonics = [{}]\n",
+            self.mass,
+            self.stiffness,
+            self.damping,
+            self.dilatation,
+            self.static_force,
+            self.dynamic_force,
+            harmonics.join(", ")
+        );
+        if let Some((rho, theta, sigma, start)) = self.noise {
+            let start = start.map_or("\"stationary\"".to_string(), |v| format!("{v:e}"));
+            let _ = writeln!(
+                text,
+                "[temperature.noise]\nintensity = {rho:e}\nrelaxation_rate = {theta:e}\ndiffusion = {sigma:e}\ninitial = {start}"
+            );
+        }
+        let _ = writeln!(
+            text,
+            "[initial]\ndisplacement = {:e}\n[time]\nend = {:e}\nstep = {:e}\noutput_step = {:e}\n\
+             [ensemble]\npaths = {}\nseed = {number}",
+            self.displacement,
+            self.steps * self.step,
+            self.step,
+            self.step,
+            self.paths
+        );
+        text
+    }
+}

@@ -1,0 +1,334 @@
+//! What holds on every path of every scheme, checked by an observer that sees events and snapshots and nothing else.
+//!
+//! | invariant | tolerance |
+//! |---|---|
+//! | events in time order within [0, t_end], none before what has been looked at | none |
+//! | slip only from stick; turn and stick only from slip | none |
+//! | \|b\| <= f_s where a stick is entered (not quasi-static, whose recursion does not ask) | 4 roundings of f_s |
+//! | \|b\| >= f_s where one ends, in the direction of the slip (corrected: f_s less its shift) | rounding of b |
+//! | \|K (beta T - x)\| <= f_s in every static snapshot (event-driven) | rounding of b, and of w t in the phase |
+//! | x rests in a stick | none |
+//! | x' and every displacement in a sub-phase have its sign | rounding; a corrected turn lies a step behind |
+//! | energy: a step of the discrete schemes balances to rounding with its own O(h^2) surplus | 1e-12 of its terms |
+//! | energy: event-driven, T between two looks known as well as it can move in between | that, times the way; 1e-4 a stop |
+//! | quasi-static: a slip lasts pi/w0 and moves 2 (f_s - f_d)/K | rounding |
+//! | stick time + slip time = t_end | a rounding of t_end an event |
+
+use stick_slip::model::{Event, EventKind, InitialNoise, Model, Oscillator, Sign};
+use stick_slip::scenario::{Scenario, SchemeKind};
+use stick_slip::scheme::{Instant, Observer, Snapshot, monitoring_shift};
+
+const ULP: f64 = f64::EPSILON;
+
+/// What rounding may leave of an energy between two instants, relative to its terms.
+const ROUNDING: f64 = 1e-9;
+
+/// Where noise is feeble against the motion, the event-driven scheme puts a stop by interpolation in a step of half the fastest time scale:
+/// that leaves some 1e-5 of the energy a half-cycle at the default tolerance, and follows it (docs/extremes.md).
+const STOP_ERROR: f64 = 1e-4;
+
+/// Watches the paths of one scenario.
+pub struct Watch {
+    model: Model,
+    scheme: SchemeKind,
+    end: f64,
+    step: f64,
+    /// f_s, as simulated.
+    static_force: f64,
+    /// The least |b| at which a stick ends.
+    exit_force: f64,
+    pub lanes: Vec<Lane>,
+}
+
+/// One path, and what is wrong with it.
+#[derive(Clone, Debug)]
+pub struct Lane {
+    pub complaint: Option<String>,
+    /// None while static.
+    direction: Option<Sign>,
+    /// When the present phase began.
+    since: f64,
+    /// x at the last event.
+    origin: f64,
+    /// x where the dynamic phase began.
+    slip_origin: f64,
+    looked: f64,
+    last: Option<State>,
+    pub stick_time: f64,
+    pub slip_time: f64,
+    pub travel: f64,
+    pub ended_sticks: u32,
+    pub slips: u32,
+    pub sub_phases: u32,
+    running: u32,
+    events: u32,
+    fastest: f64,
+    pub energy: Energy,
+}
+
+/// What is known at an instant: t, x, x' and g = K beta T.
+#[derive(Clone, Copy, Debug)]
+struct State {
+    t: f64,
+    x: f64,
+    v: f64,
+    g: f64,
+}
+
+/// A balance and how far it may be off.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Energy {
+    pub mismatch: f64,
+    pub allowed: f64,
+}
+
+impl Watch {
+    pub fn new(scenario: &Scenario) -> Self {
+        let (model, scheme) = (scenario.model.clone(), scenario.scheme);
+        let step = scenario.time.step.unwrap_or(scenario.time.output_step);
+        let static_force = scenario.resolution().map_or(model.friction.static_force, |r| r.static_force);
+        let shift = if scheme == SchemeKind::CorrectedVi { monitoring_shift(&model, step) } else { 0.0 };
+        let lane = Lane {
+            complaint: None,
+            direction: None,
+            since: 0.0,
+            origin: model.initial_displacement,
+            slip_origin: model.initial_displacement,
+            looked: 0.0,
+            last: None,
+            stick_time: 0.0,
+            slip_time: 0.0,
+            travel: 0.0,
+            ended_sticks: 0,
+            slips: 0,
+            sub_phases: 0,
+            running: 0,
+            events: 0,
+            fastest: 0.0,
+            energy: Energy::default(),
+        };
+        let lanes = vec![lane; scenario.ensemble.paths as usize];
+        Watch { end: scenario.time.end, step, static_force, exit_force: static_force - shift, model, scheme, lanes }
+    }
+
+    fn is_event_driven(&self) -> bool {
+        matches!(self.scheme, SchemeKind::EventDriven { .. })
+    }
+
+    /// What rounding does to b at a time: its terms, and the phase of the forcing, w t.
+    fn rounding(&self, t: f64, x: f64, force: f64) -> f64 {
+        let Oscillator { stiffness, dilatation, .. } = self.model.oscillator;
+        let phase = (self.model.temperature.harmonics.iter())
+            .map(|h| (stiffness * dilatation * h.amplitude).abs() * (ULP * h.angular_frequency * t).min(1.0))
+            .sum::<f64>();
+        16.0 * (ULP * (force.abs() + 2.0 * (stiffness * x).abs()) + phase)
+    }
+
+    /// The corrected scheme with f_d above its lowered threshold: a body that leaves a stick below f_d makes one step against b.
+    fn pushes_back(&self) -> bool {
+        self.scheme == SchemeKind::CorrectedVi && self.exit_force < self.model.friction.dynamic_force
+    }
+
+    fn check_event(&self, lane: &mut Lane, event: &Event) -> Result<(), String> {
+        let Event { kind, time, displacement: x, force } = *event;
+        let model = &self.model;
+        ensure(time.is_finite() && x.is_finite() && force.is_finite(), || "not a number".into())?;
+        ensure(time >= lane.since && time >= lane.looked && time <= self.end, || "out of time order".into())?;
+        let duration = time - lane.since;
+        let noise = self.rounding(time, x, force);
+        match (kind, lane.direction) {
+            (EventKind::SlipStarted(sign), None) => {
+                ensure(x == lane.origin, || format!("moved from {:e} to {x:e} in a stick", lane.origin))?;
+                let backwards = self.pushes_back();
+                ensure(backwards || sign.value() * force >= self.exit_force - noise, || {
+                    format!("slips {sign:?} at b = {force:e}, f_s = {:e}", self.exit_force)
+                })?;
+                lane.stick_time += duration;
+                lane.ended_sticks += 1;
+                (lane.direction, lane.slip_origin, lane.running) = (Some(sign), x, 1);
+            }
+            (EventKind::StickEntered | EventKind::SubPhaseBoundary(_), Some(direction)) => {
+                let way = direction.value() * (x - lane.origin);
+                let turns = kind != EventKind::StickEntered;
+                if !(turns && self.scheme == SchemeKind::CorrectedVi) {
+                    let allowed = 4.0 * ULP * (x.abs() + lane.origin.abs());
+                    ensure(way >= -allowed, || format!("went {way:e} in direction {direction:?}"))?;
+                }
+                lane.travel += (x - lane.origin).abs();
+                lane.slip_time += duration;
+                if let EventKind::SubPhaseBoundary(sign) = kind {
+                    lane.running += 1;
+                    lane.direction = Some(sign);
+                } else {
+                    if matches!(self.scheme, SchemeKind::QuasiStatic { .. }) {
+                        self.check_recursion(lane, time, x)?;
+                    } else {
+                        let most = self.static_force * (1.0 + 4.0 * ULP);
+                        ensure(force.abs() <= most, || {
+                            format!("sticks at b = {force:e}, f_s = {:e}", self.static_force)
+                        })?;
+                    }
+                    lane.slips += 1;
+                    lane.sub_phases += lane.running;
+                    lane.direction = None;
+                }
+            }
+            (kind, direction) => return Err(format!("{kind:?} while moving {direction:?}")),
+        }
+        if self.is_event_driven() {
+            let error = if matches!(kind, EventKind::SlipStarted(_)) { ROUNDING } else { STOP_ERROR };
+            self.balance(lane, State { t: time, x, v: 0.0, g: force + model.oscillator.stiffness * x }, error);
+        }
+        (lane.since, lane.origin) = (time, x);
+        lane.events += 1;
+        Ok(())
+    }
+
+    fn check_recursion(&self, lane: &Lane, time: f64, x: f64) -> Result<(), String> {
+        let Model { oscillator, friction, .. } = &self.model;
+        let lasts = std::f64::consts::PI / oscillator.natural_frequency();
+        ensure((time - lane.since - lasts).abs() <= 4.0 * ULP * (time + lasts), || "a slip of another length".into())?;
+        let jump = 2.0 * (friction.static_force - friction.dynamic_force) / oscillator.stiffness;
+        let moved = (x - lane.slip_origin).abs();
+        ensure((moved - jump).abs() <= 4.0 * ULP * (x.abs() + jump), || format!("moved {moved:e}, not {jump:e}"))
+    }
+
+    fn check_snapshot(&self, lane: &mut Lane, now: State, is_static: bool) -> Result<(), String> {
+        let State { t, x, v, g } = now;
+        ensure(x.is_finite() && v.is_finite() && g.is_finite(), || "not a number".into())?;
+        ensure(t >= lane.since && t >= lane.looked, || "looked at out of order".into())?;
+        lane.looked = t;
+        ensure(is_static == lane.direction.is_none(), || "the phase is not that of the events".into())?;
+        lane.fastest = lane.fastest.max(v.abs());
+        match lane.direction {
+            None => {
+                ensure(x == lane.origin && v == 0.0, || format!("moves in a stick: x' = {v:e}"))?;
+                if self.is_event_driven() {
+                    let force = g - self.model.oscillator.stiffness * x;
+                    let most = self.static_force + self.rounding(t, x, force);
+                    ensure(force.abs() <= most, || format!("static at b = {force:e}, f_s = {:e}", self.static_force))?;
+                }
+            }
+            Some(direction) => {
+                let eps = direction.value();
+                ensure(eps * v >= -1e-9 * lane.fastest, || format!("x' = {v:e} in direction {direction:?}"))?;
+                let way = eps * (x - lane.origin);
+                let behind = if self.scheme == SchemeKind::CorrectedVi { self.step * lane.fastest } else { 0.0 };
+                let allowed = behind + 4.0 * ULP * (x.abs() + lane.origin.abs());
+                ensure(way >= -allowed, || format!("went {way:e} in direction {direction:?}"))?;
+            }
+        }
+        match (self.scheme, lane.last) {
+            (SchemeKind::DiscreteVi | SchemeKind::CorrectedVi, Some(last)) if t > last.t => {
+                self.check_step(last, now)?
+            }
+            (SchemeKind::EventDriven { .. }, _) => self.balance(lane, now, ROUNDING),
+            _ => {}
+        }
+        lane.last = Some(now);
+        Ok(())
+    }
+
+    /// One step of the discrete schemes. With F the friction of the step, from m (V' - V) = h (b - F):
+    ///
+    /// ```text
+    /// discrete    E' - E = h V  (K beta T - 2 alpha V - F) + (K h^2 V^2  + m (V' - V)^2)/2
+    /// corrected   E' - E = h V' (K beta T - 2 alpha V - F) + (K h^2 V'^2 - m (V' - V)^2)/2
+    /// ```
+    fn check_step(&self, a: State, b: State) -> Result<(), String> {
+        let Oscillator { mass: m, stiffness: k, damping, .. } = self.model.oscillator;
+        let h = self.step;
+        let force = a.g - k * a.x - 2.0 * damping * a.v;
+        let impulse = a.v + h / m * force;
+        let friction = if b.v == 0.0 { m / h * impulse } else { self.model.friction.dynamic_force.copysign(impulse) };
+        let (mover, surplus) = match self.scheme {
+            SchemeKind::CorrectedVi => (b.v, -m * (b.v - a.v).powi(2)),
+            _ => (a.v, m * (b.v - a.v).powi(2)),
+        };
+        let gained = 0.5 * m * (b.v + a.v) * (b.v - a.v) + 0.5 * k * (b.x + a.x) * (b.x - a.x);
+        let way = h * mover;
+        let right = way * (a.g - 2.0 * damping * a.v - friction) + 0.5 * (k * way * way + surplus);
+        let forces = a.g.abs() + (k * a.x).abs() + 2.0 * (damping * a.v).abs() + friction.abs();
+        let speeds = a.v.abs() + b.v.abs();
+        let scale = m * speeds * speeds + k * (a.x * a.x + b.x * b.x) + h * speeds * forces + k * way * way;
+        ensure(
+            !scale.is_finite() || !right.is_finite() || (gained - right).abs() <= 1e-12 * scale + f64::MIN_POSITIVE,
+            || format!("energy: a step gained {gained:e} where {right:e} was done"),
+        )
+    }
+
+    /// From one instant to the next of the exact motion: E' - E = int g dx - f_d |dx| - 2 alpha int x'^2 dt. In between, g is the mean of
+    /// both ends up to what it can move, and x' likewise.
+    fn balance(&self, lane: &mut Lane, now: State, error: f64) {
+        let Some(last) = lane.last.replace(now) else { return };
+        let Oscillator { mass: m, stiffness: k, damping, dilatation } = self.model.oscillator;
+        let (dt, dx) = (now.t - last.t, now.x - last.x);
+        let temperature = &self.model.temperature;
+        let gain = (k * dilatation).abs();
+        let harmonics: f64 =
+            temperature.harmonics.iter().map(|h| gain * h.amplitude.abs() * (h.angular_frequency * dt).min(2.0)).sum();
+        // Six standard deviations of a bridge, and the pull back to zero.
+        let noise = temperature.noise.map_or(0.0, |n| {
+            let spread = n.diffusion * dt.min(0.5 / n.relaxation_rate).sqrt();
+            let size = spread + n.stationary_sd() + if let InitialNoise::At(v) = n.initial { v.abs() } else { 0.0 };
+            gain * n.intensity * (6.0 * spread + (n.relaxation_rate * dt).min(2.0) * size)
+        });
+        let wander = harmonics + noise;
+        let forces = now.g.abs() + last.g.abs() + wander + k * (now.x.abs() + last.x.abs()) + self.static_force;
+        let speed = now.v.abs() + last.v.abs() + dt / m * forces;
+        let gained = 0.5 * m * (now.v + last.v) * (now.v - last.v) + 0.5 * k * (now.x + last.x) * dx;
+        let done = 0.5 * (now.g + last.g) * dx - self.model.friction.dynamic_force * dx.abs();
+        // The damping takes between nothing and its greatest speed all the way.
+        let damped = 2.0 * damping * dx.abs() * speed;
+        let size = m * (now.v * now.v + last.v * last.v) + forces * (now.x.abs() + last.x.abs());
+        lane.energy.mismatch += gained - done + 0.5 * damped;
+        lane.energy.allowed += wander * dx.abs() + 0.5 * damped + error * size;
+    }
+
+    fn check_end(&self, lane: &mut Lane) -> Result<(), String> {
+        let rest = self.end - lane.since;
+        match lane.direction {
+            None => lane.stick_time += rest,
+            Some(_) => {
+                lane.slip_time += rest;
+                lane.travel += lane.last.map_or(0.0, |last| (last.x - lane.origin).abs());
+            }
+        }
+        let total = lane.stick_time + lane.slip_time;
+        let allowed = 2.0 * ULP * f64::from(lane.events + 2) * self.end;
+        ensure((total - self.end).abs() <= allowed, || format!("stick and slip make {total:e} of {:e}", self.end))?;
+        let Energy { mismatch, allowed } = lane.energy;
+        ensure(allowed.is_nan() || mismatch.is_nan() || mismatch.abs() <= allowed, || {
+            format!("energy off by {mismatch:e}, {allowed:e} allowed")
+        })
+    }
+
+    fn complain(&mut self, lane: usize, check: impl FnOnce(&Watch, &mut Lane) -> Result<(), String>) {
+        if self.lanes[lane].complaint.is_none() {
+            let mut state = self.lanes[lane].clone();
+            state.complaint = check(self, &mut state).err().map(|what| format!("t = {:e}: {what}", state.looked));
+            self.lanes[lane] = state;
+        }
+    }
+}
+
+fn ensure(holds: bool, otherwise: impl FnOnce() -> String) -> Result<(), String> {
+    if holds { Ok(()) } else { Err(otherwise()) }
+}
+
+impl Observer for Watch {
+    fn event(&mut self, lane: usize, event: Event) {
+        self.complain(lane, |watch, lane| watch.check_event(lane, &event));
+    }
+
+    fn snapshot(&mut self, instant: Instant, s: Snapshot<'_>) {
+        let gain = self.model.oscillator.stiffness * self.model.oscillator.dilatation;
+        for lane in 0..self.lanes.len() {
+            let now = State { t: s.time, x: s.displacement[lane], v: s.velocity[lane], g: gain * s.temperature[lane] };
+            self.complain(lane, |watch, state| watch.check_snapshot(state, now, s.is_static[lane]));
+            if instant == Instant::End {
+                self.complain(lane, Watch::check_end);
+            }
+        }
+    }
+}

@@ -1,0 +1,184 @@
+//! Where the explicit step grows and where it does not: predicted, warned of, shown; and the event-driven scheme beside it.
+//!
+//! **Without damping.** A step multiplies the distance from the centre of a half-cycle by sqrt(1 + c^2), c = w0 h, and turns it by atan c;
+//! a half-cycle multiplies by G = (1 + c^2)^{pi/(2 atan c)}, about centres eps f_d/K. From turn to turn
+//!
+//! ```text
+//! A' = G A - (G + 1) f_d/K,   at rest at A* = coth(ln G/2) f_d/K = A_c (1 + pi^2 c^2/48 + ...),   A_c = 4 f_d/(pi w0 h K)
+//! ```
+//!
+//! so A_c is the limit up to a relative O(c^2), and A_n - A* = G^n (A_0 - A*). Turns happen on the grid, which moves each by a relative
+//! O(c^2) too; over the 2/(pi c) half-cycles in which a distance from A* grows e-fold, that is O(c).
+
+use super::common::Keep;
+use std::f64::consts::PI;
+use stick_slip::model::{Event, EventKind};
+use stick_slip::scenario::{Override, Scenario, Warning};
+use stick_slip::stats::Summary;
+
+/// A free body with equal friction, released at x0.
+struct Free {
+    mass: f64,
+    stiffness: f64,
+    damping: f64,
+    friction: f64,
+    start: f64,
+    step: f64,
+    steps: f64,
+}
+
+impl Free {
+    fn scenario(&self, scheme: &str) -> Scenario {
+        let Free { mass, stiffness, damping, friction, start, step, steps } = *self;
+        let text = format!(
+            "[oscillator]\nmass = {mass:e}\nstiffness = {stiffness:e}\ndamping = {damping:e}\ndilatation = 1\n\
+             [friction]\nstatic = {friction:e}\ndynamic = {friction:e}\n[initial]\ndisplacement = {start:e}\n\
+             [time]\nend = {:e}\nstep = {step:e}\noutput_step = {:e}\n[ensemble]\npaths = 1\n",
+            steps * step,
+            steps * step
+        );
+        let scheme = Override::flag("--scheme", "scheme.kind", scheme);
+        Scenario::parse("free.toml", &text, &[scheme]).unwrap_or_else(|e| panic!("{e}\n{text}"))
+    }
+
+    fn w0(&self) -> f64 {
+        (self.stiffness / self.mass).sqrt()
+    }
+
+    /// Events and last row of the one path; what is lost is left out.
+    fn path(&self, scheme: &str) -> (Vec<Event>, (f64, f64), Summary) {
+        let plan = self.scenario(scheme).plan();
+        let mut keep = Keep::lanes(1);
+        plan.scheme.simulate(1, &[0], &mut keep);
+        let last = keep.rows[0][keep.rows[0].len() - 1];
+        (keep.events.remove(0), (last.1, last.2), plan.run(1))
+    }
+}
+
+fn turns(events: &[Event]) -> Vec<f64> {
+    events.iter().filter(|e| matches!(e.kind, EventKind::SubPhaseBoundary(_))).map(|e| e.displacement.abs()).collect()
+}
+
+fn foretold(scenario: &Scenario) -> bool {
+    let grows = |w: &Warning| matches!(w, Warning::StepUnstable { .. } | Warning::AmplitudeAboveCritical { .. });
+    scenario.warnings().iter().any(grows)
+}
+
+/// (m, K, c = w0 h, how near to A_c the two starts are).
+const UNDAMPED: [(f64, f64, f64, f64); 6] = [
+    (1.0, 1.0, 0.01, 0.02),
+    (1.0, 1.0, 0.05, 0.05),
+    (1.0, 1.0, 0.2, 0.2),
+    (4.0, 0.25, 0.01, 0.02),
+    (1e-6, 1e6, 0.01, 0.02),
+    (1e5, 1.888e8, 0.004, 0.01),
+];
+
+#[test]
+fn amplitudes_grow_above_the_critical_one_and_fall_below_it_as_predicted() {
+    for (mass, stiffness, c, near) in UNDAMPED {
+        let (w0, friction) = ((stiffness / mass).sqrt(), 0.3 * stiffness);
+        let step = c / w0;
+        let critical = 4.0 * friction / (PI * c * stiffness);
+        for side in [1.0 - near, 1.0 + near] {
+            let start = side * critical;
+            let free = Free { mass, stiffness, damping: 0.0, friction, start, step, steps: (20.0 / (c * c)).ceil() };
+            assert_eq!(foretold(&free.scenario("discrete-vi")), side > 1.0, "{mass} {stiffness} {c} {side}");
+            let (events, (x, v), summary) = free.path("discrete-vi");
+
+            // A_n - A* = G^n (A_0 - A*), over the time in which it grows e-fold.
+            let growth = PI * c.mul_add(c, 1.0).ln() / (2.0 * c.atan());
+            let rest = friction / stiffness / (0.5 * growth).tanh();
+            let n = (1.0 / growth).ceil() as usize;
+            let predicted = rest + (growth * n as f64).exp() * (start - rest);
+            let found = turns(&events)[n - 1];
+            println!(
+                "m {mass:e} K {stiffness:e} c {c}: A_0/A_c {side}, A_{n}/A_c {} predicted {}",
+                found / critical,
+                predicted / critical
+            );
+            assert!(
+                (found - predicted).abs() < 0.5 * c * critical,
+                "{mass} {stiffness} {c} {side}: {found} {predicted}"
+            );
+
+            assert_eq!(summary.diverged.len(), usize::from(side > 1.0), "{mass} {stiffness} {c} {side}");
+            if side < 1.0 {
+                assert!(v == 0.0 && x.abs() <= friction / stiffness, "at rest in the corridor: {x} {v}");
+            }
+        }
+    }
+}
+
+#[test]
+fn where_the_explicit_step_grows_the_event_driven_scheme_loses_two_f_d_over_k_a_half_cycle() {
+    // Coulomb's own result: turn n at t = n pi/w0 and |x| = x0 - 2 n f_d/K. To rounding, in digits of x0.
+    for (mass, stiffness, c, near) in UNDAMPED {
+        let friction = 0.3 * stiffness;
+        let start = (1.0 + near) * 4.0 * friction / (PI * c * stiffness);
+        let step = c / (stiffness / mass).sqrt();
+        let free = Free { mass, stiffness, damping: 0.0, friction, start, step, steps: (20.0 / (c * c)).ceil() };
+        assert!(!foretold(&free.scenario("event-driven")));
+        let (events, (x, v), summary) = free.path("event-driven");
+        let turns: Vec<&Event> = events.iter().filter(|e| matches!(e.kind, EventKind::SubPhaseBoundary(_))).collect();
+        let lost = 2.0 * friction / stiffness;
+        // It turns while |b| = K |x| > f_s = K lost/2.
+        let expected = ((start - 0.5 * lost) / lost).ceil() as usize - 1;
+        assert_eq!(turns.len(), expected, "{mass} {stiffness} {c}");
+        for (n, turn) in (1..).zip(&turns) {
+            let n = f64::from(n);
+            assert!((turn.displacement.abs() - (start - n * lost)).abs() < 1e-14 * (n + 10.0) * start);
+            assert!((turn.time * free.w0() / (n * PI) - 1.0).abs() < 1e-11, "{n}: {}", turn.time);
+        }
+        assert!(v == 0.0 && x.abs() <= 0.5 * lost && summary.diverged.is_empty());
+    }
+}
+
+/// (m, K, alpha): under-, over- and critically damped.
+const DAMPED: [(f64, f64, f64); 6] =
+    [(1.0, 1.0, 0.1), (1.0, 1.0, 0.5), (2.0, 8.0, 1.0), (1.0, 1.0, 1.0), (1.0, 1.0, 3.0), (1e5, 1.888e8, 1e7)];
+
+#[test]
+fn the_damped_step_grows_beyond_its_limit_and_not_before() {
+    // 5 % to either side of h = 2 alpha/K (underdamped) and of h = 2/|lambda_max| (over): from 1e4 f/K it comes to rest, or overflows.
+    for (mass, stiffness, damping) in DAMPED {
+        let (w0, gamma) = ((stiffness / mass).sqrt(), damping / mass);
+        let lambda = gamma + (gamma * gamma - w0 * w0).max(0.0).sqrt();
+        let limit = if gamma < w0 { 2.0 * damping / stiffness } else { 2.0 / lambda };
+        for side in [0.95, 1.05] {
+            // Enough for the slow growth of weak damping; not so long that an overdamped creep underflows.
+            let steps = if gamma < w0 { 40_000.0 } else { 300.0 };
+            let step = side * limit;
+            let (friction, start) = (1e-4 * stiffness, 1.0);
+            let free = Free { mass, stiffness, damping, friction, start, step, steps };
+            assert_eq!(foretold(&free.scenario("discrete-vi")), side > 1.0, "{mass} {stiffness} {damping} {side}");
+            let (_, (x, v), summary) = free.path("discrete-vi");
+            println!(
+                "m {mass:e} K {stiffness:e} alpha {damping:e}: h {side} limits, x = {x:.3e}, lost {}",
+                summary.diverged.len()
+            );
+            assert_eq!(summary.diverged.len(), usize::from(side > 1.0), "{mass} {stiffness} {damping} {side}");
+            if side < 1.0 {
+                // A slip creeps to f_d/K where it is overdamped, and need not end.
+                assert!(x.abs() <= 1.001 * friction / stiffness && v.abs() <= 1e-6 * w0 * start, "{x} {v}");
+            }
+
+            // The event-driven scheme has no step to be wrong: the exact damped motion about f_d/K, at its first turn or at a given time.
+            let (events, _, summary) = free.path("event-driven");
+            assert!(summary.diverged.is_empty());
+            assert!(!foretold(&free.scenario("event-driven")));
+            let centre = friction / stiffness;
+            if gamma < w0 {
+                let decrement = (-gamma * PI / (w0 * w0 - gamma * gamma).sqrt()).exp();
+                let (mut amplitude, turns) = (start, turns(&events));
+                assert!(turns.len() > 1);
+                for turn in turns {
+                    amplitude = (amplitude - centre) * decrement - centre;
+                    assert!((turn - amplitude).abs() < 1e-13, "{mass} {stiffness} {damping}: {turn} {amplitude}");
+                }
+            } else {
+                assert!(turns(&events).is_empty(), "an overdamped body does not turn");
+            }
+        }
+    }
+}
