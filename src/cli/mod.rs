@@ -1,5 +1,6 @@
 //! The command line: one file per verb, each of them parse, call, print.
 
+mod accuracy;
 mod check;
 mod completions;
 mod ending;
@@ -26,6 +27,7 @@ Examples:
   mc init --from rho025 -o mine.toml        write a scenario to start from
   mc check mine.toml                        is it sound, and what will it cost?
   mc run mine.toml --paths 10000            simulate; results in mine.h5
+  mc run mine.toml --accuracy 1%            choose scheme, step and paths for an error of 1 %
   mc run mine.toml --set friction.static=1.3 -o stronger.h5
   mc show mine.h5                           the table again, from the file
   mc replay mine.h5 --path 4711             one path alone, event by event
@@ -72,4 +74,9 @@ impl Arguments {
             Verb::Completions(completions) => completions.call(),
         }
     }
+}
+
+/// How many threads this machine runs at once.
+fn cores() -> usize {
+    std::thread::available_parallelism().map_or(1, usize::from)
 }

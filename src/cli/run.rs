@@ -1,5 +1,6 @@
 //! `mc run`: simulate an ensemble, write its statistics, say what came out.
 
+use super::accuracy;
 use super::ending::{Endings, Look, MOST_PATHS};
 use super::failure::{Failure, note, print, writable};
 use super::overrides::Overrides;
@@ -14,7 +15,7 @@ use std::time::{Duration, Instant};
 use stick_slip::bias::{BiasPlan, NoBias};
 use stick_slip::ensemble::{BLOCK_SIZE, Plan};
 use stick_slip::scenario::Scenario;
-use stick_slip::stats::{Summary, Totals};
+use stick_slip::stats::{Statistic, Summary, Totals};
 use stick_slip::store::{Status, StoreError};
 
 const EXAMPLES: &str = "\
@@ -23,6 +24,7 @@ Examples:
   mc run scenarios/rho025.toml --scheme event-driven -o exact.h5
   mc run scenarios/rho025.toml --step 0.001 -o fine.h5
   mc run scenarios/rho025.toml --set friction.static=1.3 -o stronger.h5
+  mc run scenarios/rho025.toml --accuracy 1% --statistic stick_duration_mean
   mc run scenarios/rho025.toml --until 'stick_duration_mean < 0.5%' --max-time 10m
   mc run scenarios/shaw.toml --json | jq .statistics.stick_duration_mean
 
@@ -37,6 +39,12 @@ pub struct Run {
     scenario: PathBuf,
     #[command(flatten)]
     overrides: Overrides,
+    /// Choose scheme, step or tolerance, and number of paths for this relative error, e.g. 1e-2 or 1%, from a pilot of some seconds
+    #[arg(long, value_name = "EPS", value_parser = accuracy::target, conflicts_with_all = ["paths", "scheme", "step", "tolerance"])]
+    accuracy: Option<f64>,
+    /// The statistic that is to be so accurate; repeatable [default: all]
+    #[arg(long, value_name = "NAME", value_parser = super::trade::statistic, requires = "accuracy")]
+    statistic: Vec<Statistic>,
     /// End the run after so long: 90, 90s, 15m, 2h; the file says after which block
     #[arg(long, value_name = "TIME", value_parser = super::numbers::parse_duration)]
     max_time: Option<Duration>,
@@ -91,19 +99,28 @@ struct Outcome {
 
 impl Run {
     pub fn call(&self) -> Result<(), Failure> {
-        let (scenario, goals) = self.overrides.scenario_and_goals(&self.scenario)?;
+        let (mut scenario, goals) = self.overrides.scenario_and_goals(&self.scenario)?;
+        let output = self.output.clone().unwrap_or_else(|| default_output(&self.scenario));
+        self.refuse_to_lose(&output)?;
+        let threads = self.threads.map_or_else(super::cores, usize::from);
+        if let Some(target) = self.accuracy {
+            if !goals.is_empty() {
+                return Err(Failure::usage(
+                    "--accuracy and a goal of --until both decide the paths",
+                    "give one of them",
+                ));
+            }
+            scenario = accuracy::choose(&scenario, target, &self.statistic, threads)?;
+        }
         let is_open_ended = !goals.is_empty() && !self.overrides.gives_paths();
         let paths = if is_open_ended { MOST_PATHS } else { scenario.ensemble.paths };
         let endings = Endings { goals, max_time: self.max_time };
-        let output = self.output.clone().unwrap_or_else(|| default_output(&self.scenario));
-        self.refuse_to_lose(&output)?;
         if self.verbose {
             note(&super::check::report(&scenario));
             note(&format!("kernel: {}", scenario.plan().scheme.kernel()));
         }
         let bias = (!self.no_bias).then(|| scenario.bias_plan());
         results::warn(&scenario, matches!(bias, Some(Ok(_))));
-        let threads = self.threads.map_or_else(cores, usize::from);
         let job = Job { scenario: &scenario, paths, endings, threads, output: &output, force: self.force, bias };
         let stop = stop_on_ctrl_c();
         let start = Instant::now();
@@ -147,10 +164,6 @@ fn default_output(scenario: &Path) -> PathBuf {
     let mut name = scenario.file_stem().unwrap_or("run".as_ref()).to_os_string();
     name.push(".h5");
     PathBuf::from(name)
-}
-
-fn cores() -> usize {
-    std::thread::available_parallelism().map_or(1, usize::from)
 }
 
 fn info(

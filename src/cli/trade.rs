@@ -60,7 +60,7 @@ impl Trade {
         if let Some(output) = &self.output {
             self.refuse_to_lose(output)?;
         }
-        let threads = self.threads.map_or_else(cores, usize::from);
+        let threads = self.threads.map_or_else(super::cores, usize::from);
         note(&format!("measuring for about {} s on {threads} threads", self.budget.as_secs()));
         let trade = trade::measure_within(&scenario, self.budget, threads)?;
         let shown = self.statistic.or_else(|| trade.answerable().first().copied());
@@ -104,17 +104,14 @@ impl Trade {
     }
 }
 
-fn cores() -> usize {
-    std::thread::available_parallelism().map_or(1, usize::from)
-}
-
 /// The SVG and the PNG next to a file.
 fn pictures(output: &Path) -> [PathBuf; 2] {
     ["svg", "png"].map(|extension| output.with_extension(extension))
 }
 
-fn statistic(name: &str) -> Result<Statistic, String> {
-    Statistic::ALL.into_iter().find(|s| s.name() == name).ok_or_else(|| {
+/// The statistic of a name.
+pub(super) fn statistic(name: &str) -> Result<Statistic, String> {
+    Statistic::from_name(name).ok_or_else(|| {
         let names: Vec<_> = Statistic::ALL.iter().map(|s| s.name()).collect();
         format!("there is no such statistic; write one of {}", names.join(", "))
     })
