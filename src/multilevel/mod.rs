@@ -107,13 +107,6 @@ impl Multilevel {
         is_usable.then(|| Multilevel { model: model.clone(), end, statistic, seed, coarsest_steps })
     }
 
-    /// What the coarsest levels say: enough to see whether, and how much, it pays.
-    pub fn pilot(&self, threads: usize, stop: &AtomicBool) -> Result<Vec<Level>, MultilevelError> {
-        let mut samples = vec![Sample::default(); FIRST_LEVELS];
-        self.extend(&mut samples, |_| PILOT_BLOCKS, threads, stop)?;
-        Ok(samples.iter().enumerate().map(|(l, sample)| self.level(l, sample)).collect())
-    }
-
     /// Simulate until the root mean square error is `target`: at most half of its square is left to the bias, the rest is for the
     /// variance.
     pub fn run(&self, target: f64, threads: usize, stop: &AtomicBool) -> Result<Outcome, MultilevelError> {
