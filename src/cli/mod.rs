@@ -19,6 +19,8 @@ mod trade_report;
 
 pub use failure::Failure;
 
+use stick_slip::stats::Statistic;
+
 /// Version and commit, as `--version` shows them.
 const VERSION: &str = concat!(env!("CARGO_PKG_VERSION"), " (", env!("MC_GIT_HASH"), ")");
 
@@ -79,4 +81,9 @@ impl Arguments {
 /// How many threads this machine runs at once.
 fn cores() -> usize {
     std::thread::available_parallelism().map_or(1, usize::from)
+}
+
+/// The names of all statistics, to choose from.
+fn statistic_names() -> String {
+    Statistic::ALL.map(Statistic::name).join(", ")
 }

@@ -3,7 +3,7 @@
 use super::failure::Failure;
 use std::path::Path;
 use stick_slip::scenario::{Override, Scenario, ScenarioError};
-use stick_slip::stats::{Goal, GoalError, Statistic};
+use stick_slip::stats::{Goal, GoalError};
 
 /// Flags shared by every verb that reads a scenario.
 #[derive(Debug, Default, clap::Args)]
@@ -81,8 +81,7 @@ fn is_goal(until: &str) -> bool {
 fn wrong_goal(text: &str, error: &GoalError) -> Failure {
     let remedy = match error {
         GoalError::UnknownStatistic(_) => {
-            let names: Vec<&str> = Statistic::ALL.into_iter().map(Statistic::name).collect();
-            format!("one of {}", names.join(", "))
+            format!("one of {}", super::statistic_names())
         }
         GoalError::NoComparison | GoalError::NoBound(_) => "such as --until \"stick_duration_mean < 0.5%\"".to_string(),
     };

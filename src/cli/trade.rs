@@ -1,7 +1,7 @@
 //! `mc trade`: what accuracy costs, scheme by scheme, and which is cheapest for a target.
 
 use super::failure::{Failure, note, print, writable};
-use super::numbers::wrapped;
+use super::numbers::{parse_duration, wrapped};
 use super::trade_report::{self, Asked};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -111,26 +111,18 @@ fn pictures(output: &Path) -> [PathBuf; 2] {
 
 /// The statistic of a name.
 pub(super) fn statistic(name: &str) -> Result<Statistic, String> {
-    Statistic::from_name(name).ok_or_else(|| {
-        let names: Vec<_> = Statistic::ALL.iter().map(|s| s.name()).collect();
-        format!("there is no such statistic; write one of {}", names.join(", "))
-    })
+    Statistic::from_name(name)
+        .ok_or_else(|| format!("there is no such statistic; write one of {}", super::statistic_names()))
 }
 
 /// The longest budget that is not a slip of the pen: a week.
-const LONGEST: f64 = 7.0 * 86_400.0;
+const LONGEST: Duration = Duration::from_secs(7 * 86_400);
 
 /// 60s, 5m, 1h, or plain seconds.
 fn budget(text: &str) -> Result<Duration, String> {
-    let units = [("s", 1.0), ("m", 60.0), ("h", 3600.0)];
-    let (number, unit) =
-        units.iter().find_map(|(name, unit)| Some((text.strip_suffix(name)?, *unit))).unwrap_or((text, 1.0));
-    let seconds = number.trim().parse::<f64>().map(|n| n * unit).unwrap_or(f64::NAN);
-    if (1.0..=LONGEST).contains(&seconds) {
-        Ok(Duration::from_secs_f64(seconds))
-    } else {
-        Err("write a time from one second to a week, e.g. 60s, 5m or 1h".into())
-    }
+    let sensible = Duration::from_secs(1)..=LONGEST;
+    let budget = parse_duration(text).ok().filter(|budget| sensible.contains(budget));
+    budget.ok_or_else(|| "write a time from one second to a week, e.g. 60s, 5m or 1h".to_string())
 }
 
 impl From<TradeError> for Failure {

@@ -14,7 +14,7 @@ pub struct Work {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Unresolved;
 
-/// Work of a path: some ten seconds of computing. Paths of interest take microseconds to seconds.
+/// Work of a path: ten seconds to two minutes of computing, as its evaluations go. Paths of interest take microseconds to seconds.
 pub const WORK_LIMIT: u64 = 100_000_000;
 
 impl Work {
