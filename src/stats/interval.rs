@@ -116,7 +116,12 @@ impl Measured {
         let n = paths.two.count;
         let sd = paths.two.variance().sqrt();
         let (freedom, spread) = (n.saturating_sub(1), paths.spread_of_squares());
-        let error = if sd == 0.0 { 0.0 } else { (spread / (n as f64 * freedom as f64)).sqrt() / (2.0 * sd) };
+        // 0/0 is not the same NaN on every processor.
+        let error = match freedom {
+            0 => f64::NAN,
+            _ if sd == 0.0 => 0.0,
+            _ => (spread / (n as f64 * freedom as f64)).sqrt() / (2.0 * sd),
+        };
         Measured::new(sd, error, freedom)
     }
 
@@ -222,6 +227,11 @@ mod tests {
         assert_eq!(one.estimate, 3.0);
         let one = one.named(Statistic::StickDurationMean);
         assert!(one.standard_error.is_nan() && one.low.is_nan() && one.high.is_nan());
+        // The file holds the same bytes on every processor, whichever sign its 0/0 has.
+        let one = Measured::standard_deviation(&FourMoments::of(&[3.0])).named(Statistic::DisplacementEndSd);
+        assert!(
+            [one.estimate, one.standard_error, one.low, one.high].iter().all(|x| x.to_bits() == f64::NAN.to_bits())
+        );
         let none = Measured::mean_of(&JointMoments::<1>::default(), 0);
         assert!(none.estimate.is_nan());
         assert!(Measured::ratio(&JointMoments::of([&[0.0, 0.0], &[0.0, 0.0]]), 0, 1, 0).estimate.is_nan());
