@@ -6,7 +6,7 @@
 //! | slip only from stick; turn and stick only from slip | none |
 //! | \|b\| <= f_s where a stick is entered (not quasi-static, whose recursion does not ask) | 4 roundings of f_s |
 //! | \|b\| >= f_s where one ends, in the direction of the slip (corrected: f_s less its shift) | rounding of b |
-//! | \|K (beta T - x)\| <= f_s in every static snapshot (event-driven) | rounding of b, and of w t in the phase |
+//! | \|K (beta T - x)\| <= f_s in every static snapshot (event-driven) | rounding of b, of each harmonic and its phase w t, and of x as a sum of ways |
 //! | x rests in a stick | none |
 //! | x' and every displacement in a sub-phase have its sign | rounding; a corrected turn lies a step behind |
 //! | energy: a step of the discrete schemes balances to rounding with its own O(h^2) surplus | 1e-12 of its terms |
@@ -52,6 +52,8 @@ pub struct Lane {
     origin: f64,
     /// x where the dynamic phase began.
     slip_origin: f64,
+    /// What x may be off by for being a sum of ways: a rounding of both ends of each.
+    spread: f64,
     looked: f64,
     last: Option<State>,
     pub stick_time: f64,
@@ -94,6 +96,7 @@ impl Watch {
             since: 0.0,
             origin: model.initial_displacement,
             slip_origin: model.initial_displacement,
+            spread: 0.0,
             looked: 0.0,
             last: None,
             stick_time: 0.0,
@@ -115,13 +118,13 @@ impl Watch {
         matches!(self.scheme, SchemeKind::EventDriven { .. })
     }
 
-    /// What rounding does to b at a time: its terms, and the phase of the forcing, w t.
-    fn rounding(&self, t: f64, x: f64, force: f64) -> f64 {
+    /// What rounding does to b at a time: its terms, each harmonic and its phase w t, and x as the sum of ways that it is.
+    fn rounding(&self, lane: &Lane, t: f64, x: f64, force: f64) -> f64 {
         let Oscillator { stiffness, dilatation, .. } = self.model.oscillator;
         let phase = (self.model.temperature.harmonics.iter())
-            .map(|h| (stiffness * dilatation * h.amplitude).abs() * (ULP * h.angular_frequency * t).min(1.0))
+            .map(|h| (stiffness * dilatation * h.amplitude).abs() * (ULP * (1.0 + h.angular_frequency * t)).min(1.0))
             .sum::<f64>();
-        16.0 * (ULP * (force.abs() + 2.0 * (stiffness * x).abs()) + phase)
+        16.0 * (ULP * (force.abs() + 2.0 * (stiffness * x).abs()) + phase + stiffness * lane.spread)
     }
 
     /// The corrected scheme with f_d above its lowered threshold: a body that leaves a stick below f_d makes one step against b.
@@ -135,7 +138,7 @@ impl Watch {
         ensure(time.is_finite() && x.is_finite() && force.is_finite(), || "not a number".into())?;
         ensure(time >= lane.since && time >= lane.looked && time <= self.end, || "out of time order".into())?;
         let duration = time - lane.since;
-        let noise = self.rounding(time, x, force);
+        let noise = self.rounding(lane, time, x, force);
         match (kind, lane.direction) {
             (EventKind::SlipStarted(sign), None) => {
                 ensure(x == lane.origin, || format!("moved from {:e} to {x:e} in a stick", lane.origin))?;
@@ -179,6 +182,7 @@ impl Watch {
             let error = if matches!(kind, EventKind::SlipStarted(_)) { ROUNDING } else { STOP_ERROR };
             self.balance(lane, State { t: time, x, v: 0.0, g: force + model.oscillator.stiffness * x }, error);
         }
+        lane.spread += ULP * (x.abs() + lane.origin.abs());
         (lane.since, lane.origin) = (time, x);
         lane.events += 1;
         Ok(())
@@ -205,7 +209,7 @@ impl Watch {
                 ensure(x == lane.origin && v == 0.0, || format!("moves in a stick: x' = {v:e}"))?;
                 if self.is_event_driven() {
                     let force = g - self.model.oscillator.stiffness * x;
-                    let most = self.static_force + self.rounding(t, x, force);
+                    let most = self.static_force + self.rounding(lane, t, x, force);
                     ensure(force.abs() <= most, || format!("static at b = {force:e}, f_s = {:e}", self.static_force))?;
                 }
             }

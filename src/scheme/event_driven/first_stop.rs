@@ -69,7 +69,7 @@ pub struct Stop {
     pub after: f64,
     /// a there.
     pub acceleration: f64,
-    /// The way made since the start of the step.
+    /// The way made since the start of the step; not negative, for V > 0 on it.
     pub way: f64,
 }
 
@@ -174,7 +174,7 @@ impl StopSearch {
                     if !(stop.after + stop.way + stop.acceleration).is_finite() {
                         return Err(Unresolved);
                     }
-                    return Ok(Some(Stop { after: after + stop.after, way: way + stop.way, ..stop }));
+                    return Ok(Some(Stop { after: after + stop.after, way: forwards(way + stop.way), ..stop }));
                 }
                 if next.length > finest && top < DEPTH {
                     let (near, far) = halves(left, &next, draws);
@@ -189,7 +189,7 @@ impl StopSearch {
                     let part = left.velocity / (left.velocity - next.end.velocity);
                     let part = if part.is_finite() { part } else { 0.0 };
                     let acceleration = left.acceleration + part * (next.end.acceleration - left.acceleration);
-                    let (after, way) = (after + part * next.length, way + part * next.way);
+                    let (after, way) = (after + part * next.length, forwards(way + part * next.way));
                     return Ok(Some(Stop { after, acceleration, way }));
                 }
             }
@@ -265,6 +265,13 @@ impl StopSearch {
         }
         Stop { after, acceleration: left.acceleration.min(next.end.acceleration), way }
     }
+}
+
+/// A way made while V > 0. The ways of intervals are differences, good to a rounding of the way of the whole step; a slip much
+/// smaller than that may come out backwards.
+#[inline(always)]
+fn forwards(way: f64) -> f64 {
+    if way < 0.0 { 0.0 } else { way }
 }
 
 impl Interval {

@@ -69,6 +69,8 @@ struct Path {
     displacement: f64,
     velocity: f64,
     noise: f64,
+    /// b, in a slip: as it is known where a phase begins, threshold or force at a stop, and not as a difference of larger forces.
+    force: f64,
     phase: Phase,
     draws: Stream,
     work: Work,
@@ -137,6 +139,7 @@ impl Noisy {
             displacement: self.scene.initial_displacement,
             velocity: 0.0,
             noise,
+            force: 0.0,
             phase: Phase::Static,
             draws,
             work: Work::new(self.work_limit),
@@ -166,6 +169,7 @@ impl Noisy {
             };
             let Some(event) = event else { break };
             emit(event);
+            path.force = event.force;
             path.phase = match event.kind {
                 EventKind::StickEntered => Phase::Static,
                 EventKind::SlipStarted(sign) | EventKind::SubPhaseBoundary(sign) => Phase::Slip(sign),
@@ -183,10 +187,7 @@ impl Noisy {
         let outcome = self.stick.advance(&self.scene, &mut state, until, &mut path.draws, &mut path.work);
         (path.time, path.noise) = (state.time, state.noise);
         match outcome {
-            StickOutcome::Exit(sign) => {
-                let force = forcing(terms) - spring_force + path.noise;
-                Some(path.event(EventKind::SlipStarted(sign), force))
-            }
+            StickOutcome::Exit(force) => Some(path.event(EventKind::SlipStarted(Sign::of(force)), force)),
             StickOutcome::Stays => None,
             StickOutcome::Unresolved => {
                 path.failed = true;
@@ -206,7 +207,7 @@ impl Noisy {
     ) -> Option<Event> {
         let (eps, mass) = (direction.value(), self.scene.oscillator.mass);
         let friction = eps * self.scene.friction.dynamic_force;
-        let mut acceleration = (self.force(path, terms) - friction) / mass;
+        let mut acceleration = (path.force - friction) / mass;
         loop {
             let remaining = until - path.time;
             if remaining <= 0.0 {
@@ -230,7 +231,8 @@ impl Noisy {
             let start = Motion { velocity: eps * path.velocity, acceleration: eps * acceleration };
             let before = (path.time, path.displacement);
             self.take(step, path, terms, friction);
-            acceleration = (self.force(path, terms) - friction) / mass;
+            path.force = self.force(path, terms);
+            acceleration = (path.force - friction) / mass;
             let end = Motion { velocity: eps * path.velocity, acceleration: eps * acceleration };
             if !(end.velocity.is_finite() && end.acceleration.is_finite()) {
                 path.failed = true;
