@@ -10,7 +10,7 @@
 //! | x rests in a stick | none |
 //! | x' and every displacement in a sub-phase have its sign | rounding; a corrected turn lies a step behind |
 //! | energy: a step of the discrete schemes balances to rounding with its own O(h^2) surplus | 1e-12 of its terms |
-//! | energy: event-driven, T between two looks known as well as it can move in between | that, times the way; 1e-4 a stop |
+//! | energy: event-driven, T between two looks known as well as it can move in between | that, times the way; 1e-9 of its terms |
 //! | quasi-static: a slip lasts pi/w0 and moves 2 (f_s - f_d)/K | rounding |
 //! | stick time + slip time = t_end | a rounding of t_end an event |
 
@@ -21,11 +21,7 @@ use stick_slip::scheme::{Instant, Observer, Snapshot, monitoring_shift};
 const ULP: f64 = f64::EPSILON;
 
 /// What rounding may leave of an energy between two instants, relative to its terms.
-const ROUNDING: f64 = 1e-9;
-
-/// Where noise is feeble against the motion, the event-driven scheme puts a stop by interpolation in a step of half the fastest time scale:
-/// that leaves some 1e-5 of the energy a half-cycle at the default tolerance, and follows it (docs/extremes.md).
-const STOP_ERROR: f64 = 1e-4;
+const ROUNDING: f64 = 1e-12;
 
 /// Watches the paths of one scenario.
 pub struct Watch {
@@ -179,8 +175,7 @@ impl Watch {
             (kind, direction) => return Err(format!("{kind:?} while moving {direction:?}")),
         }
         if self.is_event_driven() {
-            let error = if matches!(kind, EventKind::SlipStarted(_)) { ROUNDING } else { STOP_ERROR };
-            self.balance(lane, State { t: time, x, v: 0.0, g: force + model.oscillator.stiffness * x }, error);
+            self.balance(lane, State { t: time, x, v: 0.0, g: force + model.oscillator.stiffness * x });
         }
         lane.spread += ULP * (x.abs() + lane.origin.abs());
         (lane.since, lane.origin) = (time, x);
@@ -226,7 +221,7 @@ impl Watch {
             (SchemeKind::DiscreteVi | SchemeKind::CorrectedVi, Some(last)) if t > last.t => {
                 self.check_step(last, now)?
             }
-            (SchemeKind::EventDriven { .. }, _) => self.balance(lane, now, ROUNDING),
+            (SchemeKind::EventDriven { .. }, _) => self.balance(lane, now),
             _ => {}
         }
         lane.last = Some(now);
@@ -263,7 +258,7 @@ impl Watch {
 
     /// From one instant to the next of the exact motion: E' - E = int g dx - f_d |dx| - 2 alpha int x'^2 dt. In between, g is the mean of
     /// both ends up to what it can move, and x' likewise.
-    fn balance(&self, lane: &mut Lane, now: State, error: f64) {
+    fn balance(&self, lane: &mut Lane, now: State) {
         let Some(last) = lane.last.replace(now) else { return };
         let Oscillator { mass: m, stiffness: k, damping, dilatation } = self.model.oscillator;
         let (dt, dx) = (now.t - last.t, now.x - last.x);
@@ -286,7 +281,7 @@ impl Watch {
         let damped = 2.0 * damping * dx.abs() * speed;
         let size = m * (now.v * now.v + last.v * last.v) + forces * (now.x.abs() + last.x.abs());
         lane.energy.mismatch += gained - done + 0.5 * damped;
-        lane.energy.allowed += wander * dx.abs() + 0.5 * damped + error * size;
+        lane.energy.allowed += wander * dx.abs() + 0.5 * damped + ROUNDING * size;
     }
 
     fn check_end(&self, lane: &mut Lane) -> Result<(), String> {
