@@ -6,6 +6,7 @@
 //! | slip only from stick; turn and stick only from slip | none |
 //! | \|b\| <= f_s where a stick is entered (not quasi-static, whose recursion does not ask) | 4 roundings of f_s |
 //! | \|b\| >= f_s where one ends, in the direction of the slip (corrected: f_s less its shift) | rounding of b |
+//! | \|b\| > f_s where a sub-phase begins, in its direction (event-driven) | none |
 //! | \|K (beta T - x)\| <= f_s in every static snapshot (event-driven) | rounding of b, of each harmonic and its phase w t, and of x as a sum of ways |
 //! | x rests in a stick | none |
 //! | x' and every displacement in a sub-phase have its sign | rounding; a corrected turn lies a step behind |
@@ -156,6 +157,9 @@ impl Watch {
                 lane.travel += (x - lane.origin).abs();
                 lane.slip_time += duration;
                 if let EventKind::SubPhaseBoundary(sign) = kind {
+                    ensure(!self.is_event_driven() || sign.value() * force > self.static_force, || {
+                        format!("turns {sign:?} at b = {force:e}, f_s = {:e}", self.static_force)
+                    })?;
                     lane.running += 1;
                     lane.direction = Some(sign);
                 } else {
