@@ -156,7 +156,6 @@ fn forcing_slope(scene: &Scene, terms: &[Complex]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::super::harness::{exits, mean_and_error, paper_scene};
-    use super::*;
     use crate::model::Sign;
 
     /// Statistical tests: null hypothesis, the mean is the exact one; n paths; they fail by chance once in 1e4 (3.9 standard
