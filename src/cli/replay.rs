@@ -59,6 +59,7 @@ fn replay(mut scenario: Scenario, path: u64, output: &Path, force: bool) -> Resu
     scenario.record = Record { trajectories: record.trajectories.min(MAX_TRAJECTORIES), ..record };
     note(&remark);
     let block = Plan { record, ..scenario.plan() }.replay(path);
+    let has_step = scenario.scheme.is_time_stepping();
     // A file of one path, whatever its number in the ensemble.
     let header = Header { paths: 1, ..results::header(&scenario) };
     let mut writer = results::start(&header, &record, output, force)?;
@@ -68,7 +69,7 @@ fn replay(mut scenario: Scenario, path: u64, output: &Path, force: bool) -> Resu
     let columns = block.path_columns.unwrap_or_default();
     print(&format!("path {path}\n"))?;
     if summary.diverged.contains(&path) {
-        return print("it diverged\n");
+        return print(if has_step { "it diverged\n" } else { "it was given up\n" });
     }
     let events = block.events.unwrap_or_default();
     print(&format!("{:>6} {:>14} {:>14} {:>14}\n", "event", "time", "displacement", "force b"))?;

@@ -45,6 +45,12 @@ pub struct RunInfo {
 }
 
 impl RunInfo {
+    /// What became of a path that is in no statistic. A step can be unstable; a scheme without one gives up, where a path takes more work
+    /// than it may or meets a number that is not finite.
+    fn loss(&self) -> &'static str {
+        if self.step.is_some() { "diverged" } else { "given up" }
+    }
+
     /// Wall-clock time of the ensemble itself.
     fn ensemble_seconds(&self) -> Option<f64> {
         Some(self.seconds? - self.bias_seconds?)
@@ -62,7 +68,7 @@ impl RunInfo {
     }
 }
 
-/// Most numbers of diverged paths listed in a table; the file holds them all.
+/// Most numbers of lost paths listed in a table; the file holds them all.
 const LISTED_PATHS: usize = 10;
 
 /// The table for people.
@@ -143,7 +149,7 @@ fn absence(e: &Estimate, summary: &Summary) -> Option<&'static str> {
     let slips: u64 = summary.sub_phases.counts.iter().sum();
     let reason = match e.statistic {
         _ if summary.completed_paths == 0 => "no path was completed",
-        _ if valid == 0 => "every path diverged",
+        _ if valid == 0 => "every path diverged or was given up",
         Statistic::StickDurationMean | Statistic::StickDurationSd | Statistic::StickDurationMedian
             if sticks.completed == 0 =>
         {
@@ -197,8 +203,8 @@ fn remarks(summary: &Summary, info: &RunInfo) -> Vec<(&'static str, String)> {
         Status::Running => paths.push_str(": the run is not finished"),
     }
     remarks.push(("paths", paths));
-    if let Some(line) = diverged(summary) {
-        remarks.push(("diverged", format!(" {line}")));
+    if let Some(line) = lost(summary, info) {
+        remarks.push((info.loss(), format!(" {line}")));
     }
     if let Some(seconds) = info.seconds {
         let mut line = duration(seconds);
@@ -220,14 +226,15 @@ fn remarks(summary: &Summary, info: &RunInfo) -> Vec<(&'static str, String)> {
     remarks
 }
 
-/// How many paths diverged, and the first of their numbers; none if none did.
-pub fn diverged(summary: &Summary) -> Option<String> {
+/// How many paths diverged or were given up, and the first of their numbers; none if none did.
+pub fn lost(summary: &Summary, info: &RunInfo) -> Option<String> {
     let n = summary.diverged.len();
     let numbers: Vec<String> = summary.diverged.iter().take(LISTED_PATHS).map(u64::to_string).collect();
     let more = if n > LISTED_PATHS { ", ..." } else { "" };
     let paths = if n == 1 { "path" } else { "paths" };
     (n > 0).then(|| {
-        format!("{} {paths} diverged, in no statistic: number {}{more}", grouped(n as u64), numbers.join(", "))
+        let loss = info.loss();
+        format!("{} {paths} {loss}, in no statistic: number {}{more}", grouped(n as u64), numbers.join(", "))
     })
 }
 
@@ -549,6 +556,12 @@ mod tests {
         summary.diverged = (0..10_000).collect();
         set(&mut summary, Statistic::DisplacementEndMean, f64::NAN);
         assert!(super::table(&summary, &info()).contains("every path diverged"));
+        let without_step = RunInfo { step: None, ..info() };
+        let table = super::table(&summary, &without_step);
+        assert!(
+            table.contains("10 000 paths given up, in no statistic") && !table.contains("paths diverged"),
+            "{table}"
+        );
     }
 
     #[test]

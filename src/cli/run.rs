@@ -135,7 +135,7 @@ impl Run {
         } else if !self.quiet {
             print(&report::table(&summary, &info))?;
         }
-        if let Some(line) = report::diverged(&summary).filter(|_| self.json || self.quiet) {
+        if let Some(line) = report::lost(&summary, &info).filter(|_| self.json || self.quiet) {
             note(&format!("warning: {line}"));
         }
         results::warn_of_bias(&summary);
@@ -252,7 +252,7 @@ fn execute(job: &Job<'_>, stop: &AtomicBool, progress: &mut Progress) -> Result<
     }
     writer.finish(&summary, status)?;
     let missed = if status == Status::Complete { job.endings.missed(&totals, completed) } else { Vec::new() };
-    let failure = failure.or_else(|| all_diverged(&summary));
+    let failure = failure.or_else(|| all_lost(&summary, job.scenario.scheme.is_time_stepping()));
     Ok(Outcome { summary, status, bias, ended_by, missed, failure })
 }
 
@@ -268,13 +268,17 @@ fn add_bias(
     Ok(())
 }
 
-fn all_diverged(summary: &Summary) -> Option<String> {
-    let diverged = summary.diverged.len() as u64;
-    (diverged > 0 && diverged == summary.completed_paths).then(|| {
+/// What to say where no path is left.
+fn all_lost(summary: &Summary, has_step: bool) -> Option<String> {
+    let lost = summary.diverged.len() as u64;
+    let message = if has_step {
         "every path diverged, so there are no statistics\n  fix: a smaller step, or --scheme corrected-vi or event-driven; mc check \
          says how long a step may be"
-            .to_string()
-    })
+    } else {
+        "every path was given up, so there are no statistics: it takes more than 10^8 evaluations, or meets a number that is not finite\n  \
+         fix: a shorter --until; or --scheme discrete-vi, whose work is its number of steps"
+    };
+    (lost > 0 && lost == summary.completed_paths).then(|| message.to_string())
 }
 
 #[cfg(test)]

@@ -71,6 +71,19 @@ impl ImpulseResponse {
         (first_difference(a, b, r) - first_difference(b, c, r)) / (a - c)
     }
 
+    /// G_z'(r) from `response` = G_z(r) and `impulse` = S(r).
+    ///
+    /// G_z' = a G_z + exp[b, c] for any order a, b, c of the roots z, l1, l2. With the smallest as a, neither term is larger than
+    /// the largest root's share of the sum: z G_z + S would cancel where the force is faster than the oscillator.
+    pub fn exponential_slope(&self, z: Complex, r: f64, response: Complex, impulse: f64) -> Complex {
+        let [l1, l2] = self.roots;
+        if z.abs() <= l1.abs() {
+            z * response + Complex::new(impulse, 0.0)
+        } else {
+            l1 * response + first_difference(z, l2, r)
+        }
+    }
+
     /// G_z(r) - G_0(r): the response to e^{z t} - 1, a force that is switched on at zero.
     pub fn exponential_from_zero(&self, z: Complex, r: f64) -> Complex {
         let largest = z.abs().max(self.roots[0].abs()).max(self.roots[1].abs());
@@ -182,6 +195,20 @@ mod tests {
             let exact = (Complex::unit(r) * r - Complex::new(r.sin(), 0.0)) / Complex::new(0.0, 2.0);
             let got = free.exponential(z, r);
             assert!((got - exact).abs() <= 8.0 * f64::EPSILON * exact.abs().max(r), "{r}: {got:?} {exact:?}");
+        }
+    }
+
+    #[test]
+    fn the_slope_keeps_its_digits_where_the_force_is_much_faster_or_slower_than_the_oscillator() {
+        // Without damping and with w0 = 1: G_z = (e^{zr} - cos r - z sin r)/(z^2 + 1), written for a pure imaginary z = iw.
+        let (free, r) = (ImpulseResponse::new(0.0, 1.0), 2.5f64);
+        for w in [1e-8f64, 1e-3, 0.5, 3.0, 1e4, 1e8] {
+            let z = Complex::new(0.0, w);
+            let got = free.exponential_slope(z, r, free.exponential(z, r), free.impulse(r));
+            let (sin, cos) = (w * r).sin_cos();
+            let exact = Complex::new(r.sin() - w * sin, w * cos - w * r.cos()) * (1.0 / (1.0 - w * w));
+            let scale = w.recip().min(1.0);
+            assert!((got - exact).abs() <= 16.0 * f64::EPSILON * scale, "{w}: {got:?} {exact:?}");
         }
     }
 }

@@ -14,11 +14,12 @@
 //! ```text
 //! y   = a0 G_0 + sum_j Re[P_j (G_{z_j} - G_0)]
 //! y'  = a0 S   + sum_j Re[P_j z_j G_{z_j}]
-//! y'' = a0 S'  + sum_j Re[P_j z_j (S + z_j G_{z_j})]
-//! b/m = b(t0)/m + sum_j Re[P_j (e^{z_j r} - 1)] - w0^2 y - 2 gamma y'
+//! y'' = a0 S'  + sum_j Re[P_j z_j G_{z_j}']
+//! b   = m y'' + eps f_d
 //! ```
 //!
-//! Increments only: slow forcing and small slips lose no digits, and x'' at the start is exactly a0.
+//! Increments only: slow forcing and small slips lose no digits, and x'' at the start is exactly a0. The force is read from x'', not
+//! from K (beta T - x): it keeps its digits where a motion has died down below the rounding of the place that it started from.
 
 use super::complex::Complex;
 use super::impulse_response::ImpulseResponse;
@@ -48,7 +49,6 @@ pub struct ForcedOscillator {
 pub struct SlipFlow<'a> {
     body: &'a ForcedOscillator,
     start_acceleration: f64,
-    start_force_ratio: f64,
     /// P_j.
     terms: &'a [Complex],
 }
@@ -62,8 +62,6 @@ pub struct SlipState {
     pub velocity: f64,
     /// x''.
     pub acceleration: f64,
-    /// b / m.
-    pub force_ratio: f64,
     /// x'''.
     pub jerk: f64,
 }
@@ -112,12 +110,7 @@ impl ForcedOscillator {
     /// The sub-phase of sign `direction` that starts at x' = 0 with force `force`, where `terms` are the P_j.
     pub fn slip<'a>(&'a self, terms: &'a [Complex], force: f64, direction: Sign, dynamic_force: f64) -> SlipFlow<'a> {
         let friction = direction.value() * dynamic_force;
-        SlipFlow {
-            body: self,
-            start_acceleration: (force - friction) / self.oscillator.mass,
-            start_force_ratio: force / self.oscillator.mass,
-            terms,
-        }
+        SlipFlow { body: self, start_acceleration: (force - friction) / self.oscillator.mass, terms }
     }
 
     /// Increment, first and second derivative of K beta T / m over a time r from where the terms are `terms`.
@@ -153,12 +146,11 @@ impl SlipFlow<'_> {
             displacement += (*p * free.exponential_from_zero(term.rate, r)).re;
             let (push, response) = (*p * term.rate, free.exponential(term.rate, r));
             velocity += (push * response).re;
-            acceleration += (push * (response * term.rate + Complex::new(impulse, 0.0))).re;
+            acceleration += (push * free.exponential_slope(term.rate, r, response, impulse)).re;
         }
-        let [forcing, forcing_slope, _] = self.body.forcing_increment(self.terms, r);
-        let force_ratio = self.start_force_ratio + forcing - w0_squared * displacement - two_gamma * velocity;
+        let [_, forcing_slope, _] = self.body.forcing_increment(self.terms, r);
         let jerk = forcing_slope - w0_squared * velocity - two_gamma * acceleration;
-        SlipState { displacement, velocity, acceleration, force_ratio, jerk }
+        SlipState { displacement, velocity, acceleration, jerk }
     }
 
     /// Bounds of |x'''| from a state onwards: at a time u later it is at most `bound.0 + bound.1 u`.

@@ -33,8 +33,8 @@ pub struct QuasiStatic {
     work_limit: u64,
     /// pi / w0.
     slip_duration: f64,
-    /// (f_s - f_d)/K: half of what a slip moves.
-    half_jump: f64,
+    /// 2 (f_s - f_d)/K: what a slip moves.
+    jump: f64,
 }
 
 /// How stick phases end.
@@ -79,7 +79,7 @@ impl QuasiStatic {
             exits,
             work_limit: WORK_LIMIT,
             slip_duration: std::f64::consts::PI / model.oscillator.natural_frequency(),
-            half_jump: (friction.static_force - friction.dynamic_force) / model.oscillator.stiffness,
+            jump: 2.0 * (friction.static_force - friction.dynamic_force) / model.oscillator.stiffness,
         }
     }
 
@@ -163,9 +163,8 @@ impl QuasiStatic {
                 let outcome = steps.advance(&self.scene, &mut state, until, &mut path.draws, &mut path.work);
                 (path.time, path.noise) = (state.time, state.noise);
                 match outcome {
-                    StickOutcome::Exit(sign) => {
-                        let force = forcing(terms) - spring_force + path.noise;
-                        let kind = EventKind::SlipStarted(sign);
+                    StickOutcome::Exit(force) => {
+                        let kind = EventKind::SlipStarted(Sign::of(force));
                         Some(Event { kind, time: path.time, displacement: path.displacement, force })
                     }
                     StickOutcome::Stays => None,
@@ -202,7 +201,7 @@ impl QuasiStatic {
             return None;
         }
         self.scene.set_terms(end, terms);
-        let displacement = path.displacement + 2.0 * direction.value() * self.half_jump;
+        let displacement = path.displacement + direction.value() * self.jump;
         let force = forcing(terms) + path.noise - self.scene.oscillator.stiffness * displacement;
         Some(Event { kind: EventKind::StickEntered, time: end, displacement, force })
     }
@@ -220,7 +219,7 @@ impl QuasiStatic {
             Phase::Slip(direction) => {
                 let w0 = self.scene.oscillator.natural_frequency();
                 let (sin, cos) = libm::sincos(w0 * (t - path.since));
-                let swing = direction.value() * self.half_jump;
+                let swing = 0.5 * direction.value() * self.jump;
                 (path.displacement + swing * (1.0 - cos), swing * w0 * sin)
             }
         }

@@ -208,7 +208,7 @@ table! {
         "variance of the displacement at the end of the period").with(&[("coordinates", "period_time")]);
 
     DIVERGED_PATH = variable("diverged_path", &["diverged_path"], Unit::One,
-        "numbers of the diverged paths, which are in no statistic");
+        "numbers of the paths that diverged or were given up, which are in no statistic");
 
     PATH = variable("path", &["path"], Unit::One, "path number");
     PATH_DISPLACEMENT_END = variable("path_displacement_end", &["path"], Unit::Length, "displacement at the end");
@@ -221,7 +221,7 @@ table! {
     PATH_STICKS = variable("path_sticks", &["path"], Unit::One, "completed sticks, the first left out");
     PATH_SLIPS = variable("path_slips", &["path"], Unit::One, "completed dynamic phases");
     PATH_SUB_PHASES = variable("path_sub_phases", &["path"], Unit::One, "sub-phases of the completed dynamic phases");
-    PATH_DIVERGED = variable("path_diverged", &["path"], Unit::None, "whether the path diverged")
+    PATH_DIVERGED = variable("path_diverged", &["path"], Unit::None, "whether the path diverged or was given up")
         .flags(&[0, 1], &[("flag_meanings", "finite diverged")]);
 
     EVENT = variable("event", &["event"], Unit::None, BARE_DIMENSION);

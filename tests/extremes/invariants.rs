@@ -6,11 +6,12 @@
 //! | slip only from stick; turn and stick only from slip | none |
 //! | \|b\| <= f_s where a stick is entered (not quasi-static, whose recursion does not ask) | 4 roundings of f_s |
 //! | \|b\| >= f_s where one ends, in the direction of the slip (corrected: f_s less its shift) | rounding of b |
-//! | \|K (beta T - x)\| <= f_s in every static snapshot (event-driven) | rounding of b, and of w t in the phase |
+//! | \|b\| > f_s where a sub-phase begins, in its direction (event-driven) | none |
+//! | \|K (beta T - x)\| <= f_s in every static snapshot (event-driven) | rounding of b, of each harmonic and its phase w t, and of x as a sum of ways |
 //! | x rests in a stick | none |
 //! | x' and every displacement in a sub-phase have its sign | rounding; a corrected turn lies a step behind |
 //! | energy: a step of the discrete schemes balances to rounding with its own O(h^2) surplus | 1e-12 of its terms |
-//! | energy: event-driven, T between two looks known as well as it can move in between | that, times the way; 1e-4 a stop |
+//! | energy: event-driven, T between two looks known as well as it can move in between | that, times the way; 1e-9 of its terms |
 //! | quasi-static: a slip lasts pi/w0 and moves 2 (f_s - f_d)/K | rounding |
 //! | stick time + slip time = t_end | a rounding of t_end an event |
 
@@ -21,11 +22,7 @@ use stick_slip::scheme::{Instant, Observer, Snapshot, monitoring_shift};
 const ULP: f64 = f64::EPSILON;
 
 /// What rounding may leave of an energy between two instants, relative to its terms.
-const ROUNDING: f64 = 1e-9;
-
-/// Where noise is feeble against the motion, the event-driven scheme puts a stop by interpolation in a step of half the fastest time scale:
-/// that leaves some 1e-5 of the energy a half-cycle at the default tolerance, and follows it (docs/extremes.md).
-const STOP_ERROR: f64 = 1e-4;
+const ROUNDING: f64 = 1e-12;
 
 /// Watches the paths of one scenario.
 pub struct Watch {
@@ -52,6 +49,8 @@ pub struct Lane {
     origin: f64,
     /// x where the dynamic phase began.
     slip_origin: f64,
+    /// What x may be off by for being a sum of ways: a rounding of both ends of each.
+    spread: f64,
     looked: f64,
     last: Option<State>,
     pub stick_time: f64,
@@ -94,6 +93,7 @@ impl Watch {
             since: 0.0,
             origin: model.initial_displacement,
             slip_origin: model.initial_displacement,
+            spread: 0.0,
             looked: 0.0,
             last: None,
             stick_time: 0.0,
@@ -115,13 +115,13 @@ impl Watch {
         matches!(self.scheme, SchemeKind::EventDriven { .. })
     }
 
-    /// What rounding does to b at a time: its terms, and the phase of the forcing, w t.
-    fn rounding(&self, t: f64, x: f64, force: f64) -> f64 {
+    /// What rounding does to b at a time: its terms, each harmonic and its phase w t, and x as the sum of ways that it is.
+    fn rounding(&self, lane: &Lane, t: f64, x: f64, force: f64) -> f64 {
         let Oscillator { stiffness, dilatation, .. } = self.model.oscillator;
         let phase = (self.model.temperature.harmonics.iter())
-            .map(|h| (stiffness * dilatation * h.amplitude).abs() * (ULP * h.angular_frequency * t).min(1.0))
+            .map(|h| (stiffness * dilatation * h.amplitude).abs() * (ULP * (1.0 + h.angular_frequency * t)).min(1.0))
             .sum::<f64>();
-        16.0 * (ULP * (force.abs() + 2.0 * (stiffness * x).abs()) + phase)
+        16.0 * (ULP * (force.abs() + 2.0 * (stiffness * x).abs()) + phase + stiffness * lane.spread)
     }
 
     /// The corrected scheme with f_d above its lowered threshold: a body that leaves a stick below f_d makes one step against b.
@@ -135,7 +135,7 @@ impl Watch {
         ensure(time.is_finite() && x.is_finite() && force.is_finite(), || "not a number".into())?;
         ensure(time >= lane.since && time >= lane.looked && time <= self.end, || "out of time order".into())?;
         let duration = time - lane.since;
-        let noise = self.rounding(time, x, force);
+        let noise = self.rounding(lane, time, x, force);
         match (kind, lane.direction) {
             (EventKind::SlipStarted(sign), None) => {
                 ensure(x == lane.origin, || format!("moved from {:e} to {x:e} in a stick", lane.origin))?;
@@ -157,6 +157,9 @@ impl Watch {
                 lane.travel += (x - lane.origin).abs();
                 lane.slip_time += duration;
                 if let EventKind::SubPhaseBoundary(sign) = kind {
+                    ensure(!self.is_event_driven() || sign.value() * force > self.static_force, || {
+                        format!("turns {sign:?} at b = {force:e}, f_s = {:e}", self.static_force)
+                    })?;
                     lane.running += 1;
                     lane.direction = Some(sign);
                 } else {
@@ -176,9 +179,9 @@ impl Watch {
             (kind, direction) => return Err(format!("{kind:?} while moving {direction:?}")),
         }
         if self.is_event_driven() {
-            let error = if matches!(kind, EventKind::SlipStarted(_)) { ROUNDING } else { STOP_ERROR };
-            self.balance(lane, State { t: time, x, v: 0.0, g: force + model.oscillator.stiffness * x }, error);
+            self.balance(lane, State { t: time, x, v: 0.0, g: force + model.oscillator.stiffness * x });
         }
+        lane.spread += ULP * (x.abs() + lane.origin.abs());
         (lane.since, lane.origin) = (time, x);
         lane.events += 1;
         Ok(())
@@ -205,7 +208,7 @@ impl Watch {
                 ensure(x == lane.origin && v == 0.0, || format!("moves in a stick: x' = {v:e}"))?;
                 if self.is_event_driven() {
                     let force = g - self.model.oscillator.stiffness * x;
-                    let most = self.static_force + self.rounding(t, x, force);
+                    let most = self.static_force + self.rounding(lane, t, x, force);
                     ensure(force.abs() <= most, || format!("static at b = {force:e}, f_s = {:e}", self.static_force))?;
                 }
             }
@@ -222,7 +225,7 @@ impl Watch {
             (SchemeKind::DiscreteVi | SchemeKind::CorrectedVi, Some(last)) if t > last.t => {
                 self.check_step(last, now)?
             }
-            (SchemeKind::EventDriven { .. }, _) => self.balance(lane, now, ROUNDING),
+            (SchemeKind::EventDriven { .. }, _) => self.balance(lane, now),
             _ => {}
         }
         lane.last = Some(now);
@@ -259,7 +262,7 @@ impl Watch {
 
     /// From one instant to the next of the exact motion: E' - E = int g dx - f_d |dx| - 2 alpha int x'^2 dt. In between, g is the mean of
     /// both ends up to what it can move, and x' likewise.
-    fn balance(&self, lane: &mut Lane, now: State, error: f64) {
+    fn balance(&self, lane: &mut Lane, now: State) {
         let Some(last) = lane.last.replace(now) else { return };
         let Oscillator { mass: m, stiffness: k, damping, dilatation } = self.model.oscillator;
         let (dt, dx) = (now.t - last.t, now.x - last.x);
@@ -282,7 +285,7 @@ impl Watch {
         let damped = 2.0 * damping * dx.abs() * speed;
         let size = m * (now.v * now.v + last.v * last.v) + forces * (now.x.abs() + last.x.abs());
         lane.energy.mismatch += gained - done + 0.5 * damped;
-        lane.energy.allowed += wander * dx.abs() + 0.5 * damped + error * size;
+        lane.energy.allowed += wander * dx.abs() + 0.5 * damped + ROUNDING * size;
     }
 
     fn check_end(&self, lane: &mut Lane) -> Result<(), String> {

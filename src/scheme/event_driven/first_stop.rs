@@ -62,6 +62,17 @@ pub struct Step {
     pub root_length: f64,
 }
 
+impl Step {
+    /// The mean of way and motion at a time u.
+    pub fn mean(&self, u: f64) -> (f64, Motion) {
+        let inverse = 1.0 / self.length;
+        let whole = Interval { end: self.end, way: self.way, length: self.length, inverse, noise: 0.0 };
+        let (quintic, p) = (Quintic::new(self.start, &whole), u * inverse);
+        let velocity = quintic.velocity(p) * inverse;
+        (quintic.way(p), Motion { velocity, acceleration: quintic.acceleration(p) * inverse * inverse })
+    }
+}
+
 /// A stop: the first zero of V.
 #[derive(Clone, Copy, Debug)]
 pub struct Stop {
@@ -69,7 +80,7 @@ pub struct Stop {
     pub after: f64,
     /// a there.
     pub acceleration: f64,
-    /// The way made since the start of the step.
+    /// The way made since the start of the step; not negative, for V > 0 on it.
     pub way: f64,
 }
 
@@ -174,7 +185,7 @@ impl StopSearch {
                     if !(stop.after + stop.way + stop.acceleration).is_finite() {
                         return Err(Unresolved);
                     }
-                    return Ok(Some(Stop { after: after + stop.after, way: way + stop.way, ..stop }));
+                    return Ok(Some(Stop { after: after + stop.after, way: forwards(way + stop.way), ..stop }));
                 }
                 if next.length > finest && top < DEPTH {
                     let (near, far) = halves(left, &next, draws);
@@ -189,7 +200,7 @@ impl StopSearch {
                     let part = left.velocity / (left.velocity - next.end.velocity);
                     let part = if part.is_finite() { part } else { 0.0 };
                     let acceleration = left.acceleration + part * (next.end.acceleration - left.acceleration);
-                    let (after, way) = (after + part * next.length, way + part * next.way);
+                    let (after, way) = (after + part * next.length, forwards(way + part * next.way));
                     return Ok(Some(Stop { after, acceleration, way }));
                 }
             }
@@ -267,6 +278,13 @@ impl StopSearch {
     }
 }
 
+/// A way made while V > 0. The ways of intervals are differences, good to a rounding of the way of the whole step; a slip much
+/// smaller than that may come out backwards.
+#[inline(always)]
+pub fn forwards(way: f64) -> f64 {
+    if way < 0.0 { 0.0 } else { way }
+}
+
 impl Interval {
     #[inline(always)]
     fn new(end: Motion, way: f64, length: f64, noise: f64) -> Self {
@@ -335,6 +353,9 @@ const ROOT_60TH: f64 = 0.129_099_444_873_580_57;
 /// The acceleration at a stop is known to this fraction of itself.
 const STOP_PRECISION: f64 = 1e-2;
 
+/// From the chord, good to a few hundredths of a step where V falls throughout: squared three times, to rounding.
+const NEWTON_STEPS: usize = 3;
+
 /// Each refinement takes the remaining distance to about its power 3/2; eight are never needed.
 const STOP_REFINEMENTS: usize = 8;
 
@@ -379,12 +400,15 @@ impl Quintic {
         2.0 * self.e0 + p * (6.0 * self.c3 + p * (12.0 * self.c4 + p * 20.0 * self.c5))
     }
 
-    /// A fraction near the zero of V: the chord's, improved once by Newton. Any fraction may be drawn at; a near one
-    /// saves refinements. Away from the ends, where the precision degenerates.
+    /// A fraction near the zero of V: the chord's, improved by Newton until only the noise is left between them. Any fraction may be
+    /// drawn at; a near one saves refinements. Away from the ends, where the precision degenerates.
     #[inline(always)]
     fn near_zero(&self) -> f64 {
-        let newton = self.chord - self.velocity(self.chord) / self.acceleration(self.chord);
-        let p = if newton > 0.0 && newton < 1.0 { newton } else { self.chord };
+        let mut p = self.chord;
+        for _ in 0..NEWTON_STEPS {
+            let newton = p - self.velocity(p) / self.acceleration(p);
+            p = if newton > 0.0 && newton < 1.0 { newton } else { p };
+        }
         p.clamp(MARGIN, 1.0 - MARGIN)
     }
 }

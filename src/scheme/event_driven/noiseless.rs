@@ -196,7 +196,8 @@ impl Noiseless {
         let root = first_root(jet, self.departure(&flow, eps), horizon, self.span, work)?;
         let end = root.filter(|&(r, _)| r <= horizon).map(|(r, _)| {
             let state = flow.at(r);
-            let (displacement, force) = (displacement + state.displacement, mass * state.force_ratio);
+            let displacement = displacement + state.displacement;
+            let force = eps * friction.dynamic_force + mass * state.acceleration;
             let kind = if force.abs() <= friction.static_force {
                 EventKind::StickEntered
             } else {

@@ -11,7 +11,7 @@
 use super::scene::{Scene, forcing};
 use super::stick_step::StickStep;
 use super::work::Work;
-use crate::model::{Complex, Sign};
+use crate::model::Complex;
 use crate::noise::Stream;
 
 /// Exact steps of a ladder of lengths, longest first.
@@ -25,8 +25,8 @@ pub struct StickSteps {
 /// How a static phase left the interval it was simulated over.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum StickOutcome {
-    /// b met f_s times this sign at the path's new time.
-    Exit(Sign),
+    /// b, at the path's new time: f_s with a sign where it met it, or more where it started beyond.
+    Exit(f64),
     /// Still static at the horizon.
     Stays,
     /// All work is spent.
@@ -77,7 +77,7 @@ impl StickSteps {
         let f_s = scene.friction.static_force;
         let mut force = forcing(state.terms) - state.spring_force + state.noise;
         if force.abs() >= f_s {
-            return StickOutcome::Exit(Sign::of(force));
+            return StickOutcome::Exit(force);
         }
         while work.spend().is_ok() {
             let remaining = horizon - state.time;
@@ -106,8 +106,9 @@ impl StickSteps {
             if let Some((sign, after)) = step.exit(scene, f_s, ends, bend, mean_noise, draws) {
                 state.time += after;
                 scene.set_terms(state.time, state.terms);
-                state.noise = sign.value() * f_s - forcing(state.terms) + state.spring_force;
-                return StickOutcome::Exit(sign);
+                let force = sign.value() * f_s;
+                state.noise = force - forcing(state.terms) + state.spring_force;
+                return StickOutcome::Exit(force);
             }
             state.noise = noise;
             force = end_force;
@@ -155,7 +156,7 @@ fn forcing_slope(scene: &Scene, terms: &[Complex]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::super::harness::{exits, mean_and_error, paper_scene};
-    use super::*;
+    use crate::model::Sign;
 
     /// Statistical tests: null hypothesis, the mean is the exact one; n paths; they fail by chance once in 1e4 (3.9 standard
     /// errors), with fixed seeds.
