@@ -5,7 +5,7 @@
 //! | events in time order within [0, t_end], none before what has been looked at | none |
 //! | slip only from stick; turn and stick only from slip | none |
 //! | \|b\| <= f_s where a stick is entered (not quasi-static, whose recursion does not ask) | 4 roundings of f_s |
-//! | \|b\| >= f_s where one ends, in the direction of the slip (corrected: f_s less its shift) | rounding of b |
+//! | \|b\| >= f_s where one ends, in the direction of the slip (corrected: f_s less its shift, f_d at least) | rounding of b |
 //! | \|K (beta T - x)\| <= f_s in every static snapshot (event-driven) | rounding of b, and of w t in the phase |
 //! | x rests in a stick | none |
 //! | x' and every displacement in a sub-phase have its sign | rounding; a corrected turn lies a step behind |
@@ -88,6 +88,7 @@ impl Watch {
         let step = scenario.time.step.unwrap_or(scenario.time.output_step);
         let static_force = scenario.resolution().map_or(model.friction.static_force, |r| r.static_force);
         let shift = if scheme == SchemeKind::CorrectedVi { monitoring_shift(&model, step) } else { 0.0 };
+        let exit_force = (static_force - shift).max(model.friction.dynamic_force);
         let lane = Lane {
             complaint: None,
             direction: None,
@@ -108,7 +109,7 @@ impl Watch {
             energy: Energy::default(),
         };
         let lanes = vec![lane; scenario.ensemble.paths as usize];
-        Watch { end: scenario.time.end, step, static_force, exit_force: static_force - shift, model, scheme, lanes }
+        Watch { end: scenario.time.end, step, static_force, exit_force, model, scheme, lanes }
     }
 
     fn is_event_driven(&self) -> bool {
@@ -124,11 +125,6 @@ impl Watch {
         16.0 * (ULP * (force.abs() + 2.0 * (stiffness * x).abs()) + phase)
     }
 
-    /// The corrected scheme with f_d above its lowered threshold: a body that leaves a stick below f_d makes one step against b.
-    fn pushes_back(&self) -> bool {
-        self.scheme == SchemeKind::CorrectedVi && self.exit_force < self.model.friction.dynamic_force
-    }
-
     fn check_event(&self, lane: &mut Lane, event: &Event) -> Result<(), String> {
         let Event { kind, time, displacement: x, force } = *event;
         let model = &self.model;
@@ -139,8 +135,7 @@ impl Watch {
         match (kind, lane.direction) {
             (EventKind::SlipStarted(sign), None) => {
                 ensure(x == lane.origin, || format!("moved from {:e} to {x:e} in a stick", lane.origin))?;
-                let backwards = self.pushes_back();
-                ensure(backwards || sign.value() * force >= self.exit_force - noise, || {
+                ensure(sign.value() * force >= self.exit_force - noise, || {
                     format!("slips {sign:?} at b = {force:e}, f_s = {:e}", self.exit_force)
                 })?;
                 lane.stick_time += duration;
