@@ -32,7 +32,9 @@ pub(super) fn expected_amplitude(model: &Model, end: f64, step: Option<f64>) -> 
         (Complex::unit(harmonic.phase) * harmonic.amplitude, Complex::new(0.0, harmonic.angular_frequency))
     });
     let relaxing = temperature.noise.into_iter().filter_map(|noise| match noise.initial {
-        InitialNoise::At(v) => Some((Complex::new(noise.intensity * v, 0.0), Complex::new(-noise.relaxation_rate, 0.0))),
+        InitialNoise::At(v) => {
+            Some((Complex::new(noise.intensity * v, 0.0), Complex::new(-noise.relaxation_rate, 0.0)))
+        }
         InitialNoise::Stationary => None,
     });
     // x and x'/w0 of the forced motion: at t = 0, and at most.

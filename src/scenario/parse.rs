@@ -182,7 +182,9 @@ fn refuse_lost_increments(sources: &Sources<'_>, root: &Fields<'_>, model: &Mode
         return Ok(());
     }
     let diffusion = root.table("temperature")?.table("noise")?.number_or(keys::DIFFUSION, 1.0)?;
-    let problem = format!("moves v by {increment:e} in a step h = {h:?}, which is lost beside v(0), of size {start:e}");
+    let problem = format!(
+        "moves v by {increment:e} in a step h = {h:?}, and v, which starts at {start:e}, cannot be counted in units of that"
+    );
     let remedy = "write `diffusion = 0` to leave v relaxing from v(0), raise it, or choose `--scheme event-driven`";
     Err(about(sources, &[&diffusion], problem, remedy.into()))
 }
