@@ -8,6 +8,7 @@
 //! | \|b\| >= f_s where one ends, in the direction of the slip (corrected: f_s less its shift, f_d at least) | rounding of b |
 //! | \|K (beta T - x)\| <= f_s in every static snapshot (event-driven) | rounding of b, and of w t in the phase |
 //! | x rests in a stick | none |
+//! | a step of the discrete schemes comes to rest where a friction of f_s suffices for it, and nowhere else | 16 roundings of its forces |
 //! | x' and every displacement in a sub-phase have its sign | rounding; a corrected turn lies a step behind |
 //! | energy: a step of the discrete schemes balances to rounding with its own O(h^2) surplus | 1e-12 of its terms |
 //! | energy: event-driven, T between two looks known as well as it can move in between | that, times the way; 1e-4 a stop |
@@ -235,6 +236,14 @@ impl Watch {
         let h = self.step;
         let force = a.g - k * a.x - 2.0 * damping * a.v;
         let impulse = a.v + h / m * force;
+        // What would bring it to rest, against what may hold it there; where |needed| is above that, it moves.
+        let needed = (m / h * impulse).abs();
+        let most = if a.v == 0.0 { self.exit_force } else { self.static_force };
+        let rounding = 16.0 * ULP * (a.g.abs() + (k * a.x).abs() + 2.0 * (damping * a.v).abs() + m / h * a.v.abs());
+        let excess = if b.v == 0.0 { needed - most } else { most - needed };
+        ensure(!excess.is_finite() || excess <= rounding, || {
+            format!("x' = {:e} after a step that friction of {needed:e} would end, f_s = {most:e}", b.v)
+        })?;
         let friction = if b.v == 0.0 { m / h * impulse } else { self.model.friction.dynamic_force.copysign(impulse) };
         let (mover, surplus) = match self.scheme {
             SchemeKind::CorrectedVi => (b.v, -m * (b.v - a.v).powi(2)),

@@ -7,8 +7,9 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 use stick_slip::ensemble::Plan;
+use stick_slip::model::Event;
 use stick_slip::scenario::{Override, Scenario, ScenarioError, SchemeKind, Warning};
-use stick_slip::scheme::Scheme;
+use stick_slip::scheme::{Instant, Observer, Scheme, Snapshot};
 use stick_slip::stats::{Statistic, Summary};
 
 /// What a path may spend here: 1/5000 of the usual, so that 1e5 scenarios with hopeless ones among them end in minutes.
@@ -188,6 +189,37 @@ fn check_summary(summary: &Summary, scenario: &Scenario, lost: u64) -> Result<()
         }
     }
     Ok(())
+}
+
+struct Nothing;
+
+impl Observer for Nothing {
+    fn event(&mut self, _: usize, _: Event) {}
+    fn snapshot(&mut self, _: Instant, _: Snapshot<'_>) {}
+}
+
+/// The warning of the undamped explicit step is an upper estimate: it may come in vain, and must not be missing.
+#[test]
+#[ignore = "1e6 scenarios, half of them undamped: half a minute"]
+fn the_undamped_step_diverges_in_no_scenario_without_a_warning() {
+    // By diverged, foretold.
+    let mut scenarios = [[0u64; 2]; 2];
+    for number in 0..1_000_000 {
+        let scheme = Override::flag("--scheme", "scheme.kind", "\"discrete-vi\"");
+        let Ok(scenario) = Scenario::parse("survey.toml", &scenario(Family::Together, number), &[scheme]) else {
+            continue;
+        };
+        if scenario.model.oscillator.damping > 0.0 {
+            continue;
+        }
+        let paths: Vec<u64> = (0..scenario.ensemble.paths).collect();
+        let diverged = !scenario.plan().scheme.simulate(scenario.ensemble.seed, &paths, &mut Nothing).is_empty();
+        let foretold = scenario.warnings().iter().any(foretells_divergence);
+        scenarios[usize::from(diverged)][usize::from(foretold)] += 1;
+    }
+    let [[quiet, in_vain], [missed, foretold]] = scenarios;
+    println!("diverged: {foretold} foretold, {missed} not; others: {in_vain} warned of, {quiet} not");
+    assert!(missed == 0 && foretold > 0);
 }
 
 /// Ends the process, and says where, when one scenario takes longer than [`PATIENCE`]: a hang cannot end itself.
