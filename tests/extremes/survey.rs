@@ -136,7 +136,7 @@ fn look_rarely(scenario: &Scenario, paths: &[u64], watch: &Watch, lost: &[usize]
     scenario.time.output_step = scenario.time.end.max(scenario.time.output_step);
     let mut events = Events(vec![Vec::new(); paths.len()]);
     scenario.plan().scheme.simulate(scenario.ensemble.seed, paths, &mut events);
-    let differs = |lane: &usize| !lost.contains(lane) && events.0[*lane] != watch.lanes[*lane].events;
+    let differs = |lane: &usize| !lost.contains(lane) && events.0[*lane] != watch.events[*lane];
     match (0..paths.len()).find(differs) {
         Some(lane) => Err(format!("path {lane} has other events where it is looked at rarely")),
         None => Ok(()),
