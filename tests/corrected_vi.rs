@@ -70,7 +70,7 @@ fn with_gap(gap: f64) -> Model {
 }
 
 /// Friction never drives: a slip starts along b, at |b| >= f_d, and moves along b in its first step. The shift is 0.155 at h = 1/32; an
-/// exit at f_s less all of it sends about a third of the slips of the first scene off against b.
+/// exit at f_s less all of it sends some of the slips of the first two scenes off against b.
 #[test]
 fn no_slip_starts_against_the_force() {
     for gap in [0.0, 0.05, 0.2] {
