@@ -2,8 +2,9 @@
 //!
 //! Pure functions of the scenario; nothing is simulated.
 
+use super::amplitude::expected_amplitude;
 use super::{Scenario, SchemeKind, Stability};
-use crate::model::{InitialNoise, Model, Noise, Oscillator};
+use crate::model::{Model, Noise, Oscillator};
 use crate::scheme::{EventDriven, Resolution, monitoring_shift};
 use std::f64::consts::PI;
 
@@ -28,7 +29,7 @@ pub struct Derived {
     pub monitoring_shift: Option<f64>,
     /// What the event-driven scheme does not resolve, where f_s and f_d (nearly) meet under noise.
     pub resolution: Option<Resolution>,
-    /// A rough upper estimate of the largest |x|: the forced response without friction, the noise, the start.
+    /// A rough upper estimate of the largest |x|: the forced response without friction, a free oscillation, the noise.
     pub expected_amplitude: f64,
     /// P, the forcing period.
     pub forcing_period: Option<f64>,
@@ -105,33 +106,6 @@ pub(super) fn largest_force(model: &Model) -> f64 {
 pub(super) fn force_bound(model: &Model, sds: f64) -> f64 {
     model.oscillator.stiffness
         * (model.oscillator.dilatation.abs() * model.temperature.reach(sds) + model.initial_displacement.abs())
-}
-
-/// Standard deviations of the noise counted into an expected amplitude.
-const TYPICAL_SD: f64 = 3.0;
-
-fn expected_amplitude(model: &Model, end: f64, step: Option<f64>) -> f64 {
-    let Model { oscillator, temperature, .. } = model;
-    let w0 = oscillator.natural_frequency();
-    // At resonance without damping the amplitude grows by w0/2 per unit of time, so the end of the run bounds it.
-    let growth = 1.0 + w0 * end / 2.0;
-    let forced: f64 = temperature
-        .harmonics
-        .iter()
-        .map(|harmonic| {
-            let r = harmonic.angular_frequency / w0;
-            let damping = 2.0 * oscillator.damping * harmonic.angular_frequency / oscillator.stiffness;
-            let response = (1.0 / (1.0 - r * r).hypot(damping)).min(growth);
-            // A step that sees less than two instants of a period takes a fast harmonic for a slow one, to which the body yields.
-            let is_aliased = step.is_some_and(|h| harmonic.angular_frequency * h > PI);
-            harmonic.amplitude.abs() * if is_aliased { response.max(1.0) } else { response }
-        })
-        .sum();
-    let noise = temperature.noise.map_or(0.0, |noise| {
-        let start = if let InitialNoise::At(v) = noise.initial { v.abs() } else { 0.0 };
-        noise.intensity * start.max(TYPICAL_SD * noise.stationary_sd())
-    });
-    (oscillator.dilatation.abs() * (forced + noise)).max(model.initial_displacement.abs())
 }
 
 /// Bytes of one row of the bands: x, x' and T with mean, sd and five quantiles, P(static), time.

@@ -7,11 +7,12 @@
 //!             -> parse, time   a checked Scenario, or the Fault that says what to change
 //! kind      the schemes by name
 //! text      a Scenario -> TOML, every default visible; reading it again gives the same Scenario
-//! check     what follows from a Scenario before it is run; stability: limits of its step
+//! check     what follows from a Scenario before it is run; stability: limits of its step; amplitude: how far it may go
 //! warnings  what to know before trusting the run
 //! plan      the ensemble that answers it
 //! ```
 
+mod amplitude;
 mod check;
 mod error;
 mod fields;

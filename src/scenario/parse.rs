@@ -9,6 +9,7 @@ use super::time::time;
 use super::tree;
 use super::{Ensemble, Scenario, SchemeKind, Units};
 use crate::model::{Friction, Harmonic, InitialNoise, Model, Noise, Oscillator, Temperature};
+use crate::noise::Transition;
 use crate::stats::Record;
 
 /// Most paths.
@@ -31,6 +32,9 @@ pub(super) fn scenario(sources: &Sources<'_>, default_title: &str) -> Result<Sce
     let model = model(sources, &root)?;
     let scheme = scheme(sources, &root)?;
     let time = time(sources, &root, &model, scheme)?;
+    if let Some(step) = time.step {
+        refuse_lost_increments(sources, &root, &model, step)?;
+    }
     let ensemble = root.table("ensemble")?;
     let record = root.table("record")?;
     let units = root.table("units")?;
@@ -167,6 +171,22 @@ fn noise(sources: &Sources<'_>, table: &Fields<'_>) -> Result<Option<Noise>, Box
     let starts_at_zero = matches!(initial, InitialNoise::Stationary | InitialNoise::At(0.0));
     let silent = noise.intensity == 0.0 || (noise.diffusion == 0.0 && starts_at_zero);
     Ok((!silent).then_some(noise))
+}
+
+/// The time-stepping schemes count v in increments of one step: these must be doubles, and v(0) a number of them that can be computed with.
+fn refuse_lost_increments(sources: &Sources<'_>, root: &Fields<'_>, model: &Model, h: f64) -> Result<(), Box<Fault>> {
+    let Some(noise) = model.temperature.noise.filter(|noise| noise.diffusion > 0.0) else { return Ok(()) };
+    let increment = Transition::new(noise.relaxation_rate, noise.diffusion, h).kick;
+    let start = if let InitialNoise::At(v) = noise.initial { v.abs() } else { noise.stationary_sd() };
+    if increment.is_normal() && keys::can_be_computed_with(&[start / increment]) {
+        return Ok(());
+    }
+    let diffusion = root.table("temperature")?.table("noise")?.number_or(keys::DIFFUSION, 1.0)?;
+    let problem = format!(
+        "moves v by {increment:e} in a step h = {h:?}, and v, which starts at {start:e}, cannot be counted in units of that"
+    );
+    let remedy = "write `diffusion = 0` to leave v relaxing from v(0), raise it, or choose `--scheme event-driven`";
+    Err(about(sources, &[&diffusion], problem, remedy.into()))
 }
 
 /// The scheme with its tolerance.

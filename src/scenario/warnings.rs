@@ -1,5 +1,6 @@
 //! What to know before trusting a run, in plain words. Pure functions of the scenario; nothing is simulated.
 
+use super::amplitude::NEVER_SD;
 use super::check::force_bound;
 use super::{Derived, MAX_PERIODS, Scenario, SchemeKind, Stability};
 use crate::model::Model;
@@ -73,6 +74,15 @@ pub enum Warning {
         shift: f64,
         /// f_s.
         static_force: f64,
+    },
+    /// The corrected scheme lowers f_s no further than to f_d, and its shift asks for more.
+    IncompleteCorrection {
+        /// 0.5826 K beta rho sigma sqrt(h).
+        shift: f64,
+        /// f_s - f_d.
+        gap: f64,
+        /// The step at which they are equal.
+        largest_step: f64,
     },
     /// f_s = f_d, or nearly, under noise: stick counts and durations are properties of the event-driven scheme's resolution.
     Resolution(Resolution),
@@ -209,6 +219,11 @@ fn noise_warnings(scenario: &Scenario, derived: &Derived, h: f64, crossing_time:
     if let Some(shift) = derived.monitoring_shift.filter(|shift| *shift > LARGE_SHIFT * static_force) {
         warnings.push(Warning::LargeShift { shift, static_force });
     }
+    let gap = static_force - scenario.model.friction.dynamic_force;
+    let incomplete = derived.monitoring_shift.filter(|shift| *shift > gap);
+    if let Some(shift) = incomplete {
+        warnings.push(Warning::IncompleteCorrection { shift, gap, largest_step: h * (gap / shift).powi(2) });
+    }
     if derived.friction_ratio == Some(1.0) {
         warnings.push(Warning::EqualFriction);
         return;
@@ -216,7 +231,7 @@ fn noise_warnings(scenario: &Scenario, derived: &Derived, h: f64, crossing_time:
     let return_time = derived.friction_ratio.map_or(0.0, |ratio| crossing_time * (1.0 - ratio).powi(2));
     if is_corrected {
         let relative = CORRECTED_BIAS * (h / return_time).min(CORRECTED_BIAS_GROWS_TO);
-        if relative > SMALL_BIAS {
+        if relative > SMALL_BIAS && incomplete.is_none() {
             warnings.push(Warning::CorrectedBias { relative });
         }
     } else {
@@ -256,9 +271,6 @@ fn quasi_static_warnings(model: &Model, warnings: &mut Vec<Warning>) {
     }
 }
 
-/// Standard deviations that a stationary noise exceeds in no run of practical length.
-const NEVER_SD: f64 = 10.0;
-
 /// Warnings about the question that is asked, not about how it is answered.
 fn question_warnings(scenario: &Scenario, derived: &Derived, warnings: &mut Vec<Warning>) {
     let Scenario { model, ensemble, time, .. } = scenario;
@@ -297,6 +309,7 @@ impl Warning {
             Warning::MicroSlips { .. } => "micro-slips",
             Warning::CorrectedBias { .. } => "corrected-bias",
             Warning::LargeShift { .. } => "large-shift",
+            Warning::IncompleteCorrection { .. } => "incomplete-correction",
             Warning::Resolution(_) => "resolution",
             Warning::ForcingDuringSlip { .. } => "forcing-during-slip",
             Warning::NeverMoves => "never-moves",
@@ -385,6 +398,17 @@ impl fmt::Display for Warning {
                  none",
                 short(*static_force),
                 short(*shift)
+            ),
+            Warning::IncompleteCorrection { shift, gap, largest_step } => write!(
+                f,
+                "the corrected stick exit would lower f_s by {}, and f_s - f_d = {} is all there is room for: a body let go below f_d \
+                 would be pushed back. The rest is not corrected, so sticks come out too long. {}",
+                short(*shift),
+                short(*gap),
+                match *gap > 0.0 {
+                    true => format!("Choose time.step below {}, or `--scheme event-driven`", short(*largest_step)),
+                    false => "No step is short enough; `--scheme event-driven` needs no correction".to_string(),
+                }
             ),
             Warning::Resolution(Resolution { static_force, shortest_slip }) => write!(
                 f,

@@ -13,7 +13,7 @@ mod reference;
 mod timeline;
 
 pub use any::Scheme;
-pub use discrete_vi::{DiscreteVi, divergence_bound, monitoring_shift};
+pub use discrete_vi::{DiscreteVi, corrected_exit, divergence_bound, monitoring_shift};
 pub use event_driven::{DEFAULT_TOLERANCE, EventDriven, Resolution, TOLERANCES};
 pub use quasi_static::QuasiStatic;
 pub use reference::reference_path;

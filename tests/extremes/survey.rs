@@ -7,8 +7,9 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 use stick_slip::ensemble::Plan;
+use stick_slip::model::Event;
 use stick_slip::scenario::{Override, Scenario, ScenarioError, SchemeKind, Warning};
-use stick_slip::scheme::Scheme;
+use stick_slip::scheme::{self, Observer, Scheme, Snapshot};
 use stick_slip::stats::{Statistic, Summary};
 
 /// What a path may spend here: 1/5000 of the usual, so that 1e5 scenarios with hopeless ones among them end in minutes.
@@ -114,6 +115,9 @@ fn examine(text: &str, kind: SchemeKind) -> Result<Outcome, String> {
         return Err("diverged without a warning".into());
     }
     compare(&plan, kept())?;
+    if kind.is_time_stepping() {
+        look_rarely(&scenario, &paths, &watch, &lost)?;
+    }
     let summary = plan.run(1);
     check_summary(&summary, &scenario, lost.len() as u64)?;
     let (slips, starts) = kept().fold((0, 0), |sum, lane| (sum.0 + lane.slips, sum.1 + lane.ended_sticks));
@@ -124,6 +128,30 @@ fn examine(text: &str, kind: SchemeKind) -> Result<Outcome, String> {
         (_, 0, _) => Outcome::Slides,
         _ => Outcome::SticksAndSlips,
     })
+}
+
+/// Looked at only at the end, the time-stepping schemes make runs of many steps in one go: the events must be the same.
+fn look_rarely(scenario: &Scenario, paths: &[u64], watch: &Watch, lost: &[usize]) -> Result<(), String> {
+    let mut scenario = scenario.clone();
+    scenario.time.output_step = scenario.time.end.max(scenario.time.output_step);
+    let mut events = Events(vec![Vec::new(); paths.len()]);
+    scenario.plan().scheme.simulate(scenario.ensemble.seed, paths, &mut events);
+    let differs = |lane: &usize| !lost.contains(lane) && events.0[*lane] != watch.events[*lane];
+    match (0..paths.len()).find(differs) {
+        Some(lane) => Err(format!("path {lane} has other events where it is looked at rarely")),
+        None => Ok(()),
+    }
+}
+
+/// Keeps the events of each lane.
+struct Events(Vec<Vec<Event>>);
+
+impl Observer for Events {
+    fn event(&mut self, lane: usize, event: Event) {
+        self.0[lane].push(event);
+    }
+
+    fn snapshot(&mut self, _: scheme::Instant, _: Snapshot<'_>) {}
 }
 
 fn foretells_divergence(warning: &Warning) -> bool {
@@ -190,6 +218,31 @@ fn check_summary(summary: &Summary, scenario: &Scenario, lost: u64) -> Result<()
     Ok(())
 }
 
+/// The warning of the undamped explicit step is an upper estimate: it may come in vain, and must not be missing.
+#[test]
+#[ignore = "1e6 scenarios, half of them undamped: half a minute"]
+fn the_undamped_step_diverges_in_no_scenario_without_a_warning() {
+    // By diverged, foretold.
+    let mut scenarios = [[0u64; 2]; 2];
+    for number in 0..1_000_000 {
+        let scheme = Override::flag("--scheme", "scheme.kind", "\"discrete-vi\"");
+        let Ok(scenario) = Scenario::parse("survey.toml", &scenario(Family::Together, number), &[scheme]) else {
+            continue;
+        };
+        if scenario.model.oscillator.damping > 0.0 {
+            continue;
+        }
+        let paths: Vec<u64> = (0..scenario.ensemble.paths).collect();
+        let mut events = Events(vec![Vec::new(); paths.len()]);
+        let diverged = !scenario.plan().scheme.simulate(scenario.ensemble.seed, &paths, &mut events).is_empty();
+        let foretold = scenario.warnings().iter().any(foretells_divergence);
+        scenarios[usize::from(diverged)][usize::from(foretold)] += 1;
+    }
+    let [[quiet, in_vain], [missed, foretold]] = scenarios;
+    println!("diverged: {foretold} foretold, {missed} not; others: {in_vain} warned of, {quiet} not");
+    assert!(missed == 0 && foretold > 0);
+}
+
 /// Ends the process, and says where, when one scenario takes longer than [`PATIENCE`]: a hang cannot end itself.
 struct Watchdog {
     number: &'static AtomicU64,
@@ -226,12 +279,13 @@ impl Drop for Watchdog {
     }
 }
 
-/// Scenarios in which the survey found what has been mended since: divergences without a warning, panics, slips that went backwards or began
+/// Scenarios in which the survey found what has been mended since: divergences without a warning, numbers that are none, panics, slips that went backwards or began
 /// below f_s for the rounding of larger numbers, sticks beyond f_s where a motion had died down below the rounding of its start, subnormal
 /// jumps.
-const MENDED: [u64; 23] = [
-    356, 611, 1000, 1293, 1528, 3178, 9769, 10_084, 11_280, 12_399, 20_465, 20_576, 23_543, 24_722, 29_600, 30_848,
-    31_572, 32_766, 35_869, 43_557, 43_989, 44_688, 49_008,
+const MENDED: [u64; 41] = [
+    356, 611, 1000, 1293, 1528, 3178, 7230, 8995, 9202, 9769, 10_084, 11_280, 12_399, 12_433, 17_971, 20_465, 20_576,
+    20_892, 22_880, 23_289, 23_543, 23_772, 24_722, 29_600, 30_404, 30_848, 31_572, 32_766, 34_892, 35_869, 37_350,
+    42_029, 43_557, 43_989, 44_688, 47_549, 48_487, 49_008, 71_532, 91_786, 130_592,
 ];
 
 #[test]

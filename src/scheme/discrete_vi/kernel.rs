@@ -1,6 +1,6 @@
 //! The step itself, many paths side by side: the hot loop.
 
-use super::monitoring_shift;
+use super::corrected_exit;
 use crate::lanes::{InstructionSet, LaneProgram, Lanes};
 use crate::model::{Model, Temperature};
 use crate::noise::{LaneNormals, LaneStreams, Transition};
@@ -41,7 +41,7 @@ pub(super) struct Coefficients {
 impl Coefficients {
     fn new(model: &Model, h: f64, is_corrected: bool, noise: &NoiseScale) -> Self {
         let Model { oscillator, friction, .. } = model;
-        let exit_shift = if is_corrected { monitoring_shift(model, h) } else { 0.0 };
+        let exit_force = if is_corrected { corrected_exit(model, h) } else { friction.static_force };
         Coefficients {
             h,
             h_over_m: h / oscillator.mass,
@@ -51,7 +51,7 @@ impl Coefficients {
             decay: noise.decay,
             static_impulse: h / oscillator.mass * friction.static_force,
             dynamic_impulse: h / oscillator.mass * friction.dynamic_force,
-            exit_impulse: h / oscillator.mass * (friction.static_force - exit_shift),
+            exit_impulse: h / oscillator.mass * exit_force,
         }
     }
 

@@ -14,7 +14,7 @@
 //! Paths are stepped many side by side ([`kernel`]); what turns a velocity into phases is rare, and scalar ([`reading`]).
 //! The scheme is first order in h where nothing random decides, and of order 1/2 in every statistic of sticks when there is
 //! noise: a stick exit is a barrier looked at only every h. The corrected scheme mends most of that at no cost: it leaves
-//! stick at f_s less [`monitoring_shift`], and moves with the new velocity, X_{n+1} = X_n + h V_{n+1}.
+//! stick at [`corrected_exit`], f_s less [`monitoring_shift`], and moves with the new velocity, X_{n+1} = X_n + h V_{n+1}.
 
 mod kernel;
 mod reading;
@@ -23,7 +23,7 @@ use self::kernel::{Kernel, Paths, RUN};
 use self::reading::Reader;
 use super::{Observer, Snapshot, Timeline};
 use crate::lanes::InstructionSet;
-use crate::model::{HarmonicClock, InitialNoise, Model, Phase};
+use crate::model::{Friction, HarmonicClock, InitialNoise, Model, Phase};
 use crate::noise::LaneStreams;
 
 /// How far beyond the greatest displacement the exact model can be thought to reach a path may go before it counts as diverged.
@@ -160,6 +160,13 @@ pub fn monitoring_shift(model: &Model, h: f64) -> f64 {
     let Model { oscillator, temperature, .. } = model;
     let noise = temperature.noise.map_or(0.0, |noise| noise.intensity * noise.diffusion);
     OVERSHOOT * oscillator.stiffness * oscillator.dilatation.abs() * noise * h.sqrt()
+}
+
+/// The force at which the corrected scheme leaves a stick: f_s less [`monitoring_shift`], and never below f_d. A body let go at |b| < f_d
+/// would be driven by |b| - f_d, against b, where friction holds it; so what f_s - f_d has no room for is not corrected.
+pub fn corrected_exit(model: &Model, h: f64) -> f64 {
+    let Friction { static_force, dynamic_force } = model.friction;
+    (static_force - monitoring_shift(model, h)).max(dynamic_force)
 }
 
 /// The displacement beyond which a path of the scheme has left every solution of the model behind.
