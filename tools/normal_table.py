@@ -12,8 +12,9 @@ enough for a parabola,
 wrong by the cubic term alone. A and b are fitted with 40 digits, so that this error has the same size at both ends and in between.
 y = 2^63, where Z = 0, has a cell of its own.
 
-One 64-bit word holds both: its lowest 22 bits are b in units of 2^-29; all of it, read as a double, is A. So first b is rounded,
-then A is fitted, among the doubles that end in these bits.
+One 64-bit word holds both: its lowest 22 bits are 2^21 plus b in units of 2^-28; all of it, read as a double, is A. So first b is rounded,
+then A is fitted. The cell of -y has -A and -b, that is, the same upper bits but for the sign, and 2^21 minus b below them; so A is
+fitted among the doubles with 2^21 there, from which the two differ by less than 2^21 units in the last place.
 """
 import struct
 
@@ -21,7 +22,8 @@ import mpmath as mp
 
 mp.mp.dps = 40
 OCTAVES, CELLS = 63, 128
-SLOPE_BITS, SLOPE_UNIT = 22, mp.mpf(2) ** -29
+SLOPE_BITS, SLOPE_UNIT = 22, mp.mpf(2) ** -28
+NO_SLOPE = 1 << (SLOPE_BITS - 1)
 
 
 def erfc_inverse(y):
@@ -40,10 +42,12 @@ def double(b):
     return struct.unpack("<d", struct.pack("<Q", b))[0]
 
 
-def word(x, low):
-    """The 64-bit word with `low` in its lowest bits that is nearest x as a double."""
-    b = ((bits(x) >> SLOPE_BITS) << SLOPE_BITS) | low
-    return min((b - (1 << SLOPE_BITS), b, b + (1 << SLOPE_BITS)), key=lambda b: abs(double(b) - x))
+def word(level, slope):
+    """The word of a cell: its upper bits are those with which a double that ends in NO_SLOPE is nearest the level."""
+    b = ((bits(level) >> SLOPE_BITS) << SLOPE_BITS) | NO_SLOPE
+    step = 1 << SLOPE_BITS
+    nearest = min((max(b - step, NO_SLOPE), b, b + step), key=lambda b: abs(double(b) - level))
+    return nearest + slope
 
 
 # The zeros of the Chebyshev polynomial T_3 on the cell, and its extrema.
@@ -59,15 +63,15 @@ def cell(o, i):
 
     # the slope of the parabola through the nodes
     slope = int(mp.nint((at(NODES[2]) - at(NODES[0])) / (NODES[2] - NODES[0]) / SLOPE_UNIT))
-    assert 0 < slope < 1 << SLOPE_BITS
+    assert 0 < slope < NO_SLOPE
     steps = [slope * SLOPE_UNIT * t for t in EXTREMA]
     levels = [(at(t) - s) / (1 + s**2) for t, s in zip(EXTREMA, steps)]
     return word((max(levels) + min(levels)) / 2, slope)
 
 
 def place(o, i):
-    """The low 13 bits of (bits of y) >> 45: exponent field 1023 + o and upper mantissa."""
-    return ((1023 + o) * CELLS + i) % (64 * CELLS)
+    """(bits of y) >> 45, exponent field 1023 + o and upper mantissa, beyond that of y = 1."""
+    return o * CELLS + i
 
 
 def rows(words):
@@ -82,7 +86,7 @@ def write(f, name, doc, kind, rows, test=False, length=None):
 
 
 if __name__ == "__main__":
-    words = [0] * (64 * CELLS)
+    words = [NO_SLOPE] * (64 * CELLS)
     for o in range(OCTAVES):
         for i in range(CELLS):
             words[place(o, i)] = cell(o, i)
@@ -93,7 +97,7 @@ if __name__ == "__main__":
     points += [1, 3, 5, 7, 9, 15, 33, 101]
     with open("src/noise/normal_table.rs", "w") as f:
         f.write("//! Parabolas of the inverse normal CDF; written by tools/normal_table.py, not by hand.\n")
-        f.write("\n/// Bits of a cell that hold its slope, in units of 2^-29.\npub(super) const SLOPE_BITS: u32 = %d;\n" % SLOPE_BITS)
-        write(f, "CELLS", "Each cell's level, a double, whose lowest bits are the slope.", "u64", rows(words), length=len(words))
+        f.write("\n/// Bits of a cell that hold its slope: 2^21 plus the slope in units of 2^-28.\npub(super) const SLOPE_BITS: u32 = %d;\n" % SLOPE_BITS)
+        write(f, "CELLS", "The cells of y = 1 to 2^63: each one's level, a double, whose lowest bits hold the slope.", "u64", rows(words), length=len(words))
         pairs = ["(%d, %r)" % (y, float(mp.sqrt(2) * erfc_inverse(y))) for y in points]
         write(f, "REFERENCE", "(y, z(y)), 40 digits rounded: 32 points an octave, and the smallest y.", "(u64, f64)", pairs, True)

@@ -14,6 +14,9 @@ mod x86;
 
 pub use portable::Portable;
 
+/// A table for 19-bit numbers.
+pub type Table = [u64; 1 << 19];
+
 /// Some numbers side by side, and the few operations the schemes need on them.
 ///
 /// `Bits` are the same lanes seen as 64-bit integers; `Mask` says yes or no for each lane.
@@ -53,8 +56,8 @@ pub trait Lanes: Copy {
     fn not_beyond(self, least: Self, most: Self, among: Self::Mask) -> Self::Mask;
     /// Bit i of the result is lane i of the mask.
     fn bitmask(mask: Self::Mask) -> u32;
-    /// In each lane, the table entry numbered by the low 13 bits of `index`.
-    fn gather(table: &[u64; 8192], index: Self::Bits) -> Self::Bits;
+    /// In each lane, the table entry numbered by the upper 19 bits of `key`.
+    fn lookup(table: &Table, key: Self::Bits) -> Self::Bits;
 
     /// The lanes' bit patterns.
     fn to_bits(self) -> Self::Bits;
@@ -74,14 +77,10 @@ pub trait Lanes: Copy {
     fn xor3(a: Self::Bits, b: Self::Bits, c: Self::Bits) -> Self::Bits;
     /// (bits & keep) | set
     fn keep_and_set(bits: Self::Bits, keep: u64, set: u64) -> Self::Bits;
-    /// a ^ (b & mask)
-    fn xor_masked(a: Self::Bits, b: Self::Bits, mask: u64) -> Self::Bits;
     /// The doubles nearest to the lanes as signed integers.
     fn from_integers(bits: Self::Bits) -> Self;
     /// bits << N
     fn shl<const N: u32>(bits: Self::Bits) -> Self::Bits;
-    /// bits >> N
-    fn shr<const N: u32>(bits: Self::Bits) -> Self::Bits;
     /// bits rotated left by N < 64
     fn rotate_left<const N: i32>(bits: Self::Bits) -> Self::Bits;
 }

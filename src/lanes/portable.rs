@@ -1,6 +1,6 @@
 //! Four lanes in plain Rust, for processors without the wide instruction sets.
 
-use super::Lanes;
+use super::{Lanes, Table};
 
 /// Four numbers side by side.
 #[derive(Clone, Copy, Debug)]
@@ -77,8 +77,8 @@ impl Lanes for Portable {
         mask.iter().enumerate().map(|(i, &yes)| u32::from(yes) << i).sum()
     }
     #[inline(always)]
-    fn gather(table: &[u64; 8192], index: Self::Bits) -> Self::Bits {
-        index.map(|i| table[(i & 8191) as usize])
+    fn lookup(table: &Table, key: Self::Bits) -> Self::Bits {
+        key.map(|key| table[(key >> 45) as usize])
     }
     #[inline(always)]
     fn to_bits(self) -> Self::Bits {
@@ -117,20 +117,12 @@ impl Lanes for Portable {
         Self::xor(Self::xor(a, b), c)
     }
     #[inline(always)]
-    fn xor_masked(a: Self::Bits, b: Self::Bits, mask: u64) -> Self::Bits {
-        zip(a, b, |a, b| a ^ (b & mask))
-    }
-    #[inline(always)]
     fn from_integers(bits: Self::Bits) -> Self {
         Portable(bits.map(|b| b as i64 as f64))
     }
     #[inline(always)]
     fn shl<const N: u32>(bits: Self::Bits) -> Self::Bits {
         bits.map(|b| b << N)
-    }
-    #[inline(always)]
-    fn shr<const N: u32>(bits: Self::Bits) -> Self::Bits {
-        bits.map(|b| b >> N)
     }
     #[inline(always)]
     fn rotate_left<const N: i32>(bits: Self::Bits) -> Self::Bits {

@@ -3,9 +3,10 @@
 //! SAFETY, for every `unsafe` block of this file. Arithmetic intrinsics have one precondition: that the processor has their
 //! instruction set. The two lane types are private to this file and are only named by `run_avx512` and `run_avx2`, which
 //! [`super::InstructionSet::run`] calls after detecting it. Loads and stores are unaligned and reach exactly `WIDTH`
-//! elements of a slice whose length is checked first; table reads are masked to the 8192 entries of the table.
+//! elements of a slice whose length is checked first; table reads go to
+//! entries numbered by 64 bits shifted right by 45, and a table has 2^19.
 
-use super::{LaneProgram, Lanes};
+use super::{LaneProgram, Lanes, Table};
 use std::arch::x86_64::*;
 
 pub(super) fn run_avx512(program: &mut impl LaneProgram) {
@@ -98,11 +99,8 @@ impl Lanes for Avx512 {
         u32::from(mask)
     }
     #[inline(always)]
-    fn gather(table: &[u64; 8192], index: Self::Bits) -> Self::Bits {
-        unsafe {
-            let index = _mm512_and_si512(index, Self::splat_bits(8191));
-            _mm512_i64gather_epi64::<8>(index, table.as_ptr().cast())
-        }
+    fn lookup(table: &Table, key: Self::Bits) -> Self::Bits {
+        unsafe { _mm512_i64gather_epi64::<8>(_mm512_srli_epi64::<45>(key), table.as_ptr().cast()) }
     }
     #[inline(always)]
     fn to_bits(self) -> Self::Bits {
@@ -143,21 +141,12 @@ impl Lanes for Avx512 {
         unsafe { _mm512_ternarylogic_epi64::<0x96>(a, b, c) }
     }
     #[inline(always)]
-    fn xor_masked(a: Self::Bits, b: Self::Bits, mask: u64) -> Self::Bits {
-        // 0x78 is the truth table of a ^ (b & c)
-        unsafe { _mm512_ternarylogic_epi64::<0x78>(a, b, Self::splat_bits(mask)) }
-    }
-    #[inline(always)]
     fn from_integers(bits: Self::Bits) -> Self {
         unsafe { Avx512(_mm512_cvtepi64_pd(bits)) }
     }
     #[inline(always)]
     fn shl<const N: u32>(bits: Self::Bits) -> Self::Bits {
         unsafe { _mm512_slli_epi64::<N>(bits) }
-    }
-    #[inline(always)]
-    fn shr<const N: u32>(bits: Self::Bits) -> Self::Bits {
-        unsafe { _mm512_srli_epi64::<N>(bits) }
     }
     #[inline(always)]
     fn rotate_left<const N: i32>(bits: Self::Bits) -> Self::Bits {
@@ -237,11 +226,8 @@ impl Lanes for Avx2 {
         unsafe { _mm256_movemask_pd(mask) as u32 }
     }
     #[inline(always)]
-    fn gather(table: &[u64; 8192], index: Self::Bits) -> Self::Bits {
-        unsafe {
-            let index = _mm256_and_si256(index, Self::splat_bits(8191));
-            _mm256_i64gather_epi64::<8>(table.as_ptr().cast(), index)
-        }
+    fn lookup(table: &Table, key: Self::Bits) -> Self::Bits {
+        unsafe { _mm256_i64gather_epi64::<8>(table.as_ptr().cast(), _mm256_srli_epi64::<45>(key)) }
     }
     #[inline(always)]
     fn to_bits(self) -> Self::Bits {
@@ -279,10 +265,6 @@ impl Lanes for Avx2 {
     fn xor3(a: Self::Bits, b: Self::Bits, c: Self::Bits) -> Self::Bits {
         Self::xor(Self::xor(a, b), c)
     }
-    #[inline(always)]
-    fn xor_masked(a: Self::Bits, b: Self::Bits, mask: u64) -> Self::Bits {
-        unsafe { _mm256_xor_si256(a, _mm256_and_si256(b, Self::splat_bits(mask))) }
-    }
     /// AVX2 has no such conversion. The upper 32 bits, signed, are placed in the mantissa of 3 2^67 and the lower ones in that of
     /// 2^52; subtracting both constants from the former is exact, so the last addition rounds once.
     #[inline(always)]
@@ -300,10 +282,6 @@ impl Lanes for Avx2 {
     #[inline(always)]
     fn shl<const N: u32>(bits: Self::Bits) -> Self::Bits {
         unsafe { _mm256_sll_epi64(bits, _mm_cvtsi64_si128(i64::from(N))) }
-    }
-    #[inline(always)]
-    fn shr<const N: u32>(bits: Self::Bits) -> Self::Bits {
-        unsafe { _mm256_srl_epi64(bits, _mm_cvtsi64_si128(i64::from(N))) }
     }
     #[inline(always)]
     fn rotate_left<const N: i32>(bits: Self::Bits) -> Self::Bits {

@@ -8,13 +8,14 @@
 //! Z = A + s + A s^2,   s = b t,   t the distance from the centre down to |y|, in cells
 //! ```
 //!
-//! and both are packed into one 64-bit word (`tools/normal_table.py`). The number of the cell is the exponent and the upper mantissa bits
-//! of y as a double, and t is in the lower ones, so there is nothing to search, no tail to treat apart, and no branch: the normals reach from the
-//! median to 9.1 sigma, where |y| = 1. (y = 0, once in 2^64 draws, falls into the cell of |y| = 2.)
+//! and both are packed into one 64-bit word (`tools/normal_table.py`). The number of the cell is the sign, the exponent and the upper mantissa
+//! bits of y as a double, and t is in the lower ones, so there is nothing to search, no tail to treat apart, and no branch: the normals reach from
+//! the median to 9.1 sigma, where |y| = 1. A cell of negative y has -A and -b.
 
 use super::normal_table::{CELLS, SLOPE_BITS};
-use crate::lanes::Lanes;
+use crate::lanes::{Lanes, Table};
 use std::f64::consts::SQRT_2;
+use std::sync::LazyLock;
 
 /// Greatest absolute error of [`standard_normal`] as an inverse of the normal distribution function, anywhere from the median
 /// to 9.1 sigma. At the ends and extrema of all cells it is 3.7e-9 at most: 2.4e-9 of the parabola next to the median, and in the tails as much from
@@ -29,30 +30,53 @@ const PLACE: u64 = (1 << CELL_SHIFT) - 1;
 const BEFORE_PLACE: f64 = 128.0;
 const CENTRE: f64 = BEFORE_PLACE + 0.5;
 const SLOPE: u64 = (1 << SLOPE_BITS) - 1;
-/// Set before the bits of a slope, this makes a double of them: itself plus the slope, in units of 2^-29.
-const BEFORE_SLOPE: f64 = 8_388_608.0;
+/// Set before the bits of a slope, this makes a double of them: itself plus 2^-7 plus the slope, in units of 2^-28.
+const BEFORE_SLOPE: f64 = 16_777_216.0;
+const NO_SLOPE: f64 = BEFORE_SLOPE + 0.007_812_5;
+
+/// The cell of y, a double.
+fn cell(y: u64) -> u64 {
+    let first = 1.0f64.to_bits() >> CELL_SHIFT;
+    // y = 0, once in 2^64 draws, counts as 1
+    let cell = CELLS[((y & !SIGN) >> CELL_SHIFT).saturating_sub(first) as usize];
+    if y & SIGN == 0 { cell } else { SIGN | cell & !SLOPE | (SLOPE + 1 - (cell & SLOPE)) }
+}
+
+/// The cells of both signs where [`Lanes::lookup`] finds them. Of its 4 MiB only those around them are ever touched, 132 KiB.
+pub(super) fn cells() -> &'static Table {
+    static TABLE: LazyLock<Box<Table>> = LazyLock::new(|| {
+        let mut table = vec![0; 1 << (u64::BITS - CELL_SHIFT)];
+        for y in (0..64).flat_map(|octave| (0..128).map(move |i| (1.0 + f64::from(i) / 128.0) * 2f64.powi(octave))) {
+            for y in [y.to_bits(), (-y).to_bits()] {
+                table[(y >> CELL_SHIFT) as usize] = cell(y);
+            }
+        }
+        table[0] = cell(0);
+        table.into_boxed_slice().try_into().expect("as long as a table")
+    });
+    &TABLE
+}
 
 /// The standard normal that a 64-bit draw stands for.
 #[inline(always)]
 pub fn standard_normal(draw: u64) -> f64 {
     let y = (draw as i64 as f64).to_bits();
-    let cell = CELLS[(y >> CELL_SHIFT) as usize % CELLS.len()];
-    let (level, slope) = (f64::from_bits(cell), f64::from_bits(cell & SLOPE | BEFORE_SLOPE.to_bits()) - BEFORE_SLOPE);
+    let cell = cell(y);
+    let (level, slope) = (f64::from_bits(cell), f64::from_bits(cell & SLOPE | BEFORE_SLOPE.to_bits()) - NO_SLOPE);
     let s = slope * (CENTRE - f64::from_bits(y & PLACE | BEFORE_PLACE.to_bits()));
-    let z = level.mul_add(s.mul_add(s, 1.0), s);
-    SQRT_2 * f64::from_bits(z.to_bits() ^ y & SIGN)
+    SQRT_2 * level.mul_add(s.mul_add(s, 1.0), s)
 }
 
 /// Normals of variance 1/2, those that draws stand for, lane by lane: [`standard_normal`]'s before the factor sqrt(2), the same bits.
+/// `cells` are [`cells`].
 #[inline(always)]
-pub(super) fn half_normals<L: Lanes>(draws: L::Bits) -> L {
+pub(super) fn half_normals<L: Lanes>(cells: &Table, draws: L::Bits) -> L {
     let y = L::from_integers(draws).to_bits();
-    let cell = L::gather(&CELLS, L::shr::<CELL_SHIFT>(y));
-    let slope = L::from_bits(L::keep_and_set(cell, SLOPE, BEFORE_SLOPE.to_bits())).sub(L::splat(BEFORE_SLOPE));
+    let cell = L::lookup(cells, y);
+    let slope = L::from_bits(L::keep_and_set(cell, SLOPE, BEFORE_SLOPE.to_bits())).sub(L::splat(NO_SLOPE));
     let place = L::from_bits(L::keep_and_set(y, PLACE, BEFORE_PLACE.to_bits()));
     let s = slope.mul(L::splat(CENTRE).sub(place));
-    let z = L::from_bits(cell).mul_add(s.mul_add(s, L::splat(1.0)), s);
-    L::from_bits(L::xor_masked(z.to_bits(), y, SIGN))
+    L::from_bits(cell).mul_add(s.mul_add(s, L::splat(1.0)), s)
 }
 
 #[cfg(test)]

@@ -8,8 +8,8 @@
 //! neighbouring paths share no structure, and 2^256 states leave overlaps of streams out of reach
 //! (probability below paths^2 * steps / 2^256).
 
-use super::normal::half_normals;
-use crate::lanes::{InstructionSet, LaneProgram, Lanes};
+use super::normal::{cells, half_normals};
+use crate::lanes::{InstructionSet, LaneProgram, Lanes, Table};
 use std::f64::consts::SQRT_2;
 
 /// Increment of SplitMix64: 2^64 / golden ratio, odd.
@@ -114,7 +114,7 @@ impl LaneStreams {
     #[inline(always)]
     pub fn take<L: Lanes, const R: usize>(&self, lane: usize) -> LaneNormals<L, R> {
         let zero = L::splat_bits(0);
-        let mut taken = LaneNormals { words: [[zero; 4]; R], is_second: self.is_second[lane] };
+        let mut taken = LaneNormals { words: [[zero; 4]; R], is_second: self.is_second[lane], cells: cells() };
         for r in 0..R {
             for i in 0..4 {
                 taken.words[r][i] = L::load_bits(&self.words[i][lane + r * L::WIDTH..]);
@@ -140,6 +140,7 @@ impl LaneStreams {
 pub struct LaneNormals<L: Lanes, const R: usize> {
     words: [[L::Bits; 4]; R],
     is_second: bool,
+    cells: &'static Table,
 }
 
 impl<L: Lanes, const R: usize> LaneNormals<L, R> {
@@ -153,7 +154,7 @@ impl<L: Lanes, const R: usize> LaneNormals<L, R> {
                 draw = L::rotate_left::<32>(draw);
                 *words = step::<L>(*words);
             }
-            *normal = half_normals::<L>(draw);
+            *normal = half_normals::<L>(self.cells, draw);
         }
         self.is_second = !self.is_second;
         normals
