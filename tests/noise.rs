@@ -32,7 +32,7 @@ fn the_first_values_never_change() {
 }
 
 const PINNED_DRAWS: [u64; 3] = [15416075624907741186, 9508115752145081868, 11747578446230996153];
-const PINNED_NORMALS: [u64; 3] = [13830346988446184055, 13809110395695552165, 13823349025215921955];
+const PINNED_NORMALS: [u64; 3] = [13830346988445976151, 13809110395695062451, 13823349025215307354];
 
 /// `steps` normals of each of the paths `first..first + lanes`, `[step][lane]`.
 fn normals(set: InstructionSet, seed: u64, first: u64, lanes: usize, steps: usize) -> Vec<f64> {

@@ -69,6 +69,18 @@ def cell(o, i):
     return word((max(levels) + min(levels)) / 2, slope)
 
 
+def error(o, i, w, sign):
+    """Greatest error, in standard deviations, of the word of a cell at its ends and extrema; sign -1: of the cell of -y."""
+    slope = (w % (1 << SLOPE_BITS) - NO_SLOPE) * SLOPE_UNIT
+    level = mp.mpf(double(w if sign > 0 else w - 2 * (w % (1 << SLOPE_BITS) - NO_SLOPE)))
+
+    def at(t):
+        s = slope * t
+        return level + s + level * s**2 - erfc_inverse(mp.mpf(2) ** o * (1 + (i + mp.mpf(1) / 2 - t) / CELLS))
+
+    return mp.sqrt(2) * max(abs(at(t)) for t in EXTREMA)
+
+
 def place(o, i):
     """(bits of y) >> 45, exponent field 1023 + o and upper mantissa, beyond that of y = 1."""
     return o * CELLS + i
@@ -90,6 +102,8 @@ if __name__ == "__main__":
     for o in range(OCTAVES):
         for i in range(CELLS):
             words[place(o, i)] = cell(o, i)
+    greatest = max(error(o, i, words[place(o, i)], sign) for o in range(OCTAVES) for i in range(CELLS) for sign in (1, -1))
+    print("greatest error: %.3g" % greatest)
     points = []
     for o in range(OCTAVES):
         for i in range(3, CELLS, 32):  # every 32nd cell, eight points in each; odd integers next to them
