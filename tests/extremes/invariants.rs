@@ -12,6 +12,7 @@
 //! | a step of the discrete schemes comes to rest where a friction of f_s suffices for it, and nowhere else | 16 roundings of its forces |
 //! | x' and every displacement in a sub-phase have its sign | rounding; a corrected turn lies a step behind |
 //! | energy: a step of the discrete schemes balances to rounding with its own O(h^2) surplus | 1e-12 of its terms |
+//! | T from one look to the next (event-driven) | as far as its harmonics and twelve standard deviations of its noise go |
 //! | energy: event-driven, T between two looks known as well as it can move in between | that, times the way; 1e-9 of its terms |
 //! | quasi-static: a slip lasts pi/w0 and moves 2 (f_s - f_d)/K | rounding |
 //! | stick time + slip time = t_end | a rounding of t_end an event |
@@ -22,6 +23,9 @@ use stick_slip::scenario::{Scenario, SchemeKind};
 use stick_slip::scheme::{Instant, Observer, Snapshot, monitoring_shift};
 
 const ULP: f64 = f64::EPSILON;
+
+/// What a stop of the event-driven scheme leaves of the greatest forces so far, at most; 4e-11 has been seen.
+const STOP_REST: f64 = 1e-10;
 
 /// What rounding may leave of an energy between two instants, relative to its terms.
 const ROUNDING: f64 = 1e-12;
@@ -55,6 +59,8 @@ pub struct Lane {
     slip_origin: f64,
     /// What x may be off by for being a sum of ways: a rounding of both ends of each.
     spread: f64,
+    /// The greatest forces so far.
+    peak: f64,
     looked: f64,
     last: Option<State>,
     pub stick_time: f64,
@@ -99,6 +105,7 @@ impl Watch {
             origin: model.initial_displacement,
             slip_origin: model.initial_displacement,
             spread: 0.0,
+            peak: 0.0,
             looked: 0.0,
             last: None,
             stick_time: 0.0,
@@ -179,7 +186,7 @@ impl Watch {
             (kind, direction) => return Err(format!("{kind:?} while moving {direction:?}")),
         }
         if self.is_event_driven() {
-            self.balance(lane, State { t: time, x, v: 0.0, g: force + model.oscillator.stiffness * x });
+            self.balance(lane, State { t: time, x, v: 0.0, g: force + model.oscillator.stiffness * x })?;
         }
         lane.spread += ULP * (x.abs() + lane.origin.abs());
         (lane.since, lane.origin) = (time, x);
@@ -225,7 +232,7 @@ impl Watch {
             (SchemeKind::DiscreteVi | SchemeKind::CorrectedVi, Some(last)) if t > last.t => {
                 self.check_step(last, now)?
             }
-            (SchemeKind::EventDriven { .. }, _) => self.balance(lane, now),
+            (SchemeKind::EventDriven { .. }, _) => self.balance(lane, now)?,
             _ => {}
         }
         lane.last = Some(now);
@@ -270,8 +277,8 @@ impl Watch {
 
     /// From one instant to the next of the exact motion: E' - E = int g dx - f_d |dx| - 2 alpha int x'^2 dt. In between, g is the mean of
     /// both ends up to what it can move, and x' likewise.
-    fn balance(&self, lane: &mut Lane, now: State) {
-        let Some(last) = lane.last.replace(now) else { return };
+    fn balance(&self, lane: &mut Lane, now: State) -> Result<(), String> {
+        let Some(last) = lane.last.replace(now) else { return Ok(()) };
         let Oscillator { mass: m, stiffness: k, damping, dilatation } = self.model.oscillator;
         let (dt, dx) = (now.t - last.t, now.x - last.x);
         let temperature = &self.model.temperature;
@@ -285,6 +292,13 @@ impl Watch {
             gain * n.intensity * (6.0 * spread + (n.relaxation_rate * dt).min(2.0) * size)
         });
         let wander = harmonics + noise;
+        // At a stop the noise takes up what the force, the place and the motion leave.
+        lane.peak = lane.peak.max(now.g.abs() + last.g.abs() + k * (now.x.abs() + last.x.abs()));
+        let left = STOP_REST * lane.peak + 16.0 * k * lane.spread;
+        let jump = (now.g - last.g).abs();
+        ensure(jump.is_nan() || jump <= 2.0 * wander + left + f64::MIN_POSITIVE, || {
+            format!("T jumps by {jump:e} K beta, {wander:e} expected")
+        })?;
         let forces = now.g.abs() + last.g.abs() + wander + k * (now.x.abs() + last.x.abs()) + self.static_force;
         let speed = now.v.abs() + last.v.abs() + dt / m * forces;
         let gained = 0.5 * m * (now.v + last.v) * (now.v - last.v) + 0.5 * k * (now.x + last.x) * dx;
@@ -294,6 +308,7 @@ impl Watch {
         let size = m * (now.v * now.v + last.v * last.v) + forces * (now.x.abs() + last.x.abs());
         lane.energy.mismatch += gained - done + 0.5 * damped;
         lane.energy.allowed += wander * dx.abs() + 0.5 * damped + ROUNDING * size;
+        Ok(())
     }
 
     fn check_end(&self, lane: &mut Lane) -> Result<(), String> {

@@ -246,13 +246,9 @@ impl Noisy {
                 path.failed = true;
                 return None;
             }
-            let searched = Step {
-                start,
-                end,
-                way: eps * (path.displacement - before.1.x),
-                length: step.transition.length,
-                root_length: step.root_length,
-            };
+            let length = step.transition.length;
+            let way = resolved_way(eps * before.1.x, eps * path.displacement, start, end, length);
+            let searched = Step { start, end, way, length, root_length: step.root_length };
             let search = self.search.first(&searched, &mut path.draws, &mut scratch.pending, &mut path.work);
             let Ok(stop) = search else {
                 path.failed = true;
@@ -348,6 +344,15 @@ impl Noisy {
         let body = &self.scene.oscillator;
         forcing(terms) + path.noise - body.stiffness * path.displacement - 2.0 * body.damping * path.velocity
     }
+}
+
+/// The way from x0 to x1, or that of the cubic of both ends where x0 and x1 cannot tell it from theirs: far out, or in a step of no length.
+#[inline(always)]
+fn resolved_way(x0: f64, x1: f64, start: Motion, end: Motion, h: f64) -> f64 {
+    let way = x1 - x0;
+    let cubic = h * (0.5 * (start.velocity + end.velocity) + h / 12.0 * (start.acceleration - end.acceleration));
+    let rounding = f64::EPSILON * (x0.abs() + x1.abs());
+    if (way - cubic).abs() <= rounding { cubic } else { way }
 }
 
 /// Without noise: the state after a step, and the forcing there.
