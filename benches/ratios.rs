@@ -3,46 +3,25 @@
 //! `cargo bench --bench ratios` takes about three minutes on two cores. Absolute times depend on the machine and its other users;
 //! the ratios at the end are what the documentation quotes.
 
-use criterion::{BenchmarkGroup, Criterion, Throughput, measurement::WallTime};
+#[path = "common/mod.rs"]
+mod common;
+
+use common::{Deaf, END, STEP, STEPS, group, measured, scenario};
+use criterion::{Criterion, Throughput};
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::{Pcg64, rand_core::SeedableRng};
 use std::convert::Infallible;
-use std::hint::black_box;
 use std::ops::ControlFlow;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 use stick_slip::ensemble::{BLOCK_SIZE, Plan};
 use stick_slip::lanes::{InstructionSet, LaneProgram, Lanes};
-use stick_slip::model::Event;
 use stick_slip::noise::LaneStreams;
-use stick_slip::scenario::{Override, Scenario};
-use stick_slip::scheme::{DiscreteVi, Instant, Observer, Snapshot};
+use stick_slip::scenario::Scenario;
+use stick_slip::scheme::DiscreteVi;
 use stick_slip::stats::{BlockResult, Totals};
 use stick_slip::store::{Header, Status, Writer};
-
-const STEP: &str = "time.step=0.001";
-/// Long enough for the phases of the paths to mix, short enough for many repetitions.
-const END: &str = "time.end=12";
-const STEPS: u64 = 12_000;
-
-fn scenario(name: &str, set: &[&str]) -> Scenario {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios").join(name).with_extension("toml");
-    let overrides: Vec<Override> = set.iter().map(|s| Override::set(s).expect("well formed")).collect();
-    Scenario::read(&path, &overrides).expect("shipped")
-}
-
-/// Hears nothing: what the kernel costs alone.
-struct Deaf;
-
-impl Observer for Deaf {
-    fn event(&mut self, lane: usize, event: Event) {
-        black_box((lane, event));
-    }
-    fn snapshot(&mut self, _: Instant, snapshot: Snapshot<'_>) {
-        black_box(snapshot.displacement);
-    }
-}
 
 /// The loop everybody writes first: one path at a time, `rand_pcg` and the ziggurat of `rand_distr`, forcing from a table, sticks
 /// counted and their durations summed. Parameters (P) of the paper, rho = 0.25, forcing 1/4.
@@ -102,12 +81,6 @@ impl LaneProgram for Normals {
     }
 }
 
-fn group<'a>(c: &'a mut Criterion, name: &str, elements: u64) -> BenchmarkGroup<'a, WallTime> {
-    let mut group = c.benchmark_group(name);
-    group.throughput(Throughput::Elements(elements)).sample_size(20).measurement_time(Duration::from_secs(3));
-    group
-}
-
 fn normals(c: &mut Criterion) {
     let mut group = group(c, "normals", 32 * 64);
     for set in InstructionSet::ALL.into_iter().filter(|set| set.is_available()) {
@@ -121,7 +94,7 @@ fn normals(c: &mut Criterion) {
     });
 }
 
-/// A path-step of the bare kernel on a block of paths, feature by feature.
+/// A path-step of the bare kernel on a block of paths.
 fn kernel(c: &mut Criterion) {
     let mut group = group(c, "kernel", BLOCK_SIZE * STEPS);
     let paths: Vec<u64> = (0..BLOCK_SIZE).collect();
@@ -130,18 +103,11 @@ fn kernel(c: &mut Criterion) {
         let scheme = DiscreteVi::new(&scenario.model, &scenario.timeline(), step).with_instructions(set);
         group.bench_function(name, |b| b.iter(|| scheme.simulate(1, &paths, &mut Deaf)));
     };
-    let widest = InstructionSet::detect();
     let noisy = scenario("rho025", &[STEP, END]);
     for set in InstructionSet::ALL.into_iter().filter(|set| set.is_available()) {
         bench(set.name(), set, &noisy);
     }
-    bench("plain", widest, &scenario("shaw", &[STEP, END]));
-    bench("damping", widest, &scenario("damped", &[STEP, END]));
-    bench("second harmonic", widest, &{
-        let mut two = noisy.clone();
-        two.model.temperature.harmonics.push(two.model.temperature.harmonics[0]);
-        two
-    });
+    bench("plain", InstructionSet::detect(), &scenario("shaw", &[STEP, END]));
     let forcing: Vec<f64> = (0..=STEPS).map(|n| 6.0 * (0.25 * 0.001 * n as f64).cos()).collect();
     group.throughput(Throughput::Elements(16 * STEPS));
     group.bench_function("scalar loop", |b| b.iter(|| scalar_loop(0.001, STEPS as usize, 16, &forcing)));
@@ -151,15 +117,8 @@ fn kernel(c: &mut Criterion) {
 fn statistics(c: &mut Criterion) {
     let paths = BLOCK_SIZE;
     let mut group = group(c, "statistics", paths * STEPS);
-    let mut bench = |name: &str, set: &[&str]| {
-        let plan = Plan { paths, ..scenario("rho025", &[&[STEP, END], set].concat()).plan() };
-        group.bench_function(name, |b| b.iter(|| plan.block(0)));
-    };
-    bench("default", &[]);
-    bench("without per-path scalars", &["record.paths=false"]);
-    bench("events recorded", &["record.events=true"]);
-    bench("trajectories recorded", &["record.trajectories=256"]);
-    bench("a row every 10 steps", &["time.output_step=0.01"]);
+    let plan = Plan { paths, ..scenario("rho025", &[STEP, END]).plan() };
+    group.bench_function("default", |b| b.iter(|| plan.block(0)));
 }
 
 /// A whole run of 10000 paths with all default statistics, t_end = 60, h = 0.001, file included.
@@ -178,7 +137,7 @@ fn whole_run(c: &mut Criterion) {
 /// What a run hands to the store: 10000 paths' scalars, the statistics, the close.
 fn writing(c: &mut Criterion) {
     let scenario = scenario("rho025", &[STEP]);
-    let plan = Plan { paths: 10_000, ..crate::scenario("rho025", &["time.step=0.05"]).plan() };
+    let plan = Plan { paths: 10_000, ..common::scenario("rho025", &["time.step=0.05"]).plan() };
     let blocks: Vec<BlockResult> = (0..plan.blocks()).map(|k| plan.block(k)).collect();
     let mut totals = Totals::empty(&plan.model, &plan.timeline);
     blocks.iter().for_each(|block| totals.merge(&block.totals));
@@ -223,15 +182,6 @@ fn header(scenario: &Scenario) -> Header {
         units: Default::default(),
         time: scenario.timeline().output_times(),
     }
-}
-
-/// Nanoseconds an element, from what criterion has just written.
-fn measured(group: &str, name: &str, elements: f64) -> Option<f64> {
-    let folder = std::env::var("CARGO_TARGET_DIR").unwrap_or_else(|_| "target".into());
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(folder).join("criterion").join(group).join(name);
-    let text = std::fs::read_to_string(path.join("new/estimates.json")).ok()?;
-    let estimates: serde_json::Value = serde_json::from_str(&text).ok()?;
-    Some(estimates["median"]["point_estimate"].as_f64()? / elements)
 }
 
 fn print_ratios() {

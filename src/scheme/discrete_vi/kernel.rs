@@ -11,6 +11,8 @@ pub(super) const RUN: usize = 64;
 
 /// Lanes stepped together, so that one register's latency hides behind the others' work: two registers of eight lanes, four of four.
 const GROUP: usize = 16;
+/// As many of eight lanes without noise, when a step is too short to hide it and has registers to spare.
+const WIDE: usize = 32;
 
 /// Lanes are padded to a multiple of the widest register.
 const PADDING: usize = 8;
@@ -235,6 +237,7 @@ impl<const NOISE: bool, const DAMPING: bool, const CORRECTED: bool> LaneProgram 
         while lane < lanes {
             let left = lanes - lane;
             lane += match (L::WIDTH, left) {
+                (8, WIDE..) if !NOISE => self.advance_group::<L, { WIDE / 8 }>(lane),
                 (8, GROUP..) => self.advance_group::<L, { GROUP / 8 }>(lane),
                 (8, _) => self.advance_group::<L, 1>(lane),
                 (_, GROUP..) => self.advance_group::<L, { GROUP / 4 }>(lane),

@@ -1,0 +1,123 @@
+//! The price of each feature, on and off, and the kernel beside loops that never had the features that a scene lacks.
+//!
+//! `cargo bench --bench features` takes about two minutes on two cores. Absolute times depend on the machine and its other
+//! users; the last columns, ratios of one run, are what the documentation quotes.
+
+#[path = "../common/mod.rs"]
+mod common;
+mod stripped;
+
+use common::{Deaf, END, STEP, STEPS, group, measured, scenario};
+use criterion::Criterion;
+use std::hint::black_box;
+use std::sync::atomic::AtomicBool;
+use std::time::Duration;
+use stick_slip::ensemble::{BLOCK_SIZE, Plan};
+use stick_slip::lanes::InstructionSet;
+use stick_slip::scenario::Scenario;
+use stick_slip::scheme::DiscreteVi;
+use stripped::{Scene, count_sticks};
+
+/// Paths of the runs that estimate their bias or do not: a multiple of 24 groups of 16.
+const WITH_BIAS: u64 = 24 * 16 * 2;
+
+/// A path-step of the bare kernel, scene by scene.
+fn scenes(c: &mut Criterion) {
+    let mut group = group(c, "scene", BLOCK_SIZE * STEPS);
+    let paths: Vec<u64> = (0..BLOCK_SIZE).collect();
+    let mut bench = |name: &str, scenario: &Scenario| {
+        let step = scenario.time.step.expect("a time-stepping scheme");
+        let scheme = DiscreteVi::new(&scenario.model, &scenario.timeline(), step);
+        group.bench_function(name, |b| b.iter(|| scheme.simulate(1, &paths, &mut Deaf)));
+    };
+    let noisy = scenario("rho025", &[STEP, END]);
+    let mut plain = noisy.clone();
+    plain.model.temperature.noise = None;
+    let two_harmonics = |of: &Scenario| {
+        let mut two = of.clone();
+        two.model.temperature.harmonics.push(two.model.temperature.harmonics[0]);
+        two
+    };
+    let damped = |of: &Scenario| {
+        let mut damped = of.clone();
+        damped.model.oscillator.damping = 0.1;
+        damped
+    };
+    bench("plain", &plain);
+    bench("noise", &noisy);
+    bench("damping", &damped(&plain));
+    bench("noise and damping", &damped(&noisy));
+    bench("second harmonic", &two_harmonics(&plain));
+    bench("noise and second harmonic", &two_harmonics(&noisy));
+    if InstructionSet::Avx512.is_available() {
+        let forcing: Vec<f64> = (0..=STEPS).map(|n| 6.0 * (0.25 * 0.001 * n as f64).cos()).collect();
+        let scene = Scene { h: 0.001, mass: 1.0, stiffness: 1.0, static_force: 1.2, dynamic_force: 1.0, noise: None };
+        let noisy = Scene { noise: Some((6.0 * 0.25, 1.0, 1.0)), ..scene };
+        for (name, scene) in [("never had noise", scene), ("never had damping", noisy)] {
+            group.bench_function(name, |b| b.iter(|| count_sticks(InstructionSet::Avx512, black_box(scene), &forcing)));
+        }
+    }
+}
+
+/// A path-step with the statistics of a run, recording by recording.
+fn recordings(c: &mut Criterion) {
+    let paths = BLOCK_SIZE;
+    let mut group = group(c, "recording", paths * STEPS);
+    let mut bench = |name: &str, set: &[&str]| {
+        let plan = Plan { paths, ..scenario("rho025", &[&[STEP, END, "record.paths=false"], set].concat()).plan() };
+        group.bench_function(name, |b| b.iter(|| plan.block(0)));
+    };
+    bench("statistics", &[]);
+    bench("per-path scalars", &["record.paths=true"]);
+    bench("events", &["record.events=true"]);
+    bench("trajectories", &["record.trajectories=256"]);
+    bench("a row every 10 steps", &["time.output_step=0.01"]);
+}
+
+/// A run of statistics only, and the estimate of its bias.
+fn bias(c: &mut Criterion) {
+    let scenario = scenario("rho025", &[STEP, END, &format!("ensemble.paths={WITH_BIAS}")]);
+    let (plan, bias) = (scenario.plan(), scenario.bias_plan().expect("enough paths"));
+    let mut group = group(c, "bias", WITH_BIAS * STEPS);
+    group.measurement_time(Duration::from_secs(6));
+    group.bench_function("off", |b| b.iter(|| plan.run(1)));
+    group.bench_function("on", |b| b.iter(|| (plan.run(1), bias.estimate(1, &AtomicBool::new(false)))));
+}
+
+fn print_prices() {
+    let block = (BLOCK_SIZE * STEPS) as f64;
+    let scene = |name: &str| measured("scene", name, block);
+    let recording = |name: &str| measured("recording", name, block);
+    let bias = |name: &str| measured("bias", name, (WITH_BIAS * STEPS) as f64);
+    let lines = [
+        ("noise", scene("plain"), scene("noise")),
+        ("damping", scene("plain"), scene("damping")),
+        ("damping, in noise", scene("noise"), scene("noise and damping")),
+        ("second harmonic", scene("plain"), scene("second harmonic")),
+        ("second harmonic, in noise", scene("noise"), scene("noise and second harmonic")),
+        ("statistics, in noise", scene("noise"), recording("statistics")),
+        ("per-path scalars", recording("statistics"), recording("per-path scalars")),
+        ("events", recording("statistics"), recording("events")),
+        ("256 trajectories", recording("statistics"), recording("trajectories")),
+        ("a row every 10 steps", recording("statistics"), recording("a row every 10 steps")),
+        ("bias estimate", bias("off"), bias("on")),
+        ("a loop without noise / scene without", scene("never had noise"), scene("plain")),
+        ("a loop without damping / scene without", scene("never had damping"), scene("noise")),
+    ];
+    println!("\n{:40} {:>8} {:>8} {:>7}", "feature (ns a path-step)", "off", "on", "on/off");
+    for (name, off, on) in lines {
+        match (off, on) {
+            (Some(off), Some(on)) => println!("{name:40} {off:8.3} {on:8.3} {:7.3}", on / off),
+            _ => println!("{name:40} not measured here"),
+        }
+    }
+}
+
+fn main() {
+    let mut c = Criterion::default().configure_from_args().warm_up_time(Duration::from_secs(1));
+    scenes(&mut c);
+    recordings(&mut c);
+    bias(&mut c);
+    c.final_summary();
+    print_prices();
+}

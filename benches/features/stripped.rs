@@ -1,0 +1,216 @@
+//! The discrete scheme as an engine would have it that knew neither damping nor corrections nor more than one harmonic, once with
+//! noise and once without. It steps as the kernel does, groups of 16 or, without noise, 32 lanes through runs of 64 steps, and counts the ends of sticks.
+
+use std::hint::black_box;
+use stick_slip::lanes::{InstructionSet, LaneProgram, Lanes};
+use stick_slip::noise::{LaneStreams, Transition};
+
+const LANES: usize = 256;
+const RUN: usize = 64;
+/// The numbers of the step, as [`stick_slip::model::Model`] has them.
+#[derive(Clone, Copy)]
+pub struct Scene {
+    pub h: f64,
+    pub mass: f64,
+    pub stiffness: f64,
+    pub static_force: f64,
+    pub dynamic_force: f64,
+    /// K beta rho, theta, sigma
+    pub noise: Option<(f64, f64, f64)>,
+}
+
+/// 256 paths under forcing[n].
+pub struct Stripped<'a> {
+    scene: Scene,
+    forcing: &'a [f64],
+    streams: Option<LaneStreams>,
+    x: Vec<f64>,
+    v: Vec<f64>,
+    noise: Vec<f64>,
+    is_static: Vec<bool>,
+    turns: Vec<(usize, [f64; 8])>,
+    /// Ends of sticks.
+    pub sticks: u64,
+}
+
+/// How many sticks end in `forcing.len() - 1` steps of 256 paths that start at rest with a relaxed spring.
+pub fn count_sticks(set: InstructionSet, scene: Scene, forcing: &[f64]) -> u64 {
+    let paths: Vec<u64> = (0..LANES as u64).collect();
+    let mut all = Stripped {
+        scene,
+        forcing,
+        streams: scene.noise.map(|_| LaneStreams::new(1, &paths, LANES)),
+        x: vec![forcing[0] / scene.stiffness; LANES],
+        v: vec![0.0; LANES],
+        noise: vec![0.0; LANES],
+        is_static: vec![true; LANES],
+        turns: Vec::new(),
+        sticks: 0,
+    };
+    set.run(&mut all);
+    all.sticks
+}
+
+impl LaneProgram for Stripped<'_> {
+    #[inline(always)]
+    fn run<L: Lanes>(&mut self) {
+        assert_eq!(L::WIDTH, 8, "written for AVX-512");
+        for from in (0..self.forcing.len() - 1).step_by(RUN) {
+            let to = (from + RUN).min(self.forcing.len() - 1);
+            if self.streams.is_some() {
+                for lane in (0..LANES).step_by(2 * L::WIDTH) {
+                    self.noisy::<L, 2>(lane, from, to);
+                }
+            } else {
+                for lane in (0..LANES).step_by(4 * L::WIDTH) {
+                    self.plain::<L, 4>(lane, from, to);
+                }
+            }
+            self.read();
+        }
+    }
+}
+
+/// V' = keep S + push while S is from `least` to `most`.
+#[derive(Clone, Copy)]
+struct Regime<L> {
+    keep: L,
+    push: L,
+    least: L,
+    most: L,
+}
+
+#[inline(always)]
+fn regime<L: Lanes>(v: L, fs: f64, fd: L) -> Regime<L> {
+    let (zero, one) = (L::splat(0.0), L::splat(1.0));
+    let (up, down) = (v.gt(zero), v.lt(zero));
+    Regime {
+        keep: L::either(up, one, down, one),
+        push: L::either(up, zero.sub(fd), down, fd),
+        least: v.where_zero(L::splat(-fs), L::either(up, L::splat(fs.next_up()), down, L::splat(f64::NEG_INFINITY))),
+        most: v.where_zero(L::splat(fs), L::either(up, L::splat(f64::INFINITY), down, L::splat(-fs.next_up()))),
+    }
+}
+
+#[inline(always)]
+fn settle<L: Lanes>(s: L, fs: f64, fd: L) -> L {
+    L::either(s.gt(L::splat(fs)), s.sub(fd), s.lt(L::splat(-fs)), s.add(fd))
+}
+
+impl Stripped<'_> {
+    #[inline(always)]
+    fn noisy<L: Lanes, const R: usize>(&mut self, lane: usize, from: usize, to: usize) {
+        let Scene { h, mass, stiffness, static_force, dynamic_force, noise } = self.scene;
+        let (Some((force, theta, sigma)), Some(streams)) = (noise, &mut self.streams) else { return };
+        let Transition { decay, kick } = Transition::new(theta, sigma, h);
+        let (decay, noise_force) = (L::splat(decay), L::splat(force * kick * std::f64::consts::SQRT_2));
+        let (fs, fd) = (h / mass * static_force, L::splat(h / mass * dynamic_force));
+        let (h_over_m, h, minus_stiffness) = (L::splat(h / mass), L::splat(h), L::splat(-stiffness));
+        let (mut x, mut v, mut noise) = ([h; R], [h; R], [h; R]);
+        let mut regimes = [regime(h, fs, fd); R];
+        for r in 0..R {
+            let at = lane + r * L::WIDTH;
+            (x[r], v[r], noise[r]) = (L::load(&self.x[at..]), L::load(&self.v[at..]), L::load(&self.noise[at..]));
+            regimes[r] = regime(v[r], fs, fd);
+        }
+        let mut normals = streams.take::<L, R>(lane);
+        for &forcing in &self.forcing[from..to] {
+            let xi = normals.draw();
+            let mut s = [h; R];
+            let mut same = L::always();
+            for r in 0..R {
+                let b = minus_stiffness.mul_add(x[r], noise_force.mul_add(noise[r], L::splat(forcing)));
+                s[r] = h_over_m.mul_add(b, v[r]);
+                same = s[r].not_beyond(regimes[r].least, regimes[r].most, same);
+            }
+            let all = L::bitmask(same) == 255;
+            for r in 0..R {
+                let next = if all { regimes[r].keep.mul_add(s[r], regimes[r].push) } else { settle(s[r], fs, fd) };
+                if !all {
+                    let turned = 255 ^ L::bitmask(s[r].not_beyond(regimes[r].least, regimes[r].most, L::always()));
+                    if turned != 0 {
+                        keep(&mut self.turns, lane + r * L::WIDTH, turned, &spill(v[r]), &spill(next));
+                        regimes[r] = regime(next, fs, fd);
+                    }
+                }
+                x[r] = h.mul_add(v[r], x[r]);
+                v[r] = next;
+                noise[r] = decay.mul_add(noise[r], xi[r]);
+            }
+        }
+        streams.put(lane, &normals);
+        for r in 0..R {
+            let at = lane + r * L::WIDTH;
+            x[r].store(&mut self.x[at..]);
+            v[r].store(&mut self.v[at..]);
+            noise[r].store(&mut self.noise[at..]);
+        }
+    }
+
+    #[inline(always)]
+    fn plain<L: Lanes, const R: usize>(&mut self, lane: usize, from: usize, to: usize) {
+        let Scene { h, mass, stiffness, static_force, dynamic_force, .. } = self.scene;
+        let (fs, fd) = (h / mass * static_force, L::splat(h / mass * dynamic_force));
+        let (h_over_m, h, minus_stiffness) = (L::splat(h / mass), L::splat(h), L::splat(-stiffness));
+        let (mut x, mut v) = ([h; R], [h; R]);
+        let mut regimes = [regime(h, fs, fd); R];
+        for r in 0..R {
+            let at = lane + r * L::WIDTH;
+            (x[r], v[r]) = (L::load(&self.x[at..]), L::load(&self.v[at..]));
+            regimes[r] = regime(v[r], fs, fd);
+        }
+        for &forcing in &self.forcing[from..to] {
+            let mut s = [h; R];
+            let mut same = L::always();
+            for r in 0..R {
+                s[r] = h_over_m.mul_add(minus_stiffness.mul_add(x[r], L::splat(forcing)), v[r]);
+                same = s[r].not_beyond(regimes[r].least, regimes[r].most, same);
+            }
+            let all = L::bitmask(same) == 255;
+            for r in 0..R {
+                let next = if all { regimes[r].keep.mul_add(s[r], regimes[r].push) } else { settle(s[r], fs, fd) };
+                if !all {
+                    let turned = 255 ^ L::bitmask(s[r].not_beyond(regimes[r].least, regimes[r].most, L::always()));
+                    if turned != 0 {
+                        keep(&mut self.turns, lane + r * L::WIDTH, turned, &spill(v[r]), &spill(next));
+                        regimes[r] = regime(next, fs, fd);
+                    }
+                }
+                x[r] = h.mul_add(v[r], x[r]);
+                v[r] = next;
+            }
+        }
+        for r in 0..R {
+            let at = lane + r * L::WIDTH;
+            x[r].store(&mut self.x[at..]);
+            v[r].store(&mut self.v[at..]);
+        }
+    }
+
+    /// A stick ends where a velocity leaves zero; a zero is taken for a stick.
+    fn read(&mut self) {
+        for (lane, velocities) in self.turns.drain(..) {
+            for (is_static, v) in self.is_static[lane..].iter_mut().zip(velocities) {
+                self.sticks += u64::from(*is_static && v != 0.0);
+                *is_static = v == 0.0;
+            }
+        }
+    }
+}
+
+#[repr(align(64))]
+struct Spilled([f64; 8]);
+
+#[inline(always)]
+fn spill<L: Lanes>(v: L) -> Spilled {
+    let mut spilled = Spilled([0.0; 8]);
+    v.store(&mut spilled.0);
+    spilled
+}
+
+#[cold]
+#[inline(never)]
+fn keep(turns: &mut Vec<(usize, [f64; 8])>, lane: usize, turned: u32, before: &Spilled, after: &Spilled) {
+    black_box((turned, before));
+    turns.push((lane, after.0));
+}
