@@ -12,6 +12,10 @@
 //! its step (Broadie, Glasserman, Kou, Math. Finance 7 (1997)). Statistics of the displacement go with h^1 as far as is measured,
 //! and are taken so where the observed order is nearer to 1 than to 1/2.
 //!
+//! Numbers of phases are an exception: with N(h) = t_end/d(h) it is the mean distance d of two sticks, a duration, that goes with
+//! sqrt(h), and Y is taken to be 1/N. Where f_s - f_d is small, N at the step may be half of what it is without, and no power series of N
+//! in sqrt(h) is near it.
+//!
 //! The two terms disagree with the truth on the other side than one does, where steps are too long for both: the estimate is
 //! D1/(q - 1) + c/2, with less of c where c is mere scatter ([`weight`]). It is wrong by c/2, and by what no expansion of two terms
 //! knows: slips that turn back within a step appear one after the other as it falls. That is measured ([`UNSEEN`]).
@@ -44,6 +48,11 @@ impl Levels {
         (d2 / d1).log2()
     }
 
+    /// 1/Y.
+    pub fn reciprocal(self) -> Levels {
+        Levels(self.0.map(f64::recip))
+    }
+
     /// D1/(q - 1).
     fn one_term(self, p: f64) -> f64 {
         self.differences().0 / (p.exp2() - 1.0)
@@ -72,6 +81,19 @@ impl Levels {
         let (d1, d2) = self.differences();
         (d1, d1.abs() + d2.abs())
     }
+}
+
+/// Whether 1/Y goes with a power of the step, and not Y.
+pub(super) fn is_number_of_phases(statistic: Statistic) -> bool {
+    matches!(statistic, Statistic::SticksPerPath | Statistic::SlipsPerPath)
+}
+
+/// The bias of Y and its uncertainty from those of 1/Y: Y(0) = 1/(1/Y(h) - b), and what Y(0) changes with b is Y(0)^2. None where
+/// that makes no number above zero.
+pub(super) fn bias_of_reciprocal(levels: Levels, (bias, uncertainty): (f64, f64)) -> Option<(f64, f64)> {
+    let here = levels.0[0];
+    let limit = (here.recip() - bias).recip();
+    (limit.is_finite() && limit > 0.0 && uncertainty.is_finite()).then_some((here - limit, uncertainty * limit * limit))
 }
 
 /// p.
@@ -120,6 +142,18 @@ mod tests {
             // Half the second term: the truth is within the stated error.
             assert!((two.bias(p, 0.5) - bias).abs() <= two.model_error(p, 0.5));
         }
+    }
+
+    /// N = t_end/(d + C sqrt(h)), t_end = 60, d = 2, C = 30: a fifth of 30 at the step, where N itself extrapolates to a third of its bias.
+    #[test]
+    fn a_number_of_phases_is_found_from_the_distance_between_them() {
+        let number = |h: f64| 60.0 / (2.0 + 30.0 * h.sqrt());
+        let levels = Levels([0.07, 0.14, 0.28].map(number));
+        let one = levels.reciprocal().bias(0.5, 0.5);
+        let (bias, uncertainty) = bias_of_reciprocal(levels, (one, 1e-4)).expect("a number");
+        assert!((bias - (number(0.07) - 30.0)).abs() < 1e-9 && (uncertainty - 1e-4 * 900.0).abs() < 1e-9);
+        assert!(levels.bias(0.5, 0.5).abs() < 0.5 * bias.abs());
+        assert_eq!(bias_of_reciprocal(Levels([0.0; 3]), (f64::NAN, f64::NAN)), None);
     }
 
     #[test]
