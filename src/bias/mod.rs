@@ -11,7 +11,7 @@ use crate::ensemble::in_order;
 use crate::model::Model;
 use crate::scheme::{DiscreteVi, Timeline};
 use crate::stats::{Bias, Dimension, Statistic, Totals};
-use extrapolation::{Levels, bias_of_reciprocal, is_number_of_phases, lattice_error, leading_order, weight};
+use extrapolation::{Levels, bias_of_reciprocal, is_number_of_phases, lattice_error, leading_order, unseen, weight};
 use groups::{GroupObserver, Grouped, Groups, jackknife};
 use std::convert::Infallible;
 use std::fmt;
@@ -169,7 +169,15 @@ impl BiasPlan {
         let is_on_grid = statistic == Statistic::StickDurationMedian;
         let grid = if is_on_grid { lattice_error(self.h, p, weight) } else { 0.0 };
         // Sums, not squares: what extrapolation misses is the same for every seed.
-        (all.bias(p, weight), sampling + all.model_error(p, weight) + grid)
+        (all.bias(p, weight), sampling + all.model_error(p, weight, unseen(self.kick())) + grid)
+    }
+
+    /// K beta rho sigma sqrt(h)/(f_s - f_d).
+    fn kick(&self) -> f64 {
+        let Model { oscillator, friction, temperature, .. } = &self.model;
+        let noise = temperature.noise.map_or(0.0, |noise| noise.intensity * noise.diffusion);
+        let force = oscillator.stiffness * oscillator.dilatation * noise * self.h.sqrt();
+        force.abs() / (friction.static_force - friction.dynamic_force)
     }
 
     fn simulate(&self, threads: usize, stop: &AtomicBool) -> Result<[Groups; LEVELS.len()], NoBias> {

@@ -247,7 +247,8 @@ fn execute(job: &Job<'_>, stop: &AtomicBool, progress: &mut Progress) -> Result<
         writer.ended_by(reason)?;
     }
     writer.finish(&summary, status)?;
-    let missed = if status == Status::Complete { job.endings.missed(&totals, completed) } else { Vec::new() };
+    let is_done = failure.is_none() && status != Status::Interrupted;
+    let missed = if is_done { job.endings.missed(&totals, completed) } else { Vec::new() };
     let failure = failure.or_else(|| all_lost(&summary, job.scenario.scheme.is_time_stepping()));
     Ok(Outcome { summary, status, bias, ended_by, missed, failure })
 }

@@ -188,8 +188,9 @@ pub fn measure(
     let reference = rungs.len() - 1;
     rungs.append(&mut tighter);
     limits.begin("CPU times");
+    let timing = if limits.is_stopped() { effort.timing.min(BRIEF) } else { effort.timing };
     for rung in &mut rungs {
-        rung.cost = cost(&rung.setting.of(scenario)?.plan(), effort.timing);
+        rung.cost = cost(&rung.setting.of(scenario)?.plan(), timing);
     }
     let has_limitless_phases = rungs[reference].setting.of(scenario)?.resolution().is_some();
     left_out.extend(rungs.iter().filter(|rung| rung.diverged > 0).map(|rung| LeftOut {
@@ -239,6 +240,9 @@ fn cost(plan: &Plan, seconds: f64) -> Cost {
     let each = if warm > seconds { warm / few as f64 } else { least(paths) / paths as f64 };
     Cost { first, each }
 }
+
+/// Seconds for timing a rung when someone waits for the end.
+const BRIEF: f64 = 0.1;
 
 const UNTIMED: Cost = Cost { first: f64::NAN, each: f64::NAN };
 
