@@ -11,7 +11,7 @@ use crate::ensemble::in_order;
 use crate::model::Model;
 use crate::scheme::{DiscreteVi, Timeline};
 use crate::stats::{Bias, Dimension, Statistic, Totals};
-use extrapolation::{Levels, bias_of_reciprocal, is_number_of_phases, lattice_error, leading_order, unseen, weight};
+use extrapolation::{Levels, lattice_error, leading_order, unseen, weight};
 use groups::{GroupObserver, Grouped, Groups, jackknife};
 use std::convert::Infallible;
 use std::fmt;
@@ -148,28 +148,15 @@ impl BiasPlan {
             let grid = if statistic.dimension() == Dimension::Time { self.h } else { 0.0 };
             return Bias { estimate, uncertainty: uncertainty + grid, order };
         }
-        let (estimate, uncertainty) = match is_number_of_phases(statistic) {
-            true => {
-                let reciprocals: Vec<Levels> = without.iter().map(|y| y.reciprocal()).collect();
-                let of_reciprocal = self.extrapolated(statistic, all.reciprocal(), &reciprocals);
-                bias_of_reciprocal(all, of_reciprocal).unwrap_or_else(|| self.extrapolated(statistic, all, without))
-            }
-            false => self.extrapolated(statistic, all, without),
-        };
-        Bias { estimate, uncertainty, order }
-    }
-
-    /// The bias under noise of what has these values, and its uncertainty.
-    fn extrapolated(&self, statistic: Statistic, all: Levels, without: &[Levels]) -> (f64, f64) {
-        let error = |of: &dyn Fn(Levels) -> f64| jackknife(&without.iter().map(|&y| of(y)).collect::<Vec<f64>>());
         let p = leading_order(statistic, all);
         let weight = weight(all.second_term(p), error(&|y| y.second_term(p)));
         let sampling = STUDENT * error(&|y| y.bias(p, weight));
         // A median is the duration of some stick, and that is a multiple of the step.
         let is_on_grid = statistic == Statistic::StickDurationMedian;
         let grid = if is_on_grid { lattice_error(self.h, p, weight) } else { 0.0 };
+        let missed = all.model_error(p, weight, unseen(statistic, self.kick()));
         // Sums, not squares: what extrapolation misses is the same for every seed.
-        (all.bias(p, weight), sampling + all.model_error(p, weight, unseen(self.kick())) + grid)
+        Bias { estimate: all.bias(p, weight), uncertainty: sampling + missed + grid, order }
     }
 
     /// K beta rho sigma sqrt(h)/(f_s - f_d).
