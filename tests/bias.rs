@@ -95,6 +95,26 @@ fn extrapolation_holds_and_an_error_of_a_factor_of_two_is_seen() {
     assert!(double.len() > 20 && half.len() > 10, "{} {}", double.len(), half.len());
 }
 
+/// f_s = 1.05: without a step, `mc run scenarios/rho025.toml --set friction.static=1.05 --scheme event-driven --paths 300000 --seed 77`; with
+/// one, the means over 40 runs of 10 000 paths, seeds 101 to 140. The noise of a step of 0.0025 moves the force by 1.5 times f_s - f_d, of
+/// 0.02 by 4.2 times, and there the steps see half of what they change. Null as above: of the six, none missed for 18 other seeds.
+/// An uncertainty that does not grow with the step misses the number of sticks for each of them at 0.01 and 0.02.
+#[test]
+fn so_it_is_where_static_and_dynamic_friction_are_close() {
+    let mut model = paper(0.25, 0.25);
+    model.friction.static_force = 1.05 * model.friction.dynamic_force;
+    let mean = (Statistic::StickDurationMean, 0.215064, [(0.02, 0.432892), (0.01, 0.375277), (0.0025, 0.295817)]);
+    let sticks = (Statistic::SticksPerPath, 33.9081, [(0.02, 16.3787), (0.01, 19.1942), (0.0025, 24.6207)]);
+    for (statistic, truth, at_step) in [mean, sticks] {
+        for (h, value) in at_step {
+            let plan = BiasPlan::new(&model, &timeline(&model), h, 1, 10_000).expect("enough paths");
+            let Bias { estimate, uncertainty, .. } = of(&biases(&plan, 2), statistic);
+            println!("h = {h}, {}: {estimate} +- {uncertainty}, in truth {}", statistic.name(), value - truth);
+            assert!((estimate - (value - truth)).abs() < uncertainty, "{h} {}", statistic.name());
+        }
+    }
+}
+
 /// With 10 000 paths at the step of the paper the bias of the mean stick duration is beyond doubt for seven of nine seeds or more, in
 /// the median it is known to better than 65 % of itself (extrapolation alone: 30 %), and the order is seen: in the median from 0.45 to 0.75.
 #[test]

@@ -417,11 +417,115 @@ fn accuracy_chooses_a_run_that_is_as_accurate() {
     let asked = ["--accuracy", "2%", "--statistic", "stick_duration_mean", "--json"];
     let output = mc(&here, &[&["run", RHO025], &asked[..]].concat());
     let said = text(&output.stderr);
-    assert!(said.contains("chosen for a relative error of 2 % of stick_duration_mean: --scheme"), "{said}");
+    assert!(said.contains("chosen for a relative error of 2 % of stick_duration_mean:\n  --scheme"), "{said}");
     let mean = json(&output)["statistics"]["stick_duration_mean"]["estimate"].as_f64().expect("a number");
     assert!((mean / 0.443052 - 1.0).abs() < 0.08, "{mean}");
+}
 
-    for wrong in [&["--accuracy", "2"][..], &["--accuracy", "1%", "--paths", "5"], &["--statistic", "jump_mean"]] {
-        assert_eq!(mc(&here, &[&["run", RHO025, "--force"], wrong].concat()).status.code(), Some(2), "{wrong:?}");
+/// Before any pilot.
+#[test]
+fn an_accuracy_that_is_none_or_is_decided_twice_is_refused() {
+    let here = folder();
+    for (wrong, says) in [
+        (&["--accuracy", "2"][..], "from 1e-6 to 0.5"),
+        (&["--accuracy", "-1%"], "from 1e-6 to 0.5"),
+        (&["--accuracy", "fine"], "from 1e-6 to 0.5"),
+        (&["--accuracy", "1%", "--paths", "5"], "--paths 5 does so as well"),
+        (&["--accuracy", "1%", "--scheme", "event-driven"], "--scheme event-driven does so as well"),
+        (&["--accuracy", "1%", "--set", "time.step=0.01"], "--set time.step=0.01 does so as well"),
+        (&["--accuracy", "1%", "--set", "scheme={kind=\"event-driven\"}"], "does so as well"),
+        (&["--accuracy", "1%", "--until", "jump_mean < 1%"], "both decide the number of paths"),
+        (&["--accuracy", "1%", "--statistic", "sticks"], "one of stick_duration_mean"),
+        (&["--statistic", "jump_mean"], "--accuracy"),
+        (&["--max-time", "-1"], "not a time above zero"),
+    ] {
+        let output = mc(&here, &[&["run", RHO025], wrong].concat());
+        let said = text(&output.stderr);
+        assert_eq!((output.status.code(), said.contains(says)), (Some(2), true), "{wrong:?}: {said}");
     }
+    assert!(!here.path().join("rho025.h5").exists());
+}
+
+/// Without noise the pilot is quick, one path is the ensemble, and what is zero or absent is told as such.
+#[test]
+fn accuracy_without_noise_takes_one_path_and_says_what_it_leaves_out() {
+    let here = folder();
+    let shaw = concat!(env!("CARGO_MANIFEST_DIR"), "/scenarios/shaw.toml");
+    let run = |more: &[&str]| mc(&here, &[&["run", shaw, "--force", "--accuracy", "0.1%"], more].concat());
+    let all = run(&["--json"]);
+    let said = text(&all.stderr);
+    for part in
+        ["of 13 statistics:", "--paths 1\n", "nothing is random", "nothing is promised of", "displacement_end_sd"]
+    {
+        assert!(said.contains(part), "{part} in\n{said}");
+    }
+    // 40-digit arithmetic.
+    let first = json(&all)["statistics"]["first_stick_duration_mean"]["estimate"].as_f64().expect("a number");
+    assert!((first / 2.574_004_435_173_1 - 1.0).abs() <= 1e-3, "{first}");
+    for (more, says) in [
+        (&["--statistic", "displacement_end_sd"][..], "displacement_end_sd is exactly zero"),
+        (&["--statistic", "drift_velocity", "--until", "20"], "drift_velocity: does not exist in this scene"),
+        (&["--until", "0"], "`time.end` is 0"),
+    ] {
+        let output = run(more);
+        let said = text(&output.stderr);
+        assert_eq!((output.status.code(), said.contains(says)), (Some(2), true), "{more:?}: {said}");
+    }
+    let quiet = run(&["--quiet"]);
+    assert_eq!((text(&quiet.stderr), quiet.status.code()), (String::new(), Some(0)));
+}
+
+/// What Ctrl-C leaves of the pilot: the reason, and no file.
+#[test]
+fn an_interrupted_pilot_runs_nothing() {
+    let here = folder();
+    let (code, _, said) = interrupted(&here, &["run", RHO025, "--accuracy", "1%"]);
+    assert_eq!(code, Some(130));
+    assert!(said.contains("nothing was run, nothing is written"), "{said}");
+    assert_eq!(std::fs::read_dir(here.path()).expect("there").count(), 0);
+}
+
+/// What Ctrl-C leaves of a trade: a table of what was measured, the rest named as not run, and the files that were asked for.
+#[test]
+fn an_interrupted_trade_prints_what_it_has() {
+    let here = folder();
+    let (code, table, said) = interrupted(&here, &["trade", RHO025, "--budget", "10m", "-o", "trade.h5"]);
+    assert_eq!(code, Some(130), "{said}");
+    for part in ["RMSE 1 %", "not run: discrete-vi: the measuring ended", "event-driven, tolerance"] {
+        assert!(table.contains(part), "{part} in\n{table}");
+    }
+    for file in ["trade.h5", "trade.svg", "trade.png"] {
+        assert!(here.path().join(file).exists(), "{file}");
+    }
+}
+
+/// Exit code, standard output and standard error of a command that is sent Ctrl-C after two seconds, and ends within ten.
+fn interrupted(folder: &TempDir, arguments: &[&str]) -> (Option<i32>, String, String) {
+    let child = std::process::Command::new(assert_cmd::cargo::cargo_bin("mc"))
+        .current_dir(folder)
+        .args(arguments)
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("starts");
+    std::thread::sleep(Duration::from_secs(2));
+    let id = child.id().to_string();
+    assert!(std::process::Command::new("kill").args(["-INT", &id]).status().expect("kill").success());
+    let start = Instant::now();
+    let output = child.wait_with_output().expect("ends");
+    assert!(start.elapsed() < Duration::from_secs(10), "{:?}", start.elapsed());
+    (output.status.code(), text(&output.stdout), text(&output.stderr))
+}
+
+/// A time limit that ends a run before its goal says so.
+#[test]
+fn a_goal_that_the_time_limit_cuts_off_is_told() {
+    let here = folder();
+    let goal = ["--until", "stick_duration_mean < 0.00001", "--max-time", "0.1s", "--step", "0.02"];
+    let output = mc(&here, &[&["run", RHO025], &goal[..]].concat());
+    let (out, said) = (text(&output.stdout), text(&output.stderr));
+    assert!(output.status.success() && out.contains("ended by time limit"), "{out}{said}");
+    assert!(said.contains("stick_duration_mean < 1e-5 is not reached after") && said.contains("try --paths"), "{said}");
+    // the heading has the paths that there are, not those that might have been
+    assert!(!out.contains("1 000 000 000"), "{out}");
 }

@@ -5,7 +5,9 @@ use std::path::Path;
 use std::sync::LazyLock;
 use stick_slip::scenario::{Scenario, SchemeKind};
 use stick_slip::stats::{Estimate, Statistic};
-use stick_slip::trade::{Choice, Cost, Effort, Ladder, Number, Refusal, Rung, Setting, Standing, Trade, measure};
+use stick_slip::trade::{
+    Choice, Cost, Effort, Ladder, Limits, Number, Refusal, Rung, Setting, Standing, Trade, measure,
+};
 
 fn shipped(name: &str) -> Scenario {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios").join(name).with_extension("toml");
@@ -19,7 +21,8 @@ const TWO_THREADS: usize = 2;
 static PILOT: LazyLock<Trade> = LazyLock::new(|| {
     let scenario = shipped("rho025");
     let effort = Effort { steps: 7, coupled_paths: 5120, free_paths: vec![1024, 8192, 1024, 32_768], timing: 0.0 };
-    let mut trade = measure(&scenario, &Ladder::of(&scenario), &effort, TWO_THREADS, None).expect("measured");
+    let mut trade =
+        measure(&scenario, &Ladder::of(&scenario), &effort, TWO_THREADS, Limits::default()).expect("measured");
     for rung in &mut trade.rungs {
         let seconds = rung.setting.step.map_or(30e-6, |h| 1.2e-9 * 60.0 / h);
         rung.cost = Cost { first: seconds, each: seconds };
@@ -129,7 +132,8 @@ fn biases_are_those_against_another_program() {
 fn a_measurement_is_reproducible() {
     let scenario = shipped("damped");
     let effort = Effort { steps: 3, coupled_paths: 400, free_paths: vec![300, 300, 0, 300], timing: 0.0 };
-    let run = |threads| measure(&scenario, &Ladder::of(&scenario), &effort, threads, None).expect("measured");
+    let run =
+        |threads| measure(&scenario, &Ladder::of(&scenario), &effort, threads, Limits::default()).expect("measured");
     let (one, three) = (run(1), run(3));
     assert_eq!(one.rungs.len(), 9);
     for (a, b) in one.rungs.iter().zip(&three.rungs) {
@@ -197,7 +201,7 @@ fn the_cheapest_step_is_that_of_the_closed_form() {
 fn without_noise_one_path_is_the_answer() {
     let scenario = shipped("shaw");
     let effort = Effort { steps: 9, coupled_paths: 20, free_paths: vec![2], timing: 1e-3 };
-    let trade = measure(&scenario, &Ladder::of(&scenario), &effort, 1, None).expect("measured");
+    let trade = measure(&scenario, &Ladder::of(&scenario), &effort, 1, Limits::default()).expect("measured");
     let first = Statistic::FirstStickDurationMean;
     assert!((trade.rungs[trade.reference].estimate(first).value - 2.574_004_435_173_1).abs() < 1e-12);
     for (scheme, target) in
@@ -219,7 +223,7 @@ fn what_cannot_be_answered_says_why() {
     let small = |name: &str, tolerances: usize| {
         let scenario = shipped(name);
         let effort = Effort { steps: 2, coupled_paths: 40, free_paths: vec![64; tolerances], timing: 0.0 };
-        measure(&scenario, &Ladder::of(&scenario), &effort, TWO_THREADS, None).expect("measured")
+        measure(&scenario, &Ladder::of(&scenario), &effort, TWO_THREADS, Limits::default()).expect("measured")
     };
     let equal = small("equal-friction", 3);
     assert_eq!(equal.standing(Statistic::StickDurationMean), Standing::NoLimit);

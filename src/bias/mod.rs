@@ -11,7 +11,7 @@ use crate::ensemble::in_order;
 use crate::model::Model;
 use crate::scheme::{DiscreteVi, Timeline};
 use crate::stats::{Bias, Dimension, Statistic, Totals};
-use extrapolation::{Levels, lattice_error, leading_order, weight};
+use extrapolation::{Levels, lattice_error, leading_order, unseen, weight};
 use groups::{GroupObserver, Grouped, Groups, jackknife};
 use std::convert::Infallible;
 use std::fmt;
@@ -154,8 +154,17 @@ impl BiasPlan {
         // A median is the duration of some stick, and that is a multiple of the step.
         let is_on_grid = statistic == Statistic::StickDurationMedian;
         let grid = if is_on_grid { lattice_error(self.h, p, weight) } else { 0.0 };
+        let missed = all.model_error(p, weight, unseen(statistic, self.kick()));
         // Sums, not squares: what extrapolation misses is the same for every seed.
-        Bias { estimate: all.bias(p, weight), uncertainty: sampling + all.model_error(p, weight) + grid, order }
+        Bias { estimate: all.bias(p, weight), uncertainty: sampling + missed + grid, order }
+    }
+
+    /// K beta rho sigma sqrt(h)/(f_s - f_d).
+    fn kick(&self) -> f64 {
+        let Model { oscillator, friction, temperature, .. } = &self.model;
+        let noise = temperature.noise.map_or(0.0, |noise| noise.intensity * noise.diffusion);
+        let force = oscillator.stiffness * oscillator.dilatation * noise * self.h.sqrt();
+        force.abs() / (friction.static_force - friction.dynamic_force)
     }
 
     fn simulate(&self, threads: usize, stop: &AtomicBool) -> Result<[Groups; LEVELS.len()], NoBias> {

@@ -53,14 +53,18 @@ impl Endings {
         if self.goals.is_empty() || blocks < FIRST_LOOK {
             return Look::GoOn(None);
         }
-        let mut factor: f64 = 1.0;
+        // times as many paths for the goal that needs most, and that goal
+        let mut farthest: Option<(f64, &Goal)> = None;
         let mut is_open = false;
         for goal in &self.goals {
             let estimate = totals.estimate(goal.statistic);
             let name = goal.statistic.name();
             match goal.judge(&estimate) {
                 Verdict::Reached => continue,
-                Verdict::Ahead(times) => factor = factor.max(times),
+                Verdict::Ahead(times) if farthest.is_none_or(|(most, _)| times > most) => {
+                    farthest = Some((times, goal))
+                }
+                Verdict::Ahead(_) => {}
                 Verdict::Zero if blocks >= PATIENCE => {
                     let value = significant(estimate.estimate, 3);
                     let error = significant(estimate.standard_error, 2);
@@ -85,14 +89,18 @@ impl Endings {
             let goals: Vec<String> = self.goals.iter().map(Goal::to_string).collect();
             return Look::Done(format!("{}, after block {blocks}", goals.join(" and ")));
         }
-        let needed = done as f64 * factor;
+        let Some((times, goal)) = farthest else { return Look::GoOn(None) };
+        let needed = done as f64 * times;
         if blocks >= PATIENCE && needed > MOST_PATHS as f64 {
+            let error = totals.estimate(goal.statistic).standard_error;
+            let least = error * (done as f64 / MOST_PATHS as f64).sqrt();
             return Look::Hopeless(format!(
-                "about {needed:.1e} paths would be needed, more than {}\n  fix: a wider bound",
-                grouped(MOST_PATHS)
+                "{goal} takes about {needed:.1e} paths, and no run has more than {}, which make about {}\n  fix: a wider bound",
+                grouped(MOST_PATHS),
+                significant(least, 2)
             ));
         }
-        Look::GoOn((factor > 1.0).then_some(needed as u64))
+        Look::GoOn(Some(needed as u64))
     }
 
     /// The goals that an ended run has not reached, with what they need.

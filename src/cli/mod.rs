@@ -6,6 +6,7 @@ mod completions;
 mod ending;
 mod failure;
 mod init;
+mod interrupt;
 mod numbers;
 mod overrides;
 mod progress;

@@ -49,6 +49,23 @@ pub fn duration(seconds: f64) -> String {
     }
 }
 
+/// Seconds in the unit that suits them, from us to yr.
+pub fn time(seconds: f64) -> String {
+    match seconds {
+        s if s < 1e-3 => format!("{} us", significant(s * 1e6, 2)),
+        s if s < 1.0 => format!("{} ms", significant(s * 1e3, 2)),
+        s if s < 7200.0 => duration(s),
+        s if s < 86_400.0 => format!("{} h", significant(s / 3600.0, 2)),
+        s if s < 86_400.0 * 1000.0 => format!("{} d", significant(s / 86_400.0, 2)),
+        s => format!("{} yr", significant(s / 86_400.0 / 365.25, 2)),
+    }
+}
+
+/// A share as a percentage.
+pub fn percent(share: f64) -> String {
+    format!("{} %", significant(100.0 * share, 3))
+}
+
 /// A time as it is typed: 90, 90s, 15m, 2h, 1d.
 pub fn parse_duration(text: &str) -> Result<Duration, String> {
     let (number, unit) = match text.trim().char_indices().next_back() {

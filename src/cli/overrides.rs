@@ -55,6 +55,12 @@ impl Overrides {
         self.paths.is_some()
     }
 
+    /// The first of these keys, as typed, that the command line sets.
+    pub fn decides(&self, keys: &[&str]) -> Option<String> {
+        let list = self.list().unwrap_or_default();
+        list.iter().find(|given| keys.iter().any(|key| given.sets(key))).map(Override::to_string)
+    }
+
     fn list(&self) -> Result<Vec<Override>, ScenarioError> {
         let mut list = self.set.iter().map(|text| Override::set(text)).collect::<Result<Vec<_>, _>>()?;
         let named = [

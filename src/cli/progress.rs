@@ -23,8 +23,7 @@ impl Progress {
             Progress::Silent
         } else if io::stderr().is_terminal() {
             let bar = ProgressBar::with_draw_target(Some(paths), ProgressDrawTarget::stderr());
-            let style = "{bar:32} {human_pos}/{human_len} paths  {per_sec}  {eta} left";
-            bar.set_style(ProgressStyle::with_template(style).unwrap_or(ProgressStyle::default_bar()));
+            bar.set_style(style("{bar:32} {human_pos}/{human_len} paths  {per_sec}  {eta} left"));
             Progress::Bar(bar)
         } else {
             Progress::Lines(Lines::new(paths), Instant::now())
@@ -53,6 +52,18 @@ impl Progress {
         }
     }
 
+    /// The paths are done; this is what is left.
+    pub fn conclude(&mut self, what: &'static str) {
+        match self {
+            Progress::Bar(bar) => {
+                bar.set_style(style("{bar:32} {human_pos}/{human_len} paths, {msg}"));
+                bar.set_message(what);
+            }
+            Progress::Lines(_, start) if start.elapsed() >= PATIENCE => note(what),
+            Progress::Lines(..) | Progress::Silent => {}
+        }
+    }
+
     /// The run is over: the bar goes, the lines stay.
     pub fn finish(&self) {
         if let Progress::Bar(bar) = self {
@@ -61,6 +72,36 @@ impl Progress {
     }
 }
 
+fn style(template: &str) -> ProgressStyle {
+    ProgressStyle::with_template(template).unwrap_or(ProgressStyle::default_bar())
+}
+
+/// What a measurement is at, on a terminal; nothing elsewhere.
+pub struct Measuring(ProgressBar);
+
+impl Measuring {
+    /// For a measurement of about this time, on standard error.
+    pub fn new(budget: Duration, quiet: bool) -> Self {
+        let target = if quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
+        let line = ProgressBar::with_draw_target(None, target);
+        line.set_style(style(&format!("{{elapsed}} of about {} s: {{msg}}", budget.as_secs())));
+        line.enable_steady_tick(TICK);
+        Measuring(line)
+    }
+
+    /// This is measured next.
+    pub fn begin(&self, what: &str) {
+        self.0.set_message(what.to_string());
+    }
+
+    /// The measurement is over: the line goes.
+    pub fn finish(&self) {
+        self.0.finish_and_clear();
+    }
+}
+
+/// How often the time of a measurement is shown.
+const TICK: Duration = Duration::from_millis(250);
 /// Longest silence of a log, and least distance of its lines.
 const PERIOD: Duration = Duration::from_secs(10);
 /// A run that finishes sooner needs no lines.

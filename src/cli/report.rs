@@ -76,7 +76,7 @@ pub fn table(summary: &Summary, info: &RunInfo) -> String {
     let mut text = String::new();
     let _ = writeln!(text, "{}", info.title);
     let step = info.step.map_or(String::new(), |h| format!(", step {h:?}"));
-    let paths = grouped(info.paths);
+    let paths = grouped(if info.status == Status::Ended { summary.completed_paths } else { info.paths });
     let _ = writeln!(text, "{}{step}, seed {}, {paths} paths\n", info.scheme, info.seed);
     text.push_str(&statistics_table(summary, &info.units));
     text.push('\n');
@@ -258,7 +258,7 @@ pub fn dominating_bias(summary: &Summary) -> Option<String> {
 }
 
 /// The label of what a number is measured in; empty where it has none.
-fn unit(dimension: Dimension, units: &Units) -> String {
+pub fn unit(dimension: Dimension, units: &Units) -> String {
     let Units { time, length, force, .. } = units;
     let over = |top: &str, bottom: &str| match (top.is_empty(), bottom.is_empty()) {
         (_, true) => top.to_string(),

@@ -1,16 +1,16 @@
 //! `mc run`: simulate an ensemble, write its statistics, say what came out.
 
-use super::accuracy;
+use super::accuracy::{self, Wish};
 use super::ending::{Endings, Look, MOST_PATHS};
 use super::failure::{Failure, note, print, writable};
+use super::interrupt::stop_on_ctrl_c;
 use super::overrides::Overrides;
 use super::progress::Progress;
 use super::report::{self, RunInfo};
 use super::results;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 use stick_slip::bias::{BiasPlan, NoBias};
 use stick_slip::ensemble::{BLOCK_SIZE, Plan};
@@ -40,13 +40,13 @@ pub struct Run {
     #[command(flatten)]
     overrides: Overrides,
     /// Choose scheme, step or tolerance, and number of paths for this relative error, e.g. 1e-2 or 1%, from a pilot of some seconds
-    #[arg(long, value_name = "EPS", value_parser = accuracy::target, conflicts_with_all = ["paths", "scheme", "step", "tolerance"])]
+    #[arg(long, value_name = "EPS", value_parser = accuracy::target, allow_hyphen_values = true)]
     accuracy: Option<f64>,
     /// The statistic that is to be so accurate; repeatable [default: all]
     #[arg(long, value_name = "NAME", value_parser = super::trade::statistic, requires = "accuracy")]
     statistic: Vec<Statistic>,
     /// End the run after so long: 90, 90s, 15m, 2h; the file says after which block
-    #[arg(long, value_name = "TIME", value_parser = super::numbers::parse_duration)]
+    #[arg(long, value_name = "TIME", value_parser = super::numbers::parse_duration, allow_hyphen_values = true)]
     max_time: Option<Duration>,
     /// Threads [default: one a core]
     #[arg(long, value_name = "K", value_parser = clap::value_parser!(u16).range(1..=1024))]
@@ -103,14 +103,20 @@ impl Run {
         let output = self.output.clone().unwrap_or_else(|| default_output(&self.scenario));
         self.refuse_to_lose(&output)?;
         let threads = self.threads.map_or_else(super::cores, usize::from);
+        let stop = stop_on_ctrl_c();
+        let mut promise = None;
         if let Some(target) = self.accuracy {
-            if !goals.is_empty() {
-                return Err(Failure::usage(
-                    "--accuracy and a goal of --until both decide the paths",
-                    "give one of them",
-                ));
+            if let Some(decided) = self.overrides.decides(&accuracy::CHOSEN) {
+                let problem =
+                    format!("--accuracy chooses scheme, step or tolerance, and paths; {decided} does so as well");
+                return Err(Failure::usage(problem, "leave out one of them"));
             }
-            scenario = accuracy::choose(&scenario, target, &self.statistic, threads)?;
+            if !goals.is_empty() {
+                let problem = "--accuracy and a goal of --until both decide the number of paths";
+                return Err(Failure::usage(problem, "leave out one of them"));
+            }
+            let wish = Wish { target, named: &self.statistic, max_time: self.max_time, threads, is_quiet: self.quiet };
+            (scenario, promise) = wish.choose(&scenario, &stop).map(|(scenario, promise)| (scenario, Some(promise)))?;
         }
         let is_open_ended = !goals.is_empty() && !self.overrides.gives_paths();
         let paths = if is_open_ended { MOST_PATHS } else { scenario.ensemble.paths };
@@ -122,7 +128,6 @@ impl Run {
         let bias = (!self.no_bias).then(|| scenario.bias_plan());
         results::warn(&scenario, matches!(bias, Some(Ok(_))));
         let job = Job { scenario: &scenario, paths, endings, threads, output: &output, force: self.force, bias };
-        let stop = stop_on_ctrl_c();
         let start = Instant::now();
         let mut progress = Progress::new(paths, self.quiet);
         let outcome = execute(&job, &stop, &mut progress);
@@ -139,7 +144,8 @@ impl Run {
             note(&format!("warning: {line}"));
         }
         results::warn_of_bias(&summary);
-        for line in missed {
+        let kept = promise.and_then(|promise| promise.missed(summary.completed_paths));
+        for line in missed.into_iter().chain(kept) {
             note(&format!("warning: {line}"));
         }
         match (failure, status) {
@@ -194,20 +200,6 @@ fn info(
     }
 }
 
-/// A flag that the first Ctrl-C raises; the second one ends the process.
-fn stop_on_ctrl_c() -> Arc<AtomicBool> {
-    let stop = Arc::new(AtomicBool::new(false));
-    let raised = Arc::clone(&stop);
-    // Without a handler Ctrl-C still stops the run, only less gently.
-    let _ = ctrlc::set_handler(move || {
-        if raised.swap(true, Ordering::Relaxed) {
-            std::process::exit(130);
-        }
-        note("\nstopping after the blocks in flight; press Ctrl-C again to stop at once");
-    });
-    stop
-}
-
 /// Simulate, write the file, sum up. `progress` is told the paths done so far, once a block; when `stop` is raised, the
 /// blocks in flight are finished and the outcome is interrupted.
 fn execute(job: &Job<'_>, stop: &AtomicBool, progress: &mut Progress) -> Result<Outcome, Failure> {
@@ -244,14 +236,19 @@ fn execute(job: &Job<'_>, stop: &AtomicBool, progress: &mut Progress) -> Result<
             scenario.ensemble.paths = completed;
             scenario.bias_plan()
         });
-        add_bias(shorter.as_ref().unwrap_or(bias), job.threads, stop, &mut summary).err()
+        let bias = shorter.as_ref().unwrap_or(bias);
+        if bias.is_ok() {
+            progress.conclude("estimating the bias of the step");
+        }
+        add_bias(bias, job.threads, stop, &mut summary).err()
     });
     let bias = (start.elapsed().as_secs_f64(), no_bias);
     if let Some(reason) = &ended_by {
         writer.ended_by(reason)?;
     }
     writer.finish(&summary, status)?;
-    let missed = if status == Status::Complete { job.endings.missed(&totals, completed) } else { Vec::new() };
+    let is_done = failure.is_none() && status != Status::Interrupted;
+    let missed = if is_done { job.endings.missed(&totals, completed) } else { Vec::new() };
     let failure = failure.or_else(|| all_lost(&summary, job.scenario.scheme.is_time_stepping()));
     Ok(Outcome { summary, status, bias, ended_by, missed, failure })
 }

@@ -1,14 +1,17 @@
 //! `mc trade`: what accuracy costs, scheme by scheme, and which is cheapest for a target.
 
 use super::failure::{Failure, note, print, writable};
+use super::interrupt::stop_on_ctrl_c;
 use super::numbers::{parse_duration, wrapped};
+use super::progress::Measuring;
 use super::trade_report::{self, Asked};
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 use stick_slip::scenario::{Override, Scenario};
 use stick_slip::stats::Statistic;
 use stick_slip::store;
-use stick_slip::trade::{self, Trade as Measured, TradeError};
+use stick_slip::trade::{self, Limits, Trade as Measured, TradeError};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -18,7 +21,8 @@ Examples:
   mc trade scenarios/rho025.toml --json | jq '.winners[] | select(.target == 0.01)'
 
 Every scheme that suits the scene is run over its steps or tolerances, whatever scheme the scenario names. Costs are CPU seconds on
-one thread and vary with the machine; everything else depends on the scenario, its seed, and the paths that the budget allowed.";
+one thread and vary with the machine; everything else depends on the scenario, its seed, and the paths that the budget allowed.
+Ctrl-C ends the measuring; the table is then of what was measured.";
 
 /// Arguments of `mc trade`.
 #[derive(Debug, clap::Args)]
@@ -62,14 +66,15 @@ impl Trade {
         }
         let threads = self.threads.map_or_else(super::cores, usize::from);
         note(&format!("measuring for about {} s on {threads} threads", self.budget.as_secs()));
-        let trade = trade::measure_within(&scenario, self.budget, threads)?;
+        let stop = stop_on_ctrl_c();
+        let trade = measured(&scenario, self.budget, threads, &stop, false)?;
         let shown = self.statistic.or_else(|| trade.answerable().first().copied());
         let asked = Asked { scenario: &scenario, path: &self.scenario, shown, budget: self.budget, threads };
         print(&if self.json { trade_report::json(&trade, &asked) } else { trade_report::table(&trade, &asked) })?;
-        match &self.output {
-            Some(output) => self.write(output, &scenario, &trade, shown),
-            None => Ok(()),
+        if let Some(output) = &self.output {
+            self.write(output, &scenario, &trade, shown)?;
         }
+        if stop.load(Ordering::Relaxed) { Err(Failure::Interrupted) } else { Ok(()) }
     }
 
     fn refuse_to_lose(&self, output: &Path) -> Result<(), Failure> {
@@ -104,6 +109,22 @@ impl Trade {
     }
 }
 
+/// Measure, with a line on a terminal that says at what it is. When `stop` is raised, what is measured by then is returned.
+pub(super) fn measured(
+    scenario: &Scenario,
+    budget: Duration,
+    threads: usize,
+    stop: &AtomicBool,
+    is_quiet: bool,
+) -> Result<Measured, TradeError> {
+    let line = Measuring::new(budget, is_quiet);
+    let begins = |what: &str| line.begin(what);
+    let limits = Limits { time: None, stop: Some(stop), begins: Some(&begins) };
+    let trade = trade::measure_within(scenario, budget, threads, limits);
+    line.finish();
+    trade
+}
+
 /// The SVG and the PNG next to a file.
 fn pictures(output: &Path) -> [PathBuf; 2] {
     ["svg", "png"].map(|extension| output.with_extension(extension))
@@ -130,7 +151,9 @@ impl From<TradeError> for Failure {
         match error {
             TradeError::Scenario(error) => Failure::Scenario(error),
             TradeError::NothingHappens => Failure::Refused(error.to_string()),
-            TradeError::BudgetTooSmall { .. } => Failure::Run(error.to_string()),
+            TradeError::BudgetTooSmall { .. } => {
+                Failure::Run(format!("{error}\n  fix: measure longer with --budget, or shorten `time.end`"))
+            }
         }
     }
 }

@@ -1,6 +1,6 @@
 //! A trade, for people and for machines: pure functions of what was measured.
 
-use super::numbers::{duration, significant, wrapped};
+use super::numbers::{percent, significant, time, wrapped};
 use serde::Serialize;
 use std::fmt::Write as _;
 use std::path::Path;
@@ -171,19 +171,8 @@ fn winners(trade: &Trade, target: f64) -> String {
 fn run(choice: &Choice) -> String {
     let knob = short(choice.setting.knob());
     let knob = if choice.is_measured { knob } else { format!("({knob})") };
-    format!("{knob} x{} {}", short(choice.paths as f64), time(choice.seconds))
-}
-
-/// Seconds in a readable unit.
-fn time(seconds: f64) -> String {
-    match seconds {
-        s if s < 1e-3 => format!("{} us", significant(s * 1e6, 2)),
-        s if s < 1.0 => format!("{} ms", significant(s * 1e3, 2)),
-        s if s < 7200.0 => duration(s).replace(" min ", "m").replace(" s", "s"),
-        s if s < 86_400.0 => format!("{} h", significant(s / 3600.0, 2)),
-        s if s < 86_400.0 * 1000.0 => format!("{} d", significant(s / 86_400.0, 2)),
-        s => format!("{} yr", significant(s / 86_400.0 / 365.25, 2)),
-    }
+    let cost = time(choice.seconds).replace(" min ", "m").replace(" s", "s");
+    format!("{knob} x{} {cost}", short(choice.paths as f64))
 }
 
 /// Three digits, with an exponent where that is shorter.
@@ -191,10 +180,6 @@ fn short(x: f64) -> String {
     let (plain, powers) = (significant(x, 3), format!("{x:.2e}"));
     let powers = powers.replace(".00e", "e").replace("0e", "e");
     if plain.len() <= powers.len() + 1 { plain } else { powers }
-}
-
-fn percent(target: f64) -> String {
-    format!("{} %", significant(100.0 * target, 3))
 }
 
 /// Columns under each other, the first to the left, the others to the right.

@@ -44,6 +44,7 @@ use crate::model::Model;
 use crate::scheme::Timeline;
 use crate::stats::Record;
 use source::Sources;
+use std::fmt;
 use std::io::Read as _;
 use std::path::Path;
 
@@ -144,6 +145,18 @@ impl Override {
     /// From a flag of its own, such as `--paths`.
     pub fn flag(flag: &str, key: &str, value: &str) -> Self {
         Override { shown: format!("{flag} {value}"), key: key.to_string(), value: value.to_string() }
+    }
+
+    /// Whether it sets this key, by itself or with the whole table it is in.
+    pub fn sets(&self, key: &str) -> bool {
+        key.strip_prefix(&self.key).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
+    }
+}
+
+/// As it was typed.
+impl fmt::Display for Override {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.shown)
     }
 }
 

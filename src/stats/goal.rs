@@ -98,7 +98,7 @@ impl fmt::Display for Goal {
         match self.bound {
             // to twelve digits, so that 0.7% does not come back as 0.7000000000000001%
             Bound::Relative(share) => write!(f, "{} < {}%", self.statistic.name(), (share * 1e14).round() / 1e12),
-            Bound::Absolute(bound) => write!(f, "{} < {bound}", self.statistic.name()),
+            Bound::Absolute(bound) => write!(f, "{} < {bound:?}", self.statistic.name()),
         }
     }
 }

@@ -8,11 +8,14 @@ use crate::stats::{Estimate, Record, Statistic, Totals};
 use rustix::time::{ClockId, clock_gettime};
 use std::convert::Infallible;
 use std::ops::ControlFlow;
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 /// Groups of paths, each left out in turn for the error of a change (the jackknife).
 pub(super) const GROUPS: u64 = 20;
+
+/// Of fewer, where the measuring was cut short, no error can be told.
+const FEWEST_GROUPS: usize = 8;
 
 /// Paths that one thread simulates at a time.
 const PIECE: u64 = 256;
@@ -86,7 +89,7 @@ pub enum TradeError {
     NothingHappens,
     /// Not even the reference fits into the budget.
     #[error(
-        "an event-driven path takes about {path_seconds:.3} s of CPU, and {least} paths of it do not fit into the budget; give more time with --budget, or shorten `time.end`"
+        "an event-driven path takes about {path_seconds:.3} s of CPU, and {least} paths of it do not fit into the time for measuring"
     )]
     BudgetTooSmall {
         /// CPU seconds of a path.
@@ -96,12 +99,42 @@ pub enum TradeError {
     },
 }
 
-/// Measure a scene within about `budget` of wall-clock time.
-pub fn measure_within(scenario: &Scenario, budget: Duration, threads: usize) -> Result<Trade, TradeError> {
+/// What a measurement is bound to, and whom it tells where it is.
+#[derive(Clone, Copy, Default)]
+pub struct Limits<'a> {
+    /// Wall-clock time. What is not done by then is cut short, on a machine that is slower than its pilot.
+    pub time: Option<Duration>,
+    /// When raised, the pieces in work are the last: what is begun is cut short, what is not is left out.
+    pub stop: Option<&'a AtomicBool>,
+    /// Told what is measured next.
+    pub begins: Option<&'a (dyn Fn(&str) + Sync)>,
+}
+
+impl Limits<'_> {
+    fn is_stopped(&self) -> bool {
+        self.stop.is_some_and(|stop| stop.load(Ordering::Relaxed))
+    }
+
+    fn begin(&self, what: &str) {
+        if let Some(begins) = self.begins {
+            begins(what);
+        }
+    }
+}
+
+/// Measure a scene within about `budget` of wall-clock time, whatever the time in `limits`.
+pub fn measure_within(
+    scenario: &Scenario,
+    budget: Duration,
+    threads: usize,
+    limits: Limits<'_>,
+) -> Result<Trade, TradeError> {
     let start = Instant::now();
+    limits.begin("a few paths of each scheme, to share out the time");
     let mut ladder = Ladder::of(scenario);
     let effort = Effort::within(scenario, &mut ladder, budget, threads)?;
-    measure(scenario, &ladder, &effort, threads, Some(budget.saturating_sub(start.elapsed())))
+    let time = Some(budget.saturating_sub(start.elapsed()));
+    measure(scenario, &ladder, &effort, threads, Limits { time, ..limits })
 }
 
 // Shares of the time after which no further paths are begun: of the reference, of everything without steps, of everything.
@@ -109,20 +142,20 @@ const REFERENCE_ENDS: f64 = 0.35;
 const FREE_ENDS: f64 = 0.5;
 const ALL_ENDS: f64 = 0.9;
 
-/// Measure a scene with a given effort. With a time, what is not done by then is cut short, on a machine that is slower than its pilot;
-/// without one, everything but the costs is a function of scenario, ladder and effort.
+/// Measure a scene with a given effort. Where no limit cuts it short, everything but the costs is a function of scenario, ladder and
+/// effort.
 pub fn measure(
     scenario: &Scenario,
     ladder: &Ladder,
     effort: &Effort,
     threads: usize,
-    time: Option<Duration>,
+    limits: Limits<'_>,
 ) -> Result<Trade, TradeError> {
     if scenario.time.end == 0.0 {
         return Err(TradeError::NothingHappens);
     }
     let start = Instant::now();
-    let until = |share: f64| time.map(|time| start + time.mul_f64(share));
+    let until = |share: f64| End { deadline: limits.time.map(|time| start + time.mul_f64(share)), limits };
     let [reference_ends, free_ends] =
         if effort.steps > 0 { [REFERENCE_ENDS, FREE_ENDS] } else { [FREE_ENDS, ALL_ENDS] };
     let is_event_driven = |scheme: &SchemeKind| matches!(scheme, SchemeKind::EventDriven { .. });
@@ -131,22 +164,35 @@ pub fn measure(
         .collect();
     let tightest = runs.iter().rposition(|(_, scheme, _)| is_event_driven(scheme)).ok_or(TradeError::NothingHappens)?;
     let run = |(i, scheme, paths): (usize, SchemeKind, u64), ends| {
+        limits.begin(&without_step(scheme).to_string());
         free(scenario, scheme, paths, (i as u64 + 2) * APART, threads, ends)
     };
     // First, so that it is there whatever else the time allows: what the others are measured against.
     let reference = run(runs[tightest], until(reference_ends))?;
-    let mut others = Vec::new();
-    for (i, other) in runs.iter().enumerate() {
-        others.push(if i == tightest { reference.clone() } else { run(*other, until(free_ends))? });
+    let (mut looser, mut tighter, mut left_out) = (Vec::new(), Vec::new(), ladder.left_out.clone());
+    let unfinished = |what: String| LeftOut { what, why: "the measuring ended before there was enough of it".into() };
+    for (i, other) in runs.iter().enumerate().filter(|(i, _)| *i != tightest) {
+        if limits.is_stopped() {
+            left_out.push(unfinished(without_step(other.1).to_string()));
+        } else {
+            let side = if i < tightest { &mut looser } else { &mut tighter };
+            side.push(run(*other, until(free_ends))?);
+        }
     }
     let mut rungs = coupled(scenario, ladder, effort, threads, until(ALL_ENDS))?;
-    let reference = rungs.len() + tightest;
-    rungs.append(&mut others);
+    if effort.steps > 0 && rungs.is_empty() {
+        left_out.extend(ladder.stepping.iter().map(|scheme| unfinished(scheme.name().into())));
+    }
+    rungs.append(&mut looser);
+    rungs.push(reference);
+    let reference = rungs.len() - 1;
+    rungs.append(&mut tighter);
+    limits.begin("CPU times");
+    let timing = if limits.is_stopped() { effort.timing.min(BRIEF) } else { effort.timing };
     for rung in &mut rungs {
-        rung.cost = cost(&rung.setting.of(scenario)?.plan(), effort.timing);
+        rung.cost = cost(&rung.setting.of(scenario)?.plan(), timing);
     }
     let has_limitless_phases = rungs[reference].setting.of(scenario)?.resolution().is_some();
-    let mut left_out = ladder.left_out.clone();
     left_out.extend(rungs.iter().filter(|rung| rung.diverged > 0).map(|rung| LeftOut {
         what: rung.setting.to_string(),
         why: format!("{} of {} paths diverged, so it is recommended for nothing", rung.diverged, rung.paths),
@@ -195,15 +241,28 @@ fn cost(plan: &Plan, seconds: f64) -> Cost {
     Cost { first, each }
 }
 
+/// Seconds for timing a rung when someone waits for the end.
+const BRIEF: f64 = 0.1;
+
 const UNTIMED: Cost = Cost { first: f64::NAN, each: f64::NAN };
 
-/// Whether to go on; the first pieces are always done.
-fn flow(deadline: Option<Instant>) -> ControlFlow<()> {
-    if deadline.is_some_and(|deadline| Instant::now() > deadline) {
-        ControlFlow::Break(())
-    } else {
-        ControlFlow::Continue(())
+/// When no further paths are begun.
+#[derive(Clone, Copy)]
+struct End<'a> {
+    deadline: Option<Instant>,
+    limits: Limits<'a>,
+}
+
+impl End<'_> {
+    /// Whether to go on; asked after a piece, so the first one is always done.
+    fn flow(&self) -> ControlFlow<()> {
+        let is_late = self.deadline.is_some_and(|deadline| Instant::now() > deadline);
+        if is_late || self.limits.is_stopped() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     }
+}
+
+fn without_step(scheme: SchemeKind) -> Setting {
+    Setting { scheme, step: None }
 }
 
 /// A rung of a scheme without steps.
@@ -213,15 +272,15 @@ fn free(
     paths: u64,
     first: u64,
     threads: usize,
-    deadline: Option<Instant>,
+    end: End<'_>,
 ) -> Result<Rung, TradeError> {
-    let setting = Setting { scheme, step: None };
+    let setting = without_step(scheme);
     let plan = bare_plan(scenario, setting)?;
     let mut totals = Totals::empty(&plan.model, &plan.timeline);
     let make = |piece: u64| plan.piece(first + piece * PIECE, PIECE.min(paths - piece * PIECE)).totals;
     let deliver = |piece: Totals| -> Result<_, Infallible> {
         totals.merge(&piece);
-        Ok(flow(deadline))
+        Ok(end.flow())
     };
     let Ok(_) = in_order(paths.div_ceil(PIECE), threads, &AtomicBool::new(false), make, deliver);
     Ok(rung(setting, &totals, Vec::new()))
@@ -233,13 +292,13 @@ fn rung(setting: Setting, totals: &Totals, changes: Vec<Number>) -> Rung {
     Rung { setting, paths, diverged, cost: UNTIMED, estimates: summary.estimates, changes }
 }
 
-/// The rungs of the time-stepping schemes, every step fed the noise of the finest: path by path they see one realisation.
+/// The rungs of the time-stepping schemes, none if they are cut short too early, every step fed the noise of the finest: path by path they see one realisation.
 fn coupled(
     scenario: &Scenario,
     ladder: &Ladder,
     effort: &Effort,
     threads: usize,
-    deadline: Option<Instant>,
+    end: End<'_>,
 ) -> Result<Vec<Rung>, TradeError> {
     let steps = &ladder.steps[..effort.steps.min(ladder.steps.len())];
     let mut plans = Vec::new();
@@ -249,7 +308,12 @@ fn coupled(
             plans.push((setting, on_one_realisation(bare_plan(scenario, setting)?, 1 << (steps.len() - 1 - k))));
         }
     }
-    let Some((_, any)) = plans.first() else { return Ok(Vec::new()) };
+    let Some((_, any)) = plans.first().filter(|_| !end.limits.is_stopped()) else { return Ok(Vec::new()) };
+    end.limits.begin(&format!(
+        "{} steps of {}",
+        steps.len(),
+        ladder.stepping.iter().map(|s| s.name()).collect::<Vec<_>>().join(" and ")
+    ));
     let empty = Totals::empty(&any.model, &any.timeline);
     // groups[g][r]: the paths of group g on rung r.
     let mut groups = vec![vec![empty.clone(); plans.len()]; GROUPS as usize];
@@ -265,11 +329,14 @@ fn coupled(
             sum.merge(totals);
         }
         turn = (turn + 1) % GROUPS as usize;
-        Ok(flow(deadline))
+        Ok(end.flow())
     };
     let Ok(_) = in_order(GROUPS * of_group.div_ceil(PIECE), threads, &AtomicBool::new(false), make, deliver);
 
     groups.retain(|group| group[0] != empty);
+    if groups.len() < FEWEST_GROUPS {
+        return Ok(Vec::new());
+    }
     let left_out: Vec<Vec<Vec<Estimate>>> = (0..plans.len()).map(|r| leaving_one_out(&groups, r, &empty)).collect();
     let rungs = plans.iter().enumerate().map(|(r, (setting, _))| {
         let totals = groups.iter().fold(empty.clone(), |sum, group| merged(sum, &group[r]));

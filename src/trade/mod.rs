@@ -25,7 +25,7 @@ mod standing;
 pub use effort::Effort;
 pub use ladder::{Ladder, LeftOut};
 pub use law::{Change, Law};
-pub use measure::{Cost, Rung, TradeError, measure, measure_within};
+pub use measure::{Cost, Limits, Rung, TradeError, measure, measure_within};
 pub use picture::{Picture, picture};
 pub use predict::{Choice, Refusal, TARGETS};
 pub use setting::Setting;
