@@ -14,5 +14,5 @@ pub use slip_transition::{DrivenOscillator, HarmonicResponse, SlipTransition};
 pub use stream::{LaneNormals, LaneStreams, Stream};
 
 /// What a file says about where its random numbers come from.
-pub const GENERATOR: &str =
-    "xoshiro256+, one stream a path seeded by SplitMix64 from (seed, path); normals by inversion";
+pub const GENERATOR: &str = "xoshiro256+, one stream a path seeded by SplitMix64 from (seed, path); normals by inversion, \
+    two a draw in schemes with a step";
