@@ -18,8 +18,8 @@ use stick_slip::scenario::Scenario;
 use stick_slip::scheme::DiscreteVi;
 use stripped::{Scene, count_sticks};
 
-/// Paths of the runs that estimate their bias or do not: a multiple of 24 groups of 16.
-const WITH_BIAS: u64 = 24 * 16 * 2;
+/// Paths of the runs that estimate their bias or do not: 24 times 16 groups of 26.
+const WITH_BIAS: u64 = 24 * 16 * 26;
 
 /// A path-step of the bare kernel, scene by scene.
 fn scenes(c: &mut Criterion) {

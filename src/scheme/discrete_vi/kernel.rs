@@ -254,9 +254,9 @@ impl<const NOISE: bool, const DAMPING: bool, const CORRECTED: bool> Run<'_, NOIS
         let at = |r: usize| lane + r * L::WIDTH;
         let c = Splat::<L>::new(self.c);
         // plain loops: closures would not be compiled for the instruction set
-        let mut state = [State::load(self.paths, lane); R];
+        let mut state = [State::load::<NOISE>(self.paths, lane); R];
         for (r, state) in state.iter_mut().enumerate() {
-            *state = State::load(self.paths, at(r));
+            *state = State::load::<NOISE>(self.paths, at(r));
         }
         let mut regimes = [c.regime(state[0].v); R];
         for (regime, state) in regimes.iter_mut().zip(&state) {
@@ -294,9 +294,11 @@ impl<const NOISE: bool, const DAMPING: bool, const CORRECTED: bool> Run<'_, NOIS
             }
         }
         for (r, state) in state.iter().enumerate() {
-            state.store(self.paths, at(r));
+            state.store::<NOISE>(self.paths, at(r));
         }
-        self.streams.put(lane, &normals);
+        if NOISE {
+            self.streams.put(lane, &normals);
+        }
         R * L::WIDTH
     }
 }
@@ -311,19 +313,21 @@ struct State<L> {
 
 impl<L: Lanes> State<L> {
     #[inline(always)]
-    fn load(paths: &Paths, lane: usize) -> Self {
+    fn load<const NOISE: bool>(paths: &Paths, lane: usize) -> Self {
         State {
             x: L::load(&paths.displacement[lane..]),
             v: L::load(&paths.velocity[lane..]),
-            noise: L::load(&paths.noise[lane..]),
+            noise: if NOISE { L::load(&paths.noise[lane..]) } else { L::splat(0.0) },
         }
     }
 
     #[inline(always)]
-    fn store(&self, paths: &mut Paths, lane: usize) {
+    fn store<const NOISE: bool>(&self, paths: &mut Paths, lane: usize) {
         self.x.store(&mut paths.displacement[lane..]);
         self.v.store(&mut paths.velocity[lane..]);
-        self.noise.store(&mut paths.noise[lane..]);
+        if NOISE {
+            self.noise.store(&mut paths.noise[lane..]);
+        }
     }
 
     #[inline(always)]

@@ -120,9 +120,8 @@ impl DiscreteVi {
                 }
                 kernel.advance(&forcing[..=steps], &mut streams, &mut state, &mut turns);
                 reader.read(&kernel, n, &forcing, &turns, observer);
-                for (lane, diverged) in diverged.iter_mut().enumerate() {
-                    let reach = state.displacement[lane].abs();
-                    *diverged |= reach > bound || reach.is_nan();
+                for (diverged, x) in diverged.iter_mut().zip(&state.displacement) {
+                    *diverged |= x.abs() > bound || x.is_nan();
                 }
                 n += steps as u64;
                 harmonics[0] = harmonics[steps];
