@@ -5,6 +5,9 @@ use std::hint::black_box;
 use stick_slip::lanes::{InstructionSet, LaneProgram, Lanes};
 use stick_slip::noise::{LaneStreams, Transition};
 
+/// The first lane of a register in which some turned, and its velocities.
+type Turns = Vec<(usize, [f64; 8])>;
+
 const LANES: usize = 256;
 const RUN: usize = 64;
 /// The numbers of the step, as [`stick_slip::model::Model`] has them.
@@ -28,7 +31,7 @@ pub struct Stripped<'a> {
     v: Vec<f64>,
     noise: Vec<f64>,
     is_static: Vec<bool>,
-    turns: Vec<(usize, [f64; 8])>,
+    turns: Turns,
     /// Ends of sticks.
     pub sticks: u64,
 }
@@ -97,6 +100,18 @@ fn settle<L: Lanes>(s: L, fs: f64, fd: L) -> L {
     L::either(s.gt(L::splat(fs)), s.sub(fd), s.lt(L::splat(-fs)), s.add(fd))
 }
 
+/// V' of a group in which some lane turns; those of this register that do are kept.
+#[inline(always)]
+fn turn<L: Lanes>(s: L, v: L, now: &mut Regime<L>, (fs, fd): (f64, L), turns: &mut Turns, lane: usize) -> L {
+    let next = settle(s, fs, fd);
+    let turned = 255 ^ L::bitmask(s.not_beyond(now.least, now.most, L::always()));
+    if turned != 0 {
+        keep(turns, lane, turned, &spill(v), &spill(next));
+        *now = regime(next, fs, fd);
+    }
+    next
+}
+
 impl Stripped<'_> {
     #[inline(always)]
     fn noisy<L: Lanes, const R: usize>(&mut self, lane: usize, from: usize, to: usize) {
@@ -125,14 +140,11 @@ impl Stripped<'_> {
             }
             let all = L::bitmask(same) == 255;
             for r in 0..R {
-                let next = if all { regimes[r].keep.mul_add(s[r], regimes[r].push) } else { settle(s[r], fs, fd) };
-                if !all {
-                    let turned = 255 ^ L::bitmask(s[r].not_beyond(regimes[r].least, regimes[r].most, L::always()));
-                    if turned != 0 {
-                        keep(&mut self.turns, lane + r * L::WIDTH, turned, &spill(v[r]), &spill(next));
-                        regimes[r] = regime(next, fs, fd);
-                    }
-                }
+                let next = if all {
+                    regimes[r].keep.mul_add(s[r], regimes[r].push)
+                } else {
+                    turn(s[r], v[r], &mut regimes[r], (fs, fd), &mut self.turns, lane + r * L::WIDTH)
+                };
                 x[r] = h.mul_add(v[r], x[r]);
                 v[r] = next;
                 noise[r] = decay.mul_add(noise[r], xi[r]);
@@ -168,14 +180,11 @@ impl Stripped<'_> {
             }
             let all = L::bitmask(same) == 255;
             for r in 0..R {
-                let next = if all { regimes[r].keep.mul_add(s[r], regimes[r].push) } else { settle(s[r], fs, fd) };
-                if !all {
-                    let turned = 255 ^ L::bitmask(s[r].not_beyond(regimes[r].least, regimes[r].most, L::always()));
-                    if turned != 0 {
-                        keep(&mut self.turns, lane + r * L::WIDTH, turned, &spill(v[r]), &spill(next));
-                        regimes[r] = regime(next, fs, fd);
-                    }
-                }
+                let next = if all {
+                    regimes[r].keep.mul_add(s[r], regimes[r].push)
+                } else {
+                    turn(s[r], v[r], &mut regimes[r], (fs, fd), &mut self.turns, lane + r * L::WIDTH)
+                };
                 x[r] = h.mul_add(v[r], x[r]);
                 v[r] = next;
             }
@@ -210,7 +219,7 @@ fn spill<L: Lanes>(v: L) -> Spilled {
 
 #[cold]
 #[inline(never)]
-fn keep(turns: &mut Vec<(usize, [f64; 8])>, lane: usize, turned: u32, before: &Spilled, after: &Spilled) {
+fn keep(turns: &mut Turns, lane: usize, turned: u32, before: &Spilled, after: &Spilled) {
     black_box((turned, before));
     turns.push((lane, after.0));
 }
