@@ -24,8 +24,9 @@ use stick_slip::scheme::{Instant, Observer, Snapshot, monitoring_shift};
 
 const ULP: f64 = f64::EPSILON;
 
-/// What a stop of the event-driven scheme leaves of the greatest forces so far, at most; 4e-11 has been seen.
-const STOP_REST: f64 = 1e-10;
+/// What a stop of the event-driven scheme leaves of the greatest forces so far, at most: one step of Newton's method puts it on the flow, and 5e-7
+/// has been seen.
+const STOP_REST: f64 = 1e-6;
 
 /// What rounding may leave of an energy between two instants, relative to its terms.
 const ROUNDING: f64 = 1e-12;

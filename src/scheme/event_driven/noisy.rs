@@ -314,7 +314,11 @@ impl Noisy {
         };
         self.scene.set_terms(time, terms);
         let end = mean_state(&step.transition, &step.harmonics, start, terms, friction);
-        let quintic = Step { end: motion(end, terms), way: eps * (end.x - start.x), ..searched };
+        let way_to = |to: State, there: Motion, after: f64| {
+            resolved_way(eps * start.x, eps * to.x, searched.start, there, after)
+        };
+        let there = motion(end, terms);
+        let quintic = Step { end: there, way: way_to(end, there, searched.length), ..searched };
         let (way, interpolated) = quintic.mean(stop.after);
 
         let mut responses = step.harmonics.clone();
@@ -323,7 +327,7 @@ impl Noisy {
         let exact = mean_state(&transition, &responses, start, terms, friction);
         let now = motion(exact, terms);
 
-        let way = stop.way + (eps * (exact.x - start.x) - way);
+        let way = stop.way + (way_to(exact, now, stop.after) - way);
         let velocity = now.velocity - interpolated.velocity;
         let acceleration = stop.acceleration + (now.acceleration - interpolated.acceleration);
         let slope: f64 = terms.iter().zip(harmonics).map(|(p, h)| -p.im * h.angular_frequency).sum();
