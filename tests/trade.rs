@@ -286,7 +286,9 @@ fn the_command_leaves_a_table_a_file_and_two_pictures() {
     assert_eq!(shape("rung_bias"), [rungs, Statistic::ALL.len()]);
     assert_eq!(shape("predicted_seconds"), [3, Statistic::ALL.len(), 4]);
     let biases: Vec<f64> = file.dataset("rung_bias").and_then(|d| d.read_raw()).expect("numbers");
-    assert_eq!(Some(biases[0]), json["rungs"][0]["statistics"][0]["bias"].as_f64());
+    // what reads the JSON here may be off by a last place
+    let shown = json["rungs"][0]["statistics"][0]["bias"].as_f64().expect("a number");
+    assert!((biases[0] - shown).abs() <= 2.0 * f64::EPSILON * shown.abs(), "{} {shown}", biases[0]);
 
     let png = std::fs::read(folder.path().join("trade.png")).expect("a PNG");
     assert!(png.starts_with(b"\x89PNG"));
