@@ -14,8 +14,11 @@ mod x86;
 
 pub use portable::Portable;
 
-/// A table for 19-bit numbers.
-pub type Table = [u64; 1 << 19];
+/// Bits of a key below those that number its entry in a [`Table`].
+pub const KEY_SHIFT: u32 = 45;
+
+/// A table with an entry for every number that the upper bits of a key can be: 19 of them.
+pub type Table = [u64; 1 << (u64::BITS - KEY_SHIFT)];
 
 /// Some numbers side by side, and the few operations the schemes need on them.
 ///
@@ -56,7 +59,7 @@ pub trait Lanes: Copy {
     fn not_beyond(self, least: Self, most: Self, among: Self::Mask) -> Self::Mask;
     /// Bit i of the result is lane i of the mask.
     fn bitmask(mask: Self::Mask) -> u32;
-    /// In each lane, the table entry numbered by the upper 19 bits of `key`.
+    /// In each lane, the table entry numbered by the upper bits of `key`, `key >> KEY_SHIFT`.
     fn lookup(table: &Table, key: Self::Bits) -> Self::Bits;
 
     /// The lanes' bit patterns.

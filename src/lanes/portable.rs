@@ -1,6 +1,6 @@
 //! Four lanes in plain Rust, for processors without the wide instruction sets.
 
-use super::{Lanes, Table};
+use super::{KEY_SHIFT, Lanes, Table};
 
 /// Four numbers side by side.
 #[derive(Clone, Copy, Debug)]
@@ -78,7 +78,7 @@ impl Lanes for Portable {
     }
     #[inline(always)]
     fn lookup(table: &Table, key: Self::Bits) -> Self::Bits {
-        key.map(|key| table[(key >> 45) as usize])
+        key.map(|key| table[(key >> KEY_SHIFT) as usize])
     }
     #[inline(always)]
     fn to_bits(self) -> Self::Bits {

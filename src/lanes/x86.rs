@@ -3,10 +3,10 @@
 //! SAFETY, for every `unsafe` block of this file. Arithmetic intrinsics have one precondition: that the processor has their
 //! instruction set. The two lane types are private to this file and are only named by `run_avx512` and `run_avx2`, which
 //! [`super::InstructionSet::run`] calls after detecting it. Loads and stores are unaligned and reach exactly `WIDTH`
-//! elements of a slice whose length is checked first; table reads go to
-//! entries numbered by 64 bits shifted right by 45, and a table has 2^19.
+//! elements of a slice whose length is checked first; table reads go to entries numbered by 64 bits shifted right by `KEY_SHIFT`, and a
+//! table has one for each such number.
 
-use super::{LaneProgram, Lanes, Table};
+use super::{KEY_SHIFT, LaneProgram, Lanes, Table};
 use std::arch::x86_64::*;
 
 pub(super) fn run_avx512(program: &mut impl LaneProgram) {
@@ -100,7 +100,7 @@ impl Lanes for Avx512 {
     }
     #[inline(always)]
     fn lookup(table: &Table, key: Self::Bits) -> Self::Bits {
-        unsafe { _mm512_i64gather_epi64::<8>(_mm512_srli_epi64::<45>(key), table.as_ptr().cast()) }
+        unsafe { _mm512_i64gather_epi64::<8>(_mm512_srli_epi64::<KEY_SHIFT>(key), table.as_ptr().cast()) }
     }
     #[inline(always)]
     fn to_bits(self) -> Self::Bits {
@@ -227,7 +227,7 @@ impl Lanes for Avx2 {
     }
     #[inline(always)]
     fn lookup(table: &Table, key: Self::Bits) -> Self::Bits {
-        unsafe { _mm256_i64gather_epi64::<8>(table.as_ptr().cast(), _mm256_srli_epi64::<45>(key)) }
+        unsafe { _mm256_i64gather_epi64::<8>(table.as_ptr().cast(), _mm256_srli_epi64::<{ KEY_SHIFT as i32 }>(key)) }
     }
     #[inline(always)]
     fn to_bits(self) -> Self::Bits {

@@ -13,7 +13,7 @@
 //! the median to 9.1 sigma, where |y| = 1. A cell of negative y has -A and -b.
 
 use super::normal_table::{CELLS, SLOPE_BITS};
-use crate::lanes::{Lanes, Table};
+use crate::lanes::{KEY_SHIFT, Lanes, Table};
 use std::f64::consts::SQRT_2;
 use std::sync::LazyLock;
 
@@ -24,9 +24,8 @@ use std::sync::LazyLock;
 pub const MAX_NORMAL_ERROR: f64 = 5e-9;
 
 const SIGN: u64 = 1 << 63;
-/// Bits of a double below the number of its cell: 52 of mantissa less seven. They are the place in the cell.
-const CELL_SHIFT: u32 = 45;
-const PLACE: u64 = (1 << CELL_SHIFT) - 1;
+/// The bits of a double below the number of its cell, 52 of mantissa less seven: the place in the cell.
+const PLACE: u64 = (1 << KEY_SHIFT) - 1;
 /// With these upper bits instead of its own, a double is 128 plus its place, from 0 to 1.
 const BEFORE_PLACE: f64 = 128.0;
 const CENTRE: f64 = BEFORE_PLACE + 0.5;
@@ -37,19 +36,19 @@ const NO_SLOPE: f64 = BEFORE_SLOPE + 0.007_812_5;
 
 /// The cell of y, a double.
 fn cell(y: u64) -> u64 {
-    let first = 1.0f64.to_bits() >> CELL_SHIFT;
+    let first = 1.0f64.to_bits() >> KEY_SHIFT;
     // y = 0, once in 2^64 draws, counts as 1
-    let cell = CELLS[((y & !SIGN) >> CELL_SHIFT).saturating_sub(first) as usize];
+    let cell = CELLS[((y & !SIGN) >> KEY_SHIFT).saturating_sub(first) as usize];
     if y & SIGN == 0 { cell } else { SIGN | cell & !SLOPE | (SLOPE + 1 - (cell & SLOPE)) }
 }
 
 /// The cells of both signs where [`Lanes::lookup`] finds them. Of its 4 MiB only those around them are ever touched, 132 KiB.
 pub(super) fn cells() -> &'static Table {
     static TABLE: LazyLock<Box<Table>> = LazyLock::new(|| {
-        let mut table = vec![0; 1 << (u64::BITS - CELL_SHIFT)];
+        let mut table = vec![0; size_of::<Table>() / size_of::<u64>()];
         for y in (0..64).flat_map(|octave| (0..128).map(move |i| (1.0 + f64::from(i) / 128.0) * 2f64.powi(octave))) {
             for y in [y.to_bits(), (-y).to_bits()] {
-                table[(y >> CELL_SHIFT) as usize] = cell(y);
+                table[(y >> KEY_SHIFT) as usize] = cell(y);
             }
         }
         table[0] = cell(0);
