@@ -14,6 +14,7 @@ use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 use stick_slip::ensemble::{BLOCK_SIZE, Plan};
 use stick_slip::lanes::InstructionSet;
+use stick_slip::model::HarmonicClock;
 use stick_slip::scenario::Scenario;
 use stick_slip::scheme::DiscreteVi;
 use stripped::{Scene, count_sticks};
@@ -50,11 +51,14 @@ fn scenes(c: &mut Criterion) {
     bench("second harmonic", &two_harmonics(&plain));
     bench("noise and second harmonic", &two_harmonics(&noisy));
     if InstructionSet::Avx512.is_available() {
-        let forcing: Vec<f64> = (0..=STEPS).map(|n| 6.0 * (0.25 * 0.001 * n as f64).cos()).collect();
-        let scene = Scene { h: 0.001, mass: 1.0, stiffness: 1.0, static_force: 1.2, dynamic_force: 1.0, noise: None };
+        let h = 0.001;
+        let scene =
+            Scene { h, mass: 1.0, stiffness: 1.0, static_force: 1.2, dynamic_force: 1.0, forcing: 6.0, noise: None };
         let noisy = Scene { noise: Some((6.0 * 0.25, 1.0, 1.0)), ..scene };
+        let clock = HarmonicClock::new(&plain.model.temperature.harmonics, h);
         for (name, scene) in [("never had noise", scene), ("never had damping", noisy)] {
-            group.bench_function(name, |b| b.iter(|| count_sticks(InstructionSet::Avx512, black_box(scene), &forcing)));
+            let count = || count_sticks(InstructionSet::Avx512, black_box(scene), &clock, STEPS as usize);
+            group.bench_function(name, |b| b.iter(count));
         }
     }
 }

@@ -1,15 +1,20 @@
-//! The discrete scheme as an engine would have it that knew neither damping nor corrections nor more than one harmonic, once with
-//! noise and once without. It steps as the kernel does, groups of 16 or, without noise, 32 lanes through runs of 64 steps, and counts the ends of sticks.
+//! The discrete scheme as an engine would have it that knew neither damping nor corrections, once with
+//! noise and once without. It steps as the kernel does, groups of 16 or, without noise, 32 lanes through runs of 256 steps, computes the
+//! forcing and looks for divergence as often, and counts the ends of sticks.
 
 use std::hint::black_box;
 use stick_slip::lanes::{InstructionSet, LaneProgram, Lanes};
+use stick_slip::model::HarmonicClock;
 use stick_slip::noise::{LaneStreams, Transition};
 
 /// The first lane of a register in which some turned, and its velocities.
 type Turns = Vec<(usize, [f64; 8])>;
 
 const LANES: usize = 256;
-const RUN: usize = 64;
+const RUN: usize = 256;
+/// Beyond this displacement a path is lost.
+const BOUND: f64 = 1e3;
+
 /// The numbers of the step, as [`stick_slip::model::Model`] has them.
 #[derive(Clone, Copy)]
 pub struct Scene {
@@ -18,14 +23,19 @@ pub struct Scene {
     pub stiffness: f64,
     pub static_force: f64,
     pub dynamic_force: f64,
+    /// K beta
+    pub forcing: f64,
     /// K beta rho, theta, sigma
     pub noise: Option<(f64, f64, f64)>,
 }
 
-/// 256 paths under forcing[n].
-pub struct Stripped<'a> {
+/// 256 paths.
+struct Stripped<'a> {
     scene: Scene,
-    forcing: &'a [f64],
+    clock: &'a HarmonicClock,
+    steps: usize,
+    /// K beta times the harmonics, at the instants of a run.
+    forcing: [f64; RUN + 1],
     streams: Option<LaneStreams>,
     x: Vec<f64>,
     v: Vec<f64>,
@@ -33,51 +43,63 @@ pub struct Stripped<'a> {
     is_static: Vec<bool>,
     turns: Turns,
     /// Ends of sticks.
-    pub sticks: u64,
+    sticks: u64,
+    is_lost: bool,
 }
 
-/// How many sticks end in `forcing.len() - 1` steps of 256 paths that start at rest with a relaxed spring.
-pub fn count_sticks(set: InstructionSet, scene: Scene, forcing: &[f64]) -> u64 {
+/// How many sticks end in so many steps of 256 paths that start at rest with a relaxed spring, T being what the clock says; none if a path
+/// is lost.
+pub fn count_sticks(set: InstructionSet, scene: Scene, clock: &HarmonicClock, steps: usize) -> Option<u64> {
+    let mut start = [0.0];
+    clock.fill(0, &mut start);
     let paths: Vec<u64> = (0..LANES as u64).collect();
     let mut all = Stripped {
         scene,
-        forcing,
+        clock,
+        steps,
+        forcing: [0.0; RUN + 1],
         streams: scene.noise.map(|_| LaneStreams::new(1, &paths, LANES)),
-        x: vec![forcing[0] / scene.stiffness; LANES],
+        x: vec![start[0] * scene.forcing / scene.stiffness; LANES],
         v: vec![0.0; LANES],
         noise: vec![0.0; LANES],
         is_static: vec![true; LANES],
         turns: Vec::new(),
         sticks: 0,
+        is_lost: false,
     };
     set.run(&mut all);
-    all.sticks
+    (!all.is_lost).then_some(all.sticks)
 }
 
 impl LaneProgram for Stripped<'_> {
     #[inline(always)]
     fn run<L: Lanes>(&mut self) {
         assert_eq!(L::WIDTH, 8, "written for AVX-512");
-        for from in (0..self.forcing.len() - 1).step_by(RUN) {
-            let to = (from + RUN).min(self.forcing.len() - 1);
+        for n in (0..self.steps).step_by(RUN) {
+            let steps = RUN.min(self.steps - n);
+            self.clock.fill(n as u64, &mut self.forcing[..=steps]);
+            for forcing in &mut self.forcing[..=steps] {
+                *forcing *= self.scene.forcing;
+            }
             if self.streams.is_some() {
                 for lane in (0..LANES).step_by(2 * L::WIDTH) {
-                    self.noisy::<L, 2>(lane, from, to);
+                    self.noisy::<L, 2>(lane, steps);
                 }
             } else {
                 for lane in (0..LANES).step_by(4 * L::WIDTH) {
-                    self.plain::<L, 4>(lane, from, to);
+                    self.plain::<L, 4>(lane, steps);
                 }
             }
             self.read();
+            self.is_lost |= !self.x.iter().fold(true, |all, x| all & (x.abs() <= BOUND));
         }
     }
 }
 
-/// V' = keep S + push while S is from `least` to `most`.
+/// V' = S + push in the lanes that move, 0 in the others, while S is from `least` to `most`.
 #[derive(Clone, Copy)]
-struct Regime<L> {
-    keep: L,
+struct Regime<L: Lanes> {
+    moves: L::Mask,
     push: L,
     least: L,
     most: L,
@@ -85,10 +107,10 @@ struct Regime<L> {
 
 #[inline(always)]
 fn regime<L: Lanes>(v: L, fs: f64, fd: L) -> Regime<L> {
-    let (zero, one) = (L::splat(0.0), L::splat(1.0));
+    let zero = L::splat(0.0);
     let (up, down) = (v.gt(zero), v.lt(zero));
     Regime {
-        keep: L::either(up, one, down, one),
+        moves: L::or(up, down),
         push: L::either(up, zero.sub(fd), down, fd),
         least: v.where_zero(L::splat(-fs), L::either(up, L::splat(fs.next_up()), down, L::splat(f64::NEG_INFINITY))),
         most: v.where_zero(L::splat(fs), L::either(up, L::splat(f64::INFINITY), down, L::splat(-fs.next_up()))),
@@ -114,8 +136,8 @@ fn turn<L: Lanes>(s: L, v: L, now: &mut Regime<L>, (fs, fd): (f64, L), turns: &m
 
 impl Stripped<'_> {
     #[inline(always)]
-    fn noisy<L: Lanes, const R: usize>(&mut self, lane: usize, from: usize, to: usize) {
-        let Scene { h, mass, stiffness, static_force, dynamic_force, noise } = self.scene;
+    fn noisy<L: Lanes, const R: usize>(&mut self, lane: usize, steps: usize) {
+        let Scene { h, mass, stiffness, static_force, dynamic_force, noise, .. } = self.scene;
         let (Some((force, theta, sigma)), Some(streams)) = (noise, &mut self.streams) else { return };
         let Transition { decay, kick } = Transition::new(theta, sigma, h);
         let (decay, noise_force) = (L::splat(decay), L::splat(force * kick * std::f64::consts::SQRT_2));
@@ -129,7 +151,7 @@ impl Stripped<'_> {
             regimes[r] = regime(v[r], fs, fd);
         }
         let mut normals = streams.take::<L, R>(lane);
-        for &forcing in &self.forcing[from..to] {
+        for &forcing in &self.forcing[..steps] {
             let xi = normals.draw();
             let mut s = [h; R];
             let mut same = L::always();
@@ -141,7 +163,7 @@ impl Stripped<'_> {
             let all = L::bitmask(same) == 255;
             for r in 0..R {
                 let next = if all {
-                    regimes[r].keep.mul_add(s[r], regimes[r].push)
+                    s[r].add_where(regimes[r].push, regimes[r].moves)
                 } else {
                     turn(s[r], v[r], &mut regimes[r], (fs, fd), &mut self.turns, lane + r * L::WIDTH)
                 };
@@ -160,7 +182,7 @@ impl Stripped<'_> {
     }
 
     #[inline(always)]
-    fn plain<L: Lanes, const R: usize>(&mut self, lane: usize, from: usize, to: usize) {
+    fn plain<L: Lanes, const R: usize>(&mut self, lane: usize, steps: usize) {
         let Scene { h, mass, stiffness, static_force, dynamic_force, .. } = self.scene;
         let (fs, fd) = (h / mass * static_force, L::splat(h / mass * dynamic_force));
         let (h_over_m, h, minus_stiffness) = (L::splat(h / mass), L::splat(h), L::splat(-stiffness));
@@ -171,7 +193,7 @@ impl Stripped<'_> {
             (x[r], v[r]) = (L::load(&self.x[at..]), L::load(&self.v[at..]));
             regimes[r] = regime(v[r], fs, fd);
         }
-        for &forcing in &self.forcing[from..to] {
+        for &forcing in &self.forcing[..steps] {
             let mut s = [h; R];
             let mut same = L::always();
             for r in 0..R {
@@ -181,7 +203,7 @@ impl Stripped<'_> {
             let all = L::bitmask(same) == 255;
             for r in 0..R {
                 let next = if all {
-                    regimes[r].keep.mul_add(s[r], regimes[r].push)
+                    s[r].add_where(regimes[r].push, regimes[r].moves)
                 } else {
                     turn(s[r], v[r], &mut regimes[r], (fs, fd), &mut self.turns, lane + r * L::WIDTH)
                 };

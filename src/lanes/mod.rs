@@ -53,6 +53,10 @@ pub trait Lanes: Copy {
     fn either(up: Self::Mask, a: Self, down: Self::Mask, b: Self) -> Self;
     /// `zero` where self is zero, `other` elsewhere.
     fn where_zero(self, zero: Self, other: Self) -> Self;
+    /// self + other where `keep` holds, 0 elsewhere.
+    fn add_where(self, other: Self, keep: Self::Mask) -> Self;
+    /// In the lanes of either mask.
+    fn or(a: Self::Mask, b: Self::Mask) -> Self::Mask;
     /// Yes in every lane.
     fn always() -> Self::Mask;
     /// The lanes of `among` where self is neither below `least` nor above `most`; those where it is not a number are kept.

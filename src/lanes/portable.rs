@@ -65,6 +65,14 @@ impl Lanes for Portable {
         Portable(std::array::from_fn(|i| if self.0[i] == 0.0 { zero.0[i] } else { other.0[i] }))
     }
     #[inline(always)]
+    fn add_where(self, other: Self, keep: Self::Mask) -> Self {
+        Portable(std::array::from_fn(|i| if keep[i] { self.0[i] + other.0[i] } else { 0.0 }))
+    }
+    #[inline(always)]
+    fn or(a: Self::Mask, b: Self::Mask) -> Self::Mask {
+        zip(a, b, |a, b| a || b)
+    }
+    #[inline(always)]
     fn always() -> Self::Mask {
         [true; 4]
     }

@@ -84,6 +84,14 @@ impl Lanes for Avx512 {
         }
     }
     #[inline(always)]
+    fn add_where(self, other: Self, keep: Self::Mask) -> Self {
+        unsafe { Avx512(_mm512_maskz_add_pd(keep, self.0, other.0)) }
+    }
+    #[inline(always)]
+    fn or(a: Self::Mask, b: Self::Mask) -> Self::Mask {
+        a | b
+    }
+    #[inline(always)]
     fn always() -> Self::Mask {
         0xFF
     }
@@ -209,6 +217,14 @@ impl Lanes for Avx2 {
             let is_zero = _mm256_cmp_pd::<_CMP_EQ_OQ>(self.0, _mm256_setzero_pd());
             Avx2(_mm256_blendv_pd(other.0, zero.0, is_zero))
         }
+    }
+    #[inline(always)]
+    fn add_where(self, other: Self, keep: Self::Mask) -> Self {
+        unsafe { Avx2(_mm256_and_pd(_mm256_add_pd(self.0, other.0), keep)) }
+    }
+    #[inline(always)]
+    fn or(a: Self::Mask, b: Self::Mask) -> Self::Mask {
+        unsafe { _mm256_or_pd(a, b) }
     }
     #[inline(always)]
     fn always() -> Self::Mask {

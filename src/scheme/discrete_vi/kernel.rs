@@ -7,7 +7,7 @@ use crate::noise::{LaneNormals, LaneStreams, Transition};
 use std::f64::consts::SQRT_2;
 
 /// Steps between two looks at what happened: enough to keep the look cheap.
-pub(super) const RUN: usize = 64;
+pub(super) const RUN: usize = 256;
 
 /// Lanes stepped together, so that one register's latency hides behind the others' work: two registers of eight lanes, four of four.
 const GROUP: usize = 16;
@@ -283,13 +283,14 @@ impl<const NOISE: bool, const DAMPING: bool, const CORRECTED: bool> Run<'_, NOIS
             } else {
                 for r in 0..R {
                     let next_v = c.settle(s[r], state[r].v);
-                    let next = c.next::<NOISE, CORRECTED>(&state[r], next_v, xi[r]);
                     let turned = every_lane ^ L::bitmask(regimes[r].holds(s[r], L::always()));
                     if turned != 0 {
+                        // here again, so that only a turn keeps both states in registers
+                        let next = c.next::<NOISE, CORRECTED>(&state[r], next_v, xi[r]);
                         note(self.turns, at(r), n, turned, &state[r], &next);
                         regimes[r] = c.regime(next_v);
                     }
-                    state[r] = next;
+                    state[r] = c.next::<NOISE, CORRECTED>(&state[r], next_v, xi[r]);
                 }
             }
         }
@@ -403,10 +404,10 @@ impl<L: Lanes> Splat<L> {
     /// What [`Splat::settle`] comes to for velocities that keep the sign of v.
     #[inline(always)]
     fn regime(&self, v: L) -> Regime<L> {
-        let (zero, one, fd) = (L::splat(0.0), L::splat(1.0), self.dynamic_impulse);
+        let (zero, fd) = (L::splat(0.0), self.dynamic_impulse);
         let (up, down) = (v.gt(zero), v.lt(zero));
         Regime {
-            keep: L::either(up, one, down, one),
+            moves: L::or(up, down),
             push: L::either(up, zero.sub(fd), down, fd),
             least: v.where_zero(
                 self.minus_exit_impulse,
@@ -432,10 +433,11 @@ impl<L: Lanes> Splat<L> {
     }
 }
 
-/// The step while a lane keeps to slip up, slip down or stick: V' = keep S + push, as long as S is from `least` to `most`.
+/// The step while a lane keeps to slip up, slip down or stick: V' = S + push in the lanes that move and 0 in the others, as long as S is
+/// from `least` to `most`.
 #[derive(Clone, Copy)]
-struct Regime<L> {
-    keep: L,
+struct Regime<L: Lanes> {
+    moves: L::Mask,
     push: L,
     least: L,
     most: L,
@@ -450,7 +452,7 @@ impl<L: Lanes> Regime<L> {
 
     #[inline(always)]
     fn velocity(&self, s: L) -> L {
-        self.keep.mul_add(s, self.push)
+        s.add_where(self.push, self.moves)
     }
 }
 

@@ -120,8 +120,11 @@ impl DiscreteVi {
                 }
                 kernel.advance(&forcing[..=steps], &mut streams, &mut state, &mut turns);
                 reader.read(&kernel, n, &forcing, &turns, observer);
-                for (diverged, x) in diverged.iter_mut().zip(&state.displacement) {
-                    *diverged |= x.abs() > bound || x.is_nan();
+                // all at once first: hardly ever is there one to name
+                if !state.displacement[..paths].iter().fold(true, |all, x| all & (x.abs() <= bound)) {
+                    for (diverged, x) in diverged.iter_mut().zip(&state.displacement) {
+                        *diverged |= x.abs() > bound || x.is_nan();
+                    }
                 }
                 n += steps as u64;
                 harmonics[0] = harmonics[steps];
