@@ -115,8 +115,17 @@ fn a_run_tells_how_much_of_a_number_is_the_step_or_why_it_does_not() {
     let few = run(&["--paths", "300"]);
     assert!(text(&few.stdout).contains("not estimated: it takes 384 paths or more"), "{}", text(&few.stdout));
     assert!(text(&few.stderr).contains("as a guide"));
-    let corrected = run(&["--paths", "400", "--scheme", "corrected-vi"]);
-    assert!(text(&corrected.stdout).contains("not estimated"), "{}", text(&corrected.stdout));
+    let reasons = [
+        ("corrected-vi", "not estimated: the error of corrected-vi cannot be extrapolated"),
+        ("event-driven", "not estimated: there is no step; the tolerance leaves discretisation 0.001 of every statistic"),
+        ("quasi-static", "not estimated: that the forcing stands still in a slip is an approximation"),
+    ];
+    for (scheme, reason) in reasons {
+        let silent = mc(&here, &["run", RHO025, "--scheme", scheme, "--paths", "400", "--force"]);
+        assert!(text(&silent.stdout).contains(reason), "{}", text(&silent.stdout));
+        let shown = mc(&here, &["show", "rho025.h5"]);
+        assert!(text(&shown.stdout).contains(reason), "{}", text(&shown.stdout));
+    }
     let without = run(&["--paths", "400", "--no-bias"]);
     assert!(text(&without.stderr).contains("as a guide") && !text(&without.stdout).contains("bias"));
 }

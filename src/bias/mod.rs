@@ -44,10 +44,14 @@ const MAX_WIDTH: u64 = 16;
 const PIECES: u64 = 8;
 
 /// Why there is no estimate of the bias.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum NoBias {
-    /// The scheme has no step, hence no bias of it.
-    NoStep,
+    /// The event-driven scheme under noise: it has a tolerance instead of a step.
+    Tolerance(f64),
+    /// The event-driven scheme without noise.
+    Exact,
+    /// The quasi-static scheme: its error is that of an approximation, which no step makes smaller.
+    Approximation,
     /// The corrected scheme: its error changes sign between the steps that would be compared.
     Corrected,
     /// f_s = f_d under noise: stick statistics have no limit as h falls.
@@ -71,7 +75,14 @@ pub enum NoBias {
 impl fmt::Display for NoBias {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            NoBias::NoStep => f.write_str("the scheme has no time step"),
+            NoBias::Tolerance(tolerance) => write!(
+                f,
+                "there is no step; the tolerance leaves discretisation {tolerance} of every statistic that has a limit"
+            ),
+            NoBias::Exact => f.write_str("there is no step, and without noise every event is exact to rounding"),
+            NoBias::Approximation => {
+                f.write_str("that the forcing stands still in a slip is an approximation, which no step mends")
+            }
             NoBias::Corrected => f.write_str("the error of corrected-vi cannot be extrapolated from h, 2h and 4h"),
             NoBias::EqualFriction => f.write_str("with f_s = f_d under noise, sticks have no limit as the step falls"),
             NoBias::FewPaths { needed } => write!(f, "it takes {needed} paths or more"),

@@ -30,7 +30,7 @@ pub struct RunInfo {
     pub seconds: Option<f64>,
     /// How much of it went into the bias of the step.
     pub bias_seconds: Option<f64>,
-    /// Why the bias was asked for and is not known.
+    /// Why the bias is not known, unless nobody asked.
     pub no_bias: Option<String>,
     /// Steps of one path, for time-stepping schemes.
     pub steps_per_path: Option<u64>,

@@ -191,7 +191,7 @@ fn info(
         threads: Some(job.threads),
         seconds: Some(seconds),
         bias_seconds: Some(bias_seconds),
-        no_bias: no_bias.filter(|reason| *reason != NoBias::NoStep).map(|reason| reason.to_string()),
+        no_bias: no_bias.map(|reason| reason.to_string()),
         steps_per_path: time.steps(),
         file: job.output.display().to_string(),
         status,

@@ -37,7 +37,7 @@ impl Show {
 fn info(file: &Path, stored: &Stored) -> RunInfo {
     let Stored { header, status, ended_by, .. } = stored;
     let [time, length, force, temperature] = header.units.clone();
-    let scenario = Scenario::parse("scenario", &header.scenario_text, &[]);
+    let scenario = Scenario::parse("scenario", &header.scenario_text, &[]).ok();
     RunInfo {
         scenario: header.title.clone(),
         title: header.title.clone(),
@@ -49,8 +49,8 @@ fn info(file: &Path, stored: &Stored) -> RunInfo {
         threads: None,
         seconds: None,
         bias_seconds: None,
-        no_bias: None,
-        steps_per_path: scenario.ok().and_then(|scenario| scenario.time.steps()),
+        no_bias: scenario.as_ref().and_then(|scenario| scenario.bias_plan().err()).map(|reason| reason.to_string()),
+        steps_per_path: scenario.and_then(|scenario| scenario.time.steps()),
         file: file.display().to_string(),
         status: *status,
         ended_by: ended_by.clone(),

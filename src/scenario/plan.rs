@@ -38,7 +38,9 @@ impl Scenario {
                 BiasPlan::new(&self.model, &timeline, self.time.step_or_row(), ensemble.seed, ensemble.paths)
             }
             SchemeKind::CorrectedVi => Err(NoBias::Corrected),
-            SchemeKind::EventDriven { .. } | SchemeKind::QuasiStatic { .. } => Err(NoBias::NoStep),
+            SchemeKind::EventDriven { .. } if self.model.temperature.noise.is_none() => Err(NoBias::Exact),
+            SchemeKind::EventDriven { tolerance } => Err(NoBias::Tolerance(tolerance)),
+            SchemeKind::QuasiStatic { .. } => Err(NoBias::Approximation),
         }
     }
 }
