@@ -83,7 +83,7 @@ impl fmt::Display for NoBias {
             NoBias::Approximation => {
                 f.write_str("that the forcing stands still in a slip is an approximation, which no step mends")
             }
-            NoBias::Corrected => f.write_str("the error of corrected-vi cannot be extrapolated from h, 2h and 4h"),
+            NoBias::Corrected => f.write_str("the error of corrected-vi cannot be extrapolated from h, 2h and 4h; `mc trade` measures it"),
             NoBias::EqualFriction => f.write_str("with f_s = f_d under noise, sticks have no limit as the step falls"),
             NoBias::FewPaths { needed } => write!(f, "it takes {needed} paths or more"),
             NoBias::FewSteps => write!(f, "it takes {MIN_STEPS} steps or more"),
