@@ -116,8 +116,8 @@ impl StickStep {
         let (d0, d1, bent) = chord(sign.value());
         let (normal, uniform) = (draws.normal(), draws.uniform());
         let mut place = meeting_place(d0, d1, self.duration, normal, uniform);
-        // The threshold met is the bent one: once more with the chord moved to it at that place. Not from a start that is as near as
-        // the bend, |bent|/8: there nothing has bent yet, and a chord moved to the start would be met at once.
+        // The threshold met is the bent one: once more with the chord moved to it at that place. Not from a start within four times the
+        // bend, |bent|/8: little has bent where that is met, and a chord moved to the start would be met at once.
         if bent.abs() < 2.0 * d0 {
             let u = place / self.duration;
             let shift = 0.5 * bent * u * (1.0 - u);
