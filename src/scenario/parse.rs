@@ -10,6 +10,7 @@ use super::tree;
 use super::{Ensemble, Scenario, SchemeKind, Units};
 use crate::model::{Friction, Harmonic, InitialNoise, Model, Noise, Oscillator, Temperature};
 use crate::noise::Transition;
+use crate::scheme::felt_noise;
 use crate::stats::Record;
 
 /// Most paths.
@@ -32,8 +33,9 @@ pub(super) fn scenario(sources: &Sources<'_>, default_title: &str) -> Result<Sce
     let model = model(sources, &root)?;
     let scheme = scheme(sources, &root)?;
     let time = time(sources, &root, &model, scheme)?;
-    if let Some(step) = time.step {
-        refuse_lost_increments(sources, &root, &model, step)?;
+    match time.step {
+        Some(step) => refuse_lost_increments(sources, &root, &model, step)?,
+        None => refuse_lost_friction(sources, &root, &model, time.end)?,
     }
     let ensemble = root.table("ensemble")?;
     let record = root.table("record")?;
@@ -187,6 +189,20 @@ fn refuse_lost_increments(sources: &Sources<'_>, root: &Fields<'_>, model: &Mode
     );
     let remedy = "write `diffusion = 0` to leave v relaxing from v(0), raise it, or choose `--scheme event-driven`";
     Err(about(sources, &[&diffusion], problem, remedy.into()))
+}
+
+/// The schemes without a step ask when the noise passes f_s, after some (f_s/s)^2: both must be forces whose squares, with their products
+/// and ratios, can be computed with.
+fn refuse_lost_friction(sources: &Sources<'_>, root: &Fields<'_>, model: &Model, end: f64) -> Result<(), Box<Fault>> {
+    let f_s = model.friction.static_force;
+    let Some(noise) = felt_noise(model, end).filter(|_| f_s > 0.0) else { return Ok(()) };
+    if keys::can_be_computed_with(&[noise / f_s, 1.0 / (noise * f_s)]) {
+        return Ok(());
+    }
+    let threshold = root.table("friction")?.number(keys::STATIC)?;
+    let problem = format!("is lost beside the noise, which moves b by {noise:e}: when b passes f_s cannot be computed");
+    let remedy = "write `static = 0` and `dynamic = 0` for none, or choose units in which forces are closer to 1";
+    Err(about(sources, &[&threshold], problem, remedy.into()))
 }
 
 /// The scheme with its tolerance.

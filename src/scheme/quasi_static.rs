@@ -66,7 +66,7 @@ impl QuasiStatic {
     /// For a scene, observed at the stops of a timeline; `tolerance` governs the noisy exits as in the event-driven scheme.
     pub fn new(model: &Model, timeline: &Timeline, tolerance: f64) -> Self {
         let mut scene = Scene::new(model);
-        let exits = if scene.is_noisy(timeline.end) {
+        let exits = if scene.felt_noise(timeline.end).is_some() {
             Exits::Noisy(StickSteps::new(&scene, StepRules::new(tolerance).chord_error, timeline.end))
         } else {
             (scene.diffusion, scene.initial_noise.1) = (0.0, 0.0);

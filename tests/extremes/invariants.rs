@@ -24,9 +24,8 @@ use stick_slip::scheme::{Instant, Observer, Snapshot, monitoring_shift};
 
 const ULP: f64 = f64::EPSILON;
 
-/// What a stop of the event-driven scheme leaves of the greatest forces so far, at most: one step of Newton's method puts it on the flow, and 5e-7
-/// has been seen.
-const STOP_REST: f64 = 1e-6;
+/// What rounding may leave of the greatest forces so far at a stop: it is put on the flow, where b is the sum of some dozens of their terms.
+const STOP_REST: f64 = 1e-14;
 
 /// What rounding may leave of an energy between two instants, relative to its terms.
 const ROUNDING: f64 = 1e-12;
@@ -293,9 +292,10 @@ impl Watch {
             gain * n.intensity * (6.0 * spread + (n.relaxation_rate * dt).min(2.0) * size)
         });
         let wander = harmonics + noise;
-        // At a stop the noise takes up what the force, the place and the motion leave.
+        // At a stop the noise takes up what rounding leaves of force, place and motion.
         lane.peak = lane.peak.max(now.g.abs() + last.g.abs() + k * (now.x.abs() + last.x.abs()));
-        let left = STOP_REST * lane.peak + 16.0 * k * lane.spread;
+        // T is a multiple of the least double, 5e-324, and each of the two was rounded to one.
+        let left = STOP_REST * lane.peak + 16.0 * k * lane.spread + gain * f64::from_bits(1);
         let jump = (now.g - last.g).abs();
         ensure(jump.is_nan() || jump <= 2.0 * wander + left + f64::MIN_POSITIVE, || {
             format!("T jumps by {jump:e} K beta, {wander:e} expected")

@@ -34,6 +34,11 @@ use super::{Observer, Timeline};
 use crate::model::Model;
 use noisy::Noisy;
 
+/// What the noise of a scene moves b by until `end`, where the motion of the schemes without a step feels it.
+pub fn felt_noise(model: &Model, end: f64) -> Option<f64> {
+    Scene::new(model).felt_noise(end)
+}
+
 /// The event-driven scheme for one scene.
 #[derive(Clone, Debug)]
 pub struct EventDriven {
@@ -53,7 +58,7 @@ impl EventDriven {
     /// ([`DEFAULT_TOLERANCE`]; the noiseless cascade has none).
     pub fn new(model: &Model, timeline: &Timeline, tolerance: f64) -> Self {
         let scene = Scene::new(model);
-        if !scene.is_noisy(timeline.end) {
+        if scene.felt_noise(timeline.end).is_none() {
             return EventDriven {
                 kernel: Kernel::Noiseless(Box::new(Noiseless::new(model, timeline)), UnfeltNoise::new(model)),
                 resolution: None,

@@ -295,7 +295,7 @@ impl Noisy {
     ///
     /// Conditional laws of a linear system differ by their means only. Let X be the motion from the start of the step without noise,
     /// and Q its quintic. What the search draws is Q + (drawn deviation); X + (the same deviation) has V = X' - Q' at the stop that it
-    /// found, and its own a time -V/a away.
+    /// found, and its own a time -V/a away: once for what the quintic leaves, some 1e-6 of a step, and again for the square of that.
     #[inline(never)]
     fn on_the_flow(
         &self,
@@ -308,38 +308,37 @@ impl Noisy {
     ) -> Stop {
         let Scene { oscillator: body, friction, relaxation_rate, harmonics, .. } = &self.scene;
         let friction = eps * friction.dynamic_force;
-        let motion = |state: State, terms: &[Complex]| {
-            let force = forcing(terms) + state.n - body.stiffness * state.x - 2.0 * body.damping * state.v;
-            Motion { velocity: eps * state.v, acceleration: eps * (force - friction) / body.mass }
+        // Way, motion and n without noise, after a part of the step; the terms come along.
+        let flow = |transition: &SlipTransition, responses: &[HarmonicResponse], terms: &mut [Complex]| {
+            self.scene.set_terms(time, terms);
+            let to = mean_state(transition, responses, start, terms, friction);
+            let force = forcing(terms) + to.n - body.stiffness * to.x - 2.0 * body.damping * to.v;
+            let motion = Motion { velocity: eps * to.v, acceleration: eps * (force - friction) / body.mass };
+            (resolved_way(eps * start.x, eps * to.x, searched.start, motion, transition.length), motion, to)
         };
-        self.scene.set_terms(time, terms);
-        let end = mean_state(&step.transition, &step.harmonics, start, terms, friction);
-        let way_to = |to: State, there: Motion, after: f64| {
-            resolved_way(eps * start.x, eps * to.x, searched.start, there, after)
-        };
-        let there = motion(end, terms);
-        let quintic = Step { end: there, way: way_to(end, there, searched.length), ..searched };
-        let (way, interpolated) = quintic.mean(stop.after);
+        let (way, end, _) = flow(&step.transition, &step.harmonics, terms);
+        let (interpolated_way, interpolated) = Step { end, way, ..searched }.mean(stop.after);
 
         let mut responses = step.harmonics.clone();
-        let transition = self.oscillator.transition(stop.after, &mut responses);
-        self.scene.set_terms(time, terms);
-        let exact = mean_state(&transition, &responses, start, terms, friction);
-        let now = motion(exact, terms);
-
-        let way = stop.way + (way_to(exact, now, stop.after) - way);
-        let velocity = now.velocity - interpolated.velocity;
-        let acceleration = stop.acceleration + (now.acceleration - interpolated.acceleration);
-        let slope: f64 = terms.iter().zip(harmonics).map(|(p, h)| -p.im * h.angular_frequency).sum();
-        let change = slope - relaxation_rate * exact.n - body.stiffness * exact.v;
-        let jerk = (eps * change - 2.0 * body.damping * acceleration) / body.mass;
-        let late = -velocity / acceleration;
-        let after = stop.after + late;
-        if !(acceleration < 0.0 && after > 0.0 && after <= searched.length) {
-            return stop;
+        let mut moved = stop;
+        for _ in 0..FLOW_STEPS {
+            let transition = self.oscillator.transition(moved.after, &mut responses);
+            let (way, exact, to) = flow(&transition, &responses, terms);
+            let way = stop.way + (way - interpolated_way);
+            let velocity = exact.velocity - interpolated.velocity;
+            let acceleration = stop.acceleration + (exact.acceleration - interpolated.acceleration);
+            let slope: f64 = terms.iter().zip(harmonics).map(|(p, h)| -p.im * h.angular_frequency).sum();
+            let change = slope - relaxation_rate * to.n - body.stiffness * to.v;
+            let jerk = (eps * change - 2.0 * body.damping * acceleration) / body.mass;
+            let late = -velocity / acceleration;
+            let after = moved.after + late;
+            if !(acceleration < 0.0 && after > 0.0 && after <= searched.length) {
+                return stop;
+            }
+            let way = forwards(way + late * (velocity + 0.5 * late * acceleration));
+            moved = Stop { after, acceleration: acceleration + late * jerk, way };
         }
-        let way = forwards(way + late * (velocity + 0.5 * late * acceleration));
-        Stop { after, acceleration: acceleration + late * jerk, way }
+        moved
     }
 
     /// b.
@@ -381,6 +380,9 @@ fn mean_state(
 /// Below this c sqrt(h)/|a| what the quintic leaves out of a, (rate h)^4/1920 of it, is no longer below the first neglected terms of the
 /// law, (rate h)^2/100 of its c sqrt(h)/4; at the default step, rate h = 1/2.
 const FEEBLE: f64 = 0.05;
+
+/// Newton's steps from the stop of the quintic to that of the motion.
+const FLOW_STEPS: usize = 2;
 
 /// Relative difference of two step lengths that is rounding of the times they come from.
 const ALIGNMENT: f64 = 1e-9;

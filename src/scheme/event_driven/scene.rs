@@ -96,12 +96,12 @@ impl Scene {
         }
     }
 
-    /// Whether noise can change a force at all within a time: not if it stays below the rounding of the other forces.
-    pub fn is_noisy(&self, end: f64) -> bool {
+    /// What the noise moves b by until `end`, if that can change a force at all: not if it stays below the rounding of the others.
+    pub fn felt_noise(&self, end: f64) -> Option<f64> {
         let forcing: f64 = self.harmonics.iter().map(|h| h.force.abs()).sum();
         let forces = self.friction.static_force + forcing + self.oscillator.stiffness * self.initial_displacement.abs();
-        let wander = self.diffusion * end.min(0.5 / self.relaxation_rate).sqrt();
-        wander + self.initial_noise.1 > BELOW_ROUNDING * forces
+        let wander = self.diffusion * end.min(0.5 / self.relaxation_rate).sqrt() + self.initial_noise.1;
+        (wander > BELOW_ROUNDING * forces).then_some(wander)
     }
 
     /// The terms K beta a e^{i (w t + phi)} of B at a time, from its definition.
