@@ -98,7 +98,7 @@ pub struct BiasPlan {
 impl BiasPlan {
     /// For a run of [`DiscreteVi`] with this step, seed and number of paths.
     pub fn new(model: &Model, timeline: &Timeline, h: f64, seed: u64, paths: u64) -> Result<Self, NoBias> {
-        let is_random = is_random(model);
+        let is_random = model.temperature.is_random();
         if is_random && model.friction.static_force == model.friction.dynamic_force {
             return Err(NoBias::EqualFriction);
         }
@@ -142,7 +142,7 @@ impl BiasPlan {
         let error = |of: &dyn Fn(Levels) -> f64| jackknife(&without.iter().map(|&y| of(y)).collect::<Vec<f64>>());
         let is_told = |order: &f64| order.is_finite() && error(&|y| y.observed_order()) < MAX_ORDER_ERROR;
         let order = Some(all.observed_order()).filter(is_told);
-        if !is_random(&self.model) {
+        if !self.model.temperature.is_random() {
             let (estimate, uncertainty) = all.without_noise();
             // Both ends of a phase are on the grid.
             let grid = if statistic.dimension() == Dimension::Time { self.h } else { 0.0 };
@@ -201,9 +201,4 @@ impl BiasPlan {
         let lost = self.levels[level].simulate(self.seed, &numbers, &mut observer);
         (observer.finish(), lost.len())
     }
-}
-
-/// Whether paths differ.
-fn is_random(model: &Model) -> bool {
-    model.temperature.noise.is_some_and(|noise| noise.diffusion > 0.0 && noise.intensity != 0.0)
 }
