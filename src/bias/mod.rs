@@ -129,16 +129,18 @@ impl BiasPlan {
     pub fn estimate(&self, threads: usize, stop: &AtomicBool) -> Result<Vec<(Statistic, Bias)>, NoBias> {
         let levels = self.simulate(threads, stop)?.map(|groups| groups.values());
         let at = |of: &dyn Fn(&Grouped) -> f64| Levels(levels.each_ref().map(of));
+        let sticks = Statistic::ALL.iter().zip(levels[0].all).find(|(s, _)| **s == Statistic::SticksPerPath);
+        let sticks = sticks.map_or(0.0, |(_, sticks)| sticks);
         let bias = |(i, &statistic): (usize, &Statistic)| {
             let all = at(&|level| level.all[i]);
             let without: Vec<Levels> = (0..self.groups).map(|g| at(&|level| level.without[g][i])).collect();
-            all.is_known().then(|| (statistic, self.bias(statistic, all, &without)))
+            all.is_known().then(|| (statistic, self.bias(statistic, all, &without, sticks)))
         };
         Ok(Statistic::ALL.iter().enumerate().filter_map(bias).collect())
     }
 
-    /// The bias of one statistic from its values at the three steps, of all paths and without each group.
-    fn bias(&self, statistic: Statistic, all: Levels, without: &[Levels]) -> Bias {
+    /// The bias of one statistic from its values at the three steps, of all paths and without each group, and the sticks of a path.
+    fn bias(&self, statistic: Statistic, all: Levels, without: &[Levels], sticks: f64) -> Bias {
         let error = |of: &dyn Fn(Levels) -> f64| jackknife(&without.iter().map(|&y| of(y)).collect::<Vec<f64>>());
         let is_told = |order: &f64| order.is_finite() && error(&|y| y.observed_order()) < MAX_ORDER_ERROR;
         let order = Some(all.observed_order()).filter(is_told);
@@ -149,12 +151,17 @@ impl BiasPlan {
             return Bias { estimate, uncertainty: uncertainty + grid, order };
         }
         let p = leading_order(statistic, all);
-        let weight = weight(all.second_term(p), error(&|y| y.second_term(p)));
+        let second_term_error = error(&|y| y.second_term(p));
+        let weight = weight(all.second_term(p), second_term_error);
         let sampling = STUDENT * error(&|y| y.bias(p, weight));
-        // A median is the duration of some stick, and that is a multiple of the step.
-        let is_on_grid = statistic == Statistic::StickDurationMedian;
-        let grid = if is_on_grid { lattice_error(self.h, p, weight) } else { 0.0 };
-        let missed = all.model_error(p, weight, unseen(statistic, self.kick()));
+        let grid = match statistic {
+            // A median is the duration of some stick, and that is a multiple of the step.
+            Statistic::StickDurationMedian => lattice_error(self.h, p, weight),
+            // Fewer sticks, and longer ones: what is left of the two is no larger than half a step for each stick.
+            Statistic::StickingFraction => 0.5 * self.h * sticks / self.timeline.end,
+            _ => 0.0,
+        };
+        let missed = all.model_error(p, unseen(statistic, self.kick()), STUDENT * second_term_error);
         // Sums, not squares: what extrapolation misses is the same for every seed.
         Bias { estimate: all.bias(p, weight), uncertainty: sampling + missed + grid, order }
     }
