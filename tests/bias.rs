@@ -77,22 +77,21 @@ fn misses<const N: usize>(seed: u64, paths: impl Fn(f64) -> u64, factors: [f64; 
 }
 
 /// As `mc run` does it with 10 000 paths, 416 of them at three steps. Null: each of the thirty is within its uncertainty, a 95 % one. Of
-/// 100 other seeds, none of the thirty missed more than 7 times, and all together 29 times in 3000: over the seeds the false-alarm rate of
-/// the thirty is below 30 %, and none for this one.
+/// 100 other seeds, all thirty together missed once in 3000: over the seeds their false-alarm rate is about 1 %, and none for this one.
 #[test]
 fn the_estimate_is_within_its_uncertainty_of_the_event_driven_truth() {
     assert_eq!(misses(1, |_| 10_000, [1.0]), [Vec::<String>::new()]);
 }
 
 /// With up to 10 000 paths at three steps the sampling error is below a tenth of most biases, and what is tested is the
-/// extrapolation. Its uncertainty was set to hold here, so this guards it rather than proves it; an estimate of twice the size, or
-/// of half, fails in most of the thirty.
+/// extrapolation. Its uncertainty was set to hold here, so this guards it rather than proves it; an estimate of twice the size fails in
+/// most of the thirty, one of half the size, to which the stated error comes close, in fewer.
 #[test]
 fn extrapolation_holds_and_an_error_of_a_factor_of_two_is_seen() {
     let paths = |h| if h < 0.002 { 60_000 } else { 240_000 };
     let [exact, double, half] = misses(2, paths, [1.0, 2.0, 0.5]);
     assert_eq!(exact, Vec::<String>::new());
-    assert!(double.len() > 20 && half.len() > 10, "{} {}", double.len(), half.len());
+    assert!(double.len() > 20 && half.len() > 6, "{} {}", double.len(), half.len());
 }
 
 /// f_s = 1.05: without a step, `mc run scenarios/rho025.toml --set friction.static=1.05 --scheme event-driven --paths 300000 --seed 77`; with
@@ -115,8 +114,33 @@ fn so_it_is_where_static_and_dynamic_friction_are_close() {
     }
 }
 
+/// Two biases that D1 and D2 mislead about. With theta = 5 sub-phases go with h^1, and the estimate is twice the truth; with close frictions,
+/// strong noise and damping the sticking fraction hardly changes from step to step, since fewer sticks and longer ones make up for each
+/// other. Truth as above, of `scenarios/damped.toml` with damping 1, intensity 0.5 and f_s = 1.05 in the second case. Null: each seed is
+/// within its uncertainty with 95 %; more than 6 misses of 40 have a probability of 0.3 %. With 30 % of one term alone the first has 12, without
+/// half a step a stick the second 32.
+#[test]
+fn so_it_is_where_the_changes_from_step_to_step_mislead() {
+    let mut short_memory = paper(0.25, 0.25);
+    short_memory.temperature.noise.as_mut().expect("it has noise").relaxation_rate = 5.0;
+    let mut damped = paper(0.25, 0.5);
+    (damped.oscillator.damping, damped.friction.static_force) = (1.0, 1.05);
+    for (model, h, statistic, (truth, error)) in [
+        (short_memory, 0.01, Statistic::SubPhasesMultipleShare, (0.01225, 1.3e-4)),
+        (damped, 0.0025, Statistic::StickingFraction, (7.47e-4, 5.3e-5)),
+    ] {
+        let is_missed = |seed: &u64| {
+            let plan = BiasPlan::new(&model, &timeline(&model), h, *seed, 10_000).expect("enough paths");
+            let Bias { estimate, uncertainty, .. } = of(&biases(&plan, 2), statistic);
+            (estimate - truth).abs() > uncertainty + 2.0 * error
+        };
+        let misses = (1..=40).filter(is_missed).count();
+        assert!(misses <= 6, "{}: {misses} of 40", statistic.name());
+    }
+}
+
 /// With 10 000 paths at the step of the paper the bias of the mean stick duration is beyond doubt for seven of nine seeds or more, in
-/// the median it is known to better than 65 % of itself (extrapolation alone: 30 %), and the order is seen: in the median from 0.45 to 0.75.
+/// the median it is known to better than 75 % of itself (extrapolation alone: 40 %), and the order is seen: in the median from 0.45 to 0.75.
 #[test]
 fn the_uncertainty_says_something() {
     let of_seed = |seed| of(&biases(&plan(0.01, seed, 10_000), 2), Statistic::StickDurationMean);
@@ -127,7 +151,7 @@ fn the_uncertainty_says_something() {
         println!("{values:?}");
         values[4]
     };
-    assert!(median(&|b| b.uncertainty / b.estimate) < 0.65);
+    assert!(median(&|b| b.uncertainty / b.estimate) < 0.75);
     let order = median(&|b| b.order.unwrap_or(f64::NAN));
     assert!((0.45..0.75).contains(&order), "{order}");
     assert!(all.iter().filter(|b| b.uncertainty < b.estimate).count() >= 7);

@@ -117,7 +117,10 @@ fn a_run_tells_how_much_of_a_number_is_the_step_or_why_it_does_not() {
     assert!(text(&few.stderr).contains("as a guide"));
     let reasons = [
         ("corrected-vi", "not estimated: the error of corrected-vi cannot be extrapolated"),
-        ("event-driven", "not estimated: there is no step; the tolerance leaves discretisation 0.001 of every statistic"),
+        (
+            "event-driven",
+            "not estimated: there is no step; the tolerance leaves discretisation 0.001 of every statistic",
+        ),
         ("quasi-static", "not estimated: that the forcing stands still in a slip is an approximation"),
     ];
     for (scheme, reason) in reasons {

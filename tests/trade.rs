@@ -3,6 +3,8 @@
 use assert_cmd::Command;
 use std::path::Path;
 use std::sync::LazyLock;
+use std::time::Duration;
+use stick_slip::model::{InitialNoise, Model, Noise};
 use stick_slip::scenario::{Scenario, SchemeKind};
 use stick_slip::stats::{Estimate, Statistic};
 use stick_slip::trade::{
@@ -195,27 +197,50 @@ fn the_cheapest_step_is_that_of_the_closed_form() {
     }
 }
 
-/// Without noise every path is the same: one is the answer, and its error is the bias. The exact first stick lasts
-/// 2.574004435 (40-digit arithmetic).
-#[test]
-fn without_noise_one_path_is_the_answer() {
-    let scenario = shipped("shaw");
-    let effort = Effort { steps: 9, coupled_paths: 20, free_paths: vec![2], timing: 1e-3 };
-    let trade = measure(&scenario, &Ladder::of(&scenario), &effort, 1, Limits::default()).expect("measured");
+/// Where nothing is random every path is the same: one is the answer, and its error is the bias. `exact` is the duration of the first
+/// stick.
+#[track_caller]
+fn one_path_is_the_answer(scenario: &Scenario, exact: f64) -> Trade {
+    let mut ladder = Ladder::of(scenario);
+    let is_event_driven = |scheme: &&SchemeKind| matches!(scheme, SchemeKind::EventDriven { .. });
+    assert_eq!(ladder.free.iter().filter(is_event_driven).count(), 1, "one tolerance is as good as another");
+    let effort = Effort { steps: 9, coupled_paths: 20, free_paths: vec![2; ladder.free.len()], timing: 1e-3 };
+    let trade = measure(scenario, &ladder, &effort, 1, Limits::default()).expect("measured");
+    let budgeted = Effort::within(scenario, &mut ladder, Duration::from_secs(10), 1).expect("it fits");
+    assert_eq!((budgeted.coupled_paths, budgeted.free_paths), (effort.coupled_paths, effort.free_paths));
     let first = Statistic::FirstStickDurationMean;
-    assert!((trade.rungs[trade.reference].estimate(first).value - 2.574_004_435_173_1).abs() < 1e-12);
+    assert!((trade.rungs[trade.reference].estimate(first).value - exact).abs() < 1e-12);
     for (scheme, target) in
         [("discrete-vi", 0.01), ("discrete-vi", 0.001), ("corrected-vi", 0.001), ("event-driven", 1e-9)]
     {
         let choice = trade.best(Some(scheme), &[first], target).expect("a choice");
         assert_eq!(choice.paths, 1);
-        let run = choice.setting.of(&scenario).expect("runs").plan().run(1);
+        let run = choice.setting.of(scenario).expect("runs").plan().run(1);
         let found = run.estimates.iter().find(|e| e.statistic == first).expect("every statistic").estimate;
-        assert!((found / 2.574_004_435_173_1 - 1.0).abs() <= target, "{found} {choice:?}");
+        assert!((found / exact - 1.0).abs() <= target, "{found} {choice:?}");
     }
+    trade
+}
+
+/// The exact first stick lasts 2.574004435 (40-digit arithmetic).
+#[test]
+fn without_noise_one_path_is_the_answer() {
+    let trade = one_path_is_the_answer(&shipped("shaw"), 2.574_004_435_173_1);
     let order = trade.law("discrete-vi", Statistic::DisplacementEndMean).expect("a law").order;
     assert!((order.value - 1.0).abs() < 0.1, "{order:?}");
     assert_eq!(trade.standing(Statistic::DisplacementEndSd), Standing::Zero);
+}
+
+/// v relaxes from v(0) = 2 and nothing else happens: b = 3 (e^{-t} - 1) reaches -1.2 at t = -ln 0.6.
+#[test]
+fn so_it_is_with_noise_that_does_not_diffuse() {
+    let mut scenario = shipped("rho025");
+    let Model { temperature, initial_displacement, .. } = &mut scenario.model;
+    temperature.harmonics.clear();
+    temperature.noise =
+        temperature.noise.map(|noise| Noise { diffusion: 0.0, initial: InitialNoise::At(2.0), ..noise });
+    *initial_displacement = 3.0;
+    one_path_is_the_answer(&scenario, -0.6f64.ln());
 }
 
 #[test]

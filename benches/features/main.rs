@@ -81,7 +81,8 @@ fn recordings(c: &mut Criterion) {
 /// A run of statistics only, and the estimate of its bias.
 fn bias(c: &mut Criterion) {
     let scenario = scenario("rho025", &[STEP, END, &format!("ensemble.paths={WITH_BIAS}")]);
-    let (plan, bias) = (scenario.plan(), scenario.bias_plan().expect("enough paths"));
+    let plan = scenario.plan();
+    let bias = scenario.bias_plan(plan.paths).expect("enough paths");
     let mut group = group(c, "bias", WITH_BIAS * STEPS);
     group.measurement_time(Duration::from_secs(6));
     group.bench_function("off", |b| b.iter(|| plan.run(1)));

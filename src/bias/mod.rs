@@ -48,7 +48,7 @@ const PIECES: u64 = 8;
 pub enum NoBias {
     /// The event-driven scheme under noise: it has a tolerance instead of a step.
     Tolerance(f64),
-    /// The event-driven scheme without noise.
+    /// The event-driven scheme where nothing is random.
     Exact,
     /// The quasi-static scheme: its error is that of an approximation, which no step makes smaller.
     Approximation,
@@ -79,11 +79,15 @@ impl fmt::Display for NoBias {
                 f,
                 "there is no step; the tolerance leaves discretisation {tolerance} of every statistic that has a limit"
             ),
-            NoBias::Exact => f.write_str("there is no step, and without noise every event is exact to rounding"),
+            NoBias::Exact => {
+                f.write_str("there is no step, and where nothing is random every event is exact to rounding")
+            }
             NoBias::Approximation => {
                 f.write_str("that the forcing stands still in a slip is an approximation, which no step mends")
             }
-            NoBias::Corrected => f.write_str("the error of corrected-vi cannot be extrapolated from h, 2h and 4h; `mc trade` measures it"),
+            NoBias::Corrected => f.write_str(
+                "the error of corrected-vi cannot be extrapolated from h, 2h and 4h; `mc trade` measures it",
+            ),
             NoBias::EqualFriction => f.write_str("with f_s = f_d under noise, sticks have no limit as the step falls"),
             NoBias::FewPaths { needed } => write!(f, "it takes {needed} paths or more"),
             NoBias::FewSteps => write!(f, "it takes {MIN_STEPS} steps or more"),
@@ -109,7 +113,7 @@ pub struct BiasPlan {
 impl BiasPlan {
     /// For a run of [`DiscreteVi`] with this step, seed and number of paths.
     pub fn new(model: &Model, timeline: &Timeline, h: f64, seed: u64, paths: u64) -> Result<Self, NoBias> {
-        let is_random = is_random(model);
+        let is_random = model.temperature.is_random();
         if is_random && model.friction.static_force == model.friction.dynamic_force {
             return Err(NoBias::EqualFriction);
         }
@@ -140,32 +144,39 @@ impl BiasPlan {
     pub fn estimate(&self, threads: usize, stop: &AtomicBool) -> Result<Vec<(Statistic, Bias)>, NoBias> {
         let levels = self.simulate(threads, stop)?.map(|groups| groups.values());
         let at = |of: &dyn Fn(&Grouped) -> f64| Levels(levels.each_ref().map(of));
+        let sticks = Statistic::ALL.iter().zip(levels[0].all).find(|(s, _)| **s == Statistic::SticksPerPath);
+        let sticks = sticks.map_or(0.0, |(_, sticks)| sticks);
         let bias = |(i, &statistic): (usize, &Statistic)| {
             let all = at(&|level| level.all[i]);
             let without: Vec<Levels> = (0..self.groups).map(|g| at(&|level| level.without[g][i])).collect();
-            all.is_known().then(|| (statistic, self.bias(statistic, all, &without)))
+            all.is_known().then(|| (statistic, self.bias(statistic, all, &without, sticks)))
         };
         Ok(Statistic::ALL.iter().enumerate().filter_map(bias).collect())
     }
 
-    /// The bias of one statistic from its values at the three steps, of all paths and without each group.
-    fn bias(&self, statistic: Statistic, all: Levels, without: &[Levels]) -> Bias {
+    /// The bias of one statistic from its values at the three steps, of all paths and without each group, and the sticks of a path.
+    fn bias(&self, statistic: Statistic, all: Levels, without: &[Levels], sticks: f64) -> Bias {
         let error = |of: &dyn Fn(Levels) -> f64| jackknife(&without.iter().map(|&y| of(y)).collect::<Vec<f64>>());
         let is_told = |order: &f64| order.is_finite() && error(&|y| y.observed_order()) < MAX_ORDER_ERROR;
         let order = Some(all.observed_order()).filter(is_told);
-        if !is_random(&self.model) {
+        if !self.model.temperature.is_random() {
             let (estimate, uncertainty) = all.without_noise();
             // Both ends of a phase are on the grid.
             let grid = if statistic.dimension() == Dimension::Time { self.h } else { 0.0 };
             return Bias { estimate, uncertainty: uncertainty + grid, order };
         }
         let p = leading_order(statistic, all);
-        let weight = weight(all.second_term(p), error(&|y| y.second_term(p)));
+        let second_term_error = error(&|y| y.second_term(p));
+        let weight = weight(all.second_term(p), second_term_error);
         let sampling = STUDENT * error(&|y| y.bias(p, weight));
-        // A median is the duration of some stick, and that is a multiple of the step.
-        let is_on_grid = statistic == Statistic::StickDurationMedian;
-        let grid = if is_on_grid { lattice_error(self.h, p, weight) } else { 0.0 };
-        let missed = all.model_error(p, weight, unseen(statistic, self.kick()));
+        let grid = match statistic {
+            // A median is the duration of some stick, and that is a multiple of the step.
+            Statistic::StickDurationMedian => lattice_error(self.h, p, weight),
+            // Fewer sticks, and longer ones: what is left of the two is no larger than half a step for each stick.
+            Statistic::StickingFraction => 0.5 * self.h * sticks / self.timeline.end,
+            _ => 0.0,
+        };
+        let missed = all.model_error(p, unseen(statistic, self.kick()), STUDENT * second_term_error);
         // Sums, not squares: what extrapolation misses is the same for every seed.
         Bias { estimate: all.bias(p, weight), uncertainty: sampling + missed + grid, order }
     }
@@ -212,9 +223,4 @@ impl BiasPlan {
         let lost = self.levels[level].simulate(self.seed, &numbers, &mut observer);
         (observer.finish(), lost.len())
     }
-}
-
-/// Whether paths differ.
-fn is_random(model: &Model) -> bool {
-    model.temperature.noise.is_some_and(|noise| noise.diffusion > 0.0 && noise.intensity != 0.0)
 }

@@ -94,7 +94,7 @@ fn finest_grid(scenario: &Scenario) -> (f64, String) {
         let what = if stride == 1 { "every step".into() } else { format!("one in {stride} of the {steps} steps") };
         return (stride as f64 * step, format!("trajectory: {what}"));
     }
-    if scenario.model.temperature.noise.is_some_and(|noise| noise.diffusion > 0.0) {
+    if scenario.model.temperature.is_random() {
         // Observed at other instants, the scheme draws other numbers: that would be another path.
         return (time.output_step, "trajectory: on the output grid of the run".into());
     }

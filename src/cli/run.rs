@@ -12,7 +12,7 @@ use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
-use stick_slip::bias::{BiasPlan, NoBias};
+use stick_slip::bias::NoBias;
 use stick_slip::ensemble::{BLOCK_SIZE, Plan};
 use stick_slip::scenario::Scenario;
 use stick_slip::stats::{Statistic, Summary, Totals};
@@ -80,8 +80,8 @@ struct Job<'a> {
     threads: usize,
     output: &'a Path,
     force: bool,
-    /// What the bias of the step is estimated from, or why it is not; none if it is not asked for.
-    bias: Option<Result<BiasPlan, NoBias>>,
+    /// Whether the bias of the step is to be estimated.
+    with_bias: bool,
 }
 
 /// What it did.
@@ -125,9 +125,9 @@ impl Run {
             note(&super::check::report(&scenario));
             note(&format!("kernel: {}", scenario.plan().scheme.kernel()));
         }
-        let bias = (!self.no_bias).then(|| scenario.bias_plan());
-        results::warn(&scenario, matches!(bias, Some(Ok(_))));
-        let job = Job { scenario: &scenario, paths, endings, threads, output: &output, force: self.force, bias };
+        let with_bias = !self.no_bias;
+        results::warn(&scenario, with_bias && scenario.bias_plan(paths).is_ok());
+        let job = Job { scenario: &scenario, paths, endings, threads, output: &output, force: self.force, with_bias };
         let start = Instant::now();
         let mut progress = Progress::new(paths, self.quiet);
         let outcome = execute(&job, &stop, &mut progress);
@@ -229,19 +229,7 @@ fn execute(job: &Job<'_>, stop: &AtomicBool, progress: &mut Progress) -> Result<
         Look::GoOn(_) => (Status::Interrupted, None, None),
     };
     let start = Instant::now();
-    let no_bias = job.bias.as_ref().and_then(|bias| {
-        // a run that has ended earlier or later than planned is told the bias for the paths it has
-        let shorter = (completed != job.scenario.ensemble.paths).then(|| {
-            let mut scenario = job.scenario.clone();
-            scenario.ensemble.paths = completed;
-            scenario.bias_plan()
-        });
-        let bias = shorter.as_ref().unwrap_or(bias);
-        if bias.is_ok() {
-            progress.conclude("estimating the bias of the step");
-        }
-        add_bias(bias, job.threads, stop, &mut summary).err()
-    });
+    let no_bias = if job.with_bias { add_bias(job, completed, stop, progress, &mut summary).err() } else { None };
     let bias = (start.elapsed().as_secs_f64(), no_bias);
     if let Some(reason) = &ended_by {
         writer.ended_by(reason)?;
@@ -253,15 +241,17 @@ fn execute(job: &Job<'_>, stop: &AtomicBool, progress: &mut Progress) -> Result<
     Ok(Outcome { summary, status, bias, ended_by, missed, failure })
 }
 
-/// Estimate the bias of the step and add it to the summary.
+/// Estimate the bias of the step from some of the paths that the run came to, and add it to the summary.
 fn add_bias(
-    plan: &Result<BiasPlan, NoBias>,
-    threads: usize,
+    job: &Job<'_>,
+    paths: u64,
     stop: &AtomicBool,
+    progress: &mut Progress,
     summary: &mut Summary,
 ) -> Result<(), NoBias> {
-    let biases = plan.as_ref().map_err(NoBias::clone)?.estimate(threads, stop)?;
-    summary.set_biases(&biases);
+    let plan = job.scenario.bias_plan(paths)?;
+    progress.conclude("estimating the bias of the step");
+    summary.set_biases(&plan.estimate(job.threads, stop)?);
     Ok(())
 }
 

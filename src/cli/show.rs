@@ -49,7 +49,10 @@ fn info(file: &Path, stored: &Stored) -> RunInfo {
         threads: None,
         seconds: None,
         bias_seconds: None,
-        no_bias: scenario.as_ref().and_then(|scenario| scenario.bias_plan().err()).map(|reason| reason.to_string()),
+        no_bias: scenario
+            .as_ref()
+            .and_then(|scenario| scenario.bias_plan(stored.summary.completed_paths).err())
+            .map(|reason| reason.to_string()),
         steps_per_path: scenario.and_then(|scenario| scenario.time.steps()),
         file: file.display().to_string(),
         status: *status,

@@ -40,6 +40,11 @@ impl Noise {
     pub fn stationary_sd(&self) -> f64 {
         self.diffusion / (2.0 * self.relaxation_rate).sqrt()
     }
+
+    /// Whether rho v(t) differs from path to path: rho sigma > 0. Without diffusion v relaxes from v(0), the same for all.
+    pub fn is_random(&self) -> bool {
+        self.intensity * self.diffusion > 0.0
+    }
 }
 
 /// T(t) = sum_i a_i cos(w_i t + phi_i) + rho v(t).
@@ -52,6 +57,11 @@ pub struct Temperature {
 }
 
 impl Temperature {
+    /// Whether T(t) differs from path to path, and with it all that follows from it. Else one path is the ensemble.
+    pub fn is_random(&self) -> bool {
+        self.noise.is_some_and(|noise| noise.is_random())
+    }
+
     /// The deterministic part at time t, straight from its definition.
     pub fn harmonic_sum(&self, t: f64) -> f64 {
         self.harmonics.iter().map(|h| h.amplitude * libm::cos(h.angular_frequency * t + h.phase)).sum()

@@ -30,15 +30,14 @@ impl Scenario {
         }
     }
 
-    /// The simulations from which the error of its step is estimated.
-    pub fn bias_plan(&self) -> Result<BiasPlan, NoBias> {
+    /// The simulations from which the error of its step is estimated, for a run of so many paths.
+    pub fn bias_plan(&self, paths: u64) -> Result<BiasPlan, NoBias> {
         match self.scheme {
             SchemeKind::DiscreteVi => {
-                let (timeline, ensemble) = (self.timeline(), self.ensemble);
-                BiasPlan::new(&self.model, &timeline, self.time.step_or_row(), ensemble.seed, ensemble.paths)
+                BiasPlan::new(&self.model, &self.timeline(), self.time.step_or_row(), self.ensemble.seed, paths)
             }
             SchemeKind::CorrectedVi => Err(NoBias::Corrected),
-            SchemeKind::EventDriven { .. } if self.model.temperature.noise.is_none() => Err(NoBias::Exact),
+            SchemeKind::EventDriven { .. } if !self.model.temperature.is_random() => Err(NoBias::Exact),
             SchemeKind::EventDriven { tolerance } => Err(NoBias::Tolerance(tolerance)),
             SchemeKind::QuasiStatic { .. } => Err(NoBias::Approximation),
         }

@@ -278,8 +278,7 @@ fn question_warnings(scenario: &Scenario, derived: &Derived, warnings: &mut Vec<
     if largest <= model.friction.static_force {
         warnings.push(Warning::NeverSlips { largest_force: largest });
     }
-    let random = model.temperature.noise.is_some_and(|noise| noise.diffusion > 0.0);
-    if !random && ensemble.paths > 1 {
+    if !model.temperature.is_random() && ensemble.paths > 1 {
         warnings.push(Warning::IdenticalPaths { paths: ensemble.paths });
     }
     let temperature = &model.temperature;

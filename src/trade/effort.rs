@@ -50,7 +50,7 @@ impl Effort {
         }
         let start = Instant::now();
         let capacity = budget.as_secs_f64() * threads as f64;
-        let (is_random, mut left_out) = (scenario.model.temperature.noise.is_some(), Vec::new());
+        let (is_random, mut left_out) = (scenario.model.temperature.is_random(), Vec::new());
         let mut each = Vec::new();
         for &scheme in &ladder.free {
             let seconds = free_cost(scenario, scheme, 0.01 * capacity)?;

@@ -51,8 +51,8 @@ impl Ladder {
         if !ladder.stepping.is_empty() {
             ladder.steps = (0..MOST_STEPS).map(|k| coarsest / f64::powi(2.0, k as i32)).collect();
         }
-        // Without noise the cascade is exact at any tolerance.
-        let tolerances = if scenario.model.temperature.noise.is_some() { &TOLERANCES[..] } else { &TOLERANCES[1..2] };
+        // Where nothing is random the cascade is exact at any tolerance.
+        let tolerances = if scenario.model.temperature.is_random() { &TOLERANCES[..] } else { &TOLERANCES[1..2] };
         ladder.free.extend(tolerances.iter().map(|&tolerance| SchemeKind::EventDriven { tolerance }));
         match quasi_static(scenario) {
             Ok(scheme) => ladder.free.push(scheme),

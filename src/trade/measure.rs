@@ -197,7 +197,7 @@ pub fn measure(
         what: rung.setting.to_string(),
         why: format!("{} of {} paths diverged, so it is recommended for nothing", rung.diverged, rung.paths),
     }));
-    let is_random = scenario.model.temperature.noise.is_some();
+    let is_random = scenario.model.temperature.is_random();
     Ok(Trade { rungs, reference, left_out, is_random, has_limitless_phases })
 }
 
