@@ -4,7 +4,7 @@ mod common;
 
 use common::{estimate, event_driven_summary, paper};
 use std::sync::atomic::AtomicBool;
-use stick_slip::bias::{BiasPlan, NoBias};
+use stick_slip::bias::{Differences, NoBias};
 use stick_slip::ensemble::Plan;
 use stick_slip::model::Model;
 use stick_slip::scheme::{DiscreteVi, Scheme, Timeline};
@@ -43,12 +43,12 @@ fn timeline(model: &Model) -> Timeline {
     Timeline { end: 60.0, output_step: 60.0, period: model.temperature.period() }
 }
 
-fn plan(h: f64, seed: u64, paths: u64) -> BiasPlan {
+fn plan(h: f64, seed: u64, paths: u64) -> Differences {
     let model = paper(0.25, 0.25);
-    BiasPlan::new(&model, &timeline(&model), h, seed, paths).expect("enough paths")
+    Differences::new(&model, &timeline(&model), h, seed, paths).expect("enough paths")
 }
 
-fn biases(plan: &BiasPlan, threads: usize) -> Vec<(Statistic, Bias)> {
+fn biases(plan: &Differences, threads: usize) -> Vec<(Statistic, Bias)> {
     plan.estimate(threads, &AtomicBool::new(false)).expect("none diverges")
 }
 
@@ -106,7 +106,7 @@ fn so_it_is_where_static_and_dynamic_friction_are_close() {
     let sticks = (Statistic::SticksPerPath, 33.9081, [(0.02, 16.3787), (0.01, 19.1942), (0.0025, 24.6207)]);
     for (statistic, truth, at_step) in [mean, sticks] {
         for (h, value) in at_step {
-            let plan = BiasPlan::new(&model, &timeline(&model), h, 1, 10_000).expect("enough paths");
+            let plan = Differences::new(&model, &timeline(&model), h, 1, 10_000).expect("enough paths");
             let Bias { estimate, uncertainty, .. } = of(&biases(&plan, 2), statistic);
             println!("h = {h}, {}: {estimate} +- {uncertainty}, in truth {}", statistic.name(), value - truth);
             assert!((estimate - (value - truth)).abs() < uncertainty, "{h} {}", statistic.name());
@@ -130,7 +130,7 @@ fn so_it_is_where_the_changes_from_step_to_step_mislead() {
         (damped, 0.0025, Statistic::StickingFraction, (7.47e-4, 5.3e-5)),
     ] {
         let is_missed = |seed: &u64| {
-            let plan = BiasPlan::new(&model, &timeline(&model), h, *seed, 10_000).expect("enough paths");
+            let plan = Differences::new(&model, &timeline(&model), h, *seed, 10_000).expect("enough paths");
             let Bias { estimate, uncertainty, .. } = of(&biases(&plan, 2), statistic);
             (estimate - truth).abs() > uncertainty + 2.0 * error
         };
@@ -170,7 +170,7 @@ fn without_noise_the_bias_is_that_against_the_exact_cascade() {
     let model = paper(0.25, 0.0);
     let exact = event_driven_summary(&model, &timeline(&model), 1e-3, 1, 1);
     for h in [0.04, 0.02, 0.01, 0.005, 0.0025, 0.002, 0.001] {
-        let plan = BiasPlan::new(&model, &timeline(&model), h, 1, 1).expect("one path is enough");
+        let plan = Differences::new(&model, &timeline(&model), h, 1, 1).expect("one path is enough");
         assert_eq!(plan.paths(), 1);
         let run = summary(&model, h);
         let biases = biases(&plan, 1);
@@ -200,7 +200,7 @@ fn the_bits_do_not_depend_on_the_number_of_threads() {
 #[test]
 fn where_there_is_no_estimate_the_reason_is_told() {
     let (model, quiet) = (paper(0.25, 0.25), paper(0.25, 0.0));
-    let try_with = |model: &Model, h, paths| BiasPlan::new(model, &timeline(model), h, 1, paths).map(|_| ());
+    let try_with = |model: &Model, h, paths| Differences::new(model, &timeline(model), h, 1, paths).map(|_| ());
     assert_eq!(try_with(&model, 0.01, 383), Err(NoBias::FewPaths { needed: 384 }));
     assert_eq!(try_with(&model, 0.01, 384), Ok(()));
     assert_eq!(try_with(&model, 6.0, 1000), Err(NoBias::FewSteps));
@@ -215,6 +215,6 @@ fn where_there_is_no_estimate_the_reason_is_told() {
     assert_eq!(stopped, Err(NoBias::Stopped));
     // 4h = 0.8 is far beyond what an undamped slip of this size stands.
     let long = Timeline { end: 1000.0, output_step: 1000.0, period: None };
-    let plan = BiasPlan::new(&model, &long, 0.2, 1, 1000).expect("enough paths");
+    let plan = Differences::new(&model, &long, 0.2, 1, 1000).expect("enough paths");
     assert!(matches!(plan.estimate(1, &AtomicBool::new(false)), Err(NoBias::Diverged { paths: 32.. })));
 }

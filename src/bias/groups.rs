@@ -128,7 +128,7 @@ impl Observer for GroupObserver {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bias::BiasPlan;
+    use crate::bias::Differences;
     use crate::model::{Friction, Harmonic, InitialNoise, Noise, Oscillator, Temperature};
     use std::sync::atomic::AtomicBool;
 
@@ -162,7 +162,7 @@ mod tests {
             let i = Statistic::ALL.iter().position(|s| *s == statistic).expect("it is one of all");
             let differences: Vec<(f64, f64)> = (0..400)
                 .map(|seed| {
-                    let plan = BiasPlan::new(&model, &timeline, 0.05, seed, 4000).expect("enough paths");
+                    let plan = Differences::new(&model, &timeline, 0.05, seed, 6000).expect("enough paths");
                     let levels = plan.simulate(1, &AtomicBool::new(false)).expect("none diverges");
                     let [fine, middle, _] = levels.map(|groups| groups.values());
                     let without: Vec<f64> =

@@ -248,8 +248,8 @@ pub fn dominating_bias(summary: &Summary) -> Option<String> {
     let [bias, uncertainty, _] = bias_cells(worst.bias);
     Some(format!(
         "the step moves {} of {} statistics by more than their intervals show, most of all {}, whose bias is {bias} +- \
-         {uncertainty} and whose interval is +- {}. A smaller `--step` lowers it, more paths do not; `--scheme corrected-vi` \
-         has an error of order h instead, and `--scheme event-driven` has no step",
+         {uncertainty} and whose interval is +- {}. A smaller `--step` lowers it, more paths do not; `--scheme event-driven` \
+         has no step",
         dominated.len(),
         summary.estimates.len(),
         worst.statistic.name(),

@@ -33,7 +33,8 @@ pub fn header(scenario: &Scenario) -> Header {
 /// Say in what way the results of a scenario are not what they seem to be, on standard error. Where the bias of the step is
 /// measured, the guess at it is left out.
 pub fn warn(scenario: &Scenario, measures_bias: bool) {
-    let is_measured = |warning: &Warning| measures_bias && matches!(warning, Warning::StickExitBias { .. });
+    let is_guess = |warning: &Warning| matches!(warning, Warning::StickExitBias { .. } | Warning::CorrectedBias { .. });
+    let is_measured = |warning: &Warning| measures_bias && is_guess(warning);
     for warning in scenario.warnings().iter().filter(|warning| !is_measured(warning)) {
         note(wrapped(&format!("warning: {warning}"), "  ").trim_end());
     }

@@ -251,7 +251,8 @@ fn add_bias(
 ) -> Result<(), NoBias> {
     let plan = job.scenario.bias_plan(paths)?;
     progress.conclude("estimating the bias of the step");
-    summary.set_biases(&plan.estimate(job.threads, stop)?);
+    let biases = plan.estimate(summary, job.threads, stop)?;
+    summary.set_biases(&biases);
     Ok(())
 }
 

@@ -33,10 +33,10 @@ impl Scenario {
     /// The simulations from which the error of its step is estimated, for a run of so many paths.
     pub fn bias_plan(&self, paths: u64) -> Result<BiasPlan, NoBias> {
         match self.scheme {
-            SchemeKind::DiscreteVi => {
-                BiasPlan::new(&self.model, &self.timeline(), self.time.step_or_row(), self.ensemble.seed, paths)
+            SchemeKind::DiscreteVi | SchemeKind::CorrectedVi => {
+                let step = (self.time.step_or_row(), self.scheme == SchemeKind::CorrectedVi);
+                BiasPlan::new(&self.model, &self.timeline(), step, self.ensemble.seed, paths)
             }
-            SchemeKind::CorrectedVi => Err(NoBias::Corrected),
             SchemeKind::EventDriven { .. } if !self.model.temperature.is_random() => Err(NoBias::Exact),
             SchemeKind::EventDriven { tolerance } => Err(NoBias::Tolerance(tolerance)),
             SchemeKind::QuasiStatic { .. } => Err(NoBias::Approximation),

@@ -28,6 +28,7 @@ pub(super) use scene::{Scene, forcing};
 pub(super) use step_rules::StepRules;
 pub(super) use stick::{StickOutcome, StickState, StickSteps};
 pub(super) use unfelt_noise::UnfeltNoise;
+pub use work::Simulated;
 pub(super) use work::{WORK_LIMIT, Work};
 
 use super::{Observer, Timeline};
@@ -85,6 +86,11 @@ impl EventDriven {
 
     /// Simulate the paths with these numbers, telling the observer; the lanes that had to be given up are returned.
     pub fn simulate<O: Observer>(&self, seed: u64, paths: &[u64], observer: &mut O) -> Vec<usize> {
+        self.simulate_counting(seed, paths, observer).lost
+    }
+
+    /// The same, with what was evaluated for it.
+    pub fn simulate_counting<O: Observer>(&self, seed: u64, paths: &[u64], observer: &mut O) -> Simulated {
         match &self.kernel {
             Kernel::Noiseless(cascade, noise) => {
                 cascade.simulate(paths.len(), &mut noise.added_before(observer, seed, paths))

@@ -8,7 +8,7 @@
 
 use super::exact_time::ExactTime;
 use super::first_root::{Jet, first_root, safe_step};
-use super::work::{Unresolved, WORK_LIMIT, Work};
+use super::work::{Simulated, Unresolved, WORK_LIMIT, Work};
 use crate::model::{Complex, Event, EventKind, ForcedOscillator, InitialNoise, Model, Sign, SlipFlow};
 use crate::scheme::columns::Columns;
 use crate::scheme::{Observer, Timeline};
@@ -55,8 +55,8 @@ impl Noiseless {
         Noiseless { model: model.clone(), timeline: *timeline, body, span: 1.0 / fastest, work_limit: WORK_LIMIT }
     }
 
-    /// Tell the observer about the path, once for each of `lanes` lanes. All lanes are returned if it cannot be resolved.
-    pub fn simulate<O: Observer>(&self, lanes: usize, observer: &mut O) -> Vec<usize> {
+    /// Tell the observer about the path, once for each of `lanes` lanes. All lanes are lost if it cannot be resolved.
+    pub fn simulate<O: Observer>(&self, lanes: usize, observer: &mut O) -> Simulated {
         let mut columns = Columns::new(lanes);
         let mut work = Work::new(self.work_limit);
         let mut leg = self.initial_leg(&mut work);
@@ -74,7 +74,8 @@ impl Noiseless {
             }
             observer.snapshot(stop.instant, columns.snapshot(stop.time));
         }
-        if leg.is_ok() { Vec::new() } else { (0..lanes).collect() }
+        let lost = if leg.is_ok() { Vec::new() } else { (0..lanes).collect() };
+        Simulated { lost, evaluations: self.work_limit - work.left() }
     }
 
     fn initial_leg(&self, work: &mut Work) -> Result<Leg, Unresolved> {

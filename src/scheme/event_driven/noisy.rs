@@ -9,7 +9,7 @@ use super::first_stop::{Motion, Pending, Step, Stop, StopSearch, forwards};
 use super::scene::{Scene, forcing};
 use super::step_rules::StepRules;
 use super::stick::{StickOutcome, StickState, StickSteps};
-use super::work::{WORK_LIMIT, Work};
+use super::work::{Simulated, WORK_LIMIT, Work};
 use crate::lanes::{InstructionSet, LaneProgram, Lanes};
 use crate::model::{Complex, Event, EventKind, Model, Phase, Sign};
 use crate::noise::Stream;
@@ -52,13 +52,13 @@ struct Simulation<'a, O> {
     seed: u64,
     paths: &'a [u64],
     observer: &'a mut O,
-    failed: Vec<usize>,
+    simulated: Simulated,
 }
 
 impl<O: Observer> LaneProgram for Simulation<'_, O> {
     #[inline(always)]
     fn run<L: Lanes>(&mut self) {
-        self.failed = self.cascade.simulate_here(self.seed, self.paths, self.observer);
+        self.simulated = self.cascade.simulate_here(self.seed, self.paths, self.observer);
     }
 }
 
@@ -110,15 +110,15 @@ impl Noisy {
         Noisy { scene, timeline: *timeline, stick, oscillator, step, search, work_limit: WORK_LIMIT }
     }
 
-    /// Simulate the paths with these numbers; those that were given up are returned.
-    pub fn simulate<O: Observer>(&self, seed: u64, paths: &[u64], observer: &mut O) -> Vec<usize> {
-        let mut simulation = Simulation { cascade: self, seed, paths, observer, failed: Vec::new() };
+    /// Simulate the paths with these numbers.
+    pub fn simulate<O: Observer>(&self, seed: u64, paths: &[u64], observer: &mut O) -> Simulated {
+        let mut simulation = Simulation { cascade: self, seed, paths, observer, simulated: Simulated::default() };
         InstructionSet::detect().run(&mut simulation);
-        simulation.failed
+        simulation.simulated
     }
 
     #[inline(always)]
-    fn simulate_here<O: Observer>(&self, seed: u64, paths: &[u64], observer: &mut O) -> Vec<usize> {
+    fn simulate_here<O: Observer>(&self, seed: u64, paths: &[u64], observer: &mut O) -> Simulated {
         let harmonics = self.scene.harmonics.len();
         let mut lanes: Vec<Path> = paths.iter().map(|&path| self.start(seed, path)).collect();
         let mut terms = vec![Complex::ZERO; harmonics * paths.len()];
@@ -136,7 +136,10 @@ impl Noisy {
             }
             observer.snapshot(stop.instant, columns.snapshot(stop.time));
         }
-        lanes.iter().enumerate().filter(|(_, path)| path.failed).map(|(lane, _)| lane).collect()
+        Simulated {
+            lost: lanes.iter().enumerate().filter(|(_, path)| path.failed).map(|(lane, _)| lane).collect(),
+            evaluations: lanes.iter().map(|path| self.work_limit - path.work.left()).sum(),
+        }
     }
 
     fn start(&self, seed: u64, path: u64) -> Path {

@@ -10,6 +10,15 @@ pub struct Work {
     left: u64,
 }
 
+/// What simulating some paths came to.
+#[derive(Clone, Debug, Default)]
+pub struct Simulated {
+    /// The lanes of those that had to be given up.
+    pub lost: Vec<usize>,
+    /// What was evaluated for all of them together: how long it takes, on whatever machine.
+    pub evaluations: u64,
+}
+
 /// A path that spent all its work, or met a value that is not a number: it is given up.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Unresolved;
@@ -21,6 +30,11 @@ impl Work {
     /// So much of it.
     pub fn new(limit: u64) -> Self {
         Work { left: limit }
+    }
+
+    /// What is left.
+    pub fn left(self) -> u64 {
+        self.left
     }
 
     /// One more evaluation, if it is granted.

@@ -1,0 +1,169 @@
+//! The bias from the run's own paths at three steps.
+//!
+//! The first few paths of the run are simulated with the steps h, 2h and 4h on one realisation of the noise. What the statistics
+//! change from 4h to 2h and from 2h to h is then known far better than the statistics themselves, and says what they
+//! would still change from h to 0 ([`super::extrapolation`]), with an error from groups of paths ([`super::groups`]).
+
+use super::NoBias;
+use super::extrapolation::{Levels, lattice_error, leading_order, unseen, weight};
+use super::groups::{GroupObserver, Grouped, Groups, jackknife};
+use crate::ensemble::in_order;
+use crate::model::Model;
+use crate::scheme::{DiscreteVi, Timeline};
+use crate::stats::{Bias, Dimension, Statistic, Totals};
+use std::convert::Infallible;
+use std::ops::ControlFlow;
+use std::sync::atomic::AtomicBool;
+
+/// One path in so many of a run is simulated at three steps, at three times the work of a path at most, since each step draws the
+/// normals of the finest: a twelfth of a run at most, and a little for the sums.
+const SHARE: u64 = 36;
+
+/// Groups of paths the standard error is taken from: its own error is 18 %, which Student's t with 15 degrees of freedom allows for.
+const GROUPS: usize = 16;
+
+/// 97.5 % quantile of Student's t with GROUPS - 1 degrees of freedom (Abramowitz and Stegun, table 26.10).
+const STUDENT: f64 = 2.131;
+
+/// The steps, in units of h.
+const LEVELS: [usize; 3] = [1, 2, 4];
+
+/// An observed order with a larger standard error is not worth printing.
+const MAX_ORDER_ERROR: f64 = 0.5;
+
+/// Fewest steps of a path; the ends of the three simulations are rounded to a multiple of 4h.
+pub(super) const MIN_STEPS: f64 = 16.0;
+
+/// Paths of a group in a piece of work, at most; with 16 groups a piece is as wide as a block.
+const MAX_WIDTH: u64 = 16;
+
+/// Pieces of a level there should be, for the threads to share.
+const PIECES: u64 = 8;
+
+/// Some paths of a run, to be simulated at three steps. The three simulations end, and look at whole forcing periods, at the same instants: the
+/// multiples of 4h nearest to those of the run, which changes the statistics by a share of 2h/t_end and their bias likewise.
+#[derive(Clone, Debug)]
+pub struct Differences {
+    model: Model,
+    timeline: Timeline,
+    levels: [DiscreteVi; LEVELS.len()],
+    h: f64,
+    seed: u64,
+    groups: usize,
+    per_group: u64,
+}
+
+impl Differences {
+    /// For a run of [`DiscreteVi`] with this step, seed and number of paths.
+    pub fn new(model: &Model, timeline: &Timeline, h: f64, seed: u64, paths: u64) -> Result<Self, NoBias> {
+        let is_random = model.temperature.is_random();
+        if is_random && model.friction.static_force == model.friction.dynamic_force {
+            return Err(NoBias::EqualFriction);
+        }
+        if timeline.end / h < MIN_STEPS {
+            return Err(NoBias::FewSteps);
+        }
+        // Where nothing is random, one path is the ensemble.
+        let (groups, per_group) = if is_random { (GROUPS, paths / (SHARE * GROUPS as u64)) } else { (1, 1) };
+        if per_group == 0 {
+            return Err(NoBias::FewPaths { needed: SHARE * GROUPS as u64 });
+        }
+        // No rows but the first: the bands have no bias.
+        let timeline = Timeline { output_step: 2.0 * timeline.end, ..*timeline };
+        let coarsest = LEVELS[LEVELS.len() - 1];
+        let levels = LEVELS.map(|k| {
+            let scheme = DiscreteVi::new(model, &timeline, k as f64 * h);
+            scheme.fed_by_finer(k).observed_every((coarsest / k) as u64)
+        });
+        Ok(Differences { model: model.clone(), timeline, levels, h, seed, groups, per_group })
+    }
+
+    /// Number of paths that are simulated at each step.
+    pub fn paths(&self) -> u64 {
+        self.groups as u64 * self.per_group
+    }
+
+    /// The bias of every statistic that exists, on `threads` threads, the same bits for any number of them.
+    pub fn estimate(&self, threads: usize, stop: &AtomicBool) -> Result<Vec<(Statistic, Bias)>, NoBias> {
+        let levels = self.simulate(threads, stop)?.map(|groups| groups.values());
+        let at = |of: &dyn Fn(&Grouped) -> f64| Levels(levels.each_ref().map(of));
+        let sticks = Statistic::ALL.iter().zip(levels[0].all).find(|(s, _)| **s == Statistic::SticksPerPath);
+        let sticks = sticks.map_or(0.0, |(_, sticks)| sticks);
+        let bias = |(i, &statistic): (usize, &Statistic)| {
+            let all = at(&|level| level.all[i]);
+            let without: Vec<Levels> = (0..self.groups).map(|g| at(&|level| level.without[g][i])).collect();
+            all.is_known().then(|| (statistic, self.bias(statistic, all, &without, sticks)))
+        };
+        Ok(Statistic::ALL.iter().enumerate().filter_map(bias).collect())
+    }
+
+    /// The bias of one statistic from its values at the three steps, of all paths and without each group, and the sticks of a path.
+    fn bias(&self, statistic: Statistic, all: Levels, without: &[Levels], sticks: f64) -> Bias {
+        let error = |of: &dyn Fn(Levels) -> f64| jackknife(&without.iter().map(|&y| of(y)).collect::<Vec<f64>>());
+        let is_told = |order: &f64| order.is_finite() && error(&|y| y.observed_order()) < MAX_ORDER_ERROR;
+        let order = Some(all.observed_order()).filter(is_told);
+        if !self.model.temperature.is_random() {
+            let (estimate, uncertainty) = all.without_noise();
+            // Both ends of a phase are on the grid.
+            let grid = if statistic.dimension() == Dimension::Time { self.h } else { 0.0 };
+            return Bias { estimate, uncertainty: uncertainty + grid, order };
+        }
+        let p = leading_order(statistic, all);
+        let second_term_error = error(&|y| y.second_term(p));
+        let weight = weight(all.second_term(p), second_term_error);
+        let sampling = STUDENT * error(&|y| y.bias(p, weight));
+        let grid = match statistic {
+            // A median is the duration of some stick, and that is a multiple of the step.
+            Statistic::StickDurationMedian => lattice_error(self.h, p, weight),
+            // Fewer sticks, and longer ones: what is left of the two is no larger than half a step for each stick.
+            Statistic::StickingFraction => 0.5 * self.h * sticks / self.timeline.end,
+            _ => 0.0,
+        };
+        let missed = all.model_error(p, unseen(statistic, self.kick()), STUDENT * second_term_error);
+        // Sums, not squares: what extrapolation misses is the same for every seed.
+        Bias { estimate: all.bias(p, weight), uncertainty: sampling + missed + grid, order }
+    }
+
+    /// K beta rho sigma sqrt(h)/(f_s - f_d).
+    fn kick(&self) -> f64 {
+        let Model { oscillator, friction, temperature, .. } = &self.model;
+        let noise = temperature.noise.map_or(0.0, |noise| noise.intensity * noise.diffusion);
+        let force = oscillator.stiffness * oscillator.dilatation * noise * self.h.sqrt();
+        force.abs() / (friction.static_force - friction.dynamic_force)
+    }
+
+    pub(super) fn simulate(&self, threads: usize, stop: &AtomicBool) -> Result<[Groups; LEVELS.len()], NoBias> {
+        let width = self.per_group.div_ceil(PIECES).min(MAX_WIDTH);
+        let pieces = self.per_group.div_ceil(width);
+        let mut levels = LEVELS.map(|_| Groups::empty(&self.model, &self.timeline, self.groups));
+        let mut diverged = 0;
+        // The finest level first: its pieces take longest.
+        let make = |index: u64| {
+            let (level, done) = ((index / pieces) as usize, index % pieces * width);
+            let (totals, lost) = self.piece(level, done, width.min(self.per_group - done));
+            (level, totals, lost)
+        };
+        let deliver = |(level, totals, lost): (usize, Vec<Totals>, usize)| -> Result<_, Infallible> {
+            levels[level].merge(&totals);
+            diverged += lost;
+            Ok(ControlFlow::Continue(()))
+        };
+        let count = pieces * LEVELS.len() as u64;
+        let Ok(delivered) = in_order(count, threads, stop, make, deliver);
+        match diverged {
+            _ if delivered < count => Err(NoBias::Stopped),
+            0 => Ok(levels),
+            paths => Err(NoBias::Diverged { paths }),
+        }
+    }
+
+    /// The next `width` paths of each group, `done` of each being done; and how many of them diverged.
+    fn piece(&self, level: usize, done: u64, width: u64) -> (Vec<Totals>, usize) {
+        let groups = self.groups as u64;
+        let first = done * groups;
+        let numbers: Vec<u64> = (first..first + width * groups).collect();
+        let mut observer = GroupObserver::new(&self.model, &self.timeline, first, width as usize, self.groups);
+        let lost = self.levels[level].simulate(self.seed, &numbers, &mut observer);
+        (observer.finish(), lost.len())
+    }
+}
