@@ -4,7 +4,7 @@ mod common;
 
 use common::{estimate, event_driven_summary, paper};
 use std::sync::atomic::AtomicBool;
-use stick_slip::bias::{Differences, NoBias};
+use stick_slip::bias::{Anchor, BiasPlan, Differences, NoBias};
 use stick_slip::ensemble::Plan;
 use stick_slip::model::Model;
 use stick_slip::scheme::{DiscreteVi, Scheme, Timeline};
@@ -56,11 +56,32 @@ fn of(biases: &[(Statistic, Bias)], statistic: Statistic) -> Bias {
     biases.iter().find(|(s, _)| *s == statistic).expect("it has a bias").1
 }
 
-/// Which of the thirty comparisons fail: the estimate, times each factor, against the large run at the same step less the truth.
-fn misses<const N: usize>(seed: u64, paths: impl Fn(f64) -> u64, factors: [f64; N]) -> [Vec<String>; N] {
+/// What a run of the discrete scheme, corrected or not, says of its bias.
+fn told(
+    model: &Model,
+    (h, is_corrected): (f64, bool),
+    seed: u64,
+    paths: u64,
+    threads: usize,
+) -> Vec<(Statistic, Bias)> {
+    let run = run(model, (h, is_corrected), seed, paths, threads);
+    let plan = BiasPlan::new(model, &timeline(model), (h, is_corrected), seed, paths).expect("enough paths");
+    plan.estimate(&run, threads, &AtomicBool::new(false)).expect("none diverges")
+}
+
+fn run(model: &Model, (h, is_corrected): (f64, bool), seed: u64, paths: u64, threads: usize) -> Summary {
+    let timeline = timeline(model);
+    let of = if is_corrected { DiscreteVi::corrected } else { DiscreteVi::new };
+    let scheme = Scheme::DiscreteVi(of(model, &timeline, h));
+    let record = Record { paths: false, events: false, trajectories: 0 };
+    Plan { model: model.clone(), scheme, timeline, record, seed, paths }.run(threads)
+}
+
+/// Which of the thirty comparisons fail: the estimates at a step, times each factor, against the large run at that step less the truth.
+fn misses<const N: usize>(biases: impl Fn(f64) -> Vec<(Statistic, Bias)>, factors: [f64; N]) -> [Vec<String>; N] {
     let mut misses = [const { Vec::new() }; N];
     for AtStep { h, values } in &AT_STEP {
-        let biases = biases(&plan(*h, seed, paths(*h)), 2);
+        let biases = biases(*h);
         for ((statistic, at_step), truth) in STATISTICS.iter().zip(values).zip(TRUTH) {
             let Bias { estimate, uncertainty, .. } = of(&biases, *statistic);
             let (bias, error) = (at_step.0 - truth.0, at_step.1.hypot(truth.1));
@@ -76,11 +97,38 @@ fn misses<const N: usize>(seed: u64, paths: impl Fn(f64) -> u64, factors: [f64; 
     misses
 }
 
-/// As `mc run` does it with 10 000 paths, 416 of them at three steps. Null: each of the thirty is within its uncertainty, a 95 % one. Of
-/// 100 other seeds, all thirty together missed once in 3000: over the seeds their false-alarm rate is about 1 %, and none for this one.
+/// As `mc run` does it with 10 000 paths. Null: each of the thirty is within its uncertainty, a 95 % one, and the errors of the two numbers that
+/// it is compared with. Of 40 other seeds at five of the steps, 1.8 % of all statistics were not. An estimate of twice the size is seen in most.
 #[test]
-fn the_estimate_is_within_its_uncertainty_of_the_event_driven_truth() {
-    assert_eq!(misses(1, |_| 10_000, [1.0]), [Vec::<String>::new()]);
+fn what_a_run_says_is_within_its_uncertainty_of_the_truth() {
+    let model = paper(0.25, 0.25);
+    let [exact, double] = misses(|h| told(&model, (h, false), 1, 10_000, 2), [1.0, 2.0]);
+    assert_eq!(exact, Vec::<String>::new());
+    assert!(double.len() > 20, "{}", double.len());
+}
+
+/// Both schemes at the step of the paper, five statistics, 20 seeds. `corrected-vi` without error of sampling: `mc run scenarios/rho025.toml --scheme
+/// corrected-vi --step 0.01 --paths 400000 --seed 11`. Null: 5 % of the 200 are missed or fewer; were they independent, 20 would have a probability of
+/// 0.3 %. Half the uncertainty misses more than that.
+#[test]
+fn over_the_seeds_it_is_missed_as_seldom_as_it_says() {
+    let model = paper(0.25, 0.25);
+    let corrected =
+        [(0.408292, 0.00017), (18.3392, 0.0086), (1.27634, 0.00024), (0.188304, 0.00014), (0.138548, 6.8e-05)];
+    let mut misses = [0, 0];
+    for (is_corrected, values) in [(false, AT_STEP[2].values), (true, corrected)] {
+        for seed in 1..=20 {
+            let biases = told(&model, (0.01, is_corrected), seed, 10_000, 2);
+            for ((statistic, at_step), truth) in STATISTICS.iter().zip(values).zip(TRUTH) {
+                let Bias { estimate, uncertainty, .. } = of(&biases, *statistic);
+                let off = (estimate - (at_step.0 - truth.0)).abs() - 2.0 * at_step.1.hypot(truth.1);
+                misses[0] += u32::from(off > uncertainty);
+                misses[1] += u32::from(off > uncertainty / 2.0);
+            }
+        }
+    }
+    println!("{misses:?}");
+    assert!(misses[0] <= 20 && misses[1] > 20, "{misses:?}");
 }
 
 /// With up to 10 000 paths at three steps the sampling error is below a tenth of most biases, and what is tested is the
@@ -89,7 +137,7 @@ fn the_estimate_is_within_its_uncertainty_of_the_event_driven_truth() {
 #[test]
 fn extrapolation_holds_and_an_error_of_a_factor_of_two_is_seen() {
     let paths = |h| if h < 0.002 { 60_000 } else { 240_000 };
-    let [exact, double, half] = misses(2, paths, [1.0, 2.0, 0.5]);
+    let [exact, double, half] = misses(|h| biases(&plan(h, 2, paths(h)), 2), [1.0, 2.0, 0.5]);
     assert_eq!(exact, Vec::<String>::new());
     assert!(double.len() > 20 && half.len() > 6, "{} {}", double.len(), half.len());
 }
@@ -139,29 +187,47 @@ fn so_it_is_where_the_changes_from_step_to_step_mislead() {
     }
 }
 
-/// With 10 000 paths at the step of the paper the bias of the mean stick duration is beyond doubt for seven of nine seeds or more, in
-/// the median it is known to better than 75 % of itself (extrapolation alone: 40 %), and the order is seen: in the median from 0.45 to 0.75.
+/// With 10 000 paths at the step of the paper the bias of the mean stick duration is known, in the median of nine seeds, to better than 30 %
+/// of itself, that of x(t_end), whose paths are the same at h and 2h, to a tenth of the standard error of the run; and the order is seen: in
+/// the median from 0.45 to 0.75.
 #[test]
 fn the_uncertainty_says_something() {
-    let of_seed = |seed| of(&biases(&plan(0.01, seed, 10_000), 2), Statistic::StickDurationMean);
-    let all: Vec<Bias> = (0..9).map(of_seed).collect();
-    let median = |of: &dyn Fn(&Bias) -> f64| {
-        let mut values: Vec<f64> = all.iter().map(of).collect();
+    let model = paper(0.25, 0.25);
+    let all: Vec<Vec<(Statistic, Bias)>> = (0..9).map(|seed| told(&model, (0.01, false), seed, 10_000, 2)).collect();
+    let median = |statistic: Statistic, what: &dyn Fn(&Bias) -> f64| {
+        let mut values: Vec<f64> = all.iter().map(|biases| what(&of(biases, statistic))).collect();
         values.sort_by(f64::total_cmp);
-        println!("{values:?}");
+        println!("{}: {values:?}", statistic.name());
         values[4]
     };
-    assert!(median(&|b| b.uncertainty / b.estimate) < 0.75);
-    let order = median(&|b| b.order.unwrap_or(f64::NAN));
+    assert!(median(Statistic::StickDurationMean, &|b| b.uncertainty / b.estimate) < 0.3);
+    assert!(median(Statistic::DisplacementEndMean, &|b| b.uncertainty) < 0.016);
+    let order = median(Statistic::StickDurationMean, &|b| b.order.unwrap_or(f64::NAN));
     assert!((0.45..0.75).contains(&order), "{order}");
-    assert!(all.iter().filter(|b| b.uncertainty < b.estimate).count() >= 7);
 }
 
-fn summary(model: &Model, h: f64) -> Summary {
-    let timeline = timeline(model);
-    let scheme = Scheme::DiscreteVi(DiscreteVi::new(model, &timeline, h));
-    let record = Record { paths: false, events: false, trajectories: 0 };
-    Plan { model: model.clone(), scheme, timeline, record, seed: 1, paths: 1 }.run(1)
+/// Paths without a step are left out where they cost more than the run allows (theta = 1e6: a step each 5e-7, 10^8 of them), where they
+/// resolve less than there is (f_s and f_d all but equal), and where they are too few; the three steps still tell.
+#[test]
+fn what_paths_without_a_step_cannot_tell_the_steps_do() {
+    let anchored = |model: &Model, h: f64, paths: u64| {
+        let run = run(model, (h, false), 1, paths, 2);
+        Anchor::new(model, &timeline(model), h, 1, paths).estimate(&run, 2, &AtomicBool::new(false))
+    };
+    let model = paper(0.25, 0.25);
+    assert_eq!(anchored(&model, 0.01, 10_000).map(|biases| biases.len()), Some(Statistic::ALL.len()));
+    assert_eq!(anchored(&model, 0.01, 3000), None);
+    let mut fast = model.clone();
+    fast.temperature.noise.as_mut().expect("it has noise").relaxation_rate = 1e6;
+    let mut close = model.clone();
+    close.friction.static_force = 1.0 + 1e-9;
+    for model in [fast, close] {
+        assert_eq!(anchored(&model, 0.01, 10_000), None);
+        assert_eq!(told(&model, (0.01, false), 1, 10_000, 2).len(), Statistic::ALL.len());
+        let plan = BiasPlan::new(&model, &timeline(&model), (0.01, true), 1, 10_000).expect("enough paths");
+        let corrected = run(&model, (0.01, true), 1, 10_000, 2);
+        assert_eq!(plan.estimate(&corrected, 2, &AtomicBool::new(false)), Err(NoBias::Corrected));
+    }
 }
 
 /// Without noise: every statistic of Shaw's case against the exact cascade, and x(t_end), the smoothest, to 15 %.
@@ -172,7 +238,7 @@ fn without_noise_the_bias_is_that_against_the_exact_cascade() {
     for h in [0.04, 0.02, 0.01, 0.005, 0.0025, 0.002, 0.001] {
         let plan = Differences::new(&model, &timeline(&model), h, 1, 1).expect("one path is enough");
         assert_eq!(plan.paths(), 1);
-        let run = summary(&model, h);
+        let run = run(&model, (h, false), 1, 1, 1);
         let biases = biases(&plan, 1);
         assert_eq!(biases.len(), 14, "all but the two spreads over paths");
         for (statistic, Bias { estimate: bias, uncertainty, .. }) in biases {
@@ -188,12 +254,13 @@ fn without_noise_the_bias_is_that_against_the_exact_cascade() {
 
 #[test]
 fn the_bits_do_not_depend_on_the_number_of_threads() {
+    let model = paper(0.25, 0.25);
     let plan = plan(0.05, 3, 30_000);
-    assert_eq!(plan.paths(), 30_000 / 24 / 16 * 16);
-    let one = biases(&plan, 1);
+    assert_eq!(plan.paths(), 30_000 / 36 / 16 * 16);
+    let one = told(&model, (0.05, false), 3, 30_000, 1);
     assert_eq!(one.len(), Statistic::ALL.len());
     for threads in [2, 7] {
-        assert_eq!(biases(&plan, threads), one);
+        assert_eq!(told(&model, (0.05, false), 3, 30_000, threads), one);
     }
 }
 
@@ -201,8 +268,8 @@ fn the_bits_do_not_depend_on_the_number_of_threads() {
 fn where_there_is_no_estimate_the_reason_is_told() {
     let (model, quiet) = (paper(0.25, 0.25), paper(0.25, 0.0));
     let try_with = |model: &Model, h, paths| Differences::new(model, &timeline(model), h, 1, paths).map(|_| ());
-    assert_eq!(try_with(&model, 0.01, 383), Err(NoBias::FewPaths { needed: 384 }));
-    assert_eq!(try_with(&model, 0.01, 384), Ok(()));
+    assert_eq!(try_with(&model, 0.01, 575), Err(NoBias::FewPaths { needed: 576 }));
+    assert_eq!(try_with(&model, 0.01, 576), Ok(()));
     assert_eq!(try_with(&model, 6.0, 1000), Err(NoBias::FewSteps));
     let mut equal = model.clone();
     equal.friction.dynamic_force = equal.friction.static_force;

@@ -113,7 +113,7 @@ fn a_run_tells_how_much_of_a_number_is_the_step_or_why_it_does_not() {
     assert!(text(&shown.stderr).contains("warning: the step moves"));
     assert_eq!(text(&shown.stdout).lines().nth(3), out.lines().nth(3), "the same headings");
     let few = run(&["--paths", "300"]);
-    assert!(text(&few.stdout).contains("not estimated: it takes 384 paths or more"), "{}", text(&few.stdout));
+    assert!(text(&few.stdout).contains("not estimated: it takes 576 paths or more"), "{}", text(&few.stdout));
     assert!(text(&few.stderr).contains("as a guide"));
     let reasons = [
         ("corrected-vi", "not estimated: the error of corrected-vi cannot be extrapolated"),
@@ -124,7 +124,7 @@ fn a_run_tells_how_much_of_a_number_is_the_step_or_why_it_does_not() {
         ("quasi-static", "not estimated: that the forcing stands still in a slip is an approximation"),
     ];
     for (scheme, reason) in reasons {
-        let silent = mc(&here, &["run", RHO025, "--scheme", scheme, "--paths", "400", "--force"]);
+        let silent = mc(&here, &["run", RHO025, "--scheme", scheme, "--paths", "600", "--force"]);
         assert!(text(&silent.stdout).contains(reason), "{}", text(&silent.stdout));
         let shown = mc(&here, &["show", "rho025.h5"]);
         assert!(text(&shown.stdout).contains(reason), "{}", text(&shown.stdout));

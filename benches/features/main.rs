@@ -19,8 +19,8 @@ use stick_slip::scenario::Scenario;
 use stick_slip::scheme::DiscreteVi;
 use stripped::{Scene, count_sticks};
 
-/// Paths of the runs that estimate their bias or do not: 24 times 16 groups of 26.
-const WITH_BIAS: u64 = 24 * 16 * 26;
+/// Paths of the runs that estimate their bias or do not: 36 times 16 groups of 18.
+const WITH_BIAS: u64 = 36 * 16 * 18;
 
 /// A path-step of the bare kernel, scene by scene.
 fn scenes(c: &mut Criterion) {
@@ -86,7 +86,7 @@ fn bias(c: &mut Criterion) {
     let mut group = group(c, "bias", WITH_BIAS * STEPS);
     group.measurement_time(Duration::from_secs(6));
     group.bench_function("off", |b| b.iter(|| plan.run(1)));
-    group.bench_function("on", |b| b.iter(|| (plan.run(1), bias.estimate(1, &AtomicBool::new(false)))));
+    group.bench_function("on", |b| b.iter(|| bias.estimate(&plan.run(1), 1, &AtomicBool::new(false))));
 }
 
 fn print_prices() {

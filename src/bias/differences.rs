@@ -23,7 +23,7 @@ const SHARE: u64 = 36;
 const GROUPS: usize = 16;
 
 /// 97.5 % quantile of Student's t with GROUPS - 1 degrees of freedom (Abramowitz and Stegun, table 26.10).
-const STUDENT: f64 = 2.131;
+pub(super) const STUDENT: f64 = 2.131;
 
 /// The steps, in units of h.
 const LEVELS: [usize; 3] = [1, 2, 4];

@@ -172,7 +172,8 @@ mod tests {
                 .collect();
             let n = differences.len() as f64;
             let truth = differences.iter().map(|d| d.0).sum::<f64>() / n;
-            let covered = differences.iter().filter(|d| (d.0 - truth).abs() < super::super::STUDENT * d.1).count();
+            let covered =
+                differences.iter().filter(|d| (d.0 - truth).abs() < crate::bias::differences::STUDENT * d.1).count();
             let share = covered as f64 / n;
             assert!((share - 0.95).abs() < 0.059, "{}: {share}", statistic.name());
         }
