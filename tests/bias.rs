@@ -212,11 +212,11 @@ fn the_uncertainty_says_something() {
 fn what_paths_without_a_step_cannot_tell_the_steps_do() {
     let anchored = |model: &Model, h: f64, paths: u64| {
         let run = run(model, (h, false), 1, paths, 2);
-        Anchor::new(model, &timeline(model), h, 1, paths).estimate(&run, 2, &AtomicBool::new(false))
+        Anchor::new(model, &timeline(model), h, 1, paths, 16).estimate(&run, 2, &AtomicBool::new(false))
     };
     let model = paper(0.25, 0.25);
     assert_eq!(anchored(&model, 0.01, 10_000).map(|biases| biases.len()), Some(Statistic::ALL.len()));
-    assert_eq!(anchored(&model, 0.01, 3000), None);
+    assert_eq!(anchored(&model, 0.01, 2000), None);
     let mut fast = model.clone();
     fast.temperature.noise.as_mut().expect("it has noise").relaxation_rate = 1e6;
     let mut close = model.clone();

@@ -115,8 +115,13 @@ fn a_run_tells_how_much_of_a_number_is_the_step_or_why_it_does_not() {
     let few = run(&["--paths", "300"]);
     assert!(text(&few.stdout).contains("not estimated: it takes 576 paths or more"), "{}", text(&few.stdout));
     assert!(text(&few.stderr).contains("as a guide"));
+    let corrected = |paths| run(&["--paths", paths, "--scheme", "corrected-vi"]);
+    let few = corrected("600");
+    assert!(text(&few.stdout).contains("not estimated: the error of corrected-vi"), "{}", text(&few.stdout));
+    let told = corrected("10000");
+    assert!(text(&told.stdout).contains("of the step"), "{}", text(&told.stdout));
+    assert!(!text(&told.stderr).contains("as a guide"), "{}", text(&told.stderr));
     let reasons = [
-        ("corrected-vi", "not estimated: the error of corrected-vi cannot be extrapolated"),
         (
             "event-driven",
             "not estimated: there is no step; the tolerance leaves discretisation 0.001 of every statistic",

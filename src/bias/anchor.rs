@@ -1,6 +1,6 @@
 //! The bias from paths of a scheme without a step.
 //!
-//! As many event-driven paths as a sixteenth of the run pays for have the statistics to which those of the run tend as h falls. What
+//! As many event-driven paths as a share of the run pays for have the statistics to which those of the run tend as h falls. What
 //! remains of the difference is the bias, with nothing extrapolated and for any scheme with a step; its error is that of two finite ensembles, of
 //! which theirs is the smaller one.
 
@@ -12,9 +12,6 @@ use std::convert::Infallible;
 use std::ops::ControlFlow;
 use std::sync::atomic::AtomicBool;
 
-/// The paths may cost one part in so many of the run.
-const SHARE: u64 = 16;
-
 /// What an evaluation of the event-driven scheme costs, in path-steps: 34 to 77 ns beside 0.8 to 1.25 (AVX-512; fewer path-steps elsewhere).
 const EVALUATION: u64 = 64;
 
@@ -22,7 +19,7 @@ const EVALUATION: u64 = 64;
 const PIECE: u64 = 16;
 
 /// With fewer paths their intervals say little.
-const FEWEST: u64 = 64;
+const FEWEST: u64 = 32;
 
 /// Event-driven paths beside a run.
 #[derive(Clone, Debug)]
@@ -37,13 +34,13 @@ pub struct Anchor {
 }
 
 impl Anchor {
-    /// For a run of so many paths with this step and seed.
-    pub fn new(model: &Model, timeline: &Timeline, h: f64, seed: u64, paths: u64) -> Self {
+    /// For a run of so many paths with this step and seed, of whose cost they may take one part in `share`.
+    pub fn new(model: &Model, timeline: &Timeline, h: f64, seed: u64, paths: u64, share: u64) -> Self {
         let path_steps = timeline.end / h * paths as f64;
         // No rows but the first: the bands have no bias.
         let timeline = Timeline { output_step: 2.0 * timeline.end, ..*timeline };
         // other random numbers than those of the run
-        Anchor { model: model.clone(), timeline, seed: !seed, budget: path_steps as u64 / (SHARE * EVALUATION), paths }
+        Anchor { model: model.clone(), timeline, seed: !seed, budget: path_steps as u64 / (share * EVALUATION), paths }
     }
 
     /// The bias of the statistics of a run, without an order; none where the paths cost too much, or resolve less than there is (f_s and f_d

@@ -78,6 +78,12 @@ impl fmt::Display for NoBias {
     }
 }
 
+/// Paths without a step may cost one part in so many of a run, beside the differences.
+const SHARE: u64 = 16;
+
+/// The same without them.
+const SHARE_ALONE: u64 = 8;
+
 /// What the bias of a run is a function of, besides its result.
 #[derive(Clone, Debug)]
 pub struct BiasPlan {
@@ -97,7 +103,8 @@ impl BiasPlan {
         paths: u64,
     ) -> Result<Self, NoBias> {
         let differences = Differences::new(model, timeline, h, seed, paths)?;
-        let anchor = model.temperature.is_random().then(|| Anchor::new(model, timeline, h, seed, paths));
+        let share = if is_corrected { SHARE_ALONE } else { SHARE };
+        let anchor = model.temperature.is_random().then(|| Anchor::new(model, timeline, h, seed, paths, share));
         if is_corrected && anchor.is_none() {
             return Err(NoBias::Corrected);
         }
