@@ -278,8 +278,11 @@ fn where_there_is_no_estimate_the_reason_is_told() {
     equal.friction.dynamic_force = equal.friction.static_force;
     assert_eq!(try_with(&equal, 0.01, 1), Ok(()));
 
-    let stopped = plan(0.01, 1, 1000).estimate(2, &AtomicBool::new(true));
-    assert_eq!(stopped, Err(NoBias::Stopped));
+    for step in [(0.01, false), (0.01, true)] {
+        let plan = BiasPlan::new(&model, &timeline(&model), step, 1, 1000).expect("enough paths");
+        let stopped = plan.estimate(&run(&model, step, 1, 1000, 2), 2, &AtomicBool::new(true));
+        assert_eq!(stopped, Err(NoBias::Stopped));
+    }
     // 4h = 0.8 is far beyond what an undamped slip of this size stands.
     let long = Timeline { end: 1000.0, output_step: 1000.0, period: None };
     let plan = Differences::new(&model, &long, 0.2, 1, 1000).expect("enough paths");

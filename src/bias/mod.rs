@@ -21,7 +21,7 @@ use crate::scheme::Timeline;
 use crate::stats::{Bias, Statistic, Summary};
 use differences::MIN_STEPS;
 use std::fmt;
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Why there is no estimate of the bias.
 #[derive(Clone, Debug, PartialEq)]
@@ -114,7 +114,10 @@ impl BiasPlan {
     /// The bias of every statistic that exists in the run whose result this is, on `threads` threads, the same bits for any number of them.
     pub fn estimate(&self, run: &Summary, threads: usize, stop: &AtomicBool) -> Result<Vec<(Statistic, Bias)>, NoBias> {
         let anchored = self.anchor.as_ref().and_then(|anchor| anchor.estimate(run, threads, stop));
-        let Some(differences) = &self.differences else { return anchored.ok_or(NoBias::Corrected) };
+        let Some(differences) = &self.differences else {
+            let is_stopped = stop.load(Ordering::Relaxed);
+            return anchored.ok_or(if is_stopped { NoBias::Stopped } else { NoBias::Corrected });
+        };
         let mut biases = differences.estimate(threads, stop)?;
         for (statistic, anchored) in anchored.into_iter().flatten() {
             for (_, bias) in biases.iter_mut().filter(|(of, _)| *of == statistic) {
