@@ -136,7 +136,7 @@ fn over_the_seeds_it_is_missed_as_seldom_as_it_says() {
 /// most of the thirty, one of half the size, to which the stated error comes close, in fewer.
 #[test]
 fn extrapolation_holds_and_an_error_of_a_factor_of_two_is_seen() {
-    let paths = |h| if h < 0.002 { 60_000 } else { 240_000 };
+    let paths = |h| if h < 0.002 { 120_000 } else { 480_000 };
     let [exact, double, half] = misses(|h| biases(&plan(h, 2, paths(h)), 2), [1.0, 2.0, 0.5]);
     assert_eq!(exact, Vec::<String>::new());
     assert!(double.len() > 20 && half.len() > 6, "{} {}", double.len(), half.len());
@@ -212,7 +212,7 @@ fn the_uncertainty_says_something() {
 fn what_paths_without_a_step_cannot_tell_the_steps_do() {
     let anchored = |model: &Model, h: f64, paths: u64| {
         let run = run(model, (h, false), 1, paths, 2);
-        Anchor::new(model, &timeline(model), h, 1, paths, 16).estimate(&run, 2, &AtomicBool::new(false))
+        Anchor::new(model, &timeline(model), h, 1, paths, 20).estimate(&run, 2, &AtomicBool::new(false))
     };
     let model = paper(0.25, 0.25);
     assert_eq!(anchored(&model, 0.01, 10_000).map(|biases| biases.len()), Some(Statistic::ALL.len()));
@@ -256,7 +256,7 @@ fn without_noise_the_bias_is_that_against_the_exact_cascade() {
 fn the_bits_do_not_depend_on_the_number_of_threads() {
     let model = paper(0.25, 0.25);
     let plan = plan(0.05, 3, 30_000);
-    assert_eq!(plan.paths(), 30_000 / 36 / 16 * 16);
+    assert_eq!(plan.paths(), 30_000 / 48 / 16 * 16);
     let one = told(&model, (0.05, false), 3, 30_000, 1);
     assert_eq!(one.len(), Statistic::ALL.len());
     for threads in [2, 7] {
@@ -268,8 +268,8 @@ fn the_bits_do_not_depend_on_the_number_of_threads() {
 fn where_there_is_no_estimate_the_reason_is_told() {
     let (model, quiet) = (paper(0.25, 0.25), paper(0.25, 0.0));
     let try_with = |model: &Model, h, paths| Differences::new(model, &timeline(model), h, 1, paths).map(|_| ());
-    assert_eq!(try_with(&model, 0.01, 575), Err(NoBias::FewPaths { needed: 576 }));
-    assert_eq!(try_with(&model, 0.01, 576), Ok(()));
+    assert_eq!(try_with(&model, 0.01, 767), Err(NoBias::FewPaths { needed: 768 }));
+    assert_eq!(try_with(&model, 0.01, 768), Ok(()));
     assert_eq!(try_with(&model, 6.0, 1000), Err(NoBias::FewSteps));
     let mut equal = model.clone();
     equal.friction.dynamic_force = equal.friction.static_force;

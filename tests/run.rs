@@ -57,7 +57,7 @@ fn json_is_alone_on_standard_output_and_the_same_for_any_number_of_threads() {
     let here = folder();
     let run = |threads: &str| {
         let file = format!("{threads}.h5");
-        json(&mc(&here, &["run", RHO025, "--paths", "600", "--seed", "9", "--json", "--threads", threads, "-o", &file]))
+        json(&mc(&here, &["run", RHO025, "--paths", "800", "--seed", "9", "--json", "--threads", threads, "-o", &file]))
     };
     let one = run("1");
     for key in [
@@ -78,7 +78,7 @@ fn json_is_alone_on_standard_output_and_the_same_for_any_number_of_threads() {
     }
     assert_eq!(
         (one["paths"].as_u64(), one["seed"].as_u64(), one["diverged_paths"].as_u64()),
-        (Some(600), Some(9), Some(0))
+        (Some(800), Some(9), Some(0))
     );
     assert_eq!(one["statistics"].as_object().map(serde_json::Map::len), Some(16));
     let mean = &one["statistics"]["stick_duration_mean"];
@@ -88,7 +88,7 @@ fn json_is_alone_on_standard_output_and_the_same_for_any_number_of_threads() {
     );
     assert!(number("bias_uncertainty") > 0.0 && (0.0..0.25).contains(&number("bias")), "{mean}");
     let without =
-        json(&mc(&here, &["run", RHO025, "--paths", "600", "--seed", "9", "--json", "--no-bias", "-o", "no.h5"]));
+        json(&mc(&here, &["run", RHO025, "--paths", "800", "--seed", "9", "--json", "--no-bias", "-o", "no.h5"]));
     for key in ["bias", "bias_uncertainty", "bias_order"] {
         assert!(without["statistics"]["stick_duration_mean"][key].is_null(), "{key}");
     }
@@ -113,10 +113,10 @@ fn a_run_tells_how_much_of_a_number_is_the_step_or_why_it_does_not() {
     assert!(text(&shown.stderr).contains("warning: the step moves"));
     assert_eq!(text(&shown.stdout).lines().nth(3), out.lines().nth(3), "the same headings");
     let few = run(&["--paths", "300"]);
-    assert!(text(&few.stdout).contains("not estimated: it takes 576 paths or more"), "{}", text(&few.stdout));
+    assert!(text(&few.stdout).contains("not estimated: it takes 768 paths or more"), "{}", text(&few.stdout));
     assert!(text(&few.stderr).contains("as a guide"));
     let corrected = |paths| run(&["--paths", paths, "--scheme", "corrected-vi"]);
-    let few = corrected("600");
+    let few = corrected("800");
     assert!(text(&few.stdout).contains("not estimated: the error of corrected-vi"), "{}", text(&few.stdout));
     let told = corrected("10000");
     assert!(text(&told.stdout).contains("of the step"), "{}", text(&told.stdout));
@@ -129,7 +129,7 @@ fn a_run_tells_how_much_of_a_number_is_the_step_or_why_it_does_not() {
         ("quasi-static", "not estimated: that the forcing stands still in a slip is an approximation"),
     ];
     for (scheme, reason) in reasons {
-        let silent = mc(&here, &["run", RHO025, "--scheme", scheme, "--paths", "600", "--force"]);
+        let silent = mc(&here, &["run", RHO025, "--scheme", scheme, "--paths", "800", "--force"]);
         assert!(text(&silent.stdout).contains(reason), "{}", text(&silent.stdout));
         let shown = mc(&here, &["show", "rho025.h5"]);
         assert!(text(&shown.stdout).contains(reason), "{}", text(&shown.stdout));

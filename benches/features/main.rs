@@ -19,8 +19,8 @@ use stick_slip::scenario::Scenario;
 use stick_slip::scheme::DiscreteVi;
 use stripped::{Scene, count_sticks};
 
-/// Paths of the runs that estimate their bias or do not: 36 times 16 groups of 18.
-const WITH_BIAS: u64 = 36 * 16 * 18;
+/// Paths of the runs that estimate their bias or do not: 48 times 16 groups of 14.
+const WITH_BIAS: u64 = 48 * 16 * 14;
 
 /// A path-step of the bare kernel, scene by scene.
 fn scenes(c: &mut Criterion) {

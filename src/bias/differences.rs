@@ -16,8 +16,8 @@ use std::ops::ControlFlow;
 use std::sync::atomic::AtomicBool;
 
 /// One path in so many of a run is simulated at three steps, at three times the work of a path at most, since each step draws the
-/// normals of the finest: a twelfth of a run at most, and a little for the sums.
-const SHARE: u64 = 36;
+/// normals of the finest: a sixteenth of a run at most, and a little for the sums.
+const SHARE: u64 = 48;
 
 /// Groups of paths the standard error is taken from: its own error is 18 %, which Student's t with 15 degrees of freedom allows for.
 const GROUPS: usize = 16;

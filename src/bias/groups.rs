@@ -162,7 +162,7 @@ mod tests {
             let i = Statistic::ALL.iter().position(|s| *s == statistic).expect("it is one of all");
             let differences: Vec<(f64, f64)> = (0..400)
                 .map(|seed| {
-                    let plan = Differences::new(&model, &timeline, 0.05, seed, 6000).expect("enough paths");
+                    let plan = Differences::new(&model, &timeline, 0.05, seed, 8000).expect("enough paths");
                     let levels = plan.simulate(1, &AtomicBool::new(false)).expect("none diverges");
                     let [fine, middle, _] = levels.map(|groups| groups.values());
                     let without: Vec<f64> =

@@ -1,4 +1,4 @@
-//! How wrong the step makes a run: the discretisation bias of every statistic, measured beside the run at a seventh of its cost.
+//! How wrong the step makes a run: the discretisation bias of every statistic, measured beside the run at an eighth of its cost.
 //!
 //! Two measurements, of which the sharper one counts, statistic by statistic:
 //!
@@ -79,10 +79,10 @@ impl fmt::Display for NoBias {
 }
 
 /// Paths without a step may cost one part in so many of a run, beside the differences.
-const SHARE: u64 = 16;
+const SHARE: u64 = 20;
 
 /// The same without them.
-const SHARE_ALONE: u64 = 8;
+const SHARE_ALONE: u64 = 10;
 
 /// What the bias of a run is a function of, besides its result.
 #[derive(Clone, Debug)]
