@@ -263,11 +263,14 @@ impl<const NOISE: bool, const DAMPING: bool, const CORRECTED: bool> Run<'_, NOIS
             *regime = c.regime(state.v);
         }
 
-        let mut normals = self.streams.take::<L, R>(lane);
+        let mut normals = if NOISE { Some(self.streams.take::<L, R>(lane)) } else { None };
         let every_lane = (1 << L::WIDTH) - 1;
 
         for (n, &forcing) in self.forcing[..self.forcing.len() - 1].iter().enumerate() {
-            let xi = if NOISE { self.scale.increment(&mut normals) } else { [L::splat(0.0); R] };
+            let xi = match &mut normals {
+                Some(normals) => self.scale.increment(normals),
+                None => [L::splat(0.0); R],
+            };
             let forcing = L::splat(forcing);
             let mut s = [forcing; R];
             let mut same = L::always();
@@ -297,8 +300,8 @@ impl<const NOISE: bool, const DAMPING: bool, const CORRECTED: bool> Run<'_, NOIS
         for (r, state) in state.iter().enumerate() {
             state.store::<NOISE>(self.paths, at(r));
         }
-        if NOISE {
-            self.streams.put(lane, &normals);
+        if let Some(normals) = &normals {
+            self.streams.put(lane, normals);
         }
         R * L::WIDTH
     }
