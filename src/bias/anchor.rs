@@ -4,9 +4,9 @@
 //! remains of the difference is the bias, with nothing extrapolated and for any scheme with a step; its error is that of two finite ensembles, of
 //! which theirs is the smaller one.
 
-use crate::ensemble::in_order;
+use crate::ensemble::{Plan, in_order};
 use crate::model::Model;
-use crate::scheme::{DEFAULT_TOLERANCE, EventDriven, Simulated, Timeline};
+use crate::scheme::{DEFAULT_TOLERANCE, EventDriven, Scheme, Simulated, Timeline};
 use crate::stats::{Bias, BlockObserver, Estimate, Record, Statistic, Summary, Totals};
 use std::convert::Infallible;
 use std::ops::ControlFlow;
@@ -37,51 +37,47 @@ impl Anchor {
     /// For a run of so many paths with this step and seed, of whose cost they may take one part in `share`.
     pub fn new(model: &Model, timeline: &Timeline, h: f64, seed: u64, paths: u64, share: u64) -> Self {
         let path_steps = timeline.end / h * paths as f64;
-        // No rows but the first: the bands have no bias.
-        let timeline = Timeline { output_step: 2.0 * timeline.end, ..*timeline };
-        // other random numbers than those of the run
-        Anchor { model: model.clone(), timeline, seed: !seed, budget: path_steps as u64 / (share * EVALUATION), paths }
+        let budget = path_steps as u64 / (share * EVALUATION);
+        // the bands have no bias; other random numbers than those of the run
+        Anchor { model: model.clone(), timeline: timeline.without_rows(), seed: !seed, budget, paths }
     }
 
     /// The bias of the statistics of a run, without an order; none where the paths cost too much, or resolve less than there is (f_s and f_d
     /// all but meeting under noise).
     pub fn estimate(&self, run: &Summary, threads: usize, stop: &AtomicBool) -> Option<Vec<(Statistic, Bias)>> {
-        let exact = self.simulate(threads, stop)?.summary();
+        let exact = self.simulate(threads, stop)?;
         let both = run.estimates.iter().zip(&exact.estimates);
         Some(both.filter_map(|(run, exact)| Some((run.statistic, difference(run, exact)?))).collect())
     }
 
-    fn simulate(&self, threads: usize, stop: &AtomicBool) -> Option<Totals> {
+    fn simulate(&self, threads: usize, stop: &AtomicBool) -> Option<Summary> {
         let scheme = EventDriven::new(&self.model, &self.timeline, DEFAULT_TOLERANCE);
+        let paths = self.affordable(&scheme)?;
+        let scheme = Scheme::EventDriven(Box::new(scheme));
+        let (model, timeline, record) = (self.model.clone(), self.timeline, Record::NOTHING);
+        let plan = Plan { model, scheme, timeline, record, seed: self.seed, paths };
+        let mut totals = Totals::empty(&plan.model, &plan.timeline);
+        let make = |index: u64| plan.piece(index * PIECE, PIECE.min(paths - index * PIECE)).totals;
+        let deliver = |piece: Totals| -> Result<_, Infallible> {
+            totals.merge(&piece);
+            Ok(ControlFlow::Continue(()))
+        };
+        let pieces = paths.div_ceil(PIECE);
+        let Ok(delivered) = in_order(pieces, threads, stop, make, deliver);
+        Some(totals.summary()).filter(|summary| delivered == pieces && summary.diverged.is_empty())
+    }
+
+    /// How many paths the budget pays for, by what the first ones take, which is not more than all of it.
+    fn affordable(&self, scheme: &EventDriven) -> Option<u64> {
         if scheme.resolution().is_some() || self.budget < FEWEST {
             return None;
         }
-        let piece = |scheme: &EventDriven, index: u64, paths: u64| {
-            let first = index * PIECE;
-            let numbers: Vec<u64> = (first..first + paths).collect();
-            let nothing = Record { paths: false, events: false, trajectories: 0 };
-            let mut observer = BlockObserver::new(&self.model, &self.timeline, &nothing, &numbers);
-            let Simulated { lost, evaluations } = scheme.simulate_counting(self.seed, &numbers, &mut observer);
-            lost.is_empty().then(|| (observer.finish(first, paths, Vec::new()).totals, evaluations))
-        };
-        // What the first ones take tells how many can be paid for. They may not take more than all of it themselves.
-        let (_, evaluations) = piece(&scheme.clone().with_work_limit(self.budget / PIECE), 0, PIECE)?;
-        let count = (self.budget * PIECE / evaluations.max(1)).min(self.paths);
-        if count < FEWEST {
-            return None;
-        }
-        let mut totals = Some(Totals::empty(&self.model, &self.timeline));
-        let make = |index: u64| piece(&scheme, index, PIECE.min(count - index * PIECE));
-        let deliver = |made: Option<(Totals, u64)>| -> Result<_, Infallible> {
-            match (&mut totals, made) {
-                (Some(totals), Some((more, _))) => totals.merge(&more),
-                (totals, _) => *totals = None,
-            }
-            Ok(ControlFlow::Continue(()))
-        };
-        let pieces = count.div_ceil(PIECE);
-        let Ok(delivered) = in_order(pieces, threads, stop, make, deliver);
-        totals.filter(|_| delivered == pieces)
+        let first: Vec<u64> = (0..PIECE).collect();
+        let mut observer = BlockObserver::new(&self.model, &self.timeline, &Record::NOTHING, &first);
+        let limited = scheme.clone().with_work_limit(self.budget / PIECE);
+        let Simulated { lost, evaluations } = limited.simulate_counting(self.seed, &first, &mut observer);
+        let paths = (self.budget * PIECE / evaluations.max(1)).min(self.paths);
+        (lost.is_empty() && paths >= FEWEST).then_some(paths)
     }
 }
 

@@ -68,8 +68,8 @@ impl Differences {
         if per_group == 0 {
             return Err(NoBias::FewPaths { needed: SHARE * GROUPS as u64 });
         }
-        // No rows but the first: the bands have no bias.
-        let timeline = Timeline { output_step: 2.0 * timeline.end, ..*timeline };
+        // the bands have no bias
+        let timeline = timeline.without_rows();
         let coarsest = LEVELS[LEVELS.len() - 1];
         let levels = LEVELS.map(|k| {
             let scheme = DiscreteVi::new(model, &timeline, k as f64 * h);

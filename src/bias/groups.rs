@@ -88,11 +88,10 @@ pub(super) struct GroupObserver {
 impl GroupObserver {
     /// For `groups` groups of `width` paths each, in order from number `first` on.
     pub fn new(model: &Model, timeline: &Timeline, first: u64, width: usize, groups: usize) -> Self {
-        let nothing = Record { paths: false, events: false, trajectories: 0 };
         let group = |g: usize| {
             let from = first + (g * width) as u64;
             let numbers: Vec<u64> = (from..from + width as u64).collect();
-            BlockObserver::new(model, timeline, &nothing, &numbers)
+            BlockObserver::new(model, timeline, &Record::NOTHING, &numbers)
         };
         GroupObserver { observers: (0..groups).map(group).collect(), first, width }
     }

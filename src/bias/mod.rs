@@ -119,11 +119,11 @@ impl BiasPlan {
             return anchored.ok_or(if is_stopped { NoBias::Stopped } else { NoBias::Corrected });
         };
         let mut biases = differences.estimate(threads, stop)?;
-        for (statistic, anchored) in anchored.into_iter().flatten() {
-            for (_, bias) in biases.iter_mut().filter(|(of, _)| *of == statistic) {
-                if anchored.uncertainty < bias.uncertainty {
-                    *bias = Bias { order: bias.order, ..anchored };
-                }
+        let anchored = anchored.unwrap_or_default();
+        for (statistic, bias) in &mut biases {
+            let other = anchored.iter().find(|(of, _)| of == statistic);
+            if let Some((_, sharper)) = other.filter(|(_, other)| other.uncertainty < bias.uncertainty) {
+                *bias = Bias { order: bias.order, ..*sharper };
             }
         }
         Ok(biases)

@@ -35,6 +35,11 @@ pub struct Stop {
 const END_TOLERANCE: f64 = 1e-9;
 
 impl Timeline {
+    /// The same with no row but the first.
+    pub fn without_rows(&self) -> Self {
+        Timeline { output_step: 2.0 * self.end, ..*self }
+    }
+
     /// Times of the output grid, row by row.
     pub fn output_times(&self) -> Vec<f64> {
         (0..self.rows()).map(|k| self.output_time(k)).collect()

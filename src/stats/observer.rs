@@ -194,7 +194,7 @@ impl Block<'_> {
 mod tests {
     use super::*;
     use crate::stats::Statistic;
-    use crate::stats::synthetic::{NOTHING_KEPT, Path, model, observe, slip, stick, turn};
+    use crate::stats::synthetic::{Path, model, observe, slip, stick, turn};
     use rand_distr::{Distribution, StandardNormal, StandardUniform};
     use rand_pcg::Pcg64Dxsm;
     use rand_pcg::rand_core::SeedableRng;
@@ -227,7 +227,7 @@ mod tests {
         let (rows, periods) = (snapshots(3), snapshots(3));
         let part = |from: usize, to: usize| {
             let cut = |all: &[Vec<f64>]| all.iter().map(|row| row[from..to].to_vec()).collect::<Vec<_>>();
-            observe(&timeline, &NOTHING_KEPT, from as u64, &paths[from..to], &cut(&rows), &cut(&periods)).totals
+            observe(&timeline, &Record::NOTHING, from as u64, &paths[from..to], &cut(&rows), &cut(&periods)).totals
         };
         let whole = part(0, 600).summary();
         let mut merged = Totals::empty(&model(), &timeline);

@@ -14,6 +14,11 @@ pub struct Record {
     pub trajectories: u64,
 }
 
+impl Record {
+    /// Nothing.
+    pub const NOTHING: Record = Record { paths: false, events: false, trajectories: 0 };
+}
+
 /// Scalars of each path, one entry a path, in order of the path numbers. A diverged path holds NaN and zeros.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PathColumns {

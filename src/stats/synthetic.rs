@@ -4,8 +4,6 @@ use super::{BlockObserver, BlockResult, Estimate, Record, Statistic, Summary};
 use crate::model::{Event, EventKind, Friction, Model, Oscillator, Sign, Temperature};
 use crate::scheme::{Instant, Observer, Snapshot, Timeline};
 
-pub const NOTHING_KEPT: Record = Record { paths: false, events: false, trajectories: 0 };
-
 /// f_d = 2, x0 = 6, and nothing that moves: the tests say what happens.
 pub fn model() -> Model {
     Model {

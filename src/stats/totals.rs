@@ -251,7 +251,8 @@ impl SubPhaseTotals {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::stats::synthetic::{Coverage, NOTHING_KEPT, Path, estimate, model, observe, slip, stick, turn};
+    use crate::stats::Record;
+    use crate::stats::synthetic::{Coverage, Path, estimate, model, observe, slip, stick, turn};
     use rand_distr::{Distribution, Exp1, StandardUniform, Uniform};
     use rand_pcg::Pcg64Dxsm;
     use rand_pcg::rand_core::SeedableRng;
@@ -293,7 +294,7 @@ mod tests {
         for _ in 0..ensembles {
             let durations: Vec<Vec<f64>> = (0..paths).map(|_| dependent_sticks(&mut rng)).collect();
             let block: Vec<Path> = durations.iter().map(|d| path_of(d)).collect();
-            let summary = observe(&TIMELINE, &NOTHING_KEPT, 0, &block, &[], &[]).totals.summary();
+            let summary = observe(&TIMELINE, &Record::NOTHING, 0, &block, &[], &[]).totals.summary();
             let statistics = [Statistic::StickDurationMean, Statistic::StickDurationSd, Statistic::StickDurationMedian];
             for ((covered, statistic), truth) in covered.iter_mut().zip(statistics).zip([mean, sd, median]) {
                 let e = estimate(&summary, statistic);
@@ -326,7 +327,7 @@ mod tests {
         // Slip 6 -> 5; sticks D_0 = 3, D_1 = 6; then a slip 5 -> 4 cut off at 20.
         let second = Path { events: vec![slip(3.0, 6.0), stick(4.0, 5.0), slip(10.0, 5.0)], end: 4.0 };
         let periods = [vec![9.0, 5.0], vec![9.5, 4.5]];
-        let summary = observe(&timeline, &NOTHING_KEPT, 0, &[first, second], &[], &periods).totals.summary();
+        let summary = observe(&timeline, &Record::NOTHING, 0, &[first, second], &[], &periods).totals.summary();
         let t = 12.706_204_736_432_1; // Student's t, one degree of freedom
         let check = |statistic: Statistic, value: f64, error: f64| {
             let e = estimate(&summary, statistic);
@@ -373,7 +374,7 @@ mod tests {
     #[test]
     fn an_ensemble_that_never_slips_has_no_stick_duration_and_a_certain_sticking_fraction() {
         let paths: Vec<Path> = (0..10).map(|_| Path { events: Vec::new(), end: 6.0 }).collect();
-        let summary = observe(&TIMELINE, &NOTHING_KEPT, 0, &paths, &[], &[]).totals.summary();
+        let summary = observe(&TIMELINE, &Record::NOTHING, 0, &paths, &[], &[]).totals.summary();
         for absent in [
             Statistic::StickDurationMean,
             Statistic::StickDurationSd,
@@ -403,7 +404,7 @@ mod tests {
                 end: 6.9,
             };
             let paths: Vec<Path> = (0..n).map(|_| path()).collect();
-            observe(&TIMELINE, &NOTHING_KEPT, first, &paths, &[], &[]).totals
+            observe(&TIMELINE, &Record::NOTHING, first, &paths, &[], &[]).totals
         };
         let mut totals = block(0, 100);
         totals.merge(&block(100, 7));
@@ -417,7 +418,7 @@ mod tests {
     #[test]
     fn one_path_is_an_estimate_without_an_interval() {
         let path = Path { events: vec![slip(1.0, 6.0), stick(2.0, 7.0), slip(5.0, 7.0)], end: 8.0 };
-        let summary = observe(&TIMELINE, &NOTHING_KEPT, 0, &[path], &[], &[]).totals.summary();
+        let summary = observe(&TIMELINE, &Record::NOTHING, 0, &[path], &[], &[]).totals.summary();
         let mean = estimate(&summary, Statistic::StickDurationMean);
         assert_eq!(mean.estimate, 3.0);
         for e in &summary.estimates {
@@ -428,7 +429,7 @@ mod tests {
     #[test]
     fn the_totals_of_no_paths_are_neutral() {
         let paths: Vec<Path> = (1..40).map(|n| path_of(&[0.3 * f64::from(n); 5])).collect();
-        let some = observe(&TIMELINE, &NOTHING_KEPT, 0, &paths, &[], &[]).totals;
+        let some = observe(&TIMELINE, &Record::NOTHING, 0, &paths, &[], &[]).totals;
         let (mut left, mut right) = (Totals::empty(&model(), &TIMELINE), some.clone());
         left.merge(&some);
         right.merge(&Totals::empty(&model(), &TIMELINE));

@@ -205,7 +205,7 @@ pub fn measure(
 pub(super) fn bare_plan(scenario: &Scenario, setting: Setting) -> Result<Plan, ScenarioError> {
     let mut scenario = setting.of(scenario)?;
     scenario.time.output_step = scenario.time.end;
-    scenario.record = Record { paths: false, events: false, trajectories: 0 };
+    scenario.record = Record::NOTHING;
     Ok(scenario.plan())
 }
 

@@ -121,9 +121,10 @@ impl DiscreteVi {
                 kernel.advance(&forcing[..=steps], &mut streams, &mut state, &mut turns);
                 reader.read(&kernel, n, &forcing, &turns, observer);
                 // all at once first: hardly ever is there one to name
-                if !state.displacement[..paths].iter().fold(true, |all, x| all & (x.abs() <= bound)) {
+                let is_in_reach = |x: &f64| x.abs() <= bound;
+                if !state.displacement[..paths].iter().fold(true, |all, x| all & is_in_reach(x)) {
                     for (diverged, x) in diverged.iter_mut().zip(&state.displacement) {
-                        *diverged |= x.abs() > bound || x.is_nan();
+                        *diverged |= !is_in_reach(x);
                     }
                 }
                 n += steps as u64;
