@@ -22,9 +22,10 @@ pub struct Show {
 impl Show {
     pub fn call(&self) -> Result<(), Failure> {
         let stored = store::read(&self.file)?;
-        let info = info(&self.file, &stored);
-        if let Ok(scenario) = Scenario::parse("scenario", &stored.header.scenario_text, &[]) {
-            results::warn(&scenario, stored.summary.has_bias());
+        let scenario = Scenario::parse("scenario", &stored.header.scenario_text, &[]).ok();
+        let info = info(&self.file, &stored, scenario.as_ref());
+        if let Some(scenario) = &scenario {
+            results::warn(scenario, stored.summary.has_bias());
         }
         results::warn_of_bias(&stored.summary);
         if self.json {
@@ -34,10 +35,9 @@ impl Show {
     }
 }
 
-fn info(file: &Path, stored: &Stored) -> RunInfo {
+fn info(file: &Path, stored: &Stored, scenario: Option<&Scenario>) -> RunInfo {
     let Stored { header, status, ended_by, .. } = stored;
     let [time, length, force, temperature] = header.units.clone();
-    let scenario = Scenario::parse("scenario", &header.scenario_text, &[]).ok();
     RunInfo {
         scenario: header.title.clone(),
         title: header.title.clone(),
@@ -50,7 +50,6 @@ fn info(file: &Path, stored: &Stored) -> RunInfo {
         seconds: None,
         bias_seconds: None,
         no_bias: scenario
-            .as_ref()
             .and_then(|scenario| scenario.bias_plan(stored.summary.completed_paths).err())
             .map(|reason| reason.to_string()),
         steps_per_path: scenario.and_then(|scenario| scenario.time.steps()),
