@@ -6,7 +6,7 @@
 use super::numbers::{grouped, significant};
 use std::time::{Duration, Instant};
 use stick_slip::ensemble::BLOCK_SIZE;
-use stick_slip::stats::{Goal, Totals, Verdict};
+use stick_slip::stats::{Goal, RunTotals, Verdict};
 
 /// Blocks before the first look: a standard error of 1024 paths is itself known to a few per cent, so that chance does not
 /// end a run early.
@@ -38,7 +38,7 @@ pub enum Look {
 
 impl Endings {
     /// Look at the first `blocks` blocks.
-    pub fn look(&self, blocks: u64, totals: &Totals, start: Instant) -> Look {
+    pub fn look(&self, blocks: u64, totals: &RunTotals, start: Instant) -> Look {
         let done = blocks * BLOCK_SIZE;
         let goals = self.judge(blocks, done, totals);
         match (goals, self.max_time) {
@@ -49,7 +49,7 @@ impl Endings {
         }
     }
 
-    fn judge(&self, blocks: u64, done: u64, totals: &Totals) -> Look {
+    fn judge(&self, blocks: u64, done: u64, totals: &RunTotals) -> Look {
         if self.goals.is_empty() || blocks < FIRST_LOOK {
             return Look::GoOn(None);
         }
@@ -104,7 +104,7 @@ impl Endings {
     }
 
     /// The goals that an ended run has not reached, with what they need.
-    pub fn missed(&self, totals: &Totals, done: u64) -> Vec<String> {
+    pub fn missed(&self, totals: &RunTotals, done: u64) -> Vec<String> {
         let missed = |goal: &Goal| match goal.judge(&totals.estimate(goal.statistic)) {
             Verdict::Reached => None,
             Verdict::Ahead(times) => {
@@ -145,8 +145,8 @@ mod tests {
     fn intervals_of_runs_ended_by_a_goal_hold_what_they_promise() {
         let statistic = stick_slip::stats::Statistic::StickDurationMean;
         let totals = |plan: &Plan, blocks: u64| {
-            let mut totals = Totals::empty(&plan.model, &plan.timeline);
-            (0..blocks).for_each(|block| totals.merge(&plan.block(block).totals));
+            let mut totals = RunTotals::empty(&plan.model, &plan.timeline);
+            (0..blocks).for_each(|block| totals.push(block, plan.block(block).totals).expect("once"));
             totals
         };
         let truth = totals(&plan(1_000_000), 400).estimate(statistic).estimate;
@@ -154,9 +154,9 @@ mod tests {
         let (mut held, mut lengths) = (0, Vec::new());
         for seed in 0..400 {
             let plan = plan(seed);
-            let mut totals = Totals::empty(&plan.model, &plan.timeline);
+            let mut totals = RunTotals::empty(&plan.model, &plan.timeline);
             let blocks = (1..=400).find(|&blocks| {
-                totals.merge(&plan.block(blocks - 1).totals);
+                totals.push(blocks - 1, plan.block(blocks - 1).totals).expect("once");
                 matches!(endings.look(blocks, &totals, Instant::now()), Look::Done(_))
             });
             lengths.push(blocks.expect("the goal is near"));

@@ -15,7 +15,7 @@ use std::time::{Duration, Instant};
 use stick_slip::bias::NoBias;
 use stick_slip::ensemble::{BLOCK_SIZE, Plan};
 use stick_slip::scenario::Scenario;
-use stick_slip::stats::{Statistic, Summary, Totals};
+use stick_slip::stats::{RunTotals, Statistic, Summary};
 use stick_slip::store::{Status, StoreError};
 
 const EXAMPLES: &str = "\
@@ -205,12 +205,13 @@ fn info(
 fn execute(job: &Job<'_>, stop: &AtomicBool, progress: &mut Progress) -> Result<Outcome, Failure> {
     let plan = Plan { paths: job.paths, ..job.scenario.plan() };
     let mut writer = results::create(job.scenario, job.paths, job.output, job.force)?;
-    let mut totals = Totals::empty(&plan.model, &plan.timeline);
+    let mut totals = RunTotals::empty(&plan.model, &plan.timeline);
     let (start, mut ending) = (Instant::now(), Look::GoOn(None));
     let completed = plan.run_into(job.threads, stop, |block| {
-        totals.merge(&block.totals);
         writer.append(&block)?;
         let done = block.first_path + block.paths;
+        // each block is delivered once
+        let _ = totals.push(block.first_path / BLOCK_SIZE, block.totals);
         ending = job.endings.look(done.div_ceil(BLOCK_SIZE), &totals, start);
         progress.update(done);
         Ok::<_, StoreError>(match ending {
@@ -221,7 +222,7 @@ fn execute(job: &Job<'_>, stop: &AtomicBool, progress: &mut Progress) -> Result<
             Look::Done(_) | Look::Hopeless(_) => ControlFlow::Break(()),
         })
     })?;
-    let mut summary = totals.summary();
+    let mut summary = totals.totals().summary();
     let (status, ended_by, failure) = match ending {
         Look::Done(reason) => (Status::Ended, Some(reason), None),
         Look::Hopeless(reason) => (Status::Ended, Some("a goal that cannot be reached".to_string()), Some(reason)),

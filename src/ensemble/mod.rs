@@ -11,8 +11,7 @@ pub use in_order::in_order;
 
 use crate::model::Model;
 use crate::scheme::{Scheme, Timeline};
-use crate::stats::{BlockObserver, BlockResult, Record, Summary, Totals};
-use std::convert::Infallible;
+use crate::stats::{BlockObserver, BlockResult, Companion, Overlap, Record, RunTotals, Summary};
 use std::ops::ControlFlow;
 use std::sync::atomic::AtomicBool;
 
@@ -55,17 +54,24 @@ impl Plan {
     }
 
     /// Simulate the paths `first .. first + paths`, of this ensemble or beyond its end.
+    pub fn piece(&self, first: u64, paths: u64) -> BlockResult {
+        self.piece_beside(first, paths, &()).0
+    }
+
+    /// The same, watched by a companion as well.
     ///
     /// A path that diverges is left out, and the others are simulated again without it. They are independent of it, so this happens
     /// at most once a block.
-    pub fn piece(&self, first: u64, paths: u64) -> BlockResult {
+    fn piece_beside<C: Companion>(&self, first: u64, paths: u64, companion: &C) -> (BlockResult, C::Sums) {
         let mut kept: Vec<u64> = (first..first + paths).collect();
         let mut diverged = Vec::new();
         loop {
-            let mut observer = BlockObserver::new(&self.model, &self.timeline, &self.record, &kept);
-            let lost = self.scheme.simulate(self.seed, &kept, &mut observer);
+            let own = BlockObserver::new(&self.model, &self.timeline, &self.record, &kept);
+            let mut both = (own, companion.observer(kept.len()));
+            let lost = self.scheme.simulate(self.seed, &kept, &mut both);
             if lost.is_empty() {
-                return observer.finish(first, paths, diverged);
+                let (own, theirs) = both;
+                return (own.finish(first, paths, diverged), companion.finish(theirs));
             }
             for lane in lost.into_iter().rev() {
                 diverged.push(kept.remove(lane));
@@ -76,14 +82,14 @@ impl Plan {
 
     /// Simulate the whole ensemble on `threads` threads and sum it up.
     pub fn run(&self, threads: usize) -> Summary {
-        let mut totals = Totals::empty(&self.model, &self.timeline);
-        let deliver = |block: BlockResult| -> Result<_, Infallible> {
-            totals.merge(&block.totals);
-            Ok(ControlFlow::Continue(()))
+        let mut totals = RunTotals::empty(&self.model, &self.timeline);
+        let deliver = |block: BlockResult| {
+            totals.push(block.first_path / BLOCK_SIZE, block.totals)?;
+            Ok::<_, Overlap>(ControlFlow::Continue(()))
         };
-        match self.run_into(threads, &AtomicBool::new(false), deliver) {
-            Ok(_) => totals.summary(),
-        }
+        // No block is delivered twice, so nothing overlaps.
+        let _ = self.run_into(threads, &AtomicBool::new(false), deliver);
+        totals.totals().summary()
     }
 
     /// Simulate block after block on `threads` threads, and deliver each in order to `deliver`, as [`in_order`] says. Returns the
@@ -92,9 +98,36 @@ impl Plan {
         &self,
         threads: usize,
         stop: &AtomicBool,
-        deliver: impl FnMut(BlockResult) -> Result<ControlFlow<()>, E> + Send,
+        mut deliver: impl FnMut(BlockResult) -> Result<ControlFlow<()>, E> + Send,
     ) -> Result<u64, E> {
-        let blocks = in_order(self.blocks(), threads, stop, |index| self.block(index), deliver)?;
+        self.run_beside(&(), threads, stop, |block| deliver(block.result))
+    }
+
+    /// The same, every block watched by a companion as well.
+    pub fn run_beside<C: Companion, E: Send>(
+        &self,
+        companion: &C,
+        threads: usize,
+        stop: &AtomicBool,
+        deliver: impl FnMut(Delivered<C::Sums>) -> Result<ControlFlow<()>, E> + Send,
+    ) -> Result<u64, E> {
+        let make = |index: u64| {
+            let first = index * BLOCK_SIZE;
+            let (result, beside) = self.piece_beside(first, BLOCK_SIZE.min(self.paths - first), companion);
+            Delivered { index, result, beside }
+        };
+        let blocks = in_order(self.blocks(), threads, stop, make, deliver)?;
         Ok((blocks * BLOCK_SIZE).min(self.paths))
     }
+}
+
+/// A block on its way from the threads that simulate to whoever folds it.
+#[derive(Clone, Debug)]
+pub struct Delivered<S> {
+    /// Its number.
+    pub index: u64,
+    /// What it leaves behind.
+    pub result: BlockResult,
+    /// What the companion made of it.
+    pub beside: S,
 }

@@ -30,6 +30,27 @@ pub trait Observer {
     fn snapshot(&mut self, instant: Instant, snapshot: Snapshot<'_>);
 }
 
+/// Nobody watches.
+impl Observer for () {
+    fn event(&mut self, _: usize, _: Event) {}
+
+    fn snapshot(&mut self, _: Instant, _: Snapshot<'_>) {}
+}
+
+/// Two watch the same paths.
+impl<A: Observer, B: Observer> Observer for (A, B) {
+    #[inline]
+    fn event(&mut self, lane: usize, event: Event) {
+        self.0.event(lane, event);
+        self.1.event(lane, event);
+    }
+
+    fn snapshot(&mut self, instant: Instant, snapshot: Snapshot<'_>) {
+        self.0.snapshot(instant, snapshot);
+        self.1.snapshot(instant, snapshot);
+    }
+}
+
 /// The state of every path at one time; each slice has one entry a lane.
 #[derive(Clone, Copy, Debug)]
 pub struct Snapshot<'a> {

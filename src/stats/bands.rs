@@ -1,5 +1,6 @@
 //! Pointwise distribution of x, x' and T over the ensemble, row by row of the output grid.
 
+use super::codec::codec_of_fields;
 use super::moments::Moments;
 use super::sketch::{Grid, Sketch, quantile};
 use super::{Band, Bands, QUANTILE_LEVELS};
@@ -7,39 +8,71 @@ use crate::model::Model;
 use crate::scheme::{Snapshot, Timeline};
 use ndarray::Array2;
 
-/// One variable at one time.
+/// The variables that have a band, in this order: x, x', T.
+const VARIABLES: usize = 3;
+
+/// Their values in a snapshot.
+fn variables<'a>(snapshot: &Snapshot<'a>) -> [&'a [f64]; VARIABLES] {
+    [snapshot.displacement, snapshot.velocity, snapshot.temperature]
+}
+
+/// Mean and spread of each variable at each time: the floating-point half of the bands.
 #[derive(Clone, Debug, PartialEq)]
-struct Row {
-    moments: Moments,
+pub(super) struct BandSums {
+    rows: [Vec<Moments>; VARIABLES],
+}
+
+impl BandSums {
+    pub fn empty(rows: usize) -> Self {
+        BandSums { rows: std::array::from_fn(|_| vec![Moments::default(); rows]) }
+    }
+
+    /// Row `row` of the output grid, of every path of the block.
+    pub fn fold(&mut self, row: usize, snapshot: &Snapshot<'_>) {
+        for (rows, values) in self.rows.iter_mut().zip(variables(snapshot)) {
+            if let Some(slot) = rows.get_mut(row) {
+                *slot = Moments::of(values);
+            }
+        }
+    }
+
+    pub fn merge(&mut self, other: &BandSums) {
+        for (mine, more) in self.rows.iter_mut().flatten().zip(other.rows.iter().flatten()) {
+            mine.merge(more);
+        }
+    }
+}
+
+codec_of_fields!(BandSums { rows });
+
+/// One variable at one time: how often which value was seen.
+#[derive(Clone, Debug, PartialEq)]
+struct RowCounts {
     smallest: f64,
     largest: f64,
     sketch: Sketch,
 }
 
-impl Default for Row {
+impl Default for RowCounts {
     fn default() -> Self {
-        Row {
-            moments: Moments::default(),
-            smallest: f64::INFINITY,
-            largest: f64::NEG_INFINITY,
-            sketch: Sketch::default(),
-        }
+        RowCounts { smallest: f64::INFINITY, largest: f64::NEG_INFINITY, sketch: Sketch::default() }
     }
 }
 
-impl Row {
+impl RowCounts {
     fn of(values: &[f64], grid: &Grid) -> Self {
         let (smallest, largest) = extremes(values);
-        Row { moments: Moments::of(values), smallest, largest, sketch: Sketch::of(values, grid) }
+        RowCounts { smallest, largest, sketch: Sketch::of(values, grid) }
     }
 
-    fn merge(&mut self, other: &Row) {
-        self.moments.merge(&other.moments);
+    fn merge(&mut self, other: &RowCounts) {
         self.smallest = self.smallest.min(other.smallest);
         self.largest = self.largest.max(other.largest);
         self.sketch.merge(&other.sketch);
     }
 }
+
+codec_of_fields!(RowCounts { smallest, largest, sketch });
 
 /// Smallest and largest value, by eights so that compilers can vectorise it.
 fn extremes(values: &[f64]) -> (f64, f64) {
@@ -56,102 +89,79 @@ fn extremes(values: &[f64]) -> (f64, f64) {
     (low.into_iter().fold(f64::INFINITY, f64::min), high.into_iter().fold(f64::NEG_INFINITY, f64::max))
 }
 
-/// One variable at all times.
+/// Which values each variable takes at each time, and how many paths are static: the half of the bands that merges exactly.
 #[derive(Clone, Debug, PartialEq)]
-struct BandTotals {
-    grid: Grid,
-    rows: Vec<Row>,
-}
-
-impl BandTotals {
-    fn empty(grid: Grid, rows: usize) -> Self {
-        BandTotals { grid, rows: vec![Row::default(); rows] }
-    }
-
-    fn fold(&mut self, row: usize, values: &[f64]) {
-        if let Some(slot) = self.rows.get_mut(row) {
-            *slot = Row::of(values, &self.grid);
-        }
-    }
-
-    fn merge(&mut self, other: &BandTotals) {
-        for (mine, more) in self.rows.iter_mut().zip(&other.rows) {
-            mine.merge(more);
-        }
-    }
-
-    fn summary(&self) -> Band {
-        let mut quantiles = Array2::from_elem((QUANTILE_LEVELS.len(), self.rows.len()), f64::NAN);
-        for (mut column, row) in quantiles.columns_mut().into_iter().zip(&self.rows) {
-            let bins = row.sketch.bins();
-            for (q, &p) in column.iter_mut().zip(&QUANTILE_LEVELS) {
-                *q = quantile(&bins, &self.grid, (row.smallest, row.largest), p);
-            }
-        }
-        Band {
-            mean: self.rows.iter().map(|row| row.moments.mean()).collect(),
-            sd: self.rows.iter().map(|row| row.moments.variance().sqrt()).collect(),
-            quantiles,
-        }
-    }
-}
-
-/// All variables at all times of the output grid.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct BandsTotals {
-    displacement: BandTotals,
-    velocity: BandTotals,
-    temperature: BandTotals,
+pub(super) struct BandCounts {
+    grids: [Grid; VARIABLES],
+    rows: [Vec<RowCounts>; VARIABLES],
     /// Paths at each time, and how many of them are static.
-    occupancy: Vec<(u64, u64)>,
+    occupancy: Vec<[u64; 2]>,
 }
 
-impl BandsTotals {
+impl BandCounts {
     /// Bins of x lie about x0, where every path starts and where a path that never slips stays.
-    pub fn empty(model: &Model, timeline: &Timeline) -> Self {
-        let rows = timeline.rows();
+    pub fn empty(model: &Model, rows: usize) -> Self {
         let scales = Scales::of(model);
-        BandsTotals {
-            displacement: BandTotals::empty(Grid::new(model.initial_displacement, scales.displacement), rows),
-            velocity: BandTotals::empty(Grid::new(0.0, scales.velocity), rows),
-            temperature: BandTotals::empty(Grid::new(0.0, scales.temperature), rows),
-            occupancy: vec![(0, 0); rows],
+        BandCounts {
+            grids: [
+                Grid::new(model.initial_displacement, scales.displacement),
+                Grid::new(0.0, scales.velocity),
+                Grid::new(0.0, scales.temperature),
+            ],
+            rows: std::array::from_fn(|_| vec![RowCounts::default(); rows]),
+            occupancy: vec![[0, 0]; rows],
         }
     }
 
     /// Row `row` of the output grid, of every path of the block.
     pub fn fold(&mut self, row: usize, snapshot: &Snapshot<'_>) {
-        self.displacement.fold(row, snapshot.displacement);
-        self.velocity.fold(row, snapshot.velocity);
-        self.temperature.fold(row, snapshot.temperature);
+        for ((rows, grid), values) in self.rows.iter_mut().zip(&self.grids).zip(variables(snapshot)) {
+            if let Some(slot) = rows.get_mut(row) {
+                *slot = RowCounts::of(values, grid);
+            }
+        }
         if let Some(occupancy) = self.occupancy.get_mut(row) {
             let is_static = snapshot.is_static.iter().map(|&s| u64::from(s)).sum();
-            *occupancy = (snapshot.is_static.len() as u64, is_static);
+            *occupancy = [snapshot.is_static.len() as u64, is_static];
         }
     }
 
-    pub fn merge(&mut self, other: &BandsTotals) {
-        self.displacement.merge(&other.displacement);
-        self.velocity.merge(&other.velocity);
-        self.temperature.merge(&other.temperature);
+    pub fn merge(&mut self, other: &BandCounts) {
+        for (mine, more) in self.rows.iter_mut().flatten().zip(other.rows.iter().flatten()) {
+            mine.merge(more);
+        }
         for (mine, more) in self.occupancy.iter_mut().zip(&other.occupancy) {
-            mine.0 += more.0;
-            mine.1 += more.1;
+            mine[0] += more[0];
+            mine[1] += more[1];
         }
     }
+}
 
-    pub fn summary(&self, timeline: &Timeline) -> Bands {
-        Bands {
-            time: timeline.output_times(),
-            displacement: self.displacement.summary(),
-            velocity: self.velocity.summary(),
-            temperature: self.temperature.summary(),
-            static_probability: self
-                .occupancy
-                .iter()
-                .map(|&(paths, sticking)| sticking as f64 / paths as f64)
-                .collect(),
+codec_of_fields!(BandCounts { rows, occupancy });
+
+/// The bands from their two halves.
+pub(super) fn summary(sums: &BandSums, counts: &BandCounts, timeline: &Timeline) -> Bands {
+    let band = |variable: usize| {
+        let (moments, rows) = (&sums.rows[variable], &counts.rows[variable]);
+        let mut quantiles = Array2::from_elem((QUANTILE_LEVELS.len(), rows.len()), f64::NAN);
+        for (mut column, row) in quantiles.columns_mut().into_iter().zip(rows) {
+            let bins = row.sketch.bins();
+            for (q, &p) in column.iter_mut().zip(&QUANTILE_LEVELS) {
+                *q = quantile(&bins, &counts.grids[variable], (row.smallest, row.largest), p);
+            }
         }
+        Band {
+            mean: moments.iter().map(Moments::mean).collect(),
+            sd: moments.iter().map(|row| row.variance().sqrt()).collect(),
+            quantiles,
+        }
+    };
+    Bands {
+        time: timeline.output_times(),
+        displacement: band(0),
+        velocity: band(1),
+        temperature: band(2),
+        static_probability: counts.occupancy.iter().map(|&[paths, still]| still as f64 / paths as f64).collect(),
     }
 }
 
@@ -210,17 +220,20 @@ mod tests {
         let mut rng = Pcg64Dxsm::seed_from_u64(3);
         // 5000 paths, two fifths of which have not left x0 = 6.
         let x: Vec<f64> = (0..5000).map(|i| if i % 5 < 2 { 6.0 } else { normal.sample(&mut rng) }).collect();
-        let mut totals = BandsTotals::empty(&model(), &timeline);
+        let empty = || (BandSums::empty(timeline.rows()), BandCounts::empty(&model(), timeline.rows()));
+        let (mut sums, mut counts) = empty();
         for block in x.chunks(256) {
-            let mut part = BandsTotals::empty(&model(), &timeline);
+            let mut part = empty();
             let is_static: Vec<bool> = block.iter().map(|&x| x == 6.0).collect();
             let v: Vec<f64> = block.iter().map(|x| x - 6.0).collect();
             let snapshot =
                 Snapshot { time: 1.0, displacement: block, velocity: &v, temperature: &v, is_static: &is_static };
-            part.fold(1, &snapshot);
-            totals.merge(&part);
+            part.0.fold(1, &snapshot);
+            part.1.fold(1, &snapshot);
+            sums.merge(&part.0);
+            counts.merge(&part.1);
         }
-        let bands = totals.summary(&timeline);
+        let bands = summary(&sums, &counts, &timeline);
         assert_eq!((bands.time.clone(), bands.static_probability[1]), (vec![0.0, 1.0], 0.4));
         assert!(bands.static_probability[0].is_nan() && bands.displacement.mean[0].is_nan());
         // Two passes over all values; rounding is 1e-16 a value.

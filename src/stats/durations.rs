@@ -1,5 +1,6 @@
 //! Stick durations: their quantiles, the interval of their median, and their survival with the cut-off ones in it.
 
+use super::codec::codec_of_fields;
 use super::interval::{Measured, student};
 use super::sketch::{Grid, Sketch, quantile};
 use super::{Histogram, QUANTILE_LEVELS, StickDurations};
@@ -20,7 +21,7 @@ const SHARE_ROUNDING: f64 = 1e-12;
 
 /// Counts of stick durations.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct DurationTotals {
+pub(super) struct DurationCounts {
     grid: Grid,
     completed: [Sketch; BATCHES],
     shortest: f64,
@@ -30,9 +31,11 @@ pub(super) struct DurationTotals {
     first_censored: u64,
 }
 
-impl DurationTotals {
+codec_of_fields!(DurationCounts { completed, shortest, longest, censored, first_completed, first_censored });
+
+impl DurationCounts {
     pub fn empty(timeline: &Timeline) -> Self {
-        DurationTotals {
+        DurationCounts {
             grid: Grid::new(0.0, timeline.end * RESOLUTION),
             completed: std::array::from_fn(|_| Sketch::default()),
             shortest: f64::INFINITY,
@@ -67,7 +70,7 @@ impl DurationTotals {
         self.first_censored += 1;
     }
 
-    pub fn merge(&mut self, other: &DurationTotals) {
+    pub fn merge(&mut self, other: &DurationCounts) {
         for (mine, more) in self.completed.iter_mut().zip(&other.completed) {
             mine.merge(more);
         }
@@ -208,7 +211,7 @@ mod tests {
         let censored = [6.0, 9.0, 10.0, 11.0, 17.0, 19.0, 20.0, 25.0, 32.0, 32.0, 34.0, 35.0];
         let printed =
             [(6.0, 0.857), (7.0, 0.807), (10.0, 0.753), (13.0, 0.690), (16.0, 0.627), (22.0, 0.538), (23.0, 0.448)];
-        let mut totals = DurationTotals::empty(&timeline());
+        let mut totals = DurationCounts::empty(&timeline());
         relapsed.iter().for_each(|&d| totals.completed(0, d));
         censored.iter().for_each(|&d| totals.censored(d));
         let summary = totals.summary();
@@ -222,7 +225,7 @@ mod tests {
 
     #[test]
     fn public_bins_are_eighths_of_octaves_and_hold_every_stick_once() {
-        let mut totals = DurationTotals::empty(&timeline());
+        let mut totals = DurationCounts::empty(&timeline());
         for i in 0..1000u64 {
             totals.completed(i, 0.75 + 0.001 * i as f64);
         }
@@ -244,7 +247,7 @@ mod tests {
 
     #[test]
     fn the_median_of_equal_paths_has_no_error() {
-        let mut totals = DurationTotals::empty(&timeline());
+        let mut totals = DurationCounts::empty(&timeline());
         for path in 0..100 {
             [1.1, 2.3, 3.7].iter().for_each(|&d| totals.completed(path, d));
         }
@@ -255,7 +258,7 @@ mod tests {
 
     #[test]
     fn few_sticks_bound_the_median_by_nothing() {
-        let mut totals = DurationTotals::empty(&timeline());
+        let mut totals = DurationCounts::empty(&timeline());
         assert!(totals.median().named(crate::stats::Statistic::StickDurationMedian).estimate.is_nan());
         totals.completed(0, 1.0);
         let one = totals.median().named(crate::stats::Statistic::StickDurationMedian);

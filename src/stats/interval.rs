@@ -12,7 +12,7 @@
 //! m paths that contribute are counted in the correction and in the degrees of freedom of Student's t.
 
 use super::moments::{FourMoments, JointMoments, Moments};
-use super::{Estimate, Statistic};
+use super::{Estimate, Measurement, Statistic};
 use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 
 /// Upper end of the central 95 % of a distribution.
@@ -150,16 +150,22 @@ impl Measured {
         self.estimate
     }
 
-    /// Give it its name.
-    pub fn named(self, statistic: Statistic) -> Estimate {
+    /// With the ends of its interval.
+    pub fn measurement(self) -> Measurement {
         let Measured { estimate, standard_error, interval } = self;
         let (low, high) = match interval {
             Interval::Ends(low, high) => (low, high),
             Interval::Student(freedom) => {
-                let reach = student(freedom) * standard_error;
-                (estimate - reach, estimate + reach)
+                let half_width = student(freedom) * standard_error;
+                (estimate - half_width, estimate + half_width)
             }
         };
+        Measurement { estimate, standard_error, low, high }
+    }
+
+    /// Give it its name.
+    pub fn named(self, statistic: Statistic) -> Estimate {
+        let Measurement { estimate, standard_error, low, high } = self.measurement();
         Estimate { statistic, estimate, standard_error, low, high, bias: None }
     }
 }

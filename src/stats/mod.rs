@@ -3,15 +3,18 @@
 //! ```text
 //! BlockObserver   watches one block of paths (implements scheme::Observer)
 //!   -> BlockResult   what the block leaves behind: Totals, and what was asked to be kept of each path
-//!        -> Totals::merge, in block order
+//!        -> RunTotals     the tree of sums over blocks: push, merge, write, read
 //!             -> Totals::summary -> Summary   estimates, intervals, bands, histograms
+//! Tally            a statistic of a user's own, folded beside them
 //! ```
 //!
 //! Floating-point sums are formed path by path in time order, then over the paths of a block in order, then over blocks
-//! in order; counts are integers. So no statistic depends on threads, lanes or vector width.
+//! along a binary tree; counts are integers. So no statistic depends on threads, lanes or vector width, nor on the way a run
+//! is cut into parts.
 
 mod bands;
 mod catalogue;
+mod codec;
 mod durations;
 mod goal;
 mod interval;
@@ -20,18 +23,26 @@ mod observer;
 mod path;
 mod periods;
 mod record;
+mod run_totals;
 mod sketch;
 mod summary;
 #[cfg(test)]
 mod synthetic;
+mod tally;
 mod totals;
+mod tree;
 
 pub use catalogue::{Dimension, Statistic};
+pub use codec::{Codec, Damaged, Reader};
 pub use goal::{Bound, Goal, GoalError, Verdict};
 pub use moments::Moments;
 pub use observer::BlockObserver;
 pub use record::{BlockResult, EventColumns, PathColumns, Record, TrajectoryRows};
+pub use run_totals::RunTotals;
 pub use summary::{
-    Band, Bands, Bias, Estimate, Histogram, PeriodMoments, QUANTILE_LEVELS, StickDurations, SubPhaseCounts, Summary,
+    Band, Bands, Bias, Estimate, Histogram, Measurement, PeriodMoments, QUANTILE_LEVELS, StickDurations,
+    SubPhaseCounts, Summary,
 };
-pub use totals::{SUB_PHASE_CAP, Totals};
+pub use tally::{Companion, PathMeans, PathState, Tallied, Tally};
+pub use totals::{Counts, SUB_PHASE_CAP, Sums, Totals};
+pub use tree::{Merge, Overlap};

@@ -11,6 +11,9 @@
 //!
 //! Neither step subtracts large squares, so a spread far below the mean survives. Equal numbers give exactly zero spread.
 
+use super::codec::codec_of_fields;
+use super::tree::Merge;
+
 /// Terms are added in this many interleaved partial sums: a fixed order that compilers can vectorise.
 const LANES: usize = 8;
 
@@ -63,6 +66,14 @@ pub struct Moments {
     pub m2: f64,
 }
 
+codec_of_fields!(Moments { count, mean, m2 });
+
+impl Merge for Moments {
+    fn merge(&mut self, other: &Moments) {
+        Moments::merge(self, other);
+    }
+}
+
 impl Moments {
     /// Fold of all values.
     pub fn of(values: &[f64]) -> Self {
@@ -113,6 +124,8 @@ impl<const N: usize> Default for JointMoments<N> {
         JointMoments { count: 0, mean: [0.0; N], comoment: [[0.0; N]; N] }
     }
 }
+
+codec_of_fields!(JointMoments<N> { count, mean, comoment }, N);
 
 impl<const N: usize> JointMoments<N> {
     /// Fold of N columns with one entry a path.
@@ -174,6 +187,8 @@ pub(super) struct FourMoments {
     m3: f64,
     m4: f64,
 }
+
+codec_of_fields!(FourMoments { two, m3, m4 });
 
 impl FourMoments {
     /// Fold of all values.

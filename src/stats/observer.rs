@@ -68,7 +68,7 @@ impl BlockObserver {
     /// What the block leaves behind. It holds `path_count` paths from number `first_path` on, of which `diverged` did not
     /// reach t_end and were not watched.
     pub fn finish(mut self, first_path: u64, path_count: u64, diverged: Vec<u64>) -> BlockResult {
-        self.totals.periods = self.periods.finish();
+        self.totals.sums.phases.periods = self.periods.finish();
         self.totals.end(&self.paths, self.dynamic_force, &diverged);
         let block = Block { first_path, path_count, rows: self.rows, path_numbers: &self.path_numbers };
         let (wanted, trajectories) = self.trajectories;
@@ -86,9 +86,9 @@ impl BlockObserver {
     fn end(&mut self, snapshot: &Snapshot<'_>) {
         for (path, &displacement) in self.paths.iter_mut().zip(snapshot.displacement) {
             match path.end(snapshot.time, displacement) {
-                Censored::FirstStick => self.totals.durations.first_censored(),
-                Censored::Stick(so_far) => self.totals.durations.censored(so_far),
-                Censored::Slip => self.totals.sub_phases.censored(),
+                Censored::FirstStick => self.totals.counts.durations.first_censored(),
+                Censored::Stick(so_far) => self.totals.counts.durations.censored(so_far),
+                Censored::Slip => self.totals.counts.sub_phases.censored(),
             }
         }
     }
@@ -98,9 +98,11 @@ impl Observer for BlockObserver {
     #[inline]
     fn event(&mut self, lane: usize, event: Event) {
         match self.paths[lane].event(&event) {
-            Some(Completed::FirstStick) => self.totals.durations.first_completed(),
-            Some(Completed::Stick(duration)) => self.totals.durations.completed(self.path_numbers[lane], duration),
-            Some(Completed::Slip(sub_phases)) => self.totals.sub_phases.completed(sub_phases),
+            Some(Completed::FirstStick) => self.totals.counts.durations.first_completed(),
+            Some(Completed::Stick(duration)) => {
+                self.totals.counts.durations.completed(self.path_numbers[lane], duration)
+            }
+            Some(Completed::Slip(sub_phases)) => self.totals.counts.sub_phases.completed(sub_phases),
             None => {}
         }
         if let Some(events) = &mut self.events {
@@ -111,7 +113,7 @@ impl Observer for BlockObserver {
     fn snapshot(&mut self, instant: Instant, snapshot: Snapshot<'_>) {
         match instant {
             Instant::Output(row) => {
-                self.totals.bands.fold(row, &snapshot);
+                self.totals.row(row, &snapshot);
                 for kept in &mut self.trajectories.1 {
                     kept.displacement[row] = snapshot.displacement[kept.lane];
                     kept.velocity[row] = snapshot.velocity[kept.lane];

@@ -9,6 +9,7 @@
 //! ```
 
 use super::PeriodMoments;
+use super::codec::codec_of_fields;
 use super::interval::Measured;
 use super::moments::Moments;
 use crate::scheme::Timeline;
@@ -34,8 +35,7 @@ impl Slope {
 
 /// Moments of x at the whole forcing periods, and of the two slopes.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct PeriodTotals {
-    slope: Slope,
+pub(super) struct PeriodSums {
     /// Of x(t_n) - x0.
     displacement: Vec<Moments>,
     /// Of each path's slope.
@@ -44,14 +44,15 @@ pub(super) struct PeriodTotals {
     spreading: Moments,
 }
 
-impl PeriodTotals {
+codec_of_fields!(PeriodSums { displacement, drift, spreading });
+
+impl PeriodSums {
     pub fn empty(timeline: &Timeline) -> Self {
-        let slope = Slope::over(timeline);
-        let displacement = vec![Moments::default(); slope.time.len()];
-        PeriodTotals { slope, displacement, drift: Moments::default(), spreading: Moments::default() }
+        let displacement = vec![Moments::default(); timeline.periods()];
+        PeriodSums { displacement, drift: Moments::default(), spreading: Moments::default() }
     }
 
-    pub fn merge(&mut self, other: &PeriodTotals) {
+    pub fn merge(&mut self, other: &PeriodSums) {
         for (mine, more) in self.displacement.iter_mut().zip(&other.displacement) {
             mine.merge(more);
         }
@@ -61,7 +62,7 @@ impl PeriodTotals {
 
     /// V; it takes two periods.
     pub fn drift_velocity(&self) -> Measured {
-        if self.slope.weights.is_empty() { Measured::NOTHING } else { Measured::mean(&self.drift) }
+        if self.displacement.len() < 2 { Measured::NOTHING } else { Measured::mean(&self.drift) }
     }
 
     /// D; it takes two periods and two paths.
@@ -70,18 +71,19 @@ impl PeriodTotals {
     /// y_i = sum_n c_n (x_i(t_n) - m_n)^2, whose centre m_n is the mean over the path's block. With n paths in a block m_n is off
     /// by sd/sqrt(n), which changes the spread of the y_i by a relative O(1/n), made smaller by the factor n/(n - 1) on them:
     /// below 1 % of the standard error at 256 paths a block. A block of a single path has no spread and is left out.
-    pub fn diffusion_coefficient(&self) -> Measured {
-        if self.slope.weights.is_empty() {
+    pub fn diffusion_coefficient(&self, timeline: &Timeline) -> Measured {
+        let slope = Slope::over(timeline);
+        if slope.weights.is_empty() {
             return Measured::NOTHING;
         }
         let variances = self.displacement.iter().map(Moments::variance);
-        let slope: f64 = self.slope.weights.iter().zip(variances).map(|(c, variance)| c * variance).sum();
-        Measured::mean(&self.spreading).about(slope).divided_by(2.0)
+        let growth: f64 = slope.weights.iter().zip(variances).map(|(c, variance)| c * variance).sum();
+        Measured::mean(&self.spreading).about(growth).divided_by(2.0)
     }
 
-    pub fn summary(&self) -> PeriodMoments {
+    pub fn summary(&self, timeline: &Timeline) -> PeriodMoments {
         PeriodMoments {
-            time: self.slope.time.clone(),
+            time: Slope::over(timeline).time,
             mean: self.displacement.iter().map(Moments::mean).collect(),
             variance: self.displacement.iter().map(Moments::variance).collect(),
         }
@@ -90,7 +92,9 @@ impl PeriodTotals {
 
 /// One block of paths on its way through the periods.
 pub(super) struct PeriodFold {
-    totals: PeriodTotals,
+    sums: PeriodSums,
+    /// c_n.
+    weights: Vec<f64>,
     x0: f64,
     /// x - x0 of each path at the present period.
     displacement: Vec<f64>,
@@ -102,9 +106,16 @@ pub(super) struct PeriodFold {
 
 impl PeriodFold {
     pub fn new(timeline: &Timeline, x0: f64, paths: usize) -> Self {
-        let totals = PeriodTotals::empty(timeline);
-        let paths = if totals.slope.weights.is_empty() { 0 } else { paths };
-        PeriodFold { totals, x0, displacement: Vec::new(), slope: vec![0.0; paths], spread: vec![0.0; paths] }
+        let Slope { weights, .. } = Slope::over(timeline);
+        let paths = if weights.is_empty() { 0 } else { paths };
+        PeriodFold {
+            sums: PeriodSums::empty(timeline),
+            weights,
+            x0,
+            displacement: Vec::new(),
+            slope: vec![0.0; paths],
+            spread: vec![0.0; paths],
+        }
     }
 
     /// The end of period `n` = 1, 2, ...
@@ -112,24 +123,24 @@ impl PeriodFold {
         self.displacement.clear();
         self.displacement.extend(displacement.iter().map(|x| x - self.x0));
         let moments = Moments::of(&self.displacement);
-        if let Some(slot) = self.totals.displacement.get_mut(n - 1) {
+        if let Some(slot) = self.sums.displacement.get_mut(n - 1) {
             *slot = moments;
         }
-        let Some(&weight) = self.totals.slope.weights.get(n - 1) else { return };
+        let Some(&weight) = self.weights.get(n - 1) else { return };
         for ((slope, spread), &u) in self.slope.iter_mut().zip(&mut self.spread).zip(&self.displacement) {
             *slope += weight * u;
             *spread += weight * (u - moments.mean) * (u - moments.mean);
         }
     }
 
-    pub fn finish(mut self) -> PeriodTotals {
-        self.totals.drift = Moments::of(&self.slope);
+    pub fn finish(mut self) -> PeriodSums {
+        self.sums.drift = Moments::of(&self.slope);
         if let n @ 2.. = self.spread.len() {
             let correction = n as f64 / (n - 1) as f64;
             self.spread.iter_mut().for_each(|y| *y *= correction);
-            self.totals.spreading = Moments::of(&self.spread);
+            self.sums.spreading = Moments::of(&self.spread);
         }
-        self.totals
+        self.sums
     }
 }
 
@@ -152,7 +163,7 @@ mod tests {
         let mut mean_estimate = 0.0;
         let ensembles = 2000;
         for _ in 0..ensembles {
-            let mut totals = PeriodTotals::empty(&timeline);
+            let mut totals = PeriodSums::empty(&timeline);
             for _ in 0..2 {
                 let mut fold = PeriodFold::new(&timeline, x0, 200);
                 let mut x = vec![x0; 200];
@@ -166,7 +177,7 @@ mod tests {
                 totals.merge(&fold.finish());
             }
             let v = totals.drift_velocity().named(Statistic::DriftVelocity);
-            let d = totals.diffusion_coefficient().named(Statistic::DiffusionCoefficient);
+            let d = totals.diffusion_coefficient(&timeline).named(Statistic::DiffusionCoefficient);
             drift_held.count(v.low <= drift && drift <= v.high);
             diffusion_held.count(d.low <= diffusion && diffusion <= d.high);
             mean_estimate += d.estimate / f64::from(ensembles);
@@ -185,7 +196,7 @@ mod tests {
         fold.fold(1, &[1.0, 2.0, 6.0]);
         let totals = fold.finish();
         assert!(totals.drift_velocity().named(Statistic::DriftVelocity).estimate.is_nan());
-        assert!(totals.diffusion_coefficient().named(Statistic::DiffusionCoefficient).estimate.is_nan());
-        assert_eq!((totals.summary().mean, totals.summary().variance), (vec![3.0], vec![7.0]));
+        assert!(totals.diffusion_coefficient(&timeline).named(Statistic::DiffusionCoefficient).estimate.is_nan());
+        assert_eq!((totals.summary(&timeline).mean, totals.summary(&timeline).variance), (vec![3.0], vec![7.0]));
     }
 }

@@ -4,6 +4,8 @@
 //! exponent, so bins are evenly spaced below the scale s and logarithmic above it. Counts are integers, hence merging
 //! is exact and order does not matter; a mean of quantiles never arises.
 
+use super::codec::{Codec, Damaged, Reader};
+
 /// Mantissa bits that tell bins apart: 256 bins to an octave, few enough for the bins of hundreds of rows to stay in a
 /// processor's cache.
 const MANTISSA_BITS: u32 = 8;
@@ -155,6 +157,36 @@ impl Sketch {
             self.counts.resize(length, 0);
         }
         &mut self.counts[(low - self.first) as usize..]
+    }
+}
+
+/// The bins that are not empty, as the distance of each key from the one before it, and its count.
+impl Codec for Sketch {
+    fn write(&self, out: &mut Vec<u8>) {
+        let bins = self.bins();
+        (bins.len() as u64).write(out);
+        let mut before = i32::from(-LAST_KEY) - 1;
+        for (key, count) in bins {
+            ((i32::from(key) - before) as u64).write(out);
+            count.write(out);
+            before = key.into();
+        }
+    }
+
+    fn read(&mut self, from: &mut Reader<'_>) -> Result<(), Damaged> {
+        *self = Sketch::default();
+        let mut key = i64::from(-LAST_KEY) - 1;
+        for _ in 0..from.length()? {
+            let (mut distance, mut count) = (0_u64, 0_u64);
+            distance.read(from)?;
+            count.read(from)?;
+            key = i64::try_from(distance).ok().and_then(|distance| key.checked_add(distance)).ok_or(Damaged)?;
+            if distance == 0 || count == 0 || key > LAST_KEY.into() {
+                return Err(Damaged);
+            }
+            self.bins_covering(key as i32, key as i32)[0] = count;
+        }
+        Ok(())
     }
 }
 

@@ -6,6 +6,19 @@ use ndarray::Array2;
 /// The quantile levels of every band and of the stick durations.
 pub const QUANTILE_LEVELS: [f64; 5] = [0.05, 0.25, 0.5, 0.75, 0.95];
 
+/// A number with its 95 % interval, the path being the independent unit. What does not exist is NaN.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Measurement {
+    /// The estimate.
+    pub estimate: f64,
+    /// Its standard error.
+    pub standard_error: f64,
+    /// Lower end of the 95 % interval.
+    pub low: f64,
+    /// Upper end of the 95 % interval.
+    pub high: f64,
+}
+
 /// One statistic with its 95 % interval. A number that does not exist (no stick ended, fewer than two periods) is NaN.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Estimate {

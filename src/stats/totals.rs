@@ -1,111 +1,212 @@
 //! The sums every statistic is computed from: empty, fold a block, merge, sum up.
 
-use super::bands::BandsTotals;
-use super::durations::DurationTotals;
+use super::bands::{self, BandCounts, BandSums};
+use super::codec::{Codec, Damaged, Reader, codec_of_fields};
+use super::durations::DurationCounts;
 use super::interval::Measured;
 use super::moments::{FourMoments, JointMoments, Moments};
 use super::path::PathFold;
-use super::periods::PeriodTotals;
+use super::periods::PeriodSums;
+use super::tree::Merge;
 use super::{Estimate, Statistic, SubPhaseCounts, Summary};
 use crate::model::Model;
-use crate::scheme::Timeline;
+use crate::scheme::{Snapshot, Timeline};
 
 /// Dynamic phases with this many sub-phases or more are counted together.
 pub const SUB_PHASE_CAP: usize = 64;
 
-/// Everything an ensemble, or a part of it, is summed up from. Its size does not grow with the number of paths (but for
+/// Everything a block, or a few of them, is summed up from. Its size does not grow with the number of paths (but for
 /// the numbers of the diverged ones).
 ///
-/// Merging is associative up to rounding in the floating-point moments and exactly in every count; a run merges its
-/// blocks in block order, which makes it reproducible to the last bit.
+/// It has two halves. [`Counts`] merge exactly, in any order. [`Sums`] are rounded when they merge, so their order decides
+/// the last bits: a run merges those of its blocks along a tree ([`super::RunTotals`]).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Totals {
     timeline: Timeline,
+    pub(super) sums: Sums,
+    pub(super) counts: Counts,
+}
+
+/// Floating-point moments over paths. Merging is associative up to rounding only.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Sums {
+    pub(super) phases: PhaseSums,
+    bands: BandSums,
+}
+
+codec_of_fields!(Sums { phases, bands });
+
+/// The moments that statistics are estimated from, as against those of the bands.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct PhaseSums {
+    cascade: CascadeSums,
+    pub(super) periods: PeriodSums,
+}
+
+codec_of_fields!(PhaseSums { cascade, periods });
+
+/// Integers, extremes and lists of numbers: merging is exact, whatever the order.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Counts {
     /// Paths folded, the diverged left out.
     paths: u64,
+    /// Numbers of the diverged paths, ascending.
     diverged: Vec<u64>,
-    cascade: CascadeTotals,
-    pub(super) durations: DurationTotals,
+    pub(super) durations: DurationCounts,
     pub(super) sub_phases: SubPhaseTotals,
-    pub(super) periods: PeriodTotals,
-    pub(super) bands: BandsTotals,
+    bands: BandCounts,
+}
+
+impl Sums {
+    /// The sums of no paths.
+    pub fn empty(timeline: &Timeline) -> Self {
+        Sums {
+            phases: PhaseSums { cascade: CascadeSums::default(), periods: PeriodSums::empty(timeline) },
+            bands: BandSums::empty(timeline.rows()),
+        }
+    }
+}
+
+impl Merge for Sums {
+    fn merge(&mut self, other: &Sums) {
+        self.phases.merge(&other.phases);
+        self.bands.merge(&other.bands);
+    }
+}
+
+impl Merge for PhaseSums {
+    fn merge(&mut self, other: &PhaseSums) {
+        self.cascade.merge(&other.cascade);
+        self.periods.merge(&other.periods);
+    }
+}
+
+impl Counts {
+    /// The counts of no paths.
+    pub fn empty(model: &Model, timeline: &Timeline) -> Self {
+        Counts {
+            paths: 0,
+            diverged: Vec::new(),
+            durations: DurationCounts::empty(timeline),
+            sub_phases: SubPhaseTotals::default(),
+            bands: BandCounts::empty(model, timeline.rows()),
+        }
+    }
+
+    /// Add the paths of `other`.
+    pub fn merge(&mut self, other: &Counts) {
+        self.paths += other.paths;
+        self.diverged.extend_from_slice(&other.diverged);
+        if !self.diverged.is_sorted() {
+            self.diverged.sort_unstable();
+        }
+        self.durations.merge(&other.durations);
+        self.sub_phases.merge(&other.sub_phases);
+        self.bands.merge(&other.bands);
+    }
+}
+
+impl Codec for Counts {
+    fn write(&self, out: &mut Vec<u8>) {
+        self.paths.write(out);
+        self.diverged.write(out);
+        self.durations.write(out);
+        self.sub_phases.write(out);
+        self.bands.write(out);
+    }
+
+    fn read(&mut self, from: &mut Reader<'_>) -> Result<(), Damaged> {
+        self.paths.read(from)?;
+        // The one list whose length the scenario does not fix.
+        let mut ahead = from.clone();
+        self.diverged = vec![0; ahead.length()?];
+        self.diverged.read(from)?;
+        if !self.diverged.is_sorted_by(|a, b| a < b) {
+            return Err(Damaged);
+        }
+        self.durations.read(from)?;
+        self.sub_phases.read(from)?;
+        self.bands.read(from)
+    }
 }
 
 impl Totals {
     /// The totals of no paths.
     pub fn empty(model: &Model, timeline: &Timeline) -> Self {
-        Totals {
-            timeline: *timeline,
-            paths: 0,
-            diverged: Vec::new(),
-            cascade: CascadeTotals::default(),
-            durations: DurationTotals::empty(timeline),
-            sub_phases: SubPhaseTotals::default(),
-            periods: PeriodTotals::empty(timeline),
-            bands: BandsTotals::empty(model, timeline),
-        }
+        Totals { timeline: *timeline, sums: Sums::empty(timeline), counts: Counts::empty(model, timeline) }
+    }
+
+    /// From its two halves.
+    pub(super) fn of(timeline: Timeline, sums: Sums, counts: Counts) -> Self {
+        Totals { timeline, sums, counts }
+    }
+
+    /// Row `row` of the output grid, of every path of the block.
+    pub(super) fn row(&mut self, row: usize, snapshot: &Snapshot<'_>) {
+        self.sums.bands.fold(row, snapshot);
+        self.counts.bands.fold(row, snapshot);
     }
 
     /// The paths of one block have reached t_end.
     pub(super) fn end(&mut self, paths: &[PathFold], dynamic_force: f64, diverged: &[u64]) {
-        self.paths = paths.len() as u64;
-        self.diverged = diverged.to_vec();
-        self.cascade = CascadeTotals::of(paths, dynamic_force);
+        self.counts.paths = paths.len() as u64;
+        self.counts.diverged = diverged.to_vec();
+        self.sums.phases.cascade = CascadeSums::of(paths, dynamic_force);
     }
 
-    /// Add the paths of `other`, a later block of the same run.
+    /// Add the paths of `other`.
     pub fn merge(&mut self, other: &Totals) {
         debug_assert_eq!(self.timeline, other.timeline, "totals of different runs");
-        self.paths += other.paths;
-        self.diverged.extend_from_slice(&other.diverged);
-        self.cascade.merge(&other.cascade);
-        self.durations.merge(&other.durations);
-        self.sub_phases.merge(&other.sub_phases);
-        self.periods.merge(&other.periods);
-        self.bands.merge(&other.bands);
+        self.sums.merge(&other.sums);
+        self.counts.merge(&other.counts);
     }
 
     /// Estimates with intervals, bands, histograms.
     pub fn summary(&self) -> Summary {
+        let Totals { timeline, sums, counts } = self;
         Summary {
-            completed_paths: self.paths + self.diverged.len() as u64,
-            diverged: self.diverged.clone(),
+            completed_paths: counts.paths + counts.diverged.len() as u64,
+            diverged: counts.diverged.clone(),
             estimates: Statistic::ALL.map(|statistic| self.estimate(statistic)).to_vec(),
-            stick_durations: self.durations.summary(),
-            sub_phases: self.sub_phases.summary(),
-            periods: self.periods.summary(),
-            bands: self.bands.summary(&self.timeline),
+            stick_durations: counts.durations.summary(),
+            sub_phases: counts.sub_phases.summary(),
+            periods: sums.phases.periods.summary(timeline),
+            bands: bands::summary(&sums.bands, &counts.bands, timeline),
         }
     }
 
     /// One statistic with its interval.
     pub fn estimate(&self, statistic: Statistic) -> Estimate {
-        self.measured(statistic).named(statistic)
+        self.sums.phases.measured(statistic, &self.timeline, &self.counts).named(statistic)
     }
 
     /// The value of every statistic, in the order of `Statistic::ALL`, without errors and intervals.
     pub fn values(&self) -> [f64; Statistic::ALL.len()] {
-        Statistic::ALL.map(|statistic| self.measured(statistic).estimate())
+        let measured = |statistic| self.sums.phases.measured(statistic, &self.timeline, &self.counts);
+        Statistic::ALL.map(|statistic| measured(statistic).estimate())
     }
+}
 
-    fn measured(&self, statistic: Statistic) -> Measured {
-        let CascadeTotals { sticks, first_sticks, slips, stick_time, work, displacement_end, contributing } =
+impl PhaseSums {
+    /// A statistic of the run whose sums these are.
+    pub(super) fn measured(&self, statistic: Statistic, timeline: &Timeline, counts: &Counts) -> Measured {
+        let CascadeSums { sticks, first_sticks, slips, stick_time, work, displacement_end, contributing } =
             &self.cascade;
         match statistic {
             Statistic::StickDurationMean => Measured::ratio(sticks, STICK_SUM, STICKS, contributing.sticks),
             Statistic::StickDurationSd => stick_duration_sd(sticks, contributing.sticks),
-            Statistic::StickDurationMedian => self.durations.median(),
+            Statistic::StickDurationMedian => counts.durations.median(),
             Statistic::FirstStickDurationMean => Measured::ratio(first_sticks, 1, 0, contributing.first_sticks),
             Statistic::SticksPerPath => Measured::mean_of(sticks, STICKS),
             Statistic::SlipsPerPath => Measured::mean_of(slips, SLIPS),
             Statistic::SubPhasesMean => Measured::ratio(slips, SUB_PHASES, SLIPS, contributing.slips),
             Statistic::SubPhasesMultipleShare => Measured::ratio(slips, MULTIPLE, SLIPS, contributing.slips),
-            Statistic::StickingFraction if self.timeline.end == 0.0 => Measured::NOTHING,
-            Statistic::StickingFraction => Measured::mean(stick_time).divided_by(self.timeline.end),
+            Statistic::StickingFraction if timeline.end == 0.0 => Measured::NOTHING,
+            Statistic::StickingFraction => Measured::mean(stick_time).divided_by(timeline.end),
             Statistic::DisplacementEndMean => Measured::mean(&displacement_end.two),
             Statistic::DisplacementEndSd => Measured::standard_deviation(displacement_end),
             Statistic::DriftVelocity => self.periods.drift_velocity(),
-            Statistic::DiffusionCoefficient => self.periods.diffusion_coefficient(),
+            Statistic::DiffusionCoefficient => self.periods.diffusion_coefficient(timeline),
             Statistic::JumpMean => Measured::ratio(slips, JUMP, SLIPS, contributing.slips),
             Statistic::JumpAbsMean => Measured::ratio(slips, JUMP_ABS, SLIPS, contributing.slips),
             Statistic::FrictionWorkMean => Measured::mean(work),
@@ -113,11 +214,11 @@ impl Totals {
     }
 }
 
-// Entries of `CascadeTotals::sticks`; the third, the sum of squares, is used by `stick_duration_sd` alone.
+// Entries of `CascadeSums::sticks`; the third, the sum of squares, is used by `stick_duration_sd` alone.
 const STICKS: usize = 0;
 const STICK_SUM: usize = 1;
 
-// Entries of `CascadeTotals::slips`.
+// Entries of `CascadeSums::slips`.
 const SLIPS: usize = 0;
 const SUB_PHASES: usize = 1;
 const MULTIPLE: usize = 2;
@@ -126,7 +227,7 @@ const JUMP_ABS: usize = 4;
 
 /// Moments over paths of what each path's cascade comes down to.
 #[derive(Clone, Debug, Default, PartialEq)]
-struct CascadeTotals {
+struct CascadeSums {
     /// Number of completed sticks, j >= 1, sum of D_j, sum of D_j^2.
     sticks: JointMoments<3>,
     /// Whether the first stick ended, and its D_0.
@@ -139,6 +240,8 @@ struct CascadeTotals {
     contributing: Contributing,
 }
 
+codec_of_fields!(CascadeSums { sticks, first_sticks, slips, stick_time, work, displacement_end, contributing });
+
 /// Number of paths that completed at least one of each.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Contributing {
@@ -147,12 +250,14 @@ struct Contributing {
     slips: u64,
 }
 
-impl CascadeTotals {
+codec_of_fields!(Contributing { sticks, first_sticks, slips });
+
+impl CascadeSums {
     fn of(paths: &[PathFold], dynamic_force: f64) -> Self {
         let column = |of: fn(&PathFold) -> f64| paths.iter().map(of).collect::<Vec<f64>>();
         let count = |is: fn(&PathFold) -> bool| paths.iter().filter(|p| is(p)).count() as u64;
         let work: Vec<f64> = paths.iter().map(|p| dynamic_force * p.travel).collect();
-        CascadeTotals {
+        CascadeSums {
             sticks: JointMoments::of([
                 &column(|p| p.sticks.into()),
                 &column(|p| p.duration),
@@ -180,7 +285,7 @@ impl CascadeTotals {
         }
     }
 
-    fn merge(&mut self, other: &CascadeTotals) {
+    fn merge(&mut self, other: &CascadeSums) {
         self.sticks.merge(&other.sticks);
         self.first_sticks.merge(&other.first_sticks);
         self.slips.merge(&other.slips);
@@ -217,6 +322,8 @@ pub(super) struct SubPhaseTotals {
     counts: [u64; SUB_PHASE_CAP],
     censored: u64,
 }
+
+codec_of_fields!(SubPhaseTotals { counts, censored });
 
 impl Default for SubPhaseTotals {
     fn default() -> Self {

@@ -1,0 +1,151 @@
+//! The state of a run after some of its blocks: enough to go on from, to join with other parts, and to sum up.
+
+use super::codec::{Codec, Damaged, Reader};
+use super::totals::PhaseSums;
+use super::tree::{Merge, Overlap, Tree};
+use super::{Counts, Estimate, Statistic, Sums, Totals};
+use crate::model::Model;
+use crate::scheme::Timeline;
+use std::ops::Range;
+
+/// How the bytes of a state begin: a name, and the version of what follows.
+const MAGIC: &[u8; 8] = b"sticksum";
+const VERSION: u64 = 1;
+
+/// The totals of some blocks of a run: the nodes of the tree of sums, and the counts, which need no tree.
+///
+/// Any two of them that hold different blocks of one run can be joined, and whatever way the blocks were shared out, the
+/// result has the same bits. Memory grows with log2 of the number of blocks (a node is about 14 kB for 121 rows of the output
+/// grid, 1.1 MB for 10 000), not with the number of paths.
+///
+/// `X` are sums of a user's own ([`super::Tally`]), folded along the same tree.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RunTotals<X = ()> {
+    timeline: Timeline,
+    empty: (Sums, X),
+    tree: Tree<(Sums, X)>,
+    counts: Counts,
+}
+
+impl Merge for () {
+    fn merge(&mut self, (): &()) {}
+}
+
+impl Codec for () {
+    fn write(&self, _: &mut Vec<u8>) {}
+
+    fn read(&mut self, _: &mut Reader<'_>) -> Result<(), Damaged> {
+        Ok(())
+    }
+}
+
+impl<X: Merge> Merge for (Sums, X) {
+    fn merge(&mut self, other: &Self) {
+        self.0.merge(&other.0);
+        self.1.merge(&other.1);
+    }
+}
+
+impl<X: Codec> Codec for (Sums, X) {
+    fn write(&self, out: &mut Vec<u8>) {
+        self.0.write(out);
+        self.1.write(out);
+    }
+
+    fn read(&mut self, from: &mut Reader<'_>) -> Result<(), Damaged> {
+        self.0.read(from)?;
+        self.1.read(from)
+    }
+}
+
+impl RunTotals {
+    /// The totals of no blocks.
+    pub fn empty(model: &Model, timeline: &Timeline) -> Self {
+        RunTotals::with((), model, timeline)
+    }
+
+    /// Add block number `block`. Each block of a run is added once.
+    pub fn push(&mut self, block: u64, totals: Totals) -> Result<(), Overlap> {
+        self.push_with(block, totals, ())
+    }
+}
+
+impl<X: Merge + Clone> RunTotals<X> {
+    /// The totals of no blocks, beside empty sums of a user's own.
+    pub fn with(own: X, model: &Model, timeline: &Timeline) -> Self {
+        RunTotals {
+            timeline: *timeline,
+            empty: (Sums::empty(timeline), own),
+            tree: Tree::default(),
+            counts: Counts::empty(model, timeline),
+        }
+    }
+
+    /// Add block number `block` with the user's own sums of it.
+    pub fn push_with(&mut self, block: u64, totals: Totals, own: X) -> Result<(), Overlap> {
+        let Totals { sums, counts, .. } = totals;
+        self.tree.push(block, (sums, own))?;
+        self.counts.merge(&counts);
+        Ok(())
+    }
+
+    /// Add the blocks of another part of the same run.
+    pub fn merge(&mut self, other: RunTotals<X>) -> Result<(), Overlap> {
+        debug_assert_eq!(self.timeline, other.timeline, "parts of different runs");
+        self.tree.merge(other.tree)?;
+        self.counts.merge(&other.counts);
+        Ok(())
+    }
+
+    /// The blocks that are in it, as ranges without gaps, ascending.
+    pub fn blocks(&self) -> Vec<Range<u64>> {
+        self.tree.ranges()
+    }
+
+    /// Estimate of one statistic, from all paths that are in it.
+    pub fn estimate(&self, statistic: Statistic) -> Estimate {
+        let phases: PhaseSums =
+            self.tree.total(|(sums, _)| &sums.phases).unwrap_or_else(|| self.empty.0.phases.clone());
+        phases.measured(statistic, &self.timeline, &self.counts).named(statistic)
+    }
+
+    /// Everything summed up.
+    pub fn totals(&self) -> Totals {
+        let sums = self.tree.total(|(sums, _)| sums).unwrap_or_else(|| self.empty.0.clone());
+        Totals::of(self.timeline, sums, self.counts.clone())
+    }
+
+    /// The user's own sums.
+    pub fn own(&self) -> X {
+        self.tree.total(|(_, own)| own).unwrap_or_else(|| self.empty.1.clone())
+    }
+}
+
+impl<X: Merge + Codec + Clone> RunTotals<X> {
+    /// As bytes that [`RunTotals::read`] turns into the same bits.
+    pub fn to_bytes(&self) -> Vec<u8> {
+        let mut bytes = MAGIC.to_vec();
+        VERSION.write(&mut bytes);
+        self.tree.write(&mut bytes);
+        self.counts.write(&mut bytes);
+        bytes
+    }
+
+    /// From bytes, given the empty totals of the run that they are of. What the bytes say is held against those: other
+    /// rows or periods, overlapping blocks, bytes missing or left over are damage.
+    pub fn read(self, bytes: &[u8]) -> Result<Self, Damaged> {
+        let mut from = Reader::new(bytes);
+        let mut version = 0_u64;
+        if from.take(MAGIC.len())? != MAGIC {
+            return Err(Damaged);
+        }
+        version.read(&mut from)?;
+        if version != VERSION {
+            return Err(Damaged);
+        }
+        let RunTotals { timeline, empty, mut counts, .. } = self;
+        let tree = Tree::read(&mut from, &empty)?;
+        counts.read(&mut from)?;
+        if from.left() > 0 { Err(Damaged) } else { Ok(RunTotals { timeline, empty, tree, counts }) }
+    }
+}
