@@ -10,18 +10,17 @@ use common::{Deaf, END, STEP, STEPS, group, measured, scenario};
 use criterion::{Criterion, Throughput};
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::{Pcg64, rand_core::SeedableRng};
-use std::convert::Infallible;
-use std::ops::ControlFlow;
 use std::path::Path;
-use std::sync::atomic::AtomicBool;
 use std::time::Duration;
+use stick_slip::engine::{Run, Status};
 use stick_slip::ensemble::{BLOCK_SIZE, Plan};
 use stick_slip::lanes::{InstructionSet, LaneProgram, Lanes};
 use stick_slip::noise::LaneStreams;
+use stick_slip::provenance::Provenance;
 use stick_slip::scenario::Scenario;
 use stick_slip::scheme::DiscreteVi;
 use stick_slip::stats::{BlockResult, Totals};
-use stick_slip::store::{Header, Status, Writer};
+use stick_slip::store::{FileSink, Writer};
 
 /// The loop everybody writes first: one path at a time, `rand_pcg` and the ziggurat of `rand_distr`, forcing from a table, sticks
 /// counted and their durations summed. Parameters (P) of the paper, rho = 0.25, forcing 1/4.
@@ -124,13 +123,12 @@ fn statistics(c: &mut Criterion) {
 /// A whole run of 10000 paths with all default statistics, t_end = 60, h = 0.001, file included.
 fn whole_run(c: &mut Criterion) {
     let scenario = scenario("rho025", &[STEP]);
-    let plan = scenario.plan();
     let mut group = group(c, "whole run", 10_000 * 60_000);
     group.sample_size(10).measurement_time(Duration::from_secs(12));
     let folder = tempfile::tempdir().expect("a temporary folder");
     for threads in [1, 2] {
         let target = folder.path().join("run.h5");
-        group.bench_function(format!("{threads} threads"), |b| b.iter(|| run(&plan, &scenario, threads, &target)));
+        group.bench_function(format!("{threads} threads"), |b| b.iter(|| run(&scenario, threads, &target)));
     }
 }
 
@@ -147,41 +145,17 @@ fn writing(c: &mut Criterion) {
     let mut group = group(c, "writing", 10_000 * 60_000);
     group.bench_function("10000 paths", |b| {
         b.iter(|| {
-            let mut writer = Writer::create(&target, &header(&scenario), &scenario.record).expect("writable");
+            let mut writer = Writer::create(&target, &Provenance::of(&scenario), &scenario.record).expect("writable");
             blocks.iter().for_each(|block| writer.append(block).expect("room"));
             writer.finish(&summary, Status::Complete).expect("room");
         })
     });
 }
 
-fn run(plan: &Plan, scenario: &Scenario, threads: usize, target: &Path) {
-    let mut writer = Writer::create(target, &header(scenario), &scenario.record).expect("writable");
-    let mut totals = Totals::empty(&plan.model, &plan.timeline);
-    let done = plan.run_into(threads, &AtomicBool::new(false), |block| {
-        totals.merge(&block.totals);
-        writer.append(&block).expect("room");
-        Ok::<_, Infallible>(ControlFlow::Continue(()))
-    });
-    assert_eq!(done, Ok(plan.paths));
-    writer.finish(&totals.summary(), Status::Complete).expect("room");
-}
-
-fn header(scenario: &Scenario) -> Header {
-    Header {
-        title: scenario.title.clone(),
-        scenario_text: scenario.to_toml(),
-        scheme: scenario.scheme.name().to_string(),
-        step: scenario.time.step,
-        resolution: None,
-        seed: 1,
-        generator: String::new(),
-        paths: 10_000,
-        block_size: BLOCK_SIZE,
-        program_version: String::new(),
-        git_hash: String::new(),
-        units: Default::default(),
-        time: scenario.timeline().output_times(),
-    }
+fn run(scenario: &Scenario, threads: usize, target: &Path) {
+    let mut file = FileSink::new(target, true);
+    let outcome = Run::of(scenario).threads(threads).without_bias().into_sink(&mut file).simulate().expect("room");
+    assert_eq!(outcome.summary.completed_paths, scenario.ensemble.paths);
 }
 
 fn print_ratios() {

@@ -2,11 +2,13 @@
 #![deny(missing_docs)]
 
 pub mod bias;
+pub mod engine;
 pub mod ensemble;
 pub mod lanes;
 pub mod model;
 pub mod multilevel;
 pub mod noise;
+pub mod provenance;
 pub mod scenario;
 pub mod scheme;
 pub mod stats;

@@ -5,7 +5,8 @@ use serde_json::Value;
 use std::path::Path;
 use std::process::{Output, Stdio};
 use std::time::{Duration, Instant};
-use stick_slip::store::{self, Status};
+use stick_slip::engine::Status;
+use stick_slip::store;
 use tempfile::TempDir;
 
 const RHO025: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenarios/rho025.toml");

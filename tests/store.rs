@@ -6,11 +6,13 @@ use std::ffi::CString;
 use std::fs;
 use std::io::Write;
 use std::path::{Path, PathBuf};
+use stick_slip::engine::Status;
+use stick_slip::provenance::Provenance;
 use stick_slip::stats::{
     Band, Bands, Bias, Estimate, EventColumns, Histogram, PathColumns, PeriodMoments, QUANTILE_LEVELS, Record,
     Statistic, StickDurations, SubPhaseCounts, Summary, TrajectoryRows,
 };
-use stick_slip::store::{Header, Rows, Status, StoreError, Writer, check_space, discard_partial, partial_path, read};
+use stick_slip::store::{Rows, StoreError, Writer, check_space, discard_partial, partial_path, read};
 
 const EVERYTHING: Record = Record { paths: true, events: true, trajectories: 40 };
 const NOTHING: Record = Record { paths: false, events: false, trajectories: 0 };
@@ -23,8 +25,8 @@ fn noise(path: u64, salt: u64) -> f64 {
     (z >> 11) as f64 / (1_u64 << 53) as f64
 }
 
-fn header(paths: u64) -> Header {
-    Header {
+fn header(paths: u64) -> Provenance {
+    Provenance {
         title: "A synthetic ensemble, \u{03c1} = 0.25".to_owned(),
         scenario_text: "[oscillator]\nmass = 1.0\n\n[ensemble]\npaths = 1000\n".to_owned(),
         scheme: "event-driven".to_owned(),
@@ -112,7 +114,7 @@ fn band(rows: usize, salt: u64) -> Band {
 }
 
 /// A summary that agrees with `block`, and holds every kind of missing number.
-fn summary(paths: u64, header: &Header) -> Summary {
+fn summary(paths: u64, header: &Provenance) -> Summary {
     let block = block(0, paths, 0, 0);
     let ends: Vec<f64> = block.columns.displacement_end.iter().copied().filter(|x| x.is_finite()).collect();
     let mean = ends.iter().sum::<f64>() / ends.len() as f64;
@@ -164,7 +166,7 @@ fn summary(paths: u64, header: &Header) -> Summary {
 }
 
 /// Write a file of so many paths in blocks of this size.
-fn write(target: &Path, paths: u64, block_size: u64, record: &Record, status: Status) -> (Header, Summary) {
+fn write(target: &Path, paths: u64, block_size: u64, record: &Record, status: Status) -> (Provenance, Summary) {
     let header = header(if status == Status::Complete { paths } else { 10 * paths });
     let summary = summary(paths, &header);
     let mut writer = Writer::create(target, &header, record).unwrap();

@@ -1,11 +1,11 @@
 //! `mc run --accuracy`: from an error that is good enough to the scheme, its step or tolerance, and the number of paths.
 
-use super::ending::MOST_PATHS;
 use super::failure::{Failure, note};
 use super::numbers::{grouped, percent, significant, time, wrapped};
 use super::{report, trade as trade_verb};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
+use stick_slip::engine::MOST_PATHS;
 use stick_slip::scenario::Scenario;
 use stick_slip::stats::Statistic;
 use stick_slip::trade::{Choice, Standing, Trade, TradeError};

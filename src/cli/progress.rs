@@ -30,11 +30,24 @@ impl Progress {
         }
     }
 
-    /// So many paths are done, in all. Called once a block, not once a path: each call takes a lock.
-    pub fn update(&mut self, done: u64) {
+    /// The run is over: the bar goes, the lines stay.
+    pub fn finish(&self) {
+        if let Progress::Bar(bar) = self {
+            bar.finish_and_clear();
+        }
+    }
+}
+
+impl stick_slip::engine::Progress for Progress {
+    // Once a block, not once a path: each call takes a lock.
+    fn paths(&mut self, done: u64, expected: u64) {
         match self {
-            Progress::Bar(bar) => bar.set_position(done),
+            Progress::Bar(bar) => {
+                bar.set_position(done);
+                bar.set_length(expected);
+            }
             Progress::Lines(lines, start) => {
+                lines.paths = expected;
                 if let Some(line) = lines.at(done, start.elapsed()) {
                     note(&line);
                 }
@@ -43,17 +56,8 @@ impl Progress {
         }
     }
 
-    /// The run is expected to need so many paths in all.
-    pub fn expect(&mut self, paths: u64) {
-        match self {
-            Progress::Bar(bar) => bar.set_length(paths),
-            Progress::Lines(lines, _) => lines.paths = paths,
-            Progress::Silent => {}
-        }
-    }
-
-    /// The paths are done; this is what is left.
-    pub fn conclude(&mut self, what: &'static str) {
+    fn estimating_bias(&mut self) {
+        let what = "estimating the bias of the step";
         match self {
             Progress::Bar(bar) => {
                 bar.set_style(style("{bar:32} {human_pos}/{human_len} paths, {msg}"));
@@ -61,13 +65,6 @@ impl Progress {
             }
             Progress::Lines(_, start) if start.elapsed() >= PATIENCE => note(what),
             Progress::Lines(..) | Progress::Silent => {}
-        }
-    }
-
-    /// The run is over: the bar goes, the lines stay.
-    pub fn finish(&self) {
-        if let Progress::Bar(bar) = self {
-            bar.finish_and_clear();
         }
     }
 }

@@ -1,12 +1,13 @@
 //! `mc replay`: one path of a stored ensemble alone, with its events and as fine a trajectory as it has.
 
 use super::failure::{Failure, note, print, writable};
-use super::results;
 use std::path::{Path, PathBuf};
+use stick_slip::engine::Status;
 use stick_slip::ensemble::Plan;
+use stick_slip::provenance::Provenance;
 use stick_slip::scenario::{MAX_ROWS, MAX_TRAJECTORIES, Scenario};
 use stick_slip::stats::Record;
-use stick_slip::store::{self, Header, Status};
+use stick_slip::store::{self, Writer};
 
 const EXAMPLE: &str = "\
 Example:
@@ -61,8 +62,11 @@ fn replay(mut scenario: Scenario, path: u64, output: &Path, force: bool) -> Resu
     let block = Plan { record, ..scenario.plan() }.replay(path);
     let has_step = scenario.scheme.is_time_stepping();
     // A file of one path, whatever its number in the ensemble.
-    let header = Header { paths: 1, ..results::header(&scenario) };
-    let mut writer = results::start(&header, &record, output, force)?;
+    let provenance = Provenance { paths: 1, ..Provenance::of(&scenario) };
+    if force {
+        store::discard_partial(output)?;
+    }
+    let mut writer = Writer::create(output, &provenance, &record)?;
     writer.append(&block)?;
     let summary = block.totals.summary();
     writer.finish(&summary, Status::Complete)?;

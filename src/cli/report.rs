@@ -3,9 +3,9 @@
 use super::numbers::{Digits, duration, grouped, significant};
 use serde::ser::{Serialize, SerializeMap as _, Serializer};
 use std::fmt::Write as _;
+use stick_slip::engine::Status;
 use stick_slip::scenario::Units;
 use stick_slip::stats::{Bias, Dimension, Estimate, Statistic, Summary};
-use stick_slip::store::Status;
 
 /// What is known about a run besides its summary.
 #[derive(Clone, Debug)]

@@ -1,34 +1,12 @@
-//! What every file of results says about where it comes from.
+//! What the command says of the results of a scenario, before and after they are there.
 
 use super::failure::{Failure, note};
 use super::numbers::wrapped;
 use super::report;
-use std::path::Path;
-use stick_slip::ensemble::BLOCK_SIZE;
-use stick_slip::noise::GENERATOR;
+use stick_slip::engine::RunError;
 use stick_slip::scenario::{Scenario, Warning};
-use stick_slip::stats::{Record, Summary};
-use stick_slip::store::{Header, StoreError, Writer, check_space, discard_partial};
-
-/// The header of the file that a scenario's run writes.
-pub fn header(scenario: &Scenario) -> Header {
-    let units = scenario.units.clone();
-    Header {
-        title: scenario.title.clone(),
-        scenario_text: scenario.to_toml(),
-        scheme: scenario.scheme.name().to_string(),
-        step: scenario.time.step,
-        resolution: scenario.resolution().map(|resolution| resolution.shortest_slip),
-        seed: scenario.ensemble.seed,
-        generator: GENERATOR.to_string(),
-        paths: scenario.ensemble.paths,
-        block_size: BLOCK_SIZE,
-        program_version: env!("CARGO_PKG_VERSION").to_string(),
-        git_hash: env!("MC_GIT_HASH").to_string(),
-        units: [units.time, units.length, units.force, units.temperature],
-        time: scenario.timeline().output_times(),
-    }
-}
+use stick_slip::stats::Summary;
+use stick_slip::store::StoreError;
 
 /// Say in what way the results of a scenario are not what they seem to be, on standard error. Where the bias of the step is
 /// measured, the guess at it is left out.
@@ -47,19 +25,16 @@ pub fn warn_of_bias(summary: &Summary) {
     }
 }
 
-/// Start the file of a run of so many paths at most, if its disk has room for those the scenario asks for. With `force`, what an
-/// unfinished run to the same name left goes.
-pub fn create(scenario: &Scenario, paths: u64, output: &Path, force: bool) -> Result<Writer, Failure> {
-    check_space(output.parent().unwrap_or(Path::new(".")), scenario.derived().output_bytes as u64)?;
-    start(&Header { paths, ..header(scenario) }, &scenario.record, output, force)
-}
-
-/// The same for a file known to be small, with a header of its own.
-pub fn start(header: &Header, record: &Record, output: &Path, force: bool) -> Result<Writer, Failure> {
-    if force {
-        discard_partial(output)?;
+impl From<RunError> for Failure {
+    fn from(error: RunError) -> Self {
+        match error {
+            RunError::Sink(error) => match error.downcast::<StoreError>() {
+                Ok(error) => Failure::from(*error),
+                Err(error) => Failure::Run(error.to_string()),
+            },
+            RunError::Overlap(_) => Failure::Run(error.to_string()),
+        }
     }
-    Ok(Writer::create(output, header, record)?)
 }
 
 impl From<StoreError> for Failure {

@@ -1,22 +1,19 @@
 //! `mc run`: simulate an ensemble, write its statistics, say what came out.
 
-use super::accuracy::{self, Wish};
-use super::ending::{Endings, Look, MOST_PATHS};
+use super::accuracy::{self, Promise, Wish};
+use super::ending;
 use super::failure::{Failure, note, print, writable};
 use super::interrupt::stop_on_ctrl_c;
 use super::overrides::Overrides;
 use super::progress::Progress;
 use super::report::{self, RunInfo};
 use super::results;
-use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::AtomicBool;
-use std::time::{Duration, Instant};
-use stick_slip::bias::NoBias;
-use stick_slip::ensemble::{BLOCK_SIZE, Plan};
+use std::time::Duration;
+use stick_slip::engine::{self, EndedBy, MOST_PATHS, Outcome, Status};
 use stick_slip::scenario::Scenario;
-use stick_slip::stats::{RunTotals, Statistic, Summary};
-use stick_slip::store::{Status, StoreError};
+use stick_slip::stats::Statistic;
+use stick_slip::store::FileSink;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -71,32 +68,6 @@ pub struct Run {
     verbose: bool,
 }
 
-/// What the engine is asked to do.
-struct Job<'a> {
-    scenario: &'a Scenario,
-    /// The most paths to simulate.
-    paths: u64,
-    endings: Endings,
-    threads: usize,
-    output: &'a Path,
-    force: bool,
-    /// Whether the bias of the step is to be estimated.
-    with_bias: bool,
-}
-
-/// What it did.
-struct Outcome {
-    summary: Summary,
-    status: Status,
-    /// Seconds spent on the bias, and why there is none.
-    bias: (f64, Option<NoBias>),
-    ended_by: Option<String>,
-    /// The goals it has missed, and what they would need.
-    missed: Vec<String>,
-    /// Why it is of no use.
-    failure: Option<String>,
-}
-
 impl Run {
     pub fn call(&self) -> Result<(), Failure> {
         let (mut scenario, goals) = self.overrides.scenario_and_goals(&self.scenario)?;
@@ -120,35 +91,50 @@ impl Run {
         }
         let is_open_ended = !goals.is_empty() && !self.overrides.gives_paths();
         let paths = if is_open_ended { MOST_PATHS } else { scenario.ensemble.paths };
-        let endings = Endings { goals, max_time: self.max_time };
         if self.verbose {
             note(&super::check::report(&scenario));
             note(&format!("kernel: {}", scenario.plan().scheme.kernel()));
         }
-        let with_bias = !self.no_bias;
-        results::warn(&scenario, with_bias && scenario.bias_plan(paths).is_ok());
-        let job = Job { scenario: &scenario, paths, endings, threads, output: &output, force: self.force, with_bias };
-        let start = Instant::now();
-        let mut progress = Progress::new(paths, self.quiet);
-        let outcome = execute(&job, &stop, &mut progress);
-        progress.finish();
-        let Outcome { summary, status, bias, ended_by, missed, failure } = outcome?;
+        results::warn(&scenario, !self.no_bias && scenario.bias_plan(paths).is_ok());
 
-        let info = RunInfo { ended_by, ..info(&self.scenario, &job, status, start.elapsed().as_secs_f64(), bias) };
+        let mut progress = Progress::new(paths, self.quiet);
+        let mut file = FileSink::new(&output, self.force);
+        let run = engine::Run::of(&scenario).paths(paths).threads(threads).until(goals).within(self.max_time);
+        let run = if self.no_bias { run.without_bias() } else { run };
+        let outcome = run.stopped_by(&stop).told(&mut progress).into_sink(&mut file).simulate();
+        progress.finish();
+        self.print(&scenario, &outcome?, &output, promise)
+    }
+
+    /// Say what came out, and how sure that is.
+    fn print(
+        &self,
+        scenario: &Scenario,
+        outcome: &Outcome,
+        output: &Path,
+        promise: Option<Promise>,
+    ) -> Result<(), Failure> {
+        let (summary, info) = (&outcome.summary, info(&self.scenario, scenario, outcome, output));
         if self.json {
-            print(&report::json(&summary, &info))?;
+            print(&report::json(summary, &info))?;
         } else if !self.quiet {
-            print(&report::table(&summary, &info))?;
+            print(&report::table(summary, &info))?;
         }
-        if let Some(line) = report::lost(&summary, &info).filter(|_| self.json || self.quiet) {
+        if let Some(line) = report::lost(summary, &info).filter(|_| self.json || self.quiet) {
             note(&format!("warning: {line}"));
         }
-        results::warn_of_bias(&summary);
-        let kept = promise.and_then(|promise| promise.missed(summary.completed_paths));
-        for line in missed.into_iter().chain(kept) {
+        results::warn_of_bias(summary);
+        let missed = outcome.missed.iter().map(|missed| ending::missed(missed, missed.paths_needed()));
+        let broken = promise.and_then(|promise| promise.missed(summary.completed_paths));
+        for line in missed.chain(broken) {
             note(&format!("warning: {line}"));
         }
-        match (failure, status) {
+        let failure = match &outcome.ended_by {
+            Some(EndedBy::Hopeless(reason)) => Some(ending::hopeless(reason)),
+            _ if outcome.is_all_lost() => Some(all_lost(scenario.scheme.is_time_stepping()).to_string()),
+            _ => None,
+        };
+        match (failure, outcome.status) {
             (Some(reason), _) => Err(Failure::Run(format!("{reason}\n  what was simulated is in {}", info.file))),
             (None, Status::Complete | Status::Ended) => Ok(()),
             (None, Status::Interrupted | Status::Running) => Err(Failure::Interrupted),
@@ -172,102 +158,36 @@ fn default_output(scenario: &Path) -> PathBuf {
     PathBuf::from(name)
 }
 
-fn info(
-    scenario_path: &Path,
-    job: &Job<'_>,
-    status: Status,
-    seconds: f64,
-    (bias_seconds, no_bias): (f64, Option<NoBias>),
-) -> RunInfo {
-    let Scenario { title, time, scheme, ensemble, units, .. } = job.scenario;
+fn info(scenario_path: &Path, scenario: &Scenario, outcome: &Outcome, output: &Path) -> RunInfo {
     RunInfo {
         scenario: scenario_path.display().to_string(),
-        title: title.clone(),
-        scheme: scheme.name().to_string(),
-        step: time.step,
-        resolution: job.scenario.resolution().map(|resolution| resolution.shortest_slip),
-        seed: ensemble.seed,
-        paths: job.paths,
-        threads: Some(job.threads),
-        seconds: Some(seconds),
-        bias_seconds: Some(bias_seconds),
-        no_bias: no_bias.map(|reason| reason.to_string()),
-        steps_per_path: time.steps(),
-        file: job.output.display().to_string(),
-        status,
-        ended_by: None,
-        units: units.clone(),
+        title: scenario.title.clone(),
+        scheme: scenario.scheme.name().to_string(),
+        step: scenario.time.step,
+        resolution: scenario.resolution().map(|resolution| resolution.shortest_slip),
+        seed: scenario.ensemble.seed,
+        paths: outcome.paths,
+        threads: Some(outcome.threads),
+        seconds: Some(outcome.seconds),
+        bias_seconds: Some(outcome.bias.seconds),
+        no_bias: outcome.bias.absence.as_ref().map(|reason| reason.to_string()),
+        steps_per_path: scenario.time.steps(),
+        file: output.display().to_string(),
+        status: outcome.status,
+        ended_by: outcome.ended_by.as_ref().map(EndedBy::to_string),
+        units: scenario.units.clone(),
     }
-}
-
-/// Simulate, write the file, sum up. `progress` is told the paths done so far, once a block; when `stop` is raised, the
-/// blocks in flight are finished and the outcome is interrupted.
-fn execute(job: &Job<'_>, stop: &AtomicBool, progress: &mut Progress) -> Result<Outcome, Failure> {
-    let plan = Plan { paths: job.paths, ..job.scenario.plan() };
-    let mut writer = results::create(job.scenario, job.paths, job.output, job.force)?;
-    let mut totals = RunTotals::empty(&plan.model, &plan.timeline);
-    let (start, mut ending) = (Instant::now(), Look::GoOn(None));
-    let completed = plan.run_into(job.threads, stop, |block| {
-        writer.append(&block)?;
-        let done = block.first_path + block.paths;
-        // each block is delivered once
-        let _ = totals.push(block.first_path / BLOCK_SIZE, block.totals);
-        ending = job.endings.look(done.div_ceil(BLOCK_SIZE), &totals, start);
-        progress.update(done);
-        Ok::<_, StoreError>(match ending {
-            Look::GoOn(needed) => {
-                progress.expect(needed.unwrap_or(plan.paths).min(plan.paths));
-                ControlFlow::Continue(())
-            }
-            Look::Done(_) | Look::Hopeless(_) => ControlFlow::Break(()),
-        })
-    })?;
-    let mut summary = totals.totals().summary();
-    let (status, ended_by, failure) = match ending {
-        Look::Done(reason) => (Status::Ended, Some(reason), None),
-        Look::Hopeless(reason) => (Status::Ended, Some("a goal that cannot be reached".to_string()), Some(reason)),
-        Look::GoOn(_) if completed == plan.paths => (Status::Complete, None, None),
-        Look::GoOn(_) => (Status::Interrupted, None, None),
-    };
-    let start = Instant::now();
-    let no_bias = if job.with_bias { add_bias(job, completed, stop, progress, &mut summary).err() } else { None };
-    let bias = (start.elapsed().as_secs_f64(), no_bias);
-    if let Some(reason) = &ended_by {
-        writer.ended_by(reason)?;
-    }
-    writer.finish(&summary, status)?;
-    let is_done = failure.is_none() && status != Status::Interrupted;
-    let missed = if is_done { job.endings.missed(&totals, completed) } else { Vec::new() };
-    let failure = failure.or_else(|| all_lost(&summary, job.scenario.scheme.is_time_stepping()));
-    Ok(Outcome { summary, status, bias, ended_by, missed, failure })
-}
-
-/// Estimate the bias of the step from some of the paths that the run came to, and add it to the summary.
-fn add_bias(
-    job: &Job<'_>,
-    paths: u64,
-    stop: &AtomicBool,
-    progress: &mut Progress,
-    summary: &mut Summary,
-) -> Result<(), NoBias> {
-    let plan = job.scenario.bias_plan(paths)?;
-    progress.conclude("estimating the bias of the step");
-    let biases = plan.estimate(summary, job.threads, stop)?;
-    summary.set_biases(&biases);
-    Ok(())
 }
 
 /// What to say where no path is left.
-fn all_lost(summary: &Summary, has_step: bool) -> Option<String> {
-    let lost = summary.diverged.len() as u64;
-    let message = if has_step {
+fn all_lost(has_step: bool) -> &'static str {
+    if has_step {
         "every path diverged, so there are no statistics\n  fix: a smaller step, or --scheme corrected-vi or event-driven; mc check \
          says how long a step may be"
     } else {
         "every path was given up, so there are no statistics: it takes more than 10^8 evaluations, or meets a number that is not finite\n  \
          fix: a shorter --until; or --scheme discrete-vi, whose work is its number of steps"
-    };
-    (lost > 0 && lost == summary.completed_paths).then(|| message.to_string())
+    }
 }
 
 #[cfg(test)]

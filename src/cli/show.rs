@@ -5,8 +5,9 @@ use super::report::{self, RunInfo};
 use super::results;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
+use stick_slip::provenance::Provenance;
 use stick_slip::scenario::{Scenario, Units};
-use stick_slip::store::{self, Header, Stored};
+use stick_slip::store::{self, Stored};
 
 /// Arguments of `mc show`.
 #[derive(Debug, clap::Args)]
@@ -60,7 +61,7 @@ fn info(file: &Path, stored: &Stored, scenario: Option<&Scenario>) -> RunInfo {
     }
 }
 
-fn provenance(header: &Header) -> String {
+fn provenance(header: &Provenance) -> String {
     let mut text = String::new();
     let _ = writeln!(text, "written by mc {} ({})", header.program_version, header.git_hash);
     let _ = writeln!(text, "noise   {}, seed {}", header.generator, header.seed);

@@ -8,6 +8,7 @@ use super::trade_report::{self, Asked};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
+use stick_slip::provenance::Provenance;
 use stick_slip::scenario::{Override, Scenario};
 use stick_slip::stats::Statistic;
 use stick_slip::store;
@@ -93,7 +94,7 @@ impl Trade {
         trade: &Measured,
         shown: Option<Statistic>,
     ) -> Result<(), Failure> {
-        store::write_trade(output, &super::results::header(scenario), trade, self.force)?;
+        store::write_trade(output, &Provenance::of(scenario), trade, self.force)?;
         let drawn = shown.and_then(|statistic| trade::picture(trade, statistic, &scenario.title));
         let Some(picture) = drawn else {
             let why = shown.map_or("no statistic can be answered".to_string(), |s| trade.standing(s).to_string());

@@ -1,5 +1,7 @@
 //! The scenarios that come with the program, comments and all.
 
+use super::{Scenario, ScenarioError};
+
 /// A shipped scenario.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Shipped {
@@ -30,4 +32,18 @@ pub const SHIPPED: [Shipped; 8] = shipped![
 /// The shipped scenario of this name.
 pub fn shipped(name: &str) -> Option<&'static Shipped> {
     SHIPPED.iter().find(|scenario| scenario.name == name)
+}
+
+impl Scenario {
+    /// The shipped scenario of this name, checked; an error names those that there are.
+    pub fn shipped(name: &str) -> Result<Self, ScenarioError> {
+        match shipped(name) {
+            Some(found) => Scenario::parse(found.name, found.text, &[]),
+            None => Err(ScenarioError::Unreadable {
+                path: name.to_string(),
+                reason: "no shipped scenario has this name".into(),
+                remedy: format!("choose one of {}", SHIPPED.map(|scenario| scenario.name).join(", ")),
+            }),
+        }
+    }
 }

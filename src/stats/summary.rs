@@ -150,6 +150,11 @@ pub struct Summary {
 }
 
 impl Summary {
+    /// One statistic with its interval and bias.
+    pub fn estimate(&self, statistic: Statistic) -> Estimate {
+        self.estimates[statistic as usize]
+    }
+
     /// Whether the bias of any statistic is known.
     pub fn has_bias(&self) -> bool {
         self.estimates.iter().any(|e| e.bias.is_some())

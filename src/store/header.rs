@@ -1,6 +1,8 @@
 //! Root attributes: what a file says about itself, written and read side by side.
 
 use super::variable::{read_text, write_attribute, write_text};
+use crate::engine::Status;
+use crate::provenance::Provenance;
 use hdf5::File;
 
 /// What `format_name` says in every file of this program.
@@ -12,73 +14,11 @@ pub const FORMAT_VERSION: (u32, u32) = (1, 1);
 /// Version of the CF conventions that the file follows.
 const CONVENTIONS: &str = "CF-1.11";
 
-/// Attribute names of `Header::units`, in its order.
+/// Attribute names of `Provenance::units`, in its order.
 const UNIT_NAMES: [&str; 4] = ["time_unit", "length_unit", "force_unit", "temperature_unit"];
 
-/// Where the numbers of a file come from.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Header {
-    /// What the scenario asks, in a line.
-    pub title: String,
-    /// The resolved scenario as TOML: running it again gives the same data.
-    pub scenario_text: String,
-    /// Name of the scheme.
-    pub scheme: String,
-    /// h, for time-stepping schemes.
-    pub step: Option<f64>,
-    /// The shortest slip the scheme resolves, where its results depend on that.
-    pub resolution: Option<f64>,
-    /// Seed of the ensemble.
-    pub seed: u64,
-    /// Name of the random number generator and of the normal sampler.
-    pub generator: String,
-    /// Paths asked for.
-    pub paths: u64,
-    /// Paths in a block.
-    pub block_size: u64,
-    /// Version of the program.
-    pub program_version: String,
-    /// Commit the program was built from.
-    pub git_hash: String,
-    /// Unit labels of time, length, force and temperature; empty where dimensionless.
-    pub units: [String; 4],
-    /// Times of the output grid.
-    pub time: Vec<f64>,
-}
-
-/// How far a run has come.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Status {
-    /// Every path asked for is in the file.
-    Complete,
-    /// Ended at the end of a block as it was asked to, its goals reached or its time up; `ended_by` says which.
-    Ended,
-    /// Stopped early; the file holds `completed_paths` paths.
-    Interrupted,
-    /// Being written.
-    Running,
-}
-
-impl Status {
-    const ALL: [Status; 4] = [Status::Complete, Status::Ended, Status::Interrupted, Status::Running];
-
-    /// The word in the file.
-    pub fn name(self) -> &'static str {
-        match self {
-            Status::Complete => "complete",
-            Status::Ended => "ended",
-            Status::Interrupted => "interrupted",
-            Status::Running => "running",
-        }
-    }
-
-    fn from_name(name: &str) -> Option<Status> {
-        Status::ALL.into_iter().find(|status| status.name() == name)
-    }
-}
-
 /// Write every root attribute of a run that has just started.
-pub(super) fn write(file: &File, header: &Header) -> hdf5::Result<()> {
+pub(super) fn write(file: &File, header: &Provenance) -> hdf5::Result<()> {
     let (major, minor) = FORMAT_VERSION;
     write_text(file, "Conventions", CONVENTIONS)?;
     write_text(file, "title", &header.title)?;
@@ -151,11 +91,11 @@ pub(super) fn progress(file: &File) -> hdf5::Result<(Status, u64)> {
 }
 
 /// The header, given the output grid.
-pub(super) fn read(file: &File, time: Vec<f64>) -> hdf5::Result<Header> {
+pub(super) fn read(file: &File, time: Vec<f64>) -> hdf5::Result<Provenance> {
     let label = |name| if file.attr(name).is_ok() { read_text(file, name) } else { Ok(String::new()) };
     let [time_unit, length_unit, force_unit, temperature_unit] = UNIT_NAMES;
     let number = |name| file.attr(name).ok().map(|number| number.read_scalar()).transpose();
-    Ok(Header {
+    Ok(Provenance {
         title: read_text(file, "title")?,
         scenario_text: read_text(file, "scenario")?,
         scheme: read_text(file, "scheme")?,

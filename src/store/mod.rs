@@ -15,6 +15,7 @@ mod header;
 mod layout;
 mod reader;
 mod scale;
+mod sink;
 mod space;
 mod summary;
 mod trade;
@@ -22,8 +23,9 @@ mod variable;
 mod writer;
 
 pub use error::StoreError;
-pub use header::{FORMAT_NAME, FORMAT_VERSION, Header, Status};
+pub use header::{FORMAT_NAME, FORMAT_VERSION};
 pub use reader::{Stored, read};
+pub use sink::FileSink;
 pub use space::check_space;
 pub use trade::{TRADE_FORMAT_NAME, write_trade};
 pub use writer::{Rows, Writer, discard_partial, partial_path};

@@ -2,7 +2,9 @@
 
 use super::error::{cause, system_error};
 use super::variable::read_or_empty;
-use super::{FORMAT_VERSION, Header, Status, StoreError, header, layout, summary};
+use super::{FORMAT_VERSION, StoreError, header, layout, summary};
+use crate::engine::Status;
+use crate::provenance::Provenance;
 use crate::stats::Summary;
 use hdf5::File;
 use std::io::{self, Read};
@@ -12,7 +14,7 @@ use std::path::Path;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Stored {
     /// Where its numbers come from.
-    pub header: Header,
+    pub header: Provenance,
     /// How the run ended.
     pub status: Status,
     /// What ended it before its last path, if it was asked to end.

@@ -4,7 +4,8 @@ use super::error::{cause, is_full, system_error};
 use super::layout::{self, Unit, Variable, variable};
 use super::variable::{Place, text, write_attribute, write_text};
 use super::writer::create_file;
-use super::{Header, StoreError, discard_partial, partial_path};
+use super::{StoreError, discard_partial, partial_path};
+use crate::provenance::Provenance;
 use crate::stats::Statistic;
 use crate::trade::{Choice, Rung, TARGETS, Trade};
 use hdf5::types::VarLenUnicode;
@@ -14,7 +15,7 @@ use std::path::Path;
 pub const TRADE_FORMAT_NAME: &str = "stick-slip trade";
 
 /// Write a trade: `NAME.partial` first, then `NAME` in one step, like every file. With `force`, a leftover goes.
-pub fn write_trade(target: &Path, header: &Header, trade: &Trade, force: bool) -> Result<(), StoreError> {
+pub fn write_trade(target: &Path, header: &Provenance, trade: &Trade, force: bool) -> Result<(), StoreError> {
     let partial = partial_path(target);
     if force {
         discard_partial(target)?;
@@ -38,7 +39,7 @@ pub fn write_trade(target: &Path, header: &Header, trade: &Trade, force: bool) -
     std::fs::rename(&partial, target).map_err(|source| StoreError::Rename { partial, target: target.into(), source })
 }
 
-fn fill(place: &Place, header: &Header, trade: &Trade) -> hdf5::Result<()> {
+fn fill(place: &Place, header: &Provenance, trade: &Trade) -> hdf5::Result<()> {
     attributes(place, header, trade)?;
     coordinates(place, trade)?;
     measured(place, trade)?;
@@ -46,7 +47,7 @@ fn fill(place: &Place, header: &Header, trade: &Trade) -> hdf5::Result<()> {
     predicted(place, trade)
 }
 
-fn attributes(place: &Place, header: &Header, trade: &Trade) -> hdf5::Result<()> {
+fn attributes(place: &Place, header: &Provenance, trade: &Trade) -> hdf5::Result<()> {
     let file = &place.file;
     write_text(file, "Conventions", "CF-1.11")?;
     write_text(file, "title", &header.title)?;

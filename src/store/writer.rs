@@ -3,7 +3,9 @@
 use super::error::{cause, is_full, system_error};
 use super::growing::{Table, Values};
 use super::variable::{Growth, Place};
-use super::{Header, Status, StoreError, header, layout, summary};
+use super::{StoreError, header, layout, summary};
+use crate::engine::Status;
+use crate::provenance::Provenance;
 use crate::stats::{BlockResult, EventColumns, PathColumns, Record, Summary, TrajectoryRows};
 use hdf5::File;
 use hdf5::file::{FileCloseDegree, LibraryVersion};
@@ -118,7 +120,7 @@ struct Failure {
 impl Writer {
     /// Start a file: root attributes, coordinates, and the empty variables of what is recorded. Nothing of the target is
     /// touched before `finish`. A leftover of an earlier run is an error; see `discard_partial`.
-    pub fn create(target: &Path, header: &Header, record: &Record) -> Result<Writer, StoreError> {
+    pub fn create(target: &Path, header: &Provenance, record: &Record) -> Result<Writer, StoreError> {
         let partial = partial_path(target);
         let folder = target.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
         if !folder.is_dir() {
@@ -260,7 +262,7 @@ pub(super) fn create_file(path: &Path) -> hdf5::Result<File> {
 }
 
 impl Open {
-    fn define(&mut self, header: &Header, record: &Record) -> hdf5::Result<()> {
+    fn define(&mut self, header: &Provenance, record: &Record) -> hdf5::Result<()> {
         header::write(&self.place.file, header)?;
         summary::write_coordinates(&self.place, &header.time)?;
         let rows = (header.paths as usize).clamp(1, CHUNK);

@@ -1,0 +1,24 @@
+//! A run, from a scenario to its outcome: started, watched, ended and summed up. It knows no file, no terminal and no TOML.
+//!
+//! ```text
+//! Run::of(&scenario)      what to simulate; then, if wanted:
+//!     .until(goals)         end when standard errors are small enough       (Goal)
+//!     .within(time)         end when the time is up
+//!     .stopped_by(&flag)    end when somebody raises a flag
+//!     .told(&mut progress)  say how far it has come                         (Progress)
+//!     .into_sink(&mut sink) hand over every finished block, and the outcome (Sink)
+//!   -> simulate()         blocks on threads, summed along one tree, ended, the bias of the step estimated
+//!     -> Outcome          summary with biases, why it ended, how long it took
+//! ```
+
+mod ending;
+mod outcome;
+mod progress;
+mod run;
+mod sink;
+
+pub use ending::{EndedBy, Hopeless, MOST_PATHS, MissedGoal};
+pub use outcome::{BiasReport, Outcome, Status};
+pub use progress::Progress;
+pub use run::{Run, RunError};
+pub use sink::{Memory, Sink, SinkError};

@@ -1,0 +1,76 @@
+//! Where the rows and the outcome of a run go: a file, memory, a socket, whatever implements [`Sink`].
+
+use super::Outcome;
+use crate::scenario::Scenario;
+use crate::stats::BlockResult;
+
+/// Why a sink cannot go on.
+pub type SinkError = Box<dyn std::error::Error + Send + Sync>;
+
+/// Is handed every finished block of a run in the order of its paths, and the outcome. The first error ends the run.
+///
+/// ```
+/// use stick_slip::engine::{Run, Sink, SinkError};
+/// use stick_slip::scenario::Scenario;
+/// use stick_slip::stats::BlockResult;
+///
+/// /// Prints how many paths of each block diverged.
+/// struct Divergence(Vec<usize>);
+///
+/// impl Sink for Divergence {
+///     fn block(&mut self, block: &BlockResult) -> Result<(), SinkError> {
+///         self.0.push(block.diverged.len());
+///         Ok(())
+///     }
+/// }
+///
+/// let mut scenario = Scenario::shipped("rho025")?;
+/// scenario.ensemble.paths = 600;
+/// let mut divergence = Divergence(Vec::new());
+/// Run::of(&scenario).into_sink(&mut divergence).simulate()?;
+/// assert_eq!(divergence.0, [0, 0, 0]); // blocks of 256, 256 and 88 paths
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub trait Sink: Send {
+    /// A run begins, of this scenario and of at most so many paths.
+    fn begin(&mut self, scenario: &Scenario, paths: u64) -> Result<(), SinkError> {
+        let _ = (scenario, paths);
+        Ok(())
+    }
+
+    /// The next block is finished.
+    fn block(&mut self, block: &BlockResult) -> Result<(), SinkError>;
+
+    /// The run is over.
+    fn finish(&mut self, outcome: &Outcome) -> Result<(), SinkError> {
+        let _ = outcome;
+        Ok(())
+    }
+}
+
+/// Keeps the rows of a run in memory: what `scenario.record` asks for, block by block.
+///
+/// ```
+/// use stick_slip::engine::{Memory, Run};
+/// use stick_slip::scenario::Scenario;
+///
+/// let mut scenario = Scenario::shipped("shaw")?;
+/// scenario.record.events = true;
+/// let mut memory = Memory::default();
+/// Run::of(&scenario).into_sink(&mut memory).simulate()?;
+/// let events = memory.blocks[0].events.as_ref().expect("the scenario asks for them");
+/// assert!((events.time[0] - 2.574).abs() < 0.02); // the first slip of Shaw's case
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug, Default)]
+pub struct Memory {
+    /// Every block, in the order of its paths.
+    pub blocks: Vec<BlockResult>,
+}
+
+impl Sink for Memory {
+    fn block(&mut self, block: &BlockResult) -> Result<(), SinkError> {
+        self.blocks.push(block.clone());
+        Ok(())
+    }
+}

@@ -1,0 +1,64 @@
+//! Where the numbers of a run come from: what every file, and every data set in memory, says about itself.
+
+use crate::ensemble::BLOCK_SIZE;
+use crate::noise::GENERATOR;
+use crate::scenario::Scenario;
+
+/// Version of the program.
+pub const PROGRAM_VERSION: &str = env!("CARGO_PKG_VERSION");
+
+/// Commit that the program was built from; `unknown` outside a repository.
+pub const GIT_HASH: &str = env!("MC_GIT_HASH");
+
+/// Everything that is needed to repeat a run, and to know what made it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Provenance {
+    /// What the scenario asks, in a line.
+    pub title: String,
+    /// The resolved scenario as TOML: running it again gives the same data.
+    pub scenario_text: String,
+    /// Name of the scheme.
+    pub scheme: String,
+    /// h, for time-stepping schemes.
+    pub step: Option<f64>,
+    /// The shortest slip the scheme resolves, where its results depend on that.
+    pub resolution: Option<f64>,
+    /// Seed of the ensemble.
+    pub seed: u64,
+    /// Name of the random number generator and of the normal sampler.
+    pub generator: String,
+    /// Paths asked for.
+    pub paths: u64,
+    /// Paths in a block.
+    pub block_size: u64,
+    /// Version of the program.
+    pub program_version: String,
+    /// Commit the program was built from.
+    pub git_hash: String,
+    /// Unit labels of time, length, force and temperature; empty where dimensionless.
+    pub units: [String; 4],
+    /// Times of the output grid.
+    pub time: Vec<f64>,
+}
+
+impl Provenance {
+    /// Of a run of this scenario, by this program.
+    pub fn of(scenario: &Scenario) -> Self {
+        let units = scenario.units.clone();
+        Provenance {
+            title: scenario.title.clone(),
+            scenario_text: scenario.to_toml(),
+            scheme: scenario.scheme.name().to_string(),
+            step: scenario.time.step,
+            resolution: scenario.resolution().map(|resolution| resolution.shortest_slip),
+            seed: scenario.ensemble.seed,
+            generator: GENERATOR.to_string(),
+            paths: scenario.ensemble.paths,
+            block_size: BLOCK_SIZE,
+            program_version: PROGRAM_VERSION.to_string(),
+            git_hash: GIT_HASH.to_string(),
+            units: [units.time, units.length, units.force, units.temperature],
+            time: scenario.timeline().output_times(),
+        }
+    }
+}
