@@ -17,6 +17,7 @@ mod effort;
 mod ladder;
 mod law;
 mod measure;
+#[cfg(feature = "cli")]
 mod picture;
 mod predict;
 mod setting;
@@ -26,6 +27,7 @@ pub use effort::Effort;
 pub use ladder::{Ladder, LeftOut};
 pub use law::{Change, Law};
 pub use measure::{Cost, Limits, Rung, TradeError, measure, measure_within};
+#[cfg(feature = "cli")]
 pub use picture::{Picture, picture};
 pub use predict::{Choice, Refusal, TARGETS};
 pub use setting::Setting;

@@ -1,0 +1,52 @@
+//! A statistic of one's own: the share of sticks that last longer than 1.
+//!
+//! `cargo run --release --no-default-features --example own_statistic`
+
+use stick_slip::engine::Run;
+use stick_slip::model::{Event, EventKind};
+use stick_slip::scenario::Scenario;
+use stick_slip::stats::{Measurement, PathMeans, PathState, Tally};
+
+/// The share of sticks that last longer than this.
+struct LongSticks(f64);
+
+/// When the present stick began (none before the first slip, which starts from the initial condition), how many have
+/// ended, and how many of them were long.
+#[derive(Clone, Default)]
+struct Sticks(Option<f64>, f64, f64);
+
+impl Tally<2> for LongSticks {
+    type Path = Sticks;
+
+    fn start(&self) -> Sticks {
+        Sticks::default()
+    }
+
+    fn event(&self, Sticks(entered, ended, long): &mut Sticks, event: &Event) {
+        match (event.kind, *entered) {
+            (EventKind::StickEntered, _) => *entered = Some(event.time),
+            (EventKind::SlipStarted(_), Some(start)) => {
+                *ended += 1.0;
+                *long += f64::from(u8::from(event.time - start > self.0));
+            }
+            _ => {}
+        }
+    }
+
+    fn end(&self, Sticks(_, ended, long): Sticks, _: PathState) -> [f64; 2] {
+        [long, ended]
+    }
+
+    fn estimate(&self, paths: &PathMeans<2>) -> Measurement {
+        paths.ratio(0, 1)
+    }
+}
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let mut scenario = Scenario::shipped("rho025")?;
+    scenario.ensemble.paths = 4_000;
+    let outcome = Run::of(&scenario).without_bias().tallied(&LongSticks(1.0))?;
+    let Measurement { estimate, low, high, .. } = outcome.tally;
+    println!("share of sticks longer than 1: {estimate:.4}, 95 % interval [{low:.4}, {high:.4}]");
+    Ok(())
+}

@@ -1,0 +1,198 @@
+//! However a run is cut into parts, and in whatever order the parts are done, it comes to the same bits.
+
+use proptest::prelude::*;
+use std::sync::OnceLock;
+use std::sync::atomic::AtomicBool;
+use stick_slip::engine::Run;
+use stick_slip::ensemble::{BLOCK_SIZE, Plan};
+use stick_slip::model::{Event, EventKind};
+use stick_slip::scenario::{Override, Scenario};
+use stick_slip::stats::{
+    BlockResult, Companion, Measurement, PathMeans, PathState, RunTotals, Statistic, Summary, Tallied, Tally,
+};
+
+const BLOCKS: u64 = 23;
+
+/// Noise, a few forcing periods, 31 rows; the last block is not full.
+fn scenario() -> Scenario {
+    let set = ["time.end=60", "time.step=0.05", "time.output_step=2", "record.paths=false"];
+    let set: Vec<Override> = set.iter().map(|text| Override::set(text).expect("well formed")).collect();
+    let text = stick_slip::scenario::shipped("rho025").expect("shipped").text;
+    let mut scenario = Scenario::parse("rho025", text, &set).expect("sound");
+    scenario.ensemble.paths = BLOCKS * BLOCK_SIZE - 100;
+    scenario
+}
+
+fn plan() -> &'static Plan {
+    static PLAN: OnceLock<Plan> = OnceLock::new();
+    PLAN.get_or_init(|| scenario().plan())
+}
+
+fn blocks() -> &'static [BlockResult] {
+    static SIMULATED: OnceLock<Vec<BlockResult>> = OnceLock::new();
+    SIMULATED.get_or_init(|| (0..BLOCKS).map(|k| plan().block(k)).collect())
+}
+
+fn empty() -> RunTotals {
+    RunTotals::empty(&plan().model, &plan().timeline)
+}
+
+/// Every number of a summary, as bits: NaN equals NaN, and 0 is not -0.
+fn bits(summary: &Summary) -> Vec<u64> {
+    let mut all = vec![summary.completed_paths];
+    all.extend(&summary.diverged);
+    for e in &summary.estimates {
+        all.extend([e.estimate, e.standard_error, e.low, e.high].map(f64::to_bits));
+    }
+    let bands = &summary.bands;
+    for band in [&bands.displacement, &bands.velocity, &bands.temperature] {
+        all.extend(band.mean.iter().chain(&band.sd).chain(&band.quantiles).map(|x| x.to_bits()));
+    }
+    all.extend(bands.static_probability.iter().map(|x| x.to_bits()));
+    all.extend(summary.periods.mean.iter().chain(&summary.periods.variance).map(|x| x.to_bits()));
+    let sticks = &summary.stick_durations;
+    all.extend(sticks.histogram.counts.iter().chain(&sticks.censored_counts));
+    all.extend(sticks.survival.iter().chain(&sticks.quantiles).chain(&sticks.histogram.edges).map(|x| x.to_bits()));
+    all.extend(&summary.sub_phases.counts);
+    all
+}
+
+fn whole() -> &'static [u64] {
+    static WHOLE: OnceLock<Vec<u64>> = OnceLock::new();
+    WHOLE.get_or_init(|| bits(&Run::of(&scenario()).threads(1).without_bias().simulate().expect("no sink").summary))
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(40))]
+
+    /// Contiguous parts, completed in a random order, half of them written as bytes and read back.
+    #[test]
+    fn parts_in_any_order_come_to_the_bits_of_the_whole_run(
+        cuts in prop::collection::vec(0..=BLOCKS, 0..7),
+        order in prop::collection::vec(any::<u32>(), 8),
+        through_bytes in prop::collection::vec(any::<bool>(), 8),
+    ) {
+        let mut ends = cuts;
+        ends.extend([0, BLOCKS]);
+        ends.sort_unstable();
+        let mut parts: Vec<(u32, RunTotals)> = ends.windows(2).zip(&order).map(|(cut, &rank)| {
+            let mut part = empty();
+            (cut[0]..cut[1]).for_each(|k| part.push(k, blocks()[k as usize].totals.clone()).expect("each block once"));
+            (rank, part)
+        }).collect();
+        parts.sort_by_key(|(rank, _)| *rank);
+        let mut joined = empty();
+        for ((_, part), through_bytes) in parts.into_iter().zip(through_bytes) {
+            let part = if through_bytes { empty().read(&part.to_bytes()).expect("as written") } else { part };
+            joined.merge(part).expect("the parts do not overlap");
+        }
+        prop_assert_eq!(joined.blocks(), vec![0..BLOCKS]);
+        prop_assert_eq!(bits(&joined.totals().summary()), whole());
+        // What a goal is judged by is what the end of the run says.
+        for statistic in Statistic::ALL {
+            let (early, late) = (joined.estimate(statistic), joined.totals().estimate(statistic));
+            prop_assert_eq!([early.estimate, early.low].map(f64::to_bits), [late.estimate, late.low].map(f64::to_bits));
+        }
+    }
+}
+
+#[test]
+fn any_number_of_threads_comes_to_the_same_bits() {
+    let scenario = scenario();
+    for threads in [1, 2, 3, 8, 17, 32] {
+        let outcome = Run::of(&scenario).threads(threads).without_bias().simulate().expect("no sink");
+        assert_eq!(bits(&outcome.summary), whole(), "{threads} threads");
+    }
+}
+
+/// Counts the slips of a path and sums the squares of the times at which they begin.
+struct Slips;
+
+impl Tally<2> for Slips {
+    type Path = [f64; 2];
+
+    fn start(&self) -> [f64; 2] {
+        [0.0; 2]
+    }
+
+    fn event(&self, [count, squares]: &mut [f64; 2], event: &Event) {
+        if let EventKind::SlipStarted(_) = event.kind {
+            *count += 1.0;
+            *squares += event.time * event.time;
+        }
+    }
+
+    fn end(&self, path: [f64; 2], _: PathState) -> [f64; 2] {
+        path
+    }
+
+    fn estimate(&self, paths: &PathMeans<2>) -> Measurement {
+        paths.ratio(1, 0)
+    }
+}
+
+/// The number of slips that begin, per path, is that of completed slips and of slips cut off at the end: the tally's own
+/// count against the program's. The interval of the mean is the same too where no slip is cut off.
+#[test]
+fn a_tally_is_folded_in_parallel_to_the_same_bits_and_sees_what_the_program_sees() {
+    struct Count;
+    impl Tally<1> for Count {
+        type Path = f64;
+
+        fn start(&self) -> f64 {
+            0.0
+        }
+
+        fn event(&self, slips: &mut f64, event: &Event) {
+            *slips += f64::from(u8::from(event.kind == EventKind::StickEntered));
+        }
+
+        fn end(&self, slips: f64, _: PathState) -> [f64; 1] {
+            [slips]
+        }
+
+        fn estimate(&self, paths: &PathMeans<1>) -> Measurement {
+            paths.mean(0)
+        }
+    }
+    let scenario = scenario();
+    let outcome = Run::of(&scenario).threads(2).without_bias().tallied(&Count).expect("no sink");
+    let program = outcome.summary.estimate(Statistic::SlipsPerPath);
+    let own = outcome.tally;
+    assert_eq!(own.estimate.to_bits(), program.estimate.to_bits());
+    assert_eq!([own.low, own.high].map(f64::to_bits), [program.low, program.high].map(f64::to_bits));
+
+    let ratio = |threads| Run::of(&scenario).threads(threads).without_bias().tallied(&Slips).expect("no sink").tally;
+    let one = ratio(1);
+    assert!(one.low < one.estimate && one.estimate < one.high);
+    assert_eq!(ratio(7), one);
+    // In parts, through the tree, by hand.
+    let mut joined = RunTotals::with(Tallied(&Slips).empty(), &plan().model, &plan().timeline);
+    let deliver = |block: stick_slip::ensemble::Delivered<PathMeans<2>>| {
+        joined.push_with(block.index, block.result.totals, block.beside)?;
+        Ok::<_, stick_slip::stats::Overlap>(std::ops::ControlFlow::Continue(()))
+    };
+    plan().run_beside(&Tallied(&Slips), 2, &AtomicBool::new(false), deliver).expect("each block once");
+    assert_eq!(Slips.estimate(&joined.own()), one);
+}
+
+/// What the documentation says of the size of a state: after 2^k - 1 blocks, when every level holds a node.
+#[test]
+fn the_state_of_a_run_is_as_small_as_promised() {
+    for (rows, node_bytes) in [(121_u64, 10_000), (10_000, 760_000)] {
+        let mut scenario = scenario();
+        scenario.time.output_step = scenario.time.end / (rows - 1) as f64;
+        scenario.time.step = Some(scenario.time.output_step);
+        let plan = scenario.plan();
+        assert_eq!(plan.timeline.rows() as u64, rows);
+        let state = |blocks: u64| {
+            let mut totals = RunTotals::empty(&plan.model, &plan.timeline);
+            let nothing = || stick_slip::stats::Totals::empty(&plan.model, &plan.timeline);
+            (0..blocks).for_each(|k| totals.push(k, nothing()).expect("each block once"));
+            totals.to_bytes().len()
+        };
+        let (one, all) = (state(1), state(127));
+        println!("{rows} rows: a node takes {} bytes", (all - one) / 6);
+        assert!((all - one) / 6 <= node_bytes, "{rows}: {}", (all - one) / 6);
+    }
+}
