@@ -15,8 +15,8 @@ const VERSION: u64 = 1;
 /// The totals of some blocks of a run: the nodes of the tree of sums, and the counts, which need no tree.
 ///
 /// Any two of them that hold different blocks of one run can be joined, and whatever way the blocks were shared out, the
-/// result has the same bits. Memory grows with log2 of the number of blocks (a node is about 10 kB for 121 rows of the output
-/// grid, 0.7 MB for 10 000), not with the number of paths.
+/// result has the same bits. Memory grows with log2 of the number of blocks (a node takes about 7 kB for 121 rows of the output
+/// grid, 0.5 MB for 10 000), not with the number of paths.
 ///
 /// `X` are sums of a user's own ([`super::Tally`]), folded along the same tree.
 #[derive(Clone, Debug, PartialEq)]
