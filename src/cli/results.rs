@@ -12,7 +12,6 @@ use stick_slip::store::{Header, StoreError, Writer, check_space, discard_partial
 
 /// The header of the file that a scenario's run writes.
 pub fn header(scenario: &Scenario) -> Header {
-    let units = scenario.units.clone();
     Header {
         title: scenario.title.clone(),
         scenario_text: scenario.to_toml(),
@@ -25,7 +24,7 @@ pub fn header(scenario: &Scenario) -> Header {
         block_size: BLOCK_SIZE,
         program_version: env!("CARGO_PKG_VERSION").to_string(),
         git_hash: env!("MC_GIT_HASH").to_string(),
-        units: [units.time, units.length, units.force, units.temperature],
+        units: scenario.units.clone(),
         time: scenario.timeline().output_times(),
     }
 }

@@ -12,6 +12,7 @@
 
 mod bands;
 mod catalogue;
+mod dimension;
 mod durations;
 mod goal;
 mod interval;
@@ -26,7 +27,8 @@ mod summary;
 mod synthetic;
 mod totals;
 
-pub use catalogue::{Dimension, Statistic};
+pub use catalogue::Statistic;
+pub use dimension::{Dimension, Units};
 pub use goal::{Bound, Goal, GoalError, Verdict};
 pub use moments::Moments;
 pub use observer::BlockObserver;

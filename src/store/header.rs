@@ -1,6 +1,7 @@
 //! Root attributes: what a file says about itself, written and read side by side.
 
 use super::variable::{read_text, write_attribute, write_text};
+use crate::stats::Units;
 use hdf5::File;
 
 /// What `format_name` says in every file of this program.
@@ -11,9 +12,6 @@ pub const FORMAT_VERSION: (u32, u32) = (1, 1);
 
 /// Version of the CF conventions that the file follows.
 const CONVENTIONS: &str = "CF-1.11";
-
-/// Attribute names of `Header::units`, in its order.
-const UNIT_NAMES: [&str; 4] = ["time_unit", "length_unit", "force_unit", "temperature_unit"];
 
 /// Where the numbers of a file come from.
 #[derive(Clone, Debug, PartialEq)]
@@ -40,8 +38,8 @@ pub struct Header {
     pub program_version: String,
     /// Commit the program was built from.
     pub git_hash: String,
-    /// Unit labels of time, length, force and temperature; empty where dimensionless.
-    pub units: [String; 4],
+    /// Labels of the units; empty where dimensionless.
+    pub units: Units,
     /// Times of the output grid.
     pub time: Vec<f64>,
 }
@@ -99,7 +97,10 @@ pub(super) fn write(file: &File, header: &Header) -> hdf5::Result<()> {
     write_attribute(file, "block_size", header.block_size)?;
     write_text(file, "status", Status::Running.name())?;
     write_attribute(file, "completed_paths", 0_u64)?;
-    for (name, label) in UNIT_NAMES.into_iter().zip(&header.units) {
+    let Units { time, length, force, temperature } = &header.units;
+    for (name, label) in
+        [("time_unit", time), ("length_unit", length), ("force_unit", force), ("temperature_unit", temperature)]
+    {
         // An absent label is a dimensionless one: some readers stumble over empty strings.
         if !label.is_empty() {
             write_text(file, name, label)?;
@@ -153,7 +154,6 @@ pub(super) fn progress(file: &File) -> hdf5::Result<(Status, u64)> {
 /// The header, given the output grid.
 pub(super) fn read(file: &File, time: Vec<f64>) -> hdf5::Result<Header> {
     let label = |name| if file.attr(name).is_ok() { read_text(file, name) } else { Ok(String::new()) };
-    let [time_unit, length_unit, force_unit, temperature_unit] = UNIT_NAMES;
     let number = |name| file.attr(name).ok().map(|number| number.read_scalar()).transpose();
     Ok(Header {
         title: read_text(file, "title")?,
@@ -167,7 +167,12 @@ pub(super) fn read(file: &File, time: Vec<f64>) -> hdf5::Result<Header> {
         block_size: file.attr("block_size")?.read_scalar()?,
         program_version: read_text(file, "program_version")?,
         git_hash: read_text(file, "git_hash")?,
-        units: [label(time_unit)?, label(length_unit)?, label(force_unit)?, label(temperature_unit)?],
+        units: Units {
+            time: label("time_unit")?,
+            length: label("length_unit")?,
+            force: label("force_unit")?,
+            temperature: label("temperature_unit")?,
+        },
         time,
     })
 }
