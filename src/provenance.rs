@@ -3,6 +3,7 @@
 use crate::ensemble::BLOCK_SIZE;
 use crate::noise::GENERATOR;
 use crate::scenario::Scenario;
+use crate::stats::Units;
 
 /// Version of the program.
 pub const PROGRAM_VERSION: &str = env!("CARGO_PKG_VERSION");
@@ -35,8 +36,8 @@ pub struct Provenance {
     pub program_version: String,
     /// Commit the program was built from.
     pub git_hash: String,
-    /// Unit labels of time, length, force and temperature; empty where dimensionless.
-    pub units: [String; 4],
+    /// Labels of the units; empty where dimensionless.
+    pub units: Units,
     /// Times of the output grid.
     pub time: Vec<f64>,
 }
@@ -44,7 +45,6 @@ pub struct Provenance {
 impl Provenance {
     /// Of a run of this scenario, by this program.
     pub fn of(scenario: &Scenario) -> Self {
-        let units = scenario.units.clone();
         Provenance {
             title: scenario.title.clone(),
             scenario_text: scenario.to_toml(),
@@ -57,7 +57,7 @@ impl Provenance {
             block_size: BLOCK_SIZE,
             program_version: PROGRAM_VERSION.to_string(),
             git_hash: GIT_HASH.to_string(),
-            units: [units.time, units.length, units.force, units.temperature],
+            units: scenario.units.clone(),
             time: scenario.timeline().output_times(),
         }
     }

@@ -7,27 +7,13 @@
 
 mod common;
 
-use common::{estimate, event_driven_summary};
+use common::{estimate, event_driven_summary, paper, shipped_model};
 use stick_slip::model::{
-    Complex, Event, EventKind, Friction, Harmonic, ImpulseResponse, InitialNoise, Model, Noise, Oscillator, Sign,
-    Temperature,
+    Complex, Event, EventKind, Friction, Harmonic, ImpulseResponse, InitialNoise, Model, Noise, Sign, Temperature,
 };
 use stick_slip::noise::{DrivenOscillator, HarmonicResponse};
 use stick_slip::scheme::{DEFAULT_TOLERANCE, EventDriven, Instant, Observer, QuasiStatic, Snapshot, Timeline};
 use stick_slip::stats::Statistic;
-
-/// The paper's parameters: m = K = f_d = 1, f_s = 1.2, beta = 6, x0 = 6, with one harmonic of this frequency.
-fn shaw(angular_frequency: f64) -> Model {
-    Model {
-        oscillator: Oscillator { mass: 1.0, stiffness: 1.0, damping: 0.0, dilatation: 6.0 },
-        friction: Friction { static_force: 1.2, dynamic_force: 1.0 },
-        temperature: Temperature {
-            harmonics: vec![Harmonic { amplitude: 1.0, angular_frequency, phase: 0.0 }],
-            noise: None,
-        },
-        initial_displacement: 6.0,
-    }
-}
 
 fn timeline(end: f64) -> Timeline {
     Timeline { end, output_step: end.max(1.0), period: None }
@@ -147,8 +133,8 @@ fn assert_cascade(name: &str, events: &[Event], exact: &[Row]) {
 
 #[test]
 fn every_event_of_the_paper_s_noiseless_scenes_is_exact() {
-    assert_cascade("forcing 1/4", &noiseless_events(&shaw(0.25), 139.0), QUARTER);
-    assert_cascade("forcing 1/2", &noiseless_events(&shaw(0.5), 139.0), HALF);
+    assert_cascade("forcing 1/4", &noiseless_events(&paper(0.25, 0.0), 139.0), QUARTER);
+    assert_cascade("forcing 1/2", &noiseless_events(&paper(0.5, 0.0), 139.0), HALF);
 }
 
 /// The scene of tests/reference/cascade.py with this name, and its t_end.
@@ -171,7 +157,7 @@ fn reference_scene(name: &str) -> (Model, f64) {
         .iter()
         .map(|&(amplitude, angular_frequency, phase)| Harmonic { amplitude, angular_frequency, phase })
         .collect();
-    let mut model = shaw(0.25);
+    let mut model = paper(0.25, 0.0);
     model.oscillator.damping = damping;
     model.friction = Friction { static_force: f_s, dynamic_force: f_d };
     model.temperature.harmonics = harmonics;
@@ -205,7 +191,7 @@ fn ten_thousand_periods_do_not_drift() {
     // sign. The contraction (a factor 8 a phase, see QUARTER) has reached rounding long before event 100.
     let half_period = std::f64::consts::PI / 0.25;
     let periods = 1e4;
-    let events = noiseless_events(&shaw(0.25), 2.0 * half_period * periods);
+    let events = noiseless_events(&paper(0.25, 0.0), 2.0 * half_period * periods);
     assert_eq!(events.len(), 4 * 10_000 - 1, "two sticks and two slips a period; the first begins at t = 0");
     let (first, last) = (events[100], events[events.len() - 3]);
     let halves = ((last.time - first.time) / half_period).round();
@@ -220,17 +206,19 @@ fn ten_thousand_periods_do_not_drift() {
 
 #[test]
 fn a_scene_that_never_slips_reports_no_event() {
-    let mut model = shaw(0.25);
+    let mut model = paper(0.25, 0.0);
     model.friction.static_force = 13.0; // above |b| <= K beta 2
     assert!(noiseless_events(&model, 1e6).is_empty());
-    assert!(noiseless_events(&shaw(0.25), 2.5).is_empty(), "the first slip is at 2.574");
+    assert!(noiseless_events(&paper(0.25, 0.0), 2.5).is_empty(), "the first slip is at 2.574");
 }
 
 #[test]
 fn a_run_of_length_zero_is_observed_once_and_does_nothing() {
     let mut recorder = Recorder::default();
     assert!(
-        EventDriven::new(&shaw(0.25), &timeline(0.0), DEFAULT_TOLERANCE).simulate(0, &[0], &mut recorder).is_empty()
+        EventDriven::new(&paper(0.25, 0.0), &timeline(0.0), DEFAULT_TOLERANCE)
+            .simulate(0, &[0], &mut recorder)
+            .is_empty()
     );
     assert!(recorder.events.is_empty());
     assert!(recorder.rows.iter().all(|row| (row.1, row.2, row.3, row.5) == (0.0, 6.0, 0.0, true)));
@@ -238,7 +226,7 @@ fn a_run_of_length_zero_is_observed_once_and_does_nothing() {
 
 #[test]
 fn without_any_friction_it_is_the_plain_oscillator() {
-    let mut model = shaw(0.25);
+    let mut model = paper(0.25, 0.0);
     model.friction = Friction { static_force: 0.0, dynamic_force: 0.0 };
     model.initial_displacement = 0.0;
     let line = Timeline { end: 50.0, output_step: 0.7, period: None };
@@ -255,8 +243,8 @@ fn without_any_friction_it_is_the_plain_oscillator() {
 fn observing_does_not_touch_a_noiseless_path() {
     let (mut coarse, mut fine) = (Recorder::default(), Recorder::default());
     let line = |output_step| Timeline { end: 60.0, output_step, period: Some(8.0 * std::f64::consts::PI) };
-    EventDriven::new(&shaw(0.25), &line(60.0), DEFAULT_TOLERANCE).simulate(0, &[0, 1], &mut coarse);
-    EventDriven::new(&shaw(0.25), &line(0.37), DEFAULT_TOLERANCE).simulate(0, &[0, 1], &mut fine);
+    EventDriven::new(&paper(0.25, 0.0), &line(60.0), DEFAULT_TOLERANCE).simulate(0, &[0, 1], &mut coarse);
+    EventDriven::new(&paper(0.25, 0.0), &line(0.37), DEFAULT_TOLERANCE).simulate(0, &[0, 1], &mut fine);
     assert_eq!(coarse.events, fine.events);
     assert_eq!(coarse.events[0], coarse.events[1]);
     for &(_, t, x, v, temperature, is_static) in &fine.rows {
@@ -269,7 +257,7 @@ fn observing_does_not_touch_a_noiseless_path() {
 #[test]
 fn a_temperature_that_relaxes_without_diffusion_is_one_more_exponential() {
     // sigma = 0, v(0) = 2, no harmonics: b = 6 e^{-t/2} - x leaves the corridor downwards where 6 e^{-t/2} = 6 - 1.2.
-    let mut model = shaw(0.25);
+    let mut model = paper(0.25, 0.0);
     model.temperature = Temperature {
         harmonics: Vec::new(),
         noise: Some(Noise { intensity: 0.5, relaxation_rate: 0.5, diffusion: 0.0, initial: InitialNoise::At(2.0) }),
@@ -317,7 +305,7 @@ fn noise_that_moves_nothing_is_seen_in_the_temperature() {
     let line = Timeline { end: 6.3, output_step: lag, period: None };
     for dilatation in [0.0, 1e-25] {
         for initial in [InitialNoise::At(2.0), InitialNoise::Stationary] {
-            let mut model = shaw(0.25);
+            let mut model = paper(0.25, 0.0);
             model.oscillator.dilatation = dilatation;
             model.temperature.noise = Some(Noise { intensity: rho, relaxation_rate: theta, diffusion: sigma, initial });
             let is_stationary = initial == InitialNoise::Stationary;
@@ -511,20 +499,12 @@ fn statistics(paths: &[Fold]) -> [(&'static str, (f64, f64)); 8] {
     ]
 }
 
-/// The paper's scene under noise of this intensity, v(0) = 0.
-fn noisy(rho: f64) -> Model {
-    let mut model = shaw(0.25);
-    model.temperature.noise =
-        Some(Noise { intensity: rho, relaxation_rate: 1.0, diffusion: 1.0, initial: InitialNoise::At(0.0) });
-    model
-}
-
 #[test]
 fn the_paper_s_noisy_scene_has_the_reference_statistics() {
     // Reference: an event-driven prototype of other construction, 1e6 paths; it and a second code agree within 0.1 to 0.2 %,
     // hence 0.15 % beside the sampling error. The last value is exact (backward Kolmogorov equation).
     let reference = [0.443052, 16.92537, 17.03947, -4.2316, 1.284064, 0.192593, 2.49826, 0.775576827665];
-    let paths = folds(&noisy(0.25), &timeline(60.0), DEFAULT_TOLERANCE, 2024, 200_000);
+    let paths = folds(&paper(0.25, 0.25), &timeline(60.0), DEFAULT_TOLERANCE, 2024, 200_000);
     for ((name, (value, error)), want) in statistics(&paths).into_iter().zip(reference) {
         println!("{name}: {value} +- {error}, reference {want}");
         assert!((value - want).abs() <= FALSE_ALARM * error + 1.5e-3 * f64::abs(want), "{name}: {value} {want}");
@@ -536,10 +516,11 @@ fn statistics_do_not_depend_on_the_tolerance_nor_on_being_observed() {
     // Null: equal values of every statistic there is; all of them exist in this scene, which has two whole forcing periods. 1e5 paths a
     // side, 64 comparisons at a false-alarm rate of 1e-4 each, seeds 1 to 5.
     let line = |output_step| Timeline { end: 60.0, output_step, period: Some(8.0 * std::f64::consts::PI) };
-    let standard = event_driven_summary(&noisy(0.25), &line(60.0), DEFAULT_TOLERANCE, 1, 100_000);
+    let standard = event_driven_summary(&paper(0.25, 0.25), &line(60.0), DEFAULT_TOLERANCE, 1, 100_000);
     let others = [(0.5, 60.0, 2), (2.0, 60.0, 3), (1.0, 0.7, 4), (16.0, 0.3, 5)];
     for (factor, output_step, seed) in others {
-        let other = event_driven_summary(&noisy(0.25), &line(output_step), factor * DEFAULT_TOLERANCE, seed, 100_000);
+        let other =
+            event_driven_summary(&paper(0.25, 0.25), &line(output_step), factor * DEFAULT_TOLERANCE, seed, 100_000);
         for statistic in Statistic::ALL {
             let ((a, sa), (b, sb)) = (estimate(&standard, statistic), estimate(&other, statistic));
             let name = statistic.name();
@@ -567,7 +548,7 @@ fn without_friction_finding_zeros_leaves_the_gaussian_law_alone() {
     // f_s = f_d = 0: every zero of x' is an event, found, cut at and restarted from; yet (x, x') must keep the law of a linear
     // system: the mean and covariance of one exact transition over the whole time. 1e5 paths, 5 moments a case at 1e-4.
     for (case, (rho, theta, alpha)) in [(0.25, 1.0, 0.0), (2.0, 0.3, 0.1), (0.5, 4.0, 0.5)].into_iter().enumerate() {
-        let mut model = noisy(rho);
+        let mut model = paper(0.25, rho);
         model.friction = Friction { static_force: 0.0, dynamic_force: 0.0 };
         model.oscillator.damping = alpha;
         if let Some(noise) = &mut model.temperature.noise {
@@ -609,7 +590,7 @@ fn path_events(model: &Model, end: f64, seed: u64, numbers: &[u64]) -> Vec<Vec<E
 
 #[test]
 fn a_path_is_a_function_of_the_seed_and_its_number_alone() {
-    let model = noisy(0.25);
+    let model = paper(0.25, 0.25);
     let together = path_events(&model, 60.0, 9, &[3, 4, 5, 1 << 40]);
     for (lane, number) in [3, 4, 5, 1 << 40].into_iter().enumerate() {
         assert_eq!(together[lane], path_events(&model, 60.0, 9, &[number])[0]);
@@ -620,7 +601,7 @@ fn a_path_is_a_function_of_the_seed_and_its_number_alone() {
 
 #[test]
 fn events_alternate_as_the_cascade_says_and_carry_consistent_forces() {
-    let model = noisy(0.25);
+    let model = paper(0.25, 0.25);
     for events in path_events(&model, 60.0, 1, &(0..500).collect::<Vec<_>>()) {
         let (mut time, mut slipping) = (0.0, false);
         for event in &events {
@@ -647,7 +628,7 @@ fn events_alternate_as_the_cascade_says_and_carry_consistent_forces() {
 fn units_do_not_matter_path_by_path() {
     // Length and force in units of 1/4, time in units of 1/2 (mass keeps K/m): powers of two, so that only the transcendental
     // functions may round differently; paths stay together while no event is decided by that.
-    let model = noisy(0.25);
+    let model = paper(0.25, 0.25);
     let mut scaled = model.clone();
     let (length, time) = (4.0, 2.0);
     scaled.oscillator.mass = time * time;
@@ -680,7 +661,7 @@ fn vanishing_noise_recovers_the_deterministic_cascade() {
     // for on an interpolated motion, which alone is off by 1e-4 here, and moved to the exact one.
     for (rho, within) in [(1e-9, 5e-8), (1e-12, 1e-10)] {
         let mut worst = 0.0f64;
-        for events in path_events(&noisy(rho), 139.0, 4, &[0, 1, 2]) {
+        for events in path_events(&paper(0.25, rho), 139.0, 4, &[0, 1, 2]) {
             assert_eq!(events.len(), QUARTER.len());
             for (event, &(kind, t, x, b)) in events.iter().zip(QUARTER) {
                 assert_eq!(kind_number(event.kind), kind);
@@ -696,7 +677,7 @@ fn vanishing_noise_recovers_the_deterministic_cascade() {
 
 #[test]
 fn equal_thresholds_under_noise_have_a_stated_resolution() {
-    let mut model = noisy(0.25);
+    let mut model = paper(0.25, 0.25);
     model.friction.static_force = 1.0;
     let scheme = EventDriven::new(&model, &timeline(60.0), DEFAULT_TOLERANCE);
     let resolution = scheme.resolution().expect("stated");
@@ -704,7 +685,7 @@ fn equal_thresholds_under_noise_have_a_stated_resolution() {
     let paths = folds(&model, &timeline(60.0), DEFAULT_TOLERANCE, 1, 256);
     let (sticks, _) = ratio(&paths, |p| p.sticks, |_| 1.0);
     assert!(sticks > 50.0 && sticks < 1e4, "many, but not without bound: {sticks}");
-    assert!(EventDriven::new(&noisy(0.25), &timeline(60.0), DEFAULT_TOLERANCE).resolution().is_none());
+    assert!(EventDriven::new(&paper(0.25, 0.25), &timeline(60.0), DEFAULT_TOLERANCE).resolution().is_none());
 }
 
 #[test]
@@ -722,7 +703,7 @@ fn extreme_scenes_end_in_bounded_work() {
         (0.25, 1.0, 1.2, 1.0, 20.0, 10.0),
         (0.25, 1.0, 1.2, 1.0, 0.0, 0.0),
     ] {
-        let mut model = noisy(rho);
+        let mut model = paper(0.25, rho);
         model.friction = Friction { static_force: f_s, dynamic_force: f_d };
         model.oscillator.damping = alpha;
         if let Some(noise) = &mut model.temperature.noise {
@@ -735,25 +716,6 @@ fn extreme_scenes_end_in_bounded_work() {
     }
 }
 
-/// scenarios/viaduct.toml.
-fn viaduct() -> Model {
-    let harmonic = |amplitude, angular_frequency| Harmonic { amplitude, angular_frequency, phase: 0.0 };
-    Model {
-        oscillator: Oscillator { mass: 1e5, stiffness: 1.888e8, damping: 0.0, dilatation: 3.064e-4 },
-        friction: Friction { static_force: 0.4689e6, dynamic_force: 0.4219e6 },
-        temperature: Temperature {
-            harmonics: vec![harmonic(6.0, 7.272205216643040e-5), harmonic(12.0, 1.991021277657232e-7)],
-            noise: Some(Noise {
-                intensity: 1.0,
-                relaxation_rate: 1.0 / 21_600.0,
-                diffusion: 2.0 * f64::sqrt(2.0 / 21_600.0),
-                initial: InitialNoise::Stationary,
-            }),
-        },
-        initial_displacement: 3.064e-4 * 18.0,
-    }
-}
-
 #[test]
 fn the_viaduct_slips_seldom_and_briefly() {
     // 300 days; slips last pi/w0 = 0.0723 s and move 2 (f_s - f_d)/K = 0.498 mm, for the temperature all but stands still
@@ -762,7 +724,7 @@ fn the_viaduct_slips_seldom_and_briefly() {
     let line = Timeline { end: 2.592e7, output_step: 3600.0, period: None };
     let numbers: Vec<u64> = (0..16).collect();
     let clock = std::time::Instant::now();
-    let scheme = EventDriven::new(&viaduct(), &line, DEFAULT_TOLERANCE);
+    let scheme = EventDriven::new(&shipped_model("viaduct"), &line, DEFAULT_TOLERANCE);
     assert!(scheme.simulate(1, &numbers, &mut recorder).is_empty());
     println!("{:?} a path, {} events", clock.elapsed() / 16, recorder.events[0].len());
     assert!(scheme.resolution().is_none());
@@ -780,7 +742,7 @@ fn the_viaduct_slips_seldom_and_briefly() {
 fn the_quasi_static_recursion_is_the_paper_s() {
     // Slow forcing, w = w0/1000: exits where 6 cos(w t) = x_j -+ f_s by hand, slips of pi/w0 and 2 (f_s - f_d)/K.
     let (w, f_s, jump) = (1e-3, 1.2, 0.4);
-    let mut model = shaw(w);
+    let mut model = paper(w, 0.0);
     model.initial_displacement = 5.9; // from 6, steps of 0.4 would meet the forcing's extremum to the last digit
     let mut recorder = Recorder::default();
     let line = Timeline { end: 10_000.0, output_step: 100.0, period: None };
@@ -807,7 +769,7 @@ fn the_quasi_static_recursion_is_the_paper_s() {
 
 #[test]
 fn quasi_static_with_equal_thresholds_never_moves() {
-    let mut model = noisy(0.25);
+    let mut model = paper(0.25, 0.25);
     model.friction.static_force = 1.0;
     let mut recorder = Recorder::default();
     let line = Timeline { end: 60.0, output_step: 0.5, period: None };
@@ -832,8 +794,8 @@ fn quasi_static_and_event_driven_agree_on_the_viaduct_and_not_under_fast_forcing
         assert!(failed.is_empty());
         observer.0
     };
-    let exact = fold(0..400, false, &viaduct(), &line);
-    let quasi = fold(400..800, true, &viaduct(), &line);
+    let exact = fold(0..400, false, &shipped_model("viaduct"), &line);
+    let quasi = fold(400..800, true, &shipped_model("viaduct"), &line);
     let measures: [fn(&Fold) -> f64; 3] = [|p| p.slips, |p| p.displacement_end, |p| p.jumps];
     for (i, measure) in measures.into_iter().enumerate() {
         let ((a, sa), (b, sb)) = (ratio(&exact, measure, |_| 1.0), ratio(&quasi, measure, |_| 1.0));
@@ -841,7 +803,7 @@ fn quasi_static_and_event_driven_agree_on_the_viaduct_and_not_under_fast_forcing
         assert!((a - b).abs() <= FALSE_ALARM * sa.hypot(sb), "{i}: {a} +- {sa}, {b} +- {sb}");
     }
     // At w = w0/4 slips move by 12, not by 0.4.
-    let jump = |quasi| ratio(&fold(0..64, quasi, &shaw(0.25), &timeline(139.0)), |p| p.jumps, |p| p.slips).0;
+    let jump = |quasi| ratio(&fold(0..64, quasi, &paper(0.25, 0.0), &timeline(139.0)), |p| p.jumps, |p| p.slips).0;
     assert!(jump(false) > 12.0 && (jump(true) - 0.4).abs() < 1e-12);
 }
 
@@ -855,9 +817,9 @@ fn the_quasi_static_approximation_fails_where_forcing_is_fast() {
         let jump = |quasi: bool| {
             let mut observer = Folds(vec![Fold::default()]);
             let failed = if quasi {
-                QuasiStatic::new(&shaw(w), &line, DEFAULT_TOLERANCE).simulate(0, &[0], &mut observer)
+                QuasiStatic::new(&paper(w, 0.0), &line, DEFAULT_TOLERANCE).simulate(0, &[0], &mut observer)
             } else {
-                EventDriven::new(&shaw(w), &line, DEFAULT_TOLERANCE).simulate(0, &[0], &mut observer)
+                EventDriven::new(&paper(w, 0.0), &line, DEFAULT_TOLERANCE).simulate(0, &[0], &mut observer)
             };
             assert!(failed.is_empty());
             ratio(&observer.0, |p| p.jumps, |p| p.slips).0

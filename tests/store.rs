@@ -10,7 +10,7 @@ use stick_slip::engine::Status;
 use stick_slip::provenance::Provenance;
 use stick_slip::stats::{
     Band, Bands, Bias, Estimate, EventColumns, Histogram, PathColumns, PeriodMoments, QUANTILE_LEVELS, Record,
-    Statistic, StickDurations, SubPhaseCounts, Summary, TrajectoryRows,
+    Statistic, StickDurations, SubPhaseCounts, Summary, TrajectoryRows, Units,
 };
 use stick_slip::store::{Rows, StoreError, Writer, check_space, discard_partial, partial_path, read};
 
@@ -39,7 +39,7 @@ fn header(paths: u64) -> Provenance {
         block_size: 256,
         program_version: "0.1.0".to_owned(),
         git_hash: "0123456789abcdef".to_owned(),
-        units: ["s", "m", "N", "K"].map(String::from),
+        units: Units { time: "s".into(), length: "m".into(), force: "N".into(), temperature: "K".into() },
         time: (0..61).map(f64::from).collect(),
     }
 }

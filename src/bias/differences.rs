@@ -105,7 +105,7 @@ impl Differences {
         if !self.model.temperature.is_random() {
             let (estimate, uncertainty) = all.without_noise();
             // Both ends of a phase are on the grid.
-            let grid = if statistic.dimension() == Dimension::Time { self.h } else { 0.0 };
+            let grid = if statistic.dimension() == Dimension::TIME { self.h } else { 0.0 };
             return Bias { estimate, uncertainty: uncertainty + grid, order };
         }
         let p = leading_order(statistic, all);

@@ -128,7 +128,7 @@ impl Observer for GroupObserver {
 mod tests {
     use super::*;
     use crate::bias::Differences;
-    use crate::model::{Friction, Harmonic, InitialNoise, Noise, Oscillator, Temperature};
+    use crate::model::paper::paper;
     use std::sync::atomic::AtomicBool;
 
     #[test]
@@ -146,16 +146,7 @@ mod tests {
     /// for a false-alarm rate of 6e-5. An error of a factor of two gives 70 % or 99.9 %.
     #[test]
     fn differences_of_steps_scatter_as_the_jackknife_says() {
-        let noise = Noise { intensity: 0.25, relaxation_rate: 1.0, diffusion: 1.0, initial: InitialNoise::At(0.0) };
-        let model = Model {
-            oscillator: Oscillator { mass: 1.0, stiffness: 1.0, damping: 0.0, dilatation: 6.0 },
-            friction: Friction { static_force: 1.2, dynamic_force: 1.0 },
-            temperature: Temperature {
-                harmonics: vec![Harmonic { amplitude: 1.0, angular_frequency: 0.25, phase: 0.0 }],
-                noise: Some(noise),
-            },
-            initial_displacement: 6.0,
-        };
+        let model = paper(0.25, 0.25);
         let timeline = Timeline { end: 30.0, output_step: 30.0, period: None };
         for statistic in [Statistic::StickDurationMean, Statistic::SticksPerPath] {
             let i = Statistic::ALL.iter().position(|s| *s == statistic).expect("it is one of all");

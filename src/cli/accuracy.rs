@@ -2,7 +2,7 @@
 
 use super::failure::{Failure, note};
 use super::numbers::{grouped, percent, significant, time, wrapped};
-use super::{report, trade as trade_verb};
+use super::trade as trade_verb;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 use stick_slip::engine::MOST_PATHS;
@@ -151,7 +151,7 @@ impl Wish<'_> {
         self.say(&why);
         for &statistic in asked {
             if let Standing::Deviation(deviation) = trade.standing(statistic) {
-                let unit = report::unit(statistic.dimension(), &scenario.units);
+                let unit = statistic.dimension().label(&scenario.units);
                 self.say(&format!(
                     "{} is zero within its error in the pilot, and a share of zero is no goal: {} is taken of its standard deviation \
                      per path, an error of {} {unit}",

@@ -15,6 +15,7 @@ mod report;
 mod results;
 mod run;
 mod show;
+mod table;
 mod trade;
 mod trade_report;
 

@@ -6,7 +6,7 @@ use super::results;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use stick_slip::provenance::Provenance;
-use stick_slip::scenario::{Scenario, Units};
+use stick_slip::scenario::Scenario;
 use stick_slip::store::{self, Stored};
 
 /// Arguments of `mc show`.
@@ -38,7 +38,6 @@ impl Show {
 
 fn info(file: &Path, stored: &Stored, scenario: Option<&Scenario>) -> RunInfo {
     let Stored { header, status, ended_by, .. } = stored;
-    let [time, length, force, temperature] = header.units.clone();
     RunInfo {
         scenario: header.title.clone(),
         title: header.title.clone(),
@@ -57,7 +56,7 @@ fn info(file: &Path, stored: &Stored, scenario: Option<&Scenario>) -> RunInfo {
         file: file.display().to_string(),
         status: *status,
         ended_by: ended_by.clone(),
-        units: Units { time, length, force, temperature },
+        units: header.units.clone(),
     }
 }
 

@@ -1,6 +1,7 @@
 //! A trade, for people and for machines: pure functions of what was measured.
 
 use super::numbers::{percent, significant, time, wrapped};
+use super::table::{Row, aligned};
 use serde::Serialize;
 use std::fmt::Write as _;
 use std::path::Path;
@@ -25,6 +26,9 @@ pub struct Asked<'a> {
 
 /// Half the width of a 95 % interval, in standard errors.
 const INTERVAL: f64 = 1.96;
+
+/// Between columns, of which there are many.
+const GAP: &str = " ";
 
 /// The table for people, no wider than 120 columns.
 pub fn table(trade: &Trade, asked: &Asked<'_>) -> String {
@@ -88,16 +92,16 @@ fn scheme_table(trade: &Trade, scheme: &str) -> String {
     let rungs = rungs_of(trade, scheme);
     let is_stepping = rungs.iter().any(|rung| rung.setting.step.is_some());
     let knob = if is_stepping { "step" } else { "tolerance" };
+    let row = |label: String, cell: &dyn Fn(&Rung) -> String| Row::labelled(label, rungs.iter().map(|rung| cell(rung)));
     let mut rows = vec![
-        [vec![format!("{scheme}, {knob}")], rungs.iter().map(|rung| short(rung.setting.knob())).collect()].concat(),
-        [vec!["us per path".into()], rungs.iter().map(|rung| significant(rung.cost.each * 1e6, 3)).collect()].concat(),
-        [vec!["paths".into()], rungs.iter().map(|rung| rung.paths.to_string()).collect()].concat(),
+        row(format!("{scheme}, {knob}"), &|rung| short(rung.setting.knob())),
+        row("us per path".into(), &|rung| significant(rung.cost.each * 1e6, 3)),
+        row("paths".into(), &|rung| rung.paths.to_string()),
     ];
     for statistic in trade.answerable() {
-        let cells = rungs.iter().map(|rung| bias(trade, rung, statistic));
-        rows.push([vec![label(trade, statistic)], cells.collect()].concat());
+        rows.push(row(label(trade, statistic), &|rung| bias(trade, rung, statistic)));
     }
-    aligned(&rows)
+    aligned(&rows, GAP)
 }
 
 fn label(trade: &Trade, statistic: Statistic) -> String {
@@ -130,28 +134,27 @@ fn deviations(trade: &Trade) -> String {
     let mut schemes = trade.schemes();
     schemes.retain(|scheme| rungs_of(trade, scheme).iter().any(|rung| rung.setting.step.is_some()));
     let orders = schemes.iter().map(|scheme| format!("order, {scheme}"));
-    let mut rows =
-        vec![["statistic", "reference", "sd per path"].into_iter().map(String::from).chain(orders).collect()];
+    let headings = ["reference", "sd per path"].into_iter().map(String::from).chain(orders);
+    let mut rows = vec![Row::labelled("statistic", headings)];
     for statistic in trade.answerable() {
-        let mut row = vec![
-            statistic.name().to_string(),
+        let mut cells = vec![
             significant(reference.estimate(statistic).value, 5),
             significant(reference.variance(statistic).sqrt(), 3),
         ];
-        row.extend(schemes.iter().map(|scheme| match trade.law(scheme, statistic) {
+        cells.extend(schemes.iter().map(|scheme| match trade.law(scheme, statistic) {
             Some(law) => format!("{:.2}±{:.2}", law.order.value, law.order.error),
             None => "not resolved".into(),
         }));
-        rows.push(row);
+        rows.push(Row::labelled(statistic.name(), cells));
     }
-    aligned(&rows)
+    aligned(&rows, GAP)
 }
 
 /// Step or tolerance, paths and cost of every scheme for one target, the cheapest marked.
 fn winners(trade: &Trade, target: f64) -> String {
     let schemes = trade.schemes();
-    let heading = format!("RMSE {}", percent(target));
-    let mut rows = vec![[vec![heading], schemes.iter().map(|s| s.to_string()).collect()].concat()];
+    let headings = schemes.iter().map(|scheme| scheme.to_string());
+    let mut rows = vec![Row::labelled(format!("RMSE {}", percent(target)), headings)];
     for statistic in trade.answerable() {
         let winner = trade.best(None, &[statistic], target).ok();
         let cells = schemes.iter().map(|scheme| match trade.best(Some(scheme), &[statistic], target) {
@@ -161,10 +164,9 @@ fn winners(trade: &Trade, target: f64) -> String {
             Err(Refusal::Bias { least, .. }) => format!("bias {least:.1e}"),
             Err(Refusal::NotRun | Refusal::NoAnswer(_)) => "none".into(),
         });
-        let cells: Vec<String> = cells.collect();
-        rows.push([vec![label(trade, statistic)], cells].concat());
+        rows.push(Row::labelled(label(trade, statistic), cells));
     }
-    aligned(&rows)
+    aligned(&rows, GAP)
 }
 
 /// `0.0039 x684 12.3 ms`; a step that was not run is in brackets.
@@ -180,22 +182,6 @@ fn short(x: f64) -> String {
     let (plain, powers) = (significant(x, 3), format!("{x:.2e}"));
     let powers = powers.replace(".00e", "e").replace("0e", "e");
     if plain.len() <= powers.len() + 1 { plain } else { powers }
-}
-
-/// Columns under each other, the first to the left, the others to the right.
-fn aligned(rows: &[Vec<String>]) -> String {
-    let columns = rows.iter().map(Vec::len).max().unwrap_or(0);
-    let width = |c: usize| rows.iter().filter_map(|row| row.get(c)).map(|cell| cell.chars().count()).max().unwrap_or(0);
-    let widths: Vec<usize> = (0..columns).map(width).collect();
-    let mut text = String::new();
-    for row in rows {
-        let mut line = format!("{:<1$}", row[0], widths[0]);
-        for (cell, width) in row.iter().zip(&widths).skip(1) {
-            let _ = write!(line, " {cell:>width$}");
-        }
-        let _ = writeln!(text, "{}", line.trim_end());
-    }
-    text
 }
 
 #[derive(Serialize)]

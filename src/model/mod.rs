@@ -16,6 +16,8 @@ mod friction;
 mod harmonic_clock;
 mod impulse_response;
 mod oscillator;
+#[cfg(test)]
+pub(crate) mod paper;
 mod slip_flow;
 mod temperature;
 

@@ -40,6 +40,8 @@ pub use stability::Stability;
 pub use time::{MAX_ROWS, MAX_STEPS};
 pub use warnings::Warning;
 
+pub use crate::stats::Units;
+
 use crate::model::Model;
 use crate::scheme::Timeline;
 use crate::stats::Record;
@@ -85,19 +87,6 @@ pub struct Ensemble {
     pub paths: u64,
     /// Seed; with the path number it determines a path.
     pub seed: u64,
-}
-
-/// Unit labels; empty where the scenario is dimensionless.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Units {
-    /// Label of time, e.g. "s".
-    pub time: String,
-    /// Label of length, e.g. "m".
-    pub length: String,
-    /// Label of force, e.g. "N".
-    pub force: String,
-    /// Label of temperature, e.g. "K".
-    pub temperature: String,
 }
 
 impl Time {

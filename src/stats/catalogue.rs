@@ -1,5 +1,7 @@
 //! The list of reported statistics: one name each, the same in tables, JSON and HDF5.
 
+use super::dimension::Dimension;
+
 /// A reported number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Statistic {
@@ -35,23 +37,6 @@ pub enum Statistic {
     JumpAbsMean,
     /// Mean over paths of the friction work, integral of f_d |x'| dt over [0, t_end].
     FrictionWorkMean,
-}
-
-/// What a number is measured in, as exponents of length, time and force.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Dimension {
-    /// A pure number.
-    One,
-    /// time
-    Time,
-    /// length
-    Length,
-    /// length / time
-    Velocity,
-    /// length^2 / time
-    Diffusivity,
-    /// force * length
-    Work,
 }
 
 impl Statistic {
@@ -108,19 +93,19 @@ impl Statistic {
             Statistic::StickDurationMean
             | Statistic::StickDurationSd
             | Statistic::StickDurationMedian
-            | Statistic::FirstStickDurationMean => Dimension::Time,
+            | Statistic::FirstStickDurationMean => Dimension::TIME,
             Statistic::SticksPerPath
             | Statistic::SlipsPerPath
             | Statistic::SubPhasesMean
             | Statistic::SubPhasesMultipleShare
-            | Statistic::StickingFraction => Dimension::One,
+            | Statistic::StickingFraction => Dimension::ONE,
             Statistic::DisplacementEndMean
             | Statistic::DisplacementEndSd
             | Statistic::JumpMean
-            | Statistic::JumpAbsMean => Dimension::Length,
-            Statistic::DriftVelocity => Dimension::Velocity,
-            Statistic::DiffusionCoefficient => Dimension::Diffusivity,
-            Statistic::FrictionWorkMean => Dimension::Work,
+            | Statistic::JumpAbsMean => Dimension::LENGTH,
+            Statistic::DriftVelocity => Dimension::VELOCITY,
+            Statistic::DiffusionCoefficient => Dimension::DIFFUSIVITY,
+            Statistic::FrictionWorkMean => Dimension::WORK,
         }
     }
 }

@@ -15,6 +15,7 @@
 mod bands;
 mod catalogue;
 mod codec;
+mod dimension;
 mod durations;
 mod goal;
 mod interval;
@@ -32,8 +33,9 @@ mod tally;
 mod totals;
 mod tree;
 
-pub use catalogue::{Dimension, Statistic};
+pub use catalogue::Statistic;
 pub use codec::{Codec, Damaged, Reader};
+pub use dimension::{Dimension, Units};
 pub use goal::{Bound, Goal, GoalError, Verdict};
 pub use moments::Moments;
 pub use observer::BlockObserver;

@@ -3,6 +3,7 @@
 use super::variable::{read_text, write_attribute, write_text};
 use crate::engine::Status;
 use crate::provenance::Provenance;
+use crate::stats::Units;
 use hdf5::File;
 
 /// What `format_name` says in every file of this program.
@@ -13,9 +14,6 @@ pub const FORMAT_VERSION: (u32, u32) = (1, 1);
 
 /// Version of the CF conventions that the file follows.
 const CONVENTIONS: &str = "CF-1.11";
-
-/// Attribute names of `Provenance::units`, in its order.
-const UNIT_NAMES: [&str; 4] = ["time_unit", "length_unit", "force_unit", "temperature_unit"];
 
 /// Write every root attribute of a run that has just started.
 pub(super) fn write(file: &File, header: &Provenance) -> hdf5::Result<()> {
@@ -39,7 +37,10 @@ pub(super) fn write(file: &File, header: &Provenance) -> hdf5::Result<()> {
     write_attribute(file, "block_size", header.block_size)?;
     write_text(file, "status", Status::Running.name())?;
     write_attribute(file, "completed_paths", 0_u64)?;
-    for (name, label) in UNIT_NAMES.into_iter().zip(&header.units) {
+    let Units { time, length, force, temperature } = &header.units;
+    for (name, label) in
+        [("time_unit", time), ("length_unit", length), ("force_unit", force), ("temperature_unit", temperature)]
+    {
         // An absent label is a dimensionless one: some readers stumble over empty strings.
         if !label.is_empty() {
             write_text(file, name, label)?;
@@ -93,7 +94,6 @@ pub(super) fn progress(file: &File) -> hdf5::Result<(Status, u64)> {
 /// The header, given the output grid.
 pub(super) fn read(file: &File, time: Vec<f64>) -> hdf5::Result<Provenance> {
     let label = |name| if file.attr(name).is_ok() { read_text(file, name) } else { Ok(String::new()) };
-    let [time_unit, length_unit, force_unit, temperature_unit] = UNIT_NAMES;
     let number = |name| file.attr(name).ok().map(|number| number.read_scalar()).transpose();
     Ok(Provenance {
         title: read_text(file, "title")?,
@@ -107,7 +107,12 @@ pub(super) fn read(file: &File, time: Vec<f64>) -> hdf5::Result<Provenance> {
         block_size: file.attr("block_size")?.read_scalar()?,
         program_version: read_text(file, "program_version")?,
         git_hash: read_text(file, "git_hash")?,
-        units: [label(time_unit)?, label(length_unit)?, label(force_unit)?, label(temperature_unit)?],
+        units: Units {
+            time: label("time_unit")?,
+            length: label("length_unit")?,
+            force: label("force_unit")?,
+            temperature: label("temperature_unit")?,
+        },
         time,
     })
 }

@@ -1,78 +1,35 @@
 //! Every dimension and variable of the file: name, axes, unit and meaning, in one table for writer and reader.
 
-use crate::stats::{Dimension, Statistic};
+use crate::stats::{Dimension, Statistic, Units};
 
 /// What a variable is measured in; `label` turns it into text.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Unit {
     /// No `units` attribute: flags, names, and numbers of different kinds in one array.
     None,
-    /// A pure number.
-    One,
-    /// time
-    Time,
-    /// length
-    Length,
-    /// force
-    Force,
-    /// temperature
-    Temperature,
-    /// length / time
-    Velocity,
-    /// length^2
-    Area,
-    /// length^2 / time
-    Diffusivity,
-    /// force * length
-    Work,
+    /// In units of the scenario.
+    Of(Dimension),
     /// Seconds of a computer, whatever the scenario's unit of time.
     Seconds,
 }
 
-impl From<Dimension> for Unit {
-    fn from(dimension: Dimension) -> Unit {
-        match dimension {
-            Dimension::One => Unit::One,
-            Dimension::Time => Unit::Time,
-            Dimension::Length => Unit::Length,
-            Dimension::Velocity => Unit::Velocity,
-            Dimension::Diffusivity => Unit::Diffusivity,
-            Dimension::Work => Unit::Work,
-        }
-    }
-}
-
 impl Unit {
-    /// The `units` attribute, in UDUNITS notation, from the labels of time, length, force and temperature.
-    pub(super) fn label(self, units: &[String; 4]) -> Option<String> {
-        let [time, length, force, temperature] = units;
-        let powers: &[(&String, i32)] = match self {
-            Unit::None => return None,
-            Unit::Seconds => return Some("s".to_owned()),
-            Unit::One => &[],
-            Unit::Time => &[(time, 1)],
-            Unit::Length => &[(length, 1)],
-            Unit::Force => &[(force, 1)],
-            Unit::Temperature => &[(temperature, 1)],
-            Unit::Velocity => &[(length, 1), (time, -1)],
-            Unit::Area => &[(length, 2)],
-            Unit::Diffusivity => &[(length, 2), (time, -1)],
-            Unit::Work => &[(force, 1), (length, 1)],
-        };
-        let factors: Vec<String> = powers.iter().filter_map(|&(label, power)| factor(label, power)).collect();
-        Some(if factors.is_empty() { "1".to_owned() } else { factors.join(" ") })
-    }
-}
+    pub(super) const ONE: Unit = Unit::Of(Dimension::ONE);
+    pub(super) const TIME: Unit = Unit::Of(Dimension::TIME);
+    const LENGTH: Unit = Unit::Of(Dimension::LENGTH);
+    const FORCE: Unit = Unit::Of(Dimension::FORCE);
+    const TEMPERATURE: Unit = Unit::Of(Dimension::TEMPERATURE);
+    const VELOCITY: Unit = Unit::Of(Dimension::VELOCITY);
+    const AREA: Unit = Unit::Of(Dimension::AREA);
+    const WORK: Unit = Unit::Of(Dimension::WORK);
 
-/// `m` to the power 2 is `m2`; a label that is itself an expression needs brackets.
-fn factor(label: &str, power: i32) -> Option<String> {
-    let label = label.trim();
-    let simple = label.chars().all(char::is_alphabetic);
-    match power {
-        _ if label.is_empty() || label == "1" => None,
-        1 => Some(label.to_owned()),
-        _ if simple => Some(format!("{label}{power}")),
-        _ => Some(format!("({label})^{power}")),
+    /// The `units` attribute.
+    pub(super) fn label(self, units: &Units) -> Option<String> {
+        match self {
+            Unit::None => None,
+            Unit::Of(dimension) => Some(dimension.udunits(units)),
+            Unit::Seconds => Some("s".to_owned()),
+        }
     }
 }
 
@@ -159,87 +116,87 @@ table! {
     BIAS_ORDER = variable("bias_order", &["statistic"], Unit::None,
         "power of the step with which the statistic was seen to change, missing where unknown").with(PER_STATISTIC);
 
-    TIME = variable("time", &["time"], Unit::Time, "time").with(&[("axis", "T")]);
-    QUANTILE = variable("quantile", &["quantile"], Unit::One, "quantile level");
-    DISPLACEMENT_MEAN = variable("displacement_mean", &["time"], Unit::Length, "mean of the displacement");
-    DISPLACEMENT_SD = variable("displacement_sd", &["time"], Unit::Length, "standard deviation of the displacement");
-    DISPLACEMENT_QUANTILE = variable("displacement_quantile", &["quantile", "time"], Unit::Length,
+    TIME = variable("time", &["time"], Unit::TIME, "time").with(&[("axis", "T")]);
+    QUANTILE = variable("quantile", &["quantile"], Unit::ONE, "quantile level");
+    DISPLACEMENT_MEAN = variable("displacement_mean", &["time"], Unit::LENGTH, "mean of the displacement");
+    DISPLACEMENT_SD = variable("displacement_sd", &["time"], Unit::LENGTH, "standard deviation of the displacement");
+    DISPLACEMENT_QUANTILE = variable("displacement_quantile", &["quantile", "time"], Unit::LENGTH,
         "quantiles of the displacement");
-    VELOCITY_MEAN = variable("velocity_mean", &["time"], Unit::Velocity, "mean of the velocity");
-    VELOCITY_SD = variable("velocity_sd", &["time"], Unit::Velocity, "standard deviation of the velocity");
-    VELOCITY_QUANTILE = variable("velocity_quantile", &["quantile", "time"], Unit::Velocity,
+    VELOCITY_MEAN = variable("velocity_mean", &["time"], Unit::VELOCITY, "mean of the velocity");
+    VELOCITY_SD = variable("velocity_sd", &["time"], Unit::VELOCITY, "standard deviation of the velocity");
+    VELOCITY_QUANTILE = variable("velocity_quantile", &["quantile", "time"], Unit::VELOCITY,
         "quantiles of the velocity");
-    TEMPERATURE_MEAN = variable("temperature_mean", &["time"], Unit::Temperature, "mean of the temperature");
-    TEMPERATURE_SD = variable("temperature_sd", &["time"], Unit::Temperature, "standard deviation of the temperature");
-    TEMPERATURE_QUANTILE = variable("temperature_quantile", &["quantile", "time"], Unit::Temperature,
+    TEMPERATURE_MEAN = variable("temperature_mean", &["time"], Unit::TEMPERATURE, "mean of the temperature");
+    TEMPERATURE_SD = variable("temperature_sd", &["time"], Unit::TEMPERATURE, "standard deviation of the temperature");
+    TEMPERATURE_QUANTILE = variable("temperature_quantile", &["quantile", "time"], Unit::TEMPERATURE,
         "quantiles of the temperature");
-    STATIC_PROBABILITY = variable("static_probability", &["time"], Unit::One, "probability of being in a static phase");
+    STATIC_PROBABILITY = variable("static_probability", &["time"], Unit::ONE, "probability of being in a static phase");
 
-    DURATION_BIN = variable("duration_bin", &["duration_bin"], Unit::Time, "upper edge of the stick duration bin");
-    DURATION_BIN_LOWER = variable("duration_bin_lower", &["duration_bin"], Unit::Time,
+    DURATION_BIN = variable("duration_bin", &["duration_bin"], Unit::TIME, "upper edge of the stick duration bin");
+    DURATION_BIN_LOWER = variable("duration_bin_lower", &["duration_bin"], Unit::TIME,
         "lower edge of the stick duration bin, itself inside the bin");
-    STICK_DURATION_COUNT = variable("stick_duration_count", &["duration_bin"], Unit::One,
+    STICK_DURATION_COUNT = variable("stick_duration_count", &["duration_bin"], Unit::ONE,
         "completed sticks, the first of each path left out").with(PER_BIN);
-    STICK_DURATION_CENSORED_COUNT = variable("stick_duration_censored_count", &["duration_bin"], Unit::One,
+    STICK_DURATION_CENSORED_COUNT = variable("stick_duration_censored_count", &["duration_bin"], Unit::ONE,
         "sticks still running at the end, by their duration so far, the first of each path left out").with(PER_BIN);
-    STICK_DURATION_SURVIVAL = variable("stick_duration_survival", &["duration_bin"], Unit::One,
+    STICK_DURATION_SURVIVAL = variable("stick_duration_survival", &["duration_bin"], Unit::ONE,
         "probability that a stick lasts beyond the upper edge of the bin (Kaplan-Meier)").with(PER_BIN);
-    STICK_DURATION_QUANTILE = variable("stick_duration_quantile", &["quantile"], Unit::Time,
+    STICK_DURATION_QUANTILE = variable("stick_duration_quantile", &["quantile"], Unit::TIME,
         "quantiles of the completed stick durations");
-    STICK_DURATION_COMPLETED = variable("stick_duration_completed", &[], Unit::One,
+    STICK_DURATION_COMPLETED = variable("stick_duration_completed", &[], Unit::ONE,
         "completed sticks, the first of each path left out");
-    STICK_DURATION_CENSORED = variable("stick_duration_censored", &[], Unit::One,
+    STICK_DURATION_CENSORED = variable("stick_duration_censored", &[], Unit::ONE,
         "sticks still running at the end, the first of each path left out");
-    FIRST_STICK_COMPLETED = variable("first_stick_duration_completed", &[], Unit::One, "first sticks that ended");
-    FIRST_STICK_CENSORED = variable("first_stick_duration_censored", &[], Unit::One,
+    FIRST_STICK_COMPLETED = variable("first_stick_duration_completed", &[], Unit::ONE, "first sticks that ended");
+    FIRST_STICK_CENSORED = variable("first_stick_duration_censored", &[], Unit::ONE,
         "first sticks still running at the end");
 
-    SUB_PHASE = variable("sub_phase", &["sub_phase"], Unit::One,
+    SUB_PHASE = variable("sub_phase", &["sub_phase"], Unit::ONE,
         "sub-phases of a dynamic phase; the last entry stands for this many or more");
-    SUB_PHASE_COUNT = variable("sub_phase_count", &["sub_phase"], Unit::One,
+    SUB_PHASE_COUNT = variable("sub_phase_count", &["sub_phase"], Unit::ONE,
         "completed dynamic phases with so many sub-phases");
-    SUB_PHASE_CENSORED = variable("sub_phase_censored", &[], Unit::One, "dynamic phases still running at the end");
+    SUB_PHASE_CENSORED = variable("sub_phase_censored", &[], Unit::ONE, "dynamic phases still running at the end");
 
-    PERIOD = variable("period", &["period"], Unit::One, "number of whole forcing periods");
-    PERIOD_TIME = variable("period_time", &["period"], Unit::Time, "end of the forcing period");
-    DISPLACEMENT_PERIOD_MEAN = variable("displacement_period_mean", &["period"], Unit::Length,
+    PERIOD = variable("period", &["period"], Unit::ONE, "number of whole forcing periods");
+    PERIOD_TIME = variable("period_time", &["period"], Unit::TIME, "end of the forcing period");
+    DISPLACEMENT_PERIOD_MEAN = variable("displacement_period_mean", &["period"], Unit::LENGTH,
         "mean of the displacement since the start, at the end of the period").with(&[("coordinates", "period_time")]);
-    DISPLACEMENT_PERIOD_VARIANCE = variable("displacement_period_variance", &["period"], Unit::Area,
+    DISPLACEMENT_PERIOD_VARIANCE = variable("displacement_period_variance", &["period"], Unit::AREA,
         "variance of the displacement at the end of the period").with(&[("coordinates", "period_time")]);
 
-    DIVERGED_PATH = variable("diverged_path", &["diverged_path"], Unit::One,
+    DIVERGED_PATH = variable("diverged_path", &["diverged_path"], Unit::ONE,
         "numbers of the paths that diverged or were given up, which are in no statistic");
 
-    PATH = variable("path", &["path"], Unit::One, "path number");
-    PATH_DISPLACEMENT_END = variable("path_displacement_end", &["path"], Unit::Length, "displacement at the end");
-    PATH_MAX_DISPLACEMENT = variable("path_max_displacement", &["path"], Unit::Length,
+    PATH = variable("path", &["path"], Unit::ONE, "path number");
+    PATH_DISPLACEMENT_END = variable("path_displacement_end", &["path"], Unit::LENGTH, "displacement at the end");
+    PATH_MAX_DISPLACEMENT = variable("path_max_displacement", &["path"], Unit::LENGTH,
         "largest absolute displacement");
-    PATH_FIRST_STICK_DURATION = variable("path_first_stick_duration", &["path"], Unit::Time,
+    PATH_FIRST_STICK_DURATION = variable("path_first_stick_duration", &["path"], Unit::TIME,
         "duration of the first stick, missing while it runs at the end");
-    PATH_STICK_TIME = variable("path_stick_time", &["path"], Unit::Time, "total time in static phases");
-    PATH_FRICTION_WORK = variable("path_friction_work", &["path"], Unit::Work, "work done against dynamic friction");
-    PATH_STICKS = variable("path_sticks", &["path"], Unit::One, "completed sticks, the first left out");
-    PATH_SLIPS = variable("path_slips", &["path"], Unit::One, "completed dynamic phases");
-    PATH_SUB_PHASES = variable("path_sub_phases", &["path"], Unit::One, "sub-phases of the completed dynamic phases");
+    PATH_STICK_TIME = variable("path_stick_time", &["path"], Unit::TIME, "total time in static phases");
+    PATH_FRICTION_WORK = variable("path_friction_work", &["path"], Unit::WORK, "work done against dynamic friction");
+    PATH_STICKS = variable("path_sticks", &["path"], Unit::ONE, "completed sticks, the first left out");
+    PATH_SLIPS = variable("path_slips", &["path"], Unit::ONE, "completed dynamic phases");
+    PATH_SUB_PHASES = variable("path_sub_phases", &["path"], Unit::ONE, "sub-phases of the completed dynamic phases");
     PATH_DIVERGED = variable("path_diverged", &["path"], Unit::None, "whether the path diverged or was given up")
         .flags(&[0, 1], &[("flag_meanings", "finite diverged")]);
 
     EVENT = variable("event", &["event"], Unit::None, BARE_DIMENSION);
-    EVENT_COUNT = variable("event_count", &["path"], Unit::One, "number of events of the path")
+    EVENT_COUNT = variable("event_count", &["path"], Unit::ONE, "number of events of the path")
         .with(&[("sample_dimension", "event")]);
-    EVENT_TIME = variable("event_time", &["event"], Unit::Time, "time of the event");
-    EVENT_DISPLACEMENT = variable("event_displacement", &["event"], Unit::Length, "displacement at the event");
-    EVENT_FORCE = variable("event_force", &["event"], Unit::Force, "total force besides friction (b) at the event");
+    EVENT_TIME = variable("event_time", &["event"], Unit::TIME, "time of the event");
+    EVENT_DISPLACEMENT = variable("event_displacement", &["event"], Unit::LENGTH, "displacement at the event");
+    EVENT_FORCE = variable("event_force", &["event"], Unit::FORCE, "total force besides friction (b) at the event");
     EVENT_SIGN = variable("event_sign", &["event"], Unit::None, "direction of the sub-phase that starts")
         .flags(&[-1, 0, 1], &[("flag_meanings", "negative none positive")]);
     EVENT_KIND = variable("event_kind", &["event"], Unit::None, "kind of the event")
         .flags(&[0, 1, 2], &[("flag_meanings", "stick_entered slip_started sub_phase_boundary")]);
 
-    TRAJECTORY = variable("trajectory", &["trajectory"], Unit::One, "path number");
-    TRAJECTORY_DISPLACEMENT = variable("trajectory_displacement", &["trajectory", "time"], Unit::Length,
+    TRAJECTORY = variable("trajectory", &["trajectory"], Unit::ONE, "path number");
+    TRAJECTORY_DISPLACEMENT = variable("trajectory_displacement", &["trajectory", "time"], Unit::LENGTH,
         "displacement");
-    TRAJECTORY_VELOCITY = variable("trajectory_velocity", &["trajectory", "time"], Unit::Velocity, "velocity");
-    TRAJECTORY_TEMPERATURE = variable("trajectory_temperature", &["trajectory", "time"], Unit::Temperature,
+    TRAJECTORY_VELOCITY = variable("trajectory_velocity", &["trajectory", "time"], Unit::VELOCITY, "velocity");
+    TRAJECTORY_TEMPERATURE = variable("trajectory_temperature", &["trajectory", "time"], Unit::TEMPERATURE,
         "temperature");
     TRAJECTORY_STATIC = variable("trajectory_static", &["trajectory", "time"], Unit::None,
         "whether the path is in a static phase")
@@ -274,18 +231,6 @@ pub(super) fn long_name(statistic: Statistic) -> &'static str {
 mod tests {
     use super::*;
     use std::collections::HashSet;
-
-    #[test]
-    fn units_are_combined_in_udunits_notation() {
-        let si = ["s", "m", "N", "K"].map(String::from);
-        assert_eq!(Unit::Velocity.label(&si).as_deref(), Some("m s-1"));
-        assert_eq!(Unit::Diffusivity.label(&si).as_deref(), Some("m2 s-1"));
-        assert_eq!(Unit::Work.label(&si).as_deref(), Some("N m"));
-        let mixed = ["1/w0", "", "MN", ""].map(String::from);
-        assert_eq!(Unit::Velocity.label(&mixed).as_deref(), Some("(1/w0)^-1"));
-        assert_eq!(Unit::Work.label(&mixed).as_deref(), Some("MN"));
-        assert_eq!(Unit::Temperature.label(&mixed).as_deref(), Some("1"));
-    }
 
     #[test]
     fn every_name_is_used_once_and_every_axis_has_a_coordinate() {

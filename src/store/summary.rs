@@ -1,6 +1,6 @@
 //! The statistics of an ensemble in the file: written and read side by side, so that one mirrors the other.
 
-use super::layout::{self, Unit};
+use super::layout;
 use super::variable::{Place, read_or_empty, read_scalar, text};
 use crate::stats::{
     Band, Bands, Bias, Estimate, Histogram, PeriodMoments, QUANTILE_LEVELS, Statistic, StickDurations, SubPhaseCounts,
@@ -15,7 +15,7 @@ pub(super) fn write_coordinates(place: &Place, time: &[f64]) -> Result<()> {
     let texts = |of: &dyn Fn(Statistic) -> String| -> Result<Vec<VarLenUnicode>> {
         Statistic::ALL.iter().map(|&statistic| text(&of(statistic))).collect()
     };
-    let unit = |statistic: Statistic| Unit::from(statistic.dimension()).label(&place.units).unwrap_or_default();
+    let unit = |statistic: Statistic| statistic.dimension().udunits(&place.units);
     place.put(&layout::STATISTIC, &texts(&|statistic| statistic.name().to_owned())?)?;
     place.put(&layout::STATISTIC_LONG_NAME, &texts(&|statistic| layout::long_name(statistic).to_owned())?)?;
     place.put(&layout::STATISTIC_UNIT, &texts(&unit)?)?;

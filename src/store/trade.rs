@@ -66,7 +66,7 @@ fn texts<'a>(of: impl IntoIterator<Item = &'a str>) -> hdf5::Result<Vec<VarLenUn
 }
 
 fn coordinates(place: &Place, trade: &Trade) -> hdf5::Result<()> {
-    let unit = |s: Statistic| Unit::from(s.dimension()).label(&place.units).unwrap_or_default();
+    let unit = |statistic: Statistic| statistic.dimension().udunits(&place.units);
     let units = Statistic::ALL.map(unit);
     let numbers: Vec<u32> = (0..).take(trade.rungs.len()).collect();
     place.put(&layout::STATISTIC, &texts(Statistic::ALL.map(Statistic::name))?)?;
@@ -140,15 +140,15 @@ fn predicted(place: &Place, trade: &Trade) -> hdf5::Result<()> {
 const PER_RUNG: &[(&str, &str)] = &[("coordinates", "rung_scheme rung_step rung_tolerance")];
 
 const RUNG: Variable =
-    variable("rung", &["rung"], Unit::One, "number of the rung: scheme by scheme, from coarse to fine");
+    variable("rung", &["rung"], Unit::ONE, "number of the rung: scheme by scheme, from coarse to fine");
 const SCHEME: Variable = variable("scheme", &["scheme"], Unit::None, "name of the scheme");
-const TARGET: Variable = variable("target", &["target"], Unit::One, "root mean square error asked for, relative");
+const TARGET: Variable = variable("target", &["target"], Unit::ONE, "root mean square error asked for, relative");
 const RUNG_SCHEME: Variable = variable("rung_scheme", &["rung"], Unit::None, "scheme of the rung");
-const RUNG_STEP: Variable = variable("rung_step", &["rung"], Unit::Time, "time step, missing where there is none");
+const RUNG_STEP: Variable = variable("rung_step", &["rung"], Unit::TIME, "time step, missing where there is none");
 const RUNG_TOLERANCE: Variable =
-    variable("rung_tolerance", &["rung"], Unit::One, "tolerance, missing where there is none");
-const RUNG_PATHS: Variable = variable("rung_paths", &["rung"], Unit::One, "paths simulated").with(PER_RUNG);
-const RUNG_DIVERGED: Variable = variable("rung_diverged", &["rung"], Unit::One, "paths that diverged").with(PER_RUNG);
+    variable("rung_tolerance", &["rung"], Unit::ONE, "tolerance, missing where there is none");
+const RUNG_PATHS: Variable = variable("rung_paths", &["rung"], Unit::ONE, "paths simulated").with(PER_RUNG);
+const RUNG_DIVERGED: Variable = variable("rung_diverged", &["rung"], Unit::ONE, "paths that diverged").with(PER_RUNG);
 const RUNG_SECONDS_FIRST: Variable =
     variable("rung_seconds_first", &["rung"], Unit::Seconds, "CPU time of a run of one path").with(PER_RUNG);
 const RUNG_SECONDS: Variable =
@@ -174,17 +174,17 @@ const STATISTIC_SCALE: Variable =
 const STATISTIC_NOTE: Variable =
     variable("statistic_note", &["statistic"], Unit::None, "what that is, or why there is none");
 const SCHEME_ORDER: Variable =
-    variable("scheme_order", &["scheme", "statistic"], Unit::One, "observed order p of the bias C h^p");
+    variable("scheme_order", &["scheme", "statistic"], Unit::ONE, "observed order p of the bias C h^p");
 const SCHEME_ORDER_ERROR: Variable =
-    variable("scheme_order_error", &["scheme", "statistic"], Unit::One, "its standard error");
+    variable("scheme_order_error", &["scheme", "statistic"], Unit::ONE, "its standard error");
 
 const PREDICTION: &[&str] = &["scheme", "statistic", "target"];
 const PREDICTED_SECONDS: Variable =
     variable("predicted_seconds", PREDICTION, Unit::Seconds, "CPU time of the cheapest run that meets the target");
-const PREDICTED_PATHS: Variable = variable("predicted_paths", PREDICTION, Unit::One, "its number of paths");
-const PREDICTED_STEP: Variable = variable("predicted_step", PREDICTION, Unit::Time, "its time step");
-const PREDICTED_TOLERANCE: Variable = variable("predicted_tolerance", PREDICTION, Unit::One, "its tolerance");
-const PREDICTED_BIAS: Variable = variable("predicted_bias", PREDICTION, Unit::One, "upper bound of its bias, relative");
+const PREDICTED_PATHS: Variable = variable("predicted_paths", PREDICTION, Unit::ONE, "its number of paths");
+const PREDICTED_STEP: Variable = variable("predicted_step", PREDICTION, Unit::TIME, "its time step");
+const PREDICTED_TOLERANCE: Variable = variable("predicted_tolerance", PREDICTION, Unit::ONE, "its tolerance");
+const PREDICTED_BIAS: Variable = variable("predicted_bias", PREDICTION, Unit::ONE, "upper bound of its bias, relative");
 const WINNER: Variable =
     variable("winner", &["statistic", "target"], Unit::None, "scheme of the cheapest run, or none");
 

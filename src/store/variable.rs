@@ -2,6 +2,7 @@
 
 use super::layout::{BARE_DIMENSION, Variable};
 use super::scale::{attach_scale, make_scale};
+use crate::stats::Units;
 use hdf5::types::VarLenUnicode;
 use hdf5::{Dataset, Error, Extent, File, H5Type, Location, Result};
 use std::str::FromStr;
@@ -20,8 +21,8 @@ pub(super) struct Growth {
 pub(super) struct Place {
     /// The file; all variables are in its root group.
     pub file: File,
-    /// Labels of time, length, force and temperature.
-    pub units: [String; 4],
+    /// Labels of the units.
+    pub units: Units,
 }
 
 impl Place {

@@ -3,21 +3,22 @@
 
 use stick_slip::ensemble::BLOCK_SIZE;
 use stick_slip::model::*;
+use stick_slip::scenario::{Scenario, shipped};
 use stick_slip::scheme::{EventDriven, Instant, Observer, Snapshot, Timeline};
 use stick_slip::stats::{BlockObserver, Record, Statistic, Summary, Totals};
 
-/// The parameters (P) of the paper with forcing frequency `w` and noise intensity `rho`.
+/// The model of a shipped scenario.
+pub fn shipped_model(name: &str) -> Model {
+    Scenario::parse(name, shipped(name).expect("shipped").text, &[]).expect("sound").model
+}
+
+/// The paper's model with forcing frequency `w` and noise of intensity `rho`, none where that is zero.
 pub fn paper(w: f64, rho: f64) -> Model {
-    let noise = Noise { intensity: rho, relaxation_rate: 1.0, diffusion: 1.0, initial: InitialNoise::At(0.0) };
-    Model {
-        oscillator: Oscillator { mass: 1.0, stiffness: 1.0, damping: 0.0, dilatation: 6.0 },
-        friction: Friction { static_force: 1.2, dynamic_force: 1.0 },
-        temperature: Temperature {
-            harmonics: vec![Harmonic { amplitude: 1.0, angular_frequency: w, phase: 0.0 }],
-            noise: (rho != 0.0).then_some(noise),
-        },
-        initial_displacement: 6.0,
-    }
+    let mut model = shipped_model("rho025");
+    model.temperature.harmonics[0].angular_frequency = w;
+    let noise = model.temperature.noise.map(|noise| Noise { intensity: rho, ..noise });
+    model.temperature.noise = noise.filter(|_| rho != 0.0);
+    model
 }
 
 /// A timeline with an output grid and no periods.

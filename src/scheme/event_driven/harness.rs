@@ -3,21 +3,8 @@
 use super::scene::Scene;
 use super::stick::{StickOutcome, StickState, StickSteps};
 use super::work::Work;
-use crate::model::{Complex, Friction, Harmonic, InitialNoise, Model, Noise, Oscillator, Sign, Temperature};
+use crate::model::{Complex, Model, Sign};
 use crate::noise::Stream;
-
-/// The paper's parameters with forcing frequency 1/4 and noise of this intensity, v(0) = 0.
-pub fn paper_scene(rho: f64) -> Model {
-    Model {
-        oscillator: Oscillator { mass: 1.0, stiffness: 1.0, damping: 0.0, dilatation: 6.0 },
-        friction: Friction { static_force: 1.2, dynamic_force: 1.0 },
-        temperature: Temperature {
-            harmonics: vec![Harmonic { amplitude: 1.0, angular_frequency: 0.25, phase: 0.0 }],
-            noise: Some(Noise { intensity: rho, relaxation_rate: 1.0, diffusion: 1.0, initial: InitialNoise::At(0.0) }),
-        },
-        initial_displacement: 6.0,
-    }
-}
 
 /// Time and side of the first exit from stick, path by path, started at n = `noise`.
 pub fn exits(model: &Model, noise: f64, kappa: f64, horizon: f64, seed: u64, paths: u64) -> Vec<(f64, Sign)> {

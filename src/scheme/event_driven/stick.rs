@@ -155,8 +155,9 @@ fn forcing_slope(scene: &Scene, terms: &[Complex]) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::harness::{exits, mean_and_error, paper_scene};
+    use super::super::harness::{exits, mean_and_error};
     use crate::model::Sign;
+    use crate::model::paper::paper;
 
     /// Statistical tests: null hypothesis, the mean is the exact one; n paths; they fail by chance once in 1e4 (3.9 standard
     /// errors), with fixed seeds.
@@ -182,7 +183,7 @@ mod tests {
         ];
         for (case, (lower, upper, from, mean, up)) in cases.into_iter().enumerate() {
             // K = beta = rho = 1 and no harmonics: b = n - x0 with threshold (upper - lower)/2.
-            let mut model = paper_scene(1.0);
+            let mut model = paper(0.25, 1.0);
             model.oscillator.dilatation = 1.0;
             model.temperature.harmonics.clear();
             model.friction.static_force = 0.5 * (upper - lower);
@@ -201,7 +202,7 @@ mod tests {
     fn exit_does_not_depend_on_the_units_of_the_noise() {
         // theta, sigma general: time scales by 1/theta and v by sigma/sqrt(theta); survival P(T > t) of the corridor 0.8.
         let (theta, sigma) = (3.0, 0.2);
-        let mut model = paper_scene(1.0);
+        let mut model = paper(0.25, 1.0);
         model.oscillator.dilatation = 1.0;
         model.temperature.harmonics.clear();
         model.initial_displacement = 0.0;
@@ -229,7 +230,7 @@ mod tests {
             (0.25, 0.775_576_827_665),
             (1.0, 0.040_539_066_2),
         ] {
-            let found = exits(&paper_scene(rho), 0.0, 0.1, 60.0, (rho * 1000.0) as u64, 200_000);
+            let found = exits(&paper(0.25, rho), 0.0, 0.1, 60.0, (rho * 1000.0) as u64, 200_000);
             let times: Vec<f64> = found.iter().map(|e| e.0).collect();
             assert_mean("first stick", &times, mean);
         }
@@ -238,7 +239,7 @@ mod tests {
     #[test]
     fn feeble_noise_costs_few_steps_and_tends_to_the_deterministic_exit() {
         for rho in [1e-4, 1e-6, 1e-9, 1e-12] {
-            let found = exits(&paper_scene(rho), 0.0, 0.1, 60.0, 5, 1_000);
+            let found = exits(&paper(0.25, rho), 0.0, 0.1, 60.0, 5, 1_000);
             let times: Vec<f64> = found.iter().map(|e| e.0).collect();
             let (mean, _) = mean_and_error(&times);
             // The exit moves by about sd(n)/B' ~ 6 rho.

@@ -131,14 +131,14 @@ impl StickStep {
 
 #[cfg(test)]
 mod tests {
-    use super::super::harness::paper_scene;
     use super::*;
+    use crate::model::paper::paper;
 
     /// theta = 1, s = 1, f_s = 3; the upper threshold at n = 0, so that it is straight after the time change.
     const F_S: f64 = 3.0;
 
     fn scene() -> Scene {
-        let mut model = paper_scene(1.0);
+        let mut model = paper(0.25, 1.0);
         model.oscillator.dilatation = 1.0;
         model.temperature.harmonics.clear();
         Scene::new(&model)

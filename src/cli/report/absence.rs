@@ -1,0 +1,79 @@
+//! Why a statistic, or its interval, does not exist.
+
+use stick_slip::stats::{Estimate, Statistic, Summary};
+
+/// Why a number, or its interval, does not exist.
+pub(super) fn absence(e: &Estimate, summary: &Summary) -> Option<&'static str> {
+    let valid = summary.completed_paths.saturating_sub(summary.diverged.len() as u64);
+    if e.estimate.is_finite() {
+        let has_interval = e.standard_error.is_finite() && e.low.is_finite() && e.high.is_finite();
+        return match (has_interval, valid) {
+            (true, _) => None,
+            (false, 0..=1) => Some("an interval needs two paths"),
+            (false, _) => Some("too little to form an interval"),
+        };
+    }
+    let sticks = &summary.stick_durations;
+    let slips: u64 = summary.sub_phases.counts.iter().sum();
+    let reason = match e.statistic {
+        _ if summary.completed_paths == 0 => "no path was completed",
+        _ if valid == 0 => "every path diverged or was given up",
+        Statistic::StickDurationMean | Statistic::StickDurationSd | Statistic::StickDurationMedian
+            if sticks.completed == 0 =>
+        {
+            "no stick ended, the first one apart"
+        }
+        Statistic::StickDurationSd => "needs two sticks that ended",
+        Statistic::FirstStickDurationMean if sticks.first_completed == 0 => "no first stick ended",
+        Statistic::SubPhasesMean | Statistic::SubPhasesMultipleShare | Statistic::JumpMean | Statistic::JumpAbsMean
+            if slips == 0 =>
+        {
+            "no slip was completed"
+        }
+        Statistic::DriftVelocity | Statistic::DiffusionCoefficient if summary.periods.time.len() < 2 => {
+            "needs two whole forcing periods"
+        }
+        Statistic::DisplacementEndSd | Statistic::DiffusionCoefficient if valid < 2 => "needs two paths",
+        Statistic::StickingFraction => "the run has no duration",
+        _ => "does not exist",
+    };
+    Some(reason)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::sample::{info, row, set, summary};
+    use super::super::table;
+    use super::*;
+
+    #[test]
+    fn a_number_that_does_not_exist_says_why() {
+        let mut summary = summary();
+        summary.stick_durations.completed = 0;
+        summary.stick_durations.first_completed = 0;
+        summary.sub_phases.counts = vec![];
+        summary.periods.time.truncate(1);
+        for (statistic, reason) in [
+            (Statistic::StickDurationMean, "no stick ended"),
+            (Statistic::FirstStickDurationMean, "no first stick ended"),
+            (Statistic::SubPhasesMean, "no slip was completed"),
+            (Statistic::JumpAbsMean, "no slip was completed"),
+            (Statistic::DriftVelocity, "needs two whole forcing periods"),
+        ] {
+            set(&mut summary, statistic, f64::NAN);
+            let table = table(&summary, &info());
+            let row = row(&table, statistic.name());
+            assert!(row.contains("none") && row.contains(reason), "{row}");
+        }
+    }
+
+    #[test]
+    fn one_path_has_estimates_without_intervals() {
+        let mut summary = summary();
+        summary.completed_paths = 1;
+        set(&mut summary, Statistic::SticksPerPath, 4.0);
+        let table = table(&summary, &info());
+        let row = row(&table, "sticks_per_path");
+        assert!(row.contains("4.000000") && row.contains("an interval needs two paths"), "{row}");
+    }
+}

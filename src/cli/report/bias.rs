@@ -1,0 +1,59 @@
+//! The error of the step: what a report says of it.
+
+use crate::cli::numbers::{Digits, significant};
+use stick_slip::stats::{Bias, Estimate, Summary};
+
+/// A bias, its uncertainty and its order, to two digits of the uncertainty; `none` where it is not known.
+pub(super) fn bias_cells(bias: Option<Bias>) -> [String; 3] {
+    let Some(Bias { estimate, uncertainty, order }) = bias else {
+        return ["none".into(), String::new(), String::new()];
+    };
+    let digits = Digits::of(estimate, uncertainty);
+    [digits.show(estimate), digits.show(uncertainty), order.map_or("none".into(), |order| format!("{order:.1}"))]
+}
+
+/// In how many statistics the bias of the step is beyond doubt and larger than the statistical interval shows, and what to do; none if in
+/// none.
+pub fn dominating_bias(summary: &Summary) -> Option<String> {
+    let excess = |e: &Estimate| e.bias.map_or(0.0, |bias| bias.estimate.abs() / e.reach());
+    let dominates = |e: &&Estimate| e.bias.is_some_and(|b| b.estimate.abs() > b.uncertainty) && excess(e) > 1.0;
+    let dominated: Vec<&Estimate> = summary.estimates.iter().filter(dominates).collect();
+    // not by how far the interval is exceeded: that of a median, which is a multiple of the step, has next to no width
+    let certainty = |e: &Estimate| e.bias.map_or(0.0, |bias| bias.estimate.abs() / bias.uncertainty);
+    let surest = dominated.iter().max_by(|a, b| certainty(a).total_cmp(&certainty(b)))?;
+    let [bias, uncertainty, _] = bias_cells(surest.bias);
+    Some(format!(
+        "the step moves {} of {} statistics by more than their intervals show, most surely {}, whose bias is {bias} +- \
+         {uncertainty} and whose interval is +- {}. A smaller `--step` lowers it, more paths do not; `--scheme event-driven` \
+         has no step",
+        dominated.len(),
+        summary.estimates.len(),
+        surest.statistic.name(),
+        significant(surest.reach(), 2)
+    ))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::sample::summary;
+    use super::*;
+
+    #[test]
+    fn a_bias_beyond_the_interval_is_told_with_the_surest_statistic() {
+        let bias = |estimate, uncertainty| Some(Bias { estimate, uncertainty, order: None });
+        let mut summary = summary();
+        assert_eq!(dominating_bias(&summary), None);
+        // Half-widths of the intervals: 0.00052, 0.0143, 0.0314.
+        summary.estimates[0].bias = bias(0.0005, 0.0001);
+        assert_eq!(dominating_bias(&summary), None, "within the interval");
+        summary.estimates[0].bias = bias(0.0955, 0.1);
+        assert_eq!(dominating_bias(&summary), None, "in doubt");
+        summary.estimates[0].bias = bias(0.0955, 0.0311);
+        summary.estimates[1].bias = bias(0.5, 0.1);
+        let line = dominating_bias(&summary).expect("two are dominated");
+        assert!(
+            line.contains("2 of 16") && line.contains("stick_duration_sd") && line.contains("0.50 +- 0.10"),
+            "{line}"
+        );
+    }
+}

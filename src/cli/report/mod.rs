@@ -1,0 +1,46 @@
+//! What a run came to, for people and for machines: pure functions of a summary.
+//!
+//! ```text
+//! info         what is known about a run besides its statistics
+//! statistics   the rows of the table
+//!   absence    why a number in them does not exist
+//! remarks      what stands below the table
+//! bias         the error of the step: its cells in the table, and the warning where it dominates
+//! json         all of it for machines
+//! ```
+
+mod absence;
+mod bias;
+mod info;
+mod json;
+mod remarks;
+#[cfg(test)]
+mod sample;
+mod statistics;
+
+pub use bias::dominating_bias;
+pub use info::RunInfo;
+pub use json::json;
+pub use remarks::lost;
+
+use super::numbers::grouped;
+use remarks::remarks;
+use statistics::statistics;
+use std::fmt::Write as _;
+use stick_slip::engine::Status;
+use stick_slip::stats::Summary;
+
+/// The table for people.
+pub fn table(summary: &Summary, info: &RunInfo) -> String {
+    let mut text = String::new();
+    let _ = writeln!(text, "{}", info.title);
+    let step = info.step.map_or(String::new(), |h| format!(", step {h:?}"));
+    let paths = grouped(if info.status == Status::Ended { summary.completed_paths } else { info.paths });
+    let _ = writeln!(text, "{}{step}, seed {}, {paths} paths\n", info.scheme, info.seed);
+    text.push_str(&statistics(summary, &info.units));
+    text.push('\n');
+    for (label, line) in remarks(summary, info) {
+        let _ = writeln!(text, "{label:<8}{line}");
+    }
+    text
+}

@@ -1,0 +1,118 @@
+//! What stands below the table: censored sticks, how the run ended, lost paths, time and file.
+
+use super::RunInfo;
+use crate::cli::numbers::{duration, grouped, significant};
+use std::fmt::Write as _;
+use stick_slip::engine::Status;
+use stick_slip::stats::Summary;
+
+/// Everything below the table, as label and line.
+pub(super) fn remarks(summary: &Summary, info: &RunInfo) -> Vec<(&'static str, String)> {
+    let mut remarks = vec![("sticks", sticks(summary))];
+    remarks.extend(bias(summary, info).map(|line| ("bias", line)));
+    remarks.push(("paths", paths(summary, info)));
+    remarks.extend(lost(summary, info).map(|line| (info.loss(), format!(" {line}"))));
+    remarks.extend(time(summary, info).map(|line| ("time", line)));
+    remarks.push(("file", info.file.clone()));
+    remarks
+}
+
+fn sticks(summary: &Summary) -> String {
+    let sticks = &summary.stick_durations;
+    format!(
+        "{} ended, {} still running at the end (censored); of the first ones, {} ended and {} were running",
+        grouped(sticks.completed),
+        grouped(sticks.censored),
+        grouped(sticks.first_completed),
+        grouped(sticks.first_censored)
+    )
+}
+
+/// What the column of the bias means, or why there is none.
+fn bias(summary: &Summary, info: &RunInfo) -> Option<String> {
+    if summary.has_bias() {
+        return Some(
+            "of the step: estimate less its value without one, +- at 95 %, and the power of the step it goes with"
+                .into(),
+        );
+    }
+    info.no_bias.as_ref().map(|reason| format!("not estimated: {reason}"))
+}
+
+/// How many paths there are, and how the run ended.
+fn paths(summary: &Summary, info: &RunInfo) -> String {
+    let completed = grouped(summary.completed_paths);
+    let of_all = format!("{completed} of {} completed", grouped(info.paths));
+    match info.status {
+        Status::Complete => of_all,
+        Status::Ended => format!("{completed} completed; ended by {}", info.ended_by.as_deref().unwrap_or("request")),
+        Status::Interrupted => format!("{of_all}: the run was interrupted"),
+        Status::Running => format!("{of_all}: the run is not finished"),
+    }
+}
+
+/// How long it took, if that is known.
+fn time(summary: &Summary, info: &RunInfo) -> Option<String> {
+    let mut line = duration(info.seconds?);
+    if let Some(threads) = info.threads {
+        let _ = write!(line, " on {threads} thread{}", if threads == 1 { "" } else { "s" });
+    }
+    if let Some(us) = info.us_per_path(summary.completed_paths) {
+        let _ = write!(line, ", {} us per path", significant(us, 3));
+    }
+    if let Some(ns) = info.ns_per_path_step(summary.completed_paths) {
+        let _ = write!(line, ", {} ns per path-step", significant(ns, 3));
+    }
+    if let Some(seconds) = info.bias_seconds.filter(|_| summary.has_bias()) {
+        let _ = write!(line, "; the bias took {} s of it", significant(seconds, 2));
+    }
+    Some(line)
+}
+
+/// Most numbers of lost paths listed in a table; the file holds them all.
+const LISTED_PATHS: usize = 10;
+
+/// How many paths diverged or were given up, and the first of their numbers; none if none did.
+pub fn lost(summary: &Summary, info: &RunInfo) -> Option<String> {
+    let n = summary.diverged.len();
+    let numbers: Vec<String> = summary.diverged.iter().take(LISTED_PATHS).map(u64::to_string).collect();
+    let more = if n > LISTED_PATHS { ", ..." } else { "" };
+    let paths = if n == 1 { "path" } else { "paths" };
+    (n > 0).then(|| {
+        let loss = info.loss();
+        format!("{} {paths} {loss}, in no statistic: number {}{more}", grouped(n as u64), numbers.join(", "))
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::sample::{info, set, summary};
+    use super::super::table;
+    use super::*;
+    use stick_slip::stats::Statistic;
+
+    #[test]
+    fn the_table_says_how_long_and_where() {
+        let table = table(&summary(), &info());
+        assert!(table.contains("0.60 s on 2 threads, 60 us per path, 10 ns per path-step"), "{table}");
+        assert!(table.contains("rho025.h5") && table.contains("812 still running at the end (censored)"), "{table}");
+    }
+
+    #[test]
+    fn diverged_paths_are_counted_and_named() {
+        let mut summary = summary();
+        summary.diverged = (0..12).map(|i| 4711 + i).collect();
+        let table = table(&summary, &info());
+        assert!(table.contains("12 paths diverged, in no statistic: number 4711, 4712"), "{table}");
+        assert!(table.contains("4720, ...") && !table.contains("4721"), "{table}");
+        summary.diverged = (0..10_000).collect();
+        set(&mut summary, Statistic::DisplacementEndMean, f64::NAN);
+        assert!(super::super::table(&summary, &info()).contains("every path diverged"));
+        let without_step = RunInfo { step: None, ..info() };
+        let table = super::super::table(&summary, &without_step);
+        assert!(
+            table.contains("10 000 paths given up, in no statistic") && !table.contains("paths diverged"),
+            "{table}"
+        );
+    }
+}

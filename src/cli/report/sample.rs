@@ -1,0 +1,80 @@
+//! A made-up run for the tests of the report.
+
+use super::RunInfo;
+use ndarray::Array2;
+use stick_slip::engine::Status;
+use stick_slip::scenario::Units;
+use stick_slip::stats::{
+    Band, Bands, Estimate, Histogram, PeriodMoments, QUANTILE_LEVELS, Statistic, StickDurations, SubPhaseCounts,
+    Summary,
+};
+
+/// An ensemble like that of `rho025`, with made-up standard errors.
+pub fn summary() -> Summary {
+    let band = || Band { mean: vec![0.0], sd: vec![0.0], quantiles: Array2::zeros((QUANTILE_LEVELS.len(), 1)) };
+    let estimates = Statistic::ALL.map(|statistic| {
+        let (estimate, standard_error) = match statistic {
+            Statistic::StickDurationMean => (0.538572, 0.000266),
+            Statistic::SticksPerPath => (14.1226, 0.0073),
+            Statistic::DisplacementEndMean => (-4.2316, 0.016),
+            _ => (1.0, 0.01),
+        };
+        let (low, high) = (estimate - 1.96 * standard_error, estimate + 1.96 * standard_error);
+        Estimate { statistic, estimate, standard_error, low, high, bias: None }
+    });
+    Summary {
+        completed_paths: 10_000,
+        diverged: vec![],
+        estimates: estimates.to_vec(),
+        stick_durations: StickDurations {
+            completed: 141_226,
+            censored: 812,
+            first_completed: 10_000,
+            first_censored: 0,
+            histogram: Histogram { edges: vec![0.0, 1.0], counts: vec![141_226] },
+            censored_counts: vec![812],
+            survival: vec![0.0],
+            quantiles: vec![0.5; QUANTILE_LEVELS.len()],
+        },
+        sub_phases: SubPhaseCounts { counts: vec![100_000, 42_000], censored: 9_000 },
+        periods: PeriodMoments { time: vec![25.1, 50.3], mean: vec![0.0; 2], variance: vec![1.0; 2] },
+        bands: Bands {
+            time: vec![0.0],
+            displacement: band(),
+            velocity: band(),
+            temperature: band(),
+            static_probability: vec![1.0],
+        },
+    }
+}
+
+pub fn info() -> RunInfo {
+    RunInfo {
+        scenario: "scenarios/rho025.toml".into(),
+        title: "Noisy temperature".into(),
+        scheme: "discrete-vi".into(),
+        step: Some(0.01),
+        resolution: None,
+        seed: 1,
+        paths: 10_000,
+        threads: Some(2),
+        seconds: Some(0.6),
+        bias_seconds: Some(0.0),
+        no_bias: None,
+        steps_per_path: Some(6_000),
+        file: "rho025.h5".into(),
+        status: Status::Complete,
+        ended_by: None,
+        units: Units::default(),
+    }
+}
+
+pub fn set(summary: &mut Summary, statistic: Statistic, estimate: f64) {
+    for e in summary.estimates.iter_mut().filter(|e| e.statistic == statistic) {
+        *e = Estimate { estimate, standard_error: f64::NAN, low: f64::NAN, high: f64::NAN, ..*e };
+    }
+}
+
+pub fn row<'a>(table: &'a str, name: &str) -> &'a str {
+    table.lines().find(|line| line.split(' ').next() == Some(name)).unwrap_or_else(|| panic!("{name}:\n{table}"))
+}

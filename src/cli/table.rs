@@ -1,0 +1,64 @@
+//! Columns of cells under each other, for the tables that people read.
+
+use std::fmt::Write as _;
+
+/// One line of a table.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Row {
+    /// What stands under the cells of the other rows.
+    pub cells: Vec<String>,
+    /// What follows the last cell, at the same place in every row.
+    pub note: String,
+}
+
+impl Row {
+    /// A row of a label and the cells to its right.
+    pub fn labelled(label: impl Into<String>, cells: impl IntoIterator<Item = String>) -> Self {
+        Row { cells: std::iter::once(label.into()).chain(cells).collect(), note: String::new() }
+    }
+}
+
+/// The rows as text: the first column to the left, the others to the right, `gap` between them, no space at the end of a line.
+pub fn aligned(rows: &[Row], gap: &str) -> String {
+    let columns = rows.iter().map(|row| row.cells.len()).max().unwrap_or(0);
+    let width = |column: usize| {
+        rows.iter().filter_map(|row| row.cells.get(column)).map(|cell| cell.chars().count()).max().unwrap_or(0)
+    };
+    let widths: Vec<usize> = (0..columns).map(width).collect();
+    let mut text = String::new();
+    for Row { cells, note } in rows {
+        let mut line = String::new();
+        for (column, (cell, width)) in cells.iter().zip(&widths).enumerate() {
+            let _ = match column {
+                0 => write!(line, "{cell:<width$}"),
+                _ => write!(line, "{gap}{cell:>width$}"),
+            };
+        }
+        let _ = write!(line, "{gap}{note}");
+        let _ = writeln!(text, "{}", line.trim_end());
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cells_stand_under_each_other_and_lines_end_without_spaces() {
+        let rows = [
+            Row { note: "unit".into(), ..Row::labelled("name", ["value", "sd"].map(String::from)) },
+            Row { note: "µm".into(), ..Row::labelled("x", ["1.25", "±0.5"].map(String::from)) },
+            Row::labelled("longer", ["7".to_string()]),
+        ];
+        let expected = "name    value    sd  unit\n\
+                        x        1.25  ±0.5  µm\n\
+                        longer      7\n";
+        assert_eq!(aligned(&rows, "  "), expected);
+    }
+
+    #[test]
+    fn a_table_without_rows_is_no_text() {
+        assert_eq!(aligned(&[], " "), "");
+    }
+}

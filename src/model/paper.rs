@@ -1,0 +1,17 @@
+//! The paper's oscillator for unit tests, in whatever room they are.
+
+use super::{Friction, Harmonic, InitialNoise, Model, Noise, Oscillator, Temperature};
+
+/// The parameters of the paper's section 3.1 with this forcing frequency and noise of this intensity; none where that is zero.
+pub(crate) fn paper(w: f64, rho: f64) -> Model {
+    let noise = Noise { intensity: rho, relaxation_rate: 1.0, diffusion: 1.0, initial: InitialNoise::At(0.0) };
+    Model {
+        oscillator: Oscillator { mass: 1.0, stiffness: 1.0, damping: 0.0, dilatation: 6.0 },
+        friction: Friction { static_force: 1.2, dynamic_force: 1.0 },
+        temperature: Temperature {
+            harmonics: vec![Harmonic { amplitude: 1.0, angular_frequency: w, phase: 0.0 }],
+            noise: (rho != 0.0).then_some(noise),
+        },
+        initial_displacement: 6.0,
+    }
+}
