@@ -54,7 +54,7 @@ real!(f64);
 struct Row<F>([F; LANES]);
 
 /// Where the numbers xi of mean 0 and variance 1 come from, for `RUN` steps at a time.
-trait Kicks<F> {
+trait Normals<F> {
     fn new(seed: u64, paths: &[u64]) -> Self;
     fn fill(&mut self, tile: &mut [Row<F>; RUN]);
 }
@@ -62,7 +62,7 @@ trait Kicks<F> {
 /// The normals of the crate, exact to 4e-9.
 struct Own(LaneStreams);
 
-impl<F: Real> Kicks<F> for Own {
+impl<F: Real> Normals<F> for Own {
     fn new(seed: u64, paths: &[u64]) -> Self {
         Own(LaneStreams::new(seed, paths, LANES))
     }
@@ -121,7 +121,7 @@ static LINES: LazyLock<[[f32; 2048]; 2]> = LazyLock::new(|| {
     lines
 });
 
-impl Kicks<f32> for Inverse {
+impl Normals<f32> for Inverse {
     fn new(seed: u64, paths: &[u64]) -> Self {
         Inverse(Words::new(seed, paths))
     }
@@ -143,7 +143,7 @@ impl Kicks<f32> for Inverse {
 /// Sums of four bytes: three moments of a normal, excess kurtosis -0.3, nothing beyond 3.5 sigma.
 struct Bytes(Words);
 
-impl<F: Real> Kicks<F> for Bytes {
+impl<F: Real> Normals<F> for Bytes {
     fn new(seed: u64, paths: &[u64]) -> Self {
         Bytes(Words::new(seed, paths))
     }
@@ -159,7 +159,7 @@ impl<F: Real> Kicks<F> for Bytes {
     }
 }
 
-/// The numbers of the step, as in `docs/model.md`; noise is v/kick.
+/// The numbers of the step, as in `docs/model.md`; noise is v over the standard deviation of its increment.
 struct Coefficients<F> {
     h: F,
     h_over_m: F,
@@ -262,15 +262,15 @@ struct Run<'a, F, K> {
     n: u64,
     forcing: &'a [F],
     paths: &'a mut Paths<F>,
-    kicks: &'a mut K,
+    normals: &'a mut K,
 }
 
-impl<F: Real, K: Kicks<F>> LaneProgram for Run<'_, F, K> {
+impl<F: Real, K: Normals<F>> LaneProgram for Run<'_, F, K> {
     #[inline(always)]
     fn run<L: Lanes>(&mut self) {
         let Run { c, forcing, paths, .. } = self;
         let mut tile = [Row([F::of(0.0); LANES]); RUN];
-        self.kicks.fill(&mut tile);
+        self.normals.fill(&mut tile);
         for (k, xi) in tile[..forcing.len() - 1].iter().enumerate() {
             let mut s = Row([F::of(0.0); LANES]);
             let mut left = false;
@@ -298,15 +298,15 @@ impl<F: Real, K: Kicks<F>> LaneProgram for Run<'_, F, K> {
 }
 
 /// So many steps of the paths 0 to `paths` - 1, a multiple of `LANES`.
-fn simulate<F: Real, K: Kicks<F>>(model: &Model, h: f64, steps: u64, seed: u64, paths: u64) -> Vec<Cascade> {
+fn simulate<F: Real, K: Normals<F>>(model: &Model, h: f64, steps: u64, seed: u64, paths: u64) -> Vec<Cascade> {
     let (oscillator, noise) = (&model.oscillator, model.temperature.noise.expect("a noisy scene"));
-    let Transition { decay, kick } = Transition::new(noise.relaxation_rate, noise.diffusion, h);
+    let Transition { decay, increment_sd } = Transition::new(noise.relaxation_rate, noise.diffusion, h);
     let to_force = oscillator.stiffness * oscillator.dilatation;
     let c = Coefficients {
         h: F::of(h),
         h_over_m: F::of(h / oscillator.mass),
         minus_stiffness: F::of(-oscillator.stiffness),
-        noise_force: F::of(to_force * noise.intensity * kick),
+        noise_force: F::of(to_force * noise.intensity * increment_sd),
         decay: F::of(decay),
         static_impulse: F::of(h / oscillator.mass * model.friction.static_force),
         dynamic_impulse: F::of(h / oscillator.mass * model.friction.dynamic_force),
@@ -320,8 +320,8 @@ fn simulate<F: Real, K: Kicks<F>>(model: &Model, h: f64, steps: u64, seed: u64, 
         let run = RUN.min((steps - n) as usize);
         clock.fill(n, &mut harmonics[..=run]);
         let forcing = harmonics.map(|harmonic| F::of(to_force * harmonic));
-        for (paths, kicks) in &mut groups {
-            InstructionSet::detect().run(&mut Run { c: &c, n, forcing: &forcing[..=run], paths, kicks });
+        for (paths, normals) in &mut groups {
+            InstructionSet::detect().run(&mut Run { c: &c, n, forcing: &forcing[..=run], paths, normals });
         }
     }
     let ended = groups.into_iter().flat_map(|(paths, _)| {

@@ -12,8 +12,8 @@ use stick_slip::model::{
     Complex, Event, EventKind, Friction, Harmonic, ImpulseResponse, InitialNoise, Model, Noise, Oscillator, Sign,
     Temperature,
 };
-use stick_slip::noise::{DrivenOscillator, HarmonicResponse};
 use stick_slip::scheme::{DEFAULT_TOLERANCE, EventDriven, Instant, Observer, QuasiStatic, Snapshot, Timeline};
+use stick_slip::scheme::{DrivenOscillator, HarmonicResponse};
 use stick_slip::stats::Statistic;
 
 /// The paper's parameters: m = K = f_d = 1, f_s = 1.2, beta = 6, x0 = 6, with one harmonic of this frequency.
