@@ -25,7 +25,7 @@ use stick_slip::store::{FileSink, Writer};
 /// The loop everybody writes first: one path at a time, `rand_pcg` and the ziggurat of `rand_distr`, forcing from a table, sticks
 /// counted and their durations summed. Parameters (P) of the paper, rho = 0.25, forcing 1/4.
 fn scalar_loop(h: f64, steps: usize, paths: u64, forcing: &[f64]) -> (f64, f64) {
-    let (decay, kick) = ((-h).exp(), ((1.0 - (-2.0 * h).exp()) / 2.0).sqrt());
+    let (decay, increment_sd) = ((-h).exp(), ((1.0 - (-2.0 * h).exp()) / 2.0).sqrt());
     let (f_s, f_d) = (1.2, 1.0);
     let (mut sticks, mut duration) = (0.0, 0.0);
     for path in 0..paths {
@@ -38,7 +38,7 @@ fn scalar_loop(h: f64, steps: usize, paths: u64, forcing: &[f64]) -> (f64, f64) 
             let next_x = x + h * v;
             let next_v = if s.abs() <= h * f_s { 0.0 } else { s - (h * f_d).copysign(s) };
             let xi: f64 = StandardNormal.sample(&mut rng);
-            noise = decay * noise + kick * xi;
+            noise = decay * noise + increment_sd * xi;
             b = forcing[n + 1] + 1.5 * noise - next_x;
             if is_static {
                 if next_v != 0.0 {

@@ -11,8 +11,8 @@ use common::{estimate, event_driven_summary, paper, shipped_model};
 use stick_slip::model::{
     Complex, Event, EventKind, Friction, Harmonic, ImpulseResponse, InitialNoise, Model, Noise, Sign, Temperature,
 };
-use stick_slip::noise::{DrivenOscillator, HarmonicResponse};
 use stick_slip::scheme::{DEFAULT_TOLERANCE, EventDriven, Instant, Observer, QuasiStatic, Snapshot, Timeline};
+use stick_slip::scheme::{DrivenOscillator, HarmonicResponse};
 use stick_slip::stats::Statistic;
 
 fn timeline(end: f64) -> Timeline {

@@ -139,8 +139,8 @@ impl Stripped<'_> {
     fn noisy<L: Lanes, const R: usize>(&mut self, lane: usize, steps: usize) {
         let Scene { h, mass, stiffness, static_force, dynamic_force, noise, .. } = self.scene;
         let (Some((force, theta, sigma)), Some(streams)) = (noise, &mut self.streams) else { return };
-        let Transition { decay, kick } = Transition::new(theta, sigma, h);
-        let (decay, noise_force) = (L::splat(decay), L::splat(force * kick * std::f64::consts::SQRT_2));
+        let Transition { decay, increment_sd } = Transition::new(theta, sigma, h);
+        let (decay, noise_force) = (L::splat(decay), L::splat(force * increment_sd * std::f64::consts::SQRT_2));
         let (fs, fd) = (h / mass * static_force, L::splat(h / mass * dynamic_force));
         let (h_over_m, h, minus_stiffness) = (L::splat(h / mass), L::splat(h), L::splat(-stiffness));
         let (mut x, mut v, mut noise) = ([h; R], [h; R], [h; R]);

@@ -184,7 +184,7 @@ impl<F: Real, K: Kicks<F>> LaneProgram for Run<'_, F, K> {
 /// So many steps of the paths 0 to `paths` - 1, a multiple of `LANES`.
 pub fn simulate<F: Real, K: Kicks<F>>(model: &Model, h: f64, steps: u64, seed: u64, paths: u64) -> Vec<Cascade> {
     let (oscillator, noise) = (&model.oscillator, model.temperature.noise.expect("a noisy scene"));
-    let Transition { decay, kick } = Transition::new(noise.relaxation_rate, noise.diffusion, h);
+    let Transition { decay, increment_sd: kick } = Transition::new(noise.relaxation_rate, noise.diffusion, h);
     let to_force = oscillator.stiffness * oscillator.dilatation;
     let c = Coefficients {
         h: F::of(h),

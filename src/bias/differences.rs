@@ -119,13 +119,13 @@ impl Differences {
             Statistic::StickingFraction => 0.5 * self.h * sticks / self.timeline.end,
             _ => 0.0,
         };
-        let missed = all.model_error(p, unseen(statistic, self.kick()), STUDENT * second_term_error);
+        let missed = all.model_error(p, unseen(statistic, self.noise_to_gap()), STUDENT * second_term_error);
         // Sums, not squares: what extrapolation misses is the same for every seed.
         Bias { estimate: all.bias(p, weight), uncertainty: sampling + missed + grid, order }
     }
 
     /// K beta rho sigma sqrt(h)/(f_s - f_d).
-    fn kick(&self) -> f64 {
+    fn noise_to_gap(&self) -> f64 {
         let Model { oscillator, friction, temperature, .. } = &self.model;
         let noise = temperature.noise.map_or(0.0, |noise| noise.intensity * noise.diffusion);
         let force = oscillator.stiffness * oscillator.dilatation * noise * self.h.sqrt();

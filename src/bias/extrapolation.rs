@@ -22,15 +22,16 @@ use crate::stats::Statistic;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Levels(pub [f64; 3]);
 
-/// What extrapolation misses of a statistic, as a share of the bias from one term, where `kick` is what the noise moves the force by in
-/// a step, as a share of f_s - f_d. Measured (docs/bias.md). A long step sees next to nothing of the shortest slips, and with the kick
-/// grows what it misses: most of the numbers of sticks and slips, which are but half of what they are without a step at a kick of 4, and of
-/// the spread of durations.
-pub(super) fn unseen(statistic: Statistic, kick: f64) -> f64 {
+/// What extrapolation misses of a statistic, as a share of the bias from one term, where
+/// `noise_to_gap` is what the noise moves the force by in a step, as a share of f_s - f_d. Measured
+/// (docs/bias.md). A long step sees next to nothing of the shortest slips, and with that share grows
+/// what it misses: most of the numbers of sticks and slips, which are but half of what they are
+/// without a step at a share of 4, and of the spread of durations.
+pub(super) fn unseen(statistic: Statistic, noise_to_gap: f64) -> f64 {
     let is_missed_most =
         matches!(statistic, Statistic::SticksPerPath | Statistic::SlipsPerPath | Statistic::StickDurationSd);
     let slope = if is_missed_most { 0.5 } else { 0.2 };
-    (slope * kick).max(0.4)
+    (slope * noise_to_gap).max(0.4)
 }
 
 impl Levels {

@@ -7,8 +7,8 @@
 //! k(j)         inf{k >= 1 : |b(x_j^k, tau_j^k)| <= f_s}: how many sub-phases it has; tau_{j+1} = tau_j^{k(j)}
 //! ```
 //!
-//! (paper, section 2.4.) Every path starts in a static phase at t = 0, which is empty if |b(x0, 0)| > f_s:
-//! then its first event is a slip started at t = 0.
+//! (paper, section 2.4.) Every path starts in a static phase at t = 0, which is empty if |b(x0, 0)|
+//! > f_s: then its first event is a slip started at t = 0.
 
 /// A direction of motion, or of a force.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -48,10 +48,30 @@ pub enum Phase {
 pub enum EventKind {
     /// tau_{j+1}: x' = 0 and |b| <= f_s; a dynamic phase ends.
     StickEntered,
-    /// tau_{j+1/2} = tau_j^0: |b| exceeds f_s; a dynamic phase begins, moving in the direction eps_j^0.
+    /// tau_{j+1/2} = tau_j^0: |b| exceeds f_s; a dynamic phase begins, moving in the direction
+    /// eps_j^0.
     SlipStarted(Sign),
-    /// tau_j^k, 0 < k < k(j): x' = 0 and |b| > f_s; the next sub-phase moves in the direction eps_j^k.
+    /// tau_j^k, 0 < k < k(j): x' = 0 and |b| > f_s; the next sub-phase moves in the direction
+    /// eps_j^k.
     SubPhaseBoundary(Sign),
+}
+
+impl EventKind {
+    /// What an instant with x' = 0 is: a stick begins where friction holds the body, else it turns,
+    /// driven by this force.
+    #[inline]
+    pub fn at_rest(is_held: bool, force: f64) -> Self {
+        if is_held { EventKind::StickEntered } else { EventKind::SubPhaseBoundary(Sign::of(force)) }
+    }
+
+    /// The phase that begins.
+    #[inline]
+    pub fn phase(self) -> Phase {
+        match self {
+            EventKind::StickEntered => Phase::Static,
+            EventKind::SlipStarted(sign) | EventKind::SubPhaseBoundary(sign) => Phase::Slip(sign),
+        }
+    }
 }
 
 /// One instant of the cascade, with the state there.

@@ -33,7 +33,8 @@ impl Complex {
         Complex::unit(self.im) * libm::exp(self.re)
     }
 
-    /// e^self - 1 without cancellation: e^{a+ib} - 1 = (e^a - 1) cos b - 2 sin^2(b/2) + i e^a sin b.
+    /// e^self - 1 without cancellation: e^{a+ib} - 1 = (e^a - 1) cos b - 2 sin^2(b/2) + i e^a sin
+    /// b.
     pub fn exp_m1(self) -> Self {
         let growth = libm::expm1(self.re);
         let half = libm::sin(0.5 * self.im);

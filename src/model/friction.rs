@@ -15,8 +15,8 @@ pub struct Friction {
 /// (s - V) (phi - V) + c |V| <= c |phi|     for every velocity phi,
 /// ```
 ///
-/// which is V = 0 if |s| <= c and V = s - c sign(s) otherwise. With s = V_n + (h/m) b and c = (h/m) f
-/// this is the paper's discrete variational inequality for f_d = f_s = f (its section 3.1.1).
+/// which is V = 0 if |s| <= c and V = s - c sign(s) otherwise. With s = V_n + (h/m) b and c = (h/m)
+/// f this is the paper's discrete variational inequality for f_d = f_s = f (its section 3.1.1).
 pub fn prox(s: f64, c: f64) -> f64 {
     if s.abs() <= c { 0.0 } else { s - c.copysign(s) }
 }
@@ -27,7 +27,8 @@ mod tests {
     use proptest::prelude::*;
 
     proptest! {
-        /// The inequality itself, for arbitrary test velocities; equality up to rounding of its terms is allowed.
+        /// The inequality itself, for arbitrary test velocities; equality up to rounding of its
+        /// terms is allowed.
         #[test]
         fn prox_solves_the_variational_inequality(s in -1e3..1e3f64, c in 0.0..1e3f64, phi in -1e4..1e4f64) {
             let v = prox(s, c);

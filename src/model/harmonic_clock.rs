@@ -1,4 +1,5 @@
-//! The deterministic temperature at the instants t_n = n h, accurate for as many steps as there are.
+//! The deterministic temperature at the instants t_n = n h, accurate for as many steps as there
+//! are.
 
 use super::Harmonic;
 use std::f64::consts::TAU;
@@ -11,9 +12,10 @@ const RUN: u64 = 64;
 
 /// sum_i a_i cos(w_i n h + phi_i) at consecutive n.
 ///
-/// At every 64th n the phase is reduced in turns: n w h / (2 pi) in double-double arithmetic, whole turns dropped exactly, so its error
-/// stays below 1e-15 turns up to n = 2^53. From there the angle-addition theorem steps with a table of cos(w_i j h) and
-/// sin(w_i j h), j < 64. Nothing is carried on from one run of 64 to the next, so nothing drifts: each value has an error below
+/// At every 64th n the phase is reduced in turns: n w h / (2 pi) in double-double arithmetic, whole
+/// turns dropped exactly, so its error stays below 1e-15 turns up to n = 2^53. From there the
+/// angle-addition theorem steps with a table of cos(w_i j h) and sin(w_i j h), j < 64. Nothing is
+/// carried on from one run of 64 to the next, so nothing drifts: each value has an error below
 /// 1e-14 sum_i |a_i|, and is the same bits whichever n the caller starts from.
 #[derive(Clone, Debug)]
 pub struct HarmonicClock {
@@ -94,7 +96,8 @@ fn product(a: (f64, f64), b: (f64, f64)) -> (f64, f64) {
 mod tests {
     use super::*;
 
-    /// cos(0.25 * 0.01 * n), with 0.25 and 0.01 taken as the doubles they are; 40-digit arithmetic (mpmath).
+    /// cos(0.25 * 0.01 * n), with 0.25 and 0.01 taken as the doubles they are; 40-digit arithmetic
+    /// (mpmath).
     const EXACT: [(u64, f64); 5] = [
         (40, 0.9950041652780258),
         (10040, 0.9994640538508954),

@@ -1,42 +1,49 @@
-//! How the free oscillator answers an impulse and an exponential force, for any damping and at any resonance.
+//! How the free oscillator answers an impulse and an exponential force, for any damping and at any
+//! resonance.
 //!
-//! The oscillator y'' + 2 gamma y' + w0^2 y has the characteristic roots l1, l2 = -gamma +- sqrt(gamma^2 - w0^2). Its
-//! response to a unit impulse, and to a force e^{z t} switched on at t = 0, are *divided differences* of the
-//! exponential over its roots (r is the time since then):
+//! The oscillator y'' + 2 gamma y' + w0^2 y has the characteristic roots l1, l2 = -gamma +-
+//! sqrt(gamma^2 - w0^2). Its response to a unit impulse, and to a force e^{z t} switched on at t =
+//! 0, are *divided differences* of the exponential over its roots (r is the time since then):
 //!
 //! ```text
 //! S(r)   = exp[l1, l2]    = (e^{l1 r} - e^{l2 r}) / (l1 - l2)
 //! G_z(r) = exp[z, l1, l2] = int_0^r S(r - u) e^{z u} du,        G_z' = z G_z + S
 //! ```
 //!
-//! Written so, critical damping (l1 = l2) and resonance (z = l1) are ordinary points: a divided difference is entire in
-//! its arguments. What needs care is only how to evaluate it without subtracting nearly equal numbers:
+//! Written so, critical damping (l1 = l2) and resonance (z = l1) are ordinary points: a divided
+//! difference is entire in its arguments. What needs care is only how to evaluate it without
+//! subtracting nearly equal numbers:
 //!
 //! - for small r (all |root| r <= 1), by its Taylor series, which starts at the leading term r^2/2;
-//! - otherwise as a difference quotient over the two roots farthest apart. Their distance is of the order of the
-//!   largest root, because w >= 0 and gamma >= 0 never let all three of iw, l1, l2 fall together away from 0.
-//!   The first-order differences inside use sinh(q)/q where their own roots are close.
+//! - otherwise as a difference quotient over the two roots farthest apart. Their distance is of the
+//!   order of the largest root, because w >= 0 and gamma >= 0 never let all three of iw, l1, l2
+//!   fall together away from 0. The first-order differences inside use sinh(q)/q where their own
+//!   roots are close.
 
 use super::complex::Complex;
 
-/// Below this value of |root| r the Taylor series is used: 1/n! falls below 2^-53 within `TAYLOR_TERMS`.
-const TAYLOR_REACH: f64 = 1.0;
+/// Below this value of |root| r the Taylor series is used: 1/n! falls below 2^-53 within
+/// `TAYLOR_TERMS`.
+const TAYLOR_RADIUS: f64 = 1.0;
 
-/// Terms of the Taylor series: with |root| r <= 1 term k is below (k+1)/(k+2)! of the leading one; 1e-17 at k = 18.
+/// Terms of the Taylor series: with |root| r <= 1 term k is below (k+1)/(k+2)! of the leading one;
+/// 1e-17 at k = 18.
 const TAYLOR_TERMS: usize = 20;
 
 /// The unforced oscillator: gamma = alpha/m, w0^2 = K/m, and the characteristic roots.
 #[derive(Clone, Copy, Debug)]
 pub struct ImpulseResponse {
-    decay: f64,
+    /// gamma.
+    damping_rate: f64,
+    /// w0^2.
     stiffness_ratio: f64,
     roots: [Complex; 2],
 }
 
 impl ImpulseResponse {
     /// From gamma = alpha/m >= 0 and w0 > 0.
-    pub fn new(decay: f64, natural_frequency: f64) -> Self {
-        let (g, w0) = (decay, natural_frequency);
+    pub fn new(damping_rate: f64, natural_frequency: f64) -> Self {
+        let (g, w0) = (damping_rate, natural_frequency);
         let discriminant = (g - w0) * (g + w0);
         let root = libm::sqrt(discriminant.abs());
         let roots = if discriminant < 0.0 {
@@ -46,7 +53,7 @@ impl ImpulseResponse {
             let fast = g + root;
             [Complex::new(-w0 * (w0 / fast), 0.0), Complex::new(-fast, 0.0)]
         };
-        ImpulseResponse { decay: g, stiffness_ratio: w0 * w0, roots }
+        ImpulseResponse { damping_rate: g, stiffness_ratio: w0 * w0, roots }
     }
 
     /// S(r).
@@ -54,7 +61,8 @@ impl ImpulseResponse {
         first_difference(self.roots[0], self.roots[1], r).re
     }
 
-    /// S'(r) = l1 S + e^{l2 r}: what is left of an overdamped motion keeps its digits, however small it has become.
+    /// S'(r) = l1 S + e^{l2 r}: what is left of an overdamped motion keeps its digits, however
+    /// small it has become.
     pub fn impulse_slope(&self, r: f64) -> f64 {
         let [l1, l2] = self.roots;
         (l1 * first_difference(l1, l2, r) + (l2 * r).exp()).re
@@ -64,7 +72,7 @@ impl ImpulseResponse {
     pub fn exponential(&self, z: Complex, r: f64) -> Complex {
         let [l1, l2] = self.roots;
         let largest = z.abs().max(l1.abs()).max(l2.abs());
-        if largest * r <= TAYLOR_REACH {
+        if largest * r <= TAYLOR_RADIUS {
             return self.taylor(z, r, 2) * (r * r);
         }
         let (a, b, c) = farthest_apart(z, l1, l2);
@@ -73,8 +81,9 @@ impl ImpulseResponse {
 
     /// G_z'(r) from `response` = G_z(r) and `impulse` = S(r).
     ///
-    /// G_z' = a G_z + exp[b, c] for any order a, b, c of the roots z, l1, l2. With the smallest as a, neither term is larger than
-    /// the largest root's share of the sum: z G_z + S would cancel where the force is faster than the oscillator.
+    /// G_z' = a G_z + exp[b, c] for any order a, b, c of the roots z, l1, l2. With the smallest as
+    /// a, neither term is larger than the largest root's share of the sum: z G_z + S would cancel
+    /// where the force is faster than the oscillator.
     pub fn exponential_slope(&self, z: Complex, r: f64, response: Complex, impulse: f64) -> Complex {
         let [l1, l2] = self.roots;
         if z.abs() <= l1.abs() {
@@ -87,14 +96,15 @@ impl ImpulseResponse {
     /// G_z(r) - G_0(r): the response to e^{z t} - 1, a force that is switched on at zero.
     pub fn exponential_from_zero(&self, z: Complex, r: f64) -> Complex {
         let largest = z.abs().max(self.roots[0].abs()).max(self.roots[1].abs());
-        if largest * r <= TAYLOR_REACH {
+        if largest * r <= TAYLOR_RADIUS {
             return z * self.taylor(z, r, 3) * (r * r * r);
         }
         self.exponential(z, r) - self.exponential(Complex::ZERO, r)
     }
 
-    /// sum_k H_k r^k / (k + n)! where H_k is the complete homogeneous symmetric polynomial of z, l1, l2. Its generating
-    /// function 1/((1 - z t)(1 + 2 gamma t + w0^2 t^2)) gives H_k = z^k - 2 gamma H_{k-1} - w0^2 H_{k-2}.
+    /// sum_k H_k r^k / (k + n)! where H_k is the complete homogeneous symmetric polynomial of z,
+    /// l1, l2. Its generating function 1/((1 - z t)(1 + 2 gamma t + w0^2 t^2)) gives H_k = z^k - 2
+    /// gamma H_{k-1} - w0^2 H_{k-2}.
     fn taylor(&self, z: Complex, r: f64, n: u32) -> Complex {
         let mut power = Complex::ONE;
         let (mut h, mut h_before) = (Complex::ONE, Complex::ZERO);
@@ -102,7 +112,7 @@ impl ImpulseResponse {
         let mut sum = h * (1.0 / factorial);
         for k in 1..TAYLOR_TERMS {
             power = power * z * r;
-            let next = power - h * (2.0 * self.decay * r) - h_before * (self.stiffness_ratio * r * r);
+            let next = power - h * (2.0 * self.damping_rate * r) - h_before * (self.stiffness_ratio * r * r);
             (h_before, h) = (h, next);
             factorial *= k as f64 + f64::from(n);
             sum = sum + h * (1.0 / factorial);
@@ -111,10 +121,11 @@ impl ImpulseResponse {
     }
 }
 
-/// exp[a, b](r): r e^{(a+b) r/2} sinh(q)/q with q = (a - b) r/2, or the plain quotient where that is not small.
+/// exp[a, b](r): r e^{(a+b) r/2} sinh(q)/q with q = (a - b) r/2, or the plain quotient where that
+/// is not small.
 fn first_difference(a: Complex, b: Complex, r: f64) -> Complex {
     let gap = a - b;
-    if gap.abs() * r > TAYLOR_REACH {
+    if gap.abs() * r > TAYLOR_RADIUS {
         return ((a * r).exp() - (b * r).exp()) / gap;
     }
     let q = gap * (0.5 * r);
@@ -143,7 +154,8 @@ fn farthest_apart(a: Complex, b: Complex, c: Complex) -> (Complex, Complex, Comp
 mod tests {
     use super::*;
 
-    /// G_z by 16-point-free brute force: Simpson on the convolution, an oracle that knows no divided differences.
+    /// G_z by 16-point-free brute force: Simpson on the convolution, an oracle that knows no
+    /// divided differences.
     fn convolution(gamma: f64, w0: f64, z: Complex, r: f64) -> Complex {
         let n = 20_000;
         let d2 = gamma * gamma - w0 * w0;
@@ -172,7 +184,8 @@ mod tests {
             for z in [0.0, 0.25, 1.0, 1.0 + 1e-9, 1.0 - 1e-5, 2.5].map(|w| Complex::new(0.0, w)) {
                 for r in [1e-3, 0.2, 0.9, 1.1, 4.0, 12.0] {
                     let (fast, slow) = (free.exponential(z, r), convolution(gamma, w0, z, r));
-                    // Simpson with 2e4 intervals is good to (12/2e4)^4 w^4 / 180 * r ~ 1e-13 of its largest terms.
+                    // Simpson with 2e4 intervals is good to (12/2e4)^4 w^4 / 180 * r ~ 1e-13 of its
+                    // largest terms.
                     let scale = slow.abs().max(0.5 * r * r * (-gamma * r).exp());
                     assert!((fast - slow).abs() <= 1e-11 * scale, "{gamma} {w0} {z:?} {r}: {fast:?} {slow:?}");
                     let difference = slow - convolution(gamma, w0, Complex::ZERO, r);
@@ -185,7 +198,8 @@ mod tests {
 
     #[test]
     fn nothing_is_lost_across_the_switches_between_formulas() {
-        // Just below and above |root| r = 1, and around resonance, the function is smooth to rounding.
+        // Just below and above |root| r = 1, and around resonance, the function is smooth to
+        // rounding.
         let free = ImpulseResponse::new(0.0, 1.0);
         let z = Complex::new(0.0, 1.0);
         let (below, above) = (free.exponential(z, 1.0), free.exponential(z, 1.0 + 1e-15));
@@ -200,7 +214,8 @@ mod tests {
 
     #[test]
     fn the_slope_keeps_its_digits_where_the_force_is_much_faster_or_slower_than_the_oscillator() {
-        // Without damping and with w0 = 1: G_z = (e^{zr} - cos r - z sin r)/(z^2 + 1), written for a pure imaginary z = iw.
+        // Without damping and with w0 = 1: G_z = (e^{zr} - cos r - z sin r)/(z^2 + 1), written for
+        // a pure imaginary z = iw.
         let (free, r) = (ImpulseResponse::new(0.0, 1.0), 2.5f64);
         for w in [1e-8f64, 1e-3, 0.5, 3.0, 1e4, 1e8] {
             let z = Complex::new(0.0, w);

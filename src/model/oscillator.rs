@@ -19,7 +19,8 @@ impl Oscillator {
         (self.stiffness / self.mass).sqrt()
     }
 
-    /// b(x, x', t) = K (beta T - x) - 2 alpha x': every force but friction (paper, equations (engapp) and (shaw)).
+    /// b(x, x', t) = K (beta T - x) - 2 alpha x': every force but friction (paper, equations
+    /// (engapp) and (shaw)).
     pub fn force(&self, temperature: f64, displacement: f64, velocity: f64) -> f64 {
         self.stiffness * (self.dilatation * temperature - displacement) - 2.0 * self.damping * velocity
     }

@@ -1,15 +1,16 @@
-//! One sub-phase in closed form: position, velocity and force while the sign of x' is known and the forcing is a sum of
-//! exponentials.
+//! One sub-phase in closed form: position, velocity and force while the sign of x' is known and the
+//! forcing is a sum of exponentials.
 //!
-//! On a sub-phase of sign eps, with F_j e^{z_j t} the terms of K beta T(t)/m (z_j = i w_j for a harmonic),
+//! On a sub-phase of sign eps, with F_j e^{z_j t} the terms of K beta T(t)/m (z_j = i w_j for a
+//! harmonic),
 //!
 //! ```text
 //! x'' + 2 gamma x' + w0^2 x = sum_j Re[F_j e^{z_j t}] - eps f_d / m,      x'(t0) = 0.
 //! ```
 //!
-//! Let r = t - t0, P_j = F_j e^{z_j t0}, a0 = (b(t0) - eps f_d)/m. The displacement since t0, y = x - x(t0), starts at
-//! y = y' = 0 and obeys the same equation with right-hand side a0 + sum_j Re[P_j (e^{z_j r} - 1)], so that with S and
-//! G_z of [`ImpulseResponse`]
+//! Let r = t - t0, P_j = F_j e^{z_j t0}, a0 = (b(t0) - eps f_d)/m. The displacement since t0,
+//! y = x - x(t0), starts at y = y' = 0 and obeys the same equation with right-hand side
+//! a0 + sum_j Re[P_j (e^{z_j r} - 1)], so that with S and G_z of [`ImpulseResponse`]
 //!
 //! ```text
 //! y   = a0 G_0 + sum_j Re[P_j (G_{z_j} - G_0)]
@@ -18,8 +19,9 @@
 //! b   = m y'' + eps f_d
 //! ```
 //!
-//! Increments only: slow forcing and small slips lose no digits, and x'' at the start is exactly a0. The force is read from x'', not
-//! from K (beta T - x): it keeps its digits where a motion has died down below the rounding of the place that it started from.
+//! Increments only: slow forcing and small slips lose no digits, and x'' at the start is exactly
+//! a0. The force is read from x'', not from K (beta T - x): it keeps its digits where a motion has
+//! died down below the rounding of the place that it started from.
 
 use super::complex::Complex;
 use super::impulse_response::ImpulseResponse;
@@ -67,7 +69,8 @@ pub struct SlipState {
 }
 
 impl ForcedOscillator {
-    /// The model without its diffusion: harmonics, and v relaxing from `noise_start` if that is not zero.
+    /// The model without its diffusion: harmonics, and v relaxing from `noise_start` if that is not
+    /// zero.
     pub fn new(model: &Model, noise_start: f64) -> Self {
         let oscillator = model.oscillator;
         let w0 = oscillator.natural_frequency();
@@ -107,13 +110,15 @@ impl ForcedOscillator {
         self.terms.iter().map(|t| t.amplitude.abs()).sum()
     }
 
-    /// The sub-phase of sign `direction` that starts at x' = 0 with force `force`, where `terms` are the P_j.
+    /// The sub-phase of sign `direction` that starts at x' = 0 with force `force`, where `terms`
+    /// are the P_j.
     pub fn slip<'a>(&'a self, terms: &'a [Complex], force: f64, direction: Sign, dynamic_force: f64) -> SlipFlow<'a> {
         let friction = direction.value() * dynamic_force;
         SlipFlow { body: self, start_acceleration: (force - friction) / self.oscillator.mass, terms }
     }
 
-    /// Increment, first and second derivative of K beta T / m over a time r from where the terms are `terms`.
+    /// Increment, first and second derivative of K beta T / m over a time r from where the terms
+    /// are `terms`.
     pub fn forcing_increment(&self, terms: &[Complex], r: f64) -> [f64; 3] {
         let mut sum = [0.0; 3];
         for (term, p) in self.terms.iter().zip(terms) {
@@ -153,17 +158,20 @@ impl SlipFlow<'_> {
         SlipState { displacement, velocity, acceleration, jerk }
     }
 
-    /// Bounds of |x'''| from a state onwards: at a time u later it is at most `bound.0 + bound.1 u`.
+    /// Bounds of |x'''| from a state onwards: at a time u later it is at most `bound.0 + bound.1
+    /// u`.
     ///
-    /// q = x'' obeys q'' + 2 gamma q' + w0^2 q = (K beta T / m)''. Its energy norm sqrt(q'^2 + w0^2 q^2) >= |x'''|
-    /// grows at most at the rate of the right-hand side, since damping only lowers it. This holds for any damping and
-    /// across resonance, where bounds from the amplitudes of the modes would be useless.
+    /// q = x'' obeys q'' + 2 gamma q' + w0^2 q = (K beta T / m)''. Its energy norm sqrt(q'^2 + w0^2
+    /// q^2) >= |x'''| grows at most at the rate of the right-hand side, since damping only lowers
+    /// it. This holds for any damping and across resonance, where bounds from the amplitudes of the
+    /// modes would be useless.
     pub fn jerk_bound(&self, state: &SlipState) -> (f64, f64) {
         let w0 = self.body.oscillator.natural_frequency();
         (libm::hypot(state.jerk, w0 * state.acceleration), self.body.forcing_curvature)
     }
 
-    /// A bound of |x''''| where `bend` bounds the energy norm of [`SlipFlow::jerk_bound`]: the equation of q read for q''.
+    /// A bound of |x''''| where `bend` bounds the energy norm of [`SlipFlow::jerk_bound`]: the
+    /// equation of q read for q''.
     pub fn snap_bound(&self, bend: f64) -> f64 {
         let Oscillator { mass, damping, .. } = self.body.oscillator;
         self.body.forcing_curvature + (2.0 * damping / mass + self.body.oscillator.natural_frequency()) * bend

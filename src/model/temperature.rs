@@ -31,7 +31,8 @@ pub struct Noise {
 pub enum InitialNoise {
     /// At this value.
     At(f64),
-    /// Drawn from the stationary law N(0, sigma^2 / (2 theta)); the first draw of the path's stream.
+    /// Drawn from the stationary law N(0, sigma^2 / (2 theta)); the first draw of the path's
+    /// stream.
     Stationary,
 }
 
@@ -41,7 +42,8 @@ impl Noise {
         self.diffusion / (2.0 * self.relaxation_rate).sqrt()
     }
 
-    /// Whether rho v(t) differs from path to path: rho sigma > 0. Without diffusion v relaxes from v(0), the same for all.
+    /// Whether rho v(t) differs from path to path: rho sigma > 0. Without diffusion v relaxes from
+    /// v(0), the same for all.
     pub fn is_random(&self) -> bool {
         self.intensity * self.diffusion > 0.0
     }
@@ -57,7 +59,8 @@ pub struct Temperature {
 }
 
 impl Temperature {
-    /// Whether T(t) differs from path to path, and with it all that follows from it. Else one path is the ensemble.
+    /// Whether T(t) differs from path to path, and with it all that follows from it. Else one path
+    /// is the ensemble.
     pub fn is_random(&self) -> bool {
         self.noise.is_some_and(|noise| noise.is_random())
     }
@@ -77,7 +80,7 @@ impl Temperature {
     }
 
     /// A bound of |T|, with the noise kept to so many stationary standard deviations.
-    pub fn reach(&self, sds: f64) -> f64 {
+    pub fn bound(&self, sds: f64) -> f64 {
         let harmonics: f64 = self.harmonics.iter().map(|harmonic| harmonic.amplitude.abs()).sum();
         let noise = self.noise.map_or(0.0, |noise| {
             let start = if let InitialNoise::At(v0) = noise.initial { v0.abs() } else { 0.0 };

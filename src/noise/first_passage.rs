@@ -1,30 +1,35 @@
 //! When a Brownian bridge first meets a moving threshold.
 //!
-//! Set-up: Brownian motion y over 0 <= s <= S with both ends known, and a threshold that it starts below by d0 > 0 and
-//! ends below by d1 (negative if above). For a threshold linear in s only the distances matter, and everything is exact:
+//! Set-up: Brownian motion y over 0 <= s <= S with both ends known, and a threshold that it starts
+//! below by d0 > 0 and ends below by d1 (negative if above). For a threshold linear in s only the
+//! distances matter, and everything is exact:
 //!
 //! ```text
 //! P(met)          = exp(-2 d0 d1 / S) if d1 > 0, else 1
 //! meeting place   s* = S q/(S + q),   q inverse-Gaussian with mean d0 S/|d1| and shape d0^2
 //! ```
 //!
-//! (Borodin and Salminen, *Handbook of Brownian Motion*, 2.1 and IV; Karatzas and Shreve, section 4.3.) The second line
-//! holds given that it is met, whatever the sign of d1, by reflection of the end.
+//! (Borodin and Salminen, *Handbook of Brownian Motion*, 2.1 and IV; Karatzas and Shreve, section
+//! 4.3.) The second line holds given that it is met, whatever the sign of d1, by reflection of the
+//! end.
 //!
-//! An Ornstein-Uhlenbeck process dn = -theta n dt + sigma dW becomes Brownian motion by y = e^{theta t} n,
-//! s = sigma^2 (e^{2 theta t} - 1)/(2 theta) (Doob 1942), and a threshold U(t) becomes e^{theta t} U, whose second
-//! derivative in s is (U'' - theta^2 U) e^{-3 theta t} / sigma^4.
+//! An Ornstein-Uhlenbeck process becomes Brownian motion by [`super::TimeChange`], and a threshold
+//! U(t) of it becomes e^{theta t} U, whose second derivative in s is (U'' - theta^2 U) e^{-3 theta
+//! t} / sigma^4.
 
-/// P(met), by which an unmet end is thinned.
+/// P(met), by which an unmet end is thinned; 1 where an end is on the threshold or beyond.
+#[inline]
 pub fn meeting_probability(d0: f64, d1: f64, duration: f64) -> f64 {
     if d0 <= 0.0 || d1 <= 0.0 { 1.0 } else { libm::exp(-2.0 * d0 * d1 / duration) }
 }
 
-/// The meeting place s*, given that the threshold is met, from a standard normal and a uniform number.
+/// The meeting place s*, given that the threshold is met, from a standard normal and a uniform
+/// number.
 ///
-/// The inverse Gaussian by Michael, Schucany and Haas (The American Statistician 30, 1976): with y = normal^2 the smaller
-/// root of their quadratic, mu + mu^2 y/(2 l) - (mu/(2 l)) sqrt(4 mu l y + mu^2 y^2), written without its cancellation
-/// as 4 l/(y (1 + g)^2), g = sqrt(1 + 4 l/(mu y)). It stays finite as mu grows without bound (d1 -> 0).
+/// The inverse Gaussian by Michael, Schucany and Haas (The American Statistician 30, 1976): with y
+/// = normal^2 the smaller root of their quadratic, mu + mu^2 y/(2 l) - (mu/(2 l)) sqrt(4 mu l y +
+/// mu^2 y^2), written without its cancellation as 4 l/(y (1 + g)^2), g = sqrt(1 + 4 l/(mu y)). It
+/// stays finite as mu grows without bound (d1 -> 0).
 pub fn meeting_place(d0: f64, d1: f64, duration: f64, normal: f64, uniform: f64) -> f64 {
     if d0 <= 0.0 {
         return 0.0;
@@ -38,27 +43,31 @@ pub fn meeting_place(d0: f64, d1: f64, duration: f64, normal: f64, uniform: f64)
     if q.is_finite() { duration * q / (duration + q) } else { duration }
 }
 
-/// E[u (1 - u)] at the place u = s/S where a straight threshold is touched, d0, d1 > 0: what a bent one deviates by.
+/// E[u (1 - u)] at the place u = s/S where a straight threshold is touched, d0, d1 > 0: what a bent
+/// one deviates by.
 ///
-/// The touching place has the density of a hitting time from one end and, backwards, from the other,
+/// The touching place has the density of a hitting time from one end and, backwards, from the
+/// other,
 ///
 /// ```text
 /// p(s) ~ s^{-3/2} (S-s)^{-3/2} exp(-d0^2/(2 s) - d1^2/(2 (S-s))),
 /// ```
 ///
-/// because a small shift e(s) of the threshold changes exp(-2 d0 d1/S) to first order by its mean under p. With
-/// int_0^S s^{-1/2} (S-s)^{-1/2} exp(..) ds = pi erfc((d0+d1)/sqrt(2S)) and the convolution of two hitting densities,
+/// because a small shift e(s) of the threshold changes exp(-2 d0 d1/S) to first order by its mean
+/// under p. With int_0^S s^{-1/2} (S-s)^{-1/2} exp(..) ds = pi erfc((d0+d1)/sqrt(2S)) and the
+/// convolution of two hitting densities,
 ///
 /// ```text
 /// E[u (1-u)] = sqrt(pi/2) d0 d1 / (D sqrt S) erfcx(D/sqrt(2S)),   D = d0 + d1
 /// ```
 ///
-/// and erfcx(z) = (2/sqrt pi)/(z + sqrt(z^2 + 4/pi)) within 6 % (Abramowitz and Stegun 7.1.13, its upper bound): enough
-/// for a correction that is itself small.
+/// and erfcx(z) = (2/sqrt pi)/(z + sqrt(z^2 + 4/pi)) within 6 % (Abramowitz and Stegun 7.1.13, its
+/// upper bound): enough for a correction that is itself small.
 pub fn mean_touching_spread(d0: f64, d1: f64, duration: f64) -> f64 {
     let sum = d0 + d1;
     let z2 = sum * sum / (2.0 * duration);
-    // sqrt(pi/2) d0 d1/(D sqrt S) (2/sqrt pi) / (z + sqrt(z^2 + 4/pi)), multiplied through by sqrt(2S)/D = 1/z.
+    // sqrt(pi/2) d0 d1/(D sqrt S) (2/sqrt pi) / (z + sqrt(z^2 + 4/pi)), multiplied through by
+    // sqrt(2S)/D = 1/z.
     2.0 * d0 * d1 / (sum * sum * (1.0 + (1.0 + 4.0 * std::f64::consts::FRAC_1_PI / z2).sqrt()))
 }
 
@@ -68,19 +77,20 @@ mod tests {
 
     #[test]
     fn one_straight_step_of_an_ornstein_uhlenbeck_process_is_exact() {
-        // theta = sigma = 1, U(t) = e^{-t} (0.5 + 0.3 s): straight after the time change. The bridge probability,
-        // integrated over the end by the midpoint rule, against the exact first-passage law of Brownian motion to a line.
+        // theta = sigma = 1, U(t) = e^{-t} (0.5 + 0.3 s): straight after the time change. The
+        // bridge probability, integrated over the end by the midpoint rule, against the exact
+        // first-passage law of Brownian motion to a line.
         let exact = 0.652_644_296_302_603_9;
         let total = (f64::exp(2.0) - 1.0) / 2.0;
-        let (n, reach) = (200_000, 9.0);
+        let (n, farthest) = (200_000, 9.0);
         let sum: f64 = (0..n)
             .map(|i| {
-                let z = -reach + 2.0 * reach * (i as f64 + 0.5) / n as f64;
+                let z = -farthest + 2.0 * farthest * (i as f64 + 0.5) / n as f64;
                 let end = 0.5 + 0.3 * total - total.sqrt() * z;
                 meeting_probability(0.5, end, total) * (-0.5 * z * z).exp()
             })
             .sum();
-        let probability = sum * 2.0 * reach / n as f64 / (2.0 * std::f64::consts::PI).sqrt();
+        let probability = sum * 2.0 * farthest / n as f64 / (2.0 * std::f64::consts::PI).sqrt();
         assert!((probability - exact).abs() < 1e-9, "{probability}");
     }
 

@@ -4,13 +4,11 @@ mod first_passage;
 mod normal;
 mod normal_table;
 mod ornstein_uhlenbeck;
-mod slip_transition;
 mod stream;
 
 pub use first_passage::{mean_touching_spread, meeting_place, meeting_probability};
 pub use normal::{MAX_NORMAL_ERROR, standard_normal};
-pub use ornstein_uhlenbeck::Transition;
-pub use slip_transition::{DrivenOscillator, HarmonicResponse, SlipTransition};
+pub use ornstein_uhlenbeck::{TimeChange, Transition, increment_variance};
 pub use stream::{LaneNormals, LaneStreams, Stream};
 
 /// What a file says about where its random numbers come from.

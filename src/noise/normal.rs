@@ -1,36 +1,41 @@
 //! Normals by inversion: 64 uniform bits, one normal.
 //!
-//! A draw is a signed integer y, uniform, -2^63 <= y < 2^63; it stands for sign(y) Z(|y|), Z(y) = erfc^{-1}(y 2^-63), which is a standard
-//! normal over sqrt(2). Each octave of |y| is cut into 128 cells. Because Z'' = 2 Z Z'^2, the level A = Z and the slope b of a cell give the
-//! parabola of Z about its centre,
+//! A draw is a signed integer y, uniform, -2^63 <= y < 2^63; it stands for sign(y) Z(|y|), Z(y) =
+//! erfc^{-1}(y 2^-63), which is a standard normal over sqrt(2). Each octave of |y| is cut into 128
+//! cells. Because Z'' = 2 Z Z'^2, the level A = Z and the slope b of a cell give the parabola of Z
+//! about its centre,
 //!
 //! ```text
 //! Z = A + s + A s^2,   s = b t,   t the distance from the centre down to |y|, in cells
 //! ```
 //!
-//! and both are packed into one 64-bit word (`tools/normal_table.py`). The number of the cell is the sign, the exponent and the upper mantissa
-//! bits of y as a double, and t is in the lower ones, so there is nothing to search, no tail to treat apart, and no branch: the normals reach from
-//! the median to 9.1 sigma, where |y| = 1. A cell of negative y has -A and -b.
+//! and both are packed into one 64-bit word (`tools/normal_table.py`). The number of the cell is
+//! the sign, the exponent and the upper mantissa bits of y as a double, and t is in the lower ones,
+//! so there is nothing to search, no tail to treat apart, and no branch: the normals reach from the
+//! median to 9.1 sigma, where |y| = 1. A cell of negative y has -A and -b.
 
 use super::normal_table::{CELLS, SLOPE_BITS};
 use crate::lanes::{KEY_SHIFT, Lanes, Table};
 use std::f64::consts::SQRT_2;
 use std::sync::LazyLock;
 
-/// Greatest absolute error of [`standard_normal`] as an inverse of the normal distribution function, anywhere from the median
-/// to 9.1 sigma. At the ends and extrema of all cells it is 4.9e-9 at most (`tools/normal_table.py` prints it): 2.4e-9 of the parabola next to the
-/// median, 1.3e-9 of the slope's last bit, and in the tails 2.7e-9 of the bits of the level that hold the slope. The normals of y and -y differ from
-/// each other's negatives by 1e-9 at most.
+/// Greatest absolute error of [`standard_normal`] as an inverse of the normal distribution
+/// function, anywhere from the median to 9.1 sigma. At the ends and extrema of all cells it is
+/// 4.9e-9 at most (`tools/normal_table.py` prints it): 2.4e-9 of the parabola next to the median,
+/// 1.3e-9 of the slope's last bit, and in the tails 2.7e-9 of the bits of the level that hold the
+/// slope. The normals of y and -y differ from each other's negatives by 1e-9 at most.
 pub const MAX_NORMAL_ERROR: f64 = 5e-9;
 
 const SIGN: u64 = 1 << 63;
-/// The bits of a double below the number of its cell, 52 of mantissa less seven: the place in the cell.
+/// The bits of a double below the number of its cell, 52 of mantissa less seven: the place in the
+/// cell.
 const PLACE: u64 = (1 << KEY_SHIFT) - 1;
 /// With these upper bits instead of its own, a double is 128 plus its place, from 0 to 1.
 const BEFORE_PLACE: f64 = 128.0;
 const CENTRE: f64 = BEFORE_PLACE + 0.5;
 const SLOPE: u64 = (1 << SLOPE_BITS) - 1;
-/// Set before the bits of a slope, this makes a double of them: itself plus 2^-7 plus the slope, in units of 2^-28.
+/// Set before the bits of a slope, this makes a double of them: itself plus 2^-7 plus the slope, in
+/// units of 2^-28.
 const BEFORE_SLOPE: f64 = 16_777_216.0;
 const NO_SLOPE: f64 = BEFORE_SLOPE + 0.007_812_5;
 
@@ -42,7 +47,8 @@ fn cell(y: u64) -> u64 {
     if y & SIGN == 0 { cell } else { SIGN | cell & !SLOPE | (SLOPE + 1 - (cell & SLOPE)) }
 }
 
-/// The cells of both signs where [`Lanes::lookup`] finds them. Of its 4 MiB only those around them are ever touched, 132 KiB.
+/// The cells of both signs where [`Lanes::lookup`] finds them. Of its 4 MiB only those around them
+/// are ever touched, 132 KiB.
 pub(super) fn cells() -> &'static Table {
     static TABLE: LazyLock<Box<Table>> = LazyLock::new(|| {
         let mut table = vec![0; size_of::<Table>() / size_of::<u64>()];
@@ -67,8 +73,8 @@ pub fn standard_normal(draw: u64) -> f64 {
     SQRT_2 * level.mul_add(s.mul_add(s, 1.0), s)
 }
 
-/// Normals of variance 1/2, those that draws stand for, lane by lane: [`standard_normal`]'s before the factor sqrt(2), the same bits.
-/// `cells` are [`cells`].
+/// Normals of variance 1/2, those that draws stand for, lane by lane: [`standard_normal`]'s before
+/// the factor sqrt(2), the same bits. `cells` are [`cells`].
 #[inline(always)]
 pub(super) fn half_normals<L: Lanes>(cells: &Table, draws: L::Bits) -> L {
     let y = L::from_integers(draws).to_bits();

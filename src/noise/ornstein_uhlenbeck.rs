@@ -1,26 +1,93 @@
-//! The Ornstein-Uhlenbeck process dv = -theta v dt + sigma dW, exactly.
+//! The Ornstein-Uhlenbeck process dv = -theta v dt + sigma dW, exactly, over any time h.
+//!
+//! ```text
+//! transition   v(t + h) = e^{-theta h} v(t) + sigma sqrt((1 - e^{-2 theta h})/(2 theta)) xi
+//! time change  y = e^{theta t} v is Brownian motion in s = sigma^2 (e^{2 theta t} - 1)/(2 theta)
+//! ```
+//!
+//! with xi a standard normal. The time change is Doob's (Annals of Mathematics 43, 1942).
 
-/// The exact transition over a time h: v(t + h) = decay v(t) + kick xi, xi standard normal, with
-///
-/// ```text
-/// decay = e^{-theta h},   kick = sigma sqrt((1 - e^{-2 theta h}) / (2 theta))
-/// ```
+/// The exact transition over a time h: v(t + h) = decay v(t) + increment_sd xi, xi standard normal.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Transition {
-    /// e^{-theta h}
+    /// e^{-theta h}.
     pub decay: f64,
-    /// The standard deviation of what is added.
-    pub kick: f64,
+    /// sigma sqrt((1 - e^{-2 theta h})/(2 theta)): the standard deviation of the increment of v
+    /// given where it starts.
+    pub increment_sd: f64,
 }
 
 impl Transition {
-    /// Over a time `h` >= 0, for theta > 0 and sigma >= 0. Without cancellation for any theta h (expm1).
+    /// Over a time `h` >= 0, for theta > 0 and sigma >= 0. Without cancellation for any theta h
+    /// (expm1).
     pub fn new(theta: f64, sigma: f64, h: f64) -> Self {
-        Transition {
-            decay: libm::exp(-theta * h),
-            kick: sigma * (-libm::expm1(-2.0 * theta * h) / (2.0 * theta)).sqrt(),
+        Transition { decay: libm::exp(-theta * h), increment_sd: increment_sd(theta, sigma, forgotten(theta, h)) }
+    }
+
+    /// v(t + h) from v(t) and a standard normal.
+    #[inline(always)]
+    pub fn next(&self, v: f64, xi: f64) -> f64 {
+        self.decay * v + self.increment_sd * xi
+    }
+}
+
+/// The square of [`Transition::increment_sd`], rounded once less.
+pub fn increment_variance(theta: f64, sigma: f64, h: f64) -> f64 {
+    spread(theta, sigma, forgotten(theta, h))
+}
+
+/// The process over a time h as the Brownian motion y of Doob's time change, which starts where v
+/// does.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TimeChange {
+    /// The transition of v, whose decay is 1/growth to the last bit.
+    pub transition: Transition,
+    /// e^{theta h}: what a distance of v at the end is multiplied by to be one of y.
+    pub growth: f64,
+    /// S = sigma^2 (e^{2 theta h} - 1)/(2 theta): how long y runs.
+    pub duration: f64,
+    /// (S/sigma^2)^2 e^{-3 theta h/2} = h^2 (1 + theta h/2 + ..). A threshold U of v with c = U'' -
+    /// theta^2 U at mid-step deviates by c bow u (1 - u)/2 from a straight threshold of y, a
+    /// fraction u of S from the start.
+    pub bow: f64,
+    theta: f64,
+    sigma: f64,
+}
+
+impl TimeChange {
+    /// Over a time `h` >= 0, for theta > 0 and sigma >= 0.
+    pub fn new(theta: f64, sigma: f64, h: f64) -> Self {
+        let forgotten = forgotten(theta, h);
+        let growth = libm::exp(theta * h);
+        TimeChange {
+            transition: Transition { decay: 1.0 / growth, increment_sd: increment_sd(theta, sigma, forgotten) },
+            growth,
+            duration: spread(theta, sigma, forgotten) * growth * growth,
+            bow: (forgotten / (2.0 * theta)).powi(2) * growth * growth * growth.sqrt(),
+            theta,
+            sigma,
         }
     }
+
+    /// The time t at which y has run for s.
+    pub fn time(&self, s: f64) -> f64 {
+        let variance = self.sigma * self.sigma;
+        libm::log1p(2.0 * self.theta * s / variance) / (2.0 * self.theta)
+    }
+}
+
+/// 1 - e^{-2 theta h}: the share of its stationary variance that does not depend on where it
+/// started.
+fn forgotten(theta: f64, h: f64) -> f64 {
+    -libm::expm1(-2.0 * theta * h)
+}
+
+fn increment_sd(theta: f64, sigma: f64, forgotten: f64) -> f64 {
+    sigma * (forgotten / (2.0 * theta)).sqrt()
+}
+
+fn spread(theta: f64, sigma: f64, forgotten: f64) -> f64 {
+    sigma * sigma * forgotten / (2.0 * theta)
 }
 
 #[cfg(test)]
@@ -28,12 +95,12 @@ mod tests {
     use super::*;
     use crate::noise::Stream;
 
-    /// v(h) given v(0) has mean e^{-theta h} v(0) and variance (sigma^2 / 2 theta)(1 - e^{-2 theta h}); for small theta h that is
-    /// sigma^2 h (1 - theta h + ...), which subtraction would lose.
+    /// v(h) given v(0) has mean e^{-theta h} v(0) and variance (sigma^2 / 2 theta)(1 - e^{-2 theta
+    /// h}); for small theta h that is sigma^2 h (1 - theta h + ...), which subtraction would lose.
     #[test]
     fn mean_and_variance_are_those_of_the_process() {
         for (theta, sigma, h) in [(1.0, 1.0, 0.01), (3.0, 0.5, 2.0), (1e-8, 2.0, 1e-4), (5.0, 1.0, 1e3)] {
-            let Transition { decay, kick } = Transition::new(theta, sigma, h);
+            let Transition { decay, increment_sd } = Transition::new(theta, sigma, h);
             let y: f64 = theta * h;
             let series = 1.0 - y + 2.0 / 3.0 * y * y;
             let variance = if y < 1e-6 {
@@ -42,7 +109,8 @@ mod tests {
                 sigma * sigma / (2.0 * theta) * (1.0 - (-2.0 * y).exp())
             };
             assert!((decay - (-y).exp()).abs() <= 1e-15);
-            assert!((kick * kick / variance - 1.0).abs() < 1e-13, "{theta} {sigma} {h}");
+            assert!((increment_sd * increment_sd / variance - 1.0).abs() < 1e-13, "{theta} {sigma} {h}");
+            assert!((increment_variance(theta, sigma, h) / variance - 1.0).abs() < 1e-13, "{theta} {sigma} {h}");
         }
     }
 
@@ -52,24 +120,25 @@ mod tests {
         for h in [1e-9, 1e-3, 0.7, 40.0] {
             let (half, whole) = (Transition::new(1.3, 0.7, h / 2.0), Transition::new(1.3, 0.7, h));
             assert!((half.decay * half.decay - whole.decay).abs() < 1e-15);
-            let variance = half.kick.powi(2) * (1.0 + half.decay.powi(2));
-            assert!((variance / whole.kick.powi(2) - 1.0).abs() < 1e-14, "{h}");
+            let variance = half.increment_sd.powi(2) * (1.0 + half.decay.powi(2));
+            assert!((variance / whole.increment_sd.powi(2) - 1.0).abs() < 1e-14, "{h}");
         }
     }
 
-    /// Null: started from N(0, sigma^2 / 2 theta), v(n h) keeps that law, and corr(v(0), v(n h)) = e^{-theta n h}. 2^16 paths, 20 steps.
-    /// The sample variance has relative sd sqrt(2/N) = 0.0055 and the correlation sd below 1/sqrt(N) = 0.0039: bounds at 4 sd,
-    /// false-alarm rate below 2e-4. A factor 2 in the variance, or one step of decay more (0.11), would be seen at once.
+    /// Null: started from N(0, sigma^2 / 2 theta), v(n h) keeps that law, and corr(v(0), v(n h)) =
+    /// e^{-theta n h}. 2^16 paths, 20 steps. The sample variance has relative sd sqrt(2/N) = 0.0055
+    /// and the correlation sd below 1/sqrt(N) = 0.0039: bounds at 4 sd, false-alarm rate below
+    /// 2e-4. A factor 2 in the variance, or one step of decay more (0.11), would be seen at once.
     #[test]
     fn a_stationary_start_stays_stationary_and_forgets_at_the_right_rate() {
         let (theta, sigma, h, paths) = (0.8, 1.7, 0.1, 1 << 16);
-        let Transition { decay, kick } = Transition::new(theta, sigma, h);
+        let transition = Transition::new(theta, sigma, h);
         let stationary = sigma * sigma / (2.0 * theta);
         let (mut variance, mut product) = (0.0, 0.0);
         for path in 0..paths {
             let mut stream = Stream::new(7, path);
             let start = stationary.sqrt() * stream.normal();
-            let end = (0..20).fold(start, |v, _| decay * v + kick * stream.normal());
+            let end = (0..20).fold(start, |v, _| transition.next(v, stream.normal()));
             variance += end * end;
             product += start * end;
         }
@@ -80,5 +149,21 @@ mod tests {
             "{}",
             product / n / stationary
         );
+    }
+    /// v(h) = y(S) e^{-theta h}, so Var v(h) = S e^{-2 theta h}; y has run for S at the time h; and
+    /// decays and growths cancel.
+    #[test]
+    fn the_time_change_is_that_of_the_transition() {
+        for (theta, sigma, h) in [(1.0, 1.0, 0.01), (3.0, 0.5, 2.0), (1e-8, 2.0, 1e-4), (0.3, 1.0, 30.0)] {
+            let change = TimeChange::new(theta, sigma, h);
+            let transition = Transition::new(theta, sigma, h);
+            let variance = change.duration / (change.growth * change.growth);
+            assert!((variance / transition.increment_sd.powi(2) - 1.0).abs() < 1e-14, "{theta} {sigma} {h}");
+            assert_eq!(change.transition.increment_sd, transition.increment_sd);
+            assert!((change.transition.decay / transition.decay - 1.0).abs() < 1e-14, "{theta} {sigma} {h}");
+            assert!((change.time(change.duration) / h - 1.0).abs() < 1e-13, "{theta} {sigma} {h}");
+            let clock = (change.duration / (sigma * sigma)).powi(2) * (-1.5 * theta * h).exp();
+            assert!((change.bow / clock - 1.0).abs() < 1e-12, "{theta} {sigma} {h}");
+        }
     }
 }

@@ -1,12 +1,13 @@
 //! The stream of a path: xoshiro256+, seeded from (seed, path number) alone.
 //!
-//! Of this family it is the member made for floating-point numbers: only its lowest three bits are weak. A normal does
-//! not see them before 7 sigma, and the second normal of a pair, where they come to lie at bits 32 to 34, not above 2^-29 of its uniform
-//! number. Blackman and Vigna, *Scrambled linear pseudorandom number generators*, ACM TOMS 47 (2021). The four state words of path
-//! p are the p-th outputs of four SplitMix64 sequences whose origins are the first four SplitMix64 outputs from the
-//! seed. Each word is thus a bijective, avalanching function of the path number: no two paths of a run share a state,
-//! neighbouring paths share no structure, and 2^256 states leave overlaps of streams out of reach
-//! (probability below paths^2 * steps / 2^256).
+//! Of this family it is the member made for floating-point numbers: only its lowest three bits are
+//! weak. A normal does not see them before 7 sigma, and the second normal of a pair, where they
+//! come to lie at bits 32 to 34, not above 2^-29 of its uniform number. Blackman and Vigna,
+//! *Scrambled linear pseudorandom number generators*, ACM TOMS 47 (2021). The four state words of
+//! path p are the p-th outputs of four SplitMix64 sequences whose origins are the first four
+//! SplitMix64 outputs from the seed. Each word is thus a bijective, avalanching function of the
+//! path number: no two paths of a run share a state, neighbouring paths share no structure, and
+//! 2^256 states leave overlaps of streams out of reach (probability below paths^2 * steps / 2^256).
 
 use super::normal::{cells, half_normals};
 use crate::lanes::{InstructionSet, LaneProgram, Lanes, Table};
@@ -64,8 +65,9 @@ impl Stream {
         super::standard_normal(self.next_u64())
     }
 
-    /// The next two standard normals, of one draw w: those of w and of w with its halves exchanged. The upper halves, which decide a normal to
-    /// one part in 2^32, have no bit in common; the lower ones matter alone only beyond 6.2 sigma.
+    /// The next two standard normals, of one draw w: those of w and of w with its halves exchanged.
+    /// The upper halves, which decide a normal to one part in 2^32, have no bit in common; the
+    /// lower ones matter alone only beyond 6.2 sigma.
     #[inline(always)]
     pub fn normal_pair(&mut self) -> [f64; 2] {
         let draw = self.next_u64();
@@ -79,8 +81,8 @@ impl Stream {
     }
 }
 
-/// The streams of several paths, to be drawn from in lanes. Lane i is the stream of `paths[i]`; the lanes are padded to whole
-/// registers with streams of paths beyond the last.
+/// The streams of several paths, to be drawn from in lanes. Lane i is the stream of `paths[i]`; the
+/// lanes are padded to whole registers with streams of paths beyond the last.
 #[derive(Clone, Debug)]
 pub struct LaneStreams {
     words: [Vec<u64>; 4],
@@ -110,7 +112,8 @@ impl LaneStreams {
         normals
     }
 
-    /// Take out the streams of `R` registers of lanes, beginning at `lane`; [`LaneStreams::put`] brings them back.
+    /// Take out the streams of `R` registers of lanes, beginning at `lane`; [`LaneStreams::put`]
+    /// brings them back.
     #[inline(always)]
     pub fn take<L: Lanes, const R: usize>(&self, lane: usize) -> LaneNormals<L, R> {
         let zero = L::splat_bits(0);
@@ -135,7 +138,8 @@ impl LaneStreams {
     }
 }
 
-/// `R` registers of lanes, each the normals of its stream in pairs, as [`Stream::normal_pair`] draws them, over sqrt(2).
+/// `R` registers of lanes, each the normals of its stream in pairs, as [`Stream::normal_pair`]
+/// draws them, over sqrt(2).
 #[derive(Clone, Copy)]
 pub struct LaneNormals<L: Lanes, const R: usize> {
     words: [[L::Bits; 4]; R],
@@ -186,7 +190,8 @@ fn output<L: Lanes>([s0, _, _, s3]: &[L::Bits; 4]) -> L::Bits {
     L::add_bits(*s0, *s3)
 }
 
-/// The next state of xoshiro256+: the order of [`Stream::next_u64`] with its exclusive-ors joined by threes.
+/// The next state of xoshiro256+: the order of [`Stream::next_u64`] with its exclusive-ors joined
+/// by threes.
 #[inline(always)]
 fn step<L: Lanes>([s0, s1, s2, s3]: [L::Bits; 4]) -> [L::Bits; 4] {
     let t = L::shl::<17>(s1);

@@ -105,7 +105,7 @@ pub(super) fn largest_force(model: &Model) -> f64 {
 /// The same, with the noise kept to so many stationary standard deviations.
 pub(super) fn force_bound(model: &Model, sds: f64) -> f64 {
     model.oscillator.stiffness
-        * (model.oscillator.dilatation.abs() * model.temperature.reach(sds) + model.initial_displacement.abs())
+        * (model.oscillator.dilatation.abs() * model.temperature.bound(sds) + model.initial_displacement.abs())
 }
 
 /// Bytes of one row of the bands: x, x' and T with mean, sd and five quantiles, P(static), time.

@@ -178,7 +178,7 @@ fn noise(sources: &Sources<'_>, table: &Fields<'_>) -> Result<Option<Noise>, Box
 /// The time-stepping schemes count v in increments of one step: these must be doubles, and v(0) a number of them that can be computed with.
 fn refuse_lost_increments(sources: &Sources<'_>, root: &Fields<'_>, model: &Model, h: f64) -> Result<(), Box<Fault>> {
     let Some(noise) = model.temperature.noise.filter(|noise| noise.diffusion > 0.0) else { return Ok(()) };
-    let increment = Transition::new(noise.relaxation_rate, noise.diffusion, h).kick;
+    let increment = Transition::new(noise.relaxation_rate, noise.diffusion, h).increment_sd;
     let start = if let InitialNoise::At(v) = noise.initial { v.abs() } else { noise.stationary_sd() };
     if increment.is_normal() && keys::can_be_computed_with(&[start / increment]) {
         return Ok(());

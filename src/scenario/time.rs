@@ -30,11 +30,11 @@ pub(super) fn time(
     // Friction takes the body nowhere, however large it is.
     let mut free = model.clone();
     free.friction.static_force = 0.0;
-    let (reach, w0) = (divergence_bound(&free, end.value), model.oscillator.natural_frequency());
-    if !keys::can_be_computed_with(&[reach, reach * w0]) {
-        let speed = reach * w0;
+    let (farthest, w0) = (divergence_bound(&free, end.value), model.oscillator.natural_frequency());
+    if !keys::can_be_computed_with(&[farthest, farthest * w0]) {
+        let speed = farthest * w0;
         let problem = format!(
-            "lets |x| grow towards {reach:e} and |x'| towards {speed:e}; above {:e} is too large to compute with",
+            "lets |x| grow towards {farthest:e} and |x'| towards {speed:e}; above {:e} is too large to compute with",
             keys::LARGEST
         );
         let remedy = "choose units in which displacements, times and forces are closer to 1, or lower `time.end`";

@@ -15,6 +15,7 @@ mod timeline;
 pub use any::Scheme;
 pub use discrete_vi::{DiscreteVi, corrected_exit, divergence_bound, monitoring_shift};
 pub use event_driven::{DEFAULT_TOLERANCE, EventDriven, Resolution, Simulated, TOLERANCES, felt_noise};
+pub use event_driven::{DrivenOscillator, HarmonicResponse, SlipTransition};
 pub use quasi_static::QuasiStatic;
 pub use reference::reference_path;
 pub use timeline::{Instant, Stop, Timeline};

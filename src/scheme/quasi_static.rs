@@ -1,27 +1,25 @@
 //! Scheme C: quasi-static, the paper's approximation for slow forcing (its section on the bridge).
 //!
-//! While the body slips the temperature is taken to stand still. Then each dynamic phase is one half-cycle about the
-//! equilibrium at its start, and the cascade is a recursion:
+//! While the body slips the temperature is taken to stand still. Then each dynamic phase is one
+//! half-cycle about the equilibrium at its start, and the cascade is a recursion:
 //!
 //! ```text
 //! tau_{j+1/2} = inf{t > tau_j : |b(x_j, t)| > f_s},    tau_{j+1} = tau_{j+1/2} + pi/w0,
 //! x_{j+1} = x_j + 2 eps_j (f_s - f_d)/K,               eps_j = sign b(x_j, tau_{j+1/2})
 //! ```
 //!
-//! with b = K (beta T - x). (The paper prints the integrals of this section from tau_j; they start at tau_{j+1/2}.) Damping does
-//! not enter. With f_s = f_d the body never moves and only the times do. In between, for whoever looks,
-//! x(t) = x_j + eps (f_s - f_d)/K (1 - cos w0 (t - tau_{j+1/2})). Exits are those of the event-driven scheme: first roots
-//! without noise, bridge crossings with it. Nothing in the recursion asks whether |b| <= f_s at tau_{j+1}; where it is not, the
-//! stick there is empty.
+//! with b = K (beta T - x). (The paper prints the integrals of this section from tau_j; they start
+//! at tau_{j+1/2}.) Damping does not enter. With f_s = f_d the body never moves and only the times
+//! do. In between, for whoever looks, x(t) = x_j + eps (f_s - f_d)/K (1 - cos w0 (t -
+//! tau_{j+1/2})). Exits are those of the event-driven scheme: first roots without noise, bridge
+//! crossings with it. Nothing in the recursion asks whether |b| <= f_s at tau_{j+1}; where it is
+//! not, the stick there is empty.
 
-use super::columns::Columns;
 use super::event_driven::{
-    ExactTime, Noiseless, Scene, StepRules, StickOutcome, StickState, StickSteps, UnfeltNoise, WORK_LIMIT, Work,
-    forcing,
+    self, Cascade, ExactTime, Noiseless, Scene, StepRules, StickSteps, UnfeltNoise, Unresolved, WORK_LIMIT, forcing,
 };
 use super::{Observer, Timeline};
 use crate::model::{Complex, Event, EventKind, Model, Phase, Sign};
-use crate::noise::Stream;
 
 /// The quasi-static scheme for one scene.
 #[derive(Clone, Debug)]
@@ -45,25 +43,21 @@ enum Exits {
     Noiseless(Box<Noiseless>, UnfeltNoise),
 }
 
-/// Where one path is.
-#[derive(Clone, Debug)]
-struct Path {
-    /// How far the noise has been simulated.
+/// Where one path is: its displacement is x_j, in the dynamic phase too.
+type Path = event_driven::Path<Since>;
+
+/// The phase of a path.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Since {
+    /// tau_j or tau_{j+1/2}: when it began.
     time: f64,
-    phase: Phase,
-    /// tau_{j+1/2} and x_j of the dynamic phase, or tau_j and x_j of the static one.
-    since: f64,
-    displacement: f64,
-    noise: f64,
-    draws: Stream,
-    /// The exit of the static phase, where it is known in advance: without noise. None before it has been looked for.
+    /// Without noise: the exit of a static phase, once it has been looked for.
     exit: Option<Option<Event>>,
-    work: Work,
-    failed: bool,
 }
 
 impl QuasiStatic {
-    /// For a scene, observed at the stops of a timeline; `tolerance` governs the noisy exits as in the event-driven scheme.
+    /// For a scene, observed at the stops of a timeline; `tolerance` governs the noisy exits as in
+    /// the event-driven scheme.
     pub fn new(model: &Model, timeline: &Timeline, tolerance: f64) -> Self {
         let mut scene = Scene::new(model);
         let exits = if scene.felt_noise(timeline.end).is_some() {
@@ -88,122 +82,29 @@ impl QuasiStatic {
         QuasiStatic { work_limit: limit, ..self }
     }
 
-    /// Simulate the paths with these numbers, telling the observer; the lanes that had to be given up are returned.
+    /// Simulate the paths with these numbers, telling the observer; the lanes that had to be given
+    /// up are returned.
     pub fn simulate<O: Observer>(&self, seed: u64, paths: &[u64], observer: &mut O) -> Vec<usize> {
         match &self.exits {
-            Exits::Noisy(_) => self.drive(seed, paths, observer),
-            Exits::Noiseless(_, noise) => self.drive(seed, paths, &mut noise.added_before(observer, seed, paths)),
-        }
-    }
-
-    fn drive<O: Observer>(&self, seed: u64, paths: &[u64], observer: &mut O) -> Vec<usize> {
-        let harmonics = self.scene.harmonics.len();
-        let mut lanes: Vec<Path> = paths.iter().map(|&path| self.start(seed, path)).collect();
-        let mut terms = vec![Complex::ZERO; harmonics];
-        let mut columns = Columns::new(paths.len());
-        for stop in self.timeline.stops() {
-            for (lane, path) in lanes.iter_mut().enumerate() {
-                self.advance(path, &mut terms, stop.time, |event| observer.event(lane, event));
-                self.scene.set_terms(stop.time, &mut terms);
-                let (x, v) = self.position(path, stop.time);
-                let temperature = match &self.exits {
-                    Exits::Noisy(_) => (forcing(&terms) + path.noise) / self.scene.force_per_temperature,
-                    Exits::Noiseless(cascade, _) => cascade.mean_temperature(stop.time),
-                };
-                columns.set(lane, (x, v, temperature, path.phase == Phase::Static));
-            }
-            observer.snapshot(stop.instant, columns.snapshot(stop.time));
-        }
-        lanes.iter().enumerate().filter(|(_, path)| path.failed).map(|(lane, _)| lane).collect()
-    }
-
-    fn start(&self, seed: u64, path: u64) -> Path {
-        let mut draws = Stream::new(seed, path);
-        let noise = self.scene.draw_initial_noise(&mut draws);
-        Path {
-            time: 0.0,
-            phase: Phase::Static,
-            since: 0.0,
-            displacement: self.scene.initial_displacement,
-            noise,
-            draws,
-            exit: None,
-            work: Work::new(self.work_limit),
-            failed: false,
-        }
-    }
-
-    /// Follow a path, phase by phase, to a time.
-    fn advance(&self, path: &mut Path, terms: &mut [Complex], until: f64, mut emit: impl FnMut(Event)) {
-        while !path.failed {
-            let event = match path.phase {
-                Phase::Static => self.stick_until(path, terms, until),
-                Phase::Slip(direction) => self.slip_until(path, terms, direction, until),
-            };
-            let Some(event) = event else { break };
-            path.failed |= path.work.spend().is_err();
-            emit(event);
-            (path.since, path.displacement, path.exit) = (event.time, event.displacement, None);
-            path.phase = match event.kind {
-                EventKind::StickEntered => Phase::Static,
-                EventKind::SlipStarted(sign) | EventKind::SubPhaseBoundary(sign) => Phase::Slip(sign),
-            };
-        }
-        if path.failed {
-            (path.displacement, path.noise) = (f64::NAN, f64::NAN);
-        }
-    }
-
-    fn stick_until(&self, path: &mut Path, terms: &mut [Complex], until: f64) -> Option<Event> {
-        let spring_force = self.scene.oscillator.stiffness * path.displacement;
-        self.scene.set_terms(path.time, terms);
-        match &self.exits {
-            Exits::Noisy(steps) => {
-                let mut state = StickState { time: path.time, spring_force, noise: path.noise, terms };
-                let outcome = steps.advance(&self.scene, &mut state, until, &mut path.draws, &mut path.work);
-                (path.time, path.noise) = (state.time, state.noise);
-                match outcome {
-                    StickOutcome::Exit(force) => {
-                        let kind = EventKind::SlipStarted(Sign::of(force));
-                        Some(Event { kind, time: path.time, displacement: path.displacement, force })
-                    }
-                    StickOutcome::Stays => None,
-                    StickOutcome::Unresolved => {
-                        path.failed = true;
-                        None
-                    }
-                }
-            }
-            Exits::Noiseless(cascade, _) => {
-                let exit = match path.exit {
-                    Some(exit) => exit,
-                    None => {
-                        match cascade.stick_exit(ExactTime::ZERO.after(path.since), path.displacement, &mut path.work) {
-                            Ok(exit) => *path.exit.insert(exit),
-                            Err(_) => {
-                                path.failed = true;
-                                None
-                            }
-                        }
-                    }
-                };
-                let reached = exit.filter(|event| event.time <= until);
-                self.let_noise_pass(path, reached.map_or(until, |event| event.time));
-                reached
+            Exits::Noisy(_) => event_driven::simulate(self, seed, paths, observer).lost,
+            Exits::Noiseless(_, noise) => {
+                event_driven::simulate(self, seed, paths, &mut noise.added_before(observer, seed, paths)).lost
             }
         }
     }
 
-    fn slip_until(&self, path: &mut Path, terms: &mut [Complex], direction: Sign, until: f64) -> Option<Event> {
-        let end = path.since + self.slip_duration;
-        self.let_noise_pass(path, end.min(until));
-        if end > until {
-            return None;
-        }
-        self.scene.set_terms(end, terms);
-        let displacement = path.displacement + direction.value() * self.jump;
-        let force = forcing(terms) + path.noise - self.scene.oscillator.stiffness * displacement;
-        Some(Event { kind: EventKind::StickEntered, time: end, displacement, force })
+    /// Without noise: the exit of the static phase, if the path comes to it by then.
+    fn exit_until(&self, cascade: &Noiseless, path: &mut Path, until: f64) -> Result<Option<Event>, Unresolved> {
+        let exit = match path.motion.exit {
+            Some(exit) => exit,
+            None => {
+                let since = ExactTime::ZERO.after(path.motion.time);
+                *path.motion.exit.insert(cascade.stick_exit(since, path.displacement, &mut path.work)?)
+            }
+        };
+        let exit = exit.filter(|event| event.time <= until);
+        self.let_noise_pass(path, exit.map_or(until, |event| event.time));
+        Ok(exit)
     }
 
     /// The exact transition of the noise to a later time.
@@ -211,17 +112,79 @@ impl QuasiStatic {
         self.scene.let_noise_pass(&mut path.noise, until - path.time, &mut path.draws);
         path.time = until;
     }
+}
 
-    /// x and x'.
-    fn position(&self, path: &Path, t: f64) -> (f64, f64) {
-        match path.phase {
+impl Cascade for QuasiStatic {
+    type Motion = Since;
+    type Scratch = ();
+
+    fn scene(&self) -> &Scene {
+        &self.scene
+    }
+
+    fn timeline(&self) -> &Timeline {
+        &self.timeline
+    }
+
+    fn work_limit(&self) -> u64 {
+        self.work_limit
+    }
+
+    fn scratch(&self) {}
+
+    fn stick_until(&self, path: &mut Path, terms: &mut [Complex], until: f64) -> Result<Option<Event>, Unresolved> {
+        self.scene.set_terms(path.time, terms);
+        let exit = match &self.exits {
+            Exits::Noisy(steps) => steps.advance_path(&self.scene, path, terms, until)?,
+            Exits::Noiseless(cascade, _) => self.exit_until(cascade, path, until)?,
+        };
+        if exit.is_some() {
+            path.work.spend()?;
+        }
+        Ok(exit)
+    }
+
+    fn slip_until(
+        &self,
+        path: &mut Path,
+        terms: &mut [Complex],
+        direction: Sign,
+        until: f64,
+        _: &mut (),
+    ) -> Result<Option<Event>, Unresolved> {
+        let end = path.motion.time + self.slip_duration;
+        self.let_noise_pass(path, end.min(until));
+        if end > until {
+            return Ok(None);
+        }
+        path.work.spend()?;
+        self.scene.set_terms(end, terms);
+        let displacement = path.displacement + direction.value() * self.jump;
+        let force = forcing(terms) + path.noise - self.scene.oscillator.stiffness * displacement;
+        Ok(Some(Event { kind: EventKind::StickEntered, time: end, displacement, force }))
+    }
+
+    fn motion_after(&self, event: &Event) -> Since {
+        Since { time: event.time, exit: None }
+    }
+
+    fn look(&self, path: &Path, terms: &mut [Complex], time: f64) -> (f64, f64, f64) {
+        let temperature = match &self.exits {
+            Exits::Noisy(_) => {
+                self.scene.set_terms(time, terms);
+                self.scene.temperature(terms, path.noise)
+            }
+            Exits::Noiseless(cascade, _) => cascade.mean_temperature(time),
+        };
+        let (x, v) = match path.phase {
             Phase::Static => (path.displacement, 0.0),
             Phase::Slip(direction) => {
                 let w0 = self.scene.oscillator.natural_frequency();
-                let (sin, cos) = libm::sincos(w0 * (t - path.since));
+                let (sin, cos) = libm::sincos(w0 * (time - path.motion.time));
                 let swing = 0.5 * direction.value() * self.jump;
                 (path.displacement + swing * (1.0 - cos), swing * w0 * sin)
             }
-        }
+        };
+        (x, v, temperature)
     }
 }

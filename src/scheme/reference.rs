@@ -40,8 +40,8 @@ pub fn reference_path(
         let s = v + h_over_m * b;
         let next_v = if s.abs() <= h_over_m * f_s { 0.0 } else { s - (h_over_m * f_d).copysign(s) };
         let next_x = x + h * v;
-        if let Some(Transition { decay, kick }) = transition {
-            eta = decay * eta + kick * normal();
+        if let Some(transition) = &transition {
+            eta = transition.next(eta, normal());
         }
         let next_b = force(n + 1, next_x, next_v, eta);
 

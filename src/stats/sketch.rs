@@ -48,9 +48,9 @@ impl Grid {
     #[inline]
     pub fn key(&self, value: f64) -> i16 {
         let distance = value - self.centre;
-        let reach = distance.abs() + self.scale;
-        let reach = if reach < self.limit { reach } else { self.limit };
-        let magnitude = ((reach.to_bits() - self.scale.to_bits()) >> SHIFT) as i16 + 1;
+        let shifted = distance.abs() + self.scale;
+        let shifted = if shifted < self.limit { shifted } else { self.limit };
+        let magnitude = ((shifted.to_bits() - self.scale.to_bits()) >> SHIFT) as i16 + 1;
         // No branch and no product, so that a row is done in vectors.
         let sign = (distance.to_bits() >> 63) as i16;
         let moved = i16::from(distance != 0.0);

@@ -9,9 +9,11 @@ use std::f64::consts::SQRT_2;
 /// Steps between two looks at what happened: enough to keep the look cheap.
 pub(super) const RUN: usize = 256;
 
-/// Lanes stepped together, so that one register's latency hides behind the others' work: two registers of eight lanes, four of four.
+/// Lanes stepped together, so that one register's latency hides behind the others' work: two
+/// registers of eight lanes, four of four.
 const GROUP: usize = 16;
-/// As many of eight lanes without noise, when a step is too short to hide it and has registers to spare.
+/// As many of eight lanes without noise, when a step is too short to hide it and has registers to
+/// spare.
 const WIDE: usize = 32;
 
 /// Lanes are padded to a multiple of the widest register.
@@ -28,7 +30,7 @@ pub(super) struct Coefficients {
     pub minus_stiffness: f64,
     /// -2 alpha
     pub minus_two_alpha: f64,
-    /// K beta rho kick: the force per unit of v/kick
+    /// K beta rho unit: the force that v makes per unit of it
     pub noise_force: f64,
     /// e^{-theta h}
     pub decay: f64,
@@ -65,11 +67,17 @@ impl Coefficients {
     }
 }
 
-/// The noise of a step in units of its own increment: v/kick obeys (v/kick)' = decay (v/kick) + xi, one operation fewer. The lanes draw
-/// normals over sqrt(2), so here and below kick is sqrt(2) times the standard deviation of an increment.
+/// The noise in a unit of its own. The lanes draw normals over sqrt(2), chi = xi/sqrt(2); with
 ///
-/// A step may be fed the noise of `refinement` shorter ones. Its increment is then theirs, joined, and kick is that of the shorter
-/// step: v passes through the same values, whatever the refinement.
+/// ```text
+/// unit = sqrt(2) increment_sd,    (v/unit)' = decay (v/unit) + chi
+/// ```
+///
+/// a step of the noise takes one operation fewer than that of v.
+///
+/// A step may be fed the noise of `refinement` shorter ones. Its increment is then theirs, joined,
+/// and the unit is that of the shorter step: v passes through the same values, whatever the
+/// refinement.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct NoiseScale {
     /// e^{-theta h}
@@ -78,9 +86,10 @@ pub(super) struct NoiseScale {
     refinement: usize,
     /// e^{-theta h/refinement}
     shorter_decay: f64,
-    /// kick, sqrt(2) times the sd of the increment of v in a step of h/refinement; 1 where nothing is added.
-    pub kick: f64,
-    /// rho kick: the temperature per unit of v/kick.
+    /// sqrt(2) times the standard deviation of the increment of v in a step of h/refinement; 1
+    /// where nothing is added.
+    pub unit: f64,
+    /// rho unit: the temperature that v makes per unit of it.
     pub temperature: f64,
     /// Whether the noise moves at random: rho and sigma above zero.
     pub draws: bool,
@@ -93,20 +102,20 @@ impl NoiseScale {
                 decay: 0.0,
                 refinement,
                 shorter_decay: 0.0,
-                kick: 1.0,
+                unit: 1.0,
                 temperature: 0.0,
                 draws: false,
             };
         };
         let over = |h: f64| Transition::new(noise.relaxation_rate, noise.diffusion, h);
-        let Transition { decay: shorter_decay, kick } = over(h / refinement as f64);
-        let draws = kick > 0.0;
-        let kick = if draws { kick * SQRT_2 } else { 1.0 };
-        let temperature = noise.intensity * kick;
-        NoiseScale { decay: over(h).decay, refinement, shorter_decay, kick, temperature, draws }
+        let Transition { decay: shorter_decay, increment_sd } = over(h / refinement as f64);
+        let draws = increment_sd > 0.0;
+        let unit = if draws { increment_sd * SQRT_2 } else { 1.0 };
+        let temperature = noise.intensity * unit;
+        NoiseScale { decay: over(h).decay, refinement, shorter_decay, unit, temperature, draws }
     }
 
-    /// The next increment, in units of kick.
+    /// The next increment, in its unit.
     #[inline(always)]
     fn increment<L: Lanes, const R: usize>(&self, normals: &mut LaneNormals<L, R>) -> [L; R] {
         if !self.draws {
@@ -114,9 +123,9 @@ impl NoiseScale {
         }
         let mut joined = normals.draw();
         for _ in 1..self.refinement {
-            let xi = normals.draw();
+            let chi = normals.draw();
             for r in 0..R {
-                joined[r] = L::splat(self.shorter_decay).mul_add(joined[r], xi[r]);
+                joined[r] = L::splat(self.shorter_decay).mul_add(joined[r], chi[r]);
             }
         }
         joined
@@ -128,7 +137,7 @@ impl NoiseScale {
 pub(super) struct Paths {
     pub displacement: Vec<f64>,
     pub velocity: Vec<f64>,
-    /// v/kick
+    /// v/unit
     pub noise: Vec<f64>,
 }
 
@@ -138,13 +147,13 @@ impl Paths {
         paths.next_multiple_of(PADDING)
     }
 
-    /// All at x0 with zero velocity, and the given v(0)/kick.
+    /// All at x0 with zero velocity, and the given v(0)/unit.
     pub(super) fn at_rest(displacement: f64, noise: &[f64]) -> Self {
         Paths { displacement: vec![displacement; noise.len()], velocity: vec![0.0; noise.len()], noise: noise.to_vec() }
     }
 }
 
-/// X, V and v/kick of one path at one instant.
+/// X, V and v/unit of one path at one instant.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Point {
     pub displacement: f64,
@@ -192,8 +201,8 @@ impl Kernel {
         }
     }
 
-    /// Step every path through `forcing.len() - 1` <= RUN steps; `forcing[n]` is K beta times the harmonics at the n-th
-    /// instant. Leaves the turns in `turns`, those of one lane in time order.
+    /// Step every path through `forcing.len() - 1` <= RUN steps; `forcing[n]` is K beta times the
+    /// harmonics at the n-th instant. Leaves the turns in `turns`, those of one lane in time order.
     pub(super) fn advance(&self, forcing: &[f64], streams: &mut LaneStreams, paths: &mut Paths, turns: &mut Vec<Turn>) {
         turns.clear();
         match (self.has_noise, self.has_damping, self.is_corrected) {
@@ -248,7 +257,8 @@ impl<const NOISE: bool, const DAMPING: bool, const CORRECTED: bool> LaneProgram 
 }
 
 impl<const NOISE: bool, const DAMPING: bool, const CORRECTED: bool> Run<'_, NOISE, DAMPING, CORRECTED> {
-    /// `R` registers of paths, beginning at `lane`, through the whole run. Returns how many lanes that are.
+    /// `R` registers of paths, beginning at `lane`, through the whole run. Returns how many lanes
+    /// that are.
     #[inline(always)]
     fn advance_group<L: Lanes, const R: usize>(&mut self, lane: usize) -> usize {
         let at = |r: usize| lane + r * L::WIDTH;
@@ -267,7 +277,7 @@ impl<const NOISE: bool, const DAMPING: bool, const CORRECTED: bool> Run<'_, NOIS
         let every_lane = (1 << L::WIDTH) - 1;
 
         for (n, &forcing) in self.forcing[..self.forcing.len() - 1].iter().enumerate() {
-            let xi = match &mut normals {
+            let chi = match &mut normals {
                 Some(normals) => self.scale.increment(normals),
                 None => [L::splat(0.0); R],
             };
@@ -281,7 +291,7 @@ impl<const NOISE: bool, const DAMPING: bool, const CORRECTED: bool> Run<'_, NOIS
             if L::bitmask(same) == every_lane {
                 for r in 0..R {
                     let next_v = regimes[r].velocity(s[r]);
-                    state[r] = c.next::<NOISE, CORRECTED>(&state[r], next_v, xi[r]);
+                    state[r] = c.next::<NOISE, CORRECTED>(&state[r], next_v, chi[r]);
                 }
             } else {
                 for r in 0..R {
@@ -289,11 +299,11 @@ impl<const NOISE: bool, const DAMPING: bool, const CORRECTED: bool> Run<'_, NOIS
                     let turned = every_lane ^ L::bitmask(regimes[r].holds(s[r], L::always()));
                     if turned != 0 {
                         // here again, so that only a turn keeps both states in registers
-                        let next = c.next::<NOISE, CORRECTED>(&state[r], next_v, xi[r]);
+                        let next = c.next::<NOISE, CORRECTED>(&state[r], next_v, chi[r]);
                         note(self.turns, at(r), n, turned, &state[r], &next);
                         regimes[r] = c.regime(next_v);
                     }
-                    state[r] = c.next::<NOISE, CORRECTED>(&state[r], next_v, xi[r]);
+                    state[r] = c.next::<NOISE, CORRECTED>(&state[r], next_v, chi[r]);
                 }
             }
         }
@@ -307,7 +317,7 @@ impl<const NOISE: bool, const DAMPING: bool, const CORRECTED: bool> Run<'_, NOIS
     }
 }
 
-/// X, V and v/kick of the paths in a register.
+/// X, V and v/unit of the paths in a register.
 #[derive(Clone, Copy)]
 struct State<L> {
     x: L,
@@ -425,19 +435,19 @@ impl<L: Lanes> Splat<L> {
 
     /// The state at the next instant, where V is V'.
     #[inline(always)]
-    fn next<const NOISE: bool, const CORRECTED: bool>(&self, at: &State<L>, next_v: L, xi: L) -> State<L> {
+    fn next<const NOISE: bool, const CORRECTED: bool>(&self, at: &State<L>, next_v: L, chi: L) -> State<L> {
         State {
             // X' = X + h V, corrected: X + h V'
             x: self.h.mul_add(if CORRECTED { next_v } else { at.v }, at.x),
             v: next_v,
-            // v' = e^{-theta h} v + kick xi
-            noise: if NOISE { self.decay.mul_add(at.noise, xi) } else { at.noise },
+            // (v/unit)' = e^{-theta h} (v/unit) + chi
+            noise: if NOISE { self.decay.mul_add(at.noise, chi) } else { at.noise },
         }
     }
 }
 
-/// The step while a lane keeps to slip up, slip down or stick: V' = S + push in the lanes that move and 0 in the others, as long as S is
-/// from `least` to `most`.
+/// The step while a lane keeps to slip up, slip down or stick: V' = S + push in the lanes that move
+/// and 0 in the others, as long as S is from `least` to `most`.
 #[derive(Clone, Copy)]
 struct Regime<L: Lanes> {
     moves: L::Mask,
@@ -480,7 +490,7 @@ fn keep(turns: &mut Vec<Turn>, lane: usize, step: usize, mut turned: u32, before
     }
 }
 
-/// A register's state in memory. Its alignment makes the compiler align the stack of the loop, so that the registers it has no room for
-/// do not lie across two cache lines.
+/// A register's state in memory. Its alignment makes the compiler align the stack of the loop, so
+/// that the registers it has no room for do not lie across two cache lines.
 #[repr(align(64))]
 struct Spilled([[f64; PADDING]; 3]);

@@ -1,10 +1,11 @@
 //! How the cascade is read off the discrete scheme.
 //!
-//! V_{n+1} = 0 is not by itself a static phase: at a turning point with |b| > f_s the scheme gives a zero velocity for
-//! one step. Static begins at t_{n+1} iff V_{n+1} = 0 and |b(X_{n+1}, 0, t_{n+1})| <= f_s. A zero that is not static, or
-//! V_n V_{n+1} < 0, is a sub-phase boundary at t_{n+1}. A static phase ends at t_n, the last instant with V_n = 0: the paper's
-//! own convention (its tau_{3/2} = 14.86). Counting every zero as a stick would make sticks 23 % shorter at
-//! h = 0.01 (docs/model.md), and never converge.
+//! V_{n+1} = 0 is not by itself a static phase: at a turning point with |b| > f_s the scheme gives
+//! a zero velocity for one step. Static begins at t_{n+1} iff V_{n+1} = 0 and |b(X_{n+1}, 0,
+//! t_{n+1})| <= f_s. A zero that is not static, or V_n V_{n+1} < 0, is a sub-phase boundary at
+//! t_{n+1}. A static phase ends at t_n, the last instant with V_n = 0: the paper's own convention
+//! (its tau_{3/2} = 14.86). Counting every zero as a stick would make sticks 23 % shorter at h =
+//! 0.01 (docs/model.md), and never converge.
 
 use super::kernel::{Coefficients, Kernel, Paths, Point, Turn};
 use crate::model::{Event, EventKind, Phase, Sign};
@@ -57,10 +58,7 @@ impl Reader {
             let Some((kind, when)) = self::read(*phase, turn, &kernel.coefficients, forcing[turn.step + 1]) else {
                 continue;
             };
-            *phase = match kind {
-                EventKind::StickEntered => Phase::Static,
-                EventKind::SlipStarted(sign) | EventKind::SubPhaseBoundary(sign) => Phase::Slip(sign),
-            };
+            *phase = kind.phase();
             let (at, step) = match when {
                 When::Before => (&turn.before, turn.step),
                 When::After => (&turn.after, turn.step + 1),
@@ -82,7 +80,8 @@ enum When {
     After,
 }
 
-/// What a step from `turn.before` to `turn.after` means to a path in this phase; `forcing` is that of the later instant.
+/// What a step from `turn.before` to `turn.after` means to a path in this phase; `forcing` is that
+/// of the later instant.
 fn read(phase: Phase, turn: &Turn, c: &Coefficients, forcing: f64) -> Option<(EventKind, When)> {
     let (before, after) = (turn.before.velocity, turn.after.velocity);
     match phase {
@@ -90,9 +89,7 @@ fn read(phase: Phase, turn: &Turn, c: &Coefficients, forcing: f64) -> Option<(Ev
         Phase::Static => None,
         Phase::Slip(_) if after == 0.0 => {
             let force = c.force(&turn.after, forcing);
-            let kind =
-                if holds(c, force) { EventKind::StickEntered } else { EventKind::SubPhaseBoundary(Sign::of(force)) };
-            Some((kind, When::After))
+            Some((EventKind::at_rest(holds(c, force), force), When::After))
         }
         // compared by sign, not by product, which could underflow
         Phase::Slip(_) if before != 0.0 && Sign::of(before) != Sign::of(after) => {
@@ -103,7 +100,8 @@ fn read(phase: Phase, turn: &Turn, c: &Coefficients, forcing: f64) -> Option<(Ev
     }
 }
 
-/// |b| <= f_s at zero velocity, rounded as the step rounds it, so that static here means V = 0 at the next step.
+/// Whether |b| <= f_s at zero velocity, rounded as the step rounds it, so that static here means
+/// V = 0 at the next step.
 fn holds(c: &Coefficients, force: f64) -> bool {
     (c.h_over_m * force).abs() <= c.static_impulse
 }

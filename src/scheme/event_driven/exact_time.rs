@@ -1,8 +1,9 @@
 //! Time with twice the digits, so that phases do not drift over many periods.
 //!
-//! At t = 1e6 a double resolves 1e-10; a phase w t rounded there, or a time summed from 1e5 durations, would move events
-//! by as much. A time kept as an unevaluated sum hi + lo of two doubles (Dekker 1971; Knuth's two-sum) has an error
-//! below 1e-31 relative, and w t is reduced from its exact product.
+//! At t = 1e6 a double resolves 1e-10; a phase w t rounded there, or a time summed from 1e5
+//! durations, would move events by as much. A time kept as an unevaluated sum hi + lo of two
+//! doubles (Dekker 1971; Knuth's two-sum) has an error below 1e-31 relative, and w t is reduced
+//! from its exact product.
 
 use crate::model::{Complex, ForcingTerm};
 
@@ -37,7 +38,8 @@ impl ExactTime {
     /// P = F e^{z t}, with the angle w t correct to rounding after reduction.
     pub fn phased(self, term: &ForcingTerm) -> Complex {
         let ForcingTerm { amplitude, rate } = *term;
-        // w hi = angle + error exactly; libm reduces `angle` modulo 2 pi with all its digits (Payne and Hanek).
+        // w hi = angle + error exactly; libm reduces `angle` modulo 2 pi with all its digits (Payne
+        // and Hanek).
         let angle = rate.im * self.hi;
         let error = libm::fma(rate.im, self.hi, -angle) + rate.im * self.lo;
         amplitude * Complex::unit(angle) * Complex::unit(error) * libm::exp(rate.re * self.hi)

@@ -1,16 +1,17 @@
 //! The first zero of a smooth function, with none missed.
 //!
-//! Let g(r) >= 0 and |g''| <= M on [r, r + H]. Taylor's theorem gives g(r + u) >= g + g' u - M u^2/2, which is positive
-//! for every u below its positive root
+//! Let g(r) >= 0 and |g''| <= M on [r, r + H]. Taylor's theorem gives g(r + u) >= g + g' u - M
+//! u^2/2, which is positive for every u below its positive root
 //!
 //! ```text
 //! u* = 2 g / (sqrt(g'^2 + 2 M g) - g')
 //! ```
 //!
-//! so no zero lies in [r, r + min(u*, H)), and we may go there. Repeating this never steps over a zero: it is not a
-//! grid that might be too coarse. Near a simple zero u* is a Newton step from the left (quadratic convergence); near
-//! a double zero it still gains a fixed factor a step. It ends where g <= 0 or u* is below the resolution of r.
-//! For the first zero of several functions, the smallest of their u* is the step.
+//! so no zero lies in [r, r + min(u*, H)), and we may go there. Repeating this never steps over a
+//! zero: it is not a grid that might be too coarse. Near a simple zero u* is a Newton step from the
+//! left (quadratic convergence); near a double zero it still gains a fixed factor a step. It ends
+//! where g <= 0 or u* is below the resolution of r. For the first zero of several functions, the
+//! smallest of their u* is the step.
 
 use super::work::{Unresolved, Work};
 
@@ -27,9 +28,9 @@ pub struct Jet {
     pub bend_growth: f64,
 }
 
-/// The first zero of any of several functions at or after `start`, and which of them it belongs to, if that is at most
-/// `end`. `span` is the time scale over which one bound is used. A search takes some ten evaluations per oscillation of g; each is
-/// paid for.
+/// The first zero of any of several functions at or after `start`, and which of them it belongs to,
+/// if that is at most `end`. `span` is the time scale over which one bound is used. A search takes
+/// some ten evaluations per oscillation of g; each is paid for.
 pub fn first_root<const N: usize>(
     mut jets: impl FnMut(f64) -> [Jet; N],
     start: f64,
@@ -46,7 +47,7 @@ pub fn first_root<const N: usize>(
         let (step, nearest) = jets(r)
             .iter()
             .enumerate()
-            .map(|(i, g)| (if g.value <= 0.0 { 0.0 } else { g.reach(span) }, i))
+            .map(|(i, g)| (if g.value <= 0.0 { 0.0 } else { g.positive_for(span) }, i))
             .fold((f64::INFINITY, 0), |a, b| if b.0 < a.0 || b.0.is_nan() { b } else { a });
         if step.is_nan() || (step.is_infinite() && end.is_infinite()) {
             return Err(Unresolved);
@@ -61,7 +62,7 @@ pub fn first_root<const N: usize>(
 
 impl Jet {
     /// How far ahead g is certainly positive.
-    fn reach(&self, span: f64) -> f64 {
+    fn positive_for(&self, span: f64) -> f64 {
         // The bound is taken over at least the distance at which its growth doubles it.
         let window = if self.bend_growth > 0.0 { span.max(self.bend / self.bend_growth) } else { f64::INFINITY };
         let bend = if window < f64::INFINITY { self.bend + self.bend_growth * window } else { self.bend };
@@ -71,7 +72,8 @@ impl Jet {
     }
 }
 
-/// u*: positive, infinite if g can never reach zero; in the form that does not cancel for either sign of the slope.
+/// u*: positive, infinite if g can never reach zero; in the form that does not cancel for either
+/// sign of the slope.
 pub fn safe_step(value: f64, slope: f64, bend: f64) -> f64 {
     let root = (slope * slope + 2.0 * bend * value).sqrt();
     if slope <= 0.0 { if value == 0.0 { 0.0 } else { 2.0 * value / (root - slope) } } else { (root + slope) / bend }
@@ -83,7 +85,8 @@ mod tests {
 
     #[test]
     fn a_dip_of_any_depth_is_found_or_passed_according_to_its_sign() {
-        // g = 1 + e - cos(r - 40): touches zero at r = 40 within e; a grid of any spacing misses it for small e < 0.
+        // g = 1 + e - cos(r - 40): touches zero at r = 40 within e; a grid of any spacing misses it
+        // for small e < 0.
         for (lift, found) in [(1e-13, false), (-1e-13, true), (1e-6, false), (-1e-6, true)] {
             let g = |r: f64| {
                 [Jet {
@@ -106,7 +109,7 @@ mod tests {
     fn simple_zeros_are_exact_to_rounding() {
         let cosine = |r: f64| [Jet { value: r.cos(), slope: -r.sin(), bend: 1.0, bend_growth: 0.0 }];
         let root = first_root(cosine, 0.0, 9.0, 1.0, &mut Work::new(100));
-        let (root, _) = root.expect("bounded").expect("within reach");
+        let (root, _) = root.expect("bounded").expect("before the end");
         assert!((root - std::f64::consts::FRAC_PI_2).abs() <= 4e-16, "{root}");
     }
 }

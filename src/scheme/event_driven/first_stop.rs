@@ -1,8 +1,9 @@
 //! The first zero of the velocity inside a slip step whose two ends are known.
 //!
-//! Let V = eps x' and a = V' on a step [0, h], and s the way made, eps (x1 - x0). To leading order in h (fastest rate), x is a
-//! twice integrated Brownian motion of intensity c = (noise diffusion)/m, conditioned at both ends on way, velocity and
-//! acceleration (the first neglected terms are of relative order (h rate)^2/100). Given those,
+//! Let V = eps x' and a = V' on a step [0, h], and s the way made, eps (x1 - x0). To leading order
+//! in h (fastest rate), x is a twice integrated Brownian motion of intensity c = (noise
+//! diffusion)/m, conditioned at both ends on way, velocity and acceleration (the first neglected
+//! terms are of relative order (h rate)^2/100). Given those,
 //!
 //! - the mean is the quintic Hermite interpolant of x;
 //! - the precision of (x, V, a) at u, r = h - u, is the sum of the one-sided ones, c^-2 times
@@ -13,27 +14,29 @@
 //! |          .                     .              9 (1/u + 1/r)     |
 //! ```
 //!
-//! so that at the midpoint sd V = c h^{3/2}/sqrt 3072, independent of (x, a), sd a = c h^{1/2}/4, E(dx | da) = -h^2 da/48,
-//! sd(x | a) = c h^{5/2}/sqrt 46080.
+//! so that at the midpoint sd V = c h^{3/2}/sqrt 3072, independent of (x, a), sd a = c h^{1/2}/4,
+//! E(dx | da) = -h^2 da/48, sd(x | a) = c h^{5/2}/sqrt 46080.
 //!
-//! So a path on [0, h] can be refined where it matters, by drawing midpoints, and left alone where it does not (recursive
-//! conditional bisection). Scanning from the left, an interval is
+//! So a path on [0, h] can be refined where it matters, by drawing midpoints, and left alone where
+//! it does not (recursive conditional bisection). Scanning from the left, an interval is
 //!
-//! - *clear* if the mean of V stays `caution` standard deviations above zero: its Bezier control points
+//! - *clear* if the mean of V stays `caution` standard deviations above zero: its Bezier control
+//!   points
 //!
 //!   ```text
 //!   V0,  c1 = V0 + h a0/4,  c2 = 5 s/h - 2 (V0 + V1) + h (a1 - a0)/4,  c3 = V1 - h a1/4,  V1
 //!   ```
 //!
-//!   bound it, and sd V <= c h^{3/2}/sqrt 1500. Where the slip starts, V0 = 0: there V/u is bounded by its control points a0,
-//!   2 c2/h, 4 c3/(3h), V1/h, and sd V/u <= 0.1284 c h^{1/2};
-//! - a *stop* if V1 <= 0 and the slope is `caution` standard deviations below zero all along: control points a0,
-//!   4 (c2 - c1)/h, 4 (c3 - c2)/h, a1, and sd a <= c h^{1/2}/4. Then there is one zero, near that of the mean;
+//!   bound it, and sd V <= c h^{3/2}/sqrt 1500. Where the slip starts, V0 = 0: there V/u is bounded
+//!   by its control points a0, 2 c2/h, 4 c3/(3h), V1/h, and sd V/u <= 0.1284 c h^{1/2};
+//! - a *stop* if V1 <= 0 and the slope is `caution` standard deviations below zero all along:
+//!   control points a0, 4 (c2 - c1)/h, 4 (c3 - c2)/h, a1, and sd a <= c h^{1/2}/4. Then there is
+//!   one zero, near that of the mean;
 //! - otherwise bisected.
 //!
-//! A slip starts with V = 0 and a = (f_s - f_d)/m; noise turns it back within h* = (a/c)^2. Bisection goes there by itself,
-//! so that micro-slips are resolved in law. The recursion ends because at small enough h any V0 > 0 or a0 > 0 is clear; a
-//! tangency is cut off at 2^-DEPTH h.
+//! A slip starts with V = 0 and a = (f_s - f_d)/m; noise turns it back within h* = (a/c)^2.
+//! Bisection goes there by itself, so that micro-slips are resolved in law. The recursion ends
+//! because at small enough h any V0 > 0 or a0 > 0 is clear; a tangency is cut off at 2^-DEPTH h.
 
 use super::work::{Unresolved, Work};
 use crate::noise::Stream;
@@ -129,7 +132,8 @@ struct Interval {
     noise: f64,
 }
 
-/// Intervals still to be scanned, the nearest on top; kept between searches so that none is cleared in vain.
+/// Intervals still to be scanned, the nearest on top; kept between searches so that none is cleared
+/// in vain.
 #[derive(Clone, Debug)]
 pub struct Pending([Interval; DEPTH + 1]);
 
@@ -240,10 +244,11 @@ impl StopSearch {
 
     /// The zero of V on an interval where it falls throughout.
     ///
-    /// The state is drawn, from the law above, near the zero of the mean. The true zero is then a time -V/a away, much
-    /// nearer than either end was; with the drawn state as the new end, repeat. The remaining time falls like its own power
-    /// 3/2, until the noise of a within it is below `STOP_PRECISION` of a. (The pull of both ends matters: a free step from
-    /// the first draw to the zero would give the force at the stop too much variance, and too many sticks.)
+    /// The state is drawn, from the law above, near the zero of the mean. The true zero is then a
+    /// time -V/a away, much nearer than either end was; with the drawn state as the new end,
+    /// repeat. The remaining time falls like its own power 3/2, until the noise of a within it is
+    /// below `STOP_PRECISION` of a. (The pull of both ends matters: a free step from the first draw
+    /// to the zero would give the force at the stop too much variance, and too many sticks.)
     #[inline(always)]
     fn stop(&self, mut left: Motion, next: &Interval, draws: &mut Stream) -> Stop {
         let mut next = *next;
@@ -278,8 +283,8 @@ impl StopSearch {
     }
 }
 
-/// A way made while V > 0. The ways of intervals are differences, good to a rounding of the way of the whole step; a slip much
-/// smaller than that may come out backwards.
+/// A way made while V > 0. The ways of intervals are differences, good to a rounding of the way of
+/// the whole step; a slip much smaller than that may come out backwards.
 #[inline(always)]
 pub fn forwards(way: f64) -> f64 {
     if way < 0.0 { 0.0 } else { way }
@@ -321,7 +326,8 @@ fn halves(left: Motion, next: &Interval, draws: &mut Stream) -> (Interval, Inter
 
 /// A draw from the conditional law of (x, V, a) at a fraction p of an interval with h = c = 1.
 ///
-/// In terms of q = p (1-p) and s = 1 - 2p the precision above, for (x q^{-5/2}, V q^{-3/2}, a q^{-1/2}), is
+/// In terms of q = p (1-p) and s = 1 - 2p the precision above, for (x q^{-5/2}, V q^{-3/2}, a
+/// q^{-1/2}), is
 ///
 /// ```text
 /// | 720 D   -360 s (1-2q)    60 (1-3q) |
@@ -329,7 +335,8 @@ fn halves(left: Motion, next: &Interval, draws: &mut Stream) -> (Interval, Inter
 /// |   .          .               9     |
 /// ```
 ///
-/// Eliminating x leaves (12 E, -6 s (1-5q); ., 4 - 15q)/D, eliminating V leaves 1/E: three factors of the draw in closed form.
+/// Eliminating x leaves (12 E, -6 s (1-5q); ., 4 - 15q)/D, eliminating V leaves 1/E: three factors
+/// of the draw in closed form.
 #[inline(always)]
 fn conditional_draw(p: f64, draws: &mut Stream) -> [f64; 3] {
     conditional_factor(p, [draws.normal(), draws.normal(), draws.normal()])
@@ -353,13 +360,15 @@ const ROOT_60TH: f64 = 0.129_099_444_873_580_57;
 /// The acceleration at a stop is known to this fraction of itself.
 const STOP_PRECISION: f64 = 1e-2;
 
-/// From the chord, good to a few hundredths of a step where V falls throughout: squared three times, to rounding.
+/// From the chord, good to a few hundredths of a step where V falls throughout: squared three
+/// times, to rounding.
 const NEWTON_STEPS: usize = 3;
 
 /// Each refinement takes the remaining distance to about its power 3/2; eight are never needed.
 const STOP_REFINEMENTS: usize = 8;
 
-/// The mean way on an interval as a polynomial in the fraction p of it; so are V, times h, and a, times h^2.
+/// The mean way on an interval as a polynomial in the fraction p of it; so are V, times h, and a,
+/// times h^2.
 struct Quintic {
     d0: f64,
     e0: f64,
@@ -400,8 +409,8 @@ impl Quintic {
         2.0 * self.e0 + p * (6.0 * self.c3 + p * (12.0 * self.c4 + p * 20.0 * self.c5))
     }
 
-    /// A fraction near the zero of V: the chord's, improved by Newton until only the noise is left between them. Any fraction may be
-    /// drawn at; a near one saves refinements.
+    /// A fraction near the zero of V: the chord's, improved by Newton until only the noise is left
+    /// between them. Any fraction may be drawn at; a near one saves refinements.
     #[inline(always)]
     fn near_zero(&self) -> f64 {
         let mut p = self.chord;

@@ -1,7 +1,7 @@
 //! What the unit tests of the noisy scheme share.
 
 use super::scene::Scene;
-use super::stick::{StickOutcome, StickState, StickSteps};
+use super::stick::{StickState, StickSteps};
 use super::work::Work;
 use crate::model::{Complex, Model, Sign};
 use crate::noise::Stream;
@@ -17,7 +17,7 @@ pub fn exits(model: &Model, noise: f64, kappa: f64, horizon: f64, seed: u64, pat
             let spring_force = model.oscillator.stiffness * model.initial_displacement;
             let mut state = StickState { time: 0.0, spring_force, noise, terms: &mut terms };
             match steps.advance(&scene, &mut state, horizon, &mut Stream::new(seed, path), &mut Work::new(1_000_000)) {
-                StickOutcome::Exit(force) => (state.time, Sign::of(force)),
+                Ok(Some(force)) => (state.time, Sign::of(force)),
                 outcome => panic!("no exit before {horizon}: {outcome:?}"),
             }
         })

@@ -1,15 +1,18 @@
-//! The cascade without diffusion: closed forms between events, events as first roots; no time step at all.
+//! The cascade without diffusion: closed forms between events, events as first roots; no time step
+//! at all.
 //!
-//! - Slip: [`ForcedOscillator::slip`] gives x, x', b at any time; the sub-phase ends at the first zero of eps x'.
+//! - Slip: [`ForcedOscillator::slip`] gives x, x', b at any time; the sub-phase ends at the first
+//!   zero of eps x'.
 //! - Stick: b(t) is a sum of exponentials; the phase ends at the first zero of f_s - b or f_s + b.
 //!
-//! Both zeros are bracketed by bounds of the second derivative ([`first_root`]), so none is missed, and polished to
-//! rounding. Nothing is random: one path is computed and every lane is told about it.
+//! Both zeros are bracketed by bounds of the second derivative ([`first_root`]), so none is missed,
+//! and polished to rounding. Nothing is random: one path is computed and every lane is told about
+//! it.
 
 use super::exact_time::ExactTime;
 use super::first_root::{Jet, first_root, safe_step};
 use super::work::{Simulated, Unresolved, WORK_LIMIT, Work};
-use crate::model::{Complex, Event, EventKind, ForcedOscillator, InitialNoise, Model, Sign, SlipFlow};
+use crate::model::{Complex, Event, EventKind, ForcedOscillator, InitialNoise, Model, Phase, Sign, SlipFlow};
 use crate::scheme::columns::Columns;
 use crate::scheme::{Observer, Timeline};
 
@@ -28,7 +31,7 @@ pub struct Noiseless {
 /// The signs of b at the two thresholds.
 const SIDES: [f64; 2] = [1.0, -1.0];
 
-/// Which phase the path is in, since when, and what ends it.
+/// One phase of the path: since when, and what ends it.
 struct Leg {
     start: ExactTime,
     displacement: f64,
@@ -36,14 +39,14 @@ struct Leg {
     force: f64,
     /// P_j at the start.
     terms: Vec<Complex>,
-    /// None while static.
-    direction: Option<Sign>,
+    phase: Phase,
     /// The event that ends it and the time until then, if before t_end.
     end: Option<(f64, Event)>,
 }
 
 impl Noiseless {
-    /// For a scene whose noise is absent, has sigma = 0 (then v relaxes from its initial value) or is not felt (then its mean does).
+    /// For a scene whose noise is absent, has sigma = 0 (then v relaxes from its initial value) or
+    /// is not felt (then its mean does).
     pub fn new(model: &Model, timeline: &Timeline) -> Self {
         let noise_start = match model.temperature.noise.map(|n| n.initial) {
             Some(InitialNoise::At(v)) => v,
@@ -55,7 +58,8 @@ impl Noiseless {
         Noiseless { model: model.clone(), timeline: *timeline, body, span: 1.0 / fastest, work_limit: WORK_LIMIT }
     }
 
-    /// Tell the observer about the path, once for each of `lanes` lanes. All lanes are lost if it cannot be resolved.
+    /// Tell the observer about the path, once for each of `lanes` lanes. All lanes are lost if it
+    /// cannot be resolved.
     pub fn simulate<O: Observer>(&self, lanes: usize, observer: &mut O) -> Simulated {
         let mut columns = Columns::new(lanes);
         let mut work = Work::new(self.work_limit);
@@ -91,11 +95,9 @@ impl Noiseless {
         let Some((duration, event)) = leg.end else { return Err(Unresolved) };
         let start = leg.start.after(duration);
         let terms = self.terms_at(start);
-        match event.kind {
-            EventKind::StickEntered => self.stick(start, event.displacement, event.force, terms, work),
-            EventKind::SlipStarted(sign) | EventKind::SubPhaseBoundary(sign) => {
-                self.slip(start, event.displacement, event.force, terms, sign, work)
-            }
+        match event.kind.phase() {
+            Phase::Static => self.stick(start, event.displacement, event.force, terms, work),
+            Phase::Slip(sign) => self.slip(start, event.displacement, event.force, terms, sign, work),
         }
     }
 
@@ -154,7 +156,7 @@ impl Noiseless {
             let kind = EventKind::SlipStarted(Sign::of(force));
             (r, Event { kind, time: start.after(r).value(), displacement, force })
         });
-        Ok(Leg { start, displacement, force, terms, direction: None, end })
+        Ok(Leg { start, displacement, force, terms, phase: Phase::Static, end })
     }
 
     /// |K (beta T - x)| <= f_s whatever the phases of the forcing are.
@@ -163,8 +165,9 @@ impl Noiseless {
         oscillator.mass * self.body.forcing_size() + oscillator.stiffness * displacement.abs() <= f_s
     }
 
-    /// A time until which b stays in the corridor, for a stick that may begin exactly on a threshold: zero unless b
-    /// moves inwards from there. With zero slope too, what follows is decided a little later than rounding allows.
+    /// A time until which b stays in the corridor, for a stick that may begin exactly on a
+    /// threshold: zero unless b moves inwards from there. With zero slope too, what follows is
+    /// decided a little later than rounding allows.
     fn inside(&self, distances: [Jet; 2]) -> f64 {
         let stays = |g: &Jet| match g.slope {
             _ if g.value > 0.0 => safe_step(g.value, g.slope, g.bend),
@@ -199,20 +202,17 @@ impl Noiseless {
             let state = flow.at(r);
             let displacement = displacement + state.displacement;
             let force = eps * friction.dynamic_force + mass * state.acceleration;
-            let kind = if force.abs() <= friction.static_force {
-                EventKind::StickEntered
-            } else {
-                EventKind::SubPhaseBoundary(Sign::of(force))
-            };
+            let kind = EventKind::at_rest(force.abs() <= friction.static_force, force);
             (r, Event { kind, time: start.after(r).value(), displacement, force })
         });
-        Ok(Leg { start, displacement, force, terms, direction: Some(direction), end })
+        Ok(Leg { start, displacement, force, terms, phase: Phase::Slip(direction), end })
     }
 
     /// A time before which eps x' cannot return to zero.
     ///
-    /// With g = eps x': g(0) = 0, g'(0) = a >= 0, |g''| <= M over the span: g > 0 below 2a/M. Where f_s = f_d, a = 0 and
-    /// the jerk j = g''(0) > 0 lifts it; |g'''| <= N then gives g > 0 below 3 j / N.
+    /// With g = eps x': g(0) = 0, g'(0) = a >= 0, |g''| <= M over the span: g > 0 below 2a/M. Where
+    /// f_s = f_d, a = 0 and the jerk j = g''(0) > 0 lifts it; |g'''| <= N then gives g > 0 below 3
+    /// j / N.
     fn departure(&self, flow: &SlipFlow<'_>, eps: f64) -> f64 {
         let state = flow.at(0.0);
         let (bend, growth) = flow.jerk_bound(&state);
@@ -222,8 +222,9 @@ impl Noiseless {
         by_acceleration.max(by_jerk).min(self.span).max(self.indeterminate_start())
     }
 
-    /// A duration over which a function of size 1 whose value and slope vanish does not rise above its own rounding
-    /// error (a cubic reaches eps at eps^{1/3} = 6e-6 of its time scale): slips shorter than this are not resolved.
+    /// A duration over which a function of size 1 whose value and slope vanish does not rise above
+    /// its own rounding error (a cubic reaches eps at eps^{1/3} = 6e-6 of its time scale): slips
+    /// shorter than this are not resolved.
     fn indeterminate_start(&self) -> f64 {
         1e-2 * f64::EPSILON.cbrt() * self.span
     }
@@ -245,9 +246,9 @@ impl Noiseless {
             let here: f64 = terms.iter().zip(&leg.terms).map(|(term, p)| (*p * (term.rate * r).exp()).re).sum();
             here / gain
         };
-        match leg.direction {
-            None => (leg.displacement, 0.0, temperature, true),
-            Some(direction) => {
+        match leg.phase {
+            Phase::Static => (leg.displacement, 0.0, temperature, true),
+            Phase::Slip(direction) => {
                 let flow = self.body.slip(&leg.terms, leg.force, direction, self.model.friction.dynamic_force);
                 let state = flow.at(r);
                 (leg.displacement + state.displacement, state.velocity, temperature, false)

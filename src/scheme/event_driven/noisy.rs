@@ -1,20 +1,21 @@
 //! The cascade with Ornstein-Uhlenbeck noise, in law.
 //!
 //! - Stick: exact steps of the noise with bridge crossings of the corridor ([`super::stick`]).
-//! - Slip: exact steps of (x, x', n) ([`DrivenOscillator`]), each searched for the first zero of x' ([`super::first_stop`]).
+//! - Slip: exact steps of (x, x', n) ([`DrivenOscillator`]), each searched for the first zero of x'
+//!   ([`super::first_stop`]).
 //!
-//! A step ends on the next time the observer looks at, so every observed state is a draw from its law.
+//! A step ends on the next time the observer looks at, so every observed state is a draw from its
+//! law.
 
 use super::first_stop::{Motion, Pending, Step, Stop, StopSearch, forwards};
+use super::path_loop::{self, Cascade};
 use super::scene::{Scene, forcing};
+use super::slip_transition::{DrivenOscillator, HarmonicResponse, SlipTransition};
 use super::step_rules::StepRules;
-use super::stick::{StickOutcome, StickState, StickSteps};
-use super::work::{Simulated, WORK_LIMIT, Work};
+use super::stick::StickSteps;
+use super::work::{Simulated, Unresolved, WORK_LIMIT};
 use crate::lanes::{InstructionSet, LaneProgram, Lanes};
-use crate::model::{Complex, Event, EventKind, Model, Phase, Sign};
-use crate::noise::Stream;
-use crate::noise::{DrivenOscillator, HarmonicResponse, SlipTransition};
-use crate::scheme::columns::Columns;
+use crate::model::{Complex, Event, EventKind, Model, Sign};
 use crate::scheme::{Observer, Timeline};
 
 /// The noisy cascade of one scene.
@@ -40,13 +41,14 @@ struct SlipStep {
 
 /// Room for what one path needs at a time.
 #[derive(Debug)]
-struct Scratch {
+pub struct Scratch {
     partial: SlipStep,
     pending: Pending,
 }
 
-/// A simulation as one scalar program, compiled for each instruction set with everything that is called often (hence
-/// `inline(always)` below): fused multiply-adds become instructions instead of calls. The bits stay the same.
+/// A simulation as one scalar program, compiled for each instruction set with everything that is
+/// called often (hence `inline(always)` below): fused multiply-adds become instructions instead of
+/// calls. The bits stay the same.
 struct Simulation<'a, O> {
     cascade: &'a Noisy,
     seed: u64,
@@ -58,7 +60,7 @@ struct Simulation<'a, O> {
 impl<O: Observer> LaneProgram for Simulation<'_, O> {
     #[inline(always)]
     fn run<L: Lanes>(&mut self) {
-        self.simulated = self.cascade.simulate_here(self.seed, self.paths, self.observer);
+        self.simulated = path_loop::simulate(self.cascade, self.seed, self.paths, self.observer);
     }
 }
 
@@ -70,20 +72,16 @@ struct State {
     n: f64,
 }
 
-/// Where one path is.
-#[derive(Clone, Debug)]
-struct Path {
-    time: f64,
-    displacement: f64,
+/// What is known of the motion of a path besides place, noise and phase.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Moving {
     velocity: f64,
-    noise: f64,
-    /// b, in a slip: as it is known where a phase begins, threshold or force at a stop, and not as a difference of larger forces.
+    /// b, in a slip: as it is known where a phase begins, threshold or force at a stop, and not as
+    /// a difference of larger forces.
     force: f64,
-    phase: Phase,
-    draws: Stream,
-    work: Work,
-    failed: bool,
 }
+
+type Path = path_loop::Path<Moving>;
 
 impl Noisy {
     /// For a scene with noise.
@@ -117,188 +115,74 @@ impl Noisy {
         simulation.simulated
     }
 
+    /// The step from here towards a time, and whether it ends there.
     #[inline(always)]
-    fn simulate_here<O: Observer>(&self, seed: u64, paths: &[u64], observer: &mut O) -> Simulated {
-        let harmonics = self.scene.harmonics.len();
-        let mut lanes: Vec<Path> = paths.iter().map(|&path| self.start(seed, path)).collect();
-        let mut terms = vec![Complex::ZERO; harmonics * paths.len()];
-        for terms in terms.chunks_exact_mut(harmonics.max(1)) {
-            self.scene.set_terms(0.0, terms);
-        }
-        let mut scratch = Scratch { partial: self.step.clone(), pending: Pending::new() };
-        let mut columns = Columns::new(paths.len());
-        for stop in self.timeline.stops() {
-            for (lane, path) in lanes.iter_mut().enumerate() {
-                let terms = &mut terms[lane * harmonics..(lane + 1) * harmonics];
-                self.advance(path, terms, stop.time, &mut scratch, |event| observer.event(lane, event));
-                let is_static = path.phase == Phase::Static;
-                columns.set(lane, (path.displacement, path.velocity, self.temperature(path, terms), is_static));
-            }
-            observer.snapshot(stop.instant, columns.snapshot(stop.time));
-        }
-        Simulated {
-            lost: lanes.iter().enumerate().filter(|(_, path)| path.failed).map(|(lane, _)| lane).collect(),
-            evaluations: lanes.iter().map(|path| self.work_limit - path.work.left()).sum(),
+    fn step_towards<'a>(&'a self, remaining: f64, partial: &'a mut SlipStep) -> (&'a SlipStep, bool) {
+        let usual = self.step.transition.length;
+        // A remainder that differs from a usual step by rounding is one.
+        let is_last = remaining <= usual * (1.0 + ALIGNMENT);
+        if is_last && remaining < usual * (1.0 - ALIGNMENT) {
+            partial.transition = self.oscillator.transition(remaining, &mut partial.harmonics);
+            partial.root_length = remaining.sqrt();
+            (partial, is_last)
+        } else {
+            (&self.step, is_last)
         }
     }
 
-    fn start(&self, seed: u64, path: u64) -> Path {
-        let mut draws = Stream::new(seed, path);
-        let noise = self.scene.draw_initial_noise(&mut draws);
-        Path {
-            time: 0.0,
-            displacement: self.scene.initial_displacement,
-            velocity: 0.0,
-            noise,
-            force: 0.0,
-            phase: Phase::Static,
-            draws,
-            work: Work::new(self.work_limit),
-            failed: false,
-        }
-    }
-
-    /// T.
-    fn temperature(&self, path: &Path, terms: &[Complex]) -> f64 {
-        (forcing(terms) + path.noise) / self.scene.force_per_temperature
-    }
-
-    /// Follow a path, phase by phase, to a time.
+    /// eps x' and its derivative.
     #[inline(always)]
-    fn advance(
-        &self,
-        path: &mut Path,
-        terms: &mut [Complex],
-        until: f64,
-        scratch: &mut Scratch,
-        mut emit: impl FnMut(Event),
-    ) {
-        while !path.failed {
-            let event = match path.phase {
-                Phase::Static => self.stick_until(path, terms, until),
-                Phase::Slip(direction) => self.slip_until(path, terms, direction, until, scratch),
-            };
-            let Some(event) = event else { break };
-            emit(event);
-            path.force = event.force;
-            path.phase = match event.kind {
-                EventKind::StickEntered => Phase::Static,
-                EventKind::SlipStarted(sign) | EventKind::SubPhaseBoundary(sign) => Phase::Slip(sign),
-            };
-        }
-        if path.failed {
-            (path.displacement, path.velocity, path.noise) = (f64::NAN, f64::NAN, f64::NAN);
-        }
+    fn motion(&self, path: &Path, direction: Sign) -> Motion {
+        let eps = direction.value();
+        let friction = eps * self.scene.friction.dynamic_force;
+        let acceleration = (path.motion.force - friction) / self.scene.oscillator.mass;
+        Motion { velocity: eps * path.motion.velocity, acceleration: eps * acceleration }
     }
 
+    /// The end of a sub-phase, at a stop within the step from `start`: n is what makes the force
+    /// there.
     #[inline(always)]
-    fn stick_until(&self, path: &mut Path, terms: &mut [Complex], until: f64) -> Option<Event> {
-        let spring_force = self.scene.oscillator.stiffness * path.displacement;
-        let mut state = StickState { time: path.time, spring_force, noise: path.noise, terms };
-        let outcome = self.stick.advance(&self.scene, &mut state, until, &mut path.draws, &mut path.work);
-        (path.time, path.noise) = (state.time, state.noise);
-        match outcome {
-            StickOutcome::Exit(force) => Some(path.event(EventKind::SlipStarted(Sign::of(force)), force)),
-            StickOutcome::Stays => None,
-            StickOutcome::Unresolved => {
-                path.failed = true;
-                None
-            }
-        }
-    }
-
-    #[inline(always)]
-    fn slip_until(
+    fn stopped(
         &self,
         path: &mut Path,
         terms: &mut [Complex],
         direction: Sign,
-        until: f64,
-        scratch: &mut Scratch,
-    ) -> Option<Event> {
-        let (eps, mass) = (direction.value(), self.scene.oscillator.mass);
-        let friction = eps * self.scene.friction.dynamic_force;
-        let mut acceleration = (path.force - friction) / mass;
-        loop {
-            let remaining = until - path.time;
-            if remaining <= 0.0 {
-                return None;
-            }
-            if path.work.spend().is_err() {
-                path.failed = true;
-                return None;
-            }
-            let usual = self.step.transition.length;
-            // A remainder that differs from a usual step by rounding is one.
-            let is_last = remaining <= usual * (1.0 + ALIGNMENT);
-            let step = if is_last && remaining < usual * (1.0 - ALIGNMENT) {
-                let partial = &mut scratch.partial;
-                partial.transition = self.oscillator.transition(remaining, &mut partial.harmonics);
-                partial.root_length = remaining.sqrt();
-                &*partial
-            } else {
-                &self.step
-            };
-            let start = Motion { velocity: eps * path.velocity, acceleration: eps * acceleration };
-            let before = (path.time, State { x: path.displacement, v: path.velocity, n: path.noise });
-            self.take(step, path, terms, friction);
-            path.force = self.force(path, terms);
-            acceleration = (path.force - friction) / mass;
-            let end = Motion { velocity: eps * path.velocity, acceleration: eps * acceleration };
-            if !(end.velocity.is_finite() && end.acceleration.is_finite()) {
-                path.failed = true;
-                return None;
-            }
-            let length = step.transition.length;
-            let way = resolved_way(eps * before.1.x, eps * path.displacement, start, end, length);
-            let searched = Step { start, end, way, length, root_length: step.root_length };
-            let search = self.search.first(&searched, &mut path.draws, &mut scratch.pending, &mut path.work);
-            let Ok(stop) = search else {
-                path.failed = true;
-                return None;
-            };
-            if let Some(mut stop) = stop {
-                if self.search.noise * searched.root_length < FEEBLE * stop.acceleration.abs() {
-                    stop = self.on_the_flow(stop, searched, step, before, terms, eps);
-                }
-                path.time = before.0 + stop.after;
-                path.displacement = before.1.x + eps * stop.way;
-                path.velocity = 0.0;
-                self.scene.set_terms(path.time, terms);
-                let force = friction + mass * eps * stop.acceleration;
-                path.noise = force - forcing(terms) + self.scene.oscillator.stiffness * path.displacement;
-                let kind = if force.abs() <= self.scene.friction.static_force {
-                    EventKind::StickEntered
-                } else {
-                    EventKind::SubPhaseBoundary(Sign::of(force))
-                };
-                return Some(path.event(kind, force));
-            }
-            if is_last {
-                path.time = until;
-                return None;
-            }
-        }
+        (start_time, start): (f64, State),
+        stop: &Stop,
+    ) -> Event {
+        let Scene { oscillator, friction, .. } = &self.scene;
+        let eps = direction.value();
+        path.time = start_time + stop.after;
+        path.displacement = start.x + eps * stop.way;
+        self.scene.set_terms(path.time, terms);
+        let force = eps * friction.dynamic_force + oscillator.mass * eps * stop.acceleration;
+        path.noise = force - forcing(terms) + oscillator.stiffness * path.displacement;
+        let kind = EventKind::at_rest(force.abs() <= friction.static_force, force);
+        Event { kind, time: path.time, displacement: path.displacement, force }
     }
 
-    /// One exact step of (x, x', n) and of the forcing.
+    /// One exact step of (x, x', n), of the forcing and so of b.
     #[inline(always)]
     fn take(&self, step: &SlipStep, path: &mut Path, terms: &mut [Complex], friction: f64) {
         let SlipTransition { length, factor, .. } = &step.transition;
-        let start = State { x: path.displacement, v: path.velocity, n: path.noise };
+        let start = State { x: path.displacement, v: path.motion.velocity, n: path.noise };
         let mean = mean_state(&step.transition, &step.harmonics, start, terms, friction);
         let (a, b, c) = (path.draws.normal(), path.draws.normal(), path.draws.normal());
         path.noise = mean.n + factor[0] * a;
-        path.velocity = mean.v + factor[1] * a + factor[2] * b;
+        path.motion.velocity = mean.v + factor[1] * a + factor[2] * b;
         path.displacement = mean.x + factor[3] * a + factor[4] * b + factor[5] * c;
         path.time += length;
+        path.motion.force = self.force(path, terms);
     }
 
-    /// A stop, with the motion without noise as it is, where the search has its quintic between the ends of the step.
+    /// A stop, with the motion without noise as it is, where the search has its quintic between the
+    /// ends of the step.
     ///
-    /// Conditional laws of a linear system differ by their means only. Let X be the motion from the start of the step without noise,
-    /// and Q its quintic. What the search draws is Q + (drawn deviation); X + (the same deviation) has V = X' - Q' at the stop that it
-    /// found, and its own a time -V/a away: once for what the quintic leaves, some 1e-6 of a step, and again for the square of that.
+    /// Conditional laws of a linear system differ by their means only. Let X be the motion from the
+    /// start of the step without noise, and Q its quintic. What the search draws is Q + (drawn
+    /// deviation); X + (the same deviation) has V = X' - Q' at the stop that it found, and its own
+    /// a time -V/a away: once for what the quintic leaves, some 1e-6 of a step, and again for the
+    /// square of that.
     #[inline(never)]
     fn on_the_flow(
         &self,
@@ -309,7 +193,7 @@ impl Noisy {
         terms: &mut [Complex],
         eps: f64,
     ) -> Stop {
-        let Scene { oscillator: body, friction, relaxation_rate, harmonics, .. } = &self.scene;
+        let Scene { oscillator: body, friction, relaxation_rate, .. } = &self.scene;
         let friction = eps * friction.dynamic_force;
         // Way, motion and n without noise, after a part of the step; the terms come along.
         let flow = |transition: &SlipTransition, responses: &[HarmonicResponse], terms: &mut [Complex]| {
@@ -330,8 +214,7 @@ impl Noisy {
             let way = stop.way + (way - interpolated_way);
             let velocity = exact.velocity - interpolated.velocity;
             let acceleration = stop.acceleration + (exact.acceleration - interpolated.acceleration);
-            let slope: f64 = terms.iter().zip(harmonics).map(|(p, h)| -p.im * h.angular_frequency).sum();
-            let change = slope - relaxation_rate * to.n - body.stiffness * to.v;
+            let change = self.scene.forcing_slope(terms) - relaxation_rate * to.n - body.stiffness * to.v;
             let jerk = (eps * change - 2.0 * body.damping * acceleration) / body.mass;
             let late = -velocity / acceleration;
             let after = moved.after + late;
@@ -348,11 +231,90 @@ impl Noisy {
     #[inline(always)]
     fn force(&self, path: &Path, terms: &[Complex]) -> f64 {
         let body = &self.scene.oscillator;
-        forcing(terms) + path.noise - body.stiffness * path.displacement - 2.0 * body.damping * path.velocity
+        forcing(terms) + path.noise - body.stiffness * path.displacement - 2.0 * body.damping * path.motion.velocity
     }
 }
 
-/// The way from x0 to x1, or that of the cubic of both ends where x0 and x1 cannot tell it from theirs: far out, or in a step of no length.
+impl Cascade for Noisy {
+    type Motion = Moving;
+    type Scratch = Scratch;
+
+    fn scene(&self) -> &Scene {
+        &self.scene
+    }
+
+    fn timeline(&self) -> &Timeline {
+        &self.timeline
+    }
+
+    fn work_limit(&self) -> u64 {
+        self.work_limit
+    }
+
+    fn scratch(&self) -> Scratch {
+        Scratch { partial: self.step.clone(), pending: Pending::new() }
+    }
+
+    #[inline(always)]
+    fn stick_until(&self, path: &mut Path, terms: &mut [Complex], until: f64) -> Result<Option<Event>, Unresolved> {
+        self.stick.advance_path(&self.scene, path, terms, until)
+    }
+
+    #[inline(always)]
+    fn slip_until(
+        &self,
+        path: &mut Path,
+        terms: &mut [Complex],
+        direction: Sign,
+        until: f64,
+        scratch: &mut Scratch,
+    ) -> Result<Option<Event>, Unresolved> {
+        let eps = direction.value();
+        let friction = eps * self.scene.friction.dynamic_force;
+        let mut start = self.motion(path, direction);
+        loop {
+            let remaining = until - path.time;
+            if remaining <= 0.0 {
+                return Ok(None);
+            }
+            path.work.spend()?;
+            let (step, is_last) = self.step_towards(remaining, &mut scratch.partial);
+            let before = (path.time, State { x: path.displacement, v: path.motion.velocity, n: path.noise });
+            self.take(step, path, terms, friction);
+            let end = self.motion(path, direction);
+            if !(end.velocity.is_finite() && end.acceleration.is_finite()) {
+                return Err(Unresolved);
+            }
+            let length = step.transition.length;
+            let way = resolved_way(eps * before.1.x, eps * path.displacement, start, end, length);
+            let searched = Step { start, end, way, length, root_length: step.root_length };
+            if let Some(mut stop) =
+                self.search.first(&searched, &mut path.draws, &mut scratch.pending, &mut path.work)?
+            {
+                if self.search.noise * searched.root_length < FEEBLE * stop.acceleration.abs() {
+                    stop = self.on_the_flow(stop, searched, step, before, terms, eps);
+                }
+                return Ok(Some(self.stopped(path, terms, direction, before, &stop)));
+            }
+            if is_last {
+                path.time = until;
+                return Ok(None);
+            }
+            start = end;
+        }
+    }
+
+    fn motion_after(&self, event: &Event) -> Moving {
+        Moving { velocity: 0.0, force: event.force }
+    }
+
+    fn look(&self, path: &Path, terms: &mut [Complex], _: f64) -> (f64, f64, f64) {
+        (path.displacement, path.motion.velocity, self.scene.temperature(terms, path.noise))
+    }
+}
+
+/// The way from x0 to x1, or that of the cubic of both ends where x0 and x1 cannot tell it from
+/// theirs: far out, or in a step of no length.
 #[inline(always)]
 fn resolved_way(x0: f64, x1: f64, start: Motion, end: Motion, h: f64) -> f64 {
     let way = x1 - x0;
@@ -380,8 +342,9 @@ fn mean_state(
     State { x: x1, v: v1, n: n * start.n }
 }
 
-/// Below this c sqrt(h)/|a| what the quintic leaves out of a, (rate h)^4/1920 of it, is no longer below the first neglected terms of the
-/// law, (rate h)^2/100 of its c sqrt(h)/4; at the default step, rate h = 1/2.
+/// Below this c sqrt(h)/|a| what the quintic leaves out of a, (rate h)^4/1920 of it, is no longer
+/// below the first neglected terms of the law, (rate h)^2/100 of its c sqrt(h)/4; at the default
+/// step, rate h = 1/2.
 const FEEBLE: f64 = 0.05;
 
 /// Newton's steps from the stop of the quintic to that of the motion.
@@ -392,9 +355,3 @@ const ALIGNMENT: f64 = 1e-9;
 
 /// A place for a response.
 const NO_RESPONSE: HarmonicResponse = HarmonicResponse { x: (0.0, 0.0), v: (0.0, 0.0), turn: (1.0, 0.0) };
-
-impl Path {
-    fn event(&self, kind: EventKind, force: f64) -> Event {
-        Event { kind, time: self.time, displacement: self.displacement, force }
-    }
-}

@@ -1,11 +1,12 @@
 //! The constants of a noisy scene, with the noise measured as a force.
 //!
-//! n = K beta rho v is an Ornstein-Uhlenbeck process dn = -theta n dt + s dW with s = |K beta rho| sigma. (The sign of
-//! beta only turns W.) In a static phase b = B(t) - K x + n with B = K beta T_det, so the corridor of v becomes
+//! n = K beta rho v is an Ornstein-Uhlenbeck process dn = -theta n dt + s dW with s = |K beta rho|
+//! sigma. (The sign of beta only turns W.) In a static phase b = B(t) - K x + n with B = K beta
+//! T_det, so the corridor of v becomes
 //! |b| <= f_s; in a slip, m x'' = B(t) - K x - 2 alpha x' - eps f_d + n.
 
 use crate::model::{Complex, Friction, InitialNoise, Model, Oscillator};
-use crate::noise::Stream;
+use crate::noise::{Stream, Transition};
 
 /// One harmonic of B(t): Re[force e^{i w t}].
 #[derive(Clone, Copy, Debug)]
@@ -36,7 +37,7 @@ pub struct Scene {
     /// K beta: force per temperature.
     pub force_per_temperature: f64,
     /// sum |K beta a| w^2 >= |B''|.
-    pub forcing_curvature: f64,
+    pub largest_forcing_curvature: f64,
 }
 
 impl Scene {
@@ -53,7 +54,7 @@ impl Scene {
                 angular_frequency: h.angular_frequency,
             })
             .collect();
-        let forcing_curvature = harmonics.iter().map(|h| h.force.abs() * h.angular_frequency.powi(2)).sum();
+        let largest_forcing_curvature = harmonics.iter().map(|h| h.force.abs() * h.angular_frequency.powi(2)).sum();
         let (relaxation_rate, diffusion, initial_noise) = match model.temperature.noise {
             None => (1.0, 0.0, (0.0, 0.0)),
             Some(noise) => {
@@ -74,7 +75,7 @@ impl Scene {
             diffusion,
             initial_noise,
             force_per_temperature: gain,
-            forcing_curvature,
+            largest_forcing_curvature,
         }
     }
 
@@ -87,21 +88,39 @@ impl Scene {
     /// The exact transition of n over a time; one draw if there is diffusion.
     pub fn let_noise_pass(&self, noise: &mut f64, duration: f64, draws: &mut Stream) {
         if duration > 0.0 {
-            let theta = self.relaxation_rate;
-            *noise *= libm::exp(-theta * duration);
-            if self.diffusion > 0.0 {
-                let lost = -libm::expm1(-2.0 * theta * duration);
-                *noise += self.diffusion * (lost / (2.0 * theta)).sqrt() * draws.normal();
-            }
+            let transition = Transition::new(self.relaxation_rate, self.diffusion, duration);
+            *noise = match self.diffusion > 0.0 {
+                true => transition.next(*noise, draws.normal()),
+                false => transition.decay * *noise,
+            };
         }
     }
 
-    /// What the noise moves b by until `end`, if that can change a force at all: not if it stays below the rounding of the others.
+    /// What the noise moves b by until `end`, if that can change a force at all: not if it stays
+    /// below the rounding of the others.
     pub fn felt_noise(&self, end: f64) -> Option<f64> {
         let forcing: f64 = self.harmonics.iter().map(|h| h.force.abs()).sum();
         let forces = self.friction.static_force + forcing + self.oscillator.stiffness * self.initial_displacement.abs();
         let wander = self.diffusion * end.min(0.5 / self.relaxation_rate).sqrt() + self.initial_noise.1;
         (wander > BELOW_ROUNDING * forces).then_some(wander)
+    }
+
+    /// B', from the terms of B.
+    #[inline]
+    pub fn forcing_slope(&self, terms: &[Complex]) -> f64 {
+        -terms.iter().zip(&self.harmonics).map(|(p, h)| p.im * h.angular_frequency).sum::<f64>()
+    }
+
+    /// B'', from the terms of B.
+    #[inline]
+    pub fn forcing_curvature(&self, terms: &[Complex]) -> f64 {
+        let second = |(p, h): (&Complex, &ForceHarmonic)| p.re * h.angular_frequency * h.angular_frequency;
+        -terms.iter().zip(&self.harmonics).map(second).sum::<f64>()
+    }
+
+    /// T, from the terms of B and n.
+    pub fn temperature(&self, terms: &[Complex], noise: f64) -> f64 {
+        (forcing(terms) + noise) / self.force_per_temperature
     }
 
     /// The terms K beta a e^{i (w t + phi)} of B at a time, from its definition.
@@ -112,7 +131,8 @@ impl Scene {
     }
 }
 
-/// A relative size that is lost in a sum of doubles, with room for 7 standard deviations and for thousands of steps.
+/// A relative size that is lost in a sum of doubles, with room for 7 standard deviations and for
+/// thousands of steps.
 const BELOW_ROUNDING: f64 = 1e-20;
 
 /// B: the real part of its terms.

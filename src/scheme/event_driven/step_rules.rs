@@ -1,7 +1,8 @@
 //! What one tolerance means for the steps of the noisy scheme.
 //!
-//! `tolerance` is the relative error that discretisation may leave in the statistics of the cascade. The errors it governs,
-//! with the power of each knob that they follow, and where the knobs stand at the default:
+//! `tolerance` is the relative error that discretisation may leave in the statistics of the
+//! cascade. The errors it governs, with the power of each knob that they follow, and where the
+//! knobs stand at the default:
 //!
 //! | knob | what it bounds | error | default |
 //! |---|---|---|---|
@@ -33,7 +34,8 @@ pub const DEFAULT_TOLERANCE: f64 = 1e-3;
 /// The tolerances that make a difference.
 pub const TOLERANCES: RangeInclusive<f64> = 1e-9..=0.1;
 
-/// What the scheme cannot resolve and therefore replaces, where f_s and f_d (nearly) meet under noise.
+/// What the scheme cannot resolve and therefore replaces, where f_s and f_d (nearly) meet under
+/// noise.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Resolution {
     /// The static threshold that is simulated instead of f_s.
@@ -58,10 +60,10 @@ impl StepRules {
 
     /// What f_s is raised by.
     ///
-    /// After a stick exit x' grows with acceleration a = (f_s - f_d)/m against noise c t^{1/2}, c = s/m: slips last
-    /// about (a/c)^2 or longer. With f_s = f_d there are slips of all sizes down to zero, infinitely many. The gap is
-    /// therefore kept at or above s sqrt(shortest slip) - but never more than a hundredth of f_s, so that huge noise does
-    /// not create friction.
+    /// After a stick exit x' grows with acceleration a = (f_s - f_d)/m against noise c t^{1/2}, c =
+    /// s/m: slips last about (a/c)^2 or longer. With f_s = f_d there are slips of all sizes down to
+    /// zero, infinitely many. The gap is therefore kept at or above s sqrt(shortest slip) - but
+    /// never more than a hundredth of f_s, so that huge noise does not create friction.
     pub fn added_gap(&self, scene: &Scene) -> f64 {
         let (f_s, f_d) = (scene.friction.static_force, scene.friction.dynamic_force);
         let time = self.shortest_slip / scene.oscillator.natural_frequency();

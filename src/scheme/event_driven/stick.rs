@@ -1,17 +1,20 @@
-//! A static phase: x rests, the noise wanders, and the first exit of b = B(t) - K x + n from |b| <= f_s ends it.
+//! A static phase: x rests, the noise wanders, and the first exit of b = B(t) - K x + n from |b| <=
+//! f_s ends it.
 //!
-//! Step by step ([`StickStep`]) with lengths from a ladder. The length of a step follows from the state at its start, which
-//! biases nothing:
+//! Step by step ([`StickStep`]) with lengths from a ladder. The length of a step follows from the
+//! state at its start, which biases nothing:
 //!
 //! - h <= width^2/(8 s^2): the chance that one bridge meets both thresholds is below 2 exp(-16);
-//! - |c| h^2/8 <= kappa s sqrt(h), kappa the stick share of the tolerance: the chord error against the noise;
-//! - or any length within which no threshold can be met at all (7 standard deviations, moving thresholds included), so
-//!   that quiet phases, slow forcing and feeble noise cost few steps.
+//! - |c| h^2/8 <= kappa s sqrt(h), kappa the stick share of the tolerance: the chord error against
+//!   the noise;
+//! - or any length within which no threshold can be met at all (7 standard deviations, moving
+//!   thresholds included), so that quiet phases, slow forcing and feeble noise cost few steps.
 
+use super::path_loop::Path;
 use super::scene::{Scene, forcing};
 use super::stick_step::StickStep;
-use super::work::Work;
-use crate::model::Complex;
+use super::work::{Unresolved, Work};
+use crate::model::{Complex, Event, EventKind, Sign};
 use crate::noise::Stream;
 
 /// Exact steps of a ladder of lengths, longest first.
@@ -20,17 +23,6 @@ pub struct StickSteps {
     ladder: Vec<StickStep>,
     /// The rung whose length is at most width^2/(8 s^2).
     width_rung: usize,
-}
-
-/// How a static phase left the interval it was simulated over.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum StickOutcome {
-    /// b, at the path's new time: f_s with a sign where it met it, or more where it started beyond.
-    Exit(f64),
-    /// Still static at the horizon.
-    Stays,
-    /// All work is spent.
-    Unresolved,
 }
 
 /// Where a static path is.
@@ -52,7 +44,8 @@ const RUNGS: usize = 60;
 const WIDTH_RULE: f64 = 8.0;
 
 impl StickSteps {
-    /// For a scene, with the chord error held below `kappa` standard deviations of the noise over a step.
+    /// For a scene, with the chord error held below `kappa` standard deviations of the noise over a
+    /// step.
     pub fn new(scene: &Scene, kappa: f64, end: f64) -> Self {
         // Beyond a few relaxation times a longer step saves nothing.
         let longest = (4.0 / scene.relaxation_rate).min(end.max(f64::MIN_POSITIVE));
@@ -65,7 +58,30 @@ impl StickSteps {
         StickSteps { ladder, width_rung }
     }
 
-    /// Simulate until the exit or the horizon, whichever is first.
+    /// Take a path in a static phase to its exit or the horizon, whichever is first; the terms are
+    /// those of B at its time.
+    #[inline(always)]
+    pub fn advance_path<M>(
+        &self,
+        scene: &Scene,
+        path: &mut Path<M>,
+        terms: &mut [Complex],
+        horizon: f64,
+    ) -> Result<Option<Event>, Unresolved> {
+        let spring_force = scene.oscillator.stiffness * path.displacement;
+        let mut state = StickState { time: path.time, spring_force, noise: path.noise, terms };
+        let exit = self.advance(scene, &mut state, horizon, &mut path.draws, &mut path.work)?;
+        (path.time, path.noise) = (state.time, state.noise);
+        Ok(exit.map(|force| Event {
+            kind: EventKind::SlipStarted(Sign::of(force)),
+            time: path.time,
+            displacement: path.displacement,
+            force,
+        }))
+    }
+
+    /// Simulate until the exit or the horizon, whichever is first. At an exit, b at its time: f_s
+    /// with a sign where it met it, or more where it started beyond.
     pub fn advance(
         &self,
         scene: &Scene,
@@ -73,19 +89,20 @@ impl StickSteps {
         horizon: f64,
         draws: &mut Stream,
         work: &mut Work,
-    ) -> StickOutcome {
+    ) -> Result<Option<f64>, Unresolved> {
         let f_s = scene.friction.static_force;
         let mut force = forcing(state.terms) - state.spring_force + state.noise;
         if force.abs() >= f_s {
-            return StickOutcome::Exit(force);
+            return Ok(Some(force));
         }
-        while work.spend().is_ok() {
+        loop {
+            work.spend()?;
             let remaining = horizon - state.time;
             if remaining <= 0.0 {
-                return StickOutcome::Stays;
+                return Ok(None);
             }
             let rung = &self.ladder[self.rung(scene, state, force)];
-            let start_curvature = forcing_curvature(scene, state.terms);
+            let start_curvature = scene.forcing_curvature(state.terms);
             let partial;
             let step = if rung.length > remaining {
                 partial = StickStep::new(scene, 0.0, remaining);
@@ -97,42 +114,42 @@ impl StickSteps {
                 }
                 rung
             };
-            let noise = state.noise * step.decay + step.kick * draws.normal();
+            let noise = step.noise.transition.next(state.noise, draws.normal());
             let end_force = forcing(state.terms) - state.spring_force + noise;
             let ends = (force, end_force);
-            // Chord deviation of the threshold seen by n: c = U'' - theta^2 U with U'' = -B'', averaged over the ends.
-            let bend = -0.5 * (start_curvature + forcing_curvature(scene, state.terms));
+            // Chord deviation of the threshold seen by n: c = U'' - theta^2 U with U'' = -B'',
+            // averaged over the ends.
+            let bend = -0.5 * (start_curvature + scene.forcing_curvature(state.terms));
             let mean_noise = 0.5 * (state.noise + noise);
             if let Some((sign, after)) = step.exit(scene, f_s, ends, bend, mean_noise, draws) {
                 state.time += after;
                 scene.set_terms(state.time, state.terms);
                 let force = sign.value() * f_s;
                 state.noise = force - forcing(state.terms) + state.spring_force;
-                return StickOutcome::Exit(force);
+                return Ok(Some(force));
             }
             state.noise = noise;
             force = end_force;
             // The last step ends on the horizon itself, not a rounding beside it.
             state.time = if rung.length > remaining { horizon } else { state.time + step.length };
         }
-        StickOutcome::Unresolved
     }
 
     /// The rung to step with from here.
     #[inline]
     fn rung(&self, scene: &Scene, state: &StickState<'_>, force: f64) -> usize {
         let (f_s, theta) = (scene.friction.static_force, scene.relaxation_rate);
-        let bend = scene.forcing_curvature + theta * theta * (state.noise.abs() + 2.0 * f_s);
+        let bend = scene.largest_forcing_curvature + theta * theta * (state.noise.abs() + 2.0 * f_s);
         let mut rung = self.width_rung;
         while rung + 1 < RUNGS && self.ladder[rung].bend_limit < bend {
             rung += 1;
         }
         let clear = f_s - force.abs();
         // Most steps are near a threshold: decide that first, with the noise alone.
-        while rung > 0 && clear > self.ladder[rung - 1].reach {
+        while rung > 0 && clear > self.ladder[rung - 1].farthest {
             let h = self.ladder[rung - 1].length;
-            let slope = forcing_slope(scene, state.terms).abs() + theta * state.noise.abs();
-            if clear <= self.ladder[rung - 1].reach + h * (slope + 0.5 * h * scene.forcing_curvature) {
+            let slope = scene.forcing_slope(state.terms).abs() + theta * state.noise.abs();
+            if clear <= self.ladder[rung - 1].farthest + h * (slope + 0.5 * h * scene.largest_forcing_curvature) {
                 break;
             }
             rung -= 1;
@@ -141,26 +158,14 @@ impl StickSteps {
     }
 }
 
-/// B''.
-#[inline]
-fn forcing_curvature(scene: &Scene, terms: &[Complex]) -> f64 {
-    -terms.iter().zip(&scene.harmonics).map(|(p, h)| p.re * h.angular_frequency * h.angular_frequency).sum::<f64>()
-}
-
-/// B'.
-#[inline]
-fn forcing_slope(scene: &Scene, terms: &[Complex]) -> f64 {
-    -terms.iter().zip(&scene.harmonics).map(|(p, h)| p.im * h.angular_frequency).sum::<f64>()
-}
-
 #[cfg(test)]
 mod tests {
     use super::super::harness::{exits, mean_and_error};
     use crate::model::Sign;
     use crate::model::paper::paper;
 
-    /// Statistical tests: null hypothesis, the mean is the exact one; n paths; they fail by chance once in 1e4 (3.9 standard
-    /// errors), with fixed seeds.
+    /// Statistical tests: null hypothesis, the mean is the exact one; n paths; they fail by chance
+    /// once in 1e4 (3.9 standard errors), with fixed seeds.
     const FALSE_ALARM: f64 = 3.9;
 
     fn assert_mean(name: &str, values: &[f64], exact: f64) {
@@ -168,7 +173,8 @@ mod tests {
         assert!((mean - exact).abs() <= FALSE_ALARM * error, "{name}: {mean} +- {error}, exact {exact}");
     }
 
-    /// Exit of dv = -v dt + dW from (lower, upper), started at `from`: Siegert's integrals by high-precision quadrature.
+    /// Exit of dv = -v dt + dW from (lower, upper), started at `from`: Siegert's integrals by
+    /// high-precision quadrature.
     #[test]
     fn exit_from_a_fixed_corridor_has_siegert_s_mean_and_side() {
         // (lower, upper, from, mean, probability of the upper side)
@@ -200,7 +206,8 @@ mod tests {
 
     #[test]
     fn exit_does_not_depend_on_the_units_of_the_noise() {
-        // theta, sigma general: time scales by 1/theta and v by sigma/sqrt(theta); survival P(T > t) of the corridor 0.8.
+        // theta, sigma general: time scales by 1/theta and v by sigma/sqrt(theta); survival P(T >
+        // t) of the corridor 0.8.
         let (theta, sigma) = (3.0, 0.2);
         let mut model = paper(0.25, 1.0);
         model.oscillator.dilatation = 1.0;
@@ -221,8 +228,9 @@ mod tests {
 
     #[test]
     fn first_stick_of_the_paper_s_noisy_scene_has_its_exact_mean() {
-        // The corridor moves with the forcing; means from the backward Kolmogorov equation (12 digits) and, for the two
-        // smallest rho, from a Volterra equation (tests/reference/first_stick.py, 7 digits).
+        // The corridor moves with the forcing; means from the backward Kolmogorov equation (12
+        // digits) and, for the two smallest rho, from a Volterra equation
+        // (tests/reference/first_stick.py, 7 digits).
         for (rho, mean) in [
             (0.01, 2.571_426),
             (0.02, 2.563_677),

@@ -1,41 +1,33 @@
 //! One step of the noise in a static phase, and whether it left the corridor on the way.
 //!
-//! One step of length h draws the end n(t+h) from the exact transition, then asks for each threshold whether the bridge
-//! between the two ends met it ([`meeting_probability`]), and if so when ([`meeting_place`]). With U = f_s - B + K x the
-//! upper threshold seen by n, and d0, d1 the distances of n below it at both ends, Doob's time change gives
+//! One step of length h draws the end n(t+h) from the exact transition, then asks for each
+//! threshold whether the bridge between the two ends met it ([`meeting_probability`]), and if so
+//! when ([`meeting_place`]). With U = f_s - B + K x the upper threshold seen by n, and d0, d1 the
+//! distances of n below it at both ends, Doob's time change ([`TimeChange`]) gives
 //!
 //! ```text
 //! S = s^2 (e^{2 theta h} - 1)/(2 theta),   distances d0 and D1 = d1 e^{theta h},
 //! ```
 //!
-//! exact for U = A e^{theta t} + C e^{-theta t}. What any other U deviates from that chord at a fraction u of the step is
-//! c h^2 u (1-u)/2 with c = U'' - theta^2 U at mid-step, to leading order; its mean over the place of touching shifts both
-//! distances. (Symmetrically below.) After that correction the error of a step is of second order in
-//! c h^2 / (8 s sqrt h).
+//! exact for U = A e^{theta t} + C e^{-theta t}. What any other U deviates from that chord at a
+//! fraction u of the step is c h^2 u (1-u)/2 with c = U'' - theta^2 U at mid-step, to leading
+//! order; its mean over the place of touching shifts both distances. (Symmetrically below.) After
+//! that correction the error of a step is of second order in c h^2 / (8 s sqrt h).
 
 use super::scene::Scene;
 use crate::model::{Complex, Sign};
-use crate::noise::Stream;
-use crate::noise::{mean_touching_spread, meeting_place};
+use crate::noise::{Stream, TimeChange, mean_touching_spread, meeting_place, meeting_probability};
 
 /// What a step of one length needs.
 #[derive(Clone, Debug)]
 pub struct StickStep {
     pub length: f64,
-    /// e^{-theta h}.
-    pub decay: f64,
-    /// e^{theta h}.
-    growth: f64,
-    /// s sqrt((1 - e^{-2 theta h})/(2 theta)).
-    pub kick: f64,
-    /// S.
-    duration: f64,
-    /// e^{-3 theta h/2} (S/s^2)^2 = h^2 (1 + theta h/2 + ..): what c at mid-step bends the threshold by after the time change.
-    bow: f64,
+    /// What n does in h, as such and as Brownian motion.
+    pub noise: TimeChange,
     /// The largest |c| that this length allows: 8 kappa s h^{-3/2}.
     pub bend_limit: f64,
     /// 7 s sqrt(min(h, 1/(2 theta))): farther than the noise goes.
-    pub reach: f64,
+    pub farthest: f64,
     /// e^{i w h} of each harmonic; only rungs of the ladder have them.
     pub turns: Vec<Complex>,
 }
@@ -50,17 +42,11 @@ impl StickStep {
     /// Of this length, held to a chord error of `kappa`; without turns.
     pub fn new(scene: &Scene, kappa: f64, length: f64) -> Self {
         let (theta, s) = (scene.relaxation_rate, scene.diffusion);
-        let lost = -libm::expm1(-2.0 * theta * length);
-        let growth = libm::exp(theta * length);
         StickStep {
             length,
-            decay: 1.0 / growth,
-            growth,
-            kick: s * (lost / (2.0 * theta)).sqrt(),
-            duration: s * s * lost / (2.0 * theta) * growth * growth,
-            bow: (lost / (2.0 * theta)).powi(2) * growth * growth * growth.sqrt(),
+            noise: TimeChange::new(theta, s, length),
             bend_limit: 8.0 * kappa * s / (length * length.sqrt()),
-            reach: FAR * s * length.min(0.5 / theta).sqrt(),
+            farthest: FAR * s * length.min(0.5 / theta).sqrt(),
             turns: Vec::new(),
         }
     }
@@ -83,7 +69,7 @@ impl StickStep {
         draws: &mut Stream,
     ) -> Option<(Sign, f64)> {
         // Exponents of both meeting probabilities, before any correction: usually both are far.
-        let scale = 2.0 * self.growth / self.duration;
+        let scale = 2.0 * self.noise.growth / self.noise.duration;
         let near = |side: f64| scale * (f_s - side * start) * (f_s - side * end) < FAR_EXPONENT;
         if !(near(1.0) || near(-1.0)) {
             return None;
@@ -94,39 +80,55 @@ impl StickStep {
             // U = n + distance on this side.
             let threshold = side * mean_noise + 0.5 * (d0 + d1);
             let c = side * bend - theta * theta * threshold;
-            (d0, d1 * self.growth, c * self.bow)
-        };
-        let probability = |side: f64| {
-            let (d0, d1, bent) = chord(side);
-            if d1 <= 0.0 {
-                return 1.0;
-            }
-            let shift = 0.5 * bent * mean_touching_spread(d0, d1, self.duration);
-            let (d0, d1) = (d0 - shift, d1 - shift);
-            if d0 <= 0.0 || d1 <= 0.0 { 1.0 } else { libm::exp(-2.0 * d0 * d1 / self.duration) }
+            Chord { start: d0, end: d1 * self.noise.growth, bend: c * self.noise.bow }
         };
         let u = draws.uniform();
-        let sign = if near(1.0) && u < probability(1.0) {
+        let sign = if near(1.0) && u < self.chance(chord(1.0)) {
             Sign::Positive
-        } else if near(-1.0) && u > 1.0 - probability(-1.0) {
+        } else if near(-1.0) && u > 1.0 - self.chance(chord(-1.0)) {
             Sign::Negative
         } else {
             return None;
         };
-        let (d0, d1, bent) = chord(sign.value());
-        let (normal, uniform) = (draws.normal(), draws.uniform());
-        let mut place = meeting_place(d0, d1, self.duration, normal, uniform);
-        // The threshold met is the bent one: once more with the chord moved to it at that place. Not from a start within four times the
-        // bend, |bent|/8: little has bent where that is met, and a chord moved to the start would be met at once.
-        if bent.abs() < 2.0 * d0 {
-            let u = place / self.duration;
-            let shift = 0.5 * bent * u * (1.0 - u);
-            place = meeting_place(d0 - shift, d1 - shift, self.duration, normal, uniform);
-        }
-        let s2 = scene.diffusion * scene.diffusion;
-        let after = libm::log1p(2.0 * theta * place / s2) / (2.0 * theta);
-        Some((sign, after.min(self.length)))
+        Some((sign, self.meeting_time(chord(sign.value()), draws)))
     }
+
+    /// The chance that the bridge meets a threshold, moved by what it bends on average where a
+    /// bridge touches it.
+    #[inline]
+    fn chance(&self, Chord { start: d0, end: d1, bend }: Chord) -> f64 {
+        if d1 <= 0.0 {
+            return 1.0;
+        }
+        let shift = 0.5 * bend * mean_touching_spread(d0, d1, self.noise.duration);
+        meeting_probability(d0 - shift, d1 - shift, self.noise.duration)
+    }
+
+    /// When the bridge meets a threshold, given that it does.
+    #[inline]
+    fn meeting_time(&self, Chord { start: d0, end: d1, bend }: Chord, draws: &mut Stream) -> f64 {
+        let duration = self.noise.duration;
+        let (normal, uniform) = (draws.normal(), draws.uniform());
+        let mut place = meeting_place(d0, d1, duration, normal, uniform);
+        // The threshold met is the bent one: once more with the chord moved to it at that place.
+        // Not from a start within four times the bend, |bend|/8: little has bent where that is met,
+        // and a chord moved to the start would be met at once.
+        if bend.abs() < 2.0 * d0 {
+            let u = place / duration;
+            let shift = 0.5 * bend * u * (1.0 - u);
+            place = meeting_place(d0 - shift, d1 - shift, duration, normal, uniform);
+        }
+        self.noise.time(place).min(self.length)
+    }
+}
+
+/// A threshold after the time change: the distances of n below it at both ends, and twice what it
+/// deviates from straight in units of u (1 - u).
+#[derive(Clone, Copy)]
+struct Chord {
+    start: f64,
+    end: f64,
+    bend: f64,
 }
 
 #[cfg(test)]
@@ -134,7 +136,8 @@ mod tests {
     use super::*;
     use crate::model::paper::paper;
 
-    /// theta = 1, s = 1, f_s = 3; the upper threshold at n = 0, so that it is straight after the time change.
+    /// theta = 1, s = 1, f_s = 3; the upper threshold at n = 0, so that it is straight after the
+    /// time change.
     const F_S: f64 = 3.0;
 
     fn scene() -> Scene {
@@ -154,22 +157,25 @@ mod tests {
         })
     }
 
-    /// The bridge at t, from `from` at 0 to `to` at `duration`: mean and standard deviation. With y = e^t n and the transition
-    /// densities of dn = -n dt + dW written out, the exponent is quadratic with these hyperbolic coefficients; they are the same read
-    /// from either end.
+    /// The bridge at t, from `from` at 0 to `to` at `duration`: mean and standard deviation. With y
+    /// = e^t n and the transition densities of dn = -n dt + dW written out, the exponent is
+    /// quadratic with these hyperbolic coefficients; they are the same read from either end.
     fn bridge(from: f64, to: f64, t: f64, duration: f64) -> (f64, f64) {
         let (before, after, whole) = (t.sinh(), (duration - t).sinh(), duration.sinh());
         ((from * after + to * before) / whole, (before * after / whole).sqrt())
     }
 
-    /// Null: the bridge from a to b, read backwards, is the bridge from b to a. The hitting times come from a time change that
-    /// treats the two ends differently (e^h = 7.4 between them); the law does not. In both directions the share that has touched by t
-    /// is compared with
+    /// Null: the bridge from a to b, read backwards, is the bridge from b to a. The hitting times
+    /// come from a time change that treats the two ends differently (e^h = 7.4 between them); the
+    /// law does not. In both directions the share that has touched by t is compared with
     ///
-    /// - the share of reversed bridges that touch after h - t (state at h - t from its closed law, then the last piece);
-    /// - that law by reflection at n = 0, the centre of the process: P(touch | c to d over t) = p_t(c, -d)/p_t(c, d).
+    /// - the share of reversed bridges that touch after h - t (state at h - t from its closed law,
+    ///   then the last piece);
+    /// - that law by reflection at n = 0, the centre of the process: P(touch | c to d over t) =
+    ///   p_t(c, -d)/p_t(c, d).
     ///
-    /// 2e5 bridges each, 4 times, 2 directions, 2 comparisons at 3.9 standard errors (1e-4) each; seeds 21 and 22.
+    /// 2e5 bridges each, 4 times, 2 directions, 2 comparisons at 3.9 standard errors (1e-4) each;
+    /// seeds 21 and 22.
     #[test]
     fn a_bridge_read_backwards_is_the_bridge_from_the_other_end() {
         let (scene, h, bridges) = (scene(), 2.0, 200_000);
@@ -190,14 +196,14 @@ mod tests {
 
                 // Midpoint rule over the state at t of the bridge as it runs.
                 let (mean, sd) = bridge(from, to, t, h);
-                let (nodes, reach) = (20_000, 9.0);
+                let (nodes, farthest) = (20_000, 9.0);
                 let mass = (0..nodes).map(|i| {
-                    let z = -reach + 2.0 * reach * (f64::from(i) + 0.5) / f64::from(nodes);
+                    let z = -farthest + 2.0 * farthest * (f64::from(i) + 0.5) / f64::from(nodes);
                     let state = mean + sd * z;
                     let touched = if state >= 0.0 { 1.0 } else { (-2.0 * from * state / t.sinh()).exp() };
                     touched * (-0.5 * z * z).exp()
                 });
-                let exact = mass.sum::<f64>() * 2.0 * reach / f64::from(nodes) / std::f64::consts::TAU.sqrt();
+                let exact = mass.sum::<f64>() * 2.0 * farthest / f64::from(nodes) / std::f64::consts::TAU.sqrt();
 
                 let error = (exact * (1.0 - exact) / n).sqrt();
                 println!("{from} to {to} by {t}: {share}, reversed {reversed}, exact {exact} +- {error}");
@@ -210,8 +216,9 @@ mod tests {
         }
     }
 
-    /// The chance to touch, exp(-2 a b theta/(s^2 sinh theta h)), does not know the direction either. Path by path: equal uniform numbers
-    /// decide equally, but for one in 1e15 that rounding of the chance turns; 1e5 of them, seed 23.
+    /// The chance to touch, exp(-2 a b theta/(s^2 sinh theta h)), does not know the direction
+    /// either. Path by path: equal uniform numbers decide equally, but for one in 1e15 that
+    /// rounding of the chance turns; 1e5 of them, seed 23.
     #[test]
     fn the_chance_of_touching_is_symmetric_in_the_ends() {
         let scene = scene();
@@ -225,9 +232,10 @@ mod tests {
         }
     }
 
-    /// Null: a start as near to the threshold as that bends in a step, 0.1 standard deviations, meets it at its exact mean time
-    /// (tests/reference/bent_bridge.py), to the fifth of it that an exit without that bend is off by; a chord moved to the start
-    /// would halve it. Times so short that theta = 1 is not noticed; 1e5 bridges each, errors of the means below 0.7 %; seed 24.
+    /// Null: a start as near to the threshold as that bends in a step, 0.1 standard deviations,
+    /// meets it at its exact mean time (tests/reference/bent_bridge.py), to the fifth of it that an
+    /// exit without that bend is off by; a chord moved to the start would halve it. Times so short
+    /// that theta = 1 is not noticed; 1e5 bridges each, errors of the means below 0.7 %; seed 24.
     #[test]
     fn a_start_as_near_as_the_bend_is_not_an_exit() {
         let (scene, h): (Scene, f64) = (scene(), 1e-6);

@@ -1,12 +1,12 @@
 //! Noise that no force feels, and whoever looks at the temperature sees all the same.
 //!
-//! With K beta = 0, or with noise below the rounding of the other forces, the motion is that of the scene without diffusion. T
-//! is not: v = E v + u, where E v relaxes from v(0) with the rest of the model and u is an Ornstein-Uhlenbeck process that
-//! starts at 0, or in its stationary law. Its exact transition from one instant to the next is added to the T of every snapshot.
+//! With K beta = 0, or with noise below the rounding of the other forces, the motion is that of the
+//! scene without diffusion. T is not: v = E v + u, where E v relaxes from v(0) with the rest of the
+//! model and u is an Ornstein-Uhlenbeck process that starts at 0, or in its stationary law. Its
+//! exact transition from one instant to the next is added to the T of every snapshot.
 
 use crate::model::{Event, InitialNoise, Model, Noise};
-use crate::noise::Stream;
-use crate::noise::Transition;
+use crate::noise::{Stream, Transition};
 use crate::scheme::{Instant, Observer, Snapshot};
 
 /// The fluctuations of T in a scene whose cascade does not feel them.
@@ -70,7 +70,7 @@ impl<O: Observer> Observer for WithUnfeltNoise<'_, O> {
         if snapshot.time > self.time {
             let step = Transition::new(noise.relaxation_rate, noise.diffusion, snapshot.time - self.time);
             for lane in &mut self.lanes {
-                lane.fluctuation = step.decay * lane.fluctuation + step.kick * lane.draws.normal();
+                lane.fluctuation = step.next(lane.fluctuation, lane.draws.normal());
             }
             self.time = snapshot.time;
         }

@@ -1,8 +1,9 @@
 //! How much computing one path may take.
 //!
-//! The steps of these schemes follow from the scene, so nobody can see in a scenario how many there will be: an oscillator of
-//! 1e9 Hz that never comes to rest needs 1e15 of them for a million seconds. Whatever is evaluated in a loop that the scene decides
-//! (steps, intervals of a bisection, points of a root search, events) is paid for here, so that every path ends.
+//! The steps of these schemes follow from the scene, so nobody can see in a scenario how many there
+//! will be: an oscillator of 1e9 Hz that never comes to rest needs 1e15 of them for a million
+//! seconds. Whatever is evaluated in a loop that the scene decides (steps, intervals of a
+//! bisection, points of a root search, events) is paid for here, so that every path ends.
 
 /// What a path may still spend.
 #[derive(Clone, Copy, Debug)]
@@ -23,7 +24,8 @@ pub struct Simulated {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Unresolved;
 
-/// Work of a path: ten seconds to two minutes of computing, as its evaluations go. Paths of interest take microseconds to seconds.
+/// Work of a path: ten seconds to two minutes of computing, as its evaluations go. Paths of
+/// interest take microseconds to seconds.
 pub const WORK_LIMIT: u64 = 100_000_000;
 
 impl Work {

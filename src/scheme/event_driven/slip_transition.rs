@@ -1,34 +1,40 @@
-//! The exact transition of an oscillator driven by Ornstein-Uhlenbeck noise and harmonics, over any time step.
+//! The exact transition of an oscillator driven by Ornstein-Uhlenbeck noise and harmonics, over any
+//! time step.
 //!
 //! ```text
 //! x' = v,   v' = -w0^2 x - 2 gamma v + (n + f(t))/m,   dn = -theta n dt + s dW
 //! ```
 //!
-//! is linear with Gaussian noise: over a step h the state moves by its mean, plus a Gaussian vector of covariance
-//! Q(h) = s^2 int_0^h g(r) g(r)^T dr, where g = (g_x, g_v, g_n) answers a unit kick of n:
+//! is linear with Gaussian noise: over a step h the state moves by its mean, plus a Gaussian vector
+//! of covariance Q(h) = s^2 int_0^h g(r) g(r)^T dr, where g = (g_x, g_v, g_n) answers a unit of n
+//! that is there at r = 0:
 //!
 //! ```text
-//! S'' + 2 gamma S' + w0^2 S = 0,             S(0) = 0, S'(0) = 1      (x answers a kick of v)
+//! S'' + 2 gamma S' + w0^2 S = 0,             S(0) = 0, S'(0) = 1      (x answers a unit of v)
 //! g_x'' + 2 gamma g_x' + w0^2 g_x = e^{-theta r}/m,  g_x(0) = g_x'(0) = 0;   g_v = g_x',  g_n = e^{-theta r}
 //! G_w'' + 2 gamma G_w' + w0^2 G_w = e^{i w r}/m,     G_w(0) = G_w'(0) = 0    (x answers a harmonic; w = 0: friction)
 //! ```
 //!
-//! Q is badly scaled (h, h^3, h^5 on its diagonal), and matrix exponentials of the textbook (Van Loan 1978) lose its small
-//! entries. Here every entry is a power series in h that starts at its own leading term, used where
-//! (fastest rate) h <= 1/2 so that nothing cancels; longer steps come from doubling,
+//! Q is badly scaled (h, h^3, h^5 on its diagonal), and matrix exponentials of the textbook (Van
+//! Loan 1978) lose its small entries. Here every entry is a power series in h that starts at its
+//! own leading term, used where (fastest rate) h <= 1/2 so that nothing cancels; longer steps come
+//! from doubling,
 //!
 //! ```text
 //! Phi(2h) = Phi(h)^2,   Q(2h) = Q(h) + Phi(h) Q(h) Phi(h)^T,   G(2h) = Phi(h) G(h) + e^{i w h} G(h),
 //! ```
 //!
-//! which adds positive matrices. No eigenvalue appears: critical damping and resonance are ordinary points.
+//! which adds positive matrices. No eigenvalue appears: critical damping and resonance are ordinary
+//! points.
 
-/// Terms of each series. In units of the fastest rate L, coefficient k of the squared responses is below
-/// 2^k/k!, so with L h <= 1/2 the last term is below 1/18! = 2e-16 of the first.
+use crate::noise::increment_variance;
+
+/// Terms of each series. In units of the fastest rate L, coefficient k of the squared responses is
+/// below 2^k/k!, so with L h <= 1/2 the last term is below 1/18! = 2e-16 of the first.
 const TERMS: usize = 18;
 
 /// The series are used up to (fastest rate) h = 1/2.
-const SERIES_REACH: f64 = 0.5;
+const SERIES_RADIUS: f64 = 0.5;
 
 /// More doublings than any finite step of a finite rate needs.
 const DOUBLINGS: u32 = 2100;
@@ -48,7 +54,7 @@ pub struct DrivenOscillator {
     /// S / h.
     impulse: Series,
     /// m g_x / h^2.
-    kick: Series,
+    g_x: Series,
     /// m int e^{-theta r} g_x / h^3.
     cov_nx: Series,
     /// m^2 int g_v^2 / h^3.
@@ -93,13 +99,13 @@ impl DrivenOscillator {
     /// From m, gamma = alpha/m, w0, theta, s and the frequencies of the forcing.
     pub fn new(
         mass: f64,
-        decay: f64,
+        damping_rate: f64,
         natural_frequency: f64,
         relaxation_rate: f64,
         diffusion: f64,
         frequencies: &[f64],
     ) -> Self {
-        let (g, w0) = (decay, natural_frequency);
+        let (g, w0) = (damping_rate, natural_frequency);
         // |l1|, |l2| <= gamma + sqrt(gamma^2 - w0^2) if overdamped, else w0.
         let free = if g > w0 { g + ((g - w0) * (g + w0)).sqrt() } else { w0 };
         let fastest = frequencies.iter().copied().fold(free.max(relaxation_rate), f64::max);
@@ -109,7 +115,7 @@ impl DrivenOscillator {
         let theta = relaxation_rate / fastest;
         let answer = |re: &dyn Fn(usize) -> f64| response(damping, stiffness, re);
         let zero = |_: usize| 0.0;
-        let (kick, constant) = (answer(&|k| (-theta).powi(k as i32)), answer(&|k| if k == 0 { 1.0 } else { 0.0 }));
+        let (g_x, constant) = (answer(&|k| (-theta).powi(k as i32)), answer(&|k| if k == 0 { 1.0 } else { 0.0 }));
         let impulse = free_response(damping, stiffness);
         let harmonic = frequencies
             .iter()
@@ -122,7 +128,7 @@ impl DrivenOscillator {
             })
             .collect();
         let decay_series: Series = std::array::from_fn(|k| (-theta).powi(k as i32) / factorial(k));
-        let slope: Series = std::array::from_fn(|k| (k + 2) as f64 * kick[k]);
+        let slope: Series = std::array::from_fn(|k| (k + 2) as f64 * g_x[k]);
         DrivenOscillator {
             mass,
             two_gamma: 2.0 * g,
@@ -132,10 +138,10 @@ impl DrivenOscillator {
             frequencies: frequencies.to_vec(),
             fastest,
             impulse,
-            cov_nx: integral_of_product(&decay_series, &kick, 2),
+            cov_nx: integral_of_product(&decay_series, &g_x, 2),
             cov_vv: integral_of_product(&slope, &slope, 2),
-            cov_xx: integral_of_product(&kick, &kick, 4),
-            kick,
+            cov_xx: integral_of_product(&g_x, &g_x, 4),
+            g_x,
             constant,
             harmonic,
         }
@@ -150,7 +156,7 @@ impl DrivenOscillator {
     pub fn transition(&self, h: f64, harmonics: &mut [HarmonicResponse]) -> SlipTransition {
         // Halve until the series reach it.
         let (mut base, mut doublings) = (h, 0);
-        while self.fastest * base > SERIES_REACH && doublings < DOUBLINGS {
+        while self.fastest * base > SERIES_RADIUS && doublings < DOUBLINGS {
             base *= 0.5;
             doublings += 1;
         }
@@ -167,7 +173,7 @@ impl DrivenOscillator {
         let (w2, g2, theta, m) = (self.w0_squared, self.two_gamma, self.relaxation_rate, self.mass);
         let impulse = h * sum(&self.impulse, r);
         let constant = h * h * sum(&self.constant, r); // int S
-        let kick = h * h * sum(&self.kick, r) / m;
+        let g_x = h * h * sum(&self.g_x, r) / m;
         let remembered = libm::exp(-theta * h);
         for ((response, (re, im)), &w) in harmonics.iter_mut().zip(&self.harmonic).zip(&self.frequencies) {
             let x = (h * h * sum(re, r) / m, h * h * sum(im, r) / m);
@@ -181,16 +187,16 @@ impl DrivenOscillator {
         let cov_xx = s2 * h * h * h * h * h * sum(&self.cov_xx, r) / (m * m);
         SlipTransition {
             length: h,
-            x: [1.0 - w2 * constant, impulse, kick, constant / m],
-            v: [-w2 * impulse, 1.0 - w2 * constant - g2 * impulse, impulse / m - theta * kick, impulse / m],
+            x: [1.0 - w2 * constant, impulse, g_x, constant / m],
+            v: [-w2 * impulse, 1.0 - w2 * constant - g2 * impulse, impulse / m - theta * g_x, impulse / m],
             n: remembered,
             covariance: [
                 self.noise_variance(h),
                 // int g_n g_v = [g_n g_x] + theta int g_n g_x, by parts.
-                s2 * remembered * kick + theta * cov_nx,
+                s2 * remembered * g_x + theta * cov_nx,
                 cov_nx,
                 cov_vv,
-                0.5 * s2 * kick * kick,
+                0.5 * s2 * g_x * g_x,
                 cov_xx,
             ],
             factor: [0.0; 6],
@@ -198,8 +204,7 @@ impl DrivenOscillator {
     }
 
     fn noise_variance(&self, h: f64) -> f64 {
-        let theta = self.relaxation_rate;
-        self.diffusion * self.diffusion * -libm::expm1(-2.0 * theta * h) / (2.0 * theta)
+        increment_variance(self.relaxation_rate, self.diffusion, h)
     }
 
     fn doubled(&self, step: &SlipTransition, harmonics: &mut [HarmonicResponse]) -> SlipTransition {
@@ -213,7 +218,7 @@ impl DrivenOscillator {
             response.turn = turned((cos, sin));
         }
         let [nn, nv, nx, vv, vx, xx] = step.covariance;
-        let kick = a * c + b * g + c * n;
+        let g_x = a * c + b * g + c * n;
         // Rows of Phi Q, needed for Phi Q Phi^T.
         let (qx, qv) = (
             [a * xx + b * vx + c * nx, a * vx + b * vv + c * nv, a * nx + b * nv + c * nn],
@@ -222,7 +227,7 @@ impl DrivenOscillator {
         let length = 2.0 * step.length;
         SlipTransition {
             length,
-            x: [a * a + b * e, a * b + b * f, kick, a * d + b * k + d],
+            x: [a * a + b * e, a * b + b * f, g_x, a * d + b * k + d],
             v: [e * a + f * e, e * b + f * f, e * c + f * g + g * n, e * d + f * k + k],
             n: n * n,
             covariance: [
@@ -231,7 +236,7 @@ impl DrivenOscillator {
                 nx + qx[2] * n,
                 vv + e * qv[0] + f * qv[1] + g * qv[2],
                 // int g_x g_x' exactly.
-                0.5 * self.diffusion * self.diffusion * kick * kick,
+                0.5 * self.diffusion * self.diffusion * g_x * g_x,
                 xx + a * qx[0] + b * qx[1] + c * qx[2],
             ],
             factor: [0.0; 6],
@@ -239,8 +244,8 @@ impl DrivenOscillator {
     }
 }
 
-/// y / h^2 for y'' + damping y' + stiffness y = sum_k f_k r^k/k!, y(0) = y'(0) = 0, in units of the fastest rate:
-/// (k+2)! y_{k+2} = f_k - damping (k+1)! y_{k+1} - stiffness k! y_k.
+/// y / h^2 for y'' + damping y' + stiffness y = sum_k f_k r^k/k!, y(0) = y'(0) = 0, in units of the
+/// fastest rate: (k+2)! y_{k+2} = f_k - damping (k+1)! y_{k+1} - stiffness k! y_k.
 fn response(damping: f64, stiffness: f64, force: &dyn Fn(usize) -> f64) -> Series {
     let (mut before, mut last) = (0.0, 0.0);
     std::array::from_fn(|k| {
@@ -275,8 +280,8 @@ fn sum(series: &Series, r: f64) -> f64 {
     series.iter().rev().fold(0.0, |sum, &c| sum * r + c)
 }
 
-/// The factor of a covariance through its correlation matrix, whose entries are all of order one: the covariance itself
-/// has a condition number of h^-4.
+/// The factor of a covariance through its correlation matrix, whose entries are all of order one:
+/// the covariance itself has a condition number of h^-4.
 fn cholesky(&[nn, nv, nx, vv, vx, xx]: &[f64; 6]) -> [f64; 6] {
     let (sn, sv, sx) = (nn.sqrt(), vv.sqrt(), xx.sqrt());
     let ratio = |a: f64, b: f64| if b > 0.0 { a / b } else { 0.0 };
