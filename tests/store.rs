@@ -85,6 +85,8 @@ fn block(first_path: u64, paths: u64, rows: usize, kept: u64) -> Block {
                 trajectories.displacement.push(noise(path, 100 + row));
                 trajectories.velocity.push(noise(path, 1000 + row));
                 trajectories.temperature.push(noise(path, 2000 + row));
+                trajectories.force.push(noise(path, 3000 + row));
+                trajectories.friction.push(noise(path, 4000 + row));
                 trajectories.is_static.push(i8::from(row % 2 == 0));
             }
         }

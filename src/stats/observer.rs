@@ -3,7 +3,7 @@
 use super::path::{Censored, Completed, PathFold};
 use super::periods::PeriodFold;
 use super::{BlockResult, EventColumns, PathColumns, Record, Totals, TrajectoryRows};
-use crate::model::{Event, Model};
+use crate::model::{Event, Model, Oscillator};
 use crate::scheme::{Instant, Observer, Snapshot, Timeline};
 
 /// The observer of one block of paths.
@@ -11,6 +11,7 @@ pub struct BlockObserver {
     /// Number of the path in each lane.
     path_numbers: Vec<u64>,
     paths: Vec<PathFold>,
+    oscillator: Oscillator,
     /// f_d.
     dynamic_force: f64,
     /// Rows of the output grid.
@@ -30,6 +31,8 @@ struct Trajectory {
     displacement: Vec<f64>,
     velocity: Vec<f64>,
     temperature: Vec<f64>,
+    force: Vec<f64>,
+    friction: Vec<f64>,
     is_static: Vec<i8>,
 }
 
@@ -40,7 +43,9 @@ impl Trajectory {
             lane,
             displacement: nothing.clone(),
             velocity: nothing.clone(),
-            temperature: nothing,
+            temperature: nothing.clone(),
+            force: nothing.clone(),
+            friction: nothing,
             is_static: vec![0; rows],
         }
     }
@@ -55,6 +60,7 @@ impl BlockObserver {
         BlockObserver {
             path_numbers: paths.to_vec(),
             paths: vec![PathFold::starting_at(model.initial_displacement); paths.len()],
+            oscillator: model.oscillator,
             dynamic_force: model.friction.dynamic_force,
             rows,
             totals: Totals::empty(model, timeline),
@@ -115,10 +121,16 @@ impl Observer for BlockObserver {
             Instant::Output(row) => {
                 self.totals.row(row, &snapshot);
                 for kept in &mut self.trajectories.1 {
-                    kept.displacement[row] = snapshot.displacement[kept.lane];
-                    kept.velocity[row] = snapshot.velocity[kept.lane];
-                    kept.temperature[row] = snapshot.temperature[kept.lane];
-                    kept.is_static[row] = i8::from(snapshot.is_static[kept.lane]);
+                    let lane = kept.lane;
+                    let (x, v, t) = (snapshot.displacement[lane], snapshot.velocity[lane], snapshot.temperature[lane]);
+                    let b = self.oscillator.force(t, x, v);
+                    let sliding = self.dynamic_force * self.paths[lane].direction.value();
+                    kept.displacement[row] = x;
+                    kept.velocity[row] = v;
+                    kept.temperature[row] = t;
+                    kept.force[row] = b;
+                    kept.friction[row] = if snapshot.is_static[lane] { b } else { sliding };
+                    kept.is_static[row] = i8::from(snapshot.is_static[lane]);
                 }
             }
             Instant::Period(n) => self.periods.fold(n, snapshot.displacement),
@@ -186,6 +198,8 @@ impl Block<'_> {
             columns.displacement.extend_from_slice(&trajectory.displacement);
             columns.velocity.extend_from_slice(&trajectory.velocity);
             columns.temperature.extend_from_slice(&trajectory.temperature);
+            columns.force.extend_from_slice(&trajectory.force);
+            columns.friction.extend_from_slice(&trajectory.friction);
             columns.is_static.extend_from_slice(&trajectory.is_static);
         }
         columns
@@ -311,6 +325,12 @@ mod tests {
         assert!(trajectories.displacement[3..6].iter().all(|x| x.is_nan()));
         assert_eq!(trajectories.displacement[6..], [6.0, 6.5, 7.0]);
         assert_eq!(trajectories.velocity[6..], [0.25; 3]);
+        // b = T - x with m = K = beta = 1; path 102 slips to the right against f_d = 2, so F = 2.
+        assert_eq!(trajectories.force[6..], [-5.75, -6.25, -6.75]);
+        assert_eq!(trajectories.friction[6..], [2.0; 3]);
+        // Path 100 stays in its first stick: F = b.
+        assert_eq!(trajectories.friction[..3], trajectories.force[..3]);
+        assert_eq!(trajectories.force[..3], [-6.0; 3]);
         assert_eq!(trajectories.is_static, [1, 1, 1, 0, 0, 0, 0, 0, 0]);
 
         let summary = result.totals.summary();

@@ -1,11 +1,13 @@
 //! One path of the cascade, folded as its events arrive.
 
-use crate::model::{Event, EventKind};
+use crate::model::{Event, EventKind, Sign};
 
 /// The running sums of one path. Every entry is a sum in time order, so it depends on the path alone.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PathFold {
     now: Now,
+    /// Direction of the sub-phase that runs now, or ran last.
+    pub direction: Sign,
     /// When the static phase that runs now, or ran last, was entered.
     stick_entered: f64,
     /// x at the last event: where the present sub-phase began.
@@ -80,6 +82,7 @@ impl PathFold {
     pub fn starting_at(x0: f64) -> Self {
         PathFold {
             now: Now::FirstStick,
+            direction: Sign::Positive,
             stick_entered: 0.0,
             last_displacement: x0,
             slip_origin: x0,
@@ -104,8 +107,12 @@ impl PathFold {
     #[inline]
     pub fn event(&mut self, event: &Event) -> Option<Completed> {
         let completed = match event.kind {
-            EventKind::SlipStarted(_) => Some(self.start_slip(event)),
-            EventKind::SubPhaseBoundary(_) => {
+            EventKind::SlipStarted(direction) => {
+                self.direction = direction;
+                Some(self.start_slip(event))
+            }
+            EventKind::SubPhaseBoundary(direction) => {
+                self.direction = direction;
                 self.travel += (event.displacement - self.last_displacement).abs();
                 self.running_sub_phases += 1;
                 None

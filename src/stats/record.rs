@@ -96,6 +96,10 @@ pub struct TrajectoryRows {
     pub velocity: Vec<f64>,
     /// T(t).
     pub temperature: Vec<f64>,
+    /// b(t), every force but friction.
+    pub force: Vec<f64>,
+    /// F(t), the friction force: b in a static phase, f_d in the direction of motion otherwise.
+    pub friction: Vec<f64>,
     /// 1 where static.
     pub is_static: Vec<i8>,
 }

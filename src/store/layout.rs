@@ -198,6 +198,10 @@ table! {
     TRAJECTORY_VELOCITY = variable("trajectory_velocity", &["trajectory", "time"], Unit::VELOCITY, "velocity");
     TRAJECTORY_TEMPERATURE = variable("trajectory_temperature", &["trajectory", "time"], Unit::TEMPERATURE,
         "temperature");
+    TRAJECTORY_FORCE = variable("trajectory_force", &["trajectory", "time"], Unit::FORCE,
+        "total force besides friction (b)");
+    TRAJECTORY_FRICTION = variable("trajectory_friction", &["trajectory", "time"], Unit::FORCE,
+        "friction force (F)");
     TRAJECTORY_STATIC = variable("trajectory_static", &["trajectory", "time"], Unit::None,
         "whether the path is in a static phase")
         .flags(&[0, 1], &[("flag_meanings", "dynamic static")]);

@@ -374,12 +374,14 @@ fn event_variables(events: &EventColumns) -> [(&'static layout::Variable, Values
 }
 
 /// The variables along `trajectory` with their values.
-fn trajectory_variables(rows: &TrajectoryRows) -> [(&'static layout::Variable, Values<'_>); 5] {
+fn trajectory_variables(rows: &TrajectoryRows) -> [(&'static layout::Variable, Values<'_>); 7] {
     [
         (&layout::TRAJECTORY, Values::U64(&rows.path)),
         (&layout::TRAJECTORY_DISPLACEMENT, Values::F64(&rows.displacement)),
         (&layout::TRAJECTORY_VELOCITY, Values::F64(&rows.velocity)),
         (&layout::TRAJECTORY_TEMPERATURE, Values::F64(&rows.temperature)),
+        (&layout::TRAJECTORY_FORCE, Values::F64(&rows.force)),
+        (&layout::TRAJECTORY_FRICTION, Values::F64(&rows.friction)),
         (&layout::TRAJECTORY_STATIC, Values::I8(&rows.is_static)),
     ]
 }
