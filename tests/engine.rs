@@ -1,0 +1,149 @@
+//! The run as a library: where goals end it, what sinks and progress are told, and how an error ends it.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
+use stick_slip::engine::{EndedBy, Hopeless, Memory, Outcome, Progress, Run, RunError, Sink, SinkError, Status};
+use stick_slip::ensemble::BLOCK_SIZE;
+use stick_slip::scenario::{Override, Scenario};
+use stick_slip::stats::{BlockResult, Goal, Statistic};
+
+fn scenario(paths: u64, set: &[&str]) -> Scenario {
+    let mut all = vec!["time.end=20", "time.step=0.02", "time.output_step=5"];
+    all.extend(set);
+    let set: Vec<Override> = all.iter().map(|text| Override::set(text).expect("well formed")).collect();
+    let text = stick_slip::scenario::shipped("rho025").expect("shipped").text;
+    let mut scenario = Scenario::parse("rho025", text, &set).expect("sound");
+    scenario.ensemble.paths = paths;
+    scenario
+}
+
+fn goal(text: &str) -> Goal {
+    text.parse().expect("a goal")
+}
+
+/// Every estimate to its last digit; a number that does not exist equals itself.
+fn shown(outcome: &Outcome) -> String {
+    format!("{:?}", outcome.summary.estimates)
+}
+
+#[test]
+fn a_run_that_a_goal_ends_is_the_run_of_so_many_paths() {
+    let scenario = scenario(100 * BLOCK_SIZE, &[]);
+    let until = || vec![goal("stick_duration_mean < 1%"), goal("sticks_per_path < 0.02")];
+    let ended = Run::of(&scenario).until(until()).threads(2).simulate().expect("no sink");
+    let Some(EndedBy::Goals { blocks, goals }) = &ended.ended_by else { panic!("{:?}", ended.ended_by) };
+    assert_eq!((ended.status, goals.len(), ended.missed.len()), (Status::Ended, 2, 0));
+    assert_eq!(ended.summary.completed_paths, blocks * BLOCK_SIZE);
+    assert!((5..90).contains(blocks), "{blocks}");
+    let fixed = Run::of(&scenario).paths(blocks * BLOCK_SIZE).threads(3).simulate().expect("no sink");
+    assert_eq!(fixed.status, Status::Complete);
+    assert_eq!(shown(&fixed), shown(&ended));
+    // One block less had not reached both.
+    let short = Run::of(&scenario).paths((blocks - 1) * BLOCK_SIZE).until(until()).simulate().expect("no sink");
+    assert_eq!(short.status, Status::Complete);
+    assert!(!short.missed.is_empty() && short.missed.iter().all(|missed| missed.paths_needed() > Some(missed.paths)));
+}
+
+#[test]
+fn a_goal_that_cannot_be_reached_ends_the_run_and_says_why() {
+    let no_slip = scenario(1 << 20, &["friction.static=1e6", "time.end=1", "time.output_step=1"]);
+    let outcome = Run::of(&no_slip).until(vec![goal("stick_duration_mean < 1%")]).simulate().expect("no sink");
+    let Some(EndedBy::Hopeless(Hopeless::Missing { statistic, paths })) = outcome.ended_by else { panic!() };
+    assert_eq!((statistic, paths), (Statistic::StickDurationMean, 64 * BLOCK_SIZE));
+    let far = scenario(1 << 30, &["time.end=1", "time.output_step=1"]);
+    let outcome = Run::of(&far).until(vec![goal("displacement_end_mean < 1e-9")]).simulate().expect("no sink");
+    assert!(matches!(outcome.ended_by, Some(EndedBy::Hopeless(Hopeless::TooFar { needed, .. })) if needed > 1e12));
+}
+
+#[test]
+fn a_time_limit_ends_a_run_that_has_goals_as_well() {
+    let scenario = scenario(1 << 30, &[]);
+    let run = Run::of(&scenario).until(vec![goal("stick_duration_mean < 0.005%")]);
+    let outcome = run.within(Some(Duration::from_millis(100))).without_bias().simulate().expect("no sink");
+    let Some(EndedBy::TimeLimit { blocks }) = outcome.ended_by else { panic!("{:?}", outcome.ended_by) };
+    assert_eq!(outcome.summary.completed_paths, blocks * BLOCK_SIZE);
+    assert_eq!((outcome.status, outcome.missed.len()), (Status::Ended, 1));
+}
+
+/// What a run tells.
+#[derive(Default)]
+struct Told(Vec<(u64, u64)>, usize);
+
+impl Progress for Told {
+    fn paths(&mut self, done: u64, expected: u64) {
+        self.0.push((done, expected));
+    }
+
+    fn estimating_bias(&mut self) {
+        self.1 += 1;
+    }
+}
+
+#[test]
+fn progress_and_every_sink_see_each_block_once_and_in_order() {
+    let scenario = scenario(5 * BLOCK_SIZE - 7, &[]);
+    let (mut told, mut one, mut two) = (Told::default(), Memory::default(), Memory::default());
+    let run = Run::of(&scenario).threads(3).told(&mut told).into_sink(&mut one).into_sink(&mut two);
+    let outcome = run.simulate().expect("memory holds it");
+    let firsts = |memory: &Memory| memory.blocks.iter().map(|block| block.first_path).collect::<Vec<_>>();
+    assert_eq!(firsts(&one), [0, 256, 512, 768, 1024]);
+    assert_eq!(firsts(&two), firsts(&one));
+    assert_eq!(told.0, [256, 512, 768, 1024, 1273].map(|done| (done, 1273)));
+    assert_eq!((told.1, outcome.bias.absence.is_none()), (1, true));
+    let columns = one.blocks.iter().filter_map(|block| block.path_columns.as_ref());
+    let ends: Vec<f64> = columns.flat_map(|columns| columns.displacement_end.clone()).collect();
+    let mean = ends.iter().sum::<f64>() / ends.len() as f64;
+    let estimate = outcome.summary.estimate(Statistic::DisplacementEndMean).estimate;
+    // Both are sums of 1273 numbers below 20, in another order.
+    assert!((mean - estimate).abs() < 1e-12, "{mean} {estimate}");
+}
+
+/// Takes two blocks, and then no more.
+struct Full(usize);
+
+#[derive(Debug, thiserror::Error)]
+#[error("no room for a third block")]
+struct NoRoom;
+
+impl Sink for Full {
+    fn block(&mut self, _: &BlockResult) -> Result<(), SinkError> {
+        self.0 += 1;
+        if self.0 > 2 { Err(Box::new(NoRoom)) } else { Ok(()) }
+    }
+
+    fn finish(&mut self, _: &Outcome) -> Result<(), SinkError> {
+        panic!("a run that failed has no outcome")
+    }
+}
+
+#[test]
+fn the_first_error_of_a_sink_ends_the_run() {
+    let scenario = scenario(50 * BLOCK_SIZE, &[]);
+    let (mut before, mut full) = (Memory::default(), Full(0));
+    let error = Run::of(&scenario).threads(2).into_sink(&mut before).into_sink(&mut full).simulate().unwrap_err();
+    let RunError::Sink(error) = error else { panic!("{error}") };
+    assert!(error.downcast_ref::<NoRoom>().is_some());
+    assert_eq!((before.blocks.len(), full.0), (3, 3));
+}
+
+#[test]
+fn a_raised_flag_leaves_the_first_blocks_and_an_interrupted_outcome() {
+    struct StopAfter<'a>(&'a AtomicBool);
+    impl Progress for StopAfter<'_> {
+        fn paths(&mut self, done: u64, _: u64) {
+            if done >= 3 * BLOCK_SIZE {
+                self.0.store(true, Ordering::Relaxed);
+            }
+        }
+    }
+    let scenario = scenario(1000 * BLOCK_SIZE, &[]);
+    let stop = AtomicBool::new(false);
+    let mut progress = StopAfter(&stop);
+    let outcome = Run::of(&scenario).threads(2).stopped_by(&stop).told(&mut progress).simulate().expect("no sink");
+    let blocks = outcome.summary.completed_paths / BLOCK_SIZE;
+    assert_eq!(outcome.status, Status::Interrupted);
+    // Two threads may each be eight blocks ahead.
+    assert!((3..=3 + 2 * 8).contains(&blocks), "{blocks}");
+    let whole = Run::of(&scenario).paths(blocks * BLOCK_SIZE).without_bias().simulate().expect("no sink");
+    assert_eq!(shown(&whole), shown(&outcome));
+}
