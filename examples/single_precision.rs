@@ -16,7 +16,7 @@ use stick_slip::lanes::{InstructionSet, LaneProgram, Lanes};
 use stick_slip::model::{Event, HarmonicClock, Model};
 use stick_slip::noise::{LaneStreams, Stream, Transition, standard_normal};
 use stick_slip::scenario::{Override, Scenario};
-use stick_slip::scheme::{DiscreteVi, Instant, Observer, Snapshot};
+use stick_slip::scheme::{DiscreteSimulation, Instant, Observer, Simulate as _, Snapshot};
 
 const LANES: usize = 32;
 const RUN: usize = 64;
@@ -390,7 +390,7 @@ fn time(h: f64) -> Result<(), Box<dyn Error>> {
     let set = [Override::set(&format!("time.step={h}"))?, Override::set(&format!("time.end={}", h * STEPS as f64))?];
     let scenario = Scenario::read("scenarios/rho025.toml".as_ref(), &set)?;
     let (model, paths) = (&scenario.model, (0..PATHS).collect::<Vec<u64>>());
-    let kernel = DiscreteVi::new(model, &scenario.timeline(), h);
+    let kernel = DiscreteSimulation::new(model, &scenario.timeline(), h);
     let programs: [(&str, &dyn Fn()); 6] = [
         ("kernel", &|| drop(black_box(kernel.simulate(1, &paths, &mut Deaf)))),
         ("f64, its normals", &|| drop(black_box(simulate::<f64, Own>(model, h, STEPS, 1, PATHS)))),

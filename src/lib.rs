@@ -7,6 +7,7 @@ pub mod lanes;
 pub mod model;
 pub mod multilevel;
 pub mod noise;
+pub mod numbers;
 pub mod scenario;
 pub mod scheme;
 pub mod stats;

@@ -145,7 +145,7 @@ mod tests {
     fn intervals_of_runs_ended_by_a_goal_hold_what_they_promise() {
         let statistic = stick_slip::stats::Statistic::StickDurationMean;
         let totals = |plan: &Plan, blocks: u64| {
-            let mut totals = Totals::empty(&plan.model, &plan.timeline);
+            let mut totals = Totals::empty(plan.model(), plan.timeline());
             (0..blocks).for_each(|block| totals.merge(&plan.block(block).totals));
             totals
         };
@@ -154,7 +154,7 @@ mod tests {
         let (mut held, mut lengths) = (0, Vec::new());
         for seed in 0..400 {
             let plan = plan(seed);
-            let mut totals = Totals::empty(&plan.model, &plan.timeline);
+            let mut totals = Totals::empty(plan.model(), plan.timeline());
             let blocks = (1..=400).find(|&blocks| {
                 totals.merge(&plan.block(blocks - 1).totals);
                 matches!(endings.look(blocks, &totals, Instant::now()), Look::Done(_))

@@ -15,6 +15,7 @@ use std::time::{Duration, Instant};
 use stick_slip::bias::NoBias;
 use stick_slip::ensemble::{BLOCK_SIZE, Plan};
 use stick_slip::scenario::Scenario;
+use stick_slip::scheme::Simulate as _;
 use stick_slip::stats::{Statistic, Summary, Totals};
 use stick_slip::store::{Status, StoreError};
 
@@ -123,7 +124,7 @@ impl Run {
         let endings = Endings { goals, max_time: self.max_time };
         if self.verbose {
             note(&super::check::report(&scenario));
-            note(&format!("kernel: {}", scenario.plan().scheme.kernel()));
+            note(&format!("kernel: {}", scenario.plan().simulation.kernel()));
         }
         let with_bias = !self.no_bias;
         results::warn(&scenario, with_bias && scenario.bias_plan(paths).is_ok());
@@ -179,12 +180,12 @@ fn info(
     seconds: f64,
     (bias_seconds, no_bias): (f64, Option<NoBias>),
 ) -> RunInfo {
-    let Scenario { title, time, scheme, ensemble, units, .. } = job.scenario;
+    let Scenario { title, scheme, ensemble, units, .. } = job.scenario;
     RunInfo {
         scenario: scenario_path.display().to_string(),
         title: title.clone(),
         scheme: scheme.name().to_string(),
-        step: time.step,
+        step: scheme.step(),
         resolution: job.scenario.resolution().map(|resolution| resolution.shortest_slip),
         seed: ensemble.seed,
         paths: job.paths,
@@ -192,7 +193,7 @@ fn info(
         seconds: Some(seconds),
         bias_seconds: Some(bias_seconds),
         no_bias: no_bias.map(|reason| reason.to_string()),
-        steps_per_path: time.steps(),
+        steps_per_path: job.scenario.steps(),
         file: job.output.display().to_string(),
         status,
         ended_by: None,
@@ -205,7 +206,7 @@ fn info(
 fn execute(job: &Job<'_>, stop: &AtomicBool, progress: &mut Progress) -> Result<Outcome, Failure> {
     let plan = Plan { paths: job.paths, ..job.scenario.plan() };
     let mut writer = results::create(job.scenario, job.paths, job.output, job.force)?;
-    let mut totals = Totals::empty(&plan.model, &plan.timeline);
+    let mut totals = Totals::empty(plan.model(), plan.timeline());
     let (start, mut ending) = (Instant::now(), Look::GoOn(None));
     let completed = plan.run_into(job.threads, stop, |block| {
         totals.merge(&block.totals);
@@ -237,7 +238,7 @@ fn execute(job: &Job<'_>, stop: &AtomicBool, progress: &mut Progress) -> Result<
     writer.finish(&summary, status)?;
     let is_done = failure.is_none() && status != Status::Interrupted;
     let missed = if is_done { job.endings.missed(&totals, completed) } else { Vec::new() };
-    let failure = failure.or_else(|| all_lost(&summary, job.scenario.scheme.is_time_stepping()));
+    let failure = failure.or_else(|| all_lost(&summary, job.scenario.scheme.step().is_some()));
     Ok(Outcome { summary, status, bias, ended_by, missed, failure })
 }
 

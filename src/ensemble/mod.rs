@@ -10,7 +10,7 @@ mod in_order;
 pub use in_order::in_order;
 
 use crate::model::Model;
-use crate::scheme::{Scheme, Timeline};
+use crate::scheme::{Simulate as _, Simulation, Timeline};
 use crate::stats::{BlockObserver, BlockResult, Record, Summary, Totals};
 use std::convert::Infallible;
 use std::ops::ControlFlow;
@@ -23,12 +23,8 @@ pub const BLOCK_SIZE: u64 = 256;
 /// Everything an ensemble is a function of.
 #[derive(Clone, Debug)]
 pub struct Plan {
-    /// The physics.
-    pub model: Model,
-    /// How it is simulated.
-    pub scheme: Scheme,
-    /// When paths are observed.
-    pub timeline: Timeline,
+    /// What is simulated, how, and when it is looked at.
+    pub simulation: Simulation,
     /// What is kept of single paths.
     pub record: Record,
     /// With a path's number it determines the path.
@@ -38,6 +34,16 @@ pub struct Plan {
 }
 
 impl Plan {
+    /// What is simulated.
+    pub fn model(&self) -> &Model {
+        self.simulation.model()
+    }
+
+    /// When paths are looked at.
+    pub fn timeline(&self) -> &Timeline {
+        self.simulation.timeline()
+    }
+
     /// Number of blocks.
     pub fn blocks(&self) -> u64 {
         self.paths.div_ceil(BLOCK_SIZE)
@@ -62,8 +68,8 @@ impl Plan {
         let mut kept: Vec<u64> = (first..first + paths).collect();
         let mut diverged = Vec::new();
         loop {
-            let mut observer = BlockObserver::new(&self.model, &self.timeline, &self.record, &kept);
-            let lost = self.scheme.simulate(self.seed, &kept, &mut observer);
+            let mut observer = BlockObserver::new(self.model(), self.timeline(), &self.record, &kept);
+            let lost = self.simulation.simulate(self.seed, &kept, &mut observer);
             if lost.is_empty() {
                 return observer.finish(first, paths, diverged);
             }
@@ -76,7 +82,7 @@ impl Plan {
 
     /// Simulate the whole ensemble on `threads` threads and sum it up.
     pub fn run(&self, threads: usize) -> Summary {
-        let mut totals = Totals::empty(&self.model, &self.timeline);
+        let mut totals = Totals::empty(self.model(), self.timeline());
         let deliver = |block: BlockResult| -> Result<_, Infallible> {
             totals.merge(&block.totals);
             Ok(ControlFlow::Continue(()))

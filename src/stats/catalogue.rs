@@ -75,6 +75,11 @@ impl Statistic {
         Statistic::FrictionWorkMean,
     ];
 
+    /// Its place in [`Statistic::ALL`].
+    pub fn index(self) -> usize {
+        self as usize
+    }
+
     /// The statistic of this name.
     pub fn from_name(name: &str) -> Option<Self> {
         Statistic::ALL.into_iter().find(|statistic| statistic.name() == name)
@@ -121,6 +126,18 @@ impl Statistic {
             Statistic::DriftVelocity => Dimension::Velocity,
             Statistic::DiffusionCoefficient => Dimension::Diffusivity,
             Statistic::FrictionWorkMean => Dimension::Work,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_statistic_stands_at_its_index() {
+        for (i, statistic) in Statistic::ALL.into_iter().enumerate() {
+            assert_eq!(statistic.index(), i, "{}", statistic.name());
         }
     }
 }

@@ -15,6 +15,7 @@ mod catalogue;
 mod durations;
 mod goal;
 mod interval;
+pub(crate) mod jackknife;
 mod moments;
 mod observer;
 mod path;

@@ -70,7 +70,7 @@ impl Totals {
         Summary {
             completed_paths: self.paths + self.diverged.len() as u64,
             diverged: self.diverged.clone(),
-            estimates: Statistic::ALL.map(|statistic| self.estimate(statistic)).to_vec(),
+            estimates: Statistic::ALL.map(|statistic| self.estimate(statistic)),
             stick_durations: self.durations.summary(),
             sub_phases: self.sub_phases.summary(),
             periods: self.periods.summary(),
