@@ -18,7 +18,7 @@ use stick_slip::lanes::{InstructionSet, LaneProgram, Lanes};
 use stick_slip::noise::LaneStreams;
 use stick_slip::provenance::Provenance;
 use stick_slip::scenario::Scenario;
-use stick_slip::scheme::DiscreteVi;
+use stick_slip::scheme::{DiscreteSimulation, Simulate as _};
 use stick_slip::stats::{BlockResult, Totals};
 use stick_slip::store::{FileSink, Writer};
 
@@ -98,9 +98,9 @@ fn kernel(c: &mut Criterion) {
     let mut group = group(c, "kernel", BLOCK_SIZE * STEPS);
     let paths: Vec<u64> = (0..BLOCK_SIZE).collect();
     let mut bench = |name: &str, set: InstructionSet, scenario: &Scenario| {
-        let step = scenario.time.step.expect("a time-stepping scheme");
-        let scheme = DiscreteVi::new(&scenario.model, &scenario.timeline(), step).with_instructions(set);
-        group.bench_function(name, |b| b.iter(|| scheme.simulate(1, &paths, &mut Deaf)));
+        let step = scenario.scheme.step().expect("a time-stepping scheme");
+        let simulation = DiscreteSimulation::new(&scenario.model, &scenario.timeline(), step).with_instructions(set);
+        group.bench_function(name, |b| b.iter(|| simulation.simulate(1, &paths, &mut Deaf)));
     };
     let noisy = scenario("rho025", &[STEP, END]);
     for set in InstructionSet::ALL.into_iter().filter(|set| set.is_available()) {
@@ -137,7 +137,7 @@ fn writing(c: &mut Criterion) {
     let scenario = scenario("rho025", &[STEP]);
     let plan = Plan { paths: 10_000, ..common::scenario("rho025", &["time.step=0.05"]).plan() };
     let blocks: Vec<BlockResult> = (0..plan.blocks()).map(|k| plan.block(k)).collect();
-    let mut totals = Totals::empty(&plan.model, &plan.timeline);
+    let mut totals = Totals::empty(plan.model(), plan.timeline());
     blocks.iter().for_each(|block| totals.merge(&block.totals));
     let summary = totals.summary();
     let folder = tempfile::tempdir().expect("a temporary folder");

@@ -68,6 +68,7 @@ pub mod lanes;
 pub mod model;
 pub mod multilevel;
 pub mod noise;
+pub mod numbers;
 pub mod provenance;
 pub mod scenario;
 pub mod scheme;

@@ -49,7 +49,7 @@ impl Provenance {
             title: scenario.title.clone(),
             scenario_text: scenario.to_toml(),
             scheme: scenario.scheme.name().to_string(),
-            step: scenario.time.step,
+            step: scenario.scheme.step(),
             resolution: scenario.resolution().map(|resolution| resolution.shortest_slip),
             seed: scenario.ensemble.seed,
             generator: GENERATOR.to_string(),

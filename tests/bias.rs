@@ -7,7 +7,7 @@ use std::sync::atomic::AtomicBool;
 use stick_slip::bias::{Anchor, BiasPlan, Differences, NoBias};
 use stick_slip::ensemble::Plan;
 use stick_slip::model::Model;
-use stick_slip::scheme::{DiscreteVi, Scheme, Timeline};
+use stick_slip::scheme::{CorrectedVi, DiscreteVi, Scheme, Timeline};
 use stick_slip::stats::{Bias, Record, Statistic, Summary};
 
 const STATISTICS: [Statistic; 5] = [
@@ -43,9 +43,17 @@ fn timeline(model: &Model) -> Timeline {
     Timeline { end: 60.0, output_step: 60.0, period: model.temperature.period() }
 }
 
+fn plain(h: f64) -> Scheme {
+    DiscreteVi { step: h }.into()
+}
+
+fn corrected(h: f64) -> Scheme {
+    CorrectedVi { step: h }.into()
+}
+
 fn plan(h: f64, seed: u64, paths: u64) -> Differences {
     let model = paper(0.25, 0.25);
-    Differences::new(&model, &timeline(&model), h, seed, paths).expect("enough paths")
+    Differences::new(plain(h), &model, &timeline(&model), seed, paths).expect("enough paths")
 }
 
 fn biases(plan: &Differences, threads: usize) -> Vec<(Statistic, Bias)> {
@@ -57,24 +65,16 @@ fn of(biases: &[(Statistic, Bias)], statistic: Statistic) -> Bias {
 }
 
 /// What a run of the discrete scheme, corrected or not, says of its bias.
-fn told(
-    model: &Model,
-    (h, is_corrected): (f64, bool),
-    seed: u64,
-    paths: u64,
-    threads: usize,
-) -> Vec<(Statistic, Bias)> {
-    let run = run(model, (h, is_corrected), seed, paths, threads);
-    let plan = BiasPlan::new(model, &timeline(model), (h, is_corrected), seed, paths).expect("enough paths");
+fn told(model: &Model, scheme: Scheme, seed: u64, paths: u64, threads: usize) -> Vec<(Statistic, Bias)> {
+    let run = run(model, scheme, seed, paths, threads);
+    let plan = BiasPlan::new(scheme, model, &timeline(model), seed, paths).expect("enough paths");
     plan.estimate(&run, threads, &AtomicBool::new(false)).expect("none diverges")
 }
 
-fn run(model: &Model, (h, is_corrected): (f64, bool), seed: u64, paths: u64, threads: usize) -> Summary {
-    let timeline = timeline(model);
-    let of = if is_corrected { DiscreteVi::corrected } else { DiscreteVi::new };
-    let scheme = Scheme::DiscreteVi(of(model, &timeline, h));
+fn run(model: &Model, scheme: Scheme, seed: u64, paths: u64, threads: usize) -> Summary {
+    let simulation = scheme.simulation(model, &timeline(model));
     let record = Record { paths: false, events: false, trajectories: 0 };
-    Plan { model: model.clone(), scheme, timeline, record, seed, paths }.run(threads)
+    Plan { simulation, record, seed, paths }.run(threads)
 }
 
 /// Which of the thirty comparisons fail: the estimates at a step, times each factor, against the large run at that step less the truth.
@@ -102,7 +102,7 @@ fn misses<const N: usize>(biases: impl Fn(f64) -> Vec<(Statistic, Bias)>, factor
 #[test]
 fn what_a_run_says_is_within_its_uncertainty_of_the_truth() {
     let model = paper(0.25, 0.25);
-    let [exact, double] = misses(|h| told(&model, (h, false), 1, 10_000, 2), [1.0, 2.0]);
+    let [exact, double] = misses(|h| told(&model, plain(h), 1, 10_000, 2), [1.0, 2.0]);
     assert_eq!(exact, Vec::<String>::new());
     assert!(double.len() > 20, "{}", double.len());
 }
@@ -113,12 +113,12 @@ fn what_a_run_says_is_within_its_uncertainty_of_the_truth() {
 #[test]
 fn over_the_seeds_it_is_missed_as_seldom_as_it_says() {
     let model = paper(0.25, 0.25);
-    let corrected =
+    let at_corrected =
         [(0.408292, 0.00017), (18.3392, 0.0086), (1.27634, 0.00024), (0.188304, 0.00014), (0.138548, 6.8e-05)];
     let mut misses = [0, 0];
-    for (is_corrected, values) in [(false, AT_STEP[2].values), (true, corrected)] {
+    for (scheme, values) in [(plain(0.01), AT_STEP[2].values), (corrected(0.01), at_corrected)] {
         for seed in 1..=20 {
-            let biases = told(&model, (0.01, is_corrected), seed, 10_000, 2);
+            let biases = told(&model, scheme, seed, 10_000, 2);
             for ((statistic, at_step), truth) in STATISTICS.iter().zip(values).zip(TRUTH) {
                 let Bias { estimate, uncertainty, .. } = of(&biases, *statistic);
                 let off = (estimate - (at_step.0 - truth.0)).abs() - 2.0 * at_step.1.hypot(truth.1);
@@ -154,7 +154,7 @@ fn so_it_is_where_static_and_dynamic_friction_are_close() {
     let sticks = (Statistic::SticksPerPath, 33.9081, [(0.02, 16.3787), (0.01, 19.1942), (0.0025, 24.6207)]);
     for (statistic, truth, at_step) in [mean, sticks] {
         for (h, value) in at_step {
-            let plan = Differences::new(&model, &timeline(&model), h, 1, 10_000).expect("enough paths");
+            let plan = Differences::new(plain(h), &model, &timeline(&model), 1, 10_000).expect("enough paths");
             let Bias { estimate, uncertainty, .. } = of(&biases(&plan, 2), statistic);
             println!("h = {h}, {}: {estimate} +- {uncertainty}, in truth {}", statistic.name(), value - truth);
             assert!((estimate - (value - truth)).abs() < uncertainty, "{h} {}", statistic.name());
@@ -178,7 +178,7 @@ fn so_it_is_where_the_changes_from_step_to_step_mislead() {
         (damped, 0.0025, Statistic::StickingFraction, (7.47e-4, 5.3e-5)),
     ] {
         let is_missed = |seed: &u64| {
-            let plan = Differences::new(&model, &timeline(&model), h, *seed, 10_000).expect("enough paths");
+            let plan = Differences::new(plain(h), &model, &timeline(&model), *seed, 10_000).expect("enough paths");
             let Bias { estimate, uncertainty, .. } = of(&biases(&plan, 2), statistic);
             (estimate - truth).abs() > uncertainty + 2.0 * error
         };
@@ -193,7 +193,7 @@ fn so_it_is_where_the_changes_from_step_to_step_mislead() {
 #[test]
 fn the_uncertainty_says_something() {
     let model = paper(0.25, 0.25);
-    let all: Vec<Vec<(Statistic, Bias)>> = (0..9).map(|seed| told(&model, (0.01, false), seed, 10_000, 2)).collect();
+    let all: Vec<Vec<(Statistic, Bias)>> = (0..9).map(|seed| told(&model, plain(0.01), seed, 10_000, 2)).collect();
     let median = |statistic: Statistic, what: &dyn Fn(&Bias) -> f64| {
         let mut values: Vec<f64> = all.iter().map(|biases| what(&of(biases, statistic))).collect();
         values.sort_by(f64::total_cmp);
@@ -211,7 +211,7 @@ fn the_uncertainty_says_something() {
 #[test]
 fn what_paths_without_a_step_cannot_tell_the_steps_do() {
     let anchored = |model: &Model, h: f64, paths: u64| {
-        let run = run(model, (h, false), 1, paths, 2);
+        let run = run(model, plain(h), 1, paths, 2);
         Anchor::new(model, &timeline(model), h, 1, paths, 20).estimate(&run, 2, &AtomicBool::new(false))
     };
     let model = paper(0.25, 0.25);
@@ -223,9 +223,9 @@ fn what_paths_without_a_step_cannot_tell_the_steps_do() {
     close.friction.static_force = 1.0 + 1e-9;
     for model in [fast, close] {
         assert_eq!(anchored(&model, 0.01, 10_000), None);
-        assert_eq!(told(&model, (0.01, false), 1, 10_000, 2).len(), Statistic::ALL.len());
-        let plan = BiasPlan::new(&model, &timeline(&model), (0.01, true), 1, 10_000).expect("enough paths");
-        let corrected = run(&model, (0.01, true), 1, 10_000, 2);
+        assert_eq!(told(&model, plain(0.01), 1, 10_000, 2).len(), Statistic::ALL.len());
+        let plan = BiasPlan::new(corrected(0.01), &model, &timeline(&model), 1, 10_000).expect("enough paths");
+        let corrected = run(&model, corrected(0.01), 1, 10_000, 2);
         assert_eq!(plan.estimate(&corrected, 2, &AtomicBool::new(false)), Err(NoBias::Corrected));
     }
 }
@@ -236,9 +236,9 @@ fn without_noise_the_bias_is_that_against_the_exact_cascade() {
     let model = paper(0.25, 0.0);
     let exact = event_driven_summary(&model, &timeline(&model), 1e-3, 1, 1);
     for h in [0.04, 0.02, 0.01, 0.005, 0.0025, 0.002, 0.001] {
-        let plan = Differences::new(&model, &timeline(&model), h, 1, 1).expect("one path is enough");
+        let plan = Differences::new(plain(h), &model, &timeline(&model), 1, 1).expect("one path is enough");
         assert_eq!(plan.paths(), 1);
-        let run = run(&model, (h, false), 1, 1, 1);
+        let run = run(&model, plain(h), 1, 1, 1);
         let biases = biases(&plan, 1);
         assert_eq!(biases.len(), 14, "all but the two spreads over paths");
         for (statistic, Bias { estimate: bias, uncertainty, .. }) in biases {
@@ -257,17 +257,17 @@ fn the_bits_do_not_depend_on_the_number_of_threads() {
     let model = paper(0.25, 0.25);
     let plan = plan(0.05, 3, 30_000);
     assert_eq!(plan.paths(), 30_000 / 48 / 16 * 16);
-    let one = told(&model, (0.05, false), 3, 30_000, 1);
+    let one = told(&model, plain(0.05), 3, 30_000, 1);
     assert_eq!(one.len(), Statistic::ALL.len());
     for threads in [2, 7] {
-        assert_eq!(told(&model, (0.05, false), 3, 30_000, threads), one);
+        assert_eq!(told(&model, plain(0.05), 3, 30_000, threads), one);
     }
 }
 
 #[test]
 fn where_there_is_no_estimate_the_reason_is_told() {
     let (model, quiet) = (paper(0.25, 0.25), paper(0.25, 0.0));
-    let try_with = |model: &Model, h, paths| Differences::new(model, &timeline(model), h, 1, paths).map(|_| ());
+    let try_with = |model: &Model, h, paths| Differences::new(plain(h), model, &timeline(model), 1, paths).map(|_| ());
     assert_eq!(try_with(&model, 0.01, 767), Err(NoBias::FewPaths { needed: 768 }));
     assert_eq!(try_with(&model, 0.01, 768), Ok(()));
     assert_eq!(try_with(&model, 6.0, 1000), Err(NoBias::FewSteps));
@@ -278,13 +278,13 @@ fn where_there_is_no_estimate_the_reason_is_told() {
     equal.friction.dynamic_force = equal.friction.static_force;
     assert_eq!(try_with(&equal, 0.01, 1), Ok(()));
 
-    for step in [(0.01, false), (0.01, true)] {
-        let plan = BiasPlan::new(&model, &timeline(&model), step, 1, 1000).expect("enough paths");
-        let stopped = plan.estimate(&run(&model, step, 1, 1000, 2), 2, &AtomicBool::new(true));
+    for scheme in [plain(0.01), corrected(0.01)] {
+        let plan = BiasPlan::new(scheme, &model, &timeline(&model), 1, 1000).expect("enough paths");
+        let stopped = plan.estimate(&run(&model, scheme, 1, 1000, 2), 2, &AtomicBool::new(true));
         assert_eq!(stopped, Err(NoBias::Stopped));
     }
     // 4h = 0.8 is far beyond what an undamped slip of this size stands.
     let long = Timeline { end: 1000.0, output_step: 1000.0, period: None };
-    let plan = Differences::new(&model, &long, 0.2, 1, 1000).expect("enough paths");
+    let plan = Differences::new(plain(0.2), &model, &long, 1, 1000).expect("enough paths");
     assert!(matches!(plan.estimate(1, &AtomicBool::new(false)), Err(NoBias::Diverged { paths: 32.. })));
 }

@@ -5,7 +5,9 @@ mod common;
 use common::paper;
 use stick_slip::ensemble::Plan;
 use stick_slip::model::{EventKind, Friction, Model};
-use stick_slip::scheme::{DiscreteVi, Scheme, Timeline, corrected_exit, monitoring_shift};
+use stick_slip::scheme::{
+    CorrectedVi, DiscreteSimulation, DiscreteVi, Scheme, Simulate as _, Timeline, corrected_exit, monitoring_shift,
+};
 use stick_slip::stats::{Record, Statistic};
 
 fn run(h: f64, paths: u64, corrected: bool, statistics: &[Statistic]) -> Vec<(f64, f64)> {
@@ -14,16 +16,12 @@ fn run(h: f64, paths: u64, corrected: bool, statistics: &[Statistic]) -> Vec<(f6
 
 fn estimates(model: Model, h: f64, paths: u64, corrected: bool, statistics: &[Statistic]) -> Vec<(f64, f64)> {
     let timeline = Timeline { end: 60.0, output_step: 60.0, period: None };
-    let make = if corrected { DiscreteVi::corrected } else { DiscreteVi::new };
-    let scheme = Scheme::DiscreteVi(make(&model, &timeline, h));
+    let scheme: Scheme = if corrected { CorrectedVi { step: h }.into() } else { DiscreteVi { step: h }.into() };
+    let simulation = scheme.simulation(&model, &timeline);
     let record = Record { paths: false, events: false, trajectories: 0 };
-    let summary = Plan { model, scheme, timeline, record, seed: 5, paths }.run(2);
-    statistics
-        .iter()
-        .map(|s| {
-            summary.estimates.iter().find(|e| e.statistic == *s).map_or((0.0, 0.0), |e| (e.estimate, e.standard_error))
-        })
-        .collect()
+    let summary = Plan { simulation, record, seed: 5, paths }.run(2);
+    let estimate = |s: &Statistic| (summary.estimate(*s).estimate, summary.estimate(*s).standard_error);
+    statistics.iter().map(estimate).collect()
 }
 
 /// Values of an event-driven program, 1e6 paths (relative standard errors below 3e-4).
@@ -79,7 +77,7 @@ fn no_slip_starts_against_the_force() {
         assert_eq!(corrected_exit(&model, h), if gap < shift { 1.0 } else { 1.0 + gap - shift });
         let timeline = Timeline { end: 60.0, output_step: h, period: None };
         let mut keep = common::Keep::lanes(64);
-        DiscreteVi::corrected(&model, &timeline, h).simulate(5, &(0..64).collect::<Vec<_>>(), &mut keep);
+        DiscreteSimulation::corrected(&model, &timeline, h).simulate(5, &(0..64).collect::<Vec<_>>(), &mut keep);
         let mut slips = 0;
         for (events, rows) in keep.events.iter().zip(&keep.rows) {
             for event in events {
@@ -113,6 +111,6 @@ fn the_semi_implicit_step_does_not_grow() {
     model.initial_displacement = 1.4; // A_c = 4 f_d / (pi w0 h K) = 1.27 at h = 0.01
     let timeline = Timeline { end: 5000.0, output_step: 5000.0, period: None };
     let mut keep = common::Keep::lanes(1);
-    let lost = DiscreteVi::corrected(&model, &timeline, 0.01).simulate(1, &[0], &mut keep);
+    let lost = DiscreteSimulation::corrected(&model, &timeline, 0.01).simulate(1, &[0], &mut keep);
     assert!(lost.is_empty() && keep.rows[0][1].1.abs() <= 0.011, "{:?}", keep.rows);
 }

@@ -7,6 +7,7 @@ use stick_slip::engine::Run;
 use stick_slip::ensemble::{BLOCK_SIZE, Plan};
 use stick_slip::model::{Event, EventKind};
 use stick_slip::scenario::{Override, Scenario};
+use stick_slip::scheme::DiscreteVi;
 use stick_slip::stats::{
     BlockResult, Companion, Measurement, PathMeans, PathState, RunTotals, Statistic, Summary, Tallied, Tally,
 };
@@ -34,7 +35,7 @@ fn blocks() -> &'static [BlockResult] {
 }
 
 fn empty() -> RunTotals {
-    RunTotals::empty(&plan().model, &plan().timeline)
+    RunTotals::empty(plan().model(), plan().timeline())
 }
 
 /// Every number of a summary, as bits: NaN equals NaN, and 0 is not -0.
@@ -167,7 +168,7 @@ fn a_tally_is_folded_in_parallel_to_the_same_bits_and_sees_what_the_program_sees
     assert!(one.low < one.estimate && one.estimate < one.high);
     assert_eq!(ratio(7), one);
     // In parts, through the tree, by hand.
-    let mut joined = RunTotals::with(Tallied(&Slips).empty(), &plan().model, &plan().timeline);
+    let mut joined = RunTotals::with(Tallied(&Slips).empty(), plan().model(), plan().timeline());
     let deliver = |block: stick_slip::ensemble::Delivered<PathMeans<2>>| {
         joined.push_with(block.index, block.result.totals, block.beside)?;
         Ok::<_, stick_slip::stats::Overlap>(std::ops::ControlFlow::Continue(()))
@@ -182,12 +183,12 @@ fn the_state_of_a_run_is_as_small_as_promised() {
     for (rows, node_bytes) in [(121_u64, 10_000), (10_000, 760_000)] {
         let mut scenario = scenario();
         scenario.time.output_step = scenario.time.end / (rows - 1) as f64;
-        scenario.time.step = Some(scenario.time.output_step);
+        scenario.scheme = DiscreteVi { step: scenario.time.output_step }.into();
         let plan = scenario.plan();
-        assert_eq!(plan.timeline.rows() as u64, rows);
+        assert_eq!(plan.timeline().rows() as u64, rows);
         let state = |blocks: u64| {
-            let mut totals = RunTotals::empty(&plan.model, &plan.timeline);
-            let nothing = || stick_slip::stats::Totals::empty(&plan.model, &plan.timeline);
+            let mut totals = RunTotals::empty(plan.model(), plan.timeline());
+            let nothing = || stick_slip::stats::Totals::empty(plan.model(), plan.timeline());
             (0..blocks).for_each(|k| totals.push(k, nothing()).expect("each block once"));
             totals.to_bytes().len()
         };

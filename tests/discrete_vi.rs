@@ -9,11 +9,11 @@ use common::{Keep, paper, timeline};
 use stick_slip::lanes::InstructionSet;
 use stick_slip::model::*;
 use stick_slip::noise::{Stream, standard_normal};
-use stick_slip::scheme::{DiscreteVi, reference_path};
+use stick_slip::scheme::{DiscreteSimulation, Simulate as _, reference_path};
 
 fn simulate(model: &Model, end: f64, h: f64, output_step: f64, paths: &[u64]) -> Keep {
     let mut keep = Keep::lanes(paths.len());
-    let lost = DiscreteVi::new(model, &timeline(end, output_step), h).simulate(1, paths, &mut keep);
+    let lost = DiscreteSimulation::new(model, &timeline(end, output_step), h).simulate(1, paths, &mut keep);
     assert_eq!(lost, [], "nothing diverges here");
     keep
 }
@@ -208,7 +208,7 @@ fn every_instruction_set_gives_the_same_bits() {
         let run = |set: InstructionSet, corrected: bool| {
             assert!(set.is_available());
             let mut keep = Keep::lanes(paths.len());
-            let make = if corrected { DiscreteVi::corrected } else { DiscreteVi::new };
+            let make = if corrected { DiscreteSimulation::corrected } else { DiscreteSimulation::new };
             let scheme = make(&model, &timeline(20.0, 0.5), 0.01).with_instructions(set);
             assert_eq!(scheme.instructions(), set);
             scheme.simulate(3, &paths, &mut keep);
@@ -249,7 +249,7 @@ fn intensity_zero_is_the_deterministic_case_bit_for_bit() {
     zero.temperature.noise.as_mut().expect("has noise").intensity = 0.0;
     let run = |model: &Model, seed: u64| {
         let mut keep = Keep::lanes(3);
-        DiscreteVi::new(model, &timeline(60.0, 0.1), 0.01).simulate(seed, &[0, 1, 2], &mut keep);
+        DiscreteSimulation::new(model, &timeline(60.0, 0.1), 0.01).simulate(seed, &[0, 1, 2], &mut keep);
         keep
     };
     let deterministic = run(&without, 1);
@@ -448,7 +448,7 @@ fn amplitudes_above_the_critical_one_grow_and_are_reported() {
         let mut model = model.clone();
         model.initial_displacement = amplitude;
         let mut keep = Keep::lanes(1);
-        let lost = DiscreteVi::new(&model, &timeline(end, end), h).simulate(1, &[0], &mut keep);
+        let lost = DiscreteSimulation::new(&model, &timeline(end, end), h).simulate(1, &[0], &mut keep);
         (lost, keep.rows[0].last().map(|row| row.1.abs()))
     };
     let (lost, rest) = run(0.9 * critical, 5000.0);
@@ -468,7 +468,7 @@ fn steps_fed_by_finer_ones_see_the_same_noise() {
     let paths: Vec<u64> = (0..20).collect();
     let temperature = |h: f64, refinement: usize| {
         let mut keep = Keep::lanes(paths.len());
-        let scheme = DiscreteVi::new(&model, &timeline(10.0, 0.04), h).fed_by_finer(refinement);
+        let scheme = DiscreteSimulation::new(&model, &timeline(10.0, 0.04), h).fed_by_finer(refinement);
         assert_eq!(scheme.simulate(3, &paths, &mut keep), []);
         keep.rows.into_iter().flatten().map(|row| row.3).collect::<Vec<f64>>()
     };

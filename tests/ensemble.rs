@@ -18,12 +18,16 @@ use stick_slip::stats::{Band, BlockResult, QUANTILE_LEVELS, Record, Statistic, S
 
 fn plan(model: Model, end: f64, h: f64, paths: u64) -> Plan {
     let timeline = Timeline { end, output_step: end / 10.0, period: model.temperature.period() };
-    let scheme = Scheme::DiscreteVi(DiscreteVi::new(&model, &timeline, h));
-    Plan { model, scheme, timeline, record: Record { paths: true, events: true, trajectories: 3 }, seed: 1, paths }
+    plan_on(&model, &timeline, h, paths)
+}
+
+fn plan_on(model: &Model, timeline: &Timeline, h: f64, paths: u64) -> Plan {
+    let simulation = Scheme::from(DiscreteVi { step: h }).simulation(model, timeline);
+    Plan { simulation, record: Record { paths: true, events: true, trajectories: 3 }, seed: 1, paths }
 }
 
 fn estimate(summary: &Summary, statistic: Statistic) -> (f64, f64) {
-    let e = summary.estimates.iter().find(|e| e.statistic == statistic).expect("all are reported");
+    let e = summary.estimate(statistic);
     (e.estimate, e.standard_error)
 }
 
@@ -89,10 +93,10 @@ fn bands_hold_the_quantiles_of_the_paths() {
     let mut plan = plan(paper(0.25, 0.25), 60.0, 0.01, 3000);
     plan.record.trajectories = plan.paths;
     let blocks = blocks(&plan, 2);
-    let mut totals = Totals::empty(&plan.model, &plan.timeline);
+    let mut totals = Totals::empty(plan.model(), plan.timeline());
     blocks.iter().for_each(|block| totals.merge(&block.totals));
     let bands = totals.summary().bands;
-    let rows = plan.timeline.rows();
+    let rows = plan.timeline().rows();
     for (band, centre, column) in [
         (&bands.displacement, 6.0, (|t| &t.displacement) as fn(&TrajectoryRows) -> &Vec<f64>),
         (&bands.velocity, 0.0, |t| &t.velocity),
@@ -137,7 +141,7 @@ fn any_number_of_threads_gives_the_same_bits() {
     let plan = plan(paper(0.25, 0.25), 30.0, 0.01, 5 * BLOCK_SIZE + 17);
     let alone = blocks(&plan, 1);
     let summed = |blocks: &[BlockResult]| {
-        let mut totals = Totals::empty(&plan.model, &plan.timeline);
+        let mut totals = Totals::empty(plan.model(), plan.timeline());
         blocks.iter().for_each(|block| totals.merge(&block.totals));
         totals
     };
@@ -224,10 +228,10 @@ fn diverged_paths_are_counted_listed_and_kept_out() {
     };
     model.initial_displacement = 0.0;
     // the amplitude of a path is 6 |v(0)|, v(0) of sd 0.2236; at h = 0.02 the critical one is 0.637: about half are above
-    let mut plan = plan(model, 3000.0, 0.02, 2 * BLOCK_SIZE);
-    plan.timeline.period = None;
+    let timeline = Timeline { end: 3000.0, output_step: 300.0, period: None };
+    let plan = plan_on(&model, &timeline, 0.02, 2 * BLOCK_SIZE);
     let all = blocks(&plan, 2);
-    let mut totals = Totals::empty(&plan.model, &plan.timeline);
+    let mut totals = Totals::empty(plan.model(), plan.timeline());
     all.iter().for_each(|block| totals.merge(&block.totals));
     let summary = totals.summary();
     let diverged = summary.diverged.len();

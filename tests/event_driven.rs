@@ -11,8 +11,10 @@ use common::{estimate, event_driven_summary, paper, shipped_model};
 use stick_slip::model::{
     Complex, Event, EventKind, Friction, Harmonic, ImpulseResponse, InitialNoise, Model, Noise, Sign, Temperature,
 };
-use stick_slip::scheme::{DEFAULT_TOLERANCE, EventDriven, Instant, Observer, QuasiStatic, Snapshot, Timeline};
-use stick_slip::scheme::{DrivenOscillator, HarmonicResponse};
+use stick_slip::scheme::{
+    DEFAULT_TOLERANCE, DrivenOscillator, EventDrivenSimulation, HarmonicResponse, Instant, Observer,
+    QuasiStaticSimulation, Simulate as _, Snapshot, Timeline,
+};
 use stick_slip::stats::Statistic;
 
 fn timeline(end: f64) -> Timeline {
@@ -40,7 +42,7 @@ impl Observer for Recorder {
 
 fn noiseless_events(model: &Model, end: f64) -> Vec<Event> {
     let mut recorder = Recorder::default();
-    let failed = EventDriven::new(model, &timeline(end), DEFAULT_TOLERANCE).simulate(0, &[0], &mut recorder);
+    let failed = EventDrivenSimulation::new(model, &timeline(end), DEFAULT_TOLERANCE).simulate(0, &[0], &mut recorder);
     assert!(failed.is_empty());
     recorder.events.pop().unwrap_or_default()
 }
@@ -216,7 +218,7 @@ fn a_scene_that_never_slips_reports_no_event() {
 fn a_run_of_length_zero_is_observed_once_and_does_nothing() {
     let mut recorder = Recorder::default();
     assert!(
-        EventDriven::new(&paper(0.25, 0.0), &timeline(0.0), DEFAULT_TOLERANCE)
+        EventDrivenSimulation::new(&paper(0.25, 0.0), &timeline(0.0), DEFAULT_TOLERANCE)
             .simulate(0, &[0], &mut recorder)
             .is_empty()
     );
@@ -231,7 +233,7 @@ fn without_any_friction_it_is_the_plain_oscillator() {
     model.initial_displacement = 0.0;
     let line = Timeline { end: 50.0, output_step: 0.7, period: None };
     let mut recorder = Recorder::default();
-    assert!(EventDriven::new(&model, &line, DEFAULT_TOLERANCE).simulate(0, &[0], &mut recorder).is_empty());
+    assert!(EventDrivenSimulation::new(&model, &line, DEFAULT_TOLERANCE).simulate(0, &[0], &mut recorder).is_empty());
     for &(_, t, x, v, _, _) in &recorder.rows {
         // x'' + x = 6 cos(t/4), x(0) = x'(0) = 0: x = 6.4 (cos(t/4) - cos t).
         assert!((x - 6.4 * ((0.25 * t).cos() - t.cos())).abs() < 1e-12, "{t}");
@@ -243,8 +245,8 @@ fn without_any_friction_it_is_the_plain_oscillator() {
 fn observing_does_not_touch_a_noiseless_path() {
     let (mut coarse, mut fine) = (Recorder::default(), Recorder::default());
     let line = |output_step| Timeline { end: 60.0, output_step, period: Some(8.0 * std::f64::consts::PI) };
-    EventDriven::new(&paper(0.25, 0.0), &line(60.0), DEFAULT_TOLERANCE).simulate(0, &[0, 1], &mut coarse);
-    EventDriven::new(&paper(0.25, 0.0), &line(0.37), DEFAULT_TOLERANCE).simulate(0, &[0, 1], &mut fine);
+    EventDrivenSimulation::new(&paper(0.25, 0.0), &line(60.0), DEFAULT_TOLERANCE).simulate(0, &[0, 1], &mut coarse);
+    EventDrivenSimulation::new(&paper(0.25, 0.0), &line(0.37), DEFAULT_TOLERANCE).simulate(0, &[0, 1], &mut fine);
     assert_eq!(coarse.events, fine.events);
     assert_eq!(coarse.events[0], coarse.events[1]);
     for &(_, t, x, v, temperature, is_static) in &fine.rows {
@@ -318,9 +320,9 @@ fn noise_that_moves_nothing_is_seen_in_the_temperature() {
             for quasi in [false, true] {
                 let mut moments = TemperatureMoments { mean, previous: Vec::new(), sums: Vec::new() };
                 let failed = if quasi {
-                    QuasiStatic::new(&model, &line, DEFAULT_TOLERANCE).simulate(11, &numbers, &mut moments)
+                    QuasiStaticSimulation::new(&model, &line, DEFAULT_TOLERANCE).simulate(11, &numbers, &mut moments)
                 } else {
-                    EventDriven::new(&model, &line, DEFAULT_TOLERANCE).simulate(11, &numbers, &mut moments)
+                    EventDrivenSimulation::new(&model, &line, DEFAULT_TOLERANCE).simulate(11, &numbers, &mut moments)
                 };
                 assert!(failed.is_empty());
                 assert_eq!(moments.sums.len(), 10);
@@ -465,7 +467,7 @@ impl Observer for Folds {
 }
 
 fn folds(model: &Model, line: &Timeline, tolerance: f64, seed: u64, paths: u64) -> Vec<Fold> {
-    let scheme = EventDriven::new(model, line, tolerance);
+    let scheme = EventDrivenSimulation::new(model, line, tolerance);
     let mut all = Vec::new();
     for first in (0..paths).step_by(256) {
         let numbers: Vec<u64> = (first..paths.min(first + 256)).collect();
@@ -555,7 +557,7 @@ fn without_friction_finding_zeros_leaves_the_gaussian_law_alone() {
             noise.relaxation_rate = theta;
         }
         let end = 8.0;
-        let scheme = EventDriven::new(&model, &timeline(end), DEFAULT_TOLERANCE);
+        let scheme = EventDrivenSimulation::new(&model, &timeline(end), DEFAULT_TOLERANCE);
         let mut states = EndStates(Vec::new());
         for first in (0..100_000).step_by(250) {
             let numbers: Vec<u64> = (first..first + 250).collect();
@@ -584,7 +586,9 @@ fn without_friction_finding_zeros_leaves_the_gaussian_law_alone() {
 fn path_events(model: &Model, end: f64, seed: u64, numbers: &[u64]) -> Vec<Vec<Event>> {
     let mut recorder = Recorder::default();
     let line = Timeline { end, output_step: 0.7, period: None };
-    assert!(EventDriven::new(model, &line, DEFAULT_TOLERANCE).simulate(seed, numbers, &mut recorder).is_empty());
+    assert!(
+        EventDrivenSimulation::new(model, &line, DEFAULT_TOLERANCE).simulate(seed, numbers, &mut recorder).is_empty()
+    );
     recorder.events
 }
 
@@ -643,7 +647,7 @@ fn units_do_not_matter_path_by_path() {
     let events = |model: &Model, unit| {
         let mut recorder = Recorder::default();
         let numbers: Vec<u64> = (0..100).collect();
-        EventDriven::new(model, &line(unit), DEFAULT_TOLERANCE).simulate(3, &numbers, &mut recorder);
+        EventDrivenSimulation::new(model, &line(unit), DEFAULT_TOLERANCE).simulate(3, &numbers, &mut recorder);
         recorder.events
     };
     for (a, b) in events(&model, 1.0).iter().zip(&events(&scaled, time)) {
@@ -679,13 +683,13 @@ fn vanishing_noise_recovers_the_deterministic_cascade() {
 fn equal_thresholds_under_noise_have_a_stated_resolution() {
     let mut model = paper(0.25, 0.25);
     model.friction.static_force = 1.0;
-    let scheme = EventDriven::new(&model, &timeline(60.0), DEFAULT_TOLERANCE);
+    let scheme = EventDrivenSimulation::new(&model, &timeline(60.0), DEFAULT_TOLERANCE);
     let resolution = scheme.resolution().expect("stated");
     assert!(resolution.static_force > 1.0 && resolution.static_force < 1.01 && resolution.shortest_slip > 0.0);
     let paths = folds(&model, &timeline(60.0), DEFAULT_TOLERANCE, 1, 256);
     let (sticks, _) = ratio(&paths, |p| p.sticks, |_| 1.0);
     assert!(sticks > 50.0 && sticks < 1e4, "many, but not without bound: {sticks}");
-    assert!(EventDriven::new(&paper(0.25, 0.25), &timeline(60.0), DEFAULT_TOLERANCE).resolution().is_none());
+    assert!(EventDrivenSimulation::new(&paper(0.25, 0.25), &timeline(60.0), DEFAULT_TOLERANCE).resolution().is_none());
 }
 
 #[test]
@@ -724,7 +728,7 @@ fn the_viaduct_slips_seldom_and_briefly() {
     let line = Timeline { end: 2.592e7, output_step: 3600.0, period: None };
     let numbers: Vec<u64> = (0..16).collect();
     let clock = std::time::Instant::now();
-    let scheme = EventDriven::new(&shipped_model("viaduct"), &line, DEFAULT_TOLERANCE);
+    let scheme = EventDrivenSimulation::new(&shipped_model("viaduct"), &line, DEFAULT_TOLERANCE);
     assert!(scheme.simulate(1, &numbers, &mut recorder).is_empty());
     println!("{:?} a path, {} events", clock.elapsed() / 16, recorder.events[0].len());
     assert!(scheme.resolution().is_none());
@@ -746,7 +750,9 @@ fn the_quasi_static_recursion_is_the_paper_s() {
     model.initial_displacement = 5.9; // from 6, steps of 0.4 would meet the forcing's extremum to the last digit
     let mut recorder = Recorder::default();
     let line = Timeline { end: 10_000.0, output_step: 100.0, period: None };
-    assert!(QuasiStatic::new(&model, &line, DEFAULT_TOLERANCE).simulate(0, &[0, 1], &mut recorder).is_empty());
+    assert!(
+        QuasiStaticSimulation::new(&model, &line, DEFAULT_TOLERANCE).simulate(0, &[0, 1], &mut recorder).is_empty()
+    );
     assert_eq!(recorder.events[0], recorder.events[1]);
     let (mut x, mut t): (f64, f64) = (5.9, 0.0);
     for pair in recorder.events[0].chunks_exact(2) {
@@ -773,7 +779,7 @@ fn quasi_static_with_equal_thresholds_never_moves() {
     model.friction.static_force = 1.0;
     let mut recorder = Recorder::default();
     let line = Timeline { end: 60.0, output_step: 0.5, period: None };
-    assert!(QuasiStatic::new(&model, &line, DEFAULT_TOLERANCE).simulate(1, &[0], &mut recorder).is_empty());
+    assert!(QuasiStaticSimulation::new(&model, &line, DEFAULT_TOLERANCE).simulate(1, &[0], &mut recorder).is_empty());
     assert!(recorder.rows.iter().all(|row| row.2 == 6.0 && row.3 == 0.0));
     assert!(!recorder.events[0].is_empty());
 }
@@ -787,9 +793,9 @@ fn quasi_static_and_event_driven_agree_on_the_viaduct_and_not_under_fast_forcing
         let numbers: Vec<u64> = numbers.collect();
         let mut observer = Folds(vec![Fold::default(); numbers.len()]);
         let failed = if quasi {
-            QuasiStatic::new(model, line, DEFAULT_TOLERANCE).simulate(1, &numbers, &mut observer)
+            QuasiStaticSimulation::new(model, line, DEFAULT_TOLERANCE).simulate(1, &numbers, &mut observer)
         } else {
-            EventDriven::new(model, line, DEFAULT_TOLERANCE).simulate(1, &numbers, &mut observer)
+            EventDrivenSimulation::new(model, line, DEFAULT_TOLERANCE).simulate(1, &numbers, &mut observer)
         };
         assert!(failed.is_empty());
         observer.0
@@ -817,9 +823,9 @@ fn the_quasi_static_approximation_fails_where_forcing_is_fast() {
         let jump = |quasi: bool| {
             let mut observer = Folds(vec![Fold::default()]);
             let failed = if quasi {
-                QuasiStatic::new(&paper(w, 0.0), &line, DEFAULT_TOLERANCE).simulate(0, &[0], &mut observer)
+                QuasiStaticSimulation::new(&paper(w, 0.0), &line, DEFAULT_TOLERANCE).simulate(0, &[0], &mut observer)
             } else {
-                EventDriven::new(&paper(w, 0.0), &line, DEFAULT_TOLERANCE).simulate(0, &[0], &mut observer)
+                EventDrivenSimulation::new(&paper(w, 0.0), &line, DEFAULT_TOLERANCE).simulate(0, &[0], &mut observer)
             };
             assert!(failed.is_empty());
             ratio(&observer.0, |p| p.jumps, |p| p.slips).0

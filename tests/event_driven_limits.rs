@@ -6,7 +6,9 @@ mod common;
 
 use common::{Keep, estimate, event_driven_summary, paper, summary_of, timeline};
 use stick_slip::model::*;
-use stick_slip::scheme::{DEFAULT_TOLERANCE, DiscreteVi, EventDriven, Instant, Observer, Snapshot, Timeline};
+use stick_slip::scheme::{
+    DEFAULT_TOLERANCE, DiscreteSimulation, EventDrivenSimulation, Instant, Observer, Simulate as _, Snapshot, Timeline,
+};
 use stick_slip::stats::Statistic;
 
 /// Statistical comparisons fail by chance once in 1e4: 3.9 standard errors.
@@ -79,7 +81,7 @@ fn nearly_white(theta: f64, intensity: f64, friction: Friction) -> Model {
 }
 
 fn works(model: &Model, end: f64, seed: u64, paths: u64) -> Work {
-    let scheme = EventDriven::new(model, &timeline(end, end), DEFAULT_TOLERANCE);
+    let scheme = EventDrivenSimulation::new(model, &timeline(end, end), DEFAULT_TOLERANCE);
     let mut all = Work::new(model, 0);
     for first in (0..paths).step_by(250) {
         let numbers: Vec<u64> = (first..paths.min(first + 250)).collect();
@@ -149,7 +151,7 @@ fn mirrored(model: &Model) -> Model {
 fn kept(model: &Model, seed: u64, paths: u64) -> Keep {
     let mut keep = Keep::lanes(paths as usize);
     let numbers: Vec<u64> = (0..paths).collect();
-    let scheme = EventDriven::new(model, &timeline(60.0, 0.7), DEFAULT_TOLERANCE);
+    let scheme = EventDrivenSimulation::new(model, &timeline(60.0, 0.7), DEFAULT_TOLERANCE);
     assert!(scheme.simulate(seed, &numbers, &mut keep).is_empty());
     keep
 }
@@ -242,7 +244,7 @@ fn the_discrete_inequality_extrapolates_to_it() {
     let (model, line) = (paper(0.25, 0.25), timeline(60.0, 60.0));
     let exact = event_driven_summary(&model, &line, DEFAULT_TOLERANCE, 51, 50_000);
     let summaries = [0.01, 0.005, 0.0025, 0.00125, 0.000625].map(|h| {
-        let scheme = DiscreteVi::new(&model, &line, h);
+        let scheme = DiscreteSimulation::new(&model, &line, h);
         (h, summary_of(&model, &line, 30_000, |numbers, observer| scheme.simulate(52, numbers, observer)))
     });
     use Statistic::*;

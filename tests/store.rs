@@ -121,7 +121,8 @@ fn summary(paths: u64, header: &Provenance) -> Summary {
     let ends: Vec<f64> = block.columns.displacement_end.iter().copied().filter(|x| x.is_finite()).collect();
     let mean = ends.iter().sum::<f64>() / ends.len() as f64;
     let rows = header.time.len();
-    let estimate = |(index, statistic): (usize, &Statistic)| {
+    let estimate = |statistic: Statistic| {
+        let index = statistic.index();
         let value = match statistic {
             Statistic::DisplacementEndMean => mean,
             Statistic::StickDurationMean => f64::INFINITY,
@@ -129,22 +130,22 @@ fn summary(paths: u64, header: &Provenance) -> Summary {
             _ => index as f64,
         };
         Estimate {
-            statistic: *statistic,
+            statistic,
             estimate: value,
             standard_error: 0.1,
             low: value - 0.2,
             high: value + 0.2,
-            bias: (index % 2 == 0).then_some(Bias {
+            bias: index.is_multiple_of(2).then_some(Bias {
                 estimate: -0.01,
                 uncertainty: 0.004,
-                order: (index % 4 == 0).then_some(0.5),
+                order: index.is_multiple_of(4).then_some(0.5),
             }),
         }
     };
     Summary {
         completed_paths: paths,
         diverged: if paths > 7 { vec![7] } else { Vec::new() },
-        estimates: Statistic::ALL.iter().enumerate().map(estimate).collect(),
+        estimates: Statistic::ALL.map(estimate),
         stick_durations: StickDurations {
             completed: 10,
             censored: 3,
@@ -212,8 +213,8 @@ fn a_summary_of_nothing_comes_back() {
     header.units = Default::default();
     header.time = vec![0.0];
     header.scenario_text = "x".repeat(100_000);
-    let nan = |statistic: &Statistic| Estimate {
-        statistic: *statistic,
+    let nan = |statistic| Estimate {
+        statistic,
         estimate: f64::NAN,
         standard_error: f64::NAN,
         low: f64::NAN,
@@ -221,7 +222,7 @@ fn a_summary_of_nothing_comes_back() {
         bias: None,
     };
     let mut summary = summary(0, &header);
-    summary.estimates = Statistic::ALL.iter().map(nan).collect();
+    summary.estimates = Statistic::ALL.map(nan);
     summary.periods = PeriodMoments { time: Vec::new(), mean: Vec::new(), variance: Vec::new() };
     summary.sub_phases.counts = Vec::new();
     summary.stick_durations.histogram = Histogram { edges: Vec::new(), counts: Vec::new() };

@@ -5,11 +5,10 @@ use std::path::Path;
 use std::sync::LazyLock;
 use std::time::Duration;
 use stick_slip::model::{InitialNoise, Model, Noise};
-use stick_slip::scenario::{Scenario, SchemeKind};
+use stick_slip::scenario::Scenario;
+use stick_slip::scheme::{DiscreteVi, EventDriven, Kind, Scheme};
 use stick_slip::stats::{Estimate, Statistic};
-use stick_slip::trade::{
-    Choice, Cost, Effort, Ladder, Limits, Number, Refusal, Rung, Setting, Standing, Trade, measure,
-};
+use stick_slip::trade::{Choice, Cost, Effort, Ladder, Limits, Number, Refusal, Rung, Standing, Trade, measure};
 
 fn shipped(name: &str) -> Scenario {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios").join(name).with_extension("toml");
@@ -26,7 +25,7 @@ static PILOT: LazyLock<Trade> = LazyLock::new(|| {
     let mut trade =
         measure(&scenario, &Ladder::of(&scenario), &effort, TWO_THREADS, Limits::default()).expect("measured");
     for rung in &mut trade.rungs {
-        let seconds = rung.setting.step.map_or(30e-6, |h| 1.2e-9 * 60.0 / h);
+        let seconds = rung.scheme.step().map_or(30e-6, |h| 1.2e-9 * 60.0 / h);
         rung.cost = Cost { first: seconds, each: seconds };
     }
     trade
@@ -40,15 +39,14 @@ const SUB_PHASES_MEAN: (Statistic, f64) = (Statistic::SubPhasesMean, 1.284064);
 
 /// The relative root mean square error of a statistic over `runs` runs of a choice.
 fn rmse(choice: &Choice, (statistic, truth): (Statistic, f64), runs: u64) -> f64 {
-    let mut scenario = choice.setting.of(&shipped("rho025")).expect("a setting that `mc run` takes");
+    let mut scenario = shipped("rho025").with_scheme(choice.scheme).expect("a scheme that `mc run` takes");
     scenario.time.output_step = scenario.time.end;
     scenario.record.paths = false;
     scenario.ensemble.paths = choice.paths;
     let square = |seed: u64| {
         scenario.ensemble.seed = 1000 + seed;
         let summary = scenario.plan().run(TWO_THREADS);
-        let found = summary.estimates.iter().find(|e| e.statistic == statistic).expect("every statistic");
-        (found.estimate / truth - 1.0).powi(2)
+        (summary.estimate(statistic).estimate / truth - 1.0).powi(2)
     };
     ((0..runs).map(square).sum::<f64>() / runs as f64).sqrt()
 }
@@ -65,7 +63,7 @@ fn keeps_its_promise(choice: &Choice, truth: (Statistic, f64), target: f64, runs
     println!(
         "{} to {target}: {} --paths {}: found/promised = {ratio:.3}, between {:.3} and {:.3}",
         truth.0.name(),
-        choice.setting,
+        choice.scheme,
         choice.paths,
         least * (1.0 - play),
         1.0 + play
@@ -80,7 +78,7 @@ fn the_recommended_run_has_the_error_it_was_recommended_for() {
         [(STICK_DURATION_MEAN, 0.01, 200), (STICK_DURATION_MEAN, 0.005, 100), (STICKS_PER_PATH, 0.01, 150)]
     {
         let choice = PILOT.best(None, &[truth.0], target).expect("a choice");
-        assert!(matches!(choice.setting.scheme, SchemeKind::EventDriven { .. }), "{choice:?}");
+        assert!(matches!(choice.scheme, Scheme::EventDriven(_)), "{choice:?}");
         keeps_its_promise(&choice, truth, target, runs);
     }
 }
@@ -88,10 +86,10 @@ fn the_recommended_run_has_the_error_it_was_recommended_for() {
 /// Here the promise rests on the bias: of the discrete VI by the law, at a step that the pilot did not run.
 #[test]
 fn so_has_the_best_run_of_a_scheme_with_a_step() {
-    let discrete = PILOT.best(Some("discrete-vi"), &[STICK_DURATION_MEAN.0], 0.05).expect("a choice");
+    let discrete = PILOT.best(Some(Kind::DiscreteVi), &[STICK_DURATION_MEAN.0], 0.05).expect("a choice");
     assert!(!discrete.is_measured && discrete.bias > 0.02, "{discrete:?}");
     keeps_its_promise(&discrete, STICK_DURATION_MEAN, 0.05, 200);
-    let corrected = PILOT.best(Some("corrected-vi"), &[STICK_DURATION_MEAN.0], 0.02).expect("a choice");
+    let corrected = PILOT.best(Some(Kind::CorrectedVi), &[STICK_DURATION_MEAN.0], 0.02).expect("a choice");
     keeps_its_promise(&corrected, STICK_DURATION_MEAN, 0.02, 200);
 }
 
@@ -99,8 +97,8 @@ fn so_has_the_best_run_of_a_scheme_with_a_step() {
 #[test]
 fn a_run_for_several_statistics_suits_the_most_demanding() {
     let all = [STICK_DURATION_MEAN.0, STICKS_PER_PATH.0, STICKING_FRACTION.0, SUB_PHASES_MEAN.0];
-    let together = PILOT.best(Some("event-driven"), &all, 0.01).expect("a choice");
-    let alone = all.map(|statistic| PILOT.best(Some("event-driven"), &[statistic], 0.01).expect("a choice"));
+    let together = PILOT.best(Some(Kind::EventDriven), &all, 0.01).expect("a choice");
+    let alone = all.map(|statistic| PILOT.best(Some(Kind::EventDriven), &[statistic], 0.01).expect("a choice"));
     let most = alone.iter().max_by_key(|choice| choice.paths).expect("four");
     assert!(together.paths >= most.paths && together.decisive == STICKING_FRACTION.0, "{together:?} {alone:?}");
     keeps_its_promise(&together, STICKING_FRACTION, 0.01, 100);
@@ -110,7 +108,7 @@ fn a_run_for_several_statistics_suits_the_most_demanding() {
 #[test]
 fn the_ladder_sees_the_orders() {
     let order = |scheme| PILOT.law(scheme, STICK_DURATION_MEAN.0).expect("a law").order;
-    let (plain, corrected) = (order("discrete-vi"), order("corrected-vi"));
+    let (plain, corrected) = (order(Kind::DiscreteVi), order(Kind::CorrectedVi));
     println!("{plain:?} {corrected:?}");
     assert!((plain.value - 0.5).abs() < 0.08 && plain.error < 0.08, "{plain:?}");
     assert!(corrected.value - 2.0 * corrected.error < 2.0 && corrected.value > 0.9, "{corrected:?}");
@@ -124,7 +122,7 @@ fn biases_are_those_against_another_program() {
             let (bias, reference) = (PILOT.bias(rung, statistic), PILOT.rungs[PILOT.reference].estimate(statistic));
             let expected = rung.estimate(statistic).value - truth;
             let allowed = 4.0 * reference.error + 3e-4 * truth;
-            assert!((bias.value - expected).abs() < allowed, "{} {bias:?} {expected}", rung.setting);
+            assert!((bias.value - expected).abs() < allowed, "{} {bias:?} {expected}", rung.scheme);
         }
     }
 }
@@ -139,7 +137,7 @@ fn a_measurement_is_reproducible() {
     let (one, three) = (run(1), run(3));
     assert_eq!(one.rungs.len(), 9);
     for (a, b) in one.rungs.iter().zip(&three.rungs) {
-        assert_eq!((a.setting, a.paths, &a.estimates, &a.changes), (b.setting, b.paths, &b.estimates, &b.changes));
+        assert_eq!((a.scheme, a.paths, &a.estimates, &a.changes), (b.scheme, b.paths, &b.estimates, &b.changes));
     }
 }
 
@@ -148,12 +146,18 @@ fn synthetic(c: f64, p: f64, v: f64, a: f64) -> Trade {
     const PATHS: u64 = 1 << 54; // so many that errors vanish
     let estimate = |value: f64| {
         let standard_error = (v / PATHS as f64).sqrt();
-        let statistic = Statistic::SticksPerPath;
-        Estimate { statistic, estimate: value, standard_error, low: value, high: value, bias: None }
+        Statistic::ALL.map(|statistic| Estimate {
+            statistic,
+            estimate: value,
+            standard_error,
+            low: value,
+            high: value,
+            bias: None,
+        })
     };
-    let rung = |setting, seconds, value: f64, changes| {
+    let rung = |scheme: Scheme, seconds, value: f64, changes| {
         let cost = Cost { first: 0.0, each: seconds };
-        Rung { setting, paths: PATHS, diverged: 0, cost, estimates: vec![estimate(value)], changes }
+        Rung { scheme, paths: PATHS, diverged: 0, cost, estimates: estimate(value), changes }
     };
     let bias = |h: f64| c * h.powf(p);
     let steps: Vec<f64> = (0..9).map(|k| 0.1 * 0.5f64.powi(k)).collect();
@@ -161,10 +165,9 @@ fn synthetic(c: f64, p: f64, v: f64, a: f64) -> Trade {
     for (k, &h) in steps.iter().enumerate() {
         let change = Number { value: bias(h) - bias(h / 2.0), error: 1e-9 };
         let changes = if k + 1 < steps.len() { vec![change; Statistic::ALL.len()] } else { Vec::new() };
-        rungs.push(rung(Setting { scheme: SchemeKind::DiscreteVi, step: Some(h) }, a / h, 1.0 + bias(h), changes));
+        rungs.push(rung(DiscreteVi { step: h }.into(), a / h, 1.0 + bias(h), changes));
     }
-    let scheme = SchemeKind::EventDriven { tolerance: 1e-5 };
-    rungs.push(rung(Setting { scheme, step: None }, 1.0, 1.0, Vec::new()));
+    rungs.push(rung(EventDriven { tolerance: 1e-5 }.into(), 1.0, 1.0, Vec::new()));
     let reference = rungs.len() - 1;
     Trade { rungs, reference, left_out: Vec::new(), is_random: true, has_limitless_phases: false }
 }
@@ -183,16 +186,16 @@ fn the_cheapest_step_is_that_of_the_closed_form() {
         let finest = c * (0.1f64 / 256.0).powf(p) * (2.0 * p + 1.0).sqrt();
         for i in 0..20 {
             let eps = finest * 1.5 * 1.1f64.powi(i);
-            let choice = trade.best(Some("discrete-vi"), &[Statistic::SticksPerPath], eps).expect("a choice");
+            let choice = trade.best(Some(Kind::DiscreteVi), &[Statistic::SticksPerPath], eps).expect("a choice");
             let excess = choice.seconds / least(eps) - 1.0;
             assert!(choice.is_measured && (-1e-3..within + 1e-2).contains(&excess), "{eps} {excess} {choice:?}");
         }
         let eps = finest / 10.0;
-        let choice = trade.best(Some("discrete-vi"), &[Statistic::SticksPerPath], eps).expect("a choice");
+        let choice = trade.best(Some(Kind::DiscreteVi), &[Statistic::SticksPerPath], eps).expect("a choice");
         let excess = choice.seconds / least(eps) - 1.0;
         assert!(!choice.is_measured && (0.0..beyond).contains(&excess), "{excess} {choice:?}");
         // The reference costs 1 s a path, N = v/(eps^2 - 1e-10) = 300/(1e-4 (1 - 1e-6)).
-        let exact = trade.best(Some("event-driven"), &[Statistic::SticksPerPath], 0.01).expect("a choice");
+        let exact = trade.best(Some(Kind::EventDriven), &[Statistic::SticksPerPath], 0.01).expect("a choice");
         assert_eq!(exact.paths, 3_000_004);
     }
 }
@@ -202,7 +205,7 @@ fn the_cheapest_step_is_that_of_the_closed_form() {
 #[track_caller]
 fn one_path_is_the_answer(scenario: &Scenario, exact: f64) -> Trade {
     let mut ladder = Ladder::of(scenario);
-    let is_event_driven = |scheme: &&SchemeKind| matches!(scheme, SchemeKind::EventDriven { .. });
+    let is_event_driven = |scheme: &&Scheme| matches!(scheme, Scheme::EventDriven(_));
     assert_eq!(ladder.free.iter().filter(is_event_driven).count(), 1, "one tolerance is as good as another");
     let effort = Effort { steps: 9, coupled_paths: 20, free_paths: vec![2; ladder.free.len()], timing: 1e-3 };
     let trade = measure(scenario, &ladder, &effort, 1, Limits::default()).expect("measured");
@@ -211,12 +214,12 @@ fn one_path_is_the_answer(scenario: &Scenario, exact: f64) -> Trade {
     let first = Statistic::FirstStickDurationMean;
     assert!((trade.rungs[trade.reference].estimate(first).value - exact).abs() < 1e-12);
     for (scheme, target) in
-        [("discrete-vi", 0.01), ("discrete-vi", 0.001), ("corrected-vi", 0.001), ("event-driven", 1e-9)]
+        [(Kind::DiscreteVi, 0.01), (Kind::DiscreteVi, 0.001), (Kind::CorrectedVi, 0.001), (Kind::EventDriven, 1e-9)]
     {
         let choice = trade.best(Some(scheme), &[first], target).expect("a choice");
         assert_eq!(choice.paths, 1);
-        let run = choice.setting.of(scenario).expect("runs").plan().run(1);
-        let found = run.estimates.iter().find(|e| e.statistic == first).expect("every statistic").estimate;
+        let run = scenario.with_scheme(choice.scheme).expect("runs").plan().run(1);
+        let found = run.estimate(first).estimate;
         assert!((found / exact - 1.0).abs() <= target, "{found} {choice:?}");
     }
     trade
@@ -226,7 +229,7 @@ fn one_path_is_the_answer(scenario: &Scenario, exact: f64) -> Trade {
 #[test]
 fn without_noise_one_path_is_the_answer() {
     let trade = one_path_is_the_answer(&shipped("shaw"), 2.574_004_435_173_1);
-    let order = trade.law("discrete-vi", Statistic::DisplacementEndMean).expect("a law").order;
+    let order = trade.law(Kind::DiscreteVi, Statistic::DisplacementEndMean).expect("a law").order;
     assert!((order.value - 1.0).abs() < 0.1, "{order:?}");
     assert_eq!(trade.standing(Statistic::DisplacementEndSd), Standing::Zero);
 }
@@ -261,9 +264,9 @@ fn what_cannot_be_answered_says_why() {
     assert!(never.best(None, &[Statistic::StickingFraction], 1e-4).is_ok());
     let drift = PILOT.standing(Statistic::DriftVelocity);
     assert!(matches!(drift, Standing::Deviation(_)), "{drift:?}");
-    assert_eq!(PILOT.best(Some("quasi-static"), &[Statistic::SticksPerPath], 0.1), Err(Refusal::NotRun));
+    assert_eq!(PILOT.best(Some(Kind::QuasiStatic), &[Statistic::SticksPerPath], 0.1), Err(Refusal::NotRun));
     // What 5120 paths say of the bias at the finest step is too little for 1e-5.
-    let refused = PILOT.best(Some("event-driven"), &[Statistic::SticksPerPath], 1e-6);
+    let refused = PILOT.best(Some(Kind::EventDriven), &[Statistic::SticksPerPath], 1e-6);
     assert!(matches!(refused, Err(Refusal::Bias { .. })), "{refused:?}");
 }
 

@@ -16,7 +16,7 @@ use stick_slip::ensemble::{BLOCK_SIZE, Plan};
 use stick_slip::lanes::InstructionSet;
 use stick_slip::model::HarmonicClock;
 use stick_slip::scenario::Scenario;
-use stick_slip::scheme::DiscreteVi;
+use stick_slip::scheme::{DiscreteSimulation, Simulate as _};
 use stripped::{Scene, count_sticks};
 
 /// Paths of the runs that estimate their bias or do not: 48 times 16 groups of 14.
@@ -27,9 +27,9 @@ fn scenes(c: &mut Criterion) {
     let mut group = group(c, "scene", BLOCK_SIZE * STEPS);
     let paths: Vec<u64> = (0..BLOCK_SIZE).collect();
     let mut bench = |name: &str, scenario: &Scenario| {
-        let step = scenario.time.step.expect("a time-stepping scheme");
-        let scheme = DiscreteVi::new(&scenario.model, &scenario.timeline(), step);
-        group.bench_function(name, |b| b.iter(|| scheme.simulate(1, &paths, &mut Deaf)));
+        let step = scenario.scheme.step().expect("a time-stepping scheme");
+        let simulation = DiscreteSimulation::new(&scenario.model, &scenario.timeline(), step);
+        group.bench_function(name, |b| b.iter(|| simulation.simulate(1, &paths, &mut Deaf)));
     };
     let noisy = scenario("rho025", &[STEP, END]);
     let mut plain = noisy.clone();

@@ -18,7 +18,7 @@ use std::hint::black_box;
 use std::time::Instant as Clock;
 use stick_slip::model::{Event, Model};
 use stick_slip::scenario::{Override, Scenario};
-use stick_slip::scheme::{DiscreteVi, Instant, Observer, Snapshot};
+use stick_slip::scheme::{DiscreteSimulation, Instant, Observer, Simulate as _, Snapshot};
 
 /// Hears nothing: what the kernel costs alone.
 struct Deaf;
@@ -39,7 +39,7 @@ fn time(h: f64) -> Result<(), Box<dyn Error>> {
     let set = [Override::set(&format!("time.step={h}"))?, Override::set(&format!("time.end={}", h * STEPS as f64))?];
     let scenario = Scenario::read("scenarios/rho025.toml".as_ref(), &set)?;
     let (model, paths) = (&scenario.model, (0..PATHS).collect::<Vec<u64>>());
-    let kernel = DiscreteVi::new(model, &scenario.timeline(), h);
+    let kernel = DiscreteSimulation::new(model, &scenario.timeline(), h);
     let programs: [(&str, &dyn Fn()); 6] = [
         ("kernel", &|| drop(black_box(kernel.simulate(1, &paths, &mut Deaf)))),
         ("f64, its normals", &|| drop(black_box(simulate::<f64, Own>(model, h, STEPS, 1, PATHS)))),

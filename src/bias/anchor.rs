@@ -6,7 +6,7 @@
 
 use crate::ensemble::{Plan, in_order};
 use crate::model::Model;
-use crate::scheme::{DEFAULT_TOLERANCE, EventDriven, Scheme, Simulated, Timeline};
+use crate::scheme::{DEFAULT_TOLERANCE, EventDrivenSimulation, Simulate as _, Simulated, Simulation, Timeline};
 use crate::stats::{Bias, BlockObserver, Estimate, Record, Statistic, Summary, Totals};
 use std::convert::Infallible;
 use std::ops::ControlFlow;
@@ -51,12 +51,11 @@ impl Anchor {
     }
 
     fn simulate(&self, threads: usize, stop: &AtomicBool) -> Option<Summary> {
-        let scheme = EventDriven::new(&self.model, &self.timeline, DEFAULT_TOLERANCE);
-        let paths = self.affordable(&scheme)?;
-        let scheme = Scheme::EventDriven(Box::new(scheme));
-        let (model, timeline, record) = (self.model.clone(), self.timeline, Record::NOTHING);
-        let plan = Plan { model, scheme, timeline, record, seed: self.seed, paths };
-        let mut totals = Totals::empty(&plan.model, &plan.timeline);
+        let exact = EventDrivenSimulation::new(&self.model, &self.timeline, DEFAULT_TOLERANCE);
+        let paths = self.affordable(&exact)?;
+        let simulation = Simulation::EventDriven(Box::new(exact));
+        let plan = Plan { simulation, record: Record::NOTHING, seed: self.seed, paths };
+        let mut totals = Totals::empty(plan.model(), plan.timeline());
         let make = |index: u64| plan.piece(index * PIECE, PIECE.min(paths - index * PIECE)).totals;
         let deliver = |piece: Totals| -> Result<_, Infallible> {
             totals.merge(&piece);
@@ -68,13 +67,13 @@ impl Anchor {
     }
 
     /// How many paths the budget pays for, by what the first ones take, which is not more than all of it.
-    fn affordable(&self, scheme: &EventDriven) -> Option<u64> {
-        if scheme.resolution().is_some() || self.budget < FEWEST {
+    fn affordable(&self, exact: &EventDrivenSimulation) -> Option<u64> {
+        if exact.resolution().is_some() || self.budget < FEWEST {
             return None;
         }
         let first: Vec<u64> = (0..PIECE).collect();
         let mut observer = BlockObserver::new(&self.model, &self.timeline, &Record::NOTHING, &first);
-        let limited = scheme.clone().with_work_limit(self.budget / PIECE);
+        let limited = exact.clone().with_work_limit(self.budget / PIECE);
         let Simulated { lost, evaluations } = limited.simulate_counting(self.seed, &first, &mut observer);
         let paths = (self.budget * PIECE / evaluations.max(1)).min(self.paths);
         (lost.is_empty() && paths >= FEWEST).then_some(paths)

@@ -6,11 +6,11 @@
 
 use super::NoBias;
 use super::extrapolation::{Levels, lattice_error, leading_order, unseen, weight};
-use super::groups::{GroupObserver, Grouped, Groups, jackknife};
+use super::groups::{GroupObserver, Grouped, Groups};
 use crate::ensemble::in_order;
 use crate::model::Model;
-use crate::scheme::{DiscreteVi, Timeline};
-use crate::stats::{Bias, Dimension, Statistic, Totals};
+use crate::scheme::{Scheme, Simulate as _, Simulation, Timeline};
+use crate::stats::{Bias, Dimension, Statistic, Totals, jackknife};
 use std::convert::Infallible;
 use std::ops::ControlFlow;
 use std::sync::atomic::AtomicBool;
@@ -46,7 +46,7 @@ const PIECES: u64 = 8;
 pub struct Differences {
     model: Model,
     timeline: Timeline,
-    levels: [DiscreteVi; LEVELS.len()],
+    levels: [Simulation; LEVELS.len()],
     h: f64,
     seed: u64,
     groups: usize,
@@ -54,8 +54,9 @@ pub struct Differences {
 }
 
 impl Differences {
-    /// For a run of [`DiscreteVi`] with this step, seed and number of paths.
-    pub fn new(model: &Model, timeline: &Timeline, h: f64, seed: u64, paths: u64) -> Result<Self, NoBias> {
+    /// For a run of a scheme with a step, this seed and number of paths.
+    pub fn new(scheme: Scheme, model: &Model, timeline: &Timeline, seed: u64, paths: u64) -> Result<Self, NoBias> {
+        let h = scheme.step().ok_or(NoBias::FewSteps)?;
         let is_random = model.temperature.is_random();
         if is_random && model.friction.static_force == model.friction.dynamic_force {
             return Err(NoBias::EqualFriction);
@@ -72,8 +73,8 @@ impl Differences {
         let timeline = timeline.without_rows();
         let coarsest = LEVELS[LEVELS.len() - 1];
         let levels = LEVELS.map(|k| {
-            let scheme = DiscreteVi::new(model, &timeline, k as f64 * h);
-            scheme.fed_by_finer(k).observed_every((coarsest / k) as u64)
+            let simulation = scheme.kind().with(k as f64 * h).simulation(model, &timeline);
+            simulation.fed_by_finer(k).observed_every((coarsest / k) as u64)
         });
         Ok(Differences { model: model.clone(), timeline, levels, h, seed, groups, per_group })
     }
@@ -87,8 +88,7 @@ impl Differences {
     pub fn estimate(&self, threads: usize, stop: &AtomicBool) -> Result<Vec<(Statistic, Bias)>, NoBias> {
         let levels = self.simulate(threads, stop)?.map(|groups| groups.values());
         let at = |of: &dyn Fn(&Grouped) -> f64| Levels(levels.each_ref().map(of));
-        let sticks = Statistic::ALL.iter().zip(levels[0].all).find(|(s, _)| **s == Statistic::SticksPerPath);
-        let sticks = sticks.map_or(0.0, |(_, sticks)| sticks);
+        let sticks = levels[0].all[Statistic::SticksPerPath.index()];
         let bias = |(i, &statistic): (usize, &Statistic)| {
             let all = at(&|level| level.all[i]);
             let without: Vec<Levels> = (0..self.groups).map(|g| at(&|level| level.without[g][i])).collect();
@@ -99,7 +99,9 @@ impl Differences {
 
     /// The bias of one statistic from its values at the three steps, of all paths and without each group, and the sticks of a path.
     fn bias(&self, statistic: Statistic, all: Levels, without: &[Levels], sticks: f64) -> Bias {
-        let error = |of: &dyn Fn(Levels) -> f64| jackknife(&without.iter().map(|&y| of(y)).collect::<Vec<f64>>());
+        let error = |of: &dyn Fn(Levels) -> f64| {
+            jackknife::standard_error(&without.iter().map(|&y| of(y)).collect::<Vec<f64>>())
+        };
         let is_told = |order: &f64| order.is_finite() && error(&|y| y.observed_order()) < MAX_ORDER_ERROR;
         let order = Some(all.observed_order()).filter(is_told);
         if !self.model.temperature.is_random() {
@@ -128,7 +130,7 @@ impl Differences {
     fn noise_to_gap(&self) -> f64 {
         let Model { oscillator, friction, temperature, .. } = &self.model;
         let noise = temperature.noise.map_or(0.0, |noise| noise.intensity * noise.diffusion);
-        let force = oscillator.stiffness * oscillator.dilatation * noise * self.h.sqrt();
+        let force = oscillator.force_per_temperature() * noise * self.h.sqrt();
         force.abs() / (friction.static_force - friction.dynamic_force)
     }
 

@@ -1,17 +1,9 @@
-//! Paths in groups, and what leaving out one group after another says about errors.
-//!
-//! The delete-a-group jackknife: of a number g computed from all paths, and from all but those of group i as g_i,
-//!
-//! ```text
-//! standard error^2 = (G - 1)/G sum_i (g_i - mean g_i)^2
-//! ```
-//!
-//! whatever g is: a ratio, a median, a slope, or a function of several of them. (B. Efron, *The Jackknife, the Bootstrap and
-//! Other Resampling Plans*, SIAM (1982), chapter 3; J. Shao and D. Tu, *The Jackknife and Bootstrap*, Springer (1995), section 2.3.)
+//! Paths in groups: an observer that shows each path to its group, and the statistics of all paths and without each group, from
+//! which the jackknife tells errors.
 
 use crate::model::{Event, Model};
 use crate::scheme::{Instant, Observer, Snapshot, Timeline};
-use crate::stats::{BlockObserver, Record, Statistic, Totals};
+use crate::stats::{BlockObserver, Record, Statistic, Totals, jackknife};
 
 /// The value of every statistic, in the order of `Statistic::ALL`.
 pub(super) type Values = [f64; Statistic::ALL.len()];
@@ -48,33 +40,9 @@ impl Groups {
 
     /// The statistics of all paths, and without each group.
     pub fn values(&self) -> Grouped {
-        let mut after = vec![self.empty.clone()];
-        for group in self.groups.iter().rev() {
-            let mut sum = group.clone();
-            sum.merge(&after[after.len() - 1]);
-            after.push(sum);
-        }
-        let all = after.pop().map_or([f64::NAN; Statistic::ALL.len()], |totals| totals.values());
-        let mut before = self.empty.clone();
-        let without = self.groups.iter().map(|group| {
-            let mut rest = before.clone();
-            rest.merge(&after.pop().unwrap_or_else(|| self.empty.clone()));
-            before.merge(group);
-            rest.values()
-        });
-        Grouped { all, without: without.collect() }
+        let (all, without) = jackknife::leaving_one_out(&self.empty, &self.groups, Totals::values);
+        Grouped { all, without }
     }
-}
-
-/// The standard error of a number that is g_i without group i; zero if there is one group only.
-pub(super) fn jackknife(without: &[f64]) -> f64 {
-    if without.len() < 2 {
-        return 0.0;
-    }
-    let n = without.len() as f64;
-    let mean = without.iter().sum::<f64>() / n;
-    let spread: f64 = without.iter().map(|g| (g - mean) * (g - mean)).sum();
-    ((n - 1.0) / n * spread).sqrt()
 }
 
 /// Shows each path to the observer of its group: of the lanes, the first so many are the first group, and so on.
@@ -129,17 +97,8 @@ mod tests {
     use super::*;
     use crate::bias::Differences;
     use crate::model::paper::paper;
+    use crate::scheme::DiscreteVi;
     use std::sync::atomic::AtomicBool;
-
-    #[test]
-    fn the_jackknife_of_a_mean_is_its_textbook_error() {
-        let x = [3.0, 1.0, 4.0, 1.0, 5.0];
-        let (sum, n) = (x.iter().sum::<f64>(), x.len() as f64);
-        let without: Vec<f64> = x.iter().map(|x| (sum - x) / (n - 1.0)).collect();
-        // s^2 = (0.04 + 3.24 + 1.44 + 3.24 + 4.84)/4 = 3.2.
-        assert!((jackknife(&without) - (3.2f64 / n).sqrt()).abs() < 1e-12);
-        assert_eq!(jackknife(&[7.0]), 0.0);
-    }
 
     /// Null: D1 of a ratio and of a mean are within Student's t of their expectation, here the mean over all seeds, in 95 % of 400
     /// seeds. The share is then within four binomial standard deviations, 4.4 %, and 1.5 % for the skewness of so few paths, but
@@ -149,15 +108,16 @@ mod tests {
         let model = paper(0.25, 0.25);
         let timeline = Timeline { end: 30.0, output_step: 30.0, period: None };
         for statistic in [Statistic::StickDurationMean, Statistic::SticksPerPath] {
-            let i = Statistic::ALL.iter().position(|s| *s == statistic).expect("it is one of all");
+            let i = statistic.index();
             let differences: Vec<(f64, f64)> = (0..400)
                 .map(|seed| {
-                    let plan = Differences::new(&model, &timeline, 0.05, seed, 8000).expect("enough paths");
+                    let scheme = DiscreteVi { step: 0.05 }.into();
+                    let plan = Differences::new(scheme, &model, &timeline, seed, 8000).expect("enough paths");
                     let levels = plan.simulate(1, &AtomicBool::new(false)).expect("none diverges");
                     let [fine, middle, _] = levels.map(|groups| groups.values());
                     let without: Vec<f64> =
                         middle.without.iter().zip(&fine.without).map(|(middle, fine)| middle[i] - fine[i]).collect();
-                    (middle.all[i] - fine.all[i], jackknife(&without))
+                    (middle.all[i] - fine.all[i], jackknife::standard_error(&without))
                 })
                 .collect();
             let n = differences.len() as f64;

@@ -17,7 +17,7 @@ pub use anchor::Anchor;
 pub use differences::Differences;
 
 use crate::model::Model;
-use crate::scheme::Timeline;
+use crate::scheme::{Discretisation, Scheme, Timeline};
 use crate::stats::{Bias, Statistic, Summary};
 use differences::MIN_STEPS;
 use std::fmt;
@@ -94,17 +94,19 @@ pub struct BiasPlan {
 }
 
 impl BiasPlan {
-    /// For a run of [`crate::scheme::DiscreteVi`], corrected or not, with this step, seed and number of paths.
-    pub fn new(
-        model: &Model,
-        timeline: &Timeline,
-        (h, is_corrected): (f64, bool),
-        seed: u64,
-        paths: u64,
-    ) -> Result<Self, NoBias> {
-        let differences = Differences::new(model, timeline, h, seed, paths)?;
+    /// For a run of this scheme, seed and number of paths.
+    pub fn new(scheme: Scheme, model: &Model, timeline: &Timeline, seed: u64, paths: u64) -> Result<Self, NoBias> {
+        let is_random = model.temperature.is_random();
+        let (h, is_corrected) = match scheme.discretisation() {
+            Discretisation::Step { h } => (h, false),
+            Discretisation::CorrectedStep { h } => (h, true),
+            Discretisation::Tolerance { .. } if !is_random => return Err(NoBias::Exact),
+            Discretisation::Tolerance { tolerance } => return Err(NoBias::Tolerance(tolerance)),
+            Discretisation::Approximation => return Err(NoBias::Approximation),
+        };
+        let differences = Differences::new(scheme, model, timeline, seed, paths)?;
         let share = if is_corrected { SHARE_ALONE } else { SHARE };
-        let anchor = model.temperature.is_random().then(|| Anchor::new(model, timeline, h, seed, paths, share));
+        let anchor = is_random.then(|| Anchor::new(model, timeline, h, seed, paths, share));
         if is_corrected && anchor.is_none() {
             return Err(NoBias::Corrected);
         }

@@ -98,7 +98,7 @@ impl Wish<'_> {
                 choice.decisive.name(),
                 time(self.seconds(&choice)),
                 self.threads,
-                choice.setting,
+                choice.scheme,
                 choice.paths
             );
             return Err(Failure::usage(problem, self.instead(trade, &asked)));
@@ -106,7 +106,7 @@ impl Wish<'_> {
         let fewest = if trade.is_random { FEWEST_PATHS } else { 1 };
         let choice = Choice { paths: choice.paths.max(fewest), ..choice };
         self.explain(scenario, trade, &asked, &choice);
-        let mut chosen = choice.setting.of(scenario)?;
+        let mut chosen = scenario.with_scheme(choice.scheme)?;
         chosen.ensemble.paths = choice.paths;
         Ok((chosen, Promise { target: self.target, choice }))
     }
@@ -135,7 +135,7 @@ impl Wish<'_> {
             named => named.iter().map(|statistic| statistic.name()).collect::<Vec<_>>().join(" and "),
         };
         self.say(&format!("chosen for a relative error of {} of {of}:", percent(self.target)));
-        self.say(&format!("  {} --paths {}", choice.setting, choice.paths));
+        self.say(&format!("  {} --paths {}", choice.scheme, choice.paths));
         let (decisive, cost, bias) = (choice.decisive.name(), time(choice.seconds), percent(choice.bias));
         let paths = match choice.paths {
             1 => "nothing is random, so one path is the ensemble".into(),
@@ -255,7 +255,7 @@ mod tests {
         let effort = Effort { steps, coupled_paths: 640, free_paths: free_paths.to_vec(), timing: 0.0 };
         let mut trade = measure(&scenario, &Ladder::of(&scenario), &effort, 2, Limits::default()).expect("measured");
         for rung in &mut trade.rungs {
-            let seconds = rung.setting.step.map_or(30e-6, |h| 1.2e-9 * 60.0 / h);
+            let seconds = rung.scheme.step().map_or(30e-6, |h| 1.2e-9 * 60.0 / h);
             rung.cost = Cost { first: seconds, each: seconds };
         }
         (scenario, trade)
@@ -298,12 +298,11 @@ mod tests {
         let square = |seed: u64| {
             chosen.ensemble.seed = 5000 + seed;
             let summary = chosen.plan().run(2);
-            let found = summary.estimates.iter().find(|e| e.statistic == MEAN).expect("every statistic");
-            (found.estimate / 0.443052 - 1.0).powi(2)
+            (summary.estimate(MEAN).estimate / 0.443052 - 1.0).powi(2)
         };
         let ratio = ((0..400).map(square).sum::<f64>() / 400.0).sqrt() / 0.02;
         let (play, least) = (4.0 / 800f64.sqrt() + 0.03, (1.0 - (promise.choice.bias / 0.02).powi(2)).sqrt());
-        println!("{} x{}: {ratio}, least {least}", promise.choice.setting, promise.choice.paths);
+        println!("{} x{}: {ratio}, least {least}", promise.choice.scheme, promise.choice.paths);
         assert!((least * (1.0 - play)..1.0 + play).contains(&ratio), "{ratio} {promise:?}");
     }
 

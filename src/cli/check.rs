@@ -5,8 +5,8 @@ use super::numbers::{bytes, grouped, significant, wrapped};
 use super::overrides::Overrides;
 use std::fmt::Write as _;
 use std::path::PathBuf;
-use stick_slip::scenario::{Derived, Scenario, Stability};
-use stick_slip::scheme::Resolution;
+use stick_slip::scenario::{Derived, Scenario};
+use stick_slip::scheme::{Resolution, Stability};
 
 const EXAMPLES: &str = "\
 Examples:

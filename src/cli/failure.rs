@@ -4,6 +4,7 @@ use std::io::{self, Write as _};
 use std::path::Path;
 use std::process::ExitCode;
 use stick_slip::scenario::ScenarioError;
+use stick_slip::scheme::Misfit;
 
 /// Why a verb did not do what it was asked to.
 #[derive(Debug)]
@@ -15,7 +16,7 @@ pub enum Failure {
         /// What would be right.
         remedy: String,
     },
-    /// A file of results is not what the arguments take it for; the message says what to do.
+    /// The arguments do not go with what they are about, a file of results or a scenario; the message says what to do.
     Refused(String),
     /// There is no scenario to work on.
     Scenario(ScenarioError),
@@ -68,6 +69,12 @@ impl Failure {
 impl From<ScenarioError> for Failure {
     fn from(error: ScenarioError) -> Self {
         Failure::Scenario(error)
+    }
+}
+
+impl From<Misfit> for Failure {
+    fn from(misfit: Misfit) -> Self {
+        Failure::Refused(misfit.to_string())
     }
 }
 

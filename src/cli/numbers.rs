@@ -1,21 +1,7 @@
 //! Numbers and sentences as people read them.
 
 use std::time::Duration;
-
-/// `digits` significant digits, in plain notation where that is readable; trailing zeros dropped.
-pub fn significant(x: f64, digits: usize) -> String {
-    if !x.is_finite() {
-        return if x.is_nan() {
-            "none".into()
-        } else if x > 0.0 {
-            "infinite".into()
-        } else {
-            "-infinite".into()
-        };
-    }
-    let rounded: f64 = format!("{x:.*e}", digits.saturating_sub(1)).parse().unwrap_or(x);
-    if rounded != 0.0 && !(1e-4..1e7).contains(&rounded.abs()) { format!("{rounded:e}") } else { format!("{rounded}") }
-}
+pub use stick_slip::numbers::{bytes, significant};
 
 /// A whole number in groups of three: 60 000 000.
 pub fn grouped(n: u64) -> String {
@@ -28,15 +14,6 @@ pub fn grouped(n: u64) -> String {
         text.push(digit);
     }
     text
-}
-
-/// Bytes in the largest decimal unit that leaves a number above one.
-pub fn bytes(n: f64) -> String {
-    let units = [(1e15, "PB"), (1e12, "TB"), (1e9, "GB"), (1e6, "MB"), (1e3, "kB")];
-    match units.into_iter().find(|(unit, _)| n >= *unit) {
-        Some((unit, name)) => format!("{} {name}", significant(n / unit, 3)),
-        None => format!("{n:.0} B"),
-    }
 }
 
 /// Seconds as people say them: 0.42 s, 3 min 20 s, 2 h 5 min.

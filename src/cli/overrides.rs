@@ -3,6 +3,7 @@
 use super::failure::Failure;
 use std::path::Path;
 use stick_slip::scenario::{Override, Scenario, ScenarioError};
+use stick_slip::scheme::Kind;
 use stick_slip::stats::{Goal, GoalError};
 
 /// Flags shared by every verb that reads a scenario.
@@ -15,14 +16,15 @@ pub struct Overrides {
     /// Seed; with the number of a path, determines its noise [ensemble.seed]
     #[arg(long, value_name = "S", allow_hyphen_values = true)]
     seed: Option<String>,
-    /// Scheme: discrete-vi, corrected-vi, event-driven or quasi-static [scheme.kind]
-    #[arg(long, value_name = "KIND", allow_hyphen_values = true)]
+    #[arg(long, value_name = "KIND", allow_hyphen_values = true,
+          help = format!("Scheme: {} [scheme.kind]", names(|_| true, "or")))]
     scheme: Option<String>,
-    /// Relative error that discretisation may leave; event-driven and quasi-static schemes [scheme.tolerance]
-    #[arg(long, value_name = "TOL", allow_hyphen_values = true)]
+    #[arg(long, value_name = "TOL", allow_hyphen_values = true,
+          help = format!("Relative error that discretisation may leave; {} schemes [scheme.tolerance]",
+                         names(|kind| !kind.has_step(), "and")))]
     tolerance: Option<String>,
-    /// Time step h; discrete-vi and corrected-vi schemes [time.step]
-    #[arg(long, value_name = "H", allow_hyphen_values = true)]
+    #[arg(long, value_name = "H", allow_hyphen_values = true,
+          help = format!("Time step h; {} schemes [time.step]", names(Kind::has_step, "and")))]
     step: Option<String>,
     /// End of the simulation [time.end]; or, for mc run, a goal "NAME < 0.5%" (or "NAME < 0.01", in its unit): simulate until the
     /// standard error of this statistic is so small; repeatable
@@ -76,6 +78,16 @@ impl Overrides {
         let ends = self.until.iter().filter(|text| !is_goal(text));
         list.extend(ends.map(|value| Override::flag("--until", "time.end", value)));
         Ok(list)
+    }
+}
+
+/// The names of some schemes: "a, b or c".
+fn names(of: impl Fn(Kind) -> bool, word: &str) -> String {
+    let names: Vec<&str> = Kind::ALL.iter().filter(|kind| of(**kind)).map(|kind| kind.name()).collect();
+    match names.split_last() {
+        Some((last, [])) => last.to_string(),
+        Some((last, others)) => format!("{} {word} {last}", others.join(", ")),
+        None => String::new(),
     }
 }
 

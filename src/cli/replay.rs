@@ -60,7 +60,7 @@ fn replay(mut scenario: Scenario, path: u64, output: &Path, force: bool) -> Resu
     scenario.record = Record { trajectories: record.trajectories.min(MAX_TRAJECTORIES), ..record };
     note(&remark);
     let block = Plan { record, ..scenario.plan() }.replay(path);
-    let has_step = scenario.scheme.is_time_stepping();
+    let has_step = scenario.scheme.step().is_some();
     // A file of one path, whatever its number in the ensemble.
     let provenance = Provenance { paths: 1, ..Provenance::of(&scenario) };
     if force {
@@ -93,7 +93,7 @@ const REFINEMENT: usize = 10;
 fn finest_grid(scenario: &Scenario) -> (f64, String) {
     let time = &scenario.time;
     let most = MAX_ROWS as u64 - 1;
-    if let (Some(step), Some(steps)) = (time.step, time.steps()) {
+    if let (Some(step), Some(steps)) = (scenario.scheme.step(), scenario.steps()) {
         let stride = stride(steps, most);
         let what = if stride == 1 { "every step".into() } else { format!("one in {stride} of the {steps} steps") };
         return (stride as f64 * step, format!("trajectory: {what}"));

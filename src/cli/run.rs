@@ -12,6 +12,7 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 use stick_slip::engine::{self, EndedBy, MOST_PATHS, Outcome, Status};
 use stick_slip::scenario::Scenario;
+use stick_slip::scheme::Simulate as _;
 use stick_slip::stats::Statistic;
 use stick_slip::store::FileSink;
 
@@ -93,7 +94,7 @@ impl Run {
         let paths = if is_open_ended { MOST_PATHS } else { scenario.ensemble.paths };
         if self.verbose {
             note(&super::check::report(&scenario));
-            note(&format!("kernel: {}", scenario.plan().scheme.kernel()));
+            note(&format!("kernel: {}", scenario.plan().simulation.kernel()));
         }
         results::warn(&scenario, !self.no_bias && scenario.bias_plan(paths).is_ok());
 
@@ -131,7 +132,7 @@ impl Run {
         }
         let failure = match &outcome.ended_by {
             Some(EndedBy::Hopeless(reason)) => Some(ending::hopeless(reason)),
-            _ if outcome.is_all_lost() => Some(all_lost(scenario.scheme.is_time_stepping()).to_string()),
+            _ if outcome.is_all_lost() => Some(all_lost(scenario.scheme.step().is_some()).to_string()),
             _ => None,
         };
         match (failure, outcome.status) {
@@ -163,7 +164,7 @@ fn info(scenario_path: &Path, scenario: &Scenario, outcome: &Outcome, output: &P
         scenario: scenario_path.display().to_string(),
         title: scenario.title.clone(),
         scheme: scenario.scheme.name().to_string(),
-        step: scenario.time.step,
+        step: scenario.scheme.step(),
         resolution: scenario.resolution().map(|resolution| resolution.shortest_slip),
         seed: scenario.ensemble.seed,
         paths: outcome.paths,
@@ -171,7 +172,7 @@ fn info(scenario_path: &Path, scenario: &Scenario, outcome: &Outcome, output: &P
         seconds: Some(outcome.seconds),
         bias_seconds: Some(outcome.bias.seconds),
         no_bias: outcome.bias.absence.as_ref().map(|reason| reason.to_string()),
-        steps_per_path: scenario.time.steps(),
+        steps_per_path: scenario.steps(),
         file: output.display().to_string(),
         status: outcome.status,
         ended_by: outcome.ended_by.as_ref().map(EndedBy::to_string),

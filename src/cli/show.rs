@@ -52,7 +52,7 @@ fn info(file: &Path, stored: &Stored, scenario: Option<&Scenario>) -> RunInfo {
         no_bias: scenario
             .and_then(|scenario| scenario.bias_plan(stored.summary.completed_paths).err())
             .map(|reason| reason.to_string()),
-        steps_per_path: scenario.and_then(|scenario| scenario.time.steps()),
+        steps_per_path: scenario.and_then(Scenario::steps),
         file: file.display().to_string(),
         status: *status,
         ended_by: ended_by.clone(),

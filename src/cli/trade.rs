@@ -150,7 +150,7 @@ fn budget(text: &str) -> Result<Duration, String> {
 impl From<TradeError> for Failure {
     fn from(error: TradeError) -> Self {
         match error {
-            TradeError::Scenario(error) => Failure::Scenario(error),
+            TradeError::Misfit(misfit) => Failure::from(misfit),
             TradeError::NothingHappens => Failure::Refused(error.to_string()),
             TradeError::BudgetTooSmall { .. } => {
                 Failure::Run(format!("{error}\n  fix: measure longer with --budget, or shorten `time.end`"))

@@ -7,6 +7,7 @@ use std::fmt::Write as _;
 use std::path::Path;
 use std::time::Duration;
 use stick_slip::scenario::Scenario;
+use stick_slip::scheme::Kind;
 use stick_slip::stats::Statistic;
 use stick_slip::trade::{Choice, LeftOut, Refusal, Rung, Standing, TARGETS, Trade};
 
@@ -33,12 +34,12 @@ const GAP: &str = " ";
 /// The table for people, no wider than 120 columns.
 pub fn table(trade: &Trade, asked: &Asked<'_>) -> String {
     let mut text = format!("{}\n", asked.scenario.title);
-    let reference = &trade.rungs[trade.reference];
+    let reference = trade.reference();
     let opening = format!(
         "Costs: CPU on one thread. Biases: percent, with half the 95 % interval, against {} ({} paths); in percent of the \
          standard deviation per path (marked sd) where a value is zero within its error. Each step is half the one before, \
          shown to three digits.",
-        reference.setting, reference.paths
+        reference.scheme, reference.paths
     );
     text.push_str(&wrapped(&opening, ""));
     for scheme in trade.schemes() {
@@ -75,26 +76,21 @@ pub fn table(trade: &Trade, asked: &Asked<'_>) -> String {
 fn commands(trade: &Trade, asked: &Asked<'_>) -> String {
     let mut text = String::new();
     for (statistic, target) in asked.shown.iter().flat_map(|s| TARGETS.map(|target| (*s, target))) {
-        if let Ok(Choice { setting, paths, .. }) = trade.best(None, &[statistic], target) {
+        if let Ok(Choice { scheme, paths, .. }) = trade.best(None, &[statistic], target) {
             let (name, path) = (statistic.name(), asked.path.display());
-            let _ = writeln!(text, "{name} to {}: mc run {path} {setting} --paths {paths}", percent(target));
+            let _ = writeln!(text, "{name} to {}: mc run {path} {scheme} --paths {paths}", percent(target));
         }
     }
     text
 }
 
-fn rungs_of<'a>(trade: &'a Trade, scheme: &str) -> Vec<&'a Rung> {
-    trade.rungs.iter().filter(|rung| rung.setting.scheme.name() == scheme).collect()
-}
-
 /// Biases of every statistic, one column a step or tolerance.
-fn scheme_table(trade: &Trade, scheme: &str) -> String {
-    let rungs = rungs_of(trade, scheme);
-    let is_stepping = rungs.iter().any(|rung| rung.setting.step.is_some());
-    let knob = if is_stepping { "step" } else { "tolerance" };
+fn scheme_table(trade: &Trade, scheme: Kind) -> String {
+    let rungs: Vec<&Rung> = trade.rungs_of(scheme).collect();
+    let knob = if scheme.has_step() { "step" } else { "tolerance" };
     let row = |label: String, cell: &dyn Fn(&Rung) -> String| Row::labelled(label, rungs.iter().map(|rung| cell(rung)));
     let mut rows = vec![
-        row(format!("{scheme}, {knob}"), &|rung| short(rung.setting.knob())),
+        row(format!("{}, {knob}", scheme.name()), &|rung| short(rung.scheme.parameter())),
         row("us per path".into(), &|rung| significant(rung.cost.each * 1e6, 3)),
         row("paths".into(), &|rung| rung.paths.to_string()),
     ];
@@ -111,7 +107,7 @@ fn label(trade: &Trade, statistic: Statistic) -> String {
 
 /// +22.1+-0.2, or `ref`.
 fn bias(trade: &Trade, rung: &Rung, statistic: Statistic) -> String {
-    if std::ptr::eq(rung, &trade.rungs[trade.reference]) {
+    if trade.is_reference(rung) {
         return "ref".into();
     }
     let Some(scale) = trade.standing(statistic).scale() else { return "-".into() };
@@ -130,10 +126,10 @@ fn bias(trade: &Trade, rung: &Rung, statistic: Statistic) -> String {
 
 /// Value and standard deviation per path of every statistic, and the observed order of each time-stepping scheme.
 fn deviations(trade: &Trade) -> String {
-    let reference = &trade.rungs[trade.reference];
+    let reference = trade.reference();
     let mut schemes = trade.schemes();
-    schemes.retain(|scheme| rungs_of(trade, scheme).iter().any(|rung| rung.setting.step.is_some()));
-    let orders = schemes.iter().map(|scheme| format!("order, {scheme}"));
+    schemes.retain(|scheme| scheme.has_step());
+    let orders = schemes.iter().map(|scheme| format!("order, {}", scheme.name()));
     let headings = ["reference", "sd per path"].into_iter().map(String::from).chain(orders);
     let mut rows = vec![Row::labelled("statistic", headings)];
     for statistic in trade.answerable() {
@@ -141,7 +137,7 @@ fn deviations(trade: &Trade) -> String {
             significant(reference.estimate(statistic).value, 5),
             significant(reference.variance(statistic).sqrt(), 3),
         ];
-        cells.extend(schemes.iter().map(|scheme| match trade.law(scheme, statistic) {
+        cells.extend(schemes.iter().map(|scheme| match trade.law(*scheme, statistic) {
             Some(law) => format!("{:.2}±{:.2}", law.order.value, law.order.error),
             None => "not resolved".into(),
         }));
@@ -153,12 +149,12 @@ fn deviations(trade: &Trade) -> String {
 /// Step or tolerance, paths and cost of every scheme for one target, the cheapest marked.
 fn winners(trade: &Trade, target: f64) -> String {
     let schemes = trade.schemes();
-    let headings = schemes.iter().map(|scheme| scheme.to_string());
+    let headings = schemes.iter().map(|scheme| scheme.name().to_string());
     let mut rows = vec![Row::labelled(format!("RMSE {}", percent(target)), headings)];
     for statistic in trade.answerable() {
         let winner = trade.best(None, &[statistic], target).ok();
-        let cells = schemes.iter().map(|scheme| match trade.best(Some(scheme), &[statistic], target) {
-            Ok(choice) if winner.is_some_and(|w| w.setting == choice.setting) => format!("*{}", run(&choice)),
+        let cells = schemes.iter().map(|scheme| match trade.best(Some(*scheme), &[statistic], target) {
+            Ok(choice) if winner.is_some_and(|w| w.scheme == choice.scheme) => format!("*{}", run(&choice)),
             Ok(choice) => run(&choice),
             Err(Refusal::Bias { least, is_unresolved: true, .. }) => format!("bias? {least:.1e}"),
             Err(Refusal::Bias { least, .. }) => format!("bias {least:.1e}"),
@@ -171,7 +167,7 @@ fn winners(trade: &Trade, target: f64) -> String {
 
 /// `0.0039 x684 12.3 ms`; a step that was not run is in brackets.
 fn run(choice: &Choice) -> String {
-    let knob = short(choice.setting.knob());
+    let knob = short(choice.scheme.parameter());
     let knob = if choice.is_measured { knob } else { format!("({knob})") };
     let cost = time(choice.seconds).replace(" min ", "m").replace(" s", "s");
     format!("{knob} x{} {cost}", short(choice.paths as f64))
@@ -267,7 +263,7 @@ pub fn json(trade: &Trade, asked: &Asked<'_>) -> String {
         seed: asked.scenario.ensemble.seed,
         budget_seconds: asked.budget.as_secs_f64(),
         threads: asked.threads,
-        reference: trade.rungs[trade.reference].setting.to_string(),
+        reference: trade.reference().scheme.to_string(),
         rungs: trade.rungs.iter().map(|rung| json_rung(trade, rung)).collect(),
         statistics: Statistic::ALL.map(|statistic| json_statistic(trade, statistic)).into(),
         winners: (trade.answerable().into_iter())
@@ -281,9 +277,9 @@ pub fn json(trade: &Trade, asked: &Asked<'_>) -> String {
 
 fn json_rung(trade: &Trade, rung: &Rung) -> JsonRung {
     JsonRung {
-        scheme: rung.setting.scheme.name(),
-        step: rung.setting.step,
-        tolerance: rung.setting.scheme.tolerance(),
+        scheme: rung.scheme.name(),
+        step: rung.scheme.step(),
+        tolerance: rung.scheme.tolerance(),
         paths: rung.paths,
         diverged_paths: rung.diverged,
         cpu_seconds_first_path: rung.cost.first,
@@ -307,7 +303,7 @@ fn json_rung(trade: &Trade, rung: &Rung) -> JsonRung {
 
 fn json_statistic(trade: &Trade, statistic: Statistic) -> JsonStatistic {
     let standing = trade.standing(statistic);
-    let law = |scheme| trade.law(scheme, statistic).map(|law| (scheme, law.order));
+    let law = |scheme: Kind| trade.law(scheme, statistic).map(|law| (scheme.name(), law.order));
     JsonStatistic {
         name: statistic.name(),
         scale: standing.scale(),
@@ -319,14 +315,14 @@ fn json_statistic(trade: &Trade, statistic: Statistic) -> JsonStatistic {
 }
 
 fn json_winner(trade: &Trade, statistic: Statistic, target: f64) -> JsonWinner {
-    let winner = trade.best(None, &[statistic], target).ok().map(|choice| choice.setting.scheme.name());
-    let prediction = |scheme: &'static str| {
+    let winner = trade.best(None, &[statistic], target).ok().map(|choice| choice.scheme.name());
+    let prediction = |scheme: Kind| {
         let best = trade.best(Some(scheme), &[statistic], target);
         let choice = best.ok();
         JsonPrediction {
-            scheme,
-            step: choice.and_then(|choice| choice.setting.step),
-            tolerance: choice.and_then(|choice| choice.setting.scheme.tolerance()),
+            scheme: scheme.name(),
+            step: choice.and_then(|choice| choice.scheme.step()),
+            tolerance: choice.and_then(|choice| choice.scheme.tolerance()),
             paths: choice.map(|choice| choice.paths),
             cpu_seconds: choice.map(|choice| choice.seconds),
             measured: choice.map(|choice| choice.is_measured),

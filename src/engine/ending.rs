@@ -208,7 +208,7 @@ mod tests {
     fn intervals_of_runs_ended_by_a_goal_hold_what_they_promise() {
         let statistic = Statistic::StickDurationMean;
         let totals = |plan: &Plan, blocks: u64| {
-            let mut totals = RunTotals::empty(&plan.model, &plan.timeline);
+            let mut totals = RunTotals::empty(plan.model(), plan.timeline());
             (0..blocks).for_each(|block| totals.push(block, plan.block(block).totals).expect("once"));
             totals
         };
@@ -217,7 +217,7 @@ mod tests {
         let (mut held, mut lengths) = (0, Vec::new());
         for seed in 0..400 {
             let plan = plan(seed);
-            let mut totals = RunTotals::empty(&plan.model, &plan.timeline);
+            let mut totals = RunTotals::empty(plan.model(), plan.timeline());
             let blocks = (1..=400).find(|&blocks| {
                 totals.push(blocks - 1, plan.block(blocks - 1).totals).expect("once");
                 matches!(endings.look(blocks, &totals, Instant::now()), Look::Stop(EndedBy::Goals { .. }))

@@ -126,7 +126,7 @@ impl<'a> Run<'a> {
         let mut nobody = ();
         let progress = self.progress.take().unwrap_or(&mut nobody);
         let plan = Plan { paths: self.paths, ..self.scenario.plan() };
-        let mut totals = RunTotals::with(companion.empty(), &plan.model, &plan.timeline);
+        let mut totals = RunTotals::with(companion.empty(), plan.model(), plan.timeline());
         for sink in &mut self.sinks {
             sink.begin(self.scenario, plan.paths)?;
         }

@@ -10,7 +10,7 @@ mod in_order;
 pub use in_order::in_order;
 
 use crate::model::Model;
-use crate::scheme::{Scheme, Timeline};
+use crate::scheme::{Simulate as _, Simulation, Timeline};
 use crate::stats::{BlockObserver, BlockResult, Companion, Overlap, Record, RunTotals, Summary};
 use std::ops::ControlFlow;
 use std::sync::atomic::AtomicBool;
@@ -22,12 +22,8 @@ pub const BLOCK_SIZE: u64 = 256;
 /// Everything an ensemble is a function of.
 #[derive(Clone, Debug)]
 pub struct Plan {
-    /// The physics.
-    pub model: Model,
-    /// How it is simulated.
-    pub scheme: Scheme,
-    /// When paths are observed.
-    pub timeline: Timeline,
+    /// What is simulated, how, and when it is looked at.
+    pub simulation: Simulation,
     /// What is kept of single paths.
     pub record: Record,
     /// With a path's number it determines the path.
@@ -37,6 +33,16 @@ pub struct Plan {
 }
 
 impl Plan {
+    /// What is simulated.
+    pub fn model(&self) -> &Model {
+        self.simulation.model()
+    }
+
+    /// When paths are looked at.
+    pub fn timeline(&self) -> &Timeline {
+        self.simulation.timeline()
+    }
+
     /// Number of blocks.
     pub fn blocks(&self) -> u64 {
         self.paths.div_ceil(BLOCK_SIZE)
@@ -66,9 +72,9 @@ impl Plan {
         let mut kept: Vec<u64> = (first..first + paths).collect();
         let mut diverged = Vec::new();
         loop {
-            let own = BlockObserver::new(&self.model, &self.timeline, &self.record, &kept);
+            let own = BlockObserver::new(self.model(), self.timeline(), &self.record, &kept);
             let mut both = (own, companion.observer(kept.len()));
-            let lost = self.scheme.simulate(self.seed, &kept, &mut both);
+            let lost = self.simulation.simulate(self.seed, &kept, &mut both);
             if lost.is_empty() {
                 let (own, theirs) = both;
                 return (own.finish(first, paths, diverged), companion.finish(theirs));
@@ -82,7 +88,7 @@ impl Plan {
 
     /// Simulate the whole ensemble on `threads` threads and sum it up.
     pub fn run(&self, threads: usize) -> Summary {
-        let mut totals = RunTotals::empty(&self.model, &self.timeline);
+        let mut totals = RunTotals::empty(self.model(), self.timeline());
         let deliver = |block: BlockResult| {
             totals.push(block.first_path / BLOCK_SIZE, block.totals)?;
             Ok::<_, Overlap>(ControlFlow::Continue(()))

@@ -15,6 +15,7 @@ mod complex;
 mod friction;
 mod harmonic_clock;
 mod impulse_response;
+mod limits;
 mod oscillator;
 #[cfg(test)]
 pub(crate) mod paper;
@@ -26,6 +27,7 @@ pub use complex::Complex;
 pub use friction::{Friction, prox};
 pub use harmonic_clock::HarmonicClock;
 pub use impulse_response::ImpulseResponse;
+pub use limits::{LARGEST, can_be_computed_with};
 pub use oscillator::Oscillator;
 pub use slip_flow::{ForcedOscillator, ForcingTerm, SlipFlow, SlipState};
 pub use temperature::{Harmonic, InitialNoise, Noise, Temperature};

@@ -74,7 +74,7 @@ impl ForcedOscillator {
     pub fn new(model: &Model, noise_start: f64) -> Self {
         let oscillator = model.oscillator;
         let w0 = oscillator.natural_frequency();
-        let gain = oscillator.stiffness * oscillator.dilatation / oscillator.mass;
+        let gain = oscillator.force_per_temperature() / oscillator.mass;
         let mut terms: Vec<_> = model
             .temperature
             .harmonics

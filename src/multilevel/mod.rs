@@ -16,7 +16,7 @@
 
 use crate::ensemble::{BLOCK_SIZE, Plan, in_order};
 use crate::model::Model;
-use crate::scheme::{DiscreteVi, Scheme, Timeline};
+use crate::scheme::{CorrectedVi, Scheme, Simulate as _, Timeline};
 use crate::stats::{BlockResult, Moments, PathColumns, Record, Statistic};
 use std::convert::Infallible;
 use std::ops::ControlFlow;
@@ -200,10 +200,10 @@ impl Multilevel {
     fn pair(&self, l: usize) -> Pair {
         let plan = |steps: f64, refinement: usize| {
             let timeline = Timeline { end: self.end, output_step: self.end, period: None };
-            let scheme = DiscreteVi::corrected(&self.model, &timeline, self.end / steps).fed_by_finer(refinement);
+            let scheme = Scheme::from(CorrectedVi { step: self.end / steps });
+            let simulation = scheme.simulation(&self.model, &timeline).fed_by_finer(refinement);
             let record = Record { paths: true, events: false, trajectories: 0 };
-            let scheme = Scheme::DiscreteVi(scheme);
-            Plan { model: self.model.clone(), scheme, timeline, record, seed: self.seed, paths: u64::MAX }
+            Plan { simulation, record, seed: self.seed, paths: u64::MAX }
         };
         let steps = self.coarsest_steps * 2f64.powi(l as i32);
         Pair { fine: plan(steps, 1), coarse: (l > 0).then(|| plan(steps / 2.0, 2)) }
@@ -258,7 +258,7 @@ fn value_of(statistic: Statistic) -> Option<Value> {
         Statistic::DisplacementEndMean => |_, columns| columns.displacement_end.clone(),
         Statistic::FrictionWorkMean => |_, columns| columns.friction_work.clone(),
         Statistic::StickingFraction => {
-            |plan, columns| columns.stick_time.iter().map(|t| t / plan.timeline.end).collect()
+            |plan, columns| columns.stick_time.iter().map(|t| t / plan.timeline().end).collect()
         }
         Statistic::SticksPerPath => |_, columns| columns.sticks.iter().map(|&n| f64::from(n)).collect(),
         Statistic::SlipsPerPath => |_, columns| columns.slips.iter().map(|&n| f64::from(n)).collect(),

@@ -9,7 +9,6 @@
 //! The explicit step puts (e^{sh} - 1)/h in the place of s; so it takes a forcing that is faster than itself for a slow one, to which the body
 //! yields. The free oscillation is what is left of x0 and x'(0) = 0; or of a later start at rest at |b| = f_s, where the forced motion passes.
 
-use super::check::force_bound;
 use crate::model::{Complex, InitialNoise, Model, Noise, Oscillator};
 use std::f64::consts::PI;
 
@@ -23,7 +22,7 @@ const TYPICAL_SD: f64 = 3.0;
 pub(super) fn expected_amplitude(model: &Model, end: f64, step: Option<f64>) -> f64 {
     let Model { oscillator, friction, temperature, initial_displacement: x0 } = model;
     let w0 = oscillator.natural_frequency();
-    if force_bound(model, NEVER_SD) <= friction.static_force {
+    if model.force_bound(NEVER_SD) <= friction.static_force {
         return x0.abs();
     }
     // At resonance without damping the amplitude grows by w0/2 per unit of time, so the end of the run bounds it.

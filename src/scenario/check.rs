@@ -2,10 +2,10 @@
 //!
 //! Pure functions of the scenario; nothing is simulated.
 
+use super::Scenario;
 use super::amplitude::expected_amplitude;
-use super::{Scenario, SchemeKind, Stability};
 use crate::model::{Model, Noise, Oscillator};
-use crate::scheme::{EventDriven, Resolution, monitoring_shift};
+use crate::scheme::{Discretisation, Resolution, Stability, monitoring_shift};
 use std::f64::consts::PI;
 
 /// Quantities that follow from a scenario.
@@ -48,12 +48,7 @@ pub struct Derived {
 impl Scenario {
     /// What the event-driven scheme resolves where f_s and f_d (nearly) meet under noise; usually nothing.
     pub fn resolution(&self) -> Option<Resolution> {
-        match self.scheme {
-            SchemeKind::EventDriven { tolerance } => {
-                EventDriven::new(&self.model, &self.timeline(), tolerance).resolution()
-            }
-            _ => None,
-        }
+        self.scheme.resolution(&self.model, &self.timeline())
     }
 
     /// What follows from the scenario before it is run.
@@ -64,8 +59,7 @@ impl Scenario {
         let noise_force = noise.map(|noise| force_per_v(oscillator, noise) * noise.stationary_sd());
         let diffusive = noise.map(|noise| force_per_v(oscillator, noise) * noise.diffusion).filter(|c| *c > 0.0);
         let period = temperature.period();
-        let step = self.scheme.is_time_stepping().then(|| self.time.step_or_row());
-        let steps = self.time.steps();
+        let steps = self.steps();
         Derived {
             natural_frequency: w0,
             frequency_ratios: temperature.harmonics.iter().map(|harmonic| harmonic.angular_frequency / w0).collect(),
@@ -73,12 +67,13 @@ impl Scenario {
             noise_force,
             corridor_half_width: noise_force.filter(|c| *c > 0.0).map(|c| friction.static_force / c),
             corridor_time: diffusive.map(|c| (friction.static_force / c).powi(2)),
-            stability: step.map(|h| Stability::new(self.scheme, oscillator, friction.dynamic_force, h)),
-            monitoring_shift: step
-                .filter(|_| self.scheme == SchemeKind::CorrectedVi)
-                .map(|h| monitoring_shift(&self.model, h)),
+            stability: self.scheme.stability(&self.model),
+            monitoring_shift: match self.scheme.discretisation() {
+                Discretisation::CorrectedStep { h } => Some(monitoring_shift(&self.model, h)),
+                Discretisation::Step { .. } | Discretisation::Tolerance { .. } | Discretisation::Approximation => None,
+            },
             resolution: self.resolution(),
-            expected_amplitude: expected_amplitude(&self.model, self.time.end, step),
+            expected_amplitude: expected_amplitude(&self.model, self.time.end, self.scheme.step()),
             forcing_period: period,
             whole_periods: period.map_or(0.0, |period| (self.time.end / period * (1.0 + 1e-9)).floor()),
             steps,
@@ -91,21 +86,7 @@ impl Scenario {
 
 /// K |beta| rho: the force that one unit of v makes.
 fn force_per_v(oscillator: &Oscillator, noise: &Noise) -> f64 {
-    oscillator.stiffness * oscillator.dilatation.abs() * noise.intensity
-}
-
-/// Standard deviations that v is taken never to exceed: beyond 40, exp(-40^2/2) is below the smallest double.
-const FARTHEST_SD: f64 = 40.0;
-
-/// A bound of |b| = |K (beta T - x)| while x has not left x0.
-pub(super) fn largest_force(model: &Model) -> f64 {
-    force_bound(model, FARTHEST_SD)
-}
-
-/// The same, with the noise kept to so many stationary standard deviations.
-pub(super) fn force_bound(model: &Model, sds: f64) -> f64 {
-    model.oscillator.stiffness
-        * (model.oscillator.dilatation.abs() * model.temperature.bound(sds) + model.initial_displacement.abs())
+    oscillator.force_per_temperature().abs() * noise.intensity
 }
 
 /// Bytes of one row of the bands: x, x' and T with mean, sd and five quantiles, P(static), time.
@@ -122,7 +103,7 @@ const EMPTY_BYTES: f64 = 65_536.0;
 fn output_bytes(scenario: &Scenario) -> f64 {
     let paths = scenario.ensemble.paths as f64;
     let rows = scenario.timeline().rows() as f64;
-    let events = scenario.time.steps().map_or(f64::INFINITY, |steps| steps as f64).min(events(scenario)) + 1.0;
+    let events = scenario.steps().map_or(f64::INFINITY, |steps| steps as f64).min(events(scenario)) + 1.0;
     let record = &scenario.record;
     EMPTY_BYTES
         + rows * ROW_BYTES
@@ -139,7 +120,7 @@ fn events(scenario: &Scenario) -> f64 {
     let end = scenario.time.end;
     let half_cycles = end * oscillator.natural_frequency() / PI;
     let gap = 2.0 * (friction.static_force - friction.dynamic_force);
-    let gain = oscillator.stiffness * oscillator.dilatation.abs();
+    let gain = oscillator.force_per_temperature().abs();
     let harmonic: f64 = temperature.harmonics.iter().map(|h| gain * h.amplitude.abs() * h.angular_frequency).sum();
     let noise = temperature.noise.map_or(0.0, |noise| force_per_v(oscillator, &noise) * noise.diffusion);
     let slips = end * (2.0 / PI * harmonic / gap + (noise / gap).powi(2));

@@ -4,6 +4,7 @@ use super::error::Fault;
 use super::keys::{self, Key, Range};
 use super::source::{Place, Sources};
 use super::tree::{Entry, Node, Value};
+use crate::model::LARGEST;
 
 /// A value that was read, and where; `place` is none where a default stands in.
 #[derive(Clone, Debug)]
@@ -59,9 +60,15 @@ impl<'a> Fields<'a> {
         self.entries.iter().find(|entry| entry.key == name).map(|entry| &entry.node)
     }
 
-    /// Where the value of a key is, if it is there.
-    pub fn place_of(&self, name: &str) -> Option<Place> {
-        self.node(name).map(|node| node.place)
+    /// Where the value of a key, in this table or dotted in one below, is, if it is there.
+    pub fn place_of(&self, dotted: &str) -> Option<Place> {
+        let mut names = dotted.split('.');
+        let mut node = self.node(names.next()?)?;
+        for name in names {
+            let Value::Table(entries) = &node.value else { return None };
+            node = &entries.iter().find(|entry| entry.key == name)?.node;
+        }
+        Some(node.place)
     }
 
     /// A table in this one; if it is missing, an empty one.
@@ -112,12 +119,12 @@ impl<'a> Fields<'a> {
             x if x.is_nan() => "is not a number".to_string(),
             x if x.is_infinite() => "is not finite".to_string(),
             x if !key.range.holds(x) => format!("is out of range: it must be {allowed}"),
-            x if x.abs() > keys::LARGEST && key.range != Range::Threshold => {
+            x if x.abs() > LARGEST && key.range != Range::Threshold => {
                 let remedy = format!("choose units in which it is closer to 1, or {remedy}");
                 return Err(self.fault(
                     node,
                     &path,
-                    format!("is above {:e}, too large to compute with", keys::LARGEST),
+                    format!("is above {:e}, too large to compute with", LARGEST),
                     remedy,
                 ));
             }

@@ -13,14 +13,6 @@ pub(super) enum Range {
     Tolerance,
 }
 
-/// The largest number that is computed with: squares and products of two such, summed over any run, fit a double.
-pub(super) const LARGEST: f64 = 1e100;
-
-/// Whether all of these are at most [`LARGEST`]; what is not a number is not.
-pub(super) fn can_be_computed_with(sizes: &[f64]) -> bool {
-    sizes.iter().all(|size| *size <= LARGEST)
-}
-
 impl Range {
     pub fn holds(self, x: f64) -> bool {
         match self {

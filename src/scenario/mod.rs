@@ -4,10 +4,10 @@
 //! source    the texts: a file, and the overrides of a command line
 //!   -> tree      TOML with the place of every value, overrides laid over it
 //!        -> fields    a table read key by key: unknown keys, types, ranges (keys lists them all)
-//!             -> parse, time   a checked Scenario, or the Fault that says what to change
-//! kind      the schemes by name
+//!             -> parse, time_keys   a checked Scenario, or the Fault that says what to change
+//! time      duration and output grid, and whether they go with a scheme
 //! text      a Scenario -> TOML, every default visible; reading it again gives the same Scenario
-//! check     what follows from a Scenario before it is run; stability: limits of its step; amplitude: how far it may go
+//! check     what follows from a Scenario before it is run; amplitude: how far it may go
 //! warnings  what to know before trusting the run
 //! plan      the ensemble that answers it
 //! ```
@@ -17,14 +17,13 @@ mod check;
 mod error;
 mod fields;
 mod keys;
-mod kind;
 mod parse;
 mod plan;
 mod shipped;
 mod source;
-mod stability;
 mod text;
 mod time;
+mod time_keys;
 mod tree;
 mod warnings;
 
@@ -33,17 +32,15 @@ mod tests;
 
 pub use check::Derived;
 pub use error::{Fault, ScenarioError};
-pub use kind::SchemeKind;
 pub use parse::{MAX_PATHS, MAX_TRAJECTORIES};
 pub use shipped::{SHIPPED, Shipped, shipped};
-pub use stability::Stability;
-pub use time::{MAX_ROWS, MAX_STEPS};
+pub use time::{MAX_ROWS, MAX_STEPS, Time};
 pub use warnings::Warning;
 
 pub use crate::stats::Units;
 
 use crate::model::Model;
-use crate::scheme::Timeline;
+use crate::scheme::{Scheme, Timeline};
 use crate::stats::Record;
 use source::Sources;
 use std::fmt;
@@ -57,27 +54,16 @@ pub struct Scenario {
     pub title: String,
     /// The physics.
     pub model: Model,
-    /// Duration, step, output grid.
+    /// Duration and output grid.
     pub time: Time,
-    /// Which scheme simulates it.
-    pub scheme: SchemeKind,
+    /// How it is simulated.
+    pub scheme: Scheme,
     /// How many paths, from which seed.
     pub ensemble: Ensemble,
     /// What is kept of single paths.
     pub record: Record,
     /// Labels, used in tables and attributes only.
     pub units: Units,
-}
-
-/// Duration, step and output grid of a run.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Time {
-    /// t_end >= 0.
-    pub end: f64,
-    /// h > 0, of which `end` and `output_step` are whole multiples; none where the scheme has no steps.
-    pub step: Option<f64>,
-    /// Spacing of the output grid.
-    pub output_step: f64,
 }
 
 /// How many paths, from which seed.
@@ -87,19 +73,6 @@ pub struct Ensemble {
     pub paths: u64,
     /// Seed; with the path number it determines a path.
     pub seed: u64,
-}
-
-impl Time {
-    /// Number of steps from 0 to the end, if there are steps.
-    pub fn steps(&self) -> Option<u64> {
-        self.step.map(|step| (self.end / step).round() as u64)
-    }
-
-    /// The step a time-stepping scheme makes. The reader lets no such scenario pass without one; one that was put together
-    /// without steps from row to row.
-    fn step_or_row(&self) -> f64 {
-        self.step.unwrap_or(self.output_step)
-    }
 }
 
 /// A key of a scenario with a value to put there, and how the user wrote it.

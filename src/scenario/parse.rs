@@ -1,16 +1,16 @@
 //! Keys -> a checked scenario. What leaves this file is finite, in range, and can be computed with.
 
-use super::check::largest_force;
 use super::error::Fault;
 use super::fields::{Fields, Read};
 use super::keys;
 use super::source::Sources;
-use super::time::time;
+use super::time_keys::scheme_and_time;
 use super::tree;
-use super::{Ensemble, Scenario, SchemeKind, Units};
-use crate::model::{Friction, Harmonic, InitialNoise, Model, Noise, Oscillator, Temperature};
-use crate::noise::Transition;
-use crate::scheme::felt_noise;
+use super::{Ensemble, Scenario, Units};
+use crate::model::{
+    Friction, Harmonic, InitialNoise, LARGEST, Model, Noise, Oscillator, Temperature, can_be_computed_with,
+};
+use crate::scheme::Misfit;
 use crate::stats::Record;
 
 /// Most paths.
@@ -31,12 +31,7 @@ pub(super) fn scenario(sources: &Sources<'_>, default_title: &str) -> Result<Sce
     let root = Fields::root(sources, &tree)?;
     refuse_unknown_keys(&root)?;
     let model = model(sources, &root)?;
-    let scheme = scheme(sources, &root)?;
-    let time = time(sources, &root, &model, scheme)?;
-    match time.step {
-        Some(step) => refuse_lost_increments(sources, &root, &model, step)?,
-        None => refuse_lost_friction(sources, &root, &model, time.end)?,
-    }
+    let (scheme, time) = scheme_and_time(sources, &root, &model)?;
     let ensemble = root.table("ensemble")?;
     let record = root.table("record")?;
     let units = root.table("units")?;
@@ -118,7 +113,7 @@ fn model(sources: &Sources<'_>, root: &Fields<'_>) -> Result<Model, Box<Fault>> 
         return Err(about(sources, &[&stiffness, &mass], problem, remedy.into()));
     }
     let rate = damping.value / mass.value;
-    if rate > keys::LARGEST {
+    if rate > LARGEST {
         let problem = format!("gives alpha/m = {rate:e}, too large to compute with");
         let remedy = "choose units in which mass and damping are closer to 1";
         return Err(about(sources, &[&damping, &mass], problem, remedy.into()));
@@ -129,12 +124,12 @@ fn model(sources: &Sources<'_>, root: &Fields<'_>) -> Result<Model, Box<Fault>> 
         temperature: Temperature { harmonics, noise },
         initial_displacement: initial.value,
     };
-    let (largest, mass) = (largest_force(&model), model.oscillator.mass);
+    let (largest, mass) = (model.largest_force(), model.oscillator.mass);
     let acceleration = largest / mass;
-    if !keys::can_be_computed_with(&[largest, acceleration]) {
+    if !can_be_computed_with(&[largest, acceleration]) {
         let problem = format!(
             "lets the force b = K (beta T - x) reach {largest:e} and b/m {acceleration:e}; above {:e} is too large to compute with",
-            keys::LARGEST
+            LARGEST
         );
         let remedy = "lower the stiffness, dilatation, temperature or displacement, or change units";
         // Most likely the largest factor of it is the one that is wrong.
@@ -162,7 +157,7 @@ fn noise(sources: &Sources<'_>, table: &Fields<'_>) -> Result<Option<Noise>, Box
         initial,
     };
     let size = noise.intensity * noise.stationary_sd();
-    if !keys::can_be_computed_with(&[size, noise.stationary_sd()])
+    if !can_be_computed_with(&[size, noise.stationary_sd()])
         || (noise.diffusion > 0.0 && !noise.stationary_sd().is_normal())
     {
         let problem =
@@ -173,52 +168,6 @@ fn noise(sources: &Sources<'_>, table: &Fields<'_>) -> Result<Option<Noise>, Box
     let starts_at_zero = matches!(initial, InitialNoise::Stationary | InitialNoise::At(0.0));
     let silent = noise.intensity == 0.0 || (noise.diffusion == 0.0 && starts_at_zero);
     Ok((!silent).then_some(noise))
-}
-
-/// The time-stepping schemes count v in increments of one step: these must be doubles, and v(0) a number of them that can be computed with.
-fn refuse_lost_increments(sources: &Sources<'_>, root: &Fields<'_>, model: &Model, h: f64) -> Result<(), Box<Fault>> {
-    let Some(noise) = model.temperature.noise.filter(|noise| noise.diffusion > 0.0) else { return Ok(()) };
-    let increment = Transition::new(noise.relaxation_rate, noise.diffusion, h).increment_sd;
-    let start = if let InitialNoise::At(v) = noise.initial { v.abs() } else { noise.stationary_sd() };
-    if increment.is_normal() && keys::can_be_computed_with(&[start / increment]) {
-        return Ok(());
-    }
-    let diffusion = root.table("temperature")?.table("noise")?.number_or(keys::DIFFUSION, 1.0)?;
-    let problem = format!(
-        "moves v by {increment:e} in a step h = {h:?}, and v, which starts at {start:e}, cannot be counted in units of that"
-    );
-    let remedy = "write `diffusion = 0` to leave v relaxing from v(0), raise it, or choose `--scheme event-driven`";
-    Err(about(sources, &[&diffusion], problem, remedy.into()))
-}
-
-/// The schemes without a step ask when the noise passes f_s, after some (f_s/s)^2: both must be forces whose squares, with their products
-/// and ratios, can be computed with.
-fn refuse_lost_friction(sources: &Sources<'_>, root: &Fields<'_>, model: &Model, end: f64) -> Result<(), Box<Fault>> {
-    let f_s = model.friction.static_force;
-    let Some(noise) = felt_noise(model, end).filter(|_| f_s > 0.0) else { return Ok(()) };
-    if keys::can_be_computed_with(&[noise / f_s, 1.0 / (noise * f_s)]) {
-        return Ok(());
-    }
-    let threshold = root.table("friction")?.number(keys::STATIC)?;
-    let problem = format!("is lost beside the noise, which moves b by {noise:e}: when b passes f_s cannot be computed");
-    let remedy = "write `static = 0` and `dynamic = 0` for none, or choose units in which forces are closer to 1";
-    Err(about(sources, &[&threshold], problem, remedy.into()))
-}
-
-/// The scheme with its tolerance.
-fn scheme(sources: &Sources<'_>, root: &Fields<'_>) -> Result<SchemeKind, Box<Fault>> {
-    let table = root.table("scheme")?;
-    let named = table.word("kind", &SchemeKind::NAMES)?.and_then(SchemeKind::from_name);
-    let kind = named.unwrap_or(SchemeKind::DiscreteVi);
-    let Some(tolerance) = table.number_if_present(keys::TOLERANCE)? else { return Ok(kind) };
-    // A scheme chosen on the command line leaves the tolerance of the file's own behind.
-    let is_left_behind = sources.is_override(table.place_of("kind")) && !sources.is_override(tolerance.place);
-    if kind.tolerance().is_some() || is_left_behind {
-        return Ok(kind.with_tolerance(tolerance.value));
-    }
-    let problem = format!("is given, but the accuracy of the {} scheme is set by `time.step` alone", kind.name());
-    let remedy = "remove it, or choose the scheme \"event-driven\" or \"quasi-static\" (`--scheme event-driven`)";
-    Err(about(sources, &[&tolerance], problem, remedy.into()))
 }
 
 /// Whether `a` comes from an override and `b` does not: then `a` is the one to blame.
@@ -235,4 +184,12 @@ pub(super) fn about(sources: &Sources<'_>, reads: &[&Read<f64>], problem: String
         }
     }
     Fault::at(sources, shown.place, problem, remedy).of(&shown.path).value(format!("{:?}", shown.value))
+}
+
+/// The same for values that do not go together, wherever each of them stands; a default stands nowhere.
+pub(super) fn located(sources: &Sources<'_>, root: &Fields<'_>, misfit: &Misfit) -> Box<Fault> {
+    let read =
+        |(key, value): &(&'static str, f64)| Read { value: *value, place: root.place_of(key), path: key.to_string() };
+    let reads: Vec<Read<f64>> = misfit.about.iter().map(read).collect();
+    about(sources, &reads.iter().collect::<Vec<_>>(), misfit.problem.clone(), misfit.remedy.clone())
 }

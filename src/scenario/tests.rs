@@ -3,7 +3,9 @@
 use super::*;
 use crate::model::paper::paper;
 use crate::model::{Friction, Harmonic, InitialNoise, Noise, Oscillator, Temperature};
-use crate::scheme::{DEFAULT_TOLERANCE, monitoring_shift};
+use crate::scheme::{
+    CorrectedVi, DEFAULT_TOLERANCE, DiscreteVi, EventDriven, Kind, Scheme, Stability, monitoring_shift,
+};
 use proptest::prelude::*;
 
 const BASE: &str = include_str!("../../scenarios/rho025.toml");
@@ -45,9 +47,9 @@ fn the_paper_scenes_hold_its_parameters() {
     for (name, w, rho) in
         [("shaw", 0.25, 0.0), ("shaw-as-printed", 0.5, 0.0), ("rho025", 0.25, 0.25), ("rho025-as-printed", 0.5, 0.25)]
     {
-        let Scenario { model, time, .. } = Scenario::parse(name, shipped(name).unwrap().text, &[]).unwrap();
+        let Scenario { model, time, scheme, .. } = Scenario::parse(name, shipped(name).unwrap().text, &[]).unwrap();
         assert_eq!(model, paper(w, rho), "{name}");
-        assert_eq!((time.end, time.step, time.output_step), (60.0, Some(0.01), 0.5), "{name}");
+        assert_eq!((time.end, scheme.step(), time.output_step), (60.0, Some(0.01), 0.5), "{name}");
     }
 }
 
@@ -61,7 +63,7 @@ fn defaults_are_those_of_the_documentation() {
     let noise = Noise { intensity: 0.25, relaxation_rate: 1.0, diffusion: 1.0, initial: InitialNoise::At(0.0) };
     assert_eq!(scenario.model.temperature, Temperature { harmonics: vec![], noise: Some(noise) });
     assert_eq!(scenario.time.output_step, 0.5);
-    assert_eq!(scenario.scheme, SchemeKind::DiscreteVi);
+    assert_eq!(scenario.scheme, DiscreteVi { step: 0.01 }.into());
     assert_eq!(scenario.ensemble, Ensemble { paths: 10_000, seed: 1 });
     assert_eq!(scenario.record, Record { paths: true, events: false, trajectories: 0 });
     assert_eq!(scenario.units, Units::default());
@@ -405,21 +407,21 @@ prop_compose! {
         title in label(),
         model in model(),
         (step, steps, stride) in (size(), 0..10_000u32, 1..10_000u32),
-        (kind, tolerance) in (0..SchemeKind::ALL.len(), 1e-9..=0.1f64),
+        (kind, tolerance) in (0..Kind::ALL.len(), 1e-9..=0.1f64),
         (paths, seed) in (1..=MAX_PATHS, any::<u64>()),
         (keep_paths, events, trajectories) in (any::<bool>(), any::<bool>(), 0..=MAX_TRAJECTORIES),
         (time, length, force, temperature) in (label(), label(), label(), label()),
     ) -> Scenario {
-        let scheme = SchemeKind::ALL[kind].with_tolerance(tolerance);
-        let duration = Time { end: f64::from(steps) * step, step: Some(step), output_step: f64::from(stride) * step };
+        let kind = Kind::ALL[kind];
+        let scheme = kind.with(if kind.has_step() { step } else { tolerance });
         let mut model = model;
-        if scheme == SchemeKind::CorrectedVi && monitoring_shift(&model, step) >= model.friction.static_force / 2.0 {
+        if kind == Kind::CorrectedVi && monitoring_shift(&model, step) >= model.friction.static_force / 2.0 {
             model.temperature.noise = None;
         }
         Scenario {
             title,
             model,
-            time: if scheme.is_time_stepping() { duration } else { Time { step: None, ..duration } },
+            time: Time { end: f64::from(steps) * step, output_step: f64::from(stride) * step },
             scheme,
             ensemble: Ensemble { paths, seed },
             record: Record { paths: keep_paths, events, trajectories },
@@ -459,23 +461,23 @@ proptest! {
 }
 
 /// A scheme's slip step without forcing and friction, iterated: how large (X, V) is in the end.
-fn size_after_slip(kind: SchemeKind, oscillator: &Oscillator, h: f64) -> f64 {
+fn size_after_slip(kind: Kind, oscillator: &Oscillator, h: f64) -> f64 {
     let (mut x, mut v) = (1.0f64, 0.0f64);
     for _ in 0..20_000 {
         let next = v + h / oscillator.mass * oscillator.force(0.0, x, v);
-        x += h * if kind == SchemeKind::CorrectedVi { next } else { v };
+        x += h * if kind == Kind::CorrectedVi { next } else { v };
         v = next;
     }
     x.abs() + v.abs()
 }
 
 fn decays(oscillator: &Oscillator, h: f64) -> bool {
-    size_after_slip(SchemeKind::DiscreteVi, oscillator, h) < 1.0
+    size_after_slip(Kind::DiscreteVi, oscillator, h) < 1.0
 }
 
 #[test]
 fn the_stability_limit_of_the_corrected_scheme_separates_bounded_from_unbounded() {
-    let kind = SchemeKind::CorrectedVi;
+    let kind = Kind::CorrectedVi;
     for damping in [0.0, 0.1, 0.5, 1.0, 4.0] {
         let scenario = base(&["scheme.kind=corrected-vi", &format!("oscillator.damping={damping}")]).unwrap();
         let Some(Stability::NewVelocity { largest_step: limit }) = scenario.derived().stability else { panic!() };
@@ -556,17 +558,82 @@ fn warnings_say_what_the_scene_is_about() {
 
 #[test]
 fn every_scheme_is_chosen_by_name() {
-    assert_eq!(SchemeKind::ALL.map(SchemeKind::name), SchemeKind::NAMES);
-    for kind in SchemeKind::ALL {
+    for name in ["discrete-vi", "corrected-vi", "event-driven", "quasi-static"] {
+        assert!(Kind::from_name(name).is_some_and(|kind| kind.name() == name), "{name}");
+    }
+    for &kind in Kind::ALL {
         let scenario = base(&[&format!("scheme.kind={}", kind.name())]).unwrap();
-        assert_eq!(scenario.scheme, kind);
-        assert_eq!(scenario.time.step.is_some(), kind.is_time_stepping(), "a step in the file is not used");
-        assert_eq!(scenario.time.step.map(|_| 6000), scenario.time.steps());
-        assert_eq!(kind.tolerance().is_none(), kind.is_time_stepping());
+        assert_eq!(scenario.scheme, kind.with(if kind.has_step() { 0.01 } else { DEFAULT_TOLERANCE }));
+        assert_eq!(scenario.scheme.step().is_some(), kind.has_step(), "a step in the file is not used");
+        assert_eq!(scenario.scheme.step().map(|_| 6000), scenario.steps());
+        assert_eq!(scenario.scheme.tolerance().is_none(), kind.has_step());
     }
     let set = ["scheme.kind=event-driven", "scheme.tolerance=1e-4"];
-    assert_eq!(base(&set).unwrap().scheme, SchemeKind::EventDriven { tolerance: 1e-4 });
+    assert_eq!(base(&set).unwrap().scheme, EventDriven { tolerance: 1e-4 }.into());
     assert_eq!(DEFAULT_TOLERANCE, 1e-3, "as in docs/scenario.md");
+}
+
+#[test]
+fn no_two_schemes_are_called_or_drawn_alike() {
+    for (i, one) in Kind::ALL.iter().enumerate() {
+        for other in &Kind::ALL[..i] {
+            assert_ne!(one.name(), other.name());
+            assert_ne!(one.look().colour, other.look().colour);
+            assert_ne!(one.look().dash, other.look().dash);
+        }
+    }
+}
+
+#[test]
+fn a_scheme_is_shown_as_it_is_typed() {
+    let typed = |scheme: Scheme| scheme.to_string();
+    assert_eq!(typed(CorrectedVi { step: 0.005 }.into()), "--scheme corrected-vi --step 0.005");
+    assert_eq!(typed(EventDriven { tolerance: 1e-4 }.into()), "--scheme event-driven --tolerance 0.0001");
+}
+
+/// What a command line is refused for, a change of the scheme is refused for in the same words; what it is not refused for is the same
+/// scenario.
+#[test]
+fn another_scheme_is_refused_as_the_reader_refuses_it() {
+    let mut refused = 0;
+    for set in [
+        &["scheme.kind=discrete-vi"][..],
+        &["scheme.kind=discrete-vi", "friction.static=1e-150", "friction.dynamic=0"],
+        &["scheme.kind=event-driven", "friction.static=0", "friction.dynamic=0"],
+        &["scheme.kind=event-driven", "temperature.noise.diffusion=1e-307"],
+        &["scheme.kind=event-driven", "temperature.noise.diffusion=1e-300", "temperature.noise.initial=1"],
+        &["scheme.kind=event-driven", "temperature.noise.intensity=0", "friction.static=1e-310", "friction.dynamic=0"],
+        &["scheme.kind=quasi-static", "time.output_step=0.7"],
+        &["scheme.kind=quasi-static", "time.end=59.995", "time.output_step=59.995"],
+    ] {
+        let scenario = base(set).unwrap();
+        for &kind in Kind::ALL {
+            let (flag, key, parameters) = match kind.has_step() {
+                true => ("--step", "time.step", [0.01, 0.007, 1.0, 1e-15]),
+                false => ("--tolerance", "scheme.tolerance", [1e-2, 1e-3, 1e-4, 1e-5]),
+            };
+            for parameter in parameters {
+                let flags = [
+                    Override::flag("--scheme", "scheme.kind", kind.name()),
+                    Override::flag(flag, key, &format!("{parameter:?}")),
+                ];
+                let read = Scenario::parse(&scenario.title, &scenario.to_toml(), &flags);
+                match (read, scenario.with_scheme(kind.with(parameter))) {
+                    (Ok(read), Ok(changed)) => assert_eq!(read, changed),
+                    (Err(ScenarioError::Invalid(fault)), Err(misfit)) => {
+                        let words = fault.to_string();
+                        assert!(
+                            words.contains(&misfit.sentence()) && words.contains(&misfit.remedy),
+                            "{fault} {misfit}"
+                        );
+                        refused += 1;
+                    }
+                    (read, changed) => panic!("{set:?} {kind:?} {parameter}: {read:?} {changed:?}"),
+                }
+            }
+        }
+    }
+    assert!(refused > 30, "{refused}");
 }
 
 #[test]
@@ -591,14 +658,14 @@ fn a_scheme_takes_only_what_it_has_a_use_for() {
     let text = base(&["scheme.kind=event-driven"]).unwrap().to_toml();
     let set =
         |kind: &str| [Override::flag("--scheme", "scheme.kind", kind), Override::flag("--step", "time.step", "0.01")];
-    assert_eq!(Scenario::parse("x", &text, &set("corrected-vi")).unwrap().scheme, SchemeKind::CorrectedVi);
+    assert_eq!(Scenario::parse("x", &text, &set("corrected-vi")).unwrap().scheme, CorrectedVi { step: 0.01 }.into());
 }
 
 #[test]
 fn a_grid_without_steps_needs_no_whole_multiples() {
     let stepless = |set: &[&str]| base(&[&["scheme.kind=event-driven"], set].concat()).map(|scenario| scenario.time);
     let time = stepless(&["time.end=59.995", "time.output_step=0.7"]).unwrap();
-    assert_eq!(time, Time { end: 59.995, step: None, output_step: 0.7 });
+    assert_eq!(time, Time { end: 59.995, output_step: 0.7 });
     let text: String =
         BASE.lines().filter(|line| !line.starts_with("output_step")).fold(String::new(), |t, l| t + l + "\n");
     for (end, spacing) in [("60", 0.5), ("59.995", 59.995 / 120.0), ("0", 1.0), ("5e-324", 1.0)] {

@@ -11,16 +11,16 @@ pub(super) fn resolved(scenario: &Scenario) -> String {
     let Scenario { title, model, time, scheme, ensemble, record, units } = scenario;
     let mut text = format!("title = {}\n", string(title));
     physics(&mut text, model);
-    let Time { end, step, output_step } = *time;
+    let Time { end, output_step } = *time;
     table(&mut text, "time");
     number(&mut text, keys::END, end);
-    match step {
+    match scheme.step() {
         Some(step) => number(&mut text, keys::STEP, step),
         None => drop(writeln!(text, "# no step: the {} scheme has none", scheme.name())),
     }
     number(&mut text, keys::OUTPUT_STEP, output_step);
     table(&mut text, "scheme");
-    line(&mut text, "kind", &string(scheme.name()), scheme.meaning());
+    line(&mut text, "kind", &string(scheme.name()), scheme.kind().meaning());
     if let Some(tolerance) = scheme.tolerance() {
         number(&mut text, keys::TOLERANCE, tolerance);
     }

@@ -1,10 +1,9 @@
 //! What to know before trusting a run, in plain words. Pure functions of the scenario; nothing is simulated.
 
 use super::amplitude::NEVER_SD;
-use super::check::force_bound;
-use super::{Derived, MAX_PERIODS, Scenario, SchemeKind, Stability};
+use super::{Derived, MAX_PERIODS, Scenario};
 use crate::model::Model;
-use crate::scheme::{Resolution, monitoring_shift};
+use crate::scheme::{Discretisation, Resolution, Stability, monitoring_shift};
 use std::f64::consts::PI;
 use std::fmt;
 
@@ -132,10 +131,11 @@ impl Scenario {
     pub fn warnings(&self) -> Vec<Warning> {
         let derived = self.derived();
         let mut warnings = Vec::new();
-        match self.scheme {
-            SchemeKind::DiscreteVi | SchemeKind::CorrectedVi => step_warnings(self, &derived, &mut warnings),
-            SchemeKind::EventDriven { .. } => warnings.extend(derived.resolution.map(Warning::Resolution)),
-            SchemeKind::QuasiStatic { .. } => quasi_static_warnings(&self.model, &mut warnings),
+        match self.scheme.discretisation() {
+            Discretisation::Step { h } => step_warnings(self, &derived, (h, false), &mut warnings),
+            Discretisation::CorrectedStep { h } => step_warnings(self, &derived, (h, true), &mut warnings),
+            Discretisation::Tolerance { .. } => warnings.extend(derived.resolution.map(Warning::Resolution)),
+            Discretisation::Approximation => quasi_static_warnings(&self.model, &mut warnings),
         }
         question_warnings(self, &derived, &mut warnings);
         if derived.output_bytes > LARGE_OUTPUT {
@@ -148,12 +148,11 @@ impl Scenario {
 /// Above this, a file deserves a word: one gigabyte.
 const LARGE_OUTPUT: f64 = 1e9;
 
-fn step_warnings(scenario: &Scenario, derived: &Derived, warnings: &mut Vec<Warning>) {
-    let h = scenario.time.step_or_row();
+fn step_warnings(scenario: &Scenario, derived: &Derived, (h, is_corrected): (f64, bool), warnings: &mut Vec<Warning>) {
     stability_warnings(scenario, derived, h, warnings);
     resolution_warnings(scenario, derived, h, warnings);
     if let Some(time) = derived.corridor_time.filter(|time| *time > 0.0) {
-        noise_warnings(scenario, derived, h, time, warnings);
+        noise_warnings(scenario, derived, (h, is_corrected), time, warnings);
     }
 }
 
@@ -209,9 +208,14 @@ const SMALL_BIAS: f64 = 0.01;
 /// A shift above this share of f_s leaves the corrected scheme with errors of the second order that show.
 const LARGE_SHIFT: f64 = 0.2;
 
-fn noise_warnings(scenario: &Scenario, derived: &Derived, h: f64, crossing_time: f64, warnings: &mut Vec<Warning>) {
+fn noise_warnings(
+    scenario: &Scenario,
+    derived: &Derived,
+    (h, is_corrected): (f64, bool),
+    crossing_time: f64,
+    warnings: &mut Vec<Warning>,
+) {
     let static_force = scenario.model.friction.static_force;
-    let is_corrected = scenario.scheme == SchemeKind::CorrectedVi;
     let overshoots = !is_corrected && monitoring_shift(&scenario.model, h) > LARGE_OVERSHOOT * static_force;
     if overshoots {
         warnings.push(Warning::StepAgainstCorridor { step: h, crossing_time });
@@ -264,7 +268,7 @@ fn quasi_static_warnings(model: &Model, warnings: &mut Vec<Warning>) {
         let spread = noise.diffusion * slip.min(0.5 / noise.relaxation_rate).sqrt();
         noise.intensity * spread
     });
-    let change = oscillator.stiffness * oscillator.dilatation.abs() * (harmonics + noise);
+    let change = oscillator.force_per_temperature().abs() * (harmonics + noise);
     let released = 2.0 * (friction.static_force - friction.dynamic_force);
     if change > SLOW_FORCING * released {
         warnings.push(Warning::ForcingDuringSlip { change, released });
@@ -274,7 +278,7 @@ fn quasi_static_warnings(model: &Model, warnings: &mut Vec<Warning>) {
 /// Warnings about the question that is asked, not about how it is answered.
 fn question_warnings(scenario: &Scenario, derived: &Derived, warnings: &mut Vec<Warning>) {
     let Scenario { model, ensemble, time, .. } = scenario;
-    let largest = force_bound(model, NEVER_SD);
+    let largest = model.force_bound(NEVER_SD);
     if largest <= model.friction.static_force {
         warnings.push(Warning::NeverSlips { largest_force: largest });
     }

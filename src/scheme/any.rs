@@ -1,34 +1,183 @@
-//! The closed set of schemes, chosen once, outside every loop.
+//! The closed sets of schemes, made from one list: by name, with their parameter, and ready to simulate. Each is matched once, outside every
+//! loop; inside, everything is compiled for the one scheme.
 
-use super::{DiscreteVi, EventDriven, Observer, QuasiStatic};
+use super::{Kind, Parameter, Scheme};
+use std::fmt;
 
-/// A scheme ready to simulate paths of one model.
-#[derive(Clone, Debug)]
-pub enum Scheme {
-    /// The discrete variational inequality, as in the paper or corrected.
-    DiscreteVi(DiscreteVi),
-    /// From event to event.
-    EventDriven(Box<EventDriven>),
-    /// The paper's recursion for slow forcing.
-    QuasiStatic(Box<QuasiStatic>),
+/// From the types that implement `Method`: the enums of them, and the hand-over of what each knows.
+macro_rules! schemes {
+    ($($Scheme:ident),+ $(,)?) => {
+        /// The schemes by name, without their parameters.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+        pub enum Kind {
+            $(#[doc = concat!("[`", stringify!($Scheme), "`] with any parameter.")] $Scheme,)+
+        }
+
+        /// How to simulate: a scheme with its step or its tolerance.
+        #[derive(Clone, Copy, Debug, PartialEq)]
+        pub enum Scheme {
+            $(#[doc = concat!("[`", stringify!($Scheme), "`].")] $Scheme($Scheme),)+
+        }
+
+        /// A scheme on one model and one timeline, ready to simulate paths.
+        #[derive(Clone, Debug)]
+        pub enum Simulation {
+            $(#[doc = concat!("That of [`", stringify!($Scheme), "`].")] $Scheme(Box<<$Scheme as Method>::Simulation>),)+
+        }
+
+        impl Kind {
+            /// Every one, in the order of tables and pictures.
+            pub const ALL: &'static [Kind] = &[$(Kind::$Scheme),+];
+
+            /// The name in scenarios, tables, JSON and files.
+            pub fn name(self) -> &'static str {
+                match self { $(Kind::$Scheme => $Scheme::NAME,)+ }
+            }
+
+            /// What it is, in a line.
+            pub fn meaning(self) -> &'static str {
+                match self { $(Kind::$Scheme => $Scheme::MEANING,)+ }
+            }
+
+            /// What its parameter is.
+            pub fn parameter(self) -> Parameter {
+                match self { $(Kind::$Scheme => $Scheme::PARAMETER,)+ }
+            }
+
+            /// How pictures tell it from the others.
+            pub fn look(self) -> Look {
+                match self { $(Kind::$Scheme => $Scheme::LOOK,)+ }
+            }
+
+            /// The scheme with this step or tolerance.
+            pub fn with(self, parameter: f64) -> Scheme {
+                match self { $(Kind::$Scheme => Scheme::$Scheme($Scheme::with(parameter)),)+ }
+            }
+        }
+
+        impl Scheme {
+            /// Which scheme it is.
+            pub fn kind(self) -> Kind {
+                match self { $(Scheme::$Scheme(_) => Kind::$Scheme,)+ }
+            }
+
+            /// Its step or its tolerance: what is made smaller for a smaller error.
+            pub fn parameter(self) -> f64 {
+                match self { $(Scheme::$Scheme(scheme) => scheme.parameter(),)+ }
+            }
+
+            /// The scheme on this model, looked at on this timeline.
+            pub fn simulation(self, model: &Model, timeline: &Timeline) -> Simulation {
+                match self {
+                    $(Scheme::$Scheme(scheme) => Simulation::$Scheme(Box::new(scheme.simulation(model, timeline))),)+
+                }
+            }
+
+            /// How the error of its discretisation is known.
+            pub fn discretisation(self) -> Discretisation {
+                match self { $(Scheme::$Scheme(scheme) => scheme.discretisation(),)+ }
+            }
+
+            /// How long its step may be before slips grow without bound, if they can.
+            pub fn stability(self, model: &Model) -> Option<Stability> {
+                match self { $(Scheme::$Scheme(scheme) => scheme.stability(model),)+ }
+            }
+
+            /// What is simulated in place of the model where f_s and f_d (nearly) meet under noise; usually nothing.
+            pub fn resolution(self, model: &Model, timeline: &Timeline) -> Option<Resolution> {
+                match self { $(Scheme::$Scheme(scheme) => scheme.resolution(model, timeline),)+ }
+            }
+
+            /// Whether it can simulate this model up to `end`.
+            pub fn check(self, model: &Model, end: f64) -> Result<(), Misfit> {
+                match self { $(Scheme::$Scheme(scheme) => scheme.check(model, end),)+ }
+            }
+        }
+
+        impl Simulate for Simulation {
+            fn model(&self) -> &Model {
+                match self { $(Simulation::$Scheme(simulation) => simulation.model(),)+ }
+            }
+
+            fn timeline(&self) -> &Timeline {
+                match self { $(Simulation::$Scheme(simulation) => simulation.timeline(),)+ }
+            }
+
+            fn simulate<O: Observer>(&self, seed: u64, paths: &[u64], observer: &mut O) -> Vec<usize> {
+                match self { $(Simulation::$Scheme(simulation) => simulation.simulate(seed, paths, observer),)+ }
+            }
+
+            fn kernel(&self) -> String {
+                match self { $(Simulation::$Scheme(simulation) => simulation.kernel(),)+ }
+            }
+
+            fn fed_by_finer(self, refinement: usize) -> Self {
+                match self {
+                    $(Simulation::$Scheme(simulation) => {
+                        Simulation::$Scheme(Box::new(simulation.fed_by_finer(refinement)))
+                    })+
+                }
+            }
+
+            fn observed_every(self, steps: u64) -> Self {
+                match self {
+                    $(Simulation::$Scheme(simulation) => Simulation::$Scheme(Box::new(simulation.observed_every(steps))),)+
+                }
+            }
+
+            fn with_work_limit(self, limit: u64) -> Self {
+                match self {
+                    $(Simulation::$Scheme(simulation) => {
+                        Simulation::$Scheme(Box::new(simulation.with_work_limit(limit)))
+                    })+
+                }
+            }
+        }
+
+        $(impl From<$Scheme> for Scheme {
+            fn from(scheme: $Scheme) -> Self {
+                Scheme::$Scheme(scheme)
+            }
+        })+
+    };
+}
+
+impl Kind {
+    /// The scheme of this name.
+    pub fn from_name(name: &str) -> Option<Self> {
+        Kind::ALL.iter().copied().find(|kind| kind.name() == name)
+    }
+
+    /// Whether its parameter is a time step.
+    pub fn has_step(self) -> bool {
+        self.parameter() == Parameter::Step
+    }
 }
 
 impl Scheme {
-    /// What it runs on, in words.
-    pub fn kernel(&self) -> String {
-        match self {
-            Scheme::DiscreteVi(scheme) => format!("{} lanes", scheme.instructions().name()),
-            Scheme::EventDriven(_) | Scheme::QuasiStatic(_) => "scalar, path by path".to_string(),
-        }
+    /// The name in scenarios, tables, JSON and files.
+    pub fn name(self) -> &'static str {
+        self.kind().name()
     }
 
-    /// Simulate these paths of the ensemble with this seed. Returns the lanes (positions in `paths`) of the paths that
-    /// diverged or had to be given up; what the observer saw of them is worthless.
-    pub fn simulate<O: Observer>(&self, seed: u64, paths: &[u64], observer: &mut O) -> Vec<usize> {
-        match self {
-            Scheme::DiscreteVi(scheme) => scheme.simulate(seed, paths, observer),
-            Scheme::EventDriven(scheme) => scheme.simulate(seed, paths, observer),
-            Scheme::QuasiStatic(scheme) => scheme.simulate(seed, paths, observer),
-        }
+    /// h, if it has a step.
+    pub fn step(self) -> Option<f64> {
+        self.kind().has_step().then(|| self.parameter())
+    }
+
+    /// Its tolerance, if it has one.
+    pub fn tolerance(self) -> Option<f64> {
+        (!self.kind().has_step()).then(|| self.parameter())
+    }
+}
+
+/// As on the command line: `--scheme corrected-vi --step 0.005`.
+impl fmt::Display for Scheme {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let flag = match self.kind().parameter() {
+            Parameter::Step => "--step",
+            Parameter::Tolerance { .. } => "--tolerance",
+        };
+        write!(f, "--scheme {} {flag} {:?}", self.name(), self.parameter())
     }
 }

@@ -1,28 +1,44 @@
 //! Schemes: how noise becomes the cascade of stick and slip phases.
 //!
-//! A scheme simulates a list of paths and reports what happens to an [`Observer`] it is generic over: events as they
-//! occur, and the state of all its paths at the instants of a [`Timeline`]. It knows nothing of statistics, files or
-//! threads. A path is a function of the seed and its number alone, whatever company it is simulated in.
+//! ```text
+//! Scheme       how to simulate: a scheme with its one parameter, a step or a tolerance
+//!   -> Simulation   the scheme on one Model, looked at on one Timeline
+//!        -> Observer    hears the events of its paths as they occur, and sees their state at the instants of the timeline
+//! ```
+//!
+//! A scheme knows nothing of statistics, files or threads. A path is a function of the seed and its number alone, whatever company
+//! it is simulated in. What is known of a scheme (its name, its parameter, how its error is known, when it is stable) stands in its own
+//! file, as a [`Method`]; `schemes!` below lists them.
 
+#[macro_use]
 mod any;
 mod columns;
 mod discrete_vi;
 mod event_driven;
+mod method;
+mod misfit;
 mod quasi_static;
 mod reference;
+mod stability;
 mod timeline;
 
-pub use any::Scheme;
-pub use discrete_vi::{DiscreteVi, corrected_exit, divergence_bound, monitoring_shift};
-pub use event_driven::{DEFAULT_TOLERANCE, EventDriven, Resolution, Simulated, TOLERANCES, felt_noise};
+pub use discrete_vi::{
+    CorrectedVi, DiscreteSimulation, DiscreteVi, corrected_exit, divergence_bound, monitoring_shift,
+};
+pub use event_driven::{DEFAULT_TOLERANCE, EventDriven, EventDrivenSimulation, Resolution, Simulated, TOLERANCES};
 pub use event_driven::{DrivenOscillator, HarmonicResponse, SlipTransition};
-pub use quasi_static::QuasiStatic;
+pub use method::{Discretisation, Look, Method, Parameter, Simulate};
+pub use misfit::Misfit;
+pub use quasi_static::{QuasiStatic, QuasiStaticSimulation};
 pub use reference::reference_path;
+pub use stability::Stability;
 pub use timeline::{Instant, Stop, Timeline};
 
-use crate::model::Event;
+use crate::model::{Event, Model};
 
-/// What watches a simulation. `lane` is the position of a path in the list given to the scheme.
+schemes! { DiscreteVi, CorrectedVi, EventDriven, QuasiStatic }
+
+/// What watches a simulation. `lane` is the position of a path in the list given to it.
 pub trait Observer {
     /// An event of one path; the events of a path arrive in time order.
     fn event(&mut self, lane: usize, event: Event);

@@ -16,14 +16,52 @@
 //! not, the stick there is empty.
 
 use super::event_driven::{
-    self, Cascade, ExactTime, Noiseless, Scene, StepRules, StickSteps, UnfeltNoise, Unresolved, WORK_LIMIT, forcing,
+    self, Cascade, ExactTime, Noiseless, Scene, StepRules, StickSteps, UnfeltNoise, Unresolved, WORK_LIMIT,
+    check_friction, forcing,
 };
-use super::{Observer, Timeline};
+use super::{DEFAULT_TOLERANCE, Discretisation, Look, Method, Misfit, Observer, Parameter, Simulate, Timeline};
 use crate::model::{Complex, Event, EventKind, Model, Phase, Sign};
 
-/// The quasi-static scheme for one scene.
-#[derive(Clone, Debug)]
+/// The quasi-static scheme with this tolerance.
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct QuasiStatic {
+    /// Relative error that discretisation may leave in the statistics, for the exits; within [`super::TOLERANCES`].
+    pub tolerance: f64,
+}
+
+impl Method for QuasiStatic {
+    const NAME: &'static str = "quasi-static";
+    const MEANING: &'static str = "the recursion for slow forcing";
+    /// One is enough: what it is off by is the approximation.
+    const PARAMETER: Parameter = Parameter::Tolerance { ladder: &[DEFAULT_TOLERANCE] };
+    const LOOK: Look = Look { colour: "#CC79A7", dash: "2 3" };
+    type Simulation = QuasiStaticSimulation;
+
+    fn with(tolerance: f64) -> Self {
+        QuasiStatic { tolerance }
+    }
+
+    fn parameter(self) -> f64 {
+        self.tolerance
+    }
+
+    fn simulation(self, model: &Model, timeline: &Timeline) -> QuasiStaticSimulation {
+        QuasiStaticSimulation::new(model, timeline, self.tolerance)
+    }
+
+    fn discretisation(self) -> Discretisation {
+        Discretisation::Approximation
+    }
+
+    fn check(self, model: &Model, end: f64) -> Result<(), Misfit> {
+        check_friction(model, end)
+    }
+}
+
+/// The quasi-static scheme on one model.
+#[derive(Clone, Debug)]
+pub struct QuasiStaticSimulation {
+    model: Model,
     scene: Scene,
     timeline: Timeline,
     exits: Exits,
@@ -55,9 +93,8 @@ pub struct Since {
     exit: Option<Option<Event>>,
 }
 
-impl QuasiStatic {
-    /// For a scene, observed at the stops of a timeline; `tolerance` governs the noisy exits as in
-    /// the event-driven scheme.
+impl QuasiStaticSimulation {
+    /// For a scene, observed at the stops of a timeline; `tolerance` governs the noisy exits as in the event-driven scheme.
     pub fn new(model: &Model, timeline: &Timeline, tolerance: f64) -> Self {
         let mut scene = Scene::new(model);
         let exits = if scene.felt_noise(timeline.end).is_some() {
@@ -67,29 +104,14 @@ impl QuasiStatic {
             Exits::Noiseless(Box::new(Noiseless::new(model, timeline)), UnfeltNoise::new(model))
         };
         let friction = model.friction;
-        QuasiStatic {
+        QuasiStaticSimulation {
+            model: model.clone(),
             scene,
             timeline: *timeline,
             exits,
             work_limit: WORK_LIMIT,
             slip_duration: std::f64::consts::PI / model.oscillator.natural_frequency(),
             jump: 2.0 * (friction.static_force - friction.dynamic_force) / model.oscillator.stiffness,
-        }
-    }
-
-    /// The same, each path given up after `limit` evaluations instead of the usual 10^8.
-    pub fn with_work_limit(self, limit: u64) -> Self {
-        QuasiStatic { work_limit: limit, ..self }
-    }
-
-    /// Simulate the paths with these numbers, telling the observer; the lanes that had to be given
-    /// up are returned.
-    pub fn simulate<O: Observer>(&self, seed: u64, paths: &[u64], observer: &mut O) -> Vec<usize> {
-        match &self.exits {
-            Exits::Noisy(_) => event_driven::simulate(self, seed, paths, observer).lost,
-            Exits::Noiseless(_, noise) => {
-                event_driven::simulate(self, seed, paths, &mut noise.added_before(observer, seed, paths)).lost
-            }
         }
     }
 
@@ -114,7 +136,7 @@ impl QuasiStatic {
     }
 }
 
-impl Cascade for QuasiStatic {
+impl Cascade for QuasiStaticSimulation {
     type Motion = Since;
     type Scratch = ();
 
@@ -186,5 +208,29 @@ impl Cascade for QuasiStatic {
             }
         };
         (x, v, temperature)
+    }
+}
+
+impl Simulate for QuasiStaticSimulation {
+    fn model(&self) -> &Model {
+        &self.model
+    }
+
+    fn timeline(&self) -> &Timeline {
+        &self.timeline
+    }
+
+    /// A path is lost where it spends all its work, or meets a value that is not a number.
+    fn simulate<O: Observer>(&self, seed: u64, paths: &[u64], observer: &mut O) -> Vec<usize> {
+        match &self.exits {
+            Exits::Noisy(_) => event_driven::simulate(self, seed, paths, observer).lost,
+            Exits::Noiseless(_, noise) => {
+                event_driven::simulate(self, seed, paths, &mut noise.added_before(observer, seed, paths)).lost
+            }
+        }
+    }
+
+    fn with_work_limit(self, limit: u64) -> Self {
+        QuasiStaticSimulation { work_limit: limit, ..self }
     }
 }

@@ -60,6 +60,11 @@ impl Statistic {
         Statistic::FrictionWorkMean,
     ];
 
+    /// Its place in [`Statistic::ALL`].
+    pub fn index(self) -> usize {
+        self as usize
+    }
+
     /// The statistic of this name.
     pub fn from_name(name: &str) -> Option<Self> {
         Statistic::ALL.into_iter().find(|statistic| statistic.name() == name)
@@ -106,6 +111,18 @@ impl Statistic {
             Statistic::DriftVelocity => Dimension::VELOCITY,
             Statistic::DiffusionCoefficient => Dimension::DIFFUSIVITY,
             Statistic::FrictionWorkMean => Dimension::WORK,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_statistic_stands_at_its_index() {
+        for (i, statistic) in Statistic::ALL.into_iter().enumerate() {
+            assert_eq!(statistic.index(), i, "{}", statistic.name());
         }
     }
 }

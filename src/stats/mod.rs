@@ -19,6 +19,7 @@ mod dimension;
 mod durations;
 mod goal;
 mod interval;
+pub(crate) mod jackknife;
 mod moments;
 mod observer;
 mod path;

@@ -138,7 +138,7 @@ pub struct Summary {
     /// Numbers of the diverged paths, in order; they are in no statistic.
     pub diverged: Vec<u64>,
     /// One estimate for each of `Statistic::ALL`, in that order.
-    pub estimates: Vec<Estimate>,
+    pub estimates: [Estimate; Statistic::ALL.len()],
     /// Stick durations.
     pub stick_durations: StickDurations,
     /// Sub-phase counts.
@@ -150,9 +150,9 @@ pub struct Summary {
 }
 
 impl Summary {
-    /// One statistic with its interval and bias.
-    pub fn estimate(&self, statistic: Statistic) -> Estimate {
-        self.estimates[statistic as usize]
+    /// What is known of a statistic.
+    pub fn estimate(&self, statistic: Statistic) -> &Estimate {
+        &self.estimates[statistic.index()]
     }
 
     /// Whether the bias of any statistic is known.
@@ -163,7 +163,7 @@ impl Summary {
     /// Add what is known of the bias. A statistic that does not exist has none.
     pub fn set_biases(&mut self, biases: &[(Statistic, Bias)]) {
         for e in self.estimates.iter_mut().filter(|e| e.estimate.is_finite()) {
-            e.bias = biases.iter().find(|(statistic, _)| *statistic == e.statistic).map(|(_, bias)| *bias);
+            e.bias = biases.iter().find(|(of, _)| *of == e.statistic).map(|(_, bias)| *bias);
         }
     }
 }

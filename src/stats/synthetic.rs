@@ -61,7 +61,7 @@ pub fn observe(
 }
 
 pub fn estimate(summary: &Summary, statistic: Statistic) -> Estimate {
-    *summary.estimates.iter().find(|e| e.statistic == statistic).expect("every statistic is estimated")
+    *summary.estimate(statistic)
 }
 
 /// How often intervals held the truth.

@@ -167,7 +167,7 @@ impl Totals {
         Summary {
             completed_paths: counts.paths + counts.diverged.len() as u64,
             diverged: counts.diverged.clone(),
-            estimates: Statistic::ALL.map(|statistic| self.estimate(statistic)).to_vec(),
+            estimates: Statistic::ALL.map(|statistic| self.estimate(statistic)),
             stick_durations: counts.durations.summary(),
             sub_phases: counts.sub_phases.summary(),
             periods: sums.phases.periods.summary(timeline),

@@ -53,10 +53,13 @@ pub(super) fn read(file: &File, completed_paths: u64) -> Result<Summary> {
     })
 }
 
+/// One for each of `Statistic::ALL`.
+type Estimates = [Estimate; Statistic::ALL.len()];
+
 /// A value that an estimate has in the file; NaN where it is unknown.
 type Field = fn(&Estimate) -> f64;
 
-fn write_estimates(place: &Place, estimates: &[Estimate]) -> Result<()> {
+fn write_estimates(place: &Place, estimates: &Estimates) -> Result<()> {
     let fields: [(&layout::Variable, Field); 7] = [
         (&layout::ESTIMATE, |e| e.estimate),
         (&layout::STANDARD_ERROR, |e| e.standard_error),
@@ -67,14 +70,13 @@ fn write_estimates(place: &Place, estimates: &[Estimate]) -> Result<()> {
         (&layout::BIAS_ORDER, |e| e.bias.and_then(|bias| bias.order).unwrap_or(f64::NAN)),
     ];
     for (variable, field) in fields {
-        let value = |statistic| estimates.iter().find(|e| e.statistic == statistic).map_or(f64::NAN, field);
-        place.put(variable, &Statistic::ALL.map(value))?;
+        place.put(variable, &estimates.each_ref().map(field))?;
     }
     Ok(())
 }
 
 /// Statistics are found by name: a file of another minor version may have fewer or more of them.
-fn read_estimates(file: &File) -> Result<Vec<Estimate>> {
+fn read_estimates(file: &File) -> Result<Estimates> {
     let names: Vec<VarLenUnicode> = read_or_empty(file, &layout::STATISTIC)?;
     let estimate: Vec<f64> = read_or_empty(file, &layout::ESTIMATE)?;
     let standard_error: Vec<f64> = read_or_empty(file, &layout::STANDARD_ERROR)?;
@@ -100,7 +102,7 @@ fn read_estimates(file: &File) -> Result<Vec<Estimate>> {
             }),
         }
     };
-    Ok(Statistic::ALL.map(read).to_vec())
+    Ok(Statistic::ALL.map(read))
 }
 
 /// Mean, standard deviation and quantiles of one variable.

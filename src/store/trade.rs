@@ -6,6 +6,7 @@ use super::variable::{Place, text, write_attribute, write_text};
 use super::writer::create_file;
 use super::{StoreError, discard_partial, partial_path};
 use crate::provenance::Provenance;
+use crate::scheme::Kind;
 use crate::stats::Statistic;
 use crate::trade::{Choice, Rung, TARGETS, Trade};
 use hdf5::types::VarLenUnicode;
@@ -57,7 +58,7 @@ fn attributes(place: &Place, header: &Provenance, trade: &Trade) -> hdf5::Result
     write_text(file, "git_hash", &header.git_hash)?;
     write_attribute(file, "seed", header.seed)?;
     write_text(file, "generator", &header.generator)?;
-    write_text(file, "reference", &trade.rungs[trade.reference].setting.to_string())?;
+    write_text(file, "reference", &trade.reference().scheme.to_string())?;
     write_text(file, "scenario", &header.scenario_text)
 }
 
@@ -73,16 +74,16 @@ fn coordinates(place: &Place, trade: &Trade) -> hdf5::Result<()> {
     place.put(&layout::STATISTIC_LONG_NAME, &texts(Statistic::ALL.map(layout::long_name))?)?;
     place.put(&layout::STATISTIC_UNIT, &texts(units.iter().map(String::as_str))?)?;
     place.put(&RUNG, &numbers)?;
-    place.put(&SCHEME, &texts(trade.schemes())?)?;
+    place.put(&SCHEME, &texts(trade.schemes().into_iter().map(Kind::name))?)?;
     place.put(&TARGET, &TARGETS)
 }
 
 fn measured(place: &Place, trade: &Trade) -> hdf5::Result<()> {
     let of = |value: &dyn Fn(&Rung) -> f64| -> Vec<f64> { trade.rungs.iter().map(value).collect() };
     let whole = |value: &dyn Fn(&Rung) -> u64| -> Vec<u64> { trade.rungs.iter().map(value).collect() };
-    place.put(&RUNG_SCHEME, &texts(trade.rungs.iter().map(|rung| rung.setting.scheme.name()))?)?;
-    place.put(&RUNG_STEP, &of(&|rung| rung.setting.step.unwrap_or(f64::NAN)))?;
-    place.put(&RUNG_TOLERANCE, &of(&|rung| rung.setting.scheme.tolerance().unwrap_or(f64::NAN)))?;
+    place.put(&RUNG_SCHEME, &texts(trade.rungs.iter().map(|rung| rung.scheme.name()))?)?;
+    place.put(&RUNG_STEP, &of(&|rung| rung.scheme.step().unwrap_or(f64::NAN)))?;
+    place.put(&RUNG_TOLERANCE, &of(&|rung| rung.scheme.tolerance().unwrap_or(f64::NAN)))?;
     place.put(&RUNG_PATHS, &whole(&|rung| rung.paths))?;
     place.put(&RUNG_DIVERGED, &whole(&|rung| rung.diverged))?;
     place.put(&RUNG_SECONDS_FIRST, &of(&|rung| rung.cost.first))?;
@@ -126,11 +127,11 @@ fn predicted(place: &Place, trade: &Trade) -> hdf5::Result<()> {
     };
     place.put(&PREDICTED_SECONDS, &of(&|choice| choice.seconds))?;
     place.put(&PREDICTED_PATHS, &of(&|choice| choice.paths as f64))?;
-    place.put(&PREDICTED_STEP, &of(&|choice| choice.setting.step.unwrap_or(f64::NAN)))?;
-    place.put(&PREDICTED_TOLERANCE, &of(&|choice| choice.setting.scheme.tolerance().unwrap_or(f64::NAN)))?;
+    place.put(&PREDICTED_STEP, &of(&|choice| choice.scheme.step().unwrap_or(f64::NAN)))?;
+    place.put(&PREDICTED_TOLERANCE, &of(&|choice| choice.scheme.tolerance().unwrap_or(f64::NAN)))?;
     place.put(&PREDICTED_BIAS, &of(&|choice| choice.bias))?;
     let winner = |statistic, target| match trade.best(None, &[statistic], target) {
-        Ok(choice) => choice.setting.scheme.name(),
+        Ok(choice) => choice.scheme.name(),
         Err(_) => "none",
     };
     let winners = Statistic::ALL.into_iter().flat_map(|s| TARGETS.map(|target| winner(s, target)));

@@ -1,10 +1,11 @@
 //! How much of the ladder fits into a budget of time, and with how many paths.
 
+use super::ladder::is_exact;
 use super::measure::{GROUPS, bare_plan, timed};
-use super::{Ladder, LeftOut, Setting, TradeError};
+use super::{Ladder, LeftOut, TradeError};
 use crate::ensemble::Plan;
-use crate::scenario::{Scenario, ScenarioError, SchemeKind};
-use crate::scheme::{DiscreteVi, Scheme, Timeline};
+use crate::scenario::Scenario;
+use crate::scheme::{Misfit, Scheme, Timeline};
 use std::time::{Duration, Instant};
 
 /// How many paths are spent on what.
@@ -92,8 +93,7 @@ impl Effort {
         let more = if coupled_paths > 0 { 1.0 } else { 1.0 + STEPPING / (REFERENCE + OTHERS) };
         let reference = |each: &[f64]| {
             let fits = |i: usize| each[i] * LEAST_FREE as f64 <= REFERENCE * more * capacity;
-            let is_event_driven = |i: &usize| matches!(ladder.free[*i], SchemeKind::EventDriven { .. });
-            (0..each.len()).filter(is_event_driven).rev().find(|i| fits(*i))
+            (0..each.len()).rev().find(|i| is_exact(ladder.free[*i]) && fits(*i))
         };
         let Some(reference) = reference(&each) else {
             return Err(TradeError::BudgetTooSmall { path_seconds: each[0], least: LEAST_FREE });
@@ -107,10 +107,9 @@ impl Effort {
                     _ if !is_random => 2,
                     paths if paths >= LEAST_FREE => (paths + 1).next_power_of_two() >> 1,
                     _ => {
-                        let what = Setting { scheme: *scheme, step: None }.to_string();
                         let why =
                             format!("{LEAST_FREE} paths of {seconds:.3} s do not fit into their share of the budget");
-                        left_out.push(LeftOut { what, why });
+                        left_out.push(LeftOut { what: scheme.to_string(), why });
                         0
                     }
                 }
@@ -133,8 +132,8 @@ impl Effort {
 }
 
 /// CPU seconds of a path, from one path, or from a few if they are quick.
-fn free_cost(scenario: &Scenario, scheme: SchemeKind, quick: f64) -> Result<f64, ScenarioError> {
-    let plan = bare_plan(scenario, Setting { scheme, step: None })?;
+fn free_cost(scenario: &Scenario, scheme: Scheme, quick: f64) -> Result<f64, Misfit> {
+    let plan = bare_plan(scenario, scheme)?;
     let one = timed(&plan, 1);
     Ok(if one * 16.0 < quick { timed(&plan, 16) / 16.0 } else { one }.max(1e-9))
 }
@@ -153,13 +152,13 @@ const PILOT_STEPS: f64 = 4096.0;
 
 impl StepCost {
     /// From the first steps of the finest rung, and the whole of the coarsest if that is not much longer.
-    fn measure(scenario: &Scenario, ladder: &Ladder) -> Result<Self, ScenarioError> {
-        let (scheme, end) = (ladder.stepping[0], scenario.time.end);
-        let seconds = |h: f64, end: f64| -> Result<f64, ScenarioError> {
-            let plan = bare_plan(scenario, Setting { scheme, step: Some(h) })?;
+    fn measure(scenario: &Scenario, ladder: &Ladder) -> Result<Self, Misfit> {
+        let (kind, end) = (ladder.stepping[0], scenario.time.end);
+        let seconds = |h: f64, end: f64| -> Result<f64, Misfit> {
+            let scheme = kind.with(h);
+            let plan = bare_plan(scenario, scheme)?;
             let timeline = Timeline { end, output_step: end, period: None };
-            let scheme = Scheme::DiscreteVi(DiscreteVi::new(&plan.model, &timeline, h));
-            let short = Plan { scheme, timeline, ..plan };
+            let short = Plan { simulation: scheme.simulation(plan.model(), &timeline), ..plan };
             timed(&short, LANES); // warm up
             Ok(timed(&short, LANES) / LANES as f64)
         };

@@ -1,7 +1,7 @@
 //! Which settings a scene can sensibly be run with.
 
-use super::Setting;
-use crate::scenario::{Scenario, SchemeKind, Time, Warning};
+use crate::scenario::{Scenario, Warning};
+use crate::scheme::{DEFAULT_TOLERANCE, Discretisation, Kind, Parameter, Scheme};
 
 /// Most steps of the ladder, each half of the one before.
 const MOST_STEPS: usize = 9;
@@ -9,18 +9,15 @@ const MOST_STEPS: usize = 9;
 /// Halvings in search of a step that is fine enough.
 const MOST_HALVINGS: i32 = 60;
 
-/// Tolerances of the event-driven scheme, the tightest last.
-const TOLERANCES: [f64; 4] = [1e-2, 1e-3, 1e-4, 1e-5];
-
 /// The settings to measure.
 #[derive(Clone, Debug)]
 pub struct Ladder {
-    /// Time-stepping schemes, all with the same steps.
-    pub stepping: Vec<SchemeKind>,
+    /// Schemes with a step, all with the same ones.
+    pub stepping: Vec<Kind>,
     /// h, h/2, h/4, ...: from the coarsest that is stable and resolves what moves.
     pub steps: Vec<f64>,
-    /// Schemes without a step: event-driven from the loosest tolerance to the tightest, then quasi-static.
-    pub free: Vec<SchemeKind>,
+    /// Schemes without a step, each from its loosest tolerance to its tightest.
+    pub free: Vec<Scheme>,
     /// What the scene rules out.
     pub left_out: Vec<LeftOut>,
 }
@@ -39,24 +36,23 @@ impl Ladder {
     pub fn of(scenario: &Scenario) -> Self {
         let mut ladder = Ladder { stepping: Vec::new(), steps: Vec::new(), free: Vec::new(), left_out: Vec::new() };
         let mut coarsest = f64::INFINITY;
-        for scheme in [SchemeKind::DiscreteVi, SchemeKind::CorrectedVi] {
-            match coarsest_step(scenario, scheme) {
-                Ok(step) => {
+        for &scheme in Kind::ALL {
+            let tried = match scheme.parameter() {
+                Parameter::Step => coarsest_step(scenario, scheme).map(|step| {
                     coarsest = coarsest.min(step);
                     ladder.stepping.push(scheme);
-                }
-                Err(why) => ladder.left_out.push(LeftOut { what: scheme.name().into(), why }),
-            }
+                }),
+                Parameter::Tolerance { ladder: tolerances } => suits(scenario, scheme).map(|()| {
+                    // Where nothing is random the cascade is exact at any tolerance.
+                    let one = [DEFAULT_TOLERANCE];
+                    let tolerances = if scenario.model.temperature.is_random() { tolerances } else { &one };
+                    ladder.free.extend(tolerances.iter().map(|&tolerance| scheme.with(tolerance)));
+                }),
+            };
+            ladder.left_out.extend(tried.err().map(|why| LeftOut { what: scheme.name().into(), why }));
         }
         if !ladder.stepping.is_empty() {
             ladder.steps = (0..MOST_STEPS).map(|k| coarsest / f64::powi(2.0, k as i32)).collect();
-        }
-        // Where nothing is random the cascade is exact at any tolerance.
-        let tolerances = if scenario.model.temperature.is_random() { &TOLERANCES[..] } else { &TOLERANCES[1..2] };
-        ladder.free.extend(tolerances.iter().map(|&tolerance| SchemeKind::EventDriven { tolerance }));
-        match quasi_static(scenario) {
-            Ok(scheme) => ladder.free.push(scheme),
-            Err(why) => ladder.left_out.push(LeftOut { what: "quasi-static".into(), why }),
         }
         ladder
     }
@@ -64,15 +60,15 @@ impl Ladder {
 
 /// The coarsest halving of the grid at which the scheme is stable and resolves oscillator, forcing, noise and corridor, as far as
 /// [`Scenario::warnings`] can tell; otherwise the last thing that stood against it.
-fn coarsest_step(scenario: &Scenario, scheme: SchemeKind) -> Result<f64, String> {
-    let grid = grid(&scenario.time);
+fn coarsest_step(scenario: &Scenario, scheme: Kind) -> Result<f64, String> {
+    let grid = grid(scenario);
     let mut why = String::new();
     for halvings in 0..=MOST_HALVINGS {
         let step = grid / 2f64.powi(halvings);
-        let candidate = match (Setting { scheme, step: Some(step) }).of(scenario) {
+        let candidate = match scenario.with_scheme(scheme.with(step)) {
             Ok(candidate) => candidate,
-            Err(error) => {
-                why = error.to_string().lines().next().unwrap_or_default().to_string();
+            Err(misfit) => {
+                why = format!("--step {step:?}: {}", misfit.sentence());
                 continue;
             }
         };
@@ -85,8 +81,9 @@ fn coarsest_step(scenario: &Scenario, scheme: SchemeKind) -> Result<f64, String>
 }
 
 /// A length of which both the end and the output step are whole multiples, if they have one.
-fn grid(time: &Time) -> f64 {
-    match time.step {
+fn grid(scenario: &Scenario) -> f64 {
+    let time = &scenario.time;
+    match scenario.scheme.step() {
         Some(h) => gcd((time.end / h).round() as u64, (time.output_step / h).round() as u64) as f64 * h,
         None => time.output_step,
     }
@@ -110,13 +107,22 @@ fn is_against_step(warning: &Warning) -> bool {
     )
 }
 
-/// The quasi-static recursion, where the forcing is slow enough for it.
-fn quasi_static(scenario: &Scenario) -> Result<SchemeKind, String> {
-    let setting = Setting { scheme: SchemeKind::ALL[3], step: None };
-    let candidate = setting.of(scenario).map_err(|error| error.to_string())?;
+/// Whether a scheme without a step suits the scene, as far as [`Scenario::warnings`] can tell; otherwise what stands against it.
+fn suits(scenario: &Scenario, scheme: Kind) -> Result<(), String> {
+    let scheme = scheme.with(DEFAULT_TOLERANCE);
+    // What is exact but for its tolerance suits every scene: the others are measured against it.
+    if is_exact(scheme) {
+        return Ok(());
+    }
+    let candidate = scenario.with_scheme(scheme).map_err(|misfit| misfit.to_string())?;
     let against = |warning: &Warning| matches!(warning, Warning::ForcingDuringSlip { .. } | Warning::NeverMoves);
     match candidate.warnings().into_iter().find(against) {
         Some(warning) => Err(warning.to_string()),
-        None => Ok(setting.scheme),
+        None => Ok(()),
     }
+}
+
+/// Whether the bias of a scheme is no larger than its tolerance, so that others can be measured against it.
+pub(super) fn is_exact(scheme: Scheme) -> bool {
+    matches!(scheme.discretisation(), Discretisation::Tolerance { .. })
 }

@@ -1,10 +1,11 @@
 //! Running the ladder: estimates, their change from step to step on one realisation, CPU time per path.
 
-use super::{Effort, Ladder, LeftOut, Number, Setting, Trade};
+use super::ladder::is_exact;
+use super::{Effort, Ladder, LeftOut, Number, Trade};
 use crate::ensemble::{Plan, in_order};
-use crate::scenario::{Scenario, ScenarioError, SchemeKind};
-use crate::scheme::Scheme;
-use crate::stats::{Estimate, Record, Statistic, Totals};
+use crate::scenario::Scenario;
+use crate::scheme::{Misfit, Scheme, Simulate as _};
+use crate::stats::{Estimate, Record, Statistic, Totals, jackknife};
 use rustix::time::{ClockId, clock_gettime};
 use std::convert::Infallible;
 use std::ops::ControlFlow;
@@ -39,19 +40,19 @@ impl Cost {
     }
 }
 
-/// One setting, measured.
+/// One scheme with one step or tolerance, measured.
 #[derive(Clone, Debug)]
 pub struct Rung {
-    /// What was run.
-    pub setting: Setting,
+    /// What was run; each rung another.
+    pub scheme: Scheme,
     /// Paths simulated for the estimates.
     pub paths: u64,
     /// How many of them diverged; they are in no estimate.
     pub diverged: u64,
     /// What a path costs.
     pub cost: Cost,
-    /// One for each of `Statistic::ALL`.
-    pub estimates: Vec<Estimate>,
+    /// One for each of `Statistic::ALL`, in that order.
+    pub estimates: [Estimate; Statistic::ALL.len()],
     /// S(h) - S(h/2) on one realisation, for each of `Statistic::ALL`; empty where there is no finer step to compare with.
     pub changes: Vec<Number>,
 }
@@ -59,11 +60,8 @@ pub struct Rung {
 impl Rung {
     /// A statistic with its standard error.
     pub fn estimate(&self, statistic: Statistic) -> Number {
-        let found = self.estimates.iter().find(|e| e.statistic == statistic);
-        found.map_or(Number { value: f64::NAN, error: f64::NAN }, |e| Number {
-            value: e.estimate,
-            error: e.standard_error,
-        })
+        let Estimate { estimate, standard_error, .. } = self.estimates[statistic.index()];
+        Number { value: estimate, error: standard_error }
     }
 
     /// The variance a statistic has per path: that of a run of N paths is one N-th of it.
@@ -73,17 +71,16 @@ impl Rung {
 
     /// S(h) - S(h/2), if it was measured.
     pub fn change(&self, statistic: Statistic) -> Option<Number> {
-        let index = Statistic::ALL.iter().position(|s| *s == statistic)?;
-        self.changes.get(index).copied()
+        self.changes.get(statistic.index()).copied()
     }
 }
 
 /// Why nothing can be said about a scene.
 #[derive(Debug, thiserror::Error)]
 pub enum TradeError {
-    /// A setting cannot be laid over the scenario.
+    /// A scheme does not go with the scenario.
     #[error(transparent)]
-    Scenario(#[from] ScenarioError),
+    Misfit(#[from] Misfit),
     /// time.end = 0.
     #[error("`time.end` is 0: nothing happens, and there is nothing to compare; give `time.end` a value above 0")]
     NothingHappens,
@@ -158,13 +155,12 @@ pub fn measure(
     let until = |share: f64| End { deadline: limits.time.map(|time| start + time.mul_f64(share)), limits };
     let [reference_ends, free_ends] =
         if effort.steps > 0 { [REFERENCE_ENDS, FREE_ENDS] } else { [FREE_ENDS, ALL_ENDS] };
-    let is_event_driven = |scheme: &SchemeKind| matches!(scheme, SchemeKind::EventDriven { .. });
-    let runs: Vec<(usize, SchemeKind, u64)> = (ladder.free.iter().zip(&effort.free_paths).enumerate())
+    let runs: Vec<(usize, Scheme, u64)> = (ladder.free.iter().zip(&effort.free_paths).enumerate())
         .filter_map(|(i, (scheme, paths))| (*paths > 0).then_some((i, *scheme, *paths)))
         .collect();
-    let tightest = runs.iter().rposition(|(_, scheme, _)| is_event_driven(scheme)).ok_or(TradeError::NothingHappens)?;
-    let run = |(i, scheme, paths): (usize, SchemeKind, u64), ends| {
-        limits.begin(&without_step(scheme).to_string());
+    let tightest = runs.iter().rposition(|(_, scheme, _)| is_exact(*scheme)).ok_or(TradeError::NothingHappens)?;
+    let run = |(i, scheme, paths): (usize, Scheme, u64), ends| {
+        limits.begin(&scheme.to_string());
         free(scenario, scheme, paths, (i as u64 + 2) * APART, threads, ends)
     };
     // First, so that it is there whatever else the time allows: what the others are measured against.
@@ -173,7 +169,7 @@ pub fn measure(
     let unfinished = |what: String| LeftOut { what, why: "the measuring ended before there was enough of it".into() };
     for (i, other) in runs.iter().enumerate().filter(|(i, _)| *i != tightest) {
         if limits.is_stopped() {
-            left_out.push(unfinished(without_step(other.1).to_string()));
+            left_out.push(unfinished(other.1.to_string()));
         } else {
             let side = if i < tightest { &mut looser } else { &mut tighter };
             side.push(run(*other, until(free_ends))?);
@@ -190,20 +186,20 @@ pub fn measure(
     limits.begin("CPU times");
     let timing = if limits.is_stopped() { effort.timing.min(BRIEF) } else { effort.timing };
     for rung in &mut rungs {
-        rung.cost = cost(&rung.setting.of(scenario)?.plan(), timing);
+        rung.cost = cost(&scenario.with_scheme(rung.scheme)?.plan(), timing);
     }
-    let has_limitless_phases = rungs[reference].setting.of(scenario)?.resolution().is_some();
+    let has_limitless_phases = scenario.with_scheme(rungs[reference].scheme)?.resolution().is_some();
     left_out.extend(rungs.iter().filter(|rung| rung.diverged > 0).map(|rung| LeftOut {
-        what: rung.setting.to_string(),
+        what: rung.scheme.to_string(),
         why: format!("{} of {} paths diverged, so it is recommended for nothing", rung.diverged, rung.paths),
     }));
     let is_random = scenario.model.temperature.is_random();
     Ok(Trade { rungs, reference, left_out, is_random, has_limitless_phases })
 }
 
-/// The ensemble of a setting without an output grid and without rows of single paths: what the estimates need.
-pub(super) fn bare_plan(scenario: &Scenario, setting: Setting) -> Result<Plan, ScenarioError> {
-    let mut scenario = setting.of(scenario)?;
+/// The ensemble that a scheme simulates without an output grid and without rows of single paths: what the estimates need.
+pub(super) fn bare_plan(scenario: &Scenario, scheme: Scheme) -> Result<Plan, Misfit> {
+    let mut scenario = scenario.with_scheme(scheme)?;
     scenario.time.output_step = scenario.time.end;
     scenario.record = Record::NOTHING;
     Ok(scenario.plan())
@@ -261,35 +257,30 @@ impl End<'_> {
     }
 }
 
-fn without_step(scheme: SchemeKind) -> Setting {
-    Setting { scheme, step: None }
-}
-
 /// A rung of a scheme without steps.
 fn free(
     scenario: &Scenario,
-    scheme: SchemeKind,
+    scheme: Scheme,
     paths: u64,
     first: u64,
     threads: usize,
     end: End<'_>,
 ) -> Result<Rung, TradeError> {
-    let setting = without_step(scheme);
-    let plan = bare_plan(scenario, setting)?;
-    let mut totals = Totals::empty(&plan.model, &plan.timeline);
+    let plan = bare_plan(scenario, scheme)?;
+    let mut totals = Totals::empty(plan.model(), plan.timeline());
     let make = |piece: u64| plan.piece(first + piece * PIECE, PIECE.min(paths - piece * PIECE)).totals;
     let deliver = |piece: Totals| -> Result<_, Infallible> {
         totals.merge(&piece);
         Ok(end.flow())
     };
     let Ok(_) = in_order(paths.div_ceil(PIECE), threads, &AtomicBool::new(false), make, deliver);
-    Ok(rung(setting, &totals, Vec::new()))
+    Ok(rung(scheme, &totals, Vec::new()))
 }
 
-fn rung(setting: Setting, totals: &Totals, changes: Vec<Number>) -> Rung {
+fn rung(scheme: Scheme, totals: &Totals, changes: Vec<Number>) -> Rung {
     let summary = totals.summary();
     let (paths, diverged) = (summary.completed_paths, summary.diverged.len() as u64);
-    Rung { setting, paths, diverged, cost: UNTIMED, estimates: summary.estimates, changes }
+    Rung { scheme, paths, diverged, cost: UNTIMED, estimates: summary.estimates, changes }
 }
 
 /// The rungs of the time-stepping schemes, none if they are cut short too early, every step fed the noise of the finest: path by path they see one realisation.
@@ -301,22 +292,22 @@ fn coupled(
     end: End<'_>,
 ) -> Result<Vec<Rung>, TradeError> {
     let steps = &ladder.steps[..effort.steps.min(ladder.steps.len())];
-    let mut plans = Vec::new();
-    for &scheme in &ladder.stepping {
+    let mut plans: Vec<(Scheme, Plan)> = Vec::new();
+    for &kind in &ladder.stepping {
         for (k, &h) in steps.iter().enumerate() {
-            let setting = Setting { scheme, step: Some(h) };
-            plans.push((setting, on_one_realisation(bare_plan(scenario, setting)?, 1 << (steps.len() - 1 - k))));
+            let scheme = kind.with(h);
+            plans.push((scheme, on_one_realisation(bare_plan(scenario, scheme)?, 1 << (steps.len() - 1 - k))));
         }
     }
     let Some((_, any)) = plans.first().filter(|_| !end.limits.is_stopped()) else { return Ok(Vec::new()) };
     end.limits.begin(&format!(
         "{} steps of {}",
         steps.len(),
-        ladder.stepping.iter().map(|s| s.name()).collect::<Vec<_>>().join(" and ")
+        ladder.stepping.iter().map(|kind| kind.name()).collect::<Vec<_>>().join(" and ")
     ));
-    let empty = Totals::empty(&any.model, &any.timeline);
-    // groups[g][r]: the paths of group g on rung r.
-    let mut groups = vec![vec![empty.clone(); plans.len()]; GROUPS as usize];
+    let empty = Totals::empty(any.model(), any.timeline());
+    // groups[r][g]: the paths of group g on rung r.
+    let mut groups = vec![vec![empty.clone(); GROUPS as usize]; plans.len()];
     let of_group = effort.coupled_paths / GROUPS;
     let make = |piece: u64| -> Vec<Totals> {
         let (group, slice) = (piece % GROUPS, piece / GROUPS * PIECE);
@@ -325,72 +316,53 @@ fn coupled(
     };
     let mut turn = 0;
     let deliver = |rungs: Vec<Totals>| -> Result<_, Infallible> {
-        for (sum, totals) in groups[turn].iter_mut().zip(&rungs) {
-            sum.merge(totals);
+        for (groups, totals) in groups.iter_mut().zip(&rungs) {
+            groups[turn].merge(totals);
         }
         turn = (turn + 1) % GROUPS as usize;
         Ok(end.flow())
     };
-    let Ok(_) = in_order(GROUPS * of_group.div_ceil(PIECE), threads, &AtomicBool::new(false), make, deliver);
+    let pieces = GROUPS * of_group.div_ceil(PIECE);
+    let Ok(delivered) = in_order(pieces, threads, &AtomicBool::new(false), make, deliver);
 
-    groups.retain(|group| group[0] != empty);
-    if groups.len() < FEWEST_GROUPS {
+    // The groups take turns, so the first so many have paths.
+    let reached = delivered.min(GROUPS) as usize;
+    if reached < FEWEST_GROUPS {
         return Ok(Vec::new());
     }
-    let left_out: Vec<Vec<Vec<Estimate>>> = (0..plans.len()).map(|r| leaving_one_out(&groups, r, &empty)).collect();
-    let rungs = plans.iter().enumerate().map(|(r, (setting, _))| {
-        let totals = groups.iter().fold(empty.clone(), |sum, group| merged(sum, &group[r]));
-        let is_finest = (r + 1) % steps.len() == 0;
-        let changes = if is_finest { Vec::new() } else { changes(&left_out[r], &left_out[r + 1]) };
-        rung(*setting, &totals, changes)
-    });
-    let mut rungs: Vec<Rung> = rungs.collect();
-    for r in 0..rungs.len() {
-        let (here, finer) = rungs.split_at_mut(r + 1);
-        for (i, change) in here[r].changes.iter_mut().enumerate() {
-            change.value = here[r].estimates[i].estimate - finer[0].estimates[i].estimate;
+    groups.iter_mut().for_each(|groups| groups.truncate(reached));
+    let without = |r: usize| jackknife::leaving_one_out(&empty, &groups[r], Totals::values).1;
+    let mut rungs: Vec<Rung> = Vec::new();
+    for (r, (scheme, _)) in plans.iter().enumerate() {
+        let mut totals = empty.clone();
+        groups[r].iter().for_each(|group| totals.merge(group));
+        rungs.push(rung(*scheme, &totals, Vec::new()));
+    }
+    let mut coarse = without(0);
+    for r in 1..rungs.len() {
+        let fine = without(r);
+        let is_finest = r % steps.len() == 0;
+        if !is_finest {
+            let (here, finer) = (&rungs[r - 1].estimates, &rungs[r].estimates);
+            rungs[r - 1].changes = changes(here, finer, &coarse, &fine);
         }
+        coarse = fine;
     }
     Ok(rungs)
 }
 
 fn on_one_realisation(plan: Plan, refinement: usize) -> Plan {
-    let scheme = match plan.scheme {
-        Scheme::DiscreteVi(scheme) => Scheme::DiscreteVi(scheme.fed_by_finer(refinement)),
-        other => other,
+    Plan { simulation: plan.simulation.fed_by_finer(refinement), ..plan }
+}
+
+/// The value of every statistic.
+type Values = [f64; Statistic::ALL.len()];
+
+/// The differences of two rungs on one realisation, with standard errors from what both are without each group.
+fn changes(here: &[Estimate], finer: &[Estimate], coarse: &[Values], fine: &[Values]) -> Vec<Number> {
+    let change = |i: usize| {
+        let without: Vec<f64> = coarse.iter().zip(fine).map(|(c, f)| c[i] - f[i]).collect();
+        Number { value: here[i].estimate - finer[i].estimate, error: jackknife::standard_error(&without) }
     };
-    Plan { scheme, ..plan }
-}
-
-fn merged(mut sum: Totals, more: &Totals) -> Totals {
-    sum.merge(more);
-    sum
-}
-
-/// The estimates of rung `r` from all groups but one, for each group.
-fn leaving_one_out(groups: &[Vec<Totals>], r: usize, empty: &Totals) -> Vec<Vec<Estimate>> {
-    // after[g] sums the groups from g on.
-    let mut after = vec![empty.clone()];
-    for group in groups.iter().rev() {
-        after.push(merged(group[r].clone(), &after[after.len() - 1]));
-    }
-    after.reverse();
-    let mut before = empty.clone();
-    let estimates = groups.iter().zip(&after[1..]).map(|(group, after)| {
-        let others = merged(before.clone(), after);
-        before.merge(&group[r]);
-        others.summary().estimates
-    });
-    estimates.collect()
-}
-
-/// The standard errors of the differences of two rungs: se^2 = (G - 1)/G sum_g (d_g - mean d)^2 over the G groups left out in turn.
-fn changes(coarse: &[Vec<Estimate>], fine: &[Vec<Estimate>]) -> Vec<Number> {
-    let g = coarse.len() as f64;
-    let error = |i: usize| {
-        let d: Vec<f64> = coarse.iter().zip(fine).map(|(c, f)| c[i].estimate - f[i].estimate).collect();
-        let mean = d.iter().sum::<f64>() / g;
-        ((g - 1.0) / g * d.iter().map(|d| (d - mean).powi(2)).sum::<f64>()).sqrt()
-    };
-    (0..Statistic::ALL.len()).map(|i| Number { value: f64::NAN, error: error(i) }).collect()
+    (0..here.len()).map(change).collect()
 }

@@ -20,7 +20,6 @@ mod measure;
 #[cfg(feature = "cli")]
 mod picture;
 mod predict;
-mod setting;
 mod standing;
 
 pub use effort::Effort;
@@ -30,9 +29,9 @@ pub use measure::{Cost, Limits, Rung, TradeError, measure, measure_within};
 #[cfg(feature = "cli")]
 pub use picture::{Picture, picture};
 pub use predict::{Choice, Refusal, TARGETS};
-pub use setting::Setting;
 pub use standing::Standing;
 
+use crate::scheme::Kind;
 use crate::stats::Statistic;
 
 /// A number and its standard error.
@@ -70,30 +69,45 @@ pub struct Trade {
 }
 
 impl Trade {
+    /// What every bias is measured against.
+    pub fn reference(&self) -> &Rung {
+        &self.rungs[self.reference]
+    }
+
+    /// Whether a rung is the reference: no two rungs run the same scheme with the same step or tolerance.
+    pub fn is_reference(&self, rung: &Rung) -> bool {
+        rung.scheme == self.reference().scheme
+    }
+
     /// The bias of a statistic on a rung against the reference.
     pub fn bias(&self, rung: &Rung, statistic: Statistic) -> Number {
-        let (here, there) = (rung.estimate(statistic), self.rungs[self.reference].estimate(statistic));
-        if std::ptr::eq(rung, &self.rungs[self.reference]) {
+        if self.is_reference(rung) {
             return Number { value: 0.0, error: 0.0 };
         }
+        let (here, there) = (rung.estimate(statistic), self.reference().estimate(statistic));
         Number { value: here.value - there.value, error: here.error.hypot(there.error) }
     }
 
-    /// How the bias of a time-stepping scheme falls with the step, where that can be seen; none for a scheme without steps.
-    pub fn law(&self, scheme: &str, statistic: Statistic) -> Option<Law> {
-        let rungs: Vec<&Rung> = self.rungs.iter().filter(|rung| rung.setting.scheme.name() == scheme).collect();
+    /// How the bias of a scheme falls with its step, where that can be seen; none for a scheme without steps.
+    pub fn law(&self, scheme: Kind, statistic: Statistic) -> Option<Law> {
+        let rungs: Vec<&Rung> = self.rungs_of(scheme).collect();
         let (finest, coarser) = rungs.split_last()?;
         let changes: Option<Vec<Change>> = coarser
             .iter()
-            .map(|rung| Some(Change { h: rung.setting.step?, change: rung.change(statistic)? }))
+            .map(|rung| Some(Change { h: rung.scheme.step()?, change: rung.change(statistic)? }))
             .collect();
-        Law::fit(&changes?, finest.setting.step?, self.bias(finest, statistic))
+        Law::fit(&changes?, finest.scheme.step()?, self.bias(finest, statistic))
+    }
+
+    /// The rungs of a scheme, from coarse to fine.
+    pub fn rungs_of(&self, scheme: Kind) -> impl DoubleEndedIterator<Item = &Rung> {
+        self.rungs.iter().filter(move |rung| rung.scheme.kind() == scheme)
     }
 
     /// The schemes that were run, in the order of the rungs.
-    pub fn schemes(&self) -> Vec<&'static str> {
-        let mut names: Vec<_> = self.rungs.iter().map(|rung| rung.setting.scheme.name()).collect();
-        names.dedup();
-        names
+    pub fn schemes(&self) -> Vec<Kind> {
+        let mut schemes: Vec<Kind> = self.rungs.iter().map(|rung| rung.scheme.kind()).collect();
+        schemes.dedup();
+        schemes
     }
 }

@@ -1,11 +1,11 @@
 //! The work-precision picture: what error which CPU time buys, one line a scheme, on logarithmic axes.
 
 use super::{TARGETS, Trade};
-use crate::scenario::SchemeKind;
+use crate::scheme::{Kind, Look};
 use crate::stats::Statistic;
 use kuva::backend::raster::RasterBackend;
 use kuva::backend::svg::SvgBackend;
-use kuva::prelude::{Layout, LegendPosition, LinePlot, Plot, ScatterPlot, TickFormat};
+use kuva::prelude::{Layout, LegendPosition, LinePlot, LineStyle, Plot, ScatterPlot, TickFormat};
 use kuva::render::render::render_multiple;
 use std::sync::Arc;
 
@@ -24,8 +24,6 @@ const PER_DECADE: i32 = 12;
 const DECADES: i32 = 3;
 /// Runs of more than a year are not drawn.
 const YEAR: f64 = 3.2e7;
-/// One a scheme, that remain distinct for colour-blind readers (Okabe and Ito).
-const COLOURS: [&str; 4] = ["#D55E00", "#0072B2", "#009E73", "#CC79A7"];
 /// Most characters in a line of the title.
 const TITLE_WIDTH: usize = 48;
 /// Pixels of the PNG per unit of the SVG.
@@ -34,7 +32,8 @@ const SCALE: f32 = 2.0;
 /// For each scheme the least cost of every target, of one statistic; none if no scheme has any.
 pub fn picture(trade: &Trade, statistic: Statistic, title: &str) -> Option<Picture> {
     let mut plots: Vec<Plot> = Vec::new();
-    for (scheme, colour) in SchemeKind::NAMES.into_iter().zip(COLOURS) {
+    for &scheme in Kind::ALL {
+        let Look { colour, dash } = scheme.look();
         let cost = |target: f64| {
             let choice = trade.best(Some(scheme), &[statistic], target).ok()?;
             (choice.seconds < YEAR).then_some((choice.seconds, target))
@@ -46,8 +45,9 @@ pub fn picture(trade: &Trade, statistic: Statistic, title: &str) -> Option<Pictu
         if line.is_empty() {
             continue;
         }
-        plots
-            .push(LinePlot::new().with_data(line).with_color(colour).with_stroke_width(2.0).with_legend(scheme).into());
+        let style = if dash.is_empty() { LineStyle::Solid } else { LineStyle::Custom(dash.into()) };
+        let line = LinePlot::new().with_data(line).with_color(colour).with_line_style(style).with_stroke_width(2.0);
+        plots.push(line.with_legend(scheme.name()).into());
         plots.push(ScatterPlot::new().with_data(marks).with_color(colour).with_size(4.0).into());
     }
     if plots.is_empty() {

@@ -1,7 +1,7 @@
 //! From measured rungs to a choice: what a target costs, with which setting, or why it cannot be had.
 
-use super::{Law, Number, Rung, Setting, Trade};
-use crate::scenario::SchemeKind;
+use super::{Law, Number, Rung, Trade};
+use crate::scheme::{Discretisation, Kind, Scheme};
 use crate::stats::Statistic;
 use std::fmt;
 
@@ -15,7 +15,7 @@ const HALVINGS: i32 = 40;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Choice {
     /// What to run.
-    pub setting: Setting,
+    pub scheme: Scheme,
     /// How many paths.
     pub paths: u64,
     /// CPU seconds it will take on one thread.
@@ -63,7 +63,7 @@ impl fmt::Display for Refusal {
 
 /// A setting that might be chosen: per statistic the bound of the bias and the variance per path, in absolute terms.
 struct Candidate {
-    setting: Setting,
+    scheme: Scheme,
     cost: super::Cost,
     is_measured: bool,
     terms: Vec<(Statistic, Bound, f64)>,
@@ -103,13 +103,13 @@ impl Trade {
     /// steps, one twice the other, costs at most 13 % more than that at p = 1/2, and 19 % more at p = 1.
     ///
     /// A bias counts with its upper bound at one-sided 95 %, so that a bias that was not resolved counts for what it may be.
-    pub fn best(&self, scheme: Option<&str>, statistics: &[Statistic], target: f64) -> Result<Choice, Refusal> {
+    pub fn best(&self, scheme: Option<Kind>, statistics: &[Statistic], target: f64) -> Result<Choice, Refusal> {
         if let Some(statistic) = statistics.iter().find(|s| self.standing(**s).scale().is_none()) {
             return Err(Refusal::NoAnswer(*statistic));
         }
         let candidates: Vec<Candidate> = (self.schemes().into_iter())
-            .filter(|name| scheme.is_none_or(|asked| asked == *name))
-            .flat_map(|name| self.candidates(name, statistics))
+            .filter(|kind| scheme.is_none_or(|asked| asked == *kind))
+            .flat_map(|kind| self.candidates(kind, statistics))
             .collect();
         let mut refusal = Refusal::NotRun;
         let mut best: Option<Choice> = None;
@@ -137,21 +137,20 @@ impl Trade {
             // An error needs two paths, unless all are equal.
             let paths = (variance / room).ceil().max(if self.is_random { 2.0 } else { 1.0 });
             if choice.is_none_or(|choice| paths > choice.paths as f64) {
-                let Candidate { setting, cost, is_measured, .. } = *candidate;
+                let Candidate { scheme, cost, is_measured, .. } = *candidate;
                 let (decisive, seconds) = (*statistic, cost.of(paths));
-                choice = Some(Choice { setting, paths: paths as u64, seconds, decisive, bias, is_measured });
+                choice = Some(Choice { scheme, paths: paths as u64, seconds, decisive, bias, is_measured });
             }
         }
         choice.filter(|choice| choice.seconds.is_finite()).ok_or(Refusal::NotRun)
     }
 
-    fn candidates(&self, scheme: &str, statistics: &[Statistic]) -> Vec<Candidate> {
-        let rungs: Vec<&Rung> =
-            self.rungs.iter().filter(|rung| rung.setting.scheme.name() == scheme && rung.diverged == 0).collect();
-        let laws: Vec<Option<Law>> = statistics.iter().map(|statistic| self.law(scheme, *statistic)).collect();
+    fn candidates(&self, kind: Kind, statistics: &[Statistic]) -> Vec<Candidate> {
+        let rungs: Vec<&Rung> = self.rungs_of(kind).filter(|rung| rung.diverged == 0).collect();
+        let laws: Vec<Option<Law>> = statistics.iter().map(|statistic| self.law(kind, *statistic)).collect();
         let mut candidates: Vec<Candidate> = (rungs.iter())
             .map(|rung| Candidate {
-                setting: rung.setting,
+                scheme: rung.scheme,
                 cost: rung.cost,
                 is_measured: true,
                 terms: (statistics.iter().zip(&laws))
@@ -159,7 +158,7 @@ impl Trade {
                     .collect(),
             })
             .collect();
-        let finest = rungs.last().and_then(|rung| Some((*rung, rung.setting.step?)));
+        let finest = rungs.last().and_then(|rung| Some((*rung, rung.scheme.step()?)));
         if let Some((rung, finest)) = finest {
             candidates.extend((1..=HALVINGS).map(|i| {
                 let finer = 2f64.powi(i);
@@ -168,7 +167,7 @@ impl Trade {
                     law.as_ref().map_or_else(|| self.finer(&rungs, s, finer), |law| Bound::from(law.bias(h)))
                 };
                 Candidate {
-                    setting: Setting { step: Some(h), ..rung.setting },
+                    scheme: kind.with(h),
                     cost: super::Cost { first: rung.cost.first * finer, each: rung.cost.each * finer },
                     is_measured: false,
                     terms: (statistics.iter().zip(&laws))
@@ -181,16 +180,15 @@ impl Trade {
     }
 
     /// An upper bound of the bias of a measured rung: from its distance from the reference; from the law, where that is known better;
-    /// for the event-driven scheme from its tolerance, which is what it promises, unless it was seen to break the promise.
+    /// for a scheme that promises a tolerance from that, unless it was seen to break the promise.
     fn bound(&self, rung: &Rung, statistic: Statistic, law: Option<&Law>) -> Bound {
         let measured = self.bias(rung, statistic);
-        match (rung.setting.scheme, rung.setting.step, law) {
-            (SchemeKind::EventDriven { tolerance }, ..) => {
+        match (rung.scheme.discretisation(), rung.scheme.step(), law) {
+            (Discretisation::Tolerance { tolerance }, ..) => {
                 let promise = if self.is_random { tolerance } else { 0.0 };
                 let promised = promise * self.standing(statistic).scale().unwrap_or(f64::NAN);
-                let is_reference = std::ptr::eq(rung, &self.rungs[self.reference]);
                 let is_broken = measured.value.abs() - PROMISE_ERRORS * measured.error > promised;
-                match (is_reference, is_broken) {
+                match (self.is_reference(rung), is_broken) {
                     (true, _) => Bound { value: promised, is_unresolved: false },
                     (false, true) => measured.into(),
                     (false, false) => Bound { value: promised.min(measured.bound()), is_unresolved: false },
@@ -205,36 +203,34 @@ impl Trade {
     /// A bound of the bias of a step without a law: the sum of the changes from it to the finest step, and beyond that what is left
     /// of the last change if the bias falls no slower than sqrt(h), which is the slowest of these schemes.
     fn changes_from(&self, rung: &Rung, statistic: Statistic) -> Bound {
-        let finer: Vec<Number> = (self.rungs.iter())
-            .filter(|other| {
-                other.setting.scheme.name() == rung.setting.scheme.name() && other.setting.step <= rung.setting.step
-            })
+        let kind = rung.scheme.kind();
+        let finer: Vec<Number> = (self.rungs_of(kind))
+            .filter(|other| other.scheme.step() <= rung.scheme.step())
             .filter_map(|rung| rung.change(statistic))
             .collect();
         let sum = Number {
             value: finer.iter().map(|change| change.value).sum(),
             error: finer.iter().map(|change| change.error).sum(),
         };
-        let last = self.last_change(rung.setting.scheme, statistic);
+        let last = self.last_change(kind, statistic);
         Bound { value: sum.bound() + last * tail(2.0), is_unresolved: sum.value.abs() < 2.0 * sum.error }
     }
 
     /// The same at the finest step divided by `finer`.
     fn finer(&self, rungs: &[&Rung], statistic: Statistic, finer: f64) -> Bound {
         let Some(finest) = rungs.last() else { return Bound { value: f64::NAN, is_unresolved: true } };
-        let beyond = self.last_change(finest.setting.scheme, statistic) * tail(2.0 * finer);
+        let beyond = self.last_change(finest.scheme.kind(), statistic) * tail(2.0 * finer);
         self.bound(finest, statistic, None).or(Bound { value: beyond, is_unresolved: true })
     }
 
     /// A bound of the change between the two finest steps.
-    fn last_change(&self, scheme: SchemeKind, statistic: Statistic) -> f64 {
-        let mut changes =
-            self.rungs.iter().filter(|rung| rung.setting.scheme == scheme).filter_map(|r| r.change(statistic));
+    fn last_change(&self, kind: Kind, statistic: Statistic) -> f64 {
+        let mut changes = self.rungs_of(kind).filter_map(|rung| rung.change(statistic));
         changes.next_back().map_or(f64::NAN, Number::bound)
     }
 }
 
-/// Standard errors beyond its tolerance from which on an event-driven run counts as biased; over 16 statistics and 3 rungs chance does so
+/// Standard errors beyond its tolerance from which on a run without a step counts as biased; over 16 statistics and 3 rungs chance does so
 /// once in 800 scenes.
 const PROMISE_ERRORS: f64 = 4.0;
 

@@ -50,7 +50,7 @@ const ZERO_WITHIN: f64 = 3.0;
 impl Trade {
     /// What can be asked of a statistic in this scene.
     pub fn standing(&self, statistic: Statistic) -> Standing {
-        let reference = &self.rungs[self.reference];
+        let reference = self.reference();
         let Number { value, error } = reference.estimate(statistic);
         if !value.is_finite() || !error.is_finite() {
             Standing::Absent

@@ -4,7 +4,7 @@
 use stick_slip::ensemble::BLOCK_SIZE;
 use stick_slip::model::*;
 use stick_slip::scenario::{Scenario, shipped};
-use stick_slip::scheme::{EventDriven, Instant, Observer, Snapshot, Timeline};
+use stick_slip::scheme::{EventDrivenSimulation, Instant, Observer, Simulate as _, Snapshot, Timeline};
 use stick_slip::stats::{BlockObserver, Record, Statistic, Summary, Totals};
 
 /// The model of a shipped scenario.
@@ -90,12 +90,12 @@ where
 
 /// The same for the event-driven scheme.
 pub fn event_driven_summary(model: &Model, timeline: &Timeline, tolerance: f64, seed: u64, paths: u64) -> Summary {
-    let scheme = EventDriven::new(model, timeline, tolerance);
-    summary_of(model, timeline, paths, |numbers, observer| scheme.simulate(seed, numbers, observer))
+    let simulation = EventDrivenSimulation::new(model, timeline, tolerance);
+    summary_of(model, timeline, paths, |numbers, observer| simulation.simulate(seed, numbers, observer))
 }
 
 /// One statistic and its standard error.
 pub fn estimate(summary: &Summary, statistic: Statistic) -> (f64, f64) {
-    let e = summary.estimates.iter().find(|e| e.statistic == statistic).expect("all are reported");
+    let e = summary.estimate(statistic);
     (e.estimate, e.standard_error)
 }

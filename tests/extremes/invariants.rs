@@ -19,8 +19,8 @@
 //! | discrete schemes: the same events however rarely one looks (in the survey itself) | none |
 
 use stick_slip::model::{Event, EventKind, InitialNoise, Model, Oscillator, Sign};
-use stick_slip::scenario::{Scenario, SchemeKind};
-use stick_slip::scheme::{Instant, Observer, Snapshot, monitoring_shift};
+use stick_slip::scenario::Scenario;
+use stick_slip::scheme::{Instant, Kind, Observer, Snapshot, monitoring_shift};
 
 const ULP: f64 = f64::EPSILON;
 
@@ -33,7 +33,7 @@ const ROUNDING: f64 = 1e-12;
 /// Watches the paths of one scenario.
 pub struct Watch {
     model: Model,
-    scheme: SchemeKind,
+    scheme: Kind,
     end: f64,
     step: f64,
     /// f_s, as simulated.
@@ -93,10 +93,10 @@ pub struct Energy {
 
 impl Watch {
     pub fn new(scenario: &Scenario) -> Self {
-        let (model, scheme) = (scenario.model.clone(), scenario.scheme);
-        let step = scenario.time.step.unwrap_or(scenario.time.output_step);
+        let (model, scheme) = (scenario.model.clone(), scenario.scheme.kind());
+        let step = scenario.scheme.step().unwrap_or(scenario.time.output_step);
         let static_force = scenario.resolution().map_or(model.friction.static_force, |r| r.static_force);
-        let shift = if scheme == SchemeKind::CorrectedVi { monitoring_shift(&model, step) } else { 0.0 };
+        let shift = if scheme == Kind::CorrectedVi { monitoring_shift(&model, step) } else { 0.0 };
         let exit_force = (static_force - shift).max(model.friction.dynamic_force);
         let lane = Lane {
             complaint: None,
@@ -125,7 +125,7 @@ impl Watch {
     }
 
     fn is_event_driven(&self) -> bool {
-        matches!(self.scheme, SchemeKind::EventDriven { .. })
+        self.scheme == Kind::EventDriven
     }
 
     /// What rounding does to b at a time: its terms, each harmonic and its phase w t, and x as the sum of ways that it is.
@@ -157,7 +157,7 @@ impl Watch {
             (EventKind::StickEntered | EventKind::SubPhaseBoundary(_), Some(direction)) => {
                 let way = direction.value() * (x - lane.origin);
                 let turns = kind != EventKind::StickEntered;
-                if !(turns && self.scheme == SchemeKind::CorrectedVi) {
+                if !(turns && self.scheme == Kind::CorrectedVi) {
                     let allowed = 4.0 * ULP * (x.abs() + lane.origin.abs());
                     ensure(way >= -allowed, || format!("went {way:e} in direction {direction:?}"))?;
                 }
@@ -170,7 +170,7 @@ impl Watch {
                     lane.running += 1;
                     lane.direction = Some(sign);
                 } else {
-                    if matches!(self.scheme, SchemeKind::QuasiStatic { .. }) {
+                    if self.scheme == Kind::QuasiStatic {
                         self.check_recursion(lane, time, x)?;
                     } else {
                         let most = self.static_force * (1.0 + 4.0 * ULP);
@@ -223,16 +223,14 @@ impl Watch {
                 let eps = direction.value();
                 ensure(eps * v >= -1e-9 * lane.fastest, || format!("x' = {v:e} in direction {direction:?}"))?;
                 let way = eps * (x - lane.origin);
-                let behind = if self.scheme == SchemeKind::CorrectedVi { self.step * lane.fastest } else { 0.0 };
+                let behind = if self.scheme == Kind::CorrectedVi { self.step * lane.fastest } else { 0.0 };
                 let allowed = behind + 4.0 * ULP * (x.abs() + lane.origin.abs());
                 ensure(way >= -allowed, || format!("went {way:e} in direction {direction:?}"))?;
             }
         }
         match (self.scheme, lane.last) {
-            (SchemeKind::DiscreteVi | SchemeKind::CorrectedVi, Some(last)) if t > last.t => {
-                self.check_step(last, now)?
-            }
-            (SchemeKind::EventDriven { .. }, _) => self.balance(lane, now)?,
+            (Kind::DiscreteVi | Kind::CorrectedVi, Some(last)) if t > last.t => self.check_step(last, now)?,
+            (Kind::EventDriven, _) => self.balance(lane, now)?,
             _ => {}
         }
         lane.last = Some(now);
@@ -260,7 +258,7 @@ impl Watch {
         })?;
         let friction = if b.v == 0.0 { m / h * impulse } else { self.model.friction.dynamic_force.copysign(impulse) };
         let (mover, surplus) = match self.scheme {
-            SchemeKind::CorrectedVi => (b.v, -m * (b.v - a.v).powi(2)),
+            Kind::CorrectedVi => (b.v, -m * (b.v - a.v).powi(2)),
             _ => (a.v, m * (b.v - a.v).powi(2)),
         };
         let gained = 0.5 * m * (b.v + a.v) * (b.v - a.v) + 0.5 * k * (b.x + a.x) * (b.x - a.x);

@@ -5,7 +5,9 @@ use super::invariants::Watch;
 use std::f64::consts::PI;
 use stick_slip::model::{Event, EventKind};
 use stick_slip::scenario::{Override, Scenario};
-use stick_slip::scheme::{DEFAULT_TOLERANCE, DiscreteVi, EventDriven, Instant, Observer, Snapshot};
+use stick_slip::scheme::{
+    DEFAULT_TOLERANCE, DiscreteSimulation, EventDrivenSimulation, Instant, Observer, Simulate as _, Snapshot,
+};
 
 /// Averages of the cascade over many periods, early and late: phase of the forcing at stick exits, |x| at sticks, way of a slip.
 struct Orbit {
@@ -71,7 +73,7 @@ fn many_steps(n: u64) {
     let (w, h) = (0.25, 1.0 / 128.0);
     let end = n as f64 * h;
     let mut orbit = Orbit::new(w, end);
-    let lost = DiscreteVi::new(&paper(w, 0.0), &timeline(end, end), h).simulate(1, &[0], &mut orbit);
+    let lost = DiscreteSimulation::new(&paper(w, 0.0), &timeline(end, end), h).simulate(1, &[0], &mut orbit);
     assert!(lost.is_empty());
     let exact = (n as f64 / 512.0).cos();
     let [(early, short), (late, long)] = orbit.means();
@@ -145,7 +147,7 @@ fn many_periods(periods: usize) {
     let half_period = PI / 0.25;
     let end = 2.0 * periods as f64 * half_period;
     let mut orbit = Periodic { half_period, reference: Vec::new(), seen: 0, worst: (0.0, 0.0, 0.0) };
-    let scheme = EventDriven::new(&paper(0.25, 0.0), &timeline(end, end), DEFAULT_TOLERANCE);
+    let scheme = EventDrivenSimulation::new(&paper(0.25, 0.0), &timeline(end, end), DEFAULT_TOLERANCE);
     assert!(scheme.simulate(1, &[0], &mut orbit).is_empty());
     println!(
         "{} events; off in t by {:e}, in x by {:e}, in b by {:e}",
@@ -166,7 +168,7 @@ fn three_hundred_days_of_the_viaduct_balance() {
         let scenario = Scenario::read("scenarios/viaduct.toml".as_ref(), &overrides).unwrap_or_else(|e| panic!("{e}"));
         let mut watch = Watch::new(&scenario);
         let paths: Vec<u64> = (0..16).collect();
-        assert!(scenario.plan().scheme.simulate(1, &paths, &mut watch).is_empty());
+        assert!(scenario.plan().simulation.simulate(1, &paths, &mut watch).is_empty());
         let (end, f_d) = (scenario.time.end, scenario.model.friction.dynamic_force);
         let worst = |of: &dyn Fn(&super::invariants::Lane) -> f64| watch.lanes.iter().map(of).fold(0.0, f64::max);
         assert!(watch.lanes.iter().all(|lane| lane.complaint.is_none() && lane.slips > 400), "{scheme}");

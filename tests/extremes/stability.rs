@@ -14,6 +14,7 @@ use super::common::Keep;
 use std::f64::consts::PI;
 use stick_slip::model::{Event, EventKind};
 use stick_slip::scenario::{Override, Scenario, Warning};
+use stick_slip::scheme::Simulate as _;
 use stick_slip::stats::Summary;
 
 /// A free body with equal friction, released at x0.
@@ -49,7 +50,7 @@ impl Free {
     fn path(&self, scheme: &str) -> (Vec<Event>, (f64, f64), Summary) {
         let plan = self.scenario(scheme).plan();
         let mut keep = Keep::lanes(1);
-        plan.scheme.simulate(1, &[0], &mut keep);
+        plan.simulation.simulate(1, &[0], &mut keep);
         let last = keep.rows[0][keep.rows[0].len() - 1];
         (keep.events.remove(0), (last.1, last.2), plan.run(1))
     }

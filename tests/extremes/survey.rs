@@ -8,8 +8,8 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 use stick_slip::ensemble::Plan;
 use stick_slip::model::Event;
-use stick_slip::scenario::{Override, Scenario, ScenarioError, SchemeKind, Warning};
-use stick_slip::scheme::{self, Observer, Scheme, Snapshot};
+use stick_slip::scenario::{Override, Scenario, ScenarioError, Warning};
+use stick_slip::scheme::{self, Kind, Observer, Simulate as _, Snapshot};
 use stick_slip::stats::{Statistic, Summary};
 
 /// What a path may spend here: 1/5000 of the usual, so that 1e5 scenarios with hopeless ones among them end in minutes.
@@ -52,7 +52,7 @@ impl Survey {
         for number in numbers {
             for family in families {
                 let text = scenario(family, number);
-                for kind in SchemeKind::ALL {
+                for &kind in Kind::ALL {
                     now.begins(number);
                     let start = Instant::now();
                     let outcome = catch_unwind(AssertUnwindSafe(|| examine(&text, kind)))
@@ -85,7 +85,7 @@ impl Survey {
 }
 
 /// Read, run and check one scenario.
-fn examine(text: &str, kind: SchemeKind) -> Result<Outcome, String> {
+fn examine(text: &str, kind: Kind) -> Result<Outcome, String> {
     let scheme = Override::flag("--scheme", "scheme.kind", &format!("\"{}\"", kind.name()));
     let scenario = match Scenario::parse("survey.toml", text, &[scheme]) {
         Ok(scenario) => scenario,
@@ -98,24 +98,20 @@ fn examine(text: &str, kind: SchemeKind) -> Result<Outcome, String> {
         Err(error) => return Err(format!("{error}")),
     };
     let warnings = scenario.warnings();
-    let mut plan = scenario.plan();
-    plan.scheme = match plan.scheme {
-        Scheme::EventDriven(scheme) => Scheme::EventDriven(Box::new(scheme.with_work_limit(WORK_LIMIT))),
-        Scheme::QuasiStatic(scheme) => Scheme::QuasiStatic(Box::new(scheme.with_work_limit(WORK_LIMIT))),
-        discrete => discrete,
-    };
+    let plan = scenario.plan();
+    let plan = Plan { simulation: plan.simulation.with_work_limit(WORK_LIMIT), ..plan };
     let mut watch = Watch::new(&scenario);
     let paths: Vec<u64> = (0..scenario.ensemble.paths).collect();
-    let lost = plan.scheme.simulate(plan.seed, &paths, &mut watch);
+    let lost = plan.simulation.simulate(plan.seed, &paths, &mut watch);
     let kept = || watch.lanes.iter().enumerate().filter(|(lane, _)| !lost.contains(lane)).map(|(_, lane)| lane);
     if let Some(complaint) = kept().find_map(|lane| lane.complaint.clone()) {
         return Err(complaint);
     }
-    if kind.is_time_stepping() && !lost.is_empty() && !warnings.iter().any(foretells_divergence) {
+    if kind.has_step() && !lost.is_empty() && !warnings.iter().any(foretells_divergence) {
         return Err("diverged without a warning".into());
     }
     compare(&plan, kept())?;
-    if kind.is_time_stepping() {
+    if kind.has_step() {
         look_rarely(&scenario, &paths, &watch, &lost)?;
     }
     let summary = plan.run(1);
@@ -135,7 +131,7 @@ fn look_rarely(scenario: &Scenario, paths: &[u64], watch: &Watch, lost: &[usize]
     let mut scenario = scenario.clone();
     scenario.time.output_step = scenario.time.end.max(scenario.time.output_step);
     let mut events = Events(vec![Vec::new(); paths.len()]);
-    scenario.plan().scheme.simulate(scenario.ensemble.seed, paths, &mut events);
+    scenario.plan().simulation.simulate(scenario.ensemble.seed, paths, &mut events);
     let differs = |lane: &usize| !lost.contains(lane) && events.0[*lane] != watch.events[*lane];
     match (0..paths.len()).find(differs) {
         Some(lane) => Err(format!("path {lane} has other events where it is looked at rarely")),
@@ -162,7 +158,7 @@ fn foretells_divergence(warning: &Warning) -> bool {
 fn compare<'a>(plan: &Plan, kept: impl Iterator<Item = &'a super::invariants::Lane>) -> Result<(), String> {
     let columns = plan.block(0).path_columns.ok_or("no columns")?;
     let rows = (0..columns.slips.len()).filter(|&row| !columns.diverged[row]);
-    let (end, f_d) = (plan.timeline.end, plan.model.friction.dynamic_force);
+    let (end, f_d) = (plan.timeline().end, plan.model().friction.dynamic_force);
     for (row, lane) in rows.zip(kept) {
         let counts = (columns.sticks[row], columns.slips[row], columns.sub_phases[row]);
         let expected = (lane.ended_sticks.saturating_sub(1), lane.slips, lane.sub_phases);
@@ -188,7 +184,7 @@ fn check_summary(summary: &Summary, scenario: &Scenario, lost: u64) -> Result<()
     if summary.diverged.len() as u64 != lost || summary.completed_paths != scenario.ensemble.paths {
         return Err(format!("{} of {} lost, {lost} seen", summary.diverged.len(), summary.completed_paths));
     }
-    let value = |statistic| summary.estimates.iter().find(|e| e.statistic == statistic).map(|e| e.estimate);
+    let value = |statistic| summary.estimate(statistic).estimate;
     let some = lost < scenario.ensemble.paths;
     use Statistic::*;
     for (statistic, exists) in [
@@ -201,12 +197,12 @@ fn check_summary(summary: &Summary, scenario: &Scenario, lost: u64) -> Result<()
         (FirstStickDurationMean, summary.stick_durations.first_completed > 0),
         (SubPhasesMean, summary.sub_phases.counts.iter().any(|n| *n > 0)),
     ] {
-        let value = value(statistic).ok_or("missing")?;
+        let value = value(statistic);
         if value.is_infinite() || value.is_nan() == exists {
             return Err(format!("{} = {value}, exists: {exists}", statistic.name()));
         }
     }
-    let fraction = value(StickingFraction).unwrap_or_default();
+    let fraction = value(StickingFraction);
     if fraction.is_finite() && !(0.0..=1.0 + 1e-12).contains(&fraction) {
         return Err(format!("sticking fraction {fraction}"));
     }
@@ -234,7 +230,7 @@ fn the_undamped_step_diverges_in_no_scenario_without_a_warning() {
         }
         let paths: Vec<u64> = (0..scenario.ensemble.paths).collect();
         let mut events = Events(vec![Vec::new(); paths.len()]);
-        let diverged = !scenario.plan().scheme.simulate(scenario.ensemble.seed, &paths, &mut events).is_empty();
+        let diverged = !scenario.plan().simulation.simulate(scenario.ensemble.seed, &paths, &mut events).is_empty();
         let foretold = scenario.warnings().iter().any(foretells_divergence);
         scenarios[usize::from(diverged)][usize::from(foretold)] += 1;
     }

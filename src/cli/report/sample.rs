@@ -25,7 +25,7 @@ pub fn summary() -> Summary {
     Summary {
         completed_paths: 10_000,
         diverged: vec![],
-        estimates: estimates.to_vec(),
+        estimates,
         stick_durations: StickDurations {
             completed: 141_226,
             censored: 812,

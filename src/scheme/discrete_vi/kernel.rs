@@ -51,7 +51,7 @@ impl Coefficients {
             h_over_m: h / oscillator.mass,
             minus_stiffness: -oscillator.stiffness,
             minus_two_alpha: -2.0 * oscillator.damping,
-            noise_force: oscillator.stiffness * oscillator.dilatation * noise.temperature,
+            noise_force: oscillator.force_per_temperature() * noise.temperature,
             decay: noise.decay,
             static_impulse: h / oscillator.mass * friction.static_force,
             dynamic_impulse: h / oscillator.mass * friction.dynamic_force,

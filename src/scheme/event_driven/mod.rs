@@ -7,6 +7,8 @@
 //!                       StepRules   what the one tolerance means for its steps
 //!                       path_loop   from stop to stop, from event to event
 //! ```
+//!
+//! [`EventDriven`] is the scheme and what it is known for, [`EventDrivenSimulation`] the scheme on one model.
 
 mod exact_time;
 mod first_root;
@@ -17,6 +19,7 @@ mod noiseless;
 mod noisy;
 mod path_loop;
 mod scene;
+mod simulation;
 mod slip_transition;
 mod step_rules;
 mod stick;
@@ -24,6 +27,7 @@ mod stick_step;
 mod unfelt_noise;
 mod work;
 
+pub use simulation::EventDrivenSimulation;
 pub use slip_transition::{DrivenOscillator, HarmonicResponse, SlipTransition};
 pub use step_rules::{DEFAULT_TOLERANCE, Resolution, TOLERANCES};
 pub use work::Simulated;
@@ -37,74 +41,57 @@ pub(super) use stick::StickSteps;
 pub(super) use unfelt_noise::UnfeltNoise;
 pub(super) use work::{Unresolved, WORK_LIMIT};
 
-use super::{Observer, Timeline};
-use crate::model::Model;
-use noisy::Noisy;
+use super::{Discretisation, Look, Method, Misfit, Parameter, Timeline};
+use crate::model::{Model, can_be_computed_with};
 
-/// What the noise of a scene moves b by until `end`, where the motion of the schemes without a step
-/// feels it.
-pub fn felt_noise(model: &Model, end: f64) -> Option<f64> {
-    Scene::new(model).felt_noise(end)
-}
-
-/// The event-driven scheme for one scene.
-#[derive(Clone, Debug)]
+/// The event-driven scheme with this tolerance.
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EventDriven {
-    kernel: Kernel,
-    resolution: Option<Resolution>,
+    /// Relative error that discretisation may leave in the statistics, within [`TOLERANCES`].
+    pub tolerance: f64,
 }
 
-/// Chosen once: a scene whose motion feels no noise draws none for it.
-#[derive(Clone, Debug)]
-enum Kernel {
-    Noiseless(Box<Noiseless>, UnfeltNoise),
-    Noisy(Box<Noisy>),
+impl Method for EventDriven {
+    const NAME: &'static str = "event-driven";
+    const MEANING: &'static str = "from event to event, exact in law in between";
+    const PARAMETER: Parameter = Parameter::Tolerance { ladder: &[1e-2, 1e-3, 1e-4, 1e-5] };
+    const LOOK: Look = Look { colour: "#009E73", dash: "" };
+    type Simulation = EventDrivenSimulation;
+
+    fn with(tolerance: f64) -> Self {
+        EventDriven { tolerance }
+    }
+
+    fn parameter(self) -> f64 {
+        self.tolerance
+    }
+
+    fn simulation(self, model: &Model, timeline: &Timeline) -> EventDrivenSimulation {
+        EventDrivenSimulation::new(model, timeline, self.tolerance)
+    }
+
+    fn discretisation(self) -> Discretisation {
+        Discretisation::Tolerance { tolerance: self.tolerance }
+    }
+
+    fn resolution(self, model: &Model, timeline: &Timeline) -> Option<Resolution> {
+        self.simulation(model, timeline).resolution()
+    }
+
+    fn check(self, model: &Model, end: f64) -> Result<(), Misfit> {
+        check_friction(model, end)
+    }
 }
 
-impl EventDriven {
-    /// For a scene, observed at the stops of a timeline, with discretisation errors of about
-    /// `tolerance` relative ([`DEFAULT_TOLERANCE`]; the noiseless cascade has none).
-    pub fn new(model: &Model, timeline: &Timeline, tolerance: f64) -> Self {
-        let scene = Scene::new(model);
-        if scene.felt_noise(timeline.end).is_none() {
-            return EventDriven {
-                kernel: Kernel::Noiseless(Box::new(Noiseless::new(model, timeline)), UnfeltNoise::new(model)),
-                resolution: None,
-            };
-        }
-        let rules = StepRules::new(tolerance);
-        let kernel = Kernel::Noisy(Box::new(Noisy::new(model, timeline, &rules)));
-        EventDriven { kernel, resolution: rules.resolution(&scene) }
+/// The schemes without a step ask when the noise passes f_s, after some (f_s/s)^2: both must be forces whose squares, with their products
+/// and ratios, can be computed with.
+pub(super) fn check_friction(model: &Model, end: f64) -> Result<(), Misfit> {
+    let f_s = model.friction.static_force;
+    let Some(noise) = Scene::new(model).felt_noise(end).filter(|_| f_s > 0.0) else { return Ok(()) };
+    if can_be_computed_with(&[noise / f_s, 1.0 / (noise * f_s)]) {
+        return Ok(());
     }
-
-    /// The same, each path given up after `limit` evaluations instead of the usual 10^8.
-    pub fn with_work_limit(mut self, limit: u64) -> Self {
-        match &mut self.kernel {
-            Kernel::Noiseless(cascade, _) => cascade.work_limit = limit,
-            Kernel::Noisy(cascade) => cascade.work_limit = limit,
-        }
-        self
-    }
-
-    /// What is simulated in place of the scene where f_s and f_d (nearly) meet under noise; usually
-    /// nothing.
-    pub fn resolution(&self) -> Option<Resolution> {
-        self.resolution
-    }
-
-    /// Simulate the paths with these numbers, telling the observer; the lanes that had to be given
-    /// up are returned.
-    pub fn simulate<O: Observer>(&self, seed: u64, paths: &[u64], observer: &mut O) -> Vec<usize> {
-        self.simulate_counting(seed, paths, observer).lost
-    }
-
-    /// The same, with what was evaluated for it.
-    pub fn simulate_counting<O: Observer>(&self, seed: u64, paths: &[u64], observer: &mut O) -> Simulated {
-        match &self.kernel {
-            Kernel::Noiseless(cascade, noise) => {
-                cascade.simulate(paths.len(), &mut noise.added_before(observer, seed, paths))
-            }
-            Kernel::Noisy(cascade) => cascade.simulate(seed, paths, observer),
-        }
-    }
+    let problem = format!("is lost beside the noise, which moves b by {noise:e}: when b passes f_s cannot be computed");
+    let remedy = "write `static = 0` and `dynamic = 0` for none, or choose units in which forces are closer to 1";
+    Err(Misfit::new(&[("friction.static", f_s)], problem, remedy))
 }

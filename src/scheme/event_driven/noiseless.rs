@@ -238,7 +238,7 @@ impl Noiseless {
     fn state(&self, leg: &Leg, t: f64) -> (f64, f64, f64, bool) {
         let r = leg.start.until(t).max(0.0);
         let terms = self.body.terms();
-        let gain = self.model.oscillator.stiffness * self.model.oscillator.dilatation / self.model.oscillator.mass;
+        let gain = self.model.oscillator.force_per_temperature() / self.model.oscillator.mass;
         // beta = 0 leaves the body blind to a temperature that the observer still sees.
         let temperature = if gain == 0.0 {
             self.mean_temperature(t)

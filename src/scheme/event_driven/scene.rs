@@ -44,7 +44,7 @@ impl Scene {
     /// Of a model whose temperature has noise; without, n = 0 throughout.
     pub fn new(model: &Model) -> Self {
         let oscillator = model.oscillator;
-        let gain = oscillator.stiffness * oscillator.dilatation;
+        let gain = oscillator.force_per_temperature();
         let harmonics: Vec<_> = model
             .temperature
             .harmonics

@@ -1,0 +1,52 @@
+//! Numbers as people read them.
+
+/// `digits` significant digits, in plain notation where that is readable; trailing zeros dropped.
+pub fn significant(x: f64, digits: usize) -> String {
+    if !x.is_finite() {
+        return if x.is_nan() {
+            "none".into()
+        } else if x > 0.0 {
+            "infinite".into()
+        } else {
+            "-infinite".into()
+        };
+    }
+    let rounded: f64 = format!("{x:.*e}", digits.saturating_sub(1)).parse().unwrap_or(x);
+    if rounded != 0.0 && !(1e-4..1e7).contains(&rounded.abs()) { format!("{rounded:e}") } else { format!("{rounded}") }
+}
+
+/// Bytes in the largest decimal unit that leaves a number above one.
+pub fn bytes(n: f64) -> String {
+    let units = [(1e15, "PB"), (1e12, "TB"), (1e9, "GB"), (1e6, "MB"), (1e3, "kB")];
+    match units.into_iter().find(|(unit, _)| n >= *unit) {
+        Some((unit, name)) => format!("{} {name}", significant(n / unit, 3)),
+        None => format!("{n:.0} B"),
+    }
+}
+
+/// The number to twelve digits, if that is all there is to it: 0.9 rather than 0.8999999999999999.
+pub fn tidy(x: f64) -> f64 {
+    format!("{x:.11e}").parse().unwrap_or(x)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn digits_are_kept_to_the_number_asked_for() {
+        let shown = [(0.125, 6), (1234.5, 2), (1.5e-9, 3), (1e7, 3), (f64::NAN, 3), (f64::NEG_INFINITY, 3)];
+        let shown = shown.map(|(x, digits)| significant(x, digits));
+        assert_eq!(shown, ["0.125", "1200", "1.5e-9", "1e7", "none", "-infinite"]);
+    }
+
+    #[test]
+    fn bytes_are_shown_in_the_largest_unit_below_them() {
+        assert_eq!([999.0, 1000.0, 1_234_567.0, 2e15].map(bytes), ["999 B", "1 kB", "1.23 MB", "2 PB"]);
+    }
+
+    #[test]
+    fn what_rounding_has_left_is_tidied_away() {
+        assert_eq!([0.3 * 3.0, 1.0 / 3.0].map(tidy), [0.9, 0.333_333_333_333]);
+    }
+}

@@ -1,0 +1,99 @@
+//! `[time]` and `[scheme]` -> a duration, a grid, and a scheme with its step or tolerance.
+
+use super::error::Fault;
+use super::fields::{Fields, Read};
+use super::keys;
+use super::parse::{about, located};
+use super::source::Sources;
+use super::time::{Time, check_end};
+use crate::model::{LARGEST, Model, can_be_computed_with};
+use crate::scheme::{DEFAULT_TOLERANCE, Kind, Parameter, Scheme, divergence_bound};
+
+/// Read `[scheme]` and `[time]`.
+pub(super) fn scheme_and_time(
+    sources: &Sources<'_>,
+    root: &Fields<'_>,
+    model: &Model,
+) -> Result<(Scheme, Time), Box<Fault>> {
+    let (kind, tolerance) = kind(sources, root)?;
+    let table = root.table("time")?;
+    let end = end(sources, &table, model)?;
+    let scheme = kind.with(match kind.parameter() {
+        Parameter::Step => table.number(keys::STEP)?.value,
+        Parameter::Tolerance { .. } => {
+            refuse_step(sources, &table, kind)?;
+            tolerance.unwrap_or(DEFAULT_TOLERANCE)
+        }
+    });
+    let fault = |misfit| located(sources, root, &misfit);
+    check_end(scheme, end).map_err(fault)?;
+    scheme.check(model, end).map_err(fault)?;
+    let time = match table.number_if_present(keys::OUTPUT_STEP)? {
+        None => Time::with_default_rows(end, scheme),
+        Some(output_step) => Time { end, output_step: output_step.value },
+    };
+    time.check_rows(scheme).map_err(fault)?;
+    Ok((scheme, time))
+}
+
+/// The scheme, and the tolerance that is given for it.
+fn kind(sources: &Sources<'_>, root: &Fields<'_>) -> Result<(Kind, Option<f64>), Box<Fault>> {
+    let table = root.table("scheme")?;
+    let names: Vec<&'static str> = Kind::ALL.iter().map(|kind| kind.name()).collect();
+    let kind = table.word("kind", &names)?.and_then(Kind::from_name).unwrap_or(Kind::DiscreteVi);
+    let Some(tolerance) = table.number_if_present(keys::TOLERANCE)? else { return Ok((kind, None)) };
+    // A scheme chosen on the command line leaves the tolerance of the file's own behind.
+    let is_left_behind = sources.is_override(table.place_of("kind")) && !sources.is_override(tolerance.place);
+    if !kind.has_step() || is_left_behind {
+        return Ok((kind, Some(tolerance.value)));
+    }
+    let problem = format!("is given, but the accuracy of the {} scheme is set by `time.step` alone", kind.name());
+    let others = names_of(false);
+    let remedy = format!(
+        "remove it, or choose the scheme {} (`--scheme {}`)",
+        listed(&others, |name| format!("\"{name}\"")),
+        others.first().unwrap_or(&"")
+    );
+    Err(about(sources, &[&tolerance], problem, remedy))
+}
+
+/// A step in the file is left alone by a scheme without steps, so that one file serves every scheme; asking for one on the command line
+/// is a misunderstanding.
+fn refuse_step(sources: &Sources<'_>, table: &Fields<'_>, kind: Kind) -> Result<(), Box<Fault>> {
+    let step = table.number_if_present(keys::STEP)?;
+    let Some(step) = step.filter(|step| sources.is_override(step.place)) else { return Ok(()) };
+    let problem = format!("is given, but the {} scheme has no time step", kind.name());
+    let remedy = format!(
+        "leave it out (`scheme.tolerance` sets the accuracy), or choose a scheme that has one: {}",
+        listed(&names_of(true), |name| format!("`--scheme {name}`"))
+    );
+    Err(about(sources, &[&step], problem, remedy))
+}
+
+/// The schemes with a step, or those without.
+fn names_of(has_step: bool) -> Vec<&'static str> {
+    Kind::ALL.iter().filter(|kind| kind.has_step() == has_step).map(|kind| kind.name()).collect()
+}
+
+fn listed(names: &[&str], show: impl Fn(&str) -> String) -> String {
+    names.iter().map(|name| show(name)).collect::<Vec<_>>().join(" or ")
+}
+
+fn end(sources: &Sources<'_>, table: &Fields<'_>, model: &Model) -> Result<f64, Box<Fault>> {
+    let mut end: Read<f64> = table.number(keys::END)?;
+    // 0.0, never -0.0.
+    end.value = end.value.abs();
+    // Friction takes the body nowhere, however large it is.
+    let mut free = model.clone();
+    free.friction.static_force = 0.0;
+    let (reach, w0) = (divergence_bound(&free, end.value), model.oscillator.natural_frequency());
+    if can_be_computed_with(&[reach, reach * w0]) {
+        return Ok(end.value);
+    }
+    let speed = reach * w0;
+    let problem = format!(
+        "lets |x| grow towards {reach:e} and |x'| towards {speed:e}; above {LARGEST:e} is too large to compute with"
+    );
+    let remedy = "choose units in which displacements, times and forces are closer to 1, or lower `time.end`";
+    Err(about(sources, &[&end], problem, remedy.into()))
+}

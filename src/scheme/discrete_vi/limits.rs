@@ -1,0 +1,36 @@
+//! What a step can be computed with: its products with the mass, the forces and the noise must be doubles with all their digits.
+
+use crate::model::{InitialNoise, Model, can_be_computed_with};
+use crate::noise::Transition;
+use crate::scheme::Misfit;
+
+/// h/m and the thresholds it makes of the friction forces must be finite, and not so small that digits are lost.
+pub(super) fn check_step(model: &Model, h: f64) -> Result<(), Misfit> {
+    let h_over_m = h / model.oscillator.mass;
+    let usable = |x: f64| x == 0.0 || x.is_normal();
+    let thresholds = [model.friction.static_force, model.friction.dynamic_force];
+    let is_usable = h.is_normal()
+        && h_over_m.is_normal()
+        && thresholds.iter().all(|f| usable(*f) && (*f == 0.0 || (h_over_m * f).is_normal()))
+        && (h_over_m * model.largest_force()).is_finite();
+    if is_usable {
+        return Ok(());
+    }
+    let problem = format!("gives h/m = {h_over_m:e} or a threshold h f_s/m that a double cannot hold");
+    Err(Misfit::new(&[("time.step", h)], problem, "choose units in which mass, forces and step are closer to 1"))
+}
+
+/// v is counted in increments of one step: these must be doubles, and v(0) a number of them that can be computed with.
+pub(super) fn check_increments(model: &Model, h: f64) -> Result<(), Misfit> {
+    let Some(noise) = model.temperature.noise.filter(|noise| noise.diffusion > 0.0) else { return Ok(()) };
+    let increment = Transition::new(noise.relaxation_rate, noise.diffusion, h).increment_sd;
+    let start = if let InitialNoise::At(v) = noise.initial { v.abs() } else { noise.stationary_sd() };
+    if increment.is_normal() && can_be_computed_with(&[start / increment]) {
+        return Ok(());
+    }
+    let problem = format!(
+        "moves v by {increment:e} in a step h = {h:?}, and v, which starts at {start:e}, cannot be counted in units of that"
+    );
+    let remedy = "write `diffusion = 0` to leave v relaxing from v(0), raise it, or choose `--scheme event-driven`";
+    Err(Misfit::new(&[("temperature.noise.diffusion", noise.diffusion)], problem, remedy))
+}

@@ -1,0 +1,189 @@
+//! The discrete scheme on one model, corrected or not: many paths stepped side by side, looked at on a timeline.
+
+use super::kernel::{Kernel, Paths, RUN};
+use super::reading::Reader;
+use crate::lanes::InstructionSet;
+use crate::model::{HarmonicClock, InitialNoise, Model, Phase};
+use crate::noise::LaneStreams;
+use crate::scheme::{Observer, Simulate, Snapshot, Timeline};
+
+/// A path counts as diverged beyond so many times the greatest displacement that the exact model
+/// can be thought to have.
+const DIVERGENCE_MARGIN: f64 = 10.0;
+
+/// How many stationary standard deviations of v that greatest displacement allows for.
+const FARTHEST_NOISE_SDS: f64 = 10.0;
+
+/// The discrete variational inequality on one model with one step, corrected or not.
+#[derive(Clone, Debug)]
+pub struct DiscreteSimulation {
+    model: Model,
+    timeline: Timeline,
+    h: f64,
+    clock: HarmonicClock,
+    refinement: usize,
+    /// Steps between the instants at which paths can be observed.
+    observed_every: u64,
+    is_corrected: bool,
+    instructions: InstructionSet,
+}
+
+impl DiscreteSimulation {
+    /// For steps of length `h`, of which the stops of the timeline are taken to be whole multiples: each is observed at
+    /// the nearest t_n.
+    pub fn new(model: &Model, timeline: &Timeline, h: f64) -> Self {
+        DiscreteSimulation {
+            model: model.clone(),
+            timeline: *timeline,
+            h,
+            clock: HarmonicClock::new(&model.temperature.harmonics, h),
+            refinement: 1,
+            observed_every: 1,
+            is_corrected: false,
+            instructions: InstructionSet::detect(),
+        }
+    }
+
+    /// The same of the corrected scheme ([`super::CorrectedVi`]).
+    pub fn corrected(model: &Model, timeline: &Timeline, h: f64) -> Self {
+        DiscreteSimulation { is_corrected: true, ..DiscreteSimulation::new(model, timeline, h) }
+    }
+
+    /// The same on another instruction set; the results are the same bits.
+    pub fn with_instructions(self, instructions: InstructionSet) -> Self {
+        DiscreteSimulation { instructions, ..self }
+    }
+
+    /// The instruction set in use.
+    pub fn instructions(&self) -> InstructionSet {
+        self.instructions
+    }
+
+    /// v(0)/unit of each lane.
+    fn initial_noise(&self, unit: f64, streams: &mut LaneStreams, paths: usize) -> Vec<f64> {
+        let lanes = Paths::padded(paths);
+        match self.model.temperature.noise {
+            None => vec![0.0; lanes],
+            Some(noise) => match noise.initial {
+                InitialNoise::At(v) => vec![v / unit; lanes],
+                InitialNoise::Stationary => {
+                    let sd = noise.stationary_sd() / unit;
+                    streams.normals(1, self.instructions).into_iter().map(|z| sd * z).collect()
+                }
+            },
+        }
+    }
+}
+
+impl Simulate for DiscreteSimulation {
+    fn model(&self) -> &Model {
+        &self.model
+    }
+
+    fn timeline(&self) -> &Timeline {
+        &self.timeline
+    }
+
+    fn kernel(&self) -> String {
+        format!("{} lanes", self.instructions.name())
+    }
+
+    /// v passes through the values it has in the scheme with the shorter step and the same seed, path by path.
+    fn fed_by_finer(self, refinement: usize) -> Self {
+        DiscreteSimulation { refinement, ..self }
+    }
+
+    fn observed_every(self, steps: u64) -> Self {
+        DiscreteSimulation { observed_every: steps, ..self }
+    }
+
+    /// A path is lost where it diverges: where its |x| is not a number below [`divergence_bound`].
+    fn simulate<O: Observer>(&self, seed: u64, paths: &[u64], observer: &mut O) -> Vec<usize> {
+        let kernel = Kernel::new(&self.model, self.h, self.refinement, self.is_corrected, self.instructions);
+        let mut streams = LaneStreams::new(seed, paths, Paths::padded(paths.len()));
+        let paths = paths.len();
+        let bound = divergence_bound(&self.model, self.timeline.end);
+        let to_force = self.model.oscillator.force_per_temperature();
+        let noise = self.initial_noise(kernel.noise.unit, &mut streams, paths);
+        let mut state = Paths::at_rest(self.model.initial_displacement, &noise);
+        let mut harmonics = [0.0; RUN + 1];
+        let mut forcing = [0.0; RUN + 1];
+        self.clock.fill(0, &mut harmonics[..1]);
+        forcing[0] = to_force * harmonics[0];
+        let mut reader = Reader::start(&kernel, &state, forcing[0], paths, observer);
+        let mut diverged = vec![false; paths];
+        let mut sampled = Samples::default();
+        let mut turns = Vec::new();
+
+        let mut n = 0u64;
+        for stop in self.timeline.stops() {
+            let grid = self.h * self.observed_every as f64;
+            let target = (stop.time / grid).round() as u64 * self.observed_every;
+            while n < target {
+                let steps = RUN.min((target - n) as usize);
+                self.clock.fill(n, &mut harmonics[..=steps]);
+                for (force, harmonic) in forcing.iter_mut().zip(&harmonics[..=steps]) {
+                    *force = to_force * harmonic;
+                }
+                kernel.advance(&forcing[..=steps], &mut streams, &mut state, &mut turns);
+                reader.read(&kernel, n, &forcing, &turns, observer);
+                // all at once first: hardly ever is there one to name
+                let is_bounded = |x: &f64| x.abs() <= bound;
+                if !state.displacement[..paths].iter().fold(true, |all, x| all & is_bounded(x)) {
+                    for (diverged, x) in diverged.iter_mut().zip(&state.displacement) {
+                        *diverged |= !is_bounded(x);
+                    }
+                }
+                n += steps as u64;
+                harmonics[0] = harmonics[steps];
+            }
+            let snapshot =
+                sampled.take(&state, reader.phases(), harmonics[0], kernel.noise.temperature, n as f64 * self.h);
+            observer.snapshot(stop.instant, snapshot);
+        }
+        (0..paths).filter(|&lane| diverged[lane]).collect()
+    }
+}
+
+/// The displacement beyond which a path of the scheme has left every solution of the model behind.
+///
+/// The undamped oscillator without friction obeys |x(t)| <= |x0| + (1 + w0 t) sup |beta T|; friction and damping only take
+/// energy. The bound is ten times that at t_end, with ten stationary standard deviations of the noise, plus ten f_s/K.
+pub fn divergence_bound(model: &Model, end: f64) -> f64 {
+    let oscillator = &model.oscillator;
+    let driven = oscillator.dilatation.abs() * model.temperature.bound(FARTHEST_NOISE_SDS);
+    let growth = 1.0 + oscillator.natural_frequency() * end;
+    let stuck = model.friction.static_force / oscillator.stiffness;
+    (DIVERGENCE_MARGIN * (model.initial_displacement.abs() + growth * driven + stuck)).min(f64::MAX)
+}
+
+/// The buffers a snapshot is shown from.
+#[derive(Default)]
+struct Samples {
+    temperature: Vec<f64>,
+    is_static: Vec<bool>,
+}
+
+impl Samples {
+    fn take<'a>(
+        &'a mut self,
+        state: &'a Paths,
+        phases: &[Phase],
+        harmonic: f64,
+        noise: f64,
+        time: f64,
+    ) -> Snapshot<'a> {
+        let paths = phases.len();
+        self.temperature.clear();
+        self.temperature.extend(state.noise[..paths].iter().map(|v| harmonic + noise * v));
+        self.is_static.clear();
+        self.is_static.extend(phases.iter().map(|phase| *phase == Phase::Static));
+        Snapshot {
+            time,
+            displacement: &state.displacement[..paths],
+            velocity: &state.velocity[..paths],
+            temperature: &self.temperature,
+            is_static: &self.is_static,
+        }
+    }
+}

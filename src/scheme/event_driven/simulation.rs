@@ -1,0 +1,79 @@
+//! The event-driven scheme on one model: with noise or without, chosen once.
+
+use super::noiseless::Noiseless;
+use super::noisy::Noisy;
+use super::scene::Scene;
+use super::step_rules::{Resolution, StepRules};
+use super::unfelt_noise::UnfeltNoise;
+use super::work::Simulated;
+use crate::model::Model;
+use crate::scheme::{Observer, Simulate, Timeline};
+
+/// The event-driven scheme on one model.
+#[derive(Clone, Debug)]
+pub struct EventDrivenSimulation {
+    model: Model,
+    timeline: Timeline,
+    kernel: Kernel,
+    resolution: Option<Resolution>,
+}
+
+/// Chosen once: a scene whose motion feels no noise draws none for it.
+#[derive(Clone, Debug)]
+enum Kernel {
+    Noiseless(Box<Noiseless>, UnfeltNoise),
+    Noisy(Box<Noisy>),
+}
+
+impl EventDrivenSimulation {
+    /// For a scene, observed at the stops of a timeline, with discretisation errors of about `tolerance` relative
+    /// (the noiseless cascade has none).
+    pub fn new(model: &Model, timeline: &Timeline, tolerance: f64) -> Self {
+        let scene = Scene::new(model);
+        let (kernel, resolution) = if scene.felt_noise(timeline.end).is_some() {
+            let rules = StepRules::new(tolerance);
+            (Kernel::Noisy(Box::new(Noisy::new(model, timeline, &rules))), rules.resolution(&scene))
+        } else {
+            (Kernel::Noiseless(Box::new(Noiseless::new(model, timeline)), UnfeltNoise::new(model)), None)
+        };
+        EventDrivenSimulation { model: model.clone(), timeline: *timeline, kernel, resolution }
+    }
+
+    /// What is simulated in place of the scene where f_s and f_d (nearly) meet under noise; usually nothing.
+    pub fn resolution(&self) -> Option<Resolution> {
+        self.resolution
+    }
+
+    /// What [`Simulate::simulate`] does, with what was evaluated for it.
+    pub fn simulate_counting<O: Observer>(&self, seed: u64, paths: &[u64], observer: &mut O) -> Simulated {
+        match &self.kernel {
+            Kernel::Noiseless(cascade, noise) => {
+                cascade.simulate(paths.len(), &mut noise.added_before(observer, seed, paths))
+            }
+            Kernel::Noisy(cascade) => cascade.simulate(seed, paths, observer),
+        }
+    }
+}
+
+impl Simulate for EventDrivenSimulation {
+    fn model(&self) -> &Model {
+        &self.model
+    }
+
+    fn timeline(&self) -> &Timeline {
+        &self.timeline
+    }
+
+    /// A path is lost where it spends all its work, or meets a value that is not a number.
+    fn simulate<O: Observer>(&self, seed: u64, paths: &[u64], observer: &mut O) -> Vec<usize> {
+        self.simulate_counting(seed, paths, observer).lost
+    }
+
+    fn with_work_limit(mut self, limit: u64) -> Self {
+        match &mut self.kernel {
+            Kernel::Noiseless(cascade, _) => cascade.work_limit = limit,
+            Kernel::Noisy(cascade) => cascade.work_limit = limit,
+        }
+        self
+    }
+}

@@ -1,0 +1,126 @@
+//! What every scheme says of itself, and what it can do once it has a model.
+
+use super::{Misfit, Observer, Resolution, Stability, Timeline};
+use crate::model::Model;
+
+/// A scheme with its one parameter. Each scheme is a type of its own that implements this in its own file, where all stands that is
+/// known of it; the list in [`crate::scheme`] makes the closed sets of them.
+pub trait Method: Copy {
+    /// The name in scenarios, tables, JSON and files.
+    const NAME: &'static str;
+    /// What it is, in a line.
+    const MEANING: &'static str;
+    /// What its parameter is.
+    const PARAMETER: Parameter;
+    /// How pictures tell it from the others.
+    const LOOK: Look;
+    /// The scheme on one model and one timeline.
+    type Simulation: Simulate;
+
+    /// The scheme with this step or tolerance.
+    fn with(parameter: f64) -> Self;
+
+    /// Its step or tolerance.
+    fn parameter(self) -> f64;
+
+    /// The scheme on this model, looked at on this timeline.
+    fn simulation(self, model: &Model, timeline: &Timeline) -> Self::Simulation;
+
+    /// How the error of its discretisation is known.
+    fn discretisation(self) -> Discretisation;
+
+    /// How long its step may be before slips grow without bound, if they can.
+    fn stability(self, _model: &Model) -> Option<Stability> {
+        None
+    }
+
+    /// What is simulated in place of the model where f_s and f_d (nearly) meet under noise; usually nothing.
+    fn resolution(self, _model: &Model, _timeline: &Timeline) -> Option<Resolution> {
+        None
+    }
+
+    /// Whether it can simulate this model up to `end`.
+    fn check(self, _model: &Model, _end: f64) -> Result<(), Misfit> {
+        Ok(())
+    }
+}
+
+/// A scheme on one model and one timeline, ready to simulate paths. A path is a function of the seed and its number alone.
+pub trait Simulate: Sized {
+    /// What is simulated.
+    fn model(&self) -> &Model;
+
+    /// When the paths are looked at.
+    fn timeline(&self) -> &Timeline;
+
+    /// Simulate these paths of the ensemble with this seed. Returns the lanes (positions in `paths`) of the paths that diverged or had
+    /// to be given up; what the observer saw of them is worthless.
+    fn simulate<O: Observer>(&self, seed: u64, paths: &[u64], observer: &mut O) -> Vec<usize>;
+
+    /// What it runs on, in words.
+    fn kernel(&self) -> String {
+        "scalar, path by path".to_string()
+    }
+
+    /// The same, each step fed the noise of `refinement` >= 1 steps of h/refinement. So the steps h, 2h, 4h are simulated on one
+    /// realisation. A scheme without a step stays as it is.
+    fn fed_by_finer(self, _refinement: usize) -> Self {
+        self
+    }
+
+    /// The same, each stop of the timeline rounded to a whole multiple of `steps` >= 1 steps. So different steps look at their paths at
+    /// the same instants. A scheme without a step stays as it is.
+    fn observed_every(self, _steps: u64) -> Self {
+        self
+    }
+
+    /// The same, each path given up after `limit` evaluations instead of the usual 10^8. A scheme whose work is its number of steps
+    /// stays as it is.
+    fn with_work_limit(self, _limit: u64) -> Self {
+        self
+    }
+}
+
+/// What the one parameter of a scheme is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Parameter {
+    /// h, the time step. A trade measures one halving after another of the coarsest that suits the model.
+    Step,
+    /// The relative error that discretisation may leave in the statistics.
+    Tolerance {
+        /// What a trade measures, from the loosest to the tightest.
+        ladder: &'static [f64],
+    },
+}
+
+/// How the error that a scheme's discretisation leaves in the statistics is known.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Discretisation {
+    /// A step; the error falls with a power of it, and can be extrapolated from h, 2h and 4h.
+    Step {
+        /// h.
+        h: f64,
+    },
+    /// A step whose stick exits are corrected; what is left changes sign between the steps that would be compared, so only paths
+    /// without a step tell it.
+    CorrectedStep {
+        /// h.
+        h: f64,
+    },
+    /// A promise: relative errors of about this size, and none where nothing is random.
+    Tolerance {
+        /// The size.
+        tolerance: f64,
+    },
+    /// It is that of an approximation of the model, which no parameter makes smaller.
+    Approximation,
+}
+
+/// How pictures tell a scheme from the others.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Look {
+    /// A colour, as SVG writes it, that remains distinct from the others' for colour-blind readers (Okabe and Ito).
+    pub colour: &'static str,
+    /// Lengths of strokes and gaps, as SVG writes them; empty for a line without gaps.
+    pub dash: &'static str,
+}

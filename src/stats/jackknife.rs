@@ -1,0 +1,58 @@
+//! The delete-a-group jackknife: what leaving out one group of paths after another says about errors.
+//!
+//! Of a number g computed from all paths, and from all but those of group i as g_i,
+//!
+//! ```text
+//! standard error^2 = (G - 1)/G sum_i (g_i - mean g_i)^2
+//! ```
+//!
+//! whatever g is: a ratio, a median, a slope, or a function of several of them. (B. Efron, *The Jackknife, the Bootstrap and
+//! Other Resampling Plans*, SIAM (1982), chapter 3; J. Shao and D. Tu, *The Jackknife and Bootstrap*, Springer (1995), section 2.3.)
+
+use super::Totals;
+
+/// The standard error of a number that is g_i without group i; zero if there is one group only.
+pub(crate) fn standard_error(without: &[f64]) -> f64 {
+    if without.len() < 2 {
+        return 0.0;
+    }
+    let n = without.len() as f64;
+    let mean = without.iter().sum::<f64>() / n;
+    let spread: f64 = without.iter().map(|g| (g - mean) * (g - mean)).sum();
+    ((n - 1.0) / n * spread).sqrt()
+}
+
+/// What `of` makes of all groups, merged from the last to the first, and without each of them in turn; `empty` is a group of no paths.
+pub(crate) fn leaving_one_out<T>(empty: &Totals, groups: &[Totals], of: impl Fn(&Totals) -> T) -> (T, Vec<T>) {
+    // after[i] sums the last i groups.
+    let mut after = vec![empty.clone()];
+    for group in groups.iter().rev() {
+        let mut sum = group.clone();
+        sum.merge(&after[after.len() - 1]);
+        after.push(sum);
+    }
+    let all = of(&after[groups.len()]);
+    let mut before = empty.clone();
+    let without = groups.iter().zip(after.iter().rev().skip(1)).map(|(group, after)| {
+        let mut rest = before.clone();
+        rest.merge(after);
+        before.merge(group);
+        of(&rest)
+    });
+    (all, without.collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_jackknife_of_a_mean_is_its_textbook_error() {
+        let x = [3.0, 1.0, 4.0, 1.0, 5.0];
+        let (sum, n) = (x.iter().sum::<f64>(), x.len() as f64);
+        let without: Vec<f64> = x.iter().map(|x| (sum - x) / (n - 1.0)).collect();
+        // s^2 = (0.04 + 3.24 + 1.44 + 3.24 + 4.84)/4 = 3.2.
+        assert!((standard_error(&without) - (3.2f64 / n).sqrt()).abs() < 1e-12);
+        assert_eq!(standard_error(&[7.0]), 0.0);
+    }
+}
