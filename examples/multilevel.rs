@@ -5,9 +5,9 @@
 use std::error::Error;
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
-use stick_slip::multilevel::Multilevel;
 use stick_slip::scenario::Scenario;
 use stick_slip::stats::Statistic;
+use stick_slip::study::multilevel::Multilevel;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let scenario = Scenario::read("scenarios/rho025.toml".as_ref(), &[])?;

@@ -42,9 +42,10 @@
 //! | [`bias`] | the error that the time step makes |
 //! | [`scenario`] | one physical question: checked data, and the ensemble that it asks for |
 //! | [`engine`] | a run from scenario to outcome |
-//! | [`trade`], [`multilevel`] | many runs, one question |
+//! | [`study`] | many runs, one question: what accuracy costs, how to run a scene for a target |
 //! | [`provenance`] | what a file says about where its numbers come from |
 //! | `store` | files (feature `store`) |
+//! | `figure` | pictures (feature `cli`) |
 //!
 //! # Where to plug in
 //!
@@ -64,9 +65,10 @@
 pub mod bias;
 pub mod engine;
 pub mod ensemble;
+#[cfg(feature = "cli")]
+pub mod figure;
 pub mod lanes;
 pub mod model;
-pub mod multilevel;
 pub mod noise;
 pub mod numbers;
 pub mod provenance;
@@ -75,4 +77,4 @@ pub mod scheme;
 pub mod stats;
 #[cfg(feature = "store")]
 pub mod store;
-pub mod trade;
+pub mod study;

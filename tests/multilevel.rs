@@ -4,9 +4,9 @@ mod common;
 
 use common::{estimate, event_driven_summary, paper};
 use std::sync::atomic::AtomicBool;
-use stick_slip::multilevel::{Multilevel, Outcome};
 use stick_slip::scheme::Timeline;
 use stick_slip::stats::Statistic;
+use stick_slip::study::multilevel::{Multilevel, Outcome};
 
 const END: f64 = 20.0;
 const PATHS: u64 = 100_000;

@@ -8,7 +8,7 @@ use stick_slip::model::{InitialNoise, Model, Noise};
 use stick_slip::scenario::Scenario;
 use stick_slip::scheme::{DiscreteVi, EventDriven, Kind, Scheme};
 use stick_slip::stats::{Estimate, Statistic};
-use stick_slip::trade::{Choice, Cost, Effort, Ladder, Limits, Number, Refusal, Rung, Standing, Trade, measure};
+use stick_slip::study::trade::{Choice, Cost, Effort, Ladder, Limits, Number, Refusal, Rung, Standing, Trade, measure};
 
 fn shipped(name: &str) -> Scenario {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios").join(name).with_extension("toml");

@@ -1,6 +1,6 @@
 //! `mc run`: simulate an ensemble, write its statistics, say what came out.
 
-use super::accuracy::{self, Promise, Wish};
+use super::accuracy::{self, Chooser};
 use super::ending;
 use super::failure::{Failure, note, print, writable};
 use super::interrupt::stop_on_ctrl_c;
@@ -15,6 +15,7 @@ use stick_slip::scenario::Scenario;
 use stick_slip::scheme::Simulate as _;
 use stick_slip::stats::Statistic;
 use stick_slip::store::FileSink;
+use stick_slip::study::accuracy::{Accuracy, Decision};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -76,7 +77,7 @@ impl Run {
         self.refuse_to_lose(&output)?;
         let threads = self.threads.map_or_else(super::cores, usize::from);
         let stop = stop_on_ctrl_c();
-        let mut promise = None;
+        let mut decision = None;
         if let Some(target) = self.accuracy {
             if let Some(decided) = self.overrides.decides(&accuracy::CHOSEN) {
                 let problem =
@@ -87,8 +88,10 @@ impl Run {
                 let problem = "--accuracy and a goal of --until both decide the number of paths";
                 return Err(Failure::usage(problem, "leave out one of them"));
             }
-            let wish = Wish { target, named: &self.statistic, max_time: self.max_time, threads, is_quiet: self.quiet };
-            (scenario, promise) = wish.choose(&scenario, &stop).map(|(scenario, promise)| (scenario, Some(promise)))?;
+            let accuracy = Accuracy { target, named: &self.statistic, max_time: self.max_time, threads };
+            let chosen = Chooser { accuracy, is_quiet: self.quiet }.choose(&scenario, &stop)?;
+            scenario = chosen.scenario.clone();
+            decision = Some(chosen);
         }
         let is_open_ended = !goals.is_empty() && !self.overrides.gives_paths();
         let paths = if is_open_ended { MOST_PATHS } else { scenario.ensemble.paths };
@@ -104,7 +107,7 @@ impl Run {
         let run = if self.no_bias { run.without_bias() } else { run };
         let outcome = run.stopped_by(&stop).told(&mut progress).into_sink(&mut file).simulate();
         progress.finish();
-        self.print(&scenario, &outcome?, &output, promise)
+        self.print(&scenario, &outcome?, &output, decision)
     }
 
     /// Say what came out, and how sure that is.
@@ -113,7 +116,7 @@ impl Run {
         scenario: &Scenario,
         outcome: &Outcome,
         output: &Path,
-        promise: Option<Promise>,
+        decision: Option<Decision>,
     ) -> Result<(), Failure> {
         let (summary, info) = (&outcome.summary, info(&self.scenario, scenario, outcome, output));
         if self.json {
@@ -126,7 +129,7 @@ impl Run {
         }
         results::warn_of_bias(summary);
         let missed = outcome.missed.iter().map(|missed| ending::missed(missed, missed.paths_needed()));
-        let broken = promise.and_then(|promise| promise.missed(summary.completed_paths));
+        let broken = decision.and_then(|decision| accuracy::missed(&decision, summary.completed_paths));
         for line in missed.chain(broken) {
             note(&format!("warning: {line}"));
         }

@@ -6,13 +6,14 @@ use super::numbers::{parse_duration, wrapped};
 use super::progress::Measuring;
 use super::trade_report::{self, Asked};
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::Ordering;
 use std::time::Duration;
+use stick_slip::figure;
 use stick_slip::provenance::Provenance;
 use stick_slip::scenario::{Override, Scenario};
 use stick_slip::stats::Statistic;
 use stick_slip::store;
-use stick_slip::trade::{self, Limits, Trade as Measured, TradeError};
+use stick_slip::study::trade::{self, Limits, Trade as Measured, TradeError};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -68,7 +69,12 @@ impl Trade {
         let threads = self.threads.map_or_else(super::cores, usize::from);
         note(&format!("measuring for about {} s on {threads} threads", self.budget.as_secs()));
         let stop = stop_on_ctrl_c();
-        let trade = measured(&scenario, self.budget, threads, &stop, false)?;
+        let line = Measuring::new(self.budget, false);
+        let begins = |what: &str| line.begin(what);
+        let limits = Limits { time: None, stop: Some(&stop), begins: Some(&begins) };
+        let trade = trade::measure_within(&scenario, self.budget, threads, limits);
+        line.finish();
+        let trade = trade?;
         let shown = self.statistic.or_else(|| trade.answerable().first().copied());
         let asked = Asked { scenario: &scenario, path: &self.scenario, shown, budget: self.budget, threads };
         print(&if self.json { trade_report::json(&trade, &asked) } else { trade_report::table(&trade, &asked) })?;
@@ -95,7 +101,7 @@ impl Trade {
         shown: Option<Statistic>,
     ) -> Result<(), Failure> {
         store::write_trade(output, &Provenance::of(scenario), trade, self.force)?;
-        let drawn = shown.and_then(|statistic| trade::picture(trade, statistic, &scenario.title));
+        let drawn = shown.and_then(|statistic| figure::work_precision(trade, statistic, &scenario.title));
         let Some(picture) = drawn else {
             let why = shown.map_or("no statistic can be answered".to_string(), |s| trade.standing(s).to_string());
             note(wrapped(&format!("warning: no picture: {why}"), "  ").trim_end());
@@ -108,22 +114,6 @@ impl Trade {
         }
         Ok(())
     }
-}
-
-/// Measure, with a line on a terminal that says at what it is. When `stop` is raised, what is measured by then is returned.
-pub(super) fn measured(
-    scenario: &Scenario,
-    budget: Duration,
-    threads: usize,
-    stop: &AtomicBool,
-    is_quiet: bool,
-) -> Result<Measured, TradeError> {
-    let line = Measuring::new(budget, is_quiet);
-    let begins = |what: &str| line.begin(what);
-    let limits = Limits { time: None, stop: Some(stop), begins: Some(&begins) };
-    let trade = trade::measure_within(scenario, budget, threads, limits);
-    line.finish();
-    trade
 }
 
 /// The SVG and the PNG next to a file.

@@ -9,7 +9,7 @@ use std::time::Duration;
 use stick_slip::scenario::Scenario;
 use stick_slip::scheme::Kind;
 use stick_slip::stats::Statistic;
-use stick_slip::trade::{Choice, LeftOut, Refusal, Rung, Standing, TARGETS, Trade};
+use stick_slip::study::trade::{Choice, LeftOut, Refusal, Rung, Standing, TARGETS, Trade};
 
 /// What was asked for.
 pub struct Asked<'a> {

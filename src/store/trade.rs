@@ -8,7 +8,7 @@ use super::{StoreError, discard_partial, partial_path};
 use crate::provenance::Provenance;
 use crate::scheme::Kind;
 use crate::stats::Statistic;
-use crate::trade::{Choice, Rung, TARGETS, Trade};
+use crate::study::trade::{Choice, Rung, TARGETS, Trade};
 use hdf5::types::VarLenUnicode;
 use std::path::Path;
 

@@ -17,8 +17,6 @@ mod effort;
 mod ladder;
 mod law;
 mod measure;
-#[cfg(feature = "cli")]
-mod picture;
 mod predict;
 mod standing;
 
@@ -26,8 +24,6 @@ pub use effort::Effort;
 pub use ladder::{Ladder, LeftOut};
 pub use law::{Change, Law};
 pub use measure::{Cost, Limits, Rung, TradeError, measure, measure_within};
-#[cfg(feature = "cli")]
-pub use picture::{Picture, picture};
 pub use predict::{Choice, Refusal, TARGETS};
 pub use standing::Standing;
 

@@ -1,8 +1,8 @@
 //! The work-precision picture: what error which CPU time buys, one line a scheme, on logarithmic axes.
 
-use super::{TARGETS, Trade};
 use crate::scheme::{Kind, Look};
 use crate::stats::Statistic;
+use crate::study::trade::{TARGETS, Trade};
 use kuva::backend::raster::RasterBackend;
 use kuva::backend::svg::SvgBackend;
 use kuva::prelude::{Layout, LegendPosition, LinePlot, LineStyle, Plot, ScatterPlot, TickFormat};
@@ -30,7 +30,7 @@ const TITLE_WIDTH: usize = 48;
 const SCALE: f32 = 2.0;
 
 /// For each scheme the least cost of every target, of one statistic; none if no scheme has any.
-pub fn picture(trade: &Trade, statistic: Statistic, title: &str) -> Option<Picture> {
+pub fn work_precision(trade: &Trade, statistic: Statistic, title: &str) -> Option<Picture> {
     let mut plots: Vec<Plot> = Vec::new();
     for &scheme in Kind::ALL {
         let Look { colour, dash } = scheme.look();

@@ -1,0 +1,5 @@
+//! Pictures of what was measured.
+
+mod trade;
+
+pub use trade::{Picture, work_precision};
