@@ -57,10 +57,12 @@ impl Words {
     }
 }
 
-/// Normals by inversion in single precision: [`standard_normal`] as lines on 64 cells an octave; 32 bits, out to 6.2 sigma.
+/// Normals by inversion in single precision: [`standard_normal`] as lines on 64 cells an octave; 32
+/// bits, out to 6.2 sigma.
 pub struct Inverse(Words);
 
-/// Middle and slope of each cell, numbered by the exponent and upper mantissa bits of y as an `f32`, 1 <= y <= 2^31.
+/// Middle and slope of each cell, numbered by the exponent and upper mantissa bits of y as an
+/// `f32`, 1 <= y <= 2^31.
 static LINES: LazyLock<[[f32; 2048]; 2]> = LazyLock::new(|| {
     let mut lines = [[0.0; 2048]; 2];
     for upper in 127u32 << 6..158 << 6 {

@@ -1,10 +1,12 @@
-//! What single precision and cheaper normals would gain the discrete scheme, and what they would do to its numbers.
+//! What single precision and cheaper normals would gain the discrete scheme, and what they would do
+//! to its numbers.
 //!
 //!     cargo run --release --example single_precision
 //!
-//! A prototype steps `scenarios/rho025.toml` on plain arrays of `f32` or `f64`, from which the compiler makes registers. It prints ns a
-//! path-step beside the crate's kernel; then what changes if both precisions are given the same normals, path by path; then what other
-//! normals change. Half a minute.
+//! A prototype steps `scenarios/rho025.toml` on plain arrays of `f32` or `f64`, from which the
+//! compiler makes registers. It prints ns a path-step beside the crate's kernel; then what changes
+//! if both precisions are given the same normals, path by path; then what other normals change.
+//! Half a minute.
 
 mod estimates;
 mod kicks;

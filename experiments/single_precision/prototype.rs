@@ -117,7 +117,8 @@ impl<F: Real> Paths<F> {
         }
     }
 
-    /// Lane i has left its bounds in step n: its velocity in the general form, its new bounds, and what that means.
+    /// Lane i has left its bounds in step n: its velocity in the general form, its new bounds, and
+    /// what that means.
     #[cold]
     #[inline(never)]
     fn turn(&mut self, c: &Coefficients<F>, i: usize, s: F, n: u64, next_forcing: F) {

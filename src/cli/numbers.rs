@@ -75,7 +75,8 @@ pub fn wrapped(sentence: &str, indent: &str) -> String {
     text + line.trim_end() + "\n"
 }
 
-/// An estimate, its standard error and its interval, with a common number of decimals and a common power of ten.
+/// An estimate, its standard error and its interval, with a common number of decimals and a common
+/// power of ten.
 ///
 /// Two digits of the standard error say how far the estimate can be read; further digits are noise.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

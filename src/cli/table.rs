@@ -18,7 +18,8 @@ impl Row {
     }
 }
 
-/// The rows as text: the first column to the left, the others to the right, `gap` between them, no space at the end of a line.
+/// The rows as text: the first column to the left, the others to the right, `gap` between them, no
+/// space at the end of a line.
 pub fn aligned(rows: &[Row], gap: &str) -> String {
     let columns = rows.iter().map(|row| row.cells.len()).max().unwrap_or(0);
     let width = |column: usize| {

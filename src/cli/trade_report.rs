@@ -72,7 +72,8 @@ pub fn table(trade: &Trade, asked: &Asked<'_>) -> String {
     text
 }
 
-/// The runs to make for the statistic that is shown, ready to paste; here with every digit of the step.
+/// The runs to make for the statistic that is shown, ready to paste; here with every digit of the
+/// step.
 fn commands(trade: &Trade, asked: &Asked<'_>) -> String {
     let mut text = String::new();
     for (statistic, target) in asked.shown.iter().flat_map(|s| TARGETS.map(|target| (*s, target))) {
@@ -124,7 +125,8 @@ fn bias(trade: &Trade, rung: &Rung, statistic: Statistic) -> String {
     if half > 0.0 { format!("{percent:+.decimals$}±{half:.decimals$}") } else { format!("{percent:+.decimals$}") }
 }
 
-/// Value and standard deviation per path of every statistic, and the observed order of each time-stepping scheme.
+/// Value and standard deviation per path of every statistic, and the observed order of each
+/// time-stepping scheme.
 fn deviations(trade: &Trade) -> String {
     let reference = trade.reference();
     let mut schemes = trade.schemes();

@@ -1,6 +1,7 @@
 //! What a number is measured in, and how that is written with the unit labels of a scenario.
 
-/// What a number is measured in: the powers of time, length, force and temperature whose product its unit is.
+/// What a number is measured in: the powers of time, length, force and temperature whose product
+/// its unit is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Dimension {
     /// Power of time.
@@ -46,7 +47,8 @@ impl Dimension {
     /// force * length
     pub const WORK: Dimension = Dimension { force: 1, length: 1, ..Dimension::ONE };
 
-    /// The labels with their powers, in the order in which products are written: newton metres, metres per second.
+    /// The labels with their powers, in the order in which products are written: newton metres,
+    /// metres per second.
     fn factors(self, units: &Units) -> [(&str, i32); 4] {
         let Dimension { time, length, force, temperature } = self;
         [(&units.force, force), (&units.length, length), (&units.temperature, temperature), (&units.time, time)]
@@ -72,7 +74,8 @@ impl Dimension {
         }
     }
 
-    /// The unit in the notation of UDUNITS, which netCDF files use: `m2 s-1`, `N m`, `s-1`; `1` where nothing has a label.
+    /// The unit in the notation of UDUNITS, which netCDF files use: `m2 s-1`, `N m`, `s-1`; `1`
+    /// where nothing has a label.
     pub fn udunits(self, units: &Units) -> String {
         let factors = self.factors(units).into_iter().filter_map(|(label, power)| udunits_factor(label, power));
         let factors: Vec<String> = factors.collect();

@@ -1,4 +1,5 @@
-//! Every dimension and variable of the file: name, axes, unit and meaning, in one table for writer and reader.
+//! Every dimension and variable of the file: name, axes, unit and meaning, in one table for writer
+//! and reader.
 
 use crate::stats::{Dimension, Statistic, Units};
 
@@ -91,8 +92,8 @@ macro_rules! table {
     };
 }
 
-/// The phrase by which netCDF-4 marks a dimension that is not a variable; the ten characters after it are a length that
-/// no reader uses.
+/// The phrase by which netCDF-4 marks a dimension that is not a variable; the ten characters after
+/// it are a length that no reader uses.
 pub(super) const BARE_DIMENSION: &str = "This is a netCDF dimension but not a netCDF variable.         0";
 
 const PER_STATISTIC: &[(&str, &str)] = &[("coordinates", "statistic_long_name statistic_unit")];

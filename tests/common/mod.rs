@@ -12,7 +12,8 @@ pub fn shipped_model(name: &str) -> Model {
     Scenario::parse(name, shipped(name).expect("shipped").text, &[]).expect("sound").model
 }
 
-/// The paper's model with forcing frequency `w` and noise of intensity `rho`, none where that is zero.
+/// The paper's model with forcing frequency `w` and noise of intensity `rho`, none where that is
+/// zero.
 pub fn paper(w: f64, rho: f64) -> Model {
     let mut model = shipped_model("rho025");
     model.temperature.harmonics[0].angular_frequency = w;

@@ -3,7 +3,8 @@
 use crate::cli::numbers::{Digits, significant};
 use stick_slip::stats::{Bias, Estimate, Summary};
 
-/// A bias, its uncertainty and its order, to two digits of the uncertainty; `none` where it is not known.
+/// A bias, its uncertainty and its order, to two digits of the uncertainty; `none` where it is not
+/// known.
 pub(super) fn bias_cells(bias: Option<Bias>) -> [String; 3] {
     let Some(Bias { estimate, uncertainty, order }) = bias else {
         return ["none".into(), String::new(), String::new()];
@@ -12,13 +13,14 @@ pub(super) fn bias_cells(bias: Option<Bias>) -> [String; 3] {
     [digits.show(estimate), digits.show(uncertainty), order.map_or("none".into(), |order| format!("{order:.1}"))]
 }
 
-/// In how many statistics the bias of the step is beyond doubt and larger than the statistical interval shows, and what to do; none if in
-/// none.
+/// In how many statistics the bias of the step is beyond doubt and larger than the statistical
+/// interval shows, and what to do; none if in none.
 pub fn dominating_bias(summary: &Summary) -> Option<String> {
     let excess = |e: &Estimate| e.bias.map_or(0.0, |bias| bias.estimate.abs() / e.reach());
     let dominates = |e: &&Estimate| e.bias.is_some_and(|b| b.estimate.abs() > b.uncertainty) && excess(e) > 1.0;
     let dominated: Vec<&Estimate> = summary.estimates.iter().filter(dominates).collect();
-    // not by how far the interval is exceeded: that of a median, which is a multiple of the step, has next to no width
+    // not by how far the interval is exceeded: that of a median, which is a multiple of the step,
+    // has next to no width
     let certainty = |e: &Estimate| e.bias.map_or(0.0, |bias| bias.estimate.abs() / bias.uncertainty);
     let surest = dominated.iter().max_by(|a, b| certainty(a).total_cmp(&certainty(b)))?;
     let [bias, uncertainty, _] = bias_cells(surest.bias);

@@ -41,8 +41,8 @@ pub struct RunInfo {
 }
 
 impl RunInfo {
-    /// What became of a path that is in no statistic. A step can be unstable; a scheme without one gives up, where a path takes more work
-    /// than it may or meets a number that is not finite.
+    /// What became of a path that is in no statistic. A step can be unstable; a scheme without one
+    /// gives up, where a path takes more work than it may or meets a number that is not finite.
     pub(super) fn loss(&self) -> &'static str {
         if self.step.is_some() { "diverged" } else { "given up" }
     }

@@ -1,0 +1,76 @@
+//! Commands that a page shows can be typed: tests, examples, benchmarks, scenarios and options
+//! exist under these names.
+
+use super::markdown::{Page, root};
+use super::source::{all, code};
+use stick_slip::scenario::shipped;
+
+/// The words after `start` in every span or line of code that begins with it.
+fn commands(start: &str) -> Vec<(String, Vec<String>)> {
+    let mut found = Vec::new();
+    for page in Page::all() {
+        // a table that a program printed is no command
+        let code = page.code().filter(|line| !line.contains("   "));
+        let lines = page.spans().into_iter().chain(code).flat_map(|text| text.split(" && "));
+        for line in lines.map(|line| line.trim_start_matches(['(', ' '])).filter(|line| line.starts_with(start)) {
+            let words = line.split_whitespace().map(|word| word.trim_end_matches(['`', ')']).to_string());
+            found.push((format!("{}: {line}", page.path.display()), words.collect()));
+        }
+    }
+    assert!(!found.is_empty(), "no page shows {start}");
+    found
+}
+
+fn after<'a>(words: &'a [String], flag: &str) -> Option<&'a str> {
+    let at = words.iter().position(|word| word == flag)?;
+    words.get(at + 1).map(String::as_str)
+}
+
+#[test]
+fn tests_that_a_page_names_exist() {
+    for (shown, words) in commands("cargo test") {
+        let Some(file) = after(&words, "--test") else { continue };
+        let paths = [format!("tests/{file}.rs"), format!("tests/{file}")];
+        let path = paths.iter().map(|path| root().join(path)).find(|path| path.exists());
+        let path = path.unwrap_or_else(|| panic!("{shown}: no such test file"));
+        let of_test = |word: &&String| !word.starts_with('-') && **word != file;
+        let Some(filter) = words.iter().skip(2).find(of_test) else { continue };
+        let names = all(&path).into_iter().map(|(path, text)| path.to_string_lossy().into_owned() + &code(&text));
+        assert!(names.into_iter().any(|text| text.contains(filter.as_str())), "{shown}: no test named so");
+    }
+}
+
+#[test]
+fn examples_and_benchmarks_that_a_page_names_exist() {
+    let manifest = std::fs::read_to_string(root().join("Cargo.toml")).expect("the manifest");
+    let is_declared = |name: &str| manifest.contains(&format!("name = \"{name}\""));
+    for (shown, words) in commands("cargo run") {
+        let Some(name) = after(&words, "--example") else { continue };
+        assert!(is_declared(name) || root().join(format!("examples/{name}.rs")).exists(), "{shown}");
+    }
+    for (shown, words) in commands("cargo bench") {
+        let name = after(&words, "--bench").unwrap_or_else(|| panic!("{shown}: names none"));
+        assert!(is_declared(name), "{shown}");
+    }
+}
+
+/// Options are declared by clap from the fields of the arguments, and shown by `--help`.
+#[test]
+fn options_and_scenarios_that_a_page_gives_to_mc_exist() {
+    for (shown, words) in commands("mc ") {
+        let verb = words[1].as_str();
+        if verb.starts_with('-') || ["help", "completions"].contains(&verb) {
+            continue;
+        }
+        let help = assert_cmd::Command::cargo_bin("mc").expect("built").args([verb, "--help"]).output().expect("runs");
+        assert!(help.status.success(), "{shown}: there is no such verb");
+        let help = String::from_utf8_lossy(&help.stdout).into_owned();
+        for option in words.iter().map(|word| word.trim_matches(['[', ']'])).filter(|word| word.starts_with("--")) {
+            assert!(help.contains(option), "{shown}: mc {verb} has no {option}");
+        }
+        for word in words.iter().filter_map(|word| word.strip_prefix("scenarios/")?.strip_suffix(".toml")) {
+            let is_placeholder = word.chars().all(char::is_uppercase);
+            assert!(is_placeholder || shipped(word).is_some(), "{shown}: there is no such scenario");
+        }
+    }
+}

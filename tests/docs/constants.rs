@@ -1,0 +1,76 @@
+//! Constants that pages quote, as the code has them.
+
+use super::markdown::{Page, names};
+use super::source::find;
+use stick_slip::ensemble::BLOCK_SIZE;
+use stick_slip::noise::MAX_NORMAL_ERROR;
+use stick_slip::scenario::{Scenario, shipped};
+use stick_slip::scheme::DEFAULT_TOLERANCE;
+use stick_slip::stats::{QUANTILE_LEVELS, Statistic};
+use stick_slip::store::FORMAT_VERSION;
+
+#[track_caller]
+fn says(page: &str, sentence: &str) {
+    let text = Page::read(page).text.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(text.contains(sentence), "{page} does not say: {sentence}");
+}
+
+#[test]
+fn the_error_of_the_normals() {
+    let error = format!("{MAX_NORMAL_ERROR:e}");
+    says("DESIGN.md", &format!("is off by at most {error} (`noise::MAX_NORMAL_ERROR`"));
+    says("docs/performance.md", &format!("Greatest error {error}"));
+    says("docs/performance.md", &format!("normals to {error}"));
+    says("CHANGELOG.md", &format!("(error {error} at most"));
+}
+
+#[test]
+fn the_version_of_the_format() {
+    let (major, minor) = FORMAT_VERSION;
+    says("docs/output-format.md", &format!("This page describes version {major}.{minor}."));
+    says("CHANGELOG.md", &format!("format {major}.{minor}"));
+}
+
+#[test]
+fn block_size_quantiles_and_tolerance() {
+    says("DESIGN.md", &format!("### Why blocks of {BLOCK_SIZE} paths?"));
+    says("README.md", &format!("a block of {BLOCK_SIZE} paths"));
+    let levels = QUANTILE_LEVELS.map(|level| level.to_string()).join(", ");
+    says("docs/output-format.md", &format!("levels: {levels}"));
+    says("docs/event-driven.md", &format!("`scheme.tolerance` (default {DEFAULT_TOLERANCE:e})"));
+}
+
+/// docs/model.md lists the statistics in the order of the catalogue, each by its full name.
+#[test]
+fn the_statistics() {
+    let page = Page::read("docs/model.md").section("## The statistics");
+    let listed: Vec<String> = page.rows("name").iter().flat_map(|row| names(&row[0])).collect();
+    assert_eq!(listed, Statistic::ALL.map(|statistic| statistic.name().to_string()));
+}
+
+/// The normals of the kernel are over sqrt(2), so its unit of noise is sqrt(2) times what one would
+/// think.
+#[test]
+fn the_unit_of_the_kernel_s_noise() {
+    let kernel = find("kernel.rs");
+    let page = Page::read("docs/model.md");
+    let row = page.rows("symbol").into_iter().find(|row| row[0] == "kick").expect("a row for kick");
+    assert_eq!(kernel.contains("kick * SQRT_2"), row[1].starts_with("sqrt(2) times the standard deviation"), "{row:?}");
+}
+
+/// Every symbol that a resolved scenario puts beside a key, as in `mass = 1.0  # m: mass`, is in
+/// the table of notation.
+#[test]
+fn the_notation_has_the_symbols_of_a_scenario() {
+    let page = Page::read("docs/model.md");
+    let cells: Vec<String> = page.rows("symbol").into_iter().map(|row| row[0].clone()).collect();
+    let listed: Vec<&str> = cells.iter().flat_map(|cell| cell.split(", ")).collect();
+    let resolved = Scenario::parse("rho025", shipped("rho025").expect("shipped").text, &[]).expect("sound").to_toml();
+    let symbols =
+        resolved.lines().filter_map(|line| line.split("# ").nth(1)?.split_once(": ").map(|(symbol, _)| symbol));
+    let symbols: Vec<&str> = symbols.collect();
+    assert!(symbols.len() >= 16, "symbols are recognised: {symbols:?}");
+    for symbol in symbols {
+        assert!(listed.contains(&symbol), "{symbol} is not in the notation of docs/model.md");
+    }
+}

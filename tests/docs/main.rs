@@ -1,0 +1,16 @@
+//! What the documentation says, held against the code: names, constants, tables, links, and who
+//! knows whom.
+//!
+//! Each test compares two lists or two numbers that must be equal, so a change on either side that
+//! the other does not follow fails.
+
+mod commands;
+mod constants;
+mod links;
+mod markdown;
+mod modules;
+mod names;
+mod output_format;
+mod rooms;
+mod scenario;
+mod source;

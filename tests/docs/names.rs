@@ -1,0 +1,147 @@
+//! What stands between backticks and looks like a name of the code is one.
+//!
+//! A file is written with its folder or by its name alone (`stats/totals.rs`, `reading.rs`), an
+//! item with its owner (`Splat::impulse`, `noise::MAX_NORMAL_ERROR`), a type alone (`Turn`). Other
+//! words are names of data: keys, variables, statistics, options, schemes.
+
+use super::markdown::{Page, root};
+use super::source::{all, blocks, code, code_and_texts, is_word, texts, words};
+use std::collections::BTreeSet;
+use std::path::Path;
+
+/// Names of other programs, of their types and units, of packages, and a column that
+/// benches/peers/report.py prints.
+const FOREIGN: [&str; 19] = [
+    "agrees",
+    "aarch64-unknown-linux-gnu",
+    "apt-get",
+    "h5diff",
+    "h5dump",
+    "hdf5-tools",
+    "hours",
+    "libhdf5-dev",
+    "major.minor",
+    "nan",
+    "ncdump",
+    "netcdf-bin",
+    "pkg-config",
+    "python3-venv",
+    "str",
+    "sudo",
+    "timedelta64",
+    "_FillValue",
+    "CF-1.11",
+];
+
+/// The source: each file by its place below the root, its code, and all that its code and its texts
+/// name.
+struct Source {
+    files: Vec<(String, String)>,
+    words: BTreeSet<String>,
+}
+
+impl Source {
+    fn read() -> Source {
+        let places = ["src", "tests", "benches", "experiments", "examples"].map(Path::new);
+        let files: Vec<_> = places.iter().flat_map(|place| all(place)).collect();
+        let mut known: BTreeSet<String> =
+            words(&std::fs::read_to_string(root().join("Cargo.toml")).expect("a manifest"));
+        for (_, text) in &files {
+            known.extend(words(&code(text)));
+            known.extend(
+                texts(&code_and_texts(text)).into_iter().flat_map(|text| words(&text).into_iter().chain([text])),
+            );
+        }
+        let relative = |path: &Path| path.strip_prefix(root()).expect("below the root").display().to_string();
+        Source { files: files.into_iter().map(|(path, text)| (relative(&path), code(&text))).collect(), words: known }
+    }
+
+    fn has_type(&self, name: &str) -> bool {
+        self.files.iter().any(|(_, code)| TYPES.iter().any(|keyword| declares(code, keyword, name)))
+    }
+
+    /// `owner::item`: a module of `src/` with what it declares, or a type with its functions,
+    /// constants, fields or variants.
+    fn has_item(&self, path: &str) -> bool {
+        let segments: Vec<&str> = path.split("::").filter(|segment| *segment != "stick_slip").collect();
+        let Some((item, owners)) = segments.split_last() else { return false };
+        let Some(owner) = owners.last() else { return root().join("src").join(item).exists() };
+        let (folder, file) = (format!("src/{owner}/"), format!("/{owner}.rs"));
+        let of_module = |(path, code): &(String, String)| {
+            (path.starts_with(&folder) || path.ends_with(&file))
+                && TYPES.iter().chain(&ITEMS).any(|keyword| declares(code, keyword, item))
+        };
+        let of_type = |(_, code): &(String, String)| {
+            let owned = |body: &str| ITEMS.iter().any(|keyword| declares(body, keyword, item)) || lists(body, item);
+            blocks(code).into_iter().any(|(head, body)| head.contains(*owner) && owned(body))
+        };
+        self.files
+            .iter()
+            .any(|file| if owner.starts_with(char::is_uppercase) { of_type(file) } else { of_module(file) })
+    }
+
+    /// A file or folder, from the root, from `src/`, or by its name alone; `*` stands for any name.
+    fn has_file(&self, path: &str) -> bool {
+        let (folder, name) = path.rsplit_once('/').unwrap_or(("", path));
+        let is_named_alone =
+            folder.is_empty() && self.files.iter().any(|(file, _)| file.ends_with(&format!("/{name}")));
+        let place = if name.contains('*') { folder } else { path };
+        is_named_alone || root().join(place).exists() || root().join("src").join(place).exists()
+    }
+
+    fn knows(&self, name: &str) -> bool {
+        let is_file = name.contains('/') || [".rs", ".py", ".sh"].iter().any(|end| name.ends_with(end));
+        if name.starts_with("target/") || name.chars().next().is_none_or(|c| !c.is_alphabetic() && c != '_') {
+            return true;
+        }
+        if is_file {
+            return self.has_file(name);
+        }
+        if name.contains("::") {
+            return self.has_item(name);
+        }
+        let is_type = name.starts_with(char::is_uppercase) && name.chars().all(char::is_alphanumeric);
+        if is_type && name.chars().any(char::is_lowercase) {
+            return self.has_type(name) || self.words.contains(name);
+        }
+        self.words.contains(name) || name.split(['.', '-']).all(|part| self.words.contains(part))
+    }
+}
+
+const TYPES: [&str; 4] = ["struct", "enum", "trait", "type"];
+const ITEMS: [&str; 4] = ["fn", "const", "static", "mod"];
+
+/// Whether the code has the item under this keyword.
+fn declares(code: &str, keyword: &str, item: &str) -> bool {
+    let after = |(at, declared): (usize, &str)| code[at + declared.len()..].chars().next();
+    code.match_indices(&format!("{keyword} {item}")).any(|found| after(found).is_none_or(|c| !is_word(c)))
+}
+
+/// Whether the body of a type has a field or a variant of this name.
+fn lists(body: &str, item: &str) -> bool {
+    [": ", ",", "(", " {"].iter().any(|end| body.contains(&format!(" {item}{end}")))
+}
+
+/// Whether the span is one word that could be a name: no spaces, no formula, no option, no
+/// placeholder in capitals.
+fn could_be_a_name(span: &str) -> bool {
+    let is_word = span.chars().all(|c| c.is_ascii_alphanumeric() || "_:/.*-".contains(c));
+    is_word && !span.starts_with('-') && !span.split(['.', '/']).any(|part| part == "NAME")
+}
+
+#[test]
+fn what_a_page_names_exists() {
+    let source = Source::read();
+    let mut looked_up = 0;
+    let mut unknown = BTreeSet::new();
+    for page in Page::all() {
+        for span in page.spans().into_iter().filter(|span| could_be_a_name(span) && !FOREIGN.contains(span)) {
+            looked_up += 1;
+            if !source.knows(span) {
+                unknown.insert(format!("{}: {span}", page.path.display()));
+            }
+        }
+    }
+    assert!(looked_up > 500, "names are recognised: {looked_up}");
+    assert_eq!(unknown, BTreeSet::new(), "neither a file nor an item nor a name of data");
+}

@@ -1,0 +1,194 @@
+//! docs/output-format.md: every attribute and variable of the files that `mc` writes, with its
+//! axes, type and unit.
+
+use super::markdown::{Page, names, same, spans};
+use hdf5::types::{FloatSize, IntSize, TypeDescriptor};
+use hdf5::{Dataset, File};
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
+
+const PAGE: &str = "docs/output-format.md";
+
+/// What a row of the page says of a variable.
+#[derive(Debug)]
+struct Documented {
+    axes: Vec<String>,
+    kind: String,
+    unit: String,
+}
+
+/// Every variable of the tables, by name. A cell with several names has one type and unit for all,
+/// or one for each.
+fn documented(page: &Page) -> BTreeMap<String, Documented> {
+    let mut all = BTreeMap::new();
+    for row in page.rows("Variable") {
+        let [name, axes, kind, unit, _] = row.as_slice() else { panic!("five cells: {row:?}") };
+        let names = names(name);
+        let each = |cell: &str, i: usize| {
+            let parts: Vec<&str> = cell.split(',').map(str::trim).collect();
+            if parts.len() == names.len() { parts[i].to_string() } else { cell.to_string() }
+        };
+        let axes: Vec<String> = axes.split(", ").filter(|axis| !axis.is_empty()).map(String::from).collect();
+        for (i, name) in names.iter().enumerate() {
+            let row = Documented { axes: axes.clone(), kind: each(kind, i), unit: each(unit, i) };
+            assert!(all.insert(name.clone(), row).is_none(), "{name} is listed twice");
+        }
+    }
+    all
+}
+
+/// A dimension that a heading names and that has no values of its own.
+fn bare_dimensions(page: &Page) -> BTreeSet<String> {
+    let dimensions = page.headings().filter_map(|heading| heading.split_once("dimension"));
+    dimensions.flat_map(|(_, names)| spans(names.split(", with").next().unwrap_or(names))).map(String::from).collect()
+}
+
+fn kind(dataset: &Dataset) -> &'static str {
+    match dataset.dtype().and_then(|kind| kind.to_descriptor()).expect("a type") {
+        TypeDescriptor::Float(FloatSize::U8) => "f64",
+        TypeDescriptor::Unsigned(IntSize::U8) => "u64",
+        TypeDescriptor::Unsigned(IntSize::U4) => "u32",
+        TypeDescriptor::Integer(IntSize::U1) => "i8",
+        TypeDescriptor::VarLenUnicode => "text",
+        other => panic!("{}: a type that the page has no word for: {other}", dataset.name()),
+    }
+}
+
+fn text(location: &hdf5::Location, name: &str) -> Option<String> {
+    let value = location.attr(name).ok()?.read_scalar::<hdf5::types::VarLenUnicode>().ok()?;
+    Some(value.as_str().to_string())
+}
+
+/// The `units` attribute of what the page says a variable is measured in, where the labels are s,
+/// m, N and K.
+fn udunits(unit: &str) -> Option<&'static str> {
+    Some(match unit {
+        "" | "flags" => return None,
+        "1" => "1",
+        "time" | "s" => "s",
+        "length" => "m",
+        "length/time" => "m s-1",
+        "length^2" => "m2",
+        "force" => "N",
+        "force length" => "N m",
+        "temperature" => "K",
+        other => panic!("a unit that is not of the model: {other}"),
+    })
+}
+
+/// Each variable of a file as the page says; the names of all of them.
+fn check(file: &File, page: &Page) -> BTreeSet<String> {
+    let (rows, bare) = (documented(page), bare_dimensions(page));
+    let members = file.member_names().expect("a root group");
+    for name in &members {
+        let dataset = file.dataset(name).expect("everything is a variable of the root group");
+        let Some(Documented { axes, kind: documented, unit }) = rows.get(name) else {
+            assert!(bare.contains(name), "{name} is in a file, and not in {PAGE}");
+            continue;
+        };
+        assert_eq!(kind(&dataset), documented, "type of {name}");
+        let lengths: Vec<usize> = axes.iter().map(|axis| file.dataset(axis).expect("an axis").size()).collect();
+        assert_eq!(dataset.shape(), lengths, "axes of {name}");
+        assert_eq!(text(&dataset, "units").as_deref(), udunits(unit), "unit of {name}");
+    }
+    members.into_iter().collect()
+}
+
+const UNITS: [&str; 8] =
+    ["--set", "units.time=s", "--set", "units.length=m", "--set", "units.force=N", "--set", "units.temperature=K"];
+
+/// Write a file with `mc`; a run of which every path diverges fails and leaves one too.
+fn written(folder: &Path, name: &str, arguments: &[&str]) -> File {
+    let scenarios = concat!(env!("CARGO_MANIFEST_DIR"), "/scenarios");
+    let output = assert_cmd::Command::cargo_bin("mc")
+        .expect("built")
+        .current_dir(folder)
+        .args(arguments.iter().map(|argument| argument.replace("scenarios", scenarios)))
+        .args(UNITS)
+        .args(["-o", name])
+        .output()
+        .expect("runs");
+    File::open(folder.join(name)).unwrap_or_else(|e| panic!("{e}: {}", String::from_utf8_lossy(&output.stderr)))
+}
+
+/// Files in which everything that a run can write occurs: records, units, lost paths, a resolution,
+/// a run that was ended.
+fn runs(folder: &Path) -> Vec<File> {
+    let record = ["record.events=true", "record.trajectories=7"].map(|set| ["--set", set]).concat();
+    let everything = [&["run", "scenarios/rho025.toml", "--paths", "300"][..], &record].concat();
+    let diverging =
+        ["run", "scenarios/rho025.toml", "--paths", "3", "--step", "0.5", "--set", "initial.displacement=1e3"];
+    let unresolved = ["run", "scenarios/equal-friction.toml", "--scheme", "event-driven", "--paths", "2"];
+    let ended = ["run", "scenarios/rho025.toml", "--until", "stick_duration_mean < 20%"];
+    vec![
+        written(folder, "everything.h5", &everything),
+        written(folder, "diverging.h5", &diverging),
+        written(folder, "unresolved.h5", &unresolved),
+        written(folder, "ended.h5", &ended),
+    ]
+}
+
+fn of_runs() -> Page {
+    let page = Page::read(PAGE);
+    let (runs, _) = page.text.split_once("## The file of `mc trade`").expect("runs first, then trades");
+    Page { text: runs.to_string(), path: page.path }
+}
+
+#[test]
+fn every_variable_of_a_run_is_listed_with_its_axes_type_and_unit() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let page = of_runs();
+    let found: BTreeSet<String> = runs(folder.path()).iter().flat_map(|file| check(file, &page)).collect();
+    let listed: BTreeSet<String> = documented(&page).into_keys().chain(bare_dimensions(&page)).collect();
+    same(&listed, &found);
+}
+
+#[test]
+fn every_attribute_of_a_run_is_listed_with_its_type_and_constants_with_their_value() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let page = of_runs();
+    let files = runs(folder.path());
+    let mut found = BTreeSet::new();
+    let mut constants = 0;
+    for row in page.rows("Attribute") {
+        for name in names(&row[0]) {
+            let holders: Vec<&File> = files.iter().filter(|file| file.attr(&name).is_ok()).collect();
+            assert!(!holders.is_empty(), "{name} is in no file");
+            for file in holders {
+                let attribute = file.attr(&name).expect("it is there");
+                let is_text = attribute.dtype().and_then(|kind| kind.to_descriptor()).expect("a type")
+                    == TypeDescriptor::VarLenUnicode;
+                assert_eq!(is_text, row[1] == "text", "type of {name}");
+                // a meaning that is nothing but a value is that value
+                if let Some(value) = row[2]
+                    .strip_prefix('`')
+                    .and_then(|rest| rest.strip_suffix('`'))
+                    .filter(|value| !value.contains('`'))
+                {
+                    assert_eq!(text(file, &name).as_deref(), Some(value), "{name}");
+                    constants += 1;
+                }
+            }
+            found.insert(name);
+        }
+    }
+    assert!(constants >= 3, "constant attributes are recognised: {constants}");
+    let written: BTreeSet<String> = files.iter().flat_map(|file| file.attr_names().expect("attributes")).collect();
+    same(&found, &written);
+}
+
+#[test]
+fn every_variable_and_attribute_of_a_trade_is_listed() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let page = Page::read(PAGE).section("## The file of `mc trade`");
+    let file = written(folder.path(), "trade.h5", &["trade", "scenarios/shaw.toml", "--budget", "1s"]);
+    same(&documented(&page).into_keys().collect(), &check(&file, &page));
+    let prose = page.spans();
+    for attribute in file.attr_names().expect("attributes") {
+        assert!(prose.contains(&attribute.as_str()), "attribute {attribute} of a trade is not in {PAGE}");
+    }
+    for constant in ["format_name", "format_version"] {
+        let value = text(&file, constant).expect("it is there");
+        assert!(page.text.contains(&format!("`{constant}` is `{value}`")), "{constant} is {value}");
+    }
+}

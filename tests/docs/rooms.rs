@@ -1,0 +1,98 @@
+//! DESIGN.md says which room of `src/` knows which; the paths in the source say so too.
+
+use super::markdown::{Page, root, same, spans};
+use super::modules::{Modules, Segments};
+use std::collections::{BTreeMap, BTreeSet};
+
+/// The rooms that each room knows.
+type Known = BTreeMap<String, BTreeSet<String>>;
+
+/// The table of DESIGN.md: rooms in the first column, what they know in the second, as rooms or as
+/// paths into them.
+fn documented() -> Known {
+    let rows = Page::read("DESIGN.md").rows("room");
+    let rooms: BTreeSet<String> = rows.iter().flat_map(|row| spans(&row[0])).map(String::from).collect();
+    let known = |cell: &str| {
+        let named = spans(cell).into_iter().filter_map(|path| path.split("::").next()).map(String::from);
+        named.filter(|room| rooms.contains(room)).collect::<BTreeSet<_>>()
+    };
+    let of_row = |row: &Vec<String>| {
+        let rooms: Vec<String> = spans(&row[0]).into_iter().map(String::from).collect();
+        rooms.into_iter().map(|room| (room, known(&row[1]))).collect::<Vec<_>>()
+    };
+    rows.iter().flat_map(of_row).collect()
+}
+
+/// What the source says.
+fn found(modules: &Modules) -> Known {
+    let mut known = Known::new();
+    for place in modules.0.keys().filter(|place| !place.is_empty()) {
+        let others = modules.known(place).into_iter().filter_map(|home| home.first().cloned());
+        known.entry(place[0].clone()).or_default().extend(others.filter(|room| *room != place[0]));
+    }
+    known
+}
+
+#[test]
+fn the_table_of_rooms_lists_every_folder_of_the_source() {
+    let folders = std::fs::read_dir(root().join("src")).expect("the source").map(|entry| entry.expect("readable"));
+    let folders = folders.filter(|entry| entry.path().is_dir());
+    let folders = folders.map(|entry| entry.file_name().to_string_lossy().into_owned()).collect();
+    same(&documented().into_keys().collect(), &folders);
+}
+
+#[test]
+fn rooms_know_what_the_table_says_no_less_and_no_more() {
+    let pairs = |known: Known| {
+        let of_room =
+            |(room, others): (String, BTreeSet<String>)| others.into_iter().map(move |o| format!("{room} -> {o}"));
+        known.into_iter().flat_map(of_room).collect()
+    };
+    same(&pairs(documented()), &pairs(found(&Modules::read())));
+}
+
+/// Those of a graph that lie on a circle, each with those that it reaches and that reach it.
+fn circles<T: Ord + Clone>(edges: &BTreeMap<T, BTreeSet<T>>) -> BTreeMap<T, BTreeSet<T>> {
+    let reached = |from: &T| {
+        let (mut seen, mut next) = (BTreeSet::new(), vec![from.clone()]);
+        while let Some(at) = next.pop() {
+            next.extend(edges.get(&at).into_iter().flatten().filter(|to| seen.insert((*to).clone())).cloned());
+        }
+        seen
+    };
+    let reach: BTreeMap<T, BTreeSet<T>> = edges.keys().map(|from| (from.clone(), reached(from))).collect();
+    let back = |from: &T, to: &T| reach.get(to).is_some_and(|others| others.contains(from));
+    let of = |from: &T| reach[from].iter().filter(|to| *to != from && back(from, to)).cloned().collect();
+    reach
+        .keys()
+        .map(|from| (from.clone(), of(from)))
+        .filter(|(_, others): &(T, BTreeSet<T>)| !others.is_empty())
+        .collect()
+}
+
+#[test]
+fn no_room_knows_itself_through_others() {
+    assert_eq!(circles(&found(&Modules::read())), BTreeMap::new());
+}
+
+/// Rooms in which a file still knows itself through others, mostly by way of `mod.rs`, which
+/// defines what the files below it need and calls them. A room leaves this list when it has no such
+/// circle any more; none may join it.
+const CIRCULAR: [&str; 7] = ["bias", "cli", "lanes", "scenario", "scheme", "store", "trade"];
+
+#[test]
+fn files_of_a_room_do_not_know_themselves_through_others() {
+    let modules = Modules::read();
+    let mut edges: BTreeMap<Segments, BTreeSet<Segments>> = BTreeMap::new();
+    for place in modules.0.keys().filter(|place| !place.is_empty()) {
+        let others = modules.known(place).into_iter().filter(|home| home.first() == place.first());
+        edges.insert(place.clone(), others.collect());
+    }
+    let circles = circles(&edges);
+    for (file, others) in &circles {
+        let others: Vec<String> = others.iter().map(|other| other.join("::")).collect();
+        println!("{} and {}", file.join("::"), others.join(", "));
+    }
+    let rooms: BTreeSet<&str> = circles.keys().map(|file| file[0].as_str()).collect();
+    assert_eq!(rooms, CIRCULAR.into(), "rooms with a circle of files; the output names the files");
+}

@@ -1,0 +1,71 @@
+//! docs/scenario.md: keys, schemes, warnings and shipped scenarios, each list equal to that of the
+//! code.
+
+use super::markdown::{Page, names, same};
+use super::source::{all, code_and_texts, texts};
+use std::collections::BTreeSet;
+use stick_slip::scenario::{Override, SHIPPED, Scenario, shipped};
+use stick_slip::scheme::Kind;
+
+fn page() -> Page {
+    Page::read("docs/scenario.md")
+}
+
+fn first_column(page: &Page, heading: &str) -> BTreeSet<String> {
+    page.rows(heading).iter().flat_map(|row| names(&row[0])).collect()
+}
+
+/// The keys of a resolved scenario, dotted, with the array of harmonics as a key of its own.
+fn keys(table: &toml::Table, path: &str, into: &mut BTreeSet<String>) {
+    for (name, value) in table {
+        let key = if path.is_empty() { name.clone() } else { format!("{path}.{name}") };
+        match value {
+            toml::Value::Table(table) => keys(table, &key, into),
+            toml::Value::Array(tables) => {
+                tables.iter().filter_map(toml::Value::as_table).for_each(|table| keys(table, &key, into));
+                into.insert(key);
+            }
+            _ => drop(into.insert(key)),
+        }
+    }
+}
+
+#[test]
+fn every_key_is_listed_and_every_listed_key_exists() {
+    let mut of_code = BTreeSet::new();
+    for scheme in Kind::ALL {
+        let set = [Override::flag("--scheme", "scheme.kind", scheme.name())];
+        let text = shipped("rho025").expect("shipped").text;
+        let resolved = Scenario::parse("rho025", text, &set).expect("sound").to_toml();
+        keys(&resolved.parse().expect("TOML"), "", &mut of_code);
+    }
+    same(&first_column(&page(), "key"), &of_code);
+}
+
+#[test]
+fn every_scheme_is_listed() {
+    let of_code: BTreeSet<String> = Kind::ALL.iter().map(|kind| kind.name().to_string()).collect();
+    let in_quotes = of_code.iter().map(|name| format!("\"{name}\"")).collect();
+    same(&first_column(&page(), "`scheme.kind`"), &in_quotes);
+    same(&first_column(&Page::read("docs/model.md"), "`scheme.kind`"), &of_code);
+}
+
+#[test]
+fn every_shipped_scenario_is_listed() {
+    same(&first_column(&page(), "`mc init --from`"), &SHIPPED.map(|shipped| shipped.name.to_string()).into());
+}
+
+/// The names of the warnings are the texts in the function that names them.
+#[test]
+fn every_warning_is_listed() {
+    let files = all("src".as_ref());
+    let (_, text) = files.iter().find(|(_, text)| text.contains("pub enum Warning {")).expect("the warnings");
+    let text = code_and_texts(text);
+    let variants = text.split("pub enum Warning {").nth(1).and_then(|rest| rest.split("\n}").next()).expect("a list");
+    let variants = variants.lines().filter(|line| line.starts_with("    ") && !line.starts_with("     "));
+    let variants = variants.filter(|line| line.trim().starts_with(char::is_uppercase)).count();
+    let naming = text.split("fn name(&self)").nth(1).and_then(|rest| rest.split("\n    }").next()).expect("names");
+    let of_code: BTreeSet<String> = texts(naming).into_iter().collect();
+    assert_eq!(of_code.len(), variants, "each warning has a name of its own");
+    same(&first_column(&page(), "name (`--json`)"), &of_code);
+}
