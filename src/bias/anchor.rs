@@ -83,7 +83,7 @@ impl Anchor {
 /// What the run has and the paths without a step have not. They are independent, so errors add up in squares; the tolerance is the same
 /// for every seed.
 fn difference(run: &Estimate, exact: &Estimate) -> Option<Bias> {
-    let uncertainty = run.reach().hypot(exact.reach()) + DEFAULT_TOLERANCE * exact.estimate.abs();
+    let uncertainty = run.half_width().hypot(exact.half_width()) + DEFAULT_TOLERANCE * exact.estimate.abs();
     let estimate = run.estimate - exact.estimate;
     (estimate.is_finite() && uncertainty.is_finite()).then_some(Bias { estimate, uncertainty, order: None })
 }

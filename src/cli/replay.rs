@@ -2,11 +2,9 @@
 
 use super::failure::{Failure, note, print, writable};
 use std::path::{Path, PathBuf};
-use stick_slip::engine::Status;
-use stick_slip::ensemble::Plan;
+use stick_slip::engine::{self, Rows, Status};
 use stick_slip::provenance::Provenance;
-use stick_slip::scenario::{MAX_ROWS, MAX_TRAJECTORIES, Scenario};
-use stick_slip::stats::Record;
+use stick_slip::scenario::Scenario;
 use stick_slip::store::{self, Writer};
 
 const EXAMPLE: &str = "\
@@ -47,35 +45,27 @@ impl Replay {
         let stem = self.file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         let output = self.output.clone().unwrap_or_else(|| format!("{stem}-path-{}.h5", self.path).into());
         writable(&output, self.force)?;
-        replay(scenario, self.path, &output, self.force)
+        replay(&scenario, self.path, &output, self.force)
     }
 }
 
-/// Simulate one path, keep its events and its trajectory, write them.
-fn replay(mut scenario: Scenario, path: u64, output: &Path, force: bool) -> Result<(), Failure> {
-    let (output_step, remark) = finest_grid(&scenario);
-    scenario.time.output_step = output_step;
-    let record = Record { paths: true, events: true, trajectories: path + 1 };
-    // What the file says must read back as a scenario, and no scenario keeps more.
-    scenario.record = Record { trajectories: record.trajectories.min(MAX_TRAJECTORIES), ..record };
-    note(&remark);
-    let block = Plan { record, ..scenario.plan() }.replay(path);
-    let has_step = scenario.scheme.step().is_some();
+/// Simulate one path, write it, and print its events.
+fn replay(scenario: &Scenario, path: u64, output: &Path, force: bool) -> Result<(), Failure> {
+    let replay = engine::Replay::of(scenario, path);
+    note(&format!("trajectory: {}", rows(replay.rows)));
     // A file of one path, whatever its number in the ensemble.
-    let provenance = Provenance { paths: 1, ..Provenance::of(&scenario) };
+    let provenance = Provenance { paths: 1, ..Provenance::of(&replay.scenario) };
     if force {
         store::discard_partial(output)?;
     }
-    let mut writer = Writer::create(output, &provenance, &record)?;
-    writer.append(&block)?;
-    let summary = block.totals.summary();
-    writer.finish(&summary, Status::Complete)?;
-    let columns = block.path_columns.unwrap_or_default();
+    let mut writer = Writer::create(output, &provenance, &replay.record)?;
+    writer.append(&replay.block)?;
+    writer.finish(&replay.block.totals.summary(), Status::Complete)?;
     print(&format!("path {path}\n"))?;
-    if summary.diverged.contains(&path) {
-        return print(if has_step { "it diverged\n" } else { "it was given up\n" });
+    if replay.is_lost() {
+        return print(if scenario.scheme.step().is_some() { "it diverged\n" } else { "it was given up\n" });
     }
-    let events = block.events.unwrap_or_default();
+    let events = replay.block.events.unwrap_or_default();
     print(&format!("{:>6} {:>14} {:>14} {:>14}\n", "event", "time", "displacement", "force b"))?;
     for i in 0..events.time.len() {
         let what = ["stick", "slip", "turn"][events.kind[i] as usize & 3];
@@ -83,76 +73,16 @@ fn replay(mut scenario: Scenario, path: u64, output: &Path, force: bool) -> Resu
             format!("{what:>6} {:14.6} {:14.6} {:14.6}\n", events.time[i], events.displacement[i], events.force[i]);
         print(&line)?;
     }
+    let columns = replay.block.path_columns.unwrap_or_default();
     print(&format!("x(t_end) {}, {} sticks; in {}\n", columns.displacement_end[0], columns.sticks[0], output.display()))
 }
 
-/// How many times finer than the run's grid a trajectory is where that is free: without steps, and without noise.
-const REFINEMENT: usize = 10;
-
-/// The spacing of the finest trajectory that is the same path and has no more than [`MAX_ROWS`] rows, and what it is in words.
-fn finest_grid(scenario: &Scenario) -> (f64, String) {
-    let time = &scenario.time;
-    let most = MAX_ROWS as u64 - 1;
-    if let (Some(step), Some(steps)) = (scenario.scheme.step(), scenario.steps()) {
-        let stride = stride(steps, most);
-        let what = if stride == 1 { "every step".into() } else { format!("one in {stride} of the {steps} steps") };
-        return (stride as f64 * step, format!("trajectory: {what}"));
-    }
-    if scenario.model.temperature.is_random() {
-        // Observed at other instants, the scheme draws other numbers: that would be another path.
-        return (time.output_step, "trajectory: on the output grid of the run".into());
-    }
-    let rows = scenario.timeline().rows().saturating_sub(1);
-    let refinement = (most as usize).checked_div(rows).unwrap_or(1).clamp(1, REFINEMENT);
-    (
-        time.output_step / refinement as f64,
-        format!("trajectory: {refinement} times as fine as the output grid of the run"),
-    )
-}
-
-/// The least number of steps between rows that makes no more than `most` rows besides the first; one that divides the steps, if
-/// there is one up to twice that.
-fn stride(steps: u64, most: u64) -> u64 {
-    let least = steps.div_ceil(most).max(1);
-    (least..=2 * least).take(MAX_ROWS).find(|stride| steps.is_multiple_of(*stride)).unwrap_or(least)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use stick_slip::scenario::Override;
-
-    fn scenario(name: &str, set: &[&str]) -> Scenario {
-        let text = stick_slip::scenario::shipped(name).expect("shipped").text;
-        let set: Vec<Override> = set.iter().map(|set| Override::set(set).expect("well formed")).collect();
-        Scenario::parse(name, text, &set).expect("sound")
-    }
-
-    #[test]
-    fn a_stride_keeps_the_rows_within_bounds_and_ends_at_the_end_where_it_can() {
-        assert_eq!([0, 1, 9_999, 10_000, 60_000, 10_000_000].map(|steps| stride(steps, 9_999)), [1, 1, 1, 2, 8, 1_250]);
-        for steps in [10_007, 99_991, 123_457, 1 << 53] {
-            assert!(steps / stride(steps, 9_999) <= 9_999, "{steps}");
-        }
-    }
-
-    #[test]
-    fn the_grid_of_a_replay_is_never_too_long_and_still_a_scenario() {
-        for (name, set, spacing) in [
-            ("rho025", &[][..], 0.01),
-            ("rho025", &["time.step=1e-6"], 0.00625),
-            ("rho025", &["scheme.kind=event-driven"], 0.5),
-            ("shaw", &["scheme.kind=event-driven"], 0.05),
-            ("shaw", &["scheme.kind=quasi-static", "time.output_step=0.01"], 0.01),
-            ("viaduct", &[], 3600.0),
-        ] {
-            let mut scenario = scenario(name, set);
-            let (output_step, remark) = finest_grid(&scenario);
-            assert!((output_step / spacing - 1.0).abs() < 1e-12, "{name} {set:?}: {output_step}");
-            assert!(remark.starts_with("trajectory: "));
-            scenario.time.output_step = output_step;
-            assert!(scenario.timeline().rows() <= MAX_ROWS);
-            assert_eq!(Scenario::parse(name, &scenario.to_toml(), &[]).expect("sound"), scenario);
-        }
+/// How the rows of the trajectory lie, in words.
+fn rows(rows: Rows) -> String {
+    match rows {
+        Rows::Steps { stride: 1, .. } => "every step".into(),
+        Rows::Steps { stride, of } => format!("one in {stride} of the {of} steps"),
+        Rows::OutputGrid => "on the output grid of the run".into(),
+        Rows::Finer(times) => format!("{times} times as fine as the output grid of the run"),
     }
 }

@@ -9,16 +9,19 @@
 //!     .into_sink(&mut sink) hand over every finished block, and the outcome (Sink)
 //!   -> simulate()         blocks on threads, summed along one tree, ended, the bias of the step estimated
 //!     -> Outcome          summary with biases, why it ended, how long it took
+//! Replay::of(&scenario, path)   one path of it alone
 //! ```
 
 mod ending;
 mod outcome;
 mod progress;
+mod replay;
 mod run;
 mod sink;
 
 pub use ending::{EndedBy, Hopeless, MOST_PATHS, MissedGoal};
 pub use outcome::{BiasReport, Outcome, Status};
 pub use progress::Progress;
+pub use replay::{Replay, Rows};
 pub use run::{Run, RunError};
 pub use sink::{Memory, Sink, SinkError};

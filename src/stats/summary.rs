@@ -48,8 +48,8 @@ pub struct Bias {
 }
 
 impl Estimate {
-    /// How far the 95 % interval reaches to either side, in the mean.
-    pub fn reach(&self) -> f64 {
+    /// Half the width of the 95 % interval.
+    pub fn half_width(&self) -> f64 {
         (self.high - self.low) / 2.0
     }
 }
@@ -158,6 +158,19 @@ impl Summary {
     /// Whether the bias of any statistic is known.
     pub fn has_bias(&self) -> bool {
         self.estimates.iter().any(|e| e.bias.is_some())
+    }
+
+    /// The statistics whose bias is beyond doubt and larger than their intervals show, the surest first.
+    ///
+    /// Surest is the bias that is largest against its uncertainty, and not the one that exceeds its interval most: the interval of a
+    /// median of durations, which are multiples of the step, has next to no width.
+    pub fn dominated_by_bias(&self) -> Vec<Estimate> {
+        let certainty = |e: &Estimate| e.bias.map_or(0.0, |bias| bias.estimate.abs() / bias.uncertainty);
+        let exceeds = |e: &&Estimate| e.bias.is_some_and(|bias| bias.estimate.abs() > e.half_width());
+        let is_certain = |e: &&Estimate| certainty(e) > 1.0;
+        let mut dominated: Vec<Estimate> = self.estimates.iter().filter(exceeds).filter(is_certain).copied().collect();
+        dominated.sort_by(|a, b| certainty(b).total_cmp(&certainty(a)));
+        dominated
     }
 
     /// Add what is known of the bias. A statistic that does not exist has none.

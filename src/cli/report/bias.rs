@@ -1,7 +1,7 @@
 //! The error of the step: what a report says of it.
 
 use crate::cli::numbers::{Digits, significant};
-use stick_slip::stats::{Bias, Estimate, Summary};
+use stick_slip::stats::{Bias, Summary};
 
 /// A bias, its uncertainty and its order, to two digits of the uncertainty; `none` where it is not
 /// known.
@@ -16,13 +16,8 @@ pub(super) fn bias_cells(bias: Option<Bias>) -> [String; 3] {
 /// In how many statistics the bias of the step is beyond doubt and larger than the statistical
 /// interval shows, and what to do; none if in none.
 pub fn dominating_bias(summary: &Summary) -> Option<String> {
-    let excess = |e: &Estimate| e.bias.map_or(0.0, |bias| bias.estimate.abs() / e.reach());
-    let dominates = |e: &&Estimate| e.bias.is_some_and(|b| b.estimate.abs() > b.uncertainty) && excess(e) > 1.0;
-    let dominated: Vec<&Estimate> = summary.estimates.iter().filter(dominates).collect();
-    // not by how far the interval is exceeded: that of a median, which is a multiple of the step,
-    // has next to no width
-    let certainty = |e: &Estimate| e.bias.map_or(0.0, |bias| bias.estimate.abs() / bias.uncertainty);
-    let surest = dominated.iter().max_by(|a, b| certainty(a).total_cmp(&certainty(b)))?;
+    let dominated = summary.dominated_by_bias();
+    let surest = dominated.first()?;
     let [bias, uncertainty, _] = bias_cells(surest.bias);
     Some(format!(
         "the step moves {} of {} statistics by more than their intervals show, most surely {}, whose bias is {bias} +- \
@@ -31,7 +26,7 @@ pub fn dominating_bias(summary: &Summary) -> Option<String> {
         dominated.len(),
         summary.estimates.len(),
         surest.statistic.name(),
-        significant(surest.reach(), 2)
+        significant(surest.half_width(), 2)
     ))
 }
 

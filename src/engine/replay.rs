@@ -1,0 +1,122 @@
+//! One path of an ensemble alone, with its events and as fine a trajectory as it has.
+
+use crate::ensemble::Plan;
+use crate::scenario::{MAX_ROWS, MAX_TRAJECTORIES, Scenario};
+use crate::stats::{BlockResult, Record};
+
+/// One path, simulated again.
+#[derive(Clone, Debug)]
+pub struct Replay {
+    /// The scenario with the output grid of the trajectory, and everything recorded.
+    pub scenario: Scenario,
+    /// What was recorded of the path.
+    pub record: Record,
+    /// How the rows of the trajectory lie.
+    pub rows: Rows,
+    /// A block that holds this path only.
+    pub block: BlockResult,
+}
+
+/// How the rows of the trajectory of a replay lie.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Rows {
+    /// One in so many steps.
+    Steps {
+        /// How many steps from row to row.
+        stride: u64,
+        /// Steps of the path.
+        of: u64,
+    },
+    /// On the output grid of the run, whose instants are part of what the path draws.
+    OutputGrid,
+    /// So many times as fine as the output grid of the run.
+    Finer(usize),
+}
+
+impl Replay {
+    /// Simulate path number `path` of the ensemble of this scenario: the same path, bit for bit.
+    ///
+    /// The trajectory holds every step of a scheme with steps, or one in so many where there would be more rows than
+    /// [`MAX_ROWS`]. Without noise, a scheme without steps is looked at ten times as often as the run was; with noise, looking at
+    /// other instants would draw other numbers.
+    pub fn of(scenario: &Scenario, path: u64) -> Self {
+        let mut scenario = scenario.clone();
+        let (output_step, rows) = finest_grid(&scenario);
+        scenario.time.output_step = output_step;
+        let record = Record { paths: true, events: true, trajectories: path + 1 };
+        // What a file says must read back as a scenario, and no scenario keeps more.
+        scenario.record = Record { trajectories: record.trajectories.min(MAX_TRAJECTORIES), ..record };
+        let block = Plan { record, ..scenario.plan() }.replay(path);
+        Replay { scenario, record, rows, block }
+    }
+
+    /// Whether the path diverged or was given up.
+    pub fn is_lost(&self) -> bool {
+        !self.block.diverged.is_empty()
+    }
+}
+
+/// How many times finer than the run's grid a trajectory is where that is free: without steps, and without noise.
+const REFINEMENT: usize = 10;
+
+/// The spacing of the finest trajectory that is the same path and has no more than [`MAX_ROWS`] rows, and what it is.
+fn finest_grid(scenario: &Scenario) -> (f64, Rows) {
+    let most = MAX_ROWS as u64 - 1;
+    let output_step = scenario.time.output_step;
+    if let (Some(step), Some(of)) = (scenario.scheme.step(), scenario.steps()) {
+        let stride = stride(of, most);
+        return (stride as f64 * step, Rows::Steps { stride, of });
+    }
+    if scenario.model.temperature.is_random() {
+        return (output_step, Rows::OutputGrid);
+    }
+    let rows = scenario.timeline().rows().saturating_sub(1);
+    let refinement = (most as usize).checked_div(rows).unwrap_or(1).clamp(1, REFINEMENT);
+    (output_step / refinement as f64, Rows::Finer(refinement))
+}
+
+/// The least number of steps between rows that makes no more than `most` rows besides the first; one that divides the steps, if
+/// there is one up to twice that.
+fn stride(steps: u64, most: u64) -> u64 {
+    let least = steps.div_ceil(most).max(1);
+    (least..=2 * least).take(MAX_ROWS).find(|stride| steps.is_multiple_of(*stride)).unwrap_or(least)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scenario::{Override, shipped};
+
+    fn scenario(name: &str, set: &[&str]) -> Scenario {
+        let text = shipped(name).expect("shipped").text;
+        let set: Vec<Override> = set.iter().map(|set| Override::set(set).expect("well formed")).collect();
+        Scenario::parse(name, text, &set).expect("sound")
+    }
+
+    #[test]
+    fn a_stride_keeps_the_rows_within_bounds_and_ends_at_the_end_where_it_can() {
+        assert_eq!([0, 1, 9_999, 10_000, 60_000, 10_000_000].map(|steps| stride(steps, 9_999)), [1, 1, 1, 2, 8, 1_250]);
+        for steps in [10_007, 99_991, 123_457, 1 << 53] {
+            assert!(steps / stride(steps, 9_999) <= 9_999, "{steps}");
+        }
+    }
+
+    #[test]
+    fn the_grid_of_a_replay_is_never_too_long_and_still_a_scenario() {
+        for (name, set, spacing) in [
+            ("rho025", &[][..], 0.01),
+            ("rho025", &["time.step=1e-6"], 0.00625),
+            ("rho025", &["scheme.kind=event-driven"], 0.5),
+            ("shaw", &["scheme.kind=event-driven"], 0.05),
+            ("shaw", &["scheme.kind=quasi-static", "time.output_step=0.01"], 0.01),
+            ("viaduct", &[], 3600.0),
+        ] {
+            let mut scenario = scenario(name, set);
+            let (output_step, _) = finest_grid(&scenario);
+            assert!((output_step / spacing - 1.0).abs() < 1e-12, "{name} {set:?}: {output_step}");
+            scenario.time.output_step = output_step;
+            assert!(scenario.timeline().rows() <= MAX_ROWS);
+            assert_eq!(Scenario::parse(name, &scenario.to_toml(), &[]).expect("sound"), scenario);
+        }
+    }
+}
