@@ -1,12 +1,13 @@
 //! How much of the ladder fits into a budget of time, and with how many paths.
 
+use super::clock::Stopwatch;
 use super::ladder::is_exact;
 use super::measure::{GROUPS, bare_plan, timed};
 use super::{Ladder, LeftOut, TradeError};
 use crate::ensemble::Plan;
 use crate::scenario::Scenario;
 use crate::scheme::{Misfit, Scheme, Timeline};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 /// How many paths are spent on what.
 #[derive(Clone, Debug, PartialEq)]
@@ -38,7 +39,7 @@ const COUPLED: [(u64, usize); 3] = [(GROUPS << 9, 4), (GROUPS << 7, 3), (GROUPS 
 const FED: f64 = 0.7;
 
 impl Effort {
-    /// What fits into `budget` of wall-clock time on `threads` threads. Numbers of paths are powers of two times a constant, so that
+    /// What fits into `budget` of CPU time on each of `threads` threads. Numbers of paths are powers of two times a constant, so that
     /// small differences of speed do not change them. What does not fit is struck from the ladder, with the reason.
     pub fn within(
         scenario: &Scenario,
@@ -49,7 +50,7 @@ impl Effort {
         if scenario.time.end == 0.0 {
             return Err(TradeError::NothingHappens);
         }
-        let start = Instant::now();
+        let watch = Stopwatch::start(threads);
         let capacity = budget.as_secs_f64() * threads as f64;
         let (is_random, mut left_out) = (scenario.model.temperature.is_random(), Vec::new());
         let mut each = Vec::new();
@@ -89,7 +90,7 @@ impl Effort {
             }
         };
         // What the pilot took is gone; what stepping schemes do not need, the others may have.
-        let capacity = (capacity - start.elapsed().as_secs_f64() * threads as f64).max(0.0);
+        let capacity = (capacity - watch.spent()).max(0.0);
         let more = if coupled_paths > 0 { 1.0 } else { 1.0 + STEPPING / (REFERENCE + OTHERS) };
         let reference = |each: &[f64]| {
             let fits = |i: usize| each[i] * LEAST_FREE as f64 <= REFERENCE * more * capacity;

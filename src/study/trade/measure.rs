@@ -1,16 +1,16 @@
 //! Running the ladder: estimates, their change from step to step on one realisation, CPU time per path.
 
+use super::clock::{Stopwatch, thread_seconds};
 use super::ladder::is_exact;
 use super::{Effort, Ladder, LeftOut, Number, Trade};
 use crate::ensemble::{Plan, in_order};
 use crate::scenario::Scenario;
 use crate::scheme::{Misfit, Scheme, Simulate as _};
 use crate::stats::{Estimate, Record, Statistic, Totals, jackknife};
-use rustix::time::{ClockId, clock_gettime};
 use std::convert::Infallible;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 /// Groups of paths, each left out in turn for the error of a change (the jackknife).
 pub(super) const GROUPS: u64 = 20;
@@ -99,7 +99,7 @@ pub enum TradeError {
 /// What a measurement is bound to, and whom it tells where it is.
 #[derive(Clone, Copy, Default)]
 pub struct Limits<'a> {
-    /// Wall-clock time. What is not done by then is cut short, on a machine that is slower than its pilot.
+    /// CPU time of each thread. What is not done by then is cut short, on a machine that is slower than its pilot.
     pub time: Option<Duration>,
     /// When raised, the pieces in work are the last: what is begun is cut short, what is not is left out.
     pub stop: Option<&'a AtomicBool>,
@@ -119,18 +119,19 @@ impl Limits<'_> {
     }
 }
 
-/// Measure a scene within about `budget` of wall-clock time, whatever the time in `limits`.
+/// Measure a scene within about `budget` of CPU time on each thread, whatever the time in `limits`. On an idle machine that is wall-clock
+/// time; on a busy one it takes longer, up to four times as long.
 pub fn measure_within(
     scenario: &Scenario,
     budget: Duration,
     threads: usize,
     limits: Limits<'_>,
 ) -> Result<Trade, TradeError> {
-    let start = Instant::now();
+    let watch = Stopwatch::start(threads);
     limits.begin("a few paths of each scheme, to share out the time");
     let mut ladder = Ladder::of(scenario);
     let effort = Effort::within(scenario, &mut ladder, budget, threads)?;
-    let time = Some(budget.saturating_sub(start.elapsed()));
+    let time = Some(budget.saturating_sub(watch.elapsed()));
     measure(scenario, &ladder, &effort, threads, Limits { time, ..limits })
 }
 
@@ -151,8 +152,8 @@ pub fn measure(
     if scenario.time.end == 0.0 {
         return Err(TradeError::NothingHappens);
     }
-    let start = Instant::now();
-    let until = |share: f64| End { deadline: limits.time.map(|time| start + time.mul_f64(share)), limits };
+    let watch = Stopwatch::start(threads);
+    let until = |share: f64| End { watch, time: limits.time.map(|time| time.mul_f64(share)), limits };
     let [reference_ends, free_ends] =
         if effort.steps > 0 { [REFERENCE_ENDS, FREE_ENDS] } else { [FREE_ENDS, ALL_ENDS] };
     let runs: Vec<(usize, Scheme, u64)> = (ladder.free.iter().zip(&effort.free_paths).enumerate())
@@ -207,13 +208,9 @@ pub(super) fn bare_plan(scenario: &Scenario, scheme: Scheme) -> Result<Plan, Mis
 
 /// CPU seconds that `paths` paths take on this thread.
 pub(super) fn timed(plan: &Plan, paths: u64) -> f64 {
-    let clock = || {
-        let now = clock_gettime(ClockId::ThreadCPUTime);
-        now.tv_sec as f64 + 1e-9 * now.tv_nsec as f64
-    };
-    let start = clock();
+    let start = thread_seconds();
     std::hint::black_box(plan.piece(0, paths));
-    clock() - start
+    thread_seconds() - start
 }
 
 /// Repetitions of a timing, of which the shortest counts: what disturbs a timing makes it longer.
@@ -245,14 +242,15 @@ const UNTIMED: Cost = Cost { first: f64::NAN, each: f64::NAN };
 /// When no further paths are begun.
 #[derive(Clone, Copy)]
 struct End<'a> {
-    deadline: Option<Instant>,
+    watch: Stopwatch,
+    time: Option<Duration>,
     limits: Limits<'a>,
 }
 
 impl End<'_> {
     /// Whether to go on; asked after a piece, so the first one is always done.
     fn flow(&self) -> ControlFlow<()> {
-        let is_late = self.deadline.is_some_and(|deadline| Instant::now() > deadline);
+        let is_late = self.time.is_some_and(|time| self.watch.elapsed() > time);
         if is_late || self.limits.is_stopped() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     }
 }

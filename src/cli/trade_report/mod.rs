@@ -1,0 +1,29 @@
+//! A trade, for people and for machines: pure functions of what was measured.
+
+mod json;
+mod table;
+
+pub use json::json;
+pub use table::table;
+
+use std::path::Path;
+use std::time::Duration;
+use stick_slip::scenario::Scenario;
+use stick_slip::stats::Statistic;
+
+/// What was asked for.
+pub struct Asked<'a> {
+    /// The scenario.
+    pub scenario: &'a Scenario,
+    /// Its file.
+    pub path: &'a Path,
+    /// The statistic that the picture shows.
+    pub shown: Option<Statistic>,
+    /// The budget of time.
+    pub budget: Duration,
+    /// Threads that measured.
+    pub threads: usize,
+}
+
+/// Half the width of a 95 % interval, in standard errors.
+const INTERVAL: f64 = 1.96;
