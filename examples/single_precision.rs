@@ -12,10 +12,11 @@ use std::hint::black_box;
 use std::ops::{Mul, Neg};
 use std::sync::LazyLock;
 use std::time::Instant as Clock;
+use stick_slip::config::Override;
 use stick_slip::lanes::{InstructionSet, LaneProgram, Lanes};
 use stick_slip::model::{Event, HarmonicClock, Model};
 use stick_slip::noise::{LaneStreams, Stream, Transition, standard_normal};
-use stick_slip::scenario::{Override, Scenario};
+use stick_slip::scenario::Scenario;
 use stick_slip::scheme::{DiscreteSimulation, Instant, Observer, Simulate as _, Snapshot};
 
 const LANES: usize = 32;

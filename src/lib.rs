@@ -1,7 +1,9 @@
 //! Monte Carlo of an oscillator with dry friction, driven by a harmonic and noisy temperature.
 #![deny(missing_docs)]
 
+pub mod advice;
 pub mod bias;
+pub mod config;
 pub mod ensemble;
 pub mod lanes;
 pub mod model;

@@ -123,8 +123,9 @@ impl Endings {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use stick_slip::config::Override;
     use stick_slip::ensemble::Plan;
-    use stick_slip::scenario::{Override, Scenario};
+    use stick_slip::scenario::Scenario;
 
     fn plan(seed: u64) -> Plan {
         let path = concat!(env!("CARGO_MANIFEST_DIR"), "/scenarios/rho025.toml");

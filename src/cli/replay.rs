@@ -116,10 +116,10 @@ fn stride(steps: u64, most: u64) -> u64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use stick_slip::scenario::Override;
+    use stick_slip::config::Override;
 
     fn scenario(name: &str, set: &[&str]) -> Scenario {
-        let text = stick_slip::scenario::shipped(name).expect("shipped").text;
+        let text = stick_slip::config::shipped(name).expect("shipped").text;
         let set: Vec<Override> = set.iter().map(|set| Override::set(set).expect("well formed")).collect();
         Scenario::parse(name, text, &set).expect("sound")
     }

@@ -4,9 +4,10 @@ use super::failure::{Failure, note};
 use super::numbers::wrapped;
 use super::report;
 use std::path::Path;
+use stick_slip::advice::Warning;
 use stick_slip::ensemble::BLOCK_SIZE;
 use stick_slip::noise::GENERATOR;
-use stick_slip::scenario::{Scenario, Warning};
+use stick_slip::scenario::Scenario;
 use stick_slip::stats::{Record, Summary};
 use stick_slip::store::{Header, StoreError, Writer, check_space, discard_partial};
 

@@ -38,8 +38,9 @@ const COUPLED: [(u64, usize); 3] = [(GROUPS << 9, 4), (GROUPS << 7, 3), (GROUPS 
 const FED: f64 = 0.7;
 
 impl Effort {
-    /// What fits into `budget` of wall-clock time on `threads` threads. Numbers of paths are powers of two times a constant, so that
-    /// small differences of speed do not change them. What does not fit is struck from the ladder, with the reason.
+    /// What fits into `budget` of wall-clock time on `threads` threads. Numbers of paths are powers
+    /// of two times a constant, so that small differences of speed do not change them. What does
+    /// not fit is struck from the ladder, with the reason.
     pub fn within(
         scenario: &Scenario,
         ladder: &mut Ladder,
@@ -151,7 +152,8 @@ const LANES: u64 = 32;
 const PILOT_STEPS: f64 = 4096.0;
 
 impl StepCost {
-    /// From the first steps of the finest rung, and the whole of the coarsest if that is not much longer.
+    /// From the first steps of the finest rung, and the whole of the coarsest if that is not much
+    /// longer.
     fn measure(scenario: &Scenario, ladder: &Ladder) -> Result<Self, Misfit> {
         let (kind, end) = (ladder.stepping[0], scenario.time.end);
         let seconds = |h: f64, end: f64| -> Result<f64, Misfit> {

@@ -8,8 +8,9 @@
 //!         = S_n - (h/m) f_d sign(S_n)       otherwise
 //! ```
 //!
-//! (paper, section 3.1.) With f_d = f_s the last line is [`crate::model::prox`] at S_n, the solution of the discrete
-//! variational inequality. The noise between t_n and t_{n+1} is the exact Ornstein-Uhlenbeck transition.
+//! (paper, section 3.1.) With f_d = f_s the last line is [`crate::model::prox`] at S_n, the
+//! solution of the discrete variational inequality. The noise between t_n and t_{n+1} is the exact
+//! Ornstein-Uhlenbeck transition.
 //!
 //! ```text
 //! plain, corrected   the two schemes that step so, and what each is known for

@@ -1,4 +1,5 @@
-//! Scheme B: event-driven, the paper's step-by-step construction of stick and slip phases (its section on the cascade).
+//! Scheme B: event-driven, the paper's step-by-step construction of stick and slip phases (its
+//! section on the cascade).
 //!
 //! ```text
 //! rho = 0   Noiseless   every phase a closed form, every event a root; no step at all
@@ -6,7 +7,8 @@
 //!                       StepRules   what the one tolerance means for its steps
 //! ```
 //!
-//! [`EventDriven`] is the scheme and what it is known for, [`EventDrivenSimulation`] the scheme on one model.
+//! [`EventDriven`] is the scheme and what it is known for, [`EventDrivenSimulation`] the scheme on
+//! one model.
 
 mod exact_time;
 mod first_root;
@@ -77,8 +79,8 @@ impl Method for EventDriven {
     }
 }
 
-/// The schemes without a step ask when the noise passes f_s, after some (f_s/s)^2: both must be forces whose squares, with their products
-/// and ratios, can be computed with.
+/// The schemes without a step ask when the noise passes f_s, after some (f_s/s)^2: both must be
+/// forces whose squares, with their products and ratios, can be computed with.
 pub(super) fn check_friction(model: &Model, end: f64) -> Result<(), Misfit> {
     let f_s = model.friction.static_force;
     let Some(noise) = Scene::new(model).felt_noise(end).filter(|_| f_s > 0.0) else { return Ok(()) };
