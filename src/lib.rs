@@ -62,7 +62,9 @@
 //! default. Without them the library needs neither HDF5 nor a C compiler.
 #![deny(missing_docs)]
 
+pub mod advice;
 pub mod bias;
+pub mod config;
 pub mod engine;
 pub mod ensemble;
 #[cfg(feature = "cli")]

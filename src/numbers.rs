@@ -11,8 +11,21 @@ pub fn significant(x: f64, digits: usize) -> String {
             "-infinite".into()
         };
     }
-    let rounded: f64 = format!("{x:.*e}", digits.saturating_sub(1)).parse().unwrap_or(x);
-    if rounded != 0.0 && !(1e-4..1e7).contains(&rounded.abs()) { format!("{rounded:e}") } else { format!("{rounded}") }
+    plain(rounded(x, digits), 1e7)
+}
+
+/// Three significant digits, as a number stands in a sentence.
+pub fn short(x: f64) -> String {
+    plain(rounded(x, 3), 1e6)
+}
+
+fn rounded(x: f64, digits: usize) -> f64 {
+    format!("{x:.*e}", digits.saturating_sub(1)).parse().unwrap_or(x)
+}
+
+/// Without an exponent where that reads better: from 1e-4 to below `end`.
+fn plain(x: f64, end: f64) -> String {
+    if x != 0.0 && !(1e-4..end).contains(&x.abs()) { format!("{x:e}") } else { format!("{x}") }
 }
 
 /// Bytes in the largest decimal unit that leaves a number above one.

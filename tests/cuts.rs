@@ -3,10 +3,11 @@
 use proptest::prelude::*;
 use std::sync::OnceLock;
 use std::sync::atomic::AtomicBool;
+use stick_slip::config::Override;
 use stick_slip::engine::Run;
 use stick_slip::ensemble::{BLOCK_SIZE, Plan};
 use stick_slip::model::{Event, EventKind};
-use stick_slip::scenario::{Override, Scenario};
+use stick_slip::scenario::Scenario;
 use stick_slip::scheme::DiscreteVi;
 use stick_slip::stats::{
     BlockResult, Companion, Measurement, PathMeans, PathState, RunTotals, Statistic, Summary, Tallied, Tally,
@@ -18,7 +19,7 @@ const BLOCKS: u64 = 23;
 fn scenario() -> Scenario {
     let set = ["time.end=60", "time.step=0.05", "time.output_step=2", "record.paths=false"];
     let set: Vec<Override> = set.iter().map(|text| Override::set(text).expect("well formed")).collect();
-    let text = stick_slip::scenario::shipped("rho025").expect("shipped").text;
+    let text = stick_slip::config::shipped("rho025").expect("shipped").text;
     let mut scenario = Scenario::parse("rho025", text, &set).expect("sound");
     scenario.ensemble.paths = BLOCKS * BLOCK_SIZE - 100;
     scenario

@@ -4,8 +4,9 @@ use criterion::{BenchmarkGroup, Criterion, Throughput, measurement::WallTime};
 use std::hint::black_box;
 use std::path::Path;
 use std::time::Duration;
+use stick_slip::config::Override;
 use stick_slip::model::Event;
-use stick_slip::scenario::{Override, Scenario};
+use stick_slip::scenario::Scenario;
 use stick_slip::scheme::{Instant, Observer, Snapshot};
 
 pub const STEP: &str = "time.step=0.001";

@@ -18,8 +18,9 @@ use prototype::{Cascade, simulate};
 use std::error::Error;
 use std::hint::black_box;
 use std::time::Instant as Clock;
+use stick_slip::config::Override;
 use stick_slip::model::{Event, Model};
-use stick_slip::scenario::{Override, Scenario};
+use stick_slip::scenario::Scenario;
 use stick_slip::scheme::{DiscreteSimulation, Instant, Observer, Simulate as _, Snapshot};
 
 /// Hears nothing: what the kernel costs alone.

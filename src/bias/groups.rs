@@ -1,5 +1,5 @@
-//! Paths in groups: an observer that shows each path to its group, and the statistics of all paths and without each group, from
-//! which the jackknife tells errors.
+//! Paths in groups: an observer that shows each path to its group, and the statistics of all paths
+//! and without each group, from which the jackknife tells errors.
 
 use crate::model::{Event, Model};
 use crate::scheme::{Instant, Observer, Snapshot, Timeline};
@@ -45,7 +45,8 @@ impl Groups {
     }
 }
 
-/// Shows each path to the observer of its group: of the lanes, the first so many are the first group, and so on.
+/// Shows each path to the observer of its group: of the lanes, the first so many are the first
+/// group, and so on.
 pub(super) struct GroupObserver {
     observers: Vec<BlockObserver>,
     first: u64,
@@ -100,9 +101,10 @@ mod tests {
     use crate::scheme::DiscreteVi;
     use std::sync::atomic::AtomicBool;
 
-    /// Null: D1 of a ratio and of a mean are within Student's t of their expectation, here the mean over all seeds, in 95 % of 400
-    /// seeds. The share is then within four binomial standard deviations, 4.4 %, and 1.5 % for the skewness of so few paths, but
-    /// for a false-alarm rate of 6e-5. An error of a factor of two gives 70 % or 99.9 %.
+    /// Null: D1 of a ratio and of a mean are within Student's t of their expectation, here the mean
+    /// over all seeds, in 95 % of 400 seeds. The share is then within four binomial standard
+    /// deviations, 4.4 %, and 1.5 % for the skewness of so few paths, but for a false-alarm rate of
+    /// 6e-5. An error of a factor of two gives 70 % or 99.9 %.
     #[test]
     fn differences_of_steps_scatter_as_the_jackknife_says() {
         let model = paper(0.25, 0.25);

@@ -5,7 +5,8 @@ use super::numbers::{bytes, grouped, significant, wrapped};
 use super::overrides::Overrides;
 use std::fmt::Write as _;
 use std::path::PathBuf;
-use stick_slip::scenario::{Derived, Scenario};
+use stick_slip::advice::Derived;
+use stick_slip::scenario::Scenario;
 use stick_slip::scheme::{Resolution, Stability};
 
 const EXAMPLES: &str = "\

@@ -3,7 +3,7 @@
 use std::io::{self, Write as _};
 use std::path::Path;
 use std::process::ExitCode;
-use stick_slip::scenario::ScenarioError;
+use stick_slip::config::ScenarioError;
 use stick_slip::scheme::Misfit;
 
 /// Why a verb did not do what it was asked to.
@@ -16,7 +16,8 @@ pub enum Failure {
         /// What would be right.
         remedy: String,
     },
-    /// The arguments do not go with what they are about, a file of results or a scenario; the message says what to do.
+    /// The arguments do not go with the file of results or the scenario that they are about; the message
+    /// says what to do.
     Refused(String),
     /// There is no scenario to work on.
     Scenario(ScenarioError),

@@ -4,7 +4,7 @@ use super::failure::{Failure, note, print, writable};
 use std::fs::OpenOptions;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
-use stick_slip::scenario::{SHIPPED, shipped};
+use stick_slip::config::{SHIPPED, shipped};
 
 const EXAMPLES: &str = "\
 Examples:

@@ -2,7 +2,8 @@
 
 use super::failure::Failure;
 use std::path::Path;
-use stick_slip::scenario::{Override, Scenario, ScenarioError};
+use stick_slip::config::{Override, ScenarioError};
+use stick_slip::scenario::Scenario;
 use stick_slip::scheme::Kind;
 use stick_slip::stats::{Goal, GoalError};
 

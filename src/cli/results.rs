@@ -3,8 +3,9 @@
 use super::failure::{Failure, note};
 use super::numbers::wrapped;
 use super::report;
+use stick_slip::advice::Warning;
 use stick_slip::engine::RunError;
-use stick_slip::scenario::{Scenario, Warning};
+use stick_slip::scenario::Scenario;
 use stick_slip::stats::Summary;
 use stick_slip::store::StoreError;
 

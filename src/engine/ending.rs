@@ -186,8 +186,9 @@ impl Endings {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::config::Override;
     use crate::ensemble::Plan;
-    use crate::scenario::{Override, Scenario};
+    use crate::scenario::Scenario;
 
     fn plan(seed: u64) -> Plan {
         let path = concat!(env!("CARGO_MANIFEST_DIR"), "/scenarios/rho025.toml");

@@ -85,7 +85,7 @@ fn stride(steps: u64, most: u64) -> u64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scenario::{Override, shipped};
+    use crate::config::{Override, shipped};
 
     fn scenario(name: &str, set: &[&str]) -> Scenario {
         let text = shipped(name).expect("shipped").text;

@@ -1,4 +1,5 @@
-//! The work-precision picture: what error which CPU time buys, one line a scheme, on logarithmic axes.
+//! The work-precision picture: what error which CPU time buys, one line a scheme, on logarithmic
+//! axes.
 
 use crate::scheme::{Kind, Look};
 use crate::stats::Statistic;

@@ -19,7 +19,7 @@ impl Oscillator {
         (self.stiffness / self.mass).sqrt()
     }
 
-    /// K beta: the force that one unit of temperature makes on a body held where it is.
+    /// K beta, the force that one unit of temperature makes on a body that is held where it is.
     pub fn force_per_temperature(&self) -> f64 {
         self.stiffness * self.dilatation
     }
@@ -27,7 +27,8 @@ impl Oscillator {
     /// b(x, x', t) = K (beta T - x) - 2 alpha x': every force but friction (paper, equations
     /// (engapp) and (shaw)).
     pub fn force(&self, temperature: f64, displacement: f64, velocity: f64) -> f64 {
-        // K (beta T - x) and not K beta T - K x: a sum of two lengths that nearly cancel is rounded once less.
+        // K (beta T - x) instead of K beta T - K x: where the two nearly cancel, their difference
+        // is rounded only once.
         self.stiffness * (self.dilatation * temperature - displacement) - 2.0 * self.damping * velocity
     }
 }

@@ -1,129 +1,104 @@
-//! What follows from a scenario before it is run: derived quantities.
-//!
-//! Pure functions of the scenario; nothing is simulated.
+//! Whether values can be computed with together. The range of each value alone is a matter of
+//! whoever reads it.
 
 use super::Scenario;
-use super::amplitude::expected_amplitude;
-use crate::model::{Model, Noise, Oscillator};
-use crate::scheme::{Discretisation, Resolution, Stability, monitoring_shift};
-use std::f64::consts::PI;
-
-/// Quantities that follow from a scenario.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Derived {
-    /// w0 = sqrt(K/m).
-    pub natural_frequency: f64,
-    /// w/w0 of each harmonic.
-    pub frequency_ratios: Vec<f64>,
-    /// f_d/f_s; none if f_s = 0.
-    pub friction_ratio: Option<f64>,
-    /// K |beta| rho sigma / sqrt(2 theta): the stationary sd of the noise in b; none without noise.
-    pub noise_force: Option<f64>,
-    /// f_s / (K |beta| rho) in units of the stationary sd of v: how far the noise must go to end a centred stick.
-    pub corridor_half_width: Option<f64>,
-    /// (f_s / (K beta rho sigma))^2: the time the noise takes to cross that half-width by diffusion.
-    pub corridor_time: Option<f64>,
-    /// Limits of the step, if there are steps.
-    pub stability: Option<Stability>,
-    /// 0.5826 K |beta| rho sigma sqrt(h), by which the corrected scheme lowers f_s.
-    pub monitoring_shift: Option<f64>,
-    /// What the event-driven scheme does not resolve, where f_s and f_d (nearly) meet under noise.
-    pub resolution: Option<Resolution>,
-    /// A rough upper estimate of the largest |x|: the forced response without friction, a free oscillation, the noise.
-    pub expected_amplitude: f64,
-    /// P, the forcing period.
-    pub forcing_period: Option<f64>,
-    /// Whole forcing periods up to the end.
-    pub whole_periods: f64,
-    /// Steps of one path, if there are steps.
-    pub steps: Option<u64>,
-    /// Steps of all paths together.
-    pub path_steps: Option<f64>,
-    /// Rows of the output grid.
-    pub rows: usize,
-    /// Estimated size of the output file in bytes, uncompressed.
-    pub output_bytes: f64,
-}
+use super::time::check_end;
+use crate::model::{Friction, LARGEST, Model, Noise, can_be_computed_with};
+use crate::scheme::{Misfit, Scheme, divergence_bound};
 
 impl Scenario {
-    /// What the event-driven scheme resolves where f_s and f_d (nearly) meet under noise; usually nothing.
-    pub fn resolution(&self) -> Option<Resolution> {
-        self.scheme.resolution(&self.model, &self.timeline())
+    /// Whether its values go together, each of which is in its range.
+    pub fn check(&self) -> Result<(), Misfit> {
+        let Scenario { model, time, scheme, .. } = self;
+        friction(&model.friction)?;
+        model.temperature.noise.as_ref().map_or(Ok(()), noise)?;
+        forces(model)?;
+        reach(model, time.end)?;
+        check_end(*scheme, time.end)?;
+        scheme.check(model, time.end)?;
+        time.check_rows(*scheme)
     }
 
-    /// What follows from the scenario before it is run.
-    pub fn derived(&self) -> Derived {
-        let Model { oscillator, friction, temperature, .. } = &self.model;
-        let w0 = oscillator.natural_frequency();
-        let noise = temperature.noise.as_ref();
-        let noise_force = noise.map(|noise| force_per_v(oscillator, noise) * noise.stationary_sd());
-        let diffusive = noise.map(|noise| force_per_v(oscillator, noise) * noise.diffusion).filter(|c| *c > 0.0);
-        let period = temperature.period();
-        let steps = self.steps();
-        Derived {
-            natural_frequency: w0,
-            frequency_ratios: temperature.harmonics.iter().map(|harmonic| harmonic.angular_frequency / w0).collect(),
-            friction_ratio: (friction.static_force > 0.0).then(|| friction.dynamic_force / friction.static_force),
-            noise_force,
-            corridor_half_width: noise_force.filter(|c| *c > 0.0).map(|c| friction.static_force / c),
-            corridor_time: diffusive.map(|c| (friction.static_force / c).powi(2)),
-            stability: self.scheme.stability(&self.model),
-            monitoring_shift: match self.scheme.discretisation() {
-                Discretisation::CorrectedStep { h } => Some(monitoring_shift(&self.model, h)),
-                Discretisation::Step { .. } | Discretisation::Tolerance { .. } | Discretisation::Approximation => None,
-            },
-            resolution: self.resolution(),
-            expected_amplitude: expected_amplitude(&self.model, self.time.end, self.scheme.step()),
-            forcing_period: period,
-            whole_periods: period.map_or(0.0, |period| (self.time.end / period * (1.0 + 1e-9)).floor()),
-            steps,
-            path_steps: steps.map(|steps| self.ensemble.paths as f64 * steps as f64),
-            rows: self.timeline().rows(),
-            output_bytes: output_bytes(self),
-        }
+    /// The same question answered by another scheme; an error where its step, or its tolerance,
+    /// does not go with the rest.
+    pub fn with_scheme(&self, scheme: impl Into<Scheme>) -> Result<Scenario, Misfit> {
+        let changed = Scenario { scheme: scheme.into(), ..self.clone() };
+        changed.check()?;
+        Ok(changed)
     }
 }
 
-/// K |beta| rho: the force that one unit of v makes.
-fn force_per_v(oscillator: &Oscillator, noise: &Noise) -> f64 {
-    oscillator.force_per_temperature().abs() * noise.intensity
+/// f_d <= f_s.
+pub(crate) fn friction(friction: &Friction) -> Result<(), Misfit> {
+    let Friction { static_force: f_s, dynamic_force: f_d } = *friction;
+    if f_d <= f_s {
+        return Ok(());
+    }
+    let problem = format!("`friction.dynamic` = {f_d:?} is above `friction.static` = {f_s:?}");
+    let remedy = "0 <= f_d <= f_s must hold: lower `friction.dynamic` or raise `friction.static`";
+    Err(Misfit::new(&[("friction.dynamic", f_d), ("friction.static", f_s)], problem, remedy))
 }
 
-/// Bytes of one row of the bands: x, x' and T with mean, sd and five quantiles, P(static), time.
-const ROW_BYTES: f64 = 8.0 * (3.0 * 7.0 + 2.0);
-/// Bytes of a path's scalars: its number, five doubles, three counts, one flag.
-const PATH_BYTES: f64 = 8.0 * 6.0 + 4.0 * 3.0 + 1.0;
-/// Bytes of an event: three doubles and two flags.
-const EVENT_BYTES: f64 = 8.0 * 3.0 + 2.0;
-/// Bytes of one row of a trajectory: three doubles and a flag.
-const TRAJECTORY_BYTES: f64 = 8.0 * 3.0 + 1.0;
-/// Bytes of a file that holds nothing.
-const EMPTY_BYTES: f64 = 65_536.0;
-
-fn output_bytes(scenario: &Scenario) -> f64 {
-    let paths = scenario.ensemble.paths as f64;
-    let rows = scenario.timeline().rows() as f64;
-    let events = scenario.steps().map_or(f64::INFINITY, |steps| steps as f64).min(events(scenario)) + 1.0;
-    let record = &scenario.record;
-    EMPTY_BYTES
-        + rows * ROW_BYTES
-        + if record.paths { paths * PATH_BYTES } else { 0.0 }
-        + if record.events { paths * (4.0 + events * EVENT_BYTES) } else { 0.0 }
-        + paths.min(record.trajectories as f64) * rows * TRAJECTORY_BYTES
+/// The stationary standard deviations of v and of rho v are numbers with all their digits.
+pub(crate) fn noise(noise: &Noise) -> Result<(), Misfit> {
+    let sd = noise.stationary_sd();
+    if can_be_computed_with(&[noise.intensity * sd, sd]) && (noise.diffusion == 0.0 || sd.is_normal()) {
+        return Ok(());
+    }
+    let about = [
+        ("temperature.noise.diffusion", noise.diffusion),
+        ("temperature.noise.relaxation_rate", noise.relaxation_rate),
+    ];
+    let problem = "gives a stationary sd of v, sigma / sqrt(2 theta), or of rho v, that cannot be computed with";
+    Err(Misfit::new(&about, problem, "choose units in which relaxation rate and diffusion are closer to 1"))
 }
 
-/// Events of a path, roughly and rather too many: two (a slip, a stick) per half-cycle of the oscillator, or per slip that the
-/// temperature can cause. A slip lets 2 (f_s - f_d) of the force go; a harmonic builds up 2/pi K beta a w of it per unit of time,
-/// the noise so much in ((2 f_s - 2 f_d)/(K beta rho sigma))^2.
-fn events(scenario: &Scenario) -> f64 {
-    let Model { oscillator, friction, temperature, .. } = &scenario.model;
-    let end = scenario.time.end;
-    let half_cycles = end * oscillator.natural_frequency() / PI;
-    let gap = 2.0 * (friction.static_force - friction.dynamic_force);
-    let gain = oscillator.force_per_temperature().abs();
-    let harmonic: f64 = temperature.harmonics.iter().map(|h| gain * h.amplitude.abs() * h.angular_frequency).sum();
-    let noise = temperature.noise.map_or(0.0, |noise| force_per_v(oscillator, &noise) * noise.diffusion);
-    let slips = end * (2.0 / PI * harmonic / gap + (noise / gap).powi(2));
-    // Without a gap it is 0/0 or more: then the half-cycles count.
-    2.0 * if slips < half_cycles { slips } else { half_cycles }
+/// K/m, alpha/m, b and b/m are neither too small nor too large.
+pub(crate) fn forces(model: &Model) -> Result<(), Misfit> {
+    let Model { oscillator, initial_displacement, .. } = model;
+    let mass = ("oscillator.mass", oscillator.mass);
+    let stiffness = ("oscillator.stiffness", oscillator.stiffness);
+    if !oscillator.natural_frequency().powi(2).is_normal() {
+        let problem = format!("gives K/m = {:e}, which a double cannot hold", oscillator.stiffness / oscillator.mass);
+        let remedy = "choose units in which mass and stiffness are closer to 1";
+        return Err(Misfit::new(&[stiffness, mass], problem, remedy));
+    }
+    let rate = oscillator.damping / oscillator.mass;
+    if rate > LARGEST {
+        let problem = format!("gives alpha/m = {rate:e}, too large to compute with");
+        let remedy = "choose units in which mass and damping are closer to 1";
+        return Err(Misfit::new(&[("oscillator.damping", oscillator.damping), mass], problem, remedy));
+    }
+    let largest = model.largest_force();
+    let acceleration = largest / oscillator.mass;
+    if can_be_computed_with(&[largest, acceleration]) {
+        return Ok(());
+    }
+    let problem = format!(
+        "lets the force b = K (beta T - x) reach {largest:e} and b/m {acceleration:e}; above {LARGEST:e} is too large to \
+         compute with"
+    );
+    let remedy = "lower the stiffness, dilatation, temperature or displacement, or change units";
+    // Most likely the largest factor of it is the one that is wrong.
+    let dilatation = ("oscillator.dilatation", oscillator.dilatation);
+    let mut factors = [stiffness, dilatation, ("initial.displacement", *initial_displacement)];
+    factors.sort_by(|a, b| b.1.abs().total_cmp(&a.1.abs()));
+    Err(Misfit::new(&factors, problem, remedy))
+}
+
+/// |x| and |x'| stay within what can be computed with up to `end`.
+pub(crate) fn reach(model: &Model, end: f64) -> Result<(), Misfit> {
+    // Friction takes the body nowhere, however large it is.
+    let mut free = model.clone();
+    free.friction.static_force = 0.0;
+    let reach = divergence_bound(&free, end);
+    let speed = reach * model.oscillator.natural_frequency();
+    if can_be_computed_with(&[reach, speed]) {
+        return Ok(());
+    }
+    let problem = format!(
+        "lets |x| grow towards {reach:e} and |x'| towards {speed:e}; above {LARGEST:e} is too large to compute with"
+    );
+    let remedy = "choose units in which displacements, times and forces are closer to 1, or lower `time.end`";
+    Err(Misfit::new(&[("time.end", end)], problem, remedy))
 }

@@ -1,10 +1,31 @@
 //! From a question to the ensemble that answers it.
 
 use super::Scenario;
+use super::limits::MAX_PERIODS;
 use crate::bias::{BiasPlan, NoBias};
 use crate::ensemble::Plan;
+use crate::scheme::{Resolution, Timeline};
 
 impl Scenario {
+    /// When the paths are observed. The forcing period is that of the first harmonic with a
+    /// frequency above zero, unless there would be more than [`MAX_PERIODS`] of them.
+    pub fn timeline(&self) -> Timeline {
+        let few = |period: &f64| self.time.end / period <= MAX_PERIODS as f64;
+        let period = self.model.temperature.period().filter(few);
+        Timeline { end: self.time.end, output_step: self.time.output_step, period }
+    }
+
+    /// Number of steps of a path, if the scheme has steps.
+    pub fn steps(&self) -> Option<u64> {
+        self.scheme.step().map(|h| (self.time.end / h).round() as u64)
+    }
+
+    /// What the scheme simulates in place of the model where f_s and f_d (nearly) meet under noise;
+    /// usually nothing.
+    pub fn resolution(&self) -> Option<Resolution> {
+        self.scheme.resolution(&self.model, &self.timeline())
+    }
+
     /// The ensemble this scenario asks for.
     pub fn plan(&self) -> Plan {
         Plan {

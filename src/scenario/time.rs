@@ -1,14 +1,8 @@
 //! Duration and output grid, and which of them must be whole multiples of a scheme's step.
 
-use super::Scenario;
+use super::limits::{MAX_ROWS, MAX_STEPS};
 use crate::numbers::tidy;
 use crate::scheme::{Misfit, Scheme};
-
-/// Most rows of the output grid: bands hold every path's value at every row of a block.
-pub const MAX_ROWS: usize = 10_000;
-
-/// Most steps of a path: beyond 2^53, t_n = n h is no longer distinct for every n.
-pub const MAX_STEPS: f64 = 9_007_199_254_740_992.0;
 
 /// Duration and output grid of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -19,24 +13,8 @@ pub struct Time {
     pub output_step: f64,
 }
 
-impl Scenario {
-    /// Number of steps of a path, if the scheme has steps.
-    pub fn steps(&self) -> Option<u64> {
-        self.scheme.step().map(|h| (self.time.end / h).round() as u64)
-    }
-
-    /// The same question answered by another scheme; an error where its step, or its tolerance, does not go with the rest.
-    pub fn with_scheme(&self, scheme: impl Into<Scheme>) -> Result<Scenario, Misfit> {
-        let scheme = scheme.into();
-        check_end(scheme, self.time.end)?;
-        scheme.check(&self.model, self.time.end)?;
-        self.time.check_rows(scheme)?;
-        Ok(Scenario { scheme, ..self.clone() })
-    }
-}
-
 /// Whether `end` is a whole number of steps that can be counted, if the scheme has steps.
-pub(super) fn check_end(scheme: Scheme, end: f64) -> Result<(), Misfit> {
+pub(crate) fn check_end(scheme: Scheme, end: f64) -> Result<(), Misfit> {
     let Some(h) = scheme.step() else { return Ok(()) };
     let about = [("time.step", h), ("time.end", end)];
     let ratio = end / h;
@@ -66,8 +44,9 @@ pub(super) fn check_end(scheme: Scheme, end: f64) -> Result<(), Misfit> {
 const DEFAULT_ROWS: f64 = 120.0;
 
 impl Time {
-    /// With an output grid of about 120 rows. `end` is a whole number of steps, if the scheme has steps.
-    pub(super) fn with_default_rows(end: f64, scheme: Scheme) -> Self {
+    /// With an output grid of about 120 rows. `end` is a whole number of steps, if the scheme has
+    /// steps.
+    pub(crate) fn with_default_rows(end: f64, scheme: Scheme) -> Self {
         let output_step = match scheme.step() {
             Some(h) => default_output_step(end, h),
             None => Some(end / DEFAULT_ROWS).filter(|spacing| spacing.is_normal()).unwrap_or(1.0),
@@ -75,8 +54,9 @@ impl Time {
         Time { end, output_step }
     }
 
-    /// Whether the rows of the output grid are instants that the scheme passes through, and no more than are kept.
-    pub(super) fn check_rows(&self, scheme: Scheme) -> Result<(), Misfit> {
+    /// Whether the rows of the output grid are instants that the scheme passes through, and no more
+    /// than are kept.
+    pub(crate) fn check_rows(&self, scheme: Scheme) -> Result<(), Misfit> {
         let Time { end, output_step } = *self;
         if let Some(h) = scheme.step() {
             check_between_steps(output_step, h)?;
@@ -106,7 +86,8 @@ fn check_between_steps(output_step: f64, h: f64) -> Result<(), Misfit> {
     Err(Misfit::new(&[("time.output_step", output_step), ("time.step", h)], problem, remedy))
 }
 
-/// How far, relative to it, a duration may be from a whole number of steps: rounding of decimal fractions, no more.
+/// How far, relative to it, a duration may be from a whole number of steps: rounding of decimal
+/// fractions, no more.
 const WHOLE: f64 = 1e-9;
 
 /// n, if `total` is n `part`.
@@ -116,7 +97,8 @@ fn whole_multiple(total: f64, part: f64) -> Option<f64> {
     ((ratio - n).abs() <= WHOLE * n && (n > 0.0 || total == 0.0)).then_some(n)
 }
 
-/// About 120 rows: the count from 60 to 240 nearest to it that divides the steps, else whatever is near it.
+/// About 120 rows: the count from 60 to 240 nearest to it that divides the steps, else whatever is
+/// near it.
 fn default_output_step(end: f64, h: f64) -> f64 {
     let steps = (end / h).round();
     if steps <= DEFAULT_ROWS {

@@ -1,10 +1,11 @@
-//! The closed sets of schemes, made from one list: by name, with their parameter, and ready to simulate. Each is matched once, outside every
-//! loop; inside, everything is compiled for the one scheme.
+//! The closed sets of schemes, made from one list: [`Kind`] without a parameter, [`Scheme`] with
+//! it, and `Simulation`, ready to simulate. Each of them is matched once, outside every loop;
+//! inside, everything is compiled for the one scheme.
 
 use super::{Kind, Parameter, Scheme};
 use std::fmt;
 
-/// From the types that implement `Method`: the enums of them, and the hand-over of what each knows.
+/// Makes the enums of the types that implement `Method`, and hands on what each of these knows.
 macro_rules! schemes {
     ($($Scheme:ident),+ $(,)?) => {
         /// The schemes by name, without their parameters.
@@ -83,7 +84,8 @@ macro_rules! schemes {
                 match self { $(Scheme::$Scheme(scheme) => scheme.stability(model),)+ }
             }
 
-            /// What is simulated in place of the model where f_s and f_d (nearly) meet under noise; usually nothing.
+            /// What is simulated in place of the model where f_s and f_d (nearly) meet under noise;
+            /// usually nothing.
             pub fn resolution(self, model: &Model, timeline: &Timeline) -> Option<Resolution> {
                 match self { $(Scheme::$Scheme(scheme) => scheme.resolution(model, timeline),)+ }
             }
@@ -179,5 +181,29 @@ impl fmt::Display for Scheme {
             Parameter::Tolerance { .. } => "--tolerance",
         };
         write!(f, "--scheme {} {flag} {:?}", self.name(), self.parameter())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scheme::{CorrectedVi, EventDriven};
+
+    #[test]
+    fn no_two_schemes_are_called_or_drawn_alike() {
+        for (i, one) in Kind::ALL.iter().enumerate() {
+            for other in &Kind::ALL[..i] {
+                assert_ne!(one.name(), other.name());
+                assert_ne!(one.look().colour, other.look().colour);
+                assert_ne!(one.look().dash, other.look().dash);
+            }
+        }
+    }
+
+    #[test]
+    fn a_scheme_is_shown_as_it_is_typed() {
+        let typed = |scheme: Scheme| scheme.to_string();
+        assert_eq!(typed(CorrectedVi { step: 0.005 }.into()), "--scheme corrected-vi --step 0.005");
+        assert_eq!(typed(EventDriven { tolerance: 1e-4 }.into()), "--scheme event-driven --tolerance 0.0001");
     }
 }

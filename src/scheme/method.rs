@@ -3,8 +3,9 @@
 use super::{Misfit, Observer, Resolution, Stability, Timeline};
 use crate::model::Model;
 
-/// A scheme with its one parameter. Each scheme is a type of its own that implements this in its own file, where all stands that is
-/// known of it; the list in [`crate::scheme`] makes the closed sets of them.
+/// A scheme with its one parameter, and what is known of it. Each scheme is a type of its own,
+/// which implements this in its own file. The list in [`crate::scheme`] makes the closed enums of
+/// them.
 pub trait Method: Copy {
     /// The name in scenarios, tables, JSON and files.
     const NAME: &'static str;
@@ -34,7 +35,8 @@ pub trait Method: Copy {
         None
     }
 
-    /// What is simulated in place of the model where f_s and f_d (nearly) meet under noise; usually nothing.
+    /// What is simulated in place of the model where f_s and f_d (nearly) meet under noise; usually
+    /// nothing.
     fn resolution(self, _model: &Model, _timeline: &Timeline) -> Option<Resolution> {
         None
     }
@@ -45,7 +47,8 @@ pub trait Method: Copy {
     }
 }
 
-/// A scheme on one model and one timeline, ready to simulate paths. A path is a function of the seed and its number alone.
+/// A scheme on one model and one timeline, ready to simulate paths. A path is a function of the
+/// seed and of its number alone.
 pub trait Simulate: Sized {
     /// What is simulated.
     fn model(&self) -> &Model;
@@ -53,8 +56,9 @@ pub trait Simulate: Sized {
     /// When the paths are looked at.
     fn timeline(&self) -> &Timeline;
 
-    /// Simulate these paths of the ensemble with this seed. Returns the lanes (positions in `paths`) of the paths that diverged or had
-    /// to be given up; what the observer saw of them is worthless.
+    /// Simulate these paths of the ensemble with this seed. The lanes (positions in `paths`) of the
+    /// paths that diverged or had to be given up are returned; what the observer saw of them is
+    /// worthless.
     fn simulate<O: Observer>(&self, seed: u64, paths: &[u64], observer: &mut O) -> Vec<usize>;
 
     /// What it runs on, in words.
@@ -62,20 +66,22 @@ pub trait Simulate: Sized {
         "scalar, path by path".to_string()
     }
 
-    /// The same, each step fed the noise of `refinement` >= 1 steps of h/refinement. So the steps h, 2h, 4h are simulated on one
-    /// realisation. A scheme without a step stays as it is.
+    /// The same simulation, each step of which is fed the noise of `refinement` >= 1 steps of
+    /// h/refinement, so that the steps h, 2h and 4h can be simulated on one realisation. A scheme
+    /// without a step stays as it is.
     fn fed_by_finer(self, _refinement: usize) -> Self {
         self
     }
 
-    /// The same, each stop of the timeline rounded to a whole multiple of `steps` >= 1 steps. So different steps look at their paths at
-    /// the same instants. A scheme without a step stays as it is.
+    /// The same simulation, each stop of its timeline rounded to a whole multiple of `steps` >= 1
+    /// steps, so that different steps look at their paths at the same instants. A scheme without a
+    /// step stays as it is.
     fn observed_every(self, _steps: u64) -> Self {
         self
     }
 
-    /// The same, each path given up after `limit` evaluations instead of the usual 10^8. A scheme whose work is its number of steps
-    /// stays as it is.
+    /// The same simulation, each path of which is given up after `limit` evaluations instead of the
+    /// usual 10^8. A scheme whose work is its number of steps stays as it is.
     fn with_work_limit(self, _limit: u64) -> Self {
         self
     }
@@ -84,7 +90,8 @@ pub trait Simulate: Sized {
 /// What the one parameter of a scheme is.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Parameter {
-    /// h, the time step. A trade measures one halving after another of the coarsest that suits the model.
+    /// The time step h. A trade measures the coarsest step that suits the model, and one halving of
+    /// it after another.
     Step,
     /// The relative error that discretisation may leave in the statistics.
     Tolerance {
@@ -96,31 +103,33 @@ pub enum Parameter {
 /// How the error that a scheme's discretisation leaves in the statistics is known.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Discretisation {
-    /// A step; the error falls with a power of it, and can be extrapolated from h, 2h and 4h.
+    /// A step. The error falls with a power of it and can be extrapolated from h, 2h and 4h.
     Step {
         /// h.
         h: f64,
     },
-    /// A step whose stick exits are corrected; what is left changes sign between the steps that would be compared, so only paths
-    /// without a step tell it.
+    /// A step whose stick exits are corrected. The error that is left changes sign between the
+    /// steps that would be compared, so that only paths without a step tell it.
     CorrectedStep {
         /// h.
         h: f64,
     },
-    /// A promise: relative errors of about this size, and none where nothing is random.
+    /// A tolerance, which the scheme keeps: relative errors are at most about as large, and there
+    /// are none where nothing is random.
     Tolerance {
         /// The size.
         tolerance: f64,
     },
-    /// It is that of an approximation of the model, which no parameter makes smaller.
+    /// The error is that of an approximation of the model, which no parameter makes smaller.
     Approximation,
 }
 
 /// How pictures tell a scheme from the others.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Look {
-    /// A colour, as SVG writes it, that remains distinct from the others' for colour-blind readers (Okabe and Ito).
+    /// A colour as SVG writes it. The colours remain distinct for colour-blind readers (Okabe and
+    /// Ito).
     pub colour: &'static str,
-    /// Lengths of strokes and gaps, as SVG writes them; empty for a line without gaps.
+    /// The lengths of strokes and gaps of a line as SVG writes them; empty for a line without gaps.
     pub dash: &'static str,
 }

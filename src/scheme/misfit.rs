@@ -1,13 +1,16 @@
-//! Values that are each in range and do not go together: which, why, and what would.
+//! Values that are each in their range and do not go together: which they are, why not, and what
+//! would.
 
 use std::fmt;
 
 /// Why a scenario cannot be simulated as it is asked for.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub struct Misfit {
-    /// The values it is about, by their dotted keys in a scenario; the first is the one to blame, unless another was changed last.
+    /// The values it is about, by their dotted keys in a scenario. The first is the one to blame,
+    /// unless a command line changed another.
     pub about: Vec<(&'static str, f64)>,
-    /// What is wrong, as a sentence that begins with the key and its value, unless it names them itself.
+    /// What is wrong: the rest of a sentence that begins with the first key and its value, or a
+    /// whole sentence that names them.
     pub problem: String,
     /// What would be right.
     pub remedy: String,

@@ -3,12 +3,14 @@
 //! ```text
 //! Scheme       how to simulate: a scheme with its one parameter, a step or a tolerance
 //!   -> Simulation   the scheme on one Model, looked at on one Timeline
-//!        -> Observer    hears the events of its paths as they occur, and sees their state at the instants of the timeline
+//!        -> Observer    hears the events of its paths, and sees their state at the instants of the
+//!                       timeline
 //! ```
 //!
-//! A scheme knows nothing of statistics, files or threads. A path is a function of the seed and its number alone, whatever company
-//! it is simulated in. What is known of a scheme (its name, its parameter, how its error is known, when it is stable) stands in its own
-//! file, as a [`Method`]; `schemes!` below lists them.
+//! A scheme knows nothing of statistics, files or threads. A path is a function of the seed and its
+//! number alone, whatever company it is simulated in. What is known of a scheme (its name, its
+//! parameter, how its error is known, when it is stable) stands in its own file, as a [`Method`];
+//! `schemes!` below lists them.
 
 #[macro_use]
 mod any;
@@ -43,7 +45,8 @@ pub trait Observer {
     /// An event of one path; the events of a path arrive in time order.
     fn event(&mut self, lane: usize, event: Event);
 
-    /// The state of every path at an instant; instants arrive in time order, and after every earlier event.
+    /// The state of every path at an instant; instants arrive in time order, and after every
+    /// earlier event.
     fn snapshot(&mut self, instant: Instant, snapshot: Snapshot<'_>);
 }
 

@@ -25,7 +25,8 @@ use crate::model::{Complex, Event, EventKind, Model, Phase, Sign};
 /// The quasi-static scheme with this tolerance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct QuasiStatic {
-    /// Relative error that discretisation may leave in the statistics, for the exits; within [`super::TOLERANCES`].
+    /// Relative error that the discretisation of the exits may leave in the statistics, within
+    /// [`super::TOLERANCES`].
     pub tolerance: f64,
 }
 

@@ -3,24 +3,26 @@
 /// What keeps a scheme with a step from growing without bound in slip.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Stability {
-    /// Any step adds energy to an undamped slip, and friction takes it: above this amplitude less than is added.
+    /// The explicit step of an undamped oscillator adds energy to a slip, however short it is.
+    /// Above the critical amplitude friction takes less than that.
     Undamped {
         /// A_c = 4 f_d / (pi w0 h K).
         critical_amplitude: f64,
     },
-    /// The explicit step of an underdamped oscillator, alpha^2 < K m.
+    /// The explicit step of an underdamped oscillator, alpha^2 < K m, is stable below a limit.
     Underdamped {
-        /// It must stay below this: 2 alpha / K.
+        /// The limit: 2 alpha / K.
         largest_step: f64,
     },
-    /// The explicit step of an overdamped oscillator, alpha^2 >= K m.
+    /// The explicit step of an overdamped oscillator, alpha^2 >= K m, is stable below a limit.
     Overdamped {
-        /// It must stay below this: 2 / |lambda_max|.
+        /// The limit: 2 / |lambda_max|.
         largest_step: f64,
     },
-    /// A step that moves with the new velocity, damped or not.
+    /// A step that moves with the new velocity is stable below a limit, whether there is damping or
+    /// not.
     NewVelocity {
-        /// It must stay below this: 2 / (w0 (z + sqrt(1 + z^2))), where z = alpha / (m w0).
+        /// The limit: 2 / (w0 (z + sqrt(1 + z^2))), where z = alpha / (m w0).
         largest_step: f64,
     },
 }

@@ -1,4 +1,5 @@
-//! The delete-a-group jackknife: what leaving out one group of paths after another says about errors.
+//! The delete-a-group jackknife: what leaving out one group of paths after another says about
+//! errors.
 //!
 //! Of a number g computed from all paths, and from all but those of group i as g_i,
 //!
@@ -6,8 +7,9 @@
 //! standard error^2 = (G - 1)/G sum_i (g_i - mean g_i)^2
 //! ```
 //!
-//! whatever g is: a ratio, a median, a slope, or a function of several of them. (B. Efron, *The Jackknife, the Bootstrap and
-//! Other Resampling Plans*, SIAM (1982), chapter 3; J. Shao and D. Tu, *The Jackknife and Bootstrap*, Springer (1995), section 2.3.)
+//! whatever g is: a ratio, a median, a slope, or a function of several of them. (B. Efron, *The
+//! Jackknife, the Bootstrap and Other Resampling Plans*, SIAM (1982), chapter 3; J. Shao and D. Tu,
+//! *The Jackknife and Bootstrap*, Springer (1995), section 2.3.)
 
 use super::Totals;
 
@@ -22,7 +24,8 @@ pub(crate) fn standard_error(without: &[f64]) -> f64 {
     ((n - 1.0) / n * spread).sqrt()
 }
 
-/// What `of` makes of all groups, merged from the last to the first, and without each of them in turn; `empty` is a group of no paths.
+/// What `of` makes of all groups together, merged from the last to the first, and of all but each
+/// of them in turn. `empty` is the totals of no paths.
 pub(crate) fn leaving_one_out<T>(empty: &Totals, groups: &[Totals], of: impl Fn(&Totals) -> T) -> (T, Vec<T>) {
     // after[i] sums the last i groups.
     let mut after = vec![empty.clone()];

@@ -6,7 +6,6 @@ use super::variable::{Place, text, write_attribute, write_text};
 use super::writer::create_file;
 use super::{StoreError, discard_partial, partial_path};
 use crate::provenance::Provenance;
-use crate::scheme::Kind;
 use crate::stats::Statistic;
 use crate::study::trade::{Choice, Rung, TARGETS, Trade};
 use hdf5::types::VarLenUnicode;
@@ -74,7 +73,7 @@ fn coordinates(place: &Place, trade: &Trade) -> hdf5::Result<()> {
     place.put(&layout::STATISTIC_LONG_NAME, &texts(Statistic::ALL.map(layout::long_name))?)?;
     place.put(&layout::STATISTIC_UNIT, &texts(units.iter().map(String::as_str))?)?;
     place.put(&RUNG, &numbers)?;
-    place.put(&SCHEME, &texts(trade.schemes().into_iter().map(Kind::name))?)?;
+    place.put(&SCHEME, &texts(trade.schemes().into_iter().map(|scheme| scheme.name()))?)?;
     place.put(&TARGET, &TARGETS)
 }
 

@@ -1,9 +1,10 @@
 //! What the tests of the schemes share: scenes and an observer that keeps everything.
 #![allow(dead_code, reason = "each test file uses its own part")]
 
+use stick_slip::config::shipped;
 use stick_slip::ensemble::BLOCK_SIZE;
 use stick_slip::model::*;
-use stick_slip::scenario::{Scenario, shipped};
+use stick_slip::scenario::Scenario;
 use stick_slip::scheme::{EventDrivenSimulation, Instant, Observer, Simulate as _, Snapshot, Timeline};
 use stick_slip::stats::{BlockObserver, Record, Statistic, Summary, Totals};
 

@@ -3,7 +3,7 @@
 
 use super::markdown::{Page, root};
 use super::source::{all, code};
-use stick_slip::scenario::shipped;
+use stick_slip::config::shipped;
 
 /// The words after `start` in every span or line of code that begins with it.
 fn commands(start: &str) -> Vec<(String, Vec<String>)> {

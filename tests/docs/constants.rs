@@ -2,9 +2,10 @@
 
 use super::markdown::{Page, names};
 use super::source::find;
+use stick_slip::config::shipped;
 use stick_slip::ensemble::BLOCK_SIZE;
 use stick_slip::noise::MAX_NORMAL_ERROR;
-use stick_slip::scenario::{Scenario, shipped};
+use stick_slip::scenario::Scenario;
 use stick_slip::scheme::DEFAULT_TOLERANCE;
 use stick_slip::stats::{QUANTILE_LEVELS, Statistic};
 use stick_slip::store::FORMAT_VERSION;

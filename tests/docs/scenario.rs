@@ -4,7 +4,8 @@
 use super::markdown::{Page, names, same};
 use super::source::{all, code_and_texts, texts};
 use std::collections::BTreeSet;
-use stick_slip::scenario::{Override, SHIPPED, Scenario, shipped};
+use stick_slip::config::{Override, SHIPPED, shipped};
+use stick_slip::scenario::Scenario;
 use stick_slip::scheme::Kind;
 
 fn page() -> Page {

@@ -10,7 +10,9 @@
 //! So sticks ~ h^{-1/4}, and likewise in the shortest slip that the event-driven scheme resolves.
 
 use super::common::estimate;
-use stick_slip::scenario::{Override, Scenario, Warning};
+use stick_slip::advice::{EqualFriction, Unresolved};
+use stick_slip::config::Override;
+use stick_slip::scenario::Scenario;
 use stick_slip::stats::{Statistic, Summary};
 
 fn scenario(settings: &[(&str, String)]) -> Scenario {
@@ -53,7 +55,7 @@ fn sticks_multiply_as_the_resolution_gets_finer_and_the_rest_settles() {
         .map(|k| {
             let h = 0.005 / 4f64.powi(k);
             let scenario = scenario(&[("time.step", format!("{h}")), ("ensemble.paths", "256".into())]);
-            assert!(scenario.warnings().contains(&Warning::EqualFriction));
+            assert!(scenario.warnings().contains(&EqualFriction.into()));
             (h, scenario.plan().run(2))
         })
         .collect();
@@ -65,7 +67,7 @@ fn sticks_multiply_as_the_resolution_gets_finer_and_the_rest_settles() {
                 ("ensemble.paths", "512".into()),
             ]);
             let resolution = scenario.resolution().expect("stated");
-            assert!(scenario.warnings().contains(&Warning::Resolution(resolution)));
+            assert!(scenario.warnings().contains(&Unresolved { resolution }.into()));
             (resolution.shortest_slip, scenario.plan().run(2))
         })
         .into();

@@ -12,8 +12,10 @@
 
 use super::common::Keep;
 use std::f64::consts::PI;
+use stick_slip::advice::Warning;
+use stick_slip::config::Override;
 use stick_slip::model::{Event, EventKind};
-use stick_slip::scenario::{Override, Scenario, Warning};
+use stick_slip::scenario::Scenario;
 use stick_slip::scheme::Simulate as _;
 use stick_slip::stats::Summary;
 

@@ -6,9 +6,11 @@ use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
+use stick_slip::advice::Warning;
+use stick_slip::config::{Override, ScenarioError};
 use stick_slip::ensemble::Plan;
 use stick_slip::model::Event;
-use stick_slip::scenario::{Override, Scenario, ScenarioError, Warning};
+use stick_slip::scenario::Scenario;
 use stick_slip::scheme::{self, Kind, Observer, Simulate as _, Snapshot};
 use stick_slip::stats::{Statistic, Summary};
 

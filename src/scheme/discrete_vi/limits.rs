@@ -1,10 +1,12 @@
-//! What a step can be computed with: its products with the mass, the forces and the noise must be doubles with all their digits.
+//! What a step can be computed with: its products with mass, forces and noise must be doubles with
+//! all their digits.
 
 use crate::model::{InitialNoise, Model, can_be_computed_with};
 use crate::noise::Transition;
 use crate::scheme::Misfit;
 
-/// h/m and the thresholds it makes of the friction forces must be finite, and not so small that digits are lost.
+/// h/m and the thresholds it makes of the friction forces must be finite, and not so small that
+/// digits are lost.
 pub(super) fn check_step(model: &Model, h: f64) -> Result<(), Misfit> {
     let h_over_m = h / model.oscillator.mass;
     let usable = |x: f64| x == 0.0 || x.is_normal();
@@ -20,7 +22,8 @@ pub(super) fn check_step(model: &Model, h: f64) -> Result<(), Misfit> {
     Err(Misfit::new(&[("time.step", h)], problem, "choose units in which mass, forces and step are closer to 1"))
 }
 
-/// v is counted in increments of one step: these must be doubles, and v(0) a number of them that can be computed with.
+/// v is counted in increments of one step: these must be doubles, and v(0) a number of them that
+/// can be computed with.
 pub(super) fn check_increments(model: &Model, h: f64) -> Result<(), Misfit> {
     let Some(noise) = model.temperature.noise.filter(|noise| noise.diffusion > 0.0) else { return Ok(()) };
     let increment = Transition::new(noise.relaxation_rate, noise.diffusion, h).increment_sd;

@@ -1,7 +1,7 @@
 //! The discrete variational inequality as the paper has it.
 //!
-//! It is first order in h where nothing random decides, and of order 1/2 in every statistic of sticks when there is noise: a stick
-//! exit is a barrier looked at only every h.
+//! It is first order in h where nothing random decides, and of order 1/2 in every statistic of
+//! sticks when there is noise: a stick exit is a barrier looked at only every h.
 
 use super::limits;
 use super::simulation::DiscreteSimulation;
@@ -39,13 +39,16 @@ impl Method for DiscreteVi {
         Discretisation::Step { h: self.step }
     }
 
-    /// A step multiplies (X, V) by 1 + h lambda along each eigenvector, where lambda solves m lambda^2 + 2 alpha lambda + K = 0.
+    /// A step multiplies (X, V) by 1 + h lambda along each eigenvector, where lambda solves m
+    /// lambda^2 + 2 alpha lambda + K = 0.
     ///
     /// ```text
-    /// alpha = 0        |1 + i h w0| > 1 for every h: the amplitude grows by exp(pi w0 h/2) per half-cycle while friction takes
-    ///                  2 f_d/K from it; the two balance at A_c = 4 f_d/(pi w0 h K)
+    /// alpha = 0        |1 + i h w0| > 1 for every h: the amplitude grows by exp(pi w0 h/2) per
+    ///                  half-cycle while friction takes 2 f_d/K from it; the two balance at
+    ///                  A_c = 4 f_d/(pi w0 h K)
     /// alpha^2 < K m    |1 + h lambda| < 1 iff h < 2 alpha/K
-    /// alpha^2 >= K m   |1 + h lambda| < 1 for both lambda iff h < 2/|lambda_max|, |lambda_max| = (alpha + sqrt(alpha^2 - K m))/m
+    /// alpha^2 >= K m   |1 + h lambda| < 1 for both lambda iff h < 2/|lambda_max|,
+    ///                  |lambda_max| = (alpha + sqrt(alpha^2 - K m))/m
     /// ```
     fn stability(self, model: &Model) -> Option<Stability> {
         let Oscillator { mass: m, stiffness: k, damping: alpha, .. } = model.oscillator;

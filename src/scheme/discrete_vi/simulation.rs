@@ -1,4 +1,5 @@
-//! The discrete scheme on one model, corrected or not: many paths stepped side by side, looked at on a timeline.
+//! The discrete scheme on one model, corrected or not: many paths stepped side by side, looked at
+//! on a timeline.
 
 use super::kernel::{Kernel, Paths, RUN};
 use super::reading::Reader;
@@ -29,8 +30,8 @@ pub struct DiscreteSimulation {
 }
 
 impl DiscreteSimulation {
-    /// For steps of length `h`, of which the stops of the timeline are taken to be whole multiples: each is observed at
-    /// the nearest t_n.
+    /// For steps of length `h`, of which the stops of the timeline are taken to be whole multiples:
+    /// each is observed at the nearest t_n.
     pub fn new(model: &Model, timeline: &Timeline, h: f64) -> Self {
         DiscreteSimulation {
             model: model.clone(),
@@ -88,7 +89,8 @@ impl Simulate for DiscreteSimulation {
         format!("{} lanes", self.instructions.name())
     }
 
-    /// v passes through the values it has in the scheme with the shorter step and the same seed, path by path.
+    /// v passes through the values it has in the scheme with the shorter step and the same seed,
+    /// path by path.
     fn fed_by_finer(self, refinement: usize) -> Self {
         DiscreteSimulation { refinement, ..self }
     }
@@ -147,8 +149,9 @@ impl Simulate for DiscreteSimulation {
 
 /// The displacement beyond which a path of the scheme has left every solution of the model behind.
 ///
-/// The undamped oscillator without friction obeys |x(t)| <= |x0| + (1 + w0 t) sup |beta T|; friction and damping only take
-/// energy. The bound is ten times that at t_end, with ten stationary standard deviations of the noise, plus ten f_s/K.
+/// The undamped oscillator without friction obeys |x(t)| <= |x0| + (1 + w0 t) sup |beta T|;
+/// friction and damping only take energy. The bound is ten times that at t_end, with ten stationary
+/// standard deviations of the noise, plus ten f_s/K.
 pub fn divergence_bound(model: &Model, end: f64) -> f64 {
     let oscillator = &model.oscillator;
     let driven = oscillator.dilatation.abs() * model.temperature.bound(FARTHEST_NOISE_SDS);

@@ -8,7 +8,8 @@
 //!                       path_loop   from stop to stop, from event to event
 //! ```
 //!
-//! [`EventDriven`] is the scheme and what it is known for, [`EventDrivenSimulation`] the scheme on one model.
+//! [`EventDriven`] is the scheme and what it is known for, [`EventDrivenSimulation`] the scheme on
+//! one model.
 
 mod exact_time;
 mod first_root;
@@ -83,8 +84,8 @@ impl Method for EventDriven {
     }
 }
 
-/// The schemes without a step ask when the noise passes f_s, after some (f_s/s)^2: both must be forces whose squares, with their products
-/// and ratios, can be computed with.
+/// The schemes without a step ask when the noise passes f_s, after some (f_s/s)^2: both must be
+/// forces whose squares, with their products and ratios, can be computed with.
 pub(super) fn check_friction(model: &Model, end: f64) -> Result<(), Misfit> {
     let f_s = model.friction.static_force;
     let Some(noise) = Scene::new(model).felt_noise(end).filter(|_| f_s > 0.0) else { return Ok(()) };

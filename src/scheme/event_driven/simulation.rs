@@ -26,8 +26,8 @@ enum Kernel {
 }
 
 impl EventDrivenSimulation {
-    /// For a scene, observed at the stops of a timeline, with discretisation errors of about `tolerance` relative
-    /// (the noiseless cascade has none).
+    /// For a scene, observed at the stops of a timeline, with discretisation errors of about
+    /// `tolerance` relative (the noiseless cascade has none).
     pub fn new(model: &Model, timeline: &Timeline, tolerance: f64) -> Self {
         let scene = Scene::new(model);
         let (kernel, resolution) = if scene.felt_noise(timeline.end).is_some() {
@@ -39,7 +39,8 @@ impl EventDrivenSimulation {
         EventDrivenSimulation { model: model.clone(), timeline: *timeline, kernel, resolution }
     }
 
-    /// What is simulated in place of the scene where f_s and f_d (nearly) meet under noise; usually nothing.
+    /// What is simulated in place of the scene where f_s and f_d (nearly) meet under noise; usually
+    /// nothing.
     pub fn resolution(&self) -> Option<Resolution> {
         self.resolution
     }

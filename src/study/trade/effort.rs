@@ -152,7 +152,8 @@ const LANES: u64 = 32;
 const PILOT_STEPS: f64 = 4096.0;
 
 impl StepCost {
-    /// From the first steps of the finest rung, and the whole of the coarsest if that is not much longer.
+    /// From the first steps of the finest rung, and the whole of the coarsest if that is not much
+    /// longer.
     fn measure(scenario: &Scenario, ladder: &Ladder) -> Result<Self, Misfit> {
         let (kind, end) = (ladder.stepping[0], scenario.time.end);
         let seconds = |h: f64, end: f64| -> Result<f64, Misfit> {

@@ -1,6 +1,7 @@
 //! Which settings a scene can sensibly be run with.
 
-use crate::scenario::{Scenario, Warning};
+use crate::advice::Warning;
+use crate::scenario::Scenario;
 use crate::scheme::{DEFAULT_TOLERANCE, Discretisation, Kind, Parameter, Scheme};
 
 /// Most steps of the ladder, each half of the one before.
@@ -32,7 +33,8 @@ pub struct LeftOut {
 }
 
 impl Ladder {
-    /// For a scene; its own scheme and step do not matter, except that steps are fractions of a grid its times lie on.
+    /// For a scene; its own scheme and step do not matter, except that steps are fractions of a
+    /// grid its times lie on.
     pub fn of(scenario: &Scenario) -> Self {
         let mut ladder = Ladder { stepping: Vec::new(), steps: Vec::new(), free: Vec::new(), left_out: Vec::new() };
         let mut coarsest = f64::INFINITY;
@@ -58,8 +60,9 @@ impl Ladder {
     }
 }
 
-/// The coarsest halving of the grid at which the scheme is stable and resolves oscillator, forcing, noise and corridor, as far as
-/// [`Scenario::warnings`] can tell; otherwise the last thing that stood against it.
+/// The coarsest halving of the grid at which the scheme is stable and resolves oscillator, forcing,
+/// noise and corridor, as far as [`Scenario::warnings`] can tell; otherwise the last thing that
+/// stood against it.
 fn coarsest_step(scenario: &Scenario, scheme: Kind) -> Result<f64, String> {
     let grid = grid(scenario);
     let mut why = String::new();
@@ -93,7 +96,8 @@ fn gcd(a: u64, b: u64) -> u64 {
     if b == 0 { a } else { gcd(b, a % b) }
 }
 
-/// Warnings that a smaller step takes away, and under which a scheme is not worth running. Bias is not among them: it is measured.
+/// Warnings that a smaller step takes away, and under which a scheme is not worth running. Bias is
+/// not among them: it is measured.
 fn is_against_step(warning: &Warning) -> bool {
     matches!(
         warning,
@@ -107,22 +111,25 @@ fn is_against_step(warning: &Warning) -> bool {
     )
 }
 
-/// Whether a scheme without a step suits the scene, as far as [`Scenario::warnings`] can tell; otherwise what stands against it.
+/// Whether a scheme without a step suits the scene, as far as [`Scenario::warnings`] can tell;
+/// otherwise what stands against it.
 fn suits(scenario: &Scenario, scheme: Kind) -> Result<(), String> {
     let scheme = scheme.with(DEFAULT_TOLERANCE);
-    // What is exact but for its tolerance suits every scene: the others are measured against it.
+    // A scheme that is exact but for its tolerance suits every scene, and the others are measured
+    // against it.
     if is_exact(scheme) {
         return Ok(());
     }
     let candidate = scenario.with_scheme(scheme).map_err(|misfit| misfit.to_string())?;
-    let against = |warning: &Warning| matches!(warning, Warning::ForcingDuringSlip { .. } | Warning::NeverMoves);
+    let against = |warning: &Warning| matches!(warning, Warning::ForcingDuringSlip(_) | Warning::NeverMoves(_));
     match candidate.warnings().into_iter().find(against) {
         Some(warning) => Err(warning.to_string()),
         None => Ok(()),
     }
 }
 
-/// Whether the bias of a scheme is no larger than its tolerance, so that others can be measured against it.
+/// Whether the bias of a scheme is no larger than its tolerance, so that others can be measured
+/// against it.
 pub(super) fn is_exact(scheme: Scheme) -> bool {
     matches!(scheme.discretisation(), Discretisation::Tolerance { .. })
 }

@@ -24,9 +24,11 @@ pub struct Law {
     best: [f64; 3],
 }
 
-/// What a power law leaves out, relative: each observation may be off by so much besides its own error.
+/// What a power law leaves out, relative: each observation may be off by so much besides its own
+/// error.
 const REMAINDER: f64 = 0.05;
-/// Misfit per degree of freedom beyond which coarse steps are not yet, or the law is not at all, what is seen.
+/// Misfit per degree of freedom beyond which coarse steps are not yet, or the law is not at all,
+/// what is seen.
 const MISFIT: f64 = 3.0;
 /// Orders that are tried: p = 0.01 i.
 const ORDERS: std::ops::RangeInclusive<i32> = 10..=300;
@@ -40,8 +42,9 @@ impl Law {
     /// S(h) - S(h/2) = C h^p (1 - 2^-p),    S(finest) - reference = C finest^p
     /// ```
     ///
-    /// by least squares: C in closed form for each p, then the best p; its error is where chi-square has risen by one. The
-    /// coarsest steps are left out until the rest fits. None, if nothing fits or C is not resolved.
+    /// by least squares: C in closed form for each p, then the best p; its error is where
+    /// chi-square has risen by one. The coarsest steps are left out until the rest fits. None, if
+    /// nothing fits or C is not resolved.
     pub fn fit(changes: &[Change], finest: f64, anchor: Number) -> Option<Law> {
         // Three observations, two parameters.
         (0..changes.len().saturating_sub(1)).find_map(|first| Law::fit_all(&changes[first..], finest, anchor))

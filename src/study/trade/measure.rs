@@ -1,4 +1,5 @@
-//! Running the ladder: estimates, their change from step to step on one realisation, CPU time per path.
+//! Running the ladder: estimates, their change from step to step on one realisation, CPU time per
+//! path.
 
 use super::clock::{Stopwatch, thread_seconds};
 use super::ladder::is_exact;
@@ -21,7 +22,8 @@ const FEWEST_GROUPS: usize = 8;
 /// Paths that one thread simulates at a time.
 const PIECE: u64 = 256;
 
-/// Path numbers of different parts of the measurement are this far apart, so that the parts are independent.
+/// Path numbers of different parts of the measurement are this far apart, so that the parts are
+/// independent.
 const APART: u64 = 1 << 40;
 
 /// CPU seconds on one thread, results folded into every statistic but not written to a file.
@@ -34,7 +36,8 @@ pub struct Cost {
 }
 
 impl Cost {
-    /// Of a run of so many paths. Where paths are simulated side by side, one costs as much as a registerful.
+    /// Of a run of so many paths. Where paths are simulated side by side, one costs as much as a
+    /// registerful.
     pub fn of(&self, paths: f64) -> f64 {
         self.first.max(paths * self.each)
     }
@@ -53,7 +56,8 @@ pub struct Rung {
     pub cost: Cost,
     /// One for each of `Statistic::ALL`, in that order.
     pub estimates: [Estimate; Statistic::ALL.len()],
-    /// S(h) - S(h/2) on one realisation, for each of `Statistic::ALL`; empty where there is no finer step to compare with.
+    /// S(h) - S(h/2) on one realisation, for each of `Statistic::ALL`; empty where there is no
+    /// finer step to compare with.
     pub changes: Vec<Number>,
 }
 
@@ -101,7 +105,8 @@ pub enum TradeError {
 pub struct Limits<'a> {
     /// CPU time of each thread. What is not done by then is cut short, on a machine that is slower than its pilot.
     pub time: Option<Duration>,
-    /// When raised, the pieces in work are the last: what is begun is cut short, what is not is left out.
+    /// When raised, the pieces in work are the last: what is begun is cut short, what is not is
+    /// left out.
     pub stop: Option<&'a AtomicBool>,
     /// Told what is measured next.
     pub begins: Option<&'a (dyn Fn(&str) + Sync)>,
@@ -135,13 +140,14 @@ pub fn measure_within(
     measure(scenario, &ladder, &effort, threads, Limits { time, ..limits })
 }
 
-// Shares of the time after which no further paths are begun: of the reference, of everything without steps, of everything.
+// Shares of the time after which no further paths are begun: of the reference, of everything
+// without steps, of everything.
 const REFERENCE_ENDS: f64 = 0.35;
 const FREE_ENDS: f64 = 0.5;
 const ALL_ENDS: f64 = 0.9;
 
-/// Measure a scene with a given effort. Where no limit cuts it short, everything but the costs is a function of scenario, ladder and
-/// effort.
+/// Measure a scene with a given effort. Where no limit cuts it short, everything but the costs is a
+/// function of scenario, ladder and effort.
 pub fn measure(
     scenario: &Scenario,
     ladder: &Ladder,
@@ -164,7 +170,8 @@ pub fn measure(
         limits.begin(&scheme.to_string());
         free(scenario, scheme, paths, (i as u64 + 2) * APART, threads, ends)
     };
-    // First, so that it is there whatever else the time allows: what the others are measured against.
+    // First, so that it is there whatever else the time allows: what the others are measured
+    // against.
     let reference = run(runs[tightest], until(reference_ends))?;
     let (mut looser, mut tighter, mut left_out) = (Vec::new(), Vec::new(), ladder.left_out.clone());
     let unfinished = |what: String| LeftOut { what, why: "the measuring ended before there was enough of it".into() };
@@ -198,7 +205,8 @@ pub fn measure(
     Ok(Trade { rungs, reference, left_out, is_random, has_limitless_phases })
 }
 
-/// The ensemble that a scheme simulates without an output grid and without rows of single paths: what the estimates need.
+/// The ensemble that a scheme simulates without an output grid and without rows of single paths:
+/// what the estimates need.
 pub(super) fn bare_plan(scenario: &Scenario, scheme: Scheme) -> Result<Plan, Misfit> {
     let mut scenario = scenario.with_scheme(scheme)?;
     scenario.time.output_step = scenario.time.end;
@@ -281,7 +289,8 @@ fn rung(scheme: Scheme, totals: &Totals, changes: Vec<Number>) -> Rung {
     Rung { scheme, paths, diverged, cost: UNTIMED, estimates: summary.estimates, changes }
 }
 
-/// The rungs of the time-stepping schemes, none if they are cut short too early, every step fed the noise of the finest: path by path they see one realisation.
+/// The rungs of the time-stepping schemes, none if they are cut short too early, every step fed the
+/// noise of the finest: path by path they see one realisation.
 fn coupled(
     scenario: &Scenario,
     ladder: &Ladder,
@@ -356,7 +365,8 @@ fn on_one_realisation(plan: Plan, refinement: usize) -> Plan {
 /// The value of every statistic.
 type Values = [f64; Statistic::ALL.len()];
 
-/// The differences of two rungs on one realisation, with standard errors from what both are without each group.
+/// The differences of two rungs on one realisation, with standard errors from what both are without
+/// each group.
 fn changes(here: &[Estimate], finer: &[Estimate], coarse: &[Values], fine: &[Values]) -> Vec<Number> {
     let change = |i: usize| {
         let without: Vec<f64> = coarse.iter().zip(fine).map(|(c, f)| c[i] - f[i]).collect();

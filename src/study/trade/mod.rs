@@ -1,4 +1,5 @@
-//! What accuracy costs: every scheme over a ladder of settings, measured, and what follows for a target.
+//! What accuracy costs: every scheme over a ladder of settings, measured, and what follows for a
+//! target.
 //!
 //! ```text
 //! Ladder::of        which settings a scene can be run with: steps, tolerances
@@ -8,8 +9,9 @@
 //!         -> Trade::best   statistics and a target -> the cheapest setting, its number of paths, its cost; or why there is none
 //! ```
 //!
-//! The mean square error of a run of N paths is bias^2 + variance/N. More paths buy the second term, a finer setting the first, and both
-//! cost CPU time: the cheapest setting for a target eps is the one with the least N c, N = variance/(eps^2 - bias^2).
+//! The mean square error of a run of N paths is bias^2 + variance/N. More paths buy the second
+//! term, a finer setting the first, and both cost CPU time: the cheapest setting for a target eps
+//! is the one with the least N c, N = variance/(eps^2 - bias^2).
 //!
 //! Except for times, everything is a function of the scenario, the seed and the [`Effort`].
 
@@ -61,7 +63,8 @@ pub struct Trade {
     pub left_out: Vec<LeftOut>,
     /// Whether paths differ at all.
     pub is_random: bool,
-    /// Whether f_s and f_d (nearly) meet under noise, so that counts and durations of single phases have no limit.
+    /// Whether f_s and f_d (nearly) meet under noise, so that counts and durations of single phases
+    /// have no limit.
     pub has_limitless_phases: bool,
 }
 
@@ -71,7 +74,8 @@ impl Trade {
         &self.rungs[self.reference]
     }
 
-    /// Whether a rung is the reference: no two rungs run the same scheme with the same step or tolerance.
+    /// Whether a rung is the reference. No two rungs run the same scheme with the same step or
+    /// tolerance, so the scheme tells.
     pub fn is_reference(&self, rung: &Rung) -> bool {
         rung.scheme == self.reference().scheme
     }
@@ -85,7 +89,8 @@ impl Trade {
         Number { value: here.value - there.value, error: here.error.hypot(there.error) }
     }
 
-    /// How the bias of a scheme falls with its step, where that can be seen; none for a scheme without steps.
+    /// How the bias of a scheme falls with its step, where that can be seen; none for a scheme
+    /// without steps.
     pub fn law(&self, scheme: Kind, statistic: Statistic) -> Option<Law> {
         let rungs: Vec<&Rung> = self.rungs_of(scheme).collect();
         let (finest, coarser) = rungs.split_last()?;

@@ -1,4 +1,5 @@
-//! From measured rungs to a choice: what a target costs, with which setting, or why it cannot be had.
+//! From measured rungs to a choice: what a target costs, with which setting, or why it cannot be
+//! had.
 
 use super::{Law, Number, Rung, Trade};
 use crate::scheme::{Discretisation, Kind, Scheme};
@@ -61,7 +62,8 @@ impl fmt::Display for Refusal {
     }
 }
 
-/// A setting that might be chosen: per statistic the bound of the bias and the variance per path, in absolute terms.
+/// A setting that might be chosen: per statistic the bound of the bias and the variance per path,
+/// in absolute terms.
 struct Candidate {
     scheme: Scheme,
     cost: super::Cost,
@@ -83,7 +85,8 @@ impl Bound {
     }
 }
 
-/// sum over k >= 0 of the changes at the steps h/r, h/2r, ... in terms of the change at h, if they fall like sqrt(h).
+/// sum over k >= 0 of the changes at the steps h/r, h/2r, ... in terms of the change at h, if they
+/// fall like sqrt(h).
 fn tail(r: f64) -> f64 {
     r.sqrt().recip() / (1.0 - 0.5f64.sqrt())
 }
@@ -95,14 +98,16 @@ impl From<Number> for Bound {
 }
 
 impl Trade {
-    /// The cheapest run, of one scheme or of any, in which each of these statistics has a relative root mean square error of at most
-    /// `target`.
+    /// The cheapest run, of one scheme or of any, in which each of these statistics has a relative
+    /// root mean square error of at most `target`.
     ///
-    /// The settings weighed are the measured rungs and, by the fitted law, further halvings of the finest step. Between neighbouring steps
-    /// nothing is lost that matters: with bias C h^p and cost 1/h, N c is least where bias^2 = target^2/(2p + 1), and the better of two
-    /// steps, one twice the other, costs at most 13 % more than that at p = 1/2, and 19 % more at p = 1.
+    /// The settings weighed are the measured rungs and, by the fitted law, further halvings of the
+    /// finest step. Between neighbouring steps nothing is lost that matters: with bias C h^p and
+    /// cost 1/h, N c is least where bias^2 = target^2/(2p + 1), and the better of two steps, one
+    /// twice the other, costs at most 13 % more than that at p = 1/2, and 19 % more at p = 1.
     ///
-    /// A bias counts with its upper bound at one-sided 95 %, so that a bias that was not resolved counts for what it may be.
+    /// A bias counts with its upper bound at one-sided 95 %, so that a bias that was not resolved
+    /// counts for what it may be.
     pub fn best(&self, scheme: Option<Kind>, statistics: &[Statistic], target: f64) -> Result<Choice, Refusal> {
         if let Some(statistic) = statistics.iter().find(|s| self.standing(**s).scale().is_none()) {
             return Err(Refusal::NoAnswer(*statistic));
@@ -179,8 +184,9 @@ impl Trade {
         candidates
     }
 
-    /// An upper bound of the bias of a measured rung: from its distance from the reference; from the law, where that is known better;
-    /// for a scheme that promises a tolerance from that, unless it was seen to break the promise.
+    /// An upper bound of the bias of a measured rung: from its distance from the reference; from
+    /// the law, where that is known better; for a scheme that promises a tolerance from that,
+    /// unless it was seen to break the promise.
     fn bound(&self, rung: &Rung, statistic: Statistic, law: Option<&Law>) -> Bound {
         let measured = self.bias(rung, statistic);
         match (rung.scheme.discretisation(), rung.scheme.step(), law) {
@@ -200,8 +206,9 @@ impl Trade {
         }
     }
 
-    /// A bound of the bias of a step without a law: the sum of the changes from it to the finest step, and beyond that what is left
-    /// of the last change if the bias falls no slower than sqrt(h), which is the slowest of these schemes.
+    /// A bound of the bias of a step without a law: the sum of the changes from it to the finest
+    /// step, and beyond that what is left of the last change if the bias falls no slower than
+    /// sqrt(h), which is the slowest of these schemes.
     fn changes_from(&self, rung: &Rung, statistic: Statistic) -> Bound {
         let kind = rung.scheme.kind();
         let finer: Vec<Number> = (self.rungs_of(kind))
@@ -230,8 +237,8 @@ impl Trade {
     }
 }
 
-/// Standard errors beyond its tolerance from which on a run without a step counts as biased; over 16 statistics and 3 rungs chance does so
-/// once in 800 scenes.
+/// Standard errors beyond its tolerance from which on a run without a step counts as biased; over
+/// 16 statistics and 3 rungs chance does so once in 800 scenes.
 const PROMISE_ERRORS: f64 = 4.0;
 
 impl Refusal {

@@ -9,7 +9,8 @@ use std::fmt;
 pub enum Standing {
     /// Its errors are given relative to its value.
     Value(f64),
-    /// Its value is zero as far as the reference can tell: its errors are given relative to its standard deviation per path.
+    /// Its value is zero as far as the reference can tell: its errors are given relative to its
+    /// standard deviation per path.
     Deviation(f64),
     /// It is exactly zero.
     Zero,
@@ -71,8 +72,8 @@ impl Trade {
     }
 }
 
-/// Numbers of phases, and means over phases: infinitely many of them where slips of all sizes occur. Times in total, the first stick and
-/// positions are not among them.
+/// Numbers of phases, and means over phases: infinitely many of them where slips of all sizes
+/// occur. Times in total, the first stick and positions are not among them.
 fn counts_phases(statistic: Statistic) -> bool {
     match statistic {
         Statistic::StickDurationMean

@@ -1,13 +1,16 @@
-//! How far a body may be expected to go, roughly and rather too far: its forced motion, and a free oscillation on top.
+//! How far a body may be expected to go, roughly and rather too far: its forced motion, and a free
+//! oscillation on top.
 //!
-//! A term A e^{st} of beta T, a harmonic (s = i w) or v relaxing from v(0) (s = -theta), moves a body without friction by H A e^{st}, where
+//! A term A e^{st} of beta T, a harmonic (s = i w) or v relaxing from v(0) (s = -theta), moves a
+//! body without friction by H A e^{st}, where
 //!
 //! ```text
 //! H = 1/(p^2 + 2 zeta p + 1),   p = s/w0,   zeta = alpha/(m w0)
 //! ```
 //!
-//! The explicit step puts (e^{sh} - 1)/h in the place of s; so it takes a forcing that is faster than itself for a slow one, to which the body
-//! yields. The free oscillation is what is left of x0 and x'(0) = 0; or of a later start at rest at |b| = f_s, where the forced motion passes.
+//! The explicit step puts (e^{sh} - 1)/h in the place of s; so it takes a forcing that is faster
+//! than itself for a slow one, to which the body yields. The free oscillation is what is left of x0
+//! and x'(0) = 0; or of a later start at rest at |b| = f_s, where the forced motion passes.
 
 use crate::model::{Complex, InitialNoise, Model, Noise, Oscillator};
 use std::f64::consts::PI;
@@ -18,14 +21,16 @@ pub(super) const NEVER_SD: f64 = 10.0;
 /// Standard deviations of the noise counted into an expected amplitude.
 const TYPICAL_SD: f64 = 3.0;
 
-/// A rough upper estimate of |x| up to `end`, as the explicit step makes it or, without one, the model.
+/// A rough upper estimate of |x| up to `end`, as the explicit step makes it or, without one, the
+/// model.
 pub(super) fn expected_amplitude(model: &Model, end: f64, step: Option<f64>) -> f64 {
     let Model { oscillator, friction, temperature, initial_displacement: x0 } = model;
     let w0 = oscillator.natural_frequency();
     if model.force_bound(NEVER_SD) <= friction.static_force {
         return x0.abs();
     }
-    // At resonance without damping the amplitude grows by w0/2 per unit of time, so the end of the run bounds it.
+    // At resonance without damping the amplitude grows by w0/2 per unit of time, so the end of the
+    // run bounds it.
     let most = 1.0 + w0 * end / 2.0;
     let harmonics = temperature.harmonics.iter().map(|harmonic| {
         (Complex::unit(harmonic.phase) * harmonic.amplitude, Complex::new(0.0, harmonic.angular_frequency))
@@ -60,9 +65,11 @@ fn response(oscillator: &Oscillator, p: Complex, most: f64) -> Complex {
     }
 }
 
-/// What the stationary noise does: the body follows it, and it stirs the free oscillation. The squared amplitude A^2 grows by D = w0^2 S a unit
-/// of time, S the spectrum at w0 of beta rho v, as the step samples it. Friction takes a = 2 f_d w0/(pi K) from A, damping A alpha/m; the step of
-/// A near A_c gives part of it back, and A comes that far with odds of exp(-2 a A/D), here one to a thousand.
+/// What the stationary noise does: the body follows it, and it stirs the free oscillation. The
+/// squared amplitude A^2 grows by D = w0^2 S a unit of time, S the spectrum at w0 of beta rho v, as
+/// the step samples it. Friction takes a = 2 f_d w0/(pi K) from A, damping A alpha/m; the step of A
+/// near A_c gives part of it back, and A comes that far with odds of exp(-2 a A/D), here one to a
+/// thousand.
 fn stirred(model: &Model, noise: &Noise, end: f64, step: Option<f64>) -> f64 {
     let Model { oscillator, friction, .. } = model;
     let (w0, theta) = (oscillator.natural_frequency(), noise.relaxation_rate);

@@ -1,6 +1,5 @@
 //! What can be wrong with a scenario, said so that the reader knows what to change.
 
-use super::source::{Place, Sources};
 use std::fmt;
 
 /// Why there is no scenario.
@@ -49,25 +48,6 @@ pub struct Fault {
 }
 
 impl Fault {
-    /// A fault at a place, or of the file as a whole.
-    pub(super) fn at(sources: &Sources<'_>, place: Option<Place>, problem: String, remedy: String) -> Box<Fault> {
-        let origin = match place.and_then(|p| sources.override_at(p)) {
-            Some(o) => o.shown.clone(),
-            None => sources.name.to_string(),
-        };
-        let excerpt = place.and_then(|p| sources.excerpt(p));
-        Box::new(Fault {
-            origin,
-            line: excerpt.as_ref().map(|e| e.line),
-            column: excerpt.as_ref().map(|e| e.column),
-            key: None,
-            value: None,
-            problem,
-            remedy,
-            excerpt: excerpt.map(|e| e.drawing),
-        })
-    }
-
     /// The same fault, about this key.
     pub(super) fn of(mut self: Box<Self>, key: &str) -> Box<Fault> {
         self.key = Some(key.to_string());

@@ -1,8 +1,8 @@
 //! A scenario as TOML: every default visible, the paper's symbol beside every number.
 
 use super::keys::{self, Key};
-use super::{Scenario, Time, Units};
 use crate::model::{InitialNoise, Model, Noise};
+use crate::scenario::{Scenario, Time, Units};
 use crate::stats::Record;
 use std::fmt::Write as _;
 

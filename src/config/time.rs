@@ -1,13 +1,14 @@
 //! `[time]` and `[scheme]` -> a duration, a grid, and a scheme with its step or tolerance.
 
+use super::blame::blame;
 use super::error::Fault;
-use super::fields::{Fields, Read};
+use super::fields::Fields;
 use super::keys;
-use super::parse::{about, located};
 use super::source::Sources;
-use super::time::{Time, check_end};
-use crate::model::{LARGEST, Model, can_be_computed_with};
-use crate::scheme::{DEFAULT_TOLERANCE, Kind, Parameter, Scheme, divergence_bound};
+use crate::model::Model;
+use crate::scenario::time::check_end;
+use crate::scenario::{Time, check};
+use crate::scheme::{DEFAULT_TOLERANCE, Kind, Misfit, Parameter, Scheme};
 
 /// Read `[scheme]` and `[time]`.
 pub(super) fn scheme_and_time(
@@ -15,17 +16,19 @@ pub(super) fn scheme_and_time(
     root: &Fields<'_>,
     model: &Model,
 ) -> Result<(Scheme, Time), Box<Fault>> {
+    let fault = |misfit| blame(sources, root, &misfit);
     let (kind, tolerance) = kind(sources, root)?;
     let table = root.table("time")?;
-    let end = end(sources, &table, model)?;
+    // 0.0, never -0.0.
+    let end = table.number(keys::END)?.value.abs();
+    check::reach(model, end).map_err(fault)?;
     let scheme = kind.with(match kind.parameter() {
         Parameter::Step => table.number(keys::STEP)?.value,
         Parameter::Tolerance { .. } => {
-            refuse_step(sources, &table, kind)?;
+            refuse_step(sources, root, kind)?;
             tolerance.unwrap_or(DEFAULT_TOLERANCE)
         }
     });
-    let fault = |misfit| located(sources, root, &misfit);
     check_end(scheme, end).map_err(fault)?;
     scheme.check(model, end).map_err(fault)?;
     let time = match table.number_if_present(keys::OUTPUT_STEP)? {
@@ -54,20 +57,20 @@ fn kind(sources: &Sources<'_>, root: &Fields<'_>) -> Result<(Kind, Option<f64>),
         listed(&others, |name| format!("\"{name}\"")),
         others.first().unwrap_or(&"")
     );
-    Err(about(sources, &[&tolerance], problem, remedy))
+    Err(blame(sources, root, &Misfit::new(&[("scheme.tolerance", tolerance.value)], problem, remedy)))
 }
 
-/// A step in the file is left alone by a scheme without steps, so that one file serves every scheme; asking for one on the command line
-/// is a misunderstanding.
-fn refuse_step(sources: &Sources<'_>, table: &Fields<'_>, kind: Kind) -> Result<(), Box<Fault>> {
-    let step = table.number_if_present(keys::STEP)?;
+/// A step in the file is left alone by a scheme without steps, so that one file serves every
+/// scheme; asking for one on the command line is a misunderstanding.
+fn refuse_step(sources: &Sources<'_>, root: &Fields<'_>, kind: Kind) -> Result<(), Box<Fault>> {
+    let step = root.table("time")?.number_if_present(keys::STEP)?;
     let Some(step) = step.filter(|step| sources.is_override(step.place)) else { return Ok(()) };
     let problem = format!("is given, but the {} scheme has no time step", kind.name());
     let remedy = format!(
         "leave it out (`scheme.tolerance` sets the accuracy), or choose a scheme that has one: {}",
         listed(&names_of(true), |name| format!("`--scheme {name}`"))
     );
-    Err(about(sources, &[&step], problem, remedy))
+    Err(blame(sources, root, &Misfit::new(&[("time.step", step.value)], problem, remedy)))
 }
 
 /// The schemes with a step, or those without.
@@ -77,23 +80,4 @@ fn names_of(has_step: bool) -> Vec<&'static str> {
 
 fn listed(names: &[&str], show: impl Fn(&str) -> String) -> String {
     names.iter().map(|name| show(name)).collect::<Vec<_>>().join(" or ")
-}
-
-fn end(sources: &Sources<'_>, table: &Fields<'_>, model: &Model) -> Result<f64, Box<Fault>> {
-    let mut end: Read<f64> = table.number(keys::END)?;
-    // 0.0, never -0.0.
-    end.value = end.value.abs();
-    // Friction takes the body nowhere, however large it is.
-    let mut free = model.clone();
-    free.friction.static_force = 0.0;
-    let (reach, w0) = (divergence_bound(&free, end.value), model.oscillator.natural_frequency());
-    if can_be_computed_with(&[reach, reach * w0]) {
-        return Ok(end.value);
-    }
-    let speed = reach * w0;
-    let problem = format!(
-        "lets |x| grow towards {reach:e} and |x'| towards {speed:e}; above {LARGEST:e} is too large to compute with"
-    );
-    let remedy = "choose units in which displacements, times and forces are closer to 1, or lower `time.end`";
-    Err(about(sources, &[&end], problem, remedy.into()))
 }

@@ -6,12 +6,11 @@ use super::source::{Place, Sources};
 use super::tree::{Entry, Node, Value};
 use crate::model::LARGEST;
 
-/// A value that was read, and where; `place` is none where a default stands in.
-#[derive(Clone, Debug)]
-pub(super) struct Read<T> {
-    pub value: T,
+/// A number that was read, and where; `place` is none where a default stands in.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Read {
+    pub value: f64,
     pub place: Option<Place>,
-    pub path: String,
 }
 
 /// A table whose keys are all known.
@@ -47,7 +46,7 @@ impl<'a> Fields<'a> {
             };
             let problem = format!("unknown key `{}`{hint}", entry.key);
             let remedy = format!("{remedy}; {table} takes {}", known.join(", "));
-            return Err(Fault::at(sources, Some(entry.key_place), problem, remedy));
+            return Err(sources.fault(Some(entry.key_place), problem, remedy));
         }
         Ok(Fields { sources, path, place: Some(node.place), entries })
     }
@@ -97,18 +96,18 @@ impl<'a> Fields<'a> {
     }
 
     /// A number that must be there.
-    pub fn number(&self, key: Key) -> Result<Read<f64>, Box<Fault>> {
+    pub fn number(&self, key: Key) -> Result<Read, Box<Fault>> {
         self.number_if_present(key)?.ok_or_else(|| self.missing(key))
     }
 
     /// A number, or its default.
-    pub fn number_or(&self, key: Key, default: f64) -> Result<Read<f64>, Box<Fault>> {
+    pub fn number_or(&self, key: Key, default: f64) -> Result<Read, Box<Fault>> {
         let read = self.number_if_present(key)?;
-        Ok(read.unwrap_or_else(|| Read { value: default, place: None, path: self.dotted(key.name) }))
+        Ok(read.unwrap_or(Read { value: default, place: None }))
     }
 
     /// A number, if it is there.
-    pub fn number_if_present(&self, key: Key) -> Result<Option<Read<f64>>, Box<Fault>> {
+    pub fn number_if_present(&self, key: Key) -> Result<Option<Read>, Box<Fault>> {
         let Some(node) = self.node(key.name) else { return Ok(None) };
         let path = self.dotted(key.name);
         let allowed = key.range.words();
@@ -128,7 +127,7 @@ impl<'a> Fields<'a> {
                     remedy,
                 ));
             }
-            _ => return Ok(Some(Read { value, place: Some(node.place), path })),
+            _ => return Ok(Some(Read { value, place: Some(node.place) })),
         };
         Err(self.fault(node, &path, problem, remedy))
     }
@@ -138,7 +137,7 @@ impl<'a> Fields<'a> {
         &self,
         key: Key,
         words: &[&'static str],
-    ) -> Result<Option<Result<Read<f64>, &'static str>>, Box<Fault>> {
+    ) -> Result<Option<Result<Read, &'static str>>, Box<Fault>> {
         let Some(node) = self.node(key.name) else { return Ok(None) };
         let Value::Text(text) = &node.value else { return Ok(self.number_if_present(key)?.map(Ok)) };
         match words.iter().find(|word| **word == text) {
@@ -229,11 +228,11 @@ impl<'a> Fields<'a> {
         let problem = format!("missing key `{}`", self.dotted(key.name));
         let under = if self.place.is_some() { "there" } else { &format!("under [{}]", self.path) };
         let remedy = format!("add `{} = ...` {under}: {symbol}, {meaning}; {}", key.name, key.range.words());
-        Fault::at(self.sources, self.place, problem, remedy)
+        self.sources.fault(self.place, problem, remedy)
     }
 
     fn fault(&self, node: &Node, path: &str, problem: String, remedy: String) -> Box<Fault> {
-        Fault::at(self.sources, Some(node.place), problem, remedy).of(path).value(self.sources.quote(node.place))
+        self.sources.fault(Some(node.place), problem, remedy).of(path).value(self.sources.quote(node.place))
     }
 }
 
@@ -252,7 +251,7 @@ fn float(node: &Node) -> Option<f64> {
 
 fn wrong_kind(sources: &Sources<'_>, node: &Node, path: &str, expected: &str, remedy: &str) -> Box<Fault> {
     let problem = format!("is {}; it must be {expected}", node.value.kind());
-    let fault = Fault::at(sources, Some(node.place), problem, remedy.to_string());
+    let fault = sources.fault(Some(node.place), problem, remedy.to_string());
     // A whole table or array says nothing as a value.
     match node.value {
         Value::Array(_) | Value::Table(_) => fault.of(path),

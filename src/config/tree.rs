@@ -12,7 +12,8 @@ pub(super) struct Node {
     pub value: Value,
 }
 
-/// A TOML value; numbers as they are written, so that nothing is rounded or overflows before it is checked.
+/// A TOML value; numbers as they are written, so that nothing is rounded or overflows before it is
+/// checked.
 #[derive(Clone, Debug)]
 pub(super) enum Value {
     Text(String),
@@ -53,7 +54,7 @@ pub(super) fn read(sources: &Sources<'_>) -> Result<Node, Box<Fault>> {
         let place = e.span().map(|span| Place { text: 0, start: span.start, end: span.end });
         let remedy =
             "write TOML: `key = value` lines under `[table]` headers; `mc init` prints a scenario to start from";
-        Fault::at(sources, place, format!("not valid TOML: {}", one_line(e.message())), remedy.into())
+        sources.fault(place, format!("not valid TOML: {}", one_line(e.message())), remedy.into())
     })?;
     let mut root = Node { place: Place { text: 0, start: 0, end: 0 }, value: table(parsed.into_inner(), 0) };
     for i in 0..sources.overrides.len() {
@@ -95,7 +96,7 @@ fn table(entries: DeTable<'_>, text: usize) -> Value {
 fn lay_over(root: &mut Node, sources: &Sources<'_>, i: usize) -> Result<(), Box<Fault>> {
     let this = &sources.overrides[i];
     let place = Place { text: i + 1, start: 0, end: 0 };
-    let wrong = |problem: String, remedy: String| Fault::at(sources, Some(place), problem, remedy);
+    let wrong = |problem: String, remedy: String| sources.fault(Some(place), problem, remedy);
 
     let mut spot = root;
     let mut walked = String::new();

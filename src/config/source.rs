@@ -1,6 +1,7 @@
 //! The texts a scenario is read from: one file, and the overrides of a command line.
 
-use super::Override;
+use super::error::Fault;
+use super::overrides::Override;
 
 /// A stretch of one of the texts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -14,13 +15,13 @@ pub(super) struct Place {
 }
 
 /// Line, column and excerpt of a place in the file.
-pub(super) struct Excerpt {
+struct Excerpt {
     /// Counted from 1.
-    pub line: usize,
+    line: usize,
     /// Counted from 1, in characters.
-    pub column: usize,
+    column: usize,
     /// The line with a caret under the place.
-    pub drawing: String,
+    drawing: String,
 }
 
 /// The file and the overrides.
@@ -44,6 +45,25 @@ impl Sources<'_> {
         place.is_some_and(|place| self.override_at(place).is_some())
     }
 
+    /// What is wrong at a place, or with the file as a whole.
+    pub fn fault(&self, place: Option<Place>, problem: String, remedy: String) -> Box<Fault> {
+        let origin = match place.and_then(|p| self.override_at(p)) {
+            Some(o) => o.shown.clone(),
+            None => self.name.to_string(),
+        };
+        let excerpt = place.and_then(|p| self.excerpt(p));
+        Box::new(Fault {
+            origin,
+            line: excerpt.as_ref().map(|e| e.line),
+            column: excerpt.as_ref().map(|e| e.column),
+            key: None,
+            value: None,
+            problem,
+            remedy,
+            excerpt: excerpt.map(|e| e.drawing),
+        })
+    }
+
     /// What stands at a place, cut to one short line; of an override, its whole value.
     pub fn quote(&self, place: Place) -> String {
         let raw = match self.override_at(place) {
@@ -56,7 +76,7 @@ impl Sources<'_> {
     }
 
     /// Line, column and drawing of a place in the file.
-    pub fn excerpt(&self, place: Place) -> Option<Excerpt> {
+    fn excerpt(&self, place: Place) -> Option<Excerpt> {
         if place.text > 0 {
             return None;
         }
@@ -68,7 +88,8 @@ impl Sources<'_> {
         let before = &self.text[line_start..start];
         let marked = &self.text[start..floor_boundary(self.text, place.end.clamp(start, line_end))];
         let margin = line.to_string();
-        // A tab before the caret is copied, so that the caret stands under its place whatever the tab width.
+        // A tab before the caret is copied, so that the caret stands under its place whatever the
+        // tab width.
         let indent: String = before.chars().map(|c| if c == '\t' { '\t' } else { ' ' }).collect();
         let drawing = format!(
             "{0:1$} |\n{margin} | {content}\n{0:1$} | {indent}{2}",

@@ -8,7 +8,8 @@ pub(super) enum Range {
     Any,
     Positive,
     NonNegative,
-    /// A friction threshold: 0 or above, and as large as one likes, for what no force reaches is never computed with.
+    /// A friction threshold: 0 or above, and as large as one likes, for what no force reaches is
+    /// never computed with.
     Threshold,
     Tolerance,
 }
@@ -121,8 +122,8 @@ const SYNONYMS: [(&str, &str); 26] = [
     ("epsilon", "scheme.tolerance"),
 ];
 
-/// How alike two words must be (1 is equal) for one to be suggested for the other: less within a table than across
-/// tables, where chance likeness is more common.
+/// How alike two words must be (1 is equal) for one to be suggested for the other: less within a
+/// table than across tables, where chance likeness is more common.
 const ALIKE_WITHIN: f64 = 0.75;
 const ALIKE_ACROSS: f64 = 0.85;
 
@@ -145,7 +146,8 @@ pub(super) fn suggestion(table: &str, key: &str) -> Option<String> {
     synonym().or_else(within).or_else(across)
 }
 
-/// The name most like a word, if any is alike enough; a part of a name, such as `frequency`, counts nearly in full.
+/// The name most like a word, if any is alike enough; a part of a name, such as `frequency`, counts
+/// nearly in full.
 fn most_alike(word: &str, names: &[&'static str], enough: f64) -> Option<(f64, &'static str)> {
     names
         .iter()

@@ -1,0 +1,86 @@
+//! Quantities that follow from a scenario.
+
+use super::amplitude::expected_amplitude;
+use super::size::output_bytes;
+use crate::model::{Model, Noise, Oscillator};
+use crate::scenario::Scenario;
+use crate::scheme::{Discretisation, Resolution, Stability, monitoring_shift};
+
+/// Quantities that follow from a scenario.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Derived {
+    /// w0 = sqrt(K/m).
+    pub natural_frequency: f64,
+    /// w/w0 of each harmonic.
+    pub frequency_ratios: Vec<f64>,
+    /// f_d/f_s; none if f_s = 0.
+    pub friction_ratio: Option<f64>,
+    /// K |beta| rho sigma / sqrt(2 theta): the stationary sd of the noise in b; none without noise.
+    pub noise_force: Option<f64>,
+    /// f_s / (K |beta| rho) in units of the stationary sd of v: how far the noise must go to end a
+    /// centred stick.
+    pub corridor_half_width: Option<f64>,
+    /// (f_s / (K beta rho sigma))^2: the time the noise takes to cross that half-width by
+    /// diffusion.
+    pub corridor_time: Option<f64>,
+    /// Limits of the step, if there are steps.
+    pub stability: Option<Stability>,
+    /// 0.5826 K |beta| rho sigma sqrt(h), by which the corrected scheme lowers f_s.
+    pub monitoring_shift: Option<f64>,
+    /// What the event-driven scheme does not resolve, where f_s and f_d (nearly) meet under noise.
+    pub resolution: Option<Resolution>,
+    /// A rough upper estimate of the largest |x|: the forced response without friction, a free
+    /// oscillation, the noise.
+    pub expected_amplitude: f64,
+    /// P, the forcing period.
+    pub forcing_period: Option<f64>,
+    /// Whole forcing periods up to the end.
+    pub whole_periods: f64,
+    /// Steps of one path, if there are steps.
+    pub steps: Option<u64>,
+    /// Steps of all paths together.
+    pub path_steps: Option<f64>,
+    /// Rows of the output grid.
+    pub rows: usize,
+    /// Estimated size of the output file in bytes, uncompressed.
+    pub output_bytes: f64,
+}
+
+impl Scenario {
+    /// What follows from the scenario before it is run.
+    pub fn derived(&self) -> Derived {
+        let Model { oscillator, friction, temperature, .. } = &self.model;
+        let w0 = oscillator.natural_frequency();
+        let noise = temperature.noise.as_ref();
+        let noise_force = noise.map(|noise| force_per_v(oscillator, noise) * noise.stationary_sd());
+        let diffusive = noise.map(|noise| force_per_v(oscillator, noise) * noise.diffusion).filter(|c| *c > 0.0);
+        let period = temperature.period();
+        let steps = self.steps();
+        Derived {
+            natural_frequency: w0,
+            frequency_ratios: temperature.harmonics.iter().map(|harmonic| harmonic.angular_frequency / w0).collect(),
+            friction_ratio: (friction.static_force > 0.0).then(|| friction.dynamic_force / friction.static_force),
+            noise_force,
+            corridor_half_width: noise_force.filter(|c| *c > 0.0).map(|c| friction.static_force / c),
+            corridor_time: diffusive.map(|c| (friction.static_force / c).powi(2)),
+            stability: self.scheme.stability(&self.model),
+            monitoring_shift: match self.scheme.discretisation() {
+                Discretisation::CorrectedStep { h } => Some(monitoring_shift(&self.model, h)),
+                Discretisation::Step { .. } | Discretisation::Tolerance { .. } | Discretisation::Approximation => None,
+            },
+            resolution: self.resolution(),
+            expected_amplitude: expected_amplitude(&self.model, self.time.end, self.scheme.step()),
+            forcing_period: period,
+            whole_periods: period.map_or(0.0, |period| (self.time.end / period * (1.0 + 1e-9)).floor()),
+            steps,
+            path_steps: steps.map(|steps| self.ensemble.paths as f64 * steps as f64),
+            rows: self.timeline().rows(),
+            output_bytes: output_bytes(self),
+        }
+    }
+}
+
+/// K |beta| rho: the force that one unit of v makes.
+fn force_per_v(oscillator: &Oscillator, noise: &Noise) -> f64 {
+    oscillator.force_per_temperature().abs() * noise.intensity
+}

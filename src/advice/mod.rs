@@ -1,0 +1,19 @@
+//! What follows from a scenario before it is run. Pure functions of the scenario; nothing is
+//! simulated.
+//!
+//! ```text
+//! derived     quantities that follow from it: ratios, limits of the step, what it will cost
+//!   amplitude   how far the body may be expected to go
+//!   size        how large the file will be
+//! warnings    what to know before trusting the run
+//! ```
+
+mod amplitude;
+mod derived;
+mod size;
+#[cfg(test)]
+mod tests;
+mod warnings;
+
+pub use derived::Derived;
+pub use warnings::*;

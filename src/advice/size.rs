@@ -1,0 +1,46 @@
+//! How large the file of a run will be.
+
+use crate::model::Model;
+use crate::scenario::Scenario;
+use std::f64::consts::PI;
+
+/// Bytes of one row of the bands: x, x' and T with mean, sd and five quantiles, P(static), time.
+const ROW_BYTES: f64 = 8.0 * (3.0 * 7.0 + 2.0);
+/// Bytes of a path's scalars: its number, five doubles, three counts, one flag.
+const PATH_BYTES: f64 = 8.0 * 6.0 + 4.0 * 3.0 + 1.0;
+/// Bytes of an event: three doubles and two flags.
+const EVENT_BYTES: f64 = 8.0 * 3.0 + 2.0;
+/// Bytes of one row of a trajectory: three doubles and a flag.
+const TRAJECTORY_BYTES: f64 = 8.0 * 3.0 + 1.0;
+/// Bytes of a file that holds nothing.
+const EMPTY_BYTES: f64 = 65_536.0;
+
+/// Estimated size of the output file in bytes, uncompressed.
+pub(super) fn output_bytes(scenario: &Scenario) -> f64 {
+    let paths = scenario.ensemble.paths as f64;
+    let rows = scenario.timeline().rows() as f64;
+    let events = scenario.steps().map_or(f64::INFINITY, |steps| steps as f64).min(events(scenario)) + 1.0;
+    let record = &scenario.record;
+    EMPTY_BYTES
+        + rows * ROW_BYTES
+        + if record.paths { paths * PATH_BYTES } else { 0.0 }
+        + if record.events { paths * (4.0 + events * EVENT_BYTES) } else { 0.0 }
+        + paths.min(record.trajectories as f64) * rows * TRAJECTORY_BYTES
+}
+
+/// Events of a path, roughly and rather too many: two (a slip, a stick) per half-cycle of the
+/// oscillator, or per slip that the temperature can cause. A slip lets 2 (f_s - f_d) of the force
+/// go; a harmonic builds up 2/pi K beta a w of it per unit of time, the noise so much in ((2 f_s -
+/// 2 f_d)/(K beta rho sigma))^2.
+fn events(scenario: &Scenario) -> f64 {
+    let Model { oscillator, friction, temperature, .. } = &scenario.model;
+    let end = scenario.time.end;
+    let half_cycles = end * oscillator.natural_frequency() / PI;
+    let gap = 2.0 * (friction.static_force - friction.dynamic_force);
+    let gain = oscillator.force_per_temperature().abs();
+    let harmonic: f64 = temperature.harmonics.iter().map(|h| gain * h.amplitude.abs() * h.angular_frequency).sum();
+    let noise = temperature.noise.map_or(0.0, |noise| gain * noise.intensity * noise.diffusion);
+    let slips = end * (2.0 / PI * harmonic / gap + (noise / gap).powi(2));
+    // Without a gap it is 0/0 or more: then the half-cycles count.
+    2.0 * if slips < half_cycles { slips } else { half_cycles }
+}

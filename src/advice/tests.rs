@@ -1,0 +1,191 @@
+//! What advice promises: limits of the step separate what they are to separate, derived numbers are
+//! those of closed forms, and each warning comes where it is due.
+
+use super::*;
+use crate::config::{Override, shipped};
+use crate::model::Oscillator;
+use crate::scenario::arbitrary::scenario;
+use crate::scenario::{MAX_ROWS, Scenario};
+use crate::scheme::{Kind, Stability};
+use proptest::prelude::*;
+
+const BASE: &str = include_str!("../../scenarios/rho025.toml");
+
+fn base(overrides: &[&str]) -> Scenario {
+    let overrides: Vec<Override> = overrides.iter().map(|text| Override::set(text).unwrap()).collect();
+    Scenario::parse("rho025.toml", BASE, &overrides).unwrap()
+}
+
+#[test]
+fn what_moves_a_body_far_is_expected_to() {
+    // A_c = 127 here; v(0) = 1e5 moves the body by beta rho v(0). At w h = 2 pi + 8e-4 the scheme
+    // takes a fast forcing for a slow one, at 0.9 pi it sees it pass. On a step of 0.2, A_c = 6.4:
+    // the relaxed start leaves no free oscillation, the noise stirs one.
+    let grows = |set: &[&str]| {
+        let warnings = base(set).warnings();
+        warnings.iter().any(|w| matches!(w, Warning::AmplitudeAboveCritical { .. }))
+    };
+    let forcing = |w: f64| format!("temperature.harmonics=[{{ amplitude = 1e3, angular_frequency = {w} }}]");
+    let quiet = ["temperature.noise.intensity=0", "initial.displacement=0"];
+    assert!(grows(&["temperature.noise.initial=1e5", "temperature.noise.relaxation_rate=1e-3"]));
+    assert!(grows(&[&forcing(628.4), quiet[0], quiet[1]]));
+    assert!(!grows(&[&forcing(283.0), quiet[0], quiet[1]]));
+    assert!(grows(&["time.step=0.2", "time.output_step=0.2"]));
+}
+
+#[test]
+fn the_expected_amplitude_is_the_forced_motion_and_a_free_one_on_top() {
+    // Closed forms in units of 1, event-driven: no step in them. Forced by 6 cos(t/4): 6/(1 - 1/16)
+    // = 6.4, passing at 1.6. Starts at x0 = 6, 0.4 off, at x0 = -6, 12.4 off, or later at |b| = f_s
+    // = 1.2.
+    let expected = |set: &[&str]| {
+        let set = [&["scheme.kind=event-driven", "temperature.noise.intensity=0"], set].concat();
+        base(&set).derived().expected_amplitude
+    };
+    let near = |a: f64, b: f64| assert!((a / b - 1.0).abs() < 1e-12, "{a} {b}");
+    near(expected(&[]), 6.4 + 1.2f64.hypot(1.6));
+    near(expected(&["initial.displacement=-6"]), 6.4 + 12.4);
+    // v relaxing from -4 like e^{-2t}: -6/(1 + 4), -12/5 in the velocity's sign; the harmonic is
+    // out of the way.
+    let noise = ["temperature.noise.intensity=0.25", "temperature.noise.initial=-4", "temperature.noise.diffusion=0"];
+    let relaxing = [&noise[..], &["temperature.noise.relaxation_rate=2", "temperature.harmonics=[]"]].concat();
+    near(expected(&[&["scheme.kind=event-driven"], &relaxing[..]].concat()), 1.2 + 7.2f64.hypot(2.4));
+    // Nothing slips: the body stays where it is. At resonance for a time t the amplitude grows by
+    // w0 t/2.
+    near(expected(&["friction.static=1000"]), 6.0);
+    assert!(expected(&["temperature.harmonics.0.angular_frequency=1"]) >= 6.0 * 30.0);
+}
+
+/// A scheme's slip step without forcing and friction, iterated: how large (X, V) is in the end.
+fn size_after_slip(kind: Kind, oscillator: &Oscillator, h: f64) -> f64 {
+    let (mut x, mut v) = (1.0f64, 0.0f64);
+    for _ in 0..20_000 {
+        let next = v + h / oscillator.mass * oscillator.force(0.0, x, v);
+        x += h * if kind == Kind::CorrectedVi { next } else { v };
+        v = next;
+    }
+    x.abs() + v.abs()
+}
+
+fn decays(oscillator: &Oscillator, h: f64) -> bool {
+    size_after_slip(Kind::DiscreteVi, oscillator, h) < 1.0
+}
+
+#[test]
+fn the_stability_limit_of_the_corrected_scheme_separates_bounded_from_unbounded() {
+    let kind = Kind::CorrectedVi;
+    for damping in [0.0, 0.1, 0.5, 1.0, 4.0] {
+        let scenario = base(&["scheme.kind=corrected-vi", &format!("oscillator.damping={damping}")]);
+        let Some(Stability::NewVelocity { largest_step: limit }) = scenario.derived().stability else { panic!() };
+        assert!(size_after_slip(kind, &scenario.model.oscillator, 0.99 * limit) < 100.0, "{damping}: {limit}");
+        let beyond = size_after_slip(kind, &scenario.model.oscillator, 1.01 * limit);
+        assert!(beyond > 1e6 || beyond.is_nan(), "{damping}: {limit}");
+    }
+}
+
+#[test]
+fn the_stability_limit_separates_decay_from_growth() {
+    for damping in [0.1, 0.5, 0.999, 1.0, 1.5, 4.0] {
+        let set = format!("oscillator.damping={damping}");
+        let scenario = base(&[&set]);
+        let limit = match scenario.derived().stability {
+            Some(Stability::Underdamped { largest_step } | Stability::Overdamped { largest_step }) => largest_step,
+            undamped => panic!("{undamped:?}"),
+        };
+        assert!(decays(&scenario.model.oscillator, 0.99 * limit), "{damping}: {limit}");
+        assert!(!decays(&scenario.model.oscillator, 1.01 * limit), "{damping}: {limit}");
+    }
+}
+
+/// The slip scheme with friction f_d, free of forcing: the amplitude after many half-cycles.
+fn amplitude_after(start: f64, h: f64, f_d: f64, half_cycles: usize) -> f64 {
+    let (mut x, mut v, mut turns) = (start, 0.0f64, 0);
+    while turns < half_cycles {
+        let s = v - h * x;
+        let next = s - h * f_d * s.signum();
+        x += h * v;
+        turns += usize::from(v * next < 0.0);
+        v = next;
+    }
+    x.abs()
+}
+
+#[test]
+fn the_critical_amplitude_separates_decay_from_growth() {
+    let scenario = base(&["time.step=0.01"]);
+    let Some(Stability::Undamped { critical_amplitude: critical }) = scenario.derived().stability else { panic!() };
+    assert!((critical - 127.32).abs() < 0.01);
+    assert!(amplitude_after(0.95 * critical, 0.01, 1.0, 20) < 0.95 * critical);
+    assert!(amplitude_after(1.05 * critical, 0.01, 1.0, 20) > 1.05 * critical);
+}
+
+#[test]
+fn derived_quantities_of_the_noisy_scene() {
+    let derived = base(&[]).derived();
+    assert_eq!(derived.natural_frequency, 1.0);
+    assert_eq!(derived.frequency_ratios, [0.25]);
+    assert!((derived.noise_force.unwrap() - 1.5 / 2f64.sqrt()).abs() < 1e-15);
+    assert!((derived.corridor_half_width.unwrap() - 0.8 * 2f64.sqrt()).abs() < 1e-15);
+    assert!((derived.corridor_time.unwrap() - 0.64).abs() < 1e-15);
+    assert_eq!((derived.whole_periods, derived.steps, derived.rows), (2.0, Some(6000), 121));
+    assert_eq!(derived.path_steps, Some(6e7));
+}
+
+#[test]
+fn warnings_say_what_the_scene_is_about() {
+    let names = |set: &[&str]| base(set).warnings().iter().map(Warning::name).collect::<Vec<_>>();
+    assert_eq!(names(&[]), ["stick-exit-bias"]);
+    assert_eq!(names(&["friction.static=1"]), ["equal-friction"]);
+    assert!(names(&["time.step=0.2", "time.output_step=0.2"]).contains(&"amplitude-above-critical"));
+    assert!(names(&["time.step=0.25"]).contains(&"step-against-corridor"));
+    assert!(names(&["time.step=0.02"]).contains(&"micro-slips"));
+    assert!(names(&["oscillator.damping=0.01", "time.step=0.02"]).contains(&"step-unstable"));
+    assert!(!names(&["oscillator.damping=0.01", "time.step=0.01"]).contains(&"step-unstable"));
+    assert!(names(&["temperature.noise.relaxation_rate=1000"]).contains(&"step-against-noise"));
+    assert!(names(&["temperature.harmonics.0.angular_frequency=100"]).contains(&"step-against-forcing"));
+    assert!(names(&["oscillator.stiffness=1e4"]).contains(&"step-against-oscillator"));
+    assert_eq!(names(&["temperature.noise.intensity=0"]), ["identical-paths"]);
+    assert_eq!(names(&["friction.static=1000"]), ["never-slips"]);
+    assert!(names(&["oscillator.dilatation=0"]).contains(&"no-dilatation"));
+    assert!(names(&["time.end=30"]).contains(&"few-periods"));
+    assert!(names(&["temperature.harmonics.0.angular_frequency=1e5"]).contains(&"many-periods"));
+    assert!(names(&["ensemble.paths=100000000"]).contains(&"large-output"));
+}
+
+#[test]
+fn warnings_are_those_of_the_scheme() {
+    let names = |kind: &str, set: &[&str]| {
+        let scenario = base(&[&[&*format!("scheme.kind={kind}")], set].concat());
+        scenario.warnings().iter().map(Warning::name).collect::<Vec<_>>()
+    };
+    assert_eq!(names("corrected-vi", &[]), ["corrected-bias"]);
+    assert!(names("corrected-vi", &["time.step=0.001"]).is_empty());
+    assert!(names("event-driven", &[]).is_empty());
+    assert_eq!(names("quasi-static", &[]), ["forcing-during-slip"]);
+    assert_eq!(names("corrected-vi", &["friction.static=1"]), ["incomplete-correction", "equal-friction"]);
+    assert_eq!(names("event-driven", &["friction.static=1"]), ["resolution"]);
+    assert_eq!(names("quasi-static", &["friction.static=1"]), ["never-moves"]);
+    assert!(
+        names("corrected-vi", &["oscillator.stiffness=1e4", "friction.static=1e5"])
+            .contains(&"step-against-oscillator")
+    );
+    assert!(names("event-driven", &["oscillator.stiffness=1e9", "temperature.noise.relaxation_rate=1e3"]).is_empty());
+    let slow = ["temperature.harmonics.0.angular_frequency=1e-4", "temperature.noise.intensity=0", "ensemble.paths=1"];
+    assert_eq!(names("quasi-static", &slow), ["few-periods"]);
+    let viaduct = |kind: &str| {
+        let set = [Override::flag("--scheme", "scheme.kind", kind)];
+        Scenario::parse("viaduct", shipped("viaduct").unwrap().text, &set).unwrap().warnings()
+    };
+    assert_eq!((viaduct("event-driven"), viaduct("quasi-static")), (vec![], vec![]));
+}
+
+proptest! {
+    #[test]
+    fn no_scenario_makes_the_check_panic(scenario in scenario()) {
+        let derived = scenario.derived();
+        prop_assert!(derived.natural_frequency > 0.0 && derived.rows <= MAX_ROWS);
+        for warning in scenario.warnings() {
+            prop_assert!(!warning.to_string().contains("NaN"), "{}", warning);
+        }
+    }
+}

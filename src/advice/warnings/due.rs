@@ -1,0 +1,79 @@
+//! Which warnings are due for a scenario, the gravest first.
+
+use super::noise::NoisyStep;
+use super::*;
+use crate::advice::derived::Derived;
+use crate::scenario::Scenario;
+use crate::scheme::Discretisation;
+
+impl Scenario {
+    /// What the user should know before trusting the run, the gravest first.
+    pub fn warnings(&self) -> Vec<Warning> {
+        let derived = self.derived();
+        let noisy_step = |h| NoisyStep::of(&self.model, &derived, h);
+        let of_scheme = match self.scheme.discretisation() {
+            Discretisation::Step { h } => [of_step(self, &derived, h), of_noise(noisy_step(h))].concat(),
+            Discretisation::CorrectedStep { h } => [of_step(self, &derived, h), of_correction(noisy_step(h))].concat(),
+            Discretisation::Tolerance { .. } => listed([Unresolved::due(&derived).map(Warning::from)]),
+            Discretisation::Approximation => listed([
+                NeverMoves::due(&self.model).map(Warning::from),
+                ForcingDuringSlip::due(&self.model).map(Warning::from),
+            ]),
+        };
+        [of_scheme, of_question(self, &derived)].concat()
+    }
+}
+
+/// A step beside what it is to follow.
+fn of_step(scenario: &Scenario, derived: &Derived, h: f64) -> Vec<Warning> {
+    let temperature = &scenario.model.temperature;
+    let mut warnings = listed([
+        StepUnstable::due(derived, h).map(Warning::from),
+        AmplitudeAboveCritical::due(derived, h, scenario.time.end).map(Warning::from),
+        StepAgainstOscillator::due(derived, h).map(Warning::from),
+    ]);
+    let harmonics = temperature.harmonics.iter().filter_map(|harmonic| StepAgainstForcing::due(harmonic, h));
+    warnings.extend(harmonics.map(Warning::from));
+    warnings.extend(temperature.noise.and_then(|noise| StepAgainstNoise::due(&noise, h)).map(Warning::from));
+    warnings
+}
+
+/// Stick exits that are looked for once a step.
+fn of_noise(step: Option<NoisyStep>) -> Vec<Warning> {
+    let Some(step) = step else { return Vec::new() };
+    listed([
+        StepAgainstCorridor::due(&step).map(Warning::from),
+        EqualFriction::due(&step).map(Warning::from),
+        StickExitBias::due(&step).map(Warning::from),
+        MicroSlips::due(&step).map(Warning::from),
+    ])
+}
+
+/// Stick exits that are corrected for that.
+fn of_correction(step: Option<NoisyStep>) -> Vec<Warning> {
+    let Some(step) = step else { return Vec::new() };
+    listed([
+        LargeShift::due(&step).map(Warning::from),
+        IncompleteCorrection::due(&step).map(Warning::from),
+        EqualFriction::due(&step).map(Warning::from),
+        CorrectedBias::due(&step).map(Warning::from),
+        MicroSlips::due(&step).map(Warning::from),
+    ])
+}
+
+/// The question, whatever the scheme.
+fn of_question(scenario: &Scenario, derived: &Derived) -> Vec<Warning> {
+    let Scenario { model, ensemble, time, .. } = scenario;
+    listed([
+        NeverSlips::due(model).map(Warning::from),
+        IdenticalPaths::due(model, ensemble.paths).map(Warning::from),
+        NoDilatation::due(model).map(Warning::from),
+        FewPeriods::due(derived, time.end).map(Warning::from),
+        ManyPeriods::due(derived, time.end).map(Warning::from),
+        LargeOutput::due(derived).map(Warning::from),
+    ])
+}
+
+fn listed<const N: usize>(warnings: [Option<Warning>; N]) -> Vec<Warning> {
+    warnings.into_iter().flatten().collect()
+}

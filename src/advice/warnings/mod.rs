@@ -1,0 +1,78 @@
+//! What to know before trusting a run, in plain words.
+//!
+//! Each warning is a type that holds its numbers. Its condition, the function `due`, stands beside
+//! the sentence that it prints, and each file holds the warnings of one subject. The list below
+//! makes the closed set of them; `due.rs` puts together those of a scenario.
+
+mod due;
+mod file;
+mod noise;
+mod quasi_static;
+mod question;
+mod step;
+
+pub use file::LargeOutput;
+pub use noise::{
+    CorrectedBias, EqualFriction, IncompleteCorrection, LargeShift, MicroSlips, StepAgainstCorridor, StickExitBias,
+    Unresolved,
+};
+pub use quasi_static::{ForcingDuringSlip, NeverMoves};
+pub use question::{FewPeriods, IdenticalPaths, ManyPeriods, NeverSlips, NoDilatation};
+pub use step::{AmplitudeAboveCritical, StepAgainstForcing, StepAgainstNoise, StepAgainstOscillator, StepUnstable};
+
+use std::fmt;
+
+/// Makes the enum of the warnings from their types and names.
+macro_rules! warnings {
+    ($($Warning:ident = $name:literal),+ $(,)?) => {
+        /// Something that makes a scenario's results differ from what they seem to be.
+        #[derive(Clone, Debug, PartialEq)]
+        pub enum Warning {
+            $(#[doc = concat!("[`", stringify!($Warning), "`].")] $Warning($Warning),)+
+        }
+
+        impl Warning {
+            /// A short name for machines.
+            pub fn name(&self) -> &'static str {
+                match self { $(Warning::$Warning(_) => $name,)+ }
+            }
+        }
+
+        /// A sentence or two for people.
+        impl fmt::Display for Warning {
+            fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                match self { $(Warning::$Warning(warning) => warning.fmt(f),)+ }
+            }
+        }
+
+        $(impl From<$Warning> for Warning {
+            fn from(warning: $Warning) -> Self {
+                Warning::$Warning(warning)
+            }
+        })+
+    };
+}
+
+warnings! {
+    StepUnstable = "step-unstable",
+    AmplitudeAboveCritical = "amplitude-above-critical",
+    StepAgainstOscillator = "step-against-oscillator",
+    StepAgainstForcing = "step-against-forcing",
+    StepAgainstNoise = "step-against-noise",
+    StepAgainstCorridor = "step-against-corridor",
+    EqualFriction = "equal-friction",
+    StickExitBias = "stick-exit-bias",
+    MicroSlips = "micro-slips",
+    CorrectedBias = "corrected-bias",
+    LargeShift = "large-shift",
+    IncompleteCorrection = "incomplete-correction",
+    Unresolved = "resolution",
+    ForcingDuringSlip = "forcing-during-slip",
+    NeverMoves = "never-moves",
+    NeverSlips = "never-slips",
+    IdenticalPaths = "identical-paths",
+    NoDilatation = "no-dilatation",
+    FewPeriods = "few-periods",
+    ManyPeriods = "many-periods",
+    LargeOutput = "large-output",
+}

@@ -1,0 +1,121 @@
+//! What to know about the question that is asked, however it is answered.
+
+use crate::advice::amplitude::NEVER_SD;
+use crate::advice::derived::Derived;
+use crate::model::Model;
+use crate::numbers::short;
+use crate::scenario::MAX_PERIODS;
+use std::fmt;
+
+/// |b| cannot reach f_s.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NeverSlips {
+    /// A bound of |b|.
+    pub largest_force: f64,
+}
+
+impl NeverSlips {
+    pub(super) fn due(model: &Model) -> Option<Self> {
+        let largest_force = model.force_bound(NEVER_SD);
+        (largest_force <= model.friction.static_force).then_some(NeverSlips { largest_force })
+    }
+}
+
+impl fmt::Display for NeverSlips {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let largest = short(self.largest_force);
+        write!(f, "nothing will slip: |b| does not exceed {largest}, and f_s is no less. Every stick is censored")
+    }
+}
+
+/// Nothing random: every path is the same.
+#[derive(Clone, Debug, PartialEq)]
+pub struct IdenticalPaths {
+    /// How many.
+    pub paths: u64,
+}
+
+impl IdenticalPaths {
+    pub(super) fn due(model: &Model, paths: u64) -> Option<Self> {
+        (!model.temperature.is_random() && paths > 1).then_some(IdenticalPaths { paths })
+    }
+}
+
+impl fmt::Display for IdenticalPaths {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let paths = self.paths;
+        write!(f, "nothing is random here: all {paths} paths are the same, and ensemble.paths = 1 is enough")
+    }
+}
+
+/// beta = 0: the temperature moves nothing.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NoDilatation;
+
+impl NoDilatation {
+    pub(super) fn due(model: &Model) -> Option<Self> {
+        let Model { oscillator, temperature, .. } = model;
+        let has_temperature = temperature.noise.is_some() || !temperature.harmonics.is_empty();
+        (oscillator.dilatation == 0.0 && has_temperature).then_some(NoDilatation)
+    }
+}
+
+impl fmt::Display for NoDilatation {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("dilatation = 0: the temperature has no effect on the motion")
+    }
+}
+
+/// Too few forcing periods to estimate a drift.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FewPeriods {
+    /// Whole forcing periods up to the end.
+    pub periods: f64,
+}
+
+/// A slope takes two points.
+const FEWEST_PERIODS: f64 = 2.0;
+
+impl FewPeriods {
+    pub(super) fn due(derived: &Derived, end: f64) -> Option<Self> {
+        let periods = derived.whole_periods;
+        let is_due = end > 0.0 && derived.forcing_period.is_some() && periods < FEWEST_PERIODS;
+        is_due.then_some(FewPeriods { periods })
+    }
+}
+
+impl fmt::Display for FewPeriods {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            f,
+            "the run holds {} whole forcing periods: drift_velocity and diffusion_coefficient need two, \
+             and will be absent",
+            self.periods
+        )
+    }
+}
+
+/// Too many forcing periods to keep.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ManyPeriods {
+    /// Whole forcing periods up to the end.
+    pub periods: f64,
+}
+
+impl ManyPeriods {
+    pub(super) fn due(derived: &Derived, end: f64) -> Option<Self> {
+        let is_due = derived.forcing_period.is_some_and(|period| end / period > MAX_PERIODS as f64);
+        is_due.then_some(ManyPeriods { periods: derived.whole_periods })
+    }
+}
+
+impl fmt::Display for ManyPeriods {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            f,
+            "the run holds {:e} forcing periods, and x is kept at no more than {MAX_PERIODS}: \
+             drift_velocity and diffusion_coefficient will be absent",
+            self.periods
+        )
+    }
+}

@@ -1,0 +1,156 @@
+//! What to know about a step beside the oscillator, the forcing and the noise it is to follow.
+
+use crate::advice::derived::Derived;
+use crate::model::{Harmonic, Noise};
+use crate::numbers::short;
+use crate::scheme::Stability;
+use std::f64::consts::PI;
+use std::fmt;
+
+/// The step is beyond its stability limit.
+#[derive(Clone, Debug, PartialEq)]
+pub struct StepUnstable {
+    /// h.
+    pub step: f64,
+    /// It must stay below this.
+    pub limit: f64,
+}
+
+impl StepUnstable {
+    pub(super) fn due(derived: &Derived, step: f64) -> Option<Self> {
+        match derived.stability? {
+            Stability::Undamped { .. } => None,
+            Stability::Underdamped { largest_step: limit }
+            | Stability::Overdamped { largest_step: limit }
+            | Stability::NewVelocity { largest_step: limit } => (step >= limit).then_some(StepUnstable { step, limit }),
+        }
+    }
+}
+
+impl fmt::Display for StepUnstable {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            f,
+            "the step {} is beyond the stability limit {}: slips will grow until they overflow. \
+             Choose time.step below the limit",
+            short(self.step),
+            short(self.limit)
+        )
+    }
+}
+
+/// Undamped, and the expected amplitude is above the critical one.
+#[derive(Clone, Debug, PartialEq)]
+pub struct AmplitudeAboveCritical {
+    /// Expected largest |x|.
+    pub expected: f64,
+    /// A_c.
+    pub critical: f64,
+}
+
+/// Below this relative growth of the amplitude over the whole run nothing can have grown.
+const GROWTH: f64 = 0.01;
+
+impl AmplitudeAboveCritical {
+    pub(super) fn due(derived: &Derived, step: f64, end: f64) -> Option<Self> {
+        let Some(Stability::Undamped { critical_amplitude: critical }) = derived.stability else { return None };
+        // What the scheme makes of the amplitude over the whole run.
+        let growth = derived.natural_frequency.powi(2) * step * end / 2.0;
+        let expected = derived.expected_amplitude;
+        (expected > critical && growth > GROWTH).then_some(AmplitudeAboveCritical { expected, critical })
+    }
+}
+
+impl fmt::Display for AmplitudeAboveCritical {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            f,
+            "without damping, the explicit step adds more energy than friction takes once the amplitude exceeds \
+             A_c = 4 f_d/(pi w0 h K) = {}, and about {} is to be expected: paths may grow without bound. A_c \
+             doubles when time.step is halved",
+            short(self.critical),
+            short(self.expected)
+        )
+    }
+}
+
+/// Few steps per half-cycle of the oscillator.
+#[derive(Clone, Debug, PartialEq)]
+pub struct StepAgainstOscillator {
+    /// pi / (w0 h).
+    pub steps_per_half_cycle: f64,
+}
+
+/// Fewest steps per half-cycle of the oscillator before its discretisation is worth a word.
+const FEW_STEPS: f64 = 16.0;
+
+impl StepAgainstOscillator {
+    pub(super) fn due(derived: &Derived, h: f64) -> Option<Self> {
+        let steps_per_half_cycle = PI / (derived.natural_frequency * h);
+        (steps_per_half_cycle < FEW_STEPS).then_some(StepAgainstOscillator { steps_per_half_cycle })
+    }
+}
+
+impl fmt::Display for StepAgainstOscillator {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            f,
+            "the step leaves only {} steps per half-cycle pi/w0 of the oscillator: slips are poorly resolved",
+            short(self.steps_per_half_cycle)
+        )
+    }
+}
+
+/// Few steps per period of a harmonic.
+#[derive(Clone, Debug, PartialEq)]
+pub struct StepAgainstForcing {
+    /// w.
+    pub angular_frequency: f64,
+    /// 2 pi / (w h).
+    pub steps_per_period: f64,
+}
+
+impl StepAgainstForcing {
+    pub(super) fn due(harmonic: &Harmonic, h: f64) -> Option<Self> {
+        let angular_frequency = harmonic.angular_frequency;
+        let steps_per_period = 2.0 * PI / (angular_frequency * h);
+        let is_due = steps_per_period < 2.0 * FEW_STEPS && harmonic.amplitude != 0.0;
+        is_due.then_some(StepAgainstForcing { angular_frequency, steps_per_period })
+    }
+}
+
+impl fmt::Display for StepAgainstForcing {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            f,
+            "the step leaves only {} steps per period of the harmonic with angular frequency {}: the forcing is \
+             poorly resolved",
+            short(self.steps_per_period),
+            short(self.angular_frequency)
+        )
+    }
+}
+
+/// theta h > 1: the noise forgets itself within a step.
+#[derive(Clone, Debug, PartialEq)]
+pub struct StepAgainstNoise {
+    /// theta h.
+    pub relaxations_per_step: f64,
+}
+
+impl StepAgainstNoise {
+    pub(super) fn due(noise: &Noise, h: f64) -> Option<Self> {
+        let relaxations_per_step = noise.relaxation_rate * h;
+        (relaxations_per_step > 1.0).then_some(StepAgainstNoise { relaxations_per_step })
+    }
+}
+
+impl fmt::Display for StepAgainstNoise {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            f,
+            "theta h = {}: the noise forgets itself within a step, and what it does in between is not seen",
+            short(self.relaxations_per_step)
+        )
+    }
+}

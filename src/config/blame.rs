@@ -1,0 +1,19 @@
+//! Where values stand that do not go together, and which of them to blame.
+
+use super::error::Fault;
+use super::fields::Fields;
+use super::source::Sources;
+use crate::scheme::Misfit;
+
+/// The fault for a misfit. It is shown at the first of the values, or at the first that an override
+/// brought, because a file is more likely to have been sound before a command line changed it. A
+/// default value stands nowhere.
+pub(super) fn blame(sources: &Sources<'_>, root: &Fields<'_>, misfit: &Misfit) -> Box<Fault> {
+    let Misfit { about, problem, remedy } = misfit;
+    let is_override = |(key, _): &&(&'static str, f64)| sources.is_override(root.place_of(key));
+    let (problem, remedy) = (problem.clone(), remedy.clone());
+    match about.iter().find(is_override).or(about.first()) {
+        Some((key, value)) => sources.fault(root.place_of(key), problem, remedy).of(key).value(format!("{value:?}")),
+        None => sources.fault(None, problem, remedy),
+    }
+}

@@ -1,0 +1,91 @@
+//! Text -> a checked scenario, and back. The only home of TOML.
+//!
+//! ```text
+//! source    the texts: a file, and the overrides of a command line
+//!   -> tree      TOML with the place of every value, overrides laid over it
+//!        -> fields    a table read key by key: unknown keys, types, ranges (keys lists them all)
+//!             -> parse     all of it: physics, time, and the rest
+//!                  -> a Scenario whose values go together, or the Fault that says what to change (blame: where)
+//! text      a Scenario -> TOML, every default visible; reading it again gives the same Scenario
+//! shipped   the scenarios that come with the program
+//! ```
+
+mod blame;
+mod error;
+mod fields;
+mod keys;
+mod overrides;
+mod parse;
+mod physics;
+mod shipped;
+mod source;
+mod text;
+mod time;
+mod tree;
+
+#[cfg(test)]
+mod tests;
+
+pub use error::{Fault, ScenarioError};
+pub use overrides::Override;
+pub use shipped::{SHIPPED, Shipped, shipped};
+
+use crate::scenario::Scenario;
+use source::Sources;
+use std::io::Read as _;
+use std::path::Path;
+
+/// Largest scenario file, in bytes; one that is larger is some other file.
+const MAX_FILE: u64 = 1 << 20;
+
+/// How an HDF5 file starts.
+const HDF5_SIGNATURE: &[u8] = b"\x89HDF\r\n\x1a\n";
+
+impl Scenario {
+    /// Read a file, lay the overrides over it in order, check the result.
+    pub fn read(path: &Path, overrides: &[Override]) -> Result<Self, ScenarioError> {
+        let name = path.display().to_string();
+        let unreadable =
+            |reason: String, remedy: String| ScenarioError::Unreadable { path: name.clone(), reason, remedy };
+        let not_scenario = || "give the path of a scenario, a TOML file; `mc init` writes one".to_string();
+        if path.is_dir() {
+            return Err(unreadable("it is a directory".into(), not_scenario()));
+        }
+        let mut bytes = Vec::new();
+        std::fs::File::open(path).and_then(|file| file.take(MAX_FILE + 1).read_to_end(&mut bytes)).map_err(|e| {
+            let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+            let remedy = match (e.kind(), shipped(&stem)) {
+                (std::io::ErrorKind::NotFound, Some(_)) => {
+                    format!("`mc init --from {stem}` writes the shipped scenario")
+                }
+                _ => not_scenario(),
+            };
+            unreadable(e.to_string(), remedy)
+        })?;
+        if bytes.starts_with(HDF5_SIGNATURE) {
+            return Err(unreadable("it is an HDF5 file".into(), format!("`mc show {name}` shows the results in it")));
+        }
+        if bytes.len() as u64 > MAX_FILE {
+            return Err(unreadable("it is larger than 1 MiB".into(), not_scenario()));
+        }
+        let text = String::from_utf8(bytes).map_err(|e| {
+            let valid = &e.as_bytes()[..e.utf8_error().valid_up_to()];
+            let line = valid.iter().filter(|byte| **byte == b'\n').count() + 1;
+            unreadable(format!("line {line} is not UTF-8 text"), "save it as UTF-8, without a byte-order mark".into())
+        })?;
+        Self::parse(&name, &text, overrides)
+    }
+
+    /// Check a text with overrides laid over it; `name` is what messages call it, and its stem the
+    /// default title.
+    pub fn parse(name: &str, text: &str, overrides: &[Override]) -> Result<Self, ScenarioError> {
+        let stem = Path::new(name).file_stem().unwrap_or_default().to_string_lossy();
+        let title: String = stem.chars().filter(|c| !c.is_control()).collect();
+        Ok(parse::scenario(&Sources { name, text, overrides }, &title)?)
+    }
+
+    /// The whole scenario as TOML, every default visible; parsing it gives this scenario again.
+    pub fn to_toml(&self) -> String {
+        text::resolved(self)
+    }
+}

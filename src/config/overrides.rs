@@ -1,0 +1,51 @@
+//! A key of a scenario with another value, as a command line gives it.
+
+use super::error::{Fault, ScenarioError};
+use std::fmt;
+
+/// A key of a scenario with a value to put there, and how the user wrote it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Override {
+    pub(super) shown: String,
+    pub(super) key: String,
+    pub(super) value: String,
+}
+
+impl Override {
+    /// From `--set key=value`: the key is dotted (`friction.static`,
+    /// `temperature.harmonics.0.amplitude`), the value is TOML, or a bare word for a string.
+    pub fn set(text: &str) -> Result<Self, ScenarioError> {
+        let shown = format!("--set {text}");
+        match text.split_once('=') {
+            Some((key, value)) => Ok(Override { shown, key: key.trim().to_string(), value: value.trim().to_string() }),
+            None => Err(Box::new(Fault {
+                origin: shown,
+                line: None,
+                column: None,
+                key: None,
+                value: None,
+                problem: "there is no `=`".into(),
+                remedy: "write --set key=value, e.g. --set friction.static=1.3".into(),
+                excerpt: None,
+            })
+            .into()),
+        }
+    }
+
+    /// From a flag of its own, such as `--paths`.
+    pub fn flag(flag: &str, key: &str, value: &str) -> Self {
+        Override { shown: format!("{flag} {value}"), key: key.to_string(), value: value.to_string() }
+    }
+
+    /// Whether it sets this key, by itself or with the whole table it is in.
+    pub fn sets(&self, key: &str) -> bool {
+        key.strip_prefix(&self.key).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
+    }
+}
+
+/// As it was typed.
+impl fmt::Display for Override {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.shown)
+    }
+}

@@ -1,0 +1,74 @@
+//! Sound scenarios at random, for tests.
+
+use super::{Ensemble, MAX_PATHS, MAX_TRAJECTORIES, Scenario, Time, Units};
+use crate::model::{Friction, Harmonic, InitialNoise, Model, Noise, Oscillator, Temperature};
+use crate::scheme::{Kind, monitoring_shift};
+use crate::stats::Record;
+use proptest::prelude::*;
+
+/// A number of any size that keeps K/m and the forces within a double.
+fn size() -> impl Strategy<Value = f64> {
+    (1.0..10.0f64, -12..12i32).prop_map(|(x, power)| x * 10f64.powi(power))
+}
+
+fn signed() -> impl Strategy<Value = f64> {
+    prop_oneof![size(), size().prop_map(|x| -x), Just(0.0)]
+}
+
+fn label() -> impl Strategy<Value = String> {
+    any::<String>().prop_map(|text| text.chars().filter(|c| !c.is_control()).collect())
+}
+
+prop_compose! {
+    fn noise()(intensity in size(), relaxation_rate in size(), diffusion in size(), v0 in proptest::option::of(signed()))
+        -> Noise {
+        let initial = v0.map_or(InitialNoise::Stationary, InitialNoise::At);
+        Noise { intensity, relaxation_rate, diffusion, initial }
+    }
+}
+
+prop_compose! {
+    fn model()(
+        (mass, stiffness, damping, dilatation) in (size(), size(), prop_oneof![size(), Just(0.0)], signed()),
+        (static_force, ratio) in (size(), 0.0..=1.0f64),
+        harmonics in proptest::collection::vec((signed(), size(), signed()), 0..4),
+        noise in proptest::option::of(noise()),
+        initial_displacement in signed(),
+    ) -> Model {
+        let harmonic = |(amplitude, angular_frequency, phase)| Harmonic { amplitude, angular_frequency, phase };
+        Model {
+            oscillator: Oscillator { mass, stiffness, damping, dilatation },
+            friction: Friction { static_force, dynamic_force: static_force * ratio },
+            temperature: Temperature { harmonics: harmonics.into_iter().map(harmonic).collect(), noise },
+            initial_displacement,
+        }
+    }
+}
+
+prop_compose! {
+    pub fn scenario()(
+        title in label(),
+        model in model(),
+        (step, steps, stride) in (size(), 0..10_000u32, 1..10_000u32),
+        (kind, tolerance) in (0..Kind::ALL.len(), 1e-9..=0.1f64),
+        (paths, seed) in (1..=MAX_PATHS, any::<u64>()),
+        (keep_paths, events, trajectories) in (any::<bool>(), any::<bool>(), 0..=MAX_TRAJECTORIES),
+        (time, length, force, temperature) in (label(), label(), label(), label()),
+    ) -> Scenario {
+        let kind = Kind::ALL[kind];
+        let scheme = kind.with(if kind.has_step() { step } else { tolerance });
+        let mut model = model;
+        if kind == Kind::CorrectedVi && monitoring_shift(&model, step) >= model.friction.static_force / 2.0 {
+            model.temperature.noise = None;
+        }
+        Scenario {
+            title,
+            model,
+            time: Time { end: f64::from(steps) * step, output_step: f64::from(stride) * step },
+            scheme,
+            ensemble: Ensemble { paths, seed },
+            record: Record { paths: keep_paths, events, trajectories },
+            units: Units { time, length, force, temperature },
+        }
+    }
+}
