@@ -55,8 +55,12 @@ fn the_statistics() {
 fn the_unit_of_the_kernel_s_noise() {
     let kernel = find("kernel.rs");
     let page = Page::read("docs/model.md");
-    let row = page.rows("symbol").into_iter().find(|row| row[0] == "kick").expect("a row for kick");
-    assert_eq!(kernel.contains("kick * SQRT_2"), row[1].starts_with("sqrt(2) times the standard deviation"), "{row:?}");
+    let row = page.rows("symbol").into_iter().find(|row| row[0] == "unit").expect("a row for unit");
+    assert_eq!(
+        kernel.contains("increment_sd * SQRT_2"),
+        row[1].starts_with("sqrt(2) times the standard deviation"),
+        "{row:?}"
+    );
 }
 
 /// Every symbol that a resolved scenario puts beside a key, as in `mass = 1.0  # m: mass`, is in

@@ -32,6 +32,9 @@ macro_rules! warnings {
         }
 
         impl Warning {
+            /// The names of all of them.
+            pub const NAMES: &'static [&'static str] = &[$($name),+];
+
             /// A short name for machines.
             pub fn name(&self) -> &'static str {
                 match self { $(Warning::$Warning(_) => $name,)+ }
