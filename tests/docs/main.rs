@@ -11,6 +11,7 @@ mod markdown;
 mod modules;
 mod names;
 mod output_format;
+mod outputs;
 mod rooms;
 mod scenario;
 mod source;

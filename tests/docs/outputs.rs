@@ -1,0 +1,85 @@
+//! What a page prints beside a command is what the command prints.
+
+use super::markdown::{Page, root, spans};
+use serde_json::Value;
+use std::path::Path;
+
+/// A folder in which commands run as they do in the root of the repository, and leave their files.
+fn workplace() -> tempfile::TempDir {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let scenarios = folder.path().join("scenarios");
+    std::fs::create_dir(&scenarios).expect("room");
+    for scenario in std::fs::read_dir(root().join("scenarios")).expect("the scenarios") {
+        let path = scenario.expect("readable").path();
+        std::fs::copy(&path, scenarios.join(path.file_name().expect("a file"))).expect("room");
+    }
+    folder
+}
+
+/// What `mc` prints on standard output.
+fn printed(folder: &Path, words: &[&str]) -> String {
+    let output = assert_cmd::Command::cargo_bin("mc").expect("built").current_dir(folder).args(words).output();
+    let output = output.expect("runs");
+    assert!(output.status.success(), "mc {}: {}", words.join(" "), String::from_utf8_lossy(&output.stderr));
+    String::from_utf8_lossy(&output.stdout).into_owned()
+}
+
+/// The fenced blocks of a page, each with its language, in order.
+fn blocks(page: &Page) -> Vec<(&str, &str)> {
+    let fences = page.text.split("\n```").skip(1).step_by(2);
+    fences.filter_map(|block| block.split_once('\n')).collect()
+}
+
+/// Wherever a block of commands is followed by a block of text, the commands print these lines in this
+/// order, and others before, between and after them.
+#[test]
+fn the_cascades_of_the_page_on_the_model() {
+    let (page, folder) = (Page::read("docs/model.md"), workplace());
+    let blocks = blocks(&page);
+    let mut compared = 0;
+    for pair in blocks.windows(2).filter(|pair| (pair[0].0, pair[1].0) == ("sh", "text")) {
+        let commands = pair[0].1.split(" && ").map(|command| command.split_whitespace().skip(1).collect::<Vec<_>>());
+        let printed: String = commands.map(|words| printed(folder.path(), &words)).collect();
+        let mut lines = printed.lines();
+        for shown in pair[1].1.lines() {
+            assert!(lines.any(|line| line == shown), "{}\ndoes not print: {shown}\n{printed}", pair[0].1);
+        }
+        compared += 1;
+    }
+    assert_eq!(compared, 3, "cascades");
+}
+
+/// All of it but the time that it took; the warning goes to standard error.
+#[test]
+fn the_table_of_the_readme() {
+    let (page, folder) = (Page::read("README.md"), workplace());
+    let (_, shown) = blocks(&page).into_iter().find(|(kind, _)| *kind == "text").expect("a table");
+    let (_, shown) = shown.split_once("no step\n").expect("the table after the warning");
+    let printed = printed(folder.path(), &["run", "scenarios/rho025.toml", "--paths", "10000"]);
+    let timeless = |text: &str| text.lines().filter(|line| !line.starts_with("time ")).map(String::from).collect();
+    let (shown, printed): (Vec<String>, Vec<String>) = (timeless(shown), timeless(&printed));
+    assert_eq!(shown, printed);
+}
+
+/// Every row of a table gives options, the mean stick duration and its interval.
+#[test]
+fn stick_durations_by_scheme_and_step() {
+    let folder = workplace();
+    let readme = Page::read("README.md").rows("").into_iter().filter(|row| row.len() == 5);
+    let readme: Vec<_> = readme.map(|row| (spans(&row[0])[0].to_string(), row[1].clone(), row[2].clone())).collect();
+    let model = Page::read("docs/model.md").rows("`mc run scenarios/rho025.toml --step H`").into_iter();
+    let model: Vec<_> = model.map(|row| (format!("--step {}", row[0]), row[1].clone(), row[2].clone())).collect();
+    assert_eq!((readme.len(), model.len()), (7, 4), "the rows are recognised");
+    assert!(model.iter().all(|row| !row.0.contains("scheme") && readme.contains(row)), "both pages say the same");
+    for (options, mean, interval) in readme {
+        let words = ["run scenarios/rho025.toml --paths 10000 --no-bias --force --json", options.as_str()].join(" ");
+        let report = printed(folder.path(), &words.split(' ').collect::<Vec<_>>());
+        let report: Value = serde_json::from_str(&report).expect("JSON");
+        let number = |key: &str| {
+            let number = report["statistics"]["stick_duration_mean"][key].as_f64().expect("a number");
+            format!("{number:.4}")
+        };
+        assert_eq!(mean, number("estimate"), "{options}");
+        assert_eq!(interval, format!("{} to {}", number("low"), number("high")), "{options}");
+    }
+}
