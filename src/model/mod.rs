@@ -17,6 +17,7 @@ mod harmonic_clock;
 mod impulse_response;
 mod oscillator;
 mod slip_flow;
+mod step_response;
 mod temperature;
 
 pub use cascade::{Event, EventKind, Phase, Sign};
@@ -26,6 +27,7 @@ pub use harmonic_clock::HarmonicClock;
 pub use impulse_response::ImpulseResponse;
 pub use oscillator::Oscillator;
 pub use slip_flow::{ForcedOscillator, ForcingTerm, SlipFlow, SlipState};
+pub use step_response::{SETTLED, StepResponse};
 pub use temperature::{Harmonic, InitialNoise, Noise, Temperature};
 
 /// Everything the physics needs: one oscillator, its friction, its temperature, where it starts.

@@ -3,7 +3,7 @@
 use super::amplitude::NEVER_SD;
 use super::check::force_bound;
 use super::{Derived, MAX_PERIODS, Scenario, SchemeKind, Stability};
-use crate::model::Model;
+use crate::model::{Model, StepResponse};
 use crate::scheme::{Resolution, monitoring_shift};
 use std::f64::consts::PI;
 use std::fmt;
@@ -88,10 +88,19 @@ pub enum Warning {
     Resolution(Resolution),
     /// The force changes too much during a slip for the quasi-static recursion.
     ForcingDuringSlip {
-        /// By how much, roughly, over a slip of pi/w0.
+        /// How long a slip lasts: pi/w0 without damping.
+        duration: f64,
+        /// By how much, roughly, in that time.
         change: f64,
-        /// 2 (f_s - f_d), what a slip lets go.
+        /// What a slip lets go: 2 (f_s - f_d) without damping.
         released: f64,
+    },
+    /// The damped swing of the quasi-static recursion has no end where the forcing moves on: the body creeps.
+    Creep {
+        /// How fast the harmonics change the force, at most.
+        rate: f64,
+        /// The rate from which on a slip has no end.
+        limit: f64,
     },
     /// f_s = f_d in the quasi-static recursion: the body never moves.
     NeverMoves,
@@ -255,7 +264,8 @@ fn quasi_static_warnings(model: &Model, warnings: &mut Vec<Warning>) {
         warnings.push(Warning::NeverMoves);
         return;
     }
-    let slip = PI / oscillator.natural_frequency();
+    let swing = StepResponse::new(oscillator);
+    let slip = swing.duration;
     let rates = temperature.harmonics.iter().map(|h| h.amplitude.abs() * h.angular_frequency);
     // However fast a harmonic, it changes by no more than twice its amplitude.
     let bounds = temperature.harmonics.iter().map(|h| 2.0 * h.amplitude.abs());
@@ -264,10 +274,17 @@ fn quasi_static_warnings(model: &Model, warnings: &mut Vec<Warning>) {
         let spread = noise.diffusion * slip.min(0.5 / noise.relaxation_rate).sqrt();
         noise.intensity * spread
     });
-    let change = oscillator.stiffness * oscillator.dilatation.abs() * (harmonics + noise);
-    let released = 2.0 * (friction.static_force - friction.dynamic_force);
-    if change > SLOW_FORCING * released {
-        warnings.push(Warning::ForcingDuringSlip { change, released });
+    let to_force = oscillator.stiffness * oscillator.dilatation.abs();
+    let change = to_force * (harmonics + noise);
+    let gap = friction.static_force - friction.dynamic_force;
+    let released = (1.0 + swing.overshoot) * gap;
+    // What ends a slip is that the body swings back faster than the forcing moves on, or that noise does it.
+    let rate = to_force * temperature.harmonics.iter().map(|h| h.amplitude.abs() * h.angular_frequency).sum::<f64>();
+    let limit = swing.return_speed * oscillator.natural_frequency() * gap + to_force * noise / slip;
+    if rate > limit && change <= released {
+        warnings.push(Warning::Creep { rate, limit });
+    } else if change > SLOW_FORCING * released {
+        warnings.push(Warning::ForcingDuringSlip { duration: slip, change, released });
     }
 }
 
@@ -311,6 +328,7 @@ impl Warning {
             Warning::IncompleteCorrection { .. } => "incomplete-correction",
             Warning::Resolution(_) => "resolution",
             Warning::ForcingDuringSlip { .. } => "forcing-during-slip",
+            Warning::Creep { .. } => "creep",
             Warning::NeverMoves => "never-moves",
             Warning::NeverSlips { .. } => "never-slips",
             Warning::IdenticalPaths { .. } => "identical-paths",
@@ -417,14 +435,23 @@ impl fmt::Display for Warning {
                  sticking fraction and positions do have limits",
                 short(*shortest_slip)
             ),
-            Warning::ForcingDuringSlip { change, released } => write!(
+            Warning::ForcingDuringSlip { duration, change, released } => write!(
                 f,
-                "the forcing is not slow: while a slip lasts, pi/w0, it changes the force by about {}, and a slip lets go of 2 \
-                 (f_s - f_d) = {}. The quasi-static recursion takes it to stand still, so its displacements will be off by \
+                "the forcing is not slow: while a slip lasts, {}, it changes the force by about {}, and a slip lets go of \
+                 {}. The quasi-static recursion takes it to stand still, so its displacements will be off by \
                  about {} %; `--scheme event-driven` takes it as it is",
+                short(*duration),
                 short(*change),
                 short(*released),
                 short((100.0 * change / released).ceil())
+            ),
+            Warning::Creep { rate, limit } => write!(
+                f,
+                "the damped body does not swing back fast enough to end a slip: the harmonics change the force by up to {} \
+                 per unit of time, and above {} the body creeps behind the temperature until that turns. The quasi-static \
+                 recursion makes sticks and slips of it; `--scheme event-driven` lets it creep",
+                short(*rate),
+                short(*limit)
             ),
             Warning::NeverMoves => write!(
                 f,

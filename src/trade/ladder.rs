@@ -114,7 +114,9 @@ fn is_against_step(warning: &Warning) -> bool {
 fn quasi_static(scenario: &Scenario) -> Result<SchemeKind, String> {
     let setting = Setting { scheme: SchemeKind::ALL[3], step: None };
     let candidate = setting.of(scenario).map_err(|error| error.to_string())?;
-    let against = |warning: &Warning| matches!(warning, Warning::ForcingDuringSlip { .. } | Warning::NeverMoves);
+    let against = |warning: &Warning| {
+        matches!(warning, Warning::ForcingDuringSlip { .. } | Warning::Creep { .. } | Warning::NeverMoves)
+    };
     match candidate.warnings().into_iter().find(against) {
         Some(warning) => Err(warning.to_string()),
         None => Ok(setting.scheme),
