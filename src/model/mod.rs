@@ -20,6 +20,7 @@ mod oscillator;
 #[cfg(test)]
 pub(crate) mod paper;
 mod slip_flow;
+mod step_response;
 mod temperature;
 
 pub use cascade::{Event, EventKind, Phase, Sign};
@@ -30,6 +31,7 @@ pub use impulse_response::ImpulseResponse;
 pub use limits::{LARGEST, can_be_computed_with};
 pub use oscillator::Oscillator;
 pub use slip_flow::{ForcedOscillator, ForcingTerm, SlipFlow, SlipState};
+pub use step_response::{SETTLED, StepResponse};
 pub use temperature::{Harmonic, InitialNoise, Noise, Temperature};
 
 /// Everything the physics needs: one oscillator, its friction, its temperature, where it starts.

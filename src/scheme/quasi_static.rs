@@ -1,26 +1,43 @@
-//! Scheme C: quasi-static, the paper's approximation for slow forcing (its section on the bridge).
+//! Scheme C: quasi-static, the paper's approximation for slow forcing (its section on the bridge), with
+//! damping.
 //!
-//! While the body slips the temperature is taken to stand still. Then each dynamic phase is one
-//! half-cycle about the equilibrium at its start, and the cascade is a recursion:
+//! While the body slips the temperature is taken to stand still. At the exit |b| = f_s, so the body
+//! starts from rest towards an equilibrium that is (f_s - f_d)/K away, and swings beyond it until it
+//! is at rest again ([`StepResponse`]). The cascade is then a recursion:
 //!
 //! ```text
-//! tau_{j+1/2} = inf{t > tau_j : |b(x_j, t)| > f_s},    tau_{j+1} = tau_{j+1/2} + pi/w0,
-//! x_{j+1} = x_j + 2 eps_j (f_s - f_d)/K,               eps_j = sign b(x_j, tau_{j+1/2})
+//! tau_{j+1/2} = inf{t > tau_j : |b(x_j, t)| > f_s},      tau_{j+1} = tau_{j+1/2} + pi/w_d,
+//! x_{j+1} = x_j + (1 + q) eps_j (f_s - f_d)/K,           eps_j = sign b(x_j, tau_{j+1/2})
+//! q = e^{-pi zeta/sqrt(1 - zeta^2)},   zeta = alpha/(m w0),   w_d = w0 sqrt(1 - zeta^2)
 //! ```
 //!
-//! with b = K (beta T - x). (The paper prints the integrals of this section from tau_j; they start
-//! at tau_{j+1/2}.) Damping does not enter. With f_s = f_d the body never moves and only the times
-//! do. In between, for whoever looks, x(t) = x_j + eps (f_s - f_d)/K (1 - cos w0 (t -
-//! tau_{j+1/2})). Exits are those of the event-driven scheme: first roots without noise, bridge
-//! crossings with it. Nothing in the recursion asks whether |b| <= f_s at tau_{j+1}; where it is
-//! not, the stick there is empty.
+//! with b = K (beta T - x) at rest. The paper has zeta = 0, where the half-cycle lasts pi/w0 and moves
+//! 2 (f_s - f_d)/K. (It prints the integrals of this section from tau_j; they start at tau_{j+1/2}.)
+//! In between, for whoever looks, x(t) and x'(t) are those of the swing. With f_s = f_d the body never
+//! moves and only the times do.
+//!
+//! **At critical damping and above** (zeta >= 1) the swing has no overshoot, q = 0, and no end: the
+//! slip is taken to last the settling time, until a thousandth of the way is left, and to have made
+//! all of the way. A slip must end, or the recursion would stop at the first one; any end at which
+//! nearly all of the way is made gives the same sticks and jumps where the forcing is slow, for which
+//! alone the recursion is meant. The settling time is also about how long such a slip does last: what
+//! ends it is noise, once it moves x' more than the rest of the swing does (docs/event-driven.md).
+//!
+//! **Where it is not the limit of slow forcing.** A forcing that moves the equilibrium faster than the
+//! body would swing back, K |beta| |T'| > (f_s - f_d) w0 [`StepResponse::return_speed`], leaves x' no
+//! zero: the body creeps behind the temperature until that turns. Without noise every forcing does so
+//! for zeta >= 1, however slow, and close below 1 all but the slowest.
+//!
+//! Exits are those of the event-driven scheme: first roots without noise, bridge crossings with it.
+//! Nothing in the recursion asks whether |b| <= f_s at tau_{j+1}; where it is not, the stick there is
+//! empty.
 
 use super::event_driven::{
     self, Cascade, ExactTime, Noiseless, Scene, StepRules, StickSteps, UnfeltNoise, Unresolved, WORK_LIMIT,
     check_friction, forcing,
 };
 use super::{DEFAULT_TOLERANCE, Discretisation, Look, Method, Misfit, Observer, Parameter, Simulate, Timeline};
-use crate::model::{Complex, Event, EventKind, Model, Phase, Sign};
+use crate::model::{Complex, Event, EventKind, Model, Phase, Sign, StepResponse};
 
 /// The quasi-static scheme with this tolerance.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -68,9 +85,9 @@ pub struct QuasiStaticSimulation {
     exits: Exits,
     /// What a path may spend.
     work_limit: u64,
-    /// pi / w0.
-    slip_duration: f64,
-    /// 2 (f_s - f_d)/K: what a slip moves.
+    /// What a slip is.
+    swing: StepResponse,
+    /// (1 + q) (f_s - f_d)/K: how far it moves.
     jump: f64,
 }
 
@@ -104,16 +121,11 @@ impl QuasiStaticSimulation {
             (scene.diffusion, scene.initial_noise.1) = (0.0, 0.0);
             Exits::Noiseless(Box::new(Noiseless::new(model, timeline)), UnfeltNoise::new(model))
         };
-        let friction = model.friction;
-        QuasiStaticSimulation {
-            model: model.clone(),
-            scene,
-            timeline: *timeline,
-            exits,
-            work_limit: WORK_LIMIT,
-            slip_duration: std::f64::consts::PI / model.oscillator.natural_frequency(),
-            jump: 2.0 * (friction.static_force - friction.dynamic_force) / model.oscillator.stiffness,
-        }
+        let Model { oscillator, friction, .. } = model;
+        let swing = StepResponse::new(oscillator);
+        let jump = (1.0 + swing.overshoot) * (friction.static_force - friction.dynamic_force) / oscillator.stiffness;
+        let (model, timeline) = (model.clone(), *timeline);
+        QuasiStaticSimulation { model, scene, timeline, exits, work_limit: WORK_LIMIT, swing, jump }
     }
 
     /// Without noise: the exit of the static phase, if the path comes to it by then.
@@ -175,7 +187,7 @@ impl Cascade for QuasiStaticSimulation {
         until: f64,
         _: &mut (),
     ) -> Result<Option<Event>, Unresolved> {
-        let end = path.motion.time + self.slip_duration;
+        let end = path.motion.time + self.swing.duration;
         self.let_noise_pass(path, end.min(until));
         if end > until {
             return Ok(None);
@@ -202,10 +214,9 @@ impl Cascade for QuasiStaticSimulation {
         let (x, v) = match path.phase {
             Phase::Static => (path.displacement, 0.0),
             Phase::Slip(direction) => {
-                let w0 = self.scene.oscillator.natural_frequency();
-                let (sin, cos) = libm::sincos(w0 * (time - path.motion.time));
-                let swing = 0.5 * direction.value() * self.jump;
-                (path.displacement + swing * (1.0 - cos), swing * w0 * sin)
+                let equilibrium = direction.value() * self.jump / (1.0 + self.swing.overshoot);
+                let (way, velocity) = self.swing.at(equilibrium, time - path.motion.time);
+                (path.displacement + way, velocity)
             }
         };
         (x, v, temperature)

@@ -14,7 +14,8 @@
 //! | energy: a step of the discrete schemes balances to rounding with its own O(h^2) surplus | 1e-12 of its terms |
 //! | T from one look to the next (event-driven) | as far as its harmonics and twelve standard deviations of its noise go |
 //! | energy: event-driven, T between two looks known as well as it can move in between | that, times the way; 1e-9 of its terms |
-//! | quasi-static: a slip lasts pi/w0 and moves 2 (f_s - f_d)/K | rounding |
+//! | quasi-static: a slip lasts pi/w_d and moves (1 + e^{-pi zeta/sqrt(1 - zeta^2)}) (f_s - f_d)/K, | rounding |
+//! | or, for zeta >= 1, until 1e-3 of the way (f_s - f_d)/K is left | rounding, 1e-6 |
 //! | stick time + slip time = t_end | a rounding of t_end an event |
 //! | discrete schemes: the same events however rarely one looks (in the survey itself) | none |
 
@@ -196,9 +197,24 @@ impl Watch {
 
     fn check_recursion(&self, lane: &Lane, time: f64, x: f64) -> Result<(), String> {
         let Model { oscillator, friction, .. } = &self.model;
-        let lasts = std::f64::consts::PI / oscillator.natural_frequency();
-        ensure((time - lane.since - lasts).abs() <= 4.0 * ULP * (time + lasts), || "a slip of another length".into())?;
-        let jump = 2.0 * (friction.static_force - friction.dynamic_force) / oscillator.stiffness;
+        let (w0, gamma) = (oscillator.natural_frequency(), oscillator.damping / oscillator.mass);
+        let (zeta, lasted, rounding) = (gamma / w0, time - lane.since, 4.0 * ULP * time);
+        let overshoot = if zeta < 1.0 {
+            let root = ((1.0 - zeta) * (1.0 + zeta)).sqrt();
+            let lasts = std::f64::consts::PI / (w0 * root);
+            let allowed = rounding + 4.0 * ULP * lasts;
+            ensure((lasted - lasts).abs() <= allowed, || format!("a slip of {lasted:e}, not {lasts:e}"))?;
+            (-std::f64::consts::PI * zeta / root).exp()
+        } else {
+            // The share of the way that is left: e^{l1 t} and e^{l2 t}, weighted to start at 1 and at rest.
+            let fast = gamma + ((gamma - w0) * (gamma + w0)).sqrt();
+            let slow = w0 * (w0 / fast);
+            let left = (fast * (-slow * lasted).exp() - slow * (-fast * lasted).exp()) / (fast - slow);
+            let allowed = 1e-6 + 2.0 * slow * rounding;
+            ensure((left / 1e-3 - 1.0).abs() <= allowed, || format!("a slip that leaves {left:e} of the way"))?;
+            0.0
+        };
+        let jump = (1.0 + overshoot) * (friction.static_force - friction.dynamic_force) / oscillator.stiffness;
         let moved = (x - lane.slip_origin).abs();
         ensure((moved - jump).abs() <= 4.0 * ULP * (x.abs() + jump), || format!("moved {moved:e}, not {jump:e}"))
     }

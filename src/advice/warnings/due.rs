@@ -18,6 +18,7 @@ impl Scenario {
             Discretisation::Approximation => listed([
                 NeverMoves::due(&self.model).map(Warning::from),
                 ForcingDuringSlip::due(&self.model).map(Warning::from),
+                Creep::due(&self.model).map(Warning::from),
             ]),
         };
         [of_scheme, of_question(self, &derived)].concat()

@@ -16,7 +16,7 @@ pub use noise::{
     CorrectedBias, EqualFriction, IncompleteCorrection, LargeShift, MicroSlips, StepAgainstCorridor, StickExitBias,
     Unresolved,
 };
-pub use quasi_static::{ForcingDuringSlip, NeverMoves};
+pub use quasi_static::{Creep, ForcingDuringSlip, NeverMoves};
 pub use question::{FewPeriods, IdenticalPaths, ManyPeriods, NeverSlips, NoDilatation};
 pub use step::{AmplitudeAboveCritical, StepAgainstForcing, StepAgainstNoise, StepAgainstOscillator, StepUnstable};
 
@@ -71,6 +71,7 @@ warnings! {
     IncompleteCorrection = "incomplete-correction",
     Unresolved = "resolution",
     ForcingDuringSlip = "forcing-during-slip",
+    Creep = "creep",
     NeverMoves = "never-moves",
     NeverSlips = "never-slips",
     IdenticalPaths = "identical-paths",

@@ -1,8 +1,7 @@
 //! What to know about the recursion that takes the forcing to stand still while a slip lasts.
 
-use crate::model::Model;
+use crate::model::{Model, StepResponse};
 use crate::numbers::short;
-use std::f64::consts::PI;
 use std::fmt;
 
 /// f_s = f_d in the quasi-static recursion: the body never moves.
@@ -24,12 +23,63 @@ impl fmt::Display for NeverMoves {
     }
 }
 
+/// What a slip of the recursion is, beside what the forcing does meanwhile.
+struct Slip {
+    /// How long it lasts: pi/w0 without damping.
+    duration: f64,
+    /// By how much, roughly, the force changes in that time.
+    change: f64,
+    /// What it lets go: 2 (f_s - f_d) without damping.
+    released: f64,
+    /// How fast the harmonics change the force, at most.
+    rate: f64,
+    /// The rate from which on it has no end.
+    limit: f64,
+}
+
+impl Slip {
+    /// None where slips move nothing.
+    fn of(model: &Model) -> Option<Self> {
+        if NeverMoves::due(model).is_some() {
+            return None;
+        }
+        let Model { oscillator, friction, temperature, .. } = model;
+        let swing = StepResponse::new(oscillator);
+        let duration = swing.duration;
+        let rates = temperature.harmonics.iter().map(|h| h.amplitude.abs() * h.angular_frequency);
+        // However fast a harmonic, it changes by no more than twice its amplitude.
+        let bounds = temperature.harmonics.iter().map(|h| 2.0 * h.amplitude.abs());
+        let harmonics: f64 = rates.clone().zip(bounds).map(|(rate, bound)| (rate * duration).min(bound)).sum();
+        let noise = temperature.noise.map_or(0.0, |noise| {
+            let spread = noise.diffusion * duration.min(0.5 / noise.relaxation_rate).sqrt();
+            noise.intensity * spread
+        });
+        let to_force = oscillator.force_per_temperature().abs();
+        let gap = friction.static_force - friction.dynamic_force;
+        // A slip ends because the body swings back faster than the forcing moves on, or because of noise.
+        let swings_back = swing.return_speed * oscillator.natural_frequency() * gap;
+        Some(Slip {
+            duration,
+            change: to_force * (harmonics + noise),
+            released: (1.0 + swing.overshoot) * gap,
+            rate: to_force * rates.sum::<f64>(),
+            limit: swings_back + to_force * noise / duration,
+        })
+    }
+
+    fn creeps(&self) -> bool {
+        self.rate > self.limit && self.change <= self.released
+    }
+}
+
 /// The force changes too much during a slip for the quasi-static recursion.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ForcingDuringSlip {
-    /// By how much, roughly, over a slip of pi/w0.
+    /// How long a slip lasts: pi/w0 without damping.
+    pub duration: f64,
+    /// By how much, roughly, in that time.
     pub change: f64,
-    /// 2 (f_s - f_d), what a slip lets go.
+    /// What a slip lets go: 2 (f_s - f_d) without damping.
     pub released: f64,
 }
 
@@ -39,36 +89,55 @@ pub struct ForcingDuringSlip {
 const SLOW_FORCING: f64 = 0.01;
 
 impl ForcingDuringSlip {
-    /// It is not due where slips move nothing.
+    /// It is not due where slips move nothing, nor where the body creeps.
     pub(super) fn due(model: &Model) -> Option<Self> {
-        let Model { oscillator, friction, temperature, .. } = model;
-        let slip = PI / oscillator.natural_frequency();
-        let rates = temperature.harmonics.iter().map(|h| h.amplitude.abs() * h.angular_frequency);
-        // However fast a harmonic, it changes by no more than twice its amplitude.
-        let bounds = temperature.harmonics.iter().map(|h| 2.0 * h.amplitude.abs());
-        let harmonics: f64 = rates.zip(bounds).map(|(rate, bound)| (rate * slip).min(bound)).sum();
-        let noise = temperature.noise.map_or(0.0, |noise| {
-            let spread = noise.diffusion * slip.min(0.5 / noise.relaxation_rate).sqrt();
-            noise.intensity * spread
-        });
-        let change = oscillator.force_per_temperature().abs() * (harmonics + noise);
-        let released = 2.0 * (friction.static_force - friction.dynamic_force);
-        let is_due = NeverMoves::due(model).is_none() && change > SLOW_FORCING * released;
-        is_due.then_some(ForcingDuringSlip { change, released })
+        let slip = Slip::of(model).filter(|slip| !slip.creeps())?;
+        let Slip { duration, change, released, .. } = slip;
+        (change > SLOW_FORCING * released).then_some(ForcingDuringSlip { duration, change, released })
     }
 }
 
 impl fmt::Display for ForcingDuringSlip {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let ForcingDuringSlip { change, released } = *self;
+        let ForcingDuringSlip { duration, change, released } = *self;
         write!(
             f,
-            "the forcing is not slow: while a slip lasts, pi/w0, it changes the force by about {}, and a slip lets go of 2 \
-             (f_s - f_d) = {}. The quasi-static recursion takes it to stand still, so its displacements will be off by \
+            "the forcing is not slow: while a slip lasts, {}, it changes the force by about {}, and a slip lets go of \
+             {}. The quasi-static recursion takes it to stand still, so its displacements will be off by \
              about {} %; `--scheme event-driven` takes it as it is",
+            short(duration),
             short(change),
             short(released),
             short((100.0 * change / released).ceil())
+        )
+    }
+}
+
+/// The damped swing of the quasi-static recursion has no end where the forcing moves on: the body creeps.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Creep {
+    /// How fast the harmonics change the force, at most.
+    pub rate: f64,
+    /// The rate from which on a slip has no end.
+    pub limit: f64,
+}
+
+impl Creep {
+    pub(super) fn due(model: &Model) -> Option<Self> {
+        let Slip { rate, limit, .. } = Slip::of(model).filter(Slip::creeps)?;
+        Some(Creep { rate, limit })
+    }
+}
+
+impl fmt::Display for Creep {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            f,
+            "the damped body does not swing back fast enough to end a slip: the harmonics change the force by up to {} \
+             per unit of time, and above {} the body creeps behind the temperature until that turns. The quasi-static \
+             recursion makes sticks and slips of it; `--scheme event-driven` lets it creep",
+            short(self.rate),
+            short(self.limit)
         )
     }
 }

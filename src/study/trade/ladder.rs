@@ -121,7 +121,9 @@ fn suits(scenario: &Scenario, scheme: Kind) -> Result<(), String> {
         return Ok(());
     }
     let candidate = scenario.with_scheme(scheme).map_err(|misfit| misfit.to_string())?;
-    let against = |warning: &Warning| matches!(warning, Warning::ForcingDuringSlip(_) | Warning::NeverMoves(_));
+    let against = |warning: &Warning| {
+        matches!(warning, Warning::ForcingDuringSlip(_) | Warning::Creep(_) | Warning::NeverMoves(_))
+    };
     match candidate.warnings().into_iter().find(against) {
         Some(warning) => Err(warning.to_string()),
         None => Ok(()),
