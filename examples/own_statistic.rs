@@ -7,33 +7,29 @@ use stick_slip::model::{Event, EventKind};
 use stick_slip::scenario::Scenario;
 use stick_slip::stats::{Measurement, PathMeans, PathState, Tally};
 
-/// The share of sticks that last longer than this.
+/// The share of sticks that last longer than this, the first one of each path left out.
 struct LongSticks(f64);
 
-/// When the present stick began (none before the first slip, which starts from the initial condition), how many have
-/// ended, and how many of them were long.
-#[derive(Clone, Default)]
-struct Sticks(Option<f64>, f64, f64);
-
 impl Tally<2> for LongSticks {
-    type Path = Sticks;
+    /// When the present stick was entered, none before the first slip; how many were long; how many ended.
+    type Path = (Option<f64>, f64, f64);
 
-    fn start(&self) -> Sticks {
-        Sticks::default()
+    fn start(&self) -> Self::Path {
+        (None, 0.0, 0.0)
     }
 
-    fn event(&self, Sticks(entered, ended, long): &mut Sticks, event: &Event) {
+    fn event(&self, (entered, long, ended): &mut Self::Path, event: &Event) {
         match (event.kind, *entered) {
             (EventKind::StickEntered, _) => *entered = Some(event.time),
             (EventKind::SlipStarted(_), Some(start)) => {
-                *ended += 1.0;
                 *long += f64::from(u8::from(event.time - start > self.0));
+                *ended += 1.0;
             }
             _ => {}
         }
     }
 
-    fn end(&self, Sticks(_, ended, long): Sticks, _: PathState) -> [f64; 2] {
+    fn end(&self, (_, long, ended): Self::Path, _: PathState) -> [f64; 2] {
         [long, ended]
     }
 

@@ -13,7 +13,9 @@ mod differences;
 mod extrapolation;
 mod groups;
 
+#[doc(hidden)]
 pub use anchor::Anchor;
+#[doc(hidden)]
 pub use differences::Differences;
 
 use crate::model::Model;

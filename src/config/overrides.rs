@@ -4,6 +4,18 @@ use super::error::{Fault, ScenarioError};
 use std::fmt;
 
 /// A key of a scenario with a value to put there, and how the user wrote it.
+///
+/// ```
+/// use stick_slip::config::{Override, shipped};
+/// use stick_slip::scenario::Scenario;
+///
+/// let text = shipped("rho025").expect("a shipped scenario").text;
+/// let stronger = Scenario::parse("mine.toml", text, &[Override::set("friction.static=1.3")?])?;
+/// assert_eq!(stronger.model.friction.static_force, 1.3);
+/// let error = Scenario::parse("mine.toml", text, &[Override::set("friction.static=0.9")?]).unwrap_err();
+/// assert!(error.to_string().contains("fix:"));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Override {
     pub(super) shown: String,

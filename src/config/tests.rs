@@ -247,6 +247,29 @@ fn values_that_cannot_be_computed_with_are_refused_with_the_reason() {
     }
 }
 
+/// The checks know no file: a scenario that was changed in memory is refused for the same reasons.
+#[test]
+fn what_a_file_is_refused_for_data_are_refused_for() {
+    type Change = fn(&mut Scenario);
+    let changes: [(Change, &str, &str); 7] = [
+        (|s| s.model.friction.dynamic_force = 2.0, "friction.dynamic", "is above `friction.static`"),
+        (|s| s.model.oscillator.mass = 1e-310, "oscillator.stiffness", "K/m = inf"),
+        (|s| s.model.oscillator.damping = 1e101, "oscillator.damping", "alpha/m"),
+        (|s| s.model.oscillator.dilatation = 5e99, "oscillator.dilatation", "reach 4"),
+        (|s| s.time.end = 1e101, "time.end", "lets |x| grow"),
+        (|s| s.time.output_step = 0.007, "time.output_step", "is not a whole number of steps"),
+        (|s| s.time = Time { end: 1000.0, output_step: 0.01 }, "time.output_step", "100001 rows"),
+    ];
+    let sound = base(&[]).unwrap();
+    assert_eq!(sound.check(), Ok(()));
+    for (change, key, reason) in changes {
+        let mut changed = sound.clone();
+        change(&mut changed);
+        let misfit = changed.check().unwrap_err();
+        assert!(misfit.about[0].0 == key && misfit.problem.contains(reason), "{misfit}");
+    }
+}
+
 #[test]
 fn extremes_that_can_be_computed_with_are_accepted() {
     for set in [

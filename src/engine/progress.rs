@@ -1,6 +1,24 @@
 //! Whom a run tells how far it has come.
 
 /// Told once a block, on whichever thread has finished it. Every method does nothing unless it is written.
+///
+/// ```
+/// use stick_slip::engine::{Progress, Run};
+/// use stick_slip::scenario::Scenario;
+///
+/// struct Percent(u64);
+///
+/// impl Progress for Percent {
+///     fn paths(&mut self, done: u64, expected: u64) { self.0 = 100 * done / expected; }
+/// }
+///
+/// let mut percent = Percent(0);
+/// let mut scenario = Scenario::shipped("rho025")?;
+/// scenario.ensemble.paths = 600;
+/// Run::of(&scenario).told(&mut percent).simulate()?;
+/// assert_eq!(percent.0, 100);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub trait Progress: Send {
     /// So many paths are done, and so many will be needed in all, as far as can be told now.
     fn paths(&mut self, done: u64, expected: u64) {

@@ -5,6 +5,17 @@ use crate::scenario::{MAX_ROWS, MAX_TRAJECTORIES, Scenario};
 use crate::stats::{BlockResult, Record};
 
 /// One path, simulated again.
+///
+/// ```
+/// use stick_slip::engine::Replay;
+/// use stick_slip::scenario::Scenario;
+///
+/// let replay = Replay::of(&Scenario::shipped("rho025")?, 4711);
+/// let events = replay.block.events.expect("a replay records them");
+/// println!("path 4711 has {} events, the first at {}", events.time.len(), events.time[0]);
+/// # assert_eq!(replay.block.trajectories.expect("and the trajectory").displacement[0], 6.0);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct Replay {
     /// The scenario with the output grid of the trajectory, and everything recorded.

@@ -7,6 +7,7 @@
 
 mod in_order;
 
+#[doc(hidden)]
 pub use in_order::in_order;
 
 use crate::model::Model;
@@ -98,7 +99,7 @@ impl Plan {
         totals.totals().summary()
     }
 
-    /// Simulate block after block on `threads` threads, and deliver each in order to `deliver`, as [`in_order`] says. Returns the
+    /// Simulate block after block on `threads` threads, and deliver each in order to `deliver`, in the order of their numbers. Returns the
     /// number of paths delivered.
     pub fn run_into<E: Send>(
         &self,

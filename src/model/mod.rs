@@ -26,12 +26,16 @@ mod temperature;
 pub use cascade::{Event, EventKind, Phase, Sign};
 pub use complex::Complex;
 pub use friction::{Friction, prox};
+#[doc(hidden)]
 pub use harmonic_clock::HarmonicClock;
+#[doc(hidden)]
 pub use impulse_response::ImpulseResponse;
-pub use limits::{LARGEST, can_be_computed_with};
+pub(crate) use limits::{LARGEST, can_be_computed_with};
 pub use oscillator::Oscillator;
-pub use slip_flow::{ForcedOscillator, ForcingTerm, SlipFlow, SlipState};
-pub use step_response::{SETTLED, StepResponse};
+pub(crate) use slip_flow::{ForcedOscillator, ForcingTerm, SlipFlow};
+#[doc(hidden)]
+pub use step_response::SETTLED;
+pub(crate) use step_response::StepResponse;
 pub use temperature::{Harmonic, InitialNoise, Noise, Temperature};
 
 /// Everything the physics needs: one oscillator, its friction, its temperature, where it starts.

@@ -58,6 +58,12 @@ pub struct Temperature {
     pub noise: Option<Noise>,
 }
 
+/// Cycles of the slowest harmonic in which the others are to come round.
+pub const MOST_CYCLES: u32 = 1000;
+
+/// How far, relative to it, a number of cycles may be from a whole one: rounding of decimal fractions, no more.
+const WHOLE: f64 = 1e-9;
+
 impl Temperature {
     /// Whether T(t) differs from path to path, and with it all that follows from it. Else one path
     /// is the ensemble.
@@ -89,8 +95,38 @@ impl Temperature {
         harmonics + noise
     }
 
-    /// P: the period of the first harmonic whose frequency is above zero.
+    /// P: the shortest time after which every harmonic repeats itself.
+    ///
+    /// None where no harmonic moves, and where their frequencies have no common measure: where no number of cycles of the slowest
+    /// one, up to [`MOST_CYCLES`], is a whole number of cycles of each.
     pub fn period(&self) -> Option<f64> {
-        self.harmonics.iter().find(|h| h.angular_frequency > 0.0).map(|h| TAU / h.angular_frequency)
+        let moving = self.harmonics.iter().filter(|h| h.angular_frequency > 0.0 && h.amplitude != 0.0);
+        let frequencies: Vec<f64> = moving.map(|h| h.angular_frequency).collect();
+        let slowest = frequencies.iter().copied().reduce(f64::min)?;
+        let is_whole = |cycles: f64| (cycles - cycles.round()).abs() <= WHOLE * cycles;
+        let shared = (1..=MOST_CYCLES).map(f64::from).find(|n| frequencies.iter().all(|w| is_whole(n * (w / slowest))))?;
+        Some(shared * (TAU / slowest))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn period(harmonics: &[(f64, f64)]) -> Option<f64> {
+        let harmonic = |&(amplitude, angular_frequency)| Harmonic { amplitude, angular_frequency, phase: 0.3 };
+        Temperature { harmonics: harmonics.iter().map(harmonic).collect(), noise: None }.period()
+    }
+
+    #[test]
+    fn the_period_is_that_which_all_harmonics_share() {
+        assert_eq!(period(&[(1.0, 0.25)]), Some(TAU / 0.25));
+        // 0.25 and 0.6 have the common measure 0.05; a harmonic that does not move, or is not there, has no say.
+        let both = period(&[(1.0, 0.25), (0.2, 0.6), (3.0, 0.0), (0.0, 0.7)]).expect("5 and 12 cycles");
+        assert!((both / (TAU / 0.05) - 1.0).abs() < 1e-12);
+        assert_eq!(period(&[(0.2, 0.6), (1.0, 0.25)]), Some(both));
+        assert_eq!(period(&[(1.0, 0.3), (1.0, 0.1)]), Some(TAU / 0.1));
+        assert_eq!(period(&[(1.0, 0.25), (1.0, 0.25 * std::f64::consts::SQRT_2)]), None);
+        assert_eq!((period(&[]), period(&[(1.0, 0.0)])), (None, None));
     }
 }

@@ -6,10 +6,12 @@ mod normal_table;
 mod ornstein_uhlenbeck;
 mod stream;
 
-pub use first_passage::{mean_touching_spread, meeting_place, meeting_probability};
+pub(crate) use first_passage::{mean_touching_spread, meeting_place, meeting_probability};
 pub use normal::{MAX_NORMAL_ERROR, standard_normal};
-pub use ornstein_uhlenbeck::{TimeChange, Transition, increment_variance};
-pub use stream::{LaneNormals, LaneStreams, Stream};
+pub use ornstein_uhlenbeck::Transition;
+pub(crate) use ornstein_uhlenbeck::{TimeChange, increment_variance};
+pub(crate) use stream::LaneNormals;
+pub use stream::{LaneStreams, Stream};
 
 /// What a file says about where its random numbers come from.
 pub const GENERATOR: &str = "xoshiro256+, one stream a path seeded by SplitMix64 from (seed, path); normals by inversion, \

@@ -24,23 +24,50 @@ mod reference;
 mod stability;
 mod timeline;
 
-pub use discrete_vi::{
-    CorrectedVi, DiscreteSimulation, DiscreteVi, corrected_exit, divergence_bound, monitoring_shift,
-};
-pub use event_driven::{DEFAULT_TOLERANCE, EventDriven, EventDrivenSimulation, Resolution, Simulated, TOLERANCES};
+#[doc(hidden)]
+pub use discrete_vi::corrected_exit;
+pub use discrete_vi::{CorrectedVi, DiscreteSimulation, DiscreteVi, divergence_bound, monitoring_shift};
+#[doc(hidden)]
+pub use event_driven::Simulated;
+pub use event_driven::{DEFAULT_TOLERANCE, EventDriven, EventDrivenSimulation, Resolution, TOLERANCES};
+#[doc(hidden)]
 pub use event_driven::{DrivenOscillator, HarmonicResponse, SlipTransition};
 pub use method::{Discretisation, Look, Method, Parameter, Simulate};
 pub use misfit::Misfit;
 pub use quasi_static::{QuasiStatic, QuasiStaticSimulation};
+#[doc(hidden)]
 pub use reference::reference_path;
 pub use stability::Stability;
-pub use timeline::{Instant, Stop, Timeline};
+pub use timeline::{Instant, Timeline};
 
 use crate::model::{Event, Model};
 
 schemes! { DiscreteVi, CorrectedVi, EventDriven, QuasiStatic }
 
 /// What watches a simulation. `lane` is the position of a path in the list given to it.
+///
+/// ```
+/// use stick_slip::model::{Event, EventKind};
+/// use stick_slip::scenario::Scenario;
+/// use stick_slip::scheme::{Instant, Observer, Simulate as _, Snapshot};
+///
+/// /// When each path first slips.
+/// struct FirstSlip(Vec<Option<f64>>);
+///
+/// impl Observer for FirstSlip {
+///     fn event(&mut self, lane: usize, event: Event) {
+///         if let EventKind::SlipStarted(_) = event.kind { self.0[lane].get_or_insert(event.time); }
+///     }
+///     fn snapshot(&mut self, _: Instant, _: Snapshot<'_>) {}
+/// }
+///
+/// let scenario = Scenario::shipped("rho025")?;
+/// let simulation = scenario.scheme.simulation(&scenario.model, &scenario.timeline());
+/// let mut first = FirstSlip(vec![None; 3]);
+/// let diverged = simulation.simulate(scenario.ensemble.seed, &[0, 1, 4711], &mut first);
+/// assert!(diverged.is_empty() && first.0.iter().all(|time| time.is_some_and(|time| time < 10.0)));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub trait Observer {
     /// An event of one path; the events of a path arrive in time order.
     fn event(&mut self, lane: usize, event: Event);

@@ -5,6 +5,19 @@ use std::fmt;
 use std::str::FromStr;
 
 /// A bound on the standard error of one statistic, written `NAME < 0.5%` or `NAME < 0.01`.
+///
+/// ```
+/// use stick_slip::engine::{EndedBy, Run};
+/// use stick_slip::scenario::Scenario;
+///
+/// let mut scenario = Scenario::shipped("rho025")?;
+/// scenario.ensemble.paths = 1 << 20;
+/// let goals = vec!["stick_duration_mean < 1%".parse()?];
+/// let outcome = Run::of(&scenario).without_bias().until(goals).simulate()?;
+/// assert!(matches!(outcome.ended_by, Some(EndedBy::Goals { .. })));
+/// assert!(outcome.summary.completed_paths < 5_000);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Goal {
     /// Which statistic.

@@ -19,6 +19,23 @@ const VERSION: u64 = 1;
 /// grid, 0.5 MB for 10 000), not with the number of paths.
 ///
 /// `X` are sums of a user's own ([`super::Tally`]), folded along the same tree.
+///
+/// ```
+/// use stick_slip::scenario::Scenario;
+/// use stick_slip::stats::RunTotals;
+///
+/// let mut scenario = Scenario::shipped("rho025")?;
+/// scenario.ensemble.paths = 4 * 256;
+/// let plan = scenario.plan();
+/// let part = |blocks: std::ops::Range<u64>| {
+///     let mut part = RunTotals::empty(plan.model(), plan.timeline());
+///     blocks.into_iter().try_for_each(|k| part.push(k, plan.block(k).totals)).map(|()| part)
+/// };
+/// let (early, mut late) = (part(0..1)?.to_bytes(), part(1..4)?);
+/// late.merge(RunTotals::empty(plan.model(), plan.timeline()).read(&early)?)?;
+/// assert_eq!(late.totals().summary().estimates, plan.run(2).estimates);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct RunTotals<X = ()> {
     timeline: Timeline,

@@ -1,5 +1,6 @@
 //! What can go wrong between a run and its file, and what to do about it.
 
+use crate::numbers::bytes;
 use std::io;
 use std::path::{Path, PathBuf};
 
@@ -35,7 +36,7 @@ pub enum StoreError {
         path: PathBuf,
     },
     /// There is not enough room for a run, found out before it starts.
-    #[error("{}: about {} are needed and {} are free; free some space, choose another disk, or record less", folder.display(), bytes(*needed), bytes(*free))]
+    #[error("{}: about {} are needed and {} are free; free some space, choose another disk, or record less", folder.display(), bytes(*needed as f64), bytes(*free as f64))]
     TooLittleSpace {
         /// The folder of the output file.
         folder: PathBuf,
@@ -168,18 +169,6 @@ pub(super) fn is_full(error: &io::Error) -> bool {
 /// One line on what went wrong.
 pub(super) fn cause(error: &hdf5::Error) -> String {
     system_error(error).map_or_else(|| error.to_string(), |system| system.to_string())
-}
-
-/// A size for people.
-fn bytes(count: u64) -> String {
-    let mut value = count as f64;
-    for unit in ["B", "kB", "MB", "GB", "TB"] {
-        if value < 1000.0 {
-            return if unit == "B" { format!("{count} B") } else { format!("{value:.1} {unit}") };
-        }
-        value /= 1000.0;
-    }
-    format!("{value:.1} PB")
 }
 
 /// Whoever asks for a file that is still being written should be told so.

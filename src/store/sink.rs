@@ -8,6 +8,19 @@ use crate::stats::BlockResult;
 use std::path::{Path, PathBuf};
 
 /// Writes a run to a file, which has its name only once the run is over.
+///
+/// ```
+/// use stick_slip::engine::Run;
+/// use stick_slip::scenario::Scenario;
+/// use stick_slip::store::{self, FileSink};
+///
+/// let folder = tempfile::tempdir()?;
+/// let target = folder.path().join("shaw.h5");
+/// let scenario = Scenario::shipped("shaw")?;
+/// Run::of(&scenario).into_sink(&mut FileSink::new(&target, false)).simulate()?;
+/// assert_eq!(store::read(&target)?.completed_paths, scenario.ensemble.paths);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug)]
 pub struct FileSink {
     target: PathBuf,

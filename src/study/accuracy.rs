@@ -27,6 +27,20 @@ const ALTERNATIVES: [f64; 18] =
     [0.5, 0.2, 0.1, 0.05, 0.02, 0.01, 5e-3, 2e-3, 1e-3, 5e-4, 2e-4, 1e-4, 5e-5, 2e-5, 1e-5, 5e-6, 2e-6, 1e-6];
 
 /// What is asked for.
+///
+/// ```no_run
+/// use stick_slip::engine::Run;
+/// use stick_slip::scenario::Scenario;
+/// use stick_slip::stats::Statistic;
+/// use stick_slip::study::{accuracy::Accuracy, trade::Limits};
+///
+/// let scenario = Scenario::shipped("rho025")?;
+/// let wanted = Accuracy { target: 0.01, named: &[Statistic::StickDurationMean], max_time: None, threads: 2 };
+/// let (decision, _) = wanted.choose(&scenario, Limits::default())?; // measures for some seconds
+/// println!("{} --paths {}", decision.choice.scheme, decision.choice.paths);
+/// let outcome = Run::of(&decision.scenario).simulate()?;
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug)]
 pub struct Accuracy<'a> {
     /// The relative root mean square error, within [`TARGETS`].

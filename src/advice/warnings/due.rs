@@ -71,6 +71,7 @@ fn of_question(scenario: &Scenario, derived: &Derived) -> Vec<Warning> {
         NoDilatation::due(model).map(Warning::from),
         FewPeriods::due(derived, time.end).map(Warning::from),
         ManyPeriods::due(derived, time.end).map(Warning::from),
+        NoCommonPeriod::due(&model.temperature).map(Warning::from),
         LargeOutput::due(derived).map(Warning::from),
     ])
 }

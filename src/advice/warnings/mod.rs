@@ -17,7 +17,7 @@ pub use noise::{
     Unresolved,
 };
 pub use quasi_static::{Creep, ForcingDuringSlip, NeverMoves};
-pub use question::{FewPeriods, IdenticalPaths, ManyPeriods, NeverSlips, NoDilatation};
+pub use question::{FewPeriods, IdenticalPaths, ManyPeriods, NeverSlips, NoCommonPeriod, NoDilatation};
 pub use step::{AmplitudeAboveCritical, StepAgainstForcing, StepAgainstNoise, StepAgainstOscillator, StepUnstable};
 
 use std::fmt;
@@ -78,5 +78,6 @@ warnings! {
     NoDilatation = "no-dilatation",
     FewPeriods = "few-periods",
     ManyPeriods = "many-periods",
+    NoCommonPeriod = "no-common-period",
     LargeOutput = "large-output",
 }

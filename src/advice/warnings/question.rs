@@ -2,7 +2,7 @@
 
 use crate::advice::amplitude::NEVER_SD;
 use crate::advice::derived::Derived;
-use crate::model::Model;
+use crate::model::{Model, Temperature};
 use crate::numbers::short;
 use crate::scenario::MAX_PERIODS;
 use std::fmt;
@@ -116,6 +116,26 @@ impl fmt::Display for ManyPeriods {
             "the run holds {:e} forcing periods, and x is kept at no more than {MAX_PERIODS}: \
              drift_velocity and diffusion_coefficient will be absent",
             self.periods
+        )
+    }
+}
+
+/// The harmonics share no period.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NoCommonPeriod;
+
+impl NoCommonPeriod {
+    pub(super) fn due(temperature: &Temperature) -> Option<Self> {
+        let is_moving = temperature.harmonics.iter().any(|h| h.angular_frequency > 0.0 && h.amplitude != 0.0);
+        (is_moving && temperature.period().is_none()).then_some(NoCommonPeriod)
+    }
+}
+
+impl fmt::Display for NoCommonPeriod {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(
+            "the harmonics share no period, so there are no equal phases at which x could be compared: \
+             drift_velocity and diffusion_coefficient will be absent",
         )
     }
 }
