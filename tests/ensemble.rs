@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::paper;
+use common::{estimate, paper};
 use ndarray::Array1;
 use ndarray_stats::Quantile1dExt;
 use ndarray_stats::interpolate::Linear;
@@ -14,17 +14,12 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use stick_slip::ensemble::{BLOCK_SIZE, Plan};
 use stick_slip::model::*;
 use stick_slip::scheme::{DiscreteVi, Scheme, Timeline};
-use stick_slip::stats::{Band, BlockResult, QUANTILE_LEVELS, Record, Statistic, Summary, Totals, TrajectoryRows};
+use stick_slip::stats::{Band, BlockResult, QUANTILE_LEVELS, Record, Statistic, Totals, TrajectoryRows};
 
 fn plan(model: Model, end: f64, h: f64, paths: u64) -> Plan {
     let timeline = Timeline { end, output_step: end / 10.0, period: model.temperature.period() };
     let scheme = Scheme::DiscreteVi(DiscreteVi::new(&model, &timeline, h));
     Plan { model, scheme, timeline, record: Record { paths: true, events: true, trajectories: 3 }, seed: 1, paths }
-}
-
-fn estimate(summary: &Summary, statistic: Statistic) -> (f64, f64) {
-    let e = summary.estimates.iter().find(|e| e.statistic == statistic).expect("all are reported");
-    (e.estimate, e.standard_error)
 }
 
 /// Value and standard error of a statistic in another program's ensemble; 0 where it gave none.
