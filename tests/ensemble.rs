@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::paper;
+use common::{estimate, paper};
 use ndarray::Array1;
 use ndarray_stats::Quantile1dExt;
 use ndarray_stats::interpolate::Linear;
@@ -14,7 +14,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use stick_slip::ensemble::{BLOCK_SIZE, Plan};
 use stick_slip::model::*;
 use stick_slip::scheme::{DiscreteVi, Scheme, Timeline};
-use stick_slip::stats::{Band, BlockResult, QUANTILE_LEVELS, Record, Statistic, Summary, Totals, TrajectoryRows};
+use stick_slip::stats::{Band, BlockResult, QUANTILE_LEVELS, Record, Statistic, Totals, TrajectoryRows};
 
 fn plan(model: Model, end: f64, h: f64, paths: u64) -> Plan {
     let timeline = Timeline { end, output_step: end / 10.0, period: model.temperature.period() };
@@ -24,11 +24,6 @@ fn plan(model: Model, end: f64, h: f64, paths: u64) -> Plan {
 fn plan_on(model: &Model, timeline: &Timeline, h: f64, paths: u64) -> Plan {
     let simulation = Scheme::from(DiscreteVi { step: h }).simulation(model, timeline);
     Plan { simulation, record: Record { paths: true, events: true, trajectories: 3 }, seed: 1, paths }
-}
-
-fn estimate(summary: &Summary, statistic: Statistic) -> (f64, f64) {
-    let e = summary.estimate(statistic);
-    (e.estimate, e.standard_error)
 }
 
 /// Value and standard error of a statistic in another program's ensemble; 0 where it gave none.

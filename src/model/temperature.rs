@@ -104,7 +104,8 @@ impl Temperature {
         let frequencies: Vec<f64> = moving.map(|h| h.angular_frequency).collect();
         let slowest = frequencies.iter().copied().reduce(f64::min)?;
         let is_whole = |cycles: f64| (cycles - cycles.round()).abs() <= WHOLE * cycles;
-        let shared = (1..=MOST_CYCLES).map(f64::from).find(|n| frequencies.iter().all(|w| is_whole(n * (w / slowest))))?;
+        let shared =
+            (1..=MOST_CYCLES).map(f64::from).find(|n| frequencies.iter().all(|w| is_whole(n * (w / slowest))))?;
         Some(shared * (TAU / slowest))
     }
 }

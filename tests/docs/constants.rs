@@ -5,8 +5,8 @@ use super::source::find;
 use stick_slip::config::shipped;
 use stick_slip::ensemble::BLOCK_SIZE;
 use stick_slip::noise::MAX_NORMAL_ERROR;
-use stick_slip::scenario::Scenario;
-use stick_slip::scheme::DEFAULT_TOLERANCE;
+use stick_slip::scenario::{MAX_PATHS, MAX_PERIODS, MAX_ROWS, MAX_STEPS, MAX_TRAJECTORIES, Scenario};
+use stick_slip::scheme::{DEFAULT_TOLERANCE, TOLERANCES};
 use stick_slip::stats::{QUANTILE_LEVELS, Statistic};
 use stick_slip::store::FORMAT_VERSION;
 
@@ -39,6 +39,17 @@ fn block_size_quantiles_and_tolerance() {
     let levels = QUANTILE_LEVELS.map(|level| level.to_string()).join(", ");
     says("docs/output-format.md", &format!("levels: {levels}"));
     says("docs/event-driven.md", &format!("`scheme.tolerance` (default {DEFAULT_TOLERANCE:e})"));
+}
+
+#[test]
+fn the_limits_of_a_scenario() {
+    let power = |n: f64| format!("2^{}", n.log2());
+    says("docs/scenario.md", &format!("a whole number of steps, at most {} of them", power(MAX_STEPS)));
+    says("docs/scenario.md", &format!("| number of paths | 10000 | 1 to {} |", power(MAX_PATHS as f64)));
+    says("docs/scenario.md", &format!("a whole number of steps; at most {MAX_ROWS} rows"));
+    says("docs/scenario.md", &format!("| 0 | 0 to {MAX_TRAJECTORIES} |"));
+    says("docs/scenario.md", &format!("A run with more than {MAX_PERIODS} periods has neither."));
+    says("docs/scenario.md", &format!("| 1e-3 | from {:e} to {} |", TOLERANCES.start(), TOLERANCES.end()));
 }
 
 /// docs/model.md lists the statistics in the order of the catalogue, each by its full name.

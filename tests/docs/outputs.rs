@@ -30,8 +30,8 @@ fn blocks(page: &Page) -> Vec<(&str, &str)> {
     fences.filter_map(|block| block.split_once('\n')).collect()
 }
 
-/// Wherever a block of commands is followed by a block of text, the commands print these lines in this
-/// order, and others before, between and after them.
+/// Wherever a block of commands is followed by a block of text, the commands print these lines in
+/// this order, and others before, between and after them.
 #[test]
 fn the_cascades_of_the_page_on_the_model() {
     let (page, folder) = (Page::read("docs/model.md"), workplace());
