@@ -6,7 +6,7 @@ use common::{estimate, event_driven_summary, paper};
 use std::sync::atomic::AtomicBool;
 use stick_slip::bias::{Anchor, BiasPlan, Differences, NoBias};
 use stick_slip::ensemble::Plan;
-use stick_slip::model::Model;
+use stick_slip::model::{InitialNoise, Model, Noise};
 use stick_slip::scheme::{CorrectedVi, DiscreteVi, Scheme, Timeline};
 use stick_slip::stats::{Bias, Record, Statistic, Summary};
 
@@ -228,6 +228,36 @@ fn what_paths_without_a_step_cannot_tell_the_steps_do() {
         let corrected = run(&model, corrected(0.01), 1, 10_000, 2);
         assert_eq!(plan.estimate(&corrected, 2, &AtomicBool::new(false)), Err(NoBias::Corrected));
     }
+}
+
+/// Paths without a step have random numbers of their own, or the two ensembles are not independent and their errors do not add up in squares. Here v stays where
+/// it starts, at random, and makes the path: of one seed, path k would be the same path in both ensembles, and the difference of the two means next to nothing
+/// against its error. Null: over 64 seeds the mean square of difference over error is a chi-square of 64 degrees of freedom over 64, which is above 0.4
+/// with a probability of 1 - 1e-5 (and below 2, which errors half as large as they should be are not). As many paths on either side.
+#[test]
+fn paths_without_a_step_are_not_those_of_the_run() {
+    let mut model = paper(0.25, 1.0);
+    model.temperature.harmonics.clear();
+    model.initial_displacement = 0.0;
+    let (relaxation_rate, stationary_sd): (f64, f64) = (1e-9, 1.0);
+    let diffusion = stationary_sd * (2.0 * relaxation_rate).sqrt();
+    model.temperature.noise =
+        Some(Noise { intensity: 1.0, relaxation_rate, diffusion, initial: InitialNoise::Stationary });
+    let (end, h, paths) = (10.0, 1e-4, 128);
+    let timeline = Timeline { end, output_step: end, period: None };
+    let squares = (0..64).map(|seed| {
+        let simulation = plain(h).simulation(&model, &timeline);
+        let run = Plan { simulation, record: Record::NOTHING, seed, paths }.run(2);
+        // All of the cost of the run: enough for as many paths as it has.
+        let anchor = Anchor::new(&model, &timeline, h, seed, paths, 1);
+        let biases = anchor.estimate(&run, 2, &AtomicBool::new(false)).expect("the budget is enough");
+        let told = of(&biases, Statistic::FrictionWorkMean);
+        // Student's t with 127 degrees of freedom, a little for the tolerance.
+        (told.estimate / (told.uncertainty / 1.979)).powi(2)
+    });
+    let mean_square = squares.sum::<f64>() / 64.0;
+    println!("{mean_square}");
+    assert!((0.4..2.0).contains(&mean_square), "{mean_square}");
 }
 
 /// Without noise: every statistic of Shaw's case against the exact cascade, and x(t_end), the smoothest, to 15 %.

@@ -1,8 +1,10 @@
 //! The program as a user meets it: every mistake is answered with the place, the value and what to write instead.
 
-use assert_cmd::Command;
+#[path = "common/command.rs"]
+mod command;
+
+use command::Running;
 use std::path::{Path, PathBuf};
-use std::process::Stdio;
 use tempfile::TempDir;
 
 const RHO025: &str = include_str!("../scenarios/rho025.toml");
@@ -35,8 +37,7 @@ impl Desk {
     }
 
     fn mc(&self, arguments: &[&str]) -> Answer {
-        let output =
-            Command::cargo_bin("mc").unwrap().current_dir(self.folder.path()).args(arguments).output().unwrap();
+        let output = command::mc(self.folder.path(), arguments);
         let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
         Answer { code: output.status.code(), out: text(output.stdout), err: text(output.stderr) }
     }
@@ -302,12 +303,88 @@ fn help_has_examples_and_version_has_a_commit() {
     assert!(hash == "unknown" || (hash.len() >= 12 && hash.chars().all(|c| c.is_ascii_hexdigit())), "{commit}");
 }
 
+/// The verbs that a help text lists.
+fn verbs(help: &str) -> Vec<String> {
+    let lines = help.lines().skip_while(|line| *line != "Commands:").skip(1).take_while(|line| !line.is_empty());
+    let verbs = lines.filter_map(|line| line.strip_prefix("  ").filter(|rest| !rest.starts_with(' ')));
+    verbs.filter_map(|line| line.split_whitespace().next()).map(String::from).collect()
+}
+
+/// The options that a help text lists, by their long names.
+fn options(help: &str) -> Vec<String> {
+    let lines = help.lines().skip_while(|line| *line != "Options:").skip(1).take_while(|line| !line.is_empty());
+    let lines = lines.map(str::trim_start).filter(|line| line.starts_with('-'));
+    let words = lines.flat_map(|line| line.split_whitespace().take(2));
+    words.filter(|word| word.starts_with("--")).map(String::from).collect()
+}
+
+/// Every verb that `mc --help` lists and every option that `mc VERB --help` lists is in the script of every shell.
 #[test]
-fn completions_exist_for_every_shell() {
+fn completions_know_every_verb_and_every_option() {
+    let desk = Desk::new();
+    let verbs = verbs(desk.mc(&["--help"]).done());
+    assert!(verbs.len() >= 8 && verbs.contains(&"run".to_string()), "{verbs:?}");
     for shell in ["bash", "zsh", "fish", "elvish", "powershell"] {
-        assert!(Desk::new().mc(&["completions", shell]).done().contains("mc"), "{shell}");
+        let script = desk.mc(&["completions", shell]).done().to_string();
+        for verb in &verbs {
+            assert!(script.contains(verb.as_str()), "{shell}: {verb}");
+            if verb == "help" {
+                continue;
+            }
+            let options = options(desk.mc(&[verb, "--help"]).done());
+            assert!(options.contains(&"--help".to_string()), "{verb}: {options:?}");
+            for option in options {
+                // Fish has it without the hyphens.
+                let word = if shell == "fish" { format!("-l {}", &option[2..]) } else { option.clone() };
+                let ends = |next: Option<char>| next.is_none_or(|c| !c.is_alphanumeric() && c != '-');
+                let is_known =
+                    script.match_indices(&word).any(|(at, _)| ends(script[at + word.len()..].chars().next()));
+                assert!(is_known, "{shell}: {verb} {option}");
+            }
+        }
     }
-    Desk::new().mc(&["completions", "cmd"]).refused(&["cmd", "bash"]);
+    desk.mc(&["completions", "cmd"]).refused(&["cmd", "bash"]);
+}
+
+/// What bash makes of the beginnings of a verb, of options and of a value.
+#[test]
+fn bash_completes_verbs_options_and_values() {
+    let desk = Desk::new();
+    std::fs::write(desk.path("mc.bash"), desk.mc(&["completions", "bash"]).done()).unwrap();
+    let complete = |words: &[&str]| {
+        let (last, before) = (words[words.len() - 1], words[words.len() - 2]);
+        let script = format!(
+            "source mc.bash; COMP_WORDS=({}); COMP_CWORD={}; _mc mc '{last}' '{before}'; echo \"${{COMPREPLY[@]}}\"",
+            words.join(" "),
+            words.len() - 1
+        );
+        let mut bash = assert_cmd::Command::new("bash");
+        let output = bash.current_dir(desk.folder.path()).args(["-c", &script]).timeout(command::LONGEST).output();
+        let output = output.expect("bash");
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        String::from_utf8(output.stdout).unwrap().trim().to_string()
+    };
+    assert_eq!(complete(&["mc", "ru"]), "run");
+    assert_eq!(complete(&["mc", "t"]), "trade");
+    assert_eq!(complete(&["mc", "run", "--pa"]), "--paths");
+    assert_eq!(complete(&["mc", "run", "--s"]), "--seed --scheme --step --set --statistic");
+    assert_eq!(complete(&["mc", "replay", "--p"]), "--path");
+    assert_eq!(complete(&["mc", "completions", "z"]), "zsh");
+}
+
+/// The output grid has at most 10 000 rows, the first one counted: one more is refused, with a grid that is not, whether there is a step or not.
+#[test]
+fn ten_thousand_rows_are_kept_and_one_more_is_refused() {
+    let check = |scheme: &str, end: &str| {
+        let flags = ["--scheme", scheme, "--step", "0.5", "--until", end, "--set", "time.output_step=1"];
+        let flags = if scheme == "event-driven" { [&flags[..2], &flags[4..]].concat() } else { flags.to_vec() };
+        Desk::new().mc(&[&["check", "scene.toml"][..], &flags].concat())
+    };
+    for scheme in ["discrete-vi", "corrected-vi", "event-driven"] {
+        check(scheme, "9999").done();
+        let says = ["an output grid of 10001 rows", "at most 10000 are kept", "fix: write `time.output_step` = "];
+        check(scheme, "10000").refused(&says);
+    }
 }
 
 #[test]
@@ -316,13 +393,7 @@ fn a_closed_pipe_is_a_quiet_exit() {
         let desk = Desk::new();
         let (reader, writer) = std::io::pipe().unwrap();
         drop(reader);
-        let output = std::process::Command::new(assert_cmd::cargo::cargo_bin("mc"))
-            .current_dir(desk.folder.path())
-            .args(arguments)
-            .stdout(writer)
-            .stderr(Stdio::piped())
-            .output()
-            .unwrap();
+        let output = Running::mc_into(writer.into(), desk.folder.path(), arguments).end();
         assert_eq!(output.status.code(), Some(0), "{arguments:?}");
         assert_eq!(String::from_utf8_lossy(&output.stderr), "", "{arguments:?}");
     }

@@ -6,10 +6,12 @@
 mod common;
 
 use common::{Keep, paper, timeline};
+use stick_slip::ensemble::Plan;
 use stick_slip::lanes::InstructionSet;
 use stick_slip::model::*;
 use stick_slip::noise::{Stream, standard_normal};
-use stick_slip::scheme::{DiscreteSimulation, Simulate as _, reference_path};
+use stick_slip::scheme::{DiscreteSimulation, DiscreteVi, Scheme, Simulate as _, reference_path};
+use stick_slip::stats::Record;
 
 fn simulate(model: &Model, end: f64, h: f64, output_step: f64, paths: &[u64]) -> Keep {
     let mut keep = Keep::lanes(paths.len());
@@ -455,6 +457,29 @@ fn amplitudes_above_the_critical_one_grow_and_are_reported() {
     assert!(lost.is_empty() && rest.is_some_and(|x| x <= 0.011), "{rest:?}");
     let (lost, _) = run(1.1 * critical, 5000.0);
     assert_eq!(lost, [0], "grown beyond ten times every bound of the model");
+}
+
+/// A step of 20 natural times multiplies the amplitude by 20 and more, so x passes the greatest number after 236 steps, and x and x' are NaN, which is
+/// neither above nor below any bound, before a path is looked at for the first time, after 256 steps. Both paths count as lost all the same, by every
+/// instruction set, with noise and without, in the scheme and in an ensemble; whatever is left over is in no statistic.
+#[test]
+fn a_path_that_is_no_number_when_it_is_first_looked_at_has_diverged() {
+    let (h, end) = (20.0, 6000.0);
+    for rho in [0.0, 0.25] {
+        let (model, line) = (paper(0.25, rho), timeline(end, end));
+        for make in [DiscreteSimulation::new, DiscreteSimulation::corrected] {
+            for set in InstructionSet::ALL.into_iter().filter(|set| set.is_available()) {
+                let mut keep = Keep::lanes(2);
+                let lost = make(&model, &line, h).with_instructions(set).simulate(1, &[0, 1], &mut keep);
+                assert_eq!(lost, [0, 1], "rho = {rho}, {}", set.name());
+                assert!(keep.rows.iter().all(|rows| rows.len() == 2 && rows[1].1.is_nan()), "{:?}", keep.rows);
+            }
+        }
+        let simulation = Scheme::from(DiscreteVi { step: h }).simulation(&model, &line);
+        let summary = Plan { simulation, record: Record::NOTHING, seed: 1, paths: 2 }.run(1);
+        assert_eq!((summary.completed_paths, summary.diverged.as_slice()), (2, &[0, 1][..]));
+        assert!(summary.estimates.iter().all(|e| e.estimate.is_nan()), "{:?}", summary.estimates);
+    }
 }
 
 /// Null: T(t) is the same on the grid of the coarsest step, up to the rounding of 1000 steps, however many of the shorter steps' normals a

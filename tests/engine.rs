@@ -51,14 +51,32 @@ fn a_goal_that_cannot_be_reached_ends_the_run_and_says_why() {
     let outcome = Run::of(&no_slip).until(vec![goal("stick_duration_mean < 1%")]).simulate().expect("no sink");
     let Some(EndedBy::Hopeless(Hopeless::Missing { statistic, paths })) = outcome.ended_by else { panic!() };
     assert_eq!((statistic, paths), (Statistic::StickDurationMean, 64 * BLOCK_SIZE));
-    let far = scenario(1 << 30, &["time.end=1", "time.output_step=1"]);
+    let far = scenario(1 << 20, &["time.end=1", "time.output_step=1"]);
     let outcome = Run::of(&far).until(vec![goal("displacement_end_mean < 1e-9")]).simulate().expect("no sink");
     assert!(matches!(outcome.ended_by, Some(EndedBy::Hopeless(Hopeless::TooFar { needed, .. })) if needed > 1e12));
 }
 
+/// A goal that any number of paths reaches is looked at after four blocks, and not before: a standard error of fewer paths is itself known
+/// too badly. That the goal was reached after the first block already is what makes the claim one about the look.
+#[test]
+fn a_goal_is_first_looked_at_after_four_blocks() {
+    let scenario = scenario(20 * BLOCK_SIZE, &[]);
+    let until = || vec![goal("sticks_per_path < 50%")];
+    let one = Run::of(&scenario).paths(BLOCK_SIZE).until(until()).without_bias().simulate().expect("no sink");
+    assert_eq!((one.status, one.missed.len()), (Status::Complete, 0));
+    for threads in [1, 3] {
+        let run = Run::of(&scenario).until(until()).threads(threads).without_bias();
+        let ended = run.simulate().expect("no sink");
+        assert!(matches!(ended.ended_by, Some(EndedBy::Goals { blocks: 4, .. })), "{:?}", ended.ended_by);
+        assert_eq!(ended.summary.completed_paths, 4 * BLOCK_SIZE);
+    }
+}
+
+/// The paths are so many that no machine simulates them in the time, 3e9 steps in a tenth of a second, and so few that a limit that is ignored
+/// fails the test instead of holding it up for ever.
 #[test]
 fn a_time_limit_ends_a_run_that_has_goals_as_well() {
-    let scenario = scenario(1 << 30, &[]);
+    let scenario = scenario(12_000 * BLOCK_SIZE, &[]);
     let run = Run::of(&scenario).until(vec![goal("stick_duration_mean < 0.005%")]);
     let outcome = run.within(Some(Duration::from_millis(100))).without_bias().simulate().expect("no sink");
     let Some(EndedBy::TimeLimit { blocks }) = outcome.ended_by else { panic!("{:?}", outcome.ended_by) };

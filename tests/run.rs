@@ -1,18 +1,20 @@
 //! `mc run`, `mc show` and `mc replay` as a user meets them: the binary, its output, its files.
 
-use assert_cmd::Command;
+#[path = "common/command.rs"]
+mod command;
+
+use command::Running;
 use serde_json::Value;
 use std::path::Path;
-use std::process::{Output, Stdio};
-use std::time::{Duration, Instant};
+use std::process::Output;
 use stick_slip::engine::Status;
-use stick_slip::store;
+use stick_slip::store::{self, StoreError};
 use tempfile::TempDir;
 
 const RHO025: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenarios/rho025.toml");
 
 fn mc(folder: &TempDir, arguments: &[&str]) -> Output {
-    Command::cargo_bin("mc").expect("built").current_dir(folder).args(arguments).output().expect("runs")
+    command::mc(folder.path(), arguments)
 }
 
 fn text(bytes: &[u8]) -> String {
@@ -176,25 +178,25 @@ fn one_path_can_be_replayed_from_a_file() {
     assert!(text(&refused.stderr).contains("0 to 19"));
 }
 
+/// How many paths an unfinished file says that it holds, read from a copy as a killed run would leave it behind.
+fn claimed(partial: &Path) -> u64 {
+    let copy = partial.with_extension("copy");
+    match std::fs::copy(partial, &copy).map(|_| store::read(&copy)) {
+        Ok(Err(StoreError::Unfinished { completed_paths, .. })) => completed_paths,
+        // Not there yet, or caught while it was being written.
+        _ => 0,
+    }
+}
+
 /// The first interrupt finishes the blocks in flight and leaves a valid file that says so.
 #[test]
 fn an_interrupted_run_keeps_what_is_done() {
     let here = folder();
-    let mut child = std::process::Command::new(assert_cmd::cargo::cargo_bin!("mc"))
-        .current_dir(&here)
-        .args(["run", RHO025, "--paths", "1000000", "--step", "0.001", "--threads", "2", "--quiet"])
-        .stderr(Stdio::null())
-        .spawn()
-        .expect("starts");
-    let partial = here.path().join("rho025.h5.partial");
-    let start = Instant::now();
-    while !partial.exists() && start.elapsed() < Duration::from_secs(20) {
-        std::thread::sleep(Duration::from_millis(20));
-    }
-    std::thread::sleep(Duration::from_millis(500));
-    let id = child.id().to_string();
-    assert!(std::process::Command::new("kill").args(["-INT", &id]).status().expect("kill").success());
-    assert_eq!(child.wait().expect("ends").code(), Some(130));
+    let run = ["run", RHO025, "--paths", "1000000", "--step", "0.001", "--threads", "2", "--quiet"];
+    let mut running = Running::mc(here.path(), &run);
+    running.until("the file says that it holds paths", || claimed(&here.path().join("rho025.h5.partial")) > 0);
+    running.interrupt();
+    assert_eq!(running.end().status.code(), Some(130));
     let stored = store::read(&here.path().join("rho025.h5")).expect("a valid file");
     assert_eq!(stored.status, Status::Interrupted);
     assert!(stored.completed_paths > 0 && stored.completed_paths < 1_000_000);
@@ -517,21 +519,14 @@ fn an_interrupted_trade_prints_what_it_has() {
     }
 }
 
-/// Exit code, standard output and standard error of a command that is sent Ctrl-C after two seconds, and ends within ten.
+/// Exit code, standard output and standard error of a command that is sent Ctrl-C as soon as it answers to it. How long it takes to
+/// end then is the machine's; a command that goes on regardless is killed by the limit that every command has here, which is half of
+/// the ten minutes that the trade would measure.
 fn interrupted(folder: &TempDir, arguments: &[&str]) -> (Option<i32>, String, String) {
-    let child = std::process::Command::new(assert_cmd::cargo::cargo_bin("mc"))
-        .current_dir(folder)
-        .args(arguments)
-        .stdout(Stdio::piped())
-        .stderr(Stdio::piped())
-        .spawn()
-        .expect("starts");
-    std::thread::sleep(Duration::from_secs(2));
-    let id = child.id().to_string();
-    assert!(std::process::Command::new("kill").args(["-INT", &id]).status().expect("kill").success());
-    let start = Instant::now();
-    let output = child.wait_with_output().expect("ends");
-    assert!(start.elapsed() < Duration::from_secs(10), "{:?}", start.elapsed());
+    let mut running = Running::mc(folder.path(), arguments);
+    running.until_it_answers();
+    running.interrupt();
+    let output = running.end();
     (output.status.code(), text(&output.stdout), text(&output.stderr))
 }
 

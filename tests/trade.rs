@@ -1,6 +1,9 @@
 //! What `mc trade` promises, against closed forms, against the values of another event-driven program, and against what runs then do.
 
-use assert_cmd::Command;
+#[path = "common/command.rs"]
+mod command;
+
+use command::mc;
 use std::path::Path;
 use std::sync::LazyLock;
 use std::time::Duration;
@@ -268,10 +271,6 @@ fn what_cannot_be_answered_says_why() {
     // What 5120 paths say of the bias at the finest step is too little for 1e-5.
     let refused = PILOT.best(Some(Kind::EventDriven), &[Statistic::SticksPerPath], 1e-6);
     assert!(matches!(refused, Err(Refusal::Bias { .. })), "{refused:?}");
-}
-
-fn mc(folder: &Path, arguments: &[&str]) -> std::process::Output {
-    Command::cargo_bin("mc").expect("built").current_dir(folder).args(arguments).output().expect("runs")
 }
 
 const RHO025: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenarios/rho025.toml");

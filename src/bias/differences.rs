@@ -169,3 +169,35 @@ impl Differences {
         (observer.finish(), lost.len())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::paper::paper;
+    use crate::scheme::DiscreteVi;
+
+    /// A median is the duration of some stick, and so a multiple of the step: at h, 2h and 4h it is the nearest one to 0.3 + C sqrt(kh). However the three
+    /// fall on their lattices, the bias is within its uncertainty of the true one, y(h) - 0.3, with no error of sampling at all; and where C is small,
+    /// half a step is more than all there is to extrapolate. 2000 values of C; exact up to rounding.
+    #[test]
+    fn the_uncertainty_of_a_median_covers_the_lattice_that_it_lies_on() {
+        let (model, h) = (paper(0.25, 0.25), 0.02);
+        let timeline = Timeline { end: 60.0, output_step: 60.0, period: None };
+        let scheme = DiscreteVi { step: h }.into();
+        let plan = Differences::new(scheme, &model, &timeline, 1, 10_000).expect("enough paths");
+        let mut misses_without = 0;
+        for i in 0..2000 {
+            let c = 1e-3 * f64::from(i);
+            let on_lattice = |k: f64| ((0.3 + c * (k * h).sqrt()) / (k * h)).round() * k * h;
+            let all = Levels([1.0, 2.0, 4.0].map(on_lattice));
+            let without = vec![all; GROUPS];
+            let told = plan.bias(Statistic::StickDurationMedian, all, &without, 16.0);
+            let off = (told.estimate - (all.0[0] - 0.3)).abs();
+            assert!(off <= told.uncertainty + 1e-12, "C = {c}: {told:?}, off by {off}");
+            // The same numbers of a statistic that lies on no lattice claim more than is known.
+            let other = plan.bias(Statistic::StickDurationMean, all, &without, 16.0);
+            misses_without += u32::from(off > other.uncertainty);
+        }
+        assert!(misses_without > 200, "{misses_without}");
+    }
+}

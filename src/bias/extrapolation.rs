@@ -131,6 +131,16 @@ mod tests {
         }
     }
 
+    /// What half a step at each of h, 2h and 4h makes of the bias at worst. At order 1 with one term the bias is y(2h) - y(h), so it is h/2 + h; at order
+    /// 1/2, with q = sqrt 2, that over q - 1. With half of the second term, (q D1 - D2)/((q - 1)(q^2 - 1)), the half steps give -1.2071 - 0.8536,
+    /// 2.4142 + 2.9142 and -2.4142 times h.
+    #[test]
+    fn half_a_step_at_each_of_three_makes_the_bias_off_by_so_much_at_worst() {
+        assert_eq!(lattice_error(0.02, 1.0, 0.0), 0.03);
+        assert!((lattice_error(0.02, 0.5, 0.0) - 0.03 / (2f64.sqrt() - 1.0)).abs() < 1e-12);
+        assert!((lattice_error(1.0, 0.5, 0.5) - 9.803_300_858_9).abs() < 1e-9, "{}", lattice_error(1.0, 0.5, 0.5));
+    }
+
     #[test]
     fn a_second_term_that_is_scatter_is_left_out() {
         assert_eq!((weight(0.0, 0.0), weight(2.0, 0.0)), (0.0, 0.5));

@@ -218,6 +218,23 @@ mod tests {
     }
 
     #[test]
+    fn the_largest_displacement_is_a_size_wherever_it_is_reached() {
+        let slip_to = |x0: f64, turn: f64, end: f64| {
+            let mut path = PathFold::starting_at(x0);
+            path.event(&event(EventKind::SlipStarted(Negative), 1.0, x0));
+            path.event(&event(EventKind::SubPhaseBoundary(Positive), 2.0, turn));
+            path.end(3.0, end);
+            path.max_displacement
+        };
+        // At the start, at an event, at t_end, on either side.
+        for sign in [1.0, -1.0] {
+            assert_eq!(slip_to(sign * 7.0, sign * 3.0, -sign * 5.0), 7.0);
+            assert_eq!(slip_to(-sign * 2.0, sign * 7.0, sign * 5.0), 7.0);
+            assert_eq!(slip_to(sign * 2.0, sign * 3.0, -sign * 7.0), 7.0);
+        }
+    }
+
+    #[test]
     fn a_path_that_never_moves_sticks_all_the_time_and_ends_no_stick() {
         let mut path = PathFold::starting_at(6.0);
         assert_eq!(path.end(60.0, 6.0), Censored::FirstStick);

@@ -189,6 +189,29 @@ mod tests {
         assert!((mean_estimate / diffusion - 1.0).abs() < 0.008, "{mean_estimate}");
     }
 
+    /// Three paths over the periods 1, 2, 3 with the weights -1/2, 0, 1/2: x - x0 is 0, 1, 2 at the first and 4, 0, -1 at the last, of mean 1 both times. So the
+    /// variances are 1 and 7, D = (7 - 1)/4, and the paths' shares y = (9 - 1)/2, 1/2 and (4 - 1)/2, times n/(n - 1) = 3/2, are 6, 3/4 and 9/4, of variance
+    /// 7.3125; the standard error of half their mean is sqrt(7.3125/3)/2. Slopes 2, -1/2 and -3/2 of mean 0 and variance 13/4.
+    #[test]
+    fn the_errors_of_drift_and_diffusion_of_unequal_paths_are_those_computed_by_hand() {
+        let timeline = Timeline { end: 3.0, output_step: 3.0, period: Some(1.0) };
+        let mut fold = PeriodFold::new(&timeline, 6.0, 3);
+        fold.fold(1, &[6.0, 7.0, 8.0]);
+        fold.fold(2, &[-20.0, 30.0, 5.0]); // in the middle, where the weight is zero
+        fold.fold(3, &[10.0, 6.0, 5.0]);
+        let totals = fold.finish();
+        let d = totals.diffusion_coefficient(&timeline).named(Statistic::DiffusionCoefficient);
+        let v = totals.drift_velocity().named(Statistic::DriftVelocity);
+        let t = 4.302_652_729_9; // Student's t, two degrees of freedom
+        for (e, value, error) in [(d, 1.5, (7.3125f64 / 3.0).sqrt() / 2.0), (v, 0.0, (3.25f64 / 3.0).sqrt())] {
+            let all = [(e.estimate, value), (e.standard_error, error), (e.high, value + t * error)];
+            assert!(
+                all.iter().all(|(got, expected)| (got - expected).abs() < 1e-9),
+                "{e:?}, expected {value} +- {error}"
+            );
+        }
+    }
+
     #[test]
     fn a_slope_takes_two_periods() {
         let timeline = Timeline { end: 4.0, output_step: 4.0, period: Some(2.5) };

@@ -222,3 +222,22 @@ impl<T: Tally<N>, const N: usize> Observer for TallyObserver<'_, T, N> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// y = 2, 0, 5, 0, 5 over x = 1, 0, 2, 0, 3: R = 2, residuals 0, 1, -1 of the three paths that say anything, so the standard error is
+    /// sqrt(3/2 * 2)/6, and Student's t has two degrees of freedom. The mean of y is over all five.
+    #[test]
+    fn paths_with_nothing_to_say_of_a_ratio_are_not_counted_in_its_interval() {
+        let paths = PathMeans::of(&[[2.0, 1.0], [0.0, 0.0], [5.0, 2.0], [0.0, 0.0], [5.0, 3.0]]);
+        let ratio = paths.ratio(0, 1);
+        assert!((ratio.estimate - 2.0).abs() < 1e-15 && (ratio.standard_error - 3f64.sqrt() / 6.0).abs() < 1e-15);
+        assert!((ratio.high - 2.0 - 4.302_652_729_9 * 3f64.sqrt() / 6.0).abs() < 1e-9, "{ratio:?}");
+        // Squared deviations from 2.4: 0.16, 5.76, 6.76, 5.76, 6.76.
+        let mean = paths.mean(0);
+        assert!((mean.estimate - 2.4).abs() < 1e-15 && (mean.standard_error - (25.2f64 / 20.0).sqrt()).abs() < 1e-15);
+        assert!((mean.high - 2.4 - 2.776_445_105_2 * mean.standard_error).abs() < 1e-9, "{mean:?}");
+    }
+}

@@ -478,6 +478,118 @@ mod tests {
         assert_eq!(summary.periods.variance, [8.0, 12.5]);
     }
 
+    /// Five paths that have little in common: one never slips, one is in its first slip at t_end, and of the others each has another number of sticks
+    /// and slips. Two paths of one shape have errors that many a wrong formula gives as well; of these no two terms are alike.
+    #[test]
+    fn every_error_of_unequal_paths_is_the_one_computed_by_hand() {
+        let timeline = Timeline { end: 100.0, output_step: 100.0, period: None };
+        let paths = [
+            // D_0 = 1, D = 1 and 3; slips 6 -> 8, 8 -> 9 -> 7, 7 -> 10; static at t_end.
+            Path {
+                events: vec![
+                    slip(1.0, 6.0),
+                    stick(2.0, 8.0),
+                    slip(3.0, 8.0),
+                    turn(4.0, 9.0),
+                    stick(5.0, 7.0),
+                    slip(8.0, 7.0),
+                    stick(9.0, 10.0),
+                ],
+                end: 10.0,
+            },
+            // D_0 = 2, D = 5; slip 6 -> 5; then 5 -> 4 runs at t_end.
+            Path { events: vec![slip(2.0, 6.0), stick(3.0, 5.0), slip(8.0, 5.0)], end: 4.0 },
+            Path { events: vec![], end: 6.0 },
+            // D_0 = 6, D = 2, 2 and 11; slips 6 -> 9 -> 3 -> 4, 4 -> 6, 6 -> 7; then 7 -> 9 runs at t_end.
+            Path {
+                events: vec![
+                    slip(6.0, 6.0),
+                    turn(7.0, 9.0),
+                    turn(8.0, 3.0),
+                    stick(9.0, 4.0),
+                    slip(11.0, 4.0),
+                    stick(12.0, 6.0),
+                    slip(14.0, 6.0),
+                    stick(15.0, 7.0),
+                    slip(26.0, 7.0),
+                ],
+                end: 9.0,
+            },
+            // D_0 = 3; then 6 -> 1 runs at t_end.
+            Path { events: vec![slip(3.0, 6.0)], end: 1.0 },
+        ];
+        let summary = observe(&timeline, &Record::NOTHING, 0, &paths, &[], &[]).totals.summary();
+        // Of m paths that contribute, Student's t has m - 1 degrees of freedom (Abramowitz and Stegun, table 26.10).
+        let t = |m: usize| [f64::NAN, f64::NAN, 12.706_204_736_4, 4.302_652_729_9, 3.182_446_305_3, 2.776_445_105_2][m];
+        let check = |statistic: Statistic, value: f64, error: f64, contributing: usize| {
+            let e = estimate(&summary, statistic);
+            let reach = t(contributing) * error;
+            for (got, expected) in
+                [(e.estimate, value), (e.standard_error, error), (e.low, value - reach), (e.high, value + reach)]
+            {
+                assert!((got - expected).abs() < 1e-9, "{}: {e:?}, expected {value} +- {error}", statistic.name());
+            }
+        };
+        // A ratio R = sum y/sum x has the standard error sqrt(m/(m - 1) sum (y - R x)^2)/sum x.
+        let ratio = |statistic, value, residuals: [f64; 5], x: f64, m: usize| {
+            let squares: f64 = residuals.iter().map(|r| r * r).sum();
+            check(statistic, value, (m as f64 / (m - 1) as f64 * squares).sqrt() / x, m);
+        };
+        // Six sticks, 24 in all: the residuals are 4 - 2 * 4, 5 - 4 and 15 - 3 * 4.
+        ratio(Statistic::StickDurationMean, 4.0, [-4.0, 1.0, 0.0, 3.0, 0.0], 6.0, 3);
+        // (D - 4)^2 = 9 and 1; 1; 4, 4 and 49: their mean is the variance 34/3. Of its root, residuals are those of the variance over twice the root.
+        let sd = (34.0 / 3.0_f64).sqrt();
+        let squares = [10.0 - 2.0 * 34.0 / 3.0, 1.0 - 34.0 / 3.0, 0.0, 57.0 - 34.0, 0.0];
+        ratio(Statistic::StickDurationSd, sd, squares.map(|r| r / (2.0 * sd)), 6.0, 3);
+        // D_0 = 1, 2, 6, 3 of four paths.
+        ratio(Statistic::FirstStickDurationMean, 3.0, [-2.0, -1.0, 0.0, 3.0, 0.0], 4.0, 4);
+        // Seven slips: 3, 1 and 3. Sub-phases 4, 1 and 5; two or more in 1, 0 and 1 of them.
+        let sevenths = |residuals: [f64; 5]| residuals.map(|r| r / 7.0);
+        ratio(Statistic::SubPhasesMean, 10.0 / 7.0, sevenths([-2.0, -3.0, 0.0, 5.0, 0.0]), 7.0, 3);
+        ratio(Statistic::SubPhasesMultipleShare, 2.0 / 7.0, sevenths([1.0, -2.0, 0.0, 1.0, 0.0]), 7.0, 3);
+        // Jumps 2 - 1 + 3, -1 and -2 + 2 + 1; their sizes 6, 1 and 5.
+        ratio(Statistic::JumpMean, 4.0 / 7.0, sevenths([16.0, -11.0, 0.0, -5.0, 0.0]), 7.0, 3);
+        ratio(Statistic::JumpAbsMean, 12.0 / 7.0, sevenths([6.0, -5.0, 0.0, -1.0, 0.0]), 7.0, 3);
+        // Means over all five paths: sqrt(variance/5), variances from the sums of squared deviations over 4.
+        let mean = |statistic, value, squares: f64| check(statistic, value, (squares / 4.0 / 5.0).sqrt(), 5);
+        mean(Statistic::SticksPerPath, 1.2, 6.8); // 2, 1, 0, 3, 0
+        mean(Statistic::SlipsPerPath, 1.4, 9.2); // 3, 1, 0, 3, 0
+        mean(Statistic::StickingFraction, 0.454, 0.940_92); // 96, 7, 100, 21 and 3 of 100
+        mean(Statistic::DisplacementEndMean, 6.0, 54.0); // 10, 4, 6, 9, 1
+        mean(Statistic::FrictionWorkMean, 12.0, 552.0); // f_d = 2 times 8, 2, 0, 15, 5
+        // Squared deviations 16, 4, 0, 9 and 25 of x(t_end), less their mean 10.8: squares 394.8 in all.
+        check(Statistic::DisplacementEndSd, 13.5f64.sqrt(), (394.8 / 20.0_f64).sqrt() / (2.0 * 13.5f64.sqrt()), 5);
+    }
+
+    /// Durations 1 to 2, evenly spaced, so that the quantile of a share p is 1 + p; path by path the sticks alternate between 60 % and 40 % below the
+    /// median, so that each of the 32 batches of paths is off by 10 of its 100 sticks, and the share of 3200 below the median has the standard error
+    /// sqrt(32/31 * 32 * 10^2)/3200. Its interval is that of Student's t with 31 degrees of freedom, 2.0395, and the median's is what the quantiles make of
+    /// it; with the 1.96 of a normal error it would be 4 % shorter.
+    #[test]
+    fn the_interval_of_the_median_has_the_students_t_of_its_batches() {
+        let sticks_below = [60, 40];
+        let mut below = (0..1600).map(|i| 1.0 + (f64::from(i) + 0.5) / 3200.0);
+        let mut above = (0..1600).map(|i| 1.5 + (f64::from(i) + 0.5) / 3200.0);
+        let paths: Vec<Path> = (0..32)
+            .map(|path| {
+                let n = sticks_below[path % 2];
+                let mut durations: Vec<f64> = below.by_ref().take(n).collect();
+                durations.extend(above.by_ref().take(100 - n));
+                path_of(&durations)
+            })
+            .collect();
+        let summary = observe(&TIMELINE, &Record::NOTHING, 0, &paths, &[], &[]).totals.summary();
+        let e = estimate(&summary, Statistic::StickDurationMedian);
+        let share_error = (32.0 / 31.0 * 32.0 * 100.0_f64).sqrt() / 3200.0;
+        let t = 2.039_513_446;
+        // Quantiles are read to a small part of a bin of 2^-8; 1.96 in place of t would move each end by 0.0014.
+        assert!((e.estimate - 1.5).abs() < 5e-4, "{e:?}");
+        assert!((e.standard_error / share_error - 1.0).abs() < 0.02, "{e:?}, expected {share_error}");
+        assert!((e.high - (1.5 + t * share_error)).abs() < 5e-4, "{e:?}");
+        assert!((e.low - (1.5 - t * share_error)).abs() < 5e-4, "{e:?}");
+        assert!((e.half_width() / e.standard_error - t).abs() < 1e-6, "{e:?}");
+    }
+
     #[test]
     fn an_ensemble_that_never_slips_has_no_stick_duration_and_a_certain_sticking_fraction() {
         let paths: Vec<Path> = (0..10).map(|_| Path { events: Vec::new(), end: 6.0 }).collect();

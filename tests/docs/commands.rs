@@ -3,6 +3,7 @@
 
 use super::markdown::{Page, root};
 use super::source::{all, code};
+use std::path::Path;
 use stick_slip::config::shipped;
 
 /// The words after `start` in every span or line of code that begins with it.
@@ -62,7 +63,7 @@ fn options_and_scenarios_that_a_page_gives_to_mc_exist() {
         if verb.starts_with('-') || ["help", "completions"].contains(&verb) {
             continue;
         }
-        let help = assert_cmd::Command::cargo_bin("mc").expect("built").args([verb, "--help"]).output().expect("runs");
+        let help = super::command::mc(Path::new("."), &[verb, "--help"]);
         assert!(help.status.success(), "{shown}: there is no such verb");
         let help = String::from_utf8_lossy(&help.stdout).into_owned();
         for option in words.iter().map(|word| word.trim_matches(['[', ']'])).filter(|word| word.starts_with("--")) {

@@ -4,6 +4,8 @@
 //! Each test compares two lists or two numbers that must be equal, so a change on either side that
 //! the other does not follow fails.
 
+#[path = "../common/command.rs"]
+mod command;
 mod commands;
 mod constants;
 mod links;

@@ -100,14 +100,9 @@ const UNITS: [&str; 8] =
 /// Write a file with `mc`; a run of which every path diverges fails and leaves one too.
 fn written(folder: &Path, name: &str, arguments: &[&str]) -> File {
     let scenarios = concat!(env!("CARGO_MANIFEST_DIR"), "/scenarios");
-    let output = assert_cmd::Command::cargo_bin("mc")
-        .expect("built")
-        .current_dir(folder)
-        .args(arguments.iter().map(|argument| argument.replace("scenarios", scenarios)))
-        .args(UNITS)
-        .args(["-o", name])
-        .output()
-        .expect("runs");
+    let arguments: Vec<String> = arguments.iter().map(|argument| argument.replace("scenarios", scenarios)).collect();
+    let arguments: Vec<&str> = arguments.iter().map(String::as_str).chain(UNITS).chain(["-o", name]).collect();
+    let output = super::command::mc(folder, &arguments);
     File::open(folder.join(name)).unwrap_or_else(|e| panic!("{e}: {}", String::from_utf8_lossy(&output.stderr)))
 }
 

@@ -374,3 +374,25 @@ fn changes(here: &[Estimate], finer: &[Estimate], coarse: &[Values], fine: &[Val
     };
     (0..here.len()).map(change).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scheme::DiscreteVi;
+
+    /// Forty of a hundred paths are left, and their mean is known to 0.5: a path scatters by 0.5 sqrt(40), and not by 0.5 sqrt(100).
+    #[test]
+    fn the_variance_of_a_rung_is_that_of_the_paths_that_are_left() {
+        let estimates = Statistic::ALL.map(|statistic| Estimate {
+            statistic,
+            estimate: 3.0,
+            standard_error: 0.5,
+            low: 2.0,
+            high: 4.0,
+            bias: None,
+        });
+        let scheme = DiscreteVi { step: 0.1 }.into();
+        let rung = Rung { scheme, paths: 100, diverged: 60, cost: UNTIMED, estimates, changes: Vec::new() };
+        assert_eq!(rung.variance(Statistic::SticksPerPath), 10.0);
+    }
+}

@@ -251,3 +251,73 @@ impl Refusal {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Cost, Standing};
+    use super::*;
+    use crate::scheme::{DiscreteVi, EventDriven};
+    use crate::stats::Estimate;
+
+    /// The change from h to h/2 is C (sqrt(h) - sqrt(h/2)); those at h/r, h/2r, h/4r, ... are added one by one, to the 200th.
+    #[test]
+    fn the_tail_is_the_sum_of_all_finer_changes() {
+        for r in [1.0, 2.0, 4.0, 7.0, 2f64.powi(20)] {
+            let change = |h: f64| h.sqrt() - (h / 2.0).sqrt();
+            let sum: f64 = (0..200).map(|k| change(1.0 / (r * 2f64.powi(k)))).sum();
+            assert!((tail(r) * change(1.0) / sum - 1.0).abs() < 1e-12, "{r}: {} {}", tail(r), sum / change(1.0));
+        }
+    }
+
+    /// Steps whose changes 0.05, -0.02 and 0.01 follow no power, so that there is no law, and a reference that is known to 0.1 only. What bounds the bias of a
+    /// step is the sum of the changes from it on, 0.04, -0.01 and 0.01, and beyond the finest step 1/(sqrt 2 - 1) = 2.4142 times the last change, which is
+    /// what is left of it if the bias falls like sqrt(h). Costs double from step to step and paths do not scatter, so the coarsest step whose bound is
+    /// below the target is the cheapest; at half the finest step 0.01 sqrt(1/4)/(1 - sqrt(1/2)) is left.
+    #[test]
+    fn without_a_law_the_changes_and_their_tail_bound_the_bias() {
+        let estimate = |standard_error: f64| {
+            Statistic::ALL.map(|statistic| Estimate {
+                statistic,
+                estimate: 1.0,
+                standard_error,
+                low: 1.0,
+                high: 1.0,
+                bias: None,
+            })
+        };
+        let rung = |scheme: Scheme, seconds, error: f64, change: Option<f64>| Rung {
+            scheme,
+            paths: 100,
+            diverged: 0,
+            cost: Cost { first: 0.0, each: seconds },
+            estimates: estimate(error),
+            changes: change.map_or(Vec::new(), |value| vec![Number { value, error: 0.0 }; Statistic::ALL.len()]),
+        };
+        let rungs = vec![
+            rung(DiscreteVi { step: 0.4 }.into(), 1.0, 1e-9, Some(0.05)),
+            rung(DiscreteVi { step: 0.2 }.into(), 2.0, 1e-9, Some(-0.02)),
+            rung(DiscreteVi { step: 0.1 }.into(), 4.0, 1e-9, Some(0.01)),
+            rung(DiscreteVi { step: 0.05 }.into(), 8.0, 1e-9, None),
+            rung(EventDriven { tolerance: 1e-5 }.into(), 1000.0, 0.1, None),
+        ];
+        let trade = Trade { reference: 4, rungs, left_out: Vec::new(), is_random: true, has_limitless_phases: false };
+        let statistic = Statistic::SticksPerPath;
+        assert_eq!((trade.law(Kind::DiscreteVi, statistic), trade.standing(statistic)), (None, Standing::Value(1.0)));
+        let left = 0.01 / (2f64.sqrt() - 1.0);
+        for (rung, bound) in trade.rungs.iter().zip([0.04 + left, 0.01 + left, 0.01 + left, left]) {
+            let told = trade.changes_from(rung, statistic).value;
+            assert!((told - bound).abs() < 1e-12, "{}: {told}, not {bound}", rung.scheme);
+        }
+        let best = |target: f64| trade.best(Some(Kind::DiscreteVi), &[statistic], target).expect("a choice");
+        for (target, step, is_measured, bias) in [
+            (0.07, 0.4, true, 0.04 + left),
+            (0.035, 0.2, true, 0.01 + left),
+            (0.03, 0.05, true, left),
+            (0.02, 0.025, false, 0.005 / (1.0 - 0.5f64.sqrt())),
+        ] {
+            let choice = best(target);
+            assert_eq!((choice.scheme, choice.is_measured), (DiscreteVi { step }.into(), is_measured), "{target}");
+            assert!((choice.bias - bias).abs() < 1e-12, "{target}: {choice:?}, not {bias}");
+        }
+    }
+}

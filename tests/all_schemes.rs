@@ -1,0 +1,221 @@
+//! What every scheme has in common, whatever it makes of friction: the law of the temperature, where it starts, what a path is a function of,
+//! and that the velocity is the rate of the displacement.
+//!
+//! Statistical tests have a fixed seed; each states its null hypothesis, sample size and false-alarm rate.
+
+mod common;
+
+use common::{Keep, paper, timeline};
+use std::collections::HashSet;
+use stick_slip::config::shipped;
+use stick_slip::engine::Replay;
+use stick_slip::model::{Event, InitialNoise, Model, Noise};
+use stick_slip::scenario::Scenario;
+use stick_slip::scheme::{
+    DEFAULT_TOLERANCE, Discretisation, Instant, Kind, Observer, Parameter, Scheme, Simulate as _, Snapshot, Timeline,
+};
+
+/// Every scheme, those that have a step with this one.
+fn schemes(step: f64) -> impl Iterator<Item = Scheme> {
+    Kind::ALL.iter().map(move |kind| match kind.parameter() {
+        Parameter::Step => kind.with(step),
+        Parameter::Tolerance { .. } => kind.with(DEFAULT_TOLERANCE),
+    })
+}
+
+fn kept(scheme: Scheme, model: &Model, timeline: &Timeline, seed: u64, paths: &[u64]) -> Keep {
+    let mut keep = Keep::lanes(paths.len());
+    let lost = scheme.simulation(model, timeline).simulate(seed, paths, &mut keep);
+    assert!(lost.is_empty(), "{scheme}: {lost:?}");
+    keep
+}
+
+/// The noisy scene of the paper with this noise.
+fn with_noise(noise: Noise) -> Model {
+    let mut model = paper(0.25, noise.intensity);
+    model.temperature.noise = Some(noise);
+    model
+}
+
+/// Row by row, the sums over paths of n, n^2 and n(before) n, where n is T less its mean.
+struct NoiseMoments {
+    mean: Box<dyn Fn(f64) -> f64>,
+    before: Vec<f64>,
+    sums: Vec<(f64, [f64; 3])>,
+}
+
+impl Observer for NoiseMoments {
+    fn event(&mut self, _: usize, _: Event) {}
+
+    fn snapshot(&mut self, instant: Instant, s: Snapshot<'_>) {
+        if !matches!(instant, Instant::Output(_)) {
+            return;
+        }
+        let n: Vec<f64> = s.temperature.iter().map(|t| t - (self.mean)(s.time)).collect();
+        self.before.resize(n.len(), 0.0);
+        let product = n.iter().zip(&self.before).map(|(a, b)| a * b).sum();
+        self.sums.push((s.time, [n.iter().sum(), n.iter().map(|n| n * n).sum(), product]));
+        self.before = n;
+    }
+}
+
+/// Friction hears the noise, and the noise does not hear friction: however a path sticks, slips, turns and is cut into steps, T less its
+/// harmonics is rho times the Ornstein-Uhlenbeck process, in every scheme. Of it
+///
+/// ```text
+/// E v = e^{-theta t} v(0),   Var v = (sigma^2/2 theta)(1 - e^{-2 theta t}),   Cov(v(s), v(t)) = e^{-theta (t - s)} Var v(s),
+/// ```
+///
+/// and sigma^2/2 theta at every t from a stationary start. Null: these, on ten rows 0.7 apart, of which the first is t = 0, in four schemes
+/// from either start; there are slips of 3 and more, so most rows lie in one. 2e4 paths: 240 comparisons at 3.9 standard errors (1e-4 each); a
+/// variance is known to 1 %. A noise that stands still while the body slips, or a v(0) that shares a draw with the first increment, is off by
+/// tens of them.
+#[test]
+fn the_temperature_is_the_same_process_in_every_scheme() {
+    let (rho, theta, sigma, lag, paths) = (0.25, 0.5, 1.0, 0.7, 20_000u64);
+    let stationary: f64 = rho * rho * sigma * sigma / (2.0 * theta);
+    let numbers: Vec<u64> = (0..paths).collect();
+    let line = timeline(9.0 * lag, lag);
+    for scheme in schemes(0.05) {
+        for initial in [InitialNoise::At(2.0), InitialNoise::Stationary] {
+            let model = with_noise(Noise { intensity: rho, relaxation_rate: theta, diffusion: sigma, initial });
+            let start = if let InitialNoise::At(v) = initial { rho * v } else { 0.0 };
+            let mean = Box::new(move |t: f64| (0.25 * t).cos() + start * (-theta * t).exp());
+            let mut moments = NoiseMoments { mean, before: Vec::new(), sums: Vec::new() };
+            assert!(scheme.simulation(&model, &line).simulate(11, &numbers, &mut moments).is_empty());
+            assert_eq!(moments.sums.len(), 10);
+            let variance = |t: f64| match initial {
+                InitialNoise::Stationary => stationary,
+                InitialNoise::At(_) => -stationary * (-2.0 * theta * t).exp_m1(),
+            };
+            for (row, &(t, sums)) in moments.sums.iter().enumerate() {
+                let (var, before) = (variance(t), if row == 0 { 0.0 } else { variance(t - lag) });
+                let covariance = before * (-theta * lag).exp();
+                let sds = [var.sqrt(), 2f64.sqrt() * var, (var * before + covariance * covariance).sqrt()];
+                for ((what, sum), (want, sd)) in ["mean", "variance", "covariance"]
+                    .into_iter()
+                    .zip(sums)
+                    .zip([0.0, var, covariance].into_iter().zip(sds))
+                {
+                    let (got, error) = (sum / paths as f64, sd / (paths as f64).sqrt());
+                    // Rounding of T about its mean, where nothing fluctuates yet.
+                    let is_so = (got - want).abs() <= 3.9 * error + 1e-14;
+                    assert!(is_so, "{scheme}, {initial:?}, t = {t}, {what}: {got}, not {want} +- {error}");
+                }
+            }
+        }
+    }
+}
+
+/// T(0) is the sum of the harmonics at 0 and of rho v(0), to rounding, and the body feels K beta of it: b at the first event of a start outside
+/// the corridor is K (beta T(0) - x0).
+#[test]
+fn every_scheme_starts_from_rho_times_the_noise_it_is_given() {
+    let initial = InitialNoise::At(2.0);
+    let noise = Noise { intensity: 0.3, relaxation_rate: 1.0, diffusion: 1.0, initial };
+    let mut model = with_noise(noise);
+    model.oscillator.stiffness = 3.0;
+    let temperature = 1.0 + 0.3 * 2.0;
+    for scheme in schemes(0.01) {
+        let keep = kept(scheme, &model, &timeline(1.0, 1.0), 1, &[0, 1]);
+        for (events, rows) in keep.events.iter().zip(&keep.rows) {
+            assert!((rows[0].3 - temperature).abs() < 1e-14, "{scheme}: {rows:?}");
+            let b = 3.0 * (6.0 * temperature - 6.0);
+            assert!(events[0].time == 0.0 && (events[0].force - b).abs() < 1e-12, "{scheme}: {:?}", events[0]);
+        }
+    }
+}
+
+/// Every bit of the number of a path, and of the seed, makes another path: of 65 numbers that differ from one by a bit each no two share
+/// their T at the end, and each is the path that it is alone. The same of 65 seeds.
+#[test]
+fn every_bit_of_the_path_number_and_of_the_seed_counts_in_every_scheme() {
+    let number = 5u64;
+    let neighbours: Vec<u64> = std::iter::once(number).chain((0..64).map(|bit| number ^ (1 << bit))).collect();
+    let noise = Noise { intensity: 0.25, relaxation_rate: 1.0, diffusion: 1.0, initial: InitialNoise::Stationary };
+    let (model, line) = (with_noise(noise), timeline(5.0, 5.0));
+    for scheme in schemes(0.05) {
+        let together = kept(scheme, &model, &line, 9, &neighbours);
+        let ends: HashSet<u64> = together.rows.iter().map(|rows| rows[1].3.to_bits()).collect();
+        assert_eq!(ends.len(), neighbours.len(), "{scheme}: two paths are the same");
+        for (lane, &path) in neighbours.iter().enumerate() {
+            let alone = kept(scheme, &model, &line, 9, &[path]);
+            assert_eq!(
+                (&alone.rows[0], &alone.events[0]),
+                (&together.rows[lane], &together.events[lane]),
+                "{scheme} {path}"
+            );
+        }
+        let seeds = neighbours.iter().map(|&seed| kept(scheme, &model, &line, seed, &[number]).rows[0][1].3.to_bits());
+        assert_eq!(seeds.collect::<HashSet<u64>>().len(), neighbours.len(), "{scheme}: two seeds are the same");
+    }
+}
+
+/// A replay takes the whole number too, and says which path it is.
+#[test]
+fn a_replay_of_a_number_beyond_sixteen_and_thirty_two_bits_is_another_path() {
+    let scenario = Scenario::parse("rho025", shipped("rho025").expect("shipped").text, &[]).expect("sound");
+    let mut ends = HashSet::new();
+    for path in [7, (1 << 16) + 7, (1 << 32) + 7, (1 << 48) + 7] {
+        let block = Replay::of(&scenario, path).block;
+        assert_eq!((block.first_path, block.paths), (path, 1));
+        assert_eq!(block.trajectories.expect("kept").path, [path]);
+        ends.insert(block.path_columns.expect("kept").displacement_end[0].to_bits());
+    }
+    assert_eq!(ends.len(), 4);
+}
+
+/// x' is the rate of x, in every scheme, in a scene whose natural frequency is 2: between rows 2d apart in one sub-phase, (x(t + d) - x(t - d))/2d is
+/// x'(t) up to d times the change of the force over the mass, here below 2 % of the greatest velocity that the scheme shows. Where the body sticks
+/// both are zero.
+#[test]
+fn the_velocity_is_the_rate_of_the_displacement_in_every_scheme() {
+    let (d, end) = (0.002, 20.0);
+    for rho in [0.0, 0.25] {
+        let mut model = paper(0.25, rho);
+        model.oscillator.mass = 0.25;
+        for scheme in schemes(d) {
+            let keep = kept(scheme, &model, &timeline(end, d), 3, &[0, 1, 2]);
+            let fastest = keep.rows.iter().flatten().map(|row| row.2.abs()).fold(0.0, f64::max);
+            let (mut slides, mut rests) = (0, 0);
+            for (events, rows) in keep.events.iter().zip(&keep.rows) {
+                for three in rows.windows(3) {
+                    let ((from, at), to) = ((three[0], three[1]), three[2]);
+                    if events.iter().any(|event| event.time >= from.0 - d && event.time <= to.0 + d) {
+                        continue;
+                    }
+                    let rate = (to.1 - from.1) / (to.0 - from.0);
+                    assert!((rate - at.2).abs() <= 0.02 * fastest, "{scheme}, t = {}: {rate} {}", at.0, at.2);
+                    assert!(!at.4 || (rate == 0.0 && at.2 == 0.0), "{scheme}: {at:?}");
+                    *(if at.4 { &mut rests } else { &mut slides }) += 1;
+                }
+            }
+            assert!(slides > 1000 && rests > 100, "{scheme}: {slides} {rests}");
+            // The quasi-static one swings by (f_s - f_d)/K about its equilibrium, at w0.
+            if scheme.discretisation() == Discretisation::Approximation {
+                assert!((fastest / 0.4 - 1.0).abs() < 1e-4, "{fastest}");
+            }
+        }
+    }
+}
+
+/// (x, T) -> (-x, -T), with the sign of T turned by that of beta: each scheme with a step gives the same path with the other sign, bit for bit. A
+/// correction of the stick exit that took beta with its sign would raise the threshold of one of the two, and lower that of the other.
+#[test]
+fn a_body_that_shrinks_in_the_heat_does_the_same_on_the_other_side() {
+    let model = paper(0.25, 0.25);
+    let mut mirrored = model.clone();
+    (mirrored.initial_displacement, mirrored.oscillator.dilatation) = (-6.0, -model.oscillator.dilatation);
+    let paths: Vec<u64> = (0..40).collect();
+    for scheme in schemes(0.01).filter(|scheme| scheme.step().is_some()) {
+        let here = kept(scheme, &model, &timeline(40.0, 1.0), 1, &paths);
+        let there = kept(scheme, &mirrored, &timeline(40.0, 1.0), 1, &paths);
+        for (a, b) in here.events.iter().zip(&there.events) {
+            let seen = |events: &[Event], sign: f64| -> Vec<(f64, f64, f64)> {
+                events.iter().map(|event| (event.time, sign * event.displacement, sign * event.force)).collect()
+            };
+            assert!(a.len() > 5, "{scheme}: {a:?}");
+            assert_eq!(seen(a, 1.0), seen(b, -1.0), "{scheme}");
+        }
+    }
+}
