@@ -692,20 +692,23 @@ fn equal_thresholds_under_noise_have_a_stated_resolution() {
     assert!(EventDrivenSimulation::new(&paper(0.25, 0.25), &timeline(60.0), DEFAULT_TOLERANCE).resolution().is_none());
 }
 
+/// What is evaluated for a path is bounded by what happens on it and not by how extreme its numbers are: the ceilings are twice what was counted, and all far
+/// below the 10^8 at which a path is given up. They are counts, the same on any machine. A limit that is lower than what a path takes holds too: the path is
+/// given up, and no more is spent.
 #[test]
 fn extreme_scenes_end_in_bounded_work() {
-    // (rho, theta, f_s, f_d, alpha, t_end)
-    for (rho, theta, f_s, f_d, alpha, end) in [
-        (100.0, 1.0, 1.2, 1.0, 0.0, 10.0),
-        (1e6, 1.0, 1.2, 1.0, 0.0, 1.0),
-        (1e-300, 1.0, 1.2, 1.0, 0.0, 10.0),
-        (0.25, 300.0, 1.2, 1.0, 0.0, 10.0),
-        (0.25, 1e-6, 1.2, 1.0, 0.0, 60.0),
-        (0.25, 1.0, 0.0, 0.0, 0.0, 10.0),
-        (0.25, 1.0, 1.2, 0.0, 0.0, 10.0),
-        (0.25, 1.0, 1e9, 1.0, 0.0, 1e4),
-        (0.25, 1.0, 1.2, 1.0, 20.0, 10.0),
-        (0.25, 1.0, 1.2, 1.0, 0.0, 0.0),
+    // (rho, theta, f_s, f_d, alpha, t_end), evaluations of a path at most
+    for ((rho, theta, f_s, f_d, alpha, end), most) in [
+        ((100.0, 1.0, 1.2, 1.0, 0.0, 10.0), 410),
+        ((1e6, 1.0, 1.2, 1.0, 0.0, 1.0), 810),
+        ((1e-300, 1.0, 1.2, 1.0, 0.0, 10.0), 2),
+        ((0.25, 300.0, 1.2, 1.0, 0.0, 10.0), 11_400),
+        ((0.25, 1e-6, 1.2, 1.0, 0.0, 60.0), 800),
+        ((0.25, 1.0, 0.0, 0.0, 0.0, 10.0), 730),
+        ((0.25, 1.0, 1.2, 0.0, 0.0, 10.0), 66),
+        ((0.25, 1.0, 1e9, 1.0, 0.0, 1e4), 5_000),
+        ((0.25, 1.0, 1.2, 1.0, 20.0, 10.0), 1_360),
+        ((0.25, 1.0, 1.2, 1.0, 0.0, 0.0), 1),
     ] {
         let mut model = paper(0.25, rho);
         model.friction = Friction { static_force: f_s, dynamic_force: f_d };
@@ -713,10 +716,21 @@ fn extreme_scenes_end_in_bounded_work() {
         if let Some(noise) = &mut model.temperature.noise {
             noise.relaxation_rate = theta;
         }
-        let clock = std::time::Instant::now();
-        let paths = folds(&model, &timeline(end), DEFAULT_TOLERANCE, 1, 8);
-        println!("{rho} {theta} {f_s} {f_d} {alpha} {end}: {:?} a path", clock.elapsed() / 8);
-        assert!(paths.iter().all(|p| p.displacement_end.is_finite()), "{rho} {theta} {f_s} {f_d} {alpha}");
+        let scheme = EventDrivenSimulation::new(&model, &timeline(end), DEFAULT_TOLERANCE);
+        let paths: Vec<u64> = (0..8).collect();
+        let counted = |scheme: &EventDrivenSimulation| {
+            let mut folds = Folds(vec![Fold::default(); paths.len()]);
+            let simulated = scheme.simulate_counting(1, &paths, &mut folds);
+            (simulated, folds.0)
+        };
+        let (simulated, folds) = counted(&scheme);
+        println!("{rho} {theta} {f_s} {f_d} {alpha} {end}: {} evaluations a path", simulated.evaluations / 8);
+        assert!(simulated.lost.is_empty() && folds.iter().all(|p| p.displacement_end.is_finite()), "{rho} {theta} {f_s} {f_d} {alpha}");
+        assert!(simulated.evaluations / 8 <= most, "{rho} {theta} {f_s} {f_d} {alpha}: {}", simulated.evaluations);
+        let limit = simulated.evaluations / 8 / 4;
+        let (limited, _) = counted(&scheme.with_work_limit(limit));
+        assert!(limited.evaluations <= 8 * limit, "{limit} {limited:?}");
+        assert!(limited.lost.len() == 8 || simulated.evaluations < 8 * 8, "{limit} {limited:?}");
     }
 }
 

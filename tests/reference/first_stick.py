@@ -1,4 +1,4 @@
-"""Mean and sd of the first stick of the paper's scene under feeble noise, for the unit tests of the stick phase.
+"""Laws of the first stick, for the unit tests of the stick phase: of the paper's scene under feeble noise, and where the threshold bends.
 
     python3 tests/reference/first_stick.py
 
@@ -14,28 +14,49 @@ a density of width 0.05 here.
 import numpy as np
 
 
-def moments(rho, t0, t1, n):
+def density(threshold, slope, theta, t0, t1, n):
+    """Times, their spacing, and at them the density of the first time at which dv = -theta v dt + dW, v(0) = 0, is at threshold(t)."""
     t, dt = np.linspace(t0, t1, n + 1, retstep=True)
-    threshold = (6 * np.cos(t / 4) - 4.8) / (6 * rho)
-    slope = -1.5 * np.sin(t / 4) / (6 * rho)
-    s, rate = (np.exp(2 * t) - 1) / 2, np.exp(2 * t)
-    a, da = np.exp(t) * threshold, np.exp(-t) * (threshold + slope)
+    u, du = threshold(t), slope(t)
+    s, rate = (np.exp(2 * theta * t) - 1) / (2 * theta), np.exp(2 * theta * t)
+    a, da = np.exp(theta * t) * u, np.exp(-theta * t) * (theta * u + du)
 
     def f(x, s):
         return np.exp(-x * x / (2 * s)) / np.sqrt(2 * np.pi * s)
 
     p = np.zeros(n + 1)
     for i in range(n + 1):
+        if s[i] == 0:
+            continue  # the threshold is away from the start
         p[i] = (a[i] / s[i] - da[i]) * f(a[i], s[i])
         if i > 0:
             gap = s[i] - s[:i]
             kernel = (da[i] - (a[i] - a[:i]) / gap) * f(a[i] - a[:i], gap)
             p[i] += dt * np.sum(rate[:i] * p[:i] * kernel)
-    q = p * rate
+    return t, dt, p * rate
+
+
+def extrapolated(of, n):
+    coarse, fine = of(n), of(2 * n)
+    return fine + (fine - coarse) / (2**1.5 - 1)
+
+
+def feeble(rho, t0, t1, n):
+    """Mean and sd of the first stick of the paper's scene."""
+    t, _, q = density(lambda t: (6 * np.cos(t / 4) - 4.8) / (6 * rho), lambda t: -1.5 * np.sin(t / 4) / (6 * rho), 1, t0, t1, n)
     mean, square = (np.trapezoid(q * t**k, t) / np.trapezoid(q, t) for k in (1, 2))
     return np.array([mean, np.sqrt(square - mean * mean)])
 
 
+def bent(n):
+    """A threshold 1 + 100 (1 - cos((t - 2.5)/10)), whose curvature in the dip is 1, and theta = 0.0354: the chance to leave before t = 8,
+    and the mean time of those that do."""
+    threshold, slope = lambda t: 1 + 100 * (1 - np.cos((t - 2.5) / 10)), lambda t: 10 * np.sin((t - 2.5) / 10)
+    t, _, q = density(threshold, slope, 0.0354, 0, 8, n)
+    return np.array([np.trapezoid(q, t), np.trapezoid(q * t, t) / np.trapezoid(q, t)])
+
+
 for rho, t0, t1 in [(0.01, 2.0, 3.2), (0.02, 1.6, 3.5)]:
-    coarse, fine = moments(rho, t0, t1, 4000), moments(rho, t0, t1, 8000)
-    print(rho, fine + (fine - coarse) / (2**1.5 - 1))
+    print(rho, extrapolated(lambda n: feeble(rho, t0, t1, n), 4000))
+for n in (2000, 4000):
+    print("bent", n, extrapolated(bent, n))

@@ -161,8 +161,9 @@ impl StickSteps {
 #[cfg(test)]
 mod tests {
     use super::super::harness::{exits, mean_and_error};
-    use crate::model::Sign;
+    use super::super::step_rules::{DEFAULT_TOLERANCE, StepRules};
     use crate::model::paper::paper;
+    use crate::model::{Harmonic, Sign};
 
     /// Statistical tests: null hypothesis, the mean is the exact one; n paths; they fail by chance
     /// once in 1e4 (3.9 standard errors), with fixed seeds.
@@ -252,6 +253,32 @@ mod tests {
             let (mean, _) = mean_and_error(&times);
             // The exit moves by about sd(n)/B' ~ 6 rho.
             assert!((mean - 2.574_004_435_173_137_6).abs() < 6.0 * rho + 1e-9, "{rho}: {mean}");
+        }
+    }
+
+    /// Where the threshold bends, 1 + 100 (1 - cos((t - 2.5)/10)) above the noise with theta = 0.0354 and s = 1, the length of a step is a matter of its chord error
+    /// alone; the rungs of the ladder are such that four times the error would be steps of four times the length. Null: the chance to leave in the first
+    /// dip, and when, are the exact ones (`tests/reference/first_stick.py`) but for the default tolerance, 0.1 %. 8e5 paths, which tell the two to 0.12 and 0.06 %,
+    /// two comparisons at 1e-4 each. At twice the chord error the time is 0.4 % too long, at four times 4 %.
+    #[test]
+    fn a_bent_threshold_is_left_when_it_should_be_at_the_default_tolerance() {
+        let kappa = StepRules::new(DEFAULT_TOLERANCE).chord_error;
+        let (amplitude, w): (f64, f64) = (100.0, 0.1);
+        let mut model = paper(0.25, 1.0);
+        model.oscillator.dilatation = 1.0;
+        model.temperature.harmonics = vec![Harmonic { amplitude, angular_frequency: w, phase: -2.5 * w }];
+        model.friction.static_force = amplitude + 1.0;
+        model.initial_displacement = 0.0;
+        if let Some(noise) = &mut model.temperature.noise {
+            (noise.relaxation_rate, noise.diffusion) = (0.0354, 1.0);
+        }
+        let found = exits(&model, 0.0, kappa, 1e6, 9, 800_000);
+        let (times, later): (Vec<f64>, Vec<f64>) = found.iter().map(|e| e.0).partition(|t| *t < 8.0);
+        let is_early: Vec<f64> = times.iter().map(|_| 1.0).chain(later.iter().map(|_| 0.0)).collect();
+        for (what, values, exact) in [("share", &is_early, 0.479_575_06), ("time", &times, 1.894_435_19)] {
+            let (mean, error) = mean_and_error(values);
+            println!("{what}: {mean} +- {error}, exact {exact}");
+            assert!((mean - exact).abs() <= FALSE_ALARM * error + DEFAULT_TOLERANCE * exact, "{what}: {mean} +- {error}, exact {exact}");
         }
     }
 }
