@@ -725,7 +725,10 @@ fn extreme_scenes_end_in_bounded_work() {
         };
         let (simulated, folds) = counted(&scheme);
         println!("{rho} {theta} {f_s} {f_d} {alpha} {end}: {} evaluations a path", simulated.evaluations / 8);
-        assert!(simulated.lost.is_empty() && folds.iter().all(|p| p.displacement_end.is_finite()), "{rho} {theta} {f_s} {f_d} {alpha}");
+        assert!(
+            simulated.lost.is_empty() && folds.iter().all(|p| p.displacement_end.is_finite()),
+            "{rho} {theta} {f_s} {f_d} {alpha}"
+        );
         assert!(simulated.evaluations / 8 <= most, "{rho} {theta} {f_s} {f_d} {alpha}: {}", simulated.evaluations);
         let limit = simulated.evaluations / 8 / 4;
         let (limited, _) = counted(&scheme.with_work_limit(limit));

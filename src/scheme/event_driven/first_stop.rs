@@ -551,7 +551,9 @@ mod tests {
             // Cholesky's factor of the covariance u, u^2/2, u^3/6; ., u^3/3, u^4/8; ., ., u^5/20 of (a, V, x).
             let (one, two, three) = (draws.normal(), draws.normal(), draws.normal());
             let root = c * u.sqrt();
-            let next_x = x + u * v + 0.5 * u * u * a
+            let next_x = x
+                + u * v
+                + 0.5 * u * u * a
                 + root * u * u * (one / 6.0 + two / (4.0 * 3f64.sqrt()) + three / (12.0 * 5f64.sqrt()));
             let next_v = v + u * a + root * u * (0.5 * one + two / (2.0 * 3f64.sqrt()));
             let next_a = a + root * one;
@@ -572,7 +574,9 @@ mod tests {
     #[test]
     fn the_first_zero_has_the_law_that_small_steps_find() {
         const SLIPS: u64 = 20_000;
-        for (case, (velocity, acceleration, c)) in [(0.0, 0.3, 1.0), (0.05, -0.1, 0.6), (0.0, 0.1, 0.5)].into_iter().enumerate() {
+        for (case, (velocity, acceleration, c)) in
+            [(0.0, 0.3, 1.0), (0.05, -0.1, 0.6), (0.0, 0.1, 0.5)].into_iter().enumerate()
+        {
             let start = Motion { velocity, acceleration };
             let search = StopSearch { noise: c, caution: 4.0 };
             let found: Vec<Option<Stop>> = (0..SLIPS)
@@ -583,7 +587,8 @@ mod tests {
                         velocity: velocity + acceleration + c * (0.5 * one + two / (2.0 * 3f64.sqrt())),
                         acceleration: acceleration + c * one,
                     };
-                    let way = velocity + 0.5 * acceleration
+                    let way = velocity
+                        + 0.5 * acceleration
                         + c * (one / 6.0 + two / (4.0 * 3f64.sqrt()) + three / (12.0 * 5f64.sqrt()));
                     let step = Step { start, end, way, length: 1.0, root_length: 1.0 };
                     let (mut pending, mut work) = (Pending::new(), Work::new(1_000_000));
@@ -597,13 +602,17 @@ mod tests {
             let by = |stop: &Option<Stop>, time: f64| f64::from(u8::from(stop.is_some_and(|stop| stop.after <= time)));
             let shares: [f64; 3] = [0.0625, 0.25, 1.0];
             for time in shares {
-                let of = |stops: &[Option<Stop>]| mean_and_error(&stops.iter().map(|stop| by(stop, time)).collect::<Vec<_>>());
+                let of = |stops: &[Option<Stop>]| {
+                    mean_and_error(&stops.iter().map(|stop| by(stop, time)).collect::<Vec<_>>())
+                };
                 let ((a, ea), (b, eb)) = (of(&found), of(&small));
                 println!("case {case}, by {time}: {a:.5} +- {ea:.5}, {b:.5} +- {eb:.5}");
                 assert!((a - b).abs() <= 3.9 * ea.hypot(eb) + 0.003, "case {case}, by {time}: {a} {b}");
             }
-            let measures: [(&str, Measure); 2] =
-                [("way", |stop| stop.map_or(0.0, |stop| stop.way)), ("held back", |stop| stop.map_or(0.0, |stop| -stop.acceleration))];
+            let measures: [(&str, Measure); 2] = [
+                ("way", |stop| stop.map_or(0.0, |stop| stop.way)),
+                ("held back", |stop| stop.map_or(0.0, |stop| -stop.acceleration)),
+            ];
             for (what, measure) in measures {
                 let of = |stops: &[Option<Stop>]| mean_and_error(&stops.iter().map(measure).collect::<Vec<_>>());
                 let ((a, ea), (b, eb)) = (of(&found), of(&small));

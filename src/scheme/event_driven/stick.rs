@@ -278,7 +278,10 @@ mod tests {
         for (what, values, exact) in [("share", &is_early, 0.479_575_06), ("time", &times, 1.894_435_19)] {
             let (mean, error) = mean_and_error(values);
             println!("{what}: {mean} +- {error}, exact {exact}");
-            assert!((mean - exact).abs() <= FALSE_ALARM * error + DEFAULT_TOLERANCE * exact, "{what}: {mean} +- {error}, exact {exact}");
+            assert!(
+                (mean - exact).abs() <= FALSE_ALARM * error + DEFAULT_TOLERANCE * exact,
+                "{what}: {mean} +- {error}, exact {exact}"
+            );
         }
     }
 }
