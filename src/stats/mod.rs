@@ -13,13 +13,17 @@
 //! is cut into parts.
 
 mod bands;
+mod bins;
 mod catalogue;
 mod codec;
 mod durations;
+mod dyadic;
 mod goal;
 mod interval;
+mod log_bins;
 mod moments;
 mod observer;
+mod ordered;
 mod path;
 mod periods;
 mod record;
