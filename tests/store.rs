@@ -142,6 +142,7 @@ fn summary(paths: u64, header: &Header) -> Summary {
         diverged: if paths > 7 { vec![7] } else { Vec::new() },
         estimates: Statistic::ALL.iter().enumerate().map(estimate).collect(),
         stick_durations: StickDurations {
+            step: None,
             completed: 10,
             censored: 3,
             first_completed: 4,

@@ -403,6 +403,7 @@ mod tests {
             diverged: vec![],
             estimates: estimates.to_vec(),
             stick_durations: StickDurations {
+                step: None,
                 completed: 141_226,
                 censored: 812,
                 first_completed: 10_000,

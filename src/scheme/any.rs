@@ -22,6 +22,14 @@ impl Scheme {
         }
     }
 
+    /// h: all events lie at multiples of it. None for the schemes without a step.
+    pub fn step(&self) -> Option<f64> {
+        match self {
+            Scheme::DiscreteVi(scheme) => Some(scheme.step()),
+            Scheme::EventDriven(_) | Scheme::QuasiStatic(_) => None,
+        }
+    }
+
     /// Simulate these paths of the ensemble with this seed. Returns the lanes (positions in `paths`) of the paths that
     /// diverged or had to be given up; what the observer saw of them is worthless.
     pub fn simulate<O: Observer>(&self, seed: u64, paths: &[u64], observer: &mut O) -> Vec<usize> {

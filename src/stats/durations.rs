@@ -1,26 +1,23 @@
 //! Stick durations: their quantiles, the interval of their median, and their survival with the cut-off ones in it.
 
+use super::batches::{BATCHES, batch_of};
 use super::bins::Shape;
-use super::codec::codec_of_fields;
-use super::interval::{Measured, student};
+use super::codec::{Codec, Damaged, Reader, codec_of_fields};
+use super::dyadic::nearest;
+use super::interval::Measured;
 use super::log_bins::{LogBins, LogGrid};
+use super::median;
 use super::ordered::Ordered;
 use super::sketch::Sketch;
+use super::steps::Steps;
 use super::{Histogram, QUANTILE_LEVELS, StickDurations};
 use crate::scheme::Timeline;
-
-/// Sticks are counted apart for the path numbers of each residue modulo this, so that the spread between these batches
-/// of whole paths shows how uncertain a pooled share is. 31 degrees of freedom widen the interval by 4 %.
-const BATCHES: usize = 32;
 
 /// Fine bins that make one bin of the public histogram: 8 to an octave.
 const COARSENING: i32 = 32;
 
 /// Below this share of t_end, durations are binned evenly instead of logarithmically.
 const RESOLUTION: f64 = 1.0 / (1u64 << 30) as f64;
-
-/// A spread of shares below this is rounding: every batch holds the same distribution.
-const SHARE_ROUNDING: f64 = 1e-12;
 
 /// So many durations of a batch are kept as they are, and so many bins are counted when there are more.
 const LIMIT: usize = 4096;
@@ -35,8 +32,10 @@ struct Batch {
 codec_of_fields!(Batch { durations, bins });
 
 impl Batch {
-    fn empty() -> Self {
-        let shape = Shape { centre: 0.0, floor: i32::MIN, values: LIMIT, bins: LIMIT };
+    /// Of durations in whole steps, or of any.
+    fn empty(is_stepping: bool) -> Self {
+        let floor = if is_stepping { 0 } else { i32::MIN };
+        let shape = Shape { centre: 0.0, floor, values: LIMIT, bins: LIMIT };
         Batch { durations: Sketch::empty(shape), bins: LogBins::default() }
     }
 
@@ -50,30 +49,40 @@ impl Batch {
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct DurationCounts {
     grid: LogGrid,
+    /// h, if all durations are multiples of it: they are then counted as whole numbers of steps.
+    step: Option<f64>,
     completed: [Batch; BATCHES],
     censored: LogBins,
     first_completed: u64,
     first_censored: u64,
 }
 
-codec_of_fields!(DurationCounts { completed, censored, first_completed, first_censored });
-
 impl DurationCounts {
     pub fn empty(timeline: &Timeline) -> Self {
         DurationCounts {
             grid: LogGrid::new(timeline.end * RESOLUTION),
-            completed: std::array::from_fn(|_| Batch::empty()),
+            step: None,
+            completed: std::array::from_fn(|_| Batch::empty(false)),
             censored: LogBins::default(),
             first_completed: 0,
             first_censored: 0,
         }
     }
 
+    /// The same, before anything is counted, where a scheme has a step.
+    pub fn set_step(&mut self, step: Option<f64>) {
+        self.step = step;
+        self.completed = std::array::from_fn(|_| Batch::empty(step.is_some()));
+    }
+
     /// A stick, j >= 1, of this path has ended.
     #[inline]
     pub fn completed(&mut self, path: u64, duration: f64) {
-        let batch = &mut self.completed[(path % BATCHES as u64) as usize];
-        batch.durations.push(duration);
+        let batch = &mut self.completed[batch_of(path)];
+        batch.durations.push(match self.step {
+            Some(step) => nearest(duration / step),
+            None => duration,
+        });
         batch.bins.push(self.grid.key(duration));
     }
 
@@ -93,7 +102,12 @@ impl DurationCounts {
         self.first_censored += 1;
     }
 
+    /// What has counted nothing takes the step of the other.
     pub fn merge(&mut self, other: &DurationCounts) {
+        if self.step != other.step && other.step.is_some() {
+            debug_assert_eq!(self.step, None, "durations of different steps");
+            self.set_step(other.step);
+        }
         for (mine, more) in self.completed.iter_mut().zip(&other.completed) {
             mine.merge(more);
         }
@@ -102,55 +116,38 @@ impl DurationCounts {
         self.first_censored += other.first_censored;
     }
 
-    /// The durations of all batches.
+    /// The durations of all batches, in whole steps if there is a step.
     fn pooled(&self) -> Ordered {
-        let mut pooled = Batch::empty().durations;
+        let mut pooled = Batch::empty(self.step.is_some()).durations;
         self.completed.iter().for_each(|batch| pooled.merge(&batch.durations));
         pooled.ordered()
     }
 
-    /// The median with Woodruff's interval: the error of the share F(m) of sticks no longer than the median m is turned
-    /// into one of m by reading the quantiles at 1/2 -+ t se(F(m)). (R. S. Woodruff, *Confidence intervals for medians and
-    /// other position measures*, Journal of the American Statistical Association 47 (1952).) F(m) is a ratio of sums over
-    /// batches of whole paths, so sticks of a path may depend on each other as they like.
-    ///
-    /// Where the interval of the share leaves (0, 1), the data bound the median by nothing but 0 or infinity.
+    /// The median with its interval.
     pub fn median(&self) -> Measured {
-        let pooled = self.pooled();
-        if pooled.count() == 0 {
-            return Measured::NOTHING;
+        let batches: Vec<Ordered> = self.completed.iter().map(|batch| batch.durations.ordered()).collect();
+        match self.step {
+            Some(step) => median::of_steps(&batches, &self.pooled()).times(step),
+            None => median::continuous(&batches, &self.pooled()),
         }
-        let median = pooled.quantile(0.5);
-        let (share_error, freedom) = self.share_error(median);
-        let t = student(freedom);
-        let reach = t * share_error;
-        if !reach.is_finite() {
-            return Measured::within(median, f64::NAN, f64::NAN, f64::NAN);
-        }
-        let low = if reach < 0.5 { pooled.quantile(0.5 - reach) } else { 0.0 };
-        let high = if reach < 0.5 { pooled.quantile(0.5 + reach) } else { f64::INFINITY };
-        Measured::within(median, (high - low) / (2.0 * t), low, high)
     }
 
-    /// Standard error of the share of sticks no longer than `duration`, and its degrees of freedom.
-    fn share_error(&self, duration: f64) -> (f64, u64) {
-        let counts = |batch: &Batch| {
-            let durations = batch.durations.ordered();
-            (durations.up_to(duration), durations.count() as f64)
-        };
-        let batches: Vec<(f64, f64)> = self.completed.iter().map(counts).filter(|b| b.1 > 0.0).collect();
-        let (below, all) = batches.iter().fold((0.0, 0.0), |sum, b| (sum.0 + b.0, sum.1 + b.1));
-        let share = below / all;
-        let (n, freedom) = (batches.len() as f64, batches.len().saturating_sub(1));
-        let spread: f64 = batches.iter().map(|b| (b.0 - share * b.1).powi(2)).sum();
-        let error = (n / freedom as f64 * spread).sqrt() / all;
-        (if error < SHARE_ROUNDING { 0.0 } else { error }, freedom as u64)
+    /// Of the orders `QUANTILE_LEVELS`.
+    fn quantiles(&self) -> Vec<f64> {
+        let pooled = self.pooled();
+        match self.step {
+            Some(step) => {
+                let steps = Steps::of(&pooled);
+                QUANTILE_LEVELS.map(|p| steps.at_least(p).1 * step).to_vec()
+            }
+            None => QUANTILE_LEVELS.map(|p| pooled.quantile(p)).to_vec(),
+        }
     }
 
     pub fn summary(&self) -> StickDurations {
         let mut bins = LogBins::default();
         self.completed.iter().for_each(|batch| bins.merge(&batch.bins));
-        let (completed, censored, durations) = (bins.bins(), self.censored.bins(), self.pooled());
+        let (completed, censored) = (bins.bins(), self.censored.bins());
         let number = |bins: &[(i16, u64)]| bins.iter().map(|(_, count)| count).sum();
         let coarse = |bins: &[(i16, u64)]| bins.iter().map(|&(k, n)| (coarse_bin(k), n)).collect::<Vec<_>>();
         let (ended, cut) = (coarse(&completed), coarse(&censored));
@@ -162,6 +159,7 @@ impl DurationCounts {
             counts
         };
         StickDurations {
+            step: self.step,
             completed: number(&completed),
             censored: number(&censored),
             first_completed: self.first_completed,
@@ -172,7 +170,7 @@ impl DurationCounts {
             },
             censored_counts: counts(&cut),
             survival: survival(&completed, &censored, first, end),
-            quantiles: QUANTILE_LEVELS.map(|p| durations.quantile(p)).to_vec(),
+            quantiles: self.quantiles(),
         }
     }
 }
@@ -180,6 +178,30 @@ impl DurationCounts {
 /// The public bin of a fine bin. Fine bin 0, a duration of exactly zero, belongs to the first.
 fn coarse_bin(key: i16) -> i32 {
     (i32::from(key) - 1).max(0) / COARSENING
+}
+
+impl Codec for DurationCounts {
+    fn write(&self, out: &mut Vec<u8>) {
+        // Zero is no step.
+        self.step.unwrap_or(0.0).write(out);
+        self.completed.write(out);
+        self.censored.write(out);
+        self.first_completed.write(out);
+        self.first_censored.write(out);
+    }
+
+    fn read(&mut self, from: &mut Reader<'_>) -> Result<(), Damaged> {
+        let mut step = 0.0_f64;
+        step.read(from)?;
+        if !(step >= 0.0 && step.is_finite()) {
+            return Err(Damaged);
+        }
+        self.set_step(Some(step).filter(|step| *step > 0.0));
+        self.completed.read(from)?;
+        self.censored.read(from)?;
+        self.first_completed.read(from)?;
+        self.first_censored.read(from)
+    }
 }
 
 /// Kaplan-Meier estimate of P(D > t) at the upper edges of the public bins `first..end`: the product of 1 - d/n, where n

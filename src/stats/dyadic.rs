@@ -38,6 +38,12 @@ pub(super) fn width(level: i32) -> f64 {
 /// Adding it to a number below it, and taking it off again, rounds to a whole number.
 const ROUNDING: f64 = (1u64 << 52) as f64;
 
+/// The whole number nearest to x, 0 <= x < 2^52.
+#[inline]
+pub(super) fn nearest(x: f64) -> f64 {
+    (x + ROUNDING) - ROUNDING
+}
+
 /// Finds bins at one level.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Ruler {
@@ -56,7 +62,7 @@ impl Ruler {
     #[inline(always)]
     pub fn index(&self, value: f64) -> f64 {
         let u = value - self.centre;
-        let nearest = (u.abs() * self.inverse + ROUNDING) - ROUNDING;
+        let nearest = nearest(u.abs() * self.inverse);
         // Held against u itself: u/w may have vanished, and a number next to the centre is not the centre.
         let above = if nearest * self.width < u.abs() { 1.0 } else { 0.0 };
         (nearest + above).copysign(u)

@@ -13,6 +13,7 @@
 //! is cut into parts.
 
 mod bands;
+mod batches;
 mod bins;
 mod catalogue;
 mod codec;
@@ -21,6 +22,7 @@ mod dyadic;
 mod goal;
 mod interval;
 mod log_bins;
+mod median;
 mod moments;
 mod observer;
 mod ordered;
@@ -29,6 +31,7 @@ mod periods;
 mod record;
 mod run_totals;
 mod sketch;
+mod steps;
 mod summary;
 #[cfg(test)]
 mod synthetic;

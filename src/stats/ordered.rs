@@ -105,6 +105,12 @@ impl Kept {
         kept
     }
 
+    /// All values, ascending.
+    pub fn ascending(&self) -> impl Iterator<Item = f64> {
+        (0..self.values.len() as u64 + self.at_centre)
+            .map(|rank| self.place(rank).map_or(self.centre, |place| self.values[place]))
+    }
+
     /// Where the value of this rank is; none if it is the centre.
     fn place(&self, rank: u64) -> Option<usize> {
         let below = self.below as u64;

@@ -84,6 +84,11 @@ impl DiscreteVi {
         DiscreteVi { instructions, ..self }
     }
 
+    /// h.
+    pub fn step(&self) -> f64 {
+        self.h
+    }
+
     /// The instruction set in use.
     pub fn instructions(&self) -> InstructionSet {
         self.instructions
