@@ -73,7 +73,8 @@ impl Plan {
         let mut kept: Vec<u64> = (first..first + paths).collect();
         let mut diverged = Vec::new();
         loop {
-            let own = BlockObserver::new(self.model(), self.timeline(), &self.record, &kept);
+            let own = BlockObserver::new(self.model(), self.timeline(), &self.record, &kept)
+                .with_step(self.simulation.step());
             let mut both = (own, companion.observer(kept.len()));
             let lost = self.simulation.simulate(self.seed, &kept, &mut both);
             if lost.is_empty() {

@@ -122,6 +122,10 @@ macro_rules! schemes {
                 match self { $(Simulation::$Scheme(simulation) => simulation.simulate(seed, paths, observer),)+ }
             }
 
+            fn step(&self) -> Option<f64> {
+                match self { $(Simulation::$Scheme(simulation) => simulation.step(),)+ }
+            }
+
             fn kernel(&self) -> String {
                 match self { $(Simulation::$Scheme(simulation) => simulation.kernel(),)+ }
             }

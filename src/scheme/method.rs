@@ -61,6 +61,11 @@ pub trait Simulate: Sized {
     /// worthless.
     fn simulate<O: Observer>(&self, seed: u64, paths: &[u64], observer: &mut O) -> Vec<usize>;
 
+    /// h, of which the times of all events are whole multiples; none for a scheme without a step.
+    fn step(&self) -> Option<f64> {
+        None
+    }
+
     /// What it runs on, in words.
     fn kernel(&self) -> String {
         "scalar, path by path".to_string()

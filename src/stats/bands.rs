@@ -1,8 +1,9 @@
 //! Pointwise distribution of x, x' and T over the ensemble, row by row of the output grid.
 
-use super::codec::codec_of_fields;
+use super::bins::Shape;
+use super::codec::{Codec, Damaged, Reader, codec_of_fields};
 use super::moments::Moments;
-use super::sketch::{Grid, Sketch, quantile};
+use super::sketch::Sketch;
 use super::{Band, Bands, QUANTILE_LEVELS};
 use crate::model::Model;
 use crate::scheme::{Snapshot, Timeline};
@@ -45,110 +46,124 @@ impl BandSums {
 
 codec_of_fields!(BandSums { rows });
 
-/// One variable at one time: how often which value was seen.
-#[derive(Clone, Debug, PartialEq)]
-struct RowCounts {
-    smallest: f64,
-    largest: f64,
-    sketch: Sketch,
+/// Of all sketches together so many values are kept, or half as many bins, which with all that belongs to them takes 100 MB at most.
+const VALUES: usize = 4_500_000;
+
+/// A sketch keeps neither fewer nor more values than this.
+const LIMITS: [usize; 2] = [256, 2048];
+
+/// The values of a block of paths, as they are.
+#[derive(Clone, Debug, Default)]
+struct BlockValues {
+    paths: usize,
+    /// x, x' and T of all paths, row after row.
+    values: Vec<f64>,
+    /// Where each row begins, if it has been seen.
+    starts: Vec<Option<usize>>,
 }
 
-impl Default for RowCounts {
-    fn default() -> Self {
-        RowCounts { smallest: f64::INFINITY, largest: f64::NEG_INFINITY, sketch: Sketch::default() }
+impl BlockValues {
+    fn of(&self, variable: usize, row: usize) -> Option<&[f64]> {
+        let start = (*self.starts.get(row)?)? + variable * self.paths;
+        self.values.get(start..start + self.paths)
     }
-}
-
-impl RowCounts {
-    fn of(values: &[f64], grid: &Grid) -> Self {
-        let (smallest, largest) = extremes(values);
-        RowCounts { smallest, largest, sketch: Sketch::of(values, grid) }
-    }
-
-    fn merge(&mut self, other: &RowCounts) {
-        self.smallest = self.smallest.min(other.smallest);
-        self.largest = self.largest.max(other.largest);
-        self.sketch.merge(&other.sketch);
-    }
-}
-
-codec_of_fields!(RowCounts { smallest, largest, sketch });
-
-/// Smallest and largest value, by eights so that compilers can vectorise it.
-fn extremes(values: &[f64]) -> (f64, f64) {
-    let (mut low, mut high) = ([f64::INFINITY; 8], [f64::NEG_INFINITY; 8]);
-    let (chunks, rest) = values.as_chunks::<8>();
-    let mut widen = |i: usize, v: f64| {
-        low[i] = if v < low[i] { v } else { low[i] };
-        high[i] = if v > high[i] { v } else { high[i] };
-    };
-    for chunk in chunks {
-        (0..8).for_each(|i| widen(i, chunk[i]));
-    }
-    rest.iter().enumerate().for_each(|(i, &v)| widen(i, v));
-    (low.into_iter().fold(f64::INFINITY, f64::min), high.into_iter().fold(f64::NEG_INFINITY, f64::max))
 }
 
 /// Which values each variable takes at each time, and how many paths are static: the half of the bands that merges exactly.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub(super) struct BandCounts {
-    grids: [Grid; VARIABLES],
-    rows: [Vec<RowCounts>; VARIABLES],
+    rows: [Vec<Sketch>; VARIABLES],
+    /// Values that are in no sketch: a block has none to fill.
+    block: Option<BlockValues>,
     /// Paths at each time, and how many of them are static.
     occupancy: Vec<[u64; 2]>,
 }
 
 impl BandCounts {
-    /// Bins of x lie about x0, where every path starts and where a path that never slips stays.
+    /// Many paths may share x0, where every path starts and where a path that never slips stays, and the velocity zero.
     pub fn empty(model: &Model, rows: usize) -> Self {
-        let scales = Scales::of(model);
+        let [least, most] = LIMITS;
+        let values = (VALUES / (VARIABLES * rows)).clamp(least, most);
+        let bins = (values / 2).max(least);
+        let row = |centre| Sketch::empty(Shape { centre, floor: i32::MIN, values, bins });
         BandCounts {
-            grids: [
-                Grid::new(model.initial_displacement, scales.displacement),
-                Grid::new(0.0, scales.velocity),
-                Grid::new(0.0, scales.temperature),
-            ],
-            rows: std::array::from_fn(|_| vec![RowCounts::default(); rows]),
+            rows: [model.initial_displacement, 0.0, 0.0].map(|centre| vec![row(centre); rows]),
+            block: None,
             occupancy: vec![[0, 0]; rows],
         }
     }
 
     /// Row `row` of the output grid, of every path of the block.
     pub fn fold(&mut self, row: usize, snapshot: &Snapshot<'_>) {
-        for ((rows, grid), values) in self.rows.iter_mut().zip(&self.grids).zip(variables(snapshot)) {
-            if let Some(slot) = rows.get_mut(row) {
-                *slot = RowCounts::of(values, grid);
-            }
+        let (rows, paths) = (self.occupancy.len(), snapshot.is_static.len());
+        if row >= rows {
+            return;
         }
-        if let Some(occupancy) = self.occupancy.get_mut(row) {
-            let is_static = snapshot.is_static.iter().map(|&s| u64::from(s)).sum();
-            *occupancy = [snapshot.is_static.len() as u64, is_static];
-        }
+        let values = || Vec::with_capacity(VARIABLES * rows * paths);
+        let block = self.block.get_or_insert_with(|| BlockValues { paths, values: values(), starts: vec![None; rows] });
+        block.starts[row] = Some(block.values.len());
+        variables(snapshot).iter().for_each(|values| block.values.extend_from_slice(values));
+        let is_static = snapshot.is_static.iter().map(|&s| u64::from(s)).sum();
+        self.occupancy[row] = [paths as u64, is_static];
     }
 
     pub fn merge(&mut self, other: &BandCounts) {
-        for (mine, more) in self.rows.iter_mut().flatten().zip(other.rows.iter().flatten()) {
-            mine.merge(more);
-        }
+        let theirs = other.rows.iter().flatten();
+        self.rows.iter_mut().flatten().zip(theirs).for_each(|(mine, more)| mine.merge(more));
         for (mine, more) in self.occupancy.iter_mut().zip(&other.occupancy) {
             mine[0] += more[0];
             mine[1] += more[1];
         }
+        if let Some(block) = &other.block {
+            self.count(block);
+        }
+    }
+
+    fn count(&mut self, block: &BlockValues) {
+        for (variable, rows) in self.rows.iter_mut().enumerate() {
+            for (row, sketch) in rows.iter_mut().enumerate() {
+                sketch.extend(block.of(variable, row).unwrap_or_default());
+            }
+        }
+    }
+
+    /// The same with all values in the sketches.
+    fn settled(mut self) -> Self {
+        if let Some(block) = self.block.take() {
+            self.count(&block);
+        }
+        self
     }
 }
 
-codec_of_fields!(BandCounts { rows, occupancy });
+impl PartialEq for BandCounts {
+    fn eq(&self, other: &Self) -> bool {
+        let (mine, theirs) = (self.clone().settled(), other.clone().settled());
+        mine.rows == theirs.rows && mine.occupancy == theirs.occupancy
+    }
+}
+
+impl Codec for BandCounts {
+    fn write(&self, out: &mut Vec<u8>) {
+        self.clone().settled().rows.write(out);
+        self.occupancy.write(out);
+    }
+
+    fn read(&mut self, from: &mut Reader<'_>) -> Result<(), Damaged> {
+        self.block = None;
+        self.rows.read(from)?;
+        self.occupancy.read(from)
+    }
+}
 
 /// The bands from their two halves.
 pub(super) fn summary(sums: &BandSums, counts: &BandCounts, timeline: &Timeline) -> Bands {
+    let counts = counts.clone().settled();
     let band = |variable: usize| {
         let (moments, rows) = (&sums.rows[variable], &counts.rows[variable]);
         let mut quantiles = Array2::from_elem((QUANTILE_LEVELS.len(), rows.len()), f64::NAN);
         for (mut column, row) in quantiles.columns_mut().into_iter().zip(rows) {
-            let bins = row.sketch.bins();
-            for (q, &p) in column.iter_mut().zip(&QUANTILE_LEVELS) {
-                *q = quantile(&bins, &counts.grids[variable], (row.smallest, row.largest), p);
-            }
+            column.iter_mut().zip(row.quantiles(QUANTILE_LEVELS)).for_each(|(q, quantile)| *q = quantile);
         }
         Band {
             mean: moments.iter().map(Moments::mean).collect(),
@@ -165,40 +180,9 @@ pub(super) fn summary(sums: &BandSums, counts: &BandCounts, timeline: &Timeline)
     }
 }
 
-/// How large x - x0, x' and T typically are: a quarter of a bound of the linear response, friction left out. Bins are
-/// 2^-8 of that wide near the centre; a wrong guess makes quantiles coarser or bins more numerous, never wrong.
-struct Scales {
-    displacement: f64,
-    velocity: f64,
-    temperature: f64,
-}
-
-impl Scales {
-    fn of(model: &Model) -> Self {
-        let (oscillator, temperature) = (&model.oscillator, &model.temperature);
-        let noise = temperature.noise.map_or(0.0, |n| {
-            let initial = match n.initial {
-                crate::model::InitialNoise::At(v) => v.abs(),
-                crate::model::InitialNoise::Stationary => 0.0,
-            };
-            n.intensity * n.stationary_sd().max(initial)
-        });
-        let amplitude = temperature.harmonics.iter().map(|h| h.amplitude.abs()).sum::<f64>() + noise;
-        let displacement = oscillator.dilatation.abs() * amplitude
-            + model.friction.static_force / oscillator.stiffness
-            + model.initial_displacement.abs();
-        Scales {
-            displacement: displacement / 4.0,
-            velocity: displacement * oscillator.natural_frequency() / 4.0,
-            temperature: amplitude / 4.0,
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::stats::sketch::BIN_WIDTH;
     use crate::stats::synthetic::model;
     use rand_distr::{Distribution, Normal};
     use rand_pcg::Pcg64Dxsm;
@@ -216,7 +200,7 @@ mod tests {
     #[test]
     fn bands_merged_over_blocks_are_those_of_all_paths_at_once() {
         let timeline = Timeline { end: 1.0, output_step: 1.0, period: None };
-        let (scales, normal) = (Scales::of(&model()), Normal::new(4.0, 1.5).unwrap());
+        let normal = Normal::new(4.0, 1.5).unwrap();
         let mut rng = Pcg64Dxsm::seed_from_u64(3);
         // 5000 paths, two fifths of which have not left x0 = 6.
         let x: Vec<f64> = (0..5000).map(|i| if i % 5 < 2 { 6.0 } else { normal.sample(&mut rng) }).collect();
@@ -242,11 +226,10 @@ mod tests {
         assert!((bands.displacement.mean[1] - mean).abs() < 1e-12);
         assert!((bands.displacement.sd[1] - sd).abs() < 1e-12);
         for (i, &p) in QUANTILE_LEVELS.iter().enumerate() {
+            // 5000 paths have more than 2048 values; the nine sd of the 3000 that move are in bins of a hundredth of one.
             let exact = exact(&x, p);
-            let bound = BIN_WIDTH * ((exact - 6.0).abs() + scales.displacement);
-            assert!((bands.displacement.quantiles[[i, 1]] - exact).abs() <= bound, "{p}");
-            let bound = BIN_WIDTH * ((exact - 6.0).abs() + scales.velocity);
-            assert!((bands.velocity.quantiles[[i, 1]] - (exact - 6.0)).abs() <= bound, "{p}");
+            assert!((bands.displacement.quantiles[[i, 1]] - exact).abs() <= 0.01 * sd, "{p}");
+            assert!((bands.velocity.quantiles[[i, 1]] - (exact - 6.0)).abs() <= 0.01 * sd, "{p}");
         }
         // The atom holds the quantiles from 0.53 to 0.96, so those in it are exact.
         assert_eq!(bands.displacement.quantiles[[3, 1]], 6.0);

@@ -1,14 +1,17 @@
 //! Stick durations: their quantiles, the interval of their median, and their survival with the cut-off ones in it.
 
-use super::codec::codec_of_fields;
-use super::interval::{Measured, student};
-use super::sketch::{Grid, Sketch, quantile};
+use super::batches::{BATCHES, batch_of};
+use super::bins::Shape;
+use super::codec::{Codec, Damaged, Reader, codec_of_fields};
+use super::dyadic::nearest;
+use super::interval::Measured;
+use super::log_bins::{LogBins, LogGrid};
+use super::median;
+use super::ordered::Ordered;
+use super::sketch::Sketch;
+use super::steps::Steps;
 use super::{Histogram, QUANTILE_LEVELS, StickDurations};
 use crate::scheme::Timeline;
-
-/// Sticks are counted apart for the path numbers of each residue modulo this, so that the spread between these batches
-/// of whole paths shows how uncertain a pooled share is. 31 degrees of freedom widen the interval by 4 %.
-const BATCHES: usize = 32;
 
 /// Fine bins that make one bin of the public histogram: 8 to an octave.
 const COARSENING: i32 = 32;
@@ -16,42 +19,71 @@ const COARSENING: i32 = 32;
 /// Below this share of t_end, durations are binned evenly instead of logarithmically.
 const RESOLUTION: f64 = 1.0 / (1u64 << 30) as f64;
 
-/// A spread of shares below this is rounding: every batch holds the same distribution.
-const SHARE_ROUNDING: f64 = 1e-12;
+/// So many durations of a batch are kept as they are, and so many bins are counted when there are more.
+const LIMIT: usize = 4096;
+
+/// The completed sticks of every path number with one residue.
+#[derive(Clone, Debug, PartialEq)]
+struct Batch {
+    durations: Sketch,
+    bins: LogBins,
+}
+
+codec_of_fields!(Batch { durations, bins });
+
+impl Batch {
+    /// Of durations in whole steps, or of any.
+    fn empty(is_stepping: bool) -> Self {
+        let floor = if is_stepping { 0 } else { i32::MIN };
+        let shape = Shape { centre: 0.0, floor, values: LIMIT, bins: LIMIT };
+        Batch { durations: Sketch::empty(shape), bins: LogBins::default() }
+    }
+
+    fn merge(&mut self, other: &Batch) {
+        self.durations.merge(&other.durations);
+        self.bins.merge(&other.bins);
+    }
+}
 
 /// Counts of stick durations.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct DurationCounts {
-    grid: Grid,
-    completed: [Sketch; BATCHES],
-    shortest: f64,
-    longest: f64,
-    censored: Sketch,
+    grid: LogGrid,
+    /// h, if all durations are multiples of it: they are then counted as whole numbers of steps.
+    step: Option<f64>,
+    completed: [Batch; BATCHES],
+    censored: LogBins,
     first_completed: u64,
     first_censored: u64,
 }
 
-codec_of_fields!(DurationCounts { completed, shortest, longest, censored, first_completed, first_censored });
-
 impl DurationCounts {
     pub fn empty(timeline: &Timeline) -> Self {
         DurationCounts {
-            grid: Grid::new(0.0, timeline.end * RESOLUTION),
-            completed: std::array::from_fn(|_| Sketch::default()),
-            shortest: f64::INFINITY,
-            longest: f64::NEG_INFINITY,
-            censored: Sketch::default(),
+            grid: LogGrid::new(timeline.end * RESOLUTION),
+            step: None,
+            completed: std::array::from_fn(|_| Batch::empty(false)),
+            censored: LogBins::default(),
             first_completed: 0,
             first_censored: 0,
         }
     }
 
+    /// The same, before anything is counted, where a scheme has a step.
+    pub fn set_step(&mut self, step: Option<f64>) {
+        self.step = step;
+        self.completed = std::array::from_fn(|_| Batch::empty(step.is_some()));
+    }
+
     /// A stick, j >= 1, of this path has ended.
     #[inline]
     pub fn completed(&mut self, path: u64, duration: f64) {
-        self.completed[(path % BATCHES as u64) as usize].push(self.grid.key(duration));
-        self.shortest = self.shortest.min(duration);
-        self.longest = self.longest.max(duration);
+        let batch = &mut self.completed[batch_of(path)];
+        batch.durations.push(match self.step {
+            Some(step) => nearest(duration / step),
+            None => duration,
+        });
+        batch.bins.push(self.grid.key(duration));
     }
 
     /// A stick, j >= 1, runs at t_end and has lasted so long.
@@ -70,76 +102,52 @@ impl DurationCounts {
         self.first_censored += 1;
     }
 
+    /// What has counted nothing takes the step of the other.
     pub fn merge(&mut self, other: &DurationCounts) {
+        if self.step != other.step && other.step.is_some() {
+            debug_assert_eq!(self.step, None, "durations of different steps");
+            self.set_step(other.step);
+        }
         for (mine, more) in self.completed.iter_mut().zip(&other.completed) {
             mine.merge(more);
         }
-        self.shortest = self.shortest.min(other.shortest);
-        self.longest = self.longest.max(other.longest);
         self.censored.merge(&other.censored);
         self.first_completed += other.first_completed;
         self.first_censored += other.first_censored;
     }
 
-    fn pooled(&self) -> Vec<(i16, u64)> {
-        let mut pooled = Sketch::default();
-        self.completed.iter().for_each(|batch| pooled.merge(batch));
-        pooled.bins()
+    /// The durations of all batches, in whole steps if there is a step.
+    fn pooled(&self) -> Ordered {
+        let mut pooled = Batch::empty(self.step.is_some()).durations;
+        self.completed.iter().for_each(|batch| pooled.merge(&batch.durations));
+        pooled.ordered()
     }
 
-    fn quantile(&self, pooled: &[(i16, u64)], p: f64) -> f64 {
-        quantile(pooled, &self.grid, (self.shortest, self.longest), p)
-    }
-
-    /// The median with Woodruff's interval: the error of the share F(m) of sticks no longer than the median m is turned
-    /// into one of m by reading the quantiles at 1/2 -+ t se(F(m)). (R. S. Woodruff, *Confidence intervals for medians and
-    /// other position measures*, Journal of the American Statistical Association 47 (1952).) F(m) is a ratio of sums over
-    /// batches of whole paths, so sticks of a path may depend on each other as they like.
-    ///
-    /// Where the interval of the share leaves (0, 1), the data bound the median by nothing but 0 or infinity.
+    /// The median with its interval.
     pub fn median(&self) -> Measured {
+        let batches: Vec<Ordered> = self.completed.iter().map(|batch| batch.durations.ordered()).collect();
+        match self.step {
+            Some(step) => median::of_steps(&batches, &self.pooled()).times(step),
+            None => median::continuous(&batches, &self.pooled()),
+        }
+    }
+
+    /// Of the orders `QUANTILE_LEVELS`.
+    fn quantiles(&self) -> Vec<f64> {
         let pooled = self.pooled();
-        if pooled.is_empty() {
-            return Measured::NOTHING;
+        match self.step {
+            Some(step) => {
+                let steps = Steps::of(&pooled);
+                QUANTILE_LEVELS.map(|p| steps.at_least(p).1 * step).to_vec()
+            }
+            None => QUANTILE_LEVELS.map(|p| pooled.quantile(p)).to_vec(),
         }
-        let median = self.quantile(&pooled, 0.5);
-        let (share_error, freedom) = self.share_error(median);
-        let t = student(freedom);
-        let reach = t * share_error;
-        if !reach.is_finite() {
-            return Measured::within(median, f64::NAN, f64::NAN, f64::NAN);
-        }
-        let low = if reach < 0.5 { self.quantile(&pooled, 0.5 - reach) } else { 0.0 };
-        let high = if reach < 0.5 { self.quantile(&pooled, 0.5 + reach) } else { f64::INFINITY };
-        Measured::within(median, (high - low) / (2.0 * t), low, high)
-    }
-
-    /// Standard error of the share of sticks no longer than `duration`, and its degrees of freedom.
-    fn share_error(&self, duration: f64) -> (f64, u64) {
-        let batches: Vec<(f64, f64)> =
-            self.completed.iter().map(|b| self.below(b, duration)).filter(|b| b.1 > 0.0).collect();
-        let (below, all) = batches.iter().fold((0.0, 0.0), |sum, b| (sum.0 + b.0, sum.1 + b.1));
-        let share = below / all;
-        let (n, freedom) = (batches.len() as f64, batches.len().saturating_sub(1));
-        let spread: f64 = batches.iter().map(|b| (b.0 - share * b.1).powi(2)).sum();
-        let error = (n / freedom as f64 * spread).sqrt() / all;
-        (if error < SHARE_ROUNDING { 0.0 } else { error }, freedom as u64)
-    }
-
-    /// How many sticks of a batch are no longer than `duration`, those of its bin in proportion; and how many there are.
-    fn below(&self, batch: &Sketch, duration: f64) -> (f64, f64) {
-        let key = self.grid.key(duration);
-        let (low, high) = self.grid.bin(key);
-        let part = if high > low { ((duration - low) / (high - low)).clamp(0.0, 1.0) } else { 0.5 };
-        batch.bins().iter().fold((0.0, 0.0), |(below, all), &(k, count)| {
-            let count = count as f64;
-            let share = if k < key { 1.0 } else { f64::from(k == key) * part };
-            (below + share * count, all + count)
-        })
     }
 
     pub fn summary(&self) -> StickDurations {
-        let (completed, censored) = (self.pooled(), self.censored.bins());
+        let mut bins = LogBins::default();
+        self.completed.iter().for_each(|batch| bins.merge(&batch.bins));
+        let (completed, censored) = (bins.bins(), self.censored.bins());
         let number = |bins: &[(i16, u64)]| bins.iter().map(|(_, count)| count).sum();
         let coarse = |bins: &[(i16, u64)]| bins.iter().map(|&(k, n)| (coarse_bin(k), n)).collect::<Vec<_>>();
         let (ended, cut) = (coarse(&completed), coarse(&censored));
@@ -151,17 +159,18 @@ impl DurationCounts {
             counts
         };
         StickDurations {
+            step: self.step,
             completed: number(&completed),
             censored: number(&censored),
             first_completed: self.first_completed,
             first_censored: self.first_censored,
             histogram: Histogram {
-                edges: (first..=end).map(|edge| self.grid.distance(edge * COARSENING)).collect(),
+                edges: (first..=end).map(|edge| self.grid.edge(edge * COARSENING)).collect(),
                 counts: counts(&ended),
             },
             censored_counts: counts(&cut),
             survival: survival(&completed, &censored, first, end),
-            quantiles: QUANTILE_LEVELS.map(|p| self.quantile(&completed, p)).to_vec(),
+            quantiles: self.quantiles(),
         }
     }
 }
@@ -169,6 +178,30 @@ impl DurationCounts {
 /// The public bin of a fine bin. Fine bin 0, a duration of exactly zero, belongs to the first.
 fn coarse_bin(key: i16) -> i32 {
     (i32::from(key) - 1).max(0) / COARSENING
+}
+
+impl Codec for DurationCounts {
+    fn write(&self, out: &mut Vec<u8>) {
+        // Zero is no step.
+        self.step.unwrap_or(0.0).write(out);
+        self.completed.write(out);
+        self.censored.write(out);
+        self.first_completed.write(out);
+        self.first_censored.write(out);
+    }
+
+    fn read(&mut self, from: &mut Reader<'_>) -> Result<(), Damaged> {
+        let mut step = 0.0_f64;
+        step.read(from)?;
+        if !(step >= 0.0 && step.is_finite()) {
+            return Err(Damaged);
+        }
+        self.set_step(Some(step).filter(|step| *step > 0.0));
+        self.completed.read(from)?;
+        self.censored.read(from)?;
+        self.first_completed.read(from)?;
+        self.first_censored.read(from)
+    }
 }
 
 /// Kaplan-Meier estimate of P(D > t) at the upper edges of the public bins `first..end`: the product of 1 - d/n, where n
@@ -252,8 +285,7 @@ mod tests {
             [1.1, 2.3, 3.7].iter().for_each(|&d| totals.completed(path, d));
         }
         let e = totals.median().named(crate::stats::Statistic::StickDurationMedian);
-        assert!((e.estimate - 2.3).abs() <= 2.3 / 256.0);
-        assert_eq!((e.standard_error, e.low, e.high), (0.0, e.estimate, e.estimate));
+        assert_eq!((e.estimate, e.standard_error, e.low, e.high), (2.3, 0.0, 2.3, 2.3));
     }
 
     #[test]

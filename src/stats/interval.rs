@@ -127,11 +127,20 @@ impl Measured {
 
     /// The same number divided by a constant.
     pub fn divided_by(self, constant: f64) -> Self {
+        self.in_units(|number| number / constant)
+    }
+
+    /// The same number times a constant.
+    pub fn times(self, constant: f64) -> Self {
+        self.in_units(|number| number * constant)
+    }
+
+    fn in_units(self, of: impl Fn(f64) -> f64) -> Self {
         let interval = match self.interval {
-            Interval::Ends(low, high) => Interval::Ends(low / constant, high / constant),
+            Interval::Ends(low, high) => Interval::Ends(of(low), of(high)),
             student => student,
         };
-        Measured { estimate: self.estimate / constant, standard_error: self.standard_error / constant, interval }
+        Measured { estimate: of(self.estimate), standard_error: of(self.standard_error), interval }
     }
 
     /// The same error about another estimate.

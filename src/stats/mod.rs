@@ -13,20 +13,27 @@
 //! is cut into parts.
 
 mod bands;
+mod batches;
+mod bins;
 mod catalogue;
 mod codec;
 mod dimension;
 mod durations;
+mod dyadic;
 mod goal;
 mod interval;
 pub(crate) mod jackknife;
+mod log_bins;
+mod median;
 mod moments;
 mod observer;
+mod ordered;
 mod path;
 mod periods;
 mod record;
 mod run_totals;
 mod sketch;
+mod steps;
 mod summary;
 #[cfg(test)]
 mod synthetic;

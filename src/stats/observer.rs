@@ -71,6 +71,12 @@ impl BlockObserver {
         }
     }
 
+    /// The same for paths of a scheme with this step, if it has one.
+    pub fn with_step(mut self, step: Option<f64>) -> Self {
+        self.totals.counts.durations.set_step(step);
+        self
+    }
+
     /// What the block leaves behind. It holds `path_count` paths from number `first_path` on, of which `diverged` did not
     /// reach t_end and were not watched.
     pub fn finish(mut self, first_path: u64, path_count: u64, diverged: Vec<u64>) -> BlockResult {

@@ -92,6 +92,8 @@ pub struct Histogram {
 /// Stick durations D_j, j >= 1: those that ended, and those still running at t_end.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StickDurations {
+    /// h, where all durations are multiples of the step of the scheme; their quantiles then are multiples of it, too.
+    pub step: Option<f64>,
     /// Sticks, j >= 1, that ended.
     pub completed: u64,
     /// Sticks, j >= 1, still running at t_end (right-censored).

@@ -160,6 +160,7 @@ fn read_stick_durations(file: &File) -> Result<StickDurations> {
     let upper: Vec<f64> = read_or_empty(file, &layout::DURATION_BIN)?;
     let edges = lower.into_iter().chain(upper.last().copied()).collect();
     Ok(StickDurations {
+        step: None,
         completed: read_scalar(file, &layout::STICK_DURATION_COMPLETED)?,
         censored: read_scalar(file, &layout::STICK_DURATION_CENSORED)?,
         first_completed: read_scalar(file, &layout::FIRST_STICK_COMPLETED)?,

@@ -27,6 +27,7 @@ pub fn summary() -> Summary {
         diverged: vec![],
         estimates,
         stick_durations: StickDurations {
+            step: None,
             completed: 141_226,
             censored: 812,
             first_completed: 10_000,

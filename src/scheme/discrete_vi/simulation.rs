@@ -85,6 +85,10 @@ impl Simulate for DiscreteSimulation {
         &self.timeline
     }
 
+    fn step(&self) -> Option<f64> {
+        Some(self.h)
+    }
+
     fn kernel(&self) -> String {
         format!("{} lanes", self.instructions.name())
     }

@@ -1,0 +1,209 @@
+//! The lattice that values are counted on: bins of width 2^level about a centre, which pair off from level to level.
+//!
+//! With u the distance of a value from the centre, with its sign, and w = 2^level,
+//!
+//! ```text
+//! bin i > 0    u in ((i - 1) w, i w]
+//! bin 0        u = 0 and nothing else: an atom at the centre is never mixed with its neighbours
+//! bin i < 0    u in [i w, (i + 1) w)
+//! ```
+//!
+//! that is |i| = ceil(|u|/w). Since ceil(ceil(y)/2) = ceil(y/2), the bin at a coarser level follows from the bin alone, and it does
+//! not matter when a value is moved there, or beside which others.
+
+/// Bins reach so many powers of two: an index then is a whole number that an f64 holds with room to round in.
+const INDEX_BITS: i32 = 50;
+
+/// No index is larger, in either direction.
+pub(super) const MAX_INDEX: i64 = 1 << (INDEX_BITS + 1);
+
+/// The finest level there is, above which neither a width nor its inverse is subnormal.
+const LOWEST: i32 = -1000;
+
+/// The finest level for values no further than `reach` from the centre: bins there are a few roundings of the farthest value wide.
+pub(super) fn finest(reach: f64) -> i32 {
+    (exponent(reach) - INDEX_BITS).max(LOWEST)
+}
+
+/// The e with 2^e <= x < 2^(e + 1), for x > 0; that of the smallest normal number for what is below it.
+pub(super) fn exponent(x: f64) -> i32 {
+    (x.to_bits() >> 52 & 0x7ff).max(1) as i32 - 1023
+}
+
+/// 2^level, for a normal result.
+pub(super) fn width(level: i32) -> f64 {
+    f64::from_bits(((level + 1023) as u64) << 52)
+}
+
+/// Adding it to a number below it, and taking it off again, rounds to a whole number.
+const ROUNDING: f64 = (1u64 << 52) as f64;
+
+/// The whole number nearest to x, 0 <= x < 2^52.
+#[inline]
+pub(super) fn nearest(x: f64) -> f64 {
+    (x + ROUNDING) - ROUNDING
+}
+
+/// Finds bins at one level.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Ruler {
+    centre: f64,
+    width: f64,
+    inverse: f64,
+}
+
+impl Ruler {
+    /// At this level, which is not finer than [`finest`] of the values it will see.
+    pub fn new(centre: f64, level: i32) -> Self {
+        Ruler { centre, width: width(level), inverse: width(-level) }
+    }
+
+    /// The bin of a value, as a whole number with a sign; -0 is 0. No branch, so that a row is done in vectors.
+    #[inline(always)]
+    pub fn index(&self, value: f64) -> f64 {
+        let u = value - self.centre;
+        let nearest = nearest(u.abs() * self.inverse);
+        // Held against u itself: u/w may have vanished, and a number next to the centre is not the centre.
+        let above = if nearest * self.width < u.abs() { 1.0 } else { 0.0 };
+        (nearest + above).copysign(u)
+    }
+}
+
+/// The bin that bin `index` is part of, so many levels up.
+pub(super) fn coarsened(index: i64, levels: u32) -> i64 {
+    // 0-based from the centre, half of a bin is its number without the last bit
+    let half = |magnitude: i64| ((magnitude - 1) >> levels.min(63)) + 1;
+    match index {
+        0 => 0,
+        1.. => half(index),
+        _ => -half(-index),
+    }
+}
+
+/// How many levels up two different bins become one; none if they never do.
+fn levels_apart(a: i64, b: i64) -> Option<u32> {
+    let (a, b) = if a < 0 { (-a, -b) } else { (a, b) };
+    (a > 0 && b > 0).then(|| 64 - ((a - 1) ^ (b - 1)).leading_zeros())
+}
+
+/// Bins that are not empty, ascending, with their counts.
+pub(super) type List = Vec<(i64, u64)>;
+
+/// How many levels up no more than `limit` >= 3 of these bins are left.
+pub(super) fn excess(bins: &[(i64, u64)], limit: usize) -> u32 {
+    if bins.len() <= limit {
+        return 0;
+    }
+    // So many levels up as many bins are left, less one, as neighbours are farther apart.
+    let apart = bins.windows(2).map(|pair| levels_apart(pair[0].0, pair[1].0).unwrap_or(u32::MAX));
+    // mostly one level is enough
+    if apart.clone().filter(|levels| *levels > 1).count() < limit {
+        return 1;
+    }
+    *apart.collect::<Vec<u32>>().select_nth_unstable_by(limit - 1, |a, b| b.cmp(a)).1
+}
+
+/// The same counts so many levels up.
+pub(super) fn coarsen(bins: &[(i64, u64)], levels: u32) -> List {
+    let mut coarse = List::with_capacity(bins.len());
+    bins.iter().for_each(|&(index, count)| append(&mut coarse, (coarsened(index, levels), count)));
+    coarse
+}
+
+/// The counts of both.
+pub(super) fn union(a: &[(i64, u64)], b: &[(i64, u64)]) -> List {
+    let mut both = List::with_capacity(a.len() + b.len());
+    let (mut i, mut j) = (0, 0);
+    while i < a.len() && j < b.len() {
+        if a[i].0 <= b[j].0 {
+            append(&mut both, a[i]);
+            i += 1;
+        } else {
+            append(&mut both, b[j]);
+            j += 1;
+        }
+    }
+    a[i..].iter().chain(&b[j..]).for_each(|&bin| append(&mut both, bin));
+    both
+}
+
+/// The counts of bins that come in any order, one at a time.
+pub(super) fn counted(mut indices: Vec<i64>) -> List {
+    indices.sort_unstable();
+    let mut list = List::new();
+    indices.into_iter().for_each(|index| append(&mut list, (index, 1)));
+    list
+}
+
+/// Add a bin that is not before the last one.
+fn append(list: &mut List, (index, count): (i64, u64)) {
+    match list.last_mut() {
+        Some(last) if last.0 == index => last.1 += count,
+        _ => list.push((index, count)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    /// From the definition, in integers: |i| is the smallest with |u| <= |i| 2^level.
+    fn by_definition(u: f64, level: i32) -> i64 {
+        let magnitude = (u.abs() / width(level)).ceil() as i64;
+        let magnitude = if u != 0.0 { magnitude.max(1) } else { 0 };
+        if u < 0.0 { -magnitude } else { magnitude }
+    }
+
+    fn any_value() -> impl Strategy<Value = f64> {
+        prop_oneof![
+            -1e3..1e3f64,
+            -1e-300..1e-300f64,
+            -1e300..1e300f64,
+            (-4096i64..4096).prop_map(|i| i as f64 / 8.0),
+            Just(0.0),
+            Just(-0.0),
+            Just(5e-324),
+        ]
+    }
+
+    proptest! {
+        #[test]
+        fn a_bin_is_the_one_of_the_definition_at_every_level(u in any_value(), up in 0i32..60) {
+            let level = finest(u.abs()) + up;
+            prop_assert_eq!(Ruler::new(0.0, level).index(u) as i64, by_definition(u, level));
+        }
+
+        #[test]
+        fn coarsening_a_bin_gives_the_bin_of_the_value_at_the_coarser_level(
+            u in any_value(),
+            up in 0i32..55,
+            more in 0u32..70,
+        ) {
+            let fine = finest(u.abs()) + up;
+            let levels = more.min((1000 - fine).unsigned_abs());
+            let coarse = Ruler::new(0.0, fine + levels as i32).index(u) as i64;
+            prop_assert_eq!(coarsened(Ruler::new(0.0, fine).index(u) as i64, levels), coarse);
+        }
+
+        #[test]
+        fn the_excess_is_the_smallest_that_fits(
+            indices in prop::collection::btree_set(prop_oneof![-50i64..50, -1i64 << 50..1 << 50], 0..200),
+            limit in 3usize..60,
+        ) {
+            let bins: List = indices.into_iter().map(|i| (i, 1)).collect();
+            let levels = excess(&bins, limit);
+            prop_assert!(coarsen(&bins, levels).len() <= limit);
+            prop_assert!(levels == 0 || coarsen(&bins, levels - 1).len() > limit);
+            let all: u64 = coarsen(&bins, levels).iter().map(|bin| bin.1).sum();
+            prop_assert_eq!(all, bins.len() as u64);
+        }
+    }
+
+    #[test]
+    fn bins_pair_off_from_the_centre_outwards() {
+        assert_eq!([1, 2, 3, 4, 5].map(|i| coarsened(i, 1)), [1, 1, 2, 2, 3]);
+        assert_eq!([-1, -2, -3, -4, -5].map(|i| coarsened(i, 1)), [-1, -1, -2, -2, -3]);
+        assert_eq!((coarsened(0, 7), coarsened(9, 2), coarsened(i64::MAX, 64)), (0, 3, 1));
+    }
+}

@@ -1,0 +1,183 @@
+//! Values in order: their ranks, quantiles and shares, exact or read off bins.
+
+use super::bins::Bins;
+use super::dyadic::width;
+
+/// The values that a sketch holds.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Ordered {
+    /// As they are.
+    Kept(Kept),
+    /// By bins.
+    Binned(Binned),
+}
+
+/// Values as they are.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Kept {
+    /// A value that may be shared by many.
+    centre: f64,
+    /// How many are at the centre.
+    at_centre: u64,
+    /// How many are below the centre.
+    below: usize,
+    /// The others, ascending, or at least those that were asked for in their places.
+    values: Vec<f64>,
+}
+
+/// What is known of values in bins.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Binned {
+    /// Where bin 0 is.
+    pub centre: f64,
+    /// Bins are 2^level wide.
+    pub level: i32,
+    pub smallest: f64,
+    pub largest: f64,
+    /// The bins that are not empty, ascending, and how many values lie in them or in lower ones.
+    pub up_to: Vec<(i64, u64)>,
+}
+
+impl Ordered {
+    /// How many.
+    pub fn count(&self) -> u64 {
+        match self {
+            Ordered::Kept(kept) => kept.values.len() as u64 + kept.at_centre,
+            Ordered::Binned(binned) => binned.count(),
+        }
+    }
+
+    /// The quantile of order p, 0 <= p <= 1: between the order statistics either side of rank p (n - 1) (definition 7 of R. J.
+    /// Hyndman and Y. Fan, *Sample quantiles in statistical packages*, The American Statistician 50 (1996)). NaN if there
+    /// are no values.
+    pub fn quantile(&self, p: f64) -> f64 {
+        let n = self.count();
+        if n == 0 {
+            return f64::NAN;
+        }
+        let rank = p * (n - 1) as f64;
+        let [below, above] = ranks(rank).map(|rank| self.of_rank(rank));
+        below + (above - below) * rank.fract()
+    }
+
+    /// The value of rank 0 <= `rank` < n.
+    fn of_rank(&self, rank: u64) -> f64 {
+        match self {
+            Ordered::Kept(kept) => kept.place(rank).map_or(kept.centre, |place| kept.values[place]),
+            Ordered::Binned(binned) => binned.of_rank(rank),
+        }
+    }
+
+    /// How many values are no larger than `value`.
+    pub fn up_to(&self, value: f64) -> f64 {
+        match self {
+            Ordered::Kept(kept) => {
+                let others = kept.values.partition_point(|v| *v <= value) as u64;
+                (others + if kept.centre <= value { kept.at_centre } else { 0 }) as f64
+            }
+            Ordered::Binned(binned) => binned.up_to(value),
+        }
+    }
+}
+
+/// The whole ranks either side of one.
+fn ranks(rank: f64) -> [u64; 2] {
+    [rank.floor() as u64, rank.ceil() as u64]
+}
+
+impl Kept {
+    /// Of these values, none of them at the centre, in any order.
+    pub fn of(mut values: Vec<f64>, centre: f64, at_centre: u64) -> Self {
+        values.sort_unstable_by(f64::total_cmp);
+        let below = values.partition_point(|value| *value < centre);
+        Kept { centre, at_centre, below, values }
+    }
+
+    /// The same for quantiles of these orders only, which takes a fifth of the time.
+    pub fn for_quantiles(values: Vec<f64>, centre: f64, at_centre: u64, orders: &[f64]) -> Self {
+        let below = values.iter().filter(|value| **value < centre).count();
+        let mut kept = Kept { centre, at_centre, below, values };
+        let last = (kept.values.len() as u64 + at_centre).saturating_sub(1) as f64;
+        let mut places: Vec<usize> =
+            orders.iter().flat_map(|p| ranks(p * last)).filter_map(|rank| kept.place(rank)).collect();
+        places.sort_unstable();
+        arrange(&mut kept.values, 0, &places);
+        kept
+    }
+
+    /// All values, ascending.
+    pub fn ascending(&self) -> impl Iterator<Item = f64> {
+        (0..self.values.len() as u64 + self.at_centre)
+            .map(|rank| self.place(rank).map_or(self.centre, |place| self.values[place]))
+    }
+
+    /// Where the value of this rank is; none if it is the centre.
+    fn place(&self, rank: u64) -> Option<usize> {
+        let below = self.below as u64;
+        if rank < below {
+            Some(rank as usize)
+        } else {
+            (rank >= below + self.at_centre).then(|| (rank - self.at_centre) as usize)
+        }
+    }
+}
+
+impl Binned {
+    /// The bins of values about this centre.
+    pub fn of(bins: &Bins, centre: f64) -> Self {
+        let (mut up_to, mut all) = (bins.list(), 0);
+        for (_, count) in &mut up_to {
+            all += *count;
+            *count = all;
+        }
+        Binned { centre, level: bins.level, smallest: bins.smallest, largest: bins.largest, up_to }
+    }
+
+    fn count(&self) -> u64 {
+        self.up_to.last().map_or(0, |bin| bin.1)
+    }
+
+    /// In the middle of its share of its bin; the smallest and the largest as they are.
+    fn of_rank(&self, rank: u64) -> f64 {
+        if rank == 0 {
+            return self.smallest;
+        }
+        if rank + 1 == self.count() {
+            return self.largest;
+        }
+        let (place, before) = self.bin(|bin| bin.1 <= rank);
+        let (index, end) = self.up_to[place];
+        let (low, high) = self.edges(index);
+        low + (high - low) * (((rank - before) as f64 + 0.5) / (end - before) as f64)
+    }
+
+    /// Of the values in its bin, as many as its place in it says.
+    fn up_to(&self, value: f64) -> f64 {
+        let (place, before) = self.bin(|bin| self.edges(bin.0).1 <= value);
+        let Some(&(index, end)) = self.up_to.get(place) else { return before as f64 };
+        let (low, high) = self.edges(index);
+        let share = if value > low { (value - low) / (high - low) } else { 0.0 };
+        before as f64 + share * (end - before) as f64
+    }
+
+    /// The first bin that is not passed, and how many values lie before it.
+    fn bin(&self, is_passed: impl Fn(&(i64, u64)) -> bool) -> (usize, u64) {
+        let place = self.up_to.partition_point(is_passed);
+        (place, if place == 0 { 0 } else { self.up_to[place - 1].1 })
+    }
+
+    /// Where the values of a bin may lie.
+    fn edges(&self, index: i64) -> (f64, f64) {
+        let width = width(self.level);
+        let edge = |index: i64| (self.centre + index as f64 * width).clamp(self.smallest, self.largest);
+        (edge(index - i64::from(index > 0)), edge(index + i64::from(index < 0)))
+    }
+}
+
+/// Bring the values of these ranks, ascending, to their places, where `values` begins with that of rank `first`.
+fn arrange(values: &mut [f64], first: usize, ranks: &[usize]) {
+    let Some(&rank) = ranks.get(ranks.len() / 2).filter(|rank| **rank - first < values.len()) else { return };
+    let (lower, _, higher) = values.select_nth_unstable_by(rank - first, f64::total_cmp);
+    arrange(lower, first, &ranks[..ranks.partition_point(|r| *r < rank)]);
+    arrange(higher, rank + 1, &ranks[ranks.partition_point(|r| *r <= rank)..]);
+}
