@@ -375,7 +375,7 @@ fn bash_completes_verbs_options_and_values() {
 #[test]
 fn ten_thousand_rows_are_kept_and_one_more_is_refused() {
     let check = |scheme: &str, end: &str| {
-        let flags = ["--scheme", scheme, "--step", "0.5", "--until", end, "--set", "time.output_step=1"];
+        let flags = ["--scheme", scheme, "--step", "0.25", "--until", end, "--set", "time.output_step=1"];
         let flags = if scheme == "event-driven" { [&flags[..2], &flags[4..]].concat() } else { flags.to_vec() };
         Desk::new().mc(&[&["check", "scene.toml"][..], &flags].concat())
     };
