@@ -206,6 +206,25 @@ fn an_interrupted_run_keeps_what_is_done() {
     assert!(shown.contains("interrupted"), "{shown}");
 }
 
+/// A limit on the size of files is a full disk that any user can have: at the first page and while rows are appended it is one error with the name of
+/// the file that is left, and no file of the final name. The signal that comes with the error would end the process, so the shell has it ignored.
+#[test]
+fn a_limit_on_the_size_of_a_file_is_one_clear_error_and_no_crash() {
+    let here = folder();
+    let run = format!("run {RHO025} --paths 2000 --step 0.05 --quiet --force --set record.events=true -o run.h5");
+    assert!(command::shell(here.path(), &format!("exec \"$0\" {run}")).status.success());
+    let bytes = std::fs::metadata(here.path().join("run.h5")).expect("written").len();
+    std::fs::remove_file(here.path().join("run.h5")).expect("removed");
+    // In blocks of 512 bytes; a shell that counts in 1024 allows twice as much.
+    for blocks in [2, 16, bytes / 512 / 4, bytes / 512 / 2 - 8] {
+        let output = command::shell(here.path(), &format!("trap '' XFSZ; ulimit -f {blocks} && exec \"$0\" {run}"));
+        let said = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(1), "{blocks} blocks: {said}");
+        assert!(said.contains("run.h5.partial") && said.contains("File too large"), "{blocks} blocks: {said}");
+        assert!(!here.path().join("run.h5").exists());
+    }
+}
+
 #[test]
 fn diverged_paths_are_announced() {
     let here = folder();

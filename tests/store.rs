@@ -1,13 +1,11 @@
 //! The store from outside: what is written comes back, bad files are refused by name, and a full disk is no crash.
 
-use assert_cmd::Command;
 use ndarray::Array2;
 use rustix::mount::{MountFlags, UnmountFlags, mount, unmount};
 use std::ffi::CString;
 use std::fs;
 use std::io::Write;
 use std::path::{Path, PathBuf};
-use std::time::Duration;
 use stick_slip::engine::Status;
 use stick_slip::provenance::Provenance;
 use stick_slip::stats::{
@@ -406,7 +404,7 @@ fn a_full_disk_is_one_clear_error_and_no_crash() {
     for size in small.chain(large).chain(almost) {
         let small = tempfile::tempdir().unwrap();
         let Some(disk) = SmallDisk::mount(small.path(), &size.to_string()) else {
-            // What a write that fails comes to, whatever the reason, is tested without a disk below.
+            // What a limit on the size of files comes to is tested in tests/run.rs, for any user.
             skip("this user may not mount a small tmpfs, so no disk is filled; a file that fits was written and is read");
             assert_eq!(read(&target).unwrap().completed_paths, 40_000);
             return;
@@ -424,46 +422,6 @@ fn a_full_disk_is_one_clear_error_and_no_crash() {
         failures += 1;
     }
     assert!(failures >= 20, "{failures}");
-}
-
-/// No file may grow beyond a limit that a shell sets for this test alone, in a process of its own: the write fails for another reason than
-/// a full disk, and any user can have it fail.
-#[test]
-fn a_write_that_fails_is_one_clear_error_and_no_crash() {
-    // In blocks of 512 or 1024 bytes, as the shell has it: in `create`, in `append`, at a checkpoint.
-    for blocks in [4, 16, 64, 256, 1024] {
-        let folder = tempfile::tempdir().unwrap();
-        let output = Command::new("sh")
-            // The signal that comes with the error would end the process before the error is seen.
-            .args(["-c", "trap '' XFSZ; ulimit -f \"$LIMIT\" && exec \"$@\"", "sh"])
-            .arg(std::env::current_exe().unwrap())
-            .args(["--exact", "what_a_limited_process_writes", "--ignored", "--nocapture"])
-            .env("LIMIT", blocks.to_string())
-            .env(LIMITED, folder.path())
-            .timeout(Duration::from_secs(300))
-            .output()
-            .unwrap();
-        let said = String::from_utf8_lossy(&output.stdout);
-        assert!(output.status.success(), "{blocks}: {}\n{said}{}", output.status, String::from_utf8_lossy(&output.stderr));
-        assert!(said.contains("1 passed") && said.contains("File too large"), "{blocks}: {said}");
-        assert!(!folder.path().join("run.h5").exists());
-    }
-}
-
-/// Where the process with the limit writes to.
-const LIMITED: &str = "STORE_LIMITED";
-
-#[test]
-#[ignore = "the part of another test that runs in a process of its own"]
-fn what_a_limited_process_writes() {
-    let Some(folder) = std::env::var_os(LIMITED).map(PathBuf::from) else {
-        skip("this runs in a process that `a_write_that_fails_is_one_clear_error_and_no_crash` starts, under its limit");
-        return;
-    };
-    let error = fill(&folder.join("run.h5")).unwrap_err();
-    println!("{error}");
-    assert!(matches!(error, StoreError::Write { .. } | StoreError::NotCreated { .. }), "{error:?}");
-    assert!(error.to_string().contains("run.h5.partial"), "{error}");
 }
 
 /// Write a run of about 2 MB.
