@@ -69,9 +69,10 @@ const EXACT_HALF: [(f64, f64); 6] = [
     (24.991_827_957_873_689_6, 6.476_949_291_157_171_13),
 ];
 
-/// The error of every event time and place falls like h: from h to h/16 by a factor 16. Event times are multiples of h, so single errors
-/// jump by up to h; the fit over seven halvings averages that out, and a scheme of order 1/2 or 2 is far outside.
-fn assert_first_order(w: f64, exact: &[(f64, f64)]) {
+/// The error of every event time and place falls like h, and is so many steps at most, those of the times and those of the places: measured 6.3 and 5.5 with forcing
+/// 1/4, 8.6 and 13.5 with 1/2, whose path is longer, at eight steps from 0.02 to 0.02/128. Event times are multiples of h, so single errors jump by up to a step,
+/// by which the bounds are higher, and which moves the fitted order of the times by 0.03, that of the places by less.
+fn assert_first_order(w: f64, exact: &[(f64, f64)], most: (f64, f64)) {
     let steps: Vec<f64> = (0..8).map(|k| 0.02 / f64::from(1 << k)).collect();
     let errors: Vec<(f64, f64)> = steps
         .iter()
@@ -92,19 +93,20 @@ fn assert_first_order(w: f64, exact: &[(f64, f64)]) {
         num / den
     };
     let (in_time, in_place) = (order(|e| e.0), order(|e| e.1));
-    assert!((0.85..1.15).contains(&in_time) && (0.85..1.15).contains(&in_place), "{in_time} {in_place} {errors:?}");
-    // and the constant is of order one: at h = 0.02/128 = 1.6e-4 the events are known to 25 steps
-    assert!(errors[7].0 < 4e-3 && errors[7].1 < 4e-3, "{errors:?}");
+    assert!((0.93..1.07).contains(&in_time) && (0.97..1.03).contains(&in_place), "{in_time} {in_place} {errors:?}");
+    for (h, error) in steps.iter().zip(&errors) {
+        assert!(error.0 <= most.0 * h && error.1 <= most.1 * h, "{h}: {} and {} steps", error.0 / h, error.1 / h);
+    }
 }
 
 #[test]
 fn the_cascade_of_forcing_a_quarter_is_approached_with_order_one() {
-    assert_first_order(0.25, &EXACT_QUARTER);
+    assert_first_order(0.25, &EXACT_QUARTER, (7.3, 6.5));
 }
 
 #[test]
 fn the_cascade_of_forcing_a_half_is_approached_with_order_one_sub_phases_included() {
-    assert_first_order(0.5, &EXACT_HALF);
+    assert_first_order(0.5, &EXACT_HALF, (9.6, 14.5));
     let keep = simulate(&paper(0.5, 0.0), 140.0, 0.001, 140.0, &[0]);
     let turns = keep.events[0].iter().filter(|e| matches!(e.kind, EventKind::SubPhaseBoundary(_))).count();
     let sticks = keep.events[0].iter().filter(|e| e.kind == EventKind::StickEntered).count();

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Write a file of every kind with `mc run`, and open each with every reader that docs/output-format.md names.
+# Write a file of every kind with `mc run`, open each with every reader that docs/output-format.md names, and recompute every variable of some.
 # `tools/setup --tests` installs the readers.
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -33,3 +33,19 @@ cargo run --release --quiet --bin mc -- replay "$folder/recorded.h5" --path 7 -o
 cargo run --release --quiet --bin mc -- trade scenarios/rho025.toml --budget 2s -o "$folder/trade.h5" >"$folder/messages" 2>&1
 
 target/venv/bin/python tests/python/check.py "$folder"/*.h5
+
+# Every scheme with all that can be recorded of all its paths, on a grid that passes through the ends of the forcing periods, 12.5; the schemes with a step with
+# every step. Two blocks, a seed that is no default, one path of each replayed.
+recomputed=$(mktemp -d -p "$folder")
+for scheme in discrete-vi corrected-vi event-driven quasi-static; do
+    case $scheme in
+        *-vi) grid=(--step 0.05 --set time.output_step=0.05) ;;
+        *) grid=(--set time.output_step=0.5) ;;
+    esac
+    run "${recomputed##*/}/$scheme" rho025 --scheme "$scheme" "${grid[@]}" --paths 300 --seed 4711 --until 50 --no-bias \
+        --set temperature.harmonics.0.angular_frequency=0.5026548245743669 \
+        --set record.events=true --set record.trajectories=300 \
+        --set units.time=s --set units.length=mm --set units.force=N --set units.temperature=K
+    cargo run --release --quiet --bin mc -- replay "$recomputed/$scheme.h5" --path 271 -o "$recomputed/one.h5" --force >"$folder/messages" 2>&1
+    target/venv/bin/python tests/python/recompute.py "$recomputed/$scheme.h5" "$recomputed/one.h5"
+done

@@ -45,7 +45,7 @@ pub fn read(path: &Path) -> Result<Stored, StoreError> {
     if status == Status::Running {
         return Err(StoreError::Unfinished { path: path.to_owned(), completed_paths, paths: header.paths });
     }
-    let summary = summary::read(&file, completed_paths).map_err(damaged)?;
+    let summary = summary::read(&file, completed_paths, header.step).map_err(damaged)?;
     let ended_by = header::ended_by(&file).map_err(damaged)?;
     Ok(Stored { header, status, ended_by, completed_paths, summary })
 }

@@ -33,13 +33,13 @@ pub(super) fn write(place: &Place, summary: &Summary) -> Result<()> {
     place.put(&layout::DIVERGED_PATH, &summary.diverged)
 }
 
-/// The statistics of a finished file.
-pub(super) fn read(file: &File, completed_paths: u64) -> Result<Summary> {
+/// The statistics of a finished file, of a scheme with this step.
+pub(super) fn read(file: &File, completed_paths: u64, step: Option<f64>) -> Result<Summary> {
     Ok(Summary {
         completed_paths,
         diverged: read_or_empty(file, &layout::DIVERGED_PATH)?,
         estimates: read_estimates(file)?,
-        stick_durations: read_stick_durations(file)?,
+        stick_durations: read_stick_durations(file, step)?,
         sub_phases: SubPhaseCounts {
             counts: read_or_empty(file, &layout::SUB_PHASE_COUNT)?,
             censored: read_scalar(file, &layout::SUB_PHASE_CENSORED)?,
@@ -155,12 +155,12 @@ fn write_stick_durations(place: &Place, sticks: &StickDurations) -> Result<()> {
     place.put(&layout::FIRST_STICK_CENSORED, &[sticks.first_censored])
 }
 
-fn read_stick_durations(file: &File) -> Result<StickDurations> {
+fn read_stick_durations(file: &File, step: Option<f64>) -> Result<StickDurations> {
     let lower: Vec<f64> = read_or_empty(file, &layout::DURATION_BIN_LOWER)?;
     let upper: Vec<f64> = read_or_empty(file, &layout::DURATION_BIN)?;
     let edges = lower.into_iter().chain(upper.last().copied()).collect();
     Ok(StickDurations {
-        step: None,
+        step,
         completed: read_scalar(file, &layout::STICK_DURATION_COMPLETED)?,
         censored: read_scalar(file, &layout::STICK_DURATION_CENSORED)?,
         first_completed: read_scalar(file, &layout::FIRST_STICK_COMPLETED)?,

@@ -35,6 +35,20 @@ pub fn within(limit: Duration, folder: &Path, arguments: &[&str]) -> Output {
     output
 }
 
+/// What a shell says to a line in this folder, `$0` of which is `mc`.
+#[track_caller]
+pub fn shell(folder: &Path, line: &str) -> Output {
+    let mut command = assert_cmd::Command::new("sh");
+    let command = command.current_dir(folder).args(["-c", line]).arg(assert_cmd::cargo::cargo_bin!("mc"));
+    let output = command.timeout(LONGEST).output().expect("runs");
+    assert!(
+        output.status.code().is_some(),
+        "{line} was killed ({}): it took more than {LONGEST:?}, or crashed",
+        output.status
+    );
+    output
+}
+
 /// `mc` while the test goes on. It is killed when the test is over, whatever the test came to.
 pub struct Running {
     child: Child,

@@ -9,6 +9,7 @@ use stick_slip::stats::Summary;
 /// Everything below the table, as label and line.
 pub(super) fn remarks(summary: &Summary, info: &RunInfo) -> Vec<(&'static str, String)> {
     let mut remarks = vec![("sticks", sticks(summary))];
+    remarks.extend(multiples(summary).map(|line| ("", line)));
     remarks.extend(bias(summary, info).map(|line| ("bias", line)));
     remarks.push(("paths", paths(summary, info)));
     remarks.extend(lost(summary, info).map(|line| (info.loss(), format!(" {line}"))));
@@ -26,6 +27,13 @@ fn sticks(summary: &Summary) -> String {
         grouped(sticks.first_completed),
         grouped(sticks.first_censored)
     )
+}
+
+/// Why the median of stick durations may have no width.
+fn multiples(summary: &Summary) -> Option<String> {
+    let sticks = &summary.stick_durations;
+    let step = sticks.step.filter(|_| sticks.completed > 0)?;
+    Some(format!("their durations are multiples of the step, {step:?}, and so is their median"))
 }
 
 /// What the column of the bias means, or why there is none.
@@ -96,6 +104,17 @@ mod tests {
         let table = table(&summary(), &info());
         assert!(table.contains("0.60 s on 2 threads, 60 us per path, 10 ns per path-step"), "{table}");
         assert!(table.contains("rho025.h5") && table.contains("812 still running at the end (censored)"), "{table}");
+    }
+
+    #[test]
+    fn a_median_of_multiples_of_the_step_is_explained() {
+        let mut summary = summary();
+        let line = "their durations are multiples of the step, 0.01, and so is their median";
+        assert!(!table(&summary, &info()).contains("multiples"));
+        summary.stick_durations.step = Some(0.01);
+        assert!(table(&summary, &info()).contains(line), "{}", table(&summary, &info()));
+        summary.stick_durations.completed = 0;
+        assert!(!table(&summary, &info()).contains("multiples"));
     }
 
     #[test]
