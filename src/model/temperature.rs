@@ -98,7 +98,7 @@ impl Temperature {
     /// P: the shortest time after which every harmonic repeats itself.
     ///
     /// None where no harmonic moves, and where their frequencies have no common measure: where no number of cycles of the slowest
-    /// one, up to [`MOST_CYCLES`], is a whole number of cycles of each.
+    /// one, up to 1000, is a whole number of cycles of each.
     pub fn period(&self) -> Option<f64> {
         let moving = self.harmonics.iter().filter(|h| h.angular_frequency > 0.0 && h.amplitude != 0.0);
         let frequencies: Vec<f64> = moving.map(|h| h.angular_frequency).collect();

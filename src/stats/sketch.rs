@@ -307,8 +307,11 @@ mod tests {
         (0..=100).map(|percent| error(f64::from(percent) / 100.0)).fold(0.0, f64::max)
     }
 
+    /// Draws a value.
+    type Law = Box<dyn FnMut(&mut Pcg64Dxsm) -> f64>;
+
     /// Laws that are hard to bin, each with a name.
-    fn laws() -> Vec<(&'static str, Box<dyn FnMut(&mut Pcg64Dxsm) -> f64>)> {
+    fn laws() -> Vec<(&'static str, Law)> {
         let normal = |rng: &mut Pcg64Dxsm| -> f64 { StandardNormal.sample(rng) };
         let uniform = |rng: &mut Pcg64Dxsm| -> f64 { Uniform::new(0.0, 1.0).unwrap().sample(rng) };
         vec![

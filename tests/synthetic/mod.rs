@@ -144,7 +144,7 @@ pub fn summary(paths: u64, header: &Provenance) -> Summary {
         diverged: if paths > 7 { vec![7] } else { Vec::new() },
         estimates: Statistic::ALL.map(estimate),
         stick_durations: StickDurations {
-            step: None,
+            step: header.step,
             completed: 10,
             censored: 3,
             first_completed: 4,
