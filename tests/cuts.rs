@@ -178,23 +178,37 @@ fn a_tally_is_folded_in_parallel_to_the_same_bits_and_sees_what_the_program_sees
     assert_eq!(Slips.estimate(&joined.own()), one);
 }
 
-/// What the documentation says of the size of a state: after 2^k - 1 blocks, when every level holds a node.
+/// What the documentation says of the size of a state. The nodes of the tree: after 2^k - 1 blocks, when every level holds one.
+/// What is counted exactly, in one copy whatever the number of blocks: after enough paths for all of it to be in bins.
 #[test]
 fn the_state_of_a_run_is_as_small_as_promised() {
-    for (rows, node_bytes) in [(121_u64, 10_000), (10_000, 760_000)] {
+    for (rows, node_bytes, exact_bytes) in [(121_u64, 10_000, 6_500_000), (10_000, 760_000, 65_000_000)] {
         let mut scenario = scenario();
         scenario.time.output_step = scenario.time.end / (rows - 1) as f64;
         scenario.scheme = DiscreteVi { step: scenario.time.output_step }.into();
         let plan = scenario.plan();
         assert_eq!(plan.timeline().rows() as u64, rows);
+        let empty = || RunTotals::empty(plan.model(), plan.timeline());
         let state = |blocks: u64| {
-            let mut totals = RunTotals::empty(plan.model(), plan.timeline());
+            let mut totals = empty();
             let nothing = || stick_slip::stats::Totals::empty(plan.model(), plan.timeline());
             (0..blocks).for_each(|k| totals.push(k, nothing()).expect("each block once"));
             totals.to_bytes().len()
         };
         let (one, all) = (state(1), state(127));
-        println!("{rows} rows: a node takes {} bytes", (all - one) / 6);
-        assert!((all - one) / 6 <= node_bytes, "{rows}: {}", (all - one) / 6);
+        let node = (all - one) / 6;
+        println!("{rows} rows: a node takes {node} bytes");
+        assert!(node <= node_bytes, "{rows}: {node}");
+
+        let mut totals = empty();
+        for k in 0..16 {
+            totals.push(k, plan.block(k).totals).expect("each block once");
+            if [1, 4, 16].contains(&(k + 1)) {
+                let nodes = (k + 1).count_ones() as usize;
+                let exact = totals.to_bytes().len() - nodes * node;
+                println!("{rows} rows, {} paths: what is counted exactly takes {exact} bytes", (k + 1) * BLOCK_SIZE);
+                assert!(exact <= exact_bytes, "{rows}: {exact}");
+            }
+        }
     }
 }

@@ -61,9 +61,6 @@ ENTERED, STARTED, TURNED = 0, 1, 2
 # Sums of thousands of numbers in another order.
 ROUNDING = 1e-11
 
-# A quantile is read off bins of this share of the distance from their centre, and of a scale where that is small.
-BIN = 2.0**-8
-
 checked = set()
 
 
@@ -206,36 +203,23 @@ def check_trajectories(data, events):
 
 
 def check_bands(data):
-    scenario = data.scenario
-    oscillator, noise = scenario["oscillator"], scenario["temperature"]["noise"]
-    stationary = noise["diffusion"] / math.sqrt(2 * noise["relaxation_rate"])
-    warmest = sum(abs(h["amplitude"]) for h in scenario["temperature"]["harmonics"]) + noise["intensity"] * stationary
-    farthest = (
-        abs(oscillator["dilatation"]) * warmest
-        + scenario["friction"]["static"] / oscillator["stiffness"]
-        + abs(scenario["initial"]["displacement"])
-    )
-    w0 = math.sqrt(oscillator["stiffness"] / oscillator["mass"])
-    centres = {"displacement": scenario["initial"]["displacement"], "velocity": 0.0, "temperature": 0.0}
-    scales = {"displacement": farthest / 4, "velocity": farthest * w0 / 4, "temperature": warmest / 4}
-    for name, centre in centres.items():
+    for name in ("displacement", "velocity", "temperature"):
         rows = data[f"trajectory_{name}"]
         same(f"{name}_mean", data[f"{name}_mean"], rows.mean(axis=0))
         same(f"{name}_sd", data[f"{name}_sd"], rows.std(axis=0, ddof=1), 1e-9)
-        check_quantiles(f"{name}_quantile", data[f"{name}_quantile"], rows, lambda q: BIN * (np.abs(q - centre) + scales[name]))
+        check_quantiles(f"{name}_quantile", data[f"{name}_quantile"], rows)
     same("static_probability", data["static_probability"], data["trajectory_static"].mean(axis=0))
 
 
-def check_quantiles(name, got, values, width):
-    """Level by level, along the columns of values: between the neighbouring order statistics, to the width of a bin."""
+def check_quantiles(name, got, values):
+    """Level by level, along the columns of values: between the neighbouring order statistics, since so few values are all kept."""
     check(got.shape == (len(LEVELS), *values.shape[1:]), f"{name}: axes {got.shape}")
     ordered = np.sort(values, axis=0)
     for level, row in zip(LEVELS, got, strict=True):
         rank = level * (len(values) - 1)
         below, above = ordered[math.floor(rank)], ordered[math.ceil(rank)]
-        allowed = width(np.maximum(np.abs(below), np.abs(above)) * np.sign(above + below))
-        is_near = (below - allowed <= row) & (row <= above + allowed)
-        check(bool(np.all(is_near)), f"{name} at {level}: not between {below} and {above}")
+        is_between = (below - ROUNDING * np.abs(below) <= row) & (row <= above + ROUNDING * np.abs(above))
+        check(bool(np.all(is_between)), f"{name} at {level}: not between {below} and {above}")
     checked.add(name)
 
 
@@ -260,8 +244,13 @@ def check_durations(data, paths):
         curve.append(product)
     # Sticks that are cut off in a narrow bin count as having outlasted those that end in it: some in a thousand.
     check(float(np.abs(data["stick_duration_survival"] - curve).max()) < 0.002, "stick_duration_survival")
-    relative = lambda q: BIN * np.abs(q)
-    check_quantiles("stick_duration_quantile", data["stick_duration_quantile"], durations, relative)
+    if data.has_step:
+        # Those of a discrete law: the smallest multiple of the step that so large a share does not exceed.
+        ordered = np.sort(in_steps(data, durations))
+        smallest = [ordered[math.ceil(level * len(ordered) - 1e-9) - 1] for level in LEVELS]
+        same("stick_duration_quantile", data["stick_duration_quantile"], np.array(smallest) * data.spacing)
+    else:
+        check_quantiles("stick_duration_quantile", data["stick_duration_quantile"], durations)
     for name, number in [
         ("stick_duration_completed", len(durations)),
         ("stick_duration_censored", len(cut)),
@@ -390,25 +379,51 @@ def check_statistics(data, paths, times, x):
         bias_uncertainty bias_order""".split())
 
 
+def in_steps(data, durations):
+    """The scenarios of this test have an output step as long as the step of the scheme."""
+    durations = np.asarray(durations)
+    steps = np.round(durations / data.spacing)
+    check(bool(np.all(np.abs(durations - steps * data.spacing) <= 1e-9)), "durations are multiples of the step")
+    return steps
+
+
 def check_median(data, paths, durations):
-    """Woodruff's interval: the error of the share of sticks up to the median, from 32 batches of whole paths, read back through the quantiles."""
+    """Woodruff's interval: the error of the share of sticks up to the median, from 32 batches of whole paths, read back through the distribution."""
     row = list(STATISTICS).index("stick_duration_median")
-    estimate, error, low, high = (data[kind][row] for kind in ("estimate", "standard_error", "interval_low", "interval_high"))
-    median = np.quantile(durations, 0.5)
-    below, of = np.zeros(32), np.zeros(32)
-    for number, path in enumerate(paths):
-        below[number % 32] += sum(d <= median for d in path.sticks)
-        of[number % 32] += len(path.sticks)
-    share = below.sum() / of.sum()
-    share_error = math.sqrt(32 / 31 * ((below - share * of) ** 2).sum()) / of.sum()
+    told = [data[kind][row] for kind in ("estimate", "standard_error", "interval_low", "interval_high")]
+    batches = [np.array([d for path in paths[first::32] for d in path.sticks]) for first in range(32)]
     t = student(31)
-    # A bin, and where durations are multiples of a step that.
-    lattice = data.spacing if data.has_step else 0.0
-    near = lambda got, wanted: abs(got - wanted) <= 2 * BIN * wanted + lattice
-    check(near(estimate, median), f"stick_duration_median: {estimate}, not {median}")
-    ends = [np.quantile(durations, p) for p in (0.5 - t * share_error, 0.5 + t * share_error)]
-    check(near(low, ends[0]) and near(high, ends[1]), f"stick_duration_median: {low} to {high}, not {ends}")
-    check(abs((high - low) / (2 * t) - error) <= 1e-6 * error, "stick_duration_median: its standard error")
+
+    def share(longest):
+        """The share of sticks no longer than this, and half the width of its interval."""
+        below = np.array([(batch <= longest).sum() for batch in batches])
+        of = np.array([len(batch) for batch in batches])
+        estimate = below.sum() / of.sum()
+        return estimate, t * math.sqrt(32 / 31 * ((below - estimate * of) ** 2).sum()) / of.sum()
+
+    if not data.has_step:
+        median = np.quantile(durations, 0.5)
+        _, reach = share(median)
+        low, high = (np.quantile(durations, p) for p in (0.5 - reach, 0.5 + reach))
+        # Neighbouring sticks are this far apart.
+        near = 3 * (high - low) / (2 * reach * len(durations))
+        wanted, allowed = [median, (high - low) / (2 * t), low, high], [near] * 4
+    else:
+        batches = [in_steps(data, batch) for batch in batches]
+        ordered = np.sort(in_steps(data, durations))
+        median = ordered[math.ceil(len(ordered) / 2) - 1]
+        _, reach = share(median)
+        # The quantiles of the law that is spread evenly over half a step to either side of each multiple.
+        values, counts = np.unique(ordered, return_counts=True)
+        corners = np.column_stack([values - 0.5, values + 0.5]).ravel()
+        heights = np.column_stack([np.cumsum(counts) - counts, np.cumsum(counts)]).ravel()
+        spread = [np.interp(p * len(ordered), heights, corners) for p in (0.5 - reach, 0.5 + reach)]
+        # A multiple m is refuted if F(m) is certainly below 1/2, or F(m - 1) certainly not.
+        possible = [m for m in np.arange(values[0], values[-1] + 1) if sum(share(m)) >= 0.5 and np.subtract(*share(m - 1)) < 0.5]
+        wanted = [median, (spread[1] - spread[0]) / (2 * t), possible[0], possible[-1]]
+        wanted, allowed = [data.spacing * number for number in wanted], [1e-6 * data.spacing] * 4
+    for kind, a, b, near in zip(("estimate", "error", "low", "high"), told, wanted, allowed, strict=True):
+        check(abs(a - b) <= near, f"stick_duration_median, {kind}: {a!r}, not {b!r}")
 
 
 class Data(dict):
