@@ -20,7 +20,7 @@ fn says(page: &str, sentence: &str) {
 fn the_error_of_the_normals() {
     let error = format!("{MAX_NORMAL_ERROR:e}");
     says("DESIGN.md", &format!("is off by at most {error} (`noise::MAX_NORMAL_ERROR`"));
-    says("docs/performance.md", &format!("Greatest error {error}"));
+    says("docs/performance.md", &format!("The greatest error is {error} from the median"));
     says("docs/performance.md", &format!("normals to {error}"));
     says("CHANGELOG.md", &format!("(error {error} at most"));
 }
