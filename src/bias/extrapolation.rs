@@ -83,6 +83,12 @@ impl Levels {
     }
 }
 
+/// Whether a statistic goes with the step as smoothly as the law of the paths. A median does not: it jumps from one hump
+/// of a law of two to the other.
+pub(super) fn is_smooth(statistic: Statistic) -> bool {
+    statistic != Statistic::StickDurationMedian
+}
+
 /// p.
 pub(super) fn leading_order(statistic: Statistic, levels: Levels) -> f64 {
     let is_of_displacement = matches!(
@@ -101,12 +107,6 @@ pub(super) fn leading_order(statistic: Statistic, levels: Levels) -> f64 {
 pub(super) fn weight(second_term: f64, error: f64) -> f64 {
     let (square, scatter) = (second_term * second_term, error * error);
     if square > scatter { 0.5 * (1.0 - scatter / square) } else { 0.0 }
-}
-
-/// How far the bias may be off because a value at step k h is a multiple of k h: each is taken to be off by half of that.
-pub(super) fn lattice_error(h: f64, p: f64, weight: f64) -> f64 {
-    let halves = [[0.5, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 2.0]];
-    halves.iter().map(|half| Levels(half.map(|y| y * h)).bias(p, weight).abs()).sum()
 }
 
 #[cfg(test)]
@@ -129,16 +129,6 @@ mod tests {
             // Half the second term: the truth is within the stated error.
             assert!((two.bias(p, 0.5) - bias).abs() <= two.model_error(p, 0.0, 0.0) + 1e-12);
         }
-    }
-
-    /// What half a step at each of h, 2h and 4h makes of the bias at worst. At order 1 with one term the bias is y(2h) - y(h), so it is h/2 + h; at order
-    /// 1/2, with q = sqrt 2, that over q - 1. With half of the second term, (q D1 - D2)/((q - 1)(q^2 - 1)), the half steps give -1.2071 - 0.8536,
-    /// 2.4142 + 2.9142 and -2.4142 times h.
-    #[test]
-    fn half_a_step_at_each_of_three_makes_the_bias_off_by_so_much_at_worst() {
-        assert_eq!(lattice_error(0.02, 1.0, 0.0), 0.03);
-        assert!((lattice_error(0.02, 0.5, 0.0) - 0.03 / (2f64.sqrt() - 1.0)).abs() < 1e-12);
-        assert!((lattice_error(1.0, 0.5, 0.5) - 9.803_300_858_9).abs() < 1e-9, "{}", lattice_error(1.0, 0.5, 0.5));
     }
 
     #[test]

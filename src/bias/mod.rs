@@ -122,14 +122,24 @@ impl BiasPlan {
             let is_stopped = stop.load(Ordering::Relaxed);
             return anchored.ok_or(if is_stopped { NoBias::Stopped } else { NoBias::Corrected });
         };
-        let mut biases = differences.estimate(threads, stop)?;
-        let anchored = anchored.unwrap_or_default();
-        for (statistic, bias) in &mut biases {
-            let other = anchored.iter().find(|(of, _)| of == statistic);
-            if let Some((_, sharper)) = other.filter(|(_, other)| other.uncertainty < bias.uncertainty) {
-                *bias = Bias { order: bias.order, ..*sharper };
-            }
-        }
-        Ok(biases)
+        let (extrapolated, anchored) = (differences.estimate(threads, stop)?, anchored.unwrap_or_default());
+        let of = |biases: &[(Statistic, Bias)], statistic| biases.iter().find(|(s, _)| *s == statistic).map(|b| b.1);
+        let told = |statistic| chosen(of(&extrapolated, statistic), of(&anchored, statistic));
+        Ok(Statistic::ALL.into_iter().filter_map(|statistic| Some((statistic, told(statistic)?))).collect())
     }
+}
+
+/// Extrapolation counts where it is sharper beyond doubt than the paths without a step, and does not contradict them.
+const SHARPER: f64 = 0.5;
+
+/// Of the two measurements of one bias, where there are two.
+///
+/// The anchor assumes nothing, so it is taken unless the other is sharper by far. If the sharper of two alike were taken, it would
+/// often be the one whose uncertainty is too small by chance.
+fn chosen(extrapolated: Option<Bias>, anchored: Option<Bias>) -> Option<Bias> {
+    let (Some(extrapolated), Some(anchored)) = (extrapolated, anchored) else { return extrapolated.or(anchored) };
+    let is_sharper = extrapolated.uncertainty < SHARPER * anchored.uncertainty;
+    let apart = (extrapolated.estimate - anchored.estimate).abs();
+    let is_possible = apart <= extrapolated.uncertainty + anchored.uncertainty;
+    Some(if is_sharper && is_possible { extrapolated } else { Bias { order: extrapolated.order, ..anchored } })
 }

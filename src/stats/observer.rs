@@ -139,7 +139,7 @@ impl Observer for BlockObserver {
                     kept.is_static[row] = i8::from(snapshot.is_static[lane]);
                 }
             }
-            Instant::Period(n) => self.periods.fold(n, snapshot.displacement),
+            Instant::Period(n) => self.periods.observe(n, &snapshot),
             Instant::End => self.end(&snapshot),
         }
     }

@@ -12,7 +12,7 @@ use super::PeriodMoments;
 use super::codec::codec_of_fields;
 use super::interval::Measured;
 use super::moments::Moments;
-use crate::scheme::Timeline;
+use crate::scheme::{Snapshot, Timeline};
 
 /// Times of the whole forcing periods and their weights in a slope.
 #[derive(Clone, Debug, PartialEq)]
@@ -93,6 +93,8 @@ impl PeriodSums {
 /// One block of paths on its way through the periods.
 pub(super) struct PeriodFold {
     sums: PeriodSums,
+    /// t_n.
+    time: Vec<f64>,
     /// c_n.
     weights: Vec<f64>,
     x0: f64,
@@ -106,10 +108,11 @@ pub(super) struct PeriodFold {
 
 impl PeriodFold {
     pub fn new(timeline: &Timeline, x0: f64, paths: usize) -> Self {
-        let Slope { weights, .. } = Slope::over(timeline);
+        let Slope { time, weights } = Slope::over(timeline);
         let paths = if weights.is_empty() { 0 } else { paths };
         PeriodFold {
             sums: PeriodSums::empty(timeline),
+            time,
             weights,
             x0,
             displacement: Vec::new(),
@@ -118,7 +121,15 @@ impl PeriodFold {
         }
     }
 
-    /// The end of period `n` = 1, 2, ...
+    /// The paths at the end of period `n` = 1, 2, ... A scheme with a step shows the instant of it that is nearest to t_n;
+    /// from there to t_n they go on at the velocity that they have.
+    pub fn observe(&mut self, n: usize, snapshot: &Snapshot<'_>) {
+        let missing = self.time.get(n - 1).map_or(0.0, |time| time - snapshot.time);
+        let states = snapshot.displacement.iter().zip(snapshot.velocity);
+        self.fold(n, &states.map(|(x, v)| x + missing * v).collect::<Vec<f64>>());
+    }
+
+    /// x of each path at the end of period `n` = 1, 2, ...
     pub fn fold(&mut self, n: usize, displacement: &[f64]) {
         self.displacement.clear();
         self.displacement.extend(displacement.iter().map(|x| x - self.x0));
@@ -209,6 +220,28 @@ mod tests {
                 all.iter().all(|(got, expected)| (got - expected).abs() < 1e-9),
                 "{e:?}, expected {value} +- {error}"
             );
+        }
+    }
+
+    /// One path at x = 0.3 + 2 t - 0.7 t^2, looked at on a grid of 0.01 that no period ends on: what is told is x at the end
+    /// of the period, but for the 0.7 (0.005)^2 that the velocity there misses, where x on the grid is 0.005 off.
+    #[test]
+    fn x_is_told_at_the_end_of_a_period_and_not_at_the_nearest_instant_of_the_grid() {
+        let period = 0.314_9;
+        let timeline = Timeline { end: 1.0, output_step: 1.0, period: Some(period) };
+        let mut fold = PeriodFold::new(&timeline, 0.3, 1);
+        let x = |t: f64| 2.0 * t - 0.7 * t * t;
+        for n in 1..=3 {
+            let time = (n as f64 * period / 0.01).round() * 0.01;
+            let (displacement, velocity) = ([0.3 + x(time)], [2.0 - 1.4 * time]);
+            let (temperature, is_static) = (&[0.0], &[false]);
+            let snapshot =
+                Snapshot { time, displacement: &displacement, velocity: &velocity, temperature, is_static };
+            fold.observe(n, &snapshot);
+        }
+        for (n, mean) in (1..=3).zip(fold.finish().summary(&timeline).mean) {
+            let exact = x(f64::from(n) * period);
+            assert!((mean - exact).abs() <= 0.7 * 0.005f64.powi(2) + 1e-12, "{n}: {mean}, not {exact}");
         }
     }
 
