@@ -188,7 +188,7 @@ fn so_it_is_where_the_changes_from_step_to_step_mislead() {
 }
 
 /// With 10 000 paths at the step of the paper the bias of the mean stick duration is known, in the median of nine seeds, to better than 30 %
-/// of itself, that of x(t_end), whose paths are the same at h and 2h, to a tenth of the standard error of the run; and the order is seen: in
+/// of itself, that of x(t_end), whose paths are the same at h and 2h, to little more than the standard error of the run, 0.016; and the order is seen: in
 /// the median from 0.45 to 0.75.
 #[test]
 fn the_uncertainty_says_something() {
@@ -201,9 +201,36 @@ fn the_uncertainty_says_something() {
         values[4]
     };
     assert!(median(Statistic::StickDurationMean, &|b| b.uncertainty / b.estimate) < 0.3);
-    assert!(median(Statistic::DisplacementEndMean, &|b| b.uncertainty) < 0.016);
+    assert!(median(Statistic::DisplacementEndMean, &|b| b.uncertainty) < 0.02);
     let order = median(Statistic::StickDurationMean, &|b| b.order.unwrap_or(f64::NAN));
     assert!((0.45..0.75).contains(&order), "{order}");
+}
+
+/// Two kinds of sticks: light noise and nearly equal frictions make them either short or long, and a step misses many of the short ones. The
+/// median at h = 0.01 is 1.55, that of long sticks, and without a step it is 0.40 (`mc run scenarios/rho025.toml --scheme event-driven --paths
+/// 300000 --seed 77` with the values below); at 2h and 4h it is 1.65 and more, so that no extrapolation finds the other kind. Truth, as an
+/// interval: 200 000 paths at the step and those. Null: each seed is within its uncertainty with 95 %; more than 4 misses of 20 have a
+/// probability of 0.3 %. Extrapolation from h, 2h and 4h has 6, with most estimates near 0.2; and an uncertainty of half of the estimate
+/// would be false precision here, so what is told must be honest about the other hump: half a unit or more for most seeds.
+#[test]
+fn so_is_a_median_that_jumps_from_one_kind_of_sticks_to_the_other() {
+    let mut model = paper(0.25, 0.1);
+    (model.oscillator.mass, model.oscillator.stiffness) = (0.3, 0.2);
+    (model.oscillator.damping, model.oscillator.dilatation) = (0.5, 20.0);
+    (model.friction.static_force, model.initial_displacement) = (1.02, 20.0);
+    let noise = model.temperature.noise.as_mut().expect("it has noise");
+    (noise.relaxation_rate, noise.initial) = (0.5, InitialNoise::At(-1.0));
+    let (low, high) = (1.156, 1.167);
+    let is_told = |seed: &u64| {
+        let Bias { estimate, uncertainty, .. } =
+            of(&told(&model, plain(0.01), *seed, 10_000, 2), Statistic::StickDurationMedian);
+        println!("{estimate} +- {uncertainty}");
+        (estimate - uncertainty <= high && estimate + uncertainty >= low, uncertainty)
+    };
+    let all: Vec<(bool, f64)> = (1..=20).collect::<Vec<u64>>().iter().map(is_told).collect();
+    let misses = all.iter().filter(|(is_held, _)| !is_held).count();
+    let honest = all.iter().filter(|(_, uncertainty)| *uncertainty > 0.3).count();
+    assert!(misses <= 4 && honest >= 15, "{misses} misses, {honest} wide");
 }
 
 /// Paths without a step are left out where they cost more than the run allows (theta = 1e6: a step each 5e-7, 10^8 of them), where they
@@ -223,7 +250,9 @@ fn what_paths_without_a_step_cannot_tell_the_steps_do() {
     close.friction.static_force = 1.0 + 1e-9;
     for model in [fast, close] {
         assert_eq!(anchored(&model, 0.01, 10_000), None);
-        assert_eq!(told(&model, plain(0.01), 1, 10_000, 2).len(), Statistic::ALL.len());
+        let biases = told(&model, plain(0.01), 1, 10_000, 2);
+        assert_eq!(biases.len(), Statistic::ALL.len() - 1, "all but the median, which no step can place");
+        assert!(biases.iter().all(|(of, _)| *of != Statistic::StickDurationMedian));
         let plan = BiasPlan::new(corrected(0.01), &model, &timeline(&model), 1, 10_000).expect("enough paths");
         let corrected = run(&model, corrected(0.01), 1, 10_000, 2);
         assert_eq!(plan.estimate(&corrected, 2, &AtomicBool::new(false)), Err(NoBias::Corrected));
@@ -252,8 +281,8 @@ fn paths_without_a_step_are_not_those_of_the_run() {
         let anchor = Anchor::new(&model, &timeline, h, seed, paths, 1);
         let biases = anchor.estimate(&run, 2, &AtomicBool::new(false)).expect("the budget is enough");
         let told = of(&biases, Statistic::FrictionWorkMean);
-        // Student's t with 127 degrees of freedom, a little for the tolerance.
-        (told.estimate / (told.uncertainty / 1.979)).powi(2)
+        // Student's t with 127 degrees of freedom, times what few paths are trusted less; a little for the tolerance.
+        (told.estimate / (told.uncertainty / (1.979 * (1.0 + 2.5 / 128f64.sqrt())))).powi(2)
     });
     let mean_square = squares.sum::<f64>() / 64.0;
     println!("{mean_square}");

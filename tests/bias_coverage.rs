@@ -1,4 +1,6 @@
 //! How often what a run says of its bias is off by more than it says, on scenes that no rule was made for.
+//!
+//! `cargo test --release --test bias_coverage -- --ignored --nocapture`; docs/bias.md has the last result.
 
 mod common;
 
@@ -6,63 +8,69 @@ use common::paper;
 use rand_distr::{Distribution as _, Uniform};
 use rand_pcg::Pcg64Dxsm;
 use rand_pcg::rand_core::SeedableRng as _;
+use std::collections::BTreeMap;
 use std::sync::atomic::AtomicBool;
 use stick_slip::bias::BiasPlan;
 use stick_slip::ensemble::Plan;
 use stick_slip::model::{Harmonic, InitialNoise, Model};
 use stick_slip::scheme::{CorrectedVi, DEFAULT_TOLERANCE, DiscreteVi, EventDriven, Scheme, Timeline};
-use stick_slip::stats::{Estimate, Record, Statistic, Summary};
+use stick_slip::stats::{Bias, Estimate, Record, Statistic, Summary};
 
 const STEPS: [f64; 3] = [0.02, 0.01, 0.005];
 const PATHS: [u64; 2] = [10_000, 2000];
-const SEEDS: u64 = 20;
-const TRUTH_AT_STEP: u64 = 200_000;
-const TRUTH: u64 = 300_000;
-
-fn timeline(model: &Model) -> Timeline {
-    Timeline { end: 60.0, output_step: 60.0, period: model.temperature.period() }
-}
+const SEEDS: std::ops::RangeInclusive<u64> = 201..=220;
 
 fn run(model: &Model, scheme: Scheme, seed: u64, paths: u64) -> Summary {
-    let simulation = scheme.simulation(model, &timeline(model));
-    Plan { simulation, record: Record::NOTHING, seed, paths }.run(2)
+    let timeline = Timeline { end: 60.0, output_step: 60.0, period: model.temperature.period() };
+    Plan { simulation: scheme.simulation(model, &timeline), record: Record::NOTHING, seed, paths }.run(2)
 }
 
-/// Nearly equal frictions and light noise: sticks are either short or long, and longer steps miss the short ones.
-fn two_humps() -> Model {
-    let mut model = paper(0.25, 0.1);
-    let (o, noise) = (&mut model.oscillator, model.temperature.noise.as_mut().expect("noise"));
-    (o.mass, o.stiffness, o.damping, o.dilatation) = (0.3, 0.2, 0.5, 20.0);
+/// What a run says of its bias.
+fn told(model: &Model, scheme: Scheme, seed: u64, paths: u64) -> Vec<(Statistic, Bias)> {
+    let timeline = Timeline { end: 60.0, output_step: 60.0, period: model.temperature.period() };
+    let plan = BiasPlan::new(scheme, model, &timeline, seed, paths).expect("enough paths");
+    plan.estimate(&run(model, scheme, seed, paths), 2, &AtomicBool::new(false)).unwrap_or_default()
+}
+
+/// Light noise and nearly equal frictions: sticks are either short or long, and a step misses many of the short ones. At
+/// h = 0.01 most of those that it sees are long, so its median is 1.55; without a step most are short, and the median is 0.40.
+fn two_humps(static_force: f64, intensity: f64) -> Model {
+    let mut model = paper(0.25, intensity);
+    let oscillator = &mut model.oscillator;
+    (oscillator.mass, oscillator.stiffness) = (0.3, 0.2);
+    (oscillator.damping, oscillator.dilatation) = (0.5, 20.0);
+    let noise = model.temperature.noise.as_mut().expect("it has noise");
     (noise.relaxation_rate, noise.initial) = (0.5, InitialNoise::At(-1.0));
-    model.friction.static_force = 1.02;
-    model.initial_displacement = 20.0;
+    (model.friction.static_force, model.initial_displacement) = (static_force, 20.0);
     model
 }
 
+/// The shipped scene, two with sticks of two kinds, and six drawn at random around the shipped one.
 fn scenes() -> Vec<(String, Model)> {
-    let mut scenes = vec![("rho025".to_string(), paper(0.25, 0.25)), ("two humps".to_string(), two_humps())];
-    let mut wider = two_humps();
-    wider.friction.static_force = 1.05;
-    wider.temperature.noise.as_mut().expect("noise").intensity = 0.15;
-    scenes.push(("two humps, wider gap".to_string(), wider));
+    let mut scenes = vec![
+        ("rho025".to_string(), paper(0.25, 0.25)),
+        ("two humps".to_string(), two_humps(1.02, 0.1)),
+        ("two humps, wider gap".to_string(), two_humps(1.05, 0.15)),
+    ];
     let mut rng = Pcg64Dxsm::seed_from_u64(2026);
     for i in 1..=6 {
         let mut draw = |low: f64, high: f64| Uniform::new(low, high).expect("low < high").sample(&mut rng);
         let mut model = paper(0.25, 0.25);
-        let o = &mut model.oscillator;
-        (o.mass, o.stiffness) = (draw(-1.0, 1.0).exp2(), draw(-1.0, 1.0).exp2());
-        (o.damping, o.dilatation) = (draw(-0.5, 0.5).max(0.0), draw(3.0, 12.0));
+        let oscillator = &mut model.oscillator;
+        (oscillator.mass, oscillator.stiffness) = (draw(-1.0, 1.0).exp2(), draw(-1.0, 1.0).exp2());
+        (oscillator.damping, oscillator.dilatation) = (draw(-0.5, 0.5).max(0.0), draw(3.0, 12.0));
         model.friction.static_force = 1.0 + draw(-5.0, -1.3).exp2();
-        let noise = model.temperature.noise.as_mut().expect("noise");
+        let noise = model.temperature.noise.as_mut().expect("it has noise");
         (noise.intensity, noise.relaxation_rate) = (draw(-3.5, -0.5).exp2(), draw(-1.0, 2.0).exp2());
-        model.temperature.harmonics = vec![Harmonic { amplitude: 1.0, angular_frequency: draw(0.15, 0.8), phase: draw(0.0, 6.0) }];
+        let (angular_frequency, phase) = (draw(0.15, 0.8), draw(0.0, 6.0));
+        model.temperature.harmonics = vec![Harmonic { amplitude: 1.0, angular_frequency, phase }];
         model.initial_displacement = draw(-6.0, 6.0);
         scenes.push((format!("drawn {i}"), model));
     }
     scenes
 }
 
-/// The ends of what is known of a number: two standard errors, and those of the interval where it is a median.
+/// Where a number of a large run may lie: two standard errors to either side, or in the interval of a median.
 fn ends(e: &Estimate) -> (f64, f64) {
     match e.statistic {
         Statistic::StickDurationMedian => (e.low, e.high),
@@ -70,30 +78,60 @@ fn ends(e: &Estimate) -> (f64, f64) {
     }
 }
 
+/// Misses, and how many there might be.
+type Count = (usize, usize);
+
+/// Nine scenes at three steps, both schemes, 10 000 and 2000 paths, 20 seeds. Truth: 200 000 paths at the step less 300 000
+/// event-driven ones, each with what it is known to. For each statistic and setting no more than 5 % of the estimates are
+/// off by more than they say.
 #[test]
 #[ignore = "a measurement of some minutes"]
-fn over_scenes_and_seeds() {
+fn no_statistic_of_any_setting_is_missed_more_often_than_it_says() {
+    let mut counts: BTreeMap<(String, usize), Count> = BTreeMap::new();
     for (name, model) in scenes() {
-        let exact = run(&model, EventDriven { tolerance: DEFAULT_TOLERANCE }.into(), 77, TRUTH);
+        let exact = run(&model, EventDriven { tolerance: DEFAULT_TOLERANCE }.into(), 77, 300_000);
         for h in STEPS {
-            for scheme in [Scheme::from(DiscreteVi { step: h }), CorrectedVi { step: h }.into()] {
-                let at_step = run(&model, scheme, 999, TRUTH_AT_STEP);
+            let schemes = [("discrete", DiscreteVi { step: h }.into()), ("corrected", CorrectedVi { step: h }.into())];
+            for (scheme_name, scheme) in schemes {
+                let at_step = run(&model, scheme, 999, 200_000);
                 for paths in PATHS {
-                    for seed in 201..201 + SEEDS {
-                        let summary = run(&model, scheme, seed, paths);
-                        let plan = BiasPlan::new(scheme, &model, &timeline(&model), seed, paths).expect("enough paths");
-                        let biases = plan.estimate(&summary, 2, &AtomicBool::new(false)).unwrap_or_default();
-                        for statistic in Statistic::ALL {
-                            let of = |e: &Summary| ends(e.estimate(statistic));
-                            let ((a, b), (c, d)) = (of(&at_step), of(&exact));
-                            let told = biases.iter().find(|(s, _)| *s == statistic);
-                            let (e, u) = told.map_or((f64::NAN, f64::NAN), |t| (t.1.estimate, t.1.uncertainty));
-                            let est = summary.estimate(statistic);
-                            println!("CSV;{name};{h};{:?};{paths};{seed};{};{};{};{};{e};{u};{};{};{}", scheme.discretisation(), statistic.name(), est.estimate, est.low, est.high, (c+d)/2.0, a-d, b-c);
-                        }
+                    let setting = format!("{scheme_name} {h} {paths}");
+                    let all: Vec<_> = SEEDS.map(|seed| told(&model, scheme, seed, paths)).collect();
+                    for statistic in Statistic::ALL {
+                        let ((a, b), (c, d)) = (ends(at_step.estimate(statistic)), ends(exact.estimate(statistic)));
+                        let (low, high) = (a - d, b - c);
+                        let biases: Vec<Bias> =
+                            all.iter().flatten().filter(|(of, _)| *of == statistic).map(|b| b.1).collect();
+                        let is_missed = |b: &&Bias| {
+                            b.estimate - b.uncertainty > high + 1e-12 || b.estimate + b.uncertainty < low - 1e-12
+                        };
+                        let missed = biases.iter().filter(is_missed).count();
+                        let count = counts.entry((setting.clone(), statistic.index())).or_default();
+                        *count = (count.0 + missed, count.1 + biases.len());
+                        let mut reach: Vec<f64> = biases.iter().map(|b| b.uncertainty).collect();
+                        reach.sort_by(f64::total_cmp);
+                        let (reach, told) = (reach.get(reach.len() / 2), biases.len());
+                        println!(
+                            "{name}; {setting}; {}; {missed}/{told}; {low:.4} to {high:.4} +- {reach:.4?}",
+                            statistic.name()
+                        );
                     }
                 }
             }
         }
     }
+    let settings: Vec<&String> = counts.keys().filter(|key| key.1 == 0).map(|key| &key.0).collect();
+    println!("| statistic | {} |", settings.iter().map(|s| s.as_str()).collect::<Vec<_>>().join(" | "));
+    let mut too_many = Vec::new();
+    for statistic in Statistic::ALL {
+        let cell = |setting: &&String| {
+            let (missed, told) = counts[&((*setting).clone(), statistic.index())];
+            if 20 * missed > told {
+                too_many.push(format!("{}, {setting}: {missed} of {told}", statistic.name()));
+            }
+            format!("{missed}/{told}")
+        };
+        println!("| `{}` | {} |", statistic.name(), settings.iter().map(cell).collect::<Vec<_>>().join(" | "));
+    }
+    assert_eq!(too_many, Vec::<String>::new());
 }

@@ -4,6 +4,7 @@
 //! h falls. What remains of the difference is the bias, with nothing extrapolated and for any scheme with a step; its
 //! error is that of two finite ensembles, of which theirs is the smaller one.
 
+use super::caution;
 use crate::ensemble::{Plan, in_order};
 use crate::model::Model;
 use crate::scheme::{DEFAULT_TOLERANCE, EventDrivenSimulation, Simulate as _, Simulated, Simulation, Timeline};
@@ -46,8 +47,9 @@ impl Anchor {
     /// all but meeting under noise).
     pub fn estimate(&self, run: &Summary, threads: usize, stop: &AtomicBool) -> Option<Vec<(Statistic, Bias)>> {
         let exact = self.simulate(threads, stop)?;
+        let caution = caution(exact.completed_paths);
         let both = run.estimates.iter().zip(&exact.estimates);
-        Some(both.filter_map(|(run, exact)| Some((run.statistic, difference(run, exact)?))).collect())
+        Some(both.filter_map(|(run, exact)| Some((run.statistic, difference(run, exact, caution)?))).collect())
     }
 
     fn simulate(&self, threads: usize, stop: &AtomicBool) -> Option<Summary> {
@@ -80,18 +82,44 @@ impl Anchor {
     }
 }
 
-/// The uncertainty is so many times what the two intervals say. With a few dozen paths the intervals of skewed laws hold
-/// less often than they say, and an uncertainty is there for the worst statistic (docs/bias.md).
-const CAUTION: f64 = 1.2;
-
 /// What the run has and the paths without a step have not. They are independent, so errors add up in squares, side by
 /// side (the bias is as low as it may be where the run is low and the other paths are high); the uncertainty is that of
 /// the longer side. The tolerance is the same for every seed. None where nothing bounds one of the two.
-fn difference(run: &Estimate, exact: &Estimate) -> Option<Bias> {
+fn difference(run: &Estimate, exact: &Estimate, caution: f64) -> Option<Bias> {
     let below = (run.estimate - run.low).hypot(exact.high - exact.estimate);
     let above = (run.high - run.estimate).hypot(exact.estimate - exact.low);
-    let uncertainty = CAUTION * below.max(above) + DEFAULT_TOLERANCE * exact.estimate.abs();
+    let uncertainty = caution * below.max(above) + DEFAULT_TOLERANCE * exact.estimate.abs();
     let estimate = run.estimate - exact.estimate;
     let is_bounded = estimate.is_finite() && below.is_finite() && above.is_finite();
     is_bounded.then_some(Bias { estimate, uncertainty, order: None })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn of(estimate: f64, low: f64, high: f64) -> Estimate {
+        let (statistic, standard_error) = (Statistic::StickDurationMedian, 0.1);
+        Estimate { statistic, estimate, standard_error, low, high, bias: None }
+    }
+
+    /// A median of the run in [4, 7] about 4, and one without a step in [1, 5] about 1: the bias is 3, and as much as sqrt(0 + 4^2) less or
+    /// sqrt(3^2 + 0) more. The uncertainty is that of the longer side, 1.5 times, and 0.1 % of 1. Half the width of the two intervals, 2.5,
+    /// would hold neither.
+    #[test]
+    fn the_uncertainty_is_that_of_the_longer_side() {
+        let told = difference(&of(4.0, 4.0, 7.0), &of(1.0, 1.0, 5.0), 1.5);
+        let expected = Some(Bias { estimate: 3.0, uncertainty: 1.5 * 4.0 + 0.001, order: None });
+        assert_eq!(told, expected);
+        let told = difference(&of(4.0, 1.0, 4.0), &of(1.0, -3.0, 1.0), 1.0).expect("bounded").uncertainty;
+        assert!((told - 4.001).abs() < 1e-12, "{told}");
+    }
+
+    #[test]
+    fn what_nothing_bounds_is_not_told() {
+        let run = of(4.0, 4.0, 4.0);
+        assert_eq!(difference(&run, &of(1.0, 0.0, f64::INFINITY), 1.0), None);
+        assert_eq!(difference(&run, &of(1.0, f64::NAN, f64::NAN), 1.0), None);
+        assert_eq!(difference(&of(f64::NAN, f64::NAN, f64::NAN), &run, 1.0), None);
+    }
 }

@@ -9,9 +9,9 @@
 //! and the step misses some of the short ones, the median is that of the long ones at h, 2h and 4h alike, and that of
 //! the short ones without a step ([`is_smooth`]).
 
-use super::NoBias;
 use super::extrapolation::{Levels, is_smooth, leading_order, unseen, weight};
 use super::groups::{GroupObserver, Grouped, Groups};
+use super::{NoBias, caution};
 use crate::ensemble::in_order;
 use crate::model::Model;
 use crate::scheme::{Scheme, Simulate as _, Simulation, Timeline};
@@ -128,7 +128,7 @@ impl Differences {
         };
         let missed = all.model_error(p, unseen(statistic, self.noise_to_gap()), STUDENT * second_term_error);
         // Sums, not squares: what extrapolation misses is the same for every seed.
-        Bias { estimate: all.bias(p, weight), uncertainty: sampling + missed + grid, order }
+        Bias { estimate: all.bias(p, weight), uncertainty: caution(self.paths()) * (sampling + missed + grid), order }
     }
 
     /// K beta rho sigma sqrt(h)/(f_s - f_d).

@@ -28,6 +28,8 @@ Examples:
   mc run scenarios/shaw.toml --json | jq .statistics.stick_duration_mean
 
 A path's noise depends on the seed and the number of the path alone: the result is the same for any number of threads.
+`corrected` in the table is the estimate with the error of the step taken off, shown where that error exceeds its
+uncertainty, +-. Where it does not, keep the estimate: to subtract `bias` would add more noise than it removes.
 Ctrl-C finishes the blocks in flight and leaves a valid file; a second one stops at once.";
 
 /// Arguments of `mc run`.

@@ -17,6 +17,7 @@ mod batches;
 mod bins;
 mod catalogue;
 mod codec;
+mod corrected;
 mod dimension;
 mod durations;
 mod dyadic;
@@ -43,6 +44,7 @@ mod tree;
 
 pub use catalogue::Statistic;
 pub use codec::{Codec, Damaged, Reader};
+pub use corrected::Corrected;
 pub use dimension::{Dimension, Units};
 pub use goal::{Bound, Goal, GoalError, Verdict};
 pub use moments::Moments;

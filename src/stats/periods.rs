@@ -235,8 +235,7 @@ mod tests {
             let time = (n as f64 * period / 0.01).round() * 0.01;
             let (displacement, velocity) = ([0.3 + x(time)], [2.0 - 1.4 * time]);
             let (temperature, is_static) = (&[0.0], &[false]);
-            let snapshot =
-                Snapshot { time, displacement: &displacement, velocity: &velocity, temperature, is_static };
+            let snapshot = Snapshot { time, displacement: &displacement, velocity: &velocity, temperature, is_static };
             fold.observe(n, &snapshot);
         }
         for (n, mean) in (1..=3).zip(fold.finish().summary(&timeline).mean) {

@@ -116,6 +116,12 @@ table! {
         "the discretisation bias is within this of its estimate, at 95 %").with(PER_STATISTIC);
     BIAS_ORDER = variable("bias_order", &["statistic"], Unit::None,
         "power of the step with which the statistic was seen to change, missing where unknown").with(PER_STATISTIC);
+    ESTIMATE_CORRECTED = variable("estimate_corrected", &["statistic"], Unit::None,
+        "estimate less as much of its bias as is worth taking off, missing where that is unknown").with(PER_STATISTIC);
+    ESTIMATE_CORRECTED_LOW = variable("estimate_corrected_low", &["statistic"], Unit::None,
+        "lower end of the 95 % interval of the corrected estimate").with(PER_STATISTIC);
+    ESTIMATE_CORRECTED_HIGH = variable("estimate_corrected_high", &["statistic"], Unit::None,
+        "upper end of the 95 % interval of the corrected estimate").with(PER_STATISTIC);
 
     TIME = variable("time", &["time"], Unit::TIME, "time").with(&[("axis", "T")]);
     QUANTILE = variable("quantile", &["quantile"], Unit::ONE, "quantile level");

@@ -3,8 +3,8 @@
 use super::layout;
 use super::variable::{Place, read_or_empty, read_scalar, text};
 use crate::stats::{
-    Band, Bands, Bias, Estimate, Histogram, PeriodMoments, QUANTILE_LEVELS, Statistic, StickDurations, SubPhaseCounts,
-    Summary,
+    Band, Bands, Bias, Corrected, Estimate, Histogram, PeriodMoments, QUANTILE_LEVELS, Statistic, StickDurations,
+    SubPhaseCounts, Summary,
 };
 use hdf5::types::VarLenUnicode;
 use hdf5::{File, Result};
@@ -72,7 +72,19 @@ fn write_estimates(place: &Place, estimates: &Estimates) -> Result<()> {
     for (variable, field) in fields {
         place.put(variable, &estimates.each_ref().map(field))?;
     }
-    Ok(())
+    write_corrected(place, estimates)
+}
+
+/// What follows from the bias, where there is one. It is not read back: an estimate knows it.
+fn write_corrected(place: &Place, estimates: &Estimates) -> Result<()> {
+    let corrected = estimates.each_ref().map(Estimate::corrected);
+    if corrected.iter().all(Option::is_none) {
+        return Ok(());
+    }
+    let each = |of: fn(Corrected) -> f64| corrected.map(|corrected| corrected.map_or(f64::NAN, of));
+    place.put(&layout::ESTIMATE_CORRECTED, &each(|c| c.estimate))?;
+    place.put(&layout::ESTIMATE_CORRECTED_LOW, &each(|c| c.low))?;
+    place.put(&layout::ESTIMATE_CORRECTED_HIGH, &each(|c| c.high))
 }
 
 /// Statistics are found by name: a file of another minor version may have fewer or more of them.

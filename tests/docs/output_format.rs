@@ -107,7 +107,7 @@ fn written(folder: &Path, name: &str, arguments: &[&str]) -> File {
 }
 
 /// Files in which everything that a run can write occurs: records, units, lost paths, a resolution,
-/// a run that was ended.
+/// a run that was ended, the fewest paths for a bias of the step.
 fn runs(folder: &Path) -> Vec<File> {
     let record = ["record.events=true", "record.trajectories=7"].map(|set| ["--set", set]).concat();
     let everything = [&["run", "scenarios/rho025.toml", "--paths", "300"][..], &record].concat();
@@ -120,6 +120,7 @@ fn runs(folder: &Path) -> Vec<File> {
         written(folder, "diverging.h5", &diverging),
         written(folder, "unresolved.h5", &unresolved),
         written(folder, "ended.h5", &ended),
+        written(folder, "biased.h5", &["run", "scenarios/rho025.toml", "--paths", "768"]),
     ]
 }
 

@@ -24,7 +24,7 @@ ROOT_ATTRIBUTES = """Conventions title format_name format_version program_versio
 
 # Names, flags and mixed arrays have no unit.
 WITHOUT_UNITS = """statistic statistic_long_name statistic_unit estimate standard_error interval_low interval_high bias
-    bias_uncertainty bias_order
+    bias_uncertainty bias_order estimate_corrected estimate_corrected_low estimate_corrected_high
     path_diverged event_sign event_kind trajectory_static""".split()
 
 FLAGS = {

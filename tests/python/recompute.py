@@ -19,7 +19,7 @@ import numpy as np
 # The unit of every variable, in UDUNITS notation; None where it has none.
 UNITS = {
     None: """statistic statistic_long_name statistic_unit estimate standard_error interval_low interval_high bias bias_uncertainty
-        bias_order path_diverged event event_sign event_kind trajectory_static""",
+        bias_order estimate_corrected estimate_corrected_low estimate_corrected_high path_diverged event event_sign event_kind trajectory_static""",
     "1": """quantile static_probability stick_duration_count stick_duration_censored_count stick_duration_survival
         stick_duration_completed stick_duration_censored first_stick_duration_completed first_stick_duration_censored
         sub_phase sub_phase_count sub_phase_censored period path path_sticks path_slips path_sub_phases event_count trajectory""",
@@ -373,10 +373,29 @@ def check_statistics(data, paths, times, x):
             for kind, a, b in zip(("estimate", "error", "low", "high"), told, wanted, strict=True):
                 check(abs(a - b) <= 1e-8 * scale, f"{name}, {kind}: {a!r}, not {b!r}")
     check_median(data, paths, durations)
-    for name in ("bias", "bias_uncertainty", "bias_order"):
-        check(bool(np.isnan(data[name]).all()), f"{name}: the run was told not to estimate it")
+    check_corrected(data)
     checked.update("""statistic statistic_long_name statistic_unit estimate standard_error interval_low interval_high bias
         bias_uncertainty bias_order""".split())
+
+
+def check_corrected(data):
+    """The estimate less max(0, 1 - (uncertainty/bias)^2) of its bias, in the interval of the estimate less all of it."""
+    if "estimate_corrected" not in data:
+        for name in ("bias", "bias_uncertainty", "bias_order"):
+            check(bool(np.isnan(data[name]).all()), f"{name}: the run was told not to estimate it")
+        return
+    corrected = 0
+    for row, name in enumerate(data["statistic"]):
+        estimate, bias, uncertainty = (data[kind][row] for kind in ("estimate", "bias", "bias_uncertainty"))
+        weight = 0.0 if abs(bias) <= uncertainty else 1 - (uncertainty / bias) ** 2
+        below, above = estimate - data["interval_low"][row], data["interval_high"][row] - estimate
+        whole = estimate - bias
+        wanted = [estimate - weight * bias, whole - math.hypot(below, uncertainty), whole + math.hypot(above, uncertainty)]
+        told = [data[f"estimate_corrected{end}"][row] for end in ("", "_low", "_high")]
+        check(np.allclose(told, wanted, rtol=1e-12, atol=0, equal_nan=True), f"{name}, corrected: {told}, not {wanted}")
+        corrected += weight > 0
+    check(corrected >= 3, f"{corrected} statistics have a bias beyond its uncertainty")
+    checked.update(["estimate_corrected", "estimate_corrected_low", "estimate_corrected_high"])
 
 
 def in_steps(data, durations):

@@ -1,24 +1,34 @@
 //! The error of the step: what a report says of it.
 
 use crate::cli::numbers::{Digits, significant};
-use stick_slip::stats::{Bias, Summary};
+use stick_slip::stats::{Bias, Estimate, Summary};
 
-/// A bias, its uncertainty and its order, to two digits of the uncertainty; `none` where it is not
-/// known.
-pub(super) fn bias_cells(bias: Option<Bias>) -> [String; 3] {
-    let Some(Bias { estimate, uncertainty, order }) = bias else {
-        return ["none".into(), String::new(), String::new()];
+/// A bias and its uncertainty, to two digits of the uncertainty; `none` where it is not known.
+pub(super) fn bias_cells(bias: Option<Bias>) -> [String; 2] {
+    let Some(Bias { estimate, uncertainty, .. }) = bias else {
+        return ["none".into(), String::new()];
     };
     let digits = Digits::of(estimate, uncertainty);
-    [digits.show(estimate), digits.show(uncertainty), order.map_or("none".into(), |order| format!("{order:.1}"))]
+    [digits.show(estimate), digits.show(uncertainty)]
 }
+
+/// The corrected estimate to two digits of its own error, where it is better than the plain one.
+pub(super) fn corrected_cell(e: &Estimate) -> String {
+    let is_better = e.bias.is_some_and(|bias| bias.weight() > 0.0);
+    let Some(corrected) = e.corrected().filter(|_| is_better) else { return String::new() };
+    let half_width = (corrected.high - corrected.low) / 2.0;
+    Digits::of(corrected.estimate, half_width / NORMAL_REACH).show(corrected.estimate)
+}
+
+/// Half the width of a 95 % interval in standard errors, where they are those of a normal law.
+const NORMAL_REACH: f64 = 1.96;
 
 /// In how many statistics the bias of the step is beyond doubt and larger than the statistical
 /// interval shows, and what to do; none if in none.
 pub fn dominating_bias(summary: &Summary) -> Option<String> {
     let dominated = summary.dominated_by_bias();
     let surest = dominated.first()?;
-    let [bias, uncertainty, _] = bias_cells(surest.bias);
+    let [bias, uncertainty] = bias_cells(surest.bias);
     Some(format!(
         "the step moves {} of {} statistics by more than their intervals show, most surely {}, whose bias is {bias} +- \
          {uncertainty} and whose interval is +- {}. A smaller `--step` lowers it, more paths do not; `--scheme event-driven` \

@@ -81,6 +81,9 @@ struct JsonEstimate {
     bias: Option<f64>,
     bias_uncertainty: Option<f64>,
     bias_order: Option<f64>,
+    estimate_corrected: Option<f64>,
+    estimate_corrected_low: Option<f64>,
+    estimate_corrected_high: Option<f64>,
 }
 
 /// Statistics by name, in the order of the table.
@@ -89,7 +92,9 @@ struct JsonStatistics<'a>(&'a [Estimate]);
 impl Serialize for JsonStatistics<'_> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let mut map = serializer.serialize_map(Some(self.0.len()))?;
-        for &Estimate { statistic, estimate, standard_error, low, high, bias } in self.0 {
+        for e in self.0 {
+            let &Estimate { statistic, estimate, standard_error, low, high, bias } = e;
+            let corrected = e.corrected();
             let entry = JsonEstimate {
                 estimate,
                 standard_error,
@@ -98,6 +103,9 @@ impl Serialize for JsonStatistics<'_> {
                 bias: bias.map(|bias| bias.estimate),
                 bias_uncertainty: bias.map(|bias| bias.uncertainty),
                 bias_order: bias.and_then(|bias| bias.order),
+                estimate_corrected: corrected.map(|corrected| corrected.estimate),
+                estimate_corrected_low: corrected.map(|corrected| corrected.low),
+                estimate_corrected_high: corrected.map(|corrected| corrected.high),
             };
             map.serialize_entry(statistic.name(), &entry)?;
         }
@@ -111,7 +119,7 @@ mod tests {
     use super::super::table;
     use super::*;
     use stick_slip::engine::Status;
-    use stick_slip::stats::Statistic;
+    use stick_slip::stats::{Bias, Statistic};
 
     #[test]
     fn json_has_the_names_of_the_table_and_null_for_what_is_not() {
@@ -136,6 +144,20 @@ mod tests {
         }
         let place = |name: &str| text.find(&format!("\"{name}\"")).expect("every name");
         assert!(Statistic::ALL.windows(2).all(|pair| place(pair[0].name()) < place(pair[1].name())), "in order");
+    }
+
+    #[test]
+    fn a_corrected_estimate_stands_beside_its_bias() {
+        let mut summary = summary();
+        summary.estimates[0].bias = Some(Bias { estimate: 0.0955, uncertainty: 0.0311, order: None });
+        let value: serde_json::Value = serde_json::from_str(&json(&summary, &info())).expect("valid JSON");
+        let entry = |statistic: &str, key: &str| value["statistics"][statistic][key].as_f64();
+        // 1 - (0.0311/0.0955)^2 = 0.89395 of the bias; the ends are 0.0311044 from 0.538572 - 0.0955.
+        for (key, expected) in [("", 0.453200), ("_low", 0.411968), ("_high", 0.474176)] {
+            let told = entry("stick_duration_mean", &format!("estimate_corrected{key}")).expect("it has a bias");
+            assert!((told - expected).abs() < 2e-6, "{key}: {told}");
+        }
+        assert_eq!(entry("jump_mean", "estimate_corrected"), None);
     }
 
     #[test]

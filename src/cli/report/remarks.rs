@@ -4,13 +4,14 @@ use super::RunInfo;
 use crate::cli::numbers::{duration, grouped, significant};
 use std::fmt::Write as _;
 use stick_slip::engine::Status;
-use stick_slip::stats::Summary;
+use stick_slip::stats::{Statistic, Summary};
 
 /// Everything below the table, as label and line.
 pub(super) fn remarks(summary: &Summary, info: &RunInfo) -> Vec<(&'static str, String)> {
     let mut remarks = vec![("sticks", sticks(summary))];
     remarks.extend(multiples(summary).map(|line| ("", line)));
     remarks.extend(bias(summary, info).map(|line| ("bias", line)));
+    remarks.extend(without_bias(summary).map(|line| ("", line)));
     remarks.push(("paths", paths(summary, info)));
     remarks.extend(lost(summary, info).map(|line| (info.loss(), format!(" {line}"))));
     remarks.extend(time(summary, info).map(|line| ("time", line)));
@@ -36,15 +37,27 @@ fn multiples(summary: &Summary) -> Option<String> {
     Some(format!("their durations are multiples of the step, {step:?}, and so is their median"))
 }
 
-/// What the column of the bias means, or why there is none.
+/// What the columns of the bias mean, or why there are none.
 fn bias(summary: &Summary, info: &RunInfo) -> Option<String> {
     if summary.has_bias() {
         return Some(
-            "of the step: estimate less its value without one, +- at 95 %, and the power of the step it goes with"
+            "of the step: estimate less its value without one, +- at 95 %; corrected for it where it exceeds that"
                 .into(),
         );
     }
     info.no_bias.as_ref().map(|reason| format!("not estimated: {reason}"))
+}
+
+/// Why a median has no bias where other statistics have one.
+fn without_bias(summary: &Summary) -> Option<String> {
+    let median = summary.estimate(Statistic::StickDurationMedian);
+    let is_missing = summary.has_bias() && median.estimate.is_finite() && median.bias.is_none();
+    is_missing.then(|| {
+        format!(
+            "that of {} is not known: it may jump as the step falls, and paths without a step are too few, or too dear, to place it",
+            median.statistic.name()
+        )
+    })
 }
 
 /// How many paths there are, and how the run ended.
@@ -97,13 +110,25 @@ mod tests {
     use super::super::sample::{info, set, summary};
     use super::super::table;
     use super::*;
-    use stick_slip::stats::Statistic;
+    use stick_slip::stats::Bias;
 
     #[test]
     fn the_table_says_how_long_and_where() {
         let table = table(&summary(), &info());
         assert!(table.contains("0.60 s on 2 threads, 60 us per path, 10 ns per path-step"), "{table}");
         assert!(table.contains("rho025.h5") && table.contains("812 still running at the end (censored)"), "{table}");
+    }
+
+    #[test]
+    fn a_median_without_a_bias_says_why() {
+        let bias = Some(Bias { estimate: 0.1, uncertainty: 0.01, order: None });
+        let mut summary = summary();
+        assert!(!table(&summary, &info()).contains("is not known"), "nobody asked");
+        summary.estimates[Statistic::StickDurationMean.index()].bias = bias;
+        let told = table(&summary, &info());
+        assert!(told.contains("that of stick_duration_median is not known"), "{told}");
+        summary.estimates[Statistic::StickDurationMedian.index()].bias = bias;
+        assert!(!table(&summary, &info()).contains("is not known"));
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! The table of statistics: a row each, with its interval, its bias and its unit.
 
 use super::absence::absence;
-use super::bias::bias_cells;
+use super::bias::{bias_cells, corrected_cell};
 use crate::cli::numbers::Digits;
 use crate::cli::table::{Row, aligned};
 use stick_slip::scenario::Units;
@@ -25,7 +25,7 @@ pub(super) fn statistics(summary: &Summary, units: &Units) -> String {
 /// The interval is two columns under one heading, its ends.
 fn headings(has_bias: bool, has_unit: bool) -> Row {
     let headings: &[&str] = match has_bias {
-        true => &["estimate", "std. error", "95 % interval", "", "bias", "+-", "order"],
+        true => &["estimate", "std. error", "95 % interval", "", "bias", "+-", "corrected"],
         false => &["estimate", "std. error", "95 % interval", ""],
     };
     let note = if has_unit { "unit".to_string() } else { String::new() };
@@ -40,6 +40,7 @@ fn row(e: &Estimate, has_bias: bool) -> Row {
     cells.extend(if has_interval { [e.low, e.high].map(|x| digits.show(x)) } else { ["none".into(), String::new()] });
     if has_bias {
         cells.extend(bias_cells(e.bias));
+        cells.push(corrected_cell(e));
     }
     Row::labelled(e.statistic.name(), cells)
 }
@@ -68,10 +69,14 @@ mod tests {
     fn known_bias_gets_a_column() {
         let mut summary = summary();
         summary.estimates[0].bias = Some(Bias { estimate: 0.0955, uncertainty: 0.0311, order: Some(0.58) });
+        let index = Statistic::SlipsPerPath.index();
+        summary.estimates[index].bias = Some(Bias { estimate: 0.03, uncertainty: 0.1, order: None });
         let table = table(&summary, &info());
         let cells = |name| row(&table, name).split_whitespace().skip(5).map(str::to_string).collect::<Vec<_>>();
-        assert_eq!(cells("stick_duration_mean"), ["0.096", "0.031", "0.6"]);
+        assert_eq!(cells("stick_duration_mean"), ["0.096", "0.031", "0.453"]);
         assert_eq!(cells("sticks_per_path"), ["none"]);
+        // Within its uncertainty there is nothing to take off.
+        assert_eq!(cells("slips_per_path"), ["0.03", "0.10"]);
         assert!(table.lines().take(20).all(|line| line.chars().count() <= 120), "{table}");
     }
 

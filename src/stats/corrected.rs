@@ -1,0 +1,139 @@
+//! An estimate with as much of the error of its step taken off as is known of it.
+
+use super::{Bias, Estimate};
+
+/// A statistic with the bias of the step taken off, and its 95 % interval. It estimates the value without a step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Corrected {
+    /// The estimate less [`Bias::weight`] times its bias.
+    pub estimate: f64,
+    /// Lower end of the 95 % interval.
+    pub low: f64,
+    /// Upper end of the 95 % interval.
+    pub high: f64,
+}
+
+impl Bias {
+    /// Which share of the bias is worth taking off: max(0, 1 - (uncertainty/bias)^2).
+    ///
+    /// Nothing is taken off where zero is within the uncertainty of the bias, because that adds more noise than it removes
+    /// bias, and nearly all where the bias is several times its uncertainty. (The positive part of W. James and C. Stein's
+    /// shrinkage, and L. Breiman's garrote, *Better subset regression using the nonnegative garrote*, Technometrics 37
+    /// (1995).)
+    ///
+    /// In units of the uncertainty, and for normal errors, the root-mean-square error then exceeds that of the plain estimate
+    /// by no more than 0.1, and that of the estimate less all of its bias by no more than 0.45.
+    pub fn weight(&self) -> f64 {
+        let (square, uncertainty) = (self.estimate * self.estimate, self.uncertainty * self.uncertainty);
+        if square > uncertainty { 1.0 - uncertainty / square } else { 0.0 }
+    }
+}
+
+impl Estimate {
+    /// The statistic without the error of its step, as far as that is known; none where there is no bias or no interval.
+    ///
+    /// The interval is that of the estimate less all of its bias, whatever share is taken off: it holds 95 % however large the
+    /// bias is in truth, or more where the bias was measured against paths of which the run has the more. The estimate is
+    /// always in it, and in its middle only where nearly all of the bias is taken off.
+    ///
+    /// What is estimated is the value of the model. So the corrected median of durations that are multiples of the step is no
+    /// multiple of it.
+    pub fn corrected(&self) -> Option<Corrected> {
+        let bias = self.bias?;
+        let centre = self.estimate - bias.estimate;
+        let low = centre - (self.estimate - self.low).hypot(bias.uncertainty);
+        let high = centre + (self.high - self.estimate).hypot(bias.uncertainty);
+        let estimate = self.estimate - bias.weight() * bias.estimate;
+        (low.is_finite() && high.is_finite()).then_some(Corrected { estimate, low, high })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::stats::Statistic;
+    use rand_distr::{Distribution, Exp1, StandardNormal, StudentT};
+    use rand_pcg::Pcg64Dxsm;
+    use rand_pcg::rand_core::SeedableRng;
+
+    fn estimate(value: f64, reach: f64, bias: f64, uncertainty: f64) -> Estimate {
+        let bias = Some(Bias { estimate: bias, uncertainty, order: None });
+        let (statistic, standard_error) = (Statistic::SticksPerPath, reach / 1.96);
+        Estimate { statistic, estimate: value, standard_error, low: value - reach, high: value + reach, bias }
+    }
+
+    #[test]
+    fn the_corrected_estimate_is_the_one_computed_by_hand() {
+        // 1 - (1/2)^2 = 3/4 of a bias of 2; the interval is that of 10 - 2, sqrt(0.75^2 + 1) to either side.
+        let corrected = estimate(10.0, 0.75, 2.0, 1.0).corrected();
+        assert_eq!(corrected, Some(Corrected { estimate: 8.5, low: 6.75, high: 9.25 }));
+        // Nothing is taken off within the uncertainty.
+        let corrected = estimate(10.0, 0.75, -0.5, 1.0).corrected();
+        assert_eq!(corrected, Some(Corrected { estimate: 10.0, low: 9.25, high: 11.75 }));
+        // Uneven ends keep their sides.
+        let uneven = Estimate { low: 10.0, ..estimate(10.0, 0.75, 2.0, 1.0) };
+        assert_eq!(uneven.corrected(), Some(Corrected { estimate: 8.5, low: 7.0, high: 9.25 }));
+        assert_eq!(Estimate { bias: None, ..uneven }.corrected(), None);
+        assert_eq!(Estimate { low: f64::NAN, ..uneven }.corrected(), None);
+        // A bias that is exactly zero, and exactly known.
+        assert_eq!(estimate(10.0, 0.75, 0.0, 0.0).corrected().map(|c| c.estimate), Some(10.0));
+    }
+
+    /// How errors are spread: draws of mean zero, and within how much of zero 95 % of them are.
+    type Law = (&'static str, fn(&mut Pcg64Dxsm) -> f64, f64);
+
+    const LAWS: [Law; 3] = [
+        ("normal", |rng| StandardNormal.sample(rng), 1.959_964),
+        // Abramowitz and Stegun, table 26.10.
+        ("Student", |rng| StudentT::new(5.0).expect("five degrees of freedom").sample(rng), 2.571),
+        // P(|E - 1| <= u) = 1 - exp(-1 - u) for u >= 1.
+        ("skewed", |rng| Distribution::<f64>::sample(&Exp1, rng) - 1.0, 1.995_732),
+    ];
+
+    /// Root-mean-square errors of the plain, the shrunk and the wholly corrected estimate in units of the uncertainty, and how often the
+    /// interval holds, where the bias is so many uncertainties in truth. The error of the plain estimate is `share` of the bias's; the
+    /// bias is measured on its own, or against a second estimate.
+    fn simulated((_, draw, reach): Law, truth: f64, share: f64, is_anchored: bool) -> ([f64; 3], f64) {
+        let (n, mut rng) = (20_000, Pcg64Dxsm::seed_from_u64(1961));
+        let (mut squares, mut held) = ([0.0; 3], 0);
+        for _ in 0..n {
+            let (own, other) = (draw(&mut rng) / reach, draw(&mut rng) / reach);
+            let value = truth + share * own;
+            let (bias, uncertainty) = match is_anchored {
+                true => (value - other, share.hypot(1.0)),
+                false => (truth + other, 1.0),
+            };
+            let e = estimate(value, share, bias, uncertainty);
+            let c = e.corrected().expect("it has a bias");
+            assert!(c.low <= c.estimate && c.estimate <= c.high, "{c:?}");
+            held += u32::from(c.low <= 0.0 && 0.0 <= c.high);
+            for (square, error) in squares.iter_mut().zip([value, c.estimate, value - bias]) {
+                *square += error * error;
+            }
+        }
+        (squares.map(|square| (square / f64::from(n)).sqrt()), f64::from(held) / f64::from(n))
+    }
+
+    /// The true value is zero, the bias from none to six uncertainties, the errors normal, as in the derivation, with heavy tails, and
+    /// skewed (exponential), the run as sure as the bias or much surer. The promised 0.1 and 0.45 are held for normal errors, and
+    /// 0.25 and 0.55 for the others, which is in docs/bias.md; 20 000 draws know a root mean square to 1 %. Coverage: null 95 %, so
+    /// that the share of 20 000 is above 94.2 % but for a probability of 1e-7 a cell. With all of the bias taken off the first bound
+    /// falls (0.5 at no bias), with none the second (5.5 at six uncertainties), with twice the threshold both laws at the second.
+    #[test]
+    fn shrinking_costs_no_more_than_it_says_and_the_interval_holds() {
+        for law in LAWS {
+            let (to_plain, to_whole) = if law.0 == "normal" { (0.1, 0.45) } else { (0.25, 0.55) };
+            for (share, is_anchored) in [(0.05, false), (1.0, false), (0.05, true), (0.3, true)] {
+                let mut worst = [f64::NEG_INFINITY; 2];
+                for tenths in 0..=60 {
+                    let truth = 0.1 * f64::from(tenths);
+                    let ([plain, shrunk, whole], held) = simulated(law, truth, share, is_anchored);
+                    worst = [worst[0].max(shrunk - plain), worst[1].max(shrunk - whole)];
+                    assert!(held > 0.942, "{}, {truth}, {share}: {held}", law.0);
+                }
+                println!("{}, {share}, {is_anchored}: {worst:?}", law.0);
+                assert!(worst[0] < to_plain + 0.01 && worst[1] < to_whole + 0.01, "{}, {share}: {worst:?}", law.0);
+            }
+        }
+    }
+}
