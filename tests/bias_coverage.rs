@@ -78,6 +78,9 @@ fn ends(e: &Estimate) -> (f64, f64) {
     }
 }
 
+/// Of fewer estimates a share of 5 % is seldom told from one of 3 %: one miss in 33 is below it, and two are above.
+const FEWEST: usize = 100;
+
 /// Misses, and how many there might be.
 type Count = (usize, usize);
 
@@ -126,7 +129,7 @@ fn no_statistic_of_any_setting_is_missed_more_often_than_it_says() {
     for statistic in Statistic::ALL {
         let cell = |setting: &&String| {
             let (missed, told) = counts[&((*setting).clone(), statistic.index())];
-            if 20 * missed > told {
+            if told >= FEWEST && 20 * missed > told {
                 too_many.push(format!("{}, {setting}: {missed} of {told}", statistic.name()));
             }
             format!("{missed}/{told}")

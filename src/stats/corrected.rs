@@ -14,18 +14,17 @@ pub struct Corrected {
 }
 
 impl Bias {
-    /// Which share of the bias is worth taking off: max(0, 1 - (uncertainty/bias)^2).
+    /// Which share of the bias is worth taking off: max(0, 1 - (uncertainty/bias)^4).
     ///
     /// Nothing is taken off where zero is within the uncertainty of the bias, because that adds more noise than it removes
-    /// bias, and nearly all where the bias is several times its uncertainty. (The positive part of W. James and C. Stein's
-    /// shrinkage, and L. Breiman's garrote, *Better subset regression using the nonnegative garrote*, Technometrics 37
-    /// (1995).)
+    /// bias, and 99 % where the bias is three times its uncertainty: between keeping all and taking all, with no jump. (The
+    /// second power is L. Breiman's garrote, *Better subset regression using the nonnegative garrote*, Technometrics 37
+    /// (1995). It leaves a ninth of such a bias, which is more than its sampling error.)
     ///
-    /// In units of the uncertainty, and for normal errors, the root-mean-square error then exceeds that of the plain estimate
-    /// by no more than 0.1, and that of the estimate less all of its bias by no more than 0.45.
+    /// In units of the uncertainty, and for normal errors, the root-mean-square error exceeds that of the plain estimate by no
+    /// more than 0.15, and that of the estimate less all of its bias by no more than 0.4.
     pub fn weight(&self) -> f64 {
-        let (square, uncertainty) = (self.estimate * self.estimate, self.uncertainty * self.uncertainty);
-        if square > uncertainty { 1.0 - uncertainty / square } else { 0.0 }
+        if self.estimate.abs() > self.uncertainty { 1.0 - (self.uncertainty / self.estimate).powi(4) } else { 0.0 }
     }
 }
 
@@ -64,15 +63,15 @@ mod tests {
 
     #[test]
     fn the_corrected_estimate_is_the_one_computed_by_hand() {
-        // 1 - (1/2)^2 = 3/4 of a bias of 2; the interval is that of 10 - 2, sqrt(0.75^2 + 1) to either side.
+        // 1 - (1/2)^4 = 15/16 of a bias of 2; the interval is that of 10 - 2, sqrt(0.75^2 + 1) to either side.
         let corrected = estimate(10.0, 0.75, 2.0, 1.0).corrected();
-        assert_eq!(corrected, Some(Corrected { estimate: 8.5, low: 6.75, high: 9.25 }));
+        assert_eq!(corrected, Some(Corrected { estimate: 8.125, low: 6.75, high: 9.25 }));
         // Nothing is taken off within the uncertainty.
         let corrected = estimate(10.0, 0.75, -0.5, 1.0).corrected();
         assert_eq!(corrected, Some(Corrected { estimate: 10.0, low: 9.25, high: 11.75 }));
         // Uneven ends keep their sides.
         let uneven = Estimate { low: 10.0, ..estimate(10.0, 0.75, 2.0, 1.0) };
-        assert_eq!(uneven.corrected(), Some(Corrected { estimate: 8.5, low: 7.0, high: 9.25 }));
+        assert_eq!(uneven.corrected(), Some(Corrected { estimate: 8.125, low: 7.0, high: 9.25 }));
         assert_eq!(Estimate { bias: None, ..uneven }.corrected(), None);
         assert_eq!(Estimate { low: f64::NAN, ..uneven }.corrected(), None);
         // A bias that is exactly zero, and exactly known.
@@ -114,22 +113,23 @@ mod tests {
         (squares.map(|square| (square / f64::from(n)).sqrt()), f64::from(held) / f64::from(n))
     }
 
-    /// The true value is zero, the bias from none to six uncertainties, the errors normal, as in the derivation, with heavy tails, and
-    /// skewed (exponential), the run as sure as the bias or much surer. The promised 0.1 and 0.45 are held for normal errors, and
-    /// 0.25 and 0.55 for the others, which is in docs/bias.md; 20 000 draws know a root mean square to 1 %. Coverage: null 95 %, so
-    /// that the share of 20 000 is above 94.2 % but for a probability of 1e-7 a cell. With all of the bias taken off the first bound
-    /// falls (0.5 at no bias), with none the second (5.5 at six uncertainties), with twice the threshold both laws at the second.
+    /// The true value is zero, the bias from none to six uncertainties, the errors normal, as the cost is stated for, with heavy
+    /// tails, and skewed (exponential); the run as sure as the bias or much surer. Normal errors hold the promised 0.15 and 0.4,
+    /// the others 0.3 and 0.55 (docs/bias.md); 20 000 draws know a root mean square to 1 %. Coverage: null 95 %, so that the
+    /// share of 20 000 is above 94.2 % but for a probability of 1e-7 a cell; two equally skewed errors, whose squares do not
+    /// add up as those of normal ones do, cover 93 %. With all of the bias taken off the first bound falls (0.5 at no bias),
+    /// with none the second (5.5 at six uncertainties), with twice the uncertainty in the weight the second.
     #[test]
     fn shrinking_costs_no_more_than_it_says_and_the_interval_holds() {
         for law in LAWS {
-            let (to_plain, to_whole) = if law.0 == "normal" { (0.1, 0.45) } else { (0.25, 0.55) };
+            let (to_plain, to_whole) = if law.0 == "normal" { (0.15, 0.4) } else { (0.3, 0.55) };
             for (share, is_anchored) in [(0.05, false), (1.0, false), (0.05, true), (0.3, true)] {
                 let mut worst = [f64::NEG_INFINITY; 2];
                 for tenths in 0..=60 {
                     let truth = 0.1 * f64::from(tenths);
                     let ([plain, shrunk, whole], held) = simulated(law, truth, share, is_anchored);
                     worst = [worst[0].max(shrunk - plain), worst[1].max(shrunk - whole)];
-                    assert!(held > 0.942, "{}, {truth}, {share}: {held}", law.0);
+                    assert!(held > if law.0 == "skewed" { 0.93 } else { 0.942 }, "{}, {truth}, {share}: {held}", law.0);
                 }
                 println!("{}, {share}, {is_anchored}: {worst:?}", law.0);
                 assert!(worst[0] < to_plain + 0.01 && worst[1] < to_whole + 0.01, "{}, {share}: {worst:?}", law.0);

@@ -379,7 +379,7 @@ def check_statistics(data, paths, times, x):
 
 
 def check_corrected(data):
-    """The estimate less max(0, 1 - (uncertainty/bias)^2) of its bias, in the interval of the estimate less all of it."""
+    """The estimate less max(0, 1 - (uncertainty/bias)^4) of its bias, in the interval of the estimate less all of it."""
     if "estimate_corrected" not in data:
         for name in ("bias", "bias_uncertainty", "bias_order"):
             check(bool(np.isnan(data[name]).all()), f"{name}: the run was told not to estimate it")
@@ -387,7 +387,7 @@ def check_corrected(data):
     corrected = 0
     for row, name in enumerate(data["statistic"]):
         estimate, bias, uncertainty = (data[kind][row] for kind in ("estimate", "bias", "bias_uncertainty"))
-        weight = 0.0 if abs(bias) <= uncertainty else 1 - (uncertainty / bias) ** 2
+        weight = 0.0 if abs(bias) <= uncertainty else 1 - (uncertainty / bias) ** 4
         below, above = estimate - data["interval_low"][row], data["interval_high"][row] - estimate
         whole = estimate - bias
         wanted = [estimate - weight * bias, whole - math.hypot(below, uncertainty), whole + math.hypot(above, uncertainty)]

@@ -73,7 +73,7 @@ mod tests {
         summary.estimates[index].bias = Some(Bias { estimate: 0.03, uncertainty: 0.1, order: None });
         let table = table(&summary, &info());
         let cells = |name| row(&table, name).split_whitespace().skip(5).map(str::to_string).collect::<Vec<_>>();
-        assert_eq!(cells("stick_duration_mean"), ["0.096", "0.031", "0.453"]);
+        assert_eq!(cells("stick_duration_mean"), ["0.096", "0.031", "0.444"]);
         assert_eq!(cells("sticks_per_path"), ["none"]);
         // Within its uncertainty there is nothing to take off.
         assert_eq!(cells("slips_per_path"), ["0.03", "0.10"]);
