@@ -55,7 +55,8 @@ pub fn observe(
         observer.snapshot(instant, Snapshot { time, displacement: x, velocity, temperature, is_static });
     };
     rows.iter().enumerate().for_each(|(k, x)| show(Instant::Output(k), k as f64 * timeline.output_step, x));
-    periods.iter().enumerate().for_each(|(n, x)| show(Instant::Period(n + 1), 0.0, x));
+    let period = timeline.period.unwrap_or(0.0);
+    (1..).zip(periods).for_each(|(n, x)| show(Instant::Period(n), n as f64 * period, x));
     show(Instant::End, timeline.end, &paths.iter().map(|p| p.end).collect::<Vec<_>>());
     observer.finish(first, paths.len() as u64, Vec::new())
 }
