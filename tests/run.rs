@@ -2,6 +2,8 @@
 
 #[path = "common/command.rs"]
 mod command;
+#[path = "common/reference.rs"]
+mod reference;
 
 use command::Running;
 use serde_json::Value;
@@ -284,7 +286,7 @@ fn every_scheme_runs_and_its_file_reproduces_the_run() {
     }
 }
 
-/// The converged mean stick duration of the scene is 0.44305 (1e6 paths, another program). Null for the event-driven scheme: its mean
+/// The mean stick duration without a step is another program's (tests/reference/noisy.c, known to 4e-4). Null for the event-driven scheme: its mean
 /// is that; four standard errors. The corrected step is known to be 5.2 % short at h = 0.005, the plain one 16 % long; each gets
 /// two percent for what that is known to, and four standard errors.
 #[test]
@@ -297,7 +299,7 @@ fn mean_stick_durations_are_where_each_scheme_puts_them() {
         let run = ["run", RHO025, "--scheme", scheme, "--paths", "4000", "--json", "--force"];
         let run = json(&mc(&here, &[&run, step].concat()));
         let mean = &run["statistics"]["stick_duration_mean"];
-        let number = |key: &str| mean[key].as_f64().expect("a number") / 0.44305;
+        let number = |key: &str| mean[key].as_f64().expect("a number") / reference::limit("stick_duration_mean").0;
         let off = (number("estimate") - expected).abs();
         assert!(off < known_to + 4.0 * number("standard_error"), "{scheme}: {mean}");
     }
@@ -448,7 +450,7 @@ fn a_time_limit_ends_a_run_at_a_block_and_that_many_paths_are_the_same_run() {
     assert_eq!(output.status.code(), Some(2));
 }
 
-/// Null: the runs that `--accuracy 2%` chooses have a relative root mean square error of at most 2 %, against the value of `tests/reference` (known to 3e-4). What it chose, the
+/// Null: the runs that `--accuracy 2%` chooses have a relative root mean square error of at most 2 %, against the value of `tests/reference/noisy.c` (known to 4e-4). What it chose, the
 /// scheme with its step or tolerance and the number of paths, is printed as it is typed; with it, 50 other seeds. Their mean square is known to 1/5 (a
 /// chi-square of 50 degrees of freedom), of which four are allowed, so 2.7 % in the root: false-alarm rate below 1e-4. The choice is the machine's, since it
 /// follows from what paths cost there, and counts the bias by an upper bound; so the error may be less, and an error of half the target
@@ -462,15 +464,16 @@ fn accuracy_chooses_a_run_that_is_as_accurate() {
     let chosen = said.split("chosen for a relative error of 2 % of stick_duration_mean:\n").nth(1).expect("it says so");
     let chosen: Vec<&str> = chosen.lines().next().expect("a line").split_whitespace().collect();
     assert!(chosen.contains(&"--scheme") && chosen.contains(&"--paths"), "{said}");
+    let truth = reference::limit("stick_duration_mean").0;
     let mean = |run: &Value| run["statistics"]["stick_duration_mean"]["estimate"].as_f64().expect("a number");
     let first = mean(&json(&output));
     let error = |seed: u64| {
         let seed = seed.to_string();
         let flags = ["--seed", &seed, "--json", "--force", "--no-bias", "--set", "record.paths=false"];
-        mean(&json(&mc(&here, &[&["run", RHO025], &chosen[..], &flags].concat()))) / 0.443052 - 1.0
+        mean(&json(&mc(&here, &[&["run", RHO025], &chosen[..], &flags].concat()))) / truth - 1.0
     };
     // The seed of the scenario is 1: the run above is the run of what it says.
-    assert_eq!(first / 0.443052 - 1.0, error(1));
+    assert_eq!(first / truth - 1.0, error(1));
     let root_mean_square = ((2..52).map(|seed| error(seed).powi(2)).sum::<f64>() / 50.0).sqrt();
     println!("{}: {root_mean_square}", chosen.join(" "));
     assert!((0.007..0.027).contains(&root_mean_square), "{}: {root_mean_square}", chosen.join(" "));

@@ -1,6 +1,8 @@
 //! What the tests of the schemes share: scenes and an observer that keeps everything.
 #![allow(dead_code, reason = "each test file uses its own part")]
 
+pub mod reference;
+
 use stick_slip::config::shipped;
 use stick_slip::ensemble::BLOCK_SIZE;
 use stick_slip::model::*;

@@ -1,0 +1,25 @@
+//! The statistics of the paper's noisy scene (`rho025`) from a program that shares nothing with this crate, `tests/reference/noisy.c`.
+#![allow(dead_code, reason = "each test file uses its own part")]
+
+const TABLE: &str = include_str!("../reference/noisy.csv");
+
+/// A statistic of the model itself, without any step, and its standard error.
+#[track_caller]
+pub fn limit(statistic: &str) -> (f64, f64) {
+    value("limit", statistic)
+}
+
+/// A statistic of the discrete variational inequality with this step (0.02, 0.01 or 0.001), and its standard error.
+#[track_caller]
+pub fn at_step(h: f64, statistic: &str) -> (f64, f64) {
+    value(&h.to_string(), statistic)
+}
+
+#[track_caller]
+fn value(case: &str, statistic: &str) -> (f64, f64) {
+    let row = TABLE
+        .lines()
+        .find_map(|line| line.strip_prefix(case)?.strip_prefix(',')?.strip_prefix(statistic)?.strip_prefix(','));
+    let (estimate, error) = row.and_then(|row| row.split_once(',')).expect("a row of noisy.csv");
+    (estimate.parse().expect("a number"), error.parse().expect("a number"))
+}
