@@ -34,6 +34,11 @@ cargo run --release --quiet --bin mc -- trade scenarios/rho025.toml --budget 2s 
 
 target/venv/bin/python tests/python/check.py "$folder"/*.h5
 
+# Biases beyond their uncertainties, and the estimates corrected for them.
+run biased rho025 --paths 10000 \
+    --set units.time=s --set units.length=mm --set units.force=N --set units.temperature=K
+target/venv/bin/python tests/python/recompute.py --bias "$folder/biased.h5"
+
 # Every scheme with all that can be recorded of all its paths, on a grid that passes through the ends of the forcing periods, 12.5; the schemes with a step with
 # every step. Two blocks, a seed that is no default, one path of each replayed.
 recomputed=$(mktemp -d -p "$folder")

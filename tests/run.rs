@@ -112,7 +112,7 @@ fn a_run_tells_how_much_of_a_number_is_the_step_or_why_it_does_not() {
     let told = run(&["--paths", "2000"]);
     // The measured bias replaces the guess before the run.
     let (out, err) = (text(&told.stdout), text(&told.stderr));
-    assert!(out.contains("order") && out.contains("of the step"), "{out}");
+    assert!(out.contains("corrected") && out.contains("of the step"), "{out}");
     assert!(err.contains("warning: the step moves") && !err.contains("as a guide"), "{err}");
     let shown = mc(&here, &["show", "rho025.h5"]);
     assert!(text(&shown.stderr).contains("warning: the step moves"));

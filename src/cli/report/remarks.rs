@@ -54,7 +54,7 @@ fn without_bias(summary: &Summary) -> Option<String> {
     let is_missing = summary.has_bias() && median.estimate.is_finite() && median.bias.is_none();
     is_missing.then(|| {
         format!(
-            "that of {} is not known: it may jump as the step falls, and paths without a step are too few, or too dear, to place it",
+            "that of {} is not known: this run affords too few paths without a step to place it",
             median.statistic.name()
         )
     })
