@@ -109,7 +109,7 @@ fn json_is_alone_on_standard_output_and_the_same_for_any_number_of_threads() {
 fn a_run_tells_how_much_of_a_number_is_the_step_or_why_it_does_not() {
     let here = folder();
     let run = |arguments: &[&str]| mc(&here, &[&["run", RHO025, "--step", "0.02", "--force"], arguments].concat());
-    let told = run(&["--paths", "2000"]);
+    let told = run(&["--paths", "10000"]);
     // The measured bias replaces the guess before the run.
     let (out, err) = (text(&told.stdout), text(&told.stderr));
     assert!(out.contains("corrected") && out.contains("of the step"), "{out}");
