@@ -35,7 +35,7 @@ pub(super) fn expected_amplitude(model: &Model, end: f64, step: Option<f64>) -> 
     let harmonics = temperature.harmonics.iter().map(|harmonic| {
         (Complex::unit(harmonic.phase) * harmonic.amplitude, Complex::new(0.0, harmonic.angular_frequency))
     });
-    let relaxing = temperature.noise.into_iter().filter_map(|noise| match noise.initial {
+    let relaxing = temperature.effective_noise().into_iter().filter_map(|noise| match noise.initial {
         InitialNoise::At(v) => {
             Some((Complex::new(noise.intensity * v, 0.0), Complex::new(-noise.relaxation_rate, 0.0)))
         }
@@ -50,7 +50,7 @@ pub(super) fn expected_amplitude(model: &Model, end: f64, step: Option<f64>) -> 
         (x, y) = (x + moved.re, y + passing.re);
         (most_x, most_y) = (most_x + moved.abs(), most_y + passing.abs());
     }
-    let stirred = temperature.noise.map_or(0.0, |noise| stirred(model, &noise, end, step));
+    let stirred = temperature.effective_noise().map_or(0.0, |noise| stirred(model, &noise, end, step));
     most_x + (x0 - x).hypot(y).max((friction.static_force / oscillator.stiffness).hypot(most_y)) + stirred
 }
 

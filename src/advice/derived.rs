@@ -51,9 +51,9 @@ impl Scenario {
     pub fn derived(&self) -> Derived {
         let Model { oscillator, friction, temperature, .. } = &self.model;
         let w0 = oscillator.natural_frequency();
-        let noise = temperature.noise.as_ref();
-        let noise_force = noise.map(|noise| force_per_v(oscillator, noise) * noise.stationary_sd());
-        let diffusive = noise.map(|noise| force_per_v(oscillator, noise) * noise.diffusion).filter(|c| *c > 0.0);
+        let noise = temperature.effective_noise();
+        let noise_force = noise.map(|noise| force_per_v(oscillator, &noise) * noise.stationary_sd());
+        let diffusive = noise.map(|noise| force_per_v(oscillator, &noise) * noise.diffusion).filter(|c| *c > 0.0);
         let period = temperature.period();
         let steps = self.steps();
         Derived {

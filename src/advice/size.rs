@@ -39,7 +39,7 @@ fn events(scenario: &Scenario) -> f64 {
     let gap = 2.0 * (friction.static_force - friction.dynamic_force);
     let gain = oscillator.force_per_temperature().abs();
     let harmonic: f64 = temperature.harmonics.iter().map(|h| gain * h.amplitude.abs() * h.angular_frequency).sum();
-    let noise = temperature.noise.map_or(0.0, |noise| gain * noise.intensity * noise.diffusion);
+    let noise = temperature.effective_noise().map_or(0.0, |noise| gain * noise.intensity * noise.diffusion);
     let slips = end * (2.0 / PI * harmonic / gap + (noise / gap).powi(2));
     // Without a gap it is 0/0 or more: then the half-cycles count.
     2.0 * if slips < half_cycles { slips } else { half_cycles }

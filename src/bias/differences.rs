@@ -134,7 +134,7 @@ impl Differences {
     /// K beta rho sigma sqrt(h)/(f_s - f_d).
     fn noise_to_gap(&self) -> f64 {
         let Model { oscillator, friction, temperature, .. } = &self.model;
-        let noise = temperature.noise.map_or(0.0, |noise| noise.intensity * noise.diffusion);
+        let noise = temperature.effective_noise().map_or(0.0, |noise| noise.intensity * noise.diffusion);
         let force = oscillator.force_per_temperature() * noise * self.h.sqrt();
         force.abs() / (friction.static_force - friction.dynamic_force)
     }

@@ -42,7 +42,6 @@ pub(super) fn model(sources: &Sources<'_>, root: &Fields<'_>) -> Result<Model, B
     noise.as_ref().map_or(Ok(()), check::noise).map_err(fault)?;
 
     let initial_displacement = root.table("initial")?.number(keys::DISPLACEMENT)?.value;
-    let noise = noise.filter(|noise| !is_silent(noise));
     let model = Model { oscillator, friction, temperature: Temperature { harmonics, noise }, initial_displacement };
     check::forces(&model).map_err(fault)?;
     Ok(model)
@@ -59,10 +58,4 @@ fn noise(table: &Fields<'_>) -> Result<Noise, Box<Fault>> {
             Some(Err(_stationary)) => InitialNoise::Stationary,
         },
     })
-}
-
-/// rho = 0, or v = 0 for ever: no noise.
-fn is_silent(noise: &Noise) -> bool {
-    let starts_at_zero = matches!(noise.initial, InitialNoise::Stationary | InitialNoise::At(0.0));
-    noise.intensity == 0.0 || (noise.diffusion == 0.0 && starts_at_zero)
 }

@@ -301,16 +301,35 @@ fn extremes_that_can_be_computed_with_are_accepted() {
 }
 
 #[test]
-fn a_noise_that_is_always_zero_is_no_noise() {
+fn a_noise_that_is_always_zero_is_kept_as_it_was_written_and_moves_nothing() {
+    let plain =
+        BASE[..BASE.find("[temperature.noise]").unwrap()].to_string() + &BASE[BASE.find("[initial]").unwrap()..];
+    let without = Scenario::parse("x", &plain, &[]).unwrap();
+    assert_eq!(without.model.temperature.noise, None);
+    let kept = ["temperature.noise.relaxation_rate=3.5", "temperature.noise.diffusion=0.75"];
     for set in [
-        &["temperature.noise.intensity=0"][..],
-        &["temperature.noise.diffusion=0"],
+        &["temperature.noise.intensity=0", kept[0], kept[1], "temperature.noise.initial=2"][..],
+        &["temperature.noise.diffusion=0", kept[0]],
         &["temperature.noise.diffusion=0", "temperature.noise.initial=stationary"],
     ] {
-        assert_eq!(base(set).unwrap().model.temperature.noise, None, "{set:?}");
+        let scenario = base(set).unwrap();
+        let temperature = &scenario.model.temperature;
+        assert!(temperature.noise.is_some() && temperature.effective_noise().is_none(), "{set:?}");
+        let text = scenario.to_toml();
+        assert_eq!(Scenario::parse("x", &text, &[]).unwrap(), scenario, "{text}");
+        assert!(text.contains("[temperature.noise]\n"), "{text}");
+        // The same paths as without the table, and the same warnings.
+        let totals = |scenario: &Scenario| scenario.plan().block(0).totals.summary().estimates.map(|e| e.estimate);
+        assert_eq!(totals(&scenario).map(f64::to_bits), totals(&without).map(f64::to_bits), "{set:?}");
+        assert_eq!(scenario.derived(), without.derived(), "{set:?}");
+        assert_eq!(scenario.warnings(), without.warnings(), "{set:?}");
+    }
+    let kept = base(&["temperature.noise.intensity=0", kept[0], kept[1]]).unwrap().to_toml();
+    for line in ["intensity = 0.0 ", "relaxation_rate = 3.5 ", "diffusion = 0.75 "] {
+        assert!(kept.contains(line), "{kept}");
     }
     let decaying = base(&["temperature.noise.diffusion=0", "temperature.noise.initial=2"]).unwrap();
-    assert_eq!(decaying.model.temperature.noise.unwrap().initial, InitialNoise::At(2.0));
+    assert_eq!(decaying.model.temperature.effective_noise().unwrap().initial, InitialNoise::At(2.0));
 }
 
 #[test]

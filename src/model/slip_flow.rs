@@ -84,7 +84,7 @@ impl ForcedOscillator {
                 rate: Complex::new(0.0, h.angular_frequency),
             })
             .collect();
-        if let Some(noise) = model.temperature.noise.filter(|n| n.intensity * noise_start != 0.0) {
+        if let Some(noise) = model.temperature.effective_noise().filter(|n| n.intensity * noise_start != 0.0) {
             terms.push(ForcingTerm {
                 amplitude: Complex::new(gain * noise.intensity * noise_start, 0.0),
                 rate: Complex::new(-noise.relaxation_rate, 0.0),

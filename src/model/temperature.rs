@@ -47,6 +47,12 @@ impl Noise {
     pub fn is_random(&self) -> bool {
         self.intensity * self.diffusion > 0.0
     }
+
+    /// Whether rho v(t) is zero for ever: rho = 0, or v stays at zero.
+    pub fn is_silent(&self) -> bool {
+        let starts_at_zero = matches!(self.initial, InitialNoise::Stationary | InitialNoise::At(0.0));
+        self.intensity == 0.0 || (self.diffusion == 0.0 && starts_at_zero)
+    }
 }
 
 /// T(t) = sum_i a_i cos(w_i t + phi_i) + rho v(t).
@@ -54,7 +60,8 @@ impl Noise {
 pub struct Temperature {
     /// The deterministic part.
     pub harmonics: Vec<Harmonic>,
-    /// The noise, if any; a scene without it draws no random number.
+    /// The noise as it was written, if any; one that is zero for ever is kept, but see
+    /// [`Temperature::effective_noise`].
     pub noise: Option<Noise>,
 }
 
@@ -71,6 +78,12 @@ impl Temperature {
         self.noise.is_some_and(|noise| noise.is_random())
     }
 
+    /// The noise, unless it is zero for ever: what is simulated. A scene without it draws no random
+    /// number.
+    pub fn effective_noise(&self) -> Option<Noise> {
+        self.noise.filter(|noise| !noise.is_silent())
+    }
+
     /// The deterministic part at time t, straight from its definition.
     pub fn harmonic_sum(&self, t: f64) -> f64 {
         self.harmonics.iter().map(|h| h.amplitude * libm::cos(h.angular_frequency * t + h.phase)).sum()
@@ -78,7 +91,7 @@ impl Temperature {
 
     /// E T(t), straight from its definition: the harmonics, and v relaxing from where it starts.
     pub fn mean(&self, t: f64) -> f64 {
-        let relaxing = self.noise.map_or(0.0, |noise| match noise.initial {
+        let relaxing = self.effective_noise().map_or(0.0, |noise| match noise.initial {
             InitialNoise::At(v) => noise.intensity * v * libm::exp(-noise.relaxation_rate * t),
             InitialNoise::Stationary => 0.0,
         });
@@ -88,7 +101,7 @@ impl Temperature {
     /// A bound of |T|, with the noise kept to so many stationary standard deviations.
     pub fn bound(&self, sds: f64) -> f64 {
         let harmonics: f64 = self.harmonics.iter().map(|harmonic| harmonic.amplitude.abs()).sum();
-        let noise = self.noise.map_or(0.0, |noise| {
+        let noise = self.effective_noise().map_or(0.0, |noise| {
             let start = if let InitialNoise::At(v0) = noise.initial { v0.abs() } else { 0.0 };
             noise.intensity * (start + sds * noise.stationary_sd())
         });

@@ -17,7 +17,7 @@ pub fn reference_path(
 ) -> (f64, f64) {
     let Model { oscillator, friction, temperature, initial_displacement } = model;
     let (h_over_m, f_s, f_d) = (h / oscillator.mass, friction.static_force, friction.dynamic_force);
-    let noise = temperature.noise;
+    let noise = temperature.effective_noise();
     let transition = noise.map(|noise| Transition::new(noise.relaxation_rate, noise.diffusion, h));
     let mut eta = match noise {
         None => 0.0,

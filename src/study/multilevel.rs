@@ -99,7 +99,7 @@ impl Multilevel {
     /// For a statistic that is a mean over paths; none for any other, and none without noise, where one path says it all.
     pub fn new(model: &Model, end: f64, statistic: Statistic, seed: u64) -> Option<Self> {
         value_of(statistic)?;
-        let noise = model.temperature.noise?;
+        let noise = model.temperature.effective_noise()?;
         let rates = model.temperature.harmonics.iter().map(|harmonic| harmonic.angular_frequency.abs());
         let fastest = rates.fold(model.oscillator.natural_frequency().max(noise.relaxation_rate), f64::max);
         let coarsest_steps = (end * fastest / COARSEST).ceil();

@@ -35,7 +35,8 @@ fn of_step(scenario: &Scenario, derived: &Derived, h: f64) -> Vec<Warning> {
     ]);
     let harmonics = temperature.harmonics.iter().filter_map(|harmonic| StepAgainstForcing::due(harmonic, h));
     warnings.extend(harmonics.map(Warning::from));
-    warnings.extend(temperature.noise.and_then(|noise| StepAgainstNoise::due(&noise, h)).map(Warning::from));
+    warnings
+        .extend(temperature.effective_noise().and_then(|noise| StepAgainstNoise::due(&noise, h)).map(Warning::from));
     warnings
 }
 

@@ -50,7 +50,7 @@ impl Slip {
         // However fast a harmonic, it changes by no more than twice its amplitude.
         let bounds = temperature.harmonics.iter().map(|h| 2.0 * h.amplitude.abs());
         let harmonics: f64 = rates.clone().zip(bounds).map(|(rate, bound)| (rate * duration).min(bound)).sum();
-        let noise = temperature.noise.map_or(0.0, |noise| {
+        let noise = temperature.effective_noise().map_or(0.0, |noise| {
             let spread = noise.diffusion * duration.min(0.5 / noise.relaxation_rate).sqrt();
             noise.intensity * spread
         });

@@ -55,7 +55,7 @@ pub struct NoDilatation;
 impl NoDilatation {
     pub(super) fn due(model: &Model) -> Option<Self> {
         let Model { oscillator, temperature, .. } = model;
-        let has_temperature = temperature.noise.is_some() || !temperature.harmonics.is_empty();
+        let has_temperature = temperature.effective_noise().is_some() || !temperature.harmonics.is_empty();
         (oscillator.dilatation == 0.0 && has_temperature).then_some(NoDilatation)
     }
 }

@@ -96,7 +96,7 @@ const OVERSHOOT: f64 = 0.582_597_157_939_010_7;
 /// Proc. Appl. 120 (2010)).
 pub fn monitoring_shift(model: &Model, h: f64) -> f64 {
     let Model { oscillator, temperature, .. } = model;
-    let noise = temperature.noise.map_or(0.0, |noise| noise.intensity * noise.diffusion);
+    let noise = temperature.effective_noise().map_or(0.0, |noise| noise.intensity * noise.diffusion);
     // The product is formed from the left, constant first. With K beta as one factor it would be
     // rounded otherwise, which would move exits by a last bit.
     OVERSHOOT * oscillator.stiffness * oscillator.dilatation.abs() * noise * h.sqrt()

@@ -97,7 +97,7 @@ pub(super) struct NoiseScale {
 
 impl NoiseScale {
     pub(super) fn new(temperature: &Temperature, h: f64, refinement: usize) -> Self {
-        let Some(noise) = temperature.noise else {
+        let Some(noise) = temperature.effective_noise() else {
             return NoiseScale {
                 decay: 0.0,
                 refinement,
@@ -194,7 +194,7 @@ impl Kernel {
         Kernel {
             coefficients: Coefficients::new(model, h, is_corrected, &noise),
             noise,
-            has_noise: model.temperature.noise.is_some(),
+            has_noise: model.temperature.effective_noise().is_some(),
             has_damping: model.oscillator.damping != 0.0,
             is_corrected,
             instructions,

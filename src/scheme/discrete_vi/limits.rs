@@ -25,7 +25,7 @@ pub(super) fn check_step(model: &Model, h: f64) -> Result<(), Misfit> {
 /// v is counted in increments of one step: these must be doubles, and v(0) a number of them that
 /// can be computed with.
 pub(super) fn check_increments(model: &Model, h: f64) -> Result<(), Misfit> {
-    let Some(noise) = model.temperature.noise.filter(|noise| noise.diffusion > 0.0) else { return Ok(()) };
+    let Some(noise) = model.temperature.effective_noise().filter(|noise| noise.diffusion > 0.0) else { return Ok(()) };
     let increment = Transition::new(noise.relaxation_rate, noise.diffusion, h).increment_sd;
     let start = if let InitialNoise::At(v) = noise.initial { v.abs() } else { noise.stationary_sd() };
     if increment.is_normal() && can_be_computed_with(&[start / increment]) {

@@ -63,7 +63,7 @@ impl DiscreteSimulation {
     /// v(0)/unit of each lane.
     fn initial_noise(&self, unit: f64, streams: &mut LaneStreams, paths: usize) -> Vec<f64> {
         let lanes = Paths::padded(paths);
-        match self.model.temperature.noise {
+        match self.model.temperature.effective_noise() {
             None => vec![0.0; lanes],
             Some(noise) => match noise.initial {
                 InitialNoise::At(v) => vec![v / unit; lanes],

@@ -48,7 +48,7 @@ impl Noiseless {
     /// For a scene whose noise is absent, has sigma = 0 (then v relaxes from its initial value) or
     /// is not felt (then its mean does).
     pub fn new(model: &Model, timeline: &Timeline) -> Self {
-        let noise_start = match model.temperature.noise.map(|n| n.initial) {
+        let noise_start = match model.temperature.effective_noise().map(|n| n.initial) {
             Some(InitialNoise::At(v)) => v,
             // The mean of the stationary law.
             Some(InitialNoise::Stationary) | None => 0.0,

@@ -55,7 +55,7 @@ impl Scene {
             })
             .collect();
         let largest_forcing_curvature = harmonics.iter().map(|h| h.force.abs() * h.angular_frequency.powi(2)).sum();
-        let (relaxation_rate, diffusion, initial_noise) = match model.temperature.noise {
+        let (relaxation_rate, diffusion, initial_noise) = match model.temperature.effective_noise() {
             None => (1.0, 0.0, (0.0, 0.0)),
             Some(noise) => {
                 let force = gain * noise.intensity;

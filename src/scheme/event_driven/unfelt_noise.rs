@@ -16,7 +16,7 @@ pub struct UnfeltNoise(Option<Noise>);
 impl UnfeltNoise {
     /// Of a model; a temperature without diffusion has none.
     pub fn new(model: &Model) -> Self {
-        UnfeltNoise(model.temperature.noise.filter(Noise::is_random))
+        UnfeltNoise(model.temperature.effective_noise().filter(Noise::is_random))
     }
 
     /// An observer that adds them, path by path, to what it passes on.
