@@ -5,7 +5,7 @@ mod synthetic;
 use std::fs;
 use std::path::{Path, PathBuf};
 use stick_slip::engine::Status;
-use stick_slip::stats::{Estimate, Histogram, PeriodMoments, Record, Statistic, Summary};
+use stick_slip::stats::{Ends, Estimate, Histogram, PeriodMoments, Record, Statistic, Summary};
 use stick_slip::store::{StoreError, Writer, check_space, discard_partial, partial_path, read};
 use synthetic::{Block, EVERYTHING, NOTHING, block, header, summary, write};
 
@@ -50,7 +50,13 @@ fn a_summary_of_nothing_comes_back() {
     };
     let mut summary = summary(0, &header);
     summary.estimates = Statistic::ALL.map(nan);
-    summary.periods = PeriodMoments { time: Vec::new(), mean: Vec::new(), variance: Vec::new() };
+    summary.periods = PeriodMoments {
+        time: Vec::new(),
+        mean: Vec::new(),
+        mean_ends: Ends::default(),
+        variance: Vec::new(),
+        variance_ends: Ends::default(),
+    };
     summary.sub_phases.counts = Vec::new();
     summary.stick_durations.histogram = Histogram { edges: Vec::new(), counts: Vec::new() };
     summary.stick_durations.censored_counts = Vec::new();

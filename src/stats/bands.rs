@@ -2,7 +2,10 @@
 
 use super::bins::Shape;
 use super::codec::{Codec, Damaged, Reader, codec_of_fields};
+use super::interval::Measured;
 use super::moments::Moments;
+use super::ordered::Ordered;
+use super::range::{self, NORMAL, Range};
 use super::sketch::Sketch;
 use super::{Band, Bands, QUANTILE_LEVELS};
 use crate::model::Model;
@@ -157,27 +160,56 @@ impl Codec for BandCounts {
 }
 
 /// The bands from their two halves.
-pub(super) fn summary(sums: &BandSums, counts: &BandCounts, timeline: &Timeline) -> Bands {
+pub(super) fn summary(sums: &BandSums, counts: &BandCounts, timeline: &Timeline, is_random: bool) -> Bands {
     let counts = counts.clone().settled();
     let band = |variable: usize| {
         let (moments, rows) = (&sums.rows[variable], &counts.rows[variable]);
-        let mut quantiles = Array2::from_elem((QUANTILE_LEVELS.len(), rows.len()), f64::NAN);
-        for (mut column, row) in quantiles.columns_mut().into_iter().zip(rows) {
-            column.iter_mut().zip(row.quantiles(QUANTILE_LEVELS)).for_each(|(q, quantile)| *q = quantile);
-        }
+        let values: Vec<Ordered> = rows.iter().map(Sketch::ordered).collect();
+        let quantile = |level: f64| values.iter().map(move |row| row.quantile(level));
+        let quantiles: Vec<f64> = QUANTILE_LEVELS.into_iter().flat_map(quantile).collect();
+        let quantile_ends =
+            QUANTILE_LEVELS.into_iter().flat_map(|level| values.iter().map(move |row| ends(row, level)));
+        // Where a path begins is the same for all of them.
+        let chance = |row: usize, moments: &Moments| (is_random && row > 0).then_some(moments.count);
+        let mean_ends = |(row, m): (usize, &Moments)| Measured::mean(m).in_range(Range::ANY, chance(row, m)).interval();
+        let sd_ends = |((row, m), values): ((usize, &Moments), &Ordered)| {
+            let sd = m.variance().sqrt();
+            let (relative, freedom) = values.error_of_spread();
+            let error = if sd == 0.0 { 0.0 } else { sd * relative };
+            Measured::spread(sd, error, freedom).in_range(Range::NOT_NEGATIVE, chance(row, m)).interval()
+        };
         Band {
             mean: moments.iter().map(Moments::mean).collect(),
+            mean_ends: moments.iter().enumerate().map(mean_ends).collect(),
             sd: moments.iter().map(|row| row.variance().sqrt()).collect(),
-            quantiles,
+            sd_ends: moments.iter().enumerate().zip(&values).map(sd_ends).collect(),
+            quantiles: Array2::from_shape_fn((QUANTILE_LEVELS.len(), rows.len()), |(i, j)| {
+                quantiles[i * rows.len() + j]
+            }),
+            quantile_ends: quantile_ends.collect(),
         }
     };
+    let is_static = |&[paths, still]: &[u64; 2]| range::of_paths(still, paths, is_random);
     Bands {
         time: timeline.output_times(),
         displacement: band(0),
         velocity: band(1),
         temperature: band(2),
         static_probability: counts.occupancy.iter().map(|&[paths, still]| still as f64 / paths as f64).collect(),
+        static_probability_ends: counts.occupancy.iter().map(is_static).collect(),
     }
+}
+
+/// The interval of a quantile of independent values: those whose share of the values below is in doubt, read back.
+fn ends(values: &Ordered, level: f64) -> [f64; 2] {
+    let n = values.count() as f64;
+    if n < 2.0 {
+        return [f64::NAN; 2];
+    }
+    let reach = NORMAL * (level * (1.0 - level) / n).sqrt();
+    let low = if reach < level { values.quantile(level - reach) } else { f64::NEG_INFINITY };
+    let high = if level + reach < 1.0 { values.quantile(level + reach) } else { f64::INFINITY };
+    [low, high]
 }
 
 #[cfg(test)]
@@ -217,7 +249,7 @@ mod tests {
             sums.merge(&part.0);
             counts.merge(&part.1);
         }
-        let bands = summary(&sums, &counts, &timeline);
+        let bands = summary(&sums, &counts, &timeline, true);
         assert_eq!((bands.time.clone(), bands.static_probability[1]), (vec![0.0, 1.0], 0.4));
         assert!(bands.static_probability[0].is_nan() && bands.displacement.mean[0].is_nan());
         // Two passes over all values; rounding is 1e-16 a value.

@@ -2,6 +2,7 @@
 //! different batches of whole paths do not.
 
 use super::interval::student;
+use super::range::{NORMAL, wilson};
 
 /// Phases are counted apart for the path numbers of each residue modulo this, so that the spread between these batches
 /// shows how uncertain a pooled share is. 31 degrees of freedom widen the interval by 4 %.
@@ -41,5 +42,17 @@ impl Share {
     /// Half the width of its 95 % interval.
     pub fn reach(&self) -> f64 {
         student(self.freedom) * self.error
+    }
+
+    /// Its 95 % interval within [0, 1]. Where the batches agree, and `chance` is the number of paths that have phases and agree
+    /// by chance, a share of 0 or 1 is known as well as so many paths tell it.
+    pub fn interval(&self, chance: Option<u64>) -> [f64; 2] {
+        let Share { estimate, error, freedom } = *self;
+        match chance {
+            _ if error.is_nan() => [f64::NAN; 2],
+            Some(paths) if error == 0.0 => wilson(estimate, paths as f64, NORMAL),
+            _ if error == 0.0 => [estimate; 2],
+            _ => wilson(estimate, estimate * (1.0 - estimate) / (error * error), student(freedom)),
+        }
     }
 }

@@ -25,17 +25,20 @@ mod goal;
 mod interval;
 pub(crate) mod jackknife;
 mod log_bins;
-mod median;
 mod moments;
 mod observer;
 mod ordered;
 mod path;
 mod periods;
+mod quantile;
+mod range;
 mod record;
 mod run_totals;
 mod sketch;
+mod spread;
 mod steps;
 mod summary;
+mod survival;
 #[cfg(test)]
 mod synthetic;
 mod tally;
@@ -52,7 +55,7 @@ pub use observer::BlockObserver;
 pub use record::{BlockResult, EventColumns, PathColumns, Record, TrajectoryRows};
 pub use run_totals::RunTotals;
 pub use summary::{
-    Band, Bands, Bias, Estimate, Histogram, Measurement, PeriodMoments, QUANTILE_LEVELS, StickDurations,
+    Band, Bands, Bias, Ends, Estimate, Histogram, Measurement, PeriodMoments, QUANTILE_LEVELS, StickDurations,
     SubPhaseCounts, Summary,
 };
 pub use tally::{Companion, PathMeans, PathState, Tallied, Tally};

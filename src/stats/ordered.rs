@@ -2,6 +2,7 @@
 
 use super::bins::Bins;
 use super::dyadic::width;
+use super::spread::Tails;
 
 /// The values that a sketch holds.
 #[derive(Clone, Debug, PartialEq)]
@@ -21,7 +22,7 @@ pub(super) struct Kept {
     at_centre: u64,
     /// How many are below the centre.
     below: usize,
-    /// The others, ascending, or at least those that were asked for in their places.
+    /// The others, ascending.
     values: Vec<f64>,
 }
 
@@ -68,6 +69,27 @@ impl Ordered {
         }
     }
 
+    /// The error of the standard deviation of independent values, relative to it, and its degrees of freedom
+    /// ([`super::spread`]); those in a bin are taken to lie in the middle of it.
+    pub fn error_of_spread(&self) -> (f64, f64) {
+        let n = self.count();
+        let sum = |of: &dyn Fn(f64) -> f64| self.weighted().map(|(value, number)| number * of(value)).sum::<f64>();
+        let mean = sum(&|value| value) / n as f64;
+        let variance = sum(&|value| (value - mean) * (value - mean)) / n as f64;
+        let influence = |value: f64| (value - mean) * (value - mean) / variance - 1.0;
+        let mut tails = Tails::default();
+        self.weighted().for_each(|(value, number)| tails.add(influence(value), number));
+        (sum(&|value| influence(value) * influence(value)).sqrt() / (2.0 * n as f64), tails.freedom(n))
+    }
+
+    /// Values, ascending, and how many there are of each.
+    fn weighted(&self) -> Box<dyn Iterator<Item = (f64, f64)> + '_> {
+        match self {
+            Ordered::Kept(kept) => Box::new(kept.runs()),
+            Ordered::Binned(binned) => Box::new(binned.middles()),
+        }
+    }
+
     /// How many values are no larger than `value`.
     pub fn up_to(&self, value: f64) -> f64 {
         match self {
@@ -93,16 +115,11 @@ impl Kept {
         Kept { centre, at_centre, below, values }
     }
 
-    /// The same for quantiles of these orders only, which takes a fifth of the time.
-    pub fn for_quantiles(values: Vec<f64>, centre: f64, at_centre: u64, orders: &[f64]) -> Self {
-        let below = values.iter().filter(|value| **value < centre).count();
-        let mut kept = Kept { centre, at_centre, below, values };
-        let last = (kept.values.len() as u64 + at_centre).saturating_sub(1) as f64;
-        let mut places: Vec<usize> =
-            orders.iter().flat_map(|p| ranks(p * last)).filter_map(|rank| kept.place(rank)).collect();
-        places.sort_unstable();
-        arrange(&mut kept.values, 0, &places);
-        kept
+    /// All values, ascending, those at the centre in one go.
+    fn runs(&self) -> impl Iterator<Item = (f64, f64)> {
+        let (below, above) = self.values.split_at(self.below);
+        let one = |value: &f64| (*value, 1.0);
+        below.iter().map(one).chain([(self.centre, self.at_centre as f64)]).chain(above.iter().map(one))
     }
 
     /// All values, ascending.
@@ -131,6 +148,16 @@ impl Binned {
             *count = all;
         }
         Binned { centre, level: bins.level, smallest: bins.smallest, largest: bins.largest, up_to }
+    }
+
+    /// The middles of the bins and how many values are in each.
+    fn middles(&self) -> impl Iterator<Item = (f64, f64)> {
+        let mut before = 0;
+        self.up_to.iter().map(move |&(index, up_to)| {
+            let (low, high) = self.edges(index);
+            let number = up_to - std::mem::replace(&mut before, up_to);
+            (low + (high - low) / 2.0, number as f64)
+        })
     }
 
     fn count(&self) -> u64 {
@@ -172,12 +199,4 @@ impl Binned {
         let edge = |index: i64| (self.centre + index as f64 * width).clamp(self.smallest, self.largest);
         (edge(index - i64::from(index > 0)), edge(index + i64::from(index < 0)))
     }
-}
-
-/// Bring the values of these ranks, ascending, to their places, where `values` begins with that of rank `first`.
-fn arrange(values: &mut [f64], first: usize, ranks: &[usize]) {
-    let Some(&rank) = ranks.get(ranks.len() / 2).filter(|rank| **rank - first < values.len()) else { return };
-    let (lower, _, higher) = values.select_nth_unstable_by(rank - first, f64::total_cmp);
-    arrange(lower, first, &ranks[..ranks.partition_point(|r| *r < rank)]);
-    arrange(higher, rank + 1, &ranks[ranks.partition_point(|r| *r <= rank)..]);
 }

@@ -8,10 +8,12 @@
 //! diffusion coefficient   D = 1/2 sum_n c_n Var x(t_n)
 //! ```
 
-use super::PeriodMoments;
 use super::codec::codec_of_fields;
 use super::interval::Measured;
 use super::moments::Moments;
+use super::range::Range;
+use super::spread::SpreadMoments;
+use super::{Ends, PeriodMoments};
 use crate::scheme::{Snapshot, Timeline};
 
 /// Times of the whole forcing periods and their weights in a slope.
@@ -37,7 +39,7 @@ impl Slope {
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct PeriodSums {
     /// Of x(t_n) - x0.
-    displacement: Vec<Moments>,
+    displacement: Vec<SpreadMoments>,
     /// Of each path's slope.
     drift: Moments,
     /// Of each path's share in the slope of the variance.
@@ -48,7 +50,7 @@ codec_of_fields!(PeriodSums { displacement, drift, spreading });
 
 impl PeriodSums {
     pub fn empty(timeline: &Timeline) -> Self {
-        let displacement = vec![Moments::default(); timeline.periods()];
+        let displacement = vec![SpreadMoments::default(); timeline.periods()];
         PeriodSums { displacement, drift: Moments::default(), spreading: Moments::default() }
     }
 
@@ -76,16 +78,23 @@ impl PeriodSums {
         if slope.weights.is_empty() {
             return Measured::NOTHING;
         }
-        let variances = self.displacement.iter().map(Moments::variance);
+        let variances = self.displacement.iter().map(|period| period.four.two.variance());
         let growth: f64 = slope.weights.iter().zip(variances).map(|(c, variance)| c * variance).sum();
         Measured::mean(&self.spreading).about(growth).divided_by(2.0)
     }
 
-    pub fn summary(&self, timeline: &Timeline) -> PeriodMoments {
+    pub fn summary(&self, timeline: &Timeline, is_random: bool) -> PeriodMoments {
+        let chance = |period: &SpreadMoments| is_random.then_some(period.four.two.count);
+        let two = |period: &SpreadMoments| period.four.two;
+        let mean_ends = |p: &SpreadMoments| Measured::mean(&two(p)).in_range(Range::ANY, chance(p)).interval();
+        let sd_ends = |p: &SpreadMoments| p.standard_deviation().in_range(Range::NOT_NEGATIVE, chance(p)).interval();
         PeriodMoments {
             time: Slope::over(timeline).time,
-            mean: self.displacement.iter().map(Moments::mean).collect(),
-            variance: self.displacement.iter().map(Moments::variance).collect(),
+            mean: self.displacement.iter().map(|period| two(period).mean()).collect(),
+            mean_ends: self.displacement.iter().map(mean_ends).collect(),
+            variance: self.displacement.iter().map(|period| two(period).variance()).collect(),
+            // The square of a standard deviation is where the squares of the ends are.
+            variance_ends: self.displacement.iter().map(|p| sd_ends(p).map(|end| end * end)).collect::<Ends>(),
         }
     }
 }
@@ -133,9 +142,10 @@ impl PeriodFold {
     pub fn fold(&mut self, n: usize, displacement: &[f64]) {
         self.displacement.clear();
         self.displacement.extend(displacement.iter().map(|x| x - self.x0));
-        let moments = Moments::of(&self.displacement);
+        let spread = SpreadMoments::of(&self.displacement);
+        let moments = spread.four.two;
         if let Some(slot) = self.sums.displacement.get_mut(n - 1) {
-            *slot = moments;
+            *slot = spread;
         }
         let Some(&weight) = self.weights.get(n - 1) else { return };
         for ((slope, spread), &u) in self.slope.iter_mut().zip(&mut self.spread).zip(&self.displacement) {
@@ -252,6 +262,7 @@ mod tests {
         let totals = fold.finish();
         assert!(totals.drift_velocity().named(Statistic::DriftVelocity).estimate.is_nan());
         assert!(totals.diffusion_coefficient(&timeline).named(Statistic::DiffusionCoefficient).estimate.is_nan());
-        assert_eq!((totals.summary(&timeline).mean, totals.summary(&timeline).variance), (vec![3.0], vec![7.0]));
+        let summary = totals.summary(&timeline, true);
+        assert_eq!((summary.mean, summary.variance), (vec![3.0], vec![7.0]));
     }
 }

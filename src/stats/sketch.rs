@@ -72,16 +72,6 @@ impl Sketch {
         }
     }
 
-    /// Quantiles of these orders, as [`Ordered::quantile`] defines them.
-    pub fn quantiles<const N: usize>(&self, orders: [f64; N]) -> [f64; N] {
-        let Sketch { shape, at_centre, pending, bins } = self.settled();
-        let values = match bins {
-            None => Ordered::Kept(Kept::for_quantiles(pending, shape.centre, at_centre, &orders)),
-            Some(bins) => Ordered::Binned(Binned::of(&bins, shape.centre)),
-        };
-        orders.map(|p| values.quantile(p))
-    }
-
     /// The same values in the one form they have, but for the order of those that are kept.
     fn settled(&self) -> Sketch {
         let mut settled = self.clone();
@@ -257,9 +247,6 @@ mod tests {
                 parts[other].merge(&if by_bytes { through_bytes(&part) } else { part });
             }
             let expected = by_definition(&values, &shape);
-            let orders = [0.0, 0.2, 0.5, 0.51, 1.0];
-            let quantiles = orders.map(|p| expected.quantile(p).to_bits());
-            prop_assert_eq!(parts[0].quantiles(orders).map(f64::to_bits), quantiles);
             prop_assert_eq!(&parts[0].ordered(), &expected);
             let mut one_by_one = Sketch::empty(shape);
             values.iter().for_each(|&value| one_by_one.push(value));

@@ -54,15 +54,47 @@ impl Estimate {
     }
 }
 
+/// Ends of the 95 % interval of each point of a curve, the path being the independent unit.
+///
+/// An end that the data do not bound is infinite, or where the quantity ends. Of fewer than two paths there is no interval, and both are NaN.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Ends {
+    /// The lower ends, point by point.
+    pub low: Vec<f64>,
+    /// The upper ends.
+    pub high: Vec<f64>,
+}
+
+impl Ends {
+    /// The same times a number that is not negative.
+    pub(super) fn times(&self, number: f64) -> Ends {
+        let times = |ends: &[f64]| ends.iter().map(|end| end * number).collect();
+        Ends { low: times(&self.low), high: times(&self.high) }
+    }
+}
+
+impl FromIterator<[f64; 2]> for Ends {
+    fn from_iter<I: IntoIterator<Item = [f64; 2]>>(ends: I) -> Self {
+        let (low, high) = ends.into_iter().map(|[low, high]| (low, high)).unzip();
+        Ends { low, high }
+    }
+}
+
 /// Pointwise distribution of one variable over the ensemble, on the output grid.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Band {
     /// Mean at each time.
     pub mean: Vec<f64>,
+    /// Its interval.
+    pub mean_ends: Ends,
     /// Standard deviation at each time.
     pub sd: Vec<f64>,
+    /// Its interval.
+    pub sd_ends: Ends,
     /// Quantiles, shape (QUANTILE_LEVELS, time).
     pub quantiles: Array2<f64>,
+    /// Their intervals, row after row of `quantiles`.
+    pub quantile_ends: Ends,
 }
 
 /// Bands of x, x', T and the probability of being static, on the output grid.
@@ -78,6 +110,8 @@ pub struct Bands {
     pub temperature: Band,
     /// P(static at t).
     pub static_probability: Vec<f64>,
+    /// Its interval.
+    pub static_probability_ends: Ends,
 }
 
 /// Counts in consecutive bins: bin i is `[edges[i], edges[i + 1])`.
@@ -96,20 +130,36 @@ pub struct StickDurations {
     pub step: Option<f64>,
     /// Sticks, j >= 1, that ended.
     pub completed: u64,
+    /// Interval of their expected number in as many paths.
+    pub completed_ends: [f64; 2],
     /// Sticks, j >= 1, still running at t_end (right-censored).
     pub censored: u64,
+    /// Interval of their expected number in as many paths.
+    pub censored_ends: [f64; 2],
     /// First sticks (j = 0) that ended.
     pub first_completed: u64,
+    /// Interval of their expected number in as many paths.
+    pub first_completed_ends: [f64; 2],
     /// First sticks (j = 0) still running at t_end.
     pub first_censored: u64,
+    /// Interval of their expected number in as many paths.
+    pub first_censored_ends: [f64; 2],
     /// Durations of the completed sticks, logarithmic bins.
     pub histogram: Histogram,
+    /// Interval of the expected number in each bin among as many completed sticks.
+    pub count_ends: Ends,
     /// Durations so far of the censored sticks, in the same bins.
     pub censored_counts: Vec<u64>,
+    /// Interval of their expected number in as many paths.
+    pub censored_count_ends: Ends,
     /// Kaplan-Meier estimate of P(D > t) at the upper edge of each bin.
     pub survival: Vec<f64>,
+    /// Its interval.
+    pub survival_ends: Ends,
     /// QUANTILE_LEVELS of the completed durations.
     pub quantiles: Vec<f64>,
+    /// Their intervals.
+    pub quantile_ends: Ends,
 }
 
 /// Distribution of k(j), the number of sub-phases of a dynamic phase.
@@ -117,8 +167,16 @@ pub struct StickDurations {
 pub struct SubPhaseCounts {
     /// counts[k - 1]: completed dynamic phases with k sub-phases; the last entry also holds all larger k.
     pub counts: Vec<u64>,
+    /// Interval of the expected number among as many completed dynamic phases.
+    pub count_ends: Ends,
+    /// shares[k - 1]: their share of the completed dynamic phases.
+    pub shares: Vec<f64>,
+    /// Its interval.
+    pub share_ends: Ends,
     /// Dynamic phases still running at t_end.
     pub censored: u64,
+    /// Interval of their expected number in as many paths.
+    pub censored_ends: [f64; 2],
 }
 
 /// Moments of x at the whole forcing periods.
@@ -128,8 +186,12 @@ pub struct PeriodMoments {
     pub time: Vec<f64>,
     /// Mean of x(n P) - x0.
     pub mean: Vec<f64>,
+    /// Its interval.
+    pub mean_ends: Ends,
     /// Variance of x(n P).
     pub variance: Vec<f64>,
+    /// Its interval.
+    pub variance_ends: Ends,
 }
 
 /// Everything that is known about an ensemble once its paths are folded.

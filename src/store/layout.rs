@@ -96,6 +96,19 @@ macro_rules! table {
 /// it are a length that no reader uses.
 pub(super) const BARE_DIMENSION: &str = "This is a netCDF dimension but not a netCDF variable.         0";
 
+/// Declares the two ends of the intervals of a variable, and the list of all of them.
+macro_rules! ends {
+    ($($constant:ident = $name:literal, $axes:expr, $unit:expr, $what:literal;)*) => {
+        $(pub(super) const $constant: [Variable; 2] = [
+            variable(concat!($name, "_low"), $axes, $unit, concat!("lower end of the 95 % confidence interval of the ", $what)),
+            variable(concat!($name, "_high"), $axes, $unit, concat!("upper end of the 95 % confidence interval of the ", $what)),
+        ];)*
+        /// Every such pair.
+        #[cfg(test)]
+        pub(super) const ALL_ENDS: &[&[Variable; 2]] = &[$(&$constant),*];
+    };
+}
+
 const PER_STATISTIC: &[(&str, &str)] = &[("coordinates", "statistic_long_name statistic_unit")];
 const PER_BIN: &[(&str, &str)] = &[("coordinates", "duration_bin_lower")];
 
@@ -162,6 +175,8 @@ table! {
         "sub-phases of a dynamic phase; the last entry stands for this many or more");
     SUB_PHASE_COUNT = variable("sub_phase_count", &["sub_phase"], Unit::ONE,
         "completed dynamic phases with so many sub-phases");
+    SUB_PHASE_SHARE = variable("sub_phase_share", &["sub_phase"], Unit::ONE,
+        "share of the completed dynamic phases that have so many sub-phases");
     SUB_PHASE_CENSORED = variable("sub_phase_censored", &[], Unit::ONE, "dynamic phases still running at the end");
 
     PERIOD = variable("period", &["period"], Unit::ONE, "number of whole forcing periods");
@@ -214,6 +229,50 @@ table! {
         .flags(&[0, 1], &[("flag_meanings", "dynamic static")]);
 }
 
+ends! {
+    DISPLACEMENT_MEAN_ENDS = "displacement_mean", &["time"], Unit::LENGTH, "mean of the displacement";
+    DISPLACEMENT_SD_ENDS = "displacement_sd", &["time"], Unit::LENGTH, "standard deviation of the displacement";
+    DISPLACEMENT_QUANTILE_ENDS = "displacement_quantile", &["quantile", "time"], Unit::LENGTH,
+        "quantiles of the displacement";
+    VELOCITY_MEAN_ENDS = "velocity_mean", &["time"], Unit::VELOCITY, "mean of the velocity";
+    VELOCITY_SD_ENDS = "velocity_sd", &["time"], Unit::VELOCITY, "standard deviation of the velocity";
+    VELOCITY_QUANTILE_ENDS = "velocity_quantile", &["quantile", "time"], Unit::VELOCITY, "quantiles of the velocity";
+    TEMPERATURE_MEAN_ENDS = "temperature_mean", &["time"], Unit::TEMPERATURE, "mean of the temperature";
+    TEMPERATURE_SD_ENDS = "temperature_sd", &["time"], Unit::TEMPERATURE, "standard deviation of the temperature";
+    TEMPERATURE_QUANTILE_ENDS = "temperature_quantile", &["quantile", "time"], Unit::TEMPERATURE,
+        "quantiles of the temperature";
+    STATIC_PROBABILITY_ENDS = "static_probability", &["time"], Unit::ONE, "probability of being in a static phase";
+
+    STICK_DURATION_COUNT_ENDS = "stick_duration_count", &["duration_bin"], Unit::ONE,
+        "expected number of sticks in the bin, among as many completed ones";
+    STICK_DURATION_CENSORED_COUNT_ENDS = "stick_duration_censored_count", &["duration_bin"], Unit::ONE,
+        "expected number of sticks still running at the end in the bin, in as many paths";
+    STICK_DURATION_SURVIVAL_ENDS = "stick_duration_survival", &["duration_bin"], Unit::ONE,
+        "probability that a stick lasts beyond the upper edge of the bin";
+    STICK_DURATION_QUANTILE_ENDS = "stick_duration_quantile", &["quantile"], Unit::TIME,
+        "quantiles of the completed stick durations";
+    STICK_DURATION_COMPLETED_ENDS = "stick_duration_completed", &[], Unit::ONE,
+        "expected number of completed sticks in as many paths";
+    STICK_DURATION_CENSORED_ENDS = "stick_duration_censored", &[], Unit::ONE,
+        "expected number of sticks still running at the end in as many paths";
+    FIRST_STICK_COMPLETED_ENDS = "first_stick_duration_completed", &[], Unit::ONE,
+        "expected number of first sticks that ended in as many paths";
+    FIRST_STICK_CENSORED_ENDS = "first_stick_duration_censored", &[], Unit::ONE,
+        "expected number of first sticks still running at the end in as many paths";
+
+    SUB_PHASE_COUNT_ENDS = "sub_phase_count", &["sub_phase"], Unit::ONE,
+        "expected number of dynamic phases with so many sub-phases, among as many completed ones";
+    SUB_PHASE_SHARE_ENDS = "sub_phase_share", &["sub_phase"], Unit::ONE,
+        "probability that a completed dynamic phase has so many sub-phases";
+    SUB_PHASE_CENSORED_ENDS = "sub_phase_censored", &[], Unit::ONE,
+        "expected number of dynamic phases still running at the end in as many paths";
+
+    DISPLACEMENT_PERIOD_MEAN_ENDS = "displacement_period_mean", &["period"], Unit::LENGTH,
+        "mean of the displacement since the start, at the end of the period";
+    DISPLACEMENT_PERIOD_VARIANCE_ENDS = "displacement_period_variance", &["period"], Unit::AREA,
+        "variance of the displacement at the end of the period";
+}
+
 /// What a statistic is, for a table or a plot's title.
 pub(super) fn long_name(statistic: Statistic) -> &'static str {
     match statistic {
@@ -245,17 +304,29 @@ mod tests {
 
     #[test]
     fn every_name_is_used_once_and_every_axis_has_a_coordinate() {
-        let names: HashSet<&str> = ALL.iter().map(|variable| variable.name).collect();
-        assert_eq!(names.len(), ALL.len());
+        let all: Vec<&str> = ALL.iter().copied().chain(ALL_ENDS.iter().copied().flatten()).map(|v| v.name).collect();
+        assert_eq!(all.iter().collect::<HashSet<_>>().len(), all.len());
         for axis in ALL.iter().flat_map(|variable| variable.axes) {
             assert!(ALL.iter().any(|v| v.name == *axis && v.is_coordinate()), "{axis}");
         }
     }
 
     #[test]
+    fn the_ends_of_an_interval_have_the_axes_and_the_unit_of_what_lies_between() {
+        for [low, high] in ALL_ENDS {
+            let stem = low.name.strip_suffix("_low").expect("a lower end");
+            assert_eq!(high.name.strip_suffix("_high"), Some(stem));
+            let of = ALL.iter().find(|variable| variable.name == stem).unwrap_or_else(|| panic!("{stem}"));
+            for end in [low, high] {
+                assert_eq!((end.axes, end.unit), (of.axes, of.unit), "{}", end.name);
+            }
+        }
+    }
+
+    #[test]
     fn the_documentation_names_every_variable() {
         let text = include_str!("../../docs/output-format.md");
-        for variable in ALL {
+        for variable in ALL.iter().copied().chain(ALL_ENDS.iter().copied().flatten()) {
             assert!(
                 text.contains(&format!("`{}`", variable.name)),
                 "{} is not in docs/output-format.md",

@@ -3,7 +3,7 @@
 use super::layout;
 use super::variable::{Place, read_or_empty, read_scalar, text};
 use crate::stats::{
-    Band, Bands, Bias, Corrected, Estimate, Histogram, PeriodMoments, QUANTILE_LEVELS, Statistic, StickDurations,
+    Band, Bands, Bias, Corrected, Ends, Estimate, Histogram, PeriodMoments, QUANTILE_LEVELS, Statistic, StickDurations,
     SubPhaseCounts, Summary,
 };
 use hdf5::types::VarLenUnicode;
@@ -42,15 +42,43 @@ pub(super) fn read(file: &File, completed_paths: u64, step: Option<f64>) -> Resu
         stick_durations: read_stick_durations(file, step)?,
         sub_phases: SubPhaseCounts {
             counts: read_or_empty(file, &layout::SUB_PHASE_COUNT)?,
+            count_ends: read_ends(file, &layout::SUB_PHASE_COUNT_ENDS)?,
+            shares: read_or_empty(file, &layout::SUB_PHASE_SHARE)?,
+            share_ends: read_ends(file, &layout::SUB_PHASE_SHARE_ENDS)?,
             censored: read_scalar(file, &layout::SUB_PHASE_CENSORED)?,
+            censored_ends: read_scalar_ends(file, &layout::SUB_PHASE_CENSORED_ENDS)?,
         },
         periods: PeriodMoments {
             time: read_or_empty(file, &layout::PERIOD_TIME)?,
             mean: read_or_empty(file, &layout::DISPLACEMENT_PERIOD_MEAN)?,
+            mean_ends: read_ends(file, &layout::DISPLACEMENT_PERIOD_MEAN_ENDS)?,
             variance: read_or_empty(file, &layout::DISPLACEMENT_PERIOD_VARIANCE)?,
+            variance_ends: read_ends(file, &layout::DISPLACEMENT_PERIOD_VARIANCE_ENDS)?,
         },
         bands: read_bands(file)?,
     })
+}
+
+/// The ends of the intervals of a curve.
+fn put_ends(place: &Place, [low, high]: &[layout::Variable; 2], ends: &Ends) -> Result<()> {
+    place.put(low, &ends.low)?;
+    place.put(high, &ends.high)
+}
+
+/// The ends of the interval of a single number.
+fn put_scalar_ends(place: &Place, variables: &[layout::Variable; 2], ends: [f64; 2]) -> Result<()> {
+    put_ends(place, variables, &Ends::from_iter([ends]))
+}
+
+/// Empty in a file of an earlier version.
+fn read_ends(file: &File, [low, high]: &[layout::Variable; 2]) -> Result<Ends> {
+    Ok(Ends { low: read_or_empty(file, low)?, high: read_or_empty(file, high)? })
+}
+
+/// NaN in a file of an earlier version.
+fn read_scalar_ends(file: &File, variables: &[layout::Variable; 2]) -> Result<[f64; 2]> {
+    let Ends { low, high } = read_ends(file, variables)?;
+    Ok([low, high].map(|end| end.first().copied().unwrap_or(f64::NAN)))
 }
 
 /// One for each of `Statistic::ALL`.
@@ -117,32 +145,59 @@ fn read_estimates(file: &File) -> Result<Estimates> {
     Ok(Statistic::ALL.map(read))
 }
 
-/// Mean, standard deviation and quantiles of one variable.
-type BandVariables = [&'static layout::Variable; 3];
+/// Mean, standard deviation and quantiles of one variable, each with its interval.
+type BandVariables = [(&'static layout::Variable, &'static [layout::Variable; 2]); 3];
 
-const DISPLACEMENT: BandVariables =
-    [&layout::DISPLACEMENT_MEAN, &layout::DISPLACEMENT_SD, &layout::DISPLACEMENT_QUANTILE];
-const VELOCITY: BandVariables = [&layout::VELOCITY_MEAN, &layout::VELOCITY_SD, &layout::VELOCITY_QUANTILE];
-const TEMPERATURE: BandVariables = [&layout::TEMPERATURE_MEAN, &layout::TEMPERATURE_SD, &layout::TEMPERATURE_QUANTILE];
+const DISPLACEMENT: BandVariables = [
+    (&layout::DISPLACEMENT_MEAN, &layout::DISPLACEMENT_MEAN_ENDS),
+    (&layout::DISPLACEMENT_SD, &layout::DISPLACEMENT_SD_ENDS),
+    (&layout::DISPLACEMENT_QUANTILE, &layout::DISPLACEMENT_QUANTILE_ENDS),
+];
+const VELOCITY: BandVariables = [
+    (&layout::VELOCITY_MEAN, &layout::VELOCITY_MEAN_ENDS),
+    (&layout::VELOCITY_SD, &layout::VELOCITY_SD_ENDS),
+    (&layout::VELOCITY_QUANTILE, &layout::VELOCITY_QUANTILE_ENDS),
+];
+const TEMPERATURE: BandVariables = [
+    (&layout::TEMPERATURE_MEAN, &layout::TEMPERATURE_MEAN_ENDS),
+    (&layout::TEMPERATURE_SD, &layout::TEMPERATURE_SD_ENDS),
+    (&layout::TEMPERATURE_QUANTILE, &layout::TEMPERATURE_QUANTILE_ENDS),
+];
 
 fn write_bands(place: &Place, bands: &Bands) -> Result<()> {
     let variables =
         [(DISPLACEMENT, &bands.displacement), (VELOCITY, &bands.velocity), (TEMPERATURE, &bands.temperature)];
     for ([mean, sd, quantiles], band) in variables {
-        place.put(mean, &band.mean)?;
-        place.put(sd, &band.sd)?;
-        place.put(quantiles, &band.quantiles.iter().copied().collect::<Vec<_>>())?;
+        let values = &band.quantiles.iter().copied().collect::<Vec<_>>();
+        let curves = [
+            (mean, &band.mean, &band.mean_ends),
+            (sd, &band.sd, &band.sd_ends),
+            (quantiles, values, &band.quantile_ends),
+        ];
+        for ((variable, variables), curve, ends) in curves {
+            place.put(variable, curve)?;
+            put_ends(place, variables, ends)?;
+        }
     }
-    place.put(&layout::STATIC_PROBABILITY, &bands.static_probability)
+    place.put(&layout::STATIC_PROBABILITY, &bands.static_probability)?;
+    put_ends(place, &layout::STATIC_PROBABILITY_ENDS, &bands.static_probability_ends)
 }
 
 fn read_bands(file: &File) -> Result<Bands> {
     let band = |[mean, sd, quantiles]: BandVariables| -> Result<Band> {
-        let mean: Vec<f64> = read_or_empty(file, mean)?;
-        let values: Vec<f64> = read_or_empty(file, quantiles)?;
+        let ends = [mean.1, sd.1, quantiles.1].map(|variables| read_ends(file, variables));
+        let [mean_ends, sd_ends, quantile_ends] = ends;
+        let mean: Vec<f64> = read_or_empty(file, mean.0)?;
+        let values: Vec<f64> = read_or_empty(file, quantiles.0)?;
         let levels = values.len().checked_div(mean.len()).unwrap_or(QUANTILE_LEVELS.len());
-        let quantiles = Array2::from_shape_vec((levels, mean.len()), values)?;
-        Ok(Band { sd: read_or_empty(file, sd)?, mean, quantiles })
+        Ok(Band {
+            quantiles: Array2::from_shape_vec((levels, mean.len()), values)?,
+            quantile_ends: quantile_ends?,
+            sd: read_or_empty(file, sd.0)?,
+            sd_ends: sd_ends?,
+            mean,
+            mean_ends: mean_ends?,
+        })
     };
     Ok(Bands {
         time: read_or_empty(file, &layout::TIME)?,
@@ -150,6 +205,7 @@ fn read_bands(file: &File) -> Result<Bands> {
         velocity: band(VELOCITY)?,
         temperature: band(TEMPERATURE)?,
         static_probability: read_or_empty(file, &layout::STATIC_PROBABILITY)?,
+        static_probability_ends: read_ends(file, &layout::STATIC_PROBABILITY_ENDS)?,
     })
 }
 
@@ -158,13 +214,43 @@ fn write_stick_durations(place: &Place, sticks: &StickDurations) -> Result<()> {
     place.put(&layout::DURATION_BIN, edges.get(1..).unwrap_or_default())?;
     place.put(&layout::DURATION_BIN_LOWER, edges.get(..edges.len().saturating_sub(1)).unwrap_or_default())?;
     place.put(&layout::STICK_DURATION_COUNT, &sticks.histogram.counts)?;
+    put_ends(place, &layout::STICK_DURATION_COUNT_ENDS, &sticks.count_ends)?;
     place.put(&layout::STICK_DURATION_CENSORED_COUNT, &sticks.censored_counts)?;
+    put_ends(place, &layout::STICK_DURATION_CENSORED_COUNT_ENDS, &sticks.censored_count_ends)?;
     place.put(&layout::STICK_DURATION_SURVIVAL, &sticks.survival)?;
+    put_ends(place, &layout::STICK_DURATION_SURVIVAL_ENDS, &sticks.survival_ends)?;
     place.put(&layout::STICK_DURATION_QUANTILE, &sticks.quantiles)?;
-    place.put(&layout::STICK_DURATION_COMPLETED, &[sticks.completed])?;
-    place.put(&layout::STICK_DURATION_CENSORED, &[sticks.censored])?;
-    place.put(&layout::FIRST_STICK_COMPLETED, &[sticks.first_completed])?;
-    place.put(&layout::FIRST_STICK_CENSORED, &[sticks.first_censored])
+    put_ends(place, &layout::STICK_DURATION_QUANTILE_ENDS, &sticks.quantile_ends)?;
+    for (variable, count, variables, ends) in [
+        (
+            &layout::STICK_DURATION_COMPLETED,
+            sticks.completed,
+            &layout::STICK_DURATION_COMPLETED_ENDS,
+            sticks.completed_ends,
+        ),
+        (
+            &layout::STICK_DURATION_CENSORED,
+            sticks.censored,
+            &layout::STICK_DURATION_CENSORED_ENDS,
+            sticks.censored_ends,
+        ),
+        (
+            &layout::FIRST_STICK_COMPLETED,
+            sticks.first_completed,
+            &layout::FIRST_STICK_COMPLETED_ENDS,
+            sticks.first_completed_ends,
+        ),
+        (
+            &layout::FIRST_STICK_CENSORED,
+            sticks.first_censored,
+            &layout::FIRST_STICK_CENSORED_ENDS,
+            sticks.first_censored_ends,
+        ),
+    ] {
+        place.put(variable, &[count])?;
+        put_scalar_ends(place, variables, ends)?;
+    }
+    Ok(())
 }
 
 fn read_stick_durations(file: &File, step: Option<f64>) -> Result<StickDurations> {
@@ -174,13 +260,21 @@ fn read_stick_durations(file: &File, step: Option<f64>) -> Result<StickDurations
     Ok(StickDurations {
         step,
         completed: read_scalar(file, &layout::STICK_DURATION_COMPLETED)?,
+        completed_ends: read_scalar_ends(file, &layout::STICK_DURATION_COMPLETED_ENDS)?,
         censored: read_scalar(file, &layout::STICK_DURATION_CENSORED)?,
+        censored_ends: read_scalar_ends(file, &layout::STICK_DURATION_CENSORED_ENDS)?,
         first_completed: read_scalar(file, &layout::FIRST_STICK_COMPLETED)?,
+        first_completed_ends: read_scalar_ends(file, &layout::FIRST_STICK_COMPLETED_ENDS)?,
         first_censored: read_scalar(file, &layout::FIRST_STICK_CENSORED)?,
+        first_censored_ends: read_scalar_ends(file, &layout::FIRST_STICK_CENSORED_ENDS)?,
         histogram: Histogram { edges, counts: read_or_empty(file, &layout::STICK_DURATION_COUNT)? },
+        count_ends: read_ends(file, &layout::STICK_DURATION_COUNT_ENDS)?,
         censored_counts: read_or_empty(file, &layout::STICK_DURATION_CENSORED_COUNT)?,
+        censored_count_ends: read_ends(file, &layout::STICK_DURATION_CENSORED_COUNT_ENDS)?,
         survival: read_or_empty(file, &layout::STICK_DURATION_SURVIVAL)?,
+        survival_ends: read_ends(file, &layout::STICK_DURATION_SURVIVAL_ENDS)?,
         quantiles: read_or_empty(file, &layout::STICK_DURATION_QUANTILE)?,
+        quantile_ends: read_ends(file, &layout::STICK_DURATION_QUANTILE_ENDS)?,
     })
 }
 
@@ -188,7 +282,11 @@ fn write_sub_phases(place: &Place, sub_phases: &SubPhaseCounts) -> Result<()> {
     let k: Vec<u32> = (1..).take(sub_phases.counts.len()).collect();
     place.put(&layout::SUB_PHASE, &k)?;
     place.put(&layout::SUB_PHASE_COUNT, &sub_phases.counts)?;
-    place.put(&layout::SUB_PHASE_CENSORED, &[sub_phases.censored])
+    put_ends(place, &layout::SUB_PHASE_COUNT_ENDS, &sub_phases.count_ends)?;
+    place.put(&layout::SUB_PHASE_SHARE, &sub_phases.shares)?;
+    put_ends(place, &layout::SUB_PHASE_SHARE_ENDS, &sub_phases.share_ends)?;
+    place.put(&layout::SUB_PHASE_CENSORED, &[sub_phases.censored])?;
+    put_scalar_ends(place, &layout::SUB_PHASE_CENSORED_ENDS, sub_phases.censored_ends)
 }
 
 fn write_periods(place: &Place, periods: &PeriodMoments) -> Result<()> {
@@ -196,5 +294,7 @@ fn write_periods(place: &Place, periods: &PeriodMoments) -> Result<()> {
     place.put(&layout::PERIOD, &n)?;
     place.put(&layout::PERIOD_TIME, &periods.time)?;
     place.put(&layout::DISPLACEMENT_PERIOD_MEAN, &periods.mean)?;
-    place.put(&layout::DISPLACEMENT_PERIOD_VARIANCE, &periods.variance)
+    put_ends(place, &layout::DISPLACEMENT_PERIOD_MEAN_ENDS, &periods.mean_ends)?;
+    place.put(&layout::DISPLACEMENT_PERIOD_VARIANCE, &periods.variance)?;
+    put_ends(place, &layout::DISPLACEMENT_PERIOD_VARIANCE_ENDS, &periods.variance_ends)
 }

@@ -6,7 +6,7 @@ use std::path::Path;
 use stick_slip::engine::Status;
 use stick_slip::provenance::Provenance;
 use stick_slip::stats::{
-    Band, Bands, Bias, Estimate, EventColumns, Histogram, PathColumns, PeriodMoments, QUANTILE_LEVELS, Record,
+    Band, Bands, Bias, Ends, Estimate, EventColumns, Histogram, PathColumns, PeriodMoments, QUANTILE_LEVELS, Record,
     Statistic, StickDurations, SubPhaseCounts, Summary, TrajectoryRows, Units,
 };
 use stick_slip::store::{Rows, Writer};
@@ -103,10 +103,19 @@ impl Block {
     }
 }
 
+/// Made-up ends of intervals, none missing; those that the data do not bound are infinite.
+pub fn ends(points: usize, salt: u64) -> Ends {
+    let end = |point: usize| if point == 3 { f64::INFINITY } else { noise(point as u64, salt) };
+    (0..points).map(|point| [end(point) - 1.0, end(point)]).collect()
+}
+
 pub fn band(rows: usize, salt: u64) -> Band {
     let levels = QUANTILE_LEVELS.len();
     Band {
         mean: (0..rows as u64).map(|row| noise(row, salt)).collect(),
+        mean_ends: ends(rows, salt + 3),
+        sd_ends: ends(rows, salt + 5),
+        quantile_ends: ends(levels * rows, salt + 7),
         sd: (0..rows as u64).map(|row| noise(row, salt + 1)).collect(),
         quantiles: Array2::from_shape_fn((levels, rows), |(level, row)| level as f64 + noise(row as u64, salt + 2)),
     }
@@ -115,8 +124,8 @@ pub fn band(rows: usize, salt: u64) -> Band {
 /// A summary that agrees with `block`, and holds every kind of missing number.
 pub fn summary(paths: u64, header: &Provenance) -> Summary {
     let block = block(0, paths, 0, 0);
-    let ends: Vec<f64> = block.columns.displacement_end.iter().copied().filter(|x| x.is_finite()).collect();
-    let mean = ends.iter().sum::<f64>() / ends.len() as f64;
+    let places: Vec<f64> = block.columns.displacement_end.iter().copied().filter(|x| x.is_finite()).collect();
+    let mean = places.iter().sum::<f64>() / places.len() as f64;
     let rows = header.time.len();
     let estimate = |statistic: Statistic| {
         let index = statistic.index();
@@ -146,22 +155,44 @@ pub fn summary(paths: u64, header: &Provenance) -> Summary {
         stick_durations: StickDurations {
             step: header.step,
             completed: 10,
+            completed_ends: [8.5, f64::INFINITY],
             censored: 3,
+            censored_ends: [1.0, 7.0],
             first_completed: 4,
+            first_completed_ends: [2.0, 6.0],
             first_censored: 0,
+            first_censored_ends: [0.0, 0.5],
             histogram: Histogram { edges: vec![0.0, 0.1, 1.0, 10.0, f64::INFINITY], counts: vec![1, 4, 5, 0] },
+            count_ends: ends(4, 80),
             censored_counts: vec![0, 1, 2, 0],
+            censored_count_ends: ends(4, 81),
             survival: vec![0.9, 0.5, 0.1, 0.0],
+            survival_ends: ends(4, 82),
             quantiles: vec![0.05, 0.2, 0.5, 2.0, 7.0],
+            quantile_ends: ends(5, 83),
         },
-        sub_phases: SubPhaseCounts { counts: vec![7, 2, 1], censored: 2 },
-        periods: PeriodMoments { time: vec![25.1, 50.3], mean: vec![0.1, -0.2], variance: vec![1.0, 2.0] },
+        sub_phases: SubPhaseCounts {
+            counts: vec![7, 2, 1],
+            count_ends: ends(3, 84),
+            shares: vec![0.7, 0.2, 0.1],
+            share_ends: ends(3, 85),
+            censored: 2,
+            censored_ends: [0.5, 4.0],
+        },
+        periods: PeriodMoments {
+            time: vec![25.1, 50.3],
+            mean: vec![0.1, -0.2],
+            mean_ends: ends(2, 86),
+            variance: vec![1.0, 2.0],
+            variance_ends: ends(2, 87),
+        },
         bands: Bands {
             time: header.time.clone(),
             displacement: band(rows, 40),
             velocity: band(rows, 50),
             temperature: band(rows, 60),
             static_probability: (0..rows as u64).map(|row| noise(row, 70)).collect(),
+            static_probability_ends: ends(rows, 88),
         },
     }
 }

@@ -5,13 +5,20 @@ use ndarray::Array2;
 use stick_slip::engine::Status;
 use stick_slip::scenario::Units;
 use stick_slip::stats::{
-    Band, Bands, Estimate, Histogram, PeriodMoments, QUANTILE_LEVELS, Statistic, StickDurations, SubPhaseCounts,
+    Band, Bands, Ends, Estimate, Histogram, PeriodMoments, QUANTILE_LEVELS, Statistic, StickDurations, SubPhaseCounts,
     Summary,
 };
 
 /// An ensemble like that of `rho025`, with made-up standard errors.
 pub fn summary() -> Summary {
-    let band = || Band { mean: vec![0.0], sd: vec![0.0], quantiles: Array2::zeros((QUANTILE_LEVELS.len(), 1)) };
+    let band = || Band {
+        mean: vec![0.0],
+        mean_ends: Ends::default(),
+        sd: vec![0.0],
+        sd_ends: Ends::default(),
+        quantiles: Array2::zeros((QUANTILE_LEVELS.len(), 1)),
+        quantile_ends: Ends::default(),
+    };
     let estimates = Statistic::ALL.map(|statistic| {
         let (estimate, standard_error) = match statistic {
             Statistic::StickDurationMean => (0.538572, 0.000266),
@@ -29,22 +36,44 @@ pub fn summary() -> Summary {
         stick_durations: StickDurations {
             step: None,
             completed: 141_226,
+            completed_ends: [141_083.0, 141_369.0],
             censored: 812,
+            censored_ends: [759.0, 868.0],
             first_completed: 10_000,
+            first_completed_ends: [9_996.0, 10_000.0],
             first_censored: 0,
+            first_censored_ends: [0.0, 4.0],
             histogram: Histogram { edges: vec![0.0, 1.0], counts: vec![141_226] },
+            count_ends: Ends::default(),
             censored_counts: vec![812],
+            censored_count_ends: Ends::default(),
             survival: vec![0.0],
+            survival_ends: Ends::default(),
             quantiles: vec![0.5; QUANTILE_LEVELS.len()],
+            quantile_ends: Ends::default(),
         },
-        sub_phases: SubPhaseCounts { counts: vec![100_000, 42_000], censored: 9_000 },
-        periods: PeriodMoments { time: vec![25.1, 50.3], mean: vec![0.0; 2], variance: vec![1.0; 2] },
+        sub_phases: SubPhaseCounts {
+            counts: vec![100_000, 42_000],
+            count_ends: Ends::default(),
+            shares: vec![0.704, 0.296],
+            share_ends: Ends::default(),
+            censored: 9_000,
+            censored_ends: [8_939.0, 9_057.0],
+        },
+        periods: PeriodMoments {
+            time: vec![25.1, 50.3],
+            mean: vec![0.0; 2],
+            mean_ends: Ends::default(),
+            variance: vec![1.0; 2],
+            variance_ends: Ends::default(),
+        },
         bands: Bands {
             time: vec![0.0],
             displacement: band(),
             velocity: band(),
             temperature: band(),
             static_probability: vec![1.0],
+            static_probability_ends: Ends::default(),
         },
     }
 }

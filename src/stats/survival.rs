@@ -1,0 +1,95 @@
+//! The survival curve of stick durations, with those that were cut off at the end in it, and how sure it is.
+//!
+//! The curve is Kaplan and Meier's (*Nonparametric estimation from incomplete observations*, Journal of the American Statistical
+//! Association 53 (1958)): the product of 1 - d/n, where n sticks reached a duration and d of them ended in it. Its textbook
+//! error, Greenwood's, takes every stick for independent. The sticks of one path are not, so the error comes from batches of
+//! whole paths: from what the curve becomes without each of them ([`super::jackknife`]).
+
+use super::Ends;
+use super::interval::student;
+use super::jackknife::standard_error;
+use super::range::{NORMAL, wilson};
+
+/// Fine bins with their counts, ascending.
+type Bins = Vec<(i16, u64)>;
+
+/// A survival curve, and the same without each batch of paths.
+#[derive(Debug)]
+pub(super) struct Survival {
+    /// P(D > t) at the upper edge of each bin of the curve.
+    pub curve: Vec<f64>,
+    /// How many sticks there are, and how many reach that edge.
+    sticks: u64,
+    at_risk: Vec<u64>,
+    without: Vec<Vec<f64>>,
+}
+
+impl Survival {
+    /// Of the sticks that ended and those that were cut off in each batch; `bin_of` is the bin of the curve, of `bins` in all, that a
+    /// fine bin lies in.
+    pub fn new(batches: Vec<(Bins, Bins)>, bin_of: impl Fn(i16) -> usize, bins: usize) -> Self {
+        let batches: Vec<(Bins, Bins)> =
+            batches.into_iter().filter(|(ended, cut)| !ended.is_empty() || !cut.is_empty()).collect();
+        let mut keys: Vec<i16> = batches.iter().flat_map(|(ended, cut)| ended.iter().chain(cut)).map(|b| b.0).collect();
+        keys.sort_unstable();
+        keys.dedup();
+        let place = |key: i16| keys.partition_point(|k| *k < key);
+        let mut counts = vec![[0_u64; 2]; keys.len()];
+        let count = |(ended, cut): &(Bins, Bins), counts: &mut [[u64; 2]], sign: fn(&mut u64, u64)| {
+            ended.iter().for_each(|&(key, n)| sign(&mut counts[place(key)][0], n));
+            cut.iter().for_each(|&(key, n)| sign(&mut counts[place(key)][1], n));
+        };
+        batches.iter().for_each(|batch| count(batch, &mut counts, |sum, n| *sum += n));
+        let curve = |counts: &[[u64; 2]]| kaplan_meier(&keys, counts, &bin_of, bins);
+        let (all, at_risk) = curve(&counts).into_iter().unzip();
+        let without = batches.iter().map(|batch| {
+            let mut rest = counts.clone();
+            count(batch, &mut rest, |sum, n| *sum -= n);
+            curve(&rest).into_iter().map(|(surviving, _)| surviving).collect()
+        });
+        Survival { curve: all, sticks: counts.iter().flatten().sum(), at_risk, without: without.collect() }
+    }
+
+    /// Its 95 % intervals. `chance` is the number of paths with sticks, if they are random: they, or as many as there are sticks
+    /// at risk if those are fewer, tell how sure a share is of which the batches agree.
+    pub fn ends(&self, chance: Option<u64>) -> Ends {
+        let freedom = self.without.len().saturating_sub(1);
+        let Some(paths) = chance.filter(|_| freedom > 0) else {
+            let certain = |&share: &f64| if freedom > 0 { [share; 2] } else { [f64::NAN; 2] };
+            return self.curve.iter().map(certain).collect();
+        };
+        let few = |sticks: u64| sticks.clamp(1, paths.max(1)) as f64;
+        let (mut highest, mut at_risk) = (1.0, self.sticks);
+        let point = |(bin, &share): (usize, &f64)| {
+            let error = standard_error(&self.without.iter().map(|curve| curve[bin]).collect::<Vec<_>>());
+            let [low, high] = if share == 0.0 {
+                // The curve is no higher than it may have been before, times what those may outlast that were left then.
+                [0.0, highest * wilson(0.0, few(at_risk), NORMAL)[1]]
+            } else if error > 0.0 && share < 1.0 {
+                wilson(share, share * (1.0 - share) / (error * error), student(freedom as u64))
+            } else {
+                wilson(share, few(self.at_risk[bin]), NORMAL)
+            };
+            (highest, at_risk) = (high, self.at_risk[bin]);
+            [low, high]
+        };
+        self.curve.iter().enumerate().map(point).collect()
+    }
+}
+
+/// The product, and how many sticks are left, at the upper edge of each bin. A stick cut off in a fine bin counts as having
+/// reached all of it, as with ties there.
+fn kaplan_meier(keys: &[i16], counts: &[[u64; 2]], bin_of: impl Fn(i16) -> usize, bins: usize) -> Vec<(f64, u64)> {
+    let mut at_risk: u64 = counts.iter().flatten().sum();
+    let mut surviving = 1.0;
+    let mut fine = keys.iter().zip(counts).peekable();
+    let edge = |bin: usize| {
+        while let Some((_, [ended, cut])) = fine.next_if(|(key, _)| bin_of(**key) == bin) {
+            // In integers up to the one division: the last stick to end leaves exactly zero.
+            surviving *= if at_risk == 0 { 1.0 } else { (at_risk - ended) as f64 / at_risk as f64 };
+            at_risk -= ended + cut;
+        }
+        (surviving, at_risk)
+    };
+    (0..bins).map(edge).collect()
+}
