@@ -47,15 +47,25 @@ fn bits(summary: &Summary) -> Vec<u64> {
         all.extend([e.estimate, e.standard_error, e.low, e.high].map(f64::to_bits));
     }
     let bands = &summary.bands;
+    let mut curves = vec![&bands.static_probability_ends];
     for band in [&bands.displacement, &bands.velocity, &bands.temperature] {
         all.extend(band.mean.iter().chain(&band.sd).chain(&band.quantiles).map(|x| x.to_bits()));
+        curves.extend([&band.mean_ends, &band.sd_ends, &band.quantile_ends]);
     }
     all.extend(bands.static_probability.iter().map(|x| x.to_bits()));
     all.extend(summary.periods.mean.iter().chain(&summary.periods.variance).map(|x| x.to_bits()));
     let sticks = &summary.stick_durations;
     all.extend(sticks.histogram.counts.iter().chain(&sticks.censored_counts));
     all.extend(sticks.survival.iter().chain(&sticks.quantiles).chain(&sticks.histogram.edges).map(|x| x.to_bits()));
-    all.extend(&summary.sub_phases.counts);
+    let (periods, phases) = (&summary.periods, &summary.sub_phases);
+    all.extend(&phases.counts);
+    all.extend(phases.shares.iter().map(|x| x.to_bits()));
+    curves.extend([&sticks.count_ends, &sticks.censored_count_ends, &sticks.survival_ends, &sticks.quantile_ends]);
+    curves.extend([&phases.count_ends, &phases.share_ends, &periods.mean_ends, &periods.variance_ends]);
+    all.extend(curves.iter().flat_map(|ends| ends.low.iter().chain(&ends.high)).map(|x| x.to_bits()));
+    let scalars =
+        [sticks.completed_ends, sticks.censored_ends, sticks.first_completed_ends, sticks.first_censored_ends];
+    all.extend(scalars.iter().chain([&phases.censored_ends]).flatten().map(|x| x.to_bits()));
     all
 }
 

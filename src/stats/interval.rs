@@ -47,6 +47,9 @@ fn student_between(freedom: f64) -> f64 {
     }
 }
 
+/// Paths agree on a number whose relative error is below this, which is rounding.
+const AGREEMENT: f64 = 1e-14;
+
 /// A standard deviation whose relative error is below this has an error of zero but for rounding: two values, say, are always equally
 /// far from their mean.
 const ROUNDING: f64 = 1e-7;
@@ -196,7 +199,7 @@ impl Measured {
     /// The same, which may lie outside the range yet.
     fn ends(self) -> [f64; 2] {
         let Measured { estimate, standard_error, interval, range, chance } = self;
-        let agreeing = chance.filter(|paths| standard_error == 0.0 && *paths > 1);
+        let agreeing = chance.filter(|paths| standard_error <= AGREEMENT * estimate.abs() && *paths > 1);
         match (interval, agreeing) {
             // A median is where at least half of the paths agree.
             (Interval::Ends(low, high), Some(paths)) => {

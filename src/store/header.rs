@@ -10,7 +10,7 @@ use hdf5::File;
 pub const FORMAT_NAME: &str = "stick-slip ensemble";
 
 /// Major and minor version of the file format. A new minor version only adds; a new major version may change or remove.
-pub const FORMAT_VERSION: (u32, u32) = (1, 1);
+pub const FORMAT_VERSION: (u32, u32) = (1, 2);
 
 /// Version of the CF conventions that the file follows.
 const CONVENTIONS: &str = "CF-1.11";

@@ -107,6 +107,11 @@ def check_contents(data):
     low, high = known.interval_low, known.interval_high
     check(bool(((low <= known.estimate) | low.isnull()).all()), "interval_low <= estimate")
     check(bool(((known.estimate <= high) | high.isnull()).all()), "estimate <= interval_high")
+    for name in [name.removesuffix("_low") for name in data if name.endswith("_low") and name != "interval_low"]:
+        low, value, high = data[f"{name}_low"], data[name], data[f"{name}_high"]
+        check(bool(((low <= value) & (value <= high) | low.isnull()).all()), f"{name} is in its interval")
+        check(low.dims == value.dims == high.dims, f"{name}: axes of its interval")
+        check(low.attrs.get("units") == value.attrs.get("units") == high.attrs.get("units"), f"{name}: units of its interval")
     check(bool((np.diff(data.time) > 0).all()), "time increases")
     for name in ("displacement", "velocity", "temperature"):
         steps = np.diff(data[f"{name}_quantile"], axis=0)

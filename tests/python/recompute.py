@@ -9,6 +9,7 @@ of it. Nothing here knows how the program folds its sums: each number is compute
 Exits with 1 and names the variable that is not what it should be.
 """
 
+import functools
 import math
 import sys
 import tomllib
@@ -22,7 +23,7 @@ UNITS = {
         bias_order estimate_corrected estimate_corrected_low estimate_corrected_high path_diverged event event_sign event_kind trajectory_static""",
     "1": """quantile static_probability stick_duration_count stick_duration_censored_count stick_duration_survival
         stick_duration_completed stick_duration_censored first_stick_duration_completed first_stick_duration_censored
-        sub_phase sub_phase_count sub_phase_censored period path path_sticks path_slips path_sub_phases event_count trajectory""",
+        sub_phase sub_phase_count sub_phase_share sub_phase_censored period path path_sticks path_slips path_sub_phases event_count trajectory""",
     "s": """time duration_bin duration_bin_lower stick_duration_quantile period_time path_first_stick_duration path_stick_time
         event_time""",
     "mm": """displacement_mean displacement_sd displacement_quantile displacement_period_mean path_displacement_end
@@ -34,6 +35,14 @@ UNITS = {
     "K": "temperature_mean temperature_sd temperature_quantile trajectory_temperature",
 }
 UNIT = {name: unit for unit, names in UNITS.items() for name in names.split()}
+
+# What is estimated from the paths has an interval, NAME_low and NAME_high, in its own unit.
+WITH_INTERVAL = """displacement_mean displacement_sd displacement_quantile velocity_mean velocity_sd velocity_quantile temperature_mean
+    temperature_sd temperature_quantile static_probability stick_duration_count stick_duration_censored_count
+    stick_duration_survival stick_duration_quantile stick_duration_completed stick_duration_censored
+    first_stick_duration_completed first_stick_duration_censored sub_phase_count sub_phase_share sub_phase_censored
+    displacement_period_mean displacement_period_variance""".split()
+UNIT |= {f"{name}_{end}": UNIT[name] for name in WITH_INTERVAL for end in ("low", "high")}
 
 # Every statistic, in the order of the file, with its unit.
 STATISTICS = {
@@ -83,16 +92,59 @@ def same(name, got, wanted, within=ROUNDING):
     checked.add(name)
 
 
+@functools.cache
 def student(freedom):
-    """The 97.5 % quantile of Student's t: the density, summed up until there are 47.5 %."""
-    constant = math.exp(math.lgamma((freedom + 1) / 2) - math.lgamma(freedom / 2)) / math.sqrt(freedom * math.pi)
-    low, high = 0.0, 200.0
+    """The 97.5 % quantile of Student's t: with x = sqrt(freedom) tan(angle) the density is cos(angle)^(freedom - 1), up to a constant, summed up
+    by Simpson's rule until there are 47.5 %."""
+    constant = math.exp(math.lgamma((freedom + 1) / 2) - math.lgamma(freedom / 2)) / math.sqrt(math.pi)
+    weights = np.array([1] + [4, 2] * 199 + [4, 1]) / 3
+    low, high = 0.0, math.pi / 2
     for _ in range(60):
         middle = (low + high) / 2
-        x = np.linspace(0, middle, 20001)
-        share = np.trapezoid(constant * (1 + x * x / freedom) ** (-(freedom + 1) / 2), x)
+        angles = np.linspace(0, middle, 401)
+        share = constant * (weights * np.cos(angles) ** (freedom - 1)).sum() * middle / 400
         low, high = (middle, high) if share < 0.475 else (low, middle)
-    return (low + high) / 2
+    return math.sqrt(freedom) * math.tan((low + high) / 2)
+
+
+def wilson(share, n, t=1.959963984540054):
+    """The shares s with (share - s)^2 <= t^2 s (1 - s)/n, by bisection from either side."""
+    share, n = np.broadcast_arrays(np.asarray(share, dtype=float), np.asarray(n, dtype=float))
+    ends = []
+    for outside in (np.zeros_like(share), np.ones_like(share)):
+        out, within = outside.copy(), share.copy()
+        for _ in range(80):
+            middle = (out + within) / 2
+            is_within = (share - middle) ** 2 <= t**2 * middle * (1 - middle) / n
+            out, within = np.where(is_within, out, middle), np.where(is_within, middle, within)
+        ends.append(within)
+    return ends
+
+
+def same_interval(data, name, low, high, within=1e-8):
+    """The ends of the interval, with the estimate between them."""
+    for end, wanted in (("low", low), ("high", high)):
+        got, wanted = np.asarray(data[f"{name}_{end}"], dtype=float), np.asarray(wanted, dtype=float)
+        infinite = np.isinf(wanted)
+        check(bool((got[infinite] == wanted[infinite]).all()) if got.shape else True, f"{name}_{end}: not infinite")
+        same(f"{name}_{end}", np.where(infinite, 0, got), np.where(infinite, 0, wanted), within)
+    below, above = data[f"{name}_low"] <= data[name], data[name] <= data[f"{name}_high"]
+    check(bool(np.all(below & above)), f"{name}: the estimate is in its interval")
+
+
+def in_batches(paths, of):
+    """A sum over the paths of each of 32 batches, the numbers of which have one remainder."""
+    return np.array([sum(np.asarray(of(path), dtype=float) for path in paths[first::32]) for first in range(32)])
+
+
+def share_interval(parts, wholes, contributing):
+    """Of sum parts/sum wholes over batches, along the last axis of the parts."""
+    share = parts.sum(axis=0) / wholes.sum()
+    error = np.sqrt(32 / 31 * ((parts - np.outer(wholes, share)) ** 2).sum(axis=0)) / wholes.sum()
+    is_sure = error < 1e-12
+    n = np.where(is_sure, contributing, share * (1 - share) / np.where(is_sure, 1, error) ** 2)
+    few, many = wilson(share, n), wilson(share, n, student(31))
+    return [np.where(is_sure, a, b) for a, b in zip(few, many, strict=True)]
 
 
 class Path:
@@ -207,8 +259,44 @@ def check_bands(data):
         rows = data[f"trajectory_{name}"]
         same(f"{name}_mean", data[f"{name}_mean"], rows.mean(axis=0))
         same(f"{name}_sd", data[f"{name}_sd"], rows.std(axis=0, ddof=1), 1e-9)
+        check_band_intervals(data, name, rows)
         check_quantiles(f"{name}_quantile", data[f"{name}_quantile"], rows)
     same("static_probability", data["static_probability"], data["trajectory_static"].mean(axis=0))
+    same_interval(data, "static_probability", *wilson(data["static_probability"], len(data["trajectory_static"])))
+
+
+def check_band_intervals(data, name, rows):
+    """Where all paths agree after t = 0 they agree by chance, and nothing is known of those that do not."""
+    n, sd = len(rows), rows.std(axis=0, ddof=1)
+    agree, starts = (rows == rows[0]).all(axis=0), np.arange(rows.shape[1]) == 0
+    reach = student(n - 1) * sd / math.sqrt(n)
+    reach = np.where(agree, np.where(starts, 0, np.inf), reach)
+    same_interval(data, f"{name}_mean", rows.mean(axis=0) - reach, rows.mean(axis=0) + reach)
+    ends = [spread_interval(x) if not agree[i] else (0, 0 if starts[i] else np.inf) for i, x in enumerate(rows.T)]
+    same_interval(data, f"{name}_sd", *np.array(ends).T, 1e-6)
+    wanted = []
+    for level in LEVELS:
+        reach = 1.959963984540054 * math.sqrt(level * (1 - level) / n)
+        for p in (level - reach, level + reach):
+            wanted.append(np.quantile(rows, p, axis=0) if 0 < p < 1 else np.full(rows.shape[1], np.sign(p) * np.inf))
+    same_interval(data, f"{name}_quantile", np.array(wanted[::2]), np.array(wanted[1::2]))
+
+
+def spread_interval(x, blocks=None):
+    """Student's t for 1/sd, with the degrees of freedom that the squares, less their mean, leave; taken block by block if they are."""
+    n, sd = len(x), x.std(ddof=1)
+    def influences(x):
+        return (x - x.mean()) ** 2 - ((x - x.mean()) ** 2).mean()
+    e = influences(x)
+    # From all values at once the error is relative to the sd of n, and from the sums of a run to that of n - 1.
+    relative = math.sqrt((e**2).sum()) / n / (2 * x.var()) if blocks is None else math.sqrt((e**2).sum() / (n * (n - 1))) / (2 * sd**2)
+    return reciprocal_interval(sd, relative, e if blocks is None else np.concatenate([influences(part) for part in blocks]), n)
+
+
+def reciprocal_interval(sd, relative, influences, m):
+    freedom = min(2 / ((influences**4).sum() / (influences**2).sum() ** 2 - 1 / m), m - 1)
+    reach = student(freedom) * relative
+    return sd / (1 + reach), sd / (1 - reach) if reach < 1 else math.inf
 
 
 def check_quantiles(name, got, values):
@@ -259,6 +347,45 @@ def check_durations(data, paths):
     ]:
         same(name, data[name], number)
     checked.update(["duration_bin", "duration_bin_lower", "stick_duration_survival"])
+    check_duration_intervals(data, paths, count)
+
+
+def check_duration_intervals(data, paths, count):
+    n, contributing = len(paths), sum(len(path.sticks) > 0 for path in paths)
+    in_bins = in_batches(paths, lambda path: count(np.array(path.sticks)))
+    wholes = in_bins.sum(axis=1)
+    low, high = share_interval(in_bins, wholes, contributing)
+    same_interval(data, "stick_duration_count", low * wholes.sum(), high * wholes.sum())
+    for name in ("stick_duration_censored_count", "stick_duration_censored", "first_stick_duration_completed", "first_stick_duration_censored"):
+        low, high = wilson(data[name] / n, n)
+        same_interval(data, name, low * n, high * n)
+    sticks = np.array([len(path.sticks) for path in paths])
+    reach = student(n - 1) * sticks.std(ddof=1) / math.sqrt(n) * n
+    same_interval(data, "stick_duration_completed", max(0, sticks.sum() - reach), sticks.sum() + reach)
+
+    def survival(paths):
+        """Bin by bin, with the sticks that end and are cut off in a bin of the file in one go: near the curve of the file."""
+        ended = np.array(count(np.array([d for path in paths for d in path.sticks])))
+        cut = np.array(count(np.array([path.censored_stick for path in paths if path.censored_stick is not None])))
+        at_risk = (ended + cut)[::-1].cumsum()[::-1]
+        return np.cumprod(1 - ended / np.maximum(at_risk, 1)), at_risk - ended - cut
+
+    curve, at_risk = survival(paths)
+    without = np.array([survival([p for i, p in enumerate(paths) if i % 32 != batch])[0] for batch in range(32)])
+    error = np.sqrt(31 / 32 * ((without - without.mean(axis=0)) ** 2).sum(axis=0))
+    is_sure = error < 1e-12
+    told = data["stick_duration_survival"]
+    n = np.where(is_sure, np.clip(at_risk, 1, contributing), curve * (1 - curve) / np.where(is_sure, 1, error) ** 2)
+    few, many = wilson(told, np.maximum(n, 1e-9)), wilson(told, np.maximum(n, 1e-9), student(31))
+    for end, a, b in zip(("low", "high"), few, many, strict=True):
+        got = data[f"stick_duration_survival_{end}"]
+        off = np.abs(got - np.where(is_sure, a, b))[told > 0]
+        check(float(off.max()) < 0.01, f"stick_duration_survival_{end}: off by {off.max()}")
+    check(bool((data["stick_duration_survival_low"] <= told).all() and (told <= data["stick_duration_survival_high"]).all()), "survival in its interval")
+    ended = told == 0
+    check(bool((data["stick_duration_survival_low"][ended] == 0).all()), "stick_duration_survival_low: 0 where none is left")
+    check(bool((data["stick_duration_survival_high"] <= 1).all() and (data["stick_duration_survival_high"] > 0).all()), "stick_duration_survival_high")
+    checked.update(["stick_duration_survival_low", "stick_duration_survival_high"])
 
 
 def check_sub_phases(data, paths):
@@ -266,7 +393,14 @@ def check_sub_phases(data, paths):
     most = len(data["sub_phase"])
     same("sub_phase", data["sub_phase"], np.arange(1, most + 1))
     same("sub_phase_count", data["sub_phase_count"], np.bincount(np.minimum(counts, most), minlength=most + 1)[1:])
+    same("sub_phase_share", data["sub_phase_share"], data["sub_phase_count"] / len(counts))
     same("sub_phase_censored", data["sub_phase_censored"], sum(path.is_slip_censored for path in paths))
+    by_k = in_batches(paths, lambda path: np.bincount(np.minimum(path.counts, most).astype(int), minlength=most + 1)[1:])
+    ends = share_interval(by_k, by_k.sum(axis=1), sum(len(path.counts) > 0 for path in paths))
+    same_interval(data, "sub_phase_share", *ends)
+    same_interval(data, "sub_phase_count", *(end * len(counts) for end in ends))
+    low, high = wilson(data["sub_phase_censored"] / len(paths), len(paths))
+    same_interval(data, "sub_phase_censored", low * len(paths), high * len(paths))
     # In the quasi-static recursion each has one.
     is_recursion = data.attributes["scheme"] == "quasi-static"
     check((counts > 1).sum() > 100 or is_recursion, "the scene has dynamic phases of several sub-phases")
@@ -284,6 +418,11 @@ def check_periods(data):
     x = data["trajectory_displacement"][:, rows] - data.scenario["initial"]["displacement"]
     same("displacement_period_mean", data["displacement_period_mean"], x.mean(axis=0))
     same("displacement_period_variance", data["displacement_period_variance"], x.var(axis=0, ddof=1))
+    reach = student(len(x) - 1) * x.std(axis=0, ddof=1) / math.sqrt(len(x))
+    same_interval(data, "displacement_period_mean", x.mean(axis=0) - reach, x.mean(axis=0) + reach)
+    block = int(data.attributes["block_size"])
+    ends = [spread_interval(row, np.split(row, range(block, len(row), block))) for row in x.T]
+    same_interval(data, "displacement_period_variance", *np.array(ends).T ** 2, 1e-6)
     return times, x
 
 
@@ -369,9 +508,26 @@ def check_statistics(data, paths, times, x):
         if name in found:
             value, error, freedom = found[name]
             reach = student(freedom) * error
-            wanted, scale = [value, error, value - reach, value + reach], abs(value) + error
+            low, high = value - reach, value + reach
+            if name == "stick_duration_sd":
+                low, high = reciprocal_interval(value, error / value, stick_influences(paths, block), freedom + 1)
+            elif name == "displacement_end_sd":
+                low, high = spread_interval(ends, np.split(ends, range(block, n, block)))
+            elif name in ("sticking_fraction", "sub_phases_multiple_share"):
+                sure = error == 0
+                size = freedom + 1 if sure else value * (1 - value) / error**2
+                low, high = (float(end) for end in (wilson(value, size) if sure else wilson(value, size, student(freedom))))
+            else:
+                least = {"displacement_end_mean": -math.inf, "drift_velocity": -math.inf, "diffusion_coefficient": -math.inf}
+                least = (least | {"jump_mean": -math.inf, "sub_phases_mean": 1}).get(name, 0)
+                low = max(least, low)
+                if error <= 1e-14 * abs(value):
+                    # All paths agree; those that would not are few, and may be off by any number.
+                    few = 1.959963984540054**2 / (freedom + 1 + 1.959963984540054**2)
+                    low, high = value + few * (least - value), math.inf
+            wanted, scale = [value, error, low, high], abs(value) + error
             for kind, a, b in zip(("estimate", "error", "low", "high"), told, wanted, strict=True):
-                check(abs(a - b) <= 1e-8 * scale, f"{name}, {kind}: {a!r}, not {b!r}")
+                check(a == b or abs(a - b) <= 1e-7 * scale, f"{name}, {kind}: {a!r}, not {b!r}")
     check_median(data, paths, durations)
     check_corrected(data)
     checked.update("""statistic statistic_long_name statistic_unit estimate standard_error interval_low interval_high bias
@@ -403,6 +559,16 @@ def check_bias(path):
     corrected = check_corrected(Data(path))
     check(corrected >= 3, f"{corrected} statistics have a bias beyond its uncertainty")
     print(f"  {corrected} corrected estimates are what they should be")
+
+
+def stick_influences(paths, block):
+    """Of each path the sum over its sticks of (D - mean)^2 - sd^2, about the mean and sd of its block."""
+    influences = []
+    for begin in range(0, len(paths), block):
+        part = [np.array(path.sticks) for path in paths[begin : begin + block]]
+        durations = np.concatenate(part)
+        influences.extend(((sticks - durations.mean()) ** 2 - durations.var()).sum() for sticks in part)
+    return np.array(influences)
 
 
 def in_steps(data, durations):
@@ -448,8 +614,33 @@ def check_median(data, paths, durations):
         possible = [m for m in np.arange(values[0], values[-1] + 1) if sum(share(m)) >= 0.5 and np.subtract(*share(m - 1)) < 0.5]
         wanted = [median, (spread[1] - spread[0]) / (2 * t), possible[0], possible[-1]]
         wanted, allowed = [data.spacing * number for number in wanted], [1e-6 * data.spacing] * 4
+    check_duration_quantile_intervals(data, share, durations, batches)
     for kind, a, b, near in zip(("estimate", "error", "low", "high"), told, wanted, allowed, strict=True):
         check(abs(a - b) <= near, f"stick_duration_median, {kind}: {a!r}, not {b!r}")
+
+
+def check_duration_quantile_intervals(data, share, durations, batches):
+    """Woodruff's at every level: on the lattice those multiples that are not refuted, else the quantiles either side."""
+    in_units = in_steps(data, durations) if data.has_step else durations
+    ordered = np.sort(in_units)
+    unit = data.spacing if data.has_step else 1
+    for row, level in enumerate(LEVELS):
+        told = [data[f"stick_duration_quantile_{end}"][row] for end in ("low", "high")]
+        quantile = ordered[math.ceil(level * len(ordered) - 1e-9) - 1] if data.has_step else np.quantile(ordered, level)
+        _, reach = share(quantile)
+        if data.has_step:
+            possible = [m for m in np.arange(ordered[0], ordered[-1] + 1) if sum(share(m)) >= level and np.subtract(*share(m - 1)) < level]
+            ends, near = [unit * possible[0], unit * possible[-1]], 1e-6 * unit
+        else:
+            ends = [np.quantile(ordered, min(max(p, 0), 1)) for p in (level - reach, level + reach)]
+            near = 5 * np.diff(ordered)[max(0, int((level - reach) * len(ordered)) - 3) : int((level + reach) * len(ordered)) + 3].max()
+        if reach >= level:
+            ends[0] = 0
+        if level + reach >= 1:
+            ends[1] = math.inf
+        for a, b in zip(told, ends, strict=True):
+            check(a == b or abs(a - b) <= near, f"stick_duration_quantile at {level}: {told}, not {ends}")
+    checked.update(["stick_duration_quantile_low", "stick_duration_quantile_high"])
 
 
 class Data(dict):

@@ -10,6 +10,7 @@ pub(super) fn absence(e: &Estimate, summary: &Summary) -> Option<&'static str> {
         return match (has_interval, valid) {
             (true, _) => None,
             (false, 0..=1) => Some("an interval needs two paths"),
+            (false, _) if e.standard_error == 0.0 => Some("all paths agree"),
             (false, _) => Some("too little to form an interval"),
         };
     }
@@ -65,6 +66,17 @@ mod tests {
             let row = row(&table, statistic.name());
             assert!(row.contains("none") && row.contains(reason), "{row}");
         }
+    }
+
+    #[test]
+    fn paths_that_agree_by_chance_have_no_interval_and_the_table_says_why() {
+        let mut summary = summary();
+        for e in summary.estimates.iter_mut().filter(|e| e.statistic == Statistic::SlipsPerPath) {
+            *e = Estimate { estimate: 0.0, standard_error: 0.0, low: 0.0, high: f64::INFINITY, ..*e };
+        }
+        let table = table(&summary, &info());
+        let row = row(&table, "slips_per_path");
+        assert!(row.contains("none") && row.contains("all paths agree"), "{row}");
     }
 
     #[test]
