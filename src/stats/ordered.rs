@@ -72,21 +72,21 @@ impl Ordered {
     /// The error of the standard deviation of independent values, relative to it, and its degrees of freedom
     /// ([`super::spread`]); those in a bin are taken to lie in the middle of it.
     pub fn error_of_spread(&self) -> (f64, f64) {
-        let n = self.count();
-        let sum = |of: &dyn Fn(f64) -> f64| self.weighted().map(|(value, number)| number * of(value)).sum::<f64>();
-        let mean = sum(&|value| value) / n as f64;
-        let variance = sum(&|value| (value - mean) * (value - mean)) / n as f64;
-        let influence = |value: f64| (value - mean) * (value - mean) / variance - 1.0;
+        let (n, values) = (self.count(), self.weighted());
+        let mean = values.iter().map(|(value, number)| number * value).sum::<f64>() / n as f64;
+        let squares: Vec<(f64, f64)> =
+            values.iter().map(|(value, number)| ((value - mean) * (value - mean), *number)).collect();
+        let variance = squares.iter().map(|(square, number)| number * square).sum::<f64>() / n as f64;
         let mut tails = Tails::default();
-        self.weighted().for_each(|(value, number)| tails.add(influence(value), number));
-        (sum(&|value| influence(value) * influence(value)).sqrt() / (2.0 * n as f64), tails.freedom(n))
+        squares.iter().for_each(|(square, number)| tails.add(square / variance - 1.0, *number));
+        (tails.squares().sqrt() / (2.0 * n as f64), tails.freedom(n))
     }
 
     /// Values, ascending, and how many there are of each.
-    fn weighted(&self) -> Box<dyn Iterator<Item = (f64, f64)> + '_> {
+    fn weighted(&self) -> Vec<(f64, f64)> {
         match self {
-            Ordered::Kept(kept) => Box::new(kept.runs()),
-            Ordered::Binned(binned) => Box::new(binned.middles()),
+            Ordered::Kept(kept) => kept.runs().collect(),
+            Ordered::Binned(binned) => binned.middles().collect(),
         }
     }
 

@@ -45,6 +45,11 @@ impl Tails {
         self.fourths += other.fourths;
     }
 
+    /// The sum of the squares of all influences.
+    pub fn squares(&self) -> f64 {
+        self.squares
+    }
+
     /// Degrees of freedom of the error that so many paths tell.
     pub fn freedom(&self, paths: u64) -> f64 {
         let most = paths as f64 - 1.0;
