@@ -200,7 +200,8 @@ pub(super) fn summary(sums: &BandSums, counts: &BandCounts, timeline: &Timeline,
     }
 }
 
-/// The interval of a quantile of independent values: those whose share of the values below is in doubt, read back.
+/// The interval of a quantile of independent values: those whose share of the values below is in
+/// doubt, read back.
 fn ends(values: &Ordered, level: f64) -> [f64; 2] {
     let n = values.count() as f64;
     if n < 2.0 {

@@ -44,8 +44,9 @@ impl Share {
         student(self.freedom) * self.error
     }
 
-    /// Its 95 % interval within [0, 1]. Where the batches agree, and `chance` is the number of paths that have phases and agree
-    /// by chance, a share of 0 or 1 is known as well as so many paths tell it.
+    /// Its 95 % interval within [0, 1]. Where the batches agree, and `chance` is the number of
+    /// paths that have phases and agree by chance, a share of 0 or 1 is known as well as so many
+    /// paths tell it.
     pub fn interval(&self, chance: Option<u64>) -> [f64; 2] {
         let Share { estimate, error, freedom } = *self;
         match chance {

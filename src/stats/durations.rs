@@ -141,8 +141,8 @@ impl DurationCounts {
         })
     }
 
-    /// Of `paths` paths. `chance` is the number of those with a completed stick, if they are random; `completed_ends` is the interval of the
-    /// number of completed sticks.
+    /// Of `paths` paths. `chance` is the number of those with a completed stick, if they are
+    /// random; `completed_ends` is the interval of the number of completed sticks.
     pub fn summary(
         &self,
         completed_ends: [f64; 2],
@@ -263,20 +263,24 @@ mod tests {
         }
     }
 
-    /// Sticks that depend on each other within a path: their mean is 1/2 or 2, a fair coin for the whole path, and each is cut off by an
-    /// independent clock of mean 3. P(D > t) is the mean of e^{-2t} and e^{-t/2}. (In a path of the program the sticks that
-    /// end early leave room for others; here the truth is known in closed form.)
+    /// Sticks that depend on each other within a path: their mean is 1/2 or 2, a fair coin for the
+    /// whole path, and each is cut off by an independent clock of mean 3. P(D > t) is the mean of
+    /// e^{-2t} and e^{-t/2}. (In a path of the program the sticks that end early leave room for
+    /// others; here the truth is known in closed form.)
     ///
-    /// Null: the interval at a bin covers in 95 % of all ensembles, at each of three bins where 88 %, 45 % and 7 % of the sticks last longer,
-    /// and so do that of the number of completed sticks in a bin and of their quantiles ([`Coverage::assert_95_percent`] has the false-alarm rate). If
-    /// sticks were taken for independent, as in Greenwood's formula, the coverage would be about 80 %.
+    /// Null: the interval at a bin covers in 95 % of all ensembles, at each of three bins where 88
+    /// %, 45 % and 7 % of the sticks last longer, and so do that of the number of completed sticks
+    /// in a bin and of their quantiles ([`Coverage::assert_95_percent`] has the false-alarm rate).
+    /// If sticks were taken for independent, as in Greenwood's formula, the coverage would be about
+    /// 80 %.
     #[test]
     fn intervals_of_survival_counts_and_quantiles_cover_where_sticks_of_a_path_are_alike() {
         let (ensembles, paths) = (2000, 300_u64);
         let mut rng = Pcg64Dxsm::seed_from_u64(1958);
         let exponential = |mean: f64, rng: &mut Pcg64Dxsm| mean * Distribution::<f64>::sample(&Exp1, rng);
         let survival = |t: f64| ((-2.0 * t).exp() + (-t / 2.0).exp()) / 2.0;
-        // A stick ends before t with the density of D times P(C > t) = e^{-t/3}: of its law, and of that up to t.
+        // A stick ends before t with the density of D times P(C > t) = e^{-t/3}: of its law, and of
+        // that up to t.
         let ended_by = |t: f64| {
             let of = |rate: f64| rate / (rate + 1.0 / 3.0) * (1.0 - (-(rate + 1.0 / 3.0) * t).exp());
             (of(2.0) + of(0.5)) / 2.0

@@ -1,20 +1,23 @@
 //! From moments over paths to an estimate with its 95 % interval.
 //!
-//! Everything reported is a smooth function g of means over paths, and a path is the independent unit. To first order
-//! the error of g is the mean of the influences e_i = grad g . (z_i - mean) of the paths (the delta method), so
+//! Everything reported is a smooth function g of means over paths, and a path is the independent
+//! unit. To first order the error of g is the mean of the influences e_i = grad g . (z_i - mean) of
+//! the paths (the delta method), so
 //!
 //! ```text
 //! standard error^2 = m/(m - 1) sum_i e_i^2 / n^2
 //! ```
 //!
-//! For a ratio R = sum y / sum x this is the classical e_i = (y_i - R x_i) / mean x (W. G. Cochran, *Sampling
-//! Techniques*, 3rd edition (1977), chapter 6). Paths with x_i = y_i = 0 have e_i = 0 and say nothing about R: only the
-//! m paths that contribute are counted in the correction and in the degrees of freedom of Student's t.
+//! For a ratio R = sum y / sum x this is the classical e_i = (y_i - R x_i) / mean x (W. G. Cochran,
+//! *Sampling Techniques*, 3rd edition (1977), chapter 6). Paths with x_i = y_i = 0 have e_i = 0 and
+//! say nothing about R: only the m paths that contribute are counted in the correction and in the
+//! degrees of freedom of Student's t.
 //!
-//! The interval of a standard deviation is that of Student's t for its reciprocal, with the degrees of freedom that the tails of the
-//! law leave ([`super::spread`]). The estimate of a spread and of its error go up and down together, since both come from the few
-//! values farthest out, so an interval of equal arms misses low; of the reciprocal they do so less. Of a normal law the interval is that of
-//! chi square to within 5 % from 50 paths on.
+//! The interval of a standard deviation is that of Student's t for its reciprocal, with the degrees
+//! of freedom that the tails of the law leave ([`super::spread`]). The estimate of a spread and of
+//! its error go up and down together, since both come from the few values farthest out, so an
+//! interval of equal arms misses low; of the reciprocal they do so less. Of a normal law the
+//! interval is that of chi square to within 5 % from 50 paths on.
 //!
 //! Numbers that have a range keep to it ([`super::range`]).
 
@@ -50,8 +53,8 @@ fn student_between(freedom: f64) -> f64 {
 /// Paths agree on a number whose relative error is below this, which is rounding.
 const AGREEMENT: f64 = 1e-14;
 
-/// A standard deviation whose relative error is below this has an error of zero but for rounding: two values, say, are always equally
-/// far from their mean.
+/// A standard deviation whose relative error is below this has an error of zero but for rounding:
+/// two values, say, are always equally far from their mean.
 const ROUNDING: f64 = 1e-7;
 
 /// An estimate and how far it may be off, before it is given a name.
@@ -102,8 +105,8 @@ impl Measured {
         Measured { estimate, standard_error, interval: Interval::Reciprocal(freedom), ..Measured::NOTHING }
     }
 
-    /// The same number, which cannot leave this range. `chance` is the number of paths that say something about it, unless they
-    /// have to agree because nothing is random.
+    /// The same number, which cannot leave this range. `chance` is the number of paths that say
+    /// something about it, unless they have to agree because nothing is random.
     pub fn in_range(self, range: Range, chance: Option<u64>) -> Self {
         Measured { range, chance, ..self }
     }

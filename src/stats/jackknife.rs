@@ -11,7 +11,7 @@
 //! Jackknife, the Bootstrap and Other Resampling Plans*, SIAM (1982), chapter 3; J. Shao and D. Tu,
 //! *The Jackknife and Bootstrap*, Springer (1995), section 2.3.)
 
-use super::Totals;
+use super::tree::Merge;
 
 /// The standard error of a number that is g_i without group i; zero if there is one group only.
 pub(crate) fn standard_error(without: &[f64]) -> f64 {
@@ -25,8 +25,8 @@ pub(crate) fn standard_error(without: &[f64]) -> f64 {
 }
 
 /// What `of` makes of all groups together, merged from the last to the first, and of all but each
-/// of them in turn. `empty` is the totals of no paths.
-pub(crate) fn leaving_one_out<T>(empty: &Totals, groups: &[Totals], of: impl Fn(&Totals) -> T) -> (T, Vec<T>) {
+/// of them in turn. `empty` is a group of no paths.
+pub(crate) fn leaving_one_out<S: Merge + Clone, T>(empty: &S, groups: &[S], of: impl Fn(&S) -> T) -> (T, Vec<T>) {
     // after[i] sums the last i groups.
     let mut after = vec![empty.clone()];
     for group in groups.iter().rev() {

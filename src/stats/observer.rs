@@ -264,8 +264,9 @@ mod tests {
         let close = |a: f64, b: f64| (a - b).abs() <= 1e-11 * (1.0 + a.abs()) || (a.is_nan() && b.is_nan());
         for (a, b) in whole.estimates.iter().zip(&merged.estimates) {
             assert!(close(a.estimate, b.estimate), "{a:?} {b:?}");
-            // The error of the diffusion coefficient is taken about block means, and the last path has no block to be
-            // compared with: a relative O(1/256). So are the tails of what a standard deviation comes from.
+            // The error of the diffusion coefficient is taken about block means, and the last path
+            // has no block to be compared with: a relative O(1/256). So are the tails of what a
+            // standard deviation comes from.
             let near = |a: f64, b: f64| (a / b - 1.0).abs() < 0.01;
             match a.statistic {
                 Statistic::DiffusionCoefficient => assert!(near(a.standard_error, b.standard_error), "{a:?} {b:?}"),

@@ -69,8 +69,8 @@ impl Ordered {
         }
     }
 
-    /// The error of the standard deviation of independent values, relative to it, and its degrees of freedom
-    /// ([`super::spread`]); those in a bin are taken to lie in the middle of it.
+    /// The error of the standard deviation of independent values, relative to it, and its degrees
+    /// of freedom ([`super::spread`]); those in a bin are taken to lie in the middle of it.
     pub fn error_of_spread(&self) -> (f64, f64) {
         let (n, values) = (self.count(), self.weighted());
         let mean = values.iter().map(|(value, number)| number * value).sum::<f64>() / n as f64;

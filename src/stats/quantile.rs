@@ -1,10 +1,13 @@
-//! Quantiles of the stick durations, above all their median, with Woodruff's interval: that of a share, read back through the distribution.
+//! Quantiles of the stick durations, above all their median, with Woodruff's interval: that of a
+//! share, read back through the distribution.
 //!
-//! The error of the share F(m) of sticks no longer than the quantile m is turned into one of m (R. S. Woodruff, *Confidence
-//! intervals for medians and other position measures*, Journal of the American Statistical Association 47 (1952)). F(m) is
-//! a ratio of sums over batches of whole paths ([`Share`]), so sticks of a path may depend on each other as they like.
+//! The error of the share F(m) of sticks no longer than the quantile m is turned into one of m (R.
+//! S. Woodruff, *Confidence intervals for medians and other position measures*, Journal of the
+//! American Statistical Association 47 (1952)). F(m) is a ratio of sums over batches of whole paths
+//! ([`Share`]), so sticks of a path may depend on each other as they like.
 //!
-//! Where the interval of the share leaves (0, 1), the data bound the quantile by nothing but 0 or infinity.
+//! Where the interval of the share leaves (0, 1), the data bound the quantile by nothing but 0 or
+//! infinity.
 
 use super::batches::Share;
 use super::interval::{Measured, student};
@@ -16,7 +19,8 @@ fn share(batches: &[Ordered], duration: f64) -> Share {
     Share::of(batches.iter().map(|batch| (batch.up_to(duration), batch.count() as f64)))
 }
 
-/// The quantile of order p of durations of a continuous law: those of orders p -+ t se(F(m)) are the ends of its interval.
+/// The quantile of order p of durations of a continuous law: those of orders p -+ t se(F(m)) are
+/// the ends of its interval.
 pub(super) fn continuous(batches: &[Ordered], pooled: &Ordered, p: f64) -> Measured {
     if pooled.count() == 0 {
         return Measured::NOTHING;
@@ -32,15 +36,17 @@ pub(super) fn continuous(batches: &[Ordered], pooled: &Ordered, p: f64) -> Measu
     Measured::within(quantile, (high - low) / (2.0 * student(share.freedom)), low, high)
 }
 
-/// The quantile of order p of durations that are whole numbers of steps, in steps: the smallest m with F(m) >= p.
+/// The quantile of order p of durations that are whole numbers of steps, in steps: the smallest m
+/// with F(m) >= p.
 ///
-/// Its interval holds every m that the data do not refute. They refute one that lies below by F(m) < p, and one that lies
-/// above by F(m - 1) >= p, each at the level of 2.5 %, with the error of the share at that very place: a law with atoms
-/// may have quite another one next to it. Because m is a whole number the interval covers it in 95 % of all cases or more, and
-/// is often a single number.
+/// Its interval holds every m that the data do not refute. They refute one that lies below by F(m)
+/// < p, and one that lies above by F(m - 1) >= p, each at the level of 2.5 %, with the error of the
+/// share at that very place: a law with atoms may have quite another one next to it. Because m is a
+/// whole number the interval covers it in 95 % of all cases or more, and is often a single number.
 ///
-/// The standard error is that of the law spread evenly over half a step to either side, whose median moves smoothly. It falls like
-/// 1/sqrt(paths), and is below a step where the steps are too long to tell the median any finer.
+/// The standard error is that of the law spread evenly over half a step to either side, whose
+/// median moves smoothly. It falls like 1/sqrt(paths), and is below a step where the steps are too
+/// long to tell the median any finer.
 pub(super) fn of_steps(batches: &[Ordered], pooled: &Ordered, p: f64) -> Measured {
     if pooled.count() == 0 {
         return Measured::NOTHING;

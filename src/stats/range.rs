@@ -1,16 +1,19 @@
-//! Intervals of numbers that have a range: they stay in it, and where all paths agree they are no single point.
+//! Intervals of numbers that have a range: they stay in it, and where all paths agree they are no
+//! single point.
 //!
-//! The interval of a share p holds every share s that the data do not refute: those for which p is within t standard errors of
-//! s, where the standard error is the one that p would have if s were true,
+//! The interval of a share p holds every share s that the data do not refute: those for which p is
+//! within t standard errors of s, where the standard error is the one that p would have if s were
+//! true,
 //!
 //! ```text
 //! (p - s)^2 <= t^2 s (1 - s)/n
 //! ```
 //!
-//! (E. B. Wilson, *Probable inference, the law of succession, and statistical inference*, Journal of the American Statistical
-//! Association 22 (1927).) Of paths that count as 0 or 1, n is their number. Of a share with another standard error e, n is the
-//! number of them that would have it, p (1 - p)/e^2 (E. L. Korn and B. I. Graubard, *Confidence intervals for proportions
-//! with small expected number of positive counts estimated from survey data*, Survey Methodology 24 (1998)).
+//! (E. B. Wilson, *Probable inference, the law of succession, and statistical inference*, Journal
+//! of the American Statistical Association 22 (1927).) Of paths that count as 0 or 1, n is their
+//! number. Of a share with another standard error e, n is the number of them that would have it, p
+//! (1 - p)/e^2 (E. L. Korn and B. I. Graubard, *Confidence intervals for proportions with small
+//! expected number of positive counts estimated from survey data*, Survey Methodology 24 (1998)).
 
 /// 97.5 % quantile of the normal law.
 pub(super) const NORMAL: f64 = 1.959_963_984_540_054;
@@ -32,7 +35,8 @@ impl Range {
     /// A share.
     pub const SHARE: Range = Range { low: 0.0, high: 1.0 };
 
-    /// Whether it has two ends, and the number lies between them: a share of the way from one to the other.
+    /// Whether it has two ends, and the number lies between them: a share of the way from one to
+    /// the other.
     pub fn has_inside(self, number: f64) -> bool {
         self.low.is_finite() && self.high.is_finite() && self.low < number && number < self.high
     }
@@ -44,9 +48,10 @@ impl Range {
         [inside(low), inside(high)]
     }
 
-    /// Where a number is at which so many paths agree, one and all. That tells of no spread, but paths that differ are few:
-    /// the share of them is below that of Wilson for none of `paths`. They may differ by as much as the range allows, so an end that
-    /// the range does not bound is infinite.
+    /// Where a number is at which so many paths agree, one and all. That tells of no spread, but
+    /// paths that differ are few: the share of them is below that of Wilson for none of `paths`.
+    /// They may differ by as much as the range allows, so an end that the range does not bound is
+    /// infinite.
     pub fn agreed(self, number: f64, paths: u64) -> [f64; 2] {
         let [_, few] = wilson(0.0, paths as f64, NORMAL);
         let towards = |end: f64| if end.is_finite() { number + few * (end - number) } else { end };
@@ -65,8 +70,9 @@ pub(super) fn wilson(p: f64, n: f64, t: f64) -> [f64; 2] {
     [low, high]
 }
 
-/// The interval of the share of paths that are so many of `paths`, each of which is or is not; in an ensemble that is not random
-/// it is the share itself, and for fewer than two paths there is none.
+/// The interval of the share of paths that are so many of `paths`, each of which is or is not; in
+/// an ensemble that is not random it is the share itself, and for fewer than two paths there is
+/// none.
 pub(super) fn of_paths(count: u64, paths: u64, is_random: bool) -> [f64; 2] {
     let share = count as f64 / paths as f64;
     match (paths, is_random) {
@@ -97,7 +103,8 @@ mod tests {
 
     #[test]
     fn what_was_never_seen_is_bounded_by_the_number_of_paths_and_what_has_no_range_by_nothing() {
-        // t^2/(n + t^2): about four in n, one more than the rule of three, which leaves all of the 5 % at one end.
+        // t^2/(n + t^2): about four in n, one more than the rule of three, which leaves all of the
+        // 5 % at one end.
         assert_eq!(wilson(0.0, 12.0, 2.0), [0.0, 0.25]);
         assert_eq!(wilson(1.0, 12.0, 2.0), [0.75, 1.0]);
         let few = of_paths(0, 4, true)[1];
@@ -108,8 +115,9 @@ mod tests {
         assert!(of_paths(1, 1, true)[0].is_nan());
     }
 
-    /// Null: of 250 paths the share that is static is 0.3, or 0.02. The number of them is binomial, so the coverage is a finite
-    /// sum without chance: it is 95 % to within 1 %, and for the rare 2 %, where the number is about five, within 2 %.
+    /// Null: of 250 paths the share that is static is 0.3, or 0.02. The number of them is binomial,
+    /// so the coverage is a finite sum without chance: it is 95 % to within 1 %, and for the rare 2
+    /// %, where the number is about five, within 2 %.
     #[test]
     fn wilsons_interval_of_binomial_paths_covers_95_percent() {
         let n = 250_u64;

@@ -1,22 +1,25 @@
 //! Standard deviations, and how much their own errors are to be believed.
 //!
-//! The error of a standard deviation comes from the influences e_i of single paths on it ([`super::interval`]), as their
-//! variance. That variance is itself known to a relative sqrt((k - 1)/m) only, where k = m sum e^4/(sum e^2)^2 is the kurtosis of the
-//! influences of m paths: a law with long tails has a k of hundreds. It is worth as many degrees of freedom as a chi square
-//! that scatters alike,
+//! The error of a standard deviation comes from the influences e_i of single paths on it
+//! ([`super::interval`]), as their variance. That variance is itself known to a relative sqrt((k -
+//! 1)/m) only, where k = m sum e^4/(sum e^2)^2 is the kurtosis of the influences of m paths: a law
+//! with long tails has a k of hundreds. It is worth as many degrees of freedom as a chi square that
+//! scatters alike,
 //!
 //! ```text
 //! 2/freedom = sum e^4/(sum e^2)^2 - 1/m
 //! ```
 //!
-//! (F. E. Satterthwaite, *An approximate distribution of estimates of variance components*, Biometrics Bulletin 2 (1946)), and no
-//! more than m - 1. This is a correction of second order, so that influences may be taken about the mean of each block.
+//! (F. E. Satterthwaite, *An approximate distribution of estimates of variance components*,
+//! Biometrics Bulletin 2 (1946)), and no more than m - 1. This is a correction of second order, so
+//! that influences may be taken about the mean of each block.
 
 use super::codec::codec_of_fields;
 use super::interval::Measured;
 use super::moments::FourMoments;
 
-/// Sums over paths of the second and fourth powers of their influences on a spread, in any unit that is the same for all.
+/// Sums over paths of the second and fourth powers of their influences on a spread, in any unit
+/// that is the same for all.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Tails {
     squares: f64,
@@ -107,8 +110,9 @@ mod tests {
 
     #[test]
     fn the_error_of_a_standard_deviation_is_that_of_the_normal_law() {
-        // Of n normal numbers it is sd/sqrt(2n) (1 + O(1/n)). It is computed from the fourth moment, whose relative error
-        // on m_4 - m_2^2 is sqrt(96/n)/2, hence 0.8 % of the result at n = 100 000: four times that is allowed.
+        // Of n normal numbers it is sd/sqrt(2n) (1 + O(1/n)). It is computed from the fourth
+        // moment, whose relative error on m_4 - m_2^2 is sqrt(96/n)/2, hence 0.8 % of the result at
+        // n = 100 000: four times that is allowed.
         let mut rng = Pcg64Dxsm::seed_from_u64(4);
         let normal = Normal::new(-7.0, 3.0).unwrap();
         let mut moments = SpreadMoments::default();
@@ -120,7 +124,8 @@ mod tests {
         let expected = 3.0 / 200_000f64.sqrt();
         assert!((sd.estimate - 3.0).abs() < 4.0 * expected);
         assert!((sd.standard_error / expected - 1.0).abs() < 0.032, "{sd:?} {expected}");
-        // (x^2 - 1) has the kurtosis 15 for a normal x: 2 n/14 degrees of freedom. The eighth moment makes it known to 4 %.
+        // (x^2 - 1) has the kurtosis 15 for a normal x: 2 n/14 degrees of freedom. The eighth
+        // moment makes it known to 4 %.
         let freedom = moments.tails.freedom(100_000);
         assert!((freedom / (100_000.0 / 7.0) - 1.0).abs() < 0.16, "{freedom}");
     }
@@ -134,8 +139,9 @@ mod tests {
         assert_eq!(SpreadMoments::of(&[2.0; 7]).tails.freedom(7), 6.0);
     }
 
-    /// Null: the interval of a standard deviation covers in 95 % of all ensembles, of 50 normal numbers as of 200 of exponential law,
-    /// whose standard error alone would give 90 % ([`Coverage::assert_95_percent`] has the false-alarm rate).
+    /// Null: the interval of a standard deviation covers in 95 % of all ensembles, of 50 normal
+    /// numbers as of 200 of exponential law, whose standard error alone would give 90 %
+    /// ([`Coverage::assert_95_percent`] has the false-alarm rate).
     #[test]
     fn intervals_of_standard_deviations_cover_where_tails_are_long() {
         let mut rng = Pcg64Dxsm::seed_from_u64(1908);

@@ -56,7 +56,8 @@ impl Estimate {
 
 /// Ends of the 95 % interval of each point of a curve, the path being the independent unit.
 ///
-/// An end that the data do not bound is infinite, or where the quantity ends. Of fewer than two paths there is no interval, and both are NaN.
+/// An end that the data do not bound is infinite, or where the quantity ends. Of fewer than two
+/// paths there is no interval, and both are NaN.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Ends {
     /// The lower ends, point by point.

@@ -1,8 +1,10 @@
-//! The survival curve of stick durations, with those that were cut off at the end in it, and how sure it is.
+//! The survival curve of stick durations, with those that were cut off at the end in it, and how
+//! sure it is.
 //!
-//! The curve is Kaplan and Meier's (*Nonparametric estimation from incomplete observations*, Journal of the American Statistical
-//! Association 53 (1958)): the product of 1 - d/n, where n sticks reached a duration and d of them ended in it. Its textbook
-//! error, Greenwood's, takes every stick for independent. The sticks of one path are not, so the error comes from batches of
+//! The curve is Kaplan and Meier's (*Nonparametric estimation from incomplete observations*,
+//! Journal of the American Statistical Association 53 (1958)): the product of 1 - d/n, where n
+//! sticks reached a duration and d of them ended in it. Its textbook error, Greenwood's, takes
+//! every stick for independent. The sticks of one path are not, so the error comes from batches of
 //! whole paths: from what the curve becomes without each of them ([`super::jackknife`]).
 
 use super::Ends;
@@ -25,8 +27,8 @@ pub(super) struct Survival {
 }
 
 impl Survival {
-    /// Of the sticks that ended and those that were cut off in each batch; `bin_of` is the bin of the curve, of `bins` in all, that a
-    /// fine bin lies in.
+    /// Of the sticks that ended and those that were cut off in each batch; `bin_of` is the bin of
+    /// the curve, of `bins` in all, that a fine bin lies in.
     pub fn new(batches: Vec<(Bins, Bins)>, bin_of: impl Fn(i16) -> usize, bins: usize) -> Self {
         let batches: Vec<(Bins, Bins)> =
             batches.into_iter().filter(|(ended, cut)| !ended.is_empty() || !cut.is_empty()).collect();
@@ -50,8 +52,9 @@ impl Survival {
         Survival { curve: all, sticks: counts.iter().flatten().sum(), at_risk, without: without.collect() }
     }
 
-    /// Its 95 % intervals. `chance` is the number of paths with sticks, if they are random: they, or as many as there are sticks
-    /// at risk if those are fewer, tell how sure a share is of which the batches agree.
+    /// Its 95 % intervals. `chance` is the number of paths with sticks, if they are random: they,
+    /// or as many as there are sticks at risk if those are fewer, tell how sure a share is of which
+    /// the batches agree.
     pub fn ends(&self, chance: Option<u64>) -> Ends {
         let freedom = self.without.len().saturating_sub(1);
         let Some(paths) = chance.filter(|_| freedom > 0) else {
@@ -63,7 +66,8 @@ impl Survival {
         let point = |(bin, &share): (usize, &f64)| {
             let error = standard_error(&self.without.iter().map(|curve| curve[bin]).collect::<Vec<_>>());
             let [low, high] = if share == 0.0 {
-                // The curve is no higher than it may have been before, times what those may outlast that were left then.
+                // The curve is no higher than it may have been before, times what those may outlast
+                // that were left then.
                 [0.0, highest * wilson(0.0, few(at_risk), NORMAL)[1]]
             } else if error > 0.0 && share < 1.0 {
                 wilson(share, share * (1.0 - share) / (error * error), student(freedom as u64))
@@ -77,8 +81,8 @@ impl Survival {
     }
 }
 
-/// The product, and how many sticks are left, at the upper edge of each bin. A stick cut off in a fine bin counts as having
-/// reached all of it, as with ties there.
+/// The product, and how many sticks are left, at the upper edge of each bin. A stick cut off in a
+/// fine bin counts as having reached all of it, as with ties there.
 fn kaplan_meier(keys: &[i16], counts: &[[u64; 2]], bin_of: impl Fn(i16) -> usize, bins: usize) -> Vec<(f64, u64)> {
     let mut at_risk: u64 = counts.iter().flatten().sum();
     let mut surviving = 1.0;

@@ -210,6 +210,12 @@ impl Totals {
     }
 }
 
+impl Merge for Totals {
+    fn merge(&mut self, other: &Totals) {
+        Totals::merge(self, other);
+    }
+}
+
 impl PhaseSums {
     /// A statistic of the run whose sums these are.
     pub(super) fn measured(&self, statistic: Statistic, timeline: &Timeline, counts: &Counts) -> Measured {
@@ -415,7 +421,8 @@ impl SubPhaseTotals {
         self.censored += other.censored;
     }
 
-    /// Of `paths` paths; `chance` is the number of those that completed a dynamic phase, if they are random.
+    /// Of `paths` paths; `chance` is the number of those that completed a dynamic phase, if they
+    /// are random.
     fn summary(&self, chance: Option<u64>, paths: u64, is_random: bool) -> SubPhaseCounts {
         let counts: Vec<u64> = (0..SUB_PHASE_CAP).map(|k| self.counts.iter().map(|batch| batch[k]).sum()).collect();
         let all: u64 = counts.iter().sum();
@@ -516,7 +523,8 @@ mod tests {
         }
     }
 
-    /// The ends of the interval of a share p are where (p - s)^2 = t^2 e^2 s (1 - s)/(p (1 - p)), either side of it.
+    /// The ends of the interval of a share p are where (p - s)^2 = t^2 e^2 s (1 - s)/(p (1 - p)),
+    /// either side of it.
     fn check_share(e: Estimate, value: f64, error: f64, t: f64) {
         assert!((e.estimate - value).abs() < 1e-9 && (e.standard_error - error).abs() < 1e-9, "{e:?}");
         assert!(0.0 <= e.low && e.low < value && value < e.high && e.high <= 1.0, "{e:?}");
@@ -526,10 +534,12 @@ mod tests {
         }
     }
 
-    /// Durations of 1 to 3 sticks a path, half of the paths repeating the first, drawn from laws whose standard deviations are known.
-    /// Intervals of equal arms about the standard deviation cover 88 to 93 % of them.
+    /// Durations of 1 to 3 sticks a path, half of the paths repeating the first, drawn from laws
+    /// whose standard deviations are known. Intervals of equal arms about the standard deviation
+    /// cover 88 to 93 % of them.
     ///
-    /// Null: the interval covers in 95 % of all ensembles, whatever the law ([`Coverage::assert_95_percent`] has the false-alarm rate).
+    /// Null: the interval covers in 95 % of all ensembles, whatever the law
+    /// ([`Coverage::assert_95_percent`] has the false-alarm rate).
     #[test]
     fn intervals_of_the_standard_deviation_cover_with_few_sticks_a_path_whatever_their_law() {
         let lognormal = LogNormal::new(0.0, 0.5).unwrap();
@@ -634,8 +644,9 @@ mod tests {
         assert_eq!(summary.periods.variance, [8.0, 12.5]);
     }
 
-    /// The interval of a standard deviation is that of Student's t for its reciprocal, 1/sd -+ t error/sd^2, with the degrees of freedom
-    /// that the squares e of the paths, less their mean, leave: 2/freedom = sum e^4/(sum e^2)^2 - 1/m, and m - 1 at most.
+    /// The interval of a standard deviation is that of Student's t for its reciprocal, 1/sd -+ t
+    /// error/sd^2, with the degrees of freedom that the squares e of the paths, less their mean,
+    /// leave: 2/freedom = sum e^4/(sum e^2)^2 - 1/m, and m - 1 at most.
     fn check_spread(e: Estimate, sd: f64, error: f64, squares: &[f64]) {
         assert!((e.estimate - sd).abs() < 1e-9 && (e.standard_error - error).abs() < 1e-9, "{e:?} {sd} {error}");
         let (m, power) = (squares.len() as f64, |k: i32| squares.iter().map(|e| e.powi(k)).sum::<f64>());
@@ -796,6 +807,43 @@ mod tests {
         assert_eq!((fraction.estimate, fraction.standard_error, fraction.low), (1.0, 0.0, 1.0));
         assert_eq!(summary.stick_durations.first_censored, 10);
         assert!(summary.stick_durations.histogram.counts.is_empty());
+    }
+
+    /// Of 4 random paths none slips. Wilson's bound of a share that none of them shows is 3.84/(4 + 3.84) = 0.49;
+    /// what has no bound, such as the number of slips of a path that does slip, has no interval.
+    #[test]
+    fn few_random_paths_that_agree_are_not_certain() {
+        let paths: Vec<Path> = (0..4).map(|_| Path { events: Vec::new(), end: 6.0 }).collect();
+        let rows = [vec![6.0; 4], vec![6.0; 4]];
+        let timeline = Timeline { end: 1000.0, output_step: 1000.0, period: None };
+        let mut totals = observe(&timeline, &Record::NOTHING, 0, &paths, &rows, &[]).totals;
+        totals.counts.is_random = true;
+        let summary = totals.summary();
+        let interval = |statistic| {
+            let e = estimate(&summary, statistic);
+            [e.low, e.high]
+        };
+        let few = 3.841_458_8 / 7.841_458_8;
+        let [low, high] = interval(Statistic::StickingFraction);
+        assert!((low - (1.0 - few)).abs() < 1e-6 && high == 1.0, "{low} {high}");
+        for statistic in [
+            Statistic::SticksPerPath,
+            Statistic::SlipsPerPath,
+            Statistic::FrictionWorkMean,
+            Statistic::DisplacementEndSd,
+        ] {
+            assert_eq!(interval(statistic), [0.0, f64::INFINITY], "{}", statistic.name());
+        }
+        assert_eq!(interval(Statistic::DisplacementEndMean), [f64::NEG_INFINITY, f64::INFINITY]);
+        let sticks = &summary.stick_durations;
+        assert_eq!((sticks.completed_ends, sticks.first_completed), ([0.0, f64::INFINITY], 0));
+        assert!((sticks.first_completed_ends[1] - 4.0 * few).abs() < 1e-5, "{sticks:?}");
+        // At the start every path is at x0, whatever the noise; and all are static, which is not certain of others later.
+        let (bands, x) = (&summary.bands, &summary.bands.displacement);
+        assert_eq!([x.mean_ends.low[0], x.mean_ends.high[0]], [6.0, 6.0]);
+        assert_eq!([x.mean_ends.low[1], x.mean_ends.high[1]], [f64::NEG_INFINITY, f64::INFINITY]);
+        assert_eq!([x.sd_ends.low[1], x.sd_ends.high[1]], [0.0, f64::INFINITY]);
+        assert!((bands.static_probability_ends.low[1] - (1.0 - few)).abs() < 1e-6);
     }
 
     #[test]
