@@ -216,8 +216,8 @@ fn ends(values: &Ordered, level: f64) -> [f64; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::stats::synthetic::model;
-    use rand_distr::{Distribution, Normal};
+    use crate::stats::synthetic::{Coverage, model};
+    use rand_distr::{Distribution, Normal, StandardUniform};
     use rand_pcg::Pcg64Dxsm;
     use rand_pcg::rand_core::SeedableRng;
 
@@ -228,6 +228,42 @@ mod tests {
         let rank = p * (sorted.len() - 1) as f64;
         let (below, above) = (sorted[rank.floor() as usize], sorted[rank.ceil() as usize]);
         below + (above - below) * rank.fract()
+    }
+
+    /// Null: the intervals of mean, standard deviation, upper quartile and static probability at one time cover in 95 % of all
+    /// ensembles of 200 paths, whose x is normal and which are static with probability 0.3
+    /// ([`Coverage::assert_95_percent`] has the false-alarm rate).
+    #[test]
+    fn intervals_at_a_time_cover_what_they_bound() {
+        let timeline = Timeline { end: 1.0, output_step: 1.0, period: None };
+        let mut rng = Pcg64Dxsm::seed_from_u64(39);
+        let law = Normal::new(4.0, 1.5).unwrap();
+        let mut held: [Coverage; 4] = Default::default();
+        for _ in 0..2000 {
+            let mut part = (BandSums::empty(timeline.rows()), BandCounts::empty(&model(), timeline.rows()));
+            let x: Vec<f64> = (0..200).map(|_| law.sample(&mut rng)).collect();
+            let uniform = |rng: &mut Pcg64Dxsm| Distribution::<f64>::sample(&StandardUniform, rng);
+            let is_static: Vec<bool> = x.iter().map(|_| uniform(&mut rng) < 0.3).collect();
+            let snapshot =
+                Snapshot { time: 1.0, displacement: &x, velocity: &x, temperature: &x, is_static: &is_static };
+            part.0.fold(1, &snapshot);
+            part.1.fold(1, &snapshot);
+            let bands = summary(&part.0, &part.1, &timeline, true);
+            let x = &bands.displacement;
+            // The upper quartile of the standard normal law is 0.674490; the fourth level is 3/4, and there are two times.
+            let curves = [
+                (&x.mean_ends, 1, 4.0),
+                (&x.sd_ends, 1, 1.5),
+                (&x.quantile_ends, 3 * 2 + 1, 4.0 + 1.5 * 0.674_490),
+                (&bands.static_probability_ends, 1, 0.3),
+            ];
+            for (held, (ends, point, truth)) in held.iter_mut().zip(curves) {
+                held.count(ends.low[point] <= truth && truth <= ends.high[point]);
+            }
+        }
+        for (held, what) in held.iter().zip(["mean", "standard deviation", "upper quartile", "static probability"]) {
+            held.assert_95_percent(what);
+        }
     }
 
     #[test]

@@ -181,6 +181,7 @@ mod tests {
         let timeline = Timeline { end: 16.0, output_step: 16.0, period: Some(2.5) };
         let mut rng = Pcg64Dxsm::seed_from_u64(1905);
         let (mut drift_held, mut diffusion_held) = (Coverage::default(), Coverage::default());
+        let (mut mean_held, mut variance_held) = (Coverage::default(), Coverage::default());
         let mut mean_estimate = 0.0;
         let ensembles = 2000;
         for _ in 0..ensembles {
@@ -201,10 +202,17 @@ mod tests {
             let d = totals.diffusion_coefficient(&timeline).named(Statistic::DiffusionCoefficient);
             drift_held.count(v.low <= drift && drift <= v.high);
             diffusion_held.count(d.low <= diffusion && diffusion <= d.high);
+            // At the last period, after 15: V t and 2 D t.
+            let PeriodMoments { mean_ends, variance_ends, .. } = totals.summary(&timeline, true);
+            let (mean, variance) = (drift * 15.0, 2.0 * diffusion * 15.0);
+            mean_held.count(mean_ends.low[5] <= mean && mean <= mean_ends.high[5]);
+            variance_held.count(variance_ends.low[5] <= variance && variance <= variance_ends.high[5]);
             mean_estimate += d.estimate / f64::from(ensembles);
         }
         drift_held.assert_95_percent("drift velocity");
         diffusion_held.assert_95_percent("diffusion coefficient");
+        mean_held.assert_95_percent("mean at a period");
+        variance_held.assert_95_percent("variance at a period");
         // Unbiased. The slope of the variances of 400 paths has a relative sd of about 1.3 sqrt(2/400) = 0.09, so the mean
         // over the ensembles is within 4 sd = 4 * 0.09 / sqrt(2000) = 0.8 % but for a false-alarm rate of 6e-5.
         assert!((mean_estimate / diffusion - 1.0).abs() < 0.008, "{mean_estimate}");
