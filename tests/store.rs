@@ -58,9 +58,15 @@ fn a_summary_of_nothing_comes_back() {
         variance_ends: Ends::default(),
     };
     summary.sub_phases.counts = Vec::new();
+    summary.sub_phases.count_ends = Ends::default();
+    summary.sub_phases.shares = Vec::new();
+    summary.sub_phases.share_ends = Ends::default();
     summary.stick_durations.histogram = Histogram { edges: Vec::new(), counts: Vec::new() };
+    summary.stick_durations.count_ends = Ends::default();
     summary.stick_durations.censored_counts = Vec::new();
+    summary.stick_durations.censored_count_ends = Ends::default();
     summary.stick_durations.survival = Vec::new();
+    summary.stick_durations.survival_ends = Ends::default();
     let writer = Writer::create(&target, &header, &EVERYTHING).unwrap();
     writer.finish(&summary, Status::Interrupted).unwrap();
     let stored = read(&target).unwrap();
