@@ -9,11 +9,12 @@ use common::{Keep, paper, timeline};
 use std::collections::HashSet;
 use stick_slip::config::shipped;
 use stick_slip::engine::Replay;
-use stick_slip::model::{Event, InitialNoise, Model, Noise};
+use stick_slip::model::{Event, EventKind, InitialNoise, Model, Noise};
 use stick_slip::scenario::Scenario;
 use stick_slip::scheme::{
     DEFAULT_TOLERANCE, Discretisation, Instant, Kind, Observer, Parameter, Scheme, Simulate as _, Snapshot, Timeline,
 };
+use stick_slip::stats::{BlockObserver, Record};
 
 /// Every scheme, those that have a step with this one.
 fn schemes(step: f64) -> impl Iterator<Item = Scheme> {
@@ -217,5 +218,52 @@ fn a_body_that_shrinks_in_the_heat_does_the_same_on_the_other_side() {
             assert!(a.len() > 5, "{scheme}: {a:?}");
             assert_eq!(seen(a, 1.0), seen(b, -1.0), "{scheme}");
         }
+    }
+}
+
+/// Whatever the scheme, what it tells its observer leads to the counts, times and ways that its events and rows say: sticks and slips that begin at the end of
+/// the burn-in or later, and time and way from there on. The burn-in ends on the output grid, in slips and in sticks.
+#[test]
+fn a_burn_in_leaves_out_the_same_of_every_scheme() {
+    let (model, after, end) = (paper(0.25, 0.25), 20.0, 60.0);
+    let paths: Vec<u64> = (0..100).collect();
+    let line = Timeline { after, ..timeline(end, 20.0) };
+    for scheme in schemes(0.02) {
+        let mut both = (
+            Keep::lanes(paths.len()),
+            BlockObserver::new(&model, &line, &Record { paths: true, ..Record::NOTHING }, &paths),
+        );
+        assert!(scheme.simulation(&model, &line).simulate(8, &paths, &mut both).is_empty());
+        let columns = both.1.finish(0, 100, Vec::new()).path_columns.expect("asked for");
+        let (mut sticking, mut straddling) = (0, 0);
+        for (lane, (events, rows)) in both.0.events.iter().zip(&both.0.rows).enumerate() {
+            let (at_end, at_after) = (rows[3].1, rows[1].1);
+            // Phases as (begin, end, whether static), the last one cut off.
+            let marks: Vec<(f64, bool)> = std::iter::once((0.0, true))
+                .chain(events.iter().filter_map(|event| match event.kind {
+                    EventKind::StickEntered => Some((event.time, true)),
+                    EventKind::SlipStarted(_) => Some((event.time, false)),
+                    EventKind::SubPhaseBoundary(_) => None,
+                }))
+                .collect();
+            let completed = || marks.windows(2).map(|two| (two[0].0, two[1].0, two[0].1));
+            let begun = |is_static: bool| completed().skip(1).filter(move |p| p.2 == is_static && p.0 >= after).count();
+            assert_eq!(columns.sticks[lane] as usize, begun(true), "{scheme}, path {lane}");
+            assert_eq!(columns.slips[lane] as usize, begun(false), "{scheme}, path {lane}");
+            let last = marks[marks.len() - 1];
+            let stick_time: f64 = completed()
+                .chain([(last.0, end, last.1)])
+                .filter(|phase| phase.2)
+                .map(|(from, to, _)| (to - f64::max(from, after)).max(0.0))
+                .sum();
+            assert!((columns.stick_time[lane] - stick_time).abs() < 1e-9, "{scheme}, path {lane}");
+            let later = events.iter().filter(|event| event.time > after).map(|event| event.displacement);
+            let places: Vec<f64> = std::iter::once(at_after).chain(later).chain([at_end]).collect();
+            let way: f64 = places.windows(2).map(|two| (two[1] - two[0]).abs()).sum();
+            let work = model.friction.dynamic_force * way;
+            assert!((columns.friction_work[lane] - work).abs() < 1e-9, "{scheme}, path {lane}");
+            *(if rows[1].4 { &mut sticking } else { &mut straddling }) += 1;
+        }
+        assert!(sticking > 0 && straddling > 3, "{scheme}: {sticking} {straddling}");
     }
 }

@@ -21,13 +21,13 @@ const PATHS: [u64; 2] = [10_000, 2000];
 const SEEDS: std::ops::RangeInclusive<u64> = 201..=220;
 
 fn run(model: &Model, scheme: Scheme, seed: u64, paths: u64) -> Summary {
-    let timeline = Timeline { end: 60.0, output_step: 60.0, period: model.temperature.period() };
+    let timeline = Timeline { end: 60.0, output_step: 60.0, period: model.temperature.period(), after: 0.0 };
     Plan { simulation: scheme.simulation(model, &timeline), record: Record::NOTHING, seed, paths }.run(2)
 }
 
 /// What a run says of its bias.
 fn told(model: &Model, scheme: Scheme, seed: u64, paths: u64) -> Vec<(Statistic, Bias)> {
-    let timeline = Timeline { end: 60.0, output_step: 60.0, period: model.temperature.period() };
+    let timeline = Timeline { end: 60.0, output_step: 60.0, period: model.temperature.period(), after: 0.0 };
     let plan = BiasPlan::new(scheme, model, &timeline, seed, paths).expect("enough paths");
     plan.estimate(&run(model, scheme, seed, paths), 2, &AtomicBool::new(false)).unwrap_or_default()
 }

@@ -441,5 +441,6 @@ fn check_says_what_a_scheme_does_with_the_step() {
     let json = check(&["--scheme", "event-driven", "--json"]);
     let value: serde_json::Value = serde_json::from_str(json.done()).unwrap();
     assert_eq!((value["derived"]["tolerance"].as_f64(), value["derived"]["steps"].is_null()), (Some(1e-3), true));
-    assert_eq!(value["warnings"].as_array().map(Vec::len), Some(0));
+    assert_eq!(value["warnings"].as_array().map(Vec::len), Some(1));
+    assert_eq!(value["warnings"][0]["name"], "few-periods");
 }

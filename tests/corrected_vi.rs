@@ -15,7 +15,7 @@ fn run(h: f64, paths: u64, corrected: bool, statistics: &[Statistic]) -> Vec<(f6
 }
 
 fn estimates(model: Model, h: f64, paths: u64, corrected: bool, statistics: &[Statistic]) -> Vec<(f64, f64)> {
-    let timeline = Timeline { end: 60.0, output_step: 60.0, period: None };
+    let timeline = Timeline { end: 60.0, output_step: 60.0, period: None, after: 0.0 };
     let scheme: Scheme = if corrected { CorrectedVi { step: h }.into() } else { DiscreteVi { step: h }.into() };
     let simulation = scheme.simulation(&model, &timeline);
     let record = Record { paths: false, events: false, trajectories: 0 };
@@ -74,7 +74,7 @@ fn no_slip_starts_against_the_force() {
         let (model, h) = (with_gap(gap), 1.0 / 32.0);
         let shift = monitoring_shift(&model, h);
         assert_eq!(corrected_exit(&model, h), if gap < shift { 1.0 } else { 1.0 + gap - shift });
-        let timeline = Timeline { end: 60.0, output_step: h, period: None };
+        let timeline = Timeline { end: 60.0, output_step: h, period: None, after: 0.0 };
         let mut keep = common::Keep::lanes(64);
         DiscreteSimulation::corrected(&model, &timeline, h).simulate(5, &(0..64).collect::<Vec<_>>(), &mut keep);
         let mut slips = 0;
@@ -102,7 +102,7 @@ fn no_slip_starts_against_the_force() {
 #[test]
 fn the_threshold_is_lowered_for_the_way_out_of_a_stick_and_not_for_the_way_in() {
     let (model, h) = (paper(0.25, 0.25), 0.01);
-    let timeline = Timeline { end: 60.0, output_step: h, period: None };
+    let timeline = Timeline { end: 60.0, output_step: h, period: None, after: 0.0 };
     let mut keep = common::Keep::lanes(64);
     let simulation = DiscreteSimulation::corrected(&model, &timeline, h);
     assert_eq!(simulation.simulate(5, &(0..64).collect::<Vec<_>>(), &mut keep), []);
@@ -159,7 +159,7 @@ fn the_semi_implicit_step_does_not_grow() {
     model.temperature.harmonics.clear();
     model.friction = Friction { static_force: 0.01, dynamic_force: 0.01 };
     model.initial_displacement = 1.4; // A_c = 4 f_d / (pi w0 h K) = 1.27 at h = 0.01
-    let timeline = Timeline { end: 5000.0, output_step: 5000.0, period: None };
+    let timeline = Timeline { end: 5000.0, output_step: 5000.0, period: None, after: 0.0 };
     let mut keep = common::Keep::lanes(1);
     let lost = DiscreteSimulation::corrected(&model, &timeline, 0.01).simulate(1, &[0], &mut keep);
     assert!(lost.is_empty() && keep.rows[0][1].1.abs() <= 0.011, "{:?}", keep.rows);

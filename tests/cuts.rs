@@ -15,9 +15,16 @@ use stick_slip::stats::{
 
 const BLOCKS: u64 = 23;
 
-/// Noise, a few forcing periods, 31 rows; the last block is not full.
+/// Noise, seven forcing periods, a burn-in of more than one of them, 31 rows; the last block is not full.
 fn scenario() -> Scenario {
-    let set = ["time.end=60", "time.step=0.05", "time.output_step=2", "record.paths=false"];
+    let set = [
+        "time.end=60",
+        "time.step=0.05",
+        "time.output_step=2",
+        "record.paths=false",
+        "statistics.after=10",
+        "temperature.harmonics.0.angular_frequency=0.8",
+    ];
     let set: Vec<Override> = set.iter().map(|text| Override::set(text).expect("well formed")).collect();
     let text = stick_slip::config::shipped("rho025").expect("shipped").text;
     let mut scenario = Scenario::parse("rho025", text, &set).expect("sound");
@@ -54,6 +61,10 @@ fn bits(summary: &Summary) -> Vec<u64> {
     }
     all.extend(bands.static_probability.iter().map(|x| x.to_bits()));
     all.extend(summary.periods.mean.iter().chain(&summary.periods.variance).map(|x| x.to_bits()));
+    let transient = summary.transient.expect("a burn-in");
+    all.extend([transient.sticks, transient.slips]);
+    all.extend([transient.displacement.estimate, transient.displacement.high].map(f64::to_bits));
+    all.extend([transient.stick_ends[1], transient.slip_ends[1]].map(f64::to_bits));
     let sticks = &summary.stick_durations;
     all.extend(sticks.histogram.counts.iter().chain(&sticks.censored_counts));
     all.extend(sticks.survival.iter().chain(&sticks.quantiles).chain(&sticks.histogram.edges).map(|x| x.to_bits()));
@@ -168,7 +179,10 @@ fn a_tally_is_folded_in_parallel_to_the_same_bits_and_sees_what_the_program_sees
         }
     }
     let scenario = scenario();
-    let outcome = Run::of(&scenario).threads(2).without_bias().tallied(&Count).expect("no sink");
+    // A tally sees the burn-in as well.
+    let mut whole = scenario.clone();
+    whole.statistics.after = 0.0;
+    let outcome = Run::of(&whole).threads(2).without_bias().tallied(&Count).expect("no sink");
     let program = outcome.summary.estimate(Statistic::SlipsPerPath);
     let own = outcome.tally;
     assert_eq!(own.estimate.to_bits(), program.estimate.to_bits());

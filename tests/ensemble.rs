@@ -17,7 +17,7 @@ use stick_slip::scheme::{DiscreteVi, Scheme, Timeline};
 use stick_slip::stats::{Band, BlockResult, QUANTILE_LEVELS, Record, Statistic, Totals, TrajectoryRows};
 
 fn plan(model: Model, end: f64, h: f64, paths: u64) -> Plan {
-    let timeline = Timeline { end, output_step: end / 10.0, period: model.temperature.period() };
+    let timeline = Timeline { end, output_step: end / 10.0, period: model.temperature.period(), after: 0.0 };
     plan_on(&model, &timeline, h, paths)
 }
 
@@ -197,7 +197,7 @@ fn diverged_paths_are_counted_listed_and_kept_out() {
     };
     model.initial_displacement = 0.0;
     // the amplitude of a path is 6 |v(0)|, v(0) of sd 0.2236; at h = 0.02 the critical one is 0.637: about half are above
-    let timeline = Timeline { end: 3000.0, output_step: 300.0, period: None };
+    let timeline = Timeline { end: 3000.0, output_step: 300.0, period: None, after: 0.0 };
     let plan = plan_on(&model, &timeline, 0.02, 2 * BLOCK_SIZE);
     let all = blocks(&plan, 2);
     let mut totals = Totals::empty(plan.model(), plan.timeline());

@@ -30,7 +30,7 @@ fn run(statistic: Statistic, target: f64, seed: u64, threads: usize) -> Outcome 
 #[test]
 fn the_error_is_the_one_asked_for() {
     const RUNS: f64 = 200.0;
-    let timeline = Timeline { end: END, output_step: END, period: None };
+    let timeline = Timeline { end: END, output_step: END, period: None, after: 0.0 };
     let exact = event_driven_summary(&paper(0.25, 0.25), &timeline, 1e-3, 77, PATHS);
     for (statistic, share) in [(Statistic::DisplacementEndMean, 0.5), (Statistic::FrictionWorkMean, 0.3)] {
         let (truth, truth_error) = estimate(&exact, statistic);

@@ -39,19 +39,23 @@ run biased rho025 --paths 10000 \
     --set units.time=s --set units.length=mm --set units.force=N --set units.temperature=K
 target/venv/bin/python tests/python/recompute.py --bias "$folder/biased.h5"
 
-# Every scheme with all that can be recorded of all its paths, on a grid that passes through the ends of the forcing periods, 12.5; the schemes with a step with
-# every step. Two blocks, a seed that is no default, one path of each replayed.
+# Every scheme with all that can be recorded of all its paths, on a grid that passes through the ends of the forcing periods, 12.5, and of the burn-in; the schemes
+# with a step with every step. Two blocks, a seed that is no default, one path of each replayed.
 recomputed=$(mktemp -d -p "$folder")
+recompute() { # NAME ARGUMENTS...
+    run "${recomputed##*/}/$1" rho025 "${@:2}" --seed 4711 \
+        --set temperature.harmonics.0.angular_frequency=0.5026548245743669 \
+        --set record.events=true --set record.trajectories=768 \
+        --set units.time=s --set units.length=mm --set units.force=N --set units.temperature=K
+    cargo run --release --quiet --bin mc -- replay "$recomputed/$1.h5" --path 271 -o "$recomputed/one.h5" --force >"$folder/messages" 2>&1
+    target/venv/bin/python tests/python/recompute.py "$recomputed/$1.h5" "$recomputed/one.h5"
+}
 for scheme in discrete-vi corrected-vi event-driven quasi-static; do
     case $scheme in
         discrete-vi) grid=(--step 0.05 --set time.output_step=0.05 --paths 768) ;; # the bias of its step is estimated
         corrected-vi) grid=(--step 0.05 --set time.output_step=0.05 --paths 300 --no-bias) ;;
         *) grid=(--set time.output_step=0.5 --paths 300 --no-bias) ;;
     esac
-    run "${recomputed##*/}/$scheme" rho025 --scheme "$scheme" "${grid[@]}" --seed 4711 --until 50 \
-        --set temperature.harmonics.0.angular_frequency=0.5026548245743669 \
-        --set record.events=true --set record.trajectories=768 \
-        --set units.time=s --set units.length=mm --set units.force=N --set units.temperature=K
-    cargo run --release --quiet --bin mc -- replay "$recomputed/$scheme.h5" --path 271 -o "$recomputed/one.h5" --force >"$folder/messages" 2>&1
-    target/venv/bin/python tests/python/recompute.py "$recomputed/$scheme.h5" "$recomputed/one.h5"
+    recompute "$scheme" --scheme "$scheme" "${grid[@]}" --until 50
+    recompute "$scheme-late" --scheme "$scheme" "${grid[@]}" --until 75 --set statistics.after=20
 done

@@ -36,6 +36,8 @@ pub struct Derived {
     pub forcing_period: Option<f64>,
     /// Whole forcing periods up to the end.
     pub whole_periods: f64,
+    /// Whole forcing periods that are counted: from the end of the first one, or of the burn-in, on.
+    pub counted_periods: usize,
     /// Steps of one path, if there are steps.
     pub steps: Option<u64>,
     /// Steps of all paths together.
@@ -72,6 +74,7 @@ impl Scenario {
             expected_amplitude: expected_amplitude(&self.model, self.time.end, self.scheme.step()),
             forcing_period: period,
             whole_periods: period.map_or(0.0, |period| (self.time.end / period * (1.0 + 1e-9)).floor()),
+            counted_periods: self.timeline().counted_periods(),
             steps,
             path_steps: steps.map(|steps| self.ensemble.paths as f64 * steps as f64),
             rows: self.timeline().rows(),

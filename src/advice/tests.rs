@@ -128,14 +128,15 @@ fn derived_quantities_of_the_noisy_scene() {
     assert!((derived.corridor_half_width.unwrap() - 0.8 * 2f64.sqrt()).abs() < 1e-15);
     assert!((derived.corridor_time.unwrap() - 0.64).abs() < 1e-15);
     assert_eq!((derived.whole_periods, derived.steps, derived.rows), (2.0, Some(6000), 121));
+    assert_eq!(derived.counted_periods, 1);
     assert_eq!(derived.path_steps, Some(6e7));
 }
 
 #[test]
 fn warnings_say_what_the_scene_is_about() {
     let names = |set: &[&str]| base(set).warnings().iter().map(Warning::name).collect::<Vec<_>>();
-    assert_eq!(names(&[]), ["stick-exit-bias"]);
-    assert_eq!(names(&["friction.static=1"]), ["equal-friction"]);
+    assert_eq!(names(&["time.end=110"]), ["stick-exit-bias"]);
+    assert_eq!(names(&["time.end=110", "friction.static=1"]), ["equal-friction"]);
     assert!(names(&["time.step=0.2", "time.output_step=0.2"]).contains(&"amplitude-above-critical"));
     assert!(names(&["time.step=0.25"]).contains(&"step-against-corridor"));
     assert!(names(&["time.step=0.02"]).contains(&"micro-slips"));
@@ -144,10 +145,9 @@ fn warnings_say_what_the_scene_is_about() {
     assert!(names(&["temperature.noise.relaxation_rate=1000"]).contains(&"step-against-noise"));
     assert!(names(&["temperature.harmonics.0.angular_frequency=100"]).contains(&"step-against-forcing"));
     assert!(names(&["oscillator.stiffness=1e4"]).contains(&"step-against-oscillator"));
-    assert_eq!(names(&["temperature.noise.intensity=0"]), ["identical-paths"]);
-    assert_eq!(names(&["friction.static=1000"]), ["never-slips"]);
+    assert_eq!(names(&["time.end=110", "temperature.noise.intensity=0"]), ["identical-paths"]);
+    assert_eq!(names(&["time.end=110", "friction.static=1000"]), ["never-slips"]);
     assert!(names(&["oscillator.dilatation=0"]).contains(&"no-dilatation"));
-    assert!(names(&["time.end=30"]).contains(&"few-periods"));
     assert!(names(&["temperature.harmonics.0.angular_frequency=1e5"]).contains(&"many-periods"));
     assert!(names(&["ensemble.paths=100000000"]).contains(&"large-output"));
 }
@@ -155,7 +155,7 @@ fn warnings_say_what_the_scene_is_about() {
 #[test]
 fn warnings_are_those_of_the_scheme() {
     let names = |kind: &str, set: &[&str]| {
-        let scenario = base(&[&[&*format!("scheme.kind={kind}")], set].concat());
+        let scenario = base(&[&[&*format!("scheme.kind={kind}"), "time.end=110"], set].concat());
         scenario.warnings().iter().map(Warning::name).collect::<Vec<_>>()
     };
     assert_eq!(names("corrected-vi", &[]), ["corrected-bias"]);
@@ -192,6 +192,29 @@ fn warnings_are_those_of_the_scheme() {
     };
     // Days and years come round together after four years, and the run is 300 days long.
     assert_eq!((viaduct("event-driven"), viaduct("quasi-static")), (vec!["few-periods"], vec!["few-periods"]));
+}
+
+/// The forcing period is 25.13, and the first one of a run is not counted.
+#[test]
+fn a_drift_takes_three_forcing_periods_after_the_first_one_and_after_the_burn_in() {
+    let few = |set: &[&str]| {
+        let warnings = base(set).warnings();
+        let few = warnings.iter().find(|warning| warning.name() == "few-periods")?;
+        Some(few.to_string())
+    };
+    assert_eq!(few(&["time.end=101"]), None);
+    assert_eq!(few(&["time.end=126", "statistics.after=50"]), None);
+    for (set, says) in [
+        (&["time.end=100"][..], "rest on 2 whole forcing periods"),
+        (&[], "rest on 1 whole forcing period, the first of the run left out"),
+        (&["time.end=50"], "no whole forcing period is counted"),
+        (&["time.end=125", "statistics.after=50"], "rest on 2 whole forcing periods"),
+        (&["time.end=126", "statistics.after=51"], "`time.end` = 151 or more"),
+        (&["time.end=126", "statistics.after=101"], "no whole forcing period is counted"),
+    ] {
+        let text = few(set).unwrap_or_else(|| panic!("{set:?}"));
+        assert!(text.contains(says), "{set:?}: {text}");
+    }
 }
 
 proptest! {

@@ -123,7 +123,7 @@ impl Differences {
         let sampling = STUDENT * error(&|y| y.bias(p, weight));
         let grid = match statistic {
             // Fewer sticks, and longer ones: what is left of the two is no larger than half a step for each stick.
-            Statistic::StickingFraction => 0.5 * self.h * sticks / self.timeline.end,
+            Statistic::StickingFraction => 0.5 * self.h * sticks / self.timeline.counted(),
             _ => 0.0,
         };
         let missed = all.model_error(p, unseen(statistic, self.noise_to_gap()), STUDENT * second_term_error);

@@ -97,7 +97,12 @@ pub(super) fn leading_order(statistic: Statistic, levels: Levels) -> f64 {
             | Statistic::DisplacementEndSd
             | Statistic::DriftVelocity
             | Statistic::DiffusionCoefficient
+            | Statistic::PeriodDisplacementMean
+            | Statistic::PeriodDisplacementSd
+            | Statistic::PeriodDisplacementCorrelation
+            | Statistic::PhaseDisplacementSd
             | Statistic::FrictionWorkMean
+            | Statistic::SlidingPathRate
     );
     if is_of_displacement && levels.observed_order() > 0.75 { 1.0 } else { 0.5 }
 }

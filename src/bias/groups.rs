@@ -108,7 +108,7 @@ mod tests {
     #[test]
     fn differences_of_steps_scatter_as_the_jackknife_says() {
         let model = paper(0.25, 0.25);
-        let timeline = Timeline { end: 30.0, output_step: 30.0, period: None };
+        let timeline = Timeline { end: 30.0, output_step: 30.0, period: None, after: 0.0 };
         for statistic in [Statistic::StickDurationMean, Statistic::SticksPerPath] {
             let i = statistic.index();
             let differences: Vec<(f64, f64)> = (0..400)

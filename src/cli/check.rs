@@ -82,6 +82,7 @@ fn derived(scenario: &Scenario) -> Vec<(&'static str, String)> {
         expected_amplitude,
         forcing_period,
         whole_periods,
+        counted_periods,
         steps,
         path_steps,
         rows,
@@ -116,6 +117,7 @@ fn derived(scenario: &Scenario) -> Vec<(&'static str, String)> {
     lines.push(("largest |x| to be expected, roughly", significant(expected_amplitude, 2)));
     lines.push(("2 pi/w, forcing period", optional(forcing_period, "none")));
     lines.push(("whole forcing periods", number(whole_periods)));
+    lines.push(("whole forcing periods that are counted", grouped(counted_periods as u64)));
     let none = || format!("none; the {} scheme does not use time.step", scenario.scheme.name());
     lines.push(("steps of a path", steps.map_or_else(none, grouped)));
     lines.extend(path_steps.map(|steps| ("path-steps in all", significant(steps, 3))));
@@ -149,6 +151,7 @@ struct JsonDerived {
     expected_amplitude: f64,
     forcing_period: Option<f64>,
     whole_periods: f64,
+    counted_periods: usize,
     steps: Option<u64>,
     path_steps: Option<f64>,
     rows: usize,
@@ -191,6 +194,7 @@ fn json(path: &str, scenario: &Scenario) -> String {
             expected_amplitude: d.expected_amplitude,
             forcing_period: d.forcing_period,
             whole_periods: d.whole_periods,
+            counted_periods: d.counted_periods,
             steps: d.steps,
             path_steps: d.path_steps,
             rows: d.rows,

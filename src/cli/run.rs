@@ -129,6 +129,9 @@ impl Run {
         if let Some(line) = report::lost(summary, &info).filter(|_| self.json || self.quiet) {
             note(&format!("warning: {line}"));
         }
+        if let Some(line) = report::unsettled(summary).filter(|_| self.json || self.quiet) {
+            note(&format!("warning: {line}"));
+        }
         results::warn_of_bias(summary);
         let missed = outcome.missed.iter().map(|missed| ending::missed(missed, missed.paths_needed()));
         let broken = decision.and_then(|decision| accuracy::missed(&decision, summary.completed_paths));

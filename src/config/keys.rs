@@ -67,12 +67,25 @@ pub(super) const STEP: Key = key("step", "h", "time step", Range::Positive);
 pub(super) const OUTPUT_STEP: Key = key("output_step", "", "spacing of the output grid", Range::Positive);
 pub(super) const TOLERANCE: Key =
     key("tolerance", "", "relative error that discretisation may leave", Range::Tolerance);
+pub(super) const AFTER: Key = key("after", "", "statistics count from this time on", Range::NonNegative);
 
 /// The tables and the keys of each, in the order of a resolved scenario.
-pub(super) const TABLES: [(&str, &[&str]); 12] = [
+pub(super) const TABLES: [(&str, &[&str]); 13] = [
     (
         "",
-        &["title", "oscillator", "friction", "temperature", "initial", "time", "scheme", "ensemble", "record", "units"],
+        &[
+            "title",
+            "oscillator",
+            "friction",
+            "temperature",
+            "initial",
+            "time",
+            "scheme",
+            "statistics",
+            "ensemble",
+            "record",
+            "units",
+        ],
     ),
     ("oscillator", &["mass", "stiffness", "damping", "dilatation"]),
     ("friction", &["static", "dynamic"]),
@@ -82,6 +95,7 @@ pub(super) const TABLES: [(&str, &[&str]); 12] = [
     ("initial", &["displacement"]),
     ("time", &["end", "step", "output_step"]),
     ("scheme", &["kind", "tolerance"]),
+    ("statistics", &["after"]),
     ("ensemble", &["paths", "seed"]),
     ("record", &["paths", "events", "trajectories"]),
     ("units", &["time", "length", "force", "temperature"]),
@@ -93,7 +107,7 @@ pub(super) fn of_table(table: &str) -> &'static [&'static str] {
 }
 
 /// What people write for a key: the paper's symbols and common synonyms.
-const SYNONYMS: [(&str, &str); 26] = [
+const SYNONYMS: [(&str, &str); 29] = [
     ("m", "oscillator.mass"),
     ("k", "oscillator.stiffness"),
     ("alpha", "oscillator.damping"),
@@ -118,6 +132,9 @@ const SYNONYMS: [(&str, &str); 26] = [
     ("until", "time.end"),
     ("h", "time.step"),
     ("dt", "time.step"),
+    ("burn_in", "statistics.after"),
+    ("burnin", "statistics.after"),
+    ("warmup", "statistics.after"),
     ("n", "ensemble.paths"),
     ("epsilon", "scheme.tolerance"),
 ];

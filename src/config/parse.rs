@@ -1,5 +1,6 @@
 //! Keys -> a checked scenario. What leaves this file is finite, in range, and can be computed with.
 
+use super::blame::blame;
 use super::error::Fault;
 use super::fields::Fields;
 use super::keys;
@@ -7,7 +8,7 @@ use super::physics::model;
 use super::source::Sources;
 use super::time::scheme_and_time;
 use super::tree;
-use crate::scenario::{Ensemble, MAX_PATHS, MAX_TRAJECTORIES, Scenario, Units};
+use crate::scenario::{Ensemble, MAX_PATHS, MAX_TRAJECTORIES, Scenario, Statistics, Units};
 use crate::stats::Record;
 
 /// Paths of a scenario that does not say how many.
@@ -23,6 +24,9 @@ pub(super) fn scenario(sources: &Sources<'_>, default_title: &str) -> Result<Sce
     refuse_unknown_keys(&root)?;
     let model = model(sources, &root)?;
     let (scheme, time) = scheme_and_time(sources, &root, &model)?;
+    // 0.0, never -0.0.
+    let statistics = Statistics { after: root.table("statistics")?.number_or(keys::AFTER, 0.0)?.value.abs() };
+    statistics.check(time.end).map_err(|misfit| blame(sources, &root, &misfit))?;
     let ensemble = root.table("ensemble")?;
     let record = root.table("record")?;
     let units = root.table("units")?;
@@ -31,6 +35,7 @@ pub(super) fn scenario(sources: &Sources<'_>, default_title: &str) -> Result<Sce
         model,
         time,
         scheme,
+        statistics,
         ensemble: Ensemble {
             paths: ensemble.whole_or("paths", DEFAULT_PATHS, (1, MAX_PATHS))?,
             seed: ensemble.whole_or("seed", DEFAULT_SEED, (0, u64::MAX))?,

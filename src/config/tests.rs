@@ -362,6 +362,30 @@ fn the_caret_stands_under_the_value() {
 }
 
 #[test]
+fn a_burn_in_is_zero_or_ends_before_the_run() {
+    let with = |set: &str| Scenario::parse("x", shipped("rho025").unwrap().text, &[Override::set(set).unwrap()]);
+    assert_eq!(Scenario::shipped("rho025").unwrap().statistics.after, 0.0);
+    let later = with("statistics.after=25.5").unwrap();
+    assert_eq!((later.statistics.after, later.timeline().after), (25.5, 25.5));
+    assert_eq!(Scenario::parse("again", &later.to_toml(), &[]).unwrap(), later);
+    assert_eq!(with("statistics.after=-0.0").unwrap().statistics.after.to_bits(), 0);
+    for (set, says) in [
+        ("statistics.after=60", "`statistics.after` = 60.0 leaves nothing to count before `time.end` = 60.0"),
+        ("statistics.after=-1", "0 or above"),
+        ("statistics.after=inf", "is not finite"),
+        ("statistics.after=nan", "is not a number"),
+        ("statistics.until=1", "`statistics` takes after"),
+        ("burn_in=1", "did you mean `statistics.after`?"),
+    ] {
+        let message = with(set).unwrap_err().to_string();
+        assert!(message.contains(says) && message.contains("fix: "), "{set}: {message}");
+    }
+    // A run of no duration has nothing to leave out.
+    let none = [Override::set("time.end=0").unwrap(), Override::set("statistics.after=0").unwrap()];
+    assert!(Scenario::parse("x", shipped("rho025").unwrap().text, &none).is_ok());
+}
+
+#[test]
 fn every_key_is_documented() {
     let page = include_str!("../../docs/scenario.md");
     for (table, names) in keys::TABLES.iter().skip(1) {

@@ -8,7 +8,7 @@ use std::fmt::Write as _;
 
 /// The text of a scenario. Numbers are the shortest decimals that read back as the same double.
 pub(super) fn resolved(scenario: &Scenario) -> String {
-    let Scenario { title, model, time, scheme, ensemble, record, units } = scenario;
+    let Scenario { title, model, time, scheme, statistics, ensemble, record, units } = scenario;
     let mut text = format!("title = {}\n", string(title));
     physics(&mut text, model);
     let Time { end, output_step } = *time;
@@ -24,6 +24,8 @@ pub(super) fn resolved(scenario: &Scenario) -> String {
     if let Some(tolerance) = scheme.tolerance() {
         number(&mut text, keys::TOLERANCE, tolerance);
     }
+    table(&mut text, "statistics");
+    number(&mut text, keys::AFTER, statistics.after);
     table(&mut text, "ensemble");
     line(&mut text, "paths", &ensemble.paths.to_string(), "number of paths");
     line(&mut text, "seed", &ensemble.seed.to_string(), "with the number of a path, determines its noise");

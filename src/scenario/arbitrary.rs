@@ -1,6 +1,6 @@
 //! Sound scenarios at random, for tests.
 
-use super::{Ensemble, MAX_PATHS, MAX_TRAJECTORIES, Scenario, Time, Units};
+use super::{Ensemble, MAX_PATHS, MAX_TRAJECTORIES, Scenario, Statistics, Time, Units};
 use crate::model::{Friction, Harmonic, InitialNoise, Model, Noise, Oscillator, Temperature};
 use crate::scheme::{Kind, monitoring_shift};
 use crate::stats::Record;
@@ -50,6 +50,7 @@ prop_compose! {
         title in label(),
         model in model(),
         (step, steps, stride) in (size(), 0..10_000u32, 1..10_000u32),
+        burn_in in prop_oneof![Just(0.0), 0.0..1.0f64],
         (kind, tolerance) in (0..Kind::ALL.len(), 1e-9..=0.1f64),
         (paths, seed) in (1..=MAX_PATHS, any::<u64>()),
         (keep_paths, events, trajectories) in (any::<bool>(), any::<bool>(), 0..=MAX_TRAJECTORIES),
@@ -66,6 +67,7 @@ prop_compose! {
             model,
             time: Time { end: f64::from(steps) * step, output_step: f64::from(stride) * step },
             scheme,
+            statistics: Statistics { after: burn_in * f64::from(steps) * step },
             ensemble: Ensemble { paths, seed },
             record: Record { paths: keep_paths, events, trajectories },
             units: Units { time, length, force, temperature },

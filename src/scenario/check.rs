@@ -1,22 +1,23 @@
 //! Whether values can be computed with together. The range of each value alone is a matter of
 //! whoever reads it.
 
-use super::Scenario;
 use super::time::check_end;
+use super::{Scenario, Statistics};
 use crate::model::{Friction, LARGEST, Model, Noise, can_be_computed_with};
 use crate::scheme::{Misfit, Scheme, divergence_bound};
 
 impl Scenario {
     /// Whether its values go together, each of which is in its range.
     pub fn check(&self) -> Result<(), Misfit> {
-        let Scenario { model, time, scheme, .. } = self;
+        let Scenario { model, time, scheme, statistics, .. } = self;
         friction(&model.friction)?;
         model.temperature.noise.as_ref().map_or(Ok(()), noise)?;
         forces(model)?;
         reach(model, time.end)?;
         check_end(*scheme, time.end)?;
         scheme.check(model, time.end)?;
-        time.check_rows(*scheme)
+        time.check_rows(*scheme)?;
+        statistics.check(time.end)
     }
 
     /// The same question answered by another scheme; an error where its step, or its tolerance,
@@ -25,6 +26,19 @@ impl Scenario {
         let changed = Scenario { scheme: scheme.into(), ..self.clone() };
         changed.check()?;
         Ok(changed)
+    }
+}
+
+impl Statistics {
+    /// after < t_end, unless there is no burn-in.
+    pub(crate) fn check(&self, end: f64) -> Result<(), Misfit> {
+        let after = self.after;
+        if after == 0.0 || after < end {
+            return Ok(());
+        }
+        let problem = format!("`statistics.after` = {after:?} leaves nothing to count before `time.end` = {end:?}");
+        let remedy = "lower `statistics.after`, or raise `time.end` to some forcing periods beyond it";
+        Err(Misfit::new(&[("statistics.after", after), ("time.end", end)], problem, remedy))
     }
 }
 

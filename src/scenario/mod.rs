@@ -2,7 +2,7 @@
 //! that answers it.
 //!
 //! ```text
-//! Scenario   title, Model, Time, Scheme, Ensemble, Record, Units
+//! Scenario   title, Model, Time, Scheme, Statistics, Ensemble, Record, Units
 //! time       duration and output grid, and whether they go with a scheme's step
 //! check      whether all of it goes together
 //! plan       the ensemble that answers it, and the simulations that tell the error of its step
@@ -39,12 +39,22 @@ pub struct Scenario {
     pub time: Time,
     /// How it is simulated.
     pub scheme: Scheme,
+    /// What of a path is counted.
+    pub statistics: Statistics,
     /// How many paths, from which seed.
     pub ensemble: Ensemble,
     /// What is kept of single paths.
     pub record: Record,
     /// Labels, used in tables and attributes only.
     pub units: Units,
+}
+
+/// What of a path is counted in its statistics.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Statistics {
+    /// The time from which on it is: 0 <= after < t_end, or 0. What was before is a burn-in, which
+    /// lets the motion forget where it began.
+    pub after: f64,
 }
 
 /// How many paths, from which seed.

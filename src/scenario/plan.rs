@@ -1,18 +1,19 @@
 //! From a question to the ensemble that answers it.
 
-use super::Scenario;
 use super::limits::MAX_PERIODS;
+use super::{Scenario, Time};
 use crate::bias::{BiasPlan, NoBias};
 use crate::ensemble::Plan;
 use crate::scheme::{Resolution, Timeline};
 
 impl Scenario {
-    /// When the paths are observed. The forcing period is that of the first harmonic with a
-    /// frequency above zero, unless there would be more than [`MAX_PERIODS`] of them.
+    /// When the paths are observed. The forcing period is the one that all harmonics share, unless
+    /// there would be more than [`MAX_PERIODS`] of them.
     pub fn timeline(&self) -> Timeline {
         let few = |period: &f64| self.time.end / period <= MAX_PERIODS as f64;
         let period = self.model.temperature.period().filter(few);
-        Timeline { end: self.time.end, output_step: self.time.output_step, period }
+        let Time { end, output_step } = self.time;
+        Timeline { end, output_step, period, after: self.statistics.after }
     }
 
     /// Number of steps of a path, if the scheme has steps.

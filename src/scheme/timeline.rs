@@ -1,4 +1,5 @@
-//! When a simulation is looked at: the output grid, the whole forcing periods, the end.
+//! When a simulation is looked at: the output grid, the whole forcing periods, the end of the
+//! burn-in, the end.
 
 /// The instants at which every path is observed.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -9,6 +10,8 @@ pub struct Timeline {
     pub output_step: f64,
     /// P: the forcing period, if there is one.
     pub period: Option<f64>,
+    /// Statistics count from this time on: 0 <= after < t_end, or 0.
+    pub after: f64,
 }
 
 /// Why the paths are looked at.
@@ -18,6 +21,8 @@ pub enum Instant {
     Output(usize),
     /// The end of forcing period `n` = 1, 2, ..., t = n P.
     Period(usize),
+    /// The end of the burn-in, if there is one: t = after.
+    Counting,
     /// t_end.
     End,
 }
@@ -35,6 +40,9 @@ pub struct Stop {
 const END_TOLERANCE: f64 = 1e-9;
 
 impl Timeline {
+    /// From fewer whole forcing periods nothing tells a lasting drift from what is left of the start.
+    pub const FEWEST_PERIODS: usize = 3;
+
     /// The same with no row but the first.
     pub fn without_rows(&self) -> Self {
         Timeline { output_step: 2.0 * self.end, ..*self }
@@ -55,28 +63,47 @@ impl Timeline {
         self.period.map_or(0, |p| whole(self.end, p))
     }
 
-    /// All stops in time order; at equal times, output before period before end.
+    /// Number of the first forcing period n >= 1 whose end, n P, is counted.
+    pub fn first_period(&self) -> usize {
+        let passed = self.period.map_or(0.0, |p| (self.after / p * (1.0 - END_TOLERANCE)).ceil());
+        (passed as usize).max(1)
+    }
+
+    /// Number of whole forcing periods that are counted: from the first instant at which one ends
+    /// to the last one.
+    pub fn counted_periods(&self) -> usize {
+        self.periods().saturating_sub(self.first_period())
+    }
+
+    /// How much time is counted.
+    pub fn counted(&self) -> f64 {
+        self.end - self.after
+    }
+
+    /// All stops in time order; at equal times, output before period before counting before end.
     pub fn stops(&self) -> impl Iterator<Item = Stop> + use<> {
         let this = *self;
         let (rows, periods) = (this.rows(), this.periods());
-        let (mut k, mut n, mut ended) = (0, 1, false);
+        let (mut k, mut n, mut counts, mut ended) = (0, 1, this.after == 0.0, false);
         std::iter::from_fn(move || {
-            let output = (k < rows).then(|| this.output_time(k));
-            let period = (n <= periods).then(|| (n as f64 * this.period.unwrap_or(0.0)).min(this.end));
-            match (output, period) {
-                (Some(t), p) if p.is_none_or(|p| t <= p) => {
-                    k += 1;
-                    Some(Stop { time: t, instant: Instant::Output(k - 1) })
-                }
-                (_, Some(t)) => {
-                    n += 1;
-                    Some(Stop { time: t, instant: Instant::Period(n - 1) })
-                }
-                _ if !ended => {
-                    ended = true;
-                    Some(Stop { time: this.end, instant: Instant::End })
-                }
-                _ => None,
+            let never = f64::INFINITY;
+            let output = if k < rows { this.output_time(k) } else { never };
+            let period = if n <= periods { (n as f64 * this.period.unwrap_or(0.0)).min(this.end) } else { never };
+            let after = if counts { never } else { this.after };
+            if output <= period && output <= after && output <= this.end {
+                k += 1;
+                Some(Stop { time: output, instant: Instant::Output(k - 1) })
+            } else if period <= after && period <= this.end {
+                n += 1;
+                Some(Stop { time: period, instant: Instant::Period(n - 1) })
+            } else if !counts {
+                counts = true;
+                Some(Stop { time: this.after, instant: Instant::Counting })
+            } else if !ended {
+                ended = true;
+                Some(Stop { time: this.end, instant: Instant::End })
+            } else {
+                None
             }
         })
     }
@@ -89,4 +116,43 @@ impl Timeline {
 /// The largest n with n * part <= total, rounding forgiven.
 fn whole(total: f64, part: f64) -> usize {
     (total / part * (1.0 + END_TOLERANCE)).floor() as usize
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn stops_come_in_time_order_and_the_end_of_the_burn_in_is_one_of_them_where_there_is_one() {
+        let line = Timeline { end: 7.0, output_step: 3.0, period: Some(2.0), after: 0.0 };
+        let stops = |line: Timeline| line.stops().map(|stop| (stop.time, stop.instant)).collect::<Vec<_>>();
+        use Instant::{Counting, End, Output, Period};
+        let without = [
+            (0.0, Output(0)),
+            (2.0, Period(1)),
+            (3.0, Output(1)),
+            (4.0, Period(2)),
+            (6.0, Output(2)),
+            (6.0, Period(3)),
+            (7.0, End),
+        ];
+        assert_eq!(stops(line), without);
+        for (after, place) in [(1.0, 1), (2.0, 2), (5.0, 4), (6.0, 6), (6.5, 6)] {
+            let mut with = without.to_vec();
+            with.insert(place, (after, Counting));
+            assert_eq!(stops(Timeline { after, ..line }), with, "{after}");
+        }
+        let nothing = Timeline { end: 0.0, output_step: 1.0, period: Some(2.0), after: 0.0 };
+        assert_eq!(stops(nothing), [(0.0, Output(0)), (0.0, End)]);
+    }
+
+    #[test]
+    fn periods_count_from_the_end_of_the_first_one_or_of_the_burn_in() {
+        let line = |after| Timeline { end: 60.0, output_step: 60.0, period: Some(0.1), after };
+        let counted = |after| (line(after).first_period(), line(after).counted_periods());
+        assert_eq!((counted(0.0), counted(0.1), counted(0.25)), ((1, 599), (1, 599), (3, 597)));
+        // 3 * 0.1 is 0.30000000000000004.
+        assert_eq!((counted(0.3), counted(59.95)), ((3, 597), (600, 0)));
+        assert_eq!(Timeline { period: None, ..line(1.0) }.counted_periods(), 0);
+    }
 }

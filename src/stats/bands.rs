@@ -268,7 +268,7 @@ mod tests {
 
     #[test]
     fn bands_merged_over_blocks_are_those_of_all_paths_at_once() {
-        let timeline = Timeline { end: 1.0, output_step: 1.0, period: None };
+        let timeline = Timeline { end: 1.0, output_step: 1.0, period: None, after: 0.0 };
         let normal = Normal::new(4.0, 1.5).unwrap();
         let mut rng = Pcg64Dxsm::seed_from_u64(3);
         // 5000 paths, two fifths of which have not left x0 = 6.

@@ -21,27 +21,37 @@ pub enum Statistic {
     SubPhasesMean,
     /// Share of completed dynamic phases with k(j) >= 2.
     SubPhasesMultipleShare,
-    /// Share of [0, t_end] spent static, the first and the last stick included.
+    /// Share of the time that is counted, [after, t_end], spent static, the first and the last stick included.
     StickingFraction,
     /// Mean of x(t_end).
     DisplacementEndMean,
     /// Standard deviation of x(t_end).
     DisplacementEndSd,
-    /// Slope of E x(nP) over the whole forcing periods n >= 1.
+    /// Slope of E x(nP) over the whole forcing periods n >= 1 from `after` on.
     DriftVelocity,
-    /// Half the slope of Var x(nP) over the whole forcing periods n >= 1.
+    /// Half the slope of Var x(nP) over the whole forcing periods n >= 1 from `after` on.
     DiffusionCoefficient,
+    /// Mean of u_n = x((n + 1)P) - x(nP) over the same n.
+    PeriodDisplacementMean,
+    /// Standard deviation of u_n over paths and periods.
+    PeriodDisplacementSd,
+    /// Correlation of u_n and u_{n+1}.
+    PeriodDisplacementCorrelation,
+    /// Standard deviation of x(nP) over the paths, root mean square over the same n.
+    PhaseDisplacementSd,
     /// Mean of x_{j+1} - x_j over completed dynamic phases.
     JumpMean,
     /// Mean of |x_{j+1} - x_j| over completed dynamic phases.
     JumpAbsMean,
-    /// Mean over paths of the friction work, integral of f_d |x'| dt over [0, t_end].
+    /// Mean over paths of the friction work, integral of f_d |x'| dt over [after, t_end].
     FrictionWorkMean,
+    /// Mean over paths of the sliding path, integral of |x'| dt, per unit of time of [after, t_end].
+    SlidingPathRate,
 }
 
 impl Statistic {
     /// Every statistic, in the order of tables and files.
-    pub const ALL: [Statistic; 16] = [
+    pub const ALL: [Statistic; 21] = [
         Statistic::StickDurationMean,
         Statistic::StickDurationSd,
         Statistic::StickDurationMedian,
@@ -55,9 +65,14 @@ impl Statistic {
         Statistic::DisplacementEndSd,
         Statistic::DriftVelocity,
         Statistic::DiffusionCoefficient,
+        Statistic::PeriodDisplacementMean,
+        Statistic::PeriodDisplacementSd,
+        Statistic::PeriodDisplacementCorrelation,
+        Statistic::PhaseDisplacementSd,
         Statistic::JumpMean,
         Statistic::JumpAbsMean,
         Statistic::FrictionWorkMean,
+        Statistic::SlidingPathRate,
     ];
 
     /// Its place in [`Statistic::ALL`].
@@ -86,9 +101,14 @@ impl Statistic {
             Statistic::DisplacementEndSd => "displacement_end_sd",
             Statistic::DriftVelocity => "drift_velocity",
             Statistic::DiffusionCoefficient => "diffusion_coefficient",
+            Statistic::PeriodDisplacementMean => "period_displacement_mean",
+            Statistic::PeriodDisplacementSd => "period_displacement_sd",
+            Statistic::PeriodDisplacementCorrelation => "period_displacement_correlation",
+            Statistic::PhaseDisplacementSd => "phase_displacement_sd",
             Statistic::JumpMean => "jump_mean",
             Statistic::JumpAbsMean => "jump_abs_mean",
             Statistic::FrictionWorkMean => "friction_work_mean",
+            Statistic::SlidingPathRate => "sliding_path_rate",
         }
     }
 
@@ -103,12 +123,16 @@ impl Statistic {
             | Statistic::SlipsPerPath
             | Statistic::SubPhasesMean
             | Statistic::SubPhasesMultipleShare
-            | Statistic::StickingFraction => Dimension::ONE,
+            | Statistic::StickingFraction
+            | Statistic::PeriodDisplacementCorrelation => Dimension::ONE,
             Statistic::DisplacementEndMean
             | Statistic::DisplacementEndSd
+            | Statistic::PeriodDisplacementMean
+            | Statistic::PeriodDisplacementSd
+            | Statistic::PhaseDisplacementSd
             | Statistic::JumpMean
             | Statistic::JumpAbsMean => Dimension::LENGTH,
-            Statistic::DriftVelocity => Dimension::VELOCITY,
+            Statistic::DriftVelocity | Statistic::SlidingPathRate => Dimension::VELOCITY,
             Statistic::DiffusionCoefficient => Dimension::DIFFUSIVITY,
             Statistic::FrictionWorkMean => Dimension::WORK,
         }

@@ -240,7 +240,7 @@ mod tests {
     use rand_pcg::rand_core::SeedableRng;
 
     fn timeline() -> Timeline {
-        Timeline { end: 64.0, output_step: 64.0, period: None }
+        Timeline { end: 64.0, output_step: 64.0, period: None, after: 0.0 }
     }
 
     #[test]

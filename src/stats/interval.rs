@@ -24,7 +24,7 @@
 use super::moments::{JointMoments, Moments};
 use super::range::{NORMAL, Range, wilson};
 use super::{Estimate, Measurement, Statistic};
-use statrs::distribution::{ContinuousCDF, StudentsT};
+use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 
 /// Upper end of the central 95 % of a distribution.
 const UPPER: f64 = 0.975;
@@ -35,25 +35,26 @@ const LARGE_FREEDOM: f64 = 100.0;
 
 /// The 97.5 % quantile of Student's t; NaN without a degree of freedom.
 pub(super) fn student(freedom: u64) -> f64 {
-    student_between(freedom as f64)
+    student_quantile(UPPER, freedom as f64)
 }
 
-/// The same for any number of degrees of freedom.
-fn student_between(freedom: f64) -> f64 {
+/// A quantile of Student's t with any number of degrees of freedom; NaN without any.
+pub(super) fn student_quantile(p: f64, freedom: f64) -> f64 {
     if freedom.is_nan() || freedom <= 0.0 {
         f64::NAN
     } else if freedom >= LARGE_FREEDOM {
         // Abramowitz and Stegun, 26.7.5, to the fourth power of 1/nu.
-        let z = |power: i32| NORMAL.powi(power);
+        let normal = Normal::standard().inverse_cdf(p);
+        let z = |power: i32| normal.powi(power);
         let terms = [
             (z(3) + z(1)) / 4.0,
             (5.0 * z(5) + 16.0 * z(3) + 3.0 * z(1)) / 96.0,
             (3.0 * z(7) + 19.0 * z(5) + 17.0 * z(3) - 15.0 * z(1)) / 384.0,
             (79.0 * z(9) + 776.0 * z(7) + 1482.0 * z(5) - 1920.0 * z(3) - 945.0 * z(1)) / 92_160.0,
         ];
-        NORMAL + terms.iter().rev().fold(0.0, |sum, term| (sum + term) / freedom)
+        normal + terms.iter().rev().fold(0.0, |sum, term| (sum + term) / freedom)
     } else {
-        StudentsT::new(0.0, 1.0, freedom).map_or(f64::NAN, |d| d.inverse_cdf(UPPER))
+        StudentsT::new(0.0, 1.0, freedom).map_or(f64::NAN, |d| d.inverse_cdf(p))
     }
 }
 
@@ -230,7 +231,7 @@ impl Measured {
             }
             (Interval::Reciprocal(_), None) if standard_error == 0.0 => [estimate; 2],
             (Interval::Reciprocal(freedom), None) => {
-                let reach = student_between(freedom) * standard_error / estimate;
+                let reach = student_quantile(UPPER, freedom) * standard_error / estimate;
                 let high = if reach < 1.0 { estimate / (1.0 - reach) } else { f64::INFINITY };
                 [estimate / (1.0 + reach), if reach.is_nan() { reach } else { high }]
             }

@@ -34,6 +34,7 @@ mod quantile;
 mod range;
 mod record;
 mod run_totals;
+mod settling;
 mod sketch;
 mod spread;
 mod steps;
@@ -44,6 +45,7 @@ mod synthetic;
 mod tally;
 mod totals;
 mod tree;
+mod wandering;
 
 pub use catalogue::Statistic;
 pub use codec::{Codec, Damaged, Reader};
@@ -56,7 +58,7 @@ pub use record::{BlockResult, EventColumns, PathColumns, Record, TrajectoryRows}
 pub use run_totals::RunTotals;
 pub use summary::{
     Band, Bands, Bias, Ends, Estimate, Histogram, Measurement, PeriodMoments, QUANTILE_LEVELS, StickDurations,
-    SubPhaseCounts, Summary,
+    SubPhaseCounts, Summary, Transient,
 };
 pub use tally::{Companion, PathMeans, PathState, Tallied, Tally};
 pub use totals::{Counts, SUB_PHASE_CAP, Sums, Totals};

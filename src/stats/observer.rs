@@ -59,7 +59,7 @@ impl BlockObserver {
         let kept = paths.iter().take_while(|&&path| path < record.trajectories).count();
         BlockObserver {
             path_numbers: paths.to_vec(),
-            paths: vec![PathFold::starting_at(model.initial_displacement); paths.len()],
+            paths: vec![PathFold::starting_at(model.initial_displacement).counted_after(timeline.after); paths.len()],
             oscillator: model.oscillator,
             dynamic_force: model.friction.dynamic_force,
             rows,
@@ -99,9 +99,10 @@ impl BlockObserver {
         let paths = self.paths.iter_mut().zip(&self.path_numbers);
         for ((path, &number), &displacement) in paths.zip(snapshot.displacement) {
             match path.end(snapshot.time, displacement) {
-                Censored::FirstStick => self.totals.counts.durations.first_censored(),
-                Censored::Stick(so_far) => self.totals.counts.durations.censored(number, so_far),
-                Censored::Slip => self.totals.counts.sub_phases.censored(),
+                Some(Censored::FirstStick) => self.totals.counts.durations.first_censored(),
+                Some(Censored::Stick(so_far)) => self.totals.counts.durations.censored(number, so_far),
+                Some(Censored::Slip) => self.totals.counts.sub_phases.censored(),
+                None => {}
             }
         }
     }
@@ -143,6 +144,10 @@ impl Observer for BlockObserver {
                 }
             }
             Instant::Period(n) => self.periods.observe(n, &snapshot),
+            Instant::Counting => {
+                let paths = self.paths.iter_mut().zip(snapshot.displacement);
+                paths.for_each(|(path, &displacement)| path.count_from_here(displacement));
+            }
             Instant::End => self.end(&snapshot),
         }
     }
@@ -241,7 +246,7 @@ mod tests {
 
     #[test]
     fn blocks_merged_in_order_are_the_ensemble_folded_at_once() {
-        let timeline = Timeline { end: 32.0, output_step: 16.0, period: Some(10.0) };
+        let timeline = Timeline { end: 32.0, output_step: 16.0, period: Some(10.0), after: 0.0 };
         let mut rng = Pcg64Dxsm::seed_from_u64(11);
         let paths: Vec<Path> = (0..600).map(|_| wandering(&mut rng)).collect();
         let mut snapshots = |n: usize| -> Vec<Vec<f64>> {
@@ -264,13 +269,17 @@ mod tests {
         let close = |a: f64, b: f64| (a - b).abs() <= 1e-11 * (1.0 + a.abs()) || (a.is_nan() && b.is_nan());
         for (a, b) in whole.estimates.iter().zip(&merged.estimates) {
             assert!(close(a.estimate, b.estimate), "{a:?} {b:?}");
-            // The error of the diffusion coefficient is taken about block means, and the last path
+            // The errors of spreads over periods are taken about block means, and the last path
             // has no block to be compared with: a relative O(1/256). So are the tails of what a
             // standard deviation comes from.
             let near = |a: f64, b: f64| (a / b - 1.0).abs() < 0.01;
             match a.statistic {
                 Statistic::DiffusionCoefficient => assert!(near(a.standard_error, b.standard_error), "{a:?} {b:?}"),
-                Statistic::DisplacementEndSd | Statistic::StickDurationSd => {
+                Statistic::PhaseDisplacementSd => {
+                    assert!(near(a.standard_error, b.standard_error), "{a:?} {b:?}");
+                    assert!(near(a.low, b.low) && near(a.high, b.high), "{a:?} {b:?}");
+                }
+                Statistic::DisplacementEndSd | Statistic::StickDurationSd | Statistic::PeriodDisplacementSd => {
                     assert!(close(a.standard_error, b.standard_error), "{a:?} {b:?}");
                     assert!(near(a.low, b.low) && near(a.high, b.high), "{a:?} {b:?}");
                 }
@@ -298,7 +307,7 @@ mod tests {
 
     #[test]
     fn diverged_paths_keep_their_place_and_stay_out_of_the_statistics() {
-        let timeline = Timeline { end: 2.0, output_step: 1.0, period: None };
+        let timeline = Timeline { end: 2.0, output_step: 1.0, period: None, after: 0.0 };
         let record = Record { paths: true, events: true, trajectories: 103 };
         // A block of paths 100 to 104, of which 101 and 104 diverged.
         let mut observer = BlockObserver::new(&model(), &timeline, &record, &[100, 102, 103]);
@@ -358,7 +367,7 @@ mod tests {
 
     #[test]
     fn a_block_of_diverged_paths_alone_adds_nothing_but_their_numbers() {
-        let timeline = Timeline { end: 2.0, output_step: 1.0, period: Some(1.0) };
+        let timeline = Timeline { end: 2.0, output_step: 1.0, period: Some(1.0), after: 0.0 };
         let record = Record { paths: true, events: true, trajectories: 2 };
         let result = BlockObserver::new(&model(), &timeline, &record, &[]).finish(0, 2, vec![0, 1]);
         let summary = result.totals.summary();

@@ -1,4 +1,8 @@
 //! One path of the cascade, folded as its events arrive.
+//!
+//! After a burn-in a phase is counted if it begins at its end or later. So each phase has one chance to be counted, however long it
+//! lasts: of those that run at one given instant the long ones are too many. Time and way are counted from that instant on, whatever
+//! phase they fall in.
 
 use crate::model::{Event, EventKind, Sign};
 
@@ -6,6 +10,10 @@ use crate::model::{Event, EventKind, Sign};
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PathFold {
     now: Now,
+    /// The end of the burn-in; 0 if there is none.
+    after: f64,
+    /// Whether the phase that runs now is counted: whether it began after the burn-in.
+    is_counted: bool,
     /// Direction of the sub-phase that runs now, or ran last.
     pub direction: Sign,
     /// When the static phase that runs now, or ran last, was entered.
@@ -16,7 +24,15 @@ pub(super) struct PathFold {
     slip_origin: f64,
     /// Sub-phases of the present dynamic phase, the running one included.
     running_sub_phases: u32,
-    /// Completed sticks, j >= 1.
+    /// Completed sticks, j >= 1, that are not counted.
+    pub early_sticks: u32,
+    /// Completed dynamic phases that are not counted.
+    pub early_slips: u32,
+    /// x0.
+    start: f64,
+    /// How far x has moved from x0 at the end of the burn-in.
+    pub early_displacement: f64,
+    /// Completed sticks, j >= 1, as are counted; likewise all that follows.
     pub sticks: u32,
     /// Sum of their D_j.
     pub duration: f64,
@@ -34,11 +50,11 @@ pub(super) struct PathFold {
     pub jump: f64,
     /// Sum of |x_{j+1} - x_j|.
     pub jump_abs: f64,
-    /// Total static time, the first and the last stick included.
+    /// Total static time after the burn-in, the first and the last stick included.
     pub stick_time: f64,
-    /// Integral of |x'| dt: x is monotone on a sub-phase, so it is the sum of |x change| between events.
+    /// Integral of |x'| dt after the burn-in: x is monotone on a sub-phase, so it is the sum of |x change| between events.
     pub travel: f64,
-    /// max |x|: attained at an event, at the start or at the end.
+    /// max |x|, of the burn-in as well: attained at an event, at the start or at the end.
     pub max_displacement: f64,
     /// x(t_end).
     pub displacement_end: f64,
@@ -55,7 +71,7 @@ enum Now {
     Slip,
 }
 
-/// A phase that an event has completed.
+/// A counted phase that an event has completed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Completed {
     /// The first static phase.
@@ -66,7 +82,7 @@ pub(super) enum Completed {
     Slip(u32),
 }
 
-/// The phase that runs at t_end, of which only the beginning is known.
+/// The counted phase that runs at t_end, of which only the beginning is known.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Censored {
     /// The first static phase.
@@ -82,11 +98,17 @@ impl PathFold {
     pub fn starting_at(x0: f64) -> Self {
         PathFold {
             now: Now::FirstStick,
+            after: 0.0,
+            is_counted: true,
             direction: Sign::Positive,
             stick_entered: 0.0,
             last_displacement: x0,
             slip_origin: x0,
             running_sub_phases: 0,
+            early_sticks: 0,
+            early_slips: 0,
+            start: x0,
+            early_displacement: 0.0,
             sticks: 0,
             duration: 0.0,
             duration_squared: 0.0,
@@ -103,13 +125,25 @@ impl PathFold {
         }
     }
 
-    /// The next event. Says which phase it completes, if it completes one.
+    /// The same with a burn-in up to this time.
+    pub fn counted_after(self, after: f64) -> Self {
+        PathFold { after, ..self }
+    }
+
+    /// The burn-in ends, with x there.
+    pub fn count_from_here(&mut self, displacement: f64) {
+        self.early_displacement = displacement - self.start;
+        self.last_displacement = displacement;
+        self.travel = 0.0;
+    }
+
+    /// The next event. Says which counted phase it completes, if it completes one.
     #[inline]
     pub fn event(&mut self, event: &Event) -> Option<Completed> {
         let completed = match event.kind {
             EventKind::SlipStarted(direction) => {
                 self.direction = direction;
-                Some(self.start_slip(event))
+                self.start_slip(event)
             }
             EventKind::SubPhaseBoundary(direction) => {
                 self.direction = direction;
@@ -117,62 +151,74 @@ impl PathFold {
                 self.running_sub_phases += 1;
                 None
             }
-            EventKind::StickEntered => Some(self.enter_stick(event)),
+            EventKind::StickEntered => self.enter_stick(event),
         };
         self.last_displacement = event.displacement;
         self.max_displacement = self.max_displacement.max(event.displacement.abs());
         completed
     }
 
-    fn start_slip(&mut self, event: &Event) -> Completed {
+    /// How much of a stick that began at `entered` is after the burn-in at this time.
+    fn counted_time(&self, time: f64) -> f64 {
+        (time - self.stick_entered.max(self.after)).max(0.0)
+    }
+
+    fn start_slip(&mut self, event: &Event) -> Option<Completed> {
         let duration = event.time - self.stick_entered;
-        self.stick_time += duration;
+        self.stick_time += self.counted_time(event.time);
         let completed = if self.now == Now::FirstStick {
             self.first_duration = Some(duration);
-            Completed::FirstStick
-        } else {
+            Some(Completed::FirstStick)
+        } else if self.is_counted {
             self.sticks += 1;
             self.duration += duration;
             self.duration_squared += duration * duration;
-            Completed::Stick(duration)
+            Some(Completed::Stick(duration))
+        } else {
+            self.early_sticks += 1;
+            None
         };
         self.now = Now::Slip;
+        self.is_counted = event.time >= self.after;
         self.slip_origin = event.displacement;
         self.running_sub_phases = 1;
         completed
     }
 
-    fn enter_stick(&mut self, event: &Event) -> Completed {
+    fn enter_stick(&mut self, event: &Event) -> Option<Completed> {
         self.travel += (event.displacement - self.last_displacement).abs();
-        let jump = event.displacement - self.slip_origin;
-        self.jump += jump;
-        self.jump_abs += jump.abs();
-        self.slips += 1;
-        self.sub_phases += self.running_sub_phases;
-        self.multiple += u32::from(self.running_sub_phases >= 2);
+        let completed = if self.is_counted {
+            let jump = event.displacement - self.slip_origin;
+            self.jump += jump;
+            self.jump_abs += jump.abs();
+            self.slips += 1;
+            self.sub_phases += self.running_sub_phases;
+            self.multiple += u32::from(self.running_sub_phases >= 2);
+            Some(Completed::Slip(self.running_sub_phases))
+        } else {
+            self.early_slips += 1;
+            None
+        };
         self.now = Now::Stick;
+        self.is_counted = event.time >= self.after;
         self.stick_entered = event.time;
-        Completed::Slip(self.running_sub_phases)
+        completed
     }
 
-    /// t_end, with x there. Says which phase is cut off.
-    pub fn end(&mut self, time: f64, displacement: f64) -> Censored {
+    /// t_end, with x there. Says which counted phase is cut off. The first stick always is.
+    pub fn end(&mut self, time: f64, displacement: f64) -> Option<Censored> {
         self.displacement_end = displacement;
         self.max_displacement = self.max_displacement.max(displacement.abs());
-        let so_far = time - self.stick_entered;
+        if self.now == Now::Slip {
+            self.travel += (displacement - self.last_displacement).abs();
+        } else {
+            self.stick_time += self.counted_time(time);
+        }
         match self.now {
-            Now::FirstStick => {
-                self.stick_time += so_far;
-                Censored::FirstStick
-            }
-            Now::Stick => {
-                self.stick_time += so_far;
-                Censored::Stick(so_far)
-            }
-            Now::Slip => {
-                self.travel += (displacement - self.last_displacement).abs();
-                Censored::Slip
-            }
+            Now::FirstStick => Some(Censored::FirstStick),
+            _ if !self.is_counted => None,
+            Now::Stick => Some(Censored::Stick(time - self.stick_entered)),
+            Now::Slip => Some(Censored::Slip),
         }
     }
 }
@@ -197,7 +243,7 @@ mod tests {
         let stick = path.event(&event(EventKind::StickEntered, 12.276_691_944_097_36, 6.341_054_759_946_978));
         let end = path.end(13.0, 6.341_054_759_946_978);
         assert_eq!((slip, turn, stick), (Some(Completed::FirstStick), None, Some(Completed::Slip(2))));
-        assert_eq!(end, Censored::Stick(13.0 - 12.276_691_944_097_36));
+        assert_eq!(end, Some(Censored::Stick(13.0 - 12.276_691_944_097_36)));
         assert_eq!((path.sticks, path.slips, path.sub_phases, path.multiple), (0, 1, 2, 1));
         assert_eq!(path.first_duration, Some(1.287_002_217_586_568_8));
         assert_eq!(path.max_displacement, 9.743_812_675_160_928);
@@ -211,7 +257,7 @@ mod tests {
     fn an_empty_first_stick_lasts_zero_and_a_slip_cut_off_counts_its_travel_but_no_jump() {
         let mut path = PathFold::starting_at(-2.0);
         path.event(&event(EventKind::SlipStarted(Positive), 0.0, -2.0));
-        assert_eq!(path.end(1.0, 3.0), Censored::Slip);
+        assert_eq!(path.end(1.0, 3.0), Some(Censored::Slip));
         assert_eq!(path.first_duration, Some(0.0));
         assert_eq!((path.travel, path.max_displacement, path.jump, path.slips), (5.0, 3.0, 0.0, 0));
         assert_eq!(path.stick_time, 0.0);
@@ -237,7 +283,7 @@ mod tests {
     #[test]
     fn a_path_that_never_moves_sticks_all_the_time_and_ends_no_stick() {
         let mut path = PathFold::starting_at(6.0);
-        assert_eq!(path.end(60.0, 6.0), Censored::FirstStick);
+        assert_eq!(path.end(60.0, 6.0), Some(Censored::FirstStick));
         assert_eq!((path.stick_time, path.first_duration, path.sticks), (60.0, None, 0));
     }
 
@@ -252,5 +298,64 @@ mod tests {
         assert_eq!(ended, Some(Completed::Stick(2.0)));
         assert_eq!((path.sticks, path.duration, path.duration_squared), (2, 5.0, 13.0));
         assert_eq!((path.jump, path.jump_abs), (-1.0, 3.0));
+    }
+
+    /// A path whose burn-in ends at 5, in a slip and at x = 1.5.
+    #[test]
+    fn after_a_burn_in_phases_are_counted_that_begin_in_what_is_left_and_time_and_way_that_fall_into_it() {
+        let mut path = PathFold::starting_at(0.0).counted_after(5.0);
+        let seen = [
+            path.event(&event(EventKind::SlipStarted(Positive), 1.0, 0.0)),
+            path.event(&event(EventKind::StickEntered, 2.0, 1.0)),
+            path.event(&event(EventKind::SlipStarted(Positive), 4.0, 1.0)),
+        ];
+        assert_eq!(seen, [Some(Completed::FirstStick), None, None]);
+        path.count_from_here(1.5);
+        let seen = [
+            path.event(&event(EventKind::StickEntered, 6.0, 3.0)),
+            path.event(&event(EventKind::SlipStarted(Positive), 9.0, 3.0)),
+            path.event(&event(EventKind::SubPhaseBoundary(Negative), 10.0, 4.0)),
+            path.event(&event(EventKind::StickEntered, 11.0, 2.0)),
+            path.event(&event(EventKind::SlipStarted(Positive), 12.0, 2.0)),
+        ];
+        // The slip from 4 to 6 began before: it is in no count and no jump, but its way from 1.5 on is.
+        let counted = [None, Some(Completed::Stick(3.0)), None, Some(Completed::Slip(2)), Some(Completed::Stick(1.0))];
+        assert_eq!(seen, counted);
+        assert_eq!(path.end(14.0, 5.0), Some(Censored::Slip));
+        assert_eq!((path.first_duration, path.early_sticks, path.early_slips), (Some(1.0), 1, 2));
+        assert_eq!((path.sticks, path.duration, path.duration_squared), (2, 4.0, 10.0));
+        assert_eq!((path.slips, path.sub_phases, path.multiple, path.jump, path.jump_abs), (1, 2, 1, -1.0, 1.0));
+        assert_eq!((path.stick_time, path.travel, path.early_displacement), (4.0, 1.5 + 1.0 + 2.0 + 3.0, 1.5));
+        assert_eq!((path.max_displacement, path.displacement_end), (5.0, 5.0));
+    }
+
+    /// From 2 on the path sticks, and the burn-in ends at 5; then it slips at 8, or never.
+    #[test]
+    fn a_stick_that_runs_at_the_end_of_the_burn_in_is_not_counted_and_its_later_time_is() {
+        let sticking = || {
+            let mut path = PathFold::starting_at(0.0).counted_after(5.0);
+            path.event(&event(EventKind::SlipStarted(Positive), 1.0, 0.0));
+            path.event(&event(EventKind::StickEntered, 2.0, 1.0));
+            path.count_from_here(1.0);
+            path
+        };
+        let mut ended = sticking();
+        assert_eq!(ended.event(&event(EventKind::SlipStarted(Negative), 8.0, 1.0)), None);
+        assert_eq!(ended.event(&event(EventKind::StickEntered, 9.0, 0.0)), Some(Completed::Slip(1)));
+        assert_eq!(ended.end(10.0, 0.0), Some(Censored::Stick(1.0)));
+        assert_eq!((ended.sticks, ended.early_sticks, ended.stick_time, ended.travel), (0, 1, 4.0, 1.0));
+        let mut cut = sticking();
+        assert_eq!(cut.end(10.0, 1.0), None);
+        assert_eq!((cut.early_sticks, cut.stick_time, cut.travel), (0, 5.0, 0.0));
+        let mut first = PathFold::starting_at(0.0).counted_after(5.0);
+        first.count_from_here(0.0);
+        assert_eq!((first.end(10.0, 0.0), first.stick_time), (Some(Censored::FirstStick), 5.0));
+        // What begins at that very instant is counted.
+        let mut at_once = PathFold::starting_at(0.0).counted_after(5.0);
+        at_once.event(&event(EventKind::SlipStarted(Positive), 1.0, 0.0));
+        at_once.event(&event(EventKind::StickEntered, 5.0, 2.0));
+        at_once.count_from_here(2.0);
+        let ended = at_once.event(&event(EventKind::SlipStarted(Positive), 7.0, 2.0));
+        assert_eq!((ended, at_once.stick_time, at_once.travel), (Some(Completed::Stick(2.0)), 2.0, 0.0));
     }
 }

@@ -1,26 +1,30 @@
-//! x at the whole forcing periods: drift velocity and diffusion coefficient.
+//! x at the whole forcing periods: drift velocity, diffusion coefficient, spread at one phase of the forcing.
 //!
-//! Both are slopes of ordinary least squares over t_n = n P, n = 1..N, written with the weights
+//! The first two are slopes of ordinary least squares over the K instants t_n = n P that are counted, written with the weights
 //! c_n = (t_n - mean t) / sum (t_n - mean t)^2:
 //!
 //! ```text
-//! drift velocity          V = mean over paths of   sum_n c_n (x_i(t_n) - x0)
-//! diffusion coefficient   D = 1/2 sum_n c_n Var x(t_n)
+//! drift velocity          V   = mean over paths of   sum_n c_n (x_i(t_n) - x0)
+//! diffusion coefficient   D   = 1/2 sum_n c_n Var x(t_n)
+//! spread at one phase     S^2 = 1/K sum_n Var x(t_n)
 //! ```
 
 use super::codec::codec_of_fields;
 use super::interval::Measured;
 use super::moments::Moments;
 use super::range::Range;
-use super::spread::SpreadMoments;
+use super::spread::{SpreadMoments, Tails};
+use super::wandering::{Wandering, WanderingFold};
 use super::{Ends, PeriodMoments};
 use crate::scheme::{Snapshot, Timeline};
 
-/// Times of the whole forcing periods and their weights in a slope.
+/// Times of the whole forcing periods, and the weights in a slope of those that are counted.
 #[derive(Clone, Debug, PartialEq)]
 struct Slope {
     time: Vec<f64>,
-    /// c_n; empty if there are fewer than two periods, hence no slope.
+    /// Number of instants before the first one that is counted.
+    skipped: usize,
+    /// c_n; empty if fewer than two instants are counted, hence no slope.
     weights: Vec<f64>,
 }
 
@@ -28,10 +32,13 @@ impl Slope {
     fn over(timeline: &Timeline) -> Self {
         let period = timeline.period.unwrap_or(0.0);
         let time: Vec<f64> = (1..=timeline.periods()).map(|n| (n as f64 * period).min(timeline.end)).collect();
-        let middle = time.iter().sum::<f64>() / time.len() as f64;
-        let spread: f64 = time.iter().map(|t| (t - middle) * (t - middle)).sum();
-        let weights = if time.len() < 2 { Vec::new() } else { time.iter().map(|t| (t - middle) / spread).collect() };
-        Slope { time, weights }
+        let skipped = (timeline.first_period() - 1).min(time.len());
+        let counted = &time[skipped..];
+        let middle = counted.iter().sum::<f64>() / counted.len() as f64;
+        let spread: f64 = counted.iter().map(|t| (t - middle) * (t - middle)).sum();
+        let weights =
+            if counted.len() < 2 { Vec::new() } else { counted.iter().map(|t| (t - middle) / spread).collect() };
+        Slope { time, skipped, weights }
     }
 }
 
@@ -44,14 +51,25 @@ pub(super) struct PeriodSums {
     drift: Moments,
     /// Of each path's share in the slope of the variance.
     spreading: Moments,
+    /// Of each path's share in S^2.
+    spread: Moments,
+    /// Of the influences on it.
+    spread_tails: Tails,
+    pub wandering: Wandering,
 }
 
-codec_of_fields!(PeriodSums { displacement, drift, spreading });
+codec_of_fields!(PeriodSums { displacement, drift, spreading, spread, spread_tails, wandering });
 
 impl PeriodSums {
     pub fn empty(timeline: &Timeline) -> Self {
-        let displacement = vec![SpreadMoments::default(); timeline.periods()];
-        PeriodSums { displacement, drift: Moments::default(), spreading: Moments::default() }
+        PeriodSums {
+            displacement: vec![SpreadMoments::default(); timeline.periods()],
+            drift: Moments::default(),
+            spreading: Moments::default(),
+            spread: Moments::default(),
+            spread_tails: Tails::default(),
+            wandering: Wandering::empty(timeline),
+        }
     }
 
     pub fn merge(&mut self, other: &PeriodSums) {
@@ -60,14 +78,17 @@ impl PeriodSums {
         }
         self.drift.merge(&other.drift);
         self.spreading.merge(&other.spreading);
+        self.spread.merge(&other.spread);
+        self.spread_tails.merge(&other.spread_tails);
+        self.wandering.merge(&other.wandering);
     }
 
-    /// V; it takes two periods.
-    pub fn drift_velocity(&self) -> Measured {
-        if self.displacement.len() < 2 { Measured::NOTHING } else { Measured::mean(&self.drift) }
+    /// V; it takes two instants.
+    pub fn drift_velocity(&self, timeline: &Timeline) -> Measured {
+        if timeline.counted_periods() == 0 { Measured::NOTHING } else { Measured::mean(&self.drift) }
     }
 
-    /// D; it takes two periods and two paths.
+    /// D; it takes two instants and two paths.
     ///
     /// The estimate is half the slope of the unbiased pooled variances. Its error is that of the mean over paths of
     /// y_i = sum_n c_n (x_i(t_n) - m_n)^2, whose centre m_n is the mean over the path's block. With n paths in a block m_n is off
@@ -78,9 +99,25 @@ impl PeriodSums {
         if slope.weights.is_empty() {
             return Measured::NOTHING;
         }
-        let variances = self.displacement.iter().map(|period| period.four.two.variance());
+        let variances = self.displacement[slope.skipped..].iter().map(|period| period.four.two.variance());
         let growth: f64 = slope.weights.iter().zip(variances).map(|(c, variance)| c * variance).sum();
         Measured::mean(&self.spreading).about(growth).divided_by(2.0)
+    }
+
+    /// S; it takes an instant and two paths. Estimate and error are found as those of D, with 1/K
+    /// in place of c_n, and a spread has the interval of one ([`super::spread`]).
+    pub fn spread_at_phase(&self, timeline: &Timeline) -> Measured {
+        let counted = &self.displacement[Slope::over(timeline).skipped..];
+        if counted.is_empty() {
+            return Measured::NOTHING;
+        }
+        let variances = counted.iter().map(|period| period.four.two.variance());
+        let sd = (variances.sum::<f64>() / counted.len() as f64).sqrt();
+        let error = match Measured::mean(&self.spread).measurement().standard_error {
+            0.0 => 0.0,
+            error => error / (2.0 * sd),
+        };
+        Measured::spread(sd, error, self.spread_tails.freedom(self.spread.count))
     }
 
     pub fn summary(&self, timeline: &Timeline, is_random: bool) -> PeriodMoments {
@@ -102,38 +139,39 @@ impl PeriodSums {
 /// One block of paths on its way through the periods.
 pub(super) struct PeriodFold {
     sums: PeriodSums,
-    /// t_n.
-    time: Vec<f64>,
-    /// c_n.
-    weights: Vec<f64>,
+    slope: Slope,
     x0: f64,
     /// x - x0 of each path at the present period.
     displacement: Vec<f64>,
     /// Each path's slope, as far as it has come.
-    slope: Vec<f64>,
+    drift: Vec<f64>,
     /// Each path's y_i, as far as it has come.
+    spreading: Vec<f64>,
+    /// Each path's share in S^2, as far as it has come.
     spread: Vec<f64>,
+    wandering: WanderingFold,
 }
 
 impl PeriodFold {
     pub fn new(timeline: &Timeline, x0: f64, paths: usize) -> Self {
-        let Slope { time, weights } = Slope::over(timeline);
-        let paths = if weights.is_empty() { 0 } else { paths };
+        let slope = Slope::over(timeline);
+        let numbers = |are_there: bool| vec![0.0; if are_there { paths } else { 0 }];
         PeriodFold {
             sums: PeriodSums::empty(timeline),
-            time,
-            weights,
             x0,
             displacement: Vec::new(),
-            slope: vec![0.0; paths],
-            spread: vec![0.0; paths],
+            drift: numbers(!slope.weights.is_empty()),
+            spreading: numbers(!slope.weights.is_empty()),
+            spread: numbers(slope.skipped < slope.time.len()),
+            slope,
+            wandering: WanderingFold::new(timeline, paths),
         }
     }
 
     /// The paths at the end of period `n` = 1, 2, ... A scheme with a step shows the instant of it that is nearest to t_n;
     /// from there to t_n they go on at the velocity that they have.
     pub fn observe(&mut self, n: usize, snapshot: &Snapshot<'_>) {
-        let missing = self.time.get(n - 1).map_or(0.0, |time| time - snapshot.time);
+        let missing = self.slope.time.get(n - 1).map_or(0.0, |time| time - snapshot.time);
         let states = snapshot.displacement.iter().zip(snapshot.velocity);
         self.fold(n, &states.map(|(x, v)| x + missing * v).collect::<Vec<f64>>());
     }
@@ -147,22 +185,39 @@ impl PeriodFold {
         if let Some(slot) = self.sums.displacement.get_mut(n - 1) {
             *slot = spread;
         }
-        let Some(&weight) = self.weights.get(n - 1) else { return };
-        for ((slope, spread), &u) in self.slope.iter_mut().zip(&mut self.spread).zip(&self.displacement) {
-            *slope += weight * u;
-            *spread += weight * (u - moments.mean) * (u - moments.mean);
+        let Some(counted) = (n - 1).checked_sub(self.slope.skipped) else { return };
+        let share = 1.0 / (self.slope.time.len() - self.slope.skipped) as f64;
+        for (spread, &u) in self.spread.iter_mut().zip(&self.displacement) {
+            *spread += share * (u - moments.mean) * (u - moments.mean);
+        }
+        self.wandering.fold(&self.displacement);
+        let Some(&weight) = self.slope.weights.get(counted) else { return };
+        for ((drift, spreading), &u) in self.drift.iter_mut().zip(&mut self.spreading).zip(&self.displacement) {
+            *drift += weight * u;
+            *spreading += weight * (u - moments.mean) * (u - moments.mean);
         }
     }
 
     pub fn finish(mut self) -> PeriodSums {
-        self.sums.drift = Moments::of(&self.slope);
-        if let n @ 2.. = self.spread.len() {
-            let correction = n as f64 / (n - 1) as f64;
-            self.spread.iter_mut().for_each(|y| *y *= correction);
-            self.sums.spreading = Moments::of(&self.spread);
-        }
+        self.sums.drift = Moments::of(&self.drift);
+        self.sums.spreading = Moments::of(&unbiased(self.spreading));
+        let shares = unbiased(self.spread);
+        self.sums.spread = Moments::of(&shares);
+        self.sums.spread_tails = Tails::of(shares.iter().map(|share| share - self.sums.spread.mean));
+        self.sums.wandering = self.wandering.finish();
         self.sums
     }
+}
+
+/// The paths' shares in a spread about the mean of their block, times n/(n - 1); a single path has
+/// none.
+fn unbiased(mut shares: Vec<f64>) -> Vec<f64> {
+    let n = shares.len() as f64;
+    if shares.len() < 2 {
+        return Vec::new();
+    }
+    shares.iter_mut().for_each(|share| *share *= n / (n - 1.0));
+    shares
 }
 
 #[cfg(test)]
@@ -178,10 +233,12 @@ mod tests {
     fn drift_and_diffusion_of_a_brownian_motion_are_covered() {
         // x(t) = x0 + V t + sqrt(2 D) W(t), seen at 2.5, 5, ..., 15; 400 paths in blocks of 200.
         let (drift, diffusion, x0) = (-0.3, 0.7, 6.0);
-        let timeline = Timeline { end: 16.0, output_step: 16.0, period: Some(2.5) };
+        let timeline = Timeline { end: 16.0, output_step: 16.0, period: Some(2.5), after: 0.0 };
         let mut rng = Pcg64Dxsm::seed_from_u64(1905);
         let (mut drift_held, mut diffusion_held) = (Coverage::default(), Coverage::default());
         let (mut mean_held, mut variance_held) = (Coverage::default(), Coverage::default());
+        let (mut step_held, mut sd_held, mut correlation_held) =
+            (Coverage::default(), Coverage::default(), Coverage::default());
         let mut mean_estimate = 0.0;
         let ensembles = 2000;
         for _ in 0..ensembles {
@@ -198,8 +255,15 @@ mod tests {
                 }
                 totals.merge(&fold.finish());
             }
-            let v = totals.drift_velocity().named(Statistic::DriftVelocity);
+            let v = totals.drift_velocity(&timeline).named(Statistic::DriftVelocity);
             let d = totals.diffusion_coefficient(&timeline).named(Statistic::DiffusionCoefficient);
+            let sd = totals.wandering.sd().named(Statistic::PeriodDisplacementSd);
+            let r = totals.wandering.correlation().named(Statistic::PeriodDisplacementCorrelation);
+            let step = totals.wandering.mean().named(Statistic::PeriodDisplacementMean);
+            step_held.count(step.low <= 2.5 * drift && 2.5 * drift <= step.high);
+            let step_sd = (2.0 * diffusion * 2.5f64).sqrt();
+            sd_held.count(sd.low <= step_sd && step_sd <= sd.high);
+            correlation_held.count(r.low <= 0.0 && 0.0 <= r.high);
             drift_held.count(v.low <= drift && drift <= v.high);
             diffusion_held.count(d.low <= diffusion && diffusion <= d.high);
             // At the last period, after 15: V t and 2 D t.
@@ -213,6 +277,10 @@ mod tests {
         diffusion_held.assert_95_percent("diffusion coefficient");
         mean_held.assert_95_percent("mean at a period");
         variance_held.assert_95_percent("variance at a period");
+        // Free of a spring, each displacement is a draw of its own.
+        step_held.assert_95_percent("mean displacement from period to period");
+        sd_held.assert_95_percent("standard deviation of it");
+        correlation_held.assert_95_percent("correlation of it");
         // Unbiased. The slope of the variances of 400 paths has a relative sd of about 1.3 sqrt(2/400) = 0.09, so the mean
         // over the ensembles is within 4 sd = 4 * 0.09 / sqrt(2000) = 0.8 % but for a false-alarm rate of 6e-5.
         assert!((mean_estimate / diffusion - 1.0).abs() < 0.008, "{mean_estimate}");
@@ -223,14 +291,14 @@ mod tests {
     /// 7.3125; the standard error of half their mean is sqrt(7.3125/3)/2. Slopes 2, -1/2 and -3/2 of mean 0 and variance 13/4.
     #[test]
     fn the_errors_of_drift_and_diffusion_of_unequal_paths_are_those_computed_by_hand() {
-        let timeline = Timeline { end: 3.0, output_step: 3.0, period: Some(1.0) };
+        let timeline = Timeline { end: 3.0, output_step: 3.0, period: Some(1.0), after: 0.0 };
         let mut fold = PeriodFold::new(&timeline, 6.0, 3);
         fold.fold(1, &[6.0, 7.0, 8.0]);
         fold.fold(2, &[-20.0, 30.0, 5.0]); // in the middle, where the weight is zero
         fold.fold(3, &[10.0, 6.0, 5.0]);
         let totals = fold.finish();
         let d = totals.diffusion_coefficient(&timeline).named(Statistic::DiffusionCoefficient);
-        let v = totals.drift_velocity().named(Statistic::DriftVelocity);
+        let v = totals.drift_velocity(&timeline).named(Statistic::DriftVelocity);
         let t = 4.302_652_729_9; // Student's t, two degrees of freedom
         for (e, value, error) in [(d, 1.5, (7.3125f64 / 3.0).sqrt() / 2.0), (v, 0.0, (3.25f64 / 3.0).sqrt())] {
             let all = [(e.estimate, value), (e.standard_error, error), (e.high, value + t * error)];
@@ -246,7 +314,7 @@ mod tests {
     #[test]
     fn x_is_told_at_the_end_of_a_period_and_not_at_the_nearest_instant_of_the_grid() {
         let period = 0.314_9;
-        let timeline = Timeline { end: 1.0, output_step: 1.0, period: Some(period) };
+        let timeline = Timeline { end: 1.0, output_step: 1.0, period: Some(period), after: 0.0 };
         let mut fold = PeriodFold::new(&timeline, 0.3, 1);
         let x = |t: f64| 2.0 * t - 0.7 * t * t;
         for n in 1..=3 {
@@ -262,13 +330,35 @@ mod tests {
         }
     }
 
+    /// x - x0 is 0, 1, 5 and then 3, 3, 0, of variances 7 and 3: S^2 = 5, and the paths' shares (4 + 1)/2, (1 + 1)/2 and (9 + 4)/2, times 3/2, have the
+    /// variance 18.1875. The instant before the end of the burn-in is in the moments of each period alone.
+    #[test]
+    fn the_spread_at_one_phase_and_its_error_are_those_computed_by_hand() {
+        let timeline = Timeline { end: 3.0, output_step: 3.0, period: Some(1.0), after: 1.5 };
+        let mut fold = PeriodFold::new(&timeline, 6.0, 3);
+        fold.fold(1, &[100.0, -20.0, 3.0]);
+        fold.fold(2, &[6.0, 7.0, 11.0]);
+        fold.fold(3, &[9.0, 9.0, 6.0]);
+        let totals = fold.finish();
+        let e = totals.spread_at_phase(&timeline).named(Statistic::PhaseDisplacementSd);
+        let error = (18.1875f64 / 3.0).sqrt() / (2.0 * 5f64.sqrt());
+        // Three numbers about their mean always have two degrees of freedom; 4.3 errors are more than S.
+        let low = 5f64.sqrt() / (1.0 + 4.302_652_729_9 * error / 5f64.sqrt());
+        let all = [(e.estimate, 5f64.sqrt()), (e.standard_error, error), (e.low, low)];
+        assert!(all.iter().all(|(got, expected)| (got - expected).abs() < 1e-9), "{e:?}");
+        assert_eq!(e.high, f64::INFINITY);
+        assert_eq!(totals.drift_velocity(&timeline).named(Statistic::DriftVelocity).estimate, 0.0);
+        assert!((totals.wandering.mean().estimate()).abs() < 1e-12);
+        assert_eq!(totals.summary(&timeline, true).mean.len(), 3);
+    }
+
     #[test]
     fn a_slope_takes_two_periods() {
-        let timeline = Timeline { end: 4.0, output_step: 4.0, period: Some(2.5) };
+        let timeline = Timeline { end: 4.0, output_step: 4.0, period: Some(2.5), after: 0.0 };
         let mut fold = PeriodFold::new(&timeline, 0.0, 3);
         fold.fold(1, &[1.0, 2.0, 6.0]);
         let totals = fold.finish();
-        assert!(totals.drift_velocity().named(Statistic::DriftVelocity).estimate.is_nan());
+        assert!(totals.drift_velocity(&timeline).named(Statistic::DriftVelocity).estimate.is_nan());
         assert!(totals.diffusion_coefficient(&timeline).named(Statistic::DiffusionCoefficient).estimate.is_nan());
         let summary = totals.summary(&timeline, true);
         assert_eq!((summary.mean, summary.variance), (vec![3.0], vec![7.0]));

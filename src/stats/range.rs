@@ -32,6 +32,8 @@ impl Range {
     pub const NOT_NEGATIVE: Range = Range { low: 0.0, high: f64::INFINITY };
     /// A number of things of which there is one at least.
     pub const FROM_ONE: Range = Range { low: 1.0, high: f64::INFINITY };
+    /// A correlation.
+    pub const CORRELATION: Range = Range { low: -1.0, high: 1.0 };
     /// A share.
     pub const SHARE: Range = Range { low: 0.0, high: 1.0 };
 

@@ -180,6 +180,23 @@ pub struct SubPhaseCounts {
     pub censored_ends: [f64; 2],
 }
 
+/// What the statistics leave out because it was before [`crate::scenario::Statistics::after`]; the first stick is apart in any case.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Transient {
+    /// When it ends.
+    pub end: f64,
+    /// Completed sticks, j >= 1, that began in it.
+    pub sticks: u64,
+    /// Interval of their expected number in as many paths.
+    pub stick_ends: [f64; 2],
+    /// Completed dynamic phases that began in it.
+    pub slips: u64,
+    /// Interval of their expected number in as many paths.
+    pub slip_ends: [f64; 2],
+    /// Mean displacement in it, x(end) - x0.
+    pub displacement: Measurement,
+}
+
 /// Moments of x at the whole forcing periods.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PeriodMoments {
@@ -208,7 +225,9 @@ pub struct Summary {
     pub stick_durations: StickDurations,
     /// Sub-phase counts.
     pub sub_phases: SubPhaseCounts,
-    /// x at the whole forcing periods.
+    /// The burn-in, if there is one.
+    pub transient: Option<Transient>,
+    /// x at the whole forcing periods, those of the burn-in as well.
     pub periods: PeriodMoments,
     /// The output grid.
     pub bands: Bands,

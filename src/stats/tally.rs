@@ -42,7 +42,8 @@ impl PathState {
 }
 
 /// N numbers of each path, and what is estimated from them. It is folded beside the statistics of the program, block by
-/// block, and gives the same bits on any number of threads.
+/// block, and gives the same bits on any number of threads. It sees the whole path: what
+/// [`after`](crate::scenario::Statistics::after) leaves out of the statistics of the program is its own to leave out.
 ///
 /// ```
 /// use stick_slip::engine::Run;
@@ -213,7 +214,7 @@ impl<T: Tally<N>, const N: usize> Observer for TallyObserver<'_, T, N> {
                     self.tally.row(path, PathState::of(&snapshot, lane));
                 }
             }
-            Instant::Period(_) => {}
+            Instant::Period(_) | Instant::Counting => {}
             Instant::End => {
                 let paths = std::mem::take(&mut self.paths).into_iter().enumerate();
                 let end = |(lane, path)| self.tally.end(path, PathState::of(&snapshot, lane));

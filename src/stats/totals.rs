@@ -11,7 +11,7 @@ use super::periods::PeriodSums;
 use super::range::{self, Range};
 use super::spread::{SpreadMoments, Tails};
 use super::tree::Merge;
-use super::{Ends, Estimate, Statistic, StickDurations, SubPhaseCounts, Summary};
+use super::{Ends, Estimate, Statistic, StickDurations, SubPhaseCounts, Summary, Transient};
 use crate::model::Model;
 use crate::scheme::{Snapshot, Timeline};
 
@@ -59,6 +59,9 @@ pub struct Counts {
     diverged: Vec<u64>,
     pub(super) durations: DurationCounts,
     pub(super) sub_phases: SubPhaseTotals,
+    /// Completed sticks, j >= 1, and slips that began before the end of the burn-in.
+    early_sticks: u64,
+    early_slips: u64,
     bands: BandCounts,
 }
 
@@ -95,6 +98,8 @@ impl Counts {
             diverged: Vec::new(),
             durations: DurationCounts::empty(timeline),
             sub_phases: SubPhaseTotals::default(),
+            early_sticks: 0,
+            early_slips: 0,
             bands: BandCounts::empty(model, timeline.rows()),
         }
     }
@@ -113,6 +118,8 @@ impl Counts {
         }
         self.durations.merge(&other.durations);
         self.sub_phases.merge(&other.sub_phases);
+        self.early_sticks += other.early_sticks;
+        self.early_slips += other.early_slips;
         self.bands.merge(&other.bands);
     }
 }
@@ -123,6 +130,8 @@ impl Codec for Counts {
         self.diverged.write(out);
         self.durations.write(out);
         self.sub_phases.write(out);
+        self.early_sticks.write(out);
+        self.early_slips.write(out);
         self.bands.write(out);
     }
 
@@ -137,6 +146,8 @@ impl Codec for Counts {
         }
         self.durations.read(from)?;
         self.sub_phases.read(from)?;
+        self.early_sticks.read(from)?;
+        self.early_slips.read(from)?;
         self.bands.read(from)
     }
 }
@@ -161,6 +172,8 @@ impl Totals {
     /// The paths of one block have reached t_end.
     pub(super) fn end(&mut self, paths: &[PathFold], dynamic_force: f64, diverged: &[u64]) {
         self.counts.paths = paths.len() as u64;
+        self.counts.early_sticks = paths.iter().map(|path| u64::from(path.early_sticks)).sum();
+        self.counts.early_slips = paths.iter().map(|path| u64::from(path.early_slips)).sum();
         self.counts.diverged = diverged.to_vec();
         self.sums.phases.cascade = CascadeSums::of(paths, dynamic_force);
     }
@@ -185,6 +198,7 @@ impl Totals {
                 counts.paths,
                 counts.is_random,
             ),
+            transient: (timeline.after > 0.0).then(|| self.transient()),
             periods: sums.phases.periods.summary(timeline, counts.is_random),
             bands: bands::summary(&sums.bands, &counts.bands, timeline, counts.is_random),
         }
@@ -196,6 +210,21 @@ impl Totals {
         let sticks_per_path = self.estimate(Statistic::SticksPerPath);
         let completed = [sticks_per_path.low, sticks_per_path.high].map(|end| end * counts.paths as f64);
         counts.durations.summary(completed, chance, counts.paths, counts.is_random)
+    }
+
+    fn transient(&self) -> Transient {
+        let Totals { timeline, sums, counts } = self;
+        let early = &sums.phases.cascade.early;
+        let mean = |moments, range| Measured::mean(moments).in_range(range, counts.chance(counts.paths));
+        let number = |moments| mean(moments, Range::NOT_NEGATIVE).interval().map(|end| end * counts.paths as f64);
+        Transient {
+            end: timeline.after,
+            sticks: counts.early_sticks,
+            stick_ends: number(&early.sticks),
+            slips: counts.early_slips,
+            slip_ends: number(&early.slips),
+            displacement: mean(&early.displacement, Range::ANY).measurement(),
+        }
     }
 
     /// One statistic with its interval.
@@ -230,20 +259,26 @@ impl PhaseSums {
             Statistic::JumpAbsMean => (Range::NOT_NEGATIVE, contributing.slips),
             Statistic::JumpMean => (Range::ANY, contributing.slips),
             Statistic::StickingFraction => (Range::SHARE, counts.paths),
+            Statistic::PeriodDisplacementCorrelation => (Range::CORRELATION, counts.paths),
             Statistic::SticksPerPath
             | Statistic::SlipsPerPath
             | Statistic::DisplacementEndSd
-            | Statistic::FrictionWorkMean => (Range::NOT_NEGATIVE, counts.paths),
-            Statistic::DisplacementEndMean | Statistic::DriftVelocity | Statistic::DiffusionCoefficient => {
-                (Range::ANY, counts.paths)
-            }
+            | Statistic::PeriodDisplacementSd
+            | Statistic::PhaseDisplacementSd
+            | Statistic::FrictionWorkMean
+            | Statistic::SlidingPathRate => (Range::NOT_NEGATIVE, counts.paths),
+            Statistic::DisplacementEndMean
+            | Statistic::DriftVelocity
+            | Statistic::DiffusionCoefficient
+            | Statistic::PeriodDisplacementMean => (Range::ANY, counts.paths),
         };
         self.without_range(statistic, timeline, counts).in_range(range, counts.chance(paths))
     }
 
     fn without_range(&self, statistic: Statistic, timeline: &Timeline, counts: &Counts) -> Measured {
-        let CascadeSums { sticks, first_sticks, slips, stick_time, work, displacement_end, contributing, .. } =
+        let CascadeSums { sticks, first_sticks, slips, stick_time, work, sliding_path, displacement_end, .. } =
             &self.cascade;
+        let contributing = &self.cascade.contributing;
         match statistic {
             Statistic::StickDurationMean => Measured::ratio(sticks, STICK_SUM, STICKS, contributing.sticks),
             Statistic::StickDurationSd => stick_duration_sd(sticks, &self.cascade.stick_tails, contributing.sticks),
@@ -253,15 +288,20 @@ impl PhaseSums {
             Statistic::SlipsPerPath => Measured::mean_of(slips, SLIPS),
             Statistic::SubPhasesMean => Measured::ratio(slips, SUB_PHASES, SLIPS, contributing.slips),
             Statistic::SubPhasesMultipleShare => Measured::ratio(slips, MULTIPLE, SLIPS, contributing.slips),
-            Statistic::StickingFraction if timeline.end == 0.0 => Measured::NOTHING,
-            Statistic::StickingFraction => Measured::mean(stick_time).divided_by(timeline.end),
+            Statistic::StickingFraction | Statistic::SlidingPathRate if timeline.end == 0.0 => Measured::NOTHING,
+            Statistic::StickingFraction => Measured::mean(stick_time).divided_by(timeline.counted()),
             Statistic::DisplacementEndMean => Measured::mean(&displacement_end.four.two),
             Statistic::DisplacementEndSd => displacement_end.standard_deviation(),
-            Statistic::DriftVelocity => self.periods.drift_velocity(),
+            Statistic::DriftVelocity => self.periods.drift_velocity(timeline),
             Statistic::DiffusionCoefficient => self.periods.diffusion_coefficient(timeline),
+            Statistic::PeriodDisplacementMean => self.periods.wandering.mean(),
+            Statistic::PeriodDisplacementSd => self.periods.wandering.sd(),
+            Statistic::PeriodDisplacementCorrelation => self.periods.wandering.correlation(),
+            Statistic::PhaseDisplacementSd => self.periods.spread_at_phase(timeline),
             Statistic::JumpMean => Measured::ratio(slips, JUMP, SLIPS, contributing.slips),
             Statistic::JumpAbsMean => Measured::ratio(slips, JUMP_ABS, SLIPS, contributing.slips),
             Statistic::FrictionWorkMean => Measured::mean(work),
+            Statistic::SlidingPathRate => Measured::mean(sliding_path).divided_by(timeline.counted()),
         }
     }
 }
@@ -290,7 +330,9 @@ struct CascadeSums {
     slips: JointMoments<5>,
     stick_time: Moments,
     work: Moments,
+    sliding_path: Moments,
     displacement_end: SpreadMoments,
+    early: EarlySums,
     contributing: Contributing,
 }
 
@@ -301,9 +343,31 @@ codec_of_fields!(CascadeSums {
     slips,
     stick_time,
     work,
+    sliding_path,
     displacement_end,
+    early,
     contributing
 });
+
+/// Moments over paths of what was before the end of the burn-in.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct EarlySums {
+    /// Completed sticks, j >= 1, and slips that began in it.
+    sticks: Moments,
+    slips: Moments,
+    /// x(after) - x0.
+    displacement: Moments,
+}
+
+codec_of_fields!(EarlySums { sticks, slips, displacement });
+
+impl EarlySums {
+    fn merge(&mut self, other: &EarlySums) {
+        self.sticks.merge(&other.sticks);
+        self.slips.merge(&other.slips);
+        self.displacement.merge(&other.displacement);
+    }
+}
 
 /// Number of paths that completed at least one of each.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -344,7 +408,13 @@ impl CascadeSums {
             ]),
             stick_time: Moments::of(&column(|p| p.stick_time)),
             work: Moments::of(&work),
+            sliding_path: Moments::of(&column(|p| p.travel)),
             displacement_end: SpreadMoments::of(&column(|p| p.displacement_end)),
+            early: EarlySums {
+                sticks: Moments::of(&column(|p| p.early_sticks.into())),
+                slips: Moments::of(&column(|p| p.early_slips.into())),
+                displacement: Moments::of(&column(|p| p.early_displacement)),
+            },
             contributing: Contributing {
                 sticks: count(|p| p.sticks > 0),
                 first_sticks: count(|p| p.first_duration.is_some()),
@@ -360,6 +430,8 @@ impl CascadeSums {
         self.slips.merge(&other.slips);
         self.stick_time.merge(&other.stick_time);
         self.work.merge(&other.work);
+        self.sliding_path.merge(&other.sliding_path);
+        self.early.merge(&other.early);
         self.displacement_end.merge(&other.displacement_end);
         self.contributing.sticks += other.contributing.sticks;
         self.contributing.first_sticks += other.contributing.first_sticks;
@@ -445,14 +517,15 @@ impl SubPhaseTotals {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::stats::Record;
+    use crate::scheme::{Instant, Observer as _};
     use crate::stats::synthetic::{Coverage, Path, estimate, model, observe, slip, stick, turn};
+    use crate::stats::{BlockObserver, Record};
     use rand_distr::{Distribution, Exp1, Gamma, LogNormal, StandardNormal, StandardUniform, Uniform};
     use rand_pcg::Pcg64Dxsm;
     use rand_pcg::rand_core::SeedableRng;
     use statrs::distribution::{ContinuousCDF, StudentsT};
 
-    const TIMELINE: Timeline = Timeline { end: 1000.0, output_step: 1000.0, period: None };
+    const TIMELINE: Timeline = Timeline { end: 1000.0, output_step: 1000.0, period: None, after: 0.0 };
 
     /// A path whose sticks resemble each other: their mean is 1/2 or 2, a fair coin for the whole path, and they are
     /// exponential about it, 5 to 15 of them. Pooled over all paths
@@ -518,7 +591,9 @@ mod tests {
             Statistic::DisplacementEndMean
             | Statistic::DriftVelocity
             | Statistic::DiffusionCoefficient
+            | Statistic::PeriodDisplacementMean
             | Statistic::JumpMean => f64::NEG_INFINITY,
+            Statistic::PeriodDisplacementCorrelation => -1.0,
             _ => 0.0,
         }
     }
@@ -591,7 +666,7 @@ mod tests {
 
     #[test]
     fn every_statistic_of_two_paths_is_the_one_computed_by_hand() {
-        let timeline = Timeline { end: 20.0, output_step: 20.0, period: Some(8.0) };
+        let timeline = Timeline { end: 20.0, output_step: 20.0, period: Some(8.0), after: 0.0 };
         // Slips 6 -> 8 (one sub-phase) and 8 -> 10 -> 9 (two); sticks D_0 = 1, D_1 = 2, the last one cut off at 20.
         let first = Path {
             events: vec![slip(1.0, 6.0), stick(2.0, 8.0), slip(4.0, 8.0), turn(5.0, 10.0), stick(7.0, 9.0)],
@@ -635,6 +710,13 @@ mod tests {
         // Variances 4^2/2 and 5^2/2, half their slope over a period of 8; two paths are always equally far from their mean.
         check(Statistic::DiffusionCoefficient, (12.5 - 8.0) / 16.0, 0.0);
         check(Statistic::DisplacementEndSd, 12.5f64.sqrt(), 0.0);
+        // u = 1/2 and -1/2; their squares are alike. The mean of the variances 8 and 12.5 of x at one phase.
+        check(Statistic::PeriodDisplacementMean, 0.0, 0.5);
+        check(Statistic::PeriodDisplacementSd, 0.5, 0.0);
+        check(Statistic::PhaseDisplacementSd, 10.25f64.sqrt(), 0.0);
+        assert!(estimate(&summary, Statistic::PeriodDisplacementCorrelation).estimate.is_nan());
+        // 5 and 2 in a time of 20.
+        check(Statistic::SlidingPathRate, 0.175, 0.075);
         // D = 2 and 6, both with (D - 4)^2 = 4.
         check(Statistic::StickDurationSd, 2.0, 0.0);
         assert_eq!(summary.sub_phases.counts[..3], [2, 1, 0]);
@@ -659,10 +741,8 @@ mod tests {
 
     /// Five paths that have little in common: one never slips, one is in its first slip at t_end, and of the others each has another number of sticks
     /// and slips. Two paths of one shape have errors that many a wrong formula gives as well; of these no two terms are alike.
-    #[test]
-    fn every_error_of_unequal_paths_is_the_one_computed_by_hand() {
-        let timeline = Timeline { end: 100.0, output_step: 100.0, period: None };
-        let paths = [
+    fn unequal() -> [Path; 5] {
+        [
             // D_0 = 1, D = 1 and 3; slips 6 -> 8, 8 -> 9 -> 7, 7 -> 10; static at t_end.
             Path {
                 events: vec![
@@ -696,7 +776,13 @@ mod tests {
             },
             // D_0 = 3; then 6 -> 1 runs at t_end.
             Path { events: vec![slip(3.0, 6.0)], end: 1.0 },
-        ];
+        ]
+    }
+
+    #[test]
+    fn every_error_of_unequal_paths_is_the_one_computed_by_hand() {
+        let timeline = Timeline { end: 100.0, output_step: 100.0, period: None, after: 0.0 };
+        let paths = unequal();
         let summary = observe(&timeline, &Record::NOTHING, 0, &paths, &[], &[]).totals.summary();
         // Of m paths that contribute, Student's t has m - 1 degrees of freedom (Abramowitz and Stegun, table 26.10).
         let t = |m: usize| [f64::NAN, f64::NAN, 12.706_204_736_4, 4.302_652_729_9, 3.182_446_305_3, 2.776_445_105_2][m];
@@ -745,6 +831,7 @@ mod tests {
         check_share(estimate(&summary, Statistic::StickingFraction), 0.454, (0.940_92 / 20.0_f64).sqrt(), t(5));
         mean(Statistic::DisplacementEndMean, 6.0, 54.0); // 10, 4, 6, 9, 1
         mean(Statistic::FrictionWorkMean, 12.0, 552.0); // f_d = 2 times 8, 2, 0, 15, 5
+        mean(Statistic::SlidingPathRate, 0.06, 0.0138); // the same ways, in a time of 100
         // Squared deviations 16, 4, 0, 9 and 25 of x(t_end), less their mean 10.8: squares 394.8 in all.
         let (sd, squares) = (13.5f64.sqrt(), [5.2, -6.8, -10.8, -1.8, 14.2]);
         check_spread(
@@ -753,6 +840,76 @@ mod tests {
             (394.8 / 20.0_f64).sqrt() / (2.0 * sd),
             &squares,
         );
+    }
+
+    /// The five paths above with a burn-in up to 4.5, where they are at 8.5 (in a slip), 5 (in a stick), 6, 6 and 3 (in a slip). What is left are the
+    /// sticks of 3 in the first and of 2, 2 and 11 in the fourth, and the slips 7 -> 10 and all three. Left out is what began before: the sticks of 1
+    /// and of 5, and three slips, of which one ends later.
+    #[test]
+    fn every_statistic_after_a_burn_in_is_the_one_computed_by_hand() {
+        let timeline = Timeline { end: 100.0, output_step: 100.0, period: None, after: 4.5 };
+        let paths = unequal();
+        let numbers: Vec<u64> = (0..5).collect();
+        let mut observer = BlockObserver::new(&model(), &timeline, &Record::NOTHING, &numbers);
+        let show = |observer: &mut BlockObserver, instant, x: &[f64]| {
+            let is_static = [false; 5];
+            let snapshot = Snapshot { time: 0.0, displacement: x, velocity: x, temperature: x, is_static: &is_static };
+            let time = if instant == Instant::End { 100.0 } else { 4.5 };
+            observer.snapshot(instant, Snapshot { time, ..snapshot });
+        };
+        for is_early in [true, false] {
+            for (lane, path) in paths.iter().enumerate() {
+                let part = path.events.iter().filter(|event| (event.time < 4.5) == is_early);
+                part.for_each(|&event| observer.event(lane, event));
+            }
+            if is_early {
+                show(&mut observer, Instant::Counting, &[8.5, 5.0, 6.0, 6.0, 3.0]);
+            }
+        }
+        show(&mut observer, Instant::End, &paths.iter().map(|path| path.end).collect::<Vec<_>>());
+        let summary = observer.finish(0, 5, Vec::new()).totals.summary();
+        let check = |statistic: Statistic, value: f64, error: f64| {
+            let e = estimate(&summary, statistic);
+            let is_right = (e.estimate - value).abs() < 1e-9 && (e.standard_error - error).abs() < 1e-9;
+            assert!(is_right, "{}: {e:?}, expected {value} +- {error}", statistic.name());
+        };
+        let mean = |statistic, all: [f64; 5]| {
+            let value = all.iter().sum::<f64>() / 5.0;
+            check(statistic, value, (all.iter().map(|x| (x - value).powi(2)).sum::<f64>() / 20.0).sqrt());
+        };
+        mean(Statistic::SticksPerPath, [1.0, 0.0, 0.0, 3.0, 0.0]);
+        mean(Statistic::SlipsPerPath, [1.0, 0.0, 0.0, 3.0, 0.0]);
+        // Static from 5 to 8 and from 9 on; 4.5 to 8; always; up to 6, 9 to 11, 12 to 14 and 15 to 26; never; of 95.5.
+        mean(Statistic::StickingFraction, [94.0, 3.5, 95.5, 16.5, 0.0].map(|time| time / 95.5));
+        // 8.5 -> 7 and 7 -> 10; 5 -> 4; nothing; all of 15; 3 -> 1.
+        mean(Statistic::SlidingPathRate, [4.5, 1.0, 0.0, 15.0, 2.0].map(|way| way / 95.5));
+        mean(Statistic::FrictionWorkMean, [9.0, 2.0, 0.0, 30.0, 4.0]);
+        mean(Statistic::DisplacementEndMean, [10.0, 4.0, 6.0, 9.0, 1.0]);
+        // 18 in 4 sticks: residuals 3 - 4.5 and 15 - 13.5, of two paths.
+        check(Statistic::StickDurationMean, 4.5, (2.0f64 * (2.25 + 2.25)).sqrt() / 4.0);
+        // Jumps 3, and -2 + 2 + 1: 4 in 4 slips, residuals 3 - 1 and 1 - 3, of two paths. Sub-phases 1 and 5.
+        check(Statistic::JumpMean, 1.0, (2.0f64 * 8.0).sqrt() / 4.0);
+        check(Statistic::JumpAbsMean, 2.0, (2.0f64 * (1.0 + 1.0)).sqrt() / 4.0);
+        check(Statistic::SubPhasesMean, 1.5, (2.0f64 * (0.25 + 0.25)).sqrt() / 4.0);
+        // The first sticks are those of the whole run.
+        let first = estimate(&summary, Statistic::FirstStickDurationMean);
+        assert!((first.estimate - 3.0).abs() < 1e-12 && summary.stick_durations.first_completed == 4);
+        let sticks = &summary.stick_durations;
+        assert_eq!((sticks.completed, sticks.censored, sticks.first_censored), (4, 1, 1));
+        // Path 0 is static at t_end, since 9; of the slips that run there those of paths 1 and 3 began after 4.5.
+        assert_eq!((summary.sub_phases.censored, &summary.sub_phases.counts[..3]), (2, &[3, 0, 1][..]));
+        let transient = summary.transient.expect("a burn-in");
+        assert_eq!((transient.end, transient.sticks, transient.slips), (4.5, 2, 3));
+        // Two paths of five left out a stick each: 0.4 of them a path, of variance 0.3; t has 4
+        // degrees of freedom. The three slips are those of three paths.
+        let of_five = |mean: f64, variance: f64| 5.0 * (mean + 2.776_445_105 * (variance / 5.0).sqrt());
+        for (ends, mean) in [(transient.stick_ends, 0.4), (transient.slip_ends, 0.6)] {
+            assert!(ends[0] == 0.0 && (ends[1] - of_five(mean, 0.3)).abs() < 1e-8, "{ends:?}");
+        }
+        // From 6 to 8.5, 5, 6, 6 and 3.
+        assert!((transient.displacement.estimate + 0.3).abs() < 1e-12, "{transient:?}");
+        let squares: f64 = [2.8f64, -0.7, 0.3, 0.3, -2.7].iter().map(|x| x * x).sum();
+        assert!((transient.displacement.standard_error - (squares / 20.0).sqrt()).abs() < 1e-12, "{transient:?}");
     }
 
     /// Durations 1 to 2, evenly spaced, so that the quantile of a share p is 1 + p; path by path the sticks alternate between 60 % and 40 % below the
@@ -799,6 +956,10 @@ mod tests {
             Statistic::JumpAbsMean,
             Statistic::DriftVelocity,
             Statistic::DiffusionCoefficient,
+            Statistic::PeriodDisplacementMean,
+            Statistic::PeriodDisplacementSd,
+            Statistic::PeriodDisplacementCorrelation,
+            Statistic::PhaseDisplacementSd,
         ] {
             let e = estimate(&summary, absent);
             assert!(e.estimate.is_nan() && e.standard_error.is_nan() && e.low.is_nan(), "{}", absent.name());
@@ -815,7 +976,7 @@ mod tests {
     fn few_random_paths_that_agree_are_not_certain() {
         let paths: Vec<Path> = (0..4).map(|_| Path { events: Vec::new(), end: 6.0 }).collect();
         let rows = [vec![6.0; 4], vec![6.0; 4]];
-        let timeline = Timeline { end: 1000.0, output_step: 1000.0, period: None };
+        let timeline = Timeline { end: 1000.0, output_step: 1000.0, period: None, after: 0.0 };
         let mut totals = observe(&timeline, &Record::NOTHING, 0, &paths, &rows, &[]).totals;
         totals.counts.is_random = true;
         let summary = totals.summary();

@@ -186,6 +186,15 @@ table! {
     DISPLACEMENT_PERIOD_VARIANCE = variable("displacement_period_variance", &["period"], Unit::AREA,
         "variance of the displacement at the end of the period").with(&[("coordinates", "period_time")]);
 
+    TRANSIENT_END = variable("transient_end", &[], Unit::TIME, "time from which on statistics count");
+    TRANSIENT_STICKS = variable("transient_sticks", &[], Unit::ONE,
+        "completed sticks that began before that, the first of each path left out");
+    TRANSIENT_SLIPS = variable("transient_slips", &[], Unit::ONE, "completed dynamic phases that began before that");
+    TRANSIENT_DISPLACEMENT = variable("transient_displacement", &[], Unit::LENGTH,
+        "mean displacement from the start to that time");
+    TRANSIENT_DISPLACEMENT_ERROR = variable("transient_displacement_error", &[], Unit::LENGTH,
+        "standard error of that mean, the path being the independent unit");
+
     DIVERGED_PATH = variable("diverged_path", &["diverged_path"], Unit::ONE,
         "numbers of the paths that diverged or were given up, which are in no statistic");
 
@@ -267,6 +276,11 @@ ends! {
     SUB_PHASE_CENSORED_ENDS = "sub_phase_censored", &[], Unit::ONE,
         "expected number of dynamic phases still running at the end in as many paths";
 
+    TRANSIENT_STICKS_ENDS = "transient_sticks", &[], Unit::ONE,
+        "expected number of sticks that began in the burn-in";
+    TRANSIENT_SLIPS_ENDS = "transient_slips", &[], Unit::ONE,
+        "expected number of dynamic phases that began in the burn-in";
+    TRANSIENT_DISPLACEMENT_ENDS = "transient_displacement", &[], Unit::LENGTH, "mean displacement in the burn-in";
     DISPLACEMENT_PERIOD_MEAN_ENDS = "displacement_period_mean", &["period"], Unit::LENGTH,
         "mean of the displacement since the start, at the end of the period";
     DISPLACEMENT_PERIOD_VARIANCE_ENDS = "displacement_period_variance", &["period"], Unit::AREA,
@@ -291,9 +305,14 @@ pub(super) fn long_name(statistic: Statistic) -> &'static str {
         Statistic::DiffusionCoefficient => {
             "half the slope of the variance of the displacement over whole forcing periods"
         }
+        Statistic::PeriodDisplacementMean => "mean displacement from one forcing period to the next",
+        Statistic::PeriodDisplacementSd => "standard deviation of the displacement from one forcing period to the next",
+        Statistic::PeriodDisplacementCorrelation => "correlation of the displacements in successive forcing periods",
+        Statistic::PhaseDisplacementSd => "standard deviation of the displacement at one phase of the forcing",
         Statistic::JumpMean => "mean jump of the displacement in a dynamic phase",
         Statistic::JumpAbsMean => "mean size of the jump of the displacement in a dynamic phase",
         Statistic::FrictionWorkMean => "mean work done against dynamic friction",
+        Statistic::SlidingPathRate => "mean sliding path per unit of time",
     }
 }
 

@@ -3,8 +3,8 @@
 use super::layout;
 use super::variable::{Place, read_or_empty, read_scalar, text};
 use crate::stats::{
-    Band, Bands, Bias, Corrected, Ends, Estimate, Histogram, PeriodMoments, QUANTILE_LEVELS, Statistic, StickDurations,
-    SubPhaseCounts, Summary,
+    Band, Bands, Bias, Corrected, Ends, Estimate, Histogram, Measurement, PeriodMoments, QUANTILE_LEVELS, Statistic,
+    StickDurations, SubPhaseCounts, Summary, Transient,
 };
 use hdf5::types::VarLenUnicode;
 use hdf5::{File, Result};
@@ -30,6 +30,7 @@ pub(super) fn write(place: &Place, summary: &Summary) -> Result<()> {
     write_stick_durations(place, &summary.stick_durations)?;
     write_sub_phases(place, &summary.sub_phases)?;
     write_periods(place, &summary.periods)?;
+    write_transient(place, summary.transient)?;
     place.put(&layout::DIVERGED_PATH, &summary.diverged)
 }
 
@@ -48,6 +49,7 @@ pub(super) fn read(file: &File, completed_paths: u64, step: Option<f64>) -> Resu
             censored: read_scalar(file, &layout::SUB_PHASE_CENSORED)?,
             censored_ends: read_scalar_ends(file, &layout::SUB_PHASE_CENSORED_ENDS)?,
         },
+        transient: read_transient(file)?,
         periods: PeriodMoments {
             time: read_or_empty(file, &layout::PERIOD_TIME)?,
             mean: read_or_empty(file, &layout::DISPLACEMENT_PERIOD_MEAN)?,
@@ -297,4 +299,34 @@ fn write_periods(place: &Place, periods: &PeriodMoments) -> Result<()> {
     put_ends(place, &layout::DISPLACEMENT_PERIOD_MEAN_ENDS, &periods.mean_ends)?;
     place.put(&layout::DISPLACEMENT_PERIOD_VARIANCE, &periods.variance)?;
     put_ends(place, &layout::DISPLACEMENT_PERIOD_VARIANCE_ENDS, &periods.variance_ends)
+}
+
+fn write_transient(place: &Place, transient: Option<Transient>) -> Result<()> {
+    let Some(Transient { end, sticks, stick_ends, slips, slip_ends, displacement }) = transient else { return Ok(()) };
+    place.put(&layout::TRANSIENT_END, &[end])?;
+    place.put(&layout::TRANSIENT_STICKS, &[sticks])?;
+    put_scalar_ends(place, &layout::TRANSIENT_STICKS_ENDS, stick_ends)?;
+    place.put(&layout::TRANSIENT_SLIPS, &[slips])?;
+    put_scalar_ends(place, &layout::TRANSIENT_SLIPS_ENDS, slip_ends)?;
+    place.put(&layout::TRANSIENT_DISPLACEMENT, &[displacement.estimate])?;
+    place.put(&layout::TRANSIENT_DISPLACEMENT_ERROR, &[displacement.standard_error])?;
+    put_scalar_ends(place, &layout::TRANSIENT_DISPLACEMENT_ENDS, [displacement.low, displacement.high])
+}
+
+fn read_transient(file: &File) -> Result<Option<Transient>> {
+    let Some(&end) = read_or_empty(file, &layout::TRANSIENT_END)?.first() else { return Ok(None) };
+    let [low, high] = read_scalar_ends(file, &layout::TRANSIENT_DISPLACEMENT_ENDS)?;
+    Ok(Some(Transient {
+        end,
+        sticks: read_scalar(file, &layout::TRANSIENT_STICKS)?,
+        stick_ends: read_scalar_ends(file, &layout::TRANSIENT_STICKS_ENDS)?,
+        slips: read_scalar(file, &layout::TRANSIENT_SLIPS)?,
+        slip_ends: read_scalar_ends(file, &layout::TRANSIENT_SLIPS_ENDS)?,
+        displacement: Measurement {
+            estimate: read_scalar(file, &layout::TRANSIENT_DISPLACEMENT)?,
+            standard_error: read_scalar(file, &layout::TRANSIENT_DISPLACEMENT_ERROR)?,
+            low,
+            high,
+        },
+    }))
 }

@@ -199,7 +199,7 @@ impl Multilevel {
     /// The two members of level `l`.
     fn pair(&self, l: usize) -> Pair {
         let plan = |steps: f64, refinement: usize| {
-            let timeline = Timeline { end: self.end, output_step: self.end, period: None };
+            let timeline = Timeline { end: self.end, output_step: self.end, period: None, after: 0.0 };
             let scheme = Scheme::from(CorrectedVi { step: self.end / steps });
             let simulation = scheme.simulation(&self.model, &timeline).fed_by_finer(refinement);
             let record = Record { paths: true, events: false, trajectories: 0 };

@@ -27,7 +27,7 @@ pub fn paper(w: f64, rho: f64) -> Model {
 
 /// A timeline with an output grid and no periods.
 pub fn timeline(end: f64, output_step: f64) -> Timeline {
-    Timeline { end, output_step, period: None }
+    Timeline { end, output_step, period: None, after: 0.0 }
 }
 
 /// (t, x, x', T, static).

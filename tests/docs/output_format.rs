@@ -114,11 +114,13 @@ fn runs(folder: &Path) -> Vec<File> {
     let diverging =
         ["run", "scenarios/rho025.toml", "--paths", "3", "--step", "0.5", "--set", "initial.displacement=1e3"];
     let unresolved = ["run", "scenarios/equal-friction.toml", "--scheme", "event-driven", "--paths", "2"];
+    let late = ["run", "scenarios/rho025.toml", "--paths", "2", "--set", "statistics.after=30"];
     let ended = ["run", "scenarios/rho025.toml", "--until", "stick_duration_mean < 20%"];
     vec![
         written(folder, "everything.h5", &everything),
         written(folder, "diverging.h5", &diverging),
         written(folder, "unresolved.h5", &unresolved),
+        written(folder, "late.h5", &late),
         written(folder, "ended.h5", &ended),
         written(folder, "biased.h5", &["run", "scenarios/rho025.toml", "--paths", "768"]),
     ]

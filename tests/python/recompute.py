@@ -23,10 +23,11 @@ UNITS = {
         bias_order estimate_corrected estimate_corrected_low estimate_corrected_high path_diverged event event_sign event_kind trajectory_static""",
     "1": """quantile static_probability stick_duration_count stick_duration_censored_count stick_duration_survival
         stick_duration_completed stick_duration_censored first_stick_duration_completed first_stick_duration_censored
-        sub_phase sub_phase_count sub_phase_share sub_phase_censored period path path_sticks path_slips path_sub_phases event_count trajectory""",
+        sub_phase sub_phase_count sub_phase_share sub_phase_censored transient_sticks transient_slips period path path_sticks path_slips path_sub_phases event_count trajectory""",
     "s": """time duration_bin duration_bin_lower stick_duration_quantile period_time path_first_stick_duration path_stick_time
-        event_time""",
-    "mm": """displacement_mean displacement_sd displacement_quantile displacement_period_mean path_displacement_end
+        event_time transient_end""",
+    "mm": """transient_displacement transient_displacement_error
+        displacement_mean displacement_sd displacement_quantile displacement_period_mean path_displacement_end
         path_max_displacement event_displacement trajectory_displacement""",
     "mm2": "displacement_period_variance",
     "mm s-1": "velocity_mean velocity_sd velocity_quantile trajectory_velocity",
@@ -41,7 +42,7 @@ WITH_INTERVAL = """displacement_mean displacement_sd displacement_quantile veloc
     temperature_sd temperature_quantile static_probability stick_duration_count stick_duration_censored_count
     stick_duration_survival stick_duration_quantile stick_duration_completed stick_duration_censored
     first_stick_duration_completed first_stick_duration_censored sub_phase_count sub_phase_share sub_phase_censored
-    displacement_period_mean displacement_period_variance""".split()
+    displacement_period_mean displacement_period_variance transient_sticks transient_slips transient_displacement""".split()
 UNIT |= {f"{name}_{end}": UNIT[name] for name in WITH_INTERVAL for end in ("low", "high")}
 
 # Every statistic, in the order of the file, with its unit.
@@ -59,9 +60,14 @@ STATISTICS = {
     "displacement_end_sd": "mm",
     "drift_velocity": "mm s-1",
     "diffusion_coefficient": "mm2 s-1",
+    "period_displacement_mean": "mm",
+    "period_displacement_sd": "mm",
+    "period_displacement_correlation": "1",
+    "phase_displacement_sd": "mm",
     "jump_mean": "mm",
     "jump_abs_mean": "mm",
     "friction_work_mean": "N mm",
+    "sliding_path_rate": "mm s-1",
 }
 
 LEVELS = [0.05, 0.25, 0.5, 0.75, 0.95]
@@ -148,40 +154,51 @@ def share_interval(parts, wholes, contributing):
 
 
 class Path:
-    """What the events of one path and its place at the end come to."""
+    """What the events of one path, its place at the end and that at the end of the burn-in come to. Counted are the phases that begin after the burn-in, and time
+    and way from there on."""
 
-    def __init__(self, scenario, events, end):
+    def __init__(self, scenario, events, end, after, place_after):
         self.t_end, x0 = scenario["time"]["end"], scenario["initial"]["displacement"]
         f_d = scenario["friction"]["dynamic"]
         self.sticks, self.first, self.censored_stick = [], math.nan, None
         self.jumps, self.counts = [], []
-        self.stick_time, travel = 0.0, 0.0
+        self.stick_time, self.travel, self.early_sticks, self.early_slips = 0.0, 0.0, 0, 0
+        self.early_displacement = place_after - x0
         is_first, entered, origin, x, k = True, 0.0, x0, x0, None
+        began, slid = 0.0, 0.0
         self.largest = max(abs(x0), abs(end))
         for time, displacement, kind in zip(events["time"], events["displacement"], events["kind"], strict=True):
             check((k is None) == (kind == STARTED), "a slip starts from a stick, and turns or ends in a slip")
-            travel += abs(displacement - x)
+            # Between events the body moves one way only.
+            self.travel += abs(displacement - x) if began >= after else abs(displacement - place_after) if time > after else 0.0
+            began = time
             check(k is not None or displacement == x, "the body rests in a stick")
             x, self.largest = displacement, max(self.largest, abs(displacement))
             if kind == STARTED:
                 duration = time - entered
-                self.stick_time += duration
+                self.stick_time += max(0.0, time - max(entered, after))
                 if is_first:
                     self.first, is_first = duration, False
-                else:
+                elif entered >= after:
                     self.sticks.append(duration)
-                origin, k = x, 1
+                else:
+                    self.early_sticks += 1
+                origin, slid, k = x, time, 1
             elif kind == TURNED:
                 k += 1
             else:
-                self.jumps.append(x - origin)
-                self.counts.append(k)
+                if slid >= after:
+                    self.jumps.append(x - origin)
+                    self.counts.append(k)
+                else:
+                    self.early_slips += 1
                 entered, k = time, None
         if k is None:
-            self.stick_time += self.t_end - entered
-            self.censored_stick = None if is_first else self.t_end - entered
-        self.is_first_censored, self.is_slip_censored = is_first, k is not None
-        self.end, self.work = end, f_d * (travel + abs(end - x))
+            self.stick_time += self.t_end - max(entered, after)
+            self.censored_stick = None if is_first or entered < after else self.t_end - entered
+        self.is_first_censored, self.is_slip_censored = is_first, k is not None and slid >= after
+        self.travel += abs(end - (x if began >= after else place_after))
+        self.end, self.work = end, f_d * self.travel
 
 
 def check_events(data, paths, events, is_on_grid):
@@ -426,6 +443,29 @@ def check_periods(data):
     return times, x
 
 
+def check_transient(data, paths):
+    """What the burn-in leaves out; without one there are no such variables."""
+    if data.after == 0:
+        return
+    moved = np.array([path.early_displacement for path in paths])
+    error = moved.std(ddof=1) / math.sqrt(len(moved))
+    reach = student(len(moved) - 1) * error
+    for name, wanted in [
+        ("end", data.after),
+        ("sticks", sum(path.early_sticks for path in paths)),
+        ("slips", sum(path.early_slips for path in paths)),
+        ("displacement", moved.mean()),
+        ("displacement_error", error),
+    ]:
+        same(f"transient_{name}", data[f"transient_{name}"], wanted, 1e-8)
+    same_interval(data, "transient_displacement", moved.mean() - reach, moved.mean() + reach)
+    for name in ("sticks", "slips"):
+        counts = np.array([getattr(path, f"early_{name}") for path in paths])
+        reach = student(len(counts) - 1) * counts.std(ddof=1) * math.sqrt(len(counts))
+        same_interval(data, f"transient_{name}", max(0, counts.sum() - reach), counts.sum() + reach)
+    check(data["transient_sticks"] > 100 and data["transient_slips"] > 100, "the burn-in leaves something out")
+
+
 def check_paths(data, paths):
     same("path", data["path"], np.arange(len(paths)))
     same("trajectory", data["trajectory"], np.arange(len(paths)))
@@ -452,6 +492,7 @@ def check_paths(data, paths):
 def check_statistics(data, paths, times, x):
     """Estimates, standard errors and intervals; the path is the independent unit."""
     n = len(paths)
+    counted_time = data.scenario["time"]["end"] - data.after
     column = lambda of: np.array([float(of(path)) for path in paths])
 
     def mean(values):
@@ -468,16 +509,38 @@ def check_statistics(data, paths, times, x):
     sticks = column(lambda p: len(p.sticks))
     centre, sd = durations.mean(), durations.std()
     spread = column(lambda p: sum((d - centre) ** 2 - sd**2 for d in p.sticks)) / (2 * sd)
+    counted = times >= data.after
+    times, x = times[counted], x[:, counted]
+    # Displacements from period to period, and the influence of each path on their standard deviation and on the correlation of neighbours.
+    u = np.diff(x, axis=1)
+    about, pairs = u - u.mean(), np.stack([u[:, :-1], u[:, 1:]])
+    u_sd = u.std()
+    on_sd = ((about**2).mean(axis=1) - u_sd**2) / (2 * u_sd)
+    # About the mean of all displacements the correlation is as if that mean were given, up to how the pairs differ from all.
+    covariance = ((pairs[0] - u.mean()) * (pairs[1] - u.mean())).mean()
+    correlation = covariance / u_sd**2
+    shift = (pairs - u.mean()).sum(axis=0).mean()
+    on_correlation = (
+        ((pairs[0] - u.mean()) * (pairs[1] - u.mean())).mean(axis=1) - covariance - shift * about.mean(axis=1)
+    ) / u_sd**2 - correlation * ((about**2).mean(axis=1) / u_sd**2 - 1)
     slips = column(lambda p: len(p.jumps))
     ends = column(lambda p: p.end)
     squares = (ends - ends.mean()) ** 2
     first = column(lambda p: 0 if p.is_first_censored else p.first)
     weights = (times - times.mean()) / ((times - times.mean()) ** 2).sum()
     block = int(data.attributes["block_size"])
-    shares = []
+    shares, shares_at_phase = [], []
+    influences = {"period_displacement_sd": [], "phase_displacement_sd": []}
     for begin in range(0, n, block):
         part = x[begin : begin + block]
-        shares.extend((part - part.mean(axis=0)) ** 2 @ weights * len(part) / (len(part) - 1))
+        squares_of_part = (part - part.mean(axis=0)) ** 2 * len(part) / (len(part) - 1)
+        shares.extend(squares_of_part @ weights)
+        shares_at_phase.extend(squares_of_part.mean(axis=1))
+        influences["phase_displacement_sd"].append(squares_of_part.mean(axis=1) - squares_of_part.mean())
+        displacements = np.diff(part, axis=1)
+        about_part = ((displacements - displacements.mean()) ** 2).mean(axis=1)
+        influences["period_displacement_sd"].append(about_part - about_part.mean())
+    phase_sd = math.sqrt(x.var(axis=0, ddof=1).mean())
     diffusion = 0.5 * float(weights @ x.var(axis=0, ddof=1))
     found = {
         "stick_duration_mean": pooled(column(lambda p: sum(p.sticks)), sticks),
@@ -487,7 +550,7 @@ def check_statistics(data, paths, times, x):
         "slips_per_path": mean(slips),
         "sub_phases_mean": pooled(column(lambda p: sum(p.counts)), slips),
         "sub_phases_multiple_share": pooled(column(lambda p: sum(k > 1 for k in p.counts)), slips),
-        "sticking_fraction": mean(column(lambda p: p.stick_time / p.t_end)),
+        "sticking_fraction": mean(column(lambda p: p.stick_time) / counted_time),
         "displacement_end_mean": mean(ends),
         "displacement_end_sd": (
             ends.std(ddof=1),
@@ -496,9 +559,14 @@ def check_statistics(data, paths, times, x):
         ),
         "drift_velocity": mean(x @ weights),
         "diffusion_coefficient": (diffusion, 0.5 * mean(np.array(shares))[1], n - 1),
+        "period_displacement_mean": mean(u.mean(axis=1)),
+        "period_displacement_sd": (u_sd, mean(on_sd)[1], n - 1),
+        "period_displacement_correlation": (correlation, mean(on_correlation)[1], n - 1),
+        "phase_displacement_sd": (phase_sd, mean(np.array(shares_at_phase))[1] / (2 * phase_sd), n - 1),
         "jump_mean": pooled(column(lambda p: sum(p.jumps)), slips),
         "jump_abs_mean": pooled(column(lambda p: sum(abs(jump) for jump in p.jumps)), slips),
         "friction_work_mean": mean(column(lambda p: p.work)),
+        "sliding_path_rate": mean(column(lambda p: p.travel) / counted_time),
     }
     check(list(data["statistic"]) == list(STATISTICS), "statistic: the names, in their order")
     check(list(data["statistic_unit"]) == list(STATISTICS.values()), "statistic_unit")
@@ -513,12 +581,18 @@ def check_statistics(data, paths, times, x):
                 low, high = reciprocal_interval(value, error / value, stick_influences(paths, block), freedom + 1)
             elif name == "displacement_end_sd":
                 low, high = spread_interval(ends, np.split(ends, range(block, n, block)))
+            elif name in ("period_displacement_sd", "phase_displacement_sd"):
+                low, high = reciprocal_interval(value, error / value, np.concatenate(influences[name]), freedom + 1)
+            elif name == "period_displacement_correlation":
+                # As the interval of a share, from -1 to 1.
+                share = (value + 1) / 2
+                low, high = (2 * float(end) - 1 for end in wilson(share, share * (1 - share) / (error / 2) ** 2, student(freedom)))
             elif name in ("sticking_fraction", "sub_phases_multiple_share"):
                 sure = error == 0
                 size = freedom + 1 if sure else value * (1 - value) / error**2
                 low, high = (float(end) for end in (wilson(value, size) if sure else wilson(value, size, student(freedom))))
             else:
-                least = {"displacement_end_mean": -math.inf, "drift_velocity": -math.inf, "diffusion_coefficient": -math.inf}
+                least = {"displacement_end_mean": -math.inf, "drift_velocity": -math.inf, "diffusion_coefficient": -math.inf, "period_displacement_mean": -math.inf}
                 least = (least | {"jump_mean": -math.inf, "sub_phases_mean": 1}).get(name, 0)
                 low = max(least, low)
                 if error <= 1e-14 * abs(value):
@@ -660,6 +734,7 @@ class Data(dict):
         self.scenario = tomllib.loads(self.attributes["scenario"])
         self.spacing = self.scenario["time"]["output_step"]
         self.has_step = "step" in self.attributes
+        self.after = self.scenario["statistics"]["after"]
 
     def events(self):
         ends = np.cumsum(self["event_count"].astype(int))[:-1]
@@ -697,7 +772,10 @@ def check_run(path):
     same("event_count", data["event_count"], [len(of["time"]) for of in data.events()])
     check(len(data["trajectory"]) == len(data["path"]), "the trajectories of all paths are there")
     events = data.events()
-    paths = [Path(data.scenario, of, end) for of, end in zip(events, data["trajectory_displacement"][:, -1], strict=True)]
+    x = data["trajectory_displacement"]
+    row = round(data.after / data.spacing)
+    check(abs(data["time"][row] - data.after) < 1e-9, "the output grid passes through the end of the burn-in")
+    paths = [Path(data.scenario, of, end, data.after, there) for of, end, there in zip(events, x[:, -1], x[:, row], strict=True)]
     check_events(data, paths, events, data.has_step and data.attributes["step"] == data.spacing)
     check_trajectories(data, events)
     check_bands(data)
@@ -705,6 +783,7 @@ def check_run(path):
     check_sub_phases(data, paths)
     times, x = check_periods(data)
     check_paths(data, paths)
+    check_transient(data, paths)
     check_statistics(data, paths, times, x)
     check(set(data) == checked, f"not recomputed: {sorted(set(data) - checked)}; absent: {sorted(checked - set(data))}")
     checked.clear()

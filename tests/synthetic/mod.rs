@@ -6,8 +6,8 @@ use std::path::Path;
 use stick_slip::engine::Status;
 use stick_slip::provenance::Provenance;
 use stick_slip::stats::{
-    Band, Bands, Bias, Ends, Estimate, EventColumns, Histogram, PathColumns, PeriodMoments, QUANTILE_LEVELS, Record,
-    Statistic, StickDurations, SubPhaseCounts, Summary, TrajectoryRows, Units,
+    Band, Bands, Bias, Ends, Estimate, EventColumns, Histogram, Measurement, PathColumns, PeriodMoments,
+    QUANTILE_LEVELS, Record, Statistic, StickDurations, SubPhaseCounts, Summary, TrajectoryRows, Transient, Units,
 };
 use stick_slip::store::{Rows, Writer};
 
@@ -186,6 +186,14 @@ pub fn summary(paths: u64, header: &Provenance) -> Summary {
             variance: vec![1.0, 2.0],
             variance_ends: ends(2, 87),
         },
+        transient: Some(Transient {
+            end: 25.1,
+            sticks: 5,
+            stick_ends: [2.5, 9.0],
+            slips: 6,
+            slip_ends: [3.5, 8.0],
+            displacement: Measurement { estimate: -0.5, standard_error: 0.1, low: -0.7, high: -0.3 },
+        }),
         bands: Bands {
             time: header.time.clone(),
             displacement: band(rows, 40),

@@ -70,7 +70,7 @@ fn of_question(scenario: &Scenario, derived: &Derived) -> Vec<Warning> {
         NeverSlips::due(model).map(Warning::from),
         IdenticalPaths::due(model, ensemble.paths).map(Warning::from),
         NoDilatation::due(model).map(Warning::from),
-        FewPeriods::due(derived, time.end).map(Warning::from),
+        FewPeriods::due(&scenario.timeline()).map(Warning::from),
         ManyPeriods::due(derived, time.end).map(Warning::from),
         NoCommonPeriod::due(&model.temperature).map(Warning::from),
         LargeOutput::due(derived).map(Warning::from),

@@ -5,6 +5,7 @@ use crate::advice::derived::Derived;
 use crate::model::{Model, Temperature};
 use crate::numbers::short;
 use crate::scenario::MAX_PERIODS;
+use crate::scheme::Timeline;
 use std::fmt;
 
 /// |b| cannot reach f_s.
@@ -66,32 +67,37 @@ impl fmt::Display for NoDilatation {
     }
 }
 
-/// Too few forcing periods to estimate a drift.
+/// Too few forcing periods to tell a drift from a transient.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FewPeriods {
-    /// Whole forcing periods up to the end.
-    pub periods: f64,
+    /// Whole forcing periods that are counted.
+    pub periods: usize,
+    /// The end of a run that counts enough of them.
+    pub enough: f64,
 }
 
-/// A slope takes two points.
-const FEWEST_PERIODS: f64 = 2.0;
-
 impl FewPeriods {
-    pub(super) fn due(derived: &Derived, end: f64) -> Option<Self> {
-        let periods = derived.whole_periods;
-        let is_due = end > 0.0 && derived.forcing_period.is_some() && periods < FEWEST_PERIODS;
-        is_due.then_some(FewPeriods { periods })
+    pub(super) fn due(timeline: &Timeline) -> Option<Self> {
+        let periods = timeline.counted_periods();
+        let period = timeline.period.filter(|_| timeline.end > 0.0 && periods < Timeline::FEWEST_PERIODS)?;
+        Some(FewPeriods { periods, enough: (timeline.first_period() + Timeline::FEWEST_PERIODS) as f64 * period })
     }
 }
 
 impl fmt::Display for FewPeriods {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(
-            f,
-            "the run holds {} whole forcing periods: drift_velocity and diffusion_coefficient need two, \
-             and will be absent",
-            self.periods
-        )
+        let what = match self.periods {
+            0 => "no whole forcing period is counted, and drift_velocity, diffusion_coefficient and what is told from \
+                  period to period will be absent"
+                .to_string(),
+            n => format!(
+                "drift_velocity and diffusion_coefficient rest on {n} whole forcing period{}, the first of the run \
+                 left out, and fewer than {} do not tell a drift from a transient",
+                if n == 1 { "" } else { "s" },
+                Timeline::FEWEST_PERIODS
+            ),
+        };
+        write!(f, "{what}: that takes `time.end` = {} or more", short(self.enough))
     }
 }
 

@@ -31,11 +31,23 @@ pub(super) fn absence(e: &Estimate, summary: &Summary) -> Option<&'static str> {
         {
             "no slip was completed"
         }
-        Statistic::DriftVelocity | Statistic::DiffusionCoefficient if summary.periods.time.len() < 2 => {
-            "needs two whole forcing periods"
+        Statistic::DriftVelocity
+        | Statistic::DiffusionCoefficient
+        | Statistic::PeriodDisplacementMean
+        | Statistic::PeriodDisplacementSd
+            if summary.counted_periods() < 1 =>
+        {
+            "needs the ends of two forcing periods"
         }
+        Statistic::PeriodDisplacementCorrelation if summary.counted_periods() < 2 => {
+            "needs the ends of three forcing periods"
+        }
+        Statistic::PeriodDisplacementCorrelation => "needs displacements that differ",
         Statistic::DisplacementEndSd | Statistic::DiffusionCoefficient if valid < 2 => "needs two paths",
-        Statistic::StickingFraction => "the run has no duration",
+        Statistic::PhaseDisplacementSd if valid < 2 => "needs two paths",
+        Statistic::PhaseDisplacementSd => "needs the end of a forcing period",
+        Statistic::PeriodDisplacementSd => "needs two displacements",
+        Statistic::StickingFraction | Statistic::SlidingPathRate => "the run has no duration",
         _ => "does not exist",
     };
     Some(reason)
@@ -59,7 +71,8 @@ mod tests {
             (Statistic::FirstStickDurationMean, "no first stick ended"),
             (Statistic::SubPhasesMean, "no slip was completed"),
             (Statistic::JumpAbsMean, "no slip was completed"),
-            (Statistic::DriftVelocity, "needs two whole forcing periods"),
+            (Statistic::DriftVelocity, "needs the ends of two forcing periods"),
+            (Statistic::PeriodDisplacementCorrelation, "needs the ends of three forcing periods"),
         ] {
             set(&mut summary, statistic, f64::NAN);
             let table = table(&summary, &info());

@@ -59,7 +59,7 @@ mod tests {
         summary.estimates[1].bias = bias(0.5, 0.1);
         let line = dominating_bias(&summary).expect("two are dominated");
         assert!(
-            line.contains("2 of 16") && line.contains("stick_duration_sd") && line.contains("0.50 +- 0.10"),
+            line.contains("2 of 21") && line.contains("stick_duration_sd") && line.contains("0.50 +- 0.10"),
             "{line}"
         );
     }

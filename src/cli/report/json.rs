@@ -2,7 +2,7 @@
 
 use super::RunInfo;
 use serde::ser::{Serialize, SerializeMap as _, Serializer};
-use stick_slip::stats::{Estimate, Summary};
+use stick_slip::stats::{Estimate, Statistic, Summary, Transient};
 
 /// The report as one JSON object; a number that does not exist is null.
 pub fn json(summary: &Summary, info: &RunInfo) -> String {
@@ -33,6 +33,17 @@ pub fn json(summary: &Summary, info: &RunInfo) -> String {
             first_completed: sticks.first_completed,
             first_censored: sticks.first_censored,
         },
+        start: summary.transient.map(|Transient { end, sticks, slips, displacement, .. }| JsonStart {
+            end,
+            sticks,
+            slips,
+            displacement: displacement.estimate,
+            displacement_error: displacement.standard_error,
+            displacement_low: displacement.low,
+            displacement_high: displacement.high,
+        }),
+        counted_periods: summary.counted_periods(),
+        unsettled: summary.unsettled().map(|statistics| statistics.into_iter().map(Statistic::name).collect()),
         statistics: JsonStatistics(&summary.estimates),
     };
     // Nothing in it can fail: every key is a string, and non-finite numbers become null.
@@ -61,7 +72,23 @@ struct JsonReport<'a> {
     us_per_path: Option<f64>,
     file: &'a str,
     sticks: JsonSticks,
+    /// What was before the time from which on statistics count; null where nothing was.
+    start: Option<JsonStart>,
+    counted_periods: usize,
+    /// The statistics that are zero once x has settled, and are not; null where the paths do not tell.
+    unsettled: Option<Vec<&'static str>>,
     statistics: JsonStatistics<'a>,
+}
+
+#[derive(serde::Serialize)]
+struct JsonStart {
+    end: f64,
+    sticks: u64,
+    slips: u64,
+    displacement: f64,
+    displacement_error: f64,
+    displacement_low: f64,
+    displacement_high: f64,
 }
 
 #[derive(serde::Serialize)]
@@ -119,7 +146,7 @@ mod tests {
     use super::super::table;
     use super::*;
     use stick_slip::engine::Status;
-    use stick_slip::stats::{Bias, Statistic};
+    use stick_slip::stats::Bias;
 
     #[test]
     fn json_has_the_names_of_the_table_and_null_for_what_is_not() {

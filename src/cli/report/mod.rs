@@ -21,7 +21,7 @@ mod statistics;
 pub use bias::dominating_bias;
 pub use info::RunInfo;
 pub use json::json;
-pub use remarks::lost;
+pub use remarks::{lost, unsettled};
 
 use super::numbers::grouped;
 use remarks::remarks;

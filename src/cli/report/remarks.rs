@@ -1,15 +1,19 @@
 //! What stands below the table: censored sticks, how the run ended, lost paths, time and file.
 
 use super::RunInfo;
-use crate::cli::numbers::{duration, grouped, significant};
+use crate::cli::numbers::{Digits, duration, grouped, significant};
 use std::fmt::Write as _;
 use stick_slip::engine::Status;
-use stick_slip::stats::{Statistic, Summary};
+use stick_slip::scheme::Timeline;
+use stick_slip::stats::{Dimension, Statistic, Summary, Transient};
 
 /// Everything below the table, as label and line.
 pub(super) fn remarks(summary: &Summary, info: &RunInfo) -> Vec<(&'static str, String)> {
     let mut remarks = vec![("sticks", sticks(summary))];
     remarks.extend(multiples(summary).map(|line| ("", line)));
+    remarks.extend(start(summary, info).map(|line| ("start", line)));
+    remarks.extend(few_periods(summary).map(|line| ("drift", line)));
+    remarks.extend(unsettled(summary).map(|line| ("drift", line)));
     remarks.extend(bias(summary, info).map(|line| ("bias", line)));
     remarks.extend(without_bias(summary).map(|line| ("", line)));
     remarks.push(("paths", paths(summary, info)));
@@ -35,6 +39,49 @@ fn multiples(summary: &Summary) -> Option<String> {
     let sticks = &summary.stick_durations;
     let step = sticks.step.filter(|_| sticks.completed > 0)?;
     Some(format!("their durations are multiples of the step, {step:?}, and so is their median"))
+}
+
+/// What is left out of the statistics because it was before the time from which on they count.
+fn start(summary: &Summary, info: &RunInfo) -> Option<String> {
+    let Transient { end, sticks, slips, displacement, .. } = summary.transient?;
+    let digits = Digits::of(displacement.estimate, displacement.standard_error);
+    let unit = |dimension: Dimension| Some(dimension.label(&info.units)).filter(|unit| !unit.is_empty());
+    let with_unit =
+        |number: String, dimension| unit(dimension).map_or(number.clone(), |unit| format!("{number} {unit}"));
+    Some(format!(
+        "left out: what began before t = {}: {} sticks and {} slips; until then x moved by {} in the mean (std. error {})",
+        with_unit(format!("{end:?}"), Dimension::TIME),
+        grouped(sticks),
+        grouped(slips),
+        with_unit(digits.show(displacement.estimate), Dimension::LENGTH),
+        digits.show(displacement.standard_error),
+    ))
+}
+
+/// How few forcing periods the drift rests on, if they are too few.
+fn few_periods(summary: &Summary) -> Option<String> {
+    let periods = summary.counted_periods();
+    let is_few = (1..Timeline::FEWEST_PERIODS).contains(&periods);
+    let plural = if periods == 1 { "" } else { "s" };
+    is_few.then(|| {
+        format!(
+            "of {periods} whole forcing period{plural}; fewer than {} do not tell a drift from a transient",
+            Timeline::FEWEST_PERIODS
+        )
+    })
+}
+
+/// That the drift is what is left of the start, where it is.
+pub fn unsettled(summary: &Summary) -> Option<String> {
+    let names: Vec<&str> = summary.unsettled()?.into_iter().map(Statistic::name).collect();
+    (!names.is_empty()).then(|| {
+        format!(
+            "x at equal phases has not settled: {} {} not zero (level 1 %), as in the long run; \
+             a larger `statistics.after` leaves out more of the start",
+            names.join(" and "),
+            if names.len() == 1 { "is" } else { "are" },
+        )
+    })
 }
 
 /// What the columns of the bias mean, or why there are none.
@@ -110,7 +157,8 @@ mod tests {
     use super::super::sample::{info, set, summary};
     use super::super::table;
     use super::*;
-    use stick_slip::stats::Bias;
+    use stick_slip::scenario::Units;
+    use stick_slip::stats::{Bias, Measurement, Statistic, Transient};
 
     #[test]
     fn the_table_says_how_long_and_where() {
@@ -140,6 +188,49 @@ mod tests {
         assert!(table(&summary, &info()).contains(line), "{}", table(&summary, &info()));
         summary.stick_durations.completed = 0;
         assert!(!table(&summary, &info()).contains("multiples"));
+    }
+
+    #[test]
+    fn what_a_burn_in_leaves_out_is_told() {
+        let mut summary = summary();
+        assert!(!table(&summary, &info()).contains("left out"));
+        let displacement = Measurement { estimate: -1.25, standard_error: 0.05, low: -1.35, high: -1.15 };
+        let (stick_ends, slip_ends) = ([30_800.0, 31_200.0], [41_700.0, 42_300.0]);
+        let transient = Transient { end: 25.5, sticks: 31_000, stick_ends, slips: 42_000, slip_ends, displacement };
+        summary.transient = Some(transient);
+        let units = Units { time: "s".into(), length: "mm".into(), ..Units::default() };
+        let line = "start   left out: what began before t = 25.5 s: 31 000 sticks and 42 000 slips; until then x moved by \
+                    -1.250 mm in the mean (std. error 0.050)";
+        let told = table(&summary, &RunInfo { units, ..info() });
+        assert!(told.contains(line), "{told}");
+    }
+
+    #[test]
+    fn a_drift_from_few_periods_or_of_a_motion_that_has_not_settled_is_said_to_be_one() {
+        let mut summary = summary();
+        let told = |summary: &Summary| table(summary, &info());
+        assert!(
+            told(&summary).contains("of 1 whole forcing period; fewer than 3 do not tell a drift from a transient")
+        );
+        summary.periods.time = vec![25.1, 50.3, 75.4, 100.5];
+        assert!(!told(&summary).contains("whole forcing period"));
+        // Estimates of 1 +- 0.01.
+        let line = "drift   x at equal phases has not settled: drift_velocity and diffusion_coefficient are not zero (level 1 %)";
+        assert!(told(&summary).contains(line), "{}", told(&summary));
+        let put = |summary: &mut Summary, statistic: Statistic, estimate: f64| {
+            summary.estimates[statistic.index()].estimate = estimate;
+        };
+        // The 99.75 % quantile of the normal law is 2.807.
+        put(&mut summary, Statistic::DriftVelocity, -0.0281);
+        put(&mut summary, Statistic::DiffusionCoefficient, 0.028);
+        assert!(told(&summary).contains("has not settled: drift_velocity is not zero"), "{}", told(&summary));
+        put(&mut summary, Statistic::DriftVelocity, 0.028);
+        assert!(!told(&summary).contains("settled"), "{}", told(&summary));
+        // The end of the burn-in leaves two periods of four.
+        let displacement = Measurement { estimate: 0.0, standard_error: 0.0, low: 0.0, high: 0.0 };
+        let (stick_ends, slip_ends) = ([0.0; 2], [0.0; 2]);
+        summary.transient = Some(Transient { end: 50.3, sticks: 0, stick_ends, slips: 0, slip_ends, displacement });
+        assert!(told(&summary).contains("of 2 whole forcing periods; fewer than 3"), "{}", told(&summary));
     }
 
     #[test]

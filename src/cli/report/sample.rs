@@ -67,6 +67,7 @@ pub fn summary() -> Summary {
             variance: vec![1.0; 2],
             variance_ends: Ends::default(),
         },
+        transient: None,
         bands: Bands {
             time: vec![0.0],
             displacement: band(),

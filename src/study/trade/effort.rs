@@ -159,7 +159,7 @@ impl StepCost {
         let seconds = |h: f64, end: f64| -> Result<f64, Misfit> {
             let scheme = kind.with(h);
             let plan = bare_plan(scenario, scheme)?;
-            let timeline = Timeline { end, output_step: end, period: None };
+            let timeline = Timeline { end, output_step: end, period: None, after: 0.0 };
             let short = Plan { simulation: scheme.simulation(plan.model(), &timeline), ..plan };
             timed(&short, LANES); // warm up
             Ok(timed(&short, LANES) / LANES as f64)

@@ -238,7 +238,7 @@ impl Trade {
 }
 
 /// Standard errors beyond its tolerance from which on a run without a step counts as biased; over
-/// 16 statistics and 3 rungs chance does so once in 800 scenes.
+/// 21 statistics and 3 rungs chance does so once in 600 scenes.
 const PROMISE_ERRORS: f64 = 4.0;
 
 impl Refusal {

@@ -91,6 +91,11 @@ fn counts_phases(statistic: Statistic) -> bool {
         | Statistic::DisplacementEndSd
         | Statistic::DriftVelocity
         | Statistic::DiffusionCoefficient
-        | Statistic::FrictionWorkMean => false,
+        | Statistic::PeriodDisplacementMean
+        | Statistic::PeriodDisplacementSd
+        | Statistic::PeriodDisplacementCorrelation
+        | Statistic::PhaseDisplacementSd
+        | Statistic::FrictionWorkMean
+        | Statistic::SlidingPathRate => false,
     }
 }

@@ -1,0 +1,219 @@
+//! How far the body gets from one forcing period to the next, at one phase of the forcing.
+//!
+//! Of the displacements u_n = x((n + 1)P) - x(nP), n = 1..M, a path leaves the means
+//!
+//! ```text
+//! a = mean u_n,   b = mean u_n^2,   c = mean u_n u_{n+1},   d = mean (u_n + u_{n+1})
+//! ```
+//!
+//! the last two over n = 1..M-1. With the means of these over paths, the mean of u is a, its variance b - a^2, and the covariance
+//! of neighbours c - a d + a^2; errors follow from how a, b, c and d scatter from path to path.
+
+use super::codec::{Codec, Damaged, Reader};
+use super::interval::Measured;
+use super::moments::JointMoments;
+use super::spread::Tails;
+use crate::scheme::Timeline;
+
+/// What the displacements from period to period come to.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Wandering {
+    /// M; the timeline says it.
+    displacements: usize,
+    /// a, b, c and d.
+    paths: JointMoments<4>,
+    /// Of the influences on the standard deviation of u_n.
+    tails: Tails,
+}
+
+impl Wandering {
+    pub fn empty(timeline: &Timeline) -> Self {
+        Wandering { displacements: timeline.counted_periods(), paths: JointMoments::default(), tails: Tails::default() }
+    }
+
+    pub fn merge(&mut self, other: &Wandering) {
+        self.paths.merge(&other.paths);
+        self.tails.merge(&other.tails);
+    }
+
+    /// Mean of u_n.
+    pub fn mean(&self) -> Measured {
+        if self.displacements == 0 { Measured::NOTHING } else { Measured::mean_of(&self.paths, 0) }
+    }
+
+    /// Standard deviation of u_n. One below 1e-8 of the root mean square is lost in rounding, and comes out as zero.
+    pub fn sd(&self) -> Measured {
+        // One number has no spread.
+        if self.displacements as u64 * self.paths.count < 2 {
+            return Measured::NOTHING;
+        }
+        let [a, ..] = self.paths.mean;
+        match self.variance() {
+            0.0 => Measured::smooth(0.0, &self.paths, [0.0; 4], self.paths.count),
+            variance => {
+                let sd = variance.sqrt();
+                let smooth = Measured::smooth(sd, &self.paths, [-a / sd, 0.5 / sd, 0.0, 0.0], self.paths.count);
+                Measured::spread(sd, smooth.measurement().standard_error, self.tails.freedom(self.paths.count))
+            }
+        }
+    }
+
+    /// Correlation of u_n and u_{n+1}; none where u_n does not vary.
+    pub fn correlation(&self) -> Measured {
+        let variance = self.variance();
+        if self.displacements < 2 || self.paths.count == 0 || variance == 0.0 {
+            return Measured::NOTHING;
+        }
+        let [a, _, c, d] = self.paths.mean;
+        let r = (c - a * d + a * a) / variance;
+        let gradient = [2.0 * a - d + 2.0 * a * r, -r, 1.0, -a].map(|g| g / variance);
+        // Over few periods it may leave the range of a correlation by chance, or by rounding.
+        Measured::smooth(r.clamp(-1.0, 1.0), &self.paths, gradient, self.paths.count)
+    }
+
+    fn variance(&self) -> f64 {
+        let [a, b, ..] = self.paths.mean;
+        let variance = b - a * a;
+        if variance <= 4.0 * f64::EPSILON * b { 0.0 } else { variance }
+    }
+}
+
+impl Codec for Wandering {
+    fn write(&self, out: &mut Vec<u8>) {
+        self.paths.write(out);
+        self.tails.write(out);
+    }
+
+    fn read(&mut self, from: &mut Reader<'_>) -> Result<(), Damaged> {
+        self.paths.read(from)?;
+        self.tails.read(from)
+    }
+}
+
+/// One block of paths on its way through the periods.
+pub(super) struct WanderingFold {
+    empty: Wandering,
+    /// Instants that have been seen.
+    seen: usize,
+    paths: Vec<OnePath>,
+}
+
+#[derive(Clone, Copy, Debug, Default)]
+struct OnePath {
+    /// x at the last instant.
+    displacement: f64,
+    /// u_1 and the last u_n.
+    first: f64,
+    last: f64,
+    /// Sums of u_n, u_n^2 and u_n u_{n+1}.
+    sum: f64,
+    squares: f64,
+    products: f64,
+}
+
+impl WanderingFold {
+    pub fn new(timeline: &Timeline, paths: usize) -> Self {
+        let empty = Wandering::empty(timeline);
+        let paths = if empty.displacements == 0 { 0 } else { paths };
+        WanderingFold { empty, seen: 0, paths: vec![OnePath::default(); paths] }
+    }
+
+    /// The next instant at the same phase.
+    pub fn fold(&mut self, displacement: &[f64]) {
+        self.seen += 1;
+        for (path, &x) in self.paths.iter_mut().zip(displacement) {
+            let u = x - path.displacement;
+            path.displacement = x;
+            if self.seen == 1 {
+                continue;
+            }
+            if self.seen == 2 {
+                path.first = u;
+            }
+            path.sum += u;
+            path.squares += u * u;
+            // Zero before the first one.
+            path.products += path.last * u;
+            path.last = u;
+        }
+    }
+
+    pub fn finish(self) -> Wandering {
+        if self.paths.is_empty() {
+            return self.empty;
+        }
+        let (all, pairs) = (self.empty.displacements as f64, self.empty.displacements as f64 - 1.0);
+        let column = |of: &dyn Fn(&OnePath) -> f64| self.paths.iter().map(of).collect::<Vec<f64>>();
+        let of_pairs = |sum: f64| if pairs > 0.0 { sum / pairs } else { 0.0 };
+        let paths = JointMoments::of([
+            &column(&|path| path.sum / all),
+            &column(&|path| path.squares / all),
+            &column(&|path| of_pairs(path.products)),
+            &column(&|path| of_pairs(2.0 * path.sum - path.first - path.last)),
+        ]);
+        let [a, b, ..] = paths.mean;
+        let influence = |path: &OnePath| path.squares / all - b - 2.0 * a * (path.sum / all - a);
+        Wandering { paths, tails: Tails::of(self.paths.iter().map(influence)), ..self.empty }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::stats::Statistic;
+
+    /// Three paths with u = 1, 2, 0 and -1, 1, 3 and -2, -1, -3, of mean 0: a = 1, 1, -2; b = 5/3, 11/3, 14/3 of mean 10/3, the variance;
+    /// c = 1, 1, 5/2 of mean 3/2, the covariance; d = 5/2, 2, -7/2 of mean 1/3. The influences on the standard deviation are (b - 10/3)/(2 sd), and those
+    /// on the correlation r = 9/20 are (-a/3 - r (b - 10/3) + c - 3/2)/(10/3). A constant on top of every u changes the mean alone.
+    #[test]
+    fn the_errors_of_unequal_paths_are_those_computed_by_hand() {
+        let timeline = Timeline { end: 4.0, output_step: 4.0, period: Some(1.0), after: 0.0 };
+        let u = [[1.0, 2.0, 0.0], [-1.0, 1.0, 3.0], [-2.0, -1.0, -3.0]];
+        for constant in [0.0, 1.0, -7.0] {
+            // In two blocks, from three places.
+            let part = |paths: &[[f64; 3]]| {
+                let mut fold = WanderingFold::new(&timeline, paths.len());
+                let mut x: Vec<f64> = (0..paths.len()).map(|path| 5.0 - path as f64).collect();
+                fold.fold(&x);
+                for n in 0..3 {
+                    x.iter_mut().zip(paths).for_each(|(x, u)| *x += u[n] + constant);
+                    fold.fold(&x);
+                }
+                fold.finish()
+            };
+            let mut all = part(&u[..1]);
+            all.merge(&part(&u[1..]));
+            let (sd, t) = ((10.0f64 / 3.0).sqrt(), 4.302_652_729_9);
+            let on_sd = (42.0f64 / 9.0 / 6.0).sqrt() / (2.0 * sd);
+            let on_r = [-1.0 / 3.0 + 0.75 - 0.5, -1.0 / 3.0 - 0.15 - 0.5, 2.0 / 3.0 - 0.6 + 1.0];
+            let on_r = (on_r.iter().map(|e: &f64| e * e).sum::<f64>() / 6.0).sqrt() * 0.3;
+            for (measured, value, error) in
+                [(all.mean(), constant, 1.0), (all.sd(), sd, on_sd), (all.correlation(), 0.45, on_r)]
+            {
+                let e = measured.named(Statistic::PeriodDisplacementMean);
+                // Three numbers about their mean always have two degrees of freedom.
+                let high = if value == sd { sd / (1.0 - t * error / sd) } else { value + t * error };
+                let all = [(e.estimate, value), (e.standard_error, error), (e.high, high)];
+                let is_right = all.iter().all(|(got, expected)| (got - expected).abs() < 1e-9);
+                assert!(is_right, "{constant}: {e:?}, expected {value} +- {error}");
+            }
+        }
+    }
+
+    #[test]
+    fn displacements_that_do_not_vary_have_no_correlation_and_one_of_them_has_no_spread() {
+        let of = |ends: f64, paths: usize| {
+            let timeline = Timeline { end: ends, output_step: ends, period: Some(1.0), after: 0.0 };
+            let mut fold = WanderingFold::new(&timeline, paths);
+            (0..ends as usize).for_each(|n| fold.fold(&vec![0.1 * n as f64; paths]));
+            let fold = fold.finish();
+            [fold.mean(), fold.sd(), fold.correlation()].map(|measured| measured.estimate())
+        };
+        let near = |a: f64, b: f64| (a - b).abs() < 1e-12;
+        assert!(of(1.0, 3).iter().all(|e| e.is_nan()));
+        let [mean, sd, correlation] = of(4.0, 3);
+        assert!(near(mean, 0.1) && sd == 0.0 && correlation.is_nan(), "{mean} {sd} {correlation}");
+        let [mean, sd, correlation] = of(2.0, 1);
+        assert!(near(mean, 0.1) && sd.is_nan() && correlation.is_nan(), "{mean} {sd} {correlation}");
+    }
+}
