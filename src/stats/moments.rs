@@ -17,6 +17,9 @@ use super::tree::Merge;
 /// Terms are added in this many interleaved partial sums: a fixed order that compilers can vectorise.
 const LANES: usize = 8;
 
+/// What is left of terms that cancel is rounding if it is below this share of their sizes.
+const ROUNDING: f64 = 64.0 * f64::EPSILON;
+
 /// Sum of `term` over the entries of `values`, in an order that depends on their number alone.
 fn sum(values: &[f64], term: impl Fn(f64) -> f64) -> f64 {
     let mut partial = [0.0; LANES];
@@ -163,16 +166,20 @@ impl<const N: usize> JointMoments<N> {
 
     /// Sum over paths of (g . (z - mean))^2: the spread of the linear combination with coefficients g.
     pub fn spread_along(&self, gradient: [f64; N]) -> f64 {
-        let mut total = 0.0;
+        let (mut total, mut size) = (0.0, 0.0);
+        let mut add = |term: f64| {
+            total += term;
+            size += term.abs();
+        };
         // A coefficient of zero is left out, so that an overflowed moment which is not asked for stays unseen.
         for i in (0..N).filter(|&i| gradient[i] != 0.0) {
-            total += gradient[i] * gradient[i] * self.comoment[i][i];
+            add(gradient[i] * gradient[i] * self.comoment[i][i]);
             for j in (i + 1..N).filter(|&j| gradient[j] != 0.0) {
-                total += 2.0 * gradient[i] * gradient[j] * self.comoment[i][j];
+                add(2.0 * gradient[i] * gradient[j] * self.comoment[i][j]);
             }
         }
-        // Rounding may leave a perfectly correlated combination just below zero; NaN stays NaN.
-        if total < 0.0 { 0.0 } else { total }
+        // Of a perfectly correlated combination rounding leaves next to nothing; NaN stays NaN.
+        if total < ROUNDING * size { 0.0 } else { total }
     }
 }
 
@@ -275,6 +282,18 @@ mod tests {
             merged.merge(&JointMoments::of([&a[cut..], &b[cut..], &c[cut..]]));
             let combined: Vec<f64> = rows.iter().map(|r| g[0] * r[0] + g[1] * r[1] + g[2] * r[2]).collect();
             prop_assert!(close(merged.spread_along(g), central(&combined, 2), 12.0 * 12.0 * rows.len() as f64));
+        }
+    }
+
+    /// Each path has its number of things, and each thing has the size 0.4: what varies is the number.
+    #[test]
+    fn a_ratio_that_all_paths_share_has_no_spread() {
+        let mut merged = JointMoments::<2>::default();
+        for block in 0..30 {
+            let number: Vec<f64> = (0..256).map(|i| f64::from((i * 37 + block * 11) % 23 + 1)).collect();
+            let size: Vec<f64> = number.iter().map(|n| 0.4 * n).collect();
+            merged.merge(&JointMoments::of([&size, &number]));
+            assert_eq!(merged.spread_along([1.0, -merged.mean[0] / merged.mean[1]]), 0.0, "{block}");
         }
     }
 

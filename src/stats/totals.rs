@@ -901,10 +901,10 @@ mod tests {
         let transient = summary.transient.expect("a burn-in");
         assert_eq!((transient.end, transient.sticks, transient.slips), (4.5, 2, 3));
         // Two paths of five left out a stick each: 0.4 of them a path, of variance 0.3; t has 4
-        // degrees of freedom. The three slips are those of three paths.
+        // degrees of freedom. Of the three slips two are of one path.
         let of_five = |mean: f64, variance: f64| 5.0 * (mean + 2.776_445_105 * (variance / 5.0).sqrt());
-        for (ends, mean) in [(transient.stick_ends, 0.4), (transient.slip_ends, 0.6)] {
-            assert!(ends[0] == 0.0 && (ends[1] - of_five(mean, 0.3)).abs() < 1e-8, "{ends:?}");
+        for (ends, mean, variance) in [(transient.stick_ends, 0.4, 0.3), (transient.slip_ends, 0.6, 0.8)] {
+            assert!(ends[0] == 0.0 && (ends[1] - of_five(mean, variance)).abs() < 1e-8, "{ends:?}");
         }
         // From 6 to 8.5, 5, 6, 6 and 3.
         assert!((transient.displacement.estimate + 0.3).abs() < 1e-12, "{transient:?}");
