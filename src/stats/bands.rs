@@ -235,7 +235,7 @@ mod tests {
     /// ([`Coverage::assert_95_percent`] has the false-alarm rate).
     #[test]
     fn intervals_at_a_time_cover_what_they_bound() {
-        let timeline = Timeline { end: 1.0, output_step: 1.0, period: None };
+        let timeline = Timeline { end: 1.0, output_step: 1.0, period: None, after: 0.0 };
         let mut rng = Pcg64Dxsm::seed_from_u64(39);
         let law = Normal::new(4.0, 1.5).unwrap();
         let mut held: [Coverage; 4] = Default::default();
