@@ -1,15 +1,17 @@
 //! Randomness: one stream a path, normals by inversion, the Ornstein-Uhlenbeck process exactly.
 
+mod addressed;
 mod first_passage;
 mod normal;
 mod normal_table;
 mod ornstein_uhlenbeck;
 mod stream;
 
+pub use addressed::AddressedDraws;
 pub(crate) use first_passage::{mean_touching_spread, meeting_place, meeting_probability};
 pub use normal::{MAX_NORMAL_ERROR, standard_normal};
 pub use ornstein_uhlenbeck::Transition;
-pub(crate) use ornstein_uhlenbeck::{TimeChange, increment_variance};
+pub(crate) use ornstein_uhlenbeck::{TimeChange, bridge_at, bridge_middle, increment_variance};
 pub(crate) use stream::LaneNormals;
 pub use stream::{LaneStreams, Stream};
 

@@ -76,6 +76,28 @@ impl TimeChange {
     }
 }
 
+/// n half-way between two values a time `h` apart: what the sum of both is multiplied by to be the
+/// mean, and the standard deviation.
+///
+/// ```text
+/// mean = (n0 + n1)/(2 cosh(theta h/2)),   variance = sigma^2/(2 theta) tanh(theta h/2)
+/// ```
+pub fn bridge_middle(theta: f64, sigma: f64, h: f64) -> (f64, f64) {
+    let half = 0.5 * theta * h;
+    let cosh = libm::cosh(half);
+    let variance = sigma * sigma * libm::tanh(half) / (2.0 * theta);
+    (0.5 / cosh, variance.sqrt())
+}
+
+/// n between two known values, a time `before` after the first and `behind` before the second: mean
+/// and standard deviation.
+pub fn bridge_at(theta: f64, sigma: f64, before: f64, behind: f64, (n0, n1): (f64, f64)) -> (f64, f64) {
+    let (to, from) = (Transition::new(theta, sigma, before), Transition::new(theta, sigma, behind));
+    let (q0, q1) = (to.increment_sd * to.increment_sd, from.increment_sd * from.increment_sd);
+    let all = from.decay * from.decay * q0 + q1;
+    ((to.decay * n0 * q1 + from.decay * q0 * n1) / all, to.increment_sd * from.increment_sd / all.sqrt())
+}
+
 /// 1 - e^{-2 theta h}: the share of its stationary variance that does not depend on where it
 /// started.
 fn forgotten(theta: f64, h: f64) -> f64 {

@@ -14,13 +14,20 @@ use crate::lanes::{InstructionSet, LaneProgram, Lanes, Table};
 use std::f64::consts::SQRT_2;
 
 /// Increment of SplitMix64: 2^64 / golden ratio, odd.
-const GAMMA: u64 = 0x9E37_79B9_7F4A_7C15;
+pub(super) const GAMMA: u64 = 0x9E37_79B9_7F4A_7C15;
 
 /// Output function of SplitMix64 (Stafford's variant 13 of the MurmurHash3 finaliser).
 const fn mix(mut z: u64) -> u64 {
     z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
     z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
     z ^ (z >> 31)
+}
+
+/// Word `i` of what a path draws from: the output of a SplitMix64 sequence at position path + 1,
+/// whose origin is the i-th output from the seed.
+pub(super) fn path_word(seed: u64, path: u64, i: u64) -> u64 {
+    let origin = mix(seed.wrapping_add((i + 1).wrapping_mul(GAMMA)));
+    mix(origin.wrapping_add(path.wrapping_add(1).wrapping_mul(GAMMA)))
 }
 
 /// The random stream of one path.
@@ -32,11 +39,7 @@ pub struct Stream {
 impl Stream {
     /// The stream of path `path` of the ensemble with this seed.
     pub fn new(seed: u64, path: u64) -> Self {
-        let word = |i: u64| {
-            let origin = mix(seed.wrapping_add((i + 1).wrapping_mul(GAMMA)));
-            mix(origin.wrapping_add(path.wrapping_add(1).wrapping_mul(GAMMA)))
-        };
-        Stream { state: [word(0), word(1), word(2), word(3)] }
+        Stream { state: std::array::from_fn(|i| path_word(seed, path, i as u64)) }
     }
 
     /// The four state words.

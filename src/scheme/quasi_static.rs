@@ -32,12 +32,14 @@
 //! Nothing in the recursion asks whether |b| <= f_s at tau_{j+1}; where it is not, the stick there is
 //! empty.
 
+use super::columns::Columns;
 use super::event_driven::{
-    self, Cascade, ExactTime, Noiseless, Scene, StepRules, StickSteps, UnfeltNoise, Unresolved, WORK_LIMIT,
-    check_friction, forcing,
+    self, Cascade, Cell, Corridor, ExactTime, Noiseless, Scene, StepRules, UnfeltNoise, Unresolved, WORK_LIMIT, Watch,
+    Work, check_friction, round_down, temperature,
 };
 use super::{DEFAULT_TOLERANCE, Discretisation, Look, Method, Misfit, Observer, Parameter, Simulate, Timeline};
-use crate::model::{Complex, Event, EventKind, Model, Phase, Sign, StepResponse};
+use crate::model::{Event, EventKind, Model, Phase, Sign, StepResponse};
+use crate::noise::bridge_at;
 
 /// The quasi-static scheme with this tolerance.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -80,77 +82,130 @@ impl Method for QuasiStatic {
 #[derive(Clone, Debug)]
 pub struct QuasiStaticSimulation {
     model: Model,
-    scene: Scene,
     timeline: Timeline,
     exits: Exits,
     /// What a path may spend.
     work_limit: u64,
     /// What a slip is.
-    swing: StepResponse,
-    /// (1 + q) (f_s - f_d)/K: how far it moves.
-    jump: f64,
+    slip: Swing,
 }
 
 /// How stick phases end.
 #[derive(Clone, Debug)]
 enum Exits {
-    Noisy(StickSteps),
+    Noisy(Box<Noisy>),
     /// The noise of the scene is its mean; what fluctuates is left to the observer.
     Noiseless(Box<Noiseless>, UnfeltNoise),
 }
 
-/// Where one path is: its displacement is x_j, in the dynamic phase too.
-type Path = event_driven::Path<Since>;
+/// The way of a slip.
+#[derive(Clone, Debug)]
+struct Swing {
+    response: StepResponse,
+    /// (1 + q) (f_s - f_d)/K: how far it moves.
+    jump: f64,
+}
 
-/// The phase of a path.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Since {
-    /// tau_j or tau_{j+1/2}: when it began.
-    time: f64,
-    /// Without noise: the exit of a static phase, once it has been looked for.
-    exit: Option<Option<Event>>,
+impl Swing {
+    /// x and x' of a slip from x0, a time after it began.
+    fn at(&self, x0: f64, direction: Sign, since: f64) -> (f64, f64) {
+        let equilibrium = direction.value() * self.jump / (1.0 + self.response.overshoot);
+        let (way, velocity) = self.response.at(equilibrium, since);
+        (x0 + way, velocity)
+    }
 }
 
 impl QuasiStaticSimulation {
     /// For a scene, observed at the stops of a timeline; `tolerance` governs the noisy exits as in the event-driven scheme.
     pub fn new(model: &Model, timeline: &Timeline, tolerance: f64) -> Self {
-        let mut scene = Scene::new(model);
+        let Model { oscillator, friction, .. } = model;
+        let response = StepResponse::new(oscillator);
+        let jump = (1.0 + response.overshoot) * (friction.static_force - friction.dynamic_force) / oscillator.stiffness;
+        let slip = Swing { response, jump };
+        let scene = Scene::new(model);
         let exits = if scene.felt_noise(timeline.end).is_some() {
-            Exits::Noisy(StickSteps::new(&scene, StepRules::new(tolerance).chord_error, timeline.end))
+            Exits::Noisy(Box::new(Noisy::new(scene, timeline, &StepRules::new(tolerance), slip.clone())))
         } else {
-            (scene.diffusion, scene.initial_noise.1) = (0.0, 0.0);
             Exits::Noiseless(Box::new(Noiseless::new(model, timeline)), UnfeltNoise::new(model))
         };
-        let Model { oscillator, friction, .. } = model;
-        let swing = StepResponse::new(oscillator);
-        let jump = (1.0 + swing.overshoot) * (friction.static_force - friction.dynamic_force) / oscillator.stiffness;
-        let (model, timeline) = (model.clone(), *timeline);
-        QuasiStaticSimulation { model, scene, timeline, exits, work_limit: WORK_LIMIT, swing, jump }
+        QuasiStaticSimulation { model: model.clone(), timeline: *timeline, exits, work_limit: WORK_LIMIT, slip }
     }
 
-    /// Without noise: the exit of the static phase, if the path comes to it by then.
-    fn exit_until(&self, cascade: &Noiseless, path: &mut Path, until: f64) -> Result<Option<Event>, Unresolved> {
-        let exit = match path.motion.exit {
-            Some(exit) => exit,
-            None => {
-                let since = ExactTime::ZERO.after(path.motion.time);
-                *path.motion.exit.insert(cascade.stick_exit(since, path.displacement, &mut path.work)?)
+    /// Without noise there is one path, of which every lane is told. All lanes are lost if it cannot
+    /// be resolved.
+    fn one_path<O: Observer>(&self, cascade: &Noiseless, lanes: usize, observer: &mut O) -> Vec<usize> {
+        let mut columns = Columns::new(lanes);
+        let mut work = Work::new(self.work_limit);
+        let (mut phase, mut since, mut x) = (Phase::Static, 0.0, self.model.initial_displacement);
+        let mut next = self.next(cascade, phase, since, x, &mut work);
+        for stop in self.timeline.stops() {
+            while let Ok(Some(event)) = next {
+                if event.time > stop.time {
+                    break;
+                }
+                (0..lanes).for_each(|lane| observer.event(lane, event));
+                (phase, since, x) = (event.kind.phase(), event.time, event.displacement);
+                next = self.next(cascade, phase, since, x, &mut work);
             }
-        };
-        let exit = exit.filter(|event| event.time <= until);
-        self.let_noise_pass(path, exit.map_or(until, |event| event.time));
-        Ok(exit)
+            let (x, v) = match phase {
+                _ if next.is_err() => (f64::NAN, f64::NAN),
+                Phase::Static => (x, 0.0),
+                Phase::Slip(direction) => self.slip.at(x, direction, stop.time - since),
+            };
+            columns.fill((x, v, cascade.mean_temperature(stop.time), phase == Phase::Static));
+            observer.snapshot(stop.instant, columns.snapshot(stop.time));
+        }
+        if next.is_ok() { Vec::new() } else { (0..lanes).collect() }
     }
 
-    /// The exact transition of the noise to a later time.
-    fn let_noise_pass(&self, path: &mut Path, until: f64) {
-        self.scene.let_noise_pass(&mut path.noise, until - path.time, &mut path.draws);
-        path.time = until;
+    /// The event that ends a phase without noise, if there is one.
+    fn next(
+        &self,
+        cascade: &Noiseless,
+        phase: Phase,
+        since: f64,
+        x: f64,
+        work: &mut Work,
+    ) -> Result<Option<Event>, Unresolved> {
+        work.spend()?;
+        let Phase::Slip(direction) = phase else {
+            return cascade.stick_exit(ExactTime::ZERO.after(since), x, work);
+        };
+        let time = since + self.slip.response.duration;
+        let displacement = x + direction.value() * self.slip.jump;
+        let oscillator = &self.model.oscillator;
+        let force = oscillator.force_per_temperature() * cascade.mean_temperature(time) - oscillator.stiffness * displacement;
+        Ok(Some(Event { kind: EventKind::StickEntered, time, displacement, force }))
     }
 }
 
-impl Cascade for QuasiStaticSimulation {
-    type Motion = Since;
+/// The recursion under noise, cell by cell.
+#[derive(Clone, Debug)]
+struct Noisy {
+    scene: Scene,
+    timeline: Timeline,
+    cell_length: f64,
+    corridor: Corridor,
+    slip: Swing,
+    work_limit: u64,
+}
+
+/// Where one path is: its displacement is x_j in the dynamic phase too, whose beginning is what the
+/// scheme knows of the motion.
+type Path = event_driven::Path<f64>;
+
+impl Noisy {
+    fn new(scene: Scene, timeline: &Timeline, rules: &StepRules, slip: Swing) -> Self {
+        let rates = scene.harmonics.iter().map(|h| h.angular_frequency);
+        let cell_length = round_down(rules.slip_length / rates.fold(scene.relaxation_rate, f64::max));
+        let corridor = Corridor::new(&scene, rules.chord_error);
+        Noisy { scene, timeline: *timeline, cell_length, corridor, slip, work_limit: WORK_LIMIT }
+    }
+}
+
+impl Cascade for Noisy {
+    /// When the slip began: after the start of the cell, earlier cells counting negative.
+    type Motion = f64;
     type Scratch = ();
 
     fn scene(&self) -> &Scene {
@@ -161,65 +216,69 @@ impl Cascade for QuasiStaticSimulation {
         &self.timeline
     }
 
+    fn cell_length(&self) -> f64 {
+        self.cell_length
+    }
+
+    fn corridor(&self) -> &Corridor {
+        &self.corridor
+    }
+
     fn work_limit(&self) -> u64 {
         self.work_limit
     }
 
     fn scratch(&self) {}
 
-    fn stick_until(&self, path: &mut Path, terms: &mut [Complex], until: f64) -> Result<Option<Event>, Unresolved> {
-        self.scene.set_terms(path.time, terms);
-        let exit = match &self.exits {
-            Exits::Noisy(steps) => steps.advance_path(&self.scene, path, terms, until)?,
-            Exits::Noiseless(cascade, _) => self.exit_until(cascade, path, until)?,
-        };
-        if exit.is_some() {
-            path.work.spend()?;
-        }
-        Ok(exit)
-    }
-
-    fn slip_until(
+    fn slip(
         &self,
+        cell: &Cell,
         path: &mut Path,
-        terms: &mut [Complex],
         direction: Sign,
-        until: f64,
+        end_noise: f64,
         _: &mut (),
+        watch: &mut impl Watch,
     ) -> Result<Option<Event>, Unresolved> {
-        let end = path.motion.time + self.swing.duration;
-        self.let_noise_pass(path, end.min(until));
-        if end > until {
+        path.work.spend()?;
+        let Scene { relaxation_rate, diffusion, .. } = self.scene;
+        let x0 = path.displacement;
+        let end = path.motion + self.slip.response.duration;
+        // n at a time between two at which it is known.
+        let between = |(from, noise): (f64, f64), (to, end): (f64, f64), time: f64, normal: f64| {
+            let (mean, sd) = bridge_at(relaxation_rate, diffusion, time - from, to - time, (noise, end));
+            mean + sd * normal
+        };
+        let mut known = (path.after, path.noise);
+        let mut last = (cell.length, end_noise);
+        if end < cell.length {
+            last = (end, between(known, last, end, path.draws.normal()));
+        }
+        while let Some(time) = watch.next(last.0) {
+            known = (time, between(known, last, time, watch.draws().normal()));
+            let (x, v) = self.slip.at(x0, direction, time - path.motion);
+            watch.see((x, v, temperature(&self.scene, cell, time, known.1), false));
+        }
+        (path.after, path.noise) = last;
+        if end >= cell.length {
+            // Counted from the start of the next cell.
+            path.motion -= cell.length;
             return Ok(None);
         }
-        path.work.spend()?;
-        self.scene.set_terms(end, terms);
-        let displacement = path.displacement + direction.value() * self.jump;
-        let force = forcing(terms) + path.noise - self.scene.oscillator.stiffness * displacement;
-        Ok(Some(Event { kind: EventKind::StickEntered, time: end, displacement, force }))
+        let displacement = x0 + direction.value() * self.slip.jump;
+        let force = cell.forcing(end).value + path.noise - self.scene.oscillator.stiffness * displacement;
+        Ok(Some(Event { kind: EventKind::StickEntered, time: cell.start + end, displacement, force }))
     }
 
-    fn motion_after(&self, event: &Event) -> Since {
-        Since { time: event.time, exit: None }
+    fn motion_after(&self, _: &Event, after: f64) -> f64 {
+        after
     }
 
-    fn look(&self, path: &Path, terms: &mut [Complex], time: f64) -> (f64, f64, f64) {
-        let temperature = match &self.exits {
-            Exits::Noisy(_) => {
-                self.scene.set_terms(time, terms);
-                self.scene.temperature(terms, path.noise)
-            }
-            Exits::Noiseless(cascade, _) => cascade.mean_temperature(time),
-        };
-        let (x, v) = match path.phase {
+    fn look(&self, path: &Path, _: &Cell) -> (f64, f64) {
+        match path.phase {
             Phase::Static => (path.displacement, 0.0),
-            Phase::Slip(direction) => {
-                let equilibrium = direction.value() * self.jump / (1.0 + self.swing.overshoot);
-                let (way, velocity) = self.swing.at(equilibrium, time - path.motion.time);
-                (path.displacement + way, velocity)
-            }
-        };
-        (x, v, temperature)
+            // Its beginning is counted from the end of this cell.
+            Phase::Slip(direction) => self.slip.at(path.displacement, direction, -path.motion),
+        }
     }
 }
 
@@ -235,14 +294,18 @@ impl Simulate for QuasiStaticSimulation {
     /// A path is lost where it spends all its work, or meets a value that is not a number.
     fn simulate<O: Observer>(&self, seed: u64, paths: &[u64], observer: &mut O) -> Vec<usize> {
         match &self.exits {
-            Exits::Noisy(_) => event_driven::simulate(self, seed, paths, observer).lost,
-            Exits::Noiseless(_, noise) => {
-                event_driven::simulate(self, seed, paths, &mut noise.added_before(observer, seed, paths)).lost
+            Exits::Noisy(cascade) => event_driven::simulate(cascade.as_ref(), seed, paths, observer).lost,
+            Exits::Noiseless(cascade, noise) => {
+                self.one_path(cascade, paths.len(), &mut noise.added_before(observer, seed, paths))
             }
         }
     }
 
-    fn with_work_limit(self, limit: u64) -> Self {
-        QuasiStaticSimulation { work_limit: limit, ..self }
+    fn with_work_limit(mut self, limit: u64) -> Self {
+        self.work_limit = limit;
+        if let Exits::Noisy(cascade) = &mut self.exits {
+            cascade.work_limit = limit;
+        }
+        self
     }
 }

@@ -39,7 +39,7 @@
 //! because at small enough h any V0 > 0 or a0 > 0 is clear; a tangency is cut off at 2^-DEPTH h.
 
 use super::work::{Unresolved, Work};
-use crate::noise::Stream;
+use crate::noise::AddressedDraws;
 
 /// The velocity eps x' and its derivative at one time.
 #[derive(Clone, Copy, Debug)]
@@ -122,7 +122,7 @@ const ROOT_HALF: f64 = std::f64::consts::FRAC_1_SQRT_2;
 
 /// An interval to the right of what has been scanned.
 #[derive(Clone, Copy, Debug)]
-struct Interval {
+pub struct Interval {
     end: Motion,
     way: f64,
     length: f64,
@@ -146,14 +146,16 @@ impl Pending {
 }
 
 impl StopSearch {
-    /// The first zero of V in a step, or none.
+    /// The first zero of V in a step, or none. `passed` is told, from the left, of every interval
+    /// without one: the time and the way to where it begins, the motion there, and the rest of it.
     #[inline(always)]
     pub fn first(
         &self,
         step: &Step,
-        draws: &mut Stream,
+        draws: &mut AddressedDraws,
         pending: &mut Pending,
         work: &mut Work,
+        mut passed: impl FnMut(f64, f64, Motion, &Interval),
     ) -> Result<Option<Stop>, Unresolved> {
         let whole = Interval {
             end: step.end,
@@ -162,7 +164,11 @@ impl StopSearch {
             inverse: 1.0 / step.length,
             noise: self.noise * step.root_length,
         };
-        if self.is_clear(step.start, &whole) { Ok(None) } else { self.bisect(step.start, whole, draws, pending, work) }
+        if self.is_clear(step.start, &whole) {
+            passed(0.0, 0.0, step.start, &whole);
+            return Ok(None);
+        }
+        self.bisect(step.start, whole, draws, pending, work, &mut passed)
     }
 
     /// The scan.
@@ -171,9 +177,10 @@ impl StopSearch {
         &self,
         start: Motion,
         whole: Interval,
-        draws: &mut Stream,
+        draws: &mut AddressedDraws,
         Pending(pending): &mut Pending,
         work: &mut Work,
+        passed: &mut impl FnMut(f64, f64, Motion, &Interval),
     ) -> Result<Option<Stop>, Unresolved> {
         pending[0] = whole;
         let finest = whole.length * FINEST;
@@ -185,7 +192,9 @@ impl StopSearch {
             let next = pending[top];
             if !clear {
                 if self.is_stop(left, &next) {
-                    let stop = self.stop(left, &next, draws);
+                    let stop = self.stop(left, &next, draws, |u, way_there, motion, rest| {
+                        passed(after + u, way + way_there, motion, rest);
+                    });
                     if !(stop.after + stop.way + stop.acceleration).is_finite() {
                         return Err(Unresolved);
                     }
@@ -204,10 +213,14 @@ impl StopSearch {
                     let part = left.velocity / (left.velocity - next.end.velocity);
                     let part = if part.is_finite() { part } else { 0.0 };
                     let acceleration = left.acceleration + part * (next.end.acceleration - left.acceleration);
-                    let (after, way) = (after + part * next.length, forwards(way + part * next.way));
+                    let end = Motion { velocity: 0.0, acceleration };
+                    let until = Interval::new(end, part * next.way, part * next.length, self.noise);
+                    passed(after, way, left, &until);
+                    let (after, way) = (after + until.length, forwards(way + until.way));
                     return Ok(Some(Stop { after, acceleration, way }));
                 }
             }
+            passed(after, way, left, &next);
             after += next.length;
             way += next.way;
             left = next.end;
@@ -250,7 +263,13 @@ impl StopSearch {
     /// below `STOP_PRECISION` of a. (The pull of both ends matters: a free step from the first draw
     /// to the zero would give the force at the stop too much variance, and too many sticks.)
     #[inline(always)]
-    fn stop(&self, mut left: Motion, next: &Interval, draws: &mut Stream) -> Stop {
+    fn stop(
+        &self,
+        mut left: Motion,
+        next: &Interval,
+        draws: &mut AddressedDraws,
+        mut before: impl FnMut(f64, f64, Motion, &Interval),
+    ) -> Stop {
         let mut next = *next;
         let (mut after, mut way) = (0.0, 0.0);
         for _ in 0..STOP_REFINEMENTS {
@@ -268,11 +287,14 @@ impl StopSearch {
             let t = (-velocity / acceleration).max(-p * h).min((1.0 - p) * h);
             let tolerated = STOP_PRECISION * acceleration;
             if self.noise * self.noise * t.abs() <= tolerated * tolerated {
-                let way = way + passed + t * (velocity + 0.5 * t * acceleration);
-                return Stop { after: after + p * h + t, acceleration, way };
+                let rest = passed + t * (velocity + 0.5 * t * acceleration);
+                let end = Motion { velocity: 0.0, acceleration };
+                before(after, way, left, &Interval::new(end, rest, p * h + t, self.noise));
+                return Stop { after: after + p * h + t, acceleration, way: way + rest };
             }
             let middle = Motion { velocity, acceleration };
             if velocity > 0.0 {
+                before(after, way, left, &Interval::new(middle, passed, p * h, self.noise));
                 (after, way, left) = (after + p * h, way + passed, middle);
                 next = Interval::new(next.end, next.way - passed, (1.0 - p) * h, self.noise);
             } else {
@@ -290,7 +312,30 @@ pub fn forwards(way: f64) -> f64 {
     if way < 0.0 { 0.0 } else { way }
 }
 
+/// The state at a fraction of an interval without a zero, drawn with three normals given both its
+/// ends: the way to there, the motion, and the rest of the interval.
+pub fn state_inside(left: Motion, next: &Interval, p: f64, normals: [f64; 3]) -> (f64, Motion, Interval) {
+    let (mean, [dx, dv, da]) = (Quintic::new(left, next), conditional_factor(p, normals));
+    let (h, inverse, noise) = (next.length, next.inverse, next.noise);
+    let way = mean.way(p) + noise * h * h * dx;
+    let velocity = mean.velocity(p) * inverse + noise * h * dv;
+    let acceleration = mean.acceleration(p) * inverse * inverse + noise * da;
+    let rest = Interval {
+        end: next.end,
+        way: next.way - way,
+        length: (1.0 - p) * h,
+        inverse: inverse / (1.0 - p),
+        noise: noise * (1.0 - p).sqrt(),
+    };
+    (way, Motion { velocity, acceleration }, rest)
+}
+
 impl Interval {
+    /// h.
+    pub fn length(&self) -> f64 {
+        self.length
+    }
+
     #[inline(always)]
     fn new(end: Motion, way: f64, length: f64, noise: f64) -> Self {
         Interval { end, way, length, inverse: 1.0 / length, noise: noise * length.sqrt() }
@@ -307,8 +352,8 @@ fn velocity_controls(left: Motion, next: &Interval) -> [f64; 5] {
 
 /// Draw the state in the middle of an interval, and part it there.
 #[inline(always)]
-fn halves(left: Motion, next: &Interval, draws: &mut Stream) -> (Interval, Interval) {
-    parted(left, next, [draws.normal(), draws.normal(), draws.normal()])
+fn halves(left: Motion, next: &Interval, draws: &mut AddressedDraws) -> (Interval, Interval) {
+    parted(left, next, draws.three_normals())
 }
 
 /// [`halves`] from its three normals.
@@ -343,8 +388,8 @@ fn parted(left: Motion, next: &Interval, [one, two, three]: [f64; 3]) -> (Interv
 /// Eliminating x leaves (12 E, -6 s (1-5q); ., 4 - 15q)/D, eliminating V leaves 1/E: three factors
 /// of the draw in closed form.
 #[inline(always)]
-fn conditional_draw(p: f64, draws: &mut Stream) -> [f64; 3] {
-    conditional_factor(p, [draws.normal(), draws.normal(), draws.normal()])
+fn conditional_draw(p: f64, draws: &mut AddressedDraws) -> [f64; 3] {
+    conditional_factor(p, draws.three_normals())
 }
 
 /// [`conditional_draw`] from its three normals.
@@ -544,7 +589,7 @@ mod tests {
 
     /// What has no end in sight: 4096 steps of a slip of length 1, each drawn from its law given the one before, and the first of them at which V is not above zero. Within a
     /// step V changes by its slope, a straight line; a zero that comes and goes within one is missed, with a chance of some 1e-3 in all.
-    fn by_small_steps(start: Motion, c: f64, draws: &mut Stream) -> Option<Stop> {
+    fn by_small_steps(start: Motion, c: f64, draws: &mut AddressedDraws) -> Option<Stop> {
         let (steps, mut x, mut v, mut a) = (4096, 0.0, start.velocity, start.acceleration);
         let u = 1.0 / f64::from(steps);
         for i in 0..steps {
@@ -581,7 +626,7 @@ mod tests {
             let search = StopSearch { noise: c, caution: 4.0 };
             let found: Vec<Option<Stop>> = (0..SLIPS)
                 .map(|slip| {
-                    let mut draws = Stream::new(51 + 10 * case as u64, slip);
+                    let mut draws = AddressedDraws::new(51 + 10 * case as u64, slip);
                     let (one, two, three) = (draws.normal(), draws.normal(), draws.normal());
                     let end = Motion {
                         velocity: velocity + acceleration + c * (0.5 * one + two / (2.0 * 3f64.sqrt())),
@@ -592,11 +637,11 @@ mod tests {
                         + c * (one / 6.0 + two / (4.0 * 3f64.sqrt()) + three / (12.0 * 5f64.sqrt()));
                     let step = Step { start, end, way, length: 1.0, root_length: 1.0 };
                     let (mut pending, mut work) = (Pending::new(), Work::new(1_000_000));
-                    search.first(&step, &mut draws, &mut pending, &mut work).expect("within its work")
+                    search.first(&step, &mut draws, &mut pending, &mut work, |_, _, _, _| ()).expect("within its work")
                 })
                 .collect();
             let small: Vec<Option<Stop>> = (0..SLIPS)
-                .map(|slip| by_small_steps(start, c, &mut Stream::new(52 + 10 * case as u64, slip)))
+                .map(|slip| by_small_steps(start, c, &mut AddressedDraws::new(52 + 10 * case as u64, slip)))
                 .collect();
             type Measure = fn(&Option<Stop>) -> f64;
             let by = |stop: &Option<Stop>, time: f64| f64::from(u8::from(stop.is_some_and(|stop| stop.after <= time)));

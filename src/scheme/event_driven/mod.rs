@@ -11,6 +11,9 @@
 //! [`EventDriven`] is the scheme and what it is known for, [`EventDrivenSimulation`] the scheme on
 //! one model.
 
+mod cell_loop;
+mod cells;
+mod corridor;
 mod exact_time;
 mod first_root;
 mod first_stop;
@@ -18,14 +21,13 @@ mod first_stop;
 mod harness;
 mod noiseless;
 mod noisy;
-mod path_loop;
 mod scene;
 mod simulation;
 mod slip_transition;
 mod step_rules;
-mod stick;
 mod stick_step;
 mod unfelt_noise;
+mod watch;
 mod work;
 
 pub use simulation::EventDrivenSimulation;
@@ -35,12 +37,14 @@ pub use work::Simulated;
 
 pub(super) use exact_time::ExactTime;
 pub(super) use noiseless::Noiseless;
-pub(super) use path_loop::{Cascade, Path, simulate};
-pub(super) use scene::{Scene, forcing};
+pub(super) use cell_loop::{Cascade, Path, simulate};
+pub(super) use cells::{Cell, round_down};
+pub(super) use corridor::Corridor;
+pub(super) use scene::Scene;
 pub(super) use step_rules::StepRules;
-pub(super) use stick::StickSteps;
 pub(super) use unfelt_noise::UnfeltNoise;
-pub(super) use work::{Unresolved, WORK_LIMIT};
+pub(super) use watch::{Watch, temperature};
+pub(super) use work::{Unresolved, WORK_LIMIT, Work};
 
 use super::{Discretisation, Look, Method, Misfit, Parameter, Timeline};
 use crate::model::{Model, can_be_computed_with};

@@ -1,21 +1,29 @@
 //! The cascade with Ornstein-Uhlenbeck noise, in law.
 //!
-//! - Stick: exact steps of the noise with bridge crossings of the corridor ([`super::stick`]).
-//! - Slip: exact steps of (x, x', n) ([`DrivenOscillator`]), each searched for the first zero of x'
-//!   ([`super::first_stop`]).
+//! Cell by cell ([`super::cell_loop`]), n at the end of a cell being known:
 //!
-//! A step ends on the next time the observer looks at, so every observed state is a draw from its
-//! law.
+//! - Stick: bridge crossings of the corridor ([`super::corridor`]).
+//! - Slip: exact steps of (x, x', n) ([`DrivenOscillator`]), given n at their ends, each searched for
+//!   the first zero of x' ([`super::first_stop`]). Where a slip stops, the state that was drawn at
+//!   the end of the step is forgotten: what goes on from there depends on n at the end of the cell
+//!   alone.
+//!
+//! A cell is as long as one step of a slip, or, where the body swings much faster than forcing and
+//! noise change, as those allow: then a slip makes many steps in a cell, n at their ends drawn from
+//! its bridge to the end of the cell.
 
-use super::first_stop::{Motion, Pending, Step, Stop, StopSearch, forwards};
-use super::path_loop::{self, Cascade};
+use super::cell_loop::{self, Cascade, WHOLE_PLACE};
+use super::cells::{Cell, round_down};
+use super::corridor::Corridor;
+use super::first_stop::{Interval, Motion, Pending, Step, Stop, StopSearch, forwards};
 use super::scene::{Scene, forcing};
 use super::slip_transition::{DrivenOscillator, HarmonicResponse, SlipTransition};
 use super::step_rules::StepRules;
-use super::stick::StickSteps;
+use super::watch::{SlipPiece, Watch, look_at_slip};
 use super::work::{Simulated, Unresolved, WORK_LIMIT};
 use crate::lanes::{InstructionSet, LaneProgram, Lanes};
-use crate::model::{Complex, Event, EventKind, Model, Sign};
+use crate::model::{Complex, Event, EventKind, Model, Phase, Sign};
+use crate::noise::bridge_at;
 use crate::scheme::{Observer, Timeline};
 
 /// The noisy cascade of one scene.
@@ -23,7 +31,8 @@ use crate::scheme::{Observer, Timeline};
 pub struct Noisy {
     scene: Scene,
     timeline: Timeline,
-    stick: StickSteps,
+    cell_length: f64,
+    corridor: Corridor,
     oscillator: DrivenOscillator,
     step: SlipStep,
     search: StopSearch,
@@ -44,6 +53,8 @@ struct SlipStep {
 pub struct Scratch {
     partial: SlipStep,
     pending: Pending,
+    /// The terms of B where a step has come.
+    terms: Vec<Complex>,
 }
 
 /// A simulation as one scalar program, compiled for each instruction set with everything that is
@@ -60,7 +71,7 @@ struct Simulation<'a, O> {
 impl<O: Observer> LaneProgram for Simulation<'_, O> {
     #[inline(always)]
     fn run<L: Lanes>(&mut self) {
-        self.simulated = path_loop::simulate(self.cascade, self.seed, self.paths, self.observer);
+        self.simulated = cell_loop::simulate(self.cascade, self.seed, self.paths, self.observer);
     }
 }
 
@@ -72,16 +83,12 @@ struct State {
     n: f64,
 }
 
-/// What is known of the motion of a path besides place, noise and phase.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Moving {
-    velocity: f64,
-    /// b, in a slip: as it is known where a phase begins, threshold or force at a stop, and not as
-    /// a difference of larger forces.
-    force: f64,
-}
+/// A path; what moves of it is x'.
+type Path = cell_loop::Path<f64>;
 
-type Path = path_loop::Path<Moving>;
+/// Where the body swings this much faster than forcing and noise change, cells are as long as those
+/// allow.
+const TWO_SCALES: f64 = 16.0;
 
 impl Noisy {
     /// For a scene with noise.
@@ -99,13 +106,16 @@ impl Noisy {
             &frequencies,
         );
         let longest = rules.slip_length / oscillator.fastest_rate();
-        let length = timeline.output_step / (timeline.output_step / longest).ceil();
+        let slow = frequencies.iter().copied().fold(scene.relaxation_rate, f64::max);
+        let is_swift = oscillator.fastest_rate() > TWO_SCALES * slow;
+        let cell_length = round_down(if is_swift { rules.slip_length / slow } else { longest });
+        let length = cell_length / (cell_length / longest).ceil();
         let mut harmonics = vec![NO_RESPONSE; frequencies.len()];
         let transition = oscillator.transition(length, &mut harmonics);
         let step = SlipStep { transition, root_length: length.sqrt(), harmonics };
         let search = StopSearch { noise: scene.diffusion / body.mass, caution: rules.caution };
-        let stick = StickSteps::new(&scene, rules.chord_error, timeline.end);
-        Noisy { scene, timeline: *timeline, stick, oscillator, step, search, work_limit: WORK_LIMIT }
+        let corridor = Corridor::new(&scene, rules.chord_error);
+        Noisy { scene, timeline: *timeline, cell_length, corridor, oscillator, step, search, work_limit: WORK_LIMIT }
     }
 
     /// Simulate the paths with these numbers.
@@ -135,8 +145,8 @@ impl Noisy {
     fn motion(&self, path: &Path, direction: Sign) -> Motion {
         let eps = direction.value();
         let friction = eps * self.scene.friction.dynamic_force;
-        let acceleration = (path.motion.force - friction) / self.scene.oscillator.mass;
-        Motion { velocity: eps * path.motion.velocity, acceleration: eps * acceleration }
+        let acceleration = (path.force - friction) / self.scene.oscillator.mass;
+        Motion { velocity: eps * path.motion, acceleration: eps * acceleration }
     }
 
     /// The end of a sub-phase, at a stop within the step from `start`: n is what makes the force
@@ -144,35 +154,66 @@ impl Noisy {
     #[inline(always)]
     fn stopped(
         &self,
+        cell: &Cell,
         path: &mut Path,
-        terms: &mut [Complex],
         direction: Sign,
-        (start_time, start): (f64, State),
+        (start_after, start): (f64, State),
         stop: &Stop,
     ) -> Event {
         let Scene { oscillator, friction, .. } = &self.scene;
         let eps = direction.value();
-        path.time = start_time + stop.after;
+        path.after = start_after + stop.after;
         path.displacement = start.x + eps * stop.way;
-        self.scene.set_terms(path.time, terms);
         let force = eps * friction.dynamic_force + oscillator.mass * eps * stop.acceleration;
-        path.noise = force - forcing(terms) + oscillator.stiffness * path.displacement;
+        path.noise = force - cell.forcing(path.after).value + oscillator.stiffness * path.displacement;
         let kind = EventKind::at_rest(force.abs() <= friction.static_force, force);
-        Event { kind, time: path.time, displacement: path.displacement, force }
+        Event { kind, time: cell.start + path.after, displacement: path.displacement, force }
     }
 
-    /// One exact step of (x, x', n), of the forcing and so of b.
+    /// One exact step of (x, x', n) given n at its end, of the forcing and so of b; by one normal for
+    /// x' and one for x.
     #[inline(always)]
-    fn take(&self, step: &SlipStep, path: &mut Path, terms: &mut [Complex], friction: f64) {
+    fn take(
+        &self,
+        step: &SlipStep,
+        path: &mut Path,
+        terms: &mut [Complex],
+        friction: f64,
+        end_noise: f64,
+        [b, c]: [f64; 2],
+    ) {
         let SlipTransition { length, factor, .. } = &step.transition;
-        let start = State { x: path.displacement, v: path.motion.velocity, n: path.noise };
+        let start = State { x: path.displacement, v: path.motion, n: path.noise };
         let mean = mean_state(&step.transition, &step.harmonics, start, terms, friction);
-        let (a, b, c) = (path.draws.normal(), path.draws.normal(), path.draws.normal());
-        path.noise = mean.n + factor[0] * a;
-        path.motion.velocity = mean.v + factor[1] * a + factor[2] * b;
+        let a = (end_noise - mean.n) / factor[0];
+        path.noise = end_noise;
+        path.motion = mean.v + factor[1] * a + factor[2] * b;
         path.displacement = mean.x + factor[3] * a + factor[4] * b + factor[5] * c;
-        path.time += length;
-        path.motion.force = self.force(path, terms);
+        path.after += length;
+        let body = &self.scene.oscillator;
+        path.force = forcing(terms) + path.noise - body.stiffness * path.displacement - 2.0 * body.damping * path.motion;
+    }
+
+    /// The remainder of a cell that is too short for the noise to be told from rounding, as uniform
+    /// acceleration.
+    fn coast(&self, cell: &Cell, path: &mut Path, direction: Sign, remaining: f64, end_noise: f64) {
+        let body = &self.scene.oscillator;
+        let eps = direction.value();
+        let acceleration = (path.force - eps * self.scene.friction.dynamic_force) / body.mass;
+        path.displacement += remaining * (path.motion + 0.5 * remaining * acceleration);
+        path.motion = eps * (eps * (path.motion + remaining * acceleration)).max(0.0);
+        path.noise = end_noise;
+        path.force = cell.end_forcing + end_noise
+            - body.stiffness * path.displacement
+            - 2.0 * body.damping * path.motion;
+    }
+
+    /// n at the end of a step that ends before the cell does.
+    fn noise_after(&self, path: &mut Path, length: f64, remaining: f64, end_noise: f64) -> f64 {
+        let Scene { relaxation_rate, diffusion, .. } = self.scene;
+        let ends = (path.noise, end_noise);
+        let (mean, sd) = bridge_at(relaxation_rate, diffusion, length, remaining - length, ends);
+        mean + sd * path.draws.normal()
     }
 
     /// A stop, with the motion without noise as it is, where the search has its quintic between the
@@ -189,7 +230,8 @@ impl Noisy {
         stop: Stop,
         searched: Step,
         step: &SlipStep,
-        (time, start): (f64, State),
+        cell: &Cell,
+        (after_start, start): (f64, State),
         terms: &mut [Complex],
         eps: f64,
     ) -> Stop {
@@ -197,7 +239,7 @@ impl Noisy {
         let friction = eps * friction.dynamic_force;
         // Way, motion and n without noise, after a part of the step; the terms come along.
         let flow = |transition: &SlipTransition, responses: &[HarmonicResponse], terms: &mut [Complex]| {
-            self.scene.set_terms(time, terms);
+            cell.set_terms(after_start, terms);
             let to = mean_state(transition, responses, start, terms, friction);
             let force = forcing(terms) + to.n - body.stiffness * to.x - 2.0 * body.damping * to.v;
             let motion = Motion { velocity: eps * to.v, acceleration: eps * (force - friction) / body.mass };
@@ -226,17 +268,10 @@ impl Noisy {
         }
         moved
     }
-
-    /// b.
-    #[inline(always)]
-    fn force(&self, path: &Path, terms: &[Complex]) -> f64 {
-        let body = &self.scene.oscillator;
-        forcing(terms) + path.noise - body.stiffness * path.displacement - 2.0 * body.damping * path.motion.velocity
-    }
 }
 
 impl Cascade for Noisy {
-    type Motion = Moving;
+    type Motion = f64;
     type Scratch = Scratch;
 
     fn scene(&self) -> &Scene {
@@ -247,69 +282,94 @@ impl Cascade for Noisy {
         &self.timeline
     }
 
+    fn cell_length(&self) -> f64 {
+        self.cell_length
+    }
+
+    fn corridor(&self) -> &Corridor {
+        &self.corridor
+    }
+
     fn work_limit(&self) -> u64 {
         self.work_limit
     }
 
     fn scratch(&self) -> Scratch {
-        Scratch { partial: self.step.clone(), pending: Pending::new() }
+        let terms = vec![Complex::ZERO; self.scene.harmonics.len()];
+        Scratch { partial: self.step.clone(), pending: Pending::new(), terms }
     }
 
     #[inline(always)]
-    fn stick_until(&self, path: &mut Path, terms: &mut [Complex], until: f64) -> Result<Option<Event>, Unresolved> {
-        self.stick.advance_path(&self.scene, path, terms, until)
-    }
-
-    #[inline(always)]
-    fn slip_until(
+    fn slip(
         &self,
+        cell: &Cell,
         path: &mut Path,
-        terms: &mut [Complex],
         direction: Sign,
-        until: f64,
+        end_noise: f64,
         scratch: &mut Scratch,
+        watch: &mut impl Watch,
     ) -> Result<Option<Event>, Unresolved> {
         let eps = direction.value();
         let friction = eps * self.scene.friction.dynamic_force;
         let mut start = self.motion(path, direction);
+        let Scratch { partial, pending, terms } = scratch;
+        cell.set_terms(path.after, terms);
         loop {
-            let remaining = until - path.time;
-            if remaining <= 0.0 {
+            let remaining = cell.length - path.after;
+            if remaining <= SHORTEST * cell.length {
+                self.coast(cell, path, direction, remaining, end_noise);
                 return Ok(None);
             }
             path.work.spend()?;
-            let (step, is_last) = self.step_towards(remaining, &mut scratch.partial);
-            let before = (path.time, State { x: path.displacement, v: path.motion.velocity, n: path.noise });
-            self.take(step, path, terms, friction);
+            let (step, is_last) = self.step_towards(remaining, partial);
+            let length = step.transition.length;
+            let to_noise = if is_last { end_noise } else { self.noise_after(path, length, remaining, end_noise) };
+            let is_whole = is_last && path.after == 0.0;
+            let normals = match is_whole {
+                true => path.draws.at(cell.index, WHOLE_PLACE).normal_pair(),
+                false => path.draws.normal_pair(),
+            };
+            let before = (path.after, State { x: path.displacement, v: path.motion, n: path.noise });
+            self.take(step, path, terms, friction, to_noise, normals);
             let end = self.motion(path, direction);
             if !(end.velocity.is_finite() && end.acceleration.is_finite()) {
                 return Err(Unresolved);
             }
-            let length = step.transition.length;
             let way = resolved_way(eps * before.1.x, eps * path.displacement, start, end, length);
             let searched = Step { start, end, way, length, root_length: step.root_length };
-            if let Some(mut stop) =
-                self.search.first(&searched, &mut path.draws, &mut scratch.pending, &mut path.work)?
-            {
+            let look = |after: f64, way: f64, motion: Motion, interval: &Interval| {
+                let after = before.0 + after;
+                let piece = || SlipPiece {
+                    after,
+                    displacement: before.1.x + eps * way,
+                    direction,
+                    start: motion,
+                    interval: *interval,
+                };
+                look_at_slip(watch, &self.scene, cell, piece, after + interval.length());
+            };
+            if let Some(mut stop) = self.search.first(&searched, &mut path.draws, pending, &mut path.work, look)? {
                 if self.search.noise * searched.root_length < FEEBLE * stop.acceleration.abs() {
-                    stop = self.on_the_flow(stop, searched, step, before, terms, eps);
+                    stop = self.on_the_flow(stop, searched, step, cell, before, terms, eps);
                 }
-                return Ok(Some(self.stopped(path, terms, direction, before, &stop)));
+                return Ok(Some(self.stopped(cell, path, direction, before, &stop)));
             }
             if is_last {
-                path.time = until;
                 return Ok(None);
             }
             start = end;
         }
     }
 
-    fn motion_after(&self, event: &Event) -> Moving {
-        Moving { velocity: 0.0, force: event.force }
+    fn motion_after(&self, _: &Event, _: f64) -> f64 {
+        0.0
     }
 
-    fn look(&self, path: &Path, terms: &mut [Complex], _: f64) -> (f64, f64, f64) {
-        (path.displacement, path.motion.velocity, self.scene.temperature(terms, path.noise))
+    fn look(&self, path: &Path, _: &Cell) -> (f64, f64) {
+        match path.phase {
+            Phase::Static => (path.displacement, 0.0),
+            Phase::Slip(_) => (path.displacement, path.motion),
+        }
     }
 }
 
@@ -346,6 +406,10 @@ fn mean_state(
 /// below the first neglected terms of the law, (rate h)^2/100 of its c sqrt(h)/4; at the default
 /// step, rate h = 1/2.
 const FEEBLE: f64 = 0.05;
+
+/// The share of a cell below which a remainder of it is not simulated: a step is as exact as the
+/// difference between n at both its ends, which loses its digits there.
+const SHORTEST: f64 = 1e-8;
 
 /// Newton's steps from the stop of the quintic to that of the motion.
 const FLOW_STEPS: usize = 2;

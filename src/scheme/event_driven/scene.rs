@@ -6,7 +6,7 @@
 //! |b| <= f_s; in a slip, m x'' = B(t) - K x - 2 alpha x' - eps f_d + n.
 
 use crate::model::{Complex, Friction, InitialNoise, Model, Oscillator};
-use crate::noise::{Stream, Transition};
+use crate::noise::AddressedDraws;
 
 /// One harmonic of B(t): Re[force e^{i w t}].
 #[derive(Clone, Copy, Debug)]
@@ -36,8 +36,6 @@ pub struct Scene {
     pub initial_noise: (f64, f64),
     /// K beta: force per temperature.
     pub force_per_temperature: f64,
-    /// sum |K beta a| w^2 >= |B''|.
-    pub largest_forcing_curvature: f64,
 }
 
 impl Scene {
@@ -54,7 +52,6 @@ impl Scene {
                 angular_frequency: h.angular_frequency,
             })
             .collect();
-        let largest_forcing_curvature = harmonics.iter().map(|h| h.force.abs() * h.angular_frequency.powi(2)).sum();
         let (relaxation_rate, diffusion, initial_noise) = match model.temperature.effective_noise() {
             None => (1.0, 0.0, (0.0, 0.0)),
             Some(noise) => {
@@ -75,25 +72,13 @@ impl Scene {
             diffusion,
             initial_noise,
             force_per_temperature: gain,
-            largest_forcing_curvature,
         }
     }
 
-    /// n(0); one draw if it is random.
-    pub fn draw_initial_noise(&self, draws: &mut Stream) -> f64 {
+    /// n(0) of a path.
+    pub fn draw_initial_noise(&self, path: AddressedDraws) -> f64 {
         let (mean, sd) = self.initial_noise;
-        if sd > 0.0 { mean + sd * draws.normal() } else { mean }
-    }
-
-    /// The exact transition of n over a time; one draw if there is diffusion.
-    pub fn let_noise_pass(&self, noise: &mut f64, duration: f64, draws: &mut Stream) {
-        if duration > 0.0 {
-            let transition = Transition::new(self.relaxation_rate, self.diffusion, duration);
-            *noise = match self.diffusion > 0.0 {
-                true => transition.next(*noise, draws.normal()),
-                false => transition.decay * *noise,
-            };
-        }
+        if sd > 0.0 { mean + sd * path.for_start().normal() } else { mean }
     }
 
     /// What the noise moves b by until `end`, if that can change a force at all: not if it stays
@@ -109,18 +94,6 @@ impl Scene {
     #[inline]
     pub fn forcing_slope(&self, terms: &[Complex]) -> f64 {
         -terms.iter().zip(&self.harmonics).map(|(p, h)| p.im * h.angular_frequency).sum::<f64>()
-    }
-
-    /// B'', from the terms of B.
-    #[inline]
-    pub fn forcing_curvature(&self, terms: &[Complex]) -> f64 {
-        let second = |(p, h): (&Complex, &ForceHarmonic)| p.re * h.angular_frequency * h.angular_frequency;
-        -terms.iter().zip(&self.harmonics).map(second).sum::<f64>()
-    }
-
-    /// T, from the terms of B and n.
-    pub fn temperature(&self, terms: &[Complex], noise: f64) -> f64 {
-        (forcing(terms) + noise) / self.force_per_temperature
     }
 
     /// The terms K beta a e^{i (w t + phi)} of B at a time, from its definition.

@@ -15,8 +15,8 @@
 //! that correction the error of a step is of second order in c h^2 / (8 s sqrt h).
 
 use super::scene::Scene;
-use crate::model::{Complex, Sign};
-use crate::noise::{Stream, TimeChange, mean_touching_spread, meeting_place, meeting_probability};
+use crate::model::Sign;
+use crate::noise::{AddressedDraws, TimeChange, mean_touching_spread, meeting_place, meeting_probability};
 
 /// What a step of one length needs.
 #[derive(Clone, Debug)]
@@ -24,37 +24,15 @@ pub struct StickStep {
     pub length: f64,
     /// What n does in h, as such and as Brownian motion.
     pub noise: TimeChange,
-    /// The largest |c| that this length allows: 8 kappa s h^{-3/2}.
-    pub bend_limit: f64,
-    /// 7 s sqrt(min(h, 1/(2 theta))): farther than the noise goes.
-    pub farthest: f64,
-    /// e^{i w h} of each harmonic; only rungs of the ladder have them.
-    pub turns: Vec<Complex>,
 }
 
-/// Beyond this many standard deviations nothing is looked for: P = 3e-12 a side.
-const FAR: f64 = 7.0;
-
 /// exp(-FAR_EXPONENT) is a chance that 1e10 steps do not notice.
-const FAR_EXPONENT: f64 = 35.0;
+pub const FAR_EXPONENT: f64 = 35.0;
 
 impl StickStep {
-    /// Of this length, held to a chord error of `kappa`; without turns.
-    pub fn new(scene: &Scene, kappa: f64, length: f64) -> Self {
-        let (theta, s) = (scene.relaxation_rate, scene.diffusion);
-        StickStep {
-            length,
-            noise: TimeChange::new(theta, s, length),
-            bend_limit: 8.0 * kappa * s / (length * length.sqrt()),
-            farthest: FAR * s * length.min(0.5 / theta).sqrt(),
-            turns: Vec::new(),
-        }
-    }
-
-    /// With the turns of the scene's harmonics.
-    pub fn with_turns(mut self, scene: &Scene) -> Self {
-        self.turns = scene.harmonics.iter().map(|h| Complex::unit(h.angular_frequency * self.length)).collect();
-        self
+    /// Of this length.
+    pub fn new(scene: &Scene, length: f64) -> Self {
+        StickStep { length, noise: TimeChange::new(scene.relaxation_rate, scene.diffusion, length) }
     }
 
     /// Whether, where and after which time the bridge between two forces leaves the corridor.
@@ -66,7 +44,7 @@ impl StickStep {
         (start, end): (f64, f64),
         bend: f64,
         mean_noise: f64,
-        draws: &mut Stream,
+        draws: &mut AddressedDraws,
     ) -> Option<(Sign, f64)> {
         // Exponents of both meeting probabilities, before any correction: usually both are far.
         let scale = 2.0 * self.noise.growth / self.noise.duration;
@@ -106,7 +84,7 @@ impl StickStep {
 
     /// When the bridge meets a threshold, given that it does.
     #[inline]
-    fn meeting_time(&self, Chord { start: d0, end: d1, bend }: Chord, draws: &mut Stream) -> f64 {
+    fn meeting_time(&self, Chord { start: d0, end: d1, bend }: Chord, draws: &mut AddressedDraws) -> f64 {
         let duration = self.noise.duration;
         let (normal, uniform) = (draws.normal(), draws.uniform());
         let mut place = meeting_place(d0, d1, duration, normal, uniform);
@@ -148,8 +126,8 @@ mod tests {
     }
 
     /// When a bridge of this duration between two values of n < 0 first reaches 0, if it does.
-    fn first_touch(scene: &Scene, from: f64, to: f64, duration: f64, draws: &mut Stream) -> Option<f64> {
-        let step = StickStep::new(scene, 0.1, duration);
+    fn first_touch(scene: &Scene, from: f64, to: f64, duration: f64, draws: &mut AddressedDraws) -> Option<f64> {
+        let step = StickStep::new(scene, duration);
         let exit = step.exit(scene, F_S, (F_S + from, F_S + to), 0.0, 0.5 * (from + to), draws);
         exit.map(|(sign, after)| {
             assert_eq!(sign, Sign::Positive);
@@ -181,12 +159,12 @@ mod tests {
         let (scene, h, bridges) = (scene(), 2.0, 200_000);
         let n = f64::from(bridges);
         for (from, to) in [(-0.3, -1.1), (-1.1, -0.3)] {
-            let mut draws = Stream::new(21, 0);
+            let mut draws = AddressedDraws::new(21, 0);
             let touches: Vec<f64> = (0..bridges).filter_map(|_| first_touch(&scene, from, to, h, &mut draws)).collect();
             for t in [0.05, 0.5, 1.5, 1.95] {
                 let share = touches.iter().filter(|&&after| after <= t).count() as f64 / n;
 
-                let mut draws = Stream::new(22, 0);
+                let mut draws = AddressedDraws::new(22, 0);
                 let (mean, sd) = bridge(to, from, h - t, h);
                 let late = (0..bridges).filter(|_| {
                     let state = mean + sd * draws.normal();
@@ -225,7 +203,7 @@ mod tests {
         for (from, to) in [(-0.1, -0.9), (-0.5, -2.0), (-0.01, -0.02)] {
             let count = |from: f64, to: f64| {
                 let hits =
-                    (0..100_000).filter(|&i| first_touch(&scene, from, to, 0.7, &mut Stream::new(23, i)).is_some());
+                    (0..100_000).filter(|&i| first_touch(&scene, from, to, 0.7, &mut AddressedDraws::new(23, i)).is_some());
                 hits.count()
             };
             assert_eq!(count(from, to), count(to, from));
@@ -243,9 +221,9 @@ mod tests {
         for (end, bent, exact) in
             [(-1.0, 0.8, 0.053_349), (-1.0, -0.8, 0.073_214), (0.5, 0.8, 0.076_969), (0.5, -0.8, 0.086_527)]
         {
-            let step = StickStep::new(&scene, 0.1, h);
+            let step = StickStep::new(&scene, h);
             let forces = (F_S - 0.1 * sd, F_S - end * sd);
-            let mut draws = Stream::new(24, 0);
+            let mut draws = AddressedDraws::new(24, 0);
             let times: Vec<f64> = (0..100_000)
                 .filter_map(|_| step.exit(&scene, F_S, forces, bent * sd / (h * h), 0.0, &mut draws))
                 .map(|(_, after)| after / h)
