@@ -12,7 +12,7 @@ use stick_slip::model::{
     Complex, Event, EventKind, Friction, Harmonic, ImpulseResponse, InitialNoise, Model, Noise, Sign, Temperature,
 };
 use stick_slip::scheme::{
-    DEFAULT_TOLERANCE, DrivenOscillator, EventDrivenSimulation, HarmonicResponse, Instant, Observer,
+    DEFAULT_TOLERANCE, DrivenOscillator, EventDrivenSimulation, HarmonicResponse, Instant, Kind, Observer,
     QuasiStaticSimulation, Simulate as _, Snapshot, Timeline,
 };
 use stick_slip::stats::Statistic;
@@ -608,6 +608,155 @@ fn a_path_is_a_function_of_the_seed_and_its_number_alone() {
     assert_ne!(together[0], path_events(&model, 60.0, 10, &[3])[0]);
 }
 
+/// Everything that is told of some paths: the events, and x, x' and T at the instants, lane by lane.
+#[derive(Default, PartialEq, Debug)]
+struct Told {
+    events: Vec<Vec<Event>>,
+    rows: Vec<(f64, Vec<(f64, f64, f64, bool)>)>,
+}
+
+impl Observer for Told {
+    fn event(&mut self, lane: usize, event: Event) {
+        if self.events.len() <= lane {
+            self.events.resize(lane + 1, Vec::new());
+        }
+        self.events[lane].push(event);
+    }
+
+    fn snapshot(&mut self, _: Instant, s: Snapshot<'_>) {
+        let lanes = s.displacement.iter().zip(s.velocity).zip(s.temperature).zip(s.is_static);
+        self.rows.push((s.time, lanes.map(|(((x, v), t), is_static)| (*x, *v, *t, *is_static)).collect()));
+    }
+}
+
+/// Whoever looks at a path, at whatever instants, sees the same events to the last bit, and the same
+/// state wherever a row lies on the end of a cell (multiples of 0.5 in this scene). An end of the run
+/// in the middle of a cell cuts the same path off.
+#[test]
+fn looking_at_a_path_does_not_change_it() {
+    let model = paper(0.25, 0.25);
+    let numbers: Vec<u64> = (0..200).collect();
+    for kind in [Kind::EventDriven, Kind::QuasiStatic] {
+        let told = |end: f64, output_step: f64, period: Option<f64>| {
+            let line = Timeline { end, output_step, period };
+            let mut told = Told::default();
+            let simulation = kind.with(DEFAULT_TOLERANCE).simulation(&model, &line);
+            assert!(simulation.simulate(5, &numbers, &mut told).is_empty());
+            told
+        };
+        let seldom = told(60.0, 60.0, None);
+        assert!(seldom.events.iter().map(Vec::len).sum::<usize>() > 200 * 10);
+        for (output_step, period) in [(0.5, None), (0.07, Some(8.0 * std::f64::consts::PI)), (1.0, Some(0.3))] {
+            let often = told(60.0, output_step, period);
+            assert_eq!(often.events, seldom.events, "{kind:?}, every {output_step}");
+            assert_eq!(often.rows.last(), seldom.rows.last(), "{kind:?}, every {output_step}");
+        }
+        let (half, whole) = (told(60.0, 0.5, None), told(60.0, 0.25, None));
+        for (row, same) in half.rows.iter().zip(whole.rows.iter().filter(|row| (2.0 * row.0).fract() == 0.0)) {
+            assert_eq!(row, same, "{kind:?}");
+        }
+        let short = told(31.3, 31.3, None);
+        for (short, long) in short.events.iter().zip(&seldom.events) {
+            let until: Vec<Event> = long.iter().copied().filter(|event| event.time <= 31.3).collect();
+            assert_eq!(*short, until, "{kind:?}");
+        }
+    }
+}
+
+/// Moments of what is seen at one instant, each with its standard error: of x, x', T and of whether
+/// the path rests, of the noise where it rests, and of x' where it slips.
+fn seen_moments(model: &Model, tolerance: f64, times: &[f64], seed: u64, paths: u64) -> Vec<Vec<(f64, f64)>> {
+    let line = Timeline { end: times[times.len() - 1], output_step: times[0], period: None };
+    let simulation = EventDrivenSimulation::new(model, &line, tolerance);
+    let mut rows: Vec<Vec<(f64, f64, f64, bool)>> = vec![Vec::new(); times.len() + 1];
+    for first in (0..paths).step_by(250) {
+        let numbers: Vec<u64> = (first..first + 250).collect();
+        let mut told = Told::default();
+        assert!(simulation.simulate(seed, &numbers, &mut told).is_empty());
+        for (row, (_, seen)) in rows.iter_mut().zip(told.rows) {
+            row.extend(seen);
+        }
+    }
+    let rest = |is_static: bool| f64::from(u8::from(is_static));
+    let measures: [&dyn Fn(&(f64, f64, f64, bool)) -> f64; 9] = [
+        &|s| s.0,
+        &|s| s.0 * s.0,
+        &|s| s.1,
+        &|s| s.1 * s.1,
+        &|s| s.2,
+        &|s| s.2 * s.2,
+        &|s| rest(s.3),
+        // b where it rests: how near the thresholds, on either side.
+        &|s| rest(s.3) * (6.0 * s.2 - s.0).powi(2),
+        &|s| rest(!s.3) * s.1 * (6.0 * s.2 - s.0),
+    ];
+    let moments = |row: &Vec<(f64, f64, f64, bool)>| {
+        measures.iter().map(|f| mean_and_error(&row.iter().map(|s| f(s)).collect::<Vec<_>>())).collect()
+    };
+    rows[1..].iter().map(moments).collect()
+}
+
+fn mean_and_error(values: &[f64]) -> (f64, f64) {
+    let n = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / n;
+    (mean, (values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (n - 1.0) / n).sqrt())
+}
+
+/// Null: what is drawn for somebody who looks inside a cell has the law of what is there at the end of
+/// a cell. At the default tolerance cells are 0.5 long, and t = 0.7, 1.4, .. lies inside them but for
+/// every fifth; at a twenty-fifth of it, 0.1 long, and all of these are ends. 9 moments at 10
+/// instants, 1e5 paths a side, seeds 61 and 62, false alarms 1e-4 each; a stick in which the bridge
+/// is drawn without asking whether it stays in the corridor, or a slip whose noise is twice too large
+/// in between, is off by tens of standard errors.
+#[test]
+fn what_is_seen_inside_a_cell_has_the_law_of_the_path() {
+    let model = paper(0.25, 0.25);
+    let times: Vec<f64> = (1..=10).map(|k| 0.7 * f64::from(k)).collect();
+    let inside = seen_moments(&model, DEFAULT_TOLERANCE, &times, 61, 100_000);
+    let ends = seen_moments(&model, DEFAULT_TOLERANCE / 25.0, &times, 62, 100_000);
+    let mut worst = 0.0f64;
+    for ((time, inside), ends) in times.iter().zip(inside).zip(ends) {
+        for (i, ((a, ea), (b, eb))) in inside.into_iter().zip(ends).enumerate() {
+            let z = (a - b) / ea.hypot(eb).max(1e-300);
+            worst = worst.max(z.abs());
+            assert!(z.abs() <= FALSE_ALARM, "t = {time}, moment {i}: {a} +- {ea}, {b} +- {eb}");
+        }
+    }
+    println!("largest difference: {worst:.1} standard errors");
+}
+
+/// Two scenes see the same noise: the variance of the difference of two runs with one seed, against
+/// that of independent runs, for rho = 0.25 and 0.2525. 2e4 paths; the gains are known to some 5 %, so
+/// that nine tenths of a target are a fixed floor.
+#[test]
+fn two_scenes_see_the_same_noise() {
+    let runs = [0.25, 0.2525].map(|rho| folds(&paper(0.25, rho), &timeline(60.0), DEFAULT_TOLERANCE, 17, 20_000));
+    let mean = |paths: &[Fold], f: &dyn Fn(&Fold) -> f64| paths.iter().map(f).sum::<f64>() / paths.len() as f64;
+    // What a path contributes to a ratio of means, to first order.
+    let shares = |paths: &[Fold], f: fn(&Fold) -> f64, g: fn(&Fold) -> f64| -> Vec<f64> {
+        let (below, ratio) = (mean(paths, &g), mean(paths, &f) / mean(paths, &g));
+        paths.iter().map(|p| (f(p) - ratio * g(p)) / below).collect()
+    };
+    let variance = |values: &[f64]| {
+        let (_, error) = mean_and_error(values);
+        error * error * values.len() as f64
+    };
+    let one: fn(&Fold) -> f64 = |_| 1.0;
+    let cases: [(&str, fn(&Fold) -> f64, fn(&Fold) -> f64, f64); 4] = [
+        ("static time between sticks", |p| p.stick_time, one, 50.0),
+        ("mean stick", |p| p.stick_time, |p| p.sticks, 7.0),
+        ("sticks per path", |p| p.sticks, one, 10.0),
+        ("x at the end", |p| p.displacement_end, one, 1000.0),
+    ];
+    for (name, f, g, target) in cases {
+        let [a, b] = [shares(&runs[0], f, g), shares(&runs[1], f, g)];
+        let differences: Vec<f64> = a.iter().zip(&b).map(|(a, b)| a - b).collect();
+        let gain = (variance(&a) + variance(&b)) / variance(&differences);
+        println!("{name}: {gain:.1} (target {target})");
+        assert!(gain > 0.9 * target, "{name}: {gain}");
+    }
+}
+
 #[test]
 fn events_alternate_as_the_cascade_says_and_carry_consistent_forces() {
     let model = paper(0.25, 0.25);
@@ -704,14 +853,14 @@ fn equal_thresholds_under_noise_have_a_stated_resolution() {
 fn extreme_scenes_end_in_bounded_work() {
     // (rho, theta, f_s, f_d, alpha, t_end), evaluations of a path at most
     for ((rho, theta, f_s, f_d, alpha, end), most) in [
-        ((100.0, 1.0, 1.2, 1.0, 0.0, 10.0), 410),
-        ((1e6, 1.0, 1.2, 1.0, 0.0, 1.0), 810),
+        ((100.0, 1.0, 1.2, 1.0, 0.0, 10.0), 640),
+        ((1e6, 1.0, 1.2, 1.0, 0.0, 1.0), 1_240),
         ((1e-300, 1.0, 1.2, 1.0, 0.0, 10.0), 2),
-        ((0.25, 300.0, 1.2, 1.0, 0.0, 10.0), 11_400),
-        ((0.25, 1e-6, 1.2, 1.0, 0.0, 60.0), 800),
+        ((0.25, 300.0, 1.2, 1.0, 0.0, 10.0), 20_200),
+        ((0.25, 1e-6, 1.2, 1.0, 0.0, 60.0), 1_000),
         ((0.25, 1.0, 0.0, 0.0, 0.0, 10.0), 730),
-        ((0.25, 1.0, 1.2, 0.0, 0.0, 10.0), 66),
-        ((0.25, 1.0, 1e9, 1.0, 0.0, 1e4), 5_000),
+        ((0.25, 1.0, 1.2, 0.0, 0.0, 10.0), 80),
+        ((0.25, 1.0, 1e9, 1.0, 0.0, 1e4), 40_000),
         ((0.25, 1.0, 1.2, 1.0, 20.0, 10.0), 1_360),
         ((0.25, 1.0, 1.2, 1.0, 0.0, 0.0), 1),
     ] {
@@ -735,7 +884,7 @@ fn extreme_scenes_end_in_bounded_work() {
             "{rho} {theta} {f_s} {f_d} {alpha}"
         );
         let each = simulated.evaluations / 8;
-        assert!((most / 4..=most).contains(&each), "{rho} {theta} {f_s} {f_d} {alpha}: {each}");
+        assert!((most / 4..=most.max(1)).contains(&each), "{rho} {theta} {f_s} {f_d} {alpha}: {each}");
         let limit = simulated.evaluations / 8 / 4;
         let (limited, _) = counted(&scheme.with_work_limit(limit));
         assert!(limited.evaluations <= 8 * limit, "{limit} {limited:?}");

@@ -28,6 +28,19 @@ impl Complex {
         Complex { re: cos, im: sin }
     }
 
+    /// e^{i angle} for |angle| <= 1, to rounding.
+    #[inline(always)]
+    pub fn small_unit(angle: f64) -> Self {
+        let square = angle * angle;
+        let (mut cos, mut sin) = (1.0, 1.0);
+        // 1 - angle^2/(n (n - 1)) (1 - ..), from the last term on; the next would be below 1/18!.
+        for n in [16.0, 14.0, 12.0, 10.0, 8.0, 6.0, 4.0, 2.0] {
+            cos = 1.0 - square * (cos * (1.0 / (n * (n - 1.0))));
+            sin = 1.0 - square * (sin * (1.0 / (n * (n + 1.0))));
+        }
+        Complex { re: cos, im: angle * sin }
+    }
+
     /// e^self.
     pub fn exp(self) -> Self {
         Complex::unit(self.im) * libm::exp(self.re)

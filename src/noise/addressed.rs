@@ -71,7 +71,8 @@ impl AddressedDraws {
     #[inline(always)]
     pub fn normal_pair(&mut self) -> [f64; 2] {
         let draw = self.next_u64();
-        [draw, draw.rotate_left(32)].map(standard_normal)
+        // Not by `map`, which is not compiled for the instruction set of the caller.
+        [standard_normal(draw), standard_normal(draw.rotate_left(32))]
     }
 
     /// The next three standard normals, of two draws.

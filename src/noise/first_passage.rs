@@ -18,7 +18,7 @@
 //! t} / sigma^4.
 
 /// P(met), by which an unmet end is thinned; 1 where an end is on the threshold or beyond.
-#[inline]
+#[inline(always)]
 pub fn meeting_probability(d0: f64, d1: f64, duration: f64) -> f64 {
     if d0 <= 0.0 || d1 <= 0.0 { 1.0 } else { libm::exp(-2.0 * d0 * d1 / duration) }
 }
@@ -30,6 +30,7 @@ pub fn meeting_probability(d0: f64, d1: f64, duration: f64) -> f64 {
 /// = normal^2 the smaller root of their quadratic, mu + mu^2 y/(2 l) - (mu/(2 l)) sqrt(4 mu l y +
 /// mu^2 y^2), written without its cancellation as 4 l/(y (1 + g)^2), g = sqrt(1 + 4 l/(mu y)). It
 /// stays finite as mu grows without bound (d1 -> 0).
+#[inline(always)]
 pub fn meeting_place(d0: f64, d1: f64, duration: f64, normal: f64, uniform: f64) -> f64 {
     if d0 <= 0.0 {
         return 0.0;
@@ -63,6 +64,7 @@ pub fn meeting_place(d0: f64, d1: f64, duration: f64, normal: f64, uniform: f64)
 ///
 /// and erfcx(z) = (2/sqrt pi)/(z + sqrt(z^2 + 4/pi)) within 6 % (Abramowitz and Stegun 7.1.13, its
 /// upper bound): enough for a correction that is itself small.
+#[inline(always)]
 pub fn mean_touching_spread(d0: f64, d1: f64, duration: f64) -> f64 {
     let sum = d0 + d1;
     let z2 = sum * sum / (2.0 * duration);

@@ -56,7 +56,31 @@ pub struct TimeChange {
 
 impl TimeChange {
     /// Over a time `h` >= 0, for theta > 0 and sigma >= 0.
+    #[inline(always)]
     pub fn new(theta: f64, sigma: f64, h: f64) -> Self {
+        let y = theta * h;
+        if y <= 1.0 { Self::short(theta, sigma, h, y) } else { Self::long(theta, sigma, h) }
+    }
+
+    /// For y = theta h <= 1, in terms of c = cosh y and s = sinh(y)/y: growth = c + y s, and S =
+    /// sigma^2 h s e^y.
+    #[inline(always)]
+    fn short(theta: f64, sigma: f64, h: f64, y: f64) -> Self {
+        let (c, s) = hyperbolic(y * y);
+        let (growth, decay) = (c + y * s, c - y * s);
+        let clock = h * s;
+        TimeChange {
+            transition: Transition { decay, increment_sd: sigma * (clock * decay).sqrt() },
+            growth,
+            duration: sigma * sigma * clock * growth,
+            bow: clock * clock * growth.sqrt(),
+            theta,
+            sigma,
+        }
+    }
+
+    #[inline(never)]
+    fn long(theta: f64, sigma: f64, h: f64) -> Self {
         let forgotten = forgotten(theta, h);
         let growth = libm::exp(theta * h);
         TimeChange {
@@ -82,16 +106,47 @@ impl TimeChange {
 /// ```text
 /// mean = (n0 + n1)/(2 cosh(theta h/2)),   variance = sigma^2/(2 theta) tanh(theta h/2)
 /// ```
+#[inline(always)]
 pub fn bridge_middle(theta: f64, sigma: f64, h: f64) -> (f64, f64) {
     let half = 0.5 * theta * h;
-    let cosh = libm::cosh(half);
+    if half <= 1.0 {
+        let (c, s) = hyperbolic(half * half);
+        let inverse = 1.0 / c;
+        return (0.5 * inverse, 0.5 * sigma * (h * s * inverse).sqrt());
+    }
     let variance = sigma * sigma * libm::tanh(half) / (2.0 * theta);
-    (0.5 / cosh, variance.sqrt())
+    (0.5 / libm::cosh(half), variance.sqrt())
+}
+
+/// cosh y and sinh(y)/y from y^2 <= 1, to rounding.
+#[inline(always)]
+fn hyperbolic(y2: f64) -> (f64, f64) {
+    let (mut cosh, mut sinh) = (1.0, 1.0);
+    // 1 + y^2/(n (n - 1)) (1 + ..), from the last term on; the next would be below 1/18!.
+    for n in [16.0, 14.0, 12.0, 10.0, 8.0, 6.0, 4.0, 2.0] {
+        cosh = 1.0 + y2 * (cosh * (1.0 / (n * (n - 1.0))));
+        sinh = 1.0 + y2 * (sinh * (1.0 / (n * (n + 1.0))));
+    }
+    (cosh, sinh)
 }
 
 /// n between two known values, a time `before` after the first and `behind` before the second: mean
 /// and standard deviation.
+#[inline(always)]
 pub fn bridge_at(theta: f64, sigma: f64, before: f64, behind: f64, (n0, n1): (f64, f64)) -> (f64, f64) {
+    let whole = before + behind;
+    if theta * whole > 1.0 {
+        return long_bridge_at(theta, sigma, before, behind, (n0, n1));
+    }
+    // With S(t) = sinh(theta t)/theta: mean (n0 S(behind) + n1 S(before))/S(whole), variance sigma^2
+    // S(before) S(behind)/S(whole).
+    let sinh = |t: f64| t * hyperbolic((theta * t) * (theta * t)).1;
+    let (before, behind, inverse) = (sinh(before), sinh(behind), 1.0 / sinh(whole));
+    ((n0 * behind + n1 * before) * inverse, sigma * (before * behind * inverse).sqrt())
+}
+
+#[inline(never)]
+fn long_bridge_at(theta: f64, sigma: f64, before: f64, behind: f64, (n0, n1): (f64, f64)) -> (f64, f64) {
     let (to, from) = (Transition::new(theta, sigma, before), Transition::new(theta, sigma, behind));
     let (q0, q1) = (to.increment_sd * to.increment_sd, from.increment_sd * from.increment_sd);
     let all = from.decay * from.decay * q0 + q1;

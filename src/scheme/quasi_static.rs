@@ -174,7 +174,8 @@ impl QuasiStaticSimulation {
         let time = since + self.slip.response.duration;
         let displacement = x + direction.value() * self.slip.jump;
         let oscillator = &self.model.oscillator;
-        let force = oscillator.force_per_temperature() * cascade.mean_temperature(time) - oscillator.stiffness * displacement;
+        let force =
+            oscillator.force_per_temperature() * cascade.mean_temperature(time) - oscillator.stiffness * displacement;
         Ok(Some(Event { kind: EventKind::StickEntered, time, displacement, force }))
     }
 }

@@ -13,7 +13,7 @@
 //! Whoever looks inside a cell is shown what is drawn for the purpose ([`super::watch`]).
 
 use super::cells::Cell;
-use super::corridor::Corridor;
+use super::corridor::{Corridor, Pending};
 use super::scene::Scene;
 use super::watch::{Nobody, Seen, Times, Watch};
 use super::work::{Simulated, Unresolved, Work};
@@ -97,7 +97,7 @@ pub fn simulate<C: Cascade, O: Observer>(cascade: &C, seed: u64, paths: &[u64], 
     let transition = Transition::new(scene.relaxation_rate, scene.diffusion, length);
     let mut lanes: Vec<_> = paths.iter().map(|&path| start(cascade, seed, path)).collect();
     let mut columns = Columns::new(paths.len());
-    let mut scratch = cascade.scratch();
+    let mut scratch = (cascade.scratch(), Pending::new());
     let mut inside = Inside::default();
     let mut stops = cascade.timeline().stops().peekable();
     let mut cell = Cell::new(scene, length, 0);
@@ -110,11 +110,10 @@ pub fn simulate<C: Cascade, O: Observer>(cascade: &C, seed: u64, paths: &[u64], 
                 let emit = |event| observer.event(lane, event);
                 cross(cascade, &cell, &transition, path, &mut scratch, &mut Nobody(draws), emit)
             } else {
-                let mut watch = Times { times: &inside.times, draws, seen: Vec::new() };
-                let emit = |event| inside.events.push((lane, event));
-                let outcome = cross(cascade, &cell, &transition, path, &mut scratch, &mut watch, emit);
-                inside.seen[lane] = watch.seen;
-                outcome
+                let Inside { times, seen, events, .. } = &mut inside;
+                let mut watch = Times { times, draws, seen: &mut seen[lane] };
+                let emit = |event| events.push((lane, event));
+                cross(cascade, &cell, &transition, path, &mut scratch, &mut watch, emit)
             };
             path.is_lost = outcome.is_err();
         }
@@ -145,7 +144,7 @@ fn at_the_end<C: Cascade>(cascade: &C, cell: &Cell, path: &Path<C::Motion>) -> S
         return LOST;
     }
     let (x, v) = cascade.look(path, cell);
-    let temperature = (cell.end_forcing + path.noise) / cascade.scene().force_per_temperature;
+    let temperature = (cell.last.value + path.noise) / cascade.scene().force_per_temperature;
     (x, v, temperature, path.phase == Phase::Static)
 }
 
@@ -177,7 +176,7 @@ fn cross<C: Cascade>(
     cell: &Cell,
     transition: &Transition,
     path: &mut Path<C::Motion>,
-    scratch: &mut C::Scratch,
+    (scratch, pending): &mut (C::Scratch, Pending),
     watch: &mut impl Watch,
     mut emit: impl FnMut(Event),
 ) -> Result<(), Unresolved> {
@@ -186,7 +185,7 @@ fn cross<C: Cascade>(
     path.after = 0.0;
     loop {
         let event = match path.phase {
-            Phase::Static => stick(cascade, cell, path, end_noise, watch)?,
+            Phase::Static => stick(cascade, cell, path, end_noise, pending, watch)?,
             Phase::Slip(direction) => cascade.slip(cell, path, direction, end_noise, scratch, watch)?,
         };
         let Some(event) = event else { break };
@@ -207,24 +206,26 @@ fn stick<C: Cascade>(
     cell: &Cell,
     path: &mut Path<C::Motion>,
     end_noise: f64,
+    pending: &mut Pending,
     watch: &mut impl Watch,
 ) -> Result<Option<Event>, Unresolved> {
     let scene = cascade.scene();
     let f_s = scene.friction.static_force;
+    let displacement = path.displacement;
     let slip = |force: f64, after: f64| Event {
         kind: EventKind::SlipStarted(Sign::of(force)),
         time: cell.start + after,
-        displacement: path.displacement,
+        displacement,
         force,
     };
     if path.force.abs() >= f_s {
         return Ok(Some(slip(path.force, path.after)));
     }
     let start = (path.after, path.noise, path.force);
-    let exit =
-        cascade.corridor().exit(scene, cell, path.displacement, start, end_noise, &mut path.draws, &mut path.work, watch)?;
+    let Path { draws, work, .. } = path;
+    let exit = cascade.corridor().exit(scene, cell, displacement, start, end_noise, draws, pending, work, watch)?;
     let Some((after, sign)) = exit else {
-        path.force = cell.end_forcing + end_noise - scene.oscillator.stiffness * path.displacement;
+        path.force = cell.last.value + end_noise - scene.oscillator.stiffness * path.displacement;
         return Ok(None);
     };
     let event = slip(sign.value() * f_s, after);
@@ -251,8 +252,8 @@ impl Inside {
         self.stops.extend(stops);
         self.times.clear();
         self.times.extend(self.stops.iter().map(|stop| stop.time - cell.start));
-        self.seen.clear();
         self.seen.resize(paths, Vec::new());
+        self.seen.iter_mut().for_each(Vec::clear);
         self.events.clear();
     }
 

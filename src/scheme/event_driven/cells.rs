@@ -5,7 +5,7 @@
 //! path, cell); what happens inside a cell is drawn given n at its end. So two scenes with the same
 //! cells see the same noise, and looking at a path does not change it.
 
-use super::scene::{Scene, forcing};
+use super::scene::Scene;
 use crate::model::Complex;
 
 /// One cell, with what all paths share in it.
@@ -19,8 +19,10 @@ pub struct Cell {
     pub length: f64,
     /// The terms of B where it begins.
     pub terms: Vec<Complex>,
-    /// B where it ends.
-    pub end_forcing: f64,
+    /// B and its derivatives where it begins.
+    pub first: Forcing,
+    /// The same where it ends.
+    pub last: Forcing,
     frequencies: Vec<f64>,
 }
 
@@ -40,7 +42,8 @@ impl Cell {
             start: 0.0,
             length,
             terms: vec![Complex::ZERO; scene.harmonics.len()],
-            end_forcing: 0.0,
+            first: Forcing::default(),
+            last: Forcing::default(),
             frequencies: scene.harmonics.iter().map(|h| h.angular_frequency).collect(),
         };
         cell.move_to(scene, index);
@@ -52,16 +55,23 @@ impl Cell {
         self.index = index;
         self.start = index as f64 * self.length;
         scene.set_terms((index + 1) as f64 * self.length, &mut self.terms);
-        self.end_forcing = forcing(&self.terms);
+        self.last = self.derivatives(|term, _| term);
         scene.set_terms(self.start, &mut self.terms);
+        self.first = self.derivatives(|term, _| term);
     }
 
     /// B and its derivatives a time after the start.
-    #[inline]
+    #[inline(always)]
     pub fn forcing(&self, after: f64) -> Forcing {
+        // A cell is at most 1/w long.
+        self.derivatives(|term, w| term * Complex::small_unit(w * after))
+    }
+
+    #[inline(always)]
+    fn derivatives(&self, turned: impl Fn(Complex, f64) -> Complex) -> Forcing {
         let mut all = Forcing::default();
         for (term, &w) in self.terms.iter().zip(&self.frequencies) {
-            let p = *term * Complex::unit(w * after);
+            let p = turned(*term, w);
             all.value += p.re;
             all.slope -= w * p.im;
             all.curvature -= w * w * p.re;
@@ -70,9 +80,10 @@ impl Cell {
     }
 
     /// The terms of B a time after the start.
+    #[inline(always)]
     pub fn set_terms(&self, after: f64, terms: &mut [Complex]) {
         for ((to, term), &w) in terms.iter_mut().zip(&self.terms).zip(&self.frequencies) {
-            *to = *term * Complex::unit(w * after);
+            *to = *term * Complex::small_unit(w * after);
         }
     }
 }

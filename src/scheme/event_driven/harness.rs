@@ -1,25 +1,41 @@
 //! What the unit tests of the noisy scheme share.
 
+use super::cells::{Cell, round_down};
+use super::corridor::{Corridor, Pending};
 use super::scene::Scene;
-use super::stick::{StickState, StickSteps};
+use super::watch::Nobody;
 use super::work::Work;
-use crate::model::{Complex, Model, Sign};
-use crate::noise::Stream;
+use crate::model::{Model, Sign};
+use crate::noise::{AddressedDraws, Transition};
 
 /// Time and side of the first exit from stick, path by path, started at n = `noise`.
 pub fn exits(model: &Model, noise: f64, kappa: f64, horizon: f64, seed: u64, paths: u64) -> Vec<(f64, Sign)> {
     let scene = Scene::new(model);
-    let steps = StickSteps::new(&scene, kappa, horizon);
-    let mut terms = vec![Complex::ZERO; scene.harmonics.len()];
+    let corridor = Corridor::new(&scene, kappa);
+    let rates = scene.harmonics.iter().map(|h| h.angular_frequency);
+    let length = round_down(0.5 / rates.fold(scene.relaxation_rate, f64::max));
+    let transition = Transition::new(scene.relaxation_rate, scene.diffusion, length);
+    let x0 = model.initial_displacement;
+    let spring_force = model.oscillator.stiffness * x0;
+    let (mut cell, mut pending) = (Cell::new(&scene, length, 0), Pending::new());
     (0..paths)
         .map(|path| {
-            scene.set_terms(0.0, &mut terms);
-            let spring_force = model.oscillator.stiffness * model.initial_displacement;
-            let mut state = StickState { time: 0.0, spring_force, noise, terms: &mut terms };
-            match steps.advance(&scene, &mut state, horizon, &mut Stream::new(seed, path), &mut Work::new(1_000_000)) {
-                Ok(Some(force)) => (state.time, Sign::of(force)),
-                outcome => panic!("no exit before {horizon}: {outcome:?}"),
+            let (draws, mut work) = (AddressedDraws::new(seed, path), Work::new(1_000_000));
+            let mut noise = noise;
+            for index in 0..(horizon / length).ceil() as u64 {
+                cell.move_to(&scene, index);
+                let end_noise = transition.next(noise, draws.at(index, 0).normal());
+                let start = (0.0, noise, cell.first.value - spring_force + noise);
+                let mut events = draws.at(index, 2);
+                let watch = &mut Nobody(draws);
+                let exit =
+                    corridor.exit(&scene, &cell, x0, start, end_noise, &mut events, &mut pending, &mut work, watch);
+                match exit.expect("bounded work") {
+                    Some((after, sign)) => return (cell.start + after, sign),
+                    None => noise = end_noise,
+                }
             }
+            panic!("no exit before {horizon}")
         })
         .collect()
 }

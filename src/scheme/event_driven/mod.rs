@@ -35,11 +35,11 @@ pub use slip_transition::{DrivenOscillator, HarmonicResponse, SlipTransition};
 pub use step_rules::{DEFAULT_TOLERANCE, Resolution, TOLERANCES};
 pub use work::Simulated;
 
-pub(super) use exact_time::ExactTime;
-pub(super) use noiseless::Noiseless;
 pub(super) use cell_loop::{Cascade, Path, simulate};
 pub(super) use cells::{Cell, round_down};
 pub(super) use corridor::Corridor;
+pub(super) use exact_time::ExactTime;
+pub(super) use noiseless::Noiseless;
 pub(super) use scene::Scene;
 pub(super) use step_rules::StepRules;
 pub(super) use unfelt_noise::UnfeltNoise;

@@ -191,7 +191,8 @@ impl Noisy {
         path.displacement = mean.x + factor[3] * a + factor[4] * b + factor[5] * c;
         path.after += length;
         let body = &self.scene.oscillator;
-        path.force = forcing(terms) + path.noise - body.stiffness * path.displacement - 2.0 * body.damping * path.motion;
+        path.force =
+            forcing(terms) + path.noise - body.stiffness * path.displacement - 2.0 * body.damping * path.motion;
     }
 
     /// The remainder of a cell that is too short for the noise to be told from rounding, as uniform
@@ -203,12 +204,12 @@ impl Noisy {
         path.displacement += remaining * (path.motion + 0.5 * remaining * acceleration);
         path.motion = eps * (eps * (path.motion + remaining * acceleration)).max(0.0);
         path.noise = end_noise;
-        path.force = cell.end_forcing + end_noise
-            - body.stiffness * path.displacement
-            - 2.0 * body.damping * path.motion;
+        path.force =
+            cell.last.value + end_noise - body.stiffness * path.displacement - 2.0 * body.damping * path.motion;
     }
 
     /// n at the end of a step that ends before the cell does.
+    #[inline(always)]
     fn noise_after(&self, path: &mut Path, length: f64, remaining: f64, end_noise: f64) -> f64 {
         let Scene { relaxation_rate, diffusion, .. } = self.scene;
         let ends = (path.noise, end_noise);
@@ -224,7 +225,7 @@ impl Noisy {
     /// deviation); X + (the same deviation) has V = X' - Q' at the stop that it found, and its own
     /// a time -V/a away: once for what the quintic leaves, some 1e-6 of a step, and again for the
     /// square of that.
-    #[inline(never)]
+    #[inline(always)]
     fn on_the_flow(
         &self,
         stop: Stop,
@@ -313,7 +314,11 @@ impl Cascade for Noisy {
         let friction = eps * self.scene.friction.dynamic_force;
         let mut start = self.motion(path, direction);
         let Scratch { partial, pending, terms } = scratch;
-        cell.set_terms(path.after, terms);
+        if path.after == 0.0 {
+            terms.copy_from_slice(&cell.terms);
+        } else {
+            cell.set_terms(path.after, terms);
+        }
         loop {
             let remaining = cell.length - path.after;
             if remaining <= SHORTEST * cell.length {

@@ -51,20 +51,33 @@ pub struct DrivenOscillator {
     diffusion: f64,
     frequencies: Vec<f64>,
     fastest: f64,
+    /// In the order of [`Sums`].
+    responses: SeriesOf8,
+    /// m G_w / h^2 and e^{i w h}, real and imaginary parts, of two harmonics each.
+    harmonic: Vec<SeriesOf8>,
+}
+
+/// Eight series side by side: the coefficients of each power.
+type SeriesOf8 = [[f64; 8]; TERMS];
+
+/// The sums of the series that do not depend on the forcing.
+struct Sums {
     /// S / h.
-    impulse: Series,
+    impulse: f64,
     /// m g_x / h^2.
-    g_x: Series,
+    g_x: f64,
     /// m int e^{-theta r} g_x / h^3.
-    cov_nx: Series,
+    cov_nx: f64,
     /// m^2 int g_v^2 / h^3.
-    cov_vv: Series,
+    cov_vv: f64,
     /// m^2 int g_x^2 / h^5.
-    cov_xx: Series,
+    cov_xx: f64,
     /// G_0 m / h^2.
-    constant: Series,
-    /// m G_w / h^2, real and imaginary part.
-    harmonic: Vec<(Series, Series)>,
+    constant: f64,
+    /// e^{-theta h}.
+    remembered: f64,
+    /// (1 - e^{-2 theta h})/(2 theta h).
+    spread: f64,
 }
 
 /// The response of (x, v) to a harmonic force Re[P e^{i w r}]: x += Re[P x], v += Re[P v].
@@ -117,18 +130,23 @@ impl DrivenOscillator {
         let zero = |_: usize| 0.0;
         let (g_x, constant) = (answer(&|k| (-theta).powi(k as i32)), answer(&|k| if k == 0 { 1.0 } else { 0.0 }));
         let impulse = free_response(damping, stiffness);
-        let harmonic = frequencies
-            .iter()
-            .map(|&w| {
-                let w = w / fastest;
-                // (i w)^k = w^k (1, i, -1, -i, ...)
-                let re = |k: usize| [1.0, 0.0, -1.0, 0.0][k % 4] * w.powi(k as i32);
-                let im = |k: usize| [0.0, 1.0, 0.0, -1.0][k % 4] * w.powi(k as i32);
-                (answer(&re), if w == 0.0 { answer(&zero) } else { answer(&im) })
-            })
-            .collect();
-        let decay_series: Series = std::array::from_fn(|k| (-theta).powi(k as i32) / factorial(k));
+        let decay: Series = std::array::from_fn(|k| (-theta).powi(k as i32) / factorial(k));
+        let spread: Series = std::array::from_fn(|k| (-2.0 * theta).powi(k as i32) / factorial(k + 1));
         let slope: Series = std::array::from_fn(|k| (k + 2) as f64 * g_x[k]);
+        let [cov_nx, cov_vv, cov_xx] =
+            [(&decay, &g_x, 2), (&slope, &slope, 2), (&g_x, &g_x, 4)].map(|(a, b, n)| integral_of_product(a, b, n));
+        let of_harmonic = |w: f64| {
+            // (i w)^k = w^k (1, i, -1, -i, ...)
+            let re = |k: usize| [1.0, 0.0, -1.0, 0.0][k % 4] * w.powi(k as i32);
+            let im = |k: usize| [0.0, 1.0, 0.0, -1.0][k % 4] * w.powi(k as i32);
+            let turn = |part: &dyn Fn(usize) -> f64| std::array::from_fn(|k| part(k) / factorial(k));
+            [answer(&re), if w == 0.0 { answer(&zero) } else { answer(&im) }, turn(&re), turn(&im)]
+        };
+        let harmonic = frequencies.chunks(2).map(|pair| {
+            let first = of_harmonic(pair[0] / fastest);
+            let second = pair.get(1).map_or([[0.0; TERMS]; 4], |w| of_harmonic(w / fastest));
+            side_by_side([first[0], first[1], first[2], first[3], second[0], second[1], second[2], second[3]])
+        });
         DrivenOscillator {
             mass,
             two_gamma: 2.0 * g,
@@ -137,13 +155,8 @@ impl DrivenOscillator {
             diffusion,
             frequencies: frequencies.to_vec(),
             fastest,
-            impulse,
-            cov_nx: integral_of_product(&decay_series, &g_x, 2),
-            cov_vv: integral_of_product(&slope, &slope, 2),
-            cov_xx: integral_of_product(&g_x, &g_x, 4),
-            g_x,
-            constant,
-            harmonic,
+            responses: side_by_side([impulse, g_x, cov_nx, cov_vv, cov_xx, constant, decay, spread]),
+            harmonic: harmonic.collect(),
         }
     }
 
@@ -153,6 +166,7 @@ impl DrivenOscillator {
     }
 
     /// The transition over h; `harmonics` receives one response per frequency.
+    #[inline(always)]
     pub fn transition(&self, h: f64, harmonics: &mut [HarmonicResponse]) -> SlipTransition {
         // Halve until the series reach it.
         let (mut base, mut doublings) = (h, 0);
@@ -168,30 +182,36 @@ impl DrivenOscillator {
         step
     }
 
+    #[inline(always)]
     fn series(&self, h: f64, harmonics: &mut [HarmonicResponse]) -> SlipTransition {
         let r = self.fastest * h;
         let (w2, g2, theta, m) = (self.w0_squared, self.two_gamma, self.relaxation_rate, self.mass);
-        let impulse = h * sum(&self.impulse, r);
-        let constant = h * h * sum(&self.constant, r); // int S
-        let g_x = h * h * sum(&self.g_x, r) / m;
-        let remembered = libm::exp(-theta * h);
-        for ((response, (re, im)), &w) in harmonics.iter_mut().zip(&self.harmonic).zip(&self.frequencies) {
-            let x = (h * h * sum(re, r) / m, h * h * sum(im, r) / m);
-            let (sin, cos) = libm::sincos(w * h);
-            // G' = i w G + S/m.
-            *response = HarmonicResponse { x, v: (impulse / m - w * x.1, w * x.0), turn: (cos, sin) };
+        let [impulse, g_x, cov_nx, cov_vv, cov_xx, constant, remembered, spread] = sums(&self.responses, r);
+        let sums = Sums { impulse, g_x, cov_nx, cov_vv, cov_xx, constant, remembered, spread };
+        let impulse = h * sums.impulse;
+        let constant = h * h * sums.constant; // int S
+        let g_x = h * h * sums.g_x / m;
+        for (i, (responses, w)) in harmonics.chunks_mut(2).zip(self.frequencies.chunks(2)).enumerate() {
+            let sums = self::sums(&self.harmonic[i], r);
+            for (j, (response, &w)) in responses.iter_mut().zip(w).enumerate() {
+                let x = (h * h * sums[4 * j] / m, h * h * sums[4 * j + 1] / m);
+                // G' = i w G + S/m.
+                let v = (impulse / m - w * x.1, w * x.0);
+                *response = HarmonicResponse { x, v, turn: (sums[4 * j + 2], sums[4 * j + 3]) };
+            }
         }
         let s2 = self.diffusion * self.diffusion;
-        let cov_nx = s2 * h * h * h * sum(&self.cov_nx, r) / m;
-        let cov_vv = s2 * h * h * h * sum(&self.cov_vv, r) / (m * m);
-        let cov_xx = s2 * h * h * h * h * h * sum(&self.cov_xx, r) / (m * m);
+        let cov_nx = s2 * h * h * h * sums.cov_nx / m;
+        let cov_vv = s2 * h * h * h * sums.cov_vv / (m * m);
+        let cov_xx = s2 * h * h * h * h * h * sums.cov_xx / (m * m);
+        let remembered = sums.remembered;
         SlipTransition {
             length: h,
             x: [1.0 - w2 * constant, impulse, g_x, constant / m],
             v: [-w2 * impulse, 1.0 - w2 * constant - g2 * impulse, impulse / m - theta * g_x, impulse / m],
             n: remembered,
             covariance: [
-                self.noise_variance(h),
+                s2 * h * sums.spread,
                 // int g_n g_v = [g_n g_x] + theta int g_n g_x, by parts.
                 s2 * remembered * g_x + theta * cov_nx,
                 cov_nx,
@@ -275,13 +295,26 @@ fn factorial(k: usize) -> f64 {
     (1..=k).map(|i| i as f64).product()
 }
 
-#[inline]
-fn sum(series: &Series, r: f64) -> f64 {
-    series.iter().rev().fold(0.0, |sum, &c| sum * r + c)
+/// The coefficients of eight series, power by power.
+fn side_by_side(series: [Series; 8]) -> SeriesOf8 {
+    std::array::from_fn(|k| std::array::from_fn(|i| series[i][k]))
+}
+
+/// The sums of eight series: by Horner's rule, all of them at once.
+#[inline(always)]
+fn sums(series: &SeriesOf8, r: f64) -> [f64; 8] {
+    let mut sums = [0.0; 8];
+    for coefficients in series.iter().rev() {
+        for (sum, c) in sums.iter_mut().zip(coefficients) {
+            *sum = f64::mul_add(*sum, r, *c);
+        }
+    }
+    sums
 }
 
 /// The factor of a covariance through its correlation matrix, whose entries are all of order one:
 /// the covariance itself has a condition number of h^-4.
+#[inline(always)]
 fn cholesky(&[nn, nv, nx, vv, vx, xx]: &[f64; 6]) -> [f64; 6] {
     let (sn, sv, sx) = (nn.sqrt(), vv.sqrt(), xx.sqrt());
     let ratio = |a: f64, b: f64| if b > 0.0 { a / b } else { 0.0 };

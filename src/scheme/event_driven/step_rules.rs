@@ -7,7 +7,7 @@
 //! | knob | what it bounds | error | default |
 //! |---|---|---|---|
 //! | `slip_length` | relative error of the conditional law between the ends of a slip step, (rate h)^2/100 | h^2 | 1/2 |
-//! | `chord_error` | bend of the corridor in a stick step against the noise, second order after its correction | kappa^2 | 0.1 |
+//! | `chord_error` | bend of the corridor in a stick step against the noise, second order after its correction | kappa^2 | 0.03 |
 //! | `caution` | standard deviations that count as never when a zero of x' is looked for | exp(-caution^2/2) | 4 |
 //!
 //! The states at the ends of slip steps are exact draws for any tolerance.
@@ -51,7 +51,7 @@ impl StepRules {
         let t = if tolerance > 0.0 { tolerance.clamp(least, greatest) } else { least } / DEFAULT_TOLERANCE;
         StepRules {
             slip_length: (0.5 * t.sqrt()).min(1.0),
-            chord_error: (0.1 * t.sqrt()).min(0.5),
+            chord_error: (0.03 * t.sqrt()).min(0.15),
             // 4 at the default; exp(-caution^2/2) is proportional to the tolerance.
             caution: (16.0 - 2.0 * libm::log(t)).max(4.0).sqrt(),
             shortest_slip: 1e-6 * t,

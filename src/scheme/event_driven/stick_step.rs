@@ -31,12 +31,13 @@ pub const FAR_EXPONENT: f64 = 35.0;
 
 impl StickStep {
     /// Of this length.
+    #[inline(always)]
     pub fn new(scene: &Scene, length: f64) -> Self {
         StickStep { length, noise: TimeChange::new(scene.relaxation_rate, scene.diffusion, length) }
     }
 
     /// Whether, where and after which time the bridge between two forces leaves the corridor.
-    #[inline]
+    #[inline(always)]
     pub fn exit(
         &self,
         scene: &Scene,
@@ -73,7 +74,7 @@ impl StickStep {
 
     /// The chance that the bridge meets a threshold, moved by what it bends on average where a
     /// bridge touches it.
-    #[inline]
+    #[inline(always)]
     fn chance(&self, Chord { start: d0, end: d1, bend }: Chord) -> f64 {
         if d1 <= 0.0 {
             return 1.0;
@@ -83,7 +84,7 @@ impl StickStep {
     }
 
     /// When the bridge meets a threshold, given that it does.
-    #[inline]
+    #[inline(always)]
     fn meeting_time(&self, Chord { start: d0, end: d1, bend }: Chord, draws: &mut AddressedDraws) -> f64 {
         let duration = self.noise.duration;
         let (normal, uniform) = (draws.normal(), draws.uniform());
@@ -202,8 +203,8 @@ mod tests {
         let scene = scene();
         for (from, to) in [(-0.1, -0.9), (-0.5, -2.0), (-0.01, -0.02)] {
             let count = |from: f64, to: f64| {
-                let hits =
-                    (0..100_000).filter(|&i| first_touch(&scene, from, to, 0.7, &mut AddressedDraws::new(23, i)).is_some());
+                let hits = (0..100_000)
+                    .filter(|&i| first_touch(&scene, from, to, 0.7, &mut AddressedDraws::new(23, i)).is_some());
                 hits.count()
             };
             assert_eq!(count(from, to), count(to, from));

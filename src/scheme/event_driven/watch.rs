@@ -16,6 +16,7 @@
 use super::cells::Cell;
 use super::first_stop::{Interval, Motion, state_inside};
 use super::scene::Scene;
+use super::stick_step::FAR_EXPONENT;
 use crate::model::Sign;
 use crate::noise::{AddressedDraws, TimeChange, bridge_at, meeting_probability};
 
@@ -52,7 +53,8 @@ impl Watch for Nobody {
 pub struct Times<'a> {
     pub times: &'a [f64],
     pub draws: AddressedDraws,
-    pub seen: Vec<Seen>,
+    /// What was seen, as far as it has come.
+    pub seen: &'a mut Vec<Seen>,
 }
 
 impl Watch for Times<'_> {
@@ -95,8 +97,18 @@ pub struct StickPiece {
     pub force: (f64, f64),
     /// x.
     pub displacement: f64,
-    /// The threshold at which it is left at the end, if it is.
-    pub exit: Option<Sign>,
+    pub end: StickEnd,
+}
+
+/// What is known of the end of a piece of a stick.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum StickEnd {
+    /// Both thresholds are out of reach throughout.
+    Clear,
+    /// None is met.
+    Kept,
+    /// This one is met, at the end.
+    Exit(Sign),
 }
 
 /// Look at a piece of a slip.
@@ -134,6 +146,7 @@ pub fn look_at_stick(watch: &mut impl Watch, scene: &Scene, cell: &Cell, mut pie
 }
 
 /// T where n is known.
+#[inline(always)]
 pub fn temperature(scene: &Scene, cell: &Cell, after: f64, noise: f64) -> f64 {
     (cell.forcing(after).value + noise) / scene.force_per_temperature
 }
@@ -142,6 +155,7 @@ pub fn temperature(scene: &Scene, cell: &Cell, after: f64, noise: f64) -> f64 {
 const TRIES: usize = 1000;
 
 /// n and b of a stick at a time in a piece of it.
+#[inline(always)]
 fn stuck(draws: &mut AddressedDraws, scene: &Scene, cell: &Cell, piece: &StickPiece, time: f64) -> (f64, f64) {
     let (before, behind) = (time - piece.after.0, piece.after.1 - time);
     if before <= 0.0 {
@@ -153,7 +167,11 @@ fn stuck(draws: &mut AddressedDraws, scene: &Scene, cell: &Cell, piece: &StickPi
     let f_s = scene.friction.static_force;
     let rest = cell.forcing(time).value - scene.oscillator.stiffness * piece.displacement;
     let (mean, sd) = bridge_at(scene.relaxation_rate, scene.diffusion, before, behind, piece.noise);
-    if let Some(sign) = piece.exit {
+    if piece.end == StickEnd::Clear {
+        let force = rest + mean + sd * draws.normal();
+        return (force - rest, force);
+    }
+    if let StickEnd::Exit(sign) = piece.end {
         // The distance by which b is inside ends at zero, and is the length of a vector whose
         // components are bridges.
         let side = sign.value();
@@ -164,17 +182,20 @@ fn stuck(draws: &mut AddressedDraws, scene: &Scene, cell: &Cell, piece: &StickPi
         let force = side * (f_s - distance);
         return (force - rest, force);
     }
-    let halves = [before, behind].map(|h| TimeChange::new(scene.relaxation_rate, scene.diffusion, h));
-    let stays = |half: usize, from: f64, to: f64| -> f64 {
-        let TimeChange { growth, duration, .. } = halves[half];
-        let unmet = |side: f64| {
-            1.0 - meeting_probability(f_s - side * from, (f_s - side * to) * growth, duration)
+    let to = TimeChange::new(scene.relaxation_rate, scene.diffusion, before);
+    let from = TimeChange::new(scene.relaxation_rate, scene.diffusion, behind);
+    let stays = |half: &TimeChange, from: f64, to: f64| -> f64 {
+        // Usually one threshold is far.
+        let met = |side: f64| {
+            let (d0, d1) = (f_s - side * from, (f_s - side * to) * half.growth);
+            let is_far = d0 > 0.0 && d1 > 0.0 && 2.0 * d0 * d1 > FAR_EXPONENT * half.duration;
+            if is_far { 0.0 } else { meeting_probability(d0, d1, half.duration) }
         };
-        unmet(1.0) * unmet(-1.0)
+        (1.0 - met(1.0)) * (1.0 - met(-1.0))
     };
     for _ in 0..TRIES {
         let force = rest + mean + sd * draws.normal();
-        if draws.uniform() < stays(0, piece.force.0, force) * stays(1, force, piece.force.1) {
+        if draws.uniform() < stays(&to, piece.force.0, force) * stays(&from, force, piece.force.1) {
             return (force - rest, force);
         }
     }
