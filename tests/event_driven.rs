@@ -655,6 +655,20 @@ fn looking_at_a_path_does_not_change_it() {
         for (row, same) in half.rows.iter().zip(whole.rows.iter().filter(|row| (2.0 * row.0).fract() == 0.0)) {
             assert_eq!(row, same, "{kind:?}");
         }
+        // A closer look goes through what a coarser one saw, also inside cells.
+        let coarse = told(60.0, 0.7, None);
+        let line = Timeline { end: 60.0, output_step: 0.1, period: None };
+        let mut close = Told::default();
+        let simulation = kind.with(DEFAULT_TOLERANCE).simulation(&model, &line).looked_at_closer(7);
+        assert!(simulation.simulate(5, &numbers, &mut close).is_empty());
+        assert_eq!(close.events, seldom.events, "{kind:?}");
+        for (row, same) in coarse.rows.iter().zip(close.rows.iter().step_by(7)).take(86) {
+            assert!((row.0 - same.0).abs() < 1e-12, "{} {}", row.0, same.0);
+            for (a, b) in row.1.iter().zip(&same.1) {
+                let off = (a.0 - b.0).abs().max((a.1 - b.1).abs()).max((a.2 - b.2).abs());
+                assert!(off < 1e-9 && a.3 == b.3, "{kind:?}, t = {}: {a:?} {b:?}", row.0);
+            }
+        }
         let short = told(31.3, 31.3, None);
         for (short, long) in short.events.iter().zip(&seldom.events) {
             let until: Vec<Event> = long.iter().copied().filter(|event| event.time <= 31.3).collect();

@@ -12,8 +12,8 @@ Example:
   mc replay rho025.h5 --path 4711 -o path-4711.h5
 
 The trajectory holds every step of a time-stepping scheme, or every so many where there would be more than 10000 rows.
-Without noise, an event-driven or quasi-static trajectory is ten times finer than the run's output grid; with noise it stays
-on that grid, whose instants are part of what the path draws. The events are always all there.";
+An event-driven or quasi-static trajectory is ten times finer than the run's output grid, and goes through what the run saw.
+The events are always all there.";
 
 /// Arguments of `mc replay`.
 #[derive(Debug, clap::Args)]
@@ -82,7 +82,6 @@ fn rows(rows: Rows) -> String {
     match rows {
         Rows::Steps { stride: 1, .. } => "every step".into(),
         Rows::Steps { stride, of } => format!("one in {stride} of the {of} steps"),
-        Rows::OutputGrid => "on the output grid of the run".into(),
         Rows::Finer(times) => format!("{times} times as fine as the output grid of the run"),
     }
 }

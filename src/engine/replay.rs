@@ -2,6 +2,7 @@
 
 use crate::ensemble::Plan;
 use crate::scenario::{MAX_ROWS, MAX_TRAJECTORIES, Scenario};
+use crate::scheme::Simulate as _;
 use crate::stats::{BlockResult, Record};
 
 /// One path, simulated again.
@@ -38,8 +39,6 @@ pub enum Rows {
         /// Steps of the path.
         of: u64,
     },
-    /// On the output grid of the run, whose instants are part of what the path draws.
-    OutputGrid,
     /// So many times as fine as the output grid of the run.
     Finer(usize),
 }
@@ -48,8 +47,8 @@ impl Replay {
     /// Simulate path number `path` of the ensemble of this scenario: the same path, bit for bit.
     ///
     /// The trajectory holds every step of a scheme with steps, or one in so many where there would be more rows than
-    /// [`MAX_ROWS`]. Without noise, a scheme without steps is looked at ten times as often as the run was; with noise, looking at
-    /// other instants would draw other numbers.
+    /// [`MAX_ROWS`]. A scheme without steps is looked at ten times as often as the run was, and at the instants of the run it
+    /// is where the run saw it.
     pub fn of(scenario: &Scenario, path: u64) -> Self {
         let mut scenario = scenario.clone();
         let (output_step, rows) = finest_grid(&scenario);
@@ -57,7 +56,11 @@ impl Replay {
         let record = Record { paths: true, events: true, trajectories: path + 1 };
         // What a file says must read back as a scenario, and no scenario keeps more.
         scenario.record = Record { trajectories: record.trajectories.min(MAX_TRAJECTORIES), ..record };
-        let block = Plan { record, ..scenario.plan() }.replay(path);
+        let mut plan = Plan { record, ..scenario.plan() };
+        if let Rows::Finer(refinement) = rows {
+            plan.simulation = plan.simulation.looked_at_closer(refinement);
+        }
+        let block = plan.replay(path);
         Replay { scenario, record, rows, block }
     }
 
@@ -67,7 +70,7 @@ impl Replay {
     }
 }
 
-/// How many times finer than the run's grid a trajectory is where that is free: without steps, and without noise.
+/// How many times finer than the run's grid a trajectory is without steps.
 const REFINEMENT: usize = 10;
 
 /// The spacing of the finest trajectory that is the same path and has no more than [`MAX_ROWS`] rows, and what it is.
@@ -77,9 +80,6 @@ fn finest_grid(scenario: &Scenario) -> (f64, Rows) {
     if let (Some(step), Some(of)) = (scenario.scheme.step(), scenario.steps()) {
         let stride = stride(of, most);
         return (stride as f64 * step, Rows::Steps { stride, of });
-    }
-    if scenario.model.temperature.is_random() {
-        return (output_step, Rows::OutputGrid);
     }
     let rows = scenario.timeline().rows().saturating_sub(1);
     let refinement = (most as usize).checked_div(rows).unwrap_or(1).clamp(1, REFINEMENT);
@@ -117,7 +117,7 @@ mod tests {
         for (name, set, spacing) in [
             ("rho025", &[][..], 0.01),
             ("rho025", &["time.step=1e-6"], 0.00625),
-            ("rho025", &["scheme.kind=event-driven"], 0.5),
+            ("rho025", &["scheme.kind=event-driven"], 0.05),
             ("shaw", &["scheme.kind=event-driven"], 0.05),
             ("shaw", &["scheme.kind=quasi-static", "time.output_step=0.01"], 0.01),
             ("viaduct", &[], 3600.0),

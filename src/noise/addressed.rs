@@ -46,9 +46,9 @@ impl AddressedDraws {
         self.at(0, START)
     }
 
-    /// Those of the same path and cell that no event depends on.
-    pub fn for_looking(&self, cell: u64) -> Self {
-        self.at(cell, LOOKING)
+    /// Two rows of those of the same path and cell that no event depends on.
+    pub fn for_looking(&self, cell: u64) -> [Self; 2] {
+        [self.at(cell, LOOKING), self.at(cell, LOOKING + LOOKING / 2)]
     }
 
     /// The next 64 random bits.

@@ -144,6 +144,14 @@ macro_rules! schemes {
                 }
             }
 
+            fn looked_at_closer(self, closeness: usize) -> Self {
+                match self {
+                    $(Simulation::$Scheme(simulation) => {
+                        Simulation::$Scheme(Box::new(simulation.looked_at_closer(closeness)))
+                    })+
+                }
+            }
+
             fn with_work_limit(self, limit: u64) -> Self {
                 match self {
                     $(Simulation::$Scheme(simulation) => {

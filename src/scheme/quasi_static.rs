@@ -34,12 +34,12 @@
 
 use super::columns::Columns;
 use super::event_driven::{
-    self, Cascade, Cell, Corridor, ExactTime, Noiseless, Scene, StepRules, UnfeltNoise, Unresolved, WORK_LIMIT, Watch,
+    self, Cascade, Cell, Corridor, ExactTime, Noiseless, Piece, Scene, Seen, StepRules, UnfeltNoise, Unresolved, WORK_LIMIT, Watch,
     Work, check_friction, round_down, temperature,
 };
 use super::{DEFAULT_TOLERANCE, Discretisation, Look, Method, Misfit, Observer, Parameter, Simulate, Timeline};
 use crate::model::{Event, EventKind, Model, Phase, Sign, StepResponse};
-use crate::noise::bridge_at;
+use crate::noise::{AddressedDraws, bridge_at};
 
 /// The quasi-static scheme with this tolerance.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -189,6 +189,7 @@ struct Noisy {
     corridor: Corridor,
     slip: Swing,
     work_limit: u64,
+    closeness: usize,
 }
 
 /// Where one path is: its displacement is x_j in the dynamic phase too, whose beginning is what the
@@ -200,7 +201,7 @@ impl Noisy {
         let rates = scene.harmonics.iter().map(|h| h.angular_frequency);
         let cell_length = round_down(rules.slip_length / rates.fold(scene.relaxation_rate, f64::max));
         let corridor = Corridor::new(&scene, rules.chord_error);
-        Noisy { scene, timeline: *timeline, cell_length, corridor, slip, work_limit: WORK_LIMIT }
+        Noisy { scene, timeline: *timeline, cell_length, corridor, slip, work_limit: WORK_LIMIT, closeness: 1 }
     }
 }
 
@@ -229,6 +230,10 @@ impl Cascade for Noisy {
         self.work_limit
     }
 
+    fn closeness(&self) -> usize {
+        self.closeness
+    }
+
     fn scratch(&self) {}
 
     fn slip(
@@ -241,25 +246,21 @@ impl Cascade for Noisy {
         watch: &mut impl Watch,
     ) -> Result<Option<Event>, Unresolved> {
         path.work.spend()?;
-        let Scene { relaxation_rate, diffusion, .. } = self.scene;
         let x0 = path.displacement;
         let end = path.motion + self.slip.response.duration;
-        // n at a time between two at which it is known.
-        let between = |(from, noise): (f64, f64), (to, end): (f64, f64), time: f64, normal: f64| {
-            let (mean, sd) = bridge_at(relaxation_rate, diffusion, time - from, to - time, (noise, end));
-            mean + sd * normal
+        let mut piece = SwingPiece {
+            slip: &self.slip,
+            began: path.motion,
+            displacement: x0,
+            direction,
+            first: (path.after, path.noise),
+            last: (cell.length, end_noise),
         };
-        let mut known = (path.after, path.noise);
-        let mut last = (cell.length, end_noise);
         if end < cell.length {
-            last = (end, between(known, last, end, path.draws.normal()));
+            piece.last = (end, piece.noise(&self.scene, end, &mut path.draws));
         }
-        while let Some(time) = watch.next(last.0) {
-            known = (time, between(known, last, time, watch.draws().normal()));
-            let (x, v) = self.slip.at(x0, direction, time - path.motion);
-            watch.see((x, v, temperature(&self.scene, cell, time, known.1), false));
-        }
-        (path.after, path.noise) = last;
+        watch.look(&self.scene, cell, || piece);
+        (path.after, path.noise) = piece.last;
         if end >= cell.length {
             // Counted from the start of the next cell.
             path.motion -= cell.length;
@@ -280,6 +281,40 @@ impl Cascade for Noisy {
             // Its beginning is counted from the end of this cell.
             Phase::Slip(direction) => self.slip.at(path.displacement, direction, -path.motion),
         }
+    }
+}
+
+/// A piece of a slip: it moves as if nothing was random, and n is a bridge.
+#[derive(Clone, Copy)]
+struct SwingPiece<'a> {
+    slip: &'a Swing,
+    /// When the slip began, after the start of the cell, and where.
+    began: f64,
+    displacement: f64,
+    direction: Sign,
+    /// When the piece begins and ends, and n there.
+    first: (f64, f64),
+    last: (f64, f64),
+}
+
+impl SwingPiece<'_> {
+    fn noise(&self, scene: &Scene, time: f64, draws: &mut AddressedDraws) -> f64 {
+        let ((from, start), (to, end)) = (self.first, self.last);
+        let (mean, sd) = bridge_at(scene.relaxation_rate, scene.diffusion, time - from, to - time, (start, end));
+        mean + sd * draws.normal()
+    }
+}
+
+impl Piece for SwingPiece<'_> {
+    fn end(&self) -> f64 {
+        self.last.0
+    }
+
+    fn parted(&self, scene: &Scene, cell: &Cell, time: f64, draws: &mut AddressedDraws) -> (Seen, Self, Self) {
+        let noise = self.noise(scene, time, draws);
+        let (x, v) = self.slip.at(self.displacement, self.direction, time - self.began);
+        let seen = (x, v, temperature(scene, cell, time, noise), false);
+        (seen, SwingPiece { last: (time, noise), ..*self }, SwingPiece { first: (time, noise), ..*self })
     }
 }
 
@@ -306,6 +341,13 @@ impl Simulate for QuasiStaticSimulation {
         self.work_limit = limit;
         if let Exits::Noisy(cascade) = &mut self.exits {
             cascade.work_limit = limit;
+        }
+        self
+    }
+
+    fn looked_at_closer(mut self, closeness: usize) -> Self {
+        if let Exits::Noisy(cascade) = &mut self.exits {
+            cascade.closeness = closeness;
         }
         self
     }

@@ -15,13 +15,13 @@
 use super::cells::Cell;
 use super::corridor::{Corridor, Pending};
 use super::scene::Scene;
-use super::watch::{Nobody, Seen, Times, Watch};
+use super::watch::{Glance, Glances, Nobody, Seen, Watch};
 use super::work::{Simulated, Unresolved, Work};
 use crate::model::{Event, EventKind, Phase, Sign};
 use crate::noise::{AddressedDraws, Transition};
 use crate::scheme::columns::Columns;
 use crate::scheme::timeline::Stop;
-use crate::scheme::{Observer, Timeline};
+use crate::scheme::{Instant, Observer, Timeline};
 
 /// Where one path is.
 #[derive(Clone, Debug)]
@@ -58,6 +58,8 @@ pub trait Cascade {
     fn corridor(&self) -> &Corridor;
     /// What a path may spend.
     fn work_limit(&self) -> u64;
+    /// Every so many rows of the output grid one is the run's; those between are a closer look.
+    fn closeness(&self) -> usize;
     fn scratch(&self) -> Self::Scratch;
 
     /// Take a path in a sub-phase to the end of the cell, where n is `end_noise`, or to the event
@@ -103,15 +105,16 @@ pub fn simulate<C: Cascade, O: Observer>(cascade: &C, seed: u64, paths: &[u64], 
     let mut cell = Cell::new(scene, length, 0);
     while stops.peek().is_some() {
         let (start, shortest) = (cell.start, length * (1.0 - ALIGNMENT));
-        inside.begin(std::iter::from_fn(|| stops.next_if(|stop| stop.time - start < shortest)), &cell, lanes.len());
+        let next = || stops.next_if(|stop| stop.time - start < shortest);
+        inside.begin(std::iter::from_fn(next), &cell, lanes.len(), cascade.closeness());
         for (lane, path) in lanes.iter_mut().enumerate().filter(|(_, path)| !path.is_lost) {
-            let draws = path.draws.for_looking(cell.index);
             let outcome = if inside.is_empty() {
                 let emit = |event| observer.event(lane, event);
-                cross(cascade, &cell, &transition, path, &mut scratch, &mut Nobody(draws), emit)
+                cross(cascade, &cell, &transition, path, &mut scratch, &mut Nobody, emit)
             } else {
-                let Inside { times, seen, events, .. } = &mut inside;
-                let mut watch = Times { times, draws, seen: &mut seen[lane] };
+                let Inside { glances, seen, events, .. } = &mut inside;
+                let draws = path.draws.for_looking(cell.index);
+                let mut watch = Glances { glances, draws, seen: &mut seen[lane] };
                 let emit = |event| events.push((lane, event));
                 cross(cascade, &cell, &transition, path, &mut scratch, &mut watch, emit)
             };
@@ -238,8 +241,8 @@ fn stick<C: Cascade>(
 #[derive(Default)]
 struct Inside {
     stops: Vec<Stop>,
-    /// When, after the start of the cell.
-    times: Vec<f64>,
+    /// When they are, and which of them are a closer look.
+    glances: Vec<Glance>,
     /// What was seen at each stop, lane by lane.
     seen: Vec<Vec<Seen>>,
     events: Vec<(usize, Event)>,
@@ -247,11 +250,14 @@ struct Inside {
 
 impl Inside {
     /// The stops in the next cell, at which so many paths are looked at.
-    fn begin(&mut self, stops: impl Iterator<Item = Stop>, cell: &Cell, paths: usize) {
+    fn begin(&mut self, stops: impl Iterator<Item = Stop>, cell: &Cell, paths: usize, closeness: usize) {
         self.stops.clear();
         self.stops.extend(stops);
-        self.times.clear();
-        self.times.extend(self.stops.iter().map(|stop| stop.time - cell.start));
+        self.glances.clear();
+        self.glances.extend(self.stops.iter().map(|stop| {
+            let is_closer = matches!(stop.instant, Instant::Output(row) if !row.is_multiple_of(closeness));
+            Glance { time: stop.time - cell.start, is_closer }
+        }));
         self.seen.resize(paths, Vec::new());
         self.seen.iter_mut().for_each(Vec::clear);
         self.events.clear();

@@ -13,7 +13,7 @@
 use super::cells::Cell;
 use super::scene::Scene;
 use super::stick_step::{FAR_EXPONENT, StickStep};
-use super::watch::{StickEnd, StickPiece, Watch, look_at_stick};
+use super::watch::{StickEnd, StickPiece, Watch};
 use super::work::{Unresolved, Work};
 use crate::model::Sign;
 use crate::noise::{AddressedDraws, bridge_middle};
@@ -92,12 +92,12 @@ impl Corridor {
             let forcing = cell.forcing(after);
             Node { after, noise, force: forcing.value - spring + noise, curvature: forcing.curvature }
         };
-        let piece = |left: &Node, right: &Node, end| StickPiece {
+        let piece = |left: &Node, right: &Node, kind| StickPiece {
             after: (left.after, right.after),
             noise: (left.noise, right.noise),
             force: (left.force, right.force),
             displacement,
-            end,
+            kind,
         };
         let curvature = if after == 0.0 { cell.first.curvature } else { cell.forcing(after).curvature };
         let mut left = Node { after, noise, force, curvature };
@@ -130,12 +130,12 @@ impl Corridor {
                     let force = sign.value() * f_s;
                     let noise = force - cell.forcing(after).value + spring;
                     let right = Node { after, noise, force, curvature: 0.0 };
-                    look_at_stick(watch, scene, cell, piece(&left, &right, StickEnd::Exit(sign)));
+                    watch.look(scene, cell, || piece(&left, &right, StickEnd::Exit(sign)));
                     return Ok(Some((after, sign)));
                 }
             }
-            let end = if up.is_near || down.is_near { StickEnd::Kept } else { StickEnd::Clear };
-            look_at_stick(watch, scene, cell, piece(&left, &right, end));
+            let kind = if up.is_near || down.is_near { StickEnd::Kept } else { StickEnd::Clear };
+            watch.look(scene, cell, || piece(&left, &right, kind));
             if top == 0 {
                 return Ok(None);
             }

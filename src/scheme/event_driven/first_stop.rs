@@ -313,21 +313,23 @@ pub fn forwards(way: f64) -> f64 {
 }
 
 /// The state at a fraction of an interval without a zero, drawn with three normals given both its
-/// ends: the way to there, the motion, and the rest of the interval.
-pub fn state_inside(left: Motion, next: &Interval, p: f64, normals: [f64; 3]) -> (f64, Motion, Interval) {
+/// ends: the way to there, the motion, and both parts of the interval.
+pub fn state_inside(left: Motion, next: &Interval, p: f64, normals: [f64; 3]) -> (f64, Motion, [Interval; 2]) {
     let (mean, [dx, dv, da]) = (Quintic::new(left, next), conditional_factor(p, normals));
     let (h, inverse, noise) = (next.length, next.inverse, next.noise);
     let way = mean.way(p) + noise * h * h * dx;
     let velocity = mean.velocity(p) * inverse + noise * h * dv;
     let acceleration = mean.acceleration(p) * inverse * inverse + noise * da;
-    let rest = Interval {
-        end: next.end,
-        way: next.way - way,
-        length: (1.0 - p) * h,
-        inverse: inverse / (1.0 - p),
-        noise: noise * (1.0 - p).sqrt(),
+    // In law positive but for a chance that the search neglects.
+    let motion = Motion { velocity: if velocity > 0.0 { velocity } else { 0.0 }, acceleration };
+    let part = |end: Motion, way: f64, p: f64| Interval {
+        end,
+        way,
+        length: p * h,
+        inverse: inverse / p,
+        noise: noise * p.sqrt(),
     };
-    (way, Motion { velocity, acceleration }, rest)
+    (way, motion, [part(motion, way, p), part(next.end, next.way - way, 1.0 - p)])
 }
 
 impl Interval {

@@ -27,7 +27,7 @@ pub fn exits(model: &Model, noise: f64, kappa: f64, horizon: f64, seed: u64, pat
                 let end_noise = transition.next(noise, draws.at(index, 0).normal());
                 let start = (0.0, noise, cell.first.value - spring_force + noise);
                 let mut events = draws.at(index, 2);
-                let watch = &mut Nobody(draws);
+                let watch = &mut Nobody;
                 let exit =
                     corridor.exit(&scene, &cell, x0, start, end_noise, &mut events, &mut pending, &mut work, watch);
                 match exit.expect("bounded work") {

@@ -5,7 +5,8 @@
 //! rho = 0   Noiseless   every phase a closed form, every event a root; no step at all
 //! rho > 0   Noisy       stick: exact noise, bridge crossings; slip: exact transitions, conditional bisection
 //!                       StepRules   what the one tolerance means for its steps
-//!                       path_loop   from stop to stop, from event to event
+//!                       cell_loop   from cell to cell, from event to event
+//!                       watch       what is seen inside a cell
 //! ```
 //!
 //! [`EventDriven`] is the scheme and what it is known for, [`EventDrivenSimulation`] the scheme on
@@ -43,7 +44,7 @@ pub(super) use noiseless::Noiseless;
 pub(super) use scene::Scene;
 pub(super) use step_rules::StepRules;
 pub(super) use unfelt_noise::UnfeltNoise;
-pub(super) use watch::{Watch, temperature};
+pub(super) use watch::{Piece, Seen, Watch, temperature};
 pub(super) use work::{Unresolved, WORK_LIMIT, Work};
 
 use super::{Discretisation, Look, Method, Misfit, Parameter, Timeline};

@@ -19,7 +19,7 @@ use super::first_stop::{Interval, Motion, Pending, Step, Stop, StopSearch, forwa
 use super::scene::{Scene, forcing};
 use super::slip_transition::{DrivenOscillator, HarmonicResponse, SlipTransition};
 use super::step_rules::StepRules;
-use super::watch::{SlipPiece, Watch, look_at_slip};
+use super::watch::{SlipPiece, Watch};
 use super::work::{Simulated, Unresolved, WORK_LIMIT};
 use crate::lanes::{InstructionSet, LaneProgram, Lanes};
 use crate::model::{Complex, Event, EventKind, Model, Phase, Sign};
@@ -38,6 +38,8 @@ pub struct Noisy {
     search: StopSearch,
     /// What a path may spend.
     pub(super) work_limit: u64,
+    /// Every so many rows of the output grid one is the run's.
+    pub(super) closeness: usize,
 }
 
 /// A slip step of the usual length, tabulated.
@@ -115,7 +117,7 @@ impl Noisy {
         let step = SlipStep { transition, root_length: length.sqrt(), harmonics };
         let search = StopSearch { noise: scene.diffusion / body.mass, caution: rules.caution };
         let corridor = Corridor::new(&scene, rules.chord_error);
-        Noisy { scene, timeline: *timeline, cell_length, corridor, oscillator, step, search, work_limit: WORK_LIMIT }
+        Noisy { scene, timeline: *timeline, cell_length, corridor, oscillator, step, search, work_limit: WORK_LIMIT, closeness: 1 }
     }
 
     /// Simulate the paths with these numbers.
@@ -295,6 +297,10 @@ impl Cascade for Noisy {
         self.work_limit
     }
 
+    fn closeness(&self) -> usize {
+        self.closeness
+    }
+
     fn scratch(&self) -> Scratch {
         let terms = vec![Complex::ZERO; self.scene.harmonics.len()];
         Scratch { partial: self.step.clone(), pending: Pending::new(), terms }
@@ -342,16 +348,10 @@ impl Cascade for Noisy {
             }
             let way = resolved_way(eps * before.1.x, eps * path.displacement, start, end, length);
             let searched = Step { start, end, way, length, root_length: step.root_length };
-            let look = |after: f64, way: f64, motion: Motion, interval: &Interval| {
-                let after = before.0 + after;
-                let piece = || SlipPiece {
-                    after,
-                    displacement: before.1.x + eps * way,
-                    direction,
-                    start: motion,
-                    interval: *interval,
-                };
-                look_at_slip(watch, &self.scene, cell, piece, after + interval.length());
+            let look = |after: f64, way: f64, start: Motion, interval: &Interval| {
+                let (after, displacement) = (before.0 + after, before.1.x + eps * way);
+                let piece = || SlipPiece { after, displacement, direction, start, interval: *interval };
+                watch.look(&self.scene, cell, piece);
             };
             if let Some(mut stop) = self.search.first(&searched, &mut path.draws, pending, &mut path.work, look)? {
                 if self.search.noise * searched.root_length < FEEBLE * stop.acceleration.abs() {

@@ -77,4 +77,11 @@ impl Simulate for EventDrivenSimulation {
         }
         self
     }
+
+    fn looked_at_closer(mut self, closeness: usize) -> Self {
+        if let Kernel::Noisy(cascade) = &mut self.kernel {
+            cascade.closeness = closeness;
+        }
+        self
+    }
 }

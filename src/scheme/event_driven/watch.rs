@@ -12,6 +12,9 @@
 //! (A Brownian bridge conditioned to reach a threshold at its end for the first time is a
 //! three-dimensional Bessel bridge: Revuz and Yor, *Continuous martingales and Brownian motion*,
 //! chapter XI.)
+//!
+//! The rows of a run are drawn first. Rows between them, for somebody who looks more closely, are
+//! drawn given those, from other numbers, so that a closer look goes through what was seen before.
 
 use super::cells::Cell;
 use super::first_stop::{Interval, Motion, state_inside};
@@ -23,55 +26,76 @@ use crate::noise::{AddressedDraws, TimeChange, bridge_at, meeting_probability};
 /// x, x', T and whether the path is static.
 pub type Seen = (f64, f64, f64, bool);
 
+/// A time to look at, after the start of the cell.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Glance {
+    pub time: f64,
+    /// A row between those of the run.
+    pub is_closer: bool,
+}
+
 /// Who looks at a path inside a cell.
 pub trait Watch {
-    /// The next time to look at, after the start of the cell, if it is not after `until`.
-    fn next(&self, until: f64) -> Option<f64>;
-    /// The numbers to draw with.
-    fn draws(&mut self) -> &mut AddressedDraws;
-    /// The state at that time.
-    fn see(&mut self, seen: Seen);
+    /// Look at a piece of the path, all times up to its end.
+    fn look<P: Piece>(&mut self, scene: &Scene, cell: &Cell, piece: impl FnOnce() -> P);
 }
 
 /// Nobody looks inside this cell.
-pub struct Nobody(pub AddressedDraws);
+pub struct Nobody;
 
 impl Watch for Nobody {
     #[inline(always)]
-    fn next(&self, _: f64) -> Option<f64> {
-        None
-    }
-
-    fn draws(&mut self) -> &mut AddressedDraws {
-        &mut self.0
-    }
-
-    fn see(&mut self, _: Seen) {}
+    fn look<P: Piece>(&mut self, _: &Scene, _: &Cell, _: impl FnOnce() -> P) {}
 }
 
-/// Looks at one path at these times after the start of the cell, in order.
-pub struct Times<'a> {
-    pub times: &'a [f64],
-    pub draws: AddressedDraws,
+/// Looks at one path at these times, in order.
+pub struct Glances<'a> {
+    pub glances: &'a [Glance],
+    /// The numbers for the rows of the run, and for those between them.
+    pub draws: [AddressedDraws; 2],
     /// What was seen, as far as it has come.
     pub seen: &'a mut Vec<Seen>,
 }
 
-impl Watch for Times<'_> {
-    fn next(&self, until: f64) -> Option<f64> {
-        self.times.get(self.seen.len()).copied().filter(|time| *time <= until)
-    }
-
-    fn draws(&mut self) -> &mut AddressedDraws {
-        &mut self.draws
-    }
-
-    fn see(&mut self, seen: Seen) {
-        self.seen.push(seen);
+impl Watch for Glances<'_> {
+    fn look<P: Piece>(&mut self, scene: &Scene, cell: &Cell, piece: impl FnOnce() -> P) {
+        let mut rest = piece();
+        while let Some(row) = self.ahead(rest.end()).find(|glance| !glance.is_closer) {
+            let (seen, before, behind) = rest.parted(scene, cell, row.time, &mut self.draws[0]);
+            self.look_closer(scene, cell, before, row.time);
+            self.seen.push(seen);
+            rest = behind;
+        }
+        let end = rest.end();
+        self.look_closer(scene, cell, rest, end);
     }
 }
 
-/// A piece of a slip without an event in it.
+impl<'a> Glances<'a> {
+    /// The times still to be looked at, up to `end`.
+    fn ahead(&self, end: f64) -> impl Iterator<Item = Glance> + use<'a> {
+        self.glances[self.seen.len()..].iter().copied().take_while(move |glance| glance.time <= end)
+    }
+
+    /// The rows between those of the run, up to `end`.
+    fn look_closer<P: Piece>(&mut self, scene: &Scene, cell: &Cell, mut piece: P, end: f64) {
+        while let Some(row) = self.ahead(end).next().filter(|glance| glance.is_closer) {
+            let (seen, _, behind) = piece.parted(scene, cell, row.time, &mut self.draws[1]);
+            self.seen.push(seen);
+            piece = behind;
+        }
+    }
+}
+
+/// A piece of a path without an event but for its end.
+pub trait Piece: Sized {
+    /// When it ends, after the start of the cell.
+    fn end(&self) -> f64;
+    /// Draw the state at a time in it, and part it there.
+    fn parted(&self, scene: &Scene, cell: &Cell, time: f64, draws: &mut AddressedDraws) -> (Seen, Self, Self);
+}
+
+/// A piece of a slip.
 #[derive(Clone, Copy, Debug)]
 pub struct SlipPiece {
     /// When it begins, after the start of the cell.
@@ -86,6 +110,27 @@ pub struct SlipPiece {
     pub interval: Interval,
 }
 
+impl Piece for SlipPiece {
+    fn end(&self) -> f64 {
+        self.after + self.interval.length()
+    }
+
+    fn parted(&self, scene: &Scene, cell: &Cell, time: f64, draws: &mut AddressedDraws) -> (Seen, Self, Self) {
+        let (eps, Scene { oscillator, friction, .. }) = (self.direction.value(), scene);
+        // A piece of no length has its start all along.
+        let part = ((time - self.after) / self.interval.length()).clamp(0.0, 1.0);
+        let part = if part.is_nan() { 0.0 } else { part };
+        let (way, motion, [before, behind]) = state_inside(self.start, &self.interval, part, draws.three_normals());
+        let (x, v) = (self.displacement + eps * way, eps * motion.velocity);
+        let force = eps * (friction.dynamic_force + oscillator.mass * motion.acceleration);
+        let noise = force - cell.forcing(time).value + oscillator.stiffness * x + 2.0 * oscillator.damping * v;
+        let seen = (x, v, temperature(scene, cell, time, noise), false);
+        let before = SlipPiece { interval: before, ..*self };
+        let behind = SlipPiece { after: time, displacement: x, start: motion, interval: behind, ..*self };
+        (seen, before, behind)
+    }
+}
+
 /// A piece of a stick that is not left before its end.
 #[derive(Clone, Copy, Debug)]
 pub struct StickPiece {
@@ -97,7 +142,7 @@ pub struct StickPiece {
     pub force: (f64, f64),
     /// x.
     pub displacement: f64,
-    pub end: StickEnd,
+    pub kind: StickEnd,
 }
 
 /// What is known of the end of a piece of a stick.
@@ -111,96 +156,90 @@ pub enum StickEnd {
     Exit(Sign),
 }
 
-/// Look at a piece of a slip.
-#[inline(always)]
-pub fn look_at_slip(watch: &mut impl Watch, scene: &Scene, cell: &Cell, piece: impl Fn() -> SlipPiece, until: f64) {
-    if watch.next(until).is_none() {
-        return;
+impl Piece for StickPiece {
+    fn end(&self) -> f64 {
+        self.after.1
     }
-    let SlipPiece { mut after, mut displacement, direction, mut start, mut interval } = piece();
-    let eps = direction.value();
-    let Scene { oscillator, friction, .. } = scene;
-    while let Some(time) = watch.next(until) {
-        let part = ((time - after) / interval.length()).clamp(0.0, 1.0);
-        let (way, motion, rest) = state_inside(start, &interval, part, watch.draws().three_normals());
-        // In law positive but for a chance that the search neglects.
-        let velocity = if motion.velocity > 0.0 { motion.velocity } else { 0.0 };
-        let (x, v) = (displacement + eps * way, eps * velocity);
-        let force = eps * (friction.dynamic_force + oscillator.mass * motion.acceleration);
-        let noise = force - cell.forcing(time).value + oscillator.stiffness * x + 2.0 * oscillator.damping * v;
-        watch.see((x, v, temperature(scene, cell, time, noise), false));
-        (after, displacement, start, interval) = (time, x, Motion { velocity, ..motion }, rest);
-    }
-}
 
-/// Look at a piece of a stick.
-#[inline(always)]
-pub fn look_at_stick(watch: &mut impl Watch, scene: &Scene, cell: &Cell, mut piece: StickPiece) {
-    while let Some(time) = watch.next(piece.after.1) {
-        let (noise, force) = stuck(watch.draws(), scene, cell, &piece, time);
-        watch.see((piece.displacement, 0.0, temperature(scene, cell, time, noise), true));
-        piece.after.0 = time;
-        piece.noise.0 = noise;
-        piece.force.0 = force;
+    fn parted(&self, scene: &Scene, cell: &Cell, time: f64, draws: &mut AddressedDraws) -> (Seen, Self, Self) {
+        let (noise, force) = self.stuck(scene, cell, time, draws);
+        let seen = (self.displacement, 0.0, temperature(scene, cell, time, noise), true);
+        let kind = if self.kind == StickEnd::Clear { StickEnd::Clear } else { StickEnd::Kept };
+        let before = StickPiece {
+            after: (self.after.0, time),
+            noise: (self.noise.0, noise),
+            force: (self.force.0, force),
+            kind,
+            ..*self
+        };
+        let behind = StickPiece {
+            after: (time, self.after.1),
+            noise: (noise, self.noise.1),
+            force: (force, self.force.1),
+            ..*self
+        };
+        (seen, before, behind)
     }
-}
-
-/// T where n is known.
-#[inline(always)]
-pub fn temperature(scene: &Scene, cell: &Cell, after: f64, noise: f64) -> f64 {
-    (cell.forcing(after).value + noise) / scene.force_per_temperature
 }
 
 /// So often a bridge that left the corridor is drawn again.
 const TRIES: usize = 1000;
 
-/// n and b of a stick at a time in a piece of it.
-#[inline(always)]
-fn stuck(draws: &mut AddressedDraws, scene: &Scene, cell: &Cell, piece: &StickPiece, time: f64) -> (f64, f64) {
-    let (before, behind) = (time - piece.after.0, piece.after.1 - time);
-    if before <= 0.0 {
-        return (piece.noise.0, piece.force.0);
-    }
-    if behind <= 0.0 {
-        return (piece.noise.1, piece.force.1);
-    }
-    let f_s = scene.friction.static_force;
-    let rest = cell.forcing(time).value - scene.oscillator.stiffness * piece.displacement;
-    let (mean, sd) = bridge_at(scene.relaxation_rate, scene.diffusion, before, behind, piece.noise);
-    if piece.end == StickEnd::Clear {
-        let force = rest + mean + sd * draws.normal();
-        return (force - rest, force);
-    }
-    if let StickEnd::Exit(sign) = piece.end {
-        // The distance by which b is inside ends at zero, and is the length of a vector whose
-        // components are bridges.
-        let side = sign.value();
-        let inside = f_s - side * (rest + mean);
-        let [one, two, three] = draws.three_normals();
-        let along = inside + sd * one;
-        let distance = (along * along + sd * sd * (two * two + three * three)).sqrt();
-        let force = side * (f_s - distance);
-        return (force - rest, force);
-    }
-    let to = TimeChange::new(scene.relaxation_rate, scene.diffusion, before);
-    let from = TimeChange::new(scene.relaxation_rate, scene.diffusion, behind);
-    let stays = |half: &TimeChange, from: f64, to: f64| -> f64 {
-        // Usually one threshold is far.
-        let met = |side: f64| {
-            let (d0, d1) = (f_s - side * from, (f_s - side * to) * half.growth);
-            let is_far = d0 > 0.0 && d1 > 0.0 && 2.0 * d0 * d1 > FAR_EXPONENT * half.duration;
-            if is_far { 0.0 } else { meeting_probability(d0, d1, half.duration) }
-        };
-        (1.0 - met(1.0)) * (1.0 - met(-1.0))
-    };
-    for _ in 0..TRIES {
-        let force = rest + mean + sd * draws.normal();
-        if draws.uniform() < stays(&to, piece.force.0, force) * stays(&from, force, piece.force.1) {
-            return (force - rest, force);
+impl StickPiece {
+    /// n and b at a time in it.
+    fn stuck(&self, scene: &Scene, cell: &Cell, time: f64, draws: &mut AddressedDraws) -> (f64, f64) {
+        let (before, behind) = (time - self.after.0, self.after.1 - time);
+        if before <= 0.0 {
+            return (self.noise.0, self.force.0);
         }
+        if behind <= 0.0 {
+            return (self.noise.1, self.force.1);
+        }
+        let f_s = scene.friction.static_force;
+        let rest = cell.forcing(time).value - scene.oscillator.stiffness * self.displacement;
+        let (mean, sd) = bridge_at(scene.relaxation_rate, scene.diffusion, before, behind, self.noise);
+        match self.kind {
+            StickEnd::Clear => {
+                let noise = mean + sd * draws.normal();
+                return (noise, rest + noise);
+            }
+            StickEnd::Exit(sign) => {
+                // The distance by which b is inside ends at zero, and is the length of a vector
+                // whose components are bridges.
+                let side = sign.value();
+                let inside = f_s - side * (rest + mean);
+                let [one, two, three] = draws.three_normals();
+                let along = inside + sd * one;
+                let distance = (along * along + sd * sd * (two * two + three * three)).sqrt();
+                let force = side * (f_s - distance);
+                return (force - rest, force);
+            }
+            StickEnd::Kept => (),
+        }
+        let [to, from] = [before, behind].map(|h| TimeChange::new(scene.relaxation_rate, scene.diffusion, h));
+        let stays = |half: &TimeChange, from: f64, to: f64| -> f64 {
+            // Usually one threshold is far.
+            let met = |side: f64| {
+                let (d0, d1) = (f_s - side * from, (f_s - side * to) * half.growth);
+                let is_far = d0 > 0.0 && d1 > 0.0 && 2.0 * d0 * d1 > FAR_EXPONENT * half.duration;
+                if is_far { 0.0 } else { meeting_probability(d0, d1, half.duration) }
+            };
+            (1.0 - met(1.0)) * (1.0 - met(-1.0))
+        };
+        for _ in 0..TRIES {
+            let force = rest + mean + sd * draws.normal();
+            if draws.uniform() < stays(&to, self.force.0, force) * stays(&from, force, self.force.1) {
+                return (force - rest, force);
+            }
+        }
+        // Both ends all but on the threshold: where the straight line between them is.
+        let part = before / (before + behind);
+        let force = self.force.0 + part * (self.force.1 - self.force.0);
+        (force - rest, force)
     }
-    // Both ends all but on the threshold: where the straight line between them is.
-    let part = before / (before + behind);
-    let force = piece.force.0 + part * (piece.force.1 - piece.force.0);
-    (force - rest, force)
+}
+
+/// T where n is known.
+pub fn temperature(scene: &Scene, cell: &Cell, after: f64, noise: f64) -> f64 {
+    (cell.forcing(after).value + noise) / scene.force_per_temperature
 }
