@@ -608,11 +608,14 @@ fn a_path_is_a_function_of_the_seed_and_its_number_alone() {
     assert_ne!(together[0], path_events(&model, 60.0, 10, &[3])[0]);
 }
 
-/// Everything that is told of some paths: the events, and x, x' and T at the instants, lane by lane.
+/// x, x', T and whether the path rests.
+type State = (f64, f64, f64, bool);
+
+/// Everything that is told of some paths: the events, and the states at the instants, lane by lane.
 #[derive(Default, PartialEq, Debug)]
 struct Told {
     events: Vec<Vec<Event>>,
-    rows: Vec<(f64, Vec<(f64, f64, f64, bool)>)>,
+    rows: Vec<(f64, Vec<State>)>,
 }
 
 impl Observer for Told {
@@ -682,7 +685,7 @@ fn looking_at_a_path_does_not_change_it() {
 fn seen_moments(model: &Model, tolerance: f64, times: &[f64], seed: u64, paths: u64) -> Vec<Vec<(f64, f64)>> {
     let line = Timeline { end: times[times.len() - 1], output_step: times[0], period: None };
     let simulation = EventDrivenSimulation::new(model, &line, tolerance);
-    let mut rows: Vec<Vec<(f64, f64, f64, bool)>> = vec![Vec::new(); times.len() + 1];
+    let mut rows: Vec<Vec<State>> = vec![Vec::new(); times.len() + 1];
     for first in (0..paths).step_by(250) {
         let numbers: Vec<u64> = (first..first + 250).collect();
         let mut told = Told::default();
@@ -691,22 +694,20 @@ fn seen_moments(model: &Model, tolerance: f64, times: &[f64], seed: u64, paths: 
             row.extend(seen);
         }
     }
-    let rest = |is_static: bool| f64::from(u8::from(is_static));
-    let measures: [&dyn Fn(&(f64, f64, f64, bool)) -> f64; 9] = [
-        &|s| s.0,
-        &|s| s.0 * s.0,
-        &|s| s.1,
-        &|s| s.1 * s.1,
-        &|s| s.2,
-        &|s| s.2 * s.2,
-        &|s| rest(s.3),
+    let measures: [fn(&State) -> f64; 9] = [
+        |s| s.0,
+        |s| s.0 * s.0,
+        |s| s.1,
+        |s| s.1 * s.1,
+        |s| s.2,
+        |s| s.2 * s.2,
+        |s| f64::from(u8::from(s.3)),
         // b where it rests: how near the thresholds, on either side.
-        &|s| rest(s.3) * (6.0 * s.2 - s.0).powi(2),
-        &|s| rest(!s.3) * s.1 * (6.0 * s.2 - s.0),
+        |s| f64::from(u8::from(s.3)) * (6.0 * s.2 - s.0).powi(2),
+        |s| f64::from(u8::from(!s.3)) * s.1 * (6.0 * s.2 - s.0),
     ];
-    let moments = |row: &Vec<(f64, f64, f64, bool)>| {
-        measures.iter().map(|f| mean_and_error(&row.iter().map(|s| f(s)).collect::<Vec<_>>())).collect()
-    };
+    let moments =
+        |row: &Vec<State>| measures.iter().map(|f| mean_and_error(&row.iter().map(f).collect::<Vec<_>>())).collect();
     rows[1..].iter().map(moments).collect()
 }
 
@@ -756,7 +757,8 @@ fn two_scenes_see_the_same_noise() {
         error * error * values.len() as f64
     };
     let one: fn(&Fold) -> f64 = |_| 1.0;
-    let cases: [(&str, fn(&Fold) -> f64, fn(&Fold) -> f64, f64); 4] = [
+    type Measure = fn(&Fold) -> f64;
+    let cases: [(&str, Measure, Measure, f64); 4] = [
         ("static time between sticks", |p| p.stick_time, one, 50.0),
         ("mean stick", |p| p.stick_time, |p| p.sticks, 7.0),
         ("sticks per path", |p| p.sticks, one, 10.0),

@@ -1,4 +1,5 @@
-//! Randomness: one stream a path, normals by inversion, the Ornstein-Uhlenbeck process exactly.
+//! Randomness: streams and addressed numbers of a path, normals by inversion, the Ornstein-Uhlenbeck
+//! process exactly.
 
 mod addressed;
 mod first_passage;
@@ -16,5 +17,5 @@ pub(crate) use stream::LaneNormals;
 pub use stream::{LaneStreams, Stream};
 
 /// What a file says about where its random numbers come from.
-pub const GENERATOR: &str = "xoshiro256+, one stream a path seeded by SplitMix64 from (seed, path); normals by inversion, \
-    two a draw in schemes with a step";
+pub const GENERATOR: &str = "schemes with a step: xoshiro256+, one stream a path seeded by SplitMix64 from (seed, path); \
+    others: SplitMix64 with two keys from (seed, path), at addresses (cell, place); normals by inversion";

@@ -154,21 +154,26 @@ fn at_the_end<C: Cascade>(cascade: &C, cell: &Cell, path: &Path<C::Motion>) -> S
 const LOST: Seen = (f64::NAN, f64::NAN, f64::NAN, false);
 
 fn start<C: Cascade>(cascade: &C, seed: u64, path: u64) -> Path<C::Motion> {
-    let draws = AddressedDraws::new(seed, path);
-    let scene = cascade.scene();
-    let noise = scene.draw_initial_noise(draws);
-    let displacement = scene.initial_displacement;
-    let forcing: f64 = scene.harmonics.iter().map(|h| h.force.re).sum();
-    Path {
-        after: 0.0,
-        displacement,
-        noise,
-        force: forcing + noise - scene.oscillator.stiffness * displacement,
-        phase: Phase::Static,
-        motion: C::Motion::default(),
-        draws,
-        work: Work::new(cascade.work_limit()),
-        is_lost: false,
+    let (scene, draws) = (cascade.scene(), AddressedDraws::new(seed, path));
+    Path::new(scene, scene.draw_initial_noise(draws), draws, Work::new(cascade.work_limit()))
+}
+
+impl<M: Default> Path<M> {
+    /// At t = 0, at rest, with this n.
+    pub fn new(scene: &Scene, noise: f64, draws: AddressedDraws, work: Work) -> Self {
+        let displacement = scene.initial_displacement;
+        let forcing: f64 = scene.harmonics.iter().map(|h| h.force.re).sum();
+        Path {
+            after: 0.0,
+            displacement,
+            noise,
+            force: forcing + noise - scene.oscillator.stiffness * displacement,
+            phase: Phase::Static,
+            motion: M::default(),
+            draws,
+            work,
+            is_lost: false,
+        }
     }
 }
 
@@ -224,9 +229,7 @@ fn stick<C: Cascade>(
     if path.force.abs() >= f_s {
         return Ok(Some(slip(path.force, path.after)));
     }
-    let start = (path.after, path.noise, path.force);
-    let Path { draws, work, .. } = path;
-    let exit = cascade.corridor().exit(scene, cell, displacement, start, end_noise, draws, pending, work, watch)?;
+    let exit = cascade.corridor().exit(scene, cell, path, end_noise, pending, watch)?;
     let Some((after, sign)) = exit else {
         path.force = cell.last.value + end_noise - scene.oscillator.stiffness * path.displacement;
         return Ok(None);

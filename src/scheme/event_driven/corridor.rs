@@ -10,13 +10,14 @@
 //!   sqrt(h) for each threshold in reach, kappa the stick share of the tolerance;
 //! - otherwise n is drawn in the middle, and the halves are looked at from the left.
 
+use super::cell_loop::Path;
 use super::cells::Cell;
 use super::scene::Scene;
 use super::stick_step::{FAR_EXPONENT, StickStep};
 use super::watch::{StickEnd, StickPiece, Watch};
-use super::work::{Unresolved, Work};
+use super::work::Unresolved;
 use crate::model::Sign;
-use crate::noise::{AddressedDraws, bridge_middle};
+use crate::noise::bridge_middle;
 
 /// The width rule: pieces of at most width^2 / (this s^2) are decided.
 const WIDTH_RULE: f64 = 8.0;
@@ -72,21 +73,19 @@ impl Corridor {
         Corridor { widest: width * width / (WIDTH_RULE * s * s), most_bend: (8.0 * kappa * s) * (8.0 * kappa * s) }
     }
 
-    /// From (time after the start of the cell, n, b) to the end of the cell, where n is `end_noise`:
-    /// the exit, as its time and side, if there is one.
+    /// Whether a path in a static phase leaves the corridor before the end of the cell, where n is
+    /// `end_noise`; if so, the time after the start of the cell and the side.
     #[inline(always)]
-    pub fn exit(
+    pub fn exit<M>(
         &self,
         scene: &Scene,
         cell: &Cell,
-        displacement: f64,
-        (after, noise, force): (f64, f64, f64),
+        path: &mut Path<M>,
         end_noise: f64,
-        draws: &mut AddressedDraws,
         Pending(pending): &mut Pending,
-        work: &mut Work,
         watch: &mut impl Watch,
     ) -> Result<Option<(f64, Sign)>, Unresolved> {
+        let Path { after, displacement, noise, force, ref mut draws, ref mut work, .. } = *path;
         let spring = scene.oscillator.stiffness * displacement;
         let node = |after: f64, noise: f64| {
             let forcing = cell.forcing(after);
@@ -265,7 +264,7 @@ mod tests {
     }
 
     /// Where the threshold bends, 1 + 100 (1 - cos((t - 2.5)/10)) above the noise with theta = 0.0354 and s = 1, the length of a step is a matter of its chord error
-    /// alone; the rungs of the ladder are such that four times the error would be steps of four times the length. Null: the chance to leave in the first
+    /// alone; pieces are halved, so that four times the error would be pieces of four times the length. Null: the chance to leave in the first
     /// dip, and when, are the exact ones (`tests/reference/first_stick.py`) but for the default tolerance, 0.1 %. 8e5 paths, which tell the two to 0.12 and 0.06 %,
     /// two comparisons at 1e-4 each. At twice the chord error the time is 0.4 % too long, at four times 4 %.
     #[test]

@@ -1,5 +1,6 @@
 //! What the unit tests of the noisy scheme share.
 
+use super::cell_loop::Path;
 use super::cells::{Cell, round_down};
 use super::corridor::{Corridor, Pending};
 use super::scene::Scene;
@@ -15,24 +16,21 @@ pub fn exits(model: &Model, noise: f64, kappa: f64, horizon: f64, seed: u64, pat
     let rates = scene.harmonics.iter().map(|h| h.angular_frequency);
     let length = round_down(0.5 / rates.fold(scene.relaxation_rate, f64::max));
     let transition = Transition::new(scene.relaxation_rate, scene.diffusion, length);
-    let x0 = model.initial_displacement;
-    let spring_force = model.oscillator.stiffness * x0;
+    let spring_force = scene.oscillator.stiffness * scene.initial_displacement;
     let (mut cell, mut pending) = (Cell::new(&scene, length, 0), Pending::new());
     (0..paths)
-        .map(|path| {
-            let (draws, mut work) = (AddressedDraws::new(seed, path), Work::new(1_000_000));
-            let mut noise = noise;
+        .map(|number| {
+            let draws = AddressedDraws::new(seed, number);
+            let mut path = Path::<()>::new(&scene, noise, draws, Work::new(1_000_000));
             for index in 0..(horizon / length).ceil() as u64 {
                 cell.move_to(&scene, index);
-                let end_noise = transition.next(noise, draws.at(index, 0).normal());
-                let start = (0.0, noise, cell.first.value - spring_force + noise);
-                let mut events = draws.at(index, 2);
-                let watch = &mut Nobody;
-                let exit =
-                    corridor.exit(&scene, &cell, x0, start, end_noise, &mut events, &mut pending, &mut work, watch);
+                let end_noise = transition.next(path.noise, draws.at(index, 0).normal());
+                path.draws = draws.at(index, 2);
+                path.force = cell.first.value - spring_force + path.noise;
+                let exit = corridor.exit(&scene, &cell, &mut path, end_noise, &mut pending, &mut Nobody);
                 match exit.expect("bounded work") {
                     Some((after, sign)) => return (cell.start + after, sign),
-                    None => noise = end_noise,
+                    None => path.noise = end_noise,
                 }
             }
             panic!("no exit before {horizon}")

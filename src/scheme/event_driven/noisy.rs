@@ -117,7 +117,17 @@ impl Noisy {
         let step = SlipStep { transition, root_length: length.sqrt(), harmonics };
         let search = StopSearch { noise: scene.diffusion / body.mass, caution: rules.caution };
         let corridor = Corridor::new(&scene, rules.chord_error);
-        Noisy { scene, timeline: *timeline, cell_length, corridor, oscillator, step, search, work_limit: WORK_LIMIT, closeness: 1 }
+        Noisy {
+            scene,
+            timeline: *timeline,
+            cell_length,
+            corridor,
+            oscillator,
+            step,
+            search,
+            work_limit: WORK_LIMIT,
+            closeness: 1,
+        }
     }
 
     /// Simulate the paths with these numbers.
@@ -230,8 +240,7 @@ impl Noisy {
     #[inline(always)]
     fn on_the_flow(
         &self,
-        stop: Stop,
-        searched: Step,
+        (searched, stop): (Step, Stop),
         step: &SlipStep,
         cell: &Cell,
         (after_start, start): (f64, State),
@@ -355,7 +364,7 @@ impl Cascade for Noisy {
             };
             if let Some(mut stop) = self.search.first(&searched, &mut path.draws, pending, &mut path.work, look)? {
                 if self.search.noise * searched.root_length < FEEBLE * stop.acceleration.abs() {
-                    stop = self.on_the_flow(stop, searched, step, cell, before, terms, eps);
+                    stop = self.on_the_flow((searched, stop), step, cell, before, terms, eps);
                 }
                 return Ok(Some(self.stopped(cell, path, direction, before, &stop)));
             }
