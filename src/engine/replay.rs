@@ -2,7 +2,6 @@
 
 use crate::ensemble::Plan;
 use crate::scenario::{MAX_ROWS, MAX_TRAJECTORIES, Scenario};
-use crate::scheme::Simulate as _;
 use crate::stats::{BlockResult, Record};
 
 /// One path, simulated again.
@@ -58,7 +57,7 @@ impl Replay {
         scenario.record = Record { trajectories: record.trajectories.min(MAX_TRAJECTORIES), ..record };
         let mut plan = Plan { record, ..scenario.plan() };
         if let Rows::Finer(refinement) = rows {
-            plan.simulation = plan.simulation.looked_at_closer(refinement);
+            plan = plan.looked_at_closer(refinement);
         }
         let block = plan.replay(path);
         Replay { scenario, record, rows, block }

@@ -55,6 +55,12 @@ impl Plan {
         self.piece(first, BLOCK_SIZE.min(self.paths - first))
     }
 
+    /// The same ensemble, of whose output rows every `closeness`-th is one of the run and the others
+    /// are a closer look ([`crate::scheme::Simulate::looked_at_closer`]).
+    pub fn looked_at_closer(self, closeness: usize) -> Self {
+        Plan { simulation: self.simulation.looked_at_closer(closeness), ..self }
+    }
+
     /// Simulate path `path` of the ensemble alone: the same path, bit for bit.
     pub fn replay(&self, path: u64) -> BlockResult {
         self.piece(path, 1)

@@ -236,11 +236,42 @@ mod tests {
             let transition = Transition::new(theta, sigma, h);
             let variance = change.duration / (change.growth * change.growth);
             assert!((variance / transition.increment_sd.powi(2) - 1.0).abs() < 1e-14, "{theta} {sigma} {h}");
-            assert_eq!(change.transition.increment_sd, transition.increment_sd);
+            assert!(
+                (change.transition.increment_sd / transition.increment_sd - 1.0).abs() < 1e-14,
+                "{theta} {sigma} {h}"
+            );
             assert!((change.transition.decay / transition.decay - 1.0).abs() < 1e-14, "{theta} {sigma} {h}");
             assert!((change.time(change.duration) / h - 1.0).abs() < 1e-13, "{theta} {sigma} {h}");
             let clock = (change.duration / (sigma * sigma)).powi(2) * (-1.5 * theta * h).exp();
             assert!((change.bow / clock - 1.0).abs() < 1e-12, "{theta} {sigma} {h}");
+        }
+    }
+
+    /// The bridge, from the densities of both its halves: n0 -> n has precision 1/q0 around its mean, and
+    /// n -> n1 sees n through the decay. Both forms of it, on either side of theta h = 1, and the middle.
+    #[test]
+    fn the_bridge_is_where_both_its_halves_put_it() {
+        for (theta, sigma, before, behind) in [
+            (1.0, 1.0, 0.2, 0.3),
+            (0.5, 2.0, 1e-6, 0.4),
+            (3.0, 0.5, 0.1, 0.9),
+            (1.0, 1.0, 0.5, 0.5),
+            (2.0, 1.0, 3.0, 3.0),
+        ] {
+            let (n0, n1) = (0.7, -1.1);
+            let (to, from) = (Transition::new(theta, sigma, before), Transition::new(theta, sigma, behind));
+            let (q0, q1) = (to.increment_sd.powi(2), from.increment_sd.powi(2));
+            let precision = 1.0 / q0 + from.decay * from.decay / q1;
+            let expected = (to.decay * n0 / q0 + from.decay * n1 / q1) / precision;
+            let (mean, sd) = bridge_at(theta, sigma, before, behind, (n0, n1));
+            assert!(
+                (mean - expected).abs() < 1e-12 && (sd * sd * precision - 1.0).abs() < 1e-12,
+                "{theta}: {mean} {sd}"
+            );
+            if before == behind {
+                let (weight, middle) = bridge_middle(theta, sigma, before + behind);
+                assert!((weight * (n0 + n1) - expected).abs() < 1e-12 && (middle / sd - 1.0).abs() < 1e-12);
+            }
         }
     }
 }
