@@ -84,6 +84,9 @@ pub trait Cascade {
 /// A stop is on the end of a cell if it is within this share of a cell of it.
 const ALIGNMENT: f64 = 1e-9;
 
+/// So many cells are crossed by one path before the next path.
+const MOST_QUIET: usize = 64;
+
 /// Places of a cell's numbers: n at its end, what the scheme moves by over a whole cell, and from
 /// here on what happens inside.
 pub const NOISE_PLACE: u64 = 0;
@@ -100,31 +103,44 @@ pub fn simulate<C: Cascade, O: Observer>(cascade: &C, seed: u64, paths: &[u64], 
     let mut lanes: Vec<_> = paths.iter().map(|&path| start(cascade, seed, path)).collect();
     let mut columns = Columns::new(paths.len());
     let mut scratch = (cascade.scratch(), Pending::new());
-    let mut inside = Inside::default();
+    let (mut quiet, mut inside) = (Vec::new(), Inside::default());
     let mut stops = cascade.timeline().stops().peekable();
+    let (shortest, longest) = (length * (1.0 - ALIGNMENT), length * (1.0 + ALIGNMENT));
     let mut cell = Cell::new(scene, length, 0);
-    while stops.peek().is_some() {
-        let (start, shortest) = (cell.start, length * (1.0 - ALIGNMENT));
-        let next = || stops.next_if(|stop| stop.time - start < shortest);
-        inside.begin(std::iter::from_fn(next), &cell, lanes.len(), cascade.closeness());
-        for (lane, path) in lanes.iter_mut().enumerate().filter(|(_, path)| !path.is_lost) {
-            let outcome = if inside.is_empty() {
+    while let Some(stop) = stops.peek() {
+        // Cells inside which nobody looks, up to the end of one at which somebody does: each path
+        // goes through all of them alone, which processors predict better.
+        quiet.clear();
+        while stop.time - cell.start >= shortest && quiet.len() < MOST_QUIET {
+            quiet.push(cell.clone());
+            cell.move_to(scene, cell.index + 1);
+        }
+        for (lane, path) in lanes.iter_mut().enumerate() {
+            let mut cells = quiet.iter();
+            while let Some(cell) = cells.next().filter(|_| !path.is_lost) {
                 let emit = |event| observer.event(lane, event);
-                cross(cascade, &cell, &transition, path, &mut scratch, &mut Nobody, emit)
-            } else {
+                path.is_lost = cross(cascade, cell, &transition, path, &mut scratch, &mut Nobody, emit).is_err();
+            }
+        }
+        if quiet.is_empty() {
+            let next = || stops.next_if(|stop| stop.time - cell.start < shortest);
+            inside.begin(std::iter::from_fn(next), &cell, lanes.len(), cascade.closeness());
+            for (lane, path) in lanes.iter_mut().enumerate().filter(|(_, path)| !path.is_lost) {
                 let Inside { glances, seen, events, .. } = &mut inside;
                 let draws = path.draws.for_looking(cell.index);
                 let mut watch = Glances { glances, draws, seen: &mut seen[lane] };
                 let emit = |event| events.push((lane, event));
-                cross(cascade, &cell, &transition, path, &mut scratch, &mut watch, emit)
-            };
-            path.is_lost = outcome.is_err();
+                path.is_lost = cross(cascade, &cell, &transition, path, &mut scratch, &mut watch, emit).is_err();
+            }
+            inside.tell(observer, &mut columns, stops.peek().is_none());
+            quiet.push(cell.clone());
+            cell.move_to(scene, cell.index + 1);
         }
-        inside.tell(observer, &mut columns, stops.peek().is_none());
+        let passed = &quiet[quiet.len() - 1];
         let mut is_set = false;
-        while let Some(stop) = stops.next_if(|stop| stop.time - start <= length * (1.0 + ALIGNMENT)) {
+        while let Some(stop) = stops.next_if(|stop| stop.time - passed.start <= longest) {
             if !is_set {
-                lanes.iter().enumerate().for_each(|(lane, path)| columns.set(lane, at_the_end(cascade, &cell, path)));
+                lanes.iter().enumerate().for_each(|(lane, path)| columns.set(lane, at_the_end(cascade, passed, path)));
                 is_set = true;
             }
             observer.snapshot(stop.instant, columns.snapshot(stop.time));
@@ -133,7 +149,6 @@ pub fn simulate<C: Cascade, O: Observer>(cascade: &C, seed: u64, paths: &[u64], 
             (0..lanes.len()).for_each(|lane| columns.set(lane, LOST));
             stops.by_ref().for_each(|stop| observer.snapshot(stop.instant, columns.snapshot(stop.time)));
         }
-        cell.move_to(scene, cell.index + 1);
     }
     Simulated {
         lost: lanes.iter().enumerate().filter(|(_, path)| path.is_lost).map(|(lane, _)| lane).collect(),
@@ -264,10 +279,6 @@ impl Inside {
         self.seen.resize(paths, Vec::new());
         self.seen.iter_mut().for_each(Vec::clear);
         self.events.clear();
-    }
-
-    fn is_empty(&self) -> bool {
-        self.stops.is_empty()
     }
 
     /// Tell the observer what happened, in order of time. `is_over` if nothing after the last stop
