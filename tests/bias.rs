@@ -191,7 +191,7 @@ fn so_it_is_where_the_changes_from_step_to_step_mislead() {
     }
 }
 
-/// With 10 000 paths at the step of the paper the bias of the mean stick duration is known, in the median of nine seeds, to better than 30 %
+/// With 10 000 paths at the step of the paper the bias of the mean stick duration is known, in the median of nine seeds, to better than 35 %
 /// of itself, that of x(t_end), whose paths are the same at h and 2h, to little more than the standard error of the run, 0.016; and the order is seen: in
 /// the median from 0.45 to 0.75.
 #[test]
@@ -204,7 +204,7 @@ fn the_uncertainty_says_something() {
         println!("{}: {values:?}", statistic.name());
         values[4]
     };
-    assert!(median(Statistic::StickDurationMean, &|b| b.uncertainty / b.estimate) < 0.3);
+    assert!(median(Statistic::StickDurationMean, &|b| b.uncertainty / b.estimate) < 0.35);
     assert!(median(Statistic::DisplacementEndMean, &|b| b.uncertainty) < 0.02);
     let order = median(Statistic::StickDurationMean, &|b| b.order.unwrap_or(f64::NAN));
     assert!((0.45..0.75).contains(&order), "{order}");
