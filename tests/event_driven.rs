@@ -641,7 +641,7 @@ fn looking_at_a_path_does_not_change_it() {
     let numbers: Vec<u64> = (0..200).collect();
     for kind in [Kind::EventDriven, Kind::QuasiStatic] {
         let told = |end: f64, output_step: f64, period: Option<f64>| {
-            let line = Timeline { end, output_step, period };
+            let line = Timeline { end, after: 0.0, output_step, period };
             let mut told = Told::default();
             let simulation = kind.with(DEFAULT_TOLERANCE).simulation(&model, &line);
             assert!(simulation.simulate(5, &numbers, &mut told).is_empty());
@@ -660,7 +660,7 @@ fn looking_at_a_path_does_not_change_it() {
         }
         // A closer look goes through what a coarser one saw, also inside cells.
         let coarse = told(60.0, 0.7, None);
-        let line = Timeline { end: 60.0, output_step: 0.1, period: None };
+        let line = Timeline { end: 60.0, after: 0.0, output_step: 0.1, period: None };
         let mut close = Told::default();
         let simulation = kind.with(DEFAULT_TOLERANCE).simulation(&model, &line).looked_at_closer(7);
         assert!(simulation.simulate(5, &numbers, &mut close).is_empty());
@@ -683,7 +683,7 @@ fn looking_at_a_path_does_not_change_it() {
 /// Moments of what is seen at one instant, each with its standard error: of x, x', T and of whether
 /// the path rests, of the noise where it rests, and of x' where it slips.
 fn seen_moments(model: &Model, tolerance: f64, times: &[f64], seed: u64, paths: u64) -> Vec<Vec<(f64, f64)>> {
-    let line = Timeline { end: times[times.len() - 1], output_step: times[0], period: None };
+    let line = Timeline { end: times[times.len() - 1], after: 0.0, output_step: times[0], period: None };
     let simulation = EventDrivenSimulation::new(model, &line, tolerance);
     let mut rows: Vec<Vec<State>> = vec![Vec::new(); times.len() + 1];
     for first in (0..paths).step_by(250) {

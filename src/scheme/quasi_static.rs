@@ -34,8 +34,8 @@
 
 use super::columns::Columns;
 use super::event_driven::{
-    self, Cascade, Cell, Corridor, ExactTime, Noiseless, Piece, Scene, Seen, StepRules, UnfeltNoise, Unresolved, WORK_LIMIT, Watch,
-    Work, check_friction, round_down, temperature,
+    self, Cascade, Cell, Corridor, ExactTime, Noiseless, Piece, Scene, Seen, StepRules, UnfeltNoise, Unresolved,
+    WORK_LIMIT, Watch, Work, check_friction, round_down, temperature,
 };
 use super::{DEFAULT_TOLERANCE, Discretisation, Look, Method, Misfit, Observer, Parameter, Simulate, Timeline};
 use crate::model::{Event, EventKind, Model, Phase, Sign, StepResponse};
