@@ -4,14 +4,15 @@ use crate::model::Model;
 use crate::scenario::Scenario;
 use std::f64::consts::PI;
 
-/// Bytes of one row of the bands: x, x' and T with mean, sd and five quantiles, P(static), time.
-const ROW_BYTES: f64 = 8.0 * (3.0 * 7.0 + 2.0);
+/// Bytes of one row of the bands: x, x' and T with mean, sd and five quantiles, P(static), each of
+/// them with two ends of an interval, and time.
+const ROW_BYTES: f64 = 8.0 * (3.0 * (3.0 * 7.0 + 1.0) + 1.0);
 /// Bytes of a path's scalars: its number, five doubles, three counts, one flag.
 const PATH_BYTES: f64 = 8.0 * 6.0 + 4.0 * 3.0 + 1.0;
 /// Bytes of an event: three doubles and two flags.
 const EVENT_BYTES: f64 = 8.0 * 3.0 + 2.0;
-/// Bytes of one row of a trajectory: three doubles and a flag.
-const TRAJECTORY_BYTES: f64 = 8.0 * 3.0 + 1.0;
+/// Bytes of one row of a trajectory: five doubles and a flag.
+const TRAJECTORY_BYTES: f64 = 8.0 * 5.0 + 1.0;
 /// Bytes of a file that holds nothing.
 const EMPTY_BYTES: f64 = 65_536.0;
 

@@ -352,6 +352,33 @@ mod tests {
         assert_eq!(totals.summary(&timeline, true).mean.len(), 3);
     }
 
+    /// Of one instant the spread at one phase is the standard deviation over paths, and so is that of
+    /// the only displacement from period to period, but for n in place of n - 1 in it. Both have the
+    /// interval of a plain standard deviation of so many numbers, whose long tail leaves them fewer
+    /// degrees of freedom than n - 1; but the error in it is wider by n/(n - 1).
+    #[test]
+    fn spreads_of_long_tailed_laws_have_the_intervals_of_a_standard_deviation() {
+        let n = 40.0;
+        let x: Vec<f64> = (0..40).map(|i| 6.0 - 3.0 * ((f64::from(i) + 0.5) / n).ln()).collect();
+        let plain = SpreadMoments::of(&x).standard_deviation().measurement();
+        let told = |after: f64| {
+            let timeline = Timeline { end: 2.0, output_step: 2.0, period: Some(1.0), after };
+            let mut fold = PeriodFold::new(&timeline, 6.0, 40);
+            fold.fold(1, &[8.0; 40]);
+            fold.fold(2, &x);
+            let sums = fold.finish();
+            (sums.wandering.sd().measurement(), sums.spread_at_phase(&timeline).measurement())
+        };
+        let reach = |low: f64, estimate: f64| estimate / low - 1.0;
+        let wanted = reach(plain.low, plain.estimate) * n / (n - 1.0);
+        let students_t = 2.022_690_9; // of 39 degrees of freedom
+        assert!(reach(plain.low, plain.estimate) > 1.1 * students_t * plain.standard_error / plain.estimate);
+        for (e, sd) in [(told(0.0).0, plain.estimate * ((n - 1.0) / n).sqrt()), (told(1.5).1, plain.estimate)] {
+            assert!((e.estimate / sd - 1.0).abs() < 1e-12, "{e:?}, expected {sd}");
+            assert!((reach(e.low, e.estimate) / wanted - 1.0).abs() < 1e-9, "{e:?}, expected a reach of {wanted}");
+        }
+    }
+
     #[test]
     fn a_slope_takes_two_periods() {
         let timeline = Timeline { end: 4.0, output_step: 4.0, period: Some(2.5), after: 0.0 };

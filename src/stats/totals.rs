@@ -609,6 +609,27 @@ mod tests {
         }
     }
 
+    /// Five bodies that come back in the second period from where the first has taken them, and one
+    /// that does so by half: the correlation is -0.98, and Student's t would lead beyond -1. From -1 to
+    /// 1 it has the interval of a share.
+    #[test]
+    fn the_interval_of_a_correlation_is_that_of_a_share_from_minus_one_to_one() {
+        let timeline = Timeline { end: 3.0, output_step: 3.0, period: Some(1.0), after: 0.0 };
+        let there = [3.0, -2.0, 1.0, -3.0, 2.0, -1.0];
+        let back = [0.0, 0.0, 0.0, 0.0, 1.0, 0.0];
+        let ends = [vec![0.0; 6], there.to_vec(), back.to_vec()];
+        let paths: Vec<Path> = back.iter().map(|&end| Path { events: Vec::new(), end }).collect();
+        let summary = observe(&timeline, &Record::NOTHING, 0, &paths, &[], &ends).totals.summary();
+        let e = estimate(&summary, Statistic::PeriodDisplacementCorrelation);
+        let t = 2.570_581_836; // five degrees of freedom
+        assert!(e.estimate > -1.0 && e.estimate - t * e.standard_error < -1.0, "{e:?}");
+        let of_share = |number: f64| (number + 1.0) / 2.0;
+        let (share, error) = (of_share(e.estimate), e.standard_error / 2.0);
+        let ends =
+            Estimate { estimate: share, standard_error: error, low: of_share(e.low), high: of_share(e.high), ..e };
+        check_share(ends, share, error, t);
+    }
+
     /// Durations of 1 to 3 sticks a path, half of the paths repeating the first, drawn from laws
     /// whose standard deviations are known. Intervals of equal arms about the standard deviation
     /// cover 88 to 93 % of them.
