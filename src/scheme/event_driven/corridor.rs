@@ -174,7 +174,9 @@ mod tests {
     const FALSE_ALARM: f64 = 3.9;
 
     /// The chord error at the default tolerance.
-    const KAPPA: f64 = 0.03;
+    fn kappa() -> f64 {
+        StepRules::new(DEFAULT_TOLERANCE).chord_error
+    }
 
     fn assert_mean(name: &str, values: &[f64], exact: f64) {
         let (mean, error) = mean_and_error(values);
@@ -182,7 +184,8 @@ mod tests {
     }
 
     /// Exit of dv = -v dt + dW from (lower, upper), started at `from`: Siegert's integrals by
-    /// high-precision quadrature.
+    /// high-precision quadrature. The wide corridor is left seldom and where its threshold bends
+    /// most, so it takes more paths: at four times the chord error its mean is 1 % too long.
     #[test]
     fn exit_from_a_fixed_corridor_has_siegert_s_mean_and_side() {
         // (lower, upper, from, mean, probability of the upper side)
@@ -202,7 +205,8 @@ mod tests {
             model.temperature.harmonics.clear();
             model.friction.static_force = 0.5 * (upper - lower);
             model.initial_displacement = 0.5 * (upper + lower);
-            let found = exits(&model, from, KAPPA, 1e4, 100 + case as u64, 100_000);
+            let found =
+                exits(&model, from, kappa(), 1e4, 100 + case as u64, if mean > 10.0 { 400_000 } else { 100_000 });
             let times: Vec<f64> = found.iter().map(|e| e.0).collect();
             assert_mean("mean exit time", &times, mean);
             if !up.is_nan() {
@@ -225,7 +229,7 @@ mod tests {
         if let Some(noise) = &mut model.temperature.noise {
             (noise.relaxation_rate, noise.diffusion) = (theta, sigma);
         }
-        let found = exits(&model, 0.0, KAPPA, 1e4, 77, 200_000);
+        let found = exits(&model, 0.0, kappa(), 1e4, 77, 200_000);
         for (t, survival) in
             [(0.25, 0.828_946_889_68), (0.5, 0.577_189_766_468), (1.0, 0.276_890_707_225), (2.0, 0.063_707_309_437)]
         {
@@ -246,7 +250,7 @@ mod tests {
             (0.25, 0.775_576_827_665),
             (1.0, 0.040_539_066_2),
         ] {
-            let found = exits(&paper(0.25, rho), 0.0, KAPPA, 60.0, (rho * 1000.0) as u64, 200_000);
+            let found = exits(&paper(0.25, rho), 0.0, kappa(), 60.0, (rho * 1000.0) as u64, 200_000);
             let times: Vec<f64> = found.iter().map(|e| e.0).collect();
             assert_mean("first stick", &times, mean);
         }
@@ -255,7 +259,7 @@ mod tests {
     #[test]
     fn feeble_noise_costs_few_steps_and_tends_to_the_deterministic_exit() {
         for rho in [1e-4, 1e-6, 1e-9, 1e-12] {
-            let found = exits(&paper(0.25, rho), 0.0, KAPPA, 60.0, 5, 1_000);
+            let found = exits(&paper(0.25, rho), 0.0, kappa(), 60.0, 5, 1_000);
             let times: Vec<f64> = found.iter().map(|e| e.0).collect();
             let (mean, _) = mean_and_error(&times);
             // The exit moves by about sd(n)/B' ~ 6 rho.
@@ -269,7 +273,6 @@ mod tests {
     /// two comparisons at 1e-4 each. At twice the chord error the time is 0.4 % too long, at four times 4 %.
     #[test]
     fn a_bent_threshold_is_left_when_it_should_be_at_the_default_tolerance() {
-        let kappa = StepRules::new(DEFAULT_TOLERANCE).chord_error;
         let (amplitude, w): (f64, f64) = (100.0, 0.1);
         let mut model = paper(0.25, 1.0);
         model.oscillator.dilatation = 1.0;
@@ -279,7 +282,7 @@ mod tests {
         if let Some(noise) = &mut model.temperature.noise {
             (noise.relaxation_rate, noise.diffusion) = (0.0354, 1.0);
         }
-        let found = exits(&model, 0.0, kappa, 1e6, 9, 800_000);
+        let found = exits(&model, 0.0, kappa(), 1e6, 9, 800_000);
         let (times, later): (Vec<f64>, Vec<f64>) = found.iter().map(|e| e.0).partition(|t| *t < 8.0);
         let is_early: Vec<f64> = times.iter().map(|_| 1.0).chain(later.iter().map(|_| 0.0)).collect();
         for (what, values, exact) in [("share", &is_early, 0.479_575_06), ("time", &times, 1.894_435_19)] {
