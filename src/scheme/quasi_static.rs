@@ -206,7 +206,7 @@ impl Noisy {
 }
 
 impl Cascade for Noisy {
-    /// When the slip began: after the start of the cell, earlier cells counting negative.
+    /// When the slip began.
     type Motion = f64;
     type Scratch = ();
 
@@ -247,10 +247,11 @@ impl Cascade for Noisy {
     ) -> Result<Option<Event>, Unresolved> {
         path.work.spend()?;
         let x0 = path.displacement;
-        let end = path.motion + self.slip.response.duration;
+        let began = path.motion - cell.start;
+        let end = began + self.slip.response.duration;
         let mut piece = SwingPiece {
             slip: &self.slip,
-            began: path.motion,
+            began,
             displacement: x0,
             direction,
             first: (path.after, path.noise),
@@ -262,24 +263,28 @@ impl Cascade for Noisy {
         watch.look(&self.scene, cell, || piece);
         (path.after, path.noise) = piece.last;
         if end >= cell.length {
-            // Counted from the start of the next cell.
-            path.motion -= cell.length;
             return Ok(None);
         }
         let displacement = x0 + direction.value() * self.slip.jump;
         let force = cell.forcing(end).value + path.noise - self.scene.oscillator.stiffness * displacement;
-        Ok(Some(Event { kind: EventKind::StickEntered, time: cell.start + end, displacement, force }))
+        Ok(Some(Event {
+            kind: EventKind::StickEntered,
+            time: path.motion + self.slip.response.duration,
+            displacement,
+            force,
+        }))
     }
 
-    fn motion_after(&self, _: &Event, after: f64) -> f64 {
-        after
+    fn motion_after(&self, event: &Event) -> f64 {
+        event.time
     }
 
-    fn look(&self, path: &Path, _: &Cell) -> (f64, f64) {
+    fn look(&self, path: &Path, cell: &Cell) -> (f64, f64) {
         match path.phase {
             Phase::Static => (path.displacement, 0.0),
-            // Its beginning is counted from the end of this cell.
-            Phase::Slip(direction) => self.slip.at(path.displacement, direction, -path.motion),
+            Phase::Slip(direction) => {
+                self.slip.at(path.displacement, direction, cell.start + cell.length - path.motion)
+            }
         }
     }
 }

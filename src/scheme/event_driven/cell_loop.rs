@@ -74,15 +74,15 @@ pub trait Cascade {
         watch: &mut impl Watch,
     ) -> Result<Option<Event>, Unresolved>;
 
-    /// The motion with which the phase after an event begins, at a time after the start of its cell.
-    fn motion_after(&self, event: &Event, after: f64) -> Self::Motion;
+    /// The motion with which the phase after an event begins.
+    fn motion_after(&self, event: &Event) -> Self::Motion;
 
     /// x and x' at the end of a cell to which the path has been taken.
     fn look(&self, path: &Path<Self::Motion>, cell: &Cell) -> (f64, f64);
 }
 
-/// A stop is on the end of a cell if it is within this share of a cell of it.
-const ALIGNMENT: f64 = 1e-9;
+/// A stop is on the end of a cell if it is within this share of the time, which is its rounding.
+const ALIGNMENT: f64 = 4.0 * f64::EPSILON;
 
 /// So many cells are crossed by one path before the next path.
 const MOST_QUIET: usize = 64;
@@ -105,13 +105,14 @@ pub fn simulate<C: Cascade, O: Observer>(cascade: &C, seed: u64, paths: &[u64], 
     let mut scratch = (cascade.scratch(), Pending::new());
     let (mut quiet, mut inside) = (Vec::new(), Inside::default());
     let mut stops = cascade.timeline().stops().peekable();
-    let (shortest, longest) = (length * (1.0 - ALIGNMENT), length * (1.0 + ALIGNMENT));
+    let is_before = |stop: &Stop, end: f64| stop.time < end - ALIGNMENT * end;
+    let is_by = |stop: &Stop, end: f64| stop.time <= end + ALIGNMENT * end;
     let mut cell = Cell::new(scene, length, 0);
     while let Some(stop) = stops.peek() {
         // Cells inside which nobody looks, up to the end of one at which somebody does: each path
         // goes through all of them alone, which processors predict better.
         quiet.clear();
-        while stop.time - cell.start >= shortest && quiet.len() < MOST_QUIET {
+        while !is_before(stop, cell.end()) && quiet.len() < MOST_QUIET {
             quiet.push(cell.clone());
             cell.move_to(scene, cell.index + 1);
         }
@@ -123,7 +124,7 @@ pub fn simulate<C: Cascade, O: Observer>(cascade: &C, seed: u64, paths: &[u64], 
             }
         }
         if quiet.is_empty() {
-            let next = || stops.next_if(|stop| stop.time - cell.start < shortest);
+            let next = || stops.next_if(|stop| is_before(stop, cell.end()));
             inside.begin(std::iter::from_fn(next), &cell, lanes.len(), cascade.closeness());
             for (lane, path) in lanes.iter_mut().enumerate().filter(|(_, path)| !path.is_lost) {
                 let Inside { glances, seen, events, .. } = &mut inside;
@@ -138,7 +139,7 @@ pub fn simulate<C: Cascade, O: Observer>(cascade: &C, seed: u64, paths: &[u64], 
         }
         let passed = &quiet[quiet.len() - 1];
         let mut is_set = false;
-        while let Some(stop) = stops.next_if(|stop| stop.time - passed.start <= longest) {
+        while let Some(stop) = stops.next_if(|stop| is_by(stop, passed.end())) {
             if !is_set {
                 lanes.iter().enumerate().for_each(|(lane, path)| columns.set(lane, at_the_end(cascade, passed, path)));
                 is_set = true;
@@ -215,7 +216,7 @@ fn cross<C: Cascade>(
         path.work.spend()?;
         path.displacement = event.displacement;
         path.force = event.force;
-        (path.phase, path.motion) = (event.kind.phase(), cascade.motion_after(&event, path.after));
+        (path.phase, path.motion) = (event.kind.phase(), cascade.motion_after(&event));
         emit(event);
     }
     path.noise = end_noise;
@@ -259,8 +260,10 @@ fn stick<C: Cascade>(
 #[derive(Default)]
 struct Inside {
     stops: Vec<Stop>,
-    /// When they are, and which of them are a closer look.
+    /// When they are, each time once, and which of them are a closer look.
     glances: Vec<Glance>,
+    /// The glance of each stop.
+    places: Vec<usize>,
     /// What was seen at each stop, lane by lane.
     seen: Vec<Vec<Seen>>,
     events: Vec<(usize, Event)>,
@@ -272,10 +275,16 @@ impl Inside {
         self.stops.clear();
         self.stops.extend(stops);
         self.glances.clear();
-        self.glances.extend(self.stops.iter().map(|stop| {
+        self.places.clear();
+        for stop in &self.stops {
             let is_closer = matches!(stop.instant, Instant::Output(row) if !row.is_multiple_of(closeness));
-            Glance { time: stop.time - cell.start, is_closer }
-        }));
+            let time = stop.time - cell.start;
+            match self.glances.last_mut().filter(|last| last.time == time) {
+                Some(last) => last.is_closer &= is_closer,
+                None => self.glances.push(Glance { time, is_closer }),
+            }
+            self.places.push(self.glances.len() - 1);
+        }
         self.seen.resize(paths, Vec::new());
         self.seen.iter_mut().for_each(Vec::clear);
         self.events.clear();
@@ -284,7 +293,7 @@ impl Inside {
     /// Tell the observer what happened, in order of time. `is_over` if nothing after the last stop
     /// matters.
     fn tell<O: Observer>(&mut self, observer: &mut O, columns: &mut Columns, is_over: bool) {
-        for (i, stop) in self.stops.iter().enumerate() {
+        for (stop, &place) in self.stops.iter().zip(&self.places) {
             self.events.retain(|&(lane, event)| {
                 let is_due = event.time <= stop.time;
                 if is_due {
@@ -293,7 +302,7 @@ impl Inside {
                 !is_due
             });
             for (lane, seen) in self.seen.iter().enumerate() {
-                columns.set(lane, seen.get(i).copied().unwrap_or(LOST));
+                columns.set(lane, seen.get(place).copied().unwrap_or(LOST));
             }
             observer.snapshot(stop.instant, columns.snapshot(stop.time));
         }

@@ -54,10 +54,15 @@ impl Cell {
     pub fn move_to(&mut self, scene: &Scene, index: u64) {
         self.index = index;
         self.start = index as f64 * self.length;
-        scene.set_terms((index + 1) as f64 * self.length, &mut self.terms);
+        scene.set_terms(self.end(), &mut self.terms);
         self.last = self.derivatives(|term, _| term);
         scene.set_terms(self.start, &mut self.terms);
         self.first = self.derivatives(|term, _| term);
+    }
+
+    /// When it ends, and the next one begins.
+    pub fn end(&self) -> f64 {
+        (self.index + 1) as f64 * self.length
     }
 
     /// B and its derivatives a time after the start.

@@ -312,30 +312,42 @@ pub fn forwards(way: f64) -> f64 {
     if way < 0.0 { 0.0 } else { way }
 }
 
-/// The state at a fraction of an interval without a zero, drawn with three normals given both its
-/// ends: the way to there, the motion, and both parts of the interval.
-pub fn state_inside(left: Motion, next: &Interval, p: f64, normals: [f64; 3]) -> (f64, Motion, [Interval; 2]) {
+/// The state at a fraction of an interval, drawn with three normals given both its ends: the way to
+/// there, and the motion.
+pub fn state_inside(left: Motion, next: &Interval, p: f64, normals: [f64; 3]) -> (f64, Motion) {
     let (mean, [dx, dv, da]) = (Quintic::new(left, next), conditional_factor(p, normals));
     let (h, inverse, noise) = (next.length, next.inverse, next.noise);
-    let way = mean.way(p) + noise * h * h * dx;
     let velocity = mean.velocity(p) * inverse + noise * h * dv;
     let acceleration = mean.acceleration(p) * inverse * inverse + noise * da;
-    // In law positive but for a chance that the search neglects.
-    let motion = Motion { velocity: if velocity > 0.0 { velocity } else { 0.0 }, acceleration };
-    let part = |end: Motion, way: f64, p: f64| Interval {
-        end,
-        way,
-        length: p * h,
-        inverse: inverse / p,
-        noise: noise * p.sqrt(),
-    };
-    (way, motion, [part(motion, way, p), part(next.end, next.way - way, 1.0 - p)])
+    (mean.way(p) + noise * h * h * dx, Motion { velocity, acceleration })
 }
 
 impl Interval {
     /// h.
     pub fn length(&self) -> f64 {
         self.length
+    }
+
+    /// The motion at the end, and the way there.
+    pub fn end(&self) -> (f64, Motion) {
+        (self.way, self.end)
+    }
+
+    /// The same interval with another end.
+    pub fn with_end(self, way: f64, end: Motion) -> Self {
+        Interval { end, way, ..self }
+    }
+
+    /// Both parts of it, parted at a fraction, where the way and the motion are these.
+    pub fn parted(self, p: f64, way: f64, motion: Motion) -> [Self; 2] {
+        let part = |end: Motion, way: f64, p: f64| Interval {
+            end,
+            way,
+            length: p * self.length,
+            inverse: self.inverse / p,
+            noise: self.noise * p.sqrt(),
+        };
+        [part(motion, way, p), part(self.end, self.way - way, 1.0 - p)]
     }
 
     #[inline(always)]

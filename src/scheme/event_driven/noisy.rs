@@ -19,11 +19,11 @@ use super::first_stop::{Interval, Motion, Pending, Step, Stop, StopSearch, forwa
 use super::scene::{Scene, forcing};
 use super::slip_transition::{DrivenOscillator, HarmonicResponse, SlipTransition};
 use super::step_rules::StepRules;
-use super::watch::{SlipPiece, Watch};
+use super::watch::{Flow, SlipPiece, Watch};
 use super::work::{Simulated, Unresolved, WORK_LIMIT};
 use crate::lanes::{InstructionSet, LaneProgram, Lanes};
 use crate::model::{Complex, Event, EventKind, Model, Phase, Sign};
-use crate::noise::bridge_at;
+use crate::noise::{AddressedDraws, bridge_at};
 use crate::scheme::{Observer, Timeline};
 
 /// The noisy cascade of one scene.
@@ -357,10 +357,12 @@ impl Cascade for Noisy {
             }
             let way = resolved_way(eps * before.1.x, eps * path.displacement, start, end, length);
             let searched = Step { start, end, way, length, root_length: step.root_length };
+            let known = (before.0 + length, to_noise);
+            let flow =
+                StepFlow { cascade: self, cell, direction, after: before.0, start: before.1, first: start, end: known };
             let look = |after: f64, way: f64, start: Motion, interval: &Interval| {
-                let (after, displacement) = (before.0 + after, before.1.x + eps * way);
-                let piece = || SlipPiece { after, displacement, direction, start, interval: *interval };
-                watch.look(&self.scene, cell, piece);
+                let after = before.0 + after;
+                watch.look(&self.scene, cell, || SlipPiece { flow: &flow, after, way, start, interval: *interval });
             };
             if let Some(mut stop) = self.search.first(&searched, &mut path.draws, pending, &mut path.work, look)? {
                 if self.search.noise * searched.root_length < FEEBLE * stop.acceleration.abs() {
@@ -375,7 +377,7 @@ impl Cascade for Noisy {
         }
     }
 
-    fn motion_after(&self, _: &Event, _: f64) -> f64 {
+    fn motion_after(&self, _: &Event) -> f64 {
         0.0
     }
 
@@ -384,6 +386,62 @@ impl Cascade for Noisy {
             Phase::Static => (path.displacement, 0.0),
             Phase::Slip(_) => (path.displacement, path.motion),
         }
+    }
+}
+
+/// A step from a state without noise.
+struct StepFlow<'a> {
+    cascade: &'a Noisy,
+    cell: &'a Cell,
+    direction: Sign,
+    /// When the step begins, after the start of the cell.
+    after: f64,
+    start: State,
+    /// The motion there along the direction.
+    first: Motion,
+    /// When it ends, and n there.
+    end: (f64, f64),
+}
+
+impl Flow for StepFlow<'_> {
+    fn start(&self) -> (Sign, f64) {
+        (self.direction, self.start.x)
+    }
+
+    fn at(&self, after: f64) -> (f64, Motion, f64) {
+        let Noisy { scene, oscillator, .. } = self.cascade;
+        let (body, eps) = (&scene.oscillator, self.direction.value());
+        let friction = eps * scene.friction.dynamic_force;
+        let mut terms = self.cell.terms.clone();
+        self.cell.set_terms(self.after, &mut terms);
+        let mut to = self.start;
+        if after > self.after {
+            let mut responses = vec![NO_RESPONSE; terms.len()];
+            let transition = oscillator.transition(after - self.after, &mut responses);
+            to = mean_state(&transition, &responses, self.start, &mut terms, friction);
+        }
+        let force = forcing(&terms) + to.n - body.stiffness * to.x - 2.0 * body.damping * to.v;
+        let motion = Motion { velocity: eps * to.v, acceleration: eps * (force - friction) / body.mass };
+        let way = resolved_way(eps * self.start.x, eps * to.x, self.first, motion, after - self.after);
+        (way, motion, to.n)
+    }
+
+    fn resolved_noise(&self, after: f64, noise: f64, forces: f64, draws: &mut AddressedDraws) -> f64 {
+        let Scene { relaxation_rate, diffusion, .. } = self.cascade.scene;
+        let (until, end_noise) = self.end;
+        // Not a comparison that something undefined would pass.
+        if diffusion * (until - self.after).sqrt() > ROUNDED * forces {
+            return noise;
+        }
+        if after <= self.after {
+            return self.start.n;
+        }
+        if after >= until {
+            return end_noise;
+        }
+        let ends = (self.start.n, end_noise);
+        let (mean, sd) = bridge_at(relaxation_rate, diffusion, after - self.after, until - after, ends);
+        mean + sd * draws.normal()
     }
 }
 
@@ -425,8 +483,11 @@ const FEEBLE: f64 = 0.05;
 /// difference between n at both its ends, which loses its digits there.
 const SHORTEST: f64 = 1e-8;
 
+/// A noise that moves the forces by less than this share of them is lost in their balance.
+const ROUNDED: f64 = 1e-6;
+
 /// Newton's steps from the stop of the quintic to that of the motion.
-const FLOW_STEPS: usize = 2;
+const FLOW_STEPS: usize = 3;
 
 /// Relative difference of two step lengths that is rounding of the times they come from.
 const ALIGNMENT: f64 = 1e-9;

@@ -95,39 +95,71 @@ pub trait Piece: Sized {
     fn parted(&self, scene: &Scene, cell: &Cell, time: f64, draws: &mut AddressedDraws) -> (Seen, Self, Self);
 }
 
+/// The motion of a step of a slip without noise: what the drawn motion is told as a deviation from,
+/// so that it keeps its digits where the noise is feeble.
+pub trait Flow {
+    /// Direction of the slip, and x where the step begins.
+    fn start(&self) -> (Sign, f64);
+    /// The way from there, the motion along it and n, at a time after the start of the cell.
+    fn at(&self, after: f64) -> (f64, Motion, f64);
+    /// n as it was told from a balance of forces of this size, or, where that has lost its digits,
+    /// drawn from the bridge of n over the step.
+    fn resolved_noise(&self, after: f64, noise: f64, forces: f64, draws: &mut AddressedDraws) -> f64;
+}
+
 /// A piece of a slip.
-#[derive(Clone, Copy, Debug)]
-pub struct SlipPiece {
+pub struct SlipPiece<'a, F> {
+    pub flow: &'a F,
     /// When it begins, after the start of the cell.
     pub after: f64,
-    /// x there.
-    pub displacement: f64,
-    /// Direction of the slip.
-    pub direction: Sign,
-    /// The motion along it where it begins.
+    /// The way to there since the step began.
+    pub way: f64,
+    /// The motion there.
     pub start: Motion,
     /// The rest of it.
     pub interval: Interval,
 }
 
-impl Piece for SlipPiece {
+impl<F: Flow> Piece for SlipPiece<'_, F> {
     fn end(&self) -> f64 {
         self.after + self.interval.length()
     }
 
     fn parted(&self, scene: &Scene, cell: &Cell, time: f64, draws: &mut AddressedDraws) -> (Seen, Self, Self) {
-        let (eps, Scene { oscillator, friction, .. }) = (self.direction.value(), scene);
+        let SlipPiece { flow, after, way, start, interval } = *self;
+        let (body, (direction, x0)) = (&scene.oscillator, flow.start());
+        let eps = direction.value();
+        let (way_before, before, _) = flow.at(after);
+        let (way_here, here, noise) = flow.at(time);
+        let (way_behind, behind, _) = flow.at(self.end());
+        let less = |a: Motion, b: Motion| Motion {
+            velocity: a.velocity - b.velocity,
+            acceleration: a.acceleration - b.acceleration,
+        };
+        let deviation = interval.with_end(interval.end().0 - (way_behind - way_before), less(interval.end().1, behind));
         // A piece of no length has its start all along.
-        let part = ((time - self.after) / self.interval.length()).clamp(0.0, 1.0);
-        let part = if part.is_nan() { 0.0 } else { part };
-        let (way, motion, [before, behind]) = state_inside(self.start, &self.interval, part, draws.three_normals());
-        let (x, v) = (self.displacement + eps * way, eps * motion.velocity);
-        let force = eps * (friction.dynamic_force + oscillator.mass * motion.acceleration);
-        let noise = force - cell.forcing(time).value + oscillator.stiffness * x + 2.0 * oscillator.damping * v;
-        let seen = (x, v, temperature(scene, cell, time, noise), false);
-        let before = SlipPiece { interval: before, ..*self };
-        let behind = SlipPiece { after: time, displacement: x, start: motion, interval: behind, ..*self };
-        (seen, before, behind)
+        let part = if time > after { ((time - after) / interval.length()).min(1.0) } else { 0.0 };
+        let (passed, off) = if part > 0.0 {
+            state_inside(less(start, before), &deviation, part, draws.three_normals())
+        } else {
+            (0.0, less(start, before))
+        };
+        // In law positive but for a chance that the search neglects.
+        let velocity = (here.velocity + off.velocity).max(0.0);
+        let motion = Motion { velocity, acceleration: here.acceleration + off.acceleration };
+        let passed = passed + (way_here - way_before);
+        let total = way + passed;
+        let aside = total - way_here;
+        let balance = body.mass * off.acceleration + 2.0 * body.damping * off.velocity + body.stiffness * aside;
+        let largest = body.mass * here.acceleration.abs()
+            + scene.friction.dynamic_force
+            + cell.forcing(time).value.abs()
+            + body.stiffness * x0.abs();
+        let noise = flow.resolved_noise(time, noise + eps * balance, largest, draws);
+        let seen = (x0 + eps * total, eps * velocity, temperature(scene, cell, time, noise), false);
+        let [first, second] = if part > 0.0 { interval.parted(part, passed, motion) } else { [interval; 2] };
+        let before = SlipPiece { interval: first, ..*self };
+        (seen, before, SlipPiece { after: time, way: total, start: motion, interval: second, ..*self })
     }
 }
 
