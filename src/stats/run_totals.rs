@@ -22,7 +22,7 @@ const VERSION: u64 = 2;
 ///
 /// ```
 /// use stick_slip::scenario::Scenario;
-/// use stick_slip::stats::RunTotals;
+/// use stick_slip::stats::{RunTotals, Statistic};
 ///
 /// let mut scenario = Scenario::shipped("rho025")?;
 /// scenario.ensemble.paths = 4 * 256;
@@ -33,7 +33,8 @@ const VERSION: u64 = 2;
 /// };
 /// let (early, mut late) = (part(0..1)?.to_bytes(), part(1..4)?);
 /// late.merge(RunTotals::empty(plan.model(), plan.timeline()).read(&early)?)?;
-/// assert_eq!(late.totals().summary().estimates, plan.run(2).estimates);
+/// let mean = Statistic::StickDurationMean;
+/// assert_eq!(late.totals().summary().estimate(mean), plan.run(2).estimate(mean));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
