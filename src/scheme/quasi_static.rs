@@ -267,12 +267,7 @@ impl Cascade for Noisy {
         }
         let displacement = x0 + direction.value() * self.slip.jump;
         let force = cell.forcing(end).value + path.noise - self.scene.oscillator.stiffness * displacement;
-        Ok(Some(Event {
-            kind: EventKind::StickEntered,
-            time: path.motion + self.slip.response.duration,
-            displacement,
-            force,
-        }))
+        Ok(Some(Event { kind: EventKind::StickEntered, time: cell.start + end, displacement, force }))
     }
 
     fn motion_after(&self, event: &Event) -> f64 {
