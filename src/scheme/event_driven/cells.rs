@@ -19,18 +19,17 @@ pub struct Cell {
     pub length: f64,
     /// The terms of B where it begins.
     pub terms: Vec<Complex>,
-    /// B and its derivatives where it begins.
+    /// B and its curvature where it begins.
     pub first: Forcing,
     /// The same where it ends.
     pub last: Forcing,
     frequencies: Vec<f64>,
 }
 
-/// B and its first two derivatives.
+/// B and its second derivative.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Forcing {
     pub value: f64,
-    pub slope: f64,
     pub curvature: f64,
 }
 
@@ -65,7 +64,7 @@ impl Cell {
         (self.index + 1) as f64 * self.length
     }
 
-    /// B and its derivatives a time after the start.
+    /// B and its curvature a time after the start.
     #[inline(always)]
     pub fn forcing(&self, after: f64) -> Forcing {
         // A cell is at most 1/w long.
@@ -78,7 +77,6 @@ impl Cell {
         for (term, &w) in self.terms.iter().zip(&self.frequencies) {
             let p = turned(*term, w);
             all.value += p.re;
-            all.slope -= w * p.im;
             all.curvature -= w * w * p.re;
         }
         all
