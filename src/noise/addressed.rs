@@ -12,6 +12,7 @@
 //! the words of [`super::Stream`]. Two paths whose counters happen to overlap have other second
 //! keys, so they share no number.
 
+use super::mirror;
 use super::normal::standard_normal;
 use super::stream::{GAMMA, path_word};
 
@@ -21,6 +22,8 @@ pub struct AddressedDraws {
     origin: u64,
     key: u64,
     counter: u64,
+    /// See [`mirror::parts`].
+    flip: u64,
 }
 
 /// Places of a cell from here on are for those who only look.
@@ -30,9 +33,11 @@ const LOOKING: u64 = 1 << 31;
 const START: u64 = LOOKING - 1;
 
 impl AddressedDraws {
-    /// Those of path `path` of the ensemble with this seed, at the first place of cell 0.
+    /// Those of path `path` of the ensemble with this seed, or of a mirror image
+    /// ([`super::MIRROR`]), at the first place of cell 0.
     pub fn new(seed: u64, path: u64) -> Self {
-        AddressedDraws { origin: path_word(seed, path, 4), key: path_word(seed, path, 5), counter: 0 }
+        let (path, flip) = mirror::parts(path);
+        AddressedDraws { origin: path_word(seed, path, 4), key: path_word(seed, path, 5), counter: 0, flip }
     }
 
     /// Those of the same path at this place of a cell; cells and places are below 2^31.
@@ -64,13 +69,13 @@ impl AddressedDraws {
     /// The next standard normal.
     #[inline(always)]
     pub fn normal(&mut self) -> f64 {
-        standard_normal(self.next_u64())
+        standard_normal(self.next_u64() ^ self.flip)
     }
 
     /// The next two standard normals, of one draw ([`super::Stream::normal_pair`]).
     #[inline(always)]
     pub fn normal_pair(&mut self) -> [f64; 2] {
-        let draw = self.next_u64();
+        let draw = self.next_u64() ^ self.flip;
         // Not by `map`, which is not compiled for the instruction set of the caller.
         [standard_normal(draw), standard_normal(draw.rotate_left(32))]
     }

@@ -3,6 +3,7 @@
 
 mod addressed;
 mod first_passage;
+mod mirror;
 mod normal;
 mod normal_table;
 mod ornstein_uhlenbeck;
@@ -10,6 +11,7 @@ mod stream;
 
 pub use addressed::AddressedDraws;
 pub(crate) use first_passage::{mean_touching_spread, meeting_place, meeting_probability};
+pub use mirror::{MIRROR, antithetic};
 pub use normal::{MAX_NORMAL_ERROR, standard_normal};
 pub use ornstein_uhlenbeck::Transition;
 pub(crate) use ornstein_uhlenbeck::{TimeChange, bridge_at, bridge_middle, increment_variance};
