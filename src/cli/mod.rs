@@ -5,6 +5,7 @@ mod check;
 mod completions;
 mod ending;
 mod failure;
+mod html;
 mod init;
 mod interrupt;
 mod numbers;
@@ -37,6 +38,7 @@ Examples:
   mc run mine.toml --set friction.static=1.3 -o stronger.h5
   mc show mine.h5                           the table again, from the file
   mc plot mine.h5                           all of it in pictures, in mine.svg
+  mc report mine.h5                         a page for the browser, in mine.html
   mc replay mine.h5 --path 4711             one path alone, event by event
   mc trade mine.toml                        which scheme, step and paths for which accuracy
 
@@ -60,6 +62,8 @@ enum Verb {
     Show(show::Show),
     /// Draw a run, a path or a trade as SVG, PNG or PDF
     Plot(plot::Plot),
+    /// A run as one page for a browser: table, warnings, and charts to hover over
+    Report(html::Report),
     /// Rerun one path of a stored ensemble alone, keeping its events and its trajectory
     Replay(replay::Replay),
     /// What accuracy costs: every scheme over a ladder of settings, and the cheapest for a target
@@ -78,6 +82,7 @@ impl Arguments {
             Verb::Check(check) => check.call(),
             Verb::Show(show) => show.call(),
             Verb::Plot(plot) => plot.call(),
+            Verb::Report(report) => report.call(),
             Verb::Replay(replay) => replay.call(),
             Verb::Trade(trade) => trade.call(),
             Verb::Init(init) => init.call(),

@@ -13,11 +13,25 @@ use stick_slip::store::StoreError;
 /// Say in what way the results of a scenario are not what they seem to be, on standard error. Where the bias of the step is
 /// measured, the guess at it is left out.
 pub fn warn(scenario: &Scenario, measures_bias: bool) {
-    let is_guess = |warning: &Warning| matches!(warning, Warning::StickExitBias { .. } | Warning::CorrectedBias { .. });
-    let is_measured = |warning: &Warning| measures_bias && is_guess(warning);
-    for warning in scenario.warnings().iter().filter(|warning| !is_measured(warning)) {
+    for warning in about(scenario, measures_bias) {
         note(wrapped(&format!("warning: {warning}"), "  ").trim_end());
     }
+}
+
+/// All that is to be said of results that are there.
+pub fn warnings(summary: &Summary, scenario: Option<&Scenario>) -> Vec<String> {
+    let mut all = scenario.map_or(Vec::new(), |scenario| about(scenario, summary.has_bias()));
+    all.extend(report::dominating_bias(summary));
+    all.extend(report::unsettled(summary));
+    all
+}
+
+/// The warnings of a scenario; where the bias of the step is measured, the guess at it is left out.
+fn about(scenario: &Scenario, measures_bias: bool) -> Vec<String> {
+    let is_guess = |warning: &Warning| matches!(warning, Warning::StickExitBias { .. } | Warning::CorrectedBias { .. });
+    let is_measured = |warning: &Warning| measures_bias && is_guess(warning);
+    let warnings = scenario.warnings();
+    warnings.iter().filter(|warning| !is_measured(warning)).map(|warning| warning.to_string()).collect()
 }
 
 /// Say so where the bias of the step is larger than the statistical interval tells.

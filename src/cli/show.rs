@@ -48,7 +48,7 @@ impl Show {
     }
 }
 
-fn info(file: &Path, stored: &Stored, scenario: Option<&Scenario>) -> RunInfo {
+pub(super) fn info(file: &Path, stored: &Stored, scenario: Option<&Scenario>) -> RunInfo {
     let Stored { header, status, ended_by, .. } = stored;
     RunInfo {
         scenario: header.title.clone(),

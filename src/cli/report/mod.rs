@@ -24,10 +24,10 @@ pub use bias::dominating_bias;
 pub use info::RunInfo;
 pub use json::json;
 pub use plots::plots;
-pub use remarks::{lost, unsettled};
+pub use remarks::{lost, remarks, unsettled};
+pub use statistics::cells;
 
 use super::numbers::grouped;
-use remarks::remarks;
 use statistics::statistics;
 use std::fmt::Write as _;
 use stick_slip::engine::Status;

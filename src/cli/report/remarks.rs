@@ -8,7 +8,7 @@ use stick_slip::scheme::Timeline;
 use stick_slip::stats::{Dimension, Statistic, Summary, Transient};
 
 /// Everything below the table, as label and line.
-pub(super) fn remarks(summary: &Summary, info: &RunInfo) -> Vec<(&'static str, String)> {
+pub fn remarks(summary: &Summary, info: &RunInfo) -> Vec<(&'static str, String)> {
     let mut remarks = vec![("sticks", sticks(summary))];
     remarks.extend(multiples(summary).map(|line| ("", line)));
     remarks.extend(start(summary, info).map(|line| ("start", line)));

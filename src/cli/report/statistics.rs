@@ -7,8 +7,18 @@ use crate::cli::table::{Row, aligned};
 use stick_slip::scenario::Units;
 use stick_slip::stats::{Estimate, Summary};
 
+/// The table, row by row, the headings first.
+pub fn cells(summary: &Summary, units: &Units) -> Vec<Vec<String>> {
+    let rows = table(summary, units);
+    rows.into_iter().map(|Row { cells, note }| cells.into_iter().chain([note]).collect()).collect()
+}
+
 /// The rows of statistics under their headings.
 pub(super) fn statistics(summary: &Summary, units: &Units) -> String {
+    aligned(&table(summary, units), "  ")
+}
+
+fn table(summary: &Summary, units: &Units) -> Vec<Row> {
     let has_bias = summary.has_bias();
     let labels: Vec<String> = summary.estimates.iter().map(|e| e.statistic.dimension().label(units)).collect();
     let mut rows = vec![headings(has_bias, labels.iter().any(|label| !label.is_empty()))];
@@ -19,7 +29,7 @@ pub(super) fn statistics(summary: &Summary, units: &Units) -> String {
         };
         rows.push(Row { note, ..row(e, has_bias) });
     }
-    aligned(&rows, "  ")
+    rows
 }
 
 /// The interval is two columns under one heading, its ends.

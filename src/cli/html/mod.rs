@@ -1,0 +1,191 @@
+//! `mc report`: a run as one page for a browser, with its table, its warnings and charts that answer
+//! to the mouse and the keyboard. It needs no network.
+//!
+//! ```text
+//! page.html   the frame, with {{places}} that are filled here
+//! style.css   how it looks, light, dark and on paper
+//! charts.js   the charts; Apache ECharts (assets/echarts) draws them
+//! data        the numbers of the file, as JSON
+//! ```
+
+mod data;
+
+use super::failure::{Failure, note, writable};
+use super::report::{self, RunInfo};
+use super::results;
+use base64::Engine as _;
+use sha2::{Digest as _, Sha256};
+use std::fmt::Write as _;
+use std::path::PathBuf;
+use stick_slip::scenario::Scenario;
+use stick_slip::store::{self, Stored};
+
+const EXAMPLES: &str = "\
+Examples:
+  mc report rho025.h5                      rho025.html, for any browser
+  mc report rho025.h5 -o report.html --force
+
+The page is one file. It works without a network, asks for nothing, and sends nothing.";
+
+/// Arguments of `mc report`.
+#[derive(Debug, clap::Args)]
+#[command(after_help = EXAMPLES)]
+pub struct Report {
+    /// A file that `mc run` wrote
+    file: PathBuf,
+    /// Where to write the page [default: NAME.html in the current directory]
+    #[arg(short, long, value_name = "FILE.html")]
+    output: Option<PathBuf>,
+    /// Overwrite an earlier page
+    #[arg(long)]
+    force: bool,
+}
+
+const PAGE: &str = include_str!("page.html");
+const STYLE: &str = include_str!("style.css");
+const CHARTS: &str = include_str!("charts.js");
+const ECHARTS: &str = include_str!("../../../assets/echarts/echarts.min.js");
+
+impl Report {
+    pub fn call(&self) -> Result<(), Failure> {
+        let default = || PathBuf::from(self.file.file_stem().unwrap_or("report".as_ref())).with_extension("html");
+        let output = self.output.clone().unwrap_or_else(default);
+        writable(&output, self.force)?;
+        let stored = store::read(&self.file)?;
+        let scenario = Scenario::parse("scenario", &stored.header.scenario_text, &[]).ok();
+        let info = super::show::info(&self.file, &stored, scenario.as_ref());
+        let page = page(&stored, scenario.as_ref(), &info);
+        results::write_whole(&output, page.as_bytes())?;
+        note(&format!("{}: {} kB", output.display(), page.len() / 1000));
+        Ok(())
+    }
+}
+
+/// The page.
+fn page(stored: &Stored, scenario: Option<&Scenario>, info: &RunInfo) -> String {
+    let summary = &stored.summary;
+    let header = &stored.header;
+    let about = report::table(summary, info).lines().nth(1).unwrap_or_default().to_string();
+    let places = [
+        ("policy", policy()),
+        ("title", escaped(&header.title)),
+        ("style", STYLE.to_string()),
+        ("about", escaped(&about)),
+        ("warnings", list_of_warnings(&results::warnings(summary, scenario))),
+        ("statistics", rows(&report::cells(summary, &info.units))),
+        ("scenario", escaped(&header.scenario_text)),
+        ("provenance", provenance(stored, info)),
+        ("cite", cite(stored)),
+        ("data", data::json(stored, info)),
+        ("echarts", ECHARTS.to_string()),
+        ("charts", CHARTS.to_string()),
+    ];
+    // In one pass: what is filled in has no places of its own, whatever it says.
+    let mut parts = PAGE.split("{{");
+    let mut out = parts.next().unwrap_or_default().to_string();
+    for part in parts {
+        let (name, rest) = part.split_once("}}").unwrap_or((part, ""));
+        if let Some((_, text)) = places.iter().find(|(place, _)| *place == name) {
+            out.push_str(text);
+        }
+        out.push_str(rest);
+    }
+    out
+}
+
+/// Nothing may be loaded, and no script may run but the two that are part of the program.
+fn policy() -> String {
+    let hash = |script: &str| base64::engine::general_purpose::STANDARD.encode(Sha256::digest(script.as_bytes()));
+    format!(
+        "default-src 'none'; script-src 'sha256-{}' 'sha256-{}'; style-src 'unsafe-inline'; img-src data:; base-uri 'none'; \
+         form-action 'none'",
+        hash(ECHARTS),
+        hash(CHARTS)
+    )
+}
+
+/// A text as it stands in HTML. Control characters, which HTML does not have, become replacement characters.
+fn escaped(text: &str) -> String {
+    let mut out = String::with_capacity(text.len());
+    for c in text.chars() {
+        match c {
+            '&' => out.push_str("&amp;"),
+            '<' => out.push_str("&lt;"),
+            '>' => out.push_str("&gt;"),
+            '"' => out.push_str("&quot;"),
+            '\'' => out.push_str("&#39;"),
+            '\n' | '\t' => out.push(c),
+            c if c.is_control() => out.push('\u{fffd}'),
+            c => out.push(c),
+        }
+    }
+    out
+}
+
+fn list_of_warnings(warnings: &[String]) -> String {
+    if warnings.is_empty() {
+        return String::new();
+    }
+    let items: String = warnings.iter().map(|warning| format!("<li>{}</li>", escaped(warning))).collect();
+    format!("<section class=\"warnings\"><h2>Warnings</h2><ul>{items}</ul></section>")
+}
+
+/// The rows of the table, the first of them its headings.
+fn rows(cells: &[Vec<String>]) -> String {
+    let row = |cells: &Vec<String>, tag: &str| {
+        let cells: String =
+            cells.iter().map(|cell| format!("<{tag}>{}</{tag}>", escaped(&cell.replace('-', "\u{2212}")))).collect();
+        format!("<tr>{cells}</tr>")
+    };
+    let Some((head, body)) = cells.split_first() else { return String::new() };
+    let body: String = body.iter().map(|cells| row(cells, "td")).collect();
+    format!("<thead>{}</thead><tbody>{body}</tbody>", row(head, "th"))
+}
+
+fn provenance(stored: &Stored, info: &RunInfo) -> String {
+    let header = &stored.header;
+    let mut out = String::new();
+    let mut put = |term: &str, text: &str| {
+        let _ = write!(out, "<dt>{term}</dt><dd>{}</dd>", escaped(text));
+    };
+    put("file", &info.file);
+    put("program", &format!("mc {} ({})", header.program_version, header.git_hash));
+    put("noise", &format!("{}, seed {}", header.generator, header.seed));
+    put("blocks", &format!("of {} paths", header.block_size));
+    for (term, text) in report::remarks(&stored.summary, info).into_iter().filter(|(term, _)| *term != "file") {
+        put(term.trim(), &text);
+    }
+    out
+}
+
+/// What to write in a paper.
+fn cite(stored: &Stored) -> String {
+    let header = &stored.header;
+    let program = format!(
+        "stick-slip (mc) {} ({}), scheme {}, seed {}, {} paths.",
+        header.program_version, header.git_hash, header.scheme, header.seed, stored.completed_paths
+    );
+    let paper = "A. Bensoussan, A. Brouste, F. B. Cartiaux, C. Mathey, L. Mertz, Mathematical formulation of a dynamical \
+                 system with dry friction subjected to external forces.";
+    format!("<p>{}</p><p>The model and the scheme: {}</p>", escaped(&program), escaped(paper))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn texts_cannot_end_what_they_stand_in() {
+        assert_eq!(escaped("</script>&\"'\u{0}\u{7f}\n"), "&lt;/script&gt;&amp;&quot;&#39;\u{fffd}\u{fffd}\n");
+    }
+
+    /// Hashes of the empty text and of ECharts 6.1.0 as others publish them.
+    #[test]
+    fn the_policy_names_the_scripts_that_are_there() {
+        let policy = policy();
+        assert!(policy.starts_with("default-src 'none';") && policy.matches("'sha256-").count() == 2, "{policy}");
+        assert!(!policy.contains("unsafe-eval") && !policy.contains("http"), "{policy}");
+        // a script that closes its own element would be cut there
+        assert!(!CHARTS.contains("</script") && !ECHARTS.contains("</script"));
+    }
+}
