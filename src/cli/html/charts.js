@@ -72,7 +72,12 @@
   if (data.survival) {
     const s = data.survival;
     const total = s.count.reduce((sum, n) => sum + n, 0);
-    const density = s.count.map((n, i) => s.lower[i] > 0 ? n / total / Math.log10(s.duration[i] / s.lower[i]) : null);
+    // Where durations are multiples of a step, a bin reaches half a step beyond the multiples in it; some have none.
+    const edge = (x) => data.step === null ? x : (Math.max(Math.ceil(x / data.step - 1e-6), 1) - 0.5) * data.step;
+    const density = s.count.map((n, i) => {
+      const [low, high] = [edge(s.lower[i]), edge(s.duration[i])];
+      return low > 0 && high > low ? n / total / Math.log10(high / low) : null;
+    });
     charts.push({
       name: 'survival', heading: 'Stick durations', columns: s, x: 'duration', xName: data.labels.duration, yName: 'share longer', log: 'x', positive: true, canLog: true,
       note: data.sticks,
@@ -80,8 +85,8 @@
         line('Kaplan\u2013Meier', c.first, s.duration, s.survival)],
     }, {
       name: 'durations', heading: 'Density of stick durations', columns: s, x: 'duration', xName: data.labels.duration, yName: 'density per decade', log: 'x', positive: true, canLog: true,
-      note: 'Completed sticks per decade of the duration, as a share of all, in the bins of the file, at the upper edge of the bin.',
-      series: (c) => [{ ...line('completed sticks', c.first, s.duration, density), step: 'start', areaStyle: { color: c.wide, opacity: 1 } }],
+      note: 'Completed sticks per decade of the duration, as a share of all, in the bins of the file, by the upper edge of the bin.',
+      series: (c) => [{ ...line('completed sticks', c.first, s.duration, density), step: 'start', connectNulls: true, areaStyle: { color: c.wide, opacity: 1 } }],
     });
   }
   if (data.sub_phases) {
@@ -123,7 +128,7 @@
         trigger: 'axis', confine: true, renderMode: 'richText', backgroundColor: c.sheet, borderColor: c.grid, textStyle: { color: c.ink, fontSize: 12 },
         formatter: (items) => told(chart, items[0].dataIndex),
       },
-      xAxis: { ...axis(chart.xName), type: chart.category ? 'category' : chart.log === 'x' ? 'log' : 'value', ...(chart.category ? { data: all.map(String) } : { min: chart.least ?? 'dataMin', max: 'dataMax' }) },
+      xAxis: { ...axis(chart.xName), type: chart.category ? 'category' : chart.log === 'x' ? 'log' : 'value', ...(chart.category ? { data: all.map(String) } : { min: chart.least ?? 'dataMin', max: chart.least === undefined ? 'dataMax' : null }) },
       yAxis: { ...axis(chart.yName), nameGap: 48, type: state.log ? 'log' : 'value', scale: !chart.positive, min: state.log ? Math.pow(10, Math.floor(Math.log10(least))) : chart.positive ? 0 : null },
       series: chart.series(c),
     }, true);

@@ -80,16 +80,18 @@ fn charts(summary: &Summary, data: &mut Map<String, Value>) {
     let sticks = &summary.stick_durations;
     if sticks.completed > 0 && sticks.histogram.edges.len() > 1 {
         let edges = &sticks.histogram.edges;
-        let [low, high] = ends(&sticks.survival_ends);
+        // Below the shortest stick there are only empty bins.
+        let first = sticks.histogram.counts.iter().position(|count| *count > 0).unwrap_or(0);
         let survival = columns([
-            ("duration", numbers(&edges[1..])),
-            ("lower", numbers(&edges[..edges.len() - 1])),
-            ("count", sticks.histogram.counts.clone().into()),
-            ("survival", numbers(&sticks.survival)),
-            ("survival_low", low),
-            ("survival_high", high),
+            ("duration", numbers(&edges[first + 1..])),
+            ("lower", numbers(&edges[first..edges.len() - 1])),
+            ("count", sticks.histogram.counts[first..].to_vec().into()),
+            ("survival", numbers(&sticks.survival[first..])),
+            ("survival_low", numbers(&sticks.survival_ends.low[first..])),
+            ("survival_high", numbers(&sticks.survival_ends.high[first..])),
         ]);
         put("survival", survival);
+        put("step", sticks.step.map_or(Value::Null, Value::from));
     }
     let counts = &summary.sub_phases;
     if let Some(last) = counts.counts.iter().rposition(|count| *count > 0) {

@@ -1,5 +1,5 @@
-//! `mc report`: a run as one page for a browser, with its table, its warnings and charts that answer
-//! to the mouse and the keyboard. It needs no network.
+//! `mc report`: a run as one page for a browser, with its table, its warnings and charts that
+//! answer to the mouse and the keyboard. It needs no network.
 //!
 //! ```text
 //! page.html   the frame, with {{places}} that are filled here
@@ -104,7 +104,8 @@ fn policy() -> String {
     )
 }
 
-/// A text as it stands in HTML. Control characters, which HTML does not have, become replacement characters.
+/// A text as it stands in HTML. Control characters, which HTML does not have, become replacement
+/// characters.
 fn escaped(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for c in text.chars() {
@@ -133,8 +134,11 @@ fn list_of_warnings(warnings: &[String]) -> String {
 /// The rows of the table, the first of them its headings.
 fn rows(cells: &[Vec<String>]) -> String {
     let row = |cells: &Vec<String>, tag: &str| {
-        let cells: String =
-            cells.iter().map(|cell| format!("<{tag}>{}</{tag}>", escaped(&cell.replace('-', "\u{2212}")))).collect();
+        let sign = |cell: &str| match cell.parse::<f64>() {
+            Ok(_) => cell.replace('-', "\u{2212}"),
+            Err(_) => cell.replace("+-", "\u{b1}"),
+        };
+        let cells: String = cells.iter().map(|cell| format!("<{tag}>{}</{tag}>", escaped(&sign(cell)))).collect();
         format!("<tr>{cells}</tr>")
     };
     let Some((head, body)) = cells.split_first() else { return String::new() };
