@@ -23,6 +23,7 @@ const FOREIGN: [&str; 19] = [
     "major.minor",
     "nan",
     "ncdump",
+    "chromium",
     "netcdf-bin",
     "pkg-config",
     "python3-venv",
