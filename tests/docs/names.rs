@@ -11,7 +11,7 @@ use std::path::Path;
 
 /// Names of other programs, of their types and units, of packages, and a column that
 /// benches/peers/report.py prints.
-const FOREIGN: [&str; 19] = [
+const FOREIGN: [&str; 20] = [
     "agrees",
     "aarch64-unknown-linux-gnu",
     "apt-get",
