@@ -6,6 +6,7 @@
 //! cells see the same noise, and looking at a path does not change it.
 
 use super::scene::Scene;
+use crate::lanes::small_unit;
 use crate::model::Complex;
 
 /// One cell, with what all paths share in it.
@@ -69,7 +70,7 @@ impl Cell {
     #[inline(always)]
     pub fn forcing(&self, after: f64) -> Forcing {
         // A cell is at most 1/w long.
-        self.derivatives(|term, w| term * Complex::small_unit(w * after))
+        self.derivatives(|term, w| term * unit(w * after))
     }
 
     #[inline(always)]
@@ -88,9 +89,16 @@ impl Cell {
     #[inline(always)]
     pub fn set_terms(&self, after: f64, terms: &mut [Complex]) {
         for ((to, term), &w) in terms.iter_mut().zip(&self.terms).zip(&self.frequencies) {
-            *to = *term * Complex::small_unit(w * after);
+            *to = *term * unit(w * after);
         }
     }
+}
+
+/// e^{i angle} for |angle| <= 1.
+#[inline(always)]
+fn unit(angle: f64) -> Complex {
+    let (re, im) = small_unit(angle);
+    Complex { re, im }
 }
 
 /// The largest of 1, 2, 2.5 and 5 times a power of ten that is at most `length`: such cells end where

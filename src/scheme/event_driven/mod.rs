@@ -24,6 +24,7 @@ mod noiseless;
 mod noisy;
 mod scene;
 mod simulation;
+mod slip_step;
 mod slip_transition;
 mod step_rules;
 mod stick_step;

@@ -17,6 +17,7 @@ use super::cells::{Cell, round_down};
 use super::corridor::Corridor;
 use super::first_stop::{Interval, Motion, Pending, Step, Stop, StopSearch, forwards};
 use super::scene::{Scene, forcing};
+use super::slip_step::{State, force, motion, resolved_way};
 use super::slip_transition::{DrivenOscillator, HarmonicResponse, SlipTransition};
 use super::step_rules::StepRules;
 use super::watch::{Flow, SlipPiece, Watch};
@@ -75,14 +76,6 @@ impl<O: Observer> LaneProgram for Simulation<'_, O> {
     fn run<L: Lanes>(&mut self) {
         self.simulated = cell_loop::simulate(self.cascade, self.seed, self.paths, self.observer);
     }
-}
-
-/// x, x' and n.
-#[derive(Clone, Copy, Debug)]
-struct State {
-    x: f64,
-    v: f64,
-    n: f64,
 }
 
 /// A path; what moves of it is x'.
@@ -157,8 +150,7 @@ impl Noisy {
     fn motion(&self, path: &Path, direction: Sign) -> Motion {
         let eps = direction.value();
         let friction = eps * self.scene.friction.dynamic_force;
-        let acceleration = (path.force - friction) / self.scene.oscillator.mass;
-        Motion { velocity: eps * path.motion, acceleration: eps * acceleration }
+        motion(&self.scene.oscillator, eps, path.motion, path.force, friction)
     }
 
     /// The end of a sub-phase, at a stop within the step from `start`: n is what makes the force
@@ -192,19 +184,14 @@ impl Noisy {
         terms: &mut [Complex],
         friction: f64,
         end_noise: f64,
-        [b, c]: [f64; 2],
+        normals: [f64; 2],
     ) {
-        let SlipTransition { length, factor, .. } = &step.transition;
         let start = State { x: path.displacement, v: path.motion, n: path.noise };
         let mean = mean_state(&step.transition, &step.harmonics, start, terms, friction);
-        let a = (end_noise - mean.n) / factor[0];
-        path.noise = end_noise;
-        path.motion = mean.v + factor[1] * a + factor[2] * b;
-        path.displacement = mean.x + factor[3] * a + factor[4] * b + factor[5] * c;
-        path.after += length;
-        let body = &self.scene.oscillator;
-        path.force =
-            forcing(terms) + path.noise - body.stiffness * path.displacement - 2.0 * body.damping * path.motion;
+        let end = step.transition.drawn(mean, end_noise, normals);
+        path.after += step.transition.length;
+        (path.displacement, path.motion, path.noise) = (end.x, end.v, end.n);
+        path.force = force(&self.scene.oscillator, forcing(terms), end);
     }
 
     /// The remainder of a cell that is too short for the noise to be told from rounding, as uniform
@@ -253,8 +240,7 @@ impl Noisy {
         let flow = |transition: &SlipTransition, responses: &[HarmonicResponse], terms: &mut [Complex]| {
             cell.set_terms(after_start, terms);
             let to = mean_state(transition, responses, start, terms, friction);
-            let force = forcing(terms) + to.n - body.stiffness * to.x - 2.0 * body.damping * to.v;
-            let motion = Motion { velocity: eps * to.v, acceleration: eps * (force - friction) / body.mass };
+            let motion = motion(body, eps, to.v, force(body, forcing(terms), to), friction);
             (resolved_way(eps * start.x, eps * to.x, searched.start, motion, transition.length), motion, to)
         };
         let (way, end, _) = flow(&step.transition, &step.harmonics, terms);
@@ -420,8 +406,7 @@ impl Flow for StepFlow<'_> {
             let transition = oscillator.transition(after - self.after, &mut responses);
             to = mean_state(&transition, &responses, self.start, &mut terms, friction);
         }
-        let force = forcing(&terms) + to.n - body.stiffness * to.x - 2.0 * body.damping * to.v;
-        let motion = Motion { velocity: eps * to.v, acceleration: eps * (force - friction) / body.mass };
+        let motion = motion(body, eps, to.v, force(body, forcing(&terms), to), friction);
         let way = resolved_way(eps * self.start.x, eps * to.x, self.first, motion, after - self.after);
         (way, motion, to.n)
     }
@@ -445,33 +430,23 @@ impl Flow for StepFlow<'_> {
     }
 }
 
-/// The way from x0 to x1, or that of the cubic of both ends where x0 and x1 cannot tell it from
-/// theirs: far out, or in a step of no length.
-#[inline(always)]
-fn resolved_way(x0: f64, x1: f64, start: Motion, end: Motion, h: f64) -> f64 {
-    let way = x1 - x0;
-    let cubic = h * (0.5 * (start.velocity + end.velocity) + h / 12.0 * (start.acceleration - end.acceleration));
-    let rounding = f64::EPSILON * (x0.abs() + x1.abs());
-    if (way - cubic).abs() <= rounding { cubic } else { way }
-}
-
 /// Without noise: the state after a step, and the forcing there.
 #[inline(always)]
 fn mean_state(
-    SlipTransition { x, v, n, .. }: &SlipTransition,
+    transition: &SlipTransition,
     responses: &[HarmonicResponse],
     start: State,
     terms: &mut [Complex],
     friction: f64,
 ) -> State {
-    let mut x1 = x[0] * start.x + x[1] * start.v + x[2] * start.n - x[3] * friction;
-    let mut v1 = v[0] * start.x + v[1] * start.v + v[2] * start.n - v[3] * friction;
-    for (p, g) in terms.iter_mut().zip(responses) {
-        x1 += p.re * g.x.0 - p.im * g.x.1;
-        v1 += p.re * g.v.0 - p.im * g.v.1;
-        *p = Complex::new(p.re * g.turn.0 - p.im * g.turn.1, p.re * g.turn.1 + p.im * g.turn.0);
+    let mut mean = transition.free(start, friction);
+    for (term, response) in terms.iter_mut().zip(responses) {
+        let push = response.push(*term);
+        mean.x += push.x;
+        mean.v += push.v;
+        *term = push.term;
     }
-    State { x: x1, v: v1, n: n * start.n }
+    mean
 }
 
 /// Below this c sqrt(h)/|a| what the quintic leaves out of a, (rate h)^4/1920 of it, is no longer
