@@ -37,6 +37,11 @@ impl AddressedDraws {
         AddressedDraws { origin: path_word(seed, path, 4), key: path_word(seed, path, 5), counter: 0 }
     }
 
+    /// Those of the path with these keys.
+    pub fn with_keys([origin, key]: [u64; 2]) -> Self {
+        AddressedDraws { origin, key, counter: 0 }
+    }
+
     /// Those of the same path at this place of a cell; cells and places are below 2^31.
     #[inline(always)]
     pub fn at(&self, cell: u64, place: u64) -> Self {
@@ -64,11 +69,6 @@ impl AddressedDraws {
     /// What tells the numbers of this path from those of others.
     pub fn keys(&self) -> [u64; 2] {
         [self.origin, self.key]
-    }
-
-    /// The number of this path that comes next, as cell 2^32 + place.
-    pub fn counter(&self) -> u64 {
-        self.counter
     }
 
     /// The next standard normal.

@@ -193,13 +193,11 @@ impl StopSearch {
             let next = pending[top];
             if !clear {
                 if self.is_stop(left, &next) {
-                    let stop = self.stop(left, &next, draws, |u, way_there, motion, rest| {
-                        passed(after + u, way + way_there, motion, rest);
-                    });
+                    let stop = self.stop((after, way), left, &next, draws, passed);
                     if !(stop.after + stop.way + stop.acceleration).is_finite() {
                         return Err(Unresolved);
                     }
-                    return Ok(Some(Stop { after: after + stop.after, way: forwards(way + stop.way), ..stop }));
+                    return Ok(Some(Stop { way: forwards(stop.way), ..stop }));
                 }
                 if next.length > finest && top < DEPTH {
                     let (near, far) = halves(left, &next, draws.three_normals());
@@ -271,24 +269,24 @@ impl StopSearch {
     #[inline(always)]
     fn stop(
         &self,
+        (mut after, mut way): (f64, f64),
         mut left: Motion,
         next: &Interval,
         draws: &mut AddressedDraws,
-        mut before: impl FnMut(f64, f64, Motion, &Interval),
+        mut passed: impl FnMut(f64, f64, Motion, &Interval),
     ) -> Stop {
         let mut next = *next;
-        let (mut after, mut way) = (0.0, 0.0);
         for _ in 0..STOP_REFINEMENTS {
             let near = self.near_stop(left, &next, draws.three_normals());
             if near.is_at_it {
                 let end = Motion { velocity: 0.0, acceleration: near.motion.acceleration };
                 let (there, rest) = near.zero();
-                before(after, way, left, &Interval::new(end, rest, there, self.noise));
+                passed(after, way, left, &Interval::new(end, rest, there, self.noise));
                 return Stop { after: after + there, acceleration: end.acceleration, way: way + rest };
             }
             let [first, second] = near.parted(&next, self.noise);
             if near.motion.velocity > 0.0 {
-                before(after, way, left, &first);
+                passed(after, way, left, &first);
                 (after, way, left) = (after + near.after, way + near.way, near.motion);
                 next = second;
             } else {
@@ -476,7 +474,7 @@ const STOP_PRECISION: f64 = 1e-2;
 const NEWTON_STEPS: usize = 3;
 
 /// Each refinement takes the remaining distance to about its power 3/2; eight are never needed.
-const STOP_REFINEMENTS: usize = 8;
+pub const STOP_REFINEMENTS: usize = 8;
 
 /// The mean way on an interval as a polynomial in the fraction p of it; so are V, times h, and a,
 /// times h^2.

@@ -12,6 +12,7 @@
 //! [`EventDriven`] is the scheme and what it is known for, [`EventDrivenSimulation`] the scheme on
 //! one model.
 
+mod abreast;
 mod cell_loop;
 mod cells;
 mod corridor;
@@ -37,7 +38,7 @@ pub use slip_transition::{DrivenOscillator, HarmonicResponse, SlipTransition};
 pub use step_rules::{DEFAULT_TOLERANCE, Resolution, TOLERANCES};
 pub use work::Simulated;
 
-pub(super) use cell_loop::{Cascade, Path, simulate};
+pub(super) use cell_loop::{Cascade, OneByOne, Path, simulate};
 pub(super) use cells::{Cell, round_down};
 pub(super) use corridor::Corridor;
 pub(super) use exact_time::ExactTime;

@@ -12,17 +12,18 @@
 //! noise change, as those allow: then a slip makes many steps in a cell, n at their ends drawn from
 //! its bridge to the end of the cell.
 
-use super::cell_loop::{self, Cascade, WHOLE_PLACE};
+use super::abreast::Abreast;
+use super::cell_loop::{self, Cascade, OneByOne, WHOLE_PLACE};
 use super::cells::{Cell, round_down};
 use super::corridor::Corridor;
 use super::first_stop::{Interval, Motion, Pending, Step, Stop, StopSearch, forwards};
 use super::scene::{Scene, forcing};
-use super::slip_step::{State, force, motion, resolved_way};
+use super::slip_step::{Push, State, force, motion, resolved_way};
 use super::slip_transition::{DrivenOscillator, HarmonicResponse, SlipTransition};
 use super::step_rules::StepRules;
 use super::watch::{Flow, SlipPiece, Watch};
 use super::work::{Simulated, Unresolved, WORK_LIMIT};
-use crate::lanes::{InstructionSet, LaneProgram, Lanes};
+use crate::lanes::InstructionSet;
 use crate::model::{Complex, Event, EventKind, Model, Phase, Sign};
 use crate::noise::{AddressedDraws, bridge_at};
 use crate::scheme::{Observer, Timeline};
@@ -60,30 +61,15 @@ pub struct Scratch {
     terms: Vec<Complex>,
 }
 
-/// A simulation as one scalar program, compiled for each instruction set with everything that is
-/// called often (hence `inline(always)` below): fused multiply-adds become instructions instead of
-/// calls. The bits stay the same.
-struct Simulation<'a, O> {
-    cascade: &'a Noisy,
-    seed: u64,
-    paths: &'a [u64],
-    observer: &'a mut O,
-    simulated: Simulated,
-}
-
-impl<O: Observer> LaneProgram for Simulation<'_, O> {
-    #[inline(always)]
-    fn run<L: Lanes>(&mut self) {
-        self.simulated = cell_loop::simulate(self.cascade, self.seed, self.paths, self.observer);
-    }
-}
-
 /// A path; what moves of it is x'.
 type Path = cell_loop::Path<f64>;
 
 /// Where the body swings this much faster than forcing and noise change, cells are as long as those
 /// allow.
 const TWO_SCALES: f64 = 16.0;
+
+/// So many paths do not fill the lanes.
+const FEW: usize = 8;
 
 impl Noisy {
     /// For a scene with noise.
@@ -123,11 +109,39 @@ impl Noisy {
         }
     }
 
+    /// Whether a slip crosses a cell in one step whose transition is a sum of series.
+    pub fn has_one_step_a_cell(&self) -> bool {
+        let length = self.step.transition.length;
+        self.cell_length == length && self.oscillator.has_series_for(length)
+    }
+
+    /// The step of a slip over a whole cell, and the square root of its length.
+    pub fn usual_step(&self) -> (&SlipTransition, f64) {
+        (&self.step.transition, self.step.root_length)
+    }
+
+    /// What the forcing does to a slip over the whole of a cell.
+    pub fn pushes(&self, cell: &Cell) -> Vec<Push> {
+        cell.terms.iter().zip(&self.step.harmonics).map(|(term, response)| response.push(*term)).collect()
+    }
+
+    pub fn oscillator(&self) -> &DrivenOscillator {
+        &self.oscillator
+    }
+
+    pub fn search(&self) -> &StopSearch {
+        &self.search
+    }
+
     /// Simulate the paths with these numbers.
     pub fn simulate<O: Observer>(&self, seed: u64, paths: &[u64], observer: &mut O) -> Simulated {
-        let mut simulation = Simulation { cascade: self, seed, paths, observer, simulated: Simulated::default() };
-        InstructionSet::detect().run(&mut simulation);
-        simulation.simulated
+        let instructions = InstructionSet::detect();
+        if paths.len() > FEW && self.has_one_step_a_cell() {
+            let mut all = Abreast::new(self, instructions, seed, paths);
+            return cell_loop::simulate(&mut all, paths.len(), observer);
+        }
+        let mut all = OneByOne::new(self, instructions, seed, paths);
+        cell_loop::simulate(&mut all, paths.len(), observer)
     }
 
     /// The step from here towards a time, and whether it ends there.
@@ -452,11 +466,11 @@ fn mean_state(
 /// Below this c sqrt(h)/|a| what the quintic leaves out of a, (rate h)^4/1920 of it, is no longer
 /// below the first neglected terms of the law, (rate h)^2/100 of its c sqrt(h)/4; at the default
 /// step, rate h = 1/2.
-const FEEBLE: f64 = 0.05;
+pub const FEEBLE: f64 = 0.05;
 
 /// The share of a cell below which a remainder of it is not simulated: a step is as exact as the
 /// difference between n at both its ends, which loses its digits there.
-const SHORTEST: f64 = 1e-8;
+pub const SHORTEST: f64 = 1e-8;
 
 /// A noise that moves the forces by less than this share of them is lost in their balance.
 const ROUNDED: f64 = 1e-6;
@@ -465,7 +479,7 @@ const ROUNDED: f64 = 1e-6;
 const FLOW_STEPS: usize = 3;
 
 /// Relative difference of two step lengths that is rounding of the times they come from.
-const ALIGNMENT: f64 = 1e-9;
+pub const ALIGNMENT: f64 = 1e-9;
 
 /// A place for a response.
 const NO_RESPONSE: HarmonicResponse = HarmonicResponse { x: (0.0, 0.0), v: (0.0, 0.0), turn: (1.0, 0.0) };

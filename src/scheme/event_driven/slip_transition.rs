@@ -73,6 +73,14 @@ pub struct HarmonicResponse<L = f64> {
     pub turn: (L, L),
 }
 
+impl<L: Lanes> HarmonicResponse<L> {
+    /// Of a step of no length.
+    pub fn none() -> Self {
+        let (zero, one) = (L::splat(0.0), L::splat(1.0));
+        HarmonicResponse { x: (zero, zero), v: (zero, zero), turn: (one, zero) }
+    }
+}
+
 /// The transition over one step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SlipTransition<L = f64> {
@@ -145,6 +153,11 @@ impl DrivenOscillator {
     /// The largest of w0, the damping rate, theta and the forcing frequencies.
     pub fn fastest_rate(&self) -> f64 {
         self.fastest
+    }
+
+    /// Whether the transition over h is a sum of series, without doubling.
+    pub fn has_series_for(&self, h: f64) -> bool {
+        self.fastest * h <= SERIES_RADIUS
     }
 
     /// The transition over h; `harmonics` receives one response per frequency.
@@ -250,6 +263,23 @@ impl DrivenOscillator {
             ],
             factor: [0.0; 6],
         }
+    }
+}
+
+/// The same transition in every lane.
+#[inline(always)]
+pub fn splat<L: Lanes>(step: &SlipTransition) -> SlipTransition<L> {
+    let [x0, x1, x2, x3] = step.x;
+    let [v0, v1, v2, v3] = step.v;
+    let [c0, c1, c2, c3, c4, c5] = step.covariance;
+    let [f0, f1, f2, f3, f4, f5] = step.factor;
+    SlipTransition {
+        length: L::splat(step.length),
+        x: [L::splat(x0), L::splat(x1), L::splat(x2), L::splat(x3)],
+        v: [L::splat(v0), L::splat(v1), L::splat(v2), L::splat(v3)],
+        n: L::splat(step.n),
+        covariance: [L::splat(c0), L::splat(c1), L::splat(c2), L::splat(c3), L::splat(c4), L::splat(c5)],
+        factor: [L::splat(f0), L::splat(f1), L::splat(f2), L::splat(f3), L::splat(f4), L::splat(f5)],
     }
 }
 

@@ -1,0 +1,168 @@
+//! Sticks that may be left in the cell.
+
+use super::Crossing;
+use super::jobs::{Jobs, Task};
+use super::slip::Begun;
+use crate::lanes::{Lanes, ROW};
+use crate::model::{EventKind, Sign};
+use crate::noise::{LaneDraws, TimeChange, short_bridge_middle};
+use crate::scheme::event_driven::cell_loop::Cascade as _;
+use crate::scheme::event_driven::corridor::{Node, ends};
+use crate::scheme::event_driven::stick_step::StickStep;
+
+/// A piece of a stick between two known values of n.
+#[derive(Clone, Copy)]
+pub(super) struct Piece<L: Lanes> {
+    pub left: Node<L>,
+    pub right: Node<L>,
+    pub x: L,
+    /// The place of the next random number.
+    pub place: L,
+    pub origin: L::Bits,
+    pub key: L::Bits,
+}
+
+impl<L: Lanes> Piece<L> {
+    #[inline(always)]
+    pub fn put(&self, jobs: &mut Jobs, rows: &[u32]) {
+        let Node { after, noise, force, curvature } = self.left;
+        let zero = L::splat(0.0);
+        L::scatter_rows([after, noise, force, curvature, self.x, self.place, zero, zero], &mut jobs.left, rows);
+        L::scatter_rows(self.row_of(&self.right), &mut jobs.right, rows);
+    }
+
+    #[inline(always)]
+    fn get(jobs: &Jobs, rows: &[u32]) -> Self {
+        let [after, noise, force, curvature, x, place, ..] = L::gather_rows(&jobs.left, rows);
+        let (right, origin, key) = node_of(L::gather_rows(&jobs.right, rows));
+        Piece { left: Node { after, noise, force, curvature }, right, x, place, origin, key }
+    }
+
+    #[inline(always)]
+    fn row_of(&self, &Node { after, noise, force, curvature }: &Node<L>) -> [L; ROW] {
+        let zero = L::splat(0.0);
+        [after, noise, force, curvature, zero, zero, L::from_bits(self.origin), L::from_bits(self.key)]
+    }
+
+    #[inline(always)]
+    fn draws(&self, cell: u64) -> LaneDraws<L> {
+        let counter = L::add_bits(self.place.to_bits(), L::splat_bits(cell << 32));
+        LaneDraws { origin: self.origin, key: self.key, counter }
+    }
+
+    #[inline(always)]
+    fn length(&self) -> L {
+        self.right.after - self.left.after
+    }
+}
+
+#[inline(always)]
+fn node_of<L: Lanes>([after, noise, force, curvature, _, _, origin, key]: [L; ROW]) -> (Node<L>, L::Bits, L::Bits) {
+    (Node { after, noise, force, curvature }, origin.to_bits(), key.to_bits())
+}
+
+impl<L: Lanes> Crossing<'_, '_, L> {
+    /// A stick begins in the cell, in these lanes.
+    #[inline(always)]
+    pub(super) fn begin_stick(&mut self, rows: &[u32], lanes: u32, piece: &Piece<L>) {
+        let zero = L::splat(0.0);
+        let spring = piece.x * self.paths.noisy.scene().oscillator.stiffness;
+        let end_force = L::splat(self.cell.last.value) + piece.right.noise - spring;
+        self.set_next(rows, lanes, (piece.x, zero, end_force, zero));
+        self.paths.jobs.begin(rows, lanes);
+        let own = self.paths.jobs.only(rows, lanes);
+        piece.put(&mut self.paths.jobs, &own[..L::WIDTH]);
+        self.queue_piece(piece, rows, lanes);
+    }
+
+    /// Put pieces where they belong next; where they are clear, what is behind them.
+    #[inline(always)]
+    fn queue_piece(&mut self, piece: &Piece<L>, rows: &[u32], lanes: u32) {
+        let reach = self.paths.noisy.corridor().reach(self.paths.noisy.scene(), piece.length(), &piece.left, &piece.right);
+        let near = L::bitmask(reach.is_near) & lanes;
+        let long = L::bitmask(reach.is_long) & near;
+        self.spend(rows, lanes, [lanes, 0, 0]);
+        self.paths.jobs.push(Task::Halve, rows, long);
+        self.paths.jobs.push(Task::Decide, rows, near & !long);
+        let clear = lanes & !near;
+        self.paths.jobs.push(Task::StickOn, rows, clear & !self.paths.jobs.without_more(rows, clear));
+    }
+
+    /// Draw n in the middle of the pieces.
+    #[inline(always)]
+    pub(super) fn halve(&mut self, rows: &[u32], lanes: u32) {
+        let rows = &rows[..L::WIDTH];
+        let odd = self.paths.jobs.full(rows, lanes);
+        self.odd_lanes(rows, odd);
+        let lanes = lanes & !odd;
+        let mut piece = Piece::<L>::get(&self.paths.jobs, rows);
+        let scene = self.paths.noisy.scene();
+        let h = piece.length();
+        let (weight, sd) = short_bridge_middle(scene.relaxation_rate, scene.diffusion, h);
+        let normal = piece.draws(self.cell.index).normal(self.paths.normals, 0);
+        piece.place = L::from_bits(L::add_bits(piece.place.to_bits(), L::splat_bits(1)));
+        let noise = weight * (piece.left.noise + piece.right.noise) + sd * normal;
+        let after = piece.left.after + h * 0.5;
+        let forcing = self.cell.forcing(after);
+        let force = forcing.value - piece.x * scene.oscillator.stiffness + noise;
+        self.paths.jobs.place_behind(rows, piece.row_of(&piece.right));
+        self.paths.jobs.count_behind(rows, lanes);
+        piece.right = Node { after, noise, force, curvature: forcing.curvature };
+        piece.put(&mut self.paths.jobs, rows);
+        self.queue_piece(&piece, rows, lanes);
+    }
+
+    /// Go on to the next piece.
+    #[inline(always)]
+    pub(super) fn stick_on(&mut self, rows: &[u32], lanes: u32) {
+        let rows = &rows[..L::WIDTH];
+        let mut piece = Piece::<L>::get(&self.paths.jobs, rows);
+        piece.left = piece.right;
+        (piece.right, ..) = node_of(self.paths.jobs.take_behind(rows, lanes));
+        piece.put(&mut self.paths.jobs, rows);
+        self.queue_piece(&piece, rows, lanes);
+    }
+
+    /// Whether pieces are left, and when.
+    #[inline(always)]
+    pub(super) fn decide(&mut self, rows: &[u32], lanes: u32) {
+        let rows = &rows[..L::WIDTH];
+        let mut piece = Piece::<L>::get(&self.paths.jobs, rows);
+        let scene = self.paths.noisy.scene();
+        let length = piece.length();
+        let step = StickStep { length, noise: TimeChange::short(scene.relaxation_rate, scene.diffusion, length) };
+        let ends = ends(&piece.left, &piece.right);
+        let (is_up_near, is_down_near) = (step.is_near(scene, 1.0, &ends), step.is_near(scene, -1.0, &ends));
+        let is_near = L::or(is_up_near, is_down_near);
+        let draws = piece.draws(self.cell.index);
+        let u = draws.uniform(0);
+        let up_chance = step.chance(&step.chord(scene, 1.0, &ends));
+        let down_chance = step.chance(&step.chord(scene, -1.0, &ends));
+        let is_up = L::and(is_up_near, u.lt(up_chance));
+        let is_down = L::and(is_down_near, L::and(L::not(is_up), u.gt(L::splat(1.0) - down_chance)));
+        let left = L::bitmask(L::or(is_up, is_down)) & lanes;
+        let one = L::from_bits(L::add_bits(piece.place.to_bits(), L::splat_bits(1)));
+        piece.place = L::select(is_near, one, piece.place);
+        let kept = lanes & !left;
+        if kept != 0 {
+            piece.put(&mut self.paths.jobs, rows);
+            self.paths.jobs.push(Task::StickOn, rows, kept & !self.paths.jobs.without_more(rows, kept));
+        }
+        if left != 0 {
+            let side = L::select(is_up, L::splat(1.0), L::splat(-1.0));
+            let chord = step.chord_on(scene, side, &ends);
+            let passed = step.meeting_time(scene, &chord, draws.normal(self.paths.normals, 1), draws.uniform(2));
+            let after = piece.left.after + passed;
+            let force = side * scene.friction.static_force;
+            let noise = force - self.cell.forcing(after).value + piece.x * scene.oscillator.stiffness;
+            self.tell(rows, left, (after, piece.x, force), |force, _| EventKind::SlipStarted(Sign::of(force)));
+            self.spend(rows, left, [left, 0, 0]);
+            let place = L::from_bits(L::add_bits(piece.place.to_bits(), L::splat_bits(2)));
+            let Piece { x, origin, key, .. } = piece;
+            // The rows of the lanes that are kept stay.
+            let own = self.paths.jobs.only(rows, left);
+            Begun { after, noise, force, eps: side, x, place, origin, key }.put(&mut self.paths.jobs, &own[..L::WIDTH]);
+            self.paths.jobs.push(Task::Begin, rows, left);
+        }
+    }
+}
