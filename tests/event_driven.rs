@@ -740,6 +740,55 @@ fn what_is_seen_inside_a_cell_has_the_law_of_the_path() {
     println!("largest difference: {worst:.1} standard errors");
 }
 
+/// Squares of what the noise adds to T from row to row, over their variance.
+struct Increments {
+    rate: f64,
+    variance: f64,
+    before: Vec<f64>,
+    squares: Vec<f64>,
+}
+
+impl Observer for Increments {
+    fn event(&mut self, _: usize, _: Event) {}
+
+    fn snapshot(&mut self, instant: Instant, s: Snapshot<'_>) {
+        if let Instant::Output(row) = instant {
+            for (before, now) in self.before.iter_mut().zip(s.temperature) {
+                let added = now - (-self.rate).exp() * *before;
+                *before = *now;
+                if row > 0 {
+                    self.squares.push(added * added / self.variance);
+                }
+            }
+        }
+    }
+}
+
+/// Null: in a slip whose forces are 1e9 times what the noise moves them by, so that no force tells the
+/// noise, T goes from row to row as the noise does: 40 rows inside one cell (0.5 long) in each of 500
+/// paths, whose scaled squares have mean 1 +- 0.01; seed 12, false alarm 1e-4 each. The same where four
+/// rows of five are a closer look. (Rows drawn one by one from the law given both ends of the cell have
+/// a mean of 18.)
+#[test]
+fn in_a_slip_the_temperature_moves_as_the_noise_does_however_feeble_it_is() {
+    let mut model = paper(0.25, 0.25);
+    model.temperature.harmonics.clear();
+    model.initial_displacement = 1e9;
+    let (step, numbers): (f64, Vec<u64>) = (0.01, (0..500).collect());
+    let line = Timeline { end: 0.4, output_step: step, period: None, after: 0.0 };
+    let variance = 0.25 * 0.25 * -(-2.0 * step).exp_m1() / 2.0;
+    for closeness in [1, 5] {
+        let before = vec![0.0; numbers.len()];
+        let mut increments = Increments { rate: step, variance, before, squares: Vec::new() };
+        let simulation = EventDrivenSimulation::new(&model, &line, DEFAULT_TOLERANCE).looked_at_closer(closeness);
+        assert!(simulation.simulate(12, &numbers, &mut increments).is_empty());
+        let (mean, error) = mean_and_error(&increments.squares);
+        println!("closeness {closeness}: {mean:.4} +- {error:.4}");
+        assert_eq!(increments.squares.len(), 40 * 500);
+        assert!((mean - 1.0).abs() <= FALSE_ALARM * error, "closeness {closeness}: {mean} +- {error}");
+    }
+}
+
 /// Two scenes see the same noise: the variance of the difference of two runs with one seed, against
 /// that of independent runs, for rho = 0.25 and 0.2525. 2e4 paths; the gains are known to some 5 %, so
 /// that nine tenths of a target are a fixed floor.

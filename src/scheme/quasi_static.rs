@@ -34,8 +34,8 @@
 
 use super::columns::Columns;
 use super::event_driven::{
-    self, Cascade, Cell, Corridor, ExactTime, Noiseless, OneByOne, Piece, Scene, Seen, StepRules, UnfeltNoise, Unresolved,
-    WORK_LIMIT, Watch, Work, check_friction, round_down, temperature,
+    self, Cascade, Cell, Corridor, ExactTime, Glance, Noiseless, OneByOne, Piece, Scene, Seen, StepRules, UnfeltNoise,
+    Unresolved, WORK_LIMIT, Watch, Work, check_friction, round_down, temperature,
 };
 use super::{DEFAULT_TOLERANCE, Discretisation, Look, Method, Misfit, Observer, Parameter, Simulate, Timeline};
 use crate::lanes::InstructionSet;
@@ -311,7 +311,8 @@ impl Piece for SwingPiece<'_> {
         self.last.0
     }
 
-    fn parted(&self, scene: &Scene, cell: &Cell, time: f64, draws: &mut AddressedDraws) -> (Seen, Self, Self) {
+    fn parted(&self, scene: &Scene, cell: &Cell, glance: Glance, draws: &mut AddressedDraws) -> (Seen, Self, Self) {
+        let time = glance.time;
         let noise = self.noise(scene, time, draws);
         let (x, v) = self.slip.at(self.displacement, self.direction, time - self.began);
         let seen = (x, v, temperature(scene, cell, time, noise), false);

@@ -12,7 +12,7 @@
 //! | a step of the discrete schemes comes to rest where a friction of f_s suffices for it, and nowhere else | 16 roundings of its forces |
 //! | x' and every displacement in a sub-phase have its sign | rounding; a corrected turn lies a step behind |
 //! | energy: a step of the discrete schemes balances to rounding with its own O(h^2) surplus | 1e-12 of its terms |
-//! | T from one look to the next (event-driven) | as far as its harmonics and twelve standard deviations of its noise go |
+//! | T from one look to the next (event-driven) | as far as its harmonics, to the rounding of t, and twelve standard deviations of its noise go |
 //! | energy: event-driven, T between two looks known as well as it can move in between | that, times the way; 1e-9 of its terms |
 //! | quasi-static: a slip lasts pi/w_d and moves (1 + e^{-pi zeta/sqrt(1 - zeta^2)}) (f_s - f_d)/K, | rounding |
 //! | or, for zeta >= 1, until 1e-3 of the way (f_s - f_d)/K is left | rounding, 1e-6 |
@@ -297,8 +297,10 @@ impl Watch {
         let (dt, dx) = (now.t - last.t, now.x - last.x);
         let temperature = &self.model.temperature;
         let gain = (k * dilatation).abs();
+        // A phase w t is known to the rounding of t.
+        let turn = |w: f64| (w * (dt + ULP * now.t)).min(2.0);
         let harmonics: f64 =
-            temperature.harmonics.iter().map(|h| gain * h.amplitude.abs() * (h.angular_frequency * dt).min(2.0)).sum();
+            temperature.harmonics.iter().map(|h| gain * h.amplitude.abs() * turn(h.angular_frequency)).sum();
         // Six standard deviations of a bridge, and the pull back to zero.
         let noise = temperature.noise.map_or(0.0, |n| {
             let spread = n.diffusion * dt.min(0.5 / n.relaxation_rate).sqrt();

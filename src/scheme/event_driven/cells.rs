@@ -20,7 +20,7 @@ pub struct Cell {
     pub length: f64,
     /// The terms of B where it begins.
     pub terms: Vec<Complex>,
-    /// B and its derivatives where it begins.
+    /// B and its curvature where it begins.
     pub first: Forcing,
     /// The same where it ends.
     pub last: Forcing,

@@ -21,12 +21,13 @@ use super::scene::{Scene, forcing};
 use super::slip_step::{Push, State, force, motion, resolved_way};
 use super::slip_transition::{DrivenOscillator, HarmonicResponse, SlipTransition};
 use super::step_rules::StepRules;
-use super::watch::{Flow, SlipPiece, Watch};
+use super::watch::{Flow, Glance, Known, SlipPiece, Watch};
 use super::work::{Simulated, Unresolved, WORK_LIMIT};
 use crate::lanes::InstructionSet;
 use crate::model::{Complex, Event, EventKind, Model, Phase, Sign};
 use crate::noise::{AddressedDraws, bridge_at};
 use crate::scheme::{Observer, Timeline};
+use std::cell;
 
 /// The noisy cascade of one scene.
 #[derive(Clone, Debug)]
@@ -58,6 +59,15 @@ pub struct Scratch {
     partial: SlipStep,
     pending: Pending,
     /// The terms of B where a step has come.
+    terms: Vec<Complex>,
+    /// For the flow of a part of a step.
+    flow: cell::RefCell<FlowScratch>,
+}
+
+/// Responses and terms after a part of a step.
+#[derive(Debug)]
+struct FlowScratch {
+    harmonics: Vec<HarmonicResponse>,
     terms: Vec<Complex>,
 }
 
@@ -237,38 +247,36 @@ impl Noisy {
     /// start of the step without noise, and Q its quintic. What the search draws is Q + (drawn
     /// deviation); X + (the same deviation) has V = X' - Q' at the stop that it found, and its own
     /// a time -V/a away: once for what the quintic leaves, some 1e-6 of a step, and again for the
-    /// square of that.
+    /// square of that. A deviation beyond what the noise can draw is rounding of the quintic, which
+    /// its derivatives magnify.
     #[inline(always)]
-    fn on_the_flow(
-        &self,
-        (searched, stop): (Step, Stop),
-        step: &SlipStep,
-        cell: &Cell,
-        (after_start, start): (f64, State),
-        terms: &mut [Complex],
-        eps: f64,
-    ) -> Stop {
-        let Scene { oscillator: body, friction, relaxation_rate, .. } = &self.scene;
-        let friction = eps * friction.dynamic_force;
-        // Way, motion and n without noise, after a part of the step; the terms come along.
-        let flow = |transition: &SlipTransition, responses: &[HarmonicResponse], terms: &mut [Complex]| {
-            cell.set_terms(after_start, terms);
-            let to = mean_state(transition, responses, start, terms, friction);
-            let motion = motion(body, eps, to.v, force(body, forcing(terms), to), friction);
-            (resolved_way(eps * start.x, eps * to.x, searched.start, motion, transition.length), motion, to)
-        };
-        let (way, end, _) = flow(&step.transition, &step.harmonics, terms);
+    fn on_the_flow(&self, (searched, stop): (Step, Stop), flow: &StepFlow) -> Stop {
+        let Scene { oscillator: body, relaxation_rate, .. } = &self.scene;
+        let eps = flow.direction.value();
+        let (way, end, _) = flow.motion(searched.length);
         let (interpolated_way, interpolated) = Step { end, way, ..searched }.mean(stop.after);
+        let most = MOST_DEVIATIONS * self.search.noise * searched.root_length;
+        let bounded =
+            |deviation: f64, most: f64| if deviation.abs() > most { most.copysign(deviation) } else { deviation };
+        let off = Motion {
+            velocity: bounded(
+                -interpolated.velocity,
+                most * searched.length + (searched.end.velocity - end.velocity).abs(),
+            ),
+            acceleration: bounded(
+                stop.acceleration - interpolated.acceleration,
+                most + (searched.end.acceleration - end.acceleration).abs(),
+            ),
+        };
 
-        let mut responses = step.harmonics.clone();
         let mut moved = stop;
         for _ in 0..FLOW_STEPS {
-            let transition = self.oscillator.transition(moved.after, &mut responses);
-            let (way, exact, to) = flow(&transition, &responses, terms);
+            let (way, exact, to) = flow.motion(moved.after);
             let way = stop.way + (way - interpolated_way);
-            let velocity = exact.velocity - interpolated.velocity;
-            let acceleration = stop.acceleration + (exact.acceleration - interpolated.acceleration);
-            let change = self.scene.forcing_slope(terms) - relaxation_rate * to.n - body.stiffness * to.v;
+            let velocity = exact.velocity + off.velocity;
+            let acceleration = exact.acceleration + off.acceleration;
+            let slope = self.scene.forcing_slope(&flow.scratch.borrow().terms);
+            let change = slope - relaxation_rate * to.n - body.stiffness * to.v;
             let jerk = (eps * change - 2.0 * body.damping * acceleration) / body.mass;
             let late = -velocity / acceleration;
             let after = moved.after + late;
@@ -312,7 +320,8 @@ impl Cascade for Noisy {
 
     fn scratch(&self) -> Scratch {
         let terms = vec![Complex::ZERO; self.scene.harmonics.len()];
-        Scratch { partial: self.step.clone(), pending: Pending::new(), terms }
+        let flow = FlowScratch { harmonics: self.step.harmonics.clone(), terms: terms.clone() };
+        Scratch { partial: self.step.clone(), pending: Pending::new(), terms, flow: flow.into() }
     }
 
     #[inline(always)]
@@ -328,7 +337,7 @@ impl Cascade for Noisy {
         let eps = direction.value();
         let friction = eps * self.scene.friction.dynamic_force;
         let mut start = self.motion(path, direction);
-        let Scratch { partial, pending, terms } = scratch;
+        let Scratch { partial, pending, terms, flow: flow_scratch } = scratch;
         if path.after == 0.0 {
             terms.copy_from_slice(&cell.terms);
         } else {
@@ -357,23 +366,44 @@ impl Cascade for Noisy {
             }
             let way = resolved_way(eps * before.1.x, eps * path.displacement, start, end, length);
             let searched = Step { start, end, way, length, root_length: step.root_length };
-            let known = (before.0 + length, to_noise);
-            let flow =
-                StepFlow { cascade: self, cell, direction, after: before.0, start: before.1, first: start, end: known };
-            let look = |after: f64, way: f64, start: Motion, interval: &Interval| {
-                let after = before.0 + after;
-                watch.look(&self.scene, cell, || SlipPiece { flow: &flow, after, way, start, interval: *interval });
+            let flow = StepFlow {
+                cascade: self,
+                cell,
+                step,
+                direction,
+                after: before.0,
+                start: before.1,
+                first: start,
+                end: (before.0 + length, to_noise),
+                told: cell::Cell::new([(before.0, before.1.n); 2]),
+                scratch: flow_scratch,
             };
-            if let Some(mut stop) = self.search.first(&searched, &mut path.draws, pending, &mut path.work, look)? {
-                if self.search.noise * searched.root_length < FEEBLE * stop.acceleration.abs() {
-                    stop = self.on_the_flow((searched, stop), step, cell, before, terms, eps);
+            let mut look = |(after, way, start, interval): Passed| {
+                watch.look(&self.scene, cell, || {
+                    let known = [flow.told.get()[0], flow.end];
+                    SlipPiece { flow: &flow, after: before.0 + after, way, start, interval, known }
+                });
+            };
+            // The last interval ends in the stop, whose place is not known yet.
+            let mut last = None;
+            let passed = |after, way, start, interval: &Interval| {
+                last.replace((after, way, start, *interval)).into_iter().for_each(&mut look);
+            };
+            let stop = self.search.first(&searched, &mut path.draws, pending, &mut path.work, passed)?;
+            let Some(mut stop) = stop else {
+                last.into_iter().for_each(look);
+                if is_last {
+                    return Ok(None);
                 }
-                return Ok(Some(self.stopped(cell, path, direction, before, &stop)));
+                start = end;
+                continue;
+            };
+            if self.search.noise * searched.root_length < FEEBLE * stop.acceleration.abs() {
+                stop = self.on_the_flow((searched, stop), &flow);
+                last = last.map(|passed| ending_at(passed, &stop));
             }
-            if is_last {
-                return Ok(None);
-            }
-            start = end;
+            last.into_iter().for_each(look);
+            return Ok(Some(self.stopped(cell, path, direction, before, &stop)));
         }
     }
 
@@ -389,58 +419,99 @@ impl Cascade for Noisy {
     }
 }
 
+/// An interval without a zero of the velocity: the time and the way to where it begins, the motion
+/// there, and the rest of it.
+type Passed = (f64, f64, Motion, Interval);
+
+/// The interval before a stop, with the stop as it is.
+fn ending_at((after, way, start, interval): Passed, stop: &Stop) -> Passed {
+    let part = (stop.after - after) / interval.length();
+    let end = Motion { velocity: 0.0, acceleration: stop.acceleration };
+    let interval = if part > 0.0 { interval.parted(part, stop.way - way, end)[0] } else { interval };
+    (after, way, start, interval)
+}
+
 /// A step from a state without noise.
 struct StepFlow<'a> {
     cascade: &'a Noisy,
     cell: &'a Cell,
+    step: &'a SlipStep,
     direction: Sign,
     /// When the step begins, after the start of the cell.
     after: f64,
     start: State,
     /// The motion there along the direction.
     first: Motion,
-    /// When it ends, and n there.
-    end: (f64, f64),
+    /// Where it ends.
+    end: Known,
+    /// Where n was told last, to the rows of the run and to those between them.
+    told: cell::Cell<[Known; 2]>,
+    scratch: &'a cell::RefCell<FlowScratch>,
+}
+
+impl StepFlow<'_> {
+    /// The way, the motion along it and the state a time after the start of the step.
+    #[inline(always)]
+    fn motion(&self, since: f64) -> (f64, Motion, State) {
+        let Noisy { scene, oscillator, .. } = self.cascade;
+        let (body, eps) = (&scene.oscillator, self.direction.value());
+        let friction = eps * scene.friction.dynamic_force;
+        let FlowScratch { harmonics, terms } = &mut *self.scratch.borrow_mut();
+        self.cell.set_terms(self.after, terms);
+        let mut to = self.start;
+        if since == self.step.transition.length {
+            to = mean_state(&self.step.transition, &self.step.harmonics, self.start, terms, friction);
+        } else if since > 0.0 {
+            let transition = oscillator.transition(since, harmonics);
+            to = mean_state(&transition, harmonics, self.start, terms, friction);
+        }
+        let motion = motion(body, eps, to.v, force(body, forcing(terms), to), friction);
+        (resolved_way(eps * self.start.x, eps * to.x, self.first, motion, since), motion, to)
+    }
 }
 
 impl Flow for StepFlow<'_> {
+    #[inline(always)]
     fn start(&self) -> (Sign, f64) {
         (self.direction, self.start.x)
     }
 
+    #[inline(always)]
     fn at(&self, after: f64) -> (f64, Motion, f64) {
-        let Noisy { scene, oscillator, .. } = self.cascade;
-        let (body, eps) = (&scene.oscillator, self.direction.value());
-        let friction = eps * scene.friction.dynamic_force;
-        let mut terms = self.cell.terms.clone();
-        self.cell.set_terms(self.after, &mut terms);
-        let mut to = self.start;
-        if after > self.after {
-            let mut responses = vec![NO_RESPONSE; terms.len()];
-            let transition = oscillator.transition(after - self.after, &mut responses);
-            to = mean_state(&transition, &responses, self.start, &mut terms, friction);
-        }
-        let motion = motion(body, eps, to.v, force(body, forcing(&terms), to), friction);
-        let way = resolved_way(eps * self.start.x, eps * to.x, self.first, motion, after - self.after);
+        let (way, motion, to) = self.motion(after - self.after);
         (way, motion, to.n)
     }
 
-    fn resolved_noise(&self, after: f64, noise: f64, forces: f64, draws: &mut AddressedDraws) -> f64 {
+    fn resolved_noise(
+        &self,
+        glance: Glance,
+        noise: f64,
+        forces: f64,
+        [mut before, behind]: [Known; 2],
+        draws: &mut AddressedDraws,
+    ) -> f64 {
         let Scene { relaxation_rate, diffusion, .. } = self.cascade.scene;
-        let (until, end_noise) = self.end;
         // Not a comparison that something undefined would pass.
-        if diffusion * (until - self.after).sqrt() > ROUNDED * forces {
+        if diffusion * (self.end.0 - self.after).sqrt() > ROUNDED * forces {
             return noise;
         }
-        if after <= self.after {
-            return self.start.n;
+        let mut told = self.told.get();
+        let between = &mut told[usize::from(glance.is_closer)];
+        if between.0 > before.0 {
+            before = *between;
         }
-        if after >= until {
-            return end_noise;
-        }
-        let ends = (self.start.n, end_noise);
-        let (mean, sd) = bridge_at(relaxation_rate, diffusion, after - self.after, until - after, ends);
-        mean + sd * draws.normal()
+        let noise = if glance.time <= before.0 {
+            before.1
+        } else if glance.time >= behind.0 {
+            behind.1
+        } else {
+            let parts = (glance.time - before.0, behind.0 - glance.time);
+            let (mean, sd) = bridge_at(relaxation_rate, diffusion, parts.0, parts.1, (before.1, behind.1));
+            mean + sd * draws.normal()
+        };
+        *between = (glance.time, noise);
+        self.told.set(told);
+        noise
     }
 }
 
@@ -474,6 +545,9 @@ pub const SHORTEST: f64 = 1e-8;
 
 /// A noise that moves the forces by less than this share of them is lost in their balance.
 const ROUNDED: f64 = 1e-6;
+
+/// No draw is so many standard deviations away; those of a, c sqrt(h) at most, and of V, c h^{3/2}.
+const MOST_DEVIATIONS: f64 = 10.0;
 
 /// Newton's steps from the stop of the quintic to that of the motion.
 const FLOW_STEPS: usize = 3;

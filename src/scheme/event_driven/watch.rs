@@ -58,10 +58,11 @@ pub struct Glances<'a> {
 }
 
 impl Watch for Glances<'_> {
+    #[inline(always)]
     fn look<P: Piece>(&mut self, scene: &Scene, cell: &Cell, piece: impl FnOnce() -> P) {
         let mut rest = piece();
         while let Some(row) = self.ahead(rest.end()).find(|glance| !glance.is_closer) {
-            let (seen, before, behind) = rest.parted(scene, cell, row.time, &mut self.draws[0]);
+            let (seen, before, behind) = rest.parted(scene, cell, row, &mut self.draws[0]);
             self.look_closer(scene, cell, before, row.time);
             self.seen.push(seen);
             rest = behind;
@@ -78,9 +79,10 @@ impl<'a> Glances<'a> {
     }
 
     /// The rows between those of the run, up to `end`.
+    #[inline(always)]
     fn look_closer<P: Piece>(&mut self, scene: &Scene, cell: &Cell, mut piece: P, end: f64) {
         while let Some(row) = self.ahead(end).next().filter(|glance| glance.is_closer) {
-            let (seen, _, behind) = piece.parted(scene, cell, row.time, &mut self.draws[1]);
+            let (seen, _, behind) = piece.parted(scene, cell, row, &mut self.draws[1]);
             self.seen.push(seen);
             piece = behind;
         }
@@ -91,8 +93,8 @@ impl<'a> Glances<'a> {
 pub trait Piece: Sized {
     /// When it ends, after the start of the cell.
     fn end(&self) -> f64;
-    /// Draw the state at a time in it, and part it there.
-    fn parted(&self, scene: &Scene, cell: &Cell, time: f64, draws: &mut AddressedDraws) -> (Seen, Self, Self);
+    /// Draw the state at a glance in it, and part it there.
+    fn parted(&self, scene: &Scene, cell: &Cell, glance: Glance, draws: &mut AddressedDraws) -> (Seen, Self, Self);
 }
 
 /// The motion of a step of a slip without noise: what the drawn motion is told as a deviation from,
@@ -102,10 +104,20 @@ pub trait Flow {
     fn start(&self) -> (Sign, f64);
     /// The way from there, the motion along it and n, at a time after the start of the cell.
     fn at(&self, after: f64) -> (f64, Motion, f64);
-    /// n as it was told from a balance of forces of this size, or, where that has lost its digits,
-    /// drawn from the bridge of n over the step.
-    fn resolved_noise(&self, after: f64, noise: f64, forces: f64, draws: &mut AddressedDraws) -> f64;
+    /// n at a glance as it was told from a balance of forces of this size, or, where that has lost
+    /// its digits, drawn from the bridge of n between what is known of it.
+    fn resolved_noise(
+        &self,
+        glance: Glance,
+        noise: f64,
+        forces: f64,
+        known: [Known; 2],
+        draws: &mut AddressedDraws,
+    ) -> f64;
 }
+
+/// A time after the start of the cell, and n there.
+pub type Known = (f64, f64);
 
 /// A piece of a slip.
 pub struct SlipPiece<'a, F> {
@@ -118,6 +130,8 @@ pub struct SlipPiece<'a, F> {
     pub start: Motion,
     /// The rest of it.
     pub interval: Interval,
+    /// n before and behind, as the rows of the run know it.
+    pub known: [Known; 2],
 }
 
 impl<F: Flow> Piece for SlipPiece<'_, F> {
@@ -125,8 +139,10 @@ impl<F: Flow> Piece for SlipPiece<'_, F> {
         self.after + self.interval.length()
     }
 
-    fn parted(&self, scene: &Scene, cell: &Cell, time: f64, draws: &mut AddressedDraws) -> (Seen, Self, Self) {
-        let SlipPiece { flow, after, way, start, interval } = *self;
+    #[inline(always)]
+    fn parted(&self, scene: &Scene, cell: &Cell, glance: Glance, draws: &mut AddressedDraws) -> (Seen, Self, Self) {
+        let time = glance.time;
+        let SlipPiece { flow, after, way, start, interval, known } = *self;
         let (body, (direction, x0)) = (&scene.oscillator, flow.start());
         let eps = direction.value();
         let (way_before, before, _) = flow.at(after);
@@ -155,11 +171,12 @@ impl<F: Flow> Piece for SlipPiece<'_, F> {
             + scene.friction.dynamic_force
             + cell.forcing(time).value.abs()
             + body.stiffness * x0.abs();
-        let noise = flow.resolved_noise(time, noise + eps * balance, largest, draws);
+        let noise = flow.resolved_noise(glance, noise + eps * balance, largest, known, draws);
         let seen = (x0 + eps * total, eps * velocity, temperature(scene, cell, time, noise), false);
         let [first, second] = if part > 0.0 { interval.parted(part, passed, motion) } else { [interval; 2] };
-        let before = SlipPiece { interval: first, ..*self };
-        (seen, before, SlipPiece { after: time, way: total, start: motion, interval: second, ..*self })
+        let before = SlipPiece { interval: first, known: [known[0], (time, noise)], ..*self };
+        let known = [(time, noise), known[1]];
+        (seen, before, SlipPiece { after: time, way: total, start: motion, interval: second, known, ..*self })
     }
 }
 
@@ -193,7 +210,9 @@ impl Piece for StickPiece {
         self.after.1
     }
 
-    fn parted(&self, scene: &Scene, cell: &Cell, time: f64, draws: &mut AddressedDraws) -> (Seen, Self, Self) {
+    #[inline(always)]
+    fn parted(&self, scene: &Scene, cell: &Cell, glance: Glance, draws: &mut AddressedDraws) -> (Seen, Self, Self) {
+        let time = glance.time;
         let (noise, force) = self.stuck(scene, cell, time, draws);
         let seen = (self.displacement, 0.0, temperature(scene, cell, time, noise), true);
         let kind = if self.kind == StickEnd::Clear { StickEnd::Clear } else { StickEnd::Kept };
