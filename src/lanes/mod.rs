@@ -53,6 +53,11 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 /// Numbers of a row: as many as fill a cache line.
 pub const ROW: usize = 8;
 
+/// Some numbers of one lane, in a cache line of their own.
+#[derive(Clone, Copy, Debug)]
+#[repr(align(64))]
+pub struct Row(pub [f64; ROW]);
+
 /// Bits of a key below those that number its entry in a [`Table`].
 pub const KEY_SHIFT: u32 = 45;
 
@@ -87,13 +92,23 @@ pub trait Lanes:
     /// Write the lanes to the first `WIDTH` places of a slice.
     fn store(self, to: &mut [f64]);
     /// The number `column` of each of `WIDTH` rows of a table, for every column.
-    fn gather_rows(table: &[[f64; ROW]], rows: &[u32]) -> [Self; ROW];
+    fn gather_rows(table: &[Row], rows: &[u32]) -> [Self; ROW];
     /// Write the columns of `WIDTH` rows to a table.
-    fn scatter_rows(columns: [Self; ROW], table: &mut [[f64; ROW]], rows: &[u32]);
+    fn scatter_rows(columns: [Self; ROW], table: &mut [Row], rows: &[u32]);
     /// The square root.
     fn sqrt(self) -> Self;
     /// |self|
     fn abs(self) -> Self;
+    /// Those of the entries whose lanes are in the mask, side by side; what is behind them means nothing.
+    #[inline(always)]
+    fn compress(entries: &[u32; ROW], lanes: u32) -> [u32; ROW] {
+        let (mut all, mut count) = ([0; ROW], 0);
+        for (i, &entry) in entries[..Self::WIDTH].iter().enumerate() {
+            all[count & (ROW - 1)] = entry;
+            count += (lanes >> i & 1) as usize;
+        }
+        all
+    }
     /// self * factor + term, rounded once.
     fn mul_add(self, factor: Self, term: Self) -> Self;
     /// self > other

@@ -1,6 +1,6 @@
 //! Four lanes in plain Rust, for processors without the wide instruction sets.
 
-use super::{KEY_SHIFT, Lanes, ROW, Table};
+use super::{KEY_SHIFT, Lanes, ROW, Row, Table};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// Four numbers side by side.
@@ -45,14 +45,14 @@ impl Lanes for Portable {
         to[..4].copy_from_slice(&self.0);
     }
     #[inline(always)]
-    fn gather_rows(table: &[[f64; ROW]], rows: &[u32]) -> [Self; ROW] {
+    fn gather_rows(table: &[Row], rows: &[u32]) -> [Self; ROW] {
         let rows: [usize; 4] = std::array::from_fn(|i| rows[i] as usize);
-        std::array::from_fn(|column| Portable(rows.map(|row| table[row][column])))
+        std::array::from_fn(|column| Portable(rows.map(|row| table[row].0[column])))
     }
     #[inline(always)]
-    fn scatter_rows(columns: [Self; ROW], table: &mut [[f64; ROW]], rows: &[u32]) {
+    fn scatter_rows(columns: [Self; ROW], table: &mut [Row], rows: &[u32]) {
         for (i, &row) in rows[..4].iter().enumerate() {
-            table[row as usize] = columns.map(|column| column.0[i]);
+            table[row as usize] = Row(columns.map(|column| column.0[i]));
         }
     }
     #[inline(always)]

@@ -1,6 +1,6 @@
 //! A single number as one lane, for code that follows its paths one by one.
 
-use super::{KEY_SHIFT, Lanes, ROW, Table};
+use super::{KEY_SHIFT, Lanes, ROW, Row, Table};
 
 impl Lanes for f64 {
     const WIDTH: usize = 1;
@@ -20,12 +20,12 @@ impl Lanes for f64 {
         to[0] = self;
     }
     #[inline(always)]
-    fn gather_rows(table: &[[f64; ROW]], rows: &[u32]) -> [Self; ROW] {
-        table[rows[0] as usize]
+    fn gather_rows(table: &[Row], rows: &[u32]) -> [Self; ROW] {
+        table[rows[0] as usize].0
     }
     #[inline(always)]
-    fn scatter_rows(columns: [Self; ROW], table: &mut [[f64; ROW]], rows: &[u32]) {
-        table[rows[0] as usize] = columns;
+    fn scatter_rows(columns: [Self; ROW], table: &mut [Row], rows: &[u32]) {
+        table[rows[0] as usize] = Row(columns);
     }
     #[inline(always)]
     fn sqrt(self) -> Self {

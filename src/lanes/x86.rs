@@ -6,7 +6,7 @@
 //! elements of a slice whose length is checked first; table reads go to entries numbered by 64 bits shifted right by `KEY_SHIFT`, and a
 //! table has one for each such number.
 
-use super::{KEY_SHIFT, LaneProgram, Lanes, ROW, Table};
+use super::{KEY_SHIFT, LaneProgram, Lanes, ROW, Row, Table};
 use std::arch::x86_64::*;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -65,16 +65,16 @@ impl Lanes for Avx512 {
         unsafe { _mm512_storeu_pd(to[..8].as_mut_ptr(), self.0) }
     }
     #[inline(always)]
-    fn gather_rows(table: &[[f64; ROW]], rows: &[u32]) -> [Self; ROW] {
+    fn gather_rows(table: &[Row], rows: &[u32]) -> [Self; ROW] {
         let columns = transposed([
-            Self::load(&table[rows[0] as usize]).0,
-            Self::load(&table[rows[1] as usize]).0,
-            Self::load(&table[rows[2] as usize]).0,
-            Self::load(&table[rows[3] as usize]).0,
-            Self::load(&table[rows[4] as usize]).0,
-            Self::load(&table[rows[5] as usize]).0,
-            Self::load(&table[rows[6] as usize]).0,
-            Self::load(&table[rows[7] as usize]).0,
+            Self::load(&table[rows[0] as usize].0).0,
+            Self::load(&table[rows[1] as usize].0).0,
+            Self::load(&table[rows[2] as usize].0).0,
+            Self::load(&table[rows[3] as usize].0).0,
+            Self::load(&table[rows[4] as usize].0).0,
+            Self::load(&table[rows[5] as usize].0).0,
+            Self::load(&table[rows[6] as usize].0).0,
+            Self::load(&table[rows[7] as usize].0).0,
         ]);
         [
             Avx512(columns[0]),
@@ -88,14 +88,23 @@ impl Lanes for Avx512 {
         ]
     }
     #[inline(always)]
-    fn scatter_rows(c: [Self; ROW], table: &mut [[f64; ROW]], rows: &[u32]) {
+    fn scatter_rows(c: [Self; ROW], table: &mut [Row], rows: &[u32]) {
         let lanes = transposed([c[0].0, c[1].0, c[2].0, c[3].0, c[4].0, c[5].0, c[6].0, c[7].0]);
         let rows = &rows[..8];
         let mut i = 0;
         while i < 8 {
-            Avx512(lanes[i]).store(&mut table[rows[i] as usize]);
+            Avx512(lanes[i]).store(&mut table[rows[i] as usize].0);
             i += 1;
         }
+    }
+    #[inline(always)]
+    fn compress(entries: &[u32; ROW], lanes: u32) -> [u32; ROW] {
+        let mut all = [0; ROW];
+        unsafe {
+            let entries = _mm256_loadu_si256(entries.as_ptr().cast());
+            _mm256_storeu_si256(all.as_mut_ptr().cast(), _mm256_maskz_compress_epi32(lanes as __mmask8, entries));
+        }
+        all
     }
     #[inline(always)]
     fn sqrt(self) -> Self {
@@ -300,12 +309,12 @@ impl Lanes for Avx2 {
         unsafe { _mm256_storeu_pd(to[..4].as_mut_ptr(), self.0) }
     }
     #[inline(always)]
-    fn gather_rows(table: &[[f64; ROW]], rows: &[u32]) -> [Self; ROW] {
+    fn gather_rows(table: &[Row], rows: &[u32]) -> [Self; ROW] {
         let rows = [
-            &table[rows[0] as usize],
-            &table[rows[1] as usize],
-            &table[rows[2] as usize],
-            &table[rows[3] as usize],
+            &table[rows[0] as usize].0,
+            &table[rows[1] as usize].0,
+            &table[rows[2] as usize].0,
+            &table[rows[3] as usize].0,
         ];
         let low = transposed4([
             Self::load(&rows[0][..4]),
@@ -322,12 +331,12 @@ impl Lanes for Avx2 {
         [low[0], low[1], low[2], low[3], high[0], high[1], high[2], high[3]]
     }
     #[inline(always)]
-    fn scatter_rows(c: [Self; ROW], table: &mut [[f64; ROW]], rows: &[u32]) {
+    fn scatter_rows(c: [Self; ROW], table: &mut [Row], rows: &[u32]) {
         let (low, high) = (transposed4([c[0], c[1], c[2], c[3]]), transposed4([c[4], c[5], c[6], c[7]]));
         let rows = &rows[..4];
         let mut i = 0;
         while i < 4 {
-            let row = &mut table[rows[i] as usize];
+            let row = &mut table[rows[i] as usize].0;
             low[i].store(&mut row[..4]);
             high[i].store(&mut row[4..]);
             i += 1;

@@ -62,6 +62,8 @@ pub struct Scratch {
     terms: Vec<Complex>,
     /// For the flow of a part of a step.
     flow: cell::RefCell<FlowScratch>,
+    /// The intervals of a step that is looked at.
+    passed: Vec<Passed>,
 }
 
 /// Responses and terms after a part of a step.
@@ -321,7 +323,7 @@ impl Cascade for Noisy {
     fn scratch(&self) -> Scratch {
         let terms = vec![Complex::ZERO; self.scene.harmonics.len()];
         let flow = FlowScratch { harmonics: self.step.harmonics.clone(), terms: terms.clone() };
-        Scratch { partial: self.step.clone(), pending: Pending::new(), terms, flow: flow.into() }
+        Scratch { partial: self.step.clone(), pending: Pending::new(), terms, flow: flow.into(), passed: Vec::new() }
     }
 
     #[inline(always)]
@@ -337,7 +339,7 @@ impl Cascade for Noisy {
         let eps = direction.value();
         let friction = eps * self.scene.friction.dynamic_force;
         let mut start = self.motion(path, direction);
-        let Scratch { partial, pending, terms, flow: flow_scratch } = scratch;
+        let Scratch { partial, pending, terms, flow: flow_scratch, passed } = scratch;
         if path.after == 0.0 {
             terms.copy_from_slice(&cell.terms);
         } else {
@@ -378,32 +380,35 @@ impl Cascade for Noisy {
                 told: cell::Cell::new([(before.0, before.1.n); 2]),
                 scratch: flow_scratch,
             };
-            let mut look = |(after, way, start, interval): Passed| {
-                watch.look(&self.scene, cell, || {
-                    let known = [flow.told.get()[0], flow.end];
-                    SlipPiece { flow: &flow, after: before.0 + after, way, start, interval, known }
-                });
-            };
-            // The last interval ends in the stop, whose place is not known yet.
-            let mut last = None;
-            let passed = |after, way, start, interval: &Interval| {
-                last.replace((after, way, start, *interval)).into_iter().for_each(&mut look);
-            };
-            let stop = self.search.first(&searched, &mut path.draws, pending, &mut path.work, passed)?;
-            let Some(mut stop) = stop else {
-                last.into_iter().for_each(look);
-                if is_last {
-                    return Ok(None);
+            // Kept for whoever looks, since a stop at the end of the last one may move.
+            passed.clear();
+            let pass = |after, way, start, interval: &Interval| {
+                if watch.is_looking() {
+                    passed.push((after, way, start, *interval));
                 }
-                start = end;
-                continue;
             };
-            if self.search.noise * searched.root_length < FEEBLE * stop.acceleration.abs() {
-                stop = self.on_the_flow((searched, stop), &flow);
-                last = last.map(|passed| ending_at(passed, &stop));
+            let mut stop = self.search.first(&searched, &mut path.draws, pending, &mut path.work, pass)?;
+            if let Some(stop) = &mut stop
+                && self.search.noise * searched.root_length < FEEBLE * stop.acceleration.abs()
+            {
+                *stop = self.on_the_flow((searched, *stop), &flow);
+                if let Some(last) = passed.last_mut() {
+                    *last = ending_at(*last, stop);
+                }
             }
-            last.into_iter().for_each(look);
-            return Ok(Some(self.stopped(cell, path, direction, before, &stop)));
+            // Not in a closure, which is not compiled for the instruction set.
+            for &(after, way, start, interval) in passed.iter() {
+                let known = [flow.told.get()[0], flow.end];
+                let piece = SlipPiece { flow: &flow, after: before.0 + after, way, start, interval, known };
+                watch.look(&self.scene, cell, || piece);
+            }
+            if let Some(stop) = stop {
+                return Ok(Some(self.stopped(cell, path, direction, before, &stop)));
+            }
+            if is_last {
+                return Ok(None);
+            }
+            start = end;
         }
     }
 

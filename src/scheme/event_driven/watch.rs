@@ -36,6 +36,8 @@ pub struct Glance {
 
 /// Who looks at a path inside a cell.
 pub trait Watch {
+    /// Whether anybody looks inside this cell.
+    fn is_looking(&self) -> bool;
     /// Look at a piece of the path, all times up to its end.
     fn look<P: Piece>(&mut self, scene: &Scene, cell: &Cell, piece: impl FnOnce() -> P);
 }
@@ -44,6 +46,11 @@ pub trait Watch {
 pub struct Nobody;
 
 impl Watch for Nobody {
+    #[inline(always)]
+    fn is_looking(&self) -> bool {
+        false
+    }
+
     #[inline(always)]
     fn look<P: Piece>(&mut self, _: &Scene, _: &Cell, _: impl FnOnce() -> P) {}
 }
@@ -58,6 +65,11 @@ pub struct Glances<'a> {
 }
 
 impl Watch for Glances<'_> {
+    #[inline(always)]
+    fn is_looking(&self) -> bool {
+        true
+    }
+
     #[inline(always)]
     fn look<P: Piece>(&mut self, scene: &Scene, cell: &Cell, piece: impl FnOnce() -> P) {
         let mut rest = piece();

@@ -1,7 +1,7 @@
 //! What is still to be done in a cell: a queue for every task, and what each waiting lane needs, two
 //! rows of a table.
 
-use crate::lanes::{Lanes, ROW};
+use crate::lanes::{Lanes, ROW, Row};
 
 /// What a flagged lane waits for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -29,20 +29,27 @@ const TASKS: [Task; 7] =
 pub const DEPTH: usize = 32;
 
 /// Lanes that are worked on together; those beyond the last are the one that stands for none.
-pub type Rows = [u32; 8];
+pub type Rows = [u32; ROW];
 
 /// The tables and queues.
 pub struct Jobs {
     /// What is left of a piece, or where it begins.
-    pub left: Vec<[f64; ROW]>,
+    pub left: Vec<Row>,
     /// What is right of it, and what tells the random numbers of the path apart.
-    pub right: Vec<[f64; ROW]>,
+    pub right: Vec<Row>,
     /// The pieces behind it, `depth lanes + lane`, as rows of `right`.
-    stack: Vec<[f64; ROW]>,
+    stack: Vec<Row>,
     /// How many pieces are behind it; where a slip stops, how often that was tried.
     pub top: Vec<u32>,
-    queues: [Vec<u32>; 7],
+    queues: [Queue; 7],
     lanes: usize,
+}
+
+/// The lanes that wait for a task; the last one comes first.
+struct Queue {
+    /// With room for a whole register behind the last.
+    lanes: Vec<u32>,
+    len: usize,
 }
 
 impl Jobs {
@@ -50,49 +57,48 @@ impl Jobs {
     pub fn new(lanes: usize) -> Self {
         let rows = lanes + ROW;
         Jobs {
-            left: vec![[0.0; ROW]; rows],
-            right: vec![[0.0; ROW]; rows],
-            stack: vec![[0.0; ROW]; rows * DEPTH],
+            left: vec![Row([0.0; ROW]); rows],
+            right: vec![Row([0.0; ROW]); rows],
+            stack: vec![Row([0.0; ROW]); rows * DEPTH],
             top: vec![0; rows],
-            queues: std::array::from_fn(|_| Vec::with_capacity(lanes)),
+            queues: std::array::from_fn(|_| Queue { lanes: vec![0; rows], len: 0 }),
             lanes: rows,
         }
     }
 
     /// How many lanes wait.
     pub fn waiting(&self) -> usize {
-        self.queues.iter().map(Vec::len).sum()
+        self.queues.iter().map(|queue| queue.len).sum()
     }
 
     /// Put the lanes of a mask in a queue.
     #[inline(always)]
-    pub fn push(&mut self, task: Task, rows: &[u32], mut lanes: u32) {
+    pub fn push<L: Lanes>(&mut self, task: Task, rows: &Rows, lanes: u32) {
         let queue = &mut self.queues[task as usize];
-        while lanes != 0 {
-            queue.push(rows[lanes.trailing_zeros() as usize]);
-            lanes &= lanes - 1;
-        }
+        queue.lanes[queue.len..queue.len + ROW].copy_from_slice(&L::compress(rows, lanes));
+        queue.len += lanes.count_ones() as usize;
     }
 
-    /// Up to `width` lanes of the longest queue, what they wait for, and a mask of them.
+    /// Up to `WIDTH` lanes of the longest queue, what they wait for, and a mask of them.
     #[inline(always)]
-    pub fn longest(&mut self, width: usize) -> Option<(Task, Rows, u32)> {
+    pub fn longest<L: Lanes>(&mut self) -> Option<(Task, Rows, u32)> {
         let mut longest = 0;
         for i in 1..TASKS.len() {
-            if self.queues[i].len() > self.queues[longest].len() {
+            if self.queues[i].len > self.queues[longest].len {
                 longest = i;
             }
         }
         let queue = &mut self.queues[longest];
-        if queue.is_empty() {
+        let taken = queue.len.min(L::WIDTH);
+        if taken == 0 {
             return None;
         }
-        let nobody = (self.lanes - 1) as u32;
-        let mut rows = [nobody; 8];
-        let taken = queue.len().min(width);
-        let rest = queue.len() - taken;
-        rows[..taken].copy_from_slice(&queue[rest..]);
-        queue.truncate(rest);
+        queue.len -= taken;
+        let mut rows = [0; ROW];
+        rows.copy_from_slice(&queue.lanes[queue.len..queue.len + ROW]);
+        if taken < L::WIDTH {
+            rows[taken..].fill((self.lanes - 1) as u32);
+        }
         Some((TASKS[longest], rows, (1 << taken) - 1))
     }
 
@@ -145,10 +151,9 @@ impl Jobs {
 
     /// Nothing waits behind the lanes of a mask, and nothing was tried.
     #[inline(always)]
-    pub fn begin(&mut self, rows: &[u32], mut lanes: u32) {
-        while lanes != 0 {
-            self.top[rows[lanes.trailing_zeros() as usize] as usize] = 0;
-            lanes &= lanes - 1;
+    pub fn begin(&mut self, rows: &[u32], lanes: u32) {
+        for (i, &row) in rows.iter().enumerate() {
+            self.top[row as usize] *= !lanes >> i & 1;
         }
     }
 

@@ -98,8 +98,8 @@ impl<'a> Abreast<'a> {
             now: states.clone(),
             next: states,
             keys: [vec![0; lanes], vec![0; lanes]],
-            spent: vec![0; lanes],
-            spent_before: vec![0; lanes],
+            spent: vec![0; lanes + ROW],
+            spent_before: vec![0; lanes + ROW],
             is_lost: vec![false; count],
             jobs: Jobs::new(lanes),
             events: Vec::new(),
@@ -217,7 +217,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         } else {
             self.sweep();
             self.paths.flagged += self.paths.jobs.waiting();
-            while let Some((task, rows, lanes)) = self.paths.jobs.longest(L::WIDTH) {
+            while let Some((task, rows, lanes)) = self.paths.jobs.longest::<L>() {
                 match task {
                     Task::Halve => self.halve(&rows, lanes),
                     Task::Decide => self.decide(&rows, lanes),

@@ -1,7 +1,7 @@
 //! Sub-phases that may stop in the cell, and those that begin in it.
 
 use super::Crossing;
-use super::jobs::{Jobs, Task};
+use super::jobs::{Jobs, Rows, Task};
 use super::stick::Piece;
 use crate::lanes::{Lanes, ROW};
 use crate::model::{Event, EventKind};
@@ -100,18 +100,17 @@ fn select<L: Lanes>(mask: L::Mask, a: &Interval<L>, b: &Interval<L>) -> Interval
 impl<L: Lanes> Crossing<'_, '_, L> {
     /// Put searched lanes where they belong next.
     #[inline(always)]
-    fn queue_searched(&mut self, searched: &Searched<L>, rows: &[u32], lanes: u32) {
+    fn queue_searched(&mut self, searched: &Searched<L>, rows: &Rows, lanes: u32) {
         let stops = self.paths.noisy.search().is_stop(searched.left, &searched.interval);
         let stops = L::bitmask(stops) & lanes;
-        self.paths.jobs.push(Task::Stop, rows, stops);
-        self.paths.jobs.push(Task::Bisect, rows, lanes & !stops);
+        self.paths.jobs.push::<L>(Task::Stop, rows, stops);
+        self.paths.jobs.push::<L>(Task::Bisect, rows, lanes & !stops);
         self.paths.jobs.begin(rows, stops);
     }
 
     /// Part the intervals in their middles, and go on to what is behind them where both halves are clear.
     #[inline(always)]
-    pub(super) fn bisect(&mut self, rows: &[u32], lanes: u32) {
-        let rows = &rows[..L::WIDTH];
+    pub(super) fn bisect(&mut self, rows: &Rows, lanes: u32) {
         let mut searched = Searched::<L>::get(&self.paths.jobs, rows);
         let search = *self.paths.noisy.search();
         let too_short = searched.interval.length.le(L::splat(self.cell.length * (2.0 / (1u64 << 40) as f64)));
@@ -130,32 +129,30 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         searched.pass(far_clear, &far);
         let (near_clear, far_clear) = (L::bitmask(near_clear) & lanes, L::bitmask(far_clear) & lanes);
         self.paths.jobs.count_behind(rows, lanes & !near_clear);
-        self.spend(rows, lanes, [lanes, near_clear, far_clear]);
+        self.spend(rows, [lanes, near_clear, far_clear]);
         searched.put(&mut self.paths.jobs, rows);
         self.queue_searched(&searched, rows, lanes & !far_clear);
-        self.paths.jobs.push(Task::SlipOn, rows, far_clear & !self.paths.jobs.without_more(rows, far_clear));
+        self.paths.jobs.push::<L>(Task::SlipOn, rows, far_clear & !self.paths.jobs.without_more(rows, far_clear));
     }
 
     /// Go on to the next interval.
     #[inline(always)]
-    pub(super) fn slip_on(&mut self, rows: &[u32], lanes: u32) {
-        let rows = &rows[..L::WIDTH];
+    pub(super) fn slip_on(&mut self, rows: &Rows, lanes: u32) {
         let mut searched = Searched::<L>::get(&self.paths.jobs, rows);
         (searched.interval, ..) = interval_of(self.paths.jobs.take_behind(rows, lanes));
         let is_clear = self.paths.noisy.search().is_clear(searched.left, &searched.interval);
         let interval = searched.interval;
         searched.pass(is_clear, &interval);
         let clear = L::bitmask(is_clear) & lanes;
-        self.spend(rows, lanes, [clear, 0, 0]);
+        self.spend(rows, [clear, 0, 0]);
         searched.put(&mut self.paths.jobs, rows);
         self.queue_searched(&searched, rows, lanes & !clear);
-        self.paths.jobs.push(Task::SlipOn, rows, clear & !self.paths.jobs.without_more(rows, clear));
+        self.paths.jobs.push::<L>(Task::SlipOn, rows, clear & !self.paths.jobs.without_more(rows, clear));
     }
 
     /// Draw near the stop, until it is found; then what follows it.
     #[inline(always)]
-    pub(super) fn stop(&mut self, rows: &[u32], lanes: u32) {
-        let rows = &rows[..L::WIDTH];
+    pub(super) fn stop(&mut self, rows: &Rows, lanes: u32) {
         let mut searched = Searched::<L>::get(&self.paths.jobs, rows);
         let search = *self.paths.noisy.search();
         let normals = searched.draws(self.cell.index).three_normals(self.paths.normals, 0);
@@ -164,7 +161,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         let found = L::bitmask(near.is_at_it) & lanes;
         let first = self.paths.jobs.without_more(rows, lanes);
         self.paths.jobs.count_behind(rows, lanes);
-        self.spend(rows, lanes, [first, 0, 0]);
+        self.spend(rows, [first, 0, 0]);
 
         let missed = lanes & !found;
         if missed != 0 {
@@ -177,10 +174,10 @@ impl<L: Lanes> Crossing<'_, '_, L> {
             refined.left.acceleration = L::select(is_before, near.motion.acceleration, searched.left.acceleration);
             refined.interval = select(is_before, &behind, &before);
             let own = self.paths.jobs.only(rows, missed);
-            refined.put(&mut self.paths.jobs, &own[..L::WIDTH]);
+            refined.put(&mut self.paths.jobs, &own);
             let spoiled = self.paths.jobs.tried(rows, missed, STOP_REFINEMENTS as u32);
             self.odd_lanes(rows, spoiled);
-            self.paths.jobs.push(Task::Stop, rows, missed & !spoiled);
+            self.paths.jobs.push::<L>(Task::Stop, rows, missed & !spoiled);
         }
         if found != 0 {
             let (there, rest) = near.zero();
@@ -200,7 +197,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
     #[inline(always)]
     fn stopped(
         &mut self,
-        rows: &[u32],
+        rows: &Rows,
         lanes: u32,
         searched: &Searched<L>,
         (after, way, acceleration): (L, L, L),
@@ -219,7 +216,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         self.tell(rows, lanes, (after, x, force), |force, lane| {
             EventKind::at_rest(held >> lane & 1 == 1, force)
         });
-        self.spend(rows, lanes, [lanes, 0, 0]);
+        self.spend(rows, [lanes, 0, 0]);
         self.odd_lanes(rows, edge);
 
         let Searched { place, origin, key, .. } = *searched;
@@ -227,8 +224,8 @@ impl<L: Lanes> Crossing<'_, '_, L> {
             let eps = L::select(force.lt(L::splat(0.0)), L::splat(-1.0), L::splat(1.0));
             let begun = Begun { after, noise, force, eps, x, place, origin, key };
             let own = self.paths.jobs.only(rows, turned);
-            begun.put(&mut self.paths.jobs, &own[..L::WIDTH]);
-            self.paths.jobs.push(Task::Begin, rows, turned);
+            begun.put(&mut self.paths.jobs, &own);
+            self.paths.jobs.push::<L>(Task::Begin, rows, turned);
         }
         let held = held & !edge;
         if held != 0 {
@@ -244,8 +241,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
 
     /// A sub-phase begins in the cell: one exact step to its end.
     #[inline(always)]
-    pub(super) fn begin(&mut self, rows: &[u32], lanes: u32) {
-        let rows = &rows[..L::WIDTH];
+    pub(super) fn begin(&mut self, rows: &Rows, lanes: u32) {
         let begun = Begun::<L>::get(&self.paths.jobs, rows);
         let Begun { after, noise, force: start_force, eps, x, place, origin, key } = begun;
         let scene = self.paths.noisy.scene();
@@ -256,7 +252,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
             remaining.lt(L::splat(self.cell.length * (1.0 - ALIGNMENT))),
         );
         let mut odd = lanes & !L::bitmask(is_usual);
-        self.spend(rows, lanes, [lanes, 0, 0]);
+        self.spend(rows, [lanes, 0, 0]);
 
         let mut transition = self.paths.noisy.oscillator().series(remaining, &mut self.responses);
         transition.factor = cholesky(&transition.covariance);
@@ -302,7 +298,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
 
     /// n at the end of the cell.
     #[inline(always)]
-    fn end_noise(&self, rows: &[u32]) -> L {
+    fn end_noise(&self, rows: &Rows) -> L {
         let mut noise = [0.0; 8];
         for (noise, &row) in noise.iter_mut().zip(rows) {
             *noise = self.paths.next.n.get(row as usize).copied().unwrap_or(0.0);
@@ -312,7 +308,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
 
     /// Set x, x', b and the direction at the end of the cell.
     #[inline(always)]
-    pub(super) fn set_next(&mut self, rows: &[u32], mut lanes: u32, (x, v, force, eps): (L, L, L, L)) {
+    pub(super) fn set_next(&mut self, rows: &Rows, mut lanes: u32, (x, v, force, eps): (L, L, L, L)) {
         let mut values = [[0.0; 8]; 4];
         for (value, of) in values.iter_mut().zip([x, v, force, eps]) {
             of.store(value);
@@ -328,12 +324,10 @@ impl<L: Lanes> Crossing<'_, '_, L> {
 
     /// Add what lanes have spent: one for each mask that a lane is in.
     #[inline(always)]
-    pub(super) fn spend(&mut self, rows: &[u32], mut lanes: u32, masks: [u32; 3]) {
-        while lanes != 0 {
-            let i = lanes.trailing_zeros();
-            let [a, b, c] = masks.map(|mask| mask >> i & 1);
-            self.paths.spent[rows[i as usize] as usize] += u64::from(a + b + c);
-            lanes &= lanes - 1;
+    pub(super) fn spend(&mut self, rows: &Rows, masks: [u32; 3]) {
+        for (i, &row) in rows[..L::WIDTH].iter().enumerate() {
+            let [a, b, c] = [masks[0] >> i & 1, masks[1] >> i & 1, masks[2] >> i & 1];
+            self.paths.spent[row as usize] += u64::from(a + b + c);
         }
     }
 
@@ -341,7 +335,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
     #[inline(always)]
     pub(super) fn tell(
         &mut self,
-        rows: &[u32],
+        rows: &Rows,
         mut lanes: u32,
         (after, x, force): (L, L, L),
         kind: impl Fn(f64, u32) -> EventKind,

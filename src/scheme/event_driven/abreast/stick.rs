@@ -1,7 +1,7 @@
 //! Sticks that may be left in the cell.
 
 use super::Crossing;
-use super::jobs::{Jobs, Task};
+use super::jobs::{Jobs, Rows, Task};
 use super::slip::Begun;
 use crate::lanes::{Lanes, ROW};
 use crate::model::{EventKind, Sign};
@@ -64,34 +64,33 @@ fn node_of<L: Lanes>([after, noise, force, curvature, _, _, origin, key]: [L; RO
 impl<L: Lanes> Crossing<'_, '_, L> {
     /// A stick begins in the cell, in these lanes.
     #[inline(always)]
-    pub(super) fn begin_stick(&mut self, rows: &[u32], lanes: u32, piece: &Piece<L>) {
+    pub(super) fn begin_stick(&mut self, rows: &Rows, lanes: u32, piece: &Piece<L>) {
         let zero = L::splat(0.0);
         let spring = piece.x * self.paths.noisy.scene().oscillator.stiffness;
         let end_force = L::splat(self.cell.last.value) + piece.right.noise - spring;
         self.set_next(rows, lanes, (piece.x, zero, end_force, zero));
         self.paths.jobs.begin(rows, lanes);
         let own = self.paths.jobs.only(rows, lanes);
-        piece.put(&mut self.paths.jobs, &own[..L::WIDTH]);
+        piece.put(&mut self.paths.jobs, &own);
         self.queue_piece(piece, rows, lanes);
     }
 
     /// Put pieces where they belong next; where they are clear, what is behind them.
     #[inline(always)]
-    fn queue_piece(&mut self, piece: &Piece<L>, rows: &[u32], lanes: u32) {
+    fn queue_piece(&mut self, piece: &Piece<L>, rows: &Rows, lanes: u32) {
         let reach = self.paths.noisy.corridor().reach(self.paths.noisy.scene(), piece.length(), &piece.left, &piece.right);
         let near = L::bitmask(reach.is_near) & lanes;
         let long = L::bitmask(reach.is_long) & near;
-        self.spend(rows, lanes, [lanes, 0, 0]);
-        self.paths.jobs.push(Task::Halve, rows, long);
-        self.paths.jobs.push(Task::Decide, rows, near & !long);
+        self.spend(rows, [lanes, 0, 0]);
+        self.paths.jobs.push::<L>(Task::Halve, rows, long);
+        self.paths.jobs.push::<L>(Task::Decide, rows, near & !long);
         let clear = lanes & !near;
-        self.paths.jobs.push(Task::StickOn, rows, clear & !self.paths.jobs.without_more(rows, clear));
+        self.paths.jobs.push::<L>(Task::StickOn, rows, clear & !self.paths.jobs.without_more(rows, clear));
     }
 
     /// Draw n in the middle of the pieces.
     #[inline(always)]
-    pub(super) fn halve(&mut self, rows: &[u32], lanes: u32) {
-        let rows = &rows[..L::WIDTH];
+    pub(super) fn halve(&mut self, rows: &Rows, lanes: u32) {
         let odd = self.paths.jobs.full(rows, lanes);
         self.odd_lanes(rows, odd);
         let lanes = lanes & !odd;
@@ -114,8 +113,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
 
     /// Go on to the next piece.
     #[inline(always)]
-    pub(super) fn stick_on(&mut self, rows: &[u32], lanes: u32) {
-        let rows = &rows[..L::WIDTH];
+    pub(super) fn stick_on(&mut self, rows: &Rows, lanes: u32) {
         let mut piece = Piece::<L>::get(&self.paths.jobs, rows);
         piece.left = piece.right;
         (piece.right, ..) = node_of(self.paths.jobs.take_behind(rows, lanes));
@@ -125,8 +123,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
 
     /// Whether pieces are left, and when.
     #[inline(always)]
-    pub(super) fn decide(&mut self, rows: &[u32], lanes: u32) {
-        let rows = &rows[..L::WIDTH];
+    pub(super) fn decide(&mut self, rows: &Rows, lanes: u32) {
         let mut piece = Piece::<L>::get(&self.paths.jobs, rows);
         let scene = self.paths.noisy.scene();
         let length = piece.length();
@@ -136,33 +133,41 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         let is_near = L::or(is_up_near, is_down_near);
         let draws = piece.draws(self.cell.index);
         let u = draws.uniform(0);
-        let up_chance = step.chance(&step.chord(scene, 1.0, &ends));
-        let down_chance = step.chance(&step.chord(scene, -1.0, &ends));
-        let is_up = L::and(is_up_near, u.lt(up_chance));
-        let is_down = L::and(is_down_near, L::and(L::not(is_up), u.gt(L::splat(1.0) - down_chance)));
+        // The nearer threshold, and seldom the other one too.
+        let one = L::splat(1.0);
+        let side = L::select(is_up_near, one, -one);
+        let chord = step.chord_on(scene, side, &ends);
+        let chance = step.chance(&chord);
+        let is_up = L::and(is_up_near, u.lt(chance));
+        let mut is_down = L::and(L::and(is_down_near, L::not(is_up_near)), u.gt(one - chance));
+        let is_both = L::and(is_up_near, is_down_near);
+        if L::bitmask(is_both) & lanes != 0 {
+            let down_chance = step.chance(&step.chord(scene, -1.0, &ends));
+            is_down = L::or(is_down, L::and(L::and(is_both, L::not(is_up)), u.gt(one - down_chance)));
+        }
         let left = L::bitmask(L::or(is_up, is_down)) & lanes;
-        let one = L::from_bits(L::add_bits(piece.place.to_bits(), L::splat_bits(1)));
-        piece.place = L::select(is_near, one, piece.place);
+        let next_place = L::from_bits(L::add_bits(piece.place.to_bits(), L::splat_bits(1)));
+        piece.place = L::select(is_near, next_place, piece.place);
         let kept = lanes & !left;
         if kept != 0 {
             piece.put(&mut self.paths.jobs, rows);
-            self.paths.jobs.push(Task::StickOn, rows, kept & !self.paths.jobs.without_more(rows, kept));
+            self.paths.jobs.push::<L>(Task::StickOn, rows, kept & !self.paths.jobs.without_more(rows, kept));
         }
         if left != 0 {
-            let side = L::select(is_up, L::splat(1.0), L::splat(-1.0));
+            let side = L::select(is_up, one, -one);
             let chord = step.chord_on(scene, side, &ends);
             let passed = step.meeting_time(scene, &chord, draws.normal(self.paths.normals, 1), draws.uniform(2));
             let after = piece.left.after + passed;
             let force = side * scene.friction.static_force;
             let noise = force - self.cell.forcing(after).value + piece.x * scene.oscillator.stiffness;
             self.tell(rows, left, (after, piece.x, force), |force, _| EventKind::SlipStarted(Sign::of(force)));
-            self.spend(rows, left, [left, 0, 0]);
+            self.spend(rows, [left, 0, 0]);
             let place = L::from_bits(L::add_bits(piece.place.to_bits(), L::splat_bits(2)));
             let Piece { x, origin, key, .. } = piece;
             // The rows of the lanes that are kept stay.
             let own = self.paths.jobs.only(rows, left);
-            Begun { after, noise, force, eps: side, x, place, origin, key }.put(&mut self.paths.jobs, &own[..L::WIDTH]);
-            self.paths.jobs.push(Task::Begin, rows, left);
+            Begun { after, noise, force, eps: side, x, place, origin, key }.put(&mut self.paths.jobs, &own);
+            self.paths.jobs.push::<L>(Task::Begin, rows, left);
         }
     }
 }

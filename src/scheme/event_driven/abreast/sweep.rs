@@ -1,7 +1,7 @@
 //! All lanes across a cell as if nothing happened in it, and the lanes where something may have.
 
 use super::Crossing;
-use super::jobs::Task;
+use super::jobs::{Rows, Task};
 use super::slip::Searched;
 use super::stick::Piece;
 use crate::lanes::Lanes;
@@ -80,7 +80,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
     #[inline(always)]
     fn stick_whole(
         &mut self,
-        (lane, rows, sticks): (usize, &[u32; 8], u32),
+        (lane, rows, sticks): (usize, &Rows, u32),
         (x, n, end_noise): (L, L, L),
         draws: &LaneDraws<L>,
     ) {
@@ -97,12 +97,12 @@ impl<L: Lanes> Crossing<'_, '_, L> {
             self.odd_lanes(rows, is_out);
             let place = L::from_bits(L::splat_bits(EVENT_PLACE));
             let piece = Piece { left, right, x, place, origin: draws.origin, key: draws.key };
-            let own = self.paths.jobs.only(&rows[..L::WIDTH], near);
-            piece.put(&mut self.paths.jobs, &own[..L::WIDTH]);
+            let own = self.paths.jobs.only(rows, near);
+            piece.put(&mut self.paths.jobs, &own);
             self.paths.jobs.begin(rows, near);
             let is_long = L::bitmask(reach.is_long) & near;
-            self.paths.jobs.push(Task::Halve, rows, is_long);
-            self.paths.jobs.push(Task::Decide, rows, near & !is_long);
+            self.paths.jobs.push::<L>(Task::Halve, rows, is_long);
+            self.paths.jobs.push::<L>(Task::Decide, rows, near & !is_long);
         }
     }
 
@@ -113,7 +113,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         transition: &SlipTransition<L>,
         root_length: f64,
         whole: &WholeStep,
-        (lane, rows, slips): (usize, &[u32; 8], u32),
+        (lane, rows, slips): (usize, &Rows, u32),
         (start, eps): (State<L>, L),
         draws: &LaneDraws<L>,
     ) -> (State<L>, L) {
@@ -158,19 +158,19 @@ impl<L: Lanes> Crossing<'_, '_, L> {
                 origin: draws.origin,
                 key: draws.key,
             };
-            let own = self.paths.jobs.only(&rows[..L::WIDTH], flagged);
-            searched.put(&mut self.paths.jobs, &own[..L::WIDTH]);
+            let own = self.paths.jobs.only(rows, flagged);
+            searched.put(&mut self.paths.jobs, &own);
             self.paths.jobs.begin(rows, flagged);
             let stops = L::bitmask(search.is_stop(first, &interval)) & flagged & finite;
-            self.paths.jobs.push(Task::Stop, rows, stops);
-            self.paths.jobs.push(Task::Bisect, rows, flagged & finite & !stops);
+            self.paths.jobs.push::<L>(Task::Stop, rows, stops);
+            self.paths.jobs.push::<L>(Task::Bisect, rows, flagged & finite & !stops);
         }
         (end, end_force)
     }
 
     /// Have lanes cross the cell again, alone.
     #[inline(always)]
-    pub(super) fn odd_lanes(&mut self, rows: &[u32], mut lanes: u32) {
+    pub(super) fn odd_lanes(&mut self, rows: &Rows, mut lanes: u32) {
         while lanes != 0 {
             self.paths.odd.push(rows[lanes.trailing_zeros() as usize]);
             lanes &= lanes - 1;
