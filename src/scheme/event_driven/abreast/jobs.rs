@@ -42,6 +42,9 @@ pub struct Jobs {
     /// How many pieces are behind it; where a slip stops, how often that was tried.
     pub top: Vec<u32>,
     queues: [Queue; 7],
+    /// Lanes taken out of a queue, and how many are still to be worked on.
+    batch: Vec<u32>,
+    taken: usize,
     lanes: usize,
 }
 
@@ -62,6 +65,8 @@ impl Jobs {
             stack: vec![Row([0.0; ROW]); rows * DEPTH],
             top: vec![0; rows],
             queues: std::array::from_fn(|_| Queue { lanes: vec![0; rows], len: 0 }),
+            batch: vec![0; rows],
+            taken: 0,
             lanes: rows,
         }
     }
@@ -79,9 +84,11 @@ impl Jobs {
         queue.len += lanes.count_ones() as usize;
     }
 
-    /// Up to `WIDTH` lanes of the longest queue, what they wait for, and a mask of them.
+    /// Take out all whole registers of lanes from the longest queue, or, where no queue has a whole
+    /// one, what is in it. They are handed out by [`Jobs::next`], so that what is done with one
+    /// register need not wait for where the lanes of the one before it went.
     #[inline(always)]
-    pub fn longest<L: Lanes>(&mut self) -> Option<(Task, Rows, u32)> {
+    pub fn longest<L: Lanes>(&mut self) -> Option<Task> {
         let mut longest = 0;
         for i in 1..TASKS.len() {
             if self.queues[i].len > self.queues[longest].len {
@@ -89,17 +96,30 @@ impl Jobs {
             }
         }
         let queue = &mut self.queues[longest];
-        let taken = queue.len.min(L::WIDTH);
+        let taken = if queue.len < L::WIDTH { queue.len } else { queue.len - queue.len % L::WIDTH };
         if taken == 0 {
             return None;
         }
         queue.len -= taken;
-        let mut rows = [0; ROW];
-        rows.copy_from_slice(&queue.lanes[queue.len..queue.len + ROW]);
-        if taken < L::WIDTH {
-            rows[taken..].fill((self.lanes - 1) as u32);
+        self.batch[..taken].copy_from_slice(&queue.lanes[queue.len..queue.len + taken]);
+        self.taken = taken;
+        Some(TASKS[longest])
+    }
+
+    /// The next lanes of those taken out, and a mask of them.
+    #[inline(always)]
+    pub fn next<L: Lanes>(&mut self) -> Option<(Rows, u32)> {
+        if self.taken == 0 {
+            return None;
         }
-        Some((TASKS[longest], rows, (1 << taken) - 1))
+        let count = self.taken.min(L::WIDTH);
+        self.taken -= count;
+        let mut rows = [0; ROW];
+        rows.copy_from_slice(&self.batch[self.taken..self.taken + ROW]);
+        if count < L::WIDTH {
+            rows[count..].fill((self.lanes - 1) as u32);
+        }
+        Some((rows, (1 << count) - 1))
     }
 
     /// The rows of the stack on top of those that wait behind these lanes.

@@ -86,7 +86,7 @@ impl<'a> Abreast<'a> {
     pub fn new(noisy: &'a Noisy, instructions: InstructionSet, seed: u64, paths: &[u64]) -> Self {
         let count = paths.len();
         let lanes = count.next_multiple_of(ROW);
-        let zeros = vec![0.0; lanes];
+        let zeros = vec![0.0; lanes + ROW];
         let states =
             States { x: zeros.clone(), v: zeros.clone(), n: zeros.clone(), force: zeros.clone(), eps: zeros };
         let mut all = Abreast {
@@ -217,15 +217,43 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         } else {
             self.sweep();
             self.paths.flagged += self.paths.jobs.waiting();
-            while let Some((task, rows, lanes)) = self.paths.jobs.longest::<L>() {
+            while let Some(task) = self.paths.jobs.longest::<L>() {
                 match task {
-                    Task::Halve => self.halve(&rows, lanes),
-                    Task::Decide => self.decide(&rows, lanes),
-                    Task::StickOn => self.stick_on(&rows, lanes),
-                    Task::Begin => self.begin(&rows, lanes),
-                    Task::Bisect => self.bisect(&rows, lanes),
-                    Task::SlipOn => self.slip_on(&rows, lanes),
-                    Task::Stop => self.stop(&rows, lanes),
+                    Task::Halve => {
+                        while let Some((rows, lanes)) = self.paths.jobs.next::<L>() {
+                            self.halve(&rows, lanes);
+                        }
+                    }
+                    Task::Decide => {
+                        while let Some((rows, lanes)) = self.paths.jobs.next::<L>() {
+                            self.decide(&rows, lanes);
+                        }
+                    }
+                    Task::StickOn => {
+                        while let Some((rows, lanes)) = self.paths.jobs.next::<L>() {
+                            self.stick_on(&rows, lanes);
+                        }
+                    }
+                    Task::Begin => {
+                        while let Some((rows, lanes)) = self.paths.jobs.next::<L>() {
+                            self.begin(&rows, lanes);
+                        }
+                    }
+                    Task::Bisect => {
+                        while let Some((rows, lanes)) = self.paths.jobs.next::<L>() {
+                            self.bisect(&rows, lanes);
+                        }
+                    }
+                    Task::SlipOn => {
+                        while let Some((rows, lanes)) = self.paths.jobs.next::<L>() {
+                            self.slip_on(&rows, lanes);
+                        }
+                    }
+                    Task::Stop => {
+                        while let Some((rows, lanes)) = self.paths.jobs.next::<L>() {
+                            self.stop(&rows, lanes);
+                        }
+                    }
                 }
             }
             let Abreast { odd, events, turned_odd, .. } = &mut *self.paths;

@@ -301,24 +301,27 @@ impl<L: Lanes> Crossing<'_, '_, L> {
     fn end_noise(&self, rows: &Rows) -> L {
         let mut noise = [0.0; 8];
         for (noise, &row) in noise.iter_mut().zip(rows) {
-            *noise = self.paths.next.n.get(row as usize).copied().unwrap_or(0.0);
+            *noise = self.paths.next.n[row as usize];
         }
         L::load(&noise)
     }
 
     /// Set x, x', b and the direction at the end of the cell.
     #[inline(always)]
-    pub(super) fn set_next(&mut self, rows: &Rows, mut lanes: u32, (x, v, force, eps): (L, L, L, L)) {
-        let mut values = [[0.0; 8]; 4];
-        for (value, of) in values.iter_mut().zip([x, v, force, eps]) {
-            of.store(value);
-        }
-        while lanes != 0 {
-            let i = lanes.trailing_zeros() as usize;
-            let (row, next) = (rows[i] as usize, &mut self.paths.next);
-            (next.x[row], next.v[row]) = (values[0][i], values[1][i]);
-            (next.force[row], next.eps[row]) = (values[2][i], values[3][i]);
-            lanes &= lanes - 1;
+    pub(super) fn set_next(&mut self, rows: &Rows, lanes: u32, (x, v, force, eps): (L, L, L, L)) {
+        let (mut xs, mut vs, mut forces, mut signs) = ([0.0; ROW], [0.0; ROW], [0.0; ROW], [0.0; ROW]);
+        x.store(&mut xs);
+        v.store(&mut vs);
+        force.store(&mut forces);
+        eps.store(&mut signs);
+        let own = self.paths.jobs.only(rows, lanes);
+        let next = &mut self.paths.next;
+        for i in 0..L::WIDTH {
+            let row = own[i] as usize;
+            next.x[row] = xs[i];
+            next.v[row] = vs[i];
+            next.force[row] = forces[i];
+            next.eps[row] = signs[i];
         }
     }
 

@@ -20,7 +20,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         let transition = splat::<L>(step);
         let whole = WholeStep::new(self.paths.noisy.pushes(self.cell));
         let rows: [u32; 8] = [0, 1, 2, 3, 4, 5, 6, 7];
-        for lane in (0..self.paths.now.x.len()).step_by(L::WIDTH) {
+        for lane in (0..self.paths.keys[0].len()).step_by(L::WIDTH) {
             let rows = rows.map(|i| lane as u32 + i);
             let draws = self.draws_of(lane, self.cell.index << 32);
             let normal = draws.normal(self.paths.normals, NOISE_PLACE);
