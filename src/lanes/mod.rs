@@ -92,9 +92,9 @@ pub trait Lanes:
     /// Write the lanes to the first `WIDTH` places of a slice.
     fn store(self, to: &mut [f64]);
     /// The number `column` of each of `WIDTH` rows of a table, for every column.
-    fn gather_rows(table: &[Row], rows: &[u32]) -> [Self; ROW];
+    fn gather_rows(table: &[Row], rows: &[u32; ROW]) -> [Self; ROW];
     /// Write the columns of `WIDTH` rows to a table.
-    fn scatter_rows(columns: [Self; ROW], table: &mut [Row], rows: &[u32]);
+    fn scatter_rows(columns: [Self; ROW], table: &mut [Row], rows: &[u32; ROW]);
     /// The square root.
     fn sqrt(self) -> Self;
     /// |self|

@@ -45,12 +45,12 @@ impl Lanes for Portable {
         to[..4].copy_from_slice(&self.0);
     }
     #[inline(always)]
-    fn gather_rows(table: &[Row], rows: &[u32]) -> [Self; ROW] {
+    fn gather_rows(table: &[Row], rows: &[u32; ROW]) -> [Self; ROW] {
         let rows: [usize; 4] = std::array::from_fn(|i| rows[i] as usize);
         std::array::from_fn(|column| Portable(rows.map(|row| table[row].0[column])))
     }
     #[inline(always)]
-    fn scatter_rows(columns: [Self; ROW], table: &mut [Row], rows: &[u32]) {
+    fn scatter_rows(columns: [Self; ROW], table: &mut [Row], rows: &[u32; ROW]) {
         for (i, &row) in rows[..4].iter().enumerate() {
             table[row as usize] = Row(columns.map(|column| column.0[i]));
         }

@@ -20,11 +20,11 @@ impl Lanes for f64 {
         to[0] = self;
     }
     #[inline(always)]
-    fn gather_rows(table: &[Row], rows: &[u32]) -> [Self; ROW] {
+    fn gather_rows(table: &[Row], rows: &[u32; ROW]) -> [Self; ROW] {
         table[rows[0] as usize].0
     }
     #[inline(always)]
-    fn scatter_rows(columns: [Self; ROW], table: &mut [Row], rows: &[u32]) {
+    fn scatter_rows(columns: [Self; ROW], table: &mut [Row], rows: &[u32; ROW]) {
         table[rows[0] as usize] = Row(columns);
     }
     #[inline(always)]

@@ -65,36 +65,46 @@ impl Lanes for Avx512 {
         unsafe { _mm512_storeu_pd(to[..8].as_mut_ptr(), self.0) }
     }
     #[inline(always)]
-    fn gather_rows(table: &[Row], rows: &[u32]) -> [Self; ROW] {
-        let columns = transposed([
-            Self::load(&table[rows[0] as usize].0).0,
-            Self::load(&table[rows[1] as usize].0).0,
-            Self::load(&table[rows[2] as usize].0).0,
-            Self::load(&table[rows[3] as usize].0).0,
-            Self::load(&table[rows[4] as usize].0).0,
-            Self::load(&table[rows[5] as usize].0).0,
-            Self::load(&table[rows[6] as usize].0).0,
-            Self::load(&table[rows[7] as usize].0).0,
-        ]);
-        [
-            Avx512(columns[0]),
-            Avx512(columns[1]),
-            Avx512(columns[2]),
-            Avx512(columns[3]),
-            Avx512(columns[4]),
-            Avx512(columns[5]),
-            Avx512(columns[6]),
-            Avx512(columns[7]),
-        ]
+    fn gather_rows(table: &[Row], rows: &[u32; ROW]) -> [Self; ROW] {
+        assert_in(table, rows);
+        // SAFETY: all rows are in the table.
+        unsafe {
+            let c = transposed([
+                _mm512_load_pd(table.get_unchecked(rows[0] as usize).0.as_ptr()),
+                _mm512_load_pd(table.get_unchecked(rows[1] as usize).0.as_ptr()),
+                _mm512_load_pd(table.get_unchecked(rows[2] as usize).0.as_ptr()),
+                _mm512_load_pd(table.get_unchecked(rows[3] as usize).0.as_ptr()),
+                _mm512_load_pd(table.get_unchecked(rows[4] as usize).0.as_ptr()),
+                _mm512_load_pd(table.get_unchecked(rows[5] as usize).0.as_ptr()),
+                _mm512_load_pd(table.get_unchecked(rows[6] as usize).0.as_ptr()),
+                _mm512_load_pd(table.get_unchecked(rows[7] as usize).0.as_ptr()),
+            ]);
+            [
+                Avx512(c[0]),
+                Avx512(c[1]),
+                Avx512(c[2]),
+                Avx512(c[3]),
+                Avx512(c[4]),
+                Avx512(c[5]),
+                Avx512(c[6]),
+                Avx512(c[7]),
+            ]
+        }
     }
     #[inline(always)]
-    fn scatter_rows(c: [Self; ROW], table: &mut [Row], rows: &[u32]) {
-        let lanes = transposed([c[0].0, c[1].0, c[2].0, c[3].0, c[4].0, c[5].0, c[6].0, c[7].0]);
-        let rows = &rows[..8];
-        let mut i = 0;
-        while i < 8 {
-            Avx512(lanes[i]).store(&mut table[rows[i] as usize].0);
-            i += 1;
+    fn scatter_rows(c: [Self; ROW], table: &mut [Row], rows: &[u32; ROW]) {
+        assert_in(table, rows);
+        // SAFETY: all rows are in the table.
+        unsafe {
+            let lanes = transposed([c[0].0, c[1].0, c[2].0, c[3].0, c[4].0, c[5].0, c[6].0, c[7].0]);
+            _mm512_store_pd(table.get_unchecked_mut(rows[0] as usize).0.as_mut_ptr(), lanes[0]);
+            _mm512_store_pd(table.get_unchecked_mut(rows[1] as usize).0.as_mut_ptr(), lanes[1]);
+            _mm512_store_pd(table.get_unchecked_mut(rows[2] as usize).0.as_mut_ptr(), lanes[2]);
+            _mm512_store_pd(table.get_unchecked_mut(rows[3] as usize).0.as_mut_ptr(), lanes[3]);
+            _mm512_store_pd(table.get_unchecked_mut(rows[4] as usize).0.as_mut_ptr(), lanes[4]);
+            _mm512_store_pd(table.get_unchecked_mut(rows[5] as usize).0.as_mut_ptr(), lanes[5]);
+            _mm512_store_pd(table.get_unchecked_mut(rows[6] as usize).0.as_mut_ptr(), lanes[6]);
+            _mm512_store_pd(table.get_unchecked_mut(rows[7] as usize).0.as_mut_ptr(), lanes[7]);
         }
     }
     #[inline(always)]
@@ -244,6 +254,15 @@ impl Lanes for Avx512 {
     }
 }
 
+/// All rows at once, where one comparison is cheaper than eight.
+#[inline(always)]
+fn assert_in(table: &[Row], rows: &[u32; ROW]) {
+    let length = table.len().min(i32::MAX as usize) as i32;
+    // SAFETY: see the head of this file.
+    let inside = unsafe { _mm256_cmplt_epu32_mask(_mm256_loadu_si256(rows.as_ptr().cast()), _mm256_set1_epi32(length)) };
+    assert!(inside == 0xFF, "a row that the table does not have");
+}
+
 /// Rows as columns: entry i of result k is entry k of row i.
 #[inline(always)]
 fn transposed(rows: [__m512d; 8]) -> [__m512d; 8] {
@@ -309,7 +328,7 @@ impl Lanes for Avx2 {
         unsafe { _mm256_storeu_pd(to[..4].as_mut_ptr(), self.0) }
     }
     #[inline(always)]
-    fn gather_rows(table: &[Row], rows: &[u32]) -> [Self; ROW] {
+    fn gather_rows(table: &[Row], rows: &[u32; ROW]) -> [Self; ROW] {
         let rows = [
             &table[rows[0] as usize].0,
             &table[rows[1] as usize].0,
@@ -331,7 +350,7 @@ impl Lanes for Avx2 {
         [low[0], low[1], low[2], low[3], high[0], high[1], high[2], high[3]]
     }
     #[inline(always)]
-    fn scatter_rows(c: [Self; ROW], table: &mut [Row], rows: &[u32]) {
+    fn scatter_rows(c: [Self; ROW], table: &mut [Row], rows: &[u32; ROW]) {
         let (low, high) = (transposed4([c[0], c[1], c[2], c[3]]), transposed4([c[4], c[5], c[6], c[7]]));
         let rows = &rows[..4];
         let mut i = 0;

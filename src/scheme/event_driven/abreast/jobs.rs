@@ -37,10 +37,10 @@ pub struct Jobs {
     pub left: Vec<Row>,
     /// What is right of it, and what tells the random numbers of the path apart.
     pub right: Vec<Row>,
-    /// The pieces behind it, `depth lanes + lane`, as rows of `right`.
+    /// The pieces behind it, as rows of `right`.
     stack: Vec<Row>,
-    /// How many pieces are behind it; where a slip stops, how often that was tried.
-    pub top: Vec<u32>,
+    /// The lanes that waited for anything in this cell.
+    pub flagged: Vec<u32>,
     queues: [Queue; 7],
     /// Lanes taken out of a queue, and how many are still to be worked on.
     batch: Vec<u32>,
@@ -63,17 +63,12 @@ impl Jobs {
             left: vec![Row([0.0; ROW]); rows],
             right: vec![Row([0.0; ROW]); rows],
             stack: vec![Row([0.0; ROW]); rows * DEPTH],
-            top: vec![0; rows],
+            flagged: Vec::with_capacity(rows),
             queues: std::array::from_fn(|_| Queue { lanes: vec![0; rows], len: 0 }),
             batch: vec![0; rows],
             taken: 0,
             lanes: rows,
         }
-    }
-
-    /// How many lanes wait.
-    pub fn waiting(&self) -> usize {
-        self.queues.iter().map(|queue| queue.len).sum()
     }
 
     /// Put the lanes of a mask in a queue.
@@ -122,86 +117,148 @@ impl Jobs {
         Some((rows, (1 << count) - 1))
     }
 
-    /// The rows of the stack on top of those that wait behind these lanes.
+    /// Put pieces behind the lanes, as rows of `right`.
     #[inline(always)]
-    fn above(&self, rows: &[u32]) -> Rows {
-        let mut above = [0; 8];
-        for (place, &row) in above.iter_mut().zip(rows) {
-            *place = self.top[row as usize] * self.lanes as u32 + row;
-        }
-        above
+    pub fn place_behind<L: Lanes>(&mut self, rows: &Rows, count: Count<L>, piece: [L; ROW]) {
+        let places = self.places(rows, count);
+        L::scatter_rows(piece, &mut self.stack, &places);
     }
 
-    /// Put pieces behind the lanes, without counting them.
+    /// The pieces placed last behind the lanes, which are no longer counted.
     #[inline(always)]
-    pub fn place_behind<L: Lanes>(&mut self, rows: &[u32], piece: [L; ROW]) {
-        let above = self.above(rows);
-        L::scatter_rows(piece, &mut self.stack, &above);
+    pub fn last_behind<L: Lanes>(&self, rows: &Rows, count: Count<L>) -> [L; ROW] {
+        L::gather_rows(&self.stack, &self.places(rows, count))
     }
 
-    /// The nearest pieces behind lanes that each have one, which are taken off.
+    /// Where in the stack the next pieces behind these lanes are.
     #[inline(always)]
-    pub fn take_behind<L: Lanes>(&mut self, rows: &[u32], lanes: u32) -> [L; ROW] {
-        for (i, &row) in rows.iter().enumerate() {
-            self.top[row as usize] -= lanes >> i & 1;
+    fn places<L: Lanes>(&self, rows: &Rows, count: Count<L>) -> Rows {
+        let mut depths = [0; ROW];
+        L::store_bits(count.behind(), &mut depths);
+        let mut places = [0; ROW];
+        for i in 0..L::WIDTH {
+            places[i] = rows[i] * DEPTH as u32 + (depths[i] as u32 & (DEPTH as u32 - 1));
         }
-        let above = self.above(rows);
-        L::gather_rows(&self.stack, &above)
-    }
-
-    /// Those of the lanes behind which no piece waits.
-    #[inline(always)]
-    pub fn without_more(&self, rows: &[u32], lanes: u32) -> u32 {
-        let mut done = 0;
-        for (i, &row) in rows.iter().enumerate() {
-            done |= u32::from(self.top[row as usize] == 0) << i;
-        }
-        done & lanes
-    }
-
-    /// Those of the lanes behind which no more pieces can be placed.
-    #[inline(always)]
-    pub fn full(&self, rows: &[u32], lanes: u32) -> u32 {
-        let mut full = 0;
-        for (i, &row) in rows.iter().enumerate() {
-            full |= u32::from(self.top[row as usize] as usize + 2 > DEPTH) << i;
-        }
-        full & lanes
-    }
-
-    /// Nothing waits behind the lanes of a mask, and nothing was tried.
-    #[inline(always)]
-    pub fn begin(&mut self, rows: &[u32], lanes: u32) {
-        for (i, &row) in rows.iter().enumerate() {
-            self.top[row as usize] *= !lanes >> i & 1;
-        }
-    }
-
-    /// Those of the lanes that have been tried so often.
-    #[inline(always)]
-    pub fn tried(&self, rows: &[u32], lanes: u32, times: u32) -> u32 {
-        let mut tried = 0;
-        for (i, &row) in rows.iter().enumerate() {
-            tried |= u32::from(self.top[row as usize] >= times) << i;
-        }
-        tried & lanes
+        places
     }
 
     /// The rows of the lanes of a mask, and for the others the one that stands for none.
     #[inline(always)]
-    pub fn only(&self, rows: &[u32], lanes: u32) -> Rows {
-        let mut only = [(self.lanes - 1) as u32; 8];
-        for (i, (to, &row)) in only.iter_mut().zip(rows).enumerate() {
-            *to = if lanes >> i & 1 == 1 { row } else { *to };
+    pub fn only<L: Lanes>(&self, rows: &Rows, lanes: u32) -> Rows {
+        let nobody = (self.lanes - 1) as u32;
+        let mut only = [nobody; ROW];
+        for i in 0..L::WIDTH {
+            only[i] = if lanes >> i & 1 == 1 { rows[i] } else { nobody };
         }
         only
     }
+}
 
-    /// Count the pieces placed behind the lanes of a mask.
+/// What is counted of a flagged lane, packed into one number: the place of its next random number,
+/// how many pieces wait behind it (where a slip stops, how often that was tried), and what it has
+/// spent.
+#[derive(Clone, Copy)]
+pub struct Count<L: Lanes>(pub L::Bits);
+
+const BEHIND: u64 = 1 << 32;
+const MOST_BEHIND: u64 = 0xFF;
+const SPENT: u32 = 40;
+
+impl<L: Lanes> Count<L> {
+    /// Nothing yet; the first number is at this place.
     #[inline(always)]
-    pub fn count_behind(&mut self, rows: &[u32], lanes: u32) {
-        for (i, &row) in rows.iter().enumerate() {
-            self.top[row as usize] += lanes >> i & 1;
-        }
+    pub fn from(place: u64) -> Self {
+        Count(L::splat_bits(place))
+    }
+
+    #[inline(always)]
+    pub fn of(number: L) -> Self {
+        Count(number.to_bits())
+    }
+
+    #[inline(always)]
+    pub fn number(self) -> L {
+        L::from_bits(self.0)
+    }
+
+    /// The place in the cell.
+    #[inline(always)]
+    pub fn place(self) -> L::Bits {
+        L::keep_and_set(self.0, BEHIND - 1, 0)
+    }
+
+    #[inline(always)]
+    fn behind(self) -> L::Bits {
+        L::keep_and_set(L::shr::<32>(self.0), MOST_BEHIND, 0)
+    }
+
+    /// Those behind which nothing waits, or where nothing was tried.
+    #[inline(always)]
+    pub fn has_none(self) -> L::Mask {
+        L::from_integers(self.behind()).le(L::splat(0.0))
+    }
+
+    /// Those behind which so much waits, or where so much was tried.
+    #[inline(always)]
+    pub fn has(self, many: f64) -> L::Mask {
+        L::from_integers(self.behind()).ge(L::splat(many))
+    }
+
+    /// So many random numbers were taken.
+    #[inline(always)]
+    pub fn drawn(self, numbers: u64) -> Self {
+        Count(L::add_bits(self.0, L::splat_bits(numbers)))
+    }
+
+    /// One was taken in these lanes.
+    #[inline(always)]
+    pub fn drawn_where(self, mask: L::Mask) -> Self {
+        self.plus(mask, 1)
+    }
+
+    /// One more piece waits.
+    #[inline(always)]
+    pub fn behind_where(self, mask: L::Mask) -> Self {
+        self.plus(mask, BEHIND)
+    }
+
+    /// One piece less waits.
+    #[inline(always)]
+    pub fn taken(self) -> Self {
+        Count(L::add_bits(self.0, L::splat_bits(BEHIND.wrapping_neg())))
+    }
+
+    /// Nothing waits, nothing was tried.
+    #[inline(always)]
+    pub fn alone_where(self, mask: L::Mask) -> Self {
+        let alone = L::keep_and_set(self.0, !(MOST_BEHIND * BEHIND), 0);
+        Count(L::select(mask, L::from_bits(alone), self.number()).to_bits())
+    }
+
+    /// One more evaluation.
+    #[inline(always)]
+    pub fn spent(self) -> Self {
+        Count(L::add_bits(self.0, L::splat_bits(1 << SPENT)))
+    }
+
+    #[inline(always)]
+    pub fn spent_where(self, mask: L::Mask) -> Self {
+        self.plus(mask, 1 << SPENT)
+    }
+
+    #[inline(always)]
+    fn plus(self, mask: L::Mask, what: u64) -> Self {
+        let what = L::select(mask, L::from_bits(L::splat_bits(what)), L::splat(0.0));
+        Count(L::add_bits(self.0, what.to_bits()))
+    }
+}
+
+/// Where the count is in a row of `left`, whatever the task.
+pub const COUNT: usize = 4;
+
+impl Jobs {
+    /// What a lane has spent in the cell since it was flagged.
+    pub fn spent(&self, lane: usize) -> u64 {
+        self.left[lane].0[COUNT].to_bits() >> SPENT
     }
 }

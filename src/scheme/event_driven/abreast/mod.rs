@@ -215,8 +215,9 @@ impl<L: Lanes> Crossing<'_, '_, L> {
             let Abreast { odd, is_lost, .. } = &mut *self.paths;
             odd.extend((0..).zip(is_lost.iter()).filter(|(_, is_lost)| !**is_lost).map(|(lane, _)| lane));
         } else {
+            self.paths.jobs.flagged.clear();
             self.sweep();
-            self.paths.flagged += self.paths.jobs.waiting();
+            self.paths.flagged += self.paths.jobs.flagged.len();
             while let Some(task) = self.paths.jobs.longest::<L>() {
                 match task {
                     Task::Halve => {
@@ -256,7 +257,10 @@ impl<L: Lanes> Crossing<'_, '_, L> {
                     }
                 }
             }
-            let Abreast { odd, events, turned_odd, .. } = &mut *self.paths;
+            let Abreast { odd, events, turned_odd, jobs, spent, .. } = &mut *self.paths;
+            for &lane in &jobs.flagged {
+                spent[lane as usize] += jobs.spent(lane as usize);
+            }
             *turned_odd += odd.len();
             if !odd.is_empty() {
                 events.retain(|(lane, _)| !odd.contains(lane));

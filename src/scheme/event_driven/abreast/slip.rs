@@ -1,7 +1,7 @@
 //! Sub-phases that may stop in the cell, and those that begin in it.
 
 use super::Crossing;
-use super::jobs::{Jobs, Rows, Task};
+use super::jobs::{Count, DEPTH, Jobs, Rows, Task};
 use super::stick::Piece;
 use crate::lanes::{Lanes, ROW};
 use crate::model::{Event, EventKind};
@@ -20,8 +20,7 @@ pub(super) struct Searched<L: Lanes> {
     pub left: Motion<L>,
     pub after: L,
     pub way: L,
-    /// The place of the next random number.
-    pub place: L,
+    pub count: Count<L>,
     /// x where the step begins, and when that is.
     pub x: L,
     pub start: L,
@@ -33,18 +32,19 @@ pub(super) struct Searched<L: Lanes> {
 
 impl<L: Lanes> Searched<L> {
     #[inline(always)]
-    pub fn put(&self, jobs: &mut Jobs, rows: &[u32]) {
-        let Searched { left, after, way, place, x, start, eps, .. } = *self;
-        let row = [left.velocity, left.acceleration, after, way, place, x, start, eps];
+    pub fn put(&self, jobs: &mut Jobs, rows: &Rows) {
+        let Searched { left, after, way, count, x, start, eps, .. } = *self;
+        let row = [left.velocity, left.acceleration, after, way, count.number(), x, start, eps];
         L::scatter_rows(row, &mut jobs.left, rows);
         L::scatter_rows(self.row_of(&self.interval), &mut jobs.right, rows);
     }
 
     #[inline(always)]
-    fn get(jobs: &Jobs, rows: &[u32]) -> Self {
-        let [velocity, acceleration, after, way, place, x, start, eps] = L::gather_rows(&jobs.left, rows);
+    fn get(jobs: &Jobs, rows: &Rows) -> Self {
+        let [velocity, acceleration, after, way, count, x, start, eps] = L::gather_rows(&jobs.left, rows);
         let (interval, origin, key) = interval_of(L::gather_rows(&jobs.right, rows));
-        Searched { left: Motion { velocity, acceleration }, after, way, place, x, start, eps, interval, origin, key }
+        let (left, count) = (Motion { velocity, acceleration }, Count::of(count));
+        Searched { left, after, way, count, x, start, eps, interval, origin, key }
     }
 
     /// An interval as a row.
@@ -56,14 +56,8 @@ impl<L: Lanes> Searched<L> {
 
     #[inline(always)]
     fn draws(&self, cell: u64) -> LaneDraws<L> {
-        let counter = L::add_bits(self.place.to_bits(), L::splat_bits(cell << 32));
+        let counter = L::add_bits(self.count.place(), L::splat_bits(cell << 32));
         LaneDraws { origin: self.origin, key: self.key, counter }
-    }
-
-    /// The place after so many more numbers.
-    #[inline(always)]
-    fn place_after(&self, numbers: u64) -> L {
-        L::from_bits(L::add_bits(self.place.to_bits(), L::splat_bits(numbers)))
     }
 
     /// The interval is passed where `mask` holds, and `next` is behind it.
@@ -73,6 +67,7 @@ impl<L: Lanes> Searched<L> {
         self.way = L::select(mask, self.way + passed.way, self.way);
         self.left.velocity = L::select(mask, passed.end.velocity, self.left.velocity);
         self.left.acceleration = L::select(mask, passed.end.acceleration, self.left.acceleration);
+        self.count = self.count.spent_where(mask);
     }
 }
 
@@ -98,56 +93,64 @@ fn select<L: Lanes>(mask: L::Mask, a: &Interval<L>, b: &Interval<L>) -> Interval
 }
 
 impl<L: Lanes> Crossing<'_, '_, L> {
-    /// Put searched lanes where they belong next.
-    #[inline(always)]
-    fn queue_searched(&mut self, searched: &Searched<L>, rows: &Rows, lanes: u32) {
-        let stops = self.paths.noisy.search().is_stop(searched.left, &searched.interval);
-        let stops = L::bitmask(stops) & lanes;
-        self.paths.jobs.push::<L>(Task::Stop, rows, stops);
-        self.paths.jobs.push::<L>(Task::Bisect, rows, lanes & !stops);
-        self.paths.jobs.begin(rows, stops);
-    }
-
     /// Part the intervals in their middles, and go on to what is behind them where both halves are clear.
     #[inline(always)]
     pub(super) fn bisect(&mut self, rows: &Rows, lanes: u32) {
         let mut searched = Searched::<L>::get(&self.paths.jobs, rows);
         let search = *self.paths.noisy.search();
         let too_short = searched.interval.length.le(L::splat(self.cell.length * (2.0 / (1u64 << 40) as f64)));
-        let odd = (L::bitmask(too_short) & lanes) | self.paths.jobs.full(rows, lanes);
+        let odd = L::bitmask(L::or(too_short, searched.count.has(DEPTH as f64 - 1.0))) & lanes;
         self.odd_lanes(rows, odd);
         let lanes = lanes & !odd;
         let normals = searched.draws(self.cell.index).three_normals(self.paths.normals, 0);
-        searched.place = searched.place_after(2);
         let (near, far) = halves(searched.left, &searched.interval, normals);
-        self.paths.jobs.place_behind(rows, searched.row_of(&far));
+        self.paths.jobs.place_behind(rows, searched.count, searched.row_of(&far));
 
         let near_clear = search.is_clear(searched.left, &near);
+        searched.count = searched.count.drawn(2).spent().behind_where(L::not(near_clear));
         searched.pass(near_clear, &near);
         searched.interval = select(near_clear, &far, &near);
         let far_clear = L::and(near_clear, search.is_clear(searched.left, &far));
         searched.pass(far_clear, &far);
-        let (near_clear, far_clear) = (L::bitmask(near_clear) & lanes, L::bitmask(far_clear) & lanes);
-        self.paths.jobs.count_behind(rows, lanes & !near_clear);
-        self.spend(rows, [lanes, near_clear, far_clear]);
+        let clear = L::bitmask(far_clear) & lanes;
+        let more = !L::bitmask(searched.count.has_none());
+        self.queue_searched(searched, rows, lanes & !clear, clear & more, far_clear);
+    }
+
+    /// Put searched lanes where they belong next, those with more behind a clear interval too, and
+    /// their rows in place.
+    #[inline(always)]
+    fn queue_searched(
+        &mut self,
+        searched: Searched<L>,
+        rows: &Rows,
+        lanes: u32,
+        more: u32,
+        is_clear: L::Mask,
+    ) {
+        let is_stop = self.paths.noisy.search().is_stop(searched.left, &searched.interval);
+        let is_stop = L::and(is_stop, L::not(is_clear));
+        let searched = Searched { count: searched.count.alone_where(is_stop), ..searched };
         searched.put(&mut self.paths.jobs, rows);
-        self.queue_searched(&searched, rows, lanes & !far_clear);
-        self.paths.jobs.push::<L>(Task::SlipOn, rows, far_clear & !self.paths.jobs.without_more(rows, far_clear));
+        let stops = L::bitmask(is_stop) & lanes;
+        self.paths.jobs.push::<L>(Task::Stop, rows, stops);
+        self.paths.jobs.push::<L>(Task::Bisect, rows, lanes & !stops);
+        self.paths.jobs.push::<L>(Task::SlipOn, rows, more);
     }
 
     /// Go on to the next interval.
     #[inline(always)]
     pub(super) fn slip_on(&mut self, rows: &Rows, lanes: u32) {
         let mut searched = Searched::<L>::get(&self.paths.jobs, rows);
-        (searched.interval, ..) = interval_of(self.paths.jobs.take_behind(rows, lanes));
-        let is_clear = self.paths.noisy.search().is_clear(searched.left, &searched.interval);
-        let interval = searched.interval;
+        searched.count = searched.count.taken();
+        let interval;
+        (interval, ..) = interval_of(self.paths.jobs.last_behind(rows, searched.count));
+        searched.interval = interval;
+        let is_clear = self.paths.noisy.search().is_clear(searched.left, &interval);
         searched.pass(is_clear, &interval);
         let clear = L::bitmask(is_clear) & lanes;
-        self.spend(rows, [clear, 0, 0]);
-        searched.put(&mut self.paths.jobs, rows);
-        self.queue_searched(&searched, rows, lanes & !clear);
-        self.paths.jobs.push::<L>(Task::SlipOn, rows, clear & !self.paths.jobs.without_more(rows, clear));
+        let more = !L::bitmask(searched.count.has_none());
+        self.queue_searched(searched, rows, lanes & !clear, clear & more, is_clear);
     }
 
     /// Draw near the stop, until it is found; then what follows it.
@@ -156,12 +159,10 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         let mut searched = Searched::<L>::get(&self.paths.jobs, rows);
         let search = *self.paths.noisy.search();
         let normals = searched.draws(self.cell.index).three_normals(self.paths.normals, 0);
-        searched.place = searched.place_after(2);
         let near = search.near_stop(searched.left, &searched.interval, normals);
         let found = L::bitmask(near.is_at_it) & lanes;
-        let first = self.paths.jobs.without_more(rows, lanes);
-        self.paths.jobs.count_behind(rows, lanes);
-        self.spend(rows, [first, 0, 0]);
+        let is_first = searched.count.has_none();
+        searched.count = searched.count.drawn(2).spent_where(is_first).behind_where(L::always());
 
         let missed = lanes & !found;
         if missed != 0 {
@@ -173,9 +174,9 @@ impl<L: Lanes> Crossing<'_, '_, L> {
             refined.left.velocity = L::select(is_before, near.motion.velocity, searched.left.velocity);
             refined.left.acceleration = L::select(is_before, near.motion.acceleration, searched.left.acceleration);
             refined.interval = select(is_before, &behind, &before);
-            let own = self.paths.jobs.only(rows, missed);
+            let own = self.paths.jobs.only::<L>(rows, missed);
             refined.put(&mut self.paths.jobs, &own);
-            let spoiled = self.paths.jobs.tried(rows, missed, STOP_REFINEMENTS as u32);
+            let spoiled = L::bitmask(searched.count.has(STOP_REFINEMENTS as f64)) & missed;
             self.odd_lanes(rows, spoiled);
             self.paths.jobs.push::<L>(Task::Stop, rows, missed & !spoiled);
         }
@@ -216,14 +217,14 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         self.tell(rows, lanes, (after, x, force), |force, lane| {
             EventKind::at_rest(held >> lane & 1 == 1, force)
         });
-        self.spend(rows, [lanes, 0, 0]);
         self.odd_lanes(rows, edge);
 
-        let Searched { place, origin, key, .. } = *searched;
+        let Searched { origin, key, .. } = *searched;
+        let count = searched.count.spent().alone_where(L::always());
         if turned != 0 {
             let eps = L::select(force.lt(L::splat(0.0)), L::splat(-1.0), L::splat(1.0));
-            let begun = Begun { after, noise, force, eps, x, place, origin, key };
-            let own = self.paths.jobs.only(rows, turned);
+            let begun = Begun { after, noise, force, eps, x, count, origin, key };
+            let own = self.paths.jobs.only::<L>(rows, turned);
             begun.put(&mut self.paths.jobs, &own);
             self.paths.jobs.push::<L>(Task::Begin, rows, turned);
         }
@@ -234,7 +235,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
             let end_force = L::splat(self.cell.last.value) - spring + end_noise;
             let curvature = L::splat(self.cell.last.curvature);
             let right = Node { after: L::splat(self.cell.length), noise: end_noise, force: end_force, curvature };
-            let piece = Piece { left, right, x, place, origin, key };
+            let piece = Piece { left, right, x, count, origin, key };
             self.begin_stick(rows, held, &piece);
         }
     }
@@ -243,7 +244,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
     #[inline(always)]
     pub(super) fn begin(&mut self, rows: &Rows, lanes: u32) {
         let begun = Begun::<L>::get(&self.paths.jobs, rows);
-        let Begun { after, noise, force: start_force, eps, x, place, origin, key } = begun;
+        let Begun { after, noise, force: start_force, eps, x, count, origin, key } = begun;
         let scene = self.paths.noisy.scene();
         let body = &scene.oscillator;
         let remaining = L::splat(self.cell.length) - after;
@@ -252,7 +253,6 @@ impl<L: Lanes> Crossing<'_, '_, L> {
             remaining.lt(L::splat(self.cell.length * (1.0 - ALIGNMENT))),
         );
         let mut odd = lanes & !L::bitmask(is_usual);
-        self.spend(rows, [lanes, 0, 0]);
 
         let mut transition = self.paths.noisy.oscillator().series(remaining, &mut self.responses);
         transition.factor = cholesky(&transition.covariance);
@@ -265,7 +265,8 @@ impl<L: Lanes> Crossing<'_, '_, L> {
             (mean.x, mean.v) = (mean.x + push.x, mean.v + push.v);
             forcing = forcing + push.term.re;
         }
-        let draws = LaneDraws::<L> { origin, key, counter: L::add_bits(place.to_bits(), L::splat_bits(self.cell.index << 32)) };
+        let counter = L::add_bits(count.place(), L::splat_bits(self.cell.index << 32));
+        let draws = LaneDraws::<L> { origin, key, counter };
         let end = transition.drawn(mean, self.end_noise(rows), draws.normal_pair(self.paths.normals, 0));
         let end_force = force(body, forcing, end);
         let first = motion(body, eps, start.v, start_force, friction);
@@ -284,16 +285,21 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         self.odd_lanes(rows, odd);
         let lanes = lanes & !odd;
         self.set_next(rows, lanes, (end.x, end.v, end_force, eps));
-        let flagged = lanes & !L::bitmask(search.is_clear(first, &interval));
-        if flagged != 0 {
-            let zero = L::splat(0.0);
-            let place = L::from_bits(L::add_bits(place.to_bits(), L::splat_bits(1)));
-            let searched =
-                Searched { left: first, after: zero, way: zero, place, x, start: after, eps, interval, origin, key };
-            searched.put(&mut self.paths.jobs, rows);
-            self.paths.jobs.begin(rows, flagged);
-            self.queue_searched(&searched, rows, flagged);
-        }
+        let is_clear = search.is_clear(first, &interval);
+        let zero = L::splat(0.0);
+        let searched = Searched {
+            left: first,
+            after: zero,
+            way: zero,
+            count: count.drawn(1).spent(),
+            x,
+            start: after,
+            eps,
+            interval,
+            origin,
+            key,
+        };
+        self.queue_searched(searched, rows, lanes & !L::bitmask(is_clear), 0, is_clear);
     }
 
     /// n at the end of the cell.
@@ -314,7 +320,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         v.store(&mut vs);
         force.store(&mut forces);
         eps.store(&mut signs);
-        let own = self.paths.jobs.only(rows, lanes);
+        let own = self.paths.jobs.only::<L>(rows, lanes);
         let next = &mut self.paths.next;
         for i in 0..L::WIDTH {
             let row = own[i] as usize;
@@ -322,15 +328,6 @@ impl<L: Lanes> Crossing<'_, '_, L> {
             next.v[row] = vs[i];
             next.force[row] = forces[i];
             next.eps[row] = signs[i];
-        }
-    }
-
-    /// Add what lanes have spent: one for each mask that a lane is in.
-    #[inline(always)]
-    pub(super) fn spend(&mut self, rows: &Rows, masks: [u32; 3]) {
-        for (i, &row) in rows[..L::WIDTH].iter().enumerate() {
-            let [a, b, c] = [masks[0] >> i & 1, masks[1] >> i & 1, masks[2] >> i & 1];
-            self.paths.spent[row as usize] += u64::from(a + b + c);
         }
     }
 
@@ -343,14 +340,14 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         (after, x, force): (L, L, L),
         kind: impl Fn(f64, u32) -> EventKind,
     ) {
-        let mut values = [[0.0; 8]; 3];
-        for (value, of) in values.iter_mut().zip([after, x, force]) {
-            of.store(value);
-        }
+        let (mut afters, mut xs, mut forces) = ([0.0; ROW], [0.0; ROW], [0.0; ROW]);
+        after.store(&mut afters);
+        x.store(&mut xs);
+        force.store(&mut forces);
         while lanes != 0 {
             let i = lanes.trailing_zeros();
-            let [after, displacement, force] = values.map(|value| value[i as usize]);
-            let event = Event { kind: kind(force, i), time: self.cell.start + after, displacement, force };
+            let (time, force) = (self.cell.start + afters[i as usize], forces[i as usize]);
+            let event = Event { kind: kind(force, i), time, displacement: xs[i as usize], force };
             self.paths.events.push((rows[i as usize], event));
             lanes &= lanes - 1;
         }
@@ -365,23 +362,23 @@ pub(super) struct Begun<L: Lanes> {
     pub force: L,
     pub eps: L,
     pub x: L,
-    /// The place of the next random number.
-    pub place: L,
+    pub count: Count<L>,
     pub origin: L::Bits,
     pub key: L::Bits,
 }
 
 impl<L: Lanes> Begun<L> {
     #[inline(always)]
-    pub fn put(&self, jobs: &mut Jobs, rows: &[u32]) {
-        let Begun { after, noise, force, eps, x, place, .. } = *self;
+    pub fn put(&self, jobs: &mut Jobs, rows: &Rows) {
+        let Begun { after, noise, force, eps, x, count, .. } = *self;
         let (origin, key) = (L::from_bits(self.origin), L::from_bits(self.key));
-        L::scatter_rows([after, noise, force, eps, x, place, origin, key], &mut jobs.left, rows);
+        L::scatter_rows([after, noise, force, eps, count.number(), x, origin, key], &mut jobs.left, rows);
     }
 
     #[inline(always)]
-    fn get(jobs: &Jobs, rows: &[u32]) -> Self {
-        let [after, noise, force, eps, x, place, origin, key] = L::gather_rows(&jobs.left, rows);
-        Begun { after, noise, force, eps, x, place, origin: origin.to_bits(), key: key.to_bits() }
+    fn get(jobs: &Jobs, rows: &Rows) -> Self {
+        let [after, noise, force, eps, count, x, origin, key] = L::gather_rows(&jobs.left, rows);
+        let (origin, key) = (origin.to_bits(), key.to_bits());
+        Begun { after, noise, force, eps, x, count: Count::of(count), origin, key }
     }
 }

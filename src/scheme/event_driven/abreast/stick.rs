@@ -1,7 +1,7 @@
 //! Sticks that may be left in the cell.
 
 use super::Crossing;
-use super::jobs::{Jobs, Rows, Task};
+use super::jobs::{Count, DEPTH, Jobs, Rows, Task};
 use super::slip::Begun;
 use crate::lanes::{Lanes, ROW};
 use crate::model::{EventKind, Sign};
@@ -16,26 +16,25 @@ pub(super) struct Piece<L: Lanes> {
     pub left: Node<L>,
     pub right: Node<L>,
     pub x: L,
-    /// The place of the next random number.
-    pub place: L,
+    pub count: Count<L>,
     pub origin: L::Bits,
     pub key: L::Bits,
 }
 
 impl<L: Lanes> Piece<L> {
     #[inline(always)]
-    pub fn put(&self, jobs: &mut Jobs, rows: &[u32]) {
+    pub fn put(&self, jobs: &mut Jobs, rows: &Rows) {
         let Node { after, noise, force, curvature } = self.left;
         let zero = L::splat(0.0);
-        L::scatter_rows([after, noise, force, curvature, self.x, self.place, zero, zero], &mut jobs.left, rows);
+        L::scatter_rows([after, noise, force, curvature, self.count.number(), self.x, zero, zero], &mut jobs.left, rows);
         L::scatter_rows(self.row_of(&self.right), &mut jobs.right, rows);
     }
 
     #[inline(always)]
-    fn get(jobs: &Jobs, rows: &[u32]) -> Self {
-        let [after, noise, force, curvature, x, place, ..] = L::gather_rows(&jobs.left, rows);
+    fn get(jobs: &Jobs, rows: &Rows) -> Self {
+        let [after, noise, force, curvature, count, x, ..] = L::gather_rows(&jobs.left, rows);
         let (right, origin, key) = node_of(L::gather_rows(&jobs.right, rows));
-        Piece { left: Node { after, noise, force, curvature }, right, x, place, origin, key }
+        Piece { left: Node { after, noise, force, curvature }, right, x, count: Count::of(count), origin, key }
     }
 
     #[inline(always)]
@@ -46,7 +45,7 @@ impl<L: Lanes> Piece<L> {
 
     #[inline(always)]
     fn draws(&self, cell: u64) -> LaneDraws<L> {
-        let counter = L::add_bits(self.place.to_bits(), L::splat_bits(cell << 32));
+        let counter = L::add_bits(self.count.place(), L::splat_bits(cell << 32));
         LaneDraws { origin: self.origin, key: self.key, counter }
     }
 
@@ -69,46 +68,45 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         let spring = piece.x * self.paths.noisy.scene().oscillator.stiffness;
         let end_force = L::splat(self.cell.last.value) + piece.right.noise - spring;
         self.set_next(rows, lanes, (piece.x, zero, end_force, zero));
-        self.paths.jobs.begin(rows, lanes);
-        let own = self.paths.jobs.only(rows, lanes);
-        piece.put(&mut self.paths.jobs, &own);
-        self.queue_piece(piece, rows, lanes);
+        let own = self.paths.jobs.only::<L>(rows, lanes);
+        self.queue_piece(*piece, rows, &own, lanes);
     }
 
-    /// Put pieces where they belong next; where they are clear, what is behind them.
+    /// Put pieces where they belong next; where they are clear, what is behind them. `own` are the
+    /// rows that are written.
     #[inline(always)]
-    fn queue_piece(&mut self, piece: &Piece<L>, rows: &Rows, lanes: u32) {
-        let reach = self.paths.noisy.corridor().reach(self.paths.noisy.scene(), piece.length(), &piece.left, &piece.right);
+    fn queue_piece(&mut self, mut piece: Piece<L>, rows: &Rows, own: &Rows, lanes: u32) {
+        piece.count = piece.count.spent();
+        piece.put(&mut self.paths.jobs, own);
+        let corridor = self.paths.noisy.corridor();
+        let reach = corridor.reach(self.paths.noisy.scene(), piece.length(), &piece.left, &piece.right);
         let near = L::bitmask(reach.is_near) & lanes;
         let long = L::bitmask(reach.is_long) & near;
-        self.spend(rows, [lanes, 0, 0]);
         self.paths.jobs.push::<L>(Task::Halve, rows, long);
         self.paths.jobs.push::<L>(Task::Decide, rows, near & !long);
-        let clear = lanes & !near;
-        self.paths.jobs.push::<L>(Task::StickOn, rows, clear & !self.paths.jobs.without_more(rows, clear));
+        let more = !L::bitmask(piece.count.has_none());
+        self.paths.jobs.push::<L>(Task::StickOn, rows, lanes & !near & more);
     }
 
     /// Draw n in the middle of the pieces.
     #[inline(always)]
     pub(super) fn halve(&mut self, rows: &Rows, lanes: u32) {
-        let odd = self.paths.jobs.full(rows, lanes);
+        let mut piece = Piece::<L>::get(&self.paths.jobs, rows);
+        let odd = L::bitmask(piece.count.has(DEPTH as f64 - 1.0)) & lanes;
         self.odd_lanes(rows, odd);
         let lanes = lanes & !odd;
-        let mut piece = Piece::<L>::get(&self.paths.jobs, rows);
         let scene = self.paths.noisy.scene();
         let h = piece.length();
         let (weight, sd) = short_bridge_middle(scene.relaxation_rate, scene.diffusion, h);
         let normal = piece.draws(self.cell.index).normal(self.paths.normals, 0);
-        piece.place = L::from_bits(L::add_bits(piece.place.to_bits(), L::splat_bits(1)));
         let noise = weight * (piece.left.noise + piece.right.noise) + sd * normal;
         let after = piece.left.after + h * 0.5;
         let forcing = self.cell.forcing(after);
         let force = forcing.value - piece.x * scene.oscillator.stiffness + noise;
-        self.paths.jobs.place_behind(rows, piece.row_of(&piece.right));
-        self.paths.jobs.count_behind(rows, lanes);
+        self.paths.jobs.place_behind(rows, piece.count, piece.row_of(&piece.right));
+        piece.count = piece.count.drawn(1).behind_where(L::always());
         piece.right = Node { after, noise, force, curvature: forcing.curvature };
-        piece.put(&mut self.paths.jobs, rows);
-        self.queue_piece(&piece, rows, lanes);
+        self.queue_piece(piece, rows, rows, lanes);
     }
 
     /// Go on to the next piece.
@@ -116,9 +114,9 @@ impl<L: Lanes> Crossing<'_, '_, L> {
     pub(super) fn stick_on(&mut self, rows: &Rows, lanes: u32) {
         let mut piece = Piece::<L>::get(&self.paths.jobs, rows);
         piece.left = piece.right;
-        (piece.right, ..) = node_of(self.paths.jobs.take_behind(rows, lanes));
-        piece.put(&mut self.paths.jobs, rows);
-        self.queue_piece(&piece, rows, lanes);
+        piece.count = piece.count.taken();
+        (piece.right, ..) = node_of(self.paths.jobs.last_behind(rows, piece.count));
+        self.queue_piece(piece, rows, rows, lanes);
     }
 
     /// Whether pieces are left, and when.
@@ -146,12 +144,12 @@ impl<L: Lanes> Crossing<'_, '_, L> {
             is_down = L::or(is_down, L::and(L::and(is_both, L::not(is_up)), u.gt(one - down_chance)));
         }
         let left = L::bitmask(L::or(is_up, is_down)) & lanes;
-        let next_place = L::from_bits(L::add_bits(piece.place.to_bits(), L::splat_bits(1)));
-        piece.place = L::select(is_near, next_place, piece.place);
+        piece.count = piece.count.drawn_where(is_near);
         let kept = lanes & !left;
         if kept != 0 {
             piece.put(&mut self.paths.jobs, rows);
-            self.paths.jobs.push::<L>(Task::StickOn, rows, kept & !self.paths.jobs.without_more(rows, kept));
+            let more = !L::bitmask(piece.count.has_none());
+            self.paths.jobs.push::<L>(Task::StickOn, rows, kept & more);
         }
         if left != 0 {
             let side = L::select(is_up, one, -one);
@@ -161,12 +159,11 @@ impl<L: Lanes> Crossing<'_, '_, L> {
             let force = side * scene.friction.static_force;
             let noise = force - self.cell.forcing(after).value + piece.x * scene.oscillator.stiffness;
             self.tell(rows, left, (after, piece.x, force), |force, _| EventKind::SlipStarted(Sign::of(force)));
-            self.spend(rows, [left, 0, 0]);
-            let place = L::from_bits(L::add_bits(piece.place.to_bits(), L::splat_bits(2)));
-            let Piece { x, origin, key, .. } = piece;
+            let Piece { x, origin, key, count, .. } = piece;
+            let count = count.drawn(2).spent().alone_where(L::always());
             // The rows of the lanes that are kept stay.
-            let own = self.paths.jobs.only(rows, left);
-            Begun { after, noise, force, eps: side, x, place, origin, key }.put(&mut self.paths.jobs, &own);
+            let own = self.paths.jobs.only::<L>(rows, left);
+            Begun { after, noise, force, eps: side, x, count, origin, key }.put(&mut self.paths.jobs, &own);
             self.paths.jobs.push::<L>(Task::Begin, rows, left);
         }
     }

@@ -1,7 +1,7 @@
 //! All lanes across a cell as if nothing happened in it, and the lanes where something may have.
 
 use super::Crossing;
-use super::jobs::{Rows, Task};
+use super::jobs::{Count, Rows, Task};
 use super::slip::Searched;
 use super::stick::Piece;
 use crate::lanes::Lanes;
@@ -95,11 +95,11 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         let near = L::bitmask(reach.is_near) & sticks & !is_out;
         if (near | is_out) != 0 {
             self.odd_lanes(rows, is_out);
-            let place = L::from_bits(L::splat_bits(EVENT_PLACE));
-            let piece = Piece { left, right, x, place, origin: draws.origin, key: draws.key };
-            let own = self.paths.jobs.only(rows, near);
+            let count = Count::from(EVENT_PLACE);
+            let piece = Piece { left, right, x, count, origin: draws.origin, key: draws.key };
+            let own = self.paths.jobs.only::<L>(rows, near);
             piece.put(&mut self.paths.jobs, &own);
-            self.paths.jobs.begin(rows, near);
+            self.flag(rows, near);
             let is_long = L::bitmask(reach.is_long) & near;
             self.paths.jobs.push::<L>(Task::Halve, rows, is_long);
             self.paths.jobs.push::<L>(Task::Decide, rows, near & !is_long);
@@ -150,7 +150,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
                 left: first,
                 after: zero,
                 way: zero,
-                place: L::from_bits(L::splat_bits(EVENT_PLACE)),
+                count: Count::from(EVENT_PLACE),
                 x: start.x,
                 start: zero,
                 eps,
@@ -158,14 +158,21 @@ impl<L: Lanes> Crossing<'_, '_, L> {
                 origin: draws.origin,
                 key: draws.key,
             };
-            let own = self.paths.jobs.only(rows, flagged);
+            let own = self.paths.jobs.only::<L>(rows, flagged);
             searched.put(&mut self.paths.jobs, &own);
-            self.paths.jobs.begin(rows, flagged);
+            self.flag(rows, flagged);
             let stops = L::bitmask(search.is_stop(first, &interval)) & flagged & finite;
             self.paths.jobs.push::<L>(Task::Stop, rows, stops);
             self.paths.jobs.push::<L>(Task::Bisect, rows, flagged & finite & !stops);
         }
         (end, end_force)
+    }
+
+    /// Note that something may happen in lanes.
+    #[inline(always)]
+    fn flag(&mut self, rows: &Rows, lanes: u32) {
+        let flagged = L::compress(rows, lanes);
+        self.paths.jobs.flagged.extend_from_slice(&flagged[..lanes.count_ones() as usize]);
     }
 
     /// Have lanes cross the cell again, alone.
