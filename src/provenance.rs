@@ -30,6 +30,8 @@ pub struct Provenance {
     pub generator: String,
     /// Paths asked for.
     pub paths: u64,
+    /// Whether they are antithetic pairs: paths 2k and 2k + 1 see the same noise and its mirror image.
+    pub antithetic: bool,
     /// Paths in a block.
     pub block_size: u64,
     /// Version of the program.
@@ -54,6 +56,7 @@ impl Provenance {
             seed: scenario.ensemble.seed,
             generator: GENERATOR.to_string(),
             paths: scenario.ensemble.paths,
+            antithetic: scenario.ensemble.antithetic,
             block_size: BLOCK_SIZE,
             program_version: PROGRAM_VERSION.to_string(),
             git_hash: GIT_HASH.to_string(),

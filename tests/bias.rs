@@ -77,7 +77,7 @@ fn told(model: &Model, scheme: Scheme, seed: u64, paths: u64, threads: usize) ->
 fn run(model: &Model, scheme: Scheme, seed: u64, paths: u64, threads: usize) -> Summary {
     let simulation = scheme.simulation(model, &timeline(model));
     let record = Record { paths: false, events: false, trajectories: 0 };
-    Plan { simulation, record, seed, paths }.run(threads)
+    Plan { simulation, record, seed, paths, antithetic: false }.run(threads)
 }
 
 /// Which of the thirty comparisons fail: the estimates at a step, times each factor, against the large run at that step less the truth.
@@ -280,7 +280,7 @@ fn paths_without_a_step_are_not_those_of_the_run() {
     let timeline = Timeline { end, output_step: end, period: None, after: 0.0 };
     let squares = (0..64).map(|seed| {
         let simulation = plain(h).simulation(&model, &timeline);
-        let run = Plan { simulation, record: Record::NOTHING, seed, paths }.run(2);
+        let run = Plan { simulation, record: Record::NOTHING, seed, paths, antithetic: false }.run(2);
         // All of the cost of the run: enough for as many paths as it has.
         let anchor = Anchor::new(&model, &timeline, h, seed, paths, 1);
         let biases = anchor.estimate(&run, 2, &AtomicBool::new(false)).expect("the budget is enough");

@@ -478,7 +478,7 @@ fn a_path_that_is_no_number_when_it_is_first_looked_at_has_diverged() {
             }
         }
         let simulation = Scheme::from(DiscreteVi { step: h }).simulation(&model, &line);
-        let summary = Plan { simulation, record: Record::NOTHING, seed: 1, paths: 2 }.run(1);
+        let summary = Plan { simulation, record: Record::NOTHING, seed: 1, paths: 2, antithetic: false }.run(1);
         assert_eq!((summary.completed_paths, summary.diverged.as_slice()), (2, &[0, 1][..]));
         assert!(summary.estimates.iter().all(|e| e.estimate.is_nan()), "{:?}", summary.estimates);
     }

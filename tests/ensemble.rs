@@ -23,7 +23,13 @@ fn plan(model: Model, end: f64, h: f64, paths: u64) -> Plan {
 
 fn plan_on(model: &Model, timeline: &Timeline, h: f64, paths: u64) -> Plan {
     let simulation = Scheme::from(DiscreteVi { step: h }).simulation(model, timeline);
-    Plan { simulation, record: Record { paths: true, events: true, trajectories: 3 }, seed: 1, paths }
+    Plan {
+        simulation,
+        record: Record { paths: true, events: true, trajectories: 3 },
+        seed: 1,
+        paths,
+        antithetic: false,
+    }
 }
 
 /// The scheme's own values at three steps, from a program that shares nothing with this one (tests/reference/noisy.c). Null: both draw from

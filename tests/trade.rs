@@ -327,7 +327,7 @@ fn the_command_leaves_a_table_a_file_and_two_pictures() {
     let png = std::fs::read(folder.path().join("trade.png")).expect("a PNG");
     assert!(png.starts_with(b"\x89PNG"));
     let svg = std::fs::read_to_string(folder.path().join("trade.svg")).expect("an SVG");
-    for part in ["discrete-vi", "corrected-vi", "event-driven", "CPU seconds", "stick_duration_mean"] {
+    for part in ["discrete-vi", "corrected-vi", "event-driven", "CPU time on one thread", "mean stick duration"] {
         assert!(svg.contains(part), "{part}");
     }
     let table = mc(folder.path(), &["trade", RHO025, "--budget", "2s"]);

@@ -56,7 +56,7 @@ impl Anchor {
         let exact = EventDrivenSimulation::new(&self.model, &self.timeline, DEFAULT_TOLERANCE);
         let paths = self.affordable(&exact)?;
         let simulation = Simulation::EventDriven(Box::new(exact));
-        let plan = Plan { simulation, record: Record::NOTHING, seed: self.seed, paths };
+        let plan = Plan { simulation, record: Record::NOTHING, seed: self.seed, paths, antithetic: false };
         let mut totals = Totals::empty(plan.model(), plan.timeline());
         let make = |index: u64| plan.piece(index * PIECE, PIECE.min(paths - index * PIECE)).totals;
         let deliver = |piece: Totals| -> Result<_, Infallible> {

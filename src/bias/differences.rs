@@ -12,7 +12,7 @@
 use super::extrapolation::{Levels, is_smooth, leading_order, unseen, weight};
 use super::groups::{GroupObserver, Grouped, Groups};
 use super::{NoBias, caution};
-use crate::ensemble::in_order;
+use crate::ensemble::{drawn, in_order};
 use crate::model::Model;
 use crate::scheme::{Scheme, Simulate as _, Simulation, Timeline};
 use crate::stats::{Bias, Dimension, Statistic, Totals, jackknife};
@@ -56,6 +56,7 @@ pub struct Differences {
     seed: u64,
     groups: usize,
     per_group: u64,
+    antithetic: bool,
 }
 
 impl Differences {
@@ -81,7 +82,14 @@ impl Differences {
             let simulation = scheme.kind().with(k as f64 * h).simulation(model, &timeline);
             simulation.fed_by_finer(k).observed_every((coarsest / k) as u64)
         });
-        Ok(Differences { model: model.clone(), timeline, levels, h, seed, groups, per_group })
+        Ok(Differences { model: model.clone(), timeline, levels, h, seed, groups, per_group, antithetic: false })
+    }
+
+    /// The same for a run of antithetic pairs. Groups hold whole pairs, so that leaving one out tells
+    /// how pairs scatter; where a group would hold one path, there are none.
+    pub fn in_pairs(self) -> Self {
+        let per_group = self.per_group & !1;
+        if per_group == 0 { self } else { Differences { per_group, antithetic: true, ..self } }
     }
 
     /// Number of paths that are simulated at each step.
@@ -141,6 +149,7 @@ impl Differences {
 
     pub(super) fn simulate(&self, threads: usize, stop: &AtomicBool) -> Result<[Groups; LEVELS.len()], NoBias> {
         let width = self.per_group.div_ceil(PIECES).min(MAX_WIDTH);
+        let width = if self.antithetic { width.next_multiple_of(2) } else { width };
         let pieces = self.per_group.div_ceil(width);
         let mut levels = LEVELS.map(|_| Groups::empty(&self.model, &self.timeline, self.groups));
         let mut diverged = 0;
@@ -170,7 +179,7 @@ impl Differences {
         let first = done * groups;
         let numbers: Vec<u64> = (first..first + width * groups).collect();
         let mut observer = GroupObserver::new(&self.model, &self.timeline, first, width as usize, self.groups);
-        let lost = self.levels[level].simulate(self.seed, &numbers, &mut observer);
+        let lost = self.levels[level].simulate(self.seed, &drawn(&numbers, self.antithetic), &mut observer);
         (observer.finish(), lost.len())
     }
 }

@@ -115,6 +115,11 @@ impl BiasPlan {
         Ok(BiasPlan { differences: Some(differences).filter(|_| !is_corrected), anchor })
     }
 
+    /// The same for a run of antithetic pairs.
+    pub fn in_pairs(self) -> Self {
+        BiasPlan { differences: self.differences.map(Differences::in_pairs), ..self }
+    }
+
     /// The bias of every statistic that exists in the run whose result this is, on `threads` threads, the same bits for any number of them.
     pub fn estimate(&self, run: &Summary, threads: usize, stop: &AtomicBool) -> Result<Vec<(Statistic, Bias)>, NoBias> {
         let anchored = self.anchor.as_ref().and_then(|anchor| anchor.estimate(run, threads, stop));

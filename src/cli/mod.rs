@@ -9,6 +9,7 @@ mod init;
 mod interrupt;
 mod numbers;
 mod overrides;
+mod plot;
 mod progress;
 mod replay;
 mod report;
@@ -34,6 +35,7 @@ Examples:
   mc run mine.toml --accuracy 1%            choose scheme, step and paths for an error of 1 %
   mc run mine.toml --set friction.static=1.3 -o stronger.h5
   mc show mine.h5                           the table again, from the file
+  mc plot mine.h5                           all of it in pictures, in mine.svg
   mc replay mine.h5 --path 4711             one path alone, event by event
   mc trade mine.toml                        which scheme, step and paths for which accuracy
 
@@ -55,6 +57,8 @@ enum Verb {
     Check(check::Check),
     /// Print the results in a file again
     Show(show::Show),
+    /// Draw a run, a path or a trade as SVG, PNG or PDF
+    Plot(plot::Plot),
     /// Rerun one path of a stored ensemble alone, keeping its events and its trajectory
     Replay(replay::Replay),
     /// What accuracy costs: every scheme over a ladder of settings, and the cheapest for a target
@@ -72,6 +76,7 @@ impl Arguments {
             Verb::Run(run) => run.call(),
             Verb::Check(check) => check.call(),
             Verb::Show(show) => show.call(),
+            Verb::Plot(plot) => plot.call(),
             Verb::Replay(replay) => replay.call(),
             Verb::Trade(trade) => trade.call(),
             Verb::Init(init) => init.call(),

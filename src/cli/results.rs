@@ -3,6 +3,7 @@
 use super::failure::{Failure, note};
 use super::numbers::wrapped;
 use super::report;
+use std::path::Path;
 use stick_slip::advice::Warning;
 use stick_slip::engine::RunError;
 use stick_slip::scenario::Scenario;
@@ -24,6 +25,19 @@ pub fn warn_of_bias(summary: &Summary) {
     if let Some(line) = report::dominating_bias(summary) {
         note(wrapped(&format!("warning: {line}"), "  ").trim_end());
     }
+}
+
+/// Write a file beside its place, then put it there in one step: what has the right name is whole.
+pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
+    let mut name = path.file_name().unwrap_or_default().to_os_string();
+    name.push(".partial");
+    let partial = path.with_file_name(name);
+    let written = std::fs::write(&partial, bytes).and_then(|()| std::fs::rename(&partial, path));
+    written.map_err(|error| {
+        // Half a file is of no use, and nobody waits for it.
+        drop(std::fs::remove_file(&partial));
+        Failure::Run(format!("{}: cannot be written: {error}", path.display()))
+    })
 }
 
 impl From<RunError> for Failure {

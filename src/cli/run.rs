@@ -176,6 +176,7 @@ fn info(scenario_path: &Path, scenario: &Scenario, outcome: &Outcome, output: &P
         resolution: scenario.resolution().map(|resolution| resolution.shortest_slip),
         seed: scenario.ensemble.seed,
         paths: outcome.paths,
+        antithetic: scenario.ensemble.antithetic,
         threads: Some(outcome.threads),
         seconds: Some(outcome.seconds),
         bias_seconds: Some(outcome.bias.seconds),

@@ -46,6 +46,7 @@ fn info(file: &Path, stored: &Stored, scenario: Option<&Scenario>) -> RunInfo {
         resolution: header.resolution,
         seed: header.seed,
         paths: header.paths,
+        antithetic: header.antithetic,
         threads: None,
         seconds: None,
         bias_seconds: None,

@@ -3,18 +3,19 @@
 use super::failure::{Failure, note, print, writable};
 use super::interrupt::stop_on_ctrl_c;
 use super::numbers::{parse_duration, wrapped};
+use super::plot::{self, Format};
 use super::progress::Measuring;
 use super::trade_report::{self, Asked};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 use std::time::Duration;
 use stick_slip::config::Override;
-use stick_slip::figure;
+use stick_slip::figure::{self, Style, Subject};
 use stick_slip::provenance::Provenance;
 use stick_slip::scenario::Scenario;
 use stick_slip::stats::Statistic;
 use stick_slip::store;
-use stick_slip::study::trade::{self, Limits, Trade as Measured, TradeError};
+use stick_slip::study::trade::{self, Limits, Prices, Trade as Measured, TradeError};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -102,18 +103,16 @@ impl Trade {
         shown: Option<Statistic>,
     ) -> Result<(), Failure> {
         store::write_trade(output, &Provenance::of(scenario), trade, self.force)?;
-        let drawn = shown.and_then(|statistic| figure::work_precision(trade, statistic, &scenario.title));
-        let Some(picture) = drawn else {
+        let prices = shown.map(|statistic| Prices::of(trade, statistic, &scenario.title));
+        let draw = |prices: &Prices| figure::named("trade")?.draw(&Subject::Trade(prices), &Style::default()).ok();
+        let Some(scene) = prices.as_ref().and_then(draw) else {
             let why = shown.map_or("no statistic can be answered".to_string(), |s| trade.standing(s).to_string());
             note(wrapped(&format!("warning: no picture: {why}"), "  ").trim_end());
             return Ok(());
         };
         let [svg, png] = pictures(output);
-        for (path, bytes) in [(svg, picture.svg.as_bytes()), (png, &picture.png)] {
-            std::fs::write(&path, bytes)
-                .map_err(|e| Failure::Run(format!("{}: cannot be written: {e}", path.display())))?;
-        }
-        Ok(())
+        plot::write(&scene, Format::Svg, &svg)?;
+        plot::write(&scene, Format::Png, &png)
     }
 }
 

@@ -96,7 +96,7 @@ pub(super) const TABLES: [(&str, &[&str]); 13] = [
     ("time", &["end", "step", "output_step"]),
     ("scheme", &["kind", "tolerance"]),
     ("statistics", &["after"]),
-    ("ensemble", &["paths", "seed"]),
+    ("ensemble", &["paths", "seed", "antithetic"]),
     ("record", &["paths", "events", "trajectories"]),
     ("units", &["time", "length", "force", "temperature"]),
 ];

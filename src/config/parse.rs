@@ -28,6 +28,12 @@ pub(super) fn scenario(sources: &Sources<'_>, default_title: &str) -> Result<Sce
     let statistics = Statistics { after: root.table("statistics")?.number_or(keys::AFTER, 0.0)?.value.abs() };
     statistics.check(time.end).map_err(|misfit| blame(sources, &root, &misfit))?;
     let ensemble = root.table("ensemble")?;
+    let ensemble = Ensemble {
+        paths: ensemble.whole_or("paths", DEFAULT_PATHS, (1, MAX_PATHS))?,
+        seed: ensemble.whole_or("seed", DEFAULT_SEED, (0, u64::MAX))?,
+        antithetic: ensemble.flag_or("antithetic", false)?,
+    };
+    ensemble.check().map_err(|misfit| blame(sources, &root, &misfit))?;
     let record = root.table("record")?;
     let units = root.table("units")?;
     Ok(Scenario {
@@ -36,10 +42,7 @@ pub(super) fn scenario(sources: &Sources<'_>, default_title: &str) -> Result<Sce
         time,
         scheme,
         statistics,
-        ensemble: Ensemble {
-            paths: ensemble.whole_or("paths", DEFAULT_PATHS, (1, MAX_PATHS))?,
-            seed: ensemble.whole_or("seed", DEFAULT_SEED, (0, u64::MAX))?,
-        },
+        ensemble,
         record: Record {
             paths: record.flag_or("paths", true)?,
             events: record.flag_or("events", false)?,

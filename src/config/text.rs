@@ -29,6 +29,8 @@ pub(super) fn resolved(scenario: &Scenario) -> String {
     table(&mut text, "ensemble");
     line(&mut text, "paths", &ensemble.paths.to_string(), "number of paths");
     line(&mut text, "seed", &ensemble.seed.to_string(), "with the number of a path, determines its noise");
+    let pairs = "paths 2k and 2k + 1 see the same noise and its mirror image";
+    line(&mut text, "antithetic", &ensemble.antithetic.to_string(), pairs);
     let Record { paths, events, trajectories } = *record;
     table(&mut text, "record");
     line(&mut text, "paths", &paths.to_string(), "scalars of every path");

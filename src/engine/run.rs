@@ -69,9 +69,10 @@ impl<'a> Run<'a> {
         Run { threads: threads.max(1), ..self }
     }
 
-    /// At most so many paths, whatever the scenario asks for.
+    /// At most so many paths, whatever the scenario asks for; whole pairs where they are antithetic.
     pub fn paths(self, paths: u64) -> Self {
-        Run { paths, ..self }
+        let is_paired = self.scenario.ensemble.antithetic;
+        Run { paths: if is_paired { paths.next_multiple_of(2) } else { paths }, ..self }
     }
 
     /// End at the first block after which every goal is reached.

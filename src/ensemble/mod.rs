@@ -11,8 +11,9 @@ mod in_order;
 pub use in_order::in_order;
 
 use crate::model::Model;
+use crate::noise;
 use crate::scheme::{Simulate as _, Simulation, Timeline};
-use crate::stats::{BlockObserver, BlockResult, Companion, Overlap, Record, RunTotals, Summary};
+use crate::stats::{BlockObserver, BlockResult, Companion, Overlap, Record, RunTotals, Summary, Unit};
 use std::ops::ControlFlow;
 use std::sync::atomic::AtomicBool;
 
@@ -31,6 +32,13 @@ pub struct Plan {
     pub seed: u64,
     /// Number of paths.
     pub paths: u64,
+    /// Whether paths 2k and 2k + 1 see the same noise and its mirror image.
+    pub antithetic: bool,
+}
+
+/// What these paths draw from: paths of antithetic pairs, or of none.
+pub fn drawn(paths: &[u64], antithetic: bool) -> Vec<u64> {
+    paths.iter().map(|&path| if antithetic { noise::antithetic(path) } else { path }).collect()
 }
 
 impl Plan {
@@ -73,23 +81,29 @@ impl Plan {
 
     /// The same, watched by a companion as well.
     ///
-    /// A path that diverges is left out, and the others are simulated again without it. They are independent of it, so this happens
+    /// A path that diverges is left out, with the other one of its pair, and the others are simulated again without it. They are independent of it, so this happens
     /// at most once a block.
     fn piece_beside<C: Companion>(&self, first: u64, paths: u64, companion: &C) -> (BlockResult, C::Sums) {
+        // A piece that cuts a pair, such as a path alone, has no pairs.
+        let holds_pairs = self.antithetic && first.is_multiple_of(2) && paths.is_multiple_of(2);
+        let unit = if holds_pairs { Unit::Pair } else { Unit::Path };
         let mut kept: Vec<u64> = (first..first + paths).collect();
         let mut diverged = Vec::new();
         loop {
             let own = BlockObserver::new(self.model(), self.timeline(), &self.record, &kept)
-                .with_step(self.simulation.step());
+                .with_step(self.simulation.step())
+                .in_units(unit);
             let mut both = (own, companion.observer(kept.len()));
-            let lost = self.simulation.simulate(self.seed, &kept, &mut both);
+            let lost = self.simulation.simulate(self.seed, &drawn(&kept, self.antithetic), &mut both);
             if lost.is_empty() {
                 let (own, theirs) = both;
-                return (own.finish(first, paths, diverged), companion.finish(theirs));
+                return (own.finish(first, paths, diverged), companion.finish(theirs, unit));
             }
-            for lane in lost.into_iter().rev() {
-                diverged.push(kept.remove(lane));
-            }
+            // With a path the other one of its pair is left out.
+            let lost: Vec<u64> = lost.into_iter().map(|lane| unit.of(kept[lane])).collect();
+            let (out, rest) = kept.into_iter().partition(|&path| lost.contains(&unit.of(path)));
+            kept = rest;
+            diverged.extend::<Vec<u64>>(out);
             diverged.sort_unstable();
         }
     }

@@ -1,76 +1,73 @@
-//! The work-precision picture: what error which CPU time buys, one line a scheme, on logarithmic
-//! axes.
+//! What accuracy costs: for every scheme the CPU time of the cheapest run that reaches a target, on
+//! logarithmic axes.
 
-use crate::scheme::{Kind, Look};
-use crate::stats::Statistic;
-use crate::study::trade::{TARGETS, Trade};
-use kuva::backend::raster::RasterBackend;
-use kuva::backend::svg::SvgBackend;
-use kuva::prelude::{Layout, LegendPosition, LinePlot, LineStyle, Plot, ScatterPlot, TickFormat};
-use kuva::render::render::render_multiple;
-use std::sync::Arc;
+use super::axis::{Axis, range_of};
+use super::kit::{Colour, Label, Scene, Stroke};
+use super::panel::{Mark, Panel};
+use super::sheet::{Entry, sheet};
+use super::subject::{Absent, Figure, Subject};
+use super::theme::{LINE, Style};
+use super::words::words;
+use crate::scheme::Kind;
 
-/// The picture in both of its formats.
-#[derive(Clone, Debug)]
-pub struct Picture {
-    /// As SVG.
-    pub svg: String,
-    /// As PNG.
-    pub png: Vec<u8>,
-}
+/// The figure.
+pub const FIGURE: Figure =
+    Figure { name: "trade", shows: "the error that CPU time buys, scheme by scheme", draws: draw };
 
-/// Targets drawn per power of ten.
-const PER_DECADE: i32 = 12;
-/// From the largest target down.
-const DECADES: i32 = 3;
 /// Runs of more than a year are not drawn.
 const YEAR: f64 = 3.2e7;
-/// Most characters in a line of the title.
-const TITLE_WIDTH: usize = 48;
-/// Pixels of the PNG per unit of the SVG.
-const SCALE: f32 = 2.0;
 
-/// For each scheme the least cost of every target, of one statistic; none if no scheme has any.
-pub fn work_precision(trade: &Trade, statistic: Statistic, title: &str) -> Option<Picture> {
-    let mut plots: Vec<Plot> = Vec::new();
-    for &scheme in Kind::ALL {
-        let Look { colour, dash } = scheme.look();
-        let cost = |target: f64| {
-            let choice = trade.best(Some(scheme), &[statistic], target).ok()?;
-            (choice.seconds < YEAR).then_some((choice.seconds, target))
-        };
-        let targets =
-            (0..=DECADES * PER_DECADE).map(|i| TARGETS[0] * 10f64.powf(-f64::from(i) / f64::from(PER_DECADE)));
-        let line: Vec<(f64, f64)> = targets.filter_map(cost).collect();
-        let marks: Vec<(f64, f64)> = TARGETS.into_iter().filter_map(cost).collect();
-        if line.is_empty() {
-            continue;
-        }
-        let style = if dash.is_empty() { LineStyle::Solid } else { LineStyle::Custom(dash.into()) };
-        let line = LinePlot::new().with_data(line).with_color(colour).with_line_style(style).with_stroke_width(2.0);
-        plots.push(line.with_legend(scheme.name()).into());
-        plots.push(ScatterPlot::new().with_data(marks).with_color(colour).with_size(4.0).into());
+fn draw(subject: &Subject, style: &Style) -> Result<Scene, Absent> {
+    let prices = subject.trade()?;
+    let is_drawn = |point: &&[f64; 2]| point[0] > 0.0 && point[0] < YEAR;
+    let curves: Vec<(Kind, Vec<[f64; 2]>)> =
+        prices.curves.iter().map(|(kind, points)| (*kind, points.iter().filter(is_drawn).copied().collect())).collect();
+    let points = || curves.iter().flat_map(|(_, points)| points);
+    if points().next().is_none() {
+        return Err(Absent::Nothing("no scheme was found to reach any target for this statistic"));
     }
-    if plots.is_empty() {
-        return None;
+    let palette = style.palette();
+    let [cheapest, dearest] = range_of(points().map(|point| point[0]));
+    let [finest, coarsest] = range_of(points().map(|point| point[1]));
+    let seconds = Axis::log([cheapest / 2.0, dearest * 2.0], Label::new("CPU time on one thread"), "s");
+    let error = format!("relative RMSE, {}", words(prices.statistic));
+    let mut panel = Panel::new(seconds, Axis::log([finest / 1.5, coarsest * 1.5], Label::new(&error), ""), 150.0);
+    let mut legend = Vec::new();
+    for (kind, points) in curves.iter().filter(|(_, points)| !points.is_empty()) {
+        let (stroke, mark) = look(*kind);
+        panel.line(points.clone(), stroke.clone());
+        points.iter().for_each(|point| panel.mark(*point, mark, stroke.colour));
+        legend.push(Entry { mark: Some((mark, stroke.colour)), ..Entry::line(stroke, kind.name()) });
     }
-    let layout = Layout::auto_from_plots(&plots)
-        .with_log_scale()
-        .with_title(title)
-        .with_title_wrap(TITLE_WIDTH)
-        .with_x_label("CPU seconds on one thread")
-        .with_y_label(format!("relative RMSE of {}", statistic.name()))
-        .with_tick_format(TickFormat::Custom(Arc::new(power)))
-        .with_legend_position(LegendPosition::InsideTopRight)
-        .with_width(720.0)
-        .with_height(480.0);
-    let scene = render_multiple(plots, layout);
-    let svg = SvgBackend.render_scene(&scene);
-    let png = RasterBackend::new().with_scale(SCALE).render_scene(&scene).ok()?;
-    Some(Picture { svg, png })
+    for decade in (-8..8).map(|n| 10f64.powi(n)) {
+        panel.level(decade, Stroke::solid(palette.grid, 0.4));
+    }
+    Ok(sheet(style, &format!("What accuracy costs: {}", prices.title), &legend, &[panel], ""))
 }
 
-/// A power of ten, plain where that is short.
-fn power(x: f64) -> String {
-    if (1e-4..1e4).contains(&x) { format!("{}", (x * 1e6).round() / 1e6) } else { format!("{x:.0e}") }
+/// How a scheme looks: its colour, its dashes and its marks tell it from the others, each of them
+/// alone.
+fn look(kind: Kind) -> (Stroke, Mark) {
+    let look = kind.look();
+    let rgb = u32::from_str_radix(look.colour.trim_start_matches('#'), 16).unwrap_or(0);
+    let dash: Vec<f64> =
+        look.dash.split_whitespace().filter_map(|length| length.parse::<f64>().ok()).map(|l| 0.6 * l).collect();
+    let place = Kind::ALL.iter().position(|other| *other == kind).unwrap_or(0);
+    let mark = [Mark::Disc, Mark::Square, Mark::Triangle, Mark::Diamond][place % 4];
+    (Stroke::dashed(Colour::hex(rgb), LINE, &dash), mark)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn schemes_are_told_apart_without_colour() {
+        for (i, one) in Kind::ALL.iter().enumerate() {
+            for other in &Kind::ALL[..i] {
+                let ((a, mark), (b, other_mark)) = (look(*one), look(*other));
+                assert!(a.dash != b.dash && mark != other_mark && a.colour != b.colour, "{one:?} {other:?}");
+            }
+        }
+    }
 }

@@ -12,6 +12,7 @@
 //! the words of [`super::Stream`]. Two paths whose counters happen to overlap have other second
 //! keys, so they share no number.
 
+use super::mirror;
 use super::normal::{half_normals, standard_normal};
 use super::stream::{GAMMA, path_word};
 use crate::lanes::{Lanes, Table};
@@ -23,6 +24,8 @@ pub struct AddressedDraws {
     origin: u64,
     key: u64,
     counter: u64,
+    /// See [`mirror::parts`].
+    flip: u64,
 }
 
 /// Places of a cell from here on are for those who only look.
@@ -32,14 +35,11 @@ const LOOKING: u64 = 1 << 31;
 const START: u64 = LOOKING - 1;
 
 impl AddressedDraws {
-    /// Those of path `path` of the ensemble with this seed, at the first place of cell 0.
+    /// Those of path `path` of the ensemble with this seed, or of a mirror image
+    /// ([`super::MIRROR`]), at the first place of cell 0.
     pub fn new(seed: u64, path: u64) -> Self {
-        AddressedDraws { origin: path_word(seed, path, 4), key: path_word(seed, path, 5), counter: 0 }
-    }
-
-    /// Those of the path with these keys.
-    pub fn with_keys([origin, key]: [u64; 2]) -> Self {
-        AddressedDraws { origin, key, counter: 0 }
+        let (path, flip) = mirror::parts(path);
+        AddressedDraws { origin: path_word(seed, path, 4), key: path_word(seed, path, 5), counter: 0, flip }
     }
 
     /// Those of the same path at this place of a cell; cells and places are below 2^31.
@@ -66,21 +66,22 @@ impl AddressedDraws {
         bits_at::<f64>(self.origin, self.key, counter)
     }
 
-    /// What tells the numbers of this path from those of others.
-    pub fn keys(&self) -> [u64; 2] {
-        [self.origin, self.key]
+    /// What tells the numbers of this path from those of others: origin, key and whether its normals
+    /// have the other sign.
+    pub fn keys(&self) -> [u64; 3] {
+        [self.origin, self.key, self.flip]
     }
 
     /// The next standard normal.
     #[inline(always)]
     pub fn normal(&mut self) -> f64 {
-        standard_normal(self.next_u64())
+        standard_normal(self.next_u64() ^ self.flip)
     }
 
     /// The next two standard normals, of one draw ([`super::Stream::normal_pair`]).
     #[inline(always)]
     pub fn normal_pair(&mut self) -> [f64; 2] {
-        let draw = self.next_u64();
+        let draw = self.next_u64() ^ self.flip;
         // Not by `map`, which is not compiled for the instruction set of the caller.
         [standard_normal(draw), standard_normal(draw.rotate_left(32))]
     }
@@ -116,8 +117,10 @@ pub struct LaneDraws<L: Lanes> {
     /// What tells the paths apart ([`AddressedDraws::keys`]).
     pub origin: L::Bits,
     pub key: L::Bits,
-    /// What the next number of each path is ([`AddressedDraws::counter`]).
+    /// What the next number of each path is, as cell 2^32 + place.
     pub counter: L::Bits,
+    /// See [`mirror::parts`].
+    pub flip: L::Bits,
 }
 
 impl<L: Lanes> LaneDraws<L> {
@@ -129,13 +132,13 @@ impl<L: Lanes> LaneDraws<L> {
     /// [`AddressedDraws::normal`].
     #[inline(always)]
     pub fn normal(&self, cells: &Table, after: u64) -> L {
-        half_normals::<L>(cells, self.bits(after)) * SQRT_2
+        half_normals::<L>(cells, L::xor(self.bits(after), self.flip)) * SQRT_2
     }
 
     /// [`AddressedDraws::normal_pair`].
     #[inline(always)]
     pub fn normal_pair(&self, cells: &Table, after: u64) -> [L; 2] {
-        let bits = self.bits(after);
+        let bits = L::xor(self.bits(after), self.flip);
         [half_normals::<L>(cells, bits) * SQRT_2, half_normals::<L>(cells, L::rotate_left::<32>(bits)) * SQRT_2]
     }
 

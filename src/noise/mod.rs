@@ -3,6 +3,7 @@
 
 mod addressed;
 mod first_passage;
+mod mirror;
 mod normal;
 mod normal_table;
 mod ornstein_uhlenbeck;
@@ -12,6 +13,7 @@ pub use addressed::AddressedDraws;
 pub(crate) use addressed::LaneDraws;
 pub(crate) use first_passage::{mean_touching_spread, meeting_place, meeting_probability};
 pub(crate) use normal::cells;
+pub use mirror::{MIRROR, antithetic};
 pub use normal::{MAX_NORMAL_ERROR, standard_normal};
 pub use ornstein_uhlenbeck::Transition;
 pub(crate) use ornstein_uhlenbeck::{TimeChange, bridge_at, bridge_middle, increment_variance, short_bridge_middle, time_of};

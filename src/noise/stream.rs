@@ -9,6 +9,7 @@
 //! path number: no two paths of a run share a state, neighbouring paths share no structure, and
 //! 2^256 states leave overlaps of streams out of reach (probability below paths^2 * steps / 2^256).
 
+use super::mirror;
 use super::normal::{cells, half_normals};
 use crate::lanes::{InstructionSet, LaneProgram, Lanes, Table};
 use std::f64::consts::SQRT_2;
@@ -34,12 +35,16 @@ pub(super) fn path_word(seed: u64, path: u64, i: u64) -> u64 {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Stream {
     state: [u64; 4],
+    /// See [`mirror::parts`].
+    flip: u64,
 }
 
 impl Stream {
-    /// The stream of path `path` of the ensemble with this seed.
+    /// The stream of path `path` of the ensemble with this seed, or of a mirror image
+    /// ([`super::MIRROR`]).
     pub fn new(seed: u64, path: u64) -> Self {
-        Stream { state: std::array::from_fn(|i| path_word(seed, path, i as u64)) }
+        let (path, flip) = mirror::parts(path);
+        Stream { state: std::array::from_fn(|i| path_word(seed, path, i as u64)), flip }
     }
 
     /// The four state words.
@@ -65,7 +70,7 @@ impl Stream {
     /// The next standard normal.
     #[inline(always)]
     pub fn normal(&mut self) -> f64 {
-        super::standard_normal(self.next_u64())
+        super::standard_normal(self.next_u64() ^ self.flip)
     }
 
     /// The next two standard normals, of one draw w: those of w and of w with its halves exchanged.
@@ -73,7 +78,7 @@ impl Stream {
     /// lower ones matter alone only beyond 6.2 sigma.
     #[inline(always)]
     pub fn normal_pair(&mut self) -> [f64; 2] {
-        let draw = self.next_u64();
+        let draw = self.next_u64() ^ self.flip;
         [draw, draw.rotate_left(32)].map(super::standard_normal)
     }
 
@@ -89,6 +94,8 @@ impl Stream {
 #[derive(Clone, Debug)]
 pub struct LaneStreams {
     words: [Vec<u64>; 4],
+    /// See [`mirror::parts`].
+    flips: Vec<u64>,
     /// Whether the next normal is the second of a pair.
     is_second: Vec<bool>,
 }
@@ -99,13 +106,20 @@ impl LaneStreams {
         let beyond = paths.last().map_or(0, |p| p.wrapping_add(1));
         let padded = paths.iter().copied().chain((0..).map(|i| beyond.wrapping_add(i))).take(lanes);
         let mut words: [Vec<u64>; 4] = std::array::from_fn(|_| Vec::with_capacity(lanes));
+        let mut flips = Vec::with_capacity(lanes);
         for path in padded {
-            let state = Stream::new(seed, path).state();
-            for (word, s) in words.iter_mut().zip(state) {
+            let stream = Stream::new(seed, path);
+            for (word, s) in words.iter_mut().zip(stream.state) {
                 word.push(s);
             }
+            flips.push(stream.flip);
         }
-        LaneStreams { words, is_second: vec![false; lanes] }
+        LaneStreams { words, flips, is_second: vec![false; lanes] }
+    }
+
+    /// Whether any of them is a mirror image.
+    pub fn are_mirrored(&self) -> bool {
+        self.flips.iter().any(|&flip| flip != 0)
     }
 
     /// The next `steps` standard normals of each lane, `[step][lane]`.
@@ -118,10 +132,14 @@ impl LaneStreams {
     /// Take out the streams of `R` registers of lanes, beginning at `lane`; [`LaneStreams::put`]
     /// brings them back.
     #[inline(always)]
-    pub fn take<L: Lanes, const R: usize>(&self, lane: usize) -> LaneNormals<L, R> {
+    pub fn take<L: Lanes, const R: usize, const MIRRORED: bool>(&self, lane: usize) -> LaneNormals<L, R, MIRRORED> {
         let zero = L::splat_bits(0);
-        let mut taken = LaneNormals { words: [[zero; 4]; R], is_second: self.is_second[lane], cells: cells() };
+        let is_second = self.is_second[lane];
+        let mut taken = LaneNormals { words: [[zero; 4]; R], flips: [zero; R], is_second, cells: cells() };
         for r in 0..R {
+            if MIRRORED {
+                taken.flips[r] = L::load_bits(&self.flips[lane + r * L::WIDTH..]);
+            }
             for i in 0..4 {
                 taken.words[r][i] = L::load_bits(&self.words[i][lane + r * L::WIDTH..]);
             }
@@ -131,7 +149,11 @@ impl LaneStreams {
 
     /// Bring back what was taken out at `lane`.
     #[inline(always)]
-    pub fn put<L: Lanes, const R: usize>(&mut self, lane: usize, taken: &LaneNormals<L, R>) {
+    pub fn put<L: Lanes, const R: usize, const MIRRORED: bool>(
+        &mut self,
+        lane: usize,
+        taken: &LaneNormals<L, R, MIRRORED>,
+    ) {
         for r in 0..R {
             for i in 0..4 {
                 L::store_bits(taken.words[r][i], &mut self.words[i][lane + r * L::WIDTH..]);
@@ -142,21 +164,25 @@ impl LaneStreams {
 }
 
 /// `R` registers of lanes, each the normals of its stream in pairs, as [`Stream::normal_pair`]
-/// draws them, over sqrt(2).
+/// draws them, over sqrt(2). Only where `MIRRORED` may any of them be a mirror image.
 #[derive(Clone, Copy)]
-pub struct LaneNormals<L: Lanes, const R: usize> {
+pub struct LaneNormals<L: Lanes, const R: usize, const MIRRORED: bool> {
     words: [[L::Bits; 4]; R],
+    flips: [L::Bits; R],
     is_second: bool,
     cells: &'static Table,
 }
 
-impl<L: Lanes, const R: usize> LaneNormals<L, R> {
+impl<L: Lanes, const R: usize, const MIRRORED: bool> LaneNormals<L, R, MIRRORED> {
     /// The next normal of each lane, over sqrt(2).
     #[inline(always)]
     pub fn draw(&mut self) -> [L; R] {
         let mut normals = [L::splat(0.0); R];
-        for (normal, words) in normals.iter_mut().zip(&mut self.words) {
+        for ((normal, words), flip) in normals.iter_mut().zip(&mut self.words).zip(&self.flips) {
             let mut draw = output::<L>(words);
+            if MIRRORED {
+                draw = L::xor(draw, *flip);
+            }
             if self.is_second {
                 draw = L::rotate_left::<32>(draw);
                 *words = step::<L>(*words);
@@ -178,7 +204,7 @@ impl LaneProgram for Fill<'_> {
     fn run<L: Lanes>(&mut self) {
         let lanes = self.streams.is_second.len();
         for lane in (0..lanes).step_by(L::WIDTH) {
-            let mut taken = self.streams.take::<L, 1>(lane);
+            let mut taken = self.streams.take::<L, 1, true>(lane);
             for row in self.normals.chunks_exact_mut(lanes) {
                 taken.draw()[0].mul(L::splat(SQRT_2)).store(&mut row[lane..]);
             }

@@ -68,7 +68,7 @@ prop_compose! {
             time: Time { end: f64::from(steps) * step, output_step: f64::from(stride) * step },
             scheme,
             statistics: Statistics { after: burn_in * f64::from(steps) * step },
-            ensemble: Ensemble { paths, seed },
+            ensemble: Ensemble { paths, seed, antithetic: paths % 4 == 2 },
             record: Record { paths: keep_paths, events, trajectories },
             units: Units { time, length, force, temperature },
         }

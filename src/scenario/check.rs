@@ -2,7 +2,7 @@
 //! whoever reads it.
 
 use super::time::check_end;
-use super::{Scenario, Statistics};
+use super::{Ensemble, Scenario, Statistics};
 use crate::model::{Friction, LARGEST, Model, Noise, can_be_computed_with};
 use crate::scheme::{Misfit, Scheme, divergence_bound};
 
@@ -17,7 +17,8 @@ impl Scenario {
         check_end(*scheme, time.end)?;
         scheme.check(model, time.end)?;
         time.check_rows(*scheme)?;
-        statistics.check(time.end)
+        statistics.check(time.end)?;
+        self.ensemble.check()
     }
 
     /// The same question answered by another scheme; an error where its step, or its tolerance,
@@ -26,6 +27,19 @@ impl Scenario {
         let changed = Scenario { scheme: scheme.into(), ..self.clone() };
         changed.check()?;
         Ok(changed)
+    }
+}
+
+impl Ensemble {
+    /// Pairs are whole.
+    pub(crate) fn check(&self) -> Result<(), Misfit> {
+        let paths = self.paths;
+        if !self.antithetic || paths.is_multiple_of(2) {
+            return Ok(());
+        }
+        let problem = format!("`ensemble.antithetic` makes pairs of paths, and `ensemble.paths` = {paths} is odd");
+        let remedy = format!("write `paths = {}`", paths + 1);
+        Err(Misfit::new(&[("ensemble.paths", paths as f64)], problem, remedy))
     }
 }
 

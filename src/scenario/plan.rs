@@ -34,11 +34,13 @@ impl Scenario {
             record: self.record,
             seed: self.ensemble.seed,
             paths: self.ensemble.paths,
+            antithetic: self.ensemble.antithetic,
         }
     }
 
     /// The simulations from which the error of its step is estimated, for a run of so many paths.
     pub fn bias_plan(&self, paths: u64) -> Result<BiasPlan, NoBias> {
-        BiasPlan::new(self.scheme, &self.model, &self.timeline(), self.ensemble.seed, paths)
+        let plan = BiasPlan::new(self.scheme, &self.model, &self.timeline(), self.ensemble.seed, paths)?;
+        Ok(if self.ensemble.antithetic { plan.in_pairs() } else { plan })
     }
 }

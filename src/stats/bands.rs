@@ -1,12 +1,13 @@
 //! Pointwise distribution of x, x' and T over the ensemble, row by row of the output grid.
 
 use super::bins::Shape;
-use super::codec::{Codec, Damaged, Reader, codec_of_fields};
+use super::codec::{Codec, Damaged, Reader};
 use super::interval::Measured;
 use super::moments::Moments;
 use super::ordered::Ordered;
-use super::range::{self, NORMAL, Range};
+use super::range::{NORMAL, Range, Sample};
 use super::sketch::Sketch;
+use super::unit::Unit;
 use super::{Band, Bands, QUANTILE_LEVELS};
 use crate::model::Model;
 use crate::scheme::{Snapshot, Timeline};
@@ -23,19 +24,30 @@ fn variables<'a>(snapshot: &Snapshot<'a>) -> [&'a [f64]; VARIABLES] {
 /// Mean and spread of each variable at each time: the floating-point half of the bands.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct BandSums {
+    /// Of the means of units.
     rows: [Vec<Moments>; VARIABLES],
+    /// Of the paths of each unit about their mean, the sum of squares: only where a unit is a pair.
+    within: Option<[Vec<f64>; VARIABLES]>,
 }
 
 impl BandSums {
     pub fn empty(rows: usize) -> Self {
-        BandSums { rows: std::array::from_fn(|_| vec![Moments::default(); rows]) }
+        BandSums { rows: std::array::from_fn(|_| vec![Moments::default(); rows]), within: None }
     }
 
     /// Row `row` of the output grid, of every path of the block.
-    pub fn fold(&mut self, row: usize, snapshot: &Snapshot<'_>) {
+    pub fn fold(&mut self, row: usize, snapshot: &Snapshot<'_>, unit: Unit) {
+        let rows = self.rows[0].len();
+        if row >= rows {
+            return;
+        }
         for (rows, values) in self.rows.iter_mut().zip(variables(snapshot)) {
-            if let Some(slot) = rows.get_mut(row) {
-                *slot = Moments::of(values);
+            rows[row] = Moments::of(&unit.means(values));
+        }
+        if unit == Unit::Pair {
+            let within = self.within.get_or_insert_with(|| no_squares(rows));
+            for (within, values) in within.iter_mut().zip(variables(snapshot)) {
+                within[row] = values.as_chunks().0.iter().map(|[a, b]| 0.5 * (a - b) * (a - b)).sum();
             }
         }
     }
@@ -44,10 +56,51 @@ impl BandSums {
         for (mine, more) in self.rows.iter_mut().flatten().zip(other.rows.iter().flatten()) {
             mine.merge(more);
         }
+        if let Some(more) = &other.within {
+            let within = self.within.get_or_insert_with(|| no_squares(more[0].len()));
+            within.iter_mut().flatten().zip(more.iter().flatten()).for_each(|(mine, more)| *mine += more);
+        }
+    }
+
+    /// The variance of a variable over paths, row by row.
+    fn variances(&self, variable: usize) -> Vec<f64> {
+        let rows = self.rows[variable].iter();
+        match &self.within {
+            None => rows.map(Moments::variance).collect(),
+            // Of 2n paths in n pairs.
+            Some(within) => {
+                let of_pairs = |(m, &within): (&Moments, &f64)| (2.0 * m.m2 + within) / (2 * m.count - 1) as f64;
+                rows.zip(&within[variable])
+                    .map(|(m, within)| if m.count == 0 { f64::NAN } else { of_pairs((m, within)) })
+                    .collect()
+            }
+        }
     }
 }
 
-codec_of_fields!(BandSums { rows });
+fn no_squares(rows: usize) -> [Vec<f64>; VARIABLES] {
+    std::array::from_fn(|_| vec![0.0; rows])
+}
+
+impl Codec for BandSums {
+    fn write(&self, out: &mut Vec<u8>) {
+        self.rows.write(out);
+        u64::from(self.within.is_some()).write(out);
+        self.within.iter().for_each(|within| within.write(out));
+    }
+
+    fn read(&mut self, from: &mut Reader<'_>) -> Result<(), Damaged> {
+        self.rows.read(from)?;
+        let mut has_pairs = 0;
+        has_pairs.read(from)?;
+        self.within = match has_pairs {
+            0 => None,
+            1 => Some(no_squares(self.rows[0].len())),
+            _ => return Err(Damaged),
+        };
+        self.within.iter_mut().try_for_each(|within| within.read(from))
+    }
+}
 
 /// Of all sketches together so many values are kept, or half as many bins, which with all that belongs to them takes 100 MB at most.
 const VALUES: usize = 4_500_000;
@@ -160,36 +213,37 @@ impl Codec for BandCounts {
 }
 
 /// The bands from their two halves.
-pub(super) fn summary(sums: &BandSums, counts: &BandCounts, timeline: &Timeline, is_random: bool) -> Bands {
+pub(super) fn summary(sums: &BandSums, counts: &BandCounts, timeline: &Timeline, is_random: bool, unit: Unit) -> Bands {
     let counts = counts.clone().settled();
+    let size = unit.size() as f64;
     let band = |variable: usize| {
-        let (moments, rows) = (&sums.rows[variable], &counts.rows[variable]);
+        let (moments, variances, rows) = (&sums.rows[variable], sums.variances(variable), &counts.rows[variable]);
         let values: Vec<Ordered> = rows.iter().map(Sketch::ordered).collect();
         let quantile = |level: f64| values.iter().map(move |row| row.quantile(level));
         let quantiles: Vec<f64> = QUANTILE_LEVELS.into_iter().flat_map(quantile).collect();
         let quantile_ends =
-            QUANTILE_LEVELS.into_iter().flat_map(|level| values.iter().map(move |row| ends(row, level)));
+            QUANTILE_LEVELS.into_iter().flat_map(|level| values.iter().map(move |row| ends(row, level, size)));
         // Where a path begins is the same for all of them.
         let chance = |row: usize, moments: &Moments| (is_random && row > 0).then_some(moments.count);
         let mean_ends = |(row, m): (usize, &Moments)| Measured::mean(m).in_range(Range::ANY, chance(row, m)).interval();
-        let sd_ends = |((row, m), values): ((usize, &Moments), &Ordered)| {
-            let sd = m.variance().sqrt();
+        let sd_ends = |(((row, m), variance), values): (((usize, &Moments), &f64), &Ordered)| {
+            let sd = variance.sqrt();
             let (relative, freedom) = values.error_of_spread();
-            let error = if sd == 0.0 { 0.0 } else { sd * relative };
-            Measured::spread(sd, error, freedom).in_range(Range::NOT_NEGATIVE, chance(row, m)).interval()
+            let error = if sd == 0.0 { 0.0 } else { sd * relative * size.sqrt() };
+            Measured::spread(sd, error, freedom / size).in_range(Range::NOT_NEGATIVE, chance(row, m)).interval()
         };
         Band {
             mean: moments.iter().map(Moments::mean).collect(),
             mean_ends: moments.iter().enumerate().map(mean_ends).collect(),
-            sd: moments.iter().map(|row| row.variance().sqrt()).collect(),
-            sd_ends: moments.iter().enumerate().zip(&values).map(sd_ends).collect(),
+            sd: variances.iter().map(|variance| variance.sqrt()).collect(),
+            sd_ends: moments.iter().enumerate().zip(&variances).zip(&values).map(sd_ends).collect(),
             quantiles: Array2::from_shape_fn((QUANTILE_LEVELS.len(), rows.len()), |(i, j)| {
                 quantiles[i * rows.len() + j]
             }),
             quantile_ends: quantile_ends.collect(),
         }
     };
-    let is_static = |&[paths, still]: &[u64; 2]| range::of_paths(still, paths, is_random);
+    let is_static = |&[paths, still]: &[u64; 2]| Sample { paths, units: paths / unit.size(), is_random }.share(still);
     Bands {
         time: timeline.output_times(),
         displacement: band(0),
@@ -200,10 +254,10 @@ pub(super) fn summary(sums: &BandSums, counts: &BandCounts, timeline: &Timeline,
     }
 }
 
-/// The interval of a quantile of independent values: those whose share of the values below is in
-/// doubt, read back.
-fn ends(values: &Ordered, level: f64) -> [f64; 2] {
-    let n = values.count() as f64;
+/// The interval of a quantile of values so many of which make an independent unit: those whose share
+/// of the values below is in doubt, read back.
+fn ends(values: &Ordered, level: f64, size: f64) -> [f64; 2] {
+    let n = values.count() as f64 / size;
     if n < 2.0 {
         return [f64::NAN; 2];
     }
@@ -246,9 +300,9 @@ mod tests {
             let is_static: Vec<bool> = x.iter().map(|_| uniform(&mut rng) < 0.3).collect();
             let snapshot =
                 Snapshot { time: 1.0, displacement: &x, velocity: &x, temperature: &x, is_static: &is_static };
-            part.0.fold(1, &snapshot);
+            part.0.fold(1, &snapshot, Unit::Path);
             part.1.fold(1, &snapshot);
-            let bands = summary(&part.0, &part.1, &timeline, true);
+            let bands = summary(&part.0, &part.1, &timeline, true, Unit::Path);
             let x = &bands.displacement;
             // The upper quartile of the standard normal law is 0.674490; the fourth level is 3/4, and there are two times.
             let curves = [
@@ -281,12 +335,12 @@ mod tests {
             let v: Vec<f64> = block.iter().map(|x| x - 6.0).collect();
             let snapshot =
                 Snapshot { time: 1.0, displacement: block, velocity: &v, temperature: &v, is_static: &is_static };
-            part.0.fold(1, &snapshot);
+            part.0.fold(1, &snapshot, Unit::Path);
             part.1.fold(1, &snapshot);
             sums.merge(&part.0);
             counts.merge(&part.1);
         }
-        let bands = summary(&sums, &counts, &timeline, true);
+        let bands = summary(&sums, &counts, &timeline, true, Unit::Path);
         assert_eq!((bands.time.clone(), bands.static_probability[1]), (vec![0.0, 1.0], 0.4));
         assert!(bands.static_probability[0].is_nan() && bands.displacement.mean[0].is_nan());
         // Two passes over all values; rounding is 1e-16 a value.

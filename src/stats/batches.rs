@@ -4,13 +4,13 @@
 use super::interval::student;
 use super::range::{NORMAL, wilson};
 
-/// Phases are counted apart for the path numbers of each residue modulo this, so that the spread between these batches
+/// Phases are counted apart for the units of each residue modulo this, so that the spread between these batches
 /// shows how uncertain a pooled share is. 31 degrees of freedom widen the interval by 4 %.
 pub(super) const BATCHES: usize = 32;
 
-/// The batch that a path is in.
-pub(super) fn batch_of(path: u64) -> usize {
-    (path % BATCHES as u64) as usize
+/// The batch that a unit is in, a path or a pair of them.
+pub(super) fn batch_of(unit: u64) -> usize {
+    (unit % BATCHES as u64) as usize
 }
 
 /// A spread of shares below this is rounding: every batch holds the same distribution.

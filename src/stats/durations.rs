@@ -8,7 +8,7 @@ use super::interval::Measured;
 use super::log_bins::{LogBins, LogGrid};
 use super::ordered::Ordered;
 use super::quantile;
-use super::range;
+use super::range::Sample;
 use super::sketch::Sketch;
 use super::survival::Survival;
 use super::{Ends, Histogram, QUANTILE_LEVELS, StickDurations};
@@ -78,10 +78,10 @@ impl DurationCounts {
         self.batches = std::array::from_fn(|_| Batch::empty(step.is_some()));
     }
 
-    /// A stick, j >= 1, of this path has ended.
+    /// A stick, j >= 1, of a path of this unit has ended.
     #[inline]
-    pub fn completed(&mut self, path: u64, duration: f64) {
-        let batch = &mut self.batches[batch_of(path)];
+    pub fn completed(&mut self, unit: u64, duration: f64) {
+        let batch = &mut self.batches[batch_of(unit)];
         batch.durations.push(match self.step {
             Some(step) => nearest(duration / step),
             None => duration,
@@ -89,9 +89,9 @@ impl DurationCounts {
         batch.bins.push(self.grid.key(duration));
     }
 
-    /// A stick, j >= 1, of this path runs at t_end and has lasted so long.
-    pub fn censored(&mut self, path: u64, so_far: f64) {
-        self.batches[batch_of(path)].censored.push(self.grid.key(so_far));
+    /// A stick, j >= 1, of a path of this unit runs at t_end and has lasted so long.
+    pub fn censored(&mut self, unit: u64, so_far: f64) {
+        self.batches[batch_of(unit)].censored.push(self.grid.key(so_far));
     }
 
     /// A first stick has ended.
@@ -141,15 +141,9 @@ impl DurationCounts {
         })
     }
 
-    /// Of `paths` paths. `chance` is the number of those with a completed stick, if they are
-    /// random; `completed_ends` is the interval of the number of completed sticks.
-    pub fn summary(
-        &self,
-        completed_ends: [f64; 2],
-        chance: Option<u64>,
-        paths: u64,
-        is_random: bool,
-    ) -> StickDurations {
+    /// Of these paths. `chance` is the number of units with a completed stick, if they are random;
+    /// `completed_ends` is the interval of the number of completed sticks.
+    pub fn summary(&self, completed_ends: [f64; 2], chance: Option<u64>, sample: Sample) -> StickDurations {
         let pooled = |of: fn(&Batch) -> &LogBins| {
             let mut pooled = LogBins::default();
             self.batches.iter().for_each(|batch| pooled.merge(of(batch)));
@@ -173,7 +167,7 @@ impl DurationCounts {
             Share::of(batch_counts.iter().zip(&sizes).map(|(counts, &size)| (counts[bin] as f64, size)))
                 .interval(chance)
         };
-        let one_a_path = |count: u64| range::of_paths(count, paths, is_random).map(|end| end * paths as f64);
+        let one_a_path = |count: u64| sample.number(count);
         let censored_counts = counts(&cut);
         let batches = self.batches.iter().map(|batch| (batch.bins.bins(), batch.censored.bins()));
         let survival =
@@ -234,6 +228,7 @@ impl Codec for DurationCounts {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::stats::range::independent;
     use crate::stats::synthetic::Coverage;
     use rand_distr::{Distribution, Exp1, StandardUniform, Uniform};
     use rand_pcg::Pcg64Dxsm;
@@ -254,7 +249,7 @@ mod tests {
         let mut totals = DurationCounts::empty(&timeline());
         relapsed.iter().for_each(|&d| totals.completed(0, d));
         censored.iter().for_each(|&d| totals.censored(0, d));
-        let summary = totals.summary([0.0; 2], Some(21), 21, true);
+        let summary = totals.summary([0.0; 2], Some(21), independent(21, true));
         assert_eq!((summary.completed, summary.censored), (9, 12));
         // All these times differ by more than a public bin, but 22 and 23 (bins are 2 wide there).
         for (time, survival) in printed.into_iter().filter(|p| p.0 != 22.0) {
@@ -305,7 +300,7 @@ mod tests {
                     sticks.push((duration.min(clock), duration <= clock));
                 }
             }
-            let summary = totals.summary([0.0; 2], Some(paths), paths, true);
+            let summary = totals.summary([0.0; 2], Some(paths), independent(paths, true));
             let edges = &summary.histogram.edges;
             let bin = |time: f64| edges.windows(2).position(|e| e[0] <= time && time < e[1]).expect("a bin");
             sticks.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -340,13 +335,13 @@ mod tests {
     fn a_curve_that_few_tell_is_not_certain() {
         let mut totals = DurationCounts::empty(&timeline());
         (0..4).for_each(|path| totals.completed(path, 1.0 + 0.4 * path as f64));
-        let sticks = totals.summary([0.0; 2], Some(4), 4, true);
+        let sticks = totals.summary([0.0; 2], Some(4), independent(4, true));
         let (last, low, high) = (sticks.survival.len() - 1, &sticks.survival_ends.low, &sticks.survival_ends.high);
         assert_eq!((sticks.survival[last], low[last]), (0.0, 0.0));
         assert!(high[last] > 0.2 && low[0] < 0.6, "{low:?} {high:?}");
         assert!(sticks.count_ends.high.iter().all(|high| *high > 1.0), "{:?}", sticks.count_ends);
         // Where nothing is random, all that is told is certain.
-        let sticks = totals.summary([0.0; 2], None, 4, false);
+        let sticks = totals.summary([0.0; 2], None, independent(4, false));
         assert_eq!(sticks.survival_ends.low, sticks.survival);
         assert_eq!(sticks.survival_ends.high, sticks.survival);
     }
@@ -358,7 +353,7 @@ mod tests {
             totals.completed(i, 0.75 + 0.001 * i as f64);
         }
         totals.completed(5, 0.0);
-        let histogram = totals.summary([0.0; 2], Some(1000), 1000, true).histogram;
+        let histogram = totals.summary([0.0; 2], Some(1000), independent(1000, true)).histogram;
         assert_eq!(histogram.edges.len(), histogram.counts.len() + 1);
         assert_eq!(histogram.edges[0], 0.0);
         for (edges, &count) in histogram.edges.windows(2).zip(&histogram.counts) {

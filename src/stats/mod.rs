@@ -45,6 +45,7 @@ mod synthetic;
 mod tally;
 mod totals;
 mod tree;
+mod unit;
 mod wandering;
 
 pub use catalogue::Statistic;
@@ -63,3 +64,4 @@ pub use summary::{
 pub use tally::{Companion, PathMeans, PathState, Tallied, Tally};
 pub use totals::{Counts, SUB_PHASE_CAP, Sums, Totals};
 pub use tree::{Merge, Overlap};
+pub use unit::Unit;

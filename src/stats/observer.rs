@@ -2,6 +2,7 @@
 
 use super::path::{Censored, Completed, PathFold};
 use super::periods::PeriodFold;
+use super::unit::Unit;
 use super::{BlockResult, EventColumns, PathColumns, Record, Totals, TrajectoryRows};
 use crate::model::{Event, Model, Oscillator};
 use crate::scheme::{Instant, Observer, Snapshot, Timeline};
@@ -11,6 +12,7 @@ pub struct BlockObserver {
     /// Number of the path in each lane.
     path_numbers: Vec<u64>,
     paths: Vec<PathFold>,
+    unit: Unit,
     oscillator: Oscillator,
     /// f_d.
     dynamic_force: f64,
@@ -59,6 +61,7 @@ impl BlockObserver {
         let kept = paths.iter().take_while(|&&path| path < record.trajectories).count();
         BlockObserver {
             path_numbers: paths.to_vec(),
+            unit: Unit::Path,
             paths: vec![PathFold::starting_at(model.initial_displacement).counted_after(timeline.after); paths.len()],
             oscillator: model.oscillator,
             dynamic_force: model.friction.dynamic_force,
@@ -77,11 +80,18 @@ impl BlockObserver {
         self
     }
 
+    /// The same for paths whose independent unit is another one; pairs follow one another in the list.
+    pub fn in_units(mut self, unit: Unit) -> Self {
+        self.unit = unit;
+        self.periods.set_unit(unit);
+        self
+    }
+
     /// What the block leaves behind. It holds `path_count` paths from number `first_path` on, of which `diverged` did not
     /// reach t_end and were not watched.
     pub fn finish(mut self, first_path: u64, path_count: u64, diverged: Vec<u64>) -> BlockResult {
         self.totals.sums.phases.periods = self.periods.finish();
-        self.totals.end(&self.paths, self.dynamic_force, &diverged);
+        self.totals.end(&self.paths, self.dynamic_force, &diverged, self.unit);
         let block = Block { first_path, path_count, rows: self.rows, path_numbers: &self.path_numbers };
         let (wanted, trajectories) = self.trajectories;
         BlockResult {
@@ -100,7 +110,7 @@ impl BlockObserver {
         for ((path, &number), &displacement) in paths.zip(snapshot.displacement) {
             match path.end(snapshot.time, displacement) {
                 Some(Censored::FirstStick) => self.totals.counts.durations.first_censored(),
-                Some(Censored::Stick(so_far)) => self.totals.counts.durations.censored(number, so_far),
+                Some(Censored::Stick(so_far)) => self.totals.counts.durations.censored(self.unit.of(number), so_far),
                 Some(Censored::Slip) => self.totals.counts.sub_phases.censored(),
                 None => {}
             }
@@ -114,10 +124,10 @@ impl Observer for BlockObserver {
         match self.paths[lane].event(&event) {
             Some(Completed::FirstStick) => self.totals.counts.durations.first_completed(),
             Some(Completed::Stick(duration)) => {
-                self.totals.counts.durations.completed(self.path_numbers[lane], duration)
+                self.totals.counts.durations.completed(self.unit.of(self.path_numbers[lane]), duration)
             }
             Some(Completed::Slip(sub_phases)) => {
-                self.totals.counts.sub_phases.completed(self.path_numbers[lane], sub_phases)
+                self.totals.counts.sub_phases.completed(self.unit.of(self.path_numbers[lane]), sub_phases)
             }
             None => {}
         }
@@ -129,7 +139,7 @@ impl Observer for BlockObserver {
     fn snapshot(&mut self, instant: Instant, snapshot: Snapshot<'_>) {
         match instant {
             Instant::Output(row) => {
-                self.totals.row(row, &snapshot);
+                self.totals.row(row, &snapshot, self.unit);
                 for kept in &mut self.trajectories.1 {
                     let lane = kept.lane;
                     let (x, v, t) = (snapshot.displacement[lane], snapshot.velocity[lane], snapshot.temperature[lane]);

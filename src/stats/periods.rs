@@ -14,6 +14,7 @@ use super::interval::Measured;
 use super::moments::Moments;
 use super::range::Range;
 use super::spread::{SpreadMoments, Tails};
+use super::unit::Unit;
 use super::wandering::{Wandering, WanderingFold};
 use super::{Ends, PeriodMoments};
 use crate::scheme::{Snapshot, Timeline};
@@ -121,9 +122,9 @@ impl PeriodSums {
     }
 
     pub fn summary(&self, timeline: &Timeline, is_random: bool) -> PeriodMoments {
-        let chance = |period: &SpreadMoments| is_random.then_some(period.four.two.count);
+        let chance = |period: &SpreadMoments| is_random.then_some(period.units.count);
         let two = |period: &SpreadMoments| period.four.two;
-        let mean_ends = |p: &SpreadMoments| Measured::mean(&two(p)).in_range(Range::ANY, chance(p)).interval();
+        let mean_ends = |p: &SpreadMoments| Measured::mean(&p.units).in_range(Range::ANY, chance(p)).interval();
         let sd_ends = |p: &SpreadMoments| p.standard_deviation().in_range(Range::NOT_NEGATIVE, chance(p)).interval();
         PeriodMoments {
             time: Slope::over(timeline).time,
@@ -150,6 +151,7 @@ pub(super) struct PeriodFold {
     /// Each path's share in S^2, as far as it has come.
     spread: Vec<f64>,
     wandering: WanderingFold,
+    unit: Unit,
 }
 
 impl PeriodFold {
@@ -165,7 +167,13 @@ impl PeriodFold {
             spread: numbers(slope.skipped < slope.time.len()),
             slope,
             wandering: WanderingFold::new(timeline, paths),
+            unit: Unit::Path,
         }
+    }
+
+    /// The same with another independent unit than the path.
+    pub fn set_unit(&mut self, unit: Unit) {
+        self.unit = unit;
     }
 
     /// The paths at the end of period `n` = 1, 2, ... A scheme with a step shows the instant of it that is nearest to t_n;
@@ -180,7 +188,7 @@ impl PeriodFold {
     pub fn fold(&mut self, n: usize, displacement: &[f64]) {
         self.displacement.clear();
         self.displacement.extend(displacement.iter().map(|x| x - self.x0));
-        let spread = SpreadMoments::of(&self.displacement);
+        let spread = SpreadMoments::of(&self.displacement, self.unit);
         let moments = spread.four.two;
         if let Some(slot) = self.sums.displacement.get_mut(n - 1) {
             *slot = spread;
@@ -199,12 +207,13 @@ impl PeriodFold {
     }
 
     pub fn finish(mut self) -> PeriodSums {
-        self.sums.drift = Moments::of(&self.drift);
-        self.sums.spreading = Moments::of(&unbiased(self.spreading));
-        let shares = unbiased(self.spread);
+        let unit = self.unit;
+        self.sums.drift = Moments::of(&unit.means(&self.drift));
+        self.sums.spreading = Moments::of(&unit.means(&unbiased(self.spreading)));
+        let shares = unit.means(&unbiased(self.spread)).into_owned();
         self.sums.spread = Moments::of(&shares);
         self.sums.spread_tails = Tails::of(shares.iter().map(|share| share - self.sums.spread.mean));
-        self.sums.wandering = self.wandering.finish();
+        self.sums.wandering = self.wandering.finish(unit);
         self.sums
     }
 }
@@ -360,7 +369,7 @@ mod tests {
     fn spreads_of_long_tailed_laws_have_the_intervals_of_a_standard_deviation() {
         let n = 40.0;
         let x: Vec<f64> = (0..40).map(|i| 6.0 - 3.0 * ((f64::from(i) + 0.5) / n).ln()).collect();
-        let plain = SpreadMoments::of(&x).standard_deviation().measurement();
+        let plain = SpreadMoments::of(&x, Unit::Path).standard_deviation().measurement();
         let told = |after: f64| {
             let timeline = Timeline { end: 2.0, output_step: 2.0, period: Some(1.0), after };
             let mut fold = PeriodFold::new(&timeline, 6.0, 40);

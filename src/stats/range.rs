@@ -72,16 +72,38 @@ pub(super) fn wilson(p: f64, n: f64, t: f64) -> [f64; 2] {
     [low, high]
 }
 
-/// The interval of the share of paths that are so many of `paths`, each of which is or is not; in
-/// an ensemble that is not random it is the share itself, and for fewer than two paths there is
-/// none.
-pub(super) fn of_paths(count: u64, paths: u64, is_random: bool) -> [f64; 2] {
-    let share = count as f64 / paths as f64;
-    match (paths, is_random) {
-        (0..=1, _) => [f64::NAN; 2],
-        (_, false) => [share; 2],
-        (_, true) => wilson(share, paths as f64, NORMAL),
+/// So many paths, in so many independent units.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Sample {
+    pub paths: u64,
+    pub units: u64,
+    /// Whether they differ by chance.
+    pub is_random: bool,
+}
+
+impl Sample {
+    /// The interval of the share of paths that are so many of them, each of which is or is not; in
+    /// an ensemble that is not random it is the share itself, and for fewer than two units there is
+    /// none.
+    pub fn share(self, count: u64) -> [f64; 2] {
+        let share = count as f64 / self.paths as f64;
+        match (self.units, self.is_random) {
+            (0..=1, _) => [f64::NAN; 2],
+            (_, false) => [share; 2],
+            (units, true) => wilson(share, units as f64, NORMAL),
+        }
     }
+
+    /// The interval of their number, likewise.
+    pub fn number(self, count: u64) -> [f64; 2] {
+        self.share(count).map(|end| end * self.paths as f64)
+    }
+}
+
+/// Paths each of which is a unit.
+#[cfg(test)]
+pub(super) fn independent(paths: u64, is_random: bool) -> Sample {
+    Sample { paths, units: paths, is_random }
 }
 
 #[cfg(test)]
@@ -109,12 +131,12 @@ mod tests {
         // 5 % at one end.
         assert_eq!(wilson(0.0, 12.0, 2.0), [0.0, 0.25]);
         assert_eq!(wilson(1.0, 12.0, 2.0), [0.75, 1.0]);
-        let few = of_paths(0, 4, true)[1];
+        let few = independent(4, true).share(0)[1];
         assert_eq!(Range::SHARE.agreed(0.0, 4), [0.0, few]);
         assert_eq!(Range::NOT_NEGATIVE.agreed(5.0, 4), [5.0 - few * 5.0, f64::INFINITY]);
         assert_eq!(Range::ANY.agreed(5.0, 4), [f64::NEG_INFINITY, f64::INFINITY]);
-        assert_eq!(of_paths(0, 4, false), [0.0, 0.0]);
-        assert!(of_paths(1, 1, true)[0].is_nan());
+        assert_eq!(independent(4, false).share(0), [0.0, 0.0]);
+        assert!(independent(1, true).share(1)[0].is_nan());
     }
 
     /// Null: of 250 paths the share that is static is 0.3, or 0.02. The number of them is binomial,
@@ -127,7 +149,7 @@ mod tests {
             let mut probability = (n as f64 * (1.0_f64 - p).ln()).exp();
             let mut covered = 0.0;
             for k in 0..=n {
-                let [low, high] = of_paths(k, n, true);
+                let [low, high] = independent(n, true).share(k);
                 covered += if low <= p && p <= high { probability } else { 0.0 };
                 probability *= (n - k) as f64 / (k + 1) as f64 * (p / (1.0 - p));
             }

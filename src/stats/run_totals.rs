@@ -10,7 +10,7 @@ use std::ops::Range;
 
 /// How the bytes of a state begin: a name, and the version of what follows.
 const MAGIC: &[u8; 8] = b"sticksum";
-const VERSION: u64 = 2;
+const VERSION: u64 = 3;
 
 /// The totals of some blocks of a run: the nodes of the tree of sums, and the counts, which need no tree.
 ///

@@ -16,7 +16,8 @@
 
 use super::codec::codec_of_fields;
 use super::interval::Measured;
-use super::moments::FourMoments;
+use super::moments::{FourMoments, Moments};
+use super::unit::Unit;
 
 /// Sums over paths of the second and fourth powers of their influences on a spread, in any unit
 /// that is the same for all.
@@ -66,29 +67,38 @@ impl Tails {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct SpreadMoments {
     pub four: FourMoments,
+    /// Of the means of units.
+    pub units: Moments,
+    /// Of the influences of units on the variance.
     tails: Tails,
 }
 
-codec_of_fields!(SpreadMoments { four, tails });
+codec_of_fields!(SpreadMoments { four, units, tails });
 
 impl SpreadMoments {
     /// Fold of the values of a block.
-    pub fn of(values: &[f64]) -> Self {
+    pub fn of(values: &[f64], unit: Unit) -> Self {
         let four = FourMoments::of(values);
         let (mean, square) = (four.two.mean, four.two.m2 / values.len() as f64);
-        SpreadMoments { four, tails: Tails::of(values.iter().map(|v| (v - mean) * (v - mean) - square)) }
+        let units = if unit == Unit::Path { four.two } else { Moments::of(&unit.means(values)) };
+        let influences: Vec<f64> = values.iter().map(|v| (v - mean) * (v - mean) - square).collect();
+        SpreadMoments { four, units, tails: Tails::of(unit.means(&influences).iter().copied()) }
     }
 
     pub fn merge(&mut self, other: &SpreadMoments) {
         self.four.merge(&other.four);
+        self.units.merge(&other.units);
         self.tails.merge(&other.tails);
     }
 
-    /// Standard deviation over paths: e_i = ((x_i - mean)^2 - sd^2) / (2 sd).
+    /// Standard deviation over paths: e_i = ((x_i - mean)^2 - sd^2) / (2 sd). The influences of pairs
+    /// are taken about the means of their blocks.
     pub fn standard_deviation(&self) -> Measured {
-        let n = self.four.two.count;
+        let n = self.units.count;
         let sd = self.four.two.variance().sqrt();
-        let (freedom, spread) = (n.saturating_sub(1), self.four.spread_of_squares());
+        let is_of_paths = n == self.four.two.count;
+        let spread = if is_of_paths { self.four.spread_of_squares() } else { self.tails.squares() };
+        let freedom = n.saturating_sub(1);
         // 0/0 is not the same NaN on every processor.
         let error = match freedom {
             0 => f64::NAN,
@@ -118,7 +128,7 @@ mod tests {
         let mut moments = SpreadMoments::default();
         for _ in 0..100 {
             let block: Vec<f64> = (0..1000).map(|_| normal.sample(&mut rng)).collect();
-            moments.merge(&SpreadMoments::of(&block));
+            moments.merge(&SpreadMoments::of(&block, Unit::Path));
         }
         let sd = moments.standard_deviation().named(Statistic::DisplacementEndSd);
         let expected = 3.0 / 200_000f64.sqrt();
@@ -133,10 +143,10 @@ mod tests {
     #[test]
     fn one_value_has_no_spread_and_equal_ones_have_the_freedom_of_their_number() {
         // The file holds the same bytes on every processor, whichever sign its 0/0 has.
-        let one = SpreadMoments::of(&[3.0]).standard_deviation().named(Statistic::DisplacementEndSd);
+        let one = SpreadMoments::of(&[3.0], Unit::Path).standard_deviation().named(Statistic::DisplacementEndSd);
         let numbers = [one.estimate, one.standard_error, one.low, one.high];
         assert!(numbers.iter().all(|x| x.to_bits() == f64::NAN.to_bits()), "{one:?}");
-        assert_eq!(SpreadMoments::of(&[2.0; 7]).tails.freedom(7), 6.0);
+        assert_eq!(SpreadMoments::of(&[2.0; 7], Unit::Path).tails.freedom(7), 6.0);
     }
 
     /// Null: the interval of a standard deviation covers in 95 % of all ensembles, of 50 normal
@@ -149,10 +159,10 @@ mod tests {
             (Coverage::default(), Coverage::default(), Coverage::default());
         for _ in 0..4000 {
             let x: Vec<f64> = (0..50).map(|_| StandardNormal.sample(&mut rng)).collect();
-            let sd = SpreadMoments::of(&x).standard_deviation().measurement();
+            let sd = SpreadMoments::of(&x, Unit::Path).standard_deviation().measurement();
             normal.count(sd.low <= 1.0 && 1.0 <= sd.high);
             let x: Vec<f64> = (0..200).map(|_| Exp1.sample(&mut rng)).collect();
-            let sd = SpreadMoments::of(&x).standard_deviation().measurement();
+            let sd = SpreadMoments::of(&x, Unit::Path).standard_deviation().measurement();
             exponential.count(sd.low <= 1.0 && 1.0 <= sd.high);
             straight.count((sd.estimate - 1.0).abs() <= 1.96 * sd.standard_error);
         }

@@ -11,6 +11,7 @@ use super::codec::codec_of_fields;
 use super::interval::Measured;
 use super::moments::JointMoments;
 use super::tree::Merge;
+use super::unit::Unit;
 use crate::model::Event;
 use crate::scheme::{Instant, Observer, Snapshot};
 
@@ -99,7 +100,7 @@ pub trait Tally<const N: usize>: Sync {
 #[derive(Clone, Debug, PartialEq)]
 pub struct PathMeans<const N: usize> {
     moments: JointMoments<N>,
-    /// Paths whose number i is not zero.
+    /// Units with a path whose number i is not zero.
     contributing: [u64; N],
 }
 
@@ -112,16 +113,17 @@ impl<const N: usize> Default for PathMeans<N> {
 }
 
 impl<const N: usize> PathMeans<N> {
-    fn of(paths: &[[f64; N]]) -> Self {
-        let columns: [Vec<f64>; N] = std::array::from_fn(|i| paths.iter().map(|numbers| numbers[i]).collect());
+    fn of(paths: &[[f64; N]], unit: Unit) -> Self {
+        let column = |i: usize| unit.means(&paths.iter().map(|numbers| numbers[i]).collect::<Vec<f64>>()).into_owned();
+        let columns: [Vec<f64>; N] = std::array::from_fn(column);
         PathMeans {
             moments: JointMoments::of(columns.each_ref().map(Vec::as_slice)),
-            contributing: columns.each_ref().map(|column| column.iter().filter(|x| **x != 0.0).count() as u64),
+            contributing: std::array::from_fn(|i| unit.count(paths, |numbers| numbers[i] != 0.0)),
         }
     }
 
-    /// Number of paths.
-    pub fn paths(&self) -> u64 {
+    /// Number of independent units: paths, or antithetic pairs of them.
+    pub fn units(&self) -> u64 {
         self.moments.count
     }
 
@@ -161,7 +163,7 @@ pub trait Companion: Sync {
     fn observer(&self, paths: usize) -> Self::Observer;
 
     /// What it has seen, once its paths have reached t_end.
-    fn finish(&self, observer: Self::Observer) -> Self::Sums;
+    fn finish(&self, observer: Self::Observer, unit: Unit) -> Self::Sums;
 }
 
 impl Companion for () {
@@ -172,7 +174,7 @@ impl Companion for () {
 
     fn observer(&self, _: usize) {}
 
-    fn finish(&self, (): ()) {}
+    fn finish(&self, (): (), _: Unit) {}
 }
 
 /// A tally as a companion of every block.
@@ -190,8 +192,8 @@ impl<'a, T: Tally<N>, const N: usize> Companion for Tallied<'a, T, N> {
         TallyObserver { tally: self.0, paths: (0..paths).map(|_| self.0.start()).collect(), numbers: Vec::new() }
     }
 
-    fn finish(&self, observer: Self::Observer) -> PathMeans<N> {
-        PathMeans::of(&observer.numbers)
+    fn finish(&self, observer: Self::Observer, unit: Unit) -> PathMeans<N> {
+        PathMeans::of(&observer.numbers, unit)
     }
 }
 
@@ -232,7 +234,7 @@ mod tests {
     /// sqrt(3/2 * 2)/6, and Student's t has two degrees of freedom. The mean of y is over all five.
     #[test]
     fn paths_with_nothing_to_say_of_a_ratio_are_not_counted_in_its_interval() {
-        let paths = PathMeans::of(&[[2.0, 1.0], [0.0, 0.0], [5.0, 2.0], [0.0, 0.0], [5.0, 3.0]]);
+        let paths = PathMeans::of(&[[2.0, 1.0], [0.0, 0.0], [5.0, 2.0], [0.0, 0.0], [5.0, 3.0]], Unit::Path);
         let ratio = paths.ratio(0, 1);
         assert!((ratio.estimate - 2.0).abs() < 1e-15 && (ratio.standard_error - 3f64.sqrt() / 6.0).abs() < 1e-15);
         assert!((ratio.high - 2.0 - 4.302_652_729_9 * 3f64.sqrt() / 6.0).abs() < 1e-9, "{ratio:?}");

@@ -8,9 +8,10 @@ use super::interval::Measured;
 use super::moments::{JointMoments, Moments};
 use super::path::PathFold;
 use super::periods::PeriodSums;
-use super::range::{self, Range};
+use super::range::{Range, Sample};
 use super::spread::{SpreadMoments, Tails};
 use super::tree::Merge;
+use super::unit::Unit;
 use super::{Ends, Estimate, Statistic, StickDurations, SubPhaseCounts, Summary, Transient};
 use crate::model::Model;
 use crate::scheme::{Snapshot, Timeline};
@@ -55,6 +56,8 @@ pub struct Counts {
     is_random: bool,
     /// Paths folded, the diverged left out.
     paths: u64,
+    /// The independent units that they are: as many, or half as many pairs.
+    units: u64,
     /// Numbers of the diverged paths, ascending.
     diverged: Vec<u64>,
     pub(super) durations: DurationCounts,
@@ -95,6 +98,7 @@ impl Counts {
         Counts {
             is_random: model.temperature.is_random() && model.oscillator.dilatation != 0.0,
             paths: 0,
+            units: 0,
             diverged: Vec::new(),
             durations: DurationCounts::empty(timeline),
             sub_phases: SubPhaseTotals::default(),
@@ -104,14 +108,23 @@ impl Counts {
         }
     }
 
-    /// So many paths, if they agree by chance only.
-    fn chance(&self, paths: u64) -> Option<u64> {
-        self.is_random.then_some(paths)
+    /// So many units, if they agree by chance only.
+    fn chance(&self, units: u64) -> Option<u64> {
+        self.is_random.then_some(units)
+    }
+
+    fn sample(&self) -> Sample {
+        Sample { paths: self.paths, units: self.units, is_random: self.is_random }
+    }
+
+    fn unit(&self) -> Unit {
+        if self.units < self.paths { Unit::Pair } else { Unit::Path }
     }
 
     /// Add the paths of `other`.
     pub fn merge(&mut self, other: &Counts) {
         self.paths += other.paths;
+        self.units += other.units;
         self.diverged.extend_from_slice(&other.diverged);
         if !self.diverged.is_sorted() {
             self.diverged.sort_unstable();
@@ -127,6 +140,7 @@ impl Counts {
 impl Codec for Counts {
     fn write(&self, out: &mut Vec<u8>) {
         self.paths.write(out);
+        self.units.write(out);
         self.diverged.write(out);
         self.durations.write(out);
         self.sub_phases.write(out);
@@ -137,6 +151,7 @@ impl Codec for Counts {
 
     fn read(&mut self, from: &mut Reader<'_>) -> Result<(), Damaged> {
         self.paths.read(from)?;
+        self.units.read(from)?;
         // The one list whose length the scenario does not fix.
         let mut ahead = from.clone();
         self.diverged = vec![0; ahead.length()?];
@@ -164,18 +179,19 @@ impl Totals {
     }
 
     /// Row `row` of the output grid, of every path of the block.
-    pub(super) fn row(&mut self, row: usize, snapshot: &Snapshot<'_>) {
-        self.sums.bands.fold(row, snapshot);
+    pub(super) fn row(&mut self, row: usize, snapshot: &Snapshot<'_>, unit: Unit) {
+        self.sums.bands.fold(row, snapshot, unit);
         self.counts.bands.fold(row, snapshot);
     }
 
     /// The paths of one block have reached t_end.
-    pub(super) fn end(&mut self, paths: &[PathFold], dynamic_force: f64, diverged: &[u64]) {
+    pub(super) fn end(&mut self, paths: &[PathFold], dynamic_force: f64, diverged: &[u64], unit: Unit) {
         self.counts.paths = paths.len() as u64;
+        self.counts.units = self.counts.paths / unit.size();
         self.counts.early_sticks = paths.iter().map(|path| u64::from(path.early_sticks)).sum();
         self.counts.early_slips = paths.iter().map(|path| u64::from(path.early_slips)).sum();
         self.counts.diverged = diverged.to_vec();
-        self.sums.phases.cascade = CascadeSums::of(paths, dynamic_force);
+        self.sums.phases.cascade = CascadeSums::of(paths, dynamic_force, unit);
     }
 
     /// Add the paths of `other`.
@@ -193,14 +209,12 @@ impl Totals {
             diverged: counts.diverged.clone(),
             estimates: Statistic::ALL.map(|statistic| self.estimate(statistic)),
             stick_durations: self.stick_durations(),
-            sub_phases: counts.sub_phases.summary(
-                counts.chance(sums.phases.cascade.contributing.slips),
-                counts.paths,
-                counts.is_random,
-            ),
+            sub_phases: counts
+                .sub_phases
+                .summary(counts.chance(sums.phases.cascade.contributing.slips), counts.sample()),
             transient: (timeline.after > 0.0).then(|| self.transient()),
             periods: sums.phases.periods.summary(timeline, counts.is_random),
-            bands: bands::summary(&sums.bands, &counts.bands, timeline, counts.is_random),
+            bands: bands::summary(&sums.bands, &counts.bands, timeline, counts.is_random, counts.unit()),
         }
     }
 
@@ -209,13 +223,13 @@ impl Totals {
         let chance = counts.chance(sums.phases.cascade.contributing.sticks);
         let sticks_per_path = self.estimate(Statistic::SticksPerPath);
         let completed = [sticks_per_path.low, sticks_per_path.high].map(|end| end * counts.paths as f64);
-        counts.durations.summary(completed, chance, counts.paths, counts.is_random)
+        counts.durations.summary(completed, chance, counts.sample())
     }
 
     fn transient(&self) -> Transient {
         let Totals { timeline, sums, counts } = self;
         let early = &sums.phases.cascade.early;
-        let mean = |moments, range| Measured::mean(moments).in_range(range, counts.chance(counts.paths));
+        let mean = |moments, range| Measured::mean(moments).in_range(range, counts.chance(counts.units));
         let number = |moments| mean(moments, Range::NOT_NEGATIVE).interval().map(|end| end * counts.paths as f64);
         Transient {
             end: timeline.after,
@@ -249,7 +263,7 @@ impl PhaseSums {
     /// A statistic of the run whose sums these are.
     pub(super) fn measured(&self, statistic: Statistic, timeline: &Timeline, counts: &Counts) -> Measured {
         let CascadeSums { contributing, .. } = &self.cascade;
-        let (range, paths) = match statistic {
+        let (range, units) = match statistic {
             Statistic::StickDurationMean | Statistic::StickDurationSd | Statistic::StickDurationMedian => {
                 (Range::NOT_NEGATIVE, contributing.sticks)
             }
@@ -258,21 +272,21 @@ impl PhaseSums {
             Statistic::SubPhasesMultipleShare => (Range::SHARE, contributing.slips),
             Statistic::JumpAbsMean => (Range::NOT_NEGATIVE, contributing.slips),
             Statistic::JumpMean => (Range::ANY, contributing.slips),
-            Statistic::StickingFraction => (Range::SHARE, counts.paths),
-            Statistic::PeriodDisplacementCorrelation => (Range::CORRELATION, counts.paths),
+            Statistic::StickingFraction => (Range::SHARE, counts.units),
+            Statistic::PeriodDisplacementCorrelation => (Range::CORRELATION, counts.units),
             Statistic::SticksPerPath
             | Statistic::SlipsPerPath
             | Statistic::DisplacementEndSd
             | Statistic::PeriodDisplacementSd
             | Statistic::PhaseDisplacementSd
             | Statistic::FrictionWorkMean
-            | Statistic::SlidingPathRate => (Range::NOT_NEGATIVE, counts.paths),
+            | Statistic::SlidingPathRate => (Range::NOT_NEGATIVE, counts.units),
             Statistic::DisplacementEndMean
             | Statistic::DriftVelocity
             | Statistic::DiffusionCoefficient
-            | Statistic::PeriodDisplacementMean => (Range::ANY, counts.paths),
+            | Statistic::PeriodDisplacementMean => (Range::ANY, counts.units),
         };
-        self.without_range(statistic, timeline, counts).in_range(range, counts.chance(paths))
+        self.without_range(statistic, timeline, counts).in_range(range, counts.chance(units))
     }
 
     fn without_range(&self, statistic: Statistic, timeline: &Timeline, counts: &Counts) -> Measured {
@@ -290,7 +304,7 @@ impl PhaseSums {
             Statistic::SubPhasesMultipleShare => Measured::ratio(slips, MULTIPLE, SLIPS, contributing.slips),
             Statistic::StickingFraction | Statistic::SlidingPathRate if timeline.end == 0.0 => Measured::NOTHING,
             Statistic::StickingFraction => Measured::mean(stick_time).divided_by(timeline.counted()),
-            Statistic::DisplacementEndMean => Measured::mean(&displacement_end.four.two),
+            Statistic::DisplacementEndMean => Measured::mean(&displacement_end.units),
             Statistic::DisplacementEndSd => displacement_end.standard_deviation(),
             Statistic::DriftVelocity => self.periods.drift_velocity(timeline),
             Statistic::DiffusionCoefficient => self.periods.diffusion_coefficient(timeline),
@@ -369,7 +383,7 @@ impl EarlySums {
     }
 }
 
-/// Number of paths that completed at least one of each.
+/// Number of units that completed at least one of each.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Contributing {
     sticks: u64,
@@ -380,9 +394,10 @@ struct Contributing {
 codec_of_fields!(Contributing { sticks, first_sticks, slips });
 
 impl CascadeSums {
-    fn of(paths: &[PathFold], dynamic_force: f64) -> Self {
-        let column = |of: fn(&PathFold) -> f64| paths.iter().map(of).collect::<Vec<f64>>();
-        let count = |is: fn(&PathFold) -> bool| paths.iter().filter(|p| is(p)).count() as u64;
+    fn of(paths: &[PathFold], dynamic_force: f64, unit: Unit) -> Self {
+        let of_paths = |of: fn(&PathFold) -> f64| paths.iter().map(of).collect::<Vec<f64>>();
+        let column = |of: fn(&PathFold) -> f64| unit.means(&of_paths(of)).into_owned();
+        let count = |is: fn(&PathFold) -> bool| unit.count(paths, is);
         let work: Vec<f64> = paths.iter().map(|p| dynamic_force * p.travel).collect();
         let sticks =
             JointMoments::of([&column(|p| p.sticks.into()), &column(|p| p.duration), &column(|p| p.duration_squared)]);
@@ -393,7 +408,13 @@ impl CascadeSums {
             p.duration_squared - 2.0 * mean * p.duration + (mean * mean - variance) * f64::from(p.sticks)
         };
         CascadeSums {
-            stick_tails: Tails::of(paths.iter().filter(|p| p.sticks > 0).map(influence)),
+            stick_tails: match unit {
+                Unit::Path => Tails::of(paths.iter().filter(|p| p.sticks > 0).map(influence)),
+                Unit::Pair => {
+                    let influences: Vec<f64> = paths.iter().map(influence).collect();
+                    Tails::of(unit.means(&influences).iter().copied())
+                }
+            },
             sticks,
             first_sticks: JointMoments::of([
                 &column(|p| f64::from(u8::from(p.first_duration.is_some()))),
@@ -407,9 +428,9 @@ impl CascadeSums {
                 &column(|p| p.jump_abs),
             ]),
             stick_time: Moments::of(&column(|p| p.stick_time)),
-            work: Moments::of(&work),
+            work: Moments::of(&unit.means(&work)),
             sliding_path: Moments::of(&column(|p| p.travel)),
-            displacement_end: SpreadMoments::of(&column(|p| p.displacement_end)),
+            displacement_end: SpreadMoments::of(&of_paths(|p| p.displacement_end), unit),
             early: EarlySums {
                 sticks: Moments::of(&column(|p| p.early_sticks.into())),
                 slips: Moments::of(&column(|p| p.early_slips.into())),
@@ -475,10 +496,10 @@ impl Default for SubPhaseTotals {
 }
 
 impl SubPhaseTotals {
-    /// A dynamic phase of this path, of k >= 1 sub-phases, is complete.
+    /// A dynamic phase of a path of this unit, of k >= 1 sub-phases, is complete.
     #[inline]
-    pub fn completed(&mut self, path: u64, k: u32) {
-        self.counts[batch_of(path)][(k.max(1) as usize).min(SUB_PHASE_CAP) - 1] += 1;
+    pub fn completed(&mut self, unit: u64, k: u32) {
+        self.counts[batch_of(unit)][(k.max(1) as usize).min(SUB_PHASE_CAP) - 1] += 1;
     }
 
     /// A dynamic phase runs at t_end.
@@ -493,9 +514,9 @@ impl SubPhaseTotals {
         self.censored += other.censored;
     }
 
-    /// Of `paths` paths; `chance` is the number of those that completed a dynamic phase, if they
-    /// are random.
-    fn summary(&self, chance: Option<u64>, paths: u64, is_random: bool) -> SubPhaseCounts {
+    /// Of these paths; `chance` is the number of units that completed a dynamic phase, if they are
+    /// random.
+    fn summary(&self, chance: Option<u64>, sample: Sample) -> SubPhaseCounts {
         let counts: Vec<u64> = (0..SUB_PHASE_CAP).map(|k| self.counts.iter().map(|batch| batch[k]).sum()).collect();
         let all: u64 = counts.iter().sum();
         let sizes: Vec<f64> = self.counts.iter().map(|batch| batch.iter().sum::<u64>() as f64).collect();
@@ -509,7 +530,7 @@ impl SubPhaseTotals {
             share_ends,
             counts,
             censored: self.censored,
-            censored_ends: range::of_paths(self.censored, paths, is_random).map(|end| end * paths as f64),
+            censored_ends: sample.number(self.censored),
         }
     }
 }

@@ -13,6 +13,7 @@ use super::codec::{Codec, Damaged, Reader};
 use super::interval::Measured;
 use super::moments::JointMoments;
 use super::spread::Tails;
+use super::unit::Unit;
 use crate::scheme::Timeline;
 
 /// What the displacements from period to period come to.
@@ -138,12 +139,13 @@ impl WanderingFold {
         }
     }
 
-    pub fn finish(self) -> Wandering {
+    pub fn finish(self, unit: Unit) -> Wandering {
         if self.paths.is_empty() {
             return self.empty;
         }
         let (all, pairs) = (self.empty.displacements as f64, self.empty.displacements as f64 - 1.0);
-        let column = |of: &dyn Fn(&OnePath) -> f64| self.paths.iter().map(of).collect::<Vec<f64>>();
+        let column =
+            |of: &dyn Fn(&OnePath) -> f64| unit.means(&self.paths.iter().map(of).collect::<Vec<f64>>()).into_owned();
         let of_pairs = |sum: f64| if pairs > 0.0 { sum / pairs } else { 0.0 };
         let paths = JointMoments::of([
             &column(&|path| path.sum / all),
@@ -152,8 +154,8 @@ impl WanderingFold {
             &column(&|path| of_pairs(2.0 * path.sum - path.first - path.last)),
         ]);
         let [a, b, ..] = paths.mean;
-        let influence = |path: &OnePath| path.squares / all - b - 2.0 * a * (path.sum / all - a);
-        Wandering { paths, tails: Tails::of(self.paths.iter().map(influence)), ..self.empty }
+        let influences = column(&|path| path.squares / all - b - 2.0 * a * (path.sum / all - a));
+        Wandering { paths, tails: Tails::of(influences.into_iter()), ..self.empty }
     }
 }
 
@@ -179,7 +181,7 @@ mod tests {
                     x.iter_mut().zip(paths).for_each(|(x, u)| *x += u[n] + constant);
                     fold.fold(&x);
                 }
-                fold.finish()
+                fold.finish(Unit::Path)
             };
             let mut all = part(&u[..1]);
             all.merge(&part(&u[1..]));
@@ -206,7 +208,7 @@ mod tests {
             let timeline = Timeline { end: ends, output_step: ends, period: Some(1.0), after: 0.0 };
             let mut fold = WanderingFold::new(&timeline, paths);
             (0..ends as usize).for_each(|n| fold.fold(&vec![0.1 * n as f64; paths]));
-            let fold = fold.finish();
+            let fold = fold.finish(Unit::Path);
             [fold.mean(), fold.sd(), fold.correlation()].map(|measured| measured.estimate())
         };
         let near = |a: f64, b: f64| (a - b).abs() < 1e-12;

@@ -34,6 +34,9 @@ pub(super) fn write(file: &File, header: &Provenance) -> hdf5::Result<()> {
     write_attribute(file, "seed", header.seed)?;
     write_text(file, "generator", &header.generator)?;
     write_attribute(file, "paths", header.paths)?;
+    if header.antithetic {
+        write_attribute(file, "antithetic", 1_u64)?;
+    }
     write_attribute(file, "block_size", header.block_size)?;
     write_text(file, "status", Status::Running.name())?;
     write_attribute(file, "completed_paths", 0_u64)?;
@@ -104,6 +107,7 @@ pub(super) fn read(file: &File, time: Vec<f64>) -> hdf5::Result<Provenance> {
         seed: file.attr("seed")?.read_scalar()?,
         generator: read_text(file, "generator")?,
         paths: file.attr("paths")?.read_scalar()?,
+        antithetic: file.attr("antithetic").is_ok(),
         block_size: file.attr("block_size")?.read_scalar()?,
         program_version: read_text(file, "program_version")?,
         git_hash: read_text(file, "git_hash")?,

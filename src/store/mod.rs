@@ -24,8 +24,8 @@ mod writer;
 
 pub use error::StoreError;
 pub use header::{FORMAT_NAME, FORMAT_VERSION};
-pub use reader::{Stored, read};
+pub use reader::{FileKind, Stored, kind, read};
 pub use sink::FileSink;
 pub use space::check_space;
-pub use trade::{TRADE_FORMAT_NAME, write_trade};
+pub use trade::{TRADE_FORMAT_NAME, read_prices, write_trade};
 pub use writer::{Rows, Writer, discard_partial, partial_path};

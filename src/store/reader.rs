@@ -1,8 +1,8 @@
 //! Reading a finished file back.
 
 use super::error::{cause, system_error};
-use super::variable::read_or_empty;
-use super::{FORMAT_VERSION, StoreError, header, layout, summary};
+use super::variable::{read_or_empty, read_text};
+use super::{FORMAT_NAME, FORMAT_VERSION, StoreError, TRADE_FORMAT_NAME, header, layout, summary};
 use crate::engine::Status;
 use crate::provenance::Provenance;
 use crate::stats::Summary;
@@ -23,6 +23,29 @@ pub struct Stored {
     pub completed_paths: u64,
     /// Its statistics.
     pub summary: Summary,
+}
+
+/// What a file of this program holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FileKind {
+    /// An ensemble.
+    Run,
+    /// What accuracy costs.
+    Trade,
+}
+
+/// What a file holds; none where it is no HDF5 file.
+pub fn kind(path: &Path) -> Result<Option<FileKind>, StoreError> {
+    match check_signature(path) {
+        Err(StoreError::NotHdf5 { .. } | StoreError::NotOpened { .. }) => return Ok(None),
+        other => other?,
+    }
+    let file = open(path)?;
+    match read_text(&file, "format_name").unwrap_or_default().as_str() {
+        FORMAT_NAME => Ok(Some(FileKind::Run)),
+        TRADE_FORMAT_NAME => Ok(Some(FileKind::Trade)),
+        _ => Err(StoreError::Foreign { path: path.to_owned() }),
+    }
 }
 
 /// The first bytes of every HDF5 file.
@@ -64,7 +87,7 @@ fn check_signature(path: &Path) -> Result<(), StoreError> {
     }
 }
 
-fn open(path: &Path) -> Result<File, StoreError> {
+pub(super) fn open(path: &Path) -> Result<File, StoreError> {
     File::open(path).map_err(|error| match system_error(&error) {
         Some(system) if system.kind() == io::ErrorKind::WouldBlock => StoreError::InUse { path: path.to_owned() },
         Some(system) => StoreError::NotOpened { path: path.to_owned(), source: system },

@@ -2,12 +2,14 @@
 
 use super::error::{cause, is_full, system_error};
 use super::layout::{self, Unit, Variable, variable};
-use super::variable::{Place, text, write_attribute, write_text};
+use super::reader::open;
+use super::variable::{Place, read_or_empty, read_text, text, write_attribute, write_text};
 use super::writer::create_file;
 use super::{StoreError, discard_partial, partial_path};
 use crate::provenance::Provenance;
+use crate::scheme::Kind;
 use crate::stats::Statistic;
-use crate::study::trade::{Choice, Rung, TARGETS, Trade};
+use crate::study::trade::{Choice, Prices, Rung, TARGETS, Trade};
 use hdf5::types::VarLenUnicode;
 use std::path::Path;
 
@@ -37,6 +39,38 @@ pub fn write_trade(target: &Path, header: &Provenance, trade: &Trade, force: boo
     }
     drop(place);
     std::fs::rename(&partial, target).map_err(|source| StoreError::Rename { partial, target: target.into(), source })
+}
+
+/// The prices of accuracy in a file of a trade: of this statistic, or of the first that has any.
+pub fn read_prices(path: &Path, statistic: Option<Statistic>) -> Result<Prices, StoreError> {
+    let file = open(path)?;
+    let damaged = |error: hdf5::Error| StoreError::Damaged { path: path.to_owned(), cause: cause(&error) };
+    let read = || -> hdf5::Result<Vec<Prices>> {
+        let title = read_text(&file, "title")?;
+        let texts = |variable| read_or_empty::<VarLenUnicode>(&file, variable);
+        let (schemes, statistics) = (texts(&SCHEME)?, texts(&layout::STATISTIC)?);
+        let targets: Vec<f64> = read_or_empty(&file, &TARGET)?;
+        let seconds: Vec<f64> = read_or_empty(&file, &PREDICTED_SECONDS)?;
+        if seconds.len() != schemes.len() * statistics.len() * targets.len() {
+            return Err(format!("{} has {} values", PREDICTED_SECONDS.name, seconds.len()).into());
+        }
+        let curve = |(i, scheme): (usize, &VarLenUnicode), j: usize| {
+            let first = (i * statistics.len() + j) * targets.len();
+            let points = seconds[first..].iter().zip(&targets).map(|(seconds, target)| [*seconds, *target]);
+            Some((Kind::from_name(scheme)?, points.filter(|[seconds, _]| seconds.is_finite()).collect()))
+        };
+        let of = |(j, name): (usize, &VarLenUnicode)| {
+            let curves = schemes.iter().enumerate().filter_map(|scheme| curve(scheme, j)).collect();
+            Some(Prices { title: title.clone(), statistic: Statistic::from_name(name)?, curves })
+        };
+        Ok(statistics.iter().enumerate().filter_map(of).collect())
+    };
+    let mut prices = read().map_err(damaged)?.into_iter();
+    let found = match statistic {
+        Some(statistic) => prices.find(|prices| prices.statistic == statistic),
+        None => prices.find(Prices::is_known),
+    };
+    found.ok_or_else(|| damaged("no statistic in it has prices".into()))
 }
 
 fn fill(place: &Place, header: &Provenance, trade: &Trade) -> hdf5::Result<()> {

@@ -134,7 +134,8 @@ impl Accuracy<'_> {
             return Err(AccuracyError::TooLong { choice, seconds, instead: instead() });
         }
         let fewest = if trade.is_random { FEWEST_PATHS } else { 1 };
-        let choice = Choice { paths: choice.paths.max(fewest), ..choice };
+        let (paths, is_paired) = (choice.paths.max(fewest), scenario.ensemble.antithetic);
+        let choice = Choice { paths: if is_paired { paths.next_multiple_of(2) } else { paths }, ..choice };
         let mut scenario = scenario.with_scheme(choice.scheme)?;
         scenario.ensemble.paths = choice.paths;
         Ok(Decision { scenario, target: self.target, asked, choice })

@@ -203,7 +203,7 @@ impl Multilevel {
             let scheme = Scheme::from(CorrectedVi { step: self.end / steps });
             let simulation = scheme.simulation(&self.model, &timeline).fed_by_finer(refinement);
             let record = Record { paths: true, events: false, trajectories: 0 };
-            Plan { simulation, record, seed: self.seed, paths: u64::MAX }
+            Plan { simulation, record, seed: self.seed, paths: u64::MAX, antithetic: false }
         };
         let steps = self.coarsest_steps * 2f64.powi(l as i32);
         Pair { fine: plan(steps, 1), coarse: (l > 0).then(|| plan(steps / 2.0, 2)) }

@@ -107,7 +107,7 @@ fn written(folder: &Path, name: &str, arguments: &[&str]) -> File {
 }
 
 /// Files in which everything that a run can write occurs: records, units, lost paths, a resolution,
-/// a run that was ended, the fewest paths for a bias of the step.
+/// pairs, a run that was ended, the fewest paths for a bias of the step.
 fn runs(folder: &Path) -> Vec<File> {
     let record = ["record.events=true", "record.trajectories=7"].map(|set| ["--set", set]).concat();
     let everything = [&["run", "scenarios/rho025.toml", "--paths", "300"][..], &record].concat();
@@ -115,12 +115,14 @@ fn runs(folder: &Path) -> Vec<File> {
         ["run", "scenarios/rho025.toml", "--paths", "3", "--step", "0.5", "--set", "initial.displacement=1e3"];
     let unresolved = ["run", "scenarios/equal-friction.toml", "--scheme", "event-driven", "--paths", "2"];
     let late = ["run", "scenarios/rho025.toml", "--paths", "2", "--set", "statistics.after=30"];
+    let pairs = ["run", "scenarios/rho025.toml", "--paths", "4", "--set", "ensemble.antithetic=true"];
     let ended = ["run", "scenarios/rho025.toml", "--until", "stick_duration_mean < 20%"];
     vec![
         written(folder, "everything.h5", &everything),
         written(folder, "diverging.h5", &diverging),
         written(folder, "unresolved.h5", &unresolved),
         written(folder, "late.h5", &late),
+        written(folder, "pairs.h5", &pairs),
         written(folder, "ended.h5", &ended),
         written(folder, "biased.h5", &["run", "scenarios/rho025.toml", "--paths", "768"]),
     ]

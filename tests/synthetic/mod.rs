@@ -33,6 +33,7 @@ pub fn header(paths: u64) -> Provenance {
         seed: 0xFEDC_BA98_7654_3211,
         generator: "PCG64DXSM, ziggurat".to_owned(),
         paths,
+        antithetic: true,
         block_size: 256,
         program_version: "0.1.0".to_owned(),
         git_hash: "0123456789abcdef".to_owned(),

@@ -20,6 +20,8 @@ pub struct RunInfo {
     pub seed: u64,
     /// Paths asked for.
     pub paths: u64,
+    /// Whether they are antithetic pairs.
+    pub antithetic: bool,
     /// Threads, if this process ran it.
     pub threads: Option<usize>,
     /// Wall-clock time, if known.

@@ -36,7 +36,8 @@ pub fn table(summary: &Summary, info: &RunInfo) -> String {
     let _ = writeln!(text, "{}", info.title);
     let step = info.step.map_or(String::new(), |h| format!(", step {h:?}"));
     let paths = grouped(if info.status == Status::Ended { summary.completed_paths } else { info.paths });
-    let _ = writeln!(text, "{}{step}, seed {}, {paths} paths\n", info.scheme, info.seed);
+    let pairs = if info.antithetic { " in antithetic pairs" } else { "" };
+    let _ = writeln!(text, "{}{step}, seed {}, {paths} paths{pairs}\n", info.scheme, info.seed);
     text.push_str(&statistics(summary, &info.units));
     text.push('\n');
     for (label, line) in remarks(summary, info) {

@@ -88,6 +88,7 @@ pub fn info() -> RunInfo {
         resolution: None,
         seed: 1,
         paths: 10_000,
+        antithetic: false,
         threads: Some(2),
         seconds: Some(0.6),
         bias_seconds: Some(0.0),

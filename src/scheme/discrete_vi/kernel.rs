@@ -117,7 +117,10 @@ impl NoiseScale {
 
     /// The next increment, in its unit.
     #[inline(always)]
-    fn increment<L: Lanes, const R: usize>(&self, normals: &mut LaneNormals<L, R>) -> [L; R] {
+    fn increment<L: Lanes, const R: usize, const MIRRORED: bool>(
+        &self,
+        normals: &mut LaneNormals<L, R, MIRRORED>,
+    ) -> [L; R] {
         if !self.draws {
             return [L::splat(0.0); R];
         }
@@ -205,19 +208,29 @@ impl Kernel {
     /// harmonics at the n-th instant. Leaves the turns in `turns`, those of one lane in time order.
     pub(super) fn advance(&self, forcing: &[f64], streams: &mut LaneStreams, paths: &mut Paths, turns: &mut Vec<Turn>) {
         turns.clear();
-        match (self.has_noise, self.has_damping, self.is_corrected) {
-            (false, false, false) => self.run::<false, false, false>(forcing, streams, paths, turns),
-            (false, false, true) => self.run::<false, false, true>(forcing, streams, paths, turns),
-            (false, true, false) => self.run::<false, true, false>(forcing, streams, paths, turns),
-            (false, true, true) => self.run::<false, true, true>(forcing, streams, paths, turns),
-            (true, false, false) => self.run::<true, false, false>(forcing, streams, paths, turns),
-            (true, false, true) => self.run::<true, false, true>(forcing, streams, paths, turns),
-            (true, true, false) => self.run::<true, true, false>(forcing, streams, paths, turns),
-            (true, true, true) => self.run::<true, true, true>(forcing, streams, paths, turns),
+        match (self.has_damping, self.is_corrected) {
+            (false, false) => self.run_noise::<false, false>(forcing, streams, paths, turns),
+            (false, true) => self.run_noise::<false, true>(forcing, streams, paths, turns),
+            (true, false) => self.run_noise::<true, false>(forcing, streams, paths, turns),
+            (true, true) => self.run_noise::<true, true>(forcing, streams, paths, turns),
         }
     }
 
-    fn run<const NOISE: bool, const DAMPING: bool, const CORRECTED: bool>(
+    fn run_noise<const DAMPING: bool, const CORRECTED: bool>(
+        &self,
+        forcing: &[f64],
+        streams: &mut LaneStreams,
+        paths: &mut Paths,
+        turns: &mut Vec<Turn>,
+    ) {
+        match (self.has_noise, streams.are_mirrored()) {
+            (false, _) => self.run::<false, false, DAMPING, CORRECTED>(forcing, streams, paths, turns),
+            (true, false) => self.run::<true, false, DAMPING, CORRECTED>(forcing, streams, paths, turns),
+            (true, true) => self.run::<true, true, DAMPING, CORRECTED>(forcing, streams, paths, turns),
+        }
+    }
+
+    fn run<const NOISE: bool, const MIRRORED: bool, const DAMPING: bool, const CORRECTED: bool>(
         &self,
         forcing: &[f64],
         streams: &mut LaneStreams,
@@ -225,11 +238,12 @@ impl Kernel {
         turns: &mut Vec<Turn>,
     ) {
         let (c, scale) = (&self.coefficients, &self.noise);
-        self.instructions.run(&mut Run::<NOISE, DAMPING, CORRECTED> { c, scale, forcing, streams, paths, turns });
+        let mut run = Run::<NOISE, MIRRORED, DAMPING, CORRECTED> { c, scale, forcing, streams, paths, turns };
+        self.instructions.run(&mut run);
     }
 }
 
-struct Run<'a, const NOISE: bool, const DAMPING: bool, const CORRECTED: bool> {
+struct Run<'a, const NOISE: bool, const MIRRORED: bool, const DAMPING: bool, const CORRECTED: bool> {
     c: &'a Coefficients,
     scale: &'a NoiseScale,
     forcing: &'a [f64],
@@ -238,7 +252,9 @@ struct Run<'a, const NOISE: bool, const DAMPING: bool, const CORRECTED: bool> {
     turns: &'a mut Vec<Turn>,
 }
 
-impl<const NOISE: bool, const DAMPING: bool, const CORRECTED: bool> LaneProgram for Run<'_, NOISE, DAMPING, CORRECTED> {
+impl<const NOISE: bool, const MIRRORED: bool, const DAMPING: bool, const CORRECTED: bool> LaneProgram
+    for Run<'_, NOISE, MIRRORED, DAMPING, CORRECTED>
+{
     #[inline(always)]
     fn run<L: Lanes>(&mut self) {
         let lanes = self.paths.noise.len();
@@ -256,7 +272,9 @@ impl<const NOISE: bool, const DAMPING: bool, const CORRECTED: bool> LaneProgram 
     }
 }
 
-impl<const NOISE: bool, const DAMPING: bool, const CORRECTED: bool> Run<'_, NOISE, DAMPING, CORRECTED> {
+impl<const NOISE: bool, const MIRRORED: bool, const DAMPING: bool, const CORRECTED: bool>
+    Run<'_, NOISE, MIRRORED, DAMPING, CORRECTED>
+{
     /// `R` registers of paths, beginning at `lane`, through the whole run. Returns how many lanes
     /// that are.
     #[inline(always)]
@@ -273,7 +291,7 @@ impl<const NOISE: bool, const DAMPING: bool, const CORRECTED: bool> Run<'_, NOIS
             *regime = c.regime(state.v);
         }
 
-        let mut normals = if NOISE { Some(self.streams.take::<L, R>(lane)) } else { None };
+        let mut normals = if NOISE { Some(self.streams.take::<L, R, MIRRORED>(lane)) } else { None };
         let every_lane = (1 << L::WIDTH) - 1;
 
         for (n, &forcing) in self.forcing[..self.forcing.len() - 1].iter().enumerate() {

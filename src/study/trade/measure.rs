@@ -263,6 +263,11 @@ impl End<'_> {
     }
 }
 
+/// So many paths, or one more where they are antithetic pairs.
+fn whole_pairs(plan: &Plan, paths: u64) -> u64 {
+    if plan.antithetic { paths.next_multiple_of(2) } else { paths }
+}
+
 /// A rung of a scheme without steps.
 fn free(
     scenario: &Scenario,
@@ -273,6 +278,7 @@ fn free(
     end: End<'_>,
 ) -> Result<Rung, TradeError> {
     let plan = bare_plan(scenario, scheme)?;
+    let paths = whole_pairs(&plan, paths);
     let mut totals = Totals::empty(plan.model(), plan.timeline());
     let make = |piece: u64| plan.piece(first + piece * PIECE, PIECE.min(paths - piece * PIECE)).totals;
     let deliver = |piece: Totals| -> Result<_, Infallible> {
@@ -315,7 +321,7 @@ fn coupled(
     let empty = Totals::empty(any.model(), any.timeline());
     // groups[r][g]: the paths of group g on rung r.
     let mut groups = vec![vec![empty.clone(); GROUPS as usize]; plans.len()];
-    let of_group = effort.coupled_paths / GROUPS;
+    let of_group = whole_pairs(any, effort.coupled_paths / GROUPS);
     let make = |piece: u64| -> Vec<Totals> {
         let (group, slice) = (piece % GROUPS, piece / GROUPS * PIECE);
         let first = APART + group * of_group + slice;

@@ -21,6 +21,7 @@ mod ladder;
 mod law;
 mod measure;
 mod predict;
+mod prices;
 mod standing;
 
 pub use effort::Effort;
@@ -28,6 +29,7 @@ pub use ladder::{Ladder, LeftOut};
 pub use law::{Change, Law};
 pub use measure::{Cost, Limits, Rung, TradeError, measure, measure_within};
 pub use predict::{Choice, Refusal, TARGETS};
+pub use prices::Prices;
 pub use standing::Standing;
 
 use crate::scheme::Kind;

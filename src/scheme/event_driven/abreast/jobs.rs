@@ -2,6 +2,7 @@
 //! rows of a table.
 
 use crate::lanes::{Lanes, ROW, Row};
+use crate::noise::LaneDraws;
 
 /// What a flagged lane waits for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -155,20 +156,35 @@ impl Jobs {
 }
 
 /// What is counted of a flagged lane, packed into one number: the place of its next random number,
-/// how many pieces wait behind it (where a slip stops, how often that was tried), and what it has
-/// spent.
+/// how many pieces wait behind it (where a slip stops, how often that was tried), whether its normals
+/// are mirrored, and what it has spent.
 #[derive(Clone, Copy)]
 pub struct Count<L: Lanes>(pub L::Bits);
 
 const BEHIND: u64 = 1 << 32;
-const MOST_BEHIND: u64 = 0xFF;
+const MOST_BEHIND: u64 = 0x7F;
+const MIRRORED: u64 = 1 << 39;
 const SPENT: u32 = 40;
 
 impl<L: Lanes> Count<L> {
-    /// Nothing yet; the first number is at this place.
+    /// Nothing yet; the first number is at this place, and the normals of some paths are mirrored.
     #[inline(always)]
-    pub fn from(place: u64) -> Self {
-        Count(L::splat_bits(place))
+    pub fn from(place: u64, flip: L::Bits) -> Self {
+        Count(L::keep_and_set(flip, MIRRORED, place))
+    }
+
+    /// All ones where the normals of a path are mirrored.
+    #[inline(always)]
+    fn flip(self) -> L::Bits {
+        let is_not = L::xor(L::keep_and_set(self.0, MIRRORED, 0), L::splat_bits(MIRRORED));
+        L::add_bits(L::shr::<39>(is_not), L::splat_bits(u64::MAX))
+    }
+
+    /// The random numbers of lanes with these keys, from the next one on.
+    #[inline(always)]
+    pub fn draws(self, cell: u64, origin: L::Bits, key: L::Bits) -> LaneDraws<L> {
+        let place = L::keep_and_set(self.0, BEHIND - 1, 0);
+        LaneDraws { origin, key, counter: L::add_bits(place, L::splat_bits(cell << 32)), flip: self.flip() }
     }
 
     #[inline(always)]
@@ -179,12 +195,6 @@ impl<L: Lanes> Count<L> {
     #[inline(always)]
     pub fn number(self) -> L {
         L::from_bits(self.0)
-    }
-
-    /// The place in the cell.
-    #[inline(always)]
-    pub fn place(self) -> L::Bits {
-        L::keep_and_set(self.0, BEHIND - 1, 0)
     }
 
     #[inline(always)]

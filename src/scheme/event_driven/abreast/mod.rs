@@ -45,8 +45,9 @@ pub struct Abreast<'a> {
     /// At the start of a cell, and at its end.
     now: States,
     next: States,
-    /// What tells the random numbers of the paths apart.
-    keys: [Vec<u64>; 2],
+    draws: Vec<AddressedDraws>,
+    /// What tells the random numbers of the paths apart ([`AddressedDraws::keys`]).
+    keys: [Vec<u64>; 3],
     /// Evaluations of each path, and what they were where the cell began.
     spent: Vec<u64>,
     spent_before: Vec<u64>,
@@ -97,7 +98,8 @@ impl<'a> Abreast<'a> {
             count,
             now: states.clone(),
             next: states,
-            keys: [vec![0; lanes], vec![0; lanes]],
+            draws: Vec::with_capacity(count),
+            keys: [vec![0; lanes], vec![0; lanes], vec![0; lanes]],
             spent: vec![0; lanes + ROW],
             spent_before: vec![0; lanes + ROW],
             is_lost: vec![false; count],
@@ -110,8 +112,10 @@ impl<'a> Abreast<'a> {
         };
         for (lane, &number) in paths.iter().enumerate() {
             let path = cell_loop::start(noisy, seed, number);
-            let [origin, key] = path.draws.keys();
-            (all.keys[0][lane], all.keys[1][lane]) = (origin, key);
+            all.draws.push(path.draws);
+            for (keys, key) in all.keys.iter_mut().zip(path.draws.keys()) {
+                keys[lane] = key;
+            }
             all.put(lane, &path);
             std::mem::swap(&mut all.now, &mut all.next);
             all.put(lane, &path);
@@ -131,7 +135,7 @@ impl<'a> Abreast<'a> {
             force: self.now.force[lane],
             phase: if eps == 0.0 { Phase::Static } else { Phase::Slip(Sign::of(eps)) },
             motion: self.now.v[lane],
-            draws: AddressedDraws::with_keys([self.keys[0][lane], self.keys[1][lane]]),
+            draws: self.draws[lane],
             work,
             is_lost: false,
         }

@@ -56,8 +56,7 @@ impl<L: Lanes> Searched<L> {
 
     #[inline(always)]
     fn draws(&self, cell: u64) -> LaneDraws<L> {
-        let counter = L::add_bits(self.count.place(), L::splat_bits(cell << 32));
-        LaneDraws { origin: self.origin, key: self.key, counter }
+        self.count.draws(cell, self.origin, self.key)
     }
 
     /// The interval is passed where `mask` holds, and `next` is behind it.
@@ -265,8 +264,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
             (mean.x, mean.v) = (mean.x + push.x, mean.v + push.v);
             forcing = forcing + push.term.re;
         }
-        let counter = L::add_bits(count.place(), L::splat_bits(self.cell.index << 32));
-        let draws = LaneDraws::<L> { origin, key, counter };
+        let draws = count.draws(self.cell.index, origin, key);
         let end = transition.drawn(mean, self.end_noise(rows), draws.normal_pair(self.paths.normals, 0));
         let end_force = force(body, forcing, end);
         let first = motion(body, eps, start.v, start_force, friction);

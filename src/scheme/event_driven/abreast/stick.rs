@@ -45,8 +45,7 @@ impl<L: Lanes> Piece<L> {
 
     #[inline(always)]
     fn draws(&self, cell: u64) -> LaneDraws<L> {
-        let counter = L::add_bits(self.count.place(), L::splat_bits(cell << 32));
-        LaneDraws { origin: self.origin, key: self.key, counter }
+        self.count.draws(cell, self.origin, self.key)
     }
 
     #[inline(always)]

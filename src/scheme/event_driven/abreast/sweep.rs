@@ -63,6 +63,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
             origin: L::load_bits(&self.paths.keys[0][lane..]),
             key: L::load_bits(&self.paths.keys[1][lane..]),
             counter: L::splat_bits(counter),
+            flip: L::load_bits(&self.paths.keys[2][lane..]),
         }
     }
 
@@ -95,7 +96,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         let near = L::bitmask(reach.is_near) & sticks & !is_out;
         if (near | is_out) != 0 {
             self.odd_lanes(rows, is_out);
-            let count = Count::from(EVENT_PLACE);
+            let count = Count::from(EVENT_PLACE, draws.flip);
             let piece = Piece { left, right, x, count, origin: draws.origin, key: draws.key };
             let own = self.paths.jobs.only::<L>(rows, near);
             piece.put(&mut self.paths.jobs, &own);
@@ -150,7 +151,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
                 left: first,
                 after: zero,
                 way: zero,
-                count: Count::from(EVENT_PLACE),
+                count: Count::from(EVENT_PLACE, draws.flip),
                 x: start.x,
                 start: zero,
                 eps,

@@ -1,0 +1,22 @@
+#!/usr/bin/env bash
+# Draw the pictures of docs/pictures.md again: some seconds. tests/pictures.rs runs the same lines and compares what comes out.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+cargo build --release --quiet --bin mc
+root=$PWD folder=$(mktemp -d)
+trap 'rm -rf "$folder"' EXIT
+ln -s "$root/scenarios" "$folder/scenarios"
+cd "$folder"
+mc() { "$root/target/release/mc" "$@"; }
+
+mc plot scenarios/shaw.toml --until 27 -o path-shaw.png
+mc plot scenarios/rho025.toml --path 41 --until 30 -o path-rho025.png
+mc run scenarios/rho025.toml --scheme event-driven --paths 4000 -o run.h5
+mc plot run.h5 --only fan -o fan.png
+mc plot run.h5 --only sticks --log -o sticks.png
+mc plot run.h5 --only sub-phases --log -o sub-phases.png
+mc run scenarios/rho025.toml --scheme event-driven --paths 2000 --until 176 --set statistics.after=50 -o long.h5
+mc plot long.h5 --only drift -o drift.png
+mc plot run.h5 --theme dark -o page-dark.png
+
+cp ./*.png "$root/docs/pictures/"

@@ -1,0 +1,230 @@
+//! `mc plot`: pictures of a scenario's path, of a run, of a trade.
+
+use super::failure::{Failure, note, writable};
+use super::numbers::grouped;
+use std::path::{Path, PathBuf};
+use stick_slip::config::Override;
+use stick_slip::figure::{self, Absent, COLUMN, FIGURES, Figure, Scene, Style, Subject, Theme};
+use stick_slip::scenario::Scenario;
+use stick_slip::stats::Statistic;
+use stick_slip::store::{self, FileKind, Stored};
+
+const EXAMPLES: &str = "\
+Examples:
+  mc plot rho025.h5                                 all that the file holds, on one page: rho025.svg
+  mc plot rho025.h5 --only fan -o fan.pdf
+  mc plot rho025.h5 --only path --path 41 --until 30
+  mc plot scenarios/shaw.toml --until 28            the path of a scenario, simulated on the spot
+  mc plot rho025.h5 --only sticks --log --theme dark --width 120 -o sticks.png
+  mc plot trade.h5 --statistic sticking_fraction
+
+A picture is drawn from the numbers in the file. A path is simulated again: it is the very path of the ensemble, and a closer look
+does not change it. The same picture has the same bytes. PNG has 300 dots per inch.";
+
+/// Arguments of `mc plot`.
+#[derive(Debug, clap::Args)]
+#[command(after_help = EXAMPLES)]
+pub struct Plot {
+    /// A scenario (TOML), or a file that `mc run` or `mc trade` wrote
+    #[arg(value_name = "SCENARIO|FILE.h5")]
+    subject: PathBuf,
+    /// Where to draw it; .svg, .png or .pdf tells the format [default: NAME.svg in the current
+    /// directory]
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+    #[arg(long, value_name = "NAME", value_parser = figure_of_name, help = format!("One figure: {}", names().join(", ")))]
+    only: Option<&'static Figure>,
+    /// The number of the path that is drawn
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    path: u64,
+    /// Draw the path up to this time only
+    #[arg(long, value_name = "T", allow_hyphen_values = true)]
+    until: Option<String>,
+    /// The statistic of a trade [default: the first that has an answer]
+    #[arg(long, value_name = "NAME", value_parser = super::trade::statistic)]
+    statistic: Option<Statistic>,
+    /// Colours for paper or for a dark screen
+    #[arg(long, value_name = "light|dark", default_value = "light", value_parser = theme)]
+    theme: Theme,
+    /// Width of one figure in millimetres; a page is two figures wide
+    #[arg(long, value_name = "MM", default_value_t = COLUMN, value_parser = width)]
+    width: f64,
+    /// Logarithmic vertical axes for densities and shares
+    #[arg(long)]
+    log: bool,
+    /// Any key of the scenario, e.g. friction.static=1.3; repeatable; not for a file, which says
+    /// what was run
+    #[arg(long, value_name = "KEY=VALUE", allow_hyphen_values = true)]
+    set: Vec<String>,
+    /// Overwrite an earlier picture
+    #[arg(long)]
+    force: bool,
+}
+
+/// The formats of a picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Format {
+    Svg,
+    Png,
+    Pdf,
+}
+
+impl Plot {
+    pub fn call(&self) -> Result<(), Failure> {
+        let output = self.output.clone().unwrap_or_else(|| self.default_output());
+        let format = Format::of(&output)?;
+        writable(&output, self.force)?;
+        let scene = self.scene()?;
+        write(&scene, format, &output)?;
+        note(&format!("{}: {}", output.display(), size(&scene)));
+        Ok(())
+    }
+
+    fn scene(&self) -> Result<Scene, Failure> {
+        match store::kind(&self.subject)? {
+            None => {
+                let set = self.set.iter().map(|text| Override::set(text));
+                let mut overrides = set.collect::<Result<Vec<_>, _>>()?;
+                overrides.extend(self.until());
+                let scenario = Scenario::read(&self.subject, &overrides)?;
+                self.draw(
+                    &Subject::Scenario { scenario: &scenario, path: self.path },
+                    &scenario.title,
+                    &about(&scenario),
+                )
+            }
+            Some(_) if !self.set.is_empty() => {
+                let problem = format!("--set changes a scenario, and {} says what was run", self.subject.display());
+                Err(Failure::usage(problem, "give the scenario instead of the file, or leave --set out"))
+            }
+            Some(FileKind::Run) => self.scene_of_run(&store::read(&self.subject)?),
+            Some(FileKind::Trade) => {
+                let prices = store::read_prices(&self.subject, self.statistic)?;
+                self.draw(&Subject::Trade(&prices), &prices.title, "what accuracy costs")
+            }
+        }
+    }
+
+    fn scene_of_run(&self, stored: &Stored) -> Result<Scene, Failure> {
+        if self.path >= stored.header.paths {
+            let problem = format!("--path {}: the ensemble has {} paths", self.path, stored.header.paths);
+            let remedy = format!("give a number from 0 to {}", stored.header.paths.saturating_sub(1));
+            return Err(Failure::usage(problem, remedy));
+        }
+        let (name, text) = (self.subject.display().to_string(), &stored.header.scenario_text);
+        // An event is where it is whatever the end, so that a shorter path is the beginning of the
+        // longer one.
+        let until: Vec<Override> = self.until().into_iter().collect();
+        let scenario = Scenario::parse(&name, text, &until)?;
+        let (summary, path) = (&stored.summary, self.path);
+        let line = format!("{}, {} paths", about(&scenario), grouped(stored.completed_paths));
+        self.draw(&Subject::Run { scenario: &scenario, summary, path }, &scenario.title, &line)
+    }
+
+    fn until(&self) -> Option<Override> {
+        self.until.as_ref().map(|time| Override::flag("--until", "time.end", time))
+    }
+
+    fn draw(&self, subject: &Subject, heading: &str, line: &str) -> Result<Scene, Failure> {
+        let style = Style { theme: self.theme, width: self.width, log: self.log };
+        match (self.only, subject) {
+            (Some(figure), _) => figure.draw(subject, &style).map_err(|absent| self.refused(figure, &absent)),
+            // One figure needs no page around it.
+            (None, Subject::Scenario { .. } | Subject::Trade(_)) => {
+                let mut drawn = FIGURES.iter().map(|figure| (figure, figure.draw(subject, &style)));
+                let only = drawn.find(|(_, drawn)| !matches!(drawn, Err(Absent::Elsewhere(_))));
+                only.map_or(Err(nothing()), |(figure, drawn)| drawn.map_err(|absent| self.refused(figure, &absent)))
+            }
+            (None, Subject::Run { .. }) => figure::page(subject, &style, heading, line).ok_or_else(nothing),
+        }
+    }
+
+    fn refused(&self, figure: &Figure, absent: &Absent) -> Failure {
+        let problem = format!("no figure {} of {}: {absent}", figure.name, self.subject.display());
+        match absent {
+            Absent::Elsewhere(_) => Failure::usage(problem, "run it first, or choose another figure with --only"),
+            Absent::Nothing(_) => Failure::Run(problem),
+            Absent::Lost(_) => Failure::usage(problem, "choose another path with --path"),
+        }
+    }
+
+    /// `<name>.svg`, or `<name>-<figure>.svg`, in the current directory.
+    fn default_output(&self) -> PathBuf {
+        let mut name = self.subject.file_stem().unwrap_or("picture".as_ref()).to_os_string();
+        if let Some(figure) = self.only {
+            name.push("-");
+            name.push(figure.name);
+        }
+        name.push(".svg");
+        PathBuf::from(name)
+    }
+}
+
+fn nothing() -> Failure {
+    Failure::Run("there is nothing to draw: every path was lost".to_string())
+}
+
+/// Scheme and seed in a line.
+fn about(scenario: &Scenario) -> String {
+    let scheme = scenario.scheme.to_string().replace("--scheme ", "").replace("--", "");
+    format!("{scheme}, seed {}", scenario.ensemble.seed)
+}
+
+/// Width and height in words.
+fn size(scene: &Scene) -> String {
+    let millimetres = |points: f64| points * 25.4 / 72.0;
+    format!("{:.0} mm x {:.0} mm", millimetres(scene.width), millimetres(scene.height))
+}
+
+impl Format {
+    /// By the ending of a file's name.
+    pub fn of(path: &Path) -> Result<Self, Failure> {
+        let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase());
+        match ending.as_deref() {
+            Some("svg") => Ok(Format::Svg),
+            Some("png") => Ok(Format::Png),
+            Some("pdf") => Ok(Format::Pdf),
+            _ => {
+                let problem = format!("-o {}: the ending does not tell a format", path.display());
+                Err(Failure::usage(problem, "write a name that ends in .svg, .png or .pdf"))
+            }
+        }
+    }
+}
+
+/// Dots per inch of a PNG.
+const DOTS_PER_INCH: f64 = 300.0;
+
+/// Write a picture: beside its place first, then there in one step.
+pub fn write(scene: &Scene, format: Format, output: &Path) -> Result<(), Failure> {
+    let bytes = match format {
+        Format::Svg => figure::svg(scene).into_bytes(),
+        Format::Png => figure::png(scene, DOTS_PER_INCH).map_err(|error| Failure::Run(error.to_string()))?,
+        Format::Pdf => figure::pdf(scene).ok_or_else(|| Failure::Run("a flaw in the program: no PDF".to_string()))?,
+    };
+    super::results::write_whole(output, &bytes)
+}
+
+fn names() -> Vec<&'static str> {
+    FIGURES.iter().map(|figure| figure.name).collect()
+}
+
+fn figure_of_name(name: &str) -> Result<&'static Figure, String> {
+    figure::named(name).ok_or_else(|| format!("there is no such figure; write one of {}", names().join(", ")))
+}
+
+fn theme(name: &str) -> Result<Theme, String> {
+    match name {
+        "light" => Ok(Theme::Light),
+        "dark" => Ok(Theme::Dark),
+        _ => Err("write light or dark".to_string()),
+    }
+}
+
+/// Widths between which letters of 8 points are neither crowded nor lost.
+const WIDTHS: std::ops::RangeInclusive<f64> = 60.0..=400.0;
+
+fn width(text: &str) -> Result<f64, String> {
+    let width = text.parse::<f64>().ok().filter(|width| WIDTHS.contains(width));
+    width.ok_or_else(|| format!("write a number of millimetres from {} to {}", WIDTHS.start(), WIDTHS.end()))
+}

@@ -1,0 +1,287 @@
+//! An axis: from numbers to places, and which numbers are written at it.
+
+use super::kit::Label;
+
+/// How numbers lie along an axis.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Scale {
+    /// Evenly.
+    Linear,
+    /// By their logarithms.
+    Log,
+}
+
+/// An axis from one number to a larger one.
+#[derive(Clone, Debug)]
+pub struct Axis {
+    scale: Scale,
+    low: f64,
+    high: f64,
+    title: Label,
+    unit: String,
+    whole: bool,
+}
+
+/// A number written at an axis, or only marked there.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Tick {
+    /// Where, as a share of the length.
+    pub at: f64,
+    /// What is written; none at a small mark.
+    pub label: Option<Label>,
+}
+
+/// Numbers from here on are written with their power of ten at the title.
+const LARGE: f64 = 1e5;
+/// And so are those below.
+const LITTLE: f64 = 1e-3;
+
+impl Axis {
+    /// A linear axis over exactly this range.
+    pub fn linear(range: [f64; 2], title: Label, unit: &str) -> Self {
+        let [low, high] = widened(range);
+        Axis { scale: Scale::Linear, low, high, title, unit: unit.to_string(), whole: false }
+    }
+
+    /// A linear axis with some room beyond the finite ones of these values.
+    pub fn around(values: impl IntoIterator<Item = f64>, title: Label, unit: &str) -> Self {
+        let [low, high] = widened(range_of(values));
+        let room = ROOM * (high - low);
+        Axis::linear([low - room, high + room], title, unit)
+    }
+
+    /// A logarithmic axis over this range of positive numbers.
+    pub fn log(range: [f64; 2], title: Label, unit: &str) -> Self {
+        let high = if range[1] > 0.0 && range[1].is_finite() { range[1] } else { 1.0 };
+        let low = if range[0] > 0.0 && range[0] < high { range[0] } else { high / 10.0 };
+        Axis { scale: Scale::Log, low, high, title, unit: unit.to_string(), whole: false }
+    }
+
+    /// The same where only whole numbers mean something.
+    pub fn whole(self) -> Self {
+        Axis { whole: true, ..self }
+    }
+
+    /// Its ends.
+    pub fn range(&self) -> [f64; 2] {
+        [self.low, self.high]
+    }
+
+    /// Where a number lies: 0 at the lower end, 1 at the upper one. What has no logarithm lies far
+    /// below.
+    pub fn place(&self, x: f64) -> f64 {
+        match self.scale {
+            Scale::Linear => ((x - self.low) / (self.high - self.low)).clamp(-FAR, FAR),
+            Scale::Log if x > 0.0 => ((x / self.low).ln() / (self.high / self.low).ln()).clamp(-FAR, FAR),
+            Scale::Log => -FAR,
+        }
+    }
+
+    /// The title with the unit, and the power of ten that the numbers are written in.
+    pub fn title(&self) -> Label {
+        let power = self.power();
+        let title = self.title.clone();
+        let factor = if power == 0 { String::new() } else { format!("10^{{{}}}", minus(&power.to_string())) };
+        match (factor.is_empty(), self.unit.is_empty()) {
+            (true, true) => title,
+            (true, false) => title.and(Label::verbatim(" (")).and(unit(&self.unit)).and(Label::verbatim(")")),
+            (false, true) => title.and(Label::new(&format!(" ({factor})"))),
+            (false, false) => {
+                title.and(Label::new(&format!(" ({factor} "))).and(unit(&self.unit)).and(Label::verbatim(")"))
+            }
+        }
+    }
+
+    /// The power of ten that the numbers of a linear axis are written in.
+    fn power(&self) -> i32 {
+        let largest = self.low.abs().max(self.high.abs());
+        let is_plain = self.scale == Scale::Log || (LITTLE..LARGE).contains(&largest);
+        if is_plain || self.whole { 0 } else { largest.log10().floor() as i32 }
+    }
+
+    /// What is written at it, with so much room on its length for every number.
+    pub fn ticks(&self, length: f64, room: f64) -> Vec<Tick> {
+        let room = if self.whole { room.min(WHOLE_ROOM) } else { room };
+        let most = (length / room).max(2.0);
+        match self.scale {
+            Scale::Linear => self.linear_ticks(most),
+            Scale::Log => self.log_ticks(most),
+        }
+    }
+
+    fn linear_ticks(&self, most: f64) -> Vec<Tick> {
+        let least = (self.high - self.low) / most;
+        let mut step = nice_at_least(least);
+        if self.whole {
+            step = step.max(1.0).round();
+        }
+        let factor = 10f64.powi(self.power());
+        let decimals = (-(step / factor).log10().floor()).clamp(0.0, 12.0) as usize;
+        // 2.5 needs a digit more than its size tells
+        let decimals = decimals + usize::from(!is_whole_at(step / factor, decimals));
+        let (first, last) = ((self.low / step - SLACK).ceil() as i64, (self.high / step + SLACK).floor() as i64);
+        let tick = |n: i64| {
+            let x = n as f64 * step;
+            Tick { at: self.place(x), label: Some(Label::verbatim(&fixed(x / factor, decimals))) }
+        };
+        (first..=last).map(tick).collect()
+    }
+
+    fn log_ticks(&self, most: f64) -> Vec<Tick> {
+        let (first, last) = (self.low.log10() - SLACK, self.high.log10() + SLACK);
+        let decades = (last.floor() - first.ceil()) as i32 + 1;
+        let mut ticks = Vec::new();
+        if decades < 3 {
+            // Few powers of ten: plain numbers, 1, 2 and 5 of each, or all of them.
+            let sets: [&[f64]; 3] = [&[1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0], &[1.0, 2.0, 5.0], &[1.0]];
+            let all = |set: &[f64]| -> Vec<f64> {
+                let powers = first.floor() as i32..=last.ceil() as i32;
+                let numbers = powers.flat_map(|n| set.iter().map(move |digit| digit * 10f64.powi(n)));
+                numbers.filter(|x| (first..=last).contains(&x.log10())).collect()
+            };
+            let chosen = sets.iter().map(|set| all(set)).find(|all| all.len() as f64 <= most).unwrap_or_default();
+            ticks.extend(chosen.into_iter().map(|x| Tick { at: self.place(x), label: Some(plain(x)) }));
+            return ticks;
+        }
+        let every = (f64::from(decades) / most).ceil().max(1.0) as i32;
+        for n in first.ceil() as i32..=last.floor() as i32 {
+            let label = (n % every == 0).then(|| Label::new(&format!("10^{{{}}}", minus(&n.to_string()))));
+            ticks.push(Tick { at: self.place(10f64.powi(n)), label });
+        }
+        if every == 1 {
+            for n in first.floor() as i32..=last.floor() as i32 {
+                let small = (2..10).map(|digit| f64::from(digit) * 10f64.powi(n));
+                let inside = small.filter(|x| (first..=last).contains(&x.log10()));
+                ticks.extend(inside.map(|x| Tick { at: self.place(x), label: None }));
+            }
+        }
+        ticks
+    }
+}
+
+/// Room for a whole number of one or two digits.
+const WHOLE_ROOM: f64 = 13.0;
+/// Room beyond the values, as a share of their range.
+const ROOM: f64 = 0.06;
+/// Farther out than anything that is seen.
+const FAR: f64 = 50.0;
+/// What rounding may leave of a step.
+const SLACK: f64 = 1e-9;
+
+/// A range that is not empty.
+fn widened([low, high]: [f64; 2]) -> [f64; 2] {
+    match (low.is_finite() && high.is_finite(), high > low) {
+        (true, true) if (high - low) > 1e-12 * low.abs().max(high.abs()) => [low, high],
+        (true, _) if low != 0.0 => {
+            let half = 0.5 * low.abs();
+            [low - half, high + half]
+        }
+        _ => [-1.0, 1.0],
+    }
+}
+
+/// The least and the largest of the finite values.
+pub fn range_of(values: impl IntoIterator<Item = f64>) -> [f64; 2] {
+    let finite = values.into_iter().filter(|x| x.is_finite());
+    finite.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(x), high.max(x)])
+}
+
+/// 1, 2 or 5 times a power of ten, not below `x`; 2.5 where that is closest.
+fn nice_at_least(x: f64) -> f64 {
+    let power = 10f64.powi(x.log10().floor() as i32);
+    [1.0, 2.0, 2.5, 5.0, 10.0].into_iter().map(|digit| digit * power).find(|step| *step >= x).unwrap_or(10.0 * power)
+}
+
+fn is_whole_at(x: f64, decimals: usize) -> bool {
+    let scaled = x * 10f64.powi(decimals as i32);
+    (scaled - scaled.round()).abs() < 1e-6 * scaled.abs()
+}
+
+fn fixed(x: f64, decimals: usize) -> String {
+    let text = format!("{x:.decimals$}");
+    let is_zero = text.chars().all(|c| ['-', '0', '.'].contains(&c));
+    minus(if is_zero { text.trim_start_matches('-') } else { &text })
+}
+
+/// A number with a true minus sign.
+pub fn minus(text: &str) -> String {
+    text.replace('-', "\u{2212}")
+}
+
+/// A number with two digits, or as a product with a power of ten.
+pub fn plain(x: f64) -> Label {
+    let text = crate::numbers::significant(x, 2);
+    match text.split_once('e') {
+        None => Label::verbatim(&minus(&text)),
+        Some(("1", power)) => Label::new(&format!("10^{{{}}}", minus(power))),
+        Some((digits, power)) => Label::new(&format!("{}·10^{{{}}}", minus(digits), minus(power))),
+    }
+}
+
+/// A unit: `m^2/s` with its power raised, everything else as it was written.
+pub fn unit(label: &str) -> Label {
+    let mut out = Label::default();
+    let mut rest = label;
+    while let Some((before, after)) = rest.split_once('^') {
+        let digits = after.len() - after.trim_start_matches(|c: char| c.is_ascii_digit() || c == '-').len();
+        out = out.and(Label::verbatim(before));
+        out = match digits {
+            0 => out.and(Label::verbatim("^")),
+            n => out.and(Label::new(&format!("^{{{}}}", minus(&after[..n])))),
+        };
+        rest = &after[digits..];
+    }
+    out.and(Label::verbatim(rest))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn written(axis: &Axis, length: f64) -> Vec<String> {
+        axis.ticks(length, 20.0).into_iter().filter_map(|tick| tick.label).map(|label| label.words()).collect()
+    }
+
+    fn axis(low: f64, high: f64) -> Axis {
+        Axis::linear([low, high], Label::new("t"), "s")
+    }
+
+    #[test]
+    fn numbers_are_round_and_have_a_true_minus() {
+        assert_eq!(written(&axis(-7.0, 7.0), 100.0), ["−5", "0", "5"]);
+        assert_eq!(written(&axis(0.0, 1.0), 100.0), ["0.0", "0.2", "0.4", "0.6", "0.8", "1.0"]);
+        assert_eq!(written(&axis(0.0, 1.0), 80.0), ["0.00", "0.25", "0.50", "0.75", "1.00"]);
+        assert_eq!(written(&axis(0.1, 0.3), 60.0), ["0.1", "0.2", "0.3"]);
+    }
+
+    #[test]
+    fn large_and_small_numbers_share_a_power_of_ten() {
+        assert_eq!(written(&axis(0.0, 3.1e7), 100.0), ["0", "1", "2", "3"]);
+        assert_eq!(axis(0.0, 3.1e7).title().words(), "t (107 s)");
+        assert_eq!(axis(0.0, 2e-6).title().words(), "t (10−6 s)");
+        assert_eq!(axis(0.0, 20.0).title().words(), "t (s)");
+    }
+
+    #[test]
+    fn powers_of_ten_are_written_alike_and_not_too_close() {
+        let log = |low, high| Axis::log([low, high], Label::new("D"), "");
+        assert_eq!(written(&log(1e-5, 1e-1), 200.0), ["10−5", "10−4", "10−3", "10−2", "10−1"]);
+        assert_eq!(written(&log(1e-8, 1e8), 100.0).len(), 5);
+        assert_eq!(written(&log(0.02, 0.6), 100.0), ["0.02", "0.05", "0.1", "0.2", "0.5"]);
+        assert!(log(1e-5, 1e-1).ticks(200.0, 20.0).iter().any(|tick| tick.label.is_none()));
+        assert_eq!((log(1.0, 100.0).place(10.0), log(1.0, 100.0).place(0.0)), (0.5, -FAR));
+    }
+
+    #[test]
+    fn an_empty_range_is_widened() {
+        assert_eq!(axis(2.0, 2.0).range(), [1.0, 3.0]);
+        assert_eq!(axis(0.0, 0.0).range(), [-1.0, 1.0]);
+        assert_eq!(Axis::around([], Label::new(""), "").range(), [-1.12, 1.12]);
+    }
+
+    #[test]
+    fn powers_in_a_unit_are_raised() {
+        assert_eq!(unit("m^2/s"), Label::new("m^{2}/s"));
+        assert_eq!(unit("a_b*"), Label::verbatim("a_b*"));
+    }
+}

@@ -1,0 +1,99 @@
+//! Whether the motion has settled: mean and variance of x at the whole forcing periods, and the
+//! slopes that the statistics measure.
+
+use super::axis::{Axis, plain};
+use super::kit::{Label, Scene, Stroke};
+use super::panel::{Mark, Panel};
+use super::sheet::{Entry, sheet};
+use super::subject::{Absent, Figure, Subject};
+use super::theme::{DASHES, LINE, Style};
+use crate::stats::{Dimension, Ends, Statistic, Summary};
+
+/// The figure.
+pub const FIGURE: Figure = Figure { name: "drift", shows: "whether x wanders from period to period", draws: draw };
+
+fn draw(subject: &Subject, style: &Style) -> Result<Scene, Absent> {
+    let (scenario, summary) = subject.run()?;
+    let periods = &summary.periods;
+    if periods.time.is_empty() || periods.mean.iter().all(|mean| mean.is_nan()) {
+        return Err(Absent::Nothing("the temperature has no period, or no whole one fits into the time simulated"));
+    }
+    let palette = style.palette();
+    let unit = |dimension: Dimension| dimension.label(&scenario.units);
+    let end = scenario.time.end;
+    let time = || Axis::linear([0.0, 1.03 * end], Label::new("time *t* = *nP*"), &unit(Dimension::TIME));
+    let after = summary.transient.map_or(0.0, |transient| transient.end);
+    let dashes = Stroke::dashed(palette.second, LINE, &DASHES);
+
+    let panel = |values: &[f64], ends: &Ends, slope: f64, title: &str, dimension: Dimension, height: f64| {
+        let seen = values.iter().chain(&ends.low).chain(&ends.high).copied().chain([0.0]);
+        let mut panel = Panel::new(time(), Axis::around(seen, Label::new(title), &unit(dimension)), height);
+        if after > 0.0 {
+            panel.before(after, palette.grid);
+        }
+        panel.level(0.0, Stroke::solid(palette.faint, 0.4));
+        if let Some([from, to]) = sloped(&periods.time, values, slope, after) {
+            panel.line(vec![from, to], dashes.clone());
+        }
+        for (i, (&t, &value)) in periods.time.iter().zip(values).enumerate() {
+            let end = |ends: &[f64]| ends.get(i).copied().unwrap_or(f64::NAN);
+            panel.interval(t, [end(&ends.low), end(&ends.high)], palette.first);
+            panel.mark([t, value], Mark::Disc, palette.first);
+        }
+        panel
+    };
+    let slope = |statistic: Statistic| summary.estimate(statistic).estimate;
+    let mean = panel(
+        &periods.mean,
+        &periods.mean_ends,
+        slope(Statistic::DriftVelocity),
+        "mean of *x*(*nP*) − *x*(0)",
+        Dimension::LENGTH,
+        80.0,
+    );
+    let variance = panel(
+        &periods.variance,
+        &periods.variance_ends,
+        2.0 * slope(Statistic::DiffusionCoefficient),
+        "variance of *x*(*nP*)",
+        Dimension::AREA,
+        80.0,
+    );
+    let mut legend =
+        vec![Entry::mark(Mark::Disc, palette.first, "with 95 % interval"), Entry::line(dashes, "measured slope")];
+    if after > 0.0 {
+        legend.push(Entry::area(palette.grid, "left out"));
+    }
+    legend.extend(told(summary).into_iter().map(Entry::words));
+    Ok(sheet(style, &format!("Wandering: {}", scenario.title), &legend, &[mean.above_another(), variance], ""))
+}
+
+/// The line with this slope through the middle of the points that are counted, from the first of
+/// them to the last.
+fn sloped(time: &[f64], values: &[f64], slope: f64, after: f64) -> Option<[[f64; 2]; 2]> {
+    let counted = time.iter().zip(values).filter(|(t, value)| **t >= after * (1.0 - 1e-9) && value.is_finite());
+    let counted: Vec<(f64, f64)> = counted.map(|(t, value)| (*t, *value)).collect();
+    let (first, last) = (counted.first()?.0, counted.last()?.0);
+    let n = counted.len() as f64;
+    let (t, value) = counted.iter().fold((0.0, 0.0), |(t, v), point| (t + point.0 / n, v + point.1 / n));
+    let at = |x: f64| [x, value + slope * (x - t)];
+    (last > first && slope.is_finite()).then(|| [at(first), at(last)])
+}
+
+/// What the statistics say.
+fn told(summary: &Summary) -> Vec<Label> {
+    let number = |statistic: Statistic, name: &str| {
+        let e = summary.estimate(statistic);
+        let range = || plain(e.low).and(Label::verbatim(" to ")).and(plain(e.high));
+        e.estimate.is_finite().then(|| Label::verbatim(name).and(range()))
+    };
+    let few = summary.counted_periods() < 3;
+    let verdict = match summary.unsettled() {
+        _ if few => "too few periods to tell a drift",
+        None => "the paths do not tell a drift",
+        Some(off) if off.is_empty() => "settled: no slope beyond chance",
+        Some(_) => "not settled: a slope beyond chance",
+    };
+    let numbers = [number(Statistic::DriftVelocity, "drift "), number(Statistic::DiffusionCoefficient, "diffusion ")];
+    numbers.into_iter().flatten().chain([Label::verbatim(verdict)]).collect()
+}

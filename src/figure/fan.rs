@@ -1,0 +1,68 @@
+//! Where the paths are: quantile bands of x, and the probability of being static on the same axis
+//! of time.
+
+use super::axis::{Axis, range_of};
+use super::kit::{Label, Scene, Stroke};
+use super::panel::Panel;
+use super::sheet::{Entry, sheet, solid};
+use super::subject::{Absent, Figure, Subject};
+use super::theme::{DASHES, LINE, Style};
+use crate::stats::{Dimension, Ends, QUANTILE_LEVELS};
+
+/// The figure.
+pub const FIGURE: Figure =
+    Figure { name: "fan", shows: "quantiles of x, and the probability of being static", draws: draw };
+
+fn draw(subject: &Subject, style: &Style) -> Result<Scene, Absent> {
+    let (scenario, summary) = subject.run()?;
+    let bands = &summary.bands;
+    let (time, x) = (&bands.time, &bands.displacement);
+    if time.len() < 2 || x.mean.iter().all(|mean| mean.is_nan()) {
+        return Err(Absent::Nothing("the output grid has less than two rows, or every path was lost"));
+    }
+    let palette = style.palette();
+    let [time_unit, length_unit] = [Dimension::TIME, Dimension::LENGTH].map(|d| d.label(&scenario.units));
+    let time_axis = || Axis::linear([time[0], time[time.len() - 1]], Label::new("time *t*"), &time_unit);
+
+    let row = |level: usize| x.quantiles.row(level).to_vec();
+    let [lowest, low, median, high, highest] = [0, 1, 2, 3, 4].map(row);
+    debug_assert_eq!(QUANTILE_LEVELS, [0.05, 0.25, 0.5, 0.75, 0.95]);
+    let seen = [&lowest, &highest, &x.mean].into_iter().flatten().copied();
+    let mut fan = Panel::new(time_axis(), Axis::around(seen, Label::new("displacement *x*(*t*)"), &length_unit), 112.0);
+    fan.band(between(time, &lowest, &highest), palette.wide);
+    fan.band(between(time, &low, &high), palette.narrow);
+    fan.line(along(time, &median), solid(palette.first));
+    let mean = Stroke::dashed(palette.second, LINE, &DASHES);
+    fan.line(along(time, &x.mean), mean.clone());
+
+    let Ends { low, high } = &bands.static_probability_ends;
+    let [_, top] = range_of(high.iter().chain(&bands.static_probability).copied());
+    let top = if top > 0.0 { (1.04 * top).min(1.0) } else { 1.0 };
+    let mut share = Panel::new(time_axis(), Axis::linear([0.0, top], Label::new("*P*(static)"), ""), 62.0);
+    share.band(between(time, low, high), palette.narrow);
+    share.line(along(time, &bands.static_probability), solid(palette.first));
+
+    let legend = [
+        Entry::line(solid(palette.first), "median"),
+        Entry::line(mean, "mean"),
+        Entry::area(palette.narrow, "25–75 %; 95 % interval of *P*"),
+        Entry::area(palette.wide, "5–95 %"),
+    ];
+    Ok(sheet(
+        style,
+        &format!("Displacement of the paths: {}", scenario.title),
+        &legend,
+        &[fan.above_another(), share],
+        "",
+    ))
+}
+
+/// A curve.
+pub(super) fn along(x: &[f64], y: &[f64]) -> Vec<[f64; 2]> {
+    x.iter().zip(y).map(|(x, y)| [*x, *y]).collect()
+}
+
+/// What lies between two curves.
+pub(super) fn between(x: &[f64], low: &[f64], high: &[f64]) -> Vec<[f64; 3]> {
+    x.iter().zip(low.iter().zip(high)).map(|(x, (low, high))| [*x, *low, *high]).collect()
+}

@@ -1,0 +1,149 @@
+//! Words with italics, indices and powers, laid out before they are placed.
+
+use super::face::Face;
+
+/// A part of a label: its letters stand together.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Run {
+    pub face: Face,
+    /// Size of the letters, in units of that of the label.
+    pub size: f64,
+    /// Where it begins, in units of the size of the label, y up.
+    pub at: [f64; 2],
+    pub text: String,
+}
+
+/// A line of words. Positions and widths are in units of the size that it is drawn in.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Label {
+    pub(super) runs: Vec<Run>,
+    width: f64,
+}
+
+/// Letters of an index or a power.
+const SMALL: f64 = 0.72;
+/// How far an index hangs below the line, and a power stands above it.
+const DROP: f64 = 0.20;
+const RAISE: f64 = 0.36;
+
+/// How far letters stand above their line, and hang below it.
+const TALL: f64 = 0.74;
+const DEEP: f64 = 0.16;
+
+impl Label {
+    /// Of a text with marks: `*x*` is italic, `**A**` bold, `_{1}` an index, `^{2}` a power; an
+    /// index and a power that follow each other stand one above the other.
+    pub fn new(marked: &str) -> Self {
+        let mut label = Label::default();
+        let (mut face, mut rest) = (Face::Regular, marked);
+        // Where an index or a power begins that another one may stand above.
+        let mut stack: Option<f64> = None;
+        while let Some(c) = rest.chars().next() {
+            let script = [("_{", -DROP), ("^{", RAISE)].into_iter().find_map(|(mark, shift)| {
+                let (inside, after) = rest.strip_prefix(mark)?.split_once('}')?;
+                Some((inside, shift, after))
+            });
+            if let Some((inside, shift, after)) = script {
+                let start = stack.take();
+                let width = label.width;
+                let from = start.unwrap_or(width);
+                label.push(face, SMALL, [from, shift], inside);
+                label.width = label.width.max(width);
+                stack = start.is_none().then_some(from);
+                rest = after;
+            } else if let Some(after) = rest.strip_prefix("**") {
+                face = if face == Face::Bold { Face::Regular } else { Face::Bold };
+                rest = after;
+            } else if let Some(after) = rest.strip_prefix('*') {
+                face = if face == Face::Italic { Face::Regular } else { Face::Italic };
+                rest = after;
+            } else {
+                let end = rest[c.len_utf8()..].find(['*', '_', '^']).map_or(rest.len(), |at| at + c.len_utf8());
+                label.push(face, 1.0, [label.width, 0.0], &rest[..end]);
+                stack = None;
+                rest = &rest[end..];
+            }
+        }
+        label
+    }
+
+    /// Of a text as it is: what a user wrote has no marks.
+    pub fn verbatim(text: &str) -> Self {
+        let mut label = Label::default();
+        label.push(Face::Regular, 1.0, [0.0; 2], text);
+        label
+    }
+
+    /// The same with more behind it.
+    pub fn and(mut self, other: Label) -> Self {
+        let shift = self.width;
+        self.runs.extend(other.runs.into_iter().map(|run| Run { at: [run.at[0] + shift, run.at[1]], ..run }));
+        self.width += other.width;
+        self
+    }
+
+    /// The same in bold letters.
+    pub fn bold(text: &str) -> Self {
+        let mut label = Label::default();
+        label.push(Face::Bold, 1.0, [0.0; 2], text);
+        label
+    }
+
+    /// Its width, in units of the size.
+    pub fn width(&self) -> f64 {
+        self.width
+    }
+
+    /// How far its letters stand above the base line, in units of the size.
+    pub fn rise(&self) -> f64 {
+        self.runs.iter().map(|run| run.at[1].max(0.0) + TALL * run.size).fold(0.0, f64::max)
+    }
+
+    /// How far they hang below it.
+    pub fn fall(&self) -> f64 {
+        self.runs.iter().map(|run| (-run.at[1]).max(0.0) + DEEP * run.size).fold(0.0, f64::max)
+    }
+
+    /// Its words without the marks, as a reader that does not see hears them.
+    pub fn words(&self) -> String {
+        self.runs.iter().map(|run| run.text.as_str()).collect()
+    }
+
+    fn push(&mut self, face: Face, size: f64, at: [f64; 2], text: &str) {
+        if !text.is_empty() {
+            self.width = at[0] + size * face.width(text);
+            self.runs.push(Run { face, size, at, text: text.to_string() });
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn marks_become_faces_and_shifts() {
+        let label = Label::new("mean *x*_{1+½}^{2} (m)");
+        let parts: Vec<_> = label.runs.iter().map(|run| (run.face, run.text.as_str(), run.at[1])).collect();
+        assert_eq!(
+            parts,
+            [
+                (Face::Regular, "mean ", 0.0),
+                (Face::Italic, "x", 0.0),
+                (Face::Regular, "1+½", -DROP),
+                (Face::Regular, "2", RAISE),
+                (Face::Regular, " (m)", 0.0)
+            ]
+        );
+        // index and power begin together, and what follows begins behind the wider one
+        assert_eq!(label.runs[2].at[0], label.runs[3].at[0]);
+        assert!((label.runs[4].at[0] - label.runs[2].at[0] - SMALL * Face::Regular.width("1+½")).abs() < 1e-12);
+        assert_eq!(label.words(), "mean x1+½2 (m)");
+    }
+
+    #[test]
+    fn what_a_user_wrote_has_no_marks() {
+        assert_eq!(Label::verbatim("a_{b} *c*").words(), "a_{b} *c*");
+        assert_eq!(Label::new("snake_case and 2 ^ 3").words(), "snake_case and 2 ^ 3");
+    }
+}

@@ -1,0 +1,24 @@
+//! A picture as data, and its three formats: no plotting here, only shapes and words on a sheet.
+//!
+//! ```text
+//! Label      words with italics and indices, measured before they are placed      (face, label)
+//! Scene      a sheet with filled and stroked paths, words, and clipped parts      (scene)
+//!   -> svg   letters as outlines, so that it looks the same everywhere
+//!   -> png   that SVG, rasterised
+//!   -> pdf   letters as text in an embedded font, so that it can be searched
+//! ```
+//!
+//! Lengths are points of 1/72 inch, and y points down.
+
+mod face;
+mod label;
+mod pdf;
+mod png;
+mod scene;
+mod svg;
+
+pub use label::Label;
+pub use pdf::pdf;
+pub use png::png;
+pub use scene::{Align, Colour, Item, Path, Rect, Scene, Stroke};
+pub use svg::svg;

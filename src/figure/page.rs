@@ -1,0 +1,58 @@
+//! All figures of a subject on one sheet, two beside each other.
+
+use super::FIGURES;
+use super::kit::{Align, Item, Label, Scene};
+use super::subject::Subject;
+use super::theme::{LETTERS, SMALL, Style};
+
+/// Room between figures.
+const GAP: f64 = 14.0;
+/// Room at the edge.
+const EDGE: f64 = 8.0;
+/// Size of the heading.
+const HEADING: f64 = 11.0;
+
+/// The sheet, with a heading and a line below it; none where no figure can be drawn.
+pub fn page(subject: &Subject, style: &Style, heading: &str, line: &str) -> Option<Scene> {
+    let scenes: Vec<Scene> = FIGURES.iter().filter_map(|figure| figure.draw(subject, style).ok()).collect();
+    let columns = scenes.len().min(2);
+    if columns == 0 {
+        return None;
+    }
+    let palette = style.palette();
+    let width = columns as f64 * style.points() + (columns as f64 - 1.0) * GAP + 2.0 * EDGE;
+    let mut items = Vec::new();
+    let mut top = EDGE;
+    for (words, size, is_bold) in [(heading, HEADING, true), (line, SMALL, false)] {
+        let label = |text: &str| if is_bold { Label::bold(text) } else { Label::verbatim(text) };
+        for row in wrapped(words, |text| size * label(text).width() <= width - 2.0 * EDGE) {
+            top += 1.3 * size;
+            items.push(Item::words(label(&row), [EDGE, top], Align::Start, size, palette.ink));
+        }
+    }
+    top += LETTERS;
+    let mut ends = [top; 2];
+    for scene in scenes {
+        let column = usize::from(columns > 1 && ends[1] < ends[0]);
+        let by = [EDGE + column as f64 * (style.points() + GAP), ends[column]];
+        ends[column] += scene.height + GAP;
+        items.push(Item::Moved { by, items: scene.items });
+    }
+    let height = ends[0].max(ends[1]) - GAP + EDGE;
+    Some(Scene { width, height, background: palette.background, title: heading.to_string(), items })
+}
+
+/// Rows of words that fit; a word that is too long for a row has one to itself.
+fn wrapped(text: &str, fits: impl Fn(&str) -> bool) -> Vec<String> {
+    let mut rows: Vec<String> = Vec::new();
+    for word in text.split_whitespace() {
+        match rows.last_mut() {
+            Some(row) if fits(&format!("{row} {word}")) => {
+                row.push(' ');
+                row.push_str(word);
+            }
+            _ => rows.push(word.to_string()),
+        }
+    }
+    rows
+}

@@ -1,0 +1,474 @@
+//! A panel: two axes with curves, bands, bars and marks between them, and notes that never overlap.
+
+use super::axis::Axis;
+use super::kit::{Align, Colour, Item, Label, Path, Rect, Stroke};
+use super::theme::{LETTERS, MARK, Palette, SMALL, THIN};
+
+/// Shapes of marks, which tell curves apart without colour.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Mark {
+    /// A filled disc.
+    Disc,
+    /// A circle filled with the colour of the sheet.
+    Circle,
+    /// A square.
+    Square,
+    /// A triangle.
+    Triangle,
+    /// A square on its corner.
+    Diamond,
+}
+
+/// Something in a panel, in the numbers of its axes.
+#[derive(Clone, Debug)]
+enum Layer {
+    Line { points: Vec<[f64; 2]>, stroke: Stroke },
+    Band { points: Vec<[f64; 3]>, fill: Colour },
+    Bar { from: [f64; 2], to: [f64; 2], fill: Colour },
+    Interval { at: f64, ends: [f64; 2], colour: Colour },
+    Mark { at: [f64; 2], mark: Mark, colour: Colour },
+    Level { at: f64, stroke: Stroke },
+    Before { at: f64, fill: Colour },
+}
+
+/// Words beside a point, put where there is room.
+#[derive(Clone, Debug)]
+pub struct Note {
+    /// The point.
+    pub at: [f64; 2],
+    /// The words.
+    pub label: Label,
+    /// Where they may stand, the best place first.
+    pub places: &'static [Beside],
+}
+
+/// On which side of a point words stand.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Beside {
+    /// Below it.
+    Below,
+    /// Above it.
+    Above,
+    /// Left of it.
+    Left,
+    /// Right of it.
+    Right,
+    /// Below and to the left.
+    BelowLeft,
+    /// Below and to the right.
+    BelowRight,
+    /// Above and to the left.
+    AboveLeft,
+    /// Above and to the right.
+    AboveRight,
+}
+
+/// A panel.
+#[derive(Clone, Debug)]
+pub struct Panel {
+    /// The horizontal axis.
+    pub x: Axis,
+    /// The vertical axis.
+    pub y: Axis,
+    /// Height between the axes.
+    pub height: f64,
+    /// Whether the horizontal axis has numbers and a title; else it shares those of the panel
+    /// below.
+    pub is_labelled: bool,
+    /// A bold letter at its corner.
+    pub letter: Option<char>,
+    layers: Vec<Layer>,
+    notes: Vec<Note>,
+}
+
+/// A panel as it is on the sheet.
+pub struct Drawn {
+    /// What is to be drawn.
+    pub items: Vec<Item>,
+    /// How many notes found no room.
+    pub left_out: usize,
+}
+
+/// Length of a tick.
+const TICK: f64 = 3.0;
+/// Room between a tick and its number.
+const GAP: f64 = 2.0;
+/// Room along an axis for one number.
+const X_ROOM: f64 = 26.0;
+const Y_ROOM: f64 = 17.0;
+/// Points of a curve closer to the line between their neighbours than this are left out.
+const TOLERANCE: f64 = 0.03;
+
+impl Panel {
+    /// An empty one.
+    pub fn new(x: Axis, y: Axis, height: f64) -> Self {
+        Panel { x, y, height, is_labelled: true, letter: None, layers: Vec::new(), notes: Vec::new() }
+    }
+
+    /// The same with a letter at its corner.
+    pub fn lettered(self, letter: char) -> Self {
+        Panel { letter: Some(letter), ..self }
+    }
+
+    /// The same above a panel whose horizontal axis it shares.
+    pub fn above_another(self) -> Self {
+        Panel { is_labelled: false, ..self }
+    }
+
+    /// A curve; it has a gap where a number is missing.
+    pub fn line(&mut self, points: Vec<[f64; 2]>, stroke: Stroke) {
+        self.layers.push(Layer::Line { points, stroke });
+    }
+
+    /// What lies between two curves: x, low, high.
+    pub fn band(&mut self, points: Vec<[f64; 3]>, fill: Colour) {
+        self.layers.push(Layer::Band { points, fill });
+    }
+
+    /// A filled rectangle.
+    pub fn bar(&mut self, from: [f64; 2], to: [f64; 2], fill: Colour) {
+        self.layers.push(Layer::Bar { from, to, fill });
+    }
+
+    /// A vertical interval.
+    pub fn interval(&mut self, at: f64, ends: [f64; 2], colour: Colour) {
+        self.layers.push(Layer::Interval { at, ends, colour });
+    }
+
+    /// A mark; it is never cut at the frame.
+    pub fn mark(&mut self, at: [f64; 2], mark: Mark, colour: Colour) {
+        self.layers.push(Layer::Mark { at, mark, colour });
+    }
+
+    /// A horizontal line from side to side.
+    pub fn level(&mut self, at: f64, stroke: Stroke) {
+        self.layers.push(Layer::Level { at, stroke });
+    }
+
+    /// Everything to the left of a number.
+    pub fn before(&mut self, at: f64, fill: Colour) {
+        self.layers.push(Layer::Before { at, fill });
+    }
+
+    /// Words beside a point, if there is room.
+    pub fn note(&mut self, note: Note) {
+        self.notes.push(note);
+    }
+
+    /// Room to the left of the frame for numbers and title.
+    pub fn margin(&self) -> f64 {
+        LETTERS * 1.35 + GAP + self.number_width() + GAP + TICK
+    }
+
+    fn number_width(&self) -> f64 {
+        let ticks = self.y.ticks(self.height, Y_ROOM);
+        ticks.iter().filter_map(|tick| tick.label.as_ref()).map(|label| SMALL * label.width()).fold(0.0, f64::max)
+    }
+
+    /// Room below the frame for numbers and title.
+    pub fn footing(&self) -> f64 {
+        if self.is_labelled { TICK + GAP + SMALL + GAP + LETTERS * 1.3 } else { TICK }
+    }
+
+    /// The panel with its frame here.
+    pub fn draw(&self, frame: Rect, palette: &Palette) -> Drawn {
+        let mut items = Vec::new();
+        let place = |[x, y]: [f64; 2]| {
+            [frame.x + frame.width * self.x.place(x), frame.bottom() - frame.height * self.y.place(y)]
+        };
+        let behind: Vec<Item> = self.layers.iter().flat_map(|layer| layer.draw(&place, frame)).collect();
+        items.push(Item::Clipped { inside: frame, items: behind });
+        self.draw_axes(frame, palette, &mut items);
+        let is_seen = |at: &[f64; 2]| frame.grown(0.01).holds(*at);
+        for layer in &self.layers {
+            if let Layer::Mark { at, mark, colour } = layer
+                && is_seen(&place(*at))
+            {
+                items.extend(mark.draw(place(*at), *colour, palette.background));
+            }
+        }
+        let left_out = self.draw_notes(frame, &place, palette, &mut items);
+        Drawn { items, left_out }
+    }
+
+    fn draw_axes(&self, frame: Rect, palette: &Palette, items: &mut Vec<Item>) {
+        let pen = || Stroke::solid(palette.ink, THIN);
+        let corners = [[frame.x, frame.y], [frame.x, frame.bottom()], [frame.right(), frame.bottom()]];
+        items.push(Item::stroked(Path::line(&corners), pen()));
+        for tick in self.x.ticks(frame.width, X_ROOM) {
+            let x = frame.x + tick.at * frame.width;
+            let length = if tick.label.is_some() { TICK } else { TICK * 0.6 };
+            items.push(Item::stroked(Path::line(&[[x, frame.bottom()], [x, frame.bottom() + length]]), pen()));
+            if let Some(label) = tick.label.filter(|_| self.is_labelled) {
+                let at = [x, frame.bottom() + TICK + GAP + 0.75 * SMALL];
+                items.push(Item::words(label, at, Align::Middle, SMALL, palette.ink));
+            }
+        }
+        for tick in self.y.ticks(frame.height, Y_ROOM) {
+            let y = frame.bottom() - tick.at * frame.height;
+            let length = if tick.label.is_some() { TICK } else { TICK * 0.6 };
+            items.push(Item::stroked(Path::line(&[[frame.x - length, y], [frame.x, y]]), pen()));
+            if let Some(label) = tick.label {
+                let at = [frame.x - TICK - GAP, y + 0.36 * SMALL];
+                items.push(Item::words(label, at, Align::End, SMALL, palette.ink));
+            }
+        }
+        if self.is_labelled {
+            let at = [frame.x + frame.width / 2.0, frame.bottom() + self.footing() - 0.25 * LETTERS];
+            items.push(Item::words(self.x.title(), at, Align::Middle, LETTERS, palette.ink));
+        }
+        let x = frame.x - TICK - GAP - self.number_width() - GAP - 0.3 * LETTERS;
+        let at = [x, frame.y + frame.height / 2.0];
+        items.push(Item::words_upwards(self.y.title(), at, Align::Middle, LETTERS, palette.ink));
+        if let Some(letter) = self.letter {
+            let at = [frame.x + 3.0, frame.y + 0.2 * LETTERS];
+            items.push(Item::words(Label::bold(&letter.to_string()), at, Align::Start, LETTERS * 1.1, palette.ink));
+        }
+    }
+
+    /// Put the notes where they meet nothing; how many found no such place.
+    fn draw_notes(
+        &self,
+        frame: Rect,
+        place: &impl Fn([f64; 2]) -> [f64; 2],
+        palette: &Palette,
+        items: &mut Vec<Item>,
+    ) -> usize {
+        let mut taken: Vec<Rect> = Vec::new();
+        let mut marks: Vec<[f64; 2]> = Vec::new();
+        let mut curves: Vec<[f64; 2]> = Vec::new();
+        for layer in &self.layers {
+            match layer {
+                Layer::Mark { at, .. } => marks.push(place(*at)),
+                Layer::Line { points, .. } => {
+                    curves.extend(sampled(&points.iter().map(|p| place(*p)).collect::<Vec<_>>()))
+                }
+                _ => {}
+            }
+        }
+        if self.letter.is_some() {
+            taken.push(Rect { x: frame.x, y: frame.y - LETTERS, width: 1.6 * LETTERS, height: 1.6 * LETTERS });
+        }
+        taken.extend(marks.iter().map(|mark| around(*mark, MARK + 0.4)));
+        let mut left_out = 0;
+        for note in &self.notes {
+            let point = place(note.at);
+            let free = note.places.iter().find_map(|beside| {
+                let (at, needed) = beside.at(point, &note.label);
+                let across = needed.x >= frame.x - 1.0 && needed.right() <= frame.right() + ASIDE;
+                let within = across && needed.y >= frame.y - 1.0 && needed.bottom() <= frame.bottom() + 1.0;
+                // Words that do not stand at the middle of their mark must not reach over another
+                // one.
+                let is_own = |mark: &&[f64; 2]| (mark[0] - point[0]).abs() < 0.01;
+                let reaches = |mark: &[f64; 2]| (needed.x..=needed.right()).contains(&mark[0]) && mark[1] == point[1];
+                let is_plain = !beside.is_diagonal() || !marks.iter().any(|mark| !is_own(&mark) && reaches(mark));
+                let meets_nothing =
+                    !taken.iter().any(|other| other.meets(&needed)) && !curves.iter().any(|p| needed.holds(*p));
+                (within && is_plain && meets_nothing).then_some((at, needed))
+            });
+            let Some((at, needed)) = free else {
+                left_out += 1;
+                continue;
+            };
+            taken.push(needed);
+            items.push(Item::words(note.label.clone(), at, Align::Start, LETTERS, palette.ink));
+        }
+        left_out
+    }
+}
+
+/// How far words may reach beyond the right side of the frame.
+const ASIDE: f64 = 8.0;
+
+impl Beside {
+    fn is_diagonal(self) -> bool {
+        matches!(self, Beside::BelowLeft | Beside::BelowRight | Beside::AboveLeft | Beside::AboveRight)
+    }
+
+    /// Where the base line of words begins, and the room that they take.
+    fn at(self, [x, y]: [f64; 2], label: &Label) -> ([f64; 2], Rect) {
+        let (rise, fall) = (LETTERS * label.rise(), LETTERS * label.fall());
+        let (width, gap, aside) = (LETTERS * label.width(), MARK + 1.4, 1.6);
+        let (left, middle, right) = (x - gap - width, x - width / 2.0, x + gap);
+        let (above, level, below) = (y - gap - fall, y + 0.26 * LETTERS, y + gap + rise);
+        let [x, y] = match self {
+            Beside::Below => [middle, below],
+            Beside::Above => [middle, above],
+            Beside::Left => [left, level],
+            Beside::Right => [right, level],
+            Beside::BelowLeft => [left + gap - aside, below],
+            Beside::BelowRight => [right - gap + aside, below],
+            Beside::AboveLeft => [left + gap - aside, above],
+            Beside::AboveRight => [right - gap + aside, above],
+        };
+        ([x, y], Rect { x: x - 0.5, y: y - rise, width: width + 1.0, height: rise + fall })
+    }
+}
+
+impl Mark {
+    /// The mark at a place, for panels and legends.
+    pub fn draw(self, at: [f64; 2], colour: Colour, background: Colour) -> Vec<Item> {
+        let [x, y] = at;
+        let corners = |points: &[[f64; 2]]| {
+            Path::polygon(&points.iter().map(|[a, b]| [x + a * MARK, y + b * MARK]).collect::<Vec<_>>())
+        };
+        let path = match self {
+            Mark::Disc | Mark::Circle => Path::circle(at, MARK),
+            Mark::Square => corners(&[[-0.95, -0.95], [0.95, -0.95], [0.95, 0.95], [-0.95, 0.95]]),
+            Mark::Triangle => corners(&[[0.0, -1.35], [1.2, 0.85], [-1.2, 0.85]]),
+            Mark::Diamond => corners(&[[0.0, -1.35], [1.35, 0.0], [0.0, 1.35], [-1.35, 0.0]]),
+        };
+        match self {
+            Mark::Circle => {
+                vec![Item::filled(path.clone(), background), Item::stroked(path, Stroke::solid(colour, 0.9))]
+            }
+            _ => vec![Item::filled(path, colour)],
+        }
+    }
+}
+
+impl Layer {
+    fn draw(&self, place: &impl Fn([f64; 2]) -> [f64; 2], frame: Rect) -> Vec<Item> {
+        match self {
+            Layer::Line { points, stroke } => pieces(points)
+                .map(|piece| {
+                    let placed: Vec<[f64; 2]> = piece.iter().map(|point| place(*point)).collect();
+                    Item::stroked(Path::line(&simplified(&placed)), stroke.clone())
+                })
+                .collect(),
+            Layer::Band { points, fill } => {
+                let known = |p: &&[f64; 3]| !p[0].is_nan() && !p[1].is_nan() && !p[2].is_nan();
+                let low: Vec<[f64; 2]> = points.iter().filter(known).map(|p| place([p[0], p[1]])).collect();
+                let high: Vec<[f64; 2]> = points.iter().filter(known).map(|p| place([p[0], p[2]])).collect();
+                let around: Vec<[f64; 2]> =
+                    simplified(&low).into_iter().chain(simplified(&high).into_iter().rev()).collect();
+                if around.len() < 3 { Vec::new() } else { vec![Item::filled(Path::polygon(&around), *fill)] }
+            }
+            Layer::Bar { from, to, fill } => {
+                let ([ax, ay], [bx, by]) = (place(*from), place(*to));
+                let corners = [[ax, ay], [bx, ay], [bx, by], [ax, by]];
+                vec![Item::filled(Path::polygon(&corners), *fill)]
+            }
+            Layer::Interval { at, ends: [low, high], colour } => {
+                if low.is_nan() || high.is_nan() {
+                    return Vec::new();
+                }
+                let ([x, a], [_, b]) = (place([*at, *low]), place([*at, *high]));
+                let bar =
+                    |from: [f64; 2], to: [f64; 2]| Item::stroked(Path::line(&[from, to]), Stroke::solid(*colour, 0.9));
+                vec![bar([x, a], [x, b]), bar([x - 1.8, a], [x + 1.8, a]), bar([x - 1.8, b], [x + 1.8, b])]
+            }
+            Layer::Mark { .. } => Vec::new(),
+            Layer::Level { at, stroke } => {
+                let y = place([f64::NAN, *at])[1];
+                vec![Item::stroked(Path::line(&[[frame.x, y], [frame.right(), y]]), stroke.clone())]
+            }
+            Layer::Before { at, fill } => {
+                let x = place([*at, f64::NAN])[0].clamp(frame.x, frame.right());
+                vec![Item::filled(Path::rect(Rect { width: x - frame.x, ..frame }), *fill)]
+            }
+        }
+    }
+}
+
+/// The parts of a curve between missing numbers.
+fn pieces(points: &[[f64; 2]]) -> impl Iterator<Item = &[[f64; 2]]> {
+    points.split(|[x, y]| x.is_nan() || y.is_nan()).filter(|piece| piece.len() > 1)
+}
+
+/// A square room about a point.
+fn around([x, y]: [f64; 2], half: f64) -> Rect {
+    Rect { x: x - half, y: y - half, width: 2.0 * half, height: 2.0 * half }
+}
+
+/// Points along a curve, no farther apart than a letter's stem.
+fn sampled(curve: &[[f64; 2]]) -> Vec<[f64; 2]> {
+    let mut out = Vec::new();
+    for pair in curve.windows(2) {
+        let length = (pair[1][0] - pair[0][0]).hypot(pair[1][1] - pair[0][1]);
+        if !length.is_finite() {
+            continue;
+        }
+        let n = (length / 1.5).ceil().clamp(1.0, 4096.0) as usize;
+        out.extend((0..n).map(|i| {
+            let s = i as f64 / n as f64;
+            [0, 1].map(|k| pair[0][k] + s * (pair[1][k] - pair[0][k]))
+        }));
+    }
+    out
+}
+
+/// The same curve with fewer points, none of which moves by more than `TOLERANCE` (Ramer; Douglas
+/// and Peucker).
+fn simplified(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
+    let mut keep = vec![false; points.len()];
+    let Some(last) = points.len().checked_sub(1) else { return Vec::new() };
+    (keep[0], keep[last]) = (true, true);
+    let mut open = vec![(0, last)];
+    while let Some((a, b)) = open.pop() {
+        let farthest = (a + 1..b)
+            .map(|i| (distance(points[i], points[a], points[b]), i))
+            .reduce(|one, other| if other.0 > one.0 { other } else { one });
+        if let Some((_, i)) = farthest.filter(|(distance, _)| *distance > TOLERANCE) {
+            keep[i] = true;
+            open.extend([(a, i), (i, b)]);
+        }
+    }
+    points.iter().zip(keep).filter(|(_, keep)| *keep).map(|(point, _)| *point).collect()
+}
+
+/// From a point to the stretch between two others.
+fn distance(p: [f64; 2], a: [f64; 2], b: [f64; 2]) -> f64 {
+    let (along, to) = ([b[0] - a[0], b[1] - a[1]], [p[0] - a[0], p[1] - a[1]]);
+    let square = along[0] * along[0] + along[1] * along[1];
+    let s = if square > 0.0 { ((to[0] * along[0] + to[1] * along[1]) / square).clamp(0.0, 1.0) } else { 0.0 };
+    (to[0] - s * along[0]).hypot(to[1] - s * along[1])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_simplified_curve_stays_within_the_tolerance() {
+        let curve: Vec<[f64; 2]> =
+            (0..2000).map(|i| f64::from(i) / 10.0).map(|x| [x, 20.0 * (x / 9.0).sin()]).collect();
+        let simple = simplified(&curve);
+        assert!(simple.len() < 400, "{}", simple.len());
+        for p in &curve {
+            let nearest = simple.windows(2).map(|pair| distance(*p, pair[0], pair[1])).fold(f64::INFINITY, f64::min);
+            assert!(nearest <= TOLERANCE * 1.000_001, "{nearest}");
+        }
+    }
+
+    fn axis() -> Axis {
+        Axis::linear([0.0, 1.0], Label::new("x"), "")
+    }
+
+    #[test]
+    fn notes_never_overlap_and_those_without_room_are_counted() {
+        let mut panel = Panel::new(axis(), axis(), 100.0);
+        for i in 0..60 {
+            let at = [0.2 + 0.01 * f64::from(i), 0.5];
+            panel.mark(at, Mark::Disc, Colour::hex(0));
+            panel.note(Note { at, label: Label::new("*τ*_{12}"), places: &[Beside::Below, Beside::Above] });
+        }
+        let frame = Rect { x: 0.0, y: 0.0, width: 200.0, height: 100.0 };
+        let drawn = panel.draw(frame, super::super::theme::Style::default().palette());
+        let boxes: Vec<Rect> = drawn
+            .items
+            .iter()
+            .filter_map(|item| match item {
+                Item::Words { label, at, .. } if label.words() == "τ12" => {
+                    Some(Rect { x: at[0], y: at[1] - 6.0, width: LETTERS * label.width(), height: 6.0 })
+                }
+                _ => None,
+            })
+            .collect();
+        assert_eq!(boxes.len() + drawn.left_out, 60);
+        assert!(boxes.len() >= 10, "{}", boxes.len());
+        for (i, one) in boxes.iter().enumerate() {
+            assert!(boxes[..i].iter().all(|other| !one.meets(other)));
+        }
+    }
+}

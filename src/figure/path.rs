@@ -1,0 +1,417 @@
+//! One path as the paper draws it: x, velocity and forces over time, force against velocity, with
+//! every event of the cascade marked.
+//!
+//! (Bensoussan, Brouste, Cartiaux, Mathey, Mertz, figure of trajectories and the one after it.)
+
+use super::axis::{Axis, range_of};
+use super::kit::{Colour, Label, Scene, Stroke};
+use super::panel::{Beside, Mark, Note, Panel};
+use super::sheet::{Entry, sheet, solid};
+use super::subject::{Absent, Figure, Subject};
+use super::theme::{DASH_DOT, DASHES, DOTS, LINE, Palette, Style, THIN};
+use super::words::grouped;
+use crate::engine::Replay;
+use crate::stats::Dimension;
+use std::ops::Range;
+
+/// The figure.
+pub const FIGURE: Figure =
+    Figure { name: "path", shows: "one path: x, velocity and forces, with its events", draws: draw };
+
+/// A path at one instant.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Sample {
+    time: f64,
+    displacement: f64,
+    velocity: f64,
+    /// K (beta T - x).
+    spring: f64,
+}
+
+/// A stick, or a sub-phase of a slip, from its first instant to its last.
+#[derive(Clone, Debug, PartialEq)]
+struct Piece {
+    /// Number k of the sub-phase from 1 on, and its direction; none in a stick.
+    slip: Option<(usize, f64)>,
+    samples: Vec<Sample>,
+}
+
+impl Piece {
+    fn begin(&self) -> f64 {
+        self.samples.first().map_or(f64::NAN, |sample| sample.time)
+    }
+
+    fn end(&self) -> f64 {
+        self.samples.last().map_or(f64::NAN, |sample| sample.time)
+    }
+}
+
+/// A mark of the cascade: tau_j, tau_{j+1/2} or tau_j^k.
+#[derive(Clone, Debug, PartialEq)]
+struct Moment {
+    at: Sample,
+    name: String,
+    /// Whether it lies between two sub-phases.
+    is_turn: bool,
+}
+
+/// A path cut at its events.
+#[derive(Clone, Debug, PartialEq)]
+struct Story {
+    pieces: Vec<Piece>,
+    moments: Vec<Moment>,
+}
+
+impl Story {
+    /// Of a path that was simulated again: the rows of its trajectory, with its events between
+    /// them.
+    fn of(replay: &Replay) -> Option<Story> {
+        let (events, rows) = (replay.block.events.as_ref()?, replay.block.trajectories.as_ref()?);
+        let model = &replay.scenario.model;
+        let time = replay.scenario.timeline().output_times();
+        let row = |i: usize| {
+            let (displacement, velocity) = (rows.displacement[i], rows.velocity[i]);
+            let spring = model.oscillator.force(rows.temperature[i], displacement, 0.0);
+            Sample { time: time[i], displacement, velocity, spring }
+        };
+        let end = time.len().min(rows.displacement.len());
+        let mut next_row = 0;
+        let mut piece = Piece { slip: None, samples: Vec::new() };
+        let mut story = Story { pieces: Vec::new(), moments: Vec::new() };
+        let (mut j, mut k) = (0_usize, 0_usize);
+        for i in 0..events.time.len() {
+            // At an event the velocity is zero, so that b is the force of the spring.
+            let [time, displacement, spring] = [events.time[i], events.displacement[i], events.force[i]];
+            let at = Sample { time, displacement, velocity: 0.0, spring };
+            while next_row < end && row(next_row).time < at.time {
+                piece.samples.push(row(next_row));
+                next_row += 1;
+            }
+            piece.samples.push(at);
+            let sign = f64::from(events.sign[i]);
+            let (slip, name) = match events.kind[i] {
+                0 => {
+                    j += 1;
+                    (None, format!("*τ*_{{{j}}}"))
+                }
+                1 => {
+                    k = 1;
+                    (Some((1, sign)), format!("*τ*_{{{}½}}", if j == 0 { String::new() } else { format!("{j}+") }))
+                }
+                _ => {
+                    k += 1;
+                    (Some((k, sign)), format!("*τ*_{{{j}}}^{{{}}}", k - 1))
+                }
+            };
+            story.moments.push(Moment { at, name, is_turn: events.kind[i] == 2 });
+            let before = std::mem::replace(&mut piece, Piece { slip, samples: vec![at] });
+            story.pieces.push(before);
+        }
+        piece.samples.extend((next_row..end).map(row));
+        story.pieces.push(piece);
+        if let Some(first) =
+            story.pieces.iter().find_map(|piece| piece.samples.first()).filter(|first| first.time == 0.0)
+            && story.moments.first().is_none_or(|moment| moment.at.time > 0.0)
+        {
+            story.moments.insert(0, Moment { at: *first, name: "*τ*_{0}".to_string(), is_turn: false });
+        }
+        Some(story)
+    }
+
+    /// From an event to the nearest other.
+    fn distance(&self, moment: &Moment) -> f64 {
+        let others = self.moments.iter().filter(|other| *other != moment);
+        others.map(|other| (other.at.time - moment.at.time).abs()).fold(f64::INFINITY, f64::min)
+    }
+
+    fn samples(&self) -> impl Iterator<Item = &Sample> {
+        self.pieces.iter().flat_map(|piece| &piece.samples)
+    }
+
+    /// The sub-phases of slips that occur: first, second, later ones.
+    fn occurring(&self) -> [bool; 3] {
+        let largest = self.pieces.iter().filter_map(|piece| piece.slip).map(|(k, _)| k).max().unwrap_or(0);
+        [largest >= 1, largest >= 2, largest >= 3]
+    }
+
+    /// The pieces that the phase plane shows in full: all of them where there are few events, else
+    /// those of the longest whole slip, with the sticks before and after it.
+    fn in_full(&self) -> Range<usize> {
+        let sticks: Vec<usize> = (0..self.pieces.len()).filter(|i| self.pieces[*i].slip.is_none()).collect();
+        let slips = sticks.windows(2).map(|pair| pair[0]..pair[1] + 1);
+        let length = |slip: &Range<usize>| self.pieces[slip.end - 1].begin() - self.pieces[slip.start + 1].begin();
+        let longest = slips.max_by(|one, other| length(one).total_cmp(&length(other)));
+        longest.filter(|_| self.moments.len() > FEW).unwrap_or(0..self.pieces.len())
+    }
+}
+
+/// So many events are shown one by one; of more, the phase plane shows the last slip.
+const FEW: usize = 8;
+/// Of so many events each is led to the axis.
+const LED: usize = 70;
+/// More events than this are a line of marks that tells nothing.
+const MARKED: usize = 150;
+/// Room at both ends of the axis of time, as a share of it.
+const MARGIN: f64 = 0.025;
+/// Curves whose sizes differ by more than this do not share an axis.
+const ALIKE: f64 = 8.0;
+
+fn draw(subject: &Subject, style: &Style) -> Result<Scene, Absent> {
+    let (scenario, number) = subject.path()?;
+    let replay = Replay::of(scenario, number);
+    let story = Story::of(&replay).filter(|_| !replay.is_lost()).ok_or(Absent::Lost(number))?;
+    let palette = style.palette();
+    let units = [Dimension::TIME, Dimension::LENGTH, Dimension::VELOCITY, Dimension::FORCE];
+    let [time_unit, length_unit, velocity_unit, force_unit] = units.map(|d| d.label(&scenario.units));
+    let [friction, end] = [scenario.model.friction.static_force, scenario.time.end];
+    let time = || Axis::linear([-MARGIN * end, (1.0 + MARGIN) * end], Label::new("time *t*"), &time_unit);
+
+    let displacement = over_time(&story, palette, time(), &length_unit);
+
+    let size = |values: &dyn Fn(&Sample) -> f64| story.samples().map(|s| values(s).abs()).fold(0.0, f64::max);
+    let ratio = size(&|s| s.velocity) / size(&|s| s.spring).max(f64::MIN_POSITIVE);
+    let is_dimensionless = velocity_unit.is_empty() && force_unit.is_empty();
+    let is_shared = is_dimensionless && (1.0 / ALIKE..ALIKE).contains(&ratio);
+    let spring = Stroke::solid(palette.faint, THIN);
+    let force = Stroke::dashed(palette.fourth, 0.9, &DASHES);
+    let springs = || story.samples().map(|s| [s.time, s.spring]).collect::<Vec<_>>();
+    let dry = friction_force(&story, scenario.model.friction.dynamic_force);
+    let mut middle = Vec::new();
+    if is_shared {
+        let seen = story.samples().flat_map(|s| [s.velocity, s.spring]).chain(dry.iter().map(|p| p[1]));
+        let mut panel = Panel::new(time(), Axis::around(seen, Label::new("velocity *ẋ*(*t*), force"), ""), 104.0);
+        panel.line(springs(), spring.clone());
+        panel.line(dry, force.clone());
+        velocities(&story, palette, &mut panel);
+        middle.push(panel.lettered('B'));
+    } else {
+        let seen = story.samples().map(|s| s.velocity);
+        let mut panel = Panel::new(time(), Axis::around(seen, Label::new("velocity *ẋ*(*t*)"), &velocity_unit), 76.0);
+        velocities(&story, palette, &mut panel);
+        middle.push(panel.lettered('B').above_another());
+        let seen = story.samples().map(|s| s.spring).chain(dry.iter().map(|p| p[1]));
+        let mut panel = Panel::new(time(), Axis::around(seen, Label::new("force"), &force_unit), 76.0);
+        panel.line(springs(), spring.clone());
+        panel.line(dry, force.clone());
+        middle.push(panel);
+    }
+    let plane = phase_plane(&story, palette, friction, &velocity_unit, &force_unit);
+
+    let mut legend = vec![Entry::line(Stroke::dashed(palette.ink, LINE, &DASH_DOT), "static")];
+    let names = ["slip", "2nd sub-phase", "3rd and later"];
+    let occurring = story.occurring();
+    legend.extend((0..3).filter(|k| occurring[*k]).map(|k| Entry::line(solid(of_sub_phase(k + 1, palette)), names[k])));
+    legend.push(Entry::line(spring, "*K*(*βT* − *x*)"));
+    legend.push(Entry::line(force, "friction *F*"));
+    if story.moments.len() > MARKED {
+        let words = format!("{} events, too close to be marked", grouped(story.moments.len() as u64));
+        legend.push(Entry::words(Label::verbatim(&words)));
+    }
+    if story.in_full().len() < story.pieces.len() {
+        legend.push(Entry::words(Label::new("**C**: the longest slip; others thin")));
+    }
+    let panels: Vec<Panel> =
+        [vec![displacement.lettered('A').above_another()], middle, vec![plane.lettered('C')]].concat();
+    Ok(sheet(style, &format!("Path {number}: {}", scenario.title), &legend, &panels, "labels have no room"))
+}
+
+/// The colour of sub-phase k of a slip.
+fn of_sub_phase(k: usize, palette: &Palette) -> Colour {
+    match k {
+        1 => palette.first,
+        2 => palette.second,
+        _ => palette.third,
+    }
+}
+
+fn stroke(piece: &Piece, palette: &Palette) -> Stroke {
+    match piece.slip {
+        None => Stroke::dashed(palette.ink, LINE, &DASH_DOT),
+        Some((k, _)) => solid(of_sub_phase(k, palette)),
+    }
+}
+
+/// A: x over time, each event led to the axis and named there.
+fn over_time(story: &Story, palette: &Palette, time: Axis, unit: &str) -> Panel {
+    let [low, high] = range_of(story.samples().map(|s| s.displacement));
+    // Where x is far from zero, the events are marked at the lower edge.
+    let base =
+        if low - 1.5 * (high - low) > 0.0 || high + 1.5 * (high - low) < 0.0 { low - 0.3 * (high - low) } else { 0.0 };
+    let room = 0.1 * (high - low).max(f64::MIN_POSITIVE);
+    let axis = Axis::around([low - room, high + room, base], Label::new("displacement *x*(*t*)"), unit);
+    let mut panel = Panel::new(time, axis, 108.0);
+    panel.level(base, Stroke::solid(palette.faint, 0.4));
+    if story.moments.len() <= LED {
+        for moment in &story.moments {
+            let t = moment.at.time;
+            panel.line(vec![[t, base], [t, moment.at.displacement]], Stroke::dashed(palette.faint, THIN, &DOTS));
+        }
+    }
+    for piece in &story.pieces {
+        panel.line(piece.samples.iter().map(|s| [s.time, s.displacement]).collect(), stroke(piece, palette));
+    }
+    if story.moments.len() > MARKED {
+        return panel;
+    }
+    for moment in &story.moments {
+        panel.mark([moment.at.time, base], moment.mark(), palette.ink);
+    }
+    // Those with most room first, so that as many as can be are named.
+    let mut moments: Vec<(f64, &Moment)> =
+        story.moments.iter().map(|moment| (story.distance(moment), moment)).collect();
+    moments.sort_by(|one, other| other.0.total_cmp(&one.0));
+    for (_, moment) in moments {
+        let places: &[Beside] = if moment.at.displacement >= base { &UNDER } else { &OVER };
+        panel.note(Note { at: [moment.at.time, base], label: Label::new(&moment.name), places });
+    }
+    panel
+}
+
+const UNDER: [Beside; 6] =
+    [Beside::Below, Beside::BelowRight, Beside::BelowLeft, Beside::Above, Beside::AboveRight, Beside::AboveLeft];
+const OVER: [Beside; 6] =
+    [Beside::Above, Beside::AboveRight, Beside::AboveLeft, Beside::Below, Beside::BelowRight, Beside::BelowLeft];
+const SIDES: [Beside; 6] =
+    [Beside::Right, Beside::Left, Beside::AboveRight, Beside::BelowRight, Beside::AboveLeft, Beside::BelowLeft];
+
+impl Moment {
+    fn mark(&self) -> Mark {
+        if self.is_turn { Mark::Circle } else { Mark::Disc }
+    }
+}
+
+/// B: the velocity, with the events on it.
+fn velocities(story: &Story, palette: &Palette, panel: &mut Panel) {
+    panel.level(0.0, Stroke::solid(palette.faint, 0.4));
+    for piece in &story.pieces {
+        panel.line(piece.samples.iter().map(|s| [s.time, s.velocity]).collect(), stroke(piece, palette));
+    }
+    for moment in story.moments.iter().filter(|_| story.moments.len() <= MARKED) {
+        panel.mark([moment.at.time, 0.0], moment.mark(), palette.ink);
+    }
+}
+
+/// F over time: what balances b in a stick, f_d in the direction of motion in a slip.
+fn friction_force(story: &Story, dynamic: f64) -> Vec<[f64; 2]> {
+    let force = |piece: &Piece, s: &Sample| [s.time, piece.slip.map_or(s.spring, |(_, sign)| sign * dynamic)];
+    story.pieces.iter().flat_map(|piece| piece.samples.iter().map(move |s| force(piece, s))).collect()
+}
+
+/// C: the force of the spring against the velocity; of many slips, the last.
+fn phase_plane(story: &Story, palette: &Palette, friction: f64, velocity_unit: &str, force_unit: &str) -> Panel {
+    let seen = story.samples().map(|s| s.velocity);
+    let x = Axis::around(seen, Label::new("velocity *ẋ*(*t*)"), velocity_unit);
+    let seen = story.samples().map(|s| s.spring).chain([-friction, friction]);
+    let y = Axis::around(seen, Label::new("force *K*(*βT* − *x*)"), force_unit);
+    let right = x.range()[1];
+    let mut panel = Panel::new(x, y, 124.0);
+    for level in [-friction, friction] {
+        panel.level(level, Stroke::dashed(palette.faint, 0.5, &DASHES));
+    }
+    let full = story.in_full();
+    let points = |piece: &Piece| piece.samples.iter().map(|s| [s.velocity, s.spring]).collect();
+    let others = story.pieces.iter().enumerate().filter(|(i, _)| !full.contains(i));
+    for (_, piece) in others {
+        panel.line(points(piece), Stroke::solid(palette.grid.mixed(palette.faint, 0.35), 0.4));
+    }
+    for piece in &story.pieces[full.clone()] {
+        panel.line(points(piece), stroke(piece, palette));
+    }
+    let times = story.pieces[full.start].begin()..=story.pieces[full.end - 1].end();
+    let moments = || story.moments.iter().filter(|moment| times.contains(&moment.at.time));
+    for moment in moments() {
+        panel.mark([0.0, moment.at.spring], moment.mark(), palette.ink);
+    }
+    for (level, name) in [(friction, "*f*_{s}"), (-friction, "−*f*_{s}")] {
+        if friction > 0.0 {
+            panel.note(Note {
+                at: [right, level],
+                label: Label::new(name),
+                places: &[Beside::AboveLeft, Beside::BelowLeft],
+            });
+        }
+    }
+    for moment in moments() {
+        panel.note(Note { at: [0.0, moment.at.spring], label: Label::new(&moment.name), places: &SIDES });
+    }
+    panel
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scenario::Scenario;
+
+    fn story(name: &str, path: u64) -> (Scenario, Story) {
+        let scenario = Scenario::shipped(name).expect("shipped");
+        let story = Story::of(&Replay::of(&scenario, path)).expect("not lost");
+        (scenario, story)
+    }
+
+    /// The marks of the paper's figure are 0, 2.58, 13.38, 14.86 and 25.74, the last of them one
+    /// step before the velocity is zero.
+    #[test]
+    fn the_events_of_shaw_are_those_of_the_paper() {
+        let (_, story) = story("shaw", 0);
+        let marks: Vec<(String, String)> =
+            story.moments.iter().take(5).map(|m| (m.name.clone(), format!("{:.2}", m.at.time))).collect();
+        let expected = [
+            ("*τ*_{0}", "0.00"),
+            ("*τ*_{½}", "2.58"),
+            ("*τ*_{1}", "13.38"),
+            ("*τ*_{1+½}", "14.86"),
+            ("*τ*_{2}", "25.75"),
+        ];
+        assert_eq!(marks, expected.map(|(name, time)| (name.to_string(), time.to_string())));
+        // and the forces that its phase plane marks
+        let forces: Vec<f64> = story.moments[2..5].iter().map(|m| m.at.spring).collect();
+        assert!((forces[0] - 0.365_928).abs() < 1e-5 && (forces[1] - 1.2).abs() < 0.01, "{forces:?}");
+        assert!((story.moments[2].at.displacement + 6.242_23).abs() < 5e-6);
+        assert!((story.moments[4].at.displacement - 6.222_28).abs() < 5e-4);
+    }
+
+    /// Pieces follow each other without a gap, x rests in every stick, and the velocity has the
+    /// direction of its sub-phase.
+    #[test]
+    fn a_path_is_cut_at_its_events_and_nowhere_else() {
+        for (name, path) in [("shaw", 0), ("rho025", 41)] {
+            let (scenario, story) = story(name, path);
+            for pair in story.pieces.windows(2) {
+                assert_eq!(pair[0].samples.last(), pair[1].samples.first());
+            }
+            let last = story.pieces.last().and_then(|piece| piece.samples.last()).expect("it has an end");
+            assert!((last.time - scenario.time.end).abs() < 1e-9);
+            for piece in &story.pieces {
+                assert!(piece.samples.windows(2).all(|pair| pair[0].time <= pair[1].time));
+                for s in &piece.samples {
+                    match piece.slip {
+                        None => assert!(s.velocity == 0.0 && s.displacement == piece.samples[0].displacement),
+                        Some((_, sign)) => assert!(s.velocity * sign >= 0.0, "{name} {}", s.time),
+                    }
+                }
+            }
+        }
+    }
+
+    /// The paper's noisy figure has a turn between sub-phases, and so do the names here.
+    #[test]
+    fn a_slip_of_several_sub_phases_has_its_turns_named() {
+        let (_, story) = story("rho025", 41);
+        assert_eq!(story.occurring()[..2], [true, true]);
+        let turn = story.moments.iter().find(|m| m.is_turn).expect("there is one");
+        assert!(turn.name.contains("}^{1}"), "{}", turn.name);
+    }
+
+    /// In a slip the friction is f_d in the direction of motion, in a stick it is what holds the
+    /// body.
+    #[test]
+    fn friction_holds_in_sticks_and_drags_in_slips() {
+        let (scenario, story) = story("shaw", 0);
+        let force = friction_force(&story, scenario.model.friction.dynamic_force);
+        let samples: Vec<(bool, f64)> =
+            story.pieces.iter().flat_map(|p| p.samples.iter().map(|s| (p.slip.is_none(), s.spring))).collect();
+        for ((is_static, spring), [_, f]) in samples.into_iter().zip(force) {
+            assert!(if is_static { f == spring && f.abs() < 1.2 + 0.01 } else { f.abs() == 1.0 });
+        }
+    }
+}

@@ -1,0 +1,138 @@
+//! A sheet: a legend, and panels below each other with their frames in line.
+
+use super::kit::{Align, Colour, Item, Label, Path, Rect, Scene, Stroke};
+use super::panel::{Mark, Panel};
+use super::theme::{LETTERS, LINE, SMALL, Style};
+
+/// A line of a legend: what it looks like, and what it is.
+#[derive(Clone, Debug)]
+pub struct Entry {
+    /// A curve, if it is one.
+    pub stroke: Option<Stroke>,
+    /// A filled area, if it is one.
+    pub fill: Option<Colour>,
+    /// The marks of a curve.
+    pub mark: Option<(Mark, Colour)>,
+    /// What it is.
+    pub label: Label,
+}
+
+impl Entry {
+    /// A curve.
+    pub fn line(stroke: Stroke, label: &str) -> Self {
+        Entry { stroke: Some(stroke), fill: None, mark: None, label: Label::new(label) }
+    }
+
+    /// An area.
+    pub fn area(fill: Colour, label: &str) -> Self {
+        Entry { stroke: None, fill: Some(fill), mark: None, label: Label::new(label) }
+    }
+
+    /// A mark.
+    pub fn mark(mark: Mark, colour: Colour, label: &str) -> Self {
+        Entry { stroke: None, fill: None, mark: Some((mark, colour)), label: Label::new(label) }
+    }
+
+    /// Words alone.
+    pub fn words(label: Label) -> Self {
+        Entry { stroke: None, fill: None, mark: None, label }
+    }
+
+    fn sample(&self) -> f64 {
+        match (&self.stroke, self.fill, self.mark) {
+            (None, None, None) => 0.0,
+            (None, None, Some(_)) => 9.0,
+            (None, Some(_), _) => 15.0,
+            (Some(stroke), ..) => {
+                if stroke.dash.is_empty() {
+                    16.0
+                } else {
+                    22.0
+                }
+            }
+        }
+    }
+
+    fn width(&self) -> f64 {
+        self.sample() + LETTERS * self.label.width()
+    }
+}
+
+/// Room at the edge of a sheet.
+const EDGE: f64 = 4.0;
+/// Room between entries of a legend.
+const BETWEEN: f64 = 12.0;
+/// Height of a row of a legend.
+const ROW: f64 = 11.5;
+/// Room between panels that share an axis, and between others.
+const CLOSE: f64 = 9.0;
+const APART: f64 = 13.0;
+
+/// The sheet. What is left out of the notes of the panels is said below them, in the words of
+/// `left_out`.
+pub fn sheet(style: &Style, title: &str, legend: &[Entry], panels: &[Panel], left_out: &str) -> Scene {
+    let palette = style.palette();
+    let width = style.points();
+    let mut items = Vec::new();
+    let left = panels.iter().map(Panel::margin).fold(0.0, f64::max) + EDGE;
+    let right = EDGE + 6.0;
+    let mut y = EDGE;
+    y += draw_legend(legend, [left.min(30.0), y], width - left.min(30.0) - EDGE, style, &mut items);
+    y += if panels.iter().any(|panel| panel.letter.is_some()) { 9.0 } else { 6.0 };
+    let mut missing = 0;
+    for panel in panels {
+        let frame = Rect { x: left, y, width: (width - left - right).max(20.0), height: panel.height };
+        let drawn = panel.draw(frame, palette);
+        items.extend(drawn.items);
+        missing += drawn.left_out;
+        y = frame.bottom() + panel.footing() + if panel.is_labelled { APART } else { CLOSE };
+    }
+    y -= APART;
+    if missing > 0 {
+        y += SMALL + 4.0;
+        let words = Label::verbatim(&format!("{missing} {left_out}"));
+        items.push(Item::words(words, [width - right, y], Align::End, SMALL, palette.faint));
+    }
+    Scene { width, height: y + EDGE, background: palette.background, title: title.to_string(), items }
+}
+
+/// The legend in as many rows as it takes; its height.
+fn draw_legend(legend: &[Entry], [x, y]: [f64; 2], width: f64, style: &Style, items: &mut Vec<Item>) -> f64 {
+    let palette = style.palette();
+    let mut rows: Vec<Vec<&Entry>> = Vec::new();
+    let mut used = f64::INFINITY;
+    for entry in legend {
+        if used + BETWEEN + entry.width() > width {
+            rows.push(Vec::new());
+            used = -BETWEEN;
+        }
+        used += BETWEEN + entry.width();
+        rows.last_mut().expect("there is a row by now").push(entry);
+    }
+    for (n, row) in rows.iter().enumerate() {
+        let middle = y + (n as f64 + 0.5) * ROW;
+        let mut at = x;
+        for entry in row {
+            let (from, to) = (at, at + entry.sample() - 4.0);
+            if let Some(fill) = entry.fill {
+                let area = Rect { x: from, y: middle - 3.2, width: to - from, height: 6.4 };
+                items.push(Item::filled(Path::rect(area), fill));
+            }
+            if let Some(stroke) = &entry.stroke {
+                items.push(Item::stroked(Path::line(&[[from, middle], [to, middle]]), stroke.clone()));
+            }
+            if let Some((mark, colour)) = entry.mark {
+                items.extend(mark.draw([(from + to) / 2.0, middle], colour, palette.background));
+            }
+            let baseline = [at + entry.sample(), middle + 0.36 * LETTERS];
+            items.push(Item::words(entry.label.clone(), baseline, Align::Start, LETTERS, palette.ink));
+            at += entry.width() + BETWEEN;
+        }
+    }
+    rows.len() as f64 * ROW
+}
+
+/// A curve of this colour without gaps.
+pub fn solid(colour: Colour) -> Stroke {
+    Stroke::solid(colour, LINE)
+}

@@ -1,0 +1,166 @@
+//! How long sticks last: the density of their durations on a logarithmic axis, and the share that
+//! outlasts a duration.
+
+use super::axis::{Axis, range_of};
+use super::kit::{Label, Scene};
+use super::panel::Panel;
+use super::sheet::{Entry, sheet, solid};
+use super::subject::{Absent, Figure, Subject};
+use super::theme::Style;
+use super::words::grouped;
+use crate::stats::{Dimension, StickDurations};
+
+/// The figure.
+pub const FIGURE: Figure = Figure { name: "sticks", shows: "how long sticks last", draws: draw };
+
+/// The share of sticks that may be shorter than what is drawn.
+const NEXT_TO_NONE: f64 = 1e-3;
+/// Sticks in a bin whose interval need not fit into the picture.
+const FEW: u64 = 5;
+
+/// The share of the completed sticks in one bin per decade of the duration, with its interval.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Bin {
+    /// Where it begins and ends.
+    edges: [f64; 2],
+    count: u64,
+    density: f64,
+    ends: [f64; 2],
+}
+
+fn draw(subject: &Subject, style: &Style) -> Result<Scene, Absent> {
+    let (scenario, summary) = subject.run()?;
+    let sticks = &summary.stick_durations;
+    let all = bins(sticks);
+    let (bins, shorter) = drawn(&all);
+    let (Some(first), Some(last)) = (bins.first(), bins.last()) else {
+        return Err(Absent::Nothing("no stick, the first of each path left out, has ended"));
+    };
+    let palette = style.palette();
+    let unit = Dimension::TIME.label(&scenario.units);
+    let durations = || Axis::log([first.edges[0], last.edges[1]], Label::new("stick duration *D*"), &unit);
+
+    let vertical = |values: Vec<f64>, title: &str| {
+        let [least, most] = range_of(values.iter().copied().filter(|value| *value > 0.0));
+        let axis = if style.log {
+            Axis::log([least / 1.2, most * 1.2], Label::new(title), "")
+        } else {
+            Axis::linear([0.0, 1.05 * most], Label::new(title), "")
+        };
+        (axis, least / 1.2)
+    };
+    // Of a few sticks in a bin next to nothing is known: their intervals would flatten the rest.
+    let tops = bins.iter().map(|bin| if bin.count > FEW { bin.ends[1] } else { bin.density });
+    let (axis, floor) = vertical(tops.collect(), "density per decade");
+    let mut density = Panel::new(durations(), axis, 84.0);
+    for bin in bins {
+        let [low, high] = bin.ends;
+        let floor = if style.log { floor } else { 0.0 };
+        density.bar([bin.edges[0], floor], [bin.edges[1], bin.density], palette.wide);
+        density.bar([bin.edges[0], low.max(floor)], [bin.edges[1], high], palette.narrow);
+    }
+    for bin in bins {
+        density.line(vec![[bin.edges[0], bin.density], [bin.edges[1], bin.density]], solid(palette.first));
+    }
+
+    let curve = survival(sticks);
+    let (axis, floor) = vertical(curve.iter().map(|(_, share, _)| *share).collect(), "share longer than *D*");
+    let mut outlasting = Panel::new(durations(), axis, 84.0);
+    let bounded = |[low, high]: [f64; 2]| [if style.log { low.max(floor / 10.0) } else { low }, high];
+    outlasting.band(
+        curve.iter().map(|(d, _, ends)| (*d, bounded(*ends))).map(|(d, [low, high])| [d, low, high]).collect(),
+        palette.narrow,
+    );
+    outlasting.line(curve.iter().map(|(d, share, _)| [*d, *share]).collect(), solid(palette.first));
+
+    let mut counts = format!("{} ended, {} censored", grouped(sticks.completed), grouped(sticks.censored));
+    if shorter > 0 {
+        counts += &format!("; {} shorter than shown", grouped(shorter));
+    }
+    let legend = [
+        Entry::words(Label::verbatim(&counts)),
+        Entry::line(solid(palette.first), "density; Kaplan–Meier"),
+        Entry::area(palette.narrow, "95 % interval"),
+    ];
+    Ok(sheet(
+        style,
+        &format!("Stick durations: {}", scenario.title),
+        &legend,
+        &[density.above_another(), outlasting],
+        "",
+    ))
+}
+
+/// The bins of the file. Where durations are multiples of a step, a bin reaches half a step beyond
+/// the multiples in it, and bins without one belong to their neighbours.
+fn bins(sticks: &StickDurations) -> Vec<Bin> {
+    let edges = &sticks.histogram.edges;
+    let mut out = Vec::new();
+    for (i, &count) in sticks.histogram.counts.iter().enumerate() {
+        let [low, high] = [edges[i], edges[i + 1]];
+        let edges = match sticks.step {
+            None => [low, high],
+            Some(h) => {
+                let [from, to] = [low, high].map(|edge| (edge / h - 1e-6).ceil().max(1.0));
+                if to <= from {
+                    continue;
+                }
+                [(from - 0.5) * h, (to - 0.5) * h]
+            }
+        };
+        if edges[0] <= 0.0 {
+            continue;
+        }
+        let per_decade = |n: f64| n / sticks.completed.max(1) as f64 / (edges[1] / edges[0]).log10();
+        let end = |ends: &[f64]| per_decade(ends.get(i).copied().unwrap_or(f64::NAN));
+        let ends = [end(&sticks.count_ends.low), end(&sticks.count_ends.high)];
+        out.push(Bin { edges, count, density: per_decade(count as f64), ends });
+    }
+    out
+}
+
+/// The bins that are drawn, and how many sticks are shorter than those: from where next to no stick
+/// is shorter, to the longest.
+fn drawn(bins: &[Bin]) -> (&[Bin], u64) {
+    let total: u64 = bins.iter().map(|bin| bin.count).sum();
+    let below = |end: usize| bins[..end].iter().map(|bin| bin.count).sum::<u64>();
+    let first = (0..bins.len()).rev().find(|end| below(*end) as f64 <= NEXT_TO_NONE * total as f64).unwrap_or(0);
+    let last = bins.iter().rposition(|bin| bin.count > 0).map_or(first, |last| last + 1);
+    (&bins[first..last], below(first))
+}
+
+/// The survival curve of the file: durations, shares and their intervals. It is known at the edges
+/// of the bins.
+fn survival(sticks: &StickDurations) -> Vec<(f64, f64, [f64; 2])> {
+    let edges = &sticks.histogram.edges;
+    let end = |ends: &[f64], i: usize| ends.get(i).copied().unwrap_or(f64::NAN);
+    let point = |(i, share): (usize, &f64)| {
+        (edges[i + 1], *share, [end(&sticks.survival_ends.low, i), end(&sticks.survival_ends.high, i)])
+    };
+    let start = edges.first().map(|edge| (*edge, 1.0, [1.0; 2]));
+    start.into_iter().chain(sticks.survival.iter().enumerate().map(point)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::engine::Run;
+    use crate::scenario::Scenario;
+
+    /// The density integrates to one over the logarithm of the duration, with a step and without.
+    #[test]
+    fn the_density_holds_every_stick() {
+        for scheme in ["discrete-vi", "event-driven"] {
+            let mut scenario = Scenario::shipped("rho025").expect("shipped");
+            if scheme == "event-driven" {
+                scenario = scenario.with_scheme(crate::scheme::EventDriven { tolerance: 1e-2 }).expect("suits");
+            }
+            scenario.ensemble.paths = 256;
+            let summary = Run::of(&scenario).without_bias().simulate().expect("no sink").summary;
+            let bins = bins(&summary.stick_durations);
+            let total: f64 = bins.iter().map(|bin| bin.density * (bin.edges[1] / bin.edges[0]).log10()).sum();
+            assert!((total - 1.0).abs() < 1e-9, "{scheme}: {total}");
+            assert!(bins.windows(2).all(|pair| (pair[0].edges[1] / pair[1].edges[0] - 1.0).abs() < 1e-9), "{scheme}");
+        }
+    }
+}

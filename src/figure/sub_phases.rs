@@ -1,0 +1,51 @@
+//! Of how many sub-phases slips consist: the share of each number, with its interval.
+
+use super::axis::{Axis, range_of};
+use super::kit::{Label, Scene};
+use super::panel::Panel;
+use super::sheet::{Entry, sheet};
+use super::subject::{Absent, Figure, Subject};
+use super::theme::Style;
+use super::words::grouped;
+
+/// The figure.
+pub const FIGURE: Figure = Figure { name: "sub-phases", shows: "of how many sub-phases slips consist", draws: draw };
+
+/// Half the width of a bar.
+const HALF: f64 = 0.36;
+
+fn draw(subject: &Subject, style: &Style) -> Result<Scene, Absent> {
+    let (scenario, summary) = subject.run()?;
+    let counts = &summary.sub_phases;
+    let Some(last) = counts.counts.iter().rposition(|count| *count > 0) else {
+        return Err(Absent::Nothing("no slip has ended"));
+    };
+    let palette = style.palette();
+    let shares = &counts.shares[..=last];
+    let end = |ends: &[f64], i: usize| ends.get(i).copied().unwrap_or(f64::NAN);
+    let ends: Vec<[f64; 2]> =
+        (0..=last).map(|i| [end(&counts.share_ends.low, i), end(&counts.share_ends.high, i)]).collect();
+
+    let k = Axis::linear([0.4, (last as f64).max(3.0) + 1.6], Label::new("sub-phases *k* of a slip"), "").whole();
+    let [_, most] = range_of(shares.iter().copied().chain(ends.iter().map(|ends| ends[1])));
+    let [least, _] = range_of(shares.iter().copied().filter(|share| *share > 0.0));
+    let title = Label::new("share of the slips");
+    let floor = if style.log { 10f64.powf((least / 1.5).log10().floor()) } else { 0.0 };
+    let vertical = if style.log {
+        Axis::log([floor, (1.3 * most).min(1.0)], title, "")
+    } else {
+        Axis::linear([0.0, (1.05 * most).min(1.0)], title, "")
+    };
+    let mut panel = Panel::new(k, vertical, 100.0);
+    for (i, (&share, &[low, high])) in shares.iter().zip(&ends).enumerate() {
+        let k = i as f64 + 1.0;
+        if share > 0.0 {
+            panel.bar([k - HALF, floor], [k + HALF, share], palette.narrow);
+        }
+        panel.interval(k, [low.max(floor), high], palette.ink);
+    }
+    let slips: u64 = counts.counts.iter().sum();
+    let words = format!("{} slips ended, {} censored", grouped(slips), grouped(counts.censored));
+    let legend = [Entry::words(Label::verbatim(&words)), Entry::area(palette.narrow, "share, with its 95 % interval")];
+    Ok(sheet(style, &format!("Sub-phases of slips: {}", scenario.title), &legend, &[panel], ""))
+}
