@@ -62,10 +62,7 @@ pub fn log1p<L: Lanes>(z: L) -> L {
     // u = m 2^k with m from 1/sqrt 2 to sqrt 2.
     let above = L::add_bits(u.to_bits(), L::splat_bits(ONE_BITS.wrapping_sub(ROOT_HALF_BITS)));
     let k = L::from_integers(L::add_bits(L::shr::<52>(above), L::splat_bits(1023u64.wrapping_neg())));
-    let m = L::from_bits(L::add_bits(
-        L::keep_and_set(above, (1 << 52) - 1, 0),
-        L::splat_bits(ROOT_HALF_BITS),
-    ));
+    let m = L::from_bits(L::add_bits(L::keep_and_set(above, (1 << 52) - 1, 0), L::splat_bits(ROOT_HALF_BITS)));
     let f = m - 1.0;
     let s = f / (f + 2.0);
     let s2 = s * s;

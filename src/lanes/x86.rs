@@ -259,7 +259,8 @@ impl Lanes for Avx512 {
 fn assert_in(table: &[Row], rows: &[u32; ROW]) {
     let length = table.len().min(i32::MAX as usize) as i32;
     // SAFETY: see the head of this file.
-    let inside = unsafe { _mm256_cmplt_epu32_mask(_mm256_loadu_si256(rows.as_ptr().cast()), _mm256_set1_epi32(length)) };
+    let inside =
+        unsafe { _mm256_cmplt_epu32_mask(_mm256_loadu_si256(rows.as_ptr().cast()), _mm256_set1_epi32(length)) };
     assert!(inside == 0xFF, "a row that the table does not have");
 }
 

@@ -80,11 +80,7 @@ impl<L: Lanes> TimeChange<L> {
         let (c, s) = cosh_and_sinh_over(y * y);
         let growth = c + y * s;
         let clock = h * s;
-        TimeChange {
-            growth,
-            duration: clock * (sigma * sigma) * growth,
-            bow: clock * clock * growth.sqrt(),
-        }
+        TimeChange { growth, duration: clock * (sigma * sigma) * growth, bow: clock * clock * growth.sqrt() }
     }
 }
 

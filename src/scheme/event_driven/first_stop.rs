@@ -396,7 +396,6 @@ impl Interval {
         };
         [part(motion, way, p), part(self.end, self.way - way, 1.0 - p)]
     }
-
 }
 
 impl<L: Lanes> Interval<L> {
@@ -416,11 +415,7 @@ fn velocity_controls<L: Lanes>(left: Motion<L>, next: &Interval<L>) -> [L; 5] {
 
 /// Draw the state in the middle of an interval with three normals, and part it there.
 #[inline(always)]
-pub fn halves<L: Lanes>(
-    left: Motion<L>,
-    next: &Interval<L>,
-    [one, two, three]: [L; 3],
-) -> (Interval<L>, Interval<L>) {
+pub fn halves<L: Lanes>(left: Motion<L>, next: &Interval<L>, [one, two, three]: [L; 3]) -> (Interval<L>, Interval<L>) {
     let (v0, v1, a0, a1) = (left.velocity, next.end.velocity, left.acceleration, next.end.acceleration);
     let (h, noise) = (next.length, next.noise);
     let da = noise * 0.25 * one;

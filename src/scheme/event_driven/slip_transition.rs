@@ -350,4 +350,3 @@ pub fn cholesky<L: Lanes>(&[nn, nv, nx, vv, vx, xx]: &[L; 6]) -> [L; 6] {
 fn ratio<L: Lanes>(a: L, b: L) -> L {
     L::select(b.gt(L::splat(0.0)), a / b, L::splat(0.0))
 }
-

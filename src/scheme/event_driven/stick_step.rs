@@ -17,9 +17,7 @@
 use super::scene::Scene;
 use crate::lanes::{Choose, Lanes};
 use crate::model::Sign;
-use crate::noise::{
-    AddressedDraws, TimeChange, mean_touching_spread, meeting_place, meeting_probability, time_of,
-};
+use crate::noise::{AddressedDraws, TimeChange, mean_touching_spread, meeting_place, meeting_probability, time_of};
 
 /// What a step of one length needs.
 #[derive(Clone, Debug)]
@@ -254,10 +252,8 @@ mod tests {
             let bend = bent * sd / (h * h);
             let ends = StickEnds { start: F_S - 0.1 * sd, end: F_S - end * sd, bend, mean_noise: 0.0 };
             let mut draws = AddressedDraws::new(24, 0);
-            let times: Vec<f64> = (0..100_000)
-                .filter_map(|_| step.exit(&scene, &ends, &mut draws))
-                .map(|(_, after)| after / h)
-                .collect();
+            let times: Vec<f64> =
+                (0..100_000).filter_map(|_| step.exit(&scene, &ends, &mut draws)).map(|(_, after)| after / h).collect();
             let mean = times.iter().sum::<f64>() / times.len() as f64;
             println!("to {end}, bent by {bent}: {mean}, exact {exact}");
             assert!((mean / exact - 1.0).abs() < 0.2, "to {end}, bent by {bent}: {mean}, exact {exact}");

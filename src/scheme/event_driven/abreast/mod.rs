@@ -88,8 +88,7 @@ impl<'a> Abreast<'a> {
         let count = paths.len();
         let lanes = count.next_multiple_of(ROW);
         let zeros = vec![0.0; lanes + ROW];
-        let states =
-            States { x: zeros.clone(), v: zeros.clone(), n: zeros.clone(), force: zeros.clone(), eps: zeros };
+        let states = States { x: zeros.clone(), v: zeros.clone(), n: zeros.clone(), force: zeros.clone(), eps: zeros };
         let mut all = Abreast {
             noisy,
             instructions,

@@ -71,7 +71,9 @@ impl<L: Lanes> Searched<L> {
 }
 
 #[inline(always)]
-fn interval_of<L: Lanes>([v, a, way, length, inverse, noise, origin, key]: [L; ROW]) -> (Interval<L>, L::Bits, L::Bits) {
+fn interval_of<L: Lanes>(
+    [v, a, way, length, inverse, noise, origin, key]: [L; ROW],
+) -> (Interval<L>, L::Bits, L::Bits) {
     let end = Motion { velocity: v, acceleration: a };
     (Interval { end, way, length, inverse, noise }, origin.to_bits(), key.to_bits())
 }
@@ -119,14 +121,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
     /// Put searched lanes where they belong next, those with more behind a clear interval too, and
     /// their rows in place.
     #[inline(always)]
-    fn queue_searched(
-        &mut self,
-        searched: Searched<L>,
-        rows: &Rows,
-        lanes: u32,
-        more: u32,
-        is_clear: L::Mask,
-    ) {
+    fn queue_searched(&mut self, searched: Searched<L>, rows: &Rows, lanes: u32, more: u32, is_clear: L::Mask) {
         let is_stop = self.paths.noisy.search().is_stop(searched.left, &searched.interval);
         let is_stop = L::and(is_stop, L::not(is_clear));
         let searched = Searched { count: searched.count.alone_where(is_stop), ..searched };
@@ -195,13 +190,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
 
     /// What follows a stop: a stick, or another sub-phase.
     #[inline(always)]
-    fn stopped(
-        &mut self,
-        rows: &Rows,
-        lanes: u32,
-        searched: &Searched<L>,
-        (after, way, acceleration): (L, L, L),
-    ) {
+    fn stopped(&mut self, rows: &Rows, lanes: u32, searched: &Searched<L>, (after, way, acceleration): (L, L, L)) {
         let scene = self.paths.noisy.scene();
         let (body, eps) = (&scene.oscillator, searched.eps);
         let x = searched.x + eps * way;
@@ -213,9 +202,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         let held = L::bitmask(force.abs().le(f_s)) & lanes;
         let edge = L::bitmask(force.abs().ge(f_s)) & held;
         let turned = lanes & !held;
-        self.tell(rows, lanes, (after, x, force), |force, lane| {
-            EventKind::at_rest(held >> lane & 1 == 1, force)
-        });
+        self.tell(rows, lanes, (after, x, force), |force, lane| EventKind::at_rest(held >> lane & 1 == 1, force));
         self.odd_lanes(rows, edge);
 
         let Searched { origin, key, .. } = *searched;

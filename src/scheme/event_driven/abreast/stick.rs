@@ -26,7 +26,11 @@ impl<L: Lanes> Piece<L> {
     pub fn put(&self, jobs: &mut Jobs, rows: &Rows) {
         let Node { after, noise, force, curvature } = self.left;
         let zero = L::splat(0.0);
-        L::scatter_rows([after, noise, force, curvature, self.count.number(), self.x, zero, zero], &mut jobs.left, rows);
+        L::scatter_rows(
+            [after, noise, force, curvature, self.count.number(), self.x, zero, zero],
+            &mut jobs.left,
+            rows,
+        );
         L::scatter_rows(self.row_of(&self.right), &mut jobs.right, rows);
     }
 

@@ -38,7 +38,8 @@ impl<L: Lanes> Crossing<'_, '_, L> {
             let slips = is_slip & present;
             let x = L::load(&self.paths.now.x[lane..]);
             let (mut x1, mut v1) = (x, L::splat(0.0));
-            let mut force1 = L::splat(self.cell.last.value) + end_noise - x * self.paths.noisy.scene().oscillator.stiffness;
+            let mut force1 =
+                L::splat(self.cell.last.value) + end_noise - x * self.paths.noisy.scene().oscillator.stiffness;
             if slips != 0 {
                 let start = State { x, v: L::load(&self.paths.now.v[lane..]), n };
                 let (end, end_force) =

@@ -68,7 +68,11 @@ fn a_path_is_the_same_abreast_and_alone() {
             assert!(noisy.has_one_step_a_cell(), "{name}");
             let nothing = Everything { events: vec![Vec::new(); paths.len()], ..Everything::default() };
             let mut alone = nothing.clone();
-            let one_by_one = cell_loop::simulate(&mut OneByOne::new(&noisy, InstructionSet::detect(), 5, &paths), paths.len(), &mut alone);
+            let one_by_one = cell_loop::simulate(
+                &mut OneByOne::new(&noisy, InstructionSet::detect(), 5, &paths),
+                paths.len(),
+                &mut alone,
+            );
             for set in InstructionSet::ALL.into_iter().filter(|set| set.is_available()) {
                 let mut paths_abreast = Abreast::new(&noisy, set, 5, &paths);
                 let mut abreast = nothing.clone();
