@@ -4,7 +4,7 @@
 #[path = "common/command.rs"]
 mod command;
 
-use command::mc;
+use command::{mc, shell};
 use std::path::{Path, PathBuf};
 
 fn root() -> &'static Path {
@@ -153,4 +153,20 @@ fn every_shipped_scene_can_be_drawn() {
         // a PNG is rasterised from the SVG, so that it must be one
         done(folder.path(), &["plot", &scenario, "--set", title, "-o", "a.png", "--force"]);
     }
+}
+
+/// The letters of the pictures follow the locale; the pictures are there on request only.
+#[test]
+fn show_draws_with_letters_that_the_locale_has() {
+    let folder = folder();
+    let run = "\"$0\" run scenarios/rho025.toml --paths 256 --no-bias --quiet -o run.h5";
+    assert!(shell(folder.path(), run).status.success());
+    let shown = |line: &str| String::from_utf8(shell(folder.path(), line).stdout).expect("UTF-8");
+    let plain = shown("LC_ALL=C.UTF-8 \"$0\" show run.h5");
+    let [unicode, ascii] = ["C.UTF-8", "C"].map(|locale| shown(&format!("LC_ALL={locale} \"$0\" show run.h5 --plot")));
+    assert!(!plain.contains('█') && unicode.contains('█') && unicode.contains("sub-phases "), "{unicode}");
+    assert!(
+        ascii.is_ascii() && ascii.contains("########") && ascii.lines().count() == unicode.lines().count(),
+        "{ascii}"
+    );
 }

@@ -1,6 +1,6 @@
 //! The price of each feature, on and off, and the kernel beside loops that never had the features that a scene lacks.
 //!
-//! `cargo bench --bench features` takes about two minutes on two cores. Absolute times depend on the machine and its other
+//! `cargo bench --bench features` takes about three minutes on two cores. Absolute times depend on the machine and its other
 //! users; the last columns, ratios of one run, are what the documentation quotes.
 
 #[path = "../common/mod.rs"]
@@ -89,6 +89,32 @@ fn bias(c: &mut Criterion) {
     group.bench_function("on", |b| b.iter(|| bias.estimate(&plan.run(1), 1, &AtomicBool::new(false))));
 }
 
+/// Paths of an event-driven run: enough for its sketches to hold bins.
+const FREE: u64 = 16 * BLOCK_SIZE;
+
+/// A path of `rho025` by the event-driven scheme, to t_end = 60.
+fn event_driven(c: &mut Criterion) {
+    let mut group = group(c, "event-driven", FREE);
+    group.measurement_time(Duration::from_secs(6));
+    let plan = |set: &[&str]| {
+        let bare = ["scheme.kind=event-driven", "record.paths=false"];
+        Plan { paths: FREE, ..scenario("rho025", &[&bare[..], set].concat()).plan() }
+    };
+    let seldom = plan(&["time.output_step=60"]);
+    let paths: Vec<u64> = (0..FREE).collect();
+    let alone =
+        || paths.chunks(BLOCK_SIZE as usize).for_each(|paths| drop(seldom.simulation.simulate(1, paths, &mut Deaf)));
+    group.bench_function("alone", |b| b.iter(alone));
+    let mut bench = |name: &str, set: &[&str]| {
+        let plan = plan(set);
+        group.bench_function(name, |b| b.iter(|| plan.run(1)));
+    };
+    bench("one row", &["time.output_step=60"]);
+    bench("121 rows", &[]);
+    bench("per-path scalars", &["record.paths=true"]);
+    bench("events", &["record.events=true"]);
+}
+
 fn print_prices() {
     let block = (BLOCK_SIZE * STEPS) as f64;
     let scene = |name: &str| measured("scene", name, block);
@@ -109,7 +135,19 @@ fn print_prices() {
         ("a loop without noise / scene without", scene("never had noise"), scene("plain")),
         ("a loop without damping / scene without", scene("never had damping"), scene("noise")),
     ];
-    println!("\n{:40} {:>8} {:>8} {:>7}", "feature (ns a path-step)", "off", "on", "on/off");
+    print("feature (ns a path-step)", &lines);
+    let path = |name: &str| measured("event-driven", name, FREE as f64).map(|ns| ns / 1000.0);
+    let lines = [
+        ("statistics with one row", path("alone"), path("one row")),
+        ("121 rows", path("one row"), path("121 rows")),
+        ("per-path scalars", path("121 rows"), path("per-path scalars")),
+        ("events", path("121 rows"), path("events")),
+    ];
+    print("event-driven (us a path)", &lines);
+}
+
+fn print(what: &str, lines: &[(&str, Option<f64>, Option<f64>)]) {
+    println!("\n{what:40} {:>8} {:>8} {:>7}", "off", "on", "on/off");
     for (name, off, on) in lines {
         match (off, on) {
             (Some(off), Some(on)) => println!("{name:40} {off:8.3} {on:8.3} {:7.3}", on / off),
@@ -123,6 +161,7 @@ fn main() {
     scenes(&mut c);
     recordings(&mut c);
     bias(&mut c);
+    event_driven(&mut c);
     c.final_summary();
     print_prices();
 }

@@ -17,6 +17,7 @@ mod results;
 mod run;
 mod show;
 mod table;
+mod terminal;
 mod trade;
 mod trade_report;
 

@@ -1,38 +1,51 @@
 //! How far a run has come: a bar on a terminal, plain lines elsewhere, nothing if quiet.
 
 use super::failure::note;
-use super::numbers::{duration, grouped, significant};
+use super::numbers::{Digits, duration, grouped, percent, significant};
+use super::terminal::Letters;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::{self, IsTerminal as _};
 use std::time::{Duration, Instant};
+use stick_slip::stats::{Estimate, Statistic};
 
 /// Told of every finished block of paths.
-pub enum Progress {
+pub struct Progress {
+    place: Place,
+    watched: Option<Watched>,
+}
+
+/// Where it is shown.
+enum Place {
     /// On a terminal.
     Bar(ProgressBar),
     /// In a log.
     Lines(Lines, Instant),
     /// With `--quiet`.
-    Silent,
+    Nowhere,
 }
 
 impl Progress {
-    /// For a run of this many paths, on standard error.
-    pub fn new(paths: u64, quiet: bool) -> Self {
-        if quiet {
-            Progress::Silent
+    /// For a run of this many paths, on standard error; with the running estimate of a statistic,
+    /// if one is named.
+    pub fn new(paths: u64, quiet: bool, watched: Option<Statistic>) -> Self {
+        let watched = watched.filter(|_| !quiet).map(Watched::new);
+        let place = if quiet {
+            Place::Nowhere
         } else if io::stderr().is_terminal() {
             let bar = ProgressBar::with_draw_target(Some(paths), ProgressDrawTarget::stderr());
-            bar.set_style(style("{bar:32} {human_pos}/{human_len} paths  {per_sec}  {eta} left"));
-            Progress::Bar(bar)
+            let template = "{bar:32} {human_pos}/{human_len} paths  {per_sec}  {eta} left";
+            let line = if watched.is_some() { "\n{msg}" } else { "" };
+            bar.set_style(style(&format!("{template}{line}")));
+            Place::Bar(bar)
         } else {
-            Progress::Lines(Lines::new(paths), Instant::now())
-        }
+            Place::Lines(Lines::new(paths), Instant::now())
+        };
+        Progress { place, watched }
     }
 
     /// The run is over: the bar goes, the lines stay.
     pub fn finish(&self) {
-        if let Progress::Bar(bar) = self {
+        if let Place::Bar(bar) = &self.place {
             bar.finish_and_clear();
         }
     }
@@ -41,32 +54,109 @@ impl Progress {
 impl stick_slip::engine::Progress for Progress {
     // Once a block, not once a path: each call takes a lock.
     fn paths(&mut self, done: u64, expected: u64) {
-        match self {
-            Progress::Bar(bar) => {
+        match &mut self.place {
+            Place::Bar(bar) => {
                 bar.set_position(done);
                 bar.set_length(expected);
             }
-            Progress::Lines(lines, start) => {
+            Place::Lines(lines, start) => {
                 lines.paths = expected;
                 if let Some(line) = lines.at(done, start.elapsed()) {
-                    note(&line);
+                    let known = self.watched.as_ref().and_then(Watched::words);
+                    note(&known.map_or(line.clone(), |known| format!("{line}; {known}")));
                 }
             }
-            Progress::Silent => {}
+            Place::Nowhere => {}
+        }
+    }
+
+    fn watches(&mut self) -> Option<Statistic> {
+        self.watched.as_mut().filter(|watched| watched.last.elapsed() >= LOOK).map(|watched| {
+            watched.last = Instant::now();
+            watched.statistic
+        })
+    }
+
+    fn estimate(&mut self, estimate: &Estimate) {
+        let Some(watched) = &mut self.watched else { return };
+        watched.push(estimate);
+        if let (Place::Bar(bar), Some(words)) = (&self.place, watched.words()) {
+            bar.set_message(words + &watched.curves(Letters::of_locale()));
         }
     }
 
     fn estimating_bias(&mut self) {
         let what = "estimating the bias of the step";
-        match self {
-            Progress::Bar(bar) => {
+        match &self.place {
+            Place::Bar(bar) => {
                 bar.set_style(style("{bar:32} {human_pos}/{human_len} paths, {msg}"));
                 bar.set_message(what);
             }
-            Progress::Lines(_, start) if start.elapsed() >= PATIENCE => note(what),
-            Progress::Lines(..) | Progress::Silent => {}
+            Place::Lines(_, start) if start.elapsed() >= PATIENCE => note(what),
+            Place::Lines(..) | Place::Nowhere => {}
         }
     }
+}
+
+/// A statistic while the run goes on.
+struct Watched {
+    statistic: Statistic,
+    last: Instant,
+    /// Estimate and relative standard error at one in so many looks.
+    seen: Vec<[f64; 2]>,
+    stride: u32,
+    looks: u32,
+    latest: Option<Estimate>,
+}
+
+/// How often the estimate is looked at.
+const LOOK: Duration = Duration::from_millis(500);
+/// Most looks that are shown.
+const SHOWN: usize = 32;
+
+impl Watched {
+    fn new(statistic: Statistic) -> Self {
+        Watched { statistic, last: Instant::now(), seen: Vec::new(), stride: 1, looks: 0, latest: None }
+    }
+
+    fn push(&mut self, e: &Estimate) {
+        self.latest = Some(*e);
+        self.looks += 1;
+        if !self.looks.is_multiple_of(self.stride) {
+            return;
+        }
+        self.seen.push([e.estimate, (e.standard_error / e.estimate).abs()]);
+        // Every other look goes, and so does every other one from now on: the curve is of the whole
+        // run.
+        if self.seen.len() >= SHOWN {
+            let mut place = 0;
+            self.seen.retain(|_| {
+                place += 1;
+                place % 2 == 0
+            });
+            self.stride *= 2;
+        }
+    }
+
+    /// The estimate and its relative error, once there is one.
+    fn words(&self) -> Option<String> {
+        let e = self.latest.filter(|e| e.estimate.is_finite())?;
+        let digits = Digits::of(e.estimate, e.standard_error);
+        let error = (e.standard_error / e.estimate).abs();
+        let error = if error.is_finite() { percent_of(error) } else { "unknown".into() };
+        Some(format!("{} {}, error {error}", self.statistic.name(), digits.show(e.estimate)))
+    }
+
+    /// How both came to be what they are.
+    fn curves(&self, letters: Letters) -> String {
+        let curve = |i: usize| letters.spark(&self.seen.iter().map(|seen| seen[i]).collect::<Vec<_>>());
+        format!("   estimate {}   error {}", curve(0), curve(1))
+    }
+}
+
+/// A share in percent with two digits.
+fn percent_of(share: f64) -> String {
+    percent(significant(share, 2).parse().unwrap_or(share))
 }
 
 fn style(template: &str) -> ProgressStyle {
@@ -99,32 +189,28 @@ impl Measuring {
 
 /// How often the time of a measurement is shown.
 const TICK: Duration = Duration::from_millis(250);
-/// Longest silence of a log, and least distance of its lines.
-const PERIOD: Duration = Duration::from_secs(10);
+/// Distance of the lines of a log.
+const PERIOD: Duration = Duration::from_secs(30);
 /// A run that finishes sooner needs no lines.
 const PATIENCE: Duration = Duration::from_secs(2);
 
-/// Decides when a log deserves a line: at every tenth of the run, and every ten seconds.
-pub struct Lines {
+/// Decides when a log deserves a line: every thirty seconds.
+struct Lines {
     paths: u64,
-    tenths: u64,
     last: Duration,
 }
 
 impl Lines {
     fn new(paths: u64) -> Self {
-        Lines { paths, tenths: 0, last: Duration::ZERO }
+        Lines { paths, last: Duration::ZERO }
     }
 
     /// The line to print now, if any.
     fn at(&mut self, done: u64, elapsed: Duration) -> Option<String> {
-        // 128 bits: ten times the paths may not fit in 64.
-        let tenths = (u128::from(done) * 10 / u128::from(self.paths.max(1))) as u64;
-        let due = elapsed >= PATIENCE && (tenths > self.tenths || elapsed >= self.last + PERIOD);
-        if !due || done >= self.paths {
+        if elapsed < self.last + PERIOD || done >= self.paths {
             return None;
         }
-        (self.tenths, self.last) = (tenths, elapsed);
+        self.last = elapsed;
         let rate = done as f64 / elapsed.as_secs_f64();
         let left = if rate > 0.0 { duration((self.paths - done) as f64 / rate) } else { "unknown time".into() };
         let (done, paths) = (grouped(done), grouped(self.paths));
@@ -143,22 +229,43 @@ mod tests {
     }
 
     #[test]
-    fn a_long_run_prints_every_tenth() {
-        let mut lines = Lines::new(1000);
-        let printed = (1..=1000).filter(|done| lines.at(*done, Duration::from_millis(20 * done)).is_some()).count();
-        assert_eq!(printed, 9);
+    fn a_long_run_prints_every_thirty_seconds() {
+        let mut lines = Lines::new(1_000_000);
+        let printed: Vec<u64> = (1..=100).filter(|s| lines.at(*s, Duration::from_secs(*s)).is_some()).collect();
+        assert_eq!(printed, [30, 60, 90]);
+    }
+
+    fn estimate(estimate: f64, standard_error: f64) -> Estimate {
+        let (low, high) = (estimate - standard_error, estimate + standard_error);
+        Estimate { statistic: Statistic::StickDurationMean, estimate, standard_error, low, high, bias: None }
     }
 
     #[test]
-    fn a_slow_run_prints_every_ten_seconds() {
-        let mut lines = Lines::new(1_000_000);
-        let printed = (1..=60).filter(|s| lines.at(*s, Duration::from_secs(*s)).is_some()).count();
-        assert_eq!(printed, 6);
+    fn a_watched_statistic_is_told_with_its_relative_error() {
+        let mut watched = Watched::new(Statistic::StickDurationMean);
+        assert_eq!(watched.words(), None);
+        watched.push(&estimate(f64::NAN, f64::NAN));
+        assert_eq!(watched.words(), None);
+        watched.push(&estimate(0.5398, 0.0014));
+        assert_eq!(watched.words().as_deref(), Some("stick_duration_mean 0.5398, error 0.26 %"));
+    }
+
+    /// However long the run, the curve goes from its beginning to its latest look.
+    #[test]
+    fn the_curve_is_of_the_whole_run() {
+        let mut watched = Watched::new(Statistic::StickDurationMean);
+        for n in 1..=1000 {
+            watched.push(&estimate(1.0, 1.0 / f64::from(n).sqrt()));
+        }
+        assert!((SHOWN / 2..SHOWN).contains(&watched.seen.len()));
+        assert!(watched.seen[0][1] > 0.15, "the beginning is there: {:?}", watched.seen[0]);
+        assert!(watched.seen.windows(2).all(|pair| pair[0][1] > pair[1][1]));
+        assert!(watched.curves(Letters::Ascii).trim_end().ends_with('_'), "{}", watched.curves(Letters::Ascii));
     }
 
     #[test]
     fn a_line_tells_rate_and_time_left() {
-        let line = Lines::new(10_000).at(2_500, Duration::from_secs(5));
-        assert_eq!(line.as_deref(), Some("2 500 of 10 000 paths, 500 paths/s, 15.0 s left"));
+        let line = Lines::new(10_000).at(2_500, Duration::from_secs(50));
+        assert_eq!(line.as_deref(), Some("2 500 of 10 000 paths, 50 paths/s, 2 min 30 s left"));
     }
 }

@@ -49,6 +49,9 @@ pub struct Run {
     /// End the run after so long: 90, 90s, 15m, 2h; the file says after which block
     #[arg(long, value_name = "TIME", value_parser = super::numbers::parse_duration, allow_hyphen_values = true)]
     max_time: Option<Duration>,
+    /// Show the running estimate of this statistic and its relative error [default: that of --until or --accuracy]
+    #[arg(long, value_name = "NAME", value_parser = super::trade::statistic)]
+    watch: Option<Statistic>,
     /// Threads [default: one a core]
     #[arg(long, value_name = "K", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
@@ -103,7 +106,10 @@ impl Run {
         }
         results::warn(&scenario, !self.no_bias && scenario.bias_plan(paths).is_ok());
 
-        let mut progress = Progress::new(paths, self.quiet);
+        let of_goal = || goals.first().map(|goal| goal.statistic);
+        let watched =
+            self.watch.or_else(of_goal).or_else(|| decision.as_ref().map(|decision| decision.choice.decisive));
+        let mut progress = Progress::new(paths, self.quiet, watched);
         let mut file = FileSink::new(&output, self.force);
         let run = engine::Run::of(&scenario).paths(paths).threads(threads).until(goals).within(self.max_time);
         let run = if self.no_bias { run.without_bias() } else { run };

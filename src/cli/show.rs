@@ -3,6 +3,7 @@
 use super::failure::{Failure, print};
 use super::report::{self, RunInfo};
 use super::results;
+use super::terminal::Letters;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use stick_slip::provenance::Provenance;
@@ -11,13 +12,18 @@ use stick_slip::store::{self, Stored};
 
 /// Arguments of `mc show`.
 #[derive(Debug, clap::Args)]
-#[command(after_help = "Examples:\n  mc show rho025.h5\n  mc show rho025.h5 --json | jq .statistics")]
+#[command(
+    after_help = "Examples:\n  mc show rho025.h5\n  mc show rho025.h5 --plot\n  mc show rho025.h5 --json | jq .statistics"
+)]
 pub struct Show {
     /// A file that `mc run` wrote
     file: PathBuf,
     /// Print one JSON object instead
     #[arg(long)]
     json: bool,
+    /// Add histograms of stick durations and sub-phases, and the share of sticks that last longer, drawn with letters
+    #[arg(long, conflicts_with = "json")]
+    plot: bool,
 }
 
 impl Show {
@@ -32,7 +38,13 @@ impl Show {
         if self.json {
             return print(&report::json(&stored.summary, &info));
         }
-        print(&(report::table(&stored.summary, &info) + &provenance(&stored.header)))
+        let mut text = report::table(&stored.summary, &info);
+        if self.plot {
+            text.push('\n');
+            text += &report::plots(&stored.summary, &info.units, Letters::of_locale());
+            text.push('\n');
+        }
+        print(&(text + &provenance(&stored.header)))
     }
 }
 

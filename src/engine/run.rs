@@ -138,6 +138,9 @@ impl<'a> Run<'a> {
             let done = result.first_path + result.paths;
             self.sinks.iter_mut().try_for_each(|sink| sink.block(&result))?;
             totals.push_with(index, result.totals, beside)?;
+            if let Some(statistic) = progress.watches() {
+                progress.estimate(&totals.estimate(statistic));
+            }
             Ok(match self.endings.look(index + 1, &totals, start) {
                 Look::GoOn(needed) => {
                     progress.paths(done, needed.unwrap_or(plan.paths).min(plan.paths));

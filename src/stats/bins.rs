@@ -7,6 +7,7 @@
 
 use super::codec::{Codec, Damaged, Reader};
 use super::dyadic::{List, MAX_INDEX, Ruler, coarsen, counted, excess, exponent, finest, union};
+use crate::lanes::{InstructionSet, LaneProgram, Lanes};
 
 /// What a sketch is of, and how much it may hold.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -56,6 +57,8 @@ pub(super) struct Bins {
     /// By their counts, the fullest first.
     runs: Vec<Run>,
     slots: Vec<u16>,
+    /// So many values may be counted before a slot can be full.
+    room: usize,
     /// How many values have been counted since the occupied bins were.
     unseen: usize,
     /// Bins outside the runs, and what is more than a slot can take.
@@ -64,6 +67,9 @@ pub(super) struct Bins {
 
 /// A slot with the highest bit set is laid out anew before it counts further. Half as many values come in one go at most.
 const FULL: u16 = 1 << 15;
+
+/// With so many slots a value the slots are not read in vain.
+const SPARSE: usize = 16;
 
 impl Bins {
     /// The bins of these values, all at a finite distance from the centre, and not none.
@@ -93,11 +99,16 @@ impl Bins {
 
     /// Count more values. Those that are not at a finite distance from the centre are left out.
     pub fn count(&mut self, values: &[f64], shape: &Shape) {
-        // So short are the slots that those of hundreds of rows stay near a processor; and reading all of them in order here
-        // brings them nearer than counting here and there would.
-        if self.slots.iter().fold(0, |all, slot| all | slot) & FULL != 0 {
-            self.lay_out(self.list(), shape.bins);
+        // So short are the slots that those of hundreds of rows stay near a processor; and where there are many values for them,
+        // reading all of them in order here brings them nearer than counting here and there would.
+        if self.room < values.len() || self.slots.len() <= SPARSE * values.len() {
+            let fullest = fullest_slot(&self.slots);
+            self.room = FULL.saturating_sub(fullest).into();
+            if fullest >= FULL {
+                self.lay_out(self.list(), shape.bins);
+            }
         }
+        self.room = self.room.saturating_sub(values.len());
         let mut others = self.count_inside(values, &Ruler::new(shape.centre, self.level));
         others.retain(|value| (value - shape.centre).is_finite());
         let (smallest, largest) = extremes(&others);
@@ -216,6 +227,7 @@ impl Bins {
                 None => self.rest.push((index, count)),
             }
         }
+        self.room = FULL.saturating_sub(fullest_slot(&self.slots)).into();
     }
 }
 
@@ -272,24 +284,72 @@ fn fullest(mut clusters: Vec<Cluster>) -> Vec<Cluster> {
 
 /// Count values in the slots of the bins from `first` on. Returns those that have none.
 fn count_slots(values: &[f64], ruler: &Ruler, first: i64, slots: &mut [u16]) -> Vec<f64> {
-    // Between 2^52 and 2^53 numbers are 1 apart, and so are their bits: what is taken off those of 2^52 is the distance from
-    // the first bin, and a bin before that, or none, wraps round to a place far beyond the last.
-    let start = (1u64 << 52) as f64;
-    let offset = start - first as f64;
-    let mut others = Vec::new();
-    let mut places = [0_u64; CHUNK];
-    for chunk in values.chunks(CHUNK) {
-        for (place, &value) in places.iter_mut().zip(chunk) {
-            *place = (ruler.index(value) + offset).to_bits().wrapping_sub(start.to_bits());
+    let mut count = CountSlots { values, ruler, first, slots, others: Vec::new() };
+    InstructionSet::detect().run(&mut count);
+    count.others
+}
+
+/// See [`count_slots`].
+struct CountSlots<'a> {
+    values: &'a [f64],
+    ruler: &'a Ruler,
+    first: i64,
+    slots: &'a mut [u16],
+    others: Vec<f64>,
+}
+
+impl LaneProgram for CountSlots<'_> {
+    #[inline(always)]
+    fn run<L: Lanes>(&mut self) {
+        self.count();
+    }
+}
+
+/// The greatest count of a slot.
+fn fullest_slot(slots: &[u16]) -> u16 {
+    let mut fullest = FullestSlot { slots, count: 0 };
+    InstructionSet::detect().run(&mut fullest);
+    fullest.count
+}
+
+/// See [`fullest_slot`].
+struct FullestSlot<'a> {
+    slots: &'a [u16],
+    count: u16,
+}
+
+impl LaneProgram for FullestSlot<'_> {
+    #[inline(always)]
+    fn run<L: Lanes>(&mut self) {
+        let mut most = 0;
+        for &slot in self.slots {
+            most = if slot > most { slot } else { most };
         }
-        for (&place, &value) in places.iter().zip(chunk) {
-            match slots.get_mut(place as usize) {
-                Some(count) => *count += 1,
-                None => others.push(value),
+        self.count = most;
+    }
+}
+
+impl CountSlots<'_> {
+    #[inline(always)]
+    fn count(&mut self) {
+        let CountSlots { values, ruler, first, slots, others } = self;
+        // Between 2^52 and 2^53 numbers are 1 apart, and so are their bits: what is taken off those of 2^52 is the distance from
+        // the first bin, and a bin before that, or none, wraps round to a place far beyond the last.
+        let start = (1u64 << 52) as f64;
+        let offset = start - *first as f64;
+        let mut places = [0_u64; CHUNK];
+        for chunk in values.chunks(CHUNK) {
+            for (place, &value) in places.iter_mut().zip(chunk) {
+                *place = (ruler.index(value) + offset).to_bits().wrapping_sub(start.to_bits());
+            }
+            for (&place, &value) in places.iter().zip(chunk) {
+                match slots.get_mut(place as usize) {
+                    Some(count) => *count += 1,
+                    None => others.push(value),
+                }
             }
         }
     }
-    others
 }
 
 /// The bins from `first` on that are not empty.

@@ -39,7 +39,7 @@ pub(super) fn width(level: i32) -> f64 {
 const ROUNDING: f64 = (1u64 << 52) as f64;
 
 /// The whole number nearest to x, 0 <= x < 2^52.
-#[inline]
+#[inline(always)]
 pub(super) fn nearest(x: f64) -> f64 {
     (x + ROUNDING) - ROUNDING
 }

@@ -13,6 +13,7 @@
 
 use super::codec::codec_of_fields;
 use super::tree::Merge;
+use crate::lanes::{InstructionSet, LaneProgram, Lanes};
 
 /// Terms are added in this many interleaved partial sums: a fixed order that compilers can vectorise.
 const LANES: usize = 8;
@@ -21,6 +22,7 @@ const LANES: usize = 8;
 const ROUNDING: f64 = 64.0 * f64::EPSILON;
 
 /// Sum of `term` over the entries of `values`, in an order that depends on their number alone.
+#[inline(always)]
 fn sum(values: &[f64], term: impl Fn(f64) -> f64) -> f64 {
     let mut partial = [0.0; LANES];
     let (chunks, rest) = values.as_chunks::<LANES>();
@@ -51,6 +53,7 @@ fn sum_of_products(a: &[f64], mean_a: f64, b: &[f64], mean_b: f64) -> f64 {
 }
 
 /// The mean, taken about the first entry: exact if all entries are equal.
+#[inline(always)]
 fn mean(values: &[f64]) -> f64 {
     match values.first() {
         Some(&first) => first + sum(values, |v| v - first) / values.len() as f64,
@@ -80,8 +83,9 @@ impl Merge for Moments {
 impl Moments {
     /// Fold of all values.
     pub fn of(values: &[f64]) -> Self {
-        let mean = mean(values);
-        Moments { count: values.len() as u64, mean, m2: sum(values, |v| (v - mean) * (v - mean)) }
+        let mut fold = MomentsOf(values, Moments::default());
+        InstructionSet::detect().run(&mut fold);
+        fold.1
     }
 
     /// Add the values that `other` holds.
@@ -108,6 +112,17 @@ impl Moments {
     /// Unbiased variance; NaN for fewer than two values.
     pub fn variance(&self) -> f64 {
         if self.count < 2 { f64::NAN } else { self.m2 / (self.count - 1) as f64 }
+    }
+}
+
+/// See [`Moments::of`].
+struct MomentsOf<'a>(&'a [f64], Moments);
+
+impl LaneProgram for MomentsOf<'_> {
+    #[inline(always)]
+    fn run<L: Lanes>(&mut self) {
+        let (values, mean) = (self.0, mean(self.0));
+        self.1 = Moments { count: values.len() as u64, mean, m2: sum(values, |v| (v - mean) * (v - mean)) };
     }
 }
 

@@ -18,8 +18,9 @@ pub(super) struct Sketch {
     bins: Option<Box<Bins>>,
 }
 
-/// So many values are worth a look at the bins by themselves.
-const WORTHWHILE: usize = 64;
+/// Values are worth a look at the bins by themselves from one in so many bins on. Fewer wait for others: a look
+/// may read all bins.
+const WORTHWHILE: usize = 16;
 
 impl Sketch {
     /// Of no values.
@@ -39,7 +40,7 @@ impl Sketch {
     /// Add these values. Those that are not finite are left out.
     pub fn extend(&mut self, values: &[f64]) {
         match &mut self.bins {
-            Some(bins) if values.len() >= WORTHWHILE => return bins.count(values, &self.shape),
+            Some(bins) if WORTHWHILE * values.len() >= self.shape.bins => return bins.count(values, &self.shape),
             Some(_) => self.pending.extend_from_slice(values),
             None => {
                 let before = self.pending.len();

@@ -6,6 +6,7 @@
 //!   absence    why a number in them does not exist
 //! remarks      what stands below the table
 //! bias         the error of the step: its cells in the table, and the warning where it dominates
+//! plots        stick durations and sub-phases as bars of letters
 //! json         all of it for machines
 //! ```
 
@@ -13,6 +14,7 @@ mod absence;
 mod bias;
 mod info;
 mod json;
+mod plots;
 mod remarks;
 #[cfg(test)]
 mod sample;
@@ -21,6 +23,7 @@ mod statistics;
 pub use bias::dominating_bias;
 pub use info::RunInfo;
 pub use json::json;
+pub use plots::plots;
 pub use remarks::{lost, unsettled};
 
 use super::numbers::grouped;
