@@ -6,6 +6,7 @@
 //! rho > 0   Noisy       stick: exact noise, bridge crossings; slip: exact transitions, conditional bisection
 //!                       StepRules   what the one tolerance means for its steps
 //!                       cell_loop   from cell to cell, from event to event
+//!                       abreast     the same for all paths of a block together, in lanes
 //!                       watch       what is seen inside a cell
 //! ```
 //!
