@@ -154,7 +154,7 @@ struct Held {
 /// for 200 pairs are few for what is skewed, and the false-alarm rate is 1e-4 each. What is counted path by path (a quantile, P(static)) is
 /// stated with more caution: it holds 930 times or more.
 ///
-/// Were the path the unit, the interval of x(t_end) would hold always, that of the first stick in 88 %.
+/// Were the path the unit, the interval of the mean of x(t_end) would hold always.
 #[test]
 fn intervals_hold_whose_unit_is_the_pair() {
     let scheme = CorrectedVi { step: 0.05 };
