@@ -98,6 +98,7 @@ impl Plot {
                 Err(Failure::usage(problem, "give the scenario instead of the file, or leave --set out"))
             }
             Some(FileKind::Run) => self.scene_of_run(&store::read(&self.subject)?),
+            Some(FileKind::Sweep) => Err(nothing()),
             Some(FileKind::Trade) => {
                 let prices = store::read_prices(&self.subject, self.statistic)?;
                 self.draw(&Subject::Trade(&prices), &prices.title, "what accuracy costs")
