@@ -36,8 +36,16 @@ pub use theme::{COLUMN, Style, Theme};
 pub use words::words;
 
 /// Every figure, in the order in which a page shows them.
-pub const FIGURES: &[Figure] =
-    &[path::FIGURE, fan::FIGURE, sticks::FIGURE, sub_phases::FIGURE, drift::FIGURE, trade::FIGURE, sweep::FIGURE, tornado::FIGURE];
+pub const FIGURES: &[Figure] = &[
+    path::FIGURE,
+    fan::FIGURE,
+    sticks::FIGURE,
+    sub_phases::FIGURE,
+    drift::FIGURE,
+    trade::FIGURE,
+    sweep::FIGURE,
+    tornado::FIGURE,
+];
 
 /// The figure of this name.
 pub fn named(name: &str) -> Option<&'static Figure> {

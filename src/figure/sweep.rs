@@ -18,6 +18,9 @@ pub const FIGURE: Figure =
 /// What is drawn where nobody says what.
 pub(super) const USUAL: [Statistic; 2] = [Statistic::StickDurationMean, Statistic::SubPhasesMultipleShare];
 
+/// Height of a panel: that of the longest title.
+const HEIGHT: f64 = 118.0;
+
 /// More points than these are a curve without marks.
 const MOST_MARKS: usize = 30;
 
@@ -54,9 +57,8 @@ fn draw(subject: &Subject, style: &Style) -> Result<Scene, Absent> {
         return Err(Absent::Elsewhere("a sweep over axes (--vary)"));
     };
     let axis = &first.question.design.axes()[0];
-    let has_same_axis = |(_, other): &(String, &Sweep)| {
-        other.question.design.axes().first().is_some_and(|other| other.key == axis.key)
-    };
+    let has_same_axis =
+        |(_, other): &(String, &Sweep)| other.question.design.axes().first().is_some_and(|other| other.key == axis.key);
     if !sweeps.iter().all(has_same_axis) {
         return Err(Absent::Nothing("the sweeps do not vary the same key first"));
     }
@@ -79,7 +81,7 @@ fn draw(subject: &Subject, style: &Style) -> Result<Scene, Absent> {
             false if least >= 0.0 => Axis::linear([0.0, 1.06 * most], title, &unit),
             false => Axis::around(numbers(), title, &unit),
         };
-        let mut panel = Panel::new(horizontal(axis), vertical, 92.0);
+        let mut panel = Panel::new(horizontal(axis), vertical, HEIGHT);
         for (curve, points) in curves.iter().zip(&drawn) {
             let colour = curve.stroke.colour;
             panel.line(points.iter().map(|p| [p[0], p[1]]).collect(), curve.stroke.clone());

@@ -39,7 +39,7 @@ fn draw(subject: &Subject, style: &Style) -> Result<Scene, Absent> {
         }
         bars.sort_by(|a, b| a.1.estimate.abs().total_cmp(&b.1.estimate.abs()));
         let ends = bars.iter().flat_map(|(_, m)| [m.estimate, m.low, m.high]);
-        let across = Axis::around(ends.chain([0.0]), Label::new(&format!("elasticity of the {}", words(statistic))), "");
+        let across = Axis::around(ends.chain([0.0]), Label::new(words(statistic)), "");
         let places = bars.iter().enumerate().map(|(i, (key, _))| (i as f64, letter_of_key(&keys[*key].0)));
         let upwards = Axis::named([-0.6, bars.len() as f64 - 0.4], places.collect());
         let mut panel = Panel::new(across, upwards, BAR * bars.len() as f64);
@@ -52,6 +52,6 @@ fn draw(subject: &Subject, style: &Style) -> Result<Scene, Absent> {
         panel.line(vec![[0.0, bottom], [0.0, top]], Stroke::solid(palette.faint, THIN));
         panels.push(panel);
     }
-    let legend = [Entry::area(palette.narrow, "change in per cent for one per cent of the key, with its 95 % interval")];
+    let legend = [Entry::area(palette.narrow, "elasticity, with its 95 % interval")];
     Ok(sheet(style, &format!("Elasticities: {}", sweep.question.scenario.title), &legend, &panels, ""))
 }

@@ -31,15 +31,8 @@ pub fn words(statistic: Statistic) -> &'static str {
 }
 
 /// The Greek letters among the paper's symbols.
-const GREEK: [(&str, &str); 7] = [
-    ("alpha", "α"),
-    ("beta", "β"),
-    ("phi", "φ"),
-    ("rho", "ρ"),
-    ("sigma", "σ"),
-    ("tau", "τ"),
-    ("theta", "θ"),
-];
+const GREEK: [(&str, &str); 7] =
+    [("alpha", "α"), ("beta", "β"), ("phi", "φ"), ("rho", "ρ"), ("sigma", "σ"), ("tau", "τ"), ("theta", "θ")];
 
 /// A symbol as it is printed: rho as its letter, f_s and x0 with an index, anything else as it is.
 pub fn letter(name: &str) -> Label {
