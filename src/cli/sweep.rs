@@ -118,7 +118,7 @@ impl Sweep {
     fn simulate(&self, sweep: &mut Swept, file: &mut SweepFile, threads: usize) -> Result<(), Failure> {
         let stop = stop_on_ctrl_c();
         let left = sweep.points.iter().zip(&sweep.question.points).filter(|(point, _)| point.is_none());
-        let mut progress = Progress::new(left.map(|(_, scenario)| scenario.ensemble.paths).sum(), self.quiet);
+        let mut progress = Progress::new(left.map(|(_, scenario)| scenario.ensemble.paths).sum(), self.quiet, None);
         let simulation = Simulation { threads, stop: &stop, progress: &mut progress };
         let ended = simulation.run(sweep, |sweep| file.save(sweep));
         progress.finish();
