@@ -13,11 +13,16 @@ use stick_slip::store::StoreError;
 /// Say in what way the results of a scenario are not what they seem to be, on standard error. Where the bias of the step is
 /// measured, the guess at it is left out.
 pub fn warn(scenario: &Scenario, measures_bias: bool) {
-    let is_guess = |warning: &Warning| matches!(warning, Warning::StickExitBias { .. } | Warning::CorrectedBias { .. });
-    let is_measured = |warning: &Warning| measures_bias && is_guess(warning);
-    for warning in scenario.warnings().iter().filter(|warning| !is_measured(warning)) {
+    for warning in due(scenario, measures_bias) {
         note(wrapped(&format!("warning: {warning}"), "  ").trim_end());
     }
+}
+
+/// The warnings of a scenario, but for a guess at what is measured.
+pub fn due(scenario: &Scenario, measures_bias: bool) -> Vec<Warning> {
+    let is_guess = |warning: &Warning| matches!(warning, Warning::StickExitBias { .. } | Warning::CorrectedBias { .. });
+    let is_due = |warning: &Warning| !(measures_bias && is_guess(warning));
+    scenario.warnings().into_iter().filter(is_due).collect()
 }
 
 /// Say so where the bias of the step is larger than the statistical interval tells.
@@ -61,7 +66,10 @@ impl From<StoreError> for Failure {
             | StoreError::Newer { .. }
             | StoreError::Unfinished { .. }
             | StoreError::NoFolder { .. }
-            | StoreError::LeftOver { .. } => Failure::Refused(error.to_string()),
+            | StoreError::LeftOver { .. }
+            | StoreError::Busy { .. }
+            | StoreError::OtherSweep { .. }
+            | StoreError::NoSweep { .. } => Failure::Refused(error.to_string()),
             _ => Failure::Run(error.to_string()),
         }
     }
