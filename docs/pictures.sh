@@ -18,5 +18,11 @@ mc plot run.h5 --only sub-phases --log -o sub-phases.png
 mc run scenarios/rho025.toml --scheme event-driven --paths 2000 --until 176 --set statistics.after=50 -o long.h5
 mc plot long.h5 --only drift -o drift.png
 mc plot run.h5 --theme dark -o page-dark.png
+mc sweep scenarios/rho025.toml --scheme event-driven --vary rho=temperature.noise.intensity=0:1:21 --paths 4000 --quiet -o event-driven.h5
+mc sweep scenarios/rho025.toml --vary rho=temperature.noise.intensity=0:1:21 --paths 4000 --quiet --no-bias -o discrete-vi.h5
+mc sweep scenarios/rho025.toml --scheme corrected-vi --vary rho=temperature.noise.intensity=0:1:21 --paths 4000 --quiet --no-bias -o corrected-vi.h5
+mc plot event-driven.h5 discrete-vi.h5 corrected-vi.h5 -o sweep.png
+mc sweep scenarios/rho025.toml --scheme event-driven --elasticity friction.static,friction.dynamic,oscillator.stiffness,oscillator.dilatation,temperature.noise.intensity,temperature.noise.relaxation_rate --paths 4000 --quiet -o elasticity.h5
+mc plot elasticity.h5 -o tornado.png
 
 cp ./*.png "$root/docs/pictures/"

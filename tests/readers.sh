@@ -34,6 +34,13 @@ cargo run --release --quiet --bin mc -- trade scenarios/rho025.toml --budget 2s 
 
 target/venv/bin/python tests/python/check.py "$folder"/*.h5
 
+# A sweep of two axes, and the run at its last point.
+mkdir "$folder/sweeps"
+cargo run --release --quiet --bin mc -- sweep scenarios/rho025.toml --scheme event-driven --paths 600 \
+    --vary rho=temperature.noise.intensity=0.2,0.3 --vary friction.static=1.2,1.25,1.3 -o "$folder/sweeps/sweep.h5" >"$folder/messages" 2>&1
+run sweeps/run rho025 --scheme event-driven --paths 600 --set temperature.noise.intensity=0.3 --set friction.static=1.3
+target/venv/bin/python tests/python/sweep.py "$folder/sweeps/sweep.h5" "$folder/sweeps/run.h5"
+
 # Biases beyond their uncertainties, and the estimates corrected for them.
 run biased rho025 --paths 10000 \
     --set units.time=s --set units.length=mm --set units.force=N --set units.temperature=K

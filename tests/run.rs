@@ -359,7 +359,7 @@ fn verbose_and_warnings_name_the_resolution() {
     let equal = concat!(env!("CARGO_MANIFEST_DIR"), "/scenarios/equal-friction.toml");
     let output = mc(&here, &["run", equal, "--scheme", "event-driven", "--paths", "2", "--until", "3", "--verbose"]);
     let said = text(&output.stderr);
-    for part in ["shortest slip resolved", "warning: f_s and f_d meet", "kernel: scalar, path by path"] {
+    for part in ["shortest slip resolved", "warning: f_s and f_d meet", "lanes, cell by cell"] {
         assert!(said.contains(part), "{part}\n{said}");
     }
 }

@@ -46,13 +46,11 @@ impl Anchor {
     /// The bias of the statistics of a run, without an order; none where the paths cost too much, or resolve less than there is (f_s and f_d
     /// all but meeting under noise).
     pub fn estimate(&self, run: &Summary, threads: usize, stop: &AtomicBool) -> Option<Vec<(Statistic, Bias)>> {
-        let exact = self.simulate(threads, stop)?;
-        let caution = caution(exact.completed_paths);
-        let both = run.estimates.iter().zip(&exact.estimates);
-        Some(both.filter_map(|(run, exact)| Some((run.statistic, difference(run, exact, caution)?))).collect())
+        Some(biases(run, &self.simulate(threads, stop)?))
     }
 
-    fn simulate(&self, threads: usize, stop: &AtomicBool) -> Option<Summary> {
+    /// The paths without a step; none where they cost too much, or resolve less than there is.
+    pub(super) fn simulate(&self, threads: usize, stop: &AtomicBool) -> Option<Summary> {
         let exact = EventDrivenSimulation::new(&self.model, &self.timeline, DEFAULT_TOLERANCE);
         let paths = self.affordable(&exact)?;
         let simulation = Simulation::EventDriven(Box::new(exact));
@@ -80,6 +78,13 @@ impl Anchor {
         let paths = (self.budget * PIECE / evaluations.max(1)).min(self.paths);
         (lost.is_empty() && paths >= FEWEST).then_some(paths)
     }
+}
+
+/// The bias of the statistics of a run, given what paths without a step come to.
+pub(super) fn biases(run: &Summary, exact: &Summary) -> Vec<(Statistic, Bias)> {
+    let caution = caution(exact.completed_paths);
+    let both = run.estimates.iter().zip(&exact.estimates);
+    both.filter_map(|(run, exact)| Some((run.statistic, difference(run, exact, caution)?))).collect()
 }
 
 /// What the run has and the paths without a step have not. They are independent, so errors add up in squares, side by

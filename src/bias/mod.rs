@@ -122,15 +122,37 @@ impl BiasPlan {
 
     /// The bias of every statistic that exists in the run whose result this is, on `threads` threads, the same bits for any number of them.
     pub fn estimate(&self, run: &Summary, threads: usize, stop: &AtomicBool) -> Result<Vec<(Statistic, Bias)>, NoBias> {
-        let anchored = self.anchor.as_ref().and_then(|anchor| anchor.estimate(run, threads, stop));
+        Ok(self.simulate(threads, stop)?.of(run))
+    }
+
+    /// What the bias follows from beside the run, which may come before the run or after it.
+    pub fn simulate(&self, threads: usize, stop: &AtomicBool) -> Result<BesideRun, NoBias> {
+        let anchored = self.anchor.as_ref().and_then(|anchor| anchor.simulate(threads, stop));
         let Some(differences) = &self.differences else {
             let is_stopped = stop.load(Ordering::Relaxed);
-            return anchored.ok_or(if is_stopped { NoBias::Stopped } else { NoBias::Corrected });
+            let absent = || if is_stopped { NoBias::Stopped } else { NoBias::Corrected };
+            return Ok(BesideRun { extrapolated: Vec::new(), anchored: Some(anchored.ok_or_else(absent)?) });
         };
-        let (extrapolated, anchored) = (differences.estimate(threads, stop)?, anchored.unwrap_or_default());
+        Ok(BesideRun { extrapolated: differences.estimate(threads, stop)?, anchored })
+    }
+}
+
+/// What was simulated beside a run for the bias of its step.
+#[derive(Clone, Debug)]
+pub struct BesideRun {
+    /// The biases that follow from three steps.
+    extrapolated: Vec<(Statistic, Bias)>,
+    /// What paths without a step come to.
+    anchored: Option<Summary>,
+}
+
+impl BesideRun {
+    /// The bias of every statistic that exists in the run whose result this is.
+    pub fn of(&self, run: &Summary) -> Vec<(Statistic, Bias)> {
+        let anchored = self.anchored.as_ref().map_or_else(Vec::new, |exact| anchor::biases(run, exact));
         let of = |biases: &[(Statistic, Bias)], statistic| biases.iter().find(|(s, _)| *s == statistic).map(|b| b.1);
-        let told = |statistic| chosen(of(&extrapolated, statistic), of(&anchored, statistic));
-        Ok(Statistic::ALL.into_iter().filter_map(|statistic| Some((statistic, told(statistic)?))).collect())
+        let told = |statistic| chosen(of(&self.extrapolated, statistic), of(&anchored, statistic));
+        Statistic::ALL.into_iter().filter_map(|statistic| Some((statistic, told(statistic)?))).collect()
     }
 }
 

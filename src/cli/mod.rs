@@ -17,6 +17,8 @@ mod report;
 mod results;
 mod run;
 mod show;
+mod sweep;
+mod sweep_report;
 mod table;
 mod terminal;
 mod trade;
@@ -41,6 +43,7 @@ Examples:
   mc report mine.h5                         a page for the browser, in mine.html
   mc replay mine.h5 --path 4711             one path alone, event by event
   mc trade mine.toml                        which scheme, step and paths for which accuracy
+  mc sweep mine.toml --vary friction.static=1.1:1.5:9   statistics as functions of a key
 
 Exit codes: 0 done, 1 the run failed, 2 the arguments or the scenario are wrong, 130 interrupted.";
 
@@ -68,6 +71,8 @@ enum Verb {
     Replay(replay::Replay),
     /// What accuracy costs: every scheme over a ladder of settings, and the cheapest for a target
     Trade(trade::Trade),
+    /// Statistics as functions of keys of the scenario, with sharp differences; or what each key does to them
+    Sweep(sweep::Sweep),
     /// Write a commented scenario to start from
     Init(init::Init),
     /// Print a completion script for a shell
@@ -85,6 +90,7 @@ impl Arguments {
             Verb::Report(report) => report.call(),
             Verb::Replay(replay) => replay.call(),
             Verb::Trade(trade) => trade.call(),
+            Verb::Sweep(sweep) => sweep.call(),
             Verb::Init(init) => init.call(),
             Verb::Completions(completions) => completions.call(),
         }

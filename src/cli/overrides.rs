@@ -45,6 +45,11 @@ impl Overrides {
         }
     }
 
+    /// The same with more laid over it, after the flags.
+    pub fn scenario_with(&self, path: &Path, more: &[Override]) -> Result<Scenario, Failure> {
+        Ok(Scenario::read(path, &[self.list()?.as_slice(), more].concat())?)
+    }
+
     /// The same for a run, which may have goals.
     pub fn scenario_and_goals(&self, path: &Path) -> Result<(Scenario, Vec<Goal>), Failure> {
         let goals = self.until.iter().filter(|text| is_goal(text));

@@ -2,12 +2,14 @@
 
 use super::failure::{Failure, note, writable};
 use super::numbers::grouped;
+use super::sweep;
 use std::path::{Path, PathBuf};
 use stick_slip::config::Override;
 use stick_slip::figure::{self, Absent, COLUMN, FIGURES, Figure, Scene, Style, Subject, Theme};
 use stick_slip::scenario::Scenario;
 use stick_slip::stats::Statistic;
 use stick_slip::store::{self, FileKind, Stored};
+use stick_slip::study::sweep::Sweep;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -17,6 +19,7 @@ Examples:
   mc plot scenarios/shaw.toml --until 28            the path of a scenario, simulated on the spot
   mc plot rho025.h5 --only sticks --log --theme dark --width 120 -o sticks.png
   mc plot trade.h5 --statistic sticking_fraction
+  mc plot event-driven.h5 discrete-vi.h5            two sweeps in the same axes
 
 A picture is drawn from the numbers in the file. A path is simulated again: it is the very path of the ensemble, and a closer look
 does not change it. The same picture has the same bytes. PNG has 300 dots per inch.";
@@ -25,9 +28,12 @@ does not change it. The same picture has the same bytes. PNG has 300 dots per in
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Plot {
-    /// A scenario (TOML), or a file that `mc run` or `mc trade` wrote
+    /// A scenario (TOML), or a file that `mc run`, `mc trade` or `mc sweep` wrote
     #[arg(value_name = "SCENARIO|FILE.h5")]
     subject: PathBuf,
+    /// Further sweeps over the same key, drawn into the same axes
+    #[arg(value_name = "SWEEP.h5")]
+    beside: Vec<PathBuf>,
     /// Where to draw it; .svg, .png or .pdf tells the format [default: NAME.svg in the current
     /// directory]
     #[arg(short, long, value_name = "FILE")]
@@ -40,7 +46,7 @@ pub struct Plot {
     /// Draw the path up to this time only
     #[arg(long, value_name = "T", allow_hyphen_values = true)]
     until: Option<String>,
-    /// The statistic of a trade [default: the first that has an answer]
+    /// The statistic of a trade [default: the first that has an answer], or of a sweep [default: two of them]
     #[arg(long, value_name = "NAME", value_parser = super::trade::statistic)]
     statistic: Option<Statistic>,
     /// Colours for paper or for a dark screen
@@ -93,16 +99,33 @@ impl Plot {
                     &about(&scenario),
                 )
             }
+            kind if !self.beside.is_empty() && kind != Some(FileKind::Sweep) => {
+                let problem = format!("{} is no sweep", self.subject.display());
+                Err(Failure::usage(problem, "several files are drawn together if they are sweeps over the same key"))
+            }
             Some(_) if !self.set.is_empty() => {
                 let problem = format!("--set changes a scenario, and {} says what was run", self.subject.display());
                 Err(Failure::usage(problem, "give the scenario instead of the file, or leave --set out"))
             }
             Some(FileKind::Run) => self.scene_of_run(&store::read(&self.subject)?),
+            Some(FileKind::Sweep) => self.scene_of_sweeps(),
             Some(FileKind::Trade) => {
                 let prices = store::read_prices(&self.subject, self.statistic)?;
                 self.draw(&Subject::Trade(&prices), &prices.title, "what accuracy costs")
             }
         }
+    }
+
+    fn scene_of_sweeps(&self) -> Result<Scene, Failure> {
+        let read = |file: &PathBuf| -> Result<(String, Sweep), Failure> {
+            let name = file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+            Ok((name, sweep::stored(file, store::read_sweep(file)?)?))
+        };
+        let files = std::iter::once(&self.subject).chain(&self.beside).map(read).collect::<Result<Vec<_>, _>>()?;
+        let sweeps: Vec<(String, &Sweep)> = files.iter().map(|(name, sweep)| (name.clone(), sweep)).collect();
+        let statistics: Vec<Statistic> = self.statistic.into_iter().collect();
+        let title = &files[0].1.question.scenario.title;
+        self.draw(&Subject::Sweep { sweeps: &sweeps, statistics: &statistics }, title, "")
     }
 
     fn scene_of_run(&self, stored: &Stored) -> Result<Scene, Failure> {
@@ -130,7 +153,7 @@ impl Plot {
         match (self.only, subject) {
             (Some(figure), _) => figure.draw(subject, &style).map_err(|absent| self.refused(figure, &absent)),
             // One figure needs no page around it.
-            (None, Subject::Scenario { .. } | Subject::Trade(_)) => {
+            (None, Subject::Scenario { .. } | Subject::Trade(_) | Subject::Sweep { .. }) => {
                 let mut drawn = FIGURES.iter().map(|figure| (figure, figure.draw(subject, &style)));
                 let only = drawn.find(|(_, drawn)| !matches!(drawn, Err(Absent::Elsewhere(_))));
                 only.map_or(Err(nothing()), |(figure, drawn)| drawn.map_err(|absent| self.refused(figure, &absent)))

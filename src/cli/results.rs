@@ -13,25 +13,25 @@ use stick_slip::store::StoreError;
 /// Say in what way the results of a scenario are not what they seem to be, on standard error. Where the bias of the step is
 /// measured, the guess at it is left out.
 pub fn warn(scenario: &Scenario, measures_bias: bool) {
-    for warning in about(scenario, measures_bias) {
+    for warning in due(scenario, measures_bias) {
         note(wrapped(&format!("warning: {warning}"), "  ").trim_end());
     }
 }
 
 /// All that is to be said of results that are there.
 pub fn warnings(summary: &Summary, scenario: Option<&Scenario>) -> Vec<String> {
-    let mut all = scenario.map_or(Vec::new(), |scenario| about(scenario, summary.has_bias()));
+    let due = scenario.map_or(Vec::new(), |scenario| due(scenario, summary.has_bias()));
+    let mut all: Vec<String> = due.iter().map(Warning::to_string).collect();
     all.extend(report::dominating_bias(summary));
     all.extend(report::unsettled(summary));
     all
 }
 
-/// The warnings of a scenario; where the bias of the step is measured, the guess at it is left out.
-fn about(scenario: &Scenario, measures_bias: bool) -> Vec<String> {
+/// The warnings of a scenario, but for a guess at what is measured.
+pub fn due(scenario: &Scenario, measures_bias: bool) -> Vec<Warning> {
     let is_guess = |warning: &Warning| matches!(warning, Warning::StickExitBias { .. } | Warning::CorrectedBias { .. });
-    let is_measured = |warning: &Warning| measures_bias && is_guess(warning);
-    let warnings = scenario.warnings();
-    warnings.iter().filter(|warning| !is_measured(warning)).map(|warning| warning.to_string()).collect()
+    let is_due = |warning: &Warning| !(measures_bias && is_guess(warning));
+    scenario.warnings().into_iter().filter(is_due).collect()
 }
 
 /// Say so where the bias of the step is larger than the statistical interval tells.
@@ -75,7 +75,10 @@ impl From<StoreError> for Failure {
             | StoreError::Newer { .. }
             | StoreError::Unfinished { .. }
             | StoreError::NoFolder { .. }
-            | StoreError::LeftOver { .. } => Failure::Refused(error.to_string()),
+            | StoreError::LeftOver { .. }
+            | StoreError::Busy { .. }
+            | StoreError::OtherSweep { .. }
+            | StoreError::NoSweep { .. } => Failure::Refused(error.to_string()),
             _ => Failure::Run(error.to_string()),
         }
     }

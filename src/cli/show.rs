@@ -1,36 +1,68 @@
-//! `mc show`: the results in a file, and where they come from.
+//! `mc show`: the results in a file, and where they come from; several files beside each other.
 
 use super::failure::{Failure, print};
-use super::report::{self, RunInfo};
+use super::report::{self, Csv, RunInfo};
 use super::results;
 use super::terminal::Letters;
+use super::{sweep, sweep_report};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use stick_slip::provenance::Provenance;
 use stick_slip::scenario::Scenario;
-use stick_slip::store::{self, Stored};
+use stick_slip::stats::Summary;
+use stick_slip::store::{self, FileKind, Stored};
+
+const EXAMPLES: &str = "\
+Examples:
+  mc show rho025.h5
+  mc show rho025.h5 --plot
+  mc show rho025.h5 --json | jq .statistics
+  mc show coarse.h5 fine.h5                 one table, with differences from the first file
+  mc show rho025.h5 rho025-sweep.h5 --csv   one line for each statistic";
 
 /// Arguments of `mc show`.
 #[derive(Debug, clap::Args)]
-#[command(
-    after_help = "Examples:\n  mc show rho025.h5\n  mc show rho025.h5 --plot\n  mc show rho025.h5 --json | jq .statistics"
-)]
+#[command(after_help = EXAMPLES)]
 pub struct Show {
-    /// A file that `mc run` wrote
-    file: PathBuf,
-    /// Print one JSON object instead
+    /// Files that `mc run` wrote, or one of `mc sweep`
+    #[arg(required = true, value_name = "FILE")]
+    files: Vec<PathBuf>,
+    /// Print JSON instead: an object, of several files an array of them
     #[arg(long)]
     json: bool,
     /// Add histograms of stick durations and sub-phases, and the share of sticks that last longer, drawn with letters
-    #[arg(long, conflicts_with = "json")]
+    #[arg(long, conflicts_with_all = ["json", "csv"])]
     plot: bool,
+    /// Print comma-separated values instead: a line for each statistic of each file or point
+    #[arg(long, conflicts_with = "json")]
+    csv: bool,
 }
 
 impl Show {
     pub fn call(&self) -> Result<(), Failure> {
-        let stored = store::read(&self.file)?;
+        if self.csv {
+            return self.print_csv();
+        }
+        match self.files.as_slice() {
+            [first, ..] if self.plot && (self.files.len() > 1 || is_sweep(first)) => {
+                Err(Failure::usage("--plot draws one run", "leave it out, or draw sweeps with `mc plot`"))
+            }
+            [file] if is_sweep(file) => {
+                let sweep = sweep::stored(file, store::read_sweep(file)?)?;
+                match self.json {
+                    true => print(&sweep_report::json(&sweep, file)),
+                    false => print(&sweep_report::table(&sweep, &[], file)),
+                }
+            }
+            [file] => self.print_one(file),
+            files => self.print_several(files),
+        }
+    }
+
+    fn print_one(&self, file: &Path) -> Result<(), Failure> {
+        let stored = store::read(file)?;
         let scenario = Scenario::parse("scenario", &stored.header.scenario_text, &[]).ok();
-        let info = info(&self.file, &stored, scenario.as_ref());
+        let info = info(file, &stored, scenario.as_ref());
         if let Some(scenario) = &scenario {
             results::warn(scenario, stored.summary.has_bias());
         }
@@ -46,6 +78,41 @@ impl Show {
         }
         print(&(text + &provenance(&stored.header)))
     }
+
+    fn print_several(&self, files: &[PathBuf]) -> Result<(), Failure> {
+        if let Some(file) = files.iter().find(|file| is_sweep(file)) {
+            let problem = format!("{} is a sweep, whose points are many runs", file.display());
+            return Err(Failure::usage(problem, "show it alone, or several files with --csv"));
+        }
+        let runs = files.iter().map(|file| store::read(file)).collect::<Result<Vec<_>, _>>()?;
+        let infos: Vec<RunInfo> = files.iter().zip(&runs).map(|(file, run)| info(file, run, None)).collect();
+        if self.json {
+            let objects = runs.iter().zip(&infos).map(|(run, info)| report::json(&run.summary, info));
+            let objects: Vec<String> = objects.map(|object| object.trim_end().to_string()).collect();
+            return print(&format!("[{}]\n", objects.join(",\n")));
+        }
+        let summaries: Vec<&Summary> = runs.iter().map(|run| &run.summary).collect();
+        print(&report::comparison(&summaries, &infos))
+    }
+
+    fn print_csv(&self) -> Result<(), Failure> {
+        let mut table = Csv::default();
+        for file in &self.files {
+            let name = file.display().to_string();
+            if is_sweep(file) {
+                table.add_sweep(&name, &sweep::stored(file, store::read_sweep(file)?)?);
+            } else {
+                let run = store::read(file)?;
+                table.add(&name, &[], &run.summary.estimates, &run.header.units);
+            }
+        }
+        print(&table.text())
+    }
+}
+
+/// What else a file may be is told by whoever reads it.
+fn is_sweep(file: &Path) -> bool {
+    matches!(store::kind(file), Ok(Some(FileKind::Sweep)))
 }
 
 pub(super) fn info(file: &Path, stored: &Stored, scenario: Option<&Scenario>) -> RunInfo {

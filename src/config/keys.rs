@@ -69,6 +69,37 @@ pub(super) const TOLERANCE: Key =
     key("tolerance", "", "relative error that discretisation may leave", Range::Tolerance);
 pub(super) const AFTER: Key = key("after", "", "statistics count from this time on", Range::NonNegative);
 
+/// The keys that hold numbers, with their tables.
+const NUMBERS: [(&str, Key); 19] = [
+    ("oscillator", MASS),
+    ("oscillator", STIFFNESS),
+    ("oscillator", DAMPING),
+    ("oscillator", DILATATION),
+    ("friction", STATIC),
+    ("friction", DYNAMIC),
+    ("temperature.harmonics", AMPLITUDE),
+    ("temperature.harmonics", ANGULAR_FREQUENCY),
+    ("temperature.harmonics", PHASE),
+    ("temperature.noise", INTENSITY),
+    ("temperature.noise", RELAXATION_RATE),
+    ("temperature.noise", DIFFUSION),
+    ("temperature.noise", INITIAL_NOISE),
+    ("initial", DISPLACEMENT),
+    ("time", END),
+    ("time", STEP),
+    ("time", OUTPUT_STEP),
+    ("scheme", TOLERANCE),
+    ("statistics", AFTER),
+];
+
+/// What is known of a dotted key that holds a number; the number of a harmonic is left out.
+pub(super) fn number(dotted: &str) -> Option<Key> {
+    let is_name = |segment: &&str| !segment.bytes().all(|byte| byte.is_ascii_digit());
+    let plain = dotted.split('.').map(str::trim).filter(is_name).collect::<Vec<_>>().join(".");
+    let (table, name) = plain.rsplit_once('.')?;
+    NUMBERS.iter().find(|(home, key)| *home == table && key.name == name).map(|(_, key)| *key)
+}
+
 /// The tables and the keys of each, in the order of a resolved scenario.
 pub(super) const TABLES: [(&str, &[&str]); 13] = [
     (

@@ -35,6 +35,19 @@ use source::Sources;
 use std::io::Read as _;
 use std::path::Path;
 
+/// The paper's symbol of a dotted key that holds a number, and what it means; no symbol where it has none.
+///
+/// ```
+/// use stick_slip::config::symbol_and_meaning;
+///
+/// assert_eq!(symbol_and_meaning("temperature.noise.intensity"), Some(("rho", "weight of v in T")));
+/// assert_eq!(symbol_and_meaning("temperature.harmonics.0.amplitude").map(|key| key.0), Some("a"));
+/// assert_eq!(symbol_and_meaning("ensemble.paths"), None);
+/// ```
+pub fn symbol_and_meaning(key: &str) -> Option<(&'static str, &'static str)> {
+    keys::number(key).map(|key| (key.symbol, key.meaning))
+}
+
 /// Largest scenario file, in bytes; one that is larger is some other file.
 const MAX_FILE: u64 = 1 << 20;
 
@@ -82,6 +95,28 @@ impl Scenario {
         let stem = Path::new(name).file_stem().unwrap_or_default().to_string_lossy();
         let title: String = stem.chars().filter(|c| !c.is_control()).collect();
         Ok(parse::scenario(&Sources { name, text, overrides }, &title)?)
+    }
+
+    /// The number at a dotted key of the resolved scenario, if there is one.
+    ///
+    /// ```
+    /// use stick_slip::scenario::Scenario;
+    ///
+    /// let scenario = Scenario::shipped("rho025")?;
+    /// assert_eq!(scenario.number_at("temperature.harmonics.0.angular_frequency"), Some(0.25));
+    /// assert_eq!(scenario.number_at("friction.sttic"), None);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn number_at(&self, key: &str) -> Option<f64> {
+        let mut spot = &toml::Value::Table(self.to_toml().parse().ok()?);
+        for segment in key.split('.').map(str::trim) {
+            spot = match spot {
+                toml::Value::Table(table) => table.get(segment)?,
+                toml::Value::Array(items) => items.get(segment.parse::<usize>().ok()?)?,
+                _ => return None,
+            };
+        }
+        spot.as_float().or_else(|| spot.as_integer().map(|whole| whole as f64))
     }
 
     /// The whole scenario as TOML, every default visible; parsing it gives this scenario again.

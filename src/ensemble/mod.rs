@@ -59,8 +59,7 @@ impl Plan {
 
     /// Simulate block `index`.
     pub fn block(&self, index: u64) -> BlockResult {
-        let first = index * BLOCK_SIZE;
-        self.piece(first, BLOCK_SIZE.min(self.paths - first))
+        self.block_beside(index, &()).result
     }
 
     /// The same ensemble, of whose output rows every `closeness`-th is one of the run and the others
@@ -79,7 +78,14 @@ impl Plan {
         self.piece_beside(first, paths, &()).0
     }
 
-    /// The same, watched by a companion as well.
+    /// Simulate block `index`, watched by a companion as well.
+    pub fn block_beside<C: Companion>(&self, index: u64, companion: &C) -> Delivered<C::Sums> {
+        let first = index * BLOCK_SIZE;
+        let (result, beside) = self.piece_beside(first, BLOCK_SIZE.min(self.paths - first), companion);
+        Delivered { index, result, beside }
+    }
+
+    /// Simulate the paths `first .. first + paths`, watched by a companion as well.
     ///
     /// A path that diverges is left out, with the other one of its pair, and the others are simulated again without it. They are independent of it, so this happens
     /// at most once a block.
@@ -93,7 +99,7 @@ impl Plan {
             let own = BlockObserver::new(self.model(), self.timeline(), &self.record, &kept)
                 .with_step(self.simulation.step())
                 .in_units(unit);
-            let mut both = (own, companion.observer(kept.len()));
+            let mut both = (own, companion.observer(&kept));
             let lost = self.simulation.simulate(self.seed, &drawn(&kept, self.antithetic), &mut both);
             if lost.is_empty() {
                 let (own, theirs) = both;
@@ -139,11 +145,7 @@ impl Plan {
         stop: &AtomicBool,
         deliver: impl FnMut(Delivered<C::Sums>) -> Result<ControlFlow<()>, E> + Send,
     ) -> Result<u64, E> {
-        let make = |index: u64| {
-            let first = index * BLOCK_SIZE;
-            let (result, beside) = self.piece_beside(first, BLOCK_SIZE.min(self.paths - first), companion);
-            Delivered { index, result, beside }
-        };
+        let make = |index: u64| self.block_beside(index, companion);
         let blocks = in_order(self.blocks(), threads, stop, make, deliver)?;
         Ok((blocks * BLOCK_SIZE).min(self.paths))
     }

@@ -20,6 +20,8 @@ pub struct Axis {
     title: Label,
     unit: String,
     whole: bool,
+    /// What stands at some places instead of numbers.
+    names: Vec<(f64, Label)>,
 }
 
 /// A number written at an axis, or only marked there.
@@ -40,7 +42,7 @@ impl Axis {
     /// A linear axis over exactly this range.
     pub fn linear(range: [f64; 2], title: Label, unit: &str) -> Self {
         let [low, high] = widened(range);
-        Axis { scale: Scale::Linear, low, high, title, unit: unit.to_string(), whole: false }
+        Axis { scale: Scale::Linear, low, high, title, unit: unit.to_string(), whole: false, names: Vec::new() }
     }
 
     /// A linear axis with some room beyond the finite ones of these values.
@@ -54,7 +56,12 @@ impl Axis {
     pub fn log(range: [f64; 2], title: Label, unit: &str) -> Self {
         let high = if range[1] > 0.0 && range[1].is_finite() { range[1] } else { 1.0 };
         let low = if range[0] > 0.0 && range[0] < high { range[0] } else { high / 10.0 };
-        Axis { scale: Scale::Log, low, high, title, unit: unit.to_string(), whole: false }
+        Axis { scale: Scale::Log, low, high, title, unit: unit.to_string(), whole: false, names: Vec::new() }
+    }
+
+    /// An axis of things, each at its place.
+    pub fn named(range: [f64; 2], names: Vec<(f64, Label)>) -> Self {
+        Axis { names, ..Axis::linear(range, Label::default(), "") }
     }
 
     /// The same where only whole numbers mean something.
@@ -101,6 +108,10 @@ impl Axis {
 
     /// What is written at it, with so much room on its length for every number.
     pub fn ticks(&self, length: f64, room: f64) -> Vec<Tick> {
+        if !self.names.is_empty() {
+            let tick = |(place, name): &(f64, Label)| Tick { at: self.place(*place), label: Some(name.clone()) };
+            return self.names.iter().map(tick).collect();
+        }
         let room = if self.whole { room.min(WHOLE_ROOM) } else { room };
         let most = (length / room).max(2.0);
         match self.scale {

@@ -1,7 +1,7 @@
 //! Pictures, drawn from what a file says, or from a path that the same code simulates again.
 //!
 //! ```text
-//! Subject     what a picture is of: a scenario, the summary of a run, the prices of a trade
+//! Subject     what a picture is of: a scenario, the summary of a run, the prices of a trade, sweeps
 //!   -> FIGURES    one file each: what it takes from its subject, and how it lays it out
 //!        Axis, Panel   numbers to places; curves, bands, bars, marks, notes that never overlap
 //!        sheet         a legend above, panels in line below each other
@@ -23,7 +23,9 @@ mod sheet;
 mod sticks;
 mod sub_phases;
 mod subject;
+mod sweep;
 mod theme;
+mod tornado;
 mod trade;
 mod words;
 
@@ -34,8 +36,16 @@ pub use theme::{COLUMN, Style, Theme};
 pub use words::words;
 
 /// Every figure, in the order in which a page shows them.
-pub const FIGURES: &[Figure] =
-    &[path::FIGURE, fan::FIGURE, sticks::FIGURE, sub_phases::FIGURE, drift::FIGURE, trade::FIGURE];
+pub const FIGURES: &[Figure] = &[
+    path::FIGURE,
+    fan::FIGURE,
+    sticks::FIGURE,
+    sub_phases::FIGURE,
+    drift::FIGURE,
+    trade::FIGURE,
+    sweep::FIGURE,
+    tornado::FIGURE,
+];
 
 /// The figure of this name.
 pub fn named(name: &str) -> Option<&'static Figure> {

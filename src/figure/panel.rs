@@ -26,6 +26,7 @@ enum Layer {
     Band { points: Vec<[f64; 3]>, fill: Colour },
     Bar { from: [f64; 2], to: [f64; 2], fill: Colour },
     Interval { at: f64, ends: [f64; 2], colour: Colour },
+    Across { at: f64, ends: [f64; 2], colour: Colour },
     Mark { at: [f64; 2], mark: Mark, colour: Colour },
     Level { at: f64, stroke: Stroke },
     Before { at: f64, fill: Colour },
@@ -133,6 +134,11 @@ impl Panel {
     /// A vertical interval.
     pub fn interval(&mut self, at: f64, ends: [f64; 2], colour: Colour) {
         self.layers.push(Layer::Interval { at, ends, colour });
+    }
+
+    /// A horizontal interval.
+    pub fn interval_across(&mut self, at: f64, ends: [f64; 2], colour: Colour) {
+        self.layers.push(Layer::Across { at, ends, colour });
     }
 
     /// A mark; it is never cut at the frame.
@@ -357,6 +363,15 @@ impl Layer {
                 let bar =
                     |from: [f64; 2], to: [f64; 2]| Item::stroked(Path::line(&[from, to]), Stroke::solid(*colour, 0.9));
                 vec![bar([x, a], [x, b]), bar([x - 1.8, a], [x + 1.8, a]), bar([x - 1.8, b], [x + 1.8, b])]
+            }
+            Layer::Across { at, ends: [low, high], colour } => {
+                if low.is_nan() || high.is_nan() {
+                    return Vec::new();
+                }
+                let ([a, y], [b, _]) = (place([*low, *at]), place([*high, *at]));
+                let bar =
+                    |from: [f64; 2], to: [f64; 2]| Item::stroked(Path::line(&[from, to]), Stroke::solid(*colour, 0.9));
+                vec![bar([a, y], [b, y]), bar([a, y - 1.8], [a, y + 1.8]), bar([b, y - 1.8], [b, y + 1.8])]
             }
             Layer::Mark { .. } => Vec::new(),
             Layer::Level { at, stroke } => {

@@ -3,7 +3,8 @@
 use super::kit::Scene;
 use super::theme::Style;
 use crate::scenario::Scenario;
-use crate::stats::Summary;
+use crate::stats::{Statistic, Summary};
+use crate::study::sweep::Sweep;
 use crate::study::trade::Prices;
 
 /// What a picture is of.
@@ -27,14 +28,24 @@ pub enum Subject<'a> {
     },
     /// What accuracy costs.
     Trade(&'a Prices),
+    /// Statistics as functions of keys.
+    Sweep {
+        /// Sweeps over one key, each with the name of its file.
+        sweeps: &'a [(String, &'a Sweep)],
+        /// The statistics that are drawn; some, if there is none.
+        statistics: &'a [Statistic],
+    },
 }
+
+/// Sweeps with the names of their files, and statistics.
+type Sweeps<'a> = (&'a [(String, &'a Sweep)], &'a [Statistic]);
 
 impl<'a> Subject<'a> {
     /// The scenario and the path of it that can be drawn.
     pub(super) fn path(&self) -> Result<(&'a Scenario, u64), Absent> {
         match self {
             Subject::Scenario { scenario, path } | Subject::Run { scenario, path, .. } => Ok((scenario, *path)),
-            Subject::Trade(_) => Err(Absent::Elsewhere("a scenario or a file of `mc run`")),
+            Subject::Trade(_) | Subject::Sweep { .. } => Err(Absent::Elsewhere("a scenario or a file of `mc run`")),
         }
     }
 
@@ -43,6 +54,14 @@ impl<'a> Subject<'a> {
         match self {
             Subject::Run { scenario, summary, .. } => Ok((scenario, summary)),
             _ => Err(Absent::Elsewhere("a file of `mc run`")),
+        }
+    }
+
+    /// The sweeps.
+    pub(super) fn sweeps(&self) -> Result<Sweeps<'a>, Absent> {
+        match self {
+            Subject::Sweep { sweeps, statistics } => Ok((sweeps, statistics)),
+            _ => Err(Absent::Elsewhere("a file of `mc sweep`")),
         }
     }
 

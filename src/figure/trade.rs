@@ -47,7 +47,7 @@ fn draw(subject: &Subject, style: &Style) -> Result<Scene, Absent> {
 
 /// How a scheme looks: its colour, its dashes and its marks tell it from the others, each of them
 /// alone.
-fn look(kind: Kind) -> (Stroke, Mark) {
+pub(super) fn look(kind: Kind) -> (Stroke, Mark) {
     let look = kind.look();
     let rgb = u32::from_str_radix(look.colour.trim_start_matches('#'), 16).unwrap_or(0);
     let dash: Vec<f64> =

@@ -1,5 +1,6 @@
 //! What statistics are called at an axis.
 
+use super::kit::Label;
 use crate::stats::Statistic;
 
 /// A statistic in a few words: "mean stick duration".
@@ -27,6 +28,42 @@ pub fn words(statistic: Statistic) -> &'static str {
         Statistic::FrictionWorkMean => "mean friction work",
         Statistic::SlidingPathRate => "sliding path per time",
     }
+}
+
+/// The Greek letters among the paper's symbols.
+const GREEK: [(&str, &str); 7] =
+    [("alpha", "α"), ("beta", "β"), ("phi", "φ"), ("rho", "ρ"), ("sigma", "σ"), ("tau", "τ"), ("theta", "θ")];
+
+/// A symbol as it is printed: rho as its letter, f_s and x0 with an index, anything else as it is.
+pub fn letter(name: &str) -> Label {
+    if let Some((_, letter)) = GREEK.iter().find(|(word, _)| *word == name) {
+        return Label::new(&format!("*{letter}*"));
+    }
+    let mut letters = name.chars();
+    let (first, rest) = (letters.next(), letters.as_str());
+    let index = rest.strip_prefix('_').unwrap_or(rest);
+    let is_short = index.len() <= 3 && index.chars().all(|c| c.is_ascii_alphanumeric());
+    match first {
+        Some(first) if first.is_alphabetic() && index.is_empty() => Label::new(&format!("*{first}*")),
+        Some(first) if first.is_alphabetic() && is_short => Label::new(&format!("*{first}*_{{{index}}}")),
+        _ => Label::verbatim(name),
+    }
+}
+
+/// The last two words of a dotted key: "noise intensity".
+fn key_words(key: &str) -> String {
+    let words: Vec<&str> = key.split('.').collect();
+    words[words.len().saturating_sub(2)..].join(" ").replace('_', " ")
+}
+
+/// A dotted key in words.
+pub fn letter_of_key(key: &str) -> Label {
+    Label::verbatim(&key_words(key))
+}
+
+/// A key with its symbol: "noise intensity ρ".
+pub fn symbol(name: &str, key: &str) -> Label {
+    Label::verbatim(&format!("{} ", key_words(key))).and(letter(name))
 }
 
 /// A whole number in groups of three that stay together.

@@ -1,18 +1,62 @@
 //! Lanes: several paths side by side in one register, as a type that formulas read well in.
 //!
-//! [`Lanes`] is the arithmetic the noise and the discrete schemes need. There are three of it: eight lanes of AVX-512, four
-//! of AVX2 with FMA, and four portable ones. All of them compute the same bits: every operation is one that IEEE 754
+//! [`Lanes`] is the arithmetic that noise and schemes need. There are three of it: eight lanes of AVX-512, four
+//! of AVX2 with FMA, and four portable ones; and a single number is one lane, so that a formula is written once for a path and for
+//! many. All of them compute the same bits: every operation is one that IEEE 754
 //! rounds correctly, and fused multiply-adds are written out, never left to the compiler. The widest one the processor has is
 //! chosen once per run ([`InstructionSet::detect`], [`InstructionSet::run`]).
 //!
 //! This is the only room with `unsafe` for speed. Its argument: the x86 lane types wrap intrinsics of one instruction set; code
 //! that uses them is only reached through `run`, which checks with `is_x86_feature_detected!` that the processor has it.
 
+/// Implements operators of a lane type, and those with one number for every lane. The bodies are no closures, which would not
+/// be compiled for the instruction set.
+macro_rules! arithmetic {
+    ($Type:ident, $($Trait:ident $name:ident ($a:ident, $b:ident) $body:block)+) => {
+        $(
+            impl $Trait for $Type {
+                type Output = Self;
+                #[inline(always)]
+                fn $name(self, other: Self) -> Self {
+                    let ($a, $b) = (self, other);
+                    $body
+                }
+            }
+        )+
+        arithmetic!(@number $Type, Add add);
+        arithmetic!(@number $Type, Sub sub);
+        arithmetic!(@number $Type, Mul mul);
+    };
+    (@number $Type:ident, $Trait:ident $name:ident) => {
+        impl $Trait<f64> for $Type {
+            type Output = Self;
+            #[inline(always)]
+            fn $name(self, other: f64) -> Self {
+                $Trait::$name(self, Self::splat(other))
+            }
+        }
+    };
+}
+use arithmetic;
+
+mod functions;
 mod portable;
+mod scalar;
 #[cfg(target_arch = "x86_64")]
 mod x86;
 
+pub use functions::{cosh_and_sinh_over, exp, log1p, small_unit};
 pub use portable::Portable;
+
+use std::ops::{Add, Div, Mul, Neg, Sub};
+
+/// Numbers of a row: as many as fill a cache line.
+pub const ROW: usize = 8;
+
+/// Some numbers of one lane, in a cache line of their own.
+#[derive(Clone, Copy, Debug)]
+#[repr(align(64))]
+pub struct Row(pub [f64; ROW]);
 
 /// Bits of a key below those that number its entry in a [`Table`].
 pub const KEY_SHIFT: u32 = 45;
@@ -23,7 +67,17 @@ pub type Table = [u64; 1 << (u64::BITS - KEY_SHIFT)];
 /// Some numbers side by side, and the few operations the schemes need on them.
 ///
 /// `Bits` are the same lanes seen as 64-bit integers; `Mask` says yes or no for each lane.
-pub trait Lanes: Copy {
+pub trait Lanes:
+    Copy
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+    + Neg<Output = Self>
+    + Add<f64, Output = Self>
+    + Sub<f64, Output = Self>
+    + Mul<f64, Output = Self>
+{
     /// How many lanes.
     const WIDTH: usize;
     /// One 64-bit integer a lane.
@@ -37,18 +91,36 @@ pub trait Lanes: Copy {
     fn load(from: &[f64]) -> Self;
     /// Write the lanes to the first `WIDTH` places of a slice.
     fn store(self, to: &mut [f64]);
-    /// self + other
-    fn add(self, other: Self) -> Self;
-    /// self - other
-    fn sub(self, other: Self) -> Self;
-    /// self * other
-    fn mul(self, other: Self) -> Self;
+    /// The number `column` of each of `WIDTH` rows of a table, for every column.
+    fn gather_rows(table: &[Row], rows: &[u32; ROW]) -> [Self; ROW];
+    /// Write the columns of `WIDTH` rows to a table.
+    fn scatter_rows(columns: [Self; ROW], table: &mut [Row], rows: &[u32; ROW]);
+    /// The square root.
+    fn sqrt(self) -> Self;
+    /// |self|
+    fn abs(self) -> Self;
+    /// Those of the entries whose lanes are in the mask, side by side; what is behind them means nothing.
+    #[inline(always)]
+    fn compress(entries: &[u32; ROW], lanes: u32) -> [u32; ROW] {
+        let (mut all, mut count) = ([0; ROW], 0);
+        for (i, &entry) in entries[..Self::WIDTH].iter().enumerate() {
+            all[count & (ROW - 1)] = entry;
+            count += (lanes >> i & 1) as usize;
+        }
+        all
+    }
     /// self * factor + term, rounded once.
     fn mul_add(self, factor: Self, term: Self) -> Self;
     /// self > other
     fn gt(self, other: Self) -> Self::Mask;
     /// self < other
     fn lt(self, other: Self) -> Self::Mask;
+    /// self >= other
+    fn ge(self, other: Self) -> Self::Mask;
+    /// self <= other
+    fn le(self, other: Self) -> Self::Mask;
+    /// `a` where `mask` holds, `b` elsewhere.
+    fn select(mask: Self::Mask, a: Self, b: Self) -> Self;
     /// `a` where `up` holds, `b` where `down` holds, 0 elsewhere; they never hold both.
     fn either(up: Self::Mask, a: Self, down: Self::Mask, b: Self) -> Self;
     /// `zero` where self is zero, `other` elsewhere.
@@ -57,6 +129,10 @@ pub trait Lanes: Copy {
     fn add_where(self, other: Self, keep: Self::Mask) -> Self;
     /// In the lanes of either mask.
     fn or(a: Self::Mask, b: Self::Mask) -> Self::Mask;
+    /// In the lanes of both masks.
+    fn and(a: Self::Mask, b: Self::Mask) -> Self::Mask;
+    /// In the lanes that are not in the mask.
+    fn not(mask: Self::Mask) -> Self::Mask;
     /// Yes in every lane.
     fn always() -> Self::Mask;
     /// The lanes of `among` where self is neither below `least` nor above `most`; those where it is not a number are kept.
@@ -78,6 +154,8 @@ pub trait Lanes: Copy {
     fn store_bits(bits: Self::Bits, to: &mut [u64]);
     /// a + b modulo 2^64
     fn add_bits(a: Self::Bits, b: Self::Bits) -> Self::Bits;
+    /// a * b modulo 2^64
+    fn mul_bits(a: Self::Bits, b: Self::Bits) -> Self::Bits;
     /// a ^ b
     fn xor(a: Self::Bits, b: Self::Bits) -> Self::Bits;
     /// a ^ b ^ c
@@ -86,10 +164,29 @@ pub trait Lanes: Copy {
     fn keep_and_set(bits: Self::Bits, keep: u64, set: u64) -> Self::Bits;
     /// The doubles nearest to the lanes as signed integers.
     fn from_integers(bits: Self::Bits) -> Self;
+    /// bits >> N, zeros coming in
+    fn shr<const N: u32>(bits: Self::Bits) -> Self::Bits;
     /// bits << N
     fn shl<const N: u32>(bits: Self::Bits) -> Self::Bits;
     /// bits rotated left by N < 64
     fn rotate_left<const N: i32>(bits: Self::Bits) -> Self::Bits;
+}
+
+impl<L: Lanes> Choose for L {}
+
+/// What follows from the operations of [`Lanes`].
+pub trait Choose: Lanes {
+    /// The larger of both; `other` where self is not a number.
+    #[inline(always)]
+    fn or_at_least(self, other: Self) -> Self {
+        Self::select(self.gt(other), self, other)
+    }
+
+    /// The smaller of both; `other` where self is not a number.
+    #[inline(always)]
+    fn or_at_most(self, other: Self) -> Self {
+        Self::select(self.lt(other), self, other)
+    }
 }
 
 /// A computation that is generic over the lanes it runs on.

@@ -1,6 +1,7 @@
 //! Four lanes in plain Rust, for processors without the wide instruction sets.
 
-use super::{KEY_SHIFT, Lanes, Table};
+use super::{KEY_SHIFT, Lanes, ROW, Row, Table};
+use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// Four numbers side by side.
 #[derive(Clone, Copy, Debug)]
@@ -9,6 +10,21 @@ pub struct Portable([f64; 4]);
 #[inline(always)]
 fn zip<T: Copy, U: Copy, R>(a: [T; 4], b: [U; 4], f: impl Fn(T, U) -> R) -> [R; 4] {
     std::array::from_fn(|i| f(a[i], b[i]))
+}
+
+super::arithmetic! { Portable,
+    Add add(a, b) { Portable(zip(a.0, b.0, |a, b| a + b)) }
+    Sub sub(a, b) { Portable(zip(a.0, b.0, |a, b| a - b)) }
+    Mul mul(a, b) { Portable(zip(a.0, b.0, |a, b| a * b)) }
+    Div div(a, b) { Portable(zip(a.0, b.0, |a, b| a / b)) }
+}
+
+impl Neg for Portable {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        Portable(self.0.map(|a| -a))
+    }
 }
 
 impl Lanes for Portable {
@@ -29,16 +45,23 @@ impl Lanes for Portable {
         to[..4].copy_from_slice(&self.0);
     }
     #[inline(always)]
-    fn add(self, other: Self) -> Self {
-        Portable(zip(self.0, other.0, |a, b| a + b))
+    fn gather_rows(table: &[Row], rows: &[u32; ROW]) -> [Self; ROW] {
+        let rows: [usize; 4] = std::array::from_fn(|i| rows[i] as usize);
+        std::array::from_fn(|column| Portable(rows.map(|row| table[row].0[column])))
     }
     #[inline(always)]
-    fn sub(self, other: Self) -> Self {
-        Portable(zip(self.0, other.0, |a, b| a - b))
+    fn scatter_rows(columns: [Self; ROW], table: &mut [Row], rows: &[u32; ROW]) {
+        for (i, &row) in rows[..4].iter().enumerate() {
+            table[row as usize] = Row(columns.map(|column| column.0[i]));
+        }
     }
     #[inline(always)]
-    fn mul(self, other: Self) -> Self {
-        Portable(zip(self.0, other.0, |a, b| a * b))
+    fn sqrt(self) -> Self {
+        Portable(self.0.map(f64::sqrt))
+    }
+    #[inline(always)]
+    fn abs(self) -> Self {
+        Portable(self.0.map(f64::abs))
     }
     #[inline(always)]
     fn mul_add(self, factor: Self, term: Self) -> Self {
@@ -51,6 +74,18 @@ impl Lanes for Portable {
     #[inline(always)]
     fn lt(self, other: Self) -> Self::Mask {
         zip(self.0, other.0, |a, b| a < b)
+    }
+    #[inline(always)]
+    fn ge(self, other: Self) -> Self::Mask {
+        zip(self.0, other.0, |a, b| a >= b)
+    }
+    #[inline(always)]
+    fn le(self, other: Self) -> Self::Mask {
+        zip(self.0, other.0, |a, b| a <= b)
+    }
+    #[inline(always)]
+    fn select(mask: Self::Mask, a: Self, b: Self) -> Self {
+        Portable(std::array::from_fn(|i| if mask[i] { a.0[i] } else { b.0[i] }))
     }
     #[inline(always)]
     fn either(up: Self::Mask, a: Self, down: Self::Mask, b: Self) -> Self {
@@ -71,6 +106,14 @@ impl Lanes for Portable {
     #[inline(always)]
     fn or(a: Self::Mask, b: Self::Mask) -> Self::Mask {
         zip(a, b, |a, b| a || b)
+    }
+    #[inline(always)]
+    fn and(a: Self::Mask, b: Self::Mask) -> Self::Mask {
+        zip(a, b, |a, b| a && b)
+    }
+    #[inline(always)]
+    fn not(mask: Self::Mask) -> Self::Mask {
+        mask.map(|yes| !yes)
     }
     #[inline(always)]
     fn always() -> Self::Mask {
@@ -113,6 +156,10 @@ impl Lanes for Portable {
         zip(a, b, u64::wrapping_add)
     }
     #[inline(always)]
+    fn mul_bits(a: Self::Bits, b: Self::Bits) -> Self::Bits {
+        zip(a, b, u64::wrapping_mul)
+    }
+    #[inline(always)]
     fn xor(a: Self::Bits, b: Self::Bits) -> Self::Bits {
         zip(a, b, |a, b| a ^ b)
     }
@@ -127,6 +174,10 @@ impl Lanes for Portable {
     #[inline(always)]
     fn from_integers(bits: Self::Bits) -> Self {
         Portable(bits.map(|b| b as i64 as f64))
+    }
+    #[inline(always)]
+    fn shr<const N: u32>(bits: Self::Bits) -> Self::Bits {
+        bits.map(|b| b >> N)
     }
     #[inline(always)]
     fn shl<const N: u32>(bits: Self::Bits) -> Self::Bits {

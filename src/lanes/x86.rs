@@ -6,8 +6,9 @@
 //! elements of a slice whose length is checked first; table reads go to entries numbered by 64 bits shifted right by `KEY_SHIFT`, and a
 //! table has one for each such number.
 
-use super::{KEY_SHIFT, LaneProgram, Lanes, Table};
+use super::{KEY_SHIFT, LaneProgram, Lanes, ROW, Row, Table};
 use std::arch::x86_64::*;
+use std::ops::{Add, Div, Mul, Neg, Sub};
 
 pub(super) fn run_avx512(program: &mut impl LaneProgram) {
     #[target_feature(enable = "avx512f,avx512dq,avx512vl,avx2,fma")]
@@ -31,6 +32,21 @@ pub(super) fn run_avx2(program: &mut impl LaneProgram) {
 #[derive(Clone, Copy)]
 struct Avx512(__m512d);
 
+super::arithmetic! { Avx512,
+    Add add(a, b) { unsafe { Avx512(_mm512_add_pd(a.0, b.0)) } }
+    Sub sub(a, b) { unsafe { Avx512(_mm512_sub_pd(a.0, b.0)) } }
+    Mul mul(a, b) { unsafe { Avx512(_mm512_mul_pd(a.0, b.0)) } }
+    Div div(a, b) { unsafe { Avx512(_mm512_div_pd(a.0, b.0)) } }
+}
+
+impl Neg for Avx512 {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        unsafe { Avx512(_mm512_xor_pd(self.0, _mm512_set1_pd(-0.0))) }
+    }
+}
+
 impl Lanes for Avx512 {
     const WIDTH: usize = 8;
     type Bits = __m512i;
@@ -49,16 +65,64 @@ impl Lanes for Avx512 {
         unsafe { _mm512_storeu_pd(to[..8].as_mut_ptr(), self.0) }
     }
     #[inline(always)]
-    fn add(self, other: Self) -> Self {
-        unsafe { Avx512(_mm512_add_pd(self.0, other.0)) }
+    fn gather_rows(table: &[Row], rows: &[u32; ROW]) -> [Self; ROW] {
+        assert_in(table, rows);
+        // SAFETY: all rows are in the table.
+        unsafe {
+            let c = transposed([
+                _mm512_load_pd(table.get_unchecked(rows[0] as usize).0.as_ptr()),
+                _mm512_load_pd(table.get_unchecked(rows[1] as usize).0.as_ptr()),
+                _mm512_load_pd(table.get_unchecked(rows[2] as usize).0.as_ptr()),
+                _mm512_load_pd(table.get_unchecked(rows[3] as usize).0.as_ptr()),
+                _mm512_load_pd(table.get_unchecked(rows[4] as usize).0.as_ptr()),
+                _mm512_load_pd(table.get_unchecked(rows[5] as usize).0.as_ptr()),
+                _mm512_load_pd(table.get_unchecked(rows[6] as usize).0.as_ptr()),
+                _mm512_load_pd(table.get_unchecked(rows[7] as usize).0.as_ptr()),
+            ]);
+            [
+                Avx512(c[0]),
+                Avx512(c[1]),
+                Avx512(c[2]),
+                Avx512(c[3]),
+                Avx512(c[4]),
+                Avx512(c[5]),
+                Avx512(c[6]),
+                Avx512(c[7]),
+            ]
+        }
     }
     #[inline(always)]
-    fn sub(self, other: Self) -> Self {
-        unsafe { Avx512(_mm512_sub_pd(self.0, other.0)) }
+    fn scatter_rows(c: [Self; ROW], table: &mut [Row], rows: &[u32; ROW]) {
+        assert_in(table, rows);
+        // SAFETY: all rows are in the table.
+        unsafe {
+            let lanes = transposed([c[0].0, c[1].0, c[2].0, c[3].0, c[4].0, c[5].0, c[6].0, c[7].0]);
+            _mm512_store_pd(table.get_unchecked_mut(rows[0] as usize).0.as_mut_ptr(), lanes[0]);
+            _mm512_store_pd(table.get_unchecked_mut(rows[1] as usize).0.as_mut_ptr(), lanes[1]);
+            _mm512_store_pd(table.get_unchecked_mut(rows[2] as usize).0.as_mut_ptr(), lanes[2]);
+            _mm512_store_pd(table.get_unchecked_mut(rows[3] as usize).0.as_mut_ptr(), lanes[3]);
+            _mm512_store_pd(table.get_unchecked_mut(rows[4] as usize).0.as_mut_ptr(), lanes[4]);
+            _mm512_store_pd(table.get_unchecked_mut(rows[5] as usize).0.as_mut_ptr(), lanes[5]);
+            _mm512_store_pd(table.get_unchecked_mut(rows[6] as usize).0.as_mut_ptr(), lanes[6]);
+            _mm512_store_pd(table.get_unchecked_mut(rows[7] as usize).0.as_mut_ptr(), lanes[7]);
+        }
     }
     #[inline(always)]
-    fn mul(self, other: Self) -> Self {
-        unsafe { Avx512(_mm512_mul_pd(self.0, other.0)) }
+    fn compress(entries: &[u32; ROW], lanes: u32) -> [u32; ROW] {
+        let mut all = [0; ROW];
+        unsafe {
+            let entries = _mm256_loadu_si256(entries.as_ptr().cast());
+            _mm256_storeu_si256(all.as_mut_ptr().cast(), _mm256_maskz_compress_epi32(lanes as __mmask8, entries));
+        }
+        all
+    }
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        unsafe { Avx512(_mm512_sqrt_pd(self.0)) }
+    }
+    #[inline(always)]
+    fn abs(self) -> Self {
+        unsafe { Avx512(_mm512_abs_pd(self.0)) }
     }
     #[inline(always)]
     fn mul_add(self, factor: Self, term: Self) -> Self {
@@ -71,6 +135,18 @@ impl Lanes for Avx512 {
     #[inline(always)]
     fn lt(self, other: Self) -> Self::Mask {
         unsafe { _mm512_cmp_pd_mask::<_CMP_LT_OQ>(self.0, other.0) }
+    }
+    #[inline(always)]
+    fn ge(self, other: Self) -> Self::Mask {
+        unsafe { _mm512_cmp_pd_mask::<_CMP_GE_OQ>(self.0, other.0) }
+    }
+    #[inline(always)]
+    fn le(self, other: Self) -> Self::Mask {
+        unsafe { _mm512_cmp_pd_mask::<_CMP_LE_OQ>(self.0, other.0) }
+    }
+    #[inline(always)]
+    fn select(mask: Self::Mask, a: Self, b: Self) -> Self {
+        unsafe { Avx512(_mm512_mask_blend_pd(mask, b.0, a.0)) }
     }
     #[inline(always)]
     fn either(up: Self::Mask, a: Self, down: Self::Mask, b: Self) -> Self {
@@ -90,6 +166,14 @@ impl Lanes for Avx512 {
     #[inline(always)]
     fn or(a: Self::Mask, b: Self::Mask) -> Self::Mask {
         a | b
+    }
+    #[inline(always)]
+    fn and(a: Self::Mask, b: Self::Mask) -> Self::Mask {
+        a & b
+    }
+    #[inline(always)]
+    fn not(mask: Self::Mask) -> Self::Mask {
+        !mask
     }
     #[inline(always)]
     fn always() -> Self::Mask {
@@ -135,6 +219,10 @@ impl Lanes for Avx512 {
         unsafe { _mm512_add_epi64(a, b) }
     }
     #[inline(always)]
+    fn mul_bits(a: Self::Bits, b: Self::Bits) -> Self::Bits {
+        unsafe { _mm512_mullo_epi64(a, b) }
+    }
+    #[inline(always)]
     fn xor(a: Self::Bits, b: Self::Bits) -> Self::Bits {
         unsafe { _mm512_xor_si512(a, b) }
     }
@@ -153,6 +241,10 @@ impl Lanes for Avx512 {
         unsafe { Avx512(_mm512_cvtepi64_pd(bits)) }
     }
     #[inline(always)]
+    fn shr<const N: u32>(bits: Self::Bits) -> Self::Bits {
+        unsafe { _mm512_srli_epi64::<N>(bits) }
+    }
+    #[inline(always)]
     fn shl<const N: u32>(bits: Self::Bits) -> Self::Bits {
         unsafe { _mm512_slli_epi64::<N>(bits) }
     }
@@ -162,9 +254,62 @@ impl Lanes for Avx512 {
     }
 }
 
+/// All rows at once, where one comparison is cheaper than eight.
+#[inline(always)]
+fn assert_in(table: &[Row], rows: &[u32; ROW]) {
+    let length = table.len().min(i32::MAX as usize) as i32;
+    // SAFETY: see the head of this file.
+    let inside =
+        unsafe { _mm256_cmplt_epu32_mask(_mm256_loadu_si256(rows.as_ptr().cast()), _mm256_set1_epi32(length)) };
+    assert!(inside == 0xFF, "a row that the table does not have");
+}
+
+/// Rows as columns: entry i of result k is entry k of row i.
+#[inline(always)]
+fn transposed(rows: [__m512d; 8]) -> [__m512d; 8] {
+    let [r0, r1, r2, r3, r4, r5, r6, r7] = rows;
+    unsafe {
+        // Pairs of rows, even and odd columns.
+        let (a0, a1) = (_mm512_unpacklo_pd(r0, r1), _mm512_unpackhi_pd(r0, r1));
+        let (a2, a3) = (_mm512_unpacklo_pd(r2, r3), _mm512_unpackhi_pd(r2, r3));
+        let (a4, a5) = (_mm512_unpacklo_pd(r4, r5), _mm512_unpackhi_pd(r4, r5));
+        let (a6, a7) = (_mm512_unpacklo_pd(r6, r7), _mm512_unpackhi_pd(r6, r7));
+        // Two rows by two columns in each quarter; columns 0 4, 2 6, 1 5 and 3 7 of four rows.
+        let (b0, b2) = (_mm512_shuffle_f64x2::<0x88>(a0, a2), _mm512_shuffle_f64x2::<0xDD>(a0, a2));
+        let (b1, b3) = (_mm512_shuffle_f64x2::<0x88>(a1, a3), _mm512_shuffle_f64x2::<0xDD>(a1, a3));
+        let (b4, b6) = (_mm512_shuffle_f64x2::<0x88>(a4, a6), _mm512_shuffle_f64x2::<0xDD>(a4, a6));
+        let (b5, b7) = (_mm512_shuffle_f64x2::<0x88>(a5, a7), _mm512_shuffle_f64x2::<0xDD>(a5, a7));
+        [
+            _mm512_shuffle_f64x2::<0x88>(b0, b4),
+            _mm512_shuffle_f64x2::<0x88>(b1, b5),
+            _mm512_shuffle_f64x2::<0x88>(b2, b6),
+            _mm512_shuffle_f64x2::<0x88>(b3, b7),
+            _mm512_shuffle_f64x2::<0xDD>(b0, b4),
+            _mm512_shuffle_f64x2::<0xDD>(b1, b5),
+            _mm512_shuffle_f64x2::<0xDD>(b2, b6),
+            _mm512_shuffle_f64x2::<0xDD>(b3, b7),
+        ]
+    }
+}
+
 /// Four lanes.
 #[derive(Clone, Copy)]
 struct Avx2(__m256d);
+
+super::arithmetic! { Avx2,
+    Add add(a, b) { unsafe { Avx2(_mm256_add_pd(a.0, b.0)) } }
+    Sub sub(a, b) { unsafe { Avx2(_mm256_sub_pd(a.0, b.0)) } }
+    Mul mul(a, b) { unsafe { Avx2(_mm256_mul_pd(a.0, b.0)) } }
+    Div div(a, b) { unsafe { Avx2(_mm256_div_pd(a.0, b.0)) } }
+}
+
+impl Neg for Avx2 {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        unsafe { Avx2(_mm256_xor_pd(self.0, _mm256_set1_pd(-0.0))) }
+    }
+}
 
 impl Lanes for Avx2 {
     const WIDTH: usize = 4;
@@ -184,16 +329,46 @@ impl Lanes for Avx2 {
         unsafe { _mm256_storeu_pd(to[..4].as_mut_ptr(), self.0) }
     }
     #[inline(always)]
-    fn add(self, other: Self) -> Self {
-        unsafe { Avx2(_mm256_add_pd(self.0, other.0)) }
+    fn gather_rows(table: &[Row], rows: &[u32; ROW]) -> [Self; ROW] {
+        let rows = [
+            &table[rows[0] as usize].0,
+            &table[rows[1] as usize].0,
+            &table[rows[2] as usize].0,
+            &table[rows[3] as usize].0,
+        ];
+        let low = transposed4([
+            Self::load(&rows[0][..4]),
+            Self::load(&rows[1][..4]),
+            Self::load(&rows[2][..4]),
+            Self::load(&rows[3][..4]),
+        ]);
+        let high = transposed4([
+            Self::load(&rows[0][4..]),
+            Self::load(&rows[1][4..]),
+            Self::load(&rows[2][4..]),
+            Self::load(&rows[3][4..]),
+        ]);
+        [low[0], low[1], low[2], low[3], high[0], high[1], high[2], high[3]]
     }
     #[inline(always)]
-    fn sub(self, other: Self) -> Self {
-        unsafe { Avx2(_mm256_sub_pd(self.0, other.0)) }
+    fn scatter_rows(c: [Self; ROW], table: &mut [Row], rows: &[u32; ROW]) {
+        let (low, high) = (transposed4([c[0], c[1], c[2], c[3]]), transposed4([c[4], c[5], c[6], c[7]]));
+        let rows = &rows[..4];
+        let mut i = 0;
+        while i < 4 {
+            let row = &mut table[rows[i] as usize].0;
+            low[i].store(&mut row[..4]);
+            high[i].store(&mut row[4..]);
+            i += 1;
+        }
     }
     #[inline(always)]
-    fn mul(self, other: Self) -> Self {
-        unsafe { Avx2(_mm256_mul_pd(self.0, other.0)) }
+    fn sqrt(self) -> Self {
+        unsafe { Avx2(_mm256_sqrt_pd(self.0)) }
+    }
+    #[inline(always)]
+    fn abs(self) -> Self {
+        unsafe { Avx2(_mm256_andnot_pd(_mm256_set1_pd(-0.0), self.0)) }
     }
     #[inline(always)]
     fn mul_add(self, factor: Self, term: Self) -> Self {
@@ -206,6 +381,18 @@ impl Lanes for Avx2 {
     #[inline(always)]
     fn lt(self, other: Self) -> Self::Mask {
         unsafe { _mm256_cmp_pd::<_CMP_LT_OQ>(self.0, other.0) }
+    }
+    #[inline(always)]
+    fn ge(self, other: Self) -> Self::Mask {
+        unsafe { _mm256_cmp_pd::<_CMP_GE_OQ>(self.0, other.0) }
+    }
+    #[inline(always)]
+    fn le(self, other: Self) -> Self::Mask {
+        unsafe { _mm256_cmp_pd::<_CMP_LE_OQ>(self.0, other.0) }
+    }
+    #[inline(always)]
+    fn select(mask: Self::Mask, a: Self, b: Self) -> Self {
+        unsafe { Avx2(_mm256_blendv_pd(b.0, a.0, mask)) }
     }
     #[inline(always)]
     fn either(up: Self::Mask, a: Self, down: Self::Mask, b: Self) -> Self {
@@ -225,6 +412,14 @@ impl Lanes for Avx2 {
     #[inline(always)]
     fn or(a: Self::Mask, b: Self::Mask) -> Self::Mask {
         unsafe { _mm256_or_pd(a, b) }
+    }
+    #[inline(always)]
+    fn and(a: Self::Mask, b: Self::Mask) -> Self::Mask {
+        unsafe { _mm256_and_pd(a, b) }
+    }
+    #[inline(always)]
+    fn not(mask: Self::Mask) -> Self::Mask {
+        unsafe { _mm256_andnot_pd(mask, Self::always()) }
     }
     #[inline(always)]
     fn always() -> Self::Mask {
@@ -269,6 +464,16 @@ impl Lanes for Avx2 {
     fn add_bits(a: Self::Bits, b: Self::Bits) -> Self::Bits {
         unsafe { _mm256_add_epi64(a, b) }
     }
+    /// From products of 32-bit halves.
+    #[inline(always)]
+    fn mul_bits(a: Self::Bits, b: Self::Bits) -> Self::Bits {
+        unsafe {
+            let low = _mm256_mul_epu32(a, b);
+            let crossed = _mm256_mullo_epi32(a, _mm256_shuffle_epi32::<0xB1>(b));
+            let crossed = _mm256_add_epi32(_mm256_slli_epi64::<32>(crossed), crossed);
+            _mm256_add_epi64(low, Self::keep_and_set(crossed, 0xFFFF_FFFF_0000_0000, 0))
+        }
+    }
     #[inline(always)]
     fn xor(a: Self::Bits, b: Self::Bits) -> Self::Bits {
         unsafe { _mm256_xor_si256(a, b) }
@@ -296,6 +501,10 @@ impl Lanes for Avx2 {
         }
     }
     #[inline(always)]
+    fn shr<const N: u32>(bits: Self::Bits) -> Self::Bits {
+        unsafe { _mm256_srl_epi64(bits, _mm_cvtsi64_si128(i64::from(N))) }
+    }
+    #[inline(always)]
     fn shl<const N: u32>(bits: Self::Bits) -> Self::Bits {
         unsafe { _mm256_sll_epi64(bits, _mm_cvtsi64_si128(i64::from(N))) }
     }
@@ -305,5 +514,20 @@ impl Lanes for Avx2 {
             let left = _mm256_sll_epi64(bits, _mm_cvtsi64_si128(i64::from(N)));
             _mm256_or_si256(left, _mm256_srl_epi64(bits, _mm_cvtsi64_si128(i64::from(64 - N))))
         }
+    }
+}
+
+/// Rows as columns: entry i of result k is entry k of row i.
+#[inline(always)]
+fn transposed4([r0, r1, r2, r3]: [Avx2; 4]) -> [Avx2; 4] {
+    unsafe {
+        let (a0, a1) = (_mm256_unpacklo_pd(r0.0, r1.0), _mm256_unpackhi_pd(r0.0, r1.0));
+        let (a2, a3) = (_mm256_unpacklo_pd(r2.0, r3.0), _mm256_unpackhi_pd(r2.0, r3.0));
+        [
+            Avx2(_mm256_permute2f128_pd::<0x20>(a0, a2)),
+            Avx2(_mm256_permute2f128_pd::<0x20>(a1, a3)),
+            Avx2(_mm256_permute2f128_pd::<0x31>(a0, a2)),
+            Avx2(_mm256_permute2f128_pd::<0x31>(a1, a3)),
+        ]
     }
 }

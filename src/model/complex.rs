@@ -4,11 +4,11 @@ use std::ops::{Add, Div, Mul, Sub};
 
 /// re + i im.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Complex {
+pub struct Complex<L = f64> {
     /// Real part.
-    pub re: f64,
+    pub re: L,
     /// Imaginary part.
-    pub im: f64,
+    pub im: L,
 }
 
 impl Complex {
@@ -26,19 +26,6 @@ impl Complex {
     pub fn unit(angle: f64) -> Self {
         let (sin, cos) = libm::sincos(angle);
         Complex { re: cos, im: sin }
-    }
-
-    /// e^{i angle} for |angle| <= 1, to rounding.
-    #[inline(always)]
-    pub fn small_unit(angle: f64) -> Self {
-        let square = angle * angle;
-        let (mut cos, mut sin) = (1.0, 1.0);
-        // 1 - angle^2/(n (n - 1)) (1 - ..), from the last term on; the next would be below 1/18!.
-        for n in [16.0, 14.0, 12.0, 10.0, 8.0, 6.0, 4.0, 2.0] {
-            cos = 1.0 - square * (cos * (1.0 / (n * (n - 1.0))));
-            sin = 1.0 - square * (sin * (1.0 / (n * (n + 1.0))));
-        }
-        Complex { re: cos, im: angle * sin }
     }
 
     /// e^self.

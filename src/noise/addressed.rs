@@ -13,8 +13,10 @@
 //! keys, so they share no number.
 
 use super::mirror;
-use super::normal::standard_normal;
+use super::normal::{half_normals, standard_normal};
 use super::stream::{GAMMA, path_word};
+use crate::lanes::{Lanes, Table};
+use std::f64::consts::SQRT_2;
 
 /// The random numbers of one path; a cursor that goes on from place to place within a cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -59,11 +61,15 @@ impl AddressedDraws {
     /// The next 64 random bits.
     #[inline(always)]
     pub fn next_u64(&mut self) -> u64 {
-        let z = self.origin.wrapping_add(self.counter.wrapping_mul(GAMMA));
+        let counter = self.counter;
         self.counter += 1;
-        let z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9) ^ self.key;
-        let z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        z ^ (z >> 31)
+        bits_at::<f64>(self.origin, self.key, counter)
+    }
+
+    /// What tells the numbers of this path from those of others: origin, key and whether its normals
+    /// have the other sign.
+    pub fn keys(&self) -> [u64; 3] {
+        [self.origin, self.key, self.flip]
     }
 
     /// The next standard normal.
@@ -91,5 +97,61 @@ impl AddressedDraws {
     #[inline(always)]
     pub fn uniform(&mut self) -> f64 {
         ((self.next_u64() >> 11) as f64 + 0.5) * (1.0 / 9_007_199_254_740_992.0)
+    }
+}
+
+/// The 64 random bits at a counter of the path with these keys.
+#[inline(always)]
+fn bits_at<L: Lanes>(origin: L::Bits, key: L::Bits, counter: L::Bits) -> L::Bits {
+    let z = L::add_bits(origin, L::mul_bits(counter, L::splat_bits(GAMMA)));
+    let z = L::xor(z, L::shr::<30>(z));
+    let z = L::xor(L::mul_bits(z, L::splat_bits(0xBF58_476D_1CE4_E5B9)), key);
+    let z = L::mul_bits(L::xor(z, L::shr::<27>(z)), L::splat_bits(0x94D0_49BB_1331_11EB));
+    L::xor(z, L::shr::<31>(z))
+}
+
+/// The random numbers of several paths in one cell, lane by lane those of [`AddressedDraws`]. None
+/// is used up: whoever takes numbers says which, as places after the next one.
+#[derive(Clone, Copy)]
+pub struct LaneDraws<L: Lanes> {
+    /// What tells the paths apart ([`AddressedDraws::keys`]).
+    pub origin: L::Bits,
+    pub key: L::Bits,
+    /// What the next number of each path is, as cell 2^32 + place.
+    pub counter: L::Bits,
+    /// See [`mirror::parts`].
+    pub flip: L::Bits,
+}
+
+impl<L: Lanes> LaneDraws<L> {
+    #[inline(always)]
+    fn bits(&self, after: u64) -> L::Bits {
+        bits_at::<L>(self.origin, self.key, L::add_bits(self.counter, L::splat_bits(after)))
+    }
+
+    /// [`AddressedDraws::normal`].
+    #[inline(always)]
+    pub fn normal(&self, cells: &Table, after: u64) -> L {
+        half_normals::<L>(cells, L::xor(self.bits(after), self.flip)) * SQRT_2
+    }
+
+    /// [`AddressedDraws::normal_pair`].
+    #[inline(always)]
+    pub fn normal_pair(&self, cells: &Table, after: u64) -> [L; 2] {
+        let bits = L::xor(self.bits(after), self.flip);
+        [half_normals::<L>(cells, bits) * SQRT_2, half_normals::<L>(cells, L::rotate_left::<32>(bits)) * SQRT_2]
+    }
+
+    /// [`AddressedDraws::three_normals`].
+    #[inline(always)]
+    pub fn three_normals(&self, cells: &Table, after: u64) -> [L; 3] {
+        let [one, two] = self.normal_pair(cells, after);
+        [one, two, self.normal(cells, after + 1)]
+    }
+
+    /// [`AddressedDraws::uniform`].
+    #[inline(always)]
+    pub fn uniform(&self, after: u64) -> L {
+        (L::from_integers(L::shr::<11>(self.bits(after))) + 0.5) * (1.0 / 9_007_199_254_740_992.0)
     }
 }

@@ -17,10 +17,14 @@
 //! U(t) of it becomes e^{theta t} U, whose second derivative in s is (U'' - theta^2 U) e^{-3 theta
 //! t} / sigma^4.
 
+use crate::lanes::{Lanes, exp};
+
 /// P(met), by which an unmet end is thinned; 1 where an end is on the threshold or beyond.
 #[inline(always)]
-pub fn meeting_probability(d0: f64, d1: f64, duration: f64) -> f64 {
-    if d0 <= 0.0 || d1 <= 0.0 { 1.0 } else { libm::exp(-2.0 * d0 * d1 / duration) }
+pub fn meeting_probability<L: Lanes>(d0: L, d1: L, duration: L) -> L {
+    let zero = L::splat(0.0);
+    let is_met = L::or(d0.le(zero), d1.le(zero));
+    L::select(is_met, L::splat(1.0), exp(d0 * -2.0 * d1 / duration))
 }
 
 /// The meeting place s*, given that the threshold is met, from a standard normal and a uniform
@@ -31,17 +35,17 @@ pub fn meeting_probability(d0: f64, d1: f64, duration: f64) -> f64 {
 /// mu^2 y^2), written without its cancellation as 4 l/(y (1 + g)^2), g = sqrt(1 + 4 l/(mu y)). It
 /// stays finite as mu grows without bound (d1 -> 0).
 #[inline(always)]
-pub fn meeting_place(d0: f64, d1: f64, duration: f64, normal: f64, uniform: f64) -> f64 {
-    if d0 <= 0.0 {
-        return 0.0;
-    }
+pub fn meeting_place<L: Lanes>(d0: L, d1: L, duration: L, normal: L, uniform: L) -> L {
+    let (zero, one) = (L::splat(0.0), L::splat(1.0));
     let (l, y) = (d0 * d0, normal * normal);
     let rate = d1.abs() / (d0 * duration); // 1/mu
-    let g = (1.0 + 4.0 * l * rate / y).sqrt();
-    let small = 4.0 * l / (y * (1.0 + g) * (1.0 + g));
+    let g = (l * 4.0 * rate / y + 1.0).sqrt() + 1.0;
+    let small = l * 4.0 / (y * g * g);
     // The larger root mu^2/small replaces it with probability small/(mu + small).
-    let q = if uniform * (1.0 + small * rate) > 1.0 { 1.0 / (rate * rate * small) } else { small };
-    if q.is_finite() { duration * q / (duration + q) } else { duration }
+    let is_larger = (uniform * (small * rate + 1.0)).gt(one);
+    let q = L::select(is_larger, one / (rate * rate * small), small);
+    let place = L::select(q.lt(L::splat(f64::INFINITY)), duration * q / (duration + q), duration);
+    L::select(d0.le(zero), zero, place)
 }
 
 /// E[u (1 - u)] at the place u = s/S where a straight threshold is touched, d0, d1 > 0: what a bent
@@ -65,12 +69,13 @@ pub fn meeting_place(d0: f64, d1: f64, duration: f64, normal: f64, uniform: f64)
 /// and erfcx(z) = (2/sqrt pi)/(z + sqrt(z^2 + 4/pi)) within 6 % (Abramowitz and Stegun 7.1.13, its
 /// upper bound): enough for a correction that is itself small.
 #[inline(always)]
-pub fn mean_touching_spread(d0: f64, d1: f64, duration: f64) -> f64 {
+pub fn mean_touching_spread<L: Lanes>(d0: L, d1: L, duration: L) -> L {
     let sum = d0 + d1;
-    let z2 = sum * sum / (2.0 * duration);
-    // sqrt(pi/2) d0 d1/(D sqrt S) (2/sqrt pi) / (z + sqrt(z^2 + 4/pi)), multiplied through by
-    // sqrt(2S)/D = 1/z.
-    2.0 * d0 * d1 / (sum * sum * (1.0 + (1.0 + 4.0 * std::f64::consts::FRAC_1_PI / z2).sqrt()))
+    let sum2 = sum * sum;
+    // sqrt(pi/2) d0 d1/(D sqrt S) (2/sqrt pi) / (z + sqrt(z^2 + 4/pi)) with z^2 = D^2/(2S), multiplied
+    // through by sqrt(2S)/D = 1/z.
+    let root = (duration * (8.0 * std::f64::consts::FRAC_1_PI) / sum2 + 1.0).sqrt();
+    d0 * 2.0 * d1 / (sum2 * (root + 1.0))
 }
 
 #[cfg(test)]

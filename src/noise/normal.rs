@@ -49,7 +49,7 @@ fn cell(y: u64) -> u64 {
 
 /// The cells of both signs where [`Lanes::lookup`] finds them. Of its 4 MiB only those around them
 /// are ever touched, 132 KiB.
-pub(super) fn cells() -> &'static Table {
+pub(crate) fn cells() -> &'static Table {
     static TABLE: LazyLock<Box<Table>> = LazyLock::new(|| {
         let mut table = vec![0; size_of::<Table>() / size_of::<u64>()];
         for y in (0..64).flat_map(|octave| (0..128).map(move |i| (1.0 + f64::from(i) / 128.0) * 2f64.powi(octave))) {

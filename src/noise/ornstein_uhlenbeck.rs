@@ -7,6 +7,8 @@
 //!
 //! with xi a standard normal. The time change is Doob's (Annals of Mathematics 43, 1942).
 
+use crate::lanes::{Lanes, cosh_and_sinh_over, log1p};
+
 /// The exact transition over a time h: v(t + h) = decay v(t) + increment_sd xi, xi standard normal.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Transition {
@@ -39,44 +41,22 @@ pub fn increment_variance(theta: f64, sigma: f64, h: f64) -> f64 {
 /// The process over a time h as the Brownian motion y of Doob's time change, which starts where v
 /// does.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct TimeChange {
-    /// The transition of v, whose decay is 1/growth to the last bit.
-    pub transition: Transition,
+pub struct TimeChange<L = f64> {
     /// e^{theta h}: what a distance of v at the end is multiplied by to be one of y.
-    pub growth: f64,
+    pub growth: L,
     /// S = sigma^2 (e^{2 theta h} - 1)/(2 theta): how long y runs.
-    pub duration: f64,
+    pub duration: L,
     /// (S/sigma^2)^2 e^{-3 theta h/2} = h^2 (1 + theta h/2 + ..). A threshold U of v with c = U'' -
     /// theta^2 U at mid-step deviates by c bow u (1 - u)/2 from a straight threshold of y, a
     /// fraction u of S from the start.
-    pub bow: f64,
-    theta: f64,
-    sigma: f64,
+    pub bow: L,
 }
 
 impl TimeChange {
     /// Over a time `h` >= 0, for theta > 0 and sigma >= 0.
     #[inline(always)]
     pub fn new(theta: f64, sigma: f64, h: f64) -> Self {
-        let y = theta * h;
-        if y <= 1.0 { Self::short(theta, sigma, h, y) } else { Self::long(theta, sigma, h) }
-    }
-
-    /// For y = theta h <= 1, in terms of c = cosh y and s = sinh(y)/y: growth = c + y s, and S =
-    /// sigma^2 h s e^y.
-    #[inline(always)]
-    fn short(theta: f64, sigma: f64, h: f64, y: f64) -> Self {
-        let (c, s) = hyperbolic(y * y);
-        let (growth, decay) = (c + y * s, c - y * s);
-        let clock = h * s;
-        TimeChange {
-            transition: Transition { decay, increment_sd: sigma * (clock * decay).sqrt() },
-            growth,
-            duration: sigma * sigma * clock * growth,
-            bow: clock * clock * growth.sqrt(),
-            theta,
-            sigma,
-        }
+        if theta * h <= 1.0 { Self::short(theta, sigma, h) } else { Self::long(theta, sigma, h) }
     }
 
     #[inline(never)]
@@ -84,20 +64,30 @@ impl TimeChange {
         let forgotten = forgotten(theta, h);
         let growth = libm::exp(theta * h);
         TimeChange {
-            transition: Transition { decay: 1.0 / growth, increment_sd: increment_sd(theta, sigma, forgotten) },
             growth,
             duration: spread(theta, sigma, forgotten) * growth * growth,
             bow: (forgotten / (2.0 * theta)).powi(2) * growth * growth * growth.sqrt(),
-            theta,
-            sigma,
         }
     }
+}
 
-    /// The time t at which y has run for s.
-    pub fn time(&self, s: f64) -> f64 {
-        let variance = self.sigma * self.sigma;
-        libm::log1p(2.0 * self.theta * s / variance) / (2.0 * self.theta)
+impl<L: Lanes> TimeChange<L> {
+    /// For y = theta h <= 1, in terms of c = cosh y and s = sinh(y)/y: growth = c + y s, and S =
+    /// sigma^2 h s e^y.
+    #[inline(always)]
+    pub fn short(theta: f64, sigma: f64, h: L) -> Self {
+        let y = h * theta;
+        let (c, s) = cosh_and_sinh_over(y * y);
+        let growth = c + y * s;
+        let clock = h * s;
+        TimeChange { growth, duration: clock * (sigma * sigma) * growth, bow: clock * clock * growth.sqrt() }
     }
+}
+
+/// The time t at which the Brownian motion of the time change has run for s.
+#[inline(always)]
+pub fn time_of<L: Lanes>(theta: f64, sigma: f64, s: L) -> L {
+    log1p(s * (2.0 * theta / (sigma * sigma))) * (0.5 / theta)
 }
 
 /// n half-way between two values a time `h` apart: what the sum of both is multiplied by to be the
@@ -108,26 +98,21 @@ impl TimeChange {
 /// ```
 #[inline(always)]
 pub fn bridge_middle(theta: f64, sigma: f64, h: f64) -> (f64, f64) {
-    let half = 0.5 * theta * h;
-    if half <= 1.0 {
-        let (c, s) = hyperbolic(half * half);
-        let inverse = 1.0 / c;
-        return (0.5 * inverse, 0.5 * sigma * (h * s * inverse).sqrt());
+    if theta * h <= 1.0 {
+        return short_bridge_middle(theta, sigma, h);
     }
+    let half = 0.5 * theta * h;
     let variance = sigma * sigma * libm::tanh(half) / (2.0 * theta);
     (0.5 / libm::cosh(half), variance.sqrt())
 }
 
-/// cosh y and sinh(y)/y from y^2 <= 1, to rounding.
+/// [`bridge_middle`] for theta h <= 1.
 #[inline(always)]
-fn hyperbolic(y2: f64) -> (f64, f64) {
-    let (mut cosh, mut sinh) = (1.0, 1.0);
-    // 1 + y^2/(n (n - 1)) (1 + ..), from the last term on; the next would be below 1/18!.
-    for n in [16.0, 14.0, 12.0, 10.0, 8.0, 6.0, 4.0, 2.0] {
-        cosh = 1.0 + y2 * (cosh * (1.0 / (n * (n - 1.0))));
-        sinh = 1.0 + y2 * (sinh * (1.0 / (n * (n + 1.0))));
-    }
-    (cosh, sinh)
+pub fn short_bridge_middle<L: Lanes>(theta: f64, sigma: f64, h: L) -> (L, L) {
+    let half = h * (0.5 * theta);
+    let (c, s) = cosh_and_sinh_over(half * half);
+    let inverse = L::splat(1.0) / c;
+    (inverse * 0.5, (h * s * inverse).sqrt() * (0.5 * sigma))
 }
 
 /// n between two known values, a time `before` after the first and `behind` before the second: mean
@@ -140,7 +125,7 @@ pub fn bridge_at(theta: f64, sigma: f64, before: f64, behind: f64, (n0, n1): (f6
     }
     // With S(t) = sinh(theta t)/theta: mean (n0 S(behind) + n1 S(before))/S(whole), variance sigma^2
     // S(before) S(behind)/S(whole).
-    let sinh = |t: f64| t * hyperbolic((theta * t) * (theta * t)).1;
+    let sinh = |t: f64| t * cosh_and_sinh_over((theta * t) * (theta * t)).1;
     let (before, behind, inverse) = (sinh(before), sinh(behind), 1.0 / sinh(whole));
     ((n0 * behind + n1 * before) * inverse, sigma * (before * behind * inverse).sqrt())
 }
@@ -236,12 +221,8 @@ mod tests {
             let transition = Transition::new(theta, sigma, h);
             let variance = change.duration / (change.growth * change.growth);
             assert!((variance / transition.increment_sd.powi(2) - 1.0).abs() < 1e-14, "{theta} {sigma} {h}");
-            assert!(
-                (change.transition.increment_sd / transition.increment_sd - 1.0).abs() < 1e-14,
-                "{theta} {sigma} {h}"
-            );
-            assert!((change.transition.decay / transition.decay - 1.0).abs() < 1e-14, "{theta} {sigma} {h}");
-            assert!((change.time(change.duration) / h - 1.0).abs() < 1e-13, "{theta} {sigma} {h}");
+            assert!((change.growth * transition.decay - 1.0).abs() < 1e-14, "{theta} {sigma} {h}");
+            assert!((time_of(theta, sigma, change.duration) / h - 1.0).abs() < 1e-13, "{theta} {sigma} {h}");
             let clock = (change.duration / (sigma * sigma)).powi(2) * (-1.5 * theta * h).exp();
             assert!((change.bow / clock - 1.0).abs() < 1e-12, "{theta} {sigma} {h}");
         }

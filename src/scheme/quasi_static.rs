@@ -34,10 +34,11 @@
 
 use super::columns::Columns;
 use super::event_driven::{
-    self, Cascade, Cell, Corridor, ExactTime, Glance, Noiseless, Piece, Scene, Seen, StepRules, UnfeltNoise,
+    self, Cascade, Cell, Corridor, ExactTime, Glance, Noiseless, OneByOne, Piece, Scene, Seen, StepRules, UnfeltNoise,
     Unresolved, WORK_LIMIT, Watch, Work, check_friction, round_down, temperature,
 };
 use super::{DEFAULT_TOLERANCE, Discretisation, Look, Method, Misfit, Observer, Parameter, Simulate, Timeline};
+use crate::lanes::InstructionSet;
 use crate::model::{Event, EventKind, Model, Phase, Sign, StepResponse};
 use crate::noise::{AddressedDraws, bridge_at};
 
@@ -331,7 +332,10 @@ impl Simulate for QuasiStaticSimulation {
     /// A path is lost where it spends all its work, or meets a value that is not a number.
     fn simulate<O: Observer>(&self, seed: u64, paths: &[u64], observer: &mut O) -> Vec<usize> {
         match &self.exits {
-            Exits::Noisy(cascade) => event_driven::simulate(cascade.as_ref(), seed, paths, observer).lost,
+            Exits::Noisy(cascade) => {
+                let mut all = OneByOne::new(cascade.as_ref(), InstructionSet::detect(), seed, paths);
+                event_driven::simulate(&mut all, paths.len(), observer).lost
+            }
             Exits::Noiseless(cascade, noise) => {
                 self.one_path(cascade, paths.len(), &mut noise.added_before(observer, seed, paths))
             }

@@ -131,6 +131,15 @@ impl DurationCounts {
         median
     }
 
+    /// The median without the sticks of each batch; missing where durations are whole numbers of steps.
+    pub fn medians_without_each_batch(&self) -> [f64; BATCHES] {
+        if self.step.is_some() {
+            return [f64::NAN; BATCHES];
+        }
+        let pooled = self.pooled();
+        self.batches.each_ref().map(|batch| pooled.median_without(&batch.durations.ordered()))
+    }
+
     /// Quantiles of these orders with their intervals.
     fn quantiles<const N: usize>(&self, orders: [f64; N]) -> [Measured; N] {
         let batches: Vec<Ordered> = self.batches.iter().map(|batch| batch.durations.ordered()).collect();

@@ -34,7 +34,7 @@ const UPPER: f64 = 0.975;
 const LARGE_FREEDOM: f64 = 100.0;
 
 /// The 97.5 % quantile of Student's t; NaN without a degree of freedom.
-pub(super) fn student(freedom: u64) -> f64 {
+pub(crate) fn student(freedom: u64) -> f64 {
     student_quantile(UPPER, freedom as f64)
 }
 

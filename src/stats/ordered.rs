@@ -4,6 +4,9 @@ use super::bins::Bins;
 use super::dyadic::width;
 use super::spread::Tails;
 
+/// Halvings of the range of values, to the last digit of any but the smallest.
+const BISECTIONS: usize = 64;
+
 /// The values that a sketch holds.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Ordered {
@@ -59,6 +62,33 @@ impl Ordered {
         let rank = p * (n - 1) as f64;
         let [below, above] = ranks(rank).map(|rank| self.of_rank(rank));
         below + (above - below) * rank.fract()
+    }
+
+    /// The median of these values without some of them; NaN if there are no others.
+    pub fn median_without(&self, some: &Ordered) -> f64 {
+        let left = self.count().saturating_sub(some.count());
+        if left == 0 {
+            return f64::NAN;
+        }
+        match (self, some) {
+            (Ordered::Kept(all), Ordered::Kept(some)) => {
+                let mut some = some.ascending().peekable();
+                let others: Vec<f64> =
+                    all.ascending().filter(|value| some.next_if(|gone| gone == value).is_none()).collect();
+                let [below, above] = ranks(0.5 * (left - 1) as f64).map(|rank| others[rank as usize]);
+                below + (above - below) * 0.5
+            }
+            // With so many values, where the distribution function of the others, even within bins, is a half.
+            _ => {
+                let (mut low, mut high) = (self.of_rank(0), self.of_rank(self.count() - 1));
+                for _ in 0..BISECTIONS {
+                    let middle = low + (high - low) / 2.0;
+                    let is_below = self.up_to(middle) - some.up_to(middle) < 0.5 * left as f64;
+                    (low, high) = if is_below { (middle, high) } else { (low, middle) };
+                }
+                low + (high - low) / 2.0
+            }
+        }
     }
 
     /// The value of rank 0 <= `rank` < n.

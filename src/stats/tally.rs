@@ -159,8 +159,8 @@ pub trait Companion: Sync {
     /// The sums of no paths.
     fn empty(&self) -> Self::Sums;
 
-    /// An observer of so many paths.
-    fn observer(&self, paths: usize) -> Self::Observer;
+    /// An observer of the paths of these numbers, ascending, a lane each.
+    fn observer(&self, paths: &[u64]) -> Self::Observer;
 
     /// What it has seen, once its paths have reached t_end.
     fn finish(&self, observer: Self::Observer, unit: Unit) -> Self::Sums;
@@ -172,7 +172,7 @@ impl Companion for () {
 
     fn empty(&self) {}
 
-    fn observer(&self, _: usize) {}
+    fn observer(&self, _: &[u64]) {}
 
     fn finish(&self, (): (), _: Unit) {}
 }
@@ -188,8 +188,8 @@ impl<'a, T: Tally<N>, const N: usize> Companion for Tallied<'a, T, N> {
         PathMeans::default()
     }
 
-    fn observer(&self, paths: usize) -> Self::Observer {
-        TallyObserver { tally: self.0, paths: (0..paths).map(|_| self.0.start()).collect(), numbers: Vec::new() }
+    fn observer(&self, paths: &[u64]) -> Self::Observer {
+        TallyObserver { tally: self.0, paths: paths.iter().map(|_| self.0.start()).collect(), numbers: Vec::new() }
     }
 
     fn finish(&self, observer: Self::Observer, unit: Unit) -> PathMeans<N> {

@@ -26,7 +26,7 @@ pub const SUB_PHASE_CAP: usize = 64;
 /// the last bits: a run merges those of its blocks along a tree ([`super::RunTotals`]).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Totals {
-    timeline: Timeline,
+    pub(super) timeline: Timeline,
     pub(super) sums: Sums,
     pub(super) counts: Counts,
 }
@@ -71,10 +71,7 @@ pub struct Counts {
 impl Sums {
     /// The sums of no paths.
     pub fn empty(timeline: &Timeline) -> Self {
-        Sums {
-            phases: PhaseSums { cascade: CascadeSums::default(), periods: PeriodSums::empty(timeline) },
-            bands: BandSums::empty(timeline.rows()),
-        }
+        Sums { phases: PhaseSums::empty(timeline), bands: BandSums::empty(timeline.rows()) }
     }
 }
 
@@ -111,6 +108,11 @@ impl Counts {
     /// So many units, if they agree by chance only.
     fn chance(&self, units: u64) -> Option<u64> {
         self.is_random.then_some(units)
+    }
+
+    /// Independent units folded, the diverged left out.
+    pub(super) fn units(&self) -> u64 {
+        self.units
     }
 
     fn sample(&self) -> Sample {
@@ -260,6 +262,16 @@ impl Merge for Totals {
 }
 
 impl PhaseSums {
+    /// The sums of no paths.
+    pub(super) fn empty(timeline: &Timeline) -> Self {
+        PhaseSums { cascade: CascadeSums::default(), periods: PeriodSums::empty(timeline) }
+    }
+
+    /// Of paths that have reached t_end.
+    pub(super) fn of(paths: &[PathFold], dynamic_force: f64, periods: PeriodSums, unit: Unit) -> Self {
+        PhaseSums { cascade: CascadeSums::of(paths, dynamic_force, unit), periods }
+    }
+
     /// A statistic of the run whose sums these are.
     pub(super) fn measured(&self, statistic: Statistic, timeline: &Timeline, counts: &Counts) -> Measured {
         let CascadeSums { contributing, .. } = &self.cascade;

@@ -35,6 +35,29 @@ pub enum StoreError {
         /// The file.
         path: PathBuf,
     },
+    /// Another process simulates a sweep to the same file.
+    #[error("{}: another process is writing this sweep; wait for it, or choose another output file with -o", path.display())]
+    Busy {
+        /// The file.
+        path: PathBuf,
+    },
+    /// The sweep in the file is another one.
+    #[error(
+        "{}: this is another sweep: {what}\n  fix: give the options of that sweep to continue it, choose another output file with -o, \
+         or overwrite it with --force", path.display()
+    )]
+    OtherSweep {
+        /// The file.
+        path: PathBuf,
+        /// Where they differ.
+        what: String,
+    },
+    /// The file is not that of a sweep.
+    #[error("{}: this is no file of a sweep; choose another output file with -o, or overwrite it with --force", path.display())]
+    NoSweep {
+        /// The file.
+        path: PathBuf,
+    },
     /// There is not enough room for a run, found out before it starts.
     #[error("{}: about {} are needed and {} are free; free some space, choose another disk, or record less", folder.display(), bytes(*needed as f64), bytes(*free as f64))]
     TooLittleSpace {

@@ -34,24 +34,27 @@ impl Unit {
     }
 }
 
-/// One variable of the file.
+/// One variable of the file, known when the program is built.
+pub(super) type Variable = Described<'static>;
+
+/// One variable of a file.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Variable {
+pub(super) struct Described<'a> {
     /// Its name; a variable named like its only axis is the coordinate of that dimension.
-    pub name: &'static str,
+    pub name: &'a str,
     /// Names of its dimensions, slowest first.
-    pub axes: &'static [&'static str],
+    pub axes: &'a [&'a str],
     /// What it is measured in.
     pub unit: Unit,
     /// What it is, for a plot's axis.
-    pub long_name: &'static str,
+    pub long_name: &'a str,
     /// Further CF attributes: name and text.
-    pub attributes: &'static [(&'static str, &'static str)],
+    pub attributes: &'a [(&'a str, &'a str)],
     /// Values of the flags, named in the attribute `flag_meanings`.
-    pub flags: &'static [i8],
+    pub flags: &'a [i8],
 }
 
-impl Variable {
+impl<'a> Described<'a> {
     /// Whether it gives a dimension its name and length.
     pub(super) fn is_coordinate(&self) -> bool {
         *self.axes == [self.name]
@@ -62,24 +65,19 @@ impl Variable {
         self.long_name == BARE_DIMENSION
     }
 
-    pub(super) const fn with(mut self, attributes: &'static [(&'static str, &'static str)]) -> Variable {
+    pub(super) const fn with(mut self, attributes: &'a [(&'a str, &'a str)]) -> Described<'a> {
         self.attributes = attributes;
         self
     }
 
-    const fn flags(mut self, values: &'static [i8], meanings: &'static [(&'static str, &'static str)]) -> Variable {
+    pub(super) const fn flags(mut self, values: &'a [i8], meanings: &'a [(&'a str, &'a str)]) -> Described<'a> {
         self.flags = values;
         self.with(meanings)
     }
 }
 
-pub(super) const fn variable(
-    name: &'static str,
-    axes: &'static [&'static str],
-    unit: Unit,
-    long_name: &'static str,
-) -> Variable {
-    Variable { name, axes, unit, long_name, attributes: &[], flags: &[] }
+pub(super) const fn variable<'a>(name: &'a str, axes: &'a [&'a str], unit: Unit, long_name: &'a str) -> Described<'a> {
+    Described { name, axes, unit, long_name, attributes: &[], flags: &[] }
 }
 
 /// Declares the variables and the list of all of them together, so that neither can miss one.

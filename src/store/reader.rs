@@ -2,7 +2,7 @@
 
 use super::error::{cause, system_error};
 use super::variable::{read_or_empty, read_text};
-use super::{FORMAT_NAME, FORMAT_VERSION, StoreError, TRADE_FORMAT_NAME, header, layout, summary};
+use super::{FORMAT_NAME, FORMAT_VERSION, SWEEP_FORMAT_NAME, StoreError, TRADE_FORMAT_NAME, header, layout, summary};
 use crate::engine::Status;
 use crate::provenance::Provenance;
 use crate::stats::Summary;
@@ -32,6 +32,8 @@ pub enum FileKind {
     Run,
     /// What accuracy costs.
     Trade,
+    /// Statistics as functions of keys.
+    Sweep,
 }
 
 /// What a file holds; none where it is no HDF5 file.
@@ -44,6 +46,7 @@ pub fn kind(path: &Path) -> Result<Option<FileKind>, StoreError> {
     match read_text(&file, "format_name").unwrap_or_default().as_str() {
         FORMAT_NAME => Ok(Some(FileKind::Run)),
         TRADE_FORMAT_NAME => Ok(Some(FileKind::Trade)),
+        SWEEP_FORMAT_NAME => Ok(Some(FileKind::Sweep)),
         _ => Err(StoreError::Foreign { path: path.to_owned() }),
     }
 }
@@ -74,7 +77,7 @@ pub fn read(path: &Path) -> Result<Stored, StoreError> {
 }
 
 /// HDF5 has one answer for a missing, an unreadable and a foreign file; so look first.
-fn check_signature(path: &Path) -> Result<(), StoreError> {
+pub(super) fn check_signature(path: &Path) -> Result<(), StoreError> {
     let not_opened = |source| StoreError::NotOpened { path: path.to_owned(), source };
     let mut start = [0; SIGNATURE.len()];
     match std::fs::File::open(path).map_err(not_opened)?.read_exact(&mut start) {

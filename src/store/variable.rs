@@ -1,6 +1,6 @@
 //! A netCDF variable in HDF5: a dataset with its attributes, each of its axes attached to a coordinate.
 
-use super::layout::{BARE_DIMENSION, Variable};
+use super::layout::{BARE_DIMENSION, Described};
 use super::scale::{attach_scale, make_scale};
 use crate::stats::Units;
 use hdf5::types::VarLenUnicode;
@@ -28,7 +28,7 @@ pub(super) struct Place {
 impl Place {
     /// Write a variable whose size is known. An empty one is left out, and so is its dimension: zero-length
     /// dimensions read as unlimited ones.
-    pub(super) fn put<T: Element>(&self, variable: &Variable, values: &[T]) -> Result<()> {
+    pub(super) fn put<T: Element>(&self, variable: &Described, values: &[T]) -> Result<()> {
         if values.is_empty() {
             return Ok(());
         }
@@ -46,7 +46,7 @@ impl Place {
     }
 
     /// Make a variable that grows along its first axis, empty for now.
-    pub(super) fn define_growing<T: Element>(&self, variable: &Variable, growth: Growth) -> Result<Dataset> {
+    pub(super) fn define_growing<T: Element>(&self, variable: &Described, growth: Growth) -> Result<Dataset> {
         let mut shape = vec![Extent::resizable(0)];
         let mut chunk = vec![growth.rows];
         if variable.axes.len() > 1 {
@@ -63,7 +63,7 @@ impl Place {
     }
 
     /// Lengths of the axes, unless one of them is not in the file.
-    fn shape_along_axes(&self, variable: &Variable) -> Result<Option<Vec<usize>>> {
+    fn shape_along_axes(&self, variable: &Described) -> Result<Option<Vec<usize>>> {
         let mut shape = Vec::new();
         for axis in variable.axes {
             if !self.file.link_exists(axis) {
@@ -75,7 +75,7 @@ impl Place {
     }
 
     /// Attributes, and the coordinate of each axis.
-    fn describe<T: Element>(&self, dataset: &Dataset, variable: &Variable) -> Result<()> {
+    fn describe<T: Element>(&self, dataset: &Dataset, variable: &Described) -> Result<()> {
         if variable.is_bare_dimension() {
             return make_scale(dataset, BARE_DIMENSION);
         }
@@ -103,7 +103,7 @@ impl Place {
 /// A type of values in the file.
 pub(super) trait Element: H5Type + Clone {
     /// Start a dataset of this type.
-    fn builder(file: &File, _variable: &Variable) -> hdf5::DatasetBuilderEmpty {
+    fn builder(file: &File, _variable: &Described) -> hdf5::DatasetBuilderEmpty {
         file.new_dataset::<Self>()
     }
 
@@ -118,7 +118,7 @@ impl Element for u32 {}
 impl Element for i8 {}
 impl Element for VarLenUnicode {}
 impl Element for f64 {
-    fn builder(file: &File, variable: &Variable) -> hdf5::DatasetBuilderEmpty {
+    fn builder(file: &File, variable: &Described) -> hdf5::DatasetBuilderEmpty {
         let builder = file.new_dataset::<f64>();
         // CF: a coordinate has no missing values.
         if variable.is_coordinate() { builder } else { builder.fill_value(f64::NAN) }
@@ -150,11 +150,11 @@ pub(super) fn text(value: &str) -> Result<VarLenUnicode> {
 }
 
 /// Read a variable, an absent one as empty.
-pub(super) fn read_or_empty<T: H5Type>(file: &File, variable: &Variable) -> Result<Vec<T>> {
+pub(super) fn read_or_empty<T: H5Type>(file: &File, variable: &Described) -> Result<Vec<T>> {
     if file.link_exists(variable.name) { file.dataset(variable.name)?.read_raw() } else { Ok(Vec::new()) }
 }
 
 /// Read a variable of a single value.
-pub(super) fn read_scalar<T: H5Type>(file: &File, variable: &Variable) -> Result<T> {
+pub(super) fn read_scalar<T: H5Type>(file: &File, variable: &Described) -> Result<T> {
     file.dataset(variable.name)?.read_scalar()
 }

@@ -130,7 +130,7 @@ fn runs(folder: &Path) -> Vec<File> {
 
 fn of_runs() -> Page {
     let page = Page::read(PAGE);
-    let (runs, _) = page.text.split_once("## The file of `mc trade`").expect("runs first, then trades");
+    let (runs, _) = page.text.split_once("## The file of `mc trade`").expect("runs first, then trades and sweeps");
     Page { text: runs.to_string(), path: page.path }
 }
 
@@ -190,5 +190,43 @@ fn every_variable_and_attribute_of_a_trade_is_listed() {
     for constant in ["format_name", "format_version"] {
         let value = text(&file, constant).expect("it is there");
         assert!(page.text.contains(&format!("`{constant}` is `{value}`")), "{constant} is {value}");
+    }
+}
+
+/// Axes of a sweep are those of its design, which the page writes as `...`.
+#[test]
+fn every_variable_and_attribute_of_a_sweep_is_listed() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let page = Page::read(PAGE).section("## The file of `mc sweep`");
+    let small = ["--paths", "40", "--until", "10", "--set", "time.output_step=10"];
+    let crossed = ["--vary", "rho=temperature.noise.intensity=0.1,0.2", "--vary", "friction.static=1.2,1.3"];
+    let keys = ["--elasticity", "friction.static,friction.dynamic"];
+    let of = |name: &str, more: &[&str]| {
+        written(folder.path(), name, &[&["sweep", "scenarios/rho025.toml"], &small[..], more].concat())
+    };
+    let files = [
+        (of("grid.h5", &crossed), "rho, f_s"),
+        (of("zip.h5", &[&crossed[..], &["--zip"]].concat()), "point"),
+        (of("elasticity.h5", &keys), "point"),
+    ];
+    let axes = BTreeSet::from(["rho".to_string(), "f_s".to_string()]);
+    let (mut found, mut attributes) = (BTreeSet::new(), BTreeSet::new());
+    for (file, dimensions) in &files {
+        let text =
+            page.text.replace("...,", &format!("{dimensions},")).replace("| ... |", &format!("| {dimensions} |"));
+        let own = axes.iter().filter(|axis| file.link_exists(axis)).map(|axis| {
+            let along = if dimensions.contains("rho") { axis } else { "point" };
+            format!("| `{axis}` | {along} | f64 | | value of the key |\n")
+        });
+        let table = "\n| Variable | Axes | Type | Unit | Meaning |\n|---|---|---|---|---|\n";
+        let page = Page { text: text + table + &own.collect::<String>(), path: page.path.clone() };
+        found.extend(check(file, &page));
+        attributes.extend(file.attr_names().expect("attributes"));
+    }
+    let listed: BTreeSet<String> = documented(&page).into_keys().collect();
+    same(&listed, &found.difference(&axes).cloned().collect());
+    let prose = page.spans();
+    for attribute in attributes {
+        assert!(prose.contains(&attribute.as_str()), "attribute {attribute} of a sweep is not in {PAGE}");
     }
 }

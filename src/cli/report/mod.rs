@@ -8,10 +8,14 @@
 //! bias         the error of the step: its cells in the table, and the warning where it dominates
 //! plots        stick durations and sub-phases as bars of letters
 //! json         all of it for machines
+//! csv          statistics of several files or points, a line each
+//! comparison   several files as one table, with their differences
 //! ```
 
 mod absence;
 mod bias;
+mod comparison;
+mod csv;
 mod info;
 mod json;
 mod plots;
@@ -21,6 +25,8 @@ mod sample;
 mod statistics;
 
 pub use bias::dominating_bias;
+pub use comparison::comparison;
+pub use csv::Csv;
 pub use info::RunInfo;
 pub use json::json;
 pub use plots::plots;

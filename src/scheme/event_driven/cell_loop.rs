@@ -17,6 +17,7 @@ use super::corridor::{Corridor, Pending};
 use super::scene::Scene;
 use super::watch::{Glance, Glances, Nobody, Seen, Watch};
 use super::work::{Simulated, Unresolved, Work};
+use crate::lanes::{InstructionSet, LaneProgram, Lanes};
 use crate::model::{Event, EventKind, Phase, Sign};
 use crate::noise::{AddressedDraws, Transition};
 use crate::scheme::columns::Columns;
@@ -40,7 +41,7 @@ pub struct Path<M> {
     pub motion: M,
     pub draws: AddressedDraws,
     pub work: Work,
-    is_lost: bool,
+    pub is_lost: bool,
 }
 
 /// A scheme as the loop sees it.
@@ -91,70 +92,165 @@ const MOST_QUIET: usize = 64;
 /// here on what happens inside.
 pub const NOISE_PLACE: u64 = 0;
 pub const WHOLE_PLACE: u64 = 1;
-const EVENT_PLACE: u64 = 2;
+pub const EVENT_PLACE: u64 = 2;
 
-/// Simulate the paths with these numbers. Compiled for the instruction set of the caller, hence
-/// `inline(always)`.
-#[inline(always)]
-pub fn simulate<C: Cascade, O: Observer>(cascade: &C, seed: u64, paths: &[u64], observer: &mut O) -> Simulated {
-    let length = cascade.cell_length();
-    let scene = cascade.scene();
-    let transition = Transition::new(scene.relaxation_rate, scene.diffusion, length);
-    let mut lanes: Vec<_> = paths.iter().map(|&path| start(cascade, seed, path)).collect();
-    let mut columns = Columns::new(paths.len());
-    let mut scratch = (cascade.scratch(), Pending::new());
+/// The paths of a block between two cells, as the loop moves them.
+pub trait Paths {
+    /// What moves by itself: the scheme.
+    type Cascade: Cascade;
+
+    fn cascade(&self) -> &Self::Cascade;
+    /// Take all paths across cells inside which nobody looks.
+    fn cross(&mut self, cells: &[Cell], observer: &mut impl Observer);
+    /// Take all paths across a cell inside which somebody looks.
+    fn cross_watched(&mut self, cell: &Cell, inside: &mut Inside);
+    /// Set what is seen of every path at the end of the cell that was crossed last.
+    fn look(&self, passed: &Cell, columns: &mut Columns);
+    /// Whether all paths are lost.
+    fn are_lost(&self) -> bool;
+    fn simulated(&self) -> Simulated;
+}
+
+/// Simulate some paths.
+pub fn simulate<O: Observer>(paths: &mut impl Paths, count: usize, observer: &mut O) -> Simulated {
+    let length = paths.cascade().cell_length();
+    let mut cell = Cell::new(paths.cascade().scene(), length, 0);
+    let (closeness, timeline) = (paths.cascade().closeness(), *paths.cascade().timeline());
+    let mut columns = Columns::new(count);
     let (mut quiet, mut inside) = (Vec::new(), Inside::default());
-    let mut stops = cascade.timeline().stops().peekable();
+    let mut stops = timeline.stops().peekable();
     let is_before = |stop: &Stop, end: f64| stop.time < end - ALIGNMENT * end;
     let is_by = |stop: &Stop, end: f64| stop.time <= end + ALIGNMENT * end;
-    let mut cell = Cell::new(scene, length, 0);
     while let Some(stop) = stops.peek() {
         // Cells inside which nobody looks, up to the end of one at which somebody does: each path
         // goes through all of them alone, which processors predict better.
         quiet.clear();
         while !is_before(stop, cell.end()) && quiet.len() < MOST_QUIET {
             quiet.push(cell.clone());
-            cell.move_to(scene, cell.index + 1);
-        }
-        for (lane, path) in lanes.iter_mut().enumerate() {
-            let mut cells = quiet.iter();
-            while let Some(cell) = cells.next().filter(|_| !path.is_lost) {
-                let emit = |event| observer.event(lane, event);
-                path.is_lost = cross(cascade, cell, &transition, path, &mut scratch, &mut Nobody, emit).is_err();
-            }
+            cell.move_to(paths.cascade().scene(), cell.index + 1);
         }
         if quiet.is_empty() {
             let next = || stops.next_if(|stop| is_before(stop, cell.end()));
-            inside.begin(std::iter::from_fn(next), &cell, lanes.len(), cascade.closeness());
-            for (lane, path) in lanes.iter_mut().enumerate().filter(|(_, path)| !path.is_lost) {
-                let Inside { glances, seen, events, .. } = &mut inside;
-                let draws = path.draws.for_looking(cell.index);
-                let mut watch = Glances { glances, draws, seen: &mut seen[lane] };
-                let emit = |event| events.push((lane, event));
-                path.is_lost = cross(cascade, &cell, &transition, path, &mut scratch, &mut watch, emit).is_err();
-            }
+            inside.begin(std::iter::from_fn(next), &cell, count, closeness);
+            paths.cross_watched(&cell, &mut inside);
             inside.tell(observer, &mut columns, stops.peek().is_none());
             quiet.push(cell.clone());
-            cell.move_to(scene, cell.index + 1);
+            cell.move_to(paths.cascade().scene(), cell.index + 1);
+        } else {
+            paths.cross(&quiet, observer);
         }
         let passed = &quiet[quiet.len() - 1];
         let mut is_set = false;
         while let Some(stop) = stops.next_if(|stop| is_by(stop, passed.end())) {
             if !is_set {
-                lanes.iter().enumerate().for_each(|(lane, path)| columns.set(lane, at_the_end(cascade, passed, path)));
+                paths.look(passed, &mut columns);
                 is_set = true;
             }
             observer.snapshot(stop.instant, columns.snapshot(stop.time));
         }
-        if lanes.iter().all(|path| path.is_lost) {
-            (0..lanes.len()).for_each(|lane| columns.set(lane, LOST));
+        if paths.are_lost() {
+            columns.fill(LOST);
             stops.by_ref().for_each(|stop| observer.snapshot(stop.instant, columns.snapshot(stop.time)));
         }
     }
-    Simulated {
-        lost: lanes.iter().enumerate().filter(|(_, path)| path.is_lost).map(|(lane, _)| lane).collect(),
-        evaluations: lanes.iter().map(|path| cascade.work_limit() - path.work.left()).sum(),
+    paths.simulated()
+}
+
+/// Paths that go one by one.
+pub struct OneByOne<'a, C: Cascade> {
+    cascade: &'a C,
+    instructions: InstructionSet,
+    transition: Transition,
+    paths: Vec<Path<C::Motion>>,
+    /// The events of the cells that were crossed last.
+    events: Vec<(usize, Event)>,
+    scratch: (C::Scratch, Pending),
+}
+
+impl<'a, C: Cascade> OneByOne<'a, C> {
+    /// The paths with these numbers, at t = 0.
+    pub fn new(cascade: &'a C, instructions: InstructionSet, seed: u64, paths: &[u64]) -> Self {
+        OneByOne {
+            cascade,
+            instructions,
+            transition: cell_transition(cascade),
+            paths: paths.iter().map(|&path| start(cascade, seed, path)).collect(),
+            events: Vec::new(),
+            scratch: (cascade.scratch(), Pending::new()),
+        }
     }
+}
+
+/// One path after the other across cells, looked at or not: a scalar program, compiled for each
+/// instruction set with everything that is called often (hence `inline(always)` there), so that fused
+/// multiply-adds become instructions instead of calls. The bits stay the same.
+struct Crossing<'p, 'a, C: Cascade> {
+    all: &'p mut OneByOne<'a, C>,
+    cells: &'p [Cell],
+    inside: Option<&'p mut Inside>,
+}
+
+impl<C: Cascade> LaneProgram for Crossing<'_, '_, C> {
+    #[inline(always)]
+    fn run<L: Lanes>(&mut self) {
+        let OneByOne { cascade, transition, paths, events, scratch, .. } = &mut *self.all;
+        for (lane, path) in paths.iter_mut().enumerate() {
+            let mut cells = self.cells.iter();
+            while let Some(cell) = cells.next().filter(|_| !path.is_lost) {
+                if let Some(inside) = &mut self.inside {
+                    inside.cross(lane, *cascade, cell, transition, path, scratch);
+                } else {
+                    let emit = |event| events.push((lane, event));
+                    path.is_lost = cross(*cascade, cell, transition, path, scratch, &mut Nobody, emit).is_err();
+                }
+            }
+        }
+    }
+}
+
+impl<C: Cascade> Paths for OneByOne<'_, C> {
+    type Cascade = C;
+
+    fn cascade(&self) -> &C {
+        self.cascade
+    }
+
+    fn cross(&mut self, cells: &[Cell], observer: &mut impl Observer) {
+        let instructions = self.instructions;
+        instructions.run(&mut Crossing { all: self, cells, inside: None });
+        for (lane, event) in self.events.drain(..) {
+            observer.event(lane, event);
+        }
+    }
+
+    fn cross_watched(&mut self, cell: &Cell, inside: &mut Inside) {
+        let cells = std::slice::from_ref(cell);
+        let instructions = self.instructions;
+        instructions.run(&mut Crossing { all: self, cells, inside: Some(inside) });
+    }
+
+    fn look(&self, passed: &Cell, columns: &mut Columns) {
+        for (lane, path) in self.paths.iter().enumerate() {
+            columns.set(lane, at_the_end(self.cascade, passed, path));
+        }
+    }
+
+    fn are_lost(&self) -> bool {
+        self.paths.iter().all(|path| path.is_lost)
+    }
+
+    fn simulated(&self) -> Simulated {
+        Simulated {
+            lost: self.paths.iter().enumerate().filter(|(_, path)| path.is_lost).map(|(lane, _)| lane).collect(),
+            evaluations: self.paths.iter().map(|path| self.cascade.work_limit() - path.work.left()).sum(),
+        }
+    }
+}
+
+/// How n gets across a cell.
+pub fn cell_transition<C: Cascade>(cascade: &C) -> Transition {
+    let scene = cascade.scene();
+    Transition::new(scene.relaxation_rate, scene.diffusion, cascade.cell_length())
 }
 
 /// What is seen of a path at the end of a cell.
@@ -167,9 +263,11 @@ fn at_the_end<C: Cascade>(cascade: &C, cell: &Cell, path: &Path<C::Motion>) -> S
     (x, v, temperature, path.phase == Phase::Static)
 }
 
-const LOST: Seen = (f64::NAN, f64::NAN, f64::NAN, false);
+/// What is seen of a path that was given up.
+pub const LOST: Seen = (f64::NAN, f64::NAN, f64::NAN, false);
 
-fn start<C: Cascade>(cascade: &C, seed: u64, path: u64) -> Path<C::Motion> {
+/// A path at t = 0.
+pub fn start<C: Cascade>(cascade: &C, seed: u64, path: u64) -> Path<C::Motion> {
     let (scene, draws) = (cascade.scene(), AddressedDraws::new(seed, path));
     Path::new(scene, scene.draw_initial_noise(draws), draws, Work::new(cascade.work_limit()))
 }
@@ -195,7 +293,7 @@ impl<M: Default> Path<M> {
 
 /// Take a path across a cell, phase by phase.
 #[inline(always)]
-fn cross<C: Cascade>(
+pub fn cross<C: Cascade>(
     cascade: &C,
     cell: &Cell,
     transition: &Transition,
@@ -258,7 +356,7 @@ fn stick<C: Cascade>(
 
 /// The stops inside a cell, what was seen there, and the events of the cell.
 #[derive(Default)]
-struct Inside {
+pub struct Inside {
     stops: Vec<Stop>,
     /// When they are, each time once, and which of them are a closer look.
     glances: Vec<Glance>,
@@ -288,6 +386,24 @@ impl Inside {
         self.seen.resize(paths, Vec::new());
         self.seen.iter_mut().for_each(Vec::clear);
         self.events.clear();
+    }
+
+    /// Take a path across the cell, and look at it.
+    #[inline(always)]
+    pub fn cross<C: Cascade>(
+        &mut self,
+        lane: usize,
+        cascade: &C,
+        cell: &Cell,
+        transition: &Transition,
+        path: &mut Path<C::Motion>,
+        scratch: &mut (C::Scratch, Pending),
+    ) {
+        let Inside { glances, seen, events, .. } = self;
+        let draws = path.draws.for_looking(cell.index);
+        let mut watch = Glances { glances, draws, seen: &mut seen[lane] };
+        let emit = |event| events.push((lane, event));
+        path.is_lost = cross(cascade, cell, transition, path, scratch, &mut watch, emit).is_err();
     }
 
     /// Tell the observer what happened, in order of time. `is_over` if nothing after the last stop

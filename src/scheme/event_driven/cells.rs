@@ -6,6 +6,7 @@
 //! cells see the same noise, and looking at a path does not change it.
 
 use super::scene::Scene;
+use crate::lanes::{Lanes, small_unit};
 use crate::model::Complex;
 
 /// One cell, with what all paths share in it.
@@ -27,10 +28,10 @@ pub struct Cell {
 }
 
 /// B and its second derivative.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Forcing {
-    pub value: f64,
-    pub curvature: f64,
+#[derive(Clone, Copy, Debug)]
+pub struct Forcing<L = f64> {
+    pub value: L,
+    pub curvature: L,
 }
 
 impl Cell {
@@ -41,8 +42,8 @@ impl Cell {
             start: 0.0,
             length,
             terms: vec![Complex::ZERO; scene.harmonics.len()],
-            first: Forcing::default(),
-            last: Forcing::default(),
+            first: Forcing { value: 0.0, curvature: 0.0 },
+            last: Forcing { value: 0.0, curvature: 0.0 },
             frequencies: scene.harmonics.iter().map(|h| h.angular_frequency).collect(),
         };
         cell.move_to(scene, index);
@@ -54,9 +55,9 @@ impl Cell {
         self.index = index;
         self.start = index as f64 * self.length;
         scene.set_terms(self.end(), &mut self.terms);
-        self.last = self.derivatives(|term, _| term);
+        self.last = self.forcing_here();
         scene.set_terms(self.start, &mut self.terms);
-        self.first = self.derivatives(|term, _| term);
+        self.first = self.forcing_here();
     }
 
     /// When it ends, and the next one begins.
@@ -64,29 +65,43 @@ impl Cell {
         (self.index + 1) as f64 * self.length
     }
 
-    /// B and its curvature a time after the start.
+    /// B and its second derivative a time after the start.
     #[inline(always)]
-    pub fn forcing(&self, after: f64) -> Forcing {
-        // A cell is at most 1/w long.
-        self.derivatives(|term, w| term * Complex::small_unit(w * after))
-    }
-
-    #[inline(always)]
-    fn derivatives(&self, turned: impl Fn(Complex, f64) -> Complex) -> Forcing {
-        let mut all = Forcing::default();
+    pub fn forcing<L: Lanes>(&self, after: L) -> Forcing<L> {
+        let mut all = Forcing { value: L::splat(0.0), curvature: L::splat(0.0) };
         for (term, &w) in self.terms.iter().zip(&self.frequencies) {
-            let p = turned(*term, w);
-            all.value += p.re;
-            all.curvature -= w * w * p.re;
+            // A cell is at most 1/w long.
+            let (cos, sin) = small_unit(after * w);
+            let re = cos * term.re - sin * term.im;
+            all.value = all.value + re;
+            all.curvature = all.curvature - re * (w * w);
         }
         all
+    }
+
+    /// The same where the terms of B are those of the cell.
+    fn forcing_here(&self) -> Forcing {
+        let mut all = Forcing { value: 0.0, curvature: 0.0 };
+        for (term, &w) in self.terms.iter().zip(&self.frequencies) {
+            all.value += term.re;
+            all.curvature -= term.re * (w * w);
+        }
+        all
+    }
+
+    /// The term of one of the harmonics of B a time after the start.
+    #[inline(always)]
+    pub fn term<L: Lanes>(&self, harmonic: usize, after: L) -> Complex<L> {
+        let p = self.terms[harmonic];
+        let (cos, sin) = small_unit(after * self.frequencies[harmonic]);
+        Complex { re: cos * p.re - sin * p.im, im: sin * p.re + cos * p.im }
     }
 
     /// The terms of B a time after the start.
     #[inline(always)]
     pub fn set_terms(&self, after: f64, terms: &mut [Complex]) {
-        for ((to, term), &w) in terms.iter_mut().zip(&self.terms).zip(&self.frequencies) {
-            *to = *term * Complex::small_unit(w * after);
+        for (harmonic, to) in terms.iter_mut().enumerate() {
+            *to = self.term(harmonic, after);
         }
     }
 }

@@ -13,9 +13,10 @@
 use super::cell_loop::Path;
 use super::cells::Cell;
 use super::scene::Scene;
-use super::stick_step::{FAR_EXPONENT, StickStep};
+use super::stick_step::{FAR_EXPONENT, StickEnds, StickStep};
 use super::watch::{StickEnd, StickPiece, Watch};
 use super::work::Unresolved;
+use crate::lanes::{Choose, Lanes};
 use crate::model::Sign;
 use crate::noise::bridge_middle;
 
@@ -36,14 +37,14 @@ pub struct Corridor {
 
 /// What is known of a stick at one time.
 #[derive(Clone, Copy, Debug)]
-struct Node {
+pub struct Node<L = f64> {
     /// Time after the start of the cell.
-    after: f64,
-    noise: f64,
+    pub after: L,
+    pub noise: L,
     /// b.
-    force: f64,
+    pub force: L,
     /// B''.
-    curvature: f64,
+    pub curvature: L,
 }
 
 /// The right ends of pieces still to be looked at, the nearest on top; kept between sticks so that
@@ -60,11 +61,20 @@ impl Pending {
 
 /// One threshold over a piece.
 #[derive(Clone, Copy)]
-struct Side {
+struct Side<L: Lanes> {
     /// The largest |U'' - theta^2 U| at its ends, U the threshold as n sees it.
-    bend: f64,
+    bend: L,
     /// Whether the bridge may meet it.
-    is_near: bool,
+    is_near: L::Mask,
+}
+
+/// Both thresholds over a piece.
+#[derive(Clone, Copy)]
+pub struct Reach<L: Lanes> {
+    /// Whether the bridge may meet one of them.
+    pub is_near: L::Mask,
+    /// Whether the piece is too long to be decided.
+    pub is_long: L::Mask,
 }
 
 impl Corridor {
@@ -107,12 +117,9 @@ impl Corridor {
             work.spend()?;
             let right = pending[top];
             let h = right.after - left.after;
-            // Not by `map`, which is not compiled for the instruction set.
-            let (up, down) = (side(scene, 1.0, h, &left, &right), side(scene, -1.0, h, &left, &right));
-            if up.is_near || down.is_near {
-                let reach = |side: Side| if side.is_near { side.bend } else { 0.0 };
-                let bend = reach(up).max(reach(down));
-                if (h > self.widest || bend * bend * h * h * h > self.most_bend) && top < DEPTH {
+            let reach = self.reach(scene, h, &left, &right);
+            if reach.is_near {
+                if reach.is_long && top < DEPTH {
                     let (weight, sd) = bridge_middle(scene.relaxation_rate, scene.diffusion, h);
                     let middle = weight * (left.noise + right.noise) + sd * draws.normal();
                     top += 1;
@@ -120,20 +127,16 @@ impl Corridor {
                     continue;
                 }
                 let step = StickStep::new(scene, h);
-                let bend = -0.5 * (left.curvature + right.curvature);
-                let mean_noise = 0.5 * (left.noise + right.noise);
-                let f_s = scene.friction.static_force;
-                if let Some((sign, passed)) = step.exit(scene, f_s, (left.force, right.force), bend, mean_noise, draws)
-                {
+                if let Some((sign, passed)) = step.exit(scene, &ends(&left, &right), draws) {
                     let after = left.after + passed;
-                    let force = sign.value() * f_s;
+                    let force = sign.value() * scene.friction.static_force;
                     let noise = force - cell.forcing(after).value + spring;
                     let right = Node { after, noise, force, curvature: 0.0 };
                     watch.look(scene, cell, || piece(&left, &right, StickEnd::Exit(sign)));
                     return Ok(Some((after, sign)));
                 }
             }
-            let kind = if up.is_near || down.is_near { StickEnd::Kept } else { StickEnd::Clear };
+            let kind = if reach.is_near { StickEnd::Kept } else { StickEnd::Clear };
             watch.look(scene, cell, || piece(&left, &right, kind));
             if top == 0 {
                 return Ok(None);
@@ -144,19 +147,50 @@ impl Corridor {
     }
 }
 
+impl Corridor {
+    /// Whether a piece between two nodes may leave the corridor, and whether that is decided at once.
+    #[inline(always)]
+    pub fn reach<L: Lanes>(&self, scene: &Scene, h: L, left: &Node<L>, right: &Node<L>) -> Reach<L> {
+        let (up, down) = (side(scene, 1.0, h, left, right), side(scene, -1.0, h, left, right));
+        let zero = L::splat(0.0);
+        let reach = L::select(up.is_near, up.bend, zero).or_at_least(L::select(down.is_near, down.bend, zero));
+        let is_bent = (reach * reach * h * h * h).gt(L::splat(self.most_bend));
+        Reach { is_near: L::or(up.is_near, down.is_near), is_long: L::or(h.gt(L::splat(self.widest)), is_bent) }
+    }
+}
+
+/// What decides a piece between two nodes.
+#[inline(always)]
+pub fn ends<L: Lanes>(left: &Node<L>, right: &Node<L>) -> StickEnds<L> {
+    StickEnds {
+        start: left.force,
+        end: right.force,
+        bend: (left.curvature + right.curvature) * -0.5,
+        mean_noise: (left.noise + right.noise) * 0.5,
+    }
+}
+
 /// What is to be known of one threshold over a piece.
 #[inline(always)]
-fn side(scene: &Scene, side: f64, h: f64, left: &Node, right: &Node) -> Side {
-    let (f_s, theta) = (scene.friction.static_force, scene.relaxation_rate);
-    let (d0, d1) = (f_s - side * left.force, f_s - side * right.force);
-    let bend = |node: &Node, d: f64| (side * node.curvature + theta * theta * (side * node.noise + d)).abs();
-    let bend = bend(left, d0).max(bend(right, d1));
-    let shift = 0.125 * bend * h * h;
-    let y = theta * h;
-    let variance = scene.diffusion * scene.diffusion * h * (1.0 + SINH_BOUND * y * y);
+fn side<L: Lanes>(scene: &Scene, side: f64, h: L, left: &Node<L>, right: &Node<L>) -> Side<L> {
+    let (f_s, theta) = (L::splat(scene.friction.static_force), scene.relaxation_rate);
+    let (d0, d1) = (f_s - left.force * side, f_s - right.force * side);
+    let (bend0, bend1) = (bend(theta, side, left, d0), bend(theta, side, right, d1));
+    let bend = bend0.or_at_least(bend1);
+    let shift = bend * 0.125 * h * h;
+    let y = h * theta;
+    let variance = h * (scene.diffusion * scene.diffusion) * (y * y * SINH_BOUND + 1.0);
     let (d0, d1) = (d0 - shift, d1 - shift);
-    let is_far = d0 > 0.0 && d1 > 0.0 && 2.0 * d0 * d1 >= FAR_EXPONENT * variance;
-    Side { bend, is_near: !is_far }
+    let zero = L::splat(0.0);
+    let is_beyond = (d0 * 2.0 * d1).ge(variance * FAR_EXPONENT);
+    let is_far = L::and(L::and(d0.gt(zero), d1.gt(zero)), is_beyond);
+    Side { bend, is_near: L::not(is_far) }
+}
+
+/// |U'' - theta^2 U| at one end, where the distance to the threshold is `d`.
+#[inline(always)]
+fn bend<L: Lanes>(theta: f64, side: f64, node: &Node<L>, d: L) -> L {
+    (node.curvature * side + (node.noise * side + d) * (theta * theta)).abs()
 }
 
 /// sinh y <= y (1 + this y^2) for 0 <= y <= 1.

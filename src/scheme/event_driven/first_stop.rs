@@ -39,15 +39,16 @@
 //! because at small enough h any V0 > 0 or a0 > 0 is clear; a tangency is cut off at 2^-DEPTH h.
 
 use super::work::{Unresolved, Work};
+use crate::lanes::{Choose, Lanes};
 use crate::noise::AddressedDraws;
 
 /// The velocity eps x' and its derivative at one time.
 #[derive(Clone, Copy, Debug)]
-pub struct Motion {
+pub struct Motion<L = f64> {
     /// V.
-    pub velocity: f64,
+    pub velocity: L,
     /// a.
-    pub acceleration: f64,
+    pub acceleration: L,
 }
 
 /// A slip step: its ends, the way between them, its length and the square root of that.
@@ -122,14 +123,14 @@ const ROOT_HALF: f64 = std::f64::consts::FRAC_1_SQRT_2;
 
 /// An interval to the right of what has been scanned.
 #[derive(Clone, Copy, Debug)]
-pub struct Interval {
-    end: Motion,
-    way: f64,
-    length: f64,
+pub struct Interval<L = f64> {
+    pub end: Motion<L>,
+    pub way: L,
+    pub length: L,
     /// 1 / length.
-    inverse: f64,
+    pub inverse: L,
     /// c sqrt(length).
-    noise: f64,
+    pub noise: L,
 }
 
 /// Intervals still to be scanned, the nearest on top; kept between searches so that none is cleared
@@ -192,16 +193,14 @@ impl StopSearch {
             let next = pending[top];
             if !clear {
                 if self.is_stop(left, &next) {
-                    let stop = self.stop(left, &next, draws, |u, way_there, motion, rest| {
-                        passed(after + u, way + way_there, motion, rest);
-                    });
+                    let stop = self.stop((after, way), left, &next, draws, passed);
                     if !(stop.after + stop.way + stop.acceleration).is_finite() {
                         return Err(Unresolved);
                     }
-                    return Ok(Some(Stop { after: after + stop.after, way: forwards(way + stop.way), ..stop }));
+                    return Ok(Some(Stop { way: forwards(stop.way), ..stop }));
                 }
                 if next.length > finest && top < DEPTH {
-                    let (near, far) = halves(left, &next, draws);
+                    let (near, far) = halves(left, &next, draws.three_normals());
                     pending[top] = far;
                     top += 1;
                     pending[top] = near;
@@ -232,27 +231,32 @@ impl StopSearch {
         }
     }
 
+    /// Whether V stays above zero on an interval, but for a chance that is neglected.
     #[inline(always)]
-    fn is_clear(&self, left: Motion, next: &Interval) -> bool {
+    pub fn is_clear<L: Lanes>(&self, left: Motion<L>, next: &Interval<L>) -> L::Mask {
         let [v0, c1, c2, c3, v1] = velocity_controls(left, next);
-        // Not short-circuited: one branch is cheaper than five.
-        if v0 == 0.0 {
-            let least = self.caution * START_SPREAD * next.noise;
-            let rise = least * next.length;
-            (left.acceleration > least) & (v1 > rise) & (2.0 * c2 > rise) & ((4.0 / 3.0) * c3 > rise)
-        } else {
-            let least = self.caution * VELOCITY_SPREAD * next.noise * next.length;
-            (v0 > least) & (c1 > least) & (c2 > least) & (c3 > least) & (v1 > least)
-        }
+        let zero = L::splat(0.0);
+        let is_start = L::and(v0.ge(zero), v0.le(zero));
+        let least_slope = next.noise * (self.caution * START_SPREAD);
+        let least = next.noise * (self.caution * VELOCITY_SPREAD) * next.length;
+        let from_rest = L::and(is_start, left.acceleration.gt(least_slope));
+        let in_motion = L::and(v0.gt(least), c1.gt(least));
+        let least = L::select(is_start, least_slope * next.length, least);
+        let c2 = L::select(is_start, c2 * 2.0, c2);
+        let c3 = L::select(is_start, c3 * (4.0 / 3.0), c3);
+        let later = L::and(L::and(c2.gt(least), c3.gt(least)), v1.gt(least));
+        L::and(L::or(from_rest, L::and(L::not(is_start), in_motion)), later)
     }
 
+    /// Whether V has one zero on an interval, and falls throughout.
     #[inline(always)]
-    fn is_stop(&self, left: Motion, next: &Interval) -> bool {
+    pub fn is_stop<L: Lanes>(&self, left: Motion<L>, next: &Interval<L>) -> L::Mask {
         let [v0, c1, c2, c3, v1] = velocity_controls(left, next);
-        let most = -self.caution * SLOPE_SPREAD * next.noise;
-        let fall = 0.25 * next.length * most;
-        let falls = (left.acceleration < most) & (c2 - c1 < fall) & (c3 - c2 < fall) & (next.end.acceleration < most);
-        (v1 <= 0.0) & (v0 > 0.0) & falls
+        let (zero, most) = (L::splat(0.0), next.noise * (-self.caution * SLOPE_SPREAD));
+        let fall = next.length * 0.25 * most;
+        let falls_at_ends = L::and(left.acceleration.lt(most), next.end.acceleration.lt(most));
+        let falls = L::and(falls_at_ends, L::and((c2 - c1).lt(fall), (c3 - c2).lt(fall)));
+        L::and(L::and(v1.le(zero), v0.gt(zero)), falls)
     }
 
     /// The zero of V on an interval where it falls throughout.
@@ -265,51 +269,94 @@ impl StopSearch {
     #[inline(always)]
     fn stop(
         &self,
+        (mut after, mut way): (f64, f64),
         mut left: Motion,
         next: &Interval,
         draws: &mut AddressedDraws,
-        mut before: impl FnMut(f64, f64, Motion, &Interval),
+        mut passed: impl FnMut(f64, f64, Motion, &Interval),
     ) -> Stop {
         let mut next = *next;
-        let (mut after, mut way) = (0.0, 0.0);
         for _ in 0..STOP_REFINEMENTS {
-            let mean = Quintic::new(left, &next);
-            let p = mean.near_zero();
-            let (h, noise) = (next.length, next.noise);
-            let [dx, dv, da] = conditional_draw(p, draws);
-            let passed = mean.way(p) + noise * h * h * dx;
-            let velocity = mean.velocity(p) * next.inverse + noise * h * dv;
-            let mean_acceleration = mean.acceleration(p) * next.inverse * next.inverse;
-            // In law below zero by `caution` standard deviations.
-            let drawn = mean_acceleration + noise * da;
-            let acceleration = if drawn < 0.0 { drawn } else { mean_acceleration };
-            // Not `clamp`, which panics where a step is so short that its moments underflow.
-            let t = (-velocity / acceleration).max(-p * h).min((1.0 - p) * h);
-            let tolerated = STOP_PRECISION * acceleration;
-            if self.noise * self.noise * t.abs() <= tolerated * tolerated {
-                let rest = passed + t * (velocity + 0.5 * t * acceleration);
-                let end = Motion { velocity: 0.0, acceleration };
-                before(after, way, left, &Interval::new(end, rest, p * h + t, self.noise));
-                return Stop { after: after + p * h + t, acceleration, way: way + rest };
+            let near = self.near_stop(left, &next, draws.three_normals());
+            if near.is_at_it {
+                let end = Motion { velocity: 0.0, acceleration: near.motion.acceleration };
+                let (there, rest) = near.zero();
+                passed(after, way, left, &Interval::new(end, rest, there, self.noise));
+                return Stop { after: after + there, acceleration: end.acceleration, way: way + rest };
             }
-            let middle = Motion { velocity, acceleration };
-            if velocity > 0.0 {
-                before(after, way, left, &Interval::new(middle, passed, p * h, self.noise));
-                (after, way, left) = (after + p * h, way + passed, middle);
-                next = Interval::new(next.end, next.way - passed, (1.0 - p) * h, self.noise);
+            let [first, second] = near.parted(&next, self.noise);
+            if near.motion.velocity > 0.0 {
+                passed(after, way, left, &first);
+                (after, way, left) = (after + near.after, way + near.way, near.motion);
+                next = second;
             } else {
-                next = Interval::new(middle, passed, p * h, self.noise);
+                next = first;
             }
         }
         Stop { after, acceleration: left.acceleration.min(next.end.acceleration), way }
+    }
+
+    /// A state near the zero of V, drawn with three normals.
+    #[inline(always)]
+    pub fn near_stop<L: Lanes>(&self, left: Motion<L>, next: &Interval<L>, normals: [L; 3]) -> NearStop<L> {
+        let mean = Quintic::new(left, next);
+        let p = mean.near_zero();
+        let (h, noise, zero) = (next.length, next.noise, L::splat(0.0));
+        let [dx, dv, da] = conditional_factor(p, normals);
+        let way = mean.way(p) + noise * h * h * dx;
+        let velocity = mean.velocity(p) * next.inverse + noise * h * dv;
+        let mean_acceleration = mean.acceleration(p) * next.inverse * next.inverse;
+        // In law below zero by `caution` standard deviations.
+        let drawn = mean_acceleration + noise * da;
+        let acceleration = L::select(drawn.lt(zero), drawn, mean_acceleration);
+        // Both ends may be one, where a step is so short that its moments underflow.
+        let (after, behind) = (p * h, (L::splat(1.0) - p) * h);
+        let late = (-velocity / acceleration).or_at_least(-after).or_at_most(behind);
+        let tolerated = acceleration * STOP_PRECISION;
+        let is_at_it = (late.abs() * (self.noise * self.noise)).le(tolerated * tolerated);
+        NearStop { after, behind, way, motion: Motion { velocity, acceleration }, late, is_at_it }
+    }
+}
+
+/// A state near a stop.
+#[derive(Clone, Copy, Debug)]
+pub struct NearStop<L: Lanes = f64> {
+    /// How long it is after the start of the interval, and before its end.
+    pub after: L,
+    pub behind: L,
+    /// The way since the start of the interval.
+    pub way: L,
+    pub motion: Motion<L>,
+    /// How long after this state the velocity is zero, at uniform acceleration.
+    pub late: L,
+    /// Whether the noise until then does not matter.
+    pub is_at_it: L::Mask,
+}
+
+impl<L: Lanes> NearStop<L> {
+    /// Time and way from the start of the interval to the zero of V.
+    #[inline(always)]
+    pub fn zero(&self) -> (L, L) {
+        let Motion { velocity, acceleration } = self.motion;
+        let t = self.late;
+        (self.after + t, self.way + t * (velocity + t * 0.5 * acceleration))
+    }
+
+    /// The parts of the interval before and behind this state.
+    #[inline(always)]
+    pub fn parted(&self, whole: &Interval<L>, noise: f64) -> [Interval<L>; 2] {
+        [
+            Interval::new(self.motion, self.way, self.after, noise),
+            Interval::new(whole.end, whole.way - self.way, self.behind, noise),
+        ]
     }
 }
 
 /// A way made while V > 0. The ways of intervals are differences, good to a rounding of the way of
 /// the whole step; a slip much smaller than that may come out backwards.
 #[inline(always)]
-pub fn forwards(way: f64) -> f64 {
-    if way < 0.0 { 0.0 } else { way }
+pub fn forwards<L: Lanes>(way: L) -> L {
+    L::select(way.lt(L::splat(0.0)), L::splat(0.0), way)
 }
 
 /// The state at a fraction of an interval, drawn with three normals given both its ends: the way to
@@ -349,46 +396,43 @@ impl Interval {
         };
         [part(motion, way, p), part(self.end, self.way - way, 1.0 - p)]
     }
+}
 
+impl<L: Lanes> Interval<L> {
     #[inline(always)]
-    fn new(end: Motion, way: f64, length: f64, noise: f64) -> Self {
-        Interval { end, way, length, inverse: 1.0 / length, noise: noise * length.sqrt() }
+    fn new(end: Motion<L>, way: L, length: L, noise: f64) -> Self {
+        Interval { end, way, length, inverse: L::splat(1.0) / length, noise: length.sqrt() * noise }
     }
 }
 
 /// The Bezier control points of the mean of V.
 #[inline(always)]
-fn velocity_controls(left: Motion, next: &Interval) -> [f64; 5] {
-    let (v0, v1) = (left.velocity, next.end.velocity);
-    let (q0, q1) = (0.25 * next.length * left.acceleration, 0.25 * next.length * next.end.acceleration);
-    [v0, v0 + q0, 5.0 * next.way * next.inverse - 2.0 * (v0 + v1) + (q1 - q0), v1 - q1, v1]
+fn velocity_controls<L: Lanes>(left: Motion<L>, next: &Interval<L>) -> [L; 5] {
+    let (v0, v1, quarter) = (left.velocity, next.end.velocity, next.length * 0.25);
+    let (q0, q1) = (quarter * left.acceleration, quarter * next.end.acceleration);
+    [v0, v0 + q0, next.way * 5.0 * next.inverse - (v0 + v1) * 2.0 + (q1 - q0), v1 - q1, v1]
 }
 
-/// Draw the state in the middle of an interval, and part it there.
+/// Draw the state in the middle of an interval with three normals, and part it there.
 #[inline(always)]
-fn halves(left: Motion, next: &Interval, draws: &mut AddressedDraws) -> (Interval, Interval) {
-    parted(left, next, draws.three_normals())
-}
-
-/// [`halves`] from its three normals.
-#[inline(always)]
-fn parted(left: Motion, next: &Interval, [one, two, three]: [f64; 3]) -> (Interval, Interval) {
+pub fn halves<L: Lanes>(left: Motion<L>, next: &Interval<L>, [one, two, three]: [L; 3]) -> (Interval<L>, Interval<L>) {
     let (v0, v1, a0, a1) = (left.velocity, next.end.velocity, left.acceleration, next.end.acceleration);
     let (h, noise) = (next.length, next.noise);
-    let da = 0.25 * noise * one;
+    let da = noise * 0.25 * one;
     let middle = Motion {
-        velocity: 1.875 * next.inverse * next.way - 0.4375 * (v0 + v1)
-            + h * (0.03125 * (a1 - a0) + MIDDLE_VELOCITY * noise * two),
-        acceleration: 1.5 * next.inverse * (v1 - v0) - 0.25 * (a0 + a1) + da,
+        velocity: next.inverse * 1.875 * next.way - (v0 + v1) * 0.4375
+            + h * ((a1 - a0) * 0.03125 + noise * MIDDLE_VELOCITY * two),
+        acceleration: next.inverse * 1.5 * (v1 - v0) - (a0 + a1) * 0.25 + da,
     };
-    let way = 0.5 * next.way
-        + h * (0.15625 * (v0 - v1) + h * (0.015625 * (a0 + a1) - da / 48.0 + MIDDLE_WAY * noise * three));
-    let (length, inverse, noise) = (0.5 * h, 2.0 * next.inverse, ROOT_HALF * noise);
+    let bend = (a0 + a1) * 0.015625 - da * (1.0 / 48.0) + noise * MIDDLE_WAY * three;
+    let way = next.way * 0.5 + h * ((v0 - v1) * 0.15625 + h * bend);
+    let (length, inverse, noise) = (h * 0.5, next.inverse * 2.0, noise * ROOT_HALF);
     let near = Interval { end: middle, way, length, inverse, noise };
     (near, Interval { end: next.end, way: next.way - way, length, inverse, noise })
 }
 
-/// A draw from the conditional law of (x, V, a) at a fraction p of an interval with h = c = 1.
+/// A draw from the conditional law of (x, V, a) at a fraction p of an interval with h = c = 1, from
+/// three normals.
 ///
 /// In terms of q = p (1-p) and s = 1 - 2p the precision above, for (x q^{-5/2}, V q^{-3/2}, a
 /// q^{-1/2}), is
@@ -402,20 +446,16 @@ fn parted(left: Motion, next: &Interval, [one, two, three]: [f64; 3]) -> (Interv
 /// Eliminating x leaves (12 E, -6 s (1-5q); ., 4 - 15q)/D, eliminating V leaves 1/E: three factors
 /// of the draw in closed form.
 #[inline(always)]
-fn conditional_draw(p: f64, draws: &mut AddressedDraws) -> [f64; 3] {
-    conditional_factor(p, draws.three_normals())
-}
-
-/// [`conditional_draw`] from its three normals.
-#[inline(always)]
-fn conditional_factor(p: f64, [one, two, three]: [f64; 3]) -> [f64; 3] {
-    let (q, s) = (p * (1.0 - p), 1.0 - 2.0 * p);
-    let (root_q, root_e) = (q.sqrt(), (1.0 - q * (8.0 - 20.0 * q)).sqrt());
-    let root_12d = (12.0 * (1.0 - 5.0 * q * (1.0 - q))).sqrt();
-    let v = 0.5 * s * (1.0 - 5.0 * q) * one + root_12d / 12.0 * two;
-    let x = (1.0 - 6.0 * q) / 6.0 * one + 0.5 * s * (1.0 - 2.0 * q) / root_12d * two;
+fn conditional_factor<L: Lanes>(p: L, [one, two, three]: [L; 3]) -> [L; 3] {
+    let unit = L::splat(1.0);
+    let (q, s) = (p * (unit - p), unit - p * 2.0);
+    let (root_q, root_e) = (q.sqrt(), (unit - q * (L::splat(8.0) - q * 20.0)).sqrt());
+    let root_12d = ((unit - q * 5.0 * (unit - q)) * 12.0).sqrt();
+    let (inverse_e, inverse_d) = (unit / root_e, unit / root_12d);
+    let v = s * 0.5 * (unit - q * 5.0) * one + root_12d * (1.0 / 12.0) * two;
+    let x = (unit - q * 6.0) * (1.0 / 6.0) * one + s * 0.5 * (unit - q * 2.0) * inverse_d * two;
     let (scale_v, scale_x) = (root_q * q, root_q * q * q);
-    [scale_x * (x / root_e + ROOT_60TH * three / root_12d), scale_v * v / root_e, root_q * root_e * one]
+    [scale_x * (x * inverse_e + inverse_d * ROOT_60TH * three), scale_v * v * inverse_e, root_q * root_e * one]
 }
 
 /// 60^{-1/2}.
@@ -429,58 +469,59 @@ const STOP_PRECISION: f64 = 1e-2;
 const NEWTON_STEPS: usize = 3;
 
 /// Each refinement takes the remaining distance to about its power 3/2; eight are never needed.
-const STOP_REFINEMENTS: usize = 8;
+pub const STOP_REFINEMENTS: usize = 8;
 
 /// The mean way on an interval as a polynomial in the fraction p of it; so are V, times h, and a,
 /// times h^2.
-struct Quintic {
-    d0: f64,
-    e0: f64,
-    c3: f64,
-    c4: f64,
-    c5: f64,
-    chord: f64,
+struct Quintic<L> {
+    d0: L,
+    e0: L,
+    c3: L,
+    c4: L,
+    c5: L,
+    chord: L,
 }
 
-impl Quintic {
+impl<L: Lanes> Quintic<L> {
     #[inline(always)]
-    fn new(left: Motion, next: &Interval) -> Self {
-        let (h, s) = (next.length, next.way);
+    fn new(left: Motion<L>, next: &Interval<L>) -> Self {
+        let (h, s, half) = (next.length, next.way, next.length * next.length * 0.5);
         let (d0, d1) = (h * left.velocity, h * next.end.velocity);
-        let (e0, e1) = (0.5 * h * h * left.acceleration, 0.5 * h * h * next.end.acceleration);
+        let (e0, e1) = (half * left.acceleration, half * next.end.acceleration);
         Quintic {
             d0,
             e0,
-            c3: 10.0 * s - 6.0 * d0 - 4.0 * d1 - 3.0 * e0 + e1,
-            c4: -15.0 * s + 8.0 * d0 + 7.0 * d1 + 3.0 * e0 - 2.0 * e1,
-            c5: 6.0 * s - 3.0 * (d0 + d1) - e0 + e1,
+            c3: s * 10.0 - d0 * 6.0 - d1 * 4.0 - e0 * 3.0 + e1,
+            c4: s * -15.0 + d0 * 8.0 + d1 * 7.0 + e0 * 3.0 - e1 * 2.0,
+            c5: s * 6.0 - (d0 + d1) * 3.0 - e0 + e1,
             chord: d0 / (d0 - d1),
         }
     }
 
     #[inline(always)]
-    fn way(&self, p: f64) -> f64 {
+    fn way(&self, p: L) -> L {
         p * (self.d0 + p * (self.e0 + p * (self.c3 + p * (self.c4 + p * self.c5))))
     }
 
     #[inline(always)]
-    fn velocity(&self, p: f64) -> f64 {
-        self.d0 + p * (2.0 * self.e0 + p * (3.0 * self.c3 + p * (4.0 * self.c4 + p * 5.0 * self.c5)))
+    fn velocity(&self, p: L) -> L {
+        self.d0 + p * (self.e0 * 2.0 + p * (self.c3 * 3.0 + p * (self.c4 * 4.0 + p * 5.0 * self.c5)))
     }
 
     #[inline(always)]
-    fn acceleration(&self, p: f64) -> f64 {
-        2.0 * self.e0 + p * (6.0 * self.c3 + p * (12.0 * self.c4 + p * 20.0 * self.c5))
+    fn acceleration(&self, p: L) -> L {
+        self.e0 * 2.0 + p * (self.c3 * 6.0 + p * (self.c4 * 12.0 + p * 20.0 * self.c5))
     }
 
     /// A fraction near the zero of V: the chord's, improved by Newton until only the noise is left
     /// between them. Any fraction may be drawn at; a near one saves refinements.
     #[inline(always)]
-    fn near_zero(&self) -> f64 {
+    fn near_zero(&self) -> L {
+        let (zero, one) = (L::splat(0.0), L::splat(1.0));
         let mut p = self.chord;
         for _ in 0..NEWTON_STEPS {
             let newton = p - self.velocity(p) / self.acceleration(p);
-            p = if newton > 0.0 && newton < 1.0 { newton } else { p };
+            p = L::select(L::and(newton.gt(zero), newton.lt(one)), newton, p);
         }
         p
     }
@@ -571,7 +612,7 @@ mod tests {
         let (h, c) = (0.8, 1.7);
         let (left, next) = an_interval(h, c);
         let middle = |normals: [f64; 3]| {
-            let (near, far) = parted(left, &next, normals);
+            let (near, far) = halves(left, &next, normals);
             assert!((near.way + far.way - next.way).abs() < 1e-15 && near.length == 0.4 && far.length == 0.4);
             assert!((near.noise - c * 0.4f64.sqrt()).abs() < 1e-15 && (far.inverse - 2.5).abs() < 1e-15);
             assert_eq!((far.end.velocity, far.end.acceleration), (next.end.velocity, next.end.acceleration));

@@ -6,12 +6,14 @@
 //! rho > 0   Noisy       stick: exact noise, bridge crossings; slip: exact transitions, conditional bisection
 //!                       StepRules   what the one tolerance means for its steps
 //!                       cell_loop   from cell to cell, from event to event
+//!                       abreast     the same for all paths of a block together, in lanes
 //!                       watch       what is seen inside a cell
 //! ```
 //!
 //! [`EventDriven`] is the scheme and what it is known for, [`EventDrivenSimulation`] the scheme on
 //! one model.
 
+mod abreast;
 mod cell_loop;
 mod cells;
 mod corridor;
@@ -24,6 +26,7 @@ mod noiseless;
 mod noisy;
 mod scene;
 mod simulation;
+mod slip_step;
 mod slip_transition;
 mod step_rules;
 mod stick_step;
@@ -36,7 +39,7 @@ pub use slip_transition::{DrivenOscillator, HarmonicResponse, SlipTransition};
 pub use step_rules::{DEFAULT_TOLERANCE, Resolution, TOLERANCES};
 pub use work::Simulated;
 
-pub(super) use cell_loop::{Cascade, Path, simulate};
+pub(super) use cell_loop::{Cascade, OneByOne, Path, simulate};
 pub(super) use cells::{Cell, round_down};
 pub(super) use corridor::Corridor;
 pub(super) use exact_time::ExactTime;

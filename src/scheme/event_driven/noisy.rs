@@ -12,16 +12,18 @@
 //! noise change, as those allow: then a slip makes many steps in a cell, n at their ends drawn from
 //! its bridge to the end of the cell.
 
-use super::cell_loop::{self, Cascade, WHOLE_PLACE};
+use super::abreast::Abreast;
+use super::cell_loop::{self, Cascade, OneByOne, WHOLE_PLACE};
 use super::cells::{Cell, round_down};
 use super::corridor::Corridor;
 use super::first_stop::{Interval, Motion, Pending, Step, Stop, StopSearch, forwards};
 use super::scene::{Scene, forcing};
+use super::slip_step::{Push, State, force, motion, resolved_way};
 use super::slip_transition::{DrivenOscillator, HarmonicResponse, SlipTransition};
 use super::step_rules::StepRules;
 use super::watch::{Flow, Glance, Known, SlipPiece, Watch};
 use super::work::{Simulated, Unresolved, WORK_LIMIT};
-use crate::lanes::{InstructionSet, LaneProgram, Lanes};
+use crate::lanes::InstructionSet;
 use crate::model::{Complex, Event, EventKind, Model, Phase, Sign};
 use crate::noise::{AddressedDraws, bridge_at};
 use crate::scheme::{Observer, Timeline};
@@ -60,6 +62,8 @@ pub struct Scratch {
     terms: Vec<Complex>,
     /// For the flow of a part of a step.
     flow: cell::RefCell<FlowScratch>,
+    /// The intervals of a step that is looked at.
+    passed: Vec<Passed>,
 }
 
 /// Responses and terms after a part of a step.
@@ -69,38 +73,15 @@ struct FlowScratch {
     terms: Vec<Complex>,
 }
 
-/// A simulation as one scalar program, compiled for each instruction set with everything that is
-/// called often (hence `inline(always)` below): fused multiply-adds become instructions instead of
-/// calls. The bits stay the same.
-struct Simulation<'a, O> {
-    cascade: &'a Noisy,
-    seed: u64,
-    paths: &'a [u64],
-    observer: &'a mut O,
-    simulated: Simulated,
-}
-
-impl<O: Observer> LaneProgram for Simulation<'_, O> {
-    #[inline(always)]
-    fn run<L: Lanes>(&mut self) {
-        self.simulated = cell_loop::simulate(self.cascade, self.seed, self.paths, self.observer);
-    }
-}
-
-/// x, x' and n.
-#[derive(Clone, Copy, Debug)]
-struct State {
-    x: f64,
-    v: f64,
-    n: f64,
-}
-
 /// A path; what moves of it is x'.
 type Path = cell_loop::Path<f64>;
 
 /// Where the body swings this much faster than forcing and noise change, cells are as long as those
 /// allow.
 const TWO_SCALES: f64 = 16.0;
+
+/// So many paths do not fill the lanes.
+const FEW: usize = 8;
 
 impl Noisy {
     /// For a scene with noise.
@@ -140,11 +121,39 @@ impl Noisy {
         }
     }
 
+    /// Whether a slip crosses a cell in one step whose transition is a sum of series.
+    pub fn has_one_step_a_cell(&self) -> bool {
+        let length = self.step.transition.length;
+        self.cell_length == length && self.oscillator.has_series_for(length)
+    }
+
+    /// The step of a slip over a whole cell, and the square root of its length.
+    pub fn usual_step(&self) -> (&SlipTransition, f64) {
+        (&self.step.transition, self.step.root_length)
+    }
+
+    /// What the forcing does to a slip over the whole of a cell.
+    pub fn pushes(&self, cell: &Cell) -> Vec<Push> {
+        cell.terms.iter().zip(&self.step.harmonics).map(|(term, response)| response.push(*term)).collect()
+    }
+
+    pub fn oscillator(&self) -> &DrivenOscillator {
+        &self.oscillator
+    }
+
+    pub fn search(&self) -> &StopSearch {
+        &self.search
+    }
+
     /// Simulate the paths with these numbers.
     pub fn simulate<O: Observer>(&self, seed: u64, paths: &[u64], observer: &mut O) -> Simulated {
-        let mut simulation = Simulation { cascade: self, seed, paths, observer, simulated: Simulated::default() };
-        InstructionSet::detect().run(&mut simulation);
-        simulation.simulated
+        let instructions = InstructionSet::detect();
+        if paths.len() > FEW && self.has_one_step_a_cell() {
+            let mut all = Abreast::new(self, instructions, seed, paths);
+            return cell_loop::simulate(&mut all, paths.len(), observer);
+        }
+        let mut all = OneByOne::new(self, instructions, seed, paths);
+        cell_loop::simulate(&mut all, paths.len(), observer)
     }
 
     /// The step from here towards a time, and whether it ends there.
@@ -167,8 +176,7 @@ impl Noisy {
     fn motion(&self, path: &Path, direction: Sign) -> Motion {
         let eps = direction.value();
         let friction = eps * self.scene.friction.dynamic_force;
-        let acceleration = (path.force - friction) / self.scene.oscillator.mass;
-        Motion { velocity: eps * path.motion, acceleration: eps * acceleration }
+        motion(&self.scene.oscillator, eps, path.motion, path.force, friction)
     }
 
     /// The end of a sub-phase, at a stop within the step from `start`: n is what makes the force
@@ -202,19 +210,14 @@ impl Noisy {
         terms: &mut [Complex],
         friction: f64,
         end_noise: f64,
-        [b, c]: [f64; 2],
+        normals: [f64; 2],
     ) {
-        let SlipTransition { length, factor, .. } = &step.transition;
         let start = State { x: path.displacement, v: path.motion, n: path.noise };
         let mean = mean_state(&step.transition, &step.harmonics, start, terms, friction);
-        let a = (end_noise - mean.n) / factor[0];
-        path.noise = end_noise;
-        path.motion = mean.v + factor[1] * a + factor[2] * b;
-        path.displacement = mean.x + factor[3] * a + factor[4] * b + factor[5] * c;
-        path.after += length;
-        let body = &self.scene.oscillator;
-        path.force =
-            forcing(terms) + path.noise - body.stiffness * path.displacement - 2.0 * body.damping * path.motion;
+        let end = step.transition.drawn(mean, end_noise, normals);
+        path.after += step.transition.length;
+        (path.displacement, path.motion, path.noise) = (end.x, end.v, end.n);
+        path.force = force(&self.scene.oscillator, forcing(terms), end);
     }
 
     /// The remainder of a cell that is too short for the noise to be told from rounding, as uniform
@@ -320,7 +323,7 @@ impl Cascade for Noisy {
     fn scratch(&self) -> Scratch {
         let terms = vec![Complex::ZERO; self.scene.harmonics.len()];
         let flow = FlowScratch { harmonics: self.step.harmonics.clone(), terms: terms.clone() };
-        Scratch { partial: self.step.clone(), pending: Pending::new(), terms, flow: flow.into() }
+        Scratch { partial: self.step.clone(), pending: Pending::new(), terms, flow: flow.into(), passed: Vec::new() }
     }
 
     #[inline(always)]
@@ -336,7 +339,7 @@ impl Cascade for Noisy {
         let eps = direction.value();
         let friction = eps * self.scene.friction.dynamic_force;
         let mut start = self.motion(path, direction);
-        let Scratch { partial, pending, terms, flow: flow_scratch } = scratch;
+        let Scratch { partial, pending, terms, flow: flow_scratch, passed } = scratch;
         if path.after == 0.0 {
             terms.copy_from_slice(&cell.terms);
         } else {
@@ -368,6 +371,7 @@ impl Cascade for Noisy {
             let flow = StepFlow {
                 cascade: self,
                 cell,
+                step,
                 direction,
                 after: before.0,
                 start: before.1,
@@ -376,32 +380,35 @@ impl Cascade for Noisy {
                 told: cell::Cell::new([(before.0, before.1.n); 2]),
                 scratch: flow_scratch,
             };
-            let mut look = |(after, way, start, interval): Passed| {
-                watch.look(&self.scene, cell, || {
-                    let known = [flow.told.get()[0], flow.end];
-                    SlipPiece { flow: &flow, after: before.0 + after, way, start, interval, known }
-                });
-            };
-            // The last interval ends in the stop, whose place is not known yet.
-            let mut last = None;
-            let passed = |after, way, start, interval: &Interval| {
-                last.replace((after, way, start, *interval)).into_iter().for_each(&mut look);
-            };
-            let stop = self.search.first(&searched, &mut path.draws, pending, &mut path.work, passed)?;
-            let Some(mut stop) = stop else {
-                last.into_iter().for_each(look);
-                if is_last {
-                    return Ok(None);
+            // Kept for whoever looks, since a stop at the end of the last one may move.
+            passed.clear();
+            let pass = |after, way, start, interval: &Interval| {
+                if watch.is_looking() {
+                    passed.push((after, way, start, *interval));
                 }
-                start = end;
-                continue;
             };
-            if self.search.noise * searched.root_length < FEEBLE * stop.acceleration.abs() {
-                stop = self.on_the_flow((searched, stop), &flow);
-                last = last.map(|passed| ending_at(passed, &stop));
+            let mut stop = self.search.first(&searched, &mut path.draws, pending, &mut path.work, pass)?;
+            if let Some(stop) = &mut stop
+                && self.search.noise * searched.root_length < FEEBLE * stop.acceleration.abs()
+            {
+                *stop = self.on_the_flow((searched, *stop), &flow);
+                if let Some(last) = passed.last_mut() {
+                    *last = ending_at(*last, stop);
+                }
             }
-            last.into_iter().for_each(look);
-            return Ok(Some(self.stopped(cell, path, direction, before, &stop)));
+            // Not in a closure, which is not compiled for the instruction set.
+            for &(after, way, start, interval) in passed.iter() {
+                let known = [flow.told.get()[0], flow.end];
+                let piece = SlipPiece { flow: &flow, after: before.0 + after, way, start, interval, known };
+                watch.look(&self.scene, cell, || piece);
+            }
+            if let Some(stop) = stop {
+                return Ok(Some(self.stopped(cell, path, direction, before, &stop)));
+            }
+            if is_last {
+                return Ok(None);
+            }
+            start = end;
         }
     }
 
@@ -433,6 +440,7 @@ fn ending_at((after, way, start, interval): Passed, stop: &Stop) -> Passed {
 struct StepFlow<'a> {
     cascade: &'a Noisy,
     cell: &'a Cell,
+    step: &'a SlipStep,
     direction: Sign,
     /// When the step begins, after the start of the cell.
     after: f64,
@@ -456,21 +464,24 @@ impl StepFlow<'_> {
         let FlowScratch { harmonics, terms } = &mut *self.scratch.borrow_mut();
         self.cell.set_terms(self.after, terms);
         let mut to = self.start;
-        if since > 0.0 {
+        if since == self.step.transition.length {
+            to = mean_state(&self.step.transition, &self.step.harmonics, self.start, terms, friction);
+        } else if since > 0.0 {
             let transition = oscillator.transition(since, harmonics);
             to = mean_state(&transition, harmonics, self.start, terms, friction);
         }
-        let force = forcing(terms) + to.n - body.stiffness * to.x - 2.0 * body.damping * to.v;
-        let motion = Motion { velocity: eps * to.v, acceleration: eps * (force - friction) / body.mass };
+        let motion = motion(body, eps, to.v, force(body, forcing(terms), to), friction);
         (resolved_way(eps * self.start.x, eps * to.x, self.first, motion, since), motion, to)
     }
 }
 
 impl Flow for StepFlow<'_> {
+    #[inline(always)]
     fn start(&self) -> (Sign, f64) {
         (self.direction, self.start.x)
     }
 
+    #[inline(always)]
     fn at(&self, after: f64) -> (f64, Motion, f64) {
         let (way, motion, to) = self.motion(after - self.after);
         (way, motion, to.n)
@@ -509,43 +520,33 @@ impl Flow for StepFlow<'_> {
     }
 }
 
-/// The way from x0 to x1, or that of the cubic of both ends where x0 and x1 cannot tell it from
-/// theirs: far out, or in a step of no length.
-#[inline(always)]
-fn resolved_way(x0: f64, x1: f64, start: Motion, end: Motion, h: f64) -> f64 {
-    let way = x1 - x0;
-    let cubic = h * (0.5 * (start.velocity + end.velocity) + h / 12.0 * (start.acceleration - end.acceleration));
-    let rounding = f64::EPSILON * (x0.abs() + x1.abs());
-    if (way - cubic).abs() <= rounding { cubic } else { way }
-}
-
 /// Without noise: the state after a step, and the forcing there.
 #[inline(always)]
 fn mean_state(
-    SlipTransition { x, v, n, .. }: &SlipTransition,
+    transition: &SlipTransition,
     responses: &[HarmonicResponse],
     start: State,
     terms: &mut [Complex],
     friction: f64,
 ) -> State {
-    let mut x1 = x[0] * start.x + x[1] * start.v + x[2] * start.n - x[3] * friction;
-    let mut v1 = v[0] * start.x + v[1] * start.v + v[2] * start.n - v[3] * friction;
-    for (p, g) in terms.iter_mut().zip(responses) {
-        x1 += p.re * g.x.0 - p.im * g.x.1;
-        v1 += p.re * g.v.0 - p.im * g.v.1;
-        *p = Complex::new(p.re * g.turn.0 - p.im * g.turn.1, p.re * g.turn.1 + p.im * g.turn.0);
+    let mut mean = transition.free(start, friction);
+    for (term, response) in terms.iter_mut().zip(responses) {
+        let push = response.push(*term);
+        mean.x += push.x;
+        mean.v += push.v;
+        *term = push.term;
     }
-    State { x: x1, v: v1, n: n * start.n }
+    mean
 }
 
 /// Below this c sqrt(h)/|a| what the quintic leaves out of a, (rate h)^4/1920 of it, is no longer
 /// below the first neglected terms of the law, (rate h)^2/100 of its c sqrt(h)/4; at the default
 /// step, rate h = 1/2.
-const FEEBLE: f64 = 0.05;
+pub const FEEBLE: f64 = 0.05;
 
 /// The share of a cell below which a remainder of it is not simulated: a step is as exact as the
 /// difference between n at both its ends, which loses its digits there.
-const SHORTEST: f64 = 1e-8;
+pub const SHORTEST: f64 = 1e-8;
 
 /// A noise that moves the forces by less than this share of them is lost in their balance.
 const ROUNDED: f64 = 1e-6;
@@ -557,7 +558,7 @@ const MOST_DEVIATIONS: f64 = 10.0;
 const FLOW_STEPS: usize = 3;
 
 /// Relative difference of two step lengths that is rounding of the times they come from.
-const ALIGNMENT: f64 = 1e-9;
+pub const ALIGNMENT: f64 = 1e-9;
 
 /// A place for a response.
 const NO_RESPONSE: HarmonicResponse = HarmonicResponse { x: (0.0, 0.0), v: (0.0, 0.0), turn: (1.0, 0.0) };

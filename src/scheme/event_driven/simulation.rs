@@ -6,6 +6,7 @@ use super::scene::Scene;
 use super::step_rules::{Resolution, StepRules};
 use super::unfelt_noise::UnfeltNoise;
 use super::work::Simulated;
+use crate::lanes::InstructionSet;
 use crate::model::Model;
 use crate::scheme::{Observer, Simulate, Timeline};
 
@@ -68,6 +69,15 @@ impl Simulate for EventDrivenSimulation {
     /// A path is lost where it spends all its work, or meets a value that is not a number.
     fn simulate<O: Observer>(&self, seed: u64, paths: &[u64], observer: &mut O) -> Vec<usize> {
         self.simulate_counting(seed, paths, observer).lost
+    }
+
+    fn kernel(&self) -> String {
+        match &self.kernel {
+            Kernel::Noisy(cascade) if cascade.has_one_step_a_cell() => {
+                format!("{} lanes, cell by cell", InstructionSet::detect().name())
+            }
+            _ => "scalar, path by path".to_string(),
+        }
     }
 
     fn with_work_limit(mut self, limit: u64) -> Self {

@@ -27,6 +27,7 @@
 //! which adds positive matrices. No eigenvalue appears: critical damping and resonance are ordinary
 //! points.
 
+use crate::lanes::{Choose, Lanes};
 use crate::noise::increment_variance;
 
 /// Terms of each series. In units of the fastest rate L, coefficient k of the squared responses is
@@ -51,7 +52,8 @@ pub struct DrivenOscillator {
     diffusion: f64,
     frequencies: Vec<f64>,
     fastest: f64,
-    /// In the order of [`Sums`].
+    /// S/h, m g_x/h^2, m int e^{-theta r} g_x/h^3, m^2 int g_v^2/h^3, m^2 int g_x^2/h^5, m G_0/h^2,
+    /// e^{-theta h} and (1 - e^{-2 theta h})/(2 theta h).
     responses: SeriesOf8,
     /// m G_w / h^2 and e^{i w h}, real and imaginary parts, of two harmonics each.
     harmonic: Vec<SeriesOf8>,
@@ -60,52 +62,40 @@ pub struct DrivenOscillator {
 /// Eight series side by side: the coefficients of each power.
 type SeriesOf8 = [[f64; 8]; TERMS];
 
-/// The sums of the series that do not depend on the forcing.
-struct Sums {
-    /// S / h.
-    impulse: f64,
-    /// m g_x / h^2.
-    g_x: f64,
-    /// m int e^{-theta r} g_x / h^3.
-    cov_nx: f64,
-    /// m^2 int g_v^2 / h^3.
-    cov_vv: f64,
-    /// m^2 int g_x^2 / h^5.
-    cov_xx: f64,
-    /// G_0 m / h^2.
-    constant: f64,
-    /// e^{-theta h}.
-    remembered: f64,
-    /// (1 - e^{-2 theta h})/(2 theta h).
-    spread: f64,
-}
-
 /// The response of (x, v) to a harmonic force Re[P e^{i w r}]: x += Re[P x], v += Re[P v].
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct HarmonicResponse {
+pub struct HarmonicResponse<L = f64> {
     /// Real and imaginary part of G_w(h).
-    pub x: (f64, f64),
+    pub x: (L, L),
     /// Real and imaginary part of G_w'(h).
-    pub v: (f64, f64),
+    pub v: (L, L),
     /// cos(w h), sin(w h).
-    pub turn: (f64, f64),
+    pub turn: (L, L),
+}
+
+impl<L: Lanes> HarmonicResponse<L> {
+    /// Of a step of no length.
+    pub fn none() -> Self {
+        let (zero, one) = (L::splat(0.0), L::splat(1.0));
+        HarmonicResponse { x: (zero, zero), v: (zero, zero), turn: (one, zero) }
+    }
 }
 
 /// The transition over one step.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SlipTransition {
+pub struct SlipTransition<L = f64> {
     /// h.
-    pub length: f64,
+    pub length: L,
     /// x1 from x, v, n and a constant force.
-    pub x: [f64; 4],
+    pub x: [L; 4],
     /// v1 from x, v, n and a constant force.
-    pub v: [f64; 4],
+    pub v: [L; 4],
     /// n1 from n.
-    pub n: f64,
+    pub n: L,
     /// Covariances nn, nv, nx, vv, vx, xx.
-    pub covariance: [f64; 6],
+    pub covariance: [L; 6],
     /// Lower triangle of its Cholesky factor in the order n, v, x: n; v on n, v; x on n, v, x.
-    pub factor: [f64; 6],
+    pub factor: [L; 6],
 }
 
 impl DrivenOscillator {
@@ -165,6 +155,11 @@ impl DrivenOscillator {
         self.fastest
     }
 
+    /// Whether the transition over h is a sum of series, without doubling.
+    pub fn has_series_for(&self, h: f64) -> bool {
+        self.fastest * h <= SERIES_RADIUS
+    }
+
     /// The transition over h; `harmonics` receives one response per frequency.
     #[inline(always)]
     pub fn transition(&self, h: f64, harmonics: &mut [HarmonicResponse]) -> SlipTransition {
@@ -182,44 +177,51 @@ impl DrivenOscillator {
         step
     }
 
+    /// The transition over (fastest rate) h <= 1/2, by the series.
     #[inline(always)]
-    fn series(&self, h: f64, harmonics: &mut [HarmonicResponse]) -> SlipTransition {
-        let r = self.fastest * h;
+    pub fn series<L: Lanes>(&self, h: L, harmonics: &mut [HarmonicResponse<L>]) -> SlipTransition<L> {
+        let r = h * self.fastest;
         let (w2, g2, theta, m) = (self.w0_squared, self.two_gamma, self.relaxation_rate, self.mass);
         let [impulse, g_x, cov_nx, cov_vv, cov_xx, constant, remembered, spread] = sums(&self.responses, r);
-        let sums = Sums { impulse, g_x, cov_nx, cov_vv, cov_xx, constant, remembered, spread };
-        let impulse = h * sums.impulse;
-        let constant = h * h * sums.constant; // int S
-        let g_x = h * h * sums.g_x / m;
+        let (h2, one) = (h * h, L::splat(1.0));
+        let impulse = h * impulse;
+        let constant = h2 * constant; // int S
+        let per_mass = 1.0 / m;
+        let g_x = h2 * g_x * per_mass;
         for (i, (responses, w)) in harmonics.chunks_mut(2).zip(self.frequencies.chunks(2)).enumerate() {
             let sums = self::sums(&self.harmonic[i], r);
             for (j, (response, &w)) in responses.iter_mut().zip(w).enumerate() {
-                let x = (h * h * sums[4 * j] / m, h * h * sums[4 * j + 1] / m);
+                let x = (h2 * sums[4 * j] * per_mass, h2 * sums[4 * j + 1] * per_mass);
                 // G' = i w G + S/m.
-                let v = (impulse / m - w * x.1, w * x.0);
+                let v = (impulse * per_mass - x.1 * w, x.0 * w);
                 *response = HarmonicResponse { x, v, turn: (sums[4 * j + 2], sums[4 * j + 3]) };
             }
         }
         let s2 = self.diffusion * self.diffusion;
-        let cov_nx = s2 * h * h * h * sums.cov_nx / m;
-        let cov_vv = s2 * h * h * h * sums.cov_vv / (m * m);
-        let cov_xx = s2 * h * h * h * h * h * sums.cov_xx / (m * m);
-        let remembered = sums.remembered;
+        let h3 = h2 * h * s2;
+        let cov_nx = h3 * cov_nx * per_mass;
+        let cov_vv = h3 * cov_vv * (per_mass * per_mass);
+        let cov_xx = h3 * h2 * cov_xx * (per_mass * per_mass);
         SlipTransition {
             length: h,
-            x: [1.0 - w2 * constant, impulse, g_x, constant / m],
-            v: [-w2 * impulse, 1.0 - w2 * constant - g2 * impulse, impulse / m - theta * g_x, impulse / m],
+            x: [one - constant * w2, impulse, g_x, constant * per_mass],
+            v: [
+                impulse * -w2,
+                one - constant * w2 - impulse * g2,
+                impulse * per_mass - g_x * theta,
+                impulse * per_mass,
+            ],
             n: remembered,
             covariance: [
-                s2 * h * sums.spread,
+                h * s2 * spread,
                 // int g_n g_v = [g_n g_x] + theta int g_n g_x, by parts.
-                s2 * remembered * g_x + theta * cov_nx,
+                remembered * s2 * g_x + cov_nx * theta,
                 cov_nx,
                 cov_vv,
-                0.5 * s2 * g_x * g_x,
+                g_x * g_x * (0.5 * s2),
                 cov_xx,
             ],
-            factor: [0.0; 6],
+            factor: [L::splat(0.0); 6],
         }
     }
 
@@ -264,6 +266,23 @@ impl DrivenOscillator {
     }
 }
 
+/// The same transition in every lane.
+#[inline(always)]
+pub fn splat<L: Lanes>(step: &SlipTransition) -> SlipTransition<L> {
+    let [x0, x1, x2, x3] = step.x;
+    let [v0, v1, v2, v3] = step.v;
+    let [c0, c1, c2, c3, c4, c5] = step.covariance;
+    let [f0, f1, f2, f3, f4, f5] = step.factor;
+    SlipTransition {
+        length: L::splat(step.length),
+        x: [L::splat(x0), L::splat(x1), L::splat(x2), L::splat(x3)],
+        v: [L::splat(v0), L::splat(v1), L::splat(v2), L::splat(v3)],
+        n: L::splat(step.n),
+        covariance: [L::splat(c0), L::splat(c1), L::splat(c2), L::splat(c3), L::splat(c4), L::splat(c5)],
+        factor: [L::splat(f0), L::splat(f1), L::splat(f2), L::splat(f3), L::splat(f4), L::splat(f5)],
+    }
+}
+
 /// y / h^2 for y'' + damping y' + stiffness y = sum_k f_k r^k/k!, y(0) = y'(0) = 0, in units of the
 /// fastest rate: (k+2)! y_{k+2} = f_k - damping (k+1)! y_{k+1} - stiffness k! y_k.
 fn response(damping: f64, stiffness: f64, force: &dyn Fn(usize) -> f64) -> Series {
@@ -302,11 +321,11 @@ fn side_by_side(series: [Series; 8]) -> SeriesOf8 {
 
 /// The sums of eight series: by Horner's rule, all of them at once.
 #[inline(always)]
-fn sums(series: &SeriesOf8, r: f64) -> [f64; 8] {
-    let mut sums = [0.0; 8];
+fn sums<L: Lanes>(series: &SeriesOf8, r: L) -> [L; 8] {
+    let mut sums = [L::splat(0.0); 8];
     for coefficients in series.iter().rev() {
-        for (sum, c) in sums.iter_mut().zip(coefficients) {
-            *sum = f64::mul_add(*sum, r, *c);
+        for (sum, &c) in sums.iter_mut().zip(coefficients) {
+            *sum = sum.mul_add(r, L::splat(c));
         }
     }
     sums
@@ -315,13 +334,19 @@ fn sums(series: &SeriesOf8, r: f64) -> [f64; 8] {
 /// The factor of a covariance through its correlation matrix, whose entries are all of order one:
 /// the covariance itself has a condition number of h^-4.
 #[inline(always)]
-fn cholesky(&[nn, nv, nx, vv, vx, xx]: &[f64; 6]) -> [f64; 6] {
+pub fn cholesky<L: Lanes>(&[nn, nv, nx, vv, vx, xx]: &[L; 6]) -> [L; 6] {
+    let (zero, one) = (L::splat(0.0), L::splat(1.0));
     let (sn, sv, sx) = (nn.sqrt(), vv.sqrt(), xx.sqrt());
-    let ratio = |a: f64, b: f64| if b > 0.0 { a / b } else { 0.0 };
     let (rnv, rnx, rvx) = (ratio(nv, sn * sv), ratio(nx, sn * sx), ratio(vx, sv * sx));
     // In law never negative; rounding may make it so where the noise is all but white.
-    let l22 = (1.0 - rnv * rnv).max(0.0).sqrt();
+    let l22 = (one - rnv * rnv).or_at_least(zero).sqrt();
     let l32 = ratio(rvx - rnv * rnx, l22);
-    let l33 = (1.0 - rnx * rnx - l32 * l32).max(0.0).sqrt();
+    let l33 = (one - rnx * rnx - l32 * l32).or_at_least(zero).sqrt();
     [sn, sv * rnv, sv * l22, sx * rnx, sx * l32, sx * l33]
+}
+
+/// a/b, or 0 where b is.
+#[inline(always)]
+fn ratio<L: Lanes>(a: L, b: L) -> L {
+    L::select(b.gt(L::splat(0.0)), a / b, L::splat(0.0))
 }

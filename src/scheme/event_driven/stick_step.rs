@@ -15,19 +15,38 @@
 //! that correction the error of a step is of second order in c h^2 / (8 s sqrt h).
 
 use super::scene::Scene;
+use crate::lanes::{Choose, Lanes};
 use crate::model::Sign;
-use crate::noise::{AddressedDraws, TimeChange, mean_touching_spread, meeting_place, meeting_probability};
+use crate::noise::{AddressedDraws, TimeChange, mean_touching_spread, meeting_place, meeting_probability, time_of};
 
 /// What a step of one length needs.
 #[derive(Clone, Debug)]
-pub struct StickStep {
-    pub length: f64,
-    /// What n does in h, as such and as Brownian motion.
-    pub noise: TimeChange,
+pub struct StickStep<L = f64> {
+    pub length: L,
+    /// What n does in h, as Brownian motion.
+    pub noise: TimeChange<L>,
 }
 
 /// exp(-FAR_EXPONENT) is a chance that 1e10 steps do not notice.
 pub const FAR_EXPONENT: f64 = 35.0;
+
+/// What is known at both ends of a step: b, and in its middle -B'' and n.
+#[derive(Clone, Copy)]
+pub struct StickEnds<L> {
+    pub start: L,
+    pub end: L,
+    pub bend: L,
+    pub mean_noise: L,
+}
+
+/// A threshold after the time change: the distances of n below it at both ends, and twice what it
+/// deviates from straight in units of u (1 - u).
+#[derive(Clone, Copy)]
+pub struct Chord<L> {
+    start: L,
+    end: L,
+    bend: L,
+}
 
 impl StickStep {
     /// Of this length.
@@ -38,76 +57,81 @@ impl StickStep {
 
     /// Whether, where and after which time the bridge between two forces leaves the corridor.
     #[inline(always)]
-    pub fn exit(
-        &self,
-        scene: &Scene,
-        f_s: f64,
-        (start, end): (f64, f64),
-        bend: f64,
-        mean_noise: f64,
-        draws: &mut AddressedDraws,
-    ) -> Option<(Sign, f64)> {
+    pub fn exit(&self, scene: &Scene, ends: &StickEnds<f64>, draws: &mut AddressedDraws) -> Option<(Sign, f64)> {
         // Exponents of both meeting probabilities, before any correction: usually both are far.
-        let scale = 2.0 * self.noise.growth / self.noise.duration;
-        let near = |side: f64| scale * (f_s - side * start) * (f_s - side * end) < FAR_EXPONENT;
-        if !(near(1.0) || near(-1.0)) {
+        let (is_up_near, is_down_near) = (self.is_near(scene, 1.0, ends), self.is_near(scene, -1.0, ends));
+        if !(is_up_near || is_down_near) {
             return None;
         }
-        let theta = scene.relaxation_rate;
-        let chord = |side: f64| {
-            let (d0, d1) = (f_s - side * start, f_s - side * end);
-            // U = n + distance on this side.
-            let threshold = side * mean_noise + 0.5 * (d0 + d1);
-            let c = side * bend - theta * theta * threshold;
-            Chord { start: d0, end: d1 * self.noise.growth, bend: c * self.noise.bow }
-        };
+        let chance = |side: f64| self.chance(&self.chord(scene, side, ends));
         let u = draws.uniform();
-        let sign = if near(1.0) && u < self.chance(chord(1.0)) {
+        let sign = if is_up_near && u < chance(1.0) {
             Sign::Positive
-        } else if near(-1.0) && u > 1.0 - self.chance(chord(-1.0)) {
+        } else if is_down_near && u > 1.0 - chance(-1.0) {
             Sign::Negative
         } else {
             return None;
         };
-        Some((sign, self.meeting_time(chord(sign.value()), draws)))
+        let normal = draws.normal();
+        Some((sign, self.meeting_time(scene, &self.chord(scene, sign.value(), ends), normal, draws.uniform())))
+    }
+}
+
+impl<L: Lanes> StickStep<L> {
+    /// Whether the bridge may meet a threshold at all.
+    #[inline(always)]
+    pub fn is_near(&self, scene: &Scene, side: f64, ends: &StickEnds<L>) -> L::Mask {
+        let f_s = L::splat(scene.friction.static_force);
+        let scale = self.noise.growth * 2.0 / self.noise.duration;
+        (scale * (f_s - ends.start * side) * (f_s - ends.end * side)).lt(L::splat(FAR_EXPONENT))
+    }
+
+    /// The threshold on this side.
+    #[inline(always)]
+    pub fn chord(&self, scene: &Scene, side: f64, ends: &StickEnds<L>) -> Chord<L> {
+        self.chord_on(scene, L::splat(side), ends)
+    }
+
+    /// The threshold on a side of each lane, 1 or -1.
+    #[inline(always)]
+    pub fn chord_on(&self, scene: &Scene, side: L, ends: &StickEnds<L>) -> Chord<L> {
+        let (f_s, theta) = (L::splat(scene.friction.static_force), scene.relaxation_rate);
+        let (d0, d1) = (f_s - side * ends.start, f_s - side * ends.end);
+        // U = n + distance on this side.
+        let threshold = side * ends.mean_noise + (d0 + d1) * 0.5;
+        let c = side * ends.bend - threshold * (theta * theta);
+        Chord { start: d0, end: d1 * self.noise.growth, bend: c * self.noise.bow }
     }
 
     /// The chance that the bridge meets a threshold, moved by what it bends on average where a
     /// bridge touches it.
     #[inline(always)]
-    fn chance(&self, Chord { start: d0, end: d1, bend }: Chord) -> f64 {
-        if d1 <= 0.0 {
-            return 1.0;
-        }
-        let shift = 0.5 * bend * mean_touching_spread(d0, d1, self.noise.duration);
-        meeting_probability(d0 - shift, d1 - shift, self.noise.duration)
+    pub fn chance(&self, &Chord { start: d0, end: d1, bend }: &Chord<L>) -> L {
+        let shift = bend * 0.5 * mean_touching_spread(d0, d1, self.noise.duration);
+        let chance = meeting_probability(d0 - shift, d1 - shift, self.noise.duration);
+        L::select(d1.le(L::splat(0.0)), L::splat(1.0), chance)
     }
 
-    /// When the bridge meets a threshold, given that it does.
+    /// When the bridge meets a threshold, given that it does, from a normal and a uniform number.
     #[inline(always)]
-    fn meeting_time(&self, Chord { start: d0, end: d1, bend }: Chord, draws: &mut AddressedDraws) -> f64 {
+    pub fn meeting_time(
+        &self,
+        scene: &Scene,
+        &Chord { start: d0, end: d1, bend }: &Chord<L>,
+        normal: L,
+        uniform: L,
+    ) -> L {
         let duration = self.noise.duration;
-        let (normal, uniform) = (draws.normal(), draws.uniform());
-        let mut place = meeting_place(d0, d1, duration, normal, uniform);
+        let first = meeting_place(d0, d1, duration, normal, uniform);
         // The threshold met is the bent one: once more with the chord moved to it at that place.
+        let u = first / duration;
+        let shift = bend * 0.5 * u * (L::splat(1.0) - u);
+        let second = meeting_place(d0 - shift, d1 - shift, duration, normal, uniform);
         // Not from a start within four times the bend, |bend|/8: little has bent where that is met,
         // and a chord moved to the start would be met at once.
-        if bend.abs() < 2.0 * d0 {
-            let u = place / duration;
-            let shift = 0.5 * bend * u * (1.0 - u);
-            place = meeting_place(d0 - shift, d1 - shift, duration, normal, uniform);
-        }
-        self.noise.time(place).min(self.length)
+        let place = L::select(bend.abs().lt(d0 * 2.0), second, first);
+        time_of(scene.relaxation_rate, scene.diffusion, place).or_at_most(self.length)
     }
-}
-
-/// A threshold after the time change: the distances of n below it at both ends, and twice what it
-/// deviates from straight in units of u (1 - u).
-#[derive(Clone, Copy)]
-struct Chord {
-    start: f64,
-    end: f64,
-    bend: f64,
 }
 
 #[cfg(test)]
@@ -123,13 +147,15 @@ mod tests {
         let mut model = paper(0.25, 1.0);
         model.oscillator.dilatation = 1.0;
         model.temperature.harmonics.clear();
+        model.friction.static_force = F_S;
         Scene::new(&model)
     }
 
     /// When a bridge of this duration between two values of n < 0 first reaches 0, if it does.
     fn first_touch(scene: &Scene, from: f64, to: f64, duration: f64, draws: &mut AddressedDraws) -> Option<f64> {
         let step = StickStep::new(scene, duration);
-        let exit = step.exit(scene, F_S, (F_S + from, F_S + to), 0.0, 0.5 * (from + to), draws);
+        let ends = StickEnds { start: F_S + from, end: F_S + to, bend: 0.0, mean_noise: 0.5 * (from + to) };
+        let exit = step.exit(scene, &ends, draws);
         exit.map(|(sign, after)| {
             assert_eq!(sign, Sign::Positive);
             after
@@ -223,12 +249,11 @@ mod tests {
             [(-1.0, 0.8, 0.053_349), (-1.0, -0.8, 0.073_214), (0.5, 0.8, 0.076_969), (0.5, -0.8, 0.086_527)]
         {
             let step = StickStep::new(&scene, h);
-            let forces = (F_S - 0.1 * sd, F_S - end * sd);
+            let bend = bent * sd / (h * h);
+            let ends = StickEnds { start: F_S - 0.1 * sd, end: F_S - end * sd, bend, mean_noise: 0.0 };
             let mut draws = AddressedDraws::new(24, 0);
-            let times: Vec<f64> = (0..100_000)
-                .filter_map(|_| step.exit(&scene, F_S, forces, bent * sd / (h * h), 0.0, &mut draws))
-                .map(|(_, after)| after / h)
-                .collect();
+            let times: Vec<f64> =
+                (0..100_000).filter_map(|_| step.exit(&scene, &ends, &mut draws)).map(|(_, after)| after / h).collect();
             let mean = times.iter().sum::<f64>() / times.len() as f64;
             println!("to {end}, bent by {bent}: {mean}, exact {exact}");
             assert!((mean / exact - 1.0).abs() < 0.2, "to {end}, bent by {bent}: {mean}, exact {exact}");

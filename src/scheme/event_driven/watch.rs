@@ -36,6 +36,8 @@ pub struct Glance {
 
 /// Who looks at a path inside a cell.
 pub trait Watch {
+    /// Whether anybody looks inside this cell.
+    fn is_looking(&self) -> bool;
     /// Look at a piece of the path, all times up to its end.
     fn look<P: Piece>(&mut self, scene: &Scene, cell: &Cell, piece: impl FnOnce() -> P);
 }
@@ -44,6 +46,11 @@ pub trait Watch {
 pub struct Nobody;
 
 impl Watch for Nobody {
+    #[inline(always)]
+    fn is_looking(&self) -> bool {
+        false
+    }
+
     #[inline(always)]
     fn look<P: Piece>(&mut self, _: &Scene, _: &Cell, _: impl FnOnce() -> P) {}
 }
@@ -58,6 +65,12 @@ pub struct Glances<'a> {
 }
 
 impl Watch for Glances<'_> {
+    #[inline(always)]
+    fn is_looking(&self) -> bool {
+        true
+    }
+
+    #[inline(always)]
     fn look<P: Piece>(&mut self, scene: &Scene, cell: &Cell, piece: impl FnOnce() -> P) {
         let mut rest = piece();
         while let Some(row) = self.ahead(rest.end()).find(|glance| !glance.is_closer) {
@@ -78,6 +91,7 @@ impl<'a> Glances<'a> {
     }
 
     /// The rows between those of the run, up to `end`.
+    #[inline(always)]
     fn look_closer<P: Piece>(&mut self, scene: &Scene, cell: &Cell, mut piece: P, end: f64) {
         while let Some(row) = self.ahead(end).next().filter(|glance| glance.is_closer) {
             let (seen, _, behind) = piece.parted(scene, cell, row, &mut self.draws[1]);
@@ -137,6 +151,7 @@ impl<F: Flow> Piece for SlipPiece<'_, F> {
         self.after + self.interval.length()
     }
 
+    #[inline(always)]
     fn parted(&self, scene: &Scene, cell: &Cell, glance: Glance, draws: &mut AddressedDraws) -> (Seen, Self, Self) {
         let time = glance.time;
         let SlipPiece { flow, after, way, start, interval, known } = *self;
@@ -207,6 +222,7 @@ impl Piece for StickPiece {
         self.after.1
     }
 
+    #[inline(always)]
     fn parted(&self, scene: &Scene, cell: &Cell, glance: Glance, draws: &mut AddressedDraws) -> (Seen, Self, Self) {
         let time = glance.time;
         let (noise, force) = self.stuck(scene, cell, time, draws);

@@ -39,6 +39,11 @@ impl Work {
         self.left
     }
 
+    /// So many more evaluations at once, as far as they are granted.
+    pub fn spend_all(&mut self, evaluations: u64) {
+        self.left = self.left.saturating_sub(evaluations);
+    }
+
     /// One more evaluation, if it is granted.
     #[inline(always)]
     pub fn spend(&mut self) -> Result<(), Unresolved> {

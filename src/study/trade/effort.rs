@@ -1,12 +1,12 @@
 //! How much of the ladder fits into a budget of time, and with how many paths.
 
-use super::clock::Stopwatch;
 use super::ladder::is_exact;
 use super::measure::{GROUPS, bare_plan, timed};
 use super::{Ladder, LeftOut, TradeError};
 use crate::ensemble::Plan;
 use crate::scenario::Scenario;
 use crate::scheme::{Misfit, Scheme, Timeline};
+use crate::study::clock::Stopwatch;
 use std::time::Duration;
 
 /// How many paths are spent on what.

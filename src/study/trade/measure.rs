@@ -1,13 +1,13 @@
 //! Running the ladder: estimates, their change from step to step on one realisation, CPU time per
 //! path.
 
-use super::clock::{Stopwatch, thread_seconds};
 use super::ladder::is_exact;
 use super::{Effort, Ladder, LeftOut, Number, Trade};
 use crate::ensemble::{Plan, in_order};
 use crate::scenario::Scenario;
 use crate::scheme::{Misfit, Scheme, Simulate as _};
 use crate::stats::{Estimate, Record, Statistic, Totals, jackknife};
+use crate::study::clock::{Stopwatch, thread_seconds};
 use std::convert::Infallible;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};

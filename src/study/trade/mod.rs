@@ -15,7 +15,6 @@
 //!
 //! Except for times, everything is a function of the scenario, the seed and the [`Effort`].
 
-mod clock;
 mod effort;
 mod ladder;
 mod law;

@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 const MOST_WALL_TIME: u32 = 4;
 
 /// CPU seconds that this thread has computed.
-pub(super) fn thread_seconds() -> f64 {
+pub(in crate::study) fn thread_seconds() -> f64 {
     seconds(ClockId::ThreadCPUTime)
 }
 
@@ -21,7 +21,7 @@ fn seconds(clock: ClockId) -> f64 {
 
 /// Tells the time since a measurement began.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Stopwatch {
+pub(in crate::study) struct Stopwatch {
     threads: usize,
     cpu: f64,
     wall: Instant,

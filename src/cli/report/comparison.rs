@@ -1,0 +1,114 @@
+//! Several files as one table: the statistics of each, and how they differ from the first.
+
+use super::RunInfo;
+use crate::cli::numbers::{Digits, grouped, wrapped};
+use crate::cli::table::{Row, aligned};
+use std::fmt::Write as _;
+use stick_slip::stats::{Statistic, Summary};
+
+/// Half the width of a 95 % interval, in standard errors.
+const INTERVAL: f64 = 1.96;
+
+/// The table for people. Differences are from the first file; their errors are those of independent runs.
+pub fn comparison(summaries: &[&Summary], infos: &[RunInfo]) -> String {
+    let mut text = String::new();
+    let letters: Vec<String> = (0..infos.len()).map(letter).collect();
+    for (letter, info) in letters.iter().zip(infos) {
+        let step = info.step.map_or(String::new(), |h| format!(", step {h:?}"));
+        let paths = grouped(info.paths);
+        let _ = writeln!(text, "{letter:<3}{}: {}{step}, seed {}, {paths} paths", info.file, info.scheme, info.seed);
+    }
+    let mut headings = vec![letters[0].clone(), "std. error".to_string()];
+    for letter in &letters[1..] {
+        headings.extend([
+            letter.clone(),
+            "std. error".into(),
+            format!("{letter} - {}", letters[0]),
+            "std. error".into(),
+        ]);
+        headings.push(String::new());
+    }
+    let mut rows = vec![Row::labelled("statistic", headings)];
+    for statistic in Statistic::ALL {
+        let first = summaries[0].estimate(statistic);
+        let digits = Digits::of(first.estimate, first.standard_error);
+        let mut cells = vec![digits.show(first.estimate), digits.show(first.standard_error)];
+        for summary in &summaries[1..] {
+            let other = summary.estimate(statistic);
+            let digits = Digits::of(other.estimate, other.standard_error);
+            let (difference, error) =
+                (other.estimate - first.estimate, first.standard_error.hypot(other.standard_error));
+            let of_difference = Digits::of(difference, error);
+            let is_clear = difference.abs() > INTERVAL * error;
+            cells.extend([digits.show(other.estimate), digits.show(other.standard_error)]);
+            cells.extend([of_difference.show(difference), of_difference.show(error)]);
+            cells.push(if is_clear { "*".into() } else { String::new() });
+        }
+        rows.push(Row::labelled(statistic.name(), cells));
+    }
+    let _ = writeln!(text, "\n{}", aligned(&rows, "  "));
+    text.push_str(&wrapped(&legend(infos, &letters), ""));
+    text
+}
+
+/// a, b, ..., z, then numbers.
+fn letter(i: usize) -> String {
+    let letter = u8::try_from(i).ok().filter(|i| *i < 26).map(|i| char::from(b'a' + i));
+    letter.map_or_else(|| format!("{}", i + 1), String::from)
+}
+
+/// What the errors of the differences assume.
+fn legend(infos: &[RunInfo], letters: &[String]) -> String {
+    let mut legend = "errors of differences: as of independent runs, in quadrature; * beyond 1.96 of them, as chance \
+                      makes one in twenty"
+        .to_string();
+    let same: Vec<&str> = letters
+        .iter()
+        .zip(infos)
+        .skip(1)
+        .filter(|(_, info)| info.seed == infos[0].seed)
+        .map(|l| l.0.as_str())
+        .collect();
+    if !same.is_empty() {
+        let _ = write!(
+            legend,
+            ". {} and {} have one seed, so their paths may see the same noise, and then differences are surer than that; \
+             `mc sweep` measures by how much, and --seed makes runs independent",
+            letters[0],
+            same.join(", ")
+        );
+    }
+    if infos.iter().any(|info| info.scheme != infos[0].scheme || info.step != infos[0].step) {
+        legend.push_str(". Biases of steps are in the differences");
+    }
+    legend
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::sample::{info, row, set, summary};
+    use super::*;
+
+    /// 3 -+ 0.03 and 4 -+ 0.04 differ by 1 -+ 0.05, and 3 and 3.05 by no more than chance makes of them.
+    #[test]
+    fn differences_have_the_errors_of_independent_runs() {
+        let (mut a, mut b) = (summary(), summary());
+        for (summary, value, error) in [(&mut a, 3.0, 0.03), (&mut b, 4.0, 0.04)] {
+            set(summary, Statistic::SubPhasesMean, value);
+            summary.estimates[Statistic::SubPhasesMean.index()].standard_error = error;
+        }
+        set(&mut b, Statistic::JumpMean, f64::NAN);
+        let other = RunInfo { seed: info().seed + 1, ..info() };
+        let table = comparison(&[&a, &b, &a], &[info(), other, info()]);
+        let cells: Vec<&str> = row(&table, "sub_phases_mean").split_whitespace().skip(1).collect();
+        assert_eq!(
+            cells,
+            ["3.000", "0.030", "4.000", "0.040", "1.000", "0.050", "*", "3.000", "0.030", "0.000", "0.042"]
+        );
+        let cells: Vec<&str> = row(&table, "slips_per_path").split_whitespace().skip(1).collect();
+        assert!(!cells.contains(&"*"), "{table}");
+        assert!(row(&table, "jump_mean").contains("none"), "{table}");
+        let legend = table.split_whitespace().collect::<Vec<_>>().join(" ");
+        assert!(legend.contains("a and c have one seed"), "{table}");
+    }
+}

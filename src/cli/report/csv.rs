@@ -1,0 +1,133 @@
+//! Statistics as comma-separated values (RFC 4180): a line for each statistic of each file, or of each point of a sweep.
+
+use stick_slip::scenario::Units;
+use stick_slip::stats::Estimate;
+use stick_slip::study::sweep::Sweep;
+
+/// The numbers of a statistic.
+const NUMBERS: [&str; 9] = [
+    "estimate",
+    "standard_error",
+    "low",
+    "high",
+    "bias",
+    "bias_uncertainty",
+    "estimate_corrected",
+    "estimate_corrected_low",
+    "estimate_corrected_high",
+];
+
+/// A table that grows file by file.
+#[derive(Default)]
+pub struct Csv {
+    /// Keys of the scenario that points of sweeps differ in, in the order of their appearance.
+    keys: Vec<String>,
+    lines: Vec<Line>,
+}
+
+struct Line {
+    file: String,
+    /// The keys that are set, by their place in the list, and their values.
+    at: Vec<(usize, f64)>,
+    statistic: &'static str,
+    unit: String,
+    numbers: [f64; NUMBERS.len()],
+}
+
+impl Csv {
+    /// Add the statistics of one file, or of one point of it: the keys that are set there.
+    pub fn add(&mut self, file: &str, at: &[(String, f64)], estimates: &[Estimate], units: &Units) {
+        let mut places = Vec::new();
+        for (key, value) in at {
+            let place = self.keys.iter().position(|other| other == key).unwrap_or_else(|| {
+                self.keys.push(key.clone());
+                self.keys.len() - 1
+            });
+            places.push((place, *value));
+        }
+        self.lines.extend(estimates.iter().map(|e| Line {
+            file: file.to_string(),
+            at: places.clone(),
+            statistic: e.statistic.name(),
+            unit: e.statistic.dimension().label(units),
+            numbers: numbers(e),
+        }));
+    }
+
+    /// Add the points of a sweep that are done.
+    pub fn add_sweep(&mut self, file: &str, sweep: &Sweep) {
+        let done = sweep.points.iter().enumerate().filter_map(|(p, point)| Some((p, point.as_ref()?)));
+        for (p, point) in done {
+            let settings = sweep.question.design.settings(p).into_iter();
+            let at: Vec<(String, f64)> = settings.map(|setting| (setting.key, setting.value)).collect();
+            self.add(file, &at, &point.estimates, &sweep.question.scenario.units);
+        }
+    }
+
+    /// All of it, with headings. What does not exist is an empty cell, what is not bounded `inf`.
+    pub fn text(&self) -> String {
+        let keys = self.keys.iter().map(String::as_str);
+        let headings = ["file"].into_iter().chain(keys).chain(["statistic", "unit"]).chain(NUMBERS);
+        let mut text = line(headings.map(String::from));
+        for Line { file, at, statistic, unit, numbers } in &self.lines {
+            let of_key = |k: usize| at.iter().find(|(place, _)| *place == k).map_or(f64::NAN, |(_, value)| *value);
+            let keys = (0..self.keys.len()).map(|k| number(of_key(k)));
+            let words = [statistic.to_string(), unit.clone()];
+            let cells = [file.clone()].into_iter().chain(keys).chain(words).chain(numbers.map(number));
+            text.push_str(&line(cells));
+        }
+        text
+    }
+}
+
+fn numbers(e: &Estimate) -> [f64; NUMBERS.len()] {
+    let bias = e.bias.map_or([f64::NAN; 2], |bias| [bias.estimate, bias.uncertainty]);
+    let corrected = e.corrected().map_or([f64::NAN; 3], |c| [c.estimate, c.low, c.high]);
+    let plain = [e.estimate, e.standard_error, e.low, e.high];
+    let mut all = plain.into_iter().chain(bias).chain(corrected);
+    std::array::from_fn(|_| all.next().unwrap_or(f64::NAN))
+}
+
+/// The shortest decimals that read back as the same double.
+fn number(x: f64) -> String {
+    if x.is_nan() { String::new() } else { format!("{x:?}") }
+}
+
+fn line(cells: impl Iterator<Item = String>) -> String {
+    cells.map(|cell| quoted(&cell)).collect::<Vec<_>>().join(",") + "\n"
+}
+
+fn quoted(cell: &str) -> String {
+    let is_plain = !cell.contains([',', '"', '\n', '\r']);
+    if is_plain { cell.to_string() } else { format!("\"{}\"", cell.replace('"', "\"\"")) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::sample::{info, set, summary};
+    use super::*;
+    use stick_slip::stats::{Bias, Statistic};
+
+    #[test]
+    fn a_line_has_every_digit_and_a_file_of_any_name() {
+        let mut summary = summary();
+        set(&mut summary, Statistic::DriftVelocity, f64::NAN);
+        summary.estimates[0].estimate = 0.1 + 0.2;
+        summary.estimates[0].bias = Some(Bias { estimate: 0.05, uncertainty: 0.01, order: None });
+        summary.estimates[1].high = f64::INFINITY;
+        let mut csv = Csv::default();
+        csv.add("a, \"b\".h5", &[], &summary.estimates, &info().units);
+        csv.add("point.h5", &[("friction.static".to_string(), 1.25)], &summary.estimates[..1], &info().units);
+        let text = csv.text();
+        let lines: Vec<&str> = text.lines().collect();
+        assert_eq!(lines.len(), 2 + Statistic::ALL.len());
+        assert!(lines[0].starts_with("file,friction.static,statistic,unit,estimate,standard_error,low,high,bias,"));
+        assert!(lines[1].starts_with("\"a, \"\"b\"\".h5\",,stick_duration_mean,,0.30000000000000004,"), "{}", lines[1]);
+        let cells = |line: &str| line.rsplitn(10, ',').map(String::from).collect::<Vec<_>>();
+        assert_eq!(cells(lines[1])[4..6], ["0.01", "0.05"]);
+        assert_eq!(cells(lines[2])[5], "inf");
+        let drift = 1 + Statistic::DriftVelocity.index();
+        assert_eq!(cells(lines[drift])[8], "", "{}", lines[drift]);
+        assert!(lines[22].starts_with("point.h5,1.25,stick_duration_mean,"));
+    }
+}

@@ -1,0 +1,305 @@
+//! `mc sweep`: statistics as functions of keys of the scenario, and what a key does to them.
+
+use super::failure::{Failure, note, print, writable};
+use super::interrupt::stop_on_ctrl_c;
+use super::numbers::{bytes, duration, grouped, wrapped};
+use super::overrides::Overrides;
+use super::progress::Progress;
+use super::results;
+use super::sweep_report;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use stick_slip::config::{Override, symbol_and_meaning};
+use stick_slip::provenance::Provenance;
+use stick_slip::scenario::Scenario;
+use stick_slip::stats::Statistic;
+use stick_slip::store::{StoredSweep, SweepFile, sweep_bytes};
+use stick_slip::study::sweep::{
+    Axis, Design, DesignError, Question, Seeds, Setting, Simulation, Sweep as Swept, SweepEnd, estimated_seconds,
+};
+
+const EXAMPLES: &str = "\
+Examples:
+  mc sweep scenarios/rho025.toml --scheme event-driven --vary rho=temperature.noise.intensity=0:1:21
+  mc sweep scenarios/rho025.toml --vary temperature.noise.intensity=log:0.01:1:9 --vary friction.static=1.1,1.2,1.5 --dry-run
+  mc sweep scenarios/rho025.toml --scheme event-driven --elasticity friction.static,oscillator.damping --relative-step 5%
+
+Values are START:STOP:COUNT, log:START:STOP:COUNT, or a list. Several --vary are crossed, or go together with --zip.
+All points see the same noise, which makes differences between neighbours sharp; the table says by how much (gain), with errors
+whose unit is the path. Ctrl-C, or a crash, leaves FILE.h5.partial with the points that are done; the same command continues it.";
+
+/// Arguments of `mc sweep`.
+#[derive(Debug, clap::Args)]
+#[command(after_help = EXAMPLES)]
+pub struct Sweep {
+    /// The scenario, a TOML file
+    scenario: PathBuf,
+    /// A key and its values, e.g. rho=temperature.noise.intensity=0:1:21 or friction.static=log:1:2:11; repeatable
+    #[arg(long, value_name = "[NAME=]KEY=VALUES", allow_hyphen_values = true, required_unless_present = "elasticity")]
+    vary: Vec<String>,
+    /// Let the first values of all --vary go together, then the second ones, and so on
+    #[arg(long, requires = "vary")]
+    zip: bool,
+    /// By what share each statistic changes for each share by which these keys do, at the scenario itself
+    #[arg(long, value_name = "KEY,KEY", value_delimiter = ',', conflicts_with = "vary")]
+    elasticity: Vec<String>,
+    /// The step to both sides of each key, for --elasticity
+    #[arg(long, value_name = "SHARE", default_value = "5%", value_parser = share, requires = "elasticity",
+          allow_hyphen_values = true)]
+    relative_step: f64,
+    /// Give every point a seed of its own: its errors are independent of the others', and differences blunter
+    #[arg(long)]
+    independent: bool,
+    #[command(flatten)]
+    overrides: Overrides,
+    /// Say how many points and paths there are, how long they take and how much disk, and stop
+    #[arg(long)]
+    dry_run: bool,
+    /// A statistic to print; repeatable [default: some; the file has all]
+    #[arg(long, value_name = "NAME", value_parser = super::trade::statistic)]
+    statistic: Vec<Statistic>,
+    /// Do not estimate the bias that the step gives each statistic
+    #[arg(long)]
+    no_bias: bool,
+    /// Threads [default: one a core]
+    #[arg(long, value_name = "K", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: Option<u16>,
+    /// Where to write the results [default: SCENARIO-sweep.h5 in the current directory]
+    #[arg(short, long, value_name = "FILE.h5")]
+    output: Option<PathBuf>,
+    /// Overwrite the results of another run or sweep
+    #[arg(long)]
+    force: bool,
+    /// Print nothing but warnings and errors
+    #[arg(short, long)]
+    quiet: bool,
+    /// Print one JSON object on standard output, and nothing else there
+    #[arg(long)]
+    json: bool,
+}
+
+impl Sweep {
+    pub fn call(&self) -> Result<(), Failure> {
+        let question = self.question()?;
+        let threads = self.threads.map_or_else(super::cores, usize::from);
+        if self.dry_run {
+            return print(&outlook(&question, threads));
+        }
+        let output = self.output.clone().unwrap_or_else(|| default_output(&self.scenario));
+        if output.is_dir() {
+            writable(&output, self.force)?;
+        }
+        let header = Provenance::of(&question.scenario);
+        let (mut file, known) = SweepFile::open(&output, &header, &question, self.force)?;
+        warn(&question);
+        let mut sweep = Swept { question, points: known };
+        let was_complete = sweep.is_complete();
+        if was_complete {
+            note(&format!("{} holds this sweep already", output.display()));
+        } else {
+            if sweep.done() > 0 {
+                note(&format!("continuing: {} of {} points are done", sweep.done(), sweep.points.len()));
+            }
+            self.simulate(&mut sweep, &mut file, threads)?;
+        }
+        if !sweep.is_complete() {
+            file.save_now(&sweep)?;
+            let (done, all) = (sweep.done(), sweep.points.len());
+            let partial = stick_slip::store::partial_path(&output);
+            note(&format!("{done} of {all} points are in {}; the same command continues", partial.display()));
+            return Err(Failure::Interrupted);
+        }
+        if !was_complete {
+            file.finish(&sweep)?;
+        }
+        self.print(&sweep, &output)
+    }
+
+    fn simulate(&self, sweep: &mut Swept, file: &mut SweepFile, threads: usize) -> Result<(), Failure> {
+        let stop = stop_on_ctrl_c();
+        let left = sweep.points.iter().zip(&sweep.question.points).filter(|(point, _)| point.is_none());
+        let mut progress = Progress::new(left.map(|(_, scenario)| scenario.ensemble.paths).sum(), self.quiet, None);
+        let simulation = Simulation { threads, stop: &stop, progress: &mut progress };
+        let ended = simulation.run(sweep, |sweep| file.save(sweep));
+        progress.finish();
+        ended.map_err(|end| match end {
+            SweepEnd::Told(error) => Failure::from(error),
+            SweepEnd::Overlap(_) => Failure::Run(end.to_string()),
+        })
+    }
+
+    fn print(&self, sweep: &Swept, output: &Path) -> Result<(), Failure> {
+        if self.json {
+            print(&sweep_report::json(sweep, output))?;
+        } else if !self.quiet {
+            print(&sweep_report::table(sweep, &self.statistic, output))?;
+        }
+        for line in sweep_report::remarks(sweep) {
+            note(wrapped(&format!("warning: {line}"), "  ").trim_end());
+        }
+        let lost = sweep.points.iter().flatten().filter(|point| point.completed_paths == point.diverged_paths).count();
+        if lost == sweep.points.len() {
+            return Err(Failure::Run(
+                "every path of every point diverged or was given up\n  fix: a smaller step".into(),
+            ));
+        }
+        Ok(())
+    }
+
+    /// What is asked, every point of it checked.
+    fn question(&self) -> Result<Question, Failure> {
+        let scenario = self.overrides.scenario(&self.scenario)?;
+        let (design, shown) = if self.elasticity.is_empty() { self.grid()? } else { self.star(&scenario)? };
+        let point = |i: usize| {
+            let own: Vec<Override> = design.settings(i).iter().map(|setting| shown.override_of(setting)).collect();
+            self.overrides.scenario_with(&self.scenario, &own)
+        };
+        let points = (0..design.points()).map(point).collect::<Result<Vec<_>, _>>()?;
+        let seeds = if self.independent { Seeds::Independent } else { Seeds::Common };
+        Ok(Question::new(scenario, design, points, seeds, !self.no_bias))
+    }
+
+    fn grid(&self) -> Result<(Design, Shown), Failure> {
+        let symbol = |key: &str| symbol_and_meaning(key).map(|(symbol, _)| symbol.to_string());
+        let axis =
+            |text: &String| Axis::parse(text, symbol).map_err(|error| Failure::Refused(format!("--vary: {error}")));
+        let axes = self.vary.iter().map(axis).collect::<Result<Vec<_>, _>>()?;
+        let shown =
+            Shown(axes.iter().zip(&self.vary).map(|(a, text)| (a.key.clone(), format!("--vary {text}, at"))).collect());
+        Ok((Design::of(axes, self.zip)?, shown))
+    }
+
+    fn star(&self, scenario: &Scenario) -> Result<(Design, Shown), Failure> {
+        let mut keys: Vec<(String, f64)> = Vec::new();
+        for key in self.elasticity.iter().map(|key| key.trim().to_string()) {
+            let flag = "--elasticity";
+            let Some(value) = scenario.number_at(&key) else {
+                // The check of the scenario has the better message for a key that does not exist.
+                let tried = Override::flag(&format!("{flag} {key}, tried at"), &key, "1");
+                self.overrides.scenario_with(&self.scenario, &[tried])?;
+                let problem = format!("{flag} {key}: the scenario has no number there");
+                return Err(Failure::usage(problem, "`mc check` prints every key with its value"));
+            };
+            if value == 0.0 {
+                let problem = format!("{flag} {key}: it is 0, and a share of 0 is 0");
+                return Err(Failure::usage(problem, format!("give it a value with --set, or --vary {key}=0:1:5")));
+            }
+            if keys.iter().any(|(other, _)| *other == key) {
+                return Err(Failure::usage(format!("{flag}: {key} is named twice"), "name it once"));
+            }
+            keys.push((key, value));
+        }
+        let shown = keys.iter().map(|(key, value)| (key.clone(), format!("--elasticity {key}, {value} moved to")));
+        let shown = Shown(shown.collect());
+        Ok((Design::Star { keys, relative_step: self.relative_step }, shown))
+    }
+}
+
+/// A stored sweep with its points put together again.
+pub fn stored(path: &Path, stored: StoredSweep) -> Result<Swept, Failure> {
+    let StoredSweep { scenario_text, design, seeds, with_bias, points, .. } = stored;
+    let name = path.display().to_string();
+    let scenario = Scenario::parse(&name, &scenario_text, &[])?;
+    let shown = Shown(Vec::new());
+    let point = |i: usize| {
+        let own: Vec<Override> = design.settings(i).iter().map(|setting| shown.override_of(setting)).collect();
+        Scenario::parse(&name, &scenario_text, &own)
+    };
+    let scenarios = (0..design.points()).map(point).collect::<Result<Vec<_>, _>>()?;
+    Ok(Swept { question: Question::new(scenario, design, scenarios, seeds, with_bias), points })
+}
+
+/// What a message calls the value of a key: key by key, what was typed.
+struct Shown(Vec<(String, String)>);
+
+impl Shown {
+    fn override_of(&self, Setting { key, value }: &Setting) -> Override {
+        let typed = self.0.iter().find(|(of, _)| of == key).map_or(key.as_str(), |(_, typed)| typed);
+        // Counts and seeds are whole numbers.
+        let is_whole = value.fract() == 0.0 && value.abs() < 1e15;
+        Override::flag(typed, key, &if is_whole { format!("{value:.0}") } else { format!("{value:?}") })
+    }
+}
+
+impl From<DesignError> for Failure {
+    fn from(error: DesignError) -> Self {
+        let remedy = match error {
+            DesignError::Name(_) => "name it yourself: --vary NAME=KEY=VALUES",
+            DesignError::Key(_) => "leave out one of them",
+            DesignError::Lengths(..) => "give as many values, or cross them by leaving out --zip",
+            DesignError::Points(_) => "give fewer values",
+        };
+        Failure::usage(format!("--vary: {error}"), remedy)
+    }
+}
+
+/// Points, paths, time and disk.
+fn outlook(question: &Question, threads: usize) -> String {
+    let design = &question.design;
+    let shape = design.shape().iter().map(usize::to_string).collect::<Vec<_>>().join(" x ");
+    let names = design.axes().iter().map(|axis| axis.name.as_str()).collect::<Vec<_>>().join(", ");
+    let of = if names.is_empty() { String::new() } else { format!(" ({shape}: {names})") };
+    let paths: Vec<u64> = question.points.iter().map(|point| point.ensemble.paths).collect();
+    let all = paths.iter().fold(0_u64, |sum, paths| sum.saturating_add(*paths));
+    let each = match paths.iter().all(|n| *n == paths[0]) {
+        true => format!("{} at each point, ", grouped(paths[0])),
+        false => String::new(),
+    };
+    format!(
+        "points  {}{of}\npaths   {each}{} in all\ntime    about {} on {threads} threads\ndisk    about {}\n",
+        grouped(design.points() as u64),
+        grouped(all),
+        duration(estimated_seconds(question, threads)),
+        bytes(sweep_bytes(design) as f64)
+    )
+}
+
+/// Each warning once, with how many points it is about.
+fn warn(question: &Question) {
+    let mut due: BTreeMap<&str, (String, usize)> = BTreeMap::new();
+    for scenario in &question.points {
+        let measures_bias = question.with_bias && scenario.bias_plan(scenario.ensemble.paths).is_ok();
+        for warning in results::due(scenario, measures_bias) {
+            due.entry(warning.name()).or_insert_with(|| (warning.to_string(), 0)).1 += 1;
+        }
+    }
+    for (text, points) in due.into_values() {
+        let all = question.points.len();
+        let which =
+            if points == all { String::new() } else { format!(" (at {points} of {all} points, the first here)") };
+        note(wrapped(&format!("warning{which}: {text}"), "  ").trim_end());
+    }
+}
+
+/// `<scenario>-sweep.h5` in the current directory.
+fn default_output(scenario: &Path) -> PathBuf {
+    let mut name = scenario.file_stem().unwrap_or("sweep".as_ref()).to_os_string();
+    name.push("-sweep.h5");
+    PathBuf::from(name)
+}
+
+/// Steps that say something: the difference drowns in rounding below, and is no derivative above.
+const STEPS: std::ops::RangeInclusive<f64> = 1e-6..=0.5;
+
+/// 0.05 or 5%.
+fn share(text: &str) -> Result<f64, String> {
+    let number = match text.trim().strip_suffix('%') {
+        Some(percent) => percent.trim().parse::<f64>().map(|percent| percent / 100.0),
+        None => text.trim().parse::<f64>(),
+    };
+    let share = number.ok().filter(|share| STEPS.contains(share));
+    share.ok_or_else(|| "write a share from 1e-6 to 50%, such as 5% or 0.05".to_string())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_share_is_a_number_or_a_percentage() {
+        assert_eq!([share("5%"), share("0.05"), share(" 50 %")], [Ok(0.05), Ok(0.05), Ok(0.5)]);
+        for text in ["", "0", "-5%", "51%", "nan", "five"] {
+            assert!(share(text).is_err(), "{text}");
+        }
+    }
+}

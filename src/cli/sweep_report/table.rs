@@ -1,0 +1,177 @@
+//! The report of a sweep for people: a table for each statistic, what common seeds gain, elasticities by size.
+
+use crate::cli::numbers::{Digits, duration, grouped, significant, wrapped};
+use crate::cli::table::{Row, aligned};
+use std::fmt::Write as _;
+use std::path::Path;
+use stick_slip::stats::{Estimate, Statistic};
+use stick_slip::study::sweep::{Design, Paired, Seeds, Sweep};
+
+/// Between columns.
+const GAP: &str = "  ";
+
+/// Points that are printed; the file has all.
+const MOST_ROWS: usize = 100;
+
+/// Below this common seeds are hardly better than independent ones.
+const LOW_GAIN: f64 = 2.0;
+
+/// What is printed where nobody says what.
+const USUAL: [Statistic; 3] =
+    [Statistic::StickDurationMean, Statistic::SubPhasesMultipleShare, Statistic::StickingFraction];
+
+/// The tables for people.
+pub fn table(sweep: &Sweep, named: &[Statistic], output: &Path) -> String {
+    let shown = if named.is_empty() { &USUAL } else { named };
+    let scenario = &sweep.question.scenario;
+    let step = scenario.scheme.step().map_or(String::new(), |h| format!(", step {h:?}"));
+    let mut text = format!("{}\n{}{step}", scenario.title, scenario.scheme.name());
+    let first = sweep.question.points[0].ensemble.paths;
+    if sweep.question.points.iter().all(|point| point.ensemble.paths == first) {
+        let _ = write!(text, ", {} paths at each point", grouped(first));
+    }
+    let _ = writeln!(text, ", {} seeds", sweep.question.seeds.name());
+    match &sweep.question.design {
+        Design::Star { keys, .. } => shown.iter().for_each(|statistic| {
+            text.push_str(&elasticities(sweep, keys, *statistic));
+        }),
+        Design::Grid(_) | Design::Zip(_) => {
+            shown.iter().for_each(|statistic| text.push_str(&points(sweep, *statistic)));
+            if sweep.question.seeds == Seeds::Common {
+                text.push_str(&gains(sweep));
+            }
+        }
+    }
+    let seconds: f64 = sweep.points.iter().flatten().map(|point| point.seconds).sum();
+    let _ = writeln!(text, "\ntime    {} of CPU for {} points", duration(seconds), grouped(sweep.done() as u64));
+    let _ = writeln!(text, "file    {}", output.display());
+    text
+}
+
+/// One statistic at every point; along a line, its difference to the next point.
+fn points(sweep: &Sweep, statistic: Statistic) -> String {
+    let design = &sweep.question.design;
+    let is_line = design.along().len() == 1;
+    let names = design.axes().iter().map(|axis| axis.name.clone());
+    let has_bias = sweep.points.iter().flatten().any(|point| point.estimates[statistic.index()].bias.is_some());
+    let mut headings: Vec<String> = names.collect();
+    headings.extend(["estimate", "std. error", "95 % interval", ""].map(String::from));
+    if has_bias {
+        headings.extend(["bias", "+-"].map(String::from));
+    }
+    if is_line {
+        headings.extend(["to the next", "std. error", "gain"].map(String::from));
+    }
+    let mut rows = vec![Row { cells: headings, note: String::new() }];
+    for (p, point) in sweep.points.iter().enumerate().take(MOST_ROWS) {
+        let mut cells: Vec<String> = design.settings(p).iter().map(|setting| significant(setting.value, 12)).collect();
+        match point {
+            None => cells.push("missing".into()),
+            Some(point) => cells.extend(estimate_cells(&point.estimates[statistic.index()], has_bias)),
+        }
+        if let Some(paired) = sweep.difference(p, 0, statistic).filter(|_| is_line) {
+            cells.extend(paired_cells(&paired));
+        }
+        rows.push(Row { cells, note: String::new() });
+    }
+    let mut text = format!("\n{}\n{}", statistic.name(), aligned(&rows, GAP));
+    if sweep.points.len() > MOST_ROWS {
+        let _ = writeln!(text, "... and {} more points in the file", grouped((sweep.points.len() - MOST_ROWS) as u64));
+    }
+    text
+}
+
+fn estimate_cells(e: &Estimate, has_bias: bool) -> Vec<String> {
+    let digits = Digits::of(e.estimate, e.standard_error);
+    let mut cells = [e.estimate, e.standard_error, e.low, e.high].map(|x| digits.show(x)).to_vec();
+    if has_bias {
+        cells.extend(match e.bias {
+            Some(bias) => {
+                let digits = Digits::of(bias.estimate, bias.uncertainty);
+                [digits.show(bias.estimate), digits.show(bias.uncertainty)]
+            }
+            None => ["none".to_string(), String::new()],
+        });
+    }
+    cells
+}
+
+/// A number, its error, and the gain.
+fn paired_cells(Paired { measurement, gain }: &Paired) -> [String; 3] {
+    let digits = Digits::of(measurement.estimate, measurement.standard_error);
+    [digits.show(measurement.estimate), digits.show(measurement.standard_error), gain_cell(*gain)]
+}
+
+fn gain_cell(gain: f64) -> String {
+    if gain.is_finite() { significant(gain, 2) } else { "none".into() }
+}
+
+/// What common seeds gain for the differences of neighbours, statistic by statistic.
+fn gains(sweep: &Sweep) -> String {
+    let along = sweep.question.design.along();
+    let mut rows = vec![Row::labelled("gain along", along.iter().map(|name| name.to_string()))];
+    for statistic in Statistic::ALL {
+        let gains: Vec<f64> = (0..along.len()).map(|dimension| sweep.gain(dimension, statistic)).collect();
+        if gains.iter().any(|gain| gain.is_finite()) {
+            rows.push(Row::labelled(statistic.name(), gains.into_iter().map(gain_cell)));
+        }
+    }
+    if rows.len() == 1 {
+        return String::new();
+    }
+    let legend = "gain: the variance that a difference of neighbours would have with independent seeds, over the one that it has";
+    format!("\n{}{}", aligned(&rows, GAP), wrapped(legend, ""))
+}
+
+/// The keys for one statistic, the strongest first: a tornado in numbers.
+fn elasticities(sweep: &Sweep, keys: &[(String, f64)], statistic: Statistic) -> String {
+    let headings = ["value", "elasticity", "std. error", "95 % interval", "", "gain"].map(String::from);
+    let mut rows = vec![Row::labelled(statistic.name(), headings)];
+    let paired = |key: usize| sweep.elasticity(key, statistic).unwrap_or(Paired::NOTHING);
+    let mut order: Vec<(usize, Paired)> = (0..keys.len()).map(|key| (key, paired(key))).collect();
+    let size =
+        |paired: &Paired| Some(paired.measurement.estimate.abs()).filter(|size| size.is_finite()).unwrap_or(-1.0);
+    order.sort_by(|a, b| size(&b.1).total_cmp(&size(&a.1)));
+    for (key, paired) in order {
+        let (name, value) = &keys[key];
+        let m = paired.measurement;
+        let digits = Digits::of(m.estimate, m.standard_error);
+        let mut cells = vec![significant(*value, 6)];
+        cells.extend([m.estimate, m.standard_error, m.low, m.high].map(|x| digits.show(x)));
+        cells.push(gain_cell(paired.gain));
+        let note = if m.estimate.is_nan() { "(the statistic does not exist, or may be zero)" } else { "" };
+        rows.push(Row { note: note.to_string(), ..Row::labelled(name.clone(), cells) });
+    }
+    format!("\n{}", aligned(&rows, GAP))
+}
+
+/// What a reader should know before a number is believed.
+pub fn remarks(sweep: &Sweep) -> Vec<String> {
+    let mut remarks = Vec::new();
+    let diverged: u64 = sweep.points.iter().flatten().map(|point| point.diverged_paths).sum();
+    if diverged > 0 {
+        let points = sweep.points.iter().flatten().filter(|point| point.diverged_paths > 0).count();
+        remarks.push(format!(
+            "{} paths at {points} of {} points diverged or were given up, and are in no statistic",
+            grouped(diverged),
+            sweep.points.len()
+        ));
+    }
+    if sweep.question.seeds == Seeds::Independent {
+        return remarks;
+    }
+    for (dimension, name) in sweep.question.design.along().into_iter().enumerate() {
+        let is_low = |statistic: &Statistic| sweep.gain(dimension, *statistic) < LOW_GAIN;
+        let low: Vec<&str> = Statistic::ALL.into_iter().filter(is_low).map(Statistic::name).collect();
+        if !low.is_empty() {
+            remarks.push(format!(
+                "common seeds make differences along {name} hardly sharper (gain below {LOW_GAIN}) in {} of {} statistics: {}. \
+                 Closer values or another scheme raise it; with --independent the points at least err independently",
+                low.len(),
+                Statistic::ALL.len(),
+                low.join(", ")
+            ));
+        }
+    }
+    remarks
+}

@@ -1,0 +1,158 @@
+//! Statistics as functions of a key: a panel each, a curve for each sweep, or for each value of a second key.
+
+use super::axis::{Axis, range_of};
+use super::kit::{Colour, Label, Scene, Stroke};
+use super::panel::{Mark, Panel};
+use super::sheet::{Entry, sheet};
+use super::subject::{Absent, Figure, Subject};
+use super::theme::{LINE, Palette, Style};
+use super::trade::look;
+use super::words::{symbol, words};
+use crate::stats::{Estimate, Statistic};
+use crate::study::sweep::{self, Design, Sweep};
+
+/// The figure.
+pub const FIGURE: Figure =
+    Figure { name: "sweep", shows: "statistics as functions of a key of the scenario", draws: draw };
+
+/// What is drawn where nobody says what.
+pub(super) const USUAL: [Statistic; 2] = [Statistic::StickDurationMean, Statistic::SubPhasesMultipleShare];
+
+/// Height of a panel: that of the longest title.
+const HEIGHT: f64 = 118.0;
+
+/// More points than these are a curve without marks.
+const MOST_MARKS: usize = 30;
+
+/// More curves than these cannot be told apart.
+const MOST_CURVES: usize = 6;
+
+/// Points of one sweep, along its first axis.
+struct Curve<'a> {
+    sweep: &'a Sweep,
+    label: Label,
+    stroke: Stroke,
+    mark: Mark,
+    /// The number of each point, in the order of the values.
+    points: Vec<usize>,
+}
+
+impl Curve<'_> {
+    fn estimates(&self, statistic: Statistic) -> Vec<[f64; 4]> {
+        let values = &self.sweep.question.design.axes()[0].values;
+        let point = |(x, p): (&f64, &usize)| {
+            let Estimate { estimate, low, high, .. } = self.sweep.points[*p].as_ref()?.estimates[statistic.index()];
+            Some([*x, estimate, low, high])
+        };
+        let mut known: Vec<[f64; 4]> = values.iter().zip(&self.points).filter_map(point).collect();
+        known.sort_by(|a, b| a[0].total_cmp(&b[0]));
+        known
+    }
+}
+
+fn draw(subject: &Subject, style: &Style) -> Result<Scene, Absent> {
+    let (sweeps, named) = subject.sweeps()?;
+    let Some(first) = sweeps.first().map(|(_, sweep)| *sweep).filter(|sweep| !sweep.question.design.axes().is_empty())
+    else {
+        return Err(Absent::Elsewhere("a sweep over axes (--vary)"));
+    };
+    let axis = &first.question.design.axes()[0];
+    let has_same_axis =
+        |(_, other): &(String, &Sweep)| other.question.design.axes().first().is_some_and(|other| other.key == axis.key);
+    if !sweeps.iter().all(has_same_axis) {
+        return Err(Absent::Nothing("the sweeps do not vary the same key first"));
+    }
+    let palette = style.palette();
+    let curves = curves(sweeps, palette);
+    let statistics = if named.is_empty() { &USUAL[..] } else { named };
+    let mut panels = Vec::new();
+    for (n, &statistic) in statistics.iter().enumerate() {
+        let drawn: Vec<Vec<[f64; 4]>> = curves.iter().map(|curve| curve.estimates(statistic)).collect();
+        let numbers = || drawn.iter().flatten().flat_map(|[_, y, low, high]| [*y, *low, *high]);
+        let [least, most] = range_of(numbers());
+        if !least.is_finite() {
+            return Err(Absent::Nothing("the statistic exists at no point"));
+        }
+        let unit = statistic.dimension().label(&first.question.scenario.units);
+        let title = Label::new(words(statistic));
+        let positive = range_of(drawn.iter().flatten().map(|p| p[1]).filter(|y| *y > 0.0));
+        let vertical = match style.log && positive[0].is_finite() {
+            true => Axis::log([positive[0] / 1.3, positive[1] * 1.3], title, &unit),
+            false if least >= 0.0 => Axis::linear([0.0, 1.06 * most], title, &unit),
+            false => Axis::around(numbers(), title, &unit),
+        };
+        let mut panel = Panel::new(horizontal(axis), vertical, HEIGHT);
+        for (curve, points) in curves.iter().zip(&drawn) {
+            let colour = curve.stroke.colour;
+            panel.line(points.iter().map(|p| [p[0], p[1]]).collect(), curve.stroke.clone());
+            for [x, y, low, high] in points {
+                panel.interval(*x, [*low, *high], colour);
+                if points.len() <= MOST_MARKS {
+                    panel.mark([*x, *y], curve.mark, colour);
+                }
+            }
+        }
+        panels.push(if n + 1 < statistics.len() { panel.above_another() } else { panel });
+    }
+    let legend: Vec<Entry> = (curves.iter())
+        .map(|curve| Entry {
+            label: curve.label.clone(),
+            mark: Some((curve.mark, curve.stroke.colour)),
+            ..Entry::line(curve.stroke.clone(), "")
+        })
+        .collect();
+    Ok(sheet(style, &format!("Sweep: {}", first.question.scenario.title), &legend, &panels, ""))
+}
+
+/// Logarithmic where the values are evenly spaced so.
+fn horizontal(axis: &sweep::Axis) -> Axis {
+    let values = &axis.values;
+    let title = symbol(&axis.name, &axis.key);
+    let [low, high] = range_of(values.iter().copied());
+    let is_even = |pair: [f64; 2]| (pair[0] - pair[1]).abs() < 1e-6 * pair[0].abs();
+    let is_log = low > 0.0
+        && values.windows(3).all(|v| is_even([v[1] / v[0], v[2] / v[1]]))
+        && values.windows(3).any(|v| !is_even([v[1] - v[0], v[2] - v[1]]));
+    if is_log { Axis::log([low, high], title, "") } else { Axis::linear([low, high], title, "") }
+}
+
+fn curves<'a>(sweeps: &'a [(String, &'a Sweep)], palette: &Palette) -> Vec<Curve<'a>> {
+    let own = |i: usize| -> (Stroke, Mark) {
+        let colours: [Colour; 4] = [palette.first, palette.second, palette.third, palette.fourth];
+        let dashes: [&[f64]; 3] = [&[], &[3.2, 1.6], &[0.8, 1.8]];
+        let marks = [Mark::Disc, Mark::Square, Mark::Triangle, Mark::Diamond];
+        (Stroke::dashed(colours[i % 4], LINE, dashes[i % 3]), marks[i % 4])
+    };
+    let kinds: Vec<_> = sweeps.iter().map(|(_, sweep)| sweep.question.scenario.scheme.kind()).collect();
+    let are_distinct = (0..kinds.len()).all(|i| !kinds[..i].contains(&kinds[i]));
+    let mut curves = Vec::new();
+    for (i, (file, sweep)) in sweeps.iter().enumerate() {
+        let scheme = sweep.question.scenario.scheme;
+        let name = match (are_distinct, scheme.step()) {
+            (false, _) => file.clone(),
+            (true, Some(h)) => format!("{}, step {h}", scheme.name()),
+            (true, None) => scheme.name().to_string(),
+        };
+        let design = &sweep.question.design;
+        let length = design.axes()[0].values.len();
+        let others = if matches!(design, Design::Grid(_)) { design.points() / length } else { 1 };
+        let shown = others.min(MOST_CURVES);
+        for k in 0..shown {
+            // Spread over the values of the other axes.
+            let other = if shown > 1 { k * (others - 1) / (shown - 1) } else { 0 };
+            let points: Vec<usize> = (0..length).map(|i| i * others + other).collect();
+            let (stroke, mark) = if others == 1 && are_distinct { look(kinds[i]) } else { own(curves.len()) };
+            let at = design.settings(points[0]);
+            let axes = design.axes().iter().zip(&at).skip(1).filter(|_| others > 1);
+            let mut label = if others == 1 || sweeps.len() > 1 { Label::verbatim(&name) } else { Label::default() };
+            for (n, (axis, setting)) in axes.enumerate() {
+                let comma = if n > 0 || sweeps.len() > 1 { ", " } else { "" };
+                let value = crate::numbers::significant(setting.value, 4);
+                label = label.and(Label::verbatim(comma)).and(super::words::letter(&axis.name));
+                label = label.and(Label::verbatim(&format!(" = {}", super::axis::minus(&value))));
+            }
+            curves.push(Curve { sweep, label, stroke, mark, points });
+        }
+    }
+    curves
+}

@@ -1,0 +1,57 @@
+//! What each key does to a statistic: elasticities as bars, the longest above, with their intervals.
+
+use super::axis::{Axis, range_of};
+use super::kit::{Label, Scene, Stroke};
+use super::panel::Panel;
+use super::sheet::{Entry, sheet};
+use super::subject::{Absent, Figure, Subject};
+use super::sweep::USUAL;
+use super::theme::{Style, THIN};
+use super::words::{letter_of_key, words};
+use crate::study::sweep::Design;
+
+/// The figure.
+pub const FIGURE: Figure = Figure { name: "tornado", shows: "what each key does to a statistic", draws: draw };
+
+/// Half the height of a bar.
+const HALF: f64 = 0.36;
+
+/// Room for a bar.
+const BAR: f64 = 15.0;
+
+fn draw(subject: &Subject, style: &Style) -> Result<Scene, Absent> {
+    let (sweeps, named) = subject.sweeps()?;
+    let Some((sweep, keys)) = sweeps.first().and_then(|(_, sweep)| match &sweep.question.design {
+        Design::Star { keys, .. } => Some((sweep, keys)),
+        Design::Grid(_) | Design::Zip(_) => None,
+    }) else {
+        return Err(Absent::Elsewhere("a sweep with --elasticity"));
+    };
+    let palette = style.palette();
+    let statistics = if named.is_empty() { &USUAL[..] } else { named };
+    let mut panels = Vec::new();
+    for &statistic in statistics {
+        let elasticity = |key: usize| sweep.elasticity(key, statistic).map(|paired| paired.measurement);
+        let mut bars: Vec<_> = (0..keys.len()).filter_map(|key| Some((key, elasticity(key)?))).collect();
+        bars.retain(|(_, m)| m.estimate.is_finite());
+        if bars.is_empty() {
+            return Err(Absent::Nothing("the statistic does not exist, or may be zero: it has no elasticities"));
+        }
+        bars.sort_by(|a, b| a.1.estimate.abs().total_cmp(&b.1.estimate.abs()));
+        let ends = bars.iter().flat_map(|(_, m)| [m.estimate, m.low, m.high]);
+        let across = Axis::around(ends.chain([0.0]), Label::new(words(statistic)), "");
+        let places = bars.iter().enumerate().map(|(i, (key, _))| (i as f64, letter_of_key(&keys[*key].0)));
+        let upwards = Axis::named([-0.6, bars.len() as f64 - 0.4], places.collect());
+        let mut panel = Panel::new(across, upwards, BAR * bars.len() as f64);
+        for (i, (_, m)) in bars.iter().enumerate() {
+            let at = i as f64;
+            panel.bar([0.0, at - HALF], [m.estimate, at + HALF], palette.narrow);
+            panel.interval_across(at, [m.low, m.high], palette.ink);
+        }
+        let [bottom, top] = range_of([-0.6, bars.len() as f64 - 0.4]);
+        panel.line(vec![[0.0, bottom], [0.0, top]], Stroke::solid(palette.faint, THIN));
+        panels.push(panel);
+    }
+    let legend = [Entry::area(palette.narrow, "elasticity, with its 95 % interval")];
+    Ok(sheet(style, &format!("Elasticities: {}", sweep.question.scenario.title), &legend, &panels, ""))
+}

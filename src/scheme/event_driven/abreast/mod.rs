@@ -1,0 +1,328 @@
+//! Paths abreast: all paths of a block cross a cell together, lane by lane.
+//!
+//! ```text
+//! sweep    n at the end of the cell; every stick and slip as if nothing happened in it
+//! queues   of the lanes where something may have: a stick that may be left, a slip that may stop
+//! alone    the few that meet a rare case cross the cell again, one by one
+//! ```
+//!
+//! A lane does what [`super::cell_loop::cross`] does, number by number and rounding by rounding, so
+//! a path has the same bits whether it goes abreast or alone. That is what decides all that is rare
+//! (an end of the bisection, a noise too feeble for its quintic, a start on a threshold): the lane is
+//! crossed again alone.
+//!
+//! For scenes whose slips take one step a cell; where the body swings much faster than forcing and
+//! noise change, paths go one by one.
+
+mod jobs;
+mod slip;
+mod stick;
+mod sweep;
+#[cfg(test)]
+mod tests;
+
+use super::cell_loop::{self, Cascade, Inside, LOST, Path, Paths, cell_transition};
+use super::cells::Cell;
+use super::corridor::Pending;
+use super::noisy::{Noisy, Scratch};
+use super::slip_transition::HarmonicResponse;
+use super::watch::Nobody;
+use super::work::{Simulated, Work};
+use crate::lanes::{InstructionSet, LaneProgram, Lanes, ROW, Table};
+use crate::model::{Event, Phase, Sign};
+use crate::noise::{AddressedDraws, Transition, cells};
+use crate::scheme::Observer;
+use crate::scheme::columns::Columns;
+use jobs::{Jobs, Task};
+
+/// The paths of a block.
+pub struct Abreast<'a> {
+    noisy: &'a Noisy,
+    instructions: InstructionSet,
+    transition: Transition,
+    normals: &'static Table,
+    count: usize,
+    /// At the start of a cell, and at its end.
+    now: States,
+    next: States,
+    draws: Vec<AddressedDraws>,
+    /// What tells the random numbers of the paths apart ([`AddressedDraws::keys`]).
+    keys: [Vec<u64>; 3],
+    /// Evaluations of each path, and what they were where the cell began.
+    spent: Vec<u64>,
+    spent_before: Vec<u64>,
+    is_lost: Vec<bool>,
+    jobs: Jobs,
+    /// The events in the cell.
+    events: Vec<(u32, Event)>,
+    /// The lanes that cross the cell again, alone.
+    odd: Vec<u32>,
+    /// Flagged lanes of all cells, and odd ones among them.
+    flagged: usize,
+    turned_odd: usize,
+    scratch: (Scratch, Pending),
+}
+
+/// Where the paths are at the border of two cells, one entry a lane.
+#[derive(Clone)]
+struct States {
+    x: Vec<f64>,
+    /// x', zero in a stick.
+    v: Vec<f64>,
+    n: Vec<f64>,
+    /// b.
+    force: Vec<f64>,
+    /// The direction of the slip, or zero.
+    eps: Vec<f64>,
+}
+
+/// Where more lanes than one of so many flagged ones turn out odd, paths go alone.
+const MOST_ODD: usize = 4;
+
+/// So many flagged lanes tell whether most are odd.
+const FLAGGED: usize = 512;
+
+impl<'a> Abreast<'a> {
+    /// The paths with these numbers, at t = 0.
+    pub fn new(noisy: &'a Noisy, instructions: InstructionSet, seed: u64, paths: &[u64]) -> Self {
+        let count = paths.len();
+        let lanes = count.next_multiple_of(ROW);
+        let zeros = vec![0.0; lanes + ROW];
+        let states = States { x: zeros.clone(), v: zeros.clone(), n: zeros.clone(), force: zeros.clone(), eps: zeros };
+        let mut all = Abreast {
+            noisy,
+            instructions,
+            transition: cell_transition(noisy),
+            normals: cells(),
+            count,
+            now: states.clone(),
+            next: states,
+            draws: Vec::with_capacity(count),
+            keys: [vec![0; lanes], vec![0; lanes], vec![0; lanes]],
+            spent: vec![0; lanes + ROW],
+            spent_before: vec![0; lanes + ROW],
+            is_lost: vec![false; count],
+            jobs: Jobs::new(lanes),
+            events: Vec::new(),
+            odd: Vec::new(),
+            flagged: 0,
+            turned_odd: 0,
+            scratch: (noisy.scratch(), Pending::new()),
+        };
+        for (lane, &number) in paths.iter().enumerate() {
+            let path = cell_loop::start(noisy, seed, number);
+            all.draws.push(path.draws);
+            for (keys, key) in all.keys.iter_mut().zip(path.draws.keys()) {
+                keys[lane] = key;
+            }
+            all.put(lane, &path);
+            std::mem::swap(&mut all.now, &mut all.next);
+            all.put(lane, &path);
+        }
+        all
+    }
+
+    /// The path of a lane at the start of the cell.
+    fn path(&self, lane: usize, spent: u64) -> Path<f64> {
+        let eps = self.now.eps[lane];
+        let mut work = Work::new(self.noisy.work_limit());
+        work.spend_all(spent);
+        Path {
+            after: 0.0,
+            displacement: self.now.x[lane],
+            noise: self.now.n[lane],
+            force: self.now.force[lane],
+            phase: if eps == 0.0 { Phase::Static } else { Phase::Slip(Sign::of(eps)) },
+            motion: self.now.v[lane],
+            draws: self.draws[lane],
+            work,
+            is_lost: false,
+        }
+    }
+
+    /// Set a lane at the end of the cell.
+    fn put(&mut self, lane: usize, path: &Path<f64>) {
+        let (eps, v) = match path.phase {
+            Phase::Static => (0.0, 0.0),
+            Phase::Slip(direction) => (direction.value(), path.motion),
+        };
+        let next = &mut self.next;
+        (next.x[lane], next.v[lane], next.n[lane]) = (path.displacement, v, path.noise);
+        (next.force[lane], next.eps[lane]) = (path.force, eps);
+        self.spent[lane] = self.noisy.work_limit() - path.work.left();
+        self.is_lost[lane] = path.is_lost;
+    }
+
+    /// Take a lane across the cell alone.
+    #[inline(always)]
+    fn cross_alone(&mut self, lane: usize, cell: &Cell) {
+        let mut path = self.path(lane, self.spent_before[lane]);
+        let emit = |event| self.events.push((lane as u32, event));
+        let crossed =
+            cell_loop::cross(self.noisy, cell, &self.transition, &mut path, &mut self.scratch, &mut Nobody, emit);
+        path.is_lost = crossed.is_err();
+        self.put(lane, &path);
+    }
+}
+
+/// A cell that the paths are taken across, in lanes of one kind.
+struct Crossing<'p, 'a, L: Lanes> {
+    paths: &'p mut Abreast<'a>,
+    cell: &'p Cell,
+    /// Room for the responses of a step.
+    responses: Vec<HarmonicResponse<L>>,
+}
+
+/// Cells inside which nobody looks, crossed on whatever instruction set there is.
+struct Quiet<'p, 'a> {
+    paths: &'p mut Abreast<'a>,
+    cells: &'p [Cell],
+}
+
+impl LaneProgram for Quiet<'_, '_> {
+    #[inline(always)]
+    fn run<L: Lanes>(&mut self) {
+        for cell in self.cells {
+            let responses = vec![HarmonicResponse::none(); cell.terms.len()];
+            Crossing::<L> { paths: self.paths, cell, responses }.run();
+        }
+    }
+}
+
+/// A cell inside which somebody looks.
+struct Watched<'p, 'a> {
+    paths: &'p mut Abreast<'a>,
+    cell: &'p Cell,
+    inside: &'p mut Inside,
+}
+
+impl LaneProgram for Watched<'_, '_> {
+    #[inline(always)]
+    fn run<L: Lanes>(&mut self) {
+        let Watched { paths, cell, inside } = self;
+        for lane in 0..paths.count {
+            if !paths.is_lost[lane] {
+                let mut path = paths.path(lane, paths.spent[lane]);
+                inside.cross(lane, paths.noisy, cell, &paths.transition, &mut path, &mut paths.scratch);
+                paths.put(lane, &path);
+            }
+        }
+    }
+}
+
+impl<L: Lanes> Crossing<'_, '_, L> {
+    #[inline(always)]
+    fn run(&mut self) {
+        self.paths.spent_before.copy_from_slice(&self.paths.spent);
+        if self.paths.turned_odd * MOST_ODD > self.paths.flagged && self.paths.flagged > FLAGGED {
+            let Abreast { odd, is_lost, .. } = &mut *self.paths;
+            odd.extend((0..).zip(is_lost.iter()).filter(|(_, is_lost)| !**is_lost).map(|(lane, _)| lane));
+        } else {
+            self.paths.jobs.flagged.clear();
+            self.sweep();
+            self.paths.flagged += self.paths.jobs.flagged.len();
+            while let Some(task) = self.paths.jobs.longest::<L>() {
+                match task {
+                    Task::Halve => {
+                        while let Some((rows, lanes)) = self.paths.jobs.next::<L>() {
+                            self.halve(&rows, lanes);
+                        }
+                    }
+                    Task::Decide => {
+                        while let Some((rows, lanes)) = self.paths.jobs.next::<L>() {
+                            self.decide(&rows, lanes);
+                        }
+                    }
+                    Task::StickOn => {
+                        while let Some((rows, lanes)) = self.paths.jobs.next::<L>() {
+                            self.stick_on(&rows, lanes);
+                        }
+                    }
+                    Task::Begin => {
+                        while let Some((rows, lanes)) = self.paths.jobs.next::<L>() {
+                            self.begin(&rows, lanes);
+                        }
+                    }
+                    Task::Bisect => {
+                        while let Some((rows, lanes)) = self.paths.jobs.next::<L>() {
+                            self.bisect(&rows, lanes);
+                        }
+                    }
+                    Task::SlipOn => {
+                        while let Some((rows, lanes)) = self.paths.jobs.next::<L>() {
+                            self.slip_on(&rows, lanes);
+                        }
+                    }
+                    Task::Stop => {
+                        while let Some((rows, lanes)) = self.paths.jobs.next::<L>() {
+                            self.stop(&rows, lanes);
+                        }
+                    }
+                }
+            }
+            let Abreast { odd, events, turned_odd, jobs, spent, .. } = &mut *self.paths;
+            for &lane in &jobs.flagged {
+                spent[lane as usize] += jobs.spent(lane as usize);
+            }
+            *turned_odd += odd.len();
+            if !odd.is_empty() {
+                events.retain(|(lane, _)| !odd.contains(lane));
+            }
+        }
+        while let Some(lane) = self.paths.odd.pop() {
+            self.paths.cross_alone(lane as usize, self.cell);
+        }
+        std::mem::swap(&mut self.paths.now, &mut self.paths.next);
+    }
+}
+
+impl Paths for Abreast<'_> {
+    type Cascade = Noisy;
+
+    fn cascade(&self) -> &Noisy {
+        self.noisy
+    }
+
+    fn cross(&mut self, cells: &[Cell], observer: &mut impl Observer) {
+        let instructions = self.instructions;
+        for cell in cells.chunks(1) {
+            instructions.run(&mut Quiet { paths: self, cells: cell });
+            for (lane, event) in self.events.drain(..) {
+                observer.event(lane as usize, event);
+            }
+        }
+        let limit = self.noisy.work_limit();
+        for (is_lost, &spent) in self.is_lost.iter_mut().zip(&self.spent) {
+            *is_lost |= spent > limit;
+        }
+    }
+
+    fn cross_watched(&mut self, cell: &Cell, inside: &mut Inside) {
+        let instructions = self.instructions;
+        instructions.run(&mut Watched { paths: self, cell, inside });
+        std::mem::swap(&mut self.now, &mut self.next);
+    }
+
+    fn look(&self, passed: &Cell, columns: &mut Columns) {
+        let per_temperature = self.noisy.scene().force_per_temperature;
+        let now = &self.now;
+        for lane in 0..self.count {
+            let temperature = (passed.last.value + now.n[lane]) / per_temperature;
+            let seen = (now.x[lane], now.v[lane], temperature, now.eps[lane] == 0.0);
+            columns.set(lane, if self.is_lost[lane] { LOST } else { seen });
+        }
+    }
+
+    fn are_lost(&self) -> bool {
+        self.is_lost.iter().all(|&is_lost| is_lost)
+    }
+
+    fn simulated(&self) -> Simulated {
+        let lost = self.is_lost.iter().enumerate().filter(|&(_, &is_lost)| is_lost).map(|(lane, _)| lane);
+        let limit = self.noisy.work_limit();
+        Simulated {
+            lost: lost.collect(),
+            evaluations: self.spent[..self.count].iter().map(|&spent| spent.min(limit)).sum(),
+        }
+    }
+}

@@ -1,0 +1,369 @@
+//! Sub-phases that may stop in the cell, and those that begin in it.
+
+use super::Crossing;
+use super::jobs::{Count, DEPTH, Jobs, Rows, Task};
+use super::stick::Piece;
+use crate::lanes::{Lanes, ROW};
+use crate::model::{Event, EventKind};
+use crate::noise::LaneDraws;
+use crate::scheme::event_driven::cell_loop::Cascade as _;
+use crate::scheme::event_driven::corridor::Node;
+use crate::scheme::event_driven::first_stop::{Interval, Motion, STOP_REFINEMENTS, forwards, halves};
+use crate::scheme::event_driven::noisy::{ALIGNMENT, FEEBLE, SHORTEST};
+use crate::scheme::event_driven::slip_step::{State, force, motion, resolved_way};
+use crate::scheme::event_driven::slip_transition::cholesky;
+
+/// A slip that is searched for its stop, from the left.
+#[derive(Clone, Copy)]
+pub(super) struct Searched<L: Lanes> {
+    /// The motion where the interval begins, and how far that is from where the step does.
+    pub left: Motion<L>,
+    pub after: L,
+    pub way: L,
+    pub count: Count<L>,
+    /// x where the step begins, and when that is.
+    pub x: L,
+    pub start: L,
+    pub eps: L,
+    pub interval: Interval<L>,
+    pub origin: L::Bits,
+    pub key: L::Bits,
+}
+
+impl<L: Lanes> Searched<L> {
+    #[inline(always)]
+    pub fn put(&self, jobs: &mut Jobs, rows: &Rows) {
+        let Searched { left, after, way, count, x, start, eps, .. } = *self;
+        let row = [left.velocity, left.acceleration, after, way, count.number(), x, start, eps];
+        L::scatter_rows(row, &mut jobs.left, rows);
+        L::scatter_rows(self.row_of(&self.interval), &mut jobs.right, rows);
+    }
+
+    #[inline(always)]
+    fn get(jobs: &Jobs, rows: &Rows) -> Self {
+        let [velocity, acceleration, after, way, count, x, start, eps] = L::gather_rows(&jobs.left, rows);
+        let (interval, origin, key) = interval_of(L::gather_rows(&jobs.right, rows));
+        let (left, count) = (Motion { velocity, acceleration }, Count::of(count));
+        Searched { left, after, way, count, x, start, eps, interval, origin, key }
+    }
+
+    /// An interval as a row.
+    #[inline(always)]
+    fn row_of(&self, &Interval { end, way, length, inverse, noise }: &Interval<L>) -> [L; ROW] {
+        let (origin, key) = (L::from_bits(self.origin), L::from_bits(self.key));
+        [end.velocity, end.acceleration, way, length, inverse, noise, origin, key]
+    }
+
+    #[inline(always)]
+    fn draws(&self, cell: u64) -> LaneDraws<L> {
+        self.count.draws(cell, self.origin, self.key)
+    }
+
+    /// The interval is passed where `mask` holds, and `next` is behind it.
+    #[inline(always)]
+    fn pass(&mut self, mask: L::Mask, passed: &Interval<L>) {
+        self.after = L::select(mask, self.after + passed.length, self.after);
+        self.way = L::select(mask, self.way + passed.way, self.way);
+        self.left.velocity = L::select(mask, passed.end.velocity, self.left.velocity);
+        self.left.acceleration = L::select(mask, passed.end.acceleration, self.left.acceleration);
+        self.count = self.count.spent_where(mask);
+    }
+}
+
+#[inline(always)]
+fn interval_of<L: Lanes>(
+    [v, a, way, length, inverse, noise, origin, key]: [L; ROW],
+) -> (Interval<L>, L::Bits, L::Bits) {
+    let end = Motion { velocity: v, acceleration: a };
+    (Interval { end, way, length, inverse, noise }, origin.to_bits(), key.to_bits())
+}
+
+#[inline(always)]
+fn select<L: Lanes>(mask: L::Mask, a: &Interval<L>, b: &Interval<L>) -> Interval<L> {
+    let end = Motion {
+        velocity: L::select(mask, a.end.velocity, b.end.velocity),
+        acceleration: L::select(mask, a.end.acceleration, b.end.acceleration),
+    };
+    Interval {
+        end,
+        way: L::select(mask, a.way, b.way),
+        length: L::select(mask, a.length, b.length),
+        inverse: L::select(mask, a.inverse, b.inverse),
+        noise: L::select(mask, a.noise, b.noise),
+    }
+}
+
+impl<L: Lanes> Crossing<'_, '_, L> {
+    /// Part the intervals in their middles, and go on to what is behind them where both halves are clear.
+    #[inline(always)]
+    pub(super) fn bisect(&mut self, rows: &Rows, lanes: u32) {
+        let mut searched = Searched::<L>::get(&self.paths.jobs, rows);
+        let search = *self.paths.noisy.search();
+        let too_short = searched.interval.length.le(L::splat(self.cell.length * (2.0 / (1u64 << 40) as f64)));
+        let odd = L::bitmask(L::or(too_short, searched.count.has(DEPTH as f64 - 1.0))) & lanes;
+        self.odd_lanes(rows, odd);
+        let lanes = lanes & !odd;
+        let normals = searched.draws(self.cell.index).three_normals(self.paths.normals, 0);
+        let (near, far) = halves(searched.left, &searched.interval, normals);
+        self.paths.jobs.place_behind(rows, searched.count, searched.row_of(&far));
+
+        let near_clear = search.is_clear(searched.left, &near);
+        searched.count = searched.count.drawn(2).spent().behind_where(L::not(near_clear));
+        searched.pass(near_clear, &near);
+        searched.interval = select(near_clear, &far, &near);
+        let far_clear = L::and(near_clear, search.is_clear(searched.left, &far));
+        searched.pass(far_clear, &far);
+        let clear = L::bitmask(far_clear) & lanes;
+        let more = !L::bitmask(searched.count.has_none());
+        self.queue_searched(searched, rows, lanes & !clear, clear & more, far_clear);
+    }
+
+    /// Put searched lanes where they belong next, those with more behind a clear interval too, and
+    /// their rows in place.
+    #[inline(always)]
+    fn queue_searched(&mut self, searched: Searched<L>, rows: &Rows, lanes: u32, more: u32, is_clear: L::Mask) {
+        let is_stop = self.paths.noisy.search().is_stop(searched.left, &searched.interval);
+        let is_stop = L::and(is_stop, L::not(is_clear));
+        let searched = Searched { count: searched.count.alone_where(is_stop), ..searched };
+        searched.put(&mut self.paths.jobs, rows);
+        let stops = L::bitmask(is_stop) & lanes;
+        self.paths.jobs.push::<L>(Task::Stop, rows, stops);
+        self.paths.jobs.push::<L>(Task::Bisect, rows, lanes & !stops);
+        self.paths.jobs.push::<L>(Task::SlipOn, rows, more);
+    }
+
+    /// Go on to the next interval.
+    #[inline(always)]
+    pub(super) fn slip_on(&mut self, rows: &Rows, lanes: u32) {
+        let mut searched = Searched::<L>::get(&self.paths.jobs, rows);
+        searched.count = searched.count.taken();
+        let interval;
+        (interval, ..) = interval_of(self.paths.jobs.last_behind(rows, searched.count));
+        searched.interval = interval;
+        let is_clear = self.paths.noisy.search().is_clear(searched.left, &interval);
+        searched.pass(is_clear, &interval);
+        let clear = L::bitmask(is_clear) & lanes;
+        let more = !L::bitmask(searched.count.has_none());
+        self.queue_searched(searched, rows, lanes & !clear, clear & more, is_clear);
+    }
+
+    /// Draw near the stop, until it is found; then what follows it.
+    #[inline(always)]
+    pub(super) fn stop(&mut self, rows: &Rows, lanes: u32) {
+        let mut searched = Searched::<L>::get(&self.paths.jobs, rows);
+        let search = *self.paths.noisy.search();
+        let normals = searched.draws(self.cell.index).three_normals(self.paths.normals, 0);
+        let near = search.near_stop(searched.left, &searched.interval, normals);
+        let found = L::bitmask(near.is_at_it) & lanes;
+        let is_first = searched.count.has_none();
+        searched.count = searched.count.drawn(2).spent_where(is_first).behind_where(L::always());
+
+        let missed = lanes & !found;
+        if missed != 0 {
+            let is_before = near.motion.velocity.gt(L::splat(0.0));
+            let [before, behind] = near.parted(&searched.interval, search.noise);
+            let mut refined = searched;
+            refined.after = L::select(is_before, searched.after + near.after, searched.after);
+            refined.way = L::select(is_before, searched.way + near.way, searched.way);
+            refined.left.velocity = L::select(is_before, near.motion.velocity, searched.left.velocity);
+            refined.left.acceleration = L::select(is_before, near.motion.acceleration, searched.left.acceleration);
+            refined.interval = select(is_before, &behind, &before);
+            let own = self.paths.jobs.only::<L>(rows, missed);
+            refined.put(&mut self.paths.jobs, &own);
+            let spoiled = L::bitmask(searched.count.has(STOP_REFINEMENTS as f64)) & missed;
+            self.odd_lanes(rows, spoiled);
+            self.paths.jobs.push::<L>(Task::Stop, rows, missed & !spoiled);
+        }
+        if found != 0 {
+            let (there, rest) = near.zero();
+            let after = searched.after + there;
+            let way = searched.way + rest;
+            let acceleration = near.motion.acceleration;
+            let is_finite = (after + way + acceleration).abs().lt(L::splat(f64::INFINITY));
+            let step = L::splat(self.cell.length) - searched.start;
+            let is_felt = (step.sqrt() * search.noise).ge(acceleration.abs() * FEEBLE);
+            let good = L::bitmask(L::and(is_finite, is_felt)) & found;
+            self.odd_lanes(rows, found & !good);
+            self.stopped(rows, good, &searched, (searched.start + after, forwards(way), acceleration));
+        }
+    }
+
+    /// What follows a stop: a stick, or another sub-phase.
+    #[inline(always)]
+    fn stopped(&mut self, rows: &Rows, lanes: u32, searched: &Searched<L>, (after, way, acceleration): (L, L, L)) {
+        let scene = self.paths.noisy.scene();
+        let (body, eps) = (&scene.oscillator, searched.eps);
+        let x = searched.x + eps * way;
+        let spring = x * body.stiffness;
+        let force = eps * scene.friction.dynamic_force + eps * body.mass * acceleration;
+        let forcing = self.cell.forcing(after);
+        let noise = force - forcing.value + spring;
+        let f_s = L::splat(scene.friction.static_force);
+        let held = L::bitmask(force.abs().le(f_s)) & lanes;
+        let edge = L::bitmask(force.abs().ge(f_s)) & held;
+        let turned = lanes & !held;
+        self.tell(rows, lanes, (after, x, force), |force, lane| EventKind::at_rest(held >> lane & 1 == 1, force));
+        self.odd_lanes(rows, edge);
+
+        let Searched { origin, key, .. } = *searched;
+        let count = searched.count.spent().alone_where(L::always());
+        if turned != 0 {
+            let eps = L::select(force.lt(L::splat(0.0)), L::splat(-1.0), L::splat(1.0));
+            let begun = Begun { after, noise, force, eps, x, count, origin, key };
+            let own = self.paths.jobs.only::<L>(rows, turned);
+            begun.put(&mut self.paths.jobs, &own);
+            self.paths.jobs.push::<L>(Task::Begin, rows, turned);
+        }
+        let held = held & !edge;
+        if held != 0 {
+            let left = Node { after, noise, force, curvature: forcing.curvature };
+            let end_noise = self.end_noise(rows);
+            let end_force = L::splat(self.cell.last.value) - spring + end_noise;
+            let curvature = L::splat(self.cell.last.curvature);
+            let right = Node { after: L::splat(self.cell.length), noise: end_noise, force: end_force, curvature };
+            let piece = Piece { left, right, x, count, origin, key };
+            self.begin_stick(rows, held, &piece);
+        }
+    }
+
+    /// A sub-phase begins in the cell: one exact step to its end.
+    #[inline(always)]
+    pub(super) fn begin(&mut self, rows: &Rows, lanes: u32) {
+        let begun = Begun::<L>::get(&self.paths.jobs, rows);
+        let Begun { after, noise, force: start_force, eps, x, count, origin, key } = begun;
+        let scene = self.paths.noisy.scene();
+        let body = &scene.oscillator;
+        let remaining = L::splat(self.cell.length) - after;
+        let is_usual = L::and(
+            remaining.gt(L::splat(SHORTEST * self.cell.length)),
+            remaining.lt(L::splat(self.cell.length * (1.0 - ALIGNMENT))),
+        );
+        let mut odd = lanes & !L::bitmask(is_usual);
+
+        let mut transition = self.paths.noisy.oscillator().series(remaining, &mut self.responses);
+        transition.factor = cholesky(&transition.covariance);
+        let friction = eps * scene.friction.dynamic_force;
+        let start = State { x, v: L::splat(0.0), n: noise };
+        let mut mean = transition.free(start, friction);
+        let mut forcing = L::splat(0.0);
+        for (harmonic, response) in self.responses.iter().enumerate() {
+            let push = response.push(self.cell.term(harmonic, after));
+            (mean.x, mean.v) = (mean.x + push.x, mean.v + push.v);
+            forcing = forcing + push.term.re;
+        }
+        let draws = count.draws(self.cell.index, origin, key);
+        let end = transition.drawn(mean, self.end_noise(rows), draws.normal_pair(self.paths.normals, 0));
+        let end_force = force(body, forcing, end);
+        let first = motion(body, eps, start.v, start_force, friction);
+        let last = motion(body, eps, end.v, end_force, friction);
+        let search = *self.paths.noisy.search();
+        let interval = Interval {
+            end: last,
+            way: resolved_way(eps * x, eps * end.x, first, last, remaining),
+            length: remaining,
+            inverse: L::splat(1.0) / remaining,
+            noise: remaining.sqrt() * search.noise,
+        };
+        let infinite = L::splat(f64::INFINITY);
+        let is_finite = L::and(last.velocity.abs().lt(infinite), last.acceleration.abs().lt(infinite));
+        odd |= lanes & !L::bitmask(is_finite);
+        self.odd_lanes(rows, odd);
+        let lanes = lanes & !odd;
+        self.set_next(rows, lanes, (end.x, end.v, end_force, eps));
+        let is_clear = search.is_clear(first, &interval);
+        let zero = L::splat(0.0);
+        let searched = Searched {
+            left: first,
+            after: zero,
+            way: zero,
+            count: count.drawn(1).spent(),
+            x,
+            start: after,
+            eps,
+            interval,
+            origin,
+            key,
+        };
+        self.queue_searched(searched, rows, lanes & !L::bitmask(is_clear), 0, is_clear);
+    }
+
+    /// n at the end of the cell.
+    #[inline(always)]
+    fn end_noise(&self, rows: &Rows) -> L {
+        let mut noise = [0.0; 8];
+        for (noise, &row) in noise.iter_mut().zip(rows) {
+            *noise = self.paths.next.n[row as usize];
+        }
+        L::load(&noise)
+    }
+
+    /// Set x, x', b and the direction at the end of the cell.
+    #[inline(always)]
+    pub(super) fn set_next(&mut self, rows: &Rows, lanes: u32, (x, v, force, eps): (L, L, L, L)) {
+        let (mut xs, mut vs, mut forces, mut signs) = ([0.0; ROW], [0.0; ROW], [0.0; ROW], [0.0; ROW]);
+        x.store(&mut xs);
+        v.store(&mut vs);
+        force.store(&mut forces);
+        eps.store(&mut signs);
+        let own = self.paths.jobs.only::<L>(rows, lanes);
+        let next = &mut self.paths.next;
+        for i in 0..L::WIDTH {
+            let row = own[i] as usize;
+            next.x[row] = xs[i];
+            next.v[row] = vs[i];
+            next.force[row] = forces[i];
+            next.eps[row] = signs[i];
+        }
+    }
+
+    /// Keep the events of lanes at these times after the start of the cell.
+    #[inline(always)]
+    pub(super) fn tell(
+        &mut self,
+        rows: &Rows,
+        mut lanes: u32,
+        (after, x, force): (L, L, L),
+        kind: impl Fn(f64, u32) -> EventKind,
+    ) {
+        let (mut afters, mut xs, mut forces) = ([0.0; ROW], [0.0; ROW], [0.0; ROW]);
+        after.store(&mut afters);
+        x.store(&mut xs);
+        force.store(&mut forces);
+        while lanes != 0 {
+            let i = lanes.trailing_zeros();
+            let (time, force) = (self.cell.start + afters[i as usize], forces[i as usize]);
+            let event = Event { kind: kind(force, i), time, displacement: xs[i as usize], force };
+            self.paths.events.push((rows[i as usize], event));
+            lanes &= lanes - 1;
+        }
+    }
+}
+
+/// Where a sub-phase begins in the cell.
+#[derive(Clone, Copy)]
+pub(super) struct Begun<L: Lanes> {
+    pub after: L,
+    pub noise: L,
+    pub force: L,
+    pub eps: L,
+    pub x: L,
+    pub count: Count<L>,
+    pub origin: L::Bits,
+    pub key: L::Bits,
+}
+
+impl<L: Lanes> Begun<L> {
+    #[inline(always)]
+    pub fn put(&self, jobs: &mut Jobs, rows: &Rows) {
+        let Begun { after, noise, force, eps, x, count, .. } = *self;
+        let (origin, key) = (L::from_bits(self.origin), L::from_bits(self.key));
+        L::scatter_rows([after, noise, force, eps, count.number(), x, origin, key], &mut jobs.left, rows);
+    }
+
+    #[inline(always)]
+    fn get(jobs: &Jobs, rows: &Rows) -> Self {
+        let [after, noise, force, eps, count, x, origin, key] = L::gather_rows(&jobs.left, rows);
+        let (origin, key) = (origin.to_bits(), key.to_bits());
+        Begun { after, noise, force, eps, x, count: Count::of(count), origin, key }
+    }
+}

@@ -1,0 +1,173 @@
+//! Sticks that may be left in the cell.
+
+use super::Crossing;
+use super::jobs::{Count, DEPTH, Jobs, Rows, Task};
+use super::slip::Begun;
+use crate::lanes::{Lanes, ROW};
+use crate::model::{EventKind, Sign};
+use crate::noise::{LaneDraws, TimeChange, short_bridge_middle};
+use crate::scheme::event_driven::cell_loop::Cascade as _;
+use crate::scheme::event_driven::corridor::{Node, ends};
+use crate::scheme::event_driven::stick_step::StickStep;
+
+/// A piece of a stick between two known values of n.
+#[derive(Clone, Copy)]
+pub(super) struct Piece<L: Lanes> {
+    pub left: Node<L>,
+    pub right: Node<L>,
+    pub x: L,
+    pub count: Count<L>,
+    pub origin: L::Bits,
+    pub key: L::Bits,
+}
+
+impl<L: Lanes> Piece<L> {
+    #[inline(always)]
+    pub fn put(&self, jobs: &mut Jobs, rows: &Rows) {
+        let Node { after, noise, force, curvature } = self.left;
+        let zero = L::splat(0.0);
+        L::scatter_rows(
+            [after, noise, force, curvature, self.count.number(), self.x, zero, zero],
+            &mut jobs.left,
+            rows,
+        );
+        L::scatter_rows(self.row_of(&self.right), &mut jobs.right, rows);
+    }
+
+    #[inline(always)]
+    fn get(jobs: &Jobs, rows: &Rows) -> Self {
+        let [after, noise, force, curvature, count, x, ..] = L::gather_rows(&jobs.left, rows);
+        let (right, origin, key) = node_of(L::gather_rows(&jobs.right, rows));
+        Piece { left: Node { after, noise, force, curvature }, right, x, count: Count::of(count), origin, key }
+    }
+
+    #[inline(always)]
+    fn row_of(&self, &Node { after, noise, force, curvature }: &Node<L>) -> [L; ROW] {
+        let zero = L::splat(0.0);
+        [after, noise, force, curvature, zero, zero, L::from_bits(self.origin), L::from_bits(self.key)]
+    }
+
+    #[inline(always)]
+    fn draws(&self, cell: u64) -> LaneDraws<L> {
+        self.count.draws(cell, self.origin, self.key)
+    }
+
+    #[inline(always)]
+    fn length(&self) -> L {
+        self.right.after - self.left.after
+    }
+}
+
+#[inline(always)]
+fn node_of<L: Lanes>([after, noise, force, curvature, _, _, origin, key]: [L; ROW]) -> (Node<L>, L::Bits, L::Bits) {
+    (Node { after, noise, force, curvature }, origin.to_bits(), key.to_bits())
+}
+
+impl<L: Lanes> Crossing<'_, '_, L> {
+    /// A stick begins in the cell, in these lanes.
+    #[inline(always)]
+    pub(super) fn begin_stick(&mut self, rows: &Rows, lanes: u32, piece: &Piece<L>) {
+        let zero = L::splat(0.0);
+        let spring = piece.x * self.paths.noisy.scene().oscillator.stiffness;
+        let end_force = L::splat(self.cell.last.value) + piece.right.noise - spring;
+        self.set_next(rows, lanes, (piece.x, zero, end_force, zero));
+        let own = self.paths.jobs.only::<L>(rows, lanes);
+        self.queue_piece(*piece, rows, &own, lanes);
+    }
+
+    /// Put pieces where they belong next; where they are clear, what is behind them. `own` are the
+    /// rows that are written.
+    #[inline(always)]
+    fn queue_piece(&mut self, mut piece: Piece<L>, rows: &Rows, own: &Rows, lanes: u32) {
+        piece.count = piece.count.spent();
+        piece.put(&mut self.paths.jobs, own);
+        let corridor = self.paths.noisy.corridor();
+        let reach = corridor.reach(self.paths.noisy.scene(), piece.length(), &piece.left, &piece.right);
+        let near = L::bitmask(reach.is_near) & lanes;
+        let long = L::bitmask(reach.is_long) & near;
+        self.paths.jobs.push::<L>(Task::Halve, rows, long);
+        self.paths.jobs.push::<L>(Task::Decide, rows, near & !long);
+        let more = !L::bitmask(piece.count.has_none());
+        self.paths.jobs.push::<L>(Task::StickOn, rows, lanes & !near & more);
+    }
+
+    /// Draw n in the middle of the pieces.
+    #[inline(always)]
+    pub(super) fn halve(&mut self, rows: &Rows, lanes: u32) {
+        let mut piece = Piece::<L>::get(&self.paths.jobs, rows);
+        let odd = L::bitmask(piece.count.has(DEPTH as f64 - 1.0)) & lanes;
+        self.odd_lanes(rows, odd);
+        let lanes = lanes & !odd;
+        let scene = self.paths.noisy.scene();
+        let h = piece.length();
+        let (weight, sd) = short_bridge_middle(scene.relaxation_rate, scene.diffusion, h);
+        let normal = piece.draws(self.cell.index).normal(self.paths.normals, 0);
+        let noise = weight * (piece.left.noise + piece.right.noise) + sd * normal;
+        let after = piece.left.after + h * 0.5;
+        let forcing = self.cell.forcing(after);
+        let force = forcing.value - piece.x * scene.oscillator.stiffness + noise;
+        self.paths.jobs.place_behind(rows, piece.count, piece.row_of(&piece.right));
+        piece.count = piece.count.drawn(1).behind_where(L::always());
+        piece.right = Node { after, noise, force, curvature: forcing.curvature };
+        self.queue_piece(piece, rows, rows, lanes);
+    }
+
+    /// Go on to the next piece.
+    #[inline(always)]
+    pub(super) fn stick_on(&mut self, rows: &Rows, lanes: u32) {
+        let mut piece = Piece::<L>::get(&self.paths.jobs, rows);
+        piece.left = piece.right;
+        piece.count = piece.count.taken();
+        (piece.right, ..) = node_of(self.paths.jobs.last_behind(rows, piece.count));
+        self.queue_piece(piece, rows, rows, lanes);
+    }
+
+    /// Whether pieces are left, and when.
+    #[inline(always)]
+    pub(super) fn decide(&mut self, rows: &Rows, lanes: u32) {
+        let mut piece = Piece::<L>::get(&self.paths.jobs, rows);
+        let scene = self.paths.noisy.scene();
+        let length = piece.length();
+        let step = StickStep { length, noise: TimeChange::short(scene.relaxation_rate, scene.diffusion, length) };
+        let ends = ends(&piece.left, &piece.right);
+        let (is_up_near, is_down_near) = (step.is_near(scene, 1.0, &ends), step.is_near(scene, -1.0, &ends));
+        let is_near = L::or(is_up_near, is_down_near);
+        let draws = piece.draws(self.cell.index);
+        let u = draws.uniform(0);
+        // The nearer threshold, and seldom the other one too.
+        let one = L::splat(1.0);
+        let side = L::select(is_up_near, one, -one);
+        let chord = step.chord_on(scene, side, &ends);
+        let chance = step.chance(&chord);
+        let is_up = L::and(is_up_near, u.lt(chance));
+        let mut is_down = L::and(L::and(is_down_near, L::not(is_up_near)), u.gt(one - chance));
+        let is_both = L::and(is_up_near, is_down_near);
+        if L::bitmask(is_both) & lanes != 0 {
+            let down_chance = step.chance(&step.chord(scene, -1.0, &ends));
+            is_down = L::or(is_down, L::and(L::and(is_both, L::not(is_up)), u.gt(one - down_chance)));
+        }
+        let left = L::bitmask(L::or(is_up, is_down)) & lanes;
+        piece.count = piece.count.drawn_where(is_near);
+        let kept = lanes & !left;
+        if kept != 0 {
+            piece.put(&mut self.paths.jobs, rows);
+            let more = !L::bitmask(piece.count.has_none());
+            self.paths.jobs.push::<L>(Task::StickOn, rows, kept & more);
+        }
+        if left != 0 {
+            let side = L::select(is_up, one, -one);
+            let chord = step.chord_on(scene, side, &ends);
+            let passed = step.meeting_time(scene, &chord, draws.normal(self.paths.normals, 1), draws.uniform(2));
+            let after = piece.left.after + passed;
+            let force = side * scene.friction.static_force;
+            let noise = force - self.cell.forcing(after).value + piece.x * scene.oscillator.stiffness;
+            self.tell(rows, left, (after, piece.x, force), |force, _| EventKind::SlipStarted(Sign::of(force)));
+            let Piece { x, origin, key, count, .. } = piece;
+            let count = count.drawn(2).spent().alone_where(L::always());
+            // The rows of the lanes that are kept stay.
+            let own = self.paths.jobs.only::<L>(rows, left);
+            Begun { after, noise, force, eps: side, x, count, origin, key }.put(&mut self.paths.jobs, &own);
+            self.paths.jobs.push::<L>(Task::Begin, rows, left);
+        }
+    }
+}

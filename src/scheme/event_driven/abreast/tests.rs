@@ -1,0 +1,91 @@
+use super::Abreast;
+use crate::lanes::InstructionSet;
+use crate::model::paper::paper;
+use crate::model::{Event, Harmonic, Model};
+use crate::noise::MIRROR;
+use crate::scheme::event_driven::cell_loop::{self, OneByOne};
+use crate::scheme::event_driven::noisy::Noisy;
+use crate::scheme::event_driven::step_rules::StepRules;
+use crate::scheme::{Instant, Observer, Snapshot, Timeline};
+
+/// All that is heard and seen of every path, in bits.
+#[derive(Clone, Debug, Default, PartialEq)]
+struct Everything {
+    events: Vec<Vec<String>>,
+    seen: Vec<[u64; 3]>,
+    count: usize,
+    stops: usize,
+}
+
+impl Observer for Everything {
+    fn event(&mut self, lane: usize, event: Event) {
+        let bits = [event.time, event.displacement, event.force].map(f64::to_bits);
+        self.events[lane].push(format!("{:?} {bits:?}", event.kind));
+        self.count += 1;
+    }
+
+    fn snapshot(&mut self, _: Instant, snapshot: Snapshot<'_>) {
+        for lane in 0..self.events.len() {
+            let state = [snapshot.displacement[lane], snapshot.velocity[lane], snapshot.temperature[lane]];
+            // The sign of a zero is not a matter of the path.
+            self.seen.push(state.map(|value| (value + 0.0).to_bits()));
+            self.stops += usize::from(snapshot.is_static[lane]);
+        }
+    }
+}
+
+fn scenes() -> Vec<(&'static str, Model)> {
+    let mut damped = paper(0.25, 0.25);
+    damped.oscillator.damping = 0.2;
+    let mut three = paper(0.25, 0.4);
+    three.temperature.harmonics.push(Harmonic { amplitude: 0.4, angular_frequency: 0.7, phase: 1.0 });
+    three.temperature.harmonics.push(Harmonic { amplitude: 0.1, angular_frequency: 0.9, phase: -2.0 });
+    let mut loose = paper(0.25, 0.25);
+    loose.friction.static_force = loose.friction.dynamic_force * 1.01;
+    let mut bare = paper(0.25, 1.5);
+    bare.temperature.harmonics.clear();
+    vec![
+        ("paper", paper(0.25, 0.25)),
+        ("loud", paper(0.25, 2.0)),
+        ("quiet", paper(0.25, 0.06)),
+        ("feeble", paper(0.25, 0.003)),
+        ("damped", damped),
+        ("three harmonics", three),
+        ("small gap", loose),
+        ("no forcing", bare),
+    ]
+}
+
+/// A path has the same bits abreast and alone, on every instruction set, whatever the company, with
+/// rows on the ends of cells and inside them.
+#[test]
+fn a_path_is_the_same_abreast_and_alone() {
+    let paths: Vec<u64> = (100..300).chain((100..153).map(|path| path | MIRROR)).collect();
+    for (name, model) in scenes() {
+        for output_step in [0.5, 0.77] {
+            let timeline = Timeline { end: 30.0, output_step, period: None, after: 0.0 };
+            let noisy = Noisy::new(&model, &timeline, &StepRules::new(1e-3));
+            assert!(noisy.has_one_step_a_cell(), "{name}");
+            let nothing = Everything { events: vec![Vec::new(); paths.len()], ..Everything::default() };
+            let mut alone = nothing.clone();
+            let one_by_one = cell_loop::simulate(
+                &mut OneByOne::new(&noisy, InstructionSet::detect(), 5, &paths),
+                paths.len(),
+                &mut alone,
+            );
+            for set in InstructionSet::ALL.into_iter().filter(|set| set.is_available()) {
+                let mut paths_abreast = Abreast::new(&noisy, set, 5, &paths);
+                let mut abreast = nothing.clone();
+                let simulated = cell_loop::simulate(&mut paths_abreast, paths.len(), &mut abreast);
+                let is_odd = paths_abreast.turned_odd as f64 / paths_abreast.flagged as f64;
+                println!("{name}, {}: {} events, {is_odd:.4} odd", set.name(), alone.count);
+                for (lane, (a, b)) in abreast.events.iter().zip(&alone.events).enumerate() {
+                    let same = a.iter().zip(b).take_while(|(a, b)| a == b).count();
+                    assert!(a == b, "{name}, {}, lane {lane}: {:?}, {:?}", set.name(), a.get(same), b.get(same));
+                }
+                assert!(abreast == alone, "{name}, {}", set.name());
+                assert_eq!(simulated.evaluations, one_by_one.evaluations, "{name}, {}", set.name());
+            }
+        }
+    }
+}

@@ -1,0 +1,84 @@
+//! One exact step of (x, x', n) in a sub-phase, given n at its end: for one path, or for several in
+//! lanes.
+
+use super::first_stop::Motion;
+use super::slip_transition::{HarmonicResponse, SlipTransition};
+use crate::lanes::Lanes;
+use crate::model::{Complex, Oscillator};
+
+/// x, x' and n.
+#[derive(Clone, Copy, Debug)]
+pub struct State<L = f64> {
+    pub x: L,
+    pub v: L,
+    pub n: L,
+}
+
+/// What a harmonic adds to x and x' over a step, and its term of B at the end.
+#[derive(Clone, Copy, Debug)]
+pub struct Push<L = f64> {
+    pub x: L,
+    pub v: L,
+    pub term: Complex<L>,
+}
+
+impl<L: Lanes> HarmonicResponse<L> {
+    /// From the term of B at the start of the step.
+    #[inline(always)]
+    pub fn push(&self, p: Complex<L>) -> Push<L> {
+        let (x, v, (cos, sin)) = (self.x, self.v, self.turn);
+        Push {
+            x: p.re * x.0 - p.im * x.1,
+            v: p.re * v.0 - p.im * v.1,
+            term: Complex { re: p.re * cos - p.im * sin, im: p.re * sin + p.im * cos },
+        }
+    }
+}
+
+impl<L: Lanes> SlipTransition<L> {
+    /// Without forcing and without noise from here on: the state after the step.
+    #[inline(always)]
+    pub fn free(&self, start: State<L>, friction: L) -> State<L> {
+        let [x, v] = [&self.x, &self.v];
+        State {
+            x: x[0] * start.x + x[1] * start.v + x[2] * start.n - x[3] * friction,
+            v: v[0] * start.x + v[1] * start.v + v[2] * start.n - v[3] * friction,
+            n: self.n * start.n,
+        }
+    }
+
+    /// The state after the step, given its mean and n there; by one normal for x' and one for x.
+    #[inline(always)]
+    pub fn drawn(&self, mean: State<L>, n: L, [b, c]: [L; 2]) -> State<L> {
+        let factor = &self.factor;
+        let a = (n - mean.n) / factor[0];
+        State {
+            x: mean.x + factor[3] * a + factor[4] * b + factor[5] * c,
+            v: mean.v + factor[1] * a + factor[2] * b,
+            n,
+        }
+    }
+}
+
+/// K (beta T - x) - 2 alpha x', where B is `forcing`.
+#[inline(always)]
+pub fn force<L: Lanes>(body: &Oscillator, forcing: L, state: State<L>) -> L {
+    forcing + state.n - state.x * body.stiffness - state.v * (2.0 * body.damping)
+}
+
+/// eps x' and its derivative under this force, friction along eps being `friction`.
+#[inline(always)]
+pub fn motion<L: Lanes>(body: &Oscillator, eps: L, v: L, force: L, friction: L) -> Motion<L> {
+    Motion { velocity: eps * v, acceleration: eps * (force - friction) / L::splat(body.mass) }
+}
+
+/// The way from x0 to x1, or that of the cubic of both ends where x0 and x1 cannot tell it from
+/// theirs: far out, or in a step of no length.
+#[inline(always)]
+pub fn resolved_way<L: Lanes>(x0: L, x1: L, start: Motion<L>, end: Motion<L>, h: L) -> L {
+    let way = x1 - x0;
+    let slopes = (start.velocity + end.velocity) * 0.5;
+    let cubic = h * (slopes + h * (1.0 / 12.0) * (start.acceleration - end.acceleration));
+    let rounding = (x0.abs() + x1.abs()) * f64::EPSILON;
+    L::select((way - cubic).abs().le(rounding), cubic, way)
+}

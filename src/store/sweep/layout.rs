@@ -1,0 +1,119 @@
+//! Every variable of the file of a sweep. `...` stands for the dimensions of the design: those of its axes, or `point`.
+
+use crate::store::layout::{Described, Unit, Variable, variable};
+
+/// Declares the variables and the list of all of them together.
+macro_rules! table {
+    ($($constant:ident = $value:expr;)*) => {
+        $(pub(super) const $constant: Variable = $value;)*
+        /// Every one of them.
+        #[cfg(test)]
+        pub(super) const ALL: &[&Variable] = &[$(&$constant),*];
+    };
+}
+
+/// Along the dimensions of the design, then these. The writer puts the dimensions in.
+const STATISTIC: &[&str] = &["statistic"];
+
+table! {
+    GROUP = variable("group", &["group"], Unit::ONE, "paths of this number modulo the number of groups");
+    ALONG = variable("along", &["along"], Unit::None, "dimension along which neighbours are compared");
+    POINT = variable("point", &["point"], Unit::ONE, "number of the point");
+    POINT_KEY = variable("point_key", &["point"], Unit::None, "key that is moved at the point, none at the centre");
+    POINT_VALUE = variable("point_value", &["point"], Unit::None, "value of that key");
+    KEY = variable("key", &["key"], Unit::None, "key of the scenario");
+    KEY_VALUE = variable("key_value", &["key"], Unit::None, "its value at the centre");
+
+    ESTIMATE = variable("estimate", STATISTIC, Unit::None, "estimate");
+    STANDARD_ERROR = variable("standard_error", STATISTIC, Unit::None,
+        "standard error of the estimate, the path being the independent unit");
+    INTERVAL_LOW = variable("interval_low", STATISTIC, Unit::None, "lower end of the 95 % confidence interval");
+    INTERVAL_HIGH = variable("interval_high", STATISTIC, Unit::None, "upper end of the 95 % confidence interval");
+    BIAS = variable("bias", STATISTIC, Unit::None, "estimated discretisation bias, missing where unknown");
+    BIAS_UNCERTAINTY = variable("bias_uncertainty", STATISTIC, Unit::None,
+        "the discretisation bias is within this of its estimate, at 95 %");
+    BIAS_ORDER = variable("bias_order", STATISTIC, Unit::None,
+        "power of the step with which the statistic was seen to change, missing where unknown");
+    ESTIMATE_CORRECTED = variable("estimate_corrected", STATISTIC, Unit::None,
+        "estimate less as much of its bias as is worth taking off, missing where that is unknown");
+    ESTIMATE_CORRECTED_LOW = variable("estimate_corrected_low", STATISTIC, Unit::None,
+        "lower end of the 95 % interval of the corrected estimate");
+    ESTIMATE_CORRECTED_HIGH = variable("estimate_corrected_high", STATISTIC, Unit::None,
+        "upper end of the 95 % interval of the corrected estimate");
+    ESTIMATE_WITHOUT = variable("estimate_without", &["group", "statistic"], Unit::None,
+        "estimate from all paths but those of the group");
+
+    POINT_STATUS = variable("point_status", &[], Unit::None, "whether the point is done")
+        .flags(&[0, 1, 2], &[("flag_meanings", "missing complete lost")]);
+    POINT_COMPLETED_PATHS = variable("point_completed_paths", &[], Unit::ONE, "paths simulated to the end");
+    POINT_DIVERGED_PATHS = variable("point_diverged_paths", &[], Unit::ONE, "of those, paths that diverged or were given up");
+    POINT_SEED = variable("point_seed", &[], Unit::ONE, "seed of the paths of the point");
+    POINT_SECONDS = variable("point_seconds", &[], Unit::Seconds, "CPU time of the point");
+
+    DIFFERENCE = variable("difference", STATISTIC, Unit::None, "estimate at the next point along the dimension less that here");
+    DIFFERENCE_ERROR = variable("difference_error", STATISTIC, Unit::None, "standard error of the difference, with the noise that the points share");
+    DIFFERENCE_LOW = variable("difference_low", STATISTIC, Unit::None, "lower end of the 95 % confidence interval of the difference");
+    DIFFERENCE_HIGH = variable("difference_high", STATISTIC, Unit::None, "upper end of the 95 % confidence interval of the difference");
+    DIFFERENCE_GAIN = variable("difference_gain", STATISTIC, Unit::ONE, "variance of the difference with independent seeds over its own");
+
+    ELASTICITY = variable("elasticity", STATISTIC, Unit::ONE, "relative change of the estimate for each relative change of the key");
+    ELASTICITY_ERROR = variable("elasticity_error", STATISTIC, Unit::ONE, "standard error of the elasticity");
+    ELASTICITY_LOW = variable("elasticity_low", STATISTIC, Unit::ONE, "lower end of the 95 % confidence interval of the elasticity");
+    ELASTICITY_HIGH = variable("elasticity_high", STATISTIC, Unit::ONE, "upper end of the 95 % confidence interval of the elasticity");
+    ELASTICITY_GAIN = variable("elasticity_gain", STATISTIC, Unit::ONE, "variance of the elasticity with independent seeds over its own");
+}
+
+/// What a point has of each statistic, in the order in which it is read.
+pub(super) const PER_STATISTIC: [Variable; 10] = [
+    ESTIMATE,
+    STANDARD_ERROR,
+    INTERVAL_LOW,
+    INTERVAL_HIGH,
+    BIAS,
+    BIAS_UNCERTAINTY,
+    BIAS_ORDER,
+    ESTIMATE_CORRECTED,
+    ESTIMATE_CORRECTED_LOW,
+    ESTIMATE_CORRECTED_HIGH,
+];
+
+/// What a difference has of each statistic.
+pub(super) const PER_DIFFERENCE: [Variable; 5] =
+    [DIFFERENCE, DIFFERENCE_ERROR, DIFFERENCE_LOW, DIFFERENCE_HIGH, DIFFERENCE_GAIN];
+
+/// What an elasticity has of each statistic.
+pub(super) const PER_ELASTICITY: [Variable; 5] =
+    [ELASTICITY, ELASTICITY_ERROR, ELASTICITY_LOW, ELASTICITY_HIGH, ELASTICITY_GAIN];
+
+/// A variable along these dimensions.
+pub(super) fn along<'a>(
+    variable: &Variable,
+    axes: &'a [&'a str],
+    attributes: &'a [(&'a str, &'a str)],
+) -> Described<'a> {
+    let attributes = if attributes.is_empty() { variable.attributes } else { attributes };
+    Described { axes, attributes, ..*variable }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::study::sweep::RESERVED;
+    use std::collections::BTreeSet;
+
+    /// An axis that took such a name could not be written.
+    #[test]
+    fn the_names_of_the_file_are_those_that_no_axis_may_take() {
+        let mut names: BTreeSet<&str> = ALL.iter().map(|variable| variable.name).collect();
+        names.extend(["statistic", "statistic_long_name", "statistic_unit"]);
+        assert_eq!(names, RESERVED.into_iter().collect());
+    }
+
+    #[test]
+    fn the_documentation_names_every_variable() {
+        let text = include_str!("../../../docs/output-format.md");
+        for variable in ALL {
+            assert!(text.contains(&format!("`{}`", variable.name)), "{}", variable.name);
+        }
+    }
+}

@@ -1,0 +1,303 @@
+//! What a sweep varies: one key of the scenario, over a list of values.
+
+use crate::numbers::tidy;
+use std::fmt;
+use std::ops::Range;
+
+/// Most points of a sweep.
+pub const MOST_POINTS: usize = 100_000;
+
+/// A key of the scenario and the values that it takes.
+///
+/// ```
+/// use stick_slip::study::sweep::Axis;
+///
+/// let rho = Axis::parse("rho=temperature.noise.intensity=0:1:5", |_| None)?;
+/// assert_eq!((rho.name.as_str(), rho.values), ("rho", vec![0.0, 0.25, 0.5, 0.75, 1.0]));
+/// let thresholds = Axis::parse("friction.static=log:1:100:3", |_| Some("f_s".to_string()))?;
+/// assert_eq!((thresholds.name.as_str(), thresholds.values), ("f_s", vec![1.0, 10.0, 100.0]));
+/// assert!(Axis::parse("friction.static=1:2", |_| None).is_err());
+/// # Ok::<(), stick_slip::study::sweep::AxisError>(())
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct Axis {
+    /// What the dimension is called in the file: a letter, then letters, digits and underscores.
+    pub name: String,
+    /// The dotted key of the scenario.
+    pub key: String,
+    /// Its values, no two the same.
+    pub values: Vec<f64>,
+}
+
+/// Why a text is no axis, and where in it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct AxisError {
+    /// The text.
+    pub text: String,
+    /// The bytes that are wrong.
+    pub at: Range<usize>,
+    /// What is wrong with them.
+    pub problem: String,
+    /// What would be right.
+    pub remedy: String,
+}
+
+impl std::error::Error for AxisError {}
+
+/// The problem, the text with a caret, and the remedy.
+impl fmt::Display for AxisError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let before = self.text.get(..self.at.start).unwrap_or("").chars().count();
+        let marked = self.text.get(self.at.clone()).unwrap_or("").chars().count().max(1);
+        let line: String = self.text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
+        writeln!(f, "{}", self.problem)?;
+        writeln!(f, "  {line}\n  {}{}", " ".repeat(before), "^".repeat(marked))?;
+        write!(f, "  fix: {}", self.remedy)
+    }
+}
+
+/// What the values may be.
+const VALUES: &str = "write START:STOP:COUNT, log:START:STOP:COUNT, or values such as 0.1,0.2,0.5";
+
+impl Axis {
+    /// From `[NAME=]KEY=VALUES`, where the values are `START:STOP:COUNT` (evenly spaced), `log:START:STOP:COUNT` (evenly spaced in
+    /// their logarithm) or a list. Without a name it is what `symbol` says of the key, or the key with underscores for its dots.
+    /// Values of a grid are rounded to twelve digits, so that they can be typed again.
+    pub fn parse(text: &str, symbol: impl Fn(&str) -> Option<String>) -> Result<Axis, AxisError> {
+        let whole = Piece { whole: text, at: 0..text.len() };
+        let parts = whole.split('=');
+        let (name, key, values) = match parts.as_slice() {
+            [key, values] => (None, key.trimmed(), values.trimmed()),
+            [name, key, values] => (Some(name.trimmed()), key.trimmed(), values.trimmed()),
+            [.., last] if parts.len() > 3 => return Err(last.wrong("there are more than two `=`", WRITTEN)),
+            _ => return Err(whole.wrong("there is no `=`", WRITTEN)),
+        };
+        if key.text().is_empty() {
+            return Err(key.wrong("there is no key", WRITTEN));
+        }
+        if let Some(name) = name.as_ref().filter(|name| !is_name(name.text())) {
+            let problem = format!("`{}` is no name of a dimension", name.text());
+            return Err(name.wrong(&problem, "a letter, then letters, digits and underscores, such as rho"));
+        }
+        let numbers = numbers(&values)?;
+        let key = key.text().to_string();
+        let own = || symbol(&key).filter(|symbol| is_name(symbol)).unwrap_or_else(|| plain(&key));
+        let name = name.map_or_else(own, |name| name.text().to_string());
+        Ok(Axis { name, key, values: numbers })
+    }
+}
+
+/// What an axis is.
+const WRITTEN: &str =
+    "write [NAME=]KEY=VALUES, e.g. rho=temperature.noise.intensity=0:1:21 or friction.static=1.1,1.2,1.5";
+
+/// Whether a dimension may be called so: readers take its name for one of theirs.
+fn is_name(name: &str) -> bool {
+    name.starts_with(|c: char| c.is_ascii_alphabetic()) && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')
+}
+
+fn plain(key: &str) -> String {
+    key.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect()
+}
+
+/// A stretch of the text.
+#[derive(Clone, Debug)]
+struct Piece<'a> {
+    whole: &'a str,
+    at: Range<usize>,
+}
+
+impl<'a> Piece<'a> {
+    fn text(&self) -> &'a str {
+        &self.whole[self.at.clone()]
+    }
+
+    fn split(&self, by: char) -> Vec<Piece<'a>> {
+        let mut start = self.at.start;
+        let piece = |part: &str| {
+            let at = start..start + part.len();
+            start = at.end + by.len_utf8();
+            Piece { whole: self.whole, at }
+        };
+        self.text().split(by).map(piece).collect()
+    }
+
+    fn trimmed(&self) -> Piece<'a> {
+        let text = self.text();
+        let start = self.at.start + (text.len() - text.trim_start().len());
+        Piece { whole: self.whole, at: start..start + text.trim().len() }
+    }
+
+    fn wrong(&self, problem: &str, remedy: &str) -> AxisError {
+        AxisError {
+            text: self.whole.to_string(),
+            at: self.at.clone(),
+            problem: problem.to_string(),
+            remedy: remedy.to_string(),
+        }
+    }
+
+    fn number(&self) -> Result<f64, AxisError> {
+        let number = self.text().trim().parse::<f64>().ok().filter(|x| x.is_finite());
+        // 0.0, never -0.0: they would be two values, and are one.
+        number
+            .map(|x| x + 0.0)
+            .ok_or_else(|| self.trimmed().wrong(&format!("`{}` is not a finite number", self.text().trim()), VALUES))
+    }
+}
+
+fn numbers(values: &Piece<'_>) -> Result<Vec<f64>, AxisError> {
+    if values.text().is_empty() {
+        return Err(values.wrong("there are no values", VALUES));
+    }
+    if !values.text().contains(':') {
+        return list(values);
+    }
+    let parts = values.split(':');
+    match parts.as_slice() {
+        [start, stop, count] => grid(start, stop, count, linear),
+        [log, start, stop, count] if log.text().trim() == "log" => {
+            if let Some(low) = [start, stop].into_iter().find(|end| end.number().is_ok_and(|x| x <= 0.0)) {
+                return Err(low.wrong("a logarithmic grid needs ends above 0", "or write it without `log:`"));
+            }
+            grid(start, stop, count, logarithmic)
+        }
+        [word, _, _, _] => Err(word.wrong(&format!("`{}` is no kind of grid", word.text()), VALUES)),
+        _ => Err(values.wrong("these are no values", VALUES)),
+    }
+}
+
+fn list(values: &Piece<'_>) -> Result<Vec<f64>, AxisError> {
+    let mut list: Vec<f64> = Vec::new();
+    for piece in values.split(',') {
+        let number = piece.number()?;
+        if list.contains(&number) {
+            let problem = format!("{number} is in the list twice");
+            return Err(piece.wrong(&problem, "name each value once: a point is looked up by it"));
+        }
+        list.push(number);
+    }
+    Ok(list)
+}
+
+fn grid(
+    start: &Piece<'_>,
+    stop: &Piece<'_>,
+    count: &Piece<'_>,
+    between: fn(f64, f64, f64) -> f64,
+) -> Result<Vec<f64>, AxisError> {
+    let (a, b) = (start.number()?, stop.number()?);
+    let n = count.text().trim().parse::<usize>().ok().filter(|n| (2..=MOST_POINTS).contains(n)).ok_or_else(|| {
+        let problem = format!("`{}` is not a number of values, 2 to {MOST_POINTS}", count.text().trim());
+        count.wrong(&problem, VALUES)
+    })?;
+    let size = a.abs().max(b.abs());
+    let value = |i: usize| match i {
+        0 => a,
+        i if i == n - 1 => b,
+        i => {
+            let x = between(a, b, i as f64 / (n - 1) as f64);
+            // What rounding leaves of zero is zero.
+            if x.abs() < ROUNDING * size && a * b < 0.0 { 0.0 } else { tidy(x) }
+        }
+    };
+    let values: Vec<f64> = (0..n).map(value).collect();
+    if values.windows(2).all(|pair| (pair[0] < pair[1]) == (a < b) && pair[0] != pair[1]) {
+        return Ok(values);
+    }
+    let ends = Piece { whole: start.whole, at: start.at.start..stop.at.end };
+    Err(ends.wrong("the ends are too close for so many values", "give ends that differ, or fewer values"))
+}
+
+/// A value of a grid is known to twelve digits.
+const ROUNDING: f64 = 1e-12;
+
+fn linear(a: f64, b: f64, share: f64) -> f64 {
+    // Not a + (b - a) share, which overflows where the ends do not.
+    a * (1.0 - share) + b * share
+}
+
+fn logarithmic(a: f64, b: f64, share: f64) -> f64 {
+    libm::exp(linear(libm::log(a), libm::log(b), share))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn values(text: &str) -> Vec<f64> {
+        Axis::parse(&format!("k={text}"), |_| None).expect(text).values
+    }
+
+    #[test]
+    fn grids_are_what_a_person_would_write_down() {
+        assert_eq!(values("0:1:6"), [0.0, 0.2, 0.4, 0.6, 0.8, 1.0]);
+        assert_eq!(values("0.3:-0.3:7"), [0.3, 0.2, 0.1, 0.0, -0.1, -0.2, -0.3]);
+        assert_eq!(values("log:1e-3:10:5"), [1e-3, 0.01, 0.1, 1.0, 10.0]);
+        assert_eq!(values(" 3, 1e-2 ,-0 "), [3.0, 0.01, 0.0]);
+        assert!(values("-0:1:2")[0].is_sign_positive());
+        assert_eq!(values("-1e308:1e308:3"), [-1e308, 0.0, 1e308]);
+    }
+
+    #[test]
+    fn a_name_is_the_one_given_or_the_symbol_or_the_key() {
+        let name = |text: &str, symbol: Option<&str>| {
+            let axis = Axis::parse(text, |key| symbol.filter(|_| key == "a.0.b").map(String::from)).expect(text);
+            assert_eq!(axis.key, "a.0.b");
+            axis.name
+        };
+        assert_eq!(name("x=a.0.b=1", Some("rho")), "x");
+        assert_eq!(name(" a.0.b =1", Some("rho")), "rho");
+        assert_eq!(name("a.0.b=1", Some("v(0)")), "a_0_b");
+        assert_eq!(name("a.0.b=1", None), "a_0_b");
+    }
+
+    /// The caret stands under what is wrong.
+    #[test]
+    fn a_mistake_is_shown_where_it_is() {
+        let cases = [
+            ("rho", "rho", "no `=`"),
+            ("rho=temperature.noise.intensity=0:1:x", "x", "not a number of values"),
+            ("rho=temperature.noise.intensity=0:1:1", "1", "not a number of values"),
+            ("rho=k=0:one:5", "one", "not a finite number"),
+            ("k=lag:1:2:5", "lag", "no kind of grid"),
+            ("k=log:0:2:5", "0", "above 0"),
+            ("k=1:1:5", "1:1", "too close"),
+            ("k=1,2,1", "1", "twice"),
+            ("k=1,,2", "", "not a finite number"),
+            ("k=nan", "nan", "not a finite number"),
+            ("k=", "", "no values"),
+            ("=1", "", "no key"),
+            ("2x=k=1", "2x", "no name"),
+            ("a=b=c=1", "1", "more than two"),
+            ("k=1:2", "1:2", "no values"),
+        ];
+        for (text, wrong, problem) in cases {
+            let error = Axis::parse(text, |_| None).expect_err(text);
+            assert_eq!(&text[error.at.clone()], wrong, "{text}: {error}");
+            assert!(error.problem.contains(problem) && !error.remedy.is_empty(), "{text}: {error}");
+            let shown = error.to_string();
+            let caret = shown.lines().nth(2).expect("a line of carets");
+            assert_eq!(caret.find('^'), Some(2 + error.at.start), "{shown}");
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn any_text_is_an_axis_or_a_mistake_that_can_be_shown(text in "\\PC{0,40}|[a-z.=:,0-9 -]{0,24}") {
+            match Axis::parse(&text, |_| None) {
+                Ok(axis) => prop_assert!(!axis.values.is_empty() && axis.values.iter().all(|x| x.is_finite())),
+                Err(error) => prop_assert!(error.to_string().contains("fix: ")),
+            }
+        }
+
+        #[test]
+        fn a_grid_goes_evenly_from_end_to_end(a in -1e3..1e3f64, width in 0.1..1e3f64, n in 2..50usize) {
+            let grid = values(&format!("{a:?}:{:?}:{n}", a + width));
+            prop_assert_eq!((grid.len(), grid[0], grid[n - 1]), (n, a, a + width));
+            let step = width / (n - 1) as f64;
+            prop_assert!(grid.windows(2).all(|pair| (pair[1] - pair[0] - step).abs() < 1e-8));
+        }
+    }
+}

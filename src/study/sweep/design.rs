@@ -1,0 +1,236 @@
+//! Which points a sweep has, and which of them are compared.
+
+use super::axis::{Axis, MOST_POINTS};
+use crate::numbers::tidy;
+
+/// The points of a sweep.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Design {
+    /// Every value of each axis with every value of the others; the last axis varies fastest.
+    Grid(Vec<Axis>),
+    /// The first values of all axes together, then the second ones, and so on.
+    Zip(Vec<Axis>),
+    /// The scenario itself, then one step below and one above it for each key.
+    Star {
+        /// The keys and what they are in the scenario, no two the same, none zero.
+        keys: Vec<(String, f64)>,
+        /// The step as a share of the value.
+        relative_step: f64,
+    },
+}
+
+/// A key at a point.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Setting {
+    /// The dotted key.
+    pub key: String,
+    /// Its value.
+    pub value: f64,
+}
+
+/// Why axes do not make a design.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum DesignError {
+    /// Two dimensions of one name, or a name that the file uses.
+    #[error("a dimension cannot be called `{0}`, which is a name of the file, or of another dimension")]
+    Name(String),
+    /// A key that is varied twice.
+    #[error("`{0}` is varied twice")]
+    Key(String),
+    /// Axes that are to be zipped, of different lengths.
+    #[error("`{0}` has {1} values and `{2}` {3}, and zipped ones need as many")]
+    Lengths(String, usize, String, usize),
+    /// More than [`MOST_POINTS`].
+    #[error("these are {0} points, and a sweep has at most {MOST_POINTS}")]
+    Points(f64),
+}
+
+/// Names of the file of a sweep, which no axis may take.
+pub const RESERVED: [&str; 36] = [
+    "statistic",
+    "statistic_long_name",
+    "statistic_unit",
+    "group",
+    "along",
+    "point",
+    "point_key",
+    "point_value",
+    "key",
+    "key_value",
+    "estimate",
+    "standard_error",
+    "interval_low",
+    "interval_high",
+    "bias",
+    "bias_uncertainty",
+    "bias_order",
+    "estimate_corrected",
+    "estimate_corrected_low",
+    "estimate_corrected_high",
+    "estimate_without",
+    "point_status",
+    "point_completed_paths",
+    "point_diverged_paths",
+    "point_seed",
+    "point_seconds",
+    "difference",
+    "difference_error",
+    "difference_low",
+    "difference_high",
+    "difference_gain",
+    "elasticity",
+    "elasticity_error",
+    "elasticity_low",
+    "elasticity_high",
+    "elasticity_gain",
+];
+
+impl Design {
+    /// Crossed or zipped axes.
+    pub fn of(axes: Vec<Axis>, is_zipped: bool) -> Result<Design, DesignError> {
+        for (i, axis) in axes.iter().enumerate() {
+            if RESERVED.contains(&axis.name.as_str()) || axes[..i].iter().any(|other| other.name == axis.name) {
+                return Err(DesignError::Name(axis.name.clone()));
+            }
+            if axes[..i].iter().any(|other| other.key == axis.key) {
+                return Err(DesignError::Key(axis.key.clone()));
+            }
+        }
+        if let (true, [first, others @ ..]) = (is_zipped, axes.as_slice()) {
+            let n = first.values.len();
+            if let Some(other) = others.iter().find(|other| other.values.len() != n) {
+                let (a, b) = (first.name.clone(), other.name.clone());
+                return Err(DesignError::Lengths(a, n, b, other.values.len()));
+            }
+        }
+        let lengths = axes.iter().map(|axis| axis.values.len() as f64);
+        let points = if is_zipped { lengths.fold(0.0, f64::max) } else { lengths.product() };
+        match is_zipped {
+            _ if points > MOST_POINTS as f64 => Err(DesignError::Points(points)),
+            true => Ok(Design::Zip(axes)),
+            false => Ok(Design::Grid(axes)),
+        }
+    }
+
+    /// The axes, if there are any.
+    pub fn axes(&self) -> &[Axis] {
+        match self {
+            Design::Grid(axes) | Design::Zip(axes) => axes,
+            Design::Star { .. } => &[],
+        }
+    }
+
+    /// Length of each dimension, slowest first; a star and a zip have one.
+    pub fn shape(&self) -> Vec<usize> {
+        match self {
+            Design::Grid(axes) => axes.iter().map(|axis| axis.values.len()).collect(),
+            Design::Zip(axes) => vec![axes.first().map_or(0, |axis| axis.values.len())],
+            Design::Star { keys, .. } => vec![1 + 2 * keys.len()],
+        }
+    }
+
+    /// Number of points.
+    pub fn points(&self) -> usize {
+        self.shape().into_iter().product()
+    }
+
+    /// What is set at a point; nothing at the centre of a star.
+    pub fn settings(&self, point: usize) -> Vec<Setting> {
+        let setting = |axis: &Axis, i: usize| Setting { key: axis.key.clone(), value: axis.values[i] };
+        match self {
+            Design::Grid(axes) => {
+                let places = self.places(point);
+                axes.iter().zip(places).map(|(axis, i)| setting(axis, i)).collect()
+            }
+            Design::Zip(axes) => axes.iter().map(|axis| setting(axis, point)).collect(),
+            Design::Star { keys, relative_step } => {
+                let moved = |(key, value): &(String, f64), side: f64| Setting {
+                    key: key.clone(),
+                    value: tidy(value * (1.0 + side * relative_step)),
+                };
+                match point.checked_sub(1) {
+                    None => Vec::new(),
+                    Some(i) => vec![moved(&keys[i / 2], if i % 2 == 0 { -1.0 } else { 1.0 })],
+                }
+            }
+        }
+    }
+
+    /// The place of a point along each dimension.
+    fn places(&self, point: usize) -> Vec<usize> {
+        let mut left = point;
+        let mut places: Vec<usize> = Vec::new();
+        for length in self.shape().into_iter().rev() {
+            places.push(left % length);
+            left /= length;
+        }
+        places.reverse();
+        places
+    }
+
+    /// What neighbours are compared along: the name of each dimension. Of a star it is nothing.
+    pub fn along(&self) -> Vec<&str> {
+        match self {
+            Design::Grid(axes) => axes.iter().map(|axis| axis.name.as_str()).collect(),
+            Design::Zip(_) => vec!["point"],
+            Design::Star { .. } => Vec::new(),
+        }
+    }
+
+    /// The next point along a dimension, if there is one.
+    pub fn next(&self, point: usize, dimension: usize) -> Option<usize> {
+        let shape = self.shape();
+        let stride: usize = shape[dimension + 1..].iter().product();
+        (self.places(point)[dimension] + 1 < shape[dimension]).then_some(point + stride)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn axis(name: &str, values: &[f64]) -> Axis {
+        Axis { name: name.into(), key: format!("key.{name}"), values: values.to_vec() }
+    }
+
+    fn values(design: &Design) -> Vec<Vec<f64>> {
+        (0..design.points()).map(|p| design.settings(p).iter().map(|setting| setting.value).collect()).collect()
+    }
+
+    #[test]
+    fn crossed_axes_make_every_pair_and_neighbours_differ_in_one() {
+        let design = Design::of(vec![axis("a", &[1.0, 2.0]), axis("b", &[5.0, 6.0, 7.0])], false).expect("a grid");
+        let pairs = [[1.0, 5.0], [1.0, 6.0], [1.0, 7.0], [2.0, 5.0], [2.0, 6.0], [2.0, 7.0]];
+        assert_eq!(values(&design), pairs);
+        let next = |dimension| (0..6).map(|p| design.next(p, dimension)).collect::<Vec<_>>();
+        assert_eq!(next(0), [Some(3), Some(4), Some(5), None, None, None]);
+        assert_eq!(next(1), [Some(1), Some(2), None, Some(4), Some(5), None]);
+    }
+
+    #[test]
+    fn zipped_axes_go_together() {
+        let design = Design::of(vec![axis("a", &[1.0, 2.0]), axis("b", &[5.0, 6.0])], true).expect("a zip");
+        assert_eq!(values(&design), [[1.0, 5.0], [2.0, 6.0]]);
+        assert_eq!((design.next(0, 0), design.next(1, 0)), (Some(1), None));
+    }
+
+    #[test]
+    fn a_star_has_a_step_below_and_above_for_each_key() {
+        let design = Design::Star { keys: vec![("a".into(), 2.0), ("b".into(), -0.3)], relative_step: 0.05 };
+        assert_eq!(values(&design), [vec![], vec![1.9], vec![2.1], vec![-0.285], vec![-0.315]]);
+    }
+
+    #[test]
+    fn axes_that_do_not_go_together_are_refused() {
+        let (a, b) = (axis("a", &[1.0, 2.0]), axis("b", &[1.0]));
+        let refused = |axes, is_zipped| Design::of(axes, is_zipped).expect_err("refused");
+        assert_eq!(refused(vec![a.clone(), b.clone()], true), DesignError::Lengths("a".into(), 2, "b".into(), 1));
+        assert_eq!(refused(vec![a.clone(), a.clone()], false), DesignError::Name("a".into()));
+        assert_eq!(refused(vec![axis("group", &[1.0])], false), DesignError::Name("group".into()));
+        let twice = Axis { key: a.key.clone(), ..b };
+        assert_eq!(refused(vec![a, twice], false), DesignError::Key("key.a".into()));
+        let long = axis("c", &(0..1000).map(f64::from).collect::<Vec<_>>());
+        let many = vec![long.clone(), Axis { name: "d".into(), key: "d".into(), ..long }];
+        assert_eq!(refused(many, false), DesignError::Points(1e6));
+    }
+}

@@ -1,0 +1,96 @@
+//! What two or three points say together: differences of neighbours and elasticities, with errors whose unit is the path.
+//!
+//! With common seeds path n of one point and path n of the next see the same noise. Much of their scatter is then the same, and drops
+//! out of a difference. The error that remains comes from groups of paths that are left out at all points together
+//! ([`crate::stats::Groups`]); the variance that independent seeds would have had, divided by that one, is the gain.
+
+use super::Point;
+use crate::stats::{Measurement, Statistic, jackknife, student};
+
+/// What several points say together.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Paired {
+    /// The number with its error and its 95 % interval; no interval where all groups agree by chance.
+    pub measurement: Measurement,
+    /// The variance with independent seeds over that with common ones; missing where there is none.
+    pub gain: f64,
+}
+
+impl Paired {
+    /// A number that does not exist.
+    pub const NOTHING: Paired = Paired {
+        measurement: Measurement { estimate: f64::NAN, standard_error: f64::NAN, low: f64::NAN, high: f64::NAN },
+        gain: f64::NAN,
+    };
+}
+
+/// A relative error below this is rounding.
+const ROUNDING: f64 = 1e-12;
+
+/// A number within so many standard errors of zero has no share.
+const ZERO: f64 = 2.0;
+
+/// S(`to`) - S(`from`).
+pub(super) fn difference(from: &Point, to: &Point, statistic: Statistic, is_random: bool) -> Paired {
+    together(&[from, to], &[-1.0, 1.0], statistic, is_random, |[a, b]| b - a)
+}
+
+/// The share by which S grows for each share by which the key does, by a central difference:
+///
+/// ```text
+/// E = (S(above) - S(below)) / (2 step S(centre))
+/// ```
+///
+/// None where S may be zero.
+pub(super) fn elasticity(
+    [centre, below, above]: [&Point; 3],
+    relative_step: f64,
+    statistic: Statistic,
+    is_random: bool,
+) -> Paired {
+    let i = statistic.index();
+    let error = jackknife::standard_error(&column(centre, i));
+    if centre.estimates[i].estimate.abs() <= ZERO * error {
+        return Paired::NOTHING;
+    }
+    let weight = 1.0 / (2.0 * relative_step * centre.estimates[i].estimate);
+    let of = |[centre, below, above]: [f64; 3]| (above - below) / (2.0 * relative_step * centre);
+    together(&[centre, below, above], &[0.0, -weight, weight], statistic, is_random, of)
+}
+
+/// Without each group, one statistic of a point.
+fn column(point: &Point, statistic: usize) -> Vec<f64> {
+    point.without.iter().map(|values| values[statistic]).collect()
+}
+
+/// A function of one statistic at several points. `weights` say by what each point would enter its variance if they were
+/// independent.
+fn together<const N: usize>(
+    points: &[&Point; N],
+    weights: &[f64; N],
+    statistic: Statistic,
+    is_random: bool,
+    of: impl Fn([f64; N]) -> f64,
+) -> Paired {
+    let i = statistic.index();
+    let estimate = of(points.map(|point| point.estimates[i].estimate));
+    let groups = points[0].without.len();
+    if groups < 2 || points.iter().any(|point| point.without.len() != groups) {
+        return Paired { measurement: Measurement { estimate, ..Paired::NOTHING.measurement }, gain: f64::NAN };
+    }
+    let columns = points.map(|point| column(point, i));
+    let without: Vec<f64> = (0..groups).map(|g| of(columns.each_ref().map(|column| column[g]))).collect();
+    let error = jackknife::standard_error(&without);
+    let independent: f64 =
+        columns.iter().zip(weights).map(|(column, w)| (w * jackknife::standard_error(column)).powi(2)).sum();
+    let size = without.iter().chain([&estimate]).fold(0.0_f64, |most, x| most.max(x.abs()));
+    let scale = points.iter().zip(weights).map(|(point, w)| (w * point.estimates[i].estimate).abs());
+    let has_agreed = error <= ROUNDING * scale.fold(size, f64::max);
+    let (error, reach) = match (has_agreed, is_random) {
+        (true, true) => (0.0, f64::NAN),
+        (true, false) => (0.0, 0.0),
+        (false, _) => (error, student(groups as u64 - 1) * error),
+    };
+    let measurement = Measurement { estimate, standard_error: error, low: estimate - reach, high: estimate + reach };
+    Paired { measurement, gain: if has_agreed { f64::NAN } else { independent / (error * error) } }
+}

@@ -1,0 +1,181 @@
+//! Simulating the points of a sweep: blocks of paths of all points on one set of threads.
+//!
+//! The work is one list of pieces, point after point: its blocks, then what the bias of its step needs. Threads take pieces as they
+//! come, so that neither a point with few paths nor the end of one leaves a thread idle; pieces are delivered in order, and the sums of
+//! a point are formed along the tree of a run.
+
+use super::{Point, Sweep};
+use crate::bias::{BesideRun, NoBias};
+use crate::engine::Progress;
+use crate::ensemble::{BLOCK_SIZE, Delivered, Plan, in_order};
+use crate::scenario::{Ensemble, Scenario};
+use crate::scheme::Simulate as _;
+use crate::stats::{Companion as _, Grouping, Groups, Overlap, Record, RunTotals, Unit};
+use crate::study::clock::thread_seconds;
+use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// How a sweep is simulated. Set up by its fields, started by [`Simulation::run`].
+pub struct Simulation<'a> {
+    /// How many threads; no bit depends on it.
+    pub threads: usize,
+    /// When raised, the pieces in work are the last; a point that is not complete then is left out.
+    pub stop: &'a AtomicBool,
+    /// Told how many paths are done.
+    pub progress: &'a mut dyn Progress,
+}
+
+/// Why a sweep ended before its last point.
+#[derive(Debug, thiserror::Error)]
+pub enum SweepEnd<E> {
+    /// Whoever is handed the points failed.
+    #[error(transparent)]
+    Told(E),
+    /// A block was delivered twice: a flaw of this program.
+    #[error("a flaw in the program: {0}")]
+    Overlap(#[from] Overlap),
+}
+
+/// A point that is to be simulated.
+struct Job {
+    point: usize,
+    /// The number of its first piece.
+    first: u64,
+    blocks: u64,
+    has_bias: bool,
+    /// Made when its first piece is, and dropped after its last.
+    kit: Mutex<Option<Arc<Kit>>>,
+}
+
+/// What the pieces of a point share.
+struct Kit {
+    plan: Plan,
+    grouping: Grouping,
+}
+
+impl Kit {
+    fn of(scenario: &Scenario) -> Self {
+        // Nothing of the output grid is kept, and no event depends on it.
+        let timeline = scenario.timeline().without_rows();
+        let simulation = scenario.scheme.simulation(&scenario.model, &timeline);
+        let Ensemble { paths, seed, antithetic } = scenario.ensemble;
+        let unit = if antithetic { Unit::Pair } else { Unit::Path };
+        let grouping = Grouping::new(simulation.model(), simulation.timeline(), unit);
+        Kit { plan: Plan { simulation, record: Record::NOTHING, seed, paths, antithetic }, grouping }
+    }
+}
+
+/// A piece of work, with the CPU seconds that it took.
+struct Piece {
+    job: usize,
+    seconds: f64,
+    made: Made,
+}
+
+enum Made {
+    Block(Box<Delivered<Groups>>),
+    Bias(Box<Result<BesideRun, NoBias>>),
+}
+
+/// The point whose pieces are being delivered.
+struct Growing {
+    totals: RunTotals<Groups>,
+    seconds: f64,
+}
+
+impl Simulation<'_> {
+    /// Simulate the points of a sweep that are not done yet, and tell of each as soon as it is.
+    pub fn run<E: Send>(
+        self,
+        sweep: &mut Sweep,
+        mut tell: impl FnMut(&Sweep) -> Result<(), E> + Send,
+    ) -> Result<(), SweepEnd<E>> {
+        let Simulation { threads, stop, progress } = self;
+        let Sweep { question, points } = &*sweep;
+        let mut jobs: Vec<Job> = Vec::new();
+        let mut pieces = 0;
+        let mut paths = 0;
+        for (point, scenario) in question.points.iter().enumerate().filter(|(i, _)| points[*i].is_none()) {
+            let blocks = scenario.ensemble.paths.div_ceil(BLOCK_SIZE);
+            let has_bias = question.with_bias && scenario.bias_plan(scenario.ensemble.paths).is_ok();
+            jobs.push(Job { point, first: pieces, blocks, has_bias, kit: Mutex::new(None) });
+            pieces += blocks + u64::from(has_bias);
+            paths += scenario.ensemble.paths;
+        }
+        let scenarios = question.points.clone();
+        let kit = |job: &Job| {
+            let mut kit = job.kit.lock().unwrap_or_else(PoisonError::into_inner);
+            Arc::clone(kit.get_or_insert_with(|| Arc::new(Kit::of(&scenarios[job.point]))))
+        };
+        let make = |index: u64| {
+            let start = thread_seconds();
+            let number = jobs.partition_point(|job| job.first <= index) - 1;
+            let (job, k) = (&jobs[number], index - jobs[number].first);
+            let made = if k < job.blocks {
+                let kit = kit(job);
+                Made::Block(Box::new(kit.plan.block_beside(k, &kit.grouping)))
+            } else {
+                let scenario = &scenarios[job.point];
+                let beside = scenario.bias_plan(scenario.ensemble.paths).and_then(|plan| plan.simulate(1, stop));
+                Made::Bias(Box::new(beside))
+            };
+            Piece { job: number, seconds: thread_seconds() - start, made }
+        };
+        let mut growing: Option<Growing> = None;
+        let mut done = 0;
+        let deliver = |piece: Piece| -> Result<ControlFlow<()>, SweepEnd<E>> {
+            let job = &jobs[piece.job];
+            let here = growing.get_or_insert_with(|| {
+                let kit = kit(job);
+                let (model, timeline) = (kit.plan.model(), kit.plan.timeline());
+                let totals = RunTotals::with(kit.grouping.empty(), model, timeline);
+                Growing { totals, seconds: 0.0 }
+            });
+            here.seconds += piece.seconds;
+            let mut beside = None;
+            match piece.made {
+                Made::Block(block) => {
+                    let Delivered { index, result, beside } = *block;
+                    done += result.paths;
+                    progress.paths(done, paths);
+                    here.totals.push_with(index, result.totals, beside)?;
+                    if job.has_bias || index + 1 < job.blocks {
+                        return Ok(ControlFlow::Continue(()));
+                    }
+                }
+                Made::Bias(made) => match *made {
+                    Err(_) if stop.load(Ordering::Relaxed) => return Ok(ControlFlow::Break(())),
+                    made => beside = made.ok(),
+                },
+            }
+            let Some(here) = growing.take() else { return Ok(ControlFlow::Continue(())) };
+            sweep.points[job.point] = Some(here.point(beside));
+            *job.kit.lock().unwrap_or_else(PoisonError::into_inner) = None;
+            tell(sweep).map_err(SweepEnd::Told)?;
+            Ok(ControlFlow::Continue(()))
+        };
+        in_order(pieces, threads, stop, make, deliver)?;
+        Ok(())
+    }
+}
+
+impl Growing {
+    fn point(self, beside: Option<BesideRun>) -> Point {
+        let start = thread_seconds();
+        let Growing { totals, seconds } = self;
+        let run = totals.totals();
+        let mut summary = run.summary();
+        if let Some(beside) = beside {
+            summary.set_biases(&beside.of(&summary));
+        }
+        let without = totals.own().without(&run);
+        Point {
+            completed_paths: summary.completed_paths,
+            diverged_paths: summary.diverged.len() as u64,
+            estimates: summary.estimates,
+            seconds: seconds + (thread_seconds() - start),
+            without,
+        }
+    }
+}

@@ -1,0 +1,260 @@
+//! `mc sweep` as a person uses it: interrupted and continued, refused with a reason, read back.
+
+#[path = "common/command.rs"]
+mod command;
+
+use command::{Running, mc};
+use hdf5::File;
+use hdf5::types::VarLenUnicode;
+use std::path::Path;
+use std::process::Output;
+
+const SCENARIO: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenarios/rho025.toml");
+
+/// Six points of 1024 short paths.
+const SMALL: [&str; 9] = [
+    "sweep",
+    SCENARIO,
+    "--vary",
+    "rho=temperature.noise.intensity=0.1:0.6:6",
+    "--until",
+    "20",
+    "--set",
+    "time.output_step=20",
+    "--paths=1024",
+];
+
+fn sweep(folder: &Path, more: &[&str]) -> Output {
+    mc(folder, &[&SMALL[..], more].concat())
+}
+
+fn err(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+fn out(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stdout).into_owned()
+}
+
+#[track_caller]
+fn done(output: &Output) {
+    assert_eq!(output.status.code(), Some(0), "{}", err(output));
+}
+
+/// The bits of every number of a file that equal sweeps have in common: all but the time that they took.
+fn numbers(path: &Path) -> Vec<(String, Vec<u64>)> {
+    let file = File::open(path).expect("an HDF5 file");
+    let names = file.member_names().expect("a root group").into_iter().filter(|name| name != "point_seconds");
+    let bits = |name: String| {
+        let dataset = file.dataset(&name).expect("a variable");
+        // No number is no number, whatever its bits.
+        let bits = |x: &f64| if x.is_nan() { 0 } else { x.to_bits() };
+        let values = dataset.read_raw::<f64>().map(|values| values.iter().map(bits).collect());
+        (name, values.unwrap_or_default())
+    };
+    names.map(bits).collect()
+}
+
+fn text(path: &Path, attribute: &str) -> String {
+    let file = File::open(path).expect("an HDF5 file");
+    file.attr(attribute).and_then(|a| a.read_scalar::<VarLenUnicode>()).expect(attribute).as_str().to_string()
+}
+
+fn completed_points(path: &Path) -> u64 {
+    File::open(path).and_then(|file| file.attr("completed_points")?.read_scalar()).unwrap_or(0)
+}
+
+#[test]
+fn a_sweep_that_was_interrupted_and_killed_goes_on_to_the_same_numbers() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let here = folder.path();
+    // Long enough to be interrupted: 6e9 steps, some seconds.
+    let long = [&SMALL[..], &["--step", "0.00002", "-o", "parts.h5", "--threads", "2", "--no-bias"]].concat();
+    let partial = here.join("parts.h5.partial");
+    let mut first = Running::mc(here, &long);
+    first.until_it_answers();
+    first.until("a point is done", || completed_points(&partial) > 0);
+    first.interrupt();
+    let output = first.end();
+    assert_eq!(output.status.code(), Some(130), "{}", err(&output));
+    assert!(err(&output).contains("the same command continues"), "{}", err(&output));
+    let after_interrupt = completed_points(&partial);
+    assert!((1..6).contains(&after_interrupt) && !here.join("parts.h5").exists());
+    assert_eq!(text(&partial, "status"), "running");
+
+    let mut second = Running::mc(here, &long);
+    second.until("another point is done", || completed_points(&partial) > after_interrupt);
+    drop(second); // kill -9
+    let after_kill = completed_points(&partial);
+    assert!(after_kill > after_interrupt, "what a killed process leaves is a whole file");
+
+    let output = mc(here, &long);
+    done(&output);
+    assert!(err(&output).contains(&format!("continuing: {after_kill} of 6 points")), "{}", err(&output));
+    assert_eq!(text(&here.join("parts.h5"), "status"), "complete");
+    assert!(!partial.exists() && !here.join("parts.h5.lock").exists());
+    let uninterrupted = [&long[..SMALL.len() + 2], &["-o", "once.h5", "--no-bias", "--threads", "3"]].concat();
+    done(&mc(here, &uninterrupted));
+    assert_eq!(numbers(&here.join("parts.h5")), numbers(&here.join("once.h5")));
+}
+
+#[test]
+fn a_finished_sweep_is_not_simulated_again_and_another_one_is_refused_with_the_difference() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let here = folder.path();
+    done(&sweep(here, &["-o", "s.h5"]));
+    let written = std::fs::read(here.join("s.h5")).expect("a file");
+    let again = sweep(here, &["-o", "s.h5"]);
+    done(&again);
+    assert!(err(&again).contains("holds this sweep already") && out(&again).contains("stick_duration_mean"));
+    let cases: [(&[&str], &str); 5] = [
+        (&["--set", "friction.static=1.3"], "`static = 1.2`, and this sweep `static = 1.3`"),
+        (&["--vary", "friction.static=1.2,1.3"], "f_s = friction.static at [1.2, 1.3]"),
+        (&["--independent"], "`common seeds`, and this sweep `independent seeds`"),
+        (&["--no-bias"], "leaves out the bias"),
+        (&["--seed", "7"], "`seed = 1`, and this sweep `seed = 7`"),
+    ];
+    for (more, said) in cases {
+        let refused = sweep(here, &[more, &["-o", "s.h5"]].concat());
+        assert_eq!(refused.status.code(), Some(2), "{more:?}");
+        assert!(err(&refused).contains(said) && err(&refused).contains("--force"), "{more:?}: {}", err(&refused));
+    }
+    assert_eq!(std::fs::read(here.join("s.h5")).expect("a file"), written, "no refused sweep touches it");
+    done(&sweep(here, &["-o", "s.h5", "--seed", "7", "--force"]));
+    // A file of another kind.
+    std::fs::write(here.join("note.txt"), "mine").expect("room");
+    let refused = sweep(here, &["-o", "note.txt"]);
+    assert_eq!(refused.status.code(), Some(2));
+    assert!(err(&refused).contains("HDF5"), "{}", err(&refused));
+    assert_eq!(std::fs::read_to_string(here.join("note.txt")).expect("it is there"), "mine");
+}
+
+#[test]
+fn two_processes_do_not_write_one_sweep() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let here = folder.path();
+    let long = [&SMALL[..], &["--step", "0.00002", "-o", "s.h5", "--no-bias"]].concat();
+    let mut first = Running::mc(here, &long);
+    first.until("it has its name", || here.join("s.h5.lock").exists());
+    let second = mc(here, &long);
+    assert_eq!(second.status.code(), Some(2));
+    assert!(err(&second).contains("another process is writing this sweep"), "{}", err(&second));
+}
+
+#[test]
+fn a_mistake_is_shown_with_its_place_and_a_remedy() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let vary = |expressions: &[&str]| {
+        let flags: Vec<&str> = expressions.iter().flat_map(|e| ["--vary", e]).collect();
+        mc(folder.path(), &[&["sweep", SCENARIO], flags.as_slice(), &["--dry-run"]].concat())
+    };
+    let cases: [(&[&str], &str); 7] = [
+        (&["rho=temperature.noise.intensity=0:1:x"], "\n                                      ^\n"),
+        (&["temperature.noise.intensty=0:1:3"], "did you mean `intensity`"),
+        (&["friction.static=1.2,0.8"], "--vary friction.static=1.2,0.8, at 0.8"),
+        (&["friction.static=1.2", "f_s=friction.dynamic=1"], "called `f_s`"),
+        (&["friction.static=1.2,1.3", "x=friction.static=1"], "`friction.static` is varied twice"),
+        (&["estimate=friction.static=1.2"], "a name of the file"),
+        (&["friction.static=1:2:1000", "friction.dynamic=0:1:1000"], "1000000 points"),
+    ];
+    for (expressions, said) in cases {
+        let refused = vary(expressions);
+        assert_eq!(refused.status.code(), Some(2), "{expressions:?}: {}", out(&refused));
+        assert!(err(&refused).contains(said) && err(&refused).contains("fix: "), "{expressions:?}: {}", err(&refused));
+    }
+    let zip = mc(
+        folder.path(),
+        &["sweep", SCENARIO, "--zip", "--vary", "friction.static=1.2,1.3", "--vary", "friction.dynamic=1"],
+    );
+    assert!(err(&zip).contains("`f_s` has 2 values and `f_d` 1"), "{}", err(&zip));
+    for (keys, said) in [
+        ("friction.sttic", "--elasticity friction.sttic, tried at 1: unknown key `sttic`; did you mean `static`?"),
+        ("oscillator.damping", "a share of 0 is 0"),
+        ("friction.static,friction.static", "twice"),
+        ("scheme.kind", "fix: "),
+    ] {
+        let refused = mc(folder.path(), &["sweep", SCENARIO, "--elasticity", keys]);
+        assert_eq!(refused.status.code(), Some(2), "{keys}");
+        assert!(err(&refused).contains(said), "{keys}: {}", err(&refused));
+    }
+    assert_eq!(std::fs::read_dir(folder.path()).expect("a folder").count(), 0, "nothing is left");
+}
+
+#[test]
+fn a_dry_run_says_points_paths_time_and_disk_and_writes_nothing() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let output = sweep(folder.path(), &["--vary", "friction.static=log:1.2:2.4:3", "--dry-run", "-o", "s.h5"]);
+    done(&output);
+    let text = out(&output);
+    assert!(text.contains("points  18 (6 x 3: rho, f_s)"), "{text}");
+    assert!(text.contains("1 024 at each point, 18 432 in all"), "{text}");
+    assert!(text.contains("time    about") && text.contains("disk    about"), "{text}");
+    assert_eq!(std::fs::read_dir(folder.path()).expect("a folder").count(), 0);
+    // What it says of the disk is what the file takes, within a fifth.
+    done(&sweep(folder.path(), &["--vary", "friction.static=log:1.2:2.4:3", "-o", "s.h5", "--no-bias"]));
+    let size = std::fs::metadata(folder.path().join("s.h5")).expect("a file").len() as f64;
+    let said = stick_slip::store::sweep_bytes(&{
+        use stick_slip::study::sweep::{Axis, Design};
+        let axes = ["a=a=1:6:6", "b=b=1:3:3"].map(|axis| Axis::parse(axis, |_| None).expect("an axis"));
+        Design::of(axes.into(), false).expect("a grid")
+    });
+    assert!((0.8..1.25).contains(&(said as f64 / size)), "{said} said, {size} taken");
+}
+
+/// A point of the file, read by the names of its axes, is what `mc run` says there.
+#[test]
+fn a_point_of_the_file_is_the_run_that_mc_run_makes() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let here = folder.path();
+    done(&sweep(here, &["--vary", "friction.static=1.2,1.4", "-o", "s.h5"]));
+    let shorter = ["--until", "20", "--set", "time.output_step=20", "--paths=1024"];
+    let point = ["--set", "temperature.noise.intensity=0.3", "--set", "friction.static=1.4", "-o", "run.h5"];
+    done(&mc(here, &[&["run", SCENARIO], &shorter[..], &point].concat()));
+    let (sweep, run) = (File::open(here.join("s.h5")).unwrap(), File::open(here.join("run.h5")).unwrap());
+    let rho = sweep.dataset("rho").unwrap().read_raw::<f64>().unwrap();
+    assert_eq!(rho, [0.1, 0.2, 0.3, 0.4, 0.5, 0.6]);
+    for name in ["estimate", "standard_error", "interval_low", "interval_high", "bias", "bias_uncertainty"] {
+        let of_sweep = sweep.dataset(name).unwrap().read::<f64, ndarray::Ix3>().unwrap();
+        let of_run = run.dataset(name).unwrap().read_raw::<f64>().unwrap();
+        for (s, value) in of_run.iter().enumerate() {
+            let there = of_sweep[[2, 1, s]];
+            assert!(there.to_bits() == value.to_bits() || (there.is_nan() && value.is_nan()), "{name} {s}");
+        }
+    }
+}
+
+#[test]
+fn show_prints_a_sweep_again_and_csv_has_a_line_for_each_statistic_of_each_point() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let here = folder.path();
+    let printed = sweep(here, &["-o", "s.h5", "--threads", "1"]);
+    let shown = mc(here, &["show", "s.h5"]);
+    done(&shown);
+    assert_eq!(out(&shown), out(&printed));
+    assert_eq!(out(&mc(here, &["show", "s.h5", "--json"])), out(&sweep(here, &["-o", "s.h5", "--json"])));
+    done(&mc(here, &["run", SCENARIO, "--paths", "300", "-o", "run.h5"]));
+    let csv = out(&mc(here, &["show", "s.h5", "run.h5", "--csv"]));
+    let lines: Vec<&str> = csv.lines().collect();
+    assert_eq!(lines.len(), 1 + 21 * 7);
+    assert!(lines[0].starts_with("file,temperature.noise.intensity,statistic,unit,estimate,"), "{}", lines[0]);
+    assert!(lines[1].starts_with("s.h5,0.1,stick_duration_mean,,") && lines[127].starts_with("run.h5,,"), "{csv}");
+    let refused = mc(here, &["show", "s.h5", "run.h5"]);
+    assert_eq!(refused.status.code(), Some(2), "{}", out(&refused));
+}
+
+/// A difference of independent runs is within 1.96 errors in quadrature, but for chance: of these seeds it is.
+#[test]
+fn show_puts_several_runs_beside_each_other() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let here = folder.path();
+    for (name, seed, rho) in [("a.h5", "1", "0.25"), ("b.h5", "2", "0.25"), ("c.h5", "1", "0.5")] {
+        let set = format!("temperature.noise.intensity={rho}");
+        done(&mc(here, &["run", SCENARIO, "--paths", "2000", "--seed", seed, "--set", &set, "-o", name]));
+    }
+    let table = out(&mc(here, &["show", "a.h5", "b.h5", "c.h5"]));
+    let row = table.lines().find(|line| line.starts_with("sticking_fraction")).expect("a row");
+    let cells: Vec<&str> = row.split_whitespace().skip(1).collect();
+    assert_eq!((cells.len(), cells.iter().filter(|cell| **cell == "*").count()), (11, 1), "{table}");
+    let legend = table.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(legend.contains("a and c have one seed"), "{table}");
+}
