@@ -124,7 +124,7 @@ mod tests {
         assert!(lines[0].starts_with("file,friction.static,statistic,unit,estimate,standard_error,low,high,bias,"));
         assert!(lines[1].starts_with("\"a, \"\"b\"\".h5\",,stick_duration_mean,,0.30000000000000004,"), "{}", lines[1]);
         let cells = |line: &str| line.rsplitn(10, ',').map(String::from).collect::<Vec<_>>();
-        assert_eq!(cells(lines[1])[4..6], ["0.01", "0.05"]);
+        assert_eq!(cells(lines[1])[3..5], ["0.01", "0.05"]);
         assert_eq!(cells(lines[2])[5], "inf");
         let drift = 1 + Statistic::DriftVelocity.index();
         assert_eq!(cells(lines[drift])[8], "", "{}", lines[drift]);
