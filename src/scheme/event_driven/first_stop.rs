@@ -51,6 +51,15 @@ pub struct Motion<L = f64> {
     pub acceleration: L,
 }
 
+impl<L: Lanes> Motion<L> {
+    /// Whether both are numbers.
+    #[inline(always)]
+    pub fn is_finite(&self) -> L::Mask {
+        let infinite = L::splat(f64::INFINITY);
+        L::and(self.velocity.abs().lt(infinite), self.acceleration.abs().lt(infinite))
+    }
+}
+
 /// A slip step: its ends, the way between them, its length and the square root of that.
 #[derive(Clone, Copy, Debug)]
 pub struct Step {

@@ -103,7 +103,7 @@ impl Noisy {
         let is_swift = oscillator.fastest_rate() > TWO_SCALES * slow;
         let cell_length = round_down(if is_swift { rules.slip_length / slow } else { longest });
         let length = cell_length / (cell_length / longest).ceil();
-        let mut harmonics = vec![NO_RESPONSE; frequencies.len()];
+        let mut harmonics = vec![HarmonicResponse::none(); frequencies.len()];
         let transition = oscillator.transition(length, &mut harmonics);
         let step = SlipStep { transition, root_length: length.sqrt(), harmonics };
         let search = StopSearch { noise: scene.diffusion / body.mass, caution: rules.caution };
@@ -363,7 +363,7 @@ impl Cascade for Noisy {
             let before = (path.after, State { x: path.displacement, v: path.motion, n: path.noise });
             self.take(step, path, terms, friction, to_noise, normals);
             let end = self.motion(path, direction);
-            if !(end.velocity.is_finite() && end.acceleration.is_finite()) {
+            if !end.is_finite() {
                 return Err(Unresolved);
             }
             let way = resolved_way(eps * before.1.x, eps * path.displacement, start, end, length);
@@ -559,6 +559,3 @@ const FLOW_STEPS: usize = 3;
 
 /// Relative difference of two step lengths that is rounding of the times they come from.
 pub const ALIGNMENT: f64 = 1e-9;
-
-/// A place for a response.
-const NO_RESPONSE: HarmonicResponse = HarmonicResponse { x: (0.0, 0.0), v: (0.0, 0.0), turn: (1.0, 0.0) };

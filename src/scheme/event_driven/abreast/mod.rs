@@ -173,19 +173,17 @@ struct Crossing<'p, 'a, L: Lanes> {
     responses: Vec<HarmonicResponse<L>>,
 }
 
-/// Cells inside which nobody looks, crossed on whatever instruction set there is.
+/// A cell inside which nobody looks, crossed on whatever instruction set there is.
 struct Quiet<'p, 'a> {
     paths: &'p mut Abreast<'a>,
-    cells: &'p [Cell],
+    cell: &'p Cell,
 }
 
 impl LaneProgram for Quiet<'_, '_> {
     #[inline(always)]
     fn run<L: Lanes>(&mut self) {
-        for cell in self.cells {
-            let responses = vec![HarmonicResponse::none(); cell.terms.len()];
-            Crossing::<L> { paths: self.paths, cell, responses }.run();
-        }
+        let responses = vec![HarmonicResponse::none(); self.cell.terms.len()];
+        Crossing::<L> { paths: self.paths, cell: self.cell, responses }.run();
     }
 }
 
@@ -222,41 +220,15 @@ impl<L: Lanes> Crossing<'_, '_, L> {
             self.sweep();
             self.paths.flagged += self.paths.jobs.flagged.len();
             while let Some(task) = self.paths.jobs.longest::<L>() {
-                match task {
-                    Task::Halve => {
-                        while let Some((rows, lanes)) = self.paths.jobs.next::<L>() {
-                            self.halve(&rows, lanes);
-                        }
-                    }
-                    Task::Decide => {
-                        while let Some((rows, lanes)) = self.paths.jobs.next::<L>() {
-                            self.decide(&rows, lanes);
-                        }
-                    }
-                    Task::StickOn => {
-                        while let Some((rows, lanes)) = self.paths.jobs.next::<L>() {
-                            self.stick_on(&rows, lanes);
-                        }
-                    }
-                    Task::Begin => {
-                        while let Some((rows, lanes)) = self.paths.jobs.next::<L>() {
-                            self.begin(&rows, lanes);
-                        }
-                    }
-                    Task::Bisect => {
-                        while let Some((rows, lanes)) = self.paths.jobs.next::<L>() {
-                            self.bisect(&rows, lanes);
-                        }
-                    }
-                    Task::SlipOn => {
-                        while let Some((rows, lanes)) = self.paths.jobs.next::<L>() {
-                            self.slip_on(&rows, lanes);
-                        }
-                    }
-                    Task::Stop => {
-                        while let Some((rows, lanes)) = self.paths.jobs.next::<L>() {
-                            self.stop(&rows, lanes);
-                        }
+                while let Some((rows, lanes)) = self.paths.jobs.next::<L>() {
+                    match task {
+                        Task::Halve => self.halve(&rows, lanes),
+                        Task::Decide => self.decide(&rows, lanes),
+                        Task::StickOn => self.stick_on(&rows, lanes),
+                        Task::Begin => self.begin(&rows, lanes),
+                        Task::Bisect => self.bisect(&rows, lanes),
+                        Task::SlipOn => self.slip_on(&rows, lanes),
+                        Task::Stop => self.stop(&rows, lanes),
                     }
                 }
             }
@@ -285,8 +257,8 @@ impl Paths for Abreast<'_> {
 
     fn cross(&mut self, cells: &[Cell], observer: &mut impl Observer) {
         let instructions = self.instructions;
-        for cell in cells.chunks(1) {
-            instructions.run(&mut Quiet { paths: self, cells: cell });
+        for cell in cells {
+            instructions.run(&mut Quiet { paths: self, cell });
             for (lane, event) in self.events.drain(..) {
                 observer.event(lane as usize, event);
             }

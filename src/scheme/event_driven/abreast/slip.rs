@@ -264,9 +264,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
             inverse: L::splat(1.0) / remaining,
             noise: remaining.sqrt() * search.noise,
         };
-        let infinite = L::splat(f64::INFINITY);
-        let is_finite = L::and(last.velocity.abs().lt(infinite), last.acceleration.abs().lt(infinite));
-        odd |= lanes & !L::bitmask(is_finite);
+        odd |= lanes & !L::bitmask(last.is_finite());
         self.odd_lanes(rows, odd);
         let lanes = lanes & !odd;
         self.set_next(rows, lanes, (end.x, end.v, end_force, eps));

@@ -32,10 +32,10 @@ impl<L: Lanes> Crossing<'_, '_, L> {
 
             let eps = L::load(&self.paths.now.eps[lane..]);
             eps.store(&mut self.paths.next.eps[lane..]);
-            let is_slip = L::bitmask(eps.abs().gt(L::splat(0.0)));
+            let is_slip = eps.abs().gt(L::splat(0.0));
             let present = self.present(lane);
-            let sticks = !is_slip & present;
-            let slips = is_slip & present;
+            let slips = L::bitmask(is_slip) & present;
+            let sticks = present & !slips;
             let x = L::load(&self.paths.now.x[lane..]);
             let (mut x1, mut v1) = (x, L::splat(0.0));
             let mut force1 =
@@ -44,9 +44,8 @@ impl<L: Lanes> Crossing<'_, '_, L> {
                 let start = State { x, v: L::load(&self.paths.now.v[lane..]), n };
                 let (end, end_force) =
                     self.slip_whole(&transition, root_length, &whole, (lane, &rows, slips), (start, eps), &draws);
-                let mask = eps.abs().gt(L::splat(0.0));
-                (x1, v1) = (L::select(mask, end.x, x), L::select(mask, end.v, v1));
-                force1 = L::select(mask, end_force, force1);
+                (x1, v1) = (L::select(is_slip, end.x, x), L::select(is_slip, end.v, v1));
+                force1 = L::select(is_slip, end_force, force1);
             }
             if sticks != 0 {
                 self.stick_whole((lane, &rows, sticks), (x, n, end_noise), &draws);
@@ -109,7 +108,6 @@ impl<L: Lanes> Crossing<'_, '_, L> {
     }
 
     #[inline(always)]
-    #[allow(clippy::too_many_arguments)]
     fn slip_whole(
         &mut self,
         transition: &SlipTransition<L>,
@@ -140,9 +138,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
             inverse: L::splat(1.0 / self.cell.length),
             noise: L::splat(search.noise * root_length),
         };
-        let infinite = L::splat(f64::INFINITY);
-        let is_finite = L::and(last.velocity.abs().lt(infinite), last.acceleration.abs().lt(infinite));
-        let finite = L::bitmask(is_finite) & slips;
+        let finite = L::bitmask(last.is_finite()) & slips;
         let clear = L::bitmask(search.is_clear(first, &interval)) & finite;
         let flagged = slips & !clear;
         if flagged != 0 {
