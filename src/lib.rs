@@ -40,6 +40,7 @@
 //! | [`stats`] | statistics of the cascade, summed along one tree, with intervals |
 //! | [`ensemble`] | blocks of paths on threads, delivered in order |
 //! | [`bias`] | the error that the time step makes |
+//! | [`data`] | measured data: columns of a CSV file, checked and repaired |
 //! | [`scenario`] | one physical question: checked data, and the ensemble that it asks for |
 //! | [`engine`] | a run from scenario to outcome |
 //! | [`study`] | many runs, one question: what accuracy costs, how to run a scene for a target |
@@ -65,6 +66,7 @@
 pub mod advice;
 pub mod bias;
 pub mod config;
+pub mod data;
 pub mod engine;
 pub mod ensemble;
 #[cfg(feature = "cli")]

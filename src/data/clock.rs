@@ -1,0 +1,155 @@
+//! The column that says when: stamps, with their zones, or numbers.
+
+use super::unit::{self, Unit};
+use jiff::civil::DateTime;
+use jiff::fmt::temporal::DateTimeParser;
+use jiff::tz::{AmbiguousOffset, TimeZone};
+use jiff::{SignedDuration, Timestamp};
+use std::fmt;
+
+static PARSER: DateTimeParser = DateTimeParser::new();
+
+/// The instant from which the times of a table count.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Start(Timestamp);
+
+impl Start {
+    /// From an RFC 3339 stamp.
+    pub fn parse(stamp: &str) -> Option<Self> {
+        PARSER.parse_timestamp(stamp).ok().map(Start)
+    }
+
+    /// The instant so many seconds later, if the calendar reaches so far.
+    pub fn after(&self, seconds: f64) -> Option<Self> {
+        let later = SignedDuration::try_from_secs_f64(seconds).ok()?;
+        self.0.checked_add(later).ok().map(Start)
+    }
+}
+
+/// The RFC 3339 stamp, in UTC.
+impl fmt::Display for Start {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.0.fmt(f)
+    }
+}
+
+/// Cells of the time column -> seconds.
+pub(super) enum Clock {
+    /// Numbers; in seconds, if the name of the column says their unit.
+    Numbers { unit: Option<Unit>, first: Option<f64> },
+    /// Stamps.
+    Stamps { zone: Option<TimeZone>, first: Option<Timestamp>, previous: Option<Timestamp>, folds: u64 },
+}
+
+/// What is wrong with a time, and what to do.
+pub(super) type Wrong = (String, String);
+
+fn wrong<T>(problem: impl Into<String>, remedy: impl Into<String>) -> Result<T, Wrong> {
+    Err((problem.into(), remedy.into()))
+}
+
+impl Clock {
+    /// For a column that begins with this cell.
+    pub fn new(column: &str, zone: Option<&str>, first: &[u8]) -> Result<Self, Wrong> {
+        let number = std::str::from_utf8(first).is_ok_and(|text| text.replace(',', ".").parse::<f64>().is_ok());
+        if number {
+            return Ok(Clock::Numbers { unit: unit::of_time(column), first: None });
+        }
+        let zone = match zone {
+            None => None,
+            Some(name) => match PARSER.parse_time_zone(name) {
+                Ok(zone) => Some(zone),
+                Err(_) => {
+                    let remedy = "give an IANA name such as \"Europe/Paris\", \"UTC\", or an offset such as \"+01:00\"";
+                    return wrong(format!("cannot be read, because no time zone is called \"{name}\""), remedy);
+                }
+            },
+        };
+        Ok(Clock::Stamps { zone, first: None, previous: None, folds: 0 })
+    }
+
+    /// Whether times are in seconds, and not in whatever unit the numbers have.
+    pub fn in_seconds(&self) -> bool {
+        !matches!(self, Clock::Numbers { unit: None, .. })
+    }
+
+    /// The time that other times are counted from, if the cells are stamps.
+    pub fn first(&self) -> Option<Start> {
+        match self {
+            Clock::Stamps { first, .. } => first.map(Start),
+            Clock::Numbers { .. } => None,
+        }
+    }
+
+    /// How many stamps stood in an hour that the clocks went through twice.
+    pub fn folds(&self) -> u64 {
+        match self {
+            Clock::Stamps { folds, .. } => *folds,
+            Clock::Numbers { .. } => 0,
+        }
+    }
+
+    /// A cell as the time since the first.
+    pub fn read(&mut self, cell: &[u8], number: impl Fn(&[u8]) -> Option<f64>) -> Result<f64, Wrong> {
+        match self {
+            Clock::Numbers { unit, first } => {
+                let Some(time) = number(cell).filter(|time| time.is_finite()) else {
+                    return wrong("is not a number, as the times before it are", "mend the row");
+                };
+                let since = time - *first.get_or_insert(time);
+                Ok(unit.map_or(since, |unit| unit.of(since)))
+            }
+            Clock::Stamps { zone, first, previous, folds } => {
+                let (stamp, fold) = instant(cell, zone.as_ref(), *previous)?;
+                *folds += u64::from(fold);
+                *previous = Some(stamp);
+                let since = stamp.duration_since(*first.get_or_insert(stamp));
+                Ok(since.as_secs() as f64 + f64::from(since.subsec_nanos()) / 1e9)
+            }
+        }
+    }
+}
+
+/// The instant of a stamp, and whether its hour was gone through twice.
+fn instant(cell: &[u8], zone: Option<&TimeZone>, previous: Option<Timestamp>) -> Result<(Timestamp, bool), Wrong> {
+    // Behind the date, `Z`, `+` and `-` say the zone.
+    if cell.iter().skip(10).any(|byte| matches!(byte, b'Z' | b'z' | b'+' | b'-')) {
+        return PARSER.parse_timestamp(cell).map(|stamp| (stamp, false)).or_else(|_| not_a_stamp());
+    }
+    let local = PARSER.parse_datetime(cell).or_else(|_| not_a_stamp())?;
+    let Some(zone) = zone else {
+        let remedy = "say in which zone the clock ran: `zone = \"UTC\"`, \"Europe/Paris\" or \"+01:00\"";
+        return wrong("is a stamp without a zone", remedy);
+    };
+    in_zone(local, zone, previous)
+}
+
+/// A local time: one that never was is an error, and one that was twice is the first that is later than the row before.
+fn in_zone(local: DateTime, zone: &TimeZone, previous: Option<Timestamp>) -> Result<(Timestamp, bool), Wrong> {
+    let found = zone.to_ambiguous_timestamp(local);
+    let beyond = |_| ("is beyond the calendar".to_string(), "mend the row".to_string());
+    match found.offset() {
+        AmbiguousOffset::Unambiguous { .. } => found.unambiguous().map(|stamp| (stamp, false)).map_err(beyond),
+        AmbiguousOffset::Gap { .. } => wrong(
+            "never was in this zone, whose clocks skipped that hour",
+            "if the logger keeps one time the whole year, say which: `zone = \"UTC\"` or an offset such as \"+01:00\"",
+        ),
+        AmbiguousOffset::Fold { .. } => {
+            let both = [found.clone().earlier().map_err(beyond)?, found.later().map_err(beyond)?];
+            match both.into_iter().find(|stamp| previous.is_none_or(|previous| *stamp > previous)) {
+                Some(stamp) => Ok((stamp, true)),
+                None => wrong(
+                    "was twice in this zone, whose clocks were put back, and both times lie before the row above",
+                    "sort the rows, write stamps with their offset, or say the zone that the logger keeps the whole year",
+                ),
+            }
+        }
+    }
+}
+
+fn not_a_stamp<T>() -> Result<T, Wrong> {
+    wrong(
+        "is no time that can be read",
+        "write stamps as 2015-08-13T00:10:00Z or 2015-08-13 00:10, year first, or numbers in a column such as `time_s`",
+    )
+}

@@ -1,0 +1,99 @@
+//! Measured data: named columns of a CSV file, as they are in the world. The only home of the crates `csv-core` and `jiff`.
+//!
+//! ```text
+//! rows      bytes -> the header and one row after the other: separators, quotes, comments
+//! unit      what a column's name says of its unit
+//! clock     a cell of the time column -> seconds: stamps, zones, numbers
+//! table     the rows in order of time, checked and repaired: a Table
+//! span      "6h" as seconds
+//! error     what is wrong with a file, and where
+//! ```
+//!
+//! What is mended is counted ([`Repairs`]): rows out of order are sorted, cells without a value are left out, a row that is there
+//! twice is taken once. What could be meant in two ways is an error with its line.
+
+mod clock;
+mod error;
+mod rows;
+mod span;
+mod table;
+#[cfg(test)]
+mod tests;
+mod unit;
+
+pub use clock::Start;
+pub use error::DataError;
+pub use span::seconds;
+pub use table::{Column, Repairs, Table};
+pub use unit::Quantity;
+
+use std::io::Read as _;
+use std::path::Path;
+
+/// Largest file, in bytes: twenty times 10^6 rows of a usual one.
+const MAX_FILE: u64 = 1 << 30;
+
+/// The column that says when.
+#[derive(Clone, Copy, Debug)]
+pub struct TimeColumn<'a> {
+    /// Its name in the header.
+    pub name: &'a str,
+    /// The zone of stamps that name none: an IANA name, or an offset such as `+01:00`.
+    pub zone: Option<&'a str>,
+}
+
+/// A column of values.
+#[derive(Clone, Copy, Debug)]
+pub struct Wanted<'a> {
+    /// Which.
+    pub column: Name<'a>,
+    /// What it measures, which says what units there are.
+    pub quantity: Quantity,
+    /// Its unit, if it is not the one in its name.
+    pub unit: Option<&'a str>,
+    /// The longest time between two values, in the unit of the times; none for any.
+    pub max_gap: Option<f64>,
+}
+
+/// How a column is found in the header.
+#[derive(Clone, Copy, Debug)]
+pub enum Name<'a> {
+    /// By this name.
+    Exactly(&'a str),
+    /// By how its name begins, as no other does.
+    Beginning(&'a str),
+}
+
+/// Columns of a CSV file, in one pass.
+pub fn read(path: &Path, time: TimeColumn<'_>, wanted: &[Wanted<'_>]) -> Result<Table, DataError> {
+    let name = path.display().to_string();
+    let unreadable = |problem: String, remedy: &str| DataError::file(&name, problem, remedy);
+    if path.is_dir() {
+        return Err(unreadable("it is a directory".into(), "give the path of a CSV file"));
+    }
+    let mut bytes = Vec::new();
+    std::fs::File::open(path)
+        .and_then(|file| file.take(MAX_FILE + 1).read_to_end(&mut bytes))
+        .map_err(|error| unreadable(format!("cannot be read: {error}"), "give the path of a CSV file"))?;
+    if bytes.len() as u64 > MAX_FILE {
+        return Err(unreadable("it is larger than 1 GiB".into(), "cut it, or keep only the columns that are needed"));
+    }
+    parse(&name, &bytes, time, wanted)
+}
+
+/// The same from bytes; `name` is what messages call them.
+///
+/// ```
+/// use stick_slip::data::{Name, Quantity, TimeColumn, Wanted, parse};
+///
+/// let text = b"time;temperature_degC\n2015-08-13 00:00;15,5\n2015-08-13 00:10;\n2015-08-13 00:20;14,8\n";
+/// let temperature =
+///     Wanted { column: Name::Exactly("temperature_degC"), quantity: Quantity::Temperature, unit: None, max_gap: None };
+/// let table = parse("t.csv", text, TimeColumn { name: "time", zone: Some("UTC") }, &[temperature])?;
+/// assert_eq!((&table.columns[0].times[..], &table.columns[0].values[..]), (&[0.0, 1200.0][..], &[15.5, 14.8][..]));
+/// assert_eq!(table.repairs.sentences(), ["left out 1 cell without a value in `temperature_degC`"]);
+/// # Ok::<(), stick_slip::data::DataError>(())
+/// ```
+pub fn parse(name: &str, bytes: &[u8], time: TimeColumn<'_>, wanted: &[Wanted<'_>]) -> Result<Table, DataError> {
+    table::table(name, bytes, time, wanted)
+}

@@ -1,0 +1,306 @@
+//! The rows of a file in order of time, checked and repaired.
+
+use super::clock::{Clock, Start};
+use super::rows::{Rows, listed};
+use super::unit::{self, Unit};
+use super::{DataError, Name, TimeColumn, Wanted};
+use crate::numbers::short;
+
+/// What a file says in the columns that were asked for.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Table {
+    /// The instant of time 0, if the file has stamps.
+    pub start: Option<Start>,
+    /// Whether times are in seconds. Numbers in a column whose name says no unit are in whatever unit they have.
+    pub in_seconds: bool,
+    /// Rows read, repeated ones and those without a value included.
+    pub rows: u64,
+    /// As they were asked for.
+    pub columns: Vec<Column>,
+    /// What was mended.
+    pub repairs: Repairs,
+}
+
+/// One column: values in order of time.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Column {
+    /// Its name in the header.
+    pub name: String,
+    /// When, from the earliest value of all columns that were asked for; each later than the one before.
+    pub times: Vec<f64>,
+    /// What, in degrees or metres.
+    pub values: Vec<f64>,
+}
+
+/// What was mended in a file.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Repairs {
+    /// Rows that stood behind a later one, and were sorted.
+    pub unsorted: u64,
+    /// Rows that gave the same values at the same time once more, and were left out.
+    pub repeated: u64,
+    /// Stamps in an hour that the clocks went through twice, taken in the order of the rows.
+    pub folds: u64,
+    /// Numbers with a decimal comma.
+    pub decimal_commas: u64,
+    /// Cells without a value, by column, which were left out.
+    pub missing: Vec<(String, u64)>,
+}
+
+impl Repairs {
+    /// What was done, in words; nothing for a file that was sound.
+    pub fn sentences(&self) -> Vec<String> {
+        let many = |count: u64, one: &str, more: &str| match count {
+            0 => None,
+            1 => Some(one.replace('#', "1")),
+            _ => Some(more.replace('#', &count.to_string())),
+        };
+        let missing = self.missing.iter().filter_map(|(name, count)| {
+            let said = many(*count, "left out # cell without a value", "left out # cells without a value")?;
+            Some(format!("{said} in `{name}`"))
+        });
+        [
+            many(
+                self.unsorted,
+                "sorted # row that stood behind a later one",
+                "sorted # rows that stood behind a later one",
+            ),
+            many(self.repeated, "left out # row that is there twice", "left out # rows that are there more than once"),
+            many(
+                self.folds,
+                "took # stamp of an hour that was twice in the order of its row",
+                "took # stamps of hours that were twice in the order of their rows",
+            ),
+        ]
+        .into_iter()
+        .flatten()
+        .chain(missing)
+        .chain(many(self.decimal_commas, "read # decimal comma", "read # decimal commas"))
+        .collect()
+    }
+}
+
+/// Where a column stands, its unit, and what has been read of it.
+struct Reading<'a> {
+    wanted: &'a Wanted<'a>,
+    field: usize,
+    unit: Unit,
+    /// When, what, and where its row begins.
+    samples: Vec<(f64, f64, u32)>,
+    missing: u64,
+}
+
+/// How cells that hold no value are written, besides empty ones; in lower case.
+const NOTHING: [&str; 9] = ["nan", "na", "n/a", "null", "none", "-", "--", "#n/a", "missing"];
+
+pub(super) fn table<'w>(
+    file: &str,
+    bytes: &[u8],
+    time: TimeColumn<'_>,
+    wanted: &'w [Wanted<'w>],
+) -> Result<Table, DataError> {
+    let (mut rows, header) = Rows::open(file, bytes)?;
+    let time_field = find(file, &header, Name::Exactly(time.name))?;
+    let time_name = header[time_field].clone();
+    let reading = |wanted: &'w Wanted<'w>| {
+        let field = find(file, &header, wanted.column)?;
+        let unit = unit::of_values(wanted.quantity, &header[field], wanted.unit)
+            .map_err(|(problem, remedy)| DataError::file(file, problem, &remedy))?;
+        Ok(Reading { wanted, field, unit, samples: Vec::new(), missing: 0 })
+    };
+    let mut readings = wanted.iter().map(reading).collect::<Result<Vec<_>, DataError>>()?;
+    let mut decimals = Decimals { commas: 0, points: 0, may_be_commas: rows.separator != b',' };
+    let mut clock = None;
+    let mut count = 0;
+    while rows.next(&header)? {
+        let cell = rows.cell(time_field);
+        let at = |(problem, remedy): (String, String)| {
+            DataError::file(file, problem, &remedy).line(rows.line(rows.from())).cell(&time_name, cell)
+        };
+        if cell.is_empty() {
+            let nothing = (0..header.len()).all(|field| rows.cell(field).is_empty());
+            if nothing {
+                continue;
+            }
+            return Err(at(("has no time".into(), "give the row its time, or remove it".into())));
+        }
+        count += 1;
+        let clock = match &mut clock {
+            Some(clock) => clock,
+            none => none.insert(Clock::new(&time_name, time.zone, cell).map_err(at)?),
+        };
+        let may_be_commas = decimals.may_be_commas;
+        let when = clock.read(cell, |cell| number(cell, may_be_commas)).map_err(at)?;
+        for reading in &mut readings {
+            let cell = rows.cell(reading.field);
+            if is_missing(cell) {
+                reading.missing += 1;
+                continue;
+            }
+            let at = |problem: &str, remedy: &str| {
+                let error = DataError::file(file, problem.into(), remedy).line(rows.line(rows.from()));
+                Err(error.cell(&header[reading.field], cell))
+            };
+            let Some(value) = decimals.number(cell) else {
+                return at("is not a number", "mend the cell, or empty it");
+            };
+            if decimals.commas > 0 && decimals.points > 0 {
+                return at(
+                    "mixes decimal commas with decimal points, and its comma may mean thousands",
+                    "write all numbers with decimal points",
+                );
+            }
+            if !value.is_finite() {
+                return at("is not finite", "mend the cell, or empty it");
+            }
+            if value < reading.unit.least {
+                return at("is below absolute zero", "empty the cell, if it marks a missing value, or mend the unit");
+            }
+            reading.samples.push((when, reading.unit.of(value), rows.from() as u32));
+        }
+    }
+    let Some(clock) = clock else {
+        return Err(DataError::file(file, "it has a header and no rows".into(), "give a file with measurements"));
+    };
+    let mut repairs = Repairs { folds: clock.folds(), decimal_commas: decimals.commas, ..Repairs::default() };
+    for reading in &mut readings {
+        let name = &header[reading.field];
+        let (unsorted, repeated) = in_order(reading, &rows, name, clock.in_seconds())?;
+        repairs.unsorted = repairs.unsorted.max(unsorted);
+        repairs.repeated = repairs.repeated.max(repeated);
+        repairs.missing.push((name.clone(), reading.missing));
+    }
+    let begin = readings.iter().map(|reading| reading.samples[0].0).fold(f64::INFINITY, f64::min);
+    let column = |reading: Reading<'_>| Column {
+        name: header[reading.field].clone(),
+        times: reading.samples.iter().map(|sample| sample.0 - begin).collect(),
+        values: reading.samples.iter().map(|sample| sample.1).collect(),
+    };
+    Ok(Table {
+        start: clock.first().and_then(|first| first.after(begin)),
+        in_seconds: clock.in_seconds(),
+        rows: count,
+        columns: readings.into_iter().map(column).collect(),
+        repairs,
+    })
+}
+
+/// The field of this column, or an error that says which there are.
+fn find(file: &str, header: &[String], name: Name<'_>) -> Result<usize, DataError> {
+    let fields = |is: &dyn Fn(&str) -> bool| -> Vec<usize> {
+        header.iter().enumerate().filter(|(_, column)| is(column)).map(|(field, _)| field).collect()
+    };
+    let (found, what) = match name {
+        Name::Exactly(name) => {
+            let found = fields(&|column| column == name);
+            let alike = || fields(&|column| column.eq_ignore_ascii_case(name));
+            (if found.is_empty() { alike() } else { found }, format!("is called `{name}`"))
+        }
+        Name::Beginning(start) => (
+            fields(&|column| column.to_lowercase().starts_with(start)),
+            format!("has a name that begins with `{start}`"),
+        ),
+    };
+    match found[..] {
+        [field] => Ok(field),
+        [] => {
+            let (Name::Exactly(text) | Name::Beginning(text)) = name;
+            let alike = |column: &&String| strsim::jaro_winkler(text, column);
+            let nearest =
+                header.iter().filter(|column| alike(column) > 0.8).max_by(|a, b| alike(a).total_cmp(&alike(b)));
+            let hint = nearest.map_or(String::new(), |column| format!("; did you mean `{column}`?"));
+            let problem = format!("no column {what}{hint}");
+            let one = if header.len() == 1 { "; columns are separated by commas, semicolons or tabs" } else { "" };
+            Err(DataError::file(file, problem, &format!("name one of its columns: {}{one}", listed(header))))
+        }
+        _ => {
+            let problem = format!("{} columns are meant, because each {what}", found.len());
+            Err(DataError::file(
+                file,
+                problem,
+                &format!("give each column of the file a name of its own: {}", listed(header)),
+            ))
+        }
+    }
+}
+
+fn is_missing(cell: &[u8]) -> bool {
+    // Most cells begin with a digit or a sign before one.
+    cell.is_empty()
+        || (!cell[cell.len() - 1].is_ascii_digit()
+            && NOTHING.iter().any(|nothing| cell.eq_ignore_ascii_case(nothing.as_bytes())))
+}
+
+/// How the file writes decimals.
+struct Decimals {
+    may_be_commas: bool,
+    commas: u64,
+    points: u64,
+}
+
+impl Decimals {
+    fn number(&mut self, cell: &[u8]) -> Option<f64> {
+        if self.may_be_commas {
+            self.commas += u64::from(cell.contains(&b','));
+            self.points += u64::from(cell.contains(&b'.'));
+        }
+        number(cell, self.may_be_commas)
+    }
+}
+
+fn number(cell: &[u8], may_be_commas: bool) -> Option<f64> {
+    let text = std::str::from_utf8(cell).ok()?;
+    if may_be_commas && text.contains(',') { text.replacen(',', ".", 1).parse().ok() } else { text.parse().ok() }
+}
+
+/// Sorts what was read, leaves out what is there twice, and looks for gaps; how many rows were out of order, and how many repeated.
+fn in_order(reading: &mut Reading<'_>, rows: &Rows<'_>, name: &str, in_seconds: bool) -> Result<(u64, u64), DataError> {
+    let lasting = |time: f64| match in_seconds {
+        true if time >= 7200.0 => format!("{} h", short(time / 3600.0)),
+        true if time >= 120.0 => format!("{} min", short(time / 60.0)),
+        true => format!("{} s", short(time)),
+        false => short(time),
+    };
+    let error = |problem: String, remedy: &str| DataError::file(rows.file, problem, remedy);
+    let line = |from: u32| rows.line(from as usize);
+    let samples = &mut reading.samples;
+    let mut latest = f64::NEG_INFINITY;
+    let mut unsorted = 0;
+    for (time, ..) in samples.iter() {
+        unsorted += u64::from(*time < latest);
+        latest = latest.max(*time);
+    }
+    // Stable, so that equal times stay in the order of their rows.
+    samples.sort_by(|a, b| a.0.total_cmp(&b.0));
+    if let Some(pair) = samples.windows(2).find(|pair| pair[0].0 == pair[1].0 && pair[0].1 != pair[1].1) {
+        let problem = format!(
+            "line {} gives another value of `{name}` at the same time as line {}",
+            line(pair[1].2),
+            line(pair[0].2)
+        );
+        let remedy =
+            "remove one of the two rows; if the clock was put back, say its `zone`, or write stamps with offsets";
+        return Err(error(problem, remedy).line(line(pair[1].2)));
+    }
+    let all = samples.len();
+    samples.dedup_by(|later, before| later.0 == before.0);
+    let repeated = (all - samples.len()) as u64;
+    if samples.len() < 2 {
+        let problem =
+            format!("column `{name}` has {} value{}", samples.len(), if samples.len() == 1 { "" } else { "s" });
+        return Err(error(problem, "give a column with two values or more, at different times"));
+    }
+    let longest = reading.wanted.max_gap.unwrap_or(f64::INFINITY);
+    if let Some(pair) = samples.windows(2).find(|pair| pair[1].0 - pair[0].0 > longest) {
+        let gap = pair[1].0 - pair[0].0;
+        let problem = format!(
+            "no value of `{name}` for {}, since line {}, where at most {} are allowed",
+            lasting(gap),
+            line(pair[0].2),
+            lasting(longest)
+        );
+        let remedy = "fill the gap, cut the file there, or raise `max_gap` if a straight line across it will do";
+        return Err(error(problem, remedy).line(line(pair[1].2)));
+    }
+    Ok((unsorted, repeated))
+}

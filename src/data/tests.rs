@@ -1,0 +1,273 @@
+use super::*;
+use proptest::prelude::*;
+
+const TIME: TimeColumn<'_> = TimeColumn { name: "time", zone: None };
+
+fn temperature(column: &str) -> Wanted<'_> {
+    Wanted { column: Name::Exactly(column), quantity: Quantity::Temperature, unit: None, max_gap: None }
+}
+
+fn displacement(column: &str) -> Wanted<'_> {
+    Wanted { quantity: Quantity::Displacement, ..temperature(column) }
+}
+
+/// The column `T` of a text.
+fn read_t(text: &str) -> Result<Table, DataError> {
+    parse("t.csv", text.as_bytes(), TIME, &[temperature("T")])
+}
+
+fn in_zone(zone: &'static str, text: &str) -> Result<Table, DataError> {
+    parse("t.csv", text.as_bytes(), TimeColumn { zone: Some(zone), ..TIME }, &[temperature("T")])
+}
+
+/// Times and values of the only column.
+fn samples(table: &Table) -> Vec<(f64, f64)> {
+    let column = &table.columns[0];
+    column.times.iter().copied().zip(column.values.iter().copied()).collect()
+}
+
+#[test]
+fn stamps_become_seconds_from_the_first() {
+    let table =
+        read_t("time,T\n2015-08-13T00:00:00Z,15.5\n2015-08-13 00:10:00.5+00:00,14\n2015-08-13T03:00+02:00,-1e0\n");
+    let table = table.unwrap();
+    assert_eq!(samples(&table), [(0.0, 15.5), (600.5, 14.0), (3600.0, -1.0)]);
+    assert_eq!(table.start.map(|start| start.to_string()).as_deref(), Some("2015-08-13T00:00:00Z"));
+    assert_eq!(table.start.and_then(|start| start.after(90.0)), Start::parse("2015-08-13T00:01:30Z"));
+    assert_eq!((table.rows, table.in_seconds, table.repairs.sentences().len()), (3, true, 0));
+    // Without a zone, in that of the scenario; a day alone is its midnight.
+    let table = in_zone("+01:00", "time,T\n2015-08-13 01:00,1\n2015-08-14,2\n").unwrap();
+    assert_eq!(samples(&table), [(0.0, 1.0), (82_800.0, 2.0)]);
+    assert_eq!(table.start, Start::parse("2015-08-13T00:00:00Z"));
+}
+
+#[test]
+fn numbers_become_seconds_by_the_unit_in_the_name() {
+    for (name, unit) in
+        [("time_s", 1.0), ("time_min", 60.0), ("time [h]", 3600.0), ("t_days", 86_400.0), ("t (ms)", 1e-3)]
+    {
+        let text = format!("{name},T\n10,1\n12.5,2\n");
+        let table = parse("t.csv", text.as_bytes(), TimeColumn { name, zone: None }, &[temperature("T")]).unwrap();
+        assert_eq!(samples(&table), [(0.0, 1.0), (2.5 * unit, 2.0)], "{name}");
+        assert!(table.in_seconds && table.start.is_none());
+    }
+    assert!(!read_t("time,T\n0,1\n1,2\n").unwrap().in_seconds);
+}
+
+#[test]
+fn units_stand_in_the_names_of_columns() {
+    let text = b"time,a_degC,b_K,c [degF],d_mm,e (um),f_m,north\n0,1,273.5,50,2.5,30,-0.01,7\n1,2,274,212,5,1,0.5,8\n";
+    let wanted = ["a_degC", "b_K", "c [degF]", "north"].map(temperature);
+    let wanted: Vec<Wanted<'_>> = wanted.into_iter().chain(["d_mm", "e (um)", "f_m"].map(displacement)).collect();
+    let table = parse("t.csv", text, TIME, &wanted).unwrap();
+    let first: Vec<f64> = table.columns.iter().map(|column| column.values[0]).collect();
+    assert_eq!(first, [1.0, 273.5, 10.0, 7.0, 0.0025, 30e-6, -0.01]);
+    assert_eq!(table.columns[2].values[1], 100.0);
+    let given = Wanted { unit: Some("cm"), ..displacement("north") };
+    assert_eq!(parse("t.csv", text, TIME, &[given]).unwrap().columns[0].values, [0.07, 0.08]);
+    let says = |wanted: Wanted<'_>| parse("t.csv", text, TIME, &[wanted]).unwrap_err().to_string();
+    assert!(says(displacement("north")).contains("says no unit") && says(displacement("north")).contains("north_mm"));
+    assert!(says(displacement("b_K")).contains("says no unit"));
+    assert!(says(displacement("c [degF]")).contains("a unit that is not known, `degF`"));
+    assert!(says(Wanted { unit: Some("inch"), ..given }).contains("no unit is called `inch`"));
+}
+
+/// A cell without a displacement leaves the temperature of its row where it is, and the other way round.
+#[test]
+fn columns_of_one_pass_share_their_time_and_nothing_else() {
+    let text = b"time_h,temperature_degC,displacement_mm\n0,,1\n1,5,\n2,6,NaN\n3,7,4\n";
+    let begins = Wanted { column: Name::Beginning("displacement"), ..displacement("") };
+    let time = TimeColumn { name: "time_h", zone: None };
+    let table = parse("t.csv", text, time, &[temperature("temperature_degC"), begins]).unwrap();
+    assert_eq!(
+        (&table.columns[0].times[..], &table.columns[0].values[..]),
+        (&[3600.0, 7200.0, 10_800.0][..], &[5.0, 6.0, 7.0][..])
+    );
+    assert_eq!((&table.columns[1].times[..], &table.columns[1].values[..]), (&[0.0, 10_800.0][..], &[1e-3, 4e-3][..]));
+    assert_eq!(table.columns[1].name, "displacement_mm");
+    let sentences = table.repairs.sentences();
+    assert_eq!(sentences[0], "left out 1 cell without a value in `temperature_degC`");
+    assert_eq!(sentences[1], "left out 2 cells without a value in `displacement_mm`");
+    // Where the temperature alone is asked for, its own first value is time 0.
+    assert_eq!(parse("t.csv", text, time, &[temperature("temperature_degC")]).unwrap().columns[0].times[0], 0.0);
+}
+
+#[test]
+fn rows_are_sorted_and_taken_once_and_that_is_counted() {
+    let table = read_t("time,T\n5,1\n3,2\n9,3\n3,2\n4,\n9,3\n7,NA\n").unwrap();
+    assert_eq!(samples(&table), [(0.0, 2.0), (2.0, 1.0), (6.0, 3.0)]);
+    let said = ["sorted 2 rows that stood behind a later one", "left out 2 rows that are there more than once"];
+    assert_eq!(table.repairs.sentences()[..2], said);
+    assert_eq!(table.repairs.missing, [("T".to_string(), 2)]);
+    let text = "time,T\n5,1\n3,2\n5,1.5\n";
+    let error = read_t(text).unwrap_err();
+    assert_eq!(error.line, Some(4));
+    assert!(error.problem.contains("at the same time as line 2"), "{error}");
+}
+
+#[test]
+fn files_of_any_system_are_read() {
+    let plain = samples(&read_t("time,T\n0,1.5\n1,-2\n").unwrap());
+    for text in [
+        "\u{feff}time,T\r\n0,1.5\r\n1,-2\r\n",
+        "time\tT\n0\t1,5\n1\t-2",
+        "# a logger's name\n\n\"time\";\"T\"\n# more\n0;1,5\n\n1 ; -2\n",
+        "note,time,T\n\"a, \"\"b\"\"\nc\",0,\"1.5\"\nd,1,-2\n",
+        "time,T,\n0,1.5,\n,,\n1,-2,\n",
+        "time,T\n0,1.5,\n1,-2,,\n",
+        "Time,t\n0,1.5\n1,-2\n",
+    ] {
+        assert_eq!(read_t(text).map(|table| samples(&table)), Ok(plain.clone()), "{text:?}");
+    }
+    assert_eq!(read_t("time;T\n0,5;1,5\n1,5;-2\n").unwrap().repairs.decimal_commas, 1);
+}
+
+/// Europe/Paris: 2015-03-29 skips 02:00 to 03:00, and 2015-10-25 has 02:00 to 03:00 twice.
+#[test]
+fn an_hour_that_was_twice_is_told_by_the_order_of_the_rows() {
+    let night = "time,T\n2015-10-25 01:30,1\n2015-10-25 02:00,2\n2015-10-25 02:30,3\n2015-10-25 02:00,4\n2015-10-25 02:30,5\n\
+                 2015-10-25 03:00,6\n";
+    let table = in_zone("Europe/Paris", night).unwrap();
+    let half_hours: Vec<f64> = samples(&table).iter().map(|sample| sample.0 / 1800.0).collect();
+    assert_eq!(half_hours, [0.0, 1.0, 2.0, 3.0, 4.0, 5.0]);
+    assert_eq!(table.repairs.folds, 4);
+    // In another zone these are two rows of one time, with two values.
+    assert!(in_zone("UTC", night).unwrap_err().problem.contains("another value of `T`"));
+    let backwards = "time,T\n2015-10-25 03:00,1\n2015-10-25 02:30,2\n";
+    let error = in_zone("Europe/Paris", backwards).unwrap_err();
+    assert!(error.problem.contains("was twice") && error.line == Some(3), "{error}");
+    let error = in_zone("Europe/Paris", "time,T\n2015-03-29 01:30,1\n2015-03-29 02:30,2\n").unwrap_err();
+    assert!(error.problem.contains("never was") && error.remedy.contains("+01:00"), "{error}");
+    assert_eq!(error.value.as_deref(), Some("2015-03-29 02:30"));
+    let spring = in_zone("Europe/Paris", "time,T\n2015-03-29 01:30,1\n2015-03-29 03:30,2\n").unwrap();
+    assert_eq!(spring.columns[0].times, [0.0, 3600.0]);
+}
+
+#[test]
+fn a_gap_is_allowed_up_to_the_longest_one() {
+    let text = b"time_h,T\n0,1\n6,2\n\n12.5,3\n13,4\n";
+    let time = TimeColumn { name: "time_h", zone: None };
+    let with = |max_gap| parse("t.csv", text, time, &[Wanted { max_gap, ..temperature("T") }]);
+    assert!(with(None).is_ok() && with(Some(6.5 * 3600.0)).is_ok());
+    let error = with(Some(6.0 * 3600.0)).unwrap_err();
+    assert_eq!(error.line, Some(5));
+    assert!(error.problem.contains("for 6.5 h, since line 3, where at most 6 h"), "{error}");
+}
+
+/// Each fault of a file has its line, its value and its remedy.
+#[test]
+fn what_could_be_meant_in_two_ways_is_an_error() {
+    for (text, line, says, remedy) in [
+        ("", None, "it is empty", "first line names"),
+        ("time,T\n", None, "no rows", "measurements"),
+        ("0,1\n1,2\n", Some(1), "holds numbers", "time_s,temperature_degC"),
+        ("time,t1,t2\n0,1,2\n", None, "no column is called `T`", "`time`, `t1`, `t2`"),
+        ("time,Temp\n0,1\n", None, "no column is called `T`", "`time`, `Temp`"),
+        ("tiem,T\n0,1\n", None, "did you mean `tiem`?", "`tiem`, `T`"),
+        ("time,T,T\n0,1,2\n", None, "2 columns are meant", "a name of its own"),
+        ("time|T\n0|1\n", None, "no column is called `time`", "commas, semicolons or tabs"),
+        ("time,T\n0,15,5\n1,14,5\n", Some(2), "3 cells where the header names 2 columns", "semicolons"),
+        ("time,T\n0,1\n1\n", Some(3), "1 cell where", "mend the row"),
+        ("time;T\n0;1.5\n1;1,500\n", Some(3), "mixes decimal commas", "decimal points"),
+        ("time;T\n0;1.234,5\n", Some(2), "is not a number", "empty it"),
+        ("time,T\n0,1\n1,\"2\n", Some(3), "", ""),
+        ("time,T\n0,1\n1,warm\n", Some(3), "`T` = \"warm\" is not a number", "empty it"),
+        ("time,T\n0,1\n1,inf\n", Some(3), "is not finite", "empty it"),
+        ("time,T\n0,1\n,2\n", Some(3), "has no time", "remove it"),
+        ("time,T\n0,1\n2015-01-01,2\n", Some(3), "is not a number, as the times before it", "mend"),
+        ("time,T\n0,1\ninf,2\n", Some(3), "is not a number", "mend"),
+        ("time,T\n2015-01-01 00:00,1\n", Some(2), "without a zone", "zone = \"UTC\""),
+        ("time,T\n13/08/2015 00:10,1\n", Some(2), "no time that can be read", "year first"),
+        ("time,T\n2015-02-30T00:00:00Z,1\n", Some(2), "no time that can be read", "year first"),
+        ("time,T\n0,1\n", None, "column `T` has 1 value", "two values"),
+        ("time,T\n0,\n1,\n", None, "column `T` has 0 values", "two values"),
+    ] {
+        let Err(error) = read_t(text) else {
+            assert!(says.is_empty() || text.contains("\"2"), "{text:?} was read");
+            continue;
+        };
+        assert_eq!(error.line, line, "{text:?}: {error}");
+        assert!(error.to_string().contains(says) && error.remedy.contains(remedy), "{text:?}: {error}");
+        assert!(error.to_string().starts_with("t.csv") && error.to_string().contains("\n  fix: "));
+    }
+    let cold = parse("t.csv", b"time,T_degC\n0,1\n1,-9999\n", TIME, &[temperature("T_degC")]).unwrap_err();
+    assert!(cold.problem.contains("absolute zero") && cold.line == Some(3), "{cold}");
+    let zone = in_zone("Europe/Pariss", "time,T\n2015-01-01 00:00,1\n").unwrap_err();
+    assert!(zone.problem.contains("no time zone is called \"Europe/Pariss\""), "{zone}");
+    for (bytes, says) in [
+        (&b"\xff\xfet\0i\0"[..], "UTF-16"),
+        (b"t\0i\0m\0", "UTF-16"),
+        (b"PK\x03\x04x", "zip archive"),
+        (b"\x89HDF\r\n\x1a\nx", "HDF5"),
+        (b"time,T\n0,\xff\n", "is not a number"),
+    ] {
+        let error = parse("t.csv", bytes, TIME, &[temperature("T")]).unwrap_err();
+        assert!(error.problem.contains(says), "{error}");
+    }
+    let error = read(Path::new("/nowhere/t.csv"), TIME, &[]).unwrap_err();
+    assert!(error.to_string().starts_with("/nowhere/t.csv: cannot be read"), "{error}");
+    assert!(read(Path::new("/"), TIME, &[]).unwrap_err().problem.contains("directory"));
+}
+
+/// What is printed of a file never takes a line of its own, nor reaches a terminal as a command.
+#[test]
+fn a_hostile_cell_is_cut_and_defused() {
+    let text = format!("time,T\n0,\u{1b}[2J{}\n", "x".repeat(1000));
+    let message = read_t(&text).unwrap_err().to_string();
+    assert!(!message.contains('\u{1b}') && message.len() < 200, "{message}");
+}
+
+proptest! {
+    /// Whatever the order, the separator, the ends of lines and the quotes: the values come back to the bit.
+    #[test]
+    fn what_is_written_is_read(
+        values in proptest::collection::vec((0..1_000_000u32, proptest::option::of(-1e3..1e3f64)), 2..40),
+        (separator, end, quote) in (prop_oneof![Just(","), Just(";"), Just("\t")], prop_oneof![Just("\n"), Just("\r\n")], any::<bool>()),
+    ) {
+        let mut expected: Vec<(u32, f64)> = values.iter().filter_map(|(time, value)| value.map(|value| (*time, value))).collect();
+        expected.sort_by_key(|sample| sample.0);
+        let twice = expected.windows(2).any(|pair| pair[0].0 == pair[1].0 && pair[0].1 != pair[1].1);
+        expected.dedup();
+        let q = if quote { "\"" } else { "" };
+        let mut text = format!("time_s{separator}{q}T{q}{end}");
+        for (time, value) in &values {
+            let value = value.map_or(String::new(), |value| format!("{value:?}"));
+            text += &format!("{time}{separator}{q}{value}{q}{end}");
+        }
+        let time = TimeColumn { name: "time_s", zone: None };
+        let read = parse("t.csv", text.as_bytes(), time, &[temperature("T")]);
+        if twice || expected.len() < 2 {
+            prop_assert!(read.is_err());
+        } else {
+            let first = expected[0].0;
+            let expected: Vec<(f64, f64)> = expected.iter().map(|(t, v)| (f64::from(t - first), *v)).collect();
+            prop_assert_eq!(samples(&read.unwrap()), expected);
+        }
+    }
+
+    /// A stamp in any zone is the instant that it names.
+    #[test]
+    fn offsets_are_taken_off(seconds in proptest::collection::btree_set(0..100_000_000i64, 2..20), hours in -12..=14i64) {
+        let mut text = String::from("time,T\n");
+        for second in &seconds {
+            // Unix time 1.4e9 is in 2014; the local clock is ahead by the offset.
+            let local = Start::parse("2014-05-13T16:53:20Z").unwrap().after((second + 3600 * hours) as f64).unwrap().to_string();
+            text += &format!("{}{}{:02}:00,{second}\n", local.trim_end_matches('Z'), if hours < 0 { '-' } else { '+' }, hours.abs());
+        }
+        let table = read_t(&text).unwrap();
+        let first = *seconds.first().unwrap() as f64;
+        for (time, value) in samples(&table) {
+            prop_assert_eq!(time, value - first);
+        }
+    }
+
+    /// No bytes make the reader panic.
+    #[test]
+    fn no_bytes_make_the_reader_panic(bytes in proptest::collection::vec(any::<u8>(), 0..200), text in "[time,T;0-9.\"\n\r#-]{0,80}") {
+        for bytes in [&bytes[..], text.as_bytes(), &[b"time,T\n", &bytes[..]].concat(), format!("time;T\n{text}").as_bytes()] {
+            if let Err(error) = parse("t.csv", bytes, TIME, &[temperature("T")]) {
+                prop_assert!(error.to_string().contains("fix: "));
+            }
+        }
+    }
+}
