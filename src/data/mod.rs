@@ -6,6 +6,7 @@
 //! clock     a cell of the time column -> seconds: stamps, zones, numbers
 //! table     the rows in order of time, checked and repaired: a Table
 //! span      "6h" as seconds
+//! query     which columns are asked for, and how they are to be read
 //! error     what is wrong with a file, and where
 //! ```
 //!
@@ -14,6 +15,7 @@
 
 mod clock;
 mod error;
+mod query;
 mod rows;
 mod span;
 mod table;
@@ -23,6 +25,7 @@ mod unit;
 
 pub use clock::Start;
 pub use error::DataError;
+pub use query::{Name, TimeColumn, Wanted};
 pub use span::seconds;
 pub use table::{Column, Repairs, Table};
 pub use unit::Quantity;
@@ -32,37 +35,6 @@ use std::path::Path;
 
 /// Largest file, in bytes: twenty times 10^6 rows of a usual one.
 const MAX_FILE: u64 = 1 << 30;
-
-/// The column that says when.
-#[derive(Clone, Copy, Debug)]
-pub struct TimeColumn<'a> {
-    /// Its name in the header.
-    pub name: &'a str,
-    /// The zone of stamps that name none: an IANA name, or an offset such as `+01:00`.
-    pub zone: Option<&'a str>,
-}
-
-/// A column of values.
-#[derive(Clone, Copy, Debug)]
-pub struct Wanted<'a> {
-    /// Which.
-    pub column: Name<'a>,
-    /// What it measures, which says what units there are.
-    pub quantity: Quantity,
-    /// Its unit, if it is not the one in its name.
-    pub unit: Option<&'a str>,
-    /// The longest time between two values, in the unit of the times; none for any.
-    pub max_gap: Option<f64>,
-}
-
-/// How a column is found in the header.
-#[derive(Clone, Copy, Debug)]
-pub enum Name<'a> {
-    /// By this name.
-    Exactly(&'a str),
-    /// By how its name begins, as no other does.
-    Beginning(&'a str),
-}
 
 /// Columns of a CSV file, in one pass.
 pub fn read(path: &Path, time: TimeColumn<'_>, wanted: &[Wanted<'_>]) -> Result<Table, DataError> {

@@ -1,7 +1,6 @@
 //! A CSV file as rows of cells: which separator it has, its header, and where each row stands.
 
-use super::DataError;
-use super::error::quoted;
+use super::error::{DataError, quoted};
 use csv_core::{ReadRecordResult, Reader, ReaderBuilder};
 
 /// The rows of a file, one at a time.

@@ -1,9 +1,10 @@
 //! The rows of a file in order of time, checked and repaired.
 
 use super::clock::{Clock, Start};
+use super::error::DataError;
+use super::query::{Name, TimeColumn, Wanted};
 use super::rows::{Rows, listed};
 use super::unit::{self, Unit};
-use super::{DataError, Name, TimeColumn, Wanted};
 use crate::numbers::short;
 
 /// What a file says in the columns that were asked for.
