@@ -145,7 +145,8 @@ fn writing(c: &mut Criterion) {
     let mut group = group(c, "writing", 10_000 * 60_000);
     group.bench_function("10000 paths", |b| {
         b.iter(|| {
-            let mut writer = Writer::create(&target, &Provenance::of(&scenario), &scenario.record).expect("writable");
+            let mut writer =
+                Writer::create(&target, &Provenance::of(&scenario), &scenario.record, false).expect("writable");
             blocks.iter().for_each(|block| writer.append(block).expect("room"));
             writer.finish(&summary, Status::Complete).expect("room");
         })

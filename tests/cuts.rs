@@ -5,7 +5,7 @@ use std::sync::OnceLock;
 use std::sync::atomic::AtomicBool;
 use stick_slip::config::Override;
 use stick_slip::engine::Run;
-use stick_slip::ensemble::{BLOCK_SIZE, Plan};
+use stick_slip::ensemble::{BLOCK_SIZE, Plan, Stops};
 use stick_slip::model::{Event, EventKind};
 use stick_slip::scenario::Scenario;
 use stick_slip::scheme::DiscreteVi;
@@ -198,7 +198,9 @@ fn a_tally_is_folded_in_parallel_to_the_same_bits_and_sees_what_the_program_sees
         joined.push_with(block.index, block.result.totals, block.beside)?;
         Ok::<_, stick_slip::stats::Overlap>(std::ops::ControlFlow::Continue(()))
     };
-    plan().run_beside(&Tallied(&Slips), 2, &AtomicBool::new(false), deliver).expect("each block once");
+    let never = AtomicBool::new(false);
+    let stops = Stops { stop: &never, halt: &never };
+    plan().run_beside(&Tallied(&Slips), 0..BLOCKS, 2, stops, deliver).expect("each block once");
     assert_eq!(Slips.estimate(&joined.own()), one);
 }
 

@@ -140,7 +140,8 @@ fn the_first_error_of_a_sink_ends_the_run() {
     let scenario = scenario(50 * BLOCK_SIZE, &[]);
     let (mut before, mut full) = (Memory::default(), Full(0));
     let error = Run::of(&scenario).threads(2).into_sink(&mut before).into_sink(&mut full).simulate().unwrap_err();
-    let RunError::Sink(error) = error else { panic!("{error}") };
+    let RunError::Sink { error, outcome } = error else { panic!("{error}") };
+    assert!(outcome.expect("it had begun").summary.completed_paths > 0);
     assert!(error.downcast_ref::<NoRoom>().is_some());
     assert_eq!((before.blocks.len(), full.0), (3, 3));
 }

@@ -70,7 +70,7 @@ fn what_small_disks_make_of_a_run() {
     let target = folder.path().join("run.h5");
     fill(&target).unwrap();
     let needed = fs::metadata(&target).unwrap().len();
-    // Disks that fill up in `create`, in `append`, at a checkpoint, and, short of a few pages only, in `finish`.
+    // Disks that fill up in `create`, in `append`, and, short of a few pages only, in `finish`.
     let small = (1..8).map(|step| step * 16_384);
     let large = (1..8).map(|step| step * needed / 8);
     let almost = (1..16).map(|step| needed - step * 4096);
@@ -104,7 +104,7 @@ fn what_small_disks_make_of_a_run() {
 /// a full disk, and any user can have it fail.
 #[test]
 fn a_write_that_fails_is_one_clear_error_and_no_crash() {
-    // In blocks of 512 or 1024 bytes, as the shell has it: in `create`, in `append`, at a checkpoint.
+    // In blocks of 512 or 1024 bytes, as the shell has it: in `create`, in `append`.
     for blocks in [4, 16, 64, 256, 1024] {
         let folder = tempfile::tempdir().unwrap();
         let output = Command::new("sh")
@@ -153,14 +153,11 @@ fn what_a_limited_process_writes() {
 /// Write a run of about 2 MB.
 fn fill(target: &Path) -> Result<(), StoreError> {
     let header = header(40_000);
-    let mut writer = Writer::create(target, &header, &EVERYTHING)?;
+    let mut writer = Writer::create(target, &header, &EVERYTHING, false)?;
     for first in (0..40_000).step_by(4_000) {
-        let outcome = writer
-            .append_rows(block(first, 4_000, 61, 40).rows(&EVERYTHING))
-            .and_then(|()| if first > 20_000 { writer.checkpoint() } else { Ok(()) });
-        if let Err(error) = outcome {
+        if let Err(error) = writer.append_rows(block(first, 4_000, 61, 40).rows(&EVERYTHING)) {
             // Whoever goes on regardless hears the same again.
-            assert!(writer.checkpoint().is_err());
+            assert!(writer.append_rows(block(first, 4_000, 61, 40).rows(&EVERYTHING)).is_err());
             assert!(writer.finish(&summary(first, &header), Status::Interrupted).is_err());
             return Err(error);
         }

@@ -6,7 +6,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use stick_slip::engine::Status;
 use stick_slip::stats::{Ends, Estimate, Histogram, PeriodMoments, Record, Statistic, Summary};
-use stick_slip::store::{StoreError, Writer, check_space, discard_partial, partial_path, read};
+use stick_slip::store::{StoreError, Writer, check_space, partial_path, read};
 use synthetic::{Block, EVERYTHING, NOTHING, block, header, summary, write};
 
 /// NaN is not equal to itself, but it prints the same; and `{:?}` of a number is exact.
@@ -67,7 +67,7 @@ fn a_summary_of_nothing_comes_back() {
     summary.stick_durations.censored_count_ends = Ends::default();
     summary.stick_durations.survival = Vec::new();
     summary.stick_durations.survival_ends = Ends::default();
-    let writer = Writer::create(&target, &header, &EVERYTHING).unwrap();
+    let writer = Writer::create(&target, &header, &EVERYTHING, false).unwrap();
     writer.finish(&summary, Status::Interrupted).unwrap();
     let stored = read(&target).unwrap();
     assert_eq!(stored.header, header);
@@ -114,33 +114,47 @@ fn an_interrupted_run_says_how_far_it_came() {
     assert_eq!(reals(&target, "path_stick_time").len(), 300);
 }
 
+/// Two at a time cannot make one file, and whoever gives up leaves nothing behind.
 #[test]
-fn the_partial_file_claims_what_it_holds() {
+fn a_file_is_made_by_one_at_a_time_and_given_up_without_a_trace() {
     let folder = tempfile::tempdir().unwrap();
     let target = folder.path().join("run.h5");
-    let mut writer = Writer::create(&target, &header(1000), &EVERYTHING).unwrap();
+    let mut writer = Writer::create(&target, &header(1000), &EVERYTHING, false).unwrap();
     writer.append_rows(block(0, 100, 61, 40).rows(&EVERYTHING)).unwrap();
-    writer.checkpoint().unwrap();
-    writer.append_rows(block(100, 100, 61, 40).rows(&EVERYTHING)).unwrap();
-    // What a killed process leaves behind is what is on disk now.
-    let killed = folder.path().join("killed.h5.partial");
-    fs::copy(partial_path(&target), &killed).unwrap();
-    assert!(!target.exists());
-    let error = read(&killed).unwrap_err();
-    assert!(matches!(error, StoreError::Unfinished { completed_paths: 100, paths: 1000, .. }), "{error}");
-    assert_eq!(reals(&killed, "path_stick_time").len(), 100);
-    // A second run to the same target is refused while the first one is going ...
-    let error = Writer::create(&target, &header(1000), &NOTHING).unwrap_err();
-    assert!(matches!(error, StoreError::InUse { .. }), "{error}");
-    assert!(matches!(discard_partial(&target), Err(StoreError::InUse { .. })));
-    // ... and when it has died, until its file is discarded.
+    assert!(partial_path(&target).is_dir() && !target.exists());
+    for force in [false, true] {
+        let error = Writer::create(&target, &header(1000), &NOTHING, force).unwrap_err();
+        assert!(matches!(error, StoreError::Busy { .. }), "{error}");
+    }
     drop(writer);
-    let error = Writer::create(&target, &header(1000), &NOTHING).unwrap_err();
-    assert!(matches!(error, StoreError::LeftOver { .. }), "{error}");
-    assert!(read(&target).unwrap_err().to_string().contains("run.h5.partial exists"));
-    assert!(discard_partial(&target).unwrap());
-    assert!(!discard_partial(&target).unwrap());
-    Writer::create(&target, &header(1000), &NOTHING).unwrap();
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
+    Writer::create(&target, &header(1000), &NOTHING, false).unwrap();
+}
+
+/// Whatever has the name of the folder and is not ours stays, and so does a file that has the name of the target by the end.
+#[test]
+fn nothing_of_others_is_replaced() {
+    let folder = tempfile::tempdir().unwrap();
+    let target = folder.path().join("run.h5");
+    let create = |force| Writer::create(&target, &header(1000), &NOTHING, force);
+    std::os::unix::fs::symlink("elsewhere", partial_path(&target)).unwrap();
+    for force in [false, true] {
+        assert!(matches!(create(force).unwrap_err(), StoreError::InTheWay { .. }));
+    }
+    fs::remove_file(partial_path(&target)).unwrap();
+    fs::create_dir(partial_path(&target)).unwrap();
+    fs::write(partial_path(&target).join("thesis.tex"), "by hand").unwrap();
+    for force in [false, true] {
+        assert!(matches!(create(force).unwrap_err(), StoreError::Remove { .. }));
+    }
+    fs::remove_dir_all(partial_path(&target)).unwrap();
+    let writer = create(false).unwrap();
+    fs::write(&target, "by hand").unwrap();
+    let error = writer.finish(&summary(1000, &header(1000)), Status::Complete).unwrap_err();
+    assert!(matches!(error, StoreError::Appeared { .. }), "{error}");
+    assert_eq!(fs::read(&target).unwrap(), b"by hand");
+    create(true).unwrap().finish(&summary(1000, &header(1000)), Status::Complete).unwrap();
+    assert_eq!(read(&target).unwrap().completed_paths, 1000);
 }
 
 #[test]
@@ -187,10 +201,10 @@ fn a_truncated_file_is_an_error_at_every_length() {
 #[test]
 fn a_missing_folder_and_one_that_cannot_be_written_are_named() {
     let folder = tempfile::tempdir().unwrap();
-    let error = Writer::create(&folder.path().join("no/run.h5"), &header(1), &NOTHING).unwrap_err();
+    let error = Writer::create(&folder.path().join("no/run.h5"), &header(1), &NOTHING, false).unwrap_err();
     assert!(matches!(error, StoreError::NoFolder { .. }) && error.to_string().contains("run.h5"), "{error}");
     // Not even the superuser may make files here.
-    let error = Writer::create(Path::new("/proc/self/run.h5"), &header(1), &NOTHING).unwrap_err();
+    let error = Writer::create(Path::new("/proc/self/run.h5"), &header(1), &NOTHING, false).unwrap_err();
     assert!(matches!(error, StoreError::NotCreated { .. }) && error.to_string().contains("run.h5"), "{error}");
     let error = check_space(&folder.path().join("no"), 1).unwrap_err();
     assert!(matches!(error, StoreError::Space { .. }), "{error}");
@@ -215,7 +229,7 @@ fn speed_of_writing() {
         let header = header(paths);
         let blocks: Vec<Block> = (0..256).map(|index| block(256 * index, 256, 0, 0)).collect();
         let target = folder.path().join(name);
-        let mut writer = Writer::create(&target, &header, &record).unwrap();
+        let mut writer = Writer::create(&target, &header, &record, false).unwrap();
         let start = std::time::Instant::now();
         let mut bytes = 0;
         for index in 0..paths / 256 {

@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use stick_slip::scenario::Scenario;
 use stick_slip::stats::Statistic;
 use stick_slip::study::accuracy::{
-    Accuracy, AccuracyError, Alternative, Decision, FEWEST_PATHS, LONGEST, PILOT, TARGETS,
+    Accuracy, AccuracyError, Alternative, Decision, FEWEST_PATHS, LONGEST, PILOT, Promise, TARGETS,
 };
 use stick_slip::study::trade::{Choice, Limits, Standing, Trade, TradeError};
 
@@ -136,9 +136,9 @@ impl Chooser<'_> {
 }
 
 /// What is left of what was chosen for, where only so many paths are done and that is not enough.
-pub fn missed(decision: &Decision, completed: u64) -> Option<String> {
-    let Decision { target, choice: Choice { paths, decisive, .. }, .. } = decision;
-    decision.error_after(completed).map(|error| {
+pub fn missed(promise: &Promise, completed: u64) -> Option<String> {
+    let Promise { target, paths, decisive, .. } = promise;
+    promise.error_after(completed).map(|error| {
         format!(
             "the relative error of {} is not reached: {} of {} paths make about {} of {}",
             percent(*target),

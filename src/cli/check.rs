@@ -1,6 +1,6 @@
 //! `mc check`: a scenario in full, what follows from it, and what to beware of.
 
-use super::failure::{Failure, print};
+use super::failure::{Failure, print_data};
 use super::numbers::{bytes, grouped, significant, wrapped};
 use super::overrides::Overrides;
 use std::fmt::Write as _;
@@ -35,9 +35,9 @@ impl Check {
     pub fn call(&self) -> Result<(), Failure> {
         let scenario = self.overrides.scenario(&self.scenario)?;
         if self.json {
-            return print(&json(&self.scenario.display().to_string(), &scenario));
+            return print_data(&json(&self.scenario.display().to_string(), &scenario));
         }
-        print(&(report(&scenario) + &warnings(&scenario)))
+        print_data(&(report(&scenario) + &warnings(&scenario)))
     }
 }
 

@@ -1,6 +1,6 @@
 //! `mc completions`: a completion script on standard output.
 
-use super::failure::{Failure, print};
+use super::failure::{Failure, print_data};
 use clap::CommandFactory as _;
 
 /// Arguments of `mc completions`.
@@ -15,6 +15,6 @@ impl Completions {
     pub fn call(&self) -> Result<(), Failure> {
         let mut script = Vec::new();
         clap_complete::generate(self.shell, &mut super::Arguments::command(), "mc", &mut script);
-        print(&String::from_utf8_lossy(&script))
+        print_data(&String::from_utf8_lossy(&script))
     }
 }

@@ -1,5 +1,7 @@
 //! What a verb can fail with, and the one place where failures become exit codes.
 
+use super::interrupt::exit_code;
+use super::safe;
 use std::io::{self, Write as _};
 use std::path::Path;
 use std::process::ExitCode;
@@ -38,7 +40,7 @@ impl Failure {
     /// Print to standard error; what the process exits with.
     pub fn report(&self) -> ExitCode {
         // Standard error may be closed as well: then there is nobody to tell.
-        let say = |text: String| drop(writeln!(io::stderr(), "error: {text}"));
+        let say = |text: String| drop(writeln!(io::stderr(), "error: {}", safe::text(&text)));
         match self {
             Failure::Usage { problem, remedy } => {
                 say(format!("{problem}\n  fix: {remedy}"));
@@ -56,7 +58,7 @@ impl Failure {
                 say(problem.clone());
                 ExitCode::from(1)
             }
-            Failure::Interrupted => ExitCode::from(130),
+            Failure::Interrupted => ExitCode::from(exit_code()),
             // `mc ... | head`: the reader has seen enough.
             Failure::Output(error) if error.kind() == io::ErrorKind::BrokenPipe => ExitCode::SUCCESS,
             Failure::Output(error) => {
@@ -79,20 +81,42 @@ impl From<Misfit> for Failure {
     }
 }
 
-/// Write to standard output; unlike `print!`, a closed pipe is a failure to return, not a panic.
+/// Write to standard output for people; unlike `print!`, a closed pipe is a failure to return, not a panic.
 pub fn print(text: &str) -> Result<(), Failure> {
+    print_as_it_is(&safe::text(text))
+}
+
+/// Write to standard output for programs.
+pub fn print_data(text: &str) -> Result<(), Failure> {
+    print_as_it_is(&safe::data(text))
+}
+
+fn print_as_it_is(text: &str) -> Result<(), Failure> {
     let mut out = io::stdout().lock();
     out.write_all(text.as_bytes()).and_then(|()| out.flush()).map_err(Failure::Output)
 }
 
 /// Write a line to standard error, where a closed pipe is nobody's concern.
 pub fn note(text: &str) {
-    drop(writeln!(io::stderr(), "{text}"));
+    drop(writeln!(io::stderr(), "{}", safe::text(text)));
 }
 
-/// A file may be written here: its directory exists, and nothing is lost that `--force` has not given up.
-pub fn writable(path: &Path, force: bool) -> Result<(), Failure> {
+/// A file may be written here, made from these others: its directory exists, and nothing is lost that `--force` has not given up. That
+/// is a regular file, and none of the others, in any case.
+pub fn writable<'a>(path: &Path, force: bool, inputs: impl IntoIterator<Item = &'a Path>) -> Result<(), Failure> {
     let shown = path.display();
+    let refuse = |problem: String| Err(Failure::usage(problem, "choose another file with -o"));
+    if path == Path::new("-") {
+        return refuse("results are written to a file, not to standard output".into());
+    }
+    if path.to_str().is_none() {
+        return refuse(format!("{shown}: its name is not UTF-8"));
+    }
+    let same =
+        |input: &Path| path.canonicalize().is_ok_and(|path| input.canonicalize().is_ok_and(|input| path == input));
+    if inputs.into_iter().any(same) {
+        return refuse(format!("{shown} is what the results are made from"));
+    }
     if path.is_dir() {
         return Err(Failure::usage(format!("{shown} is a directory"), "give the name of a file with -o"));
     }
@@ -102,9 +126,12 @@ pub fn writable(path: &Path, force: bool) -> Result<(), Failure> {
         return Err(Failure::usage(problem, "create it, or choose another place with -o"));
     }
     // A dangling link counts: writing would go wherever it points.
-    if path.symlink_metadata().is_ok() && !force {
-        let problem = format!("{shown} exists and would be overwritten");
-        return Err(Failure::usage(problem, "choose another name with -o FILE, or overwrite it with --force"));
+    match path.symlink_metadata() {
+        Ok(there) if !there.is_file() => refuse(format!("{shown} is no regular file, and nothing else is replaced")),
+        Ok(_) if !force => {
+            let problem = format!("{shown} exists and would be overwritten");
+            Err(Failure::usage(problem, "choose another name with -o FILE, or overwrite it with --force"))
+        }
+        _ => Ok(()),
     }
-    Ok(())
 }

@@ -1,10 +1,9 @@
 //! `mc init`: a shipped scenario, comments and all, to start from.
 
-use super::failure::{Failure, note, print, writable};
-use std::fs::OpenOptions;
-use std::io::Write as _;
+use super::failure::{Failure, note, print_data, writable};
 use std::path::{Path, PathBuf};
 use stick_slip::config::{SHIPPED, shipped};
+use stick_slip::store;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -36,14 +35,10 @@ impl Init {
         })?;
         let output = self.output.clone().unwrap_or_else(|| format!("{}.toml", scenario.name).into());
         if output == Path::new("-") {
-            return print(scenario.text);
+            return print_data(scenario.text);
         }
-        writable(&output, self.force)?;
-        // create_new closes the gap between looking and writing.
-        let mut options = OpenOptions::new();
-        options.write(true).truncate(self.force).create(self.force).create_new(!self.force);
-        let written = options.open(&output).and_then(|mut file| file.write_all(scenario.text.as_bytes()));
-        written.map_err(|e| Failure::Run(format!("cannot write {}: {e}", output.display())))?;
+        writable(&output, self.force, [])?;
+        store::write_whole(&output, scenario.text.as_bytes(), self.force)?;
         note(&format!("wrote {0}; next: mc check {0}", output.display()));
         Ok(())
     }

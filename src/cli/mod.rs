@@ -8,6 +8,7 @@ mod failure;
 mod html;
 mod init;
 mod interrupt;
+mod merge;
 mod numbers;
 mod overrides;
 mod plot;
@@ -15,8 +16,11 @@ mod progress;
 mod replay;
 mod report;
 mod results;
+mod resume;
 mod run;
+mod safe;
 mod show;
+mod sitting;
 mod sweep;
 mod sweep_report;
 mod table;
@@ -26,6 +30,7 @@ mod trade_report;
 
 pub use failure::Failure;
 
+use std::process::ExitCode;
 use stick_slip::stats::Statistic;
 
 /// Version and commit, as `--version` shows them.
@@ -38,6 +43,8 @@ Examples:
   mc run mine.toml --paths 10000            simulate; results in mine.h5
   mc run mine.toml --accuracy 1%            choose scheme, step and paths for an error of 1 %
   mc run mine.toml --set friction.static=1.3 -o stronger.h5
+  mc resume mine.h5                         continue a run that was interrupted
+  mc merge part-*.h5 -o mine.h5             join the parts that mc run --part made
   mc show mine.h5                           the table again, from the file
   mc plot mine.h5                           all of it in pictures, in mine.svg
   mc report mine.h5                         a page for the browser, in mine.html
@@ -45,7 +52,7 @@ Examples:
   mc trade mine.toml                        which scheme, step and paths for which accuracy
   mc sweep mine.toml --vary friction.static=1.1:1.5:9   statistics as functions of a key
 
-Exit codes: 0 done, 1 the run failed, 2 the arguments or the scenario are wrong, 130 interrupted.";
+Exit codes: 0 done, 1 the run failed, 2 the arguments or the scenario are wrong, 130 interrupted (128 + the number of the signal).";
 
 /// Monte Carlo of an oscillator with dry friction: when it sticks, when it slips, and how sure that is.
 #[derive(Debug, clap::Parser)]
@@ -59,6 +66,10 @@ pub struct Arguments {
 enum Verb {
     /// Simulate an ensemble and write its statistics
     Run(run::Run),
+    /// Continue a run that was interrupted or killed
+    Resume(resume::Resume),
+    /// Join the parts of a run
+    Merge(merge::Merge),
     /// Validate a scenario; print it in full, what follows from it, and warnings
     Check(check::Check),
     /// Print the results in a file again
@@ -84,6 +95,8 @@ impl Arguments {
     pub fn call(&self) -> Result<(), Failure> {
         match &self.verb {
             Verb::Run(run) => run.call(),
+            Verb::Resume(resume) => resume.call(),
+            Verb::Merge(merge) => merge.call(),
             Verb::Check(check) => check.call(),
             Verb::Show(show) => show.call(),
             Verb::Plot(plot) => plot.call(),
@@ -95,6 +108,18 @@ impl Arguments {
             Verb::Completions(completions) => completions.call(),
         }
     }
+}
+
+/// Help, the version, or what is wrong with the arguments, which are shown as they can be.
+pub fn answer(answer: &clap::Error) -> ExitCode {
+    let plain = answer.to_string();
+    // Colours are lost only where something would be done to the terminal.
+    if safe::text(&plain) == plain {
+        let _ = answer.print();
+    } else {
+        failure::note(plain.trim_end());
+    }
+    ExitCode::from(u8::try_from(answer.exit_code()).unwrap_or(2))
 }
 
 /// How many threads this machine runs at once.

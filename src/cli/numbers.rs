@@ -43,18 +43,35 @@ pub fn percent(share: f64) -> String {
     format!("{} %", significant(100.0 * share, 3))
 }
 
-/// A time as it is typed: 90, 90s, 15m, 2h, 1d.
+/// A time as it is typed: 90, 90s, 15m, 1.5h, 4h50m, 1d 2h.
 pub fn parse_duration(text: &str) -> Result<Duration, String> {
-    let (number, unit) = match text.trim().char_indices().next_back() {
-        Some((at, 's')) => (&text.trim()[..at], 1.0),
-        Some((at, 'm')) => (&text.trim()[..at], 60.0),
-        Some((at, 'h')) => (&text.trim()[..at], 3600.0),
-        Some((at, 'd')) => (&text.trim()[..at], 86_400.0),
-        _ => (text.trim(), 1.0),
-    };
-    let seconds = number.trim().parse::<f64>().ok().map(|number| number * unit).filter(|s| *s > 0.0);
+    let seconds = seconds(text.trim()).filter(|seconds| *seconds > 0.0);
     let duration = seconds.and_then(|seconds| Duration::try_from_secs_f64(seconds).ok());
-    duration.ok_or_else(|| "not a time above zero, such as 90, 90s, 15m or 2h".to_string())
+    duration.ok_or_else(|| "not a time above zero, such as 90, 90s, 15m, 2h or 4h50m".to_string())
+}
+
+/// Numbers with units, from the largest unit to the smallest; a number alone is of seconds.
+fn seconds(text: &str) -> Option<f64> {
+    if let Ok(seconds) = text.parse::<f64>() {
+        return Some(seconds);
+    }
+    let (mut rest, mut largest, mut sum) = (text, f64::INFINITY, 0.0);
+    while !rest.is_empty() {
+        let (number, behind) = rest.split_at(rest.find(|c: char| c.is_ascii_alphabetic())?);
+        let number = number.trim().parse::<f64>().ok().filter(|number| *number >= 0.0)?;
+        let unit = match behind.as_bytes()[0] {
+            b's' => 1.0,
+            b'm' => 60.0,
+            b'h' => 3600.0,
+            b'd' => 86_400.0,
+            _ => return None,
+        };
+        if unit >= largest {
+            return None;
+        }
+        (largest, sum, rest) = (unit, sum + number * unit, behind[1..].trim_start());
+    }
+    Some(sum)
 }
 
 /// Most characters in a line of prose.
@@ -151,6 +168,24 @@ mod tests {
         assert_eq!(Digits::of(1.0, f64::NAN).show(f64::NAN), "none");
         assert_eq!(Digits::of(1e300, 0.0).show(1e300), "1.000000e300");
         assert_eq!(Digits::of(5e-324, 0.0).show(0.0), "0.000000e-324");
+    }
+
+    #[test]
+    fn times_are_read_as_they_are_typed() {
+        let read = |text| parse_duration(text).ok().map(|time| time.as_secs_f64());
+        for (text, seconds) in [
+            ("90", 90.0),
+            ("1.5s", 1.5),
+            ("15m", 900.0),
+            ("4h50m", 17_400.0),
+            (" 1d 2h 0m 3s ", 93_603.0),
+            ("1e-3", 1e-3),
+        ] {
+            assert_eq!(read(text), Some(seconds), "{text}");
+        }
+        for text in ["", "0", "-5", "-5m", "50m4h", "4h4h", "4h50", "h", "4x", "1m\u{b5}", "nan", "1e400s", "inf"] {
+            assert_eq!(read(text), None, "{text}");
+        }
     }
 
     #[test]

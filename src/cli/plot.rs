@@ -79,9 +79,9 @@ impl Plot {
     pub fn call(&self) -> Result<(), Failure> {
         let output = self.output.clone().unwrap_or_else(|| self.default_output());
         let format = Format::of(&output)?;
-        writable(&output, self.force)?;
+        writable(&output, self.force, [self.subject.as_path()])?;
         let scene = self.scene()?;
-        write(&scene, format, &output)?;
+        write(&scene, format, &output, self.force)?;
         note(&format!("{}: {}", output.display(), size(&scene)));
         Ok(())
     }
@@ -219,13 +219,13 @@ impl Format {
 const DOTS_PER_INCH: f64 = 300.0;
 
 /// Write a picture: beside its place first, then there in one step.
-pub fn write(scene: &Scene, format: Format, output: &Path) -> Result<(), Failure> {
+pub fn write(scene: &Scene, format: Format, output: &Path, force: bool) -> Result<(), Failure> {
     let bytes = match format {
         Format::Svg => figure::svg(scene).into_bytes(),
         Format::Png => figure::png(scene, DOTS_PER_INCH).map_err(|error| Failure::Run(error.to_string()))?,
         Format::Pdf => figure::pdf(scene).ok_or_else(|| Failure::Run("a flaw in the program: no PDF".to_string()))?,
     };
-    super::results::write_whole(output, &bytes)
+    Ok(store::write_whole(output, &bytes, force)?)
 }
 
 fn names() -> Vec<&'static str> {

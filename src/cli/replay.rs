@@ -3,8 +3,10 @@
 use super::failure::{Failure, note, print, writable};
 use std::path::{Path, PathBuf};
 use stick_slip::engine::{self, Rows, Status};
+use stick_slip::ensemble::Plan;
 use stick_slip::provenance::Provenance;
 use stick_slip::scenario::Scenario;
+use stick_slip::stats::{PathColumns, Record};
 use stick_slip::store::{self, Writer};
 
 const EXAMPLE: &str = "\
@@ -42,11 +44,69 @@ impl Replay {
             return Err(Failure::usage(problem, remedy));
         }
         let scenario = Scenario::parse(&self.file.display().to_string(), &stored.header.scenario_text, &[])?;
+        let program = Provenance::of(&scenario);
+        let header = &stored.header;
+        let theirs = [&header.program_version, &header.git_hash, &header.generator];
+        if theirs != [&program.program_version, &program.git_hash, &program.generator] {
+            note(&format!(
+                "warning: {} was written by mc {} ({}), {}; this is mc {} ({}), {}",
+                self.file.display(),
+                header.program_version,
+                header.git_hash,
+                header.generator,
+                program.program_version,
+                program.git_hash,
+                program.generator
+            ));
+        }
+        self.check_path(&scenario)?;
         let stem = self.file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         let output = self.output.clone().unwrap_or_else(|| format!("{stem}-path-{}.h5", self.path).into());
-        writable(&output, self.force)?;
+        writable(&output, self.force, [self.file.as_path()])?;
         replay(&scenario, self.path, &output, self.force)
     }
+}
+
+impl Replay {
+    /// The path is the one that the file holds.
+    fn check_path(&self, scenario: &Scenario) -> Result<(), Failure> {
+        if self.file.is_dir() || !self.file.exists() {
+            // A run that is not finished has no rows yet.
+            return Ok(());
+        }
+        let Some(held) = store::read_path(&self.file, self.path)? else { return Ok(()) };
+        let record = Record { paths: true, ..Record::NOTHING };
+        let made = Plan { record, ..scenario.plan() }.replay(self.path).path_columns.unwrap_or_default();
+        if bits(&held) == bits(&made) {
+            return Ok(());
+        }
+        let (file, path) = (self.file.display(), self.path);
+        Err(Failure::Run(format!(
+            "{file}: path {path} of its scenario is another one than the file holds\n  fix: take the file as it was written (its \
+             scenario, seed or rows were changed), or the program that wrote it"
+        )))
+    }
+}
+
+/// Every number of one path.
+fn bits(path: &PathColumns) -> Vec<u64> {
+    let PathColumns {
+        displacement_end,
+        max_displacement,
+        first_stick_duration,
+        stick_time,
+        friction_work,
+        sticks,
+        slips,
+        sub_phases,
+        diverged,
+    } = path;
+    let reals = [displacement_end, max_displacement, first_stick_duration, stick_time, friction_work];
+    // A missing value is missing, whatever its bits.
+    let real = |x: &f64| if x.is_nan() { f64::NAN.to_bits() } else { x.to_bits() };
+    let reals = reals.into_iter().flatten().map(real);
+    let counts = [sticks, slips, sub_phases].into_iter().flatten().map(|&count| count.into());
+    reals.chain(counts).chain(diverged.iter().map(|&flag| flag.into())).collect()
 }
 
 /// Simulate one path, write it, and print its events.
@@ -55,10 +115,7 @@ fn replay(scenario: &Scenario, path: u64, output: &Path, force: bool) -> Result<
     note(&format!("trajectory: {}", rows(replay.rows)));
     // A file of one path, whatever its number in the ensemble.
     let provenance = Provenance { paths: 1, ..Provenance::of(&replay.scenario) };
-    if force {
-        store::discard_partial(output)?;
-    }
-    let mut writer = Writer::create(output, &provenance, &replay.record)?;
+    let mut writer = Writer::create(output, &provenance, &replay.record, force)?;
     writer.append(&replay.block)?;
     writer.finish(&replay.block.totals.summary(), Status::Complete)?;
     print(&format!("path {path}\n"))?;

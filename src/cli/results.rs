@@ -3,7 +3,6 @@
 use super::failure::{Failure, note};
 use super::numbers::wrapped;
 use super::report;
-use std::path::Path;
 use stick_slip::advice::Warning;
 use stick_slip::engine::RunError;
 use stick_slip::scenario::Scenario;
@@ -41,23 +40,10 @@ pub fn warn_of_bias(summary: &Summary) {
     }
 }
 
-/// Write a file beside its place, then put it there in one step: what has the right name is whole.
-pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
-    let mut name = path.file_name().unwrap_or_default().to_os_string();
-    name.push(".partial");
-    let partial = path.with_file_name(name);
-    let written = std::fs::write(&partial, bytes).and_then(|()| std::fs::rename(&partial, path));
-    written.map_err(|error| {
-        // Half a file is of no use, and nobody waits for it.
-        drop(std::fs::remove_file(&partial));
-        Failure::Run(format!("{}: cannot be written: {error}", path.display()))
-    })
-}
-
 impl From<RunError> for Failure {
     fn from(error: RunError) -> Self {
         match error {
-            RunError::Sink(error) => match error.downcast::<StoreError>() {
+            RunError::Sink { error, .. } => match error.downcast::<StoreError>() {
                 Ok(error) => Failure::from(*error),
                 Err(error) => Failure::Run(error.to_string()),
             },
@@ -73,9 +59,13 @@ impl From<StoreError> for Failure {
             | StoreError::NotHdf5 { .. }
             | StoreError::Foreign { .. }
             | StoreError::Newer { .. }
-            | StoreError::Unfinished { .. }
             | StoreError::NoFolder { .. }
             | StoreError::LeftOver { .. }
+            | StoreError::Resumable { .. }
+            | StoreError::NothingToResume { .. }
+            | StoreError::InTheWay { .. }
+            | StoreError::OtherProgram { .. }
+            | StoreError::NewerState { .. }
             | StoreError::Busy { .. }
             | StoreError::OtherSweep { .. }
             | StoreError::NoSweep { .. } => Failure::Refused(error.to_string()),

@@ -1,6 +1,6 @@
 //! `mc show`: the results in a file, and where they come from; several files beside each other.
 
-use super::failure::{Failure, print};
+use super::failure::{Failure, note, print, print_data};
 use super::report::{self, Csv, RunInfo};
 use super::results;
 use super::terminal::Letters;
@@ -50,7 +50,7 @@ impl Show {
             [file] if is_sweep(file) => {
                 let sweep = sweep::stored(file, store::read_sweep(file)?)?;
                 match self.json {
-                    true => print(&sweep_report::json(&sweep, file)),
+                    true => print_data(&sweep_report::json(&sweep, file)),
                     false => print(&sweep_report::table(&sweep, &[], file)),
                 }
             }
@@ -67,8 +67,11 @@ impl Show {
             results::warn(scenario, stored.summary.has_bias());
         }
         results::warn_of_bias(&stored.summary);
+        if let Some(unfinished) = &stored.unfinished {
+            note(&format!("this run is not finished; continue it with: mc resume {}", unfinished.display()));
+        }
         if self.json {
-            return print(&report::json(&stored.summary, &info));
+            return print_data(&report::json(&stored.summary, &info));
         }
         let mut text = report::table(&stored.summary, &info);
         if self.plot {
@@ -89,7 +92,7 @@ impl Show {
         if self.json {
             let objects = runs.iter().zip(&infos).map(|(run, info)| report::json(&run.summary, info));
             let objects: Vec<String> = objects.map(|object| object.trim_end().to_string()).collect();
-            return print(&format!("[{}]\n", objects.join(",\n")));
+            return print_data(&format!("[{}]\n", objects.join(",\n")));
         }
         let summaries: Vec<&Summary> = runs.iter().map(|run| &run.summary).collect();
         print(&report::comparison(&summaries, &infos))
@@ -106,7 +109,7 @@ impl Show {
                 table.add(&name, &[], &run.summary.estimates, &run.header.units);
             }
         }
-        print(&table.text())
+        print_data(&table.text())
     }
 }
 
@@ -116,7 +119,7 @@ fn is_sweep(file: &Path) -> bool {
 }
 
 pub(super) fn info(file: &Path, stored: &Stored, scenario: Option<&Scenario>) -> RunInfo {
-    let Stored { header, status, ended_by, .. } = stored;
+    let Stored { header, status, part, ended_by, .. } = stored;
     RunInfo {
         scenario: header.title.clone(),
         title: header.title.clone(),
@@ -125,6 +128,7 @@ pub(super) fn info(file: &Path, stored: &Stored, scenario: Option<&Scenario>) ->
         resolution: header.resolution,
         seed: header.seed,
         paths: header.paths,
+        part: *part,
         antithetic: header.antithetic,
         threads: None,
         seconds: None,

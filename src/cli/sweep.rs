@@ -1,7 +1,7 @@
 //! `mc sweep`: statistics as functions of keys of the scenario, and what a key does to them.
 
-use super::failure::{Failure, note, print, writable};
-use super::interrupt::stop_on_ctrl_c;
+use super::failure::{Failure, note, print, print_data, writable};
+use super::interrupt::stop_on_signals;
 use super::numbers::{bytes, duration, grouped, wrapped};
 use super::overrides::Overrides;
 use super::progress::Progress;
@@ -86,9 +86,8 @@ impl Sweep {
             return print(&outlook(&question, threads));
         }
         let output = self.output.clone().unwrap_or_else(|| default_output(&self.scenario));
-        if output.is_dir() {
-            writable(&output, self.force)?;
-        }
+        // A file that is there is read first: it may be this sweep.
+        writable(&output, true, [self.scenario.as_path()])?;
         let header = Provenance::of(&question.scenario);
         let (mut file, known) = SweepFile::open(&output, &header, &question, self.force)?;
         warn(&question);
@@ -116,7 +115,7 @@ impl Sweep {
     }
 
     fn simulate(&self, sweep: &mut Swept, file: &mut SweepFile, threads: usize) -> Result<(), Failure> {
-        let stop = stop_on_ctrl_c();
+        let stop = stop_on_signals();
         let left = sweep.points.iter().zip(&sweep.question.points).filter(|(point, _)| point.is_none());
         let mut progress = Progress::new(left.map(|(_, scenario)| scenario.ensemble.paths).sum(), self.quiet, None);
         let simulation = Simulation { threads, stop: &stop, progress: &mut progress };
@@ -130,7 +129,7 @@ impl Sweep {
 
     fn print(&self, sweep: &Swept, output: &Path) -> Result<(), Failure> {
         if self.json {
-            print(&sweep_report::json(sweep, output))?;
+            print_data(&sweep_report::json(sweep, output))?;
         } else if !self.quiet {
             print(&sweep_report::table(sweep, &self.statistic, output))?;
         }

@@ -1,7 +1,7 @@
 //! `mc trade`: what accuracy costs, scheme by scheme, and which is cheapest for a target.
 
-use super::failure::{Failure, note, print, writable};
-use super::interrupt::stop_on_ctrl_c;
+use super::failure::{Failure, note, print, print_data, writable};
+use super::interrupt::stop_on_signals;
 use super::numbers::{parse_duration, wrapped};
 use super::plot::{self, Format};
 use super::progress::Measuring;
@@ -70,7 +70,7 @@ impl Trade {
         }
         let threads = self.threads.map_or_else(super::cores, usize::from);
         note(&format!("measuring for about {} s on {threads} threads", self.budget.as_secs()));
-        let stop = stop_on_ctrl_c();
+        let stop = stop_on_signals();
         let line = Measuring::new(self.budget, false);
         let begins = |what: &str| line.begin(what);
         let limits = Limits { time: None, stop: Some(&stop), begins: Some(&begins) };
@@ -79,7 +79,10 @@ impl Trade {
         let trade = trade?;
         let shown = self.statistic.or_else(|| trade.answerable().first().copied());
         let asked = Asked { scenario: &scenario, path: &self.scenario, shown, budget: self.budget, threads };
-        print(&if self.json { trade_report::json(&trade, &asked) } else { trade_report::table(&trade, &asked) })?;
+        match self.json {
+            true => print_data(&trade_report::json(&trade, &asked))?,
+            false => print(&trade_report::table(&trade, &asked))?,
+        }
         if let Some(output) = &self.output {
             self.write(output, &scenario, &trade, shown)?;
         }
@@ -91,8 +94,9 @@ impl Trade {
             let problem = format!("{} is the name of a picture", output.display());
             return Err(Failure::usage(problem, "name the HDF5 file, e.g. -o trade.h5; the pictures go next to it"));
         }
-        writable(output, self.force)?;
-        pictures(output).iter().try_for_each(|picture| writable(picture, self.force))
+        let inputs = [self.scenario.as_path()];
+        writable(output, self.force, inputs)?;
+        pictures(output).iter().try_for_each(|picture| writable(picture, self.force, inputs))
     }
 
     fn write(
@@ -111,8 +115,8 @@ impl Trade {
             return Ok(());
         };
         let [svg, png] = pictures(output);
-        plot::write(&scene, Format::Svg, &svg)?;
-        plot::write(&scene, Format::Png, &png)
+        plot::write(&scene, Format::Svg, &svg, self.force)?;
+        plot::write(&scene, Format::Png, &png, self.force)
     }
 }
 

@@ -7,7 +7,7 @@
 use crate::ensemble::BLOCK_SIZE;
 use crate::stats::{Estimate, Goal, Merge, RunTotals, Statistic, Verdict};
 use std::fmt;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 /// Blocks before the first look: a standard error of 1024 paths is itself known to a few per cent, so that chance does not
 /// end a run early.
@@ -23,10 +23,11 @@ pub const MOST_PATHS: u64 = 1_000_000_000;
 const MARGIN: f64 = 1.05;
 
 /// What may end a run.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub(super) struct Endings {
     pub goals: Vec<Goal>,
-    pub max_time: Option<Duration>,
+    /// How long paths may be simulated.
+    pub time: Option<Duration>,
 }
 
 /// What ended a run before its last path.
@@ -124,10 +125,10 @@ pub(super) enum Look {
 }
 
 impl Endings {
-    /// Look at the first `blocks` blocks.
-    pub fn look<X: Merge + Clone>(&self, blocks: u64, totals: &RunTotals<X>, start: Instant) -> Look {
-        match (self.judge(blocks, totals), self.max_time) {
-            (Look::GoOn(_), Some(limit)) if start.elapsed() >= limit => Look::Stop(EndedBy::TimeLimit { blocks }),
+    /// Look at the first `blocks` blocks, after so much time.
+    pub fn look<X: Merge + Clone>(&self, blocks: u64, totals: &RunTotals<X>, spent: Duration) -> Look {
+        match (self.judge(blocks, totals), self.time) {
+            (Look::GoOn(_), Some(limit)) if spent >= limit => Look::Stop(EndedBy::TimeLimit { blocks }),
             (goals, _) => goals,
         }
     }
@@ -198,7 +199,7 @@ mod tests {
     }
 
     fn until(goal: &str) -> Endings {
-        Endings { goals: vec![goal.parse().expect("a goal")], max_time: None }
+        Endings { goals: vec![goal.parse().expect("a goal")], time: None }
     }
 
     /// Ending a run when its standard error looks small enough prefers runs that underestimate it. Null: the intervals of such runs still
@@ -221,7 +222,7 @@ mod tests {
             let mut totals = RunTotals::empty(plan.model(), plan.timeline());
             let blocks = (1..=400).find(|&blocks| {
                 totals.push(blocks - 1, plan.block(blocks - 1).totals).expect("once");
-                matches!(endings.look(blocks, &totals, Instant::now()), Look::Stop(EndedBy::Goals { .. }))
+                matches!(endings.look(blocks, &totals, Duration::ZERO), Look::Stop(EndedBy::Goals { .. }))
             });
             lengths.push(blocks.expect("the goal is near"));
             let e = totals.estimate(statistic);

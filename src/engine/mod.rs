@@ -8,10 +8,13 @@
 //!     .told(&mut progress)  say how far it has come                         (Progress)
 //!     .into_sink(&mut sink) hand over every finished block, and the outcome (Sink)
 //!   -> simulate()         blocks on threads, summed along one tree, ended, the bias of the step estimated
+//!   -> go_on(so_far)      the same from where an earlier sitting of the run has saved it
 //!     -> Outcome          summary with biases, why it ended, how long it took
 //! Replay::of(&scenario, path)   one path of it alone
 //! ```
 
+mod alarm;
+mod asked;
 mod ending;
 mod outcome;
 mod progress;
@@ -19,9 +22,10 @@ mod replay;
 mod run;
 mod sink;
 
+pub use asked::{Asked, NoPart, Part};
 pub use ending::{EndedBy, Hopeless, MOST_PATHS, MissedGoal};
 pub use outcome::{BiasReport, Outcome, Status};
 pub use progress::Progress;
 pub use replay::{Replay, Rows};
-pub use run::{Run, RunError};
-pub use sink::{Memory, Sink, SinkError};
+pub use run::{Run, RunError, SoFar};
+pub use sink::{Memory, Moment, Sink, SinkError};

@@ -1,6 +1,6 @@
 //! What a run came to.
 
-use super::{EndedBy, MissedGoal};
+use super::{EndedBy, MissedGoal, Part};
 use crate::bias::NoBias;
 use crate::stats::Summary;
 
@@ -11,20 +11,23 @@ pub enum Status {
     Complete,
     /// It ended at the end of a block as it was asked to: its goals are reached or its time is up.
     Ended,
-    /// It was stopped from outside; the blocks in flight were finished.
+    /// Every path of one part of the run has been simulated.
+    Part,
+    /// It was stopped from outside.
     Interrupted,
     /// It is still going, or was killed.
     Running,
 }
 
 impl Status {
-    const ALL: [Status; 4] = [Status::Complete, Status::Ended, Status::Interrupted, Status::Running];
+    const ALL: [Status; 5] = [Status::Complete, Status::Ended, Status::Part, Status::Interrupted, Status::Running];
 
     /// The word in files and JSON.
     pub fn name(self) -> &'static str {
         match self {
             Status::Complete => "complete",
             Status::Ended => "ended",
+            Status::Part => "part",
             Status::Interrupted => "interrupted",
             Status::Running => "running",
         }
@@ -54,6 +57,8 @@ pub struct Outcome<T = ()> {
     pub status: Status,
     /// Most paths that the run could have come to.
     pub paths: u64,
+    /// Which part of the run it is, if not all of it.
+    pub part: Option<Part>,
     /// What ended it before its last path.
     pub ended_by: Option<EndedBy>,
     /// Goals that it has missed, unless it was interrupted.
@@ -82,7 +87,7 @@ impl<T> Outcome<T> {
 
     /// The same with what a user's own statistic came to.
     pub(super) fn with_tally<U>(self, tally: U) -> Outcome<U> {
-        let Outcome { summary, status, paths, ended_by, missed, bias, threads, seconds, tally: _ } = self;
-        Outcome { summary, status, paths, ended_by, missed, bias, threads, seconds, tally }
+        let Outcome { summary, status, paths, part, ended_by, missed, bias, threads, seconds, tally: _ } = self;
+        Outcome { summary, status, paths, part, ended_by, missed, bias, threads, seconds, tally }
     }
 }

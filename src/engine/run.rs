@@ -1,13 +1,14 @@
 //! The run itself: blocks are simulated, handed on, summed and looked at, until something ends it.
 
+use super::alarm::Alarm;
 use super::ending::{Endings, Look};
-use super::{BiasReport, EndedBy, Outcome, Progress, Sink, SinkError, Status};
+use super::{Asked, BiasReport, EndedBy, Moment, Outcome, Part, Progress, Sink, SinkError, Status};
 use crate::bias::NoBias;
-use crate::ensemble::{Delivered, Plan};
+use crate::ensemble::{BLOCK_SIZE, Delivered, Plan};
 use crate::scenario::Scenario;
 use crate::stats::{Companion, Goal, Measurement, Overlap, RunTotals, Summary, Tallied, Tally};
 use std::ops::ControlFlow;
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 /// A run of a scenario, set up by the methods below and started by [`Run::simulate`].
@@ -29,21 +30,36 @@ use std::time::{Duration, Instant};
 /// ```
 pub struct Run<'a> {
     scenario: &'a Scenario,
-    paths: u64,
+    asked: Asked,
     threads: usize,
-    endings: Endings,
-    with_bias: bool,
     stop: Option<&'a AtomicBool>,
     progress: Option<&'a mut dyn Progress>,
     sinks: Vec<&'a mut dyn Sink>,
 }
 
+/// How far a run has come: what it takes to go on.
+#[derive(Clone, Debug)]
+pub struct SoFar {
+    /// The sums of the blocks that are done.
+    pub totals: RunTotals,
+    /// Time spent on them.
+    pub spent: Duration,
+}
+
+/// The bias takes this share of the time of the paths at most, with some margin. A time limit is one on both.
+const BIAS_SHARE: f64 = 0.15;
+
 /// Why a run has no outcome.
 #[derive(Debug, thiserror::Error)]
 pub enum RunError {
     /// A sink failed. What it was handed before is its own.
-    #[error(transparent)]
-    Sink(#[from] SinkError),
+    #[error("{error}")]
+    Sink {
+        /// What it says.
+        error: SinkError,
+        /// What was simulated nevertheless; nothing where the run had not begun.
+        outcome: Option<Box<Outcome>>,
+    },
     /// A block was delivered twice: a flaw of this program.
     #[error("a flaw in the program: {0}")]
     Overlap(#[from] Overlap),
@@ -52,16 +68,21 @@ pub enum RunError {
 impl<'a> Run<'a> {
     /// Of all paths that the scenario asks for, on one thread a core, with an estimate of the bias of the step.
     pub fn of(scenario: &'a Scenario) -> Self {
+        let asked =
+            Asked { paths: scenario.ensemble.paths, part: None, goals: Vec::new(), max_time: None, with_bias: true };
         Run {
             scenario,
-            paths: scenario.ensemble.paths,
+            asked,
             threads: std::thread::available_parallelism().map_or(1, usize::from),
-            endings: Endings::default(),
-            with_bias: true,
             stop: None,
             progress: None,
             sinks: Vec::new(),
         }
+    }
+
+    /// What it is asked besides its scenario.
+    pub fn question(&self) -> Asked {
+        self.asked.clone()
     }
 
     /// The same paths on so many threads. No bit depends on it.
@@ -69,30 +90,43 @@ impl<'a> Run<'a> {
         Run { threads: threads.max(1), ..self }
     }
 
+    /// All that an earlier sitting of this run was asked.
+    pub fn asked(self, asked: Asked) -> Self {
+        Run { asked, ..self }
+    }
+
     /// At most so many paths, whatever the scenario asks for; whole pairs where they are antithetic.
-    pub fn paths(self, paths: u64) -> Self {
+    pub fn paths(mut self, paths: u64) -> Self {
         let is_paired = self.scenario.ensemble.antithetic;
-        Run { paths: if is_paired { paths.next_multiple_of(2) } else { paths }, ..self }
+        self.asked.paths = if is_paired { paths.next_multiple_of(2) } else { paths };
+        self
+    }
+
+    /// One part of the run only.
+    pub fn part(mut self, part: Option<Part>) -> Self {
+        self.asked.part = part;
+        self
     }
 
     /// End at the first block after which every goal is reached.
     pub fn until(mut self, goals: Vec<Goal>) -> Self {
-        self.endings.goals = goals;
+        self.asked.goals = goals;
         self
     }
 
-    /// End after the block in which this much time is up.
+    /// End in time for this limit, which is one on the paths and on the bias of the step.
     pub fn within(mut self, time: Option<Duration>) -> Self {
-        self.endings.max_time = time;
+        self.asked.max_time = time;
         self
     }
 
     /// Do not estimate the bias of the step, which takes up to an eighth of the time.
-    pub fn without_bias(self) -> Self {
-        Run { with_bias: false, ..self }
+    pub fn without_bias(mut self) -> Self {
+        self.asked.with_bias = false;
+        self
     }
 
-    /// Finish the blocks in flight and end when this flag is raised.
+    /// End when this flag is raised: blocks in work have a moment to be finished.
     pub fn stopped_by(self, stop: &'a AtomicBool) -> Self {
         Run { stop: Some(stop), ..self }
     }
@@ -110,68 +144,138 @@ impl<'a> Run<'a> {
 
     /// Simulate it.
     pub fn simulate(self) -> Result<Outcome, RunError> {
-        self.simulate_beside(&())
+        let so_far = SoFar {
+            totals: RunTotals::with((), &self.scenario.model, &self.scenario.timeline()),
+            spent: Duration::ZERO,
+        };
+        self.go_on(so_far)
+    }
+
+    /// Simulate what is left of it. The outcome is that of a run which was never interrupted, bit for bit.
+    pub fn go_on(self, so_far: SoFar) -> Result<Outcome, RunError> {
+        self.simulate_beside(&(), so_far.totals, so_far.spent)
     }
 
     /// Simulate it with a statistic of the caller's own folded beside the program's.
     pub fn tallied<T: Tally<N>, const N: usize>(self, tally: &T) -> Result<Outcome<Measurement>, RunError> {
-        let outcome = self.simulate_beside(&Tallied(tally))?;
+        let tallied = Tallied(tally);
+        let totals = RunTotals::with(tallied.empty(), &self.scenario.model, &self.scenario.timeline());
+        let outcome = self.simulate_beside(&tallied, totals, Duration::ZERO)?;
         let estimate = tally.estimate(&outcome.tally);
         Ok(outcome.with_tally(estimate))
     }
 
-    fn simulate_beside<C: Companion>(mut self, companion: &C) -> Result<Outcome<C::Sums>, RunError> {
+    fn simulate_beside<C: Companion>(
+        mut self,
+        companion: &C,
+        mut totals: RunTotals<C::Sums>,
+        spent: Duration,
+    ) -> Result<Outcome<C::Sums>, RunError> {
         let start = Instant::now();
+        let before = spent;
+        let spent = move || before + start.elapsed();
         let never = AtomicBool::new(false);
         let stop = self.stop.unwrap_or(&never);
         let mut nobody = ();
         let progress = self.progress.take().unwrap_or(&mut nobody);
-        let plan = Plan { paths: self.paths, ..self.scenario.plan() };
-        let mut totals = RunTotals::with(companion.empty(), plan.model(), plan.timeline());
+        let plan = Plan { paths: self.asked.paths, ..self.scenario.plan() };
+        let endings = self.endings();
+        let left = [endings.time, self.asked.max_time].map(|limit| limit.map(|limit| limit.saturating_sub(before)));
+        let alarm = Alarm::new(stop, left);
         for sink in &mut self.sinks {
-            sink.begin(self.scenario, plan.paths)?;
+            sink.begin(self.scenario, &self.asked).map_err(|error| RunError::Sink { error, outcome: None })?;
         }
 
-        let mut ended_by = None;
+        let asked = self.asked.blocks();
+        // Blocks are done in order, so those that are done come first.
+        let first = totals.blocks().last().map_or(asked.start, |done| done.end);
+        let look = |blocks: u64, totals: &RunTotals<C::Sums>| match endings.look(blocks, totals, spent()) {
+            // A run that is done needs no more time.
+            Look::Stop(EndedBy::TimeLimit { blocks }) if blocks == asked.end => Look::GoOn(None),
+            look => look,
+        };
+        // What ended the run may have been seen already, and the end not come.
+        let mut ended_by = match look(first, &totals) {
+            Look::Stop(reason) if first > asked.start => Some(reason),
+            _ => None,
+        };
+        let left = if ended_by.is_some() { first..first } else { first..asked.end };
+        let own_paths = self.asked.own_paths();
+        let mut broken = None;
         let deliver = |block: Delivered<C::Sums>| -> Result<ControlFlow<()>, RunError> {
             let Delivered { index, result, beside } = block;
-            let done = result.first_path + result.paths;
-            self.sinks.iter_mut().try_for_each(|sink| sink.block(&result))?;
+            let done = result.first_path + result.paths - asked.start * BLOCK_SIZE;
+            let handed = self.sinks.iter_mut().try_for_each(|sink| sink.block(&result));
             totals.push_with(index, result.totals, beside)?;
+            let moment = Moment { spent: spent(), is_last: false, state: &|| totals.to_bytes() };
+            let saved = handed.and_then(|()| self.sinks.iter_mut().try_for_each(|sink| sink.save(&moment)));
+            if let Err(error) = saved {
+                broken = Some(error);
+                alarm.halt.store(true, Ordering::Relaxed);
+                return Ok(ControlFlow::Break(()));
+            }
             if let Some(statistic) = progress.watches() {
                 progress.estimate(&totals.estimate(statistic));
             }
-            Ok(match self.endings.look(index + 1, &totals, start) {
+            Ok(match look(index + 1, &totals) {
                 Look::GoOn(needed) => {
-                    progress.paths(done, needed.unwrap_or(plan.paths).min(plan.paths));
+                    progress.paths(done, needed.unwrap_or(own_paths).min(own_paths));
                     ControlFlow::Continue(())
                 }
                 Look::Stop(reason) => {
                     ended_by = Some(reason);
+                    alarm.halt.store(true, Ordering::Relaxed);
                     ControlFlow::Break(())
                 }
             })
         };
-        let completed = plan.run_beside(companion, self.threads, stop, deliver)?;
+        let simulate = || plan.run_beside(companion, left, self.threads, alarm.stops(), deliver);
+        let blocks = first + alarm.watching(simulate)?;
+        let is_whole = blocks >= asked.end;
+        let is_stopped = || stop.load(Ordering::Relaxed);
+        if !is_whole && ended_by.is_none() && broken.is_none() && !is_stopped() {
+            // Nothing else gives up blocks in work.
+            ended_by = Some(EndedBy::TimeLimit { blocks });
+        }
+        let moment = Moment { spent: spent(), is_last: true, state: &|| totals.to_bytes() };
+        if broken.is_none() {
+            broken = self.sinks.iter_mut().try_for_each(|sink| sink.save(&moment)).err();
+        }
 
+        let mut summary = totals.totals().summary();
+        let bias = match broken {
+            None if self.asked.with_bias && self.asked.part.is_none() => {
+                alarm.watching(|| self.add_bias(summary.completed_paths, &alarm.end, progress, &mut summary))
+            }
+            _ => BiasReport::default(),
+        };
         let status = match ended_by {
+            _ if broken.is_some() || bias.absence == Some(NoBias::Stopped) && is_stopped() => Status::Interrupted,
             Some(_) => Status::Ended,
-            None if completed == plan.paths => Status::Complete,
-            None => Status::Interrupted,
+            None if !is_whole => Status::Interrupted,
+            None if self.asked.part.is_some() => Status::Part,
+            None => Status::Complete,
         };
         let is_reached = status != Status::Interrupted && !matches!(ended_by, Some(EndedBy::Hopeless(_)));
-        let missed = if is_reached { self.endings.missed(&totals, completed) } else { Vec::new() };
-        let mut summary = totals.totals().summary();
-        let bias =
-            if self.with_bias { self.add_bias(completed, stop, progress, &mut summary) } else { BiasReport::default() };
-        let seconds = start.elapsed().as_secs_f64();
-        let (paths, threads) = (plan.paths, self.threads);
-        let mut outcome = Outcome { summary, status, paths, ended_by, missed, bias, threads, seconds, tally: () };
-        for sink in &mut self.sinks {
-            sink.finish(&outcome)?;
+        let missed = if is_reached { endings.missed(&totals, summary.completed_paths) } else { Vec::new() };
+        let seconds = spent().as_secs_f64();
+        let (paths, part, threads) = (plan.paths, self.asked.part, self.threads);
+        let mut outcome = Outcome { summary, status, paths, part, ended_by, missed, bias, threads, seconds, tally: () };
+        if broken.is_none() {
+            broken = self.sinks.iter_mut().try_for_each(|sink| sink.finish(&outcome)).err();
         }
-        outcome.seconds = start.elapsed().as_secs_f64();
-        Ok(outcome.with_tally(totals.own()))
+        outcome.seconds = spent().as_secs_f64();
+        match broken {
+            Some(error) => Err(RunError::Sink { error, outcome: Some(Box::new(outcome)) }),
+            None => Ok(outcome.with_tally(totals.own())),
+        }
+    }
+
+    fn endings(&self) -> Endings {
+        let Asked { paths, goals, max_time, with_bias, .. } = &self.asked;
+        let has_bias = *with_bias && max_time.is_some() && self.scenario.bias_plan(*paths).is_ok();
+        let share = if has_bias { 1.0 + BIAS_SHARE } else { 1.0 };
+        Endings { goals: goals.clone(), time: max_time.map(|time| time.div_f64(share)) }
     }
 
     /// Estimate the bias of the step from some of the paths that the run came to, and add it to the summary.

@@ -1,8 +1,9 @@
 //! Where the rows and the outcome of a run go: a file, memory, a socket, whatever implements [`Sink`].
 
-use super::Outcome;
+use super::{Asked, Outcome};
 use crate::scenario::Scenario;
 use crate::stats::BlockResult;
+use std::time::Duration;
 
 /// Why a sink cannot go on.
 pub type SinkError = Box<dyn std::error::Error + Send + Sync>;
@@ -32,19 +33,42 @@ pub type SinkError = Box<dyn std::error::Error + Send + Sync>;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub trait Sink: Send {
-    /// A run begins, of this scenario and of at most so many paths.
-    fn begin(&mut self, scenario: &Scenario, paths: u64) -> Result<(), SinkError> {
-        let _ = (scenario, paths);
+    /// A run of this scenario begins, or goes on.
+    fn begin(&mut self, scenario: &Scenario, asked: &Asked) -> Result<(), SinkError> {
+        let _ = (scenario, asked);
         Ok(())
     }
 
     /// The next block is finished.
     fn block(&mut self, block: &BlockResult) -> Result<(), SinkError>;
 
+    /// Every block that it was handed is summed up. It is told so after each of them, and once more when the paths are
+    /// done: whoever keeps what a run can go on from should do so seldom.
+    fn save(&mut self, moment: &Moment<'_>) -> Result<(), SinkError> {
+        let _ = moment;
+        Ok(())
+    }
+
     /// The run is over.
     fn finish(&mut self, outcome: &Outcome) -> Result<(), SinkError> {
         let _ = outcome;
         Ok(())
+    }
+}
+
+/// A run between two blocks.
+pub struct Moment<'a> {
+    /// Time spent so far, that of earlier sittings included.
+    pub spent: Duration,
+    /// Whether no more blocks follow.
+    pub is_last: bool,
+    pub(super) state: &'a dyn Fn() -> Vec<u8>,
+}
+
+impl Moment<'_> {
+    /// The sums so far as bytes, which [`crate::stats::RunTotals::read`] turns into the same bits.
+    pub fn state(&self) -> Vec<u8> {
+        (self.state)()
     }
 }
 

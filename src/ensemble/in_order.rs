@@ -18,13 +18,27 @@ pub fn in_order<R: Send, E: Send>(
     threads: usize,
     stop: &AtomicBool,
     make: impl Fn(u64) -> R + Sync,
+    deliver: impl FnMut(R) -> Result<ControlFlow<()>, E> + Send,
+) -> Result<u64, E> {
+    in_order_while(count, threads, stop, |piece| Some(make(piece)), deliver)
+}
+
+/// The same where a piece may be given up while it is made: then nothing more is delivered.
+pub(crate) fn in_order_while<R: Send, E: Send>(
+    count: u64,
+    threads: usize,
+    stop: &AtomicBool,
+    make: impl Fn(u64) -> Option<R> + Sync,
     mut deliver: impl FnMut(R) -> Result<ControlFlow<()>, E> + Send,
 ) -> Result<u64, E> {
     let workers = threads.min(count.try_into().unwrap_or(usize::MAX)).max(1);
     let queue = Queue { state: Mutex::new(State::new(&mut deliver)), moved: Condvar::new() };
     let work = || {
         while let Some(index) = queue.take(count, workers as u64 * PIECES_AHEAD, stop) {
-            queue.put(index, make(index));
+            match make(index) {
+                Some(piece) => queue.put(index, piece),
+                None => queue.give_up(),
+            }
         }
     };
     let pool = (workers > 1).then(|| rayon::ThreadPoolBuilder::new().num_threads(workers).build());
@@ -82,6 +96,12 @@ impl<'a, R, E> Queue<'a, R, E> {
         }
         state.next += 1;
         Some(state.next - 1)
+    }
+
+    /// A piece will not come: no more are made, and those before it are delivered as they come.
+    fn give_up(&self) {
+        self.lock().next = u64::MAX;
+        self.moved.notify_all();
     }
 
     /// Hand in a piece, and deliver all that are in turn.

@@ -9,13 +9,14 @@ mod in_order;
 
 #[doc(hidden)]
 pub use in_order::in_order;
+pub(crate) use in_order::in_order_while;
 
 use crate::model::Model;
 use crate::noise;
 use crate::scheme::{Simulate as _, Simulation, Timeline};
 use crate::stats::{BlockObserver, BlockResult, Companion, Overlap, Record, RunTotals, Summary, Unit};
-use std::ops::ControlFlow;
-use std::sync::atomic::AtomicBool;
+use std::ops::{ControlFlow, Range};
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Paths in a block: enough to fill the registers many times over, few enough for a hundred thousandth of a large run to be
 /// lost to an interruption. Part of what makes a result reproducible: changing it changes the last bits of every mean.
@@ -59,7 +60,8 @@ impl Plan {
 
     /// Simulate block `index`.
     pub fn block(&self, index: u64) -> BlockResult {
-        self.block_beside(index, &()).result
+        let first = index * BLOCK_SIZE;
+        self.piece(first, BLOCK_SIZE.min(self.paths - first))
     }
 
     /// The same ensemble, of whose output rows every `closeness`-th is one of the run and the others
@@ -75,21 +77,38 @@ impl Plan {
 
     /// Simulate the paths `first .. first + paths`, of this ensemble or beyond its end.
     pub fn piece(&self, first: u64, paths: u64) -> BlockResult {
-        self.piece_beside(first, paths, &()).0
+        let never = AtomicBool::new(false);
+        loop {
+            // Nobody raises the flag, so it is made at once.
+            if let Some((piece, ())) = self.piece_beside(first, paths, &(), &never) {
+                return piece;
+            }
+        }
     }
 
-    /// Simulate block `index`, watched by a companion as well.
-    pub fn block_beside<C: Companion>(&self, index: u64, companion: &C) -> Delivered<C::Sums> {
+    /// Simulate block `index`, watched by a companion as well; none where `halt` is raised meanwhile.
+    pub(crate) fn block_beside<C: Companion>(
+        &self,
+        index: u64,
+        companion: &C,
+        halt: &AtomicBool,
+    ) -> Option<Delivered<C::Sums>> {
         let first = index * BLOCK_SIZE;
-        let (result, beside) = self.piece_beside(first, BLOCK_SIZE.min(self.paths - first), companion);
-        Delivered { index, result, beside }
+        let (result, beside) = self.piece_beside(first, BLOCK_SIZE.min(self.paths - first), companion, halt)?;
+        Some(Delivered { index, result, beside })
     }
 
     /// Simulate the paths `first .. first + paths`, watched by a companion as well.
     ///
     /// A path that diverges is left out, with the other one of its pair, and the others are simulated again without it. They are independent of it, so this happens
     /// at most once a block.
-    fn piece_beside<C: Companion>(&self, first: u64, paths: u64, companion: &C) -> (BlockResult, C::Sums) {
+    fn piece_beside<C: Companion>(
+        &self,
+        first: u64,
+        paths: u64,
+        companion: &C,
+        halt: &AtomicBool,
+    ) -> Option<(BlockResult, C::Sums)> {
         // A piece that cuts a pair, such as a path alone, has no pairs.
         let holds_pairs = self.antithetic && first.is_multiple_of(2) && paths.is_multiple_of(2);
         let unit = if holds_pairs { Unit::Pair } else { Unit::Path };
@@ -99,11 +118,14 @@ impl Plan {
             let own = BlockObserver::new(self.model(), self.timeline(), &self.record, &kept)
                 .with_step(self.simulation.step())
                 .in_units(unit);
-            let mut both = (own, companion.observer(&kept));
-            let lost = self.simulation.simulate(self.seed, &drawn(&kept, self.antithetic), &mut both);
+            let mut all = ((own, companion.observer(&kept)), halt);
+            let lost = self.simulation.simulate(self.seed, &drawn(&kept, self.antithetic), &mut all);
+            if halt.load(Ordering::Relaxed) {
+                return None;
+            }
             if lost.is_empty() {
-                let (own, theirs) = both;
-                return (own.finish(first, paths, diverged), companion.finish(theirs, unit));
+                let ((own, theirs), _) = all;
+                return Some((own.finish(first, paths, diverged), companion.finish(theirs, unit)));
             }
             // With a path the other one of its pair is left out.
             let lost: Vec<u64> = lost.into_iter().map(|lane| unit.of(kept[lane])).collect();
@@ -134,21 +156,32 @@ impl Plan {
         stop: &AtomicBool,
         mut deliver: impl FnMut(BlockResult) -> Result<ControlFlow<()>, E> + Send,
     ) -> Result<u64, E> {
-        self.run_beside(&(), threads, stop, |block| deliver(block.result))
+        let stops = Stops { stop, halt: &AtomicBool::new(false) };
+        let blocks = self.run_beside(&(), 0..self.blocks(), threads, stops, |block| deliver(block.result))?;
+        Ok((blocks * BLOCK_SIZE).min(self.paths))
     }
 
-    /// The same, every block watched by a companion as well.
+    /// The same for these blocks only, every block watched by a companion as well. Returns the number of blocks delivered.
     pub fn run_beside<C: Companion, E: Send>(
         &self,
         companion: &C,
+        blocks: Range<u64>,
         threads: usize,
-        stop: &AtomicBool,
+        stops: Stops<'_>,
         deliver: impl FnMut(Delivered<C::Sums>) -> Result<ControlFlow<()>, E> + Send,
     ) -> Result<u64, E> {
-        let make = |index: u64| self.block_beside(index, companion);
-        let blocks = in_order(self.blocks(), threads, stop, make, deliver)?;
-        Ok((blocks * BLOCK_SIZE).min(self.paths))
+        let make = |piece: u64| self.block_beside(blocks.start + piece, companion, stops.halt);
+        in_order_while(blocks.end.saturating_sub(blocks.start), threads, stops.stop, make, deliver)
     }
+}
+
+/// Two flags that end a run.
+#[derive(Clone, Copy, Debug)]
+pub struct Stops<'a> {
+    /// No more blocks are begun; those in work are finished.
+    pub stop: &'a AtomicBool,
+    /// Those in work are given up.
+    pub halt: &'a AtomicBool,
 }
 
 /// A block on its way from the threads that simulate to whoever folds it.

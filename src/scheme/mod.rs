@@ -41,6 +41,7 @@ pub use stability::Stability;
 pub use timeline::{Instant, Timeline};
 
 use crate::model::{Event, Model};
+use std::sync::atomic::{AtomicBool, Ordering};
 
 schemes! { DiscreteVi, CorrectedVi, EventDriven, QuasiStatic }
 
@@ -75,6 +76,12 @@ pub trait Observer {
     /// The state of every path at an instant; instants arrive in time order, and after every
     /// earlier event.
     fn snapshot(&mut self, instant: Instant, snapshot: Snapshot<'_>);
+
+    /// Whether nobody waits for these paths any more. A scheme that is told so returns soon, and what
+    /// it has told of them is no result.
+    fn is_stopped(&self) -> bool {
+        false
+    }
 }
 
 /// Nobody watches.
@@ -95,6 +102,23 @@ impl<A: Observer, B: Observer> Observer for (A, B) {
     fn snapshot(&mut self, instant: Instant, snapshot: Snapshot<'_>) {
         self.0.snapshot(instant, snapshot);
         self.1.snapshot(instant, snapshot);
+    }
+
+    #[inline]
+    fn is_stopped(&self) -> bool {
+        self.0.is_stopped() || self.1.is_stopped()
+    }
+}
+
+/// Watches nothing, and stops the simulation when it is raised.
+impl Observer for &AtomicBool {
+    fn event(&mut self, _: usize, _: Event) {}
+
+    fn snapshot(&mut self, _: Instant, _: Snapshot<'_>) {}
+
+    #[inline]
+    fn is_stopped(&self) -> bool {
+        self.load(Ordering::Relaxed)
     }
 }
 

@@ -141,7 +141,7 @@ impl QuasiStaticSimulation {
         let mut next = self.next(cascade, phase, since, x, &mut work);
         for stop in self.timeline.stops() {
             while let Ok(Some(event)) = next {
-                if event.time > stop.time {
+                if event.time > stop.time || observer.is_stopped() {
                     break;
                 }
                 (0..lanes).for_each(|lane| observer.event(lane, event));

@@ -49,14 +49,6 @@ impl Merge for () {
     fn merge(&mut self, (): &()) {}
 }
 
-impl Codec for () {
-    fn write(&self, _: &mut Vec<u8>) {}
-
-    fn read(&mut self, _: &mut Reader<'_>) -> Result<(), Damaged> {
-        Ok(())
-    }
-}
-
 impl<X: Merge> Merge for (Sums, X) {
     fn merge(&mut self, other: &Self) {
         self.0.merge(&other.0);
@@ -64,15 +56,14 @@ impl<X: Merge> Merge for (Sums, X) {
     }
 }
 
-impl<X: Codec> Codec for (Sums, X) {
+/// The program's sums alone.
+impl Codec for (Sums, ()) {
     fn write(&self, out: &mut Vec<u8>) {
         self.0.write(out);
-        self.1.write(out);
     }
 
     fn read(&mut self, from: &mut Reader<'_>) -> Result<(), Damaged> {
-        self.0.read(from)?;
-        self.1.read(from)
+        self.0.read(from)
     }
 }
 
@@ -137,18 +128,18 @@ impl<X: Merge + Clone> RunTotals<X> {
     pub fn own(&self) -> X {
         self.tree.total(|(_, own)| own).unwrap_or_else(|| self.empty.1.clone())
     }
-}
 
-impl<X: Merge + Codec + Clone> RunTotals<X> {
-    /// As bytes that [`RunTotals::read`] turns into the same bits.
+    /// As bytes that [`RunTotals::read`] turns into the same bits; without the user's own sums.
     pub fn to_bytes(&self) -> Vec<u8> {
         let mut bytes = MAGIC.to_vec();
         VERSION.write(&mut bytes);
-        self.tree.write(&mut bytes);
+        self.tree.write(&mut bytes, |(sums, _)| sums);
         self.counts.write(&mut bytes);
         bytes
     }
+}
 
+impl RunTotals {
     /// From bytes, given the empty totals of the run that they are of. What the bytes say is held against those: other
     /// rows or periods, overlapping blocks, bytes missing or left over are damage.
     pub fn read(self, bytes: &[u8]) -> Result<Self, Damaged> {

@@ -132,17 +132,19 @@ fn root<P: Merge + Clone>(nodes: &[(u64, &P)], level: u32) -> Option<P> {
     }
 }
 
-impl<S: Merge + Codec> Tree<S> {
-    /// Append every node: level, first block, sums.
-    pub fn write(&self, out: &mut Vec<u8>) {
+impl<S> Tree<S> {
+    /// Append every node: level, first block, and what `part` sees of its sums.
+    pub fn write<P: Codec>(&self, out: &mut Vec<u8>, part: impl Fn(&S) -> &P) {
         (self.nodes.len() as u64).write(out);
         for (first, node) in &self.nodes {
             u64::from(node.level).write(out);
             first.write(out);
-            node.sums.write(out);
+            part(&node.sums).write(out);
         }
     }
+}
 
+impl<S: Merge + Codec> Tree<S> {
     /// Read nodes back, each into a copy of `empty`. Damage is an overlap, a node off its place, or two that should be one.
     pub fn read(from: &mut Reader<'_>, empty: &S) -> Result<Self, Damaged>
     where
@@ -222,7 +224,7 @@ mod tests {
                 let mut part = parts.swap_remove(rng.next_u64() as usize % parts.len());
                 if through_bytes {
                     let mut bytes = Vec::new();
-                    part.write(&mut bytes);
+                    part.write(&mut bytes, |sums| sums);
                     part = Tree::read(&mut Reader::new(&bytes), &Moments::default()).expect("as written");
                 }
                 joined.merge(part).expect("the parts do not overlap");

@@ -23,20 +23,108 @@ pub enum StoreError {
         /// What the system says.
         cause: String,
     },
-    /// An earlier run to the same target was killed.
-    #[error("{}: left behind by a run that did not finish; move it away to keep it, or overwrite it (--force)", partial.display())]
+    /// Something unfinished has the name of the folder in which a file is made.
+    #[error(
+        "{}: left behind by something that did not finish; move it away to keep it, continue it with `mc resume {}`, or give it \
+         up with --force", partial.display(), target.display()
+    )]
     LeftOver {
-        /// The unfinished file.
+        /// The unfinished work.
+        partial: PathBuf,
+        /// The file that was to be made.
+        target: PathBuf,
+    },
+    /// An earlier run to the same target did not finish, and can.
+    #[error(
+        "{}: {what} is unfinished there, with {saved_paths} of {paths} paths\n  fix: continue it with `mc resume {}`, give it up with \
+         --force, or choose another output file with -o", partial.display(), target.display()
+    )]
+    Resumable {
+        /// The folder in which it is saved.
+        partial: PathBuf,
+        /// The file that was to be made.
+        target: PathBuf,
+        /// Which run it is.
+        what: String,
+        /// Paths that are done.
+        saved_paths: u64,
+        /// Paths to be done.
+        paths: u64,
+    },
+    /// Something of this name is neither ours nor a regular file that could be replaced.
+    #[error("{}: something else of this name is in the way; move it away, or choose another output file with -o", path.display())]
+    InTheWay {
+        /// What it is called.
+        path: PathBuf,
+    },
+    /// There is no unfinished run.
+    #[error("{}: there is no such file, and no unfinished run of that name ({}); give the file of a run that was interrupted", target.display(), partial.display())]
+    NothingToResume {
+        /// The file that would have been made.
+        target: PathBuf,
+        /// The folder in which it would have been saved.
         partial: PathBuf,
     },
+    /// The folder in which a file is made is gone, or another one.
+    #[error("{}: moved, deleted or replaced while {} was being made in it; leave it alone, and run again", partial.display(), target.display())]
+    TakenAway {
+        /// The folder.
+        partial: PathBuf,
+        /// The file that was to be made.
+        target: PathBuf,
+    },
+    /// Another program has begun the run.
+    #[error(
+        "{}: begun by {theirs}; this is {mine}, which need not come to the same numbers\n  fix: continue it with the program that \
+         began it, or run it again with this one", path.display()
+    )]
+    OtherProgram {
+        /// The state of the run.
+        path: PathBuf,
+        /// The program that began it.
+        theirs: String,
+        /// This program.
+        mine: String,
+    },
+    /// What a run is to go on from is not what was saved.
+    #[error("{}: damaged, or not what this program has saved; take it from a backup, or run again with --force", path.display())]
+    DamagedState {
+        /// The file.
+        path: PathBuf,
+    },
+    /// A newer version of the program has saved the run.
+    #[error("{}: saved by a newer version of mc; continue it with that version", path.display())]
+    NewerState {
+        /// The file.
+        path: PathBuf,
+    },
+    /// A file appeared under the name that the results were to have.
+    #[error(
+        "{}: appeared while it was being made, and was not replaced; the results are in {}\n  fix: move the file away, or replace it \
+         with --force, then `mc resume {}`", target.display(), partial.display(), target.display()
+    )]
+    Appeared {
+        /// The folder with the results.
+        partial: PathBuf,
+        /// The file that is there.
+        target: PathBuf,
+    },
     /// Another process has the file open.
-    #[error("{}: in use by another process (a run that writes it, or a reader that holds it open); wait or close that one", path.display())]
+    #[error("{}: in use by another process; wait or close that one", path.display())]
     InUse {
         /// The file.
         path: PathBuf,
     },
-    /// Another process simulates a sweep to the same file.
-    #[error("{}: another process is writing this sweep; wait for it, or choose another output file with -o", path.display())]
+    /// The file system has no locks, and somebody may be making the file.
+    #[error("{}: another process may be making {}, and this file system has no locks to tell; remove this file if there is none", path.display(), target.display())]
+    NoLocks {
+        /// The lock file.
+        path: PathBuf,
+        /// The file that is made.
+        target: PathBuf,
+    },
+    /// Another process makes the same file.
+    #[error("{}: another process is making this file; wait for it, or choose another output file with -o", path.display())]
     Busy {
         /// The file.
         path: PathBuf,
@@ -68,31 +156,32 @@ pub enum StoreError {
         /// Bytes free.
         free: u64,
     },
-    /// The disk became full during a run.
-    #[error(
-        "{}: the disk is full ({cause}); nothing was written to the final file. \
-         Free some space or choose another disk, delete this file, and run again", partial.display()
-    )]
+    /// The disk became full.
+    #[error("{}: the disk is full ({cause}); {}", partial.display(), after_failure(*saved_paths, target, "free some space or choose another disk"))]
     DiskFull {
-        /// The unfinished file.
+        /// The folder in which the file was made.
         partial: PathBuf,
-        /// Paths that were in the file when it was last known to be whole.
-        completed_paths: u64,
+        /// The file that was to be made.
+        target: PathBuf,
+        /// Paths that are saved in the folder.
+        saved_paths: u64,
         /// What the system says.
         cause: String,
     },
     /// Writing failed for another reason.
-    #[error("{}: writing failed: {cause}; nothing was written to the final file", partial.display())]
+    #[error("{}: writing failed: {cause}; {}", partial.display(), after_failure(*saved_paths, target, "mend that"))]
     Write {
-        /// The unfinished file.
+        /// The folder in which the file was made.
         partial: PathBuf,
-        /// Paths that were in the file when it was last known to be whole.
-        completed_paths: u64,
+        /// The file that was to be made.
+        target: PathBuf,
+        /// Paths that are saved in the folder.
+        saved_paths: u64,
         /// What HDF5 or the system says.
         cause: String,
     },
     /// The finished file could not be given its name.
-    #[error("{}: complete, but cannot be renamed to {}: {source}; rename it by hand", partial.display(), target.display())]
+    #[error("{}: complete, but cannot be given the name {}: {source}; mend that, then `mc resume {}`", partial.display(), target.display(), target.display())]
     Rename {
         /// The finished file.
         partial: PathBuf,
@@ -118,7 +207,7 @@ pub enum StoreError {
         source: io::Error,
     },
     /// There is no such file, or it may not be read.
-    #[error("{}: {source}; give a file written by `mc run`{}", path.display(), unfinished_hint(path))]
+    #[error("{}: {source}; give a file written by `mc run`", path.display())]
     NotOpened {
         /// The file.
         path: PathBuf,
@@ -149,19 +238,6 @@ pub enum StoreError {
         major: u32,
         /// Its minor format version.
         minor: u32,
-    },
-    /// The run that writes the file has not ended, or was killed.
-    #[error(
-        "{}: the run that writes this file has not ended, or was killed after {completed_paths} of {paths} paths; \
-         it holds no statistics. Wait for it, or run again", path.display()
-    )]
-    Unfinished {
-        /// The file.
-        path: PathBuf,
-        /// Paths in the file.
-        completed_paths: u64,
-        /// Paths asked for.
-        paths: u64,
     },
     /// The file is one of ours and cannot be read.
     #[error("{}: damaged or cut short ({cause}); copy it again from its origin, or run again", path.display())]
@@ -194,12 +270,10 @@ pub(super) fn cause(error: &hdf5::Error) -> String {
     system_error(error).map_or_else(|| error.to_string(), |system| system.to_string())
 }
 
-/// Whoever asks for a file that is still being written should be told so.
-fn unfinished_hint(path: &Path) -> String {
-    let partial = super::partial_path(path);
-    if !path.exists() && partial.exists() {
-        format!("; {} exists: its run has not ended, or was killed", partial.display())
-    } else {
-        String::new()
+/// What is safe after a write has failed, and what to do.
+fn after_failure(saved_paths: u64, target: &Path, remedy: &str) -> String {
+    match saved_paths {
+        0 => format!("nothing was written: {remedy}, and run again"),
+        paths => format!("{paths} paths are safe: {remedy}, then `mc resume {}`", target.display()),
     }
 }

@@ -1,7 +1,7 @@
 //! Root attributes: what a file says about itself, written and read side by side.
 
 use super::variable::{read_text, write_attribute, write_text};
-use crate::engine::Status;
+use crate::engine::{NoPart, Part, Status};
 use crate::provenance::Provenance;
 use crate::stats::Units;
 use hdf5::File;
@@ -10,7 +10,7 @@ use hdf5::File;
 pub const FORMAT_NAME: &str = "stick-slip ensemble";
 
 /// Major and minor version of the file format. A new minor version only adds; a new major version may change or remove.
-pub const FORMAT_VERSION: (u32, u32) = (1, 2);
+pub const FORMAT_VERSION: (u32, u32) = (1, 3);
 
 /// Version of the CF conventions that the file follows.
 const CONVENTIONS: &str = "CF-1.11";
@@ -65,6 +65,20 @@ pub(super) fn set_diverged_paths(file: &File, paths: u64) -> hdf5::Result<()> {
 /// Say how the run ended.
 pub(super) fn set_status(file: &File, status: Status) -> hdf5::Result<()> {
     file.attr("status")?.write_scalar(&super::variable::text(status.name())?)
+}
+
+/// Say which part of a run it is.
+pub(super) fn set_part(file: &File, part: Part) -> hdf5::Result<()> {
+    write_text(file, "part", &part.to_string())
+}
+
+/// Which part of a run it is, if it is one.
+pub(super) fn part(file: &File) -> hdf5::Result<Option<Part>> {
+    if file.attr("part").is_err() {
+        return Ok(None);
+    }
+    let text = read_text(file, "part")?;
+    text.parse().map(Some).map_err(|error: NoPart| format!("part = \"{text}\": {error}").into())
 }
 
 /// Say what ended the run before its last path.

@@ -196,6 +196,9 @@ table! {
     DIVERGED_PATH = variable("diverged_path", &["diverged_path"], Unit::ONE,
         "numbers of the paths that diverged or were given up, which are in no statistic");
 
+    PART_STATE = variable("part_state", &["part_state"], Unit::None,
+        "state of a part of a run, from which mc merge joins it to the others");
+
     PATH = variable("path", &["path"], Unit::ONE, "path number");
     PATH_DISPLACEMENT_END = variable("path_displacement_end", &["path"], Unit::LENGTH, "displacement at the end");
     PATH_MAX_DISPLACEMENT = variable("path_max_displacement", &["path"], Unit::LENGTH,

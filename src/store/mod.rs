@@ -1,33 +1,44 @@
 //! The ensemble on disk: HDF5 that netCDF-4 readers open as it is. The only home of HDF5.
 //!
 //! ```text
-//! Writer::create   NAME.partial, with the header and the coordinates
-//!   -> append      rows of single paths, block by block; what the file claims is always on disk
-//!     -> finish    statistics, bands, histograms; then NAME.partial becomes NAME in one step
-//! read             the header and the statistics of a finished file
+//! FileSink        a run that is being simulated, saved in the folder NAME.partial: state.rs and log.rs
+//!   -> go_on      the same from what was saved, after whatever ended the process
+//!   -> Writer     its file, written once, at the end, in that folder (workshop.rs); then it gets its name in one step
+//! read            the header and the statistics of a finished file, or of an unfinished run
 //! ```
 //!
 //! `docs/output-format.md` describes the file for its readers; `layout.rs` is the same list for the code.
 
+mod checksum;
 mod error;
 mod growing;
 mod header;
 mod layout;
+mod lock;
+mod log;
+mod parts;
 mod reader;
+mod rows;
 mod scale;
 mod sink;
 mod space;
+mod state;
 mod summary;
 mod sweep;
 mod trade;
 mod variable;
+mod workshop;
 mod writer;
 
 pub use error::StoreError;
 pub use header::{FORMAT_NAME, FORMAT_VERSION};
+pub use parts::{PartError, Parts};
 pub use reader::{FileKind, Stored, kind, read};
-pub use sink::FileSink;
+pub use rows::read_path;
+pub use sink::{FileSink, Unfinished};
 pub use space::check_space;
+pub use state::Question;
 pub use sweep::{SWEEP_FORMAT_NAME, SWEEP_FORMAT_VERSION, StoredSweep, SweepFile, read_sweep, sweep_bytes};
 pub use trade::{TRADE_FORMAT_NAME, read_prices, write_trade};
-pub use writer::{Rows, Writer, discard_partial, partial_path};
+pub use workshop::{file_of, partial_path, write_whole};
+pub use writer::{Rows, Writer};

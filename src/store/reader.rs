@@ -1,24 +1,32 @@
 //! Reading a finished file back.
 
 use super::error::{cause, system_error};
+use super::lock::Lock;
 use super::variable::{read_or_empty, read_text};
-use super::{FORMAT_NAME, FORMAT_VERSION, SWEEP_FORMAT_NAME, StoreError, TRADE_FORMAT_NAME, header, layout, summary};
-use crate::engine::Status;
+use super::workshop::{STATE, file_of, partial_path};
+use super::{
+    FORMAT_NAME, FORMAT_VERSION, SWEEP_FORMAT_NAME, StoreError, TRADE_FORMAT_NAME, header, layout, state, summary,
+};
+use crate::engine::{Part, Status};
 use crate::provenance::Provenance;
 use crate::stats::Summary;
 use hdf5::File;
 use std::io::{self, Read};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-/// What a finished file says.
+/// What a file, or an unfinished run, says.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Stored {
     /// Where its numbers come from.
     pub header: Provenance,
-    /// How the run ended.
+    /// How the run ended; whether it is running or was interrupted, where it has not.
     pub status: Status,
+    /// Which part of a run it is, if it is one.
+    pub part: Option<Part>,
     /// What ended it before its last path, if it was asked to end.
     pub ended_by: Option<String>,
+    /// The file that it was to be, where the run is not finished.
+    pub unfinished: Option<PathBuf>,
     /// Paths in the file.
     pub completed_paths: u64,
     /// Its statistics.
@@ -38,6 +46,9 @@ pub enum FileKind {
 
 /// What a file holds; none where it is no HDF5 file.
 pub fn kind(path: &Path) -> Result<Option<FileKind>, StoreError> {
+    if unfinished(path).is_some() {
+        return Ok(Some(FileKind::Run));
+    }
     match check_signature(path) {
         Err(StoreError::NotHdf5 { .. } | StoreError::NotOpened { .. }) => return Ok(None),
         other => other?,
@@ -54,8 +65,28 @@ pub fn kind(path: &Path) -> Result<Option<FileKind>, StoreError> {
 /// The first bytes of every HDF5 file.
 const SIGNATURE: [u8; 8] = *b"\x89HDF\r\n\x1a\n";
 
-/// Read the header and the statistics of a finished file.
+/// The name of the file of an unfinished run: `path` is that name, or that of the folder in which the run is saved.
+pub(super) fn unfinished(path: &Path) -> Option<PathBuf> {
+    let target = if path.is_dir() { file_of(path) } else { path.to_owned() };
+    let is_saved = (path.is_dir() || !path.exists()) && partial_path(&target).join(STATE).exists();
+    is_saved.then_some(target)
+}
+
+/// What an unfinished run says, given the name of its file.
+fn read_unfinished(target: &Path) -> Result<Stored, StoreError> {
+    let state = state::read(&partial_path(target).join(STATE))?;
+    let (header, completed_paths, part) = (state.header(), state.paths(), state.question.asked.part);
+    let status = if Lock::is_taken(target) { Status::Running } else { Status::Interrupted };
+    let summary = state.so_far.totals.totals().summary();
+    let unfinished = Some(target.to_owned()).filter(|_| status != Status::Running);
+    Ok(Stored { header, status, part, ended_by: None, unfinished, completed_paths, summary })
+}
+
+/// Read the header and the statistics of a finished file, or of a run that is not finished.
 pub fn read(path: &Path) -> Result<Stored, StoreError> {
+    if let Some(target) = unfinished(path) {
+        return read_unfinished(&target);
+    }
     check_signature(path)?;
     let file = open(path)?;
     match header::format_version(&file) {
@@ -68,18 +99,20 @@ pub fn read(path: &Path) -> Result<Stored, StoreError> {
     let damaged = |error: hdf5::Error| StoreError::Damaged { path: path.to_owned(), cause: cause(&error) };
     let (status, completed_paths) = header::progress(&file).map_err(damaged)?;
     let header = read_or_empty(&file, &layout::TIME).and_then(|time| header::read(&file, time)).map_err(damaged)?;
-    if status == Status::Running {
-        return Err(StoreError::Unfinished { path: path.to_owned(), completed_paths, paths: header.paths });
-    }
     let summary = summary::read(&file, completed_paths, header.step).map_err(damaged)?;
     let ended_by = header::ended_by(&file).map_err(damaged)?;
-    Ok(Stored { header, status, ended_by, completed_paths, summary })
+    let part = header::part(&file).map_err(damaged)?;
+    Ok(Stored { header, status, part, ended_by, unfinished: None, completed_paths, summary })
 }
 
 /// HDF5 has one answer for a missing, an unreadable and a foreign file; so look first.
 pub(super) fn check_signature(path: &Path) -> Result<(), StoreError> {
     let not_opened = |source| StoreError::NotOpened { path: path.to_owned(), source };
     let mut start = [0; SIGNATURE.len()];
+    // A pipe would wait for its other end.
+    if std::fs::metadata(path).is_ok_and(|there| !there.is_file() && !there.is_dir()) {
+        return Err(StoreError::NotHdf5 { path: path.to_owned() });
+    }
     match std::fs::File::open(path).map_err(not_opened)?.read_exact(&mut start) {
         Ok(()) if start == SIGNATURE => Ok(()),
         Ok(()) => Err(StoreError::NotHdf5 { path: path.to_owned() }),

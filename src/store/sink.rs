@@ -1,13 +1,26 @@
 //! A file as the sink of a run.
 
-use super::{StoreError, Writer, check_space, discard_partial};
-use crate::engine::{Outcome, Sink, SinkError};
+use super::log::{self, Log, LogError, Position};
+use super::state::{self, Question, State};
+use super::workshop::{ROWS, STATE, Workshop, is_published, parent, partial_path};
+use super::{StoreError, Writer, check_space};
+use crate::engine::{Asked, Moment, Outcome, Sink, SinkError, SoFar, Status};
 use crate::provenance::Provenance;
 use crate::scenario::Scenario;
-use crate::stats::BlockResult;
+use crate::stats::{BlockResult, Record};
 use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+/// Shortest time between two moments at which a run is saved.
+const INTERVAL: Duration = Duration::from_millis(200);
+
+/// Saving may take at most this share of the time: on a slow disk a run is saved less often.
+const SHARE: u32 = 50;
 
 /// Writes a run to a file, which has its name only once the run is over.
+///
+/// Until then the run is saved every now and then in the folder `NAME.partial`. What is killed, or interrupted, goes on
+/// from there ([`FileSink::go_on`]), and comes to the same file.
 ///
 /// ```
 /// use stick_slip::engine::Run;
@@ -25,44 +38,244 @@ use std::path::{Path, PathBuf};
 pub struct FileSink {
     target: PathBuf,
     force: bool,
-    writer: Option<Writer>,
+    note: String,
+    ends: bool,
+    open: Option<Open>,
+}
+
+/// A run that is being saved.
+#[derive(Debug)]
+struct Open {
+    workshop: Workshop,
+    question: Question,
+    /// None where nothing is recorded of single paths.
+    log: Option<Log>,
+    /// How much of the log is on the disk.
+    position: Position,
+    appended: u64,
+    last: Instant,
+    interval: Duration,
+}
+
+/// A run to go on with.
+#[derive(Debug)]
+pub struct Unfinished {
+    /// What it is.
+    pub question: Question,
+    /// How far it has come.
+    pub so_far: SoFar,
+    /// Where it goes on being saved.
+    pub sink: FileSink,
 }
 
 impl FileSink {
-    /// To this file. With `force`, what an unfinished run to the same name left behind is removed first.
+    /// To this file. With `force`, a file of this name is replaced, and what an unfinished run to it left behind goes.
     pub fn new(target: &Path, force: bool) -> Self {
-        FileSink { target: target.to_owned(), force, writer: None }
+        FileSink { target: target.to_owned(), force, note: String::new(), ends: false, open: None }
     }
 
-    fn create(&self, scenario: &Scenario, paths: u64) -> Result<Writer, StoreError> {
-        let folder = self.target.parent().unwrap_or(Path::new("."));
-        check_space(folder, scenario.derived().output_bytes as u64)?;
-        if self.force {
-            discard_partial(&self.target)?;
+    /// Keep this text with the run, for whoever goes on with it.
+    pub fn with_note(self, note: String) -> Self {
+        FileSink { note, ..self }
+    }
+
+    /// Write the file even if the run is interrupted, of the paths that are done.
+    pub fn ending(self) -> Self {
+        FileSink { ends: true, ..self }
+    }
+
+    /// Go on with the run that `NAME.partial` holds, where `target` is `NAME`. There is none where the run was finished and only
+    /// its folder was left.
+    pub fn go_on(target: &Path, force: bool) -> Result<Option<Unfinished>, StoreError> {
+        let partial = partial_path(target);
+        if !partial.exists() {
+            return match target.exists() {
+                true => Ok(None),
+                false => Err(StoreError::NothingToResume { target: target.to_owned(), partial }),
+            };
         }
-        let provenance = Provenance { paths, ..Provenance::of(scenario) };
-        Writer::create(&self.target, &provenance, &scenario.record)
+        let mut workshop = Workshop::enter(target, force)?;
+        let path = workshop.path(STATE);
+        let (is_there, is_saved) = (target.symlink_metadata().is_ok(), path.exists());
+        if is_published(target) || is_there && !is_saved {
+            // Only the folder was left to be removed.
+            workshop.discard();
+            return Ok(None);
+        }
+        if is_there && !force {
+            return Err(StoreError::Appeared { partial, target: target.to_owned() });
+        }
+        if !is_saved {
+            return Err(StoreError::NothingToResume { target: target.to_owned(), partial });
+        }
+        let state = state::read(&path)?;
+        state.check_program(&path)?;
+        workshop.saved_paths = state.paths();
+        let log = match is_logged(&state.question.scenario.record) {
+            true => Some(go_on_with_log(&workshop, state.log)?),
+            false => None,
+        };
+        let State { question, so_far, log: position, .. } = state;
+        let open = Open {
+            appended: workshop.saved_paths,
+            workshop,
+            question: question.clone(),
+            log,
+            position,
+            last: Instant::now(),
+            interval: INTERVAL,
+        };
+        let sink = FileSink { open: Some(open), ..FileSink::new(target, force) };
+        Ok(Some(Unfinished { question, so_far, sink }))
+    }
+
+    /// Paths that are saved.
+    pub fn saved_paths(&self) -> u64 {
+        self.open.as_ref().map_or(0, |open| open.workshop.saved_paths)
+    }
+
+    /// Start to save a run.
+    fn create(&self, question: Question) -> Result<Open, StoreError> {
+        let Question { scenario, asked, .. } = &question;
+        // Rows are written twice: to the log, and to the file.
+        let share = asked.own_paths() as f64 / scenario.ensemble.paths.max(1) as f64;
+        check_space(&parent(&self.target), (2.0 * share.min(1.0) * scenario.derived().output_bytes) as u64)?;
+        let workshop = Workshop::open(&self.target, self.force).map_err(|error| match error {
+            StoreError::LeftOver { partial, target } => left_over(partial, target, &question),
+            error => error,
+        })?;
+        let log = is_logged(&scenario.record).then(|| Log::create(&workshop.path(ROWS))).transpose();
+        let log = log.map_err(|error| workshop.failed(&error))?;
+        Ok(Open {
+            workshop,
+            question,
+            log,
+            position: Position::default(),
+            appended: 0,
+            last: Instant::now(),
+            interval: INTERVAL,
+        })
+    }
+}
+
+/// Whether anything of single paths is recorded.
+pub(super) fn is_logged(record: &Record) -> bool {
+    *record != Record::NOTHING
+}
+
+/// Check all of a log, and go on with it.
+fn go_on_with_log(workshop: &Workshop, end: Position) -> Result<Log, StoreError> {
+    let path = workshop.path(ROWS);
+    read_log(path.clone(), end, |_| Ok(()))?;
+    Log::go_on(&path, end).map_err(|error| workshop.failed(&error))
+}
+
+fn read_log(
+    path: PathBuf,
+    end: Position,
+    show: impl FnMut(log::OwnedRows) -> Result<(), StoreError>,
+) -> Result<(), StoreError> {
+    log::read(&path, end, show).map_err(|error| match error {
+        LogError::Damaged => StoreError::DamagedState { path },
+        LogError::Io(source) => StoreError::NotOpened { path, source },
+        LogError::Shown(error) => *error,
+    })
+}
+
+/// What is in the way of a run: itself, another one, or something that cannot be read.
+fn left_over(partial: PathBuf, target: PathBuf, question: &Question) -> StoreError {
+    let Ok(state) = state::read(&partial.join(STATE)) else { return StoreError::LeftOver { partial, target } };
+    let (saved_paths, paths) = (state.paths(), state.question.asked.own_paths());
+    let what = match state.question.difference_from(question) {
+        None => "this run".to_string(),
+        Some(difference) => format!("another run ({difference})"),
+    };
+    StoreError::Resumable { partial, target, what, saved_paths, paths }
+}
+
+impl Question {
+    /// What it asks otherwise than another one.
+    pub(super) fn difference_from(&self, other: &Question) -> Option<String> {
+        let (mine, theirs) = (self.scenario.to_toml(), other.scenario.to_toml());
+        let lines = || mine.lines().zip(theirs.lines());
+        let said = |line: &str| line.split("  #").next().unwrap_or("").trim().to_string();
+        if let Some((mine, theirs)) = lines().find(|(mine, theirs)| mine != theirs) {
+            return Some(format!("it has `{}`, and this one `{}`", said(mine), said(theirs)));
+        }
+        if mine != theirs {
+            return Some("its scenario is another one".into());
+        }
+        (self.asked != other.asked).then(|| "its goals, limits or options are others".into())
+    }
+}
+
+impl Open {
+    /// Bring everything to the disk: the rows first, and then the state that speaks of them.
+    fn save(&mut self, moment: &Moment<'_>) -> Result<(), StoreError> {
+        let start = Instant::now();
+        let file = self.log.as_ref().map(|log| (ROWS, log.file()));
+        self.workshop.check(file)?;
+        if let Some(log) = &mut self.log {
+            self.position = log.sync().map_err(|error| self.workshop.failed(&error))?;
+        }
+        let state = state::to_bytes(&self.question, &moment.state(), moment.spent, self.position);
+        self.workshop.save(&state, self.appended)?;
+        self.last = Instant::now();
+        self.interval = INTERVAL.max(start.elapsed() * SHARE);
+        Ok(())
+    }
+
+    /// Write the file.
+    fn finish(self, outcome: &Outcome) -> Result<(), StoreError> {
+        let Open { workshop, question, log, position, .. } = self;
+        drop(log);
+        let Question { scenario, asked, .. } = question;
+        let header = Provenance { paths: asked.paths, ..Provenance::of(&scenario) };
+        let (rows, state) = (workshop.path(ROWS), workshop.path(STATE));
+        let mut writer = Writer::within(workshop, &header, &scenario.record)?;
+        if let Some(part) = asked.part {
+            let read = std::fs::read(&state);
+            writer.part(part, &read.map_err(|source| StoreError::NotOpened { path: state, source })?)?;
+        }
+        if let Some(reason) = &outcome.ended_by {
+            writer.ended_by(&reason.to_string())?;
+        }
+        if position.length > 0 {
+            read_log(rows, position, |block| writer.append_rows(block.rows()))?;
+        }
+        writer.finish(&outcome.summary, outcome.status)
     }
 }
 
 impl Sink for FileSink {
-    fn begin(&mut self, scenario: &Scenario, paths: u64) -> Result<(), SinkError> {
-        self.writer = Some(self.create(scenario, paths)?);
+    fn begin(&mut self, scenario: &Scenario, asked: &Asked) -> Result<(), SinkError> {
+        if self.open.is_none() {
+            let question = Question { scenario: scenario.clone(), asked: asked.clone(), note: self.note.clone() };
+            self.open = Some(self.create(question)?);
+        }
         Ok(())
     }
 
     fn block(&mut self, block: &BlockResult) -> Result<(), SinkError> {
-        if let Some(writer) = &mut self.writer {
-            writer.append(block)?;
+        let Some(open) = &mut self.open else { return Ok(()) };
+        if let Some(log) = &mut open.log {
+            log.append(&block.into()).map_err(|error| open.workshop.failed(&error))?;
         }
+        open.appended += block.paths;
         Ok(())
     }
 
+    fn save(&mut self, moment: &Moment<'_>) -> Result<(), SinkError> {
+        let Some(open) = &mut self.open else { return Ok(()) };
+        // A run of which nothing is done leaves nothing.
+        let is_due = moment.is_last && open.appended > 0 || open.last.elapsed() >= open.interval;
+        if is_due { Ok(open.save(moment)?) } else { Ok(()) }
+    }
+
     fn finish(&mut self, outcome: &Outcome) -> Result<(), SinkError> {
-        let Some(mut writer) = self.writer.take() else { return Ok(()) };
-        if let Some(reason) = &outcome.ended_by {
-            writer.ended_by(&reason.to_string())?;
-        }
-        Ok(writer.finish(&outcome.summary, outcome.status)?)
+        let Some(open) = self.open.take() else { return Ok(()) };
+        // An interrupted run goes on later, and one of which nothing is done leaves nothing.
+        let is_left = outcome.status == Status::Interrupted && !self.ends || outcome.summary.completed_paths == 0;
+        if is_left { Ok(()) } else { Ok(open.finish(outcome)?) }
     }
 }

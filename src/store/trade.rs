@@ -1,11 +1,12 @@
 //! The file of a trade: what was measured of every rung, and what was predicted for every target.
 
+use super::StoreError;
 use super::error::{cause, is_full, system_error};
 use super::layout::{self, Unit, Variable, variable};
 use super::reader::open;
 use super::variable::{Place, read_or_empty, read_text, text, write_attribute, write_text};
+use super::workshop::{RESULTS, Workshop};
 use super::writer::create_file;
-use super::{StoreError, discard_partial, partial_path};
 use crate::provenance::Provenance;
 use crate::scheme::Kind;
 use crate::stats::Statistic;
@@ -16,29 +17,24 @@ use std::path::Path;
 /// What `format_name` says in the file of a trade.
 pub const TRADE_FORMAT_NAME: &str = "stick-slip trade";
 
-/// Write a trade: `NAME.partial` first, then `NAME` in one step, like every file. With `force`, a leftover goes.
+/// Write a trade, in the folder `NAME.partial` like every file. With `force`, a file of this name is replaced.
 pub fn write_trade(target: &Path, header: &Provenance, trade: &Trade, force: bool) -> Result<(), StoreError> {
-    let partial = partial_path(target);
-    if force {
-        discard_partial(target)?;
-    } else if partial.exists() {
-        return Err(StoreError::LeftOver { partial });
-    }
-    let file = create_file(&partial)
-        .map_err(|error| StoreError::NotCreated { partial: partial.clone(), cause: cause(&error) })?;
+    let workshop = Workshop::open(target, force)?;
+    let path = workshop.path(RESULTS);
+    let file =
+        create_file(&path).map_err(|error| StoreError::NotCreated { partial: path.clone(), cause: cause(&error) })?;
     let place = Place { file, units: header.units.clone() };
     let written = fill(&place, header, trade).and_then(|()| place.file.flush());
     if let Err(error) = written {
         // As for a run: closing a file that could not be written may crash the library.
         std::mem::forget(place);
-        let (full, cause) = (system_error(&error).is_some_and(|system| is_full(&system)), cause(&error));
-        return Err(match full {
-            true => StoreError::DiskFull { partial, completed_paths: 0, cause },
-            false => StoreError::Write { partial, completed_paths: 0, cause },
-        });
+        let full = system_error(&error).is_some_and(|system| is_full(&system));
+        return Err(workshop.failure(cause(&error), full));
     }
     drop(place);
-    std::fs::rename(&partial, target).map_err(|source| StoreError::Rename { partial, target: target.into(), source })
+    let synced = std::fs::File::open(&path).and_then(|file| file.sync_all());
+    synced.map_err(|error| workshop.failed(&error))?;
+    workshop.publish()
 }
 
 /// The prices of accuracy in a file of a trade: of this statistic, or of the first that has any.

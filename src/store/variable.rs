@@ -116,6 +116,7 @@ pub(super) trait Element: H5Type + Clone {
 impl Element for u64 {}
 impl Element for u32 {}
 impl Element for i8 {}
+impl Element for u8 {}
 impl Element for VarLenUnicode {}
 impl Element for f64 {
     fn builder(file: &File, variable: &Described) -> hdf5::DatasetBuilderEmpty {

@@ -1,53 +1,21 @@
-//! Writing a run as it goes.
+//! Writing the file of a run, once its statistics are known.
 
 use super::error::{cause, is_full, system_error};
 use super::growing::{Table, Values};
 use super::variable::{Growth, Place};
+use super::workshop::{RESULTS, Workshop};
 use super::{StoreError, header, layout, summary};
-use crate::engine::Status;
+use crate::engine::{Part, Status};
 use crate::provenance::Provenance;
 use crate::stats::{BlockResult, EventColumns, PathColumns, Record, Summary, TrajectoryRows};
 use hdf5::File;
 use hdf5::file::{FileCloseDegree, LibraryVersion};
 use hdf5::plist::file_create::{AttrCreationOrder, LinkCreationOrder};
 use std::fs;
-use std::path::{Path, PathBuf};
-use std::time::{Duration, Instant};
+use std::path::Path;
 
 /// Values in a chunk of per-path data: 128 kB of reals, so that a chunk of every variable fits into HDF5's cache.
 const CHUNK: usize = 16_384;
-
-/// Shortest time between two moments at which the file on disk is brought up to date.
-const CHECKPOINT_INTERVAL: Duration = Duration::from_secs(1);
-
-/// A checkpoint may take at most this share of the time: a slow disk is brought up to date less often.
-const CHECKPOINT_SHARE: u32 = 50;
-
-/// The name under which a file is written until it is finished: `NAME.partial`.
-pub fn partial_path(target: &Path) -> PathBuf {
-    let mut name = target.as_os_str().to_owned();
-    name.push(".partial");
-    PathBuf::from(name)
-}
-
-/// Remove what an earlier run to the same target left behind, unless that run is still going. Returns whether there
-/// was anything.
-pub fn discard_partial(target: &Path) -> Result<bool, StoreError> {
-    let partial = partial_path(target);
-    if !partial.exists() {
-        return Ok(false);
-    }
-    if in_use(&partial) {
-        return Err(StoreError::InUse { path: partial });
-    }
-    fs::remove_file(&partial).map_err(|source| StoreError::Remove { partial, source })?;
-    Ok(true)
-}
-
-/// HDF5 locks a file that it writes with the same advisory lock.
-fn in_use(path: &Path) -> bool {
-    fs::File::open(path).is_ok_and(|file| matches!(file.try_lock(), Err(fs::TryLockError::WouldBlock)))
-}
 
 /// What a run keeps of consecutive paths.
 #[derive(Clone, Copy, Debug)]
@@ -76,10 +44,9 @@ impl<'a> From<&'a BlockResult> for Rows<'a> {
     }
 }
 
-/// A file that is being written.
+/// A file that is being written, in the folder `NAME.partial`.
 ///
-/// Blocks must arrive in the order of their paths. Dropping a writer without `finish` leaves `NAME.partial` behind, with
-/// status `running` and the paths that are in it.
+/// Rows must arrive in the order of their paths. Dropping a writer without `finish` leaves nothing behind.
 ///
 /// # When the disk is full
 ///
@@ -87,18 +54,13 @@ impl<'a> From<&'a BlockResult> for Rows<'a> {
 /// an error. Closing such a file crashes in some versions of the HDF5 library, and reports success in others.
 #[derive(Debug)]
 pub struct Writer {
-    target: PathBuf,
-    partial: PathBuf,
+    workshop: Workshop,
     /// Gone once a write has failed.
     open: Option<Open>,
     /// Why it is gone.
     failure: Option<Failure>,
     /// Paths appended.
     appended: u64,
-    /// Paths that the file on disk claims.
-    claimed: u64,
-    last_checkpoint: Instant,
-    checkpoint_interval: Duration,
 }
 
 /// The handles of an open file; on a write error they must not be dropped.
@@ -119,38 +81,26 @@ struct Failure {
 
 impl Writer {
     /// Start a file: root attributes, coordinates, and the empty variables of what is recorded. Nothing of the target is
-    /// touched before `finish`. A leftover of an earlier run is an error; see `discard_partial`.
-    pub fn create(target: &Path, header: &Provenance, record: &Record) -> Result<Writer, StoreError> {
-        let partial = partial_path(target);
-        let folder = target.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-        if !folder.is_dir() {
-            return Err(StoreError::NoFolder { target: target.to_owned(), folder: folder.to_owned() });
-        }
-        if partial.exists() {
-            return Err(if in_use(&partial) {
-                StoreError::InUse { path: partial }
-            } else {
-                StoreError::LeftOver { partial }
-            });
-        }
-        let file = create_file(&partial)
-            .map_err(|error| StoreError::NotCreated { partial: partial.clone(), cause: cause(&error) })?;
+    /// touched before `finish`. With `force`, a file of this name is replaced, and what an unfinished run to it left behind goes.
+    pub fn create(target: &Path, header: &Provenance, record: &Record, force: bool) -> Result<Writer, StoreError> {
+        Writer::within(Workshop::open(target, force)?, header, record)
+    }
+
+    /// The same in a folder that is there.
+    pub(super) fn within(workshop: Workshop, header: &Provenance, record: &Record) -> Result<Writer, StoreError> {
+        let path = workshop.path(RESULTS);
+        // An earlier attempt to finish the run may have left it.
+        let _ = fs::remove_file(&path);
+        let file = create_file(&path)
+            .map_err(|error| StoreError::NotCreated { partial: path.clone(), cause: cause(&error) })?;
         let place = Place { file, units: header.units.clone() };
-        let mut writer = Writer {
-            target: target.to_owned(),
-            partial,
-            open: Some(Open { place, paths: None, events: None, trajectories: None }),
-            failure: None,
-            appended: 0,
-            claimed: 0,
-            last_checkpoint: Instant::now(),
-            checkpoint_interval: CHECKPOINT_INTERVAL,
-        };
+        let open = Some(Open { place, paths: None, events: None, trajectories: None });
+        let mut writer = Writer { workshop, open, failure: None, appended: 0 };
         writer.guarded(|open| open.define(header, record))?;
         Ok(writer)
     }
 
-    /// Add the paths of the next block. They are on disk after the next checkpoint, about once a second.
+    /// Add the paths of the next block.
     pub fn append(&mut self, block: &BlockResult) -> Result<(), StoreError> {
         self.append_rows(Rows::from(block))
     }
@@ -159,26 +109,20 @@ impl Writer {
     pub fn append_rows(&mut self, rows: Rows) -> Result<(), StoreError> {
         self.guarded(|open| open.append(rows))?;
         self.appended += rows.paths;
-        if self.last_checkpoint.elapsed() >= self.checkpoint_interval { self.checkpoint() } else { Ok(()) }
-    }
-
-    /// Bring the file on disk up to date.
-    pub fn checkpoint(&mut self) -> Result<(), StoreError> {
-        let start = Instant::now();
-        let paths = self.appended;
-        self.guarded(|open| {
-            open.write_rows()?;
-            open.claim(paths)
-        })?;
-        self.claimed = paths;
-        self.last_checkpoint = Instant::now();
-        self.checkpoint_interval = CHECKPOINT_INTERVAL.max(start.elapsed() * CHECKPOINT_SHARE);
         Ok(())
     }
 
     /// Say what ends the run before its last path.
     pub fn ended_by(&mut self, reason: &str) -> Result<(), StoreError> {
         self.guarded(|open| header::set_ended_by(&open.place.file, reason))
+    }
+
+    /// Say which part of a run it is, and keep its state, from which it can be joined to others.
+    pub(super) fn part(&mut self, part: Part, state: &[u8]) -> Result<(), StoreError> {
+        self.guarded(|open| {
+            header::set_part(&open.place.file, part)?;
+            open.place.put(&layout::PART_STATE, state)
+        })
     }
 
     /// Write the statistics, and give the file its name: at every moment there is either no file of that name (or the
@@ -192,16 +136,13 @@ impl Writer {
             }
             open.finish(summary, status)
         })?;
-        self.claimed = paths;
-        // Everything is on disk by now, so closing has nothing left to write.
+        // Everything is written by now, so closing has nothing left to write.
         drop(self.open.take());
-        let partial = self.partial.clone();
-        let target = std::mem::take(&mut self.target);
         // Some file systems notice only now that they are full.
-        fs::File::open(&partial)
+        fs::File::open(self.workshop.path(RESULTS))
             .and_then(|file| file.sync_all())
             .map_err(|error| self.latch(Failure { full: is_full(&error), cause: error.to_string() }))?;
-        fs::rename(&partial, &target).map_err(|source| StoreError::Rename { partial, target, source })
+        self.workshop.publish()
     }
 
     /// Do something with the open file, unless an earlier write has failed; latch the first failure.
@@ -223,21 +164,19 @@ impl Writer {
     }
 
     fn error(&self) -> StoreError {
-        let (partial, completed_paths) = (self.partial.clone(), self.claimed);
-        match self.failure.clone() {
-            Some(Failure { cause, full: true }) => StoreError::DiskFull { partial, completed_paths, cause },
-            Some(Failure { cause, full: false }) => StoreError::Write { partial, completed_paths, cause },
-            None => StoreError::Write { partial, completed_paths, cause: "the file is closed".to_owned() },
-        }
+        let failure = self.failure.clone();
+        let Failure { cause, full } = failure.unwrap_or(Failure { cause: "the file is closed".into(), full: false });
+        self.workshop.failure(cause, full)
     }
 }
 
 impl Drop for Writer {
-    /// Write what is there before the handles close, because closing does not report that the disk is full.
+    /// What is not written yet is of no use, but to close the file writes it; an error then may crash the library.
     fn drop(&mut self) {
-        if self.open.is_some() {
-            // There is nobody left to tell; an error leaks the handles, which is all that matters here.
-            let _ = self.checkpoint();
+        if let Some(open) = self.open.take()
+            && open.place.file.flush().is_err()
+        {
+            std::mem::forget(open);
         }
     }
 }
@@ -286,7 +225,7 @@ impl Open {
             let growth = Growth { rows, columns };
             self.trajectories = Some(Table::define(&self.place, &trajectory_variables(&none), growth)?);
         }
-        self.place.file.flush()
+        Ok(())
     }
 
     fn append(&mut self, block: Rows) -> hdf5::Result<()> {
@@ -318,18 +257,11 @@ impl Open {
         Ok(())
     }
 
-    /// The rows reach the disk before the number that speaks of them.
-    fn claim(&self, paths: u64) -> hdf5::Result<()> {
-        self.place.file.flush()?;
-        header::set_completed_paths(&self.place.file, paths)?;
-        self.place.file.flush()
-    }
-
     fn finish(&mut self, summary: &Summary, status: Status) -> hdf5::Result<()> {
         self.write_rows()?;
         summary::write(&self.place, summary)?;
         header::set_diverged_paths(&self.place.file, summary.diverged.len() as u64)?;
-        self.claim(summary.completed_paths)?;
+        header::set_completed_paths(&self.place.file, summary.completed_paths)?;
         header::set_status(&self.place.file, status)?;
         self.place.file.flush()
     }

@@ -8,6 +8,8 @@ use crate::engine::MOST_PATHS;
 use crate::scenario::Scenario;
 use crate::scheme::Misfit;
 use crate::stats::Statistic;
+use std::fmt;
+use std::str::FromStr;
 use std::time::Duration;
 
 /// How long the pilot may take.
@@ -169,13 +171,57 @@ impl Accuracy<'_> {
 }
 
 impl Decision {
+    /// What was promised.
+    pub fn promise(&self) -> Promise {
+        let Choice { paths, bias, decisive, .. } = self.choice;
+        Promise { target: self.target, paths, bias, decisive }
+    }
+}
+
+/// What is promised of a run that was chosen: an error, once its paths are done.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Promise {
+    /// The relative root mean square error.
+    pub target: f64,
+    /// The number of paths that it takes.
+    pub paths: u64,
+    /// The part of the error that no number of paths makes smaller.
+    pub bias: f64,
+    /// The statistic that asks for most paths.
+    pub decisive: Statistic,
+}
+
+impl Promise {
     /// The relative error that is left where only so many paths are done, if that is not enough.
     ///
     /// The square of the error is bias^2 + variance/N, and `target`^2 at the paths of the choice.
     pub fn error_after(&self, completed: u64) -> Option<f64> {
-        let Choice { paths, bias, .. } = self.choice;
-        let spread = (self.target * self.target - bias * bias) * paths as f64 / completed as f64;
+        let Promise { target, paths, bias, .. } = *self;
+        let spread = (target * target - bias * bias) * paths as f64 / completed as f64;
         (completed < paths).then(|| spread.sqrt().hypot(bias))
+    }
+}
+
+/// As it is kept with a run.
+impl fmt::Display for Promise {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Promise { target, paths, bias, decisive } = self;
+        write!(f, "{target:?} {paths} {bias:?} {}", decisive.name())
+    }
+}
+
+impl FromStr for Promise {
+    type Err = ();
+
+    fn from_str(text: &str) -> Result<Self, ()> {
+        let words: Vec<&str> = text.split(' ').collect();
+        let [target, paths, bias, decisive] = words.as_slice() else { return Err(()) };
+        Ok(Promise {
+            target: target.parse().map_err(|_| ())?,
+            paths: paths.parse().map_err(|_| ())?,
+            bias: bias.parse().map_err(|_| ())?,
+            decisive: Statistic::from_name(decisive).ok_or(())?,
+        })
     }
 }
 
@@ -257,8 +303,8 @@ mod tests {
         let (scenario, trade) = &*RHO025;
         let mut decision = wanted(0.02, &[MEAN]).decide(scenario, trade).expect("a choice");
         (decision.choice.bias, decision.choice.paths) = (0.0, 1024);
-        assert_eq!((decision.error_after(1024), decision.error_after(256)), (None, Some(0.04)));
-        assert_eq!(decision.error_after(0), Some(f64::INFINITY));
+        assert_eq!((decision.promise().error_after(1024), decision.promise().error_after(256)), (None, Some(0.04)));
+        assert_eq!(decision.promise().error_after(0), Some(f64::INFINITY));
     }
 
     #[test]

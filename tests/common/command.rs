@@ -99,7 +99,13 @@ impl Running {
 
     /// Send it Ctrl-C.
     pub fn interrupt(&self) {
-        let sent = Command::new("kill").args(["-INT", &self.child.id().to_string()]).status().expect("kill");
+        self.signal("INT");
+    }
+
+    /// Send it a signal of this name.
+    pub fn signal(&self, name: &str) {
+        let to = self.child.id().to_string();
+        let sent = Command::new("kill").args([&format!("-{name}"), &to]).status().expect("kill");
         assert!(sent.success(), "{sent}");
     }
 

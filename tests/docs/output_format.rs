@@ -48,6 +48,7 @@ fn kind(dataset: &Dataset) -> &'static str {
         TypeDescriptor::Float(FloatSize::U8) => "f64",
         TypeDescriptor::Unsigned(IntSize::U8) => "u64",
         TypeDescriptor::Unsigned(IntSize::U4) => "u32",
+        TypeDescriptor::Unsigned(IntSize::U1) => "u8",
         TypeDescriptor::Integer(IntSize::U1) => "i8",
         TypeDescriptor::VarLenUnicode => "text",
         other => panic!("{}: a type that the page has no word for: {other}", dataset.name()),
@@ -107,7 +108,7 @@ fn written(folder: &Path, name: &str, arguments: &[&str]) -> File {
 }
 
 /// Files in which everything that a run can write occurs: records, units, lost paths, a resolution,
-/// pairs, a run that was ended, the fewest paths for a bias of the step.
+/// pairs, a part, a run that was ended, the fewest paths for a bias of the step.
 fn runs(folder: &Path) -> Vec<File> {
     let record = ["record.events=true", "record.trajectories=7"].map(|set| ["--set", set]).concat();
     let everything = [&["run", "scenarios/rho025.toml", "--paths", "300"][..], &record].concat();
@@ -116,6 +117,7 @@ fn runs(folder: &Path) -> Vec<File> {
     let unresolved = ["run", "scenarios/equal-friction.toml", "--scheme", "event-driven", "--paths", "2"];
     let late = ["run", "scenarios/rho025.toml", "--paths", "2", "--set", "statistics.after=30"];
     let pairs = ["run", "scenarios/rho025.toml", "--paths", "4", "--set", "ensemble.antithetic=true"];
+    let part = ["run", "scenarios/rho025.toml", "--paths", "600", "--part", "2/3"];
     let ended = ["run", "scenarios/rho025.toml", "--until", "stick_duration_mean < 20%"];
     vec![
         written(folder, "everything.h5", &everything),
@@ -123,6 +125,7 @@ fn runs(folder: &Path) -> Vec<File> {
         written(folder, "unresolved.h5", &unresolved),
         written(folder, "late.h5", &late),
         written(folder, "pairs.h5", &pairs),
+        written(folder, "part.h5", &part),
         written(folder, "ended.h5", &ended),
         written(folder, "biased.h5", &["run", "scenarios/rho025.toml", "--paths", "768"]),
     ]

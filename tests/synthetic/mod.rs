@@ -210,7 +210,7 @@ pub fn summary(paths: u64, header: &Provenance) -> Summary {
 pub fn write(target: &Path, paths: u64, block_size: u64, record: &Record, status: Status) -> (Provenance, Summary) {
     let header = header(if status == Status::Complete { paths } else { 10 * paths });
     let summary = summary(paths, &header);
-    let mut writer = Writer::create(target, &header, record).unwrap();
+    let mut writer = Writer::create(target, &header, record, false).unwrap();
     for first in (0..paths).step_by(block_size as usize) {
         let size = block_size.min(paths - first);
         let block = block(first, size, header.time.len(), record.trajectories);

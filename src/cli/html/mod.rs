@@ -50,12 +50,12 @@ impl Report {
     pub fn call(&self) -> Result<(), Failure> {
         let default = || PathBuf::from(self.file.file_stem().unwrap_or("report".as_ref())).with_extension("html");
         let output = self.output.clone().unwrap_or_else(default);
-        writable(&output, self.force)?;
+        writable(&output, self.force, [self.file.as_path()])?;
         let stored = store::read(&self.file)?;
         let scenario = Scenario::parse("scenario", &stored.header.scenario_text, &[]).ok();
         let info = super::show::info(&self.file, &stored, scenario.as_ref());
         let page = page(&stored, scenario.as_ref(), &info);
-        results::write_whole(&output, page.as_bytes())?;
+        store::write_whole(&output, page.as_bytes(), self.force)?;
         note(&format!("{}: {} kB", output.display(), page.len() / 1000));
         Ok(())
     }

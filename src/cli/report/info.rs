@@ -1,6 +1,6 @@
 //! What is known about a run besides its statistics, and the speeds that follow from it.
 
-use stick_slip::engine::Status;
+use stick_slip::engine::{Part, Status};
 use stick_slip::scenario::Units;
 
 /// What is known about a run besides its summary.
@@ -20,6 +20,8 @@ pub struct RunInfo {
     pub seed: u64,
     /// Paths asked for.
     pub paths: u64,
+    /// Which part of them this is, if not all.
+    pub part: Option<Part>,
     /// Whether they are antithetic pairs.
     pub antithetic: bool,
     /// Threads, if this process ran it.

@@ -114,6 +114,9 @@ fn paths(summary: &Summary, info: &RunInfo) -> String {
     match info.status {
         Status::Complete => of_all,
         Status::Ended => format!("{completed} completed; ended by {}", info.ended_by.as_deref().unwrap_or("request")),
+        Status::Part => {
+            format!("{of_all}: part {} of the run", info.part.map_or_else(String::new, |part| part.to_string()))
+        }
         Status::Interrupted => format!("{of_all}: the run was interrupted"),
         Status::Running => format!("{of_all}: the run is not finished"),
     }

@@ -88,6 +88,7 @@ pub fn info() -> RunInfo {
         resolution: None,
         seed: 1,
         paths: 10_000,
+        part: None,
         antithetic: false,
         threads: Some(2),
         seconds: Some(0.6),

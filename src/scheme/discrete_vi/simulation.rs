@@ -126,6 +126,9 @@ impl Simulate for DiscreteSimulation {
             let grid = self.h * self.observed_every as f64;
             let target = (stop.time / grid).round() as u64 * self.observed_every;
             while n < target {
+                if observer.is_stopped() {
+                    return Vec::new();
+                }
                 let steps = RUN.min((target - n) as usize);
                 self.clock.fill(n, &mut harmonics[..=steps]);
                 for (force, harmonic) in forcing.iter_mut().zip(&harmonics[..=steps]) {

@@ -121,7 +121,7 @@ pub fn simulate<O: Observer>(paths: &mut impl Paths, count: usize, observer: &mu
     let mut stops = timeline.stops().peekable();
     let is_before = |stop: &Stop, end: f64| stop.time < end - ALIGNMENT * end;
     let is_by = |stop: &Stop, end: f64| stop.time <= end + ALIGNMENT * end;
-    while let Some(stop) = stops.peek() {
+    while let Some(stop) = stops.peek().filter(|_| !observer.is_stopped()) {
         // Cells inside which nobody looks, up to the end of one at which somebody does: each path
         // goes through all of them alone, which processors predict better.
         quiet.clear();
@@ -188,6 +188,7 @@ struct Crossing<'p, 'a, C: Cascade> {
     all: &'p mut OneByOne<'a, C>,
     cells: &'p [Cell],
     inside: Option<&'p mut Inside>,
+    is_stopped: &'p dyn Fn() -> bool,
 }
 
 impl<C: Cascade> LaneProgram for Crossing<'_, '_, C> {
@@ -196,6 +197,9 @@ impl<C: Cascade> LaneProgram for Crossing<'_, '_, C> {
         let OneByOne { cascade, transition, paths, events, scratch, .. } = &mut *self.all;
         for (lane, path) in paths.iter_mut().enumerate() {
             let mut cells = self.cells.iter();
+            if (self.is_stopped)() {
+                return;
+            }
             while let Some(cell) = cells.next().filter(|_| !path.is_lost) {
                 if let Some(inside) = &mut self.inside {
                     inside.cross(lane, *cascade, cell, transition, path, scratch);
@@ -217,7 +221,8 @@ impl<C: Cascade> Paths for OneByOne<'_, C> {
 
     fn cross(&mut self, cells: &[Cell], observer: &mut impl Observer) {
         let instructions = self.instructions;
-        instructions.run(&mut Crossing { all: self, cells, inside: None });
+        let is_stopped = &|| observer.is_stopped();
+        instructions.run(&mut Crossing { all: self, cells, inside: None, is_stopped });
         for (lane, event) in self.events.drain(..) {
             observer.event(lane, event);
         }
@@ -226,7 +231,7 @@ impl<C: Cascade> Paths for OneByOne<'_, C> {
     fn cross_watched(&mut self, cell: &Cell, inside: &mut Inside) {
         let cells = std::slice::from_ref(cell);
         let instructions = self.instructions;
-        instructions.run(&mut Crossing { all: self, cells, inside: Some(inside) });
+        instructions.run(&mut Crossing { all: self, cells, inside: Some(inside), is_stopped: &|| false });
     }
 
     fn look(&self, passed: &Cell, columns: &mut Columns) {

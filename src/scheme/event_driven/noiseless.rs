@@ -66,7 +66,7 @@ impl Noiseless {
         let mut leg = self.initial_leg(&mut work);
         for stop in self.timeline.stops() {
             while let Ok(Some((_, event))) = leg.as_ref().map(|l| l.end) {
-                if event.time > stop.time {
+                if event.time > stop.time || observer.is_stopped() {
                     break;
                 }
                 (0..lanes).for_each(|lane| observer.event(lane, event));

@@ -65,6 +65,10 @@ impl<O: Observer> Observer for WithUnfeltNoise<'_, O> {
         self.observer.event(lane, event);
     }
 
+    fn is_stopped(&self) -> bool {
+        self.observer.is_stopped()
+    }
+
     fn snapshot(&mut self, instant: Instant, snapshot: Snapshot<'_>) {
         let Some(noise) = self.noise else { return self.observer.snapshot(instant, snapshot) };
         if snapshot.time > self.time {

@@ -8,18 +8,17 @@
 //! ```
 
 mod layout;
-mod lock;
 mod read;
 mod write;
 
 pub use read::{StoredSweep, read_sweep};
 
 use super::error::StoreError;
+use super::lock::Lock;
 use super::{check_space, partial_path};
 use crate::provenance::Provenance;
 use crate::stats::{GROUPS, Statistic};
 use crate::study::sweep::{Design, Point, Question, Sweep};
-use lock::Lock;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 

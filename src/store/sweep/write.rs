@@ -26,8 +26,8 @@ pub(super) fn replace(path: &Path, header: &Provenance, sweep: &Sweep) -> Result
         .map_err(|error| StoreError::NotCreated { partial: beside.clone(), cause: cause(&error) })?;
     let place = Place { file, units: header.units.clone() };
     let failed = |full: bool, cause: String| match full {
-        true => StoreError::DiskFull { partial: beside.clone(), completed_paths: 0, cause },
-        false => StoreError::Write { partial: beside.clone(), completed_paths: 0, cause },
+        true => StoreError::DiskFull { partial: beside.clone(), target: path.to_owned(), saved_paths: 0, cause },
+        false => StoreError::Write { partial: beside.clone(), target: path.to_owned(), saved_paths: 0, cause },
     };
     if let Err(error) = fill(&place, header, sweep).and_then(|()| place.file.flush()) {
         // As for a run: closing a file that could not be written may crash the library.

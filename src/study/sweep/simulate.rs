@@ -7,7 +7,7 @@
 use super::{Point, Sweep};
 use crate::bias::{BesideRun, NoBias};
 use crate::engine::Progress;
-use crate::ensemble::{BLOCK_SIZE, Delivered, Plan, in_order};
+use crate::ensemble::{BLOCK_SIZE, Delivered, Plan, in_order_while};
 use crate::scenario::{Ensemble, Scenario};
 use crate::scheme::Simulate as _;
 use crate::stats::{Companion as _, Grouping, Groups, Overlap, Record, RunTotals, Unit};
@@ -114,13 +114,13 @@ impl Simulation<'_> {
             let (job, k) = (&jobs[number], index - jobs[number].first);
             let made = if k < job.blocks {
                 let kit = kit(job);
-                Made::Block(Box::new(kit.plan.block_beside(k, &kit.grouping)))
+                Made::Block(Box::new(kit.plan.block_beside(k, &kit.grouping, stop)?))
             } else {
                 let scenario = &scenarios[job.point];
                 let beside = scenario.bias_plan(scenario.ensemble.paths).and_then(|plan| plan.simulate(1, stop));
                 Made::Bias(Box::new(beside))
             };
-            Piece { job: number, seconds: thread_seconds() - start, made }
+            Some(Piece { job: number, seconds: thread_seconds() - start, made })
         };
         let mut growing: Option<Growing> = None;
         let mut done = 0;
@@ -155,7 +155,7 @@ impl Simulation<'_> {
             tell(sweep).map_err(SweepEnd::Told)?;
             Ok(ControlFlow::Continue(()))
         };
-        in_order(pieces, threads, stop, make, deliver)?;
+        in_order_while(pieces, threads, stop, make, deliver)?;
         Ok(())
     }
 }

@@ -258,6 +258,9 @@ impl Paths for Abreast<'_> {
     fn cross(&mut self, cells: &[Cell], observer: &mut impl Observer) {
         let instructions = self.instructions;
         for cell in cells {
+            if observer.is_stopped() {
+                return;
+            }
             instructions.run(&mut Quiet { paths: self, cell });
             for (lane, event) in self.events.drain(..) {
                 observer.event(lane as usize, event);

@@ -1,0 +1,53 @@
+//! `mc merge`: parts of a run, joined to the run.
+
+use super::failure::{Failure, writable};
+use super::interrupt::stop_on_signals;
+use super::sitting::{Manner, Sitting};
+use std::path::PathBuf;
+use stick_slip::store::{PartError, Parts};
+
+const EXAMPLES: &str = "\
+Examples:
+  mc run rho025.toml --part 1/4 -o part-1.h5      on one machine, and so on to 4/4
+  mc merge part-*.h5 -o all.h5
+
+The file has the data of a run in one piece, bit for bit; the bias of the step is estimated here.";
+
+/// Arguments of `mc merge`.
+#[derive(Debug, clap::Args)]
+#[command(after_help = EXAMPLES)]
+pub struct Merge {
+    /// The files of all parts, in any order
+    #[arg(required = true, value_name = "FILE")]
+    parts: Vec<PathBuf>,
+    /// Where to write the results
+    #[arg(short, long, value_name = "FILE")]
+    output: PathBuf,
+    /// Overwrite the file if it exists
+    #[arg(long)]
+    force: bool,
+    #[command(flatten)]
+    manner: Manner,
+}
+
+impl Merge {
+    pub fn call(&self) -> Result<(), Failure> {
+        writable(&self.output, self.force, self.parts.iter().map(PathBuf::as_path))?;
+        let parts = Parts::open(&self.parts)?;
+        let stop = stop_on_signals();
+        let (scenario, asked) = (&parts.question.scenario, parts.question.asked.clone());
+        let name = scenario.title.clone();
+        let mut file = parts.into_sink(&self.output, self.force);
+        Sitting { manner: &self.manner, name, scenario, output: &self.output, promise: None, stop: &stop, saves: false }
+            .simulate(asked, Some(parts.so_far.clone()), &mut file)
+    }
+}
+
+impl From<PartError> for Failure {
+    fn from(error: PartError) -> Self {
+        match error {
+            PartError::Store(error) => error.into(),
+            error => Failure::Refused(error.to_string()),
+        }
+    }
+}

@@ -1,0 +1,55 @@
+//! `mc resume`: continue a run that was interrupted or killed.
+
+use super::failure::{Failure, note};
+use super::interrupt::stop_on_signals;
+use super::numbers::grouped;
+use super::sitting::{Manner, Sitting};
+use std::path::PathBuf;
+use std::sync::atomic::Ordering;
+use stick_slip::store::{self, FileSink, Unfinished};
+
+const EXAMPLES: &str = "\
+Examples:
+  mc resume rho025.h5
+  mc resume rho025.h5 --end      write the file of what is done, and simulate no more
+
+The finished file has the data of a run that was never interrupted, bit for bit: its goals, its time limit, of which what
+was spent counts, and what --accuracy chose are those of the run. Only the program that began a run continues it.";
+
+/// Arguments of `mc resume`.
+#[derive(Debug, clap::Args)]
+#[command(after_help = EXAMPLES)]
+pub struct Resume {
+    /// The file that the run was to write, or the folder FILE.partial that it left
+    file: PathBuf,
+    /// Write the file of the paths that are done; its status is `interrupted`
+    #[arg(long)]
+    end: bool,
+    /// Replace a file of this name
+    #[arg(long)]
+    force: bool,
+    #[command(flatten)]
+    manner: Manner,
+}
+
+impl Resume {
+    pub fn call(&self) -> Result<(), Failure> {
+        let output = store::file_of(&self.file);
+        let Some(Unfinished { question, so_far, sink }) = FileSink::go_on(&output, self.force)? else {
+            note(&format!("{} is finished: there is nothing to resume", output.display()));
+            return Ok(());
+        };
+        let stop = stop_on_signals();
+        stop.store(self.end, Ordering::Relaxed);
+        let (scenario, asked) = (&question.scenario, &question.asked);
+        if !self.manner.quiet {
+            let (done, all) = (grouped(sink.saved_paths()), grouped(asked.own_paths()));
+            note(&format!("continuing: {done} of {all} paths are done"));
+        }
+        let name = scenario.title.clone();
+        let promise = question.note.parse().ok();
+        let mut sink = if self.end { sink.ending() } else { sink };
+        Sitting { manner: &self.manner, name, scenario, output: &output, promise, stop: &stop, saves: !self.end }
+            .simulate(asked.clone(), Some(so_far), &mut sink)
+    }
+}

@@ -1,0 +1,180 @@
+//! One sitting of a run, its first or a later one: simulate, then say what came out, and how sure that is.
+
+use super::accuracy;
+use super::ending;
+use super::failure::{Failure, note, print, print_data};
+use super::progress::Progress;
+use super::report::{self, RunInfo};
+use super::results;
+use std::path::Path;
+use std::sync::atomic::AtomicBool;
+use stick_slip::engine::{Asked, EndedBy, Outcome, Run, RunError, Sink, SoFar, Status};
+use stick_slip::ensemble::BLOCK_SIZE;
+use stick_slip::scenario::Scenario;
+use stick_slip::stats::Statistic;
+use stick_slip::store;
+use stick_slip::study::accuracy::Promise;
+
+/// What changes no number.
+#[derive(Debug, clap::Args)]
+pub struct Manner {
+    /// Show the running estimate of this statistic and its relative error [default: that of --until or --accuracy]
+    #[arg(long, value_name = "NAME", value_parser = super::trade::statistic)]
+    watch: Option<Statistic>,
+    /// Threads [default: one a core]
+    #[arg(long, value_name = "K", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: Option<u16>,
+    /// Print nothing but warnings and errors
+    #[arg(short, long)]
+    pub quiet: bool,
+    /// Print one JSON object on standard output, and nothing else there
+    #[arg(long)]
+    json: bool,
+}
+
+impl Manner {
+    /// How many threads to use.
+    pub fn threads(&self) -> usize {
+        self.threads.map_or_else(super::cores, usize::from)
+    }
+}
+
+/// One sitting of a run.
+pub struct Sitting<'a> {
+    pub manner: &'a Manner,
+    /// What the scenario is called.
+    pub name: String,
+    pub scenario: &'a Scenario,
+    pub output: &'a Path,
+    /// What `--accuracy` has promised.
+    pub promise: Option<Promise>,
+    pub stop: &'a AtomicBool,
+    /// Whether an interrupted run is saved and can go on, or ends.
+    pub saves: bool,
+}
+
+impl Sitting<'_> {
+    /// Simulate a run, from where an earlier sitting has left it.
+    pub fn simulate(&self, asked: Asked, so_far: Option<SoFar>, file: &mut dyn Sink) -> Result<(), Failure> {
+        let of_goal = || asked.goals.first().map(|goal| goal.statistic);
+        let of_promise = || self.promise.map(|promise| promise.decisive);
+        let watched = self.manner.watch.or_else(of_goal).or_else(of_promise);
+        let mut progress = Progress::new(asked.own_paths(), self.manner.quiet, watched);
+        let run = Run::of(self.scenario)
+            .asked(asked)
+            .threads(self.manner.threads())
+            .stopped_by(self.stop)
+            .told(&mut progress)
+            .into_sink(file);
+        let ended = match so_far {
+            Some(so_far) => run.go_on(so_far),
+            None => run.simulate(),
+        };
+        progress.finish();
+        match ended {
+            Ok(outcome) => self.report(&outcome),
+            Err(RunError::Sink { error, outcome }) => {
+                // What is in memory is not lost with the file.
+                if let Some(outcome) = outcome.filter(|outcome| outcome.summary.completed_paths > 0) {
+                    self.print(&outcome)?;
+                }
+                Err(RunError::Sink { error, outcome: None }.into())
+            }
+            Err(error) => Err(error.into()),
+        }
+    }
+
+    /// Say what came out, and what is to be done about it.
+    fn report(&self, outcome: &Outcome) -> Result<(), Failure> {
+        if self.is_unfinished(outcome) && outcome.summary.completed_paths == 0 {
+            note("interrupted before the first paths were done: nothing is written");
+            return Err(Failure::Interrupted);
+        }
+        if outcome.summary.completed_paths == 0 {
+            return Err(Failure::Run(format!(
+                "the time was up before the first {BLOCK_SIZE} paths were done; nothing is written\n  fix: a longer --max-time, or a \
+                 larger step or tolerance; mc check says how long it takes"
+            )));
+        }
+        let info = self.print(outcome)?;
+        let failure = match &outcome.ended_by {
+            Some(EndedBy::Hopeless(reason)) => Some(ending::hopeless(reason)),
+            _ if outcome.is_all_lost() => Some(all_lost(self.scenario.scheme.step().is_some()).to_string()),
+            _ => None,
+        };
+        if self.is_unfinished(outcome) {
+            let continued = format!("interrupted; continue it with: mc resume {}", self.output.display());
+            note(&continued);
+            return Err(Failure::Interrupted);
+        }
+        match failure {
+            Some(reason) => Err(Failure::Run(format!("{reason}\n  what was simulated is in {}", info.file))),
+            None => Ok(()),
+        }
+    }
+
+    /// Whether the run can go on.
+    fn is_unfinished(&self, outcome: &Outcome) -> bool {
+        outcome.status == Status::Interrupted && self.saves
+    }
+
+    fn print(&self, outcome: &Outcome) -> Result<RunInfo, Failure> {
+        let (summary, info) = (&outcome.summary, self.info(outcome));
+        let (json, quiet) = (self.manner.json, self.manner.quiet);
+        if json {
+            print_data(&report::json(summary, &info))?;
+        } else if !quiet {
+            print(&report::table(summary, &info))?;
+        }
+        if let Some(line) = report::lost(summary, &info).filter(|_| json || quiet) {
+            note(&format!("warning: {line}"));
+        }
+        if let Some(line) = report::unsettled(summary).filter(|_| json || quiet) {
+            note(&format!("warning: {line}"));
+        }
+        results::warn_of_bias(summary);
+        let missed = outcome.missed.iter().map(|missed| ending::missed(missed, missed.paths_needed()));
+        let broken = self.promise.and_then(|promise| accuracy::missed(&promise, summary.completed_paths));
+        for line in missed.chain(broken) {
+            note(&format!("warning: {line}"));
+        }
+        Ok(info)
+    }
+
+    fn info(&self, outcome: &Outcome) -> RunInfo {
+        let Sitting { scenario, output, .. } = self;
+        let saved = store::partial_path(output);
+        let file = if self.is_unfinished(outcome) { saved.as_path() } else { output };
+        RunInfo {
+            scenario: self.name.clone(),
+            title: scenario.title.clone(),
+            scheme: scenario.scheme.name().to_string(),
+            step: scenario.scheme.step(),
+            resolution: scenario.resolution().map(|resolution| resolution.shortest_slip),
+            seed: scenario.ensemble.seed,
+            paths: outcome.paths,
+            part: outcome.part,
+            antithetic: scenario.ensemble.antithetic,
+            threads: Some(outcome.threads),
+            seconds: Some(outcome.seconds),
+            bias_seconds: Some(outcome.bias.seconds),
+            no_bias: outcome.bias.absence.as_ref().map(|reason| reason.to_string()),
+            steps_per_path: scenario.steps(),
+            file: file.display().to_string(),
+            status: outcome.status,
+            ended_by: outcome.ended_by.as_ref().map(EndedBy::to_string),
+            units: scenario.units.clone(),
+        }
+    }
+}
+
+/// What to say where no path is left.
+fn all_lost(has_step: bool) -> &'static str {
+    if has_step {
+        "every path diverged, so there are no statistics\n  fix: a smaller step, or --scheme corrected-vi or event-driven; mc check \
+         says how long a step may be"
+    } else {
+        "every path was given up, so there are no statistics: it takes more than 10^8 evaluations, or meets a number that is not finite\n  \
+         fix: a shorter --until; or --scheme discrete-vi, whose work is its number of steps"
+    }
+}

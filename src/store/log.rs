@@ -1,0 +1,351 @@
+//! The log of a run: rows of its single paths, block after block, only ever appended to.
+//!
+//! A block is the length of its bytes, the bytes, and a checksum of everything in the log up to here. So the state of a run
+//! needs only the length of the log that counts and the checksum at its end ([`Position`]): what a power failure has torn
+//! lies beyond, and is cut off.
+
+use super::checksum::checksum;
+use super::writer::Rows;
+use crate::stats::{Codec, Damaged, EventColumns, PathColumns, Reader, TrajectoryRows};
+use std::fs::File;
+use std::io::{self, BufReader, Read as _, Seek as _, SeekFrom, Write as _};
+use std::path::Path;
+
+/// How much of a log counts.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct Position {
+    /// Bytes.
+    pub length: u64,
+    /// Their checksum.
+    pub checksum: u32,
+}
+
+impl Position {
+    /// Where the log ends after another block, whose bytes are put into `out`.
+    pub fn after(self, rows: &Rows, out: &mut Vec<u8>) -> Position {
+        let start = out.len();
+        out.extend([0; 8]);
+        write_block(rows, out);
+        let length = (out.len() - start - 8) as u64;
+        out[start..start + 8].copy_from_slice(&length.to_le_bytes());
+        let checksum = checksum(self.checksum, &out[start..]);
+        out.extend(checksum.to_le_bytes());
+        Position { length: self.length + (out.len() - start) as u64, checksum }
+    }
+}
+
+/// Bytes that wait in memory before they are written.
+const BUFFER: usize = 1 << 20;
+
+/// A log that is being written.
+#[derive(Debug)]
+pub(super) struct Log {
+    file: File,
+    waiting: Vec<u8>,
+    /// Where it ends, what waits included.
+    end: Position,
+}
+
+impl Log {
+    /// A new one.
+    pub fn create(path: &Path) -> io::Result<Log> {
+        let file = File::options().create_new(true).write(true).open(path)?;
+        Ok(Log { file, waiting: Vec::new(), end: Position::default() })
+    }
+
+    /// One to go on with: what is beyond this position goes.
+    pub fn go_on(path: &Path, end: Position) -> io::Result<Log> {
+        let mut file = File::options().write(true).open(path)?;
+        file.set_len(end.length)?;
+        file.seek(SeekFrom::End(0))?;
+        Ok(Log { file, waiting: Vec::new(), end })
+    }
+
+    /// The file, to be compared with what has its name.
+    pub fn file(&self) -> &File {
+        &self.file
+    }
+
+    /// Append the rows of the next block.
+    pub fn append(&mut self, rows: &Rows) -> io::Result<()> {
+        self.end = self.end.after(rows, &mut self.waiting);
+        if self.waiting.len() >= BUFFER { self.write() } else { Ok(()) }
+    }
+
+    /// Bring everything to the disk; returns what counts now.
+    pub fn sync(&mut self) -> io::Result<Position> {
+        self.write()?;
+        self.file.sync_data()?;
+        Ok(self.end)
+    }
+
+    fn write(&mut self) -> io::Result<()> {
+        self.file.write_all(&self.waiting)?;
+        self.waiting.clear();
+        Ok(())
+    }
+}
+
+/// Why a log cannot be read.
+#[derive(Debug)]
+pub(super) enum LogError {
+    /// The system says so.
+    Io(io::Error),
+    /// It is not what was written.
+    Damaged,
+    /// Whoever was shown the rows failed.
+    Shown(Box<super::StoreError>),
+}
+
+impl From<Damaged> for LogError {
+    fn from(_: Damaged) -> Self {
+        LogError::Damaged
+    }
+}
+
+/// Show every block of the log up to this position to somebody, in order.
+pub(super) fn read(
+    path: &Path,
+    end: Position,
+    mut show: impl FnMut(OwnedRows) -> Result<(), super::StoreError>,
+) -> Result<(), LogError> {
+    let failed = |error: io::Error| match error.kind() {
+        io::ErrorKind::UnexpectedEof => LogError::Damaged,
+        _ => LogError::Io(error),
+    };
+    let mut file = BufReader::with_capacity(BUFFER, File::open(path).map_err(failed)?);
+    let mut at = Position::default();
+    let mut bytes = Vec::new();
+    while at.length < end.length {
+        let mut head = [0; 8];
+        file.read_exact(&mut head).map_err(failed)?;
+        let length = u64::from_le_bytes(head);
+        let left = end.length - at.length;
+        // Sizes are held against what there is before they are asked for.
+        if left < 12 || length > left - 12 {
+            return Err(LogError::Damaged);
+        }
+        bytes.resize(length as usize, 0);
+        let mut tail = [0; 4];
+        file.read_exact(&mut bytes).and_then(|()| file.read_exact(&mut tail)).map_err(failed)?;
+        let sum = checksum(checksum(at.checksum, &head), &bytes);
+        if u32::from_le_bytes(tail) != sum {
+            return Err(LogError::Damaged);
+        }
+        at = Position { length: at.length + length + 12, checksum: sum };
+        show(read_block(&bytes)?).map_err(|error| LogError::Shown(Box::new(error)))?;
+    }
+    if at == end { Ok(()) } else { Err(LogError::Damaged) }
+}
+
+/// Rows of a block that were read back.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct OwnedRows {
+    pub first_path: u64,
+    pub paths: u64,
+    pub path_columns: Option<PathColumns>,
+    pub events: Option<EventColumns>,
+    pub trajectories: Option<TrajectoryRows>,
+}
+
+impl OwnedRows {
+    /// As the writer takes them.
+    pub fn rows(&self) -> Rows<'_> {
+        Rows {
+            first_path: self.first_path,
+            paths: self.paths,
+            path_columns: self.path_columns.as_ref(),
+            events: self.events.as_ref(),
+            trajectories: self.trajectories.as_ref(),
+        }
+    }
+}
+
+/// A number of fixed size.
+trait Fixed<const N: usize>: Copy {
+    fn bytes(self) -> [u8; N];
+    fn of(bytes: [u8; N]) -> Result<Self, Damaged>;
+}
+
+macro_rules! fixed {
+    ($($type:ty, $size:literal;)*) => {$(
+        impl Fixed<$size> for $type {
+            fn bytes(self) -> [u8; $size] {
+                self.to_le_bytes()
+            }
+
+            fn of(bytes: [u8; $size]) -> Result<Self, Damaged> {
+                Ok(<$type>::from_le_bytes(bytes))
+            }
+        }
+    )*};
+}
+
+fixed! { f64, 8; u64, 8; u32, 4; i8, 1; }
+
+impl Fixed<1> for bool {
+    fn bytes(self) -> [u8; 1] {
+        [self.into()]
+    }
+
+    fn of([byte]: [u8; 1]) -> Result<Self, Damaged> {
+        if byte > 1 { Err(Damaged) } else { Ok(byte == 1) }
+    }
+}
+
+/// A list of them: its length, then the numbers.
+fn write_list<T: Fixed<N>, const N: usize>(list: &[T], out: &mut Vec<u8>) {
+    (list.len() as u64).write(out);
+    list.iter().for_each(|number| out.extend(number.bytes()));
+}
+
+fn read_list<T: Fixed<N>, const N: usize>(from: &mut Reader<'_>) -> Result<Vec<T>, Damaged> {
+    let length = from.length()?.checked_mul(N).ok_or(Damaged)?;
+    let numbers = from.take(length)?.as_chunks::<N>().0;
+    numbers.iter().map(|bytes| T::of(*bytes)).collect()
+}
+
+/// Write and read every list of a struct.
+macro_rules! lists {
+    ($write:ident, $read:ident, $type:ident { $($field:ident),* $(,)? }) => {
+        fn $write(columns: Option<&$type>, out: &mut Vec<u8>) {
+            u64::from(columns.is_some()).write(out);
+            if let Some($type { $($field),* }) = columns {
+                $(write_list($field, out);)*
+            }
+        }
+
+        fn $read(from: &mut Reader<'_>) -> Result<Option<$type>, Damaged> {
+            let mut is_there = 0_u64;
+            is_there.read(from)?;
+            if is_there == 0 { Ok(None) } else { Ok(Some($type { $($field: read_list(from)?),* })) }
+        }
+    };
+}
+
+lists!(
+    write_paths,
+    read_paths,
+    PathColumns {
+        displacement_end,
+        max_displacement,
+        first_stick_duration,
+        stick_time,
+        friction_work,
+        sticks,
+        slips,
+        sub_phases,
+        diverged,
+    }
+);
+lists!(write_events, read_events, EventColumns { count, time, displacement, force, sign, kind });
+lists!(
+    write_trajectories,
+    read_trajectories,
+    TrajectoryRows { path, displacement, velocity, temperature, force, friction, is_static }
+);
+
+fn write_block(rows: &Rows, out: &mut Vec<u8>) {
+    rows.first_path.write(out);
+    rows.paths.write(out);
+    write_paths(rows.path_columns, out);
+    write_events(rows.events, out);
+    write_trajectories(rows.trajectories, out);
+}
+
+fn read_block(bytes: &[u8]) -> Result<OwnedRows, Damaged> {
+    let mut from = Reader::new(bytes);
+    let (mut first_path, mut paths) = (0, 0);
+    first_path.read(&mut from)?;
+    paths.read(&mut from)?;
+    let rows = OwnedRows {
+        first_path,
+        paths,
+        path_columns: read_paths(&mut from)?,
+        events: read_events(&mut from)?,
+        trajectories: read_trajectories(&mut from)?,
+    };
+    if from.left() == 0 { Ok(rows) } else { Err(Damaged) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn block(first_path: u64) -> OwnedRows {
+        let n = (first_path % 5) as usize;
+        let real = |k: usize| (0..n).map(|i| (i * k) as f64 - 0.1).collect::<Vec<f64>>();
+        OwnedRows {
+            first_path,
+            paths: n as u64,
+            path_columns: Some(PathColumns {
+                displacement_end: real(1),
+                first_stick_duration: vec![f64::NAN; n],
+                sticks: vec![u32::MAX; n],
+                diverged: (0..n).map(|i| i % 2 == 0).collect(),
+                ..PathColumns::default()
+            }),
+            events: Some(EventColumns {
+                count: vec![3; n],
+                sign: vec![-1; n],
+                time: real(7),
+                ..EventColumns::default()
+            }),
+            trajectories: None,
+        }
+    }
+
+    fn read_all(path: &Path, end: Position) -> Result<Vec<OwnedRows>, LogError> {
+        let mut all = Vec::new();
+        read(path, end, |rows| {
+            all.push(rows);
+            Ok(())
+        })?;
+        Ok(all)
+    }
+
+    fn bits(rows: &[OwnedRows]) -> Vec<Vec<u8>> {
+        let bytes = |rows: &OwnedRows| {
+            let mut out = Vec::new();
+            write_block(&rows.rows(), &mut out);
+            out
+        };
+        rows.iter().map(bytes).collect()
+    }
+
+    #[test]
+    fn what_counts_comes_back_and_what_is_torn_is_cut_off() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("rows");
+        let blocks: Vec<OwnedRows> = (0..20).map(block).collect();
+        let mut log = Log::create(&path).expect("a new log");
+        let mut ends = vec![Position::default()];
+        for block in &blocks {
+            log.append(&block.rows()).expect("room");
+            ends.push(log.sync().expect("room"));
+        }
+        let whole = std::fs::read(&path).expect("there");
+        for (n, &end) in ends.iter().enumerate() {
+            assert_eq!(bits(&read_all(&path, end).expect("whole")), bits(&blocks[..n]));
+        }
+        // Another checksum, or an end within a block, is damage.
+        let last = ends[20];
+        assert!(matches!(read_all(&path, Position { checksum: 1, ..last }), Err(LogError::Damaged)));
+        assert!(matches!(read_all(&path, Position { length: last.length - 1, ..last }), Err(LogError::Damaged)));
+        // Cut at every byte, and with a bit of every byte turned over.
+        for at in 0..whole.len() {
+            std::fs::write(&path, &whole[..at]).expect("room");
+            assert!(matches!(read_all(&path, last), Err(LogError::Damaged)), "cut at {at}");
+            let mut flipped = whole.clone();
+            flipped[at] ^= 1 << (at % 8);
+            std::fs::write(&path, &flipped).expect("room");
+            assert!(matches!(read_all(&path, last), Err(LogError::Damaged)), "flipped at {at}");
+        }
+        // Going on from the seventh block, after whatever a loss of power has left behind it.
+        std::fs::write(&path, [&whole[..ends[7].length as usize], &[0xff; 99]].concat()).expect("room");
+        let mut log = Log::go_on(&path, ends[7]).expect("there");
+        blocks[7..].iter().for_each(|block| log.append(&block.rows()).expect("room"));
+        assert_eq!(log.sync().expect("room"), last);
+        assert_eq!(std::fs::read(&path).expect("there"), whole);
+    }
+}

@@ -1,0 +1,230 @@
+//! Parts of a run, joined: their sums along the tree, their rows one after the other.
+
+use super::error::cause;
+use super::log::{OwnedRows, Position};
+use super::reader::{check_signature, open};
+use super::sink::is_logged;
+use super::state::{self, Question, State};
+use super::workshop::{Workshop, parent};
+use super::{StoreError, Writer, check_space, header, layout, rows};
+use crate::engine::{Asked, Outcome, Sink, SinkError, SoFar, Status};
+use crate::ensemble::BLOCK_SIZE;
+use crate::provenance::Provenance;
+use crate::scenario::Scenario;
+use crate::stats::{BlockResult, RunTotals};
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+/// Why parts cannot be joined.
+#[derive(Debug, thiserror::Error)]
+pub enum PartError {
+    /// A file cannot be read.
+    #[error(transparent)]
+    Store(#[from] StoreError),
+    /// A file is that of a run.
+    #[error("{}: not a part of a run, its status is `{}`; give files of `mc run --part`", path.display(), status.name())]
+    NoPart {
+        /// The file.
+        path: PathBuf,
+        /// How the run ended.
+        status: Status,
+    },
+    /// A part is not finished.
+    #[error("{}: this part is not finished; continue it with `mc resume {}`", path.display(), path.display())]
+    Unfinished {
+        /// The file that it was to be.
+        path: PathBuf,
+    },
+    /// Parts of two runs, or of two ways to cut one.
+    #[error("{}: not of the same run as {}: {difference}; give the parts of one run", path.display(), first.display())]
+    Foreign {
+        /// The file.
+        path: PathBuf,
+        /// The first file.
+        first: PathBuf,
+        /// Where they differ.
+        difference: String,
+    },
+    /// Two files hold the same paths.
+    #[error("{} and {}: both are part {part} of the run; leave out one of them", first.display(), second.display())]
+    Repeated {
+        /// The first file.
+        first: PathBuf,
+        /// The second file.
+        second: PathBuf,
+        /// Which part they are.
+        part: String,
+    },
+    /// Not all of them are there.
+    #[error("missing: part {missing} of the run; give their files as well, or make them with `mc run --part`")]
+    Missing {
+        /// Which parts.
+        missing: String,
+    },
+}
+
+/// All parts of a run.
+#[derive(Debug)]
+pub struct Parts {
+    /// The run that they are.
+    pub question: Question,
+    /// Their sums together.
+    pub so_far: SoFar,
+    /// Files and states, in the order of their paths.
+    parts: Vec<(PathBuf, State)>,
+}
+
+impl Parts {
+    /// Read what parts say of themselves, and whether they are one whole run.
+    pub fn open(paths: &[PathBuf]) -> Result<Parts, PartError> {
+        let mut parts =
+            paths.iter().map(|path| Ok((path.clone(), read_state(path)?))).collect::<Result<Vec<_>, PartError>>()?;
+        let Some((first, of)) = parts.first().cloned() else {
+            return Err(PartError::Missing { missing: "1/1".into() });
+        };
+        of.check_program(&first)?;
+        let whole = |state: &State| {
+            let mut question = state.question.clone();
+            let of = question.asked.part.take().map(|part| part.of());
+            (question, of)
+        };
+        let (question, count) = whole(&of);
+        for (path, state) in &parts {
+            state.check_program(path)?;
+            let (mine, cut) = whole(state);
+            let difference = mine.difference_from(&question).or_else(|| {
+                (cut != count)
+                    .then(|| format!("it is one of {} parts, not of {}", cut.unwrap_or(1), count.unwrap_or(1)))
+            });
+            if let Some(difference) = difference {
+                return Err(PartError::Foreign { path: path.clone(), first, difference });
+            }
+        }
+        let number = |state: &State| state.question.asked.part.map_or(1, |part| part.number());
+        parts.sort_by_key(|(_, state)| number(state));
+        if let Some([(first, state), (second, _)]) = parts.windows(2).find_map(|pair| match pair {
+            [a, b] if number(&a.1) == number(&b.1) => Some([a.clone(), b.clone()]),
+            _ => None,
+        }) {
+            let part = state.question.asked.part.map_or_else(String::new, |part| part.to_string());
+            return Err(PartError::Repeated { first, second, part });
+        }
+        let count = count.unwrap_or(1);
+        let is_there = |wanted: &u64| parts.iter().any(|(_, state)| number(state) == *wanted);
+        let missing: Vec<String> =
+            (1..=count).filter(|wanted| !is_there(wanted)).map(|number| format!("{number}/{count}")).collect();
+        if !missing.is_empty() {
+            return Err(PartError::Missing { missing: missing.join(", ") });
+        }
+        let mut totals = RunTotals::empty(&question.scenario.model, &question.scenario.timeline());
+        let mut spent = Duration::ZERO;
+        for (path, state) in &parts {
+            let damaged = |_| StoreError::DamagedState { path: path.clone() };
+            totals.merge(state.so_far.totals.clone()).map_err(damaged)?;
+            spent += state.so_far.spent;
+        }
+        Ok(Parts { question, so_far: SoFar { totals, spent }, parts })
+    }
+
+    /// Where the run is written that they are together.
+    pub fn into_sink(&self, target: &Path, force: bool) -> impl Sink + '_ {
+        Merge { parts: &self.parts, question: &self.question, target: target.to_owned(), force, workshop: None }
+    }
+
+    /// Their files.
+    pub fn files(&self) -> impl Iterator<Item = &Path> {
+        self.parts.iter().map(|(path, _)| path.as_path())
+    }
+}
+
+/// The state in the file of a part.
+fn read_state(path: &Path) -> Result<State, PartError> {
+    let read = || -> Result<(Status, Option<Vec<u8>>), StoreError> {
+        check_signature(path)?;
+        let file = open(path)?;
+        if header::format_version(&file).is_none() {
+            return Err(StoreError::Foreign { path: path.to_owned() });
+        }
+        let damaged = |error: hdf5::Error| StoreError::Damaged { path: path.to_owned(), cause: cause(&error) };
+        let (status, _) = header::progress(&file).map_err(damaged)?;
+        let state =
+            file.link_exists(layout::PART_STATE.name).then(|| file.dataset(layout::PART_STATE.name)?.read_raw());
+        Ok((status, state.transpose().map_err(damaged)?))
+    };
+    match read() {
+        Ok((Status::Part, Some(bytes))) => {
+            let state = state::of_bytes(&bytes, path)?;
+            let is_whole = state.paths() == state.question.asked.own_paths() && state.question.asked.part.is_some();
+            if is_whole { Ok(state) } else { Err(StoreError::DamagedState { path: path.to_owned() }.into()) }
+        }
+        Ok((status, _)) => Err(PartError::NoPart { path: path.to_owned(), status }),
+        Err(_) if super::reader::unfinished(path).is_some() => Err(PartError::Unfinished { path: path.to_owned() }),
+        Err(error) => Err(error.into()),
+    }
+}
+
+/// Writes the rows of parts, which are files, when the run that they are together is summed up.
+struct Merge<'a> {
+    parts: &'a [(PathBuf, State)],
+    question: &'a Question,
+    target: PathBuf,
+    force: bool,
+    workshop: Option<Workshop>,
+}
+
+impl Sink for Merge<'_> {
+    fn begin(&mut self, scenario: &Scenario, _: &Asked) -> Result<(), SinkError> {
+        check_space(&parent(&self.target), scenario.derived().output_bytes as u64)?;
+        self.workshop = Some(Workshop::open(&self.target, self.force)?);
+        Ok(())
+    }
+
+    /// There are none left.
+    fn block(&mut self, _: &BlockResult) -> Result<(), SinkError> {
+        Ok(())
+    }
+
+    fn finish(&mut self, outcome: &Outcome) -> Result<(), SinkError> {
+        let Some(workshop) = self.workshop.take() else { return Ok(()) };
+        if outcome.status == Status::Interrupted {
+            return Ok(());
+        }
+        let Question { scenario, asked, .. } = self.question;
+        let header = Provenance { paths: asked.paths, ..Provenance::of(scenario) };
+        let mut writer = Writer::within(workshop, &header, &scenario.record)?;
+        for (path, state) in self.parts.iter().filter(|_| is_logged(&scenario.record)) {
+            copy_rows(path, state, &mut writer)?;
+        }
+        Ok(writer.finish(&outcome.summary, outcome.status)?)
+    }
+}
+
+/// Write the rows of a part, and hold them against the checksum of the log that they come from.
+fn copy_rows(path: &Path, state: &State, writer: &mut Writer) -> Result<(), StoreError> {
+    let damaged = |cause: String| StoreError::Damaged { path: path.to_owned(), cause };
+    let unread = |error: hdf5::Error| damaged(cause(&error));
+    let file = open(path)?;
+    let Question { scenario: Scenario { record, .. }, asked, .. } = &state.question;
+    let origin = asked.blocks().start * BLOCK_SIZE;
+    let (mut position, mut bytes, mut event) = (Position::default(), Vec::new(), 0);
+    for block in asked.blocks() {
+        let (first_path, end) = (block * BLOCK_SIZE, ((block + 1) * BLOCK_SIZE).min(asked.paths));
+        let place = (first_path - origin) as usize..(end - origin) as usize;
+        let mut owned = OwnedRows { first_path, paths: end - first_path, ..OwnedRows::default() };
+        if record.paths {
+            owned.path_columns = Some(rows::paths(&file, &place).map_err(unread)?);
+        }
+        if record.events {
+            let (events, next) = rows::events(&file, &place, event).map_err(unread)?;
+            (owned.events, event) = (Some(events), next);
+        }
+        if first_path < record.trajectories {
+            let kept = place.start..(record.trajectories.min(end) - origin) as usize;
+            owned.trajectories = Some(rows::trajectories(&file, &kept).map_err(unread)?);
+        }
+        bytes.clear();
+        position = position.after(&owned.rows(), &mut bytes);
+        writer.append_rows(owned.rows())?;
+    }
+    if position == state.log { Ok(()) } else { Err(damaged("its rows are not those that were written".into())) }
+}

@@ -1,0 +1,86 @@
+//! Reading rows of single paths back.
+
+use super::error::cause;
+use super::reader::{check_signature, open};
+use super::{StoreError, layout};
+use crate::stats::{EventColumns, PathColumns, TrajectoryRows};
+use hdf5::{File, H5Type, Result};
+use ndarray::s;
+use std::ops::Range;
+use std::path::Path;
+
+/// What the file of a run holds of one path; none where it does not record paths, or not this one.
+pub fn read_path(path: &Path, number: u64) -> std::result::Result<Option<PathColumns>, StoreError> {
+    check_signature(path)?;
+    let file = open(path)?;
+    let read = || -> Result<Option<PathColumns>> {
+        if !file.link_exists(layout::PATH_DISPLACEMENT_END.name) {
+            return Ok(None);
+        }
+        let first: Vec<u64> = column(&file, &layout::PATH, &(0..1))?;
+        let row = first.first().and_then(|first| number.checked_sub(*first)).and_then(|row| usize::try_from(row).ok());
+        let rows = file.dataset(layout::PATH.name)?.size();
+        row.filter(|row| *row < rows).map(|row| paths(&file, &(row..row + 1))).transpose()
+    };
+    read().map_err(|error| StoreError::Damaged { path: path.to_owned(), cause: cause(&error) })
+}
+
+/// Some rows of a variable.
+fn column<T: H5Type + Clone>(file: &File, variable: &layout::Variable, rows: &Range<usize>) -> Result<Vec<T>> {
+    let dataset = file.dataset(variable.name)?;
+    if dataset.shape().first().is_none_or(|&length| length < rows.end) {
+        return Err(format!("{} is too short", variable.name).into());
+    }
+    match dataset.ndim() {
+        1 => Ok(dataset.read_slice_1d::<T, _>(s![rows.clone()])?.to_vec()),
+        _ => Ok(dataset.read_slice_2d::<T, _>(s![rows.clone(), ..])?.into_iter().collect()),
+    }
+}
+
+/// Scalars of some paths.
+pub(super) fn paths(file: &File, rows: &Range<usize>) -> Result<PathColumns> {
+    let diverged: Vec<i8> = column(file, &layout::PATH_DIVERGED, rows)?;
+    Ok(PathColumns {
+        displacement_end: column(file, &layout::PATH_DISPLACEMENT_END, rows)?,
+        max_displacement: column(file, &layout::PATH_MAX_DISPLACEMENT, rows)?,
+        first_stick_duration: column(file, &layout::PATH_FIRST_STICK_DURATION, rows)?,
+        stick_time: column(file, &layout::PATH_STICK_TIME, rows)?,
+        friction_work: column(file, &layout::PATH_FRICTION_WORK, rows)?,
+        sticks: column(file, &layout::PATH_STICKS, rows)?,
+        slips: column(file, &layout::PATH_SLIPS, rows)?,
+        sub_phases: column(file, &layout::PATH_SUB_PHASES, rows)?,
+        diverged: diverged.iter().map(|&flag| flag != 0).collect(),
+    })
+}
+
+/// Events of some paths, the first of which is number `first`; and the number of the first one after them.
+pub(super) fn events(file: &File, rows: &Range<usize>, first: usize) -> Result<(EventColumns, usize)> {
+    let count: Vec<u32> = column(file, &layout::EVENT_COUNT, rows)?;
+    let next = first + count.iter().map(|&count| count as usize).sum::<usize>();
+    if next == first {
+        return Ok((EventColumns { count, ..EventColumns::default() }, next));
+    }
+    let rows = &(first..next);
+    let events = EventColumns {
+        count,
+        time: column(file, &layout::EVENT_TIME, rows)?,
+        displacement: column(file, &layout::EVENT_DISPLACEMENT, rows)?,
+        force: column(file, &layout::EVENT_FORCE, rows)?,
+        sign: column(file, &layout::EVENT_SIGN, rows)?,
+        kind: column(file, &layout::EVENT_KIND, rows)?,
+    };
+    Ok((events, next))
+}
+
+/// Paths kept on the output grid.
+pub(super) fn trajectories(file: &File, rows: &Range<usize>) -> Result<TrajectoryRows> {
+    Ok(TrajectoryRows {
+        path: column(file, &layout::TRAJECTORY, rows)?,
+        displacement: column(file, &layout::TRAJECTORY_DISPLACEMENT, rows)?,
+        velocity: column(file, &layout::TRAJECTORY_VELOCITY, rows)?,
+        temperature: column(file, &layout::TRAJECTORY_TEMPERATURE, rows)?,
+        force: column(file, &layout::TRAJECTORY_FORCE, rows)?,
+        friction: column(file, &layout::TRAJECTORY_FRICTION, rows)?,
+        is_static: column(file, &layout::TRAJECTORY_STATIC, rows)?,
+    })
+}

@@ -1,0 +1,350 @@
+//! The state of a run: what it was asked, how far it has come, and how much of its log counts.
+//!
+//! It is a name and a version, then what follows, then a checksum of all of it. Reals and counts are written as
+//! [`crate::stats::Codec`] writes them, texts as their length and their bytes.
+
+use super::StoreError;
+use super::checksum::checksum;
+use super::log::Position;
+use crate::engine::{Asked, Part, SoFar};
+use crate::provenance::Provenance;
+use crate::scenario::Scenario;
+use crate::stats::{Bound, Codec, Damaged, Goal, Reader, RunTotals, Statistic};
+use std::fs::File;
+use std::io::Read as _;
+use std::path::Path;
+use std::time::Duration;
+
+/// How the bytes begin.
+const MAGIC: &[u8; 8] = b"sticksav";
+/// Version of what follows.
+const VERSION: u64 = 1;
+/// No state is larger, whatever its file says: the largest has 10 000 rows.
+const LARGEST: u64 = 1 << 31;
+
+/// What a run is, which every state of it says alike.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Question {
+    /// What is simulated.
+    pub scenario: Scenario,
+    /// What else is asked.
+    pub asked: Asked,
+    /// What the caller wants to know again when the run goes on; nothing here depends on it.
+    pub note: String,
+}
+
+/// The program that a run was begun with.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct Program {
+    version: String,
+    git_hash: String,
+    generator: String,
+    block_size: u64,
+}
+
+impl Program {
+    fn of(header: &Provenance) -> Self {
+        let Provenance { program_version, git_hash, generator, block_size, .. } = header;
+        Program {
+            version: program_version.clone(),
+            git_hash: git_hash.clone(),
+            generator: generator.clone(),
+            block_size: *block_size,
+        }
+    }
+}
+
+impl std::fmt::Display for Program {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let Program { version, git_hash, generator, block_size } = self;
+        write!(f, "mc {version} ({git_hash}), {generator}, blocks of {block_size}")
+    }
+}
+
+/// A state that was read back.
+#[derive(Clone, Debug)]
+pub(super) struct State {
+    pub program: Program,
+    pub question: Question,
+    pub so_far: SoFar,
+    pub log: Position,
+}
+
+impl State {
+    /// Paths that are in it.
+    pub fn paths(&self) -> u64 {
+        let blocks = self.so_far.totals.blocks();
+        let block_size = self.program.block_size;
+        let most = self.question.asked.paths;
+        let paths = |block: u64| (block * block_size).min(most);
+        blocks.iter().map(|range| paths(range.end) - paths(range.start)).sum()
+    }
+
+    /// Where its numbers come from.
+    pub fn header(&self) -> Provenance {
+        let Program { version, git_hash, generator, block_size } = self.program.clone();
+        let paths = self.question.asked.paths;
+        let header = Provenance::of(&self.question.scenario);
+        Provenance { program_version: version, git_hash, generator, block_size, paths, ..header }
+    }
+
+    /// An error where another program has begun the run, which need not come to the same bits.
+    pub fn check_program(&self, path: &Path) -> Result<(), StoreError> {
+        let mine = Program::of(&Provenance::of(&self.question.scenario));
+        if self.program == mine { Ok(()) } else { Err(other_program(path, &self.program, &mine)) }
+    }
+}
+
+fn other_program(path: &Path, theirs: &Program, mine: &Program) -> StoreError {
+    StoreError::OtherProgram { path: path.to_owned(), theirs: theirs.to_string(), mine: mine.to_string() }
+}
+
+/// The state of a run as bytes, given the bytes of its sums.
+pub(super) fn to_bytes(question: &Question, totals: &[u8], spent: Duration, log: Position) -> Vec<u8> {
+    let Question { scenario, asked, note } = question;
+    let program = Program::of(&Provenance::of(scenario));
+    let mut out = MAGIC.to_vec();
+    VERSION.write(&mut out);
+    for text in [&program.version, &program.git_hash, &program.generator] {
+        write_text(text, &mut out);
+    }
+    program.block_size.write(&mut out);
+    write_text(&scenario.to_toml(), &mut out);
+    asked.paths.write(&mut out);
+    let (number, of) = asked.part.map_or((0, 0), |part| (part.number(), part.of()));
+    number.write(&mut out);
+    of.write(&mut out);
+    (asked.goals.len() as u64).write(&mut out);
+    for Goal { statistic, bound } in &asked.goals {
+        write_text(statistic.name(), &mut out);
+        let (kind, bound) = match bound {
+            Bound::Relative(bound) => (0, bound),
+            Bound::Absolute(bound) => (1_u64, bound),
+        };
+        kind.write(&mut out);
+        bound.write(&mut out);
+    }
+    nanoseconds(asked.max_time.unwrap_or(Duration::ZERO)).write(&mut out);
+    u64::from(asked.with_bias).write(&mut out);
+    write_text(note, &mut out);
+    nanoseconds(spent).write(&mut out);
+    log.length.write(&mut out);
+    u64::from(log.checksum).write(&mut out);
+    (totals.len() as u64).write(&mut out);
+    out.extend(totals);
+    let sum = checksum(0, &out);
+    out.extend(sum.to_le_bytes());
+    out
+}
+
+/// Read the state of a run from a file.
+pub(super) fn read(path: &Path) -> Result<State, StoreError> {
+    let not_opened = |source| StoreError::NotOpened { path: path.to_owned(), source };
+    let there = std::fs::metadata(path).map_err(not_opened)?;
+    let mut bytes = Vec::new();
+    if there.is_file() && there.len() <= LARGEST {
+        File::open(path).and_then(|file| file.take(LARGEST).read_to_end(&mut bytes)).map_err(not_opened)?;
+    }
+    of_bytes(&bytes, path)
+}
+
+/// Read the state of a run; `path` is where the bytes come from.
+pub(super) fn of_bytes(bytes: &[u8], path: &Path) -> Result<State, StoreError> {
+    let damaged = || StoreError::DamagedState { path: path.to_owned() };
+    let (body, sum) = bytes.split_last_chunk::<4>().ok_or_else(damaged)?;
+    let mut from = Reader::new(body);
+    if from.take(MAGIC.len()).ok() != Some(MAGIC) || u32::from_le_bytes(*sum) != checksum(0, body) {
+        return Err(damaged());
+    }
+    let mut version = 0_u64;
+    version.read(&mut from).map_err(|_| damaged())?;
+    if version > VERSION {
+        return Err(StoreError::NewerState { path: path.to_owned() });
+    }
+    parse(&mut from).map_err(|unread| match unread {
+        Unread::Damaged => damaged(),
+        Unread::OtherProgram(theirs, mine) => other_program(path, &theirs, &mine),
+    })
+}
+
+/// Why whole bytes are no state.
+enum Unread {
+    Damaged,
+    OtherProgram(Program, Program),
+}
+
+impl From<Damaged> for Unread {
+    fn from(_: Damaged) -> Self {
+        Unread::Damaged
+    }
+}
+
+fn parse(from: &mut Reader<'_>) -> Result<State, Unread> {
+    let (version, git_hash, generator) = (read_text(from)?, read_text(from)?, read_text(from)?);
+    let program = Program { version, git_hash, generator, block_size: count(from)? };
+    let text = read_text(from)?;
+    let scenario = Scenario::parse("state", &text, &[]).map_err(|_| Damaged)?;
+    let paths = count(from)?;
+    let (number, of) = (count(from)?, count(from)?);
+    let part = if of == 0 { None } else { Some(Part::new(number, of).ok_or(Damaged)?) };
+    let goals = (0..from.length()?).map(|_| goal(from)).collect::<Result<_, _>>()?;
+    let max_time = Some(Duration::from_nanos(count(from)?)).filter(|time| !time.is_zero());
+    let with_bias = count(from)? == 1;
+    let asked = Asked { paths, part, goals, max_time, with_bias };
+    let note = read_text(from)?;
+    let spent = Duration::from_nanos(count(from)?);
+    let log = Position { length: count(from)?, checksum: count(from)?.try_into().map_err(|_| Damaged)? };
+    let length = from.length()?;
+    let empty = RunTotals::empty(&scenario.model, &scenario.timeline());
+    // Whoever has other sums is another program, whatever it says of itself.
+    let mine = Program::of(&Provenance::of(&scenario));
+    let totals = empty.read(from.take(length)?).map_err(|_| match program == mine {
+        true => Unread::Damaged,
+        false => Unread::OtherProgram(program.clone(), mine),
+    })?;
+    let is_sound = from.left() == 0 && is_of(&totals, &asked);
+    let question = Question { scenario, asked, note };
+    if is_sound { Ok(State { program, question, so_far: SoFar { totals, spent }, log }) } else { Err(Unread::Damaged) }
+}
+
+/// Whether these are the first blocks of what was asked.
+fn is_of(totals: &RunTotals, asked: &Asked) -> bool {
+    match totals.blocks().as_slice() {
+        [] => true,
+        [done] => done.start == asked.blocks().start && done.end <= asked.blocks().end,
+        _ => false,
+    }
+}
+
+fn count(from: &mut Reader<'_>) -> Result<u64, Damaged> {
+    let mut count = 0;
+    count.read(from).map(|()| count)
+}
+
+fn goal(from: &mut Reader<'_>) -> Result<Goal, Damaged> {
+    let statistic = Statistic::from_name(&read_text(from)?).ok_or(Damaged)?;
+    let (kind, mut bound) = (count(from)?, 0.0);
+    bound.read(from)?;
+    let bound = if kind == 0 { Bound::Relative(bound) } else { Bound::Absolute(bound) };
+    Ok(Goal { statistic, bound })
+}
+
+/// Centuries of them, at most.
+fn nanoseconds(time: Duration) -> u64 {
+    time.as_nanos().try_into().unwrap_or(u64::MAX)
+}
+
+fn write_text(text: &str, out: &mut Vec<u8>) {
+    (text.len() as u64).write(out);
+    out.extend(text.as_bytes());
+}
+
+fn read_text(from: &mut Reader<'_>) -> Result<String, Damaged> {
+    let length = from.length()?;
+    String::from_utf8(from.take(length)?.to_vec()).map_err(|_| Damaged)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::config::Override;
+    use crate::ensemble::BLOCK_SIZE;
+
+    fn question() -> Question {
+        let set = ["time.output_step=30", "time.end=30", "time.step=0.1", "scheme.kind=discrete-vi"];
+        let set: Vec<Override> = set.iter().map(|text| Override::set(text).expect("well formed")).collect();
+        let text = crate::config::shipped("rho025").expect("shipped").text;
+        let scenario = Scenario::parse("rho025", text, &set).expect("sound");
+        let asked = Asked {
+            paths: 6 * BLOCK_SIZE - 7,
+            part: Part::new(2, 3),
+            goals: vec!["stick_duration_mean < 0.123456789%".parse().expect("a goal")],
+            max_time: Some(Duration::new(17_400, 123_456_789)),
+            with_bias: true,
+        };
+        Question { scenario, asked, note: "of the caller\u{2014}any text".into() }
+    }
+
+    fn state(blocks: std::ops::Range<u64>) -> Vec<u8> {
+        let question = question();
+        let plan = question.scenario.plan();
+        let mut totals = RunTotals::empty(plan.model(), plan.timeline());
+        blocks.for_each(|block| totals.push(block, plan.block(block).totals).expect("once"));
+        let log = Position { length: 1 << 40, checksum: 0xdead_beef };
+        to_bytes(&question, &totals.to_bytes(), Duration::new(3, 5), log)
+    }
+
+    fn read(bytes: &[u8]) -> Result<State, StoreError> {
+        of_bytes(bytes, Path::new("state"))
+    }
+
+    #[test]
+    fn a_state_comes_back_with_every_bit() {
+        for blocks in [2..2, 2..3, 2..4] {
+            let bytes = state(blocks.clone());
+            let state = read(&bytes).expect("as written");
+            assert_eq!(state.question, question());
+            assert_eq!(state.paths(), (blocks.end - blocks.start) * BLOCK_SIZE);
+            let SoFar { totals, spent } = &state.so_far;
+            assert_eq!(to_bytes(&state.question, &totals.to_bytes(), *spent, state.log), bytes);
+            state.check_program(Path::new("state")).expect("this program");
+        }
+    }
+
+    /// Cut at every byte, and with one or two bits of every byte turned over.
+    #[test]
+    fn what_is_not_what_was_written_is_damaged() {
+        let bytes = state(2..3);
+        let is_damaged = |bytes: &[u8]| matches!(read(bytes), Err(StoreError::DamagedState { .. }));
+        assert!((0..bytes.len()).all(|length| is_damaged(&bytes[..length])));
+        let mut damaged = bytes.clone();
+        for at in 0..bytes.len() {
+            for bits in [1 << (at % 8), 0b1000_0001] {
+                damaged[at] ^= bits;
+                assert!(is_damaged(&damaged), "{at}");
+                damaged[at] = bytes[at];
+            }
+        }
+        assert!(read(&damaged).is_ok());
+    }
+
+    /// With a checksum that is right, what a state says is still held against itself: whoever can write a checksum gets an error, and no
+    /// crash, for every byte that he changes to anything.
+    #[test]
+    fn whole_bytes_that_make_no_sense_are_an_error() {
+        let bytes = state(2..3);
+        let body = &bytes[..bytes.len() - 4];
+        let with_sum = |body: &[u8]| [body, &checksum(0, body).to_le_bytes()].concat();
+        assert!((0..body.len()).all(|length| read(&with_sum(&body[..length])).is_err()));
+        for at in 0..body.len().min(6_000) {
+            for byte in [0, 1, 0x7f, 0xff] {
+                let mut changed = body.to_vec();
+                changed[at] = byte;
+                // It may be another state that makes sense.
+                let _ = read(&with_sum(&changed));
+            }
+        }
+        // Blocks that are not those of the part.
+        assert!(read(&state(0..1)).is_err() && read(&state(3..5)).is_err() && read(&state(3..4)).is_err());
+    }
+
+    #[test]
+    fn another_program_and_a_newer_one_are_told_from_damage() {
+        let bytes = state(2..3);
+        let mine = crate::provenance::PROGRAM_VERSION;
+        let at = MAGIC.len() + 2;
+        assert_eq!(&bytes[at..at + mine.len()], mine.as_bytes());
+        let with = |change: &dyn Fn(&mut Vec<u8>)| {
+            let mut body = bytes[..bytes.len() - 4].to_vec();
+            change(&mut body);
+            let sum = checksum(0, &body);
+            body.extend(sum.to_le_bytes());
+            read(&body)
+        };
+        let other = with(&|body| body[at] = b'9').expect("it can be shown");
+        let error = other.check_program(Path::new("state")).expect_err("and not continued");
+        assert!(error.to_string().contains("begun by mc 9"), "{error}");
+        let newer = with(&|body| body[MAGIC.len()] = VERSION as u8 + 1).expect_err("newer");
+        assert!(matches!(newer, StoreError::NewerState { .. }), "{newer}");
+    }
+}

@@ -1,0 +1,121 @@
+// Kills the process at its KILL_AT-th change of a file system, for tests of what a killed run leaves behind; linked in front of
+// the C library with LD_PRELOAD. A write at which it is killed reaches the file by half. Every change is noted in KILL_TRACE.
+#define _GNU_SOURCE
+#include <dlfcn.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <signal.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <sys/types.h>
+#include <unistd.h>
+
+static long changes;
+
+static long at(const char *name) {
+    const char *text = getenv(name);
+    return text ? atol(text) : 0;
+}
+
+static const char *path_of(int fd) {
+    static __thread char path[4096];
+    char link[64];
+    snprintf(link, sizeof link, "/proc/self/fd/%d", fd);
+    ssize_t length = readlink(link, path, sizeof path - 1);
+    path[length < 0 ? 0 : length] = 0;
+    return path;
+}
+
+// Whether this is the one; notes it either way.
+static int is_due(const char *what, const char *path) {
+    static int (*open_)(const char *, int, ...);
+    static ssize_t (*write_)(int, const void *, size_t);
+    if (!open_) open_ = dlsym(RTLD_NEXT, "open");
+    if (!write_) write_ = dlsym(RTLD_NEXT, "write");
+    long number = __atomic_add_fetch(&changes, 1, __ATOMIC_SEQ_CST);
+    const char *trace = getenv("KILL_TRACE");
+    if (trace) {
+        char line[4200];
+        int length = snprintf(line, sizeof line, "%ld %s %s\n", number, what, path);
+        int fd = open_(trace, O_WRONLY | O_CREAT | O_APPEND, 0600);
+        if (write_(fd, line, length)) {}
+        close(fd);
+    }
+    return number == at("KILL_AT");
+}
+
+static void end(void) { kill(getpid(), SIGKILL); }
+
+static int is_file(int fd) {
+    struct stat there;
+    return fstat(fd, &there) == 0 && S_ISREG(there.st_mode);
+}
+
+#define NEXT(name) \
+    static __typeof__(name) *next; \
+    if (!next) next = dlsym(RTLD_NEXT, #name)
+
+ssize_t write(int fd, const void *bytes, size_t n) {
+    NEXT(write);
+    if (is_file(fd) && is_due("write", path_of(fd))) { if (next(fd, bytes, n / 2)) {} end(); }
+    return next(fd, bytes, n);
+}
+
+ssize_t pwrite64(int fd, const void *bytes, size_t n, off64_t offset) {
+    NEXT(pwrite64);
+    if (is_file(fd) && is_due("write", path_of(fd))) { if (next(fd, bytes, n / 2, offset)) {} end(); }
+    return next(fd, bytes, n, offset);
+}
+
+ssize_t pwrite(int fd, const void *bytes, size_t n, off_t offset) { return pwrite64(fd, bytes, n, offset); }
+
+#define ON_FD(name) \
+    int name(int fd) { \
+        NEXT(name); \
+        if (is_due("sync", path_of(fd))) end(); \
+        return next(fd); \
+    }
+ON_FD(fsync)
+ON_FD(fdatasync)
+
+int ftruncate64(int fd, off64_t length) {
+    NEXT(ftruncate64);
+    if (is_due("truncate", path_of(fd))) end();
+    return next(fd, length);
+}
+
+int rename(const char *from, const char *to) {
+    NEXT(rename);
+    if (is_due("rename", to)) end();
+    return next(from, to);
+}
+
+int linkat(int a, const char *from, int b, const char *to, int flags) {
+    NEXT(linkat);
+    if (is_due("link", to)) end();
+    return next(a, from, b, to, flags);
+}
+
+int link(const char *from, const char *to) {
+    NEXT(link);
+    if (is_due("link", to)) end();
+    return next(from, to);
+}
+
+#define ON_PATH(name, what) \
+    int name(const char *path) { \
+        NEXT(name); \
+        if (is_due(what, path)) end(); \
+        return next(path); \
+    }
+ON_PATH(unlink, "unlink")
+ON_PATH(rmdir, "rmdir")
+
+int mkdir(const char *path, mode_t mode) {
+    NEXT(mkdir);
+    if (is_due("mkdir", path)) end();
+    return next(path, mode);
+}
