@@ -67,6 +67,12 @@ impl Show {
             results::warn(scenario, stored.summary.has_bias());
         }
         results::warn_of_bias(&stored.summary);
+        if !stored.is_sealed {
+            note(&format!(
+                "warning: {} has no checksum: another program changed it, or an earlier version of mc wrote it",
+                file.display()
+            ));
+        }
         if let Some(unfinished) = &stored.unfinished {
             note(&format!("this run is not finished; continue it with: mc resume {}", unfinished.display()));
         }

@@ -20,6 +20,7 @@ mod parts;
 mod reader;
 mod rows;
 mod scale;
+mod seal;
 mod sink;
 mod space;
 mod state;

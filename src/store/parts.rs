@@ -2,7 +2,7 @@
 
 use super::error::cause;
 use super::log::{OwnedRows, Position};
-use super::reader::{check_signature, open};
+use super::reader::{check_file, open};
 use super::sink::is_logged;
 use super::state::{self, Question, State};
 use super::workshop::{Workshop, parent};
@@ -140,7 +140,7 @@ impl Parts {
 /// The state in the file of a part.
 fn read_state(path: &Path) -> Result<State, PartError> {
     let read = || -> Result<(Status, Option<Vec<u8>>), StoreError> {
-        check_signature(path)?;
+        check_file(path)?;
         let file = open(path)?;
         if header::format_version(&file).is_none() {
             return Err(StoreError::Foreign { path: path.to_owned() });

@@ -5,7 +5,7 @@ use super::lock::Lock;
 use super::variable::{read_or_empty, read_text};
 use super::workshop::{STATE, file_of, partial_path};
 use super::{
-    FORMAT_NAME, FORMAT_VERSION, SWEEP_FORMAT_NAME, StoreError, TRADE_FORMAT_NAME, header, layout, state, summary,
+    FORMAT_NAME, FORMAT_VERSION, SWEEP_FORMAT_NAME, StoreError, TRADE_FORMAT_NAME, header, layout, seal, state, summary,
 };
 use crate::engine::{Part, Status};
 use crate::provenance::Provenance;
@@ -27,6 +27,8 @@ pub struct Stored {
     pub ended_by: Option<String>,
     /// The file that it was to be, where the run is not finished.
     pub unfinished: Option<PathBuf>,
+    /// Whether the file is covered by a checksum. It is not where another program has changed it, or an earlier version has written it.
+    pub is_sealed: bool,
     /// Paths in the file.
     pub completed_paths: u64,
     /// Its statistics.
@@ -49,10 +51,10 @@ pub fn kind(path: &Path) -> Result<Option<FileKind>, StoreError> {
     if unfinished(path).is_some() {
         return Ok(Some(FileKind::Run));
     }
-    match check_signature(path) {
+    match check_file(path) {
         Err(StoreError::NotHdf5 { .. } | StoreError::NotOpened { .. }) => return Ok(None),
         other => other?,
-    }
+    };
     let file = open(path)?;
     match read_text(&file, "format_name").unwrap_or_default().as_str() {
         FORMAT_NAME => Ok(Some(FileKind::Run)),
@@ -79,7 +81,7 @@ fn read_unfinished(target: &Path) -> Result<Stored, StoreError> {
     let status = if Lock::is_taken(target) { Status::Running } else { Status::Interrupted };
     let summary = state.so_far.totals.totals().summary();
     let unfinished = Some(target.to_owned()).filter(|_| status != Status::Running);
-    Ok(Stored { header, status, part, ended_by: None, unfinished, completed_paths, summary })
+    Ok(Stored { header, status, part, ended_by: None, unfinished, is_sealed: true, completed_paths, summary })
 }
 
 /// Read the header and the statistics of a finished file, or of a run that is not finished.
@@ -87,7 +89,7 @@ pub fn read(path: &Path) -> Result<Stored, StoreError> {
     if let Some(target) = unfinished(path) {
         return read_unfinished(&target);
     }
-    check_signature(path)?;
+    let is_sealed = check_file(path)?;
     let file = open(path)?;
     match header::format_version(&file) {
         None => return Err(StoreError::Foreign { path: path.to_owned() }),
@@ -102,11 +104,12 @@ pub fn read(path: &Path) -> Result<Stored, StoreError> {
     let summary = summary::read(&file, completed_paths, header.step).map_err(damaged)?;
     let ended_by = header::ended_by(&file).map_err(damaged)?;
     let part = header::part(&file).map_err(damaged)?;
-    Ok(Stored { header, status, part, ended_by, unfinished: None, completed_paths, summary })
+    Ok(Stored { header, status, part, ended_by, unfinished: None, is_sealed, completed_paths, summary })
 }
 
-/// HDF5 has one answer for a missing, an unreadable and a foreign file; so look first.
-pub(super) fn check_signature(path: &Path) -> Result<(), StoreError> {
+/// Look at a file before the library does, which has one answer for a missing, an unreadable and a foreign file, and follows whatever a
+/// flipped bit points to. Returns whether the file is sealed.
+pub(super) fn check_file(path: &Path) -> Result<bool, StoreError> {
     let not_opened = |source| StoreError::NotOpened { path: path.to_owned(), source };
     let mut start = [0; SIGNATURE.len()];
     // A pipe would wait for its other end.
@@ -114,7 +117,7 @@ pub(super) fn check_signature(path: &Path) -> Result<(), StoreError> {
         return Err(StoreError::NotHdf5 { path: path.to_owned() });
     }
     match std::fs::File::open(path).map_err(not_opened)?.read_exact(&mut start) {
-        Ok(()) if start == SIGNATURE => Ok(()),
+        Ok(()) if start == SIGNATURE => seal::check(path),
         Ok(()) => Err(StoreError::NotHdf5 { path: path.to_owned() }),
         Err(error) if error.kind() == io::ErrorKind::UnexpectedEof => {
             Err(StoreError::NotHdf5 { path: path.to_owned() })

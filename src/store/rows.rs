@@ -1,7 +1,7 @@
 //! Reading rows of single paths back.
 
 use super::error::cause;
-use super::reader::{check_signature, open};
+use super::reader::{check_file, open};
 use super::{StoreError, layout};
 use crate::stats::{EventColumns, PathColumns, TrajectoryRows};
 use hdf5::{File, H5Type, Result};
@@ -11,7 +11,7 @@ use std::path::Path;
 
 /// What the file of a run holds of one path; none where it does not record paths, or not this one.
 pub fn read_path(path: &Path, number: u64) -> std::result::Result<Option<PathColumns>, StoreError> {
-    check_signature(path)?;
+    check_file(path)?;
     let file = open(path)?;
     let read = || -> Result<Option<PathColumns>> {
         if !file.link_exists(layout::PATH_DISPLACEMENT_END.name) {

@@ -1,7 +1,7 @@
 //! The statistics of an ensemble in the file: written and read side by side, so that one mirrors the other.
 
 use super::layout;
-use super::variable::{Place, read_or_empty, read_scalar, text};
+use super::variable::{Place, read_or_empty, read_scalar, read_texts, read_variable, text};
 use crate::stats::{
     Band, Bands, Bias, Corrected, Ends, Estimate, Histogram, Measurement, PeriodMoments, QUANTILE_LEVELS, Statistic,
     StickDurations, SubPhaseCounts, Summary, Transient,
@@ -119,11 +119,14 @@ fn write_corrected(place: &Place, estimates: &Estimates) -> Result<()> {
 
 /// Statistics are found by name: a file of another minor version may have fewer or more of them.
 fn read_estimates(file: &File) -> Result<Estimates> {
-    let names: Vec<VarLenUnicode> = read_or_empty(file, &layout::STATISTIC)?;
-    let estimate: Vec<f64> = read_or_empty(file, &layout::ESTIMATE)?;
-    let standard_error: Vec<f64> = read_or_empty(file, &layout::STANDARD_ERROR)?;
-    let low: Vec<f64> = read_or_empty(file, &layout::INTERVAL_LOW)?;
-    let high: Vec<f64> = read_or_empty(file, &layout::INTERVAL_HIGH)?;
+    let names = read_texts(file, &layout::STATISTIC)?;
+    if names.is_empty() {
+        return Err("statistic is missing".into());
+    }
+    let estimate: Vec<f64> = read_variable(file, &layout::ESTIMATE)?;
+    let standard_error: Vec<f64> = read_variable(file, &layout::STANDARD_ERROR)?;
+    let low: Vec<f64> = read_variable(file, &layout::INTERVAL_LOW)?;
+    let high: Vec<f64> = read_variable(file, &layout::INTERVAL_HIGH)?;
     let bias: Vec<f64> = read_or_empty(file, &layout::BIAS)?;
     let uncertainty: Vec<f64> = read_or_empty(file, &layout::BIAS_UNCERTAINTY)?;
     let order: Vec<f64> = read_or_empty(file, &layout::BIAS_ORDER)?;

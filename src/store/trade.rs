@@ -1,12 +1,12 @@
 //! The file of a trade: what was measured of every rung, and what was predicted for every target.
 
-use super::StoreError;
 use super::error::{cause, is_full, system_error};
 use super::layout::{self, Unit, Variable, variable};
-use super::reader::open;
-use super::variable::{Place, read_or_empty, read_text, text, write_attribute, write_text};
+use super::reader::{check_file, open};
+use super::variable::{Place, read_or_empty, read_text, read_texts, text, write_attribute, write_text};
 use super::workshop::{RESULTS, Workshop};
 use super::writer::create_file;
+use super::{StoreError, seal};
 use crate::provenance::Provenance;
 use crate::scheme::Kind;
 use crate::stats::Statistic;
@@ -32,30 +32,30 @@ pub fn write_trade(target: &Path, header: &Provenance, trade: &Trade, force: boo
         return Err(workshop.failure(cause(&error), full));
     }
     drop(place);
-    let synced = std::fs::File::open(&path).and_then(|file| file.sync_all());
-    synced.map_err(|error| workshop.failed(&error))?;
+    seal::seal(&path).map_err(|error| workshop.failed(&error))?;
     workshop.publish()
 }
 
 /// The prices of accuracy in a file of a trade: of this statistic, or of the first that has any.
 pub fn read_prices(path: &Path, statistic: Option<Statistic>) -> Result<Prices, StoreError> {
+    check_file(path)?;
     let file = open(path)?;
     let damaged = |error: hdf5::Error| StoreError::Damaged { path: path.to_owned(), cause: cause(&error) };
     let read = || -> hdf5::Result<Vec<Prices>> {
         let title = read_text(&file, "title")?;
-        let texts = |variable| read_or_empty::<VarLenUnicode>(&file, variable);
+        let texts = |variable| read_texts(&file, variable);
         let (schemes, statistics) = (texts(&SCHEME)?, texts(&layout::STATISTIC)?);
         let targets: Vec<f64> = read_or_empty(&file, &TARGET)?;
         let seconds: Vec<f64> = read_or_empty(&file, &PREDICTED_SECONDS)?;
         if seconds.len() != schemes.len() * statistics.len() * targets.len() {
             return Err(format!("{} has {} values", PREDICTED_SECONDS.name, seconds.len()).into());
         }
-        let curve = |(i, scheme): (usize, &VarLenUnicode), j: usize| {
+        let curve = |(i, scheme): (usize, &String), j: usize| {
             let first = (i * statistics.len() + j) * targets.len();
             let points = seconds[first..].iter().zip(&targets).map(|(seconds, target)| [*seconds, *target]);
             Some((Kind::from_name(scheme)?, points.filter(|[seconds, _]| seconds.is_finite()).collect()))
         };
-        let of = |(j, name): (usize, &VarLenUnicode)| {
+        let of = |(j, name): (usize, &String)| {
             let curves = schemes.iter().enumerate().filter_map(|scheme| curve(scheme, j)).collect();
             Some(Prices { title: title.clone(), statistic: Statistic::from_name(name)?, curves })
         };

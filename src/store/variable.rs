@@ -142,7 +142,13 @@ pub(super) fn write_text(location: &Location, name: &str, value: &str) -> Result
 
 /// Read a text attribute.
 pub(super) fn read_text(location: &Location, name: &str) -> Result<String> {
-    Ok(location.attr(name)?.read_scalar::<VarLenUnicode>()?.as_str().to_owned())
+    readable(&location.attr(name)?.read_scalar::<VarLenUnicode>()?)
+}
+
+/// A text of a file is whatever bytes it holds.
+fn readable(text: &VarLenUnicode) -> Result<String> {
+    let text = std::str::from_utf8(text.as_str().as_bytes());
+    text.map(str::to_owned).map_err(|_| Error::from("a text is not UTF-8"))
 }
 
 /// Text as HDF5 keeps it.
@@ -152,7 +158,36 @@ pub(super) fn text(value: &str) -> Result<VarLenUnicode> {
 
 /// Read a variable, an absent one as empty.
 pub(super) fn read_or_empty<T: H5Type>(file: &File, variable: &Described) -> Result<Vec<T>> {
-    if file.link_exists(variable.name) { file.dataset(variable.name)?.read_raw() } else { Ok(Vec::new()) }
+    if file.link_exists(variable.name) { read_variable(file, variable) } else { Ok(Vec::new()) }
+}
+
+/// Read a variable that must be there. Its type and its size are looked at before anything is read.
+pub(super) fn read_variable<T: H5Type>(file: &File, variable: &Described) -> Result<Vec<T>> {
+    let name = variable.name;
+    if !file.link_exists(name) {
+        return Err(format!("{name} is missing").into());
+    }
+    let dataset = file.dataset(name)?;
+    if !dataset.dtype()?.is::<T>() {
+        return Err(format!("{name} has another type than it was written with").into());
+    }
+    let shape = dataset.shape();
+    let is_along = |(axis, length): (&&str, &usize)| {
+        *axis == name || !file.link_exists(axis) || file.dataset(axis).is_ok_and(|axis| axis.size() == *length)
+    };
+    if shape.len() != variable.axes.len() || !variable.axes.iter().zip(&shape).all(is_along) {
+        return Err(format!("{name} has another shape than its axes").into());
+    }
+    // Nothing is compressed, so no variable is larger than its file.
+    if (dataset.size() as u64).saturating_mul(dataset.dtype()?.size() as u64) > file.size() {
+        return Err(format!("{name} is larger than the file").into());
+    }
+    dataset.read_raw()
+}
+
+/// Read a variable of texts, an absent one as empty.
+pub(super) fn read_texts(file: &File, variable: &Described) -> Result<Vec<String>> {
+    read_or_empty::<VarLenUnicode>(file, variable)?.iter().map(readable).collect()
 }
 
 /// Read a variable of a single value.

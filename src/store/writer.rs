@@ -4,7 +4,7 @@ use super::error::{cause, is_full, system_error};
 use super::growing::{Table, Values};
 use super::variable::{Growth, Place};
 use super::workshop::{RESULTS, Workshop};
-use super::{StoreError, header, layout, summary};
+use super::{StoreError, header, layout, seal, summary};
 use crate::engine::{Part, Status};
 use crate::provenance::Provenance;
 use crate::stats::{BlockResult, EventColumns, PathColumns, Record, Summary, TrajectoryRows};
@@ -139,8 +139,7 @@ impl Writer {
         // Everything is written by now, so closing has nothing left to write.
         drop(self.open.take());
         // Some file systems notice only now that they are full.
-        fs::File::open(self.workshop.path(RESULTS))
-            .and_then(|file| file.sync_all())
+        seal::seal(&self.workshop.path(RESULTS))
             .map_err(|error| self.latch(Failure { full: is_full(&error), cause: error.to_string() }))?;
         self.workshop.publish()
     }

@@ -8,7 +8,7 @@ use crate::provenance::Provenance;
 use crate::stats::{Bias, Estimate, GROUPS, Statistic, Values};
 use crate::store::StoreError;
 use crate::store::error::cause;
-use crate::store::reader::{check_signature, open};
+use crate::store::reader::{check_file, open};
 use crate::store::variable::read_text;
 use crate::study::sweep::{Axis, Design, Point, Question, Seeds};
 use hdf5::types::VarLenUnicode;
@@ -81,7 +81,7 @@ fn lines(text: &str) -> Vec<String> {
 
 /// Read the file of a sweep.
 pub fn read_sweep(path: &Path) -> std::result::Result<StoredSweep, StoreError> {
-    check_signature(path)?;
+    check_file(path)?;
     let file = open(path)?;
     if read_text(&file, "format_name").ok().as_deref() != Some(SWEEP_FORMAT_NAME) {
         return Err(StoreError::NoSweep { path: path.to_owned() });

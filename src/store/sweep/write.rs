@@ -5,11 +5,11 @@ use super::{SWEEP_FORMAT_NAME, SWEEP_FORMAT_VERSION};
 use crate::engine::Status;
 use crate::provenance::Provenance;
 use crate::stats::{GROUPS, Statistic};
-use crate::store::StoreError;
 use crate::store::error::{cause, is_full, system_error};
 use crate::store::layout::{self, Described, Unit, variable};
 use crate::store::variable::{Place, text, write_attribute, write_text};
 use crate::store::writer::create_file;
+use crate::store::{StoreError, seal};
 use crate::study::sweep::{Design, Paired, Point, Sweep};
 use hdf5::types::VarLenUnicode;
 use std::fs;
@@ -35,8 +35,7 @@ pub(super) fn replace(path: &Path, header: &Provenance, sweep: &Sweep) -> Result
         return Err(failed(system_error(&error).is_some_and(|system| is_full(&system)), cause(&error)));
     }
     drop(place);
-    let synced = fs::File::open(&beside).and_then(|file| file.sync_all());
-    synced.map_err(|error| failed(is_full(&error), error.to_string()))?;
+    seal::seal(&beside).map_err(|error| failed(is_full(&error), error.to_string()))?;
     rename(&beside, path)
 }
 

@@ -1,0 +1,79 @@
+//! The seal of a finished file: a checksum of all of it, in a few bytes behind what HDF5 looks at.
+//!
+//! HDF5 follows whatever a flipped bit points to, into another number, a signal, or a loop. So a file is held against its seal
+//! before the library opens it. Programs that change a file drop the bytes behind its end, and the seal with them.
+
+use super::StoreError;
+use super::checksum::checksum;
+use std::fs::File;
+use std::io::{self, Read, Seek as _, SeekFrom, Write as _};
+use std::path::Path;
+
+/// How the seal begins.
+const MAGIC: &[u8; 8] = b"mc-seal\n";
+/// Its bytes: the magic, the length and the checksum of the file before it, and a checksum of these.
+const LENGTH: usize = 8 + 8 + 4 + 4;
+/// Larger files are opened without being read through first, which would take minutes.
+const LARGEST: u64 = 1 << 30;
+
+/// Seal a file that is closed.
+pub(super) fn seal(path: &Path) -> io::Result<()> {
+    let mut file = File::options().read(true).append(true).open(path)?;
+    let length = file.metadata()?.len();
+    let sum = sum(&mut file, length)?;
+    file.write_all(&bytes(length, sum))?;
+    file.sync_all()
+}
+
+/// An error if a file is not what was sealed; otherwise, whether it has a seal.
+pub(super) fn check(path: &Path) -> Result<bool, StoreError> {
+    let not_opened = |source| StoreError::NotOpened { path: path.to_owned(), source };
+    let read = || -> io::Result<Option<bool>> {
+        let mut file = File::open(path)?;
+        let all = file.metadata()?.len();
+        let Some(length) = all.checked_sub(LENGTH as u64) else { return Ok(None) };
+        let mut found = [0; LENGTH];
+        file.seek(SeekFrom::Start(length))?;
+        file.read_exact(&mut found)?;
+        if !found.starts_with(MAGIC) {
+            return Ok(None);
+        }
+        if length > LARGEST {
+            return Ok(Some(true));
+        }
+        file.rewind()?;
+        let sum = sum(&mut file, length)?;
+        Ok(Some(found == bytes(length, sum)))
+    };
+    match read().map_err(not_opened)? {
+        Some(false) => {
+            let cause = "its checksum is another one".to_string();
+            Err(StoreError::Damaged { path: path.to_owned(), cause })
+        }
+        sealed => Ok(sealed.is_some()),
+    }
+}
+
+fn bytes(length: u64, sum: u32) -> [u8; LENGTH] {
+    let mut bytes = [0; LENGTH];
+    bytes[..8].copy_from_slice(MAGIC);
+    bytes[8..16].copy_from_slice(&length.to_le_bytes());
+    bytes[16..20].copy_from_slice(&sum.to_le_bytes());
+    let own = checksum(0, &bytes[..20]);
+    bytes[20..].copy_from_slice(&own.to_le_bytes());
+    bytes
+}
+
+/// The checksum of the first so many bytes.
+fn sum(file: &mut File, length: u64) -> io::Result<u32> {
+    let mut left = length;
+    let mut buffer = vec![0; 1 << 20];
+    let mut sum = 0;
+    while left > 0 {
+        let some = left.min(buffer.len() as u64) as usize;
+        file.read_exact(&mut buffer[..some])?;
+        sum = checksum(sum, &buffer[..some]);
+        left -= some as u64;
+    }
+    Ok(sum)
+}
