@@ -1,7 +1,8 @@
 //! `mc check`: a scenario in full, what follows from it, and what to beware of.
 
+use super::cost;
 use super::failure::{Failure, print_data};
-use super::numbers::{bytes, grouped, significant, wrapped};
+use super::numbers::{bytes, grouped, significant, time, wrapped};
 use super::overrides::Overrides;
 use std::fmt::Write as _;
 use std::path::PathBuf;
@@ -121,6 +122,8 @@ fn derived(scenario: &Scenario) -> Vec<(&'static str, String)> {
     let none = || format!("none; the {} scheme does not use time.step", scenario.scheme.name());
     lines.push(("steps of a path", steps.map_or_else(none, grouped)));
     lines.extend(path_steps.map(|steps| ("path-steps in all", significant(steps, 3))));
+    let cpu = cost::cpu_seconds(scenario, scenario.ensemble.paths);
+    lines.extend(cpu.map(|seconds| ("CPU time, at 1.5 ns a path-step", time(seconds))));
     lines.push(("rows of the output grid", grouped(rows as u64)));
     lines.push(("output file, about", bytes(output_bytes)));
     lines

@@ -2,7 +2,7 @@
 
 use super::failure::{Failure, writable};
 use super::interrupt::stop_on_signals;
-use super::sitting::{Manner, Sitting};
+use super::sitting::{Leaves, Manner, Sitting};
 use std::path::PathBuf;
 use stick_slip::store::{PartError, Parts};
 
@@ -38,8 +38,16 @@ impl Merge {
         let (scenario, asked) = (&parts.question.scenario, parts.question.asked.clone());
         let name = scenario.title.clone();
         let mut file = parts.into_sink(&self.output, self.force);
-        Sitting { manner: &self.manner, name, scenario, output: &self.output, promise: None, stop: &stop, saves: false }
-            .simulate(asked, Some(parts.so_far.clone()), &mut file)
+        Sitting {
+            manner: &self.manner,
+            name,
+            scenario,
+            output: &self.output,
+            promise: None,
+            stop: &stop,
+            leaves: Leaves::Nothing,
+        }
+        .simulate(asked, Some(parts.so_far.clone()), &mut file)
     }
 }
 

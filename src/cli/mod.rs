@@ -3,6 +3,7 @@
 mod accuracy;
 mod check;
 mod completions;
+mod cost;
 mod ending;
 mod failure;
 mod html;

@@ -3,7 +3,7 @@
 use super::failure::{Failure, note};
 use super::interrupt::stop_on_signals;
 use super::numbers::grouped;
-use super::sitting::{Manner, Sitting};
+use super::sitting::{Leaves, Manner, Sitting};
 use std::path::PathBuf;
 use std::sync::atomic::Ordering;
 use stick_slip::store::{self, FileSink, Unfinished};
@@ -48,8 +48,12 @@ impl Resume {
         }
         let name = scenario.title.clone();
         let promise = question.note.parse().ok();
+        let leaves = if self.end { Leaves::File } else { Leaves::Run };
         let mut sink = if self.end { sink.ending() } else { sink };
-        Sitting { manner: &self.manner, name, scenario, output: &output, promise, stop: &stop, saves: !self.end }
-            .simulate(asked.clone(), Some(so_far), &mut sink)
+        Sitting { manner: &self.manner, name, scenario, output: &output, promise, stop: &stop, leaves }.simulate(
+            asked.clone(),
+            Some(so_far),
+            &mut sink,
+        )
     }
 }

@@ -1,11 +1,12 @@
 //! `mc run`: simulate an ensemble, write its statistics, say what came out.
 
 use super::accuracy::{self, Chooser};
+use super::cost;
 use super::failure::{Failure, note, writable};
 use super::interrupt::stop_on_signals;
 use super::overrides::Overrides;
 use super::results;
-use super::sitting::{Manner, Sitting};
+use super::sitting::{Leaves, Manner, Sitting};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 use stick_slip::engine::{self, MOST_PATHS, Part};
@@ -74,6 +75,9 @@ impl Run {
         let output = self.output.clone().unwrap_or_else(|| default_output(&self.scenario));
         writable(&output, self.force, [self.scenario.as_path()])?;
         let threads = self.manner.threads();
+        if self.accuracy.is_none() {
+            cost::announce(&scenario, scenario.ensemble.paths, threads, self.manner.quiet)?;
+        }
         let stop = stop_on_signals();
         let mut decision = None;
         if let Some(target) = self.accuracy {
@@ -106,8 +110,16 @@ impl Run {
         let run = engine::Run::of(&scenario).paths(paths).part(self.part).until(goals).within(self.max_time);
         let run = if self.no_bias { run.without_bias() } else { run };
         let name = self.scenario.display().to_string();
-        Sitting { manner: &self.manner, name, scenario: &scenario, output: &output, promise, stop: &stop, saves: true }
-            .simulate(run.question(), None, &mut file)
+        Sitting {
+            manner: &self.manner,
+            name,
+            scenario: &scenario,
+            output: &output,
+            promise,
+            stop: &stop,
+            leaves: Leaves::Run,
+        }
+        .simulate(run.question(), None, &mut file)
     }
 }
 

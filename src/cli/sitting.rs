@@ -49,8 +49,19 @@ pub struct Sitting<'a> {
     /// What `--accuracy` has promised.
     pub promise: Option<Promise>,
     pub stop: &'a AtomicBool,
-    /// Whether an interrupted run is saved and can go on, or ends.
-    pub saves: bool,
+    /// What an interruption leaves.
+    pub leaves: Leaves,
+}
+
+/// What an interruption leaves.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Leaves {
+    /// A run that can go on.
+    Run,
+    /// The file of what is done.
+    File,
+    /// Nothing: it is to be done again.
+    Nothing,
 }
 
 impl Sitting<'_> {
@@ -102,6 +113,10 @@ impl Sitting<'_> {
             _ if outcome.is_all_lost() => Some(all_lost(self.scenario.scheme.step().is_some()).to_string()),
             _ => None,
         };
+        if outcome.status == Status::Interrupted && self.leaves == Leaves::Nothing {
+            note("interrupted: nothing is written; give the same command again");
+            return Err(Failure::Interrupted);
+        }
         if self.is_unfinished(outcome) {
             let continued = format!("interrupted; continue it with: mc resume {}", self.output.display());
             note(&continued);
@@ -115,7 +130,7 @@ impl Sitting<'_> {
 
     /// Whether the run can go on.
     fn is_unfinished(&self, outcome: &Outcome) -> bool {
-        outcome.status == Status::Interrupted && self.saves
+        outcome.status == Status::Interrupted && self.leaves == Leaves::Run
     }
 
     fn print(&self, outcome: &Outcome) -> Result<RunInfo, Failure> {

@@ -1,0 +1,58 @@
+//! What a run will take: time and memory, before it begins.
+
+use super::failure::{Failure, note};
+use super::numbers::{bytes, time};
+use stick_slip::scenario::Scenario;
+
+/// CPU seconds of a path-step of the discrete schemes, roughly, on a processor of these years.
+const PATH_STEP: f64 = 1.5e-9;
+/// Longer runs are announced.
+const LONG: f64 = 3600.0;
+/// Bytes of the program itself, and of a row of the output grid on each thread: 256 paths of it, sketches and what waits.
+const PROGRAM: f64 = 50e6;
+const ROW: f64 = 4500.0;
+
+/// CPU seconds of so many paths, where the number of their steps is known.
+pub fn cpu_seconds(scenario: &Scenario, paths: u64) -> Option<f64> {
+    scenario.steps().map(|steps| steps as f64 * paths as f64 * PATH_STEP)
+}
+
+/// Bytes of memory that a run takes, roughly.
+fn memory(scenario: &Scenario, threads: usize) -> f64 {
+    PROGRAM + threads as f64 * scenario.timeline().rows() as f64 * ROW
+}
+
+/// Say what takes long, and refuse what does not fit.
+pub fn announce(scenario: &Scenario, paths: u64, threads: usize, is_quiet: bool) -> Result<(), Failure> {
+    let needed = memory(scenario, threads);
+    if let Some(free) = free_memory().filter(|free| *free < needed) {
+        let problem = format!(
+            "a run of {} rows on {threads} threads takes about {} of memory, and {} are free",
+            scenario.timeline().rows(),
+            bytes(needed),
+            bytes(free)
+        );
+        return Err(Failure::usage(problem, "give fewer --threads, or a larger `time.output_step`"));
+    }
+    let seconds = cpu_seconds(scenario, paths).map(|seconds| seconds / threads as f64);
+    if let Some(seconds) = seconds.filter(|seconds| !is_quiet && *seconds > LONG) {
+        note(&format!(
+            "this takes about {} on {threads} threads; --max-time bounds it, and Ctrl-C saves it",
+            time(seconds)
+        ));
+    }
+    Ok(())
+}
+
+/// Bytes of memory that this process may still have; none where the system does not say.
+fn free_memory() -> Option<f64> {
+    let number = |file: &str, name: &str| -> Option<f64> {
+        let text = std::fs::read_to_string(file).ok()?;
+        let line = text.lines().find_map(|line| line.strip_prefix(name))?;
+        line.split_whitespace().next()?.parse().ok()
+    };
+    let machine = number("/proc/meminfo", "MemAvailable:").map(|kilobytes| kilobytes * 1024.0);
+    // What a shell has allowed with `ulimit -v`; the library and the stacks of threads are within it.
+    let limit = number("/proc/self/limits", "Max address space");
+    [machine, limit].into_iter().flatten().reduce(f64::min)
+}

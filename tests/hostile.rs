@@ -1,0 +1,306 @@
+//! What a user may do to the command, or a machine to its files, that nobody means to: each is one clear message, and nothing of anybody
+//! is lost.
+
+#[path = "common/command.rs"]
+mod command;
+
+use command::{Running, shell};
+use rand_pcg::Pcg64Dxsm;
+use rand_pcg::rand_core::{Rng, SeedableRng};
+use std::ffi::OsStr;
+use std::fs;
+use std::os::unix::ffi::OsStrExt as _;
+use std::path::Path;
+use std::process::Output;
+use std::time::{Duration, Instant};
+use tempfile::TempDir;
+
+const RHO025: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenarios/rho025.toml");
+const EQUAL_FRICTION: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenarios/equal-friction.toml");
+
+fn folder() -> TempDir {
+    tempfile::tempdir().expect("a folder")
+}
+
+fn mc(folder: &TempDir, arguments: &[&str]) -> Output {
+    command::mc(folder.path(), arguments)
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(bytes).into_owned()
+}
+
+/// A small run, in `a.h5`.
+fn run(here: &TempDir, more: &[&str]) {
+    let output =
+        mc(here, &[&["run", RHO025, "--paths", "40", "--step", "0.05", "--quiet", "-o", "a.h5"], more].concat());
+    assert!(output.status.success(), "{}", text(&output.stderr));
+}
+
+/// Refused by this exit code, with these words, and with nothing left that was not there.
+#[track_caller]
+fn assert_refused(here: &TempDir, arguments: &[&str], code: i32, words: &[&str]) {
+    let before = names(here.path());
+    let output = mc(here, arguments);
+    let said = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(code), "mc {}: {said}", arguments.join(" "));
+    assert!(words.iter().all(|word| said.contains(word)), "mc {}: {said}", arguments.join(" "));
+    assert_eq!(names(here.path()), before, "mc {}", arguments.join(" "));
+}
+
+fn names(folder: &Path) -> Vec<std::ffi::OsString> {
+    let mut names: Vec<_> =
+        fs::read_dir(folder).expect("a folder").map(|entry| entry.expect("read").file_name()).collect();
+    names.sort();
+    names
+}
+
+/// A block of these takes minutes, and the limits are kept to a part of a second; the machine may be slow by some seconds.
+#[test]
+fn a_time_limit_and_an_interrupt_do_not_wait_for_a_block() {
+    let late = Duration::from_secs(8);
+    let here = folder();
+    let finest = ["run", RHO025, "--paths", "1000", "--step", "1e-6", "--quiet", "-o", "a.h5"];
+    let equal = ["run", EQUAL_FRICTION, "--scheme", "event-driven", "--tolerance", "1e-9", "--quiet", "-o", "a.h5"];
+    for scene in [&finest[..], &equal] {
+        let start = Instant::now();
+        assert_refused(
+            &here,
+            &[scene, &["--max-time", "2s"]].concat(),
+            1,
+            &["time was up before the first 256 paths", "--max-time"],
+        );
+        assert!(start.elapsed() < Duration::from_secs(2) + late, "{:?}", start.elapsed());
+        let mut running = Running::mc(here.path(), scene);
+        running.until_it_answers();
+        let start = Instant::now();
+        running.interrupt();
+        let output = running.end();
+        assert!(start.elapsed() < late, "{:?}", start.elapsed());
+        assert_eq!(output.status.code(), Some(130), "{}", text(&output.stderr));
+        assert!(text(&output.stderr).contains("nothing is written"), "{}", text(&output.stderr));
+        assert!(names(here.path()).is_empty());
+    }
+}
+
+#[test]
+fn only_regular_files_are_replaced_and_never_an_input() {
+    let here = folder();
+    run(&here, &[]);
+    fs::copy(RHO025, here.path().join("t.toml")).expect("copied");
+    std::os::unix::fs::symlink("a.h5", here.path().join("link.h5")).expect("linked");
+    assert!(shell(here.path(), "mkfifo pipe.h5").status.success());
+    let is_input = ["is what the results are made from"];
+    assert_refused(&here, &["replay", "a.h5", "--path", "0", "-o", "a.h5", "--force"], 2, &is_input);
+    assert_refused(&here, &["replay", "a.h5", "--path", "0", "-o", "./link.h5", "--force"], 2, &is_input);
+    assert_refused(&here, &["trade", "t.toml", "-o", "t.toml", "--force"], 2, &is_input);
+    assert_refused(&here, &["run", "t.toml", "-o", "t.toml", "--force"], 2, &is_input);
+    assert_refused(
+        &here,
+        &["sweep", "t.toml", "--vary", "friction.static=1.1,1.2", "-o", "t.toml", "--force"],
+        2,
+        &is_input,
+    );
+    for name in ["pipe.h5", "/dev/null", "/dev/full"] {
+        assert_refused(&here, &["run", "t.toml", "-o", name, "--force"], 2, &["no regular file"]);
+    }
+    assert_refused(&here, &["run", "t.toml", "-o", "-"], 2, &["not to standard output"]);
+    assert!(!here.path().join("-").exists());
+    let name = OsStr::from_bytes(b"caf\xe9.h5");
+    let mut command = assert_cmd::Command::cargo_bin("mc").expect("built");
+    let output = command.current_dir(here.path()).args(["run", "t.toml", "-o"]).arg(name).output().expect("runs");
+    assert_eq!(output.status.code(), Some(2));
+    assert!(text(&output.stderr).contains("not UTF-8"), "{}", text(&output.stderr));
+}
+
+/// A pipe that nobody reads or fills would hold up whoever opens it.
+#[test]
+fn a_pipe_in_the_way_holds_nobody_up() {
+    let here = folder();
+    let line = "for name in a.h5.partial a.h5.lock in.h5; do mkfifo $name; done";
+    assert!(shell(here.path(), line).status.success());
+    assert_refused(&here, &["run", RHO025, "-o", "a.h5", "--force"], 1, &["a.h5.lock"]);
+    fs::remove_file(here.path().join("a.h5.lock")).expect("removed");
+    assert_refused(&here, &["run", RHO025, "-o", "a.h5", "--force"], 2, &["a.h5.partial", "in the way"]);
+    assert_refused(&here, &["plot", RHO025, "-o", "a.h5.svg", "--set", "ensemble.paths=0"], 2, &[]);
+    assert_refused(&here, &["show", "in.h5"], 2, &["in.h5"]);
+    assert_refused(&here, &["resume", "a.h5"], 2, &["no unfinished run"]);
+}
+
+#[test]
+fn a_limit_on_the_size_of_files_is_an_error_and_not_a_signal() {
+    let here = folder();
+    let run = format!("run {RHO025} --paths 20000 --step 0.05 --quiet --set record.events=true -o a.h5");
+    let output = shell(here.path(), &format!("ulimit -f 700; exec \"$0\" {run}"));
+    assert_eq!(output.status.code(), Some(1), "{}", text(&output.stderr));
+    assert!(text(&output.stderr).contains("File too large"), "{}", text(&output.stderr));
+    assert!(!here.path().join("a.h5").exists());
+}
+
+#[test]
+fn too_little_memory_is_an_error_and_not_an_abort() {
+    let here = folder();
+    let run = format!("run {RHO025} --paths 2000 --set time.output_step=0.01 --threads 64 --quiet -o a.h5");
+    let output = shell(here.path(), &format!("ulimit -v 1000000; exec \"$0\" {run}"));
+    assert_eq!(output.status.code(), Some(2), "{}", text(&output.stderr));
+    assert!(text(&output.stderr).contains("of memory") && text(&output.stderr).contains("--threads"));
+}
+
+#[test]
+fn a_long_run_is_announced() {
+    let here = folder();
+    let check = mc(&here, &["check", RHO025, "--step", "1e-4", "--paths", "1000000000"]);
+    assert!(text(&check.stdout).contains("CPU time, at 1.5 ns a path-step"), "{}", text(&check.stdout));
+    let mut running = Running::mc(
+        here.path(),
+        &["run", RHO025, "--step", "1e-4", "--paths", "1000000000", "--set", "record.paths=false"],
+    );
+    running.until_it_answers();
+    running.interrupt();
+    assert!(text(&running.end().stderr).contains("this takes about"));
+}
+
+/// Let HDF5 change a file, as a user with h5py does.
+fn edited(here: &TempDir, change: impl FnOnce(&hdf5::File)) {
+    let file = hdf5::File::open_rw(here.path().join("a.h5")).expect("HDF5");
+    change(&file);
+}
+
+fn set_text(file: &hdf5::File, name: &str, change: impl FnOnce(&str) -> String) {
+    use std::str::FromStr as _;
+    let attribute = file.attr(name).expect("an attribute");
+    let text = attribute.read_scalar::<hdf5::types::VarLenUnicode>().expect("text");
+    let changed = hdf5::types::VarLenUnicode::from_str(&change(text.as_str())).expect("text");
+    attribute.write_scalar(&changed).expect("written");
+}
+
+#[test]
+fn a_replay_of_a_file_that_was_edited_is_refused() {
+    for (from, to) in [("static = 1.1", "static = 1.2"), ("step = 0.05", "step = 0.1"), ("seed = 1", "seed = 2")] {
+        let here = folder();
+        run(&here, &["--set", "friction.static=1.1", "--set", "friction.dynamic=0.9"]);
+        assert!(mc(&here, &["replay", "a.h5", "--path", "7", "-o", "r.h5"]).status.success());
+        edited(&here, |file| {
+            set_text(file, "scenario", |text| {
+                assert!(text.contains(from), "{text}");
+                text.replace(from, to)
+            })
+        });
+        assert_refused(
+            &here,
+            &["replay", "a.h5", "--path", "7", "-o", "s.h5"],
+            1,
+            &["another one than the file holds"],
+        );
+        // It says that it was changed, whatever is asked of it.
+        let shown = mc(&here, &["show", "a.h5"]);
+        assert!(text(&shown.stderr).contains("no checksum"), "{}", text(&shown.stderr));
+    }
+    let here = folder();
+    run(&here, &[]);
+    edited(&here, |file| set_text(file, "program_version", |_| "9.9".into()));
+    let output = mc(&here, &["replay", "a.h5", "--path", "7", "-o", "r.h5"]);
+    assert!(text(&output.stderr).contains("written by mc 9.9"), "{}", text(&output.stderr));
+}
+
+#[test]
+fn a_file_without_what_a_table_needs_is_damaged() {
+    for name in ["statistic", "estimate", "standard_error", "interval_low", "interval_high", "stick_duration_completed"]
+    {
+        let here = folder();
+        run(&here, &[]);
+        edited(&here, |file| file.unlink(name).expect("there"));
+        assert_refused(&here, &["show", "a.h5"], 1, &["a.h5", "damaged"]);
+    }
+    // Of another shape, of another type.
+    for wrong in 0..2 {
+        let here = folder();
+        run(&here, &[]);
+        edited(&here, |file| {
+            file.unlink("estimate").expect("there");
+            match wrong {
+                0 => drop(file.new_dataset::<f64>().shape(3).create("estimate").expect("made")),
+                _ => drop(file.new_dataset::<i32>().shape(21).create("estimate").expect("made")),
+            }
+        });
+        assert_refused(&here, &["show", "a.h5"], 1, &["estimate has another"]);
+    }
+    let here = folder();
+    run(&here, &[]);
+    edited(&here, |file| {
+        file.unlink("displacement_mean").expect("there");
+        // A petabyte that takes no room.
+        let huge = file.new_dataset::<f64>().chunk(1024).shape(1_usize << 47).create("displacement_mean");
+        drop(huge.expect("made"));
+    });
+    assert_refused(&here, &["show", "a.h5"], 1, &["displacement_mean has another shape"]);
+}
+
+/// 400 files with a bit turned over, of which every one is refused by its checksum; and 40 that were cut short. Without it, one in two
+/// hundred ends in a signal and one in four hundred in a panic.
+#[test]
+fn flipped_bits_are_refused_before_anything_follows_them() {
+    let here = folder();
+    run(&here, &["--set", "record.trajectories=2"]);
+    let whole = fs::read(here.path().join("a.h5")).expect("written");
+    let mut rng = Pcg64Dxsm::seed_from_u64(3);
+    let mut below = |end: usize| (rng.next_u64() % end as u64) as usize;
+    // The seal itself is another matter: a file without one is read as it is.
+    let sealed = whole.len() - 24;
+    let read = |bytes: &[u8]| {
+        fs::write(here.path().join("b.h5"), bytes).expect("written");
+        stick_slip::store::read(&here.path().join("b.h5"))
+    };
+    assert!(read(&whole).expect("whole").is_sealed);
+    for i in 0..400 {
+        let mut flipped = whole.clone();
+        let at = below(sealed);
+        flipped[at] ^= 1 << below(8);
+        let error = read(&flipped).expect_err("refused").to_string();
+        let is_named = error.contains("b.h5") && (error.contains("checksum") || error.contains("not an HDF5 file"));
+        assert!(is_named && !error.contains('\n'), "{i}, byte {at}: {error}");
+    }
+    for _ in 0..40 {
+        let error = read(&whole[..below(sealed)]).expect_err("refused").to_string();
+        assert!(error.contains("b.h5") && !error.contains('\n'), "{error}");
+    }
+    // By the command as well.
+    let mut flipped = whole;
+    flipped[5000] ^= 4;
+    fs::write(here.path().join("b.h5"), flipped).expect("written");
+    for verb in [&["show", "b.h5"][..], &["plot", "b.h5"], &["report", "b.h5"], &["replay", "b.h5", "--path", "1"]] {
+        assert_refused(&here, verb, 1, &["b.h5", "checksum"]);
+    }
+}
+
+#[test]
+fn nothing_reaches_the_terminal_that_moves_it() {
+    let here = folder();
+    run(&here, &[]);
+    edited(&here, |file| set_text(file, "title", |_| "\u{1b}[2Jtitle\u{202e}\u{7}".into()));
+    let name = "odd\u{1b}[31m\u{202e}.toml";
+    fs::write(here.path().join(name), format!("title = 1\n{} = 2\n", "x".repeat(800_000))).expect("written");
+    for arguments in [
+        &["show", "a.h5"][..],
+        &["show", "a.h5", "--json"],
+        &["check", name],
+        &["run", name, "--bogus\u{1b}"],
+        &["show", name],
+    ] {
+        let output = mc(&here, arguments);
+        for stream in [&output.stdout, &output.stderr] {
+            let said = text(stream);
+            let is_safe = |c: char| !(c.is_control() && c != '\n' && c != '\t') && c != '\u{202e}';
+            assert!(said.chars().all(is_safe), "{arguments:?}: {said:?}");
+            assert!(said.lines().all(|line| line.len() < 5000), "{arguments:?}");
+        }
+    }
+    assert!(text(&mc(&here, &["show", "a.h5"]).stdout).contains("\\u001b[2Jtitle\\u202e\\u0007"));
+}
+
+#[test]
+fn a_folder_that_cannot_be_written_and_one_that_is_gone_are_named() {
+    let here = folder();
+    assert_refused(&here, &["run", RHO025, "-o", "/proc/a.h5"], 1, &["/proc/a.h5"]);
+    assert_refused(&here, &["run", RHO025, "-o", "gone/a.h5"], 2, &["gone"]);
+}
