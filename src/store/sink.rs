@@ -1,5 +1,6 @@
 //! A file as the sink of a run.
 
+use super::lock::Lock;
 use super::log::{self, Log, LogError, Position};
 use super::state::{self, Question, State};
 use super::workshop::{ROWS, STATE, Workshop, is_published, parent, partial_path};
@@ -88,13 +89,15 @@ impl FileSink {
     /// its folder was left.
     pub fn go_on(target: &Path, force: bool) -> Result<Option<Unfinished>, StoreError> {
         let partial = partial_path(target);
-        if !partial.exists() {
-            return match target.exists() {
-                true => Ok(None),
-                false => Err(StoreError::NothingToResume { target: target.to_owned(), partial }),
-            };
+        if !partial.exists() && !target.exists() {
+            return Err(StoreError::NothingToResume { target: target.to_owned(), partial });
         }
-        let mut workshop = Workshop::enter(target, force)?;
+        // A lock that a process left when it was killed goes with ours.
+        let lock = Lock::take(target)?;
+        if !partial.exists() {
+            return Ok(None);
+        }
+        let mut workshop = Workshop::enter(target, force, lock)?;
         let path = workshop.path(STATE);
         let (is_there, is_saved) = (target.symlink_metadata().is_ok(), path.exists());
         if is_published(target) || is_there && !is_saved {

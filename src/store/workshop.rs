@@ -85,8 +85,7 @@ impl Workshop {
     }
 
     /// The one that an unfinished run has left.
-    pub fn enter(target: &Path, force: bool) -> Result<Workshop, StoreError> {
-        let lock = lock(target)?;
+    pub fn enter(target: &Path, force: bool, lock: Lock) -> Result<Workshop, StoreError> {
         Workshop::of(target, partial_path(target), force, lock)
     }
 
