@@ -271,7 +271,7 @@ impl Sink for FileSink {
     fn save(&mut self, moment: &Moment<'_>) -> Result<(), SinkError> {
         let Some(open) = &mut self.open else { return Ok(()) };
         // A run of which nothing is done leaves nothing.
-        let is_due = moment.is_last && open.appended > 0 || open.last.elapsed() >= open.interval;
+        let is_due = open.appended > 0 && (moment.is_last || open.last.elapsed() >= open.interval);
         if is_due { Ok(open.save(moment)?) } else { Ok(()) }
     }
 
