@@ -298,6 +298,21 @@ fn nothing_reaches_the_terminal_that_moves_it() {
     assert!(text(&mc(&here, &["show", "a.h5"]).stdout).contains("\\u001b[2Jtitle\\u202e\\u0007"));
 }
 
+/// A sweep does not replace what has appeared under its name either.
+#[test]
+fn a_file_that_appears_during_a_sweep_is_not_replaced() {
+    let here = folder();
+    let sweep = ["sweep", RHO025, "--vary", "friction.static=1.1,1.2,1.3", "--paths", "20000", "--quiet", "-o", "s.h5"];
+    let mut running = Running::mc(here.path(), &sweep);
+    running.until("a point is done", || here.path().join("s.h5.partial").exists());
+    fs::write(here.path().join("s.h5"), "by hand").expect("written");
+    let output = running.end();
+    assert_eq!(output.status.code(), Some(2), "{}", text(&output.stderr));
+    assert_eq!(fs::read(here.path().join("s.h5")).expect("there"), b"by hand");
+    fs::remove_file(here.path().join("s.h5")).expect("removed");
+    assert!(mc(&here, &sweep).status.success());
+}
+
 #[test]
 fn a_folder_that_cannot_be_written_and_one_that_is_gone_are_named() {
     let here = folder();

@@ -42,6 +42,8 @@ pub struct SweepFile {
     /// When it was brought up to date last.
     last: Option<Instant>,
     interval: Duration,
+    /// Whether a regular file of the target's name is replaced.
+    force: bool,
     _lock: Lock,
 }
 
@@ -63,7 +65,7 @@ impl SweepFile {
         let nothing = vec![None; question.points.len()];
         let file = |points| {
             let (target, header) = (target.to_owned(), header.clone());
-            (SweepFile { target, header, last: None, interval: INTERVAL, _lock: lock }, points)
+            (SweepFile { target, header, last: None, interval: INTERVAL, force, _lock: lock }, points)
         };
         if target.symlink_metadata().is_ok() && !force {
             return Ok(file(same_question(target, header, question)?));
@@ -102,6 +104,9 @@ impl SweepFile {
     pub fn finish(mut self, sweep: &Sweep) -> Result<(), StoreError> {
         self.save_now(sweep)?;
         let partial = partial_path(&self.target);
+        if self.target.symlink_metadata().is_ok_and(|there| !self.force || !there.is_file()) {
+            return Err(StoreError::InTheWay { path: self.target });
+        }
         write::rename(&partial, &self.target)
     }
 }
