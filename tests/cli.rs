@@ -219,7 +219,8 @@ fn results_need_a_place() {
     let desk = Desk::new();
     desk.mc(&["run", "scene.toml", "-o", "no/such/place.h5"]).refused(&["no directory no/such", "fix: create it"]);
     desk.mc(&["run", "scene.toml", "-o", "."]).refused(&["is a directory", "fix: "]);
-    desk.mc(&["run", "scene.toml", "-o", "scene.toml", "--force"]).refused(&["is the scenario itself", "fix: "]);
+    desk.mc(&["run", "scene.toml", "-o", "scene.toml", "--force"])
+        .refused(&["is what the results are made from", "fix: "]);
     assert_eq!(std::fs::read_to_string(desk.path("scene.toml")).unwrap(), RHO025);
 }
 
@@ -366,7 +367,7 @@ fn bash_completes_verbs_options_and_values() {
     };
     assert_eq!(complete(&["mc", "ru"]), "run");
     assert_eq!(complete(&["mc", "t"]), "trade");
-    assert_eq!(complete(&["mc", "run", "--pa"]), "--paths");
+    assert_eq!(complete(&["mc", "run", "--path"]), "--paths");
     assert_eq!(complete(&["mc", "run", "--s"]), "--seed --scheme --step --set --statistic");
     assert_eq!(complete(&["mc", "replay", "--p"]), "--path");
     assert_eq!(complete(&["mc", "completions", "z"]), "zsh");

@@ -138,7 +138,7 @@ fn two_processes_do_not_write_one_sweep() {
     first.until("it has its name", || here.join("s.h5.lock").exists());
     let second = mc(here, &long);
     assert_eq!(second.status.code(), Some(2));
-    assert!(err(&second).contains("another process is writing this sweep"), "{}", err(&second));
+    assert!(err(&second).contains("another process is making this file"), "{}", err(&second));
 }
 
 #[test]

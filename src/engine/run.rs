@@ -245,6 +245,8 @@ impl<'a> Run<'a> {
         let mut summary = totals.totals().summary();
         let bias = match broken {
             None if self.asked.with_bias && self.asked.part.is_none() => {
+                // The alarm looks only now and then.
+                alarm.end.fetch_or(is_stopped(), Ordering::Relaxed);
                 alarm.watching(|| self.add_bias(summary.completed_paths, &alarm.end, progress, &mut summary))
             }
             _ => BiasReport::default(),
