@@ -1,9 +1,11 @@
 //! Where the numbers of a run come from: what every file, and every data set in memory, says about itself.
 
 use crate::ensemble::BLOCK_SIZE;
+use crate::model::Series;
 use crate::noise::GENERATOR;
-use crate::scenario::Scenario;
+use crate::scenario::{Bearing, Scenario};
 use crate::stats::Units;
+use std::sync::Arc;
 
 /// Version of the program.
 pub const PROGRAM_VERSION: &str = env!("CARGO_PKG_VERSION");
@@ -42,6 +44,12 @@ pub struct Provenance {
     pub units: Units,
     /// Times of the output grid.
     pub time: Vec<f64>,
+    /// What the temperature was measured to be, if it was.
+    pub series: Option<Arc<Series>>,
+    /// The stamp of its first sample, for a file that is written.
+    pub series_start: Option<String>,
+    /// What shows the displacement of trajectories, for a file that is written.
+    pub bearing: Option<Bearing>,
 }
 
 impl Provenance {
@@ -62,6 +70,9 @@ impl Provenance {
             git_hash: GIT_HASH.to_string(),
             units: scenario.units.clone(),
             time: scenario.timeline().output_times(),
+            series: scenario.model.temperature.series.clone(),
+            series_start: scenario.measured.as_ref().and_then(|measured| measured.start.clone()),
+            bearing: scenario.bearing,
         }
     }
 }

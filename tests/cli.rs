@@ -239,11 +239,15 @@ fn every_shipped_scenario_passes_the_check() {
     let mut seen = 0;
     for entry in std::fs::read_dir(folder).unwrap() {
         let path = entry.unwrap().path();
+        // Samples of a measured temperature lie beside the scenario that names them.
+        if path.extension().is_some_and(|ending| ending != "toml") {
+            continue;
+        }
         let answer = Desk::new().mc(&["check", path.to_str().unwrap()]);
         assert!(answer.done().contains("# What follows from it"), "{}", path.display());
         seen += 1;
     }
-    assert_eq!(seen, 8);
+    assert_eq!(seen, 9);
 }
 
 #[test]

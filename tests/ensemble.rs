@@ -194,6 +194,8 @@ fn diverged_paths_are_counted_listed_and_kept_out() {
     model.friction = Friction { static_force: 0.01, dynamic_force: 0.01 };
     model.temperature = Temperature {
         harmonics: Vec::new(),
+        series: None,
+        is_pinned: false,
         noise: Some(Noise {
             intensity: 1.0,
             relaxation_rate: 1e-9,

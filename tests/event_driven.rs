@@ -262,6 +262,8 @@ fn a_temperature_that_relaxes_without_diffusion_is_one_more_exponential() {
     let mut model = paper(0.25, 0.0);
     model.temperature = Temperature {
         harmonics: Vec::new(),
+        series: None,
+        is_pinned: false,
         noise: Some(Noise { intensity: 0.5, relaxation_rate: 0.5, diffusion: 0.0, initial: InitialNoise::At(2.0) }),
     };
     let events = noiseless_events(&model, 60.0);

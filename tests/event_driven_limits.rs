@@ -75,6 +75,8 @@ fn nearly_white(theta: f64, intensity: f64, friction: Friction) -> Model {
     let rho = theta * intensity.sqrt() / model.oscillator.dilatation;
     model.temperature = Temperature {
         harmonics: Vec::new(),
+        series: None,
+        is_pinned: false,
         noise: Some(Noise { intensity: rho, relaxation_rate: theta, diffusion: 1.0, initial: InitialNoise::At(0.0) }),
     };
     model

@@ -144,6 +144,9 @@ fn every_shipped_scene_can_be_drawn() {
     let folder = folder();
     for entry in std::fs::read_dir(root().join("scenarios")).expect("scenarios") {
         let name = entry.expect("readable").file_name().to_string_lossy().into_owned();
+        if !name.ends_with(".toml") {
+            continue;
+        }
         let scenario = format!("scenarios/{name}");
         let title = "title=\"<b> & \\\"quoted\\\" \u{1d54f} 50 %\"";
         done(folder.path(), &["plot", &scenario, "--set", title, "--theme", "dark", "-o", "a.svg", "--force"]);

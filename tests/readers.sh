@@ -21,6 +21,8 @@ run recorded rho025 --paths 600 --set record.events=true --set record.trajectori
 run summary rho025 --paths 600 --set record.paths=false
 # One path without noise: no interval exists.
 run one-path shaw
+# A measured temperature and a bearing.
+run bearing bridge --set units.length=mm --set units.temperature=K
 # No stick ends: the dimension of durations is absent.
 run no-sticks never-slips
 # No time step: the attribute is absent.
@@ -46,13 +48,16 @@ run biased rho025 --paths 10000 \
     --set units.time=s --set units.length=mm --set units.force=N --set units.temperature=K
 target/venv/bin/python tests/python/recompute.py --bias "$folder/biased.h5"
 
+# A measured temperature, against the file that it was read from.
+target/venv/bin/python tests/python/recompute.py --measured "$folder/bearing.h5" scenarios/bridge.csv
+
 # Every scheme with all that can be recorded of all its paths, on a grid that passes through the ends of the forcing periods, 12.5, and of the burn-in; the schemes
 # with a step with every step. Two blocks, a seed that is no default, one path of each replayed.
 recomputed=$(mktemp -d -p "$folder")
 recompute() { # NAME ARGUMENTS...
     run "${recomputed##*/}/$1" rho025 "${@:2}" --seed 4711 \
         --set temperature.harmonics.0.angular_frequency=0.5026548245743669 \
-        --set record.events=true --set record.trajectories=768 \
+        --set record.events=true --set record.trajectories=768 --set bearing.stiffness=7 --set bearing.offset=0.5 \
         --set units.time=s --set units.length=mm --set units.force=N --set units.temperature=K
     cargo run --release --quiet --bin mc -- replay "$recomputed/$1.h5" --path 271 -o "$recomputed/one.h5" --force >"$folder/messages" 2>&1
     target/venv/bin/python tests/python/recompute.py "$recomputed/$1.h5" "$recomputed/one.h5"

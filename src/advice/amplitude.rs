@@ -50,6 +50,13 @@ pub(super) fn expected_amplitude(model: &Model, end: f64, step: Option<f64>) -> 
         (x, y) = (x + moved.re, y + passing.re);
         (most_x, most_y) = (most_x + moved.abs(), most_y + passing.abs());
     }
+    // Measured values move the rest position, and every bend of theirs sets the body swinging about it.
+    if let Some(series) = &temperature.series {
+        let (low, high) = series.range();
+        most_x += oscillator.dilatation.abs() * low.abs().max(high.abs());
+        (x, y) = (x + oscillator.dilatation * series.at(0.0), y + oscillator.dilatation * series.steepest() / w0);
+        most_y += oscillator.dilatation.abs() * series.steepest() / w0;
+    }
     let stirred = temperature.effective_noise().map_or(0.0, |noise| stirred(model, &noise, end, step));
     most_x + (x0 - x).hypot(y).max((friction.static_force / oscillator.stiffness).hypot(most_y)) + stirred
 }

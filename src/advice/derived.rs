@@ -1,7 +1,7 @@
 //! Quantities that follow from a scenario.
 
 use super::amplitude::expected_amplitude;
-use super::size::output_bytes;
+use super::size::{output_bytes, thread_bytes};
 use crate::model::{Model, Noise, Oscillator};
 use crate::scenario::Scenario;
 use crate::scheme::{Discretisation, Resolution, Stability, monitoring_shift};
@@ -44,6 +44,8 @@ pub struct Derived {
     pub path_steps: Option<f64>,
     /// Rows of the output grid.
     pub rows: usize,
+    /// Estimated memory of a thread for these rows, in bytes.
+    pub thread_bytes: f64,
     /// Estimated size of the output file in bytes, uncompressed.
     pub output_bytes: f64,
 }
@@ -78,6 +80,7 @@ impl Scenario {
             steps,
             path_steps: steps.map(|steps| self.ensemble.paths as f64 * steps as f64),
             rows: self.timeline().rows(),
+            thread_bytes: thread_bytes(self),
             output_bytes: output_bytes(self),
         }
     }

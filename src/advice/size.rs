@@ -11,10 +11,22 @@ const ROW_BYTES: f64 = 8.0 * (3.0 * (3.0 * 7.0 + 1.0) + 1.0);
 const PATH_BYTES: f64 = 8.0 * 6.0 + 4.0 * 3.0 + 1.0;
 /// Bytes of an event: three doubles and two flags.
 const EVENT_BYTES: f64 = 8.0 * 3.0 + 2.0;
-/// Bytes of one row of a trajectory: five doubles and a flag.
+/// Bytes of one row of a trajectory: five doubles and a flag, and what a sensor shows.
 const TRAJECTORY_BYTES: f64 = 8.0 * 5.0 + 1.0;
+const SENSOR_BYTES: f64 = 8.0;
+/// Bytes of a sample of a measured temperature: its time and its value.
+const SAMPLE_BYTES: f64 = 8.0 * 2.0;
 /// Bytes of a file that holds nothing.
 const EMPTY_BYTES: f64 = 65_536.0;
+
+/// Bytes that a thread holds for one row of the output grid: x, x', T and whether static of each path of a block in flight, and
+/// what is merged of them.
+const THREAD_ROW_BYTES: f64 = 8.0 * 4.0 * 256.0;
+
+/// Estimated memory of one thread for the output grid.
+pub(super) fn thread_bytes(scenario: &Scenario) -> f64 {
+    scenario.timeline().rows() as f64 * THREAD_ROW_BYTES
+}
 
 /// Estimated size of the output file in bytes, uncompressed.
 pub(super) fn output_bytes(scenario: &Scenario) -> f64 {
@@ -22,16 +34,19 @@ pub(super) fn output_bytes(scenario: &Scenario) -> f64 {
     let rows = scenario.timeline().rows() as f64;
     let events = scenario.steps().map_or(f64::INFINITY, |steps| steps as f64).min(events(scenario)) + 1.0;
     let record = &scenario.record;
+    let sensor = if scenario.bearing.is_some() { SENSOR_BYTES } else { 0.0 };
+    let samples = scenario.model.temperature.series.as_ref().map_or(0, |series| series.times().len());
     EMPTY_BYTES
         + rows * ROW_BYTES
         + if record.paths { paths * PATH_BYTES } else { 0.0 }
         + if record.events { paths * (4.0 + events * EVENT_BYTES) } else { 0.0 }
-        + paths.min(record.trajectories as f64) * rows * TRAJECTORY_BYTES
+        + paths.min(record.trajectories as f64) * rows * (TRAJECTORY_BYTES + sensor)
+        + samples as f64 * SAMPLE_BYTES
 }
 
 /// Events of a path, roughly and rather too many: two (a slip, a stick) per half-cycle of the
 /// oscillator, or per slip that the temperature can cause. A slip lets 2 (f_s - f_d) of the force
-/// go; a harmonic builds up 2/pi K beta a w of it per unit of time, the noise so much in ((2 f_s -
+/// go; a harmonic builds up 2/pi K beta a w of it per unit of time, a series what it varies, the noise so much in ((2 f_s -
 /// 2 f_d)/(K beta rho sigma))^2.
 fn events(scenario: &Scenario) -> f64 {
     let Model { oscillator, friction, temperature, .. } = &scenario.model;
@@ -40,8 +55,9 @@ fn events(scenario: &Scenario) -> f64 {
     let gap = 2.0 * (friction.static_force - friction.dynamic_force);
     let gain = oscillator.force_per_temperature().abs();
     let harmonic: f64 = temperature.harmonics.iter().map(|h| gain * h.amplitude.abs() * h.angular_frequency).sum();
+    let measured = temperature.series.as_ref().map_or(0.0, |series| gain * series.variation() / series.end());
     let noise = temperature.effective_noise().map_or(0.0, |noise| gain * noise.intensity * noise.diffusion);
-    let slips = end * (2.0 / PI * harmonic / gap + (noise / gap).powi(2));
+    let slips = end * (2.0 / PI * harmonic / gap + measured / gap + (noise / gap).powi(2));
     // Without a gap it is 0/0 or more: then the half-cycles count.
     2.0 * if slips < half_cycles { slips } else { half_cycles }
 }

@@ -34,7 +34,11 @@ pub struct Check {
 
 impl Check {
     pub fn call(&self) -> Result<(), Failure> {
-        let scenario = self.overrides.scenario(&self.scenario)?;
+        let mut scenario = self.overrides.scenario(&self.scenario)?;
+        // What is printed is to run from the working directory.
+        if let (Some(measured), Some(folder)) = (&mut scenario.measured, self.scenario.parent()) {
+            measured.file = folder.join(&measured.file).display().to_string();
+        }
         if self.json {
             return print_data(&json(&self.scenario.display().to_string(), &scenario));
         }
@@ -87,6 +91,7 @@ fn derived(scenario: &Scenario) -> Vec<(&'static str, String)> {
         steps,
         path_steps,
         rows,
+        thread_bytes,
         output_bytes,
     } = scenario.derived();
     let mut lines = vec![("w0 = sqrt(K/m), natural frequency", number(natural_frequency))];
@@ -125,6 +130,7 @@ fn derived(scenario: &Scenario) -> Vec<(&'static str, String)> {
     let cpu = cost::cpu_seconds(scenario, scenario.ensemble.paths);
     lines.extend(cpu.map(|seconds| ("CPU time, at 1.5 ns a path-step", time(seconds))));
     lines.push(("rows of the output grid", grouped(rows as u64)));
+    lines.push(("memory of a thread for them, about", bytes(thread_bytes)));
     lines.push(("output file, about", bytes(output_bytes)));
     lines
 }
@@ -158,6 +164,7 @@ struct JsonDerived {
     steps: Option<u64>,
     path_steps: Option<f64>,
     rows: usize,
+    thread_bytes: f64,
     output_bytes: f64,
 }
 
@@ -201,6 +208,7 @@ fn json(path: &str, scenario: &Scenario) -> String {
             steps: d.steps,
             path_steps: d.path_steps,
             rows: d.rows,
+            thread_bytes: d.thread_bytes,
             output_bytes: d.output_bytes,
         },
         warnings: (scenario.warnings().iter())

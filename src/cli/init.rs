@@ -37,8 +37,18 @@ impl Init {
         if output == Path::new("-") {
             return print_data(scenario.text);
         }
-        writable(&output, self.force, [])?;
-        store::write_whole(&output, scenario.text.as_bytes(), self.force)?;
+        // What the scenario names lies beside it.
+        let beside = scenario.data.iter().map(|(name, text)| (output.with_file_name(name), *text));
+        let files: Vec<(PathBuf, &str)> = std::iter::once((output.clone(), scenario.text)).chain(beside).collect();
+        for (path, _) in &files {
+            writable(path, self.force, [])?;
+        }
+        for (path, text) in &files {
+            store::write_whole(path, text.as_bytes(), self.force)?;
+        }
+        for (path, _) in &files[1..] {
+            note(&format!("wrote {}", path.display()));
+        }
         note(&format!("wrote {0}; next: mc check {0}", output.display()));
         Ok(())
     }

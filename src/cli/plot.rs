@@ -2,7 +2,7 @@
 
 use super::failure::{Failure, note, writable};
 use super::numbers::grouped;
-use super::sweep;
+use super::{results, sweep};
 use std::path::{Path, PathBuf};
 use stick_slip::config::Override;
 use stick_slip::figure::{self, Absent, COLUMN, FIGURES, Figure, Scene, Style, Subject, Theme};
@@ -134,11 +134,11 @@ impl Plot {
             let remedy = format!("give a number from 0 to {}", stored.header.paths.saturating_sub(1));
             return Err(Failure::usage(problem, remedy));
         }
-        let (name, text) = (self.subject.display().to_string(), &stored.header.scenario_text);
+        let name = self.subject.display().to_string();
         // An event is where it is whatever the end, so that a shorter path is the beginning of the
         // longer one.
         let until: Vec<Override> = self.until().into_iter().collect();
-        let scenario = Scenario::parse(&name, text, &until)?;
+        let scenario = results::scenario(&name, stored, &until)?;
         let (summary, path) = (&stored.summary, self.path);
         let line = format!("{}, {} paths", about(&scenario), grouped(stored.completed_paths));
         self.draw(&Subject::Run { scenario: &scenario, summary, path }, &scenario.title, &line)

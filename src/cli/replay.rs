@@ -1,6 +1,7 @@
 //! `mc replay`: one path of a stored ensemble alone, with its events and as fine a trajectory as it has.
 
 use super::failure::{Failure, note, print, writable};
+use super::results;
 use std::path::{Path, PathBuf};
 use stick_slip::engine::{self, Rows, Status};
 use stick_slip::ensemble::Plan;
@@ -43,7 +44,7 @@ impl Replay {
             let remedy = format!("give a number from 0 to {}", stored.header.paths.saturating_sub(1));
             return Err(Failure::usage(problem, remedy));
         }
-        let scenario = Scenario::parse(&self.file.display().to_string(), &stored.header.scenario_text, &[])?;
+        let scenario = results::scenario(&self.file.display().to_string(), &stored, &[])?;
         let program = Provenance::of(&scenario);
         let header = &stored.header;
         let theirs = [&header.program_version, &header.git_hash, &header.generator];

@@ -4,10 +4,16 @@ use super::failure::{Failure, note};
 use super::numbers::wrapped;
 use super::report;
 use stick_slip::advice::Warning;
+use stick_slip::config::{Override, ScenarioError};
 use stick_slip::engine::RunError;
 use stick_slip::scenario::Scenario;
 use stick_slip::stats::Summary;
-use stick_slip::store::StoreError;
+use stick_slip::store::{StoreError, Stored};
+
+/// The scenario that a file was run with, its measured temperature included, with overrides laid over it.
+pub fn scenario(name: &str, stored: &Stored, overrides: &[Override]) -> Result<Scenario, ScenarioError> {
+    Scenario::parse_stored(name, &stored.header.scenario_text, overrides, stored.header.series.as_ref())
+}
 
 /// Say in what way the results of a scenario are not what they seem to be, on standard error. Where the bias of the step is
 /// measured, the guess at it is left out.

@@ -61,7 +61,7 @@ impl Show {
 
     fn print_one(&self, file: &Path) -> Result<(), Failure> {
         let stored = store::read(file)?;
-        let scenario = Scenario::parse("scenario", &stored.header.scenario_text, &[]).ok();
+        let scenario = results::scenario("scenario", &stored, &[]).ok();
         let info = info(file, &stored, scenario.as_ref());
         if let Some(scenario) = &scenario {
             results::warn(scenario, stored.summary.has_bias());

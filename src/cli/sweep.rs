@@ -196,13 +196,13 @@ impl Sweep {
 
 /// A stored sweep with its points put together again.
 pub fn stored(path: &Path, stored: StoredSweep) -> Result<Swept, Failure> {
-    let StoredSweep { scenario_text, design, seeds, with_bias, points, .. } = stored;
+    let StoredSweep { scenario_text, series, design, seeds, with_bias, points, .. } = stored;
     let name = path.display().to_string();
-    let scenario = Scenario::parse(&name, &scenario_text, &[])?;
+    let scenario = Scenario::parse_stored(&name, &scenario_text, &[], series.as_ref())?;
     let shown = Shown(Vec::new());
     let point = |i: usize| {
         let own: Vec<Override> = design.settings(i).iter().map(|setting| shown.override_of(setting)).collect();
-        Scenario::parse(&name, &scenario_text, &own)
+        Scenario::parse_stored(&name, &scenario_text, &own, series.as_ref())
     };
     let scenarios = (0..design.points()).map(point).collect::<Result<Vec<_>, _>>()?;
     Ok(Swept { question: Question::new(scenario, design, scenarios, seeds, with_bias), points })

@@ -132,6 +132,21 @@ impl<'a> Fields<'a> {
         Err(self.fault(node, &path, problem, remedy))
     }
 
+    /// A length of time, if it is there: a number, or a text such as "6h", which is in seconds.
+    pub fn span_if_present(&self, key: Key) -> Result<Option<f64>, Box<Fault>> {
+        let Some(node) = self.node(key.name) else { return Ok(None) };
+        let Value::Text(text) = &node.value else { return Ok(self.number_if_present(key)?.map(|read| read.value)) };
+        crate::data::seconds(text).map(Some).ok_or_else(|| {
+            let remedy = "write a length of time above 0 such as \"6h\", \"90min\" or \"2d\", or a number".to_string();
+            self.fault(node, &self.dotted(key.name), "is no length of time".into(), remedy)
+        })
+    }
+
+    /// The fault of a text that is not there.
+    pub fn absent(&self, name: &str, remedy: &str) -> Box<Fault> {
+        self.sources.fault(self.place, format!("missing key `{}`", self.dotted(name)), remedy.to_string())
+    }
+
     /// A number or a word from a list: `Ok(Ok(number))` or `Ok(Err(word))`.
     pub fn number_or_word(
         &self,

@@ -62,6 +62,9 @@ pub(super) const RELAXATION_RATE: Key = key("relaxation_rate", "theta", "dv = -t
 pub(super) const DIFFUSION: Key = key("diffusion", "sigma", "dv = -theta v dt + sigma dW", Range::NonNegative);
 pub(super) const INITIAL_NOISE: Key = key("initial", "v(0)", "start of the noise", Range::Any);
 pub(super) const DISPLACEMENT: Key = key("displacement", "x0", "x(0); x'(0) = 0", Range::Any);
+pub(super) const MAX_GAP: Key = key("max_gap", "", "longest time between two samples", Range::Positive);
+pub(super) const BEARING_STIFFNESS: Key = key("stiffness", "K_B", "shear of the bearing under F", Range::Positive);
+pub(super) const OFFSET: Key = key("offset", "z0", "what the sensor shows at x = 0", Range::Any);
 pub(super) const END: Key = key("end", "t_end", "duration", Range::NonNegative);
 pub(super) const STEP: Key = key("step", "h", "time step", Range::Positive);
 pub(super) const OUTPUT_STEP: Key = key("output_step", "", "spacing of the output grid", Range::Positive);
@@ -70,7 +73,7 @@ pub(super) const TOLERANCE: Key =
 pub(super) const AFTER: Key = key("after", "", "statistics count from this time on", Range::NonNegative);
 
 /// The keys that hold numbers, with their tables.
-const NUMBERS: [(&str, Key); 19] = [
+const NUMBERS: [(&str, Key); 22] = [
     ("oscillator", MASS),
     ("oscillator", STIFFNESS),
     ("oscillator", DAMPING),
@@ -84,7 +87,10 @@ const NUMBERS: [(&str, Key); 19] = [
     ("temperature.noise", RELAXATION_RATE),
     ("temperature.noise", DIFFUSION),
     ("temperature.noise", INITIAL_NOISE),
+    ("temperature.series", MAX_GAP),
     ("initial", DISPLACEMENT),
+    ("bearing", BEARING_STIFFNESS),
+    ("bearing", OFFSET),
     ("time", END),
     ("time", STEP),
     ("time", OUTPUT_STEP),
@@ -101,7 +107,7 @@ pub(super) fn number(dotted: &str) -> Option<Key> {
 }
 
 /// The tables and the keys of each, in the order of a resolved scenario.
-pub(super) const TABLES: [(&str, &[&str]); 13] = [
+pub(super) const TABLES: [(&str, &[&str]); 15] = [
     (
         "",
         &[
@@ -110,6 +116,7 @@ pub(super) const TABLES: [(&str, &[&str]); 13] = [
             "friction",
             "temperature",
             "initial",
+            "bearing",
             "time",
             "scheme",
             "statistics",
@@ -120,10 +127,12 @@ pub(super) const TABLES: [(&str, &[&str]); 13] = [
     ),
     ("oscillator", &["mass", "stiffness", "damping", "dilatation"]),
     ("friction", &["static", "dynamic"]),
-    ("temperature", &["harmonics", "noise"]),
+    ("temperature", &["harmonics", "series", "noise"]),
     ("temperature.harmonics", &["amplitude", "angular_frequency", "phase"]),
-    ("temperature.noise", &["intensity", "relaxation_rate", "diffusion", "initial"]),
+    ("temperature.series", &["file", "time", "value", "zone", "max_gap", "start", "hash"]),
+    ("temperature.noise", &["intensity", "relaxation_rate", "diffusion", "initial", "pinned"]),
     ("initial", &["displacement"]),
+    ("bearing", &["stiffness", "offset"]),
     ("time", &["end", "step", "output_step"]),
     ("scheme", &["kind", "tolerance"]),
     ("statistics", &["after"]),
@@ -138,7 +147,7 @@ pub(super) fn of_table(table: &str) -> &'static [&'static str] {
 }
 
 /// What people write for a key: the paper's symbols and common synonyms.
-const SYNONYMS: [(&str, &str); 29] = [
+const SYNONYMS: [(&str, &str); 32] = [
     ("m", "oscillator.mass"),
     ("k", "oscillator.stiffness"),
     ("alpha", "oscillator.damping"),
@@ -159,6 +168,9 @@ const SYNONYMS: [(&str, &str); 29] = [
     ("sigma", "temperature.noise.diffusion"),
     ("v0", "temperature.noise.initial"),
     ("x0", "initial.displacement"),
+    ("z0", "bearing.offset"),
+    ("k_bp", "bearing.stiffness"),
+    ("csv", "temperature.series.file"),
     ("t_end", "time.end"),
     ("until", "time.end"),
     ("h", "time.step"),

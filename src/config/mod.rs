@@ -6,6 +6,7 @@
 //!        -> fields    a table read key by key: unknown keys, types, ranges (keys lists them all)
 //!             -> parse     all of it: physics, time, and the rest
 //!                  -> a Scenario whose values go together, or the Fault that says what to change (blame: where)
+//! series    the file of a measured temperature
 //! text      a Scenario -> TOML, every default visible; reading it again gives the same Scenario
 //! shipped   the scenarios that come with the program
 //! ```
@@ -17,6 +18,7 @@ mod keys;
 mod overrides;
 mod parse;
 mod physics;
+mod series;
 mod shipped;
 mod source;
 mod text;
@@ -30,10 +32,12 @@ pub use error::{Fault, ScenarioError};
 pub use overrides::Override;
 pub use shipped::{SHIPPED, Shipped, shipped};
 
+use crate::model::Series;
 use crate::scenario::Scenario;
 use source::Sources;
 use std::io::Read as _;
 use std::path::Path;
+use std::sync::Arc;
 
 /// The paper's symbol of a dotted key that holds a number, and what it means; no symbol where it has none.
 ///
@@ -90,11 +94,22 @@ impl Scenario {
     }
 
     /// Check a text with overrides laid over it; `name` is what messages call it, and its stem the
-    /// default title.
+    /// default title. A file that the text names is looked for in the folder of `name`.
     pub fn parse(name: &str, text: &str, overrides: &[Override]) -> Result<Self, ScenarioError> {
+        Self::parse_stored(name, text, overrides, None)
+    }
+
+    /// The same where the samples of a measured temperature are stored beside the text, as in results: no other file is read
+    /// unless an override names one.
+    pub fn parse_stored(
+        name: &str,
+        text: &str,
+        overrides: &[Override],
+        stored: Option<&Arc<Series>>,
+    ) -> Result<Self, ScenarioError> {
         let stem = Path::new(name).file_stem().unwrap_or_default().to_string_lossy();
         let title: String = stem.chars().filter(|c| !c.is_control()).collect();
-        Ok(parse::scenario(&Sources { name, text, overrides }, &title)?)
+        Ok(parse::scenario(&Sources { name, text, overrides, stored }, &title)?)
     }
 
     /// The number at a dotted key of the resolved scenario, if there is one.

@@ -4,7 +4,7 @@ use super::blame::blame;
 use super::error::Fault;
 use super::fields::Fields;
 use super::keys;
-use super::physics::model;
+use super::physics::{Physics, bearing, physics};
 use super::source::Sources;
 use super::time::scheme_and_time;
 use super::tree;
@@ -22,7 +22,8 @@ pub(super) fn scenario(sources: &Sources<'_>, default_title: &str) -> Result<Sce
     let tree = tree::read(sources)?;
     let root = Fields::root(sources, &tree)?;
     refuse_unknown_keys(&root)?;
-    let model = model(sources, &root)?;
+    let Physics { model, measured, is_balanced } = physics(sources, &root)?;
+    let bearing = bearing(&root)?;
     let (scheme, time) = scheme_and_time(sources, &root, &model)?;
     // 0.0, never -0.0.
     let statistics = Statistics { after: root.table("statistics")?.number_or(keys::AFTER, 0.0)?.value.abs() };
@@ -39,6 +40,9 @@ pub(super) fn scenario(sources: &Sources<'_>, default_title: &str) -> Result<Sce
     Ok(Scenario {
         title: root.line_or("title", default_title)?,
         model,
+        measured,
+        is_balanced,
+        bearing,
         time,
         scheme,
         statistics,
@@ -65,5 +69,6 @@ fn refuse_unknown_keys(root: &Fields<'_>) -> Result<(), Box<Fault>> {
     let temperature = root.table("temperature")?;
     temperature.tables("harmonics")?;
     temperature.table("noise")?;
+    temperature.table("series")?;
     Ok(())
 }

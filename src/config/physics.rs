@@ -4,12 +4,21 @@ use super::blame::blame;
 use super::error::Fault;
 use super::fields::Fields;
 use super::keys;
+use super::series;
 use super::source::Sources;
 use crate::model::{Friction, Harmonic, InitialNoise, Model, Noise, Oscillator, Temperature};
-use crate::scenario::check;
+use crate::scenario::{Bearing, Measured, check};
+
+/// The physics, and what is to be known of where it comes from.
+pub(super) struct Physics {
+    pub model: Model,
+    pub measured: Option<Measured>,
+    /// Whether x(0) is said to be where no spring force acts.
+    pub is_balanced: bool,
+}
 
 /// Read `[oscillator]`, `[friction]`, `[temperature]` and `[initial]`.
-pub(super) fn model(sources: &Sources<'_>, root: &Fields<'_>) -> Result<Model, Box<Fault>> {
+pub(super) fn physics(sources: &Sources<'_>, root: &Fields<'_>) -> Result<Physics, Box<Fault>> {
     let fault = |misfit| blame(sources, root, &misfit);
     let table = root.table("oscillator")?;
     let oscillator = Oscillator {
@@ -41,10 +50,34 @@ pub(super) fn model(sources: &Sources<'_>, root: &Fields<'_>) -> Result<Model, B
 
     noise.as_ref().map_or(Ok(()), check::noise).map_err(fault)?;
 
-    let initial_displacement = root.table("initial")?.number(keys::DISPLACEMENT)?.value;
-    let model = Model { oscillator, friction, temperature: Temperature { harmonics, noise }, initial_displacement };
+    let (series, measured) = series::series(sources, root)?.unzip();
+    let pinned = table.table("noise")?;
+    let is_pinned = pinned.flag_or("pinned", false)?;
+    let temperature = Temperature { harmonics, series, is_pinned, noise };
+    if let Some((problem, remedy)) = check::pinned(&temperature) {
+        return Err(sources
+            .fault(pinned.place_of("pinned"), problem.into(), remedy.into())
+            .of("temperature.noise.pinned"));
+    }
+
+    let table = root.table("initial")?;
+    let given = table.number_or_word(keys::DISPLACEMENT, &["balanced"])?;
+    let is_balanced = matches!(given, Some(Err(_)));
+    let initial_displacement = match given {
+        Some(Ok(x0)) => x0.value,
+        Some(Err(_balanced)) => oscillator.dilatation * temperature.mean(0.0),
+        None => table.number(keys::DISPLACEMENT)?.value,
+    };
+    let model = Model { oscillator, friction, temperature, initial_displacement };
     check::forces(&model).map_err(fault)?;
-    Ok(model)
+    Ok(Physics { model, measured, is_balanced })
+}
+
+/// Read `[bearing]`.
+pub(super) fn bearing(root: &Fields<'_>) -> Result<Option<Bearing>, Box<Fault>> {
+    let Some(table) = root.table_if_present("bearing")? else { return Ok(None) };
+    let stiffness = table.number_if_present(keys::BEARING_STIFFNESS)?.map(|read| read.value);
+    Ok(Some(Bearing { stiffness, offset: table.number_or(keys::OFFSET, 0.0)?.value }))
 }
 
 fn noise(table: &Fields<'_>) -> Result<Noise, Box<Fault>> {

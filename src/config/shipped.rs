@@ -9,16 +9,22 @@ pub struct Shipped {
     pub name: &'static str,
     /// The file.
     pub text: &'static str,
+    /// The files that it names, with what is in them.
+    pub data: &'static [(&'static str, &'static str)],
 }
 
 macro_rules! shipped {
-    ($($name:literal),* $(,)?) => {
-        [$(Shipped { name: $name, text: include_str!(concat!("../../scenarios/", $name, ".toml")) }),*]
+    ($($name:literal $(with $file:literal)*),* $(,)?) => {
+        [$(Shipped {
+            name: $name,
+            text: include_str!(concat!("../../scenarios/", $name, ".toml")),
+            data: &[$(($file, include_str!(concat!("../../scenarios/", $file)))),*],
+        }),*]
     };
 }
 
 /// Every shipped scenario; `scenarios/` holds the same files.
-pub const SHIPPED: [Shipped; 8] = shipped![
+pub const SHIPPED: [Shipped; 9] = shipped![
     "shaw",
     "shaw-as-printed",
     "rho025",
@@ -27,11 +33,17 @@ pub const SHIPPED: [Shipped; 8] = shipped![
     "damped",
     "never-slips",
     "viaduct",
+    "bridge" with "bridge.csv",
 ];
 
 /// The shipped scenario of this name.
 pub fn shipped(name: &str) -> Option<&'static Shipped> {
     SHIPPED.iter().find(|scenario| scenario.name == name)
+}
+
+/// What is in a file that a shipped scenario names; a scenario that is read from a file has another name, with an ending.
+pub(super) fn shipped_data(scenario: &str, file: &str) -> Option<&'static str> {
+    shipped(scenario)?.data.iter().find(|(name, _)| *name == file).map(|(_, text)| *text)
 }
 
 impl Scenario {

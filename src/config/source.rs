@@ -2,6 +2,8 @@
 
 use super::error::Fault;
 use super::overrides::Override;
+use crate::model::Series;
+use std::sync::Arc;
 
 /// A stretch of one of the texts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -32,6 +34,8 @@ pub(super) struct Sources<'a> {
     pub text: &'a str,
     /// What is laid over it.
     pub overrides: &'a [Override],
+    /// The samples of a measured temperature, where they are stored beside the text.
+    pub stored: Option<&'a Arc<Series>>,
 }
 
 impl Sources<'_> {

@@ -1,16 +1,24 @@
 //! A scenario as TOML: every default visible, the paper's symbol beside every number.
 
 use super::keys::{self, Key};
-use crate::model::{InitialNoise, Model, Noise};
-use crate::scenario::{Scenario, Time, Units};
+use crate::model::{InitialNoise, Noise, Series};
+use crate::scenario::{Bearing, Measured, Scenario, Time, Units};
 use crate::stats::Record;
 use std::fmt::Write as _;
 
 /// The text of a scenario. Numbers are the shortest decimals that read back as the same double.
 pub(super) fn resolved(scenario: &Scenario) -> String {
-    let Scenario { title, model, time, scheme, statistics, ensemble, record, units } = scenario;
+    let Scenario { title, bearing, time, scheme, statistics, ensemble, record, units, .. } = scenario;
     let mut text = format!("title = {}\n", string(title));
-    physics(&mut text, model);
+    physics(&mut text, scenario);
+    if let Some(Bearing { stiffness, offset }) = *bearing {
+        table(&mut text, "bearing");
+        match stiffness {
+            Some(stiffness) => number(&mut text, keys::BEARING_STIFFNESS, stiffness),
+            None => text.push_str("# no stiffness: the bearing is rigid\n"),
+        }
+        number(&mut text, keys::OFFSET, offset);
+    }
     let Time { end, output_step } = *time;
     table(&mut text, "time");
     number(&mut text, keys::END, end);
@@ -44,7 +52,8 @@ pub(super) fn resolved(scenario: &Scenario) -> String {
     text
 }
 
-fn physics(text: &mut String, model: &Model) {
+fn physics(text: &mut String, scenario: &Scenario) {
+    let Scenario { model, measured, is_balanced, .. } = scenario;
     table(text, "oscillator");
     number(text, keys::MASS, model.oscillator.mass);
     number(text, keys::STIFFNESS, model.oscillator.stiffness);
@@ -63,6 +72,9 @@ fn physics(text: &mut String, model: &Model) {
         number(text, keys::ANGULAR_FREQUENCY, harmonic.angular_frequency);
         number(text, keys::PHASE, harmonic.phase);
     }
+    if let (Some(measured), Some(samples)) = (measured, &model.temperature.series) {
+        series(text, measured, samples);
+    }
     match &model.temperature.noise {
         None => text.push_str("\n# no [temperature.noise]: rho = 0\n"),
         Some(Noise { intensity, relaxation_rate, diffusion, initial }) => {
@@ -74,10 +86,37 @@ fn physics(text: &mut String, model: &Model) {
                 InitialNoise::At(v0) => number(text, keys::INITIAL_NOISE, *v0),
                 InitialNoise::Stationary => line(text, "initial", "\"stationary\"", "v(0) ~ N(0, sigma^2 / (2 theta))"),
             }
+            if model.temperature.is_pinned {
+                line(text, "pinned", "true", "v is zero at every sample of the series");
+            }
         }
     }
     table(text, "initial");
-    number(text, keys::DISPLACEMENT, model.initial_displacement);
+    if *is_balanced {
+        let x0 = model.initial_displacement;
+        line(text, "displacement", "\"balanced\"", &format!("x0: beta T(0) = {x0:?}, where no spring force acts"));
+    } else {
+        number(text, keys::DISPLACEMENT, model.initial_displacement);
+    }
+}
+
+fn series(text: &mut String, measured: &Measured, samples: &Series) {
+    let Measured { file, time, value, zone, max_gap, start, .. } = measured;
+    table(text, "temperature.series");
+    line(text, "file", &string(file), "relative to the folder of the scenario");
+    line(text, "time", &string(time), "its column of times");
+    line(text, "value", &string(value), "its column of temperatures");
+    if !zone.is_empty() {
+        line(text, "zone", &string(zone), "of stamps that name none");
+    }
+    if let Some(max_gap) = *max_gap {
+        number(text, keys::MAX_GAP, max_gap);
+    }
+    if let Some(start) = start {
+        line(text, "start", &string(start), "stamp of t = 0, as the samples say");
+    }
+    let hash = format!("{:016x}", samples.fingerprint());
+    line(text, "hash", &string(&hash), &format!("of the {} samples", samples.times().len()));
 }
 
 fn table(text: &mut String, name: &str) {

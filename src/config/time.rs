@@ -6,6 +6,7 @@ use super::fields::Fields;
 use super::keys;
 use super::source::Sources;
 use crate::model::Model;
+use crate::numbers::tidy;
 use crate::scenario::time::check_end;
 use crate::scenario::{Time, check};
 use crate::scheme::{DEFAULT_TOLERANCE, Kind, Misfit, Parameter, Scheme};
@@ -20,7 +21,14 @@ pub(super) fn scheme_and_time(
     let (kind, tolerance) = kind(sources, root)?;
     let table = root.table("time")?;
     // 0.0, never -0.0.
-    let end = table.number(keys::END)?.value.abs();
+    let given = table.number_if_present(keys::END)?.map(|end| end.value.abs());
+    let series = model.temperature.series.as_ref();
+    let end = match (given, series) {
+        (Some(end), _) => end,
+        (None, Some(series)) => last_step(series.end(), &table, kind)?,
+        (None, None) => table.number(keys::END)?.value,
+    };
+    check::series(model, end).map_err(fault)?;
     check::reach(model, end).map_err(fault)?;
     let scheme = kind.with(match kind.parameter() {
         Parameter::Step => table.number(keys::STEP)?.value,
@@ -37,6 +45,16 @@ pub(super) fn scheme_and_time(
     };
     time.check_rows(scheme).map_err(fault)?;
     Ok((scheme, time))
+}
+
+/// The last sample of a series, or the last step before it.
+fn last_step(end: f64, table: &Fields<'_>, kind: Kind) -> Result<f64, Box<Fault>> {
+    Ok(if kind.has_step() {
+        let step = table.number(keys::STEP)?.value;
+        tidy((end / step * (1.0 + 1e-12)).floor() * step).min(end)
+    } else {
+        end
+    })
 }
 
 /// The scheme, and the tolerance that is given for it.

@@ -135,7 +135,7 @@ fn in_zone(local: DateTime, zone: &TimeZone, previous: Option<Timestamp>) -> Res
             "if the logger keeps one time the whole year, say which: `zone = \"UTC\"` or an offset such as \"+01:00\"",
         ),
         AmbiguousOffset::Fold { .. } => {
-            let both = [found.clone().earlier().map_err(beyond)?, found.later().map_err(beyond)?];
+            let both = [found.earlier().map_err(beyond)?, found.later().map_err(beyond)?];
             match both.into_iter().find(|stamp| previous.is_none_or(|previous| *stamp > previous)) {
                 Some(stamp) => Ok((stamp, true)),
                 None => wrong(

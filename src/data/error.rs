@@ -9,14 +9,21 @@ pub struct DataError {
     pub file: String,
     /// The line, from 1.
     pub line: Option<u64>,
-    /// The column, by its name.
-    pub column: Option<String>,
-    /// The cell as written.
-    pub value: Option<String>,
+    /// The cell that it is about, if it is about one.
+    pub cell: Option<Box<Cell>>,
     /// What is wrong.
     pub problem: String,
     /// What would be right.
     pub remedy: String,
+}
+
+/// One cell of a file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Cell {
+    /// The name of its column.
+    pub column: String,
+    /// What it holds, cut to one short line.
+    pub value: String,
 }
 
 /// Longest quoted cell, in characters.
@@ -25,7 +32,7 @@ const QUOTE_LENGTH: usize = 40;
 impl DataError {
     /// Something about the file as a whole.
     pub(super) fn file(file: &str, problem: String, remedy: &str) -> Self {
-        DataError { file: file.into(), line: None, column: None, value: None, problem, remedy: remedy.into() }
+        DataError { file: file.into(), line: None, cell: None, problem, remedy: remedy.into() }
     }
 
     /// The same error, at this line.
@@ -36,8 +43,7 @@ impl DataError {
 
     /// The same error, about this cell.
     pub(super) fn cell(mut self, column: &str, cell: &[u8]) -> Self {
-        self.column = Some(column.to_string());
-        self.value = Some(quoted(cell));
+        self.cell = Some(Box::new(Cell { column: column.to_string(), value: quoted(cell) }));
         self
     }
 }
@@ -56,8 +62,8 @@ impl fmt::Display for DataError {
             write!(f, ":{line}")?;
         }
         f.write_str(": ")?;
-        if let (Some(column), Some(value)) = (&self.column, &self.value) {
-            write!(f, "`{column}` = \"{value}\" ")?;
+        if let Some(cell) = &self.cell {
+            write!(f, "`{}` = \"{}\" ", cell.column, cell.value)?;
         }
         write!(f, "{}\n  fix: {}", self.problem, self.remedy)
     }

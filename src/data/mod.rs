@@ -24,7 +24,7 @@ mod tests;
 mod unit;
 
 pub use clock::Start;
-pub use error::DataError;
+pub use error::{Cell, DataError};
 pub use query::{Name, TimeColumn, Wanted};
 pub use span::seconds;
 pub use table::{Column, Repairs, Table};

@@ -1,7 +1,7 @@
 //! One path of an ensemble alone, with its events and as fine a trajectory as it has.
 
 use crate::ensemble::Plan;
-use crate::scenario::{MAX_ROWS, MAX_TRAJECTORIES, Scenario};
+use crate::scenario::{MAX_TRAJECTORIES, Scenario};
 use crate::stats::{BlockResult, Record};
 
 /// One path, simulated again.
@@ -45,8 +45,7 @@ pub enum Rows {
 impl Replay {
     /// Simulate path number `path` of the ensemble of this scenario: the same path, bit for bit.
     ///
-    /// The trajectory holds every step of a scheme with steps, or one in so many where there would be more rows than
-    /// [`MAX_ROWS`]. A scheme without steps is looked at ten times as often as the run was, and at the instants of the run it
+    /// The trajectory holds every step of a scheme with steps, or one in so many where there would be more than 10 000 rows. A scheme without steps is looked at ten times as often as the run was, and at the instants of the run it
     /// is where the run saw it.
     pub fn of(scenario: &Scenario, path: u64) -> Self {
         let mut scenario = scenario.clone();
@@ -69,12 +68,15 @@ impl Replay {
     }
 }
 
+/// Most rows of a trajectory, unless the run has more.
+const MOST_ROWS: usize = 10_000;
+
 /// How many times finer than the run's grid a trajectory is without steps.
 const REFINEMENT: usize = 10;
 
-/// The spacing of the finest trajectory that is the same path and has no more than [`MAX_ROWS`] rows, and what it is.
+/// The spacing of the finest trajectory that is the same path and has no more than [`MOST_ROWS`] rows, and what it is.
 fn finest_grid(scenario: &Scenario) -> (f64, Rows) {
-    let most = MAX_ROWS as u64 - 1;
+    let most = MOST_ROWS as u64 - 1;
     let output_step = scenario.time.output_step;
     if let (Some(step), Some(of)) = (scenario.scheme.step(), scenario.steps()) {
         let stride = stride(of, most);
@@ -89,7 +91,7 @@ fn finest_grid(scenario: &Scenario) -> (f64, Rows) {
 /// there is one up to twice that.
 fn stride(steps: u64, most: u64) -> u64 {
     let least = steps.div_ceil(most).max(1);
-    (least..=2 * least).take(MAX_ROWS).find(|stride| steps.is_multiple_of(*stride)).unwrap_or(least)
+    (least..=2 * least).take(MOST_ROWS).find(|stride| steps.is_multiple_of(*stride)).unwrap_or(least)
 }
 
 #[cfg(test)]
@@ -125,7 +127,7 @@ mod tests {
             let (output_step, _) = finest_grid(&scenario);
             assert!((output_step / spacing - 1.0).abs() < 1e-12, "{name} {set:?}: {output_step}");
             scenario.time.output_step = output_step;
-            assert!(scenario.timeline().rows() <= MAX_ROWS);
+            assert!(scenario.timeline().rows() <= MOST_ROWS);
             assert_eq!(Scenario::parse(name, &scenario.to_toml(), &[]).expect("sound"), scenario);
         }
     }

@@ -1,8 +1,9 @@
 //! The deterministic temperature at the instants t_n = n h, accurate for as many steps as there
 //! are.
 
-use super::Harmonic;
+use super::{Harmonic, Series, Temperature};
 use std::f64::consts::TAU;
+use std::sync::Arc;
 
 /// 1/(2 pi) to 107 bits, as the sum of two doubles.
 const TURNS_PER_RADIAN: (f64, f64) = (0.159_154_943_091_895_35, -9.839_338_337_591_243e-18);
@@ -10,7 +11,7 @@ const TURNS_PER_RADIAN: (f64, f64) = (0.159_154_943_091_895_35, -9.839_338_337_5
 /// Values between two reductions of the phase.
 const RUN: u64 = 64;
 
-/// sum_i a_i cos(w_i n h + phi_i) at consecutive n.
+/// sum_i a_i cos(w_i n h + phi_i), and what was measured, at consecutive n.
 ///
 /// At every 64th n the phase is reduced in turns: n w h / (2 pi) in double-double arithmetic, whole
 /// turns dropped exactly, so its error stays below 1e-15 turns up to n = 2^53. From there the
@@ -20,6 +21,8 @@ const RUN: u64 = 64;
 #[derive(Clone, Debug)]
 pub struct HarmonicClock {
     voices: Vec<Voice>,
+    /// What was measured, and h.
+    series: Option<(Arc<Series>, f64)>,
 }
 
 /// One harmonic, prepared.
@@ -46,7 +49,13 @@ impl HarmonicClock {
             voice.ahead = (0..RUN).map(|j| libm::sincos(voice.angle(j))).map(|(s, c)| (c, s)).collect();
             voice
         };
-        HarmonicClock { voices: harmonics.iter().map(voice).collect() }
+        HarmonicClock { voices: harmonics.iter().map(voice).collect(), series: None }
+    }
+
+    /// Of harmonics and series together.
+    pub fn of(temperature: &Temperature, h: f64) -> Self {
+        let series = temperature.series.clone().map(|series| (series, h));
+        HarmonicClock { series, ..Self::new(&temperature.harmonics, h) }
     }
 
     /// The values at t_n, t_{n+1}, ... into `values`.
@@ -66,6 +75,16 @@ impl HarmonicClock {
             let (s, c) = (voice.amplitude * s, voice.amplitude * c);
             for (value, (cos, sin)) in values.iter_mut().zip(&voice.ahead[(n % RUN) as usize..]) {
                 *value += c * cos - s * sin;
+            }
+        }
+        if let Some((series, h)) = &self.series {
+            let mut piece = series.piece(n as f64 * h);
+            for (n, value) in (n..).zip(values) {
+                let t = n as f64 * h;
+                while piece + 2 < series.times().len() && series.times()[piece + 1] <= t {
+                    piece += 1;
+                }
+                *value += series.on(piece, t);
             }
         }
     }

@@ -102,6 +102,16 @@ impl ImpulseResponse {
         self.exponential(z, r) - self.exponential(Complex::ZERO, r)
     }
 
+    /// int_0^r G_0: the response to a force that grows as r.
+    pub fn ramp(&self, r: f64) -> f64 {
+        if self.roots[0].abs().max(self.roots[1].abs()) * r <= TAYLOR_RADIUS {
+            return self.taylor(Complex::ZERO, r, 3).re * (r * r * r);
+        }
+        // The equation of the oscillator, read for the displacement.
+        let settled = self.exponential(Complex::ZERO, r).re;
+        (r - self.impulse(r) - 2.0 * self.damping_rate * settled) / self.stiffness_ratio
+    }
+
     /// sum_k H_k r^k / (k + n)! where H_k is the complete homogeneous symmetric polynomial of z,
     /// l1, l2. Its generating function 1/((1 - z t)(1 + 2 gamma t + w0^2 t^2)) gives H_k = z^k - 2
     /// gamma H_{k-1} - w0^2 H_{k-2}.

@@ -4,7 +4,7 @@
 //!
 //! ```text
 //! m x'' + F(x') = b(x, x', t),   b = K (beta T(t) - x) - 2 alpha x',   x(0) = x0, x'(0) = 0
-//! T(t) = sum_i a_i cos(w_i t + phi_i) + rho v(t),   dv = -theta v dt + sigma dW
+//! T(t) = sum_i a_i cos(w_i t + phi_i) + S(t) + rho v(t),   dv = -theta v dt + sigma dW,   S measured
 //! ```
 //!
 //! Bensoussan, Brouste, Cartiaux, Mathey, Mertz, *Mathematical formulation of a dynamical system
@@ -19,6 +19,7 @@ mod limits;
 mod oscillator;
 #[cfg(test)]
 pub(crate) mod paper;
+mod series;
 mod slip_flow;
 mod step_response;
 mod temperature;
@@ -32,6 +33,7 @@ pub use harmonic_clock::HarmonicClock;
 pub use impulse_response::ImpulseResponse;
 pub(crate) use limits::{LARGEST, can_be_computed_with};
 pub use oscillator::Oscillator;
+pub use series::{NoSeries, Series};
 pub(crate) use slip_flow::{ForcedOscillator, ForcingTerm, SlipFlow};
 #[doc(hidden)]
 pub use step_response::SETTLED;

@@ -19,6 +19,13 @@
 //! b   = m y'' + eps f_d
 //! ```
 //!
+//! A temperature that was measured adds a straight line of slope c to K beta T/m, and a sub-phase that
+//! goes on over a sample begins there with a velocity v0. Both add
+//!
+//! ```text
+//! y += v0 (S + 2 gamma G_0) + c R,   R = int_0^r G_0,   R' = G_0,   R'' = S
+//! ```
+//!
 //! Increments only: slow forcing and small slips lose no digits, and x'' at the start is exactly
 //! a0. The force is read from x'', not from K (beta T - x): it keeps its digits where a motion has
 //! died down below the rounding of the place that it started from.
@@ -51,8 +58,11 @@ pub struct ForcedOscillator {
 pub struct SlipFlow<'a> {
     body: &'a ForcedOscillator,
     start_acceleration: f64,
+    start_velocity: f64,
     /// P_j.
     terms: &'a [Complex],
+    /// c.
+    line: f64,
 }
 
 /// Where a sub-phase is at one time.
@@ -90,7 +100,8 @@ impl ForcedOscillator {
                 rate: Complex::new(-noise.relaxation_rate, 0.0),
             });
         }
-        let forcing_curvature = terms.iter().map(|t| t.amplitude.abs() * t.rate.abs() * t.rate.abs()).sum();
+        // From +0: the sum of no terms is -0, and a distance over that is -infinity.
+        let forcing_curvature = terms.iter().fold(0.0, |sum, t| sum + t.amplitude.abs() * t.rate.abs() * t.rate.abs());
         let free = ImpulseResponse::new(oscillator.damping / oscillator.mass, w0);
         ForcedOscillator { free, oscillator, terms, forcing_curvature }
     }
@@ -110,17 +121,25 @@ impl ForcedOscillator {
         self.terms.iter().map(|t| t.amplitude.abs()).sum()
     }
 
-    /// The sub-phase of sign `direction` that starts at x' = 0 with force `force`, where `terms`
-    /// are the P_j.
-    pub fn slip<'a>(&'a self, terms: &'a [Complex], force: f64, direction: Sign, dynamic_force: f64) -> SlipFlow<'a> {
+    /// The sub-phase of sign `direction` from x' = `velocity` and force `force` on, where the forcing
+    /// is `terms`, the P_j, and a line of slope `line`.
+    pub fn slip<'a>(
+        &'a self,
+        (terms, line): (&'a [Complex], f64),
+        velocity: f64,
+        force: f64,
+        direction: Sign,
+        dynamic_force: f64,
+    ) -> SlipFlow<'a> {
         let friction = direction.value() * dynamic_force;
-        SlipFlow { body: self, start_acceleration: (force - friction) / self.oscillator.mass, terms }
+        let start_acceleration = (force - friction) / self.oscillator.mass;
+        SlipFlow { body: self, start_acceleration, start_velocity: velocity, terms, line }
     }
 
     /// Increment, first and second derivative of K beta T / m over a time r from where the terms
-    /// are `terms`.
-    pub fn forcing_increment(&self, terms: &[Complex], r: f64) -> [f64; 3] {
-        let mut sum = [0.0; 3];
+    /// are `terms`, on a line of slope `line`.
+    pub fn forcing_increment(&self, (terms, line): (&[Complex], f64), r: f64) -> [f64; 3] {
+        let mut sum = [line * r, line, 0.0];
         for (term, p) in self.terms.iter().zip(terms) {
             let growth = (term.rate * r).exp_m1();
             let slope = *p * term.rate * (Complex::ONE + growth);
@@ -143,17 +162,28 @@ impl SlipFlow<'_> {
         let ForcedOscillator { free, oscillator, terms, .. } = self.body;
         let w0_squared = oscillator.stiffness / oscillator.mass;
         let two_gamma = 2.0 * oscillator.damping / oscillator.mass;
-        let mut displacement = self.start_acceleration * free.exponential(Complex::ZERO, r).re;
-        let impulse = free.impulse(r);
+        let (settled, impulse) = (free.exponential(Complex::ZERO, r).re, free.impulse(r));
+        let mut displacement = self.start_acceleration * settled;
         let mut velocity = self.start_acceleration * impulse;
         let mut acceleration = self.start_acceleration * free.impulse_slope(r);
+        if self.line != 0.0 {
+            displacement += self.line * free.ramp(r);
+            velocity += self.line * settled;
+            acceleration += self.line * impulse;
+        }
+        if self.start_velocity != 0.0 {
+            let v0 = self.start_velocity;
+            displacement += v0 * (impulse + two_gamma * settled);
+            velocity += v0 * (free.impulse_slope(r) + two_gamma * impulse);
+            acceleration -= v0 * w0_squared * impulse;
+        }
         for (term, p) in terms.iter().zip(self.terms) {
             displacement += (*p * free.exponential_from_zero(term.rate, r)).re;
             let (push, response) = (*p * term.rate, free.exponential(term.rate, r));
             velocity += (push * response).re;
             acceleration += (push * free.exponential_slope(term.rate, r, response, impulse)).re;
         }
-        let [_, forcing_slope, _] = self.body.forcing_increment(self.terms, r);
+        let [_, forcing_slope, _] = self.body.forcing_increment((self.terms, self.line), r);
         let jerk = forcing_slope - w0_squared * velocity - two_gamma * acceleration;
         SlipState { displacement, velocity, acceleration, jerk }
     }

@@ -1,6 +1,8 @@
-//! What drives the oscillator: a sum of harmonics, and an Ornstein-Uhlenbeck noise on top.
+//! What drives the oscillator: a sum of harmonics, what was measured, and an Ornstein-Uhlenbeck noise on top.
 
+use super::Series;
 use std::f64::consts::TAU;
+use std::sync::Arc;
 
 /// a cos(w t + phi).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -55,11 +57,16 @@ impl Noise {
     }
 }
 
-/// T(t) = sum_i a_i cos(w_i t + phi_i) + rho v(t).
-#[derive(Clone, Debug, PartialEq)]
+/// T(t) = sum_i a_i cos(w_i t + phi_i) + S(t) + rho v(t).
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Temperature {
-    /// The deterministic part.
+    /// What is known in closed form.
     pub harmonics: Vec<Harmonic>,
+    /// S, what was measured, if anything was. Clones of a model share it.
+    pub series: Option<Arc<Series>>,
+    /// Whether v is zero at every sample of the series: what the weather may have done in between, given
+    /// that it was measured there.
+    pub is_pinned: bool,
     /// The noise as it was written, if any; one that is zero for ever is kept, but see
     /// [`Temperature::effective_noise`].
     pub noise: Option<Noise>,
@@ -84,18 +91,20 @@ impl Temperature {
         self.noise.filter(|noise| !noise.is_silent())
     }
 
-    /// The deterministic part at time t, straight from its definition.
-    pub fn harmonic_sum(&self, t: f64) -> f64 {
-        self.harmonics.iter().map(|h| h.amplitude * libm::cos(h.angular_frequency * t + h.phase)).sum()
+    /// The harmonics and the series at time t, straight from their definition.
+    pub fn deterministic(&self, t: f64) -> f64 {
+        let harmonics: f64 =
+            self.harmonics.iter().map(|h| h.amplitude * libm::cos(h.angular_frequency * t + h.phase)).sum();
+        self.series.as_ref().map_or(harmonics, |series| harmonics + series.at(t))
     }
 
-    /// E T(t), straight from its definition: the harmonics, and v relaxing from where it starts.
+    /// E T(t), straight from its definition: harmonics and series, and v relaxing from where it starts.
     pub fn mean(&self, t: f64) -> f64 {
         let relaxing = self.effective_noise().map_or(0.0, |noise| match noise.initial {
             InitialNoise::At(v) => noise.intensity * v * libm::exp(-noise.relaxation_rate * t),
             InitialNoise::Stationary => 0.0,
         });
-        self.harmonic_sum(t) + relaxing
+        self.deterministic(t) + relaxing
     }
 
     /// A bound of |T|, with the noise kept to so many stationary standard deviations.
@@ -105,14 +114,17 @@ impl Temperature {
             let start = if let InitialNoise::At(v0) = noise.initial { v0.abs() } else { 0.0 };
             noise.intensity * (start + sds * noise.stationary_sd())
         });
-        harmonics + noise
+        harmonics + self.series.as_ref().map_or(0.0, |series| series.bound()) + noise
     }
 
     /// P: the shortest time after which every harmonic repeats itself.
     ///
-    /// None where no harmonic moves, and where their frequencies have no common measure: where no number of cycles of the slowest
+    /// None where no harmonic moves, where there is a series, which repeats nothing, and where their frequencies have no common measure: where no number of cycles of the slowest
     /// one, up to 1000, is a whole number of cycles of each.
     pub fn period(&self) -> Option<f64> {
+        if self.series.is_some() {
+            return None;
+        }
         let moving = self.harmonics.iter().filter(|h| h.angular_frequency > 0.0 && h.amplitude != 0.0);
         let frequencies: Vec<f64> = moving.map(|h| h.angular_frequency).collect();
         let slowest = frequencies.iter().copied().reduce(f64::min)?;
@@ -129,7 +141,7 @@ mod tests {
 
     fn period(harmonics: &[(f64, f64)]) -> Option<f64> {
         let harmonic = |&(amplitude, angular_frequency)| Harmonic { amplitude, angular_frequency, phase: 0.3 };
-        Temperature { harmonics: harmonics.iter().map(harmonic).collect(), noise: None }.period()
+        Temperature { harmonics: harmonics.iter().map(harmonic).collect(), ..Temperature::default() }.period()
     }
 
     #[test]

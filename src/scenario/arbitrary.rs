@@ -1,6 +1,6 @@
 //! Sound scenarios at random, for tests.
 
-use super::{Ensemble, MAX_PATHS, MAX_TRAJECTORIES, Scenario, Statistics, Time, Units};
+use super::{Bearing, Ensemble, MAX_PATHS, MAX_TRAJECTORIES, Scenario, Statistics, Time, Units};
 use crate::model::{Friction, Harmonic, InitialNoise, Model, Noise, Oscillator, Temperature};
 use crate::scheme::{Kind, monitoring_shift};
 use crate::stats::Record;
@@ -39,7 +39,7 @@ prop_compose! {
         Model {
             oscillator: Oscillator { mass, stiffness, damping, dilatation },
             friction: Friction { static_force, dynamic_force: static_force * ratio },
-            temperature: Temperature { harmonics: harmonics.into_iter().map(harmonic).collect(), noise },
+            temperature: Temperature { harmonics: harmonics.into_iter().map(harmonic).collect(), series: None, is_pinned: false, noise },
             initial_displacement,
         }
     }
@@ -54,6 +54,7 @@ prop_compose! {
         (kind, tolerance) in (0..Kind::ALL.len(), 1e-9..=0.1f64),
         (paths, seed) in (1..=MAX_PATHS, any::<u64>()),
         (keep_paths, events, trajectories) in (any::<bool>(), any::<bool>(), 0..=MAX_TRAJECTORIES),
+        bearing in proptest::option::of((proptest::option::of(size()), signed())),
         (time, length, force, temperature) in (label(), label(), label(), label()),
     ) -> Scenario {
         let kind = Kind::ALL[kind];
@@ -65,6 +66,9 @@ prop_compose! {
         Scenario {
             title,
             model,
+            measured: None,
+            is_balanced: false,
+            bearing: bearing.map(|(stiffness, offset)| Bearing { stiffness, offset }),
             time: Time { end: f64::from(steps) * step, output_step: f64::from(stride) * step },
             scheme,
             statistics: Statistics { after: burn_in * f64::from(steps) * step },

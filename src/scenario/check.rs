@@ -3,7 +3,7 @@
 
 use super::time::check_end;
 use super::{Ensemble, Scenario, Statistics};
-use crate::model::{Friction, LARGEST, Model, Noise, can_be_computed_with};
+use crate::model::{Friction, InitialNoise, LARGEST, Model, Noise, Temperature, can_be_computed_with};
 use crate::scheme::{Misfit, Scheme, divergence_bound};
 
 impl Scenario {
@@ -13,6 +13,7 @@ impl Scenario {
         friction(&model.friction)?;
         model.temperature.noise.as_ref().map_or(Ok(()), noise)?;
         forces(model)?;
+        series(model, time.end)?;
         reach(model, time.end)?;
         check_end(*scheme, time.end)?;
         scheme.check(model, time.end)?;
@@ -112,6 +113,33 @@ pub(crate) fn forces(model: &Model) -> Result<(), Misfit> {
     let mut factors = [stiffness, dilatation, ("initial.displacement", *initial_displacement)];
     factors.sort_by(|a, b| b.1.abs().total_cmp(&a.1.abs()));
     Err(Misfit::new(&factors, problem, remedy))
+}
+
+/// A measured temperature is known until t_end.
+pub(crate) fn series(model: &Model, end: f64) -> Result<(), Misfit> {
+    let Some(series) = &model.temperature.series else { return Ok(()) };
+    let last = series.end();
+    if end <= last {
+        return Ok(());
+    }
+    let problem = format!("`time.end` = {end:?} is beyond the last sample of the measured temperature, at {last:?}");
+    let remedy = "lower `time.end`, or leave it out to end with the series";
+    Err(Misfit::new(&[("time.end", end)], problem, remedy))
+}
+
+/// Noise is pinned to samples that there are, and begins at the first: what is wrong, and what to do.
+pub(crate) fn pinned(temperature: &Temperature) -> Option<(&'static str, &'static str)> {
+    let noise = temperature.noise.filter(|_| temperature.is_pinned)?;
+    if temperature.series.is_none() {
+        return Some((
+            "is true, and there is no [temperature.series] to pin the noise to",
+            "remove it, or give a series",
+        ));
+    }
+    let starts_at_zero = matches!(noise.initial, InitialNoise::At(0.0));
+    let remedy = "leave out `temperature.noise.initial`, or write 0";
+    (!starts_at_zero)
+        .then_some(("is true, so v is zero at the first sample, and `temperature.noise.initial` is not", remedy))
 }
 
 /// |x| and |x'| stay within what can be computed with up to `end`.

@@ -2,10 +2,11 @@
 //! that answers it.
 //!
 //! ```text
-//! Scenario   title, Model, Time, Scheme, Statistics, Ensemble, Record, Units
+//! Scenario   title, Model, Bearing, Time, Scheme, Statistics, Ensemble, Record, Units
 //! time       duration and output grid, and whether they go with a scheme's step
 //! check      whether all of it goes together
 //! plan       the ensemble that answers it, and the simulations that tell the error of its step
+//! measured   where a measured temperature comes from, and what a sensor shows
 //! limits     how much of anything there may be
 //! ```
 //!
@@ -16,10 +17,12 @@
 pub(crate) mod arbitrary;
 pub(crate) mod check;
 mod limits;
+mod measured;
 mod plan;
 pub(crate) mod time;
 
 pub use limits::{MAX_PATHS, MAX_PERIODS, MAX_ROWS, MAX_STEPS, MAX_TRAJECTORIES};
+pub use measured::{Bearing, Measured};
 pub use time::Time;
 
 pub use crate::stats::Units;
@@ -35,6 +38,12 @@ pub struct Scenario {
     pub title: String,
     /// The physics.
     pub model: Model,
+    /// Where the series of the temperature comes from, if there is one.
+    pub measured: Option<Measured>,
+    /// Whether x(0) follows from the rest: beta E T(0), where no spring force acts.
+    pub is_balanced: bool,
+    /// What a sensor at the bearing shows, if there is one.
+    pub bearing: Option<Bearing>,
     /// Duration and output grid.
     pub time: Time,
     /// How it is simulated.

@@ -34,8 +34,8 @@
 
 use super::columns::Columns;
 use super::event_driven::{
-    self, Cascade, Cell, Corridor, ExactTime, Glance, Noiseless, OneByOne, Piece, Scene, Seen, StepRules, UnfeltNoise,
-    Unresolved, WORK_LIMIT, Watch, Work, check_friction, round_down, temperature,
+    self, Cascade, Cell, Corridor, ExactTime, Glance, Ladder, Noiseless, OneByOne, Piece, Scene, Seen, StepRules,
+    UnfeltNoise, Unresolved, WORK_LIMIT, Watch, Work, check_friction, round_down, temperature,
 };
 use super::{DEFAULT_TOLERANCE, Discretisation, Look, Method, Misfit, Observer, Parameter, Simulate, Timeline};
 use crate::lanes::InstructionSet;
@@ -186,7 +186,7 @@ impl QuasiStaticSimulation {
 struct Noisy {
     scene: Scene,
     timeline: Timeline,
-    cell_length: f64,
+    ladder: Ladder,
     corridor: Corridor,
     slip: Swing,
     work_limit: u64,
@@ -200,9 +200,9 @@ type Path = event_driven::Path<f64>;
 impl Noisy {
     fn new(scene: Scene, timeline: &Timeline, rules: &StepRules, slip: Swing) -> Self {
         let rates = scene.harmonics.iter().map(|h| h.angular_frequency);
-        let cell_length = round_down(rules.slip_length / rates.fold(scene.relaxation_rate, f64::max));
+        let ladder = scene.ladder(round_down(rules.slip_length / rates.fold(scene.relaxation_rate, f64::max)));
         let corridor = Corridor::new(&scene, rules.chord_error);
-        Noisy { scene, timeline: *timeline, cell_length, corridor, slip, work_limit: WORK_LIMIT, closeness: 1 }
+        Noisy { scene, timeline: *timeline, ladder, corridor, slip, work_limit: WORK_LIMIT, closeness: 1 }
     }
 }
 
@@ -219,8 +219,8 @@ impl Cascade for Noisy {
         &self.timeline
     }
 
-    fn cell_length(&self) -> f64 {
-        self.cell_length
+    fn ladder(&self) -> &Ladder {
+        &self.ladder
     }
 
     fn corridor(&self) -> &Corridor {

@@ -28,7 +28,7 @@ pub fn reference_path(
     };
     let rho = noise.map_or(0.0, |noise| noise.intensity);
     let force =
-        |n: u64, x: f64, v: f64, eta: f64| oscillator.force(temperature.harmonic_sum(n as f64 * h) + rho * eta, x, v);
+        |n: u64, x: f64, v: f64, eta: f64| oscillator.force(temperature.deterministic(n as f64 * h) + rho * eta, x, v);
 
     let (mut x, mut v) = (*initial_displacement, 0.0);
     let mut b = force(0, x, v, eta);

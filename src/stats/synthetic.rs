@@ -9,7 +9,7 @@ pub fn model() -> Model {
     Model {
         oscillator: Oscillator { mass: 1.0, stiffness: 1.0, damping: 0.0, dilatation: 1.0 },
         friction: Friction { static_force: 3.0, dynamic_force: 2.0 },
-        temperature: Temperature { harmonics: Vec::new(), noise: None },
+        temperature: Temperature::default(),
         initial_displacement: 6.0,
     }
 }

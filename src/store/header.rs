@@ -2,9 +2,11 @@
 
 use super::variable::{read_text, write_attribute, write_text};
 use crate::engine::{NoPart, Part, Status};
+use crate::model::Series;
 use crate::provenance::Provenance;
 use crate::stats::Units;
 use hdf5::File;
+use std::sync::Arc;
 
 /// What `format_name` says in every file of this program.
 pub const FORMAT_NAME: &str = "stick-slip ensemble";
@@ -108,8 +110,8 @@ pub(super) fn progress(file: &File) -> hdf5::Result<(Status, u64)> {
     Ok((status, file.attr("completed_paths")?.read_scalar()?))
 }
 
-/// The header, given the output grid.
-pub(super) fn read(file: &File, time: Vec<f64>) -> hdf5::Result<Provenance> {
+/// The header, given the output grid and the measured temperature.
+pub(super) fn read(file: &File, time: Vec<f64>, series: Option<Arc<Series>>) -> hdf5::Result<Provenance> {
     let label = |name| if file.attr(name).is_ok() { read_text(file, name) } else { Ok(String::new()) };
     let number = |name| file.attr(name).ok().map(|number| number.read_scalar()).transpose();
     Ok(Provenance {
@@ -132,5 +134,8 @@ pub(super) fn read(file: &File, time: Vec<f64>) -> hdf5::Result<Provenance> {
             temperature: label("temperature_unit")?,
         },
         time,
+        series,
+        series_start: None,
+        bearing: None,
     })
 }

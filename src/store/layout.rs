@@ -150,6 +150,9 @@ table! {
         "quantiles of the temperature");
     STATIC_PROBABILITY = variable("static_probability", &["time"], Unit::ONE, "probability of being in a static phase");
 
+    SERIES_TIME = variable("series_time", &["series_time"], Unit::TIME, "time of a sample of the measured temperature");
+    SERIES_TEMPERATURE = variable("series_temperature", &["series_time"], Unit::TEMPERATURE, "measured temperature");
+
     DURATION_BIN = variable("duration_bin", &["duration_bin"], Unit::TIME, "upper edge of the stick duration bin");
     DURATION_BIN_LOWER = variable("duration_bin_lower", &["duration_bin"], Unit::TIME,
         "lower edge of the stick duration bin, itself inside the bin");
@@ -234,6 +237,8 @@ table! {
         "total force besides friction (b)");
     TRAJECTORY_FRICTION = variable("trajectory_friction", &["trajectory", "time"], Unit::FORCE,
         "friction force (F)");
+    TRAJECTORY_BEARING = variable("trajectory_bearing_displacement", &["trajectory", "time"], Unit::LENGTH,
+        "displacement that a sensor at the bearing shows");
     TRAJECTORY_STATIC = variable("trajectory_static", &["trajectory", "time"], Unit::None,
         "whether the path is in a static phase")
         .flags(&[0, 1], &[("flag_meanings", "dynamic static")]);

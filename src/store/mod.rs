@@ -21,6 +21,7 @@ mod reader;
 mod rows;
 mod scale;
 mod seal;
+mod series;
 mod sink;
 mod space;
 mod state;

@@ -5,7 +5,8 @@ use super::lock::Lock;
 use super::variable::{read_or_empty, read_text};
 use super::workshop::{STATE, file_of, partial_path};
 use super::{
-    FORMAT_NAME, FORMAT_VERSION, SWEEP_FORMAT_NAME, StoreError, TRADE_FORMAT_NAME, header, layout, seal, state, summary,
+    FORMAT_NAME, FORMAT_VERSION, SWEEP_FORMAT_NAME, StoreError, TRADE_FORMAT_NAME, header, layout, seal, series, state,
+    summary,
 };
 use crate::engine::{Part, Status};
 use crate::provenance::Provenance;
@@ -100,7 +101,8 @@ pub fn read(path: &Path) -> Result<Stored, StoreError> {
     }
     let damaged = |error: hdf5::Error| StoreError::Damaged { path: path.to_owned(), cause: cause(&error) };
     let (status, completed_paths) = header::progress(&file).map_err(damaged)?;
-    let header = read_or_empty(&file, &layout::TIME).and_then(|time| header::read(&file, time)).map_err(damaged)?;
+    let time = read_or_empty(&file, &layout::TIME).map_err(damaged)?;
+    let header = series::read(&file).and_then(|series| header::read(&file, time, series)).map_err(damaged)?;
     let summary = summary::read(&file, completed_paths, header.step).map_err(damaged)?;
     let ended_by = header::ended_by(&file).map_err(damaged)?;
     let part = header::part(&file).map_err(damaged)?;

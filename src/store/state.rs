@@ -7,19 +7,21 @@ use super::StoreError;
 use super::checksum::checksum;
 use super::log::Position;
 use crate::engine::{Asked, Part, SoFar};
+use crate::model::Series;
 use crate::provenance::Provenance;
 use crate::scenario::Scenario;
 use crate::stats::{Bound, Codec, Damaged, Goal, Reader, RunTotals, Statistic};
 use std::fs::File;
 use std::io::Read as _;
 use std::path::Path;
+use std::sync::Arc;
 use std::time::Duration;
 
 /// How the bytes begin.
 const MAGIC: &[u8; 8] = b"sticksav";
 /// Version of what follows.
-const VERSION: u64 = 1;
-/// No state is larger, whatever its file says: the largest has 10 000 rows.
+const VERSION: u64 = 2;
+/// No state is larger, whatever its file says: the largest has 100 000 rows.
 const LARGEST: u64 = 1 << 31;
 
 /// What a run is, which every state of it says alike.
@@ -110,6 +112,7 @@ pub(super) fn to_bytes(question: &Question, totals: &[u8], spent: Duration, log:
     }
     program.block_size.write(&mut out);
     write_text(&scenario.to_toml(), &mut out);
+    write_series(scenario, &mut out);
     asked.paths.write(&mut out);
     let (number, of) = asked.part.map_or((0, 0), |part| (part.number(), part.of()));
     number.write(&mut out);
@@ -183,7 +186,8 @@ fn parse(from: &mut Reader<'_>) -> Result<State, Unread> {
     let (version, git_hash, generator) = (read_text(from)?, read_text(from)?, read_text(from)?);
     let program = Program { version, git_hash, generator, block_size: count(from)? };
     let text = read_text(from)?;
-    let scenario = Scenario::parse("state", &text, &[]).map_err(|_| Damaged)?;
+    let series = read_series(from)?;
+    let scenario = Scenario::parse_stored("state", &text, &[], series.as_ref()).map_err(|_| Damaged)?;
     let paths = count(from)?;
     let (number, of) = (count(from)?, count(from)?);
     let part = if of == 0 { None } else { Some(Part::new(number, of).ok_or(Damaged)?) };
@@ -205,6 +209,30 @@ fn parse(from: &mut Reader<'_>) -> Result<State, Unread> {
     let is_sound = from.left() == 0 && is_of(&totals, &asked);
     let question = Question { scenario, asked, note };
     if is_sound { Ok(State { program, question, so_far: SoFar { totals, spent }, log }) } else { Err(Unread::Damaged) }
+}
+
+/// The samples of a measured temperature: how many, when, what.
+fn write_series(scenario: &Scenario, out: &mut Vec<u8>) {
+    let series = scenario.model.temperature.series.as_deref();
+    let (times, values) = series.map_or((&[][..], &[][..]), |series| (series.times(), series.values()));
+    (times.len() as u64).write(out);
+    times.iter().chain(values).for_each(|number| number.write(out));
+}
+
+fn read_series(from: &mut Reader<'_>) -> Result<Option<Arc<Series>>, Damaged> {
+    let samples = from.length()?;
+    if samples == 0 {
+        return Ok(None);
+    }
+    let mut numbers = || (0..samples).map(|_| real(from)).collect::<Result<Vec<f64>, Damaged>>();
+    let (times, values) = (numbers()?, numbers()?);
+    Series::new(times, values).map(|series| Some(Arc::new(series))).map_err(|_| Damaged)
+}
+
+fn real(from: &mut Reader<'_>) -> Result<f64, Damaged> {
+    let mut number = 0.0;
+    number.read(from)?;
+    Ok(number)
 }
 
 /// Whether these are the first blocks of what was asked.

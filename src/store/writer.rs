@@ -4,9 +4,10 @@ use super::error::{cause, is_full, system_error};
 use super::growing::{Table, Values};
 use super::variable::{Growth, Place};
 use super::workshop::{RESULTS, Workshop};
-use super::{StoreError, header, layout, seal, summary};
+use super::{StoreError, header, layout, seal, series, summary};
 use crate::engine::{Part, Status};
 use crate::provenance::Provenance;
+use crate::scenario::Bearing;
 use crate::stats::{BlockResult, EventColumns, PathColumns, Record, Summary, TrajectoryRows};
 use hdf5::File;
 use hdf5::file::{FileCloseDegree, LibraryVersion};
@@ -70,6 +71,7 @@ struct Open {
     paths: Option<Table>,
     events: Option<Table>,
     trajectories: Option<Table>,
+    bearing: Option<Bearing>,
 }
 
 /// What went wrong, for as often as somebody asks.
@@ -94,7 +96,7 @@ impl Writer {
         let file = create_file(&path)
             .map_err(|error| StoreError::NotCreated { partial: path.clone(), cause: cause(&error) })?;
         let place = Place { file, units: header.units.clone() };
-        let open = Some(Open { place, paths: None, events: None, trajectories: None });
+        let open = Some(Open { place, paths: None, events: None, trajectories: None, bearing: header.bearing });
         let mut writer = Writer { workshop, open, failure: None, appended: 0 };
         writer.guarded(|open| open.define(header, record))?;
         Ok(writer)
@@ -203,6 +205,9 @@ impl Open {
     fn define(&mut self, header: &Provenance, record: &Record) -> hdf5::Result<()> {
         header::write(&self.place.file, header)?;
         summary::write_coordinates(&self.place, &header.time)?;
+        if let Some(samples) = &header.series {
+            series::write(&self.place, samples, header.series_start.as_deref())?;
+        }
         let rows = (header.paths as usize).clamp(1, CHUNK);
         if record.paths || record.events {
             let (columns, events) = (PathColumns::default(), EventColumns::default());
@@ -222,7 +227,9 @@ impl Open {
             let rows = (CHUNK / columns).clamp(1, record.trajectories.min(header.paths).max(1) as usize);
             let none = TrajectoryRows::default();
             let growth = Growth { rows, columns };
-            self.trajectories = Some(Table::define(&self.place, &trajectory_variables(&none), growth)?);
+            let shown = self.bearing.map(|_| Vec::new());
+            let variables = trajectory_variables(&none, shown.as_deref());
+            self.trajectories = Some(Table::define(&self.place, &variables, growth)?);
         }
         Ok(())
     }
@@ -244,7 +251,11 @@ impl Open {
             table.push(total, &event_variables(events))?;
         }
         if let (Some(table), Some(trajectories)) = (&mut self.trajectories, block.trajectories) {
-            table.push(trajectories.path.len(), &trajectory_variables(trajectories))?;
+            let shown = self.bearing.map(|bearing| -> Vec<f64> {
+                let places = trajectories.displacement.iter().zip(&trajectories.friction);
+                places.map(|(&x, &friction)| bearing.displacement(x, friction)).collect()
+            });
+            table.push(trajectories.path.len(), &trajectory_variables(trajectories, shown.as_deref()))?;
         }
         Ok(())
     }
@@ -304,9 +315,12 @@ fn event_variables(events: &EventColumns) -> [(&'static layout::Variable, Values
     ]
 }
 
-/// The variables along `trajectory` with their values.
-fn trajectory_variables(rows: &TrajectoryRows) -> [(&'static layout::Variable, Values<'_>); 7] {
-    [
+/// The variables along `trajectory` with their values; what a sensor shows only where there is one.
+fn trajectory_variables<'a>(
+    rows: &'a TrajectoryRows,
+    shown: Option<&'a [f64]>,
+) -> Vec<(&'static layout::Variable, Values<'a>)> {
+    let mut variables: Vec<(&layout::Variable, Values)> = vec![
         (&layout::TRAJECTORY, Values::U64(&rows.path)),
         (&layout::TRAJECTORY_DISPLACEMENT, Values::F64(&rows.displacement)),
         (&layout::TRAJECTORY_VELOCITY, Values::F64(&rows.velocity)),
@@ -314,7 +328,9 @@ fn trajectory_variables(rows: &TrajectoryRows) -> [(&'static layout::Variable, V
         (&layout::TRAJECTORY_FORCE, Values::F64(&rows.force)),
         (&layout::TRAJECTORY_FRICTION, Values::F64(&rows.friction)),
         (&layout::TRAJECTORY_STATIC, Values::I8(&rows.is_static)),
-    ]
+    ];
+    variables.extend(shown.map(|shown| (&layout::TRAJECTORY_BEARING, Values::F64(shown))));
+    variables
 }
 
 #[cfg(test)]

@@ -40,6 +40,11 @@ fn every_key_is_listed_and_every_listed_key_exists() {
         let resolved = Scenario::parse("rho025", text, &set).expect("sound").to_toml();
         keys(&resolved.parse().expect("TOML"), "", &mut of_code);
     }
+    // A measured temperature and a bearing.
+    let zone = ["temperature.series.zone=UTC", "temperature.noise={intensity=1, pinned=true}"];
+    let zone = zone.map(|set| Override::set(set).expect("well formed"));
+    let measured = Scenario::parse("bridge", shipped("bridge").expect("shipped").text, &zone).expect("sound").to_toml();
+    keys(&measured.parse().expect("TOML"), "", &mut of_code);
     same(&first_column(&page(), "key"), &of_code);
 }
 

@@ -9,6 +9,8 @@ of it. Nothing here knows how the program folds its sums: each number is compute
 Exits with 1 and names the variable that is not what it should be.
 """
 
+import csv
+import datetime
 import functools
 import math
 import sys
@@ -24,16 +26,16 @@ UNITS = {
     "1": """quantile static_probability stick_duration_count stick_duration_censored_count stick_duration_survival
         stick_duration_completed stick_duration_censored first_stick_duration_completed first_stick_duration_censored
         sub_phase sub_phase_count sub_phase_share sub_phase_censored transient_sticks transient_slips period path path_sticks path_slips path_sub_phases event_count trajectory""",
-    "s": """time duration_bin duration_bin_lower stick_duration_quantile period_time path_first_stick_duration path_stick_time
+    "s": """time series_time duration_bin duration_bin_lower stick_duration_quantile period_time path_first_stick_duration path_stick_time
         event_time transient_end""",
     "mm": """transient_displacement transient_displacement_error
         displacement_mean displacement_sd displacement_quantile displacement_period_mean path_displacement_end
-        path_max_displacement event_displacement trajectory_displacement""",
+        path_max_displacement event_displacement trajectory_displacement trajectory_bearing_displacement""",
     "mm2": "displacement_period_variance",
     "mm s-1": "velocity_mean velocity_sd velocity_quantile trajectory_velocity",
     "N": "event_force trajectory_force trajectory_friction",
     "N mm": "path_friction_work",
-    "K": "temperature_mean temperature_sd temperature_quantile trajectory_temperature",
+    "K": "temperature_mean temperature_sd temperature_quantile trajectory_temperature series_temperature",
 }
 UNIT = {name: unit for unit, names in UNITS.items() for name in names.split()}
 
@@ -255,6 +257,9 @@ def check_trajectories(data, events):
     same("trajectory_static", data["trajectory_static"], static)
     check(bool((v[static] == 0).all()), "trajectory_velocity: zero in a stick")
     same("trajectory_friction", data["trajectory_friction"], np.where(static, b, friction["dynamic"] * sign))
+    bearing = data.scenario["bearing"]
+    shown = bearing["offset"] + x + np.where(static, b, friction["dynamic"] * sign) / bearing["stiffness"]
+    same("trajectory_bearing_displacement", data["trajectory_bearing_displacement"], shown)
     # The way is the integral of the velocity: the trapezoidal rule, whose error is h^2/12 times the change of the force, and in a scheme with a step h/2 times it.
     way = np.diff(x, axis=1) - np.diff(time) * 0.5 * (v[:, 1:] + v[:, :-1])
     largest = np.abs(b).max() / oscillator["mass"]
@@ -742,6 +747,24 @@ class Data(dict):
         return [{name: part[i] for name, part in parts.items()} for i in range(len(self["event_count"]))]
 
 
+def check_measured(path, samples):
+    """A run with a measured temperature: its samples are those of the CSV file, and T is a straight line from one to the next."""
+    data = Data(path)
+    with open(samples, encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    stamps = [datetime.datetime.fromisoformat(row["time"]) for row in rows]
+    seconds = np.array([(stamp - stamps[0]).total_seconds() for stamp in stamps])
+    celsius = np.array([float(row["temperature_degC"]) for row in rows])
+    check(np.array_equal(data["series_time"], seconds), "series_time")
+    check(np.array_equal(data["series_temperature"], celsius), "series_temperature")
+    same("trajectory_temperature", data["trajectory_temperature"][0], np.interp(data["time"], seconds, celsius))
+    check(data.scenario["time"]["end"] == seconds[-1], "time.end: the last sample")
+    events = data.events()[0]
+    force, friction = data["trajectory_force"][0], data.scenario["friction"]["static"]
+    check(len(events["time"]) > 20 and np.abs(force).max() <= friction, "a bearing that slips, and no force above f_s on the hour")
+    print(f"  {len(rows)} samples, and T on {len(data['time'])} rows")
+
+
 def check_header(data):
     attributes, scenario = data.attributes, data.scenario
     ensemble = scenario["ensemble"]
@@ -817,6 +840,8 @@ if __name__ == "__main__":
     try:
         if sys.argv[1] == "--bias":
             sys.exit(check_bias(sys.argv[2]))
+        if sys.argv[1] == "--measured":
+            sys.exit(check_measured(*sys.argv[2:]))
         print(sys.argv[1])
         ensemble = check_run(sys.argv[1])
         for replay in sys.argv[2:]:

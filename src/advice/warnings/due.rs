@@ -65,14 +65,17 @@ fn of_correction(step: Option<NoisyStep>) -> Vec<Warning> {
 
 /// The question, whatever the scheme.
 fn of_question(scenario: &Scenario, derived: &Derived) -> Vec<Warning> {
-    let Scenario { model, ensemble, time, .. } = scenario;
+    let Scenario { model, measured, ensemble, time, .. } = scenario;
     listed([
         NeverSlips::due(model).map(Warning::from),
         IdenticalPaths::due(model, ensemble.paths).map(Warning::from),
         NoDilatation::due(model).map(Warning::from),
+        WeatherTwice::due(model).map(Warning::from),
+        RepairedSeries::due(measured.as_ref()).map(Warning::from),
         FewPeriods::due(&scenario.timeline()).map(Warning::from),
         ManyPeriods::due(derived, time.end).map(Warning::from),
         NoCommonPeriod::due(&model.temperature).map(Warning::from),
+        ManyRows::due(derived).map(Warning::from),
         LargeOutput::due(derived).map(Warning::from),
     ])
 }

@@ -1,8 +1,38 @@
-//! What to know about the file of a run.
+//! What to know about the file of a run, and about its memory.
 
 use crate::advice::derived::Derived;
 use crate::numbers::bytes;
 use std::fmt;
+
+/// An output grid that takes much memory.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ManyRows {
+    /// How many.
+    pub rows: usize,
+    /// What a thread takes for them, in bytes.
+    pub bytes: f64,
+}
+
+/// More rows than this deserve a word.
+const MANY_ROWS: usize = 10_000;
+
+impl ManyRows {
+    pub(super) fn due(derived: &Derived) -> Option<Self> {
+        let rows = derived.rows;
+        (rows > MANY_ROWS).then_some(ManyRows { rows, bytes: derived.thread_bytes })
+    }
+}
+
+impl fmt::Display for ManyRows {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            f,
+            "the bands of {} rows take up to about {} of memory a thread; a longer `time.output_step` or fewer `--threads` take less",
+            self.rows,
+            bytes(self.bytes)
+        )
+    }
+}
 
 /// A large file.
 #[derive(Clone, Debug, PartialEq)]

@@ -9,15 +9,17 @@ mod file;
 mod noise;
 mod quasi_static;
 mod question;
+mod series;
 mod step;
 
-pub use file::LargeOutput;
+pub use file::{LargeOutput, ManyRows};
 pub use noise::{
     CorrectedBias, EqualFriction, IncompleteCorrection, LargeShift, MicroSlips, StepAgainstCorridor, StickExitBias,
     Unresolved,
 };
 pub use quasi_static::{Creep, ForcingDuringSlip, NeverMoves};
 pub use question::{FewPeriods, IdenticalPaths, ManyPeriods, NeverSlips, NoCommonPeriod, NoDilatation};
+pub use series::{RepairedSeries, WeatherTwice};
 pub use step::{AmplitudeAboveCritical, StepAgainstForcing, StepAgainstNoise, StepAgainstOscillator, StepUnstable};
 
 use std::fmt;
@@ -76,8 +78,11 @@ warnings! {
     NeverSlips = "never-slips",
     IdenticalPaths = "identical-paths",
     NoDilatation = "no-dilatation",
+    WeatherTwice = "weather-twice",
+    RepairedSeries = "repaired-series",
     FewPeriods = "few-periods",
     ManyPeriods = "many-periods",
     NoCommonPeriod = "no-common-period",
+    ManyRows = "many-rows",
     LargeOutput = "large-output",
 }

@@ -31,7 +31,7 @@ struct Slip {
     change: f64,
     /// What it lets go: 2 (f_s - f_d) without damping.
     released: f64,
-    /// How fast the harmonics change the force, at most.
+    /// How fast harmonics and series change the force, at most.
     rate: f64,
     /// The rate from which on it has no end.
     limit: f64,
@@ -46,9 +46,12 @@ impl Slip {
         let Model { oscillator, friction, temperature, .. } = model;
         let swing = StepResponse::new(oscillator);
         let duration = swing.duration;
+        let series = temperature.series.as_ref();
         let rates = temperature.harmonics.iter().map(|h| h.amplitude.abs() * h.angular_frequency);
-        // However fast a harmonic, it changes by no more than twice its amplitude.
+        let rates = rates.chain(series.map(|series| series.steepest()));
+        // However fast a harmonic, it changes by no more than twice its amplitude; measured values by no more than their range.
         let bounds = temperature.harmonics.iter().map(|h| 2.0 * h.amplitude.abs());
+        let bounds = bounds.chain(series.map(|series| series.range().1 - series.range().0));
         let harmonics: f64 = rates.clone().zip(bounds).map(|(rate, bound)| (rate * duration).min(bound)).sum();
         let noise = temperature.effective_noise().map_or(0.0, |noise| {
             let spread = noise.diffusion * duration.min(0.5 / noise.relaxation_rate).sqrt();

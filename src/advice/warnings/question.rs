@@ -56,7 +56,8 @@ pub struct NoDilatation;
 impl NoDilatation {
     pub(super) fn due(model: &Model) -> Option<Self> {
         let Model { oscillator, temperature, .. } = model;
-        let has_temperature = temperature.effective_noise().is_some() || !temperature.harmonics.is_empty();
+        let is_known = !temperature.harmonics.is_empty() || temperature.series.is_some();
+        let has_temperature = temperature.effective_noise().is_some() || is_known;
         (oscillator.dilatation == 0.0 && has_temperature).then_some(NoDilatation)
     }
 }
@@ -132,6 +133,10 @@ pub struct NoCommonPeriod;
 
 impl NoCommonPeriod {
     pub(super) fn due(temperature: &Temperature) -> Option<Self> {
+        // A series says by itself that there are no periods.
+        if temperature.series.is_some() {
+            return None;
+        }
         let is_moving = temperature.harmonics.iter().any(|h| h.angular_frequency > 0.0 && h.amplitude != 0.0);
         (is_moving && temperature.period().is_none()).then_some(NoCommonPeriod)
     }

@@ -52,7 +52,7 @@ impl Report {
         let output = self.output.clone().unwrap_or_else(default);
         writable(&output, self.force, [self.file.as_path()])?;
         let stored = store::read(&self.file)?;
-        let scenario = Scenario::parse("scenario", &stored.header.scenario_text, &[]).ok();
+        let scenario = results::scenario("scenario", &stored, &[]).ok();
         let info = super::show::info(&self.file, &stored, scenario.as_ref());
         let page = page(&stored, scenario.as_ref(), &info);
         store::write_whole(&output, page.as_bytes(), self.force)?;

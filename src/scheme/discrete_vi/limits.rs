@@ -37,3 +37,13 @@ pub(super) fn check_increments(model: &Model, h: f64) -> Result<(), Misfit> {
     let remedy = "write `diffusion = 0` to leave v relaxing from v(0), raise it, or choose `--scheme event-driven`";
     Err(Misfit::new(&[("temperature.noise.diffusion", noise.diffusion)], problem, remedy))
 }
+
+/// A step knows nothing of the samples that noise is pinned to.
+pub(super) fn check_pins(model: &Model) -> Result<(), Misfit> {
+    if !(model.temperature.is_pinned && model.temperature.is_random()) {
+        return Ok(());
+    }
+    let problem = "`temperature.noise.pinned` is true, and the schemes with a step do not meet the samples".to_string();
+    let remedy = "choose `--scheme event-driven` or `--scheme quasi-static`, whose cells end at samples";
+    Err(Misfit::new(&[], problem, remedy))
+}

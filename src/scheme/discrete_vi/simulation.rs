@@ -37,7 +37,7 @@ impl DiscreteSimulation {
             model: model.clone(),
             timeline: *timeline,
             h,
-            clock: HarmonicClock::new(&model.temperature.harmonics, h),
+            clock: HarmonicClock::of(&model.temperature, h),
             refinement: 1,
             observed_every: 1,
             is_corrected: false,

@@ -14,12 +14,13 @@
 
 use super::cells::Cell;
 use super::corridor::{Corridor, Pending};
+use super::ladder::Ladder;
 use super::scene::Scene;
 use super::watch::{Glance, Glances, Nobody, Seen, Watch};
 use super::work::{Simulated, Unresolved, Work};
 use crate::lanes::{InstructionSet, LaneProgram, Lanes};
 use crate::model::{Event, EventKind, Phase, Sign};
-use crate::noise::{AddressedDraws, Transition};
+use crate::noise::AddressedDraws;
 use crate::scheme::columns::Columns;
 use crate::scheme::timeline::Stop;
 use crate::scheme::{Instant, Observer, Timeline};
@@ -53,8 +54,8 @@ pub trait Cascade {
 
     fn scene(&self) -> &Scene;
     fn timeline(&self) -> &Timeline;
-    /// How long a cell is.
-    fn cell_length(&self) -> f64;
+    /// Where cells begin and end.
+    fn ladder(&self) -> &Ladder;
     /// What ends sticks.
     fn corridor(&self) -> &Corridor;
     /// What a path may spend.
@@ -113,8 +114,7 @@ pub trait Paths {
 
 /// Simulate some paths.
 pub fn simulate<O: Observer>(paths: &mut impl Paths, count: usize, observer: &mut O) -> Simulated {
-    let length = paths.cascade().cell_length();
-    let mut cell = Cell::new(paths.cascade().scene(), length, 0);
+    let mut cell = Cell::new(paths.cascade().scene(), paths.cascade().ladder(), 0);
     let (closeness, timeline) = (paths.cascade().closeness(), *paths.cascade().timeline());
     let mut columns = Columns::new(count);
     let (mut quiet, mut inside) = (Vec::new(), Inside::default());
@@ -125,23 +125,23 @@ pub fn simulate<O: Observer>(paths: &mut impl Paths, count: usize, observer: &mu
         // Cells inside which nobody looks, up to the end of one at which somebody does: each path
         // goes through all of them alone, which processors predict better.
         quiet.clear();
-        while !is_before(stop, cell.end()) && quiet.len() < MOST_QUIET {
+        while !is_before(stop, cell.end) && quiet.len() < MOST_QUIET {
             quiet.push(cell.clone());
-            cell.move_to(paths.cascade().scene(), cell.index + 1);
+            cell.move_to(paths.cascade().scene(), paths.cascade().ladder(), cell.index + 1);
         }
         if quiet.is_empty() {
-            let next = || stops.next_if(|stop| is_before(stop, cell.end()));
+            let next = || stops.next_if(|stop| is_before(stop, cell.end));
             inside.begin(std::iter::from_fn(next), &cell, count, closeness);
             paths.cross_watched(&cell, &mut inside);
             inside.tell(observer, &mut columns, stops.peek().is_none());
             quiet.push(cell.clone());
-            cell.move_to(paths.cascade().scene(), cell.index + 1);
+            cell.move_to(paths.cascade().scene(), paths.cascade().ladder(), cell.index + 1);
         } else {
             paths.cross(&quiet, observer);
         }
         let passed = &quiet[quiet.len() - 1];
         let mut is_set = false;
-        while let Some(stop) = stops.next_if(|stop| is_by(stop, passed.end())) {
+        while let Some(stop) = stops.next_if(|stop| is_by(stop, passed.end)) {
             if !is_set {
                 paths.look(passed, &mut columns);
                 is_set = true;
@@ -160,7 +160,6 @@ pub fn simulate<O: Observer>(paths: &mut impl Paths, count: usize, observer: &mu
 pub struct OneByOne<'a, C: Cascade> {
     cascade: &'a C,
     instructions: InstructionSet,
-    transition: Transition,
     paths: Vec<Path<C::Motion>>,
     /// The events of the cells that were crossed last.
     events: Vec<(usize, Event)>,
@@ -173,7 +172,6 @@ impl<'a, C: Cascade> OneByOne<'a, C> {
         OneByOne {
             cascade,
             instructions,
-            transition: cell_transition(cascade),
             paths: paths.iter().map(|&path| start(cascade, seed, path)).collect(),
             events: Vec::new(),
             scratch: (cascade.scratch(), Pending::new()),
@@ -194,7 +192,7 @@ struct Crossing<'p, 'a, C: Cascade> {
 impl<C: Cascade> LaneProgram for Crossing<'_, '_, C> {
     #[inline(always)]
     fn run<L: Lanes>(&mut self) {
-        let OneByOne { cascade, transition, paths, events, scratch, .. } = &mut *self.all;
+        let OneByOne { cascade, paths, events, scratch, .. } = &mut *self.all;
         for (lane, path) in paths.iter_mut().enumerate() {
             let mut cells = self.cells.iter();
             if (self.is_stopped)() {
@@ -202,10 +200,10 @@ impl<C: Cascade> LaneProgram for Crossing<'_, '_, C> {
             }
             while let Some(cell) = cells.next().filter(|_| !path.is_lost) {
                 if let Some(inside) = &mut self.inside {
-                    inside.cross(lane, *cascade, cell, transition, path, scratch);
+                    inside.cross(lane, *cascade, cell, path, scratch);
                 } else {
                     let emit = |event| events.push((lane, event));
-                    path.is_lost = cross(*cascade, cell, transition, path, scratch, &mut Nobody, emit).is_err();
+                    path.is_lost = cross(*cascade, cell, path, scratch, &mut Nobody, emit).is_err();
                 }
             }
         }
@@ -252,12 +250,6 @@ impl<C: Cascade> Paths for OneByOne<'_, C> {
     }
 }
 
-/// How n gets across a cell.
-pub fn cell_transition<C: Cascade>(cascade: &C) -> Transition {
-    let scene = cascade.scene();
-    Transition::new(scene.relaxation_rate, scene.diffusion, cascade.cell_length())
-}
-
 /// What is seen of a path at the end of a cell.
 fn at_the_end<C: Cascade>(cascade: &C, cell: &Cell, path: &Path<C::Motion>) -> Seen {
     if path.is_lost {
@@ -281,12 +273,11 @@ impl<M: Default> Path<M> {
     /// At t = 0, at rest, with this n.
     pub fn new(scene: &Scene, noise: f64, draws: AddressedDraws, work: Work) -> Self {
         let displacement = scene.initial_displacement;
-        let forcing: f64 = scene.harmonics.iter().map(|h| h.force.re).sum();
         Path {
             after: 0.0,
             displacement,
             noise,
-            force: forcing + noise - scene.oscillator.stiffness * displacement,
+            force: scene.initial_forcing() + noise - scene.oscillator.stiffness * displacement,
             phase: Phase::Static,
             motion: M::default(),
             draws,
@@ -301,13 +292,12 @@ impl<M: Default> Path<M> {
 pub fn cross<C: Cascade>(
     cascade: &C,
     cell: &Cell,
-    transition: &Transition,
     path: &mut Path<C::Motion>,
     (scratch, pending): &mut (C::Scratch, Pending),
     watch: &mut impl Watch,
     mut emit: impl FnMut(Event),
 ) -> Result<(), Unresolved> {
-    let end_noise = transition.next(path.noise, path.draws.at(cell.index, NOISE_PLACE).normal());
+    let end_noise = cell.transition.next(path.noise, path.draws.at(cell.index, NOISE_PLACE).normal());
     path.draws = path.draws.at(cell.index, EVENT_PLACE);
     path.after = 0.0;
     loop {
@@ -400,7 +390,6 @@ impl Inside {
         lane: usize,
         cascade: &C,
         cell: &Cell,
-        transition: &Transition,
         path: &mut Path<C::Motion>,
         scratch: &mut (C::Scratch, Pending),
     ) {
@@ -408,7 +397,7 @@ impl Inside {
         let draws = path.draws.for_looking(cell.index);
         let mut watch = Glances { glances, draws, seen: &mut seen[lane] };
         let emit = |event| events.push((lane, event));
-        path.is_lost = cross(cascade, cell, transition, path, scratch, &mut watch, emit).is_err();
+        path.is_lost = cross(cascade, cell, path, scratch, &mut watch, emit).is_err();
     }
 
     /// Tell the observer what happened, in order of time. `is_over` if nothing after the last stop

@@ -5,9 +5,11 @@
 //! path, cell); what happens inside a cell is drawn given n at its end. So two scenes with the same
 //! cells see the same noise, and looking at a path does not change it.
 
+use super::ladder::Ladder;
 use super::scene::Scene;
 use crate::lanes::{Lanes, small_unit};
 use crate::model::Complex;
+use crate::noise::Transition;
 
 /// One cell, with what all paths share in it.
 #[derive(Clone, Debug)]
@@ -16,8 +18,12 @@ pub struct Cell {
     pub index: u64,
     /// When it begins.
     pub start: f64,
+    /// When it ends, and the next one begins.
+    pub end: f64,
     /// How long it lasts.
     pub length: f64,
+    /// How n gets across it.
+    pub transition: Transition,
     /// The terms of B where it begins.
     pub terms: Vec<Complex>,
     /// B and its curvature where it begins.
@@ -36,33 +42,37 @@ pub struct Forcing<L = f64> {
 
 impl Cell {
     /// The cell with this number, for a scene.
-    pub fn new(scene: &Scene, length: f64, index: u64) -> Self {
+    pub fn new(scene: &Scene, ladder: &Ladder, index: u64) -> Self {
+        let length = ladder.length();
         let mut cell = Cell {
             index,
             start: 0.0,
+            end: length,
             length,
+            transition: scene.transition(&ladder.rung(index)),
             terms: vec![Complex::ZERO; scene.harmonics.len()],
             first: Forcing { value: 0.0, curvature: 0.0 },
             last: Forcing { value: 0.0, curvature: 0.0 },
             frequencies: scene.harmonics.iter().map(|h| h.angular_frequency).collect(),
         };
-        cell.move_to(scene, index);
+        cell.move_to(scene, ladder, index);
         cell
     }
 
     /// Make it the cell with another number.
-    pub fn move_to(&mut self, scene: &Scene, index: u64) {
-        self.index = index;
-        self.start = index as f64 * self.length;
-        scene.set_terms(self.end(), &mut self.terms);
+    pub fn move_to(&mut self, scene: &Scene, ladder: &Ladder, index: u64) {
+        let rung = ladder.rung(index);
+        if rung.length != self.length || scene.is_pinned {
+            self.length = rung.length;
+            self.transition = scene.transition(&rung);
+        }
+        (self.index, self.start, self.end) = (index, rung.start, rung.end);
+        scene.set_terms(self.end, &mut self.terms);
+        scene.set_line(rung.piece, self.end, &mut self.terms);
         self.last = self.forcing_here();
         scene.set_terms(self.start, &mut self.terms);
+        scene.set_line(rung.piece, self.start, &mut self.terms);
         self.first = self.forcing_here();
-    }
-
-    /// When it ends, and the next one begins.
-    pub fn end(&self) -> f64 {
-        (self.index + 1) as f64 * self.length
     }
 
     /// B and its second derivative a time after the start.

@@ -3,6 +3,7 @@
 use super::cell_loop::Path;
 use super::cells::{Cell, round_down};
 use super::corridor::{Corridor, Pending};
+use super::ladder::Ladder;
 use super::scene::Scene;
 use super::watch::Nobody;
 use super::work::Work;
@@ -17,13 +18,14 @@ pub fn exits(model: &Model, noise: f64, kappa: f64, horizon: f64, seed: u64, pat
     let length = round_down(0.5 / rates.fold(scene.relaxation_rate, f64::max));
     let transition = Transition::new(scene.relaxation_rate, scene.diffusion, length);
     let spring_force = scene.oscillator.stiffness * scene.initial_displacement;
-    let (mut cell, mut pending) = (Cell::new(&scene, length, 0), Pending::new());
+    let ladder = Ladder::even(length);
+    let (mut cell, mut pending) = (Cell::new(&scene, &ladder, 0), Pending::new());
     (0..paths)
         .map(|number| {
             let draws = AddressedDraws::new(seed, number);
             let mut path = Path::<()>::new(&scene, noise, draws, Work::new(1_000_000));
             for index in 0..(horizon / length).ceil() as u64 {
-                cell.move_to(&scene, index);
+                cell.move_to(&scene, &ladder, index);
                 let end_noise = transition.next(path.noise, draws.at(index, 0).normal());
                 path.draws = draws.at(index, 2);
                 path.force = cell.first.value - spring_force + path.noise;

@@ -22,6 +22,7 @@ mod first_root;
 mod first_stop;
 #[cfg(test)]
 mod harness;
+mod ladder;
 mod noiseless;
 mod noisy;
 mod scene;
@@ -43,6 +44,7 @@ pub(super) use cell_loop::{Cascade, OneByOne, Path, simulate};
 pub(super) use cells::{Cell, round_down};
 pub(super) use corridor::Corridor;
 pub(super) use exact_time::ExactTime;
+pub(super) use ladder::Ladder;
 pub(super) use noiseless::Noiseless;
 pub(super) use scene::Scene;
 pub(super) use step_rules::StepRules;
@@ -96,7 +98,13 @@ impl Method for EventDriven {
 /// forces whose squares, with their products and ratios, can be computed with.
 pub(super) fn check_friction(model: &Model, end: f64) -> Result<(), Misfit> {
     let f_s = model.friction.static_force;
-    let Some(noise) = Scene::new(model).felt_noise(end).filter(|_| f_s > 0.0) else { return Ok(()) };
+    let felt = Scene::new(model).felt_noise(end);
+    if felt.is_none() && model.temperature.is_pinned && model.temperature.is_random() {
+        let problem =
+            "`temperature.noise.pinned` is true, and the noise moves no force by more than rounding".to_string();
+        return Err(Misfit::new(&[("temperature.noise.intensity", 0.0)], problem, "leave out [temperature.noise]"));
+    }
+    let Some(noise) = felt.filter(|_| f_s > 0.0) else { return Ok(()) };
     if can_be_computed_with(&[noise / f_s, 1.0 / (noise * f_s)]) {
         return Ok(());
     }

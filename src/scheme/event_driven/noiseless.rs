@@ -5,6 +5,9 @@
 //!   zero of eps x'.
 //! - Stick: b(t) is a sum of exponentials; the phase ends at the first zero of f_s - b or f_s + b.
 //!
+//! A temperature that was measured bends at its samples. So a phase is cut there, and goes on from the
+//! same place, with the same velocity and force, on another line.
+//!
 //! Both zeros are bracketed by bounds of the second derivative ([`first_root`]), so none is missed,
 //! and polished to rounding. Nothing is random: one path is computed and every lane is told about
 //! it.
@@ -12,7 +15,7 @@
 use super::exact_time::ExactTime;
 use super::first_root::{Jet, first_root, safe_step};
 use super::work::{Simulated, Unresolved, WORK_LIMIT, Work};
-use crate::model::{Complex, Event, EventKind, ForcedOscillator, InitialNoise, Model, Phase, Sign, SlipFlow};
+use crate::model::{Complex, Event, EventKind, ForcedOscillator, InitialNoise, Model, Phase, Series, Sign, SlipFlow};
 use crate::scheme::columns::Columns;
 use crate::scheme::{Observer, Timeline};
 
@@ -28,20 +31,44 @@ pub struct Noiseless {
     pub(super) work_limit: u64,
 }
 
+impl Leg {
+    /// What ends it, if anything does, and whether that is at a time or before.
+    fn end_by(&self, time: f64) -> Option<(End, bool)> {
+        let (duration, end) = self.end?;
+        let is_due = match end {
+            End::Event(event) => event.time <= time,
+            End::Cut => duration <= self.start.until(time),
+        };
+        Some((end, is_due))
+    }
+}
+
 /// The signs of b at the two thresholds.
 const SIDES: [f64; 2] = [1.0, -1.0];
 
-/// One phase of the path: since when, and what ends it.
+/// One phase of the path, or what of it lies between two samples: since when, and what ends it.
 struct Leg {
     start: ExactTime,
     displacement: f64,
+    /// x' at the start: zero, but behind a cut.
+    velocity: f64,
     /// b at the start.
     force: f64,
     /// P_j at the start.
     terms: Vec<Complex>,
+    /// The slope of K beta T/m between the samples.
+    line: f64,
     phase: Phase,
-    /// The event that ends it and the time until then, if before t_end.
-    end: Option<(f64, Event)>,
+    /// What ends it and the time until then, if before t_end.
+    end: Option<(f64, End)>,
+}
+
+/// What ends a leg.
+#[derive(Clone, Copy)]
+enum End {
+    Event(Event),
+    /// A sample, at which the temperature bends.
+    Cut,
 }
 
 impl Noiseless {
@@ -65,11 +92,13 @@ impl Noiseless {
         let mut work = Work::new(self.work_limit);
         let mut leg = self.initial_leg(&mut work);
         for stop in self.timeline.stops() {
-            while let Ok(Some((_, event))) = leg.as_ref().map(|l| l.end) {
-                if event.time > stop.time || observer.is_stopped() {
+            while let Ok(Some((end, is_due))) = leg.as_ref().map(|leg| leg.end_by(stop.time)) {
+                if !is_due || observer.is_stopped() {
                     break;
                 }
-                (0..lanes).for_each(|lane| observer.event(lane, event));
+                if let End::Event(event) = end {
+                    (0..lanes).for_each(|lane| observer.event(lane, event));
+                }
                 leg = leg.and_then(|leg| self.next_leg(&leg, &mut work));
             }
             match &leg {
@@ -85,20 +114,57 @@ impl Noiseless {
     fn initial_leg(&self, work: &mut Work) -> Result<Leg, Unresolved> {
         let terms = self.terms_at(ExactTime::ZERO);
         let displacement = self.model.initial_displacement;
-        let force = self.force_at_rest(&terms, displacement);
+        let force = self.force_at_rest(ExactTime::ZERO, &terms, displacement);
         self.stick(ExactTime::ZERO, displacement, force, terms, work)
     }
 
     /// The leg that begins with the event that ends `leg`.
     fn next_leg(&self, leg: &Leg, work: &mut Work) -> Result<Leg, Unresolved> {
         work.spend()?;
-        let Some((duration, event)) = leg.end else { return Err(Unresolved) };
+        let Some((duration, end)) = leg.end else { return Err(Unresolved) };
         let start = leg.start.after(duration);
         let terms = self.terms_at(start);
-        match event.kind.phase() {
-            Phase::Static => self.stick(start, event.displacement, event.force, terms, work),
-            Phase::Slip(sign) => self.slip(start, event.displacement, event.force, terms, sign, work),
+        match (end, leg.phase) {
+            (End::Event(event), _) => match event.kind.phase() {
+                Phase::Static => self.stick(start, event.displacement, event.force, terms, work),
+                Phase::Slip(sign) => self.slip(start, event.displacement, (0.0, event.force), terms, sign, work),
+            },
+            (End::Cut, Phase::Static) => {
+                let force = self.force_at_rest(start, &terms, leg.displacement);
+                self.stick(start, leg.displacement, force, terms, work)
+            }
+            (End::Cut, Phase::Slip(direction)) => {
+                let state = self.flow(leg, direction).at(duration);
+                let friction = direction.value() * self.model.friction.dynamic_force;
+                let force = friction + self.model.oscillator.mass * state.acceleration;
+                self.slip(start, leg.displacement + state.displacement, (state.velocity, force), terms, direction, work)
+            }
         }
+    }
+
+    /// The motion of a sub-phase.
+    fn flow<'a>(&'a self, leg: &'a Leg, direction: Sign) -> SlipFlow<'a> {
+        let dynamic_force = self.model.friction.dynamic_force;
+        self.body.slip((&leg.terms, leg.line), leg.velocity, leg.force, direction, dynamic_force)
+    }
+
+    fn series(&self) -> Option<&Series> {
+        self.model.temperature.series.as_deref()
+    }
+
+    /// From a time on: the slope of K beta T/m on the line between two samples, how long that lasts, and whether it is a sample
+    /// that ends it, and not t_end.
+    fn line(&self, start: ExactTime) -> (f64, f64, bool) {
+        let left = start.until(self.timeline.end);
+        let Some(series) = self.series() else { return (0.0, left, false) };
+        let mut piece = series.piece(start.value());
+        // The time has more digits than the double that found the piece.
+        while piece + 2 < series.times().len() && start.until(series.times()[piece + 1]) <= 0.0 {
+            piece += 1;
+        }
+        let gain = self.model.oscillator.force_per_temperature() / self.model.oscillator.mass;
+        let until = if piece + 2 < series.times().len() { start.until(series.times()[piece + 1]) } else { left };
+        (gain * series.slope(piece), until.min(left), until < left)
     }
 
     fn terms_at(&self, t: ExactTime) -> Vec<Complex> {
@@ -113,14 +179,22 @@ impl Noiseless {
         work: &mut Work,
     ) -> Result<Option<Event>, Unresolved> {
         let terms = self.terms_at(start);
-        let force = self.force_at_rest(&terms, displacement);
-        Ok(self.stick(start, displacement, force, terms, work)?.end.map(|(_, event)| event))
+        let force = self.force_at_rest(start, &terms, displacement);
+        let mut leg = self.stick(start, displacement, force, terms, work)?;
+        loop {
+            match leg.end {
+                None => return Ok(None),
+                Some((_, End::Event(event))) => return Ok(Some(event)),
+                Some((_, End::Cut)) => leg = self.next_leg(&leg, work)?,
+            }
+        }
     }
 
     /// b with x' = 0.
-    fn force_at_rest(&self, terms: &[Complex], displacement: f64) -> f64 {
+    fn force_at_rest(&self, time: ExactTime, terms: &[Complex], displacement: f64) -> f64 {
         let body = &self.model.oscillator;
-        body.mass * terms.iter().map(|p| p.re).sum::<f64>() - body.stiffness * displacement
+        let measured = self.series().map_or(0.0, |series| body.dilatation * series.at(time.value()));
+        body.mass * terms.iter().map(|p| p.re).sum::<f64>() + body.stiffness * (measured - displacement)
     }
 
     /// A static phase, and its exit: the first time that |b| > f_s.
@@ -133,15 +207,17 @@ impl Noiseless {
         work: &mut Work,
     ) -> Result<Leg, Unresolved> {
         let (f_s, m) = (self.model.friction.static_force, self.model.oscillator.mass);
-        let horizon = start.until(self.timeline.end);
+        let (line, horizon, is_cut) = self.line(start);
+        let never = self.never_exits(displacement, f_s);
         let exit = if force.abs() > f_s {
             Some((0.0, force))
-        } else if self.never_exits(displacement, f_s) {
+        } else if never {
             None
         } else {
             let bend = m * self.body.forcing_curvature();
             let distances = |r: f64| {
-                let [increment, slope, _] = self.body.forcing_increment(&terms, r).map(|derivative| derivative * m);
+                let [increment, slope, _] =
+                    self.body.forcing_increment((&terms, line), r).map(|derivative| derivative * m);
                 SIDES.map(|side| Jet {
                     value: (f_s - side * force) - side * increment,
                     slope: -side * slope,
@@ -154,15 +230,17 @@ impl Noiseless {
         };
         let end = exit.filter(|&(r, _)| r <= horizon).map(|(r, force)| {
             let kind = EventKind::SlipStarted(Sign::of(force));
-            (r, Event { kind, time: start.after(r).value(), displacement, force })
+            (r, End::Event(Event { kind, time: start.after(r).value(), displacement, force }))
         });
-        Ok(Leg { start, displacement, force, terms, phase: Phase::Static, end })
+        let cut = (is_cut && !never).then_some((horizon, End::Cut));
+        Ok(Leg { start, displacement, velocity: 0.0, force, terms, line, phase: Phase::Static, end: end.or(cut) })
     }
 
     /// |K (beta T - x)| <= f_s whatever the phases of the forcing are.
     fn never_exits(&self, displacement: f64, f_s: f64) -> bool {
         let Model { oscillator, .. } = &self.model;
-        oscillator.mass * self.body.forcing_size() + oscillator.stiffness * displacement.abs() <= f_s
+        let measured = self.series().map_or(0.0, |series| oscillator.dilatation.abs() * series.bound());
+        oscillator.mass * self.body.forcing_size() + oscillator.stiffness * (measured + displacement.abs()) <= f_s
     }
 
     /// A time until which b stays in the corridor, for a stick that may begin exactly on a
@@ -183,29 +261,31 @@ impl Noiseless {
         &self,
         start: ExactTime,
         displacement: f64,
-        force: f64,
+        (velocity, force): (f64, f64),
         terms: Vec<Complex>,
         direction: Sign,
         work: &mut Work,
     ) -> Result<Leg, Unresolved> {
-        let horizon = start.until(self.timeline.end);
+        let (line, horizon, is_cut) = self.line(start);
         let (friction, mass) = (self.model.friction, self.model.oscillator.mass);
         let eps = direction.value();
-        let flow = self.body.slip(&terms, force, direction, friction.dynamic_force);
+        let flow = self.body.slip((&terms, line), velocity, force, direction, friction.dynamic_force);
         let jet = |r: f64| {
             let state = flow.at(r);
             let (bend, bend_growth) = flow.jerk_bound(&state);
             [Jet { value: eps * state.velocity, slope: eps * state.acceleration, bend, bend_growth }]
         };
-        let root = first_root(jet, self.departure(&flow, eps), horizon, self.span, work)?;
+        let earliest = if velocity == 0.0 { self.departure(&flow, eps) } else { 0.0 };
+        let root = first_root(jet, earliest, horizon, self.span, work)?;
         let end = root.filter(|&(r, _)| r <= horizon).map(|(r, _)| {
             let state = flow.at(r);
             let displacement = displacement + state.displacement;
             let force = eps * friction.dynamic_force + mass * state.acceleration;
             let kind = EventKind::at_rest(force.abs() <= friction.static_force, force);
-            (r, Event { kind, time: start.after(r).value(), displacement, force })
+            (r, End::Event(Event { kind, time: start.after(r).value(), displacement, force }))
         });
-        Ok(Leg { start, displacement, force, terms, phase: Phase::Slip(direction), end })
+        let end = end.or(is_cut.then_some((horizon, End::Cut)));
+        Ok(Leg { start, displacement, velocity, force, terms, line, phase: Phase::Slip(direction), end })
     }
 
     /// A time before which eps x' cannot return to zero.
@@ -239,8 +319,8 @@ impl Noiseless {
         let r = leg.start.until(t).max(0.0);
         let terms = self.body.terms();
         let gain = self.model.oscillator.force_per_temperature() / self.model.oscillator.mass;
-        // beta = 0 leaves the body blind to a temperature that the observer still sees.
-        let temperature = if gain == 0.0 {
+        // beta = 0 leaves the body blind to a temperature that the observer still sees; a leg that nothing ends may go over samples.
+        let temperature = if gain == 0.0 || self.series().is_some() {
             self.mean_temperature(t)
         } else {
             let here: f64 = terms.iter().zip(&leg.terms).map(|(term, p)| (*p * (term.rate * r).exp()).re).sum();
@@ -249,8 +329,7 @@ impl Noiseless {
         match leg.phase {
             Phase::Static => (leg.displacement, 0.0, temperature, true),
             Phase::Slip(direction) => {
-                let flow = self.body.slip(&leg.terms, leg.force, direction, self.model.friction.dynamic_force);
-                let state = flow.at(r);
+                let state = self.flow(leg, direction).at(r);
                 (leg.displacement + state.displacement, state.velocity, temperature, false)
             }
         }

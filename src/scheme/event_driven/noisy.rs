@@ -17,6 +17,7 @@ use super::cell_loop::{self, Cascade, OneByOne, WHOLE_PLACE};
 use super::cells::{Cell, round_down};
 use super::corridor::Corridor;
 use super::first_stop::{Interval, Motion, Pending, Step, Stop, StopSearch, forwards};
+use super::ladder::Ladder;
 use super::scene::{Scene, forcing};
 use super::slip_step::{Push, State, force, motion, resolved_way};
 use super::slip_transition::{DrivenOscillator, HarmonicResponse, SlipTransition};
@@ -34,7 +35,7 @@ use std::cell;
 pub struct Noisy {
     scene: Scene,
     timeline: Timeline,
-    cell_length: f64,
+    ladder: Ladder,
     corridor: Corridor,
     oscillator: DrivenOscillator,
     step: SlipStep,
@@ -101,7 +102,8 @@ impl Noisy {
         let longest = rules.slip_length / oscillator.fastest_rate();
         let slow = frequencies.iter().copied().fold(scene.relaxation_rate, f64::max);
         let is_swift = oscillator.fastest_rate() > TWO_SCALES * slow;
-        let cell_length = round_down(if is_swift { rules.slip_length / slow } else { longest });
+        let ladder = scene.ladder(round_down(if is_swift { rules.slip_length / slow } else { longest }));
+        let cell_length = ladder.length();
         let length = cell_length / (cell_length / longest).ceil();
         let mut harmonics = vec![HarmonicResponse::none(); frequencies.len()];
         let transition = oscillator.transition(length, &mut harmonics);
@@ -111,7 +113,7 @@ impl Noisy {
         Noisy {
             scene,
             timeline: *timeline,
-            cell_length,
+            ladder,
             corridor,
             oscillator,
             step,
@@ -124,7 +126,7 @@ impl Noisy {
     /// Whether a slip crosses a cell in one step whose transition is a sum of series.
     pub fn has_one_step_a_cell(&self) -> bool {
         let length = self.step.transition.length;
-        self.cell_length == length && self.oscillator.has_series_for(length)
+        self.ladder.is_even() && self.ladder.length() == length && self.oscillator.has_series_for(length)
     }
 
     /// The step of a slip over a whole cell, and the square root of its length.
@@ -304,8 +306,8 @@ impl Cascade for Noisy {
         &self.timeline
     }
 
-    fn cell_length(&self) -> f64 {
-        self.cell_length
+    fn ladder(&self) -> &Ladder {
+        &self.ladder
     }
 
     fn corridor(&self) -> &Corridor {

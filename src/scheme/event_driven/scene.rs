@@ -5,8 +5,10 @@
 //! T_det, so the corridor of v becomes
 //! |b| <= f_s; in a slip, m x'' = B(t) - K x - 2 alpha x' - eps f_d + n.
 
-use crate::model::{Complex, Friction, InitialNoise, Model, Oscillator};
-use crate::noise::AddressedDraws;
+use super::ladder::{Ladder, Rung};
+use crate::model::{Complex, Friction, InitialNoise, Model, Oscillator, Series};
+use crate::noise::{AddressedDraws, Transition, bridge_at};
+use std::sync::Arc;
 
 /// One harmonic of B(t): Re[force e^{i w t}].
 #[derive(Clone, Copy, Debug)]
@@ -26,8 +28,13 @@ pub struct Scene {
     pub friction: Friction,
     /// x(0).
     pub initial_displacement: f64,
-    /// B(t).
+    /// B(t); where the temperature was measured, the last one is the straight line of a cell (see
+    /// [`Scene::set_line`]).
     pub harmonics: Vec<ForceHarmonic>,
+    /// What was measured.
+    pub series: Option<Arc<Series>>,
+    /// Whether n is zero at every sample.
+    pub is_pinned: bool,
     /// theta.
     pub relaxation_rate: f64,
     /// s: the diffusion of n.
@@ -43,7 +50,7 @@ impl Scene {
     pub fn new(model: &Model) -> Self {
         let oscillator = model.oscillator;
         let gain = oscillator.force_per_temperature();
-        let harmonics: Vec<_> = model
+        let mut harmonics: Vec<_> = model
             .temperature
             .harmonics
             .iter()
@@ -52,6 +59,11 @@ impl Scene {
                 angular_frequency: h.angular_frequency,
             })
             .collect();
+        let series = model.temperature.series.clone();
+        if let Some(series) = &series {
+            let angular_frequency = LINE_ANGLE / series.longest_spacing();
+            harmonics.push(ForceHarmonic { force: Complex::ZERO, angular_frequency });
+        }
         let (relaxation_rate, diffusion, initial_noise) = match model.temperature.effective_noise() {
             None => (1.0, 0.0, (0.0, 0.0)),
             Some(noise) => {
@@ -68,6 +80,8 @@ impl Scene {
             friction: model.friction,
             initial_displacement: model.initial_displacement,
             harmonics,
+            series,
+            is_pinned: model.temperature.is_pinned,
             relaxation_rate,
             diffusion,
             initial_noise,
@@ -84,7 +98,9 @@ impl Scene {
     /// What the noise moves b by until `end`, if that can change a force at all: not if it stays
     /// below the rounding of the others.
     pub fn felt_noise(&self, end: f64) -> Option<f64> {
-        let forcing: f64 = self.harmonics.iter().map(|h| h.force.abs()).sum();
+        let harmonics: f64 = self.harmonics.iter().map(|h| h.force.abs()).sum();
+        let measured = self.series.as_ref().map_or(0.0, |series| self.force_per_temperature.abs() * series.bound());
+        let forcing = harmonics + measured;
         let forces = self.friction.static_force + forcing + self.oscillator.stiffness * self.initial_displacement.abs();
         let wander = self.diffusion * end.min(0.5 / self.relaxation_rate).sqrt() + self.initial_noise.1;
         (wander > BELOW_ROUNDING * forces).then_some(wander)
@@ -96,13 +112,54 @@ impl Scene {
         -terms.iter().zip(&self.harmonics).map(|(p, h)| p.im * h.angular_frequency).sum::<f64>()
     }
 
-    /// The terms K beta a e^{i (w t + phi)} of B at a time, from its definition.
+    /// B at t = 0.
+    pub fn initial_forcing(&self) -> f64 {
+        let harmonics: f64 = self.harmonics.iter().map(|h| h.force.re).sum();
+        self.series.as_ref().map_or(harmonics, |series| harmonics + self.force_per_temperature * series.values()[0])
+    }
+
+    /// The cells for this scene, of at most this length: even ones, but where a sample cuts one.
+    pub fn ladder(&self, longest: f64) -> Ladder {
+        self.series.as_ref().map_or(Ladder::even(longest), |series| Ladder::cut(series, longest))
+    }
+
+    /// How n gets across a cell: to where it likes, or, where it is pinned, on its way to zero at the sample ahead.
+    pub fn transition(&self, rung: &Rung) -> Transition {
+        let (theta, s) = (self.relaxation_rate, self.diffusion);
+        match &self.series {
+            Some(series) if self.is_pinned => {
+                let ahead = (series.times()[rung.piece + 1] - rung.end).max(0.0);
+                // The mean is that share of n, and zero from zero.
+                let (decay, increment_sd) = bridge_at(theta, s, rung.length, ahead, (1.0, 0.0));
+                Transition { decay, increment_sd }
+            }
+            _ => Transition::new(theta, s, rung.length),
+        }
+    }
+
+    /// The term of the straight line that B is between two samples, at a time on it.
+    ///
+    /// A harmonic that turns by an angle y of at most 1e-8 goes straight: Re[(re + i im) e^{iy}] = re -
+    /// im y, because cos y rounds to 1 and sin y to y. So a line needs no formulas of its own, and what
+    /// is left of the harmonic's bend, y^2/2, is below rounding.
+    pub fn set_line(&self, piece: usize, t: f64, terms: &mut [Complex]) {
+        let (Some(series), Some(h), Some(term)) = (&self.series, self.harmonics.last(), terms.last_mut()) else {
+            return;
+        };
+        let gain = self.force_per_temperature;
+        *term = Complex::new(gain * series.on(piece, t), -(gain * series.slope(piece)) / h.angular_frequency);
+    }
+
+    /// The terms K beta a e^{i (w t + phi)} of B at a time, from its definition; not of the line.
     pub fn set_terms(&self, t: f64, terms: &mut [Complex]) {
         for (term, h) in terms.iter_mut().zip(&self.harmonics) {
             *term = h.force * Complex::unit(h.angular_frequency * t);
         }
     }
 }
+
+/// By how much the harmonic that stands for a line turns from sample to sample, at most.
+const LINE_ANGLE: f64 = 1e-8;
 
 /// A relative size that is lost in a sum of doubles, with room for 7 standard deviations and for
 /// thousands of steps.

@@ -4,22 +4,27 @@ use super::layout as own;
 use super::write::name;
 use super::{SWEEP_FORMAT_NAME, SWEEP_FORMAT_VERSION};
 use crate::engine::Status;
+use crate::model::Series;
 use crate::provenance::Provenance;
 use crate::stats::{Bias, Estimate, GROUPS, Statistic, Values};
 use crate::store::StoreError;
 use crate::store::error::cause;
 use crate::store::reader::{check_file, open};
+use crate::store::series;
 use crate::store::variable::read_text;
 use crate::study::sweep::{Axis, Design, Point, Question, Seeds};
 use hdf5::types::VarLenUnicode;
 use hdf5::{Error, File, Result};
 use std::path::Path;
+use std::sync::Arc;
 
 /// What the file of a sweep says.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StoredSweep {
     /// The scenario that the points are variations of, as TOML.
     pub scenario_text: String,
+    /// What its temperature was measured to be, if it was.
+    pub series: Option<Arc<Series>>,
     /// Version, commit, generator and block size of the program that wrote it, in a line.
     pub program: String,
     /// Which points there are.
@@ -105,6 +110,7 @@ fn contents(file: &File) -> Result<StoredSweep> {
     let status = read_text(file, "status")?;
     Ok(StoredSweep {
         scenario_text: read_text(file, "scenario")?,
+        series: series::read(file)?,
         program: program(
             &read_text(file, "program_version")?,
             &read_text(file, "git_hash")?,

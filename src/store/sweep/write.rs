@@ -7,6 +7,7 @@ use crate::provenance::Provenance;
 use crate::stats::{GROUPS, Statistic};
 use crate::store::error::{cause, is_full, system_error};
 use crate::store::layout::{self, Described, Unit, variable};
+use crate::store::series;
 use crate::store::variable::{Place, text, write_attribute, write_text};
 use crate::store::writer::create_file;
 use crate::store::{StoreError, seal};
@@ -51,6 +52,9 @@ pub(super) fn rename(from: &Path, to: &Path) -> Result<(), StoreError> {
 
 fn fill(place: &Place, header: &Provenance, sweep: &Sweep) -> hdf5::Result<()> {
     attributes(place, header, sweep)?;
+    if let Some(samples) = &header.series {
+        series::write(place, samples, header.series_start.as_deref())?;
+    }
     let shape = coordinates(place, sweep)?;
     let shape: Vec<&str> = shape.iter().map(String::as_str).collect();
     points(place, sweep, &shape)?;

@@ -21,7 +21,7 @@ mod sweep;
 #[cfg(test)]
 mod tests;
 
-use super::cell_loop::{self, Cascade, Inside, LOST, Path, Paths, cell_transition};
+use super::cell_loop::{self, Cascade, Inside, LOST, Path, Paths};
 use super::cells::Cell;
 use super::corridor::Pending;
 use super::noisy::{Noisy, Scratch};
@@ -30,7 +30,7 @@ use super::watch::Nobody;
 use super::work::{Simulated, Work};
 use crate::lanes::{InstructionSet, LaneProgram, Lanes, ROW, Table};
 use crate::model::{Event, Phase, Sign};
-use crate::noise::{AddressedDraws, Transition, cells};
+use crate::noise::{AddressedDraws, cells};
 use crate::scheme::Observer;
 use crate::scheme::columns::Columns;
 use jobs::{Jobs, Task};
@@ -39,7 +39,6 @@ use jobs::{Jobs, Task};
 pub struct Abreast<'a> {
     noisy: &'a Noisy,
     instructions: InstructionSet,
-    transition: Transition,
     normals: &'static Table,
     count: usize,
     /// At the start of a cell, and at its end.
@@ -92,7 +91,6 @@ impl<'a> Abreast<'a> {
         let mut all = Abreast {
             noisy,
             instructions,
-            transition: cell_transition(noisy),
             normals: cells(),
             count,
             now: states.clone(),
@@ -158,8 +156,7 @@ impl<'a> Abreast<'a> {
     fn cross_alone(&mut self, lane: usize, cell: &Cell) {
         let mut path = self.path(lane, self.spent_before[lane]);
         let emit = |event| self.events.push((lane as u32, event));
-        let crossed =
-            cell_loop::cross(self.noisy, cell, &self.transition, &mut path, &mut self.scratch, &mut Nobody, emit);
+        let crossed = cell_loop::cross(self.noisy, cell, &mut path, &mut self.scratch, &mut Nobody, emit);
         path.is_lost = crossed.is_err();
         self.put(lane, &path);
     }
@@ -201,7 +198,7 @@ impl LaneProgram for Watched<'_, '_> {
         for lane in 0..paths.count {
             if !paths.is_lost[lane] {
                 let mut path = paths.path(lane, paths.spent[lane]);
-                inside.cross(lane, paths.noisy, cell, &paths.transition, &mut path, &mut paths.scratch);
+                inside.cross(lane, paths.noisy, cell, &mut path, &mut paths.scratch);
                 paths.put(lane, &path);
             }
         }

@@ -25,7 +25,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
             let draws = self.draws_of(lane, self.cell.index << 32);
             let normal = draws.normal(self.paths.normals, NOISE_PLACE);
             let n = L::load(&self.paths.now.n[lane..]);
-            let end_noise = n * self.paths.transition.decay + normal * self.paths.transition.increment_sd;
+            let end_noise = n * self.cell.transition.decay + normal * self.cell.transition.increment_sd;
             end_noise.store(&mut self.paths.next.n[lane..]);
             let spent = L::load_bits(&self.paths.spent[lane..]);
             L::store_bits(L::add_bits(spent, L::splat_bits(1)), &mut self.paths.spent[lane..]);

@@ -1,0 +1,47 @@
+//! What to know about a temperature that was measured.
+
+use crate::model::Model;
+use crate::scenario::Measured;
+use std::fmt;
+
+/// The file was not sound, and was mended.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RepairedSeries {
+    /// The file.
+    pub file: String,
+    /// What was done, in words.
+    pub repairs: Vec<String>,
+}
+
+impl RepairedSeries {
+    pub(super) fn due(measured: Option<&Measured>) -> Option<Self> {
+        let Measured { file, repairs, .. } = measured.filter(|measured| !measured.repairs.is_empty())?;
+        Some(RepairedSeries { file: file.clone(), repairs: repairs.clone() })
+    }
+}
+
+impl fmt::Display for RepairedSeries {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} was mended as it was read: {}", self.file, self.repairs.join("; "))
+    }
+}
+
+/// Noise on top of measured weather.
+#[derive(Clone, Debug, PartialEq)]
+pub struct WeatherTwice;
+
+impl WeatherTwice {
+    pub(super) fn due(model: &Model) -> Option<Self> {
+        let temperature = &model.temperature;
+        (temperature.series.is_some() && temperature.is_random() && !temperature.is_pinned).then_some(WeatherTwice)
+    }
+}
+
+impl fmt::Display for WeatherTwice {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(
+            "the weather counts twice: a measured temperature holds it already, and the noise adds as much again at every sample. \
+             Write `temperature.noise.pinned = true` for what it may have done between samples, leave out [temperature.noise], or take harmonics in place of [temperature.series]",
+        )
+    }
+}

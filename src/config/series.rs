@@ -1,0 +1,115 @@
+//! `[temperature.series]` -> samples, from the file that it names or from where they are stored.
+
+use super::error::Fault;
+use super::fields::Fields;
+use super::keys;
+use super::shipped::shipped_data;
+use super::source::Sources;
+use crate::data::{self, DataError, Name, Quantity, Table, TimeColumn, Wanted};
+use crate::model::Series;
+use crate::scenario::Measured;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// The longest time between two samples where a scenario says none, in seconds: six hours.
+const DEFAULT_MAX_GAP: f64 = 21_600.0;
+
+/// Names of the second, as `units.time` may have them.
+const SECONDS: [&str; 5] = ["", "s", "sec", "second", "seconds"];
+
+/// Read `[temperature.series]`, if it is there.
+pub(super) fn series(sources: &Sources<'_>, root: &Fields<'_>) -> Result<Option<(Arc<Series>, Measured)>, Box<Fault>> {
+    let Some(table) = root.table("temperature")?.table_if_present("series")? else { return Ok(None) };
+    let line = |name: &str, default: &str| table.line_or(name, default);
+    let mut measured = Measured {
+        file: line("file", "")?,
+        time: line("time", "time")?,
+        value: line("value", "")?,
+        zone: line("zone", "")?,
+        max_gap: table.span_if_present(keys::MAX_GAP)?,
+        // Samples that are read say it anew.
+        start: Some(line("start", "")?).filter(|stamp| !stamp.is_empty()),
+        repairs: Vec::new(),
+    };
+    let place = table.place_of("file");
+    if measured.file.is_empty() {
+        let remedy = "add `file = \"t.csv\"`: a CSV file with a column of times and one of temperatures";
+        return Err(table.absent("file", remedy));
+    }
+    let hash = line("hash", "")?;
+    let is_override = sources.is_override(place);
+    let series = match sources.stored {
+        Some(stored) if !is_override => stored.clone(),
+        _ => Arc::new(read(sources, root, &table, &mut measured)?),
+    };
+    let found = format!("{:016x}", series.fingerprint());
+    if !hash.is_empty() && !is_override && hash != found {
+        let problem =
+            format!("the samples are others than those of `temperature.series.hash` = \"{hash}\" (now {found})");
+        let remedy = "give the file as it was, or remove the line `hash` to take it as it is";
+        return Err(sources.fault(table.place_of("hash"), problem, remedy.into()));
+    }
+    Ok(Some((series, measured)))
+}
+
+/// The samples in the file, and what is to be known of it.
+fn read(
+    sources: &Sources<'_>,
+    root: &Fields<'_>,
+    table: &Fields<'_>,
+    measured: &mut Measured,
+) -> Result<Series, Box<Fault>> {
+    let fault = |problem: String, remedy: String| {
+        let fault = sources.fault(table.place_of("file"), problem, remedy);
+        fault.of("temperature.series.file").value(format!("\"{}\"", measured.file))
+    };
+    let time = TimeColumn { name: &measured.time, zone: Some(measured.zone.as_str()).filter(|zone| !zone.is_empty()) };
+    let column = match measured.value.as_str() {
+        "" => Name::Beginning("temperature"),
+        name => Name::Exactly(name),
+    };
+    let columns = |max_gap: Option<f64>| -> Result<Table, DataError> {
+        let wanted = [Wanted { column, quantity: Quantity::Temperature, unit: None, max_gap }];
+        match shipped_data(sources.name, &measured.file).filter(|_| !sources.is_override(table.place_of("file"))) {
+            Some(text) => data::parse(&measured.file, text.as_bytes(), time, &wanted),
+            None => data::read(&sources.path_of(&measured.file), time, &wanted),
+        }
+    };
+    let cannot = |error: DataError| {
+        let remedy = error.remedy.clone();
+        let told = DataError { remedy: String::new(), ..error }.to_string();
+        fault(format!("cannot be used: {}", told.lines().next().unwrap_or_default()), remedy)
+    };
+    let mut max_gap = measured.max_gap;
+    let mut found = columns(max_gap).map_err(cannot)?;
+    if max_gap.is_none() && found.in_seconds {
+        // Only now is it known that times are in seconds; a longer gap is an error with its line.
+        max_gap = Some(DEFAULT_MAX_GAP);
+        found = columns(max_gap).map_err(cannot)?;
+    }
+    let unit = root.table("units")?.line_or("time", "")?;
+    if found.in_seconds && !SECONDS.contains(&unit.as_str()) {
+        let problem = format!("has times in seconds, and `units.time` is \"{unit}\"");
+        return Err(fault(problem, "write the whole scenario in seconds, and `time = \"s\"` under [units]".into()));
+    }
+    let Table { start, columns, repairs, .. } = found;
+    let Some(column) = columns.into_iter().next() else {
+        return Err(fault("has no column of temperatures".into(), "name one as `value`".into()));
+    };
+    let series = Series::new(column.times, column.values).map_err(|e| fault(e.to_string(), "mend the file".into()))?;
+    *measured = Measured {
+        value: column.name,
+        max_gap,
+        start: start.map(|start| start.to_string()),
+        repairs: repairs.sentences(),
+        ..measured.clone()
+    };
+    Ok(series)
+}
+
+impl Sources<'_> {
+    /// Where a file is that the scenario names, in the file or in an override: relative to the folder of the scenario.
+    fn path_of(&self, file: &str) -> PathBuf {
+        Path::new(self.name).parent().unwrap_or(Path::new("")).join(file)
+    }
+}

@@ -1,0 +1,162 @@
+//! A temperature that was measured: samples in order of time, and straight lines between them.
+
+/// T at t_0 = 0 < t_1 < ..., linear in between.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Series {
+    times: Vec<f64>,
+    values: Vec<f64>,
+}
+
+/// Why numbers are no series.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "a series takes two samples or more, as many values as times, all finite, and times that begin at 0 and increase"
+)]
+pub struct NoSeries;
+
+impl Series {
+    /// From times and values.
+    ///
+    /// ```
+    /// use stick_slip::model::Series;
+    ///
+    /// let series = Series::new(vec![0.0, 10.0, 20.0], vec![15.0, 16.0, 14.0])?;
+    /// assert_eq!([series.at(5.0), series.at(15.0), series.end()], [15.5, 15.0, 20.0]);
+    /// # Ok::<(), stick_slip::model::NoSeries>(())
+    /// ```
+    pub fn new(times: Vec<f64>, values: Vec<f64>) -> Result<Self, NoSeries> {
+        let is_finite = times.iter().chain(&values).all(|x| x.is_finite());
+        let is_ordered = times.windows(2).all(|pair| pair[0] < pair[1]);
+        let is_long = times.len() >= 2 && times.len() == values.len() && times[0] == 0.0;
+        if is_finite && is_ordered && is_long { Ok(Series { times, values }) } else { Err(NoSeries) }
+    }
+
+    /// When the samples are; the first at 0.
+    pub fn times(&self) -> &[f64] {
+        &self.times
+    }
+
+    /// What they are.
+    pub fn values(&self) -> &[f64] {
+        &self.values
+    }
+
+    /// The time of the last sample.
+    pub fn end(&self) -> f64 {
+        self.times[self.times.len() - 1]
+    }
+
+    /// The piece that a time is in: number i lasts from t_i to t_{i+1}. The last one goes on.
+    pub fn piece(&self, t: f64) -> usize {
+        self.times.partition_point(|time| *time <= t).clamp(1, self.times.len() - 1) - 1
+    }
+
+    /// T at a time in a piece. It is the sample itself where the piece begins.
+    pub fn on(&self, piece: usize, t: f64) -> f64 {
+        self.values[piece] + self.slope(piece) * (t - self.times[piece])
+    }
+
+    /// T' in a piece.
+    pub fn slope(&self, piece: usize) -> f64 {
+        (self.values[piece + 1] - self.values[piece]) / (self.times[piece + 1] - self.times[piece])
+    }
+
+    /// T at a time.
+    pub fn at(&self, t: f64) -> f64 {
+        self.on(self.piece(t), t)
+    }
+
+    /// The largest |T|.
+    pub fn bound(&self) -> f64 {
+        self.values.iter().fold(0.0, |most, value| value.abs().max(most))
+    }
+
+    /// The largest |T'|.
+    pub fn steepest(&self) -> f64 {
+        (0..self.times.len() - 1).fold(0.0, |most, piece| self.slope(piece).abs().max(most))
+    }
+
+    /// The least and the greatest T.
+    pub fn range(&self) -> (f64, f64) {
+        self.values
+            .iter()
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &value| (value.min(low), value.max(high)))
+    }
+
+    /// The way that T goes up and down, from sample to sample.
+    pub fn variation(&self) -> f64 {
+        self.values.windows(2).map(|pair| (pair[1] - pair[0]).abs()).sum()
+    }
+
+    /// The time between two samples that half of all are not above.
+    pub fn usual_spacing(&self) -> f64 {
+        let mut spacings: Vec<f64> = self.times.windows(2).map(|pair| pair[1] - pair[0]).collect();
+        let middle = spacings.len() / 2;
+        *spacings.select_nth_unstable_by(middle, f64::total_cmp).1
+    }
+
+    /// The longest time between two samples.
+    pub fn longest_spacing(&self) -> f64 {
+        self.times.windows(2).fold(0.0, |longest, pair| (pair[1] - pair[0]).max(longest))
+    }
+
+    /// A number that another series has only by a chance of 2^-64: FNV-1a over the bits of all samples.
+    pub fn fingerprint(&self) -> u64 {
+        let numbers = self.times.iter().chain(&self.values);
+        let bytes = numbers.flat_map(|x| x.to_bits().to_le_bytes());
+        bytes.fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn series() -> Series {
+        Series::new(vec![0.0, 1.0, 3.0, 4.0], vec![2.0, -1.0, 5.0, 5.0]).unwrap()
+    }
+
+    #[test]
+    fn samples_are_joined_by_straight_lines() {
+        let series = series();
+        for (t, value) in [(0.0, 2.0), (0.5, 0.5), (1.0, -1.0), (2.0, 2.0), (3.0, 5.0), (3.5, 5.0), (4.0, 5.0)] {
+            assert_eq!(series.at(t), value, "{t}");
+        }
+        assert_eq!([0.0, 0.9, 1.0, 3.0, 4.0, 9.0].map(|t| series.piece(t)), [0, 0, 1, 2, 2, 2]);
+        assert_eq!((series.bound(), series.steepest(), series.range()), (5.0, 3.0, (-1.0, 5.0)));
+        assert_eq!((series.variation(), series.usual_spacing(), series.end()), (9.0, 1.0, 4.0));
+    }
+
+    #[test]
+    fn every_sample_leaves_its_mark_on_the_fingerprint() {
+        let mut marks = vec![series().fingerprint()];
+        for i in 0..4 {
+            let mut other = series();
+            other.values[i] += f64::EPSILON;
+            marks.push(other.fingerprint());
+        }
+        marks.push(Series::new(vec![0.0, 1.0, 3.0, 4.5], vec![2.0, -1.0, 5.0, 5.0]).unwrap().fingerprint());
+        let distinct: std::collections::BTreeSet<u64> = marks.iter().copied().collect();
+        assert_eq!(distinct.len(), marks.len());
+        // As others compute it: FNV-1a of sixteen zero bytes and the bits of 1.0 and 0.0 (0x3ff0000000000000, little end first).
+        let two = Series::new(vec![0.0, 1.0], vec![0.0, 0.0]).unwrap();
+        let bytes = [[0; 8], [0, 0, 0, 0, 0, 0, 0xf0, 0x3f], [0; 8], [0; 8]].concat();
+        let prime = 1_099_511_628_211_u128;
+        let hash = bytes.iter().fold(14_695_981_039_346_656_037_u128, |hash, byte| ((hash ^ byte) * prime) % (1 << 64));
+        assert_eq!(u128::from(two.fingerprint()), hash);
+    }
+
+    #[test]
+    fn what_is_no_series_is_refused() {
+        for (times, values) in [
+            (vec![0.0], vec![1.0]),
+            (vec![1.0, 2.0], vec![1.0, 1.0]),
+            (vec![0.0, 0.0], vec![1.0, 1.0]),
+            (vec![0.0, 1.0], vec![1.0]),
+            (vec![0.0, 1.0], vec![1.0, f64::NAN]),
+            (vec![0.0, f64::INFINITY], vec![1.0, 1.0]),
+        ] {
+            assert_eq!(Series::new(times, values), Err(NoSeries));
+        }
+    }
+}
