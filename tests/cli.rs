@@ -377,18 +377,18 @@ fn bash_completes_verbs_options_and_values() {
     assert_eq!(complete(&["mc", "completions", "z"]), "zsh");
 }
 
-/// The output grid has at most 10 000 rows, the first one counted: one more is refused, with a grid that is not, whether there is a step or not.
+/// The output grid has at most 100 000 rows, the first one counted: one more is refused, with a grid that is not, whether there is a step or not.
 #[test]
-fn ten_thousand_rows_are_kept_and_one_more_is_refused() {
+fn a_hundred_thousand_rows_are_kept_and_one_more_is_refused() {
     let check = |scheme: &str, end: &str| {
         let flags = ["--scheme", scheme, "--step", "0.25", "--until", end, "--set", "time.output_step=1"];
         let flags = if scheme == "event-driven" { [&flags[..2], &flags[4..]].concat() } else { flags.to_vec() };
         Desk::new().mc(&[&["check", "scene.toml"][..], &flags].concat())
     };
     for scheme in ["discrete-vi", "corrected-vi", "event-driven"] {
-        check(scheme, "9999").done();
-        let says = ["an output grid of 10001 rows", "at most 10000 are kept", "fix: write `time.output_step` = "];
-        check(scheme, "10000").refused(&says);
+        check(scheme, "99999").done();
+        let says = ["an output grid of 100001 rows", "at most 100000 are kept", "fix: write `time.output_step` = "];
+        check(scheme, "100000").refused(&says);
     }
 }
 

@@ -276,7 +276,7 @@ fn pinned_noise_is_a_bridge_from_sample_to_sample() {
             false => EventDrivenSimulation::new(&model, &line, TOLERANCE).simulate(3, &numbers, &mut keep),
         };
         assert!(lost.is_empty());
-        assert!(keep.events.iter().filter(|events| events.len() > 1).count() > 1000, "some slip");
+        assert!(keep.events.iter().filter(|events| !events.is_empty()).count() > 1000, "some slip");
         let noise = |row: usize| -> Vec<f64> {
             keep.rows.iter().map(|rows| rows[row].3 - model.temperature.deterministic(rows[row].0)).collect()
         };

@@ -132,7 +132,7 @@ mod tests {
         let mut marks = vec![series().fingerprint()];
         for i in 0..4 {
             let mut other = series();
-            other.values[i] += f64::EPSILON;
+            other.values[i] = other.values[i].next_up();
             marks.push(other.fingerprint());
         }
         marks.push(Series::new(vec![0.0, 1.0, 3.0, 4.5], vec![2.0, -1.0, 5.0, 5.0]).unwrap().fingerprint());
