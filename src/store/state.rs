@@ -166,14 +166,14 @@ pub(super) fn of_bytes(bytes: &[u8], path: &Path) -> Result<State, StoreError> {
     }
     parse(&mut from).map_err(|unread| match unread {
         Unread::Damaged => damaged(),
-        Unread::OtherProgram(theirs, mine) => other_program(path, &theirs, &mine),
+        Unread::OtherProgram(programs) => other_program(path, &programs[0], &programs[1]),
     })
 }
 
 /// Why whole bytes are no state.
 enum Unread {
     Damaged,
-    OtherProgram(Program, Program),
+    OtherProgram(Box<[Program; 2]>),
 }
 
 impl From<Damaged> for Unread {
@@ -204,7 +204,7 @@ fn parse(from: &mut Reader<'_>) -> Result<State, Unread> {
     let mine = Program::of(&Provenance::of(&scenario));
     let totals = empty.read(from.take(length)?).map_err(|_| match program == mine {
         true => Unread::Damaged,
-        false => Unread::OtherProgram(program.clone(), mine),
+        false => Unread::OtherProgram(Box::new([program.clone(), mine])),
     })?;
     let is_sound = from.left() == 0 && is_of(&totals, &asked);
     let question = Question { scenario, asked, note };
