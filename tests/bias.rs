@@ -247,7 +247,7 @@ fn what_paths_without_a_step_cannot_tell_the_steps_do() {
     };
     let model = paper(0.25, 0.25);
     assert_eq!(anchored(&model, 0.01, 10_000).map(|biases| biases.len()), Some(EXISTING));
-    assert_eq!(anchored(&model, 0.01, 2000), None);
+    assert_eq!(anchored(&model, 0.01, 1000), None);
     let mut fast = model.clone();
     fast.temperature.noise.as_mut().expect("it has noise").relaxation_rate = 1e6;
     let mut close = model.clone();

@@ -79,15 +79,17 @@ fn ends(e: &Estimate) -> (f64, f64) {
     }
 }
 
-/// Of fewer estimates a share of 5 % is seldom told from one of 3 %: one miss in 33 is below it, and two are above.
+/// Of fewer estimates a share of 5 % is seldom told from one of 3 %.
 const FEWEST: usize = 100;
 
 /// Misses, and how many there might be.
 type Count = (usize, usize);
 
 /// Nine scenes at three steps, both schemes, 10 000 and 2000 paths, 20 seeds. Truth: 200 000 paths at the step less 300 000
-/// event-driven ones, each with what it is known to. For each statistic and setting no more than 5 % of the estimates are
-/// off by more than they say.
+/// event-driven ones, each with what it is known to. Null: an estimate is off by more than it says with a probability of 5 % at
+/// most. For each statistic and setting the misses are below the mean of that binomial law plus 3.7 of its standard deviations (1e-4
+/// each, 250 of them: a false alarm in 40 runs), 19 of 180; half the uncertainty makes 30 %, 54 of 180. All together are below half of
+/// what is stated, since most statements are cautious.
 #[test]
 #[ignore = "a measurement of some minutes"]
 fn no_statistic_of_any_setting_is_missed_more_often_than_it_says() {
@@ -130,7 +132,8 @@ fn no_statistic_of_any_setting_is_missed_more_often_than_it_says() {
     for statistic in Statistic::ALL {
         let cell = |setting: &&String| {
             let (missed, told) = counts[&((*setting).clone(), statistic.index())];
-            if told >= FEWEST && 20 * missed > told {
+            let mean = told as f64 / 20.0;
+            if told >= FEWEST && missed as f64 > mean + 3.7 * (0.95 * mean).sqrt() {
                 too_many.push(format!("{}, {setting}: {missed} of {told}", statistic.name()));
             }
             format!("{missed}/{told}")
@@ -138,4 +141,6 @@ fn no_statistic_of_any_setting_is_missed_more_often_than_it_says() {
         println!("| `{}` | {} |", statistic.name(), settings.iter().map(cell).collect::<Vec<_>>().join(" | "));
     }
     assert_eq!(too_many, Vec::<String>::new());
+    let (missed, told) = counts.values().fold((0, 0), |sum, count| (sum.0 + count.0, sum.1 + count.1));
+    assert!(40 * missed <= told, "{missed} of {told}");
 }

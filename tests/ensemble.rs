@@ -13,7 +13,7 @@ use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
 use stick_slip::ensemble::{BLOCK_SIZE, Plan};
 use stick_slip::model::*;
-use stick_slip::scheme::{DiscreteVi, Scheme, Timeline};
+use stick_slip::scheme::{DiscreteVi, EventDriven, Scheme, Simulate as _, Timeline};
 use stick_slip::stats::{Band, BlockResult, QUANTILE_LEVELS, Record, Statistic, Totals, TrajectoryRows};
 
 fn plan(model: Model, end: f64, h: f64, paths: u64) -> Plan {
@@ -183,6 +183,32 @@ fn a_run_ends_with_the_block_its_consumer_calls_the_last_whatever_is_in_work() {
             Ok::<_, Infallible>(if seen == 5 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) })
         });
         assert_eq!((delivered, seen), (Ok(5 * BLOCK_SIZE), 5), "{threads} threads");
+    }
+}
+
+/// One thread takes several blocks of event-driven paths across each cell together. Each block is what
+/// it is alone, bit for bit, also the short last one and those in which a path is given up.
+#[test]
+fn blocks_in_flight_together_are_the_blocks_alone() {
+    let model = paper(0.25, 0.25);
+    let timeline = Timeline { end: 30.0, output_step: 3.0, period: model.temperature.period(), after: 0.0 };
+    let scheme = Scheme::from(EventDriven { tolerance: 1e-3 });
+    let simulation = scheme.simulation(&model, &timeline).with_work_limit(500);
+    assert!(simulation.paths_abreast() as u64 >= 2 * BLOCK_SIZE);
+    let record = Record { paths: true, events: true, trajectories: 3 };
+    let paths = 17 * BLOCK_SIZE + 40;
+    let plan = Plan { simulation, record, seed: 1, paths, antithetic: false };
+    let together = blocks(&plan, 1);
+    let is_whole = |block: &BlockResult| block.diverged.is_empty();
+    let whole = together.iter().filter(|block| is_whole(block)).count();
+    assert!((4..15).contains(&whole), "{whole} of 18 blocks lose no path");
+    for (index, block) in together.iter().enumerate() {
+        let alone = plan.block(index as u64);
+        assert_eq!((block.first_path, block.paths), (alone.first_path, alone.paths));
+        assert_eq!(block.diverged, alone.diverged);
+        assert_eq!(block.events, alone.events);
+        let bits = |block: &BlockResult| format!("{:?} {:?}", block.path_columns, block.totals.summary());
+        assert_eq!(bits(block), bits(&alone), "block {index}");
     }
 }
 

@@ -13,7 +13,9 @@ use stick_slip::model::{InitialNoise, Model, Noise};
 use stick_slip::scenario::Scenario;
 use stick_slip::scheme::{DiscreteVi, EventDriven, Kind, Scheme};
 use stick_slip::stats::{Estimate, Statistic};
-use stick_slip::study::trade::{Choice, Cost, Effort, Ladder, Limits, Number, Refusal, Rung, Standing, Trade, measure};
+use stick_slip::study::trade::{
+    Choice, Cost, Effort, Ladder, Limits, Number, Pairing, Refusal, Rung, Standing, Trade, measure,
+};
 
 fn shipped(name: &str) -> Scenario {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios").join(name).with_extension("toml");
@@ -179,7 +181,35 @@ fn synthetic(c: f64, p: f64, v: f64, a: f64) -> Trade {
     }
     rungs.push(rung(EventDriven { tolerance: 1e-5 }.into(), 1.0, 1.0, Vec::new()));
     let reference = rungs.len() - 1;
-    Trade { rungs, reference, left_out: Vec::new(), is_random: true, has_limitless_phases: false }
+    let (left_out, pairing) = (Vec::new(), Pairing::Unknown);
+    Trade { rungs, reference, left_out, pairing, is_random: true, has_limitless_phases: false }
+}
+
+/// Pairs with a seventh of the variance are chosen, with a seventh of the paths and rounded up to whole pairs; where one of two statistics
+/// would need more paths, or where little is gained, paths stay independent. N = v/eps^2 with v = 300, eps = 0.01, of the reference without bias.
+#[test]
+fn antithetic_pairs_are_chosen_where_they_pay() {
+    let mut trade = synthetic(0.8, 0.5, 300.0, 1e-6);
+    let [gains, little, loses] =
+        [Statistic::DisplacementEndMean, Statistic::SticksPerPath, Statistic::StickDurationMean];
+    let mut ratios = vec![1.0; Statistic::ALL.len()];
+    for (statistic, ratio) in [(gains, 1.0 / 7.0), (little, 0.9), (loses, 1.6)] {
+        ratios[Statistic::ALL.iter().position(|s| *s == statistic).expect("it is one")] = ratio;
+    }
+    let chosen = |trade: &Trade, asked: &[Statistic]| {
+        let choice = trade.best(Some(Kind::EventDriven), asked, 0.01).expect("a choice");
+        (choice.is_antithetic, choice.paths)
+    };
+    let room = 0.01f64.powi(2) - 1e-5f64.powi(2);
+    let (all, seventh) = ((300.0 / room).ceil() as u64, 300.0 / 7.0 / room);
+    assert_eq!(chosen(&trade, &[gains]), (false, all));
+    trade.pairing = Pairing::Measured(ratios);
+    assert_eq!(chosen(&trade, &[gains]), (true, (seventh / 2.0).ceil() as u64 * 2));
+    for asked in [&[little][..], &[loses], &[gains, loses], &[gains, little]] {
+        assert_eq!(chosen(&trade, asked), (false, all), "{asked:?}");
+    }
+    trade.pairing = Pairing::Asked;
+    assert_eq!(chosen(&trade, &[loses]), (true, all.next_multiple_of(2)));
 }
 
 /// With bias C h^p, cost a/h and variance v a path, N a/h = a v/(h (eps^2 - C^2 h^2p)) is least where C h^p = eps/sqrt(2p + 1). The ladder's

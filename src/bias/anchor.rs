@@ -13,11 +13,23 @@ use std::convert::Infallible;
 use std::ops::ControlFlow;
 use std::sync::atomic::AtomicBool;
 
-/// What an evaluation of the event-driven scheme costs, in path-steps: 34 to 77 ns beside 0.8 to 1.25 (AVX-512; fewer path-steps elsewhere).
-const EVALUATION: u64 = 64;
+/// How event-driven paths are simulated beside a run.
+struct Pieces {
+    /// Paths of a piece of work.
+    paths: u64,
+    /// What an evaluation costs, in path-steps, of which one takes 0.8 to 1.25 ns (AVX-512; fewer
+    /// path-steps elsewhere).
+    evaluation: u64,
+}
 
-/// Paths of a piece of work.
-const PIECE: u64 = 16;
+/// Paths that go one by one: 63 to 77 ns an evaluation.
+const ALONE: Pieces = Pieces { paths: 16, evaluation: 64 };
+
+/// Paths that go abreast: 25 to 40 ns an evaluation of 64 paths and more.
+const ABREAST: Pieces = Pieces { paths: 128, evaluation: 32 };
+
+/// So many paths tell what one costs.
+const FIRST: u64 = 16;
 
 /// With fewer paths their intervals say little.
 const FEWEST: u64 = 32;
@@ -28,7 +40,7 @@ pub struct Anchor {
     model: Model,
     timeline: Timeline,
     seed: u64,
-    /// Evaluations that may be spent.
+    /// Path-steps that they may cost.
     budget: u64,
     /// Paths of the run; there is no point in more.
     paths: u64,
@@ -38,7 +50,7 @@ impl Anchor {
     /// For a run of so many paths with this step and seed, of whose cost they may take one part in `share`.
     pub fn new(model: &Model, timeline: &Timeline, h: f64, seed: u64, paths: u64, share: u64) -> Self {
         let path_steps = timeline.end / h * paths as f64;
-        let budget = path_steps as u64 / (share * EVALUATION);
+        let budget = path_steps as u64 / share;
         // the bands have no bias; other random numbers than those of the run
         Anchor { model: model.clone(), timeline: timeline.without_rows(), seed: !seed, budget, paths }
     }
@@ -52,30 +64,32 @@ impl Anchor {
     /// The paths without a step; none where they cost too much, or resolve less than there is.
     pub(super) fn simulate(&self, threads: usize, stop: &AtomicBool) -> Option<Summary> {
         let exact = EventDrivenSimulation::new(&self.model, &self.timeline, DEFAULT_TOLERANCE);
-        let paths = self.affordable(&exact)?;
+        let pieces = if exact.paths_abreast() > 1 { ABREAST } else { ALONE };
+        let paths = self.affordable(&exact, self.budget / pieces.evaluation)?;
+        let size = pieces.paths;
         let simulation = Simulation::EventDriven(Box::new(exact));
         let plan = Plan { simulation, record: Record::NOTHING, seed: self.seed, paths, antithetic: false };
         let mut totals = Totals::empty(plan.model(), plan.timeline());
-        let make = |index: u64| plan.piece(index * PIECE, PIECE.min(paths - index * PIECE)).totals;
+        let make = |index: u64| plan.piece(index * size, size.min(paths - index * size)).totals;
         let deliver = |piece: Totals| -> Result<_, Infallible> {
             totals.merge(&piece);
             Ok(ControlFlow::Continue(()))
         };
-        let pieces = paths.div_ceil(PIECE);
+        let pieces = paths.div_ceil(size);
         let Ok(delivered) = in_order(pieces, threads, stop, make, deliver);
         Some(totals.summary()).filter(|summary| delivered == pieces && summary.diverged.is_empty())
     }
 
-    /// How many paths the budget pays for, by what the first ones take, which is not more than all of it.
-    fn affordable(&self, exact: &EventDrivenSimulation) -> Option<u64> {
-        if exact.resolution().is_some() || self.budget < FEWEST {
+    /// How many paths so many evaluations pay for, by what the first ones take, which is not more than all of it.
+    fn affordable(&self, exact: &EventDrivenSimulation, evaluations: u64) -> Option<u64> {
+        if exact.resolution().is_some() || evaluations < FEWEST {
             return None;
         }
-        let first: Vec<u64> = (0..PIECE).collect();
+        let first: Vec<u64> = (0..FIRST).collect();
         let mut observer = BlockObserver::new(&self.model, &self.timeline, &Record::NOTHING, &first);
-        let limited = exact.clone().with_work_limit(self.budget / PIECE);
-        let Simulated { lost, evaluations } = limited.simulate_counting(self.seed, &first, &mut observer);
-        let paths = (self.budget * PIECE / evaluations.max(1)).min(self.paths);
+        let limited = exact.clone().with_work_limit(evaluations / FIRST);
+        let Simulated { lost, evaluations: spent } = limited.simulate_counting(self.seed, &first, &mut observer);
+        let paths = (evaluations * FIRST / spent.max(1)).min(self.paths);
         (lost.is_empty() && paths >= FEWEST).then_some(paths)
     }
 }

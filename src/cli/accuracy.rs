@@ -12,7 +12,7 @@ use stick_slip::study::accuracy::{
 use stick_slip::study::trade::{Choice, Limits, Standing, Trade, TradeError};
 
 /// The keys of a scenario that are chosen.
-pub const CHOSEN: [&str; 4] = ["ensemble.paths", "scheme.kind", "scheme.tolerance", "time.step"];
+pub const CHOSEN: [&str; 5] = ["ensemble.antithetic", "ensemble.paths", "scheme.kind", "scheme.tolerance", "time.step"];
 
 /// What is asked for, and whether to say nothing but errors.
 pub struct Chooser<'a> {
@@ -47,7 +47,7 @@ impl Chooser<'_> {
             named => named.iter().map(|statistic| statistic.name()).collect::<Vec<_>>().join(" and "),
         };
         self.say(&format!("chosen for a relative error of {} of {of}:", percent(target)));
-        self.say(&format!("  {} --paths {}", choice.scheme, choice.paths));
+        self.say(&format!("  {} --paths {}{}", choice.scheme, choice.paths, pairs(choice)));
         let (decisive, cost, bias) = (choice.decisive.name(), time(choice.seconds), percent(choice.bias));
         let paths = match choice.paths {
             1 => "nothing is random, so one path is the ensemble".into(),
@@ -123,8 +123,9 @@ impl Chooser<'_> {
                     }
                 };
                 let Choice { decisive, scheme, paths, .. } = choice;
+                let pairs = pairs(&choice);
                 let problem = format!(
-                    "--accuracy: {} of {} takes about {} on {threads} threads, for {scheme} --paths {paths}; {limit}",
+                    "--accuracy: {} of {} takes about {} on {threads} threads, for {scheme} --paths {paths}{pairs}; {limit}",
                     percent(target),
                     decisive.name(),
                     time(seconds),
@@ -133,6 +134,11 @@ impl Chooser<'_> {
             }
         }
     }
+}
+
+/// How pairs are asked for on the command line.
+pub fn pairs(choice: &Choice) -> &'static str {
+    if choice.is_antithetic { " --set ensemble.antithetic=true" } else { "" }
 }
 
 /// What is left of what was chosen for, where only so many paths are done and that is not enough.

@@ -5,7 +5,9 @@
 //! order, so whatever folds or writes them sees the same sequence every time, and a run that is stopped leaves the first
 //! so many blocks, none missing in between.
 
+mod flight;
 mod in_order;
+mod piece;
 
 #[doc(hidden)]
 pub use in_order::in_order;
@@ -14,13 +16,23 @@ pub(crate) use in_order::in_order_while;
 use crate::model::Model;
 use crate::noise;
 use crate::scheme::{Simulate as _, Simulation, Timeline};
-use crate::stats::{BlockObserver, BlockResult, Companion, Overlap, Record, RunTotals, Summary, Unit};
+use crate::stats::{BlockObserver, BlockResult, Companion, Overlap, Record, RunTotals, Summary};
+use flight::Flight;
+use piece::Piece;
 use std::ops::{ControlFlow, Range};
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Paths in a block: enough to fill the registers many times over, few enough for a hundred thousandth of a large run to be
 /// lost to an interruption. Part of what makes a result reproducible: changing it changes the last bits of every mean.
 pub const BLOCK_SIZE: u64 = 256;
+
+/// A thread takes several blocks at a time only if that leaves it so many turns, because the last
+/// ones of a run may find some threads idle.
+const TURNS: u64 = 4;
+
+/// Blocks with more rows of the output grid than this are taken one at a time: their tables would
+/// not stay in the cache, and looking takes longer than simulating.
+const MOST_ROWS: usize = 1000;
 
 /// Everything an ensemble is a function of.
 #[derive(Clone, Debug)]
@@ -80,7 +92,8 @@ impl Plan {
         let never = AtomicBool::new(false);
         loop {
             // Nobody raises the flag, so it is made at once.
-            if let Some((piece, ())) = self.piece_beside(first, paths, &(), &never) {
+            let piece = Piece::new(first, paths, self.antithetic);
+            if let Some((piece, ())) = self.piece_beside(piece, &(), &never) {
                 return piece;
             }
         }
@@ -93,46 +106,86 @@ impl Plan {
         companion: &C,
         halt: &AtomicBool,
     ) -> Option<Delivered<C::Sums>> {
-        let first = index * BLOCK_SIZE;
-        let (result, beside) = self.piece_beside(first, BLOCK_SIZE.min(self.paths - first), companion, halt)?;
+        let (result, beside) = self.piece_beside(self.block_piece(index), companion, halt)?;
         Some(Delivered { index, result, beside })
     }
 
-    /// Simulate the paths `first .. first + paths`, watched by a companion as well.
+    /// Simulate neighbouring blocks, all of them full but for the last of the run, together; none
+    /// where `halt` is raised meanwhile.
+    fn flight_beside<C: Companion>(
+        &self,
+        blocks: Range<u64>,
+        companion: &C,
+        halt: &AtomicBool,
+    ) -> Option<Vec<Delivered<C::Sums>>> {
+        if blocks.end - blocks.start == 1 {
+            return Some(vec![self.block_beside(blocks.start, companion, halt)?]);
+        }
+        let pieces: Vec<Piece> = blocks.clone().map(|index| self.block_piece(index)).collect();
+        let observers = pieces.iter().map(|piece| self.observers(piece, companion)).collect();
+        let mut all = (Flight { blocks: observers, lanes: BLOCK_SIZE as usize }, halt);
+        let paths: Vec<u64> = pieces.iter().flat_map(|piece| &piece.kept).copied().collect();
+        let lost = self.simulation.simulate(self.seed, &drawn(&paths, self.antithetic), &mut all);
+        if halt.load(Ordering::Relaxed) {
+            return None;
+        }
+        let mut delivered = Vec::with_capacity(pieces.len());
+        for ((piece, both), index) in pieces.into_iter().zip(all.0.blocks).zip(blocks.clone()) {
+            let block = index - blocks.start;
+            delivered.push(if lost.iter().any(|&lane| lane as u64 / BLOCK_SIZE == block) {
+                // The others of its paths are simulated again without those that diverged.
+                self.block_beside(index, companion, halt)?
+            } else {
+                let (result, beside) = piece.finish(both, companion);
+                Delivered { index, result, beside }
+            });
+        }
+        Some(delivered)
+    }
+
+    /// How many of so many blocks a thread takes at a time.
+    fn blocks_in_flight(&self, blocks: u64, threads: usize) -> u64 {
+        if self.timeline().rows() > MOST_ROWS {
+            return 1;
+        }
+        let wanted = self.simulation.paths_abreast() as u64 / BLOCK_SIZE;
+        wanted.min(blocks / (threads as u64 * TURNS)).max(1)
+    }
+
+    /// The paths of a block.
+    fn block_piece(&self, index: u64) -> Piece {
+        let first = index * BLOCK_SIZE;
+        Piece::new(first, BLOCK_SIZE.min(self.paths - first), self.antithetic)
+    }
+
+    /// What watches the paths of a piece that are left: the program's observer and a companion's.
+    fn observers<C: Companion>(&self, piece: &Piece, companion: &C) -> (BlockObserver, C::Observer) {
+        let own = BlockObserver::new(self.model(), self.timeline(), &self.record, &piece.kept)
+            .with_step(self.simulation.step())
+            .in_units(piece.unit);
+        (own, companion.observer(&piece.kept))
+    }
+
+    /// Simulate the paths of a piece, watched by a companion as well; none where `halt` is raised meanwhile.
     ///
     /// A path that diverges is left out, with the other one of its pair, and the others are simulated again without it. They are independent of it, so this happens
     /// at most once a block.
     fn piece_beside<C: Companion>(
         &self,
-        first: u64,
-        paths: u64,
+        mut piece: Piece,
         companion: &C,
         halt: &AtomicBool,
     ) -> Option<(BlockResult, C::Sums)> {
-        // A piece that cuts a pair, such as a path alone, has no pairs.
-        let holds_pairs = self.antithetic && first.is_multiple_of(2) && paths.is_multiple_of(2);
-        let unit = if holds_pairs { Unit::Pair } else { Unit::Path };
-        let mut kept: Vec<u64> = (first..first + paths).collect();
-        let mut diverged = Vec::new();
         loop {
-            let own = BlockObserver::new(self.model(), self.timeline(), &self.record, &kept)
-                .with_step(self.simulation.step())
-                .in_units(unit);
-            let mut all = ((own, companion.observer(&kept)), halt);
-            let lost = self.simulation.simulate(self.seed, &drawn(&kept, self.antithetic), &mut all);
+            let mut all = (self.observers(&piece, companion), halt);
+            let lost = self.simulation.simulate(self.seed, &drawn(&piece.kept, self.antithetic), &mut all);
             if halt.load(Ordering::Relaxed) {
                 return None;
             }
             if lost.is_empty() {
-                let ((own, theirs), _) = all;
-                return Some((own.finish(first, paths, diverged), companion.finish(theirs, unit)));
+                return Some(piece.finish(all.0, companion));
             }
-            // With a path the other one of its pair is left out.
-            let lost: Vec<u64> = lost.into_iter().map(|lane| unit.of(kept[lane])).collect();
-            let (out, rest) = kept.into_iter().partition(|&path| lost.contains(&unit.of(path)));
-            kept = rest;
-            diverged.extend::<Vec<u64>>(out);
-            diverged.sort_unstable();
+            piece.leave_out(&lost);
         }
     }
 
@@ -168,10 +221,26 @@ impl Plan {
         blocks: Range<u64>,
         threads: usize,
         stops: Stops<'_>,
-        deliver: impl FnMut(Delivered<C::Sums>) -> Result<ControlFlow<()>, E> + Send,
+        mut deliver: impl FnMut(Delivered<C::Sums>) -> Result<ControlFlow<()>, E> + Send,
     ) -> Result<u64, E> {
-        let make = |piece: u64| self.block_beside(blocks.start + piece, companion, stops.halt);
-        in_order_while(blocks.end.saturating_sub(blocks.start), threads, stops.stop, make, deliver)
+        let count = blocks.end.saturating_sub(blocks.start);
+        let size = self.blocks_in_flight(count, threads);
+        let make = |flight: u64| {
+            let first = blocks.start + flight * size;
+            self.flight_beside(first..blocks.end.min(first + size), companion, stops.halt)
+        };
+        let mut delivered = 0;
+        let deliver = |flight: Vec<Delivered<C::Sums>>| {
+            for block in flight {
+                delivered += 1;
+                if deliver(block)?.is_break() {
+                    return Ok(ControlFlow::Break(()));
+                }
+            }
+            Ok(ControlFlow::Continue(()))
+        };
+        in_order_while(count.div_ceil(size), threads, stops.stop, make, deliver)?;
+        Ok(delivered)
     }
 }
 

@@ -126,6 +126,10 @@ macro_rules! schemes {
                 match self { $(Simulation::$Scheme(simulation) => simulation.step(),)+ }
             }
 
+            fn paths_abreast(&self) -> usize {
+                match self { $(Simulation::$Scheme(simulation) => simulation.paths_abreast(),)+ }
+            }
+
             fn kernel(&self) -> String {
                 match self { $(Simulation::$Scheme(simulation) => simulation.kernel(),)+ }
             }

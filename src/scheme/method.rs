@@ -66,6 +66,12 @@ pub trait Simulate: Sized {
         None
     }
 
+    /// How many paths it had best be given at a time, where there are so many. What a path does is
+    /// the same in any company.
+    fn paths_abreast(&self) -> usize {
+        1
+    }
+
     /// What it runs on, in words.
     fn kernel(&self) -> String {
         "scalar, path by path".to_string()

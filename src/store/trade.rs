@@ -156,6 +156,8 @@ fn predicted(place: &Place, trade: &Trade) -> hdf5::Result<()> {
     };
     place.put(&PREDICTED_SECONDS, &of(&|choice| choice.seconds))?;
     place.put(&PREDICTED_PATHS, &of(&|choice| choice.paths as f64))?;
+    let is_antithetic = |choice: &Option<Choice>| i8::from(choice.is_some_and(|choice| choice.is_antithetic));
+    place.put(&PREDICTED_ANTITHETIC, &choices.iter().map(is_antithetic).collect::<Vec<i8>>())?;
     place.put(&PREDICTED_STEP, &of(&|choice| choice.scheme.step().unwrap_or(f64::NAN)))?;
     place.put(&PREDICTED_TOLERANCE, &of(&|choice| choice.scheme.tolerance().unwrap_or(f64::NAN)))?;
     place.put(&PREDICTED_BIAS, &of(&|choice| choice.bias))?;
@@ -215,6 +217,8 @@ const PREDICTED_PATHS: Variable = variable("predicted_paths", PREDICTION, Unit::
 const PREDICTED_STEP: Variable = variable("predicted_step", PREDICTION, Unit::TIME, "its time step");
 const PREDICTED_TOLERANCE: Variable = variable("predicted_tolerance", PREDICTION, Unit::ONE, "its tolerance");
 const PREDICTED_BIAS: Variable = variable("predicted_bias", PREDICTION, Unit::ONE, "upper bound of its bias, relative");
+const PREDICTED_ANTITHETIC: Variable =
+    variable("predicted_antithetic", PREDICTION, Unit::ONE, "1 where its paths are antithetic pairs");
 const WINNER: Variable =
     variable("winner", &["statistic", "target"], Unit::None, "scheme of the cheapest run, or none");
 
@@ -249,6 +253,7 @@ mod tests {
             SCHEME_ORDER_ERROR,
             PREDICTED_SECONDS,
             PREDICTED_PATHS,
+            PREDICTED_ANTITHETIC,
             PREDICTED_STEP,
             PREDICTED_TOLERANCE,
             PREDICTED_BIAS,

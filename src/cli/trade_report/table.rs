@@ -1,12 +1,13 @@
 //! The report of a trade for people: tables of costs, biases, orders, and the cheapest runs.
 
 use super::{Asked, INTERVAL};
+use crate::cli::accuracy::pairs;
 use crate::cli::numbers::{percent, significant, time, wrapped};
 use crate::cli::table::{Row, aligned};
 use std::fmt::Write as _;
 use stick_slip::scheme::Kind;
 use stick_slip::stats::Statistic;
-use stick_slip::study::trade::{Choice, LeftOut, Refusal, Rung, Standing, TARGETS, Trade};
+use stick_slip::study::trade::{Choice, LeftOut, Pairing, Refusal, Rung, Standing, TARGETS, Trade};
 
 /// Between columns, of which there are many.
 const GAP: &str = " ";
@@ -34,7 +35,8 @@ pub fn table(trade: &Trade, asked: &Asked<'_>) -> String {
     }
     text.push('\n');
     let legend = "Cheapest run of each scheme: step or tolerance, x paths, CPU time; * the cheapest of all. A step in brackets was not \
-                  run: its bias is that of the fitted law. `bias b`: no setting has a smaller bias than b. `bias? b`: the bias is \
+                  run: its bias is that of the fitted law. Paths marked p are antithetic pairs (`--set \
+                  ensemble.antithetic=true`). `bias b`: no setting has a smaller bias than b. `bias? b`: the bias is \
                   known only to b, and a larger budget says more. A bias counts with its upper bound (one-sided 95 %).";
     text.push_str(&wrapped(legend, ""));
     text.push_str(&commands(trade, asked));
@@ -57,9 +59,14 @@ pub fn table(trade: &Trade, asked: &Asked<'_>) -> String {
 fn commands(trade: &Trade, asked: &Asked<'_>) -> String {
     let mut text = String::new();
     for (statistic, target) in asked.shown.iter().flat_map(|s| TARGETS.map(|target| (*s, target))) {
-        if let Ok(Choice { scheme, paths, .. }) = trade.best(None, &[statistic], target) {
+        if let Ok(choice @ Choice { scheme, paths, .. }) = trade.best(None, &[statistic], target) {
             let (name, path) = (statistic.name(), asked.path.display());
-            let _ = writeln!(text, "{name} to {}: mc run {path} {scheme} --paths {paths}", percent(target));
+            let _ = writeln!(
+                text,
+                "{name} to {}: mc run {path} {scheme} --paths {paths}{}",
+                percent(target),
+                pairs(&choice)
+            );
         }
     }
     text
@@ -105,20 +112,22 @@ fn bias(trade: &Trade, rung: &Rung, statistic: Statistic) -> String {
     if half > 0.0 { format!("{percent:+.decimals$}±{half:.decimals$}") } else { format!("{percent:+.decimals$}") }
 }
 
-/// Value and standard deviation per path of every statistic, and the observed order of each
-/// time-stepping scheme.
+/// Value and standard deviation per path of every statistic, the variance from antithetic pairs
+/// over that from as many independent paths, and the observed order of each time-stepping scheme.
 fn deviations(trade: &Trade) -> String {
     let reference = trade.reference();
     let mut schemes = trade.schemes();
     schemes.retain(|scheme| scheme.has_step());
     let orders = schemes.iter().map(|scheme| format!("order, {}", scheme.name()));
-    let headings = ["reference", "sd per path"].into_iter().map(String::from).chain(orders);
+    let paired = matches!(trade.pairing, Pairing::Measured(_)).then(|| String::from("pairs"));
+    let headings = ["reference", "sd per path"].into_iter().map(String::from).chain(paired).chain(orders);
     let mut rows = vec![Row::labelled("statistic", headings)];
     for statistic in trade.answerable() {
         let mut cells = vec![
             significant(reference.estimate(statistic).value, 5),
             significant(reference.variance(statistic).sqrt(), 3),
         ];
+        cells.extend(trade.pairing.ratio(statistic).map(|ratio| significant(ratio, 2)));
         cells.extend(schemes.iter().map(|scheme| match trade.law(*scheme, statistic) {
             Some(law) => format!("{:.2}±{:.2}", law.order.value, law.order.error),
             None => "not resolved".into(),
@@ -147,12 +156,13 @@ fn winners(trade: &Trade, target: f64) -> String {
     aligned(&rows, GAP)
 }
 
-/// `0.0039 x684 12.3 ms`; a step that was not run is in brackets.
+/// `0.0039 x684 12.3 ms`; a step that was not run is in brackets, and antithetic pairs are marked p.
 fn run(choice: &Choice) -> String {
     let knob = short(choice.scheme.parameter());
     let knob = if choice.is_measured { knob } else { format!("({knob})") };
     let cost = time(choice.seconds).replace(" min ", "m").replace(" s", "s");
-    format!("{knob} x{} {cost}", short(choice.paths as f64))
+    let pairs = if choice.is_antithetic { "p" } else { "" };
+    format!("{knob} x{}{pairs} {cost}", short(choice.paths as f64))
 }
 
 /// Three digits, with an exponent where that is shorter.

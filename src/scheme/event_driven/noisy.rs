@@ -147,6 +147,12 @@ impl Noisy {
         &self.search
     }
 
+    /// Enough to fill the registers of what is done for flagged paths in one cell, few enough to
+    /// stay in the cache.
+    pub fn paths_abreast(&self) -> usize {
+        if self.has_one_step_a_cell() { 1024 } else { 1 }
+    }
+
     /// Simulate the paths with these numbers.
     pub fn simulate<O: Observer>(&self, seed: u64, paths: &[u64], observer: &mut O) -> Simulated {
         let instructions = InstructionSet::detect();

@@ -71,6 +71,13 @@ impl Simulate for EventDrivenSimulation {
         self.simulate_counting(seed, paths, observer).lost
     }
 
+    fn paths_abreast(&self) -> usize {
+        match &self.kernel {
+            Kernel::Noisy(cascade) => cascade.paths_abreast(),
+            Kernel::Noiseless(..) => 1,
+        }
+    }
+
     fn kernel(&self) -> String {
         match &self.kernel {
             Kernel::Noisy(cascade) if cascade.has_one_step_a_cell() => {

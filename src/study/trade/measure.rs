@@ -2,9 +2,9 @@
 //! path.
 
 use super::ladder::is_exact;
-use super::{Effort, Ladder, LeftOut, Number, Trade};
+use super::{Effort, Ladder, LeftOut, Number, Pairing, Trade, pairing};
 use crate::ensemble::{Plan, in_order};
-use crate::scenario::Scenario;
+use crate::scenario::{Ensemble, Scenario};
 use crate::scheme::{Misfit, Scheme, Simulate as _};
 use crate::stats::{Estimate, Record, Statistic, Totals, jackknife};
 use crate::study::clock::{Stopwatch, thread_seconds};
@@ -173,6 +173,19 @@ pub fn measure(
     // First, so that it is there whatever else the time allows: what the others are measured
     // against.
     let reference = run(runs[tightest], until(reference_ends))?;
+    let is_random = scenario.model.temperature.is_random();
+    let paired_paths = runs[tightest].2 / pairing::SHARE;
+    let pairing = if scenario.ensemble.antithetic {
+        Pairing::Asked
+    } else if !is_random || limits.is_stopped() || paired_paths < pairing::FEWEST {
+        Pairing::Unknown
+    } else {
+        limits.begin("antithetic pairs");
+        let first = (ladder.free.len() as u64 + 2) * APART;
+        let paired = Scenario { ensemble: Ensemble { antithetic: true, ..scenario.ensemble }, ..scenario.clone() };
+        let (_, scheme, _) = runs[tightest];
+        Pairing::of(&reference, &free(&paired, scheme, paired_paths, first, threads, until(reference_ends))?)
+    };
     let (mut looser, mut tighter, mut left_out) = (Vec::new(), Vec::new(), ladder.left_out.clone());
     let unfinished = |what: String| LeftOut { what, why: "the measuring ended before there was enough of it".into() };
     for (i, other) in runs.iter().enumerate().filter(|(i, _)| *i != tightest) {
@@ -201,8 +214,7 @@ pub fn measure(
         what: rung.scheme.to_string(),
         why: format!("{} of {} paths diverged, so it is recommended for nothing", rung.diverged, rung.paths),
     }));
-    let is_random = scenario.model.temperature.is_random();
-    Ok(Trade { rungs, reference, left_out, is_random, has_limitless_phases })
+    Ok(Trade { rungs, reference, left_out, pairing, is_random, has_limitless_phases })
 }
 
 /// The ensemble that a scheme simulates without an output grid and without rows of single paths:

@@ -19,6 +19,7 @@ mod effort;
 mod ladder;
 mod law;
 mod measure;
+mod pairing;
 mod predict;
 mod prices;
 mod standing;
@@ -27,6 +28,7 @@ pub use effort::Effort;
 pub use ladder::{Ladder, LeftOut};
 pub use law::{Change, Law};
 pub use measure::{Cost, Limits, Rung, TradeError, measure, measure_within};
+pub use pairing::Pairing;
 pub use predict::{Choice, Refusal, TARGETS};
 pub use prices::Prices;
 pub use standing::Standing;
@@ -62,6 +64,8 @@ pub struct Trade {
     pub reference: usize,
     /// What was not run, and why.
     pub left_out: Vec<LeftOut>,
+    /// Whether paths are antithetic pairs, or what it would be worth.
+    pub pairing: Pairing,
     /// Whether paths differ at all.
     pub is_random: bool,
     /// Whether f_s and f_d (nearly) meet under noise, so that counts and durations of single phases

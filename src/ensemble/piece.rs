@@ -1,0 +1,42 @@
+//! Consecutive paths of an ensemble, and those of them that are left after others diverged.
+
+use crate::stats::{BlockObserver, BlockResult, Companion, Unit};
+
+/// Consecutive paths that are summed together.
+pub(super) struct Piece {
+    first: u64,
+    paths: u64,
+    pub unit: Unit,
+    /// Those that are simulated, in ascending order.
+    pub kept: Vec<u64>,
+    /// Those that are left out, in ascending order.
+    diverged: Vec<u64>,
+}
+
+impl Piece {
+    pub fn new(first: u64, paths: u64, antithetic: bool) -> Self {
+        // A piece that cuts a pair, such as a path alone, has no pairs.
+        let holds_pairs = antithetic && first.is_multiple_of(2) && paths.is_multiple_of(2);
+        let unit = if holds_pairs { Unit::Pair } else { Unit::Path };
+        Piece { first, paths, unit, kept: (first..first + paths).collect(), diverged: Vec::new() }
+    }
+
+    /// Leave out the paths in these lanes, and with a path the other one of its pair.
+    pub fn leave_out(&mut self, lanes: &[usize]) {
+        let lost: Vec<u64> = lanes.iter().map(|&lane| self.unit.of(self.kept[lane])).collect();
+        let (out, rest): (Vec<u64>, _) =
+            std::mem::take(&mut self.kept).into_iter().partition(|&path| lost.contains(&self.unit.of(path)));
+        self.kept = rest;
+        self.diverged.extend(out);
+        self.diverged.sort_unstable();
+    }
+
+    /// What it leaves behind.
+    pub fn finish<C: Companion>(
+        self,
+        (own, theirs): (BlockObserver, C::Observer),
+        companion: &C,
+    ) -> (BlockResult, C::Sums) {
+        (own.finish(self.first, self.paths, self.diverged), companion.finish(theirs, self.unit))
+    }
+}
