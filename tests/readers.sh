@@ -36,6 +36,11 @@ cargo run --release --quiet --bin mc -- trade scenarios/rho025.toml --budget 2s 
 
 target/venv/bin/python tests/python/check.py "$folder"/*.h5
 
+# Antithetic pairs, whose errors have the pair for their unit.
+mkdir "$folder/pairs"
+run pairs/pairs rho025 --scheme event-driven --paths 600 --set ensemble.antithetic=true
+target/venv/bin/python tests/python/pairs.py "$folder/pairs/pairs.h5"
+
 # A sweep of two axes, and the run at its last point.
 mkdir "$folder/sweeps"
 cargo run --release --quiet --bin mc -- sweep scenarios/rho025.toml --scheme event-driven --paths 600 \
