@@ -1,6 +1,8 @@
 //! The command line: one file per verb, each of them parse, call, print.
 
 mod accuracy;
+mod calibrate;
+mod calibrate_report;
 mod check;
 mod completions;
 mod cost;
@@ -28,6 +30,7 @@ mod table;
 mod terminal;
 mod trade;
 mod trade_report;
+mod twin;
 
 pub use failure::Failure;
 
@@ -52,6 +55,8 @@ Examples:
   mc replay mine.h5 --path 4711             one path alone, event by event
   mc trade mine.toml                        which scheme, step and paths for which accuracy
   mc sweep mine.toml --vary friction.static=1.1:1.5:9   statistics as functions of a key
+  mc calibrate bridge.toml data.csv         friction of a bearing from its temperature and displacement
+  mc twin bridge.toml -o twin.csv           synthetic data of a bearing, to try that on
 
 Exit codes: 0 done, 1 the run failed, 2 the arguments or the scenario are wrong, 130 interrupted (128 + the number of the signal).";
 
@@ -85,6 +90,10 @@ enum Verb {
     Trade(trade::Trade),
     /// Statistics as functions of keys of the scenario, with sharp differences; or what each key does to them
     Sweep(sweep::Sweep),
+    /// Friction, stiffness and dilatation of a bearing, from measured temperatures and displacements
+    Calibrate(calibrate::Calibrate),
+    /// Synthetic measurements of a bearing whose truth is known, to try a calibration on
+    Twin(twin::Twin),
     /// Write a commented scenario to start from
     Init(init::Init),
     /// Print a completion script for a shell
@@ -105,6 +114,8 @@ impl Arguments {
             Verb::Replay(replay) => replay.call(),
             Verb::Trade(trade) => trade.call(),
             Verb::Sweep(sweep) => sweep.call(),
+            Verb::Calibrate(calibrate) => calibrate.call(),
+            Verb::Twin(twin) => twin.call(),
             Verb::Init(init) => init.call(),
             Verb::Completions(completions) => completions.call(),
         }

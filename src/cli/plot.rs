@@ -19,6 +19,7 @@ Examples:
   mc plot scenarios/shaw.toml --until 28            the path of a scenario, simulated on the spot
   mc plot rho025.h5 --only sticks --log --theme dark --width 120 -o sticks.png
   mc plot trade.h5 --statistic sticking_fraction
+  mc plot fit.h5 --only loops
   mc plot event-driven.h5 discrete-vi.h5            two sweeps in the same axes
 
 A picture is drawn from the numbers in the file. A path is simulated again: it is the very path of the ensemble, and a closer look
@@ -28,7 +29,7 @@ does not change it. The same picture has the same bytes. PNG has 300 dots per in
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Plot {
-    /// A scenario (TOML), or a file that `mc run`, `mc trade` or `mc sweep` wrote
+    /// A scenario (TOML), or a file that `mc run`, `mc trade`, `mc sweep` or `mc calibrate` wrote
     #[arg(value_name = "SCENARIO|FILE.h5")]
     subject: PathBuf,
     /// Further sweeps over the same key, drawn into the same axes
@@ -109,6 +110,11 @@ impl Plot {
             }
             Some(FileKind::Run) => self.scene_of_run(&store::read(&self.subject)?),
             Some(FileKind::Sweep) => self.scene_of_sweeps(),
+            Some(FileKind::Calibration) => {
+                let stored = store::read_calibration(&self.subject)?;
+                let subject = Subject::Calibration { title: &stored.title, calibration: &stored.calibration };
+                self.draw(&subject, &stored.title, "")
+            }
             Some(FileKind::Trade) => {
                 let prices = store::read_prices(&self.subject, self.statistic)?;
                 self.draw(&Subject::Trade(&prices), &prices.title, "what accuracy costs")
@@ -158,7 +164,9 @@ impl Plot {
                 let only = drawn.find(|(_, drawn)| !matches!(drawn, Err(Absent::Elsewhere(_))));
                 only.map_or(Err(nothing()), |(figure, drawn)| drawn.map_err(|absent| self.refused(figure, &absent)))
             }
-            (None, Subject::Run { .. }) => figure::page(subject, &style, heading, line).ok_or_else(nothing),
+            (None, Subject::Run { .. } | Subject::Calibration { .. }) => {
+                figure::page(subject, &style, heading, line).ok_or_else(nothing)
+            }
         }
     }
 

@@ -4,7 +4,7 @@ use super::failure::{Failure, note, print, print_data};
 use super::report::{self, Csv, RunInfo};
 use super::results;
 use super::terminal::Letters;
-use super::{sweep, sweep_report};
+use super::{calibrate, sweep, sweep_report};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use stick_slip::provenance::Provenance;
@@ -24,7 +24,7 @@ Examples:
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Show {
-    /// Files that `mc run` wrote, or one of `mc sweep`
+    /// Files that `mc run` wrote, or one of `mc sweep` or `mc calibrate`
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
     /// Print JSON instead: an object, of several files an array of them
@@ -46,6 +46,10 @@ impl Show {
         match self.files.as_slice() {
             [first, ..] if self.plot && (self.files.len() > 1 || is_sweep(first)) => {
                 Err(Failure::usage("--plot draws one run", "leave it out, or draw sweeps with `mc plot`"))
+            }
+            [file] if matches!(store::kind(file), Ok(Some(FileKind::Calibration))) => {
+                let stored = store::read_calibration(file)?;
+                calibrate::show(&stored.title, &stored.calibration, &stored.warnings, self.json)
             }
             [file] if is_sweep(file) => {
                 let sweep = sweep::stored(file, store::read_sweep(file)?)?;

@@ -7,11 +7,13 @@
 //!             -> parse     all of it: physics, time, and the rest
 //!                  -> a Scenario whose values go together, or the Fault that says what to change (blame: where)
 //! series    the file of a measured temperature
+//! bridge    of the same tree only what a calibration needs -> a BridgeScene
 //! text      a Scenario -> TOML, every default visible; reading it again gives the same Scenario
 //! shipped   the scenarios that come with the program
 //! ```
 
 mod blame;
+mod bridge;
 mod error;
 mod fields;
 mod keys;
@@ -28,6 +30,7 @@ mod tree;
 #[cfg(test)]
 mod tests;
 
+pub use bridge::BridgeScene;
 pub use error::{Fault, ScenarioError};
 pub use overrides::Override;
 pub use shipped::{SHIPPED, Shipped, shipped};
@@ -61,6 +64,12 @@ const HDF5_SIGNATURE: &[u8] = b"\x89HDF\r\n\x1a\n";
 impl Scenario {
     /// Read a file, lay the overrides over it in order, check the result.
     pub fn read(path: &Path, overrides: &[Override]) -> Result<Self, ScenarioError> {
+        let (name, text) = Self::text_of(path)?;
+        Self::parse(&name, &text, overrides)
+    }
+
+    /// The text of a scenario file, and what messages call it.
+    fn text_of(path: &Path) -> Result<(String, String), ScenarioError> {
         let name = path.display().to_string();
         let unreadable =
             |reason: String, remedy: String| ScenarioError::Unreadable { path: name.clone(), reason, remedy };
@@ -90,7 +99,7 @@ impl Scenario {
             let line = valid.iter().filter(|byte| **byte == b'\n').count() + 1;
             unreadable(format!("line {line} is not UTF-8 text"), "save it as UTF-8, without a byte-order mark".into())
         })?;
-        Self::parse(&name, &text, overrides)
+        Ok((name, text))
     }
 
     /// Check a text with overrides laid over it; `name` is what messages call it, and its stem the

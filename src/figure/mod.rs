@@ -1,7 +1,7 @@
 //! Pictures, drawn from what a file says, or from a path that the same code simulates again.
 //!
 //! ```text
-//! Subject     what a picture is of: a scenario, the summary of a run, the prices of a trade, sweeps
+//! Subject     what a picture is of: a scenario, the summary of a run, the prices of a trade, sweeps, a calibration
 //!   -> FIGURES    one file each: what it takes from its subject, and how it lays it out
 //!        Axis, Panel   numbers to places; curves, bands, bars, marks, notes that never overlap
 //!        sheet         a legend above, panels in line below each other
@@ -13,12 +13,15 @@
 //! A figure more is a file with a `FIGURE` in it, and its name in [`FIGURES`].
 
 mod axis;
+mod calibration;
 mod drift;
 mod fan;
+mod hysteresis;
 mod kit;
 mod page;
 mod panel;
 mod path;
+mod residuals;
 mod sheet;
 mod sticks;
 mod sub_phases;
@@ -45,6 +48,9 @@ pub const FIGURES: &[Figure] = &[
     trade::FIGURE,
     sweep::FIGURE,
     tornado::FIGURE,
+    calibration::FIGURE,
+    hysteresis::FIGURE,
+    residuals::FIGURE,
 ];
 
 /// The figure of this name.

@@ -4,6 +4,7 @@ use super::kit::Scene;
 use super::theme::Style;
 use crate::scenario::Scenario;
 use crate::stats::{Statistic, Summary};
+use crate::study::calibration::Calibration;
 use crate::study::sweep::Sweep;
 use crate::study::trade::Prices;
 
@@ -35,6 +36,13 @@ pub enum Subject<'a> {
         /// The statistics that are drawn; some, if there is none.
         statistics: &'a [Statistic],
     },
+    /// Parameters from a measurement.
+    Calibration {
+        /// What it is about, in a line.
+        title: &'a str,
+        /// The result.
+        calibration: &'a Calibration,
+    },
 }
 
 /// Sweeps with the names of their files, and statistics.
@@ -45,7 +53,9 @@ impl<'a> Subject<'a> {
     pub(super) fn path(&self) -> Result<(&'a Scenario, u64), Absent> {
         match self {
             Subject::Scenario { scenario, path } | Subject::Run { scenario, path, .. } => Ok((scenario, *path)),
-            Subject::Trade(_) | Subject::Sweep { .. } => Err(Absent::Elsewhere("a scenario or a file of `mc run`")),
+            Subject::Trade(_) | Subject::Sweep { .. } | Subject::Calibration { .. } => {
+                Err(Absent::Elsewhere("a scenario or a file of `mc run`"))
+            }
         }
     }
 
@@ -62,6 +72,14 @@ impl<'a> Subject<'a> {
         match self {
             Subject::Sweep { sweeps, statistics } => Ok((sweeps, statistics)),
             _ => Err(Absent::Elsewhere("a file of `mc sweep`")),
+        }
+    }
+
+    /// The calibration and what it is about.
+    pub(super) fn calibration(&self) -> Result<(&'a str, &'a Calibration), Absent> {
+        match self {
+            Subject::Calibration { title, calibration } => Ok((title, calibration)),
+            _ => Err(Absent::Elsewhere("a file of `mc calibrate`")),
         }
     }
 

@@ -9,6 +9,7 @@
 //!
 //! `docs/output-format.md` describes the file for its readers; `layout.rs` is the same list for the code.
 
+mod calibration;
 mod checksum;
 mod error;
 mod growing;
@@ -32,6 +33,9 @@ mod variable;
 mod workshop;
 mod writer;
 
+pub use calibration::{
+    CALIBRATION_FORMAT_NAME, CALIBRATION_FORMAT_VERSION, StoredCalibration, read_calibration, write_calibration,
+};
 pub use error::StoreError;
 pub use header::{FORMAT_NAME, FORMAT_VERSION};
 pub use parts::{PartError, Parts};

@@ -5,8 +5,8 @@ use super::lock::Lock;
 use super::variable::{read_or_empty, read_text};
 use super::workshop::{STATE, file_of, partial_path};
 use super::{
-    FORMAT_NAME, FORMAT_VERSION, SWEEP_FORMAT_NAME, StoreError, TRADE_FORMAT_NAME, header, layout, seal, series, state,
-    summary,
+    CALIBRATION_FORMAT_NAME, FORMAT_NAME, FORMAT_VERSION, SWEEP_FORMAT_NAME, StoreError, TRADE_FORMAT_NAME, header,
+    layout, seal, series, state, summary,
 };
 use crate::engine::{Part, Status};
 use crate::provenance::Provenance;
@@ -45,6 +45,8 @@ pub enum FileKind {
     Trade,
     /// Statistics as functions of keys.
     Sweep,
+    /// Parameters from a measurement.
+    Calibration,
 }
 
 /// What a file holds; none where it is no HDF5 file.
@@ -61,6 +63,7 @@ pub fn kind(path: &Path) -> Result<Option<FileKind>, StoreError> {
         FORMAT_NAME => Ok(Some(FileKind::Run)),
         TRADE_FORMAT_NAME => Ok(Some(FileKind::Trade)),
         SWEEP_FORMAT_NAME => Ok(Some(FileKind::Sweep)),
+        CALIBRATION_FORMAT_NAME => Ok(Some(FileKind::Calibration)),
         _ => Err(StoreError::Foreign { path: path.to_owned() }),
     }
 }

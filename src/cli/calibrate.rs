@@ -1,0 +1,185 @@
+//! `mc calibrate`: from measured temperatures and displacements of a bearing to its friction, stiffness and dilatation.
+
+use super::calibrate_report as report;
+use super::failure::{Failure, note, print, writable};
+use super::interrupt::stop_on_ctrl_c;
+use super::numbers::{parse_duration, wrapped};
+use std::path::{Path, PathBuf};
+use std::sync::atomic::Ordering;
+use stick_slip::config::{BridgeScene, Override};
+use stick_slip::data::{self, DataError, Name, TimeColumn, Wanted};
+use stick_slip::store;
+use stick_slip::study::calibration::{Calibration, CalibrationError, Lag, Method, Motion, Question, Record, calibrate};
+
+const EXAMPLES: &str = "\
+Examples:
+  mc calibrate examples/bridge/bridge.toml examples/bridge/twin.csv -o fit.h5
+  mc calibrate bridge.toml data.csv --displacement gauge_3 --unit mm --lag 15m
+  mc calibrate bridge.toml data.csv --method slips --json | jq .parameters
+  mc twin bridge.toml --seed 1 --sensor-noise 30e-6,150e-6 -o twin.csv && mc calibrate bridge.toml twin.csv
+
+The last line is how to find out whether the method suits a bridge: make data of one like it, whose truth is in the scenario, and see
+whether the intervals hold it. The scenario gives K_BP as bearing.stiffness, names the columns under [temperature.series], and needs no
+[time]. Intervals hold the error that noise makes; they do not hold what the model leaves out.";
+
+/// Arguments of `mc calibrate`.
+#[derive(Debug, clap::Args)]
+#[command(after_help = EXAMPLES)]
+pub struct Calibrate {
+    /// The scenario, a TOML file: K_BP, the columns, and where a search begins
+    scenario: PathBuf,
+    /// The measurement, a CSV file with times, temperatures and displacements
+    #[arg(value_name = "DATA.csv")]
+    data: PathBuf,
+    /// By slips, by the paper's least squares err, or by slips with err beside them
+    #[arg(long, value_name = "slips|err|both", default_value = "both", value_parser = method)]
+    method: Method,
+    /// How many starts err has
+    #[arg(long, value_name = "N", default_value_t = 10, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    starts: u32,
+    /// How far steel is behind the thermometer, e.g. 15m; `auto` estimates it
+    #[arg(long, value_name = "auto|TIME", default_value = "auto", value_parser = lag)]
+    lag: Lag,
+    /// With which probability an interval is to hold the truth
+    #[arg(long, value_name = "P", default_value_t = 0.9, value_parser = level)]
+    interval: f64,
+    /// The column of displacements [default: the one whose name begins with `displacement`]
+    #[arg(long, value_name = "COLUMN")]
+    displacement: Option<String>,
+    /// The unit of displacements, if the name of their column does not say it: m, cm, mm or um
+    #[arg(long, value_name = "U")]
+    unit: Option<String>,
+    /// Any key of the scenario, e.g. bearing.stiffness=2e9; repeatable
+    #[arg(long, value_name = "KEY=VALUE", allow_hyphen_values = true)]
+    set: Vec<String>,
+    /// Threads [default: one a core]
+    #[arg(long, value_name = "K", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: Option<u16>,
+    /// Write everything to FILE: estimates, slips, starts, the record and the model
+    #[arg(short, long, value_name = "FILE.h5")]
+    output: Option<PathBuf>,
+    /// Overwrite an earlier file
+    #[arg(long, requires = "output")]
+    force: bool,
+    /// Print one JSON object on standard output, and nothing else there
+    #[arg(long)]
+    json: bool,
+}
+
+impl Calibrate {
+    pub fn call(&self) -> Result<(), Failure> {
+        let set = self.set.iter().map(|text| Override::set(text)).collect::<Result<Vec<_>, _>>()?;
+        let scene = BridgeScene::read(&self.scenario, &set)?;
+        if let Some(output) = &self.output {
+            writable(output, self.force)?;
+        }
+        let record = record(&self.data, &scene, self.displacement.as_deref(), self.unit.as_deref())?;
+        let question = Question {
+            method: self.method,
+            shear_stiffness: scene.shear_stiffness,
+            starts: self.starts,
+            lag: self.lag,
+            level: self.interval,
+            guess: guess(&scene, &record),
+        };
+        let threads = self.threads.map_or_else(super::cores, usize::from);
+        let stop = stop_on_ctrl_c();
+        let calibration = calibrate(&record, &question, threads, &stop).map_err(|error| refused(&self.data, &error))?;
+        let warnings: Vec<(String, String)> =
+            calibration.warnings.iter().map(|warning| (warning.name().to_string(), warning.to_string())).collect();
+        let title = &scene.title;
+        show(title, &calibration, &warnings, self.json)?;
+        if let Some(output) = &self.output {
+            store::write_calibration(output, title, &scene.text, &calibration, self.force)?;
+            note(&format!("{} has all of it; `mc plot {0}` draws it", output.display()));
+        }
+        if stop.load(Ordering::Relaxed) { Err(Failure::Interrupted) } else { Ok(()) }
+    }
+}
+
+/// Print a calibration, and on standard error what to beware of: name and sentence of each warning.
+pub(super) fn show(
+    title: &str,
+    calibration: &Calibration,
+    warnings: &[(String, String)],
+    json: bool,
+) -> Result<(), Failure> {
+    for (_, warning) in warnings {
+        note(wrapped(&format!("warning: {warning}"), "  ").trim_end());
+    }
+    print(&if json { report::json(calibration, warnings) } else { report::table(title, calibration) })
+}
+
+/// A record in the columns that a scenario names.
+fn record(path: &Path, scene: &BridgeScene, displacement: Option<&str>, unit: Option<&str>) -> Result<Record, Failure> {
+    let column = |name: Option<&'_ str>, beginning: &'static str| match name {
+        Some(_) => None,
+        None => Some(Name::Beginning(beginning)),
+    };
+    let temperature = column(scene.value.as_deref(), "temperature")
+        .unwrap_or_else(|| Name::Exactly(scene.value.as_deref().unwrap_or_default()));
+    let displacement =
+        column(displacement, "displacement").unwrap_or_else(|| Name::Exactly(displacement.unwrap_or_default()));
+    let wanted = [
+        Wanted { column: temperature, quantity: data::Quantity::Temperature, unit: None, max_gap: None },
+        Wanted { column: displacement, quantity: data::Quantity::Displacement, unit, max_gap: None },
+    ];
+    let table = data::read(path, TimeColumn { name: &scene.time, zone: scene.zone.as_deref() }, &wanted)?;
+    for sentence in table.repairs.sentences() {
+        note(&format!("{}: {sentence}", path.display()));
+    }
+    if !table.in_seconds {
+        let problem = format!("{}: the name of column `{}` says no unit of time", path.display(), scene.time);
+        return Err(Failure::usage(
+            problem,
+            "rename it, e.g. to `time_s` or `time_h`, and name it in temperature.series.time",
+        ));
+    }
+    let [temperature, displacement] = [&table.columns[0], &table.columns[1]];
+    Ok(Record::of([&temperature.times, &temperature.values], [&displacement.times, &displacement.values]))
+}
+
+/// Where a search begins if slips do not say so.
+fn guess(scene: &BridgeScene, record: &Record) -> Motion {
+    let slope = scene.stiffness * scene.dilatation;
+    let first = record.temperatures.first().copied().unwrap_or(0.0);
+    Motion {
+        reach: scene.f_s / slope,
+        jump: 2.0 * (scene.f_s - scene.f_d) / slope,
+        start: scene.displacement.map_or(first, |x| x / scene.dilatation),
+    }
+}
+
+fn refused(path: &Path, error: &CalibrationError) -> Failure {
+    let remedy = match error {
+        CalibrationError::TooShort(_) => "measure for longer: weeks at least, with tens of slips",
+        CalibrationError::Constant(_) => "see that it is the right column, and that its sensor works",
+        CalibrationError::NoSlips => "take --method err, which needs none, and beware of its estimates",
+    };
+    Failure::Run(format!("{}: {error}\n  fix: {remedy}", path.display()))
+}
+
+fn method(text: &str) -> Result<Method, String> {
+    Method::from_name(text).ok_or_else(|| "write slips, err or both".to_string())
+}
+
+fn lag(text: &str) -> Result<Lag, String> {
+    match text {
+        "auto" => Ok(Lag::Auto),
+        "0" | "0s" | "0m" => Ok(Lag::Known(0.0)),
+        _ => parse_duration(text)
+            .map(|lag| Lag::Known(lag.as_secs_f64()))
+            .map_err(|_| "write auto, or a time such as 0, 90s or 15m".to_string()),
+    }
+}
+
+fn level(text: &str) -> Result<f64, String> {
+    let level = text.parse::<f64>().ok().filter(|level| (0.5..=0.999).contains(level));
+    level.ok_or_else(|| "write a probability from 0.5 to 0.999".to_string())
+}
+
+impl From<DataError> for Failure {
+    fn from(error: DataError) -> Self {
+        Failure::Refused(error.to_string())
+    }
+}

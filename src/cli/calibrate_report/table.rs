@@ -1,0 +1,115 @@
+//! A calibration for people.
+
+use crate::cli::numbers::{Digits, grouped, percent, significant, time, wrapped};
+use crate::cli::table::{Row, aligned};
+use std::fmt::Write as _;
+use stick_slip::study::calibration::{Calibration, Estimate, Lag, Method, Quantity, Start};
+
+const GAP: &str = "  ";
+
+/// The table, and what belongs to it.
+pub fn table(title: &str, calibration: &Calibration) -> String {
+    let mut text = format!("{title}\n\n");
+    let level = percent(calibration.question.level);
+    let head = ["", "estimate", &format!("{level} from"), "to"].map(String::from);
+    let mut rows = vec![Row::labelled("", head)];
+    rows.extend(Quantity::ALL.iter().map(|quantity| row(*quantity, calibration.estimate(*quantity))));
+    text += &aligned(&rows, GAP);
+    text.push('\n');
+    text += &sources(calibration);
+    if !calibration.starts.is_empty() {
+        text.push('\n');
+        text += &starts(calibration);
+    }
+    text
+}
+
+fn row(quantity: Quantity, Estimate { estimate, low, high }: Estimate) -> Row {
+    let digits = Digits::of(estimate, (high - low) / 4.0);
+    let cells = [estimate, low, high].map(|x| digits.show(x));
+    let cells = std::iter::once(quantity.symbol().to_string()).chain(cells);
+    Row { note: quantity.unit().to_string(), ..Row::labelled(quantity.key(), cells) }
+}
+
+fn sources(calibration: &Calibration) -> String {
+    let mut text = String::new();
+    let record = &calibration.record;
+    let seen = record.readings.iter().filter(|reading| reading.is_finite()).count();
+    let length = record.times.last().copied().unwrap_or(0.0);
+    let _ = writeln!(text, "data    {} samples in {}", grouped(seen as u64), time(length));
+    let usual = calibration.slips.iter().filter(|slip| slip.is_usual).count();
+    let method = match calibration.question.method {
+        Method::Err => "least squares",
+        _ if calibration.slips.is_empty() => "least squares",
+        _ => "slips",
+    };
+    let _ = writeln!(text, "slips   {} seen, {usual} of them alone and of the usual size", calibration.slips.len());
+    let _ = writeln!(text, "method  {method}; intervals: blocks of three days weighted at random");
+    let minutes = |seconds: f64| significant(seconds / 60.0, 3);
+    let lag = &calibration.lag;
+    let _ = match (calibration.question.lag, &calibration.lag_profile) {
+        (Lag::Known(known), _) => writeln!(text, "lag     {} min, as given", minutes(known)),
+        (Lag::Auto, Some(_)) if lag.estimate > 0.0 => writeln!(
+            text,
+            "lag     {} min ({} to {}), estimated",
+            minutes(lag.estimate),
+            minutes(lag.low),
+            minutes(lag.high)
+        ),
+        (Lag::Auto, Some(profile)) => writeln!(
+            text,
+            "lag     none: the likeliest, {} min, gains {} in twice the log-likelihood, and 15 are asked for",
+            minutes(profile.likeliest),
+            significant(profile.gain, 2)
+        ),
+        (Lag::Auto, None) => writeln!(text, "lag     none: there are no slips to tell it by"),
+    };
+    let correlation = |hours: f64| {
+        let found = calibration.residuals.autocorrelation.iter().find(|(delay, _)| *delay == hours);
+        found.map_or_else(|| "none".to_string(), |(_, correlation)| significant(*correlation, 2))
+    };
+    let _ = writeln!(
+        text,
+        "rest    {} m (root mean square of measurement less model); correlation {} after an hour, {} after a day",
+        significant(calibration.residuals.rms, 3),
+        correlation(1.0),
+        correlation(24.0)
+    );
+    text
+}
+
+/// The table of the paper: what each start found, and how that scatters.
+fn starts(calibration: &Calibration) -> String {
+    const COLUMNS: [Quantity; 6] = [
+        Quantity::Offset,
+        Quantity::Stiffness,
+        Quantity::Dynamic,
+        Quantity::Static,
+        Quantity::Dilatation,
+        Quantity::Displacement,
+    ];
+    let head = COLUMNS.iter().map(|quantity| quantity.symbol().to_string()).chain(["err".to_string()]);
+    let mut rows = vec![Row::labelled("start", head)];
+    let values = calibration.start_values();
+    let column = |quantity: &Quantity| values.iter().map(|values| values[*quantity as usize]).collect::<Vec<f64>>();
+    let cell = |x: f64| if x.is_finite() { format!("{x:.5e}") } else { "none".to_string() };
+    for (i, (values, Start { err, .. })) in values.iter().zip(&calibration.starts).enumerate() {
+        let cells = COLUMNS.iter().map(|quantity| cell(values[*quantity as usize])).chain([cell(*err)]);
+        rows.push(Row::labelled((i + 1).to_string(), cells));
+    }
+    let moments = |values: &[f64]| {
+        let n = values.len() as f64;
+        let mean = values.iter().sum::<f64>() / n;
+        let variance = values.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / (n - 1.0);
+        [mean, variance.sqrt(), variance.sqrt() / mean.abs()]
+    };
+    let errs: Vec<f64> = calibration.starts.iter().map(|start| start.err).collect();
+    let all: Vec<[f64; 3]> = COLUMNS.iter().map(column).chain([errs]).map(|values| moments(&values)).collect();
+    for (k, name) in ["mean", "sd", "CV"].into_iter().enumerate() {
+        rows.push(Row::labelled(name, all.iter().map(|moments| cell(moments[k]))));
+    }
+    let mut text = "Starts of the least squares (err in m2):\n".to_string();
+    text += &aligned(&rows, GAP);
+    let legend = "How starts scatter is how well the search finds the minimum. It says nothing of how far the minimum is from the truth.";
+    text + &wrapped(legend, "")
+}

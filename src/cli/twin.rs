@@ -1,0 +1,192 @@
+//! `mc twin`: synthetic measurements of a bearing whose truth is known.
+
+use super::failure::{Failure, note, print, writable};
+use super::numbers::{grouped, parse_duration};
+use super::results::write_whole;
+use super::table::{Row, aligned};
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+use stick_slip::config::{BridgeScene, Override};
+use stick_slip::data::{self, Name, Start, TimeColumn, Wanted};
+use stick_slip::scenario::Scenario;
+use stick_slip::study::calibration::{Bearing, Flaws, Quantity, Twin as Made, drawn, twin, values};
+
+const EXAMPLES: &str = "\
+Examples:
+  mc twin examples/bridge/bridge.toml --seed 1 -o twin.csv
+  mc twin examples/bridge/bridge.toml --seed 2 --sensor-noise 50e-6,200e-6,2d --lag 15m --gaps 10 --resolution 0.5 -o hard.csv
+  mc calibrate examples/bridge/bridge.toml twin.csv
+
+The scenario says the truth. Its temperature is the measured one of [temperature.series], if it has that, and otherwise drawn from its
+harmonics and noise. Each flaw has random numbers of its own, so that one more of them leaves the others as they are.";
+
+/// Arguments of `mc twin`.
+#[derive(Debug, clap::Args)]
+#[command(after_help = EXAMPLES)]
+pub struct Twin {
+    /// The scenario, a TOML file: the truth
+    scenario: PathBuf,
+    /// Decides all random numbers
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    seed: u64,
+    /// White noise of the sensor, red noise, and how long that remembers: standard deviations in metres
+    #[arg(long, value_name = "WHITE[,RED[,TIME]]", default_value = "30e-6,150e-6,1d", value_parser = sensor_noise)]
+    sensor_noise: SensorNoise,
+    /// By what share f_s differs from slip to slip (standard deviation), while f_d stays
+    #[arg(long, value_name = "SHARE", default_value_t = 0.0, value_parser = share)]
+    scatter: f64,
+    /// How far steel is behind the thermometer, e.g. 15m
+    #[arg(long, value_name = "TIME", value_parser = parse_seconds)]
+    lag: Option<f64>,
+    /// The thermometer shows multiples of this, in kelvin
+    #[arg(long, value_name = "K", default_value_t = 0.0, value_parser = not_negative)]
+    resolution: f64,
+    /// The share of displacements that are far off
+    #[arg(long, value_name = "SHARE", default_value_t = 0.0, value_parser = share)]
+    spikes: f64,
+    /// How many stretches of one to five days are missing
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    gaps: u32,
+    /// How long, where the temperature is not a measured one
+    #[arg(long, value_name = "TIME", default_value = "300d", value_parser = parse_seconds)]
+    duration: f64,
+    /// Time between samples, where the temperature is not a measured one
+    #[arg(long, value_name = "TIME", default_value = "10m", value_parser = parse_seconds)]
+    every: f64,
+    /// Any key of the scenario, e.g. friction.static=5e5; repeatable
+    #[arg(long, value_name = "KEY=VALUE", allow_hyphen_values = true)]
+    set: Vec<String>,
+    /// Where to write the measurements
+    #[arg(short, long, value_name = "FILE.csv")]
+    output: PathBuf,
+    /// Overwrite an earlier file
+    #[arg(long)]
+    force: bool,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct SensorNoise {
+    white: f64,
+    red: f64,
+    memory: f64,
+}
+
+/// A temperature, sample by sample.
+struct Air {
+    start: Option<Start>,
+    times: Vec<f64>,
+    temperatures: Vec<f64>,
+}
+
+/// The instant of the first sample where there is none to take.
+const EPOCH: &str = "2015-01-01T00:00:00Z";
+
+/// More samples than this are a slip of the pen.
+const MOST: f64 = 1e7;
+
+impl Twin {
+    pub fn call(&self) -> Result<(), Failure> {
+        let set = self.set.iter().map(|text| Override::set(text)).collect::<Result<Vec<_>, _>>()?;
+        let scene = BridgeScene::read(&self.scenario, &set)?;
+        writable(&self.output, self.force)?;
+        let air = match &scene.file {
+            Some(file) => measured(&self.scenario, file, &scene)?,
+            None => self.drawn(&set)?,
+        };
+        let bearing = Bearing {
+            stiffness: scene.stiffness,
+            dilatation: scene.dilatation,
+            f_s: scene.f_s,
+            f_d: scene.f_d,
+            offset: scene.offset,
+            displacement: scene.displacement.unwrap_or(scene.dilatation * air.temperatures[0]),
+            shear_stiffness: scene.shear_stiffness.unwrap_or(f64::INFINITY),
+        };
+        let response = bearing.response();
+        let SensorNoise { white, red, memory } = self.sensor_noise;
+        let flaws = Flaws {
+            white,
+            red,
+            memory,
+            scatter: self.scatter,
+            lag: self.lag.unwrap_or(0.0),
+            resolution: self.resolution,
+            spikes: self.spikes,
+            gaps: self.gaps,
+        };
+        let made = twin(&response, &air.times, &air.temperatures, &flaws, self.seed);
+        write_whole(&self.output, csv(&made, &air, &scene)?.as_bytes())?;
+        let truth = values(&response, scene.shear_stiffness);
+        let row = |quantity: &Quantity| {
+            let value = truth[*quantity as usize];
+            let value = if value.is_finite() { format!("{value:e}") } else { "none".to_string() };
+            Row::labelled(quantity.key(), [quantity.symbol().to_string(), value])
+        };
+        print(&aligned(&Quantity::ALL.iter().map(row).collect::<Vec<_>>(), "  "))?;
+        let samples = grouped(made.times.len() as u64);
+        note(&format!("{}: {samples} samples, {} slips", self.output.display(), made.slips));
+        Ok(())
+    }
+
+    /// The temperature of a scenario that has no measured one.
+    fn drawn(&self, set: &[Override]) -> Result<Air, Failure> {
+        let scenario = Scenario::read(&self.scenario, set)?;
+        let count = self.duration / self.every;
+        if !(2.0..=MOST).contains(&count) {
+            let problem = format!("{count:.0} samples are not between 2 and 1e7");
+            return Err(Failure::usage(problem, "choose other --duration and --every"));
+        }
+        let [times, temperatures] = drawn(&scenario.model.temperature, count as usize, self.every, self.seed);
+        Ok(Air { start: None, times, temperatures })
+    }
+}
+
+/// The measured temperature of a scenario.
+fn measured(scenario: &Path, file: &str, scene: &BridgeScene) -> Result<Air, Failure> {
+    let path = scenario.parent().unwrap_or(Path::new("")).join(file);
+    let column = scene.value.as_deref().map_or(Name::Beginning("temperature"), Name::Exactly);
+    let wanted = [Wanted { column, quantity: data::Quantity::Temperature, unit: None, max_gap: None }];
+    let mut table = data::read(&path, TimeColumn { name: &scene.time, zone: scene.zone.as_deref() }, &wanted)?;
+    for sentence in table.repairs.sentences() {
+        note(&format!("{}: {sentence}", path.display()));
+    }
+    let column = table.columns.swap_remove(0);
+    Ok(Air { start: table.start, times: column.times, temperatures: column.values })
+}
+
+/// The measurements as CSV: stamps, degrees and millimetres.
+fn csv(made: &Made, air: &Air, scene: &BridgeScene) -> Result<String, Failure> {
+    let out_of_calendar = || Failure::Run("the calendar does not reach so far".to_string());
+    let start = air.start.or_else(|| Start::parse(EPOCH)).ok_or_else(out_of_calendar)?;
+    let temperature = scene.value.as_deref().unwrap_or("temperature_degC");
+    let mut text = format!("{},{temperature},displacement_mm\n", scene.time);
+    for i in 0..made.times.len() {
+        let stamp = start.after(made.times[i]).ok_or_else(out_of_calendar)?;
+        let _ = writeln!(text, "{stamp},{:.3},{:.5}", made.temperatures[i], 1e3 * made.readings[i]);
+    }
+    Ok(text)
+}
+
+fn sensor_noise(text: &str) -> Result<SensorNoise, String> {
+    let mut parts = text.split(',');
+    let mut number = |default: f64| parts.next().map_or(Ok(default), not_negative);
+    let (white, red) = (number(0.0)?, number(0.0)?);
+    let memory = parts.next().map_or(Ok(86_400.0), parse_seconds)?;
+    match parts.next() {
+        None => Ok(SensorNoise { white, red, memory }),
+        Some(_) => Err("write at most three, e.g. 30e-6,150e-6,1d".to_string()),
+    }
+}
+
+fn not_negative(text: &str) -> Result<f64, String> {
+    let number = text.trim().parse::<f64>().ok().filter(|x| x.is_finite() && *x >= 0.0);
+    number.ok_or_else(|| "write a number, 0 or above".to_string())
+}
+
+fn share(text: &str) -> Result<f64, String> {
+    not_negative(text).ok().filter(|x| *x < 0.5).ok_or_else(|| "write a number from 0 to below 0.5".to_string())
+}
+
+fn parse_seconds(text: &str) -> Result<f64, String> {
+    parse_duration(text).map(|duration| duration.as_secs_f64())
+}

@@ -1,0 +1,80 @@
+//! What a calibration needs of a scenario, and no more: it runs nothing, so that `[time]` and what drives the body may be
+//! missing.
+
+use super::error::{Fault, ScenarioError};
+use super::fields::Fields;
+use super::keys::{self, Key, Range};
+use super::overrides::Override;
+use super::source::Sources;
+use super::tree;
+use crate::scenario::Scenario;
+use std::path::Path;
+
+/// A bearing in a scenario: where a search begins, and how its data are read.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BridgeScene {
+    /// What it is about, in a line.
+    pub title: String,
+    /// K.
+    pub stiffness: f64,
+    /// beta.
+    pub dilatation: f64,
+    /// f_s.
+    pub f_s: f64,
+    /// f_d.
+    pub f_d: f64,
+    /// K_BP, if it is known.
+    pub shear_stiffness: Option<f64>,
+    /// z0.
+    pub offset: f64,
+    /// x(0); none where it is not a number ("balanced", "free").
+    pub displacement: Option<f64>,
+    /// Where the temperature of the scenario is, relative to it.
+    pub file: Option<String>,
+    /// The column of times.
+    pub time: String,
+    /// The column of temperatures; none for the one whose name begins with `temperature`.
+    pub value: Option<String>,
+    /// The zone of stamps that name none.
+    pub zone: Option<String>,
+    /// The text of the scenario.
+    pub text: String,
+}
+
+const SHEAR_STIFFNESS: Key =
+    Key { name: "stiffness", symbol: "K_BP", meaning: "shear stiffness of the bearing", range: Range::Positive };
+const OFFSET: Key = Key { name: "offset", symbol: "z0", meaning: "what the sensor shows at x = 0", range: Range::Any };
+
+impl BridgeScene {
+    /// Read a file, with the overrides laid over it.
+    pub fn read(path: &Path, overrides: &[Override]) -> Result<Self, ScenarioError> {
+        let (name, text) = Scenario::text_of(path)?;
+        Ok(scene(&Sources { name: &name, text: &text, overrides })?)
+    }
+}
+
+fn scene(sources: &Sources<'_>) -> Result<BridgeScene, Box<Fault>> {
+    let tree = tree::read(sources)?;
+    let root = Fields::of_any(sources, &tree)?;
+    let table = |name: &str| root.any_table(name);
+    let (oscillator, friction) = (root.table("oscillator")?, root.table("friction")?);
+    let (bearing, series) = (table("bearing")?, table("temperature")?.any_table("series")?);
+    let line = |name: &str| Ok::<_, Box<Fault>>(Some(series.line_or(name, "")?).filter(|text| !text.is_empty()));
+    let stem = Path::new(sources.name).file_stem().unwrap_or_default().to_string_lossy();
+    let initial = root.table("initial")?.number_or_word(keys::DISPLACEMENT, &["balanced", "free"])?;
+    Ok(BridgeScene {
+        title: root.line_or("title", &stem)?,
+        stiffness: oscillator.number(keys::STIFFNESS)?.value,
+        dilatation: oscillator.number(keys::DILATATION)?.value,
+        f_s: friction.number(keys::STATIC)?.value,
+        f_d: friction.number(keys::DYNAMIC)?.value,
+        shear_stiffness: bearing.number_if_present(SHEAR_STIFFNESS)?.map(|read| read.value),
+        offset: bearing.number_or(OFFSET, 0.0)?.value,
+        displacement: initial.and_then(Result::ok).map(|read| read.value),
+        file: line("file")?,
+        time: series.line_or("time", "time")?,
+        value: line("value")?,
+        zone: line("zone")?,
+        text: sources.text.to_string(),
+    })
+}

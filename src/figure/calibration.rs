@@ -1,0 +1,78 @@
+//! A calibrated bearing against time: the displacement as measured and as the model has it, and the temperature; all of it, and two
+//! stretches closer.
+
+use super::axis::{Axis, range_of};
+use super::kit::{Label, Scene, Stroke};
+use super::panel::{Mark, Panel};
+use super::sheet::{Entry, sheet};
+use super::subject::{Absent, Figure, Subject};
+use super::theme::{Style, THIN};
+use crate::study::calibration::Calibration;
+use std::ops::Range;
+
+/// The figure.
+pub const FIGURE: Figure =
+    Figure { name: "calibration", shows: "measured and modelled displacement against time", draws: draw };
+
+pub(super) const DAY: f64 = 86_400.0;
+
+/// Points of a curve, at most: more are closer together than a printer's dots.
+pub(super) const POINTS: usize = 8_000;
+
+/// Where the closer looks begin, as shares of the whole, and how long they are in days.
+const CLOSER: ([f64; 2], f64) = ([0.1, 0.6], 30.0);
+
+fn draw(subject: &Subject, style: &Style) -> Result<Scene, Absent> {
+    let (title, calibration) = subject.calibration()?;
+    let palette = style.palette();
+    let days = calibration.record.times.last().copied().unwrap_or(0.0) / DAY;
+    let mut panels = pair(calibration, [0.0, days], 75.0, style);
+    for from in CLOSER.0 {
+        let from = (from * days).floor();
+        if from + CLOSER.1 < days {
+            panels.extend(pair(calibration, [from, from + CLOSER.1], 60.0, style));
+        }
+    }
+    let legend = [
+        Entry::line(Stroke::solid(palette.first, 1.0), "measured"),
+        Entry::line(Stroke::solid(palette.second, 1.0), "model"),
+        Entry::mark(Mark::Triangle, palette.third, "slip that was seen"),
+    ];
+    Ok(sheet(style, &format!("Calibration: {title}"), &legend, &panels, ""))
+}
+
+/// Displacement above temperature, between two days.
+fn pair(calibration: &Calibration, days: [f64; 2], height: f64, style: &Style) -> Vec<Panel> {
+    let palette = style.palette();
+    let record = &calibration.record;
+    let shown = within(&record.times, days);
+    let step = shown.len().div_ceil(POINTS).max(1);
+    let curve = |values: &[f64], scale: f64| -> Vec<[f64; 2]> {
+        shown.clone().step_by(step).map(|i| [record.times[i] / DAY, scale * values[i]]).collect()
+    };
+    let time = || Axis::linear(days, Label::new("time *t*"), "d");
+    let (measured, modelled) = (curve(&record.readings, 1e3), curve(&calibration.modelled, 1e3));
+    let heights = measured.iter().chain(&modelled).map(|point| point[1]);
+    let [low, high] = range_of(heights.filter(|z| z.is_finite()));
+    let room = 0.12 * (high - low);
+    let mut above = Panel::new(time(), Axis::linear([low - room, high + room], Label::new("*z*"), "mm"), height);
+    above.line(measured, Stroke::solid(palette.first, THIN));
+    above.line(modelled, Stroke::solid(palette.second, THIN));
+    // So many marks stand apart; more would be a line.
+    if days[1] - days[0] <= CLOSER.1 {
+        let seen = calibration.slips.iter().filter(|slip| (days[0]..days[1]).contains(&(slip.time / DAY)));
+        for slip in seen {
+            above.mark([slip.time / DAY, low - 0.5 * room], Mark::Triangle, palette.third);
+        }
+    }
+    let warmth = curve(&record.temperatures, 1.0);
+    let values: Vec<f64> = warmth.iter().map(|point| point[1]).collect();
+    let mut below = Panel::new(time(), Axis::around(values, Label::new("*T*"), "°C"), 0.55 * height);
+    below.line(warmth, Stroke::solid(palette.fourth, THIN));
+    vec![above.above_another(), below]
+}
+
+/// The samples between two days.
+fn within(times: &[f64], [from, to]: [f64; 2]) -> Range<usize> {
+    times.partition_point(|t| *t < from * DAY)..times.partition_point(|t| *t <= to * DAY)
+}

@@ -1,0 +1,41 @@
+//! Displacement against temperature: the loops of a bearing that sticks, measured and modelled.
+
+use super::axis::{Axis, range_of};
+use super::calibration::POINTS;
+use super::kit::{Label, Scene, Stroke};
+use super::panel::Panel;
+use super::sheet::{Entry, sheet};
+use super::subject::{Absent, Figure, Subject};
+use super::theme::{Style, THIN};
+
+/// The figure.
+pub const FIGURE: Figure =
+    Figure { name: "loops", shows: "displacement against temperature, measured and modelled", draws: draw };
+
+fn draw(subject: &Subject, style: &Style) -> Result<Scene, Absent> {
+    let (title, calibration) = subject.calibration()?;
+    let palette = style.palette();
+    let record = &calibration.record;
+    let step = record.times.len().div_ceil(POINTS).max(1);
+    let curve = |readings: &[f64]| -> Vec<[f64; 2]> {
+        (0..record.times.len()).step_by(step).map(|i| [record.temperatures[i], 1e3 * readings[i]]).collect()
+    };
+    let (measured, modelled) = (curve(&record.readings), curve(&calibration.modelled));
+    let range = |k: usize| range_of(measured.iter().chain(&modelled).map(|point| point[k]).filter(|x| x.is_finite()));
+    let wider = |[low, high]: [f64; 2]| [low - 0.04 * (high - low), high + 0.04 * (high - low)];
+    let (warmth, height) = (wider(range(0)), wider(range(1)));
+    let panel = |letter: char, points: Vec<[f64; 2]>, stroke: Stroke| {
+        let x = Axis::linear(warmth, Label::new("temperature *T*"), "°C");
+        let mut panel = Panel::new(x, Axis::linear(height, Label::new("*z*"), "mm"), 130.0).lettered(letter);
+        panel.line(points, stroke);
+        panel
+    };
+    let [first, second] = [palette.first, palette.second].map(|colour| Stroke::solid(colour, 0.3));
+    let above = panel('a', measured, first).above_another();
+    let below = panel('b', modelled, second);
+    let legend = [
+        Entry::line(Stroke::solid(palette.first, THIN), "measured"),
+        Entry::line(Stroke::solid(palette.second, THIN), "model"),
+    ];
+    Ok(sheet(style, &format!("Loops: {title}"), &legend, &[above, below], ""))
+}

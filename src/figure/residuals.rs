@@ -1,0 +1,62 @@
+//! What a calibrated model leaves of the measurement: against time, how long it lasts, and where the starts of the least squares ended.
+
+use super::axis::Axis;
+use super::calibration::{DAY, POINTS};
+use super::kit::{Label, Scene, Stroke};
+use super::panel::{Mark, Panel};
+use super::sheet::{Entry, sheet};
+use super::subject::{Absent, Figure, Subject};
+use super::theme::{Style, THIN};
+use crate::study::calibration::Quantity;
+
+/// The figure.
+pub const FIGURE: Figure =
+    Figure { name: "residuals", shows: "what the calibrated model leaves, and the starts of its search", draws: draw };
+
+fn draw(subject: &Subject, style: &Style) -> Result<Scene, Absent> {
+    let (title, calibration) = subject.calibration()?;
+    let palette = style.palette();
+    let record = &calibration.record;
+    let days = record.times.last().copied().unwrap_or(0.0) / DAY;
+    let step = record.times.len().div_ceil(POINTS).max(1);
+    let left: Vec<[f64; 2]> = (0..record.times.len())
+        .step_by(step)
+        .map(|i| [record.times[i] / DAY, 1e3 * (record.readings[i] - calibration.modelled[i])])
+        .collect();
+    let seen: Vec<f64> = left.iter().map(|point| point[1]).filter(|x| x.is_finite()).collect();
+    let time = Axis::linear([0.0, days], Label::new("time *t*"), "d");
+    let mut against_time =
+        Panel::new(time, Axis::around(seen, Label::new("measured − model"), "mm"), 70.0).lettered('a');
+    against_time.line(left, Stroke::solid(palette.first, 0.4));
+    against_time.level(0.0, Stroke::solid(palette.faint, 0.4));
+
+    let correlation: Vec<[f64; 2]> =
+        calibration.residuals.autocorrelation.iter().map(|(hours, r)| [hours / 24.0, *r]).collect();
+    let delay = Axis::linear([0.0, 5.2], Label::new("delay"), "d");
+    let range = [correlation.iter().map(|point| point[1]).fold(-0.1, f64::min), 1.05];
+    let mut memory = Panel::new(delay, Axis::linear(range, Label::new("autocorrelation"), ""), 60.0).lettered('b');
+    memory.level(0.0, Stroke::solid(palette.faint, 0.4));
+    correlation.iter().for_each(|point| memory.mark(*point, Mark::Disc, palette.first));
+    memory.line(correlation, Stroke::solid(palette.first, THIN));
+
+    let mut panels = vec![against_time, memory];
+    let mut legend = Vec::new();
+    if !calibration.starts.is_empty() {
+        let best = calibration.starts.iter().map(|start| start.err).fold(f64::INFINITY, f64::min);
+        let values = calibration.start_values();
+        let ways: Vec<f64> = values.iter().map(|values| 1e3 * values[Quantity::StaticWay as usize]).collect();
+        let above: Vec<f64> = calibration.starts.iter().map(|start| 100.0 * (start.err / best - 1.0)).collect();
+        let chosen = calibration.estimate(Quantity::StaticWay);
+        let ends = [1e3 * chosen.low, 1e3 * chosen.high];
+        let around = ways.iter().copied().chain(ends).filter(|x| x.is_finite());
+        let x = Axis::around(around, Label::new("*f*_{s}/*K*"), "mm");
+        let y = Axis::around(above.iter().copied().chain([0.0, 0.2]), Label::new("err above best"), "%");
+        let mut starts = Panel::new(x, y, 50.0).lettered('c');
+        ways.iter().zip(&above).for_each(|(way, above)| starts.mark([*way, *above], Mark::Circle, palette.second));
+        starts.interval_across(0.1, ends, palette.first);
+        panels.push(starts);
+        legend.push(Entry::mark(Mark::Circle, palette.second, "a start of the least squares"));
+        legend.push(Entry::line(Stroke::solid(palette.first, 1.0), "interval of the estimate"));
+    }
+    Ok(sheet(style, &format!("Residuals: {title}"), &legend, &panels, ""))
+}

@@ -1,0 +1,344 @@
+//! The file of a calibration: the record, what was found in it, and what the model makes of it.
+
+use super::error::{cause, is_full, system_error};
+use super::layout::{Unit, Variable, variable};
+use super::reader::{check_signature, open};
+use super::variable::{Place, read_or_empty, read_text, text, write_attribute, write_text};
+use super::writer::create_file;
+use super::{StoreError, discard_partial, partial_path};
+use crate::provenance::{GIT_HASH, PROGRAM_VERSION};
+use crate::stats::{Dimension, Units};
+use crate::study::calibration::{
+    Calibration, Estimate, Lag, LagProfile, Method, Quantity, Question, Record, Residuals, SeenSlip, Spikes, Start,
+    Values, response_of,
+};
+use hdf5::File;
+use hdf5::types::VarLenUnicode;
+use std::path::Path;
+
+/// What `format_name` says in the file of a calibration.
+pub const CALIBRATION_FORMAT_NAME: &str = "stick-slip calibration";
+
+/// Major and minor version of that format.
+pub const CALIBRATION_FORMAT_VERSION: (u32, u32) = (1, 0);
+
+/// What a file of a calibration says.
+#[derive(Clone, Debug, PartialEq)]
+pub struct StoredCalibration {
+    /// What it is about, in a line.
+    pub title: String,
+    /// The scenario, as it was written.
+    pub scenario_text: String,
+    /// The result; its warnings are in `warnings`.
+    pub calibration: Calibration,
+    /// Name and sentence of each warning.
+    pub warnings: Vec<(String, String)>,
+}
+
+/// Write a calibration: `NAME.partial` first, then `NAME` in one step. With `force`, a leftover goes.
+pub fn write_calibration(
+    target: &Path,
+    title: &str,
+    scenario_text: &str,
+    calibration: &Calibration,
+    force: bool,
+) -> Result<(), StoreError> {
+    let partial = partial_path(target);
+    if force {
+        discard_partial(target)?;
+    } else if partial.exists() {
+        return Err(StoreError::LeftOver { partial });
+    }
+    let file = create_file(&partial)
+        .map_err(|error| StoreError::NotCreated { partial: partial.clone(), cause: cause(&error) })?;
+    let [time, length, force_unit, temperature] = ["s", "m", "N", "K"].map(String::from);
+    let place = Place { file, units: Units { time, length, force: force_unit, temperature } };
+    let written = attributes(&place.file, title, scenario_text, calibration)
+        .and_then(|()| variables(&place, calibration))
+        .and_then(|()| place.file.flush());
+    if let Err(error) = written {
+        // As for a run: closing a file that could not be written may crash the library.
+        std::mem::forget(place);
+        let (full, cause) = (system_error(&error).is_some_and(|system| is_full(&system)), cause(&error));
+        return Err(match full {
+            true => StoreError::DiskFull { partial, completed_paths: 0, cause },
+            false => StoreError::Write { partial, completed_paths: 0, cause },
+        });
+    }
+    drop(place);
+    std::fs::rename(&partial, target).map_err(|source| StoreError::Rename { partial, target: target.into(), source })
+}
+
+fn attributes(file: &File, title: &str, scenario_text: &str, calibration: &Calibration) -> hdf5::Result<()> {
+    let Calibration { question, lag, spikes, .. } = calibration;
+    let (major, minor) = CALIBRATION_FORMAT_VERSION;
+    for (name, value) in [
+        ("Conventions", "CF-1.11"),
+        ("title", title),
+        ("format_name", CALIBRATION_FORMAT_NAME),
+        ("format_version", &format!("{major}.{minor}")),
+        ("program_version", PROGRAM_VERSION),
+        ("git_hash", GIT_HASH),
+        ("scenario", scenario_text),
+        ("method", question.method.name()),
+        ("lag_choice", if question.lag == Lag::Auto { "auto" } else { "given" }),
+    ] {
+        write_text(file, name, value)?;
+    }
+    if let Some(shear_stiffness) = question.shear_stiffness {
+        write_attribute(file, "shear_stiffness", shear_stiffness)?;
+    }
+    for (name, value) in [
+        ("interval", question.level),
+        ("lag", lag.estimate),
+        ("lag_low", lag.low),
+        ("lag_high", lag.high),
+        ("residual_rms", calibration.residuals.rms),
+    ] {
+        write_attribute(file, name, value)?;
+    }
+    if let Some(profile) = &calibration.lag_profile {
+        write_attribute(file, "lag_likeliest", profile.likeliest)?;
+        write_attribute(file, "lag_gain", profile.gain)?;
+    }
+    for (name, value) in [
+        ("spikes_displacement", spikes.readings as u64),
+        ("spikes_temperature", spikes.temperatures as u64),
+        ("mirrored", u64::from(calibration.is_mirrored)),
+    ] {
+        write_attribute(file, name, value)?;
+    }
+    let warnings: Vec<String> =
+        calibration.warnings.iter().map(|warning| format!("{}: {warning}", warning.name())).collect();
+    if warnings.is_empty() { Ok(()) } else { write_text(file, "warnings", &warnings.join("\n")) }
+}
+
+fn texts<'a>(of: impl IntoIterator<Item = &'a str>) -> hdf5::Result<Vec<VarLenUnicode>> {
+    of.into_iter().map(text).collect()
+}
+
+fn ends(estimates: &[Estimate]) -> [Vec<f64>; 3] {
+    let of = |end: fn(&Estimate) -> f64| estimates.iter().map(end).collect();
+    [of(|estimate| estimate.estimate), of(|estimate| estimate.low), of(|estimate| estimate.high)]
+}
+
+fn variables(place: &Place, calibration: &Calibration) -> hdf5::Result<()> {
+    let keys = texts(Quantity::ALL.map(Quantity::key))?;
+    place.put(&QUANTITY, &keys)?;
+    place.put(&QUANTITY_SYMBOL, &texts(Quantity::ALL.map(Quantity::symbol))?)?;
+    place.put(&QUANTITY_UNIT, &texts(Quantity::ALL.map(Quantity::unit))?)?;
+    for (variable, values) in [&ESTIMATE, &LOW, &HIGH].into_iter().zip(ends(&calibration.estimates)) {
+        place.put(variable, &values)?;
+    }
+    if let Some(others) = &calibration.least_squares {
+        for (variable, values) in [&ERR_ESTIMATE, &ERR_LOW, &ERR_HIGH].into_iter().zip(ends(others)) {
+            place.put(variable, &values)?;
+        }
+    }
+    if !calibration.correlations.is_empty() {
+        place.put(&OTHER, &keys)?;
+        place.put(&CORRELATION, &calibration.correlations.concat())?;
+    }
+    let slips = &calibration.slips;
+    let of = |value: fn(&SeenSlip) -> f64| slips.iter().map(value).collect::<Vec<f64>>();
+    place.put(&SLIP, &numbers(slips.len()))?;
+    place.put(&SLIP_TIME, &of(|slip| slip.time))?;
+    place.put(&SLIP_TEMPERATURE, &of(|slip| slip.temperature))?;
+    place.put(&SLIP_JUMP, &of(|slip| slip.jump))?;
+    place.put(&SLIP_USUAL, &slips.iter().map(|slip| i8::from(slip.is_usual)).collect::<Vec<_>>())?;
+    place.put(&START, &numbers(calibration.starts.len()))?;
+    place.put(&START_ERR, &calibration.starts.iter().map(|start| start.err).collect::<Vec<_>>())?;
+    place.put(&START_VALUE, &calibration.start_values().concat())?;
+    if let Some(profile) = &calibration.lag_profile {
+        place.put(&LAG, &profile.profile.iter().map(|(lag, _)| *lag).collect::<Vec<_>>())?;
+        place.put(&LAG_DEVIANCE, &profile.profile.iter().map(|(_, deviance)| *deviance).collect::<Vec<_>>())?;
+    }
+    let correlation = &calibration.residuals.autocorrelation;
+    place.put(&DELAY, &correlation.iter().map(|(delay, _)| *delay).collect::<Vec<_>>())?;
+    place.put(&AUTOCORRELATION, &correlation.iter().map(|(_, correlation)| *correlation).collect::<Vec<_>>())?;
+    place.put(&TIME, &calibration.record.times)?;
+    place.put(&TEMPERATURE, &calibration.record.temperatures)?;
+    place.put(&STEEL, &calibration.steel)?;
+    place.put(&READING, &calibration.record.readings)?;
+    place.put(&MODELLED, &calibration.modelled)
+}
+
+fn numbers(count: usize) -> Vec<u32> {
+    (0..).take(count).collect()
+}
+
+/// Read the file of a calibration.
+pub fn read_calibration(path: &Path) -> Result<StoredCalibration, StoreError> {
+    check_signature(path)?;
+    let file = open(path)?;
+    let damaged = |error: hdf5::Error| StoreError::Damaged { path: path.to_owned(), cause: cause(&error) };
+    if read_text(&file, "format_name").ok().as_deref() != Some(CALIBRATION_FORMAT_NAME) {
+        return Err(StoreError::Foreign { path: path.to_owned() });
+    }
+    let version = read_text(&file, "format_version").map_err(damaged)?;
+    let version = version.split_once('.').and_then(|(a, b)| Some((a.parse::<u32>().ok()?, b.parse::<u32>().ok()?)));
+    if let Some((major, minor)) = version.filter(|version| version.0 > CALIBRATION_FORMAT_VERSION.0) {
+        return Err(StoreError::Newer { path: path.to_owned(), major, minor });
+    }
+    stored(&file).map_err(damaged)
+}
+
+fn stored(file: &File) -> hdf5::Result<StoredCalibration> {
+    let number = |name: &str| file.attr(name)?.read_scalar::<f64>();
+    let whole = |name: &str| file.attr(name)?.read_scalar::<u64>();
+    let column = |variable: &Variable| read_or_empty::<f64>(file, variable);
+    // Every column has the length of its coordinate.
+    let along = |variable: &Variable, length: usize| match column(variable)? {
+        values if values.len() == length => Ok(values),
+        values => Err(hdf5::Error::from(format!("{} has {} values, not {length}", variable.name, values.len()))),
+    };
+    let all = Quantity::ALL.len();
+    let estimates = |variables: [&Variable; 3]| -> hdf5::Result<[Estimate; Quantity::ALL.len()]> {
+        let [estimate, low, high] = variables.map(|variable| along(variable, all));
+        let (estimate, low, high) = (estimate?, low?, high?);
+        Ok(std::array::from_fn(|i| Estimate { estimate: estimate[i], low: low[i], high: high[i] }))
+    };
+    let rows = |values: &[f64]| -> Vec<Values> {
+        values.chunks_exact(all).map(|row| std::array::from_fn(|i| row[i])).collect()
+    };
+    let times = column(&TIME)?;
+    let n = times.len();
+    let record = Record { temperatures: along(&TEMPERATURE, n)?, readings: along(&READING, n)?, times };
+    let found = estimates([&ESTIMATE, &LOW, &HIGH])?;
+    let slip_times = column(&SLIP_TIME)?;
+    let slips = slip_times.len();
+    let (temperatures, jumps) = (along(&SLIP_TEMPERATURE, slips)?, along(&SLIP_JUMP, slips)?);
+    let usual = read_or_empty::<i8>(file, &SLIP_USUAL)?;
+    let errs = column(&START_ERR)?;
+    let starts = rows(&along(&START_VALUE, errs.len() * all)?);
+    let lags = column(&LAG)?;
+    let deviances = along(&LAG_DEVIANCE, lags.len())?;
+    let delays = column(&DELAY)?;
+    let correlations = along(&AUTOCORRELATION, delays.len())?;
+    let method = Method::from_name(&read_text(file, "method")?).ok_or("an unknown method")?;
+    let lag = Estimate { estimate: number("lag")?, low: number("lag_low")?, high: number("lag_high")? };
+    let response = response_of(&found.map(|estimate| estimate.estimate));
+    let question = Question {
+        method,
+        shear_stiffness: file.attr("shear_stiffness").is_ok().then(|| number("shear_stiffness")).transpose()?,
+        starts: errs.len() as u32,
+        lag: if read_text(file, "lag_choice")? == "auto" { Lag::Auto } else { Lag::Known(lag.estimate) },
+        level: number("interval")?,
+        guess: response.motion,
+    };
+    let profile = (!lags.is_empty()).then(|| {
+        let profile = lags.into_iter().zip(deviances).collect();
+        Ok::<_, hdf5::Error>(LagProfile { likeliest: number("lag_likeliest")?, gain: number("lag_gain")?, profile })
+    });
+    let calibration = Calibration {
+        question,
+        steel: along(&STEEL, n)?,
+        modelled: along(&MODELLED, n)?,
+        record,
+        spikes: Spikes {
+            readings: whole("spikes_displacement")? as usize,
+            temperatures: whole("spikes_temperature")? as usize,
+        },
+        is_mirrored: whole("mirrored")? != 0,
+        response,
+        estimates: found,
+        least_squares: file
+            .link_exists(ERR_ESTIMATE.name)
+            .then(|| estimates([&ERR_ESTIMATE, &ERR_LOW, &ERR_HIGH]))
+            .transpose()?,
+        correlations: rows(&column(&CORRELATION)?),
+        slips: (0..slips)
+            .map(|i| SeenSlip {
+                time: slip_times[i],
+                temperature: temperatures[i],
+                jump: jumps[i],
+                is_usual: usual.get(i) == Some(&1),
+            })
+            .collect(),
+        lag,
+        lag_profile: profile.transpose()?,
+        starts: errs
+            .into_iter()
+            .zip(&starts)
+            .map(|(err, values)| Start { err, response: response_of(values) })
+            .collect(),
+        residuals: Residuals {
+            rms: number("residual_rms")?,
+            autocorrelation: delays.into_iter().zip(correlations).collect(),
+        },
+        warnings: Vec::new(),
+    };
+    let warnings = if file.attr("warnings").is_ok() { read_text(file, "warnings")? } else { String::new() };
+    let split = |line: &str| line.split_once(": ").map(|(name, text)| (name.to_string(), text.to_string()));
+    Ok(StoredCalibration {
+        title: read_text(file, "title")?,
+        scenario_text: read_text(file, "scenario")?,
+        calibration,
+        warnings: warnings.lines().filter_map(split).collect(),
+    })
+}
+
+const LENGTH: Unit = Unit::Of(Dimension::LENGTH);
+const TEMPERATURES: Unit = Unit::Of(Dimension::TEMPERATURE);
+const PER_QUANTITY: &[(&str, &str)] = &[("coordinates", "quantity_symbol quantity_unit")];
+
+/// Declares the variables and the list of all of them together, so that neither can miss one.
+macro_rules! table {
+    ($($constant:ident = $value:expr;)*) => {
+        $(const $constant: Variable = $value;)*
+        #[cfg(test)]
+        const ALL: &[&Variable] = &[$(&$constant),*];
+    };
+}
+
+table! {
+    QUANTITY = variable("quantity", &["quantity"], Unit::None, "key of the quantity");
+    QUANTITY_SYMBOL = variable("quantity_symbol", &["quantity"], Unit::None, "symbol of the quantity");
+    QUANTITY_UNIT = variable("quantity_unit", &["quantity"], Unit::None, "unit of the quantity");
+    ESTIMATE = variable("estimate", &["quantity"], Unit::None, "estimate").with(PER_QUANTITY);
+    LOW = variable("interval_low", &["quantity"], Unit::None, "lower end of the interval").with(PER_QUANTITY);
+    HIGH = variable("interval_high", &["quantity"], Unit::None, "upper end of the interval").with(PER_QUANTITY);
+    ERR_ESTIMATE = variable("least_squares", &["quantity"], Unit::None,
+        "estimate by the least squares, from the best of its starts").with(PER_QUANTITY);
+    ERR_LOW = variable("least_squares_low", &["quantity"], Unit::None,
+        "lower end of the interval of the least squares").with(PER_QUANTITY);
+    ERR_HIGH = variable("least_squares_high", &["quantity"], Unit::None,
+        "upper end of the interval of the least squares").with(PER_QUANTITY);
+    OTHER = variable("other", &["other"], Unit::None, "key of the other quantity");
+    CORRELATION = variable("correlation", &["quantity", "other"], Unit::ONE,
+        "correlation of the errors of two quantities");
+    SLIP = variable("slip", &["slip"], Unit::ONE, "number of the slip");
+    SLIP_TIME = variable("slip_time", &["slip"], Unit::Seconds, "time of the slip, in the middle between two samples");
+    SLIP_TEMPERATURE = variable("slip_temperature", &["slip"], TEMPERATURES, "temperature of steel at the slip");
+    SLIP_JUMP = variable("slip_jump", &["slip"], LENGTH, "jump of the displacement less kappa beta T");
+    SLIP_USUAL = variable("slip_usual", &["slip"], Unit::None, "whether the slip is alone and of the usual size")
+        .flags(&[0, 1], &[("flag_meanings", "left_out fitted")]);
+    START = variable("start", &["start"], Unit::ONE, "number of the start of the least squares");
+    START_ERR = variable("start_err", &["start"], Unit::Of(Dimension::AREA),
+        "mean square of model less measurement");
+    START_VALUE = variable("start_value", &["start", "quantity"], Unit::None, "what the start found");
+    LAG = variable("lag", &["lag"], Unit::Seconds, "lag of steel behind the thermometer");
+    LAG_DEVIANCE = variable("lag_deviance", &["lag"], Unit::ONE,
+        "twice the logarithm of the largest likelihood over that of this lag");
+    DELAY = variable("delay", &["delay"], Unit::None, "delay in hours").with(&[("units", "h")]);
+    AUTOCORRELATION = variable("residual_autocorrelation", &["delay"], Unit::ONE,
+        "correlation of residuals that are so far apart");
+    TIME = variable("time", &["time"], Unit::Seconds, "time since the first sample").with(&[("axis", "T")]);
+    TEMPERATURE = variable("temperature", &["time"], TEMPERATURES, "temperature as measured, without spikes");
+    STEEL = variable("steel_temperature", &["time"], TEMPERATURES, "temperature of steel, behind the measured one");
+    READING = variable("displacement", &["time"], LENGTH, "displacement as measured, without spikes");
+    MODELLED = variable("displacement_modelled", &["time"], LENGTH, "displacement of the model");
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_documentation_names_every_variable() {
+        let text = include_str!("../../docs/output-format.md");
+        for variable in ALL {
+            assert!(text.contains(&format!("`{}`", variable.name)), "{}", variable.name);
+        }
+    }
+}

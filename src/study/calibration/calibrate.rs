@@ -1,0 +1,125 @@
+//! From a record to a calibration.
+
+use super::doubts::doubts;
+use super::lag;
+use super::misfit::Misfit;
+use super::quantity::Quantity;
+use super::question::{CalibrationError, LEAST, Lag, Method, Question};
+use super::report::{Calibration, Parts};
+use super::samples::Record;
+use super::slips::Evidence;
+use super::spikes;
+use super::starts::{Search, starts};
+use super::uncertainty::{Around, Replicates};
+use std::sync::atomic::AtomicBool;
+
+/// Fewer usual slips than this tell nothing.
+const FEWEST_SLIPS: usize = 6;
+
+/// Find the parameters of a bearing.
+///
+/// # Errors
+///
+/// Where the record says nothing.
+pub fn calibrate(
+    record: &Record,
+    question: &Question,
+    threads: usize,
+    stop: &AtomicBool,
+) -> Result<Calibration, CalibrationError> {
+    check(record)?;
+    let resolution = record.resolution();
+    let (clean, spikes) = spikes::without_spikes(record);
+    let (clean, is_mirrored) = upright(clean);
+    let given = match question.lag {
+        Lag::Known(lag) => lag,
+        Lag::Auto => 0.0,
+    };
+    let see = |lag: f64| Evidence::find(&clean.lagged(lag).samples(), resolution).filter(is_visible);
+    let mut evidence = see(given);
+    let mut profile = evidence.as_ref().map(|evidence| lag::lag_profile(&clean, evidence));
+    let mut used = given;
+    if let (Lag::Auto, Some(first)) = (question.lag, &profile)
+        && first.gain > lag::CONVINCING
+        && let Some(second) = see(first.likeliest)
+    {
+        let again = lag::lag_profile(&clean, &second);
+        used = again.likeliest;
+        evidence = see(used);
+        profile = Some(again);
+    }
+    let steel = clean.lagged(used);
+    let around = evidence.map(|evidence| match question.lag {
+        Lag::Auto if used > 0.0 => Around::lag(evidence, &clean, used),
+        _ => Around { here: evidence, beside: None },
+    });
+    let by_slips = around.as_ref().and_then(|around| around.here.fit(&around.here.unweighted()));
+    if by_slips.is_none() && question.method == Method::Slips {
+        return Err(CalibrationError::NoSlips);
+    }
+    let replicates = around.as_ref().map(|around| Replicates::new(around, question.shear_stiffness));
+    let deviations = replicates.as_ref().map(Replicates::deviations);
+    let misfit = Misfit::new(&steel);
+    let found = if question.method == Method::Slips {
+        Vec::new()
+    } else {
+        let search = match (&by_slips, &deviations) {
+            (Some(fit), Some(sd)) => {
+                Search::around(&fit.motion, [sd[Quantity::Reach as usize], sd[Quantity::Jump as usize]])
+            }
+            _ => Search::guessed(&question.guess),
+        };
+        starts(&misfit, &search, question.starts, threads, stop)
+    };
+    let evidence = around.as_ref().map(|around| &around.here).filter(|_| by_slips.is_some());
+    let mut calibration = Calibration::new(Parts {
+        question,
+        record: &clean,
+        steel: &steel,
+        spikes,
+        is_mirrored,
+        used,
+        profile,
+        evidence,
+        by_slips,
+        replicates,
+        deviations,
+        misfit: &misfit,
+        starts: found,
+    });
+    calibration.warnings = doubts(&calibration, evidence);
+    Ok(calibration)
+}
+
+fn check(record: &Record) -> Result<(), CalibrationError> {
+    let seen = record.samples();
+    if seen.times.len() < LEAST {
+        return Err(CalibrationError::TooShort(seen.times.len()));
+    }
+    let is_constant = |values: &[f64]| values.iter().all(|value| *value == values[0]);
+    for (name, values) in [("temperature", &seen.temperatures), ("displacement", &seen.readings)] {
+        if is_constant(values) {
+            return Err(CalibrationError::Constant(name));
+        }
+    }
+    Ok(())
+}
+
+/// Whether slips are seen well enough to tell anything.
+fn is_visible(evidence: &Evidence) -> bool {
+    let usual = evidence.slips.iter().filter(|slip| slip.is_usual).count();
+    usual >= FEWEST_SLIPS && evidence.reversals.len() >= 2
+}
+
+/// The record with displacements that grow with temperature: a sensor may count the other way.
+fn upright(record: Record) -> (Record, bool) {
+    let seen = record.samples();
+    let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
+    let (t, z) = (mean(&seen.temperatures), mean(&seen.readings));
+    let together: f64 = seen.temperatures.iter().zip(&seen.readings).map(|(a, b)| (a - t) * (b - z)).sum();
+    if together >= 0.0 {
+        return (record, false);
+    }
+    let readings = record.readings.iter().map(|reading| -reading).collect();
+    (Record { readings, ..record }, true)
+}

@@ -1,0 +1,82 @@
+//! Which warnings a calibration deserves.
+
+use super::lag::CONVINCING;
+use super::quantity::Quantity;
+use super::question::{Lag, Method};
+use super::report::Calibration;
+use super::slips::Evidence;
+use super::spikes::Spikes;
+use super::warning::Warning;
+
+/// Relative differences of err from which starts disagree.
+const AGREE: f64 = 1e-3;
+
+/// A gap with a standard error of more than this share of itself is not identified.
+const IDENTIFIED: f64 = 0.25;
+
+/// Slips that explain less of the way than this are not all there is.
+const EXPLAINED: f64 = 0.9;
+
+/// Slips that scatter so much more than noise does say that friction does.
+const SCATTER: f64 = 0.2;
+
+/// What to beware of; `evidence` is there if slips were seen.
+pub(super) fn doubts(calibration: &Calibration, evidence: Option<&Evidence>) -> Vec<Warning> {
+    let mut found = Vec::new();
+    let estimate = |quantity| calibration.estimate(quantity);
+    if calibration.question.shear_stiffness.is_none() {
+        found.push(Warning::NoShearStiffness);
+    }
+    if evidence.is_none() {
+        found.push(Warning::NoSlips);
+    }
+    let jump = estimate(Quantity::Jump);
+    let is_told = jump.high - jump.low < 2.0 * 1.645 * IDENTIFIED * jump.estimate && jump.low > 0.0;
+    let explained = evidence.map_or(1.0, |evidence| evidence.explained(&calibration.response));
+    if !is_told || explained < EXPLAINED {
+        found.push(Warning::GapNotIdentified);
+    }
+    if let Some(scatter) = evidence.map(Evidence::excess_scatter).filter(|scatter| *scatter > SCATTER) {
+        found.push(Warning::Scatter(scatter));
+    }
+    let profile = calibration.lag_profile.as_ref();
+    match calibration.question.lag {
+        Lag::Auto if calibration.lag.estimate > 0.0 => found.push(Warning::Lag(calibration.lag.estimate)),
+        Lag::Known(given) => {
+            let believed = profile.filter(|profile| profile.against(given) > CONVINCING);
+            found.extend(believed.map(|profile| Warning::OtherLag(given, profile.likeliest)));
+        }
+        Lag::Auto => {}
+    }
+    let best = calibration.starts.iter().min_by(|a, b| a.err.total_cmp(&b.err));
+    if let (Some(others), Method::Both, Some(_)) = (&calibration.least_squares, calibration.question.method, evidence) {
+        let is_apart = |quantity: &Quantity| {
+            let [a, b] = [estimate(*quantity), others[*quantity as usize]];
+            a.high < b.low || b.high < a.low
+        };
+        let apart: Vec<Quantity> = Quantity::ALL[..Quantity::PARAMETERS].iter().copied().filter(is_apart).collect();
+        if !apart.is_empty() {
+            found.push(Warning::MethodsApart(apart));
+        }
+    }
+    if let Some(best) = best {
+        let worst = calibration.starts.iter().map(|start| start.err).fold(0.0, f64::max);
+        if worst / best.err - 1.0 > AGREE {
+            found.push(Warning::StartsDisagree(worst / best.err - 1.0));
+        }
+    }
+    if calibration.spikes != Spikes::default() {
+        found.push(Warning::Spikes(calibration.spikes));
+    }
+    if calibration.is_mirrored {
+        found.push(Warning::Mirrored);
+    }
+    let kappa = estimate(Quantity::Shear).estimate;
+    if !(-0.02..1.0).contains(&kappa) {
+        found.push(Warning::Unphysical(Quantity::Shear));
+    }
+    if estimate(Quantity::DynamicWay).estimate < 0.0 {
+        found.push(Warning::Unphysical(Quantity::DynamicWay));
+    }
+    found
+}

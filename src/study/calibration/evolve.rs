@@ -1,0 +1,127 @@
+//! A global optimum of a rugged function of few numbers: differential evolution.
+//!
+//! Storn and Price, *Differential evolution*, Journal of Global Optimization 11 (1997), in the form
+//! current-to-best/1 with a random scale. A function with many valleys of nearly one depth stops a
+//! population in one of them, so that it is let loose again, closer around the best point found, until that
+//! finds nothing better.
+
+use crate::noise::Stream;
+
+/// How many candidates there are for each number.
+const CANDIDATES: usize = 20;
+
+/// Generations of a population, at most.
+const GENERATIONS: usize = 150;
+
+/// Populations after the first one, at most, and how wide their box is beside the first one.
+const AGAIN: (u32, f64) = (8, 0.1);
+
+/// So many populations in a row that found nothing better are the end.
+const ENOUGH: u32 = 2;
+
+/// What is better, relative to the best value.
+const BETTER: f64 = 1e-5;
+
+/// The share of trials that leap.
+const LEAPS: f64 = 0.05;
+
+/// What the random numbers are drawn from.
+const SEED: u64 = 0xD1FF;
+
+/// The intervals in which the numbers are.
+type Box<const N: usize> = [[f64; 2]; N];
+
+/// A point, and the value there.
+type Found<const N: usize> = ([f64; N], f64);
+
+/// The lowest point found in a box, and its value. The number of the start decides the random numbers.
+///
+/// `leap` knows from a point, and a number from -1 to 1, another one where the function may be as low: valleys
+/// that lie side by side are not found one from the other by mixing points of one.
+pub fn lowest<const N: usize>(
+    bounds: &Box<N>,
+    start: u64,
+    leap: impl Fn([f64; N], f64) -> [f64; N],
+    f: impl Fn(&[f64; N]) -> f64,
+) -> Found<N> {
+    let mut random = Stream::new(SEED, start);
+    let mut best = population(bounds, &mut random, &leap, &f);
+    let mut in_vain = 0;
+    for _ in 0..AGAIN.0 {
+        let near = std::array::from_fn(|k| {
+            let [low, high] = bounds[k];
+            let half = 0.5 * AGAIN.1 * (high - low);
+            [(best.0[k] - half).max(low), (best.0[k] + half).min(high)]
+        });
+        let next = population(&near, &mut random, &leap, &f);
+        in_vain = if next.1 < best.1 * (1.0 - BETTER) { 0 } else { in_vain + 1 };
+        if next.1 < best.1 {
+            best = next;
+        }
+        if in_vain == ENOUGH {
+            break;
+        }
+    }
+    best
+}
+
+/// One population, from a box until all its points are about equally low.
+fn population<const N: usize>(
+    bounds: &Box<N>,
+    random: &mut Stream,
+    leap: &impl Fn([f64; N], f64) -> [f64; N],
+    f: &impl Fn(&[f64; N]) -> f64,
+) -> Found<N> {
+    let mut anywhere = || {
+        let x = std::array::from_fn(|k| bounds[k][0] + (bounds[k][1] - bounds[k][0]) * random.uniform());
+        (x, f(&x))
+    };
+    let mut all: Vec<Found<N>> = (0..CANDIDATES * N).map(|_| anywhere()).collect();
+    let lower = |a: Found<N>, b: Found<N>| if b.1 < a.1 { b } else { a };
+    let lowest = |all: &[Found<N>]| all.iter().copied().fold(all[0], lower);
+    for _ in 0..GENERATIONS {
+        let best = lowest(&all);
+        let worst = all.iter().map(|found| found.1).fold(best.1, f64::max);
+        if worst - best.1 <= 0.1 * BETTER * best.1.abs() {
+            break;
+        }
+        for i in 0..all.len() {
+            let mut other = || all[(random.uniform() * all.len() as f64) as usize].0;
+            let (a, b) = (other(), other());
+            let (scale, towards) = (0.5 + 0.5 * random.uniform(), 0.25 * random.uniform());
+            let (x, value) = all[i];
+            let wanted: [f64; N] = if random.uniform() < LEAPS {
+                leap(best.0, 2.0 * random.uniform() - 1.0)
+            } else {
+                std::array::from_fn(|k| {
+                    let moved = x[k] + towards * (best.0[k] - x[k]) + scale * (a[k] - b[k]);
+                    if random.uniform() < 0.9 { moved } else { x[k] }
+                })
+            };
+            let trial = std::array::from_fn(|k| wanted[k].clamp(bounds[k][0], bounds[k][1]));
+            let found = f(&trial);
+            if found <= value {
+                all[i] = (trial, found);
+            }
+        }
+    }
+    lowest(&all)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Rastrigin's function has a hundred valleys in this box, of which the lowest is at (0.3, -0.7).
+    #[test]
+    fn the_lowest_of_many_valleys_is_found() {
+        let rugged = |x: &[f64; 2]| {
+            let valley = |x: f64| x * x + 10.0 * (1.0 - libm::cos(std::f64::consts::TAU * x));
+            1.0 + valley(x[0] - 0.3) + valley(x[1] + 0.7)
+        };
+        for start in 0..10 {
+            let (at, value) = lowest(&[[-5.0, 5.0]; 2], start, |x, _| x, rugged);
+            assert!((value - 1.0).abs() < 1e-3, "start {start}: {value} at {at:?}");
+        }
+    }
+}

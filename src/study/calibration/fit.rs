@@ -1,0 +1,77 @@
+//! The response of a bearing from its slips.
+
+use super::bearing::{Response, Sensor};
+use super::level::Sums;
+use super::linear::Normal;
+use super::motion::Motion;
+use super::samples::{median, spread};
+use super::slips::Evidence;
+
+impl Evidence {
+    /// A, G, xi(0), z0 and the slopes, from blocks of time with these weights. None where too few slips were seen.
+    ///
+    /// Each number has a source of its own, and none needs to know how many slips there were in between:
+    ///
+    /// - `still` is the slope of z against T inside sticks;
+    /// - between a slip and the next one the other way T goes 2 A - G = 2 f_d/(K beta);
+    /// - the middle of a jump, less still T, is z0 + moving (T -+ (A - G/2)): a line whose slope is `moving`;
+    /// - the height of a jump is moving G;
+    /// - xi(0) is A away from the temperature of the first slip.
+    ///
+    /// f_s may differ from slip to slip: the means of these are still right.
+    pub fn fit(&self, weights: &[f64]) -> Option<Response> {
+        let still = Sums::weighted(&self.sums, weights).slope();
+        let mean = |values: &mut dyn Iterator<Item = (f64, usize)>| {
+            let [sum, weight] = values
+                .fold([0.0; 2], |[sum, all], (value, block)| [sum + weights[block] * value, all + weights[block]]);
+            sum / weight
+        };
+        let kinetic = 0.5 * mean(&mut self.reversals.iter().copied());
+        let usual = || self.slips.iter().filter(|slip| slip.is_usual);
+        let mut line = Normal::<2>::default();
+        for slip in usual() {
+            let centre = slip.temperature - slip.sign * kinetic;
+            line.add([1.0, centre], slip.middle(still), weights[self.block(slip.time)]);
+        }
+        let [offset, moving] = line.solve()?;
+        let jump = mean(&mut usual().map(|slip| (slip.size(still), self.block(slip.time)))) / moving;
+        let reach = kinetic + 0.5 * jump;
+        let first = self.slips.first()?;
+        let start = first.temperature - first.sign * reach;
+        let fit = Response { motion: Motion { reach, jump, start }, sensor: Sensor { offset, moving, still } };
+        (reach.is_finite() && jump.is_finite()).then_some(fit)
+    }
+}
+
+impl Evidence {
+    /// How well the temperature of one slip tells A, in kelvin: from how reversals differ, each of
+    /// which takes two of them.
+    pub fn scatter(&self) -> f64 {
+        let ways: Vec<f64> = self.reversals.iter().map(|(way, _)| *way).collect();
+        if ways.len() < 2 { 0.0 } else { spread(&ways) / std::f64::consts::SQRT_2 }
+    }
+}
+
+impl Evidence {
+    /// By how much the sizes of slips scatter beyond what the noise of the sensor explains, over their mean.
+    pub fn excess_scatter(&self) -> f64 {
+        let still = Sums::weighted(&self.sums, &self.unweighted()).slope();
+        let sizes: Vec<f64> = self.slips.iter().map(|slip| slip.size(still)).collect();
+        let middle = median(&mut sizes.clone());
+        // Two slips between two samples are not one that is twice as large.
+        let single: Vec<f64> = sizes.into_iter().filter(|size| *size < 1.5 * middle).collect();
+        let noise = self.contrast.recip();
+        ((spread(&single) / middle).powi(2) - noise * noise).max(0.0).sqrt()
+    }
+
+    /// Which share of the way of the body, while it goes on in one direction, the slips explain that were seen. It is 1 if all were,
+    /// because the next one comes when T has gone on by G; of a body that slides, only some of the way looks like slips.
+    pub fn explained(&self, response: &Response) -> f64 {
+        let onwards = self.slips.windows(2).filter(|pair| pair[0].sign == pair[1].sign);
+        let [seen, gone] = onwards.fold([0.0; 2], |[seen, gone], pair| {
+            let way = (pair[1].temperature - pair[0].temperature) * pair[1].sign;
+            [seen + pair[0].size(response.sensor.still) / response.sensor.moving, gone + way]
+        });
+        if gone > 0.0 { seen / gone } else { f64::NAN }
+    }
+}

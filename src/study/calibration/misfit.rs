@@ -1,0 +1,222 @@
+//! The paper's least squares, quickly.
+//!
+//! err is the integral of (z_model - z)^2 over the time that was measured. z0 and the two slopes
+//! enter it linearly, so that for each A, G and xi(0) the best of them are a regression of three
+//! columns. xi is constant between slips: sums over a stick are differences of sums from the
+//! beginning, and the next slip is found by the extremes of whole blocks of temperatures. So an
+//! evaluation costs as many steps as there are slips, and not as there are samples.
+
+use super::bearing::{Response, Sensor};
+use super::motion::Motion;
+use super::samples::Record;
+
+/// How many entries of one level make one of the next.
+const RADIX: usize = 16;
+
+/// Sums over the samples before a given one, each weighted with the time that it stands for.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Before {
+    time: f64,
+    temperature: f64,
+    reading: f64,
+}
+
+/// err as a function of A, G and xi(0).
+#[derive(Clone, Debug)]
+pub struct Misfit {
+    temperatures: Vec<f64>,
+    before: Vec<Before>,
+    /// Lowest and highest temperatures of 16 samples, of 16 times 16, and so on.
+    extremes: Vec<Vec<[f64; 2]>>,
+    /// The means of temperature and reading, which sums are of deviations from.
+    centre: [f64; 2],
+    /// Of T T, T z and z z.
+    products: [f64; 3],
+}
+
+impl Misfit {
+    /// Over the samples of this record that have a reading; the others move the body all the same.
+    pub fn new(record: &Record) -> Misfit {
+        let temperatures = &record.temperatures;
+        let shares = record.shares();
+        let readings: Vec<f64> = record.readings.iter().map(|z| if z.is_finite() { *z } else { 0.0 }).collect();
+        let total: f64 = shares.iter().sum();
+        let mean = |values: &[f64]| values.iter().zip(&shares).map(|(v, w)| v * w).sum::<f64>() / total;
+        let centre = [mean(temperatures), mean(&readings)];
+        let mut before = vec![Before::default()];
+        let (mut sum, mut products) = (Before::default(), [0.0; 3]);
+        for i in 0..shares.len() {
+            let (w, t, z) = (shares[i], temperatures[i] - centre[0], readings[i] - centre[1]);
+            sum.time += w;
+            sum.temperature += w * t;
+            sum.reading += w * z;
+            before.push(sum);
+            for (product, value) in products.iter_mut().zip([t * t, t * z, z * z]) {
+                *product += w * value;
+            }
+        }
+        let mut level: Vec<[f64; 2]> = temperatures.iter().map(|t| [*t, *t]).collect();
+        let mut extremes = Vec::new();
+        while level.len() > RADIX {
+            let widest = |part: &[[f64; 2]]| {
+                part.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], [l, h]| [low.min(*l), high.max(*h)])
+            };
+            level = level.chunks(RADIX).map(widest).collect();
+            extremes.push(level.clone());
+        }
+        Misfit { temperatures: temperatures.clone(), before, extremes, centre, products }
+    }
+
+    /// The first sample from `from` on whose temperature is not within these.
+    #[inline(always)]
+    fn first_beyond(&self, from: usize, low: f64, high: f64) -> usize {
+        let n = self.temperatures.len();
+        let is_beyond = |[l, h]: [f64; 2]| l < low || h > high;
+        let mut i = from;
+        // Up, while whole blocks are within.
+        let mut height = 0;
+        loop {
+            if height == 0 {
+                let end = (i / RADIX + 1) * RADIX;
+                while i < end.min(n) {
+                    if is_beyond([self.temperatures[i]; 2]) {
+                        return i;
+                    }
+                    i += 1;
+                }
+                if i >= n {
+                    return n;
+                }
+                i /= RADIX;
+            } else {
+                let level = &self.extremes[height - 1];
+                let end = ((i / RADIX + 1) * RADIX).min(level.len());
+                while i < end && !is_beyond(level[i]) {
+                    i += 1;
+                }
+                if i < end {
+                    break;
+                }
+                if i >= level.len() {
+                    return n;
+                }
+                i /= RADIX;
+            }
+            height += 1;
+            if height > self.extremes.len() {
+                return n;
+            }
+        }
+        // Down again, into the block that is not.
+        while height > 0 {
+            i *= RADIX;
+            height -= 1;
+            let entry = |i: usize| match height {
+                0 => [self.temperatures[i]; 2],
+                _ => self.extremes[height - 1][i],
+            };
+            while !is_beyond(entry(i)) {
+                i += 1;
+            }
+        }
+        i
+    }
+
+    /// err, in the unit of displacement squared times seconds, and the sensor that makes it smallest.
+    pub fn of(&self, motion: &Motion) -> (f64, Sensor) {
+        let n = self.temperatures.len();
+        let mut sums = [0.0; 4];
+        // Of deviations as well.
+        let origin = self.centre[0];
+        let (mut i, mut k, mut xi) = (0, 0, motion.start);
+        while i < n {
+            let (low, high) = (xi - motion.reach, xi + motion.reach);
+            if k < n && self.temperatures[k] >= low && self.temperatures[k] <= high {
+                k = self.first_beyond(k + 1, low, high);
+            }
+            let (from, to, at) = (&self.before[i], &self.before[k], xi - origin);
+            let time = to.time - from.time;
+            sums[0] += at * time;
+            sums[1] += at * at * time;
+            sums[2] += at * (to.temperature - from.temperature);
+            sums[3] += at * (to.reading - from.reading);
+            if k == n {
+                break;
+            }
+            xi = motion.next(xi, self.temperatures[k]);
+            i = k;
+            k += 1;
+        }
+        self.best_sensor(sums)
+    }
+
+    fn best_sensor(&self, [x, xx, xt, xz]: [f64; 4]) -> (f64, Sensor) {
+        let time = self.before.last().map_or(0.0, |all| all.time);
+        let [tt, tz, zz] = self.products;
+        let xx = xx - x * x / time;
+        let determinant = xx * tt - xt * xt;
+        // Where the body never moves, xi tells nothing.
+        let [moving, still] = if determinant > 1e-12 * xx * tt {
+            [(xz * tt - tz * xt) / determinant, (tz * xx - xz * xt) / determinant]
+        } else {
+            [0.0, tz / tt]
+        };
+        let err = zz - moving * xz - still * tz;
+        let offset = self.centre[1] - moving * (self.centre[0] + x / time) - still * self.centre[0];
+        (err.max(0.0), Sensor { offset, moving, still })
+    }
+
+    /// What is best at this motion.
+    pub fn response(&self, motion: &Motion) -> Response {
+        Response { motion: *motion, sensor: self.of(motion).1 }
+    }
+
+    /// How much time was measured, in seconds.
+    pub fn duration(&self) -> f64 {
+        self.before.last().map_or(0.0, |all| all.time)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::noise::Stream;
+
+    /// Against the model followed sample by sample: wide motions, narrow ones, without a gap, and one that never moves.
+    #[test]
+    fn err_is_that_of_the_model_followed_sample_by_sample() {
+        let mut random = Stream::new(5, 0);
+        let mut t = 10.0;
+        let temperatures: Vec<f64> = (0..5000)
+            .map(|_| {
+                t += 0.3 * random.normal() - 0.002 * (t - 10.0);
+                t
+            })
+            .collect();
+        let hidden = Motion { reach: 3.0, jump: 0.8, start: 9.0 }.follow(&temperatures);
+        let noisy = |(i, (xi, t)): (usize, (&f64, &f64))| {
+            if i % 50 == 7 { f64::NAN } else { 2.0 + 0.9 * xi + 0.1 * t + 0.2 * random.normal() }
+        };
+        let readings = hidden.iter().zip(&temperatures).enumerate().map(noisy).collect();
+        let times = (0..5000).map(|i| 60.0 * (i + i / 900) as f64).collect();
+        let record = Record { times, temperatures, readings };
+        let misfit = Misfit::new(&record);
+        let shares = record.shares();
+        for (reach, jump) in [(3.0, 0.8), (2.0, 4.0), (0.4, 0.01), (0.01, 0.003), (1.0, 0.0), (1e3, 1.0)] {
+            let motion = Motion { reach, jump, start: 9.3 };
+            let (err, sensor) = misfit.of(&motion);
+            let positions = motion.follow(&record.temperatures);
+            let slow = |sensor: &Sensor| -> f64 {
+                let seen = (0..5000).filter(|i| record.readings[*i].is_finite());
+                let off = |i: usize| sensor.reading(positions[i], record.temperatures[i]) - record.readings[i];
+                seen.map(|i| shares[i] * off(i).powi(2)).sum()
+            };
+            assert!((err / slow(&sensor) - 1.0).abs() < 1e-9, "{motion:?}: {err} and {}", slow(&sensor));
+            // No other sensor does better.
+            for [a, b, c] in [[1e-3, 0.0, 0.0], [0.0, 1e-3, 0.0], [0.0, 0.0, 1e-3], [-1e-3, 1e-4, -1e-4]] {
+                let other = Sensor { offset: sensor.offset + a, moving: sensor.moving + b, still: sensor.still + c };
+                assert!(slow(&other) > err, "{motion:?}");
+            }
+        }
+    }
+}

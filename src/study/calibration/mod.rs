@@ -1,0 +1,53 @@
+//! From measured temperatures and displacements of a bearing to its friction, stiffness and
+//! dilatation: the paper's section on the experimental campaign.
+//!
+//! ```text
+//! Record         a thermometer and a displacement sensor (spikes, samples)
+//!   -> Evidence    slips, as jumps of z that temperature does not explain (detect, sight, level, slips)
+//!     -> Response    A, G, xi(0), z0 and two slopes, by slips (fit) ...
+//!     -> Start       ... or by the paper's least squares, in a box around those (misfit, evolve, starts)
+//!       -> Estimate    each quantity with an interval (quantity, uncertainty)
+//! ```
+//!
+//! The model is that of [`Motion`] and [`Sensor`]: quasi-static, exact from sample to sample.
+
+mod bearing;
+mod calibrate;
+mod detect;
+mod doubts;
+mod evolve;
+mod fit;
+mod lag;
+mod level;
+mod linear;
+mod lowest;
+mod misfit;
+mod motion;
+mod quantity;
+mod question;
+mod report;
+mod samples;
+mod sight;
+mod slips;
+mod spikes;
+mod starts;
+mod sticks;
+mod twin;
+mod uncertainty;
+mod warning;
+mod weather;
+
+pub use bearing::{Bearing, Response, Sensor};
+pub use calibrate::calibrate;
+pub use lag::LagProfile;
+pub use misfit::Misfit;
+pub use motion::Motion;
+pub use quantity::{Quantity, Values, response_of, values};
+pub use question::{CalibrationError, Lag, Method, Question};
+pub use report::{Calibration, Estimate, Residuals, SeenSlip};
+pub use samples::Record;
+pub use spikes::Spikes;
+pub use starts::Start;
+pub use twin::{Flaws, Twin, twin};
+pub use warning::Warning;
+pub use weather::drawn;

@@ -1,0 +1,135 @@
+//! What is estimated, by the names of the scenario.
+
+use super::bearing::{Response, Sensor};
+use super::motion::Motion;
+
+/// A number that a calibration estimates.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Quantity {
+    /// K.
+    Stiffness,
+    /// beta.
+    Dilatation,
+    /// f_s.
+    Static,
+    /// f_d.
+    Dynamic,
+    /// f_s - f_d.
+    Gap,
+    /// z0.
+    Offset,
+    /// x(0).
+    Displacement,
+    /// kappa = K/K_BP.
+    Shear,
+    /// A = f_s/(K beta).
+    Reach,
+    /// G = 2 (f_s - f_d)/(K beta).
+    Jump,
+    /// f_s/K.
+    StaticWay,
+    /// f_d/K.
+    DynamicWay,
+}
+
+use Quantity::*;
+
+impl Quantity {
+    /// All of them: seven parameters, and what follows from them.
+    pub const ALL: [Quantity; 12] =
+        [Stiffness, Dilatation, Static, Dynamic, Gap, Offset, Displacement, Shear, Reach, Jump, StaticWay, DynamicWay];
+
+    /// How many of them are parameters.
+    pub const PARAMETERS: usize = 7;
+
+    /// The key of the scenario, or a name in its style.
+    pub fn key(self) -> &'static str {
+        match self {
+            Stiffness => "oscillator.stiffness",
+            Dilatation => "oscillator.dilatation",
+            Static => "friction.static",
+            Dynamic => "friction.dynamic",
+            Gap => "friction.gap",
+            Offset => "bearing.offset",
+            Displacement => "initial.displacement",
+            Shear => "bearing.shear",
+            Reach => "reach",
+            Jump => "jump",
+            StaticWay => "static_way",
+            DynamicWay => "dynamic_way",
+        }
+    }
+
+    /// The symbol of the formulas.
+    pub fn symbol(self) -> &'static str {
+        match self {
+            Stiffness => "K",
+            Dilatation => "beta",
+            Static => "f_s",
+            Dynamic => "f_d",
+            Gap => "f_s - f_d",
+            Offset => "z0",
+            Displacement => "x(0)",
+            Shear => "K/K_BP",
+            Reach => "A",
+            Jump => "G",
+            StaticWay => "f_s/K",
+            DynamicWay => "f_d/K",
+        }
+    }
+
+    /// Its unit, of quantities in metres, newtons and kelvin.
+    pub fn unit(self) -> &'static str {
+        match self {
+            Stiffness => "N/m",
+            Dilatation => "m/K",
+            Static | Dynamic | Gap => "N",
+            Offset | Displacement | StaticWay | DynamicWay => "m",
+            Shear => "1",
+            Reach | Jump => "K",
+        }
+    }
+
+    /// Whether it takes K_BP to know it.
+    pub fn needs_shear_stiffness(self) -> bool {
+        matches!(self, Stiffness | Static | Dynamic | Gap)
+    }
+}
+
+/// One value for each of [`Quantity::ALL`].
+pub type Values = [f64; Quantity::ALL.len()];
+
+/// The values of a response, with the shear stiffness K_BP of the bearing if it is known. Missing is what cannot be known without.
+pub fn values(response: &Response, shear_stiffness: Option<f64>) -> Values {
+    let Response { motion, sensor } = response;
+    let beta = sensor.moving + sensor.still;
+    let kappa = sensor.still / beta;
+    let kinetic = motion.reach - 0.5 * motion.jump;
+    let shear = shear_stiffness.unwrap_or(f64::NAN);
+    // K beta = kappa beta K_BP
+    let slope = sensor.still * shear;
+    Quantity::ALL.map(|quantity| match quantity {
+        Stiffness => kappa * shear,
+        Dilatation => beta,
+        Static => motion.reach * slope,
+        Dynamic => kinetic * slope,
+        Gap => 0.5 * motion.jump * slope,
+        Offset => sensor.offset,
+        Displacement => beta * motion.start,
+        Shear => kappa,
+        Reach => motion.reach,
+        Jump => motion.jump,
+        StaticWay => motion.reach * beta,
+        DynamicWay => kinetic * beta,
+    })
+}
+
+/// The response that has these values.
+pub fn response_of(values: &Values) -> Response {
+    let of = |quantity: Quantity| values[quantity as usize];
+    let (beta, kappa) = (of(Dilatation), of(Shear));
+    Response {
+        motion: Motion { reach: of(Reach), jump: of(Jump), start: of(Displacement) / beta },
+        sensor: Sensor { offset: of(Offset), moving: (1.0 - kappa) * beta, still: kappa * beta },
+    }
+}

@@ -1,0 +1,224 @@
+//! What was measured, as the methods need it.
+
+use std::ops::Range;
+
+/// A record of a thermometer and a displacement sensor, in order of time.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Record {
+    /// In seconds.
+    pub times: Vec<f64>,
+    /// In kelvin, or in degrees on a scale with the same divisions; none is missing.
+    pub temperatures: Vec<f64>,
+    /// What the sensor shows; NaN where it shows nothing.
+    pub readings: Vec<f64>,
+}
+
+/// Seconds of an hour.
+pub const HOUR: f64 = 3600.0;
+
+/// So many sampling intervals without a sample are a gap.
+const GAP: f64 = 3.5;
+
+impl Record {
+    /// From two columns of times and values, each in order of time. The record has a sample at each time of the temperatures; a displacement at another
+    /// time goes with the temperature on the line between its neighbours, unless they are farther apart than a gap.
+    pub fn of([times, temperatures]: [&[f64]; 2], [when, readings]: [&[f64]; 2]) -> Record {
+        let gap = GAP * interval(times);
+        let mut record = Record { times: Vec::new(), temperatures: Vec::new(), readings: Vec::new() };
+        let mut push = |time: f64, temperature: f64, reading: f64| {
+            record.times.push(time);
+            record.temperatures.push(temperature);
+            record.readings.push(reading);
+        };
+        let mut next = 0;
+        for i in 0..times.len() {
+            while next < when.len() && when[next] < times[i] {
+                if i > 0 && times[i] - times[i - 1] <= gap {
+                    let share = (when[next] - times[i - 1]) / (times[i] - times[i - 1]);
+                    push(
+                        when[next],
+                        temperatures[i - 1] + share * (temperatures[i] - temperatures[i - 1]),
+                        readings[next],
+                    );
+                }
+                next += 1;
+            }
+            let is_both = next < when.len() && when[next] == times[i];
+            push(times[i], temperatures[i], if is_both { readings[next] } else { f64::NAN });
+            next += usize::from(is_both);
+        }
+        record
+    }
+
+    /// The samples that have a reading.
+    pub fn samples(&self) -> Samples {
+        let seen: Vec<usize> = (0..self.times.len()).filter(|i| self.readings[*i].is_finite()).collect();
+        let pick = |values: &[f64]| seen.iter().map(|i| values[*i]).collect::<Vec<f64>>();
+        let times = pick(&self.times);
+        let starts = starts(&times);
+        Samples { temperatures: pick(&self.temperatures), readings: pick(&self.readings), times, starts }
+    }
+
+    /// The same under the temperature of steel, which follows that of the air with this lag, in seconds.
+    ///
+    /// dS/dt = (T - S)/lag, with T a line from sample to sample, for which the solution is exact; S = T at the
+    /// start and after a gap.
+    pub fn lagged(&self, lag: f64) -> Record {
+        let mut steel = self.temperatures.clone();
+        if lag > 0.0 {
+            let starts = starts(&self.times);
+            for stretch in stretches(&starts, self.times.len()) {
+                for i in stretch.start + 1..stretch.end {
+                    let h = self.times[i] - self.times[i - 1];
+                    let rise = lag * (self.temperatures[i] - self.temperatures[i - 1]) / h;
+                    let behind = steel[i - 1] - self.temperatures[i - 1] + rise;
+                    steel[i] = self.temperatures[i] - rise + behind * libm::exp(-h / lag);
+                }
+            }
+        }
+        Record { temperatures: steel, ..self.clone() }
+    }
+
+    /// The time that each sample stands for, in seconds: half of the ways to its neighbours, and half
+    /// of a usual one where there is a gap. Nothing for a sample without a reading.
+    pub fn shares(&self) -> Vec<f64> {
+        let samples = self.samples();
+        let interval = samples.interval();
+        let mut seen = vec![interval; samples.times.len()];
+        for stretch in samples.stretches() {
+            for i in stretch.start + 1..stretch.end {
+                let half = 0.5 * (samples.times[i] - samples.times[i - 1] - interval);
+                seen[i - 1] += half;
+                seen[i] += half;
+            }
+        }
+        let mut seen = seen.into_iter();
+        let share = |reading: &f64| if reading.is_finite() { seen.next().unwrap_or(0.0) } else { 0.0 };
+        self.readings.iter().map(share).collect()
+    }
+
+    /// The smallest division of the thermometer, in kelvin: the usual distance of neighbouring values.
+    pub fn resolution(&self) -> f64 {
+        let mut values = self.temperatures.clone();
+        values.sort_by(f64::total_cmp);
+        values.dedup();
+        let steps = median(&mut values.windows(2).map(|pair| pair[1] - pair[0]).collect::<Vec<_>>());
+        if steps.is_finite() { steps } else { 0.0 }
+    }
+}
+
+/// Samples in order of time, each with a temperature and a reading.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Samples {
+    /// In seconds.
+    pub times: Vec<f64>,
+    /// In kelvin.
+    pub temperatures: Vec<f64>,
+    /// What the sensor shows.
+    pub readings: Vec<f64>,
+    /// Where each stretch without a gap begins; the first is 0.
+    pub starts: Vec<usize>,
+}
+
+impl Samples {
+    /// The stretches without a gap.
+    pub fn stretches(&self) -> impl Iterator<Item = Range<usize>> {
+        stretches(&self.starts, self.times.len())
+    }
+
+    /// The usual time between samples, in seconds.
+    pub fn interval(&self) -> f64 {
+        interval(&self.times)
+    }
+}
+
+fn interval(times: &[f64]) -> f64 {
+    median(&mut times.windows(2).map(|pair| pair[1] - pair[0]).collect::<Vec<_>>())
+}
+
+fn starts(times: &[f64]) -> Vec<usize> {
+    let interval = interval(times);
+    (0..times.len()).filter(|i| *i == 0 || times[*i] - times[*i - 1] > GAP * interval).collect()
+}
+
+fn stretches(starts: &[usize], end: usize) -> impl Iterator<Item = Range<usize>> {
+    let ends = starts.iter().skip(1).copied().chain([end]);
+    starts.iter().zip(ends).map(|(start, end)| *start..end)
+}
+
+/// The middle one; of an even number, the upper of two. Missing where there is none.
+pub fn median(values: &mut [f64]) -> f64 {
+    if values.is_empty() {
+        return f64::NAN;
+    }
+    let middle = values.len() / 2;
+    *values.select_nth_unstable_by(middle, f64::total_cmp).1
+}
+
+/// The standard deviation of a normal law whose middle half is as wide.
+pub fn spread(values: &[f64]) -> f64 {
+    let centre = median(&mut values.to_vec());
+    1.482_602_218_505_602 * median(&mut values.iter().map(|value| (value - centre).abs()).collect::<Vec<_>>())
+}
+
+/// The correlation of pairs.
+pub fn correlation(pairs: &[[f64; 2]]) -> f64 {
+    let n = pairs.len() as f64;
+    let mean = |k: usize| pairs.iter().map(|pair| pair[k]).sum::<f64>() / n;
+    let (of_a, of_b) = (mean(0), mean(1));
+    let [ab, aa, bb] = pairs.iter().fold([0.0; 3], |[ab, aa, bb], [a, b]| {
+        let (a, b) = (a - of_a, b - of_b);
+        [ab + a * b, aa + a * a, bb + b * b]
+    });
+    ab / (aa * bb).sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn record(times: &[f64], readings: &[f64]) -> Record {
+        Record { times: times.to_vec(), temperatures: times.to_vec(), readings: readings.to_vec() }
+    }
+
+    #[test]
+    fn a_gap_ends_a_stretch_and_stands_for_no_time() {
+        let record = record(&[0.0, 1.0, 2.0, 9.0, 10.0, 12.0], &[0.0, 0.0, 0.0, 0.0, f64::NAN, 0.0]);
+        let samples = record.samples();
+        assert_eq!(samples.stretches().collect::<Vec<_>>(), [0..3, 3..5]);
+        assert_eq!(record.shares(), [1.0, 1.0, 1.0, 2.0, 0.0, 2.0]);
+    }
+
+    #[test]
+    fn two_columns_become_one_record() {
+        let both = Record::of(
+            [&[0.0, 10.0, 20.0, 100.0], &[1.0, 2.0, 3.0, 4.0]],
+            [&[0.0, 15.0, 60.0, 100.0], &[5.0, 6.0, 7.0, 8.0]],
+        );
+        assert_eq!(both.times, [0.0, 10.0, 15.0, 20.0, 100.0]);
+        assert_eq!(both.temperatures, [1.0, 2.0, 2.5, 3.0, 4.0]);
+        assert!(both.readings[1].is_nan() && both.readings[3].is_nan());
+        assert_eq!([both.readings[0], both.readings[2], both.readings[4]], [5.0, 6.0, 8.0]);
+    }
+
+    /// Against small explicit steps of the differential equation.
+    #[test]
+    fn steel_follows_air_exactly() {
+        let times = [0.0, 600.0, 1300.0, 1800.0];
+        let record = Record { times: times.to_vec(), temperatures: vec![3.0, 5.0, 1.0, 1.0], readings: vec![0.0; 4] };
+        let (lag, h) = (900.0, 0.01);
+        let (mut steel, mut expected) = (3.0, vec![3.0]);
+        for i in 1..4 {
+            let n = ((times[i] - times[i - 1]) / h).round() as usize;
+            let air = |k: f64| {
+                record.temperatures[i - 1] + (record.temperatures[i] - record.temperatures[i - 1]) * k / n as f64
+            };
+            for k in 0..n {
+                steel += h / lag * (air(k as f64 + 0.5) - steel);
+            }
+            expected.push(steel);
+        }
+        let far = record.lagged(lag).temperatures.iter().zip(expected).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        assert!(far < 1e-4, "{far}");
+    }
+}

@@ -1,0 +1,105 @@
+//! What sticks say when their ends are known: of z against T, of the noise, and of jumps that were overlooked.
+
+use super::detect::{Jump, Jumps};
+use super::level::{self, Bin, Level, Sums};
+use super::samples::{HOUR, Samples, median};
+use super::sticks::{bin, bins, sticks};
+use std::ops::Range;
+
+/// How long a block of time is that is weighted as one, in seconds: longer than a sensor's noise remembers.
+const BLOCK: f64 = 3.0 * 24.0 * HOUR;
+
+/// The number of the block of a time, in seconds.
+pub fn block(start: f64, time: f64) -> usize {
+    ((time - start) / BLOCK) as usize
+}
+
+/// The sticks between jumps, and what they say.
+pub struct Sight {
+    /// Of z against T inside sticks, block by block.
+    pub sums: Vec<Sums>,
+    /// The bins that z was regressed on T with, in seconds.
+    pub bin: f64,
+    /// The level at each sample, from the samples of its stick up to it.
+    pub before: Vec<Level>,
+    /// The same from the samples of its stick that follow.
+    pub after: Vec<Level>,
+    /// What the level gains by itself in a second, in units of the white noise of a sample.
+    walk: f64,
+    /// The standard deviation of that noise.
+    noise: f64,
+}
+
+/// A level that jumps by so many standard deviations is a slip ...
+const NEW: f64 = 4.0;
+
+/// ... and one that was found stays one above this.
+const KEPT: f64 = 3.5;
+
+/// So much of the usual size is a jump.
+const SHARE: f64 = 0.35;
+
+/// Samples to either side among which only the clearest jump is new.
+const APART: usize = 3;
+
+impl Sight {
+    /// Of sticks between these jumps, z against T in bins of so many seconds.
+    pub fn new(samples: &Samples, found: &Jumps, seconds: f64) -> Option<Sight> {
+        let [start, end] = [*samples.times.first()?, *samples.times.last()?];
+        let sticks = sticks(samples, found.indices());
+        let binned = bins(samples, &sticks, seconds, found.window / 2 + 1);
+        let walk = level::fitted_walk(&binned);
+        let sums = level::sums(&binned, walk, block(start, end) + 1, |time| block(start, time));
+        let single = |i: usize, first: usize| bin(samples, i..i + 1, i == first);
+        let forward: Vec<Bin> = sticks.iter().flat_map(|stick| stick.clone().map(|i| single(i, stick.start))).collect();
+        let reverse = |stick: &Range<usize>| stick.clone().rev().map(|i| single(i, stick.end - 1)).collect::<Vec<_>>();
+        let backward: Vec<Bin> = sticks.iter().rev().flat_map(reverse).collect();
+        let walk = level::fitted_walk(&forward);
+        let noise = level::sums(&forward, walk, 1, |_| 0)[0].variance().sqrt();
+        let before = level::levels(&forward, walk);
+        let mut after = level::levels(&backward, walk);
+        after.reverse();
+        Some(Sight { sums, bin: seconds, before, after, walk, noise })
+    }
+
+    /// The slope of z against T.
+    pub fn still(&self) -> f64 {
+        Sums::weighted(&self.sums, &vec![1.0; self.sums.len()]).slope()
+    }
+
+    /// How far the level jumps before each sample, and that over its standard deviation.
+    fn steps(&self, samples: &Samples) -> Vec<[f64; 2]> {
+        let still = self.still();
+        let mut steps = vec![[0.0; 2]; samples.times.len()];
+        for stretch in samples.stretches() {
+            for i in stretch.start + 1..stretch.end {
+                let (before, after) = (&self.before[i - 1], &self.after[i]);
+                let size = after.less(still) - before.less(still);
+                let walked = self.walk * (samples.times[i] - samples.times[i - 1]);
+                let variance = before.variance + after.variance + walked;
+                steps[i] = [size, size / (self.noise * variance.sqrt())];
+            }
+        }
+        steps
+    }
+
+    /// The jumps that stand out when every level is known from its whole stick: those of `found` that still do, and more.
+    pub fn jumps(&self, samples: &Samples, found: &Jumps) -> Jumps {
+        let steps = self.steps(samples);
+        let clear = |i: usize| steps[i][1].abs();
+        let mut is_kept = vec![false; steps.len()];
+        for jump in found.jumps.iter().filter(|jump| clear(jump.index) >= KEPT) {
+            is_kept[jump.index] = true;
+        }
+        let kept = || (0..steps.len()).filter(|i| is_kept[*i]);
+        let usual = median(&mut kept().map(|i| steps[i][0].abs()).collect::<Vec<_>>());
+        let is_clearest = |i: usize| {
+            let around = i.saturating_sub(APART)..(i + APART + 1).min(steps.len());
+            around.into_iter().all(|j| clear(j) <= clear(i) || is_kept[j])
+        };
+        let is_new = |i: usize| clear(i) >= NEW && steps[i][0].abs() >= SHARE * usual && is_clearest(i);
+        let all = (0..steps.len()).filter(|i| is_kept[*i] || is_new(*i));
+        let jumps = all.map(|index| Jump { index, size: steps[index][0] }).collect();
+        Jumps { jumps, window: 1, contrast: usual / self.noise }
+    }
+}

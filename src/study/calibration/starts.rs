@@ -1,0 +1,70 @@
+//! The paper's least squares from several starts.
+
+use super::bearing::Response;
+use super::evolve;
+use super::misfit::Misfit;
+use super::motion::Motion;
+use crate::ensemble::in_order;
+use std::convert::Infallible;
+use std::ops::ControlFlow;
+use std::sync::atomic::AtomicBool;
+
+/// Where a search for A, G and xi(0) begins, and may not leave.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Search {
+    /// Of A.
+    pub reach: [f64; 2],
+    /// Of G.
+    pub jump: [f64; 2],
+    /// Of xi(0).
+    pub start: [f64; 2],
+}
+
+impl Search {
+    /// Around a motion that slips told, so wide that it takes more than chance to be outside.
+    pub fn around(motion: &Motion, [reach, jump]: [f64; 2]) -> Search {
+        let Motion { reach: a, jump: g, start } = *motion;
+        let a_away = (0.08 * a).max(4.0 * reach);
+        let g_away = (0.2 * g).max(4.0 * jump);
+        Search {
+            reach: [(a - a_away).max(0.1 * a), a + a_away],
+            jump: [(g - g_away).max(0.05 * g), g + g_away],
+            start: [start - 1.2 * g - a_away, start + 1.2 * g + a_away],
+        }
+    }
+
+    /// Around a motion that was only guessed.
+    pub fn guessed(motion: &Motion) -> Search {
+        let Motion { reach: a, jump: g, start } = *motion;
+        let g = if g > 0.0 { g } else { 0.1 * a };
+        Search { reach: [0.3 * a, 3.0 * a], jump: [0.1 * g, 4.0 * g], start: [start - 1.5 * a, start + 1.5 * a] }
+    }
+}
+
+/// What one start found.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Start {
+    /// err over the time that was measured: the mean square of model less measurement.
+    pub err: f64,
+    /// Where it is that.
+    pub response: Response,
+}
+
+/// So many starts, on these threads. Each is a search of its own, with random numbers of its own.
+pub fn starts(misfit: &Misfit, search: &Search, count: u32, threads: usize, stop: &AtomicBool) -> Vec<Start> {
+    let bounds = [search.reach, search.jump, search.start];
+    let motion = |[reach, jump, start]: [f64; 3]| Motion { reach, jump: jump.min(2.0 * reach), start };
+    // x lives on the lattice x(0) + n G: shifted by G, it is another body until both have been thrown about.
+    let leap = |[reach, jump, start]: [f64; 3], way: f64| [reach, jump, start + jump.copysign(way)];
+    let make = |number: u64| {
+        let (at, err) = evolve::lowest(&bounds, number, leap, |x| misfit.of(&motion(*x)).0);
+        Start { err: err / misfit.duration(), response: misfit.response(&motion(at)) }
+    };
+    let mut all = Vec::new();
+    let deliver = |start: Start| {
+        all.push(start);
+        Ok::<_, Infallible>(ControlFlow::Continue(()))
+    };
+    let _ = in_order(count.into(), threads, stop, make, deliver);
+    all
+}

@@ -1,0 +1,106 @@
+//! Synthetic data: the model, seen through a sensor and a thermometer as they are.
+
+use super::bearing::Response;
+use super::samples::Record;
+use crate::noise::{Stream, Transition};
+
+/// What is wrong with a measurement.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Flaws {
+    /// Standard deviation of the white part of the sensor's noise, in the unit of displacement.
+    pub white: f64,
+    /// Stationary standard deviation of its red part, an Ornstein-Uhlenbeck process.
+    pub red: f64,
+    /// How long the red part remembers, in seconds.
+    pub memory: f64,
+    /// By what share f_s differs from one slip to the next (standard deviation), while f_d stays.
+    pub scatter: f64,
+    /// How long the steel is behind the thermometer, in seconds.
+    pub lag: f64,
+    /// The thermometer shows multiples of this, in kelvin; 0 for one that shows everything.
+    pub resolution: f64,
+    /// The share of samples whose displacement is off by up to 20 red and white noises together.
+    pub spikes: f64,
+    /// How many stretches of one to five days are missing.
+    pub gaps: u32,
+}
+
+impl Flaws {
+    /// None at all.
+    pub const NONE: Flaws =
+        Flaws { white: 0.0, red: 0.0, memory: 86_400.0, scatter: 0.0, lag: 0.0, resolution: 0.0, spikes: 0.0, gaps: 0 };
+}
+
+/// What comes of it: times in seconds, kelvin, and the unit of displacement.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Twin {
+    /// Times of the samples, in seconds.
+    pub times: Vec<f64>,
+    /// What the thermometer shows, in kelvin.
+    pub temperatures: Vec<f64>,
+    /// What the sensor shows.
+    pub readings: Vec<f64>,
+    /// xi, which nobody sees.
+    pub positions: Vec<f64>,
+    /// How many slips there were.
+    pub slips: u64,
+}
+
+/// A bearing under these temperatures, seen with these flaws.
+pub fn twin(response: &Response, times: &[f64], temperatures: &[f64], flaws: &Flaws, seed: u64) -> Twin {
+    // A stream for each flaw, so that one more of them leaves the others as they are.
+    let [mut sensor, mut friction, mut spikes, mut gaps] = std::array::from_fn(|i| Stream::new(seed, i as u64));
+    let air = Record { times: times.to_vec(), temperatures: temperatures.to_vec(), readings: Vec::new() };
+    let steel = air.lagged(flaws.lag).temperatures;
+    let (mut positions, mut slips) = (Vec::with_capacity(times.len()), 0);
+    let (mut xi, mut reach) = (response.motion.start, response.motion.reach);
+    let kinetic = response.motion.reach - 0.5 * response.motion.jump;
+    for &temperature in &steel {
+        if flaws.scatter == 0.0 {
+            let next = response.motion.next(xi, temperature);
+            if response.motion.jump > 0.0 {
+                slips += ((next - xi) / response.motion.jump).abs().round() as u64;
+            }
+            xi = next;
+        } else {
+            while (temperature - xi).abs() > reach {
+                xi += (2.0 * (reach - kinetic)).copysign(temperature - xi);
+                slips += 1;
+                let wish = response.motion.reach * (1.0 + flaws.scatter * friction.normal());
+                reach = wish.max(kinetic);
+            }
+        }
+        positions.push(xi);
+    }
+    let mut red = flaws.red * sensor.normal();
+    let mut readings = Vec::with_capacity(times.len());
+    for i in 0..times.len() {
+        if i > 0 {
+            let diffusion = flaws.red * (2.0 / flaws.memory).sqrt();
+            red = Transition::new(1.0 / flaws.memory, diffusion, times[i] - times[i - 1]).next(red, sensor.normal());
+        }
+        let mut reading = response.sensor.reading(positions[i], steel[i]) + red + flaws.white * sensor.normal();
+        if spikes.uniform() < flaws.spikes {
+            reading += 20.0 * flaws.white.hypot(flaws.red) * (2.0 * spikes.uniform() - 1.0);
+        }
+        readings.push(reading);
+    }
+    let shown = |t: &f64| if flaws.resolution > 0.0 { (t / flaws.resolution).round() * flaws.resolution } else { *t };
+    let mut temperatures: Vec<f64> = temperatures.iter().map(shown).collect();
+    let mut times = times.to_vec();
+    let length = times.last().copied().unwrap_or(0.0) - times.first().copied().unwrap_or(0.0);
+    for _ in 0..flaws.gaps {
+        let from = times[0] + length * gaps.uniform();
+        let to = from + 86_400.0 * (1.0 + 4.0 * gaps.uniform());
+        let kept: Vec<bool> = times.iter().map(|t| !(from..to).contains(t)).collect();
+        let keep = |values: &mut Vec<f64>| {
+            let mut keeps = kept.iter();
+            values.retain(|_| *keeps.next().unwrap_or(&true));
+        };
+        keep(&mut times);
+        keep(&mut temperatures);
+        keep(&mut readings);
+        keep(&mut positions);
+    }
+    Twin { times, temperatures, readings, positions, slips }
+}

@@ -1,0 +1,119 @@
+//! What to beware of in a calibration.
+
+use super::quantity::Quantity;
+use super::spikes::Spikes;
+use std::fmt;
+
+/// Something that makes a result mean less than it seems to.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Warning {
+    /// K_BP is not known.
+    NoShearStiffness,
+    /// No slips can be told from noise.
+    NoSlips,
+    /// f_s - f_d is not told from zero, or hardly.
+    GapNotIdentified,
+    /// Slips differ in size more than they should if friction were always the same: standard deviation over mean.
+    Scatter(f64),
+    /// Steel is so many seconds behind the thermometer.
+    Lag(f64),
+    /// A lag was given, and the data say another one: both in seconds.
+    OtherLag(f64, f64),
+    /// Slips and least squares say different things of these.
+    MethodsApart(Vec<Quantity>),
+    /// The starts did not find one minimum: the largest err over the smallest, less one.
+    StartsDisagree(f64),
+    /// Samples were taken out.
+    Spikes(Spikes),
+    /// The sensor counts the other way.
+    Mirrored,
+    /// A value that no bearing has.
+    Unphysical(Quantity),
+}
+
+impl Warning {
+    /// A word for programs.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Warning::NoShearStiffness => "no_shear_stiffness",
+            Warning::NoSlips => "no_slips",
+            Warning::GapNotIdentified => "gap_not_identified",
+            Warning::Scatter(_) => "scatter",
+            Warning::Lag(_) => "lag",
+            Warning::OtherLag(..) => "other_lag",
+            Warning::MethodsApart(_) => "methods_apart",
+            Warning::StartsDisagree(_) => "starts_disagree",
+            Warning::Spikes(_) => "spikes",
+            Warning::Mirrored => "mirrored",
+            Warning::Unphysical(_) => "unphysical",
+        }
+    }
+}
+
+impl fmt::Display for Warning {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let minutes = |seconds: &f64| seconds / 60.0;
+        match self {
+            Warning::NoShearStiffness => write!(
+                f,
+                "the shear stiffness of the bearing is not known, so the data tell beta, f_s/K and f_d/K and no force; \
+                 give bearing.stiffness to know K, f_s and f_d"
+            ),
+            Warning::NoSlips => write!(
+                f,
+                "no slips are visible, so the parameters are those of the least squares alone, searched from the scenario's \
+                 values, and have no intervals"
+            ),
+            Warning::GapNotIdentified => write!(
+                f,
+                "f_s - f_d is not identified: slips are too few, or do not explain all of the way, because they are hardly larger than \
+                 the noise or the body slides without them"
+            ),
+            Warning::Scatter(share) => write!(
+                f,
+                "slips differ in size by {:.0} % more than noise explains, as if f_s changed from slip to slip, or the body slid \
+                 without slips: the estimates are of the mean f_s, the interval of f_s - f_d is too narrow, and the least squares, \
+                 which believes in one f_s, is less accurate than the slips",
+                100.0 * share
+            ),
+            Warning::Lag(lag) => write!(
+                f,
+                "steel is {:.1} minutes behind the thermometer; the estimates take that into account, and give --lag if it is \
+                 known (without it K comes out too small, by 7 to 12 % for 15 minutes)",
+                minutes(lag)
+            ),
+            Warning::OtherLag(given, likeliest) => write!(
+                f,
+                "the data say a lag of {:.1} minutes rather than {:.1}; try --lag auto",
+                minutes(likeliest),
+                minutes(given)
+            ),
+            Warning::MethodsApart(which) => {
+                let keys: Vec<&str> = which.iter().map(|quantity| quantity.key()).collect();
+                write!(
+                    f,
+                    "slips and least squares are farther apart than their intervals in {}: the model does not describe all \
+                     that was measured; see the residuals",
+                    keys.join(", ")
+                )
+            }
+            Warning::StartsDisagree(share) => write!(
+                f,
+                "the starts of the least squares differ by {:.2} % of err: some of them did not find the minimum, so give more \
+                 with --starts",
+                100.0 * share
+            ),
+            Warning::Spikes(Spikes { readings, temperatures }) => write!(
+                f,
+                "{readings} displacements and {temperatures} temperatures stood out of those around them, and were left out"
+            ),
+            Warning::Mirrored => write!(
+                f,
+                "the displacement falls as the temperature rises, so it was taken with the other sign; z0 is that of the other sign"
+            ),
+            Warning::Unphysical(quantity) => {
+                write!(f, "{} = {} came out as no bearing has it", quantity.key(), quantity.symbol())
+            }
+        }
+    }
+}

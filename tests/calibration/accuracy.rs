@@ -1,0 +1,139 @@
+//! How accurate estimates are, and how often intervals hold the truth.
+
+use crate::bridge::{BRIDGE, RED_CAMPAIGN, ask, by_slips, covered, question, record, rmse, twin_of};
+use std::time::Instant;
+use stick_slip::study::calibration::{Method, Misfit, Motion, Quantity, Record, values};
+
+const PARAMETERS: &[Quantity] = Quantity::ALL.split_at(Quantity::PARAMETERS).0;
+
+/// Over 24 red twins (seeds 100 to 123) the root of the mean square error of K, f_s and f_d is below 3 %, and that of beta below 1.5 %.
+/// They are 1.8, 1.6, 1.6 and 1.0 % over 400 others, so that chance exceeds a limit less than once in a thousand sets of seeds
+/// (24 errors scatter by 15 % of their root mean square). Intervals of 90 % hold the truth of each
+/// parameter in at least 17 of the 24: 16 or fewer happen by chance once in 400 sets for each of the seven,
+/// and with intervals of half the width in nearly every second one.
+#[test]
+fn slips_tell_the_parameters_of_red_twins() {
+    let all = by_slips(&RED_CAMPAIGN, 100..124);
+    for quantity in PARAMETERS {
+        println!(
+            "{:22} rmse {:.2} %, held {} of 24",
+            quantity.key(),
+            100.0 * rmse(&all, *quantity),
+            covered(&all, *quantity)
+        );
+    }
+    for quantity in [Quantity::Stiffness, Quantity::Static, Quantity::Dynamic] {
+        assert!(rmse(&all, quantity) < 0.03, "{quantity:?}");
+    }
+    assert!(rmse(&all, Quantity::Dilatation) < 0.015);
+    for quantity in PARAMETERS {
+        assert!(covered(&all, *quantity) >= 17, "{quantity:?}");
+    }
+    let held: usize = PARAMETERS.iter().map(|quantity| covered(&all, *quantity)).sum();
+    assert!(held >= 24 * 7 * 80 / 100, "{held} of {}", 24 * 7);
+}
+
+/// The long version: 200 red twins (seeds 1000 to 1199), of which intervals of 90 % hold 85 to 95 %
+/// for each parameter. Takes a minute.
+#[test]
+#[ignore = "a minute"]
+fn intervals_hold_what_they_promise() {
+    let all = by_slips(&RED_CAMPAIGN, 1000..1200);
+    for quantity in Quantity::ALL {
+        println!("{:22} {:.1} % of 200", quantity.key(), 0.5 * covered(&all, quantity) as f64);
+    }
+    for quantity in PARAMETERS {
+        assert!((170..=190).contains(&covered(&all, *quantity)), "{quantity:?}");
+    }
+}
+
+/// By how much intervals would have to be wider, for 90 % of 400 red twins (seeds 20 000 to 20 399, which nothing else uses).
+#[test]
+#[ignore = "two minutes; prints what `report::WIDENING` is to be multiplied with"]
+fn widening() {
+    let all = by_slips(&RED_CAMPAIGN, 20_000..20_400);
+    for quantity in Quantity::ALL {
+        let mut off: Vec<f64> = (all.iter())
+            .map(|(fit, truth)| {
+                let estimate = fit.estimate(quantity);
+                2.0 * (estimate.estimate - truth[quantity as usize]).abs() / (estimate.high - estimate.low)
+            })
+            .collect();
+        off.sort_by(f64::total_cmp);
+        println!("{:22} {:.3}", quantity.key(), off[all.len() * 9 / 10]);
+    }
+}
+
+/// Ten starts of the least squares end within 0.1 % of err of each other, at A and G within 1 % of the truth, and below the err of the
+/// truth itself: on six red twins. That A and G are found shows that it is the right valley; K is
+/// as far off as red noise makes it.
+#[test]
+fn starts_of_the_least_squares_agree() {
+    for seed in 300..306 {
+        let (twin, truth) = twin_of(&BRIDGE, &RED_CAMPAIGN, seed);
+        let fit = ask(&record(&twin), &question(Method::Both));
+        assert_eq!(fit.starts.len(), 10);
+        let best = fit.starts.iter().map(|start| start.err).fold(f64::INFINITY, f64::min);
+        for start in &fit.starts {
+            assert!(start.err < 1.001 * best, "seed {seed}: {} and {best}", start.err);
+            let found = values(&start.response, Some(2.0e9));
+            for quantity in [Quantity::Reach, Quantity::Jump] {
+                let off = found[quantity as usize] / truth[quantity as usize] - 1.0;
+                assert!(off.abs() < 0.01, "seed {seed}, {quantity:?}: {off}");
+            }
+        }
+        let misfit = Misfit::new(&record(&twin));
+        let motion = Motion {
+            reach: truth[Quantity::Reach as usize],
+            jump: truth[Quantity::Jump as usize],
+            start: truth[Quantity::Displacement as usize] / BRIDGE.dilatation,
+        };
+        assert!(best <= misfit.of(&motion).0 / misfit.duration() * 1.0001, "seed {seed}");
+    }
+}
+
+/// What an evaluation of err costs, and ten starts of it: printed, not judged.
+#[test]
+#[ignore = "prints times"]
+fn times() {
+    let (twin, truth) = twin_of(&BRIDGE, &RED_CAMPAIGN, 1);
+    let misfit = Misfit::new(&record(&twin));
+    let start = truth[Quantity::Displacement as usize] / BRIDGE.dilatation;
+    let seconds = |reach: f64, jump: f64| {
+        let begin = Instant::now();
+        let sum: f64 = (0..300).map(|i| misfit.of(&Motion { reach, jump, start: start + 1e-4 * f64::from(i) }).0).sum();
+        assert!(sum > 0.0);
+        begin.elapsed().as_secs_f64() / 300.0
+    };
+    for (reach, jump) in [(8.11, 1.63), (4.0, 0.4), (2.0, 0.1), (0.5, 0.01), (8.11, 0.0)] {
+        println!("A {reach}, G {jump}: {:.1} us for {} samples", 1e6 * seconds(reach, jump), twin.times.len());
+    }
+    for method in [Method::Slips, Method::Both] {
+        let begin = Instant::now();
+        let fit = ask(&record(&twin), &question(method));
+        println!("{method:?}, {} starts: {:.2} s", fit.starts.len(), begin.elapsed().as_secs_f64());
+    }
+}
+
+/// The twin of `examples/bridge`, made by another program: every interval of 90 % holds the truth that
+/// `examples/bridge/README.md` states (all seven do so by chance in at least a third of such twins; this one is fixed), and 110 to 112 of its 112
+/// slips are seen.
+#[test]
+fn the_twin_of_another_program_is_fitted() {
+    let text = std::fs::read_to_string("examples/bridge/twin.csv").expect("the example");
+    let cell = |line: &str, column: usize| line.split(',').nth(column).and_then(|cell| cell.parse::<f64>().ok());
+    let lines: Vec<&str> = text.lines().skip(1).collect();
+    let record = Record {
+        times: (0..lines.len()).map(|i| 600.0 * i as f64).collect(),
+        temperatures: lines.iter().map(|line| cell(line, 1).expect("a number")).collect(),
+        readings: lines.iter().map(|line| 1e-3 * cell(line, 2).expect("a number")).collect(),
+    };
+    let fit = ask(&record, &question(Method::Both));
+    let truth = [1.89e8, 3.06e-4, 4.69e5, 4.22e5, 4.70e4, -9.67e-3, 3.821_051_6e-3];
+    for (quantity, truth) in PARAMETERS.iter().zip(truth) {
+        let estimate = fit.estimate(*quantity);
+        println!("{:22} {truth:.4e} in {:.4e} to {:.4e}", quantity.key(), estimate.low, estimate.high);
+        assert!(estimate.holds(truth), "{quantity:?}: {truth} not in {estimate:?}");
+    }
+    assert!((110..=112).contains(&fit.slips.len()), "{}", fit.slips.len());
+}

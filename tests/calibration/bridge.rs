@@ -1,0 +1,101 @@
+//! Twins of the paper's bridge: its calibrated means, under weather made for the tests.
+
+use std::f64::consts::TAU;
+use stick_slip::noise::{Stream, Transition};
+use stick_slip::study::calibration::{
+    Bearing, Calibration, Flaws, Lag, Method, Motion, Quantity, Question, Record, Twin, Values, calibrate, twin, values,
+};
+
+/// Seconds of a day.
+pub const DAY: f64 = 86_400.0;
+
+/// The paper's means, and a shear stiffness at which its z0 makes sense.
+pub const BRIDGE: Bearing = Bearing {
+    stiffness: 1.89e8,
+    dilatation: 3.06e-4,
+    f_s: 4.69e5,
+    f_d: 4.22e5,
+    offset: -9.67e-3,
+    displacement: 3.82e-3,
+    shear_stiffness: 2.0e9,
+};
+
+/// 30 um of white noise, and 150 um of red noise that remembers a day.
+pub const RED: Flaws = Flaws { white: 30e-6, red: 150e-6, memory: DAY, ..Flaws::NONE };
+
+/// What is sampled, and how often.
+#[derive(Clone, Copy, Debug)]
+pub struct Campaign {
+    /// How long, in days.
+    pub days: f64,
+    /// Seconds between samples.
+    pub interval: f64,
+    /// What is wrong with them.
+    pub flaws: Flaws,
+}
+
+/// 300 days of ten minutes, with red noise.
+pub const RED_CAMPAIGN: Campaign = Campaign { days: 300.0, interval: 600.0, flaws: RED };
+
+/// Year, day, and two processes of weather: times in seconds and degrees.
+fn weather(seed: u64, campaign: &Campaign) -> [Vec<f64>; 2] {
+    let mut random = Stream::new(seed, 9);
+    let process = |sd: f64, memory: f64| Transition::new(1.0 / memory, sd * (2.0 / memory).sqrt(), campaign.interval);
+    let (fast, slow) = (process(1.8, DAY / 3.0), process(2.5, 3.0 * DAY));
+    let (mut a, mut b) = (1.8 * random.normal(), 2.5 * random.normal());
+    let count = (campaign.days * DAY / campaign.interval) as usize;
+    let times: Vec<f64> = (0..count).map(|i| i as f64 * campaign.interval).collect();
+    let temperature = |t: &f64| {
+        (a, b) = (fast.next(a, random.normal()), slow.next(b, random.normal()));
+        let day = t / DAY;
+        12.4 + 9.0 * (TAU * day / 365.25).cos() + 4.1 * (TAU * day + 2.36).cos() + a + b
+    };
+    let temperatures = times.iter().map(temperature).collect();
+    [times, temperatures]
+}
+
+/// A twin of a bearing that starts at rest somewhere, and the truth about it.
+pub fn twin_of(bearing: &Bearing, campaign: &Campaign, seed: u64) -> (Twin, Values) {
+    let [times, temperatures] = weather(seed, campaign);
+    let mut response = bearing.response();
+    let place = 2.0 * Stream::new(seed, 77).uniform() - 1.0;
+    response.motion.start = temperatures[0] + 0.9 * response.motion.reach * place;
+    let twin = twin(&response, &times, &temperatures, &campaign.flaws, seed);
+    (twin, values(&response, Some(bearing.shear_stiffness)))
+}
+
+/// What a user has of it.
+pub fn record(twin: &Twin) -> Record {
+    Record { times: twin.times.clone(), temperatures: twin.temperatures.clone(), readings: twin.readings.clone() }
+}
+
+/// The question of `mc calibrate` without options, asked of a bearing in a 2.0e9 N/m rubber.
+pub fn question(method: Method) -> Question {
+    let guess = Motion { reach: 9.0, jump: 1.2, start: 15.0 };
+    Question { method, shear_stiffness: Some(2.0e9), starts: 10, lag: Lag::Auto, level: 0.9, guess }
+}
+
+/// Calibrate, on two threads.
+pub fn ask(record: &Record, question: &Question) -> Calibration {
+    calibrate(record, question, 2, &Default::default()).expect("a record with slips")
+}
+
+/// By slips, of each of these twins: the calibration, and the truth.
+pub fn by_slips(campaign: &Campaign, seeds: std::ops::Range<u64>) -> Vec<(Calibration, Values)> {
+    let one = |seed| {
+        let (twin, truth) = twin_of(&BRIDGE, campaign, seed);
+        (ask(&record(&twin), &question(Method::Slips)), truth)
+    };
+    seeds.map(one).collect()
+}
+
+/// The root of the mean square error of a quantity, relative to its truth.
+pub fn rmse(all: &[(Calibration, Values)], quantity: Quantity) -> f64 {
+    let error = |(fit, truth): &(Calibration, Values)| fit.estimate(quantity).estimate / truth[quantity as usize] - 1.0;
+    (all.iter().map(|one| error(one).powi(2)).sum::<f64>() / all.len() as f64).sqrt()
+}
+
+/// In how many of them the interval holds the truth.
+pub fn covered(all: &[(Calibration, Values)], quantity: Quantity) -> usize {
+    all.iter().filter(|(fit, truth)| fit.estimate(quantity).holds(truth[quantity as usize])).count()
+}

@@ -1,0 +1,60 @@
+//! What cannot be known, and what is refused.
+
+use crate::bridge::{BRIDGE, RED_CAMPAIGN, ask, question, record, twin_of};
+use stick_slip::study::calibration::{
+    Bearing, CalibrationError, Method, Quantity, Question, Record, Warning, calibrate,
+};
+
+/// Without K_BP the data tell beta, f_s/K and f_d/K, and no force: with the bearing rigid, and with a sheared one
+/// of which K_BP is not told.
+#[test]
+fn without_the_shear_stiffness_there_are_no_forces() {
+    for shear_stiffness in [f64::INFINITY, 2.0e9] {
+        let bearing = Bearing { shear_stiffness, ..BRIDGE };
+        let (twin, truth) = twin_of(&bearing, &RED_CAMPAIGN, 42);
+        let fit = ask(&record(&twin), &Question { shear_stiffness: None, ..question(Method::Slips) });
+        assert!(fit.warnings.contains(&Warning::NoShearStiffness));
+        for quantity in Quantity::ALL {
+            let estimate = fit.estimate(quantity);
+            assert_eq!(estimate.estimate.is_nan(), quantity.needs_shear_stiffness(), "{quantity:?}");
+        }
+        for quantity in [Quantity::Dilatation, Quantity::StaticWay, Quantity::DynamicWay] {
+            let off = fit.estimate(quantity).estimate / truth[quantity as usize] - 1.0;
+            assert!(off.abs() < 0.04, "{quantity:?}: {off}");
+        }
+    }
+}
+
+/// A twin whose f_s and f_d are the same slides without slips, and with more noise than that some of the way looks like slips. The fit says so, and
+/// knows f_d/K to 5 % all the same; it does not say so of twins that slip.
+#[test]
+fn sliding_without_slips_is_said() {
+    let said = |bearing: &Bearing| {
+        let (twin, truth) = twin_of(bearing, &RED_CAMPAIGN, 43);
+        let fit = ask(&record(&twin), &question(Method::Slips));
+        let off = fit.estimate(Quantity::DynamicWay).estimate / truth[Quantity::DynamicWay as usize] - 1.0;
+        assert!(off.abs() < 0.05, "{off}");
+        fit.warnings.contains(&Warning::GapNotIdentified)
+    };
+    assert!(said(&Bearing { f_d: BRIDGE.f_s, ..BRIDGE }));
+    assert!(!said(&BRIDGE));
+}
+
+#[test]
+fn no_record_is_refused() {
+    let flat = |n: usize, z: fn(usize) -> f64, t: fn(usize) -> f64| Record {
+        times: (0..n).map(|i| 600.0 * i as f64).collect(),
+        temperatures: (0..n).map(t).collect(),
+        readings: (0..n).map(z).collect(),
+    };
+    let ask = |record: Record| calibrate(&record, &question(Method::Both), 1, &Default::default()).map(|_| ());
+    let wave = |i: usize| (0.1 * i as f64).sin();
+    assert_eq!(ask(flat(20, wave, wave)).unwrap_err(), CalibrationError::TooShort(20));
+    assert_eq!(ask(flat(0, wave, wave)).unwrap_err(), CalibrationError::TooShort(0));
+    assert_eq!(ask(flat(2000, wave, |_| 20.0)).unwrap_err(), CalibrationError::Constant("temperature"));
+    assert_eq!(ask(flat(2000, |_| 0.0, wave)).unwrap_err(), CalibrationError::Constant("displacement"));
+    // A body that never slips: z follows T, and nothing else can be said.
+    let still = Question { starts: 1, ..question(Method::Both) };
+    let fit = calibrate(&flat(2000, wave, wave), &still, 1, &Default::default()).expect("an answer with warnings");
+    assert!(fit.warnings.contains(&Warning::NoSlips));
+}
