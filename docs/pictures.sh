@@ -6,6 +6,7 @@ cargo build --release --quiet --bin mc
 root=$PWD folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 ln -s "$root/scenarios" "$folder/scenarios"
+ln -s "$root/examples" "$folder/examples"
 cd "$folder"
 mc() { "$root/target/release/mc" "$@"; }
 
@@ -24,5 +25,9 @@ mc sweep scenarios/rho025.toml --scheme corrected-vi --vary rho=temperature.nois
 mc plot event-driven.h5 discrete-vi.h5 corrected-vi.h5 -o sweep.png
 mc sweep scenarios/rho025.toml --scheme event-driven --elasticity friction.static,friction.dynamic,oscillator.stiffness,oscillator.dilatation,temperature.noise.intensity,temperature.noise.relaxation_rate --paths 4000 --quiet -o elasticity.h5
 mc plot elasticity.h5 -o tornado.png
+mc calibrate examples/bridge/bridge.toml examples/bridge/twin.csv -o fit.h5
+mc plot fit.h5 --only calibration -o calibration.png
+mc plot fit.h5 --only loops -o loops.png
+mc plot fit.h5 --only residuals -o residuals.png
 
 cp ./*.png "$root/docs/pictures/"

@@ -11,10 +11,12 @@ fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
 }
 
-/// A folder that sees the scenarios.
+/// A folder that sees the scenarios and the examples.
 fn folder() -> tempfile::TempDir {
     let folder = tempfile::tempdir().expect("a folder");
-    std::os::unix::fs::symlink(root().join("scenarios"), folder.path().join("scenarios")).expect("linked");
+    for seen in ["scenarios", "examples"] {
+        std::os::unix::fs::symlink(root().join(seen), folder.path().join(seen)).expect("linked");
+    }
     folder
 }
 
@@ -72,7 +74,7 @@ fn the_pictures_of_the_documentation_come_out_again() {
         .map(|entry| entry.expect("readable").path())
         .filter(|path| path.extension().is_some_and(|ending| ending == "png"))
         .collect();
-    assert_eq!(drawn.len(), 9);
+    assert_eq!(drawn.len(), 12);
     for path in drawn {
         let kept = root().join("docs/pictures").join(path.file_name().expect("a name"));
         let share = difference(&path, &kept);

@@ -9,7 +9,9 @@ use std::sync::atomic::Ordering;
 use stick_slip::config::{BridgeScene, Override};
 use stick_slip::data::{self, DataError, Name, TimeColumn, Wanted};
 use stick_slip::store;
-use stick_slip::study::calibration::{Calibration, CalibrationError, Lag, Method, Motion, Question, Record, calibrate};
+use stick_slip::study::calibration::{
+    Calibration, CalibrationError, Held, Lag, Method, Motion, Quantity, Question, Record, calibrate,
+};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -34,6 +36,12 @@ pub struct Calibrate {
     /// By slips, by the paper's least squares err, or by slips with err beside them
     #[arg(long, value_name = "slips|err|both", default_value = "both", value_parser = method)]
     method: Method,
+    /// The parameters to fit, by their keys; the others are held at what the scenario says [default: all]
+    #[arg(long, value_name = "KEY,KEY", value_delimiter = ',', value_parser = parameter)]
+    fit: Vec<Quantity>,
+    /// Between which values err looks for a parameter, e.g. friction.static=4e5:6e5; repeatable [default: a box around what slips say]
+    #[arg(long, value_name = "KEY=LOW:HIGH", value_parser = bounds, allow_hyphen_values = true)]
+    bounds: Vec<(Quantity, [f64; 2])>,
     /// How many starts err has
     #[arg(long, value_name = "N", default_value_t = 10, value_parser = clap::value_parser!(u32).range(1..=1000))]
     starts: u32,
@@ -80,6 +88,8 @@ impl Calibrate {
             starts: self.starts,
             lag: self.lag,
             level: self.interval,
+            held: self.held(&scene)?,
+            bounds: self.bounds.clone(),
             guess: guess(&scene, &record),
         };
         let threads = self.threads.map_or_else(super::cores, usize::from);
@@ -94,6 +104,37 @@ impl Calibrate {
             note(&format!("{} has all of it; `mc plot {0}` draws it", output.display()));
         }
         if stop.load(Ordering::Relaxed) { Err(Failure::Interrupted) } else { Ok(()) }
+    }
+}
+
+impl Calibrate {
+    /// What is not fitted, and what the scenario says of it.
+    fn held(&self, scene: &BridgeScene) -> Result<Vec<Held>, Failure> {
+        let is_held = |quantity: &Quantity| !self.fit.is_empty() && !self.fit.contains(quantity);
+        let asked = FITTED.into_iter().filter(is_held).map(|quantity| {
+            let value = match quantity {
+                Quantity::Stiffness => scene.stiffness,
+                Quantity::Dilatation => scene.dilatation,
+                Quantity::Static => scene.f_s,
+                Quantity::Dynamic => scene.f_d,
+                Quantity::Offset => scene.offset,
+                _ => scene.displacement.ok_or_else(|| {
+                    let problem = "--fit leaves out initial.displacement, which is not a number in the scenario";
+                    Failure::usage(problem, "fit it as well, or give --set initial.displacement=...")
+                })?,
+            };
+            Ok((quantity, value))
+        });
+        let held: Vec<Held> = asked.collect::<Result<_, Failure>>()?;
+        let bounded = self.bounds.iter().map(|(quantity, _)| *quantity);
+        let mut told = held.iter().map(|(quantity, _)| *quantity).chain(bounded);
+        match told.find(|quantity| quantity.needs_shear_stiffness()) {
+            Some(quantity) if scene.shear_stiffness.is_none() => {
+                let problem = format!("{} cannot be held or bounded, because it takes K_BP to know it", quantity.key());
+                Err(Failure::usage(problem, "give bearing.stiffness, in the scenario or with --set"))
+            }
+            _ => Ok(held),
+        }
     }
 }
 
@@ -161,6 +202,30 @@ fn refused(path: &Path, error: &CalibrationError) -> Failure {
 
 fn method(text: &str) -> Result<Method, String> {
     Method::from_name(text).ok_or_else(|| "write slips, err or both".to_string())
+}
+
+/// What can be fitted or held; f_s - f_d follows.
+const FITTED: [Quantity; 6] = [
+    Quantity::Stiffness,
+    Quantity::Dilatation,
+    Quantity::Static,
+    Quantity::Dynamic,
+    Quantity::Offset,
+    Quantity::Displacement,
+];
+
+fn parameter(text: &str) -> Result<Quantity, String> {
+    let found = FITTED.into_iter().find(|quantity| quantity.key() == text.trim());
+    found.ok_or_else(|| format!("write some of {}", FITTED.map(Quantity::key).join(", ")))
+}
+
+fn bounds(text: &str) -> Result<(Quantity, [f64; 2]), String> {
+    let wrong = || "write KEY=LOW:HIGH, e.g. friction.static=4e5:6e5".to_string();
+    let (key, range) = text.split_once('=').ok_or_else(wrong)?;
+    let (low, high) = range.split_once(':').ok_or_else(wrong)?;
+    let number = |text: &str| text.trim().parse::<f64>().ok().filter(|x| x.is_finite()).ok_or_else(wrong);
+    let (low, high) = (number(low)?, number(high)?);
+    if low < high { Ok((parameter(key)?, [low, high])) } else { Err("the lower bound is not below the upper".into()) }
 }
 
 fn lag(text: &str) -> Result<Lag, String> {

@@ -224,6 +224,8 @@ fn stored(file: &File) -> hdf5::Result<StoredCalibration> {
         starts: errs.len() as u32,
         lag: if read_text(file, "lag_choice")? == "auto" { Lag::Auto } else { Lag::Known(lag.estimate) },
         level: number("interval")?,
+        held: Vec::new(),
+        bounds: Vec::new(),
         guess: response.motion,
     };
     let profile = (!lags.is_empty()).then(|| {

@@ -72,7 +72,16 @@ pub fn record(twin: &Twin) -> Record {
 /// The question of `mc calibrate` without options, asked of a bearing in a 2.0e9 N/m rubber.
 pub fn question(method: Method) -> Question {
     let guess = Motion { reach: 9.0, jump: 1.2, start: 15.0 };
-    Question { method, shear_stiffness: Some(2.0e9), starts: 10, lag: Lag::Auto, level: 0.9, guess }
+    Question {
+        method,
+        shear_stiffness: Some(2.0e9),
+        starts: 10,
+        lag: Lag::Auto,
+        level: 0.9,
+        held: Vec::new(),
+        bounds: Vec::new(),
+        guess,
+    }
 }
 
 /// Calibrate, on two threads.

@@ -92,6 +92,37 @@ fn friction_that_scatters_is_noticed() {
     }
 }
 
+/// The table of docs/calibration.md: root mean square errors of 24 twins of each kind (seeds 2000 to 2023).
+#[test]
+#[ignore = "a minute; prints a table"]
+fn table() {
+    let kinds: [(&str, Campaign); 9] = [
+        ("red noise", RED_CAMPAIGN),
+        ("white noise of 100 um", Campaign { flaws: Flaws { white: 100e-6, ..RED }, ..RED_CAMPAIGN }),
+        ("f_s scatters by 5 %", Campaign { flaws: Flaws { scatter: 0.05, ..RED }, ..RED_CAMPAIGN }),
+        ("steel 15 minutes behind", Campaign { flaws: Flaws { lag: 900.0, ..RED }, ..RED_CAMPAIGN }),
+        ("thermometer of 0.5 K", Campaign { flaws: Flaws { resolution: 0.5, ..RED }, ..RED_CAMPAIGN }),
+        ("thermometer of 1 K", Campaign { flaws: Flaws { resolution: 1.0, ..RED }, ..RED_CAMPAIGN }),
+        ("20 gaps, 1 % spikes", Campaign { flaws: Flaws { gaps: 20, spikes: 0.01, ..RED }, ..RED_CAMPAIGN }),
+        ("a sample an hour", Campaign { interval: 3600.0, ..RED_CAMPAIGN }),
+        ("100 days", Campaign { days: 100.0, ..RED_CAMPAIGN }),
+    ];
+    let columns = [
+        Quantity::Stiffness,
+        Quantity::Dilatation,
+        Quantity::Static,
+        Quantity::Dynamic,
+        Quantity::Gap,
+        Quantity::Displacement,
+    ];
+    for (name, campaign) in kinds {
+        let all = by_slips(&campaign, 2000..2024);
+        let cells: Vec<String> =
+            columns.iter().map(|quantity| format!("{:.1} %", 100.0 * rmse(&all, *quantity))).collect();
+        println!("| {name} | {} |", cells.join(" | "));
+    }
+}
+
 /// A sensor that counts the other way, and one whose readings have holes while the thermometer goes on.
 #[test]
 fn the_sign_of_the_sensor_and_holes_in_it_do_not_matter() {

@@ -1,9 +1,10 @@
 //! From a record to a calibration.
 
 use super::doubts::doubts;
+use super::hold::conditioned;
 use super::lag;
 use super::misfit::Misfit;
-use super::quantity::Quantity;
+use super::quantity::{Quantity, response_of, values};
 use super::question::{CalibrationError, LEAST, Lag, Method, Question};
 use super::report::{Calibration, Parts};
 use super::samples::Record;
@@ -57,7 +58,11 @@ pub fn calibrate(
     if by_slips.is_none() && question.method == Method::Slips {
         return Err(CalibrationError::NoSlips);
     }
-    let replicates = around.as_ref().map(|around| Replicates::new(around, question.shear_stiffness));
+    let shear = question.shear_stiffness.unwrap_or(1.0);
+    let mut replicates = around.as_ref().map(|around| Replicates::new(around, shear));
+    let by_slips = by_slips.zip(replicates.as_mut()).map(|(fit, replicates)| {
+        response_of(&conditioned(values(&fit, Some(shear)), replicates, &question.held, shear))
+    });
     let deviations = replicates.as_ref().map(Replicates::deviations);
     let misfit = Misfit::new(&steel);
     let found = if question.method == Method::Slips {
@@ -69,7 +74,7 @@ pub fn calibrate(
             }
             _ => Search::guessed(&question.guess),
         };
-        starts(&misfit, &search, question.starts, threads, stop)
+        starts(&misfit, &search, question, threads, stop)
     };
     let evidence = around.as_ref().map(|around| &around.here).filter(|_| by_slips.is_some());
     let mut calibration = Calibration::new(Parts {

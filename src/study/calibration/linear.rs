@@ -14,6 +14,11 @@ impl<const N: usize> Default for Normal<N> {
 }
 
 impl<const N: usize> Normal<N> {
+    /// Of a matrix, of which the lower half is enough, and a right side.
+    pub fn of(matrix: [[f64; N]; N], right: [f64; N]) -> Self {
+        Normal { matrix, right }
+    }
+
     /// A row: what y should be a combination of.
     #[inline(always)]
     pub fn add(&mut self, row: [f64; N], y: f64, weight: f64) {

@@ -6,7 +6,8 @@
 //! beginning, and the next slip is found by the extremes of whole blocks of temperatures. So an
 //! evaluation costs as many steps as there are slips, and not as there are samples.
 
-use super::bearing::{Response, Sensor};
+use super::bearing::Sensor;
+use super::linear::Normal;
 use super::motion::Motion;
 use super::samples::Record;
 
@@ -124,6 +125,39 @@ impl Misfit {
 
     /// err, in the unit of displacement squared times seconds, and the sensor that makes it smallest.
     pub fn of(&self, motion: &Motion) -> (f64, Sensor) {
+        self.best_sensor(self.sums(motion))
+    }
+
+    /// The same with combinations of (z0, moving, still) that are to have given values; err grows fast where they cannot.
+    pub fn held(&self, motion: &Motion, rows: &[([f64; 3], f64)]) -> (f64, Sensor) {
+        /// How much dearer a unit of displacement is in a row than in the record.
+        const DEAR: f64 = 1e4;
+        let [x, xx, xt, xz] = self.sums(motion);
+        let [tt, tz, zz] = self.products;
+        let (time, origin) = (self.duration(), self.centre[0]);
+        // In place of z0 what z - its mean is at the mean temperature, of body and steel.
+        let matrix = [[time, 0.0, 0.0], [x, xx, 0.0], [0.0, xt, tt]];
+        let mut normal = Normal::of(matrix, [0.0, xz, tz]);
+        let moved: Vec<([f64; 3], f64)> = (rows.iter())
+            .map(|([a, b, c], value)| ([*a, b - a * origin, c - a * origin], value - a * self.centre[1]))
+            .collect();
+        moved.iter().for_each(|(row, value)| normal.add(*row, *value, DEAR * time));
+        let Some([level, moving, still]) = normal.solve() else { return self.best_sensor([x, xx, xt, xz]) };
+        let quadratic = time * level * level
+            + xx * moving * moving
+            + tt * still * still
+            + 2.0 * (x * level * moving + xt * moving * still);
+        let off = |(row, value): &([f64; 3], f64)| {
+            (row[0] * level + row[1] * moving + row[2] * still - value).powi(2) * DEAR * time
+        };
+        let err = zz - 2.0 * (moving * xz + still * tz) + quadratic + moved.iter().map(off).sum::<f64>();
+        let offset = self.centre[1] + level - (moving + still) * origin;
+        (err.max(0.0), Sensor { offset, moving, still })
+    }
+
+    /// Of xi, xi xi, xi T and xi z.
+    #[inline(always)]
+    fn sums(&self, motion: &Motion) -> [f64; 4] {
         let n = self.temperatures.len();
         let mut sums = [0.0; 4];
         // Of deviations as well.
@@ -147,7 +181,7 @@ impl Misfit {
             i = k;
             k += 1;
         }
-        self.best_sensor(sums)
+        sums
     }
 
     fn best_sensor(&self, [x, xx, xt, xz]: [f64; 4]) -> (f64, Sensor) {
@@ -166,11 +200,6 @@ impl Misfit {
         (err.max(0.0), Sensor { offset, moving, still })
     }
 
-    /// What is best at this motion.
-    pub fn response(&self, motion: &Motion) -> Response {
-        Response { motion: *motion, sensor: self.of(motion).1 }
-    }
-
     /// How much time was measured, in seconds.
     pub fn duration(&self) -> f64 {
         self.before.last().map_or(0.0, |all| all.time)
@@ -181,6 +210,36 @@ impl Misfit {
 mod tests {
     use super::*;
     use crate::noise::Stream;
+    use crate::study::calibration::hold::row;
+    use crate::study::calibration::quantity::{Quantity, values};
+
+    /// A sensor with beta, z0 and K held has them, and err is what it leaves; held at what is best anyway, nothing changes.
+    #[test]
+    fn what_is_held_is_had() {
+        let temperatures: Vec<f64> = (0..3000).map(|i| 10.0 + 8.0 * libm::sin(0.01 * f64::from(i))).collect();
+        let motion = Motion { reach: 3.0, jump: 0.8, start: 9.0 };
+        let positions = motion.follow(&temperatures);
+        let mut random = Stream::new(6, 0);
+        let readings =
+            positions.iter().zip(&temperatures).map(|(x, t)| 2.0 + 0.9 * x + 0.1 * t + 0.2 * random.normal()).collect();
+        let record = Record { times: (0..3000).map(f64::from).collect(), temperatures, readings };
+        let misfit = Misfit::new(&record);
+        let (least, best) = misfit.of(&motion);
+        let at = |sensor: Sensor| values(&crate::study::calibration::Response { motion, sensor }, Some(1e3));
+        for quantity in [Quantity::Dilatation, Quantity::Offset, Quantity::Stiffness, Quantity::Static, Quantity::Gap] {
+            for factor in [1.0, 1.2] {
+                let target = factor * at(best)[quantity as usize];
+                let (err, sensor) = misfit.held(&motion, &[row(&(quantity, target), &motion, 1e3)]);
+                let got = at(sensor)[quantity as usize];
+                assert!((got / target - 1.0).abs() < 1e-3, "{quantity:?}: {got} for {target}");
+                let slow: f64 = (0..3000)
+                    .map(|i| (sensor.reading(positions[i], record.temperatures[i]) - record.readings[i]).powi(2))
+                    .sum();
+                assert!((err / slow - 1.0).abs() < 0.05, "{quantity:?}: {err} for {slow}");
+                assert!(factor > 1.0 || (err / least - 1.0).abs() < 1e-6, "{quantity:?}");
+            }
+        }
+    }
 
     /// Against the model followed sample by sample: wide motions, narrow ones, without a gap, and one that never moves.
     #[test]

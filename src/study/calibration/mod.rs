@@ -17,6 +17,7 @@ mod detect;
 mod doubts;
 mod evolve;
 mod fit;
+mod hold;
 mod lag;
 mod level;
 mod linear;
@@ -39,6 +40,7 @@ mod weather;
 
 pub use bearing::{Bearing, Response, Sensor};
 pub use calibrate::calibrate;
+pub use hold::Held;
 pub use lag::LagProfile;
 pub use misfit::Misfit;
 pub use motion::Motion;

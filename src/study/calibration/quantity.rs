@@ -133,3 +133,46 @@ pub fn response_of(values: &Values) -> Response {
         sensor: Sensor { offset: of(Offset), moving: (1.0 - kappa) * beta, still: kappa * beta },
     }
 }
+
+/// The values whose first ones are K, beta, f_s, f_d, z0 and x(0): the others follow from these.
+pub fn with_derived(values: &Values, shear_stiffness: f64) -> Values {
+    let of = |quantity: Quantity| values[quantity as usize];
+    let (stiffness, slope) = (of(Stiffness), of(Stiffness) * of(Dilatation));
+    Quantity::ALL.map(|quantity| match quantity {
+        Gap => of(Static) - of(Dynamic),
+        Shear => stiffness / shear_stiffness,
+        Reach => of(Static) / slope,
+        Jump => 2.0 * (of(Static) - of(Dynamic)) / slope,
+        StaticWay => of(Static) / stiffness,
+        DynamicWay => of(Dynamic) / stiffness,
+        Stiffness | Dilatation | Static | Dynamic | Offset | Displacement => of(quantity),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::bearing::Bearing;
+    use super::*;
+
+    #[test]
+    fn values_and_responses_are_the_same_thing() {
+        let bearing = Bearing {
+            stiffness: 1.9e8,
+            dilatation: 3e-4,
+            f_s: 4.7e5,
+            f_d: 4.2e5,
+            offset: -0.01,
+            displacement: 0.004,
+            shear_stiffness: 2e9,
+        };
+        let found = values(&bearing.response(), Some(2e9));
+        let expected = [1.9e8, 3e-4, 4.7e5, 4.2e5, 5e4, -0.01, 0.004];
+        let near = |a: f64, b: f64| (a / b - 1.0).abs() < 1e-12;
+        assert!(found.iter().zip(expected).all(|(a, b)| near(*a, b)), "{found:?}");
+        let again = values(&response_of(&found), Some(2e9));
+        assert!(found.iter().zip(again).all(|(a, b)| near(*a, b)));
+        assert!(found.iter().zip(with_derived(&found, 2e9)).all(|(a, b)| near(*a, b)));
+        let unsheared = values(&bearing.response(), None);
+        assert!(Quantity::ALL.iter().all(|q| unsheared[*q as usize].is_nan() == q.needs_shear_stiffness()));
+    }
+}

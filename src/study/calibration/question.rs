@@ -1,6 +1,8 @@
 //! What is asked of a record, and why there may be no answer.
 
+use super::hold::Held;
 use super::motion::Motion;
+use super::quantity::Quantity;
 
 /// How the parameters are found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -51,6 +53,10 @@ pub struct Question {
     pub lag: Lag,
     /// The probability with which an interval is to hold the truth.
     pub level: f64,
+    /// What is given instead of fitted: parameters, and forces among them only if K_BP is known.
+    pub held: Vec<Held>,
+    /// Between which values the least squares looks for a quantity.
+    pub bounds: Vec<(Quantity, [f64; 2])>,
     /// Where a search begins if no slip can be seen.
     pub guess: Motion,
 }

@@ -124,7 +124,8 @@ pub(super) struct Parts<'a> {
 impl Calibration {
     pub(super) fn new(parts: Parts) -> Calibration {
         let best = parts.starts.iter().min_by(|a, b| a.err.total_cmp(&b.err)).map(|start| start.response);
-        let guess = parts.misfit.response(&parts.question.guess);
+        let motion = parts.question.guess;
+        let guess = Response { motion, sensor: parts.misfit.of(&motion).1 };
         let by_slips = parts.by_slips.filter(|_| parts.question.method != Method::Err);
         let response = by_slips.or(best).or(parts.by_slips).unwrap_or(guess);
         let sides = normal_quantile(parts.question.level);

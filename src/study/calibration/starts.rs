@@ -2,8 +2,11 @@
 
 use super::bearing::Response;
 use super::evolve;
+use super::hold::row;
 use super::misfit::Misfit;
 use super::motion::Motion;
+use super::quantity::{Quantity, values};
+use super::question::Question;
 use crate::ensemble::in_order;
 use std::convert::Infallible;
 use std::ops::ControlFlow;
@@ -51,20 +54,42 @@ pub struct Start {
 }
 
 /// So many starts, on these threads. Each is a search of its own, with random numbers of its own.
-pub fn starts(misfit: &Misfit, search: &Search, count: u32, threads: usize, stop: &AtomicBool) -> Vec<Start> {
+pub fn starts(misfit: &Misfit, search: &Search, question: &Question, threads: usize, stop: &AtomicBool) -> Vec<Start> {
     let bounds = [search.reach, search.jump, search.start];
     let motion = |[reach, jump, start]: [f64; 3]| Motion { reach, jump: jump.min(2.0 * reach), start };
+    let shear = question.shear_stiffness.unwrap_or(1.0);
+    let best = |motion: &Motion| {
+        if question.held.is_empty() {
+            return misfit.of(motion);
+        }
+        let rows: Vec<_> = question.held.iter().map(|held| row(held, motion, shear)).collect();
+        misfit.held(motion, &rows)
+    };
+    let outside = |response: &Response| {
+        let values = values(response, Some(shear));
+        let far = |(quantity, [low, high]): &(Quantity, [f64; 2])| {
+            let value = values[*quantity as usize];
+            (low - value).max(value - high).max(0.0) / (high - low)
+        };
+        question.bounds.iter().map(far).sum::<f64>()
+    };
+    let value = |x: &[f64; 3]| {
+        let motion = motion(*x);
+        let (err, sensor) = best(&motion);
+        if question.bounds.is_empty() { err } else { err * (1.0 + 100.0 * outside(&Response { motion, sensor })) }
+    };
     // x lives on the lattice x(0) + n G: shifted by G, it is another body until both have been thrown about.
     let leap = |[reach, jump, start]: [f64; 3], way: f64| [reach, jump, start + jump.copysign(way)];
     let make = |number: u64| {
-        let (at, err) = evolve::lowest(&bounds, number, leap, |x| misfit.of(&motion(*x)).0);
-        Start { err: err / misfit.duration(), response: misfit.response(&motion(at)) }
+        let (at, _) = evolve::lowest(&bounds, number, leap, value);
+        let (err, sensor) = best(&motion(at));
+        Start { err: err / misfit.duration(), response: Response { motion: motion(at), sensor } }
     };
     let mut all = Vec::new();
     let deliver = |start: Start| {
         all.push(start);
         Ok::<_, Infallible>(ControlFlow::Continue(()))
     };
-    let _ = in_order(count.into(), threads, stop, make, deliver);
+    let _ = in_order(question.starts.into(), threads, stop, make, deliver);
     all
 }

@@ -35,8 +35,8 @@ impl Around {
     }
 
     /// The lag's distance from the likeliest one, and all quantities, with these weights.
-    fn replicate(&self, weights: &[f64], shear_stiffness: Option<f64>) -> Option<(f64, Values)> {
-        let at = |evidence: &Evidence| Some(values(&evidence.fit(weights)?, shear_stiffness));
+    fn replicate(&self, weights: &[f64], shear_stiffness: f64) -> Option<(f64, Values)> {
+        let at = |evidence: &Evidence| Some(values(&evidence.fit(weights)?, Some(shear_stiffness)));
         let here = at(&self.here)?;
         let Some(([less, more], step)) = &self.beside else { return Some((0.0, here)) };
         let deviance = |evidence: &Evidence| Sums::weighted(&evidence.sums, weights).deviance();
@@ -59,7 +59,7 @@ pub struct Replicates {
 
 impl Replicates {
     /// From random weights of the blocks of this evidence.
-    pub fn new(around: &Around, shear_stiffness: Option<f64>) -> Replicates {
+    pub fn new(around: &Around, shear_stiffness: f64) -> Replicates {
         let evidence = &around.here;
         let scatter = evidence.scatter();
         let replicate = |number: u64| {
@@ -90,6 +90,25 @@ impl Replicates {
         let columns: Vec<Vec<f64>> = (0..Quantity::ALL.len()).map(|i| self.column(i)).collect();
         let between = |a: &[f64], b: &[f64]| correlation(&a.iter().zip(b).map(|(a, b)| [*a, *b]).collect::<Vec<_>>());
         columns.iter().map(|a| std::array::from_fn(|j| between(a, &columns[j]))).collect()
+    }
+
+    /// How far each quantity goes with this one.
+    pub fn gains(&self, with: Quantity) -> Values {
+        let other = self.column(with as usize);
+        let spread = deviation(&other);
+        std::array::from_fn(|i| {
+            let own = self.column(i);
+            let pairs: Vec<[f64; 2]> = own.iter().zip(&other).map(|(a, b)| [*a, *b]).collect();
+            let gain = correlation(&pairs) * deviation(&own) / spread;
+            if gain.is_finite() { gain } else { 0.0 }
+        })
+    }
+
+    /// Every replicate changed.
+    pub fn change(&mut self, change: impl Fn(&Values) -> Values) {
+        for values in &mut self.values {
+            *values = change(values);
+        }
     }
 
     fn column(&self, i: usize) -> Vec<f64> {
