@@ -2,7 +2,7 @@
 
 use super::calibrate_report as report;
 use super::failure::{Failure, note, print, writable};
-use super::interrupt::stop_on_ctrl_c;
+use super::interrupt::stop_on_signals;
 use super::numbers::{parse_duration, wrapped};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
@@ -79,7 +79,7 @@ impl Calibrate {
         let set = self.set.iter().map(|text| Override::set(text)).collect::<Result<Vec<_>, _>>()?;
         let scene = BridgeScene::read(&self.scenario, &set)?;
         if let Some(output) = &self.output {
-            writable(output, self.force)?;
+            writable(output, self.force, [self.scenario.as_path(), self.data.as_path()])?;
         }
         let record = record(&self.data, &scene, self.displacement.as_deref(), self.unit.as_deref())?;
         let question = Question {
@@ -93,7 +93,7 @@ impl Calibrate {
             guess: guess(&scene, &record),
         };
         let threads = self.threads.map_or_else(super::cores, usize::from);
-        let stop = stop_on_ctrl_c();
+        let stop = stop_on_signals();
         let calibration = calibrate(&record, &question, threads, &stop).map_err(|error| refused(&self.data, &error))?;
         let warnings: Vec<(String, String)> =
             calibration.warnings.iter().map(|warning| (warning.name().to_string(), warning.to_string())).collect();

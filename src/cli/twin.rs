@@ -2,13 +2,13 @@
 
 use super::failure::{Failure, note, print, writable};
 use super::numbers::{grouped, parse_duration};
-use super::results::write_whole;
 use super::table::{Row, aligned};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use stick_slip::config::{BridgeScene, Override};
 use stick_slip::data::{self, Name, Start, TimeColumn, Wanted};
 use stick_slip::scenario::Scenario;
+use stick_slip::store;
 use stick_slip::study::calibration::{Bearing, Flaws, Quantity, Twin as Made, drawn, twin, values};
 
 const EXAMPLES: &str = "\
@@ -88,7 +88,7 @@ impl Twin {
     pub fn call(&self) -> Result<(), Failure> {
         let set = self.set.iter().map(|text| Override::set(text)).collect::<Result<Vec<_>, _>>()?;
         let scene = BridgeScene::read(&self.scenario, &set)?;
-        writable(&self.output, self.force)?;
+        writable(&self.output, self.force, [self.scenario.as_path()])?;
         let air = match &scene.file {
             Some(file) => measured(&self.scenario, file, &scene)?,
             None => self.drawn(&set)?,
@@ -115,7 +115,7 @@ impl Twin {
             gaps: self.gaps,
         };
         let made = twin(&response, &air.times, &air.temperatures, &flaws, self.seed);
-        write_whole(&self.output, csv(&made, &air, &scene)?.as_bytes())?;
+        store::write_whole(&self.output, csv(&made, &air, &scene)?.as_bytes(), self.force)?;
         let truth = values(&response, scene.shear_stiffness);
         let row = |quantity: &Quantity| {
             let value = truth[*quantity as usize];

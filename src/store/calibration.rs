@@ -2,10 +2,11 @@
 
 use super::error::{cause, is_full, system_error};
 use super::layout::{Unit, Variable, variable};
-use super::reader::{check_signature, open};
+use super::reader::{check_file, open};
 use super::variable::{Place, read_or_empty, read_text, text, write_attribute, write_text};
+use super::workshop::{RESULTS, Workshop};
 use super::writer::create_file;
-use super::{StoreError, discard_partial, partial_path};
+use super::{StoreError, seal};
 use crate::provenance::{GIT_HASH, PROGRAM_VERSION};
 use crate::stats::{Dimension, Units};
 use crate::study::calibration::{
@@ -35,7 +36,7 @@ pub struct StoredCalibration {
     pub warnings: Vec<(String, String)>,
 }
 
-/// Write a calibration: `NAME.partial` first, then `NAME` in one step. With `force`, a leftover goes.
+/// Write a calibration, in the folder `NAME.partial` like every file. With `force`, a file of this name is replaced.
 pub fn write_calibration(
     target: &Path,
     title: &str,
@@ -43,14 +44,10 @@ pub fn write_calibration(
     calibration: &Calibration,
     force: bool,
 ) -> Result<(), StoreError> {
-    let partial = partial_path(target);
-    if force {
-        discard_partial(target)?;
-    } else if partial.exists() {
-        return Err(StoreError::LeftOver { partial });
-    }
-    let file = create_file(&partial)
-        .map_err(|error| StoreError::NotCreated { partial: partial.clone(), cause: cause(&error) })?;
+    let workshop = Workshop::open(target, force)?;
+    let path = workshop.path(RESULTS);
+    let file =
+        create_file(&path).map_err(|error| StoreError::NotCreated { partial: path.clone(), cause: cause(&error) })?;
     let [time, length, force_unit, temperature] = ["s", "m", "N", "K"].map(String::from);
     let place = Place { file, units: Units { time, length, force: force_unit, temperature } };
     let written = attributes(&place.file, title, scenario_text, calibration)
@@ -59,14 +56,12 @@ pub fn write_calibration(
     if let Err(error) = written {
         // As for a run: closing a file that could not be written may crash the library.
         std::mem::forget(place);
-        let (full, cause) = (system_error(&error).is_some_and(|system| is_full(&system)), cause(&error));
-        return Err(match full {
-            true => StoreError::DiskFull { partial, completed_paths: 0, cause },
-            false => StoreError::Write { partial, completed_paths: 0, cause },
-        });
+        let full = system_error(&error).is_some_and(|system| is_full(&system));
+        return Err(workshop.failure(cause(&error), full));
     }
     drop(place);
-    std::fs::rename(&partial, target).map_err(|source| StoreError::Rename { partial, target: target.into(), source })
+    seal::seal(&path).map_err(|error| workshop.failed(&error))?;
+    workshop.publish()
 }
 
 fn attributes(file: &File, title: &str, scenario_text: &str, calibration: &Calibration) -> hdf5::Result<()> {
@@ -169,7 +164,7 @@ fn numbers(count: usize) -> Vec<u32> {
 
 /// Read the file of a calibration.
 pub fn read_calibration(path: &Path) -> Result<StoredCalibration, StoreError> {
-    check_signature(path)?;
+    check_file(path)?;
     let file = open(path)?;
     let damaged = |error: hdf5::Error| StoreError::Damaged { path: path.to_owned(), cause: cause(&error) };
     if read_text(&file, "format_name").ok().as_deref() != Some(CALIBRATION_FORMAT_NAME) {

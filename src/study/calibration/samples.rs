@@ -183,10 +183,10 @@ mod tests {
 
     #[test]
     fn a_gap_ends_a_stretch_and_stands_for_no_time() {
-        let record = record(&[0.0, 1.0, 2.0, 9.0, 10.0, 12.0], &[0.0, 0.0, 0.0, 0.0, f64::NAN, 0.0]);
-        let samples = record.samples();
-        assert_eq!(samples.stretches().collect::<Vec<_>>(), [0..3, 3..5]);
-        assert_eq!(record.shares(), [1.0, 1.0, 1.0, 2.0, 0.0, 2.0]);
+        let times = [0.0, 1.0, 2.0, 3.0, 4.0, 11.0, 12.0, 14.0];
+        let record = record(&times, &[0.0, 0.0, 0.0, 0.0, 0.0, 0.0, f64::NAN, 0.0]);
+        assert_eq!(record.samples().stretches().collect::<Vec<_>>(), [0..5, 5..7]);
+        assert_eq!(record.shares(), [1.0, 1.0, 1.0, 1.0, 1.0, 2.0, 0.0, 2.0]);
     }
 
     #[test]
