@@ -48,6 +48,11 @@ cargo run --release --quiet --bin mc -- sweep scenarios/rho025.toml --scheme eve
 run sweeps/run rho025 --scheme event-driven --paths 600 --set temperature.noise.intensity=0.3 --set friction.static=1.3
 target/venv/bin/python tests/python/sweep.py "$folder/sweeps/sweep.h5" "$folder/sweeps/run.h5"
 
+# A calibration of the twin that is shipped.
+mkdir "$folder/calibrations"
+cargo run --release --quiet --bin mc -- calibrate examples/bridge/bridge.toml examples/bridge/twin.csv -o "$folder/calibrations/fit.h5" >"$folder/messages" 2>&1
+target/venv/bin/python tests/python/calibration.py "$folder/calibrations/fit.h5"
+
 # Biases beyond their uncertainties, and the estimates corrected for them.
 run biased rho025 --paths 10000 \
     --set units.time=s --set units.length=mm --set units.force=N --set units.temperature=K
