@@ -5,7 +5,7 @@ use super::level::Sums;
 use super::linear::Normal;
 use super::motion::Motion;
 use super::samples::{median, spread};
-use super::slips::Evidence;
+use super::slips::{Evidence, Slip};
 
 impl Evidence {
     /// A, G, xi(0), z0 and the slopes, from blocks of time with these weights. None where too few slips were seen.
@@ -16,7 +16,7 @@ impl Evidence {
     /// - between a slip and the next one the other way T goes 2 A - G = 2 f_d/(K beta);
     /// - the middle of a jump, less still T, is z0 + moving (T -+ (A - G/2)): a line whose slope is `moving`;
     /// - the height of a jump is moving G;
-    /// - xi(0) is A away from the temperature of the first slip.
+    /// - xi(0) is A away from the temperature of the first slip; where that fell into a gap it is read off the level before.
     ///
     /// f_s may differ from slip to slip: the means of these are still right.
     pub fn fit(&self, weights: &[f64]) -> Option<Response> {
@@ -37,16 +37,28 @@ impl Evidence {
         let jump = mean(&mut usual().map(|slip| (slip.size(still), self.block(slip.time)))) / moving;
         let reach = kinetic + 0.5 * jump;
         let first = self.slips.first()?;
-        let start = first.temperature - first.sign * reach;
+        let start = match &self.beginning {
+            None => first.temperature - first.sign * reach,
+            Some(level) => (level.less(still) - offset) / moving,
+        };
         let fit = Response { motion: Motion { reach, jump, start }, sensor: Sensor { offset, moving, still } };
         (reach.is_finite() && jump.is_finite()).then_some(fit)
     }
 }
 
 impl Evidence {
-    /// How well the temperature of one slip tells A, in kelvin: from how reversals differ, each of
-    /// which takes two of them.
+    /// How well xi(0) is known where everything else is, in kelvin. From the temperature of one slip: from how reversals differ, each of which
+    /// takes two of them. From a level: from how far the middles of jumps are from their line.
     pub fn scatter(&self) -> f64 {
+        if self.beginning.is_some() {
+            let Some(Response { motion, sensor }) = self.fit(&self.unweighted()) else { return 0.0 };
+            let kinetic = motion.reach - 0.5 * motion.jump;
+            let off = |slip: &Slip| {
+                let line = sensor.offset + sensor.moving * (slip.temperature - slip.sign * kinetic);
+                (slip.middle(sensor.still) - line) / sensor.moving
+            };
+            return spread(&self.slips.iter().filter(|slip| slip.is_usual).map(off).collect::<Vec<_>>());
+        }
         let ways: Vec<f64> = self.reversals.iter().map(|(way, _)| *way).collect();
         if ways.len() < 2 { 0.0 } else { spread(&ways) / std::f64::consts::SQRT_2 }
     }

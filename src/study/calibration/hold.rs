@@ -19,8 +19,8 @@ pub fn conditioned(estimates: Values, replicates: &mut Replicates, held: &[Held]
             let off = target - values[*quantity as usize];
             with_derived(&std::array::from_fn(|i| values[i] + gains[i] * off), shear_stiffness)
         };
-        estimates = corrected(&estimates);
         replicates.change(corrected);
+        estimates = corrected(&estimates);
     }
     estimates
 }

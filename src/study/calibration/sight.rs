@@ -72,12 +72,12 @@ impl Sight {
         let still = self.still();
         let mut steps = vec![[0.0; 2]; samples.times.len()];
         for stretch in samples.stretches() {
-            for i in stretch.start + 1..stretch.end {
+            for (i, step) in steps.iter_mut().enumerate().take(stretch.end).skip(stretch.start + 1) {
                 let (before, after) = (&self.before[i - 1], &self.after[i]);
                 let size = after.less(still) - before.less(still);
                 let walked = self.walk * (samples.times[i] - samples.times[i - 1]);
                 let variance = before.variance + after.variance + walked;
-                steps[i] = [size, size / (self.noise * variance.sqrt())];
+                *step = [size, size / (self.noise * variance.sqrt())];
             }
         }
         steps

@@ -53,6 +53,8 @@ pub struct Evidence {
     pub contrast: f64,
     /// The bins that z was regressed on T with, in seconds.
     pub bin: f64,
+    /// The level of the stick in which the record begins, if the first slip that was seen does not end it, because there is a gap in between.
+    pub beginning: Option<Level>,
     start: f64,
 }
 
@@ -111,10 +113,17 @@ impl Evidence {
         let ways =
             pairs.map(|pair| ((pair[1].temperature - pair[0].temperature) * pair[1].sign, block(start, pair[1].time)));
         let reversals = usual(ways.collect());
-        if slips.is_empty() {
-            return None;
-        }
-        Some(Evidence { slips, reversals, sums: sight.sums.clone(), contrast: found.contrast, bin: sight.bin, start })
+        let first = slips.first()?;
+        let beginning = (!is_whole(0, first.index)).then(|| sight.after[0]);
+        Some(Evidence {
+            slips,
+            reversals,
+            sums: sight.sums.clone(),
+            contrast: found.contrast,
+            bin: sight.bin,
+            beginning,
+            start,
+        })
     }
 
     /// The block of a time.
