@@ -3,7 +3,7 @@
 
 use super::error::{Fault, ScenarioError};
 use super::fields::Fields;
-use super::keys::{self, Key, Range};
+use super::keys;
 use super::overrides::Override;
 use super::source::Sources;
 use super::tree;
@@ -41,24 +41,19 @@ pub struct BridgeScene {
     pub text: String,
 }
 
-const SHEAR_STIFFNESS: Key =
-    Key { name: "stiffness", symbol: "K_BP", meaning: "shear stiffness of the bearing", range: Range::Positive };
-const OFFSET: Key = Key { name: "offset", symbol: "z0", meaning: "what the sensor shows at x = 0", range: Range::Any };
-
 impl BridgeScene {
     /// Read a file, with the overrides laid over it.
     pub fn read(path: &Path, overrides: &[Override]) -> Result<Self, ScenarioError> {
         let (name, text) = Scenario::text_of(path)?;
-        Ok(scene(&Sources { name: &name, text: &text, overrides })?)
+        Ok(scene(&Sources { name: &name, text: &text, overrides, stored: None })?)
     }
 }
 
 fn scene(sources: &Sources<'_>) -> Result<BridgeScene, Box<Fault>> {
     let tree = tree::read(sources)?;
-    let root = Fields::of_any(sources, &tree)?;
-    let table = |name: &str| root.any_table(name);
+    let root = Fields::root(sources, &tree)?;
     let (oscillator, friction) = (root.table("oscillator")?, root.table("friction")?);
-    let (bearing, series) = (table("bearing")?, table("temperature")?.any_table("series")?);
+    let (bearing, series) = (root.table("bearing")?, root.table("temperature")?.table("series")?);
     let line = |name: &str| Ok::<_, Box<Fault>>(Some(series.line_or(name, "")?).filter(|text| !text.is_empty()));
     let stem = Path::new(sources.name).file_stem().unwrap_or_default().to_string_lossy();
     let initial = root.table("initial")?.number_or_word(keys::DISPLACEMENT, &["balanced", "free"])?;
@@ -68,8 +63,8 @@ fn scene(sources: &Sources<'_>) -> Result<BridgeScene, Box<Fault>> {
         dilatation: oscillator.number(keys::DILATATION)?.value,
         f_s: friction.number(keys::STATIC)?.value,
         f_d: friction.number(keys::DYNAMIC)?.value,
-        shear_stiffness: bearing.number_if_present(SHEAR_STIFFNESS)?.map(|read| read.value),
-        offset: bearing.number_or(OFFSET, 0.0)?.value,
+        shear_stiffness: bearing.number_if_present(keys::BEARING_STIFFNESS)?.map(|read| read.value),
+        offset: bearing.number_or(keys::OFFSET, 0.0)?.value,
         displacement: initial.and_then(Result::ok).map(|read| read.value),
         file: line("file")?,
         time: series.line_or("time", "time")?,

@@ -31,26 +31,6 @@ impl<'a> Fields<'a> {
         Ok(root)
     }
 
-    /// A root table of which only some keys are read; others are nobody's business here.
-    pub fn of_any(sources: &'a Sources<'a>, node: &'a Node) -> Result<Self, Box<Fault>> {
-        let Value::Table(entries) = &node.value else {
-            return Err(wrong_kind(sources, node, "", "a table", "write `key = value` lines under `[table]` headers"));
-        };
-        Ok(Fields { sources, path: String::new(), place: None, entries })
-    }
-
-    /// A table in this one of which only some keys are read; if it is missing, an empty one.
-    pub fn any_table(&self, name: &str) -> Result<Fields<'a>, Box<Fault>> {
-        let path = self.dotted(name);
-        match self.node(name) {
-            None => Ok(Fields { sources: self.sources, path, place: None, entries: &[] }),
-            Some(Node { value: Value::Table(entries), place }) => {
-                Ok(Fields { sources: self.sources, path, place: Some(*place), entries })
-            }
-            Some(node) => Err(wrong_kind(self.sources, node, &path, "a table", "write a table")),
-        }
-    }
-
     /// A table of the kind `schema` (see `keys::TABLES`); an unknown key in it is an error.
     fn open(sources: &'a Sources<'a>, schema: &str, path: String, node: &'a Node) -> Result<Self, Box<Fault>> {
         let Value::Table(entries) = &node.value else {
