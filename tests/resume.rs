@@ -319,7 +319,7 @@ fn what_is_ignored_when_it_starts_stays_ignored() {
 /// Goals, and the end of a run that was never to be a whole one.
 #[test]
 fn an_interrupted_run_ends_where_its_goal_ends_it() {
-    let goal = [&RUN[..2], &["--until", "stick_duration_mean < 0.35%"], &RUN[4..]].concat();
+    let goal = [&RUN[..2], &["--until", "stick_duration_mean < 0.1%"], &RUN[4..]].concat();
     let whole = undisturbed(&goal);
     let here = tempfile::tempdir().expect("a folder");
     assert_eq!(interrupted(here.path(), &goal, "INT").status.code(), Some(130));

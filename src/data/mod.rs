@@ -63,7 +63,8 @@ pub fn read(path: &Path, time: TimeColumn<'_>, wanted: &[Wanted<'_>]) -> Result<
 ///     Wanted { column: Name::Exactly("temperature_degC"), quantity: Quantity::Temperature, unit: None, max_gap: None };
 /// let table = parse("t.csv", text, TimeColumn { name: "time", zone: Some("UTC") }, &[temperature])?;
 /// assert_eq!((&table.columns[0].times[..], &table.columns[0].values[..]), (&[0.0, 1200.0][..], &[15.5, 14.8][..]));
-/// assert_eq!(table.repairs.sentences(), ["left out 1 cell without a value in `temperature_degC`"]);
+/// let repairs = ["left out 1 cell without a value in `temperature_degC`", "read 2 decimal commas"];
+/// assert_eq!(table.repairs.sentences(), repairs);
 /// # Ok::<(), stick_slip::data::DataError>(())
 /// ```
 pub fn parse(name: &str, bytes: &[u8], time: TimeColumn<'_>, wanted: &[Wanted<'_>]) -> Result<Table, DataError> {
