@@ -370,7 +370,7 @@ fn bash_completes_verbs_options_and_values() {
         String::from_utf8(output.stdout).unwrap().trim().to_string()
     };
     assert_eq!(complete(&["mc", "ru"]), "run");
-    assert_eq!(complete(&["mc", "t"]), "trade");
+    assert_eq!(complete(&["mc", "t"]), "trade twin");
     assert_eq!(complete(&["mc", "run", "--path"]), "--paths");
     assert_eq!(complete(&["mc", "run", "--s"]), "--seed --scheme --step --set --statistic");
     assert_eq!(complete(&["mc", "replay", "--p"]), "--path");

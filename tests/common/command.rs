@@ -65,8 +65,11 @@ impl Running {
 
     /// The same with its standard output led somewhere.
     pub fn mc_into(out: Stdio, folder: &Path, arguments: &[&str]) -> Self {
-        let mut command = Command::new(assert_cmd::cargo::cargo_bin!("mc"));
-        let command = command.current_dir(folder).args(arguments).stdout(out).stderr(Stdio::piped());
+        // A signal that was ignored when it starts stays ignored, and a test may be started so.
+        let mut command = Command::new("env");
+        let command = command.arg("--default-signal=INT,TERM,HUP,USR1,USR2,XCPU");
+        let command = command.arg(assert_cmd::cargo::cargo_bin!("mc")).args(arguments);
+        let command = command.current_dir(folder).stdout(out).stderr(Stdio::piped());
         let mut child = command.spawn().expect("starts");
         // Read while it runs: a pipe that nobody empties would hold it up.
         let streams = [child.stdout.take().map(collect), child.stderr.take().map(collect)];
