@@ -3,11 +3,12 @@
 use super::calibrate_report as report;
 use super::failure::{Failure, note, print, writable};
 use super::interrupt::stop_on_signals;
+use super::measurements;
 use super::numbers::{parse_duration, wrapped};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 use stick_slip::config::{BridgeScene, Override};
-use stick_slip::data::{self, DataError, Name, TimeColumn, Wanted};
+use stick_slip::data::{self, DataError, Wanted};
 use stick_slip::store;
 use stick_slip::study::calibration::{
     Calibration, CalibrationError, Held, Lag, Method, Motion, Quantity, Question, Record, calibrate,
@@ -153,22 +154,9 @@ pub(super) fn show(
 
 /// A record in the columns that a scenario names.
 fn record(path: &Path, scene: &BridgeScene, displacement: Option<&str>, unit: Option<&str>) -> Result<Record, Failure> {
-    let column = |name: Option<&'_ str>, beginning: &'static str| match name {
-        Some(_) => None,
-        None => Some(Name::Beginning(beginning)),
-    };
-    let temperature = column(scene.value.as_deref(), "temperature")
-        .unwrap_or_else(|| Name::Exactly(scene.value.as_deref().unwrap_or_default()));
-    let displacement =
-        column(displacement, "displacement").unwrap_or_else(|| Name::Exactly(displacement.unwrap_or_default()));
-    let wanted = [
-        Wanted { column: temperature, quantity: data::Quantity::Temperature, unit: None, max_gap: None },
-        Wanted { column: displacement, quantity: data::Quantity::Displacement, unit, max_gap: None },
-    ];
-    let table = data::read(path, TimeColumn { name: &scene.time, zone: scene.zone.as_deref() }, &wanted)?;
-    for sentence in table.repairs.sentences() {
-        note(&format!("{}: {sentence}", path.display()));
-    }
+    let column = measurements::named(displacement, "displacement");
+    let displacement = Wanted { column, quantity: data::Quantity::Displacement, unit, max_gap: None };
+    let table = measurements::read(path, scene, &[measurements::temperature(scene), displacement])?;
     if !table.in_seconds {
         let problem = format!("{}: the name of column `{}` says no unit of time", path.display(), scene.time);
         return Err(Failure::usage(

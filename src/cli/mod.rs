@@ -11,6 +11,7 @@ mod failure;
 mod html;
 mod init;
 mod interrupt;
+mod measurements;
 mod merge;
 mod numbers;
 mod overrides;

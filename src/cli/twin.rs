@@ -1,12 +1,13 @@
 //! `mc twin`: synthetic measurements of a bearing whose truth is known.
 
 use super::failure::{Failure, note, print, writable};
+use super::measurements;
 use super::numbers::{grouped, parse_duration};
 use super::table::{Row, aligned};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use stick_slip::config::{BridgeScene, Override};
-use stick_slip::data::{self, Name, Start, TimeColumn, Wanted};
+use stick_slip::data::Start;
 use stick_slip::scenario::Scenario;
 use stick_slip::store;
 use stick_slip::study::calibration::{Bearing, Flaws, Quantity, Twin as Made, drawn, twin, values};
@@ -144,12 +145,7 @@ impl Twin {
 /// The measured temperature of a scenario.
 fn measured(scenario: &Path, file: &str, scene: &BridgeScene) -> Result<Air, Failure> {
     let path = scenario.parent().unwrap_or(Path::new("")).join(file);
-    let column = scene.value.as_deref().map_or(Name::Beginning("temperature"), Name::Exactly);
-    let wanted = [Wanted { column, quantity: data::Quantity::Temperature, unit: None, max_gap: None }];
-    let mut table = data::read(&path, TimeColumn { name: &scene.time, zone: scene.zone.as_deref() }, &wanted)?;
-    for sentence in table.repairs.sentences() {
-        note(&format!("{}: {sentence}", path.display()));
-    }
+    let mut table = measurements::read(&path, scene, &[measurements::temperature(scene)])?;
     let column = table.columns.swap_remove(0);
     Ok(Air { start: table.start, times: column.times, temperatures: column.values })
 }

@@ -1,12 +1,11 @@
 //! The file of a calibration: the record, what was found in it, and what the model makes of it.
 
-use super::error::{cause, is_full, system_error};
+use super::StoreError;
+use super::at_once::write_at_once;
+use super::error::cause;
 use super::layout::{Unit, Variable, variable};
 use super::reader::{check_file, open};
 use super::variable::{Place, read_or_empty, read_text, text, write_attribute, write_text};
-use super::workshop::{RESULTS, Workshop};
-use super::writer::create_file;
-use super::{StoreError, seal};
 use crate::provenance::{GIT_HASH, PROGRAM_VERSION};
 use crate::stats::{Dimension, Units};
 use crate::study::calibration::{
@@ -44,24 +43,12 @@ pub fn write_calibration(
     calibration: &Calibration,
     force: bool,
 ) -> Result<(), StoreError> {
-    let workshop = Workshop::open(target, force)?;
-    let path = workshop.path(RESULTS);
-    let file =
-        create_file(&path).map_err(|error| StoreError::NotCreated { partial: path.clone(), cause: cause(&error) })?;
     let [time, length, force_unit, temperature] = ["s", "m", "N", "K"].map(String::from);
-    let place = Place { file, units: Units { time, length, force: force_unit, temperature } };
-    let written = attributes(&place.file, title, scenario_text, calibration)
-        .and_then(|()| variables(&place, calibration))
-        .and_then(|()| place.file.flush());
-    if let Err(error) = written {
-        // As for a run: closing a file that could not be written may crash the library.
-        std::mem::forget(place);
-        let full = system_error(&error).is_some_and(|system| is_full(&system));
-        return Err(workshop.failure(cause(&error), full));
-    }
-    drop(place);
-    seal::seal(&path).map_err(|error| workshop.failed(&error))?;
-    workshop.publish()
+    let units = Units { time, length, force: force_unit, temperature };
+    write_at_once(target, units, force, |place| {
+        attributes(&place.file, title, scenario_text, calibration)?;
+        variables(place, calibration)
+    })
 }
 
 fn attributes(file: &File, title: &str, scenario_text: &str, calibration: &Calibration) -> hdf5::Result<()> {

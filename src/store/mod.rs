@@ -9,6 +9,7 @@
 //!
 //! `docs/output-format.md` describes the file for its readers; `layout.rs` is the same list for the code.
 
+mod at_once;
 mod calibration;
 mod checksum;
 mod error;

@@ -1,12 +1,11 @@
 //! The file of a trade: what was measured of every rung, and what was predicted for every target.
 
-use super::error::{cause, is_full, system_error};
+use super::StoreError;
+use super::at_once::write_at_once;
+use super::error::cause;
 use super::layout::{self, Unit, Variable, variable};
 use super::reader::{check_file, open};
 use super::variable::{Place, read_or_empty, read_text, read_texts, text, write_attribute, write_text};
-use super::workshop::{RESULTS, Workshop};
-use super::writer::create_file;
-use super::{StoreError, seal};
 use crate::provenance::Provenance;
 use crate::scheme::Kind;
 use crate::stats::Statistic;
@@ -19,21 +18,7 @@ pub const TRADE_FORMAT_NAME: &str = "stick-slip trade";
 
 /// Write a trade, in the folder `NAME.partial` like every file. With `force`, a file of this name is replaced.
 pub fn write_trade(target: &Path, header: &Provenance, trade: &Trade, force: bool) -> Result<(), StoreError> {
-    let workshop = Workshop::open(target, force)?;
-    let path = workshop.path(RESULTS);
-    let file =
-        create_file(&path).map_err(|error| StoreError::NotCreated { partial: path.clone(), cause: cause(&error) })?;
-    let place = Place { file, units: header.units.clone() };
-    let written = fill(&place, header, trade).and_then(|()| place.file.flush());
-    if let Err(error) = written {
-        // As for a run: closing a file that could not be written may crash the library.
-        std::mem::forget(place);
-        let full = system_error(&error).is_some_and(|system| is_full(&system));
-        return Err(workshop.failure(cause(&error), full));
-    }
-    drop(place);
-    seal::seal(&path).map_err(|error| workshop.failed(&error))?;
-    workshop.publish()
+    write_at_once(target, header.units.clone(), force, |place| fill(place, header, trade))
 }
 
 /// The prices of accuracy in a file of a trade: of this statistic, or of the first that has any.

@@ -1,0 +1,34 @@
+//! A file that is written at once, when all that it holds is known.
+
+use super::error::{cause, is_full, system_error};
+use super::variable::Place;
+use super::workshop::{RESULTS, Workshop};
+use super::writer::create_file;
+use super::{StoreError, seal};
+use crate::stats::Units;
+use std::path::Path;
+
+/// Make the folder `NAME.partial`, have the file in it filled, seal it and give it its name. With `force`, a file of
+/// this name is replaced.
+pub(super) fn write_at_once(
+    target: &Path,
+    units: Units,
+    force: bool,
+    fill: impl FnOnce(&Place) -> hdf5::Result<()>,
+) -> Result<(), StoreError> {
+    let workshop = Workshop::open(target, force)?;
+    let path = workshop.path(RESULTS);
+    let file =
+        create_file(&path).map_err(|error| StoreError::NotCreated { partial: path.clone(), cause: cause(&error) })?;
+    let place = Place { file, units };
+    let written = fill(&place).and_then(|()| place.file.flush());
+    if let Err(error) = written {
+        // As for a run: closing a file that could not be written may crash the library.
+        std::mem::forget(place);
+        let full = system_error(&error).is_some_and(|system| is_full(&system));
+        return Err(workshop.failure(cause(&error), full));
+    }
+    drop(place);
+    seal::seal(&path).map_err(|error| workshop.failed(&error))?;
+    workshop.publish()
+}
