@@ -45,7 +45,8 @@
 //! | [`engine`] | a run from scenario to outcome |
 //! | [`study`] | many runs, one question: what accuracy costs, how to run a scene for a target |
 //! | [`provenance`] | what a file says about where its numbers come from |
-//! | `store` | files (feature `store`) |
+//! | [`dataset`] | the data of a run, a trade, a sweep or a calibration: variables, dimensions, units |
+//! | `store` | the same as files (feature `store`) |
 //! | `figure` | pictures (feature `cli`) |
 //!
 //! # Where to plug in
@@ -67,6 +68,7 @@ pub mod advice;
 pub mod bias;
 pub mod config;
 pub mod data;
+pub mod dataset;
 pub mod engine;
 pub mod ensemble;
 #[cfg(feature = "cli")]

@@ -14,14 +14,14 @@ pub(super) fn write_at_once(
     target: &Path,
     units: Units,
     force: bool,
-    fill: impl FnOnce(&Place) -> hdf5::Result<()>,
+    fill: impl FnOnce(&mut Place) -> hdf5::Result<()>,
 ) -> Result<(), StoreError> {
     let workshop = Workshop::open(target, force)?;
     let path = workshop.path(RESULTS);
     let file =
         create_file(&path).map_err(|error| StoreError::NotCreated { partial: path.clone(), cause: cause(&error) })?;
-    let place = Place { file, units };
-    let written = fill(&place).and_then(|()| place.file.flush());
+    let mut place = Place { file, units };
+    let written = fill(&mut place).and_then(|()| place.file.flush());
     if let Err(error) = written {
         // As for a run: closing a file that could not be written may crash the library.
         std::mem::forget(place);

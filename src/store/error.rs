@@ -221,7 +221,7 @@ pub enum StoreError {
         path: PathBuf,
     },
     /// HDF5, but of another program.
-    #[error("{}: an HDF5 file, but not one of this program (no format_name = \"{}\"); give a file written by `mc run`", path.display(), super::FORMAT_NAME)]
+    #[error("{}: an HDF5 file, but not one of this program (no format_name = \"{}\"); give a file written by `mc run`", path.display(), crate::dataset::header::FORMAT_NAME)]
     Foreign {
         /// The file.
         path: PathBuf,
@@ -229,7 +229,7 @@ pub enum StoreError {
     /// The format is newer than this program.
     #[error(
         "{}: written in format {major}.{minor}, and this program reads up to {}.x; use a newer version of mc",
-        path.display(), super::FORMAT_VERSION.0
+        path.display(), crate::dataset::FORMAT_VERSION.0
     )]
     Newer {
         /// The file.

@@ -3,45 +3,30 @@
 //! A block of 256 paths is far smaller than a chunk. Appending it directly would rewrite the same chunk over and
 //! over, so rows wait in memory until they fill one.
 
-use super::layout::Variable;
 use super::variable::{Element, Growth, Place};
+use crate::dataset::layout::{self, Variable};
+use crate::dataset::rows::{Along, Table};
+use crate::dataset::{Column, Values};
 use hdf5::{Dataset, Result};
 use ndarray::{ArrayView1, ArrayView2, s};
 
-/// Rows of one variable, one after the other.
-#[derive(Clone, Copy, Debug)]
-pub(super) enum Values<'a> {
-    F64(&'a [f64]),
-    U64(&'a [u64]),
-    U32(&'a [u32]),
-    I8(&'a [i8]),
-}
-
-/// What waits to be written.
-#[derive(Debug)]
-enum Pending {
-    F64(Vec<f64>),
-    U64(Vec<u64>),
-    U32(Vec<u32>),
-    I8(Vec<i8>),
-}
-
 /// One growing variable.
 #[derive(Debug)]
-struct Column {
+struct GrowingVariable {
     name: &'static str,
     dataset: Dataset,
     /// Values in a row.
     width: usize,
-    pending: Pending,
+    /// What waits to be written.
+    pending: Column,
 }
 
 /// A growing dimension with all its variables.
 #[derive(Debug)]
-pub(super) struct Table {
+pub(super) struct GrowingTable {
     /// The dimension itself, where it is not a variable.
     bare_dimension: Option<Dataset>,
-    columns: Vec<Column>,
+    columns: Vec<GrowingVariable>,
     /// Rows in a chunk.
     chunk: usize,
     /// Rows in the file.
@@ -50,36 +35,26 @@ pub(super) struct Table {
     pending: usize,
 }
 
-impl Table {
-    /// Make the variables, which are empty for now; the first one carries the dimension.
-    pub(super) fn define(place: &Place, variables: &[(&Variable, Values)], growth: Growth) -> Result<Table> {
-        let columns = variables.iter().map(|(variable, values)| Column::define(place, variable, *values, growth));
-        Ok(Table {
-            bare_dimension: None,
-            columns: columns.collect::<Result<_>>()?,
-            chunk: growth.rows,
-            written: 0,
-            pending: 0,
-        })
-    }
-
-    /// The same along a dimension that is not a variable itself.
-    pub(super) fn define_along(
-        place: &Place,
-        dimension: &Variable,
-        variables: &[(&Variable, Values)],
-        growth: Growth,
-    ) -> Result<Table> {
-        let bare_dimension = Some(place.define_growing::<u32>(dimension, growth)?);
-        Ok(Table { bare_dimension, ..Table::define(place, variables, growth)? })
+impl GrowingTable {
+    /// Make the variables, which are empty for now. The first one carries the dimension, but for that of events, which is no
+    /// variable itself.
+    pub(super) fn define(place: &Place, table: &Table, growth: Growth) -> Result<GrowingTable> {
+        let bare_dimension = match table.along {
+            Along::Event => Some(place.define_growing::<u32>(&layout::EVENT, growth)?),
+            Along::Path | Along::Trajectory => None,
+        };
+        let define =
+            |(variable, values): &(&Variable, Values)| GrowingVariable::define(place, variable, *values, growth);
+        let columns = table.variables.iter().map(define).collect::<Result<_>>()?;
+        Ok(GrowingTable { bare_dimension, columns, chunk: growth.rows, written: 0, pending: 0 })
     }
 
     /// Add rows, in the order of the variables given to `define`, and write every chunk that has become full.
-    pub(super) fn push(&mut self, rows: usize, values: &[(&Variable, Values)]) -> Result<()> {
-        if !self.columns.iter().map(|column| column.name).eq(values.iter().map(|(variable, _)| variable.name)) {
+    pub(super) fn push(&mut self, Table { rows, variables, .. }: &Table) -> Result<()> {
+        if !self.columns.iter().map(|column| column.name).eq(variables.iter().map(|(variable, _)| variable.name)) {
             return Err("a block holds other variables than the file records".into());
         }
-        for (column, (variable, values)) in self.columns.iter_mut().zip(values) {
+        for (column, (variable, values)) in self.columns.iter_mut().zip(*variables) {
             let expected = rows * column.width;
             if values.len() != expected {
                 return Err(format!("{} has {} values, not {expected}", variable.name, values.len()).into());
@@ -112,24 +87,29 @@ impl Table {
     }
 }
 
-impl Column {
-    fn define(place: &Place, variable: &Variable, values: Values, growth: Growth) -> Result<Column> {
-        let (dataset, pending) = match values {
-            Values::F64(_) => (place.define_growing::<f64>(variable, growth)?, Pending::F64(Vec::new())),
-            Values::U64(_) => (place.define_growing::<u64>(variable, growth)?, Pending::U64(Vec::new())),
-            Values::U32(_) => (place.define_growing::<u32>(variable, growth)?, Pending::U32(Vec::new())),
-            Values::I8(_) => (place.define_growing::<i8>(variable, growth)?, Pending::I8(Vec::new())),
+impl GrowingVariable {
+    fn define(place: &Place, variable: &Variable, values: Values, growth: Growth) -> Result<GrowingVariable> {
+        let dataset = match values {
+            Values::F64(_) => place.define_growing::<f64>(variable, growth)?,
+            Values::U64(_) => place.define_growing::<u64>(variable, growth)?,
+            Values::U32(_) => place.define_growing::<u32>(variable, growth)?,
+            Values::I8(_) => place.define_growing::<i8>(variable, growth)?,
+            Values::U8(_) => place.define_growing::<u8>(variable, growth)?,
+            Values::Text(_) => return Err("no text is kept of single paths".into()),
         };
         let width = dataset.shape().iter().skip(1).product();
-        Ok(Column { name: variable.name, dataset, width, pending })
+        Ok(GrowingVariable { name: variable.name, dataset, width, pending: values.empty_column() })
     }
 
     fn write(&mut self, start: usize, end: usize) -> Result<()> {
+        let (dataset, width) = (&self.dataset, self.width);
         match &mut self.pending {
-            Pending::F64(values) => write_rows(&self.dataset, self.width, values, start, end),
-            Pending::U64(values) => write_rows(&self.dataset, self.width, values, start, end),
-            Pending::U32(values) => write_rows(&self.dataset, self.width, values, start, end),
-            Pending::I8(values) => write_rows(&self.dataset, self.width, values, start, end),
+            Column::F64(values) => write_rows(dataset, width, values, start, end),
+            Column::U64(values) => write_rows(dataset, width, values, start, end),
+            Column::U32(values) => write_rows(dataset, width, values, start, end),
+            Column::I8(values) => write_rows(dataset, width, values, start, end),
+            Column::U8(values) => write_rows(dataset, width, values, start, end),
+            Column::Text(_) => Err("no text is kept of single paths".into()),
         }
     }
 }
@@ -153,28 +133,4 @@ fn write_rows<T: Element>(
     }
     waiting.drain(..rows * width);
     Ok(())
-}
-
-impl Values<'_> {
-    fn len(&self) -> usize {
-        match self {
-            Values::F64(values) => values.len(),
-            Values::U64(values) => values.len(),
-            Values::U32(values) => values.len(),
-            Values::I8(values) => values.len(),
-        }
-    }
-}
-
-impl Pending {
-    /// The kinds agree: `push` has compared the names, and a variable has one kind.
-    fn extend(&mut self, values: Values) {
-        match (self, values) {
-            (Pending::F64(pending), Values::F64(values)) => pending.extend_from_slice(values),
-            (Pending::U64(pending), Values::U64(values)) => pending.extend_from_slice(values),
-            (Pending::U32(pending), Values::U32(values)) => pending.extend_from_slice(values),
-            (Pending::I8(pending), Values::I8(values)) => pending.extend_from_slice(values),
-            (pending, values) => unreachable!("{values:?} for a column of {pending:?}"),
-        }
-    }
 }

@@ -5,7 +5,7 @@
 //! lies beyond, and is cut off.
 
 use super::checksum::checksum;
-use super::writer::Rows;
+use crate::dataset::Rows;
 use crate::stats::{Codec, Damaged, EventColumns, PathColumns, Reader, TrajectoryRows};
 use std::fs::File;
 use std::io::{self, BufReader, Read as _, Seek as _, SeekFrom, Write as _};

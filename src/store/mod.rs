@@ -7,7 +7,7 @@
 //! read            the header and the statistics of a finished file, or of an unfinished run
 //! ```
 //!
-//! `docs/output-format.md` describes the file for its readers; `layout.rs` is the same list for the code.
+//! `docs/output-format.md` describes the file for its readers; [`crate::dataset`] says what is in it.
 
 mod at_once;
 mod calibration;
@@ -15,7 +15,6 @@ mod checksum;
 mod error;
 mod growing;
 mod header;
-mod layout;
 mod lock;
 mod log;
 mod parts;
@@ -23,29 +22,24 @@ mod reader;
 mod rows;
 mod scale;
 mod seal;
-mod series;
 mod sink;
 mod space;
 mod state;
-mod summary;
 mod sweep;
 mod trade;
 mod variable;
 mod workshop;
 mod writer;
 
-pub use calibration::{
-    CALIBRATION_FORMAT_NAME, CALIBRATION_FORMAT_VERSION, StoredCalibration, read_calibration, write_calibration,
-};
+pub use calibration::{StoredCalibration, read_calibration, write_calibration};
 pub use error::StoreError;
-pub use header::{FORMAT_NAME, FORMAT_VERSION};
 pub use parts::{PartError, Parts};
 pub use reader::{FileKind, Stored, kind, read};
 pub use rows::read_path;
 pub use sink::{FileSink, Unfinished};
 pub use space::check_space;
 pub use state::Question;
-pub use sweep::{SWEEP_FORMAT_NAME, SWEEP_FORMAT_VERSION, StoredSweep, SweepFile, read_sweep, sweep_bytes};
-pub use trade::{TRADE_FORMAT_NAME, read_prices, write_trade};
+pub use sweep::{StoredSweep, SweepFile, read_sweep, sweep_bytes};
+pub use trade::{read_prices, write_trade};
 pub use workshop::{file_of, partial_path, write_whole};
-pub use writer::{Rows, Writer};
+pub use writer::Writer;

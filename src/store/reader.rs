@@ -4,10 +4,12 @@ use super::error::{cause, system_error};
 use super::lock::Lock;
 use super::variable::{read_or_empty, read_text};
 use super::workshop::{STATE, file_of, partial_path};
-use super::{
-    CALIBRATION_FORMAT_NAME, FORMAT_NAME, FORMAT_VERSION, SWEEP_FORMAT_NAME, StoreError, TRADE_FORMAT_NAME, header,
-    layout, seal, series, state, summary,
-};
+use super::{StoreError, header, seal, state};
+use crate::dataset::calibration::CALIBRATION_FORMAT_NAME;
+use crate::dataset::header::{FORMAT_NAME, FORMAT_VERSION};
+use crate::dataset::sweep::SWEEP_FORMAT_NAME;
+use crate::dataset::trade::TRADE_FORMAT_NAME;
+use crate::dataset::{layout, series, summary};
 use crate::engine::{Part, Status};
 use crate::provenance::Provenance;
 use crate::stats::Summary;

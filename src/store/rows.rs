@@ -1,8 +1,9 @@
 //! Reading rows of single paths back.
 
+use super::StoreError;
 use super::error::cause;
 use super::reader::{check_file, open};
-use super::{StoreError, layout};
+use crate::dataset::layout;
 use crate::stats::{EventColumns, PathColumns, TrajectoryRows};
 use hdf5::{File, H5Type, Result};
 use ndarray::s;

@@ -1,7 +1,8 @@
 //! A netCDF variable in HDF5: a dataset with its attributes, each of its axes attached to a coordinate.
 
-use super::layout::{BARE_DIMENSION, Described};
 use super::scale::{attach_scale, make_scale};
+use crate::dataset::layout::{BARE_DIMENSION, Described};
+use crate::dataset::{Attribute, Column, Destination, Kind, Source, Values};
 use crate::stats::Units;
 use hdf5::types::VarLenUnicode;
 use hdf5::{Dataset, Error, Extent, File, H5Type, Location, Result};
@@ -28,7 +29,7 @@ pub(super) struct Place {
 impl Place {
     /// Write a variable whose size is known. An empty one is left out, and so is its dimension: zero-length
     /// dimensions read as unlimited ones.
-    pub(super) fn put<T: Element>(&self, variable: &Described, values: &[T]) -> Result<()> {
+    fn write<T: Element>(&self, variable: &Described, values: &[T]) -> Result<()> {
         if values.is_empty() {
             return Ok(());
         }
@@ -100,6 +101,54 @@ impl Place {
     }
 }
 
+impl Destination for Place {
+    type Error = Error;
+
+    fn units(&self) -> &Units {
+        &self.units
+    }
+
+    fn put<'a>(&mut self, variable: &Described, values: impl Into<Values<'a>>) -> Result<()> {
+        match values.into() {
+            Values::F64(values) => self.write(variable, values),
+            Values::U64(values) => self.write(variable, values),
+            Values::U32(values) => self.write(variable, values),
+            Values::I8(values) => self.write(variable, values),
+            Values::U8(values) => self.write(variable, values),
+            Values::Text(texts) => {
+                self.write(variable, &texts.iter().map(|name| text(name)).collect::<Result<Vec<_>>>()?)
+            }
+        }
+    }
+
+    fn say(&mut self, name: &str, value: impl Into<Attribute>) -> Result<()> {
+        match value.into() {
+            Attribute::Text(value) => write_scalar(&self.file, name, &text(&value)?),
+            Attribute::Real(value) => write_scalar(&self.file, name, &value),
+            Attribute::Count(value) => write_scalar(&self.file, name, &value),
+            Attribute::Flags(values) => self.file.new_attr_builder().with_data(&values).create(name).map(drop),
+        }
+    }
+}
+
+impl Source for File {
+    type Error = Error;
+
+    fn column(&self, variable: &Described, kind: Kind) -> Result<Option<Column>> {
+        if !self.link_exists(variable.name) {
+            return Ok(None);
+        }
+        Ok(Some(match kind {
+            Kind::F64 => Column::F64(read_variable(self, variable)?),
+            Kind::U64 => Column::U64(read_variable(self, variable)?),
+            Kind::U32 => Column::U32(read_variable(self, variable)?),
+            Kind::I8 => Column::I8(read_variable(self, variable)?),
+            Kind::U8 => Column::U8(read_variable(self, variable)?),
+            Kind::Text => Column::Text(read_texts(self, variable)?),
+        }))
+    }
+}
+
 /// A type of values in the file.
 pub(super) trait Element: H5Type + Clone {
     /// Start a dataset of this type.
@@ -126,18 +175,21 @@ impl Element for f64 {
     }
 
     fn mark_missing(dataset: &Dataset) -> Result<()> {
-        write_attribute(dataset, "_FillValue", f64::NAN)
+        write_scalar(dataset, "_FillValue", &f64::NAN)
     }
 }
 
-/// Write a numeric attribute.
-pub(super) fn write_attribute<T: H5Type>(location: &Location, name: &str, value: T) -> Result<()> {
-    location.new_attr::<T>().create(name)?.write_scalar(&value)
+/// Write an attribute, in place of what it was before.
+fn write_scalar<T: H5Type>(location: &Location, name: &str, value: &T) -> Result<()> {
+    match location.attr_names()?.iter().any(|there| there == name) {
+        true => location.attr(name)?.write_scalar(value),
+        false => location.new_attr::<T>().create(name)?.write_scalar(value),
+    }
 }
 
 /// Write a text attribute.
-pub(super) fn write_text(location: &Location, name: &str, value: &str) -> Result<()> {
-    location.new_attr::<VarLenUnicode>().create(name)?.write_scalar(&text(value)?)
+fn write_text(location: &Location, name: &str, value: &str) -> Result<()> {
+    write_scalar(location, name, &text(value)?)
 }
 
 /// Read a text attribute.
@@ -152,7 +204,7 @@ fn readable(text: &VarLenUnicode) -> Result<String> {
 }
 
 /// Text as HDF5 keeps it.
-pub(super) fn text(value: &str) -> Result<VarLenUnicode> {
+fn text(value: &str) -> Result<VarLenUnicode> {
     VarLenUnicode::from_str(value).map_err(|_| Error::from("a text holds a NUL character"))
 }
 
@@ -188,9 +240,4 @@ pub(super) fn read_variable<T: H5Type>(file: &File, variable: &Described) -> Res
 /// Read a variable of texts, an absent one as empty.
 pub(super) fn read_texts(file: &File, variable: &Described) -> Result<Vec<String>> {
     read_or_empty::<VarLenUnicode>(file, variable)?.iter().map(readable).collect()
-}
-
-/// Read a variable of a single value.
-pub(super) fn read_scalar<T: H5Type>(file: &File, variable: &Described) -> Result<T> {
-    file.dataset(variable.name)?.read_scalar()
 }

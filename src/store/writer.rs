@@ -1,14 +1,16 @@
 //! Writing the file of a run, once its statistics are known.
 
 use super::error::{cause, is_full, system_error};
-use super::growing::{Table, Values};
+use super::growing::GrowingTable;
 use super::variable::{Growth, Place};
 use super::workshop::{RESULTS, Workshop};
-use super::{StoreError, header, layout, seal, series, summary};
+use super::{StoreError, seal};
+use crate::dataset::rows::{self, Along};
+use crate::dataset::{Destination as _, Rows, header, layout, run};
 use crate::engine::{Part, Status};
 use crate::provenance::Provenance;
 use crate::scenario::Bearing;
-use crate::stats::{BlockResult, EventColumns, PathColumns, Record, Summary, TrajectoryRows};
+use crate::stats::{BlockResult, Record, Summary};
 use hdf5::File;
 use hdf5::file::{FileCloseDegree, LibraryVersion};
 use hdf5::plist::file_create::{AttrCreationOrder, LinkCreationOrder};
@@ -17,33 +19,6 @@ use std::path::Path;
 
 /// Values in a chunk of per-path data: 128 kB of reals, so that a chunk of every variable fits into HDF5's cache.
 const CHUNK: usize = 16_384;
-
-/// What a run keeps of consecutive paths.
-#[derive(Clone, Copy, Debug)]
-pub struct Rows<'a> {
-    /// Number of the first path.
-    pub first_path: u64,
-    /// Number of paths, diverged ones included.
-    pub paths: u64,
-    /// If asked for.
-    pub path_columns: Option<&'a PathColumns>,
-    /// If asked for.
-    pub events: Option<&'a EventColumns>,
-    /// If asked for and if any of these paths is kept.
-    pub trajectories: Option<&'a TrajectoryRows>,
-}
-
-impl<'a> From<&'a BlockResult> for Rows<'a> {
-    fn from(block: &'a BlockResult) -> Rows<'a> {
-        Rows {
-            first_path: block.first_path,
-            paths: block.paths,
-            path_columns: block.path_columns.as_ref(),
-            events: block.events.as_ref(),
-            trajectories: block.trajectories.as_ref(),
-        }
-    }
-}
 
 /// A file that is being written, in the folder `NAME.partial`.
 ///
@@ -68,9 +43,7 @@ pub struct Writer {
 #[derive(Debug)]
 struct Open {
     place: Place,
-    paths: Option<Table>,
-    events: Option<Table>,
-    trajectories: Option<Table>,
+    tables: Vec<(Along, GrowingTable)>,
     bearing: Option<Bearing>,
 }
 
@@ -96,7 +69,7 @@ impl Writer {
         let file = create_file(&path)
             .map_err(|error| StoreError::NotCreated { partial: path.clone(), cause: cause(&error) })?;
         let place = Place { file, units: header.units.clone() };
-        let open = Some(Open { place, paths: None, events: None, trajectories: None, bearing: header.bearing });
+        let open = Some(Open { place, tables: Vec::new(), bearing: header.bearing });
         let mut writer = Writer { workshop, open, failure: None, appended: 0 };
         writer.guarded(|open| open.define(header, record))?;
         Ok(writer)
@@ -116,13 +89,13 @@ impl Writer {
 
     /// Say what ends the run before its last path.
     pub fn ended_by(&mut self, reason: &str) -> Result<(), StoreError> {
-        self.guarded(|open| header::set_ended_by(&open.place.file, reason))
+        self.guarded(|open| header::write_ended_by(&mut open.place, reason))
     }
 
     /// Say which part of a run it is, and keep its state, from which it can be joined to others.
     pub(super) fn part(&mut self, part: Part, state: &[u8]) -> Result<(), StoreError> {
         self.guarded(|open| {
-            header::set_part(&open.place.file, part)?;
+            header::write_part(&mut open.place, part)?;
             open.place.put(&layout::PART_STATE, state)
         })
     }
@@ -133,7 +106,7 @@ impl Writer {
         let paths = summary.completed_paths;
         let appended = self.appended;
         self.guarded(|open| {
-            if open.paths.is_some() && appended != paths {
+            if open.tables.iter().any(|(along, _)| *along == Along::Path) && appended != paths {
                 return Err(format!("the statistics are of {paths} paths, but {appended} were appended").into());
             }
             open.finish(summary, status)
@@ -203,134 +176,42 @@ pub(super) fn create_file(path: &Path) -> hdf5::Result<File> {
 
 impl Open {
     fn define(&mut self, header: &Provenance, record: &Record) -> hdf5::Result<()> {
-        header::write(&self.place.file, header)?;
-        summary::write_coordinates(&self.place, &header.time)?;
-        if let Some(samples) = &header.series {
-            series::write(&self.place, samples, header.series_start.as_deref())?;
-        }
-        let rows = (header.paths as usize).clamp(1, CHUNK);
-        if record.paths || record.events {
-            let (columns, events) = (PathColumns::default(), EventColumns::default());
-            let columns = record.paths.then_some(&columns);
-            let events = record.events.then_some(&events);
-            let variables = path_variables(&[], columns, &[], events);
-            self.paths = Some(Table::define(&self.place, &variables, Growth { rows, columns: 1 })?);
-        }
-        if record.events {
-            let events = EventColumns::default();
-            let growth = Growth { rows: CHUNK, columns: 1 };
-            let table = Table::define_along(&self.place, &layout::EVENT, &event_variables(&events), growth)?;
-            self.events = Some(table);
-        }
-        if record.trajectories > 0 && !header.time.is_empty() {
-            let columns = header.time.len().min(CHUNK);
-            let rows = (CHUNK / columns).clamp(1, record.trajectories.min(header.paths).max(1) as usize);
-            let none = TrajectoryRows::default();
-            let growth = Growth { rows, columns };
-            let shown = self.bearing.map(|_| Vec::new());
-            let variables = trajectory_variables(&none, shown.as_deref());
-            self.trajectories = Some(Table::define(&self.place, &variables, growth)?);
-        }
-        Ok(())
+        let Open { place, tables, .. } = self;
+        run::write_start(place, header)?;
+        rows::empty_tables(record, header, |table| {
+            let growth = growth(table.along, header, record);
+            tables.push((table.along, GrowingTable::define(place, &table, growth)?));
+            Ok(())
+        })
     }
 
     fn append(&mut self, block: Rows) -> hdf5::Result<()> {
-        if let Some(table) = &mut self.paths {
-            let numbers: Vec<u64> = (block.first_path..).take(block.paths as usize).collect();
-            let diverged: Vec<i8> = block
-                .path_columns
-                .iter()
-                .flat_map(|columns| &columns.diverged)
-                .map(|&diverged| diverged.into())
-                .collect();
-            let variables = path_variables(&numbers, block.path_columns, &diverged, block.events);
-            table.push(numbers.len(), &variables)?;
-        }
-        if let (Some(table), Some(events)) = (&mut self.events, block.events) {
-            let total = events.count.iter().map(|&count| count as usize).sum();
-            table.push(total, &event_variables(events))?;
-        }
-        if let (Some(table), Some(trajectories)) = (&mut self.trajectories, block.trajectories) {
-            let shown = self.bearing.map(|bearing| -> Vec<f64> {
-                let places = trajectories.displacement.iter().zip(&trajectories.friction);
-                places.map(|(&x, &friction)| bearing.displacement(x, friction)).collect()
-            });
-            table.push(trajectories.path.len(), &trajectory_variables(trajectories, shown.as_deref()))?;
-        }
-        Ok(())
-    }
-
-    fn write_rows(&mut self) -> hdf5::Result<()> {
-        for table in [&mut self.paths, &mut self.events, &mut self.trajectories].into_iter().flatten() {
-            table.write_all()?;
-        }
-        Ok(())
+        rows::tables(&block, self.bearing, |rows| {
+            match self.tables.iter_mut().find(|(along, _)| *along == rows.along) {
+                Some((_, table)) => table.push(&rows),
+                None => Ok(()),
+            }
+        })
     }
 
     fn finish(&mut self, summary: &Summary, status: Status) -> hdf5::Result<()> {
-        self.write_rows()?;
-        summary::write(&self.place, summary)?;
-        header::set_diverged_paths(&self.place.file, summary.diverged.len() as u64)?;
-        header::set_completed_paths(&self.place.file, summary.completed_paths)?;
-        header::set_status(&self.place.file, status)?;
+        self.tables.iter_mut().try_for_each(|(_, table)| table.write_all())?;
+        run::write_end(&mut self.place, summary, status)?;
         self.place.file.flush()
     }
 }
 
-/// The variables along `path` with their values. What is not recorded is left out.
-fn path_variables<'a>(
-    numbers: &'a [u64],
-    columns: Option<&'a PathColumns>,
-    diverged: &'a [i8],
-    events: Option<&'a EventColumns>,
-) -> Vec<(&'static layout::Variable, Values<'a>)> {
-    let mut variables: Vec<(&layout::Variable, Values)> = vec![(&layout::PATH, Values::U64(numbers))];
-    if let Some(columns) = columns {
-        variables.extend([
-            (&layout::PATH_DISPLACEMENT_END, Values::F64(&columns.displacement_end)),
-            (&layout::PATH_MAX_DISPLACEMENT, Values::F64(&columns.max_displacement)),
-            (&layout::PATH_FIRST_STICK_DURATION, Values::F64(&columns.first_stick_duration)),
-            (&layout::PATH_STICK_TIME, Values::F64(&columns.stick_time)),
-            (&layout::PATH_FRICTION_WORK, Values::F64(&columns.friction_work)),
-            (&layout::PATH_STICKS, Values::U32(&columns.sticks)),
-            (&layout::PATH_SLIPS, Values::U32(&columns.slips)),
-            (&layout::PATH_SUB_PHASES, Values::U32(&columns.sub_phases)),
-            (&layout::PATH_DIVERGED, Values::I8(diverged)),
-        ]);
+/// How the variables along a dimension are laid out.
+fn growth(along: Along, header: &Provenance, record: &Record) -> Growth {
+    match along {
+        Along::Path => Growth { rows: (header.paths as usize).clamp(1, CHUNK), columns: 1 },
+        Along::Event => Growth { rows: CHUNK, columns: 1 },
+        Along::Trajectory => {
+            let columns = header.time.len().min(CHUNK);
+            let rows = (CHUNK / columns).clamp(1, record.trajectories.min(header.paths).max(1) as usize);
+            Growth { rows, columns }
+        }
     }
-    if let Some(events) = events {
-        variables.push((&layout::EVENT_COUNT, Values::U32(&events.count)));
-    }
-    variables
-}
-
-/// The variables along `event` with their values.
-fn event_variables(events: &EventColumns) -> [(&'static layout::Variable, Values<'_>); 5] {
-    [
-        (&layout::EVENT_TIME, Values::F64(&events.time)),
-        (&layout::EVENT_DISPLACEMENT, Values::F64(&events.displacement)),
-        (&layout::EVENT_FORCE, Values::F64(&events.force)),
-        (&layout::EVENT_SIGN, Values::I8(&events.sign)),
-        (&layout::EVENT_KIND, Values::I8(&events.kind)),
-    ]
-}
-
-/// The variables along `trajectory` with their values; what a sensor shows only where there is one.
-fn trajectory_variables<'a>(
-    rows: &'a TrajectoryRows,
-    shown: Option<&'a [f64]>,
-) -> Vec<(&'static layout::Variable, Values<'a>)> {
-    let mut variables: Vec<(&layout::Variable, Values)> = vec![
-        (&layout::TRAJECTORY, Values::U64(&rows.path)),
-        (&layout::TRAJECTORY_DISPLACEMENT, Values::F64(&rows.displacement)),
-        (&layout::TRAJECTORY_VELOCITY, Values::F64(&rows.velocity)),
-        (&layout::TRAJECTORY_TEMPERATURE, Values::F64(&rows.temperature)),
-        (&layout::TRAJECTORY_FORCE, Values::F64(&rows.force)),
-        (&layout::TRAJECTORY_FRICTION, Values::F64(&rows.friction)),
-        (&layout::TRAJECTORY_STATIC, Values::I8(&rows.is_static)),
-    ];
-    variables.extend(shown.map(|shown| (&layout::TRAJECTORY_BEARING, Values::F64(shown))));
-    variables
 }
 
 #[cfg(test)]

@@ -3,12 +3,12 @@
 use super::markdown::{Page, names};
 use super::source::find;
 use stick_slip::config::shipped;
+use stick_slip::dataset::FORMAT_VERSION;
 use stick_slip::ensemble::BLOCK_SIZE;
 use stick_slip::noise::MAX_NORMAL_ERROR;
 use stick_slip::scenario::{MAX_PATHS, MAX_PERIODS, MAX_ROWS, MAX_STEPS, MAX_TRAJECTORIES, Scenario};
 use stick_slip::scheme::{DEFAULT_TOLERANCE, TOLERANCES};
 use stick_slip::stats::{QUANTILE_LEVELS, Statistic};
-use stick_slip::store::FORMAT_VERSION;
 
 #[track_caller]
 fn says(page: &str, sentence: &str) {

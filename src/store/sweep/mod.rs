@@ -7,7 +7,6 @@
 //! read_sweep        either of them
 //! ```
 
-mod layout;
 mod read;
 mod write;
 
@@ -21,12 +20,6 @@ use crate::stats::{GROUPS, Statistic};
 use crate::study::sweep::{Design, Point, Question, Sweep};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
-
-/// What `format_name` says in the file of a sweep.
-pub const SWEEP_FORMAT_NAME: &str = "stick-slip sweep";
-
-/// Major and minor version of that format.
-pub const SWEEP_FORMAT_VERSION: (u32, u32) = (1, 0);
 
 /// Shortest time between two moments at which the file on disk is brought up to date.
 const INTERVAL: Duration = Duration::from_secs(1);

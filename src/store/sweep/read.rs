@@ -1,8 +1,7 @@
 //! Reading the file of a sweep back, a finished one or one that is to be continued.
 
-use super::layout as own;
-use super::write::name;
-use super::{SWEEP_FORMAT_NAME, SWEEP_FORMAT_VERSION};
+use crate::dataset::sweep::{SWEEP_FORMAT_NAME, SWEEP_FORMAT_VERSION, name};
+use crate::dataset::{series, sweep_layout as own};
 use crate::engine::Status;
 use crate::model::Series;
 use crate::provenance::Provenance;
@@ -10,7 +9,6 @@ use crate::stats::{Bias, Estimate, GROUPS, Statistic, Values};
 use crate::store::StoreError;
 use crate::store::error::cause;
 use crate::store::reader::{check_file, open};
-use crate::store::series;
 use crate::store::variable::read_text;
 use crate::study::sweep::{Axis, Design, Point, Question, Seeds};
 use hdf5::types::VarLenUnicode;

@@ -1,14 +1,14 @@
-//! Every variable of the file of a sweep. `...` stands for the dimensions of the design: those of its axes, or `point`.
+//! Every variable of a sweep. `...` stands for the dimensions of the design: those of its axes, or `point`.
 
-use crate::store::layout::{Described, Unit, Variable, variable};
+use super::layout::{Described, Unit, Variable, variable};
 
 /// Declares the variables and the list of all of them together.
 macro_rules! table {
     ($($constant:ident = $value:expr;)*) => {
-        $(pub(super) const $constant: Variable = $value;)*
+        $(pub(crate) const $constant: Variable = $value;)*
         /// Every one of them.
         #[cfg(test)]
-        pub(super) const ALL: &[&Variable] = &[$(&$constant),*];
+        pub(crate) const ALL: &[&Variable] = &[$(&$constant),*];
     };
 }
 
@@ -64,7 +64,7 @@ table! {
 }
 
 /// What a point has of each statistic, in the order in which it is read.
-pub(super) const PER_STATISTIC: [Variable; 10] = [
+pub(crate) const PER_STATISTIC: [Variable; 10] = [
     ESTIMATE,
     STANDARD_ERROR,
     INTERVAL_LOW,
@@ -78,15 +78,15 @@ pub(super) const PER_STATISTIC: [Variable; 10] = [
 ];
 
 /// What a difference has of each statistic.
-pub(super) const PER_DIFFERENCE: [Variable; 5] =
+pub(crate) const PER_DIFFERENCE: [Variable; 5] =
     [DIFFERENCE, DIFFERENCE_ERROR, DIFFERENCE_LOW, DIFFERENCE_HIGH, DIFFERENCE_GAIN];
 
 /// What an elasticity has of each statistic.
-pub(super) const PER_ELASTICITY: [Variable; 5] =
+pub(crate) const PER_ELASTICITY: [Variable; 5] =
     [ELASTICITY, ELASTICITY_ERROR, ELASTICITY_LOW, ELASTICITY_HIGH, ELASTICITY_GAIN];
 
 /// A variable along these dimensions.
-pub(super) fn along<'a>(
+pub(crate) fn along<'a>(
     variable: &Variable,
     axes: &'a [&'a str],
     attributes: &'a [(&'a str, &'a str)],
@@ -111,7 +111,7 @@ mod tests {
 
     #[test]
     fn the_documentation_names_every_variable() {
-        let text = include_str!("../../../docs/output-format.md");
+        let text = include_str!("../../docs/output-format.md");
         for variable in ALL {
             assert!(text.contains(&format!("`{}`", variable.name)), "{}", variable.name);
         }

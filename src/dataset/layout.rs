@@ -1,11 +1,10 @@
-//! Every dimension and variable of the file: name, axes, unit and meaning, in one table for writer
-//! and reader.
+//! Every dimension and variable of a run: name, axes, unit and meaning, in one table for writers and readers.
 
 use crate::stats::{Dimension, Statistic, Units};
 
 /// What a variable is measured in; `label` turns it into text.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Unit {
+pub(crate) enum Unit {
     /// No `units` attribute: flags, names, and numbers of different kinds in one array.
     None,
     /// In units of the scenario.
@@ -15,8 +14,8 @@ pub(super) enum Unit {
 }
 
 impl Unit {
-    pub(super) const ONE: Unit = Unit::Of(Dimension::ONE);
-    pub(super) const TIME: Unit = Unit::Of(Dimension::TIME);
+    pub(crate) const ONE: Unit = Unit::Of(Dimension::ONE);
+    pub(crate) const TIME: Unit = Unit::Of(Dimension::TIME);
     const LENGTH: Unit = Unit::Of(Dimension::LENGTH);
     const FORCE: Unit = Unit::Of(Dimension::FORCE);
     const TEMPERATURE: Unit = Unit::Of(Dimension::TEMPERATURE);
@@ -25,7 +24,7 @@ impl Unit {
     const WORK: Unit = Unit::Of(Dimension::WORK);
 
     /// The `units` attribute.
-    pub(super) fn label(self, units: &Units) -> Option<String> {
+    pub(crate) fn label(self, units: &Units) -> Option<String> {
         match self {
             Unit::None => None,
             Unit::Of(dimension) => Some(dimension.udunits(units)),
@@ -34,12 +33,12 @@ impl Unit {
     }
 }
 
-/// One variable of the file, known when the program is built.
-pub(super) type Variable = Described<'static>;
+/// One variable, known when the program is built.
+pub(crate) type Variable = Described<'static>;
 
-/// One variable of a file.
+/// One variable of a data set.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Described<'a> {
+pub(crate) struct Described<'a> {
     /// Its name; a variable named like its only axis is the coordinate of that dimension.
     pub name: &'a str,
     /// Names of its dimensions, slowest first.
@@ -56,54 +55,54 @@ pub(super) struct Described<'a> {
 
 impl<'a> Described<'a> {
     /// Whether it gives a dimension its name and length.
-    pub(super) fn is_coordinate(&self) -> bool {
+    pub(crate) fn is_coordinate(&self) -> bool {
         *self.axes == [self.name]
     }
 
     /// Whether it is only a dimension, without values of its own.
-    pub(super) fn is_bare_dimension(&self) -> bool {
+    pub(crate) fn is_bare_dimension(&self) -> bool {
         self.long_name == BARE_DIMENSION
     }
 
-    pub(super) const fn with(mut self, attributes: &'a [(&'a str, &'a str)]) -> Described<'a> {
+    pub(crate) const fn with(mut self, attributes: &'a [(&'a str, &'a str)]) -> Described<'a> {
         self.attributes = attributes;
         self
     }
 
-    pub(super) const fn flags(mut self, values: &'a [i8], meanings: &'a [(&'a str, &'a str)]) -> Described<'a> {
+    pub(crate) const fn flags(mut self, values: &'a [i8], meanings: &'a [(&'a str, &'a str)]) -> Described<'a> {
         self.flags = values;
         self.with(meanings)
     }
 }
 
-pub(super) const fn variable<'a>(name: &'a str, axes: &'a [&'a str], unit: Unit, long_name: &'a str) -> Described<'a> {
+pub(crate) const fn variable<'a>(name: &'a str, axes: &'a [&'a str], unit: Unit, long_name: &'a str) -> Described<'a> {
     Described { name, axes, unit, long_name, attributes: &[], flags: &[] }
 }
 
 /// Declares the variables and the list of all of them together, so that neither can miss one.
 macro_rules! table {
     ($($constant:ident = $value:expr;)*) => {
-        $(pub(super) const $constant: Variable = $value;)*
+        $(pub(crate) const $constant: Variable = $value;)*
         /// Every variable, in the order of the documentation.
         #[cfg(test)]
-        pub(super) const ALL: &[&Variable] = &[$(&$constant),*];
+        pub(crate) const ALL: &[&Variable] = &[$(&$constant),*];
     };
 }
 
 /// The phrase by which netCDF-4 marks a dimension that is not a variable; the ten characters after
 /// it are a length that no reader uses.
-pub(super) const BARE_DIMENSION: &str = "This is a netCDF dimension but not a netCDF variable.         0";
+pub(crate) const BARE_DIMENSION: &str = "This is a netCDF dimension but not a netCDF variable.         0";
 
 /// Declares the two ends of the intervals of a variable, and the list of all of them.
 macro_rules! ends {
     ($($constant:ident = $name:literal, $axes:expr, $unit:expr, $what:literal;)*) => {
-        $(pub(super) const $constant: [Variable; 2] = [
+        $(pub(crate) const $constant: [Variable; 2] = [
             variable(concat!($name, "_low"), $axes, $unit, concat!("lower end of the 95 % confidence interval of the ", $what)),
             variable(concat!($name, "_high"), $axes, $unit, concat!("upper end of the 95 % confidence interval of the ", $what)),
         ];)*
         /// Every such pair.
         #[cfg(test)]
-        pub(super) const ALL_ENDS: &[&[Variable; 2]] = &[$(&$constant),*];
+        pub(crate) const ALL_ENDS: &[&[Variable; 2]] = &[$(&$constant),*];
     };
 }
 
@@ -294,7 +293,7 @@ ends! {
 }
 
 /// What a statistic is, for a table or a plot's title.
-pub(super) fn long_name(statistic: Statistic) -> &'static str {
+pub(crate) fn long_name(statistic: Statistic) -> &'static str {
     match statistic {
         Statistic::StickDurationMean => "mean duration of the completed sticks",
         Statistic::StickDurationSd => "standard deviation of the durations of the completed sticks",

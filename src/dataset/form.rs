@@ -1,0 +1,207 @@
+//! What a data set is put into, and read back from: a file or memory, without saying which.
+
+use super::layout::Described;
+use crate::stats::Units;
+
+/// An attribute of a data set or of a variable.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Attribute {
+    /// A text.
+    Text(String),
+    /// A real number.
+    Real(f64),
+    /// A count.
+    Count(u64),
+    /// Values of flags.
+    Flags(Vec<i8>),
+}
+
+impl From<&str> for Attribute {
+    fn from(text: &str) -> Self {
+        Attribute::Text(text.to_owned())
+    }
+}
+
+impl From<String> for Attribute {
+    fn from(text: String) -> Self {
+        Attribute::Text(text)
+    }
+}
+
+impl From<f64> for Attribute {
+    fn from(number: f64) -> Self {
+        Attribute::Real(number)
+    }
+}
+
+impl From<u64> for Attribute {
+    fn from(count: u64) -> Self {
+        Attribute::Count(count)
+    }
+}
+
+/// A type of the values of a variable.
+pub(crate) trait Element: Clone {
+    /// Which.
+    const KIND: Kind;
+    /// These values, whose type is theirs.
+    fn values(values: &[Self]) -> Values<'_>;
+    /// Out of a column; none where it is of another type.
+    fn of(column: Column) -> Option<Vec<Self>>;
+}
+
+/// Declares the types that a variable may have: their names, `Values` that are borrowed and a `Column` that owns them.
+macro_rules! kinds {
+    ($($kind:ident($type:ty): $meaning:literal;)*) => {
+        /// Types of values.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        pub(crate) enum Kind {
+            $(#[doc = $meaning] $kind,)*
+        }
+
+        /// Values of a variable, row by row, the last axis fastest.
+        #[derive(Clone, Copy, Debug)]
+        pub(crate) enum Values<'a> {
+            $(#[doc = $meaning] $kind(&'a [$type]),)*
+        }
+
+        /// Values of a variable of one's own, row by row, the last axis fastest.
+        #[derive(Clone, Debug, PartialEq)]
+        pub enum Column {
+            $(#[doc = $meaning] $kind(Vec<$type>),)*
+        }
+
+        impl Values<'_> {
+            /// How many.
+            pub(crate) fn len(&self) -> usize {
+                match self {
+                    $(Values::$kind(values) => values.len(),)*
+                }
+            }
+
+            /// A column of this type without values.
+            pub(crate) fn empty_column(&self) -> Column {
+                match self {
+                    $(Values::$kind(_) => Column::$kind(Vec::new()),)*
+                }
+            }
+        }
+
+        impl Column {
+            /// How many values it has.
+            pub fn len(&self) -> usize {
+                match self {
+                    $(Column::$kind(values) => values.len(),)*
+                }
+            }
+
+            /// Add values of its own type.
+            pub(crate) fn extend(&mut self, values: Values) {
+                match (self, values) {
+                    $((Column::$kind(column), Values::$kind(values)) => column.extend_from_slice(values),)*
+                    (column, values) => unreachable!("{values:?} for a column of {column:?}"),
+                }
+            }
+        }
+
+        $(impl Element for $type {
+            const KIND: Kind = Kind::$kind;
+
+            fn values(values: &[Self]) -> Values<'_> {
+                Values::$kind(values)
+            }
+
+            fn of(column: Column) -> Option<Vec<Self>> {
+                match column {
+                    Column::$kind(values) => Some(values),
+                    _ => None,
+                }
+            }
+        })*
+    };
+}
+
+kinds! {
+    F64(f64): "Real numbers.";
+    U64(u64): "Counts and seeds.";
+    U32(u32): "Small counts.";
+    I8(i8): "Flags.";
+    U8(u8): "Bytes.";
+    Text(String): "Names.";
+}
+
+impl Column {
+    /// Whether it has no values.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+}
+
+impl<'a, T: Element> From<&'a [T]> for Values<'a> {
+    fn from(values: &'a [T]) -> Self {
+        T::values(values)
+    }
+}
+
+impl<'a, T: Element> From<&'a Vec<T>> for Values<'a> {
+    fn from(values: &'a Vec<T>) -> Self {
+        T::values(values)
+    }
+}
+
+impl<'a, T: Element, const N: usize> From<&'a [T; N]> for Values<'a> {
+    fn from(values: &'a [T; N]) -> Self {
+        T::values(values)
+    }
+}
+
+/// Names as values.
+pub(crate) fn texts<'a>(of: impl IntoIterator<Item = &'a str>) -> Vec<String> {
+    of.into_iter().map(str::to_owned).collect()
+}
+
+/// Where a data set is written.
+pub(crate) trait Destination {
+    /// What can go wrong.
+    type Error;
+
+    /// Labels of the units.
+    fn units(&self) -> &Units;
+
+    /// Write a variable. One without values is left out, and so is its dimension.
+    fn put<'a>(&mut self, variable: &Described, values: impl Into<Values<'a>>) -> Result<(), Self::Error>;
+
+    /// Set an attribute of the data set, in place of what it was before.
+    fn say(&mut self, name: &str, value: impl Into<Attribute>) -> Result<(), Self::Error>;
+}
+
+/// Where a data set is read back from.
+pub(crate) trait Source {
+    /// What can go wrong.
+    type Error: From<String>;
+
+    /// The values of a variable; none where there is no such variable.
+    fn column(&self, variable: &Described, kind: Kind) -> Result<Option<Column>, Self::Error>;
+}
+
+/// Read a variable, an absent one as empty.
+pub(crate) fn read_or_empty<S: Source, T: Element>(from: &S, variable: &Described) -> Result<Vec<T>, S::Error> {
+    let Some(column) = from.column(variable, T::KIND)? else { return Ok(Vec::new()) };
+    T::of(column).ok_or_else(|| format!("{} has another type than it was written with", variable.name).into())
+}
+
+/// Read a variable that must be there.
+pub(crate) fn read_variable<S: Source, T: Element>(from: &S, variable: &Described) -> Result<Vec<T>, S::Error> {
+    match read_or_empty(from, variable)? {
+        values if values.is_empty() => Err(format!("{} is missing", variable.name).into()),
+        values => Ok(values),
+    }
+}
+
+/// Read a variable of a single value.
+pub(crate) fn read_scalar<S: Source, T: Element>(from: &S, variable: &Described) -> Result<T, S::Error> {
+    match read_variable::<S, T>(from, variable)?.as_slice() {
+        [value] => Ok(value.clone()),
+        values => Err(format!("{} has {} values, not one", variable.name, values.len()).into()),
+    }
+}

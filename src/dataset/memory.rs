@@ -1,0 +1,166 @@
+//! A data set in memory.
+
+use super::layout::Described;
+use super::rows::{self, Rows, Table};
+use super::{Attribute, Column, Destination, Kind, Source, Values, calibration, run, summary, sweep, trade};
+use crate::engine::{Replay, Status};
+use crate::provenance::Provenance;
+use crate::scenario::Scenario;
+use crate::stats::{Summary, Units};
+use crate::study::calibration::Calibration;
+use crate::study::sweep::Sweep;
+use crate::study::trade::Trade;
+use std::convert::Infallible;
+
+/// A data set in memory: what a file would hold, variable by variable.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Dataset {
+    /// What it says of itself, by name.
+    pub attributes: Vec<(String, Attribute)>,
+    /// Its variables, coordinates first where others lie along them.
+    pub entries: Vec<Entry>,
+    units: Units,
+}
+
+/// A variable of a data set.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Entry {
+    /// Its name; a variable named like its only axis is the coordinate of that dimension.
+    pub name: String,
+    /// Names of its dimensions, slowest first.
+    pub axes: Vec<String>,
+    /// What it says of itself, by name.
+    pub attributes: Vec<(String, Attribute)>,
+    /// Its values, the last axis fastest.
+    pub column: Column,
+}
+
+impl Dataset {
+    /// An empty one, whose units have these labels.
+    pub(crate) fn new(units: &Units) -> Self {
+        Dataset { units: units.clone(), ..Dataset::default() }
+    }
+
+    /// A sweep.
+    pub fn of_sweep(sweep: &Sweep) -> Self {
+        let header = Provenance::of(&sweep.question.scenario);
+        let mut dataset = Dataset::new(&header.units);
+        let Ok(()) = sweep::write(&mut dataset, &header, sweep);
+        dataset
+    }
+
+    /// A trade of a scenario.
+    pub fn of_trade(scenario: &Scenario, trade: &Trade) -> Self {
+        let header = Provenance::of(scenario);
+        let mut dataset = Dataset::new(&header.units);
+        let Ok(()) = trade::write(&mut dataset, &header, trade);
+        dataset
+    }
+
+    /// A calibration, given what it is about and the scenario as it was written.
+    pub fn of_calibration(title: &str, scenario_text: &str, calibration: &Calibration) -> Self {
+        let mut dataset = Dataset::new(&calibration::units());
+        let Ok(()) = calibration::write(&mut dataset, title, scenario_text, calibration);
+        dataset
+    }
+
+    /// One path of an ensemble alone.
+    pub fn of_replay(replay: &Replay) -> Self {
+        // A data set of one path, whatever its number in the ensemble.
+        let header = Provenance { paths: 1, ..Provenance::of(&replay.scenario) };
+        let mut dataset = Dataset::new(&header.units);
+        let Ok(()) = run::write_start(&mut dataset, &header);
+        let Ok(()) = rows::tables(&Rows::from(&replay.block), header.bearing, |table| dataset.grow(&table));
+        let Ok(()) = run::write_end(&mut dataset, &replay.block.totals.summary(), Status::Complete);
+        dataset
+    }
+
+    /// The statistics of a run, of a scheme with this step.
+    pub fn summary(&self, step: Option<f64>) -> Result<Summary, String> {
+        match self.attribute("completed_paths") {
+            Some(Attribute::Count(paths)) => summary::read(self, *paths, step),
+            _ => Err("completed_paths is missing: this is not the data set of a run".into()),
+        }
+    }
+
+    /// The variable of this name.
+    pub fn entry(&self, name: &str) -> Option<&Entry> {
+        self.entries.iter().find(|entry| entry.name == name)
+    }
+
+    /// The attribute of this name.
+    pub fn attribute(&self, name: &str) -> Option<&Attribute> {
+        self.attributes.iter().find(|(of, _)| of == name).map(|(_, value)| value)
+    }
+
+    /// Lengths of the axes of a variable. A dimension without a coordinate, that of events, is as long as its variables.
+    pub fn shape(&self, entry: &Entry) -> Vec<usize> {
+        let known = |axis: &String| match *axis == entry.name {
+            true => Some(entry.column.len()),
+            false => self.entry(axis).map(|coordinate| coordinate.column.len()),
+        };
+        let lengths: Vec<Option<usize>> = entry.axes.iter().map(known).collect();
+        let others: usize = lengths.iter().flatten().product();
+        lengths
+            .into_iter()
+            .map(|length| length.unwrap_or(entry.column.len().checked_div(others).unwrap_or(0)))
+            .collect()
+    }
+
+    /// Add rows to the variables of a table, and begin those that are not there yet.
+    pub(super) fn grow(&mut self, table: &Table) -> Result<(), Infallible> {
+        for (variable, values) in table.variables {
+            match self.entries.iter_mut().find(|entry| entry.name == variable.name) {
+                Some(entry) => entry.column.extend(*values),
+                None => self.begin(variable, *values),
+            }
+        }
+        Ok(())
+    }
+
+    fn begin(&mut self, variable: &Described, values: Values) {
+        let mut attributes: Vec<(String, Attribute)> = vec![("long_name".into(), variable.long_name.into())];
+        attributes.extend(variable.unit.label(&self.units).map(|label| ("units".into(), label.into())));
+        if !variable.flags.is_empty() {
+            attributes.push(("flag_values".into(), Attribute::Flags(variable.flags.to_vec())));
+        }
+        attributes.extend(variable.attributes.iter().map(|(name, value)| (name.to_string(), (*value).into())));
+        let mut column = values.empty_column();
+        column.extend(values);
+        let axes = variable.axes.iter().map(|axis| axis.to_string()).collect();
+        self.entries.push(Entry { name: variable.name.into(), axes, attributes, column });
+    }
+}
+
+impl Destination for Dataset {
+    type Error = Infallible;
+
+    fn units(&self) -> &Units {
+        &self.units
+    }
+
+    fn put<'a>(&mut self, variable: &Described, values: impl Into<Values<'a>>) -> Result<(), Self::Error> {
+        let values = values.into();
+        if values.len() > 0 {
+            self.begin(variable, values);
+        }
+        Ok(())
+    }
+
+    fn say(&mut self, name: &str, value: impl Into<Attribute>) -> Result<(), Self::Error> {
+        let value = value.into();
+        match self.attributes.iter_mut().find(|(of, _)| of == name) {
+            Some((_, earlier)) => *earlier = value,
+            None => self.attributes.push((name.to_owned(), value)),
+        }
+        Ok(())
+    }
+}
+
+impl Source for Dataset {
+    type Error = String;
+
+    fn column(&self, variable: &Described, _: Kind) -> Result<Option<Column>, String> {
+        Ok(self.entry(variable.name).map(|entry| entry.column.clone()))
+    }
+}

@@ -1,0 +1,90 @@
+//! Memory as the sink of a run.
+
+use super::rows::{self, Rows};
+use super::{Dataset, header, run};
+use crate::engine::{Asked, Outcome, Sink, SinkError};
+use crate::provenance::Provenance;
+use crate::scenario::Scenario;
+use crate::stats::BlockResult;
+
+/// Keeps a run in memory, with what its scenario records: the data set that a file of it would hold.
+///
+/// ```
+/// use stick_slip::dataset::{Column, Recorder};
+/// use stick_slip::engine::Run;
+/// use stick_slip::scenario::Scenario;
+///
+/// let mut recorder = Recorder::default();
+/// Run::of(&Scenario::shipped("shaw")?).into_sink(&mut recorder).simulate()?;
+/// let dataset = recorder.into_dataset();
+/// let path = dataset.entry("path").expect("its scenario records paths");
+/// assert_eq!(path.column, Column::U64(vec![0]));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug, Default)]
+pub struct Recorder {
+    dataset: Dataset,
+    header: Option<Provenance>,
+}
+
+impl Recorder {
+    /// What it holds.
+    pub fn into_dataset(self) -> Dataset {
+        self.dataset
+    }
+}
+
+impl Sink for Recorder {
+    fn begin(&mut self, scenario: &Scenario, asked: &Asked) -> Result<(), SinkError> {
+        let header = Provenance { paths: asked.paths, ..Provenance::of(scenario) };
+        self.dataset = Dataset::new(&header.units);
+        let Ok(()) = run::write_start(&mut self.dataset, &header);
+        let Ok(()) = rows::empty_tables(&scenario.record, &header, |table| self.dataset.grow(&table));
+        self.header = Some(header);
+        Ok(())
+    }
+
+    fn block(&mut self, block: &BlockResult) -> Result<(), SinkError> {
+        let bearing = self.header.as_ref().and_then(|header| header.bearing);
+        let Ok(()) = rows::tables(&Rows::from(block), bearing, |table| self.dataset.grow(&table));
+        Ok(())
+    }
+
+    fn finish(&mut self, outcome: &Outcome) -> Result<(), SinkError> {
+        if let Some(part) = outcome.part {
+            let Ok(()) = header::write_part(&mut self.dataset, part);
+        }
+        if let Some(reason) = &outcome.ended_by {
+            let Ok(()) = header::write_ended_by(&mut self.dataset, &reason.to_string());
+        }
+        let Ok(()) = run::write_end(&mut self.dataset, &outcome.summary, outcome.status);
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::engine::Run;
+
+    /// What was written is read back, bit for bit, as far as the statistics go.
+    #[test]
+    fn the_statistics_of_a_data_set_are_those_of_the_run() {
+        for (name, paths) in [("rho025", 300), ("shaw", 1)] {
+            let mut scenario = Scenario::shipped(name).expect("shipped");
+            scenario.ensemble.paths = paths;
+            scenario.record = crate::stats::Record { paths: true, events: true, trajectories: 2 };
+            let mut recorder = Recorder::default();
+            let outcome = Run::of(&scenario).into_sink(&mut recorder).simulate().expect("sound");
+            let dataset = recorder.into_dataset();
+            let summary = dataset.summary(scenario.scheme.step()).expect("whole");
+            // NaN is not itself.
+            assert_eq!(format!("{summary:?}"), format!("{:?}", outcome.summary), "{name}");
+            let shape = |name: &str| dataset.shape(dataset.entry(name).expect("recorded"));
+            assert_eq!(shape("path_sticks"), [paths as usize]);
+            let rows = scenario.timeline().rows();
+            assert_eq!(shape("trajectory_displacement"), [paths.min(2) as usize, rows]);
+            assert_eq!(shape("event_time"), shape("event_kind"));
+        }
+    }
+}

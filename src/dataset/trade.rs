@@ -1,0 +1,221 @@
+//! A trade as a data set: what was measured of every rung, and what was predicted for every target.
+
+use super::header::CONVENTIONS;
+use super::layout::{self, Unit, Variable, variable};
+use super::summary::write_statistics;
+use super::{Destination, Source, read_or_empty, texts};
+use crate::provenance::Provenance;
+use crate::scheme::Kind;
+use crate::stats::Statistic;
+use crate::study::trade::{Choice, Prices, Rung, TARGETS, Trade};
+
+/// What `format_name` says of a trade.
+pub(crate) const TRADE_FORMAT_NAME: &str = "stick-slip trade";
+
+/// Write a trade.
+pub(crate) fn write<D: Destination>(to: &mut D, header: &Provenance, trade: &Trade) -> Result<(), D::Error> {
+    attributes(to, header, trade)?;
+    coordinates(to, trade)?;
+    measured(to, trade)?;
+    orders(to, trade)?;
+    predicted(to, trade)
+}
+
+fn attributes<D: Destination>(to: &mut D, header: &Provenance, trade: &Trade) -> Result<(), D::Error> {
+    to.say("Conventions", CONVENTIONS)?;
+    to.say("title", header.title.as_str())?;
+    to.say("format_name", TRADE_FORMAT_NAME)?;
+    to.say("format_version", "1.0")?;
+    to.say("program_version", header.program_version.as_str())?;
+    to.say("git_hash", header.git_hash.as_str())?;
+    to.say("seed", header.seed)?;
+    to.say("generator", header.generator.as_str())?;
+    to.say("reference", trade.reference().scheme.to_string())?;
+    to.say("scenario", header.scenario_text.as_str())
+}
+
+fn coordinates<D: Destination>(to: &mut D, trade: &Trade) -> Result<(), D::Error> {
+    let numbers: Vec<u32> = (0..).take(trade.rungs.len()).collect();
+    write_statistics(to)?;
+    to.put(&RUNG, &numbers)?;
+    to.put(&SCHEME, &texts(trade.schemes().into_iter().map(|scheme| scheme.name())))?;
+    to.put(&TARGET, &TARGETS)
+}
+
+fn measured<D: Destination>(to: &mut D, trade: &Trade) -> Result<(), D::Error> {
+    let of = |value: &dyn Fn(&Rung) -> f64| -> Vec<f64> { trade.rungs.iter().map(value).collect() };
+    let whole = |value: &dyn Fn(&Rung) -> u64| -> Vec<u64> { trade.rungs.iter().map(value).collect() };
+    to.put(&RUNG_SCHEME, &texts(trade.rungs.iter().map(|rung| rung.scheme.name())))?;
+    to.put(&RUNG_STEP, &of(&|rung| rung.scheme.step().unwrap_or(f64::NAN)))?;
+    to.put(&RUNG_TOLERANCE, &of(&|rung| rung.scheme.tolerance().unwrap_or(f64::NAN)))?;
+    to.put(&RUNG_PATHS, &whole(&|rung| rung.paths))?;
+    to.put(&RUNG_DIVERGED, &whole(&|rung| rung.diverged))?;
+    to.put(&RUNG_SECONDS_FIRST, &of(&|rung| rung.cost.first))?;
+    to.put(&RUNG_SECONDS, &of(&|rung| rung.cost.each))?;
+    let each = |value: &dyn Fn(&Rung, Statistic) -> f64| -> Vec<f64> {
+        trade.rungs.iter().flat_map(|rung| Statistic::ALL.map(|statistic| value(rung, statistic))).collect()
+    };
+    let change =
+        |rung: &Rung, s: Statistic| rung.change(s).map_or([f64::NAN; 2], |change| [change.value, change.error]);
+    to.put(&RUNG_ESTIMATE, &each(&|rung, s| rung.estimate(s).value))?;
+    to.put(&RUNG_STANDARD_ERROR, &each(&|rung, s| rung.estimate(s).error))?;
+    to.put(&RUNG_VARIANCE, &each(&|rung, s| rung.variance(s)))?;
+    to.put(&RUNG_BIAS, &each(&|rung, s| trade.bias(rung, s).value))?;
+    to.put(&RUNG_BIAS_ERROR, &each(&|rung, s| trade.bias(rung, s).error))?;
+    to.put(&RUNG_CHANGE, &each(&|rung, s| change(rung, s)[0]))?;
+    to.put(&RUNG_CHANGE_ERROR, &each(&|rung, s| change(rung, s)[1]))
+}
+
+fn orders<D: Destination>(to: &mut D, trade: &Trade) -> Result<(), D::Error> {
+    let orders: Vec<[f64; 2]> = (trade.schemes().into_iter())
+        .flat_map(|scheme| Statistic::ALL.map(|statistic| trade.law(scheme, statistic)))
+        .map(|law| law.map_or([f64::NAN; 2], |law| [law.order.value, law.order.error]))
+        .collect();
+    let scales = Statistic::ALL.map(|statistic| trade.standing(statistic).scale().unwrap_or(f64::NAN));
+    let notes = Statistic::ALL.map(|statistic| trade.standing(statistic).to_string());
+    to.put(&STATISTIC_SCALE, &scales)?;
+    to.put(&STATISTIC_NOTE, &texts(notes.iter().map(String::as_str)))?;
+    to.put(&SCHEME_ORDER, &orders.iter().map(|order| order[0]).collect::<Vec<_>>())?;
+    to.put(&SCHEME_ORDER_ERROR, &orders.iter().map(|order| order[1]).collect::<Vec<_>>())
+}
+
+fn predicted<D: Destination>(to: &mut D, trade: &Trade) -> Result<(), D::Error> {
+    let mut choices: Vec<Option<Choice>> = Vec::new();
+    for scheme in trade.schemes() {
+        for statistic in Statistic::ALL {
+            choices.extend(TARGETS.map(|target| trade.best(Some(scheme), &[statistic], target).ok()));
+        }
+    }
+    let of = |value: &dyn Fn(&Choice) -> f64| -> Vec<f64> {
+        choices.iter().map(|choice| choice.as_ref().map_or(f64::NAN, value)).collect()
+    };
+    to.put(&PREDICTED_SECONDS, &of(&|choice| choice.seconds))?;
+    to.put(&PREDICTED_PATHS, &of(&|choice| choice.paths as f64))?;
+    let is_antithetic = |choice: &Option<Choice>| i8::from(choice.is_some_and(|choice| choice.is_antithetic));
+    to.put(&PREDICTED_ANTITHETIC, &choices.iter().map(is_antithetic).collect::<Vec<i8>>())?;
+    to.put(&PREDICTED_STEP, &of(&|choice| choice.scheme.step().unwrap_or(f64::NAN)))?;
+    to.put(&PREDICTED_TOLERANCE, &of(&|choice| choice.scheme.tolerance().unwrap_or(f64::NAN)))?;
+    to.put(&PREDICTED_BIAS, &of(&|choice| choice.bias))?;
+    let winner = |statistic, target| match trade.best(None, &[statistic], target) {
+        Ok(choice) => choice.scheme.name(),
+        Err(_) => "none",
+    };
+    let winners = Statistic::ALL.into_iter().flat_map(|s| TARGETS.map(|target| winner(s, target)));
+    to.put(&WINNER, &texts(winners))
+}
+
+/// The prices of accuracy in a trade, statistic by statistic, given its title.
+pub(crate) fn read_prices<S: Source>(from: &S, title: String) -> Result<Vec<Prices>, S::Error> {
+    let schemes: Vec<String> = read_or_empty(from, &SCHEME)?;
+    let statistics: Vec<String> = read_or_empty(from, &layout::STATISTIC)?;
+    let targets: Vec<f64> = read_or_empty(from, &TARGET)?;
+    let seconds: Vec<f64> = read_or_empty(from, &PREDICTED_SECONDS)?;
+    if seconds.len() != schemes.len() * statistics.len() * targets.len() {
+        return Err(format!("{} has {} values", PREDICTED_SECONDS.name, seconds.len()).into());
+    }
+    let curve = |(i, scheme): (usize, &String), j: usize| {
+        let first = (i * statistics.len() + j) * targets.len();
+        let points = seconds[first..].iter().zip(&targets).map(|(seconds, target)| [*seconds, *target]);
+        Some((Kind::from_name(scheme)?, points.filter(|[seconds, _]| seconds.is_finite()).collect()))
+    };
+    let of = |(j, name): (usize, &String)| {
+        let curves = schemes.iter().enumerate().filter_map(|scheme| curve(scheme, j)).collect();
+        Some(Prices { title: title.clone(), statistic: Statistic::from_name(name)?, curves })
+    };
+    Ok(statistics.iter().enumerate().filter_map(of).collect())
+}
+
+const PER_RUNG: &[(&str, &str)] = &[("coordinates", "rung_scheme rung_step rung_tolerance")];
+
+const RUNG: Variable =
+    variable("rung", &["rung"], Unit::ONE, "number of the rung: scheme by scheme, from coarse to fine");
+const SCHEME: Variable = variable("scheme", &["scheme"], Unit::None, "name of the scheme");
+const TARGET: Variable = variable("target", &["target"], Unit::ONE, "root mean square error asked for, relative");
+const RUNG_SCHEME: Variable = variable("rung_scheme", &["rung"], Unit::None, "scheme of the rung");
+const RUNG_STEP: Variable = variable("rung_step", &["rung"], Unit::TIME, "time step, missing where there is none");
+const RUNG_TOLERANCE: Variable =
+    variable("rung_tolerance", &["rung"], Unit::ONE, "tolerance, missing where there is none");
+const RUNG_PATHS: Variable = variable("rung_paths", &["rung"], Unit::ONE, "paths simulated").with(PER_RUNG);
+const RUNG_DIVERGED: Variable = variable("rung_diverged", &["rung"], Unit::ONE, "paths that diverged").with(PER_RUNG);
+const RUNG_SECONDS_FIRST: Variable =
+    variable("rung_seconds_first", &["rung"], Unit::Seconds, "CPU time of a run of one path").with(PER_RUNG);
+const RUNG_SECONDS: Variable =
+    variable("rung_seconds", &["rung"], Unit::Seconds, "CPU time per path of a large run").with(PER_RUNG);
+
+const BOTH: &[&str] = &["rung", "statistic"];
+const RUNG_ESTIMATE: Variable = variable("rung_estimate", BOTH, Unit::None, "estimate").with(PER_RUNG);
+const RUNG_STANDARD_ERROR: Variable =
+    variable("rung_standard_error", BOTH, Unit::None, "standard error of the estimate").with(PER_RUNG);
+const RUNG_VARIANCE: Variable =
+    variable("rung_path_variance", BOTH, Unit::None, "variance per path, in the unit of the statistic squared")
+        .with(PER_RUNG);
+const RUNG_BIAS: Variable = variable("rung_bias", BOTH, Unit::None, "difference from the reference").with(PER_RUNG);
+const RUNG_BIAS_ERROR: Variable =
+    variable("rung_bias_error", BOTH, Unit::None, "standard error of that difference").with(PER_RUNG);
+const RUNG_CHANGE: Variable =
+    variable("rung_change", BOTH, Unit::None, "estimate less that of half the step, on one realisation").with(PER_RUNG);
+const RUNG_CHANGE_ERROR: Variable =
+    variable("rung_change_error", BOTH, Unit::None, "standard error of that change").with(PER_RUNG);
+
+const STATISTIC_SCALE: Variable =
+    variable("statistic_scale", &["statistic"], Unit::None, "what errors of the statistic are relative to");
+const STATISTIC_NOTE: Variable =
+    variable("statistic_note", &["statistic"], Unit::None, "what that is, or why there is none");
+const SCHEME_ORDER: Variable =
+    variable("scheme_order", &["scheme", "statistic"], Unit::ONE, "observed order p of the bias C h^p");
+const SCHEME_ORDER_ERROR: Variable =
+    variable("scheme_order_error", &["scheme", "statistic"], Unit::ONE, "its standard error");
+
+const PREDICTION: &[&str] = &["scheme", "statistic", "target"];
+const PREDICTED_SECONDS: Variable =
+    variable("predicted_seconds", PREDICTION, Unit::Seconds, "CPU time of the cheapest run that meets the target");
+const PREDICTED_PATHS: Variable = variable("predicted_paths", PREDICTION, Unit::ONE, "its number of paths");
+const PREDICTED_STEP: Variable = variable("predicted_step", PREDICTION, Unit::TIME, "its time step");
+const PREDICTED_TOLERANCE: Variable = variable("predicted_tolerance", PREDICTION, Unit::ONE, "its tolerance");
+const PREDICTED_BIAS: Variable = variable("predicted_bias", PREDICTION, Unit::ONE, "upper bound of its bias, relative");
+const PREDICTED_ANTITHETIC: Variable =
+    variable("predicted_antithetic", PREDICTION, Unit::ONE, "1 where its paths are antithetic pairs");
+const WINNER: Variable =
+    variable("winner", &["statistic", "target"], Unit::None, "scheme of the cheapest run, or none");
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_documentation_names_every_variable() {
+        let text = include_str!("../../docs/output-format.md");
+        for variable in [
+            RUNG,
+            SCHEME,
+            TARGET,
+            RUNG_SCHEME,
+            RUNG_STEP,
+            RUNG_TOLERANCE,
+            RUNG_PATHS,
+            RUNG_DIVERGED,
+            RUNG_SECONDS_FIRST,
+            RUNG_SECONDS,
+            RUNG_ESTIMATE,
+            RUNG_STANDARD_ERROR,
+            RUNG_VARIANCE,
+            RUNG_BIAS,
+            RUNG_BIAS_ERROR,
+            RUNG_CHANGE,
+            RUNG_CHANGE_ERROR,
+            STATISTIC_SCALE,
+            STATISTIC_NOTE,
+            SCHEME_ORDER,
+            SCHEME_ORDER_ERROR,
+            PREDICTED_SECONDS,
+            PREDICTED_PATHS,
+            PREDICTED_ANTITHETIC,
+            PREDICTED_STEP,
+            PREDICTED_TOLERANCE,
+            PREDICTED_BIAS,
+            WINNER,
+        ] {
+            assert!(text.contains(&format!("`{}`", variable.name)), "{}", variable.name);
+        }
+    }
+}
