@@ -32,6 +32,7 @@ mod terminal;
 mod trade;
 mod trade_report;
 mod twin;
+mod verify;
 
 pub use failure::Failure;
 
@@ -54,6 +55,7 @@ Examples:
   mc plot mine.h5                           all of it in pictures, in mine.svg
   mc report mine.h5                         a page for the browser, in mine.html
   mc replay mine.h5 --path 4711             one path alone, event by event
+  mc verify mine.h5                         is the file what its scenario and seed come to?
   mc trade mine.toml                        which scheme, step and paths for which accuracy
   mc sweep mine.toml --vary friction.static=1.1:1.5:9   statistics as functions of a key
   mc calibrate bridge.toml data.csv         friction of a bearing from its temperature and displacement
@@ -87,6 +89,8 @@ enum Verb {
     Report(html::Report),
     /// Rerun one path of a stored ensemble alone, keeping its events and its trajectory
     Replay(replay::Replay),
+    /// Hold a file against its checksum, and some of its paths against a second simulation
+    Verify(verify::Verify),
     /// What accuracy costs: every scheme over a ladder of settings, and the cheapest for a target
     Trade(trade::Trade),
     /// Statistics as functions of keys of the scenario, with sharp differences; or what each key does to them
@@ -113,6 +117,7 @@ impl Arguments {
             Verb::Plot(plot) => plot.call(),
             Verb::Report(report) => report.call(),
             Verb::Replay(replay) => replay.call(),
+            Verb::Verify(verify) => verify.call(),
             Verb::Trade(trade) => trade.call(),
             Verb::Sweep(sweep) => sweep.call(),
             Verb::Calibrate(calibrate) => calibrate.call(),

@@ -45,20 +45,8 @@ impl Replay {
             return Err(Failure::usage(problem, remedy));
         }
         let scenario = results::scenario(&self.file.display().to_string(), &stored, &[])?;
-        let program = Provenance::of(&scenario);
-        let header = &stored.header;
-        let theirs = [&header.program_version, &header.git_hash, &header.generator];
-        if theirs != [&program.program_version, &program.git_hash, &program.generator] {
-            note(&format!(
-                "warning: {} was written by mc {} ({}), {}; this is mc {} ({}), {}",
-                self.file.display(),
-                header.program_version,
-                header.git_hash,
-                header.generator,
-                program.program_version,
-                program.git_hash,
-                program.generator
-            ));
+        if let Some(other) = results::other_program(&stored.header, &Provenance::of(&scenario)) {
+            note(&format!("warning: {} was {other}", self.file.display()));
         }
         self.check_path(&scenario)?;
         let stem = self.file.file_stem().unwrap_or_default().to_string_lossy().into_owned();

@@ -6,6 +6,7 @@ use super::report;
 use stick_slip::advice::Warning;
 use stick_slip::config::{Override, ScenarioError};
 use stick_slip::engine::RunError;
+use stick_slip::provenance::Provenance;
 use stick_slip::scenario::Scenario;
 use stick_slip::stats::Summary;
 use stick_slip::store::{StoreError, Stored};
@@ -13,6 +14,16 @@ use stick_slip::store::{StoreError, Stored};
 /// The scenario that a file was run with, its measured temperature included, with overrides laid over it.
 pub fn scenario(name: &str, stored: &Stored, overrides: &[Override]) -> Result<Scenario, ScenarioError> {
     Scenario::parse_stored(name, &stored.header.scenario_text, overrides, stored.header.series.as_ref())
+}
+
+/// That another program has written a file, which need not come to the same numbers; none where it is this one.
+pub fn other_program(theirs: &Provenance, mine: &Provenance) -> Option<String> {
+    let of = |header: &Provenance| {
+        let Provenance { program_version, git_hash, generator, .. } = header;
+        format!("mc {program_version} ({git_hash}), {generator}")
+    };
+    let (theirs, mine) = (of(theirs), of(mine));
+    (theirs != mine).then(|| format!("written by {theirs}; this is {mine}"))
 }
 
 /// Say in what way the results of a scenario are not what they seem to be, on standard error. Where the bias of the step is

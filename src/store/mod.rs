@@ -28,6 +28,7 @@ mod state;
 mod sweep;
 mod trade;
 mod variable;
+mod verify;
 mod workshop;
 mod writer;
 
@@ -41,5 +42,6 @@ pub use space::check_space;
 pub use state::Question;
 pub use sweep::{StoredSweep, SweepFile, read_sweep, sweep_bytes};
 pub use trade::{read_prices, write_trade};
+pub use verify::{Difference, Sealed, Verification, check_bytes};
 pub use workshop::{file_of, partial_path, write_whole};
 pub use writer::Writer;

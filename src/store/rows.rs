@@ -27,7 +27,11 @@ pub fn read_path(path: &Path, number: u64) -> std::result::Result<Option<PathCol
 }
 
 /// Some rows of a variable.
-fn column<T: H5Type + Clone>(file: &File, variable: &layout::Variable, rows: &Range<usize>) -> Result<Vec<T>> {
+pub(super) fn column<T: H5Type + Clone>(
+    file: &File,
+    variable: &layout::Variable,
+    rows: &Range<usize>,
+) -> Result<Vec<T>> {
     let dataset = file.dataset(variable.name)?;
     if dataset.shape().first().is_none_or(|&length| length < rows.end) {
         return Err(format!("{} is too short", variable.name).into());

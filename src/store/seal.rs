@@ -25,8 +25,17 @@ pub(super) fn seal(path: &Path) -> io::Result<()> {
     file.sync_all()
 }
 
-/// An error if a file is not what was sealed; otherwise, whether it has a seal.
+/// An error if a file is not what was sealed; otherwise, whether it has a seal. Large files are not read through.
 pub(super) fn check(path: &Path) -> Result<bool, StoreError> {
+    check_up_to(path, LARGEST)
+}
+
+/// The same, however large the file is.
+pub(super) fn check_all(path: &Path) -> Result<bool, StoreError> {
+    check_up_to(path, u64::MAX)
+}
+
+fn check_up_to(path: &Path, largest: u64) -> Result<bool, StoreError> {
     let not_opened = |source| StoreError::NotOpened { path: path.to_owned(), source };
     let read = || -> io::Result<Option<bool>> {
         let mut file = File::open(path)?;
@@ -38,7 +47,7 @@ pub(super) fn check(path: &Path) -> Result<bool, StoreError> {
         if !found.starts_with(MAGIC) {
             return Ok(None);
         }
-        if length > LARGEST {
+        if length > largest {
             return Ok(Some(true));
         }
         file.rewind()?;
