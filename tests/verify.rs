@@ -52,20 +52,24 @@ fn verified(here: &TempDir, more: &[&str]) -> serde_json::Value {
     serde_json::from_slice(&output.stdout).expect("JSON")
 }
 
-/// Change a file as a careful forger would: with a checksum that fits.
-fn forge(here: &TempDir, change: impl FnOnce(&hdf5::File)) {
-    let path = here.path().join("a.h5");
-    let file = hdf5::File::open_rw(&path).expect("HDF5");
+/// Change a file as a careful forger would: with a checksum that fits, or with none.
+fn forge(here: &TempDir, is_sealed: bool, change: impl FnOnce(&hdf5::File)) {
+    let [path, other] = ["a.h5", "other.h5"].map(|name| here.path().join(name));
+    // Another file, because a process that another test has just started may still hold the lock of the one that was open here.
+    fs::rename(&path, &other).expect("renamed");
+    let file = hdf5::File::open_rw(&other).expect("HDF5");
     change(&file);
     drop(file);
-    let mut bytes = fs::read(&path).expect("there");
+    let mut bytes = fs::read(&other).expect("there");
     if let Some(seal) = bytes.windows(8).rposition(|window| window == b"mc-seal\n") {
         bytes.truncate(seal);
     }
-    let mut seal = [b"mc-seal\n".as_slice(), &(bytes.len() as u64).to_le_bytes()].concat();
-    seal.extend(crc32fast::hash(&bytes).to_le_bytes());
-    seal.extend(crc32fast::hash(&seal).to_le_bytes());
-    bytes.extend(seal);
+    if is_sealed {
+        let mut seal = [b"mc-seal\n".as_slice(), &(bytes.len() as u64).to_le_bytes()].concat();
+        seal.extend(crc32fast::hash(&bytes).to_le_bytes());
+        seal.extend(crc32fast::hash(&seal).to_le_bytes());
+        bytes.extend(seal);
+    }
     fs::write(&path, bytes).expect("written");
 }
 
@@ -143,7 +147,7 @@ fn whatever_was_changed_is_named_although_the_checksum_fits() {
     ];
     for (name, change, named) in changes {
         let here = made(SCENE);
-        forge(&here, change);
+        forge(&here, true, change);
         let output = verify(&here, &["--blocks", "all"]);
         let said = text(&output.stderr);
         assert_eq!(output.status.code(), Some(1), "{name}: {said}");
@@ -158,7 +162,7 @@ fn whatever_was_changed_is_named_although_the_checksum_fits() {
         assert_ne!(scenario.as_str(), other);
         attribute.write_scalar(&other.parse::<hdf5::types::VarLenUnicode>().expect("text")).expect("written");
     };
-    forge(&here, edit);
+    forge(&here, true, edit);
     let output = verify(&here, &["--blocks", "1"]);
     assert_eq!(output.status.code(), Some(1), "{}", text(&output.stderr));
     assert!(text(&output.stderr).contains("path "), "{}", text(&output.stderr));
@@ -191,7 +195,7 @@ fn bytes_that_were_changed_are_damage_and_other_files_are_told_apart() {
 #[test]
 fn a_file_of_another_program_is_said_to_be_one() {
     let here = made(SCENE);
-    forge(&here, |file| {
+    forge(&here, true, |file| {
         let version: hdf5::types::VarLenUnicode = "9.9.9".parse().expect("text");
         file.attr("program_version").and_then(|attribute| attribute.write_scalar(&version)).expect("written");
         add(file, "path_stick_time", 5, 1.0);
@@ -201,6 +205,6 @@ fn a_file_of_another_program_is_said_to_be_one() {
     assert_eq!(output.status.code(), Some(1), "{said}");
     assert!(said.contains("written by mc 9.9.9") && said.contains("the program that wrote it"), "{said}");
     let here = made(SCENE);
-    drop(hdf5::File::open_rw(here.path().join("a.h5")).and_then(|file| file.attr("seed")?.write_scalar(&1_u64)));
+    forge(&here, false, |file| file.attr("seed").and_then(|seed| seed.write_scalar(&1_u64)).expect("written"));
     assert!(text(&verify(&here, &[]).stdout).contains("checksum     none"), "another program drops the seal");
 }
