@@ -47,7 +47,7 @@
 //! | [`provenance`] | what a file says about where its numbers come from |
 //! | [`dataset`] | the data of a run, a trade, a sweep or a calibration: variables, dimensions, units |
 //! | `store` | the same as files (feature `store`) |
-//! | `figure` | pictures (feature `cli`) |
+//! | `figure` | pictures (feature `figure`) |
 //!
 //! # Where to plug in
 //!
@@ -60,8 +60,8 @@
 //!
 //! # Features
 //!
-//! `store` writes and reads HDF5 files and needs the HDF5 library; `cli` is the command `mc` and includes it. Both are on by
-//! default. Without them the library needs neither HDF5 nor a C compiler.
+//! `store` writes and reads HDF5 files and needs the HDF5 library, `figure` draws, and `cli` is the command `mc` and includes both. All
+//! are on by default. Without them the library needs neither HDF5 nor a C compiler.
 #![deny(missing_docs)]
 
 pub mod advice;
@@ -71,7 +71,7 @@ pub mod data;
 pub mod dataset;
 pub mod engine;
 pub mod ensemble;
-#[cfg(feature = "cli")]
+#[cfg(feature = "figure")]
 pub mod figure;
 pub mod lanes;
 pub mod model;

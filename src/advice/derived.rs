@@ -29,6 +29,8 @@ pub struct Derived {
     pub monitoring_shift: Option<f64>,
     /// What the event-driven scheme does not resolve, where f_s and f_d (nearly) meet under noise.
     pub resolution: Option<Resolution>,
+    /// The tolerance of a scheme without steps, relative.
+    pub tolerance: Option<f64>,
     /// A rough upper estimate of the largest |x|: the forced response without friction, a free
     /// oscillation, the noise.
     pub expected_amplitude: f64,
@@ -48,6 +50,63 @@ pub struct Derived {
     pub thread_bytes: f64,
     /// Estimated size of the output file in bytes, uncompressed.
     pub output_bytes: f64,
+}
+
+/// A quantity that follows from a scenario, for those who list them.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Quantity {
+    /// There is no such thing.
+    Unknown,
+    /// A real number.
+    Real(f64),
+    /// A whole number.
+    Count(u64),
+    /// Several real numbers.
+    Reals(Vec<f64>),
+}
+
+impl From<Option<f64>> for Quantity {
+    fn from(number: Option<f64>) -> Self {
+        number.map_or(Quantity::Unknown, Quantity::Real)
+    }
+}
+
+impl Derived {
+    /// Every one of them with its name.
+    pub fn quantities(&self) -> [(&'static str, Quantity); 21] {
+        let (critical_amplitude, largest_step) = match self.stability {
+            None => (None, None),
+            Some(Stability::Undamped { critical_amplitude }) => (Some(critical_amplitude), None),
+            Some(
+                Stability::Underdamped { largest_step }
+                | Stability::Overdamped { largest_step }
+                | Stability::NewVelocity { largest_step },
+            ) => (None, Some(largest_step)),
+        };
+        [
+            ("natural_frequency", Quantity::Real(self.natural_frequency)),
+            ("frequency_ratios", Quantity::Reals(self.frequency_ratios.clone())),
+            ("friction_ratio", self.friction_ratio.into()),
+            ("noise_force", self.noise_force.into()),
+            ("corridor_half_width", self.corridor_half_width.into()),
+            ("corridor_time", self.corridor_time.into()),
+            ("critical_amplitude", critical_amplitude.into()),
+            ("largest_step", largest_step.into()),
+            ("monitoring_shift", self.monitoring_shift.into()),
+            ("tolerance", self.tolerance.into()),
+            ("resolution_static_force", self.resolution.map(|resolution| resolution.static_force).into()),
+            ("resolution_shortest_slip", self.resolution.map(|resolution| resolution.shortest_slip).into()),
+            ("expected_amplitude", Quantity::Real(self.expected_amplitude)),
+            ("forcing_period", self.forcing_period.into()),
+            ("whole_periods", Quantity::Real(self.whole_periods)),
+            ("counted_periods", Quantity::Count(self.counted_periods as u64)),
+            ("steps", self.steps.map_or(Quantity::Unknown, Quantity::Count)),
+            ("path_steps", self.path_steps.into()),
+            ("rows", Quantity::Count(self.rows as u64)),
+            ("thread_bytes", Quantity::Real(self.thread_bytes)),
+            ("output_bytes", Quantity::Real(self.output_bytes)),
+        ]
+    }
 }
 
 impl Scenario {
@@ -73,6 +132,7 @@ impl Scenario {
                 Discretisation::Step { .. } | Discretisation::Tolerance { .. } | Discretisation::Approximation => None,
             },
             resolution: self.resolution(),
+            tolerance: self.scheme.tolerance(),
             expected_amplitude: expected_amplitude(&self.model, self.time.end, self.scheme.step()),
             forcing_period: period,
             whole_periods: period.map_or(0.0, |period| (self.time.end / period * (1.0 + 1e-9)).floor()),

@@ -15,5 +15,5 @@ mod size;
 mod tests;
 mod warnings;
 
-pub use derived::Derived;
+pub use derived::{Derived, Quantity};
 pub use warnings::*;

@@ -4,9 +4,10 @@ use super::cost;
 use super::failure::{Failure, print_data};
 use super::numbers::{bytes, grouped, significant, time, wrapped};
 use super::overrides::Overrides;
+use serde::{Serialize, Serializer};
 use std::fmt::Write as _;
 use std::path::PathBuf;
-use stick_slip::advice::Derived;
+use stick_slip::advice::{Derived, Quantity};
 use stick_slip::scenario::Scenario;
 use stick_slip::scheme::{Resolution, Stability};
 
@@ -84,6 +85,7 @@ fn derived(scenario: &Scenario) -> Vec<(&'static str, String)> {
         stability,
         monitoring_shift,
         resolution,
+        tolerance,
         expected_amplitude,
         forcing_period,
         whole_periods,
@@ -115,7 +117,7 @@ fn derived(scenario: &Scenario) -> Vec<(&'static str, String)> {
         Stability::NewVelocity { largest_step } => ("stability limit of the step", number(largest_step)),
     }));
     lines.extend(monitoring_shift.map(|shift| ("0.5826 K beta rho sigma sqrt(h), shift of f_s", number(shift))));
-    lines.extend(scenario.scheme.tolerance().map(|tolerance| ("tolerance, relative", number(tolerance))));
+    lines.extend(tolerance.map(|tolerance| ("tolerance, relative", number(tolerance))));
     if let Some(Resolution { static_force, shortest_slip }) = resolution {
         lines.push(("resolution: shortest slip resolved, about", number(shortest_slip)));
         lines.push(("resolution: f_s as simulated", static_force.to_string()));
@@ -135,7 +137,7 @@ fn derived(scenario: &Scenario) -> Vec<(&'static str, String)> {
     lines
 }
 
-#[derive(serde::Serialize)]
+#[derive(Serialize)]
 struct JsonCheck<'a> {
     scenario: &'a str,
     resolved: String,
@@ -143,74 +145,39 @@ struct JsonCheck<'a> {
     warnings: Vec<JsonWarning>,
 }
 
-#[derive(serde::Serialize)]
-struct JsonDerived {
-    natural_frequency: f64,
-    frequency_ratios: Vec<f64>,
-    friction_ratio: Option<f64>,
-    noise_force: Option<f64>,
-    corridor_half_width: Option<f64>,
-    corridor_time: Option<f64>,
-    critical_amplitude: Option<f64>,
-    largest_step: Option<f64>,
-    monitoring_shift: Option<f64>,
-    tolerance: Option<f64>,
-    resolution_static_force: Option<f64>,
-    resolution_shortest_slip: Option<f64>,
-    expected_amplitude: f64,
-    forcing_period: Option<f64>,
-    whole_periods: f64,
-    counted_periods: usize,
-    steps: Option<u64>,
-    path_steps: Option<f64>,
-    rows: usize,
-    thread_bytes: f64,
-    output_bytes: f64,
+/// What follows from a scenario, by name.
+struct JsonDerived(Derived);
+
+impl Serialize for JsonDerived {
+    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        to.collect_map(self.0.quantities().map(|(name, quantity)| (name, JsonQuantity(quantity))))
+    }
 }
 
-#[derive(serde::Serialize)]
+struct JsonQuantity(Quantity);
+
+impl Serialize for JsonQuantity {
+    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        match &self.0 {
+            Quantity::Unknown => to.serialize_none(),
+            Quantity::Real(number) => number.serialize(to),
+            Quantity::Count(number) => number.serialize(to),
+            Quantity::Reals(numbers) => numbers.serialize(to),
+        }
+    }
+}
+
+#[derive(Serialize)]
 struct JsonWarning {
     name: &'static str,
     text: String,
 }
 
 fn json(path: &str, scenario: &Scenario) -> String {
-    let d = scenario.derived();
-    let (critical_amplitude, largest_step) = match d.stability {
-        None => (None, None),
-        Some(Stability::Undamped { critical_amplitude }) => (Some(critical_amplitude), None),
-        Some(
-            Stability::Underdamped { largest_step }
-            | Stability::Overdamped { largest_step }
-            | Stability::NewVelocity { largest_step },
-        ) => (None, Some(largest_step)),
-    };
     let check = JsonCheck {
         scenario: path,
         resolved: scenario.to_toml(),
-        derived: JsonDerived {
-            natural_frequency: d.natural_frequency,
-            frequency_ratios: d.frequency_ratios,
-            friction_ratio: d.friction_ratio,
-            noise_force: d.noise_force,
-            corridor_half_width: d.corridor_half_width,
-            corridor_time: d.corridor_time,
-            critical_amplitude,
-            largest_step,
-            monitoring_shift: d.monitoring_shift,
-            tolerance: scenario.scheme.tolerance(),
-            resolution_static_force: d.resolution.map(|resolution| resolution.static_force),
-            resolution_shortest_slip: d.resolution.map(|resolution| resolution.shortest_slip),
-            expected_amplitude: d.expected_amplitude,
-            forcing_period: d.forcing_period,
-            whole_periods: d.whole_periods,
-            counted_periods: d.counted_periods,
-            steps: d.steps,
-            path_steps: d.path_steps,
-            rows: d.rows,
-            thread_bytes: d.thread_bytes,
-            output_bytes: d.output_bytes,
-        },
+        derived: JsonDerived(scenario.derived()),
         warnings: (scenario.warnings().iter())
             .map(|warning| JsonWarning { name: warning.name(), text: warning.to_string() })
             .collect(),

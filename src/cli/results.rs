@@ -29,25 +29,18 @@ pub fn other_program(theirs: &Provenance, mine: &Provenance) -> Option<String> {
 /// Say in what way the results of a scenario are not what they seem to be, on standard error. Where the bias of the step is
 /// measured, the guess at it is left out.
 pub fn warn(scenario: &Scenario, measures_bias: bool) {
-    for warning in due(scenario, measures_bias) {
+    for warning in scenario.warnings_of_run(measures_bias) {
         note(wrapped(&format!("warning: {warning}"), "  ").trim_end());
     }
 }
 
 /// All that is to be said of results that are there.
 pub fn warnings(summary: &Summary, scenario: Option<&Scenario>) -> Vec<String> {
-    let due = scenario.map_or(Vec::new(), |scenario| due(scenario, summary.has_bias()));
+    let due = scenario.map_or(Vec::new(), |scenario| scenario.warnings_of_run(summary.has_bias()));
     let mut all: Vec<String> = due.iter().map(Warning::to_string).collect();
     all.extend(report::dominating_bias(summary));
     all.extend(report::unsettled(summary));
     all
-}
-
-/// The warnings of a scenario, but for a guess at what is measured.
-pub fn due(scenario: &Scenario, measures_bias: bool) -> Vec<Warning> {
-    let is_guess = |warning: &Warning| matches!(warning, Warning::StickExitBias { .. } | Warning::CorrectedBias { .. });
-    let is_due = |warning: &Warning| !(measures_bias && is_guess(warning));
-    scenario.warnings().into_iter().filter(is_due).collect()
 }
 
 /// Say so where the bias of the step is larger than the statistical interval tells.

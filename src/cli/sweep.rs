@@ -5,7 +5,6 @@ use super::interrupt::stop_on_signals;
 use super::numbers::{bytes, duration, grouped, wrapped};
 use super::overrides::Overrides;
 use super::progress::Progress;
-use super::results;
 use super::sweep_report;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -258,7 +257,7 @@ fn warn(question: &Question) {
     let mut due: BTreeMap<&str, (String, usize)> = BTreeMap::new();
     for scenario in &question.points {
         let measures_bias = question.with_bias && scenario.bias_plan(scenario.ensemble.paths).is_ok();
-        for warning in results::due(scenario, measures_bias) {
+        for warning in scenario.warnings_of_run(measures_bias) {
             due.entry(warning.name()).or_insert_with(|| (warning.to_string(), 0)).1 += 1;
         }
     }

@@ -6,8 +6,7 @@ use super::fields::Fields;
 use super::keys;
 use super::overrides::Override;
 use super::source::Sources;
-use super::tree;
-use crate::scenario::Scenario;
+use super::{text_of, tree};
 use std::path::Path;
 
 /// A bearing in a scenario: where a search begins, and how its data are read.
@@ -44,8 +43,13 @@ pub struct BridgeScene {
 impl BridgeScene {
     /// Read a file, with the overrides laid over it.
     pub fn read(path: &Path, overrides: &[Override]) -> Result<Self, ScenarioError> {
-        let (name, text) = Scenario::text_of(path)?;
-        Ok(scene(&Sources { name: &name, text: &text, overrides, stored: None })?)
+        let (name, text) = text_of(path)?;
+        Self::parse(&name, &text, overrides)
+    }
+
+    /// From a text that messages call `name`.
+    pub fn parse(name: &str, text: &str, overrides: &[Override]) -> Result<Self, ScenarioError> {
+        Ok(scene(&Sources { name, text, overrides, samples: None })?)
     }
 }
 

@@ -37,7 +37,7 @@ pub use shipped::{SHIPPED, Shipped, shipped};
 
 use crate::model::Series;
 use crate::scenario::Scenario;
-use source::Sources;
+use source::{Samples, Sources};
 use std::io::Read as _;
 use std::path::Path;
 use std::sync::Arc;
@@ -61,51 +61,50 @@ const MAX_FILE: u64 = 1 << 20;
 /// How an HDF5 file starts.
 const HDF5_SIGNATURE: &[u8] = b"\x89HDF\r\n\x1a\n";
 
+/// The text of a scenario file, and what messages call it.
+pub fn text_of(path: &Path) -> Result<(String, String), ScenarioError> {
+    let name = path.display().to_string();
+    let unreadable = |reason: String, remedy: String| ScenarioError::Unreadable { path: name.clone(), reason, remedy };
+    let not_scenario = || "give the path of a scenario, a TOML file; `mc init` writes one".to_string();
+    if path.is_dir() {
+        return Err(unreadable("it is a directory".into(), not_scenario()));
+    }
+    let mut bytes = Vec::new();
+    std::fs::File::open(path).and_then(|file| file.take(MAX_FILE + 1).read_to_end(&mut bytes)).map_err(|e| {
+        let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+        let remedy = match (e.kind(), shipped(&stem)) {
+            (std::io::ErrorKind::NotFound, Some(_)) => {
+                format!("`mc init --from {stem}` writes the shipped scenario")
+            }
+            _ => not_scenario(),
+        };
+        unreadable(e.to_string(), remedy)
+    })?;
+    if bytes.starts_with(HDF5_SIGNATURE) {
+        return Err(unreadable("it is an HDF5 file".into(), format!("`mc show {name}` shows the results in it")));
+    }
+    if bytes.len() as u64 > MAX_FILE {
+        return Err(unreadable("it is larger than 1 MiB".into(), not_scenario()));
+    }
+    let text = String::from_utf8(bytes).map_err(|e| {
+        let valid = &e.as_bytes()[..e.utf8_error().valid_up_to()];
+        let line = valid.iter().filter(|byte| **byte == b'\n').count() + 1;
+        unreadable(format!("line {line} is not UTF-8 text"), "save it as UTF-8, without a byte-order mark".into())
+    })?;
+    Ok((name, text))
+}
+
 impl Scenario {
     /// Read a file, lay the overrides over it in order, check the result.
     pub fn read(path: &Path, overrides: &[Override]) -> Result<Self, ScenarioError> {
-        let (name, text) = Self::text_of(path)?;
+        let (name, text) = text_of(path)?;
         Self::parse(&name, &text, overrides)
-    }
-
-    /// The text of a scenario file, and what messages call it.
-    fn text_of(path: &Path) -> Result<(String, String), ScenarioError> {
-        let name = path.display().to_string();
-        let unreadable =
-            |reason: String, remedy: String| ScenarioError::Unreadable { path: name.clone(), reason, remedy };
-        let not_scenario = || "give the path of a scenario, a TOML file; `mc init` writes one".to_string();
-        if path.is_dir() {
-            return Err(unreadable("it is a directory".into(), not_scenario()));
-        }
-        let mut bytes = Vec::new();
-        std::fs::File::open(path).and_then(|file| file.take(MAX_FILE + 1).read_to_end(&mut bytes)).map_err(|e| {
-            let stem = path.file_stem().unwrap_or_default().to_string_lossy();
-            let remedy = match (e.kind(), shipped(&stem)) {
-                (std::io::ErrorKind::NotFound, Some(_)) => {
-                    format!("`mc init --from {stem}` writes the shipped scenario")
-                }
-                _ => not_scenario(),
-            };
-            unreadable(e.to_string(), remedy)
-        })?;
-        if bytes.starts_with(HDF5_SIGNATURE) {
-            return Err(unreadable("it is an HDF5 file".into(), format!("`mc show {name}` shows the results in it")));
-        }
-        if bytes.len() as u64 > MAX_FILE {
-            return Err(unreadable("it is larger than 1 MiB".into(), not_scenario()));
-        }
-        let text = String::from_utf8(bytes).map_err(|e| {
-            let valid = &e.as_bytes()[..e.utf8_error().valid_up_to()];
-            let line = valid.iter().filter(|byte| **byte == b'\n').count() + 1;
-            unreadable(format!("line {line} is not UTF-8 text"), "save it as UTF-8, without a byte-order mark".into())
-        })?;
-        Ok((name, text))
     }
 
     /// Check a text with overrides laid over it; `name` is what messages call it, and its stem the
     /// default title. A file that the text names is looked for in the folder of `name`.
     pub fn parse(name: &str, text: &str, overrides: &[Override]) -> Result<Self, ScenarioError> {
-        Self::parse_stored(name, text, overrides, None)
+        parsed(&Sources { name, text, overrides, samples: None })
     }
 
     /// The same where the samples of a measured temperature are stored beside the text, as in results: no other file is read
@@ -116,9 +115,18 @@ impl Scenario {
         overrides: &[Override],
         stored: Option<&Arc<Series>>,
     ) -> Result<Self, ScenarioError> {
-        let stem = Path::new(name).file_stem().unwrap_or_default().to_string_lossy();
-        let title: String = stem.chars().filter(|c| !c.is_control()).collect();
-        Ok(parse::scenario(&Sources { name, text, overrides, stored }, &title)?)
+        parsed(&Sources { name, text, overrides, samples: stored.map(Samples::Stored) })
+    }
+
+    /// The same with the samples of a measured temperature in the place of `[temperature.series]`, which may be missing. Results
+    /// hold them beside the text, as they hold those of a file.
+    pub fn parse_measured(
+        name: &str,
+        text: &str,
+        overrides: &[Override],
+        samples: &Arc<Series>,
+    ) -> Result<Self, ScenarioError> {
+        parsed(&Sources { name, text, overrides, samples: Some(Samples::Given(samples)) })
     }
 
     /// The number at a dotted key of the resolved scenario, if there is one.
@@ -147,4 +155,11 @@ impl Scenario {
     pub fn to_toml(&self) -> String {
         text::resolved(self)
     }
+}
+
+/// The stem of the name is the default title.
+fn parsed(sources: &Sources<'_>) -> Result<Scenario, ScenarioError> {
+    let stem = Path::new(sources.name).file_stem().unwrap_or_default().to_string_lossy();
+    let title: String = stem.chars().filter(|c| !c.is_control()).collect();
+    Ok(parse::scenario(sources, &title)?)
 }

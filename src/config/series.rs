@@ -4,7 +4,7 @@ use super::error::Fault;
 use super::fields::Fields;
 use super::keys;
 use super::shipped::shipped_data;
-use super::source::Sources;
+use super::source::{Samples, Sources};
 use crate::data::{self, DataError, Name, Quantity, Table, TimeColumn, Wanted};
 use crate::model::Series;
 use crate::scenario::Measured;
@@ -19,6 +19,9 @@ const SECONDS: [&str; 5] = ["", "s", "sec", "second", "seconds"];
 
 /// Read `[temperature.series]`, if it is there.
 pub(super) fn series(sources: &Sources<'_>, root: &Fields<'_>) -> Result<Option<(Arc<Series>, Measured)>, Box<Fault>> {
+    if let Some(Samples::Given(samples)) = sources.samples {
+        return Ok(Some((samples.clone(), in_memory())));
+    }
     let Some(table) = root.table("temperature")?.table_if_present("series")? else { return Ok(None) };
     let line = |name: &str, default: &str| table.line_or(name, default);
     let mut measured = Measured {
@@ -38,8 +41,8 @@ pub(super) fn series(sources: &Sources<'_>, root: &Fields<'_>) -> Result<Option<
     }
     let hash = line("hash", "")?;
     let is_override = sources.is_override(place);
-    let series = match sources.stored {
-        Some(stored) if !is_override => stored.clone(),
+    let series = match sources.samples {
+        Some(Samples::Stored(stored)) if !is_override => stored.clone(),
         _ => Arc::new(read(sources, root, &table, &mut measured)?),
     };
     let found = format!("{:016x}", series.fingerprint());
@@ -50,6 +53,19 @@ pub(super) fn series(sources: &Sources<'_>, root: &Fields<'_>) -> Result<Option<
         return Err(sources.fault(table.place_of("hash"), problem, remedy.into()));
     }
     Ok(Some((series, measured)))
+}
+
+/// What is said of samples that no file holds.
+fn in_memory() -> Measured {
+    Measured {
+        file: "memory".into(),
+        time: "time".into(),
+        value: "temperature".into(),
+        zone: String::new(),
+        max_gap: None,
+        start: None,
+        repairs: Vec::new(),
+    }
 }
 
 /// The samples in the file, and what is to be known of it.

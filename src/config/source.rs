@@ -34,8 +34,17 @@ pub(super) struct Sources<'a> {
     pub text: &'a str,
     /// What is laid over it.
     pub overrides: &'a [Override],
-    /// The samples of a measured temperature, where they are stored beside the text.
-    pub stored: Option<&'a Arc<Series>>,
+    /// The samples of a measured temperature, where they come with the text.
+    pub samples: Option<Samples<'a>>,
+}
+
+/// Samples of a measured temperature that come with a text.
+#[derive(Clone, Copy)]
+pub(super) enum Samples<'a> {
+    /// Those that its `[temperature.series]` speaks of, as in results.
+    Stored(&'a Arc<Series>),
+    /// Others, in the place of its `[temperature.series]`.
+    Given(&'a Arc<Series>),
 }
 
 impl Sources<'_> {

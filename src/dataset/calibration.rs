@@ -2,16 +2,35 @@
 
 use super::header::CONVENTIONS;
 use super::layout::{Unit, Variable, variable};
-use super::{Destination, texts};
+use super::{
+    Destination, Source, read_count, read_or_empty, read_real, read_real_if_present, read_text, read_text_if_present,
+    texts,
+};
 use crate::provenance::{GIT_HASH, PROGRAM_VERSION};
 use crate::stats::{Dimension, Units};
-use crate::study::calibration::{Calibration, Estimate, Lag, Quantity, SeenSlip};
+use crate::study::calibration::{
+    Calibration, Estimate, Lag, LagProfile, Method, Quantity, Question, Record, Residuals, SeenSlip, Spikes, Start,
+    Values, response_of,
+};
 
 /// What `format_name` says of a calibration.
 pub(crate) const CALIBRATION_FORMAT_NAME: &str = "stick-slip calibration";
 
 /// Major and minor version of that format.
 pub(crate) const CALIBRATION_FORMAT_VERSION: (u32, u32) = (1, 0);
+
+/// What is stored of a calibration.
+#[derive(Clone, Debug, PartialEq)]
+pub struct StoredCalibration {
+    /// What it is about, in a line.
+    pub title: String,
+    /// The scenario, as it was written.
+    pub scenario_text: String,
+    /// The result; its warnings are in `warnings`.
+    pub calibration: Calibration,
+    /// Name and sentence of each warning.
+    pub warnings: Vec<(String, String)>,
+}
 
 /// Labels of its units.
 pub(crate) fn units() -> Units {
@@ -127,6 +146,104 @@ fn variables<D: Destination>(to: &mut D, calibration: &Calibration) -> Result<()
 
 fn numbers(count: usize) -> Vec<u32> {
     (0..).take(count).collect()
+}
+
+/// Read a calibration.
+pub(crate) fn read<S: Source>(from: &S) -> Result<StoredCalibration, S::Error> {
+    let number = |name: &str| read_real(from, name);
+    let whole = |name: &str| read_count(from, name);
+    let column = |variable: &Variable| read_or_empty::<S, f64>(from, variable);
+    // Every column has the length of its coordinate.
+    let along = |variable: &Variable, length: usize| match column(variable)? {
+        values if values.len() == length => Ok(values),
+        values => Err(S::Error::from(format!("{} has {} values, not {length}", variable.name, values.len()))),
+    };
+    let all = Quantity::ALL.len();
+    let estimates = |variables: [&Variable; 3]| -> Result<[Estimate; Quantity::ALL.len()], S::Error> {
+        let [estimate, low, high] = variables.map(|variable| along(variable, all));
+        let (estimate, low, high) = (estimate?, low?, high?);
+        Ok(std::array::from_fn(|i| Estimate { estimate: estimate[i], low: low[i], high: high[i] }))
+    };
+    let rows = |values: &[f64]| -> Vec<Values> {
+        values.chunks_exact(all).map(|row| std::array::from_fn(|i| row[i])).collect()
+    };
+    let times = column(&TIME)?;
+    let n = times.len();
+    let record = Record { temperatures: along(&TEMPERATURE, n)?, readings: along(&READING, n)?, times };
+    let found = estimates([&ESTIMATE, &LOW, &HIGH])?;
+    let slip_times = column(&SLIP_TIME)?;
+    let slips = slip_times.len();
+    let (temperatures, jumps) = (along(&SLIP_TEMPERATURE, slips)?, along(&SLIP_JUMP, slips)?);
+    let usual = read_or_empty::<S, i8>(from, &SLIP_USUAL)?;
+    let errs = column(&START_ERR)?;
+    let starts = rows(&along(&START_VALUE, errs.len() * all)?);
+    let lags = column(&LAG)?;
+    let deviances = along(&LAG_DEVIANCE, lags.len())?;
+    let delays = column(&DELAY)?;
+    let correlations = along(&AUTOCORRELATION, delays.len())?;
+    let method = Method::from_name(&read_text(from, "method")?).ok_or_else(|| "an unknown method".to_string())?;
+    let lag = Estimate { estimate: number("lag")?, low: number("lag_low")?, high: number("lag_high")? };
+    let response = response_of(&found.map(|estimate| estimate.estimate));
+    let question = Question {
+        method,
+        shear_stiffness: read_real_if_present(from, "shear_stiffness")?,
+        starts: errs.len() as u32,
+        lag: if read_text(from, "lag_choice")? == "auto" { Lag::Auto } else { Lag::Known(lag.estimate) },
+        level: number("interval")?,
+        held: Vec::new(),
+        bounds: Vec::new(),
+        guess: response.motion,
+    };
+    let profile = (!lags.is_empty()).then(|| {
+        let profile = lags.into_iter().zip(deviances).collect();
+        Ok::<_, S::Error>(LagProfile { likeliest: number("lag_likeliest")?, gain: number("lag_gain")?, profile })
+    });
+    let calibration = Calibration {
+        question,
+        steel: along(&STEEL, n)?,
+        modelled: along(&MODELLED, n)?,
+        record,
+        spikes: Spikes {
+            readings: whole("spikes_displacement")? as usize,
+            temperatures: whole("spikes_temperature")? as usize,
+        },
+        is_mirrored: whole("mirrored")? != 0,
+        response,
+        estimates: found,
+        least_squares: match column(&ERR_ESTIMATE)?.is_empty() {
+            true => None,
+            false => Some(estimates([&ERR_ESTIMATE, &ERR_LOW, &ERR_HIGH])?),
+        },
+        correlations: rows(&column(&CORRELATION)?),
+        slips: (0..slips)
+            .map(|i| SeenSlip {
+                time: slip_times[i],
+                temperature: temperatures[i],
+                jump: jumps[i],
+                is_usual: usual.get(i) == Some(&1),
+            })
+            .collect(),
+        lag,
+        lag_profile: profile.transpose()?,
+        starts: errs
+            .into_iter()
+            .zip(&starts)
+            .map(|(err, values)| Start { err, response: response_of(values) })
+            .collect(),
+        residuals: Residuals {
+            rms: number("residual_rms")?,
+            autocorrelation: delays.into_iter().zip(correlations).collect(),
+        },
+        warnings: Vec::new(),
+    };
+    let warnings = read_text_if_present(from, "warnings")?.unwrap_or_default();
+    let split = |line: &str| line.split_once(": ").map(|(name, text)| (name.to_string(), text.to_string()));
+    Ok(StoredCalibration {
+        title: read_text(from, "title")?,
+        scenario_text: read_text(from, "scenario")?,
+        calibration,
+        warnings: warnings.lines().filter_map(split).collect(),
+    })
 }
 
 const LENGTH: Unit = Unit::Of(Dimension::LENGTH);

@@ -95,6 +95,15 @@ macro_rules! kinds {
                 }
             }
 
+            /// Add the values of another column, if it is of the same type.
+            pub(crate) fn append(&mut self, other: &Column) -> Result<(), ()> {
+                match (self, other) {
+                    $((Column::$kind(column), Column::$kind(values)) => column.extend_from_slice(values),)*
+                    _ => return Err(()),
+                }
+                Ok(())
+            }
+
             /// Add values of its own type.
             pub(crate) fn extend(&mut self, values: Values) {
                 match (self, values) {
@@ -182,6 +191,55 @@ pub(crate) trait Source {
 
     /// The values of a variable; none where there is no such variable.
     fn column(&self, variable: &Described, kind: Kind) -> Result<Option<Column>, Self::Error>;
+
+    /// An attribute of the data set, or of a variable of it; none where there is no such attribute.
+    fn attribute(&self, variable: Option<&str>, name: &str) -> Result<Option<Attribute>, Self::Error>;
+}
+
+/// Read an attribute of the data set that is a text; none where there is no such attribute.
+pub(crate) fn read_text_if_present<S: Source>(from: &S, name: &str) -> Result<Option<String>, S::Error> {
+    text(from.attribute(None, name)?, name)
+}
+
+/// Read an attribute of the data set that is a text.
+pub(crate) fn read_text<S: Source>(from: &S, name: &str) -> Result<String, S::Error> {
+    read_text_if_present(from, name)?.ok_or_else(|| format!("{name} is missing").into())
+}
+
+/// Read an attribute of a variable that is a text.
+pub(crate) fn read_text_of<S: Source>(from: &S, variable: &str, name: &str) -> Result<String, S::Error> {
+    text(from.attribute(Some(variable), name)?, name)?.ok_or_else(|| format!("{name} of {variable} is missing").into())
+}
+
+fn text<E: From<String>>(attribute: Option<Attribute>, name: &str) -> Result<Option<String>, E> {
+    match attribute {
+        None => Ok(None),
+        Some(Attribute::Text(text)) => Ok(Some(text)),
+        Some(_) => Err(format!("{name} is no text").into()),
+    }
+}
+
+/// Read an attribute of the data set that is a real number; none where there is no such attribute.
+pub(crate) fn read_real_if_present<S: Source>(from: &S, name: &str) -> Result<Option<f64>, S::Error> {
+    match from.attribute(None, name)? {
+        None => Ok(None),
+        Some(Attribute::Real(number)) => Ok(Some(number)),
+        Some(_) => Err(format!("{name} is no real number").into()),
+    }
+}
+
+/// Read an attribute of the data set that is a real number.
+pub(crate) fn read_real<S: Source>(from: &S, name: &str) -> Result<f64, S::Error> {
+    read_real_if_present(from, name)?.ok_or_else(|| format!("{name} is missing").into())
+}
+
+/// Read an attribute of the data set that is a count.
+pub(crate) fn read_count<S: Source>(from: &S, name: &str) -> Result<u64, S::Error> {
+    match from.attribute(None, name)? {
+        Some(Attribute::Count(count)) => Ok(count),
+        Some(_) => Err(format!("{name} is no count").into()),
+        None => Err(format!("{name} is missing").into()),
+    }
 }
 
 /// Read a variable, an absent one as empty.

@@ -1,9 +1,11 @@
-//! What a run says of itself: the attributes of its data set.
+//! What a run says of itself: the attributes of its data set, written and read side by side.
 
-use super::Destination;
-use crate::engine::{Part, Status};
+use super::{Destination, Source, read_count, read_real_if_present, read_text, read_text_if_present};
+use crate::engine::{NoPart, Part, Status};
+use crate::model::Series;
 use crate::provenance::Provenance;
 use crate::stats::Units;
+use std::sync::Arc;
 
 /// What `format_name` says of every run of this program.
 pub(crate) const FORMAT_NAME: &str = "stick-slip ensemble";
@@ -71,4 +73,61 @@ pub(crate) fn write_part<D: Destination>(to: &mut D, part: Part) -> Result<(), D
 /// Say what ended the run before its last path.
 pub(crate) fn write_ended_by<D: Destination>(to: &mut D, reason: &str) -> Result<(), D::Error> {
     to.say("ended_by", reason)
+}
+
+/// Which part of a run it is, if it is one.
+pub(crate) fn read_part<S: Source>(from: &S) -> Result<Option<Part>, S::Error> {
+    let Some(text) = read_text_if_present(from, "part")? else { return Ok(None) };
+    text.parse().map(Some).map_err(|error: NoPart| format!("part = \"{text}\": {error}").into())
+}
+
+/// What ended the run before its last path, if anything did.
+pub(crate) fn read_ended_by<S: Source>(from: &S) -> Result<Option<String>, S::Error> {
+    read_text_if_present(from, "ended_by")
+}
+
+/// Major and minor format version, if it is a run of this program.
+pub(crate) fn format_version<S: Source>(from: &S) -> Option<(u32, u32)> {
+    if read_text(from, "format_name").ok()? != FORMAT_NAME {
+        return None;
+    }
+    let version = read_text(from, "format_version").ok()?;
+    let (major, minor) = version.split_once('.')?;
+    Some((major.parse().ok()?, minor.parse().ok()?))
+}
+
+/// The status and the number of paths.
+pub(crate) fn read_progress<S: Source>(from: &S) -> Result<(Status, u64), S::Error> {
+    let word = read_text(from, "status")?;
+    let status = Status::from_name(&word).ok_or_else(|| format!("unknown status \"{word}\""))?;
+    Ok((status, read_count(from, "completed_paths")?))
+}
+
+/// The header, given the output grid and the measured temperature.
+pub(crate) fn read<S: Source>(from: &S, time: Vec<f64>, series: Option<Arc<Series>>) -> Result<Provenance, S::Error> {
+    let label = |name| Ok::<_, S::Error>(read_text_if_present(from, name)?.unwrap_or_default());
+    Ok(Provenance {
+        title: read_text(from, "title")?,
+        scenario_text: read_text(from, "scenario")?,
+        scheme: read_text(from, "scheme")?,
+        step: read_real_if_present(from, "step")?,
+        resolution: read_real_if_present(from, "resolution")?,
+        seed: read_count(from, "seed")?,
+        generator: read_text(from, "generator")?,
+        paths: read_count(from, "paths")?,
+        antithetic: from.attribute(None, "antithetic")?.is_some(),
+        block_size: read_count(from, "block_size")?,
+        program_version: read_text(from, "program_version")?,
+        git_hash: read_text(from, "git_hash")?,
+        units: Units {
+            time: label("time_unit")?,
+            length: label("length_unit")?,
+            force: label("force_unit")?,
+            temperature: label("temperature_unit")?,
+        },
+        time,
+        series,
+        series_start: None,
+        bearing: None,
+    })
 }

@@ -2,15 +2,20 @@
 
 use super::layout::Described;
 use super::rows::{self, Rows, Table};
-use super::{Attribute, Column, Destination, Kind, Source, Values, calibration, run, summary, sweep, trade};
+use super::{
+    Attribute, Column, Destination, Kind, Source, StoredCalibration, StoredSweep, Values, calibration, run, series,
+    summary, sweep, trade,
+};
 use crate::engine::{Replay, Status};
+use crate::model::Series;
 use crate::provenance::Provenance;
 use crate::scenario::Scenario;
-use crate::stats::{Summary, Units};
+use crate::stats::{Statistic, Summary, Units};
 use crate::study::calibration::Calibration;
 use crate::study::sweep::Sweep;
-use crate::study::trade::Trade;
+use crate::study::trade::{Prices, Trade};
 use std::convert::Infallible;
+use std::sync::Arc;
 
 /// A data set in memory: what a file would hold, variable by variable.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -39,6 +44,11 @@ impl Dataset {
     /// An empty one, whose units have these labels.
     pub(crate) fn new(units: &Units) -> Self {
         Dataset { units: units.clone(), ..Dataset::default() }
+    }
+
+    /// One that was taken apart.
+    pub fn of(attributes: Vec<(String, Attribute)>, entries: Vec<Entry>) -> Self {
+        Dataset { attributes, entries, ..Dataset::default() }
     }
 
     /// A sweep.
@@ -73,6 +83,42 @@ impl Dataset {
         let Ok(()) = rows::tables(&Rows::from(&replay.block), header.bearing, |table| dataset.grow(&table));
         let Ok(()) = run::write_end(&mut dataset, &replay.block.totals.summary(), Status::Complete);
         dataset
+    }
+
+    /// Add the rows of single paths that another part of the run holds.
+    pub fn append_rows(&mut self, part: &Dataset) -> Result<(), String> {
+        let is_row = |entry: &&mut Entry| {
+            entry.axes.first().is_some_and(|axis| ["path", "event", "trajectory"].contains(&axis.as_str()))
+        };
+        for entry in self.entries.iter_mut().filter(is_row) {
+            let more = part.entry(&entry.name).ok_or_else(|| format!("{} is missing", entry.name))?;
+            entry.column.append(&more.column).map_err(|()| format!("{} has another type", entry.name))?;
+        }
+        Ok(())
+    }
+
+    /// The prices of accuracy in a trade: of this statistic, or of the first that has any.
+    pub fn prices(&self, statistic: Option<Statistic>) -> Result<Option<Prices>, String> {
+        let mut prices = trade::read_prices(self)?.into_iter();
+        Ok(match statistic {
+            Some(statistic) => prices.find(|prices| prices.statistic == statistic),
+            None => prices.find(Prices::is_known),
+        })
+    }
+
+    /// What it says of a sweep.
+    pub fn sweep(&self) -> Result<StoredSweep, String> {
+        sweep::read(self)
+    }
+
+    /// What it says of a calibration.
+    pub fn calibration(&self) -> Result<StoredCalibration, String> {
+        calibration::read(self)
+    }
+
+    /// The samples of a measured temperature, if it has some.
+    pub fn series(&self) -> Result<Option<Arc<Series>>, String> {
+        series::read(self)
     }
 
     /// The statistics of a run, of a scheme with this step.
@@ -162,5 +208,12 @@ impl Source for Dataset {
 
     fn column(&self, variable: &Described, _: Kind) -> Result<Option<Column>, String> {
         Ok(self.entry(variable.name).map(|entry| entry.column.clone()))
+    }
+
+    fn attribute(&self, variable: Option<&str>, name: &str) -> Result<Option<Attribute>, String> {
+        let of_entry = |variable| self.entry(variable).map(|entry| &entry.attributes);
+        let attributes = variable.map_or(Some(&self.attributes), of_entry);
+        let named = |attributes: &Vec<(String, Attribute)>| attributes.iter().find(|(of, _)| of == name).cloned();
+        Ok(attributes.and_then(named).map(|(_, value)| value))
     }
 }

@@ -27,9 +27,14 @@ pub(crate) mod sweep;
 pub(crate) mod sweep_layout;
 pub(crate) mod trade;
 
+pub use calibration::StoredCalibration;
 pub use form::{Attribute, Column};
-pub(crate) use form::{Destination, Kind, Source, Values, read_or_empty, read_scalar, read_variable, texts};
+pub(crate) use form::{
+    Destination, Element, Kind, Source, Values, read_count, read_or_empty, read_real, read_real_if_present,
+    read_scalar, read_text, read_text_if_present, read_text_of, read_variable, texts,
+};
 pub use header::FORMAT_VERSION;
 pub use memory::{Dataset, Entry};
 pub use recorder::Recorder;
 pub use rows::Rows;
+pub use sweep::StoredSweep;

@@ -1,20 +1,51 @@
 //! A sweep as a data set: what was asked, what is known of every point, and what points say together.
 
 use super::header::CONVENTIONS;
-use super::layout::{Described, Unit, variable};
+use super::layout::{Described, Unit, Variable, variable};
 use super::summary::write_statistics;
 use super::sweep_layout::{self as own, along};
-use super::{Destination, series, texts};
+use super::{
+    Destination, Element, Source, read_count, read_or_empty, read_real, read_text, read_text_of, read_variable, series,
+    texts,
+};
 use crate::engine::Status;
+use crate::model::Series;
 use crate::provenance::Provenance;
-use crate::stats::{GROUPS, Statistic};
-use crate::study::sweep::{Axis, Design, Paired, Point, Sweep};
+use crate::stats::{Bias, Estimate, GROUPS, Statistic, Values};
+use crate::study::sweep::{Axis, Design, DesignError, Paired, Point, Seeds, Sweep};
+use std::sync::Arc;
 
 /// What `format_name` says of a sweep.
 pub(crate) const SWEEP_FORMAT_NAME: &str = "stick-slip sweep";
 
 /// Major and minor version of that format.
 pub(crate) const SWEEP_FORMAT_VERSION: (u32, u32) = (1, 0);
+
+/// What is stored of a sweep.
+#[derive(Clone, Debug, PartialEq)]
+pub struct StoredSweep {
+    /// The scenario that the points are variations of, as TOML.
+    pub scenario_text: String,
+    /// What its temperature was measured to be, if it was.
+    pub series: Option<Arc<Series>>,
+    /// Version, commit, generator and block size of the program that wrote it, in a line.
+    pub program: String,
+    /// Which points there are.
+    pub design: Design,
+    /// Whether they see the same noise.
+    pub seeds: Seeds,
+    /// Whether the bias of the step was estimated.
+    pub with_bias: bool,
+    /// Whether all points are done.
+    pub status: Status,
+    /// Point by point; none where it is not done.
+    pub points: Vec<Option<Point>>,
+}
+
+/// What makes numbers of a program: those of another one do not go with them.
+pub(crate) fn program(version: &str, hash: &str, generator: &str, block_size: u64) -> String {
+    format!("mc {version} ({hash}), {generator}, blocks of {block_size}")
+}
 
 /// Write a sweep.
 pub(crate) fn write<D: Destination>(to: &mut D, header: &Provenance, sweep: &Sweep) -> Result<(), D::Error> {
@@ -204,4 +235,117 @@ fn put_each<D: Destination>(
         to.put(&described, &all.iter().map(|numbers| numbers[i]).collect::<Vec<f64>>())?;
     }
     Ok(())
+}
+
+/// Read a sweep.
+pub(crate) fn read<S: Source>(from: &S) -> Result<StoredSweep, S::Error> {
+    let seeds = match read_text(from, "seeds")?.as_str() {
+        "common" => Seeds::Common,
+        "independent" => Seeds::Independent,
+        other => return Err(format!("unknown seeds \"{other}\"").into()),
+    };
+    let design = read_design(from)?;
+    let status = read_text(from, "status")?;
+    Ok(StoredSweep {
+        scenario_text: read_text(from, "scenario")?,
+        series: series::read(from)?,
+        program: program(
+            &read_text(from, "program_version")?,
+            &read_text(from, "git_hash")?,
+            &read_text(from, "generator")?,
+            read_count(from, "block_size")?,
+        ),
+        with_bias: read_text(from, "bias_of_the_step")? == "estimated",
+        seeds,
+        status: Status::from_name(&status).ok_or_else(|| format!("unknown status \"{status}\""))?,
+        points: read_points(from, &design)?,
+        design,
+    })
+}
+
+fn read_design<S: Source>(from: &S) -> Result<Design, S::Error> {
+    let axes = |dimension: Option<&str>| -> Result<Vec<Axis>, S::Error> {
+        let names = read_text(from, "axes")?;
+        let axis = |name: &str| {
+            let axes = [dimension.unwrap_or(name)];
+            let values = read_variable(from, &variable(name, &axes, Unit::None, ""))?;
+            Ok(Axis { name: name.to_string(), key: read_text_of(from, name, "key")?, values })
+        };
+        names.split(' ').map(axis).collect()
+    };
+    let refused = |error: DesignError| S::Error::from(error.to_string());
+    match read_text(from, "design")?.as_str() {
+        "grid" => Design::of(axes(None)?, false).map_err(refused),
+        "zip" => Design::of(axes(Some("point"))?, true).map_err(refused),
+        "elasticity" => {
+            let keys: Vec<String> = read_variable(from, &own::KEY)?;
+            let keys = keys.into_iter().zip(read_variable(from, &own::KEY_VALUE)?).collect();
+            Ok(Design::Star { keys, relative_step: read_real(from, "relative_step")? })
+        }
+        other => Err(format!("unknown design \"{other}\"").into()),
+    }
+}
+
+fn read_points<S: Source>(from: &S, design: &Design) -> Result<Vec<Option<Point>>, S::Error> {
+    let (points, statistics) = (design.points(), Statistic::ALL.len());
+    let axes: Vec<&str> = match design {
+        Design::Grid(axes) => axes.iter().map(|axis| axis.name.as_str()).collect(),
+        Design::Zip(_) | Design::Star { .. } => vec!["point"],
+    };
+    let columns = own::PER_STATISTIC.iter().map(|variable| read_at_points(from, variable, &axes, points * statistics));
+    let columns: Vec<Vec<f64>> = columns.collect::<Result<_, _>>()?;
+    let without: Vec<f64> = read_at_points(from, &own::ESTIMATE_WITHOUT, &axes, points * GROUPS * statistics)?;
+    let seconds: Vec<f64> = read_at_points(from, &own::POINT_SECONDS, &axes, points)?;
+    let completed: Vec<u64> = read_at_points(from, &own::POINT_COMPLETED_PATHS, &axes, points)?;
+    let diverged: Vec<u64> = read_at_points(from, &own::POINT_DIVERGED_PATHS, &axes, points)?;
+    let status: Vec<i8> = read_at_points(from, &own::POINT_STATUS, &axes, points)?;
+    let point = |p: usize| -> Result<Option<Point>, S::Error> {
+        if status[p] == 0 {
+            return Ok(None);
+        }
+        if diverged[p] > completed[p] {
+            return Err("more diverged paths than paths".to_string().into());
+        }
+        let estimate = |statistic: Statistic| {
+            let at = |column: usize| columns[column][p * statistics + statistic.index()];
+            let bias =
+                Bias { estimate: at(4), uncertainty: at(5), order: Some(at(6)).filter(|order| order.is_finite()) };
+            Estimate {
+                statistic,
+                estimate: at(0),
+                standard_error: at(1),
+                low: at(2),
+                high: at(3),
+                bias: Some(bias).filter(|bias| bias.estimate.is_finite()),
+            }
+        };
+        let group = |g: usize| -> Values {
+            let first = (p * GROUPS + g) * statistics;
+            Statistic::ALL.map(|statistic| without[first + statistic.index()])
+        };
+        Ok(Some(Point {
+            estimates: Statistic::ALL.map(estimate),
+            completed_paths: completed[p],
+            diverged_paths: diverged[p],
+            seconds: seconds[p],
+            // There are fewer where there are fewer paths.
+            without: (0..GROUPS).map(group).take_while(|values| values.iter().any(|x| !x.is_nan())).collect(),
+        }))
+    };
+    (0..points).map(point).collect()
+}
+
+/// Read a variable along the dimensions of the design, then those of its own. What is said of its size is held against what the
+/// design asks for.
+fn read_at_points<S: Source, T: Element>(
+    from: &S,
+    variable: &Variable,
+    axes: &[&str],
+    length: usize,
+) -> Result<Vec<T>, S::Error> {
+    let axes = [axes, variable.axes].concat();
+    match read_or_empty(from, &along(variable, &axes, &[]))? {
+        values if values.len() == length => Ok(values),
+        _ => Err(format!("{} has another size", variable.name).into()),
+    }
 }

@@ -3,7 +3,7 @@
 use super::header::CONVENTIONS;
 use super::layout::{self, Unit, Variable, variable};
 use super::summary::write_statistics;
-use super::{Destination, Source, read_or_empty, texts};
+use super::{Destination, Source, read_or_empty, read_text, texts};
 use crate::provenance::Provenance;
 use crate::scheme::Kind;
 use crate::stats::Statistic;
@@ -104,8 +104,9 @@ fn predicted<D: Destination>(to: &mut D, trade: &Trade) -> Result<(), D::Error> 
     to.put(&WINNER, &texts(winners))
 }
 
-/// The prices of accuracy in a trade, statistic by statistic, given its title.
-pub(crate) fn read_prices<S: Source>(from: &S, title: String) -> Result<Vec<Prices>, S::Error> {
+/// The prices of accuracy in a trade, statistic by statistic.
+pub(crate) fn read_prices<S: Source>(from: &S) -> Result<Vec<Prices>, S::Error> {
+    let title = read_text(from, "title")?;
     let schemes: Vec<String> = read_or_empty(from, &SCHEME)?;
     let statistics: Vec<String> = read_or_empty(from, &layout::STATISTIC)?;
     let targets: Vec<f64> = read_or_empty(from, &TARGET)?;

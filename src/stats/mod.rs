@@ -66,5 +66,5 @@ pub use summary::{
 };
 pub use tally::{Companion, PathMeans, PathState, Tallied, Tally};
 pub use totals::{Counts, SUB_PHASE_CAP, Sums, Totals};
-pub use tree::{Merge, Overlap};
+pub use tree::{Merge, Overlap, Tree};
 pub use unit::Unit;

@@ -113,7 +113,8 @@ impl<const N: usize> Default for PathMeans<N> {
 }
 
 impl<const N: usize> PathMeans<N> {
-    fn of(paths: &[[f64; N]], unit: Unit) -> Self {
+    /// Of the numbers of consecutive paths, diverged ones left out.
+    pub fn of(paths: &[[f64; N]], unit: Unit) -> Self {
         let column = |i: usize| unit.means(&paths.iter().map(|numbers| numbers[i]).collect::<Vec<f64>>()).into_owned();
         let columns: [Vec<f64>; N] = std::array::from_fn(column);
         PathMeans {

@@ -6,8 +6,8 @@ use super::reader::{check_file, open};
 use super::sink::is_logged;
 use super::state::{self, Question, State};
 use super::workshop::{Workshop, parent};
-use super::{StoreError, Writer, check_space, header, rows};
-use crate::dataset::layout;
+use super::{StoreError, Writer, check_space, rows};
+use crate::dataset::{header, layout};
 use crate::engine::{Asked, Outcome, Sink, SinkError, SoFar, Status};
 use crate::ensemble::BLOCK_SIZE;
 use crate::provenance::Provenance;
@@ -147,7 +147,7 @@ fn read_state(path: &Path) -> Result<State, PartError> {
             return Err(StoreError::Foreign { path: path.to_owned() });
         }
         let damaged = |error: hdf5::Error| StoreError::Damaged { path: path.to_owned(), cause: cause(&error) };
-        let (status, _) = header::progress(&file).map_err(damaged)?;
+        let (status, _) = header::read_progress(&file).map_err(damaged)?;
         let state =
             file.link_exists(layout::PART_STATE.name).then(|| file.dataset(layout::PART_STATE.name)?.read_raw());
         Ok((status, state.transpose().map_err(damaged)?))

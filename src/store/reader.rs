@@ -2,14 +2,13 @@
 
 use super::error::{cause, system_error};
 use super::lock::Lock;
-use super::variable::{read_or_empty, read_text};
 use super::workshop::{STATE, file_of, partial_path};
-use super::{StoreError, header, seal, state};
+use super::{StoreError, seal, state};
 use crate::dataset::calibration::CALIBRATION_FORMAT_NAME;
 use crate::dataset::header::{FORMAT_NAME, FORMAT_VERSION};
 use crate::dataset::sweep::SWEEP_FORMAT_NAME;
 use crate::dataset::trade::TRADE_FORMAT_NAME;
-use crate::dataset::{layout, series, summary};
+use crate::dataset::{header, layout, read_or_empty, read_text, series, summary};
 use crate::engine::{Part, Status};
 use crate::provenance::Provenance;
 use crate::stats::Summary;
@@ -105,12 +104,12 @@ pub fn read(path: &Path) -> Result<Stored, StoreError> {
         Some(_) => {}
     }
     let damaged = |error: hdf5::Error| StoreError::Damaged { path: path.to_owned(), cause: cause(&error) };
-    let (status, completed_paths) = header::progress(&file).map_err(damaged)?;
+    let (status, completed_paths) = header::read_progress(&file).map_err(damaged)?;
     let time = read_or_empty(&file, &layout::TIME).map_err(damaged)?;
     let header = series::read(&file).and_then(|series| header::read(&file, time, series)).map_err(damaged)?;
     let summary = summary::read(&file, completed_paths, header.step).map_err(damaged)?;
-    let ended_by = header::ended_by(&file).map_err(damaged)?;
-    let part = header::part(&file).map_err(damaged)?;
+    let ended_by = header::read_ended_by(&file).map_err(damaged)?;
+    let part = header::read_part(&file).map_err(damaged)?;
     Ok(Stored { header, status, part, ended_by, unfinished: None, is_sealed, completed_paths, summary })
 }
 

@@ -4,7 +4,6 @@ use super::StoreError;
 use super::at_once::write_at_once;
 use super::error::cause;
 use super::reader::{check_file, open};
-use super::variable::read_text;
 use crate::dataset::trade;
 use crate::provenance::Provenance;
 use crate::stats::Statistic;
@@ -21,8 +20,7 @@ pub fn read_prices(path: &Path, statistic: Option<Statistic>) -> Result<Prices, 
     check_file(path)?;
     let file = open(path)?;
     let damaged = |error: hdf5::Error| StoreError::Damaged { path: path.to_owned(), cause: cause(&error) };
-    let read = || trade::read_prices(&file, read_text(&file, "title")?);
-    let mut prices = read().map_err(damaged)?.into_iter();
+    let mut prices = trade::read_prices(&file).map_err(damaged)?.into_iter();
     let found = match statistic {
         Some(statistic) => prices.find(|prices| prices.statistic == statistic),
         None => prices.find(Prices::is_known),

@@ -144,8 +144,15 @@ impl Source for File {
             Kind::U32 => Column::U32(read_variable(self, variable)?),
             Kind::I8 => Column::I8(read_variable(self, variable)?),
             Kind::U8 => Column::U8(read_variable(self, variable)?),
-            Kind::Text => Column::Text(read_texts(self, variable)?),
+            Kind::Text => Column::Text(read_variable(self, variable)?.iter().map(readable).collect::<Result<_>>()?),
         }))
+    }
+
+    fn attribute(&self, variable: Option<&str>, name: &str) -> Result<Option<Attribute>> {
+        match variable {
+            None => read_attribute(self, name),
+            Some(variable) => read_attribute(&*self.dataset(variable)?, name),
+        }
     }
 }
 
@@ -192,9 +199,14 @@ fn write_text(location: &Location, name: &str, value: &str) -> Result<()> {
     write_scalar(location, name, &text(value)?)
 }
 
-/// Read a text attribute.
-pub(super) fn read_text(location: &Location, name: &str) -> Result<String> {
-    readable(&location.attr(name)?.read_scalar::<VarLenUnicode>()?)
+fn read_attribute(location: &Location, name: &str) -> Result<Option<Attribute>> {
+    let Ok(attribute) = location.attr(name) else { return Ok(None) };
+    let kind = attribute.dtype()?;
+    Ok(Some(match () {
+        () if kind.is::<f64>() => Attribute::Real(attribute.read_scalar()?),
+        () if kind.is::<u64>() => Attribute::Count(attribute.read_scalar()?),
+        () => Attribute::Text(readable(&attribute.read_scalar()?)?),
+    }))
 }
 
 /// A text of a file is whatever bytes it holds.
@@ -208,13 +220,8 @@ fn text(value: &str) -> Result<VarLenUnicode> {
     VarLenUnicode::from_str(value).map_err(|_| Error::from("a text holds a NUL character"))
 }
 
-/// Read a variable, an absent one as empty.
-pub(super) fn read_or_empty<T: H5Type>(file: &File, variable: &Described) -> Result<Vec<T>> {
-    if file.link_exists(variable.name) { read_variable(file, variable) } else { Ok(Vec::new()) }
-}
-
 /// Read a variable that must be there. Its type and its size are looked at before anything is read.
-pub(super) fn read_variable<T: H5Type>(file: &File, variable: &Described) -> Result<Vec<T>> {
+fn read_variable<T: H5Type>(file: &File, variable: &Described) -> Result<Vec<T>> {
     let name = variable.name;
     if !file.link_exists(name) {
         return Err(format!("{name} is missing").into());
@@ -235,9 +242,4 @@ pub(super) fn read_variable<T: H5Type>(file: &File, variable: &Described) -> Res
         return Err(format!("{name} is larger than the file").into());
     }
     dataset.read_raw()
-}
-
-/// Read a variable of texts, an absent one as empty.
-pub(super) fn read_texts(file: &File, variable: &Described) -> Result<Vec<String>> {
-    read_or_empty::<VarLenUnicode>(file, variable)?.iter().map(readable).collect()
 }

@@ -5,9 +5,9 @@
 use super::error::cause;
 use super::reader::{check_file, open};
 use super::rows::column;
-use super::variable::read_text;
 use super::{StoreError, seal};
 use crate::dataset::layout::{self, Described, Variable};
+use crate::dataset::read_text;
 use crate::dataset::rows::{self, Along, Table};
 use crate::dataset::{Attribute, Column, Destination, Kind, Rows, Source as _, Values, run};
 use crate::engine::Status;

@@ -47,6 +47,13 @@ impl Source {
         let files: Vec<_> = places.iter().flat_map(|place| all(place)).collect();
         let mut known: BTreeSet<String> =
             words(&std::fs::read_to_string(root().join("Cargo.toml")).expect("a manifest"));
+        // The package for Python: its modules name what a reader of Python reads.
+        for entry in std::fs::read_dir(root().join("python/stickslip")).expect("the package for Python") {
+            let path = entry.expect("readable").path();
+            if path.extension().is_some_and(|ending| ending == "py") {
+                known.extend(words(&std::fs::read_to_string(path).expect("text")));
+            }
+        }
         for (_, text) in &files {
             known.extend(words(&code(text)));
             known.extend(

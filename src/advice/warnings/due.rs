@@ -23,6 +23,14 @@ impl Scenario {
         };
         [of_scheme, of_question(self, &derived)].concat()
     }
+
+    /// The same for a run: where it measures the bias of the step, a guess at it is left out.
+    pub fn warnings_of_run(&self, measures_bias: bool) -> Vec<Warning> {
+        let is_guess =
+            |warning: &Warning| matches!(warning, Warning::StickExitBias { .. } | Warning::CorrectedBias { .. });
+        let is_due = |warning: &Warning| !(measures_bias && is_guess(warning));
+        self.warnings().into_iter().filter(is_due).collect()
+    }
 }
 
 /// A step beside what it is to follow.

@@ -10,7 +10,7 @@
 mod read;
 mod write;
 
-pub use read::{StoredSweep, read_sweep};
+pub use read::read_sweep;
 
 use super::error::StoreError;
 use super::lock::Lock;
@@ -107,7 +107,7 @@ impl SweepFile {
 /// The points in a file, if it is a sweep of this question by this program.
 fn same_question(path: &Path, header: &Provenance, question: &Question) -> Result<Vec<Option<Point>>, StoreError> {
     let stored = read_sweep(path)?;
-    match stored.difference_from(header, question) {
+    match read::difference(&stored, header, question) {
         None => Ok(stored.points),
         Some(what) => Err(StoreError::OtherSweep { path: path.to_owned(), what }),
     }

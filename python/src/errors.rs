@@ -1,0 +1,62 @@
+//! Errors of the engine as exceptions of `stickslip.errors`.
+
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use stick_slip::config::{Fault, ScenarioError};
+
+/// An exception of this class of `stickslip.errors`, with these attributes.
+fn exception(
+    py: Python<'_>,
+    class: &str,
+    message: &str,
+    attributes: impl FnOnce(&Bound<'_, PyDict>) -> PyResult<()>,
+) -> PyErr {
+    let made = || -> PyResult<PyErr> {
+        let keywords = PyDict::new(py);
+        attributes(&keywords)?;
+        let class = py.import("stickslip.errors")?.getattr(class)?;
+        Ok(PyErr::from_value(class.call((message,), Some(&keywords))?))
+    };
+    made().unwrap_or_else(|error| error)
+}
+
+/// What is wrong with a scenario.
+pub fn of_scenario(py: Python<'_>, error: &ScenarioError) -> PyErr {
+    exception(py, "ScenarioError", &error.to_string(), |keywords| match error {
+        ScenarioError::Unreadable { path, reason, remedy } => {
+            keywords.set_item("origin", path)?;
+            keywords.set_item("problem", reason)?;
+            keywords.set_item("remedy", remedy)
+        }
+        ScenarioError::Invalid(fault) => {
+            let Fault { origin, line, column, key, value, problem, remedy, excerpt } = &**fault;
+            keywords.set_item("origin", origin)?;
+            keywords.set_item("line", line)?;
+            keywords.set_item("column", column)?;
+            keywords.set_item("key", key)?;
+            keywords.set_item("value", value)?;
+            keywords.set_item("problem", problem)?;
+            keywords.set_item("remedy", remedy)?;
+            keywords.set_item("excerpt", excerpt)
+        }
+    })
+}
+
+/// What is wrong with an argument of a function.
+pub fn of_argument(py: Python<'_>, argument: &str, value: &str, problem: &str, remedy: &str) -> PyErr {
+    let message = format!("{argument} = {value}: {problem}\n  fix: {remedy}");
+    exception(py, "ArgumentError", &message, |keywords| {
+        keywords.set_item("argument", argument)?;
+        keywords.set_item("value", value)?;
+        keywords.set_item("problem", problem)?;
+        keywords.set_item("remedy", remedy)
+    })
+}
+
+/// Why a run, a trade or a calibration has no result.
+pub fn of_run(py: Python<'_>, problem: &str, remedy: &str) -> PyErr {
+    exception(py, "RunError", &format!("{problem}\n  fix: {remedy}"), |keywords| {
+        keywords.set_item("problem", problem)?;
+        keywords.set_item("remedy", remedy)
+    })
+}

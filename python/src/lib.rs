@@ -1,0 +1,43 @@
+//! The engine for Python: a thin door, whose other side is `stickslip/`.
+//!
+//! ```text
+//! scenario   text or file and what is laid over it -> a checked Scenario; what follows from it
+//! watched    work on another thread while this one hears signals and tells the progress
+//! run        a run, its parts, a replay -> data sets
+//! own        statistics of the caller's own, over the events of finished blocks
+//! studies    the choice for an accuracy, sweeps, the trade, calibration
+//! plot       pictures of all of them
+//! dataset    a data set -> NumPy arrays, which take its memory over; and back
+//! errors     an error of the engine -> an exception of stickslip.errors
+//! ```
+
+mod dataset;
+mod errors;
+mod own;
+mod plot;
+mod run;
+mod scenario;
+mod studies;
+mod watched;
+
+/// Native part of the package; use the functions of `stickslip` itself.
+#[pyo3::pymodule]
+mod _native {
+    #[pymodule_export]
+    use super::plot::{Picture, plot_calibration, plot_scenario, plot_sweeps, plot_trade};
+    #[pymodule_export]
+    use super::run::{merge, replay, run};
+    #[pymodule_export]
+    use super::scenario::{Scenario, parse, shipped};
+    #[pymodule_export]
+    use super::studies::{calibrate, choose, sweep, trade};
+
+    #[pymodule_init]
+    fn init(module: &pyo3::Bound<'_, pyo3::types::PyModule>) -> pyo3::PyResult<()> {
+        use pyo3::types::PyModuleMethods as _;
+        module.add("VERSION", stick_slip::provenance::PROGRAM_VERSION)?;
+        module.add("GIT_HASH", stick_slip::provenance::GIT_HASH)?;
+        let statistics = stick_slip::stats::Statistic::ALL.map(stick_slip::stats::Statistic::name);
+        module.add("STATISTICS", statistics.to_vec())
+    }
+}

@@ -1,0 +1,117 @@
+//! Statistics of the caller's own: a function of Python turns the events of a finished block into numbers of each path, and what is
+//! estimated from them has the interval of any other statistic.
+
+use numpy::{IntoPyArray as _, PyReadonlyArray1};
+use pyo3::prelude::*;
+use stick_slip::dataset::Recorder;
+use stick_slip::engine::{Asked, Moment, Outcome, Sink, SinkError};
+use stick_slip::scenario::Scenario;
+use stick_slip::stats::{BlockResult, EventColumns, Measurement, PathMeans, Record, Tree, Unit};
+
+/// One of them.
+pub struct Own {
+    pub name: String,
+    pub estimate: Measurement,
+    function: Py<PyAny>,
+    /// Means of what the function gives, and of what they are divided by, summed along the tree of the run.
+    tree: Tree<PathMeans<2>>,
+    is_ratio: bool,
+}
+
+/// Keeps a run in memory, and shows its events to statistics of the caller's own.
+pub struct Kept {
+    pub recorder: Recorder,
+    pub own: Vec<Own>,
+    /// What the data set is to hold.
+    record: Record,
+    unit: Unit,
+    blocks: u64,
+}
+
+/// What a function gives for a block: a number of each path, and for a ratio what its mean is divided by.
+type Numbers<'py> = (PyReadonlyArray1<'py, f64>, Option<PyReadonlyArray1<'py, f64>>);
+
+impl Kept {
+    pub fn new(scenario: &Scenario, own: Vec<(String, Py<PyAny>)>) -> Self {
+        let nothing = Measurement { estimate: f64::NAN, standard_error: f64::NAN, low: f64::NAN, high: f64::NAN };
+        let own = own.into_iter().map(|(name, function)| Own {
+            name,
+            estimate: nothing,
+            function,
+            tree: Tree::default(),
+            is_ratio: false,
+        });
+        let unit = if scenario.ensemble.antithetic { Unit::Pair } else { Unit::Path };
+        Kept { recorder: Recorder::default(), own: own.collect(), record: scenario.record, unit, blocks: 0 }
+    }
+
+    /// The scenario with events, if somebody looks at them.
+    pub fn watched(&self, scenario: &Scenario) -> Scenario {
+        let record = Record { events: scenario.record.events || !self.own.is_empty(), ..scenario.record };
+        Scenario { record, ..scenario.clone() }
+    }
+
+    fn show(&mut self, block: &BlockResult) -> PyResult<()> {
+        let Some(events) = &block.events else { return Ok(()) };
+        let is_sound = |path: u64| block.diverged.binary_search(&path).is_err();
+        Python::attach(|py| {
+            for own in &mut self.own {
+                let (top, bottom) = own.numbers(py, block.first_path, events)?;
+                let (top, bottom) = (top.as_array(), bottom.as_ref().map(|bottom| bottom.as_array()));
+                own.is_ratio = bottom.is_some();
+                let each = (block.first_path..).zip(&top).enumerate();
+                let sound = each.filter(|(_, (path, _))| is_sound(*path));
+                let numbers = sound.map(|(i, (_, &top))| [top, bottom.as_ref().map_or(1.0, |bottom| bottom[i])]);
+                let means = PathMeans::of(&numbers.collect::<Vec<_>>(), self.unit);
+                // Blocks come once each, and in order.
+                let _ = own.tree.push(self.blocks, means);
+            }
+            Ok(())
+        })
+    }
+}
+
+impl Own {
+    fn numbers<'py>(&self, py: Python<'py>, first: u64, events: &EventColumns) -> PyResult<Numbers<'py>> {
+        let EventColumns { count, time, displacement, force, sign, kind } = events;
+        let [time, displacement, force] = [time, displacement, force].map(|column| column.clone().into_pyarray(py));
+        let [sign, kind] = [sign, kind].map(|column| column.clone().into_pyarray(py));
+        let shown = (first, count.clone().into_pyarray(py), time, displacement, force, sign, kind);
+        self.function.bind(py).call1(shown)?.extract()
+    }
+
+    fn estimated(&self) -> Option<Measurement> {
+        let means = self.tree.total(|means| means)?;
+        Some(if self.is_ratio { means.ratio(0, 1) } else { means.mean(0) })
+    }
+}
+
+impl Sink for Kept {
+    fn begin(&mut self, scenario: &Scenario, asked: &Asked) -> Result<(), SinkError> {
+        let asked_for = Scenario { record: self.record, ..scenario.clone() };
+        self.blocks = asked.blocks().start;
+        self.recorder.begin(&asked_for, asked)
+    }
+
+    fn block(&mut self, block: &BlockResult) -> Result<(), SinkError> {
+        self.show(block)?;
+        self.blocks += 1;
+        match self.record.events || self.own.is_empty() {
+            true => self.recorder.block(block),
+            false => self.recorder.block(&BlockResult { events: None, ..block.clone() }),
+        }
+    }
+
+    fn save(&mut self, moment: &Moment<'_>) -> Result<(), SinkError> {
+        self.recorder.save(moment)
+    }
+
+    fn finish(&mut self, outcome: &Outcome) -> Result<(), SinkError> {
+        for own in &mut self.own {
+            if let Some(estimate) = own.estimated() {
+                own.estimate = estimate;
+            }
+        }
+        self.recorder.finish(outcome)
+    }
+}

@@ -1,0 +1,162 @@
+//! Pictures of a scenario's path, of a run, a trade, sweeps and a calibration.
+
+use crate::dataset::{Handed, from_python};
+use crate::errors;
+use crate::scenario::Scenario;
+use crate::studies::statistic;
+use pyo3::prelude::*;
+use stick_slip::config::Override;
+use stick_slip::dataset::StoredSweep;
+use stick_slip::figure::{self, Absent, FIGURES, Scene, Style, Subject, Theme};
+use stick_slip::scenario::Scenario as Checked;
+use stick_slip::stats::Statistic;
+use stick_slip::study::sweep::{Design, Question, Setting, Sweep};
+
+/// A picture: SVG for a screen, PNG and PDF for paper.
+#[pyclass(frozen)]
+pub struct Picture(Scene);
+
+#[pymethods]
+impl Picture {
+    /// As SVG text.
+    #[getter]
+    fn svg(&self) -> String {
+        figure::svg(&self.0)
+    }
+
+    /// As PNG, with so many dots per inch.
+    #[pyo3(signature = (dots_per_inch = 300.0))]
+    fn png(&self, py: Python<'_>, dots_per_inch: f64) -> PyResult<Vec<u8>> {
+        figure::png(&self.0, dots_per_inch).map_err(|error| errors::of_run(py, &error.to_string(), "report it"))
+    }
+
+    /// As PDF.
+    fn pdf(&self, py: Python<'_>) -> PyResult<Vec<u8>> {
+        figure::pdf(&self.0).ok_or_else(|| errors::of_run(py, "a flaw in the program: no PDF", "report it"))
+    }
+}
+
+/// How a picture is drawn: the name of the one figure of it, if not all; whether it is dark; the width of a figure in millimetres;
+/// whether vertical axes are logarithmic.
+type Drawn = (Option<String>, bool, f64, bool);
+
+/// A path of a scenario, or a run of it, given its data set.
+#[pyfunction]
+pub fn plot_scenario(
+    py: Python<'_>,
+    scenario: &Scenario,
+    run: Option<Handed<'_>>,
+    path: u64,
+    drawn: Drawn,
+) -> PyResult<Picture> {
+    let scenario = &scenario.checked;
+    let scheme = scenario.scheme.to_string().replace("--scheme ", "").replace("--", "");
+    let line = format!("{scheme}, seed {}", scenario.ensemble.seed);
+    let Some(run) = run else {
+        return draw(py, &Subject::Scenario { scenario, path }, drawn, &scenario.title, &line);
+    };
+    let summary = from_python(run)?.summary(scenario.scheme.step()).map_err(|error| damaged(py, &error))?;
+    let line = format!("{line}, {} paths", summary.completed_paths);
+    draw(py, &Subject::Run { scenario, summary: &summary, path }, drawn, &scenario.title, &line)
+}
+
+/// A trade.
+#[pyfunction]
+pub fn plot_trade(py: Python<'_>, trade: Handed<'_>, of: Option<&str>, drawn: Drawn) -> PyResult<Picture> {
+    let of = of.map(|name| statistic(py, name)).transpose()?;
+    let prices = from_python(trade)?.prices(of).map_err(|error| damaged(py, &error))?;
+    let prices = prices.ok_or_else(|| damaged(py, "no statistic in it has prices"))?;
+    draw(py, &Subject::Trade(&prices), drawn, &prices.title, "what accuracy costs")
+}
+
+/// Sweeps over one key, each with a name.
+#[pyfunction]
+pub fn plot_sweeps(
+    py: Python<'_>,
+    sweeps: Vec<(String, Handed<'_>)>,
+    of: Option<&str>,
+    drawn: Drawn,
+) -> PyResult<Picture> {
+    let of: Vec<Statistic> = of.map(|name| statistic(py, name)).transpose()?.into_iter().collect();
+    let read = |(name, sweep): (String, Handed<'_>)| {
+        let stored = from_python(sweep)?.sweep().map_err(|error| damaged(py, &error))?;
+        Ok((name, whole(py, stored)?))
+    };
+    let sweeps = sweeps.into_iter().map(read).collect::<PyResult<Vec<(String, Sweep)>>>()?;
+    let named: Vec<(String, &Sweep)> = sweeps.iter().map(|(name, sweep)| (name.clone(), sweep)).collect();
+    let title = named.first().map_or("", |(_, sweep)| &sweep.question.scenario.title);
+    draw(py, &Subject::Sweep { sweeps: &named, statistics: &of }, drawn, title, "")
+}
+
+/// A calibration.
+#[pyfunction]
+pub fn plot_calibration(py: Python<'_>, calibration: Handed<'_>, drawn: Drawn) -> PyResult<Picture> {
+    let stored = from_python(calibration)?.calibration().map_err(|error| damaged(py, &error))?;
+    let subject = Subject::Calibration { title: &stored.title, calibration: &stored.calibration };
+    draw(py, &subject, drawn, &stored.title, "")
+}
+
+/// A stored sweep with its points put together again.
+fn whole(py: Python<'_>, stored: StoredSweep) -> PyResult<Sweep> {
+    let StoredSweep { scenario_text, series, design, seeds, with_bias, points, .. } = stored;
+    let parse = |design: &Design, point: Option<usize>| {
+        let settings = point.map_or_else(Vec::new, |point| design.settings(point));
+        let laid = |Setting { key, value }: &Setting| {
+            let is_whole = value.fract() == 0.0 && value.abs() < 1e15;
+            Override::flag(key, key, &if is_whole { format!("{value:.0}") } else { format!("{value:?}") })
+        };
+        let own: Vec<Override> = settings.iter().map(laid).collect();
+        Checked::parse_stored("sweep", &scenario_text, &own, series.as_ref())
+            .map_err(|error| errors::of_scenario(py, &error))
+    };
+    let scenario = parse(&design, None)?;
+    let scenarios = (0..design.points()).map(|point| parse(&design, Some(point))).collect::<PyResult<Vec<_>>>()?;
+    Ok(Sweep { question: Question::new(scenario, design, scenarios, seeds, with_bias), points })
+}
+
+fn damaged(py: Python<'_>, problem: &str) -> PyErr {
+    let remedy = "give what run(), trade(), sweep() or calibrate() returned, or load() of its file";
+    errors::of_argument(py, "subject", "a data set", problem, remedy)
+}
+
+fn draw(
+    py: Python<'_>,
+    subject: &Subject,
+    (only, dark, width, log): Drawn,
+    heading: &str,
+    line: &str,
+) -> PyResult<Picture> {
+    if !(60.0..=400.0).contains(&width) {
+        let value = width.to_string();
+        return Err(errors::of_argument(
+            py,
+            "width",
+            &value,
+            "letters would be crowded or lost",
+            "give 60 to 400 millimetres",
+        ));
+    }
+    let style = Style { theme: if dark { Theme::Dark } else { Theme::Light }, width, log };
+    let refused = |name: &str, absent: Absent| {
+        errors::of_argument(py, "only", name, &absent.to_string(), "choose another figure or another path")
+    };
+    let nothing = || errors::of_run(py, "there is nothing to draw: every path was lost", "draw another run");
+    let scene = match (only, subject) {
+        (Some(name), _) => {
+            let names: Vec<&str> = FIGURES.iter().map(|figure| figure.name).collect();
+            let unknown = || errors::of_argument(py, "only", &name, "there is no such figure", &names.join(", "));
+            figure::named(&name).ok_or_else(unknown)?.draw(subject, &style).map_err(|absent| refused(&name, absent))?
+        }
+        // One figure needs no page around it.
+        (None, Subject::Scenario { .. } | Subject::Trade(_) | Subject::Sweep { .. }) => {
+            let mut drawn = FIGURES.iter().map(|figure| (figure.name, figure.draw(subject, &style)));
+            let (name, drawn) =
+                drawn.find(|(_, drawn)| !matches!(drawn, Err(Absent::Elsewhere(_)))).ok_or_else(nothing)?;
+            drawn.map_err(|absent| refused(name, absent))?
+        }
+        (None, Subject::Run { .. } | Subject::Calibration { .. }) => {
+            figure::page(subject, &style, heading, line).ok_or_else(nothing)?
+        }
+    };
+    Ok(Picture(scene))
+}

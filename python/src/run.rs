@@ -1,0 +1,190 @@
+//! A run, a part of one, the parts together, and one path of it again, as data sets in memory.
+
+use crate::dataset::{Handed, from_python, to_python};
+use crate::errors;
+use crate::own::{Kept, Own};
+use crate::scenario::Scenario;
+use crate::watched::{Told, Watch, watched};
+use pyo3::exceptions::PyKeyboardInterrupt;
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyList};
+use std::time::Duration;
+use stick_slip::dataset::{Dataset, Recorder};
+use stick_slip::engine::{Asked, EndedBy, MOST_PATHS, MissedGoal, Outcome, Part, Replay, Run, RunError, SoFar};
+use stick_slip::scenario::Scenario as Checked;
+use stick_slip::stats::{Goal, Measurement, RunTotals};
+
+/// Attributes and variables of a data set.
+pub type Variables<'py> = (Bound<'py, PyDict>, Bound<'py, PyList>);
+
+/// Name, estimate, standard error, and the ends of the interval of a statistic of the caller's own.
+type OwnEstimate = (String, f64, f64, f64, f64);
+
+/// What a run came to: its data set, what is to be said of it, the statistics of the caller's own, and the sums of a part.
+type Ran<'py> = (Variables<'py>, Vec<String>, Vec<OwnEstimate>, Option<Vec<u8>>);
+
+/// Simulate a scenario. With goals the number of paths is open, unless `is_bounded`.
+#[pyfunction]
+#[pyo3(signature = (scenario, *, goals, is_bounded, max_time, part, bias, threads, progress, own))]
+#[expect(clippy::too_many_arguments, reason = "they are keywords of one Python function")]
+pub fn run<'py>(
+    py: Python<'py>,
+    scenario: &Scenario,
+    goals: Vec<String>,
+    is_bounded: bool,
+    max_time: Option<f64>,
+    part: Option<&str>,
+    bias: bool,
+    threads: Option<usize>,
+    progress: Option<Py<PyAny>>,
+    own: Vec<(String, Py<PyAny>)>,
+) -> PyResult<Ran<'py>> {
+    let scenario = &scenario.checked;
+    let goal = |text: &String| {
+        let remedy = "write NAME < 0.5% or NAME < 0.01, where NAME is one of stickslip.STATISTICS";
+        text.parse::<Goal>().map_err(|error| errors::of_argument(py, "until", text, &error.to_string(), remedy))
+    };
+    let goals = goals.iter().map(goal).collect::<PyResult<Vec<_>>>()?;
+    let is_open = !goals.is_empty() && !is_bounded;
+    let paths = if is_open { MOST_PATHS } else { scenario.ensemble.paths };
+    let asked = Asked {
+        paths,
+        part: part.map(|text| cut(py, text, scenario, &goals, max_time)).transpose()?,
+        goals,
+        max_time: max_time.map(Duration::from_secs_f64),
+        with_bias: bias,
+    };
+    let mut kept = Kept::new(scenario, own);
+    // Statistics of the caller's own are of events, whether the data set is to hold them or not.
+    let watched_scenario = kept.watched(scenario);
+    let (outcome, is_interrupted) = watched(py, progress.as_ref(), |watch| {
+        let mut told = Told(watch);
+        let run = with_threads(Run::of(&watched_scenario).asked(asked), threads);
+        run.stopped_by(&watch.stop).told(&mut told).into_sink(&mut kept).simulate()
+    })?;
+    let outcome = outcome.map_err(|error| of_run(py, error))?;
+    let remarks = remarks(py, &outcome, is_interrupted)?;
+    let Kept { recorder, own, .. } = kept;
+    let sums = recorder.sums().map(<[u8]>::to_vec);
+    let named = |Own { name, estimate, .. }: &Own| {
+        let Measurement { estimate, standard_error, low, high } = *estimate;
+        (name.clone(), estimate, standard_error, low, high)
+    };
+    Ok((to_python(py, recorder.into_dataset())?, remarks, own.iter().map(named).collect(), sums))
+}
+
+/// Join the parts of a run: their data sets and their sums. The bias of the step is estimated here.
+#[pyfunction]
+#[pyo3(signature = (scenario, parts, *, bias, threads, progress))]
+pub fn merge<'py>(
+    py: Python<'py>,
+    scenario: &Scenario,
+    parts: Vec<(Handed<'py>, Vec<u8>)>,
+    bias: bool,
+    threads: Option<usize>,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<(Variables<'py>, Vec<String>)> {
+    let scenario = &scenario.checked;
+    let damaged = |problem: &str| errors::of_argument(py, "parts", "a part", problem, "give it as run() returned it");
+    let empty = || RunTotals::empty(&scenario.model, &scenario.timeline());
+    let mut totals = empty();
+    let mut datasets = Vec::new();
+    for (part, sums) in parts {
+        let sums = empty().read(&sums).map_err(|_| damaged("its sums are not those of this run"))?;
+        totals.merge(sums).map_err(|error| damaged(&error.to_string()))?;
+        datasets.push(from_python(part)?);
+    }
+    let asked =
+        Asked { paths: scenario.ensemble.paths, part: None, goals: Vec::new(), max_time: None, with_bias: bias };
+    let so_far = SoFar { totals, spent: Duration::ZERO };
+    let mut recorder = Recorder::default();
+    let (outcome, is_interrupted) = watched(py, progress.as_ref(), |watch: &Watch| {
+        let mut told = Told(watch);
+        let run = with_threads(Run::of(scenario).asked(asked), threads);
+        run.stopped_by(&watch.stop).told(&mut told).into_sink(&mut recorder).go_on(so_far)
+    })?;
+    let outcome = outcome.map_err(|error| of_run(py, error))?;
+    let remarks = remarks(py, &outcome, is_interrupted)?;
+    let mut dataset = recorder.into_dataset();
+    for part in &datasets {
+        dataset.append_rows(part).map_err(|error| damaged(&error))?;
+    }
+    Ok((to_python(py, dataset)?, remarks))
+}
+
+/// A part is a part of a run that is known beforehand.
+fn cut(py: Python<'_>, text: &str, scenario: &Checked, goals: &[Goal], max_time: Option<f64>) -> PyResult<Part> {
+    let wrong = |problem: &str, remedy: &str| errors::of_argument(py, "part", text, problem, remedy);
+    let part: Part = text.parse().map_err(|_| wrong("it is no part", "write 3/16 for the third of 16 parts"))?;
+    if !goals.is_empty() || max_time.is_some() {
+        let problem = "a part does not go with a goal or with max_time, whose end is known of all parts together only";
+        return Err(wrong(problem, "give the number of paths of the whole run"));
+    }
+    let blocks = Asked { part: None, ..Run::of(scenario).question() }.blocks().end;
+    if part.of() > blocks {
+        let problem = format!("the run has {blocks} blocks, and a part has one at least");
+        return Err(wrong(&problem, &format!("give {blocks} parts at most")));
+    }
+    Ok(part)
+}
+
+fn with_threads(run: Run<'_>, threads: Option<usize>) -> Run<'_> {
+    if let Some(threads) = threads { run.threads(threads) } else { run }
+}
+
+/// An exception of a statistic of the caller's own is that exception.
+fn of_run(py: Python<'_>, error: RunError) -> PyErr {
+    match error {
+        RunError::Sink { error, .. } => match error.downcast::<PyErr>() {
+            Ok(error) => *error,
+            Err(error) => errors::of_run(py, &error.to_string(), "report it"),
+        },
+        RunError::Overlap(error) => errors::of_run(py, &error.to_string(), "report it"),
+    }
+}
+
+/// What is to be said of an outcome. One of no paths is an exception.
+fn remarks(py: Python<'_>, outcome: &Outcome, is_interrupted: bool) -> PyResult<Vec<String>> {
+    let paths = outcome.summary.completed_paths;
+    if paths == 0 {
+        return Err(match is_interrupted {
+            true => PyKeyboardInterrupt::new_err("interrupted before the first paths were done"),
+            false => {
+                let remedy = "a longer max_time, or a larger step or tolerance; check() says how long it takes";
+                errors::of_run(py, "the time was up before the first paths were done", remedy)
+            }
+        });
+    }
+    let mut remarks = Vec::new();
+    if is_interrupted {
+        remarks.push(format!("interrupted after {paths} paths: the statistics are of these"));
+    }
+    if outcome.is_all_lost() {
+        remarks.push("every path diverged or was given up, so there are no statistics: take a smaller step".into());
+    }
+    if let Some(reason @ EndedBy::Hopeless(_)) = &outcome.ended_by {
+        remarks.push(format!("the goal is out of reach: {reason}"));
+    }
+    let missed = |missed: &MissedGoal| format!("{} is not reached after {} paths", missed.goal, missed.paths);
+    remarks.extend(outcome.missed.iter().map(missed));
+    Ok(remarks)
+}
+
+/// Simulate one path of the ensemble of a scenario again, with its events and as fine a trajectory as it has.
+#[pyfunction]
+pub fn replay<'py>(py: Python<'py>, scenario: &Scenario, path: u64) -> PyResult<Variables<'py>> {
+    let scenario = &scenario.checked;
+    let paths = scenario.ensemble.paths;
+    if path >= paths {
+        let remedy = format!("give a number from 0 to {}", paths.saturating_sub(1));
+        return Err(errors::of_argument(
+            py,
+            "path",
+            &path.to_string(),
+            &format!("the ensemble has {paths} paths"),
+            &remedy,
+        ));
+    }
+    let (dataset, _) = watched(py, None, |_| Dataset::of_replay(&Replay::of(scenario, path)))?;
+    to_python(py, dataset)
+}

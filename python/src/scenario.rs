@@ -1,0 +1,143 @@
+//! Scenarios: text or a file, with overrides and samples of a measured temperature laid over it, checked by the one parser.
+
+use crate::errors;
+use numpy::PyReadonlyArray1;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use std::path::Path;
+use std::sync::Arc;
+use stick_slip::advice::Quantity;
+use stick_slip::config::{self, Override, ScenarioError};
+use stick_slip::model::Series;
+use stick_slip::scenario::Scenario as Checked;
+
+/// A checked scenario, and what it was read from.
+#[pyclass(frozen)]
+pub struct Scenario {
+    pub checked: Checked,
+    source: Source,
+}
+
+/// A text, what is laid over it, and the samples of a measured temperature that come with it.
+#[derive(Clone)]
+struct Source {
+    name: String,
+    text: String,
+    overrides: Vec<Override>,
+    samples: Option<(Arc<Series>, bool)>,
+}
+
+impl Source {
+    fn parse(&self, more: &[Override]) -> Result<Checked, ScenarioError> {
+        let Source { name, text, overrides, samples } = self;
+        let overrides = [overrides, more].concat();
+        match samples {
+            None => Checked::parse(name, text, &overrides),
+            Some((series, true)) => Checked::parse_stored(name, text, &overrides, Some(series)),
+            Some((series, false)) => Checked::parse_measured(name, text, &overrides, series),
+        }
+    }
+}
+
+impl Scenario {
+    /// The same with more laid over it.
+    pub fn with(&self, more: &[Override]) -> Result<Checked, ScenarioError> {
+        self.source.parse(more)
+    }
+
+    /// Another one in the place of what was read.
+    pub fn replaced(&self, checked: Checked) -> Scenario {
+        Scenario { checked, source: self.source.clone() }
+    }
+}
+
+#[pymethods]
+impl Scenario {
+    /// What it asks, in a line.
+    #[getter]
+    fn title(&self) -> &str {
+        &self.checked.title
+    }
+
+    /// The label of the unit of time.
+    #[getter]
+    fn time_unit(&self) -> &str {
+        &self.checked.units.time
+    }
+
+    /// All of it as TOML, every default visible.
+    #[getter]
+    fn toml(&self) -> String {
+        self.checked.to_toml()
+    }
+
+    /// The number at a dotted key, if there is one.
+    fn number_at(&self, key: &str) -> Option<f64> {
+        self.checked.number_at(key)
+    }
+
+    /// What follows from it, by name.
+    fn derived<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let dictionary = PyDict::new(py);
+        for (name, quantity) in self.checked.derived().quantities() {
+            match quantity {
+                Quantity::Unknown => dictionary.set_item(name, py.None())?,
+                Quantity::Real(number) => dictionary.set_item(name, number)?,
+                Quantity::Count(number) => dictionary.set_item(name, number)?,
+                Quantity::Reals(numbers) => dictionary.set_item(name, numbers)?,
+            }
+        }
+        Ok(dictionary)
+    }
+
+    /// Name and sentence of each warning; without a guess at what the run itself measures.
+    #[pyo3(signature = (measures_bias = false))]
+    fn warnings(&self, measures_bias: bool) -> Vec<(&'static str, String)> {
+        let measures = measures_bias && self.checked.bias_plan(self.checked.ensemble.paths).is_ok();
+        let due = self.checked.warnings_of_run(measures);
+        due.iter().map(|warning| (warning.name(), warning.to_string())).collect()
+    }
+}
+
+/// One override: its flag, none for `--set`; its key, and the value as TOML.
+type Laid = (Option<String>, String, String);
+
+/// Read and check a scenario: the file of this name, or this text of that name. Samples of a measured temperature are those that
+/// the text speaks of, as results store them, or others in their place.
+#[pyfunction]
+#[pyo3(signature = (name, text, overrides, samples = None, are_stored = false))]
+pub fn parse(
+    py: Python<'_>,
+    name: &str,
+    text: Option<&str>,
+    overrides: Vec<Laid>,
+    samples: Option<(PyReadonlyArray1<'_, f64>, PyReadonlyArray1<'_, f64>)>,
+    are_stored: bool,
+) -> PyResult<Scenario> {
+    let wrong = |error: ScenarioError| errors::of_scenario(py, &error);
+    let laid = |(flag, key, value): Laid| match flag {
+        Some(flag) => Ok(Override::flag(&flag, &key, &value)),
+        None => Override::set(&format!("{key}={value}")),
+    };
+    let overrides = overrides.into_iter().map(laid).collect::<Result<Vec<_>, _>>().map_err(wrong)?;
+    let (name, text) = match text {
+        Some(text) => (name.to_string(), text.to_string()),
+        None => config::text_of(Path::new(name)).map_err(wrong)?,
+    };
+    let series = samples.map(|(times, values)| {
+        Series::new(times.as_array().to_vec(), values.as_array().to_vec()).map_err(|error| {
+            let remedy = "give finite temperatures at ascending times, at least two of them";
+            errors::of_argument(py, "temperature", "the samples", &error.to_string(), remedy)
+        })
+    });
+    let samples = series.transpose()?.map(|series| (Arc::new(series), are_stored));
+    let source = Source { name, text, overrides, samples };
+    let checked = source.parse(&[]).map_err(wrong)?;
+    Ok(Scenario { checked, source })
+}
+
+/// The text of the shipped scenario of this name, if there is one.
+#[pyfunction]
+pub fn shipped(name: &str) -> Option<&'static str> {
+    config::shipped(name).map(|shipped| shipped.text)
+}

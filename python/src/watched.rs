@@ -1,0 +1,80 @@
+//! Work on another thread, while the thread that Python called from hears Ctrl-C and tells how far the work has come.
+
+use pyo3::exceptions::PyKeyboardInterrupt;
+use pyo3::prelude::*;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::mpsc::{RecvTimeoutError, channel};
+use std::thread;
+use std::time::Duration;
+use stick_slip::engine::Progress;
+
+/// How long a signal may wait until it is heard. The engine then gives blocks in work 0.15 s.
+const TICK: Duration = Duration::from_millis(50);
+
+/// How far the work has come, and whether it is to stop.
+#[derive(Debug, Default)]
+pub struct Watch {
+    /// Raised by Ctrl-C, and by a callback that raises an exception.
+    pub stop: AtomicBool,
+    done: AtomicU64,
+    expected: AtomicU64,
+}
+
+/// Tells the watch. It is the engine's own view of progress, so that no thread of it waits for Python.
+#[derive(Debug)]
+pub struct Told<'a>(pub &'a Watch);
+
+impl Progress for Told<'_> {
+    fn paths(&mut self, done: u64, expected: u64) {
+        self.0.done.store(done, Ordering::Relaxed);
+        self.0.expected.store(expected, Ordering::Relaxed);
+    }
+}
+
+/// Do some work with the interpreter released. Ctrl-C raises the flag of the watch, and so does an exception of `progress`, a
+/// callable that is told paths done and paths expected. Returns what the work came to, and whether it was interrupted.
+pub fn watched<T: Send>(
+    py: Python<'_>,
+    progress: Option<&Py<PyAny>>,
+    work: impl FnOnce(&Watch) -> T + Send,
+) -> PyResult<(T, bool)> {
+    let watch = Watch::default();
+    let failure: Mutex<Option<PyErr>> = Mutex::new(None);
+    let result = py.detach(|| {
+        thread::scope(|scope| {
+            let (sender, receiver) = channel();
+            let watch = &watch;
+            scope.spawn(move || sender.send(work(watch)));
+            let mut told = 0;
+            loop {
+                let received = receiver.recv_timeout(TICK);
+                let is_over = !matches!(received, Err(RecvTimeoutError::Timeout));
+                let [done, expected] = [&watch.done, &watch.expected].map(|number| number.load(Ordering::Relaxed));
+                let heard = Python::attach(|py| {
+                    py.check_signals()?;
+                    match progress {
+                        Some(progress) if done != told => progress.call1(py, (done, expected)).map(drop),
+                        _ => Ok(()),
+                    }
+                });
+                told = done;
+                if let (Err(error), Ok(mut failure)) = (heard, failure.lock()) {
+                    watch.stop.store(true, Ordering::Relaxed);
+                    failure.get_or_insert(error);
+                }
+                if is_over {
+                    return received;
+                }
+            }
+        })
+    });
+    let failure = failure.into_inner().unwrap_or_default();
+    let is_interrupt = |error: &PyErr| error.is_instance_of::<PyKeyboardInterrupt>(py);
+    match (result, failure) {
+        (_, Some(error)) if !is_interrupt(&error) => Err(error),
+        (Ok(result), failure) => Ok((result, failure.is_some())),
+        // The work panicked; its message is on standard error.
+        (Err(_), _) => Err(pyo3::exceptions::PyRuntimeError::new_err("a flaw in the program")),
+    }
+}

@@ -1,0 +1,49 @@
+"""Monte Carlo of an oscillator with dry friction, in memory.
+
+The engine is that of the command `mc`: the same scenarios, the same messages, the same bits. What the command writes into a file comes
+back as an `xarray.Dataset` with the same variables, dimensions, units and attributes.
+
+    import stickslip as ss
+    ds = ss.run("rho025", paths=10_000)
+    ds.estimate.sel(statistic="stick_duration_mean")
+"""
+
+from __future__ import annotations
+
+from . import _native
+from ._check import Check, check
+from ._data import load
+from ._own import Events
+from ._plot import Picture, plot
+from ._run import merge, replay, run
+from ._scenario import ScenarioLike
+from ._studies import calibrate, sweep, trade
+from .errors import ArgumentError, RunError, ScenarioError, StickSlipError, StickSlipWarning
+
+#: Version of the package, which is that of the command.
+__version__: str = _native.VERSION
+
+#: Names of all statistics, in the order of the coordinate `statistic`.
+STATISTICS: tuple[str, ...] = tuple(_native.STATISTICS)
+
+__all__ = [
+    "STATISTICS",
+    "ArgumentError",
+    "Check",
+    "Events",
+    "Picture",
+    "RunError",
+    "ScenarioError",
+    "ScenarioLike",
+    "StickSlipError",
+    "StickSlipWarning",
+    "calibrate",
+    "check",
+    "load",
+    "merge",
+    "plot",
+    "replay",
+    "run",
+    "sweep",
+    "trade",
+]

@@ -1,0 +1,81 @@
+"""Statistics of the caller's own: from the events of a block of paths to a number of each path."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Union
+
+from .errors import wrong_argument
+
+if TYPE_CHECKING:
+    import numpy as np
+    import numpy.typing as npt
+
+
+@dataclass(frozen=True)
+class Events:
+    """Events of consecutive paths, one path after the other, each in order of time.
+
+    Attributes:
+        first_path: number of the first path.
+        count: number of events of each path; 0 for one that diverged.
+        time: when, in the scenario's unit of time.
+        displacement: displacement at the event.
+        force: total force besides friction at the event.
+        sign: direction of the sub-phase that starts, -1 or 1; 0 where a stick starts.
+        kind: 0 where a stick is entered, 1 where a slip starts, 2 at the boundary of two sub-phases.
+    """
+
+    first_path: int
+    count: npt.NDArray[np.uint32]
+    time: npt.NDArray[np.float64]
+    displacement: npt.NDArray[np.float64]
+    force: npt.NDArray[np.float64]
+    sign: npt.NDArray[np.int8]
+    kind: npt.NDArray[np.int8]
+
+    @property
+    def path(self) -> npt.NDArray[np.intp]:
+        """Which path of the block each event is of, from 0."""
+        import numpy as np
+
+        return np.repeat(np.arange(len(self.count)), self.count)
+
+    def per_path(self, values: npt.ArrayLike) -> npt.NDArray[np.float64]:
+        """The sum over the events of each path of one value an event, such as a truth value to count."""
+        import numpy as np
+
+        weights = np.asarray(values, dtype=np.float64)
+        return np.bincount(self.path, weights, minlength=len(self.count)).astype(np.float64)
+
+
+#: From the events of a block to one number of each path, whose mean over paths is estimated; or a pair of them, the ratio of whose
+#: means is.
+Statistic = Callable[[Events], Union["npt.ArrayLike", "tuple[npt.ArrayLike, npt.ArrayLike]"]]
+
+
+def shown(own: Mapping[str, Statistic] | None) -> list[tuple[str, Callable[..., Any]]]:
+    """The functions that the engine calls: each checks what the caller's own gives."""
+    return [(name, _checked(name, statistic)) for name, statistic in (own or {}).items()]
+
+
+def _checked(name: str, statistic: Statistic) -> Callable[..., Any]:
+    import numpy as np
+
+    def call(*columns: Any) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64] | None]:
+        events = Events(*columns)
+        given = statistic(events)
+        parts: tuple[Any, ...] = given if isinstance(given, tuple) else (given,)
+        numbers = [np.ascontiguousarray(part, dtype=np.float64) for part in parts]
+        if len(numbers) > 2 or any(part.shape != events.count.shape for part in numbers):
+            shapes = ", ".join(str(part.shape) for part in numbers)
+            raise wrong_argument(
+                "own", name, f"it gives shapes {shapes} for {len(events.count)} paths",
+                "give one number for each path, or a pair of such arrays for a ratio",
+            )
+        if not all(np.isfinite(part).all() for part in numbers):
+            raise wrong_argument("own", name, "it gives numbers that are not finite", "give a number for each path, 0 for nothing")
+        return numbers[0], (numbers[1] if len(numbers) > 1 else None)
+
+    return call

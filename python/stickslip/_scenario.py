@@ -1,0 +1,93 @@
+"""From what a caller gives to a checked scenario."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Mapping
+from typing import TYPE_CHECKING, Any, Union
+
+from . import _native, _toml
+from .errors import wrong_argument
+
+if TYPE_CHECKING:
+    import numpy as np
+    import numpy.typing as npt
+
+#: A path of a file, TOML text, the name of a shipped scenario, or a dictionary.
+ScenarioLike = Union[str, "os.PathLike[str]", Mapping[str, Any]]
+
+#: What is set besides: dotted keys with values.
+Settings = Mapping[str, Any]
+
+#: Names of the second, as `units.time` may have them.
+_SECONDS = ("", "s", "sec", "second", "seconds")
+
+
+def parse(
+    scenario: ScenarioLike, settings: Settings | None, named: Iterable[tuple[str, str, object]], temperature: Any = None
+) -> _native.Scenario:
+    """Read a scenario with overrides laid over it: `settings` in order, then those with flags of their own."""
+    name, text = source(scenario)
+    laid: list[tuple[str | None, str, str]] = []
+    for key, given in (settings or {}).items():
+        laid.append((None, key, _toml.value(key, given)))
+    for flag, key, given in named:
+        if given is not None:
+            laid.append((flag, key, _bare(key, given)))
+    times_and_values = None if temperature is None else samples(temperature)
+    parsed = _native.parse(name, text, laid, None if times_and_values is None else times_and_values[:2])
+    if times_and_values is not None and times_and_values[2] and parsed.time_unit not in _SECONDS:
+        raise wrong_argument(
+            "temperature", "a series with dates", f'its times are in seconds, and `units.time` is "{parsed.time_unit}"',
+            'write the whole scenario in seconds, and `time = "s"` under [units]',
+        )
+    return parsed
+
+
+def source(scenario: ScenarioLike) -> tuple[str, str | None]:
+    """What messages call a scenario, and its text, unless it is in a file."""
+    if isinstance(scenario, Mapping):
+        return "scenario", _toml.document(scenario)
+    path = os.fspath(scenario)
+    if "\n" in path:
+        return "scenario", path
+    shipped = None if os.path.exists(path) else _native.shipped(path)
+    return (path, None) if shipped is None else (path, shipped)
+
+
+def samples(given: Any, argument: str = "temperature") -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64], bool]:
+    """Times and values of what was measured, and whether the times were dates.
+
+    Takes a pandas Series, whose index is the time, a one-dimensional xarray DataArray, or a pair of arrays.
+    Dates become seconds since the first of them.
+    """
+    import numpy as np
+
+    if hasattr(given, "index") and hasattr(given, "to_numpy"):
+        times, values = given.index.to_numpy(), given.to_numpy()
+    elif hasattr(given, "dims") and len(given.dims) == 1:
+        times, values = given[given.dims[0]].to_numpy(), given.to_numpy()
+    else:
+        try:
+            times, values = given
+        except (TypeError, ValueError):
+            raise wrong_argument(
+                argument, type(given).__name__, "it has no times and values",
+                "give a pandas Series, a one-dimensional DataArray, or a pair (times, values)",
+            ) from None
+    times, values = np.asarray(times), np.asarray(values, dtype=np.float64)
+    is_dated = times.dtype.kind == "M"
+    if is_dated:
+        times = (times - times[:1]) / np.timedelta64(1, "s")
+    times = np.ascontiguousarray(times, dtype=np.float64)
+    if times.ndim != 1 or times.shape != values.shape:
+        raise wrong_argument(
+            argument, f"shapes {times.shape} and {values.shape}", "times and values do not go together",
+            "give as many times as values, each in one dimension",
+        )
+    return times, np.ascontiguousarray(values), is_dated
+
+
+def _bare(key: str, given: object) -> str:
+    """A value as it is typed after a flag: a text without quotation marks."""
+    return given if isinstance(given, str) else _toml.value(key, given)

@@ -1,0 +1,73 @@
+"""Messages are those of the command; exceptions carry their parts."""
+
+from __future__ import annotations
+
+import pytest
+import stickslip as ss
+from conftest import SCENARIOS
+
+FAULTS = {
+    "a key that is misspelt": ("[friction]\nstatic = ", "[friction]\nsttic = "),
+    "a value out of range": ("dynamic = 1.0", "dynamic = -1.0"),
+    "a word where a number is": ("mass = 1.0", 'mass = "one"'),
+}
+
+
+@pytest.mark.parametrize("name", FAULTS)
+def test_the_message_of_a_text_is_that_of_its_file(name, mc, tmp_path):
+    before, after = FAULTS[name]
+    text = (SCENARIOS / "rho025.toml").read_text()
+    assert before in text
+    (tmp_path / "mine.toml").write_text(text.replace(before, after))
+    _, message = mc("check", "mine.toml", succeeds=False)
+    with pytest.raises(ss.ScenarioError) as of_text:
+        ss.check(text.replace(before, after))
+    with pytest.raises(ss.ScenarioError) as of_file:
+        ss.run(tmp_path / "mine.toml")
+    parts = of_text.value
+    assert f"error: {parts}".replace("scenario:", "mine.toml:", 1).strip() == message.strip()
+    assert str(of_file.value).endswith(str(parts).split(":", 1)[1])
+    assert "^" in parts.excerpt
+    assert (parts.key is None) == (name == "a key that is misspelt")
+    assert parts.remedy and parts.line and parts.column
+    assert text.replace(before, after).splitlines()[parts.line - 1].startswith(after.splitlines()[-1].split("=")[0])
+
+
+def test_an_override_is_named_as_the_command_names_it(mc):
+    _, message = mc("check", SCENARIOS / "rho025.toml", "--set", "friction.static=0.5", succeeds=False)
+    with pytest.raises(ss.ScenarioError) as raised:
+        ss.run("rho025", set={"friction.static": 0.5})
+    assert f"error: {raised.value}".strip() == message.strip()
+    assert raised.value.origin == "--set friction.static=0.5"
+    assert raised.value.key == "friction.static" and raised.value.value == "0.5"
+    with pytest.raises(ss.ScenarioError, match="--paths 0"):
+        ss.run("rho025", paths=0)
+    with pytest.raises(ss.ScenarioError, match="fix:"):
+        ss.run("no-such-file.toml")
+
+
+@pytest.mark.parametrize(("arguments", "argument"), [
+    ({"until": "stick_duration_mean < soon"}, "until"),
+    ({"until": "stick_duration_maen < 1%"}, "until"),
+    ({"until": ["10", "20"]}, "until"),
+    ({"max_time": -1}, "max_time"),
+    ({"set": {"friction.static": object()}}, "friction.static"),
+])
+def test_an_argument_that_is_wrong_is_named(arguments, argument):
+    with pytest.raises(ss.ArgumentError) as raised:
+        ss.run("rho025", **arguments)
+    assert raised.value.argument == argument and raised.value.remedy
+
+
+@pytest.mark.filterwarnings("ignore::stickslip.StickSlipWarning")
+def test_a_path_that_is_not_there_is_refused():
+    run = ss.run("rho025", paths=256, bias=False)
+    with pytest.raises(ss.ArgumentError, match="from 0 to 255"):
+        ss.replay(run, 256)
+    with pytest.raises(ss.ArgumentError, match="not the data set of a run"):
+        ss.replay(run.drop_attrs(), 0)
+
+
+def test_what_a_result_is_not_is_a_warning():
+    with pytest.warns(ss.StickSlipWarning, match="diverged"):
+        ss.run("rho025", paths=64, step=5.0, set={"time.output_step": 5}, bias=False)

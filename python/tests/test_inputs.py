@@ -1,0 +1,90 @@
+"""A scenario as a file, a text, a name and a dictionary is one scenario; so is a temperature however it is given."""
+
+from __future__ import annotations
+
+import tomllib
+
+import numpy as np
+import pytest
+import stickslip as ss
+from conftest import SCENARIOS, same
+
+pytestmark = pytest.mark.filterwarnings("ignore::stickslip.StickSlipWarning")
+
+
+def test_a_dictionary_a_text_a_name_and_a_file_are_one_scenario():
+    path = SCENARIOS / "rho025.toml"
+    by_file = ss.run(path, paths=256)
+    for other in (str(path), path.read_text(), "rho025", tomllib.loads(path.read_text())):
+        same(ss.run(other, paths=256), by_file)
+
+
+@pytest.mark.parametrize("name", sorted(path.stem for path in SCENARIOS.glob("*.toml") if "series" not in path.read_text()))
+def test_every_scenario_goes_through_a_dictionary(name):
+    path = SCENARIOS / f"{name}.toml"
+    assert ss.check(tomllib.loads(path.read_text())).toml == ss.check(path).toml
+
+
+def test_numbers_of_numpy_are_numbers():
+    plain = ss.check("rho025", set={"friction.static": 1.3, "ensemble.paths": 500, "record.events": True})
+    numpy = ss.check("rho025", set={"friction.static": np.float64(1.3), "ensemble.paths": np.int64(500), "record.events": np.True_})
+    assert plain == numpy
+    assert "static = 1.3" in plain.toml
+
+
+def test_a_check_says_what_follows_and_what_to_beware_of(mc):
+    import json
+
+    printed, _ = mc("check", SCENARIOS / "rho025.toml", "--json")
+    theirs, mine = json.loads(printed), ss.check(SCENARIOS / "rho025.toml")
+    assert mine.toml == theirs["resolved"]
+    assert mine.derived == theirs["derived"]
+    assert mine.warnings == {warning["name"]: warning["text"] for warning in theirs["warnings"]}
+
+
+TIMES = np.arange(0.0, 201.0, 0.5)
+VALUES = 8 * np.cos(0.25 * TIMES)
+
+
+def measured(time_unit=""):
+    """rho025 without harmonics, to be driven by samples."""
+    scenario = tomllib.loads((SCENARIOS / "rho025.toml").read_text())
+    del scenario["temperature"]["harmonics"]
+    scenario["units"] = {"time": time_unit}
+    return scenario
+
+
+def test_samples_in_memory_are_those_of_a_file(tmp_path):
+    """Only what the scenario says of the file is another."""
+    rows = (f"{t!r},{v!r}" for t, v in zip(TIMES.tolist(), VALUES.tolist()))
+    (tmp_path / "t.csv").write_text("time,temperature\n" + "\n".join(rows) + "\n")
+    from_file = measured()
+    from_file["temperature"]["series"] = {"file": str(tmp_path / "t.csv")}
+    by_file = ss.run(from_file, paths=64)
+    in_memory = ss.run(measured(), paths=64, temperature=(TIMES, VALUES))
+    same(in_memory, by_file, but=["scenario"])
+    assert in_memory.series_temperature.to_numpy().tobytes() == VALUES.tobytes()
+    # And one path of it can be had again.
+    assert ss.replay(in_memory, 3).path_sticks.item() == in_memory.path_sticks.sel(path=3).item()
+
+
+def test_a_series_with_dates_is_in_seconds():
+    pandas = pytest.importorskip("pandas")
+    dates = pandas.Timestamp("2026-03-01") + pandas.to_timedelta(TIMES, unit="s")
+    by_dates = ss.run(measured("s"), paths=64, temperature=pandas.Series(VALUES, index=dates))
+    same(by_dates, ss.run(measured("s"), paths=64, temperature=(TIMES, VALUES)))
+    with pytest.raises(ss.ArgumentError, match="times are in seconds") as raised:
+        ss.run(measured("h"), temperature=pandas.Series(VALUES, index=dates))
+    assert raised.value.argument == "temperature"
+
+
+@pytest.mark.parametrize(("samples", "problem"), [
+    (([0.0, 1.0], [1.0]), "do not go together"),
+    (([0.0, 0.0], [1.0, 2.0]), "the samples"),
+    (([0.0, 1.0], [1.0, float("nan")]), "the samples"),
+    (3.0, "no times and values"),
+])
+def test_samples_that_make_no_sense_are_refused(samples, problem):
+    with pytest.raises(ss.ArgumentError, match=problem) as raised:
+        ss.run(measured(), temperature=samples)
+    assert raised.value.remedy

@@ -1,0 +1,106 @@
+"""Statistics of one's own, and a run in parts."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import stickslip as ss
+from conftest import SCENARIOS, same
+
+pytestmark = pytest.mark.filterwarnings("ignore::stickslip.StickSlipWarning")
+
+
+def slips(events):
+    """Slips that ended: a stick is entered after the first event of the path."""
+    begins = np.cumsum(events.count) - events.count
+    entered = events.kind == 0
+    entered[begins[events.count > 0]] = False
+    return events.per_path(entered)
+
+
+def jumps(events):
+    """Sum of the ways between the beginning and the end of a slip, and how many slips there are: their ratio is the mean jump."""
+    began = np.flatnonzero(events.kind == 1)
+    ended = np.searchsorted(np.flatnonzero(events.kind == 0), began)
+    ends = np.append(np.flatnonzero(events.kind == 0), -1)[ended]
+    whole = (ends >= 0) & (events.path[began] == events.path[ends])
+    way, count = np.zeros(len(events.time)), np.zeros(len(events.time))
+    way[began[whole]] = np.abs(events.displacement[ends[whole]] - events.displacement[began[whole]])
+    count[began[whole]] = 1
+    return events.per_path(way), events.per_path(count)
+
+
+@pytest.mark.parametrize("antithetic", [False, True])
+@pytest.mark.parametrize("scheme", ["discrete-vi", "event-driven"])
+def test_a_statistic_of_ones_own_has_the_estimate_and_the_interval_of_that_of_the_program(scheme, antithetic):
+    ds = ss.run("rho025", paths=1000, scheme=scheme, bias=False, set={"ensemble.antithetic": antithetic},
+                own={"slips": slips, "jumps": jumps})
+    for own, statistic in [("slips", "slips_per_path"), ("jumps", "jump_abs_mean")]:
+        mine, theirs = ds.sel(own=own), ds.sel(statistic=statistic)
+        for name in ("estimate", "standard_error", "interval_low", "interval_high"):
+            assert mine[f"own_{name}"].item() == pytest.approx(theirs[name].item(), rel=1e-9), (own, name)
+
+
+def test_the_bits_do_not_depend_on_threads_and_the_events_are_not_kept():
+    arguments = {"paths": 3000, "bias": False, "own": {"jumps": jumps}}
+    one, two = (ss.run("rho025", threads=threads, **arguments) for threads in (1, 3))
+    same(one, two)
+    assert "event_time" not in one
+    plain = ss.run("rho025", paths=3000, bias=False)
+    same(one.drop_dims("own"), plain)
+    kept = ss.run("rho025", record="events", **arguments)
+    assert kept.event_count.sum() == kept.sizes["event"] > 0
+
+
+def test_what_a_function_may_not_give_is_refused():
+    for function, problem in [
+        (lambda events: events.time, "gives shapes"),
+        (lambda events: np.full(len(events.count), np.nan), "not finite"),
+        (lambda events: (events.count, events.count, events.count), "gives shapes"),
+    ]:
+        with pytest.raises(ss.ArgumentError, match=problem) as raised:
+            ss.run("rho025", paths=300, own={"mine": function})
+        assert raised.value.argument == "own" and raised.value.value == "mine"
+
+    def broken(events):
+        raise ZeroDivisionError("mine")
+
+    with pytest.raises(ZeroDivisionError, match="mine"):
+        ss.run("rho025", paths=10**8, bias=False, own={"broken": broken})
+
+
+RECORD = {"events": True, "trajectories": 300}
+
+
+@pytest.mark.parametrize("bias", [True, False])
+def test_parts_are_the_run(bias):
+    arguments = {"paths": 1500, "record": RECORD, "bias": bias}
+    parts = [ss.run("rho025", part=f"{i}/4", threads=2, **arguments) for i in (3, 1, 4, 2)]
+    assert [ds.attrs["status"] for ds in parts] == ["part"] * 4
+    same(ss.merge(parts, bias=bias), ss.run("rho025", **arguments))
+
+
+def test_a_part_is_that_of_the_command(mc, tmp_path):
+    mc("run", SCENARIOS / "rho025.toml", "--paths", 1500, "--part", "2/4", "--quiet", "-o", "part.h5")
+    mine, file = ss.run(SCENARIOS / "rho025.toml", paths=1500, part="2/4"), ss.load(tmp_path / "part.h5")
+    # Only the form of the sums is another: a file also holds the state of its log.
+    same(mine.drop_dims("part_sum"), file.drop_dims("part_state"))
+
+
+def test_parts_that_do_not_go_together_are_named():
+    half = [ss.run("rho025", paths=600, part=f"{i}/2") for i in (1, 2)]
+    for parts, problem in [
+        ([], "no parts"),
+        (half[:1], "2/2: missing"),
+        ([half[0], half[0]], "1/2: it is given twice"),
+        ([half[0], ss.run("rho025", paths=600, part="2/2", seed=2)], "`scenario` is another"),
+        ([half[0], half[1].drop_vars("part_sums")], "no part"),
+    ]:
+        with pytest.raises(ss.ArgumentError, match=problem):
+            ss.merge(parts)
+    for part, arguments, problem in [
+        ("2/9", {}, "the run has 3 blocks"), ("0/2", {}, "it is no part"), ("1/2", {"max_time": 1}, "does not go with"),
+        ("1/2", {"own": {"slips": slips}}, "neither statistics"),
+    ]:
+        with pytest.raises(ss.ArgumentError, match=problem):
+            ss.run("rho025", paths=600, part=part, **arguments)

@@ -1,0 +1,45 @@
+"""What the pages and the notebook show runs, and comes to what they say."""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+import stickslip as ss
+from conftest import ROOT, same
+
+pytestmark = pytest.mark.filterwarnings("ignore")
+
+
+def snippets(page):
+    return re.findall(r"```python\n(.*?)```", (ROOT / page).read_text(), flags=re.DOTALL)
+
+
+def test_the_tutorial_runs_from_end_to_end():
+    nbformat, nbclient = pytest.importorskip("nbformat"), pytest.importorskip("nbclient")
+    notebook = nbformat.read(ROOT / "python/tutorial.ipynb", as_version=4)
+    client = nbclient.NotebookClient(notebook, timeout=300, kernel_name="python3", resources={"metadata": {"path": ROOT / "python"}})
+    client.execute()
+    shown = [output.data for cell in notebook.cells for output in cell.get("outputs", []) if "data" in output]
+    assert sum("image/svg+xml" in data for data in shown) == 4
+
+
+def test_the_snippet_for_dask_comes_to_the_bits_of_the_run():
+    pytest.importorskip("distributed")
+    page = next(snippet for snippet in snippets("docs/dask.md") if "dask" in snippet)
+    names = {"__name__": "page"}
+    exec(page, names)
+    same(names["ds"], ss.run("rho025", paths=10_000))
+
+
+def test_the_snippets_of_the_guide_run(monkeypatch):
+    """All of them but that of the measured temperature, whose arrays are the reader's."""
+    import numpy as np
+
+    monkeypatch.chdir(ROOT)
+    names = {"np": np}
+    for snippet in snippets("docs/python.md"):
+        if "times, temperatures" not in snippet:
+            exec(snippet, names)
+    # The share of examples/own_statistic.rs, which counts the same sticks of the same paths.
+    assert names["ds"].own_estimate.item() == pytest.approx(0.1628, abs=0.02)
