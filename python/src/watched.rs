@@ -10,7 +10,10 @@ use std::time::Duration;
 use stick_slip::engine::Progress;
 
 /// How long a signal may wait until it is heard. The engine then gives blocks in work 0.15 s.
-const TICK: Duration = Duration::from_millis(50);
+const TICK: Duration = Duration::from_millis(20);
+
+/// The progress is told every so many of these times.
+const TOLD_EVERY: u64 = 5;
 
 /// How far the work has come, and whether it is to stop.
 #[derive(Debug, Default)]
@@ -46,19 +49,21 @@ pub fn watched<T: Send>(
             let (sender, receiver) = channel();
             let watch = &watch;
             scope.spawn(move || sender.send(work(watch)));
-            let mut told = 0;
+            let (mut tick, mut told) = (0_u64, 0);
             loop {
+                tick += 1;
                 let received = receiver.recv_timeout(TICK);
                 let is_over = !matches!(received, Err(RecvTimeoutError::Timeout));
                 let [done, expected] = [&watch.done, &watch.expected].map(|number| number.load(Ordering::Relaxed));
+                let is_due = done != told && (is_over || tick.is_multiple_of(TOLD_EVERY));
                 let heard = Python::attach(|py| {
                     py.check_signals()?;
                     match progress {
-                        Some(progress) if done != told => progress.call1(py, (done, expected)).map(drop),
+                        Some(progress) if is_due => progress.call1(py, (done, expected)).map(drop),
                         _ => Ok(()),
                     }
                 });
-                told = done;
+                told = if is_due { done } else { told };
                 if let (Err(error), Ok(mut failure)) = (heard, failure.lock()) {
                     watch.stop.store(true, Ordering::Relaxed);
                     failure.get_or_insert(error);

@@ -10,6 +10,11 @@ if TYPE_CHECKING:
     import xarray as xr
 
 
+def ready() -> None:
+    """Import xarray, which takes most of a second: better before a run than after Ctrl-C has ended it."""
+    import xarray  # noqa: F401
+
+
 def dataset(made: tuple[dict[str, Any], list[tuple[str, tuple[str, ...], Any, dict[str, Any]]]]) -> xr.Dataset:
     """What `xarray.open_dataset` makes of a file of the same. The arrays keep the memory that the engine filled."""
     import xarray as xr

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Union
 
 from . import _native, _own
 from ._check import scenario_flags
-from ._data import dataset, raw, warn
+from ._data import dataset, raw, ready, warn
 from ._own import Statistic
 from ._progress import Progress, shown
 from ._scenario import ScenarioLike, Settings, parse
@@ -85,6 +85,7 @@ def run(
         RunError: the time was up before the first paths were done.
         KeyboardInterrupt: Ctrl-C came before the first paths were done.
     """
+    ready()
     end, goals = _end_and_goals(until)
     seconds = _seconds(max_time)
     settings = dict(set or {}) | _recorded(record)

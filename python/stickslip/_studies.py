@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Union
 
 from . import _native, _toml
 from ._check import scenario_flags
-from ._data import dataset, warn
+from ._data import dataset, ready, warn
 from ._progress import Progress, shown
 from ._scenario import ScenarioLike, Settings, parse, samples, source
 from .errors import wrong_argument
@@ -62,6 +62,7 @@ def sweep(
         ScenarioError: something in the scenario, or at a point of the sweep, is wrong.
         ArgumentError: an argument is wrong.
     """
+    ready()
     keys = [elasticity] if isinstance(elasticity, str) else list(elasticity)
     if bool(vary) == bool(keys):
         raise wrong_argument("vary", vary, "either keys are varied, or elasticities are asked for", "give one of them")
@@ -104,6 +105,7 @@ def trade(
     Raises:
         RunError: the budget is too small, or there is nothing to compare.
     """
+    ready()
     parsed = parse(scenario, set, scenario_flags(None, seed, None, None, None, None), temperature)
     made, is_interrupted = _native.trade(parsed, float(budget), threads)
     warn(["interrupted: what was measured until then is told"] if is_interrupted else [])

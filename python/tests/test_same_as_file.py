@@ -17,7 +17,9 @@ RUNS = {
     "a measured temperature and a bearing": (
         "bridge", {"paths": 40, "record": {"trajectories": 2}}, ["--set", "record.trajectories=2"]),
     "no stick ends": ("never-slips", {}, []),
-    "no time step, another seed": ("rho025", {"paths": 300, "scheme": "event-driven", "seed": 7}, ["--scheme", "event-driven", "--seed", "7"]),
+    "no time step, another seed": (
+        "rho025", {"paths": 300, "scheme": "event-driven", "tolerance": 1e-4, "seed": 7},
+        ["--scheme", "event-driven", "--tolerance", "1e-4", "--seed", "7"]),
     "paths that diverge": (
         "rho025", {"paths": 600, "step": 0.4, "set": {"time.output_step": 6}}, ["--step", "0.4", "--set", "time.output_step=6"]),
     "a burn-in": ("rho025", {"paths": 300, "set": {"statistics.after": 20}}, ["--set", "statistics.after=20"]),
