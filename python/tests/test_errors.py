@@ -68,6 +68,7 @@ def test_a_path_that_is_not_there_is_refused():
         ss.replay(run.drop_attrs(), 0)
 
 
+@pytest.mark.filterwarnings("ignore::stickslip.StickSlipWarning")
 def test_what_a_result_is_not_is_a_warning():
     with pytest.warns(ss.StickSlipWarning, match="diverged"):
         ss.run("rho025", paths=64, step=5.0, set={"time.output_step": 5}, bias=False)

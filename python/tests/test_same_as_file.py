@@ -57,6 +57,7 @@ def test_replay(scenario, scheme, mc, tmp_path):
     same(ss.replay(ss.run(path, paths=40, scheme=scheme, bias=False), 7), file)
 
 
+@pytest.mark.filterwarnings("ignore::stickslip.StickSlipWarning")
 def test_the_arrays_are_those_that_the_engine_filled():
     """No copy is made: an array owns nothing, because its memory is the engine's."""
     values = ss.run("rho025", paths=256, bias=False).path_displacement_end.to_numpy()
