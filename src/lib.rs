@@ -47,6 +47,7 @@
 //! | [`provenance`] | what a file says about where its numbers come from |
 //! | [`dataset`] | the data of a run, a trade, a sweep or a calibration: variables, dimensions, units |
 //! | `store` | the same as files (feature `store`) |
+//! | `ranks` | one run in several processes, by MPI (feature `mpi`) |
 //! | `figure` | pictures (feature `figure`) |
 //!
 //! # Where to plug in
@@ -78,6 +79,8 @@ pub mod model;
 pub mod noise;
 pub mod numbers;
 pub mod provenance;
+#[cfg(feature = "mpi")]
+pub mod ranks;
 pub mod scenario;
 pub mod scheme;
 pub mod stats;

@@ -6,11 +6,11 @@ use clap::Parser as _;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    match cli::Arguments::try_parse() {
+    cli::once(|| match cli::Arguments::try_parse() {
         Ok(arguments) => match arguments.call() {
             Ok(()) => ExitCode::SUCCESS,
             Err(failure) => failure.report(),
         },
         Err(answer) => cli::answer(&answer),
-    }
+    })
 }

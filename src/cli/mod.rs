@@ -17,6 +17,7 @@ mod numbers;
 mod overrides;
 mod plot;
 mod progress;
+mod ranks;
 mod replay;
 mod report;
 mod results;
@@ -35,6 +36,7 @@ mod twin;
 mod verify;
 
 pub use failure::Failure;
+pub use ranks::once;
 
 use std::process::ExitCode;
 use stick_slip::stats::Statistic;
@@ -108,6 +110,10 @@ enum Verb {
 impl Arguments {
     /// Call the verb.
     pub fn call(&self) -> Result<(), Failure> {
+        if ranks::crew().is_some() && !matches!(self.verb, Verb::Run(_) | Verb::Resume(_)) {
+            let problem = "several ranks share the work of `mc run` and `mc resume`, and of no other verb";
+            return Err(Failure::usage(problem, "leave out mpirun"));
+        }
         match &self.verb {
             Verb::Run(run) => run.call(),
             Verb::Resume(resume) => resume.call(),
@@ -140,9 +146,9 @@ pub fn answer(answer: &clap::Error) -> ExitCode {
     ExitCode::from(u8::try_from(answer.exit_code()).unwrap_or(2))
 }
 
-/// How many threads this machine runs at once.
+/// How many threads this process runs at once.
 fn cores() -> usize {
-    std::thread::available_parallelism().map_or(1, usize::from)
+    ranks::threads(std::thread::available_parallelism().map_or(1, usize::from))
 }
 
 /// The names of all statistics, to choose from.

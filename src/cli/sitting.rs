@@ -5,7 +5,7 @@ use super::ending;
 use super::failure::{Failure, note, print, print_data};
 use super::progress::Progress;
 use super::report::{self, RunInfo};
-use super::results;
+use super::{ranks, results};
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 use stick_slip::engine::{Asked, EndedBy, Outcome, Run, RunError, Sink, SoFar, Status};
@@ -77,6 +77,10 @@ impl Sitting<'_> {
             .stopped_by(self.stop)
             .told(&mut progress)
             .into_sink(file);
+        let run = match ranks::crew() {
+            Some(crew) => run.with_crew(crew),
+            None => run,
+        };
         let ended = match so_far {
             Some(so_far) => run.go_on(so_far),
             None => run.simulate(),

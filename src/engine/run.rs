@@ -1,12 +1,13 @@
 //! The run itself: blocks are simulated, handed on, summed and looked at, until something ends it.
 
 use super::alarm::Alarm;
+use super::crew::Threads;
 use super::ending::{Endings, Look};
-use super::{Asked, BiasReport, EndedBy, Moment, Outcome, Part, Progress, Sink, SinkError, Status};
+use super::{Asked, BiasReport, Crew, EndedBy, Moment, Outcome, Part, Portion, Progress, RunError, Sink, Status, Work};
 use crate::bias::NoBias;
-use crate::ensemble::{BLOCK_SIZE, Delivered, Plan};
+use crate::ensemble::{BLOCK_SIZE, Plan};
 use crate::scenario::Scenario;
-use crate::stats::{Companion, Goal, Measurement, Overlap, RunTotals, Summary, Tallied, Tally};
+use crate::stats::{Companion as _, Goal, Measurement, Merge, RunTotals, Summary, Tallied, Tally};
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
@@ -35,6 +36,7 @@ pub struct Run<'a> {
     stop: Option<&'a AtomicBool>,
     progress: Option<&'a mut dyn Progress>,
     sinks: Vec<&'a mut dyn Sink>,
+    crew: Option<&'a dyn Crew>,
 }
 
 /// How far a run has come: what it takes to go on.
@@ -49,22 +51,6 @@ pub struct SoFar {
 /// The bias takes this share of the time of the paths at most, with some margin. A time limit is one on both.
 const BIAS_SHARE: f64 = 0.15;
 
-/// Why a run has no outcome.
-#[derive(Debug, thiserror::Error)]
-pub enum RunError {
-    /// A sink failed. What it was handed before is its own.
-    #[error("{error}")]
-    Sink {
-        /// What it says.
-        error: SinkError,
-        /// What was simulated nevertheless; nothing where the run had not begun.
-        outcome: Option<Box<Outcome>>,
-    },
-    /// A block was delivered twice: a flaw of this program.
-    #[error("a flaw in the program: {0}")]
-    Overlap(#[from] Overlap),
-}
-
 impl<'a> Run<'a> {
     /// Of all paths that the scenario asks for, on one thread a core, with an estimate of the bias of the step.
     pub fn of(scenario: &'a Scenario) -> Self {
@@ -77,6 +63,7 @@ impl<'a> Run<'a> {
             stop: None,
             progress: None,
             sinks: Vec::new(),
+            crew: None,
         }
     }
 
@@ -142,6 +129,12 @@ impl<'a> Run<'a> {
         self
     }
 
+    /// Have a crew of several processes simulate the paths, each on so many threads. No bit depends on it. A statistic of the
+    /// caller's own stays in this process.
+    pub fn with_crew(self, crew: &'a dyn Crew) -> Self {
+        Run { crew: Some(crew), ..self }
+    }
+
     /// Simulate it.
     pub fn simulate(self) -> Result<Outcome, RunError> {
         let so_far = SoFar {
@@ -153,24 +146,25 @@ impl<'a> Run<'a> {
 
     /// Simulate what is left of it. The outcome is that of a run which was never interrupted, bit for bit.
     pub fn go_on(self, so_far: SoFar) -> Result<Outcome, RunError> {
-        self.simulate_beside(&(), so_far.totals, so_far.spent)
+        let crew = self.crew.unwrap_or(&Threads(&()));
+        self.simulate_by(crew, so_far.totals, so_far.spent)
     }
 
     /// Simulate it with a statistic of the caller's own folded beside the program's.
     pub fn tallied<T: Tally<N>, const N: usize>(self, tally: &T) -> Result<Outcome<Measurement>, RunError> {
         let tallied = Tallied(tally);
         let totals = RunTotals::with(tallied.empty(), &self.scenario.model, &self.scenario.timeline());
-        let outcome = self.simulate_beside(&tallied, totals, Duration::ZERO)?;
+        let outcome = self.simulate_by(&Threads(&tallied), totals, Duration::ZERO)?;
         let estimate = tally.estimate(&outcome.tally);
         Ok(outcome.with_tally(estimate))
     }
 
-    fn simulate_beside<C: Companion>(
+    fn simulate_by<X: Merge + Clone + Send>(
         mut self,
-        companion: &C,
-        mut totals: RunTotals<C::Sums>,
+        crew: &dyn Crew<X>,
+        mut totals: RunTotals<X>,
         spent: Duration,
-    ) -> Result<Outcome<C::Sums>, RunError> {
+    ) -> Result<Outcome<X>, RunError> {
         let start = Instant::now();
         let before = spent;
         let spent = move || before + start.elapsed();
@@ -189,7 +183,7 @@ impl<'a> Run<'a> {
         let asked = self.asked.blocks();
         // Blocks are done in order, so those that are done come first.
         let first = totals.blocks().last().map_or(asked.start, |done| done.end);
-        let look = |blocks: u64, totals: &RunTotals<C::Sums>| match endings.look(blocks, totals, spent()) {
+        let look = |blocks: u64, totals: &RunTotals<X>| match endings.look(blocks, totals, spent()) {
             // A run that is done needs no more time.
             Look::Stop(EndedBy::TimeLimit { blocks }) if blocks == asked.end => Look::GoOn(None),
             look => look,
@@ -202,11 +196,12 @@ impl<'a> Run<'a> {
         let left = if ended_by.is_some() { first..first } else { first..asked.end };
         let own_paths = self.asked.own_paths();
         let mut broken = None;
-        let deliver = |block: Delivered<C::Sums>| -> Result<ControlFlow<()>, RunError> {
-            let Delivered { index, result, beside } = block;
-            let done = result.first_path + result.paths - asked.start * BLOCK_SIZE;
-            let handed = self.sinks.iter_mut().try_for_each(|sink| sink.block(&result));
-            totals.push_with(index, result.totals, beside)?;
+        let mut deliver = |portion: Portion<X>| -> Result<ControlFlow<()>, RunError> {
+            let end = portion.end();
+            let done = (end * BLOCK_SIZE).min(plan.paths) - asked.start * BLOCK_SIZE;
+            let mut results = portion.results().iter();
+            let handed = results.try_for_each(|block| self.sinks.iter_mut().try_for_each(|sink| sink.block(block)));
+            portion.add_to(&mut totals)?;
             let moment = Moment { spent: spent(), is_last: false, state: &|| totals.to_bytes() };
             let saved = handed.and_then(|()| self.sinks.iter_mut().try_for_each(|sink| sink.save(&moment)));
             if let Err(error) = saved {
@@ -217,7 +212,7 @@ impl<'a> Run<'a> {
             if let Some(statistic) = progress.watches() {
                 progress.estimate(&totals.estimate(statistic));
             }
-            Ok(match look(index + 1, &totals) {
+            Ok(match look(end, &totals) {
                 Look::GoOn(needed) => {
                     progress.paths(done, needed.unwrap_or(own_paths).min(own_paths));
                     ControlFlow::Continue(())
@@ -229,8 +224,15 @@ impl<'a> Run<'a> {
                 }
             })
         };
-        let simulate = || plan.run_beside(companion, left, self.threads, alarm.stops(), deliver);
-        let blocks = first + alarm.watching(simulate)?;
+        let work = Work {
+            scenario: self.scenario,
+            asked: &self.asked,
+            plan: &plan,
+            blocks: left,
+            threads: self.threads,
+            stops: alarm.stops(),
+        };
+        let blocks = first + alarm.watching(|| crew.simulate(&work, &mut deliver))?;
         let is_whole = blocks >= asked.end;
         let is_stopped = || stop.load(Ordering::Relaxed);
         if !is_whole && ended_by.is_none() && broken.is_none() && !is_stopped() {
@@ -261,7 +263,7 @@ impl<'a> Run<'a> {
         let is_reached = status != Status::Interrupted && !matches!(ended_by, Some(EndedBy::Hopeless(_)));
         let missed = if is_reached { endings.missed(&totals, summary.completed_paths) } else { Vec::new() };
         let seconds = spent().as_secs_f64();
-        let (paths, part, threads) = (plan.paths, self.asked.part, self.threads);
+        let (paths, part, threads) = (plan.paths, self.asked.part, crew.threads(self.threads));
         let mut outcome = Outcome { summary, status, paths, part, ended_by, missed, bias, threads, seconds, tally: () };
         if broken.is_none() {
             broken = self.sinks.iter_mut().try_for_each(|sink| sink.finish(&outcome)).err();

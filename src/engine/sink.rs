@@ -39,7 +39,8 @@ pub trait Sink: Send {
         Ok(())
     }
 
-    /// The next block is finished.
+    /// The next block is finished. Its totals are empty where a crew of several processes simulates the run: the sums of many blocks
+    /// then come in one piece, as part of [`Moment::state`].
     fn block(&mut self, block: &BlockResult) -> Result<(), SinkError>;
 
     /// Every block that it was handed is summed up. It is told so after each of them, and once more when the paths are

@@ -7,11 +7,13 @@
 
 mod flight;
 mod in_order;
+mod leases;
 mod piece;
 
 #[doc(hidden)]
 pub use in_order::in_order;
 pub(crate) use in_order::in_order_while;
+pub use leases::Leases;
 
 use crate::model::Model;
 use crate::noise;

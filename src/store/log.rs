@@ -6,7 +6,7 @@
 
 use super::checksum::checksum;
 use crate::dataset::Rows;
-use crate::stats::{Codec, Damaged, EventColumns, PathColumns, Reader, TrajectoryRows};
+use crate::stats::{BlockResult, Codec, Damaged, EventColumns, PathColumns, Reader, Totals, TrajectoryRows};
 use std::fs::File;
 use std::io::{self, BufReader, Read as _, Seek as _, SeekFrom, Write as _};
 use std::path::Path;
@@ -25,7 +25,7 @@ impl Position {
     pub fn after(self, rows: &Rows, out: &mut Vec<u8>) -> Position {
         let start = out.len();
         out.extend([0; 8]);
-        write_block(rows, out);
+        write_rows(rows, out);
         let length = (out.len() - start - 8) as u64;
         out[start..start + 8].copy_from_slice(&length.to_le_bytes());
         let checksum = checksum(self.checksum, &out[start..]);
@@ -133,7 +133,12 @@ pub(super) fn read(
             return Err(LogError::Damaged);
         }
         at = Position { length: at.length + length + 12, checksum: sum };
-        show(read_block(&bytes)?).map_err(|error| LogError::Shown(Box::new(error)))?;
+        let mut from = Reader::new(&bytes);
+        let rows = read_rows(&mut from)?;
+        if from.left() > 0 {
+            return Err(LogError::Damaged);
+        }
+        show(rows).map_err(|error| LogError::Shown(Box::new(error)))?;
     }
     if at == end { Ok(()) } else { Err(LogError::Damaged) }
 }
@@ -245,7 +250,22 @@ lists!(
     TrajectoryRows { path, displacement, velocity, temperature, force, friction, is_static }
 );
 
-fn write_block(rows: &Rows, out: &mut Vec<u8>) {
+/// Append what is kept of a block, but not its sums.
+pub fn write_block(block: &BlockResult, out: &mut Vec<u8>) {
+    (block.diverged.len() as u64).write(out);
+    block.diverged.iter().for_each(|path| path.write(out));
+    write_rows(&block.into(), out);
+}
+
+/// Read it back, beside these sums.
+pub fn read_block(from: &mut Reader<'_>, totals: &Totals) -> Result<BlockResult, Damaged> {
+    let mut diverged = vec![0; from.length()?];
+    diverged.iter_mut().try_for_each(|path| path.read(from))?;
+    let OwnedRows { first_path, paths, path_columns, events, trajectories } = read_rows(from)?;
+    Ok(BlockResult { first_path, paths, diverged, totals: totals.clone(), path_columns, events, trajectories })
+}
+
+fn write_rows(rows: &Rows, out: &mut Vec<u8>) {
     rows.first_path.write(out);
     rows.paths.write(out);
     write_paths(rows.path_columns, out);
@@ -253,19 +273,17 @@ fn write_block(rows: &Rows, out: &mut Vec<u8>) {
     write_trajectories(rows.trajectories, out);
 }
 
-fn read_block(bytes: &[u8]) -> Result<OwnedRows, Damaged> {
-    let mut from = Reader::new(bytes);
+fn read_rows(from: &mut Reader<'_>) -> Result<OwnedRows, Damaged> {
     let (mut first_path, mut paths) = (0, 0);
-    first_path.read(&mut from)?;
-    paths.read(&mut from)?;
-    let rows = OwnedRows {
+    first_path.read(from)?;
+    paths.read(from)?;
+    Ok(OwnedRows {
         first_path,
         paths,
-        path_columns: read_paths(&mut from)?,
-        events: read_events(&mut from)?,
-        trajectories: read_trajectories(&mut from)?,
-    };
-    if from.left() == 0 { Ok(rows) } else { Err(Damaged) }
+        path_columns: read_paths(from)?,
+        events: read_events(from)?,
+        trajectories: read_trajectories(from)?,
+    })
 }
 
 #[cfg(test)]
@@ -307,7 +325,7 @@ mod tests {
     fn bits(rows: &[OwnedRows]) -> Vec<Vec<u8>> {
         let bytes = |rows: &OwnedRows| {
             let mut out = Vec::new();
-            write_block(&rows.rows(), &mut out);
+            write_rows(&rows.rows(), &mut out);
             out
         };
         rows.iter().map(bytes).collect()

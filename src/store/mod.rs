@@ -34,6 +34,7 @@ mod writer;
 pub use crate::dataset::{StoredCalibration, StoredSweep};
 pub use calibration::{read_calibration, write_calibration};
 pub use error::StoreError;
+pub use log::{read_block, write_block};
 pub use parts::{PartError, Parts};
 pub use reader::{FileKind, Stored, kind, read};
 pub use rows::read_path;

@@ -7,6 +7,7 @@ use super::StoreError;
 use super::checksum::checksum;
 use super::log::Position;
 use crate::engine::{Asked, Part, SoFar};
+use crate::ensemble::Plan;
 use crate::model::Series;
 use crate::provenance::Provenance;
 use crate::scenario::Scenario;
@@ -33,6 +34,26 @@ pub struct Question {
     pub asked: Asked,
     /// What the caller wants to know again when the run goes on; nothing here depends on it.
     pub note: String,
+}
+
+impl Question {
+    /// The ensemble that it asks for.
+    pub fn plan(&self) -> Plan {
+        Plan { paths: self.asked.paths, ..self.scenario.plan() }
+    }
+
+    /// As bytes, for another process.
+    pub fn to_bytes(&self) -> Vec<u8> {
+        let totals = RunTotals::empty(&self.scenario.model, &self.scenario.timeline());
+        to_bytes(self, &totals.to_bytes(), Duration::ZERO, Position::default())
+    }
+
+    /// From bytes; `origin` is where they come from. Those of another program are an error.
+    pub fn of_bytes(bytes: &[u8], origin: &Path) -> Result<Self, StoreError> {
+        let state = of_bytes(bytes, origin)?;
+        state.check_program(origin)?;
+        Ok(state.question)
+    }
 }
 
 /// The program that a run was begun with.

@@ -1,0 +1,81 @@
+//! The protocol of ranks without ranks: a queue of things that happen, and a clock.
+
+use super::measured::Costs;
+use std::cmp::Reverse;
+use std::collections::{BinaryHeap, VecDeque};
+use std::ops::Range;
+use stick_slip::ensemble::Leases;
+
+/// Bytes a second that rank 0 can receive: a usual network of 100 Gbit/s.
+const NETWORK: f64 = 12.5e9;
+/// Seconds until a message is noticed, at most: how long somebody who waits sleeps.
+const NOTICED: f64 = 0.02;
+
+/// Ranks of one thread each.
+pub struct Machine<'a> {
+    pub ranks: usize,
+    pub costs: &'a Costs,
+}
+
+pub struct Outcome {
+    /// How long it took.
+    pub seconds: f64,
+    /// Of which rank 0 was busy for so long.
+    pub busy: f64,
+    /// Seconds of a lease in the middle of the run.
+    pub lease: f64,
+    pub messages: u64,
+    pub bytes: f64,
+}
+
+/// A time as something that can be put in order: it is not negative.
+fn at(seconds: f64) -> u64 {
+    (seconds * 1e9) as u64
+}
+
+pub fn simulate(paths: u64, machine: &Machine) -> Outcome {
+    let Machine { ranks, costs } = machine;
+    let blocks = paths.div_ceil(256);
+    let mut leases: Leases<()> = Leases::new(0..blocks, &vec![1; *ranks]);
+    // Leases of each rank, the first of them in work; and when each first one is done and noticed.
+    let mut queues: Vec<VecDeque<Range<u64>>> = vec![VecDeque::new(); *ranks];
+    let mut free = vec![0.0_f64; *ranks];
+    let mut events = BinaryHeap::new();
+    // No two ranks are equally fast: up to 5 % slower.
+    let speed = |rank: usize| 1.0 + 0.05 * ((rank * 7919) % 997) as f64 / 997.0;
+    let mut outcome = Outcome { seconds: 0.0, busy: 0.0, lease: 0.0, messages: 0, bytes: 0.0 };
+    let mut desk = 0.0_f64;
+    // Ranks that may get a lease.
+    let mut idle: Vec<usize> = (0..*ranks).collect();
+    loop {
+        idle.retain(|&rank| {
+            while let Some(lease) = leases.lend(rank) {
+                let length = (lease.end - lease.start) as f64 * costs.block * speed(rank);
+                free[rank] = free[rank].max(desk) + length;
+                if lease.start <= blocks / 2 && blocks / 2 < lease.end {
+                    outcome.lease = length;
+                }
+                events.push(Reverse((at(free[rank] + NOTICED / 2.0), rank)));
+                queues[rank].push_back(lease);
+            }
+            queues[rank].is_empty() && !leases.is_done()
+        });
+        let Some(Reverse((time, rank))) = events.pop() else { break };
+        let Some(lease) = queues[rank].pop_front() else { break };
+        idle.push(rank);
+        let done = lease.end - lease.start;
+        let [bytes, seconds] = costs.message(done as f64);
+        let seconds = seconds + bytes / NETWORK;
+        // Rank 0 takes messages one after the other.
+        desk = desk.max(time as f64 / 1e9) + seconds;
+        outcome.busy += seconds;
+        outcome.bytes += bytes;
+        outcome.messages += 1;
+        let rows = (costs.rows[0] * done as f64) as usize;
+        leases.take_back(rank, lease.start, done, done as f64 * costs.block * speed(rank), rows, ());
+        leases.took(seconds);
+        while leases.in_turn().is_some() {}
+    }
+    outcome.seconds = desk;
+    outcome
+}

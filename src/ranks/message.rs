@@ -1,0 +1,98 @@
+//! Messages between ranks: a kind and bytes, sent and awaited without keeping a processor busy.
+
+use mpi::topology::SimpleCommunicator;
+use mpi::traits::*;
+use std::time::Duration;
+
+/// What a message is; the tag of MPI.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Kind {
+    Run,
+    Lease,
+    Stop,
+    Halt,
+    End,
+    Parcel,
+}
+
+const KINDS: [Kind; 6] = [Kind::Run, Kind::Lease, Kind::Stop, Kind::Halt, Kind::End, Kind::Parcel];
+
+/// A message that has come.
+pub(super) struct Received {
+    pub kind: Kind,
+    /// The rank that sent it.
+    pub from: usize,
+    pub bytes: Vec<u8>,
+}
+
+/// Lengths are C integers, so that long messages go in pieces: all but the last have this length.
+const PIECE: usize = 1 << 28;
+
+/// The next message, if one has come; of this rank, where only that one is to be heard.
+pub(super) fn receive_from(only: Option<usize>) -> Option<Received> {
+    let world = SimpleCommunicator::world();
+    let (message, status) = match only {
+        Some(rank) => world.process_at_rank(rank as i32).immediate_matched_probe()?,
+        None => world.any_process().immediate_matched_probe()?,
+    };
+    let (from, tag) = (status.source_rank(), status.tag());
+    let mut bytes = vec![0_u8; length(&status)];
+    message.matched_receive_into(&mut bytes);
+    let mut last = bytes.len();
+    while last == PIECE {
+        let (message, status) = world.process_at_rank(from).matched_probe_with_tag(tag);
+        last = length(&status);
+        let start = bytes.len();
+        bytes.resize(start + last, 0);
+        message.matched_receive_into(&mut bytes[start..]);
+    }
+    let kind = KINDS.into_iter().find(|kind| *kind as i32 == tag)?;
+    Some(Received { kind, from: from as usize, bytes })
+}
+
+/// The next message, if one has come.
+pub(super) fn receive() -> Option<Received> {
+    receive_from(None)
+}
+
+fn length(status: &mpi::point_to_point::Status) -> usize {
+    status.count(u8::equivalent_datatype()).max(0) as usize
+}
+
+/// Send a message, asleep until it is taken.
+pub(super) fn send(to: usize, kind: Kind, bytes: &[u8]) {
+    let world = SimpleCommunicator::world();
+    let process = world.process_at_rank(to as i32);
+    // A message of whole pieces ends with an empty one.
+    let pieces = bytes.len() / PIECE + 1;
+    for piece in (0..pieces).map(|k| &bytes[k * PIECE..bytes.len().min((k + 1) * PIECE)]) {
+        mpi::request::scope(|scope| {
+            let mut nap = Nap::default();
+            let mut request = process.immediate_send_with_tag(scope, piece, kind as i32);
+            while let Err(pending) = request.test() {
+                request = pending;
+                std::thread::sleep(nap.next());
+            }
+        });
+    }
+}
+
+/// End all ranks at once.
+pub(super) fn abort() -> ! {
+    SimpleCommunicator::world().abort(1)
+}
+
+/// How long to sleep until the next look: not at all, then longer and longer, until something happens.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Nap(u32);
+
+impl Nap {
+    const LONGEST: Duration = Duration::from_millis(20);
+
+    /// The next one.
+    pub fn next(&mut self) -> Duration {
+        let nap = Duration::from_millis(1) * self.0.div_ceil(4);
+        self.0 += 1;
+        nap.min(Nap::LONGEST)
+    }
+}

@@ -1,0 +1,108 @@
+#!/usr/bin/env bash
+# One run in several processes, by MPI: the file of 1, 2, 3 and 4 ranks is that of threads, byte by byte; a rank that is lost
+# ends all of them, and what was finished is continued by another number of ranks, or by threads. Installs what it needs.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+missing=()
+command -v mpirun >/dev/null || missing+=(openmpi-bin)
+command -v mpicc >/dev/null || missing+=(libopenmpi-dev)
+command -v clang >/dev/null || missing+=(clang libclang-dev)
+if [ "${#missing[@]}" -gt 0 ]; then
+    as_root=()
+    [ "$(id -u)" -eq 0 ] || as_root=(sudo)
+    echo "installing: ${missing[*]}"
+    "${as_root[@]}" apt-get update -q >/dev/null
+    "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y -q --no-install-recommends "${missing[@]}" >/dev/null
+fi
+cargo build --release --quiet --features mpi --bin mc
+
+folder=$(mktemp -d)
+trap 'kill $(jobs -p) 2>/dev/null; rm -rf "$folder"' EXIT
+cp target/release/mc "$folder/mc"
+scene=$PWD/scenarios/rho025.toml
+cd "$folder"
+# A container has few processors, and its user is root.
+export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 OMPI_MCA_rmaps_base_oversubscribe=1 OMPI_MCA_btl_vader_single_copy_mechanism=none
+
+fail() { echo "FAILED: $*" >&2; exit 1; }
+ranks() { timeout 120 mpirun -n "$1" ./mc "${@:2}" --threads 1 --quiet 2>messages; }
+same() { cmp -s "$1" "$2" || fail "$3"; echo "same: $3"; }
+
+# Runs of every kind.
+compare() { # COUNTS ARGUMENTS...
+    ./mc run "$scene" "${@:2}" --quiet -o threads.h5 2>/dev/null
+    for count in $1; do
+        ranks "$count" run "$scene" "${@:2}" -o ranks.h5 || fail "$count ranks: $(cat messages)"
+        same threads.h5 ranks.h5 "$count ranks, ${*:2}"
+        rm ranks.h5
+    done
+    rm threads.h5
+}
+compare '1 2 3 4' --paths 29000 --set record.events=true --set record.trajectories=1300 --set time.output_step=5
+compare 3 --paths 20000 --until 'stick_duration_mean < 1%'
+compare 3 --paths 5000 --scheme event-driven
+compare 2 --paths 20000 --set ensemble.antithetic=true --set record.paths=false
+compare 4 --paths 100
+
+# The file of a part says how long it took, so that no two are alike.
+ranks 3 run "$scene" --paths 20000 --part 2/3 -o part.h5 || fail "$(cat messages)"
+./mc verify part.h5 --blocks all 2>/dev/null | grep -q 'every statistic' || fail 'a part of a run'
+echo 'same: a part of a run'
+
+# One line of progress and one table, however many ranks there are.
+timeout 60 mpirun -n 3 ./mc run "$scene" --paths 20000 --threads 1 -o shown.h5 >table 2>messages
+[ "$(grep -c '^stick_duration_mean' table)" -eq 1 ] || fail "the table is not there once: $(cat table)"
+[ "$(grep -c 'paths.*left' messages)" -le 1 ] || fail "several lines of progress: $(cat messages)"
+if timeout 60 mpirun -n 2 ./mc show shown.h5 >/dev/null 2>messages; then fail 'mc show with several ranks'; fi
+grep -q 'leave out mpirun' messages || fail "no reason: $(cat messages)"
+
+# Whoever waits sleeps: three ranks that have nothing to do take next to no CPU time beside the one that works.
+cpu() { # COMMAND...: CPU seconds of it and its children
+    local TIMEFORMAT='%U %S'
+    { time "$@" 2>/dev/null; } 2>used
+    awk '{ print $1 + $2 }' used
+}
+long=(run "$scene" --paths 256 --step 0.00001 --no-bias --set time.output_step=5)
+alone=$(cpu ./mc "${long[@]}" --threads 1 --quiet -o alone.h5)
+together=$(cpu ranks 4 "${long[@]}" -o together.h5)
+echo "CPU time of one block: $alone s alone, $together s on 4 ranks, of which 3 wait"
+awk "BEGIN { exit !($together < 1.25 * $alone + 1.5) }" || fail 'waiting takes CPU time'
+
+# Lost ranks, signals: all end, and what was finished goes on.
+paths=(--paths 600000 --no-bias)
+./mc run "$scene" "${paths[@]}" --quiet -o whole.h5 2>/dev/null
+lost() { # WHAT SIGNAL RANK: 0 to 2, or `launcher`
+    rm -rf lost.h5*
+    mpirun -n 3 ./mc run "$scene" "${paths[@]}" --threads 1 --quiet -o lost.h5 2>messages &
+    local launcher=$! start=$SECONDS to code=0
+    until [ -e lost.h5.partial/state ]; do
+        [ $((SECONDS - start)) -lt 60 ] || fail "$1: nothing was saved"
+        sleep 0.05
+    done
+    to=$launcher
+    [ "$3" = launcher ] || to=$(pgrep -P "$launcher" | sed -n "$(($3 + 1))p")
+    kill -"$2" "$to"
+    start=$SECONDS
+    wait "$launcher" || code=$?
+    [ "$code" -ne 0 ] || fail "$1: exit code 0"
+    [ $((SECONDS - start)) -lt 20 ] || fail "$1: all took $((SECONDS - start)) s to end"
+    [ ! -e lost.h5 ] || fail "$1: a file of an unfinished run"
+    [ -z "$(pgrep -P "$launcher")" ] || fail "$1: a rank is left"
+    ./mc show lost.h5 2>/dev/null | grep -q 'interrupted' || fail "$1: nothing to show"
+    echo "ended: $1, exit code $code"
+}
+lost 'a worker is killed' KILL 1
+cp -r lost.h5.partial again.h5.partial
+ranks 2 resume lost.h5 || fail "$(cat messages)"
+same whole.h5 lost.h5 'a run of 3 ranks, of which one was killed, continued by 2'
+./mc resume again.h5 --quiet 2>/dev/null
+same whole.h5 again.h5 'the same, continued by threads'
+lost 'rank 0 is killed' KILL 0
+ranks 4 resume lost.h5 || fail "$(cat messages)"
+same whole.h5 lost.h5 'a run of 3 ranks, of which the first was killed, continued by 4'
+lost 'the launcher gets SIGTERM' TERM launcher
+ranks 1 resume lost.h5 || fail "$(cat messages)"
+same whole.h5 lost.h5 'a run of 3 ranks that was stopped, continued by 1'
+
+echo "all of it: $SECONDS s"
