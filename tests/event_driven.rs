@@ -264,6 +264,7 @@ fn a_temperature_that_relaxes_without_diffusion_is_one_more_exponential() {
         harmonics: Vec::new(),
         series: None,
         is_pinned: false,
+        second_noise: None,
         noise: Some(Noise { intensity: 0.5, relaxation_rate: 0.5, diffusion: 0.0, initial: InitialNoise::At(2.0) }),
     };
     let events = noiseless_events(&model, 60.0);

@@ -35,7 +35,7 @@ pub(super) fn expected_amplitude(model: &Model, end: f64, step: Option<f64>) -> 
     let harmonics = temperature.harmonics.iter().map(|harmonic| {
         (Complex::unit(harmonic.phase) * harmonic.amplitude, Complex::new(0.0, harmonic.angular_frequency))
     });
-    let relaxing = temperature.effective_noise().into_iter().filter_map(|noise| match noise.initial {
+    let relaxing = temperature.noises().filter_map(|noise| match noise.initial {
         InitialNoise::At(v) => {
             Some((Complex::new(noise.intensity * v, 0.0), Complex::new(-noise.relaxation_rate, 0.0)))
         }
@@ -57,7 +57,7 @@ pub(super) fn expected_amplitude(model: &Model, end: f64, step: Option<f64>) -> 
         (x, y) = (x + oscillator.dilatation * series.at(0.0), y + oscillator.dilatation * series.steepest() / w0);
         most_y += oscillator.dilatation.abs() * series.steepest() / w0;
     }
-    let stirred = temperature.effective_noise().map_or(0.0, |noise| stirred(model, &noise, end, step));
+    let stirred = temperature.noises().map(|noise| stirred(model, &noise, end, step)).sum::<f64>();
     most_x + (x0 - x).hypot(y).max((friction.static_force / oscillator.stiffness).hypot(most_y)) + stirred
 }
 

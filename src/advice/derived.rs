@@ -15,7 +15,8 @@ pub struct Derived {
     pub frequency_ratios: Vec<f64>,
     /// f_d/f_s; none if f_s = 0.
     pub friction_ratio: Option<f64>,
-    /// K |beta| rho sigma / sqrt(2 theta): the stationary sd of the noise in b; none without noise.
+    /// K |beta| rho sigma / sqrt(2 theta): the stationary sd of the noise in b, of two noises together; none
+    /// without noise.
     pub noise_force: Option<f64>,
     /// f_s / (K |beta| rho) in units of the stationary sd of v: how far the noise must go to end a
     /// centred stick.
@@ -114,9 +115,13 @@ impl Scenario {
     pub fn derived(&self) -> Derived {
         let Model { oscillator, friction, temperature, .. } = &self.model;
         let w0 = oscillator.natural_frequency();
-        let noise = temperature.effective_noise();
-        let noise_force = noise.map(|noise| force_per_v(oscillator, &noise) * noise.stationary_sd());
-        let diffusive = noise.map(|noise| force_per_v(oscillator, &noise) * noise.diffusion).filter(|c| *c > 0.0);
+        // Variances of independent noises add.
+        let both = |of: fn(&Noise) -> f64| {
+            let forces = temperature.noises().map(|noise| force_per_v(oscillator, &noise) * of(&noise));
+            forces.reduce(f64::hypot)
+        };
+        let noise_force = both(Noise::stationary_sd);
+        let diffusive = both(|noise| noise.diffusion).filter(|c| *c > 0.0);
         let period = temperature.period();
         let steps = self.steps();
         Derived {

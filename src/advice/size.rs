@@ -56,7 +56,7 @@ fn events(scenario: &Scenario) -> f64 {
     let gain = oscillator.force_per_temperature().abs();
     let harmonic: f64 = temperature.harmonics.iter().map(|h| gain * h.amplitude.abs() * h.angular_frequency).sum();
     let measured = temperature.series.as_ref().map_or(0.0, |series| gain * series.variation() / series.end());
-    let noise = temperature.effective_noise().map_or(0.0, |noise| gain * noise.intensity * noise.diffusion);
+    let noise = temperature.noises().map(|noise| gain * noise.intensity * noise.diffusion).fold(0.0, f64::hypot);
     let slips = end * (2.0 / PI * harmonic / gap + measured / gap + (noise / gap).powi(2));
     // Without a gap it is 0/0 or more: then the half-cycles count.
     2.0 * if slips < half_cycles { slips } else { half_cycles }

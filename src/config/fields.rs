@@ -95,6 +95,14 @@ impl<'a> Fields<'a> {
         items.iter().enumerate().map(|(i, item)| Self::open(self.sources, &path, format!("{path}.{i}"), item)).collect()
     }
 
+    /// A table, or the tables of an array of them: what may be there once or more often.
+    pub fn one_or_more(&self, name: &str) -> Result<Vec<Fields<'a>>, Box<Fault>> {
+        match self.node(name) {
+            Some(Node { value: Value::Array(_), .. }) => self.tables(name),
+            _ => Ok(self.table_if_present(name)?.into_iter().collect()),
+        }
+    }
+
     /// A number that must be there.
     pub fn number(&self, key: Key) -> Result<Read, Box<Fault>> {
         self.number_if_present(key)?.ok_or_else(|| self.missing(key))
@@ -140,6 +148,11 @@ impl<'a> Fields<'a> {
             let remedy = "write a length of time above 0 such as \"6h\", \"90min\" or \"2d\", or a number".to_string();
             self.fault(node, &self.dotted(key.name), "is no length of time".into(), remedy)
         })
+    }
+
+    /// The fault of a table that should not be there.
+    pub fn wrong(&self, problem: &str, remedy: &str) -> Box<Fault> {
+        self.sources.fault(self.place, problem.to_string(), remedy.to_string()).of(&self.path)
     }
 
     /// The fault of a text that is not there.

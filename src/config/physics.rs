@@ -43,21 +43,28 @@ pub(super) fn physics(sources: &Sources<'_>, root: &Fields<'_>) -> Result<Physic
             phase: harmonic.number_or(keys::PHASE, 0.0)?.value,
         });
     }
-    let noise = match table.table_if_present("noise")? {
-        Some(table) => Some(noise(&table)?),
-        None => None,
-    };
-
-    noise.as_ref().map_or(Ok(()), check::noise).map_err(fault)?;
+    let noises = table.one_or_more("noise")?;
+    if let [_, _, third, ..] = &noises[..] {
+        let remedy = "keep two of them, or add up those whose relaxation rates are alike: their variances add";
+        return Err(third.wrong("is one noise too many; two are simulated at most", remedy));
+    }
+    let mut read = Vec::new();
+    for table in &noises {
+        let noise = noise(table)?;
+        check::noise(&noise).map_err(fault)?;
+        read.push(noise);
+    }
+    let (noise, second_noise) = (read.first().copied(), read.get(1).copied());
 
     let (series, measured) = series::series(sources, root)?.unzip();
-    let pinned = table.table("noise")?;
-    let is_pinned = pinned.flag_or("pinned", false)?;
-    let temperature = Temperature { harmonics, series, is_pinned, noise };
+    let mut is_pinned = false;
+    for table in &noises {
+        is_pinned |= table.flag_or("pinned", false)?;
+    }
+    let temperature = Temperature { harmonics, series, is_pinned, noise, second_noise };
     if let Some((problem, remedy)) = check::pinned(&temperature) {
-        return Err(sources
-            .fault(pinned.place_of("pinned"), problem.into(), remedy.into())
-            .of("temperature.noise.pinned"));
+        let place = noises.iter().find_map(|table| table.place_of("pinned"));
+        return Err(sources.fault(place, problem.into(), remedy.into()).of("temperature.noise.pinned"));
     }
 
     let table = root.table("initial")?;

@@ -75,19 +75,19 @@ fn physics(text: &mut String, scenario: &Scenario) {
     if let (Some(measured), Some(samples)) = (measured, &model.temperature.series) {
         series(text, measured, samples);
     }
-    match &model.temperature.noise {
-        None => text.push_str("\n# no [temperature.noise]: rho = 0\n"),
-        Some(Noise { intensity, relaxation_rate, diffusion, initial }) => {
+    match (&model.temperature.noise, &model.temperature.second_noise) {
+        (None, _) => text.push_str("\n# no [temperature.noise]: rho = 0\n"),
+        (Some(only), None) => {
             table(text, "temperature.noise");
-            number(text, keys::INTENSITY, *intensity);
-            number(text, keys::RELAXATION_RATE, *relaxation_rate);
-            number(text, keys::DIFFUSION, *diffusion);
-            match initial {
-                InitialNoise::At(v0) => number(text, keys::INITIAL_NOISE, *v0),
-                InitialNoise::Stationary => line(text, "initial", "\"stationary\"", "v(0) ~ N(0, sigma^2 / (2 theta))"),
-            }
+            noise(text, only);
             if model.temperature.is_pinned {
                 line(text, "pinned", "true", "v is zero at every sample of the series");
+            }
+        }
+        (Some(first), Some(second)) => {
+            for each in [first, second] {
+                text.push_str("\n[[temperature.noise]]  # rho v, one of two\n");
+                noise(text, each);
             }
         }
     }
@@ -97,6 +97,16 @@ fn physics(text: &mut String, scenario: &Scenario) {
         line(text, "displacement", "\"balanced\"", &format!("x0: beta T(0) = {x0:?}, where no spring force acts"));
     } else {
         number(text, keys::DISPLACEMENT, model.initial_displacement);
+    }
+}
+
+fn noise(text: &mut String, Noise { intensity, relaxation_rate, diffusion, initial }: &Noise) {
+    number(text, keys::INTENSITY, *intensity);
+    number(text, keys::RELAXATION_RATE, *relaxation_rate);
+    number(text, keys::DIFFUSION, *diffusion);
+    match initial {
+        InitialNoise::At(v0) => number(text, keys::INITIAL_NOISE, *v0),
+        InitialNoise::Stationary => line(text, "initial", "\"stationary\"", "v(0) ~ N(0, sigma^2 / (2 theta))"),
     }
 }
 

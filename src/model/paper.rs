@@ -14,6 +14,7 @@ pub(crate) fn paper(w: f64, rho: f64) -> Model {
             series: None,
             is_pinned: false,
             noise: (rho != 0.0).then_some(noise),
+            second_noise: None,
         },
         initial_displacement: 6.0,
     }

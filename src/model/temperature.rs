@@ -1,4 +1,4 @@
-//! What drives the oscillator: a sum of harmonics, what was measured, and an Ornstein-Uhlenbeck noise on top.
+//! What drives the oscillator: a sum of harmonics, what was measured, and one or two Ornstein-Uhlenbeck noises on top.
 
 use super::Series;
 use std::f64::consts::TAU;
@@ -57,7 +57,7 @@ impl Noise {
     }
 }
 
-/// T(t) = sum_i a_i cos(w_i t + phi_i) + S(t) + rho v(t).
+/// T(t) = sum_i a_i cos(w_i t + phi_i) + S(t) + sum_j rho_j v_j(t), with one noise or two.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Temperature {
     /// What is known in closed form.
@@ -70,6 +70,8 @@ pub struct Temperature {
     /// The noise as it was written, if any; one that is zero for ever is kept, but see
     /// [`Temperature::effective_noise`].
     pub noise: Option<Noise>,
+    /// Another noise, independent of the first: weather has a memory of hours and one of days.
+    pub second_noise: Option<Noise>,
 }
 
 /// Cycles of the slowest harmonic in which the others are to come round.
@@ -82,13 +84,24 @@ impl Temperature {
     /// Whether T(t) differs from path to path, and with it all that follows from it. Else one path
     /// is the ensemble.
     pub fn is_random(&self) -> bool {
-        self.noise.is_some_and(|noise| noise.is_random())
+        self.noises().any(|noise| noise.is_random())
     }
 
-    /// The noise, unless it is zero for ever: what is simulated. A scene without it draws no random
+    /// The noises that are not zero for ever: what is simulated. A scene without any draws no random
     /// number.
+    pub fn noises(&self) -> impl Iterator<Item = Noise> {
+        [self.noise, self.second_noise].into_iter().flatten().filter(|noise| !noise.is_silent())
+    }
+
+    /// The first of [`Temperature::noises`]; the only one for whoever asks [`Temperature::has_two_noises`]
+    /// before.
     pub fn effective_noise(&self) -> Option<Noise> {
-        self.noise.filter(|noise| !noise.is_silent())
+        self.noises().next()
+    }
+
+    /// Whether two noises are to be simulated.
+    pub fn has_two_noises(&self) -> bool {
+        self.noises().count() == 2
     }
 
     /// The harmonics and the series at time t, straight from their definition.
@@ -98,23 +111,23 @@ impl Temperature {
         self.series.as_ref().map_or(harmonics, |series| harmonics + series.at(t))
     }
 
-    /// E T(t), straight from its definition: harmonics and series, and v relaxing from where it starts.
+    /// E T(t), straight from its definition: harmonics and series, and each v relaxing from where it starts.
     pub fn mean(&self, t: f64) -> f64 {
-        let relaxing = self.effective_noise().map_or(0.0, |noise| match noise.initial {
+        let relaxing = self.noises().map(|noise| match noise.initial {
             InitialNoise::At(v) => noise.intensity * v * libm::exp(-noise.relaxation_rate * t),
             InitialNoise::Stationary => 0.0,
         });
-        self.deterministic(t) + relaxing
+        self.deterministic(t) + relaxing.sum::<f64>()
     }
 
-    /// A bound of |T|, with the noise kept to so many stationary standard deviations.
+    /// A bound of |T|, with each noise kept to so many stationary standard deviations.
     pub fn bound(&self, sds: f64) -> f64 {
         let harmonics: f64 = self.harmonics.iter().map(|harmonic| harmonic.amplitude.abs()).sum();
-        let noise = self.effective_noise().map_or(0.0, |noise| {
+        let noise = self.noises().map(|noise| {
             let start = if let InitialNoise::At(v0) = noise.initial { v0.abs() } else { 0.0 };
             noise.intensity * (start + sds * noise.stationary_sd())
         });
-        harmonics + self.series.as_ref().map_or(0.0, |series| series.bound()) + noise
+        harmonics + self.series.as_ref().map_or(0.0, |series| series.bound()) + noise.sum::<f64>()
     }
 
     /// P: the shortest time after which every harmonic repeats itself.

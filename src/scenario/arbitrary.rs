@@ -32,14 +32,14 @@ prop_compose! {
         (mass, stiffness, damping, dilatation) in (size(), size(), prop_oneof![size(), Just(0.0)], signed()),
         (static_force, ratio) in (size(), 0.0..=1.0f64),
         harmonics in proptest::collection::vec((signed(), size(), signed()), 0..4),
-        noise in proptest::option::of(noise()),
+        (noise, second_noise) in (proptest::option::of(noise()), proptest::option::of(noise())),
         initial_displacement in signed(),
     ) -> Model {
         let harmonic = |(amplitude, angular_frequency, phase)| Harmonic { amplitude, angular_frequency, phase };
         Model {
             oscillator: Oscillator { mass, stiffness, damping, dilatation },
             friction: Friction { static_force, dynamic_force: static_force * ratio },
-            temperature: Temperature { harmonics: harmonics.into_iter().map(harmonic).collect(), series: None, is_pinned: false, noise },
+            temperature: Temperature { harmonics: harmonics.into_iter().map(harmonic).collect(), series: None, is_pinned: false, second_noise: noise.and(second_noise), noise },
             initial_displacement,
         }
     }
@@ -60,6 +60,9 @@ prop_compose! {
         let kind = Kind::ALL[kind];
         let scheme = kind.with(if kind.has_step() { step } else { tolerance });
         let mut model = model;
+        if kind.has_step() {
+            model.temperature.second_noise = None;
+        }
         if kind == Kind::CorrectedVi && monitoring_shift(&model, step) >= model.friction.static_force / 2.0 {
             model.temperature.noise = None;
         }

@@ -11,7 +11,7 @@ impl Scenario {
     pub fn check(&self) -> Result<(), Misfit> {
         let Scenario { model, time, scheme, statistics, .. } = self;
         friction(&model.friction)?;
-        model.temperature.noise.as_ref().map_or(Ok(()), noise)?;
+        [model.temperature.noise, model.temperature.second_noise].iter().flatten().try_for_each(noise)?;
         forces(model)?;
         series(model, time.end)?;
         reach(model, time.end)?;
@@ -134,6 +134,12 @@ pub(crate) fn pinned(temperature: &Temperature) -> Option<(&'static str, &'stati
         return Some((
             "is true, and there is no [temperature.series] to pin the noise to",
             "remove it, or give a series",
+        ));
+    }
+    if temperature.second_noise.is_some() {
+        return Some((
+            "is true, and there are two noises",
+            "keep the faster one: between samples the other hardly moves",
         ));
     }
     let starts_at_zero = matches!(noise.initial, InitialNoise::At(0.0));

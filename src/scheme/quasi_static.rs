@@ -200,7 +200,7 @@ type Path = event_driven::Path<f64>;
 impl Noisy {
     fn new(scene: Scene, timeline: &Timeline, rules: &StepRules, slip: Swing) -> Self {
         let rates = scene.harmonics.iter().map(|h| h.angular_frequency);
-        let ladder = scene.ladder(round_down(rules.slip_length / rates.fold(scene.relaxation_rate, f64::max)));
+        let ladder = scene.ladder(round_down(rules.slip_length / rates.fold(scene.noise_rate(), f64::max)));
         let corridor = Corridor::new(&scene, rules.chord_error);
         Noisy { scene, timeline: *timeline, ladder, corridor, slip, work_limit: WORK_LIMIT, closeness: 1 }
     }

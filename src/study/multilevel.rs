@@ -99,8 +99,10 @@ impl Multilevel {
     /// For a statistic that is a mean over paths; none for any other, and none without noise, where one path says it all.
     pub fn new(model: &Model, end: f64, statistic: Statistic, seed: u64) -> Option<Self> {
         value_of(statistic)?;
-        // Steps do not meet the samples that noise is pinned to.
-        let noise = model.temperature.effective_noise().filter(|_| !model.temperature.is_pinned)?;
+        // The scheme with a step has one noise, and does not meet the samples that noise is pinned to.
+        let temperature = &model.temperature;
+        let fits = !temperature.is_pinned && !temperature.has_two_noises();
+        let noise = temperature.effective_noise().filter(|_| fits)?;
         let rates = model.temperature.harmonics.iter().map(|harmonic| harmonic.angular_frequency.abs());
         let rates = rates.chain(model.temperature.series.as_ref().map(|series| 1.0 / series.usual_spacing()));
         let fastest = rates.fold(model.oscillator.natural_frequency().max(noise.relaxation_rate), f64::max);

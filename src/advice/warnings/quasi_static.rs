@@ -53,10 +53,11 @@ impl Slip {
         let bounds = temperature.harmonics.iter().map(|h| 2.0 * h.amplitude.abs());
         let bounds = bounds.chain(series.map(|series| series.range().1 - series.range().0));
         let harmonics: f64 = rates.clone().zip(bounds).map(|(rate, bound)| (rate * duration).min(bound)).sum();
-        let noise = temperature.effective_noise().map_or(0.0, |noise| {
+        let noise = temperature.noises().map(|noise| {
             let spread = noise.diffusion * duration.min(0.5 / noise.relaxation_rate).sqrt();
             noise.intensity * spread
         });
+        let noise = noise.fold(0.0, f64::hypot);
         let to_force = oscillator.force_per_temperature().abs();
         let gap = friction.static_force - friction.dynamic_force;
         // A slip ends because the body swings back faster than the forcing moves on, or because of noise.

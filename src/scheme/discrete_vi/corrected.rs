@@ -52,7 +52,7 @@ impl Method for CorrectedVi {
     }
 
     fn check(self, model: &Model, _end: f64) -> Result<(), Misfit> {
-        limits::check_pins(model)?;
+        limits::check_noise(model)?;
         limits::check_step(model, self.step)?;
         self.check_shift(model)?;
         limits::check_increments(model, self.step)

@@ -65,7 +65,7 @@ impl Method for DiscreteVi {
     }
 
     fn check(self, model: &Model, _end: f64) -> Result<(), Misfit> {
-        limits::check_pins(model)?;
+        limits::check_noise(model)?;
         limits::check_step(model, self.step)?;
         limits::check_increments(model, self.step)
     }

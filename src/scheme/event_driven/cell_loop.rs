@@ -34,6 +34,8 @@ pub struct Path<M> {
     pub displacement: f64,
     /// n.
     pub noise: f64,
+    /// What of n was n2 at the start of the cell; 0 where there is one noise.
+    pub second_noise: f64,
     /// b, as it is known where a phase begins: threshold or force at a stop, and not a difference
     /// of larger forces.
     pub force: f64,
@@ -266,7 +268,8 @@ pub const LOST: Seen = (f64::NAN, f64::NAN, f64::NAN, false);
 /// A path at t = 0.
 pub fn start<C: Cascade>(cascade: &C, seed: u64, path: u64) -> Path<C::Motion> {
     let (scene, draws) = (cascade.scene(), AddressedDraws::new(seed, path));
-    Path::new(scene, scene.draw_initial_noise(draws), draws, Work::new(cascade.work_limit()))
+    let (noise, second_noise) = scene.draw_initial_noise(draws);
+    Path { second_noise, ..Path::new(scene, noise, draws, Work::new(cascade.work_limit())) }
 }
 
 impl<M: Default> Path<M> {
@@ -277,6 +280,7 @@ impl<M: Default> Path<M> {
             after: 0.0,
             displacement,
             noise,
+            second_noise: 0.0,
             force: scene.initial_forcing() + noise - scene.oscillator.stiffness * displacement,
             phase: Phase::Static,
             motion: M::default(),
@@ -297,7 +301,7 @@ pub fn cross<C: Cascade>(
     watch: &mut impl Watch,
     mut emit: impl FnMut(Event),
 ) -> Result<(), Unresolved> {
-    let end_noise = cell.transition.next(path.noise, path.draws.at(cell.index, NOISE_PLACE).normal());
+    let end_noise = noise_at_the_end(cell, path);
     path.draws = path.draws.at(cell.index, EVENT_PLACE);
     path.after = 0.0;
     loop {
@@ -314,6 +318,17 @@ pub fn cross<C: Cascade>(
     }
     path.noise = end_noise;
     Ok(())
+}
+
+/// n at the end of a cell, given n at its start: the skeleton.
+#[inline(always)]
+fn noise_at_the_end<M>(cell: &Cell, path: &mut Path<M>) -> f64 {
+    let mut draws = path.draws.at(cell.index, NOISE_PLACE);
+    let Some([first, second]) = cell.two_transitions else { return cell.transition.next(path.noise, draws.normal()) };
+    let [for_first, for_second] = draws.normal_pair();
+    let first = first.next(path.noise - path.second_noise, for_first);
+    path.second_noise = second.next(path.second_noise, for_second);
+    first + path.second_noise
 }
 
 /// Take a path in a static phase to the end of the cell or to its exit.

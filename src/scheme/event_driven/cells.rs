@@ -24,6 +24,8 @@ pub struct Cell {
     pub length: f64,
     /// How n gets across it.
     pub transition: Transition,
+    /// How each of two noises gets across it, if there are two.
+    pub two_transitions: Option<[Transition; 2]>,
     /// The terms of B where it begins.
     pub terms: Vec<Complex>,
     /// B and its curvature where it begins.
@@ -50,6 +52,7 @@ impl Cell {
             end: length,
             length,
             transition: scene.transition(&ladder.rung(index)),
+            two_transitions: scene.two_noises.map(|both| both.transitions(length)),
             terms: vec![Complex::ZERO; scene.harmonics.len()],
             first: Forcing { value: 0.0, curvature: 0.0 },
             last: Forcing { value: 0.0, curvature: 0.0 },
@@ -65,6 +68,7 @@ impl Cell {
         if rung.length != self.length || scene.is_pinned {
             self.length = rung.length;
             self.transition = scene.transition(&rung);
+            self.two_transitions = scene.two_noises.map(|both| both.transitions(rung.length));
         }
         (self.index, self.start, self.end) = (index, rung.start, rung.end);
         scene.set_terms(self.end, &mut self.terms);

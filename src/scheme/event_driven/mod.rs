@@ -31,6 +31,7 @@ mod slip_step;
 mod slip_transition;
 mod step_rules;
 mod stick_step;
+mod two_noises;
 mod unfelt_noise;
 mod watch;
 mod work;
@@ -103,6 +104,10 @@ pub(super) fn check_friction(model: &Model, end: f64) -> Result<(), Misfit> {
         let problem =
             "`temperature.noise.pinned` is true, and the noise moves no force by more than rounding".to_string();
         return Err(Misfit::new(&[("temperature.noise.intensity", 0.0)], problem, "leave out [temperature.noise]"));
+    }
+    if felt.is_none() && model.temperature.has_two_noises() {
+        let problem = "there are two noises, and they move no force by more than rounding".to_string();
+        return Err(Misfit::new(&[("temperature.noise.intensity", 0.0)], problem, "leave one of them out"));
     }
     let Some(noise) = felt.filter(|_| f_s > 0.0) else { return Ok(()) };
     if can_be_computed_with(&[noise / f_s, 1.0 / (noise * f_s)]) {

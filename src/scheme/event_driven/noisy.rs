@@ -99,9 +99,10 @@ impl Noisy {
             scene.diffusion,
             &frequencies,
         );
-        let longest = rules.slip_length / oscillator.fastest_rate();
-        let slow = frequencies.iter().copied().fold(scene.relaxation_rate, f64::max);
-        let is_swift = oscillator.fastest_rate() > TWO_SCALES * slow;
+        let fastest = oscillator.fastest_rate().max(scene.noise_rate());
+        let longest = rules.slip_length / fastest;
+        let slow = frequencies.iter().copied().fold(scene.noise_rate(), f64::max);
+        let is_swift = fastest > TWO_SCALES * slow;
         let ladder = scene.ladder(round_down(if is_swift { rules.slip_length / slow } else { longest }));
         let cell_length = ladder.length();
         let length = cell_length / (cell_length / longest).ceil();
@@ -126,7 +127,7 @@ impl Noisy {
     /// Whether a slip crosses a cell in one step whose transition is a sum of series.
     pub fn has_one_step_a_cell(&self) -> bool {
         let length = self.step.transition.length;
-        self.ladder.is_even() && self.ladder.length() == length && self.oscillator.has_series_for(length)
+        self.scene.two_noises.is_none() && self.ladder.is_even() && self.ladder.length() == length && self.oscillator.has_series_for(length)
     }
 
     /// The step of a slip over a whole cell, and the square root of its length.

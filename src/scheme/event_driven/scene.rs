@@ -6,7 +6,8 @@
 //! |b| <= f_s; in a slip, m x'' = B(t) - K x - 2 alpha x' - eps f_d + n.
 
 use super::ladder::{Ladder, Rung};
-use crate::model::{Complex, Friction, InitialNoise, Model, Oscillator, Series};
+use super::two_noises::{Part, TwoNoises};
+use crate::model::{Complex, Friction, InitialNoise, Model, Noise, Oscillator, Series};
 use crate::noise::{AddressedDraws, Transition, bridge_at};
 use std::sync::Arc;
 
@@ -41,6 +42,8 @@ pub struct Scene {
     pub diffusion: f64,
     /// The law of n(0): its mean and standard deviation.
     pub initial_noise: (f64, f64),
+    /// What n is the sum of, where there are two noises; theta and s are those of the sum inside a cell then.
+    pub two_noises: Option<TwoNoises>,
     /// K beta: force per temperature.
     pub force_per_temperature: f64,
 }
@@ -64,16 +67,14 @@ impl Scene {
             let angular_frequency = LINE_ANGLE / series.longest_spacing();
             harmonics.push(ForceHarmonic { force: Complex::ZERO, angular_frequency });
         }
-        let (relaxation_rate, diffusion, initial_noise) = match model.temperature.effective_noise() {
-            None => (1.0, 0.0, (0.0, 0.0)),
-            Some(noise) => {
-                let force = gain * noise.intensity;
-                let initial = match noise.initial {
-                    InitialNoise::At(v) => (force * v, 0.0),
-                    InitialNoise::Stationary => (0.0, force.abs() * noise.stationary_sd()),
-                };
-                (noise.relaxation_rate, force.abs() * noise.diffusion, initial)
+        let mut noises = model.temperature.noises();
+        let (noise, two_noises) = match (noises.next(), noises.next()) {
+            (Some(first), Some(second)) => {
+                let both = TwoNoises::new([first, second], gain);
+                (both.inside(), Some(both))
             }
+            (Some(noise), None) => (part(&noise, gain), None),
+            (None, _) => (Part { relaxation_rate: 1.0, diffusion: 0.0, initial: (0.0, 0.0) }, None),
         };
         Scene {
             oscillator,
@@ -82,17 +83,27 @@ impl Scene {
             harmonics,
             series,
             is_pinned: model.temperature.is_pinned,
-            relaxation_rate,
-            diffusion,
-            initial_noise,
+            relaxation_rate: noise.relaxation_rate,
+            diffusion: noise.diffusion,
+            initial_noise: noise.initial,
+            two_noises,
             force_per_temperature: gain,
         }
     }
 
-    /// n(0) of a path.
-    pub fn draw_initial_noise(&self, path: AddressedDraws) -> f64 {
+    /// n(0) of a path, and what of it is n2.
+    pub fn draw_initial_noise(&self, path: AddressedDraws) -> (f64, f64) {
+        if let Some(both) = &self.two_noises {
+            let [first, second] = both.draw(path);
+            return (first + second, second);
+        }
         let (mean, sd) = self.initial_noise;
-        if sd > 0.0 { mean + sd * path.for_start().normal() } else { mean }
+        (if sd > 0.0 { mean + sd * path.for_start().normal() } else { mean }, 0.0)
+    }
+
+    /// The rate of the noise that cells are to resolve.
+    pub fn noise_rate(&self) -> f64 {
+        self.two_noises.map_or(self.relaxation_rate, |both| both.rate())
     }
 
     /// What the noise moves b by until `end`, if that can change a force at all: not if it stays
@@ -156,6 +167,16 @@ impl Scene {
             *term = h.force * Complex::unit(h.angular_frequency * t);
         }
     }
+}
+
+/// A noise, measured as a force.
+pub fn part(noise: &Noise, gain: f64) -> Part {
+    let force = gain * noise.intensity;
+    let initial = match noise.initial {
+        InitialNoise::At(v) => (force * v, 0.0),
+        InitialNoise::Stationary => (0.0, force.abs() * noise.stationary_sd()),
+    };
+    Part { relaxation_rate: noise.relaxation_rate, diffusion: force.abs() * noise.diffusion, initial }
 }
 
 /// By how much the harmonic that stands for a line turns from sample to sample, at most.

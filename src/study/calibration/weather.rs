@@ -7,9 +7,9 @@ use crate::noise::{Stream, Transition};
 pub fn drawn(temperature: &Temperature, count: usize, every: f64, seed: u64) -> [Vec<f64>; 2] {
     let times: Vec<f64> = (0..count).map(|i| i as f64 * every).collect();
     let mut temperatures: Vec<f64> = times.iter().map(|t| temperature.deterministic(*t)).collect();
-    if let Some(noise) = temperature.effective_noise() {
-        // No path of a twin's flaws draws from this stream.
-        let mut random = Stream::new(seed, u64::MAX);
+    // No path of a twin's flaws draws from these streams.
+    for (noise, stream) in temperature.noises().zip([u64::MAX, u64::MAX - 1]) {
+        let mut random = Stream::new(seed, stream);
         let transition = Transition::new(noise.relaxation_rate, noise.diffusion, every);
         let mut v = noise.stationary_sd() * random.normal();
         for temperature in &mut temperatures {

@@ -129,6 +129,7 @@ impl<'a> Abreast<'a> {
             after: 0.0,
             displacement: self.now.x[lane],
             noise: self.now.n[lane],
+            second_noise: 0.0,
             force: self.now.force[lane],
             phase: if eps == 0.0 { Phase::Static } else { Phase::Slip(Sign::of(eps)) },
             motion: self.now.v[lane],
