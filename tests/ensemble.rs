@@ -222,6 +222,7 @@ fn diverged_paths_are_counted_listed_and_kept_out() {
         harmonics: Vec::new(),
         series: None,
         is_pinned: false,
+        second_noise: None,
         noise: Some(Noise {
             intensity: 1.0,
             relaxation_rate: 1e-9,

@@ -77,6 +77,7 @@ fn nearly_white(theta: f64, intensity: f64, friction: Friction) -> Model {
         harmonics: Vec::new(),
         series: None,
         is_pinned: false,
+        second_noise: None,
         noise: Some(Noise { intensity: rho, relaxation_rate: theta, diffusion: 1.0, initial: InitialNoise::At(0.0) }),
     };
     model

@@ -8,7 +8,7 @@ use super::numbers::{parse_duration, wrapped};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 use stick_slip::config::{BridgeScene, Override};
-use stick_slip::data::{self, DataError, Wanted};
+use stick_slip::data::DataError;
 use stick_slip::store;
 use stick_slip::study::calibration::{
     Calibration, CalibrationError, Held, Lag, Method, Motion, Quantity, Question, Record, calibrate,
@@ -82,7 +82,7 @@ impl Calibrate {
         if let Some(output) = &self.output {
             writable(output, self.force, [self.scenario.as_path(), self.data.as_path()])?;
         }
-        let record = record(&self.data, &scene, self.displacement.as_deref(), self.unit.as_deref())?;
+        let record = measurements::record(&self.data, &scene, self.displacement.as_deref(), self.unit.as_deref())?;
         let question = Question {
             method: self.method,
             shear_stiffness: scene.shear_stiffness,
@@ -152,24 +152,8 @@ pub(super) fn show(
     print(&if json { report::json(calibration, warnings) } else { report::table(title, calibration) })
 }
 
-/// A record in the columns that a scenario names.
-fn record(path: &Path, scene: &BridgeScene, displacement: Option<&str>, unit: Option<&str>) -> Result<Record, Failure> {
-    let column = measurements::named(displacement, "displacement");
-    let displacement = Wanted { column, quantity: data::Quantity::Displacement, unit, max_gap: None };
-    let table = measurements::read(path, scene, &[measurements::temperature(scene), displacement])?;
-    if !table.in_seconds {
-        let problem = format!("{}: the name of column `{}` says no unit of time", path.display(), scene.time);
-        return Err(Failure::usage(
-            problem,
-            "rename it, e.g. to `time_s` or `time_h`, and name it in temperature.series.time",
-        ));
-    }
-    let [temperature, displacement] = [&table.columns[0], &table.columns[1]];
-    Ok(Record::of([&temperature.times, &temperature.values], [&displacement.times, &displacement.values]))
-}
-
 /// Where a search begins if slips do not say so.
-fn guess(scene: &BridgeScene, record: &Record) -> Motion {
+pub(super) fn guess(scene: &BridgeScene, record: &Record) -> Motion {
     let slope = scene.stiffness * scene.dilatation;
     let first = record.temperatures.first().copied().unwrap_or(0.0);
     Motion {
@@ -179,7 +163,7 @@ fn guess(scene: &BridgeScene, record: &Record) -> Motion {
     }
 }
 
-fn refused(path: &Path, error: &CalibrationError) -> Failure {
+pub(super) fn refused(path: &Path, error: &CalibrationError) -> Failure {
     let remedy = match error {
         CalibrationError::TooShort(_) => "measure for longer: weeks at least, with tens of slips",
         CalibrationError::Constant(_) => "see that it is the right column, and that its sensor works",
@@ -226,7 +210,7 @@ fn lag(text: &str) -> Result<Lag, String> {
     }
 }
 
-fn level(text: &str) -> Result<f64, String> {
+pub(super) fn level(text: &str) -> Result<f64, String> {
     let level = text.parse::<f64>().ok().filter(|level| (0.5..=0.999).contains(level));
     level.ok_or_else(|| "write a probability from 0.5 to 0.999".to_string())
 }

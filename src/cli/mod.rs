@@ -8,6 +8,8 @@ mod completions;
 mod cost;
 mod ending;
 mod failure;
+mod fit_temperature;
+mod forecast;
 mod html;
 mod init;
 mod interrupt;
@@ -62,6 +64,8 @@ Examples:
   mc sweep mine.toml --vary friction.static=1.1:1.5:9   statistics as functions of a key
   mc calibrate bridge.toml data.csv         friction of a bearing from its temperature and displacement
   mc twin bridge.toml -o twin.csv           synthetic data of a bearing, to try that on
+  mc fit-temperature data.csv -o weather.toml   a measured temperature as harmonics and noise
+  mc forecast bridge.toml data.csv          what years to come do to the bearing
 
 Exit codes: 0 done, 1 the run failed, 2 the arguments or the scenario are wrong, 130 interrupted (128 + the number of the signal).";
 
@@ -101,6 +105,10 @@ enum Verb {
     Calibrate(calibrate::Calibrate),
     /// Synthetic measurements of a bearing whose truth is known, to try a calibration on
     Twin(twin::Twin),
+    /// Harmonics and noise of a scenario, from a measured temperature
+    FitTemperature(fit_temperature::FitTemperature),
+    /// What years to come do to a measured bearing: sliding path, slips, displacements, forces
+    Forecast(forecast::Forecast),
     /// Write a commented scenario to start from
     Init(init::Init),
     /// Print a completion script for a shell
@@ -128,6 +136,8 @@ impl Arguments {
             Verb::Sweep(sweep) => sweep.call(),
             Verb::Calibrate(calibrate) => calibrate.call(),
             Verb::Twin(twin) => twin.call(),
+            Verb::FitTemperature(fit) => fit.call(),
+            Verb::Forecast(forecast) => forecast.call(),
             Verb::Init(init) => init.call(),
             Verb::Completions(completions) => completions.call(),
         }

@@ -145,7 +145,7 @@ impl Twin {
 /// The measured temperature of a scenario.
 fn measured(scenario: &Path, file: &str, scene: &BridgeScene) -> Result<Air, Failure> {
     let path = scenario.parent().unwrap_or(Path::new("")).join(file);
-    let mut table = measurements::read(&path, scene, &[measurements::temperature(scene)])?;
+    let mut table = measurements::read(&path, measurements::time(scene), &[measurements::temperature(scene.value.as_deref())])?;
     let column = table.columns.swap_remove(0);
     Ok(Air { start: table.start, times: column.times, temperatures: column.values })
 }

@@ -35,7 +35,7 @@ pub use error::{Fault, ScenarioError};
 pub use overrides::Override;
 pub use shipped::{SHIPPED, Shipped, shipped};
 
-use crate::model::Series;
+use crate::model::{Series, Temperature};
 use crate::scenario::Scenario;
 use source::{Samples, Sources};
 use std::io::Read as _;
@@ -53,6 +53,12 @@ use std::sync::Arc;
 /// ```
 pub fn symbol_and_meaning(key: &str) -> Option<(&'static str, &'static str)> {
     keys::number(key).map(|key| (key.symbol, key.meaning))
+}
+
+/// The part of a scenario that says its temperature: `[temperature.harmonics]` and `[temperature.noise]`. A series is
+/// left out, because it is a file of its own.
+pub fn temperature_part(temperature: &Temperature) -> String {
+    text::of_temperature(temperature)
 }
 
 /// Largest scenario file, in bytes; one that is larger is some other file.

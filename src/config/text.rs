@@ -1,7 +1,7 @@
 //! A scenario as TOML: every default visible, the paper's symbol beside every number.
 
 use super::keys::{self, Key};
-use crate::model::{InitialNoise, Noise, Series};
+use crate::model::{InitialNoise, Noise, Series, Temperature};
 use crate::scenario::{Bearing, Measured, Scenario, Time, Units};
 use crate::stats::Record;
 use std::fmt::Write as _;
@@ -62,25 +62,43 @@ fn physics(text: &mut String, scenario: &Scenario) {
     table(text, "friction");
     number(text, keys::STATIC, model.friction.static_force);
     number(text, keys::DYNAMIC, model.friction.dynamic_force);
-    if model.temperature.harmonics.is_empty() {
+    temperature(text, &model.temperature, measured.as_ref());
+    table(text, "initial");
+    if *is_balanced {
+        let x0 = model.initial_displacement;
+        line(text, "displacement", "\"balanced\"", &format!("x0: beta T(0) = {x0:?}, where no spring force acts"));
+    } else {
+        number(text, keys::DISPLACEMENT, model.initial_displacement);
+    }
+}
+
+/// The tables of a temperature alone, to be a part of a scenario: harmonics and noises.
+pub(super) fn of_temperature(temperature: &Temperature) -> String {
+    let mut text = String::new();
+    self::temperature(&mut text, temperature, None);
+    text
+}
+
+fn temperature(text: &mut String, of: &Temperature, measured: Option<&Measured>) {
+    if of.harmonics.is_empty() {
         table(text, "temperature");
         line(text, "harmonics", "[]", "no deterministic part");
     }
-    for harmonic in &model.temperature.harmonics {
+    for harmonic in &of.harmonics {
         text.push_str("\n[[temperature.harmonics]]  # a cos(w t + phi)\n");
         number(text, keys::AMPLITUDE, harmonic.amplitude);
         number(text, keys::ANGULAR_FREQUENCY, harmonic.angular_frequency);
         number(text, keys::PHASE, harmonic.phase);
     }
-    if let (Some(measured), Some(samples)) = (measured, &model.temperature.series) {
+    if let (Some(measured), Some(samples)) = (measured, &of.series) {
         series(text, measured, samples);
     }
-    match (&model.temperature.noise, &model.temperature.second_noise) {
+    match (&of.noise, &of.second_noise) {
         (None, _) => text.push_str("\n# no [temperature.noise]: rho = 0\n"),
         (Some(only), None) => {
             table(text, "temperature.noise");
             noise(text, only);
-            if model.temperature.is_pinned {
+            if of.is_pinned {
                 line(text, "pinned", "true", "v is zero at every sample of the series");
             }
         }
@@ -90,13 +108,6 @@ fn physics(text: &mut String, scenario: &Scenario) {
                 noise(text, each);
             }
         }
-    }
-    table(text, "initial");
-    if *is_balanced {
-        let x0 = model.initial_displacement;
-        line(text, "displacement", "\"balanced\"", &format!("x0: beta T(0) = {x0:?}, where no spring force acts"));
-    } else {
-        number(text, keys::DISPLACEMENT, model.initial_displacement);
     }
 }
 

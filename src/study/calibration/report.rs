@@ -187,6 +187,12 @@ impl Calibration {
         self.estimates[quantity as usize]
     }
 
+    /// The standard error of a quantity: that of its interval. NaN where it has none.
+    pub fn standard_error(&self, quantity: Quantity) -> f64 {
+        let Estimate { low, high, .. } = self.estimate(quantity);
+        0.5 * (high - low) / normal_quantile(self.question.level)
+    }
+
     /// All quantities at each start.
     pub fn start_values(&self) -> Vec<Values> {
         self.starts.iter().map(|start| values(&start.response, self.question.shear_stiffness)).collect()

@@ -1,0 +1,203 @@
+//! `mc fit-temperature`: from a measured temperature to harmonics and noise of a scenario.
+
+use super::failure::{Failure, note, print, writable};
+use super::measurements;
+use super::numbers::{Digits, grouped, significant, time};
+use super::table::{Row, aligned};
+use serde::Serialize;
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+use stick_slip::config;
+use stick_slip::data::{self, TimeColumn};
+use stick_slip::store;
+use stick_slip::study::weather::{WeatherError, WeatherFit, fit};
+
+const EXAMPLES: &str = "\
+Examples:
+  mc fit-temperature examples/bridge/twin.csv -o weather.toml
+  mc fit-temperature data.csv --time stamp --temperature air_degC --zone Europe/Paris --processes 1
+  cat bearing.toml weather.toml > year.toml && mc run year.toml --paths 1000
+
+FILE.toml holds [[temperature.harmonics]] and [[temperature.noise]], and makes a scenario together with one that has no temperature of
+its own. Times count from the first sample. The fit is of largest likelihood, exact for samples at any times, and knows gaps.";
+
+/// Arguments of `mc fit-temperature`.
+#[derive(Debug, clap::Args)]
+#[command(after_help = EXAMPLES)]
+pub struct FitTemperature {
+    /// The measurement, a CSV file with times and temperatures
+    #[arg(value_name = "DATA.csv")]
+    data: PathBuf,
+    /// How many Ornstein-Uhlenbeck processes the weather has: one, or a fast and a slow one
+    #[arg(long, value_name = "1|2", default_value_t = 2, value_parser = clap::value_parser!(u8).range(1..=2))]
+    processes: u8,
+    /// The periods of the harmonics, e.g. 1d; `none` for no harmonics
+    #[arg(long, value_name = "TIME,TIME", value_delimiter = ',', default_value = "365.25d,1d", value_parser = period)]
+    periods: Vec<Period>,
+    /// The column of times
+    #[arg(long, value_name = "COLUMN", default_value = "time")]
+    time: String,
+    /// The column of temperatures [default: the one whose name begins with `temperature`]
+    #[arg(long, value_name = "COLUMN")]
+    temperature: Option<String>,
+    /// The zone of stamps that name none, e.g. UTC or Europe/Paris
+    #[arg(long, value_name = "ZONE")]
+    zone: Option<String>,
+    /// Write the part of a scenario to FILE
+    #[arg(short, long, value_name = "FILE.toml")]
+    output: Option<PathBuf>,
+    /// Overwrite an earlier file
+    #[arg(long, requires = "output")]
+    force: bool,
+    /// Print one JSON object on standard output, and nothing else there
+    #[arg(long)]
+    json: bool,
+}
+
+/// The period of a harmonic in seconds; none for the word `none`.
+#[derive(Clone, Copy, Debug)]
+struct Period(Option<f64>);
+
+impl FitTemperature {
+    pub fn call(&self) -> Result<(), Failure> {
+        if let Some(output) = &self.output {
+            writable(output, self.force, [self.data.as_path()])?;
+        }
+        let time = TimeColumn { name: &self.time, zone: self.zone.as_deref() };
+        let wanted = [measurements::temperature(self.temperature.as_deref())];
+        let table = measurements::read_in_seconds(&self.data, time, &wanted)?;
+        let column = &table.columns[0];
+        let periods: Vec<f64> = self.periods.iter().filter_map(|period| period.0).collect();
+        let found = fit(&column.times, &column.values, &periods, usize::from(self.processes))
+            .map_err(|error| refused(&self.data, &error))?;
+        print(&if self.json { json(&found) } else { report(&found) })?;
+        if let Some(output) = &self.output {
+            let start = table.start.map_or_else(|| "the first sample".to_string(), |start| start.to_string());
+            let text = part(&found, &self.data, &start);
+            store::write_whole(output, text.as_bytes(), self.force)?;
+            note(&format!("{} holds the temperature, to be added to a scenario without one", output.display()));
+        }
+        Ok(())
+    }
+}
+
+/// Why there is no fit, and what to do.
+pub(super) fn refused(path: &Path, error: &WeatherError) -> Failure {
+    let remedy = match error {
+        WeatherError::TooShort(_) => "measure for longer",
+        WeatherError::ShorterThanPeriod(_) => {
+            "leave that period out, e.g. --periods 1d; what a year does cannot be forecast then"
+        }
+        WeatherError::NoProcess => "see that it is the right column, and that its sensor works",
+        WeatherError::OneIsEnough => "take --processes 1",
+    };
+    Failure::Run(format!("{}: {error}\n  fix: {remedy}", path.display()))
+}
+
+/// The part of a scenario.
+fn part(found: &WeatherFit, data: &Path, start: &str) -> String {
+    let mut text = format!(
+        "# The temperature of {}, fitted to {} samples; t = 0 is {start}.\n# In the tables: noise of intensity rho in \
+         kelvin, whose v has the standard deviation 1.\n",
+        data.file_name().unwrap_or_default().to_string_lossy(),
+        found.samples
+    );
+    for line in report(found).lines() {
+        let _ = writeln!(text, "{}", format!("# {line}").trim_end());
+    }
+    text + &config::temperature_part(&found.temperature())
+}
+
+/// What was found, for people.
+fn report(found: &WeatherFit) -> String {
+    let mut rows = vec![Row::labelled("", ["estimate", "standard error", ""].map(String::from))];
+    let mut row = |name: &str, value: f64, error: f64, note: String| {
+        let digits = Digits::of(value, error);
+        let cells = [digits.show(value), significant(error, 2)];
+        rows.push(Row { note, ..Row::labelled(name, cells) });
+    };
+    row("mean", found.mean.0, found.mean.1, "degrees".into());
+    for cycle in &found.cycles {
+        let name = format!("amplitude of {} d", significant(cycle.period / 86_400.0, 5));
+        row(&name, cycle.amplitude, cycle.error, format!("K, phase {}", significant(cycle.phase, 4)));
+    }
+    for process in &found.processes {
+        let sd = process.sd;
+        row("standard deviation of weather", sd, sd * process.sd_error, "K".into());
+        let hours = 1.0 / process.relaxation_rate / 3600.0;
+        row("  which it remembers for", hours, hours * process.rate_error, "h".into());
+    }
+    let mut text = aligned(&rows, "  ");
+    let _ = writeln!(text, "\ndata      {} samples in {}", grouped(found.samples as u64), time(found.duration));
+    let white = match found.white {
+        0.0 => "none: the samples do not ask for it".to_string(),
+        white => format!("{} K in every sample, not part of the weather", significant(white, 3)),
+    };
+    let _ = writeln!(text, "sensor    {white}\nlog L     {:.1}", found.log_likelihood);
+    text
+}
+
+#[derive(Serialize)]
+struct JsonFit {
+    samples: usize,
+    duration: f64,
+    mean: [f64; 2],
+    harmonics: Vec<JsonCycle>,
+    processes: Vec<JsonProcess>,
+    sensor_sd: f64,
+    log_likelihood: f64,
+}
+
+#[derive(Serialize)]
+struct JsonCycle {
+    period: f64,
+    amplitude: f64,
+    phase: f64,
+    standard_error: f64,
+}
+
+#[derive(Serialize)]
+struct JsonProcess {
+    sd: f64,
+    sd_relative_error: f64,
+    relaxation_rate: f64,
+    relaxation_rate_relative_error: f64,
+}
+
+/// What was found, for programs: seconds and kelvin.
+fn json(found: &WeatherFit) -> String {
+    let cycles = found.cycles.iter().map(|cycle| JsonCycle {
+        period: cycle.period,
+        amplitude: cycle.amplitude,
+        phase: cycle.phase,
+        standard_error: cycle.error,
+    });
+    let processes = found.processes.iter().map(|process| JsonProcess {
+        sd: process.sd,
+        sd_relative_error: process.sd_error,
+        relaxation_rate: process.relaxation_rate,
+        relaxation_rate_relative_error: process.rate_error,
+    });
+    let fit = JsonFit {
+        samples: found.samples,
+        duration: found.duration,
+        mean: [found.mean.0, found.mean.1],
+        harmonics: cycles.collect(),
+        processes: processes.collect(),
+        sensor_sd: found.white,
+        log_likelihood: found.log_likelihood,
+    };
+    serde_json::to_string_pretty(&fit).unwrap_or_default() + "\n"
+}
+
+fn period(text: &str) -> Result<Period, String> {
+    if text == "none" {
+        return Ok(Period(None));
+    }
+    let seconds = data::seconds(text).or_else(|| text.strip_suffix('d').and_then(days));
+    seconds.map(|seconds| Period(Some(seconds))).ok_or_else(|| "write times such as 365.25d, 1d or 12h, or none".into())
+}
+
+fn days(text: &str) -> Option<f64> {
+    text.parse::<f64>().ok().map(|days| 86_400.0 * days).filter(|seconds| *seconds > 0.0 && seconds.is_finite())
+}

@@ -1,0 +1,251 @@
+//! `mc forecast`: what years to come do to a bearing that was measured.
+
+use super::calibrate;
+use super::failure::{Failure, note, print, writable};
+use super::fit_temperature;
+use super::interrupt::stop_on_signals;
+use super::measurements;
+use super::numbers::{Digits, grouped, percent, wrapped};
+use super::table::{Row, aligned};
+use serde::Serialize;
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+use std::path::PathBuf;
+use std::sync::atomic::Ordering;
+use stick_slip::config::{BridgeScene, Override};
+use stick_slip::store;
+use stick_slip::study::calibration::{self, Calibration, Lag, Method};
+use stick_slip::study::forecast::{Forecast as Found, Quantity, Question, forecast};
+use stick_slip::study::weather::fit;
+
+const EXAMPLES: &str = "\
+Examples:
+  mc forecast examples/bridge/bridge.toml examples/bridge/twin.csv
+  mc forecast bridge.toml data.csv --draws 100 --years 100 -o years.csv
+  mc forecast bridge.toml data.csv --json | jq .levels.sliding_path
+
+The bearing is calibrated by its slips, the temperature is fitted by harmonics and processes, and years are simulated with parameters
+drawn from what both fits leave open. `expected` is the mean of a year, and its interval holds what is not known of the parameters; the
+interval of one year holds its weather as well. Traffic, wear, and a climate that changes are not in it.";
+
+/// Arguments of `mc forecast`.
+#[derive(Debug, clap::Args)]
+#[command(after_help = EXAMPLES)]
+pub struct Forecast {
+    /// The scenario, a TOML file: K_BP and the columns
+    scenario: PathBuf,
+    /// The measurement, a CSV file with times, temperatures and displacements
+    #[arg(value_name = "DATA.csv")]
+    data: PathBuf,
+    /// How many draws of the parameters
+    #[arg(long, value_name = "N", default_value_t = 50, value_parser = clap::value_parser!(u32).range(2..=10_000))]
+    draws: u32,
+    /// How many years for each draw
+    #[arg(long, value_name = "N", default_value_t = 40, value_parser = clap::value_parser!(u32).range(2..=10_000))]
+    years: u32,
+    /// Decides all random numbers
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    seed: u64,
+    /// With which probability an interval is to hold what it is about
+    #[arg(long, value_name = "P", default_value_t = 0.9, value_parser = calibrate::level)]
+    interval: f64,
+    /// The share of f_s above which time is counted as loaded
+    #[arg(long, value_name = "Q", default_value_t = 0.9, value_parser = share)]
+    share: f64,
+    /// How many processes the weather has: one, or a fast and a slow one
+    #[arg(long, value_name = "1|2", default_value_t = 2, value_parser = clap::value_parser!(u8).range(1..=2))]
+    processes: u8,
+    /// The column of displacements [default: the one whose name begins with `displacement`]
+    #[arg(long, value_name = "COLUMN")]
+    displacement: Option<String>,
+    /// The unit of displacements, if the name of their column does not say it: m, cm, mm or um
+    #[arg(long, value_name = "U")]
+    unit: Option<String>,
+    /// Any key of the scenario, e.g. bearing.stiffness=2e9; repeatable
+    #[arg(long, value_name = "KEY=VALUE", allow_hyphen_values = true)]
+    set: Vec<String>,
+    /// Threads [default: one a core]
+    #[arg(long, value_name = "K", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: Option<u16>,
+    /// Write every year to FILE
+    #[arg(short, long, value_name = "FILE.csv")]
+    output: Option<PathBuf>,
+    /// Overwrite an earlier file
+    #[arg(long, requires = "output")]
+    force: bool,
+    /// Print one JSON object on standard output, and nothing else there
+    #[arg(long)]
+    json: bool,
+}
+
+/// The periods of the harmonics: a year and a day.
+const PERIODS: [f64; 2] = [365.25 * 86_400.0, 86_400.0];
+
+impl Forecast {
+    pub fn call(&self) -> Result<(), Failure> {
+        let set = self.set.iter().map(|text| Override::set(text)).collect::<Result<Vec<_>, _>>()?;
+        let scene = BridgeScene::read(&self.scenario, &set)?;
+        if let Some(output) = &self.output {
+            writable(output, self.force, [self.scenario.as_path(), self.data.as_path()])?;
+        }
+        let threads = self.threads.map_or_else(super::cores, usize::from);
+        let stop = stop_on_signals();
+        let calibration = self.calibration(&scene, threads, &stop)?;
+        for warning in &calibration.warnings {
+            note(wrapped(&format!("warning: {warning}"), "  ").trim_end());
+        }
+        let weather = fit(&calibration.record.times, &calibration.steel, &PERIODS, usize::from(self.processes))
+            .map_err(|error| fit_temperature::refused(&self.data, &error))?;
+        let question = Question {
+            draws: u64::from(self.draws),
+            years: u64::from(self.years),
+            seed: self.seed,
+            level: self.interval,
+            share: self.share,
+        };
+        let found = forecast(&calibration, &weather, &question, threads, &stop)?.ok_or(Failure::Interrupted)?;
+        print(&if self.json { json(&found) } else { report(&scene.title, &found) })?;
+        if let Some(output) = &self.output {
+            store::write_whole(output, csv(&found).as_bytes(), self.force)?;
+            note(&format!("{} has all years", output.display()));
+        }
+        if stop.load(Ordering::Relaxed) { Err(Failure::Interrupted) } else { Ok(()) }
+    }
+
+    /// By slips, which is what gives errors of parameters to draw from.
+    fn calibration(
+        &self,
+        scene: &BridgeScene,
+        threads: usize,
+        stop: &std::sync::atomic::AtomicBool,
+    ) -> Result<Calibration, Failure> {
+        let record = measurements::record(&self.data, scene, self.displacement.as_deref(), self.unit.as_deref())?;
+        let question = calibration::Question {
+            method: Method::Slips,
+            shear_stiffness: scene.shear_stiffness,
+            starts: 1,
+            lag: Lag::Auto,
+            level: self.interval,
+            held: Vec::new(),
+            bounds: Vec::new(),
+            guess: calibrate::guess(scene, &record),
+        };
+        calibration::calibrate(&record, &question, threads, stop).map_err(|error| calibrate::refused(&self.data, &error))
+    }
+}
+
+/// What a quantity is called in the table, in words.
+fn words(quantity: Quantity, share: f64) -> String {
+    match quantity {
+        Quantity::SlidingPath => "sliding path".to_string(),
+        Quantity::Slips => "slips".to_string(),
+        Quantity::Range => "range of z".to_string(),
+        Quantity::Greatest => "largest |z|".to_string(),
+        Quantity::Loaded => format!("share of time with |F| above {} f_s", share),
+        Quantity::Force => "largest force |F| on the pier".to_string(),
+    }
+}
+
+/// For people.
+fn report(title: &str, found: &Found) -> String {
+    let level = percent(found.question.level);
+    let mut rows = vec![Row::labelled("in a year", ["expected", &level, "of it", "of one", "year"].map(String::from))];
+    let cells = |value: f64, ranges: &[[f64; 2]]| -> Vec<String> {
+        let digits = Digits::of(value, (ranges[0][1] - ranges[0][0]) / 4.0);
+        std::iter::once(value).chain(ranges.iter().flatten().copied()).map(|x| digits.show(x)).collect()
+    };
+    for found_level in &found.levels {
+        let ranges = [found_level.expected_interval, found_level.year_interval];
+        let label = words(found_level.quantity, found.question.share);
+        let unit = found_level.quantity.unit().replace('1', "");
+        rows.push(Row { note: unit, ..Row::labelled(label, cells(found_level.expected, &ranges)) });
+    }
+    for level in &found.return_levels {
+        let label = format!("|z| exceeded in one of {} years", level.years);
+        rows.push(Row { note: "m".into(), ..Row::labelled(label, cells(level.expected, &[level.interval])) });
+    }
+    let mut text = format!("{title}\n\n{}", aligned(&rows, "  "));
+    let years: usize = found.years.iter().map(Vec::len).sum();
+    let draws = found.years.len();
+    let _ = writeln!(text, "\nyears   {} with {draws} draws of the parameters", grouped(years as u64));
+    text
+}
+
+/// Every year, a row each.
+fn csv(found: &Found) -> String {
+    let mut text = String::from("draw,year");
+    for level in &found.levels {
+        let _ = write!(text, ",{}", level.quantity.name());
+        if level.quantity.unit() != "1" {
+            let _ = write!(text, "_{}", level.quantity.unit());
+        }
+    }
+    text.push('\n');
+    for (draw, years) in found.years.iter().enumerate() {
+        for (number, year) in years.iter().enumerate() {
+            let _ = write!(text, "{draw},{number}");
+            for level in &found.levels {
+                let _ = write!(text, ",{}", year[level.quantity as usize]);
+            }
+            text.push('\n');
+        }
+    }
+    text
+}
+
+#[derive(Serialize)]
+struct JsonForecast {
+    draws: usize,
+    years: usize,
+    interval: f64,
+    share: f64,
+    levels: BTreeMap<&'static str, JsonLevel>,
+    return_levels: Vec<JsonReturnLevel>,
+}
+
+#[derive(Serialize)]
+struct JsonLevel {
+    unit: &'static str,
+    expected: f64,
+    expected_interval: [f64; 2],
+    year_interval: [f64; 2],
+}
+
+#[derive(Serialize)]
+struct JsonReturnLevel {
+    years: f64,
+    expected: f64,
+    interval: [f64; 2],
+}
+
+/// For programs.
+fn json(found: &Found) -> String {
+    let levels = found.levels.iter().map(|level| {
+        let json = JsonLevel {
+            unit: level.quantity.unit(),
+            expected: level.expected,
+            expected_interval: level.expected_interval,
+            year_interval: level.year_interval,
+        };
+        (level.quantity.name(), json)
+    });
+    let returns = found.return_levels.iter().map(|level| JsonReturnLevel {
+        years: level.years,
+        expected: level.expected,
+        interval: level.interval,
+    });
+    let all = JsonForecast {
+        draws: found.years.len(),
+        years: found.years.iter().map(Vec::len).sum(),
+        interval: found.question.level,
+        share: found.question.share,
+        levels: levels.collect(),
+        return_levels: returns.collect(),
+    };
+    serde_json::to_string_pretty(&all).unwrap_or_default() + "\n"
+}
+
+fn share(text: &str) -> Result<f64, String> {
+    let share = text.parse::<f64>().ok().filter(|share| (0.0..1.0).contains(share));
+    share.ok_or_else(|| "write a share of f_s from 0 to below 1".to_string())
+}

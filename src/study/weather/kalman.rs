@@ -1,0 +1,200 @@
+//! The exact likelihood of samples of Ornstein-Uhlenbeck processes and a regression, by a Kalman filter.
+//!
+//! The state is (u_1, u_2), stationary at the first sample. Filtering is linear, so the innovations of y - X b are
+//! those of y less those of the columns of X times b. Hence one pass over y and all columns together gives the
+//! weighted regression, the best b, and the best scale s^2 of all variances:
+//!
+//! ```text
+//! -2 log L = sum_k log S_k + n log(s^2) + n + n log(2 pi),   s^2 = (sum_k e_k^2/S_k)/n
+//! ```
+//!
+//! with S_k the variance of innovation k where s = 1.
+
+use super::linear::{Matrix, cholesky, inverse, solve};
+use std::f64::consts::TAU;
+
+/// The processes in units of the first one's variance.
+#[derive(Clone, Debug)]
+pub struct Shape {
+    /// theta_j, and the variance of u_j over that of u_1.
+    pub processes: Vec<(f64, f64)>,
+    /// r, over the variance of u_1.
+    pub white: f64,
+}
+
+/// What the samples say of one shape.
+#[derive(Clone, Debug)]
+pub struct Likelihood {
+    /// -2 log L where b and s are best.
+    pub deviance: f64,
+    /// The best b.
+    pub coefficients: Vec<f64>,
+    /// The covariance of their errors.
+    pub covariance: Matrix,
+    /// s^2: the variance of u_1.
+    pub scale: f64,
+}
+
+/// At most so many processes.
+const STATES: usize = 2;
+
+/// A filter of samples at even times has settled when the variance of an innovation changes by less than this,
+/// relative.
+const SETTLED: f64 = 1e-13;
+
+/// The variances and gains of the filter, which do not depend on what was measured.
+struct Filter<'a> {
+    shape: &'a Shape,
+    /// The covariance of the states, given the samples so far.
+    covariance: [[f64; STATES]; STATES],
+    interval: f64,
+    decay: [f64; STATES],
+    variance: f64,
+    gain: [f64; STATES],
+    has_settled: bool,
+}
+
+impl<'a> Filter<'a> {
+    /// At the first sample, where the processes are stationary.
+    fn new(shape: &'a Shape) -> Self {
+        let mut covariance = [[0.0; STATES]; STATES];
+        for (j, (_, variance)) in shape.processes.iter().enumerate() {
+            covariance[j][j] = *variance;
+        }
+        let [decay, gain] = [[1.0; STATES], [0.0; STATES]];
+        let mut filter =
+            Filter { shape, covariance, interval: 0.0, decay, variance: 0.0, gain, has_settled: false };
+        filter.see();
+        filter
+    }
+
+    /// Go on to the next sample, a time h later.
+    fn go(&mut self, h: f64) {
+        // Stamps are whole seconds, but differences of what follows from them are rounded.
+        if (h - self.interval).abs() > 1e-9 * h {
+            (self.interval, self.has_settled) = (h, false);
+            for (decay, (theta, _)) in self.decay.iter_mut().zip(&self.shape.processes) {
+                *decay = libm::exp(-theta * h);
+            }
+        }
+        if self.has_settled {
+            return;
+        }
+        for i in 0..STATES {
+            for j in 0..STATES {
+                self.covariance[i][j] *= self.decay[i] * self.decay[j];
+            }
+        }
+        for (i, (theta, variance)) in self.shape.processes.iter().enumerate() {
+            self.covariance[i][i] += variance * -libm::expm1(-2.0 * theta * h);
+        }
+        let before = self.variance;
+        self.see();
+        self.has_settled = (self.variance - before).abs() <= SETTLED * before;
+    }
+
+    /// The variance of the innovation, and what it tells of the states.
+    fn see(&mut self) {
+        let p = self.covariance;
+        let seen = p.map(|row| row.iter().sum::<f64>());
+        self.variance = seen.iter().sum::<f64>() + self.shape.white;
+        self.gain = seen.map(|seen| seen / self.variance);
+        self.covariance = std::array::from_fn(|i| std::array::from_fn(|j| p[i][j] - self.gain[i] * seen[j]));
+    }
+}
+
+/// The likelihood of samples at ascending times. `columns` are those of X and then y, each as long as `times`. None where
+/// the shape explains nothing, or the columns of X do not differ.
+pub fn likelihood(times: &[f64], columns: &[Vec<f64>], shape: &Shape) -> Option<Likelihood> {
+    let mut filter = Filter::new(shape);
+    // The estimates of both states and the innovation, column by column.
+    let mut tracks = vec![([0.0; STATES], 0.0); columns.len()];
+    let mut gram = vec![vec![0.0; columns.len()]; columns.len()];
+    let mut log_variances = 0.0;
+    for k in 0..times.len() {
+        if k > 0 {
+            filter.go(times[k] - times[k - 1]);
+        }
+        if !(filter.variance > 0.0 && filter.variance.is_finite()) {
+            return None;
+        }
+        for ((state, innovation), column) in tracks.iter_mut().zip(columns) {
+            let expected: [f64; STATES] = std::array::from_fn(|j| filter.decay[j] * state[j]);
+            *innovation = column[k] - expected[0] - expected[1];
+            *state = std::array::from_fn(|j| expected[j] + filter.gain[j] * *innovation);
+        }
+        let weight = 1.0 / filter.variance;
+        for (i, row) in gram.iter_mut().enumerate() {
+            let weighted = weight * tracks[i].1;
+            row.iter_mut().zip(&tracks[..=i]).for_each(|(sum, (_, innovation))| *sum += weighted * innovation);
+        }
+        log_variances += libm::log(filter.variance);
+    }
+    regression(&gram, times.len() as f64, log_variances)
+}
+
+/// From the products of all innovations, of which the lower half is there.
+fn regression(gram: &Matrix, n: f64, log_variances: f64) -> Option<Likelihood> {
+    let (y, products) = gram.split_last()?;
+    let (square, right) = y.split_last()?;
+    let factor = cholesky(&products.to_vec())?;
+    let coefficients = solve(&factor, right);
+    let explained: f64 = coefficients.iter().zip(right).map(|(b, product)| b * product).sum();
+    let scale = (square - explained) / n;
+    if scale.is_nan() || scale <= 0.0 {
+        return None;
+    }
+    let covariance = inverse(&factor).iter().map(|row| row.iter().map(|x| scale * x).collect()).collect();
+    let deviance = log_variances + n * (libm::log(TAU * scale) + 1.0);
+    Some(Likelihood { deviance, coefficients, covariance, scale })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::noise::Stream;
+
+    /// The same likelihood from the whole covariance matrix: samples at uneven times and then at even ones, which settle
+    /// the filter; two processes, white noise, a mean and a slope.
+    #[test]
+    fn the_likelihood_is_that_of_the_whole_covariance_matrix() {
+        let mut random = Stream::new(4, 0);
+        let mut times = vec![0.0];
+        for k in 1..90 {
+            times.push(times[k - 1] + if k < 40 { 0.05 + random.uniform() } else { 0.4 });
+        }
+        let column = |f: &mut dyn FnMut(f64) -> f64| times.iter().map(|t| f(*t)).collect::<Vec<_>>();
+        let columns =
+            [column(&mut |_| 1.0), column(&mut |t| 0.1 * t), column(&mut |t| 2.0 + 0.3 * t + random.normal())];
+        for (second, white) in [(0.0, 0.2), (3.0, 0.0), (0.4, 0.05)] {
+            let shape = Shape { processes: vec![(5.0, 1.0), (0.02, second)], white };
+            let found = likelihood(&times, &columns, &shape).expect("a likelihood");
+            let covariance: Matrix = times
+                .iter()
+                .map(|t| {
+                    let between = |s: &f64| {
+                        let correlated = shape.processes.iter().map(|(theta, v)| v * libm::exp(-theta * (t - s).abs()));
+                        correlated.sum::<f64>() + if s == t { white } else { 0.0 }
+                    };
+                    times.iter().map(between).collect()
+                })
+                .collect();
+            let factor = cholesky(&covariance).expect("positive");
+            let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+            let solved = columns.each_ref().map(|column| solve(&factor, column));
+            let normal: Matrix = (0..2).map(|i| (0..2).map(|j| dot(&columns[i], &solved[j])).collect()).collect();
+            let root = cholesky(&normal).expect("positive");
+            let b = solve(&root, &[dot(&columns[0], &solved[2]), dot(&columns[1], &solved[2])]);
+            let left: Vec<f64> = (0..90).map(|k| columns[2][k] - b[0] * columns[0][k] - b[1] * columns[1][k]).collect();
+            let scale = dot(&left, &solve(&factor, &left)) / 90.0;
+            let determinant = 2.0 * (0..90).map(|i| libm::log(factor[i][i])).sum::<f64>();
+            let deviance = determinant + 90.0 * (libm::log(TAU * scale) + 1.0);
+            let near = |a: f64, b: f64| (a - b).abs() <= 1e-9 * b.abs();
+            assert!(near(found.deviance, deviance) && near(found.scale, scale), "{found:?} {deviance} {scale}");
+            assert!(found.coefficients.iter().zip(&b).all(|(a, b)| near(*a, *b)), "{found:?} {b:?}");
+            let errors = inverse(&root);
+            let agrees = |i: usize, j: usize| near(found.covariance[i][j], scale * errors[i][j]);
+            assert!((0..2).all(|i| (0..2).all(|j| agrees(i, j))), "{found:?}");
+        }
+    }
+}

@@ -1,0 +1,69 @@
+//! Symmetric matrices of a few rows: regressions, inverses, correlated draws.
+
+/// A square matrix, row by row.
+pub type Matrix = Vec<Vec<f64>>;
+
+/// L of A = L L^T, of which the lower half is enough; none where A is not positive.
+pub fn cholesky(a: &Matrix) -> Option<Matrix> {
+    let n = a.len();
+    let mut factor = vec![vec![0.0; n]; n];
+    for i in 0..n {
+        for j in 0..=i {
+            let rest = a[i][j] - (0..j).map(|k| factor[i][k] * factor[j][k]).sum::<f64>();
+            if i == j {
+                if rest <= 1e-12 * a[i][i] || rest.is_nan() {
+                    return None;
+                }
+                factor[i][i] = rest.sqrt();
+            } else {
+                factor[i][j] = rest / factor[j][j];
+            }
+        }
+    }
+    Some(factor)
+}
+
+/// x of L L^T x = b.
+pub fn solve(factor: &Matrix, b: &[f64]) -> Vec<f64> {
+    let n = b.len();
+    let mut x = b.to_vec();
+    for i in 0..n {
+        let known: f64 = (0..i).map(|k| factor[i][k] * x[k]).sum();
+        x[i] = (x[i] - known) / factor[i][i];
+    }
+    for i in (0..n).rev() {
+        let known: f64 = (i + 1..n).map(|k| factor[k][i] * x[k]).sum();
+        x[i] = (x[i] - known) / factor[i][i];
+    }
+    x
+}
+
+/// The inverse of L L^T.
+pub fn inverse(factor: &Matrix) -> Matrix {
+    let n = factor.len();
+    (0..n).map(|i| solve(factor, &(0..n).map(|j| f64::from(u8::from(i == j))).collect::<Vec<_>>())).collect()
+}
+
+/// L x.
+pub fn times(factor: &Matrix, x: &[f64]) -> Vec<f64> {
+    factor.iter().map(|row| row.iter().zip(x).map(|(a, b)| a * b).sum()).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_system_solved_by_hand() {
+        // [[4, 2], [2, 3]] x = [8, 7] has x = [5/4, 3/2]; the inverse is [[3, -2], [-2, 4]]/8.
+        let factor = cholesky(&vec![vec![4.0, 2.0], vec![2.0, 3.0]]).expect("positive");
+        let x = solve(&factor, &[8.0, 7.0]);
+        assert!((x[0] - 1.25).abs() < 1e-15 && (x[1] - 1.5).abs() < 1e-15, "{x:?}");
+        let inverse = inverse(&factor);
+        let expected = [[0.375, -0.25], [-0.25, 0.5]];
+        assert!((0..2).all(|i| (0..2).all(|j| (inverse[i][j] - expected[i][j]).abs() < 1e-15)), "{inverse:?}");
+        assert_eq!(cholesky(&vec![vec![1.0, 2.0], vec![2.0, 1.0]]), None);
+        let back = times(&factor, &[1.0, 0.0]);
+        assert!((back[0] - 2.0).abs() < 1e-15 && (back[1] - 1.0).abs() < 1e-15);
+    }
+}
