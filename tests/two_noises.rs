@@ -59,10 +59,8 @@ fn without_friction_both_noises_move_the_body_as_each_alone_would_in_sum() {
     let mean_x = 6.0 * laws[0].x[0] + 6.0 * response[0].x.0;
     let mean_v = 6.0 * laws[0].v[0] + 6.0 * response[0].v.0;
     let [vv, vx, xx] = [3, 4, 5].map(|i| laws[0].covariance[i] + laws[1].covariance[i]);
-    let tt: f64 = [fast, slow]
-        .iter()
-        .map(|n| n.stationary_sd().powi(2) * -libm::expm1(-2.0 * n.relaxation_rate * end))
-        .sum();
+    let tt: f64 =
+        [fast, slow].iter().map(|n| n.stationary_sd().powi(2) * -libm::expm1(-2.0 * n.relaxation_rate * end)).sum();
     let mean_t = (0.25 * end).cos();
     let n = paths as f64;
     let mean = |f: &dyn Fn(f64, f64, f64) -> f64| {

@@ -3,7 +3,7 @@
 use super::calibrate_report as report;
 use super::failure::{Failure, note, print, writable};
 use super::interrupt::stop_on_signals;
-use super::measurements;
+use super::measurements::Source;
 use super::numbers::{parse_duration, wrapped};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
@@ -17,6 +17,7 @@ use stick_slip::study::calibration::{
 const EXAMPLES: &str = "\
 Examples:
   mc calibrate examples/bridge/bridge.toml examples/bridge/twin.csv -o fit.h5
+  mc calibrate bridge.toml displacement.csv --temperature temperature.csv
   mc calibrate bridge.toml data.csv --displacement gauge_3 --unit mm --lag 15m
   mc calibrate bridge.toml data.csv --method slips --json | jq .parameters
   mc twin bridge.toml --seed 1 --sensor-noise 30e-6,150e-6 -o twin.csv && mc calibrate bridge.toml twin.csv
@@ -31,9 +32,8 @@ whether the intervals hold it. The scenario gives K_BP as bearing.stiffness, nam
 pub struct Calibrate {
     /// The scenario, a TOML file: K_BP, the columns, and where a search begins
     scenario: PathBuf,
-    /// The measurement, a CSV file with times, temperatures and displacements
-    #[arg(value_name = "DATA.csv")]
-    data: PathBuf,
+    #[command(flatten)]
+    source: Source,
     /// By slips, by the paper's least squares err, or by slips with err beside them
     #[arg(long, value_name = "slips|err|both", default_value = "both", value_parser = method)]
     method: Method,
@@ -52,12 +52,6 @@ pub struct Calibrate {
     /// With which probability an interval is to hold the truth
     #[arg(long, value_name = "P", default_value_t = 0.9, value_parser = level)]
     interval: f64,
-    /// The column of displacements [default: the one whose name begins with `displacement`]
-    #[arg(long, value_name = "COLUMN")]
-    displacement: Option<String>,
-    /// The unit of displacements, if the name of their column does not say it: m, cm, mm or um
-    #[arg(long, value_name = "U")]
-    unit: Option<String>,
     /// Any key of the scenario, e.g. bearing.stiffness=2e9; repeatable
     #[arg(long, value_name = "KEY=VALUE", allow_hyphen_values = true)]
     set: Vec<String>,
@@ -80,9 +74,9 @@ impl Calibrate {
         let set = self.set.iter().map(|text| Override::set(text)).collect::<Result<Vec<_>, _>>()?;
         let scene = BridgeScene::read(&self.scenario, &set)?;
         if let Some(output) = &self.output {
-            writable(output, self.force, [self.scenario.as_path(), self.data.as_path()])?;
+            writable(output, self.force, self.source.files().chain([self.scenario.as_path()]))?;
         }
-        let record = measurements::record(&self.data, &scene, self.displacement.as_deref(), self.unit.as_deref())?;
+        let record = self.source.record(&scene)?;
         let question = Question {
             method: self.method,
             shear_stiffness: scene.shear_stiffness,
@@ -95,7 +89,8 @@ impl Calibrate {
         };
         let threads = self.threads.map_or_else(super::cores, usize::from);
         let stop = stop_on_signals();
-        let calibration = calibrate(&record, &question, threads, &stop).map_err(|error| refused(&self.data, &error))?;
+        let calibration =
+            calibrate(&record, &question, threads, &stop).map_err(|error| refused(&self.source.data, &error))?;
         let warnings: Vec<(String, String)> =
             calibration.warnings.iter().map(|warning| (warning.name().to_string(), warning.to_string())).collect();
         let title = &scene.title;

@@ -4,7 +4,7 @@ use super::calibrate;
 use super::failure::{Failure, note, print, writable};
 use super::fit_temperature;
 use super::interrupt::stop_on_signals;
-use super::measurements;
+use super::measurements::Source;
 use super::numbers::{Digits, grouped, percent, wrapped};
 use super::table::{Row, aligned};
 use serde::Serialize;
@@ -34,9 +34,8 @@ interval of one year holds its weather as well. Traffic, wear, and a climate tha
 pub struct Forecast {
     /// The scenario, a TOML file: K_BP and the columns
     scenario: PathBuf,
-    /// The measurement, a CSV file with times, temperatures and displacements
-    #[arg(value_name = "DATA.csv")]
-    data: PathBuf,
+    #[command(flatten)]
+    source: Source,
     /// How many draws of the parameters
     #[arg(long, value_name = "N", default_value_t = 50, value_parser = clap::value_parser!(u32).range(2..=10_000))]
     draws: u32,
@@ -55,12 +54,6 @@ pub struct Forecast {
     /// How many processes the weather has: one, or a fast and a slow one
     #[arg(long, value_name = "1|2", default_value_t = 2, value_parser = clap::value_parser!(u8).range(1..=2))]
     processes: u8,
-    /// The column of displacements [default: the one whose name begins with `displacement`]
-    #[arg(long, value_name = "COLUMN")]
-    displacement: Option<String>,
-    /// The unit of displacements, if the name of their column does not say it: m, cm, mm or um
-    #[arg(long, value_name = "U")]
-    unit: Option<String>,
     /// Any key of the scenario, e.g. bearing.stiffness=2e9; repeatable
     #[arg(long, value_name = "KEY=VALUE", allow_hyphen_values = true)]
     set: Vec<String>,
@@ -86,7 +79,7 @@ impl Forecast {
         let set = self.set.iter().map(|text| Override::set(text)).collect::<Result<Vec<_>, _>>()?;
         let scene = BridgeScene::read(&self.scenario, &set)?;
         if let Some(output) = &self.output {
-            writable(output, self.force, [self.scenario.as_path(), self.data.as_path()])?;
+            writable(output, self.force, self.source.files().chain([self.scenario.as_path()]))?;
         }
         let threads = self.threads.map_or_else(super::cores, usize::from);
         let stop = stop_on_signals();
@@ -95,7 +88,7 @@ impl Forecast {
             note(wrapped(&format!("warning: {warning}"), "  ").trim_end());
         }
         let weather = fit(&calibration.record.times, &calibration.steel, &PERIODS, usize::from(self.processes))
-            .map_err(|error| fit_temperature::refused(&self.data, &error))?;
+            .map_err(|error| fit_temperature::refused(&self.source.data, &error))?;
         let question = Question {
             draws: u64::from(self.draws),
             years: u64::from(self.years),
@@ -119,7 +112,7 @@ impl Forecast {
         threads: usize,
         stop: &std::sync::atomic::AtomicBool,
     ) -> Result<Calibration, Failure> {
-        let record = measurements::record(&self.data, scene, self.displacement.as_deref(), self.unit.as_deref())?;
+        let record = self.source.record(scene)?;
         let question = calibration::Question {
             method: Method::Slips,
             shear_stiffness: scene.shear_stiffness,
@@ -130,7 +123,8 @@ impl Forecast {
             bounds: Vec::new(),
             guess: calibrate::guess(scene, &record),
         };
-        calibration::calibrate(&record, &question, threads, stop).map_err(|error| calibrate::refused(&self.data, &error))
+        calibration::calibrate(&record, &question, threads, stop)
+            .map_err(|error| calibrate::refused(&self.source.data, &error))
     }
 }
 
@@ -148,8 +142,8 @@ fn words(quantity: Quantity, share: f64) -> String {
 
 /// For people.
 fn report(title: &str, found: &Found) -> String {
-    let level = percent(found.question.level);
-    let mut rows = vec![Row::labelled("in a year", ["expected", &level, "of it", "of one", "year"].map(String::from))];
+    let mut rows =
+        vec![Row::labelled("in a year", ["expected", "from", "to", "year from", "year to"].map(String::from))];
     let cells = |value: f64, ranges: &[[f64; 2]]| -> Vec<String> {
         let digits = Digits::of(value, (ranges[0][1] - ranges[0][0]) / 4.0);
         std::iter::once(value).chain(ranges.iter().flatten().copied()).map(|x| digits.show(x)).collect()
@@ -168,7 +162,12 @@ fn report(title: &str, found: &Found) -> String {
     let years: usize = found.years.iter().map(Vec::len).sum();
     let draws = found.years.len();
     let _ = writeln!(text, "\nyears   {} with {draws} draws of the parameters", grouped(years as u64));
-    text
+    let level = percent(found.question.level);
+    let meaning = format!(
+        "The expected value of a year lies between `from` and `to` with {level}, for what is not known of bearing and weather; a single \
+         year lies between `year from` and `year to` with {level}."
+    );
+    text + &wrapped(&meaning, "")
 }
 
 /// Every year, a row each.

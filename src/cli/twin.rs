@@ -2,7 +2,7 @@
 
 use super::failure::{Failure, note, print, writable};
 use super::measurements;
-use super::numbers::{grouped, parse_duration};
+use super::numbers::{grouped, parse_duration, significant};
 use super::table::{Row, aligned};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -120,7 +120,7 @@ impl Twin {
         let truth = values(&response, scene.shear_stiffness);
         let row = |quantity: &Quantity| {
             let value = truth[*quantity as usize];
-            let value = if value.is_finite() { format!("{value:e}") } else { "none".to_string() };
+            let value = if value.is_finite() { significant(value, 7) } else { "none".to_string() };
             Row::labelled(quantity.key(), [quantity.symbol().to_string(), value])
         };
         print(&aligned(&Quantity::ALL.iter().map(row).collect::<Vec<_>>(), "  "))?;
@@ -145,7 +145,8 @@ impl Twin {
 /// The measured temperature of a scenario.
 fn measured(scenario: &Path, file: &str, scene: &BridgeScene) -> Result<Air, Failure> {
     let path = scenario.parent().unwrap_or(Path::new("")).join(file);
-    let mut table = measurements::read(&path, measurements::time(scene), &[measurements::temperature(scene.value.as_deref())])?;
+    let mut table =
+        measurements::read(&path, measurements::time(scene), &[measurements::temperature(scene.value.as_deref())])?;
     let column = table.columns.swap_remove(0);
     Ok(Air { start: table.start, times: column.times, temperatures: column.values })
 }

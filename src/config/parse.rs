@@ -68,7 +68,7 @@ fn refuse_unknown_keys(root: &Fields<'_>) -> Result<(), Box<Fault>> {
     }
     let temperature = root.table("temperature")?;
     temperature.tables("harmonics")?;
-    temperature.table("noise")?;
+    temperature.one_or_more("noise")?;
     temperature.table("series")?;
     Ok(())
 }

@@ -19,6 +19,11 @@ impl Start {
         PARSER.parse_timestamp(stamp).ok().map(Start)
     }
 
+    /// How many seconds later than another one it is.
+    pub fn since(&self, earlier: &Start) -> f64 {
+        self.0.duration_since(earlier.0).as_secs_f64()
+    }
+
     /// The instant so many seconds later, if the calendar reaches so far.
     pub fn after(&self, seconds: f64) -> Option<Self> {
         let later = SignedDuration::try_from_secs_f64(seconds).ok()?;

@@ -6,4 +6,5 @@
 mod accuracy;
 mod bridge;
 mod flaws;
+mod forecast;
 mod limits;

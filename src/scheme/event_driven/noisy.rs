@@ -127,7 +127,10 @@ impl Noisy {
     /// Whether a slip crosses a cell in one step whose transition is a sum of series.
     pub fn has_one_step_a_cell(&self) -> bool {
         let length = self.step.transition.length;
-        self.scene.two_noises.is_none() && self.ladder.is_even() && self.ladder.length() == length && self.oscillator.has_series_for(length)
+        self.scene.two_noises.is_none()
+            && self.ladder.is_even()
+            && self.ladder.length() == length
+            && self.oscillator.has_series_for(length)
     }
 
     /// The step of a slip over a whole cell, and the square root of its length.

@@ -6,8 +6,7 @@ use crate::study::calibration::{Calibration, Quantity, Sensor};
 use crate::study::weather::linear::{Matrix, cholesky, times};
 
 /// What decides motion and reading; K, f_s and f_d follow, and x(0) is forgotten.
-const DRAWN: [Quantity; 5] =
-    [Quantity::Dilatation, Quantity::Shear, Quantity::Offset, Quantity::Reach, Quantity::Jump];
+const DRAWN: [Quantity; 5] = [Quantity::Dilatation, Quantity::Shear, Quantity::Offset, Quantity::Reach, Quantity::Jump];
 
 /// G is at least this share of its estimate: less makes slips without number.
 const LEAST_JUMP: f64 = 0.1;
@@ -80,10 +79,19 @@ impl BearingDraws {
         BearingDraws { estimates, errors, shear_stiffness: calibration.question.shear_stiffness }
     }
 
-    /// One bearing.
+    /// The likeliest bearing.
+    pub fn likeliest(&self) -> DrawnBearing {
+        self.at(&[0.0; DRAWN.len()])
+    }
+
+    /// One bearing of many.
     pub fn draw(&self, random: &mut Stream) -> DrawnBearing {
-        let normals: Vec<f64> = DRAWN.iter().map(|_| random.normal()).collect();
-        let errors = times(&self.errors, &normals);
+        self.at(&DRAWN.map(|_| random.normal()))
+    }
+
+    /// So many standard errors away from the likeliest one, in directions that are independent.
+    fn at(&self, normals: &[f64]) -> DrawnBearing {
+        let errors = times(&self.errors, normals);
         let [beta, kappa, offset, reach, jump] = std::array::from_fn(|i| self.estimates[i] + errors[i]);
         let jump = jump.clamp(LEAST_JUMP * self.estimates[4], 2.0 * reach);
         DrawnBearing {

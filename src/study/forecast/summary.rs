@@ -9,7 +9,7 @@ use statrs::distribution::{ContinuousCDF as _, StudentsT};
 pub struct Level {
     /// Which.
     pub quantity: Quantity,
-    /// The mean over years and parameters.
+    /// The mean over years with the likeliest parameters.
     pub expected: f64,
     /// Where the mean over years is, for what is known of the parameters.
     pub expected_interval: [f64; 2],
@@ -33,7 +33,9 @@ pub struct ReturnLevel {
 pub struct Forecast {
     /// What was asked.
     pub question: Question,
-    /// All years, those of one draw of the parameters together.
+    /// Years with the likeliest parameters.
+    pub likeliest: Vec<Year>,
+    /// All others, those of one draw of the parameters together.
     pub years: Vec<Vec<Year>>,
     /// One for each quantity that can be known: forces take K_BP.
     pub levels: Vec<Level>,
@@ -48,15 +50,20 @@ const RETURN_PERIODS: [f64; 2] = [10.0, 50.0];
 const EULER: f64 = 0.577_215_664_901_532_9;
 
 impl Forecast {
-    /// Of years, draw by draw; none of fewer than two draws.
-    pub(super) fn of(years: Vec<Vec<Year>>, question: &Question, knows_forces: bool) -> Option<Forecast> {
-        if years.len() < 2 {
+    /// Of years, those with the likeliest parameters first and then draw by draw; none of fewer than two draws.
+    pub(super) fn of(mut years: Vec<Vec<Year>>, question: &Question, knows_forces: bool) -> Option<Forecast> {
+        if years.len() < 3 {
             return None;
         }
+        let likeliest = years.remove(0);
         let known = |quantity: &Quantity| knows_forces || *quantity != Quantity::Force;
-        let levels = Quantity::ALL.into_iter().filter(known).map(|quantity| level(&years, quantity, question)).collect();
+        let levels = Quantity::ALL
+            .into_iter()
+            .filter(known)
+            .map(|quantity| level(&likeliest, &years, quantity, question))
+            .collect();
         let return_levels = RETURN_PERIODS.map(|period| return_level(&years, period, question)).to_vec();
-        Some(Forecast { question: *question, years, levels, return_levels })
+        Some(Forecast { question: *question, likeliest, years, levels, return_levels })
     }
 
     /// What years bring of a quantity, if it can be known.
@@ -65,14 +72,14 @@ impl Forecast {
     }
 }
 
-fn level(years: &[Vec<Year>], quantity: Quantity, question: &Question) -> Level {
+fn level(likeliest: &[Year], years: &[Vec<Year>], quantity: Quantity, question: &Question) -> Level {
     let of = |year: &Year| year[quantity as usize];
     let draws: Vec<Vec<f64>> = years.iter().map(|years| years.iter().map(of).collect()).collect();
     let mut all: Vec<f64> = draws.iter().flatten().copied().collect();
     all.sort_by(f64::total_cmp);
     let means: Vec<f64> = draws.iter().map(|years| mean(years)).collect();
     let within = draws.iter().map(|years| variance(years) / years.len() as f64).sum::<f64>() / draws.len() as f64;
-    let expected = mean(&all);
+    let expected = mean(&likeliest.iter().map(of).collect::<Vec<_>>());
     let half = half_width(&means, within, question.level);
     Level {
         quantity,
@@ -147,16 +154,15 @@ mod tests {
         let (mut expected, mut year, mut levels, mut widths) = (0.0, 0.0, [0.0; 2], [0.0; 2]);
         let times = 200;
         for _ in 0..times {
-            let years = (0..QUESTION.draws)
-                .map(|_| {
-                    let shift = random.normal();
-                    let year = |random: &mut Stream| {
-                        let gumbel = 10.0 - libm::log(-libm::log(random.uniform())) + 0.5 * shift;
-                        [5.0 + shift + 3.0 * random.normal(), 0.0, 0.0, gumbel, 0.0, 0.0]
-                    };
-                    (0..QUESTION.years).map(|_| year(&mut random)).collect()
-                })
-                .collect();
+            let years = (0..QUESTION.draws).map(|_| {
+                let shift = random.normal();
+                let year = |random: &mut Stream| {
+                    let gumbel = 10.0 - libm::log(-libm::log(random.uniform())) + 0.5 * shift;
+                    [5.0 + shift + 3.0 * random.normal(), 0.0, 0.0, gumbel, 0.0, 0.0]
+                };
+                (0..QUESTION.years).map(|_| year(&mut random)).collect()
+            });
+            let years = std::iter::once(vec![[5.0, 0.0, 0.0, 0.0, 0.0, 0.0]; 20]).chain(years).collect();
             let forecast = Forecast::of(years, &QUESTION, false).expect("enough");
             assert_eq!(forecast.level(Quantity::Force), None);
             let level = forecast.level(Quantity::SlidingPath).expect("known");

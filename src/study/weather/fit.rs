@@ -48,7 +48,7 @@ pub struct WeatherFit {
     pub processes: Vec<Process>,
     /// The standard deviation of what the thermometer adds to every sample; 0 where the data do not ask for it.
     pub white: f64,
-    /// log L, the logarithm of the density of the samples.
+    /// log L, the logarithm of the restricted likelihood.
     pub log_likelihood: f64,
     /// a_0, b_1, c_1, b_2 ..
     coefficients: Vec<f64>,
@@ -93,12 +93,7 @@ const ENOUGH: f64 = 1e-6;
 /// # Errors
 ///
 /// Where the samples do not tell.
-pub fn fit(
-    times: &[f64],
-    temperatures: &[f64],
-    periods: &[f64],
-    processes: usize,
-) -> Result<WeatherFit, WeatherError> {
+pub fn fit(times: &[f64], temperatures: &[f64], periods: &[f64], processes: usize) -> Result<WeatherFit, WeatherError> {
     let n = times.len();
     if n < LEAST {
         return Err(WeatherError::TooShort(n));
@@ -117,7 +112,8 @@ pub fn fit(
     let (exact, without) = simplex::lowest(&start, 0.7, ENOUGH, |x| samples.deviance(x, None));
     // From a hundredth of the variance that a step of the fastest process has.
     let white_start = [&exact[..], &[libm::log(0.02 * libm::exp(exact[0]) * interval)]].concat();
-    let (noisy, with) = simplex::lowest(&white_start, 0.7, ENOUGH, |x| samples.deviance(&x[..start.len()], x.last().copied()));
+    let (noisy, with) =
+        simplex::lowest(&white_start, 0.7, ENOUGH, |x| samples.deviance(&x[..start.len()], x.last().copied()));
     let is_noisy = without - with > CONVINCING;
     let (found, white) = if is_noisy { (&noisy[..start.len()], noisy.last().copied()) } else { (&exact[..], None) };
     samples.weather(found, white, duration)
@@ -163,7 +159,12 @@ impl<'a> Samples<'a> {
             let sd = (best.scale * variance).sqrt();
             logarithms.extend([libm::log(theta), libm::log(sd)]);
             let error = |i: usize| errors[i][i].sqrt();
-            processes.push(Process { relaxation_rate: theta, sd, rate_error: error(2 * j), sd_error: error(2 * j + 1) });
+            processes.push(Process {
+                relaxation_rate: theta,
+                sd,
+                rate_error: error(2 * j),
+                sd_error: error(2 * j + 1),
+            });
         }
         if m == 2 && processes[0].relaxation_rate < processes[1].relaxation_rate {
             return self.weather(&[x[1], x[0], -x[2]], white.map(|white| white - x[2]), duration);
@@ -195,9 +196,9 @@ impl<'a> Samples<'a> {
     }
 
     /// The covariance of the errors of log theta_1, log sd_1, log theta_2 ..: twice the inverse of the second derivatives
-    /// of the deviance, whose second derivative by the logarithm of the scale is n.
+    /// of the deviance, whose second derivative by the logarithm of the scale is n - p.
     fn errors(&self, x: &[f64], white: Option<f64>, lowest: f64) -> Option<Matrix> {
-        let n = self.times.len() as f64;
+        let n = (self.times.len() + 1 - self.columns.len()) as f64;
         let all: Vec<f64> = x.iter().copied().chain(white).collect();
         let at = |moved: &[f64]| self.deviance(&moved[..x.len()], moved.get(x.len()).copied());
         // Steps that move the deviance by about one, where differences of it have many digits.
@@ -321,7 +322,12 @@ mod tests {
 
     fn noise(sd: f64, memory: f64) -> Noise {
         let rate = 1.0 / memory;
-        Noise { intensity: sd, relaxation_rate: rate, diffusion: (2.0 * rate).sqrt(), initial: InitialNoise::Stationary }
+        Noise {
+            intensity: sd,
+            relaxation_rate: rate,
+            diffusion: (2.0 * rate).sqrt(),
+            initial: InitialNoise::Stationary,
+        }
     }
 
     /// A year of 12 degrees and 8 of amplitude, days of 4, weather of 3.5 K and 3 days and of 0.7 K and 2 hours.
@@ -383,10 +389,8 @@ mod tests {
             println!("white {:.3}, fast {:?}", fit.white, fit.processes[0]);
             assert!((fit.white / (0.5 / 12f64.sqrt()) - 1.0).abs() < 0.05, "{}", fit.white);
             let fast = fit.processes[0];
-            let z = [
-                libm::log(fast.relaxation_rate * 7200.0) / fast.rate_error,
-                libm::log(fast.sd / 0.7) / fast.sd_error,
-            ];
+            let z =
+                [libm::log(fast.relaxation_rate * 7200.0) / fast.rate_error, libm::log(fast.sd / 0.7) / fast.sd_error];
             assert!(z.iter().all(|z| z.abs() < 4.0), "{z:?} {:?}", fit.processes);
         }
     }

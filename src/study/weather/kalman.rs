@@ -5,10 +5,13 @@
 //! weighted regression, the best b, and the best scale s^2 of all variances:
 //!
 //! ```text
-//! -2 log L = sum_k log S_k + n log(s^2) + n + n log(2 pi),   s^2 = (sum_k e_k^2/S_k)/n
+//! -2 log L = sum_k log S_k + log det(sum_k X_k X_k^T/S_k) + (n - p) (1 + log(2 pi s^2))
+//! s^2 = (sum_k e_k^2/S_k)/(n - p)
 //! ```
 //!
-//! with S_k the variance of innovation k where s = 1.
+//! with S_k the variance of innovation k where s = 1, e and X the innovations of y - X b and of the columns, and p the
+//! number of columns. This is the restricted likelihood (Patterson and Thompson, Biometrika 58, 1971): a mean and harmonics
+//! that are fitted take their share of the slow weather, and the plain likelihood would leave that out of its variance.
 
 use super::linear::{Matrix, cholesky, inverse, solve};
 use std::f64::consts::TAU;
@@ -25,7 +28,7 @@ pub struct Shape {
 /// What the samples say of one shape.
 #[derive(Clone, Debug)]
 pub struct Likelihood {
-    /// -2 log L where b and s are best.
+    /// -2 log L, restricted, where b and s are best.
     pub deviance: f64,
     /// The best b.
     pub coefficients: Vec<f64>,
@@ -62,8 +65,7 @@ impl<'a> Filter<'a> {
             covariance[j][j] = *variance;
         }
         let [decay, gain] = [[1.0; STATES], [0.0; STATES]];
-        let mut filter =
-            Filter { shape, covariance, interval: 0.0, decay, variance: 0.0, gain, has_settled: false };
+        let mut filter = Filter { shape, covariance, interval: 0.0, decay, variance: 0.0, gain, has_settled: false };
         filter.see();
         filter
     }
@@ -140,12 +142,14 @@ fn regression(gram: &Matrix, n: f64, log_variances: f64) -> Option<Likelihood> {
     let factor = cholesky(&products.to_vec())?;
     let coefficients = solve(&factor, right);
     let explained: f64 = coefficients.iter().zip(right).map(|(b, product)| b * product).sum();
-    let scale = (square - explained) / n;
+    let free = n - coefficients.len() as f64;
+    let scale = (square - explained) / free;
     if scale.is_nan() || scale <= 0.0 {
         return None;
     }
     let covariance = inverse(&factor).iter().map(|row| row.iter().map(|x| scale * x).collect()).collect();
-    let deviance = log_variances + n * (libm::log(TAU * scale) + 1.0);
+    let determinant: f64 = factor.iter().enumerate().map(|(i, row)| 2.0 * libm::log(row[i])).sum();
+    let deviance = log_variances + determinant + free * (libm::log(TAU * scale) + 1.0);
     Some(Likelihood { deviance, coefficients, covariance, scale })
 }
 
@@ -186,9 +190,10 @@ mod tests {
             let root = cholesky(&normal).expect("positive");
             let b = solve(&root, &[dot(&columns[0], &solved[2]), dot(&columns[1], &solved[2])]);
             let left: Vec<f64> = (0..90).map(|k| columns[2][k] - b[0] * columns[0][k] - b[1] * columns[1][k]).collect();
-            let scale = dot(&left, &solve(&factor, &left)) / 90.0;
+            let scale = dot(&left, &solve(&factor, &left)) / 88.0;
             let determinant = 2.0 * (0..90).map(|i| libm::log(factor[i][i])).sum::<f64>();
-            let deviance = determinant + 90.0 * (libm::log(TAU * scale) + 1.0);
+            let fitted = 2.0 * (0..2).map(|i| libm::log(root[i][i])).sum::<f64>();
+            let deviance = determinant + fitted + 88.0 * (libm::log(TAU * scale) + 1.0);
             let near = |a: f64, b: f64| (a - b).abs() <= 1e-9 * b.abs();
             assert!(near(found.deviance, deviance) && near(found.scale, scale), "{found:?} {deviance} {scale}");
             assert!(found.coefficients.iter().zip(&b).all(|(a, b)| near(*a, *b)), "{found:?} {b:?}");

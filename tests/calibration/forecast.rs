@@ -1,0 +1,78 @@
+//! Years to come, forecast from records of 300 days of a bearing whose future is known.
+
+use crate::bridge::{BRIDGE, DAY, RED_CAMPAIGN, question, record, twin_of};
+use std::f64::consts::TAU;
+use std::sync::atomic::AtomicBool;
+use stick_slip::noise::{Stream, Transition};
+use stick_slip::study::calibration::{Method, Motion, calibrate};
+use stick_slip::study::forecast::{Forecast, Quantity, Question, forecast};
+use stick_slip::study::weather::fit;
+
+const PERIODS: [f64; 2] = [365.25 * DAY, DAY];
+const ASKED: Question = Question { draws: 40, years: 10, seed: 3, level: 0.9, share: 0.9 };
+
+/// Slips of a year of the true bearing under the true weather of the twins, by a loop that shares nothing with the
+/// forecast: the recursion, sampled each half minute, with A less by 0.5826 s sqrt(step), which is what samples overlook
+/// (Broadie, Glasserman, Kou, Mathematical Finance 7, 1997). 60 years: mean and standard error.
+fn true_slips() -> (f64, f64) {
+    let (step, years) = (30.0, 60);
+    let process = |sd: f64, memory: f64| Transition::new(1.0 / memory, sd * (2.0 / memory).sqrt(), step);
+    let (fast, slow) = (process(1.8, DAY / 3.0), process(2.5, 3.0 * DAY));
+    let overlooked = 0.5826 * fast.increment_sd.hypot(slow.increment_sd);
+    let motion = BRIDGE.response().motion;
+    let sampled = Motion { reach: motion.reach - overlooked, ..motion };
+    let mut random = Stream::new(77, 0);
+    let (mut a, mut b) = (1.8 * random.normal(), 2.5 * random.normal());
+    let mut xi = 12.4 + 9.0;
+    let mut counts = Vec::new();
+    let per_year = (365.25 * DAY / step) as usize;
+    for year in 0..=years {
+        let mut slips = 0.0;
+        for i in 0..per_year {
+            let day = (year * per_year + i) as f64 * step / DAY;
+            (a, b) = (fast.next(a, random.normal()), slow.next(b, random.normal()));
+            let t = 12.4 + 9.0 * (TAU * day / 365.25).cos() + 4.1 * (TAU * day + 2.36).cos() + a + b;
+            let next = sampled.next(xi, t);
+            slips += ((next - xi) / motion.jump).abs().round();
+            xi = next;
+        }
+        counts.push(slips);
+    }
+    // The first year remembers where it began.
+    let counts = &counts[1..];
+    let mean = counts.iter().sum::<f64>() / counts.len() as f64;
+    let variance = counts.iter().map(|n| (n - mean).powi(2)).sum::<f64>() / (counts.len() as f64 - 1.0);
+    (mean, (variance / counts.len() as f64).sqrt())
+}
+
+fn forecast_of(seed: u64, processes: usize) -> Forecast {
+    let record = record(&twin_of(&BRIDGE, &RED_CAMPAIGN, seed).0);
+    let stop = AtomicBool::new(false);
+    let found = calibrate(&record, &question(Method::Slips), 1, &stop).expect("slips");
+    let weather = fit(&found.record.times, &found.steel, &PERIODS, processes).expect("weather");
+    forecast(&found, &weather, &ASKED, 2, &stop).expect("sound").expect("not stopped")
+}
+
+/// Records of seeds 300 to 311. A forecast of slips a year scatters by 7 % from record to record, so the mean of twelve
+/// by 2 %; over 48 records (seeds 300 to 347) it is 2.6 % above the truth. So it is within 8 % but once in 100 times, and
+/// intervals of 90 % hold the truth in at least 8 of 12 but once in 300 times. One process makes a third more slips than
+/// there are, from each of four records: it takes the slow weather for faster than it is.
+#[test]
+fn forecasts_of_slips_hold_the_truth_with_two_processes_and_not_with_one() {
+    let (truth, error) = true_slips();
+    let [mut sum, mut held, mut of_one] = [0.0; 3];
+    for seed in 300..312 {
+        let two = *forecast_of(seed, 2).level(Quantity::Slips).expect("slips");
+        sum += two.expected / 12.0;
+        let [low, high] = two.expected_interval;
+        held += f64::from(u8::from((low..=high).contains(&truth)));
+        if seed < 304 {
+            of_one += forecast_of(seed, 1).level(Quantity::Slips).expect("slips").expected / 4.0;
+        }
+        println!("{seed}: {:.0} [{low:.0}, {high:.0}]", two.expected);
+    }
+    println!("truth {truth:.1} +- {error:.1}; two processes {sum:.1}, held {held} of 12; one process {of_one:.1}");
+    assert!((sum / truth - 1.0).abs() < 0.08, "{sum} for {truth}");
+    assert!(held >= 8.0, "{held} of 12");
+    assert!(of_one > 1.15 * truth, "one process {of_one}");
+}
