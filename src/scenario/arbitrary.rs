@@ -66,7 +66,7 @@ prop_compose! {
         if kind == Kind::CorrectedVi && monitoring_shift(&model, step) >= model.friction.static_force / 2.0 {
             model.temperature.noise = None;
         }
-        Scenario {
+        let mut scenario = Scenario {
             title,
             model,
             measured: None,
@@ -78,6 +78,11 @@ prop_compose! {
             ensemble: Ensemble { paths, seed, antithetic: paths % 4 == 2 },
             record: Record { paths: keep_paths, events, trajectories },
             units: Units { time, length, force, temperature },
+        };
+        // Two noises that move nothing are refused.
+        if scenario.check().is_err() {
+            scenario.model.temperature.second_noise = None;
         }
+        scenario
     }
 }

@@ -9,7 +9,7 @@ use stick_slip::study::forecast::{Forecast, Quantity, Question, forecast};
 use stick_slip::study::weather::fit;
 
 const PERIODS: [f64; 2] = [365.25 * DAY, DAY];
-const ASKED: Question = Question { draws: 40, years: 10, seed: 3, level: 0.9, share: 0.9 };
+const ASKED: Question = Question { draws: 20, years: 10, seed: 3, level: 0.9, share: 0.9 };
 
 /// Slips of a year of the true bearing under the true weather of the twins, by a loop that shares nothing with the
 /// forecast: the recursion, sampled each half minute, with A less by 0.5826 s sqrt(step), which is what samples overlook

@@ -142,10 +142,10 @@ mod tests {
     use super::*;
     use crate::noise::Stream;
 
-    const QUESTION: Question = Question { draws: 40, years: 20, seed: 1, level: 0.9, share: 0.9 };
+    const QUESTION: Question = Question { draws: 50, years: 40, seed: 1, level: 0.9, share: 0.9 };
 
     /// Draws whose means scatter by sd 1 around 5, years by sd 3 around each. The interval of what is expected is
-    /// +-1.68 (Student, 39 degrees of freedom) and not sqrt(1 + 9/20) of that; a year is in +-1.645 sqrt(10). The
+    /// +-1.68 (Student, 49 degrees of freedom) and not sqrt(1 + 9/40) of that; a year is in +-1.645 sqrt(10). The
     /// largest value of a year is 10 - log(-log U), Gumbel's law: exceeded once in ten years is 12.25, and once in fifty
     /// 13.90. Averages over 200 forecasts: their standard errors are below 1.5 %.
     #[test]
@@ -162,7 +162,7 @@ mod tests {
                 };
                 (0..QUESTION.years).map(|_| year(&mut random)).collect()
             });
-            let years = std::iter::once(vec![[5.0, 0.0, 0.0, 0.0, 0.0, 0.0]; 20]).chain(years).collect();
+            let years = std::iter::once(vec![[5.0, 0.0, 0.0, 0.0, 0.0, 0.0]; 40]).chain(years).collect();
             let forecast = Forecast::of(years, &QUESTION, false).expect("enough");
             assert_eq!(forecast.level(Quantity::Force), None);
             let level = forecast.level(Quantity::SlidingPath).expect("known");
@@ -179,7 +179,7 @@ mod tests {
         assert!((year / (1.645 * 10f64.sqrt()) - 1.0).abs() < 0.06, "{year}");
         // With parameters that scatter by 0.5 the quantiles of all years are a little higher than 12.25 and 13.90.
         assert!((levels[0] - 12.4).abs() < 0.15 && (levels[1] - 14.05).abs() < 0.25, "{levels:?}");
-        // 1.685 * 0.5, wider by what is left of few years.
-        assert!((0.75..1.15).contains(&widths[0]) && (0.75..1.4).contains(&widths[1]), "{widths:?}");
+        // 1.68 * 0.5; less for the rarer level, whose share of few years is sometimes more than all there is.
+        assert!(widths.iter().all(|width| (0.7..0.98).contains(width)), "{widths:?}");
     }
 }

@@ -7,8 +7,8 @@
 //!
 //! The periods of the harmonics are given, such as a year and a day. Amplitudes, rates and variances are those of
 //! largest restricted likelihood. It is exact for samples at any times: a Kalman filter gives the innovations
-//! ([`kalman`]), a regression the amplitudes, and the best scale of all variances follows; so two, three or four
-//! numbers are left to be searched ([`simplex`]). e is what the thermometer adds by itself, for example because it shows
+//! (`kalman.rs`), a regression the amplitudes, and the best scale of all variances follows; so two, three or four
+//! numbers are left to be searched (`simplex.rs`). e is what the thermometer adds by itself, for example because it shows
 //! whole tenths; it is left out of the weather that is simulated, and out of the model unless the data ask for it.
 //!
 //! A temperature with one memory is rougher than weather from one sample to the next, or smoother from day to
