@@ -18,7 +18,7 @@ fi
 cargo build --release --quiet --features mpi --bin mc
 
 folder=$(mktemp -d)
-trap 'kill $(jobs -p) 2>/dev/null; rm -rf "$folder"' EXIT
+trap 'kill $(jobs -p) 2>/dev/null || true; rm -rf "$folder"' EXIT
 cp target/release/mc "$folder/mc"
 scene=$PWD/scenarios/rho025.toml
 cd "$folder"
