@@ -118,7 +118,7 @@ macro_rules! schemes {
                 match self { $(Simulation::$Scheme(simulation) => simulation.timeline(),)+ }
             }
 
-            fn simulate<O: Observer>(&self, seed: u64, paths: &[u64], observer: &mut O) -> Vec<usize> {
+            fn simulate(&self, seed: u64, paths: &[u64], observer: &mut dyn Observer) -> Vec<usize> {
                 match self { $(Simulation::$Scheme(simulation) => simulation.simulate(seed, paths, observer),)+ }
             }
 

@@ -59,7 +59,7 @@ pub trait Simulate: Sized {
     /// Simulate these paths of the ensemble with this seed. The lanes (positions in `paths`) of the
     /// paths that diverged or had to be given up are returned; what the observer saw of them is
     /// worthless.
-    fn simulate<O: Observer>(&self, seed: u64, paths: &[u64], observer: &mut O) -> Vec<usize>;
+    fn simulate(&self, seed: u64, paths: &[u64], observer: &mut dyn Observer) -> Vec<usize>;
 
     /// h, of which the times of all events are whole multiples; none for a scheme without a step.
     fn step(&self) -> Option<f64> {

@@ -134,7 +134,7 @@ impl QuasiStaticSimulation {
 
     /// Without noise there is one path, of which every lane is told. All lanes are lost if it cannot
     /// be resolved.
-    fn one_path<O: Observer>(&self, cascade: &Noiseless, lanes: usize, observer: &mut O) -> Vec<usize> {
+    fn one_path(&self, cascade: &Noiseless, lanes: usize, observer: &mut dyn Observer) -> Vec<usize> {
         let mut columns = Columns::new(lanes);
         let mut work = Work::new(self.work_limit);
         let (mut phase, mut since, mut x) = (Phase::Static, 0.0, self.model.initial_displacement);
@@ -330,7 +330,7 @@ impl Simulate for QuasiStaticSimulation {
     }
 
     /// A path is lost where it spends all its work, or meets a value that is not a number.
-    fn simulate<O: Observer>(&self, seed: u64, paths: &[u64], observer: &mut O) -> Vec<usize> {
+    fn simulate(&self, seed: u64, paths: &[u64], observer: &mut dyn Observer) -> Vec<usize> {
         match &self.exits {
             Exits::Noisy(cascade) => {
                 let mut all = OneByOne::new(cascade.as_ref(), InstructionSet::detect(), seed, paths);

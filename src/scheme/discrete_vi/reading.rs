@@ -18,12 +18,12 @@ pub(super) struct Reader {
 
 impl Reader {
     /// At t = 0: static where |b| <= f_s, else the first stick is empty and a slip starts.
-    pub(super) fn start<O: Observer>(
+    pub(super) fn start(
         kernel: &Kernel,
         state: &Paths,
         forcing: f64,
         paths: usize,
-        observer: &mut O,
+        observer: &mut dyn Observer,
     ) -> Self {
         let phases = (0..paths).map(|lane| {
             let at = Point { displacement: state.displacement[lane], velocity: 0.0, noise: state.noise[lane] };
@@ -45,13 +45,13 @@ impl Reader {
     }
 
     /// Read the turns of a run that began at step `n`.
-    pub(super) fn read<O: Observer>(
+    pub(super) fn read(
         &mut self,
         kernel: &Kernel,
         n: u64,
         forcing: &[f64],
         turns: &[Turn],
-        observer: &mut O,
+        observer: &mut dyn Observer,
     ) {
         for turn in turns {
             let Some(phase) = self.phases.get_mut(turn.lane) else { continue };

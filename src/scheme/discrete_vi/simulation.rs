@@ -104,7 +104,7 @@ impl Simulate for DiscreteSimulation {
     }
 
     /// A path is lost where it diverges: where its |x| is not a number below [`divergence_bound`].
-    fn simulate<O: Observer>(&self, seed: u64, paths: &[u64], observer: &mut O) -> Vec<usize> {
+    fn simulate(&self, seed: u64, paths: &[u64], observer: &mut dyn Observer) -> Vec<usize> {
         let kernel = Kernel::new(&self.model, self.h, self.refinement, self.is_corrected, self.instructions);
         let mut streams = LaneStreams::new(seed, paths, Paths::padded(paths.len()));
         let paths = paths.len();

@@ -104,7 +104,7 @@ pub trait Paths {
 
     fn cascade(&self) -> &Self::Cascade;
     /// Take all paths across cells inside which nobody looks.
-    fn cross(&mut self, cells: &[Cell], observer: &mut impl Observer);
+    fn cross(&mut self, cells: &[Cell], observer: &mut dyn Observer);
     /// Take all paths across a cell inside which somebody looks.
     fn cross_watched(&mut self, cell: &Cell, inside: &mut Inside);
     /// Set what is seen of every path at the end of the cell that was crossed last.
@@ -115,7 +115,7 @@ pub trait Paths {
 }
 
 /// Simulate some paths.
-pub fn simulate<O: Observer>(paths: &mut impl Paths, count: usize, observer: &mut O) -> Simulated {
+pub fn simulate(paths: &mut impl Paths, count: usize, observer: &mut dyn Observer) -> Simulated {
     let mut cell = Cell::new(paths.cascade().scene(), paths.cascade().ladder(), 0);
     let (closeness, timeline) = (paths.cascade().closeness(), *paths.cascade().timeline());
     let mut columns = Columns::new(count);
@@ -219,7 +219,7 @@ impl<C: Cascade> Paths for OneByOne<'_, C> {
         self.cascade
     }
 
-    fn cross(&mut self, cells: &[Cell], observer: &mut impl Observer) {
+    fn cross(&mut self, cells: &[Cell], observer: &mut dyn Observer) {
         let instructions = self.instructions;
         let is_stopped = &|| observer.is_stopped();
         instructions.run(&mut Crossing { all: self, cells, inside: None, is_stopped });
@@ -417,7 +417,7 @@ impl Inside {
 
     /// Tell the observer what happened, in order of time. `is_over` if nothing after the last stop
     /// matters.
-    fn tell<O: Observer>(&mut self, observer: &mut O, columns: &mut Columns, is_over: bool) {
+    fn tell(&mut self, observer: &mut dyn Observer, columns: &mut Columns, is_over: bool) {
         for (stop, &place) in self.stops.iter().zip(&self.places) {
             self.events.retain(|&(lane, event)| {
                 let is_due = event.time <= stop.time;

@@ -87,7 +87,7 @@ impl Noiseless {
 
     /// Tell the observer about the path, once for each of `lanes` lanes. All lanes are lost if it
     /// cannot be resolved.
-    pub fn simulate<O: Observer>(&self, lanes: usize, observer: &mut O) -> Simulated {
+    pub fn simulate(&self, lanes: usize, observer: &mut dyn Observer) -> Simulated {
         let mut columns = Columns::new(lanes);
         let mut work = Work::new(self.work_limit);
         let mut leg = self.initial_leg(&mut work);

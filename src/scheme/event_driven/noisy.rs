@@ -158,7 +158,7 @@ impl Noisy {
     }
 
     /// Simulate the paths with these numbers.
-    pub fn simulate<O: Observer>(&self, seed: u64, paths: &[u64], observer: &mut O) -> Simulated {
+    pub fn simulate(&self, seed: u64, paths: &[u64], observer: &mut dyn Observer) -> Simulated {
         let instructions = InstructionSet::detect();
         if paths.len() > FEW && self.has_one_step_a_cell() {
             let mut all = Abreast::new(self, instructions, seed, paths);

@@ -47,7 +47,7 @@ impl EventDrivenSimulation {
     }
 
     /// What [`Simulate::simulate`] does, with what was evaluated for it.
-    pub fn simulate_counting<O: Observer>(&self, seed: u64, paths: &[u64], observer: &mut O) -> Simulated {
+    pub fn simulate_counting(&self, seed: u64, paths: &[u64], observer: &mut dyn Observer) -> Simulated {
         match &self.kernel {
             Kernel::Noiseless(cascade, noise) => {
                 cascade.simulate(paths.len(), &mut noise.added_before(observer, seed, paths))
@@ -67,7 +67,7 @@ impl Simulate for EventDrivenSimulation {
     }
 
     /// A path is lost where it spends all its work, or meets a value that is not a number.
-    fn simulate<O: Observer>(&self, seed: u64, paths: &[u64], observer: &mut O) -> Vec<usize> {
+    fn simulate(&self, seed: u64, paths: &[u64], observer: &mut dyn Observer) -> Vec<usize> {
         self.simulate_counting(seed, paths, observer).lost
     }
 

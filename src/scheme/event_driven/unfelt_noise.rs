@@ -20,12 +20,12 @@ impl UnfeltNoise {
     }
 
     /// An observer that adds them, path by path, to what it passes on.
-    pub fn added_before<'a, O: Observer>(
+    pub fn added_before<'a>(
         &self,
-        observer: &'a mut O,
+        observer: &'a mut dyn Observer,
         seed: u64,
         paths: &[u64],
-    ) -> WithUnfeltNoise<'a, O> {
+    ) -> WithUnfeltNoise<'a> {
         let lanes = match self.0 {
             None => Vec::new(),
             Some(noise) => paths.iter().map(|&path| Lane::start(&noise, Stream::new(seed, path))).collect(),
@@ -35,8 +35,8 @@ impl UnfeltNoise {
 }
 
 /// See [`UnfeltNoise::added_before`].
-pub struct WithUnfeltNoise<'a, O> {
-    observer: &'a mut O,
+pub struct WithUnfeltNoise<'a> {
+    observer: &'a mut dyn Observer,
     noise: Option<Noise>,
     lanes: Vec<Lane>,
     /// When it was last looked at.
@@ -60,7 +60,7 @@ impl Lane {
     }
 }
 
-impl<O: Observer> Observer for WithUnfeltNoise<'_, O> {
+impl Observer for WithUnfeltNoise<'_> {
     fn event(&mut self, lane: usize, event: Event) {
         self.observer.event(lane, event);
     }

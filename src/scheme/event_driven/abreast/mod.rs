@@ -253,7 +253,7 @@ impl Paths for Abreast<'_> {
         self.noisy
     }
 
-    fn cross(&mut self, cells: &[Cell], observer: &mut impl Observer) {
+    fn cross(&mut self, cells: &[Cell], observer: &mut dyn Observer) {
         let instructions = self.instructions;
         for cell in cells {
             if observer.is_stopped() {
