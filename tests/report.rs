@@ -69,3 +69,39 @@ fn what_is_no_run_is_refused() {
     }
     assert_eq!(std::fs::read_to_string(folder.path().join("old.html")).expect("kept"), "mine");
 }
+
+/// What a paper says of a run must tell it from another one, and say the same of the same run.
+#[test]
+fn a_citation_names_program_scenario_scheme_seed_and_paths() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let cited = |name: &str, more: &[&str]| {
+        let run = [&["run", RHO025, "--paths", "256", "--quiet", "--no-bias", "-o", name][..], more].concat();
+        assert!(mc(folder.path(), &run).status.success());
+        let output = mc(folder.path(), &["show", "--cite", name]);
+        assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+        String::from_utf8(output.stdout).expect("UTF-8")
+    };
+    let first = cited("a.h5", &["--threads", "1"]);
+    assert_eq!(first, cited("b.h5", &["--threads", "2"]));
+    let file = hdf5::File::open(folder.path().join("a.h5")).expect("HDF5");
+    let attribute = |name: &str| {
+        let text = file.attr(name).and_then(|a| a.read_scalar::<hdf5::types::VarLenUnicode>()).expect("a text");
+        text.as_str().to_string()
+    };
+    use sha2::Digest as _;
+    let hash: String = sha2::Sha256::digest(attribute("scenario")).iter().map(|byte| format!("{byte:02x}")).collect();
+    let lines: Vec<&str> = first.lines().collect();
+    let run = format!(
+        "stick-slip (mc) {} ({}), scenario \"{}\" (SHA-256 {}), scheme discrete-vi, step 0.01, seed 1, 256 paths.",
+        env!("CARGO_PKG_VERSION"),
+        attribute("git_hash"),
+        attribute("title"),
+        &hash[..16]
+    );
+    assert_eq!(lines[0], run);
+    assert!(lines.len() == 2 && lines[1].contains("A. Bensoussan"), "{first}");
+    for (name, other) in [("c.h5", ["--seed", "2"]), ("d.h5", ["--set", "friction.static=1.3"])] {
+        let other = cited(name, &other);
+        assert_ne!(other.split("SHA-256").nth(1), first.split("SHA-256").nth(1), "{other}");
+    }
+}

@@ -18,7 +18,8 @@ Examples:
   mc show rho025.h5 --plot
   mc show rho025.h5 --json | jq .statistics
   mc show coarse.h5 fine.h5                 one table, with differences from the first file
-  mc show rho025.h5 rho025-sweep.h5 --csv   one line for each statistic";
+  mc show rho025.h5 rho025-sweep.h5 --csv   one line for each statistic
+  mc show rho025.h5 --cite                  what to write in a paper";
 
 /// Arguments of `mc show`.
 #[derive(Debug, clap::Args)]
@@ -36,12 +37,18 @@ pub struct Show {
     /// Print comma-separated values instead: a line for each statistic of each file or point
     #[arg(long, conflicts_with = "json")]
     csv: bool,
+    /// Print how to cite a run instead: program, scenario, scheme, seed, paths, and the paper of the model
+    #[arg(long, conflicts_with_all = ["json", "plot", "csv"])]
+    cite: bool,
 }
 
 impl Show {
     pub fn call(&self) -> Result<(), Failure> {
         if self.csv {
             return self.print_csv();
+        }
+        if self.cite {
+            return self.print_citations();
         }
         match self.files.as_slice() {
             [first, ..] if self.plot && (self.files.len() > 1 || is_sweep(first)) => {
@@ -106,6 +113,14 @@ impl Show {
         }
         let summaries: Vec<&Summary> = runs.iter().map(|run| &run.summary).collect();
         print(&report::comparison(&summaries, &infos))
+    }
+
+    fn print_citations(&self) -> Result<(), Failure> {
+        let sentences = self.files.iter().map(|file| Ok(report::citation(&store::read(file)?)));
+        let sentences: Vec<[String; 2]> = sentences.collect::<Result<_, Failure>>()?;
+        let paper = sentences.first().map(|[_, paper]| paper.clone());
+        let lines = sentences.into_iter().map(|[run, _]| run).chain(paper);
+        print(&lines.map(|line| line + "\n").collect::<String>())
     }
 
     fn print_csv(&self) -> Result<(), Failure> {

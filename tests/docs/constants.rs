@@ -52,10 +52,10 @@ fn the_limits_of_a_scenario() {
     says("docs/scenario.md", &format!("| 1e-3 | from {:e} to {} |", TOLERANCES.start(), TOLERANCES.end()));
 }
 
-/// docs/model.md lists the statistics in the order of the catalogue, each by its full name.
+/// docs/statistics.md lists the statistics in the order of the catalogue, each by its full name.
 #[test]
 fn the_statistics() {
-    let page = Page::read("docs/model.md").section("## The statistics");
+    let page = Page::read("docs/statistics.md").section("## The list");
     let listed: Vec<String> = page.rows("name").iter().flat_map(|row| names(&row[0])).collect();
     assert_eq!(listed, Statistic::ALL.map(|statistic| statistic.name().to_string()));
 }

@@ -1,6 +1,7 @@
 //! Links from page to page.
 
 use super::markdown::{Page, root};
+use std::path::{Path, PathBuf};
 
 /// The targets of the links in a line: `[text](target)`.
 fn targets(line: &str) -> Vec<&str> {
@@ -32,12 +33,30 @@ fn every_link_to_the_repository_leads_to_a_file_and_to_a_heading_in_it() {
     assert!(followed > 40, "links are recognised: {followed}");
 }
 
+/// The files that a page links to, relative to the root, each once for each link.
+fn linked(from: &str) -> Vec<PathBuf> {
+    let page = Page::read(from);
+    let folder = page.path.parent().expect("a file is in a folder");
+    let target = |target: &str| {
+        let path = target.split('#').next().expect("a path");
+        match path.strip_prefix("../") {
+            Some(above) => folder.parent().unwrap_or(folder).join(above),
+            None => folder.join(path),
+        }
+    };
+    page.prose().flat_map(targets).filter(|target| !target.contains("://")).map(target).collect()
+}
+
+/// The overview of the documentation and the contents of its site have every page, the contents
+/// exactly once: a page that is missing there is not part of the site.
 #[test]
-fn every_page_is_linked_from_the_readme() {
-    let readme = Page::read("README.md");
-    let linked: Vec<&str> = readme.prose().flat_map(targets).collect();
-    for page in Page::all().into_iter().filter(|page| page.path != readme.path) {
-        let path = page.path.to_str().expect("ASCII");
-        assert!(linked.iter().any(|target| target.split('#').next() == Some(path)), "{path} is not in README.md");
+fn every_page_is_in_the_overview_and_once_in_the_contents_of_the_site() {
+    let (overview, contents) = (linked("docs/README.md"), linked("docs/SUMMARY.md"));
+    let frame = ["README.md", "docs/README.md", "docs/SUMMARY.md"];
+    for page in Page::all().into_iter().filter(|page| !frame.iter().any(|path| page.path == Path::new(path))) {
+        assert!(overview.contains(&page.path), "{} is not in docs/README.md", page.path.display());
+        let times = contents.iter().filter(|path| **path == page.path).count();
+        assert_eq!(times, 1, "{} in docs/SUMMARY.md", page.path.display());
     }
+    assert!(linked("README.md").contains(&"docs/README.md".into()), "README.md leads to the overview");
 }

@@ -164,14 +164,7 @@ fn provenance(stored: &Stored, info: &RunInfo) -> String {
 
 /// What to write in a paper.
 fn cite(stored: &Stored) -> String {
-    let header = &stored.header;
-    let program = format!(
-        "stick-slip (mc) {} ({}), scheme {}, seed {}, {} paths.",
-        header.program_version, header.git_hash, header.scheme, header.seed, stored.completed_paths
-    );
-    let paper = "A. Bensoussan, A. Brouste, F. B. Cartiaux, C. Mathey, L. Mertz, Mathematical formulation of a dynamical \
-                 system with dry friction subjected to external forces.";
-    format!("<p>{}</p><p>The model and the scheme: {}</p>", escaped(&program), escaped(paper))
+    report::citation(stored).map(|sentence| format!("<p>{}</p>", escaped(&sentence))).concat()
 }
 
 #[cfg(test)]

@@ -9,11 +9,13 @@
 //! plots        stick durations and sub-phases as bars of letters
 //! json         all of it for machines
 //! csv          statistics of several files or points, a line each
+//! citation     how to cite a run
 //! comparison   several files as one table, with their differences
 //! ```
 
 mod absence;
 mod bias;
+mod citation;
 mod comparison;
 mod csv;
 mod info;
@@ -25,6 +27,7 @@ mod sample;
 mod statistics;
 
 pub use bias::dominating_bias;
+pub use citation::citation;
 pub use comparison::comparison;
 pub use csv::Csv;
 pub use info::RunInfo;

@@ -20,12 +20,7 @@ impl UnfeltNoise {
     }
 
     /// An observer that adds them, path by path, to what it passes on.
-    pub fn added_before<'a>(
-        &self,
-        observer: &'a mut dyn Observer,
-        seed: u64,
-        paths: &[u64],
-    ) -> WithUnfeltNoise<'a> {
+    pub fn added_before<'a>(&self, observer: &'a mut dyn Observer, seed: u64, paths: &[u64]) -> WithUnfeltNoise<'a> {
         let lanes = match self.0 {
             None => Vec::new(),
             Some(noise) => paths.iter().map(|&path| Lane::start(&noise, Stream::new(seed, path))).collect(),
