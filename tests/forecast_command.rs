@@ -3,34 +3,13 @@
 #[path = "common/command.rs"]
 mod command;
 
-use command::mc;
+use command::{done, json, refused};
 use serde_json::Value;
 use std::fs;
-use std::path::Path;
 
 const BEARING: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/bridge/bearing.toml");
+const TRUTH: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/bridge/bridge.toml");
 const DATA: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/bridge/twin.csv");
-
-#[track_caller]
-fn done(folder: &Path, arguments: &[&str]) -> String {
-    let output = mc(folder, arguments);
-    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
-    String::from_utf8(output.stdout).expect("text")
-}
-
-#[track_caller]
-fn refused(folder: &Path, arguments: &[&str], code: i32, says: &[&str]) {
-    let output = mc(folder, arguments);
-    let said = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert_eq!(output.status.code(), Some(code), "{said}");
-    for part in says {
-        assert!(said.contains(part), "{part}: {said}");
-    }
-}
-
-fn json(text: &str) -> Value {
-    serde_json::from_str(text).expect("one JSON object")
-}
 
 /// Columns of the shipped twin, from this row on.
 fn columns(of: &[usize], from: usize) -> String {
@@ -110,6 +89,12 @@ fn a_fitted_temperature_is_a_part_of_a_scenario() {
     refused(path, &["check", "three.toml"], 2, &["one noise too many", "three.toml:"]);
     refused(path, &["fit-temperature", DATA, "--periods", "3000d"], 1, &["half a period", "--periods"]);
     refused(path, &["fit-temperature", DATA, "--periods", "often"], 2, &["365.25d"]);
+    refused(
+        path,
+        &["fit-temperature", DATA, "--periods", "1d,24h"],
+        2,
+        &["names one period twice", "each period once"],
+    );
     refused(path, &["fit-temperature", DATA, "-o", DATA, "--force"], 2, &["is what the results are made from"]);
 }
 
@@ -140,4 +125,21 @@ fn a_forecast_says_what_can_be_known() {
     let without = ["forecast", "soft.toml", DATA, "--draws", "4", "--years", "3", "--json"];
     let levels = &json(&done(path, &without))["levels"];
     assert!(levels["force_abs_max"].is_null() && levels["slips"].is_object(), "{levels}");
+}
+
+/// What a forecast lacks is to be measured: it has neither the methods of a calibration nor the periods of a fit.
+#[test]
+fn a_forecast_that_cannot_be_says_what_to_measure() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path();
+    let text = fs::read_to_string(DATA).expect("the twin");
+    let lines = |count: usize| text.lines().take(1 + count).map(|line| format!("{line}\n")).collect::<String>();
+    fs::write(path.join("season.csv"), lines(90 * 144)).expect("written");
+    let held = ["--set", "friction.static=1e9", "--set", "friction.dynamic=9e8"];
+    done(path, &[&["twin", TRUTH, "-o", "still.csv"], &held[..]].concat());
+    for (data, says) in [("season.csv", "measure for at least half a year"), ("still.csv", "measure for longer")] {
+        let said = String::from_utf8_lossy(&command::mc(path, &["forecast", BEARING, data]).stderr).into_owned();
+        assert!(said.contains(says) && !said.contains("--periods") && !said.contains("--method"), "{said}");
+        refused(path, &["forecast", BEARING, data], 1, &[says]);
+    }
 }

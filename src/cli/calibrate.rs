@@ -7,11 +7,11 @@ use super::measurements::Source;
 use super::numbers::{parse_duration, wrapped};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
-use stick_slip::config::{BridgeScene, Override};
-use stick_slip::data::DataError;
+use stick_slip::config::Override;
+use stick_slip::scenario::BridgeScene;
 use stick_slip::store;
 use stick_slip::study::calibration::{
-    Calibration, CalibrationError, Held, Lag, Method, Motion, Quantity, Question, Record, calibrate,
+    Calibration, CalibrationError, Lag, Method, NotHeld, Quantity, Question, calibrate,
 };
 
 const EXAMPLES: &str = "\
@@ -79,18 +79,19 @@ impl Calibrate {
         let record = self.source.record(&scene)?;
         let question = Question {
             method: self.method,
-            shear_stiffness: scene.shear_stiffness,
             starts: self.starts,
             lag: self.lag,
             level: self.interval,
-            held: self.held(&scene)?,
             bounds: self.bounds.clone(),
-            guess: guess(&scene, &record),
+            ..Question::of(&scene, &record)
         };
+        let question = question.fitting(&self.fit, &scene)?;
         let threads = self.threads.map_or_else(super::cores, usize::from);
         let stop = stop_on_signals();
-        let calibration =
-            calibrate(&record, &question, threads, &stop).map_err(|error| refused(&self.source.data, &error))?;
+        let calibration = calibrate(&record, &question, threads, &stop).map_err(|error| {
+            let remedy = "take --method err, which needs none, and beware of its estimates";
+            refused(&self.source.data, &error, remedy)
+        })?;
         let warnings: Vec<(String, String)> =
             calibration.warnings.iter().map(|warning| (warning.name().to_string(), warning.to_string())).collect();
         let title = &scene.title;
@@ -103,34 +104,13 @@ impl Calibrate {
     }
 }
 
-impl Calibrate {
-    /// What is not fitted, and what the scenario says of it.
-    fn held(&self, scene: &BridgeScene) -> Result<Vec<Held>, Failure> {
-        let is_held = |quantity: &Quantity| !self.fit.is_empty() && !self.fit.contains(quantity);
-        let asked = FITTED.into_iter().filter(is_held).map(|quantity| {
-            let value = match quantity {
-                Quantity::Stiffness => scene.stiffness,
-                Quantity::Dilatation => scene.dilatation,
-                Quantity::Static => scene.f_s,
-                Quantity::Dynamic => scene.f_d,
-                Quantity::Offset => scene.offset,
-                _ => scene.displacement.ok_or_else(|| {
-                    let problem = "--fit leaves out initial.displacement, which is not a number in the scenario";
-                    Failure::usage(problem, "fit it as well, or give --set initial.displacement=...")
-                })?,
-            };
-            Ok((quantity, value))
-        });
-        let held: Vec<Held> = asked.collect::<Result<_, Failure>>()?;
-        let bounded = self.bounds.iter().map(|(quantity, _)| *quantity);
-        let mut told = held.iter().map(|(quantity, _)| *quantity).chain(bounded);
-        match told.find(|quantity| quantity.needs_shear_stiffness()) {
-            Some(quantity) if scene.shear_stiffness.is_none() => {
-                let problem = format!("{} cannot be held or bounded, because it takes K_BP to know it", quantity.key());
-                Err(Failure::usage(problem, "give bearing.stiffness, in the scenario or with --set"))
-            }
-            _ => Ok(held),
-        }
+impl From<NotHeld> for Failure {
+    fn from(error: NotHeld) -> Self {
+        let remedy = match error {
+            NotHeld::NoNumber(quantity) => format!("add it to --fit, or give --set {}=...", quantity.key()),
+            NotHeld::TakesShearStiffness(_) => "give bearing.stiffness, in the scenario or with --set".to_string(),
+        };
+        Failure::usage(error.to_string(), remedy)
     }
 }
 
@@ -147,22 +127,11 @@ pub(super) fn show(
     print(&if json { report::json(calibration, warnings) } else { report::table(title, calibration) })
 }
 
-/// Where a search begins if slips do not say so.
-pub(super) fn guess(scene: &BridgeScene, record: &Record) -> Motion {
-    let slope = scene.stiffness * scene.dilatation;
-    let first = record.temperatures.first().copied().unwrap_or(0.0);
-    Motion {
-        reach: scene.f_s / slope,
-        jump: 2.0 * (scene.f_s - scene.f_d) / slope,
-        start: scene.displacement.map_or(first, |x| x / scene.dilatation),
-    }
-}
-
-pub(super) fn refused(path: &Path, error: &CalibrationError) -> Failure {
+/// Why there is no calibration; what to do depends on the verb where no slip is seen.
+pub(super) fn refused(path: &Path, error: &CalibrationError, without_slips: &str) -> Failure {
     let remedy = match error {
-        CalibrationError::TooShort(_) => "measure for longer: weeks at least, with tens of slips",
-        CalibrationError::Constant(_) => "see that it is the right column, and that its sensor works",
-        CalibrationError::NoSlips => "take --method err, which needs none, and beware of its estimates",
+        CalibrationError::NoSlips => without_slips,
+        error => error.remedy(),
     };
     Failure::Run(format!("{}: {error}\n  fix: {remedy}", path.display()))
 }
@@ -171,19 +140,9 @@ fn method(text: &str) -> Result<Method, String> {
     Method::from_name(text).ok_or_else(|| "write slips, err or both".to_string())
 }
 
-/// What can be fitted or held; f_s - f_d follows.
-const FITTED: [Quantity; 6] = [
-    Quantity::Stiffness,
-    Quantity::Dilatation,
-    Quantity::Static,
-    Quantity::Dynamic,
-    Quantity::Offset,
-    Quantity::Displacement,
-];
-
 fn parameter(text: &str) -> Result<Quantity, String> {
-    let found = FITTED.into_iter().find(|quantity| quantity.key() == text.trim());
-    found.ok_or_else(|| format!("write some of {}", FITTED.map(Quantity::key).join(", ")))
+    let found = Quantity::fitted(text.trim());
+    found.ok_or_else(|| format!("write some of {}", Quantity::FITTED.map(Quantity::key).join(", ")))
 }
 
 fn bounds(text: &str) -> Result<(Quantity, [f64; 2]), String> {
@@ -208,10 +167,4 @@ fn lag(text: &str) -> Result<Lag, String> {
 pub(super) fn level(text: &str) -> Result<f64, String> {
     let level = text.parse::<f64>().ok().filter(|level| (0.5..=0.999).contains(level));
     level.ok_or_else(|| "write a probability from 0.5 to 0.999".to_string())
-}
-
-impl From<DataError> for Failure {
-    fn from(error: DataError) -> Self {
-        Failure::Refused(error.to_string())
-    }
 }

@@ -8,7 +8,7 @@ use serde::Serialize;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use stick_slip::config;
-use stick_slip::data::{self, TimeColumn};
+use stick_slip::data::{self, Origin, TimeColumn, Wanted};
 use stick_slip::store;
 use stick_slip::study::weather::{WeatherError, WeatherFit, fit};
 
@@ -64,10 +64,14 @@ impl FitTemperature {
             writable(output, self.force, [self.data.as_path()])?;
         }
         let time = TimeColumn { name: &self.time, zone: self.zone.as_deref() };
-        let wanted = [measurements::temperature(self.temperature.as_deref())];
-        let table = measurements::read_in_seconds(&self.data, time, &wanted)?;
-        let column = &table.columns[0];
         let periods: Vec<f64> = self.periods.iter().filter_map(|period| period.0).collect();
+        if (1..periods.len()).any(|i| periods[..i].contains(&periods[i])) {
+            return Err(Failure::usage("--periods names one period twice", "name each period once, e.g. 365.25d,1d"));
+        }
+        let wanted = [Wanted::temperature(self.temperature.as_deref())];
+        let table = Origin::File(&self.data).read_in_seconds(time, &wanted)?;
+        measurements::note_repairs(&self.data, &table.repairs);
+        let column = &table.columns[0];
         let found = fit(&column.times, &column.values, &periods, usize::from(self.processes))
             .map_err(|error| refused(&self.data, &error))?;
         print(&if self.json { json(&found) } else { report(&found) })?;
@@ -82,14 +86,13 @@ impl FitTemperature {
 }
 
 /// Why there is no fit, and what to do.
-pub(super) fn refused(path: &Path, error: &WeatherError) -> Failure {
+fn refused(path: &Path, error: &WeatherError) -> Failure {
     let remedy = match error {
-        WeatherError::TooShort(_) => "measure for longer",
         WeatherError::ShorterThanPeriod(_) => {
             "leave that period out, e.g. --periods 1d; what a year does cannot be forecast then"
         }
-        WeatherError::NoProcess => "see that it is the right column, and that its sensor works",
         WeatherError::OneIsEnough => "take --processes 1",
+        error => error.remedy(),
     };
     Failure::Run(format!("{}: {error}\n  fix: {remedy}", path.display()))
 }
@@ -116,12 +119,12 @@ fn report(found: &WeatherFit) -> String {
         let cells = [digits.show(value), significant(error, 2)];
         rows.push(Row { note, ..Row::labelled(name, cells) });
     };
-    row("mean", found.mean.0, found.mean.1, "degrees".into());
-    for cycle in &found.cycles {
+    row("mean", found.mean().0, found.mean().1, "degrees".into());
+    for cycle in found.cycles() {
         let name = format!("amplitude of {} d", significant(cycle.period / 86_400.0, 5));
         row(&name, cycle.amplitude, cycle.error, format!("K, phase {}", significant(cycle.phase, 4)));
     }
-    for process in &found.processes {
+    for process in found.processes() {
         let sd = process.sd;
         row("standard deviation of weather", sd, sd * process.sd_error, "K".into());
         let hours = 1.0 / process.relaxation_rate / 3600.0;
@@ -166,13 +169,13 @@ struct JsonProcess {
 
 /// What was found, for programs: seconds and kelvin.
 fn json(found: &WeatherFit) -> String {
-    let cycles = found.cycles.iter().map(|cycle| JsonCycle {
+    let cycles = found.cycles().into_iter().map(|cycle| JsonCycle {
         period: cycle.period,
         amplitude: cycle.amplitude,
         phase: cycle.phase,
         standard_error: cycle.error,
     });
-    let processes = found.processes.iter().map(|process| JsonProcess {
+    let processes = found.processes().into_iter().map(|process| JsonProcess {
         sd: process.sd,
         sd_relative_error: process.sd_error,
         relaxation_rate: process.relaxation_rate,
@@ -181,7 +184,7 @@ fn json(found: &WeatherFit) -> String {
     let fit = JsonFit {
         samples: found.samples,
         duration: found.duration,
-        mean: [found.mean.0, found.mean.1],
+        mean: [found.mean().0, found.mean().1],
         harmonics: cycles.collect(),
         processes: processes.collect(),
         sensor_sd: found.white,

@@ -2,7 +2,6 @@
 
 use super::calibrate;
 use super::failure::{Failure, note, print, writable};
-use super::fit_temperature;
 use super::interrupt::stop_on_signals;
 use super::measurements::Source;
 use super::numbers::{Digits, grouped, percent, wrapped};
@@ -12,11 +11,12 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::PathBuf;
 use std::sync::atomic::Ordering;
-use stick_slip::config::{BridgeScene, Override};
+use stick_slip::config::Override;
+use stick_slip::scenario::BridgeScene;
 use stick_slip::store;
-use stick_slip::study::calibration::{self, Calibration, Lag, Method};
+use stick_slip::study::calibration::{self, Calibration, Method};
 use stick_slip::study::forecast::{Forecast as Found, Quantity, Question, forecast};
-use stick_slip::study::weather::fit;
+use stick_slip::study::weather::{PERIODS, WeatherError, fit};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -71,9 +71,6 @@ pub struct Forecast {
     json: bool,
 }
 
-/// The periods of the harmonics: a year and a day.
-const PERIODS: [f64; 2] = [365.25 * 86_400.0, 86_400.0];
-
 impl Forecast {
     pub fn call(&self) -> Result<(), Failure> {
         let set = self.set.iter().map(|text| Override::set(text)).collect::<Result<Vec<_>, _>>()?;
@@ -88,7 +85,7 @@ impl Forecast {
             note(wrapped(&format!("warning: {warning}"), "  ").trim_end());
         }
         let weather = fit(&calibration.record.times, &calibration.steel, &PERIODS, usize::from(self.processes))
-            .map_err(|error| fit_temperature::refused(&self.source.data, &error))?;
+            .map_err(|error| self.without_weather(&error))?;
         let question = Question {
             draws: u64::from(self.draws),
             years: u64::from(self.years),
@@ -115,16 +112,22 @@ impl Forecast {
         let record = self.source.record(scene)?;
         let question = calibration::Question {
             method: Method::Slips,
-            shear_stiffness: scene.shear_stiffness,
-            starts: 1,
-            lag: Lag::Auto,
             level: self.interval,
-            held: Vec::new(),
-            bounds: Vec::new(),
-            guess: calibrate::guess(scene, &record),
+            ..calibration::Question::of(scene, &record)
         };
         calibration::calibrate(&record, &question, threads, stop)
-            .map_err(|error| calibrate::refused(&self.source.data, &error))
+            .map_err(|error| calibrate::refused(&self.source.data, &error, error.remedy()))
+    }
+
+    fn without_weather(&self, error: &WeatherError) -> Failure {
+        let remedy = match error {
+            WeatherError::ShorterThanPeriod(_) => {
+                "measure for at least half a year: a forecast needs to know the seasons"
+            }
+            WeatherError::OneIsEnough => "take --processes 1",
+            error => error.remedy(),
+        };
+        Failure::Run(format!("{}: {error}\n  fix: {remedy}", self.source.data.display()))
     }
 }
 

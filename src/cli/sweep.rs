@@ -14,7 +14,8 @@ use stick_slip::scenario::Scenario;
 use stick_slip::stats::Statistic;
 use stick_slip::store::{StoredSweep, SweepFile, sweep_bytes};
 use stick_slip::study::sweep::{
-    Axis, Design, DesignError, Question, Seeds, Setting, Simulation, Sweep as Swept, SweepEnd, estimated_seconds,
+    Axis, Design, DesignError, Question, RELATIVE_STEPS, Seeds, Setting, Simulation, StarError, Sweep as Swept,
+    SweepEnd, estimated_seconds,
 };
 
 const EXAMPLES: &str = "\
@@ -148,13 +149,9 @@ impl Sweep {
     fn question(&self) -> Result<Question, Failure> {
         let scenario = self.overrides.scenario(&self.scenario)?;
         let (design, shown) = if self.elasticity.is_empty() { self.grid()? } else { self.star(&scenario)? };
-        let point = |i: usize| {
-            let own: Vec<Override> = design.settings(i).iter().map(|setting| shown.override_of(setting)).collect();
-            self.overrides.scenario_with(&self.scenario, &own)
-        };
-        let points = (0..design.points()).map(point).collect::<Result<Vec<_>, _>>()?;
+        let point = |settings: &[Setting]| self.overrides.scenario_with(&self.scenario, &shown.overrides(settings));
         let seeds = if self.independent { Seeds::Independent } else { Seeds::Common };
-        Ok(Question::new(scenario, design, points, seeds, !self.no_bias))
+        Question::at_each(design, seeds, !self.no_bias, point)
     }
 
     fn grid(&self) -> Result<(Design, Shown), Failure> {
@@ -168,54 +165,48 @@ impl Sweep {
     }
 
     fn star(&self, scenario: &Scenario) -> Result<(Design, Shown), Failure> {
-        let mut keys: Vec<(String, f64)> = Vec::new();
-        for key in self.elasticity.iter().map(|key| key.trim().to_string()) {
-            let flag = "--elasticity";
-            let Some(value) = scenario.number_at(&key) else {
-                // The check of the scenario has the better message for a key that does not exist.
-                let tried = Override::flag(&format!("{flag} {key}, tried at"), &key, "1");
-                self.overrides.scenario_with(&self.scenario, &[tried])?;
-                let problem = format!("{flag} {key}: the scenario has no number there");
-                return Err(Failure::usage(problem, "`mc check` prints every key with its value"));
+        let keys: Vec<String> = self.elasticity.iter().map(|key| key.trim().to_string()).collect();
+        let star = Design::star(&keys, self.relative_step, |key| scenario.number_at(key));
+        let design = star.or_else(|(key, error)| {
+            let flag = format!("--elasticity {key}");
+            let remedy = match error {
+                StarError::NoNumber => {
+                    // The check of the scenario has the better message for a key that does not exist.
+                    let tried = Override::flag(&format!("{flag}, tried at"), &key, "1");
+                    self.overrides.scenario_with(&self.scenario, &[tried])?;
+                    "`mc check` prints every key with its value".to_string()
+                }
+                StarError::Zero => format!("give it a value with --set, or --vary {key}=0:1:5"),
+                StarError::Twice => "name it once".to_string(),
             };
-            if value == 0.0 {
-                let problem = format!("{flag} {key}: it is 0, and a share of 0 is 0");
-                return Err(Failure::usage(problem, format!("give it a value with --set, or --vary {key}=0:1:5")));
-            }
-            if keys.iter().any(|(other, _)| *other == key) {
-                return Err(Failure::usage(format!("{flag}: {key} is named twice"), "name it once"));
-            }
-            keys.push((key, value));
-        }
-        let shown = keys.iter().map(|(key, value)| (key.clone(), format!("--elasticity {key}, {value} moved to")));
+            Err(Failure::usage(format!("{flag}: {error}"), remedy))
+        })?;
+        let keys = keys.iter().filter_map(|key| Some((key, scenario.number_at(key)?)));
+        let shown = keys.map(|(key, value)| (key.clone(), format!("--elasticity {key}, {value} moved to")));
         let shown = Shown(shown.collect());
-        Ok((Design::Star { keys, relative_step: self.relative_step }, shown))
+        Ok((design, shown))
     }
 }
 
 /// A stored sweep with its points put together again.
 pub fn stored(path: &Path, stored: StoredSweep) -> Result<Swept, Failure> {
-    let StoredSweep { scenario_text, series, design, seeds, with_bias, points, .. } = stored;
-    let name = path.display().to_string();
-    let scenario = Scenario::parse_stored(&name, &scenario_text, &[], series.as_ref())?;
-    let shown = Shown(Vec::new());
-    let point = |i: usize| {
-        let own: Vec<Override> = design.settings(i).iter().map(|setting| shown.override_of(setting)).collect();
-        Scenario::parse_stored(&name, &scenario_text, &own, series.as_ref())
+    let (name, text, series) = (path.display().to_string(), stored.scenario_text.clone(), stored.series.clone());
+    let point = |settings: &[Setting]| {
+        Scenario::parse_stored(&name, &text, &Shown(Vec::new()).overrides(settings), series.as_ref())
     };
-    let scenarios = (0..design.points()).map(point).collect::<Result<Vec<_>, _>>()?;
-    Ok(Swept { question: Question::new(scenario, design, scenarios, seeds, with_bias), points })
+    Ok(stored.whole(point)?)
 }
 
 /// What a message calls the value of a key: key by key, what was typed.
 struct Shown(Vec<(String, String)>);
 
 impl Shown {
-    fn override_of(&self, Setting { key, value }: &Setting) -> Override {
-        let typed = self.0.iter().find(|(of, _)| of == key).map_or(key.as_str(), |(_, typed)| typed);
-        // Counts and seeds are whole numbers.
-        let is_whole = value.fract() == 0.0 && value.abs() < 1e15;
-        Override::flag(typed, key, &if is_whole { format!("{value:.0}") } else { format!("{value:?}") })
+    fn overrides(&self, settings: &[Setting]) -> Vec<Override> {
+        let laid = |Setting { key, value }: &Setting| {
+            let typed = self.0.iter().find(|(of, _)| of == key).map_or(key.as_str(), |(_, typed)| typed);
+            Override::number(typed, key, *value)
+        };
+        settings.iter().map(laid).collect()
     }
 }
 
@@ -276,16 +267,13 @@ fn default_output(scenario: &Path) -> PathBuf {
     PathBuf::from(name)
 }
 
-/// Steps that say something: the difference drowns in rounding below, and is no derivative above.
-const STEPS: std::ops::RangeInclusive<f64> = 1e-6..=0.5;
-
 /// 0.05 or 5%.
 fn share(text: &str) -> Result<f64, String> {
     let number = match text.trim().strip_suffix('%') {
         Some(percent) => percent.trim().parse::<f64>().map(|percent| percent / 100.0),
         None => text.trim().parse::<f64>(),
     };
-    let share = number.ok().filter(|share| STEPS.contains(share));
+    let share = number.ok().filter(|share| RELATIVE_STEPS.contains(share));
     share.ok_or_else(|| "write a share from 1e-6 to 50%, such as 5% or 0.05".to_string())
 }
 

@@ -6,9 +6,9 @@ use super::numbers::{grouped, parse_duration, significant};
 use super::table::{Row, aligned};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
-use stick_slip::config::{BridgeScene, Override};
-use stick_slip::data::Start;
-use stick_slip::scenario::Scenario;
+use stick_slip::config::Override;
+use stick_slip::data::{self, Start, Wanted};
+use stick_slip::scenario::{BridgeScene, Scenario};
 use stick_slip::store;
 use stick_slip::study::calibration::{Bearing, Flaws, Quantity, Twin as Made, drawn, twin, values};
 
@@ -94,16 +94,7 @@ impl Twin {
             Some(file) => measured(&self.scenario, file, &scene)?,
             None => self.drawn(&set)?,
         };
-        let bearing = Bearing {
-            stiffness: scene.stiffness,
-            dilatation: scene.dilatation,
-            f_s: scene.f_s,
-            f_d: scene.f_d,
-            offset: scene.offset,
-            displacement: scene.displacement.unwrap_or(scene.dilatation * air.temperatures[0]),
-            shear_stiffness: scene.shear_stiffness.unwrap_or(f64::INFINITY),
-        };
-        let response = bearing.response();
+        let response = Bearing::of(&scene, air.temperatures[0]).response();
         let SensorNoise { white, red, memory } = self.sensor_noise;
         let flaws = Flaws {
             white,
@@ -145,8 +136,9 @@ impl Twin {
 /// The measured temperature of a scenario.
 fn measured(scenario: &Path, file: &str, scene: &BridgeScene) -> Result<Air, Failure> {
     let path = scenario.parent().unwrap_or(Path::new("")).join(file);
-    let mut table =
-        measurements::read(&path, measurements::time(scene), &[measurements::temperature(scene.value.as_deref())])?;
+    let wanted = [Wanted::temperature(scene.value.as_deref())];
+    let mut table = data::read(&path, measurements::time(scene), &wanted)?;
+    measurements::note_repairs(&path, &table.repairs);
     let column = table.columns.swap_remove(0);
     Ok(Air { start: table.start, times: column.times, temperatures: column.values })
 }

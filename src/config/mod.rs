@@ -30,7 +30,6 @@ mod tree;
 #[cfg(test)]
 mod tests;
 
-pub use bridge::BridgeScene;
 pub use error::{Fault, ScenarioError};
 pub use overrides::Override;
 pub use shipped::{SHIPPED, Shipped, shipped};

@@ -49,6 +49,12 @@ impl Override {
         Override { shown: format!("{flag} {value}"), key: key.to_string(), value: value.to_string() }
     }
 
+    /// Of a number that comes from somewhere else than a scenario, such as a sweep. Counts and seeds are whole numbers.
+    pub fn number(shown: &str, key: &str, value: f64) -> Self {
+        let is_whole = value.fract() == 0.0 && value.abs() < 1e15;
+        Override::flag(shown, key, &if is_whole { format!("{value:.0}") } else { format!("{value:?}") })
+    }
+
     /// Whether it sets this key, by itself or with the whole table it is in.
     pub fn sets(&self, key: &str) -> bool {
         key.strip_prefix(&self.key).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))

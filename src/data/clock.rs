@@ -19,6 +19,14 @@ impl Start {
         PARSER.parse_timestamp(stamp).ok().map(Start)
     }
 
+    /// From a date with or without a time of day and a zone, as the units of a time in a CF file have it: UTC unless it says another.
+    #[cfg(feature = "store")]
+    pub(super) fn of_calendar(text: &str) -> Option<Self> {
+        let text = text.trim().trim_end_matches(" UTC");
+        let utc = |time: DateTime| time.to_zoned(TimeZone::UTC).ok().map(|zoned| Start(zoned.timestamp()));
+        Start::parse(text).or_else(|| PARSER.parse_datetime(text).ok().and_then(utc))
+    }
+
     /// How many seconds later than another one it is.
     pub fn since(&self, earlier: &Start) -> f64 {
         self.0.duration_since(earlier.0).as_secs_f64()

@@ -1,10 +1,13 @@
-//! Measured data: named columns of a CSV file, as they are in the world. The only home of the crates `csv-core` and `jiff`.
+//! Measured data: named columns of a CSV file, or variables of an HDF5 file, as they are in the world. The only home of the crates
+//! `csv-core` and `jiff`.
 //!
 //! ```text
 //! rows      bytes -> the header and one row after the other: separators, quotes, comments
 //! unit      what a column's name says of its unit
 //! clock     a cell of the time column -> seconds: stamps, zones, numbers
 //! table     the rows in order of time, checked and repaired: a Table
+//! hdf5      variables of an HDF5 file as the columns of a CSV file (feature `store`)
+//! pair      temperatures and displacements of a bearing on one clock, from one file or two
 //! span      "6h" as seconds
 //! query     which columns are asked for, and how they are to be read
 //! error     what is wrong with a file, and where
@@ -15,6 +18,9 @@
 
 mod clock;
 mod error;
+#[cfg(feature = "store")]
+mod hdf5;
+mod pair;
 mod query;
 mod rows;
 mod span;
@@ -25,6 +31,7 @@ mod unit;
 
 pub use clock::Start;
 pub use error::{Cell, DataError};
+pub use pair::{Origin, Pair};
 pub use query::{Name, TimeColumn, Wanted};
 pub use span::seconds;
 pub use table::{Column, Repairs, Table};
@@ -36,7 +43,7 @@ use std::path::Path;
 /// Largest file, in bytes: twenty times 10^6 rows of a usual one.
 const MAX_FILE: u64 = 1 << 30;
 
-/// Columns of a CSV file, in one pass.
+/// Columns of a CSV file, in one pass; or with the feature `store` variables of an HDF5 file along one dimension.
 pub fn read(path: &Path, time: TimeColumn<'_>, wanted: &[Wanted<'_>]) -> Result<Table, DataError> {
     let name = path.display().to_string();
     let unreadable = |problem: String, remedy: &str| DataError::file(&name, problem, remedy);
@@ -49,6 +56,10 @@ pub fn read(path: &Path, time: TimeColumn<'_>, wanted: &[Wanted<'_>]) -> Result<
         .map_err(|error| unreadable(format!("cannot be read: {error}"), "give the path of a CSV file"))?;
     if bytes.len() as u64 > MAX_FILE {
         return Err(unreadable("it is larger than 1 GiB".into(), "cut it, or keep only the columns that are needed"));
+    }
+    #[cfg(feature = "store")]
+    if bytes.starts_with(hdf5::SIGNATURE) {
+        return hdf5::read(path, time, wanted);
     }
     parse(&name, &bytes, time, wanted)
 }

@@ -24,6 +24,22 @@ pub struct Wanted<'a> {
     pub max_gap: Option<f64>,
 }
 
+impl<'a> Wanted<'a> {
+    /// The temperatures in the column of this name, or else in the one whose name begins with `temperature`.
+    pub fn temperature(column: Option<&'a str>) -> Self {
+        Wanted { column: named(column, "temperature"), quantity: Quantity::Temperature, unit: None, max_gap: None }
+    }
+
+    /// The displacements in the column of this name, or else in the one whose name begins with `displacement`.
+    pub fn displacement(column: Option<&'a str>, unit: Option<&'a str>) -> Self {
+        Wanted { column: named(column, "displacement"), quantity: Quantity::Displacement, unit, max_gap: None }
+    }
+}
+
+fn named<'a>(name: Option<&'a str>, beginning: &'a str) -> Name<'a> {
+    name.map_or(Name::Beginning(beginning), Name::Exactly)
+}
+
 /// How a column is found in the header.
 #[derive(Clone, Copy, Debug)]
 pub enum Name<'a> {

@@ -271,3 +271,86 @@ proptest! {
         }
     }
 }
+
+/// The same in HDF5.
+#[cfg(feature = "store")]
+mod in_hdf5 {
+    use super::super::{Name, Origin, Pair, TimeColumn, Wanted, parse, read};
+    use ::hdf5::File;
+    use ::hdf5::types::VarLenUnicode;
+
+    const CSV: &str = "time,temperature_degC,displacement_mm\n2015-08-13T00:10:00Z,15.5,1\n2015-08-13T00:00:00Z,15,0.5\n\
+                       2015-08-13T00:20:00Z,,2\n2015-08-13T00:30:00Z,14.25,3\n";
+    const TIME: TimeColumn<'_> = TimeColumn { name: "time", zone: None };
+
+    /// The record of `CSV` in a file, with these units of time and these times.
+    fn written(units: Option<&str>, times: &[f64]) -> tempfile::NamedTempFile {
+        let place = tempfile::NamedTempFile::new().expect("a file");
+        let file = File::create(place.path()).expect("HDF5");
+        let put = |name: &str, values: &[f64], units: Option<&str>| {
+            let dataset = file.new_dataset_builder().with_data(values).create(name).expect("written");
+            if let Some(units) = units {
+                let units: VarLenUnicode = units.parse().expect("text");
+                let attribute = dataset.new_attr::<VarLenUnicode>().create("units").expect("an attribute");
+                attribute.write_scalar(&units).expect("written");
+            }
+        };
+        put("time", times, units);
+        put("temperature", &[15.5, 15.0, f64::NAN, 14.25], Some("degC"));
+        put("displacement", &[1.0, 0.5, 2.0, 3.0], Some("mm"));
+        drop(file);
+        place
+    }
+
+    #[test]
+    fn a_file_of_either_kind_is_the_same_record() {
+        let wanted = || [Wanted::temperature(None), Wanted::displacement(None, None)];
+        let text = Pair::read(Origin::Text("t.csv", CSV), None, TIME, wanted()).expect("read");
+        let start = parse("t.csv", CSV.as_bytes(), TIME, &wanted()).expect("read").start;
+        for (units, times) in [
+            ("seconds since 2015-08-13 00:00:00", [600.0, 0.0, 1200.0, 1800.0]),
+            ("minutes since 2015-08-12T23:50:00Z", [20.0, 10.0, 30.0, 40.0]),
+            ("hours since 2015-08-13T02:00:00+02:00", [1.0 / 6.0, 0.0, 1.0 / 3.0, 0.5]),
+            ("days since 2015-08-12", [1.0 + 1.0 / 144.0, 1.0, 1.0 + 1.0 / 72.0, 1.0 + 1.0 / 48.0]),
+        ] {
+            let file = written(Some(units), &times);
+            let table = read(file.path(), TIME, &wanted()).expect("read");
+            assert_eq!(table.start, start, "{units}");
+            let pair = Pair::read(Origin::File(file.path()), None, TIME, wanted()).expect("read");
+            let near = |a: &[f64], b: &[f64]| a.len() == b.len() && a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-9);
+            assert!(near(&pair.temperature.times, &text.temperature.times), "{units}: {pair:?}");
+            assert!(near(&pair.displacement.times, &text.displacement.times), "{units}: {pair:?}");
+            assert_eq!(pair.temperature.values, text.temperature.values);
+            assert_eq!(pair.displacement.values, text.displacement.values);
+            assert_eq!(pair.repairs.len(), text.repairs.len(), "{:?}", pair.repairs);
+        }
+    }
+
+    #[test]
+    fn what_is_wrong_is_named() {
+        let tried = |file: &tempfile::NamedTempFile, time: &str, value: Name<'_>| {
+            let wanted = [Wanted { column: value, ..Wanted::temperature(None) }];
+            read(file.path(), TimeColumn { name: time, zone: None }, &wanted)
+        };
+        let sound = written(Some("s"), &[600.0, 0.0, 1200.0, 1800.0]);
+        for (time, value, says) in [
+            ("when", "temperature", "none of its variables is called `when`"),
+            ("time", "air", "none of its variables is called `air`"),
+        ] {
+            let error = tried(&sound, time, Name::Exactly(value)).unwrap_err();
+            assert!(
+                error.problem.contains(says) && error.remedy.contains("displacement, temperature, time"),
+                "{error}"
+            );
+        }
+        let error = tried(&written(Some("s since soon"), &[0.0; 4]), "time", Name::Exactly("temperature")).unwrap_err();
+        assert!(error.problem.contains("\"s since soon\"") && error.remedy.contains("seconds since"), "{error}");
+        let twice = written(Some("s"), &[0.0, 0.0, 1.0, 2.0]);
+        let error = tried(&twice, "time", Name::Exactly("temperature")).unwrap_err();
+        assert!(error.line.is_none() && error.problem.contains("(value "), "{error}");
+        let whole = std::fs::read(sound.path()).expect("there");
+        std::fs::write(sound.path(), &whole[..whole.len() / 2]).expect("written");
+        let error = tried(&sound, "time", Name::Exactly("temperature")).unwrap_err();
+        assert!(error.problem.contains("cannot be read as HDF5"), "{error}");
+    }
+}

@@ -70,6 +70,13 @@ fn time(name: &str) -> Option<Unit> {
     }
 }
 
+/// A number of this unit of time in seconds.
+#[cfg(feature = "store")]
+pub(super) fn seconds_of(unit: &str) -> Option<impl Fn(f64) -> f64 + use<>> {
+    let unit = time(&unit.to_lowercase())?;
+    Some(move |number| unit.of(number))
+}
+
 /// What stands for a unit in a name: within brackets at its end, or behind its last underscore.
 fn suffix(name: &str) -> Option<(&str, bool)> {
     let brackets =

@@ -3,15 +3,16 @@
 use super::layout::Described;
 use super::rows::{self, Rows, Table};
 use super::{
-    Attribute, Column, Destination, Kind, Source, StoredCalibration, StoredSweep, Values, calibration, run, series,
-    summary, sweep, trade,
+    Attribute, Column, Destination, Kind, Source, StoredCalibration, StoredSweep, Values, calibration, forecast, run,
+    series, summary, sweep, trade, twin,
 };
 use crate::engine::{Replay, Status};
 use crate::model::Series;
 use crate::provenance::Provenance;
 use crate::scenario::Scenario;
 use crate::stats::{Statistic, Summary, Units};
-use crate::study::calibration::Calibration;
+use crate::study::calibration::{self as bearing, Calibration, Twin};
+use crate::study::forecast::Forecast;
 use crate::study::sweep::Sweep;
 use crate::study::trade::{Prices, Trade};
 use std::convert::Infallible;
@@ -71,6 +72,20 @@ impl Dataset {
     pub fn of_calibration(title: &str, scenario_text: &str, calibration: &Calibration) -> Self {
         let mut dataset = Dataset::new(&calibration::units());
         let Ok(()) = calibration::write(&mut dataset, title, scenario_text, calibration);
+        dataset
+    }
+
+    /// A forecast, given what it is about and the scenario as it was written.
+    pub fn of_forecast(title: &str, scenario_text: &str, forecast: &Forecast) -> Self {
+        let mut dataset = Dataset::new(&calibration::units());
+        let Ok(()) = forecast::write(&mut dataset, title, scenario_text, forecast);
+        dataset
+    }
+
+    /// Synthetic measurements whose time 0 has this stamp, and what a calibration is to find in them.
+    pub fn of_twin(start: &str, truth: &bearing::Values, twin: &Twin) -> Self {
+        let mut dataset = Dataset::new(&calibration::units());
+        let Ok(()) = twin::write(&mut dataset, start, truth, twin);
         dataset
     }
 

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! layout          every variable of a run: name, axes, unit, meaning      (sweep_layout: of a sweep)
-//! run, trade, sweep, calibration   what goes where, written and, where it is read back, read side by side
+//! run, trade, sweep, calibration, forecast, twin   what goes where, written and, where it is read back, read side by side
 //!   -> Destination   a file, or memory
 //!   <- Source        the same
 //! Dataset         in memory
@@ -14,6 +14,7 @@
 #![cfg_attr(not(feature = "store"), allow(dead_code))]
 
 pub(crate) mod calibration;
+mod forecast;
 mod form;
 pub(crate) mod header;
 pub(crate) mod layout;
@@ -26,6 +27,7 @@ pub(crate) mod summary;
 pub(crate) mod sweep;
 pub(crate) mod sweep_layout;
 pub(crate) mod trade;
+mod twin;
 
 pub use calibration::StoredCalibration;
 pub use form::{Attribute, Column};

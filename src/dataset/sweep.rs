@@ -11,8 +11,9 @@ use super::{
 use crate::engine::Status;
 use crate::model::Series;
 use crate::provenance::Provenance;
+use crate::scenario::Scenario;
 use crate::stats::{Bias, Estimate, GROUPS, Statistic, Values};
-use crate::study::sweep::{Axis, Design, DesignError, Paired, Point, Seeds, Sweep};
+use crate::study::sweep::{Axis, Design, DesignError, Paired, Point, Question, Seeds, Setting, Sweep};
 use std::sync::Arc;
 
 /// What `format_name` says of a sweep.
@@ -40,6 +41,14 @@ pub struct StoredSweep {
     pub status: Status,
     /// Point by point; none where it is not done.
     pub points: Vec<Option<Point>>,
+}
+
+impl StoredSweep {
+    /// The sweep, with the scenario of each point from its settings.
+    pub fn whole<E>(self, scenario_at: impl Fn(&[Setting]) -> Result<Scenario, E>) -> Result<Sweep, E> {
+        let question = Question::at_each(self.design, self.seeds, self.with_bias, scenario_at)?;
+        Ok(Sweep { question, points: self.points })
+    }
 }
 
 /// What makes numbers of a program: those of another one do not go with them.

@@ -7,6 +7,7 @@
 //! check      whether all of it goes together
 //! plan       the ensemble that answers it, and the simulations that tell the error of its step
 //! measured   where a measured temperature comes from, and what a sensor shows
+//! bridge     of a scenario only what a calibration needs: a BridgeScene
 //! limits     how much of anything there may be
 //! ```
 //!
@@ -15,12 +16,14 @@
 
 #[cfg(test)]
 pub(crate) mod arbitrary;
+mod bridge;
 pub(crate) mod check;
 mod limits;
 mod measured;
 mod plan;
 pub(crate) mod time;
 
+pub use bridge::BridgeScene;
 pub use limits::{MAX_PATHS, MAX_PERIODS, MAX_ROWS, MAX_STEPS, MAX_TRAJECTORIES};
 pub use measured::{Bearing, Measured};
 pub use time::Time;

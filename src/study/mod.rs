@@ -15,6 +15,7 @@ pub mod accuracy;
 pub mod calibration;
 mod clock;
 pub mod forecast;
+mod linear;
 pub mod multilevel;
 pub mod sweep;
 pub mod trade;

@@ -35,6 +35,35 @@ pub fn within(limit: Duration, folder: &Path, arguments: &[&str]) -> Output {
     output
 }
 
+/// What `mc` prints when it succeeds.
+#[track_caller]
+pub fn done(folder: &Path, arguments: &[&str]) -> String {
+    let output = mc(folder, arguments);
+    assert_eq!(output.status.code(), Some(0), "mc {}: {}", arguments.join(" "), text(&output.stderr));
+    text(&output.stdout)
+}
+
+/// `mc` refuses with this exit code, and says all of these.
+#[track_caller]
+pub fn refused(folder: &Path, arguments: &[&str], code: i32, says: &[&str]) {
+    let output = mc(folder, arguments);
+    let said = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(code), "mc {}: {said}", arguments.join(" "));
+    for part in says {
+        assert!(said.contains(part), "mc {}: {part}: {said}", arguments.join(" "));
+    }
+}
+
+/// What was printed.
+pub fn text(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(bytes).into_owned()
+}
+
+/// What was printed as one JSON object.
+pub fn json(text: &str) -> serde_json::Value {
+    serde_json::from_str(text).expect("one JSON object")
+}
+
 /// What a shell says to a line in this folder, `$0` of which is `mc`.
 #[track_caller]
 pub fn shell(folder: &Path, line: &str) -> Output {

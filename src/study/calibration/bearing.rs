@@ -1,6 +1,7 @@
 //! Between what can be read off the data and what an engineer asks for.
 
 use super::motion::Motion;
+use crate::scenario::BridgeScene;
 
 /// The sensor: z = offset + moving xi + still T.
 ///
@@ -54,6 +55,19 @@ pub struct Bearing {
 }
 
 impl Bearing {
+    /// That of a scenario, under this temperature at first: a body whose place is not given is where no spring force acts.
+    pub fn of(scene: &BridgeScene, temperature: f64) -> Self {
+        Bearing {
+            stiffness: scene.stiffness,
+            dilatation: scene.dilatation,
+            f_s: scene.f_s,
+            f_d: scene.f_d,
+            offset: scene.offset,
+            displacement: scene.displacement.unwrap_or(scene.dilatation * temperature),
+            shear_stiffness: scene.shear_stiffness.unwrap_or(f64::INFINITY),
+        }
+    }
+
     /// What a sensor sees of it.
     pub fn response(&self) -> Response {
         let slope = self.stiffness * self.dilatation;

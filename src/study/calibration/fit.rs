@@ -2,10 +2,10 @@
 
 use super::bearing::{Response, Sensor};
 use super::level::Sums;
-use super::linear::Normal;
 use super::motion::Motion;
 use super::samples::{median, spread};
 use super::slips::{Evidence, Slip};
+use crate::study::linear::Normal;
 
 impl Evidence {
     /// A, G, xi(0), z0 and the slopes, from blocks of time with these weights. None where too few slips were seen.

@@ -7,9 +7,9 @@
 //! evaluation costs as many steps as there are slips, and not as there are samples.
 
 use super::bearing::Sensor;
-use super::linear::Normal;
 use super::motion::Motion;
 use super::samples::Record;
+use crate::study::linear::Normal;
 
 /// How many entries of one level make one of the next.
 const RADIX: usize = 16;

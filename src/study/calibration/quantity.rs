@@ -42,6 +42,14 @@ impl Quantity {
     /// How many of them are parameters.
     pub const PARAMETERS: usize = 7;
 
+    /// What can be fitted or held; f_s - f_d follows.
+    pub const FITTED: [Quantity; 6] = [Stiffness, Dilatation, Static, Dynamic, Offset, Displacement];
+
+    /// The quantity of [`Quantity::FITTED`] that has this key.
+    pub fn fitted(key: &str) -> Option<Quantity> {
+        Quantity::FITTED.into_iter().find(|quantity| quantity.key() == key)
+    }
+
     /// The key of the scenario, or a name in its style.
     pub fn key(self) -> &'static str {
         match self {

@@ -1,8 +1,11 @@
 //! What is asked of a record, and why there may be no answer.
 
+use super::bearing::Bearing;
 use super::hold::Held;
 use super::motion::Motion;
 use super::quantity::Quantity;
+use super::samples::Record;
+use crate::scenario::BridgeScene;
 
 /// How the parameters are found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -61,6 +64,57 @@ pub struct Question {
     pub guess: Motion,
 }
 
+impl Question {
+    /// What is asked of the record of a bearing, where nothing more is said: everything is fitted by both methods.
+    pub fn of(scene: &BridgeScene, record: &Record) -> Self {
+        let first = record.temperatures.first().copied().unwrap_or(0.0);
+        Question {
+            method: Method::Both,
+            shear_stiffness: scene.shear_stiffness,
+            starts: 10,
+            lag: Lag::Auto,
+            level: 0.9,
+            held: Vec::new(),
+            bounds: Vec::new(),
+            guess: Bearing::of(scene, first).response().motion,
+        }
+    }
+
+    /// The same where only some quantities are fitted, if any are named: the others are held at what the scenario says.
+    pub fn fitting(self, fitted: &[Quantity], scene: &BridgeScene) -> Result<Self, NotHeld> {
+        let is_held = |quantity: &Quantity| !fitted.is_empty() && !fitted.contains(quantity);
+        let held = Quantity::FITTED.into_iter().filter(is_held).map(|quantity| {
+            let value = match quantity {
+                Quantity::Stiffness => Some(scene.stiffness),
+                Quantity::Dilatation => Some(scene.dilatation),
+                Quantity::Static => Some(scene.f_s),
+                Quantity::Dynamic => Some(scene.f_d),
+                Quantity::Offset => Some(scene.offset),
+                _ => scene.displacement,
+            };
+            Ok((quantity, value.ok_or(NotHeld::NoNumber(quantity))?))
+        });
+        let held: Vec<Held> = held.collect::<Result<_, _>>()?;
+        let mut told =
+            held.iter().map(|(quantity, _)| *quantity).chain(self.bounds.iter().map(|(quantity, _)| *quantity));
+        match told.find(|quantity| quantity.needs_shear_stiffness() && scene.shear_stiffness.is_none()) {
+            Some(quantity) => Err(NotHeld::TakesShearStiffness(quantity)),
+            None => Ok(Question { held, ..self }),
+        }
+    }
+}
+
+/// Why a quantity cannot be held or bounded.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum NotHeld {
+    /// The scenario does not say what it is to be held at.
+    #[error("{} is left out of what is fitted, and is not a number in the scenario", .0.key())]
+    NoNumber(Quantity),
+    /// It is known only together with K_BP.
+    #[error("{} cannot be held or bounded, because it takes K_BP to know it", .0.key())]
+    TakesShearStiffness(Quantity),
+}
+
 /// Why nothing can be said.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum CalibrationError {
@@ -73,6 +127,17 @@ pub enum CalibrationError {
     /// No slip, and nothing else was asked for.
     #[error("no slips are visible: too few jumps of the displacement, or too small for its noise")]
     NoSlips,
+}
+
+impl CalibrationError {
+    /// What to measure or look at.
+    pub fn remedy(&self) -> &'static str {
+        match self {
+            CalibrationError::TooShort(_) => "measure for longer: weeks at least, with tens of slips",
+            CalibrationError::Constant(_) => "see that it is the right column, and that its sensor works",
+            CalibrationError::NoSlips => "measure for longer, until tens of slips are in the record",
+        }
+    }
 }
 
 /// Fewer samples than this are no record.

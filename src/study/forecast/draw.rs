@@ -3,7 +3,7 @@
 use crate::model::{Friction, Model, Oscillator, Temperature};
 use crate::noise::Stream;
 use crate::study::calibration::{Calibration, Quantity, Sensor};
-use crate::study::weather::linear::{Matrix, cholesky, times};
+use crate::study::linear::{Matrix, cholesky, times};
 
 /// What decides motion and reading; K, f_s and f_d follow, and x(0) is forgotten.
 const DRAWN: [Quantity; 5] = [Quantity::Dilatation, Quantity::Shear, Quantity::Offset, Quantity::Reach, Quantity::Jump];

@@ -45,6 +45,20 @@ pub enum DesignError {
     Points(f64),
 }
 
+/// Why keys do not make a star.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum StarError {
+    /// There is nothing to move.
+    #[error("the scenario has no number there")]
+    NoNumber,
+    /// No share of it moves it.
+    #[error("it is 0, and a share of 0 is 0")]
+    Zero,
+    /// It is there already.
+    #[error("it is named twice")]
+    Twice,
+}
+
 /// Names of the file of a sweep, which no axis may take.
 pub const RESERVED: [&str; 36] = [
     "statistic",
@@ -85,6 +99,9 @@ pub const RESERVED: [&str; 36] = [
     "elasticity_gain",
 ];
 
+/// Relative steps that say something: the difference drowns in rounding below, and is no derivative above.
+pub const RELATIVE_STEPS: std::ops::RangeInclusive<f64> = 1e-6..=0.5;
+
 impl Design {
     /// Crossed or zipped axes.
     pub fn of(axes: Vec<Axis>, is_zipped: bool) -> Result<Design, DesignError> {
@@ -110,6 +127,25 @@ impl Design {
             true => Ok(Design::Zip(axes)),
             false => Ok(Design::Grid(axes)),
         }
+    }
+
+    /// A step to both sides of each of these keys, which have these numbers. An error comes with its key.
+    pub fn star(
+        keys: &[String],
+        relative_step: f64,
+        number_at: impl Fn(&str) -> Option<f64>,
+    ) -> Result<Design, (String, StarError)> {
+        let mut named: Vec<(String, f64)> = Vec::new();
+        for key in keys {
+            let wrong = |error: StarError| Err((key.clone(), error));
+            match number_at(key) {
+                None => return wrong(StarError::NoNumber),
+                Some(0.0) => return wrong(StarError::Zero),
+                Some(_) if named.iter().any(|(other, _)| other == key) => return wrong(StarError::Twice),
+                Some(value) => named.push((key.clone(), value)),
+            }
+        }
+        Ok(Design::Star { keys: named, relative_step })
     }
 
     /// The axes, if there are any.

@@ -19,7 +19,7 @@ mod simulate;
 
 pub use axis::{Axis, AxisError, MOST_POINTS};
 pub use cost::estimated_seconds;
-pub use design::{Design, DesignError, RESERVED, Setting};
+pub use design::{Design, DesignError, RELATIVE_STEPS, RESERVED, Setting, StarError};
 pub use paired::Paired;
 pub use simulate::{Simulation, SweepEnd};
 
@@ -69,6 +69,17 @@ impl Question {
             }
         }
         Question { scenario, design, points, seeds, with_bias }
+    }
+
+    /// The same with the scenario of each point from its settings, of which the scenario itself has none.
+    pub fn at_each<E>(
+        design: Design,
+        seeds: Seeds,
+        with_bias: bool,
+        scenario_at: impl Fn(&[Setting]) -> Result<Scenario, E>,
+    ) -> Result<Self, E> {
+        let points = (0..design.points()).map(|i| scenario_at(&design.settings(i))).collect::<Result<_, E>>()?;
+        Ok(Question::new(scenario_at(&[])?, design, points, seeds, with_bias))
     }
 
     /// Whether anything is random at any of the points.

@@ -1,10 +1,10 @@
 //! The likeliest weather, and how sure it is.
 
 use super::kalman::{Likelihood, Shape, likelihood};
-use super::linear::{Matrix, cholesky, inverse, times as product};
 use super::simplex;
 use crate::model::{Harmonic, InitialNoise, Noise, Temperature};
 use crate::noise::Stream;
+use crate::study::linear::{Matrix, cholesky, inverse, times as product};
 use std::f64::consts::TAU;
 
 /// One Ornstein-Uhlenbeck process of the weather.
@@ -40,25 +40,39 @@ pub struct WeatherFit {
     pub samples: usize,
     /// The time from the first of them to the last.
     pub duration: f64,
-    /// The mean of the temperature, and its standard error.
-    pub mean: (f64, f64),
-    /// The harmonics, by the periods that were asked for.
-    pub cycles: Vec<Cycle>,
-    /// The processes, the fastest one first.
-    pub processes: Vec<Process>,
     /// The standard deviation of what the thermometer adds to every sample; 0 where the data do not ask for it.
     pub white: f64,
     /// log L, the logarithm of the restricted likelihood.
     pub log_likelihood: f64,
-    /// a_0, b_1, c_1, b_2 ..
-    coefficients: Vec<f64>,
-    /// Cholesky's factor of the covariance of their errors.
-    coefficient_errors: Matrix,
-    /// log theta_1, log sd_1, log theta_2 ..
-    logarithms: Vec<f64>,
-    /// Cholesky's factor of the covariance of their errors.
-    logarithm_errors: Matrix,
+    /// The periods of the harmonics.
     periods: Vec<f64>,
+    /// a_0, b_1, c_1, b_2 ..
+    coefficients: Estimates,
+    /// log theta_1, log sd_1, log theta_2 .., the fastest process first.
+    logarithms: Estimates,
+}
+
+/// Estimates whose errors are normal.
+#[derive(Clone, Debug, PartialEq)]
+struct Estimates {
+    values: Vec<f64>,
+    /// Cholesky's factor of the covariance of their errors.
+    factor: Matrix,
+}
+
+impl Estimates {
+    fn covariance(&self, i: usize, j: usize) -> f64 {
+        self.factor[i].iter().zip(&self.factor[j]).map(|(a, b)| a * b).sum()
+    }
+
+    fn error(&self, i: usize) -> f64 {
+        self.covariance(i, i).sqrt()
+    }
+
+    fn drawn(&self, random: &mut Stream) -> Vec<f64> {
+        let normals: Vec<f64> = self.values.iter().map(|_| random.normal()).collect();
+        self.values.iter().zip(product(&self.factor, &normals)).map(|(value, error)| value + error).collect()
+    }
 }
 
 /// Why there is no model of a temperature.
@@ -70,12 +84,28 @@ pub enum WeatherError {
     /// The record does not cover a period.
     #[error("the record is shorter than half a period of {0} s, so it does not tell that harmonic")]
     ShorterThanPeriod(f64),
+    /// Two harmonics of one period.
+    #[error("one period is named twice: {0} s")]
+    PeriodTwice(f64),
     /// There is nothing to fit.
     #[error("no process explains these samples: is the temperature constant, or purely periodic?")]
     NoProcess,
     /// Two processes have the same rate, or one of them is nothing.
     #[error("the samples do not tell two processes apart")]
     OneIsEnough,
+}
+
+impl WeatherError {
+    /// What to measure or look at.
+    pub fn remedy(&self) -> &'static str {
+        match self {
+            WeatherError::TooShort(_) => "measure for longer",
+            WeatherError::ShorterThanPeriod(_) => "measure for at least half of that period",
+            WeatherError::PeriodTwice(_) => "name it once",
+            WeatherError::NoProcess => "see that it is the right column, and that its sensor works",
+            WeatherError::OneIsEnough => "fit one process",
+        }
+    }
 }
 
 /// Fewer samples than this are no record.
@@ -99,6 +129,9 @@ pub fn fit(times: &[f64], temperatures: &[f64], periods: &[f64], processes: usiz
         return Err(WeatherError::TooShort(n));
     }
     let duration = times[n - 1] - times[0];
+    if let Some((_, period)) = periods.iter().enumerate().find(|(i, period)| periods[..*i].contains(period)) {
+        return Err(WeatherError::PeriodTwice(*period));
+    }
     if let Some(period) = periods.iter().find(|period| duration < 0.5 * **period) {
         return Err(WeatherError::ShorterThanPeriod(*period));
     }
@@ -151,47 +184,31 @@ impl<'a> Samples<'a> {
     /// The result, at the best point.
     fn weather(&self, x: &[f64], white: Option<f64>, duration: f64) -> Result<WeatherFit, WeatherError> {
         let best = self.likelihood(x, white).ok_or(WeatherError::NoProcess)?;
-        let errors = self.errors(x, white, best.deviance).ok_or(WeatherError::OneIsEnough)?;
-        let m = x.len().div_ceil(2);
-        let mut logarithms = Vec::new();
-        let mut processes = Vec::new();
-        for (j, (theta, variance)) in shape(x, white).processes.into_iter().enumerate() {
-            let sd = (best.scale * variance).sqrt();
-            logarithms.extend([libm::log(theta), libm::log(sd)]);
-            let error = |i: usize| errors[i][i].sqrt();
-            processes.push(Process {
-                relaxation_rate: theta,
-                sd,
-                rate_error: error(2 * j),
-                sd_error: error(2 * j + 1),
-            });
-        }
-        if m == 2 && processes[0].relaxation_rate < processes[1].relaxation_rate {
+        let shape = shape(x, white);
+        if let [first, second] = shape.processes[..]
+            && first.0 < second.0
+        {
             return self.weather(&[x[1], x[0], -x[2]], white.map(|white| white - x[2]), duration);
         }
-        let b = &best.coefficients;
-        let cycles = self.periods.iter().enumerate().map(|(i, period)| {
-            let (cos, sin) = (2 * i + 1, 2 * i + 2);
-            let amplitude = b[cos].hypot(b[sin]);
-            let [along, across] = [b[cos] / amplitude, b[sin] / amplitude];
-            let v = &best.covariance;
-            let variance =
-                along * along * v[cos][cos] + 2.0 * along * across * v[sin][cos] + across * across * v[sin][sin];
-            Cycle { period: *period, amplitude, phase: libm::atan2(-b[sin], b[cos]), error: variance.sqrt() }
+        let errors = self.errors(x, white, best.deviance).ok_or(WeatherError::OneIsEnough)?;
+        let logarithms = shape.processes.iter().flat_map(|(theta, variance)| {
+            let sd = (best.scale * variance).sqrt();
+            [libm::log(*theta), libm::log(sd)]
         });
         Ok(WeatherFit {
             samples: self.times.len(),
             duration,
-            mean: (b[0], best.covariance[0][0].sqrt()),
-            cycles: cycles.collect(),
-            processes,
             white: white.map_or(0.0, |white| (best.scale * libm::exp(white)).sqrt()),
             log_likelihood: -0.5 * best.deviance,
-            coefficients: b.clone(),
-            coefficient_errors: cholesky(&best.covariance).ok_or(WeatherError::NoProcess)?,
-            logarithms,
-            logarithm_errors: cholesky(&errors).ok_or(WeatherError::OneIsEnough)?,
             periods: self.periods.to_vec(),
+            coefficients: Estimates {
+                factor: cholesky(&best.covariance).ok_or(WeatherError::NoProcess)?,
+                values: best.coefficients,
+            },
+            logarithms: Estimates {
+                values: logarithms.collect(),
+                factor: cholesky(&errors).ok_or(WeatherError::OneIsEnough)?,
+            },
         })
     }
 
@@ -277,19 +294,46 @@ fn shape(x: &[f64], white: Option<f64>) -> Shape {
 }
 
 impl WeatherFit {
+    /// The mean of the temperature, and its standard error.
+    pub fn mean(&self) -> (f64, f64) {
+        (self.coefficients.values[0], self.coefficients.error(0))
+    }
+
+    /// The harmonics, by the periods that were asked for.
+    pub fn cycles(&self) -> Vec<Cycle> {
+        let Estimates { values: b, .. } = &self.coefficients;
+        let cycle = |(i, period): (usize, &f64)| {
+            let (cos, sin) = (2 * i + 1, 2 * i + 2);
+            let amplitude = b[cos].hypot(b[sin]);
+            let [along, across] = [b[cos] / amplitude, b[sin] / amplitude];
+            let v = |i: usize, j: usize| self.coefficients.covariance(i, j);
+            let variance =
+                along * along * v(cos, cos) + 2.0 * along * across * v(sin, cos) + across * across * v(sin, sin);
+            Cycle { period: *period, amplitude, phase: libm::atan2(-b[sin], b[cos]), error: variance.sqrt() }
+        };
+        self.periods.iter().enumerate().map(cycle).collect()
+    }
+
+    /// The processes, the fastest one first.
+    pub fn processes(&self) -> Vec<Process> {
+        let of = |(j, pair): (usize, &[f64])| Process {
+            relaxation_rate: libm::exp(pair[0]),
+            sd: libm::exp(pair[1]),
+            rate_error: self.logarithms.error(2 * j),
+            sd_error: self.logarithms.error(2 * j + 1),
+        };
+        self.logarithms.values.chunks_exact(2).enumerate().map(of).collect()
+    }
+
     /// The likeliest temperature, as a scenario has it: its noise is stationary from t = 0 on, which is the first sample.
     pub fn temperature(&self) -> Temperature {
-        self.of(&self.coefficients, &self.logarithms)
+        self.of(&self.coefficients.values, &self.logarithms.values)
     }
 
     /// A temperature with parameters drawn from the law of their errors.
     pub fn drawn(&self, random: &mut Stream) -> Temperature {
-        let mut near = |values: &[f64], errors: &Matrix| -> Vec<f64> {
-            let normals: Vec<f64> = values.iter().map(|_| random.normal()).collect();
-            values.iter().zip(product(errors, &normals)).map(|(value, error)| value + error).collect()
-        };
-        let coefficients = near(&self.coefficients, &self.coefficient_errors);
-        let logarithms = near(&self.logarithms, &self.logarithm_errors);
+        let coefficients = self.coefficients.drawn(random);
+        let logarithms = self.logarithms.drawn(random);
         self.of(&coefficients, &logarithms)
     }
 
@@ -357,12 +401,13 @@ mod tests {
         for seed in 0..records {
             let [times, temperatures] = drawn(&truth, 7200, 3600.0, seed);
             let fit = fit(&times, &temperatures, &PERIODS, 2).expect("a fit");
-            let [fast, slow] = [fit.processes[0], fit.processes[1]];
+            let (mean, cycles, processes) = (fit.mean(), fit.cycles(), fit.processes());
+            let [fast, slow] = [processes[0], processes[1]];
             let relative = |value: f64, expected: f64, error: f64| libm::log(value / expected) / error;
             let z = [
-                (fit.mean.0 - expected[0]) / fit.mean.1,
-                (fit.cycles[0].amplitude - expected[1]) / fit.cycles[0].error,
-                (fit.cycles[1].amplitude - expected[2]) / fit.cycles[1].error,
+                (mean.0 - expected[0]) / mean.1,
+                (cycles[0].amplitude - expected[1]) / cycles[0].error,
+                (cycles[1].amplitude - expected[2]) / cycles[1].error,
                 relative(fast.sd, expected[3], fast.sd_error),
                 relative(slow.sd, expected[4], slow.sd_error),
                 relative(fast.relaxation_rate, expected[5], fast.rate_error),
@@ -386,12 +431,12 @@ mod tests {
             let [times, temperatures] = drawn(&truth, 20_000, 600.0, seed);
             let shown: Vec<f64> = temperatures.iter().map(|t| 2.0 * t).map(|t| t.round() / 2.0).collect();
             let fit = fit(&times, &shown, &[DAY], 2).expect("a fit");
-            println!("white {:.3}, fast {:?}", fit.white, fit.processes[0]);
+            let fast = fit.processes()[0];
+            println!("white {:.3}, fast {fast:?}", fit.white);
             assert!((fit.white / (0.5 / 12f64.sqrt()) - 1.0).abs() < 0.1, "{}", fit.white);
-            let fast = fit.processes[0];
             let z =
                 [libm::log(fast.relaxation_rate * 7200.0) / fast.rate_error, libm::log(fast.sd / 0.7) / fast.sd_error];
-            assert!(z.iter().all(|z| z.abs() < 4.0), "{z:?} {:?}", fit.processes);
+            assert!(z.iter().all(|z| z.abs() < 4.0), "{z:?} {fast:?}");
         }
     }
 
@@ -409,8 +454,10 @@ mod tests {
             (mean, (values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / 4000.0).sqrt())
         };
         let mean = spread(&|t| t.harmonics[0].amplitude);
-        assert!((mean.1 / fit.mean.1 - 1.0).abs() < 0.045 && (mean.0 - fit.mean.0).abs() < 0.07 * fit.mean.1);
+        let fitted = fit.mean();
+        assert!((mean.1 / fitted.1 - 1.0).abs() < 0.045 && (mean.0 - fitted.0).abs() < 0.07 * fitted.1);
         let rate = spread(&|t| libm::log(t.second_noise.expect("two").relaxation_rate));
-        assert!((rate.1 / fit.processes[1].rate_error - 1.0).abs() < 0.045, "{rate:?} {:?}", fit.processes[1]);
+        let slow = fit.processes()[1];
+        assert!((rate.1 / slow.rate_error - 1.0).abs() < 0.045, "{rate:?} {slow:?}");
     }
 }

@@ -13,7 +13,7 @@
 //! number of columns. This is the restricted likelihood (Patterson and Thompson, Biometrika 58, 1971): a mean and harmonics
 //! that are fitted take their share of the slow weather, and the plain likelihood would leave that out of its variance.
 
-use super::linear::{Matrix, cholesky, inverse, solve};
+use crate::study::linear::{Matrix, cholesky, inverse, solve};
 use std::f64::consts::TAU;
 
 /// The processes in units of the first one's variance.

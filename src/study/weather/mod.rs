@@ -16,7 +16,9 @@
 
 mod fit;
 mod kalman;
-pub(super) mod linear;
 mod simplex;
+
+/// A year and a day, in seconds: the periods that a temperature outdoors has.
+pub const PERIODS: [f64; 2] = [365.25 * 86_400.0, 86_400.0];
 
 pub use fit::{Cycle, Process, WeatherError, WeatherFit, fit};

@@ -1,0 +1,84 @@
+//! Temperatures and displacements on one clock, from one file or from two.
+
+use super::error::DataError;
+use super::query::{TimeColumn, Wanted};
+use super::table::{Column, Table};
+use super::{parse, read};
+use std::path::Path;
+
+/// Where a table is.
+#[derive(Clone, Copy, Debug)]
+pub enum Origin<'a> {
+    /// In a file.
+    File(&'a Path),
+    /// In a text, which messages call by this name.
+    Text(&'a str, &'a str),
+}
+
+impl Origin<'_> {
+    /// What messages call it.
+    pub fn name(&self) -> String {
+        match self {
+            Origin::File(path) => path.display().to_string(),
+            Origin::Text(name, _) => (*name).to_string(),
+        }
+    }
+
+    /// Columns whose times are in seconds.
+    pub fn read_in_seconds(&self, time: TimeColumn<'_>, wanted: &[Wanted<'_>]) -> Result<Table, DataError> {
+        let table = match self {
+            Origin::File(path) => read(path, time, wanted)?,
+            Origin::Text(name, text) => parse(name, text.as_bytes(), time, wanted)?,
+        };
+        if table.in_seconds {
+            return Ok(table);
+        }
+        let problem = format!("the name of column `{}` says no unit of time", time.name);
+        let remedy = "rename it, e.g. to `time_s` or `time_h`, and say so where the column is named";
+        Err(DataError::file(&self.name(), problem, remedy))
+    }
+}
+
+/// What was measured at a bearing.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Pair {
+    /// Temperatures, in degrees.
+    pub temperature: Column,
+    /// Displacements, in metres.
+    pub displacement: Column,
+    /// What was mended, in words, file by file.
+    pub repairs: Vec<String>,
+}
+
+impl Pair {
+    /// A temperature and a displacement of one file; or, if the temperatures are in a file of their own, of two files with stamps.
+    pub fn read(
+        data: Origin<'_>,
+        temperatures: Option<Origin<'_>>,
+        time: TimeColumn<'_>,
+        [temperature, displacement]: [Wanted<'_>; 2],
+    ) -> Result<Pair, DataError> {
+        let mut repairs = Vec::new();
+        let mut read = |origin: Origin<'_>, wanted: &[Wanted<'_>]| {
+            let table = origin.read_in_seconds(time, wanted)?;
+            repairs.extend(table.repairs.sentences().iter().map(|sentence| format!("{}: {sentence}", origin.name())));
+            Ok::<_, DataError>(table)
+        };
+        let Some(other) = temperatures else {
+            let mut table = read(data, &[temperature, displacement])?;
+            let displacement = table.columns.swap_remove(1);
+            let temperature = table.columns.swap_remove(0);
+            return Ok(Pair { temperature, displacement, repairs });
+        };
+        let (mut air, mut sensor) = (read(other, &[temperature])?, read(data, &[displacement])?);
+        let (Some(first), Some(later)) = (&air.start, &sensor.start) else {
+            let problem = format!("it has no stamps in common with {}", other.name());
+            let remedy = "give times as stamps, such as 2015-08-13T00:10:00Z, or one file";
+            return Err(DataError::file(&data.name(), problem, remedy));
+        };
+        let later = later.since(first);
+        let mut displacement = sensor.columns.swap_remove(0);
+        displacement.times.iter_mut().for_each(|time| *time += later);
+        Ok(Pair { temperature: air.columns.swap_remove(0), displacement, repairs })
+    }
+}

@@ -1,0 +1,35 @@
+//! Synthetic measurements of a bearing as a data set, with the truth beside them.
+
+use super::calibration::{QUANTITY, QUANTITY_SYMBOL, QUANTITY_UNIT, TIME};
+use super::layout::{Unit, Variable, variable};
+use super::{Destination, texts};
+use crate::provenance::{GIT_HASH, PROGRAM_VERSION};
+use crate::stats::Dimension;
+use crate::study::calibration::{Quantity, Twin, Values};
+
+/// What `format_name` says of a twin.
+const FORMAT_NAME: &str = "stick-slip twin";
+
+/// Write a twin with its truth; `start` is the stamp of time 0.
+pub(crate) fn write<D: Destination>(to: &mut D, start: &str, truth: &Values, twin: &Twin) -> Result<(), D::Error> {
+    for (name, value) in
+        [("format_name", FORMAT_NAME), ("program_version", PROGRAM_VERSION), ("git_hash", GIT_HASH), ("start", start)]
+    {
+        to.say(name, value)?;
+    }
+    to.say("slips", twin.slips)?;
+    to.put(&QUANTITY, &texts(Quantity::ALL.map(Quantity::key)))?;
+    to.put(&QUANTITY_SYMBOL, &texts(Quantity::ALL.map(Quantity::symbol)))?;
+    to.put(&QUANTITY_UNIT, &texts(Quantity::ALL.map(Quantity::unit)))?;
+    to.put(&TRUTH, truth)?;
+    to.put(&TIME, &twin.times)?;
+    to.put(&TEMPERATURE, &twin.temperatures)?;
+    to.put(&DISPLACEMENT, &twin.readings)
+}
+
+const TRUTH: Variable = variable("truth", &["quantity"], Unit::None, "what a calibration is to find")
+    .with(&[("coordinates", "quantity_symbol quantity_unit")]);
+const TEMPERATURE: Variable =
+    variable("temperature", &["time"], Unit::None, "temperature as measured").with(&[("units", "degC")]);
+const DISPLACEMENT: Variable =
+    variable("displacement", &["time"], Unit::Of(Dimension::LENGTH), "displacement as measured");
