@@ -5,12 +5,14 @@
 //! watched    work on another thread while this one hears signals and tells the progress
 //! run        a run, its parts, a replay -> data sets
 //! own        statistics of the caller's own, over the events of finished blocks
-//! studies    the choice for an accuracy, sweeps, the trade, calibration
+//! studies    the choice for an accuracy, sweeps, the trade
+//! bearing    calibration, weather and forecast of measured bearings, and twins of them
 //! plot       pictures of all of them
 //! dataset    a data set -> NumPy arrays, which take its memory over; and back
 //! errors     an error of the engine -> an exception of stickslip.errors
 //! ```
 
+mod bearing;
 mod dataset;
 mod errors;
 mod own;
@@ -24,13 +26,15 @@ mod watched;
 #[pyo3::pymodule]
 mod _native {
     #[pymodule_export]
+    use super::bearing::{Weather, calibrate, fit_temperature, forecast, twin};
+    #[pymodule_export]
     use super::plot::{Picture, plot_calibration, plot_scenario, plot_sweeps, plot_trade};
     #[pymodule_export]
-    use super::run::{merge, replay, run};
+    use super::run::{blocks, merge, replay, run};
     #[pymodule_export]
     use super::scenario::{Scenario, parse, shipped};
     #[pymodule_export]
-    use super::studies::{calibrate, choose, sweep, trade};
+    use super::studies::{choose, sweep, trade};
 
     #[pymodule_init]
     fn init(module: &pyo3::Bound<'_, pyo3::types::PyModule>) -> pyo3::PyResult<()> {

@@ -10,7 +10,7 @@ use stick_slip::dataset::StoredSweep;
 use stick_slip::figure::{self, Absent, FIGURES, Scene, Style, Subject, Theme};
 use stick_slip::scenario::Scenario as Checked;
 use stick_slip::stats::Statistic;
-use stick_slip::study::sweep::{Design, Question, Setting, Sweep};
+use stick_slip::study::sweep::{Setting, Sweep};
 
 /// A picture: SVG for a screen, PNG and PDF for paper.
 #[pyclass(frozen)]
@@ -98,20 +98,12 @@ pub fn plot_calibration(py: Python<'_>, calibration: Handed<'_>, drawn: Drawn) -
 
 /// A stored sweep with its points put together again.
 fn whole(py: Python<'_>, stored: StoredSweep) -> PyResult<Sweep> {
-    let StoredSweep { scenario_text, series, design, seeds, with_bias, points, .. } = stored;
-    let parse = |design: &Design, point: Option<usize>| {
-        let settings = point.map_or_else(Vec::new, |point| design.settings(point));
-        let laid = |Setting { key, value }: &Setting| {
-            let is_whole = value.fract() == 0.0 && value.abs() < 1e15;
-            Override::flag(key, key, &if is_whole { format!("{value:.0}") } else { format!("{value:?}") })
-        };
+    let (text, series) = (stored.scenario_text.clone(), stored.series.clone());
+    stored.whole(|settings| {
+        let laid = |Setting { key, value }: &Setting| Override::number(key, key, *value);
         let own: Vec<Override> = settings.iter().map(laid).collect();
-        Checked::parse_stored("sweep", &scenario_text, &own, series.as_ref())
-            .map_err(|error| errors::of_scenario(py, &error))
-    };
-    let scenario = parse(&design, None)?;
-    let scenarios = (0..design.points()).map(|point| parse(&design, Some(point))).collect::<PyResult<Vec<_>>>()?;
-    Ok(Sweep { question: Question::new(scenario, design, scenarios, seeds, with_bias), points })
+        Checked::parse_stored("sweep", &text, &own, series.as_ref()).map_err(|error| errors::of_scenario(py, &error))
+    })
 }
 
 fn damaged(py: Python<'_>, problem: &str) -> PyErr {

@@ -8,9 +8,13 @@ use crate::watched::{Told, Watch, watched};
 use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
+use std::ops::ControlFlow;
 use std::time::Duration;
 use stick_slip::dataset::{Dataset, Recorder};
-use stick_slip::engine::{Asked, EndedBy, MOST_PATHS, MissedGoal, Outcome, Part, Replay, Run, RunError, SoFar};
+use stick_slip::engine::{
+    Asked, EndedBy, MOST_PATHS, MissedGoal, Outcome, Part, Replay, Run, RunError, Sink as _, SoFar,
+};
+use stick_slip::ensemble::{Plan, in_order};
 use stick_slip::scenario::Scenario as Checked;
 use stick_slip::stats::{Goal, Measurement, RunTotals};
 
@@ -110,6 +114,36 @@ pub fn merge<'py>(
         dataset.append_rows(part).map_err(|error| damaged(&error))?;
     }
     Ok((to_python(py, dataset)?, remarks))
+}
+
+/// The rows of single paths in some blocks of a run of so many paths, in ascending order.
+#[pyfunction]
+#[pyo3(signature = (scenario, paths, numbers, threads))]
+pub fn blocks<'py>(
+    py: Python<'py>,
+    scenario: &Scenario,
+    paths: u64,
+    numbers: Vec<u64>,
+    threads: Option<usize>,
+) -> PyResult<Variables<'py>> {
+    let scenario = &scenario.checked;
+    let plan = Plan { paths, ..scenario.plan() };
+    let asked = Asked { paths, part: None, goals: Vec::new(), max_time: None, with_bias: false };
+    let mut recorder = Recorder::default();
+    let begun = recorder.begin(scenario, &asked);
+    let (ended, is_interrupted) = watched(py, None, |watch: &Watch| {
+        let make = |index: u64| plan.block(numbers[index as usize]);
+        let deliver = |block| recorder.block(&block).map(ControlFlow::<()>::Continue);
+        let ended = in_order(numbers.len() as u64, crate::studies::threads(threads), &watch.stop, make, deliver);
+        ended.map(drop).map_err(|error| error.to_string())
+    })?;
+    let flaw = |problem: String| errors::of_run(py, &problem, "report it");
+    begun.map_err(|error| flaw(error.to_string()))?;
+    ended.map_err(flaw)?;
+    if is_interrupted {
+        return Err(PyKeyboardInterrupt::new_err("interrupted while blocks were simulated again"));
+    }
+    to_python(py, recorder.into_dataset())
 }
 
 /// A part is a part of a run that is known beforehand.

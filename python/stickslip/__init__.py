@@ -11,14 +11,16 @@ back as an `xarray.Dataset` with the same variables, dimensions, units and attri
 from __future__ import annotations
 
 from . import _native
+from ._bearing import Weather, calibrate, fit_temperature, forecast, twin
 from ._check import Check, check
 from ._data import load
 from ._own import Events
 from ._plot import Picture, plot
 from ._run import merge, replay, run
 from ._scenario import ScenarioLike
-from ._studies import calibrate, sweep, trade
-from .errors import ArgumentError, RunError, ScenarioError, StickSlipError, StickSlipWarning
+from ._studies import sweep, trade
+from ._verify import Verified, verify
+from .errors import ArgumentError, RunError, ScenarioError, StickSlipError, StickSlipWarning, VerificationError
 
 #: Version of the package, which is that of the command.
 __version__: str = _native.VERSION
@@ -37,8 +39,13 @@ __all__ = [
     "ScenarioLike",
     "StickSlipError",
     "StickSlipWarning",
+    "VerificationError",
+    "Verified",
+    "Weather",
     "calibrate",
     "check",
+    "fit_temperature",
+    "forecast",
     "load",
     "merge",
     "plot",
@@ -46,4 +53,6 @@ __all__ = [
     "run",
     "sweep",
     "trade",
+    "twin",
+    "verify",
 ]

@@ -53,20 +53,7 @@ def check(
     Raises:
         ScenarioError: something in the scenario is wrong; says where, and what would be right.
     """
-    named = scenario_flags(paths, seed, scheme, step, tolerance, until)
-    parsed = parse(scenario, set, named, temperature)
+    parsed = parse(
+        scenario, set, temperature, paths=paths, seed=seed, scheme=scheme, step=step, tolerance=tolerance, until=until
+    )
     return Check(parsed.title, parsed.toml, parsed.derived(), dict(parsed.warnings()))
-
-
-def scenario_flags(
-    paths: int | None, seed: int | None, scheme: str | None, step: float | None, tolerance: float | None, until: float | str | None
-) -> list[tuple[str, str, object]]:
-    """Arguments that are keys of a scenario by another name: as the command calls them, the key, the value."""
-    return [
-        ("--paths", "ensemble.paths", paths),
-        ("--seed", "ensemble.seed", seed),
-        ("--scheme", "scheme.kind", scheme),
-        ("--tolerance", "scheme.tolerance", tolerance),
-        ("--step", "time.step", step),
-        ("--until", "time.end", until),
-    ]

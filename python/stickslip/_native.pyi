@@ -1,7 +1,7 @@
 """The engine. Use the functions of `stickslip`, which say what they mean."""
 
 from collections.abc import Callable, Sequence
-from typing import Any
+from typing import Any, TypedDict
 
 import numpy as np
 import numpy.typing as npt
@@ -77,12 +77,19 @@ def sweep(
     progress: Callable[[int, int], object] | None,
 ) -> tuple[Variables, bool]: ...
 def trade(scenario: Scenario, budget: float, workers: int | None) -> tuple[Variables, bool]: ...
+Given = tuple[str, str | None, list[tuple[str, str]]]
+
+class Measured(TypedDict):
+    name: str
+    text: str | None
+    temperature: str | None
+    arrays: list[npt.NDArray[np.float64]] | None
+    displacement: str | None
+    unit: str | None
+
 def calibrate(
-    name: str,
-    text: str | None,
-    overrides: list[tuple[str, str]],
-    file: str | None,
-    arrays: list[npt.NDArray[np.float64]] | None,
+    scenario: Given,
+    measured: Measured,
     *,
     method: str,
     fit: list[str],
@@ -90,10 +97,63 @@ def calibrate(
     starts: int,
     lag: float | None,
     interval: float,
-    displacement: str | None,
-    unit: str | None,
     workers: int | None,
 ) -> tuple[Variables, list[str]]: ...
+def forecast(
+    scenario: Given,
+    measured: Measured,
+    *,
+    draws: int,
+    years: int,
+    seed: int,
+    interval: float,
+    share: float,
+    processes: int,
+    workers: int | None,
+) -> tuple[Variables, list[str]]: ...
+
+class Weather:
+    @property
+    def samples(self) -> int: ...
+    @property
+    def duration(self) -> float: ...
+    @property
+    def mean(self) -> tuple[float, float]: ...
+    @property
+    def harmonics(self) -> list[tuple[float, float, float, float]]: ...
+    @property
+    def processes(self) -> list[tuple[float, float, float, float]]: ...
+    @property
+    def sensor_sd(self) -> float: ...
+    @property
+    def log_likelihood(self) -> float: ...
+    @property
+    def start(self) -> str | None: ...
+    @property
+    def remarks(self) -> list[str]: ...
+    @property
+    def toml(self) -> str: ...
+    @property
+    def temperature(self) -> tuple[list[tuple[float, float, float]], list[tuple[float, float, float]]]: ...
+
+def fit_temperature(
+    measured: Measured, *, processes: int, periods: list[float], time: str, temperature: str | None, zone: str | None
+) -> Weather: ...
+def twin(
+    scenario: Given,
+    temperature: list[npt.NDArray[np.float64]] | None,
+    *,
+    seed: int,
+    noise: tuple[float, float, float],
+    scatter: float,
+    lag: float,
+    resolution: float,
+    spikes: float,
+    gaps: int,
+    duration: float,
+    every: float,
+) -> tuple[Variables, list[str]]: ...
+def blocks(scenario: Scenario, paths: int, numbers: list[int], threads: int | None) -> Variables: ...
 def plot_scenario(scenario: Scenario, run: Handed | None, path: int, drawn: Drawn) -> Picture: ...
 def plot_trade(trade: Handed, of: str | None, drawn: Drawn) -> Picture: ...
 def plot_sweeps(sweeps: list[tuple[str, Handed]], of: str | None, drawn: Drawn) -> Picture: ...

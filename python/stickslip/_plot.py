@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Union
 
 from . import _native
-from ._check import scenario_flags
 from ._data import raw
 from ._run import of_run
 from ._scenario import ScenarioLike, Settings, parse
@@ -94,7 +93,7 @@ def plot(
         if isinstance(given, Mapping) and all(map(_is_data, given.values())):
             sweeps = [(str(name), raw(sweep)) for name, sweep in given.items()]
             return Picture(_native.plot_sweeps(sweeps, statistic, drawn))
-        parsed = parse(given, set, scenario_flags(None, None, None, None, None, until))
+        parsed = parse(given, set, until=until)
         return Picture(_native.plot_scenario(parsed, None, path, drawn))
     ds: xr.Dataset = given
     kind = ds.attrs.get("format_name")

@@ -7,7 +7,6 @@ from datetime import timedelta
 from typing import TYPE_CHECKING, Any, Union
 
 from . import _native, _own
-from ._check import scenario_flags
 from ._data import dataset, raw, ready, warn
 from ._own import Statistic
 from ._progress import Progress, shown
@@ -89,7 +88,9 @@ def run(
     end, goals = _end_and_goals(until)
     seconds = _seconds(max_time)
     settings = dict(set or {}) | _recorded(record)
-    parsed = parse(scenario, settings, scenario_flags(paths, seed, scheme, step, tolerance, end), temperature)
+    parsed = parse(
+        scenario, settings, temperature, paths=paths, seed=seed, scheme=scheme, step=step, tolerance=tolerance, until=end
+    )
     if part is not None and (own or accuracy is not None):
         raise wrong_argument(
             "part", part, "a part has neither statistics of your own nor an accuracy", "give them to a run in one piece"
@@ -218,8 +219,8 @@ def replay(run: xr.Dataset, path: int) -> xr.Dataset:
     return dataset(_native.replay(of_run(run), path))
 
 
-def of_run(run: xr.Dataset) -> _native.Scenario:
-    """The scenario that a data set was run with, its measured temperature included."""
+def of_run(run: xr.Dataset, paths: int | None = None) -> _native.Scenario:
+    """The scenario that a data set was run with, its measured temperature included; with so many paths, if another number is meant."""
     text = run.attrs.get("scenario")
     if not isinstance(text, str) or run.attrs.get("format_name") != "stick-slip ensemble":
         raise wrong_argument(
@@ -228,7 +229,8 @@ def of_run(run: xr.Dataset) -> _native.Scenario:
     stored = None
     if "series_time" in run:
         stored = (run.series_time.to_numpy().copy(), run.series_temperature.to_numpy().copy())
-    return _native.parse("run", text, [], stored, are_stored=True)
+    laid = [] if paths is None else [("--paths", "ensemble.paths", str(paths))]
+    return _native.parse("run", text, laid, stored, are_stored=True)
 
 
 def _end_and_goals(until: Until | None) -> tuple[float | str | None, list[str]]:

@@ -23,25 +23,38 @@ Settings = Mapping[str, Any]
 _SECONDS = ("", "s", "sec", "second", "seconds")
 
 
-def parse(
-    scenario: ScenarioLike, settings: Settings | None, named: Iterable[tuple[str, str, object]], temperature: Any = None
-) -> _native.Scenario:
-    """Read a scenario with overrides laid over it: `settings` in order, then those with flags of their own."""
+#: Arguments that are keys of a scenario by another name: as the command calls them, and the key.
+_FLAGS = {
+    "paths": ("--paths", "ensemble.paths"),
+    "seed": ("--seed", "ensemble.seed"),
+    "scheme": ("--scheme", "scheme.kind"),
+    "tolerance": ("--tolerance", "scheme.tolerance"),
+    "step": ("--step", "time.step"),
+    "until": ("--until", "time.end"),
+}
+
+
+def parse(scenario: ScenarioLike, settings: Settings | None = None, temperature: Any = None, **flags: object) -> _native.Scenario:
+    """Read a scenario with overrides laid over it: `settings` in order, then the arguments `paths`, `seed`, `scheme`, `tolerance`, `step`
+    and `until` that are not None."""
     name, text = source(scenario)
-    laid: list[tuple[str | None, str, str]] = []
-    for key, given in (settings or {}).items():
-        laid.append((None, key, _toml.value(key, given)))
-    for flag, key, given in named:
-        if given is not None:
-            laid.append((flag, key, _bare(key, given)))
+    laid: list[tuple[str | None, str, str]] = [(None, key, given) for key, given in written(settings)]
+    for argument, (flag, key) in _FLAGS.items():
+        if flags.get(argument) is not None:
+            laid.append((flag, key, _bare(key, flags[argument])))
     times_and_values = None if temperature is None else samples(temperature)
     parsed = _native.parse(name, text, laid, None if times_and_values is None else times_and_values[:2])
-    if times_and_values is not None and times_and_values[2] and parsed.time_unit not in _SECONDS:
+    if times_and_values is not None and times_and_values[2] is not None and parsed.time_unit not in _SECONDS:
         raise wrong_argument(
             "temperature", "a series with dates", f'its times are in seconds, and `units.time` is "{parsed.time_unit}"',
             'write the whole scenario in seconds, and `time = "s"` under [units]',
         )
     return parsed
+
+
+def written(settings: Settings | None) -> list[tuple[str, str]]:
+    """Keys with their values as TOML."""
+    return [(key, _toml.value(key, given)) for key, given in (settings or {}).items()]
 
 
 def source(scenario: ScenarioLike) -> tuple[str, str | None]:
@@ -55,8 +68,10 @@ def source(scenario: ScenarioLike) -> tuple[str, str | None]:
     return (path, None) if shipped is None else (path, shipped)
 
 
-def samples(given: Any, argument: str = "temperature") -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64], bool]:
-    """Times and values of what was measured, and whether the times were dates.
+def samples(
+    given: Any, argument: str = "temperature"
+) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64], np.datetime64 | None]:
+    """Times and values of what was measured, and the first date if the times were dates.
 
     Takes a pandas Series, whose index is the time, a one-dimensional xarray DataArray, or a pair of arrays.
     Dates become seconds since the first of them.
@@ -65,7 +80,7 @@ def samples(given: Any, argument: str = "temperature") -> tuple[npt.NDArray[np.f
 
     if hasattr(given, "index") and hasattr(given, "to_numpy"):
         times, values = given.index.to_numpy(), given.to_numpy()
-    elif hasattr(given, "dims") and len(given.dims) == 1:
+    elif hasattr(given, "dims") and hasattr(given, "to_numpy") and len(given.dims) == 1:
         times, values = given[given.dims[0]].to_numpy(), given.to_numpy()
     else:
         try:
@@ -76,16 +91,20 @@ def samples(given: Any, argument: str = "temperature") -> tuple[npt.NDArray[np.f
                 "give a pandas Series, a one-dimensional DataArray, or a pair (times, values)",
             ) from None
     times, values = np.asarray(times), np.asarray(values, dtype=np.float64)
-    is_dated = times.dtype.kind == "M"
-    if is_dated:
-        times = (times - times[:1]) / np.timedelta64(1, "s")
+    first = None
+    if times.dtype.kind == "O" and len(times) and hasattr(times[0], "timestamp"):
+        # Dates with a zone.
+        times = np.array([np.datetime64(round(1e6 * date.timestamp()), "us") for date in times])
+    if times.dtype.kind == "M" and len(times):
+        first = np.datetime64(times[0])
+        times = (times - times[0]) / np.timedelta64(1, "s")
     times = np.ascontiguousarray(times, dtype=np.float64)
     if times.ndim != 1 or times.shape != values.shape:
         raise wrong_argument(
             argument, f"shapes {times.shape} and {values.shape}", "times and values do not go together",
             "give as many times as values, each in one dimension",
         )
-    return times, np.ascontiguousarray(values), is_dated
+    return times, np.ascontiguousarray(values), first
 
 
 def _bare(key: str, given: object) -> str:

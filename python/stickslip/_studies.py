@@ -1,16 +1,14 @@
-"""Many runs, one question: sweeps, the trade, calibration."""
+"""Many runs, one question: sweeps and the trade."""
 
 from __future__ import annotations
 
-import os
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Union
 
 from . import _native, _toml
-from ._check import scenario_flags
 from ._data import dataset, ready, warn
 from ._progress import Progress, shown
-from ._scenario import ScenarioLike, Settings, parse, samples, source
+from ._scenario import ScenarioLike, Settings, parse
 from .errors import wrong_argument
 
 if TYPE_CHECKING:
@@ -66,7 +64,9 @@ def sweep(
     keys = [elasticity] if isinstance(elasticity, str) else list(elasticity)
     if bool(vary) == bool(keys):
         raise wrong_argument("vary", vary, "either keys are varied, or elasticities are asked for", "give one of them")
-    parsed = parse(scenario, set, scenario_flags(paths, seed, scheme, step, tolerance, until), temperature)
+    parsed = parse(
+        scenario, set, temperature, paths=paths, seed=seed, scheme=scheme, step=step, tolerance=tolerance, until=until
+    )
     with shown(progress) as told:
         made, is_interrupted = _native.sweep(
             parsed,
@@ -106,81 +106,9 @@ def trade(
         RunError: the budget is too small, or there is nothing to compare.
     """
     ready()
-    parsed = parse(scenario, set, scenario_flags(None, seed, None, None, None, None), temperature)
+    parsed = parse(scenario, set, temperature, seed=seed)
     made, is_interrupted = _native.trade(parsed, float(budget), threads)
     warn(["interrupted: what was measured until then is told"] if is_interrupted else [])
-    return dataset(made)
-
-
-def calibrate(
-    scenario: ScenarioLike,
-    data: Any,
-    displacement: Any = None,
-    *,
-    method: str = "both",
-    fit: Sequence[str] = (),
-    bounds: Mapping[str, tuple[float, float]] | None = None,
-    starts: int = 10,
-    lag: float | None = None,
-    interval: float = 0.9,
-    unit: str | None = None,
-    set: Settings | None = None,
-    threads: int | None = None,
-) -> xr.Dataset:
-    """Friction, stiffness and dilatation of a bearing from its measured temperature and displacement, like `mc calibrate`.
-
-    Args:
-        scenario: K_BP, where a search begins, and the columns of the data. It needs no `[time]`.
-        data: a CSV file; or measured temperatures along time in K, as a pandas Series, a DataArray or a pair (times, values), with
-            times in seconds or dates.
-        displacement: of a CSV file, the column of displacements; else measured displacements along time, in m.
-        method: "slips", the paper's least squares "err", or "both".
-        fit: keys of the parameters to fit; the others are held at what the scenario says. All if not given.
-        bounds: between which values the least squares look for a parameter.
-        starts: how many starts the least squares have.
-        lag: seconds by which steel is behind the thermometer; estimated if not given.
-        interval: the probability with which an interval is to hold the truth, from 0.5 to 0.999.
-        unit: of displacements in a CSV file, if the name of their column does not say it: m, cm, mm or um.
-        set: as for `run`.
-        threads: as for `run`.
-
-    Returns:
-        Estimates with intervals along `quantity`, the slips that were seen, the record, and what the model makes of it.
-
-    Raises:
-        ScenarioError: something in the scenario is wrong.
-        ArgumentError: an argument, or something in the data, is wrong.
-        RunError: the record does not tell the parameters.
-    """
-    if not 0.5 <= interval <= 0.999:
-        raise wrong_argument("interval", interval, "it is no probability of an interval", "give 0.5 to 0.999")
-    if not 1 <= starts <= 1000:
-        raise wrong_argument("starts", starts, "so many starts are none, or too many", "give 1 to 1000")
-    name, text = source(scenario)
-    is_file = isinstance(data, (str, os.PathLike))
-    arrays = None
-    if not is_file:
-        if displacement is None:
-            raise wrong_argument("displacement", None, "the temperatures come without displacements", "give both")
-        (times, temperatures, _), (when, readings, _) = samples(data), samples(displacement, "displacement")
-        arrays = [times, temperatures, when, readings]
-    made, remarks = _native.calibrate(
-        name,
-        text,
-        [(key, _toml.value(key, given)) for key, given in (set or {}).items()],
-        os.fspath(data) if is_file else None,
-        arrays,
-        method=method,
-        fit=list(fit),
-        bounds=[(key, float(low), float(high)) for key, (low, high) in (bounds or {}).items()],
-        starts=starts,
-        lag=lag,
-        interval=interval,
-        displacement=displacement if is_file else None,
-        unit=unit,
-        workers=threads,
-    )
-    warn(remarks)
     return dataset(made)
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-__all__ = ["ArgumentError", "RunError", "ScenarioError", "StickSlipError", "StickSlipWarning"]
+__all__ = ["ArgumentError", "RunError", "ScenarioError", "StickSlipError", "StickSlipWarning", "VerificationError"]
 
 
 class StickSlipError(Exception):
@@ -74,6 +74,37 @@ class ArgumentError(StickSlipError, ValueError):
 
 class RunError(StickSlipError, RuntimeError):
     """A run, a trade or a calibration has no result."""
+
+
+class VerificationError(RunError):
+    """A number is another one than its scenario and its seed come to.
+
+    Attributes:
+        variable: the variable or attribute.
+        path: number of the path, for rows of single paths.
+        index: which of its values, from 0: those of the path, or those of the data set.
+        stored: what is there.
+        computed: what its scenario comes to.
+    """
+
+    def __init__(
+        self,
+        message: str,
+        *,
+        variable: str = "",
+        path: int | None = None,
+        index: int = 0,
+        stored: str = "",
+        computed: str = "",
+        problem: str = "",
+        remedy: str = "",
+    ) -> None:
+        super().__init__(message, problem=problem, remedy=remedy)
+        self.variable = variable
+        self.path = path
+        self.index = index
+        self.stored = stored
+        self.computed = computed
 
 
 class StickSlipWarning(UserWarning):

@@ -32,6 +32,17 @@ def test_the_snippet_for_dask_comes_to_the_bits_of_the_run():
     same(names["ds"], ss.run("rho025", paths=10_000))
 
 
+def test_the_snippet_for_ray_comes_to_the_bits_of_the_run():
+    ray = pytest.importorskip("ray", exc_type=ImportError)
+    page = next(snippet for snippet in snippets("docs/dask.md") if "ray" in snippet)
+    names = {"__name__": "page"}
+    try:
+        exec(page, names)
+    finally:
+        ray.shutdown()
+    same(names["ds"], ss.run("rho025", paths=10_000))
+
+
 def test_the_snippets_of_the_guide_run(monkeypatch):
     """All of them but that of the measured temperature, whose arrays are the reader's."""
     import numpy as np

@@ -1,11 +1,11 @@
-"""Sweeps, trades, calibrations and pictures are those of the command."""
+"""Sweeps, trades and pictures are those of the command."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
 import stickslip as ss
-from conftest import ROOT, SCENARIOS, same
+from conftest import SCENARIOS, same
 
 pytestmark = pytest.mark.filterwarnings("ignore::stickslip.StickSlipWarning")
 
@@ -62,26 +62,6 @@ def test_trade(mc, tmp_path):
     assert ss.plot(mine).svg.startswith("<svg")
     with pytest.raises(ss.ArgumentError, match="budget"):
         ss.trade(RHO025, budget=0)
-
-
-BRIDGE = ROOT / "examples/bridge/bridge.toml"
-TWIN = ROOT / "examples/bridge/twin.csv"
-
-
-def test_calibrate(mc, tmp_path):
-    mc("calibrate", BRIDGE, TWIN, "--starts", 2, "-o", "fit.h5")
-    file, mine = ss.load(tmp_path / "fit.h5"), ss.calibrate(BRIDGE, TWIN, starts=2)
-    same(mine, file)
-    mc("plot", "fit.h5", "-o", "fit.svg")
-    assert ss.plot(mine).svg == (tmp_path / "fit.svg").read_text()
-    # The same record from memory has the same estimates: it was mended and thinned already.
-    time = file.time.to_numpy()
-    again = ss.calibrate(BRIDGE, (time, file.temperature.to_numpy()), (time, file.displacement.to_numpy()), starts=2)
-    np.testing.assert_allclose(again.estimate, file.estimate, rtol=1e-6)
-    with pytest.raises(ss.ArgumentError, match="no parameter"):
-        ss.calibrate(BRIDGE, TWIN, fit=["friction.sttic"])
-    with pytest.raises(ss.ArgumentError, match="data"):
-        ss.calibrate(BRIDGE, tmp_path / "none.csv")
 
 
 def test_pictures_of_a_run_and_of_a_scenario_are_those_of_the_command(mc, tmp_path):

@@ -1,0 +1,381 @@
+//! Measured bearings: calibration, the weather, a forecast of years to come, and synthetic measurements.
+
+use crate::dataset::to_python;
+use crate::errors;
+use crate::run::Variables;
+use crate::studies::threads;
+use crate::watched::watched;
+use numpy::PyReadonlyArray1;
+use pyo3::exceptions::PyKeyboardInterrupt;
+use pyo3::prelude::*;
+use std::path::Path;
+use stick_slip::config::{self, Override, ScenarioError};
+use stick_slip::data::{DataError, Origin, Pair, Start, TimeColumn, Wanted};
+use stick_slip::dataset::Dataset;
+use stick_slip::scenario::{BridgeScene, Scenario as Checked};
+use stick_slip::study::calibration::{
+    Bearing, Calibration, CalibrationError, Flaws, Lag, Method, NotHeld, Quantity, Question, Record,
+    calibrate as calibrated, drawn, twin as made, values,
+};
+use stick_slip::study::forecast::{Question as Asked, forecast as foreseen};
+use stick_slip::study::weather::{PERIODS, WeatherError, WeatherFit, fit};
+
+/// A scenario as the caller gives it: what messages call it, its text unless it is in a file, and what is laid over it.
+type Given = (String, Option<String>, Vec<(String, String)>);
+
+struct Read {
+    scene: BridgeScene,
+    name: String,
+    overrides: Vec<Override>,
+}
+
+fn read(py: Python<'_>, (name, text, overrides): Given) -> PyResult<Read> {
+    let parsed = || -> Result<Read, ScenarioError> {
+        let overrides = overrides.iter().map(|(key, value)| Override::set(&format!("{key}={value}")));
+        let overrides = overrides.collect::<Result<Vec<_>, _>>()?;
+        let (name, text) = match &text {
+            Some(text) => (name.clone(), text.clone()),
+            None => config::text_of(Path::new(&name))?,
+        };
+        Ok(Read { scene: BridgeScene::parse(&name, &text, &overrides)?, name, overrides })
+    };
+    parsed().map_err(|error| errors::of_scenario(py, &error))
+}
+
+/// Where measurements are: a file of this name or a text that is called so, temperatures in a file of their own, or arrays of times
+/// and temperatures, times and displacements, in seconds, kelvin and metres. And the column of displacements and its unit.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub struct Measured<'py> {
+    name: String,
+    text: Option<String>,
+    temperature: Option<String>,
+    arrays: Option<Vec<PyReadonlyArray1<'py, f64>>>,
+    displacement: Option<String>,
+    unit: Option<String>,
+}
+
+impl Measured<'_> {
+    fn origin(&self) -> Origin<'_> {
+        match &self.text {
+            Some(text) => Origin::Text(&self.name, text),
+            None => Origin::File(Path::new(&self.name)),
+        }
+    }
+
+    fn arrays(&self) -> Option<Vec<Vec<f64>>> {
+        Some(self.arrays.as_ref()?.iter().map(|array| array.as_array().to_vec()).collect())
+    }
+
+    fn wrong(&self, py: Python<'_>, error: &DataError) -> PyErr {
+        errors::of_argument(py, "data", &self.name, &error.to_string(), &error.remedy)
+    }
+
+    /// The record of a bearing in the columns that a scenario names, and what was mended.
+    fn record(&self, py: Python<'_>, scene: &BridgeScene) -> PyResult<(Record, Vec<String>)> {
+        if let Some([times, temperatures, when, readings]) = self.arrays().as_deref() {
+            return Ok((Record::of([times, temperatures], [when, readings]), Vec::new()));
+        }
+        let time = TimeColumn { name: &scene.time, zone: scene.zone.as_deref() };
+        let wanted = [
+            Wanted::temperature(scene.value.as_deref()),
+            Wanted::displacement(self.displacement.as_deref(), self.unit.as_deref()),
+        ];
+        let temperatures = self.temperature.as_deref().map(|file| Origin::File(Path::new(file)));
+        let pair = Pair::read(self.origin(), temperatures, time, wanted).map_err(|error| self.wrong(py, &error))?;
+        let Pair { temperature, displacement, repairs } = pair;
+        let record = Record::of([&temperature.times, &temperature.values], [&displacement.times, &displacement.values]);
+        Ok((record, repairs))
+    }
+}
+
+fn no_calibration(py: Python<'_>, error: &CalibrationError, without_slips: Option<&str>) -> PyErr {
+    let remedy = match (error, without_slips) {
+        (CalibrationError::NoSlips, Some(remedy)) => remedy,
+        _ => error.remedy(),
+    };
+    errors::of_run(py, &error.to_string(), remedy)
+}
+
+fn warnings(calibration: &Calibration) -> impl Iterator<Item = String> {
+    calibration.warnings.iter().map(ToString::to_string)
+}
+
+/// Friction, stiffness and dilatation of a bearing from its measured temperature and displacement.
+#[pyfunction]
+#[pyo3(signature = (scenario, measured, *, method, fit, bounds, starts, lag, interval, workers))]
+#[expect(clippy::too_many_arguments, reason = "they are keywords of one Python function")]
+pub fn calibrate<'py>(
+    py: Python<'py>,
+    scenario: Given,
+    measured: Measured<'py>,
+    method: &str,
+    fit: Vec<String>,
+    bounds: Vec<(String, f64, f64)>,
+    starts: u32,
+    lag: Option<f64>,
+    interval: f64,
+    workers: Option<usize>,
+) -> PyResult<(Variables<'py>, Vec<String>)> {
+    let scene = read(py, scenario)?.scene;
+    let (record, mut remarks) = measured.record(py, &scene)?;
+    let quantity = |key: &str| {
+        let remedy = format!("write some of {}", Quantity::FITTED.map(Quantity::key).join(", "));
+        let unknown = || errors::of_argument(py, "fit or bounds", key, "it is no parameter of a bearing", &remedy);
+        Quantity::fitted(key).ok_or_else(unknown)
+    };
+    let fitted = fit.iter().map(|key| quantity(key)).collect::<PyResult<Vec<_>>>()?;
+    let bounds =
+        bounds.iter().map(|(key, low, high)| Ok((quantity(key)?, [*low, *high]))).collect::<PyResult<Vec<_>>>()?;
+    let no_method = || errors::of_argument(py, "method", method, "there is no such method", "write slips, err or both");
+    let question = Question {
+        method: Method::from_name(method).ok_or_else(no_method)?,
+        starts,
+        lag: lag.map_or(Lag::Auto, Lag::Known),
+        level: interval,
+        bounds,
+        ..Question::of(&scene, &record)
+    };
+    let question = question.fitting(&fitted, &scene).map_err(|error| {
+        let (quantity, remedy) = match error {
+            NotHeld::NoNumber(quantity) => (quantity, "fit it as well, or give it a value with `set`"),
+            NotHeld::TakesShearStiffness(quantity) => {
+                (quantity, "give bearing.stiffness, in the scenario or with `set`")
+            }
+        };
+        errors::of_argument(py, "fit or bounds", quantity.key(), &error.to_string(), remedy)
+    })?;
+    let (calibration, is_interrupted) =
+        watched(py, None, |watch| calibrated(&record, &question, threads(workers), &watch.stop))?;
+    let remedy = "take method=\"err\", which needs none, and beware of its estimates";
+    let calibration = calibration.map_err(|error| no_calibration(py, &error, Some(remedy)))?;
+    remarks.extend(warnings(&calibration));
+    if is_interrupted {
+        remarks.push("interrupted: fewer starts of the least squares than asked for".into());
+    }
+    Ok((to_python(py, Dataset::of_calibration(&scene.title, &scene.text, &calibration))?, remarks))
+}
+
+/// What years to come do to a bearing: of a calibration by slips, and of the weather in the same record.
+#[pyfunction]
+#[pyo3(signature = (scenario, measured, *, draws, years, seed, interval, share, processes, workers))]
+#[expect(clippy::too_many_arguments, reason = "they are keywords of one Python function")]
+pub fn forecast<'py>(
+    py: Python<'py>,
+    scenario: Given,
+    measured: Measured<'py>,
+    draws: u64,
+    years: u64,
+    seed: u64,
+    interval: f64,
+    share: f64,
+    processes: usize,
+    workers: Option<usize>,
+) -> PyResult<(Variables<'py>, Vec<String>)> {
+    let scene = read(py, scenario)?.scene;
+    let (record, mut remarks) = measured.record(py, &scene)?;
+    let question = Question { method: Method::Slips, level: interval, ..Question::of(&scene, &record) };
+    let asked = Asked { draws, years, seed, level: interval, share };
+    let (ended, is_interrupted) = watched(py, None, |watch| {
+        let workers = threads(workers);
+        let calibration = calibrated(&record, &question, workers, &watch.stop).map_err(Missing::Bearing)?;
+        let weather =
+            fit(&calibration.record.times, &calibration.steel, &PERIODS, processes).map_err(Missing::Weather)?;
+        let found = foreseen(&calibration, &weather, &asked, workers, &watch.stop);
+        Ok((calibration, found.map_err(|misfit| Missing::Model(misfit.to_string()))?))
+    })?;
+    let (calibration, found) = ended.map_err(|missing: Missing| match missing {
+        Missing::Bearing(error) => no_calibration(py, &error, None),
+        Missing::Weather(error @ WeatherError::ShorterThanPeriod(_)) => {
+            let remedy = "measure for at least half a year: a forecast needs to know the seasons";
+            errors::of_run(py, &error.to_string(), remedy)
+        }
+        Missing::Weather(error) => no_weather(py, &error),
+        Missing::Model(problem) => errors::of_run(py, &problem, "see that the columns are right"),
+    })?;
+    let stopped = || PyKeyboardInterrupt::new_err("interrupted before two draws of the parameters were done");
+    let found = found.ok_or_else(stopped)?;
+    remarks.extend(warnings(&calibration));
+    if is_interrupted {
+        remarks.push(format!("interrupted: {} draws of the parameters are in it, of {draws}", found.years.len()));
+    }
+    Ok((to_python(py, Dataset::of_forecast(&scene.title, &scene.text, &found))?, remarks))
+}
+
+/// Why there is no forecast.
+enum Missing {
+    Bearing(CalibrationError),
+    Weather(WeatherError),
+    Model(String),
+}
+
+fn no_weather(py: Python<'_>, error: &WeatherError) -> PyErr {
+    let remedy = match error {
+        WeatherError::OneIsEnough => "give processes=1",
+        WeatherError::ShorterThanPeriod(_) => {
+            "leave that period out, e.g. periods=[86400]; what a year does cannot be forecast then"
+        }
+        error => error.remedy(),
+    };
+    errors::of_run(py, &error.to_string(), remedy)
+}
+
+/// A row of a table of a temperature.
+type Triple = (f64, f64, f64);
+
+/// A measured temperature as harmonics and noise of a scenario.
+#[pyclass(frozen)]
+pub struct Weather {
+    fit: WeatherFit,
+    /// The stamp of time 0, if the times were stamps.
+    #[pyo3(get)]
+    start: Option<String>,
+    /// What was mended.
+    #[pyo3(get)]
+    remarks: Vec<String>,
+}
+
+#[pymethods]
+impl Weather {
+    #[getter]
+    fn samples(&self) -> usize {
+        self.fit.samples
+    }
+
+    #[getter]
+    fn duration(&self) -> f64 {
+        self.fit.duration
+    }
+
+    /// Estimate and standard error.
+    #[getter]
+    fn mean(&self) -> (f64, f64) {
+        self.fit.mean()
+    }
+
+    /// Period, amplitude, phase, and the standard error of the amplitude.
+    #[getter]
+    fn harmonics(&self) -> Vec<(f64, f64, f64, f64)> {
+        self.fit.cycles().iter().map(|cycle| (cycle.period, cycle.amplitude, cycle.phase, cycle.error)).collect()
+    }
+
+    /// Standard deviation and its relative error, relaxation rate and its relative error.
+    #[getter]
+    fn processes(&self) -> Vec<(f64, f64, f64, f64)> {
+        let of = self.fit.processes();
+        of.iter().map(|process| (process.sd, process.sd_error, process.relaxation_rate, process.rate_error)).collect()
+    }
+
+    #[getter]
+    fn sensor_sd(&self) -> f64 {
+        self.fit.white
+    }
+
+    #[getter]
+    fn log_likelihood(&self) -> f64 {
+        self.fit.log_likelihood
+    }
+
+    /// Amplitude, angular frequency and phase of each harmonic, the mean first; intensity, relaxation rate and diffusion of each noise.
+    #[getter]
+    fn temperature(&self) -> (Vec<Triple>, Vec<Triple>) {
+        let temperature = self.fit.temperature();
+        let harmonics = temperature.harmonics.iter().map(|wave| (wave.amplitude, wave.angular_frequency, wave.phase));
+        let noises = temperature.noises().map(|noise| (noise.intensity, noise.relaxation_rate, noise.diffusion));
+        (harmonics.collect(), noises.collect())
+    }
+
+    /// The part of a scenario.
+    #[getter]
+    fn toml(&self) -> String {
+        config::temperature_part(&self.fit.temperature())
+    }
+}
+
+/// Fit harmonics of these periods, in seconds, and one or two processes.
+#[pyfunction]
+#[pyo3(signature = (measured, *, processes, periods, time, temperature, zone))]
+pub fn fit_temperature<'py>(
+    py: Python<'py>,
+    measured: Measured<'py>,
+    processes: usize,
+    periods: Vec<f64>,
+    time: &str,
+    temperature: Option<&str>,
+    zone: Option<&str>,
+) -> PyResult<Weather> {
+    let (times, temperatures, start, remarks) = match measured.arrays() {
+        Some(mut arrays) => {
+            let (values, times) = (arrays.pop().unwrap_or_default(), arrays.pop().unwrap_or_default());
+            (times, values, None, Vec::new())
+        }
+        None => {
+            let origin = measured.origin();
+            let table = origin.read_in_seconds(TimeColumn { name: time, zone }, &[Wanted::temperature(temperature)]);
+            let mut table = table.map_err(|error| measured.wrong(py, &error))?;
+            let column = table.columns.swap_remove(0);
+            let repairs = table.repairs.sentences().iter().map(|said| format!("{}: {said}", origin.name())).collect();
+            (column.times, column.values, table.start.map(|start| start.to_string()), repairs)
+        }
+    };
+    // The fit hears no signal; it takes seconds.
+    let (found, _) = watched(py, None, |_| fit(&times, &temperatures, &periods, processes))?;
+    Ok(Weather { fit: found.map_err(|error| no_weather(py, &error))?, start, remarks })
+}
+
+/// Synthetic measurements of a bearing, whose truth the scenario says. Its temperature is the measured one, in a file or in arrays of
+/// times and values, or drawn from harmonics and noise for a duration, a sample every so many seconds.
+#[pyfunction]
+#[pyo3(signature = (scenario, temperature, *, seed, noise, scatter, lag, resolution, spikes, gaps, duration, every))]
+#[expect(clippy::too_many_arguments, reason = "they are keywords of one Python function")]
+pub fn twin<'py>(
+    py: Python<'py>,
+    scenario: Given,
+    temperature: Option<[PyReadonlyArray1<'py, f64>; 2]>,
+    seed: u64,
+    noise: (f64, f64, f64),
+    scatter: f64,
+    lag: f64,
+    resolution: f64,
+    spikes: f64,
+    gaps: u32,
+    duration: f64,
+    every: f64,
+) -> PyResult<(Variables<'py>, Vec<String>)> {
+    let text = scenario.1.clone();
+    let Read { scene, name, overrides } = read(py, scenario)?;
+    let mut remarks = Vec::new();
+    let mut start = None;
+    let [times, temperatures] = match (&temperature, &scene.file) {
+        (Some(arrays), _) => arrays.each_ref().map(|array| array.as_array().to_vec()),
+        (None, Some(file)) => {
+            let path = Path::new(&name).parent().unwrap_or(Path::new("")).join(file);
+            let time = TimeColumn { name: &scene.time, zone: scene.zone.as_deref() };
+            let origin = Origin::File(&path);
+            let mut table =
+                origin.read_in_seconds(time, &[Wanted::temperature(scene.value.as_deref())]).map_err(|error| {
+                    errors::of_argument(py, "scenario", &origin.name(), &error.to_string(), &error.remedy)
+                })?;
+            remarks.extend(table.repairs.sentences().iter().map(|said| format!("{}: {said}", origin.name())));
+            start = table.start;
+            let column = table.columns.swap_remove(0);
+            [column.times, column.values]
+        }
+        (None, None) => {
+            let text = text.as_deref().unwrap_or(&scene.text);
+            let scenario = Checked::parse(&name, text, &overrides).map_err(|error| errors::of_scenario(py, &error))?;
+            drawn(&scenario.model.temperature, (duration / every) as usize, every, seed)
+        }
+    };
+    let first = temperatures.first().copied().unwrap_or(0.0);
+    let response = Bearing::of(&scene, first).response();
+    let (white, red, memory) = noise;
+    let flaws = Flaws { white, red, memory, scatter, lag, resolution, spikes, gaps };
+    let (found, _) = watched(py, None, |_| made(&response, &times, &temperatures, &flaws, seed))?;
+    let start = start.or_else(|| Start::parse(EPOCH)).map_or_else(|| EPOCH.to_string(), |start| start.to_string());
+    let truth = values(&response, scene.shear_stiffness);
+    Ok((to_python(py, Dataset::of_twin(&start, &truth, &found))?, remarks))
+}
+
+/// The stamp of the first sample where there is none to take.
+const EPOCH: &str = "2015-01-01T00:00:00Z";
