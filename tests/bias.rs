@@ -4,7 +4,7 @@ mod common;
 
 use common::{estimate, event_driven_summary, paper, reference};
 use std::sync::atomic::AtomicBool;
-use stick_slip::bias::{Anchor, BiasPlan, Differences, NoBias};
+use stick_slip::bias::{BiasPlan, Differences, NoBias, ReferenceRun};
 use stick_slip::ensemble::Plan;
 use stick_slip::model::{InitialNoise, Model, Noise};
 use stick_slip::scheme::{CorrectedVi, DiscreteVi, Scheme, Timeline};
@@ -68,7 +68,7 @@ fn of(biases: &[(Statistic, Bias)], statistic: Statistic) -> Bias {
 /// How many statistics exist in two forcing periods, which have no correlation from one to the next.
 const EXISTING: usize = Statistic::ALL.len() - 1;
 
-fn told(model: &Model, scheme: Scheme, seed: u64, paths: u64, threads: usize) -> Vec<(Statistic, Bias)> {
+fn reported(model: &Model, scheme: Scheme, seed: u64, paths: u64, threads: usize) -> Vec<(Statistic, Bias)> {
     let run = run(model, scheme, seed, paths, threads);
     let plan = BiasPlan::new(scheme, model, &timeline(model), seed, paths).expect("enough paths");
     plan.estimate(&run, threads, &AtomicBool::new(false)).expect("none diverges")
@@ -105,7 +105,7 @@ fn misses<const N: usize>(biases: impl Fn(f64) -> Vec<(Statistic, Bias)>, factor
 #[test]
 fn what_a_run_says_is_within_its_uncertainty_of_the_truth() {
     let model = paper(0.25, 0.25);
-    let [exact, double] = misses(|h| told(&model, plain(h), 1, 10_000, 2), [1.0, 2.0]);
+    let [exact, double] = misses(|h| reported(&model, plain(h), 1, 10_000, 2), [1.0, 2.0]);
     assert_eq!(exact, Vec::<String>::new());
     assert!(double.len() > 20, "{}", double.len());
 }
@@ -121,7 +121,7 @@ fn over_the_seeds_it_is_missed_as_seldom_as_it_says() {
     let mut misses = [0, 0];
     for (scheme, values) in [(plain(0.01), AT_STEP[2].values), (corrected(0.01), at_corrected)] {
         for seed in 1..=20 {
-            let biases = told(&model, scheme, seed, 10_000, 2);
+            let biases = reported(&model, scheme, seed, 10_000, 2);
             for ((statistic, at_step), truth) in STATISTICS.iter().zip(values).map(|(s, value)| ((s, value), truth(s)))
             {
                 let Bias { estimate, uncertainty, .. } = of(&biases, *statistic);
@@ -146,12 +146,12 @@ fn extrapolation_holds_and_an_error_of_a_factor_of_two_is_seen() {
     assert!(double.len() > 20 && half.len() > 6, "{} {}", double.len(), half.len());
 }
 
-/// f_s = 1.05: without a step, `mc run scenarios/rho025.toml --set friction.static=1.05 --scheme event-driven --paths 300000 --seed 77`; with
+/// f_s = 1.05: at zero step, `mc run scenarios/rho025.toml --set friction.static=1.05 --scheme event-driven --paths 300000 --seed 77`; with
 /// one, the means over 40 runs of 10 000 paths, seeds 101 to 140. The noise of a step of 0.0025 moves the force by 1.5 times f_s - f_d, of
 /// 0.02 by 4.2 times, and there the steps see half of what they change. Null as above: of the six, none missed for 18 other seeds.
 /// An uncertainty that does not grow with the step misses the number of sticks for each of them at 0.01 and 0.02.
 #[test]
-fn so_it_is_where_static_and_dynamic_friction_are_close() {
+fn the_truth_is_within_its_uncertainty_where_static_and_dynamic_friction_are_close() {
     let mut model = paper(0.25, 0.25);
     model.friction.static_force = 1.05 * model.friction.dynamic_force;
     let mean = (Statistic::StickDurationMean, 0.215064, [(0.02, 0.432892), (0.01, 0.375277), (0.0025, 0.295817)]);
@@ -172,7 +172,7 @@ fn so_it_is_where_static_and_dynamic_friction_are_close() {
 /// within its uncertainty with 95 %; more than 6 misses of 40 have a probability of 0.3 %. With 30 % of one term alone the first has 12, without
 /// half a step a stick the second 32.
 #[test]
-fn so_it_is_where_the_changes_from_step_to_step_mislead() {
+fn the_truth_is_within_its_uncertainty_where_the_changes_from_step_to_step_mislead() {
     let mut short_memory = paper(0.25, 0.25);
     short_memory.temperature.noise.as_mut().expect("it has noise").relaxation_rate = 5.0;
     let mut damped = paper(0.25, 0.5);
@@ -197,7 +197,7 @@ fn so_it_is_where_the_changes_from_step_to_step_mislead() {
 #[test]
 fn the_uncertainty_says_something() {
     let model = paper(0.25, 0.25);
-    let all: Vec<Vec<(Statistic, Bias)>> = (0..9).map(|seed| told(&model, plain(0.01), seed, 10_000, 2)).collect();
+    let all: Vec<Vec<(Statistic, Bias)>> = (0..9).map(|seed| reported(&model, plain(0.01), seed, 10_000, 2)).collect();
     let median = |statistic: Statistic, what: &dyn Fn(&Bias) -> f64| {
         let mut values: Vec<f64> = all.iter().map(|biases| what(&of(biases, statistic))).collect();
         values.sort_by(f64::total_cmp);
@@ -211,7 +211,7 @@ fn the_uncertainty_says_something() {
 }
 
 /// Two kinds of sticks: light noise and nearly equal frictions make them either short or long, and a step misses many of the short ones. The
-/// median at h = 0.01 is 1.55, that of long sticks, and without a step it is 0.40 (`mc run scenarios/rho025.toml --scheme event-driven --paths
+/// median at h = 0.01 is 1.55, that of long sticks, and at zero step it is 0.40 (`mc run scenarios/rho025.toml --scheme event-driven --paths
 /// 300000 --seed 77` with the values below); at 2h and 4h it is 1.65 and more, so that no extrapolation finds the other kind. Truth, as an
 /// interval: 200 000 paths at the step and those. Null: each seed is within its uncertainty with 95 %; more than 4 misses of 20 have a
 /// probability of 0.3 %. Extrapolation from h, 2h and 4h has 6, with most estimates near 0.2; and an uncertainty of half of the estimate
@@ -227,7 +227,7 @@ fn so_is_a_median_that_jumps_from_one_kind_of_sticks_to_the_other() {
     let (low, high) = (1.156, 1.167);
     let is_told = |seed: &u64| {
         let Bias { estimate, uncertainty, .. } =
-            of(&told(&model, plain(0.01), *seed, 10_000, 2), Statistic::StickDurationMedian);
+            of(&reported(&model, plain(0.01), *seed, 10_000, 2), Statistic::StickDurationMedian);
         println!("{estimate} +- {uncertainty}");
         (estimate - uncertainty <= high && estimate + uncertainty >= low, uncertainty)
     };
@@ -237,24 +237,24 @@ fn so_is_a_median_that_jumps_from_one_kind_of_sticks_to_the_other() {
     assert!(misses <= 4 && honest >= 15, "{misses} misses, {honest} wide");
 }
 
-/// Paths without a step are left out where they cost more than the run allows (theta = 1e6: a step each 5e-7, 10^8 of them), where they
+/// The reference run is left out where it costs more than the run allows (theta = 1e6: a step each 5e-7, 10^8 of them), where they
 /// resolve less than there is (f_s and f_d all but equal), and where they are too few; the three steps still tell.
 #[test]
 fn what_paths_without_a_step_cannot_tell_the_steps_do() {
-    let anchored = |model: &Model, h: f64, paths: u64| {
+    let referenced = |model: &Model, h: f64, paths: u64| {
         let run = run(model, plain(h), 1, paths, 2);
-        Anchor::new(model, &timeline(model), h, 1, paths, 20).estimate(&run, 2, &AtomicBool::new(false))
+        ReferenceRun::new(model, &timeline(model), h, 1, paths, 20).estimate(&run, 2, &AtomicBool::new(false))
     };
     let model = paper(0.25, 0.25);
-    assert_eq!(anchored(&model, 0.01, 10_000).map(|biases| biases.len()), Some(EXISTING));
-    assert_eq!(anchored(&model, 0.01, 1000), None);
+    assert_eq!(referenced(&model, 0.01, 10_000).map(|biases| biases.len()), Some(EXISTING));
+    assert_eq!(referenced(&model, 0.01, 1000), None);
     let mut fast = model.clone();
     fast.temperature.noise.as_mut().expect("it has noise").relaxation_rate = 1e6;
     let mut close = model.clone();
     close.friction.static_force = 1.0 + 1e-9;
     for model in [fast, close] {
-        assert_eq!(anchored(&model, 0.01, 10_000), None);
-        let biases = told(&model, plain(0.01), 1, 10_000, 2);
+        assert_eq!(referenced(&model, 0.01, 10_000), None);
+        let biases = reported(&model, plain(0.01), 1, 10_000, 2);
         assert_eq!(biases.len(), EXISTING - 1, "all but the median, which no step can place");
         assert!(biases.iter().all(|(of, _)| *of != Statistic::StickDurationMedian));
         let plan = BiasPlan::new(corrected(0.01), &model, &timeline(&model), 1, 10_000).expect("enough paths");
@@ -263,7 +263,7 @@ fn what_paths_without_a_step_cannot_tell_the_steps_do() {
     }
 }
 
-/// Paths without a step have random numbers of their own, or the two ensembles are not independent and their errors do not add up in squares. Here v stays where
+/// The reference run has random numbers of its own, or the two ensembles are not independent and their errors do not add up in squares. Here v stays where
 /// it starts, at random, and makes the path: of one seed, path k would be the same path in both ensembles, and the difference of the two means next to nothing
 /// against its error. Null: over 64 seeds the mean square of difference over error is a chi-square of 64 degrees of freedom over 64, which is above 0.4
 /// with a probability of 1 - 1e-5 (and below 2, which errors half as large as they should be are not). As many paths on either side.
@@ -282,11 +282,11 @@ fn paths_without_a_step_are_not_those_of_the_run() {
         let simulation = plain(h).simulation(&model, &timeline);
         let run = Plan { simulation, record: Record::NOTHING, seed, paths, antithetic: false }.run(2);
         // All of the cost of the run: enough for as many paths as it has.
-        let anchor = Anchor::new(&model, &timeline, h, seed, paths, 1);
-        let biases = anchor.estimate(&run, 2, &AtomicBool::new(false)).expect("the budget is enough");
-        let told = of(&biases, Statistic::FrictionWorkMean);
+        let reference = ReferenceRun::new(&model, &timeline, h, seed, paths, 1);
+        let biases = reference.estimate(&run, 2, &AtomicBool::new(false)).expect("the budget is enough");
+        let reported = of(&biases, Statistic::FrictionWorkMean);
         // Student's t with 127 degrees of freedom, times what few paths are trusted less; a little for the tolerance.
-        (told.estimate / (told.uncertainty / (1.979 * (1.0 + 2.5 / 128f64.sqrt())))).powi(2)
+        (reported.estimate / (reported.uncertainty / (1.979 * (1.0 + 2.5 / 128f64.sqrt())))).powi(2)
     });
     let mean_square = squares.sum::<f64>() / 64.0;
     println!("{mean_square}");
@@ -320,10 +320,10 @@ fn the_bits_do_not_depend_on_the_number_of_threads() {
     let model = paper(0.25, 0.25);
     let plan = plan(0.05, 3, 30_000);
     assert_eq!(plan.paths(), 30_000 / 48 / 16 * 16);
-    let one = told(&model, plain(0.05), 3, 30_000, 1);
+    let one = reported(&model, plain(0.05), 3, 30_000, 1);
     assert_eq!(one.len(), EXISTING);
     for threads in [2, 7] {
-        assert_eq!(told(&model, plain(0.05), 3, 30_000, threads), one);
+        assert_eq!(reported(&model, plain(0.05), 3, 30_000, threads), one);
     }
 }
 

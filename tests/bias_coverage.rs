@@ -27,14 +27,14 @@ fn run(model: &Model, scheme: Scheme, seed: u64, paths: u64) -> Summary {
 }
 
 /// What a run says of its bias.
-fn told(model: &Model, scheme: Scheme, seed: u64, paths: u64) -> Vec<(Statistic, Bias)> {
+fn reported(model: &Model, scheme: Scheme, seed: u64, paths: u64) -> Vec<(Statistic, Bias)> {
     let timeline = Timeline { end: 60.0, output_step: 60.0, period: model.temperature.period(), after: 0.0 };
     let plan = BiasPlan::new(scheme, model, &timeline, seed, paths).expect("enough paths");
     plan.estimate(&run(model, scheme, seed, paths), 2, &AtomicBool::new(false)).unwrap_or_default()
 }
 
 /// Light noise and nearly equal frictions: sticks are either short or long, and a step misses many of the short ones. At
-/// h = 0.01 most of those that it sees are long, so its median is 1.55; without a step most are short, and the median is 0.40.
+/// h = 0.01 most of those that it sees are long, so its median is 1.55; at zero step most are short, and the median is 0.40.
 fn two_humps(static_force: f64, intensity: f64) -> Model {
     let mut model = paper(0.25, intensity);
     let oscillator = &mut model.oscillator;
@@ -102,7 +102,7 @@ fn no_statistic_of_any_setting_is_missed_more_often_than_it_says() {
                 let at_step = run(&model, scheme, 999, 200_000);
                 for paths in PATHS {
                     let setting = format!("{scheme_name} {h} {paths}");
-                    let all: Vec<_> = SEEDS.map(|seed| told(&model, scheme, seed, paths)).collect();
+                    let all: Vec<_> = SEEDS.map(|seed| reported(&model, scheme, seed, paths)).collect();
                     for statistic in Statistic::ALL {
                         let ((a, b), (c, d)) = (ends(at_step.estimate(statistic)), ends(exact.estimate(statistic)));
                         let (low, high) = (a - d, b - c);
@@ -116,9 +116,9 @@ fn no_statistic_of_any_setting_is_missed_more_often_than_it_says() {
                         *count = (count.0 + missed, count.1 + biases.len());
                         let mut reach: Vec<f64> = biases.iter().map(|b| b.uncertainty).collect();
                         reach.sort_by(f64::total_cmp);
-                        let (reach, told) = (reach.get(reach.len() / 2), biases.len());
+                        let (reach, reported) = (reach.get(reach.len() / 2), biases.len());
                         println!(
-                            "{name}; {setting}; {}; {missed}/{told}; {low:.4} to {high:.4} +- {reach:.4?}",
+                            "{name}; {setting}; {}; {missed}/{reported}; {low:.4} to {high:.4} +- {reach:.4?}",
                             statistic.name()
                         );
                     }
@@ -131,16 +131,16 @@ fn no_statistic_of_any_setting_is_missed_more_often_than_it_says() {
     let mut too_many = Vec::new();
     for statistic in Statistic::ALL {
         let cell = |setting: &&String| {
-            let (missed, told) = counts[&((*setting).clone(), statistic.index())];
-            let mean = told as f64 / 20.0;
-            if told >= FEWEST && missed as f64 > mean + 3.7 * (0.95 * mean).sqrt() {
-                too_many.push(format!("{}, {setting}: {missed} of {told}", statistic.name()));
+            let (missed, reported) = counts[&((*setting).clone(), statistic.index())];
+            let mean = reported as f64 / 20.0;
+            if reported >= FEWEST && missed as f64 > mean + 3.7 * (0.95 * mean).sqrt() {
+                too_many.push(format!("{}, {setting}: {missed} of {reported}", statistic.name()));
             }
-            format!("{missed}/{told}")
+            format!("{missed}/{reported}")
         };
         println!("| `{}` | {} |", statistic.name(), settings.iter().map(cell).collect::<Vec<_>>().join(" | "));
     }
     assert_eq!(too_many, Vec::<String>::new());
-    let (missed, told) = counts.values().fold((0, 0), |sum, count| (sum.0 + count.0, sum.1 + count.1));
-    assert!(40 * missed <= told, "{missed} of {told}");
+    let (missed, reported) = counts.values().fold((0, 0), |sum, count| (sum.0 + count.0, sum.1 + count.1));
+    assert!(40 * missed <= reported, "{missed} of {reported}");
 }

@@ -14,7 +14,7 @@ fn the_shipped_twin_is_calibrated_in_one_command() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path();
     let printed = done(path, &["calibrate", SCENARIO, DATA, "--json", "-o", "fit.h5"]);
-    let told = json(&printed);
+    let reported = json(&printed);
     let keys = [
         "bearing.offset",
         "friction.dynamic",
@@ -24,7 +24,7 @@ fn the_shipped_twin_is_calibrated_in_one_command() {
         "oscillator.dilatation",
         "oscillator.stiffness",
     ];
-    let parameters = told["parameters"].as_object().expect("an object");
+    let parameters = reported["parameters"].as_object().expect("an object");
     assert_eq!(parameters.keys().collect::<Vec<_>>(), keys);
     for (key, estimate) in parameters {
         let [low, middle, high] = ["low", "estimate", "high"].map(|end| estimate[end].as_f64().expect("a number"));
@@ -32,12 +32,12 @@ fn the_shipped_twin_is_calibrated_in_one_command() {
     }
     let stiffness = parameters["oscillator.stiffness"]["estimate"].as_f64().expect("a number");
     assert!((stiffness / 1.89e8 - 1.0).abs() < 0.05, "{stiffness}");
-    assert_eq!(told["starts"].as_array().map(Vec::len), Some(10));
-    assert!(told["slips"].as_array().is_some_and(|slips| slips.len() > 100));
+    assert_eq!(reported["starts"].as_array().map(Vec::len), Some(10));
+    assert!(reported["slips"].as_array().is_some_and(|slips| slips.len() > 100));
     // What a start found is kept as parameters, from which the others are computed again, to the last bit but one.
     let shown = json(&done(path, &["show", "fit.h5", "--json"]));
     for key in ["parameters", "derived", "interval", "slips", "lag", "residuals", "warnings"] {
-        assert_eq!(shown[key], told[key], "{key}");
+        assert_eq!(shown[key], reported[key], "{key}");
     }
     assert_eq!(
         done(path, &["show", "fit.h5"]).lines().next(),
@@ -59,15 +59,15 @@ fn a_twin_is_calibrated_to_its_truth() {
     };
     let [one, same, other] = [twin("a.csv", "4"), twin("b.csv", "4"), twin("c.csv", "5")];
     assert!(one == same && one != other);
-    let told = json(&done(path, &["calibrate", SCENARIO, "a.csv", "--method", "slips", "--json"]));
+    let reported = json(&done(path, &["calibrate", SCENARIO, "a.csv", "--method", "slips", "--json"]));
     for (key, truth) in [("friction.static", 4.2e5), ("friction.dynamic", 3.6e5), ("oscillator.stiffness", 1.8e8)] {
-        let found = told["parameters"][key]["estimate"].as_f64().expect("a number");
+        let found = reported["parameters"][key]["estimate"].as_f64().expect("a number");
         assert!((found / truth - 1.0).abs() < 0.1, "{key}: {found}");
     }
     // A parameter that is held has its value, and nothing around it.
     let held = "oscillator.stiffness,friction.static,friction.dynamic,bearing.offset,initial.displacement";
-    let told = json(&done(path, &["calibrate", SCENARIO, "a.csv", "--method", "slips", "--fit", held, "--json"]));
-    let beta = &told["parameters"]["oscillator.dilatation"];
+    let reported = json(&done(path, &["calibrate", SCENARIO, "a.csv", "--method", "slips", "--fit", held, "--json"]));
+    let beta = &reported["parameters"]["oscillator.dilatation"];
     assert!((beta["estimate"].as_f64().expect("a number") / 3.0e-4 - 1.0).abs() < 1e-6, "{beta}");
 }
 
@@ -77,10 +77,10 @@ fn without_the_shear_stiffness_forces_are_null() {
     let scenario =
         std::fs::read_to_string(SCENARIO).expect("shipped").replace("[bearing]\nstiffness = 2.0e9", "[bearing]");
     std::fs::write(folder.path().join("rigid.toml"), scenario).expect("written");
-    let told = json(&done(folder.path(), &["calibrate", "rigid.toml", DATA, "--method", "slips", "--json"]));
-    assert!(told["parameters"]["friction.static"]["estimate"].is_null());
-    assert!(told["derived"]["static_way"]["estimate"].is_number());
-    assert_eq!(told["warnings"][0]["name"], "no_shear_stiffness");
+    let reported = json(&done(folder.path(), &["calibrate", "rigid.toml", DATA, "--method", "slips", "--json"]));
+    assert!(reported["parameters"]["friction.static"]["estimate"].is_null());
+    assert!(reported["derived"]["static_way"]["estimate"].is_number());
+    assert_eq!(reported["warnings"][0]["name"], "no_shear_stiffness");
     let bounded = ["calibrate", "rigid.toml", DATA, "--bounds", "friction.static=4e5:6e5"];
     refused(folder.path(), &bounded, 2, &["bearing.stiffness"]);
 }

@@ -24,7 +24,7 @@ fn estimates(model: Model, h: f64, paths: u64, corrected: bool, statistics: &[St
     statistics.iter().map(estimate).collect()
 }
 
-/// The value without a step (tests/reference/noisy.c, relative standard errors below 6e-4).
+/// The value at zero step (tests/reference/noisy.c, relative standard errors below 6e-4).
 fn truth(statistic: Statistic) -> f64 {
     reference::limit(statistic.name()).0
 }

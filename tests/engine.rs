@@ -86,9 +86,9 @@ fn a_time_limit_ends_a_run_that_has_goals_as_well() {
 
 /// What a run tells.
 #[derive(Default)]
-struct Told(Vec<(u64, u64)>, usize);
+struct Reported(Vec<(u64, u64)>, usize);
 
-impl Progress for Told {
+impl Progress for Reported {
     fn paths(&mut self, done: u64, expected: u64) {
         self.0.push((done, expected));
     }
@@ -101,14 +101,14 @@ impl Progress for Told {
 #[test]
 fn progress_and_every_sink_see_each_block_once_and_in_order() {
     let scenario = scenario(5 * BLOCK_SIZE - 7, &[]);
-    let (mut told, mut one, mut two) = (Told::default(), Memory::default(), Memory::default());
-    let run = Run::of(&scenario).threads(3).told(&mut told).into_sink(&mut one).into_sink(&mut two);
+    let (mut reported, mut one, mut two) = (Reported::default(), Memory::default(), Memory::default());
+    let run = Run::of(&scenario).threads(3).with_progress(&mut reported).into_sink(&mut one).into_sink(&mut two);
     let outcome = run.simulate().expect("memory holds it");
     let firsts = |memory: &Memory| memory.blocks.iter().map(|block| block.first_path).collect::<Vec<_>>();
     assert_eq!(firsts(&one), [0, 256, 512, 768, 1024]);
     assert_eq!(firsts(&two), firsts(&one));
-    assert_eq!(told.0, [256, 512, 768, 1024, 1273].map(|done| (done, 1273)));
-    assert_eq!((told.1, outcome.bias.absence.is_none()), (1, true));
+    assert_eq!(reported.0, [256, 512, 768, 1024, 1273].map(|done| (done, 1273)));
+    assert_eq!((reported.1, outcome.bias.absence.is_none()), (1, true));
     let columns = one.blocks.iter().filter_map(|block| block.path_columns.as_ref());
     let ends: Vec<f64> = columns.flat_map(|columns| columns.displacement_end.clone()).collect();
     let mean = ends.iter().sum::<f64>() / ends.len() as f64;
@@ -159,7 +159,8 @@ fn a_raised_flag_leaves_the_first_blocks_and_an_interrupted_outcome() {
     let scenario = scenario(1000 * BLOCK_SIZE, &[]);
     let stop = AtomicBool::new(false);
     let mut progress = StopAfter(&stop);
-    let outcome = Run::of(&scenario).threads(2).stopped_by(&stop).told(&mut progress).simulate().expect("no sink");
+    let outcome =
+        Run::of(&scenario).threads(2).stopped_by(&stop).with_progress(&mut progress).simulate().expect("no sink");
     let blocks = outcome.summary.completed_paths / BLOCK_SIZE;
     assert_eq!(outcome.status, Status::Interrupted);
     // Two threads may each be eight blocks ahead.

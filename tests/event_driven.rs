@@ -616,12 +616,12 @@ type State = (f64, f64, f64, bool);
 
 /// Everything that is told of some paths: the events, and the states at the instants, lane by lane.
 #[derive(Default, PartialEq, Debug)]
-struct Told {
+struct Reported {
     events: Vec<Vec<Event>>,
     rows: Vec<(f64, Vec<State>)>,
 }
 
-impl Observer for Told {
+impl Observer for Reported {
     fn event(&mut self, lane: usize, event: Event) {
         if self.events.len() <= lane {
             self.events.resize(lane + 1, Vec::new());
@@ -643,28 +643,28 @@ fn looking_at_a_path_does_not_change_it() {
     let model = paper(0.25, 0.25);
     let numbers: Vec<u64> = (0..200).collect();
     for kind in [Kind::EventDriven, Kind::QuasiStatic] {
-        let told = |end: f64, output_step: f64, period: Option<f64>| {
+        let reported = |end: f64, output_step: f64, period: Option<f64>| {
             let line = Timeline { end, after: 0.0, output_step, period };
-            let mut told = Told::default();
+            let mut reported = Reported::default();
             let simulation = kind.with(DEFAULT_TOLERANCE).simulation(&model, &line);
-            assert!(simulation.simulate(5, &numbers, &mut told).is_empty());
-            told
+            assert!(simulation.simulate(5, &numbers, &mut reported).is_empty());
+            reported
         };
-        let seldom = told(60.0, 60.0, None);
+        let seldom = reported(60.0, 60.0, None);
         assert!(seldom.events.iter().map(Vec::len).sum::<usize>() > 200 * 10);
         for (output_step, period) in [(0.5, None), (0.07, Some(8.0 * std::f64::consts::PI)), (1.0, Some(0.3))] {
-            let often = told(60.0, output_step, period);
+            let often = reported(60.0, output_step, period);
             assert_eq!(often.events, seldom.events, "{kind:?}, every {output_step}");
             assert_eq!(often.rows.last(), seldom.rows.last(), "{kind:?}, every {output_step}");
         }
-        let (half, whole) = (told(60.0, 0.5, None), told(60.0, 0.25, None));
+        let (half, whole) = (reported(60.0, 0.5, None), reported(60.0, 0.25, None));
         for (row, same) in half.rows.iter().zip(whole.rows.iter().filter(|row| (2.0 * row.0).fract() == 0.0)) {
             assert_eq!(row, same, "{kind:?}");
         }
         // A closer look goes through what a coarser one saw, also inside cells.
-        let coarse = told(60.0, 0.7, None);
+        let coarse = reported(60.0, 0.7, None);
         let line = Timeline { end: 60.0, after: 0.0, output_step: 0.1, period: None };
-        let mut close = Told::default();
+        let mut close = Reported::default();
         let simulation = kind.with(DEFAULT_TOLERANCE).simulation(&model, &line).looked_at_closer(7);
         assert!(simulation.simulate(5, &numbers, &mut close).is_empty());
         assert_eq!(close.events, seldom.events, "{kind:?}");
@@ -675,7 +675,7 @@ fn looking_at_a_path_does_not_change_it() {
                 assert!(off < 1e-9 && a.3 == b.3, "{kind:?}, t = {}: {a:?} {b:?}", row.0);
             }
         }
-        let short = told(31.3, 31.3, None);
+        let short = reported(31.3, 31.3, None);
         for (short, long) in short.events.iter().zip(&seldom.events) {
             let until: Vec<Event> = long.iter().copied().filter(|event| event.time <= 31.3).collect();
             assert_eq!(*short, until, "{kind:?}");
@@ -691,9 +691,9 @@ fn seen_moments(model: &Model, tolerance: f64, times: &[f64], seed: u64, paths: 
     let mut rows: Vec<Vec<State>> = vec![Vec::new(); times.len() + 1];
     for first in (0..paths).step_by(250) {
         let numbers: Vec<u64> = (first..first + 250).collect();
-        let mut told = Told::default();
-        assert!(simulation.simulate(seed, &numbers, &mut told).is_empty());
-        for (row, (_, seen)) in rows.iter_mut().zip(told.rows) {
+        let mut reported = Reported::default();
+        assert!(simulation.simulate(seed, &numbers, &mut reported).is_empty());
+        for (row, (_, seen)) in rows.iter_mut().zip(reported.rows) {
             row.extend(seen);
         }
     }

@@ -39,8 +39,9 @@ fn two_files_say_what_one_says() {
     let one = calibrated(DATA, &[]);
     assert_eq!(calibrated("z.csv", &["--temperature", "t.csv"]), one);
     let late = calibrated("late.csv", &["--temperature", "t.csv"]);
-    let slips = |told: &Value| {
-        let times = told["slips"].as_array().expect("slips").iter().map(|slip| slip["time"].as_f64().expect("a time"));
+    let slips = |reported: &Value| {
+        let times =
+            reported["slips"].as_array().expect("slips").iter().map(|slip| slip["time"].as_f64().expect("a time"));
         times.filter(|time| *time > 8.0 * 86_400.0).collect::<Vec<_>>()
     };
     // The same slips at the same times, but for a few that the noise hides.
@@ -59,13 +60,13 @@ fn two_files_say_what_one_says() {
 fn a_fitted_temperature_is_a_part_of_a_scenario() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path();
-    let told = json(&done(path, &["fit-temperature", DATA, "--json", "-o", "weather.toml"]));
+    let reported = json(&done(path, &["fit-temperature", DATA, "--json", "-o", "weather.toml"]));
     let part = fs::read_to_string(path.join("weather.toml")).expect("the part");
     let read: toml::Table = part.parse().expect("TOML");
     let temperature = &read["temperature"];
     let number = |value: &toml::Value| value.as_float().expect("a number");
-    assert_eq!(number(&temperature["harmonics"][0]["amplitude"]), told["mean"][0].as_f64().expect("a mean"));
-    for (i, process) in told["processes"].as_array().expect("processes").iter().enumerate() {
+    assert_eq!(number(&temperature["harmonics"][0]["amplitude"]), reported["mean"][0].as_f64().expect("a mean"));
+    for (i, process) in reported["processes"].as_array().expect("processes").iter().enumerate() {
         let noise = &temperature["noise"][i];
         let near = |a: f64, b: f64| assert!((a / b - 1.0).abs() < 1e-12, "{a} {b}");
         near(number(&noise["intensity"]), process["sd"].as_f64().expect("an sd"));
@@ -104,10 +105,10 @@ fn a_forecast_says_what_can_be_known() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path();
     let few = ["forecast", BEARING, DATA, "--draws", "4", "--years", "3", "--json"];
-    let told = done(path, &[&few[..], &["--threads", "1", "-o", "years.csv"]].concat());
-    assert_eq!(done(path, &[&few[..], &["--threads", "2"]].concat()), told);
-    let told = json(&told);
-    let expected = |name: &str| told["levels"][name]["expected"].as_f64();
+    let reported = done(path, &[&few[..], &["--threads", "1", "-o", "years.csv"]].concat());
+    assert_eq!(done(path, &[&few[..], &["--threads", "2"]].concat()), reported);
+    let reported = json(&reported);
+    let expected = |name: &str| reported["levels"][name]["expected"].as_f64();
     // The shipped twin slips 112 times in 300 days, each by 0.497 mm.
     let slips = expected("slips").expect("slips");
     assert!((100.0..230.0).contains(&slips), "{slips}");

@@ -41,15 +41,15 @@ fn the_error_is_the_one_asked_for() {
         let (centre, bias) = (mean(&|o| o.estimate), mean(&|o| o.bias));
         let scatter = mean(&|o| ((o.estimate - centre) / o.standard_error).powi(2)) * RUNS / (RUNS - 1.0);
         let known_to = (mean(&|o| o.standard_error.powi(2)) / RUNS).sqrt().hypot(truth_error);
-        let told = mean(&|o| o.standard_error.powi(2) + o.bias.powi(2)).sqrt() / target;
+        let reported = mean(&|o| o.standard_error.powi(2) + o.bias.powi(2)).sqrt() / target;
         println!(
-            "{}: scatter {scatter:.3}; off by {:.2e}, told {bias:.2e}, known to {known_to:.1e}; {told:.3} of the target",
+            "{}: scatter {scatter:.3}; off by {:.2e}, told {bias:.2e}, known to {known_to:.1e}; {reported:.3} of the target",
             statistic.name(),
             centre - truth
         );
         assert!((0.6..1.4).contains(&scatter), "{}: {scatter}", statistic.name());
         assert!((centre - truth).abs() < bias + 4.0 * known_to, "{}: {centre} {truth}", statistic.name());
-        assert!((0.85..1.02).contains(&told), "{}: {told}", statistic.name());
+        assert!((0.85..1.02).contains(&reported), "{}: {reported}", statistic.name());
         let scaled = mean(&|o| (o.estimate - truth).powi(2)) / (target.powi(2) + truth_error.powi(2));
         assert!((0.43..1.5).contains(&scaled), "{}: {scaled}", statistic.name());
     }

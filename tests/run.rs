@@ -109,29 +109,30 @@ fn json_is_alone_on_standard_output_and_the_same_for_any_number_of_threads() {
 fn a_run_tells_how_much_of_a_number_is_the_step_or_why_it_does_not() {
     let here = folder();
     let run = |arguments: &[&str]| mc(&here, &[&["run", RHO025, "--step", "0.02", "--force"], arguments].concat());
-    let told = run(&["--paths", "10000"]);
+    let reported = run(&["--paths", "10000"]);
     // The measured bias replaces the guess before the run.
-    let (out, err) = (text(&told.stdout), text(&told.stderr));
+    let (out, err) = (text(&reported.stdout), text(&reported.stderr));
     assert!(out.contains("corrected") && out.contains("of the step"), "{out}");
-    assert!(err.contains("warning: the step moves") && !err.contains("as a guide"), "{err}");
+    assert!(err.contains("warning: the step shifts") && !err.contains("as a guide"), "{err}");
     let shown = mc(&here, &["show", "rho025.h5"]);
-    assert!(text(&shown.stderr).contains("warning: the step moves"));
+    assert!(text(&shown.stderr).contains("warning: the step shifts"));
     assert_eq!(text(&shown.stdout).lines().nth(3), out.lines().nth(3), "the same headings");
     let few = run(&["--paths", "300"]);
-    assert!(text(&few.stdout).contains("not estimated: it takes 768 paths or more"), "{}", text(&few.stdout));
+    assert!(text(&few.stdout).contains("not estimated: at least 768 paths are needed"), "{}", text(&few.stdout));
     assert!(text(&few.stderr).contains("as a guide"));
     let corrected = |paths| run(&["--paths", paths, "--scheme", "corrected-vi"]);
     let few = corrected("800");
     assert!(text(&few.stdout).contains("not estimated: the error of corrected-vi"), "{}", text(&few.stdout));
-    let told = corrected("10000");
-    assert!(text(&told.stdout).contains("of the step"), "{}", text(&told.stdout));
-    assert!(!text(&told.stderr).contains("as a guide"), "{}", text(&told.stderr));
+    let reported = corrected("10000");
+    assert!(text(&reported.stdout).contains("of the step"), "{}", text(&reported.stdout));
+    assert!(!text(&reported.stderr).contains("as a guide"), "{}", text(&reported.stderr));
     let reasons = [
         (
             "event-driven",
-            "not estimated: there is no step; the tolerance leaves discretisation 0.001 of every statistic",
+            "not estimated: this scheme has no step; its tolerance keeps the discretisation error of every \
+             statistic that has a limit below 0.001 of it",
         ),
-        ("quasi-static", "not estimated: that the forcing stands still in a slip is an approximation"),
+        ("quasi-static", "not estimated: this scheme takes the forcing as constant during a slip"),
     ];
     for (scheme, reason) in reasons {
         let silent = mc(&here, &["run", RHO025, "--scheme", scheme, "--paths", "800", "--force"]);
@@ -257,7 +258,7 @@ fn every_scheme_runs_and_its_file_reproduces_the_run() {
     }
 }
 
-/// The mean stick duration without a step is another program's (tests/reference/noisy.c, known to 4e-4). Null for the event-driven scheme: its mean
+/// The mean stick duration at zero step is another program's (tests/reference/noisy.c, known to 4e-4). Null for the event-driven scheme: its mean
 /// is that; four standard errors. The corrected step is known to be 5.2 % short at h = 0.005, the plain one 16 % long; each gets
 /// two percent for what that is known to, and four standard errors.
 #[test]
@@ -364,10 +365,10 @@ fn a_goal_ends_a_run_at_the_first_block_that_reaches_it() {
     assert_eq!(ended["statistics"], shared["statistics"]);
     let paths = ended["completed_paths"].as_u64().expect("a number");
     assert!(paths > 4 * 256 && paths.is_multiple_of(256), "{paths}");
-    let told = format!("stick_duration_mean < 0.5%, after block {}", paths / 256);
-    assert_eq!((&ended["status"], &ended["ended_by"]), (&Value::from("ended"), &Value::from(told.as_str())));
+    let reported = format!("stick_duration_mean < 0.5%, after block {}", paths / 256);
+    assert_eq!((&ended["status"], &ended["ended_by"]), (&Value::from("ended"), &Value::from(reported.as_str())));
     assert!(relative(&ended) < 0.005);
-    assert!(text(&mc(&here, &["show", "rho025.h5"]).stdout).contains(&told));
+    assert!(text(&mc(&here, &["show", "rho025.h5"]).stdout).contains(&reported));
 
     let before = run(&["--paths", &(paths - 256).to_string()]);
     assert!(relative(&before) >= 0.005, "{}", relative(&before));
@@ -389,7 +390,7 @@ fn a_goal_that_cannot_be_reached_ends_the_run_with_the_reason_and_keeps_the_file
     let never = concat!(env!("CARGO_MANIFEST_DIR"), "/scenarios/never-slips.toml");
     let short = ["--step", "0.02", "--set", "record.paths=false", "--force"];
     for (scenario, goal, reason) in [
-        (RHO025, "drift_velocity < 1%", "zero, as far as they tell"),
+        (RHO025, "drift_velocity < 1%", "zero within its error"),
         (never, "stick_duration_mean < 1%", "does not exist after 16 384 paths"),
     ] {
         let output = mc(&here, &[&["run", scenario, "-o", "kept.h5", "--until", goal], &short[..]].concat());
@@ -482,9 +483,13 @@ fn accuracy_without_noise_takes_one_path_and_says_what_it_leaves_out() {
     let run = |more: &[&str]| mc(&here, &[&["run", shaw, "--force", "--accuracy", "0.1%"], more].concat());
     let all = run(&["--json"]);
     let said = text(&all.stderr);
-    for part in
-        ["of 15 statistics:", "--paths 1\n", "nothing is random", "nothing is promised of", "displacement_end_sd"]
-    {
+    for part in [
+        "of 15 statistics:",
+        "--paths 1\n",
+        "nothing is random",
+        "no accuracy is guaranteed for",
+        "displacement_end_sd",
+    ] {
         assert!(said.contains(part), "{part} in\n{said}");
     }
     // 40-digit arithmetic.

@@ -256,5 +256,5 @@ fn show_puts_several_runs_beside_each_other() {
     let cells: Vec<&str> = row.split_whitespace().skip(1).collect();
     assert_eq!((cells.len(), cells.iter().filter(|cell| **cell == "*").count()), (11, 1), "{table}");
     let legend = table.split_whitespace().collect::<Vec<_>>().join(" ");
-    assert!(legend.contains("a and c have one seed"), "{table}");
+    assert!(legend.contains("a and c have the same seed"), "{table}");
 }

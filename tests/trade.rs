@@ -276,7 +276,7 @@ fn without_noise_one_path_is_the_answer() {
 
 /// v relaxes from v(0) = 2 and nothing else happens: b = 3 (e^{-t} - 1) reaches -1.2 at t = -ln 0.6.
 #[test]
-fn so_it_is_with_noise_that_does_not_diffuse() {
+fn one_path_is_the_answer_where_the_noise_does_not_diffuse() {
     let mut scenario = shipped("rho025");
     let Model { temperature, initial_displacement, .. } = &mut scenario.model;
     temperature.harmonics.clear();

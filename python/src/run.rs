@@ -62,9 +62,9 @@ pub fn run<'py>(
     // Statistics of the caller's own are of events, whether the data set is to hold them or not.
     let watched_scenario = kept.watched(scenario);
     let (outcome, is_interrupted) = watched(py, progress.as_ref(), |watch| {
-        let mut told = Told(watch);
+        let mut reported = Told(watch);
         let run = with_threads(Run::of(&watched_scenario).asked(asked), threads);
-        run.stopped_by(&watch.stop).told(&mut told).into_sink(&mut kept).simulate()
+        run.stopped_by(&watch.stop).with_progress(&mut reported).into_sink(&mut kept).simulate()
     })?;
     let outcome = outcome.map_err(|error| of_run(py, error))?;
     let remarks = remarks(py, &outcome, is_interrupted)?;
@@ -103,9 +103,9 @@ pub fn merge<'py>(
     let so_far = SoFar { totals, spent: Duration::ZERO };
     let mut recorder = Recorder::default();
     let (outcome, is_interrupted) = watched(py, progress.as_ref(), |watch: &Watch| {
-        let mut told = Told(watch);
+        let mut reported = Told(watch);
         let run = with_threads(Run::of(scenario).asked(asked), threads);
-        run.stopped_by(&watch.stop).told(&mut told).into_sink(&mut recorder).go_on(so_far)
+        run.stopped_by(&watch.stop).with_progress(&mut reported).into_sink(&mut recorder).go_on(so_far)
     })?;
     let outcome = outcome.map_err(|error| of_run(py, error))?;
     let remarks = remarks(py, &outcome, is_interrupted)?;

@@ -12,7 +12,7 @@ use std::time::Duration;
 use stick_slip::config::{Override, symbol_and_meaning};
 use stick_slip::dataset::Dataset;
 use stick_slip::stats::Statistic;
-use stick_slip::study::accuracy::{Accuracy, Promise};
+use stick_slip::study::accuracy::{Accuracy, AccuracyGoal};
 use stick_slip::study::sweep::{
     Axis, Design, DesignError, Question, RELATIVE_STEPS, Seeds, Setting, Simulation, StarError, Sweep,
 };
@@ -52,8 +52,8 @@ pub fn choose(
     }
     let remedy = "ask for less, give more time, or name fewer statistics; trade() says more";
     let (decision, _) = chosen.map_err(|error| errors::of_run(py, &format!("accuracy: {error}"), remedy))?;
-    let promise: Promise = decision.promise();
-    Ok((scenario.replaced(decision.scenario), promise.to_string()))
+    let accuracy_goal: AccuracyGoal = decision.accuracy_goal();
+    Ok((scenario.replaced(decision.scenario), accuracy_goal.to_string()))
 }
 
 /// Statistics as functions of keys: `vary` as `mc sweep --vary` takes it, or elasticities of some keys.

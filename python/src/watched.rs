@@ -49,13 +49,13 @@ pub fn watched<T: Send>(
             let (sender, receiver) = channel();
             let watch = &watch;
             scope.spawn(move || sender.send(work(watch)));
-            let (mut tick, mut told) = (0_u64, 0);
+            let (mut tick, mut reported) = (0_u64, 0);
             loop {
                 tick += 1;
                 let received = receiver.recv_timeout(TICK);
                 let is_over = !matches!(received, Err(RecvTimeoutError::Timeout));
                 let [done, expected] = [&watch.done, &watch.expected].map(|number| number.load(Ordering::Relaxed));
-                let is_due = done != told && (is_over || tick.is_multiple_of(TOLD_EVERY));
+                let is_due = done != reported && (is_over || tick.is_multiple_of(TOLD_EVERY));
                 let heard = Python::attach(|py| {
                     py.check_signals()?;
                     match progress {
@@ -63,7 +63,7 @@ pub fn watched<T: Send>(
                         _ => Ok(()),
                     }
                 });
-                told = if is_due { done } else { told };
+                reported = if is_due { done } else { reported };
                 if let (Err(error), Ok(mut failure)) = (heard, failure.lock()) {
                     watch.stop.store(true, Ordering::Relaxed);
                     failure.get_or_insert(error);

@@ -7,7 +7,7 @@
 //!
 //! Only what goes smoothly with the step can be extrapolated. A median does not: where sticks are either short or long
 //! and the step misses some of the short ones, the median is that of the long ones at h, 2h and 4h alike, and that of
-//! the short ones without a step ([`is_smooth`]).
+//! the short ones at zero step ([`is_smooth`]).
 
 use super::extrapolation::{Levels, is_smooth, leading_order, unseen, weight};
 use super::groups::{GroupObserver, Grouped, Groups};

@@ -1,22 +1,24 @@
-//! How wrong the step makes a run: the discretisation bias of every statistic, measured beside the run at an eighth of its cost.
+//! The discretisation bias of every statistic of a run, measured beside the run at an eighth of
+//! its cost.
 //!
-//! Two measurements, of which the sharper one counts, statistic by statistic:
+//! There are two measurements, and each statistic takes one of them:
 //!
 //! ```text
-//! differences   some of the run's paths again at h, 2h and 4h on one noise: good where the same noise makes the same path, as for
-//!               displacements; tells the order
-//! anchor        some paths without a step: good where every stick exit is another event at another step, as for sticks
+//! differences     some of the run's paths again at h, 2h and 4h on the same noise. Precise for
+//!                 displacements, because the same noise makes nearly the same path; gives the order
+//! reference run   event-driven paths, which have no step. Precise for sticks, because another step
+//!                 changes every stick exit even on the same noise
 //! ```
 
-mod anchor;
 mod differences;
 mod extrapolation;
 mod groups;
+mod reference_run;
 
 #[doc(hidden)]
-pub use anchor::Anchor;
-#[doc(hidden)]
 pub use differences::Differences;
+#[doc(hidden)]
+pub use reference_run::ReferenceRun;
 
 use crate::model::Model;
 use crate::scheme::{Discretisation, Scheme, Timeline};
@@ -34,7 +36,8 @@ pub enum NoBias {
     Exact,
     /// The quasi-static scheme: its error is that of an approximation, which no step makes smaller.
     Approximation,
-    /// The corrected scheme, where paths without a step cost too much: its error changes sign between the steps that would be compared.
+    /// The corrected scheme, where the reference run costs too much: the error of this scheme
+    /// changes sign between the steps that would be compared.
     Corrected,
     /// f_s = f_d under noise: stick statistics have no limit as h falls.
     EqualFriction,
@@ -59,40 +62,47 @@ impl fmt::Display for NoBias {
         match self {
             NoBias::Tolerance(tolerance) => write!(
                 f,
-                "there is no step; the tolerance leaves discretisation {tolerance} of every statistic that has a limit"
+                "this scheme has no step; its tolerance keeps the discretisation error of every statistic \
+                 that has a limit below {tolerance} of it"
             ),
-            NoBias::Exact => {
-                f.write_str("there is no step, and where nothing is random every event is exact to rounding")
-            }
-            NoBias::Approximation => {
-                f.write_str("that the forcing stands still in a slip is an approximation, which no step mends")
-            }
+            NoBias::Exact => f.write_str("this scheme has no step, and without noise every event is exact to rounding"),
+            NoBias::Approximation => f.write_str(
+                "this scheme takes the forcing as constant during a slip, and a smaller step \
+                             does not reduce that error",
+            ),
             NoBias::Corrected => f.write_str(
-                "the error of corrected-vi cannot be extrapolated from h, 2h and 4h, and paths without a step, to compare with, \
-                 take too long for this run; `mc trade` measures it",
+                "the error of corrected-vi cannot be extrapolated from h, 2h and 4h, and an event-driven \
+                 reference run would take too long beside this run; `mc trade` measures it",
             ),
-            NoBias::EqualFriction => f.write_str("with f_s = f_d under noise, sticks have no limit as the step falls"),
-            NoBias::FewPaths { needed } => write!(f, "it takes {needed} paths or more"),
-            NoBias::FewSteps => write!(f, "it takes {MIN_STEPS} steps or more"),
-            NoBias::Diverged { paths } => write!(f, "{paths} of the paths simulated for it at h, 2h and 4h diverged"),
+            NoBias::EqualFriction => f.write_str(
+                "with f_s = f_d under noise, stick statistics have no \
+                limit as the step falls",
+            ),
+            NoBias::FewPaths { needed } => write!(f, "at least {needed} paths are needed"),
+            NoBias::FewSteps => write!(f, "at least {MIN_STEPS} steps are needed"),
+            NoBias::Diverged { paths } => write!(
+                f,
+                "{paths} of the paths that were simulated at h, 2h and \
+                4h to estimate it diverged"
+            ),
             NoBias::Stopped => f.write_str("the run was stopped before"),
         }
     }
 }
 
-/// Paths without a step may cost one part in so many of a run, beside the differences.
+/// The reference run may cost one part in so many of the run, where differences are measured too.
 const SHARE: u64 = 20;
 
-/// The same without them.
+/// The same where they are not.
 const SHARE_ALONE: u64 = 10;
 
-/// What the bias of a run is a function of, besides its result.
+/// What is simulated beside a run to measure its bias.
 #[derive(Clone, Debug)]
 pub struct BiasPlan {
     /// Not for the corrected scheme.
     differences: Option<Differences>,
-    /// Not where nothing is random, where one path tells all.
-    anchor: Option<Anchor>,
+    /// None without noise, where all paths are the same.
+    reference: Option<ReferenceRun>,
 }
 
 impl BiasPlan {
@@ -108,11 +118,11 @@ impl BiasPlan {
         };
         let differences = Differences::new(scheme, model, timeline, seed, paths)?;
         let share = if is_corrected { SHARE_ALONE } else { SHARE };
-        let anchor = is_random.then(|| Anchor::new(model, timeline, h, seed, paths, share));
-        if is_corrected && anchor.is_none() {
+        let reference = is_random.then(|| ReferenceRun::new(model, timeline, h, seed, paths, share));
+        if is_corrected && reference.is_none() {
             return Err(NoBias::Corrected);
         }
-        Ok(BiasPlan { differences: Some(differences).filter(|_| !is_corrected), anchor })
+        Ok(BiasPlan { differences: Some(differences).filter(|_| !is_corrected), reference })
     }
 
     /// The same for a run of antithetic pairs.
@@ -125,15 +135,15 @@ impl BiasPlan {
         Ok(self.simulate(threads, stop)?.of(run))
     }
 
-    /// What the bias follows from beside the run, which may come before the run or after it.
+    /// Simulate what the bias is measured from, which may be done before the run or after it.
     pub fn simulate(&self, threads: usize, stop: &AtomicBool) -> Result<BesideRun, NoBias> {
-        let anchored = self.anchor.as_ref().and_then(|anchor| anchor.simulate(threads, stop));
+        let referenced = self.reference.as_ref().and_then(|reference| reference.simulate(threads, stop));
         let Some(differences) = &self.differences else {
             let is_stopped = stop.load(Ordering::Relaxed);
             let absent = || if is_stopped { NoBias::Stopped } else { NoBias::Corrected };
-            return Ok(BesideRun { extrapolated: Vec::new(), anchored: Some(anchored.ok_or_else(absent)?) });
+            return Ok(BesideRun { extrapolated: Vec::new(), referenced: Some(referenced.ok_or_else(absent)?) });
         };
-        Ok(BesideRun { extrapolated: differences.estimate(threads, stop)?, anchored })
+        Ok(BesideRun { extrapolated: differences.estimate(threads, stop)?, referenced })
     }
 }
 
@@ -142,39 +152,42 @@ impl BiasPlan {
 pub struct BesideRun {
     /// The biases that follow from three steps.
     extrapolated: Vec<(Statistic, Bias)>,
-    /// What paths without a step come to.
-    anchored: Option<Summary>,
+    /// The statistics of the reference run.
+    referenced: Option<Summary>,
 }
 
 impl BesideRun {
     /// The bias of every statistic that exists in the run whose result this is.
     pub fn of(&self, run: &Summary) -> Vec<(Statistic, Bias)> {
-        let anchored = self.anchored.as_ref().map_or_else(Vec::new, |exact| anchor::biases(run, exact));
+        let referenced = self.referenced.as_ref().map_or_else(Vec::new, |exact| reference_run::biases(run, exact));
         let of = |biases: &[(Statistic, Bias)], statistic| biases.iter().find(|(s, _)| *s == statistic).map(|b| b.1);
-        let told = |statistic| chosen(of(&self.extrapolated, statistic), of(&anchored, statistic));
+        let told = |statistic| chosen(of(&self.extrapolated, statistic), of(&referenced, statistic));
         Statistic::ALL.into_iter().filter_map(|statistic| Some((statistic, told(statistic)?))).collect()
     }
 }
 
-/// By what the 95 % uncertainty is multiplied that so many paths tell. With a few dozen paths the intervals of skewed laws
-/// hold less often than they say, and what is promised is for every statistic of every scene (docs/bias.md).
+/// The factor by which a 95 % uncertainty that rests on so many paths is widened. With a few dozen
+/// paths the intervals of skewed laws cover the truth less often than they say, and the coverage is
+/// claimed for every statistic of every scene (docs/bias.md).
 fn caution(paths: u64) -> f64 {
     1.0 + 2.5 / (paths as f64).sqrt()
 }
 
-/// Extrapolation counts where it is sharper beyond doubt than the paths without a step, and does not contradict them.
+/// The extrapolation is taken where its uncertainty is below this share of that of the reference
+/// run, and the two do not contradict each other.
 const SHARPER: f64 = 0.5;
 
 /// Of the two measurements of one bias, where there are two.
 ///
-/// The anchor assumes nothing, so it is taken unless the other is sharper by far. If the sharper of two alike were taken, it would
-/// often be the one whose uncertainty is too small by chance.
-fn chosen(extrapolated: Option<Bias>, anchored: Option<Bias>) -> Option<Bias> {
-    let (Some(extrapolated), Some(anchored)) = (extrapolated, anchored) else { return extrapolated.or(anchored) };
-    let is_sharper = extrapolated.uncertainty < SHARPER * anchored.uncertainty;
-    let apart = (extrapolated.estimate - anchored.estimate).abs();
-    let is_possible = apart <= extrapolated.uncertainty + anchored.uncertainty;
-    Some(if is_sharper && is_possible { extrapolated } else { Bias { order: extrapolated.order, ..anchored } })
+/// The reference run assumes nothing about the order, so it is taken unless the extrapolation is far
+/// more precise. If the more precise of two similar ones were taken, it would often be the one whose
+/// uncertainty is too small by chance.
+fn chosen(extrapolated: Option<Bias>, referenced: Option<Bias>) -> Option<Bias> {
+    let (Some(extrapolated), Some(referenced)) = (extrapolated, referenced) else { return extrapolated.or(referenced) };
+    let is_sharper = extrapolated.uncertainty < SHARPER * referenced.uncertainty;
+    let apart = (extrapolated.estimate - referenced.estimate).abs();
+    let is_possible = apart <= extrapolated.uncertainty + referenced.uncertainty;
+    Some(if is_sharper && is_possible { extrapolated } else { Bias { order: extrapolated.order, ..referenced } })
 }
 
 #[cfg(test)]
@@ -184,13 +197,13 @@ mod tests {
     #[test]
     fn extrapolation_counts_where_it_is_much_sharper_and_possible() {
         let bias = |estimate, uncertainty, order| Some(Bias { estimate, uncertainty, order });
-        let anchored = bias(1.0, 0.4, None);
-        assert_eq!(chosen(bias(0.7, 0.1, Some(0.5)), anchored), bias(0.7, 0.1, Some(0.5)));
+        let referenced = bias(1.0, 0.4, None);
+        assert_eq!(chosen(bias(0.7, 0.1, Some(0.5)), referenced), bias(0.7, 0.1, Some(0.5)));
         // No sharper by chance than chance may be; and in contradiction, 0.6 apart where 0.5 is possible.
-        assert_eq!(chosen(bias(0.7, 0.3, Some(0.5)), anchored), bias(1.0, 0.4, Some(0.5)));
-        assert_eq!(chosen(bias(0.4, 0.1, Some(0.5)), anchored), bias(1.0, 0.4, Some(0.5)));
-        assert_eq!(chosen(None, anchored), anchored);
-        assert_eq!(chosen(anchored, None), anchored);
+        assert_eq!(chosen(bias(0.7, 0.3, Some(0.5)), referenced), bias(1.0, 0.4, Some(0.5)));
+        assert_eq!(chosen(bias(0.4, 0.1, Some(0.5)), referenced), bias(1.0, 0.4, Some(0.5)));
+        assert_eq!(chosen(None, referenced), referenced);
+        assert_eq!(chosen(referenced, None), referenced);
         assert_eq!(chosen(None, None), None);
     }
 

@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use stick_slip::scenario::Scenario;
 use stick_slip::stats::Statistic;
 use stick_slip::study::accuracy::{
-    Accuracy, AccuracyError, Alternative, Decision, FEWEST_PATHS, LONGEST, PILOT, Promise, TARGETS,
+    Accuracy, AccuracyError, AccuracyGoal, Alternative, Decision, FEWEST_PATHS, LONGEST, PILOT, TARGETS,
 };
 use stick_slip::study::trade::{Choice, Limits, Standing, Trade, TradeError};
 
@@ -51,22 +51,22 @@ impl Chooser<'_> {
         let (decisive, cost, bias) = (choice.decisive.name(), time(choice.seconds), percent(choice.bias));
         let paths = match choice.paths {
             1 => "nothing is random, so one path is the ensemble".into(),
-            FEWEST_PATHS => format!("{FEWEST_PATHS} paths are the fewest whose intervals say something"),
-            _ => format!("{decisive} asks for most paths"),
+            FEWEST_PATHS => format!("intervals need at least {FEWEST_PATHS} paths"),
+            _ => format!("{decisive} needs the most paths"),
         };
         let mut why = format!(
             "the cheapest that was found, about {cost} of CPU; {paths}; the bias of {decisive} is at most {bias}"
         );
         if !choice.is_measured {
-            why += ", by the law of the coarser steps: this step itself was not measured";
+            why += ", extrapolated from coarser steps: this step itself was not measured";
         }
         self.say(&why);
         for &statistic in asked.iter() {
             if let Standing::Deviation(deviation) = trade.standing(statistic) {
                 let unit = statistic.dimension().label(&scenario.units);
                 self.say(&format!(
-                    "{} is zero within its error in the pilot, and a share of zero is no goal: {} is taken of its standard deviation \
-                     per path, an error of {} {unit}",
+                    "{} is zero within its error in the pilot, so no error can be relative to it: {} is \
+                     taken of its standard deviation per path, an error of {} {unit}",
                     statistic.name(),
                     percent(target),
                     significant(target * deviation, 2),
@@ -78,7 +78,7 @@ impl Chooser<'_> {
                 let left: Vec<_> = Statistic::ALL.into_iter().filter(|s| trade.standing(*s) == standing).collect();
                 let names: Vec<_> = left.iter().map(|statistic| statistic.name()).collect();
                 if !names.is_empty() {
-                    self.say(&format!("nothing is promised of {}: {standing}", names.join(", ")));
+                    self.say(&format!("no accuracy is guaranteed for {}: {standing}", names.join(", ")));
                 }
             }
         }
@@ -112,7 +112,7 @@ impl Chooser<'_> {
                 "leave out --accuracy; mc trade says more",
             ),
             AccuracyError::OutOfReach { refusal, instead } => {
-                let problem = format!("--accuracy: {} cannot be promised: {refusal}", percent(target));
+                let problem = format!("--accuracy: {} cannot be guaranteed: {refusal}", percent(target));
                 Failure::usage(problem, alternative(instead))
             }
             AccuracyError::TooLong { choice, seconds, instead } => {
@@ -142,9 +142,9 @@ pub fn pairs(choice: &Choice) -> &'static str {
 }
 
 /// What is left of what was chosen for, where only so many paths are done and that is not enough.
-pub fn missed(promise: &Promise, completed: u64) -> Option<String> {
-    let Promise { target, paths, decisive, .. } = promise;
-    promise.error_after(completed).map(|error| {
+pub fn missed(accuracy_goal: &AccuracyGoal, completed: u64) -> Option<String> {
+    let AccuracyGoal { target, paths, decisive, .. } = accuracy_goal;
+    accuracy_goal.error_after(completed).map(|error| {
         format!(
             "the relative error of {} is not reached: {} of {} paths make about {} of {}",
             percent(*target),

@@ -34,22 +34,22 @@ pub struct Calibrate {
     scenario: PathBuf,
     #[command(flatten)]
     source: Source,
-    /// By slips, by the paper's least squares err, or by slips with err beside them
+    /// Estimate by slips, by the paper's least squares (err), or by both
     #[arg(long, value_name = "slips|err|both", default_value = "both", value_parser = method)]
     method: Method,
     /// The parameters to fit, by their keys; the others are held at what the scenario says [default: all]
     #[arg(long, value_name = "KEY,KEY", value_delimiter = ',', value_parser = parameter)]
     fit: Vec<Quantity>,
-    /// Between which values err looks for a parameter, e.g. friction.static=4e5:6e5; repeatable [default: a box around what slips say]
+    /// Bounds of a parameter in the least squares, e.g. friction.static=4e5:6e5; repeatable [default: a box around the estimates by slips]
     #[arg(long, value_name = "KEY=LOW:HIGH", value_parser = bounds, allow_hyphen_values = true)]
     bounds: Vec<(Quantity, [f64; 2])>,
-    /// How many starts err has
+    /// Number of starts of the least squares
     #[arg(long, value_name = "N", default_value_t = 10, value_parser = clap::value_parser!(u32).range(1..=1000))]
     starts: u32,
-    /// How far steel is behind the thermometer, e.g. 15m; `auto` estimates it
+    /// Delay of the steel behind the thermometer, e.g. 15m; `auto` estimates it
     #[arg(long, value_name = "auto|TIME", default_value = "auto", value_parser = lag)]
     lag: Lag,
-    /// With which probability an interval is to hold the truth
+    /// Confidence level of the intervals
     #[arg(long, value_name = "P", default_value_t = 0.9, value_parser = level)]
     interval: f64,
     /// Any key of the scenario, e.g. bearing.stiffness=2e9; repeatable

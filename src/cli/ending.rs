@@ -11,8 +11,9 @@ pub fn hopeless(reason: &Hopeless) -> String {
             let name = estimate.statistic.name();
             let (value, error) = (significant(estimate.estimate, 3), significant(estimate.standard_error, 2));
             format!(
-                "{name} is {value} with a standard error of {error} after {} paths: zero, as far as they tell, and no share of \
-                 zero can be reached\n  fix: give a bound in its own unit, such as --until \"{name} < {error}\"",
+                "{name} is {value} with a standard error of {error} after {} paths: zero within its error, \
+                 so a relative bound cannot be reached\n  fix: give a bound in its own unit, such as \
+                 --until \"{name} < {error}\"",
                 grouped(*paths)
             )
         }

@@ -133,7 +133,7 @@ fn report(found: &WeatherFit) -> String {
     let mut text = aligned(&rows, "  ");
     let _ = writeln!(text, "\ndata      {} samples in {}", grouped(found.samples as u64), time(found.duration));
     let white = match found.white {
-        0.0 => "none: the samples do not ask for it".to_string(),
+        0.0 => "none: adding it does not raise the likelihood enough".to_string(),
         white => format!("{} K in every sample, not part of the weather", significant(white, 3)),
     };
     let _ = writeln!(text, "sensor    {white}\nlog L     {:.1}", found.log_likelihood);

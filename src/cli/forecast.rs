@@ -42,10 +42,10 @@ pub struct Forecast {
     /// How many years for each draw
     #[arg(long, value_name = "N", default_value_t = 40, value_parser = clap::value_parser!(u32).range(2..=10_000))]
     years: u32,
-    /// Decides all random numbers
+    /// Seed of all random numbers
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
-    /// With which probability an interval is to hold what it is about
+    /// Confidence level of the intervals
     #[arg(long, value_name = "P", default_value_t = 0.9, value_parser = calibrate::level)]
     interval: f64,
     /// The share of f_s above which time is counted as loaded

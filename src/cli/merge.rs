@@ -43,7 +43,7 @@ impl Merge {
             name,
             scenario,
             output: &self.output,
-            promise: None,
+            accuracy_goal: None,
             stop: &stop,
             leaves: Leaves::Nothing,
         }

@@ -95,7 +95,7 @@ enum Verb {
     Report(html::Report),
     /// Rerun one path of a stored ensemble alone, keeping its events and its trajectory
     Replay(replay::Replay),
-    /// Hold a file against its checksum, and some of its paths against a second simulation
+    /// Check a file against its checksum, and some of its paths against a second simulation
     Verify(verify::Verify),
     /// What accuracy costs: every scheme over a ladder of settings, and the cheapest for a target
     Trade(trade::Trade),

@@ -47,10 +47,10 @@ impl Resume {
             note(&format!("continuing: {done} of {all} paths are done"));
         }
         let name = scenario.title.clone();
-        let promise = question.note.parse().ok();
+        let accuracy_goal = question.note.parse().ok();
         let leaves = if self.end { Leaves::File } else { Leaves::Run };
         let mut sink = if self.end { sink.ending() } else { sink };
-        Sitting { manner: &self.manner, name, scenario, output: &output, promise, stop: &stop, leaves }.simulate(
+        Sitting { manner: &self.manner, name, scenario, output: &output, accuracy_goal, stop: &stop, leaves }.simulate(
             asked.clone(),
             Some(so_far),
             &mut sink,

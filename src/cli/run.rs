@@ -44,7 +44,7 @@ pub struct Run {
     /// Choose scheme, step or tolerance, and number of paths for this relative error, e.g. 1e-2 or 1%, from a pilot of some seconds
     #[arg(long, value_name = "EPS", value_parser = accuracy::target, allow_hyphen_values = true)]
     accuracy: Option<f64>,
-    /// The statistic that is to be so accurate; repeatable [default: all]
+    /// The statistic that --accuracy is for; repeatable [default: all]
     #[arg(long, value_name = "NAME", value_parser = super::trade::statistic, requires = "accuracy")]
     statistic: Vec<Statistic>,
     /// End the run in time for this limit: 90, 90s, 15m, 4h50m; the file says after which block
@@ -104,8 +104,8 @@ impl Run {
         }
         results::warn(&scenario, !self.no_bias && scenario.bias_plan(paths).is_ok());
 
-        let promise = decision.map(|decision| decision.promise());
-        let note = promise.map_or_else(String::new, |promise| promise.to_string());
+        let accuracy_goal = decision.map(|decision| decision.accuracy_goal());
+        let note = accuracy_goal.map_or_else(String::new, |accuracy_goal| accuracy_goal.to_string());
         let mut file = FileSink::new(&output, self.force).with_note(note);
         let run = engine::Run::of(&scenario).paths(paths).part(self.part).until(goals).within(self.max_time);
         let run = if self.no_bias { run.without_bias() } else { run };
@@ -115,7 +115,7 @@ impl Run {
             name,
             scenario: &scenario,
             output: &output,
-            promise,
+            accuracy_goal,
             stop: &stop,
             leaves: Leaves::Run,
         }

@@ -28,7 +28,7 @@ pub struct Show {
     /// Files that `mc run` wrote, or one of `mc sweep` or `mc calibrate`
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
-    /// Print JSON instead: an object, of several files an array of them
+    /// Print JSON instead: one object, or an array of them for several files
     #[arg(long)]
     json: bool,
     /// Add histograms of stick durations and sub-phases, and the share of sticks that last longer, drawn with letters

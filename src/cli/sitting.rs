@@ -13,7 +13,7 @@ use stick_slip::ensemble::BLOCK_SIZE;
 use stick_slip::scenario::Scenario;
 use stick_slip::stats::Statistic;
 use stick_slip::store;
-use stick_slip::study::accuracy::Promise;
+use stick_slip::study::accuracy::AccuracyGoal;
 
 /// What changes no number.
 #[derive(Debug, clap::Args)]
@@ -47,7 +47,7 @@ pub struct Sitting<'a> {
     pub scenario: &'a Scenario,
     pub output: &'a Path,
     /// What `--accuracy` has promised.
-    pub promise: Option<Promise>,
+    pub accuracy_goal: Option<AccuracyGoal>,
     pub stop: &'a AtomicBool,
     /// What an interruption leaves.
     pub leaves: Leaves,
@@ -68,14 +68,14 @@ impl Sitting<'_> {
     /// Simulate a run, from where an earlier sitting has left it.
     pub fn simulate(&self, asked: Asked, so_far: Option<SoFar>, file: &mut dyn Sink) -> Result<(), Failure> {
         let of_goal = || asked.goals.first().map(|goal| goal.statistic);
-        let of_promise = || self.promise.map(|promise| promise.decisive);
+        let of_promise = || self.accuracy_goal.map(|accuracy_goal| accuracy_goal.decisive);
         let watched = self.manner.watch.or_else(of_goal).or_else(of_promise);
         let mut progress = Progress::new(asked.own_paths(), self.manner.quiet, watched);
         let run = Run::of(self.scenario)
             .asked(asked)
             .threads(self.manner.threads())
             .stopped_by(self.stop)
-            .told(&mut progress)
+            .with_progress(&mut progress)
             .into_sink(file);
         let run = match ranks::crew() {
             Some(crew) => run.with_crew(crew),
@@ -153,7 +153,8 @@ impl Sitting<'_> {
         }
         results::warn_of_bias(summary);
         let missed = outcome.missed.iter().map(|missed| ending::missed(missed, missed.paths_needed()));
-        let broken = self.promise.and_then(|promise| accuracy::missed(&promise, summary.completed_paths));
+        let broken =
+            self.accuracy_goal.and_then(|accuracy_goal| accuracy::missed(&accuracy_goal, summary.completed_paths));
         for line in missed.chain(broken) {
             note(&format!("warning: {line}"));
         }

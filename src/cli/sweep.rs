@@ -37,22 +37,22 @@ pub struct Sweep {
     /// A key and its values, e.g. rho=temperature.noise.intensity=0:1:21 or friction.static=log:1:2:11; repeatable
     #[arg(long, value_name = "[NAME=]KEY=VALUES", allow_hyphen_values = true, required_unless_present = "elasticity")]
     vary: Vec<String>,
-    /// Let the first values of all --vary go together, then the second ones, and so on
+    /// Pair the values of all --vary, first with first and so on, instead of crossing them
     #[arg(long, requires = "vary")]
     zip: bool,
-    /// By what share each statistic changes for each share by which these keys do, at the scenario itself
+    /// Report elasticities with respect to these keys: the relative change of each statistic per relative change of the key
     #[arg(long, value_name = "KEY,KEY", value_delimiter = ',', conflicts_with = "vary")]
     elasticity: Vec<String>,
     /// The step to both sides of each key, for --elasticity
     #[arg(long, value_name = "SHARE", default_value = "5%", value_parser = share, requires = "elasticity",
           allow_hyphen_values = true)]
     relative_step: f64,
-    /// Give every point a seed of its own: its errors are independent of the others', and differences blunter
+    /// Give every point its own seed: errors of points are then independent, and differences less precise
     #[arg(long)]
     independent: bool,
     #[command(flatten)]
     overrides: Overrides,
-    /// Say how many points and paths there are, how long they take and how much disk, and stop
+    /// Print the number of points and paths, the time and the disk space, and stop
     #[arg(long)]
     dry_run: bool,
     /// A statistic to print; repeatable [default: some; the file has all]

@@ -27,7 +27,7 @@ harmonics and noise. Each flaw has random numbers of its own, so that one more o
 pub struct Twin {
     /// The scenario, a TOML file: the truth
     scenario: PathBuf,
-    /// Decides all random numbers
+    /// Seed of all random numbers
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
     /// White noise of the sensor, red noise, and how long that remembers: standard deviations in metres
@@ -36,7 +36,7 @@ pub struct Twin {
     /// By what share f_s differs from slip to slip (standard deviation), while f_d stays
     #[arg(long, value_name = "SHARE", default_value_t = 0.0, value_parser = share)]
     scatter: f64,
-    /// How far steel is behind the thermometer, e.g. 15m
+    /// Delay of the steel behind the thermometer, e.g. 15m
     #[arg(long, value_name = "TIME", value_parser = parse_seconds)]
     lag: Option<f64>,
     /// The thermometer shows multiples of this, in kelvin

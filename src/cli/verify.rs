@@ -31,7 +31,7 @@ holds another number than its scenario comes to.";
 pub struct Verify {
     /// A file that mc run or mc merge wrote, or a part of a run
     file: PathBuf,
-    /// Simulate so many blocks again, or all of them
+    /// Number of blocks to simulate again, or `all`
     #[arg(long, value_name = "N|all", default_value = "8", value_parser = sample)]
     blocks: Sample,
     /// Threads [default: one a core]

@@ -93,8 +93,8 @@ fn read(
     };
     let cannot = |error: DataError| {
         let remedy = error.remedy.clone();
-        let told = DataError { remedy: String::new(), ..error }.to_string();
-        fault(format!("cannot be used: {}", told.lines().next().unwrap_or_default()), remedy)
+        let reported = DataError { remedy: String::new(), ..error }.to_string();
+        fault(format!("cannot be used: {}", reported.lines().next().unwrap_or_default()), remedy)
     };
     let mut max_gap = measured.max_gap;
     let mut found = columns(max_gap).map_err(cannot)?;

@@ -123,11 +123,11 @@ table! {
     BIAS = variable("bias", &["statistic"], Unit::None,
         "estimated discretisation bias, missing where unknown").with(PER_STATISTIC);
     BIAS_UNCERTAINTY = variable("bias_uncertainty", &["statistic"], Unit::None,
-        "the discretisation bias is within this of its estimate, at 95 %").with(PER_STATISTIC);
+        "95 % uncertainty of the discretisation bias").with(PER_STATISTIC);
     BIAS_ORDER = variable("bias_order", &["statistic"], Unit::None,
-        "power of the step with which the statistic was seen to change, missing where unknown").with(PER_STATISTIC);
+        "observed order p of the bias in the time step, as in C h^p, missing where unknown").with(PER_STATISTIC);
     ESTIMATE_CORRECTED = variable("estimate_corrected", &["statistic"], Unit::None,
-        "estimate less as much of its bias as is worth taking off, missing where that is unknown").with(PER_STATISTIC);
+        "estimate with its bias removed as far as it is known, missing where unknown").with(PER_STATISTIC);
     ESTIMATE_CORRECTED_LOW = variable("estimate_corrected_low", &["statistic"], Unit::None,
         "lower end of the 95 % interval of the corrected estimate").with(PER_STATISTIC);
     ESTIMATE_CORRECTED_HIGH = variable("estimate_corrected_high", &["statistic"], Unit::None,

@@ -33,9 +33,9 @@ table! {
     BIAS_UNCERTAINTY = variable("bias_uncertainty", STATISTIC, Unit::None,
         "the discretisation bias is within this of its estimate, at 95 %");
     BIAS_ORDER = variable("bias_order", STATISTIC, Unit::None,
-        "power of the step with which the statistic was seen to change, missing where unknown");
+        "observed order p of the bias in the time step, as in C h^p, missing where unknown");
     ESTIMATE_CORRECTED = variable("estimate_corrected", STATISTIC, Unit::None,
-        "estimate less as much of its bias as is worth taking off, missing where that is unknown");
+        "estimate with its bias removed as far as it is known, missing where unknown");
     ESTIMATE_CORRECTED_LOW = variable("estimate_corrected_low", STATISTIC, Unit::None,
         "lower end of the 95 % interval of the corrected estimate");
     ESTIMATE_CORRECTED_HIGH = variable("estimate_corrected_high", STATISTIC, Unit::None,
@@ -50,7 +50,7 @@ table! {
     POINT_SEED = variable("point_seed", &[], Unit::ONE, "seed of the paths of the point");
     POINT_SECONDS = variable("point_seconds", &[], Unit::Seconds, "CPU time of the point");
 
-    DIFFERENCE = variable("difference", STATISTIC, Unit::None, "estimate at the next point along the dimension less that here");
+    DIFFERENCE = variable("difference", STATISTIC, Unit::None, "estimate at the next point along the dimension minus that here");
     DIFFERENCE_ERROR = variable("difference_error", STATISTIC, Unit::None, "standard error of the difference, with the noise that the points share");
     DIFFERENCE_LOW = variable("difference_low", STATISTIC, Unit::None, "lower end of the 95 % confidence interval of the difference");
     DIFFERENCE_HIGH = variable("difference_high", STATISTIC, Unit::None, "upper end of the 95 % confidence interval of the difference");

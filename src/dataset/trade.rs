@@ -153,8 +153,14 @@ const RUNG_VARIANCE: Variable =
 const RUNG_BIAS: Variable = variable("rung_bias", BOTH, Unit::None, "difference from the reference").with(PER_RUNG);
 const RUNG_BIAS_ERROR: Variable =
     variable("rung_bias_error", BOTH, Unit::None, "standard error of that difference").with(PER_RUNG);
-const RUNG_CHANGE: Variable =
-    variable("rung_change", BOTH, Unit::None, "estimate less that of half the step, on one realisation").with(PER_RUNG);
+const RUNG_CHANGE: Variable = variable(
+    "rung_change",
+    BOTH,
+    Unit::None,
+    "estimate minus that at half the step, on the same \
+              noise",
+)
+.with(PER_RUNG);
 const RUNG_CHANGE_ERROR: Variable =
     variable("rung_change_error", BOTH, Unit::None, "standard error of that change").with(PER_RUNG);
 

@@ -5,7 +5,7 @@
 //!     .until(goals)         end when standard errors are small enough       (Goal)
 //!     .within(time)         end when the time is up
 //!     .stopped_by(&flag)    end when somebody raises a flag
-//!     .told(&mut progress)  say how far it has come                         (Progress)
+//!     .with_progress(&mut progress)  say how far it has come                         (Progress)
 //!     .with_crew(&crew)     simulate in several processes                   (Crew)
 //!     .into_sink(&mut sink) hand over every finished block, and the outcome (Sink)
 //!   -> simulate()         blocks on threads, summed along one tree, ended, the bias of the step estimated

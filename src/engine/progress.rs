@@ -18,7 +18,7 @@ use crate::stats::{Estimate, Statistic};
 /// let mut percent = Percent(0);
 /// let mut scenario = Scenario::shipped("rho025")?;
 /// scenario.ensemble.paths = 600;
-/// Run::of(&scenario).told(&mut percent).simulate()?;
+/// Run::of(&scenario).with_progress(&mut percent).simulate()?;
 /// assert_eq!(percent.0, 100);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```

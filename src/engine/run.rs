@@ -119,7 +119,7 @@ impl<'a> Run<'a> {
     }
 
     /// Tell somebody how far the run has come.
-    pub fn told(self, progress: &'a mut dyn Progress) -> Self {
+    pub fn with_progress(self, progress: &'a mut dyn Progress) -> Self {
         Run { progress: Some(progress), ..self }
     }
 

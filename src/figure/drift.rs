@@ -64,7 +64,7 @@ fn draw(subject: &Subject, style: &Style) -> Result<Scene, Absent> {
     if after > 0.0 {
         legend.push(Entry::area(palette.grid, "left out"));
     }
-    legend.extend(told(summary).into_iter().map(Entry::words));
+    legend.extend(reported(summary).into_iter().map(Entry::words));
     Ok(sheet(style, &format!("Wandering: {}", scenario.title), &legend, &[mean.above_another(), variance], ""))
 }
 
@@ -81,7 +81,7 @@ fn sloped(time: &[f64], values: &[f64], slope: f64, after: f64) -> Option<[[f64;
 }
 
 /// What the statistics say.
-fn told(summary: &Summary) -> Vec<Label> {
+fn reported(summary: &Summary) -> Vec<Label> {
     let number = |statistic: Statistic, name: &str| {
         let e = summary.estimate(statistic);
         let range = || plain(e.low).and(Label::verbatim(" to ")).and(plain(e.high));

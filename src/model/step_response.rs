@@ -1,7 +1,7 @@
 //! The swing of an oscillator at rest when a constant force sets in, until it comes to rest again.
 //!
-//! Let Y be the way to the equilibrium under that force, gamma = alpha/m, zeta = gamma/w0,
-//! w_d = w0 sqrt(1 - zeta^2). The way y made after a time r obeys
+//! Let Y be the distance to the equilibrium under that force, gamma = alpha/m, zeta = gamma/w0,
+//! w_d = w0 sqrt(1 - zeta^2). The distance y travelled after a time r obeys
 //!
 //! ```text
 //! y'' + 2 gamma y' + w0^2 y = w0^2 Y,   y(0) = y'(0) = 0
@@ -21,13 +21,13 @@
 //!
 //! **At critical damping and above** (zeta >= 1) it comes nearer to the equilibrium for ever and is never
 //! at rest: q = 0. The swing is said to end after the settling time, when a share [`SETTLED`] of the
-//! way is left.
+//! distance is left.
 
 use super::complex::Complex;
 use super::{ImpulseResponse, Oscillator};
 use std::f64::consts::PI;
 
-/// The share of the way to the equilibrium that is left when a swing without overshoot is said to
+/// The share of the distance to the equilibrium that is left when a swing without overshoot is said to
 /// end: as much as the schemes without a step may leave in any statistic by default. A smaller share
 /// would make the swing longer, by ln 10 of the slow time scale for each digit, and move nothing.
 pub const SETTLED: f64 = 1e-3;
@@ -40,7 +40,7 @@ pub struct StepResponse {
     damped: Option<ImpulseResponse>,
     /// How long the swing lasts: pi/w_d, or the settling time if zeta >= 1.
     pub duration: f64,
-    /// q: the way beyond the equilibrium as a share of the way to it, from 1 without damping to 0 for
+    /// q: the distance beyond the equilibrium as a share of the distance to it, from 1 without damping to 0 for
     /// zeta >= 1.
     pub overshoot: f64,
     /// The greatest speed of the swing back from there, in units of Y w0: from 1 to 0 likewise.
@@ -81,7 +81,7 @@ impl StepResponse {
     }
 }
 
-/// When the share of the way that is left, R = 1 - y/Y = S' + 2 gamma S, has fallen to [`SETTLED`].
+/// When the share of the distance that is left, R = 1 - y/Y = S' + 2 gamma S, has fallen to [`SETTLED`].
 ///
 /// With the slow root l1, R >= e^{l1 r} says that it is not before ln(1/SETTLED)/|l1|. ln R is concave
 /// with the slope -w0^2 S/R, so that Newton's first step from there goes too far, and the others come
@@ -161,7 +161,7 @@ mod tests {
     fn at_critical_damping_and_above_a_thousandth_of_the_way_is_left_when_it_ends() {
         for zeta in [1.0, 1.0 + 1e-9, 1.1, 1.5, 10.0, 1e6] {
             let swing = response(zeta);
-            // The way that is left, from the two exponentials or their limit.
+            // The distance that is left, from the two exponentials or their limit.
             let left = 1.0 - formula(zeta, swing.duration).0;
             assert!((left / SETTLED - 1.0).abs() < if zeta > 1e3 { 1e-3 } else { 1e-6 }, "{zeta}: {left}");
             assert_eq!((swing.overshoot, swing.return_speed), (0.0, 0.0));

@@ -96,7 +96,7 @@ impl Crew for Coordinator {
                     let _ = done.send(lease::simulate(plan, lease, manner, *stops));
                 }
             });
-            let mut desk = Desk { ranks: self.ranks, own_leases, told: None, flow: ControlFlow::Continue(()) };
+            let mut desk = Desk { ranks: self.ranks, own_leases, last_order: None, flow: ControlFlow::Continue(()) };
             let mut leases = Leases::new(work.blocks.clone(), &vec![*threads; self.ranks]);
             let (mut delivered, mut nap, mut halted) = (0, Nap::default(), None::<Instant>);
             loop {
@@ -145,7 +145,7 @@ struct Desk {
     ranks: usize,
     own_leases: Sender<std::ops::Range<u64>>,
     /// What the ranks were told last: to stop, or to halt.
-    told: Option<Kind>,
+    last_order: Option<Kind>,
     /// Whether more is wanted.
     flow: ControlFlow<()>,
 }
@@ -154,9 +154,9 @@ impl Desk {
     /// Pass on what this process is told.
     fn tell(&mut self, stop: bool, halt: bool) {
         let now = if halt { Some(Kind::Halt) } else { stop.then_some(Kind::Stop) };
-        if now.is_some() && now != self.told {
+        if now.is_some() && now != self.last_order {
             (1..self.ranks).for_each(|rank| now.into_iter().for_each(|kind| send(rank, kind, &[])));
-            self.told = now;
+            self.last_order = now;
         }
     }
 

@@ -128,7 +128,7 @@ pub enum Discretisation {
         h: f64,
     },
     /// A step whose stick exits are corrected. The error that is left changes sign between the
-    /// steps that would be compared, so that only paths without a step tell it.
+    /// steps that would be compared, so that only a reference run without a step measures it.
     CorrectedStep {
         /// h.
         h: f64,

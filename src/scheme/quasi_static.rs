@@ -17,9 +17,9 @@
 //! moves and only the times do.
 //!
 //! **At critical damping and above** (zeta >= 1) the swing has no overshoot, q = 0, and no end: the
-//! slip is taken to last the settling time, until a thousandth of the way is left, and to have made
-//! all of the way. A slip must end, or the recursion would stop at the first one; any end at which
-//! nearly all of the way is made gives the same sticks and jumps where the forcing is slow, for which
+//! slip is taken to last the settling time, until a thousandth of the distance is left, and to have made
+//! all of it. A slip must end, or the recursion would stop at the first one; any end at which
+//! nearly all of it is travelled gives the same sticks and jumps where the forcing is slow, for which
 //! alone the recursion is meant. The settling time is also about how long such a slip does last: what
 //! ends it is noise, once it moves x' more than the rest of the swing does (docs/event-driven.md).
 //!
@@ -99,7 +99,7 @@ enum Exits {
     Noiseless(Box<Noiseless>, UnfeltNoise),
 }
 
-/// The way of a slip.
+/// The distance that a slip travels.
 #[derive(Clone, Debug)]
 struct Swing {
     response: StepResponse,

@@ -261,9 +261,9 @@ fn ends(values: &Ordered, level: f64, size: f64) -> [f64; 2] {
     if n < 2.0 {
         return [f64::NAN; 2];
     }
-    let reach = NORMAL * (level * (1.0 - level) / n).sqrt();
-    let low = if reach < level { values.quantile(level - reach) } else { f64::NEG_INFINITY };
-    let high = if level + reach < 1.0 { values.quantile(level + reach) } else { f64::INFINITY };
+    let half_width = NORMAL * (level * (1.0 - level) / n).sqrt();
+    let low = if half_width < level { values.quantile(level - half_width) } else { f64::NEG_INFINITY };
+    let high = if level + half_width < 1.0 { values.quantile(level + half_width) } else { f64::INFINITY };
     [low, high]
 }
 

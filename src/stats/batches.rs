@@ -40,7 +40,7 @@ impl Share {
     }
 
     /// Half the width of its 95 % interval.
-    pub fn reach(&self) -> f64 {
+    pub fn half_width(&self) -> f64 {
         student(self.freedom) * self.error
     }
 

@@ -112,7 +112,7 @@ impl Bins {
         let mut others = self.count_inside(values, &Ruler::new(shape.centre, self.level));
         others.retain(|value| (value - shape.centre).is_finite());
         let (smallest, largest) = extremes(&others);
-        self.reach(smallest, largest, shape);
+        self.extend_to(smallest, largest, shape);
         let is_scattered = self.count_anywhere(&others, &Ruler::new(shape.centre, self.level)) > values.len() / MISSES;
         self.unseen += values.len();
         if is_scattered || self.unseen >= shape.values {
@@ -123,7 +123,7 @@ impl Bins {
     /// Count so many values at the centre.
     pub fn count_at_centre(&mut self, number: u64, shape: &Shape) {
         if number > 0 {
-            self.reach(shape.centre + 0.0, shape.centre + 0.0, shape);
+            self.extend_to(shape.centre + 0.0, shape.centre + 0.0, shape);
             self.rest = union(&self.rest, &[(0, number)]);
         }
     }
@@ -138,7 +138,7 @@ impl Bins {
 
     /// Add the counts of `other`.
     pub fn merge(&mut self, other: &Bins, shape: &Shape) {
-        self.reach(other.smallest, other.largest, shape);
+        self.extend_to(other.smallest, other.largest, shape);
         self.rise_to(other.level, shape.bins);
         let theirs = coarsen(&other.list(), (self.level - other.level) as u32);
         self.lay_out(union(&self.list(), &theirs), shape.bins);
@@ -156,7 +156,7 @@ impl Bins {
     }
 
     /// There are values between these, too.
-    fn reach(&mut self, smallest: f64, largest: f64, shape: &Shape) {
+    fn extend_to(&mut self, smallest: f64, largest: f64, shape: &Shape) {
         self.smallest = self.smallest.min(smallest);
         self.largest = self.largest.max(largest);
         self.rise_to(shape.lowest_level(self.smallest, self.largest), shape.bins);

@@ -2,7 +2,7 @@
 
 use super::{Bias, Estimate};
 
-/// A statistic with the bias of the step taken off, and its 95 % interval. It estimates the value without a step.
+/// A statistic with the bias of the step taken off, and its 95 % interval. It estimates the value at zero step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Corrected {
     /// The estimate less [`Bias::weight`] times its bias.
@@ -55,10 +55,10 @@ mod tests {
     use rand_pcg::Pcg64Dxsm;
     use rand_pcg::rand_core::SeedableRng;
 
-    fn estimate(value: f64, reach: f64, bias: f64, uncertainty: f64) -> Estimate {
+    fn estimate(value: f64, half_width: f64, bias: f64, uncertainty: f64) -> Estimate {
         let bias = Some(Bias { estimate: bias, uncertainty, order: None });
-        let (statistic, standard_error) = (Statistic::SticksPerPath, reach / 1.96);
-        Estimate { statistic, estimate: value, standard_error, low: value - reach, high: value + reach, bias }
+        let (statistic, standard_error) = (Statistic::SticksPerPath, half_width / 1.96);
+        Estimate { statistic, estimate: value, standard_error, low: value - half_width, high: value + half_width, bias }
     }
 
     #[test]
@@ -92,13 +92,13 @@ mod tests {
     /// Root-mean-square errors of the plain, the shrunk and the wholly corrected estimate in units of the uncertainty, and how often the
     /// interval holds, where the bias is so many uncertainties in truth. The error of the plain estimate is `share` of the bias's; the
     /// bias is measured on its own, or against a second estimate.
-    fn simulated((_, draw, reach): Law, truth: f64, share: f64, is_anchored: bool) -> ([f64; 3], f64) {
+    fn simulated((_, draw, half_width): Law, truth: f64, share: f64, has_reference: bool) -> ([f64; 3], f64) {
         let (n, mut rng) = (20_000, Pcg64Dxsm::seed_from_u64(1961));
         let (mut squares, mut held) = ([0.0; 3], 0);
         for _ in 0..n {
-            let (own, other) = (draw(&mut rng) / reach, draw(&mut rng) / reach);
+            let (own, other) = (draw(&mut rng) / half_width, draw(&mut rng) / half_width);
             let value = truth + share * own;
-            let (bias, uncertainty) = match is_anchored {
+            let (bias, uncertainty) = match has_reference {
                 true => (value - other, share.hypot(1.0)),
                 false => (truth + other, 1.0),
             };
@@ -123,15 +123,15 @@ mod tests {
     fn shrinking_costs_no_more_than_it_says_and_the_interval_holds() {
         for law in LAWS {
             let (to_plain, to_whole) = if law.0 == "normal" { (0.15, 0.4) } else { (0.3, 0.55) };
-            for (share, is_anchored) in [(0.05, false), (1.0, false), (0.05, true), (0.3, true)] {
+            for (share, has_reference) in [(0.05, false), (1.0, false), (0.05, true), (0.3, true)] {
                 let mut worst = [f64::NEG_INFINITY; 2];
                 for tenths in 0..=60 {
                     let truth = 0.1 * f64::from(tenths);
-                    let ([plain, shrunk, whole], held) = simulated(law, truth, share, is_anchored);
+                    let ([plain, shrunk, whole], held) = simulated(law, truth, share, has_reference);
                     worst = [worst[0].max(shrunk - plain), worst[1].max(shrunk - whole)];
                     assert!(held > if law.0 == "skewed" { 0.93 } else { 0.942 }, "{}, {truth}, {share}: {held}", law.0);
                 }
-                println!("{}, {share}, {is_anchored}: {worst:?}", law.0);
+                println!("{}, {share}, {has_reference}: {worst:?}", law.0);
                 assert!(worst[0] < to_plain + 0.01 && worst[1] < to_whole + 0.01, "{}, {share}: {worst:?}", law.0);
             }
         }

@@ -231,9 +231,9 @@ impl Measured {
             }
             (Interval::Reciprocal(_), None) if standard_error == 0.0 => [estimate; 2],
             (Interval::Reciprocal(freedom), None) => {
-                let reach = student_quantile(UPPER, freedom) * standard_error / estimate;
-                let high = if reach < 1.0 { estimate / (1.0 - reach) } else { f64::INFINITY };
-                [estimate / (1.0 + reach), if reach.is_nan() { reach } else { high }]
+                let half_width = student_quantile(UPPER, freedom) * standard_error / estimate;
+                let high = if half_width < 1.0 { estimate / (1.0 - half_width) } else { f64::INFINITY };
+                [estimate / (1.0 + half_width), if half_width.is_nan() { half_width } else { high }]
             }
         }
     }

@@ -370,7 +370,7 @@ mod tests {
         let n = 40.0;
         let x: Vec<f64> = (0..40).map(|i| 6.0 - 3.0 * ((f64::from(i) + 0.5) / n).ln()).collect();
         let plain = SpreadMoments::of(&x, Unit::Path).standard_deviation().measurement();
-        let told = |after: f64| {
+        let reported = |after: f64| {
             let timeline = Timeline { end: 2.0, output_step: 2.0, period: Some(1.0), after };
             let mut fold = PeriodFold::new(&timeline, 6.0, 40);
             fold.fold(1, &[8.0; 40]);
@@ -382,7 +382,7 @@ mod tests {
         let wanted = reach(plain.low, plain.estimate) * n / (n - 1.0);
         let students_t = 2.022_690_9; // of 39 degrees of freedom
         assert!(reach(plain.low, plain.estimate) > 1.1 * students_t * plain.standard_error / plain.estimate);
-        for (e, sd) in [(told(0.0).0, plain.estimate * ((n - 1.0) / n).sqrt()), (told(1.5).1, plain.estimate)] {
+        for (e, sd) in [(reported(0.0).0, plain.estimate * ((n - 1.0) / n).sqrt()), (reported(1.5).1, plain.estimate)] {
             assert!((e.estimate / sd - 1.0).abs() < 1e-12, "{e:?}, expected {sd}");
             assert!((reach(e.low, e.estimate) / wanted - 1.0).abs() < 1e-9, "{e:?}, expected a reach of {wanted}");
         }

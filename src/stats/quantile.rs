@@ -27,12 +27,12 @@ pub(super) fn continuous(batches: &[Ordered], pooled: &Ordered, p: f64) -> Measu
     }
     let quantile = pooled.quantile(p);
     let share = share(batches, quantile);
-    let reach = share.reach();
-    if !reach.is_finite() {
+    let half_width = share.half_width();
+    if !half_width.is_finite() {
         return Measured::within(quantile, f64::NAN, f64::NAN, f64::NAN);
     }
-    let low = if reach < p { pooled.quantile(p - reach) } else { 0.0 };
-    let high = if p + reach < 1.0 { pooled.quantile(p + reach) } else { f64::INFINITY };
+    let low = if half_width < p { pooled.quantile(p - half_width) } else { 0.0 };
+    let high = if p + half_width < 1.0 { pooled.quantile(p + half_width) } else { f64::INFINITY };
     Measured::within(quantile, (high - low) / (2.0 * student(share.freedom)), low, high)
 }
 
@@ -54,24 +54,24 @@ pub(super) fn of_steps(batches: &[Ordered], pooled: &Ordered, p: f64) -> Measure
     let steps = Steps::of(pooled);
     let (place, quantile) = steps.at_least(p);
     let at_quantile = share(batches, quantile);
-    let reach = at_quantile.reach();
-    if !reach.is_finite() {
+    let half_width = at_quantile.half_width();
+    if !half_width.is_finite() {
         return Measured::within(quantile, f64::NAN, f64::NAN, f64::NAN);
     }
-    let (below, above) = (steps.spread(p - reach), steps.spread(p + reach));
+    let (below, above) = (steps.spread(p - half_width), steps.spread(p + half_width));
     let error = (above - below) / (2.0 * student(at_quantile.freedom));
     let is_too_low = |cell: &&Cell| {
         let share = share(batches, cell.last);
-        share.estimate + share.reach() < p
+        share.estimate + share.half_width() < p
     };
     let is_high_enough = |cell: &&Cell| {
         let share = share(batches, cell.last);
-        share.estimate - share.reach() >= p
+        share.estimate - share.half_width() >= p
     };
     let (lower, upper) = (&steps.cells()[..=place], &steps.cells()[place..]);
     let low = lower.iter().rev().take_while(|cell| !is_too_low(cell)).last().map_or(quantile, |cell| cell.first);
     let high = upper.iter().find(is_high_enough).map_or(f64::INFINITY, |cell| cell.last);
     // As with a continuous law.
-    let (low, high) = (if reach < p { low } else { 0.0 }, if p + reach < 1.0 { high } else { f64::INFINITY });
+    let (low, high) = (if half_width < p { low } else { 0.0 }, if p + half_width < 1.0 { high } else { f64::INFINITY });
     Measured::within(quantile, error, low, high)
 }

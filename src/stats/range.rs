@@ -64,11 +64,11 @@ impl Range {
 /// The interval of a share p that n paths would tell, with t in place of the normal quantile.
 pub(super) fn wilson(p: f64, n: f64, t: f64) -> [f64; 2] {
     let square = t * t / n;
-    let reach = t * (p * (1.0 - p) / n + square / (4.0 * n)).sqrt();
+    let half_width = t * (p * (1.0 - p) / n + square / (4.0 * n)).sqrt();
     let end = |offset: f64| ((p + square / 2.0 + offset) / (1.0 + square)).clamp(0.0, 1.0);
     // At 0 and 1 the nearer end is the share itself, but for rounding.
-    let low = if p <= 0.0 { 0.0 } else { end(-reach).min(p) };
-    let high = if p >= 1.0 { 1.0 } else { end(reach).max(p) };
+    let low = if p <= 0.0 { 0.0 } else { end(-half_width).min(p) };
+    let high = if p >= 1.0 { 1.0 } else { end(half_width).max(p) };
     [low, high]
 }
 

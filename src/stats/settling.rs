@@ -21,11 +21,11 @@ impl Summary {
     /// Of `drift_velocity` and `diffusion_coefficient` those that chance does not explain; none where the paths do not tell.
     pub fn unsettled(&self) -> Option<Vec<Statistic>> {
         let paths = self.completed_paths - self.diverged.len() as u64;
-        let reach = student_quantile((1.0 + CONFIDENCE) / 2.0, paths.saturating_sub(1) as f64);
+        let half_width = student_quantile((1.0 + CONFIDENCE) / 2.0, paths.saturating_sub(1) as f64);
         let both =
             [Statistic::DriftVelocity, Statistic::DiffusionCoefficient].map(|statistic| self.estimate(statistic));
-        let is_told = both.iter().all(|e| e.estimate.is_finite() && e.standard_error > 0.0) && reach.is_finite();
-        let off = both.iter().filter(|e| e.estimate.abs() > reach * e.standard_error);
+        let is_told = both.iter().all(|e| e.estimate.is_finite() && e.standard_error > 0.0) && half_width.is_finite();
+        let off = both.iter().filter(|e| e.estimate.abs() > half_width * e.standard_error);
         is_told.then(|| off.map(|e| e.statistic).collect())
     }
 }

@@ -36,10 +36,10 @@ pub struct Estimate {
     pub bias: Option<Bias>,
 }
 
-/// By how much the step moves a statistic away from its value without one ([`crate::bias`]).
+/// By how much the step moves a statistic away from its value at zero step ([`crate::bias`]).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bias {
-    /// Estimate at the run's step less that without a step.
+    /// Estimate at the step of the run minus the value at zero step.
     pub estimate: f64,
     /// The bias is within this of its estimate, at 95 %: error of sampling and of extrapolation together.
     pub uncertainty: f64,

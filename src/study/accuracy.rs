@@ -99,7 +99,7 @@ pub enum AccuracyError {
     #[error("no statistic of this scene has an error to choose for")]
     NothingToChoose,
     /// No setting has a bias that is small enough.
-    #[error("it cannot be promised: {refusal}")]
+    #[error("it cannot be guaranteed: {refusal}")]
     OutOfReach {
         /// Why.
         refusal: Refusal,
@@ -172,15 +172,15 @@ impl Accuracy<'_> {
 
 impl Decision {
     /// What was promised.
-    pub fn promise(&self) -> Promise {
+    pub fn accuracy_goal(&self) -> AccuracyGoal {
         let Choice { paths, bias, decisive, .. } = self.choice;
-        Promise { target: self.target, paths, bias, decisive }
+        AccuracyGoal { target: self.target, paths, bias, decisive }
     }
 }
 
 /// What is promised of a run that was chosen: an error, once its paths are done.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Promise {
+pub struct AccuracyGoal {
     /// The relative root mean square error.
     pub target: f64,
     /// The number of paths that it takes.
@@ -191,32 +191,32 @@ pub struct Promise {
     pub decisive: Statistic,
 }
 
-impl Promise {
+impl AccuracyGoal {
     /// The relative error that is left where only so many paths are done, if that is not enough.
     ///
     /// The square of the error is bias^2 + variance/N, and `target`^2 at the paths of the choice.
     pub fn error_after(&self, completed: u64) -> Option<f64> {
-        let Promise { target, paths, bias, .. } = *self;
+        let AccuracyGoal { target, paths, bias, .. } = *self;
         let spread = (target * target - bias * bias) * paths as f64 / completed as f64;
         (completed < paths).then(|| spread.sqrt().hypot(bias))
     }
 }
 
 /// As it is kept with a run.
-impl fmt::Display for Promise {
+impl fmt::Display for AccuracyGoal {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Promise { target, paths, bias, decisive } = self;
+        let AccuracyGoal { target, paths, bias, decisive } = self;
         write!(f, "{target:?} {paths} {bias:?} {}", decisive.name())
     }
 }
 
-impl FromStr for Promise {
+impl FromStr for AccuracyGoal {
     type Err = ();
 
     fn from_str(text: &str) -> Result<Self, ()> {
         let words: Vec<&str> = text.split(' ').collect();
         let [target, paths, bias, decisive] = words.as_slice() else { return Err(()) };
-        Ok(Promise {
+        Ok(AccuracyGoal {
             target: target.parse().map_err(|_| ())?,
             paths: paths.parse().map_err(|_| ())?,
             bias: bias.parse().map_err(|_| ())?,
@@ -333,8 +333,11 @@ mod tests {
         let (scenario, trade) = &*RHO025;
         let mut decision = wanted(0.02, &[MEAN]).decide(scenario, trade).expect("a choice");
         (decision.choice.bias, decision.choice.paths) = (0.0, 1024);
-        assert_eq!((decision.promise().error_after(1024), decision.promise().error_after(256)), (None, Some(0.04)));
-        assert_eq!(decision.promise().error_after(0), Some(f64::INFINITY));
+        assert_eq!(
+            (decision.accuracy_goal().error_after(1024), decision.accuracy_goal().error_after(256)),
+            (None, Some(0.04))
+        );
+        assert_eq!(decision.accuracy_goal().error_after(0), Some(f64::INFINITY));
     }
 
     #[test]

@@ -27,7 +27,8 @@ impl fmt::Display for ManyRows {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(
             f,
-            "the bands of {} rows take up to about {} of memory a thread; a longer `time.output_step` or fewer `--threads` take less",
+            "the bands of {} rows take up to about {} of memory per thread; a longer `time.output_step` or \
+             fewer `--threads` take less",
             self.rows,
             bytes(self.bytes)
         )

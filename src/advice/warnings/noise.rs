@@ -121,7 +121,8 @@ impl fmt::Display for StickExitBias {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(
             f,
-            "the end of a stick is looked for only once a step, so sticks come out too long: roughly {} % in the \
+            "the scheme checks only once a step whether a stick has ended, so sticks come out too long: \
+             roughly {} % in the \
              mean, as a guide. The error falls like sqrt(h), and no confidence interval shows it. \
              `--scheme corrected-vi` has a smaller one, of order h, and `--scheme event-driven` has none",
             short((self.relative * 100.0).round().max(1.0))
@@ -219,8 +220,9 @@ impl fmt::Display for IncompleteCorrection {
         };
         write!(
             f,
-            "the corrected stick exit would lower f_s by {}, and f_s - f_d = {} is all there is room for: a body let go below f_d \
-             would be pushed back. The rest is not corrected, so sticks come out too long. {remedy}",
+            "the corrected stick exit would lower f_s by {}, but no further than to f_d, and f_s - f_d is \
+             only {}: a body released below f_d would be pushed back. The rest is not corrected, so sticks \
+             come out too long. {remedy}",
             short(self.shift),
             short(self.gap)
         )

@@ -106,9 +106,9 @@ impl fmt::Display for ForcingDuringSlip {
         let ForcingDuringSlip { duration, change, released } = *self;
         write!(
             f,
-            "the forcing is not slow: while a slip lasts, {}, it changes the force by about {}, and a slip lets go of \
-             {}. The quasi-static recursion takes it to stand still, so its displacements will be off by \
-             about {} %; `--scheme event-driven` takes it as it is",
+            "the forcing is not slow: during a slip, which lasts {}, it changes the force by about {}, \
+             while the slip releases {}. The quasi-static recursion takes the forcing as constant, so its \
+             displacements will be off by about {} %; `--scheme event-driven` follows it",
             short(duration),
             short(change),
             short(released),
@@ -138,8 +138,7 @@ impl fmt::Display for Creep {
         write!(
             f,
             "the damped body does not swing back fast enough to end a slip: the harmonics change the force by up to {} \
-             per unit of time, and above {} the body creeps behind the temperature until that turns. The quasi-static \
-             recursion makes sticks and slips of it; `--scheme event-driven` lets it creep",
+             per unit of time, and above {} the body creeps behind the temperature until that turns. The quasi-static recursion shows sticks and slips instead; `--scheme event-driven` follows the creep",
             short(self.rate),
             short(self.limit)
         )

@@ -88,17 +88,17 @@ impl FewPeriods {
 impl fmt::Display for FewPeriods {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let what = match self.periods {
-            0 => "no whole forcing period is counted, and drift_velocity, diffusion_coefficient and what is told from \
-                  period to period will be absent"
+            0 => "no whole forcing period is counted, and drift_velocity, diffusion_coefficient and the \
+                  statistics from period to period will be absent"
                 .to_string(),
             n => format!(
                 "drift_velocity and diffusion_coefficient rest on {n} whole forcing period{}, the first of the run \
-                 left out, and fewer than {} do not tell a drift from a transient",
+                 left out, and with fewer than {} a drift cannot be told from a transient",
                 if n == 1 { "" } else { "s" },
                 Timeline::FEWEST_PERIODS
             ),
         };
-        write!(f, "{what}: that takes `time.end` = {} or more", short(self.enough))
+        write!(f, "{what}. Choose `time.end` = {} or more", short(self.enough))
     }
 }
 

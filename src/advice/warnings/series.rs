@@ -40,8 +40,9 @@ impl WeatherTwice {
 impl fmt::Display for WeatherTwice {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(
-            "the weather counts twice: a measured temperature holds it already, and the noise adds as much again at every sample. \
-             Write `temperature.noise.pinned = true` for what it may have done between samples, leave out [temperature.noise], or take harmonics in place of [temperature.series]",
+            "the weather is counted twice: the measured temperature contains it, and the noise adds as much \
+             again at every sample. Write `temperature.noise.pinned = true` to let the noise act between \
+             samples only, leave out [temperature.noise], or take harmonics in place of [temperature.series]",
         )
     }
 }

@@ -149,7 +149,8 @@ impl fmt::Display for StepAgainstNoise {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(
             f,
-            "theta h = {}: the noise forgets itself within a step, and what it does in between is not seen",
+            "theta h = {}: the noise decorrelates within one step, and the scheme does not see what it does \
+             in between",
             short(self.relaxations_per_step)
         )
     }

@@ -58,11 +58,11 @@ fn sources(calibration: &Calibration) -> String {
         ),
         (Lag::Auto, Some(profile)) => writeln!(
             text,
-            "lag     none: the likeliest, {} min, gains {} in twice the log-likelihood, and 15 are asked for",
+            "lag     none: the most likely one, {} min, raises twice the log-likelihood by {}, and 15 is required",
             minutes(profile.likeliest),
             significant(profile.gain, 2)
         ),
-        (Lag::Auto, None) => writeln!(text, "lag     none: there are no slips to tell it by"),
+        (Lag::Auto, None) => writeln!(text, "lag     none: without slips it cannot be estimated"),
     };
     let correlation = |hours: f64| {
         let found = calibration.residuals.autocorrelation.iter().find(|(delay, _)| *delay == hours);
@@ -110,6 +110,7 @@ fn starts(calibration: &Calibration) -> String {
     }
     let mut text = "Starts of the least squares (err in m2):\n".to_string();
     text += &aligned(&rows, GAP);
-    let legend = "How starts scatter is how well the search finds the minimum. It says nothing of how far the minimum is from the truth.";
+    let legend = "The scatter of the starts shows how well the search finds the minimum. It says nothing of \
+                  how far the minimum is from the truth.";
     text + &wrapped(legend, "")
 }

@@ -30,9 +30,9 @@ pub fn dominating_bias(summary: &Summary) -> Option<String> {
     let surest = dominated.first()?;
     let [bias, uncertainty] = bias_cells(surest.bias);
     Some(format!(
-        "the step moves {} of {} statistics by more than their intervals show, most surely {}, whose bias is {bias} +- \
-         {uncertainty} and whose interval is +- {}. A smaller `--step` lowers it, more paths do not; `--scheme event-driven` \
-         has no step",
+        "the step shifts {} of {} statistics by more than their intervals allow for, most clearly {}: its \
+         bias is {bias} +- {uncertainty}, its interval +- {}. A smaller `--step` reduces the bias, more \
+         paths do not; `--scheme event-driven` has no step",
         dominated.len(),
         summary.estimates.len(),
         surest.statistic.name(),

@@ -59,8 +59,8 @@ fn letter(i: usize) -> String {
 
 /// What the errors of the differences assume.
 fn legend(infos: &[RunInfo], letters: &[String]) -> String {
-    let mut legend = "errors of differences: as of independent runs, in quadrature; * beyond 1.96 of them, as chance \
-                      makes one in twenty"
+    let mut legend = "errors of differences are those of independent runs; * marks a difference beyond 1.96 \
+                      of them, which chance alone produces once in twenty"
         .to_string();
     let same: Vec<&str> = letters
         .iter()
@@ -72,14 +72,15 @@ fn legend(infos: &[RunInfo], letters: &[String]) -> String {
     if !same.is_empty() {
         let _ = write!(
             legend,
-            ". {} and {} have one seed, so their paths may see the same noise, and then differences are surer than that; \
-             `mc sweep` measures by how much, and --seed makes runs independent",
+            ". {} and {} have the same seed: if they share their noise as well (one scheme, or discrete-vi \
+             and corrected-vi, at one step), differences are more certain than these errors say; `mc sweep` \
+             computes their errors, and --seed makes runs independent",
             letters[0],
             same.join(", ")
         );
     }
     if infos.iter().any(|info| info.scheme != infos[0].scheme || info.step != infos[0].step) {
-        legend.push_str(". Biases of steps are in the differences");
+        legend.push_str(". Differences contain the biases of the steps");
     }
     legend
 }
@@ -109,6 +110,6 @@ mod tests {
         assert!(!cells.contains(&"*"), "{table}");
         assert!(row(&table, "jump_mean").contains("none"), "{table}");
         let legend = table.split_whitespace().collect::<Vec<_>>().join(" ");
-        assert!(legend.contains("a and c have one seed"), "{table}");
+        assert!(legend.contains("a and c have the same seed"), "{table}");
     }
 }

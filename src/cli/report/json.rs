@@ -183,8 +183,8 @@ mod tests {
         let entry = |statistic: &str, key: &str| value["statistics"][statistic][key].as_f64();
         // 1 - (0.0311/0.0955)^4 = 0.98875 of the bias; the ends are 0.0311044 from 0.538572 - 0.0955.
         for (key, expected) in [("", 0.444146), ("_low", 0.411968), ("_high", 0.474176)] {
-            let told = entry("stick_duration_mean", &format!("estimate_corrected{key}")).expect("it has a bias");
-            assert!((told - expected).abs() < 2e-6, "{key}: {told}");
+            let reported = entry("stick_duration_mean", &format!("estimate_corrected{key}")).expect("it has a bias");
+            assert!((reported - expected).abs() < 2e-6, "{key}: {reported}");
         }
         assert_eq!(entry("jump_mean", "estimate_corrected"), None);
     }

@@ -65,7 +65,7 @@ fn few_periods(summary: &Summary) -> Option<String> {
     let plural = if periods == 1 { "" } else { "s" };
     is_few.then(|| {
         format!(
-            "of {periods} whole forcing period{plural}; fewer than {} do not tell a drift from a transient",
+            "of {periods} whole forcing period{plural}; with fewer than {} a drift cannot be told from a transient",
             Timeline::FEWEST_PERIODS
         )
     })
@@ -88,7 +88,8 @@ pub fn unsettled(summary: &Summary) -> Option<String> {
 fn bias(summary: &Summary, info: &RunInfo) -> Option<String> {
     if summary.has_bias() {
         return Some(
-            "of the step: estimate less its value without one, +- at 95 %; corrected for it where it exceeds that"
+            "of the step: estimate minus the value at zero step, +- at 95 %; `corrected` has it taken off \
+             where it exceeds +-"
                 .into(),
         );
     }
@@ -101,7 +102,7 @@ fn without_bias(summary: &Summary) -> Option<String> {
     let is_missing = summary.has_bias() && median.estimate.is_finite() && median.bias.is_none();
     is_missing.then(|| {
         format!(
-            "that of {} is not known: this run affords too few paths without a step to place it",
+            "that of {} is not known: the reference run of this run has too few paths to bound it",
             median.statistic.name()
         )
     })
@@ -176,8 +177,8 @@ mod tests {
         let mut summary = summary();
         assert!(!table(&summary, &info()).contains("is not known"), "nobody asked");
         summary.estimates[Statistic::StickDurationMean.index()].bias = bias;
-        let told = table(&summary, &info());
-        assert!(told.contains("that of stick_duration_median is not known"), "{told}");
+        let reported = table(&summary, &info());
+        assert!(reported.contains("that of stick_duration_median is not known"), "{reported}");
         summary.estimates[Statistic::StickDurationMedian.index()].bias = bias;
         assert!(!table(&summary, &info()).contains("is not known"));
     }
@@ -204,36 +205,37 @@ mod tests {
         let units = Units { time: "s".into(), length: "mm".into(), ..Units::default() };
         let line = "start   left out: what began before t = 25.5 s: 31 000 sticks and 42 000 slips; until then x moved by \
                     -1.250 mm in the mean (std. error 0.050)";
-        let told = table(&summary, &RunInfo { units, ..info() });
-        assert!(told.contains(line), "{told}");
+        let reported = table(&summary, &RunInfo { units, ..info() });
+        assert!(reported.contains(line), "{reported}");
     }
 
     #[test]
     fn a_drift_from_few_periods_or_of_a_motion_that_has_not_settled_is_said_to_be_one() {
         let mut summary = summary();
-        let told = |summary: &Summary| table(summary, &info());
-        assert!(
-            told(&summary).contains("of 1 whole forcing period; fewer than 3 do not tell a drift from a transient")
-        );
+        let reported = |summary: &Summary| table(summary, &info());
+        assert!(reported(&summary).contains(
+            "of 1 whole forcing period; with fewer than 3 a drift cannot be \
+                told from a transient"
+        ));
         summary.periods.time = vec![25.1, 50.3, 75.4, 100.5];
-        assert!(!told(&summary).contains("whole forcing period"));
+        assert!(!reported(&summary).contains("whole forcing period"));
         // Estimates of 1 +- 0.01.
         let line = "drift   x at equal phases has not settled: drift_velocity and diffusion_coefficient are not zero (level 1 %)";
-        assert!(told(&summary).contains(line), "{}", told(&summary));
+        assert!(reported(&summary).contains(line), "{}", reported(&summary));
         let put = |summary: &mut Summary, statistic: Statistic, estimate: f64| {
             summary.estimates[statistic.index()].estimate = estimate;
         };
         // The 99.75 % quantile of the normal law is 2.807.
         put(&mut summary, Statistic::DriftVelocity, -0.0281);
         put(&mut summary, Statistic::DiffusionCoefficient, 0.028);
-        assert!(told(&summary).contains("has not settled: drift_velocity is not zero"), "{}", told(&summary));
+        assert!(reported(&summary).contains("has not settled: drift_velocity is not zero"), "{}", reported(&summary));
         put(&mut summary, Statistic::DriftVelocity, 0.028);
-        assert!(!told(&summary).contains("settled"), "{}", told(&summary));
+        assert!(!reported(&summary).contains("settled"), "{}", reported(&summary));
         // The end of the burn-in leaves two periods of four.
         let displacement = Measurement { estimate: 0.0, standard_error: 0.0, low: 0.0, high: 0.0 };
         let (stick_ends, slip_ends) = ([0.0; 2], [0.0; 2]);
         summary.transient = Some(Transient { end: 50.3, sticks: 0, stick_ends, slips: 0, slip_ends, displacement });
-        assert!(told(&summary).contains("of 2 whole forcing periods; fewer than 3"), "{}", told(&summary));
+        assert!(reported(&summary).contains("of 2 whole forcing periods; with fewer than 3"), "{}", reported(&summary));
     }
 
     #[test]

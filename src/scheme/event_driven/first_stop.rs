@@ -1,8 +1,8 @@
 //! The first zero of the velocity inside a slip step whose two ends are known.
 //!
-//! Let V = eps x' and a = V' on a step [0, h], and s the way made, eps (x1 - x0). To leading order
+//! Let V = eps x' and a = V' on a step [0, h], and s the distance travelled, eps (x1 - x0). To leading order
 //! in h (fastest rate), x is a twice integrated Brownian motion of intensity c = (noise
-//! diffusion)/m, conditioned at both ends on way, velocity and acceleration (the first neglected
+//! diffusion)/m, conditioned at both ends on distance, velocity and acceleration (the first neglected
 //! terms are of relative order (h rate)^2/100). Given those,
 //!
 //! - the mean is the quintic Hermite interpolant of x;
@@ -60,7 +60,7 @@ impl<L: Lanes> Motion<L> {
     }
 }
 
-/// A slip step: its ends, the way between them, its length and the square root of that.
+/// A slip step: its ends, the distance between them, its length and the square root of that.
 #[derive(Clone, Copy, Debug)]
 pub struct Step {
     /// At u = 0; V0 >= 0, and V0 = 0 only where a sub-phase starts.
@@ -68,7 +68,7 @@ pub struct Step {
     /// At u = h.
     pub end: Motion,
     /// s.
-    pub way: f64,
+    pub travel: f64,
     /// h.
     pub length: f64,
     /// sqrt(h).
@@ -76,13 +76,13 @@ pub struct Step {
 }
 
 impl Step {
-    /// The mean of way and motion at a time u.
+    /// The mean of distance and motion at a time u.
     pub fn mean(&self, u: f64) -> (f64, Motion) {
         let inverse = 1.0 / self.length;
-        let whole = Interval { end: self.end, way: self.way, length: self.length, inverse, noise: 0.0 };
+        let whole = Interval { end: self.end, travel: self.travel, length: self.length, inverse, noise: 0.0 };
         let (quintic, p) = (Quintic::new(self.start, &whole), u * inverse);
         let velocity = quintic.velocity(p) * inverse;
-        (quintic.way(p), Motion { velocity, acceleration: quintic.acceleration(p) * inverse * inverse })
+        (quintic.travel(p), Motion { velocity, acceleration: quintic.acceleration(p) * inverse * inverse })
     }
 }
 
@@ -93,8 +93,8 @@ pub struct Stop {
     pub after: f64,
     /// a there.
     pub acceleration: f64,
-    /// The way made since the start of the step; not negative, for V > 0 on it.
-    pub way: f64,
+    /// The distance travelled since the start of the step; not negative, for V > 0 on it.
+    pub travel: f64,
 }
 
 /// c, and how cautious to be.
@@ -134,7 +134,7 @@ const ROOT_HALF: f64 = std::f64::consts::FRAC_1_SQRT_2;
 #[derive(Clone, Copy, Debug)]
 pub struct Interval<L = f64> {
     pub end: Motion<L>,
-    pub way: L,
+    pub travel: L,
     pub length: L,
     /// 1 / length.
     pub inverse: L,
@@ -151,13 +151,13 @@ impl Pending {
     /// An empty stack.
     pub fn new() -> Self {
         let end = Motion { velocity: 0.0, acceleration: 0.0 };
-        Pending([Interval { end, way: 0.0, length: 0.0, inverse: 0.0, noise: 0.0 }; DEPTH + 1])
+        Pending([Interval { end, travel: 0.0, length: 0.0, inverse: 0.0, noise: 0.0 }; DEPTH + 1])
     }
 }
 
 impl StopSearch {
     /// The first zero of V in a step, or none. `passed` is told, from the left, of every interval
-    /// without one: the time and the way to where it begins, the motion there, and the rest of it.
+    /// without one: the time and the distance to where it begins, the motion there, and the rest of it.
     #[inline(always)]
     pub fn first(
         &self,
@@ -169,7 +169,7 @@ impl StopSearch {
     ) -> Result<Option<Stop>, Unresolved> {
         let whole = Interval {
             end: step.end,
-            way: step.way,
+            travel: step.travel,
             length: step.length,
             inverse: 1.0 / step.length,
             noise: self.noise * step.root_length,
@@ -195,18 +195,18 @@ impl StopSearch {
         pending[0] = whole;
         let finest = whole.length * FINEST;
         let (mut left, mut top, mut clear) = (start, 0, false);
-        let (mut after, mut way) = (0.0, 0.0);
+        let (mut after, mut travel) = (0.0, 0.0);
         // Tens of intervals are usual; a motion that is all zeros would be bisected for ever.
         loop {
             work.spend()?;
             let next = pending[top];
             if !clear {
                 if self.is_stop(left, &next) {
-                    let stop = self.stop((after, way), left, &next, draws, passed);
-                    if !(stop.after + stop.way + stop.acceleration).is_finite() {
+                    let stop = self.stop((after, travel), left, &next, draws, passed);
+                    if !(stop.after + stop.travel + stop.acceleration).is_finite() {
                         return Err(Unresolved);
                     }
-                    return Ok(Some(Stop { way: forwards(stop.way), ..stop }));
+                    return Ok(Some(Stop { travel: forwards(stop.travel), ..stop }));
                 }
                 if next.length > finest && top < DEPTH {
                     let (near, far) = halves(left, &next, draws.three_normals());
@@ -222,15 +222,15 @@ impl StopSearch {
                     let part = if part.is_finite() { part } else { 0.0 };
                     let acceleration = left.acceleration + part * (next.end.acceleration - left.acceleration);
                     let end = Motion { velocity: 0.0, acceleration };
-                    let until = Interval::new(end, part * next.way, part * next.length, self.noise);
-                    passed(after, way, left, &until);
-                    let (after, way) = (after + until.length, forwards(way + until.way));
-                    return Ok(Some(Stop { after, acceleration, way }));
+                    let until = Interval::new(end, part * next.travel, part * next.length, self.noise);
+                    passed(after, travel, left, &until);
+                    let (after, travel) = (after + until.length, forwards(travel + until.travel));
+                    return Ok(Some(Stop { after, acceleration, travel }));
                 }
             }
-            passed(after, way, left, &next);
+            passed(after, travel, left, &next);
             after += next.length;
-            way += next.way;
+            travel += next.travel;
             left = next.end;
             if top == 0 {
                 return Ok(None);
@@ -278,7 +278,7 @@ impl StopSearch {
     #[inline(always)]
     fn stop(
         &self,
-        (mut after, mut way): (f64, f64),
+        (mut after, mut travel): (f64, f64),
         mut left: Motion,
         next: &Interval,
         draws: &mut AddressedDraws,
@@ -290,19 +290,19 @@ impl StopSearch {
             if near.is_at_it {
                 let end = Motion { velocity: 0.0, acceleration: near.motion.acceleration };
                 let (there, rest) = near.zero();
-                passed(after, way, left, &Interval::new(end, rest, there, self.noise));
-                return Stop { after: after + there, acceleration: end.acceleration, way: way + rest };
+                passed(after, travel, left, &Interval::new(end, rest, there, self.noise));
+                return Stop { after: after + there, acceleration: end.acceleration, travel: travel + rest };
             }
             let [first, second] = near.parted(&next, self.noise);
             if near.motion.velocity > 0.0 {
-                passed(after, way, left, &first);
-                (after, way, left) = (after + near.after, way + near.way, near.motion);
+                passed(after, travel, left, &first);
+                (after, travel, left) = (after + near.after, travel + near.travel, near.motion);
                 next = second;
             } else {
                 next = first;
             }
         }
-        Stop { after, acceleration: left.acceleration.min(next.end.acceleration), way }
+        Stop { after, acceleration: left.acceleration.min(next.end.acceleration), travel }
     }
 
     /// A state near the zero of V, drawn with three normals.
@@ -312,7 +312,7 @@ impl StopSearch {
         let p = mean.near_zero();
         let (h, noise, zero) = (next.length, next.noise, L::splat(0.0));
         let [dx, dv, da] = conditional_factor(p, normals);
-        let way = mean.way(p) + noise * h * h * dx;
+        let travel = mean.travel(p) + noise * h * h * dx;
         let velocity = mean.velocity(p) * next.inverse + noise * h * dv;
         let mean_acceleration = mean.acceleration(p) * next.inverse * next.inverse;
         // In law below zero by `caution` standard deviations.
@@ -323,7 +323,7 @@ impl StopSearch {
         let late = (-velocity / acceleration).or_at_least(-after).or_at_most(behind);
         let tolerated = acceleration * STOP_PRECISION;
         let is_at_it = (late.abs() * (self.noise * self.noise)).le(tolerated * tolerated);
-        NearStop { after, behind, way, motion: Motion { velocity, acceleration }, late, is_at_it }
+        NearStop { after, behind, travel, motion: Motion { velocity, acceleration }, late, is_at_it }
     }
 }
 
@@ -333,8 +333,8 @@ pub struct NearStop<L: Lanes = f64> {
     /// How long it is after the start of the interval, and before its end.
     pub after: L,
     pub behind: L,
-    /// The way since the start of the interval.
-    pub way: L,
+    /// The distance travelled since the start of the interval.
+    pub travel: L,
     pub motion: Motion<L>,
     /// How long after this state the velocity is zero, at uniform acceleration.
     pub late: L,
@@ -343,39 +343,39 @@ pub struct NearStop<L: Lanes = f64> {
 }
 
 impl<L: Lanes> NearStop<L> {
-    /// Time and way from the start of the interval to the zero of V.
+    /// Time and distance from the start of the interval to the zero of V.
     #[inline(always)]
     pub fn zero(&self) -> (L, L) {
         let Motion { velocity, acceleration } = self.motion;
         let t = self.late;
-        (self.after + t, self.way + t * (velocity + t * 0.5 * acceleration))
+        (self.after + t, self.travel + t * (velocity + t * 0.5 * acceleration))
     }
 
     /// The parts of the interval before and behind this state.
     #[inline(always)]
     pub fn parted(&self, whole: &Interval<L>, noise: f64) -> [Interval<L>; 2] {
         [
-            Interval::new(self.motion, self.way, self.after, noise),
-            Interval::new(whole.end, whole.way - self.way, self.behind, noise),
+            Interval::new(self.motion, self.travel, self.after, noise),
+            Interval::new(whole.end, whole.travel - self.travel, self.behind, noise),
         ]
     }
 }
 
-/// A way made while V > 0. The ways of intervals are differences, good to a rounding of the way of
+/// A distance travelled while V > 0. Those of intervals are differences, good to a rounding of that of
 /// the whole step; a slip much smaller than that may come out backwards.
 #[inline(always)]
-pub fn forwards<L: Lanes>(way: L) -> L {
-    L::select(way.lt(L::splat(0.0)), L::splat(0.0), way)
+pub fn forwards<L: Lanes>(travel: L) -> L {
+    L::select(travel.lt(L::splat(0.0)), L::splat(0.0), travel)
 }
 
-/// The state at a fraction of an interval, drawn with three normals given both its ends: the way to
+/// The state at a fraction of an interval, drawn with three normals given both its ends: the distance to
 /// there, and the motion.
 pub fn state_inside(left: Motion, next: &Interval, p: f64, normals: [f64; 3]) -> (f64, Motion) {
     let (mean, [dx, dv, da]) = (Quintic::new(left, next), conditional_factor(p, normals));
     let (h, inverse, noise) = (next.length, next.inverse, next.noise);
     let velocity = mean.velocity(p) * inverse + noise * h * dv;
     let acceleration = mean.acceleration(p) * inverse * inverse + noise * da;
-    (mean.way(p) + noise * h * h * dx, Motion { velocity, acceleration })
+    (mean.travel(p) + noise * h * h * dx, Motion { velocity, acceleration })
 }
 
 impl Interval {
@@ -384,33 +384,33 @@ impl Interval {
         self.length
     }
 
-    /// The motion at the end, and the way there.
+    /// The motion at the end, and the distance there.
     pub fn end(&self) -> (f64, Motion) {
-        (self.way, self.end)
+        (self.travel, self.end)
     }
 
     /// The same interval with another end.
-    pub fn with_end(self, way: f64, end: Motion) -> Self {
-        Interval { end, way, ..self }
+    pub fn with_end(self, travel: f64, end: Motion) -> Self {
+        Interval { end, travel, ..self }
     }
 
-    /// Both parts of it, parted at a fraction, where the way and the motion are these.
-    pub fn parted(self, p: f64, way: f64, motion: Motion) -> [Self; 2] {
-        let part = |end: Motion, way: f64, p: f64| Interval {
+    /// Both parts of it, parted at a fraction, where the distance and the motion are these.
+    pub fn parted(self, p: f64, travel: f64, motion: Motion) -> [Self; 2] {
+        let part = |end: Motion, travel: f64, p: f64| Interval {
             end,
-            way,
+            travel,
             length: p * self.length,
             inverse: self.inverse / p,
             noise: self.noise * p.sqrt(),
         };
-        [part(motion, way, p), part(self.end, self.way - way, 1.0 - p)]
+        [part(motion, travel, p), part(self.end, self.travel - travel, 1.0 - p)]
     }
 }
 
 impl<L: Lanes> Interval<L> {
     #[inline(always)]
-    fn new(end: Motion<L>, way: L, length: L, noise: f64) -> Self {
-        Interval { end, way, length, inverse: L::splat(1.0) / length, noise: length.sqrt() * noise }
+    fn new(end: Motion<L>, travel: L, length: L, noise: f64) -> Self {
+        Interval { end, travel, length, inverse: L::splat(1.0) / length, noise: length.sqrt() * noise }
     }
 }
 
@@ -419,7 +419,7 @@ impl<L: Lanes> Interval<L> {
 fn velocity_controls<L: Lanes>(left: Motion<L>, next: &Interval<L>) -> [L; 5] {
     let (v0, v1, quarter) = (left.velocity, next.end.velocity, next.length * 0.25);
     let (q0, q1) = (quarter * left.acceleration, quarter * next.end.acceleration);
-    [v0, v0 + q0, next.way * 5.0 * next.inverse - (v0 + v1) * 2.0 + (q1 - q0), v1 - q1, v1]
+    [v0, v0 + q0, next.travel * 5.0 * next.inverse - (v0 + v1) * 2.0 + (q1 - q0), v1 - q1, v1]
 }
 
 /// Draw the state in the middle of an interval with three normals, and part it there.
@@ -429,15 +429,15 @@ pub fn halves<L: Lanes>(left: Motion<L>, next: &Interval<L>, [one, two, three]: 
     let (h, noise) = (next.length, next.noise);
     let da = noise * 0.25 * one;
     let middle = Motion {
-        velocity: next.inverse * 1.875 * next.way - (v0 + v1) * 0.4375
+        velocity: next.inverse * 1.875 * next.travel - (v0 + v1) * 0.4375
             + h * ((a1 - a0) * 0.03125 + noise * MIDDLE_VELOCITY * two),
         acceleration: next.inverse * 1.5 * (v1 - v0) - (a0 + a1) * 0.25 + da,
     };
     let bend = (a0 + a1) * 0.015625 - da * (1.0 / 48.0) + noise * MIDDLE_WAY * three;
-    let way = next.way * 0.5 + h * ((v0 - v1) * 0.15625 + h * bend);
+    let travel = next.travel * 0.5 + h * ((v0 - v1) * 0.15625 + h * bend);
     let (length, inverse, noise) = (h * 0.5, next.inverse * 2.0, noise * ROOT_HALF);
-    let near = Interval { end: middle, way, length, inverse, noise };
-    (near, Interval { end: next.end, way: next.way - way, length, inverse, noise })
+    let near = Interval { end: middle, travel, length, inverse, noise };
+    (near, Interval { end: next.end, travel: next.travel - travel, length, inverse, noise })
 }
 
 /// A draw from the conditional law of (x, V, a) at a fraction p of an interval with h = c = 1, from
@@ -480,7 +480,7 @@ const NEWTON_STEPS: usize = 3;
 /// Each refinement takes the remaining distance to about its power 3/2; eight are never needed.
 pub const STOP_REFINEMENTS: usize = 8;
 
-/// The mean way on an interval as a polynomial in the fraction p of it; so are V, times h, and a,
+/// The mean distance on an interval as a polynomial in the fraction p of it; so are V, times h, and a,
 /// times h^2.
 struct Quintic<L> {
     d0: L,
@@ -494,7 +494,7 @@ struct Quintic<L> {
 impl<L: Lanes> Quintic<L> {
     #[inline(always)]
     fn new(left: Motion<L>, next: &Interval<L>) -> Self {
-        let (h, s, half) = (next.length, next.way, next.length * next.length * 0.5);
+        let (h, s, half) = (next.length, next.travel, next.length * next.length * 0.5);
         let (d0, d1) = (h * left.velocity, h * next.end.velocity);
         let (e0, e1) = (half * left.acceleration, half * next.end.acceleration);
         Quintic {
@@ -508,7 +508,7 @@ impl<L: Lanes> Quintic<L> {
     }
 
     #[inline(always)]
-    fn way(&self, p: L) -> L {
+    fn travel(&self, p: L) -> L {
         p * (self.d0 + p * (self.e0 + p * (self.c3 + p * (self.c4 + p * self.c5))))
     }
 
@@ -570,12 +570,12 @@ mod tests {
     }
 
     /// The mean of V is a polynomial of degree 4 whose Bezier control points are said to bound it: the sum of them with Bernstein's weights is the derivative of the
-    /// mean way, which begins and ends as the motion does.
+    /// mean distance, which begins and ends as the motion does.
     #[test]
     fn the_control_points_are_those_of_the_mean_velocity() {
         let (left, next) = an_interval(0.8, 0.0);
         let controls = velocity_controls(left, &next);
-        let step = Step { start: left, end: next.end, way: next.way, length: 0.8, root_length: 0.8f64.sqrt() };
+        let step = Step { start: left, end: next.end, travel: next.travel, length: 0.8, root_length: 0.8f64.sqrt() };
         for i in 0..=20 {
             let p = f64::from(i) / 20.0;
             let weights = [1.0, 4.0, 6.0, 4.0, 1.0].into_iter().zip(0..);
@@ -583,7 +583,7 @@ mod tests {
             let sum: f64 = bernstein.zip(controls).map(|(weight, control)| weight * control).sum();
             let (_, motion) = step.mean(p * 0.8);
             assert!((sum - motion.velocity).abs() < 1e-12, "{p}: {sum} {motion:?}");
-            // The rate of the way is V, and that of V is a.
+            // The rate of the distance is V, and that of V is a.
             let (inside, d) = (0.8 * p.clamp(0.01, 0.99), 1e-4);
             let ((before, slow), (here, now), (after, fast)) =
                 (step.mean(inside - d), step.mean(inside), step.mean(inside + d));
@@ -596,7 +596,7 @@ mod tests {
     }
 
     /// The standard deviations that a zero is held to be out of reach by are the largest there are between two ends: of V, of V/u, of a, for h = c = 1, from the
-    /// factor of the conditional law, whose rows are way, V and a.
+    /// factor of the conditional law, whose rows are distance, V and a.
     #[test]
     fn the_spreads_are_the_largest_of_the_conditional_law() {
         let mut largest = [0.0f64; 3];
@@ -622,15 +622,15 @@ mod tests {
         let (left, next) = an_interval(h, c);
         let middle = |normals: [f64; 3]| {
             let (near, far) = halves(left, &next, normals);
-            assert!((near.way + far.way - next.way).abs() < 1e-15 && near.length == 0.4 && far.length == 0.4);
+            assert!((near.travel + far.travel - next.travel).abs() < 1e-15 && near.length == 0.4 && far.length == 0.4);
             assert!((near.noise - c * 0.4f64.sqrt()).abs() < 1e-15 && (far.inverse - 2.5).abs() < 1e-15);
             assert_eq!((far.end.velocity, far.end.acceleration), (next.end.velocity, next.end.acceleration));
-            [near.way, near.end.velocity, near.end.acceleration]
+            [near.travel, near.end.velocity, near.end.acceleration]
         };
         let mean = middle([0.0; 3]);
-        let step = Step { start: left, end: next.end, way: next.way, length: h, root_length: h.sqrt() };
-        let (way, motion) = step.mean(0.5 * h);
-        for (got, want) in mean.into_iter().zip([way, motion.velocity, motion.acceleration]) {
+        let step = Step { start: left, end: next.end, travel: next.travel, length: h, root_length: h.sqrt() };
+        let (travel, motion) = step.mean(0.5 * h);
+        for (got, want) in mean.into_iter().zip([travel, motion.velocity, motion.acceleration]) {
             assert!((got - want).abs() < 1e-12, "{mean:?}");
         }
         let columns = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(|normals| {
@@ -669,7 +669,7 @@ mod tests {
             if next_v <= 0.0 {
                 let part = if v > next_v { v / (v - next_v) } else { 0.0 };
                 let after = u * (f64::from(i) + part);
-                return Some(Stop { after, acceleration: a + part * (next_a - a), way: x + part * (next_x - x) });
+                return Some(Stop { after, acceleration: a + part * (next_a - a), travel: x + part * (next_x - x) });
             }
             (x, v, a) = (next_x, next_v, next_a);
         }
@@ -696,10 +696,10 @@ mod tests {
                         velocity: velocity + acceleration + c * (0.5 * one + two / (2.0 * 3f64.sqrt())),
                         acceleration: acceleration + c * one,
                     };
-                    let way = velocity
+                    let travel = velocity
                         + 0.5 * acceleration
                         + c * (one / 6.0 + two / (4.0 * 3f64.sqrt()) + three / (12.0 * 5f64.sqrt()));
-                    let step = Step { start, end, way, length: 1.0, root_length: 1.0 };
+                    let step = Step { start, end, travel, length: 1.0, root_length: 1.0 };
                     let (mut pending, mut work) = (Pending::new(), Work::new(1_000_000));
                     search.first(&step, &mut draws, &mut pending, &mut work, |_, _, _, _| ()).expect("within its work")
                 })
@@ -719,7 +719,7 @@ mod tests {
                 assert!((a - b).abs() <= 3.9 * ea.hypot(eb) + 0.003, "case {case}, by {time}: {a} {b}");
             }
             let measures: [(&str, Measure); 2] = [
-                ("way", |stop| stop.map_or(0.0, |stop| stop.way)),
+                ("travel", |stop| stop.map_or(0.0, |stop| stop.travel)),
                 ("held back", |stop| stop.map_or(0.0, |stop| -stop.acceleration)),
             ];
             for (what, measure) in measures {

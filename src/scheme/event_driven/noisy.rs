@@ -19,7 +19,7 @@ use super::corridor::Corridor;
 use super::first_stop::{Interval, Motion, Pending, Step, Stop, StopSearch, forwards};
 use super::ladder::Ladder;
 use super::scene::{Scene, forcing};
-use super::slip_step::{Push, State, force, motion, resolved_way};
+use super::slip_step::{Push, State, force, motion, resolved_travel};
 use super::slip_transition::{DrivenOscillator, HarmonicResponse, SlipTransition};
 use super::step_rules::StepRules;
 use super::watch::{Flow, Glance, Known, SlipPiece, Watch};
@@ -205,7 +205,7 @@ impl Noisy {
         let Scene { oscillator, friction, .. } = &self.scene;
         let eps = direction.value();
         path.after = start_after + stop.after;
-        path.displacement = start.x + eps * stop.way;
+        path.displacement = start.x + eps * stop.travel;
         let force = eps * friction.dynamic_force + oscillator.mass * eps * stop.acceleration;
         path.noise = force - cell.forcing(path.after).value + oscillator.stiffness * path.displacement;
         let kind = EventKind::at_rest(force.abs() <= friction.static_force, force);
@@ -267,8 +267,8 @@ impl Noisy {
     fn on_the_flow(&self, (searched, stop): (Step, Stop), flow: &StepFlow) -> Stop {
         let Scene { oscillator: body, relaxation_rate, .. } = &self.scene;
         let eps = flow.direction.value();
-        let (way, end, _) = flow.motion(searched.length);
-        let (interpolated_way, interpolated) = Step { end, way, ..searched }.mean(stop.after);
+        let (travel, end, _) = flow.motion(searched.length);
+        let (interpolated_travel, interpolated) = Step { end, travel, ..searched }.mean(stop.after);
         let most = MOST_DEVIATIONS * self.search.noise * searched.root_length;
         let bounded =
             |deviation: f64, most: f64| if deviation.abs() > most { most.copysign(deviation) } else { deviation };
@@ -285,8 +285,8 @@ impl Noisy {
 
         let mut moved = stop;
         for _ in 0..FLOW_STEPS {
-            let (way, exact, to) = flow.motion(moved.after);
-            let way = stop.way + (way - interpolated_way);
+            let (travel, exact, to) = flow.motion(moved.after);
+            let travel = stop.travel + (travel - interpolated_travel);
             let velocity = exact.velocity + off.velocity;
             let acceleration = exact.acceleration + off.acceleration;
             let slope = self.scene.forcing_slope(&flow.scratch.borrow().terms);
@@ -297,8 +297,8 @@ impl Noisy {
             if !(acceleration < 0.0 && after > 0.0 && after <= searched.length) {
                 return stop;
             }
-            let way = forwards(way + late * (velocity + 0.5 * late * acceleration));
-            moved = Stop { after, acceleration: acceleration + late * jerk, way };
+            let travel = forwards(travel + late * (velocity + 0.5 * late * acceleration));
+            moved = Stop { after, acceleration: acceleration + late * jerk, travel };
         }
         moved
     }
@@ -378,8 +378,8 @@ impl Cascade for Noisy {
             if !end.is_finite() {
                 return Err(Unresolved);
             }
-            let way = resolved_way(eps * before.1.x, eps * path.displacement, start, end, length);
-            let searched = Step { start, end, way, length, root_length: step.root_length };
+            let travel = resolved_travel(eps * before.1.x, eps * path.displacement, start, end, length);
+            let searched = Step { start, end, travel, length, root_length: step.root_length };
             let flow = StepFlow {
                 cascade: self,
                 cell,
@@ -389,14 +389,14 @@ impl Cascade for Noisy {
                 start: before.1,
                 first: start,
                 end: (before.0 + length, to_noise),
-                told: cell::Cell::new([(before.0, before.1.n); 2]),
+                last_drawn: cell::Cell::new([(before.0, before.1.n); 2]),
                 scratch: flow_scratch,
             };
             // Kept for whoever looks, since a stop at the end of the last one may move.
             passed.clear();
-            let pass = |after, way, start, interval: &Interval| {
+            let pass = |after, travel, start, interval: &Interval| {
                 if watch.is_looking() {
-                    passed.push((after, way, start, *interval));
+                    passed.push((after, travel, start, *interval));
                 }
             };
             let mut stop = self.search.first(&searched, &mut path.draws, pending, &mut path.work, pass)?;
@@ -409,9 +409,9 @@ impl Cascade for Noisy {
                 }
             }
             // Not in a closure, which is not compiled for the instruction set.
-            for &(after, way, start, interval) in passed.iter() {
-                let known = [flow.told.get()[0], flow.end];
-                let piece = SlipPiece { flow: &flow, after: before.0 + after, way, start, interval, known };
+            for &(after, travel, start, interval) in passed.iter() {
+                let known = [flow.last_drawn.get()[0], flow.end];
+                let piece = SlipPiece { flow: &flow, after: before.0 + after, travel, start, interval, known };
                 watch.look(&self.scene, cell, || piece);
             }
             if let Some(stop) = stop {
@@ -436,16 +436,16 @@ impl Cascade for Noisy {
     }
 }
 
-/// An interval without a zero of the velocity: the time and the way to where it begins, the motion
+/// An interval without a zero of the velocity: the time and the distance to where it begins, the motion
 /// there, and the rest of it.
 type Passed = (f64, f64, Motion, Interval);
 
 /// The interval before a stop, with the stop as it is.
-fn ending_at((after, way, start, interval): Passed, stop: &Stop) -> Passed {
+fn ending_at((after, travel, start, interval): Passed, stop: &Stop) -> Passed {
     let part = (stop.after - after) / interval.length();
     let end = Motion { velocity: 0.0, acceleration: stop.acceleration };
-    let interval = if part > 0.0 { interval.parted(part, stop.way - way, end)[0] } else { interval };
-    (after, way, start, interval)
+    let interval = if part > 0.0 { interval.parted(part, stop.travel - travel, end)[0] } else { interval };
+    (after, travel, start, interval)
 }
 
 /// A step from a state without noise.
@@ -462,12 +462,12 @@ struct StepFlow<'a> {
     /// Where it ends.
     end: Known,
     /// Where n was told last, to the rows of the run and to those between them.
-    told: cell::Cell<[Known; 2]>,
+    last_drawn: cell::Cell<[Known; 2]>,
     scratch: &'a cell::RefCell<FlowScratch>,
 }
 
 impl StepFlow<'_> {
-    /// The way, the motion along it and the state a time after the start of the step.
+    /// The distance, the motion along it and the state a time after the start of the step.
     #[inline(always)]
     fn motion(&self, since: f64) -> (f64, Motion, State) {
         let Noisy { scene, oscillator, .. } = self.cascade;
@@ -483,7 +483,7 @@ impl StepFlow<'_> {
             to = mean_state(&transition, harmonics, self.start, terms, friction);
         }
         let motion = motion(body, eps, to.v, force(body, forcing(terms), to), friction);
-        (resolved_way(eps * self.start.x, eps * to.x, self.first, motion, since), motion, to)
+        (resolved_travel(eps * self.start.x, eps * to.x, self.first, motion, since), motion, to)
     }
 }
 
@@ -495,8 +495,8 @@ impl Flow for StepFlow<'_> {
 
     #[inline(always)]
     fn at(&self, after: f64) -> (f64, Motion, f64) {
-        let (way, motion, to) = self.motion(after - self.after);
-        (way, motion, to.n)
+        let (travel, motion, to) = self.motion(after - self.after);
+        (travel, motion, to.n)
     }
 
     fn resolved_noise(
@@ -512,8 +512,8 @@ impl Flow for StepFlow<'_> {
         if diffusion * (self.end.0 - self.after).sqrt() > ROUNDED * forces {
             return noise;
         }
-        let mut told = self.told.get();
-        let between = &mut told[usize::from(glance.is_closer)];
+        let mut last_drawn = self.last_drawn.get();
+        let between = &mut last_drawn[usize::from(glance.is_closer)];
         if between.0 > before.0 {
             before = *between;
         }
@@ -527,7 +527,7 @@ impl Flow for StepFlow<'_> {
             mean + sd * draws.normal()
         };
         *between = (glance.time, noise);
-        self.told.set(told);
+        self.last_drawn.set(last_drawn);
         noise
     }
 }

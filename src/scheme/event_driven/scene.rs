@@ -134,7 +134,7 @@ impl Scene {
         self.series.as_ref().map_or(Ladder::even(longest), |series| Ladder::cut(series, longest))
     }
 
-    /// How n gets across a cell: to where it likes, or, where it is pinned, on its way to zero at the sample ahead.
+    /// How n gets across a cell: freely, or, where it is pinned, on its way to zero at the sample ahead.
     pub fn transition(&self, rung: &Rung) -> Transition {
         let (theta, s) = (self.relaxation_rate, self.diffusion);
         match &self.series {

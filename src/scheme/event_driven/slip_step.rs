@@ -72,13 +72,13 @@ pub fn motion<L: Lanes>(body: &Oscillator, eps: L, v: L, force: L, friction: L) 
     Motion { velocity: eps * v, acceleration: eps * (force - friction) / L::splat(body.mass) }
 }
 
-/// The way from x0 to x1, or that of the cubic of both ends where x0 and x1 cannot tell it from
+/// The distance from x0 to x1, or that of the cubic of both ends where x0 and x1 cannot tell it from
 /// theirs: far out, or in a step of no length.
 #[inline(always)]
-pub fn resolved_way<L: Lanes>(x0: L, x1: L, start: Motion<L>, end: Motion<L>, h: L) -> L {
-    let way = x1 - x0;
+pub fn resolved_travel<L: Lanes>(x0: L, x1: L, start: Motion<L>, end: Motion<L>, h: L) -> L {
+    let travel = x1 - x0;
     let slopes = (start.velocity + end.velocity) * 0.5;
     let cubic = h * (slopes + h * (1.0 / 12.0) * (start.acceleration - end.acceleration));
     let rounding = (x0.abs() + x1.abs()) * f64::EPSILON;
-    L::select((way - cubic).abs().le(rounding), cubic, way)
+    L::select((travel - cubic).abs().le(rounding), cubic, travel)
 }

@@ -114,7 +114,7 @@ pub trait Piece: Sized {
 pub trait Flow {
     /// Direction of the slip, and x where the step begins.
     fn start(&self) -> (Sign, f64);
-    /// The way from there, the motion along it and n, at a time after the start of the cell.
+    /// The distance from there, the motion along it and n, at a time after the start of the cell.
     fn at(&self, after: f64) -> (f64, Motion, f64);
     /// n at a glance as it was told from a balance of forces of this size, or, where that has lost
     /// its digits, drawn from the bridge of n between what is known of it.
@@ -136,8 +136,8 @@ pub struct SlipPiece<'a, F> {
     pub flow: &'a F,
     /// When it begins, after the start of the cell.
     pub after: f64,
-    /// The way to there since the step began.
-    pub way: f64,
+    /// The distance to there since the step began.
+    pub travel: f64,
     /// The motion there.
     pub start: Motion,
     /// The rest of it.
@@ -154,7 +154,7 @@ impl<F: Flow> Piece for SlipPiece<'_, F> {
     #[inline(always)]
     fn parted(&self, scene: &Scene, cell: &Cell, glance: Glance, draws: &mut AddressedDraws) -> (Seen, Self, Self) {
         let time = glance.time;
-        let SlipPiece { flow, after, way, start, interval, known } = *self;
+        let SlipPiece { flow, after, travel, start, interval, known } = *self;
         let (body, (direction, x0)) = (&scene.oscillator, flow.start());
         let eps = direction.value();
         let (way_before, before, _) = flow.at(after);
@@ -176,7 +176,7 @@ impl<F: Flow> Piece for SlipPiece<'_, F> {
         let velocity = (here.velocity + off.velocity).max(0.0);
         let motion = Motion { velocity, acceleration: here.acceleration + off.acceleration };
         let passed = passed + (way_here - way_before);
-        let total = way + passed;
+        let total = travel + passed;
         let aside = total - way_here;
         let balance = body.mass * off.acceleration + 2.0 * body.damping * off.velocity + body.stiffness * aside;
         let largest = body.mass * here.acceleration.abs()
@@ -188,7 +188,7 @@ impl<F: Flow> Piece for SlipPiece<'_, F> {
         let [first, second] = if part > 0.0 { interval.parted(part, passed, motion) } else { [interval; 2] };
         let before = SlipPiece { interval: first, known: [known[0], (time, noise)], ..*self };
         let known = [(time, noise), known[1]];
-        (seen, before, SlipPiece { after: time, way: total, start: motion, interval: second, known, ..*self })
+        (seen, before, SlipPiece { after: time, travel: total, start: motion, interval: second, known, ..*self })
     }
 }
 

@@ -66,8 +66,8 @@ pub fn twin(response: &Response, times: &[f64], temperatures: &[f64], flaws: &Fl
             while (temperature - xi).abs() > reach {
                 xi += (2.0 * (reach - kinetic)).copysign(temperature - xi);
                 slips += 1;
-                let wish = response.motion.reach * (1.0 + flaws.scatter * friction.normal());
-                reach = wish.max(kinetic);
+                let drawn = response.motion.reach * (1.0 + flaws.scatter * friction.normal());
+                reach = drawn.max(kinetic);
             }
         }
         positions.push(xi);

@@ -207,8 +207,8 @@ impl Trade {
         let measured = self.bias(rung, statistic);
         match (rung.scheme.discretisation(), rung.scheme.step(), law) {
             (Discretisation::Tolerance { tolerance }, ..) => {
-                let promise = if self.is_random { tolerance } else { 0.0 };
-                let promised = promise * self.standing(statistic).scale().unwrap_or(f64::NAN);
+                let accuracy_goal = if self.is_random { tolerance } else { 0.0 };
+                let promised = accuracy_goal * self.standing(statistic).scale().unwrap_or(f64::NAN);
                 let is_broken = measured.value.abs() - PROMISE_ERRORS * measured.error > promised;
                 match (self.is_reference(rung), is_broken) {
                     (true, _) => Bound { value: promised, is_unresolved: false },
@@ -322,8 +322,8 @@ mod tests {
         assert_eq!((trade.law(Kind::DiscreteVi, statistic), trade.standing(statistic)), (None, Standing::Value(1.0)));
         let left = 0.01 / (2f64.sqrt() - 1.0);
         for (rung, bound) in trade.rungs.iter().zip([0.04 + left, 0.01 + left, 0.01 + left, left]) {
-            let told = trade.changes_from(rung, statistic).value;
-            assert!((told - bound).abs() < 1e-12, "{}: {told}, not {bound}", rung.scheme);
+            let reported = trade.changes_from(rung, statistic).value;
+            assert!((reported - bound).abs() < 1e-12, "{}: {reported}, not {bound}", rung.scheme);
         }
         let best = |target: f64| trade.best(Some(Kind::DiscreteVi), &[statistic], target).expect("a choice");
         for (target, step, is_measured, bias) in [

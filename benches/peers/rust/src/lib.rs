@@ -6,7 +6,7 @@
 //! b_n     = beta (cos(w t_n) + rho e_n) - X_n
 //! S_n     = V_n + h b_n
 //! X_{n+1} = X_n + h V_n,   V_{n+1} = 0 if |S_n| <= h f_s, else S_n - h f_d sign(S_n)
-//! e_{n+1} = decay e_n + kick xi_n,  the exact transition of de = -e dt + dW
+//! e_{n+1} = decay e_n + increment_sd xi_n,  the exact transition of de = -e dt + dW
 //! ```
 //!
 //! The counting rule: a stick begins at t_{n+1} if V_{n+1} = 0 and |b_{n+1}| <= f_s, and ends at t_n, the last instant

@@ -8,7 +8,7 @@ use std::ops::Range;
 /// Runs a range of paths, each with the generator `R` seeded by its number.
 pub fn paths<R: Rng + SeedableRng>(steps: usize, range: Range<usize>) -> Totals {
     let forcing: Vec<f64> = (0..=steps).map(|n| BETA * (W * H * n as f64).cos()).collect();
-    let (decay, kick) = ((-H).exp(), (-(-2.0 * H).exp_m1() / 2.0).sqrt());
+    let (decay, increment_sd) = ((-H).exp(), (-(-2.0 * H).exp_m1() / 2.0).sqrt());
     let mut total = Totals::default();
     for path in range {
         let mut rng = R::seed_from_u64(path as u64);
@@ -19,7 +19,7 @@ pub fn paths<R: Rng + SeedableRng>(steps: usize, range: Range<usize>) -> Totals 
             let v_next = if s.abs() <= H * F_S { 0.0 } else { s - (H * F_D).copysign(s) };
             x += H * v;
             let xi: f64 = StandardNormal.sample(&mut rng);
-            e = decay * e + kick * xi;
+            e = decay * e + increment_sd * xi;
             b = forcing[n + 1] + BETA * RHO * e - x;
             if stuck {
                 if v_next != 0.0 {

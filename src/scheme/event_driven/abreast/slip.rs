@@ -10,7 +10,7 @@ use crate::scheme::event_driven::cell_loop::Cascade as _;
 use crate::scheme::event_driven::corridor::Node;
 use crate::scheme::event_driven::first_stop::{Interval, Motion, STOP_REFINEMENTS, forwards, halves};
 use crate::scheme::event_driven::noisy::{ALIGNMENT, FEEBLE, SHORTEST};
-use crate::scheme::event_driven::slip_step::{State, force, motion, resolved_way};
+use crate::scheme::event_driven::slip_step::{State, force, motion, resolved_travel};
 use crate::scheme::event_driven::slip_transition::cholesky;
 
 /// A slip that is searched for its stop, from the left.
@@ -19,7 +19,7 @@ pub(super) struct Searched<L: Lanes> {
     /// The motion where the interval begins, and how far that is from where the step does.
     pub left: Motion<L>,
     pub after: L,
-    pub way: L,
+    pub travel: L,
     pub count: Count<L>,
     /// x where the step begins, and when that is.
     pub x: L,
@@ -33,25 +33,25 @@ pub(super) struct Searched<L: Lanes> {
 impl<L: Lanes> Searched<L> {
     #[inline(always)]
     pub fn put(&self, jobs: &mut Jobs, rows: &Rows) {
-        let Searched { left, after, way, count, x, start, eps, .. } = *self;
-        let row = [left.velocity, left.acceleration, after, way, count.number(), x, start, eps];
+        let Searched { left, after, travel, count, x, start, eps, .. } = *self;
+        let row = [left.velocity, left.acceleration, after, travel, count.number(), x, start, eps];
         L::scatter_rows(row, &mut jobs.left, rows);
         L::scatter_rows(self.row_of(&self.interval), &mut jobs.right, rows);
     }
 
     #[inline(always)]
     fn get(jobs: &Jobs, rows: &Rows) -> Self {
-        let [velocity, acceleration, after, way, count, x, start, eps] = L::gather_rows(&jobs.left, rows);
+        let [velocity, acceleration, after, travel, count, x, start, eps] = L::gather_rows(&jobs.left, rows);
         let (interval, origin, key) = interval_of(L::gather_rows(&jobs.right, rows));
         let (left, count) = (Motion { velocity, acceleration }, Count::of(count));
-        Searched { left, after, way, count, x, start, eps, interval, origin, key }
+        Searched { left, after, travel, count, x, start, eps, interval, origin, key }
     }
 
     /// An interval as a row.
     #[inline(always)]
-    fn row_of(&self, &Interval { end, way, length, inverse, noise }: &Interval<L>) -> [L; ROW] {
+    fn row_of(&self, &Interval { end, travel, length, inverse, noise }: &Interval<L>) -> [L; ROW] {
         let (origin, key) = (L::from_bits(self.origin), L::from_bits(self.key));
-        [end.velocity, end.acceleration, way, length, inverse, noise, origin, key]
+        [end.velocity, end.acceleration, travel, length, inverse, noise, origin, key]
     }
 
     #[inline(always)]
@@ -63,7 +63,7 @@ impl<L: Lanes> Searched<L> {
     #[inline(always)]
     fn pass(&mut self, mask: L::Mask, passed: &Interval<L>) {
         self.after = L::select(mask, self.after + passed.length, self.after);
-        self.way = L::select(mask, self.way + passed.way, self.way);
+        self.travel = L::select(mask, self.travel + passed.travel, self.travel);
         self.left.velocity = L::select(mask, passed.end.velocity, self.left.velocity);
         self.left.acceleration = L::select(mask, passed.end.acceleration, self.left.acceleration);
         self.count = self.count.spent_where(mask);
@@ -72,10 +72,10 @@ impl<L: Lanes> Searched<L> {
 
 #[inline(always)]
 fn interval_of<L: Lanes>(
-    [v, a, way, length, inverse, noise, origin, key]: [L; ROW],
+    [v, a, travel, length, inverse, noise, origin, key]: [L; ROW],
 ) -> (Interval<L>, L::Bits, L::Bits) {
     let end = Motion { velocity: v, acceleration: a };
-    (Interval { end, way, length, inverse, noise }, origin.to_bits(), key.to_bits())
+    (Interval { end, travel, length, inverse, noise }, origin.to_bits(), key.to_bits())
 }
 
 #[inline(always)]
@@ -86,7 +86,7 @@ fn select<L: Lanes>(mask: L::Mask, a: &Interval<L>, b: &Interval<L>) -> Interval
     };
     Interval {
         end,
-        way: L::select(mask, a.way, b.way),
+        travel: L::select(mask, a.travel, b.travel),
         length: L::select(mask, a.length, b.length),
         inverse: L::select(mask, a.inverse, b.inverse),
         noise: L::select(mask, a.noise, b.noise),
@@ -164,7 +164,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
             let [before, behind] = near.parted(&searched.interval, search.noise);
             let mut refined = searched;
             refined.after = L::select(is_before, searched.after + near.after, searched.after);
-            refined.way = L::select(is_before, searched.way + near.way, searched.way);
+            refined.travel = L::select(is_before, searched.travel + near.travel, searched.travel);
             refined.left.velocity = L::select(is_before, near.motion.velocity, searched.left.velocity);
             refined.left.acceleration = L::select(is_before, near.motion.acceleration, searched.left.acceleration);
             refined.interval = select(is_before, &behind, &before);
@@ -177,23 +177,23 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         if found != 0 {
             let (there, rest) = near.zero();
             let after = searched.after + there;
-            let way = searched.way + rest;
+            let travel = searched.travel + rest;
             let acceleration = near.motion.acceleration;
-            let is_finite = (after + way + acceleration).abs().lt(L::splat(f64::INFINITY));
+            let is_finite = (after + travel + acceleration).abs().lt(L::splat(f64::INFINITY));
             let step = L::splat(self.cell.length) - searched.start;
             let is_felt = (step.sqrt() * search.noise).ge(acceleration.abs() * FEEBLE);
             let good = L::bitmask(L::and(is_finite, is_felt)) & found;
             self.odd_lanes(rows, found & !good);
-            self.stopped(rows, good, &searched, (searched.start + after, forwards(way), acceleration));
+            self.stopped(rows, good, &searched, (searched.start + after, forwards(travel), acceleration));
         }
     }
 
     /// What follows a stop: a stick, or another sub-phase.
     #[inline(always)]
-    fn stopped(&mut self, rows: &Rows, lanes: u32, searched: &Searched<L>, (after, way, acceleration): (L, L, L)) {
+    fn stopped(&mut self, rows: &Rows, lanes: u32, searched: &Searched<L>, (after, travel, acceleration): (L, L, L)) {
         let scene = self.paths.noisy.scene();
         let (body, eps) = (&scene.oscillator, searched.eps);
-        let x = searched.x + eps * way;
+        let x = searched.x + eps * travel;
         let spring = x * body.stiffness;
         let force = eps * scene.friction.dynamic_force + eps * body.mass * acceleration;
         let forcing = self.cell.forcing(after);
@@ -259,7 +259,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         let search = *self.paths.noisy.search();
         let interval = Interval {
             end: last,
-            way: resolved_way(eps * x, eps * end.x, first, last, remaining),
+            travel: resolved_travel(eps * x, eps * end.x, first, last, remaining),
             length: remaining,
             inverse: L::splat(1.0) / remaining,
             noise: remaining.sqrt() * search.noise,
@@ -273,7 +273,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         let searched = Searched {
             left: first,
             after: zero,
-            way: zero,
+            travel: zero,
             count: count.drawn(1).spent(),
             x,
             start: after,

@@ -9,7 +9,7 @@ use crate::noise::LaneDraws;
 use crate::scheme::event_driven::cell_loop::{Cascade as _, EVENT_PLACE, NOISE_PLACE, WHOLE_PLACE};
 use crate::scheme::event_driven::corridor::Node;
 use crate::scheme::event_driven::first_stop::Interval;
-use crate::scheme::event_driven::slip_step::{Push, State, force, motion, resolved_way};
+use crate::scheme::event_driven::slip_step::{Push, State, force, motion, resolved_travel};
 use crate::scheme::event_driven::slip_transition::{SlipTransition, splat};
 
 impl<L: Lanes> Crossing<'_, '_, L> {
@@ -133,7 +133,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         let search = self.paths.noisy.search();
         let interval = Interval {
             end: last,
-            way: resolved_way(eps * start.x, eps * end.x, first, last, length),
+            travel: resolved_travel(eps * start.x, eps * end.x, first, last, length),
             length,
             inverse: L::splat(1.0 / self.cell.length),
             noise: L::splat(search.noise * root_length),
@@ -147,7 +147,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
             let searched = Searched {
                 left: first,
                 after: zero,
-                way: zero,
+                travel: zero,
                 count: Count::from(EVENT_PLACE, draws.flip),
                 x: start.x,
                 start: zero,

@@ -1,8 +1,9 @@
-//! The bias from paths of a scheme without a step.
+//! The bias by comparison with a reference run of event-driven paths, which have no step.
 //!
-//! As many event-driven paths as a share of the run pays for have the statistics to which those of the run tend as
-//! h falls. What remains of the difference is the bias, with nothing extrapolated and for any scheme with a step; its
-//! error is that of two finite ensembles, of which theirs is the smaller one.
+//! The reference run has as many paths as a given share of the cost of the run allows. Its
+//! statistics are those to which the run tends as h falls, so the bias is the difference of the two.
+//! Nothing is extrapolated, and any scheme with a step may be compared. The error is that of two
+//! finite ensembles, of which the reference run is the smaller one.
 
 use super::caution;
 use crate::ensemble::{Plan, in_order};
@@ -28,15 +29,15 @@ const ALONE: Pieces = Pieces { paths: 16, evaluation: 64 };
 /// Paths that go abreast: 25 to 40 ns an evaluation of 64 paths and more.
 const ABREAST: Pieces = Pieces { paths: 128, evaluation: 32 };
 
-/// So many paths tell what one costs.
+/// The number of paths from which the cost of one is measured.
 const FIRST: u64 = 16;
 
-/// With fewer paths their intervals say little.
+/// With fewer paths the intervals are hardly bounded.
 const FEWEST: u64 = 32;
 
-/// Event-driven paths beside a run.
+/// A reference run of event-driven paths beside a run.
 #[derive(Clone, Debug)]
-pub struct Anchor {
+pub struct ReferenceRun {
     model: Model,
     timeline: Timeline,
     seed: u64,
@@ -46,22 +47,23 @@ pub struct Anchor {
     paths: u64,
 }
 
-impl Anchor {
+impl ReferenceRun {
     /// For a run of so many paths with this step and seed, of whose cost they may take one part in `share`.
     pub fn new(model: &Model, timeline: &Timeline, h: f64, seed: u64, paths: u64, share: u64) -> Self {
         let path_steps = timeline.end / h * paths as f64;
         let budget = path_steps as u64 / share;
         // the bands have no bias; other random numbers than those of the run
-        Anchor { model: model.clone(), timeline: timeline.without_rows(), seed: !seed, budget, paths }
+        ReferenceRun { model: model.clone(), timeline: timeline.without_rows(), seed: !seed, budget, paths }
     }
 
-    /// The bias of the statistics of a run, without an order; none where the paths cost too much, or resolve less than there is (f_s and f_d
-    /// all but meeting under noise).
+    /// The bias of the statistics of a run, without an order; none where the reference run costs too
+    /// much, or does not resolve all slips (f_s and f_d nearly equal under noise).
     pub fn estimate(&self, run: &Summary, threads: usize, stop: &AtomicBool) -> Option<Vec<(Statistic, Bias)>> {
         Some(biases(run, &self.simulate(threads, stop)?))
     }
 
-    /// The paths without a step; none where they cost too much, or resolve less than there is.
+    /// The statistics of the reference run; none where it costs too much, or does not resolve all
+    /// slips.
     pub(super) fn simulate(&self, threads: usize, stop: &AtomicBool) -> Option<Summary> {
         let exact = EventDrivenSimulation::new(&self.model, &self.timeline, DEFAULT_TOLERANCE);
         let pieces = if exact.paths_abreast() > 1 { ABREAST } else { ALONE };
@@ -94,16 +96,18 @@ impl Anchor {
     }
 }
 
-/// The bias of the statistics of a run, given what paths without a step come to.
+/// The bias of the statistics of a run, given those of its reference run.
 pub(super) fn biases(run: &Summary, exact: &Summary) -> Vec<(Statistic, Bias)> {
     let caution = caution(exact.completed_paths);
     let both = run.estimates.iter().zip(&exact.estimates);
     both.filter_map(|(run, exact)| Some((run.statistic, difference(run, exact, caution)?))).collect()
 }
 
-/// What the run has and the paths without a step have not. They are independent, so errors add up in squares, side by
-/// side (the bias is as low as it may be where the run is low and the other paths are high); the uncertainty is that of
-/// the longer side. The tolerance is the same for every seed. None where nothing bounds one of the two.
+/// The statistic of the run minus that of the reference run. The two are independent, so their errors
+/// add in squares, for each side apart: the lower end of the bias is where the run is low and the
+/// reference run is high. The uncertainty is that of the longer side. The error that the tolerance
+/// leaves is the same for every seed, so it is added as it is. None where one of the two has no
+/// bounded interval.
 fn difference(run: &Estimate, exact: &Estimate, caution: f64) -> Option<Bias> {
     let below = (run.estimate - run.low).hypot(exact.high - exact.estimate);
     let above = (run.high - run.estimate).hypot(exact.estimate - exact.low);
@@ -122,8 +126,8 @@ mod tests {
         Estimate { statistic, estimate, standard_error, low, high, bias: None }
     }
 
-    /// A median of the run in [4, 7] about 4, and one without a step in [1, 5] about 1: the bias is 3, and as much as sqrt(0 + 4^2) less or
-    /// sqrt(3^2 + 0) more. The uncertainty is that of the longer side, 1.5 times, and 0.1 % of 1. Half the width of the two intervals, 2.5,
+    /// The median of the run is 4, in [4, 7], and that of the reference run 1, in [1, 5]: the bias is
+    /// 3, and as much as sqrt(0 + 4^2) less or sqrt(3^2 + 0) more. The uncertainty is that of the longer side, 1.5 times, and 0.1 % of 1. Half the width of the two intervals, 2.5,
     /// would hold neither.
     #[test]
     fn the_uncertainty_is_that_of_the_longer_side() {
