@@ -1,4 +1,5 @@
-//! Puts the commit into the program: MC_GIT_HASH, "unknown" without git or outside the repository of this package.
+//! Puts the commit into the program: MC_GIT_HASH, "unknown" without git or outside the repository
+//! of this package.
 
 use std::env;
 use std::path::{Path, PathBuf};
@@ -21,7 +22,8 @@ fn commit(root: &Path) -> Option<String> {
         return None;
     }
     let branch = git(root, &["symbolic-ref", "-q", "HEAD"]);
-    // The log moves with every commit, even where the branch has no file of its own because it is packed.
+    // The log moves with every commit, even where the branch has no file of its own because it is
+    // packed.
     for name in ["HEAD", "logs/HEAD", "packed-refs"].into_iter().chain(branch.as_deref()) {
         if let Some(path) = git(root, &["rev-parse", "--git-path", name]) {
             watch(&root.join(path));

@@ -1,7 +1,7 @@
 //! Every speed that is claimed, in one run, and the ratios between them.
 //!
-//! `cargo bench --bench ratios` takes about three minutes on two cores. Absolute times depend on the machine and its other users;
-//! the ratios at the end are what the documentation quotes.
+//! `cargo bench --bench ratios` takes about three minutes on two cores. Absolute times depend on
+//! the machine and its other users; the ratios at the end are what the documentation quotes.
 
 #[path = "common/mod.rs"]
 mod common;
@@ -22,8 +22,9 @@ use stick_slip::scheme::{DiscreteSimulation, Simulate as _};
 use stick_slip::stats::{BlockResult, Totals};
 use stick_slip::store::{FileSink, Writer};
 
-/// The loop everybody writes first: one path at a time, `rand_pcg` and the ziggurat of `rand_distr`, forcing from a table, sticks
-/// counted and their durations summed. Parameters (P) of the paper, rho = 0.25, forcing 1/4.
+/// The loop everybody writes first: one path at a time, `rand_pcg` and the ziggurat of
+/// `rand_distr`, forcing from a table, sticks counted and their durations summed. Parameters (P) of
+/// the paper, rho = 0.25, forcing 1/4.
 fn scalar_loop(h: f64, steps: usize, paths: u64, forcing: &[f64]) -> (f64, f64) {
     let (decay, increment_sd) = ((-h).exp(), ((1.0 - (-2.0 * h).exp()) / 2.0).sqrt());
     let (f_s, f_d) = (1.2, 1.0);

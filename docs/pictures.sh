@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# Draw the pictures of docs/pictures.md again: some seconds. tests/pictures.rs runs the same lines and compares what comes out.
+# Draw the pictures of docs/pictures.md again: some seconds. tests/pictures.rs runs the same lines
+# and compares what comes out.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 cargo build --release --quiet --bin mc
@@ -13,6 +14,7 @@ mc() { "$root/target/release/mc" "$@"; }
 mc plot scenarios/shaw.toml --until 27 -o path-shaw.png
 mc plot scenarios/rho025.toml --path 41 --until 30 -o path-rho025.png
 mc run scenarios/rho025.toml --scheme event-driven --paths 4000 -o run.h5
+mc plot run.h5 --only overview --path 41 -o overview.png
 mc plot run.h5 --only fan -o fan.png
 mc plot run.h5 --only sticks --log -o sticks.png
 mc plot run.h5 --only sub-phases --log -o sub-phases.png

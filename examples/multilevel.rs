@@ -1,4 +1,5 @@
-//! What multilevel Monte Carlo takes for two means of `scenarios/rho025.toml`, level by level, on one thread.
+//! What multilevel Monte Carlo takes for two means of `scenarios/rho025.toml`, level by level, on
+//! one thread.
 //!
 //!     cargo run --release --example multilevel
 

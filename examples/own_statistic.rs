@@ -11,7 +11,8 @@ use stick_slip::stats::{Measurement, PathMeans, PathState, Tally};
 struct LongSticks(f64);
 
 impl Tally<2> for LongSticks {
-    /// When the present stick was entered, none before the first slip; how many were long; how many ended.
+    /// When the present stick was entered, none before the first slip; how many were long; how many
+    /// ended.
     type Path = (Option<f64>, f64, f64);
 
     fn start(&self) -> Self::Path {

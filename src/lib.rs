@@ -1,8 +1,10 @@
-//! Monte Carlo of an oscillator with dry friction that is driven by a harmonic and noisy temperature.
+//! Monte Carlo of an oscillator with dry friction that is driven by a harmonic and noisy
+//! temperature.
 //!
-//! A body on a spring sticks while the force on it stays below a static threshold, and slips against a dynamic one. The
-//! temperature moves the rest position of the spring, and part of it is random. This library simulates very many paths of
-//! such a body and answers, each with an interval and with the error that its own time step makes:
+//! A body on a spring sticks while the force on it stays below a static threshold, and slips
+//! against a dynamic one. The temperature moves the rest position of the spring, and part of it is
+//! random. This library simulates very many paths of such a body and answers, each with an interval
+//! and with the error that its own time step makes:
 //!
 //! - how long the body sticks, and with which distribution;
 //! - how often it slips, and how many times it turns back before it sticks again (sub-phases);
@@ -52,8 +54,8 @@
 //!
 //! # Where to plug in
 //!
-//! - A statistic of your own over the events and states of paths: [`stats::Tally`], folded in parallel by
-//!   [`engine::Run::tallied`].
+//! - A statistic of your own over the events and states of paths: [`stats::Tally`], folded in
+//!   parallel by [`engine::Run::tallied`].
 //! - A place for rows and results: [`engine::Sink`].
 //! - Somebody to tell how far a run is: [`engine::Progress`].
 //! - Something that watches single paths: [`scheme::Observer`].
@@ -61,8 +63,9 @@
 //!
 //! # Features
 //!
-//! `store` writes and reads HDF5 files and needs the HDF5 library, `figure` draws, and `cli` is the command `mc` and includes both. All
-//! are on by default. Without them the library needs neither HDF5 nor a C compiler.
+//! `store` writes and reads HDF5 files and needs the HDF5 library, `figure` draws, and `cli` is the
+//! command `mc` and includes both. All are on by default. Without them the library needs neither
+//! HDF5 nor a C compiler.
 #![deny(missing_docs)]
 
 pub mod advice;

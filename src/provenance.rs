@@ -1,4 +1,5 @@
-//! Where the numbers of a run come from: what every file, and every data set in memory, says about itself.
+//! Where the numbers of a run come from: what every file, and every data set in memory, says about
+//! itself.
 
 use crate::ensemble::BLOCK_SIZE;
 use crate::model::Series;
@@ -32,7 +33,8 @@ pub struct Provenance {
     pub generator: String,
     /// Paths asked for.
     pub paths: u64,
-    /// Whether they are antithetic pairs: paths 2k and 2k + 1 see the same noise and its mirror image.
+    /// Whether they are antithetic pairs: paths 2k and 2k + 1 see the same noise and its mirror
+    /// image.
     pub antithetic: bool,
     /// Paths in a block.
     pub block_size: u64,

@@ -1,7 +1,9 @@
-//! What every scheme has in common, whatever it makes of friction: the law of the temperature, where it starts, what a path is a function of,
-//! and that the velocity is the rate of the displacement.
+//! What every scheme has in common, whatever it makes of friction: the law of the temperature,
+//! where it starts, what a path is a function of, and that the velocity is the rate of the
+//! displacement.
 //!
-//! Statistical tests have a fixed seed; each states its null hypothesis, sample size and false-alarm rate.
+//! Statistical tests have a fixed seed; each states its null hypothesis, sample size and
+//! false-alarm rate.
 
 mod common;
 
@@ -60,17 +62,19 @@ impl Observer for NoiseMoments {
     }
 }
 
-/// Friction hears the noise, and the noise does not hear friction: however a path sticks, slips, turns and is cut into steps, T less its
-/// harmonics is rho times the Ornstein-Uhlenbeck process, in every scheme. Of it
+/// Friction hears the noise, and the noise does not hear friction: however a path sticks, slips,
+/// turns and is cut into steps, T less its harmonics is rho times the Ornstein-Uhlenbeck process,
+/// in every scheme. Of it
 ///
 /// ```text
 /// E v = e^{-theta t} v(0),   Var v = (sigma^2/2 theta)(1 - e^{-2 theta t}),   Cov(v(s), v(t)) = e^{-theta (t - s)} Var v(s),
 /// ```
 ///
-/// and sigma^2/2 theta at every t from a stationary start. Null: these, on ten rows 0.7 apart, of which the first is t = 0, in four schemes
-/// from either start; there are slips of 3 and more, so most rows lie in one. 2e4 paths: 240 comparisons at 3.9 standard errors (1e-4 each); a
-/// variance is known to 1 %. A noise that stands still while the body slips, or a v(0) that shares a draw with the first increment, is off by
-/// tens of them.
+/// and sigma^2/2 theta at every t from a stationary start. Null: these, on ten rows 0.7 apart, of
+/// which the first is t = 0, in four schemes from either start; there are slips of 3 and more, so
+/// most rows lie in one. 2e4 paths: 240 comparisons at 3.9 standard errors (1e-4 each); a variance
+/// is known to 1 %. A noise that stands still while the body slips, or a v(0) that shares a draw
+/// with the first increment, is off by tens of them.
 #[test]
 fn the_temperature_is_the_same_process_in_every_scheme() {
     let (rho, theta, sigma, lag, paths) = (0.25, 0.5, 1.0, 0.7, 20_000u64);
@@ -108,8 +112,8 @@ fn the_temperature_is_the_same_process_in_every_scheme() {
     }
 }
 
-/// T(0) is the sum of the harmonics at 0 and of rho v(0), to rounding, and the body feels K beta of it: b at the first event of a start outside
-/// the corridor is K (beta T(0) - x0).
+/// T(0) is the sum of the harmonics at 0 and of rho v(0), to rounding, and the body feels K beta of
+/// it: b at the first event of a start outside the corridor is K (beta T(0) - x0).
 #[test]
 fn every_scheme_starts_from_rho_times_the_noise_it_is_given() {
     let initial = InitialNoise::At(2.0);
@@ -127,8 +131,9 @@ fn every_scheme_starts_from_rho_times_the_noise_it_is_given() {
     }
 }
 
-/// Every bit of the number of a path, and of the seed, makes another path: of 65 numbers that differ from one by a bit each no two share
-/// their T at the end, and each is the path that it is alone. The same of 65 seeds.
+/// Every bit of the number of a path, and of the seed, makes another path: of 65 numbers that
+/// differ from one by a bit each no two share their T at the end, and each is the path that it is
+/// alone. The same of 65 seeds.
 #[test]
 fn every_bit_of_the_path_number_and_of_the_seed_counts_in_every_scheme() {
     let number = 5u64;
@@ -166,9 +171,10 @@ fn a_replay_of_a_number_beyond_sixteen_and_thirty_two_bits_is_another_path() {
     assert_eq!(ends.len(), 4);
 }
 
-/// x' is the rate of x, in every scheme, in a scene whose natural frequency is 2: between rows 2d apart in one sub-phase, (x(t + d) - x(t - d))/2d is
-/// x'(t) up to d times the change of the force over the mass, here below 2 % of the greatest velocity that the scheme shows. Where the body sticks
-/// both are zero.
+/// x' is the rate of x, in every scheme, in a scene whose natural frequency is 2: between rows 2d
+/// apart in one sub-phase, (x(t + d) - x(t - d))/2d is x'(t) up to d times the change of the force
+/// over the mass, here below 2 % of the greatest velocity that the scheme shows. Where the body
+/// sticks both are zero.
 #[test]
 fn the_velocity_is_the_rate_of_the_displacement_in_every_scheme() {
     let (d, end) = (0.002, 20.0);
@@ -200,8 +206,9 @@ fn the_velocity_is_the_rate_of_the_displacement_in_every_scheme() {
     }
 }
 
-/// (x, T) -> (-x, -T), with the sign of T turned by that of beta: each scheme with a step gives the same path with the other sign, bit for bit. A
-/// correction of the stick exit that took beta with its sign would raise the threshold of one of the two, and lower that of the other.
+/// (x, T) -> (-x, -T), with the sign of T turned by that of beta: each scheme with a step gives the
+/// same path with the other sign, bit for bit. A correction of the stick exit that took beta with
+/// its sign would raise the threshold of one of the two, and lower that of the other.
 #[test]
 fn a_body_that_shrinks_in_the_heat_does_the_same_on_the_other_side() {
     let model = paper(0.25, 0.25);
@@ -221,8 +228,9 @@ fn a_body_that_shrinks_in_the_heat_does_the_same_on_the_other_side() {
     }
 }
 
-/// Whatever the scheme, what it tells its observer leads to the counts, times and ways that its events and rows say: sticks and slips that begin at the end of
-/// the burn-in or later, and time and way from there on. The burn-in ends on the output grid, in slips and in sticks.
+/// Whatever the scheme, what it tells its observer leads to the counts, times and ways that its
+/// events and rows say: sticks and slips that begin at the end of the burn-in or later, and time
+/// and way from there on. The burn-in ends on the output grid, in slips and in sticks.
 #[test]
 fn a_burn_in_leaves_out_the_same_of_every_scheme() {
     let (model, after, end) = (paper(0.25, 0.25), 20.0, 60.0);

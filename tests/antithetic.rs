@@ -1,6 +1,7 @@
 //! Antithetic pairs: what the paths of a pair have in common, and intervals whose unit is the pair.
 //!
-//! Each statistical test states its null hypothesis, sample size and false-alarm rate, and has a fixed seed.
+//! Each statistical test states its null hypothesis, sample size and false-alarm rate, and has a
+//! fixed seed.
 
 use stick_slip::ensemble::{BLOCK_SIZE, Plan};
 use stick_slip::model::Event;
@@ -23,7 +24,8 @@ fn of_kind(kind: Kind) -> Scheme {
     kind.with(if kind.has_step() { 0.01 } else { 1e-3 })
 }
 
-/// y and -y - 1, one bit of 63 apart from -y, stand for normals that differ in sign only, to twice the error of the normals.
+/// y and -y - 1, one bit of 63 apart from -y, stand for normals that differ in sign only, to twice
+/// the error of the normals.
 #[test]
 fn a_mirror_image_has_the_same_normals_with_the_other_sign() {
     for (seed, path) in [(1, 0), (7, 4710), (u64::MAX, 1 << 39)] {
@@ -74,8 +76,9 @@ impl Observer for Seen {
     }
 }
 
-/// With v(0) = 0 the noise of paths 2k and 2k + 1 adds up to nothing, wherever no event depends on who looks, and the even path is that of a
-/// run without pairs. Each is replayed to the bit. In the schemes without steps the rows are ends of cells.
+/// With v(0) = 0 the noise of paths 2k and 2k + 1 adds up to nothing, wherever no event depends on
+/// who looks, and the even path is that of a run without pairs. Each is replayed to the bit. In the
+/// schemes without steps the rows are ends of cells.
 #[test]
 fn the_paths_of_a_pair_see_the_noise_and_its_mirror_image() {
     for &kind in Kind::ALL {
@@ -106,7 +109,8 @@ fn the_paths_of_a_pair_see_the_noise_and_its_mirror_image() {
     }
 }
 
-/// Parts of a run of pairs that are written, read and joined have the bits of the whole, on any number of threads.
+/// Parts of a run of pairs that are written, read and joined have the bits of the whole, on any
+/// number of threads.
 #[test]
 fn pairs_are_summed_to_the_same_bits_in_any_parts() {
     let plan = scenario(CorrectedVi { step: 0.05 }, 20.0, 1100, 2).plan();
@@ -125,8 +129,8 @@ fn pairs_are_summed_to_the_same_bits_in_any_parts() {
     same(&joined.totals().summary(), &whole);
 }
 
-/// Of a pair of which a path diverges neither path is in the statistics, and both are listed. The step is so long that some paths
-/// diverge and others do not.
+/// Of a pair of which a path diverges neither path is in the statistics, and both are listed. The
+/// step is so long that some paths diverge and others do not.
 #[test]
 fn a_pair_is_left_out_as_a_whole() {
     let mut paired = scenario(of_kind(Kind::EventDriven), 60.0, 512, 2);
@@ -149,10 +153,11 @@ struct Held {
     truth: f64,
 }
 
-/// Null: of runs of 200 pairs, each with another seed, intervals of every statistic hold its truth in 95 %; the truth is that of 2e6 paths
-/// without pairs, which adds 1 % to what the runs scatter by. Of 1000 seeds 950 +- 7 hold; four standard deviations and 10 more are allowed,
-/// for 200 pairs are few for what is skewed, and the false-alarm rate is 1e-4 each. What is counted path by path (a quantile, P(static)) is
-/// stated with more caution: it holds 930 times or more.
+/// Null: of runs of 200 pairs, each with another seed, intervals of every statistic hold its truth
+/// in 95 %; the truth is that of 2e6 paths without pairs, which adds 1 % to what the runs scatter
+/// by. Of 1000 seeds 950 +- 7 hold; four standard deviations and 10 more are allowed, for 200 pairs
+/// are few for what is skewed, and the false-alarm rate is 1e-4 each. What is counted path by path
+/// (a quantile, P(static)) is stated with more caution: it holds 930 times or more.
 ///
 /// Were the path the unit, the interval of the mean of x(t_end) would hold always.
 #[test]
@@ -211,9 +216,10 @@ fn intervals_hold_whose_unit_is_the_pair() {
     }
 }
 
-/// What pairs gain in `rho025`: the variance of an estimate from as many paths without pairs, over that with them, which is 1/(1 + r) for paths
-/// of a pair whose correlation is r. 20 000 paths to t_end = 60; the gains of means are known to 3 %. Stated: 6.7 for the mean of x(60), none
-/// for sticks, a loss for the first stick.
+/// What pairs gain in `rho025`: the variance of an estimate from as many paths without pairs, over
+/// that with them, which is 1/(1 + r) for paths of a pair whose correlation is r. 20 000 paths to
+/// t_end = 60; the gains of means are known to 3 %. Stated: 6.7 for the mean of x(60), none for
+/// sticks, a loss for the first stick.
 #[test]
 fn pairs_gain_where_paths_mirror_each_other() {
     let gain = |statistic: Statistic| {

@@ -1,6 +1,8 @@
-//! How often what a run says of its bias is off by more than it says, on scenes that no rule was made for.
+//! How often what a run says of its bias is off by more than it says, on scenes that no rule was
+//! made for.
 //!
-//! `cargo test --release --test bias_coverage -- --ignored --nocapture`; docs/bias.md has the last result.
+//! `cargo test --release --test bias_coverage -- --ignored --nocapture`; docs/bias.md has the last
+//! result.
 
 mod common;
 
@@ -33,8 +35,9 @@ fn reported(model: &Model, scheme: Scheme, seed: u64, paths: u64) -> Vec<(Statis
     plan.estimate(&run(model, scheme, seed, paths), 2, &AtomicBool::new(false)).unwrap_or_default()
 }
 
-/// Light noise and nearly equal frictions: sticks are either short or long, and a step misses many of the short ones. At
-/// h = 0.01 most of those that it sees are long, so its median is 1.55; at zero step most are short, and the median is 0.40.
+/// Light noise and nearly equal frictions: sticks are either short or long, and a step misses many
+/// of the short ones. At h = 0.01 most of those that it sees are long, so its median is 1.55; at
+/// zero step most are short, and the median is 0.40.
 fn two_humps(static_force: f64, intensity: f64) -> Model {
     let mut model = paper(0.25, intensity);
     let oscillator = &mut model.oscillator;
@@ -71,7 +74,8 @@ fn scenes() -> Vec<(String, Model)> {
     scenes
 }
 
-/// Where a number of a large run may lie: two standard errors to either side, or in the interval of a median.
+/// Where a number of a large run may lie: two standard errors to either side, or in the interval of
+/// a median.
 fn ends(e: &Estimate) -> (f64, f64) {
     match e.statistic {
         Statistic::StickDurationMedian => (e.low, e.high),
@@ -85,11 +89,12 @@ const FEWEST: usize = 100;
 /// Misses, and how many there might be.
 type Count = (usize, usize);
 
-/// Nine scenes at three steps, both schemes, 10 000 and 2000 paths, 20 seeds. Truth: 200 000 paths at the step less 300 000
-/// event-driven ones, each with what it is known to. Null: an estimate is off by more than it says with a probability of 5 % at
-/// most. For each statistic and setting the misses are below the mean of that binomial law plus 3.7 of its standard deviations (1e-4
-/// each, 250 of them: a false alarm in 40 runs), 19 of 180; half the uncertainty makes 30 %, 54 of 180. All together are below half of
-/// what is stated, since most statements are cautious.
+/// Nine scenes at three steps, both schemes, 10 000 and 2000 paths, 20 seeds. Truth: 200 000 paths
+/// at the step less 300 000 event-driven ones, each with what it is known to. Null: an estimate is
+/// off by more than it says with a probability of 5 % at most. For each statistic and setting the
+/// misses are below the mean of that binomial law plus 3.7 of its standard deviations (1e-4 each,
+/// 250 of them: a false alarm in 40 runs), 19 of 180; half the uncertainty makes 30 %, 54 of 180.
+/// All together are below half of what is stated, since most statements are cautious.
 #[test]
 #[ignore = "a measurement of some minutes"]
 fn no_statistic_of_any_setting_is_missed_more_often_than_it_says() {

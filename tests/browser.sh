@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# Open reports in a headless Chromium and hold what they show against their files: tests/python/browser.py says how.
+# Open reports in a headless Chromium and hold what they show against their files:
+# tests/python/browser.py says how.
 # `tools/setup --tests` installs the browser.
 set -euo pipefail
 cd "$(dirname "$0")/.."

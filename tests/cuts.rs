@@ -1,4 +1,5 @@
-//! However a run is cut into parts, and in whatever order the parts are done, it comes to the same bits.
+//! However a run is cut into parts, and in whatever order the parts are done, it comes to the same
+//! bits.
 
 use proptest::prelude::*;
 use std::sync::OnceLock;
@@ -15,7 +16,8 @@ use stick_slip::stats::{
 
 const BLOCKS: u64 = 23;
 
-/// Noise, seven forcing periods, a burn-in of more than one of them, 31 rows; the last block is not full.
+/// Noise, seven forcing periods, a burn-in of more than one of them, 31 rows; the last block is not
+/// full.
 fn scenario() -> Scenario {
     let set = [
         "time.end=60",
@@ -154,8 +156,9 @@ impl Tally<2> for Slips {
     }
 }
 
-/// The number of slips that begin, per path, is that of completed slips and of slips cut off at the end: the tally's own
-/// count against the program's. The interval of the mean is the same too where no slip is cut off.
+/// The number of slips that begin, per path, is that of completed slips and of slips cut off at the
+/// end: the tally's own count against the program's. The interval of the mean is the same too where
+/// no slip is cut off.
 #[test]
 fn a_tally_is_folded_in_parallel_to_the_same_bits_and_sees_what_the_program_sees() {
     struct Count;
@@ -204,8 +207,9 @@ fn a_tally_is_folded_in_parallel_to_the_same_bits_and_sees_what_the_program_sees
     assert_eq!(Slips.estimate(&joined.own()), one);
 }
 
-/// What the documentation says of the size of a state. The nodes of the tree: after 2^k - 1 blocks, when every level holds one.
-/// What is counted exactly, in one copy whatever the number of blocks: after enough paths for all of it to be in bins.
+/// What the documentation says of the size of a state. The nodes of the tree: after 2^k - 1 blocks,
+/// when every level holds one. What is counted exactly, in one copy whatever the number of blocks:
+/// after enough paths for all of it to be in bins.
 #[test]
 fn the_state_of_a_run_is_as_small_as_promised() {
     for (rows, node_bytes, exact_bytes) in [(121_u64, 10_000, 6_500_000), (10_000, 760_000, 65_000_000)] {

@@ -1,5 +1,6 @@
-//! The discrete variational inequality against what it was not derived from: the paper's printed digits, the exact cascade, another
-//! program's ensemble, invariances of the model, and the loop everybody writes first.
+//! The discrete variational inequality against what it was not derived from: the paper's printed
+//! digits, the exact cascade, another program's ensemble, invariances of the model, and the loop
+//! everybody writes first.
 // Reference numbers keep the digits they were computed with.
 #![allow(clippy::excessive_precision)]
 
@@ -28,8 +29,8 @@ fn near(a: f64, b: f64, tolerance: f64) -> bool {
     (a - b).abs() <= tolerance
 }
 
-/// Every digit that the paper prints of its figure on Shaw's case, which it made with forcing frequency 1/4 and h = 0.01
-/// (not with the 1/2 of its text: see docs/model.md).
+/// Every digit that the paper prints of its figure on Shaw's case, which it made with forcing
+/// frequency 1/4 and h = 0.01 (not with the 1/2 of its text: see docs/model.md).
 #[test]
 fn shaws_case_has_every_digit_the_paper_prints() {
     let keep = simulate(&paper(0.25, 0.0), 26.0, 0.01, 0.01, &[0]);
@@ -48,7 +49,8 @@ fn shaws_case_has_every_digit_the_paper_prints() {
     assert!(near(events[3].time, 25.75, 1e-9));
 }
 
-/// The exact cascade for rho = 0, from 40-digit arithmetic on the closed form of each sub-phase: (t, x) of the first events.
+/// The exact cascade for rho = 0, from 40-digit arithmetic on the closed form of each sub-phase:
+/// (t, x) of the first events.
 #[allow(clippy::excessive_precision)] // the digits of the table
 const EXACT_QUARTER: [(f64, f64); 5] = [
     (2.574_004_435_173_137_55, 6.0),
@@ -69,9 +71,11 @@ const EXACT_HALF: [(f64, f64); 6] = [
     (24.991_827_957_873_689_6, 6.476_949_291_157_171_13),
 ];
 
-/// The error of every event time and place falls like h, and is so many steps at most, those of the times and those of the places: measured 6.3 and 5.5 with forcing
-/// 1/4, 8.6 and 13.5 with 1/2, whose path is longer, at eight steps from 0.02 to 0.02/128. Event times are multiples of h, so single errors jump by up to a step,
-/// by which the bounds are higher, and which moves the fitted order of the times by 0.03, that of the places by less.
+/// The error of every event time and place falls like h, and is so many steps at most, those of the
+/// times and those of the places: measured 6.3 and 5.5 with forcing 1/4, 8.6 and 13.5 with 1/2,
+/// whose path is longer, at eight steps from 0.02 to 0.02/128. Event times are multiples of h, so
+/// single errors jump by up to a step, by which the bounds are higher, and which moves the fitted
+/// order of the times by 0.03, that of the places by less.
 fn assert_first_order(w: f64, exact: &[(f64, f64)], most: (f64, f64)) {
     let steps: Vec<f64> = (0..8).map(|k| 0.02 / f64::from(1 << k)).collect();
     let errors: Vec<(f64, f64)> = steps
@@ -113,8 +117,9 @@ fn the_cascade_of_forcing_a_half_is_approached_with_order_one_sub_phases_include
     assert_eq!((turns, sticks), (11, 11), "two sub-phases in each dynamic phase");
 }
 
-/// The reference draws its own normals; the kernel must read the same cascade off the same ones. Rounding differs (the
-/// reference does not fuse), so places agree to 1e-9 and, with this seed, every event falls on the same step.
+/// The reference draws its own normals; the kernel must read the same cascade off the same ones.
+/// Rounding differs (the reference does not fuse), so places agree to 1e-9 and, with this seed,
+/// every event falls on the same step.
 #[test]
 fn the_kernel_gives_the_cascade_of_the_reference_on_the_same_normals() {
     let mut damped = paper(0.25, 0.25);
@@ -150,10 +155,12 @@ fn the_kernel_gives_the_cascade_of_the_reference_on_the_same_normals() {
     }
 }
 
-/// The error of the normals moves no statistic: the loop above on our normals and, path by path, on the exact inverses of the same draws (one step of
-/// Newton's method with libm's erfc leaves 1e-16). An event moves by a step where an increment of 1e-9 decides, and
-/// then mostly by that step alone. 2000 paths of `rho025`: means of the number of sticks, the time stuck, the first stick and the last place each
-/// differ by less than 1/20 of their standard error. Normals too large by 1e-3 leave 241 of these cascades and move the first stick by 1/8.
+/// The error of the normals moves no statistic: the loop above on our normals and, path by path, on
+/// the exact inverses of the same draws (one step of Newton's method with libm's erfc leaves
+/// 1e-16). An event moves by a step where an increment of 1e-9 decides, and then mostly by that
+/// step alone. 2000 paths of `rho025`: means of the number of sticks, the time stuck, the first
+/// stick and the last place each differ by less than 1/20 of their standard error. Normals too
+/// large by 1e-3 leave 241 of these cascades and move the first stick by 1/8.
 #[test]
 fn the_error_of_the_normals_moves_no_statistic() {
     let (model, h, steps, paths) = (paper(0.25, 0.25), 0.01, 6000, 2000);
@@ -245,7 +252,8 @@ fn a_path_does_not_depend_on_its_company() {
     assert!(rarely.events[0] == all.events[5]);
 }
 
-/// Without noise nothing is drawn: the seed changes no bit, and a noise of intensity 0 is the scene without noise.
+/// Without noise nothing is drawn: the seed changes no bit, and a noise of intensity 0 is the scene
+/// without noise.
 #[test]
 fn intensity_zero_is_the_deterministic_case_bit_for_bit() {
     let without = paper(0.25, 0.0);
@@ -261,8 +269,8 @@ fn intensity_zero_is_the_deterministic_case_bit_for_bit() {
     assert!(deterministic.events[0] == deterministic.events[2]);
 }
 
-/// As rho falls by ten, so does the distance from the deterministic path: in x over the first period, and in the event times (which
-/// are multiples of h = 1e-5, hence no smaller rho there).
+/// As rho falls by ten, so does the distance from the deterministic path: in x over the first
+/// period, and in the event times (which are multiples of h = 1e-5, hence no smaller rho there).
 #[test]
 fn the_noise_goes_out_in_proportion_to_its_intensity() {
     let (end, h) = (26.0, 1e-3);
@@ -274,8 +282,9 @@ fn the_noise_goes_out_in_proportion_to_its_intensity() {
         squares.sqrt()
     };
     let d: Vec<f64> = (1..=6).map(|k| distance(10f64.powi(-k))).collect();
-    // rho = 0.1 still changes which events there are; below, a tenth of rho is a tenth of the distance, up to the steps of event
-    // times of size h, which act on x like a force f_s - f_d during h
+    // rho = 0.1 still changes which events there are; below, a tenth of rho is a tenth of the
+    // distance, up to the steps of event times of size h, which act on x like a force f_s - f_d
+    // during h
     for pair in d[1..4].windows(2) {
         assert!((5.0..20.0).contains(&(pair[0] / pair[1])), "{d:?}");
     }
@@ -285,13 +294,15 @@ fn the_noise_goes_out_in_proportion_to_its_intensity() {
     let start = |rho: f64, path: u64| simulate(&paper(0.25, rho), 4.0, h, 4.0, &[path]).events[0][0].time;
     for path in 0..4 {
         let (coarse, fine) = (start(1e-2, path) - 2.574_004_435, start(1e-3, path) - 2.574_004_435);
-        // the exit is where rho v(t) meets the corridor: linear in rho up to the correlation of v over the shift
+        // the exit is where rho v(t) meets the corridor: linear in rho up to the correlation of v
+        // over the shift
         assert!(fine.abs() < 0.4 * coarse.abs() + 2e-3 && fine.abs() < 0.03, "path {path}: {coarse} {fine}");
     }
 }
 
-/// (x, T) -> (-x, -T): with T's sign turned by the phase pi and the noise's by its draws' sign. The deterministic case is exact up to
-/// the rounding of cos(t + pi); the noisy case is tested by negating rho, which negates every product with it exactly.
+/// (x, T) -> (-x, -T): with T's sign turned by the phase pi and the noise's by its draws' sign. The
+/// deterministic case is exact up to the rounding of cos(t + pi); the noisy case is tested by
+/// negating rho, which negates every product with it exactly.
 #[test]
 fn the_model_is_odd() {
     let mirrored = |mut model: Model| {
@@ -311,7 +322,8 @@ fn the_model_is_odd() {
     }
 }
 
-/// Lengths by 8, times by 4, forces by 2 (powers of two, so that scaling is exact): every event scales with them.
+/// Lengths by 8, times by 4, forces by 2 (powers of two, so that scaling is exact): every event
+/// scales with them.
 #[test]
 fn the_model_scales() {
     let (length, time, force) = (8.0, 4.0, 2.0);
@@ -344,7 +356,8 @@ fn the_model_scales() {
     }
 }
 
-/// d/dt (m x'^2/2 + K x^2/2) = K beta T x' - 2 alpha x'^2 - f_d |x'|, summed over the path: the mismatch falls like h.
+/// d/dt (m x'^2/2 + K x^2/2) = K beta T x' - 2 alpha x'^2 - f_d |x'|, summed over the path: the
+/// mismatch falls like h.
 #[test]
 fn energy_is_balanced_to_first_order() {
     let mut model = paper(0.25, 0.0);
@@ -372,7 +385,8 @@ fn energy_is_balanced_to_first_order() {
     assert!(coarse < 0.05 * 37.0, "{coarse}");
 }
 
-/// With f_d = f_s the step is the paper's single discrete VI: V_{n+1} is the prox, which solves the inequality.
+/// With f_d = f_s the step is the paper's single discrete VI: V_{n+1} is the prox, which solves the
+/// inequality.
 #[test]
 fn equal_thresholds_are_the_single_variational_inequality() {
     let mut model = paper(0.25, 0.25);
@@ -416,8 +430,9 @@ fn a_start_outside_the_corridor_slips_at_once() {
     assert!(events[1].time > 0.5, "the first zero of the velocity is not the start");
 }
 
-/// A reversal looks like a one-step stick with probability 2 f_s / (|b| + f_d), whatever h is. Reading every zero as a stick would
-/// therefore give other sub-phase counts that do not converge: here both are counted on the same run.
+/// A reversal looks like a one-step stick with probability 2 f_s / (|b| + f_d), whatever h is.
+/// Reading every zero as a stick would therefore give other sub-phase counts that do not converge:
+/// here both are counted on the same run.
 #[test]
 fn a_zero_with_a_large_force_is_a_turning_point_and_not_a_stick() {
     let model = paper(0.25, 0.25);
@@ -439,8 +454,9 @@ fn a_zero_with_a_large_force_is_a_turning_point_and_not_a_stick() {
     assert!(turns > 200 && f64::from(at_zero) > 0.5 * f64::from(turns), "{at_zero} of {turns}");
 }
 
-/// Undamped explicit steps feed energy in; above A_c = 4 f_d / (pi w0 h K) more than friction takes out. Free oscillation (no forcing) with
-/// small friction: below A_c it comes to rest, above it grows until it is reported as diverged.
+/// Undamped explicit steps feed energy in; above A_c = 4 f_d / (pi w0 h K) more than friction takes
+/// out. Free oscillation (no forcing) with small friction: below A_c it comes to rest, above it
+/// grows until it is reported as diverged.
 #[test]
 fn amplitudes_above_the_critical_one_grow_and_are_reported() {
     let mut model = paper(0.25, 0.0);
@@ -461,9 +477,11 @@ fn amplitudes_above_the_critical_one_grow_and_are_reported() {
     assert_eq!(lost, [0], "grown beyond ten times every bound of the model");
 }
 
-/// A step of 20 natural times multiplies the amplitude by 20 and more, so x passes the greatest number after 236 steps, and x and x' are NaN, which is
-/// neither above nor below any bound, before a path is looked at for the first time, after 256 steps. Both paths count as lost all the same, by every
-/// instruction set, with noise and without, in the scheme and in an ensemble; whatever is left over is in no statistic.
+/// A step of 20 natural times multiplies the amplitude by 20 and more, so x passes the greatest
+/// number after 236 steps, and x and x' are NaN, which is neither above nor below any bound, before
+/// a path is looked at for the first time, after 256 steps. Both paths count as lost all the same,
+/// by every instruction set, with noise and without, in the scheme and in an ensemble; whatever is
+/// left over is in no statistic.
 #[test]
 fn a_path_that_is_no_number_when_it_is_first_looked_at_has_diverged() {
     let (h, end) = (20.0, 6000.0);
@@ -484,9 +502,9 @@ fn a_path_that_is_no_number_when_it_is_first_looked_at_has_diverged() {
     }
 }
 
-/// Null: T(t) is the same on the grid of the coarsest step, up to the rounding of 1000 steps, however many of the shorter steps' normals a
-/// step is fed. The noise starts from a draw, decays over half a unit of time and is wide: a normal left out or weighed
-/// wrongly moves T by about 0.1.
+/// Null: T(t) is the same on the grid of the coarsest step, up to the rounding of 1000 steps,
+/// however many of the shorter steps' normals a step is fed. The noise starts from a draw, decays
+/// over half a unit of time and is wide: a normal left out or weighed wrongly moves T by about 0.1.
 #[test]
 fn steps_fed_by_finer_ones_see_the_same_noise() {
     let mut model = paper(0.25, 2.0);

@@ -1,4 +1,5 @@
-//! The run as a library: where goals end it, what sinks and progress are told, and how an error ends it.
+//! The run as a library: where goals end it, what sinks and progress are told, and how an error
+//! ends it.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
@@ -56,8 +57,9 @@ fn a_goal_that_cannot_be_reached_ends_the_run_and_says_why() {
     assert!(matches!(outcome.ended_by, Some(EndedBy::Hopeless(Hopeless::TooFar { needed, .. })) if needed > 1e12));
 }
 
-/// A goal that any number of paths reaches is looked at after four blocks, and not before: a standard error of fewer paths is itself known
-/// too badly. That the goal was reached after the first block already is what makes the claim one about the look.
+/// A goal that any number of paths reaches is looked at after four blocks, and not before: a
+/// standard error of fewer paths is itself known too badly. That the goal was reached after the
+/// first block already is what makes the claim one about the look.
 #[test]
 fn a_goal_is_first_looked_at_after_four_blocks() {
     let scenario = scenario(20 * BLOCK_SIZE, &[]);
@@ -72,8 +74,9 @@ fn a_goal_is_first_looked_at_after_four_blocks() {
     }
 }
 
-/// The paths are so many that no machine simulates them in the time, 3e9 steps in a tenth of a second, and so few that a limit that is ignored
-/// fails the test instead of holding it up for ever.
+/// The paths are so many that no machine simulates them in the time, 3e9 steps in a tenth of a
+/// second, and so few that a limit that is ignored fails the test instead of holding it up for
+/// ever.
 #[test]
 fn a_time_limit_ends_a_run_that_has_goals_as_well() {
     let scenario = scenario(12_000 * BLOCK_SIZE, &[]);

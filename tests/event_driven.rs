@@ -1,7 +1,7 @@
 //! The event-driven scheme against what it was not derived from.
 //!
-//! Exact tests compare with tables of high-precision arithmetic. Statistical tests have a fixed seed; each states its
-//! null hypothesis, sample size and false-alarm rate.
+//! Exact tests compare with tables of high-precision arithmetic. Statistical tests have a fixed
+//! seed; each states its null hypothesis, sample size and false-alarm rate.
 // Reference numbers keep the digits they were computed with.
 #![allow(clippy::excessive_precision)]
 
@@ -59,7 +59,8 @@ fn kind_number(kind: EventKind) -> u8 {
 /// Kind, t, x, b of an exact table.
 type Row = (u8, f64, f64, f64);
 
-/// Exact cascade of the paper's noiseless scene, forcing frequency 1/4: 40-digit arithmetic, closed forms and bisection.
+/// Exact cascade of the paper's noiseless scene, forcing frequency 1/4: 40-digit arithmetic, closed
+/// forms and bisection.
 const QUARTER: &[Row] = &[
     (1, 2.57400443517313755, 6.0, -1.2),
     (0, 13.3613220575479587, -6.18847247536762567, 0.306573202338802169),
@@ -85,7 +86,8 @@ const QUARTER: &[Row] = &[
     (0, 138.881726483748099, -6.17946974459977021, 0.258915182271240379),
 ];
 
-/// The same with forcing frequency 1/2, as the paper prints it: two sub-phases in every dynamic phase.
+/// The same with forcing frequency 1/2, as the paper prints it: two sub-phases in every dynamic
+/// phase.
 const HALF: &[Row] = &[
     (1, 1.28700221758656877, 6.0, -1.2),
     (2, 6.42517019752096936, -9.74381267516092767, 3.75892610782486854),
@@ -122,7 +124,8 @@ const HALF: &[Row] = &[
     (0, 138.20498808436356, 6.75220178977171212, -0.752673864737951006),
 ];
 
-/// Every event within a relative 1e-12; the unit is the size of the motion where a value is near zero.
+/// Every event within a relative 1e-12; the unit is the size of the motion where a value is near
+/// zero.
 fn assert_cascade(name: &str, events: &[Event], exact: &[Row]) {
     assert_eq!(events.len(), exact.len(), "{name}: {events:?}");
     for (event, &(kind, t, x, b)) in events.iter().zip(exact) {
@@ -189,8 +192,9 @@ fn every_damping_regime_and_resonance_is_exact() {
 
 #[test]
 fn ten_thousand_periods_do_not_drift() {
-    // After its transient the orbit of the 1/4 scene is symmetric: half a forcing period later, everything has changed
-    // sign. The contraction (a factor 8 a phase, see QUARTER) has reached rounding long before event 100.
+    // After its transient the orbit of the 1/4 scene is symmetric: half a forcing period later,
+    // everything has changed sign. The contraction (a factor 8 a phase, see QUARTER) has reached
+    // rounding long before event 100.
     let half_period = std::f64::consts::PI / 0.25;
     let periods = 1e4;
     let events = noiseless_events(&paper(0.25, 0.0), 2.0 * half_period * periods);
@@ -258,7 +262,8 @@ fn observing_does_not_touch_a_noiseless_path() {
 
 #[test]
 fn a_temperature_that_relaxes_without_diffusion_is_one_more_exponential() {
-    // sigma = 0, v(0) = 2, no harmonics: b = 6 e^{-t/2} - x leaves the corridor downwards where 6 e^{-t/2} = 6 - 1.2.
+    // sigma = 0, v(0) = 2, no harmonics: b = 6 e^{-t/2} - x leaves the corridor downwards where 6
+    // e^{-t/2} = 6 - 1.2.
     let mut model = paper(0.25, 0.0);
     model.temperature = Temperature {
         harmonics: Vec::new(),
@@ -270,7 +275,8 @@ fn a_temperature_that_relaxes_without_diffusion_is_one_more_exponential() {
     let events = noiseless_events(&model, 60.0);
     assert!((events[0].time - 2.0 * (6.0f64 / 4.8).ln()).abs() < 1e-14);
     assert_eq!(events[0].kind, EventKind::SlipStarted(Sign::Negative));
-    // Then x'' + x = 1 + 4.8 e^{-r/2} with x(0) = 6: x = 1 + 3.84 e^{-r/2} + 1.16 cos r + 1.92 sin r.
+    // Then x'' + x = 1 + 4.8 e^{-r/2} with x(0) = 6: x = 1 + 3.84 e^{-r/2} + 1.16 cos r + 1.92 sin
+    // r.
     let r = events[1].time - events[0].time;
     let velocity = -1.92 * (-r / 2.0).exp() - 1.16 * r.sin() + 1.92 * r.cos();
     assert!(velocity.abs() < 1e-13);
@@ -301,9 +307,10 @@ impl Observer for TemperatureMoments {
 
 #[test]
 fn noise_that_moves_nothing_is_seen_in_the_temperature() {
-    // beta = 0, and beta so small that the noise is lost in the rounding of the forces: T is still cos(t/4) + rho v, v the process
-    // started at 2 or in its stationary law. Null: mean, variance and autocovariance at lag 0.7 of that process. 1e5 paths, ten
-    // times, 240 comparisons at 3.9 standard errors (1e-4) each; seed 11.
+    // beta = 0, and beta so small that the noise is lost in the rounding of the forces: T is still
+    // cos(t/4) + rho v, v the process started at 2 or in its stationary law. Null: mean, variance
+    // and autocovariance at lag 0.7 of that process. 1e5 paths, ten times, 240 comparisons at 3.9
+    // standard errors (1e-4) each; seed 11.
     let (rho, theta, sigma, lag, paths) = (0.25, 0.5, 2.0, 0.7, 100_000u64);
     let stationary: f64 = rho * rho * sigma * sigma / (2.0 * theta);
     let (numbers, n): (Vec<u64>, f64) = ((0..paths).collect(), paths as f64);
@@ -349,8 +356,9 @@ fn noise_that_moves_nothing_is_seen_in_the_temperature() {
 
 #[test]
 fn the_slip_transition_keeps_ten_digits_in_every_entry_for_every_step() {
-    // Against Van Loan's block exponential and spectral sums in 220-digit arithmetic (tests/reference/slip_transition.py).
-    // Exempt: what has decayed to less than 1e-100 of its natural scale, where nothing it is added to can see it.
+    // Against Van Loan's block exponential and spectral sums in 220-digit arithmetic
+    // (tests/reference/slip_transition.py). Exempt: what has decayed to less than 1e-100 of its
+    // natural scale, where nothing it is added to can see it.
     for line in include_str!("reference/slip_transition.csv").lines().skip(1) {
         let row: Vec<f64> = line.split(',').map(|f| f.parse().expect("a number")).collect();
         let (w0, theta, alpha, h) = (row[0], row[1], row[2], row[3]);
@@ -396,7 +404,8 @@ fn the_slip_transition_keeps_ten_digits_in_every_entry_for_every_step() {
 
 #[test]
 fn a_step_through_the_transition_follows_the_closed_form_under_forcing() {
-    // The noiseless sub-phase by series and doubling against divided differences of the exponential, at resonance too.
+    // The noiseless sub-phase by series and doubling against divided differences of the
+    // exponential, at resonance too.
     for (alpha, w) in [(0.0, 1.0), (0.0, 0.25), (0.1, 1.75), (1.0, 0.25), (4.0, 0.0)] {
         let free = ImpulseResponse::new(alpha, 1.0);
         let oscillator = DrivenOscillator::new(1.0, alpha, 1.0, 1.0, 0.0, &[w]);
@@ -506,8 +515,9 @@ fn statistics(paths: &[Fold]) -> [(&'static str, (f64, f64)); 8] {
 
 #[test]
 fn the_paper_s_noisy_scene_has_the_reference_statistics() {
-    // Null: the statistics are those of another program of other construction (tests/reference/noisy.c), but for the 0.1 % that the
-    // tolerance allows; the first stick has an exact mean (backward Kolmogorov equation). 2e5 paths, 8 comparisons at 1e-4 each.
+    // Null: the statistics are those of another program of other construction
+    // (tests/reference/noisy.c), but for the 0.1 % that the tolerance allows; the first stick has
+    // an exact mean (backward Kolmogorov equation). 2e5 paths, 8 comparisons at 1e-4 each.
     let reference = |name: &str| match name {
         "first_stick_duration_mean" => (0.775576827665, 0.0),
         _ => common::reference::limit(name),
@@ -523,8 +533,9 @@ fn the_paper_s_noisy_scene_has_the_reference_statistics() {
 
 #[test]
 fn statistics_do_not_depend_on_the_tolerance_nor_on_being_observed() {
-    // Null: equal values of every statistic there is; all of them exist in this scene, which has three whole forcing periods. 1e5 paths a
-    // side, 84 comparisons at a false-alarm rate of 1e-4 each, seeds 1 to 5.
+    // Null: equal values of every statistic there is; all of them exist in this scene, which has
+    // three whole forcing periods. 1e5 paths a side, 84 comparisons at a false-alarm rate of 1e-4
+    // each, seeds 1 to 5.
     let line = |output_step| Timeline { end: 76.0, output_step, period: Some(8.0 * std::f64::consts::PI), after: 0.0 };
     let standard = event_driven_summary(&paper(0.25, 0.25), &line(60.0), DEFAULT_TOLERANCE, 1, 100_000);
     let others = [(0.5, 60.0, 2), (2.0, 60.0, 3), (1.0, 0.7, 4), (16.0, 0.3, 5)];
@@ -555,8 +566,9 @@ impl Observer for EndStates {
 
 #[test]
 fn without_friction_finding_zeros_leaves_the_gaussian_law_alone() {
-    // f_s = f_d = 0: every zero of x' is an event, found, cut at and restarted from; yet (x, x') must keep the law of a linear
-    // system: the mean and covariance of one exact transition over the whole time. 1e5 paths, 5 moments a case at 1e-4.
+    // f_s = f_d = 0: every zero of x' is an event, found, cut at and restarted from; yet (x, x')
+    // must keep the law of a linear system: the mean and covariance of one exact transition over
+    // the whole time. 1e5 paths, 5 moments a case at 1e-4.
     for (case, (rho, theta, alpha)) in [(0.25, 1.0, 0.0), (2.0, 0.3, 0.1), (0.5, 4.0, 0.5)].into_iter().enumerate() {
         let mut model = paper(0.25, rho);
         model.friction = Friction { static_force: 0.0, dynamic_force: 0.0 };
@@ -635,9 +647,9 @@ impl Observer for Reported {
     }
 }
 
-/// Whoever looks at a path, at whatever instants, sees the same events to the last bit, and the same
-/// state wherever a row lies on the end of a cell (multiples of 0.5 in this scene). An end of the run
-/// in the middle of a cell cuts the same path off.
+/// Whoever looks at a path, at whatever instants, sees the same events to the last bit, and the
+/// same state wherever a row lies on the end of a cell (multiples of 0.5 in this scene). An end of
+/// the run in the middle of a cell cuts the same path off.
 #[test]
 fn looking_at_a_path_does_not_change_it() {
     let model = paper(0.25, 0.25);
@@ -720,12 +732,12 @@ fn mean_and_error(values: &[f64]) -> (f64, f64) {
     (mean, (values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (n - 1.0) / n).sqrt())
 }
 
-/// Null: what is drawn for somebody who looks inside a cell has the law of what is there at the end of
-/// a cell. At the default tolerance cells are 0.5 long, and t = 0.7, 1.4, .. lies inside them but for
-/// every fifth; at a twenty-fifth of it, 0.1 long, and all of these are ends. 9 moments at 10
-/// instants, 1e5 paths a side, seeds 61 and 62, false alarms 1e-4 each; a stick in which the bridge
-/// is drawn without asking whether it stays in the corridor, or a slip whose noise is twice too large
-/// in between, is off by tens of standard errors.
+/// Null: what is drawn for somebody who looks inside a cell has the law of what is there at the end
+/// of a cell. At the default tolerance cells are 0.5 long, and t = 0.7, 1.4, .. lies inside them
+/// but for every fifth; at a twenty-fifth of it, 0.1 long, and all of these are ends. 9 moments at
+/// 10 instants, 1e5 paths a side, seeds 61 and 62, false alarms 1e-4 each; a stick in which the
+/// bridge is drawn without asking whether it stays in the corridor, or a slip whose noise is twice
+/// too large in between, is off by tens of standard errors.
 #[test]
 fn what_is_seen_inside_a_cell_has_the_law_of_the_path() {
     let model = paper(0.25, 0.25);
@@ -767,11 +779,11 @@ impl Observer for Increments {
     }
 }
 
-/// Null: in a slip whose forces are 1e9 times what the noise moves them by, so that no force tells the
-/// noise, T goes from row to row as the noise does: 40 rows inside one cell (0.5 long) in each of 500
-/// paths, whose scaled squares have mean 1 +- 0.01; seed 12, false alarm 1e-4 each. The same where four
-/// rows of five are a closer look. (Rows drawn one by one from the law given both ends of the cell have
-/// a mean of 18.)
+/// Null: in a slip whose forces are 1e9 times what the noise moves them by, so that no force tells
+/// the noise, T goes from row to row as the noise does: 40 rows inside one cell (0.5 long) in each
+/// of 500 paths, whose scaled squares have mean 1 +- 0.01; seed 12, false alarm 1e-4 each. The same
+/// where four rows of five are a closer look. (Rows drawn one by one from the law given both ends
+/// of the cell have a mean of 18.)
 #[test]
 fn in_a_slip_the_temperature_moves_as_the_noise_does_however_feeble_it_is() {
     let mut model = paper(0.25, 0.25);
@@ -793,8 +805,8 @@ fn in_a_slip_the_temperature_moves_as_the_noise_does_however_feeble_it_is() {
 }
 
 /// Two scenes see the same noise: the variance of the difference of two runs with one seed, against
-/// that of independent runs, for rho = 0.25 and 0.2525. 2e4 paths; the gains are known to some 5 %, so
-/// that nine tenths of a target are a fixed floor.
+/// that of independent runs, for rho = 0.25 and 0.2525. 2e4 paths; the gains are known to some 5 %,
+/// so that nine tenths of a target are a fixed floor.
 #[test]
 fn two_scenes_see_the_same_noise() {
     let runs = [0.25, 0.2525].map(|rho| folds(&paper(0.25, rho), &timeline(60.0), DEFAULT_TOLERANCE, 17, 20_000));
@@ -852,8 +864,9 @@ fn events_alternate_as_the_cascade_says_and_carry_consistent_forces() {
 
 #[test]
 fn units_do_not_matter_path_by_path() {
-    // Length and force in units of 1/4, time in units of 1/2 (mass keeps K/m): powers of two, so that only the transcendental
-    // functions may round differently; paths stay together while no event is decided by that.
+    // Length and force in units of 1/4, time in units of 1/2 (mass keeps K/m): powers of two, so
+    // that only the transcendental functions may round differently; paths stay together while no
+    // event is decided by that.
     let model = paper(0.25, 0.25);
     let mut scaled = model.clone();
     let (length, time) = (4.0, 2.0);
@@ -883,8 +896,9 @@ fn units_do_not_matter_path_by_path() {
 
 #[test]
 fn vanishing_noise_recovers_the_deterministic_cascade() {
-    // n has a standard deviation of 4.2 rho and goes into t, x and b with factors of order one: ten standard deviations. The stop is looked
-    // for on an interpolated motion, which alone is off by 1e-4 here, and moved to the exact one.
+    // n has a standard deviation of 4.2 rho and goes into t, x and b with factors of order one: ten
+    // standard deviations. The stop is looked for on an interpolated motion, which alone is off by
+    // 1e-4 here, and moved to the exact one.
     for (rho, within) in [(1e-9, 5e-8), (1e-12, 1e-10)] {
         let mut worst = 0.0f64;
         for events in path_events(&paper(0.25, rho), 139.0, 4, &[0, 1, 2]) {
@@ -914,9 +928,10 @@ fn equal_thresholds_under_noise_have_a_stated_resolution() {
     assert!(EventDrivenSimulation::new(&paper(0.25, 0.25), &timeline(60.0), DEFAULT_TOLERANCE).resolution().is_none());
 }
 
-/// What is evaluated for a path is bounded by what happens on it and not by how extreme its numbers are: the ceilings are twice what was counted, and all far
-/// below the 10^8 at which a path is given up. They are counts, the same on any machine. A limit that is lower than what a path takes holds too: the path is
-/// given up, and no more is spent.
+/// What is evaluated for a path is bounded by what happens on it and not by how extreme its numbers
+/// are: the ceilings are twice what was counted, and all far below the 10^8 at which a path is
+/// given up. They are counts, the same on any machine. A limit that is lower than what a path takes
+/// holds too: the path is given up, and no more is spent.
 #[test]
 fn extreme_scenes_end_in_bounded_work() {
     // (rho, theta, f_s, f_d, alpha, t_end), evaluations of a path at most
@@ -962,8 +977,9 @@ fn extreme_scenes_end_in_bounded_work() {
 
 #[test]
 fn the_viaduct_slips_seldom_and_briefly() {
-    // 300 days; slips last pi/w0 = 0.0723 s and move 2 (f_s - f_d)/K = 0.498 mm, for the temperature all but stands still
-    // meanwhile: its noise moves the force by s sqrt(pi/w0) = 300 N, 0.6 % of f_s - f_d.
+    // 300 days; slips last pi/w0 = 0.0723 s and move 2 (f_s - f_d)/K = 0.498 mm, for the
+    // temperature all but stands still meanwhile: its noise moves the force by s sqrt(pi/w0) = 300
+    // N, 0.6 % of f_s - f_d.
     let mut recorder = Recorder::default();
     let line = Timeline { end: 2.592e7, output_step: 3600.0, period: None, after: 0.0 };
     let numbers: Vec<u64> = (0..16).collect();
@@ -984,7 +1000,8 @@ fn the_viaduct_slips_seldom_and_briefly() {
 
 #[test]
 fn the_quasi_static_recursion_is_the_paper_s() {
-    // Slow forcing, w = w0/1000: exits where 6 cos(w t) = x_j -+ f_s by hand, slips of pi/w0 and 2 (f_s - f_d)/K.
+    // Slow forcing, w = w0/1000: exits where 6 cos(w t) = x_j -+ f_s by hand, slips of pi/w0 and 2
+    // (f_s - f_d)/K.
     let (w, f_s, jump) = (1e-3, 1.2, 0.4);
     let mut model = paper(w, 0.0);
     model.initial_displacement = 5.9; // from 6, steps of 0.4 would meet the forcing's extremum to the last digit
@@ -996,7 +1013,8 @@ fn the_quasi_static_recursion_is_the_paper_s() {
     assert_eq!(recorder.events[0], recorder.events[1]);
     let (mut x, mut t): (f64, f64) = (5.9, 0.0);
     for pair in recorder.events[0].chunks_exact(2) {
-        // The next time after t that 6 cos(w t) leaves [x - f_s, x + f_s]: the nearest of the two thresholds' crossings.
+        // The next time after t that 6 cos(w t) leaves [x - f_s, x + f_s]: the nearest of the two
+        // thresholds' crossings.
         let crossings = [x - f_s, x + f_s].into_iter().filter(|level: &f64| level.abs() <= 6.0).flat_map(|level| {
             let angle = (level / 6.0).acos();
             let turn = std::f64::consts::TAU;
@@ -1026,8 +1044,9 @@ fn quasi_static_with_equal_thresholds_never_moves() {
 
 #[test]
 fn quasi_static_and_event_driven_agree_on_the_viaduct_and_not_under_fast_forcing() {
-    // Null: equal means of the number of slips and of the final displacement; 400 paths a side, false alarm 1e-4 each. Their laws
-    // differ by the work of the noise during a slip of 0.07 s, far below what 400 paths can see.
+    // Null: equal means of the number of slips and of the final displacement; 400 paths a side,
+    // false alarm 1e-4 each. Their laws differ by the work of the noise during a slip of 0.07 s,
+    // far below what 400 paths can see.
     let line = Timeline { end: 2.592e7, output_step: 2.592e7, period: None, after: 0.0 };
     let fold = |numbers: std::ops::Range<u64>, quasi: bool, model: &Model, line: &Timeline| {
         let numbers: Vec<u64> = numbers.collect();

@@ -1,5 +1,7 @@
-//! What is in a file that `mc run` writes, read with nothing of the store: the numbers that a program which writes and reads with one mistake would not see.
-//! `tests/python/recompute.py` recomputes every variable; here are those that a test without Python can hold against the rows of the same file.
+//! What is in a file that `mc run` writes, read with nothing of the store: the numbers that a
+//! program which writes and reads with one mistake would not see. `tests/python/recompute.py`
+//! recomputes every variable; here are those that a test without Python can hold against the rows
+//! of the same file.
 
 #[path = "common/command.rs"]
 mod command;
@@ -13,7 +15,8 @@ const RHO025: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenarios/rho025.toml
 const PATHS: usize = 64;
 const SEED: u64 = 4711;
 
-/// A run of the noisy scene, whose slips have sub-phases, with all that can be recorded, unit labels and a seed that no scenario has; and its path 11 replayed.
+/// A run of the noisy scene, whose slips have sub-phases, with all that can be recorded, unit
+/// labels and a seed that no scenario has; and its path 11 replayed.
 static FOLDER: LazyLock<PathBuf> = LazyLock::new(|| {
     // Not a temporary folder: nobody drops a static, and it would stay.
     let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("file_contents");
@@ -72,8 +75,8 @@ fn a_replay_says_which_path_it_is() {
     assert_eq!(values::<u64>(&file("run.h5"), "trajectory"), numbers);
 }
 
-/// The sign of an event that starts a sub-phase is that of the change of x up to the next event, or up to t_end; where a stick starts it is 0, and x stays. There are
-/// turns among them.
+/// The sign of an event that starts a sub-phase is that of the change of x up to the next event, or
+/// up to t_end; where a stick starts it is 0, and x stays. There are turns among them.
 #[test]
 fn the_sign_of_an_event_is_that_of_the_motion_that_follows() {
     let run = file("run.h5");
@@ -116,8 +119,9 @@ fn a_variance_is_measured_in_squares() {
     assert_eq!((of("diffusion_coefficient"), of("displacement_end_sd")), ("mm2 s-1".to_string(), "mm".to_string()));
 }
 
-/// Level by level along the first axis, time by time along the second: each quantile lies between the two of the 64 ordered values that its level lies between, or as
-/// near to one of them as a bin is wide, 2^-8 of the distance from the centre and of the scale of the scene, which is below 16.
+/// Level by level along the first axis, time by time along the second: each quantile lies between
+/// the two of the 64 ordered values that its level lies between, or as near to one of them as a bin
+/// is wide, 2^-8 of the distance from the centre and of the scale of the scene, which is below 16.
 #[test]
 fn quantiles_lie_along_the_axes_that_they_are_said_to_lie_along() {
     let run = file("run.h5");

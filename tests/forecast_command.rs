@@ -23,8 +23,8 @@ fn columns(of: &[usize], from: usize) -> String {
     cut
 }
 
-/// Temperatures and displacements in two files are the record that they are in one; also where the sensor was mounted a
-/// week after the thermometer.
+/// Temperatures and displacements in two files are the record that they are in one; also where the
+/// sensor was mounted a week after the thermometer.
 #[test]
 fn two_files_say_what_one_says() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -55,7 +55,8 @@ fn two_files_say_what_one_says() {
     refused(path, &arguments, 2, &["t.csv"]);
 }
 
-/// The part that is written reads back as the temperature that is printed, and makes a scenario with the bearing.
+/// The part that is written reads back as the temperature that is printed, and makes a scenario
+/// with the bearing.
 #[test]
 fn a_fitted_temperature_is_a_part_of_a_scenario() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -128,7 +129,8 @@ fn a_forecast_says_what_can_be_known() {
     assert!(levels["force_abs_max"].is_null() && levels["slips"].is_object(), "{levels}");
 }
 
-/// What a forecast lacks is to be measured: it has neither the methods of a calibration nor the periods of a fit.
+/// What a forecast lacks is to be measured: it has neither the methods of a calibration nor the
+/// periods of a fit.
 #[test]
 fn a_forecast_that_cannot_be_says_what_to_measure() {
     let folder = tempfile::tempdir().expect("a folder");

@@ -1,7 +1,9 @@
-//! What becomes of a run whose disk is full: one clear error, no crash, and no file under the final name.
+//! What becomes of a run whose disk is full: one clear error, no crash, and no file under the final
+//! name.
 //!
-//! Disks are filled in processes of their own, which these tests start. They write no file themselves: HDF5 opens files so that a child
-//! inherits them, with their locks, and a file that another test is writing would stay locked.
+//! Disks are filled in processes of their own, which these tests start. They write no file
+//! themselves: HDF5 opens files so that a child inherits them, with their locks, and a file that
+//! another test is writing would stay locked.
 
 mod synthetic;
 
@@ -27,7 +29,8 @@ struct SmallDisk(PathBuf);
 impl SmallDisk {
     /// None where this user may not mount a file system.
     fn mount(folder: &Path, size: &str) -> Option<SmallDisk> {
-        // A system call and not the command: a child process would inherit the files that other tests have open, and their locks.
+        // A system call and not the command: a child process would inherit the files that other
+        // tests have open, and their locks.
         let options = CString::new(format!("size={size}")).ok()?;
         let done = mount("tmpfs", folder, "tmpfs", MountFlags::empty(), options.as_c_str());
         done.is_ok().then(|| SmallDisk(folder.to_owned()))
@@ -41,8 +44,9 @@ impl Drop for SmallDisk {
     }
 }
 
-/// After a write that failed, the handles of the file are leaked on purpose, and with them what the library thinks of a disk that is gone.
-/// A process that goes on writing other files may then crash; so this happens in a process of its own, as `mc` ends after it.
+/// After a write that failed, the handles of the file are leaked on purpose, and with them what the
+/// library thinks of a disk that is gone. A process that goes on writing other files may then
+/// crash; so this happens in a process of its own, as `mc` ends after it.
 #[test]
 fn a_full_disk_is_one_clear_error_and_no_crash() {
     let output = Command::new(std::env::current_exe().unwrap())
@@ -78,7 +82,8 @@ fn what_small_disks_make_of_a_run() {
     for size in small.chain(large).chain(almost) {
         let small = tempfile::tempdir().unwrap();
         let Some(disk) = SmallDisk::mount(small.path(), &size.to_string()) else {
-            // What a write that fails comes to, whatever the reason, is tested without a disk below.
+            // What a write that fails comes to, whatever the reason, is tested without a disk
+            // below.
             skip(
                 "this user may not mount a small tmpfs, so no disk is filled; a file that fits was written and is read",
             );
@@ -87,7 +92,8 @@ fn what_small_disks_make_of_a_run() {
         };
         let target = disk.0.join("run.h5");
         let Err(error) = fill(&target) else {
-            // A file may need a little less than its size: a page of it that is never written takes no room.
+            // A file may need a little less than its size: a page of it that is never written takes
+            // no room.
             assert!(size > needed - 16_384, "{size} of {needed} bytes were enough");
             continue;
         };
@@ -100,8 +106,8 @@ fn what_small_disks_make_of_a_run() {
     assert!(failures >= 20, "{failures}");
 }
 
-/// No file may grow beyond a limit that a shell sets for this test alone, in a process of its own: the write fails for another reason than
-/// a full disk, and any user can have it fail.
+/// No file may grow beyond a limit that a shell sets for this test alone, in a process of its own:
+/// the write fails for another reason than a full disk, and any user can have it fail.
 #[test]
 fn a_write_that_fails_is_one_clear_error_and_no_crash() {
     // In blocks of 512 or 1024 bytes, as the shell has it: in `create`, in `append`.

@@ -1,4 +1,5 @@
-//! `mc` on scenarios with a measured temperature: what a file may look like, what results hold, what is refused.
+//! `mc` on scenarios with a measured temperature: what a file may look like, what results hold,
+//! what is refused.
 
 #[path = "common/command.rs"]
 mod command;
@@ -68,7 +69,8 @@ fn results_say_everything_without_the_file_of_samples() {
     ok(&mc(here, &["plot", "run.h5", "--only", "path", "--until", "86400", "-o", "path.svg"]));
 }
 
-/// Parts hold their samples, so that they are joined without the file; so does a run that is to be resumed, which has the same state.
+/// Parts hold their samples, so that they are joined without the file; so does a run that is to be
+/// resumed, which has the same state.
 #[test]
 fn parts_are_joined_without_the_file_of_samples() {
     let here = bridge(&days());

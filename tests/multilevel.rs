@@ -17,16 +17,20 @@ fn run(statistic: Statistic, target: f64, seed: u64, threads: usize) -> Outcome 
     multilevel.run(target, threads, &AtomicBool::new(false)).expect("converges")
 }
 
-/// Null: what a run says of its error is so. It says a standard error and what the finest step may leave, and the squares of both add up to that of the
-/// target. Over 200 seeds, of two statistics,
+/// Null: what a run says of its error is so. It says a standard error and what the finest step may
+/// leave, and the squares of both add up to that of the target. Over 200 seeds, of two statistics,
 ///
-/// - the estimates scatter about their mean by the standard error: the mean square in units of it is a chi-square of 199 degrees of freedom over 199, within
-///   1 -+ 0.4 but for a false-alarm rate of 1e-4. A standard error of half or twice the size gives 4 or 1/4;
-/// - their mean is off the mean of 100 000 event-driven paths by no more than the bias that they tell and four standard errors of the two means (6e-5): a level
-///   left out, or a pair on different noise, is off by the difference of two steps;
-/// - what they tell comes to the target: to no more but for 2 %, since the number of paths is chosen before the variance is known for good, and to no less than
-///   whole blocks of paths, and four of them on each level, make it;
-/// - hence the mean square error is between 0.6 times 0.85^2 and 1.4 times 1.02^2 of the square of the target, to which the error of the truth is added.
+/// - the estimates scatter about their mean by the standard error: the mean square in units of it
+///   is a chi-square of 199 degrees of freedom over 199, within 1 -+ 0.4 but for a false-alarm rate
+///   of 1e-4. A standard error of half or twice the size gives 4 or 1/4;
+/// - their mean is off the mean of 100 000 event-driven paths by no more than the bias that they
+///   tell and four standard errors of the two means (6e-5): a level left out, or a pair on
+///   different noise, is off by the difference of two steps;
+/// - what they tell comes to the target: to no more but for 2 %, since the number of paths is
+///   chosen before the variance is known for good, and to no less than whole blocks of paths, and
+///   four of them on each level, make it;
+/// - hence the mean square error is between 0.6 times 0.85^2 and 1.4 times 1.02^2 of the square of
+///   the target, to which the error of the truth is added.
 #[test]
 fn the_error_is_the_one_asked_for() {
     const RUNS: f64 = 200.0;
@@ -68,10 +72,12 @@ fn the_variance_of_a_difference_falls_by_four_a_level() {
     assert!(outcome.levels.windows(2).all(|pair| pair[0].paths >= pair[1].paths));
 }
 
-/// Levels are independent, or their variances do not add up. Without friction to speak of and with v at rest at v(0), x(t_end) is v(0) times a number that
-/// depends on the step, on every level: the mean of a level, too, is the mean of v(0) over its paths, times another number, so two levels that
-/// shared paths would have means of correlation 1 or -1. Null: they have none. 400 seeds, so a sample correlation has a standard deviation of 0.05, and
-/// three pairs of levels: false-alarm rate below 3e-4 at 4 of them.
+/// Levels are independent, or their variances do not add up. Without friction to speak of and with
+/// v at rest at v(0), x(t_end) is v(0) times a number that depends on the step, on every level: the
+/// mean of a level, too, is the mean of v(0) over its paths, times another number, so two levels
+/// that shared paths would have means of correlation 1 or -1. Null: they have none. 400 seeds, so a
+/// sample correlation has a standard deviation of 0.05, and three pairs of levels: false-alarm rate
+/// below 3e-4 at 4 of them.
 #[test]
 fn levels_share_no_path() {
     let mut model = paper(0.25, 1.0);

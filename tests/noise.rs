@@ -1,6 +1,8 @@
-//! The random numbers: the generator they are said to be, streams that know nothing of each other, normals that are normal.
+//! The random numbers: the generator they are said to be, streams that know nothing of each other,
+//! normals that are normal.
 //!
-//! Every statistical test states its null and its false-alarm rate; seeds are fixed, so each passes always or never.
+//! Every statistical test states its null and its false-alarm rate; seeds are fixed, so each passes
+//! always or never.
 
 use rand_xoshiro::Xoshiro256Plus;
 use rand_xoshiro::rand_core::{Rng, SeedableRng};
@@ -20,7 +22,8 @@ fn a_stream_is_xoshiro256_plus_from_its_state() {
     }
 }
 
-/// Pinned, so that a change of the generator, of its seeding or of the normals cannot go unnoticed: it alters every result.
+/// Pinned, so that a change of the generator, of its seeding or of the normals cannot go unnoticed:
+/// it alters every result.
 #[test]
 fn the_first_values_never_change() {
     let mut stream = Stream::new(1, 4711);
@@ -58,10 +61,12 @@ fn lanes_draw_what_streams_draw_on_every_instruction_set() {
     }
 }
 
-/// Null: the two normals of one draw are independent. 2^24 pairs: the joint counts of 16 x 16 cells of equal probability are chi-square with 255
-/// degrees of freedom, tested at 1e-5; the correlations of the values, of their squares, and of each with the other's square are below 5 sd;
-/// and of the pairs with one beyond 3 sigma, where the halves of a draw could meet, the other's variance is 1 within 5 sd.
-/// False-alarm rate below 2e-5. A rotation by 8 bits instead of 32 gives a correlation of 34 sd.
+/// Null: the two normals of one draw are independent. 2^24 pairs: the joint counts of 16 x 16 cells
+/// of equal probability are chi-square with 255 degrees of freedom, tested at 1e-5; the
+/// correlations of the values, of their squares, and of each with the other's square are below 5
+/// sd; and of the pairs with one beyond 3 sigma, where the halves of a draw could meet, the other's
+/// variance is 1 within 5 sd. False-alarm rate below 2e-5. A rotation by 8 bits instead of 32 gives
+/// a correlation of 34 sd.
 #[test]
 fn the_two_normals_of_a_draw_are_independent() {
     let (lanes, pairs) = (256, 1 << 16);
@@ -95,9 +100,10 @@ fn the_two_normals_of_a_draw_are_independent() {
     assert!(beyond > 80_000.0 && (beside / beyond).abs() < 5.0 * f64::sqrt(2.0 / beyond), "{beside} of {beyond}");
 }
 
-/// Null: the states of neighbouring paths, and of neighbouring seeds, are independent uniform words: in a pair of words each of 64 bits
-/// differs with probability 1/2. 2^16 pairs: each bit's count has sd 128, the bound is 6 sd, false-alarm rate below 1e-6 for all 1536
-/// counts together. Seeds `seed + i` or increments of one LCG fail by hundreds of sd.
+/// Null: the states of neighbouring paths, and of neighbouring seeds, are independent uniform
+/// words: in a pair of words each of 64 bits differs with probability 1/2. 2^16 pairs: each bit's
+/// count has sd 128, the bound is 6 sd, false-alarm rate below 1e-6 for all 1536 counts together.
+/// Seeds `seed + i` or increments of one LCG fail by hundreds of sd.
 #[test]
 fn neighbouring_paths_and_seeds_share_no_bit_of_state() {
     let pairs = 1u64 << 16;
@@ -117,9 +123,10 @@ fn neighbouring_paths_and_seeds_share_no_bit_of_state() {
     }
 }
 
-/// Null: normals of different paths at the same step, of a path and its neighbour one step on, and of one path at small lags, are
-/// uncorrelated: n r^2 is chi-square with one degree of freedom. 25 correlations of n = 4e6 products each, bound at 5 sd: false-alarm
-/// rate below 2e-5. Squares are tested too (a dependence of the sizes).
+/// Null: normals of different paths at the same step, of a path and its neighbour one step on, and
+/// of one path at small lags, are uncorrelated: n r^2 is chi-square with one degree of freedom. 25
+/// correlations of n = 4e6 products each, bound at 5 sd: false-alarm rate below 2e-5. Squares are
+/// tested too (a dependence of the sizes).
 #[test]
 fn normals_are_uncorrelated_across_paths_and_along_them() {
     let (lanes, steps) = (2048, 2048);
@@ -148,8 +155,9 @@ fn normals_are_uncorrelated_across_paths_and_along_them() {
     }
 }
 
-/// Null: the first normals of many paths (a sample across streams) and the normals of a few (a sample along them) are standard normal.
-/// Chi-square over 64 cells of equal probability and the tails beyond 3, 4, 5 sigma; each at false-alarm rate 1e-5.
+/// Null: the first normals of many paths (a sample across streams) and the normals of a few (a
+/// sample along them) are standard normal. Chi-square over 64 cells of equal probability and the
+/// tails beyond 3, 4, 5 sigma; each at false-alarm rate 1e-5.
 fn assert_normal(sample: impl Iterator<Item = f64>) {
     let (mut cells, mut n) = ([0u64; 64], 0u64);
     let mut beyond = [0u64; 6];
@@ -188,16 +196,16 @@ fn normals_are_normal_along_streams() {
     assert_normal(normals(InstructionSet::detect(), 12, 0, 64, 1 << 17).into_iter());
 }
 
-/// The output function of SplitMix64 with a key between its rounds, from the published constants. With
-/// the key 0 it is SplitMix64, whose first outputs from the seed 0 are well known.
+/// The output function of SplitMix64 with a key between its rounds, from the published constants.
+/// With the key 0 it is SplitMix64, whose first outputs from the seed 0 are well known.
 fn keyed(z: u64, key: u64) -> u64 {
     let z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9) ^ key;
     let z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
     z ^ (z >> 31)
 }
 
-/// A number with an address is that of the generator it is said to be, wherever the cursor came from;
-/// pinned, for a change alters every result.
+/// A number with an address is that of the generator it is said to be, wherever the cursor came
+/// from; pinned, for a change alters every result.
 #[test]
 fn an_addressed_number_is_a_function_of_its_address() {
     const GAMMA: u64 = 0x9E37_79B9_7F4A_7C15;
@@ -214,11 +222,11 @@ fn an_addressed_number_is_a_function_of_its_address() {
     }
 }
 
-/// Null: numbers at neighbouring addresses are independent: of one cell and the next, of one place and
-/// the next, of a path and the next, of a seed and the next, and across both. Correlations of the
-/// normals and of their squares, 12 of n = 4e6 products each, at 5 sd: false-alarm rate below 1e-5.
-/// With the same key for all paths and a counter that is the sum of path, cell and place, every second
-/// of them is 1.
+/// Null: numbers at neighbouring addresses are independent: of one cell and the next, of one place
+/// and the next, of a path and the next, of a seed and the next, and across both. Correlations of
+/// the normals and of their squares, 12 of n = 4e6 products each, at 5 sd: false-alarm rate below
+/// 1e-5. With the same key for all paths and a counter that is the sum of path, cell and place,
+/// every second of them is 1.
 #[test]
 fn numbers_at_neighbouring_addresses_are_uncorrelated() {
     let at = |seed: u64, path: u64, cell: u64, place: u64| AddressedDraws::new(seed, path).at(cell, place).normal();
@@ -253,8 +261,9 @@ fn addressed_normals_are_normal() {
     }));
 }
 
-/// The long battery: 2^32 normals (4.3e9) of 2^15 paths against the exact tail probabilities in half-sigma cells out to 6.5 sigma, moments, lag and
-/// cross-lane correlation. About a minute on one core: `cargo test --release --test noise -- --ignored --nocapture`.
+/// The long battery: 2^32 normals (4.3e9) of 2^15 paths against the exact tail probabilities in
+/// half-sigma cells out to 6.5 sigma, moments, lag and cross-lane correlation. About a minute on
+/// one core: `cargo test --release --test noise -- --ignored --nocapture`.
 #[test]
 #[ignore = "four billion draws"]
 fn four_billion_normals() {

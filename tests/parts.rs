@@ -1,5 +1,5 @@
-//! A run that is cut into parts and joined again has the file of the run in one piece, byte for byte; and parts that do not go together
-//! are named.
+//! A run that is cut into parts and joined again has the file of the run in one piece, byte for
+//! byte; and parts that do not go together are named.
 
 #[path = "common/command.rs"]
 mod command;
@@ -29,7 +29,8 @@ fn folder() -> TempDir {
     tempfile::tempdir().expect("a folder")
 }
 
-/// Rows of every kind, paths that do not fill their last block, trajectories that end within a part, a bias of the step.
+/// Rows of every kind, paths that do not fill their last block, trajectories that end within a
+/// part, a bias of the step.
 const SCENE: &[&str] = &[
     "run",
     RHO025,
@@ -195,8 +196,8 @@ fn what_is_known_of_all_parts_together_only_is_refused_with_the_reason() {
     }
 }
 
-/// The job array of the documentation, with a stand-in for the scheduler: a loop that sets the variable which Slurm sets, and in which
-/// one task is killed and continued as the page says.
+/// The job array of the documentation, with a stand-in for the scheduler: a loop that sets the
+/// variable which Slurm sets, and in which one task is killed and continued as the page says.
 #[test]
 fn the_job_array_of_the_documentation_runs() {
     let page = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/parts.md")).expect("a page");

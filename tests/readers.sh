@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# Write a file of every kind with `mc run`, open each with every reader that docs/output-format.md names, and recompute every variable of some.
+# Write a file of every kind with `mc run`, open each with every reader that docs/output-format.md
+# names, and recompute every variable of some.
 # `tools/setup --tests` installs the readers.
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -61,8 +62,9 @@ target/venv/bin/python tests/python/recompute.py --bias "$folder/biased.h5"
 # A measured temperature, against the file that it was read from.
 target/venv/bin/python tests/python/recompute.py --measured "$folder/bearing.h5" scenarios/bridge.csv
 
-# Every scheme with all that can be recorded of all its paths, on a grid that passes through the ends of the forcing periods, 12.5, and of the burn-in; the schemes
-# with a step with every step. Two blocks, a seed that is no default, one path of each replayed.
+# Every scheme with all that can be recorded of all its paths, on a grid that passes through the
+# ends of the forcing periods, 12.5, and of the burn-in; the schemes with a step with every step.
+# Two blocks, a seed that is no default, one path of each replayed.
 recomputed=$(mktemp -d -p "$folder")
 recompute() { # NAME ARGUMENTS...
     run "${recomputed##*/}/$1" rho025 "${@:2}" --seed 4711 \

@@ -1,5 +1,6 @@
-//! What becomes of a run that is stopped, killed, or robbed of its files: it goes on, and comes to the same file, bit for bit; or it
-//! says in one message what is wrong. `tests/shim/kill.c` kills it at a change of the disk that a test names.
+//! What becomes of a run that is stopped, killed, or robbed of its files: it goes on, and comes to
+//! the same file, bit for bit; or it says in one message what is wrong. `tests/shim/kill.c` kills
+//! it at a change of the disk that a test names.
 
 #[path = "common/command.rs"]
 mod command;
@@ -103,8 +104,8 @@ fn killed_after(folder: &Path, arguments: &[&str], delay: Duration) -> ExitStatu
     child.wait().expect("a child")
 }
 
-/// Kill runs of one command at random moments, and the sittings that continue them, until there were so many kills. Returns kills,
-/// sittings and finished runs.
+/// Kill runs of one command at random moments, and the sittings that continue them, until there
+/// were so many kills. Returns kills, sittings and finished runs.
 fn kill_at_random(seed: u64, kills: u32, longest: Duration) -> [u32; 3] {
     let mut rng = Pcg64Dxsm::seed_from_u64(seed);
     let [mut killed, mut sittings, mut finished] = [0; 3];
@@ -139,7 +140,8 @@ fn many_kills(seeds: [u64; 2], kills: u32) {
     println!("kills, sittings, finished runs: {counts:?}");
 }
 
-/// 200 kills take less than a minute on two cores. The last time, 209 kills in 219 sittings of 10 runs came to one file.
+/// 200 kills take less than a minute on two cores. The last time, 209 kills in 219 sittings of 10
+/// runs came to one file.
 #[test]
 fn killed_at_random_moments_a_run_comes_to_the_same_file() {
     many_kills([1, 2], 200);
@@ -183,7 +185,8 @@ fn folders() -> (tempfile::TempDir, PathBuf) {
     (outer, inner)
 }
 
-/// Every write (which then reaches the file by half), sync, rename, link and removal of a run, its file included.
+/// Every write (which then reaches the file by half), sync, rename, link and removal of a run, its
+/// file included.
 #[test]
 fn killed_at_every_change_of_the_disk_a_run_comes_to_the_same_file() {
     let mut kills = 0;
@@ -231,8 +234,9 @@ fn a_sitting_that_continues_a_run_is_killed_at_every_change_of_the_disk() {
     assert!(kills > 15, "{kills}");
 }
 
-/// A loss of power keeps what was synced, and of the rest what it likes. So what a state speaks of must be on the disk before the
-/// state has its name: the rows, the state itself, and then the name.
+/// A loss of power keeps what was synced, and of the rest what it likes. So what a state speaks of
+/// must be on the disk before the state has its name: the rows, the state itself, and then the
+/// name.
 #[test]
 fn what_a_state_speaks_of_is_on_the_disk_before_it() {
     let (_outer, here) = folders();

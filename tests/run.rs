@@ -181,8 +181,10 @@ fn one_path_can_be_replayed_from_a_file() {
     assert!(text(&refused.stderr).contains("0 to 19"));
 }
 
-/// A limit on the size of files is a full disk that any user can have: at the first page and while rows are appended it is one error with the name of
-/// the file that is left, and no file of the final name. The signal that comes with the error would end the process, so the shell has it ignored.
+/// A limit on the size of files is a full disk that any user can have: at the first page and while
+/// rows are appended it is one error with the name of the file that is left, and no file of the
+/// final name. The signal that comes with the error would end the process, so the shell has it
+/// ignored.
 #[test]
 fn a_limit_on_the_size_of_a_file_is_one_clear_error_and_no_crash() {
     let here = folder();
@@ -258,9 +260,10 @@ fn every_scheme_runs_and_its_file_reproduces_the_run() {
     }
 }
 
-/// The mean stick duration at zero step is another program's (tests/reference/noisy.c, known to 4e-4). Null for the event-driven scheme: its mean
-/// is that; four standard errors. The corrected step is known to be 5.2 % short at h = 0.005, the plain one 16 % long; each gets
-/// two percent for what that is known to, and four standard errors.
+/// The mean stick duration at zero step is another program's (tests/reference/noisy.c, known to
+/// 4e-4). Null for the event-driven scheme: its mean is that; four standard errors. The corrected
+/// step is known to be 5.2 % short at h = 0.005, the plain one 16 % long; each gets two percent for
+/// what that is known to, and four standard errors.
 #[test]
 fn mean_stick_durations_are_where_each_scheme_puts_them() {
     let here = folder();
@@ -301,7 +304,8 @@ fn a_replay_is_the_same_path_for_every_scheme() {
     }
 }
 
-/// A path of ten million steps has a trajectory of at most ten thousand rows, and the file can still be read as a scenario.
+/// A path of ten million steps has a trajectory of at most ten thousand rows, and the file can
+/// still be read as a scenario.
 #[test]
 fn a_replay_of_a_very_long_path_is_kept_within_bounds() {
     let here = folder();
@@ -336,7 +340,8 @@ fn verbose_and_warnings_name_the_resolution() {
     }
 }
 
-/// With f_s = f_d and noise the number of sticks is a property of the resolution: it is in the JSON and in the file.
+/// With f_s = f_d and noise the number of sticks is a property of the resolution: it is in the JSON
+/// and in the file.
 #[test]
 fn the_resolution_is_reported_where_results_depend_on_it() {
     let here = folder();
@@ -350,7 +355,8 @@ fn the_resolution_is_reported_where_results_depend_on_it() {
     assert!(ordinary["resolution"].is_null());
 }
 
-/// A goal ends a run after the first block, from the fourth on, at which it is reached: after the same one for any number of threads.
+/// A goal ends a run after the first block, from the fourth on, at which it is reached: after the
+/// same one for any number of threads.
 #[test]
 fn a_goal_ends_a_run_at_the_first_block_that_reaches_it() {
     let here = folder();
@@ -422,11 +428,14 @@ fn a_time_limit_ends_a_run_at_a_block_and_that_many_paths_are_the_same_run() {
     assert_eq!(output.status.code(), Some(2));
 }
 
-/// Null: the runs that `--accuracy 2%` chooses have a relative root mean square error of at most 2 %, against the value of `tests/reference/noisy.c` (known to 4e-4). What it chose, the
-/// scheme with its step or tolerance and the number of paths, is printed as it is typed; with it, 50 other seeds. Their mean square is known to 1/5 (a
-/// chi-square of 50 degrees of freedom), of which four are allowed, so 2.7 % in the root: false-alarm rate below 1e-4. The choice is the machine's, since it
-/// follows from what paths cost there, and counts the bias by an upper bound; so the error may be less, and an error of half the target
-/// would be a run four times as dear: it is above 0.7 %.
+/// Null: the runs that `--accuracy 2%` chooses have a relative root mean square error of at most 2
+/// %, against the value of `tests/reference/noisy.c` (known to 4e-4). What it chose, the scheme
+/// with its step or tolerance and the number of paths, is printed as it is typed; with it, 50 other
+/// seeds. Their mean square is known to 1/5 (a chi-square of 50 degrees of freedom), of which four
+/// are allowed, so 2.7 % in the root: false-alarm rate below 1e-4. The choice is the machine's,
+/// since it follows from what paths cost there, and counts the bias by an upper bound; so the error
+/// may be less, and an error of half the target would be a run four times as dear: it is above 0.7
+/// %.
 #[test]
 fn accuracy_chooses_a_run_that_is_as_accurate() {
     let here = folder();
@@ -475,7 +484,8 @@ fn an_accuracy_that_is_none_or_is_decided_twice_is_refused() {
     assert!(!here.path().join("rho025.h5").exists());
 }
 
-/// Without noise the pilot is quick, one path is the ensemble, and what is zero or absent is told as such.
+/// Without noise the pilot is quick, one path is the ensemble, and what is zero or absent is told
+/// as such.
 #[test]
 fn accuracy_without_noise_takes_one_path_and_says_what_it_leaves_out() {
     let here = folder();
@@ -518,7 +528,8 @@ fn an_interrupted_pilot_runs_nothing() {
     assert_eq!(std::fs::read_dir(here.path()).expect("there").count(), 0);
 }
 
-/// What Ctrl-C leaves of a trade: a table of what was measured, the rest named as not run, and the files that were asked for.
+/// What Ctrl-C leaves of a trade: a table of what was measured, the rest named as not run, and the
+/// files that were asked for.
 #[test]
 fn an_interrupted_trade_prints_what_it_has() {
     let here = folder();
@@ -532,9 +543,10 @@ fn an_interrupted_trade_prints_what_it_has() {
     }
 }
 
-/// Exit code, standard output and standard error of a command that is sent Ctrl-C as soon as it answers to it. How long it takes to
-/// end then is the machine's; a command that goes on regardless is killed by the limit that every command has here, which is half of
-/// the ten minutes that the trade would measure.
+/// Exit code, standard output and standard error of a command that is sent Ctrl-C as soon as it
+/// answers to it. How long it takes to end then is the machine's; a command that goes on regardless
+/// is killed by the limit that every command has here, which is half of the ten minutes that the
+/// trade would measure.
 fn interrupted(folder: &TempDir, arguments: &[&str]) -> (Option<i32>, String, String) {
     let mut running = Running::mc(folder.path(), arguments);
     running.until_it_answers();

@@ -1,5 +1,6 @@
-//! A measured temperature as forcing, scheme by scheme, against what it was not derived from: closed forms, an integration of the
-//! equation of motion written here, plain loops, and scenes without a series.
+//! A measured temperature as forcing, scheme by scheme, against what it was not derived from:
+//! closed forms, an integration of the equation of motion written here, plain loops, and scenes
+//! without a series.
 
 mod common;
 
@@ -42,8 +43,8 @@ fn assert_alike(found: &[Event], wanted: &[Event], within: f64) {
     }
 }
 
-/// A cosine by its samples. Straight lines between them are below it by at most w^2 d^2/8, 8e-9 of it for d = 1e-3, and the discrete
-/// scheme is at a sample at each step.
+/// A cosine by its samples. Straight lines between them are below it by at most w^2 d^2/8, 8e-9 of
+/// it for d = 1e-3, and the discrete scheme is at a sample at each step.
 #[test]
 fn a_finely_sampled_cosine_does_what_the_harmonic_does() {
     for damping in [0.0, 0.1] {
@@ -68,8 +69,9 @@ fn a_finely_sampled_cosine_does_what_the_harmonic_does() {
     }
 }
 
-/// T = t/2 by two samples: from x = 0 the body leaves at K beta t/2 = f_s, t = 0.4. From there on, r later, y'' + y = 0.2 + 3 r, so that
-/// y' = 0.2 sin r + 3 (1 - cos r) and y = 0.2 (1 - cos r) + 3 (r - sin r): y' = 0 at r = 2 pi - 2 atan(0.2/3).
+/// T = t/2 by two samples: from x = 0 the body leaves at K beta t/2 = f_s, t = 0.4. From there on,
+/// r later, y'' + y = 0.2 + 3 r, so that y' = 0.2 sin r + 3 (1 - cos r) and y = 0.2 (1 - cos r) + 3
+/// (r - sin r): y' = 0 at r = 2 pi - 2 atan(0.2/3).
 #[test]
 fn a_ramp_ends_sticks_and_slips_where_a_hand_finds_it() {
     let mut model = paper(0.25, 0.0);
@@ -81,7 +83,8 @@ fn a_ramp_ends_sticks_and_slips_where_a_hand_finds_it() {
     let way = 0.2 * (1.0 - end.cos()) + 3.0 * (end - end.sin());
     assert!((found[0].time - 0.4).abs() < 1e-15 && found[0].displacement == 0.0, "{:?}", found[0]);
     assert!((found[1].time - 0.4 - end).abs() < 1e-13 && (found[1].displacement - way).abs() < 1e-12, "{:?}", found[1]);
-    // A sample on a line changes nothing, wherever it is: in a stick, in a slip, all but on an event.
+    // A sample on a line changes nothing, wherever it is: in a stick, in a slip, all but on an
+    // event.
     let times = vec![0.0, 0.1, 0.4, 0.4 + 1e-9, 1.7, 5.0, found[1].time, found[1].time + 1e-12, 9.0, 22.5, 40.0];
     let values = times.iter().map(|t| 0.5 * t).collect();
     let cut = measured(model, times, values);
@@ -104,7 +107,8 @@ fn rate(model: &Model, (from, to): ((f64, f64), (f64, f64)), eps: f64, t: f64, [
     [v, (force - eps * model.friction.dynamic_force) / model.oscillator.mass]
 }
 
-/// The cascade by Runge and Kutta's fourth order, `steps` to each line: where an event is, the step is halved towards it.
+/// The cascade by Runge and Kutta's fourth order, `steps` to each line: where an event is, the step
+/// is halved towards it.
 fn integrated(model: &Model, steps: u32) -> Vec<(f64, f64)> {
     let series = model.temperature.series.as_ref().expect("a series");
     let f_s = model.friction.static_force;
@@ -156,8 +160,8 @@ fn integrated(model: &Model, steps: u32) -> Vec<(f64, f64)> {
     found
 }
 
-/// The event-driven scheme over kinks of the forcing, damped and not, against the equation of motion. 2000 steps a line of length 0.7 have an
-/// error of (3.5e-4)^4.
+/// The event-driven scheme over kinks of the forcing, damped and not, against the equation of
+/// motion. 2000 steps a line of length 0.7 have an error of (3.5e-4)^4.
 #[test]
 fn slips_over_kinks_are_those_of_the_equation_of_motion() {
     for damping in [0.0, 0.15, 1.4] {
@@ -206,8 +210,8 @@ fn the_discrete_scheme_samples_the_series_at_its_steps() {
     }
 }
 
-/// A series of zeros on top of a scene with noise is that scene: bit for bit, because it draws no random number, and its cells end where
-/// those of the scene do.
+/// A series of zeros on top of a scene with noise is that scene: bit for bit, because it draws no
+/// random number, and its cells end where those of the scene do.
 #[test]
 fn a_series_of_zeros_changes_no_bit() {
     let plain = paper(0.25, 0.25);
@@ -231,9 +235,10 @@ fn a_series_of_zeros_changes_no_bit() {
 
 /// A series under noise: event-driven against the corrected discrete scheme.
 ///
-/// Null: the same law, but for 0.4 % that the discrete scheme's step of 2.5e-4 leaves in stick durations (0.17 h/return time, 0.24 % in the
-/// paper's scene). 40 000 paths against 20 000; five comparisons that fail by chance once in 1e4 each. Twice the slope of
-/// the series in the event-driven scheme moves every one of them by over ten standard errors.
+/// Null: the same law, but for 0.4 % that the discrete scheme's step of 2.5e-4 leaves in stick
+/// durations (0.17 h/return time, 0.24 % in the paper's scene). 40 000 paths against 20 000; five
+/// comparisons that fail by chance once in 1e4 each. Twice the slope of the series in the
+/// event-driven scheme moves every one of them by over ten standard errors.
 #[test]
 fn a_series_under_noise_has_the_law_of_the_discrete_scheme() {
     let (times, values) = zigzag(12, 1.1, 0.6);
@@ -257,12 +262,14 @@ fn a_series_under_noise_has_the_law_of_the_discrete_scheme() {
     }
 }
 
-/// Noise that is pinned: zero at samples, and in between a bridge of the Ornstein-Uhlenbeck process, under a corridor that is left now and then.
+/// Noise that is pinned: zero at samples, and in between a bridge of the Ornstein-Uhlenbeck
+/// process, under a corridor that is left now and then.
 ///
-/// Null: the noise that T shows on top of the series has mean 0 and variance sinh(theta s) sinh(theta (d - s)) rho^2 sigma^2/(theta sinh(theta d))
-/// a time s after a sample, d = 1.5 apart, and is uncorrelated across a sample. 40 000 paths, whose variances are known to 0.7 %; 28 comparisons at
-/// 4.5 standard errors, false alarm 2e-4 in all. Free noise has twice the variance in the middle and more at the end. A slip depends on
-/// the noise, and the noise on no slip.
+/// Null: the noise that T shows on top of the series has mean 0 and variance sinh(theta s)
+/// sinh(theta (d - s)) rho^2 sigma^2/(theta sinh(theta d)) a time s after a sample, d = 1.5 apart,
+/// and is uncorrelated across a sample. 40 000 paths, whose variances are known to 0.7 %; 28
+/// comparisons at 4.5 standard errors, false alarm 2e-4 in all. Free noise has twice the variance
+/// in the middle and more at the end. A slip depends on the noise, and the noise on no slip.
 #[test]
 fn pinned_noise_is_a_bridge_from_sample_to_sample() {
     let mut model = measured(paper(0.25, 0.25), vec![0.0, 1.5, 3.0], vec![1.0, 1.1, 0.7]);
@@ -302,8 +309,9 @@ fn pinned_noise_is_a_bridge_from_sample_to_sample() {
     }
 }
 
-/// The recursion of the bridge: n = ceil((|T - xi| - A)/G) jumps of G between two samples, whatever the way there. A slip of the
-/// scheme lasts 0.07 s, and samples are 600 s apart, so that its slips come in the same pieces, as many, and end at the same place.
+/// The recursion of the bridge: n = ceil((|T - xi| - A)/G) jumps of G between two samples, whatever
+/// the way there. A slip of the scheme lasts 0.07 s, and samples are 600 s apart, so that its slips
+/// come in the same pieces, as many, and end at the same place.
 #[test]
 fn slips_of_a_bridge_are_those_of_the_recursion_between_samples() {
     let scenario = Scenario::shipped("bridge").expect("sound");
@@ -331,7 +339,8 @@ fn slips_of_a_bridge_are_those_of_the_recursion_between_samples() {
         let b = k * (beta * series.at(slip.time) - slip.displacement);
         assert!((b.abs() - model.friction.static_force).abs() < 1e-6 * model.friction.static_force, "{slip:?} {b}");
     }
-    // The event-driven scheme, which takes nothing to stand still, agrees: slips of the same pieces.
+    // The event-driven scheme, which takes nothing to stand still, agrees: slips of the same
+    // pieces.
     let exact = events(&EventDrivenSimulation::new(model, &scenario.timeline(), TOLERANCE));
     let slips = exact.iter().filter(|event| matches!(event.kind, EventKind::SlipStarted(_)));
     assert_eq!(slips.map(|event| series.piece(event.time)).collect::<Vec<_>>(), wanted);

@@ -1,4 +1,5 @@
-//! The store from outside: what is written comes back, bad files are refused by name, and a full disk is no crash.
+//! The store from outside: what is written comes back, bad files are refused by name, and a full
+//! disk is no crash.
 
 mod synthetic;
 
@@ -77,7 +78,8 @@ fn a_summary_of_nothing_comes_back() {
 #[test]
 fn data_do_not_depend_on_the_size_of_blocks() {
     let folder = tempfile::tempdir().unwrap();
-    // More paths than a chunk has rows, so that whole chunks, a chunk in two pieces and a last incomplete one occur.
+    // More paths than a chunk has rows, so that whole chunks, a chunk in two pieces and a last
+    // incomplete one occur.
     let paths = 20_000;
     let targets = [256, 17_000, paths].map(|size| {
         let target = folder.path().join(format!("{size}.h5"));
@@ -131,7 +133,8 @@ fn a_file_is_made_by_one_at_a_time_and_given_up_without_a_trace() {
     Writer::create(&target, &header(1000), &NOTHING, false).unwrap();
 }
 
-/// Whatever has the name of the folder and is not ours stays, and so does a file that has the name of the target by the end.
+/// Whatever has the name of the folder and is not ours stays, and so does a file that has the name
+/// of the target by the end.
 #[test]
 fn nothing_of_others_is_replaced() {
     let folder = tempfile::tempdir().unwrap();
@@ -218,7 +221,8 @@ fn a_run_that_does_not_fit_is_refused_before_it_starts() {
     assert!(matches!(error, StoreError::TooLittleSpace { .. }), "{error}");
 }
 
-/// How fast rows reach the disk, in the sizes of a real run: `cargo test --release --test store speed -- --ignored --nocapture`.
+/// How fast rows reach the disk, in the sizes of a real run: `cargo test --release --test store
+/// speed -- --ignored --nocapture`.
 #[test]
 #[ignore = "a measurement, not a check"]
 fn speed_of_writing() {
@@ -243,8 +247,9 @@ fn speed_of_writing() {
     }
 }
 
-/// A file of every kind comes back, and has the rows that were asked for and no others. Readers of other languages find them where
-/// `STORE_SAMPLES=DIR cargo test --test store every_kind` puts them.
+/// A file of every kind comes back, and has the rows that were asked for and no others. Readers of
+/// other languages find them where `STORE_SAMPLES=DIR cargo test --test store every_kind` puts
+/// them.
 #[test]
 fn a_file_of_every_kind_comes_back_with_the_rows_it_was_asked_for() {
     let temporary = tempfile::tempdir().unwrap();

@@ -106,8 +106,10 @@ fn no_bit_depends_on_threads_or_on_where_a_sweep_was_interrupted() {
     assert_eq!(sweep_bits(&parts), sweep_bits(&whole));
 }
 
-/// Null: the error of a mean that follows from the groups is the one that the run tells of its units: 31 degrees of freedom know it to 13 %, and four
-/// of these are allowed (false-alarm rate 6e-5 each). Groups that parted the pairs would be off by 2.6 for the displacement, which antithetic noise makes so much surer.
+/// Null: the error of a mean that follows from the groups is the one that the run tells of its
+/// units: 31 degrees of freedom know it to 13 %, and four of these are allowed (false-alarm rate
+/// 6e-5 each). Groups that parted the pairs would be off by 2.6 for the displacement, which
+/// antithetic noise makes so much surer.
 #[test]
 fn groups_tell_the_errors_that_a_run_tells_also_of_antithetic_pairs() {
     for antithetic in ["false", "true"] {
@@ -137,7 +139,8 @@ fn independent_points_have_seeds_of_their_own() {
     assert_eq!(seeds, [1, 2, 3]);
 }
 
-/// The statistics whose paired errors are held against what many seeds do: means, ratios, a spread, a slope, a median.
+/// The statistics whose paired errors are held against what many seeds do: means, ratios, a spread,
+/// a slope, a median.
 const HELD: [Statistic; 8] = [
     Statistic::StickDurationMean,
     Statistic::StickDurationMedian,
@@ -158,7 +161,8 @@ struct Seen {
 }
 
 impl Seen {
-    /// The share of intervals that hold the mean over all seeds, and the mean square of the errors over the variance of the estimates.
+    /// The share of intervals that hold the mean over all seeds, and the mean square of the errors
+    /// over the variance of the estimates.
     fn coverage_and_ratio(&self) -> (f64, f64) {
         let n = self.estimates.len() as f64;
         let mean = self.estimates.iter().sum::<f64>() / n;
@@ -167,10 +171,12 @@ impl Seen {
         (held / n, self.errors.iter().map(|e| e * e).sum::<f64>() / n / variance)
     }
 
-    /// Null: intervals hold the truth, here the mean over all seeds, in 95 % of 500 seeds. The share is within four binomial standard
-    /// deviations, 3.9 %, and 1.5 % for the skewness of 320 paths, but for a false-alarm rate of 6e-5. The mean square of the error is
-    /// the variance to four times the 6.3 % to which 500 seeds know it, and 10 % for what a jackknife of ratios overstates.
-    /// Twice the error holds 99.99 % and has four times the variance; half of it holds 68 %.
+    /// Null: intervals hold the truth, here the mean over all seeds, in 95 % of 500 seeds. The
+    /// share is within four binomial standard deviations, 3.9 %, and 1.5 % for the skewness of 320
+    /// paths, but for a false-alarm rate of 6e-5. The mean square of the error is the variance to
+    /// four times the 6.3 % to which 500 seeds know it, and 10 % for what a jackknife of ratios
+    /// overstates. Twice the error holds 99.99 % and has four times the variance; half of it holds
+    /// 68 %.
     fn check(&self, what: &str) {
         let (coverage, ratio) = self.coverage_and_ratio();
         println!("{what}: holds {:.1} %, error^2 over variance {ratio:.3}", 100.0 * coverage);

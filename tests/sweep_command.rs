@@ -41,7 +41,8 @@ fn done(output: &Output) {
     assert_eq!(output.status.code(), Some(0), "{}", err(output));
 }
 
-/// The bits of every number of a file that equal sweeps have in common: all but the time that they took.
+/// The bits of every number of a file that equal sweeps have in common: all but the time that they
+/// took.
 fn numbers(path: &Path) -> Vec<(String, Vec<u64>)> {
     let file = File::open(path).expect("an HDF5 file");
     let names = file.member_names().expect("a root group").into_iter().filter(|name| name != "point_seconds");
@@ -242,7 +243,8 @@ fn show_prints_a_sweep_again_and_csv_has_a_line_for_each_statistic_of_each_point
     assert_eq!(refused.status.code(), Some(2), "{}", out(&refused));
 }
 
-/// A difference of independent runs is within 1.96 errors in quadrature, but for chance: of these seeds it is.
+/// A difference of independent runs is within 1.96 errors in quadrature, but for chance: of these
+/// seeds it is.
 #[test]
 fn show_puts_several_runs_beside_each_other() {
     let folder = tempfile::tempdir().expect("a temporary folder");

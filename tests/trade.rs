@@ -1,4 +1,5 @@
-//! What `mc trade` promises, against closed forms, against the values of another event-driven program, and against what runs then do.
+//! What `mc trade` promises, against closed forms, against the values of another event-driven
+//! program, and against what runs then do.
 
 #[path = "common/command.rs"]
 mod command;
@@ -24,8 +25,8 @@ fn shipped(name: &str) -> Scenario {
 
 const TWO_THREADS: usize = 2;
 
-/// A few seconds of the paper's noisy scene. The costs are fixed, so that no choice depends on the machine: 1.2 ns a step, 30 us an
-/// event-driven path.
+/// A few seconds of the paper's noisy scene. The costs are fixed, so that no choice depends on the
+/// machine: 1.2 ns a step, 30 us an event-driven path.
 static PILOT: LazyLock<Trade> = LazyLock::new(|| {
     let scenario = shipped("rho025");
     let effort = Effort { steps: 7, coupled_paths: 5120, free_paths: vec![1024, 8192, 1024, 32_768], timing: 0.0 };
@@ -40,7 +41,8 @@ static PILOT: LazyLock<Trade> = LazyLock::new(|| {
 
 use Statistic::{StickDurationMean, StickingFraction, SticksPerPath, SubPhasesMean};
 
-/// The value of another program, and its standard error (tests/reference/noisy.c, relative errors below 6e-4).
+/// The value of another program, and its standard error (tests/reference/noisy.c, relative errors
+/// below 6e-4).
 fn truth(statistic: Statistic) -> (f64, f64) {
     reference::limit(statistic.name())
 }
@@ -60,10 +62,12 @@ fn rmse(choice: &Choice, statistic: Statistic, runs: u64) -> f64 {
     ((0..runs).map(square).sum::<f64>() / runs as f64).sqrt()
 }
 
-/// What was promised is found. Null: the root mean square error is at most `target`, and no less than what remains of it if the bias, of
-/// which the choice knows an upper bound U only, is zero: sqrt(target^2 - U^2). From M runs it is known to 1/sqrt(2M), relative (a
-/// chi-square of M degrees of freedom), of which four are allowed, and 3 % for the pilot's own error of the variance: false-alarm
-/// rate below 1e-4. Half or twice the paths change it by 1.41, which 100 runs see with a play of 0.31.
+/// What was promised is found. Null: the root mean square error is at most `target`, and no less
+/// than what remains of it if the bias, of which the choice knows an upper bound U only, is zero:
+/// sqrt(target^2 - U^2). From M runs it is known to 1/sqrt(2M), relative (a chi-square of M degrees
+/// of freedom), of which four are allowed, and 3 % for the pilot's own error of the variance:
+/// false-alarm rate below 1e-4. Half or twice the paths change it by 1.41, which 100 runs see with
+/// a play of 0.31.
 #[track_caller]
 fn keeps_its_promise(choice: &Choice, statistic: Statistic, target: f64, runs: u64) {
     let ratio = rmse(choice, statistic, runs) / target;
@@ -92,7 +96,8 @@ fn the_recommended_run_has_the_error_it_was_recommended_for() {
     }
 }
 
-/// Here the promise rests on the bias: of the discrete VI by the law, at a step that the pilot did not run.
+/// Here the promise rests on the bias: of the discrete VI by the law, at a step that the pilot did
+/// not run.
 #[test]
 fn so_has_the_best_run_of_a_scheme_with_a_step() {
     let discrete = PILOT.best(Some(Kind::DiscreteVi), &[StickDurationMean], 0.05).expect("a choice");
@@ -113,7 +118,8 @@ fn a_run_for_several_statistics_suits_the_most_demanding() {
     keeps_its_promise(&together, StickingFraction, 0.01, 100);
 }
 
-/// Theory: order 1/2 for the discrete VI, 1 for the corrected one. The errors of the fits are below 0.05 and 0.3.
+/// Theory: order 1/2 for the discrete VI, 1 for the corrected one. The errors of the fits are below
+/// 0.05 and 0.3.
 #[test]
 fn the_ladder_sees_the_orders() {
     let order = |scheme| PILOT.law(scheme, StickDurationMean).expect("a law").order;
@@ -123,7 +129,8 @@ fn the_ladder_sees_the_orders() {
     assert!(corrected.value - 2.0 * corrected.error < 2.0 && corrected.value > 0.9, "{corrected:?}");
 }
 
-/// The biases at the pilot's steps are those against the other program's value: four standard errors.
+/// The biases at the pilot's steps are those against the other program's value: four standard
+/// errors.
 #[test]
 fn biases_are_those_against_another_program() {
     for statistic in [StickDurationMean, SticksPerPath, StickingFraction, SubPhasesMean] {
@@ -153,7 +160,8 @@ fn a_measurement_is_reproducible() {
     }
 }
 
-/// Rungs put together by hand: value 1, variance v a path, bias C h^p, cost a/h; an exact reference of cost 1 s.
+/// Rungs put together by hand: value 1, variance v a path, bias C h^p, cost a/h; an exact reference
+/// of cost 1 s.
 fn synthetic(c: f64, p: f64, v: f64, a: f64) -> Trade {
     const PATHS: u64 = 1 << 54; // so many that errors vanish
     let estimate = |value: f64| {
@@ -185,8 +193,9 @@ fn synthetic(c: f64, p: f64, v: f64, a: f64) -> Trade {
     Trade { rungs, reference, left_out, pairing, is_random: true, has_limitless_phases: false }
 }
 
-/// Pairs with a seventh of the variance are chosen, with a seventh of the paths and rounded up to whole pairs; where one of two statistics
-/// would need more paths, or where little is gained, paths stay independent. N = v/eps^2 with v = 300, eps = 0.01, of the reference without bias.
+/// Pairs with a seventh of the variance are chosen, with a seventh of the paths and rounded up to
+/// whole pairs; where one of two statistics would need more paths, or where little is gained, paths
+/// stay independent. N = v/eps^2 with v = 300, eps = 0.01, of the reference without bias.
 #[test]
 fn antithetic_pairs_are_chosen_where_they_pay() {
     let mut trade = synthetic(0.8, 0.5, 300.0, 1e-6);
@@ -212,8 +221,9 @@ fn antithetic_pairs_are_chosen_where_they_pay() {
     assert_eq!(chosen(&trade, &[loses]), (true, all.next_multiple_of(2)));
 }
 
-/// With bias C h^p, cost a/h and variance v a path, N a/h = a v/(h (eps^2 - C^2 h^2p)) is least where C h^p = eps/sqrt(2p + 1). The ladder's
-/// nearest steps cost at most 13 % (p = 1/2) or 19 % (p = 1) more. Beyond the ladder the law has an error, which counts as bias: 40 %.
+/// With bias C h^p, cost a/h and variance v a path, N a/h = a v/(h (eps^2 - C^2 h^2p)) is least
+/// where C h^p = eps/sqrt(2p + 1). The ladder's nearest steps cost at most 13 % (p = 1/2) or 19 %
+/// (p = 1) more. Beyond the ladder the law has an error, which counts as bias: 40 %.
 #[test]
 fn the_cheapest_step_is_that_of_the_closed_form() {
     let (c, v, a) = (0.8, 300.0, 1e-6);
@@ -240,8 +250,8 @@ fn the_cheapest_step_is_that_of_the_closed_form() {
     }
 }
 
-/// Where nothing is random every path is the same: one is the answer, and its error is the bias. `exact` is the duration of the first
-/// stick.
+/// Where nothing is random every path is the same: one is the answer, and its error is the bias.
+/// `exact` is the duration of the first stick.
 #[track_caller]
 fn one_path_is_the_answer(scenario: &Scenario, exact: f64) -> Trade {
     let mut ladder = Ladder::of(scenario);
@@ -274,7 +284,8 @@ fn without_noise_one_path_is_the_answer() {
     assert_eq!(trade.standing(Statistic::DisplacementEndSd), Standing::Zero);
 }
 
-/// v relaxes from v(0) = 2 and nothing else happens: b = 3 (e^{-t} - 1) reaches -1.2 at t = -ln 0.6.
+/// v relaxes from v(0) = 2 and nothing else happens: b = 3 (e^{-t} - 1) reaches -1.2 at t = -ln
+/// 0.6.
 #[test]
 fn one_path_is_the_answer_where_the_noise_does_not_diffuse() {
     let mut scenario = shipped("rho025");

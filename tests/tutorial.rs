@@ -1,4 +1,5 @@
-//! The tutorial on a bearing: its commands run as they stand, one after another, and print what the page says.
+//! The tutorial on a bearing: its commands run as they stand, one after another, and print what the
+//! page says.
 
 use std::path::Path;
 use std::process::Command;

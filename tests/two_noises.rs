@@ -1,7 +1,7 @@
 //! Two noises at once, against what does not know how the scheme adds them up.
 //!
-//! Rate of false alarms: each z below is compared with 4.5, which a normal exceeds once in 150 000 times; there are
-//! 25 of them.
+//! Rate of false alarms: each z below is compared with 4.5, which a normal exceeds once in 150 000
+//! times; there are 25 of them.
 
 mod common;
 
@@ -31,9 +31,9 @@ fn assert_near(name: &str, got: f64, want: f64, error: f64) {
     assert!(z.abs() <= FALSE_ALARM, "{name}: {got} for {want} +- {error}");
 }
 
-/// Without friction the model is linear: the mean and the covariance of (x, x') are sums over what each noise does
-/// alone, which is one exact transition over the whole time. T is stationary noise around the harmonic. 60 000
-/// paths; the end is inside a cell.
+/// Without friction the model is linear: the mean and the covariance of (x, x') are sums over what
+/// each noise does alone, which is one exact transition over the whole time. T is stationary noise
+/// around the harmonic. 60 000 paths; the end is inside a cell.
 #[test]
 fn without_friction_both_noises_move_the_body_as_each_alone_would_in_sum() {
     let (end, paths) = (8.037, 60_000);
@@ -101,9 +101,10 @@ fn still(fast: Noise, slow: Noise) -> Model {
     model
 }
 
-/// When n1 + n2 first leaves [-1, 1], path by path, up to `end`: the scheme, and a loop of small steps whose thresholds
-/// are moved by 0.5826 s sqrt(step), which is what looking only now and then overlooks (Broadie, Glasserman, Kou,
-/// Mathematical Finance 7, 1997). One noise of hours and one of days, both stationary.
+/// When n1 + n2 first leaves [-1, 1], path by path, up to `end`: the scheme, and a loop of small
+/// steps whose thresholds are moved by 0.5826 s sqrt(step), which is what looking only now and then
+/// overlooks (Broadie, Glasserman, Kou, Mathematical Finance 7, 1997). One noise of hours and one
+/// of days, both stationary.
 #[test]
 fn the_sum_first_leaves_the_corridor_when_small_steps_say() {
     let (paths, end, step) = (40_000, 60.0, 2e-3);
@@ -175,8 +176,8 @@ fn first_exits(scheme: &impl Simulate, end: f64, paths: u64) -> Vec<f64> {
     all
 }
 
-/// Two noises of one relaxation rate are one noise, whose variance is the sum of both: in the paper's scene, 8000
-/// paths a side.
+/// Two noises of one relaxation rate are one noise, whose variance is the sum of both: in the
+/// paper's scene, 8000 paths a side.
 #[test]
 fn two_noises_of_one_memory_are_one() {
     let one = paper(0.25, 0.25);

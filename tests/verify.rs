@@ -1,5 +1,5 @@
-//! `mc verify`: a file is as it was written, and holds what its scenario comes to; every number that was changed is named, although
-//! its checksum was made to fit.
+//! `mc verify`: a file is as it was written, and holds what its scenario comes to; every number
+//! that was changed is named, although its checksum was made to fit.
 
 #[path = "common/command.rs"]
 mod command;
@@ -55,7 +55,8 @@ fn verified(here: &TempDir, more: &[&str]) -> serde_json::Value {
 /// Change a file as a careful forger would: with a checksum that fits, or with none.
 fn forge(here: &TempDir, is_sealed: bool, change: impl FnOnce(&hdf5::File)) {
     let [path, other] = ["a.h5", "other.h5"].map(|name| here.path().join(name));
-    // Another file, because a process that another test has just started may still hold the lock of the one that was open here.
+    // Another file, because a process that another test has just started may still hold the lock of
+    // the one that was open here.
     fs::rename(&path, &other).expect("renamed");
     let file = hdf5::File::open_rw(&other).expect("HDF5");
     change(&file);
@@ -123,7 +124,8 @@ fn it_says_how_much_was_checked() {
     assert_eq!((&all["statistics_checked"], &all["paths_checked"]), (&true.into(), &2900.into()));
 }
 
-/// One value in the last bits, in every table of a file, in its statistics, and in what it says of itself.
+/// One value in the last bits, in every table of a file, in its statistics, and in what it says of
+/// itself.
 #[test]
 fn whatever_was_changed_is_named_although_the_checksum_fits() {
     type Change = fn(&hdf5::File);

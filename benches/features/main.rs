@@ -1,7 +1,9 @@
-//! The price of each feature, on and off, and the kernel beside loops that never had the features that a scene lacks.
+//! The price of each feature, on and off, and the kernel beside loops that never had the features
+//! that a scene lacks.
 //!
-//! `cargo bench --bench features` takes about three minutes on two cores. Absolute times depend on the machine and its other
-//! users; the last columns, ratios of one run, are what the documentation quotes.
+//! `cargo bench --bench features` takes about three minutes on two cores. Absolute times depend on
+//! the machine and its other users; the last columns, ratios of one run, are what the documentation
+//! quotes.
 
 #[path = "../common/mod.rs"]
 mod common;

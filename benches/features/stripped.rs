@@ -1,6 +1,7 @@
-//! The discrete scheme as an engine would have it that knew neither damping nor corrections, once with
-//! noise and once without. It steps as the kernel does, groups of 16 or, without noise, 32 lanes through runs of 256 steps, computes the
-//! forcing and looks for divergence as often, and counts the ends of sticks.
+//! The discrete scheme as an engine would have it that knew neither damping nor corrections, once
+//! with noise and once without. It steps as the kernel does, groups of 16 or, without noise, 32
+//! lanes through runs of 256 steps, computes the forcing and looks for divergence as often, and
+//! counts the ends of sticks.
 
 use std::hint::black_box;
 use stick_slip::lanes::{InstructionSet, LaneProgram, Lanes};
@@ -47,8 +48,8 @@ struct Stripped<'a> {
     is_lost: bool,
 }
 
-/// How many sticks end in so many steps of 256 paths that start at rest with a relaxed spring, T being what the clock says; none if a path
-/// is lost.
+/// How many sticks end in so many steps of 256 paths that start at rest with a relaxed spring, T
+/// being what the clock says; none if a path is lost.
 pub fn count_sticks(set: InstructionSet, scene: Scene, clock: &HarmonicClock, steps: usize) -> Option<u64> {
     let mut start = [0.0];
     clock.fill(0, &mut start);

@@ -1,7 +1,8 @@
-//! A run on very many ranks: what its messages cost, measured here, and how long it would take, simulated.
+//! A run on very many ranks: what its messages cost, measured here, and how long it would take,
+//! simulated.
 //!
-//! The leases are those of the program (`ensemble::Leases`); ranks, clock and network are not there. Prints the tables of
-//! docs/scaling.md.
+//! The leases are those of the program (`ensemble::Leases`); ranks, clock and network are not
+//! there. Prints the tables of docs/scaling.md.
 //!
 //! ```text
 //! cargo run --release --example scaling

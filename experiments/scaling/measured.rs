@@ -16,8 +16,8 @@ pub struct Costs {
     pub block: f64,
     /// Bytes of the rows of a block, and seconds that rank 0 takes for them.
     pub rows: [f64; 2],
-    /// Bytes of the sums of a lease, seconds to write them, and seconds that rank 0 takes to read and to join them: of a short
-    /// lease, and of a long one.
+    /// Bytes of the sums of a lease, seconds to write them, and seconds that rank 0 takes to read
+    /// and to join them: of a short lease, and of a long one.
     pub sums: [[f64; 3]; 2],
 }
 
@@ -78,7 +78,8 @@ impl Costs {
         Ok(Costs { block, rows, sums })
     }
 
-    /// Bytes of a message with a lease of so many blocks, and seconds that rank 0 takes for it. Sketches grow until they are full.
+    /// Bytes of a message with a lease of so many blocks, and seconds that rank 0 takes for it.
+    /// Sketches grow until they are full.
     pub fn message(&self, blocks: f64) -> [f64; 2] {
         let [small, large] = self.sums;
         let share = ((blocks.ln() - (LEASES[0] as f64).ln()) / ((LEASES[1] / LEASES[0]) as f64).ln()).clamp(0.0, 1.0);

@@ -1,5 +1,5 @@
-//! Statistics of the caller's own: a function of Python turns the events of a finished block into numbers of each path, and what is
-//! estimated from them has the interval of any other statistic.
+//! Statistics of the caller's own: a function of Python turns the events of a finished block into
+//! numbers of each path, and what is estimated from them has the interval of any other statistic.
 
 use numpy::{IntoPyArray as _, PyReadonlyArray1};
 use pyo3::prelude::*;
@@ -13,7 +13,8 @@ pub struct Own {
     pub name: String,
     pub estimate: Measurement,
     function: Py<PyAny>,
-    /// Means of what the function gives, and of what they are divided by, summed along the tree of the run.
+    /// Means of what the function gives, and of what they are divided by, summed along the tree of
+    /// the run.
     tree: Tree<PathMeans<2>>,
     is_ratio: bool,
 }
@@ -28,7 +29,8 @@ pub struct Kept {
     blocks: u64,
 }
 
-/// What a function gives for a block: a number of each path, and for a ratio what its mean is divided by.
+/// What a function gives for a block: a number of each path, and for a ratio what its mean is
+/// divided by.
 type Numbers<'py> = (PyReadonlyArray1<'py, f64>, Option<PyReadonlyArray1<'py, f64>>);
 
 impl Kept {

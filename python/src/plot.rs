@@ -36,8 +36,8 @@ impl Picture {
     }
 }
 
-/// How a picture is drawn: the name of the one figure of it, if not all; whether it is dark; the width of a figure in millimetres;
-/// whether vertical axes are logarithmic.
+/// How a picture is drawn: the name of the one figure of it, if not all; whether it is dark; the
+/// width of a figure in millimetres; whether vertical axes are logarithmic.
 type Drawn = (Option<String>, bool, f64, bool);
 
 /// A path of a scenario, or a run of it, given its data set.

@@ -24,7 +24,8 @@ pub type Variables<'py> = (Bound<'py, PyDict>, Bound<'py, PyList>);
 /// Name, estimate, standard error, and the ends of the interval of a statistic of the caller's own.
 type OwnEstimate = (String, f64, f64, f64, f64);
 
-/// What a run came to: its data set, what is to be said of it, the statistics of the caller's own, and the sums of a part.
+/// What a run came to: its data set, what is to be said of it, the statistics of the caller's own,
+/// and the sums of a part.
 type Ran<'py> = (Variables<'py>, Vec<String>, Vec<OwnEstimate>, Option<Vec<u8>>);
 
 /// Simulate a scenario. With goals the number of paths is open, unless `is_bounded`.
@@ -204,7 +205,8 @@ fn remarks(py: Python<'_>, outcome: &Outcome, is_interrupted: bool) -> PyResult<
     Ok(remarks)
 }
 
-/// Simulate one path of the ensemble of a scenario again, with its events and as fine a trajectory as it has.
+/// Simulate one path of the ensemble of a scenario again, with its events and as fine a trajectory
+/// as it has.
 #[pyfunction]
 pub fn replay<'py>(py: Python<'py>, scenario: &Scenario, path: u64) -> PyResult<Variables<'py>> {
     let scenario = &scenario.checked;

@@ -1,4 +1,5 @@
-//! Scenarios: text or a file, with overrides and samples of a measured temperature laid over it, checked by the one parser.
+//! Scenarios: text or a file, with overrides and samples of a measured temperature laid over it,
+//! checked by the one parser.
 
 use crate::errors;
 use numpy::PyReadonlyArray1;
@@ -102,8 +103,9 @@ impl Scenario {
 /// One override: its flag, none for `--set`; its key, and the value as TOML.
 type Laid = (Option<String>, String, String);
 
-/// Read and check a scenario: the file of this name, or this text of that name. Samples of a measured temperature are those that
-/// the text speaks of, as results store them, or others in their place.
+/// Read and check a scenario: the file of this name, or this text of that name. Samples of a
+/// measured temperature are those that the text speaks of, as results store them, or others in
+/// their place.
 #[pyfunction]
 #[pyo3(signature = (name, text, overrides, samples = None, are_stored = false))]
 pub fn parse(

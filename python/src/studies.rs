@@ -30,7 +30,8 @@ pub fn statistic(py: Python<'_>, name: &str) -> PyResult<Statistic> {
         .ok_or_else(|| errors::of_argument(py, "statistic", name, "there is no such statistic", remedy))
 }
 
-/// The scenario with scheme, step or tolerance, and paths for a relative error; and what is promised.
+/// The scenario with scheme, step or tolerance, and paths for a relative error; and what is
+/// promised.
 #[pyfunction]
 #[pyo3(signature = (scenario, target, statistics, max_time, workers))]
 pub fn choose(
@@ -56,7 +57,8 @@ pub fn choose(
     Ok((scenario.replaced(decision.scenario), accuracy_goal.to_string()))
 }
 
-/// Statistics as functions of keys: `vary` as `mc sweep --vary` takes it, or elasticities of some keys.
+/// Statistics as functions of keys: `vary` as `mc sweep --vary` takes it, or elasticities of some
+/// keys.
 #[pyfunction]
 #[pyo3(signature = (scenario, *, vary, zip, elasticity, relative_step, independent, bias, workers, progress))]
 #[expect(clippy::too_many_arguments, reason = "they are keywords of one Python function")]

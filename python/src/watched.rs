@@ -1,4 +1,5 @@
-//! Work on another thread, while the thread that Python called from hears Ctrl-C and tells how far the work has come.
+//! Work on another thread, while the thread that Python called from hears Ctrl-C and tells how far
+//! the work has come.
 
 use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
@@ -24,7 +25,8 @@ pub struct Watch {
     expected: AtomicU64,
 }
 
-/// Tells the watch. It is the engine's own view of progress, so that no thread of it waits for Python.
+/// Tells the watch. It is the engine's own view of progress, so that no thread of it waits for
+/// Python.
 #[derive(Debug)]
 pub struct Told<'a>(pub &'a Watch);
 
@@ -35,8 +37,9 @@ impl Progress for Told<'_> {
     }
 }
 
-/// Do some work with the interpreter released. Ctrl-C raises the flag of the watch, and so does an exception of `progress`, a
-/// callable that is told paths done and paths expected. Returns what the work came to, and whether it was interrupted.
+/// Do some work with the interpreter released. Ctrl-C raises the flag of the watch, and so does an
+/// exception of `progress`, a callable that is told paths done and paths expected. Returns what the
+/// work came to, and whether it was interrupted.
 pub fn watched<T: Send>(
     py: Python<'_>,
     progress: Option<&Py<PyAny>>,

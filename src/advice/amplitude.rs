@@ -50,7 +50,8 @@ pub(super) fn expected_amplitude(model: &Model, end: f64, step: Option<f64>) -> 
         (x, y) = (x + moved.re, y + passing.re);
         (most_x, most_y) = (most_x + moved.abs(), most_y + passing.abs());
     }
-    // Measured values move the rest position, and every bend of theirs sets the body swinging about it.
+    // Measured values move the rest position, and every bend of theirs sets the body swinging about
+    // it.
     if let Some(series) = &temperature.series {
         let (low, high) = series.range();
         most_x += oscillator.dilatation.abs() * low.abs().max(high.abs());

@@ -172,8 +172,9 @@ fn warnings_are_those_of_the_scheme() {
     assert!(names("event-driven", &["oscillator.stiffness=1e9", "temperature.noise.relaxation_rate=1e3"]).is_empty());
     let slow = ["temperature.harmonics.0.angular_frequency=1e-4", "temperature.noise.intensity=0", "ensemble.paths=1"];
     assert_eq!(names("quasi-static", &slow), ["few-periods"]);
-    // The harmonics change the force by up to 6e-4: slower than the body swings back at zeta = 0.3, by up to 0.05, and faster
-    // than at 0.9, by up to 1.2e-4, and at 1.5, not at all. Noise of the same slowness ends slips at any damping.
+    // The harmonics change the force by up to 6e-4: slower than the body swings back at zeta = 0.3,
+    // by up to 0.05, and faster than at 0.9, by up to 1.2e-4, and at 1.5, not at all. Noise of the
+    // same slowness ends slips at any damping.
     let swings =
         |damping: &str| names("quasi-static", &[&slow[..], &[&*format!("oscillator.damping={damping}")]].concat());
     assert_eq!(swings("0.3"), ["few-periods"]);

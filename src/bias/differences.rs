@@ -1,13 +1,13 @@
 //! The bias from the run's own paths at three steps.
 //!
-//! The first few paths of the run are simulated with the steps h, 2h and 4h on one realisation of the noise. What the
-//! statistics change from 4h to 2h and from 2h to h is then known far better than the statistics themselves, and says
-//! what they would still change from h to 0 ([`super::extrapolation`]), with an error from groups of paths
-//! ([`super::groups`]).
+//! The first few paths of the run are simulated with the steps h, 2h and 4h on one realisation of
+//! the noise. What the statistics change from 4h to 2h and from 2h to h is then known far better
+//! than the statistics themselves, and says what they would still change from h to 0
+//! ([`super::extrapolation`]), with an error from groups of paths ([`super::groups`]).
 //!
-//! Only what goes smoothly with the step can be extrapolated. A median does not: where sticks are either short or long
-//! and the step misses some of the short ones, the median is that of the long ones at h, 2h and 4h alike, and that of
-//! the short ones at zero step ([`is_smooth`]).
+//! Only what goes smoothly with the step can be extrapolated. A median does not: where sticks are
+//! either short or long and the step misses some of the short ones, the median is that of the long
+//! ones at h, 2h and 4h alike, and that of the short ones at zero step ([`is_smooth`]).
 
 use super::extrapolation::{Levels, is_smooth, leading_order, unseen, weight};
 use super::groups::{GroupObserver, Grouped, Groups};
@@ -20,14 +20,17 @@ use std::convert::Infallible;
 use std::ops::ControlFlow;
 use std::sync::atomic::AtomicBool;
 
-/// One path in so many of a run is simulated at three steps, at three times the work of a path at most, since each step draws the
-/// normals of the finest: a sixteenth of a run at most, and a little for the sums.
+/// One path in so many of a run is simulated at three steps, at three times the work of a path at
+/// most, since each step draws the normals of the finest: a sixteenth of a run at most, and a
+/// little for the sums.
 const SHARE: u64 = 48;
 
-/// Groups of paths the standard error is taken from: its own error is 18 %, which Student's t with 15 degrees of freedom allows for.
+/// Groups of paths the standard error is taken from: its own error is 18 %, which Student's t with
+/// 15 degrees of freedom allows for.
 const GROUPS: usize = 16;
 
-/// 97.5 % quantile of Student's t with GROUPS - 1 degrees of freedom (Abramowitz and Stegun, table 26.10).
+/// 97.5 % quantile of Student's t with GROUPS - 1 degrees of freedom (Abramowitz and Stegun, table
+/// 26.10).
 pub(super) const STUDENT: f64 = 2.131;
 
 /// The steps, in units of h.
@@ -45,8 +48,9 @@ const MAX_WIDTH: u64 = 16;
 /// Pieces of a level there should be, for the threads to share.
 const PIECES: u64 = 8;
 
-/// Some paths of a run, to be simulated at three steps. The three simulations end, and look at whole forcing periods, at the same instants: the
-/// multiples of 4h nearest to those of the run, which changes the statistics by a share of 2h/t_end and their bias likewise.
+/// Some paths of a run, to be simulated at three steps. The three simulations end, and look at
+/// whole forcing periods, at the same instants: the multiples of 4h nearest to those of the run,
+/// which changes the statistics by a share of 2h/t_end and their bias likewise.
 #[derive(Clone, Debug)]
 pub struct Differences {
     model: Model,
@@ -85,8 +89,8 @@ impl Differences {
         Ok(Differences { model: model.clone(), timeline, levels, h, seed, groups, per_group, antithetic: false })
     }
 
-    /// The same for a run of antithetic pairs. Groups hold whole pairs, so that leaving one out tells
-    /// how pairs scatter; where a group would hold one path, there are none.
+    /// The same for a run of antithetic pairs. Groups hold whole pairs, so that leaving one out
+    /// tells how pairs scatter; where a group would hold one path, there are none.
     pub fn in_pairs(self) -> Self {
         let per_group = self.per_group & !1;
         if per_group == 0 { self } else { Differences { per_group, antithetic: true, ..self } }
@@ -97,8 +101,8 @@ impl Differences {
         self.groups as u64 * self.per_group
     }
 
-    /// The bias of every statistic that exists and can be extrapolated, on `threads` threads, the same bits for any number
-    /// of them.
+    /// The bias of every statistic that exists and can be extrapolated, on `threads` threads, the
+    /// same bits for any number of them.
     pub fn estimate(&self, threads: usize, stop: &AtomicBool) -> Result<Vec<(Statistic, Bias)>, NoBias> {
         let levels = self.simulate(threads, stop)?.map(|groups| groups.values());
         let at = |of: &dyn Fn(&Grouped) -> f64| Levels(levels.each_ref().map(of));
@@ -112,7 +116,8 @@ impl Differences {
         Ok(Statistic::ALL.iter().enumerate().filter_map(bias).collect())
     }
 
-    /// The bias of one statistic from its values at the three steps, of all paths and without each group, and the sticks of a path.
+    /// The bias of one statistic from its values at the three steps, of all paths and without each
+    /// group, and the sticks of a path.
     fn bias(&self, statistic: Statistic, all: Levels, without: &[Levels], sticks: f64) -> Bias {
         let error = |of: &dyn Fn(Levels) -> f64| {
             jackknife::standard_error(&without.iter().map(|&y| of(y)).collect::<Vec<f64>>())
@@ -130,7 +135,8 @@ impl Differences {
         let weight = weight(all.second_term(p), second_term_error);
         let sampling = STUDENT * error(&|y| y.bias(p, weight));
         let grid = match statistic {
-            // Fewer sticks, and longer ones: what is left of the two is no larger than half a step for each stick.
+            // Fewer sticks, and longer ones: what is left of the two is no larger than half a step
+            // for each stick.
             Statistic::StickingFraction => 0.5 * self.h * sticks / self.timeline.counted(),
             _ => 0.0,
         };
@@ -173,7 +179,8 @@ impl Differences {
         }
     }
 
-    /// The next `width` paths of each group, `done` of each being done; and how many of them diverged.
+    /// The next `width` paths of each group, `done` of each being done; and how many of them
+    /// diverged.
     fn piece(&self, level: usize, done: u64, width: u64) -> (Vec<Totals>, usize) {
         let groups = self.groups as u64;
         let first = done * groups;

@@ -130,7 +130,8 @@ impl BiasPlan {
         BiasPlan { differences: self.differences.map(Differences::in_pairs), ..self }
     }
 
-    /// The bias of every statistic that exists in the run whose result this is, on `threads` threads, the same bits for any number of them.
+    /// The bias of every statistic that exists in the run whose result this is, on `threads`
+    /// threads, the same bits for any number of them.
     pub fn estimate(&self, run: &Summary, threads: usize, stop: &AtomicBool) -> Result<Vec<(Statistic, Bias)>, NoBias> {
         Ok(self.simulate(threads, stop)?.of(run))
     }
@@ -179,9 +180,9 @@ const SHARPER: f64 = 0.5;
 
 /// Of the two measurements of one bias, where there are two.
 ///
-/// The reference run assumes nothing about the order, so it is taken unless the extrapolation is far
-/// more precise. If the more precise of two similar ones were taken, it would often be the one whose
-/// uncertainty is too small by chance.
+/// The reference run assumes nothing about the order, so it is taken unless the extrapolation is
+/// far more precise. If the more precise of two similar ones were taken, it would often be the one
+/// whose uncertainty is too small by chance.
 fn chosen(extrapolated: Option<Bias>, referenced: Option<Bias>) -> Option<Bias> {
     let (Some(extrapolated), Some(referenced)) = (extrapolated, referenced) else { return extrapolated.or(referenced) };
     let is_sharper = extrapolated.uncertainty < SHARPER * referenced.uncertainty;
@@ -199,7 +200,8 @@ mod tests {
         let bias = |estimate, uncertainty, order| Some(Bias { estimate, uncertainty, order });
         let referenced = bias(1.0, 0.4, None);
         assert_eq!(chosen(bias(0.7, 0.1, Some(0.5)), referenced), bias(0.7, 0.1, Some(0.5)));
-        // No sharper by chance than chance may be; and in contradiction, 0.6 apart where 0.5 is possible.
+        // No sharper by chance than chance may be; and in contradiction, 0.6 apart where 0.5 is
+        // possible.
         assert_eq!(chosen(bias(0.7, 0.3, Some(0.5)), referenced), bias(1.0, 0.4, Some(0.5)));
         assert_eq!(chosen(bias(0.4, 0.1, Some(0.5)), referenced), bias(1.0, 0.4, Some(0.5)));
         assert_eq!(chosen(None, referenced), referenced);

@@ -1,9 +1,9 @@
 //! The bias by comparison with a reference run of event-driven paths, which have no step.
 //!
 //! The reference run has as many paths as a given share of the cost of the run allows. Its
-//! statistics are those to which the run tends as h falls, so the bias is the difference of the two.
-//! Nothing is extrapolated, and any scheme with a step may be compared. The error is that of two
-//! finite ensembles, of which the reference run is the smaller one.
+//! statistics are those to which the run tends as h falls, so the bias is the difference of the
+//! two. Nothing is extrapolated, and any scheme with a step may be compared. The error is that of
+//! two finite ensembles, of which the reference run is the smaller one.
 
 use super::caution;
 use crate::ensemble::{Plan, in_order};
@@ -48,7 +48,8 @@ pub struct ReferenceRun {
 }
 
 impl ReferenceRun {
-    /// For a run of so many paths with this step and seed, of whose cost they may take one part in `share`.
+    /// For a run of so many paths with this step and seed, of whose cost they may take one part in
+    /// `share`.
     pub fn new(model: &Model, timeline: &Timeline, h: f64, seed: u64, paths: u64, share: u64) -> Self {
         let path_steps = timeline.end / h * paths as f64;
         let budget = path_steps as u64 / share;
@@ -56,8 +57,8 @@ impl ReferenceRun {
         ReferenceRun { model: model.clone(), timeline: timeline.without_rows(), seed: !seed, budget, paths }
     }
 
-    /// The bias of the statistics of a run, without an order; none where the reference run costs too
-    /// much, or does not resolve all slips (f_s and f_d nearly equal under noise).
+    /// The bias of the statistics of a run, without an order; none where the reference run costs
+    /// too much, or does not resolve all slips (f_s and f_d nearly equal under noise).
     pub fn estimate(&self, run: &Summary, threads: usize, stop: &AtomicBool) -> Option<Vec<(Statistic, Bias)>> {
         Some(biases(run, &self.simulate(threads, stop)?))
     }
@@ -82,7 +83,8 @@ impl ReferenceRun {
         Some(totals.summary()).filter(|summary| delivered == pieces && summary.diverged.is_empty())
     }
 
-    /// How many paths so many evaluations pay for, by what the first ones take, which is not more than all of it.
+    /// How many paths so many evaluations pay for, by what the first ones take, which is not more
+    /// than all of it.
     fn affordable(&self, exact: &EventDrivenSimulation, evaluations: u64) -> Option<u64> {
         if exact.resolution().is_some() || evaluations < FEWEST {
             return None;
@@ -103,11 +105,11 @@ pub(super) fn biases(run: &Summary, exact: &Summary) -> Vec<(Statistic, Bias)> {
     both.filter_map(|(run, exact)| Some((run.statistic, difference(run, exact, caution)?))).collect()
 }
 
-/// The statistic of the run minus that of the reference run. The two are independent, so their errors
-/// add in squares, for each side apart: the lower end of the bias is where the run is low and the
-/// reference run is high. The uncertainty is that of the longer side. The error that the tolerance
-/// leaves is the same for every seed, so it is added as it is. None where one of the two has no
-/// bounded interval.
+/// The statistic of the run minus that of the reference run. The two are independent, so their
+/// errors add in squares, for each side apart: the lower end of the bias is where the run is low
+/// and the reference run is high. The uncertainty is that of the longer side. The error that the
+/// tolerance leaves is the same for every seed, so it is added as it is. None where one of the two
+/// has no bounded interval.
 fn difference(run: &Estimate, exact: &Estimate, caution: f64) -> Option<Bias> {
     let below = (run.estimate - run.low).hypot(exact.high - exact.estimate);
     let above = (run.high - run.estimate).hypot(exact.estimate - exact.low);
@@ -126,9 +128,10 @@ mod tests {
         Estimate { statistic, estimate, standard_error, low, high, bias: None }
     }
 
-    /// The median of the run is 4, in [4, 7], and that of the reference run 1, in [1, 5]: the bias is
-    /// 3, and as much as sqrt(0 + 4^2) less or sqrt(3^2 + 0) more. The uncertainty is that of the longer side, 1.5 times, and 0.1 % of 1. Half the width of the two intervals, 2.5,
-    /// would hold neither.
+    /// The median of the run is 4, in [4, 7], and that of the reference run 1, in [1, 5]: the bias
+    /// is 3, and as much as sqrt(0 + 4^2) less or sqrt(3^2 + 0) more. The uncertainty is that of
+    /// the longer side, 1.5 times, and 0.1 % of 1. Half the width of the two intervals, 2.5, would
+    /// hold neither.
     #[test]
     fn the_uncertainty_is_that_of_the_longer_side() {
         let told = difference(&of(4.0, 4.0, 7.0), &of(1.0, 1.0, 5.0), 1.5);

@@ -1,4 +1,5 @@
-//! `mc run --accuracy`: asks for a choice of scheme, step or tolerance, and paths, and says what was chosen and why.
+//! `mc run --accuracy`: asks for a choice of scheme, step or tolerance, and paths, and says what
+//! was chosen and why.
 
 use super::failure::{Failure, note};
 use super::numbers::{grouped, percent, significant, time, wrapped};
@@ -21,7 +22,8 @@ pub struct Chooser<'a> {
 }
 
 impl Chooser<'_> {
-    /// How to run the scenario. Says what it chose and why. When `stop` is raised, nothing is chosen.
+    /// How to run the scenario. Says what it chose and why. When `stop` is raised, nothing is
+    /// chosen.
     pub fn choose(&self, scenario: &Scenario, stop: &AtomicBool) -> Result<Decision, Failure> {
         self.say(&format!("choosing how to run it: measuring for about {} s", PILOT.as_secs()));
         let line = Measuring::new(PILOT, self.is_quiet);

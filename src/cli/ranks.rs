@@ -1,4 +1,5 @@
-//! The command among several ranks of MPI: the first one does what it would do alone, the others simulate for it.
+//! The command among several ranks of MPI: the first one does what it would do alone, the others
+//! simulate for it.
 //!
 //! Without the feature `mpi` there is one process, and nothing here does anything.
 

@@ -1,6 +1,8 @@
-//! What a terminal may be shown: no character that moves its cursor, recolours it or turns its text around, and no endless line.
+//! What a terminal may be shown: no character that moves its cursor, recolours it or turns its text
+//! around, and no endless line.
 //!
-//! Titles, keys, units and names of files come from whoever wrote them. So everything that is printed goes through here.
+//! Titles, keys, units and names of files come from whoever wrote them. So everything that is
+//! printed goes through here.
 
 /// Most characters of a line that is read by people.
 const LINE: usize = 1000;

@@ -41,7 +41,8 @@ pub fn shipped(name: &str) -> Option<&'static Shipped> {
     SHIPPED.iter().find(|scenario| scenario.name == name)
 }
 
-/// What is in a file that a shipped scenario names; a scenario that is read from a file has another name, with an ending.
+/// What is in a file that a shipped scenario names; a scenario that is read from a file has another
+/// name, with an ending.
 pub(super) fn shipped_data(scenario: &str, file: &str) -> Option<&'static str> {
     shipped(scenario)?.data.iter().find(|(name, _)| *name == file).map(|(_, text)| *text)
 }

@@ -19,7 +19,8 @@ impl Start {
         PARSER.parse_timestamp(stamp).ok().map(Start)
     }
 
-    /// From a date with or without a time of day and a zone, as the units of a time in a CF file have it: UTC unless it says another.
+    /// From a date with or without a time of day and a zone, as the units of a time in a CF file
+    /// have it: UTC unless it says another.
     #[cfg(feature = "store")]
     pub(super) fn of_calendar(text: &str) -> Option<Self> {
         let text = text.trim().trim_end_matches(" UTC");
@@ -137,7 +138,8 @@ fn instant(cell: &[u8], zone: Option<&TimeZone>, previous: Option<Timestamp>) ->
     in_zone(local, zone, previous)
 }
 
-/// A local time: one that never was is an error, and one that was twice is the first that is later than the row before.
+/// A local time: one that never was is an error, and one that was twice is the first that is later
+/// than the row before.
 fn in_zone(local: DateTime, zone: &TimeZone, previous: Option<Timestamp>) -> Result<(Timestamp, bool), Wrong> {
     let found = zone.to_ambiguous_timestamp(local);
     let beyond = |_| ("is beyond the calendar".to_string(), "mend the row".to_string());

@@ -1,4 +1,5 @@
-//! What is wrong with a file of data, said so that the reader knows where to look and what to change.
+//! What is wrong with a file of data, said so that the reader knows where to look and what to
+//! change.
 
 use std::fmt;
 

@@ -1,6 +1,7 @@
 //! Variables of an HDF5 or netCDF-4 file, read as the columns of a CSV file of the same are.
 //!
-//! They are written out as the text of that file, so that whatever is checked, mended or refused in one is so in the other.
+//! They are written out as the text of that file, so that whatever is checked, mended or refused in
+//! one is so in the other.
 
 use super::clock::Start;
 use super::error::DataError;

@@ -51,7 +51,8 @@ pub struct Pair {
 }
 
 impl Pair {
-    /// A temperature and a displacement of one file; or, if the temperatures are in a file of their own, of two files with stamps.
+    /// A temperature and a displacement of one file; or, if the temperatures are in a file of their
+    /// own, of two files with stamps.
     pub fn read(
         data: Origin<'_>,
         temperatures: Option<Origin<'_>>,

@@ -25,12 +25,14 @@ pub struct Wanted<'a> {
 }
 
 impl<'a> Wanted<'a> {
-    /// The temperatures in the column of this name, or else in the one whose name begins with `temperature`.
+    /// The temperatures in the column of this name, or else in the one whose name begins with
+    /// `temperature`.
     pub fn temperature(column: Option<&'a str>) -> Self {
         Wanted { column: named(column, "temperature"), quantity: Quantity::Temperature, unit: None, max_gap: None }
     }
 
-    /// The displacements in the column of this name, or else in the one whose name begins with `displacement`.
+    /// The displacements in the column of this name, or else in the one whose name begins with
+    /// `displacement`.
     pub fn displacement(column: Option<&'a str>, unit: Option<&'a str>) -> Self {
         Wanted { column: named(column, "displacement"), quantity: Quantity::Displacement, unit, max_gap: None }
     }

@@ -130,7 +130,8 @@ fn row_start(bytes: &[u8], from: usize) -> usize {
     at
 }
 
-/// What separates the names of the header: a semicolon or a tab where there is one, else a comma. Quoted names may hold any.
+/// What separates the names of the header: a semicolon or a tab where there is one, else a comma.
+/// Quoted names may hold any.
 fn separator(header: &[u8]) -> u8 {
     let mut quoted = false;
     let line = header.iter().take_while(|byte| **byte != b'\n');

@@ -2,7 +2,8 @@
 
 use jiff::{Span, SpanRelativeTo, Unit};
 
-/// `"6h"`, `"1d 12h"` or `"90min"` in seconds; none where it is no length of time, or not above zero. A day has 24 hours.
+/// `"6h"`, `"1d 12h"` or `"90min"` in seconds; none where it is no length of time, or not above
+/// zero. A day has 24 hours.
 ///
 /// ```
 /// use stick_slip::data::seconds;

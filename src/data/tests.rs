@@ -72,7 +72,8 @@ fn units_stand_in_the_names_of_columns() {
     assert!(says(Wanted { unit: Some("inch"), ..given }).contains("no unit is called `inch`"));
 }
 
-/// A cell without a displacement leaves the temperature of its row where it is, and the other way round.
+/// A cell without a displacement leaves the temperature of its row where it is, and the other way
+/// round.
 #[test]
 fn columns_of_one_pass_share_their_time_and_nothing_else() {
     let text = b"time_h,temperature_degC,displacement_mm\n0,,1\n1,5,\n2,6,NaN\n3,7,4\n";
@@ -218,7 +219,8 @@ fn a_hostile_cell_is_cut_and_defused() {
 }
 
 proptest! {
-    /// Whatever the order, the separator, the ends of lines and the quotes: the values come back to the bit.
+    /// Whatever the order, the separator, the ends of lines and the quotes: the values come back to
+    /// the bit.
     #[test]
     fn what_is_written_is_read(
         values in proptest::collection::vec((0..1_000_000u32, proptest::option::of(-1e3..1e3f64)), 2..40),

@@ -3,14 +3,15 @@
 /// What a column measures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Quantity {
-    /// Degrees Celsius or kelvin, as given, because only differences act; Fahrenheit becomes Celsius. A name without a unit is
-    /// taken as given too.
+    /// Degrees Celsius or kelvin, as given, because only differences act; Fahrenheit becomes
+    /// Celsius. A name without a unit is taken as given too.
     Temperature,
     /// Becomes metres. A name without a unit is an error.
     Displacement,
 }
 
-/// value = times (cell - origin) / over. Two whole numbers, so that 2.5 mm is the double nearest 0.0025.
+/// value = times (cell - origin) / over. Two whole numbers, so that 2.5 mm is the double nearest
+/// 0.0025.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Unit {
     times: f64,

@@ -50,7 +50,8 @@ pub(crate) trait Element: Clone {
     fn of(column: Column) -> Option<Vec<Self>>;
 }
 
-/// Declares the types that a variable may have: their names, `Values` that are borrowed and a `Column` that owns them.
+/// Declares the types that a variable may have: their names, `Values` that are borrowed and a
+/// `Column` that owns them.
 macro_rules! kinds {
     ($($kind:ident($type:ty): $meaning:literal;)*) => {
         /// Types of values.

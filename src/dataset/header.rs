@@ -10,7 +10,8 @@ use std::sync::Arc;
 /// What `format_name` says of every run of this program.
 pub(crate) const FORMAT_NAME: &str = "stick-slip ensemble";
 
-/// Major and minor version of the format. A new minor version only adds; a new major version may change or remove.
+/// Major and minor version of the format. A new minor version only adds; a new major version may
+/// change or remove.
 pub const FORMAT_VERSION: (u32, u32) = (1, 3);
 
 /// Version of the CF conventions that every data set follows.

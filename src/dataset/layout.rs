@@ -1,4 +1,5 @@
-//! Every dimension and variable of a run: name, axes, unit and meaning, in one table for writers and readers.
+//! Every dimension and variable of a run: name, axes, unit and meaning, in one table for writers
+//! and readers.
 
 use crate::stats::{Dimension, Statistic, Units};
 

@@ -82,7 +82,8 @@ impl Dataset {
         dataset
     }
 
-    /// Synthetic measurements whose time 0 has this stamp, and what a calibration is to find in them.
+    /// Synthetic measurements whose time 0 has this stamp, and what a calibration is to find in
+    /// them.
     pub fn of_twin(start: &str, truth: &bearing::Values, twin: &Twin) -> Self {
         let mut dataset = Dataset::new(&calibration::units());
         let Ok(()) = twin::write(&mut dataset, start, truth, twin);
@@ -154,7 +155,8 @@ impl Dataset {
         self.attributes.iter().find(|(of, _)| of == name).map(|(_, value)| value)
     }
 
-    /// Lengths of the axes of a variable. A dimension without a coordinate, that of events, is as long as its variables.
+    /// Lengths of the axes of a variable. A dimension without a coordinate, that of events, is as
+    /// long as its variables.
     pub fn shape(&self, entry: &Entry) -> Vec<usize> {
         let known = |axis: &String| match *axis == entry.name {
             true => Some(entry.column.len()),

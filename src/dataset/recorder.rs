@@ -7,7 +7,8 @@ use crate::provenance::Provenance;
 use crate::scenario::Scenario;
 use crate::stats::BlockResult;
 
-/// Keeps a run in memory, with what its scenario records: the data set that a file of it would hold.
+/// Keeps a run in memory, with what its scenario records: the data set that a file of it would
+/// hold.
 ///
 /// ```
 /// use stick_slip::dataset::{Column, Recorder};
@@ -36,8 +37,8 @@ impl Recorder {
         self.dataset
     }
 
-    /// The sums of a part of a run as bytes, which [`crate::stats::RunTotals::read`] turns into the same bits, to be joined to those
-    /// of the other parts.
+    /// The sums of a part of a run as bytes, which [`crate::stats::RunTotals::read`] turns into the
+    /// same bits, to be joined to those of the other parts.
     pub fn sums(&self) -> Option<&[u8]> {
         self.sums.as_deref()
     }

@@ -1,4 +1,5 @@
-//! A run as a data set, but for the rows of single paths: what is known when it starts, and when it ends.
+//! A run as a data set, but for the rows of single paths: what is known when it starts, and when it
+//! ends.
 
 use super::{Destination, header, series, summary};
 use crate::engine::Status;

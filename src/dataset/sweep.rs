@@ -1,4 +1,5 @@
-//! A sweep as a data set: what was asked, what is known of every point, and what points say together.
+//! A sweep as a data set: what was asked, what is known of every point, and what points say
+//! together.
 
 use super::header::CONVENTIONS;
 use super::layout::{Described, Unit, Variable, variable};
@@ -344,8 +345,8 @@ fn read_points<S: Source>(from: &S, design: &Design) -> Result<Vec<Option<Point>
     (0..points).map(point).collect()
 }
 
-/// Read a variable along the dimensions of the design, then those of its own. What is said of its size is held against what the
-/// design asks for.
+/// Read a variable along the dimensions of the design, then those of its own. What is said of its
+/// size is held against what the design asks for.
 fn read_at_points<S: Source, T: Element>(
     from: &S,
     variable: &Variable,

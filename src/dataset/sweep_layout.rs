@@ -1,4 +1,5 @@
-//! Every variable of a sweep. `...` stands for the dimensions of the design: those of its axes, or `point`.
+//! Every variable of a sweep. `...` stands for the dimensions of the design: those of its axes, or
+//! `point`.
 
 use super::layout::{Described, Unit, Variable, variable};
 

@@ -1,4 +1,5 @@
-//! Rings when a run is to end: somebody wants it to, or its time is up. Blocks in work then have a moment to be finished.
+//! Rings when a run is to end: somebody wants it to, or its time is up. Blocks in work then have a
+//! moment to be finished.
 
 use crate::ensemble::Stops;
 use std::sync::atomic::{AtomicBool, Ordering};

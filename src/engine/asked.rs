@@ -7,7 +7,8 @@ use std::ops::Range;
 use std::str::FromStr;
 use std::time::Duration;
 
-/// What a run is asked besides its scenario. With the scenario it decides every bit of the outcome, but for a time limit.
+/// What a run is asked besides its scenario. With the scenario it decides every bit of the outcome,
+/// but for a time limit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Asked {
     /// Most paths of the run; of all parts together, where it is cut into parts.
@@ -101,7 +102,8 @@ mod tests {
     use proptest::prelude::*;
 
     proptest! {
-        /// Nothing is left out, nothing is done twice, and no part has more than one block more than another.
+        /// Nothing is left out, nothing is done twice, and no part has more than one block more
+        /// than another.
         #[test]
         fn parts_are_the_run(all in 1_u64..=1 << 40, of in 1_u64..200) {
             let blocks: Vec<_> = (1..=of).map(|number| Part::new(number, of).expect("in range").blocks(all)).collect();

@@ -45,10 +45,11 @@ pub type Deliver<'a, X = ()> = dyn FnMut(Portion<X>) -> Result<ControlFlow<()>, 
 
 /// Simulates blocks, and delivers all of them in order.
 ///
-/// Whoever makes a block makes the same bits, and sums of any blocks can be joined to the bits of the whole, so no number depends on
-/// the crew.
+/// Whoever makes a block makes the same bits, and sums of any blocks can be joined to the bits of
+/// the whole, so no number depends on the crew.
 pub trait Crew<X = ()> {
-    /// Do the work, until all of it is delivered, `deliver` breaks or fails, or a stop is raised. Returns the number of blocks delivered.
+    /// Do the work, until all of it is delivered, `deliver` breaks or fails, or a stop is raised.
+    /// Returns the number of blocks delivered.
     fn simulate(&self, work: &Work<'_>, deliver: &mut Deliver<'_, X>) -> Result<u64, RunError>;
 
     /// Threads of all processes together, given those of one.

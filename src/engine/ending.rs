@@ -1,16 +1,18 @@
-//! When a run ends before its last path: its goals are reached, cannot be reached, or its time is up.
+//! When a run ends before its last path: its goals are reached, cannot be reached, or its time is
+//! up.
 //!
-//! Goals are judged at block boundaries, on the totals that the run would be summed up from if it ended there; so where
-//! they end it depends on the scenario and the seed alone. A time limit ends a run wherever the machine has got to. The
-//! outcome says after which block, and that many paths give the same results again.
+//! Goals are judged at block boundaries, on the totals that the run would be summed up from if it
+//! ended there; so where they end it depends on the scenario and the seed alone. A time limit ends
+//! a run wherever the machine has got to. The outcome says after which block, and that many paths
+//! give the same results again.
 
 use crate::ensemble::BLOCK_SIZE;
 use crate::stats::{Estimate, Goal, Merge, RunTotals, Statistic, Verdict};
 use std::fmt;
 use std::time::Duration;
 
-/// Blocks before the first look: a standard error of 1024 paths is itself known to a few per cent, so that chance does not
-/// end a run early.
+/// Blocks before the first look: a standard error of 1024 paths is itself known to a few per cent,
+/// so that chance does not end a run early.
 const FIRST_LOOK: u64 = 4;
 
 /// Blocks after which a statistic that does not exist, or is zero within its error, is given up.
@@ -103,7 +105,8 @@ pub struct MissedGoal {
 }
 
 impl MissedGoal {
-    /// How many paths will probably reach it, in whole blocks; none where no number of paths is known to.
+    /// How many paths will probably reach it, in whole blocks; none where no number of paths is
+    /// known to.
     pub fn paths_needed(&self) -> Option<u64> {
         match self.verdict {
             Verdict::Ahead(times) => {
@@ -202,10 +205,11 @@ mod tests {
         Endings { goals: vec![goal.parse().expect("a goal")], time: None }
     }
 
-    /// Ending a run when its standard error looks small enough prefers runs that underestimate it. Null: the intervals of such runs still
-    /// hold the value of 10^5 other paths (its own error is a ninth of theirs) in 95 % of cases. 400 runs, which end after 4 to 12
-    /// blocks, where the preference is greatest; sd of the share 1.1 %, the bounds are 3.5 of them (false-alarm rate 5e-4). Intervals of one
-    /// standard error hold it in 68 %.
+    /// Ending a run when its standard error looks small enough prefers runs that underestimate it.
+    /// Null: the intervals of such runs still hold the value of 10^5 other paths (its own error is
+    /// a ninth of theirs) in 95 % of cases. 400 runs, which end after 4 to 12 blocks, where the
+    /// preference is greatest; sd of the share 1.1 %, the bounds are 3.5 of them (false-alarm rate
+    /// 5e-4). Intervals of one standard error hold it in 68 %.
     #[test]
     fn intervals_of_runs_ended_by_a_goal_hold_what_they_promise() {
         let statistic = Statistic::StickDurationMean;

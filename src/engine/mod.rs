@@ -1,4 +1,5 @@
-//! A run, from a scenario to its outcome: started, watched, ended and summed up. It knows no file, no terminal and no TOML.
+//! A run, from a scenario to its outcome: started, watched, ended and summed up. It knows no file,
+//! no terminal and no TOML.
 //!
 //! ```text
 //! Run::of(&scenario)      what to simulate; then, if wanted:

@@ -45,8 +45,9 @@ pub enum Rows {
 impl Replay {
     /// Simulate path number `path` of the ensemble of this scenario: the same path, bit for bit.
     ///
-    /// The trajectory holds every step of a scheme with steps, or one in so many where there would be more than 10 000 rows. A scheme without steps is looked at ten times as often as the run was, and at the instants of the run it
-    /// is where the run saw it.
+    /// The trajectory holds every step of a scheme with steps, or one in so many where there would
+    /// be more than 10 000 rows. A scheme without steps is looked at ten times as often as the run
+    /// was, and at the instants of the run it is where the run saw it.
     pub fn of(scenario: &Scenario, path: u64) -> Self {
         let mut scenario = scenario.clone();
         let (output_step, rows) = finest_grid(&scenario);
@@ -74,7 +75,8 @@ const MOST_ROWS: usize = 10_000;
 /// How many times finer than the run's grid a trajectory is without steps.
 const REFINEMENT: usize = 10;
 
-/// The spacing of the finest trajectory that is the same path and has no more than [`MOST_ROWS`] rows, and what it is.
+/// The spacing of the finest trajectory that is the same path and has no more than [`MOST_ROWS`]
+/// rows, and what it is.
 fn finest_grid(scenario: &Scenario) -> (f64, Rows) {
     let most = MOST_ROWS as u64 - 1;
     let output_step = scenario.time.output_step;
@@ -87,8 +89,8 @@ fn finest_grid(scenario: &Scenario) -> (f64, Rows) {
     (output_step / refinement as f64, Rows::Finer(refinement))
 }
 
-/// The least number of steps between rows that makes no more than `most` rows besides the first; one that divides the steps, if
-/// there is one up to twice that.
+/// The least number of steps between rows that makes no more than `most` rows besides the first;
+/// one that divides the steps, if there is one up to twice that.
 fn stride(steps: u64, most: u64) -> u64 {
     let least = steps.div_ceil(most).max(1);
     (least..=2 * least).take(MOST_ROWS).find(|stride| steps.is_multiple_of(*stride)).unwrap_or(least)

@@ -14,8 +14,9 @@ use std::time::{Duration, Instant};
 
 /// A run of a scenario, set up by the methods below and started by [`Run::simulate`].
 ///
-/// The outcome is a function of the scenario and the goals: threads, progress and sinks change no bit of it. Only a time
-/// limit and a stop from outside depend on the machine, and they end a run after some block whose number is in the outcome.
+/// The outcome is a function of the scenario and the goals: threads, progress and sinks change no
+/// bit of it. Only a time limit and a stop from outside depend on the machine, and they end a run
+/// after some block whose number is in the outcome.
 ///
 /// ```
 /// use stick_slip::engine::Run;
@@ -48,11 +49,13 @@ pub struct SoFar {
     pub spent: Duration,
 }
 
-/// The bias takes this share of the time of the paths at most, with some margin. A time limit is one on both.
+/// The bias takes this share of the time of the paths at most, with some margin. A time limit is
+/// one on both.
 const BIAS_SHARE: f64 = 0.15;
 
 impl<'a> Run<'a> {
-    /// Of all paths that the scenario asks for, on one thread a core, with an estimate of the bias of the step.
+    /// Of all paths that the scenario asks for, on one thread a core, with an estimate of the bias
+    /// of the step.
     pub fn of(scenario: &'a Scenario) -> Self {
         let asked =
             Asked { paths: scenario.ensemble.paths, part: None, goals: Vec::new(), max_time: None, with_bias: true };
@@ -82,7 +85,8 @@ impl<'a> Run<'a> {
         Run { asked, ..self }
     }
 
-    /// At most so many paths, whatever the scenario asks for; whole pairs where they are antithetic.
+    /// At most so many paths, whatever the scenario asks for; whole pairs where they are
+    /// antithetic.
     pub fn paths(mut self, paths: u64) -> Self {
         let is_paired = self.scenario.ensemble.antithetic;
         self.asked.paths = if is_paired { paths.next_multiple_of(2) } else { paths };
@@ -129,8 +133,8 @@ impl<'a> Run<'a> {
         self
     }
 
-    /// Have a crew of several processes simulate the paths, each on so many threads. No bit depends on it. A statistic of the
-    /// caller's own stays in this process.
+    /// Have a crew of several processes simulate the paths, each on so many threads. No bit depends
+    /// on it. A statistic of the caller's own stays in this process.
     pub fn with_crew(self, crew: &'a dyn Crew) -> Self {
         Run { crew: Some(crew), ..self }
     }
@@ -144,7 +148,8 @@ impl<'a> Run<'a> {
         self.go_on(so_far)
     }
 
-    /// Simulate what is left of it. The outcome is that of a run which was never interrupted, bit for bit.
+    /// Simulate what is left of it. The outcome is that of a run which was never interrupted, bit
+    /// for bit.
     pub fn go_on(self, so_far: SoFar) -> Result<Outcome, RunError> {
         let crew = self.crew.unwrap_or(&Threads(&()));
         self.simulate_by(crew, so_far.totals, so_far.spent)
@@ -282,7 +287,8 @@ impl<'a> Run<'a> {
         Endings { goals: goals.clone(), time: max_time.map(|time| time.div_f64(share)) }
     }
 
-    /// Estimate the bias of the step from some of the paths that the run came to, and add it to the summary.
+    /// Estimate the bias of the step from some of the paths that the run came to, and add it to the
+    /// summary.
     fn add_bias(
         &self,
         paths: u64,

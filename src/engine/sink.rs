@@ -1,4 +1,5 @@
-//! Where the rows and the outcome of a run go: a file, memory, a socket, whatever implements [`Sink`].
+//! Where the rows and the outcome of a run go: a file, memory, a socket, whatever implements
+//! [`Sink`].
 
 use super::{Asked, Outcome};
 use crate::scenario::Scenario;
@@ -8,7 +9,8 @@ use std::time::Duration;
 /// Why a sink cannot go on.
 pub type SinkError = Box<dyn std::error::Error + Send + Sync>;
 
-/// Is handed every finished block of a run in the order of its paths, and the outcome. The first error ends the run.
+/// Is handed every finished block of a run in the order of its paths, and the outcome. The first
+/// error ends the run.
 ///
 /// ```
 /// use stick_slip::engine::{Run, Sink, SinkError};
@@ -39,12 +41,12 @@ pub trait Sink: Send {
         Ok(())
     }
 
-    /// The next block is finished. Its totals are empty where a crew of several processes simulates the run: the sums of many blocks
-    /// then come in one piece, as part of [`Moment::state`].
+    /// The next block is finished. Its totals are empty where a crew of several processes simulates
+    /// the run: the sums of many blocks then come in one piece, as part of [`Moment::state`].
     fn block(&mut self, block: &BlockResult) -> Result<(), SinkError>;
 
-    /// Every block that it was handed is summed up. It is told so after each of them, and once more when the paths are
-    /// done: whoever keeps what a run can go on from should do so seldom.
+    /// Every block that it was handed is summed up. It is told so after each of them, and once more
+    /// when the paths are done: whoever keeps what a run can go on from should do so seldom.
     fn save(&mut self, moment: &Moment<'_>) -> Result<(), SinkError> {
         let _ = moment;
         Ok(())

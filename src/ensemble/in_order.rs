@@ -5,14 +5,16 @@ use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 
-/// How many pieces a thread may run ahead of the oldest one still in work; bounds the memory of a run.
+/// How many pieces a thread may run ahead of the oldest one still in work; bounds the memory of a
+/// run.
 const PIECES_AHEAD: u64 = 8;
 
-/// Make the pieces `0 .. count` on `threads` threads, and deliver each in order, until all are delivered, `deliver` breaks or fails, or
-/// `stop` is set. Returns how many were delivered.
+/// Make the pieces `0 .. count` on `threads` threads, and deliver each in order, until all are
+/// delivered, `deliver` breaks or fails, or `stop` is set. Returns how many were delivered.
 ///
-/// When `deliver` breaks, the piece it was given is the last one, whatever else is in work: where a run ends is then as reproducible as
-/// what it delivers. When `stop` is set, from outside, the pieces in work are finished and delivered, so that no work is lost.
+/// When `deliver` breaks, the piece it was given is the last one, whatever else is in work: where a
+/// run ends is then as reproducible as what it delivers. When `stop` is set, from outside, the
+/// pieces in work are finished and delivered, so that no work is lost.
 pub fn in_order<R: Send, E: Send>(
     count: u64,
     threads: usize,
@@ -54,8 +56,8 @@ pub(crate) fn in_order_while<R: Send, E: Send>(
     }
 }
 
-/// Pieces on their way from the threads that make them to the one consumer, in order. Whichever thread completes the sequence
-/// delivers; there is no thread for delivering alone.
+/// Pieces on their way from the threads that make them to the one consumer, in order. Whichever
+/// thread completes the sequence delivers; there is no thread for delivering alone.
 struct Queue<'a, R, E> {
     state: Mutex<State<'a, R, E>>,
     moved: Condvar,
@@ -85,7 +87,8 @@ impl<'a, R, E> Queue<'a, R, E> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// The next piece to make, once it is near enough to the oldest one in work; none when there is no more to do.
+    /// The next piece to make, once it is near enough to the oldest one in work; none when there is
+    /// no more to do.
     fn take(&self, count: u64, ahead: u64, stop: &AtomicBool) -> Option<u64> {
         let mut state = self.lock();
         while state.next < count && state.next >= state.delivered + ahead && state.end.is_none() {

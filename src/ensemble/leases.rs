@@ -1,8 +1,8 @@
 //! Runs of blocks on loan to workers that are far away, and what comes back, put in order.
 //!
-//! A lease ends where a large node of the tree of sums does, so that its sums are few nodes. It lasts long enough for whoever
-//! hands out and takes back to be idle most of the time, and less towards the end of the work, so that all workers end
-//! together.
+//! A lease ends where a large node of the tree of sums does, so that its sums are few nodes. It
+//! lasts long enough for whoever hands out and takes back to be idle most of the time, and less
+//! towards the end of the work, so that all workers end together.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -10,7 +10,8 @@ use std::ops::Range;
 /// How long a lease is to take, in seconds.
 const USUAL: f64 = 1.0;
 
-/// And how many times as long as taking it back: each begins its sketches anew, which costs a worker about as much again, or twice.
+/// And how many times as long as taking it back: each begins its sketches anew, which costs a
+/// worker about as much again, or twice.
 const EFFORT: f64 = 100.0;
 
 /// The longest that it may take: what is on loan is lost in a crash.
@@ -19,11 +20,12 @@ const LONGEST: f64 = 60.0;
 /// The shortest, when little is left: by twice as much may workers end apart.
 const SHORTEST: f64 = 0.1;
 
-/// Leases last so many times as long as taking back one from every worker takes, so that five parts in six of the time
-/// nothing waits to be taken back.
+/// Leases last so many times as long as taking back one from every worker takes, so that five parts
+/// in six of the time nothing waits to be taken back.
 const PATIENCE: f64 = 6.0;
 
-/// Leases of a worker at a time: the next one begins when the last one ends, and not when an answer has come.
+/// Leases of a worker at a time: the next one begins when the last one ends, and not when an answer
+/// has come.
 const AHEAD: usize = 2;
 
 /// A worker gets at most this share of its share of what is left.
@@ -117,8 +119,8 @@ impl<P> Leases<P> {
         ((rate * time).min(left).min(PARCEL / self.rows.max(1.0)) as u64).max(threads)
     }
 
-    /// A worker has done the first so many blocks of a lease that begins here, in so many seconds, and they have so many bytes of
-    /// rows; the rest of the lease is not done.
+    /// A worker has done the first so many blocks of a lease that begins here, in so many seconds,
+    /// and they have so many bytes of rows; the rest of the lease is not done.
     pub fn take_back(&mut self, worker: usize, start: u64, done: u64, seconds: f64, rows: usize, parcel: P) {
         let from = &mut self.workers[worker];
         from.leases = from.leases.saturating_sub(1);
@@ -142,7 +144,8 @@ impl<P> Leases<P> {
         Some(parcel)
     }
 
-    /// The only worker whose parcel may be taken back now: so much waits for it that there is no room for others.
+    /// The only worker whose parcel may be taken back now: so much waits for it that there is no
+    /// room for others.
     pub fn only(&self) -> Option<usize> {
         if self.bytes < WAITING { None } else { self.lent.get(&self.turn).copied() }
     }
@@ -169,8 +172,8 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// Workers of these rates, in blocks a second, until all blocks are back in order; returns when each worker has ended, and the
-    /// leases in the order of their blocks.
+    /// Workers of these rates, in blocks a second, until all blocks are back in order; returns when
+    /// each worker has ended, and the leases in the order of their blocks.
     fn simulate(end: u64, rates: &[f64], handling: f64) -> (Vec<f64>, Vec<Range<u64>>) {
         let mut leases = Leases::new(0..end, &vec![1; rates.len()]);
         let mut queues: Vec<Vec<(f64, Range<u64>)>> = vec![Vec::new(); rates.len()];
@@ -214,8 +217,8 @@ mod tests {
         }
     }
 
-    /// Eight workers, one of them four times as slow: all end within two of the shortest leases of each other, and no time is lost to
-    /// speak of. A lease of them is one or few nodes.
+    /// Eight workers, one of them four times as slow: all end within two of the shortest leases of
+    /// each other, and no time is lost to speak of. A lease of them is one or few nodes.
     #[test]
     fn unequal_workers_end_together() {
         let rates = [400.0, 400.0, 400.0, 400.0, 400.0, 400.0, 400.0, 100.0];
@@ -230,7 +233,8 @@ mod tests {
         assert!(size >= 16 && typical.end % (size / 4).next_power_of_two() == 0, "{typical:?}");
     }
 
-    /// What waits for a worker that is late does not fill the memory: then only its parcel is asked for.
+    /// What waits for a worker that is late does not fill the memory: then only its parcel is asked
+    /// for.
     #[test]
     fn a_late_worker_is_waited_for() {
         let mut leases: Leases<()> = Leases::new(0..1000, &[1; 3]);
@@ -246,7 +250,8 @@ mod tests {
         assert_eq!(leases.only(), None);
     }
 
-    /// A coordinator that takes 10 ms for a parcel has a hundred workers: leases grow to seconds, and it keeps up.
+    /// A coordinator that takes 10 ms for a parcel has a hundred workers: leases grow to seconds,
+    /// and it keeps up.
     #[test]
     fn leases_grow_with_what_it_takes_to_take_them_back() {
         let (workers, rate, handling) = (100, 10.0, 0.01);

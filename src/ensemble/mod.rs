@@ -1,9 +1,11 @@
-//! Ensembles: fixed blocks of paths, simulated by any number of threads, delivered in order. The only home of rayon.
+//! Ensembles: fixed blocks of paths, simulated by any number of threads, delivered in order. The
+//! only home of rayon.
 //!
-//! A run is the sequence of its blocks: block k holds the paths `k BLOCK_SIZE .. (k + 1) BLOCK_SIZE`, whatever the number of
-//! threads and whatever the machine. Each block's result is self-contained and mergeable. Blocks are delivered in
-//! order, so whatever folds or writes them sees the same sequence every time, and a run that is stopped leaves the first
-//! so many blocks, none missing in between.
+//! A run is the sequence of its blocks: block k holds the paths `k BLOCK_SIZE .. (k + 1)
+//! BLOCK_SIZE`, whatever the number of threads and whatever the machine. Each block's result is
+//! self-contained and mergeable. Blocks are delivered in order, so whatever folds or writes them
+//! sees the same sequence every time, and a run that is stopped leaves the first so many blocks,
+//! none missing in between.
 
 mod flight;
 mod in_order;
@@ -24,8 +26,9 @@ use piece::Piece;
 use std::ops::{ControlFlow, Range};
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Paths in a block: enough to fill the registers many times over, few enough for a hundred thousandth of a large run to be
-/// lost to an interruption. Part of what makes a result reproducible: changing it changes the last bits of every mean.
+/// Paths in a block: enough to fill the registers many times over, few enough for a hundred
+/// thousandth of a large run to be lost to an interruption. Part of what makes a result
+/// reproducible: changing it changes the last bits of every mean.
 pub const BLOCK_SIZE: u64 = 256;
 
 /// A thread takes several blocks at a time only if that leaves it so many turns, because the last
@@ -78,8 +81,8 @@ impl Plan {
         self.piece(first, BLOCK_SIZE.min(self.paths - first))
     }
 
-    /// The same ensemble, of whose output rows every `closeness`-th is one of the run and the others
-    /// are a closer look ([`crate::scheme::Simulate::looked_at_closer`]).
+    /// The same ensemble, of whose output rows every `closeness`-th is one of the run and the
+    /// others are a closer look ([`crate::scheme::Simulate::looked_at_closer`]).
     pub fn looked_at_closer(self, closeness: usize) -> Self {
         Plan { simulation: self.simulation.looked_at_closer(closeness), ..self }
     }
@@ -101,7 +104,8 @@ impl Plan {
         }
     }
 
-    /// Simulate block `index`, watched by a companion as well; none where `halt` is raised meanwhile.
+    /// Simulate block `index`, watched by a companion as well; none where `halt` is raised
+    /// meanwhile.
     pub(crate) fn block_beside<C: Companion>(
         &self,
         index: u64,
@@ -168,10 +172,12 @@ impl Plan {
         (own, companion.observer(&piece.kept))
     }
 
-    /// Simulate the paths of a piece, watched by a companion as well; none where `halt` is raised meanwhile.
+    /// Simulate the paths of a piece, watched by a companion as well; none where `halt` is raised
+    /// meanwhile.
     ///
-    /// A path that diverges is left out, with the other one of its pair, and the others are simulated again without it. They are independent of it, so this happens
-    /// at most once a block.
+    /// A path that diverges is left out, with the other one of its pair, and the others are
+    /// simulated again without it. They are independent of it, so this happens at most once a
+    /// block.
     fn piece_beside<C: Companion>(
         &self,
         mut piece: Piece,
@@ -203,8 +209,8 @@ impl Plan {
         totals.totals().summary()
     }
 
-    /// Simulate block after block on `threads` threads, and deliver each in order to `deliver`, in the order of their numbers. Returns the
-    /// number of paths delivered.
+    /// Simulate block after block on `threads` threads, and deliver each in order to `deliver`, in
+    /// the order of their numbers. Returns the number of paths delivered.
     pub fn run_into<E: Send>(
         &self,
         threads: usize,
@@ -216,7 +222,8 @@ impl Plan {
         Ok((blocks * BLOCK_SIZE).min(self.paths))
     }
 
-    /// The same for these blocks only, every block watched by a companion as well. Returns the number of blocks delivered.
+    /// The same for these blocks only, every block watched by a companion as well. Returns the
+    /// number of blocks delivered.
     pub fn run_beside<C: Companion, E: Send>(
         &self,
         companion: &C,

@@ -1,5 +1,5 @@
-//! A calibrated bearing against time: the displacement as measured and as the model has it, and the temperature; all of it, and two
-//! stretches closer.
+//! A calibrated bearing against time: the displacement as measured and as the model has it, and the
+//! temperature; all of it, and two stretches closer.
 
 use super::axis::{Axis, range_of};
 use super::kit::{Label, Scene, Stroke};

@@ -18,6 +18,7 @@ mod drift;
 mod fan;
 mod hysteresis;
 mod kit;
+mod overview;
 mod page;
 mod panel;
 mod path;
@@ -51,6 +52,7 @@ pub const FIGURES: &[Figure] = &[
     calibration::FIGURE,
     hysteresis::FIGURE,
     residuals::FIGURE,
+    overview::FIGURE,
 ];
 
 /// The figure of this name.

@@ -1,9 +1,9 @@
 //! All figures of a subject on one sheet, two beside each other.
 
-use super::FIGURES;
 use super::kit::{Align, Item, Label, Scene};
 use super::subject::Subject;
 use super::theme::{LETTERS, SMALL, Style};
+use super::{FIGURES, overview};
 
 /// Room between figures.
 const GAP: f64 = 14.0;
@@ -14,7 +14,8 @@ const HEADING: f64 = 11.0;
 
 /// The sheet, with a heading and a line below it; none where no figure can be drawn.
 pub fn page(subject: &Subject, style: &Style, heading: &str, line: &str) -> Option<Scene> {
-    let scenes: Vec<Scene> = FIGURES.iter().filter_map(|figure| figure.draw(subject, style).ok()).collect();
+    let figures = FIGURES.iter().filter(|figure| figure.name != overview::FIGURE.name);
+    let scenes: Vec<Scene> = figures.filter_map(|figure| figure.draw(subject, style).ok()).collect();
     let columns = scenes.len().min(2);
     if columns == 0 {
         return None;

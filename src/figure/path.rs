@@ -215,6 +215,20 @@ fn draw(subject: &Subject, style: &Style) -> Result<Scene, Absent> {
     Ok(sheet(style, &format!("Path {number}: {}", scenario.title), &legend, &panels, "labels have no room"))
 }
 
+/// A path as its curve of x over time, and the time at which each stick begins and ends.
+pub(super) struct Phases {
+    pub curve: Vec<[f64; 2]>,
+    pub sticks: Vec<[f64; 2]>,
+}
+
+/// The phases of a path; none where its events or its trajectory were not kept.
+pub(super) fn phases(replay: &Replay) -> Option<Phases> {
+    let story = Story::of(replay)?;
+    let sticks = story.pieces.iter().filter(|piece| piece.slip.is_none());
+    let sticks = sticks.map(|piece| [piece.begin(), piece.end()]).collect();
+    Some(Phases { curve: story.samples().map(|s| [s.time, s.displacement]).collect(), sticks })
+}
+
 /// The colour of sub-phase k of a slip.
 fn of_sub_phase(k: usize, palette: &Palette) -> Colour {
     match k {

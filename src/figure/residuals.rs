@@ -1,4 +1,5 @@
-//! What a calibrated model leaves of the measurement: against time, how long it lasts, and where the starts of the least squares ended.
+//! What a calibrated model leaves of the measurement: against time, how long it lasts, and where
+//! the starts of the least squares ended.
 
 use super::axis::Axis;
 use super::calibration::{DAY, POINTS};

@@ -129,9 +129,16 @@ fn drawn(bins: &[Bin]) -> (&[Bin], u64) {
     (&bins[first..last], below(first))
 }
 
+/// From the shortest duration that is drawn to the longest; none where no stick has ended.
+pub(super) fn range(sticks: &StickDurations) -> Option<[f64; 2]> {
+    let all = bins(sticks);
+    let (bins, _) = drawn(&all);
+    Some([bins.first()?.edges[0], bins.last()?.edges[1]])
+}
+
 /// The survival curve of the file: durations, shares and their intervals. It is known at the edges
 /// of the bins.
-fn survival(sticks: &StickDurations) -> Vec<(f64, f64, [f64; 2])> {
+pub(super) fn survival(sticks: &StickDurations) -> Vec<(f64, f64, [f64; 2])> {
     let edges = &sticks.histogram.edges;
     let end = |ends: &[f64], i: usize| ends.get(i).copied().unwrap_or(f64::NAN);
     let point = |(i, share): (usize, &f64)| {

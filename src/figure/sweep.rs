@@ -1,4 +1,5 @@
-//! Statistics as functions of a key: a panel each, a curve for each sweep, or for each value of a second key.
+//! Statistics as functions of a key: a panel each, a curve for each sweep, or for each value of a
+//! second key.
 
 use super::axis::{Axis, range_of};
 use super::kit::{Colour, Label, Scene, Stroke};

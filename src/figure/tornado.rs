@@ -1,4 +1,5 @@
-//! What each key does to a statistic: elasticities as bars, the longest above, with their intervals.
+//! What each key does to a statistic: elasticities as bars, the longest above, with their
+//! intervals.
 
 use super::axis::{Axis, range_of};
 use super::kit::{Label, Scene, Stroke};

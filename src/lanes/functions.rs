@@ -29,8 +29,8 @@ pub fn small_unit<L: Lanes>(angle: L) -> (L, L) {
     (cos, angle * sin)
 }
 
-/// Added and taken away, it rounds a number below 2^51 to the nearest integer, whose two's complement is in
-/// the lower bits of the sum.
+/// Added and taken away, it rounds a number below 2^51 to the nearest integer, whose two's
+/// complement is in the lower bits of the sum.
 const ROUNDING: f64 = 6_755_399_441_055_744.0;
 
 /// ln 2 in two parts: the upper one, times an integer below 2^20, is exact.

@@ -1,10 +1,11 @@
 //! Eight lanes of AVX-512 and four of AVX2: one intrinsic a method.
 //!
-//! SAFETY, for every `unsafe` block of this file. Arithmetic intrinsics have one precondition: that the processor has their
-//! instruction set. The two lane types are private to this file and are only named by `run_avx512` and `run_avx2`, which
-//! [`super::InstructionSet::run`] calls after detecting it. Loads and stores are unaligned and reach exactly `WIDTH`
-//! elements of a slice whose length is checked first; table reads go to entries numbered by 64 bits shifted right by `KEY_SHIFT`, and a
-//! table has one for each such number.
+//! SAFETY, for every `unsafe` block of this file. Arithmetic intrinsics have one precondition: that
+//! the processor has their instruction set. The two lane types are private to this file and are
+//! only named by `run_avx512` and `run_avx2`, which [`super::InstructionSet::run`] calls after
+//! detecting it. Loads and stores are unaligned and reach exactly `WIDTH` elements of a slice whose
+//! length is checked first; table reads go to entries numbered by 64 bits shifted right by
+//! `KEY_SHIFT`, and a table has one for each such number.
 
 use super::{KEY_SHIFT, LaneProgram, Lanes, ROW, Row, Table};
 use std::arch::x86_64::*;
@@ -486,8 +487,9 @@ impl Lanes for Avx2 {
     fn xor3(a: Self::Bits, b: Self::Bits, c: Self::Bits) -> Self::Bits {
         Self::xor(Self::xor(a, b), c)
     }
-    /// AVX2 has no such conversion. The upper 32 bits, signed, are placed in the mantissa of 3 2^67 and the lower ones in that of
-    /// 2^52; subtracting both constants from the former is exact, so the last addition rounds once.
+    /// AVX2 has no such conversion. The upper 32 bits, signed, are placed in the mantissa of 3 2^67
+    /// and the lower ones in that of 2^52; subtracting both constants from the former is exact, so
+    /// the last addition rounds once.
     #[inline(always)]
     fn from_integers(bits: Self::Bits) -> Self {
         const UPPER: f64 = 442_721_857_769_029_238_784.0; // 3 2^67

@@ -100,7 +100,8 @@ impl Series {
         self.times.windows(2).fold(0.0, |longest, pair| (pair[1] - pair[0]).max(longest))
     }
 
-    /// A number that another series has only by a chance of 2^-64: FNV-1a over the bits of all samples.
+    /// A number that another series has only by a chance of 2^-64: FNV-1a over the bits of all
+    /// samples.
     pub fn fingerprint(&self) -> u64 {
         let numbers = self.times.iter().chain(&self.values);
         let bytes = numbers.flat_map(|x| x.to_bits().to_le_bytes());
@@ -138,7 +139,8 @@ mod tests {
         marks.push(Series::new(vec![0.0, 1.0, 3.0, 4.5], vec![2.0, -1.0, 5.0, 5.0]).unwrap().fingerprint());
         let distinct: std::collections::BTreeSet<u64> = marks.iter().copied().collect();
         assert_eq!(distinct.len(), marks.len());
-        // As others compute it: FNV-1a of sixteen zero bytes and the bits of 1.0 and 0.0 (0x3ff0000000000000, little end first).
+        // As others compute it: FNV-1a of sixteen zero bytes and the bits of 1.0 and 0.0
+        // (0x3ff0000000000000, little end first).
         let two = Series::new(vec![0.0, 1.0], vec![0.0, 0.0]).unwrap();
         let bytes = [[0; 8], [0, 0, 0, 0, 0, 0, 0xf0, 0x3f], [0; 8], [0; 8]].concat();
         let prime = 1_099_511_628_211_u128;

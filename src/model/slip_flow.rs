@@ -19,8 +19,8 @@
 //! b   = m y'' + eps f_d
 //! ```
 //!
-//! A temperature that was measured adds a straight line of slope c to K beta T/m, and a sub-phase that
-//! goes on over a sample begins there with a velocity v0. Both add
+//! A temperature that was measured adds a straight line of slope c to K beta T/m, and a sub-phase
+//! that goes on over a sample begins there with a velocity v0. Both add
 //!
 //! ```text
 //! y += v0 (S + 2 gamma G_0) + c R,   R = int_0^r G_0,   R' = G_0,   R'' = S
@@ -121,8 +121,8 @@ impl ForcedOscillator {
         self.terms.iter().map(|t| t.amplitude.abs()).sum()
     }
 
-    /// The sub-phase of sign `direction` from x' = `velocity` and force `force` on, where the forcing
-    /// is `terms`, the P_j, and a line of slope `line`.
+    /// The sub-phase of sign `direction` from x' = `velocity` and force `force` on, where the
+    /// forcing is `terms`, the P_j, and a line of slope `line`.
     pub fn slip<'a>(
         &'a self,
         (terms, line): (&'a [Complex], f64),

@@ -16,20 +16,21 @@
 //! r = pi/w_d,   y = Y (1 + q),   q = e^{-pi zeta/sqrt(1 - zeta^2)}
 //! ```
 //!
-//! Let go there, it would swing back, at most at a speed of Y w0 e^{-gamma r*}, where y'' = 0 for the
-//! second time: w_d r* = pi + arccos zeta.
+//! Let go there, it would swing back, at most at a speed of Y w0 e^{-gamma r*}, where y'' = 0 for
+//! the second time: w_d r* = pi + arccos zeta.
 //!
-//! **At critical damping and above** (zeta >= 1) it comes nearer to the equilibrium for ever and is never
-//! at rest: q = 0. The swing is said to end after the settling time, when a share [`SETTLED`] of the
-//! distance is left.
+//! **At critical damping and above** (zeta >= 1) it comes nearer to the equilibrium for ever and is
+//! never at rest: q = 0. The swing is said to end after the settling time, when a share [`SETTLED`]
+//! of the distance is left.
 
 use super::complex::Complex;
 use super::{ImpulseResponse, Oscillator};
 use std::f64::consts::PI;
 
-/// The share of the distance to the equilibrium that is left when a swing without overshoot is said to
-/// end: as much as the schemes without a step may leave in any statistic by default. A smaller share
-/// would make the swing longer, by ln 10 of the slow time scale for each digit, and move nothing.
+/// The share of the distance to the equilibrium that is left when a swing without overshoot is said
+/// to end: as much as the schemes without a step may leave in any statistic by default. A smaller
+/// share would make the swing longer, by ln 10 of the slow time scale for each digit, and move
+/// nothing.
 pub const SETTLED: f64 = 1e-3;
 
 /// How an oscillator answers a force that sets in while it is at rest, and stays.
@@ -40,8 +41,8 @@ pub struct StepResponse {
     damped: Option<ImpulseResponse>,
     /// How long the swing lasts: pi/w_d, or the settling time if zeta >= 1.
     pub duration: f64,
-    /// q: the distance beyond the equilibrium as a share of the distance to it, from 1 without damping to 0 for
-    /// zeta >= 1.
+    /// q: the distance beyond the equilibrium as a share of the distance to it, from 1 without
+    /// damping to 0 for zeta >= 1.
     pub overshoot: f64,
     /// The greatest speed of the swing back from there, in units of Y w0: from 1 to 0 likewise.
     pub return_speed: f64,
@@ -81,11 +82,12 @@ impl StepResponse {
     }
 }
 
-/// When the share of the distance that is left, R = 1 - y/Y = S' + 2 gamma S, has fallen to [`SETTLED`].
+/// When the share of the distance that is left, R = 1 - y/Y = S' + 2 gamma S, has fallen to
+/// [`SETTLED`].
 ///
-/// With the slow root l1, R >= e^{l1 r} says that it is not before ln(1/SETTLED)/|l1|. ln R is concave
-/// with the slope -w0^2 S/R, so that Newton's first step from there goes too far, and the others come
-/// back without passing the root.
+/// With the slow root l1, R >= e^{l1 r} says that it is not before ln(1/SETTLED)/|l1|. ln R is
+/// concave with the slope -w0^2 S/R, so that Newton's first step from there goes too far, and the
+/// others come back without passing the root.
 fn settling_time(response: &ImpulseResponse, gamma: f64, w0: f64) -> f64 {
     let fast = gamma + ((gamma - w0) * (gamma + w0)).sqrt();
     let mut r = -libm::log(SETTLED) * (fast / w0 / w0);
@@ -110,7 +112,8 @@ mod tests {
         StepResponse::new(&Oscillator { mass: 0.5, stiffness: 2.0, damping: zeta, dilatation: 0.0 })
     }
 
-    /// The formulas of the module's head in plain arithmetic, and for zeta > 1 the two exponentials.
+    /// The formulas of the module's head in plain arithmetic, and for zeta > 1 the two
+    /// exponentials.
     fn formula(zeta: f64, r: f64) -> (f64, f64) {
         let (w0, gamma) = (2.0, 2.0 * zeta);
         if zeta < 1.0 {

@@ -1,4 +1,5 @@
-//! What drives the oscillator: a sum of harmonics, what was measured, and one or two Ornstein-Uhlenbeck noises on top.
+//! What drives the oscillator: a sum of harmonics, what was measured, and one or two
+//! Ornstein-Uhlenbeck noises on top.
 
 use super::Series;
 use std::f64::consts::TAU;
@@ -64,8 +65,8 @@ pub struct Temperature {
     pub harmonics: Vec<Harmonic>,
     /// S, what was measured, if anything was. Clones of a model share it.
     pub series: Option<Arc<Series>>,
-    /// Whether v is zero at every sample of the series: what the weather may have done in between, given
-    /// that it was measured there.
+    /// Whether v is zero at every sample of the series: what the weather may have done in between,
+    /// given that it was measured there.
     pub is_pinned: bool,
     /// The noise as it was written, if any; one that is zero for ever is kept, but see
     /// [`Temperature::effective_noise`].
@@ -77,7 +78,8 @@ pub struct Temperature {
 /// Cycles of the slowest harmonic in which the others are to come round.
 pub const MOST_CYCLES: u32 = 1000;
 
-/// How far, relative to it, a number of cycles may be from a whole one: rounding of decimal fractions, no more.
+/// How far, relative to it, a number of cycles may be from a whole one: rounding of decimal
+/// fractions, no more.
 const WHOLE: f64 = 1e-9;
 
 impl Temperature {
@@ -87,14 +89,14 @@ impl Temperature {
         self.noises().any(|noise| noise.is_random())
     }
 
-    /// The noises that are not zero for ever: what is simulated. A scene without any draws no random
-    /// number.
+    /// The noises that are not zero for ever: what is simulated. A scene without any draws no
+    /// random number.
     pub fn noises(&self) -> impl Iterator<Item = Noise> {
         [self.noise, self.second_noise].into_iter().flatten().filter(|noise| !noise.is_silent())
     }
 
-    /// The first of [`Temperature::noises`]; the only one for whoever asks [`Temperature::has_two_noises`]
-    /// before.
+    /// The first of [`Temperature::noises`]; the only one for whoever asks
+    /// [`Temperature::has_two_noises`] before.
     pub fn effective_noise(&self) -> Option<Noise> {
         self.noises().next()
     }
@@ -111,7 +113,8 @@ impl Temperature {
         self.series.as_ref().map_or(harmonics, |series| harmonics + series.at(t))
     }
 
-    /// E T(t), straight from its definition: harmonics and series, and each v relaxing from where it starts.
+    /// E T(t), straight from its definition: harmonics and series, and each v relaxing from where
+    /// it starts.
     pub fn mean(&self, t: f64) -> f64 {
         let relaxing = self.noises().map(|noise| match noise.initial {
             InitialNoise::At(v) => noise.intensity * v * libm::exp(-noise.relaxation_rate * t),
@@ -132,8 +135,9 @@ impl Temperature {
 
     /// P: the shortest time after which every harmonic repeats itself.
     ///
-    /// None where no harmonic moves, where there is a series, which repeats nothing, and where their frequencies have no common measure: where no number of cycles of the slowest
-    /// one, up to 1000, is a whole number of cycles of each.
+    /// None where no harmonic moves, where there is a series, which repeats nothing, and where
+    /// their frequencies have no common measure: where no number of cycles of the slowest one, up
+    /// to 1000, is a whole number of cycles of each.
     pub fn period(&self) -> Option<f64> {
         if self.series.is_some() {
             return None;
@@ -160,7 +164,8 @@ mod tests {
     #[test]
     fn the_period_is_that_which_all_harmonics_share() {
         assert_eq!(period(&[(1.0, 0.25)]), Some(TAU / 0.25));
-        // 0.25 and 0.6 have the common measure 0.05; a harmonic that does not move, or is not there, has no say.
+        // 0.25 and 0.6 have the common measure 0.05; a harmonic that does not move, or is not
+        // there, has no say.
         let both = period(&[(1.0, 0.25), (0.2, 0.6), (3.0, 0.0), (0.0, 0.7)]).expect("5 and 12 cycles");
         assert!((both / (TAU / 0.05) - 1.0).abs() < 1e-12);
         assert_eq!(period(&[(0.2, 0.6), (1.0, 0.25)]), Some(both));

@@ -2,15 +2,15 @@
 //!
 //! A stream hands out its numbers in turn, so that whatever takes one more number moves all that
 //! come after it. Here a number is a function of (seed, path, cell, place) alone: what a path does
-//! in one cell of time leaves the numbers of the next cell as they are. That is what lets two scenes
-//! see the same noise, and somebody look at a path without changing it.
+//! in one cell of time leaves the numbers of the next cell as they are. That is what lets two
+//! scenes see the same noise, and somebody look at a path without changing it.
 //!
 //! The generator is SplitMix64 (Steele, Lea and Flood, *Fast splittable pseudorandom number
-//! generators*, OOPSLA 2014) at the counter `cell 2^32 + place`, with a second key of 64 bits between
-//! the two rounds of its output function (Stafford's variant 13). The origin of the counter and the
-//! second key are two outputs of SplitMix64 sequences, one-to-one functions of the path number like
-//! the words of [`super::Stream`]. Two paths whose counters happen to overlap have other second
-//! keys, so they share no number.
+//! generators*, OOPSLA 2014) at the counter `cell 2^32 + place`, with a second key of 64 bits
+//! between the two rounds of its output function (Stafford's variant 13). The origin of the counter
+//! and the second key are two outputs of SplitMix64 sequences, one-to-one functions of the path
+//! number like the words of [`super::Stream`]. Two paths whose counters happen to overlap have
+//! other second keys, so they share no number.
 
 use super::mirror;
 use super::normal::{half_normals, standard_normal};
@@ -66,8 +66,8 @@ impl AddressedDraws {
         bits_at::<f64>(self.origin, self.key, counter)
     }
 
-    /// What tells the numbers of this path from those of others: origin, key and whether its normals
-    /// have the other sign.
+    /// What tells the numbers of this path from those of others: origin, key and whether its
+    /// normals have the other sign.
     pub fn keys(&self) -> [u64; 3] {
         [self.origin, self.key, self.flip]
     }

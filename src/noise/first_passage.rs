@@ -72,8 +72,8 @@ pub fn meeting_place<L: Lanes>(d0: L, d1: L, duration: L, normal: L, uniform: L)
 pub fn mean_touching_spread<L: Lanes>(d0: L, d1: L, duration: L) -> L {
     let sum = d0 + d1;
     let sum2 = sum * sum;
-    // sqrt(pi/2) d0 d1/(D sqrt S) (2/sqrt pi) / (z + sqrt(z^2 + 4/pi)) with z^2 = D^2/(2S), multiplied
-    // through by sqrt(2S)/D = 1/z.
+    // sqrt(pi/2) d0 d1/(D sqrt S) (2/sqrt pi) / (z + sqrt(z^2 + 4/pi)) with z^2 = D^2/(2S),
+    // multiplied through by sqrt(2S)/D = 1/z.
     let root = (duration * (8.0 * std::f64::consts::FRAC_1_PI) / sum2 + 1.0).sqrt();
     d0 * 2.0 * d1 / (sum2 * (root + 1.0))
 }

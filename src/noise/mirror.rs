@@ -9,8 +9,8 @@
 /// A path number with this bit is the mirror image of the path without it.
 pub const MIRROR: u64 = 1 << 63;
 
-/// What path `path` of antithetic pairs draws from: the even one of a pair from its own numbers, the
-/// odd one from their mirror image.
+/// What path `path` of antithetic pairs draws from: the even one of a pair from its own numbers,
+/// the odd one from their mirror image.
 pub const fn antithetic(path: u64) -> u64 {
     if path.is_multiple_of(2) { path } else { (path - 1) | MIRROR }
 }

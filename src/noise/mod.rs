@@ -1,5 +1,5 @@
-//! Randomness: streams and addressed numbers of a path, normals by inversion, the Ornstein-Uhlenbeck
-//! process exactly.
+//! Randomness: streams and addressed numbers of a path, normals by inversion, the
+//! Ornstein-Uhlenbeck process exactly.
 
 mod addressed;
 mod first_passage;

@@ -123,8 +123,8 @@ pub fn bridge_at(theta: f64, sigma: f64, before: f64, behind: f64, (n0, n1): (f6
     if theta * whole > 1.0 {
         return long_bridge_at(theta, sigma, before, behind, (n0, n1));
     }
-    // With S(t) = sinh(theta t)/theta: mean (n0 S(behind) + n1 S(before))/S(whole), variance sigma^2
-    // S(before) S(behind)/S(whole).
+    // With S(t) = sinh(theta t)/theta: mean (n0 S(behind) + n1 S(before))/S(whole), variance
+    // sigma^2 S(before) S(behind)/S(whole).
     let sinh = |t: f64| t * cosh_and_sinh_over((theta * t) * (theta * t)).1;
     let (before, behind, inverse) = (sinh(before), sinh(behind), 1.0 / sinh(whole));
     ((n0 * behind + n1 * before) * inverse, sigma * (before * behind * inverse).sqrt())
@@ -228,8 +228,9 @@ mod tests {
         }
     }
 
-    /// The bridge, from the densities of both its halves: n0 -> n has precision 1/q0 around its mean, and
-    /// n -> n1 sees n through the decay. Both forms of it, on either side of theta h = 1, and the middle.
+    /// The bridge, from the densities of both its halves: n0 -> n has precision 1/q0 around its
+    /// mean, and n -> n1 sees n through the decay. Both forms of it, on either side of theta h = 1,
+    /// and the middle.
     #[test]
     fn the_bridge_is_where_both_its_halves_put_it() {
         for (theta, sigma, before, behind) in [

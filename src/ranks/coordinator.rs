@@ -12,7 +12,8 @@ use std::sync::mpsc::{Sender, channel};
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// How long ranks that were told to give up may take to say so: much longer than they do. One that is lost never does.
+/// How long ranks that were told to give up may take to say so: much longer than they do. One that
+/// is lost never does.
 const PATIENCE: Duration = Duration::from_secs(3);
 
 /// Several ranks, of which this process is the first.
@@ -40,14 +41,15 @@ impl Coordinator {
         self.ranks
     }
 
-    /// Threads for each rank, where nobody says: those that this one may use, shared with the others on this machine
-    /// unless each has processors of its own.
+    /// Threads for each rank, where nobody says: those that this one may use, shared with the
+    /// others on this machine unless each has processors of its own.
     pub fn threads(&self, usable: usize) -> usize {
         let is_bound = processors().is_some_and(|all| usable < all);
         if is_bound { usable } else { (usable / self.here).max(1) }
     }
 
-    /// Tell all ranks that the program is over, and wait until they have heard it. Where one is lost, all are ended at once.
+    /// Tell all ranks that the program is over, and wait until they have heard it. Where one is
+    /// lost, all are ended at once.
     pub fn end(&self) {
         if self.has_lost.load(Ordering::Relaxed) {
             abort();

@@ -28,7 +28,8 @@ pub(super) struct Parcel {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Manner {
     pub threads: usize,
-    /// Blocks whose sums are kept apart: one where the run may end after any of them, all of the lease otherwise.
+    /// Blocks whose sums are kept apart: one where the run may end after any of them, all of the
+    /// lease otherwise.
     pub grain: u64,
 }
 
@@ -166,7 +167,8 @@ mod tests {
     use crate::scenario::Scenario;
     use std::sync::atomic::AtomicBool;
 
-    /// Leases of a run that went through bytes, in stretches of any size, have the sums of the run and its rows.
+    /// Leases of a run that went through bytes, in stretches of any size, have the sums of the run
+    /// and its rows.
     #[test]
     fn what_comes_back_has_the_bits_of_the_run() {
         let mut scenario = Scenario::shipped("rho025").expect("shipped");

@@ -82,7 +82,8 @@ pub(super) fn abort() -> ! {
     SimpleCommunicator::world().abort(1)
 }
 
-/// How long to sleep until the next look: not at all, then longer and longer, until something happens.
+/// How long to sleep until the next look: not at all, then longer and longer, until something
+/// happens.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Nap(u32);
 

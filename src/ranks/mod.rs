@@ -1,8 +1,10 @@
-//! One run in several processes, on one machine or many, by MPI. The only home of MPI (feature `mpi`).
+//! One run in several processes, on one machine or many, by MPI. The only home of MPI (feature
+//! `mpi`).
 //!
-//! Rank 0 is the coordinator: it alone reads arguments and files, and prints. It lends runs of blocks to all ranks, its own
-//! threads among them ([`crate::ensemble::Leases`]), and takes back rows and nodes of the tree of sums, in order. The other
-//! ranks are workers, which know nothing but what they are sent.
+//! Rank 0 is the coordinator: it alone reads arguments and files, and prints. It lends runs of
+//! blocks to all ranks, its own threads among them ([`crate::ensemble::Leases`]), and takes back
+//! rows and nodes of the tree of sums, in order. The other ranks are workers, which know nothing
+//! but what they are sent.
 //!
 //! ```text
 //! coordinator -> worker   Run     scenario, seed and what else is asked, as a saved run has it
@@ -13,8 +15,8 @@
 //!                         End     heard
 //! ```
 //!
-//! Whoever waits sleeps, for a millisecond at first and up to twenty. A panic anywhere ends all ranks with its message, and so does
-//! MPI itself where a rank is lost.
+//! Whoever waits sleeps, for a millisecond at first and up to twenty. A panic anywhere ends all
+//! ranks with its message, and so does MPI itself where a rank is lost.
 
 mod coordinator;
 mod lease;
@@ -28,7 +30,8 @@ use mpi::environment::Universe;
 use mpi::traits::*;
 use std::process::ExitCode;
 
-/// Variables by which launchers tell a process that it is one of several: Open MPI, MPICH and its kin, PMIx (Slurm).
+/// Variables by which launchers tell a process that it is one of several: Open MPI, MPICH and its
+/// kin, PMIx (Slurm).
 const LAUNCHED: [&str; 4] = ["OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "PMI_RANK", "PMIX_RANK"];
 
 /// What this process is among several.
@@ -42,7 +45,8 @@ pub enum Place {
 /// MPI itself; it is left when this is dropped.
 pub struct Membership(#[expect(dead_code, reason = "kept for its end")] Universe);
 
-/// Join the other ranks, if a launcher has started several. A rank other than the first comes back when the program is over.
+/// Join the other ranks, if a launcher has started several. A rank other than the first comes back
+/// when the program is over.
 pub fn join() -> Option<(Membership, Place)> {
     if LAUNCHED.iter().all(|name| std::env::var_os(name).is_none()) {
         return None;

@@ -1,4 +1,5 @@
-//! What a scenario says of a bearing that is calibrated: less than a run takes, because nothing is run.
+//! What a scenario says of a bearing that is calibrated: less than a run takes, because nothing is
+//! run.
 
 /// A bearing in a scenario: where a search begins, and how its data are read.
 #[derive(Clone, Debug, PartialEq)]

@@ -127,7 +127,8 @@ pub(crate) fn series(model: &Model, end: f64) -> Result<(), Misfit> {
     Err(Misfit::new(&[("time.end", end)], problem, remedy))
 }
 
-/// Noise is pinned to samples that there are, and begins at the first: what is wrong, and what to do.
+/// Noise is pinned to samples that there are, and begins at the first: what is wrong, and what to
+/// do.
 pub(crate) fn pinned(temperature: &Temperature) -> Option<(&'static str, &'static str)> {
     let noise = temperature.noise.filter(|_| temperature.is_pinned)?;
     if temperature.series.is_none() {

@@ -1,6 +1,8 @@
-//! What of a scenario was measured, and what measures it: the file of a temperature, the bearing with its sensor.
+//! What of a scenario was measured, and what measures it: the file of a temperature, the bearing
+//! with its sensor.
 
-/// Where a measured temperature comes from: what a scenario says of it. The samples themselves are in the model.
+/// Where a measured temperature comes from: what a scenario says of it. The samples themselves are
+/// in the model.
 #[derive(Clone, Debug)]
 pub struct Measured {
     /// The file, as the scenario names it: relative to the folder of the scenario.

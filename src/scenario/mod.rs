@@ -76,7 +76,7 @@ pub struct Ensemble {
     pub paths: u64,
     /// Seed; with the path number it determines a path.
     pub seed: u64,
-    /// Whether paths 2k and 2k + 1 see the same noise and its mirror image, and the pair is the unit of
-    /// every interval.
+    /// Whether paths 2k and 2k + 1 see the same noise and its mirror image, and the pair is the
+    /// unit of every interval.
     pub antithetic: bool,
 }

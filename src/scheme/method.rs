@@ -91,10 +91,10 @@ pub trait Simulate: Sized {
         self
     }
 
-    /// The same simulation and the same paths, of whose output rows every `closeness`-th >= 1 is one
-    /// of the run and the others are a closer look: what a run sees of a path is the same with and
-    /// without rows between. A scheme with a step stays as it is, and so does one where nothing is
-    /// random: their paths are known everywhere.
+    /// The same simulation and the same paths, of whose output rows every `closeness`-th >= 1 is
+    /// one of the run and the others are a closer look: what a run sees of a path is the same with
+    /// and without rows between. A scheme with a step stays as it is, and so does one where nothing
+    /// is random: their paths are known everywhere.
     fn looked_at_closer(self, _closeness: usize) -> Self {
         self
     }

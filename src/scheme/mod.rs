@@ -77,8 +77,8 @@ pub trait Observer {
     /// earlier event.
     fn snapshot(&mut self, instant: Instant, snapshot: Snapshot<'_>);
 
-    /// Whether nobody waits for these paths any more. A scheme that is told so returns soon, and what
-    /// it has told of them is no result.
+    /// Whether nobody waits for these paths any more. A scheme that is told so returns soon, and
+    /// what it has told of them is no result.
     fn is_stopped(&self) -> bool {
         false
     }

@@ -1,9 +1,9 @@
-//! Scheme C: quasi-static, the paper's approximation for slow forcing (its section on the bridge), with
-//! damping.
+//! Scheme C: quasi-static, the paper's approximation for slow forcing (its section on the bridge),
+//! with damping.
 //!
 //! While the body slips the temperature is taken to stand still. At the exit |b| = f_s, so the body
-//! starts from rest towards an equilibrium that is (f_s - f_d)/K away, and swings beyond it until it
-//! is at rest again ([`StepResponse`]). The cascade is then a recursion:
+//! starts from rest towards an equilibrium that is (f_s - f_d)/K away, and swings beyond it until
+//! it is at rest again ([`StepResponse`]). The cascade is then a recursion:
 //!
 //! ```text
 //! tau_{j+1/2} = inf{t > tau_j : |b(x_j, t)| > f_s},      tau_{j+1} = tau_{j+1/2} + pi/w_d,
@@ -11,26 +11,27 @@
 //! q = e^{-pi zeta/sqrt(1 - zeta^2)},   zeta = alpha/(m w0),   w_d = w0 sqrt(1 - zeta^2)
 //! ```
 //!
-//! with b = K (beta T - x) at rest. The paper has zeta = 0, where the half-cycle lasts pi/w0 and moves
-//! 2 (f_s - f_d)/K. (It prints the integrals of this section from tau_j; they start at tau_{j+1/2}.)
-//! In between, for whoever looks, x(t) and x'(t) are those of the swing. With f_s = f_d the body never
-//! moves and only the times do.
+//! with b = K (beta T - x) at rest. The paper has zeta = 0, where the half-cycle lasts pi/w0 and
+//! moves 2 (f_s - f_d)/K. (It prints the integrals of this section from tau_j; they start at
+//! tau_{j+1/2}.) In between, for whoever looks, x(t) and x'(t) are those of the swing. With f_s =
+//! f_d the body never moves and only the times do.
 //!
 //! **At critical damping and above** (zeta >= 1) the swing has no overshoot, q = 0, and no end: the
-//! slip is taken to last the settling time, until a thousandth of the distance is left, and to have made
-//! all of it. A slip must end, or the recursion would stop at the first one; any end at which
-//! nearly all of it is travelled gives the same sticks and jumps where the forcing is slow, for which
-//! alone the recursion is meant. The settling time is also about how long such a slip does last: what
-//! ends it is noise, once it moves x' more than the rest of the swing does (docs/event-driven.md).
+//! slip is taken to last the settling time, until a thousandth of the distance is left, and to have
+//! made all of it. A slip must end, or the recursion would stop at the first one; any end at which
+//! nearly all of it is travelled gives the same sticks and jumps where the forcing is slow, for
+//! which alone the recursion is meant. The settling time is also about how long such a slip does
+//! last: what ends it is noise, once it moves x' more than the rest of the swing does
+//! (docs/event-driven.md).
 //!
-//! **Where it is not the limit of slow forcing.** A forcing that moves the equilibrium faster than the
-//! body would swing back, K |beta| |T'| > (f_s - f_d) w0 [`StepResponse::return_speed`], leaves x' no
-//! zero: the body creeps behind the temperature until that turns. Without noise every forcing does so
-//! for zeta >= 1, however slow, and close below 1 all but the slowest.
+//! **Where it is not the limit of slow forcing.** A forcing that moves the equilibrium faster than
+//! the body would swing back, K |beta| |T'| > (f_s - f_d) w0 [`StepResponse::return_speed`], leaves
+//! x' no zero: the body creeps behind the temperature until that turns. Without noise every forcing
+//! does so for zeta >= 1, however slow, and close below 1 all but the slowest.
 //!
 //! Exits are those of the event-driven scheme: first roots without noise, bridge crossings with it.
-//! Nothing in the recursion asks whether |b| <= f_s at tau_{j+1}; where it is not, the stick there is
-//! empty.
+//! Nothing in the recursion asks whether |b| <= f_s at tau_{j+1}; where it is not, the stick there
+//! is empty.
 
 use super::columns::Columns;
 use super::event_driven::{
@@ -117,7 +118,8 @@ impl Swing {
 }
 
 impl QuasiStaticSimulation {
-    /// For a scene, observed at the stops of a timeline; `tolerance` governs the noisy exits as in the event-driven scheme.
+    /// For a scene, observed at the stops of a timeline; `tolerance` governs the noisy exits as in
+    /// the event-driven scheme.
     pub fn new(model: &Model, timeline: &Timeline, tolerance: f64) -> Self {
         let Model { oscillator, friction, .. } = model;
         let response = StepResponse::new(oscillator);
@@ -132,8 +134,8 @@ impl QuasiStaticSimulation {
         QuasiStaticSimulation { model: model.clone(), timeline: *timeline, exits, work_limit: WORK_LIMIT, slip }
     }
 
-    /// Without noise there is one path, of which every lane is told. All lanes are lost if it cannot
-    /// be resolved.
+    /// Without noise there is one path, of which every lane is told. All lanes are lost if it
+    /// cannot be resolved.
     fn one_path(&self, cascade: &Noiseless, lanes: usize, observer: &mut dyn Observer) -> Vec<usize> {
         let mut columns = Columns::new(lanes);
         let mut work = Work::new(self.work_limit);

@@ -1,13 +1,15 @@
-//! The discrete variational inequality word for word: one path, plain arithmetic, a branch for every case of the paper.
+//! The discrete variational inequality word for word: one path, plain arithmetic, a branch for
+//! every case of the paper.
 //!
-//! This is the loop everybody writes first. It is here to be compared with: the fast kernel must give the same cascade on the same
-//! normals, and benchmarks measure against it.
+//! This is the loop everybody writes first. It is here to be compared with: the fast kernel must
+//! give the same cascade on the same normals, and benchmarks measure against it.
 
 use crate::model::{Event, EventKind, InitialNoise, Model, Sign};
 use crate::noise::Transition;
 
-/// Step one path `steps` times with step `h`, drawing one standard normal a step from `normal` if there is noise (and one before
-/// the first for a stationary start). Events go to `on_event`; returns x and x' at the end.
+/// Step one path `steps` times with step `h`, drawing one standard normal a step from `normal` if
+/// there is noise (and one before the first for a stationary start). Events go to `on_event`;
+/// returns x and x' at the end.
 pub fn reference_path(
     model: &Model,
     h: f64,

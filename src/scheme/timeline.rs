@@ -36,11 +36,13 @@ pub struct Stop {
     pub instant: Instant,
 }
 
-/// How far beyond the end, relative to it, a grid time may fall by rounding and still count as the end.
+/// How far beyond the end, relative to it, a grid time may fall by rounding and still count as the
+/// end.
 const END_TOLERANCE: f64 = 1e-9;
 
 impl Timeline {
-    /// From fewer whole forcing periods nothing tells a lasting drift from what is left of the start.
+    /// From fewer whole forcing periods nothing tells a lasting drift from what is left of the
+    /// start.
     pub const FEWEST_PERIODS: usize = 3;
 
     /// The same with no row but the first.

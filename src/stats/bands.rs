@@ -102,7 +102,8 @@ impl Codec for BandSums {
     }
 }
 
-/// Of all sketches together so many values are kept, or half as many bins, which with all that belongs to them takes 100 MB at most.
+/// Of all sketches together so many values are kept, or half as many bins, which with all that
+/// belongs to them takes 100 MB at most.
 const VALUES: usize = 4_500_000;
 
 /// A sketch keeps neither fewer nor more values than this.
@@ -125,7 +126,8 @@ impl BlockValues {
     }
 }
 
-/// Which values each variable takes at each time, and how many paths are static: the half of the bands that merges exactly.
+/// Which values each variable takes at each time, and how many paths are static: the half of the
+/// bands that merges exactly.
 #[derive(Clone, Debug)]
 pub(super) struct BandCounts {
     rows: [Vec<Sketch>; VARIABLES],
@@ -136,7 +138,8 @@ pub(super) struct BandCounts {
 }
 
 impl BandCounts {
-    /// Many paths may share x0, where every path starts and where a path that never slips stays, and the velocity zero.
+    /// Many paths may share x0, where every path starts and where a path that never slips stays,
+    /// and the velocity zero.
     pub fn empty(model: &Model, rows: usize) -> Self {
         let [least, most] = LIMITS;
         let values = (VALUES / (VARIABLES * rows)).clamp(least, most);
@@ -254,8 +257,8 @@ pub(super) fn summary(sums: &BandSums, counts: &BandCounts, timeline: &Timeline,
     }
 }
 
-/// The interval of a quantile of values so many of which make an independent unit: those whose share
-/// of the values below is in doubt, read back.
+/// The interval of a quantile of values so many of which make an independent unit: those whose
+/// share of the values below is in doubt, read back.
 fn ends(values: &Ordered, level: f64, size: f64) -> [f64; 2] {
     let n = values.count() as f64 / size;
     if n < 2.0 {
@@ -284,9 +287,9 @@ mod tests {
         below + (above - below) * rank.fract()
     }
 
-    /// Null: the intervals of mean, standard deviation, upper quartile and static probability at one time cover in 95 % of all
-    /// ensembles of 200 paths, whose x is normal and which are static with probability 0.3
-    /// ([`Coverage::assert_95_percent`] has the false-alarm rate).
+    /// Null: the intervals of mean, standard deviation, upper quartile and static probability at
+    /// one time cover in 95 % of all ensembles of 200 paths, whose x is normal and which are static
+    /// with probability 0.3 ([`Coverage::assert_95_percent`] has the false-alarm rate).
     #[test]
     fn intervals_at_a_time_cover_what_they_bound() {
         let timeline = Timeline { end: 1.0, output_step: 1.0, period: None, after: 0.0 };
@@ -304,7 +307,8 @@ mod tests {
             part.1.fold(1, &snapshot);
             let bands = summary(&part.0, &part.1, &timeline, true, Unit::Path);
             let x = &bands.displacement;
-            // The upper quartile of the standard normal law is 0.674490; the fourth level is 3/4, and there are two times.
+            // The upper quartile of the standard normal law is 0.674490; the fourth level is 3/4,
+            // and there are two times.
             let curves = [
                 (&x.mean_ends, 1, 4.0),
                 (&x.sd_ends, 1, 1.5),
@@ -349,7 +353,8 @@ mod tests {
         assert!((bands.displacement.mean[1] - mean).abs() < 1e-12);
         assert!((bands.displacement.sd[1] - sd).abs() < 1e-12);
         for (i, &p) in QUANTILE_LEVELS.iter().enumerate() {
-            // 5000 paths have more than 2048 values; the nine sd of the 3000 that move are in bins of a hundredth of one.
+            // 5000 paths have more than 2048 values; the nine sd of the 3000 that move are in bins
+            // of a hundredth of one.
             let exact = exact(&x, p);
             assert!((bands.displacement.quantiles[[i, 1]] - exact).abs() <= 0.01 * sd, "{p}");
             assert!((bands.velocity.quantiles[[i, 1]] - (exact - 6.0)).abs() <= 0.01 * sd, "{p}");

@@ -1,11 +1,12 @@
-//! Shares among pooled phases, and how sure they are: phases of one path may depend on each other as they like, those of
-//! different batches of whole paths do not.
+//! Shares among pooled phases, and how sure they are: phases of one path may depend on each other
+//! as they like, those of different batches of whole paths do not.
 
 use super::interval::student;
 use super::range::{NORMAL, wilson};
 
-/// Phases are counted apart for the units of each residue modulo this, so that the spread between these batches
-/// shows how uncertain a pooled share is. 31 degrees of freedom widen the interval by 4 %.
+/// Phases are counted apart for the units of each residue modulo this, so that the spread between
+/// these batches shows how uncertain a pooled share is. 31 degrees of freedom widen the interval by
+/// 4 %.
 pub(super) const BATCHES: usize = 32;
 
 /// The batch that a unit is in, a path or a pair of them.
@@ -21,7 +22,8 @@ const ROUNDING: f64 = 1e-12;
 pub(super) struct Share {
     /// NaN if there are no phases.
     pub estimate: f64,
-    /// The standard error of a ratio of sums over batches; NaN if fewer than two of them have any phases.
+    /// The standard error of a ratio of sums over batches; NaN if fewer than two of them have any
+    /// phases.
     pub error: f64,
     /// Batches that have any, less one.
     pub freedom: u64,

@@ -1,9 +1,11 @@
-//! Counts on the dyadic lattice: at the finest level at which no more than so many bins are occupied.
+//! Counts on the dyadic lattice: at the finest level at which no more than so many bins are
+//! occupied.
 //!
-//! A value that is added occupies no fewer bins at any level, so the level only rises, and that of two parts together
-//! follows from the parts. Level and counts are thus functions of the values alone, in whatever order, grouping and number
-//! of steps they came ([`Bins::list`]). How the counts lie in memory is not: bins that are close together are slots of an
-//! array, and the others, few, are a list.
+//! A value that is added occupies no fewer bins at any level, so the level only rises, and that of
+//! two parts together follows from the parts. Level and counts are thus functions of the values
+//! alone, in whatever order, grouping and number of steps they came ([`Bins::list`]). How the
+//! counts lie in memory is not: bins that are close together are slots of an array, and the others,
+//! few, are a list.
 
 use super::codec::{Codec, Damaged, Reader};
 use super::dyadic::{List, MAX_INDEX, Ruler, coarsen, counted, excess, exponent, finest, union};
@@ -65,7 +67,8 @@ pub(super) struct Bins {
     rest: List,
 }
 
-/// A slot with the highest bit set is laid out anew before it counts further. Half as many values come in one go at most.
+/// A slot with the highest bit set is laid out anew before it counts further. Half as many values
+/// come in one go at most.
 const FULL: u16 = 1 << 15;
 
 /// With so many slots a value the slots are not read in vain.
@@ -76,7 +79,8 @@ impl Bins {
     pub fn of(values: &[f64], shape: &Shape) -> Self {
         let (smallest, largest) = extremes(values);
         let lowest = shape.lowest_level(smallest, largest);
-        // An array over all values: if too many of its slots are taken, then so are too many of any finer ones.
+        // An array over all values: if too many of its slots are taken, then so are too many of any
+        // finer ones.
         let slots = (8 * shape.bins) as f64;
         let level = lowest.max(exponent(largest / slots - smallest / slots) + 1);
         let taken = Taken::by(values, (smallest, largest), &Ruler::new(shape.centre, level));
@@ -99,8 +103,9 @@ impl Bins {
 
     /// Count more values. Those that are not at a finite distance from the centre are left out.
     pub fn count(&mut self, values: &[f64], shape: &Shape) {
-        // So short are the slots that those of hundreds of rows stay near a processor; and where there are many values for them,
-        // reading all of them in order here brings them nearer than counting here and there would.
+        // So short are the slots that those of hundreds of rows stay near a processor; and where
+        // there are many values for them, reading all of them in order here brings them nearer than
+        // counting here and there would.
         if self.room < values.len() || self.slots.len() <= SPARSE * values.len() {
             let fullest = fullest_slot(&self.slots);
             self.room = FULL.saturating_sub(fullest).into();
@@ -128,7 +133,8 @@ impl Bins {
         }
     }
 
-    /// Rise to the level that the number of occupied bins asks for; between times there may be too many of them.
+    /// Rise to the level that the number of occupied bins asks for; between times there may be too
+    /// many of them.
     pub fn settle(&mut self, limit: usize, is_scattered: bool) {
         self.unseen = 0;
         if is_scattered || self.occupied(limit) > limit {
@@ -178,7 +184,8 @@ impl Bins {
         self.rest.len() + self.slots.iter().map(|&count| u32::from(count > 0)).sum::<u32>() as usize
     }
 
-    /// Count the values that lie in the first run, the fullest, and are surely not extreme. Returns the others.
+    /// Count the values that lie in the first run, the fullest, and are surely not extreme. Returns
+    /// the others.
     fn count_inside(&mut self, values: &[f64], ruler: &Ruler) -> Vec<f64> {
         // All of bin 0 is one value.
         let [lowest, highest] = [self.smallest, self.largest].map(|value| ruler.index(value) as i64);
@@ -253,7 +260,8 @@ struct Cluster {
     count: u64,
 }
 
-/// Split where the gaps are too long for all the slots between to be afforded, twice as many as there may be bins.
+/// Split where the gaps are too long for all the slots between to be afforded, twice as many as
+/// there may be bins.
 fn clusters(list: &[(i64, u64)], limit: usize) -> Vec<Cluster> {
     let mut gap = LONGEST_GAP;
     loop {
@@ -333,8 +341,9 @@ impl CountSlots<'_> {
     #[inline(always)]
     fn count(&mut self) {
         let CountSlots { values, ruler, first, slots, others } = self;
-        // Between 2^52 and 2^53 numbers are 1 apart, and so are their bits: what is taken off those of 2^52 is the distance from
-        // the first bin, and a bin before that, or none, wraps round to a place far beyond the last.
+        // Between 2^52 and 2^53 numbers are 1 apart, and so are their bits: what is taken off those
+        // of 2^52 is the distance from the first bin, and a bin before that, or none, wraps round
+        // to a place far beyond the last.
         let start = (1u64 << 52) as f64;
         let offset = start - *first as f64;
         let mut places = [0_u64; CHUNK];
@@ -412,7 +421,8 @@ impl PartialEq for Bins {
     }
 }
 
-/// Level, extremes, and the bins that are not empty: the first, the distance of each from the one before it, and their counts.
+/// Level, extremes, and the bins that are not empty: the first, the distance of each from the one
+/// before it, and their counts.
 impl Bins {
     pub fn write(&self, out: &mut Vec<u8>) {
         let list = self.list();

@@ -21,7 +21,8 @@ pub enum Statistic {
     SubPhasesMean,
     /// Share of completed dynamic phases with k(j) >= 2.
     SubPhasesMultipleShare,
-    /// Share of the time that is counted, [after, t_end], spent static, the first and the last stick included.
+    /// Share of the time that is counted, [after, t_end], spent static, the first and the last
+    /// stick included.
     StickingFraction,
     /// Mean of x(t_end).
     DisplacementEndMean,
@@ -45,7 +46,8 @@ pub enum Statistic {
     JumpAbsMean,
     /// Mean over paths of the friction work, integral of f_d |x'| dt over [after, t_end].
     FrictionWorkMean,
-    /// Mean over paths of the sliding path, integral of |x'| dt, per unit of time of [after, t_end].
+    /// Mean over paths of the sliding path, integral of |x'| dt, per unit of time of [after,
+    /// t_end].
     SlidingPathRate,
 }
 

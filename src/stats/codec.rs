@@ -1,9 +1,10 @@
 //! Sums and counts as bytes and back: what is read has the bits of what was written.
 //!
-//! The format is plain: a count is a variable-length integer (seven bits a byte, the lowest first), a real is the eight
-//! bytes of its bits, the lowest first, and a list is its length followed by its entries. Reading fills a value that is
-//! already there and empty ([`Codec::read`]), so that what the bytes say of themselves is held against what the
-//! scenario asks for: a list of another length than the one in place is damage, not a request for memory.
+//! The format is plain: a count is a variable-length integer (seven bits a byte, the lowest first),
+//! a real is the eight bytes of its bits, the lowest first, and a list is its length followed by
+//! its entries. Reading fills a value that is already there and empty ([`Codec::read`]), so that
+//! what the bytes say of themselves is held against what the scenario asks for: a list of another
+//! length than the one in place is damage, not a request for memory.
 
 /// The bytes are not what they should be.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
@@ -45,7 +46,8 @@ pub trait Codec {
     /// Append it.
     fn write(&self, out: &mut Vec<u8>);
 
-    /// Replace it by the next one of the bytes; `self` says how long its lists must be, where that is fixed.
+    /// Replace it by the next one of the bytes; `self` says how long its lists must be, where that
+    /// is fixed.
     fn read(&mut self, from: &mut Reader<'_>) -> Result<(), Damaged>;
 }
 

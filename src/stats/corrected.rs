@@ -2,7 +2,8 @@
 
 use super::{Bias, Estimate};
 
-/// A statistic with the bias of the step taken off, and its 95 % interval. It estimates the value at zero step.
+/// A statistic with the bias of the step taken off, and its 95 % interval. It estimates the value
+/// at zero step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Corrected {
     /// The estimate less [`Bias::weight`] times its bias.
@@ -16,27 +17,31 @@ pub struct Corrected {
 impl Bias {
     /// Which share of the bias is worth taking off: max(0, 1 - (uncertainty/bias)^4).
     ///
-    /// Nothing is taken off where zero is within the uncertainty of the bias, because that adds more noise than it removes
-    /// bias, and 99 % where the bias is three times its uncertainty: between keeping all and taking all, with no jump. (The
-    /// second power is L. Breiman's garrote, *Better subset regression using the nonnegative garrote*, Technometrics 37
-    /// (1995). It leaves a ninth of such a bias, which is more than its sampling error.)
+    /// Nothing is taken off where zero is within the uncertainty of the bias, because that adds
+    /// more noise than it removes bias, and 99 % where the bias is three times its uncertainty:
+    /// between keeping all and taking all, with no jump. (The second power is L. Breiman's garrote,
+    /// *Better subset regression using the nonnegative garrote*, Technometrics 37 (1995). It leaves
+    /// a ninth of such a bias, which is more than its sampling error.)
     ///
-    /// In units of the uncertainty, and for normal errors, the root-mean-square error exceeds that of the plain estimate by no
-    /// more than 0.15, and that of the estimate less all of its bias by no more than 0.4.
+    /// In units of the uncertainty, and for normal errors, the root-mean-square error exceeds that
+    /// of the plain estimate by no more than 0.15, and that of the estimate less all of its bias by
+    /// no more than 0.4.
     pub fn weight(&self) -> f64 {
         if self.estimate.abs() > self.uncertainty { 1.0 - (self.uncertainty / self.estimate).powi(4) } else { 0.0 }
     }
 }
 
 impl Estimate {
-    /// The statistic without the error of its step, as far as that is known; none where there is no bias or no interval.
+    /// The statistic without the error of its step, as far as that is known; none where there is no
+    /// bias or no interval.
     ///
-    /// The interval is that of the estimate less all of its bias, whatever share is taken off: it holds 95 % however large the
-    /// bias is in truth, or more where the bias was measured against paths of which the run has the more. The estimate is
-    /// always in it, and in its middle only where nearly all of the bias is taken off.
+    /// The interval is that of the estimate less all of its bias, whatever share is taken off: it
+    /// holds 95 % however large the bias is in truth, or more where the bias was measured against
+    /// paths of which the run has the more. The estimate is always in it, and in its middle only
+    /// where nearly all of the bias is taken off.
     ///
-    /// What is estimated is the value of the model. So the corrected median of durations that are multiples of the step is no
-    /// multiple of it.
+    /// What is estimated is the value of the model. So the corrected median of durations that are
+    /// multiples of the step is no multiple of it.
     pub fn corrected(&self) -> Option<Corrected> {
         let bias = self.bias?;
         let centre = self.estimate - bias.estimate;
@@ -63,7 +68,8 @@ mod tests {
 
     #[test]
     fn the_corrected_estimate_is_the_one_computed_by_hand() {
-        // 1 - (1/2)^4 = 15/16 of a bias of 2; the interval is that of 10 - 2, sqrt(0.75^2 + 1) to either side.
+        // 1 - (1/2)^4 = 15/16 of a bias of 2; the interval is that of 10 - 2, sqrt(0.75^2 + 1) to
+        // either side.
         let corrected = estimate(10.0, 0.75, 2.0, 1.0).corrected();
         assert_eq!(corrected, Some(Corrected { estimate: 8.125, low: 6.75, high: 9.25 }));
         // Nothing is taken off within the uncertainty.
@@ -89,9 +95,10 @@ mod tests {
         ("skewed", |rng| Distribution::<f64>::sample(&Exp1, rng) - 1.0, 1.995_732),
     ];
 
-    /// Root-mean-square errors of the plain, the shrunk and the wholly corrected estimate in units of the uncertainty, and how often the
-    /// interval holds, where the bias is so many uncertainties in truth. The error of the plain estimate is `share` of the bias's; the
-    /// bias is measured on its own, or against a second estimate.
+    /// Root-mean-square errors of the plain, the shrunk and the wholly corrected estimate in units
+    /// of the uncertainty, and how often the interval holds, where the bias is so many
+    /// uncertainties in truth. The error of the plain estimate is `share` of the bias's; the bias
+    /// is measured on its own, or against a second estimate.
     fn simulated((_, draw, half_width): Law, truth: f64, share: f64, has_reference: bool) -> ([f64; 3], f64) {
         let (n, mut rng) = (20_000, Pcg64Dxsm::seed_from_u64(1961));
         let (mut squares, mut held) = ([0.0; 3], 0);
@@ -113,12 +120,14 @@ mod tests {
         (squares.map(|square| (square / f64::from(n)).sqrt()), f64::from(held) / f64::from(n))
     }
 
-    /// The true value is zero, the bias from none to six uncertainties, the errors normal, as the cost is stated for, with heavy
-    /// tails, and skewed (exponential); the run as sure as the bias or much surer. Normal errors hold the promised 0.15 and 0.4,
-    /// the others 0.3 and 0.55 (docs/bias.md); 20 000 draws know a root mean square to 1 %. Coverage: null 95 %, so that the
-    /// share of 20 000 is above 94.2 % but for a probability of 1e-7 a cell; two equally skewed errors, whose squares do not
-    /// add up as those of normal ones do, cover 93 %. With all of the bias taken off the first bound falls (0.5 at no bias),
-    /// with none the second (5.5 at six uncertainties), with twice the uncertainty in the weight the second.
+    /// The true value is zero, the bias from none to six uncertainties, the errors normal, as the
+    /// cost is stated for, with heavy tails, and skewed (exponential); the run as sure as the bias
+    /// or much surer. Normal errors hold the promised 0.15 and 0.4, the others 0.3 and 0.55
+    /// (docs/bias.md); 20 000 draws know a root mean square to 1 %. Coverage: null 95 %, so that
+    /// the share of 20 000 is above 94.2 % but for a probability of 1e-7 a cell; two equally skewed
+    /// errors, whose squares do not add up as those of normal ones do, cover 93 %. With all of the
+    /// bias taken off the first bound falls (0.5 at no bias), with none the second (5.5 at six
+    /// uncertainties), with twice the uncertainty in the weight the second.
     #[test]
     fn shrinking_costs_no_more_than_it_says_and_the_interval_holds() {
         for law in LAWS {

@@ -1,4 +1,5 @@
-//! Stick durations: their quantiles, the interval of their median, and their survival with the cut-off ones in it.
+//! Stick durations: their quantiles, the interval of their median, and their survival with the
+//! cut-off ones in it.
 
 use super::batches::{BATCHES, Share, batch_of};
 use super::bins::Shape;
@@ -20,7 +21,8 @@ const COARSENING: i32 = 32;
 /// Below this share of t_end, durations are binned evenly instead of logarithmically.
 const RESOLUTION: f64 = 1.0 / (1u64 << 30) as f64;
 
-/// So many durations of a batch are kept as they are, and so many bins are counted when there are more.
+/// So many durations of a batch are kept as they are, and so many bins are counted when there are
+/// more.
 const LIMIT: usize = 4096;
 
 /// The sticks of every path number with one residue.
@@ -131,7 +133,8 @@ impl DurationCounts {
         median
     }
 
-    /// The median without the sticks of each batch; missing where durations are whole numbers of steps.
+    /// The median without the sticks of each batch; missing where durations are whole numbers of
+    /// steps.
     pub fn medians_without_each_batch(&self) -> [f64; BATCHES] {
         if self.step.is_some() {
             return [f64::NAN; BATCHES];
@@ -249,8 +252,9 @@ mod tests {
 
     #[test]
     fn survival_is_that_of_the_textbook_example() {
-        // Remission times in weeks of the 6-MP group of Freireich et al. (1963), the standard example (Cox and Oakes,
-        // *Analysis of Survival Data*, table 1.1): 9 relapses, 12 censored; the estimates below are the printed ones.
+        // Remission times in weeks of the 6-MP group of Freireich et al. (1963), the standard
+        // example (Cox and Oakes, *Analysis of Survival Data*, table 1.1): 9 relapses, 12 censored;
+        // the estimates below are the printed ones.
         let relapsed = [6.0, 6.0, 6.0, 7.0, 10.0, 13.0, 16.0, 22.0, 23.0];
         let censored = [6.0, 9.0, 10.0, 11.0, 17.0, 19.0, 20.0, 25.0, 32.0, 32.0, 34.0, 35.0];
         let printed =

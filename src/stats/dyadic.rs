@@ -1,4 +1,5 @@
-//! The lattice that values are counted on: bins of width 2^level about a centre, which pair off from level to level.
+//! The lattice that values are counted on: bins of width 2^level about a centre, which pair off
+//! from level to level.
 //!
 //! With u the distance of a value from the centre, with its sign, and w = 2^level,
 //!
@@ -8,10 +9,11 @@
 //! bin i < 0    u in [i w, (i + 1) w)
 //! ```
 //!
-//! that is |i| = ceil(|u|/w). Since ceil(ceil(y)/2) = ceil(y/2), the bin at a coarser level follows from the bin alone, and it does
-//! not matter when a value is moved there, or beside which others.
+//! that is |i| = ceil(|u|/w). Since ceil(ceil(y)/2) = ceil(y/2), the bin at a coarser level follows
+//! from the bin alone, and it does not matter when a value is moved there, or beside which others.
 
-/// Bins reach so many powers of two: an index then is a whole number that an f64 holds with room to round in.
+/// Bins reach so many powers of two: an index then is a whole number that an f64 holds with room to
+/// round in.
 const INDEX_BITS: i32 = 50;
 
 /// No index is larger, in either direction.
@@ -20,12 +22,14 @@ pub(super) const MAX_INDEX: i64 = 1 << (INDEX_BITS + 1);
 /// The finest level there is, above which neither a width nor its inverse is subnormal.
 const LOWEST: i32 = -1000;
 
-/// The finest level for values no further than `reach` from the centre: bins there are a few roundings of the farthest value wide.
+/// The finest level for values no further than `reach` from the centre: bins there are a few
+/// roundings of the farthest value wide.
 pub(super) fn finest(reach: f64) -> i32 {
     (exponent(reach) - INDEX_BITS).max(LOWEST)
 }
 
-/// The e with 2^e <= x < 2^(e + 1), for x > 0; that of the smallest normal number for what is below it.
+/// The e with 2^e <= x < 2^(e + 1), for x > 0; that of the smallest normal number for what is below
+/// it.
 pub(super) fn exponent(x: f64) -> i32 {
     (x.to_bits() >> 52 & 0x7ff).max(1) as i32 - 1023
 }
@@ -58,12 +62,14 @@ impl Ruler {
         Ruler { centre, width: width(level), inverse: width(-level) }
     }
 
-    /// The bin of a value, as a whole number with a sign; -0 is 0. No branch, so that a row is done in vectors.
+    /// The bin of a value, as a whole number with a sign; -0 is 0. No branch, so that a row is done
+    /// in vectors.
     #[inline(always)]
     pub fn index(&self, value: f64) -> f64 {
         let u = value - self.centre;
         let nearest = nearest(u.abs() * self.inverse);
-        // Held against u itself: u/w may have vanished, and a number next to the centre is not the centre.
+        // Held against u itself: u/w may have vanished, and a number next to the centre is not the
+        // centre.
         let above = if nearest * self.width < u.abs() { 1.0 } else { 0.0 };
         (nearest + above).copysign(u)
     }

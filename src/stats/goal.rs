@@ -38,9 +38,11 @@ pub enum Bound {
 /// What a goal makes of an estimate.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Verdict {
-    /// The standard error is below the bound. It is zero if all paths agree, which reaches every goal.
+    /// The standard error is below the bound. It is zero if all paths agree, which reaches every
+    /// goal.
     Reached,
-    /// Not yet. The standard error falls like 1/sqrt(paths), so about this many times as many paths will do.
+    /// Not yet. The standard error falls like 1/sqrt(paths), so about this many times as many paths
+    /// will do.
     Ahead(f64),
     /// The estimate is within two of its standard errors of zero: a share of it is no goal.
     Zero,

@@ -1,12 +1,14 @@
-//! The paths of a run in groups: what its statistics are without each of them tells how uncertain anything is that is computed from
-//! several runs.
+//! The paths of a run in groups: what its statistics are without each of them tells how uncertain
+//! anything is that is computed from several runs.
 //!
-//! A path is in the group of its number modulo [`GROUPS`], in every run; an antithetic pair is in that of its own number. Where path n of two runs sees one noise, the paths of a group
-//! do so too, and what a group does to the one run and to the other is kept together. The errors of differences and ratios of runs
-//! follow by the jackknife ([`super::jackknife`]). Groups hold whole paths, so it does not matter how the phases of a path depend on
-//! each other.
+//! A path is in the group of its number modulo [`GROUPS`], in every run; an antithetic pair is in
+//! that of its own number. Where path n of two runs sees one noise, the paths of a group do so too,
+//! and what a group does to the one run and to the other is kept together. The errors of
+//! differences and ratios of runs follow by the jackknife ([`super::jackknife`]). Groups hold whole
+//! paths, so it does not matter how the phases of a path depend on each other.
 //!
-//! A group is its moments alone. The median is found from the durations of the run, which are kept in the same groups.
+//! A group is its moments alone. The median is found from the durations of the run, which are kept
+//! in the same groups.
 
 use super::batches::{BATCHES, batch_of};
 use super::jackknife::leaving_one_out;
@@ -18,7 +20,8 @@ use super::{Companion, Statistic, Totals, Unit};
 use crate::model::{Event, Model};
 use crate::scheme::{Instant, Observer, Snapshot, Timeline};
 
-/// Groups of paths: 31 degrees of freedom make an interval 4 % wider than the normal law would, and an error is known to 13 %.
+/// Groups of paths: 31 degrees of freedom make an interval 4 % wider than the normal law would, and
+/// an error is known to 13 %.
 pub const GROUPS: usize = BATCHES;
 
 /// The value of every statistic, in the order of [`Statistic::ALL`].
@@ -46,8 +49,9 @@ impl Merge for Groups {
 }
 
 impl Groups {
-    /// Group by group, the value of every statistic of the other paths; `run` is all of them together. Of fewer units than groups each
-    /// is a group. Durations in whole steps have a median that leaving out paths mostly does not move at all: theirs is missing.
+    /// Group by group, the value of every statistic of the other paths; `run` is all of them
+    /// together. Of fewer units than groups each is a group. Durations in whole steps have a median
+    /// that leaving out paths mostly does not move at all: theirs is missing.
     pub fn without(&self, run: &Totals) -> Vec<Values> {
         let Totals { timeline, counts, .. } = run;
         let some = &self.0[..GROUPS.min(counts.units() as usize)];

@@ -29,8 +29,9 @@ use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 /// Upper end of the central 95 % of a distribution.
 const UPPER: f64 = 0.975;
 
-/// From here on the expansion about the normal quantile serves, good to 1e-8. Inverting the incomplete
-/// beta function takes a thousand times as long, and loses digits with growing degrees of freedom.
+/// From here on the expansion about the normal quantile serves, good to 1e-8. Inverting the
+/// incomplete beta function takes a thousand times as long, and loses digits with growing degrees
+/// of freedom.
 const LARGE_FREEDOM: f64 = 100.0;
 
 /// The 97.5 % quantile of Student's t; NaN without a degree of freedom.
@@ -79,7 +80,8 @@ pub(super) struct Measured {
 /// Where its interval comes from.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Interval {
-    /// Student's t with so many degrees of freedom. It is costly, so it is evaluated when the interval is asked for.
+    /// Student's t with so many degrees of freedom. It is costly, so it is evaluated when the
+    /// interval is asked for.
     Student(u64),
     /// The same for the reciprocal of the estimate.
     Reciprocal(f64),
@@ -119,7 +121,8 @@ impl Measured {
         Measured { range, chance, ..self }
     }
 
-    /// g(means of `paths`) with gradient of g at the means; `contributing` paths say something about it.
+    /// g(means of `paths`) with gradient of g at the means; `contributing` paths say something
+    /// about it.
     pub fn smooth<const N: usize>(
         estimate: f64,
         paths: &JointMoments<N>,
@@ -255,8 +258,8 @@ mod tests {
         for (freedom, table) in [(1, 12.706), (2, 4.303), (9, 2.262), (30, 2.042), (120, 1.980), (u64::MAX, 1.960)] {
             assert!((student(freedom) - table).abs() < 0.0005 + 1e-12, "{freedom}: {}", student(freedom));
         }
-        // Where the expansion takes over, it is as good as the inversion it replaces; at 1000, to six places,
-        // the quantile is 1.962339.
+        // Where the expansion takes over, it is as good as the inversion it replaces; at 1000, to
+        // six places, the quantile is 1.962339.
         let from = StudentsT::new(0.0, 1.0, LARGE_FREEDOM).map(|law| law.inverse_cdf(UPPER)).expect("a law");
         assert!((student(LARGE_FREEDOM as u64) - from).abs() < 1e-8, "{from}");
         assert!((student(1000) - 1.962_339).abs() < 1e-6, "{}", student(1000));

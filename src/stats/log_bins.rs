@@ -1,8 +1,9 @@
-//! Durations in fixed bins, a constant share of themselves wide: for histograms and survival curves.
+//! Durations in fixed bins, a constant share of themselves wide: for histograms and survival
+//! curves.
 //!
-//! A duration d is counted in a bin of d + s: the top eight bits of the mantissa of a floating-point number and its exponent,
-//! so bins are evenly spaced below the scale s and logarithmic above it. Counts are integers, hence merging is exact and
-//! order does not matter.
+//! A duration d is counted in a bin of d + s: the top eight bits of the mantissa of a
+//! floating-point number and its exponent, so bins are evenly spaced below the scale s and
+//! logarithmic above it. Counts are integers, hence merging is exact and order does not matter.
 
 use super::codec::{Codec, Damaged, Reader};
 
@@ -27,7 +28,8 @@ pub(super) struct LogGrid {
 impl LogGrid {
     /// Bins that are evenly spaced up to about `scale`.
     pub fn new(scale: f64) -> Self {
-        // Far from both ends of the number range, so that s 2^-8 is not subnormal and s 2^128 is finite.
+        // Far from both ends of the number range, so that s 2^-8 is not subnormal and s 2^128 is
+        // finite.
         let (smallest, largest) = (2f64.powi(-800), 2f64.powi(800));
         let scale = if scale > 0.0 { scale.clamp(smallest, largest) } else { 1.0 };
         let scale = f64::from_bits(scale.to_bits() & (0x7ff << 52));
@@ -51,7 +53,8 @@ impl LogGrid {
     }
 }
 
-/// How many keys are kept as they are before they are counted: a block and a small ensemble allocate no bins.
+/// How many keys are kept as they are before they are counted: a block and a small ensemble
+/// allocate no bins.
 const PENDING_LIMIT: usize = 2048;
 
 /// Bins are allocated in multiples of this many.
@@ -181,7 +184,8 @@ mod tests {
             let grid = LogGrid::new(scale);
             let key = i32::from(grid.key(duration));
             let (low, high) = (grid.edge((key - 1).max(0)), grid.edge(key));
-            // d + s is rounded once: a duration within one ulp of that of an edge may be counted on its other side.
+            // d + s is rounded once: a duration within one ulp of that of an edge may be counted on
+            // its other side.
             let ulp = f64::EPSILON * (duration + grid.scale);
             prop_assert!(low - ulp <= duration && duration <= high + ulp, "{duration} not in {low}..{high}");
             prop_assert!(high - low <= (duration + grid.scale) / 256.0 + 2.0 * ulp);

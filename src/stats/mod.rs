@@ -1,4 +1,5 @@
-//! Statistics of the cascade: folded over one block of paths, merged in block order, summed up with intervals.
+//! Statistics of the cascade: folded over one block of paths, merged in block order, summed up with
+//! intervals.
 //!
 //! ```text
 //! BlockObserver   watches one block of paths (implements scheme::Observer)
@@ -8,9 +9,9 @@
 //! Tally            a statistic of a user's own, folded beside them
 //! ```
 //!
-//! Floating-point sums are formed path by path in time order, then over the paths of a block in order, then over blocks
-//! along a binary tree; counts are integers. So no statistic depends on threads, lanes or vector width, nor on the way a run
-//! is cut into parts.
+//! Floating-point sums are formed path by path in time order, then over the paths of a block in
+//! order, then over blocks along a binary tree; counts are integers. So no statistic depends on
+//! threads, lanes or vector width, nor on the way a run is cut into parts.
 
 mod bands;
 mod batches;

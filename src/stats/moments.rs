@@ -1,21 +1,24 @@
 //! Moments that merge: of one number, of several numbers jointly, and up to the fourth order.
 //!
-//! A block of paths is folded in two passes (mean, then deviations from it), blocks are merged by the pairwise formula of
-//! Chan, Golub and LeVeque, *Algorithms for computing the sample variance: analysis and recommendations*, The American
-//! Statistician 37 (1983): with delta = mean_b - mean_a and n = n_a + n_b,
+//! A block of paths is folded in two passes (mean, then deviations from it), blocks are merged by
+//! the pairwise formula of Chan, Golub and LeVeque, *Algorithms for computing the sample variance:
+//! analysis and recommendations*, The American Statistician 37 (1983): with delta = mean_b - mean_a
+//! and n = n_a + n_b,
 //!
 //! ```text
 //! mean = mean_a + delta n_b / n
 //! M_2  = M_2a + M_2b + delta^2 n_a n_b / n
 //! ```
 //!
-//! Neither step subtracts large squares, so a spread far below the mean survives. Equal numbers give exactly zero spread.
+//! Neither step subtracts large squares, so a spread far below the mean survives. Equal numbers
+//! give exactly zero spread.
 
 use super::codec::codec_of_fields;
 use super::tree::Merge;
 use crate::lanes::{InstructionSet, LaneProgram, Lanes};
 
-/// Terms are added in this many interleaved partial sums: a fixed order that compilers can vectorise.
+/// Terms are added in this many interleaved partial sums: a fixed order that compilers can
+/// vectorise.
 const LANES: usize = 8;
 
 /// What is left of terms that cancel is rounding if it is below this share of their sizes.
@@ -179,14 +182,16 @@ impl<const N: usize> JointMoments<N> {
         self.count += other.count;
     }
 
-    /// Sum over paths of (g . (z - mean))^2: the spread of the linear combination with coefficients g.
+    /// Sum over paths of (g . (z - mean))^2: the spread of the linear combination with coefficients
+    /// g.
     pub fn spread_along(&self, gradient: [f64; N]) -> f64 {
         let (mut total, mut size) = (0.0, 0.0);
         let mut add = |term: f64| {
             total += term;
             size += term.abs();
         };
-        // A coefficient of zero is left out, so that an overflowed moment which is not asked for stays unseen.
+        // A coefficient of zero is left out, so that an overflowed moment which is not asked for
+        // stays unseen.
         for i in (0..N).filter(|&i| gradient[i] != 0.0) {
             add(gradient[i] * gradient[i] * self.comoment[i][i]);
             for j in (i + 1..N).filter(|&j| gradient[j] != 0.0) {
@@ -200,8 +205,9 @@ impl<const N: usize> JointMoments<N> {
 
 /// Moments of one quantity up to the fourth order.
 ///
-/// The merge formulas of M_3 and M_4 are those of P. Pebay, *Formulas for robust, one-pass parallel computation of
-/// covariances and arbitrary-order statistical moments*, Sandia report SAND2008-6212 (2008).
+/// The merge formulas of M_3 and M_4 are those of P. Pebay, *Formulas for robust, one-pass parallel
+/// computation of covariances and arbitrary-order statistical moments*, Sandia report SAND2008-6212
+/// (2008).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct FourMoments {
     /// Number, mean and M_2.
@@ -300,7 +306,8 @@ mod tests {
         }
     }
 
-    /// Each path has its number of things, and each thing has the size 0.4: what varies is the number.
+    /// Each path has its number of things, and each thing has the size 0.4: what varies is the
+    /// number.
     #[test]
     fn a_ratio_that_all_paths_share_has_no_spread() {
         let mut merged = JointMoments::<2>::default();
@@ -324,7 +331,8 @@ mod tests {
 
     #[test]
     fn a_spread_of_one_on_a_mean_of_1e12_is_kept() {
-        // 600 values 1e12 +- 1 in blocks of 100: the variance is 600/599; sums of squares would be off by 1e8.
+        // 600 values 1e12 +- 1 in blocks of 100: the variance is 600/599; sums of squares would be
+        // off by 1e8.
         let values: Vec<f64> = (0..600).map(|i| 1e12 + if i % 2 == 0 { 1.0 } else { -1.0 }).collect();
         let mut merged = Moments::default();
         values.chunks(100).for_each(|block| merged.merge(&Moments::of(block)));
@@ -334,7 +342,8 @@ mod tests {
 
     #[test]
     fn equal_values_have_no_spread_at_all() {
-        // 0.1 has no finite binary expansion: a plain sum of 256 of them would be off in the last digits.
+        // 0.1 has no finite binary expansion: a plain sum of 256 of them would be off in the last
+        // digits.
         let mut merged = FourMoments::default();
         for n in [256, 3, 77] {
             merged.merge(&FourMoments::of(&vec![0.1; n]));

@@ -23,7 +23,8 @@ pub struct BlockObserver {
     keeps_paths: bool,
     /// Events of each lane, if they are kept.
     events: Option<Vec<Vec<Event>>>,
-    /// How many of the first paths of the run are kept on the output grid, and those of them that are in this block.
+    /// How many of the first paths of the run are kept on the output grid, and those of them that
+    /// are in this block.
     trajectories: (u64, Vec<Trajectory>),
 }
 
@@ -54,8 +55,8 @@ impl Trajectory {
 }
 
 impl BlockObserver {
-    /// An observer of these paths, in ascending order; lane i is path `paths[i]`. Each is at rest at x0, in its first
-    /// static phase.
+    /// An observer of these paths, in ascending order; lane i is path `paths[i]`. Each is at rest
+    /// at x0, in its first static phase.
     pub fn new(model: &Model, timeline: &Timeline, record: &Record, paths: &[u64]) -> Self {
         let rows = timeline.rows();
         let kept = paths.iter().take_while(|&&path| path < record.trajectories).count();
@@ -80,15 +81,16 @@ impl BlockObserver {
         self
     }
 
-    /// The same for paths whose independent unit is another one; pairs follow one another in the list.
+    /// The same for paths whose independent unit is another one; pairs follow one another in the
+    /// list.
     pub fn in_units(mut self, unit: Unit) -> Self {
         self.unit = unit;
         self.periods.set_unit(unit);
         self
     }
 
-    /// What the block leaves behind. It holds `path_count` paths from number `first_path` on, of which `diverged` did not
-    /// reach t_end and were not watched.
+    /// What the block leaves behind. It holds `path_count` paths from number `first_path` on, of
+    /// which `diverged` did not reach t_end and were not watched.
     pub fn finish(mut self, first_path: u64, path_count: u64, diverged: Vec<u64>) -> BlockResult {
         self.totals.sums.phases.periods = self.periods.finish();
         self.totals.end(&self.paths, self.dynamic_force, &diverged, self.unit);
@@ -275,7 +277,8 @@ mod tests {
             merged.merge(&part(from, to));
         }
         let merged = merged.summary();
-        // Sums of 600 numbers near 10: rounding is below 1e-13; a ratio of small differences of them loses a digit.
+        // Sums of 600 numbers near 10: rounding is below 1e-13; a ratio of small differences of
+        // them loses a digit.
         let close = |a: f64, b: f64| (a - b).abs() <= 1e-11 * (1.0 + a.abs()) || (a.is_nan() && b.is_nan());
         for (a, b) in whole.estimates.iter().zip(&merged.estimates) {
             assert!(close(a.estimate, b.estimate), "{a:?} {b:?}");

@@ -1,12 +1,13 @@
 //! One path of the cascade, folded as its events arrive.
 //!
-//! After a burn-in a phase is counted if it begins at its end or later. So each phase has one chance to be counted, however long it
-//! lasts: of those that run at one given instant the long ones are too many. Time and way are counted from that instant on, whatever
-//! phase they fall in.
+//! After a burn-in a phase is counted if it begins at its end or later. So each phase has one
+//! chance to be counted, however long it lasts: of those that run at one given instant the long
+//! ones are too many. Time and way are counted from that instant on, whatever phase they fall in.
 
 use crate::model::{Event, EventKind, Sign};
 
-/// The running sums of one path. Every entry is a sum in time order, so it depends on the path alone.
+/// The running sums of one path. Every entry is a sum in time order, so it depends on the path
+/// alone.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PathFold {
     now: Now,
@@ -52,7 +53,8 @@ pub(super) struct PathFold {
     pub jump_abs: f64,
     /// Total static time after the burn-in, the first and the last stick included.
     pub stick_time: f64,
-    /// Integral of |x'| dt after the burn-in: x is monotone on a sub-phase, so it is the sum of |x change| between events.
+    /// Integral of |x'| dt after the burn-in: x is monotone on a sub-phase, so it is the sum of |x
+    /// change| between events.
     pub travel: f64,
     /// max |x|, of the burn-in as well: attained at an event, at the start or at the end.
     pub max_displacement: f64,
@@ -234,8 +236,9 @@ mod tests {
 
     #[test]
     fn the_deterministic_cascade_of_the_papers_frequency_one_half_is_read_as_two_sub_phases() {
-        // Shaw's case with forcing 1/2, f_d = 1, from its 40-digit solution: slip at 1.287 from x = 6, turn at 6.425 with
-        // x = -9.744, stick at 12.277 with x = 6.341. The end at 13 is in the middle of that stick.
+        // Shaw's case with forcing 1/2, f_d = 1, from its 40-digit solution: slip at 1.287 from x =
+        // 6, turn at 6.425 with x = -9.744, stick at 12.277 with x = 6.341. The end at 13 is in the
+        // middle of that stick.
         let mut path = PathFold::starting_at(6.0);
         let slip = path.event(&event(EventKind::SlipStarted(Negative), 1.287_002_217_586_568_8, 6.0));
         let turn =
@@ -318,7 +321,8 @@ mod tests {
             path.event(&event(EventKind::StickEntered, 11.0, 2.0)),
             path.event(&event(EventKind::SlipStarted(Positive), 12.0, 2.0)),
         ];
-        // The slip from 4 to 6 began before: it is in no count and no jump, but its way from 1.5 on is.
+        // The slip from 4 to 6 began before: it is in no count and no jump, but its way from 1.5 on
+        // is.
         let counted = [None, Some(Completed::Stick(3.0)), None, Some(Completed::Slip(2)), Some(Completed::Stick(1.0))];
         assert_eq!(seen, counted);
         assert_eq!(path.end(14.0, 5.0), Some(Censored::Slip));

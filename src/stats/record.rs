@@ -19,7 +19,8 @@ impl Record {
     pub const NOTHING: Record = Record { paths: false, events: false, trajectories: 0 };
 }
 
-/// Scalars of each path, one entry a path, in order of the path numbers. A diverged path holds NaN and zeros.
+/// Scalars of each path, one entry a path, in order of the path numbers. A diverged path holds NaN
+/// and zeros.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PathColumns {
     /// x(t_end).
@@ -85,7 +86,8 @@ fn number(sign: Sign) -> i8 {
     }
 }
 
-/// Paths kept on the output grid; each matrix is row-major with shape (paths, rows of the output grid).
+/// Paths kept on the output grid; each matrix is row-major with shape (paths, rows of the output
+/// grid).
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct TrajectoryRows {
     /// Path numbers, in order.

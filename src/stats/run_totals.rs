@@ -1,4 +1,5 @@
-//! The state of a run after some of its blocks: enough to go on from, to join with other parts, and to sum up.
+//! The state of a run after some of its blocks: enough to go on from, to join with other parts, and
+//! to sum up.
 
 use super::codec::{Codec, Damaged, Reader};
 use super::totals::PhaseSums;
@@ -12,11 +13,13 @@ use std::ops::Range;
 const MAGIC: &[u8; 8] = b"sticksum";
 const VERSION: u64 = 3;
 
-/// The totals of some blocks of a run: the nodes of the tree of sums, and the counts, which need no tree.
+/// The totals of some blocks of a run: the nodes of the tree of sums, and the counts, which need no
+/// tree.
 ///
-/// Any two of them that hold different blocks of one run can be joined, and whatever way the blocks were shared out, the
-/// result has the same bits. Memory grows with log2 of the number of blocks (a node takes about 7 kB for 121 rows of the output
-/// grid, 0.5 MB for 10 000), not with the number of paths.
+/// Any two of them that hold different blocks of one run can be joined, and whatever way the blocks
+/// were shared out, the result has the same bits. Memory grows with log2 of the number of blocks (a
+/// node takes about 7 kB for 121 rows of the output grid, 0.5 MB for 10 000), not with the number
+/// of paths.
 ///
 /// `X` are sums of a user's own ([`super::Tally`]), folded along the same tree.
 ///
@@ -140,8 +143,9 @@ impl<X: Merge + Clone> RunTotals<X> {
 }
 
 impl RunTotals {
-    /// From bytes, given the empty totals of the run that they are of. What the bytes say is held against those: other
-    /// rows or periods, overlapping blocks, bytes missing or left over are damage.
+    /// From bytes, given the empty totals of the run that they are of. What the bytes say is held
+    /// against those: other rows or periods, overlapping blocks, bytes missing or left over are
+    /// damage.
     pub fn read(self, bytes: &[u8]) -> Result<Self, Damaged> {
         let mut from = Reader::new(bytes);
         let mut version = 0_u64;

@@ -1,8 +1,9 @@
 //! Whether x at equal phases of the forcing has settled.
 //!
-//! The spring binds the body, so where forcing and noise are stationary the law of x at one phase is the same in every period, once
-//! the start is forgotten: `drift_velocity` and `diffusion_coefficient` are zero. Each of them is held against zero at the level of
-//! 0.5 %, so that together they raise a false alarm in 1 % of all runs at most (Bonferroni).
+//! The spring binds the body, so where forcing and noise are stationary the law of x at one phase
+//! is the same in every period, once the start is forgotten: `drift_velocity` and
+//! `diffusion_coefficient` are zero. Each of them is held against zero at the level of 0.5 %, so
+//! that together they raise a false alarm in 1 % of all runs at most (Bonferroni).
 
 use super::interval::student_quantile;
 use super::{Statistic, Summary};
@@ -18,7 +19,8 @@ impl Summary {
         self.periods.time.iter().filter(is_counted).count().saturating_sub(1)
     }
 
-    /// Of `drift_velocity` and `diffusion_coefficient` those that chance does not explain; none where the paths do not tell.
+    /// Of `drift_velocity` and `diffusion_coefficient` those that chance does not explain; none
+    /// where the paths do not tell.
     pub fn unsettled(&self) -> Option<Vec<Statistic>> {
         let paths = self.completed_paths - self.diverged.len() as u64;
         let half_width = student_quantile((1.0 + CONFIDENCE) / 2.0, paths.saturating_sub(1) as f64);
@@ -40,8 +42,9 @@ mod tests {
     use rand_pcg::Pcg64Dxsm;
     use rand_pcg::rand_core::SeedableRng;
 
-    /// How far a body is from rest at the ends of 9 periods, where a spring draws it back by the factor 0.6 each and noise keeps the standard deviation
-    /// 1.5: it begins at 6 + 40, and is 40 * 0.6^n from 6 in the mean. Two blocks of 100 paths.
+    /// How far a body is from rest at the ends of 9 periods, where a spring draws it back by the
+    /// factor 0.6 each and noise keeps the standard deviation 1.5: it begins at 6 + 40, and is 40 *
+    /// 0.6^n from 6 in the mean. Two blocks of 100 paths.
     fn summary(rng: &mut Pcg64Dxsm, offset: f64, after: f64) -> Summary {
         let timeline = Timeline { end: 9.0, output_step: 9.0, period: Some(1.0), after };
         let mut totals = Vec::new();
@@ -61,8 +64,9 @@ mod tests {
         totals[0].summary()
     }
 
-    /// Null: 95 % coverage, and 1 % of false alarms, of 2000 stationary ensembles: 20, of which fewer than 4 or more than 40 have a probability of 4e-5.
-    /// With errors half as large there were 300, with errors twice as large none.
+    /// Null: 95 % coverage, and 1 % of false alarms, of 2000 stationary ensembles: 20, of which
+    /// fewer than 4 or more than 40 have a probability of 4e-5. With errors half as large there
+    /// were 300, with errors twice as large none.
     #[test]
     fn a_stationary_motion_is_covered_and_seldom_called_unsettled() {
         let mut rng = Pcg64Dxsm::seed_from_u64(7);
@@ -92,8 +96,10 @@ mod tests {
         assert!((4..=40).contains(&alarms), "{alarms} alarms");
     }
 
-    /// A start 40 off leaves a mean of 24 at the first instant, where 200 paths tell 0.1: every ensemble is called unsettled. A start 1 off leaves 0.05
-    /// from the sixth on, half a standard error. Null: alarms in 1 to 1.5 % of 1000 ensembles with that burn-in; more than 32 have a probability of 4e-5.
+    /// A start 40 off leaves a mean of 24 at the first instant, where 200 paths tell 0.1: every
+    /// ensemble is called unsettled. A start 1 off leaves 0.05 from the sixth on, half a standard
+    /// error. Null: alarms in 1 to 1.5 % of 1000 ensembles with that burn-in; more than 32 have a
+    /// probability of 4e-5.
     #[test]
     fn a_transient_is_called_unsettled_until_it_is_left_out() {
         let mut rng = Pcg64Dxsm::seed_from_u64(8);

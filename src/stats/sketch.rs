@@ -1,7 +1,9 @@
-//! The distribution of a quantity in bounded memory: what it holds is a function of the values alone.
+//! The distribution of a quantity in bounded memory: what it holds is a function of the values
+//! alone.
 //!
-//! Up to `Shape::values` values besides those at the centre are kept as they are. More are counted in bins on a lattice that
-//! adapts itself to them ([`Bins`]). Merging is exact, whatever the order and the grouping; a mean of quantiles never arises.
+//! Up to `Shape::values` values besides those at the centre are kept as they are. More are counted
+//! in bins on a lattice that adapts itself to them ([`Bins`]). Merging is exact, whatever the order
+//! and the grouping; a mean of quantiles never arises.
 
 use super::bins::{Bins, Shape};
 use super::codec::{Codec, Damaged, Reader};
@@ -18,8 +20,8 @@ pub(super) struct Sketch {
     bins: Option<Box<Bins>>,
 }
 
-/// Values are worth a look at the bins by themselves from one in so many bins on. Fewer wait for others: a look
-/// may read all bins.
+/// Values are worth a look at the bins by themselves from one in so many bins on. Fewer wait for
+/// others: a look may read all bins.
 const WORTHWHILE: usize = 16;
 
 impl Sketch {
@@ -111,7 +113,8 @@ impl PartialEq for Sketch {
     }
 }
 
-/// Whether there are bins; if so these, if not how many values are at the centre, and the others, ascending.
+/// Whether there are bins; if so these, if not how many values are at the centre, and the others,
+/// ascending.
 impl Codec for Sketch {
     fn write(&self, out: &mut Vec<u8>) {
         let Sketch { mut pending, bins, at_centre, .. } = self.settled();
@@ -176,7 +179,8 @@ mod tests {
         back
     }
 
-    /// What a sketch of these values holds, in the words of the module: without arrays, without order, by integers.
+    /// What a sketch of these values holds, in the words of the module: without arrays, without
+    /// order, by integers.
     fn by_definition(values: &[f64], shape: &Shape) -> Ordered {
         let mut finite: Vec<f64> = values.iter().map(|v| v + 0.0).filter(|v| (v - shape.centre).is_finite()).collect();
         finite.sort_by(f64::total_cmp);
@@ -208,7 +212,8 @@ mod tests {
         }
     }
 
-    /// Values as ensembles may have them: continuous, atoms, lattices, clusters, outliers, and nonsense.
+    /// Values as ensembles may have them: continuous, atoms, lattices, clusters, outliers, and
+    /// nonsense.
     fn some_values() -> impl Strategy<Value = Vec<f64>> {
         let value = prop_oneof![
             8 => -1.0..3.0f64,
@@ -345,8 +350,8 @@ mod tests {
 
     #[test]
     fn the_smallest_sketches_still_hold_smooth_laws() {
-        // What 10 000 rows leave: 256 bins, 0.04 to 0.08 sd wide; where the density is smooth, placing values by rank within a
-        // bin is off by w^2 |f'|/(8 f) = 0.002 sd.
+        // What 10 000 rows leave: 256 bins, 0.04 to 0.08 sd wide; where the density is smooth,
+        // placing values by rank within a bin is off by w^2 |f'|/(8 f) = 0.002 sd.
         let mut rng = Pcg64Dxsm::seed_from_u64(8);
         let values: Vec<f64> = (0..200_000).map(|_| Normal::new(5.0, 0.1).unwrap().sample(&mut rng)).collect();
         let error = worst(&values, Shape { values: 256, bins: 256, ..SHAPE });

@@ -91,8 +91,8 @@ impl SpreadMoments {
         self.tails.merge(&other.tails);
     }
 
-    /// Standard deviation over paths: e_i = ((x_i - mean)^2 - sd^2) / (2 sd). The influences of pairs
-    /// are taken about the means of their blocks.
+    /// Standard deviation over paths: e_i = ((x_i - mean)^2 - sd^2) / (2 sd). The influences of
+    /// pairs are taken about the means of their blocks.
     pub fn standard_deviation(&self) -> Measured {
         let n = self.units.count;
         let sd = self.four.two.variance().sqrt();

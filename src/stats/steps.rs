@@ -1,9 +1,11 @@
-//! Durations in whole steps, as a discrete law: its distribution function climbs at whole numbers and is flat between them.
+//! Durations in whole steps, as a discrete law: its distribution function climbs at whole numbers
+//! and is flat between them.
 
 use super::dyadic::width;
 use super::ordered::Ordered;
 
-/// Neighbouring whole numbers, most often one alone, and how many durations are no longer than the last.
+/// Neighbouring whole numbers, most often one alone, and how many durations are no longer than the
+/// last.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Cell {
     pub first: f64,
@@ -48,7 +50,8 @@ impl Steps {
         &self.0
     }
 
-    /// The smallest whole number that a share p of the durations does not exceed, 0 < p <= 1, and its cell; NaN if there are none.
+    /// The smallest whole number that a share p of the durations does not exceed, 0 < p <= 1, and
+    /// its cell; NaN if there are none.
     pub fn at_least(&self, p: f64) -> (usize, f64) {
         let n = self.0.last().map_or(0, |cell| cell.up_to) as f64;
         // p n may be rounded to just above a whole number.
@@ -59,7 +62,8 @@ impl Steps {
         (place, cell.first - 1.0 + (numbers * share).ceil())
     }
 
-    /// The quantile of order p of the law that is spread evenly over half a step to either side of each number.
+    /// The quantile of order p of the law that is spread evenly over half a step to either side of
+    /// each number.
     pub fn spread(&self, p: f64) -> f64 {
         let n = self.0.last().map_or(0, |cell| cell.up_to) as f64;
         let rank = p.clamp(0.0, 1.0) * n;

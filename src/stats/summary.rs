@@ -6,7 +6,8 @@ use ndarray::Array2;
 /// The quantile levels of every band and of the stick durations.
 pub const QUANTILE_LEVELS: [f64; 5] = [0.05, 0.25, 0.5, 0.75, 0.95];
 
-/// A number with its 95 % interval, the path being the independent unit. What does not exist is NaN.
+/// A number with its 95 % interval, the path being the independent unit. What does not exist is
+/// NaN.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Measurement {
     /// The estimate.
@@ -19,7 +20,8 @@ pub struct Measurement {
     pub high: f64,
 }
 
-/// One statistic with its 95 % interval. A number that does not exist (no stick ended, fewer than two periods) is NaN.
+/// One statistic with its 95 % interval. A number that does not exist (no stick ended, fewer than
+/// two periods) is NaN.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Estimate {
     /// Which statistic.
@@ -41,9 +43,11 @@ pub struct Estimate {
 pub struct Bias {
     /// Estimate at the step of the run minus the value at zero step.
     pub estimate: f64,
-    /// The bias is within this of its estimate, at 95 %: error of sampling and of extrapolation together.
+    /// The bias is within this of its estimate, at 95 %: error of sampling and of extrapolation
+    /// together.
     pub uncertainty: f64,
-    /// The power of the step with which the statistic was seen to change, where that is told by the paths.
+    /// The power of the step with which the statistic was seen to change, where that is told by the
+    /// paths.
     pub order: Option<f64>,
 }
 
@@ -127,7 +131,8 @@ pub struct Histogram {
 /// Stick durations D_j, j >= 1: those that ended, and those still running at t_end.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StickDurations {
-    /// h, where all durations are multiples of the step of the scheme; their quantiles then are multiples of it, too.
+    /// h, where all durations are multiples of the step of the scheme; their quantiles then are
+    /// multiples of it, too.
     pub step: Option<f64>,
     /// Sticks, j >= 1, that ended.
     pub completed: u64,
@@ -166,7 +171,8 @@ pub struct StickDurations {
 /// Distribution of k(j), the number of sub-phases of a dynamic phase.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SubPhaseCounts {
-    /// counts[k - 1]: completed dynamic phases with k sub-phases; the last entry also holds all larger k.
+    /// counts[k - 1]: completed dynamic phases with k sub-phases; the last entry also holds all
+    /// larger k.
     pub counts: Vec<u64>,
     /// Interval of the expected number among as many completed dynamic phases.
     pub count_ends: Ends,
@@ -180,7 +186,8 @@ pub struct SubPhaseCounts {
     pub censored_ends: [f64; 2],
 }
 
-/// What the statistics leave out because it was before [`crate::scenario::Statistics::after`]; the first stick is apart in any case.
+/// What the statistics leave out because it was before [`crate::scenario::Statistics::after`]; the
+/// first stick is apart in any case.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Transient {
     /// When it ends.
@@ -244,10 +251,12 @@ impl Summary {
         self.estimates.iter().any(|e| e.bias.is_some())
     }
 
-    /// The statistics whose bias is beyond doubt and larger than their intervals show, the surest first.
+    /// The statistics whose bias is beyond doubt and larger than their intervals show, the surest
+    /// first.
     ///
-    /// Surest is the bias that is largest against its uncertainty, and not the one that exceeds its interval most: the interval of a
-    /// median of durations, which are multiples of the step, has next to no width.
+    /// Surest is the bias that is largest against its uncertainty, and not the one that exceeds its
+    /// interval most: the interval of a median of durations, which are multiples of the step, has
+    /// next to no width.
     pub fn dominated_by_bias(&self) -> Vec<Estimate> {
         let certainty = |e: &Estimate| e.bias.map_or(0.0, |bias| bias.estimate.abs() / bias.uncertainty);
         let exceeds = |e: &&Estimate| e.bias.is_some_and(|bias| bias.estimate.abs() > e.half_width());

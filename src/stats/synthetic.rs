@@ -32,8 +32,8 @@ pub struct Path {
     pub end: f64,
 }
 
-/// A block of such paths with numbers from `first` on, seen through an observer. `rows` of the output grid and `periods`
-/// hold x of every path; x' and T are shown as -x and x^2.
+/// A block of such paths with numbers from `first` on, seen through an observer. `rows` of the
+/// output grid and `periods` hold x of every path; x' and T are shown as -x and x^2.
 pub fn observe(
     timeline: &Timeline,
     record: &Record,
@@ -82,9 +82,10 @@ impl Coverage {
         f64::from(self.held) / f64::from(self.of)
     }
 
-    /// Null: the true coverage is 95 % up to 1 % of second-order bias (skewness at a few hundred paths). The share of n
-    /// ensembles is then within four binomial standard deviations of that range but for a false-alarm rate of 6e-5. An
-    /// error of a factor of two in the standard error gives a coverage of 67 % or 99.99 %.
+    /// Null: the true coverage is 95 % up to 1 % of second-order bias (skewness at a few hundred
+    /// paths). The share of n ensembles is then within four binomial standard deviations of that
+    /// range but for a false-alarm rate of 6e-5. An error of a factor of two in the standard error
+    /// gives a coverage of 67 % or 99.99 %.
     pub fn assert_95_percent(&self, what: &str) {
         let margin = 4.0 * (0.05 * 0.95 / f64::from(self.of)).sqrt() + 0.01;
         println!("{what}: {:.4} +- {margin:.4}", self.share());

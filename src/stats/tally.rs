@@ -1,4 +1,5 @@
-//! A statistic of a user's own: numbers that each path comes down to, and what is estimated from their means.
+//! A statistic of a user's own: numbers that each path comes down to, and what is estimated from
+//! their means.
 //!
 //! ```text
 //! Tally           start, event, row, end: one path -> N numbers
@@ -42,9 +43,10 @@ impl PathState {
     }
 }
 
-/// N numbers of each path, and what is estimated from them. It is folded beside the statistics of the program, block by
-/// block, and gives the same bits on any number of threads. It sees the whole path: what
-/// [`after`](crate::scenario::Statistics::after) leaves out of the statistics of the program is its own to leave out.
+/// N numbers of each path, and what is estimated from them. It is folded beside the statistics of
+/// the program, block by block, and gives the same bits on any number of threads. It sees the whole
+/// path: what [`after`](crate::scenario::Statistics::after) leaves out of the statistics of the
+/// program is its own to leave out.
 ///
 /// ```
 /// use stick_slip::engine::Run;
@@ -92,7 +94,8 @@ pub trait Tally<const N: usize>: Sync {
     /// The path has reached t_end: its numbers. A path that diverged is never asked.
     fn end(&self, path: Self::Path, state: PathState) -> [f64; N];
 
-    /// The estimate from the means over all paths, usually [`PathMeans::mean`] or [`PathMeans::ratio`].
+    /// The estimate from the means over all paths, usually [`PathMeans::mean`] or
+    /// [`PathMeans::ratio`].
     fn estimate(&self, paths: &PathMeans<N>) -> Measurement;
 }
 
@@ -133,9 +136,10 @@ impl<const N: usize> PathMeans<N> {
         Measured::mean_of(&self.moments, i).measurement()
     }
 
-    /// The mean of number `top` over the mean of number `bottom`: that of a pool, if `top` is the sum of what a path puts
-    /// into it and `bottom` how many those are. Its interval is that of a ratio estimator (W. G. Cochran, *Sampling
-    /// Techniques* (1977), chapter 6); paths whose `bottom` is zero say nothing about it.
+    /// The mean of number `top` over the mean of number `bottom`: that of a pool, if `top` is the
+    /// sum of what a path puts into it and `bottom` how many those are. Its interval is that of a
+    /// ratio estimator (W. G. Cochran, *Sampling Techniques* (1977), chapter 6); paths whose
+    /// `bottom` is zero say nothing about it.
     pub fn ratio(&self, top: usize, bottom: usize) -> Measurement {
         Measured::ratio(&self.moments, top, bottom, self.contributing[bottom]).measurement()
     }
@@ -150,7 +154,8 @@ impl<const N: usize> Merge for PathMeans<N> {
     }
 }
 
-/// What watches each block beside the statistics of the program; `()` watches nothing and costs nothing.
+/// What watches each block beside the statistics of the program; `()` watches nothing and costs
+/// nothing.
 pub trait Companion: Sync {
     /// Shown one block of paths.
     type Observer: Observer;
@@ -231,8 +236,9 @@ impl<T: Tally<N>, const N: usize> Observer for TallyObserver<'_, T, N> {
 mod tests {
     use super::*;
 
-    /// y = 2, 0, 5, 0, 5 over x = 1, 0, 2, 0, 3: R = 2, residuals 0, 1, -1 of the three paths that say anything, so the standard error is
-    /// sqrt(3/2 * 2)/6, and Student's t has two degrees of freedom. The mean of y is over all five.
+    /// y = 2, 0, 5, 0, 5 over x = 1, 0, 2, 0, 3: R = 2, residuals 0, 1, -1 of the three paths that
+    /// say anything, so the standard error is sqrt(3/2 * 2)/6, and Student's t has two degrees of
+    /// freedom. The mean of y is over all five.
     #[test]
     fn paths_with_nothing_to_say_of_a_ratio_are_not_counted_in_its_interval() {
         let paths = PathMeans::of(&[[2.0, 1.0], [0.0, 0.0], [5.0, 2.0], [0.0, 0.0], [5.0, 3.0]], Unit::Path);

@@ -19,11 +19,12 @@ use crate::scheme::{Snapshot, Timeline};
 /// Dynamic phases with this many sub-phases or more are counted together.
 pub const SUB_PHASE_CAP: usize = 64;
 
-/// Everything a block, or a few of them, is summed up from. Its size does not grow with the number of paths (but for
-/// the numbers of the diverged ones).
+/// Everything a block, or a few of them, is summed up from. Its size does not grow with the number
+/// of paths (but for the numbers of the diverged ones).
 ///
-/// It has two halves. [`Counts`] merge exactly, in any order. [`Sums`] are rounded when they merge, so their order decides
-/// the last bits: a run merges those of its blocks along a tree ([`super::RunTotals`]).
+/// It has two halves. [`Counts`] merge exactly, in any order. [`Sums`] are rounded when they merge,
+/// so their order decides the last bits: a run merges those of its blocks along a tree
+/// ([`super::RunTotals`]).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Totals {
     pub(super) timeline: Timeline,
@@ -248,7 +249,8 @@ impl Totals {
         self.sums.phases.measured(statistic, &self.timeline, &self.counts).named(statistic)
     }
 
-    /// The value of every statistic, in the order of `Statistic::ALL`, without errors and intervals.
+    /// The value of every statistic, in the order of `Statistic::ALL`, without errors and
+    /// intervals.
     pub fn values(&self) -> [f64; Statistic::ALL.len()] {
         let measured = |statistic| self.sums.phases.measured(statistic, &self.timeline, &self.counts);
         Statistic::ALL.map(|statistic| measured(statistic).estimate())
@@ -332,7 +334,8 @@ impl PhaseSums {
     }
 }
 
-// Entries of `CascadeSums::sticks`; the third, the sum of squares, is used by `stick_duration_sd` alone.
+// Entries of `CascadeSums::sticks`; the third, the sum of squares, is used by `stick_duration_sd`
+// alone.
 const STICKS: usize = 0;
 const STICK_SUM: usize = 1;
 
@@ -472,8 +475,9 @@ impl CascadeSums {
     }
 }
 
-/// sqrt(q/n - (s/n)^2) from the means over paths n, s, q of the number of sticks, of their summed durations and of their
-/// summed squares. An sd below 1e-8 of the root mean square is lost in rounding, and comes out as zero.
+/// sqrt(q/n - (s/n)^2) from the means over paths n, s, q of the number of sticks, of their summed
+/// durations and of their summed squares. An sd below 1e-8 of the root mean square is lost in
+/// rounding, and comes out as zero.
 fn stick_duration_sd(paths: &JointMoments<3>, tails: &Tails, contributing: u64) -> Measured {
     let [n, s, q] = paths.mean;
     // One stick has no spread.
@@ -560,8 +564,8 @@ mod tests {
 
     const TIMELINE: Timeline = Timeline { end: 1000.0, output_step: 1000.0, period: None, after: 0.0 };
 
-    /// A path whose sticks resemble each other: their mean is 1/2 or 2, a fair coin for the whole path, and they are
-    /// exponential about it, 5 to 15 of them. Pooled over all paths
+    /// A path whose sticks resemble each other: their mean is 1/2 or 2, a fair coin for the whole
+    /// path, and they are exponential about it, 5 to 15 of them. Pooled over all paths
     ///
     /// ```text
     /// E D = 5/4,   E D^2 = 2 (1/4 + 4)/2 = 17/4,   P(D > m) = (e^{-2m} + e^{-m/2})/2
@@ -601,7 +605,8 @@ mod tests {
                 let e = estimate(&summary, statistic);
                 covered.count(e.low <= truth && truth <= e.high);
             }
-            // As if all sticks were independent: mean -+ 1.96 sd/sqrt(N), and a binomial number of sticks below the median.
+            // As if all sticks were independent: mean -+ 1.96 sd/sqrt(N), and a binomial number of
+            // sticks below the median.
             let pooled = durations.concat();
             let n = pooled.len() as f64;
             let average = pooled.iter().sum::<f64>() / n;
@@ -613,7 +618,8 @@ mod tests {
         covered[0].assert_95_percent("mean");
         covered[1].assert_95_percent("standard deviation");
         covered[2].assert_95_percent("median");
-        // The design effect is about 1 + 0.2 (11 - 1) = 3, so 1.96 naive standard errors are 1.13 true ones: 74 %.
+        // The design effect is about 1 + 0.2 (11 - 1) = 3, so 1.96 naive standard errors are 1.13
+        // true ones: 74 %.
         assert!(naive[0].share() < 0.80 && naive[1].share() < 0.80, "{} {}", naive[0].share(), naive[1].share());
     }
 
@@ -643,8 +649,8 @@ mod tests {
     }
 
     /// Five bodies that come back in the second period from where the first has taken them, and one
-    /// that does so by half: the correlation is -0.98, and Student's t would lead beyond -1. From -1 to
-    /// 1 it has the interval of a share.
+    /// that does so by half: the correlation is -0.98, and Student's t would lead beyond -1. From
+    /// -1 to 1 it has the interval of a share.
     #[test]
     fn the_interval_of_a_correlation_is_that_of_a_share_from_minus_one_to_one() {
         let timeline = Timeline { end: 3.0, output_step: 3.0, period: Some(1.0), after: 0.0 };
@@ -721,7 +727,8 @@ mod tests {
     #[test]
     fn every_statistic_of_two_paths_is_the_one_computed_by_hand() {
         let timeline = Timeline { end: 20.0, output_step: 20.0, period: Some(8.0), after: 0.0 };
-        // Slips 6 -> 8 (one sub-phase) and 8 -> 10 -> 9 (two); sticks D_0 = 1, D_1 = 2, the last one cut off at 20.
+        // Slips 6 -> 8 (one sub-phase) and 8 -> 10 -> 9 (two); sticks D_0 = 1, D_1 = 2, the last
+        // one cut off at 20.
         let first = Path {
             events: vec![slip(1.0, 6.0), stick(2.0, 8.0), slip(4.0, 8.0), turn(5.0, 10.0), stick(7.0, 9.0)],
             end: 9.0,
@@ -742,7 +749,8 @@ mod tests {
                 assert!((got - expected).abs() < 1e-9, "{}: {e:?}, expected {value} +- {error}", statistic.name());
             }
         };
-        // Of two paths, a mean has the standard error |difference|/2; a ratio that of its residuals y - R x.
+        // Of two paths, a mean has the standard error |difference|/2; a ratio that of its residuals
+        // y - R x.
         check(Statistic::StickDurationMean, 4.0, 2.0);
         check(Statistic::FirstStickDurationMean, 2.0, 1.0);
         check(Statistic::SticksPerPath, 1.0, 0.0);
@@ -761,10 +769,12 @@ mod tests {
         check(Statistic::JumpAbsMean, 4.0 / 3.0, 1.0 / 3.0 / 1.5);
         // f_d = 2 times the travel 2 + 2 + 1 = 5 and 1 + 1 = 2.
         check(Statistic::FrictionWorkMean, 7.0, 3.0);
-        // Variances 4^2/2 and 5^2/2, half their slope over a period of 8; two paths are always equally far from their mean.
+        // Variances 4^2/2 and 5^2/2, half their slope over a period of 8; two paths are always
+        // equally far from their mean.
         check(Statistic::DiffusionCoefficient, (12.5 - 8.0) / 16.0, 0.0);
         check(Statistic::DisplacementEndSd, 12.5f64.sqrt(), 0.0);
-        // u = 1/2 and -1/2; their squares are alike. The mean of the variances 8 and 12.5 of x at one phase.
+        // u = 1/2 and -1/2; their squares are alike. The mean of the variances 8 and 12.5 of x at
+        // one phase.
         check(Statistic::PeriodDisplacementMean, 0.0, 0.5);
         check(Statistic::PeriodDisplacementSd, 0.5, 0.0);
         check(Statistic::PhaseDisplacementSd, 10.25f64.sqrt(), 0.0);
@@ -793,8 +803,9 @@ mod tests {
         assert!(if high > 0.0 { (1.0 / e.high - high).abs() < 1e-9 } else { e.high == f64::INFINITY }, "{e:?}");
     }
 
-    /// Five paths that have little in common: one never slips, one is in its first slip at t_end, and of the others each has another number of sticks
-    /// and slips. Two paths of one shape have errors that many a wrong formula gives as well; of these no two terms are alike.
+    /// Five paths that have little in common: one never slips, one is in its first slip at t_end,
+    /// and of the others each has another number of sticks and slips. Two paths of one shape have
+    /// errors that many a wrong formula gives as well; of these no two terms are alike.
     fn unequal() -> [Path; 5] {
         [
             // D_0 = 1, D = 1 and 3; slips 6 -> 8, 8 -> 9 -> 7, 7 -> 10; static at t_end.
@@ -813,7 +824,8 @@ mod tests {
             // D_0 = 2, D = 5; slip 6 -> 5; then 5 -> 4 runs at t_end.
             Path { events: vec![slip(2.0, 6.0), stick(3.0, 5.0), slip(8.0, 5.0)], end: 4.0 },
             Path { events: vec![], end: 6.0 },
-            // D_0 = 6, D = 2, 2 and 11; slips 6 -> 9 -> 3 -> 4, 4 -> 6, 6 -> 7; then 7 -> 9 runs at t_end.
+            // D_0 = 6, D = 2, 2 and 11; slips 6 -> 9 -> 3 -> 4, 4 -> 6, 6 -> 7; then 7 -> 9 runs at
+            // t_end.
             Path {
                 events: vec![
                     slip(6.0, 6.0),
@@ -838,7 +850,8 @@ mod tests {
         let timeline = Timeline { end: 100.0, output_step: 100.0, period: None, after: 0.0 };
         let paths = unequal();
         let summary = observe(&timeline, &Record::NOTHING, 0, &paths, &[], &[]).totals.summary();
-        // Of m paths that contribute, Student's t has m - 1 degrees of freedom (Abramowitz and Stegun, table 26.10).
+        // Of m paths that contribute, Student's t has m - 1 degrees of freedom (Abramowitz and
+        // Stegun, table 26.10).
         let t = |m: usize| [f64::NAN, f64::NAN, 12.706_204_736_4, 4.302_652_729_9, 3.182_446_305_3, 2.776_445_105_2][m];
         let check = |statistic: Statistic, value: f64, error: f64, contributing: usize| {
             let e = estimate(&summary, statistic);
@@ -859,7 +872,8 @@ mod tests {
         };
         // Six sticks, 24 in all: the residuals are 4 - 2 * 4, 5 - 4 and 15 - 3 * 4.
         ratio(Statistic::StickDurationMean, 4.0, [-4.0, 1.0, 0.0, 3.0, 0.0], 6.0, 3);
-        // (D - 4)^2 = 9 and 1; 1; 4, 4 and 49: their mean is the variance 34/3. Of its root, residuals are those of the variance over twice the root.
+        // (D - 4)^2 = 9 and 1; 1; 4, 4 and 49: their mean is the variance 34/3. Of its root,
+        // residuals are those of the variance over twice the root.
         let sd = (34.0 / 3.0_f64).sqrt();
         let squares = [10.0 - 2.0 * 34.0 / 3.0, 1.0 - 34.0 / 3.0, 57.0 - 34.0];
         let error = |squares: &[f64], n: f64| {
@@ -877,7 +891,8 @@ mod tests {
         // Jumps 2 - 1 + 3, -1 and -2 + 2 + 1; their sizes 6, 1 and 5.
         ratio(Statistic::JumpMean, 4.0 / 7.0, sevenths([16.0, -11.0, 0.0, -5.0, 0.0]), 7.0, 3);
         ratio(Statistic::JumpAbsMean, 12.0 / 7.0, sevenths([6.0, -5.0, 0.0, -1.0, 0.0]), 7.0, 3);
-        // Means over all five paths: sqrt(variance/5), variances from the sums of squared deviations over 4.
+        // Means over all five paths: sqrt(variance/5), variances from the sums of squared
+        // deviations over 4.
         let mean = |statistic, value, squares: f64| check(statistic, value, (squares / 4.0 / 5.0).sqrt(), 5);
         mean(Statistic::SticksPerPath, 1.2, 6.8); // 2, 1, 0, 3, 0
         mean(Statistic::SlipsPerPath, 1.4, 9.2); // 3, 1, 0, 3, 0
@@ -886,7 +901,8 @@ mod tests {
         mean(Statistic::DisplacementEndMean, 6.0, 54.0); // 10, 4, 6, 9, 1
         mean(Statistic::FrictionWorkMean, 12.0, 552.0); // f_d = 2 times 8, 2, 0, 15, 5
         mean(Statistic::SlidingPathRate, 0.06, 0.0138); // the same ways, in a time of 100
-        // Squared deviations 16, 4, 0, 9 and 25 of x(t_end), less their mean 10.8: squares 394.8 in all.
+        // Squared deviations 16, 4, 0, 9 and 25 of x(t_end), less their mean 10.8: squares 394.8 in
+        // all.
         let (sd, squares) = (13.5f64.sqrt(), [5.2, -6.8, -10.8, -1.8, 14.2]);
         check_spread(
             estimate(&summary, Statistic::DisplacementEndSd),
@@ -896,9 +912,10 @@ mod tests {
         );
     }
 
-    /// The five paths above with a burn-in up to 4.5, where they are at 8.5 (in a slip), 5 (in a stick), 6, 6 and 3 (in a slip). What is left are the
-    /// sticks of 3 in the first and of 2, 2 and 11 in the fourth, and the slips 7 -> 10 and all three. Left out is what began before: the sticks of 1
-    /// and of 5, and three slips, of which one ends later.
+    /// The five paths above with a burn-in up to 4.5, where they are at 8.5 (in a slip), 5 (in a
+    /// stick), 6, 6 and 3 (in a slip). What is left are the sticks of 3 in the first and of 2, 2
+    /// and 11 in the fourth, and the slips 7 -> 10 and all three. Left out is what began before:
+    /// the sticks of 1 and of 5, and three slips, of which one ends later.
     #[test]
     fn every_statistic_after_a_burn_in_is_the_one_computed_by_hand() {
         let timeline = Timeline { end: 100.0, output_step: 100.0, period: None, after: 4.5 };
@@ -933,7 +950,8 @@ mod tests {
         };
         mean(Statistic::SticksPerPath, [1.0, 0.0, 0.0, 3.0, 0.0]);
         mean(Statistic::SlipsPerPath, [1.0, 0.0, 0.0, 3.0, 0.0]);
-        // Static from 5 to 8 and from 9 on; 4.5 to 8; always; up to 6, 9 to 11, 12 to 14 and 15 to 26; never; of 95.5.
+        // Static from 5 to 8 and from 9 on; 4.5 to 8; always; up to 6, 9 to 11, 12 to 14 and 15 to
+        // 26; never; of 95.5.
         mean(Statistic::StickingFraction, [94.0, 3.5, 95.5, 16.5, 0.0].map(|time| time / 95.5));
         // 8.5 -> 7 and 7 -> 10; 5 -> 4; nothing; all of 15; 3 -> 1.
         mean(Statistic::SlidingPathRate, [4.5, 1.0, 0.0, 15.0, 2.0].map(|way| way / 95.5));
@@ -941,7 +959,8 @@ mod tests {
         mean(Statistic::DisplacementEndMean, [10.0, 4.0, 6.0, 9.0, 1.0]);
         // 18 in 4 sticks: residuals 3 - 4.5 and 15 - 13.5, of two paths.
         check(Statistic::StickDurationMean, 4.5, (2.0f64 * (2.25 + 2.25)).sqrt() / 4.0);
-        // Jumps 3, and -2 + 2 + 1: 4 in 4 slips, residuals 3 - 1 and 1 - 3, of two paths. Sub-phases 1 and 5.
+        // Jumps 3, and -2 + 2 + 1: 4 in 4 slips, residuals 3 - 1 and 1 - 3, of two paths.
+        // Sub-phases 1 and 5.
         check(Statistic::JumpMean, 1.0, (2.0f64 * 8.0).sqrt() / 4.0);
         check(Statistic::JumpAbsMean, 2.0, (2.0f64 * (1.0 + 1.0)).sqrt() / 4.0);
         check(Statistic::SubPhasesMean, 1.5, (2.0f64 * (0.25 + 0.25)).sqrt() / 4.0);
@@ -950,7 +969,8 @@ mod tests {
         assert!((first.estimate - 3.0).abs() < 1e-12 && summary.stick_durations.first_completed == 4);
         let sticks = &summary.stick_durations;
         assert_eq!((sticks.completed, sticks.censored, sticks.first_censored), (4, 1, 1));
-        // Path 0 is static at t_end, since 9; of the slips that run there those of paths 1 and 3 began after 4.5.
+        // Path 0 is static at t_end, since 9; of the slips that run there those of paths 1 and 3
+        // began after 4.5.
         assert_eq!((summary.sub_phases.censored, &summary.sub_phases.counts[..3]), (2, &[3, 0, 1][..]));
         let transient = summary.transient.expect("a burn-in");
         assert_eq!((transient.end, transient.sticks, transient.slips), (4.5, 2, 3));
@@ -966,10 +986,12 @@ mod tests {
         assert!((transient.displacement.standard_error - (squares / 20.0).sqrt()).abs() < 1e-12, "{transient:?}");
     }
 
-    /// Durations 1 to 2, evenly spaced, so that the quantile of a share p is 1 + p; path by path the sticks alternate between 60 % and 40 % below the
-    /// median, so that each of the 32 batches of paths is off by 10 of its 100 sticks, and the share of 3200 below the median has the standard error
-    /// sqrt(32/31 * 32 * 10^2)/3200. Its interval is that of Student's t with 31 degrees of freedom, 2.0395, and the median's is what the quantiles make of
-    /// it; with the 1.96 of a normal error it would be 4 % shorter.
+    /// Durations 1 to 2, evenly spaced, so that the quantile of a share p is 1 + p; path by path
+    /// the sticks alternate between 60 % and 40 % below the median, so that each of the 32 batches
+    /// of paths is off by 10 of its 100 sticks, and the share of 3200 below the median has the
+    /// standard error sqrt(32/31 * 32 * 10^2)/3200. Its interval is that of Student's t with 31
+    /// degrees of freedom, 2.0395, and the median's is what the quantiles make of it; with the 1.96
+    /// of a normal error it would be 4 % shorter.
     #[test]
     fn the_interval_of_the_median_has_the_students_t_of_its_batches() {
         let sticks_below = [60, 40];
@@ -987,7 +1009,8 @@ mod tests {
         let e = estimate(&summary, Statistic::StickDurationMedian);
         let share_error = (32.0 / 31.0 * 32.0 * 100.0_f64).sqrt() / 3200.0;
         let t = 2.039_513_446;
-        // Quantiles are read to a small part of a bin of 2^-8; 1.96 in place of t would move each end by 0.0014.
+        // Quantiles are read to a small part of a bin of 2^-8; 1.96 in place of t would move each
+        // end by 0.0014.
         assert!((e.estimate - 1.5).abs() < 5e-4, "{e:?}");
         assert!((e.standard_error / share_error - 1.0).abs() < 0.02, "{e:?}, expected {share_error}");
         assert!((e.high - (1.5 + t * share_error)).abs() < 5e-4, "{e:?}");
@@ -1024,8 +1047,9 @@ mod tests {
         assert!(summary.stick_durations.histogram.counts.is_empty());
     }
 
-    /// Of 4 random paths none slips. Wilson's bound of a share that none of them shows is 3.84/(4 + 3.84) = 0.49;
-    /// what has no bound, such as the number of slips of a path that does slip, has no interval.
+    /// Of 4 random paths none slips. Wilson's bound of a share that none of them shows is 3.84/(4 +
+    /// 3.84) = 0.49; what has no bound, such as the number of slips of a path that does slip, has
+    /// no interval.
     #[test]
     fn few_random_paths_that_agree_are_not_certain() {
         let paths: Vec<Path> = (0..4).map(|_| Path { events: Vec::new(), end: 6.0 }).collect();
@@ -1053,7 +1077,8 @@ mod tests {
         let sticks = &summary.stick_durations;
         assert_eq!((sticks.completed_ends, sticks.first_completed), ([0.0, f64::INFINITY], 0));
         assert!((sticks.first_completed_ends[1] - 4.0 * few).abs() < 1e-5, "{sticks:?}");
-        // At the start every path is at x0, whatever the noise; and all are static, which is not certain of others later.
+        // At the start every path is at x0, whatever the noise; and all are static, which is not
+        // certain of others later.
         let (bands, x) = (&summary.bands, &summary.bands.displacement);
         assert_eq!([x.mean_ends.low[0], x.mean_ends.high[0]], [6.0, 6.0]);
         assert_eq!([x.mean_ends.low[1], x.mean_ends.high[1]], [f64::NEG_INFINITY, f64::INFINITY]);

@@ -1,14 +1,15 @@
 //! One order of floating-point sums, however a run is cut: the binary tree over block numbers.
 //!
-//! Block k is leaf k. Node (level l, index i) sums the blocks i 2^l .. (i + 1) 2^l, and is its left half, merged with its
-//! right half. A part of a run keeps the largest such nodes that it holds completely, O(log n) of them for n blocks in a
-//! row, and nothing else. Parts are joined by putting their nodes together. The sum of what is there is the root of the
-//! tree with empty leaves for the blocks that are not: merging with nothing changes no bit, so that is one number,
-//! whoever computed which block, and when.
+//! Block k is leaf k. Node (level l, index i) sums the blocks i 2^l .. (i + 1) 2^l, and is its left
+//! half, merged with its right half. A part of a run keeps the largest such nodes that it holds
+//! completely, O(log n) of them for n blocks in a row, and nothing else. Parts are joined by
+//! putting their nodes together. The sum of what is there is the root of the tree with empty leaves
+//! for the blocks that are not: merging with nothing changes no bit, so that is one number, whoever
+//! computed which block, and when.
 //!
-//! Pairwise summation is more accurate than one running sum, too: the rounding error grows like the depth of the tree,
-//! log2 n, instead of like n in the worst case (N. J. Higham, *The accuracy of floating point summation*, SIAM J. Sci.
-//! Comput. 14 (1993)).
+//! Pairwise summation is more accurate than one running sum, too: the rounding error grows like the
+//! depth of the tree, log2 n, instead of like n in the worst case (N. J. Higham, *The accuracy of
+//! floating point summation*, SIAM J. Sci. Comput. 14 (1993)).
 
 use super::codec::{Codec, Damaged, Reader};
 use std::collections::BTreeMap;
@@ -101,7 +102,8 @@ impl<S: Merge> Tree<S> {
 
     /// What all the blocks sum to, seen through `part`; none if there are no blocks.
     ///
-    /// The order of merging is that of the whole sums, so a part of them is the same part of their total.
+    /// The order of merging is that of the whole sums, so a part of them is the same part of their
+    /// total.
     pub fn total<P: Merge + Clone>(&self, part: impl Fn(&S) -> &P) -> Option<P> {
         let nodes: Vec<(u64, &P)> = self.nodes.iter().map(|(first, node)| (*first, part(&node.sums))).collect();
         root(&nodes, u64::BITS)
@@ -145,7 +147,8 @@ impl<S> Tree<S> {
 }
 
 impl<S: Merge + Codec> Tree<S> {
-    /// Read nodes back, each into a copy of `empty`. Damage is an overlap, a node off its place, or two that should be one.
+    /// Read nodes back, each into a copy of `empty`. Damage is an overlap, a node off its place, or
+    /// two that should be one.
     pub fn read(from: &mut Reader<'_>, empty: &S) -> Result<Self, Damaged>
     where
         S: Clone,
@@ -187,7 +190,8 @@ mod tests {
         tree.total(|sums| sums).expect("there are blocks")
     }
 
-    /// The definition, without the code under test: halves of a power of two of leaves, missing ones empty.
+    /// The definition, without the code under test: halves of a power of two of leaves, missing
+    /// ones empty.
     fn by_definition(blocks: &[Moments], first: usize, size: usize) -> Moments {
         if size == 1 {
             return blocks.get(first).copied().unwrap_or_default();
@@ -283,8 +287,8 @@ mod tests {
         }
     }
 
-    /// Means of 2^16 blocks, against their sum in twice the precision. The error of one running mean grows with the number of
-    /// merges, that of the tree with its depth, 16.
+    /// Means of 2^16 blocks, against their sum in twice the precision. The error of one running
+    /// mean grows with the number of merges, that of the tree with its depth, 16.
     #[test]
     fn the_tree_rounds_less_than_a_running_sum() {
         let blocks = blocks(1 << 16, 3);

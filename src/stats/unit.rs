@@ -2,9 +2,9 @@
 //!
 //! Estimates are functions of means over paths either way. Their errors come from how units
 //! scatter, and a pair contributes the mean of what its paths do. What is counted without telling
-//! which paths it is from (quantiles, standard deviations and static paths of a row, phases that run
-//! at the end) is taken to be as uncertain as if both paths of a pair were one and the same, which
-//! is the most that two paths may depend on each other.
+//! which paths it is from (quantiles, standard deviations and static paths of a row, phases that
+//! run at the end) is taken to be as uncertain as if both paths of a pair were one and the same,
+//! which is the most that two paths may depend on each other.
 
 use std::borrow::Cow;
 

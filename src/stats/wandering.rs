@@ -6,8 +6,9 @@
 //! a = mean u_n,   b = mean u_n^2,   c = mean u_n u_{n+1},   d = mean (u_n + u_{n+1})
 //! ```
 //!
-//! the last two over n = 1..M-1. With the means of these over paths, the mean of u is a, its variance b - a^2, and the covariance
-//! of neighbours c - a d + a^2; errors follow from how a, b, c and d scatter from path to path.
+//! the last two over n = 1..M-1. With the means of these over paths, the mean of u is a, its
+//! variance b - a^2, and the covariance of neighbours c - a d + a^2; errors follow from how a, b, c
+//! and d scatter from path to path.
 
 use super::codec::{Codec, Damaged, Reader};
 use super::interval::Measured;
@@ -42,7 +43,8 @@ impl Wandering {
         if self.displacements == 0 { Measured::NOTHING } else { Measured::mean_of(&self.paths, 0) }
     }
 
-    /// Standard deviation of u_n. One below 1e-8 of the root mean square is lost in rounding, and comes out as zero.
+    /// Standard deviation of u_n. One below 1e-8 of the root mean square is lost in rounding, and
+    /// comes out as zero.
     pub fn sd(&self) -> Measured {
         // One number has no spread.
         if self.displacements as u64 * self.paths.count < 2 {
@@ -164,9 +166,11 @@ mod tests {
     use super::*;
     use crate::stats::Statistic;
 
-    /// Three paths with u = 1, 2, 0 and -1, 1, 3 and -2, -1, -3, of mean 0: a = 1, 1, -2; b = 5/3, 11/3, 14/3 of mean 10/3, the variance;
-    /// c = 1, 1, 5/2 of mean 3/2, the covariance; d = 5/2, 2, -7/2 of mean 1/3. The influences on the standard deviation are (b - 10/3)/(2 sd), and those
-    /// on the correlation r = 9/20 are (-a/3 - r (b - 10/3) + c - 3/2)/(10/3). A constant on top of every u changes the mean alone.
+    /// Three paths with u = 1, 2, 0 and -1, 1, 3 and -2, -1, -3, of mean 0: a = 1, 1, -2; b = 5/3,
+    /// 11/3, 14/3 of mean 10/3, the variance; c = 1, 1, 5/2 of mean 3/2, the covariance; d = 5/2,
+    /// 2, -7/2 of mean 1/3. The influences on the standard deviation are (b - 10/3)/(2 sd), and
+    /// those on the correlation r = 9/20 are (-a/3 - r (b - 10/3) + c - 3/2)/(10/3). A constant on
+    /// top of every u changes the mean alone.
     #[test]
     fn the_errors_of_unequal_paths_are_those_computed_by_hand() {
         let timeline = Timeline { end: 4.0, output_step: 4.0, period: Some(1.0), after: 0.0 };

@@ -8,8 +8,8 @@ use super::{StoreError, seal};
 use crate::stats::Units;
 use std::path::Path;
 
-/// Make the folder `NAME.partial`, have the file in it filled, seal it and give it its name. With `force`, a file of
-/// this name is replaced.
+/// Make the folder `NAME.partial`, have the file in it filled, seal it and give it its name. With
+/// `force`, a file of this name is replaced.
 pub(super) fn write_at_once(
     target: &Path,
     units: Units,

@@ -9,7 +9,8 @@ use crate::dataset::{self, StoredCalibration, read_text};
 use crate::study::calibration::Calibration;
 use std::path::Path;
 
-/// Write a calibration, in the folder `NAME.partial` like every file. With `force`, a file of this name is replaced.
+/// Write a calibration, in the folder `NAME.partial` like every file. With `force`, a file of this
+/// name is replaced.
 pub fn write_calibration(
     target: &Path,
     title: &str,

@@ -1,7 +1,7 @@
 //! Variables that grow together along one dimension, written in whole chunks.
 //!
-//! A block of 256 paths is far smaller than a chunk. Appending it directly would rewrite the same chunk over and
-//! over, so rows wait in memory until they fill one.
+//! A block of 256 paths is far smaller than a chunk. Appending it directly would rewrite the same
+//! chunk over and over, so rows wait in memory until they fill one.
 
 use super::variable::{Element, Growth, Place};
 use crate::dataset::layout::{self, Variable};
@@ -36,8 +36,8 @@ pub(super) struct GrowingTable {
 }
 
 impl GrowingTable {
-    /// Make the variables, which are empty for now. The first one carries the dimension, but for that of events, which is no
-    /// variable itself.
+    /// Make the variables, which are empty for now. The first one carries the dimension, but for
+    /// that of events, which is no variable itself.
     pub(super) fn define(place: &Place, table: &Table, growth: Growth) -> Result<GrowingTable> {
         let bare_dimension = match table.along {
             Along::Event => Some(place.define_growing::<u32>(&layout::EVENT, growth)?),
@@ -49,7 +49,8 @@ impl GrowingTable {
         Ok(GrowingTable { bare_dimension, columns, chunk: growth.rows, written: 0, pending: 0 })
     }
 
-    /// Add rows, in the order of the variables given to `define`, and write every chunk that has become full.
+    /// Add rows, in the order of the variables given to `define`, and write every chunk that has
+    /// become full.
     pub(super) fn push(&mut self, Table { rows, variables, .. }: &Table) -> Result<()> {
         if !self.columns.iter().map(|column| column.name).eq(variables.iter().map(|(variable, _)| variable.name)) {
             return Err("a block holds other variables than the file records".into());

@@ -1,6 +1,8 @@
-//! One process at a time makes a file: an advisory lock on `NAME.lock`, which the system drops when the process ends, however it ends.
+//! One process at a time makes a file: an advisory lock on `NAME.lock`, which the system drops when
+//! the process ends, however it ends.
 //!
-//! HDF5 has a lock of its own, which is commonly switched off where the file system is shared by many machines.
+//! HDF5 has a lock of its own, which is commonly switched off where the file system is shared by
+//! many machines.
 
 use super::StoreError;
 use std::fs::{File, TryLockError};
@@ -10,7 +12,8 @@ use std::path::{Path, PathBuf};
 use std::thread::sleep;
 use std::time::Duration;
 
-/// Somebody who only asks whether the lock is taken has it for an instant: so often it is tried again.
+/// Somebody who only asks whether the lock is taken has it for an instant: so often it is tried
+/// again.
 const TRIES: u32 = 5;
 const PAUSE: Duration = Duration::from_millis(20);
 
@@ -48,7 +51,8 @@ impl Lock {
                 Err(TryLockError::Error(_)) if is_new => {}
                 Err(TryLockError::Error(_)) => return Err(StoreError::NoLocks { path, target: target.to_owned() }),
             }
-            // Whoever had it may have removed it between our opening and our locking it: then a lock on it says nothing.
+            // Whoever had it may have removed it between our opening and our locking it: then a
+            // lock on it says nothing.
             let here = file.metadata().map_err(not_created)?;
             if std::fs::metadata(&path).is_ok_and(|there| (there.dev(), there.ino()) == (here.dev(), here.ino())) {
                 return Ok(Lock { path, _file: file });
@@ -63,7 +67,8 @@ impl Lock {
     }
 }
 
-/// The lock file, and whether it was made just now. Nothing but a regular file is opened: a pipe would wait for its other end.
+/// The lock file, and whether it was made just now. Nothing but a regular file is opened: a pipe
+/// would wait for its other end.
 fn open(path: &Path) -> io::Result<(File, bool)> {
     match File::options().create_new(true).write(true).open(path) {
         Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}

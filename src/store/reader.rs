@@ -29,7 +29,8 @@ pub struct Stored {
     pub ended_by: Option<String>,
     /// The file that it was to be, where the run is not finished.
     pub unfinished: Option<PathBuf>,
-    /// Whether the file is covered by a checksum. It is not where another program has changed it, or an earlier version has written it.
+    /// Whether the file is covered by a checksum. It is not where another program has changed it,
+    /// or an earlier version has written it.
     pub is_sealed: bool,
     /// Paths in the file.
     pub completed_paths: u64,
@@ -72,7 +73,8 @@ pub fn kind(path: &Path) -> Result<Option<FileKind>, StoreError> {
 /// The first bytes of every HDF5 file.
 const SIGNATURE: [u8; 8] = *b"\x89HDF\r\n\x1a\n";
 
-/// The name of the file of an unfinished run: `path` is that name, or that of the folder in which the run is saved.
+/// The name of the file of an unfinished run: `path` is that name, or that of the folder in which
+/// the run is saved.
 pub(super) fn unfinished(path: &Path) -> Option<PathBuf> {
     let target = if path.is_dir() { file_of(path) } else { path.to_owned() };
     let is_saved = (path.is_dir() || !path.exists()) && partial_path(&target).join(STATE).exists();
@@ -113,8 +115,8 @@ pub fn read(path: &Path) -> Result<Stored, StoreError> {
     Ok(Stored { header, status, part, ended_by, unfinished: None, is_sealed, completed_paths, summary })
 }
 
-/// Look at a file before the library does, which has one answer for a missing, an unreadable and a foreign file, and follows whatever a
-/// flipped bit points to. Returns whether the file is sealed.
+/// Look at a file before the library does, which has one answer for a missing, an unreadable and a
+/// foreign file, and follows whatever a flipped bit points to. Returns whether the file is sealed.
 pub(super) fn check_file(path: &Path) -> Result<bool, StoreError> {
     let not_opened = |source| StoreError::NotOpened { path: path.to_owned(), source };
     let mut start = [0; SIGNATURE.len()];

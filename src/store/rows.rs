@@ -58,7 +58,8 @@ pub(super) fn paths(file: &File, rows: &Range<usize>) -> Result<PathColumns> {
     })
 }
 
-/// Events of some paths, the first of which is number `first`; and the number of the first one after them.
+/// Events of some paths, the first of which is number `first`; and the number of the first one
+/// after them.
 pub(super) fn events(file: &File, rows: &Range<usize>, first: usize) -> Result<(EventColumns, usize)> {
     let count: Vec<u32> = column(file, &layout::EVENT_COUNT, rows)?;
     let next = first + count.iter().map(|&count| count as usize).sum::<usize>();

@@ -1,7 +1,8 @@
 //! The seal of a finished file: a checksum of all of it, in a few bytes behind what HDF5 looks at.
 //!
-//! HDF5 follows whatever a flipped bit points to, into another number, a signal, or a loop. So a file is held against its seal
-//! before the library opens it. Programs that change a file drop the bytes behind its end, and the seal with them.
+//! HDF5 follows whatever a flipped bit points to, into another number, a signal, or a loop. So a
+//! file is held against its seal before the library opens it. Programs that change a file drop the
+//! bytes behind its end, and the seal with them.
 
 use super::StoreError;
 use super::checksum::checksum;
@@ -11,7 +12,8 @@ use std::path::Path;
 
 /// How the seal begins.
 const MAGIC: &[u8; 8] = b"mc-seal\n";
-/// Its bytes: the magic, the length and the checksum of the file before it, and a checksum of these.
+/// Its bytes: the magic, the length and the checksum of the file before it, and a checksum of
+/// these.
 const LENGTH: usize = 8 + 8 + 4 + 4;
 /// Larger files are opened without being read through first, which would take minutes.
 const LARGEST: u64 = 1 << 30;
@@ -25,7 +27,8 @@ pub(super) fn seal(path: &Path) -> io::Result<()> {
     file.sync_all()
 }
 
-/// An error if a file is not what was sealed; otherwise, whether it has a seal. Large files are not read through.
+/// An error if a file is not what was sealed; otherwise, whether it has a seal. Large files are not
+/// read through.
 pub(super) fn check(path: &Path) -> Result<bool, StoreError> {
     check_up_to(path, LARGEST)
 }

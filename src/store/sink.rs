@@ -20,8 +20,8 @@ const SHARE: u32 = 50;
 
 /// Writes a run to a file, which has its name only once the run is over.
 ///
-/// Until then the run is saved every now and then in the folder `NAME.partial`. What is killed, or interrupted, goes on
-/// from there ([`FileSink::go_on`]), and comes to the same file.
+/// Until then the run is saved every now and then in the folder `NAME.partial`. What is killed, or
+/// interrupted, goes on from there ([`FileSink::go_on`]), and comes to the same file.
 ///
 /// ```
 /// use stick_slip::engine::Run;
@@ -70,7 +70,8 @@ pub struct Unfinished {
 }
 
 impl FileSink {
-    /// To this file. With `force`, a file of this name is replaced, and what an unfinished run to it left behind goes.
+    /// To this file. With `force`, a file of this name is replaced, and what an unfinished run to
+    /// it left behind goes.
     pub fn new(target: &Path, force: bool) -> Self {
         FileSink { target: target.to_owned(), force, note: String::new(), ends: false, open: None }
     }
@@ -85,8 +86,8 @@ impl FileSink {
         FileSink { ends: true, ..self }
     }
 
-    /// Go on with the run that `NAME.partial` holds, where `target` is `NAME`. There is none where the run was finished and only
-    /// its folder was left.
+    /// Go on with the run that `NAME.partial` holds, where `target` is `NAME`. There is none where
+    /// the run was finished and only its folder was left.
     pub fn go_on(target: &Path, force: bool) -> Result<Option<Unfinished>, StoreError> {
         let partial = partial_path(target);
         if !partial.exists() && !target.exists() {

@@ -51,7 +51,8 @@ impl fmt::Display for Difference {
 pub struct Sealed {
     /// Bytes of the file.
     pub bytes: u64,
-    /// Whether there is a checksum; if so, it is right. There is none where another program has changed the file.
+    /// Whether there is a checksum; if so, it is right. There is none where another program has
+    /// changed the file.
     pub has_checksum: bool,
 }
 
@@ -63,7 +64,8 @@ pub fn check_bytes(path: &Path) -> std::result::Result<Sealed, StoreError> {
     Ok(Sealed { bytes: there.len(), has_checksum })
 }
 
-/// Attributes that may differ where every number is the same: who wrote the file, how its scenario is spelt, how far it went.
+/// Attributes that may differ where every number is the same: who wrote the file, how its scenario
+/// is spelt, how far it went.
 const NOT_COMPARED: [&str; 8] = [
     "Conventions",
     "format_version",
@@ -118,7 +120,8 @@ impl Verification {
         self.difference.as_ref()
     }
 
-    /// Compare what the file keeps of the paths of a block, which was simulated again; blocks in ascending order.
+    /// Compare what the file keeps of the paths of a block, which was simulated again; blocks in
+    /// ascending order.
     pub fn block(&mut self, block: &BlockResult) -> std::result::Result<(), StoreError> {
         let compared = rows::tables(&Rows::from(block), self.bearing, |table| self.table(block, &table));
         compared.map_err(|error| self.damaged(&error))
@@ -290,7 +293,8 @@ impl Destination for Verification {
 /// Index, and what is stored and computed there.
 type Unlike = (usize, String, String);
 
-/// The first value that is another one, bit for bit; but a missing one is missing, whatever its bits.
+/// The first value that is another one, bit for bit; but a missing one is missing, whatever its
+/// bits.
 fn unlike(stored: &Column, computed: Values) -> Option<Unlike> {
     let same_real = |a: &f64, b: &f64| a.to_bits() == b.to_bits() || a.is_nan() && b.is_nan();
     match (stored, computed) {

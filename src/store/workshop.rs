@@ -1,4 +1,5 @@
-//! The folder `NAME.partial`, in which a file is made before it gets its name, and the right to make it.
+//! The folder `NAME.partial`, in which a file is made before it gets its name, and the right to
+//! make it.
 //!
 //! ```text
 //! NAME.partial/state        how far a run has come
@@ -6,8 +7,9 @@
 //! NAME.partial/results.h5   the file itself, while it is written
 //! ```
 //!
-//! `results.h5` gets its name as a second name of the same file: a link replaces nothing, and whoever is interrupted
-//! after it sees by the two names that only the folder is left to be removed.
+//! `results.h5` gets its name as a second name of the same file: a link replaces nothing, and
+//! whoever is interrupted after it sees by the two names that only the folder is left to be
+//! removed.
 
 use super::StoreError;
 use super::error::is_full;
@@ -61,7 +63,8 @@ pub(super) struct Workshop {
 }
 
 impl Workshop {
-    /// An empty one. What a run has left in it is an error unless it may go (`force`), and so is a file of the target's name.
+    /// An empty one. What a run has left in it is an error unless it may go (`force`), and so is a
+    /// file of the target's name.
     pub fn open(target: &Path, force: bool) -> Result<Workshop, StoreError> {
         let lock = lock(target)?;
         let folder = partial_path(target);
@@ -101,7 +104,8 @@ impl Workshop {
         self.folder.join(name)
     }
 
-    /// Whether the folder of this name is still ours, and the file of this name in it the one that is open.
+    /// Whether the folder of this name is still ours, and the file of this name in it the one that
+    /// is open.
     pub fn check(&self, open: Option<(&str, &File)>) -> Result<(), StoreError> {
         let is = |path: &Path, identity: (u64, u64)| {
             fs::symlink_metadata(path).is_ok_and(|there| (there.dev(), there.ino()) == identity)
@@ -143,8 +147,8 @@ impl Workshop {
         }
     }
 
-    /// Give the results, which are whole and on the disk, their name, and remove the folder. Nothing is replaced but a regular file,
-    /// where it may be.
+    /// Give the results, which are whole and on the disk, their name, and remove the folder.
+    /// Nothing is replaced but a regular file, where it may be.
     pub fn publish(&self) -> Result<(), StoreError> {
         let force = self.force;
         let (results, target) = (self.path(RESULTS), self.target.clone());
@@ -197,7 +201,8 @@ impl Drop for Workshop {
     }
 }
 
-/// Write a file in one step: what has its name is whole. With `force`, a regular file of this name is replaced.
+/// Write a file in one step: what has its name is whole. With `force`, a regular file of this name
+/// is replaced.
 pub fn write_whole(target: &Path, bytes: &[u8], force: bool) -> Result<(), StoreError> {
     let workshop = Workshop::open(target, force)?;
     let write = || {

@@ -17,17 +17,20 @@ use hdf5::plist::file_create::{AttrCreationOrder, LinkCreationOrder};
 use std::fs;
 use std::path::Path;
 
-/// Values in a chunk of per-path data: 128 kB of reals, so that a chunk of every variable fits into HDF5's cache.
+/// Values in a chunk of per-path data: 128 kB of reals, so that a chunk of every variable fits into
+/// HDF5's cache.
 const CHUNK: usize = 16_384;
 
 /// A file that is being written, in the folder `NAME.partial`.
 ///
-/// Rows must arrive in the order of their paths. Dropping a writer without `finish` leaves nothing behind.
+/// Rows must arrive in the order of their paths. Dropping a writer without `finish` leaves nothing
+/// behind.
 ///
 /// # When the disk is full
 ///
-/// The first error of a write or a flush is final: the HDF5 handles are leaked on purpose, and every later call returns
-/// an error. Closing such a file crashes in some versions of the HDF5 library, and reports success in others.
+/// The first error of a write or a flush is final: the HDF5 handles are leaked on purpose, and
+/// every later call returns an error. Closing such a file crashes in some versions of the HDF5
+/// library, and reports success in others.
 #[derive(Debug)]
 pub struct Writer {
     workshop: Workshop,
@@ -55,8 +58,9 @@ struct Failure {
 }
 
 impl Writer {
-    /// Start a file: root attributes, coordinates, and the empty variables of what is recorded. Nothing of the target is
-    /// touched before `finish`. With `force`, a file of this name is replaced, and what an unfinished run to it left behind goes.
+    /// Start a file: root attributes, coordinates, and the empty variables of what is recorded.
+    /// Nothing of the target is touched before `finish`. With `force`, a file of this name is
+    /// replaced, and what an unfinished run to it left behind goes.
     pub fn create(target: &Path, header: &Provenance, record: &Record, force: bool) -> Result<Writer, StoreError> {
         Writer::within(Workshop::open(target, force)?, header, record)
     }
@@ -100,8 +104,8 @@ impl Writer {
         })
     }
 
-    /// Write the statistics, and give the file its name: at every moment there is either no file of that name (or the
-    /// earlier one), or a finished one.
+    /// Write the statistics, and give the file its name: at every moment there is either no file of
+    /// that name (or the earlier one), or a finished one.
     pub fn finish(mut self, summary: &Summary, status: Status) -> Result<(), StoreError> {
         let paths = summary.completed_paths;
         let appended = self.appended;
@@ -119,7 +123,8 @@ impl Writer {
         self.workshop.publish()
     }
 
-    /// Do something with the open file, unless an earlier write has failed; latch the first failure.
+    /// Do something with the open file, unless an earlier write has failed; latch the first
+    /// failure.
     fn guarded(&mut self, work: impl FnOnce(&mut Open) -> hdf5::Result<()>) -> Result<(), StoreError> {
         let Some(open) = &mut self.open else {
             return Err(self.error());
@@ -145,7 +150,8 @@ impl Writer {
 }
 
 impl Drop for Writer {
-    /// What is not written yet is of no use, but to close the file writes it; an error then may crash the library.
+    /// What is not written yet is of no use, but to close the file writes it; an error then may
+    /// crash the library.
     fn drop(&mut self) {
         if let Some(open) = self.open.take()
             && open.place.file.flush().is_err()
@@ -158,13 +164,14 @@ impl Drop for Writer {
 /// An empty file of the kind that netCDF-4 readers expect.
 pub(super) fn create_file(path: &Path) -> hdf5::Result<File> {
     File::with_options()
-        // V18 keeps the file readable after the process is killed; V110 and later mark it as open for writing.
-        // A strong close closes the file even if a handle to one of its objects is still around.
+        // V18 keeps the file readable after the process is killed; V110 and later mark it as open
+        // for writing. A strong close closes the file even if a handle to one of its objects is
+        // still around.
         .with_fapl(|access| {
             access.libver_bounds(LibraryVersion::V18, LibraryVersion::V110).fclose_degree(FileCloseDegree::Strong)
         })
-        // netCDF-4 appends only to files that know the order in which their variables were made, and equal runs give
-        // equal files only without modification times.
+        // netCDF-4 appends only to files that know the order in which their variables were made,
+        // and equal runs give equal files only without modification times.
         .with_fcpl(|creation| {
             creation
                 .link_creation_order(LinkCreationOrder::Indexed)

@@ -1,7 +1,8 @@
 //! From an error that is good enough to the scheme, its step or tolerance, and the number of paths.
 //!
-//! A pilot of some seconds measures the [`Trade`] of the scene; the cheapest of its settings whose relative root mean square
-//! error is at most the target in every statistic that is asked for is what should be run.
+//! A pilot of some seconds measures the [`Trade`] of the scene; the cheapest of its settings whose
+//! relative root mean square error is at most the target in every statistic that is asked for is
+//! what should be run.
 
 use super::trade::{Choice, Limits, Refusal, Standing, Trade, TradeError, measure_within};
 use crate::engine::MOST_PATHS;
@@ -18,7 +19,8 @@ pub const PILOT: Duration = Duration::from_secs(8);
 /// The longest run that is begun without a time limit.
 pub const LONGEST: Duration = Duration::from_secs(30 * 86_400);
 
-/// Fewest paths of a run with noise: with fewer its own interval says nothing, and the pilot's variance little about its error.
+/// Fewest paths of a run with noise: with fewer its own interval says nothing, and the pilot's
+/// variance little about its error.
 pub const FEWEST_PATHS: u64 = 32;
 
 /// Targets that may be asked for.
@@ -235,7 +237,8 @@ mod tests {
     use crate::study::trade::{Cost, Effort, Ladder, Pairing, measure};
     use std::sync::LazyLock;
 
-    /// A second of a pilot. The costs are fixed, so that no choice depends on the machine: 1.2 ns a step, 30 us an event-driven path.
+    /// A second of a pilot. The costs are fixed, so that no choice depends on the machine: 1.2 ns a
+    /// step, 30 us an event-driven path.
     fn pilot(name: &str, steps: usize, free_paths: &[u64]) -> (Scenario, Trade) {
         let scenario = Scenario::shipped(name).expect("a shipped scenario");
         let effort = Effort { steps, coupled_paths: 640, free_paths: free_paths.to_vec(), timing: 0.0 };
@@ -255,10 +258,11 @@ mod tests {
         Accuracy { target, named, max_time: None, threads: 1 }
     }
 
-    /// Null: the relative root mean square error over 400 runs of what is chosen for 2 %, against the value of another program
-    /// (tests/reference/noisy.c, known to 4e-4), is 2 %, or as much less as its bias is below the bound that was counted. From 400 runs it is known to
-    /// 3.5 % of itself; four of these are allowed, and 3 % for the pilot's own error of the variance: false-alarm rate below 1e-4. Half
-    /// or twice the paths change it by 1.41.
+    /// Null: the relative root mean square error over 400 runs of what is chosen for 2 %, against
+    /// the value of another program (tests/reference/noisy.c, known to 4e-4), is 2 %, or as much
+    /// less as its bias is below the bound that was counted. From 400 runs it is known to 3.5 % of
+    /// itself; four of these are allowed, and 3 % for the pilot's own error of the variance:
+    /// false-alarm rate below 1e-4. Half or twice the paths change it by 1.41.
     #[test]
     fn many_runs_of_what_is_chosen_have_the_error_asked_for() {
         let (scenario, trade) = &*RHO025;
@@ -278,8 +282,9 @@ mod tests {
         assert!((least * (1.0 - play)..1.0 + play).contains(&ratio), "{ratio} {choice:?}");
     }
 
-    /// The same for the mean displacement at the end and 0.5 %, for which antithetic pairs need some seventh of the paths. The truth is that
-    /// of 2^18 event-driven paths of another seed in pairs, known to 3e-4 of itself.
+    /// The same for the mean displacement at the end and 0.5 %, for which antithetic pairs need
+    /// some seventh of the paths. The truth is that of 2^18 event-driven paths of another seed in
+    /// pairs, known to 3e-4 of itself.
     #[test]
     fn many_runs_of_chosen_pairs_have_the_error_asked_for() {
         let (scenario, trade) = &*RHO025;
@@ -302,13 +307,15 @@ mod tests {
             (summary.estimate(asked[0]).estimate / truth - 1.0).powi(2)
         };
         let ratio = ((0..400).map(square).sum::<f64>() / 400.0).sqrt() / 0.005;
-        // The pilot knows the variance of pairs from 2048 of them to 3 %, and so the error to 1.6 %.
+        // The pilot knows the variance of pairs from 2048 of them to 3 %, and so the error to 1.6
+        // %.
         let (play, least) = (4.0 / 800f64.sqrt() + 0.05, (1.0 - (choice.bias / 0.005).powi(2)).sqrt());
         println!("{} x{}: {ratio}, least {least}", choice.scheme, choice.paths);
         assert!((least * (1.0 - play)..1.0 + play).contains(&ratio), "{ratio} {choice:?}");
     }
 
-    /// What is named as in reach is accepted, and is no more than two and a half times what was refused for being out of it.
+    /// What is named as in reach is accepted, and is no more than two and a half times what was
+    /// refused for being out of it.
     #[test]
     fn what_takes_too_long_is_refused_with_what_does_not() {
         let limits = [(1e-6, None), (1e-3, Some(Duration::from_secs(1))), (0.01, Some(Duration::from_millis(10)))];
@@ -327,7 +334,8 @@ mod tests {
         assert!(matches!(refused, Err(AccuracyError::TooLong { instead: None, .. })), "{refused:?}");
     }
 
-    /// The variance of a mean over n of N paths is N/n times that of all: with no bias, a quarter of the paths make twice the error.
+    /// The variance of a mean over n of N paths is N/n times that of all: with no bias, a quarter
+    /// of the paths make twice the error.
     #[test]
     fn fewer_paths_leave_the_error_of_their_number() {
         let (scenario, trade) = &*RHO025;

@@ -1,12 +1,14 @@
 //! The one clock of a measurement: CPU time.
 //!
-//! Effort is planned in CPU seconds, so shares of it must end in CPU seconds too. On a machine that is busy with other work, wall-clock
-//! deadlines would cut off what comes last, whatever the plan said.
+//! Effort is planned in CPU seconds, so shares of it must end in CPU seconds too. On a machine that
+//! is busy with other work, wall-clock deadlines would cut off what comes last, whatever the plan
+//! said.
 
 use rustix::time::{ClockId, clock_gettime};
 use std::time::{Duration, Instant};
 
-/// A measurement ends after so many times its budget of wall-clock time, however little the machine let it compute.
+/// A measurement ends after so many times its budget of wall-clock time, however little the machine
+/// let it compute.
 const MOST_WALL_TIME: u32 = 4;
 
 /// CPU seconds that this thread has computed.
@@ -38,7 +40,8 @@ impl Stopwatch {
         seconds(ClockId::ProcessCPUTime) - self.cpu
     }
 
-    /// The time that each thread has computed since; a fourth of the wall-clock time at least, so that it always passes.
+    /// The time that each thread has computed since; a fourth of the wall-clock time at least, so
+    /// that it always passes.
     pub fn elapsed(&self) -> Duration {
         let computed = Duration::from_secs_f64(self.spent().max(0.0) / self.threads as f64);
         computed.max(self.wall.elapsed() / MOST_WALL_TIME)
@@ -49,8 +52,9 @@ impl Stopwatch {
 mod tests {
     use super::*;
 
-    /// Sleeping is not computing: half a second of it counts for a fourth; and a loop counts for no more than its CPU time. No limit
-    /// from above on the wall-clock time, which the machine decides.
+    /// Sleeping is not computing: half a second of it counts for a fourth; and a loop counts for no
+    /// more than its CPU time. No limit from above on the wall-clock time, which the machine
+    /// decides.
     #[test]
     fn a_pause_counts_for_little_and_computing_for_what_it_took() {
         let watch = Stopwatch::start(1);

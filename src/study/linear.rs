@@ -1,6 +1,8 @@
-//! Symmetric matrices of a few rows, by Cholesky's factors: regressions, inverses, correlated draws.
+//! Symmetric matrices of a few rows, by Cholesky's factors: regressions, inverses, correlated
+//! draws.
 //!
-//! Rows are arrays where their number is known when the program is compiled, which is fast, and vectors elsewhere.
+//! Rows are arrays where their number is known when the program is compiled, which is fast, and
+//! vectors elsewhere.
 
 /// L of A = L L^T, of which the lower half is enough; none where A is not positive.
 #[inline(always)]

@@ -4,15 +4,18 @@
 //! E P(h_L) = E P(h_0) + sum over l = 1 .. L of E [P(h_l) - P(h_{l-1})],   h_l = h_0 / 2^l
 //! ```
 //!
-//! Both members of a difference are simulated on one realisation of the noise, so it varies the less the finer they are, and few of
-//! the expensive paths are needed. With V_l the variance and C_l the cost of one sample of level l, paths in proportion to
-//! sqrt(V_l / C_l) reach a variance v at the least cost, (sum sqrt(V_l C_l))^2 / v. Levels are added until what is left beyond the
-//! finest, about as much as its own difference (the scheme is of order 1), is small against the target.
+//! Both members of a difference are simulated on one realisation of the noise, so it varies the
+//! less the finer they are, and few of the expensive paths are needed. With V_l the variance and
+//! C_l the cost of one sample of level l, paths in proportion to sqrt(V_l / C_l) reach a variance v
+//! at the least cost, (sum sqrt(V_l C_l))^2 / v. Levels are added until what is left beyond the
+//! finest, about as much as its own difference (the scheme is of order 1), is small against the
+//! target.
 //!
 //! M. B. Giles, *Multilevel Monte Carlo path simulation*, Operations Research 56 (2008).
 //!
-//! It pays for statistics that move little when an exit from stick comes a little later: the displacement and the work. Sticks
-//! themselves are counted differently on the two members of a pair, whatever the step.
+//! It pays for statistics that move little when an exit from stick comes a little later: the
+//! displacement and the work. Sticks themselves are counted differently on the two members of a
+//! pair, whatever the step.
 
 use crate::ensemble::{BLOCK_SIZE, Plan, in_order};
 use crate::model::Model;
@@ -96,10 +99,12 @@ pub enum MultilevelError {
 }
 
 impl Multilevel {
-    /// For a statistic that is a mean over paths; none for any other, and none without noise, where one path says it all.
+    /// For a statistic that is a mean over paths; none for any other, and none without noise, where
+    /// one path says it all.
     pub fn new(model: &Model, end: f64, statistic: Statistic, seed: u64) -> Option<Self> {
         value_of(statistic)?;
-        // The scheme with a step has one noise, and does not meet the samples that noise is pinned to.
+        // The scheme with a step has one noise, and does not meet the samples that noise is pinned
+        // to.
         let temperature = &model.temperature;
         let fits = !temperature.is_pinned && !temperature.has_two_noises();
         let noise = temperature.effective_noise().filter(|_| fits)?;
@@ -111,8 +116,8 @@ impl Multilevel {
         is_usable.then(|| Multilevel { model: model.clone(), end, statistic, seed, coarsest_steps })
     }
 
-    /// Simulate until the root mean square error is `target`: at most half of its square is left to the bias, the rest is for the
-    /// variance.
+    /// Simulate until the root mean square error is `target`: at most half of its square is left to
+    /// the bias, the rest is for the variance.
     pub fn run(&self, target: f64, threads: usize, stop: &AtomicBool) -> Result<Outcome, MultilevelError> {
         let most_bias = target / std::f64::consts::SQRT_2;
         let mut samples = vec![Sample::default(); FIRST_LEVELS];
@@ -121,7 +126,8 @@ impl Multilevel {
             let outcome = self.outcome(&samples);
             let wanted = blocks_for(&outcome.levels, target.powi(2) - outcome.bias.min(most_bias).powi(2));
             let is_short = samples.iter().zip(&wanted).any(|(sample, wanted)| sample.blocks < wanted - wanted / 50);
-            // the bias is known the better the more is simulated: only where it is too large for certain is that not worth the while
+            // the bias is known the better the more is simulated: only where it is too large for
+            // certain is that not worth the while
             let least_bias = outcome.bias - 2.0 * outcome.bias_error;
             if is_short && least_bias <= most_bias {
                 self.extend(&mut samples, |l| wanted[l], threads, stop)?;
@@ -151,7 +157,8 @@ impl Multilevel {
     fn outcome(&self, samples: &[Sample]) -> Outcome {
         let levels: Vec<Level> = samples.iter().enumerate().map(|(l, sample)| self.level(l, sample)).collect();
         let variance_of_mean = |level: &Level| level.variance / level.paths as f64;
-        // order 1: what is left is the last difference, or half of the one before it, whichever is greater
+        // order 1: what is left is the last difference, or half of the one before it, whichever is
+        // greater
         let (before, last) = (&levels[levels.len() - 2], &levels[levels.len() - 1]);
         let (bias, bias_error) = if last.mean.abs() >= before.mean.abs() / 2.0 {
             (last.mean.abs(), variance_of_mean(last).sqrt())

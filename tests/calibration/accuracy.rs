@@ -5,11 +5,12 @@ use stick_slip::study::calibration::{Method, Misfit, Motion, Quantity, Record, v
 
 const PARAMETERS: &[Quantity] = Quantity::ALL.split_at(Quantity::PARAMETERS).0;
 
-/// Over 24 red twins (seeds 100 to 123) the root of the mean square error of K, f_s and f_d is below 3 %, and that of beta below 1.5 %.
-/// They are 1.8, 1.6, 1.6 and 1.0 % over 400 others, so that chance exceeds a limit less than once in a thousand sets of seeds
-/// (24 errors scatter by 15 % of their root mean square). Intervals of 90 % hold the truth of each
-/// parameter in at least 17 of the 24: 16 or fewer happen by chance once in 400 sets for each of the seven,
-/// and with intervals of half the width in nearly every second one.
+/// Over 24 red twins (seeds 100 to 123) the root of the mean square error of K, f_s and f_d is
+/// below 3 %, and that of beta below 1.5 %. They are 1.8, 1.6, 1.6 and 1.0 % over 400 others, so
+/// that chance exceeds a limit less than once in a thousand sets of seeds (24 errors scatter by 15
+/// % of their root mean square). Intervals of 90 % hold the truth of each parameter in at least 17
+/// of the 24: 16 or fewer happen by chance once in 400 sets for each of the seven, and with
+/// intervals of half the width in nearly every second one.
 #[test]
 fn slips_tell_the_parameters_of_red_twins() {
     let all = by_slips(&RED_CAMPAIGN, 100..124);
@@ -46,7 +47,8 @@ fn intervals_hold_what_they_promise() {
     }
 }
 
-/// By how much intervals would have to be wider, for 90 % of 400 red twins (seeds 20 000 to 20 399, which nothing else uses).
+/// By how much intervals would have to be wider, for 90 % of 400 red twins (seeds 20 000 to 20 399,
+/// which nothing else uses).
 #[test]
 #[ignore = "two minutes; prints what `report::WIDENING` is to be multiplied with"]
 fn widening() {
@@ -63,9 +65,9 @@ fn widening() {
     }
 }
 
-/// Ten starts of the least squares end within 0.1 % of err of each other, at A and G within 1 % of the truth, and below the err of the
-/// truth itself: on six red twins. That A and G are found shows that it is the right valley; K is
-/// as far off as red noise makes it.
+/// Ten starts of the least squares end within 0.1 % of err of each other, at A and G within 1 % of
+/// the truth, and below the err of the truth itself: on six red twins. That A and G are found shows
+/// that it is the right valley; K is as far off as red noise makes it.
 #[test]
 fn starts_of_the_least_squares_agree() {
     for seed in 300..306 {
@@ -120,8 +122,9 @@ fn times() {
     }
 }
 
-/// The twin of `examples/bridge`, made by another program: at least five of the seven intervals of 90 % hold the truth that
-/// `examples/bridge/README.md` states (fewer do by chance in one of 40 such twins; this one is fixed, and six do), every truth is within twice its interval, and at
+/// The twin of `examples/bridge`, made by another program: at least five of the seven intervals of
+/// 90 % hold the truth that `examples/bridge/README.md` states (fewer do by chance in one of 40
+/// such twins; this one is fixed, and six do), every truth is within twice its interval, and at
 /// least 110 of its 112 slips are seen.
 #[test]
 fn the_twin_of_another_program_is_fitted() {

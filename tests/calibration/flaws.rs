@@ -1,16 +1,18 @@
-//! Measurements as they are: a lag, gaps, spikes, a coarse thermometer, other sampling, friction that scatters.
+//! Measurements as they are: a lag, gaps, spikes, a coarse thermometer, other sampling, friction
+//! that scatters.
 //!
-//! Limits are three times the root of the mean square error that 40 such twins had, or a stated target; so a single twin of a
-//! fixed seed exceeds one by chance once in 300 to 400 sets of seeds.
+//! Limits are three times the root of the mean square error that 40 such twins had, or a stated
+//! target; so a single twin of a fixed seed exceeds one by chance once in 300 to 400 sets of seeds.
 
 use crate::bridge::{BRIDGE, Campaign, RED, RED_CAMPAIGN, ask, by_slips, question, record, rmse, twin_of};
 use stick_slip::study::calibration::{Flaws, Lag, Method, Quantity, Question, Record, Warning};
 
 const FORCES: [Quantity; 3] = [Quantity::Stiffness, Quantity::Static, Quantity::Dynamic];
 
-/// Steel is 15 minutes behind the thermometer. Told so, the fit is as good as without a lag: K within 5 %. Not told, it finds the lag to three
-/// minutes, says so, and K is within 5 % as well; told that there is none, K is at least 4 % too
-/// small in the mean, and the fit says that another lag is likelier.
+/// Steel is 15 minutes behind the thermometer. Told so, the fit is as good as without a lag: K
+/// within 5 %. Not told, it finds the lag to three minutes, says so, and K is within 5 % as well;
+/// told that there is none, K is at least 4 % too small in the mean, and the fit says that another
+/// lag is likelier.
 #[test]
 fn a_lag_is_found_and_allowed_for() {
     let lagging = Campaign { flaws: Flaws { lag: 900.0, ..RED }, ..RED_CAMPAIGN };
@@ -31,8 +33,9 @@ fn a_lag_is_found_and_allowed_for() {
     assert!(unaware < -0.04, "{unaware}");
 }
 
-/// Without a lag none is found, whatever the thermometer: in twelve twins, of which a third have one of 0.5 K and a third
-/// one of 1 K. A gain of 15 in twice the logarithm of a likelihood happens by chance once in 10 000.
+/// Without a lag none is found, whatever the thermometer: in twelve twins, of which a third have
+/// one of 0.5 K and a third one of 1 K. A gain of 15 in twice the logarithm of a likelihood happens
+/// by chance once in 10 000.
 #[test]
 fn no_lag_is_made_up() {
     for resolution in [0.0, 0.5, 1.0] {
@@ -43,8 +46,8 @@ fn no_lag_is_made_up() {
     }
 }
 
-/// Everything at once: twenty gaps of one to five days, one reading in a hundred off by up to 3 mm, a
-/// thermometer of 0.5 K. Spikes are counted: of those that stand out, four of five.
+/// Everything at once: twenty gaps of one to five days, one reading in a hundred off by up to 3 mm,
+/// a thermometer of 0.5 K. Spikes are counted: of those that stand out, four of five.
 #[test]
 fn gaps_spikes_and_a_coarse_thermometer_do_no_harm() {
     let flaws = Flaws { gaps: 20, spikes: 0.01, resolution: 0.5, ..RED };
@@ -58,7 +61,8 @@ fn gaps_spikes_and_a_coarse_thermometer_do_no_harm() {
     }
 }
 
-/// Sampled every two minutes and every hour, and with white noise of an eighth and of a fifth of a slip.
+/// Sampled every two minutes and every hour, and with white noise of an eighth and of a fifth of a
+/// slip.
 #[test]
 fn other_sampling_and_other_noise_are_borne() {
     let campaigns = [
@@ -75,8 +79,8 @@ fn other_sampling_and_other_noise_are_borne() {
     }
 }
 
-/// f_s differs by 5 % from one slip to the next. Slips still tell its mean, and f_d; the fit says that it scatters, which it does not
-/// say of the same bearing with one f_s.
+/// f_s differs by 5 % from one slip to the next. Slips still tell its mean, and f_d; the fit says
+/// that it scatters, which it does not say of the same bearing with one f_s.
 #[test]
 fn friction_that_scatters_is_noticed() {
     let scattering = Campaign { flaws: Flaws { scatter: 0.05, ..RED }, ..RED_CAMPAIGN };
@@ -92,7 +96,8 @@ fn friction_that_scatters_is_noticed() {
     }
 }
 
-/// The table of docs/calibration.md: root mean square errors of 24 twins of each kind (seeds 2000 to 2023).
+/// The table of docs/calibration.md: root mean square errors of 24 twins of each kind (seeds 2000
+/// to 2023).
 #[test]
 #[ignore = "a minute; prints a table"]
 fn table() {
@@ -123,7 +128,8 @@ fn table() {
     }
 }
 
-/// A sensor that counts the other way, and one whose readings have holes while the thermometer goes on.
+/// A sensor that counts the other way, and one whose readings have holes while the thermometer goes
+/// on.
 #[test]
 fn the_sign_of_the_sensor_and_holes_in_it_do_not_matter() {
     let (twin, _) = twin_of(&BRIDGE, &RED_CAMPAIGN, 77);

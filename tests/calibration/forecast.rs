@@ -11,9 +11,10 @@ use stick_slip::study::weather::fit;
 const PERIODS: [f64; 2] = [365.25 * DAY, DAY];
 const ASKED: Question = Question { draws: 20, years: 10, seed: 3, level: 0.9, share: 0.9 };
 
-/// Slips of a year of the true bearing under the true weather of the twins, by a loop that shares nothing with the
-/// forecast: the recursion, sampled each half minute, with A less by 0.5826 s sqrt(step), which is what samples overlook
-/// (Broadie, Glasserman, Kou, Mathematical Finance 7, 1997). 60 years: mean and standard error.
+/// Slips of a year of the true bearing under the true weather of the twins, by a loop that shares
+/// nothing with the forecast: the recursion, sampled each half minute, with A less by 0.5826 s
+/// sqrt(step), which is what samples overlook (Broadie, Glasserman, Kou, Mathematical Finance 7,
+/// 1997). 60 years: mean and standard error.
 fn true_slips() -> (f64, f64) {
     let (step, years) = (30.0, 60);
     let process = |sd: f64, memory: f64| Transition::new(1.0 / memory, sd * (2.0 / memory).sqrt(), step);
@@ -53,10 +54,11 @@ fn forecast_of(seed: u64, processes: usize) -> Forecast {
     forecast(&found, &weather, &ASKED, 2, &stop).expect("sound").expect("not stopped")
 }
 
-/// Records of seeds 300 to 311. A forecast of slips a year scatters by 7 % from record to record, so the mean of twelve
-/// by 2 %; over 48 records (seeds 300 to 347) it is 2.6 % above the truth. So it is within 8 % but once in 100 times, and
-/// intervals of 90 % hold the truth in at least 8 of 12 but once in 300 times. One process makes a third more slips than
-/// there are, from each of four records: it takes the slow weather for faster than it is.
+/// Records of seeds 300 to 311. A forecast of slips a year scatters by 7 % from record to record,
+/// so the mean of twelve by 2 %; over 48 records (seeds 300 to 347) it is 2.6 % above the truth. So
+/// it is within 8 % but once in 100 times, and intervals of 90 % hold the truth in at least 8 of 12
+/// but once in 300 times. One process makes a third more slips than there are, from each of four
+/// records: it takes the slow weather for faster than it is.
 #[test]
 fn forecasts_of_slips_hold_the_truth_with_two_processes_and_not_with_one() {
     let (truth, error) = true_slips();

@@ -5,8 +5,8 @@ use stick_slip::study::calibration::{
     Bearing, CalibrationError, Method, Quantity, Question, Record, Warning, calibrate,
 };
 
-/// Without K_BP the data tell beta, f_s/K and f_d/K, and no force: with the bearing rigid, and with a sheared one
-/// of which K_BP is not told.
+/// Without K_BP the data tell beta, f_s/K and f_d/K, and no force: with the bearing rigid, and with
+/// a sheared one of which K_BP is not told.
 #[test]
 fn without_the_shear_stiffness_there_are_no_forces() {
     for shear_stiffness in [f64::INFINITY, 2.0e9] {
@@ -25,8 +25,9 @@ fn without_the_shear_stiffness_there_are_no_forces() {
     }
 }
 
-/// A twin whose f_s and f_d are the same slides without slips, and with more noise than that some of the way looks like slips. The fit says so, and
-/// knows f_d/K to 5 % all the same; it does not say so of twins that slip.
+/// A twin whose f_s and f_d are the same slides without slips, and with more noise than that some
+/// of the way looks like slips. The fit says so, and knows f_d/K to 5 % all the same; it does not
+/// say so of twins that slip.
 #[test]
 fn sliding_without_slips_is_said() {
     let said = |bearing: &Bearing| {

@@ -1,4 +1,5 @@
-//! `mc` as a child process that cannot outlive its test: one that hangs is killed, and the test fails and says so.
+//! `mc` as a child process that cannot outlive its test: one that hangs is killed, and the test
+//! fails and says so.
 #![allow(dead_code, reason = "each test file uses its own part")]
 
 use std::io::Read;
@@ -7,8 +8,9 @@ use std::process::{Child, Command, Output, Stdio};
 use std::thread::{JoinHandle, sleep, spawn};
 use std::time::{Duration, Instant};
 
-/// The longest that a command may take. The slowest of them takes ten seconds on a machine of its own, so one that is not over by
-/// then waits for something that does not come, and not for its share of a processor.
+/// The longest that a command may take. The slowest of them takes ten seconds on a machine of its
+/// own, so one that is not over by then waits for something that does not come, and not for its
+/// share of a processor.
 pub const LONGEST: Duration = Duration::from_secs(300);
 
 /// How often a condition is looked at.

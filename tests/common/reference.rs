@@ -1,4 +1,5 @@
-//! The statistics of the paper's noisy scene (`rho025`) from a program that shares nothing with this crate, `tests/reference/noisy.c`.
+//! The statistics of the paper's noisy scene (`rho025`) from a program that shares nothing with
+//! this crate, `tests/reference/noisy.c`.
 #![allow(dead_code, reason = "each test file uses its own part")]
 
 const TABLE: &str = include_str!("../reference/noisy.csv");
@@ -9,7 +10,8 @@ pub fn limit(statistic: &str) -> (f64, f64) {
     value("limit", statistic)
 }
 
-/// A statistic of the discrete variational inequality with this step (0.02, 0.01 or 0.001), and its standard error.
+/// A statistic of the discrete variational inequality with this step (0.02, 0.01 or 0.001), and its
+/// standard error.
 #[track_caller]
 pub fn at_step(h: f64, statistic: &str) -> (f64, f64) {
     value(&h.to_string(), statistic)

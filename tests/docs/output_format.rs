@@ -108,8 +108,8 @@ fn written(folder: &Path, name: &str, arguments: &[&str]) -> File {
 }
 
 /// Files in which everything that a run can write occurs: records, units, lost paths, a resolution,
-/// pairs, a part, a run that was ended, a measured temperature with a bearing, the fewest paths for a bias of the
-/// step.
+/// pairs, a part, a run that was ended, a measured temperature with a bearing, the fewest paths for
+/// a bias of the step.
 fn runs(folder: &Path) -> Vec<File> {
     let record = ["record.events=true", "record.trajectories=7"].map(|set| ["--set", set]).concat();
     let everything = [&["run", "scenarios/rho025.toml", "--paths", "300"][..], &record].concat();

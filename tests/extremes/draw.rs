@@ -8,7 +8,8 @@ use std::fmt::Write as _;
 /// How the parameters are drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Family {
-    /// Each by itself, log-uniform over 24 decades, special values mixed in. Most such scenes are absurd; that is the point.
+    /// Each by itself, log-uniform over 24 decades, special values mixed in. Most such scenes are
+    /// absurd; that is the point.
     Apart,
     /// The dimensionless numbers around values where sticks and slips occur, the units at random.
     Together,

@@ -1,11 +1,15 @@
-//! f_s = f_d under noise: what has a limit as the resolution gets finer, and what is a property of the resolution.
+//! f_s = f_d under noise: what has a limit as the resolution gets finer, and what is a property of
+//! the resolution.
 //!
-//! **How many sticks.** At a stick exit b = f_s = f_d: the slip starts without a push. Near the threshold b - f_d is a Brownian motion of
-//! intensity s = K beta rho sigma, so m x' is an integrated Brownian motion from rest. What the scheme does not resolve, a step h or a shortest
-//! slip, gives it a start of that scale, and the chance not to have come back to zero by t falls like (h/t)^{1/4} (McKean 1963; Sinai 1992):
-//! slips last t >> h with that tail. A stick ends when the Brownian motion is back at the threshold, with tail (h/t)^{1/2}; every exit starts
-//! afresh. Of N slips the longest takes h N^4, which fills the time T in which the force changes: N ~ (T/h)^{1/4} sticks, while shares of
-//! time, positions and work are those of the long slips and have limits.
+//! **How many sticks.** At a stick exit b = f_s = f_d: the slip starts without a push. Near the
+//! threshold b - f_d is a Brownian motion of intensity s = K beta rho sigma, so m x' is an
+//! integrated Brownian motion from rest. What the scheme does not resolve, a step h or a shortest
+//! slip, gives it a start of that scale, and the chance not to have come back to zero by t falls
+//! like (h/t)^{1/4} (McKean 1963; Sinai 1992): slips last t >> h with that tail. A stick ends when
+//! the Brownian motion is back at the threshold, with tail (h/t)^{1/2}; every exit starts afresh.
+//! Of N slips the longest takes h N^4, which fills the time T in which the force changes: N ~
+//! (T/h)^{1/4} sticks, while shares of time, positions and work are those of the long slips and
+//! have limits.
 //!
 //! So sticks ~ h^{-1/4}, and likewise in the shortest slip that the event-driven scheme resolves.
 
@@ -71,8 +75,9 @@ fn sticks_multiply_as_the_resolution_gets_finer_and_the_rest_settles() {
             (resolution.shortest_slip, scenario.plan().run(2))
         })
         .into();
-    // Null: equal up to the error of the step in what settles, below a standard error here. 10 runs against the finest of the second
-    // kind, 4 comparisons each at 3.9 combined standard errors (1e-4); fixed seed. Sticks differ by a factor 44 meanwhile.
+    // Null: equal up to the error of the step in what settles, below a standard error here. 10 runs
+    // against the finest of the second kind, 4 comparisons each at 3.9 combined standard errors
+    // (1e-4); fixed seed. Sticks differ by a factor 44 meanwhile.
     let (_, finest) = &by_tolerance[4];
     for (resolution, summary) in by_step.iter().chain(&by_tolerance[..4]) {
         for statistic in SETTLED {
@@ -85,7 +90,8 @@ fn sticks_multiply_as_the_resolution_gets_finer_and_the_rest_settles() {
         let rows: Vec<_> = runs.iter().map(|(r, summary)| (*r, estimate(summary, Statistic::SticksPerPath))).collect();
         let (slope, error, chi) = exponent(&rows);
         println!("sticks ~ resolution^{slope:.4} +- {error:.4}, chi square {chi:.1}");
-        // 0.02 is four standard errors of the steps; a count that falls like h^{-1/2}, or one with a limit, is far outside.
+        // 0.02 is four standard errors of the steps; a count that falls like h^{-1/2}, or one with
+        // a limit, is far outside.
         assert!((slope + 0.25).abs() < 0.02 && chi < 21.1, "{slope} +- {error}");
     }
 }

@@ -1,4 +1,5 @@
-//! What holds on every path of every scheme, checked by an observer that sees events and snapshots and nothing else.
+//! What holds on every path of every scheme, checked by an observer that sees events and snapshots
+//! and nothing else.
 //!
 //! | invariant | tolerance |
 //! |---|---|
@@ -25,7 +26,8 @@ use stick_slip::scheme::{Instant, Kind, Observer, Snapshot, monitoring_shift};
 
 const ULP: f64 = f64::EPSILON;
 
-/// What rounding may leave of the greatest forces so far at a stop: it is put on the flow, where b is the sum of some dozens of their terms.
+/// What rounding may leave of the greatest forces so far at a stop: it is put on the flow, where b
+/// is the sum of some dozens of their terms.
 const STOP_REST: f64 = 1e-14;
 
 /// What rounding may leave of an energy between two instants, relative to its terms.
@@ -129,7 +131,8 @@ impl Watch {
         self.scheme == Kind::EventDriven
     }
 
-    /// What rounding does to b at a time: its terms, each harmonic and its phase w t, and x as the sum of ways that it is.
+    /// What rounding does to b at a time: its terms, each harmonic and its phase w t, and x as the
+    /// sum of ways that it is.
     fn rounding(&self, lane: &Lane, t: f64, x: f64, force: f64) -> f64 {
         let Oscillator { stiffness, dilatation, .. } = self.model.oscillator;
         let phase = (self.model.temperature.harmonics.iter())
@@ -206,7 +209,8 @@ impl Watch {
             ensure((lasted - lasts).abs() <= allowed, || format!("a slip of {lasted:e}, not {lasts:e}"))?;
             (-std::f64::consts::PI * zeta / root).exp()
         } else {
-            // The share of the way that is left: e^{l1 t} and e^{l2 t}, weighted to start at 1 and at rest.
+            // The share of the way that is left: e^{l1 t} and e^{l2 t}, weighted to start at 1 and
+            // at rest.
             let fast = gamma + ((gamma - w0) * (gamma + w0)).sqrt();
             let slow = w0 * (w0 / fast);
             let left = (fast * (-slow * lasted).exp() - slow * (-fast * lasted).exp()) / (fast - slow);
@@ -253,7 +257,8 @@ impl Watch {
         Ok(())
     }
 
-    /// One step of the discrete schemes. With F the friction of the step, from m (V' - V) = h (b - F):
+    /// One step of the discrete schemes. With F the friction of the step, from m (V' - V) = h (b -
+    /// F):
     ///
     /// ```text
     /// discrete    E' - E = h V  (K beta T - 2 alpha V - F) + (K h^2 V^2  + m (V' - V)^2)/2
@@ -264,7 +269,8 @@ impl Watch {
         let h = self.step;
         let force = a.g - k * a.x - 2.0 * damping * a.v;
         let impulse = a.v + h / m * force;
-        // What would bring it to rest, against what may hold it there; where |needed| is above that, it moves.
+        // What would bring it to rest, against what may hold it there; where |needed| is above
+        // that, it moves.
         let needed = (m / h * impulse).abs();
         let most = if a.v == 0.0 { self.exit_force } else { self.static_force };
         let rounding = 16.0 * ULP * (a.g.abs() + (k * a.x).abs() + 2.0 * (damping * a.v).abs() + m / h * a.v.abs());
@@ -289,8 +295,8 @@ impl Watch {
         )
     }
 
-    /// From one instant to the next of the exact motion: E' - E = int g dx - f_d |dx| - 2 alpha int x'^2 dt. In between, g is the mean of
-    /// both ends up to what it can move, and x' likewise.
+    /// From one instant to the next of the exact motion: E' - E = int g dx - f_d |dx| - 2 alpha int
+    /// x'^2 dt. In between, g is the mean of both ends up to what it can move, and x' likewise.
     fn balance(&self, lane: &mut Lane, now: State) -> Result<(), String> {
         let Some(last) = lane.last.replace(now) else { return Ok(()) };
         let Oscillator { mass: m, stiffness: k, damping, dilatation } = self.model.oscillator;

@@ -10,7 +10,8 @@ use stick_slip::scheme::{
     DEFAULT_TOLERANCE, DiscreteSimulation, EventDrivenSimulation, Instant, Observer, Simulate as _, Snapshot,
 };
 
-/// Averages of the cascade over many periods, early and late: phase of the forcing at stick exits, |x| at sticks, way of a slip.
+/// Averages of the cascade over many periods, early and late: phase of the forcing at stick exits,
+/// |x| at sticks, way of a slip.
 struct Orbit {
     angular_frequency: f64,
     early: (f64, f64),
@@ -86,7 +87,8 @@ fn many_steps(n: u64) {
     assert!((orbit.temperature - exact).abs() < 1e-14);
     // One slip a half-period, from the first to the last.
     assert!((orbit.events as f64 / 2.0 - halves).abs() < 2.0, "{} events in {halves} half-periods", orbit.events);
-    // Events are multiples of h, whose place in the period runs through all values: a mean over N half-periods is good to about h/N.
+    // Events are multiples of h, whose place in the period runs through all values: a mean over N
+    // half-periods is good to about h/N.
     let bound = 20.0 * h / (0.1 * halves);
     assert!((early - late).abs() < bound && (short - long).abs() < 10.0 * bound, "bound {bound}");
 }
@@ -105,7 +107,8 @@ fn a_billion_steps_do_not_drift() {
 /// The periodic orbit of the noiseless scene, event by event, against its first periods.
 struct Periodic {
     half_period: f64,
-    /// Slip and stick of one half-period after the transient: phase within the half-period, |x|, |b|.
+    /// Slip and stick of one half-period after the transient: phase within the half-period, |x|,
+    /// |b|.
     reference: Vec<(f64, f64, f64)>,
     seen: usize,
     worst: (f64, f64, f64),
@@ -155,14 +158,16 @@ fn many_periods(periods: usize) {
         orbit.seen, orbit.worst.0, orbit.worst.1, orbit.worst.2
     );
     assert_eq!(orbit.seen, 4 * periods - 1);
-    // 2.5e7 has a spacing of 3.7e-9, of which the reported time and the multiple of the period subtracted here each lose a half.
+    // 2.5e7 has a spacing of 3.7e-9, of which the reported time and the multiple of the period
+    // subtracted here each lose a half.
     assert!(orbit.worst.0 <= 4e-9, "{:e}", orbit.worst.0);
     assert!(orbit.worst.1 < 1e-11 && orbit.worst.2 < 1e-12);
 }
 
 #[test]
 fn three_hundred_days_of_the_viaduct_balance() {
-    // 528 slips of 0.07 s a path. Energy, relative to the friction work, and time, relative to the 300 days.
+    // 528 slips of 0.07 s a path. Energy, relative to the friction work, and time, relative to the
+    // 300 days.
     for scheme in ["event-driven", "quasi-static"] {
         let overrides =
             [Override::flag("--scheme", "scheme.kind", scheme), Override::flag("--paths", "ensemble.paths", "16")];

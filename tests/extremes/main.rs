@@ -1,4 +1,5 @@
-//! Stability at the extremes: what is predicted happens, what is refused says why, and nothing in between is silent nonsense.
+//! Stability at the extremes: what is predicted happens, what is refused says why, and nothing in
+//! between is silent nonsense.
 //!
 //! ```text
 //! stability       where the explicit step grows and where it does not, predicted and shown

@@ -1,14 +1,17 @@
-//! Where the explicit step grows and where it does not: predicted, warned of, shown; and the event-driven scheme beside it.
+//! Where the explicit step grows and where it does not: predicted, warned of, shown; and the
+//! event-driven scheme beside it.
 //!
-//! **Without damping.** A step multiplies the distance from the centre of a half-cycle by sqrt(1 + c^2), c = w0 h, and turns it by atan c;
-//! a half-cycle multiplies by G = (1 + c^2)^{pi/(2 atan c)}, about centres eps f_d/K. From turn to turn
+//! **Without damping.** A step multiplies the distance from the centre of a half-cycle by sqrt(1 +
+//! c^2), c = w0 h, and turns it by atan c; a half-cycle multiplies by G = (1 + c^2)^{pi/(2 atan
+//! c)}, about centres eps f_d/K. From turn to turn
 //!
 //! ```text
 //! A' = G A - (G + 1) f_d/K,   at rest at A* = coth(ln G/2) f_d/K = A_c (1 + pi^2 c^2/48 + ...),   A_c = 4 f_d/(pi w0 h K)
 //! ```
 //!
-//! so A_c is the limit up to a relative O(c^2), and A_n - A* = G^n (A_0 - A*). Turns happen on the grid, which moves each by a relative
-//! O(c^2) too; over the 2/(pi c) half-cycles in which a distance from A* grows e-fold, that is O(c).
+//! so A_c is the limit up to a relative O(c^2), and A_n - A* = G^n (A_0 - A*). Turns happen on the
+//! grid, which moves each by a relative O(c^2) too; over the 2/(pi c) half-cycles in which a
+//! distance from A* grows e-fold, that is O(c).
 
 use super::common::Keep;
 use std::f64::consts::PI;
@@ -115,7 +118,8 @@ fn amplitudes_grow_above_the_critical_one_and_fall_below_it_as_predicted() {
 
 #[test]
 fn where_the_explicit_step_grows_the_event_driven_scheme_loses_two_f_d_over_k_a_half_cycle() {
-    // Coulomb's own result: turn n at t = n pi/w0 and |x| = x0 - 2 n f_d/K. To rounding, in digits of x0.
+    // Coulomb's own result: turn n at t = n pi/w0 and |x| = x0 - 2 n f_d/K. To rounding, in digits
+    // of x0.
     for (mass, stiffness, c, near) in UNDAMPED {
         let friction = 0.3 * stiffness;
         let start = (1.0 + near) * 4.0 * friction / (PI * c * stiffness);
@@ -143,13 +147,15 @@ const DAMPED: [(f64, f64, f64); 6] =
 
 #[test]
 fn the_damped_step_grows_beyond_its_limit_and_not_before() {
-    // 5 % to either side of h = 2 alpha/K (underdamped) and of h = 2/|lambda_max| (over): from 1e4 f/K it comes to rest, or overflows.
+    // 5 % to either side of h = 2 alpha/K (underdamped) and of h = 2/|lambda_max| (over): from 1e4
+    // f/K it comes to rest, or overflows.
     for (mass, stiffness, damping) in DAMPED {
         let (w0, gamma) = ((stiffness / mass).sqrt(), damping / mass);
         let lambda = gamma + (gamma * gamma - w0 * w0).max(0.0).sqrt();
         let limit = if gamma < w0 { 2.0 * damping / stiffness } else { 2.0 / lambda };
         for side in [0.95, 1.05] {
-            // Enough for the slow growth of weak damping; not so long that an overdamped creep underflows.
+            // Enough for the slow growth of weak damping; not so long that an overdamped creep
+            // underflows.
             let steps = if gamma < w0 { 40_000.0 } else { 300.0 };
             let step = side * limit;
             let (friction, start) = (1e-4 * stiffness, 1.0);
@@ -166,7 +172,8 @@ fn the_damped_step_grows_beyond_its_limit_and_not_before() {
                 assert!(x.abs() <= 1.001 * friction / stiffness && v.abs() <= 1e-6 * w0 * start, "{x} {v}");
             }
 
-            // The event-driven scheme has no step to be wrong: the exact damped motion about f_d/K, at its first turn or at a given time.
+            // The event-driven scheme has no step to be wrong: the exact damped motion about f_d/K,
+            // at its first turn or at a given time.
             let (events, _, summary) = free.path("event-driven");
             assert!(summary.diverged.is_empty());
             assert!(!foretold(&free.scenario("event-driven")));

@@ -1,4 +1,5 @@
-//! A synthetic run for the tests of the store: rows and a summary that are functions of the path numbers alone.
+//! A synthetic run for the tests of the store: rows and a summary that are functions of the path
+//! numbers alone.
 #![allow(dead_code, reason = "each test file uses its own part")]
 
 use ndarray::Array2;

@@ -49,7 +49,8 @@ impl Slip {
         let series = temperature.series.as_ref();
         let rates = temperature.harmonics.iter().map(|h| h.amplitude.abs() * h.angular_frequency);
         let rates = rates.chain(series.map(|series| series.steepest()));
-        // However fast a harmonic, it changes by no more than twice its amplitude; measured values by no more than their range.
+        // However fast a harmonic, it changes by no more than twice its amplitude; measured values
+        // by no more than their range.
         let bounds = temperature.harmonics.iter().map(|h| 2.0 * h.amplitude.abs());
         let bounds = bounds.chain(series.map(|series| series.range().1 - series.range().0));
         let harmonics: f64 = rates.clone().zip(bounds).map(|(rate, bound)| (rate * duration).min(bound)).sum();
@@ -60,7 +61,8 @@ impl Slip {
         let noise = noise.fold(0.0, f64::hypot);
         let to_force = oscillator.force_per_temperature().abs();
         let gap = friction.static_force - friction.dynamic_force;
-        // A slip ends because the body swings back faster than the forcing moves on, or because of noise.
+        // A slip ends because the body swings back faster than the forcing moves on, or because of
+        // noise.
         let swings_back = swing.return_speed * oscillator.natural_frequency() * gap;
         Some(Slip {
             duration,
@@ -117,7 +119,8 @@ impl fmt::Display for ForcingDuringSlip {
     }
 }
 
-/// The damped swing of the quasi-static recursion has no end where the forcing moves on: the body creeps.
+/// The damped swing of the quasi-static recursion has no end where the forcing moves on: the body
+/// creeps.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Creep {
     /// How fast the harmonics change the force, at most.

@@ -1,4 +1,5 @@
-//! Statistics as comma-separated values (RFC 4180): a line for each statistic of each file, or of each point of a sweep.
+//! Statistics as comma-separated values (RFC 4180): a line for each statistic of each file, or of
+//! each point of a sweep.
 
 use stick_slip::scenario::Units;
 use stick_slip::stats::Estimate;

@@ -156,7 +156,8 @@ fn winners(trade: &Trade, target: f64) -> String {
     aligned(&rows, GAP)
 }
 
-/// `0.0039 x684 12.3 ms`; a step that was not run is in brackets, and antithetic pairs are marked p.
+/// `0.0039 x684 12.3 ms`; a step that was not run is in brackets, and antithetic pairs are marked
+/// p.
 fn run(choice: &Choice) -> String {
     let knob = short(choice.scheme.parameter());
     let knob = if choice.is_measured { knob } else { format!("({knob})") };

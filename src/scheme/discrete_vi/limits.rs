@@ -38,8 +38,9 @@ pub(super) fn check_increments(model: &Model, h: f64) -> Result<(), Misfit> {
     Err(Misfit::new(&[("temperature.noise.diffusion", noise.diffusion)], problem, remedy))
 }
 
-/// Noise is one process that goes on from step to step: the kernels carry one v a path, and would be slower for
-/// every scene if they carried two. Nor do steps meet the samples that noise is pinned to.
+/// Noise is one process that goes on from step to step: the kernels carry one v a path, and would
+/// be slower for every scene if they carried two. Nor do steps meet the samples that noise is
+/// pinned to.
 pub(super) fn check_noise(model: &Model) -> Result<(), Misfit> {
     if model.temperature.has_two_noises() {
         let problem = "there are two noises, and the schemes with a step carry one".to_string();

@@ -182,8 +182,8 @@ impl<'a, C: Cascade> OneByOne<'a, C> {
 }
 
 /// One path after the other across cells, looked at or not: a scalar program, compiled for each
-/// instruction set with everything that is called often (hence `inline(always)` there), so that fused
-/// multiply-adds become instructions instead of calls. The bits stay the same.
+/// instruction set with everything that is called often (hence `inline(always)` there), so that
+/// fused multiply-adds become instructions instead of calls. The bits stay the same.
 struct Crossing<'p, 'a, C: Cascade> {
     all: &'p mut OneByOne<'a, C>,
     cells: &'p [Cell],

@@ -120,8 +120,8 @@ impl Cell {
     }
 }
 
-/// The largest of 1, 2, 2.5 and 5 times a power of ten that is at most `length`: such cells end where
-/// people look, which then takes no extra draw.
+/// The largest of 1, 2, 2.5 and 5 times a power of ten that is at most `length`: such cells end
+/// where people look, which then takes no extra draw.
 pub fn round_down(length: f64) -> f64 {
     let mut decade = 10f64.powi(libm::log10(length).floor() as i32);
     // The logarithm may be off by a rounding.

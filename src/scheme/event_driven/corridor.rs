@@ -148,7 +148,8 @@ impl Corridor {
 }
 
 impl Corridor {
-    /// Whether a piece between two nodes may leave the corridor, and whether that is decided at once.
+    /// Whether a piece between two nodes may leave the corridor, and whether that is decided at
+    /// once.
     #[inline(always)]
     pub fn reach<L: Lanes>(&self, scene: &Scene, h: L, left: &Node<L>, right: &Node<L>) -> Reach<L> {
         let (up, down) = (side(scene, 1.0, h, left, right), side(scene, -1.0, h, left, right));
@@ -301,10 +302,13 @@ mod tests {
         }
     }
 
-    /// Where the threshold bends, 1 + 100 (1 - cos((t - 2.5)/10)) above the noise with theta = 0.0354 and s = 1, the length of a step is a matter of its chord error
-    /// alone; pieces are halved, so that four times the error would be pieces of four times the length. Null: the chance to leave in the first
-    /// dip, and when, are the exact ones (`tests/reference/first_stick.py`) but for the default tolerance, 0.1 %. 8e5 paths, which tell the two to 0.12 and 0.06 %,
-    /// two comparisons at 1e-4 each. At twice the chord error the time is 0.4 % too long, at four times 4 %.
+    /// Where the threshold bends, 1 + 100 (1 - cos((t - 2.5)/10)) above the noise with theta =
+    /// 0.0354 and s = 1, the length of a step is a matter of its chord error alone; pieces are
+    /// halved, so that four times the error would be pieces of four times the length. Null: the
+    /// chance to leave in the first dip, and when, are the exact ones
+    /// (`tests/reference/first_stick.py`) but for the default tolerance, 0.1 %. 8e5 paths, which
+    /// tell the two to 0.12 and 0.06 %, two comparisons at 1e-4 each. At twice the chord error the
+    /// time is 0.4 % too long, at four times 4 %.
     #[test]
     fn a_bent_threshold_is_left_when_it_should_be_at_the_default_tolerance() {
         let (amplitude, w): (f64, f64) = (100.0, 0.1);

@@ -1,9 +1,9 @@
 //! The first zero of the velocity inside a slip step whose two ends are known.
 //!
-//! Let V = eps x' and a = V' on a step [0, h], and s the distance travelled, eps (x1 - x0). To leading order
-//! in h (fastest rate), x is a twice integrated Brownian motion of intensity c = (noise
-//! diffusion)/m, conditioned at both ends on distance, velocity and acceleration (the first neglected
-//! terms are of relative order (h rate)^2/100). Given those,
+//! Let V = eps x' and a = V' on a step [0, h], and s the distance travelled, eps (x1 - x0). To
+//! leading order in h (fastest rate), x is a twice integrated Brownian motion of intensity c =
+//! (noise diffusion)/m, conditioned at both ends on distance, velocity and acceleration (the first
+//! neglected terms are of relative order (h rate)^2/100). Given those,
 //!
 //! - the mean is the quintic Hermite interpolant of x;
 //! - the precision of (x, V, a) at u, r = h - u, is the sum of the one-sided ones, c^-2 times
@@ -157,7 +157,8 @@ impl Pending {
 
 impl StopSearch {
     /// The first zero of V in a step, or none. `passed` is told, from the left, of every interval
-    /// without one: the time and the distance to where it begins, the motion there, and the rest of it.
+    /// without one: the time and the distance to where it begins, the motion there, and the rest of
+    /// it.
     #[inline(always)]
     pub fn first(
         &self,
@@ -361,15 +362,15 @@ impl<L: Lanes> NearStop<L> {
     }
 }
 
-/// A distance travelled while V > 0. Those of intervals are differences, good to a rounding of that of
-/// the whole step; a slip much smaller than that may come out backwards.
+/// A distance travelled while V > 0. Those of intervals are differences, good to a rounding of that
+/// of the whole step; a slip much smaller than that may come out backwards.
 #[inline(always)]
 pub fn forwards<L: Lanes>(travel: L) -> L {
     L::select(travel.lt(L::splat(0.0)), L::splat(0.0), travel)
 }
 
-/// The state at a fraction of an interval, drawn with three normals given both its ends: the distance to
-/// there, and the motion.
+/// The state at a fraction of an interval, drawn with three normals given both its ends: the
+/// distance to there, and the motion.
 pub fn state_inside(left: Motion, next: &Interval, p: f64, normals: [f64; 3]) -> (f64, Motion) {
     let (mean, [dx, dv, da]) = (Quintic::new(left, next), conditional_factor(p, normals));
     let (h, inverse, noise) = (next.length, next.inverse, next.noise);
@@ -480,8 +481,8 @@ const NEWTON_STEPS: usize = 3;
 /// Each refinement takes the remaining distance to about its power 3/2; eight are never needed.
 pub const STOP_REFINEMENTS: usize = 8;
 
-/// The mean distance on an interval as a polynomial in the fraction p of it; so are V, times h, and a,
-/// times h^2.
+/// The mean distance on an interval as a polynomial in the fraction p of it; so are V, times h, and
+/// a, times h^2.
 struct Quintic<L> {
     d0: L,
     e0: L,
@@ -562,15 +563,17 @@ mod tests {
         }
     }
 
-    /// A step of length h from rest to rest of a motion that is not at rest in between, and its noise.
+    /// A step of length h from rest to rest of a motion that is not at rest in between, and its
+    /// noise.
     fn an_interval(h: f64, c: f64) -> (Motion, Interval) {
         let left = Motion { velocity: 0.7, acceleration: -1.3 };
         let end = Motion { velocity: -0.4, acceleration: 0.9 };
         (left, Interval::new(end, 0.31, h, c))
     }
 
-    /// The mean of V is a polynomial of degree 4 whose Bezier control points are said to bound it: the sum of them with Bernstein's weights is the derivative of the
-    /// mean distance, which begins and ends as the motion does.
+    /// The mean of V is a polynomial of degree 4 whose Bezier control points are said to bound it:
+    /// the sum of them with Bernstein's weights is the derivative of the mean distance, which
+    /// begins and ends as the motion does.
     #[test]
     fn the_control_points_are_those_of_the_mean_velocity() {
         let (left, next) = an_interval(0.8, 0.0);
@@ -595,8 +598,9 @@ mod tests {
         assert!((ends.1.acceleration - 0.9).abs() < 1e-11 && (whole.1.acceleration + 1.3).abs() < 1e-12, "{ends:?}");
     }
 
-    /// The standard deviations that a zero is held to be out of reach by are the largest there are between two ends: of V, of V/u, of a, for h = c = 1, from the
-    /// factor of the conditional law, whose rows are distance, V and a.
+    /// The standard deviations that a zero is held to be out of reach by are the largest there are
+    /// between two ends: of V, of V/u, of a, for h = c = 1, from the factor of the conditional law,
+    /// whose rows are distance, V and a.
     #[test]
     fn the_spreads_are_the_largest_of_the_conditional_law() {
         let mut largest = [0.0f64; 3];
@@ -613,9 +617,10 @@ mod tests {
         }
     }
 
-    /// The state in the middle of an interval, given both ends, is Gaussian with the precision that the ends bring together, and with the mean that is on the quintic
-    /// between them. Both are linear in the normals: what the zeros and each normal alone make of it says all. The precision at u = r = h/2 for c = 1,
-    /// of (x, V, a), is written at the head of this file.
+    /// The state in the middle of an interval, given both ends, is Gaussian with the precision that
+    /// the ends bring together, and with the mean that is on the quintic between them. Both are
+    /// linear in the normals: what the zeros and each normal alone make of it says all. The
+    /// precision at u = r = h/2 for c = 1, of (x, V, a), is written at the head of this file.
     #[test]
     fn the_middle_of_an_interval_has_the_law_between_its_ends() {
         let (h, c) = (0.8, 1.7);
@@ -651,13 +656,16 @@ mod tests {
         }
     }
 
-    /// What has no end in sight: 4096 steps of a slip of length 1, each drawn from its law given the one before, and the first of them at which V is not above zero. Within a
-    /// step V changes by its slope, a straight line; a zero that comes and goes within one is missed, with a chance of some 1e-3 in all.
+    /// What has no end in sight: 4096 steps of a slip of length 1, each drawn from its law given
+    /// the one before, and the first of them at which V is not above zero. Within a step V changes
+    /// by its slope, a straight line; a zero that comes and goes within one is missed, with a
+    /// chance of some 1e-3 in all.
     fn by_small_steps(start: Motion, c: f64, draws: &mut AddressedDraws) -> Option<Stop> {
         let (steps, mut x, mut v, mut a) = (4096, 0.0, start.velocity, start.acceleration);
         let u = 1.0 / f64::from(steps);
         for i in 0..steps {
-            // Cholesky's factor of the covariance u, u^2/2, u^3/6; ., u^3/3, u^4/8; ., ., u^5/20 of (a, V, x).
+            // Cholesky's factor of the covariance u, u^2/2, u^3/6; ., u^3/3, u^4/8; ., ., u^5/20 of
+            // (a, V, x).
             let (one, two, three) = (draws.normal(), draws.normal(), draws.normal());
             let root = c * u.sqrt();
             let next_x = x
@@ -676,10 +684,12 @@ mod tests {
         None
     }
 
-    /// Null: of a slip that starts from rest with a push, or runs, the first zero of V that is found between two drawn ends has the law of the first zero of small steps from the
-    /// start: how often there is one by 1/16, 1/4 and 1; and how far the body has come and how hard it is held back where it stops. Neither knows of the
-    /// other but the same linear system. 2e4 slips either way in three scenes, 15 comparisons at 3.9 combined standard errors (1e-4 each), beside 0.003 for the zeros
-    /// that small steps miss; seeds 51 and 52.
+    /// Null: of a slip that starts from rest with a push, or runs, the first zero of V that is
+    /// found between two drawn ends has the law of the first zero of small steps from the start:
+    /// how often there is one by 1/16, 1/4 and 1; and how far the body has come and how hard it is
+    /// held back where it stops. Neither knows of the other but the same linear system. 2e4 slips
+    /// either way in three scenes, 15 comparisons at 3.9 combined standard errors (1e-4 each),
+    /// beside 0.003 for the zeros that small steps miss; seeds 51 and 52.
     #[test]
     fn the_first_zero_has_the_law_that_small_steps_find() {
         const SLIPS: u64 = 20_000;

@@ -1,8 +1,8 @@
 //! Where cells begin and end.
 //!
 //! Cells have one length, which follows from the scene and the tolerance. Where the temperature was
-//! measured, a cell also ends at every sample, so that B is a straight line in each: the time between two
-//! samples is parted into as few equal cells as that length allows.
+//! measured, a cell also ends at every sample, so that B is a straight line in each: the time
+//! between two samples is parted into as few equal cells as that length allows.
 
 use crate::model::Series;
 use std::sync::Arc;

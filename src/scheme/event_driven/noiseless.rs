@@ -5,8 +5,8 @@
 //!   zero of eps x'.
 //! - Stick: b(t) is a sum of exponentials; the phase ends at the first zero of f_s - b or f_s + b.
 //!
-//! A temperature that was measured bends at its samples. So a phase is cut there, and goes on from the
-//! same place, with the same velocity and force, on another line.
+//! A temperature that was measured bends at its samples. So a phase is cut there, and goes on from
+//! the same place, with the same velocity and force, on another line.
 //!
 //! Both zeros are bracketed by bounds of the second derivative ([`first_root`]), so none is missed,
 //! and polished to rounding. Nothing is random: one path is computed and every lane is told about
@@ -152,8 +152,8 @@ impl Noiseless {
         self.model.temperature.series.as_deref()
     }
 
-    /// From a time on: the slope of K beta T/m on the line between two samples, how long that lasts, and whether it is a sample
-    /// that ends it, and not t_end.
+    /// From a time on: the slope of K beta T/m on the line between two samples, how long that
+    /// lasts, and whether it is a sample that ends it, and not t_end.
     fn line(&self, start: ExactTime) -> (f64, f64, bool) {
         let left = start.until(self.timeline.end);
         let Some(series) = self.series() else { return (0.0, left, false) };
@@ -319,7 +319,8 @@ impl Noiseless {
         let r = leg.start.until(t).max(0.0);
         let terms = self.body.terms();
         let gain = self.model.oscillator.force_per_temperature() / self.model.oscillator.mass;
-        // beta = 0 leaves the body blind to a temperature that the observer still sees; a leg that nothing ends may go over samples.
+        // beta = 0 leaves the body blind to a temperature that the observer still sees; a leg that
+        // nothing ends may go over samples.
         let temperature = if gain == 0.0 || self.series().is_some() {
             self.mean_temperature(t)
         } else {

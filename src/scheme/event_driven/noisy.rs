@@ -3,10 +3,10 @@
 //! Cell by cell ([`super::cell_loop`]), n at the end of a cell being known:
 //!
 //! - Stick: bridge crossings of the corridor ([`super::corridor`]).
-//! - Slip: exact steps of (x, x', n) ([`DrivenOscillator`]), given n at their ends, each searched for
-//!   the first zero of x' ([`super::first_stop`]). Where a slip stops, the state that was drawn at
-//!   the end of the step is forgotten: what goes on from there depends on n at the end of the cell
-//!   alone.
+//! - Slip: exact steps of (x, x', n) ([`DrivenOscillator`]), given n at their ends, each searched
+//!   for the first zero of x' ([`super::first_stop`]). Where a slip stops, the state that was drawn
+//!   at the end of the step is forgotten: what goes on from there depends on n at the end of the
+//!   cell alone.
 //!
 //! A cell is as long as one step of a slip, or, where the body swings much faster than forcing and
 //! noise change, as those allow: then a slip makes many steps in a cell, n at their ends drawn from
@@ -212,8 +212,8 @@ impl Noisy {
         Event { kind, time: cell.start + path.after, displacement: path.displacement, force }
     }
 
-    /// One exact step of (x, x', n) given n at its end, of the forcing and so of b; by one normal for
-    /// x' and one for x.
+    /// One exact step of (x, x', n) given n at its end, of the forcing and so of b; by one normal
+    /// for x' and one for x.
     #[inline(always)]
     fn take(
         &self,
@@ -436,8 +436,8 @@ impl Cascade for Noisy {
     }
 }
 
-/// An interval without a zero of the velocity: the time and the distance to where it begins, the motion
-/// there, and the rest of it.
+/// An interval without a zero of the velocity: the time and the distance to where it begins, the
+/// motion there, and the rest of it.
 type Passed = (f64, f64, Motion, Interval);
 
 /// The interval before a stop, with the stop as it is.

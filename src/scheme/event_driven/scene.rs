@@ -42,7 +42,8 @@ pub struct Scene {
     pub diffusion: f64,
     /// The law of n(0): its mean and standard deviation.
     pub initial_noise: (f64, f64),
-    /// What n is the sum of, where there are two noises; theta and s are those of the sum inside a cell then.
+    /// What n is the sum of, where there are two noises; theta and s are those of the sum inside a
+    /// cell then.
     pub two_noises: Option<TwoNoises>,
     /// K beta: force per temperature.
     pub force_per_temperature: f64,
@@ -134,7 +135,8 @@ impl Scene {
         self.series.as_ref().map_or(Ladder::even(longest), |series| Ladder::cut(series, longest))
     }
 
-    /// How n gets across a cell: freely, or, where it is pinned, on its way to zero at the sample ahead.
+    /// How n gets across a cell: freely, or, where it is pinned, on its way to zero at the sample
+    /// ahead.
     pub fn transition(&self, rung: &Rung) -> Transition {
         let (theta, s) = (self.relaxation_rate, self.diffusion);
         match &self.series {
@@ -150,9 +152,9 @@ impl Scene {
 
     /// The term of the straight line that B is between two samples, at a time on it.
     ///
-    /// A harmonic that turns by an angle y of at most 1e-8 goes straight: Re[(re + i im) e^{iy}] = re -
-    /// im y, because cos y rounds to 1 and sin y to y. So a line needs no formulas of its own, and what
-    /// is left of the harmonic's bend, y^2/2, is below rounding.
+    /// A harmonic that turns by an angle y of at most 1e-8 goes straight: Re[(re + i im) e^{iy}] =
+    /// re - im y, because cos y rounds to 1 and sin y to y. So a line needs no formulas of its own,
+    /// and what is left of the harmonic's bend, y^2/2, is below rounding.
     pub fn set_line(&self, piece: usize, t: f64, terms: &mut [Complex]) {
         let (Some(series), Some(h), Some(term)) = (&self.series, self.harmonics.last(), terms.last_mut()) else {
             return;

@@ -72,8 +72,8 @@ pub fn motion<L: Lanes>(body: &Oscillator, eps: L, v: L, force: L, friction: L) 
     Motion { velocity: eps * v, acceleration: eps * (force - friction) / L::splat(body.mass) }
 }
 
-/// The distance from x0 to x1, or that of the cubic of both ends where x0 and x1 cannot tell it from
-/// theirs: far out, or in a step of no length.
+/// The distance from x0 to x1, or that of the cubic of both ends where x0 and x1 cannot tell it
+/// from theirs: far out, or in a step of no length.
 #[inline(always)]
 pub fn resolved_travel<L: Lanes>(x0: L, x1: L, start: Motion<L>, end: Motion<L>, h: L) -> L {
     let travel = x1 - x0;

@@ -1,24 +1,25 @@
 //! Two Ornstein-Uhlenbeck noises at once.
 //!
-//! n = n1 + n2, each a process dn_j = -theta_j n_j dt + s_j dW_j of its own. The skeleton of a path holds
-//! both at the ends of every cell, drawn exactly. Inside a cell only their sum matters, and there it is
-//! taken for one process between the two known ends, with
+//! n = n1 + n2, each a process dn_j = -theta_j n_j dt + s_j dW_j of its own. The skeleton of a path
+//! holds both at the ends of every cell, drawn exactly. Inside a cell only their sum matters, and
+//! there it is taken for one process between the two known ends, with
 //!
 //! ```text
 //! s^2 = s1^2 + s2^2,    theta^2 = (theta1^2 s1^2 + theta2^2 s2^2)/s^2
 //! ```
 //!
-//! This is right to second order in theta_j h. Between known ends n_j is a bridge with the mean and the
-//! variance
+//! This is right to second order in theta_j h. Between known ends n_j is a bridge with the mean and
+//! the variance
 //!
 //! ```text
 //! mean       straight line - theta_j^2 (straight line) t (h - t)/2 + ..
 //! variance   s_j^2 t (h - t)/h (1 - theta_j^2 t (h - t)/3 + ..)
 //! ```
 //!
-//! so the variance of the sum is that of one process with the theta above, up to the fourth power of
-//! theta_j h; its mean is off by at most (theta_1^2 - theta^2) h^2/8 of n1, and likewise of n2. Cells are so
-//! short that theta_j h <= 0.1 at the default tolerance, which leaves 0.13 % of n1 at mid-cell.
+//! so the variance of the sum is that of one process with the theta above, up to the fourth power
+//! of theta_j h; its mean is off by at most (theta_1^2 - theta^2) h^2/8 of n1, and likewise of n2.
+//! Cells are so short that theta_j h <= 0.1 at the default tolerance, which leaves 0.13 % of n1 at
+//! mid-cell.
 
 use super::scene::part;
 use crate::model::Noise;

@@ -41,9 +41,10 @@ pub struct SweepFile {
 }
 
 impl SweepFile {
-    /// Take the name for a sweep. Returns the points that are known already: all of them, if the file is there and answers the same
-    /// question; those of `NAME.partial`, if an interrupted sweep of the same question left it. A file of another question is an error,
-    /// unless it may go (`force`).
+    /// Take the name for a sweep. Returns the points that are known already: all of them, if the
+    /// file is there and answers the same question; those of `NAME.partial`, if an interrupted
+    /// sweep of the same question left it. A file of another question is an error, unless it may go
+    /// (`force`).
     pub fn open(
         target: &Path,
         header: &Provenance,

@@ -10,7 +10,8 @@ use crate::study::sweep::Sweep;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Write a sweep to this path in one step: at every moment there is the earlier file or the new one.
+/// Write a sweep to this path in one step: at every moment there is the earlier file or the new
+/// one.
 pub(super) fn replace(path: &Path, header: &Provenance, sweep: &Sweep) -> Result<(), StoreError> {
     let mut name = path.as_os_str().to_owned();
     name.push(".new");

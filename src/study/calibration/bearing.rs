@@ -55,7 +55,8 @@ pub struct Bearing {
 }
 
 impl Bearing {
-    /// That of a scenario, under this temperature at first: a body whose place is not given is where no spring force acts.
+    /// That of a scenario, under this temperature at first: a body whose place is not given is
+    /// where no spring force acts.
     pub fn of(scene: &BridgeScene, temperature: f64) -> Self {
         Bearing {
             stiffness: scene.stiffness,

@@ -99,7 +99,8 @@ fn with_window(samples: &Samples, sums: &[f64], window: usize) -> Jumps {
     Jumps { jumps, window, contrast: usual / noise }
 }
 
-/// `still` before any slip is known: increments of an hour, of which those are trimmed that a slip may be in.
+/// `still` before any slip is known: increments of an hour, of which those are trimmed that a slip
+/// may be in.
 pub fn trimmed_slope(samples: &Samples) -> f64 {
     let step = ((HOUR / samples.interval()).round() as usize).max(1);
     let Samples { temperatures: t, readings: z, .. } = samples;

@@ -2,8 +2,8 @@
 //!
 //! Storn and Price, *Differential evolution*, Journal of Global Optimization 11 (1997), in the form
 //! current-to-best/1 with a random scale. A function with many valleys of nearly one depth stops a
-//! population in one of them, so that it is let loose again, closer around the best point found, until that
-//! finds nothing better.
+//! population in one of them, so that it is let loose again, closer around the best point found,
+//! until that finds nothing better.
 
 use crate::noise::Stream;
 
@@ -34,10 +34,11 @@ type Box<const N: usize> = [[f64; 2]; N];
 /// A point, and the value there.
 type Found<const N: usize> = ([f64; N], f64);
 
-/// The lowest point found in a box, and its value. The number of the start decides the random numbers.
+/// The lowest point found in a box, and its value. The number of the start decides the random
+/// numbers.
 ///
-/// `leap` knows from a point, and a number from -1 to 1, another one where the function may be as low: valleys
-/// that lie side by side are not found one from the other by mixing points of one.
+/// `leap` knows from a point, and a number from -1 to 1, another one where the function may be as
+/// low: valleys that lie side by side are not found one from the other by mixing points of one.
 pub fn lowest<const N: usize>(
     bounds: &Box<N>,
     start: u64,
@@ -112,7 +113,8 @@ fn population<const N: usize>(
 mod tests {
     use super::*;
 
-    /// Rastrigin's function has a hundred valleys in this box, of which the lowest is at (0.3, -0.7).
+    /// Rastrigin's function has a hundred valleys in this box, of which the lowest is at (0.3,
+    /// -0.7).
     #[test]
     fn the_lowest_of_many_valleys_is_found() {
         let rugged = |x: &[f64; 2]| {

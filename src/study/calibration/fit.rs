@@ -8,15 +8,19 @@ use super::slips::{Evidence, Slip};
 use crate::study::linear::Normal;
 
 impl Evidence {
-    /// A, G, xi(0), z0 and the slopes, from blocks of time with these weights. None where too few slips were seen.
+    /// A, G, xi(0), z0 and the slopes, from blocks of time with these weights. None where too few
+    /// slips were seen.
     ///
-    /// Each number has a source of its own, and none needs to know how many slips there were in between:
+    /// Each number has a source of its own, and none needs to know how many slips there were in
+    /// between:
     ///
     /// - `still` is the slope of z against T inside sticks;
     /// - between a slip and the next one the other way T goes 2 A - G = 2 f_d/(K beta);
-    /// - the middle of a jump, less still T, is z0 + moving (T -+ (A - G/2)): a line whose slope is `moving`;
+    /// - the middle of a jump, less still T, is z0 + moving (T -+ (A - G/2)): a line whose slope is
+    ///   `moving`;
     /// - the height of a jump is moving G;
-    /// - xi(0) is A away from the temperature of the first slip; where that fell into a gap it is read off the level before.
+    /// - xi(0) is A away from the temperature of the first slip; where that fell into a gap it is
+    ///   read off the level before.
     ///
     /// f_s may differ from slip to slip: the means of these are still right.
     pub fn fit(&self, weights: &[f64]) -> Option<Response> {
@@ -47,8 +51,9 @@ impl Evidence {
 }
 
 impl Evidence {
-    /// How well xi(0) is known where everything else is, in kelvin. From the temperature of one slip: from how reversals differ, each of which
-    /// takes two of them. From a level: from how far the middles of jumps are from their line.
+    /// How well xi(0) is known where everything else is, in kelvin. From the temperature of one
+    /// slip: from how reversals differ, each of which takes two of them. From a level: from how far
+    /// the middles of jumps are from their line.
     pub fn scatter(&self) -> f64 {
         if self.beginning.is_some() {
             let Some(Response { motion, sensor }) = self.fit(&self.unweighted()) else { return 0.0 };
@@ -65,7 +70,8 @@ impl Evidence {
 }
 
 impl Evidence {
-    /// By how much the sizes of slips scatter beyond what the noise of the sensor explains, over their mean.
+    /// By how much the sizes of slips scatter beyond what the noise of the sensor explains, over
+    /// their mean.
     pub fn excess_scatter(&self) -> f64 {
         let still = Sums::weighted(&self.sums, &self.unweighted()).slope();
         let sizes: Vec<f64> = self.slips.iter().map(|slip| slip.size(still)).collect();
@@ -76,8 +82,9 @@ impl Evidence {
         ((spread(&single) / middle).powi(2) - noise * noise).max(0.0).sqrt()
     }
 
-    /// Which share of the way of the body, while it goes on in one direction, the slips explain that were seen. It is 1 if all were,
-    /// because the next one comes when T has gone on by G; of a body that slides, only some of the way looks like slips.
+    /// Which share of the way of the body, while it goes on in one direction, the slips explain
+    /// that were seen. It is 1 if all were, because the next one comes when T has gone on by G; of
+    /// a body that slides, only some of the way looks like slips.
     pub fn explained(&self, response: &Response) -> f64 {
         let onwards = self.slips.windows(2).filter(|pair| pair[0].sign == pair[1].sign);
         let [seen, gone] = onwards.fold([0.0; 2], |[seen, gone], pair| {

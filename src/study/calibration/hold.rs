@@ -9,8 +9,8 @@ pub type Held = (Quantity, f64);
 
 /// The estimates, and the replicates, when these quantities have these values.
 ///
-/// Errors of estimates go together, as the replicates do; so what is told of one corrects the others. This is the conditional law of
-/// normal errors, taken for one quantity after the other.
+/// Errors of estimates go together, as the replicates do; so what is told of one corrects the
+/// others. This is the conditional law of normal errors, taken for one quantity after the other.
 pub fn conditioned(estimates: Values, replicates: &mut Replicates, held: &[Held], shear_stiffness: f64) -> Values {
     let mut estimates = estimates;
     for (quantity, target) in held {
@@ -25,8 +25,8 @@ pub fn conditioned(estimates: Values, replicates: &mut Replicates, held: &[Held]
     estimates
 }
 
-/// What a held quantity says of z0 and the slopes of a sensor, when the motion is this one: a combination of (z0, moving, still), and what it is, both in
-/// the unit of displacement.
+/// What a held quantity says of z0 and the slopes of a sensor, when the motion is this one: a
+/// combination of (z0, moving, still), and what it is, both in the unit of displacement.
 pub fn row((quantity, value): &Held, motion: &Motion, shear_stiffness: f64) -> ([f64; 3], f64) {
     /// What slopes are multiplied with, in kelvin: as far as temperatures go.
     const WIDE: f64 = 10.0;

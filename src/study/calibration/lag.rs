@@ -11,7 +11,8 @@ pub const LONGEST: f64 = 4.0 * HOUR;
 
 /// By how much twice the logarithm of the likelihood must gain for a lag to be believed.
 ///
-/// Twins without a lag gain less than 3, and less than 10 with a thermometer of 1 K; one of five minutes gains 40.
+/// Twins without a lag gain less than 3, and less than 10 with a thermometer of 1 K; one of five
+/// minutes gains 40.
 pub const CONVINCING: f64 = 15.0;
 
 /// The lags of the profile that is kept, in minutes.

@@ -1,11 +1,11 @@
 //! How z follows T while friction holds, in noise that is red and white.
 //!
 //! Inside a stick z = level + still T + noise. The level is free, because the way of a slip is not
-//! known here, and it wanders, because a sensor's noise of a day is a random walk for the hours that
-//! tell `still`. So this is the local level model of Kalman filtering: a random walk seen through
-//! white noise, forgotten at every slip and gap. Its one parameter, the variance of a step of the
-//! walk over that of the white noise, is fitted by likelihood, and the filter turns z and T into
-//! independent rows of a regression.
+//! known here, and it wanders, because a sensor's noise of a day is a random walk for the hours
+//! that tell `still`. So this is the local level model of Kalman filtering: a random walk seen
+//! through white noise, forgotten at every slip and gap. Its one parameter, the variance of a step
+//! of the walk over that of the white noise, is fitted by likelihood, and the filter turns z and T
+//! into independent rows of a regression.
 
 /// Samples of a stick, taken together.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -75,8 +75,8 @@ impl Sums {
         ((self.zz - self.slope() * self.tz) / self.rows).max(0.0)
     }
 
-    /// Twice the negative logarithm of the likelihood, `still` and the white noise chosen to make it
-    /// largest.
+    /// Twice the negative logarithm of the likelihood, `still` and the white noise chosen to make
+    /// it largest.
     pub fn deviance(&self) -> f64 {
         self.rows * self.variance().ln() + self.log_variance
     }

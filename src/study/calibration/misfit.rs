@@ -123,12 +123,14 @@ impl Misfit {
         i
     }
 
-    /// err, in the unit of displacement squared times seconds, and the sensor that makes it smallest.
+    /// err, in the unit of displacement squared times seconds, and the sensor that makes it
+    /// smallest.
     pub fn of(&self, motion: &Motion) -> (f64, Sensor) {
         self.best_sensor(self.sums(motion))
     }
 
-    /// The same with combinations of (z0, moving, still) that are to have given values; err grows fast where they cannot.
+    /// The same with combinations of (z0, moving, still) that are to have given values; err grows
+    /// fast where they cannot.
     pub fn held(&self, motion: &Motion, rows: &[([f64; 3], f64)]) -> (f64, Sensor) {
         /// How much dearer a unit of displacement is in a row than in the record.
         const DEAR: f64 = 1e4;
@@ -213,7 +215,8 @@ mod tests {
     use crate::study::calibration::hold::row;
     use crate::study::calibration::quantity::{Quantity, values};
 
-    /// A sensor with beta, z0 and K held has them, and err is what it leaves; held at what is best anyway, nothing changes.
+    /// A sensor with beta, z0 and K held has them, and err is what it leaves; held at what is best
+    /// anyway, nothing changes.
     #[test]
     fn what_is_held_is_had() {
         let temperatures: Vec<f64> = (0..3000).map(|i| 10.0 + 8.0 * libm::sin(0.01 * f64::from(i))).collect();
@@ -241,7 +244,8 @@ mod tests {
         }
     }
 
-    /// Against the model followed sample by sample: wide motions, narrow ones, without a gap, and one that never moves.
+    /// Against the model followed sample by sample: wide motions, narrow ones, without a gap, and
+    /// one that never moves.
     #[test]
     fn err_is_that_of_the_model_followed_sample_by_sample() {
         let mut random = Stream::new(5, 0);

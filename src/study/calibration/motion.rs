@@ -1,7 +1,7 @@
 //! The bearing in kelvin: where it has slipped to, sample by sample.
 //!
-//! Without mass, and with x = beta xi, the body rests while |T - xi| <= A, and is thrown by G towards T
-//! when it does not:
+//! Without mass, and with x = beta xi, the body rests while |T - xi| <= A, and is thrown by G
+//! towards T when it does not:
 //!
 //! ```text
 //! A = f_s/(K beta)             the temperature that friction holds
@@ -9,9 +9,9 @@
 //! ```
 //!
 //! A slip takes a tenth of a second and temperature is a line from sample to sample. So from one
-//! sample to the next there are n = ceil((|T - xi| - A)/G) slips towards T, with T that of the later
-//! sample: this is exact and has no step. With G = 0 the body is dragged along at the distance A,
-//! which is the play operator.
+//! sample to the next there are n = ceil((|T - xi| - A)/G) slips towards T, with T that of the
+//! later sample: this is exact and has no step. With G = 0 the body is dragged along at the
+//! distance A, which is the play operator.
 
 /// A, G and xi(0).
 #[derive(Clone, Copy, Debug, PartialEq)]

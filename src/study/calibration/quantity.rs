@@ -107,7 +107,8 @@ impl Quantity {
 /// One value for each of [`Quantity::ALL`].
 pub type Values = [f64; Quantity::ALL.len()];
 
-/// The values of a response, with the shear stiffness K_BP of the bearing if it is known. Missing is what cannot be known without.
+/// The values of a response, with the shear stiffness K_BP of the bearing if it is known. Missing
+/// is what cannot be known without.
 pub fn values(response: &Response, shear_stiffness: Option<f64>) -> Values {
     let Response { motion, sensor } = response;
     let beta = sensor.moving + sensor.still;

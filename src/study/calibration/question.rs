@@ -65,7 +65,8 @@ pub struct Question {
 }
 
 impl Question {
-    /// What is asked of the record of a bearing, where nothing more is said: everything is fitted by both methods.
+    /// What is asked of the record of a bearing, where nothing more is said: everything is fitted
+    /// by both methods.
     pub fn of(scene: &BridgeScene, record: &Record) -> Self {
         let first = record.temperatures.first().copied().unwrap_or(0.0);
         Question {
@@ -80,7 +81,8 @@ impl Question {
         }
     }
 
-    /// The same where only some quantities are fitted, if any are named: the others are held at what the scenario says.
+    /// The same where only some quantities are fitted, if any are named: the others are held at
+    /// what the scenario says.
     pub fn fitting(self, fitted: &[Quantity], scene: &BridgeScene) -> Result<Self, NotHeld> {
         let is_held = |quantity: &Quantity| !fitted.is_empty() && !fitted.contains(quantity);
         let held = Quantity::FITTED.into_iter().filter(is_held).map(|quantity| {

@@ -35,14 +35,15 @@ impl Estimate {
 ///
 /// Blocks of three days are not quite independent, and few. So intervals are widened as much as it
 /// took to hold the truth in 90 of 100 of 400 twins of the paper's bridge with red noise, which are
-/// other twins than those that the tests judge by: `cargo test --release --test calibration widening --
-/// --ignored --nocapture` prints by how much more they would have to be.
+/// other twins than those that the tests judge by: `cargo test --release --test calibration
+/// widening -- --ignored --nocapture` prints by how much more they would have to be.
 const WIDENING: Values = [1.05, 1.22, 1.07, 1.06, 1.08, 1.23, 1.26, 1.05, 1.47, 1.17, 1.21, 1.22];
 
-/// The same for the paper's least squares, around whose estimates the same law is laid: of 150 such twins.
+/// The same for the paper's least squares, around whose estimates the same law is laid: of 150 such
+/// twins.
 ///
-/// It knows A and G far better, if friction is always the same, and K, f_s and f_d far worse, because it takes red noise for
-/// independent.
+/// It knows A and G far better, if friction is always the same, and K, f_s and f_d far worse,
+/// because it takes red noise for independent.
 const WIDENING_ERR: Values = [2.85, 0.85, 3.2, 3.2, 2.55, 0.87, 3.4, 2.85, 0.45, 0.12, 0.95, 0.85];
 
 /// A slip that was seen.
@@ -78,7 +79,8 @@ pub struct Calibration {
     pub steel: Vec<f64>,
     /// What was taken out.
     pub spikes: Spikes,
-    /// Whether the sensor counts the other way, so that its readings were taken with the other sign.
+    /// Whether the sensor counts the other way, so that its readings were taken with the other
+    /// sign.
     pub is_mirrored: bool,
     /// The response that the estimates are of.
     pub response: Response,

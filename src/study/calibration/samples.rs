@@ -20,8 +20,9 @@ pub const HOUR: f64 = 3600.0;
 const GAP: f64 = 3.5;
 
 impl Record {
-    /// From two columns of times and values, each in order of time. The record has a sample at each time of the temperatures; a displacement at another
-    /// time goes with the temperature on the line between its neighbours, unless they are farther apart than a gap.
+    /// From two columns of times and values, each in order of time. The record has a sample at each
+    /// time of the temperatures; a displacement at another time goes with the temperature on the
+    /// line between its neighbours, unless they are farther apart than a gap.
     pub fn of([times, temperatures]: [&[f64]; 2], [when, readings]: [&[f64]; 2]) -> Record {
         let gap = GAP * interval(times);
         let mut record = Record { times: Vec::new(), temperatures: Vec::new(), readings: Vec::new() };
@@ -59,10 +60,11 @@ impl Record {
         Samples { temperatures: pick(&self.temperatures), readings: pick(&self.readings), times, starts }
     }
 
-    /// The same under the temperature of steel, which follows that of the air with this lag, in seconds.
+    /// The same under the temperature of steel, which follows that of the air with this lag, in
+    /// seconds.
     ///
-    /// dS/dt = (T - S)/lag, with T a line from sample to sample, for which the solution is exact; S = T at the
-    /// start and after a gap.
+    /// dS/dt = (T - S)/lag, with T a line from sample to sample, for which the solution is exact; S
+    /// = T at the start and after a gap.
     pub fn lagged(&self, lag: f64) -> Record {
         let mut steel = self.temperatures.clone();
         if lag > 0.0 {
@@ -79,8 +81,8 @@ impl Record {
         Record { temperatures: steel, ..self.clone() }
     }
 
-    /// The time that each sample stands for, in seconds: half of the ways to its neighbours, and half
-    /// of a usual one where there is a gap. Nothing for a sample without a reading.
+    /// The time that each sample stands for, in seconds: half of the ways to its neighbours, and
+    /// half of a usual one where there is a gap. Nothing for a sample without a reading.
     pub fn shares(&self) -> Vec<f64> {
         let samples = self.samples();
         let interval = samples.interval();
@@ -97,7 +99,8 @@ impl Record {
         self.readings.iter().map(share).collect()
     }
 
-    /// The smallest division of the thermometer, in kelvin: the usual distance of neighbouring values.
+    /// The smallest division of the thermometer, in kelvin: the usual distance of neighbouring
+    /// values.
     pub fn resolution(&self) -> f64 {
         let mut values = self.temperatures.clone();
         values.sort_by(f64::total_cmp);

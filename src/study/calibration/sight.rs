@@ -1,4 +1,5 @@
-//! What sticks say when their ends are known: of z against T, of the noise, and of jumps that were overlooked.
+//! What sticks say when their ends are known: of z against T, of the noise, and of jumps that were
+//! overlooked.
 
 use super::detect::{Jump, Jumps};
 use super::level::{self, Bin, Level, Sums};
@@ -6,7 +7,8 @@ use super::samples::{HOUR, Samples, median};
 use super::sticks::{bin, bins, sticks};
 use std::ops::Range;
 
-/// How long a block of time is that is weighted as one, in seconds: longer than a sensor's noise remembers.
+/// How long a block of time is that is weighted as one, in seconds: longer than a sensor's noise
+/// remembers.
 const BLOCK: f64 = 3.0 * 24.0 * HOUR;
 
 /// The number of the block of a time, in seconds.
@@ -83,7 +85,8 @@ impl Sight {
         steps
     }
 
-    /// The jumps that stand out when every level is known from its whole stick: those of `found` that still do, and more.
+    /// The jumps that stand out when every level is known from its whole stick: those of `found`
+    /// that still do, and more.
     pub fn jumps(&self, samples: &Samples, found: &Jumps) -> Jumps {
         let steps = self.steps(samples);
         let clear = |i: usize| steps[i][1].abs();

@@ -53,7 +53,8 @@ pub struct Evidence {
     pub contrast: f64,
     /// The bins that z was regressed on T with, in seconds.
     pub bin: f64,
-    /// The level of the stick in which the record begins, if the first slip that was seen does not end it, because there is a gap in between.
+    /// The level of the stick in which the record begins, if the first slip that was seen does not
+    /// end it, because there is a gap in between.
     pub beginning: Option<Level>,
     start: f64,
 }
@@ -67,8 +68,9 @@ const UNUSUAL: f64 = 2.5;
 impl Evidence {
     /// Look for slips, and at them. None where there is not one.
     ///
-    /// First by windows, which need to know nothing, and then by what the sticks between say: how z wanders by itself, and where a level
-    /// that is known from all samples of a stick jumps once more.
+    /// First by windows, which need to know nothing, and then by what the sticks between say: how z
+    /// wanders by itself, and where a level that is known from all samples of a stick jumps once
+    /// more.
     pub fn find(samples: &Samples, resolution: f64) -> Option<Evidence> {
         let seconds = bin_length(samples, resolution);
         let mut found = detect::jumps(samples, trimmed_slope(samples));
@@ -147,7 +149,8 @@ impl Evidence {
 /// The temperature of a slip between the samples of `before` and the next one.
 ///
 /// While it is warming, the slip comes when T has gone farther than ever since the last slip: it is
-/// between the highest temperature so far and that of the next sample. In the middle of them it is right on the mean.
+/// between the highest temperature so far and that of the next sample. In the middle of them it is
+/// right on the mean.
 fn crossing(temperatures: &[f64], before: Range<usize>, sign: f64) -> f64 {
     let next = sign * temperatures[before.end];
     let farthest = temperatures[before].iter().fold(f64::NEG_INFINITY, |far, t| far.max(sign * t));
@@ -165,7 +168,8 @@ fn mark_usual(slips: &mut [Slip], still: f64) {
     }
 }
 
-/// Those that are not far from the others: where a slip was not seen, the next reversal seems to go farther.
+/// Those that are not far from the others: where a slip was not seen, the next reversal seems to go
+/// farther.
 fn usual(values: Vec<(f64, usize)>) -> Vec<(f64, usize)> {
     let only: Vec<f64> = values.iter().map(|(value, _)| *value).collect();
     let (middle, wide) = (median(&mut only.clone()), spread(&only));

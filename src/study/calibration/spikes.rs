@@ -2,8 +2,8 @@
 
 use super::samples::{Record, median, spread};
 
-/// How many samples to either side a sample is held against. A level that changes, as in a slip, is no spike:
-/// the sample is with the majority of its window.
+/// How many samples to either side a sample is held against. A level that changes, as in a slip, is
+/// no spike: the sample is with the majority of its window.
 const REACH: usize = 3;
 
 /// So many standard deviations of what is usual make a spike.
@@ -18,7 +18,8 @@ pub struct Spikes {
     pub temperatures: usize,
 }
 
-/// A record without spikes. A reading is missing then; a temperature is on the line between its neighbours.
+/// A record without spikes. A reading is missing then; a temperature is on the line between its
+/// neighbours.
 pub fn without_spikes(record: &Record) -> (Record, Spikes) {
     let seen: Vec<usize> = (0..record.times.len()).filter(|i| record.readings[*i].is_finite()).collect();
     let readings: Vec<f64> = seen.iter().map(|i| record.readings[*i]).collect();

@@ -78,7 +78,8 @@ pub fn starts(misfit: &Misfit, search: &Search, question: &Question, threads: us
         let (err, sensor) = best(&motion);
         if question.bounds.is_empty() { err } else { err * (1.0 + 100.0 * outside(&Response { motion, sensor })) }
     };
-    // x lives on the lattice x(0) + n G: shifted by G, it is another body until both have been thrown about.
+    // x lives on the lattice x(0) + n G: shifted by G, it is another body until both have been
+    // thrown about.
     let leap = |[reach, jump, start]: [f64; 3], way: f64| [reach, jump, start + jump.copysign(way)];
     let make = |number: u64| {
         let (at, _) = evolve::lowest(&bounds, number, leap, value);

@@ -1,8 +1,9 @@
 //! How far an estimate may be off.
 //!
 //! Blocks of time are weighted anew, each with an exponential random number, and everything is
-//! estimated again: the Bayesian bootstrap (Rubin, *Annals of Statistics* 9, 1981) of blocks. No block is cut
-//! out, so that the history of the temperature, which a body with friction remembers, stays whole.
+//! estimated again: the Bayesian bootstrap (Rubin, *Annals of Statistics* 9, 1981) of blocks. No
+//! block is cut out, so that the history of the temperature, which a body with friction remembers,
+//! stays whole.
 
 use super::level::Sums;
 use super::quantity::{Quantity, Values, values};

@@ -13,7 +13,8 @@ pub enum Warning {
     NoSlips,
     /// f_s - f_d is not told from zero, or hardly.
     GapNotIdentified,
-    /// Slips differ in size more than they should if friction were always the same: standard deviation over mean.
+    /// Slips differ in size more than they should if friction were always the same: standard
+    /// deviation over mean.
     Scatter(f64),
     /// Steel is so many seconds behind the thermometer.
     Lag(f64),

@@ -3,7 +3,8 @@
 use crate::model::Temperature;
 use crate::noise::{Stream, Transition};
 
-/// So many samples, so many seconds apart, of the harmonics and a path of the noise, which is stationary from the beginning.
+/// So many samples, so many seconds apart, of the harmonics and a path of the noise, which is
+/// stationary from the beginning.
 pub fn drawn(temperature: &Temperature, count: usize, every: f64, seed: u64) -> [Vec<f64>; 2] {
     let times: Vec<f64> = (0..count).map(|i| i as f64 * every).collect();
     let mut temperatures: Vec<f64> = times.iter().map(|t| temperature.deterministic(*t)).collect();

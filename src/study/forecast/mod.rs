@@ -7,11 +7,12 @@
 //!       -> Forecast each quantity with two intervals: of what is expected, and of one year (summary)
 //! ```
 //!
-//! What is expected is the mean of years with the likeliest parameters. The mean over all draws would be too high by some
-//! percent: slips grow faster than in proportion with the variance of the weather.
+//! What is expected is the mean of years with the likeliest parameters. The mean over all draws
+//! would be too high by some percent: slips grow faster than in proportion with the variance of the
+//! weather.
 //!
-//! Crossings of the thresholds are those of the model in continuous time. A weather that is sampled, every ten minutes
-//! for example, overlooks the slips between its samples.
+//! Crossings of the thresholds are those of the model in continuous time. A weather that is
+//! sampled, every ten minutes for example, overlooks the slips between its samples.
 
 mod draw;
 mod summary;
@@ -46,8 +47,8 @@ pub struct Question {
     pub share: f64,
 }
 
-/// The time before a year is counted, in seconds: the body forgets where it was once the temperature has swung by more
-/// than 2 A both ways, which takes days to weeks.
+/// The time before a year is counted, in seconds: the body forgets where it was once the
+/// temperature has swung by more than 2 A both ways, which takes days to weeks.
 pub const BURN_IN: f64 = 90.0 * 86_400.0;
 
 /// A year, in seconds.
@@ -62,8 +63,9 @@ const LIKELIEST: u64 = 10;
 /// How many years a piece of work has.
 const PIECE: u64 = 10;
 
-/// Simulate years with parameters drawn from a calibration by slips and from a model of the weather, in seconds and
-/// kelvin. Fewer draws than were asked for are in it if `stop` was raised; none if not even two are.
+/// Simulate years with parameters drawn from a calibration by slips and from a model of the
+/// weather, in seconds and kelvin. Fewer draws than were asked for are in it if `stop` was raised;
+/// none if not even two are.
 ///
 /// # Errors
 ///
@@ -78,8 +80,8 @@ pub fn forecast(
     let bearings = BearingDraws::new(calibration);
     let timeline = Timeline { end: BURN_IN + YEAR, output_step: LOOKS, period: None, after: BURN_IN };
     let scheme = Scheme::from(QuasiStatic { tolerance: DEFAULT_TOLERANCE });
-    // The likeliest parameters first; then a stream for each draw, beside those of paths, which the seed and their numbers
-    // decide.
+    // The likeliest parameters first; then a stream for each draw, beside those of paths, which the
+    // seed and their numbers decide.
     let model = |draw: u64| {
         if draw == 0 {
             let bearing = bearings.likeliest();

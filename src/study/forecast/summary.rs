@@ -50,7 +50,8 @@ const RETURN_PERIODS: [f64; 2] = [10.0, 50.0];
 const EULER: f64 = 0.577_215_664_901_532_9;
 
 impl Forecast {
-    /// Of years, those with the likeliest parameters first and then draw by draw; none of fewer than two draws.
+    /// Of years, those with the likeliest parameters first and then draw by draw; none of fewer
+    /// than two draws.
     pub(super) fn of(mut years: Vec<Vec<Year>>, question: &Question, knows_forces: bool) -> Option<Forecast> {
         if years.len() < 3 {
             return None;
@@ -89,24 +90,26 @@ fn level(likeliest: &[Year], years: &[Vec<Year>], quantity: Quantity, question: 
     }
 }
 
-/// How far the true mean may be from the expected one: what the means of draws scatter by, less what the few years of each
-/// of them make of that, and with what all years leave.
+/// How far the true mean may be from the expected one: what the means of draws scatter by, less
+/// what the few years of each of them make of that, and with what all years leave.
 fn half_width(means: &[f64], within: f64, level: f64) -> f64 {
     let n = means.len() as f64;
     let variance = (variance(means) - within).max(0.0) + within / n;
     StudentsT::new(0.0, 1.0, n - 1.0).map_or(f64::NAN, |t| t.inverse_cdf(0.5 + 0.5 * level)) * variance.sqrt()
 }
 
-/// The greatest value of a year follows Gumbel's law nearly, which gives each draw of the parameters a return level
-/// from few years; the expected one is the quantile of all years, which needs no law.
+/// The greatest value of a year follows Gumbel's law nearly, which gives each draw of the
+/// parameters a return level from few years; the expected one is the quantile of all years, which
+/// needs no law.
 fn return_level(years: &[Vec<Year>], period: f64, question: &Question) -> ReturnLevel {
     let greatest = |year: &Year| year[Quantity::Greatest as usize];
     let mut all: Vec<f64> = years.iter().flatten().map(greatest).collect();
     all.sort_by(f64::total_cmp);
     let expected = quantile(&all, 1.0 - 1.0 / period);
     let reduced = -libm::log(-libm::log1p(-1.0 / period));
-    // By moments: scale sd sqrt(6)/pi, location mean - Euler's constant scales. The variance of what comes of it is that of
-    // a sum of mean and sd, with the kurtosis of Gumbel's law, 5.4, and its skewness, 1.14.
+    // By moments: scale sd sqrt(6)/pi, location mean - Euler's constant scales. The variance of
+    // what comes of it is that of a sum of mean and sd, with the kurtosis of Gumbel's law, 5.4, and
+    // its skewness, 1.14.
     let factor = (reduced - EULER) * 6f64.sqrt() / std::f64::consts::PI;
     let share = 1.0 + 1.14 * factor + 1.1 * factor * factor;
     let (mut levels, mut within) = (Vec::new(), 0.0);
@@ -144,10 +147,11 @@ mod tests {
 
     const QUESTION: Question = Question { draws: 50, years: 40, seed: 1, level: 0.9, share: 0.9 };
 
-    /// Draws whose means scatter by sd 1 around 5, years by sd 3 around each. The interval of what is expected is
-    /// +-1.68 (Student, 49 degrees of freedom) and not sqrt(1 + 9/40) of that; a year is in +-1.645 sqrt(10). The
-    /// largest value of a year is 10 - log(-log U), Gumbel's law: exceeded once in ten years is 12.25, and once in fifty
-    /// 13.90. Averages over 200 forecasts: their standard errors are below 1.5 %.
+    /// Draws whose means scatter by sd 1 around 5, years by sd 3 around each. The interval of what
+    /// is expected is +-1.68 (Student, 49 degrees of freedom) and not sqrt(1 + 9/40) of that; a
+    /// year is in +-1.645 sqrt(10). The largest value of a year is 10 - log(-log U), Gumbel's law:
+    /// exceeded once in ten years is 12.25, and once in fifty 13.90. Averages over 200 forecasts:
+    /// their standard errors are below 1.5 %.
     #[test]
     fn intervals_hold_what_they_are_about() {
         let mut random = Stream::new(2, 0);
@@ -177,9 +181,11 @@ mod tests {
         println!("{expected:.3} {year:.3} {levels:.3?} {widths:.3?}");
         assert!((expected / 1.685 - 1.0).abs() < 0.06, "{expected}");
         assert!((year / (1.645 * 10f64.sqrt()) - 1.0).abs() < 0.06, "{year}");
-        // With parameters that scatter by 0.5 the quantiles of all years are a little higher than 12.25 and 13.90.
+        // With parameters that scatter by 0.5 the quantiles of all years are a little higher than
+        // 12.25 and 13.90.
         assert!((levels[0] - 12.4).abs() < 0.15 && (levels[1] - 14.05).abs() < 0.25, "{levels:?}");
-        // 1.68 * 0.5; less for the rarer level, whose share of few years is sometimes more than all there is.
+        // 1.68 * 0.5; less for the rarer level, whose share of few years is sometimes more than all
+        // there is.
         assert!(widths.iter().all(|width| (0.7..0.98).contains(width)), "{widths:?}");
     }
 }

@@ -60,9 +60,10 @@ impl fmt::Display for AxisError {
 const VALUES: &str = "write START:STOP:COUNT, log:START:STOP:COUNT, or values such as 0.1,0.2,0.5";
 
 impl Axis {
-    /// From `[NAME=]KEY=VALUES`, where the values are `START:STOP:COUNT` (evenly spaced), `log:START:STOP:COUNT` (evenly spaced in
-    /// their logarithm) or a list. Without a name it is what `symbol` says of the key, or the key with underscores for its dots.
-    /// Values of a grid are rounded to twelve digits, so that they can be typed again.
+    /// From `[NAME=]KEY=VALUES`, where the values are `START:STOP:COUNT` (evenly spaced),
+    /// `log:START:STOP:COUNT` (evenly spaced in their logarithm) or a list. Without a name it is
+    /// what `symbol` says of the key, or the key with underscores for its dots. Values of a grid
+    /// are rounded to twelve digits, so that they can be typed again.
     pub fn parse(text: &str, symbol: impl Fn(&str) -> Option<String>) -> Result<Axis, AxisError> {
         let whole = Piece { whole: text, at: 0..text.len() };
         let parts = whole.split('=');

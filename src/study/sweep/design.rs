@@ -99,7 +99,8 @@ pub const RESERVED: [&str; 36] = [
     "elasticity_gain",
 ];
 
-/// Relative steps that say something: the difference drowns in rounding below, and is no derivative above.
+/// Relative steps that say something: the difference drowns in rounding below, and is no derivative
+/// above.
 pub const RELATIVE_STEPS: std::ops::RangeInclusive<f64> = 1e-6..=0.5;
 
 impl Design {
@@ -129,7 +130,8 @@ impl Design {
         }
     }
 
-    /// A step to both sides of each of these keys, which have these numbers. An error comes with its key.
+    /// A step to both sides of each of these keys, which have these numbers. An error comes with
+    /// its key.
     pub fn star(
         keys: &[String],
         relative_step: f64,

@@ -1,4 +1,5 @@
-//! One statistic after another as a function of keys of the scenario: a run at every point of a grid, from common seeds.
+//! One statistic after another as a function of keys of the scenario: a run at every point of a
+//! grid, from common seeds.
 //!
 //! ```text
 //! Axis       a key and its values, as a person writes them
@@ -8,8 +9,9 @@
 //!         -> Sweep       points; differences of neighbours and elasticities with paired errors (groups, paired)
 //! ```
 //!
-//! The estimates of a point are those that a run of its scenario has. No bit of them, nor of a paired error, depends on the number
-//! of threads, or on where a sweep was interrupted and continued.
+//! The estimates of a point are those that a run of its scenario has. No bit of them, nor of a
+//! paired error, depends on the number of threads, or on where a sweep was interrupted and
+//! continued.
 
 mod axis;
 mod cost;
@@ -61,7 +63,8 @@ pub struct Question {
 }
 
 impl Question {
-    /// Of a scenario and those of its points, in the order of the design. Independent points get seeds of their own.
+    /// Of a scenario and those of its points, in the order of the design. Independent points get
+    /// seeds of their own.
     pub fn new(scenario: Scenario, design: Design, mut points: Vec<Scenario>, seeds: Seeds, with_bias: bool) -> Self {
         if seeds == Seeds::Independent {
             for (i, point) in (0..).zip(&mut points) {
@@ -71,7 +74,8 @@ impl Question {
         Question { scenario, design, points, seeds, with_bias }
     }
 
-    /// The same with the scenario of each point from its settings, of which the scenario itself has none.
+    /// The same with the scenario of each point from its settings, of which the scenario itself has
+    /// none.
     pub fn at_each<E>(
         design: Design,
         seeds: Seeds,
@@ -91,7 +95,8 @@ impl Question {
 /// What is known of a point.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Point {
-    /// One for each of `Statistic::ALL`, in that order: what a run of the point's scenario estimates.
+    /// One for each of `Statistic::ALL`, in that order: what a run of the point's scenario
+    /// estimates.
     pub estimates: [Estimate; Statistic::ALL.len()],
     /// Paths simulated to the end, diverged ones included.
     pub completed_paths: u64,
@@ -136,14 +141,16 @@ impl Sweep {
         Some(paired::difference(from, to, statistic, self.question.is_random()))
     }
 
-    /// The gain of common seeds for the differences along a dimension, all of them together: the sum of their variances with
-    /// independent seeds over the sum of what they are. Missing where no difference has an error.
+    /// The gain of common seeds for the differences along a dimension, all of them together: the
+    /// sum of their variances with independent seeds over the sum of what they are. Missing where
+    /// no difference has an error.
     pub fn gain(&self, dimension: usize, statistic: Statistic) -> f64 {
         let pairs = (0..self.points.len()).filter_map(|point| self.difference(point, dimension, statistic));
         pooled(pairs)
     }
 
-    /// The elasticity of a statistic for the `key`-th key of a star; none before its points are done.
+    /// The elasticity of a statistic for the `key`-th key of a star; none before its points are
+    /// done.
     pub fn elasticity(&self, key: usize, statistic: Statistic) -> Option<Paired> {
         let Design::Star { relative_step, .. } = self.question.design else { return None };
         let point = |i: usize| self.points.get(i)?.as_ref();

@@ -1,8 +1,10 @@
-//! What two or three points say together: differences of neighbours and elasticities, with errors whose unit is the path.
+//! What two or three points say together: differences of neighbours and elasticities, with errors
+//! whose unit is the path.
 //!
-//! With common seeds path n of one point and path n of the next see the same noise. Much of their scatter is then the same, and drops
-//! out of a difference. The error that remains comes from groups of paths that are left out at all points together
-//! ([`crate::stats::Groups`]); the variance that independent seeds would have had, divided by that one, is the gain.
+//! With common seeds path n of one point and path n of the next see the same noise. Much of their
+//! scatter is then the same, and drops out of a difference. The error that remains comes from
+//! groups of paths that are left out at all points together ([`crate::stats::Groups`]); the
+//! variance that independent seeds would have had, divided by that one, is the gain.
 
 use super::Point;
 use crate::stats::{Measurement, Statistic, jackknife, student};
@@ -10,7 +12,8 @@ use crate::stats::{Measurement, Statistic, jackknife, student};
 /// What several points say together.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Paired {
-    /// The number with its error and its 95 % interval; no interval where all groups agree by chance.
+    /// The number with its error and its 95 % interval; no interval where all groups agree by
+    /// chance.
     pub measurement: Measurement,
     /// The variance with independent seeds over that with common ones; missing where there is none.
     pub gain: f64,
@@ -63,8 +66,8 @@ fn column(point: &Point, statistic: usize) -> Vec<f64> {
     point.without.iter().map(|values| values[statistic]).collect()
 }
 
-/// A function of one statistic at several points. `weights` say by what each point would enter its variance if they were
-/// independent.
+/// A function of one statistic at several points. `weights` say by what each point would enter its
+/// variance if they were independent.
 fn together<const N: usize>(
     points: &[&Point; N],
     weights: &[f64; N],

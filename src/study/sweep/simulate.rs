@@ -1,8 +1,9 @@
 //! Simulating the points of a sweep: blocks of paths of all points on one set of threads.
 //!
-//! The work is one list of pieces, point after point: its blocks, then what the bias of its step needs. Threads take pieces as they
-//! come, so that neither a point with few paths nor the end of one leaves a thread idle; pieces are delivered in order, and the sums of
-//! a point are formed along the tree of a run.
+//! The work is one list of pieces, point after point: its blocks, then what the bias of its step
+//! needs. Threads take pieces as they come, so that neither a point with few paths nor the end of
+//! one leaves a thread idle; pieces are delivered in order, and the sums of a point are formed
+//! along the tree of a run.
 
 use super::{Point, Sweep};
 use crate::bias::{BesideRun, NoBias};

@@ -39,8 +39,9 @@ const COUPLED: [(u64, usize); 3] = [(GROUPS << 9, 4), (GROUPS << 7, 3), (GROUPS 
 const FED: f64 = 0.7;
 
 impl Effort {
-    /// What fits into `budget` of CPU time on each of `threads` threads. Numbers of paths are powers of two times a constant, so that
-    /// small differences of speed do not change them. What does not fit is struck from the ladder, with the reason.
+    /// What fits into `budget` of CPU time on each of `threads` threads. Numbers of paths are
+    /// powers of two times a constant, so that small differences of speed do not change them. What
+    /// does not fit is struck from the ladder, with the reason.
     pub fn within(
         scenario: &Scenario,
         ladder: &mut Ladder,

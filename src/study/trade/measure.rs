@@ -103,7 +103,8 @@ pub enum TradeError {
 /// What a measurement is bound to, and whom it tells where it is.
 #[derive(Clone, Copy, Default)]
 pub struct Limits<'a> {
-    /// CPU time of each thread. What is not done by then is cut short, on a machine that is slower than its pilot.
+    /// CPU time of each thread. What is not done by then is cut short, on a machine that is slower
+    /// than its pilot.
     pub time: Option<Duration>,
     /// When raised, the pieces in work are the last: what is begun is cut short, what is not is
     /// left out.
@@ -124,8 +125,9 @@ impl Limits<'_> {
     }
 }
 
-/// Measure a scene within about `budget` of CPU time on each thread, whatever the time in `limits`. On an idle machine that is wall-clock
-/// time; on a busy one it takes longer, up to four times as long.
+/// Measure a scene within about `budget` of CPU time on each thread, whatever the time in `limits`.
+/// On an idle machine that is wall-clock time; on a busy one it takes longer, up to four times as
+/// long.
 pub fn measure_within(
     scenario: &Scenario,
     budget: Duration,
@@ -398,7 +400,8 @@ mod tests {
     use super::*;
     use crate::scheme::DiscreteVi;
 
-    /// Forty of a hundred paths are left, and their mean is known to 0.5: a path scatters by 0.5 sqrt(40), and not by 0.5 sqrt(100).
+    /// Forty of a hundred paths are left, and their mean is known to 0.5: a path scatters by 0.5
+    /// sqrt(40), and not by 0.5 sqrt(100).
     #[test]
     fn the_variance_of_a_rung_is_that_of_the_paths_that_are_left() {
         let estimates = Statistic::ALL.map(|statistic| Estimate {

@@ -139,8 +139,8 @@ impl Trade {
         Ok(paired.filter(|paired| paired.seconds <= WORTH * best.seconds).unwrap_or(best))
     }
 
-    /// N = variance/(target^2 - bias^2) for the statistic that asks for most, with independent paths
-    /// or in the pairs that were measured beside them.
+    /// N = variance/(target^2 - bias^2) for the statistic that asks for most, with independent
+    /// paths or in the pairs that were measured beside them.
     fn run(&self, candidate: &Candidate, target: f64, in_pairs: bool) -> Result<Choice, Refusal> {
         let is_antithetic = in_pairs || self.pairing == Pairing::Asked;
         let mut choice: Option<Choice> = None;
@@ -275,7 +275,8 @@ mod tests {
     use crate::scheme::{DiscreteVi, EventDriven};
     use crate::stats::Estimate;
 
-    /// The change from h to h/2 is C (sqrt(h) - sqrt(h/2)); those at h/r, h/2r, h/4r, ... are added one by one, to the 200th.
+    /// The change from h to h/2 is C (sqrt(h) - sqrt(h/2)); those at h/r, h/2r, h/4r, ... are added
+    /// one by one, to the 200th.
     #[test]
     fn the_tail_is_the_sum_of_all_finer_changes() {
         for r in [1.0, 2.0, 4.0, 7.0, 2f64.powi(20)] {
@@ -285,10 +286,12 @@ mod tests {
         }
     }
 
-    /// Steps whose changes 0.05, -0.02 and 0.01 follow no power, so that there is no law, and a reference that is known to 0.1 only. What bounds the bias of a
-    /// step is the sum of the changes from it on, 0.04, -0.01 and 0.01, and beyond the finest step 1/(sqrt 2 - 1) = 2.4142 times the last change, which is
-    /// what is left of it if the bias falls like sqrt(h). Costs double from step to step and paths do not scatter, so the coarsest step whose bound is
-    /// below the target is the cheapest; at half the finest step 0.01 sqrt(1/4)/(1 - sqrt(1/2)) is left.
+    /// Steps whose changes 0.05, -0.02 and 0.01 follow no power, so that there is no law, and a
+    /// reference that is known to 0.1 only. What bounds the bias of a step is the sum of the
+    /// changes from it on, 0.04, -0.01 and 0.01, and beyond the finest step 1/(sqrt 2 - 1) = 2.4142
+    /// times the last change, which is what is left of it if the bias falls like sqrt(h). Costs
+    /// double from step to step and paths do not scatter, so the coarsest step whose bound is below
+    /// the target is the cheapest; at half the finest step 0.01 sqrt(1/4)/(1 - sqrt(1/2)) is left.
     #[test]
     fn without_a_law_the_changes_and_their_tail_bound_the_bias() {
         let estimate = |standard_error: f64| {

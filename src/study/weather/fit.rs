@@ -40,7 +40,8 @@ pub struct WeatherFit {
     pub samples: usize,
     /// The time from the first of them to the last.
     pub duration: f64,
-    /// The standard deviation of what the thermometer adds to every sample; 0 where the data do not ask for it.
+    /// The standard deviation of what the thermometer adds to every sample; 0 where the data do not
+    /// ask for it.
     pub white: f64,
     /// log L, the logarithm of the restricted likelihood.
     pub log_likelihood: f64,
@@ -111,14 +112,16 @@ impl WeatherError {
 /// Fewer samples than this are no record.
 const LEAST: usize = 100;
 
-/// White noise is kept if twice the logarithm of the likelihood gains more than this: chance gains as much in one of
-/// 3000 records (half of chi^2 with one degree of freedom).
+/// White noise is kept if twice the logarithm of the likelihood gains more than this: chance gains
+/// as much in one of 3000 records (half of chi^2 with one degree of freedom).
 const CONVINCING: f64 = 12.0;
 
-/// When the deviances of a simplex agree to this, the parameters are known to a thousandth of their errors.
+/// When the deviances of a simplex agree to this, the parameters are known to a thousandth of their
+/// errors.
 const ENOUGH: f64 = 1e-6;
 
-/// Find the likeliest harmonics of these periods, and one process or two, for samples at ascending times.
+/// Find the likeliest harmonics of these periods, and one process or two, for samples at ascending
+/// times.
 ///
 /// # Errors
 ///
@@ -171,8 +174,8 @@ impl<'a> Samples<'a> {
         Samples { times, columns, periods }
     }
 
-    /// The numbers that are searched: log theta of each process, the logarithm of the variance of the second over that
-    /// of the first; and that of white noise beside them.
+    /// The numbers that are searched: log theta of each process, the logarithm of the variance of
+    /// the second over that of the first; and that of white noise beside them.
     fn likelihood(&self, x: &[f64], white: Option<f64>) -> Option<Likelihood> {
         likelihood(self.times, &self.columns, &shape(x, white))
     }
@@ -212,8 +215,9 @@ impl<'a> Samples<'a> {
         })
     }
 
-    /// The covariance of the errors of log theta_1, log sd_1, log theta_2 ..: twice the inverse of the second derivatives
-    /// of the deviance, whose second derivative by the logarithm of the scale is n - p.
+    /// The covariance of the errors of log theta_1, log sd_1, log theta_2 ..: twice the inverse of
+    /// the second derivatives of the deviance, whose second derivative by the logarithm of the
+    /// scale is n - p.
     fn errors(&self, x: &[f64], white: Option<f64>, lowest: f64) -> Option<Matrix> {
         let n = (self.times.len() + 1 - self.columns.len()) as f64;
         let all: Vec<f64> = x.iter().copied().chain(white).collect();
@@ -325,7 +329,8 @@ impl WeatherFit {
         self.logarithms.values.chunks_exact(2).enumerate().map(of).collect()
     }
 
-    /// The likeliest temperature, as a scenario has it: its noise is stationary from t = 0 on, which is the first sample.
+    /// The likeliest temperature, as a scenario has it: its noise is stationary from t = 0 on,
+    /// which is the first sample.
     pub fn temperature(&self) -> Temperature {
         self.of(&self.coefficients.values, &self.logarithms.values)
     }
@@ -374,7 +379,8 @@ mod tests {
         }
     }
 
-    /// A year of 12 degrees and 8 of amplitude, days of 4, weather of 3.5 K and 3 days and of 0.7 K and 2 hours.
+    /// A year of 12 degrees and 8 of amplitude, days of 4, weather of 3.5 K and 3 days and of 0.7 K
+    /// and 2 hours.
     pub(super) fn truth() -> Temperature {
         let harmonic = |amplitude: f64, period: f64, phase: f64| Harmonic {
             amplitude,
@@ -389,9 +395,10 @@ mod tests {
         }
     }
 
-    /// 40 records of 300 days, every hour. Null: each parameter over its error is standard normal. The mean square over
-    /// 40 has an sd of 0.22 then, so 1.9 is exceeded by chance once in 20 000 times, and 0.35 undercut in 10 000; a
-    /// factor of 2 in an error makes it 4 or 0.25. There are nine such numbers.
+    /// 40 records of 300 days, every hour. Null: each parameter over its error is standard normal.
+    /// The mean square over 40 has an sd of 0.22 then, so 1.9 is exceeded by chance once in 20 000
+    /// times, and 0.35 undercut in 10 000; a factor of 2 in an error makes it 4 or 0.25. There are
+    /// nine such numbers.
     #[test]
     fn parameters_are_off_by_as_much_as_their_errors_say() {
         let truth = truth();
@@ -420,9 +427,9 @@ mod tests {
         assert!(squares.iter().all(|mean| (0.35..1.9).contains(mean)), "{squares:?}");
     }
 
-    /// A thermometer that shows whole halves of a degree adds 0.144 K to every sample; without a white part the fast process
-    /// would take it up and remember minutes. Four records of 140 days without a year: each z is below 4 but once in 16 000
-    /// times.
+    /// A thermometer that shows whole halves of a degree adds 0.144 K to every sample; without a
+    /// white part the fast process would take it up and remember minutes. Four records of 140 days
+    /// without a year: each z is below 4 but once in 16 000 times.
     #[test]
     fn a_coarse_thermometer_is_told_from_weather() {
         let mut truth = truth();
@@ -440,8 +447,8 @@ mod tests {
         }
     }
 
-    /// Draws are spread as the errors say: 4000 of them, of the mean and of the logarithm of a rate; 4 standard errors
-    /// of a standard deviation are 4.5 %.
+    /// Draws are spread as the errors say: 4000 of them, of the mean and of the logarithm of a
+    /// rate; 4 standard errors of a standard deviation are 4.5 %.
     #[test]
     fn draws_have_the_errors_of_the_fit() {
         let [times, temperatures] = drawn(&truth(), 7200, 3600.0, 7);

@@ -1,17 +1,20 @@
-//! The exact likelihood of samples of Ornstein-Uhlenbeck processes and a regression, by a Kalman filter.
+//! The exact likelihood of samples of Ornstein-Uhlenbeck processes and a regression, by a Kalman
+//! filter.
 //!
-//! The state is (u_1, u_2), stationary at the first sample. Filtering is linear, so the innovations of y - X b are
-//! those of y less those of the columns of X times b. Hence one pass over y and all columns together gives the
-//! weighted regression, the best b, and the best scale s^2 of all variances:
+//! The state is (u_1, u_2), stationary at the first sample. Filtering is linear, so the innovations
+//! of y - X b are those of y less those of the columns of X times b. Hence one pass over y and all
+//! columns together gives the weighted regression, the best b, and the best scale s^2 of all
+//! variances:
 //!
 //! ```text
 //! -2 log L = sum_k log S_k + log det(sum_k X_k X_k^T/S_k) + (n - p) (1 + log(2 pi s^2))
 //! s^2 = (sum_k e_k^2/S_k)/(n - p)
 //! ```
 //!
-//! with S_k the variance of innovation k where s = 1, e and X the innovations of y - X b and of the columns, and p the
-//! number of columns. This is the restricted likelihood (Patterson and Thompson, Biometrika 58, 1971): a mean and harmonics
-//! that are fitted take their share of the slow weather, and the plain likelihood would leave that out of its variance.
+//! with S_k the variance of innovation k where s = 1, e and X the innovations of y - X b and of the
+//! columns, and p the number of columns. This is the restricted likelihood (Patterson and Thompson,
+//! Biometrika 58, 1971): a mean and harmonics that are fitted take their share of the slow weather,
+//! and the plain likelihood would leave that out of its variance.
 
 use crate::study::linear::{Matrix, cholesky, inverse, solve};
 use std::f64::consts::TAU;
@@ -41,8 +44,8 @@ pub struct Likelihood {
 /// At most so many processes.
 const STATES: usize = 2;
 
-/// A filter of samples at even times has settled when the variance of an innovation changes by less than this,
-/// relative.
+/// A filter of samples at even times has settled when the variance of an innovation changes by less
+/// than this, relative.
 const SETTLED: f64 = 1e-13;
 
 /// The variances and gains of the filter, which do not depend on what was measured.
@@ -105,8 +108,8 @@ impl<'a> Filter<'a> {
     }
 }
 
-/// The likelihood of samples at ascending times. `columns` are those of X and then y, each as long as `times`. None where
-/// the shape explains nothing, or the columns of X do not differ.
+/// The likelihood of samples at ascending times. `columns` are those of X and then y, each as long
+/// as `times`. None where the shape explains nothing, or the columns of X do not differ.
 pub fn likelihood(times: &[f64], columns: &[Vec<f64>], shape: &Shape) -> Option<Likelihood> {
     let mut filter = Filter::new(shape);
     // The estimates of both states and the innovation, column by column.
@@ -158,8 +161,8 @@ mod tests {
     use super::*;
     use crate::noise::Stream;
 
-    /// The same likelihood from the whole covariance matrix: samples at uneven times and then at even ones, which settle
-    /// the filter; two processes, white noise, a mean and a slope.
+    /// The same likelihood from the whole covariance matrix: samples at uneven times and then at
+    /// even ones, which settle the filter; two processes, white noise, a mean and a slope.
     #[test]
     fn the_likelihood_is_that_of_the_whole_covariance_matrix() {
         let mut random = Stream::new(4, 0);

@@ -2,8 +2,8 @@
 //!
 //! Nelder and Mead, *A simplex method for function minimization*, Computer Journal 7 (1965).
 
-/// The lowest point found from a start, with first steps of this length, and its value: until the values of the simplex
-/// agree within `enough`.
+/// The lowest point found from a start, with first steps of this length, and its value: until the
+/// values of the simplex agree within `enough`.
 pub fn lowest(start: &[f64], step: f64, enough: f64, mut f: impl FnMut(&[f64]) -> f64) -> (Vec<f64>, f64) {
     let n = start.len();
     let mut all: Vec<(Vec<f64>, f64)> = (0..=n)

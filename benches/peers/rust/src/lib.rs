@@ -9,8 +9,9 @@
 //! e_{n+1} = decay e_n + increment_sd xi_n,  the exact transition of de = -e dt + dW
 //! ```
 //!
-//! The counting rule: a stick begins at t_{n+1} if V_{n+1} = 0 and |b_{n+1}| <= f_s, and ends at t_n, the last instant
-//! with V_n = 0. The one under way at t = 0 is an initial condition and is not counted; one under way at the end is not either.
+//! The counting rule: a stick begins at t_{n+1} if V_{n+1} = 0 and |b_{n+1}| <= f_s, and ends at
+//! t_n, the last instant with V_n = 0. The one under way at t = 0 is an initial condition and is
+//! not counted; one under way at the end is not either.
 
 pub mod scalar;
 

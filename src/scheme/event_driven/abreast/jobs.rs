@@ -1,5 +1,5 @@
-//! What is still to be done in a cell: a queue for every task, and what each waiting lane needs, two
-//! rows of a table.
+//! What is still to be done in a cell: a queue for every task, and what each waiting lane needs,
+//! two rows of a table.
 
 use crate::lanes::{Lanes, ROW, Row};
 use crate::noise::LaneDraws;
@@ -156,8 +156,8 @@ impl Jobs {
 }
 
 /// What is counted of a flagged lane, packed into one number: the place of its next random number,
-/// how many pieces wait behind it (where a slip stops, how often that was tried), whether its normals
-/// are mirrored, and what it has spent.
+/// how many pieces wait behind it (where a slip stops, how often that was tried), whether its
+/// normals are mirrored, and what it has spent.
 #[derive(Clone, Copy)]
 pub struct Count<L: Lanes>(pub L::Bits);
 

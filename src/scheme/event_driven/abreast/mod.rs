@@ -8,8 +8,8 @@
 //!
 //! A lane does what [`super::cell_loop::cross`] does, number by number and rounding by rounding, so
 //! a path has the same bits whether it goes abreast or alone. That is what decides all that is rare
-//! (an end of the bisection, a noise too feeble for its quintic, a start on a threshold): the lane is
-//! crossed again alone.
+//! (an end of the bisection, a noise too feeble for its quintic, a start on a threshold): the lane
+//! is crossed again alone.
 //!
 //! For scenes whose slips take one step a cell; where the body swings much faster than forcing and
 //! noise change, paths go one by one.

@@ -94,7 +94,8 @@ fn select<L: Lanes>(mask: L::Mask, a: &Interval<L>, b: &Interval<L>) -> Interval
 }
 
 impl<L: Lanes> Crossing<'_, '_, L> {
-    /// Part the intervals in their middles, and go on to what is behind them where both halves are clear.
+    /// Part the intervals in their middles, and go on to what is behind them where both halves are
+    /// clear.
     #[inline(always)]
     pub(super) fn bisect(&mut self, rows: &Rows, lanes: u32) {
         let mut searched = Searched::<L>::get(&self.paths.jobs, rows);

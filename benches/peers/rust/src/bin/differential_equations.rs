@@ -1,7 +1,9 @@
-//! The crate differential-equations: the scheme as a drift for its Euler method, the counters as further components.
+//! The crate differential-equations: the scheme as a drift for its Euler method, the counters as
+//! further components.
 //!
-//! As with diffrax, whatever the scheme does in a step is divided by h first, the noise is Euler's, and a stick is entered
-//! where |b_n|, not |b_{n+1}|, is within f_s: the drift cannot see the end of its own step.
+//! As with diffrax, whatever the scheme does in a step is divided by h first, the noise is Euler's,
+//! and a stick is entered where |b_n|, not |b_{n+1}|, is within f_s: the drift cannot see the end
+//! of its own step.
 
 use differential_equations::prelude::*;
 use nalgebra::SVector;
