@@ -1,16 +1,18 @@
-"""What a run costs from Python and on the command line, in CPU time, and what an import takes.
+"""What a run costs from Python and on the command line, in CPU time; what an import takes; and how long Ctrl-C waits for an answer.
 
-target/venv-python/bin/python python/cost.py
+target/venv-python/bin/python python/tests/cost.py
 """
 
 import resource
+import statistics
 import subprocess
+import sys
 import tempfile
 import time
 import warnings
 from pathlib import Path
 
-ROOT = Path(__file__).parents[1]
+ROOT = Path(__file__).parents[2]
 SCENARIO, PATHS, TIMES = ROOT / "scenarios/rho025.toml", 100_000, 8
 
 
@@ -36,3 +38,11 @@ with tempfile.TemporaryDirectory() as folder:
         subprocess.run(command, check=True, stderr=subprocess.DEVNULL)
         there.append(cpu(resource.RUSAGE_CHILDREN) - start)
 print(f"ss.run {min(here):.2f} s, mc run {min(there):.2f} s, ratio {min(here) / min(there):.2f}; {PATHS} paths, the least of {TIMES}")
+
+from test_interrupt import INTERRUPTED  # noqa: E402
+
+waits = []
+for _ in range(TIMES):
+    done = subprocess.run([sys.executable, "-c", INTERRUPTED], capture_output=True, text=True, check=True)
+    waits.append(float(done.stdout.split()[0]))
+print(f"Ctrl-C is answered after {statistics.median(waits):.2f} s, at most {max(waits):.2f} s; {TIMES} times")
