@@ -28,8 +28,10 @@ pub fn of_scenario(py: Python<'_>, error: &ScenarioError) -> PyErr {
             keywords.set_item("problem", reason)?;
             keywords.set_item("remedy", remedy)
         }
-        ScenarioError::Invalid(fault) => {
-            let Fault { origin, line, column, key, value, problem, remedy, excerpt } = &**fault;
+        // All of them are in the message; the attributes are those of the first.
+        ScenarioError::Invalid(faults) => {
+            let Some(first) = faults.first() else { return Ok(()) };
+            let Fault { origin, line, column, key, value, problem, remedy, excerpt } = first;
             keywords.set_item("origin", origin)?;
             keywords.set_item("line", line)?;
             keywords.set_item("column", column)?;

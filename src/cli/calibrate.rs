@@ -53,7 +53,8 @@ pub struct Calibrate {
     #[arg(long, value_name = "P", default_value_t = 0.9, value_parser = level)]
     interval: f64,
     /// Any key of the scenario, e.g. bearing.stiffness=2e9; repeatable
-    #[arg(long, value_name = "KEY=VALUE", allow_hyphen_values = true)]
+    #[arg(long, value_name = "KEY=VALUE", allow_hyphen_values = true, value_parser = super::completed::SETTING,
+          hide_possible_values = true)]
     set: Vec<String>,
     /// Threads [default: one a core]
     #[arg(long, value_name = "K", value_parser = clap::value_parser!(u16).range(1..=1024))]

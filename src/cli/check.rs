@@ -1,6 +1,7 @@
 //! `mc check`: a scenario in full, what follows from it, and what to beware of.
 
 use super::cost;
+use super::document::{JsonWarning, document};
 use super::failure::{Failure, print_data};
 use super::numbers::{bytes, grouped, significant, time, wrapped};
 use super::overrides::Overrides;
@@ -24,7 +25,7 @@ What is printed is itself a scenario: what follows from it, and the warnings, ar
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Check {
-    /// The scenario, a TOML file
+    /// The scenario, a TOML file; - for standard input
     scenario: PathBuf,
     #[command(flatten)]
     overrides: Overrides,
@@ -43,7 +44,8 @@ impl Check {
         if self.json {
             return print_data(&json(&self.scenario.display().to_string(), &scenario));
         }
-        print_data(&(report(&scenario) + &warnings(&scenario)))
+        let seconds = cost::measured_cpu_seconds(&scenario).map(|seconds| seconds / super::cores() as f64);
+        print_data(&(report(&scenario) + &duration(seconds) + &warnings(&scenario) + &long(seconds)))
     }
 }
 
@@ -55,6 +57,25 @@ pub fn report(scenario: &Scenario) -> String {
         let _ = writeln!(text, "# {meaning:<46}{value}");
     }
     text
+}
+
+/// How long the run will take here, as a comment.
+fn duration(seconds: Option<f64>) -> String {
+    let threads = super::cores();
+    let name = format!("time of the run here, on {threads} thread{}, about", if threads == 1 { "" } else { "s" });
+    let value = seconds.map_or("unknown: no path came far enough in a tenth of a second".to_string(), time);
+    format!("# {name:<46}{value}\n")
+}
+
+/// A run of hours is warned of.
+fn long(seconds: Option<f64>) -> String {
+    let Some(seconds) = seconds.filter(|seconds| *seconds > cost::LONG) else { return String::new() };
+    let warning = format!(
+        "# warning: the run takes about {} here. Fewer `--paths`, a larger step or tolerance, or `--scheme event-driven` \
+         shorten it; `mc run --max-time` bounds it; `mc trade` measures what accuracy costs",
+        time(seconds)
+    );
+    wrapped(&warning, "#   ")
 }
 
 fn warnings(scenario: &Scenario) -> String {
@@ -129,8 +150,6 @@ fn derived(scenario: &Scenario) -> Vec<(&'static str, String)> {
     let none = || format!("none; the {} scheme does not use time.step", scenario.scheme.name());
     lines.push(("steps of a path", steps.map_or_else(none, grouped)));
     lines.extend(path_steps.map(|steps| ("path-steps in all", significant(steps, 3))));
-    let cpu = cost::cpu_seconds(scenario, scenario.ensemble.paths);
-    lines.extend(cpu.map(|seconds| ("CPU time, at 1.5 ns a path-step", time(seconds))));
     lines.push(("rows of the output grid", grouped(rows as u64)));
     lines.push(("memory of a thread for them, about", bytes(thread_bytes)));
     lines.push(("output file, about", bytes(output_bytes)));
@@ -142,6 +161,8 @@ struct JsonCheck<'a> {
     scenario: &'a str,
     resolved: String,
     derived: JsonDerived,
+    /// CPU seconds of the run here, on one thread; null where that could not be found out.
+    cpu_seconds: Option<f64>,
     warnings: Vec<JsonWarning>,
 }
 
@@ -167,21 +188,15 @@ impl Serialize for JsonQuantity {
     }
 }
 
-#[derive(Serialize)]
-struct JsonWarning {
-    name: &'static str,
-    text: String,
-}
-
 fn json(path: &str, scenario: &Scenario) -> String {
     let check = JsonCheck {
         scenario: path,
         resolved: scenario.to_toml(),
         derived: JsonDerived(scenario.derived()),
+        cpu_seconds: cost::measured_cpu_seconds(scenario),
         warnings: (scenario.warnings().iter())
-            .map(|warning| JsonWarning { name: warning.name(), text: warning.to_string() })
+            .map(|warning| JsonWarning { name: warning.name().to_string(), text: warning.to_string() })
             .collect(),
     };
-    // Nothing in it can fail: every key is a string, and non-finite numbers become null.
-    serde_json::to_string_pretty(&check).unwrap_or_default() + "\n"
+    document("check", &check)
 }

@@ -1,19 +1,32 @@
-//! What a run will take: time and memory, before it begins.
+//! What a run will take, before it begins: time and memory.
 
 use super::failure::{Failure, note};
 use super::numbers::{bytes, time};
+use std::time::Duration;
 use stick_slip::scenario::Scenario;
+use stick_slip::study::pace::seconds_per_path;
 
 /// CPU seconds of a path-step of the discrete schemes, roughly, on a processor of these years.
 const PATH_STEP: f64 = 1.5e-9;
-/// Longer runs are announced.
-const LONG: f64 = 3600.0;
+/// Runs that are expected to take longer than these seconds are warned of.
+pub const LONG: f64 = 3600.0;
+/// How long paths are simulated to find out how long they take.
+const PATIENCE: Duration = Duration::from_millis(100);
+/// A run of fewer paths, of a scheme whose work is not known beforehand, begins without a measurement.
+const MANY: u64 = 100_000;
 /// Bytes of the program itself, and of a row of the output grid on each thread: 256 paths of it, sketches and what waits.
 const PROGRAM: f64 = 50e6;
 const ROW: f64 = 4500.0;
 
+/// CPU seconds of the paths of a scenario on this machine, as some of them say; where they do not come far enough to say anything,
+/// the number of steps does.
+pub fn measured_cpu_seconds(scenario: &Scenario) -> Option<f64> {
+    let paths = scenario.ensemble.paths;
+    seconds_per_path(scenario, PATIENCE).map(|each| each * paths as f64).or_else(|| cpu_seconds(scenario, paths))
+}
+
 /// CPU seconds of so many paths, where the number of their steps is known.
-pub fn cpu_seconds(scenario: &Scenario, paths: u64) -> Option<f64> {
+fn cpu_seconds(scenario: &Scenario, paths: u64) -> Option<f64> {
     scenario.steps().map(|steps| steps as f64 * paths as f64 * PATH_STEP)
 }
 
@@ -34,8 +47,15 @@ pub fn announce(scenario: &Scenario, paths: u64, threads: usize, is_quiet: bool)
         );
         return Err(Failure::usage(problem, "give fewer --threads, or a larger `time.output_step`"));
     }
-    let seconds = cpu_seconds(scenario, paths).map(|seconds| seconds / threads as f64);
-    if let Some(seconds) = seconds.filter(|seconds| !is_quiet && *seconds > LONG) {
+    if is_quiet {
+        return Ok(());
+    }
+    let seconds = match scenario.steps() {
+        Some(_) => cpu_seconds(scenario, paths),
+        None if paths < MANY => None,
+        None => seconds_per_path(scenario, PATIENCE).map(|each| each * paths as f64),
+    };
+    if let Some(seconds) = seconds.map(|seconds| seconds / threads as f64).filter(|seconds| *seconds > LONG) {
         note(&format!(
             "this takes about {} on {threads} threads; --max-time bounds it, and Ctrl-C saves it",
             time(seconds)

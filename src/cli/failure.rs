@@ -50,6 +50,10 @@ impl Failure {
                 say(problem.clone());
                 ExitCode::from(2)
             }
+            Failure::Scenario(ScenarioError::Invalid(faults)) => {
+                faults.iter().for_each(|fault| say(fault.to_string()));
+                ExitCode::from(2)
+            }
             Failure::Scenario(error) => {
                 say(error.to_string());
                 ExitCode::from(2)

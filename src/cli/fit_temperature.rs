@@ -1,5 +1,6 @@
 //! `mc fit-temperature`: from a measured temperature to harmonics and noise of a scenario.
 
+use super::document::document;
 use super::failure::{Failure, note, print, writable};
 use super::measurements;
 use super::numbers::{Digits, grouped, significant, time};
@@ -190,7 +191,7 @@ fn json(found: &WeatherFit) -> String {
         sensor_sd: found.white,
         log_likelihood: found.log_likelihood,
     };
-    serde_json::to_string_pretty(&fit).unwrap_or_default() + "\n"
+    document("weather", &fit)
 }
 
 fn period(text: &str) -> Result<Period, String> {

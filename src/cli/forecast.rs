@@ -1,6 +1,7 @@
 //! `mc forecast`: what years to come do to a bearing that was measured.
 
 use super::calibrate;
+use super::document::document;
 use super::failure::{Failure, note, print, writable};
 use super::interrupt::stop_on_signals;
 use super::measurements::Source;
@@ -55,7 +56,8 @@ pub struct Forecast {
     #[arg(long, value_name = "1|2", default_value_t = 2, value_parser = clap::value_parser!(u8).range(1..=2))]
     processes: u8,
     /// Any key of the scenario, e.g. bearing.stiffness=2e9; repeatable
-    #[arg(long, value_name = "KEY=VALUE", allow_hyphen_values = true)]
+    #[arg(long, value_name = "KEY=VALUE", allow_hyphen_values = true, value_parser = super::completed::SETTING,
+          hide_possible_values = true)]
     set: Vec<String>,
     /// Threads [default: one a core]
     #[arg(long, value_name = "K", value_parser = clap::value_parser!(u16).range(1..=1024))]
@@ -244,7 +246,7 @@ fn json(found: &Found) -> String {
         levels: levels.collect(),
         return_levels: returns.collect(),
     };
-    serde_json::to_string_pretty(&all).unwrap_or_default() + "\n"
+    document("forecast", &all)
 }
 
 fn share(text: &str) -> Result<f64, String> {

@@ -1,24 +1,53 @@
-//! `mc init`: a shipped scenario, comments and all, to start from.
+//! `mc init`: a scenario to start from, every section of it with comments.
 
 use super::failure::{Failure, note, print_data, writable};
+use super::overrides::Overrides;
 use std::path::{Path, PathBuf};
-use stick_slip::config::{SHIPPED, shipped};
+use stick_slip::config::{Override, SHIPPED, shipped};
+use stick_slip::scenario::Scenario;
 use stick_slip::store;
 
 const EXAMPLES: &str = "\
 Examples:
-  mc init                             rho025.toml here
+  mc init                                       rho025.toml here
+  mc init --rho 0.4 --omega 0.5 -o mine.toml    the paper's scene with another noise and another forcing
+  mc init --f-s 1.4 --f-d 0.9 --scheme event-driven -o mine.toml
   mc init --from shaw -o mine.toml
-  mc init --from damped -o -          to standard output";
+  mc init --from bridge -o -                    to standard output
+
+Every key of a scenario is written, with what it means; parts that are not used are comments.";
 
 /// Arguments of `mc init`.
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Init {
-    /// Which shipped scenario
+    /// The shipped scenario that is the start
     #[arg(long, value_name = "NAME", default_value = "rho025",
           value_parser = clap::builder::PossibleValuesParser::new(SHIPPED.map(|scenario| scenario.name)))]
     from: String,
+    /// What the scenario asks, in a line [title]
+    #[arg(long, value_name = "TEXT")]
+    title: Option<String>,
+    /// Static friction f_s [friction.static]
+    #[arg(long, value_name = "F", allow_hyphen_values = true)]
+    f_s: Option<String>,
+    /// Dynamic friction f_d [friction.dynamic]
+    #[arg(long, value_name = "F", allow_hyphen_values = true)]
+    f_d: Option<String>,
+    /// Angular frequency w of the forcing [temperature.harmonics.0.angular_frequency]
+    #[arg(long, value_name = "W", allow_hyphen_values = true)]
+    omega: Option<String>,
+    /// Weight rho of the noise in the temperature [temperature.noise.intensity]
+    #[arg(long, value_name = "RHO", allow_hyphen_values = true)]
+    rho: Option<String>,
+    /// Relaxation rate theta of the noise [temperature.noise.relaxation_rate]
+    #[arg(long, value_name = "THETA", allow_hyphen_values = true)]
+    theta: Option<String>,
+    /// Diffusion sigma of the noise [temperature.noise.diffusion]
+    #[arg(long, value_name = "SIGMA", allow_hyphen_values = true)]
+    sigma: Option<String>,
+    #[command(flatten)]
+    overrides: Overrides,
     /// Where to write it; `-` is standard output [default: NAME.toml]
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
@@ -29,17 +58,20 @@ pub struct Init {
 
 impl Init {
     pub fn call(&self) -> Result<(), Failure> {
-        let scenario = shipped(&self.from).ok_or_else(|| {
+        let start = shipped(&self.from).ok_or_else(|| {
             let names = SHIPPED.map(|scenario| scenario.name).join(", ");
             Failure::usage(format!("there is no shipped scenario `{}`", self.from), format!("choose one of {names}"))
         })?;
-        let output = self.output.clone().unwrap_or_else(|| format!("{}.toml", scenario.name).into());
+        let changes = [self.symbols(), self.overrides.without_goals()?].concat();
+        let scenario = Scenario::parse(start.name, start.text, &changes)?;
+        let text = introduction(start.name, start.text, &changes) + "\n" + &scenario.to_template();
+        let output = self.output.clone().unwrap_or_else(|| format!("{}.toml", start.name).into());
         if output == Path::new("-") {
-            return print_data(scenario.text);
+            return print_data(&text);
         }
         // What the scenario names lies beside it.
-        let beside = scenario.data.iter().map(|(name, text)| (output.with_file_name(name), *text));
-        let files: Vec<(PathBuf, &str)> = std::iter::once((output.clone(), scenario.text)).chain(beside).collect();
+        let beside = start.data.iter().map(|(name, text)| (output.with_file_name(name), *text));
+        let files: Vec<(PathBuf, &str)> = std::iter::once((output.clone(), text.as_str())).chain(beside).collect();
         for (path, _) in &files {
             writable(path, self.force, [])?;
         }
@@ -52,4 +84,29 @@ impl Init {
         note(&format!("wrote {0}; next: mc check {0}", output.display()));
         Ok(())
     }
+
+    /// The flags that are called after symbols of the paper.
+    fn symbols(&self) -> Vec<Override> {
+        let named = [
+            ("--f-s", "friction.static", &self.f_s),
+            ("--f-d", "friction.dynamic", &self.f_d),
+            ("--omega", "temperature.harmonics.0.angular_frequency", &self.omega),
+            ("--rho", "temperature.noise.intensity", &self.rho),
+            ("--theta", "temperature.noise.relaxation_rate", &self.theta),
+            ("--sigma", "temperature.noise.diffusion", &self.sigma),
+        ];
+        let numbers =
+            named.into_iter().filter_map(|(flag, key, value)| Some(Override::flag(flag, key, value.as_ref()?)));
+        let title = self.title.iter().map(|title| Override::text("--title", "title", title));
+        numbers.chain(title).collect()
+    }
+}
+
+/// What the scenario is about: the words of the shipped one, as long as nothing of it is changed.
+fn introduction(name: &str, text: &str, changes: &[Override]) -> String {
+    if changes.is_empty() {
+        return text.lines().take_while(|line| line.starts_with('#')).map(|line| format!("{line}\n")).collect();
+    }
+    let changes: Vec<String> = changes.iter().map(Override::to_string).collect();
+    format!("# The shipped scenario {name}, with {}.\n", changes.join(" "))
 }

@@ -4,8 +4,10 @@ mod accuracy;
 mod calibrate;
 mod calibrate_report;
 mod check;
+mod completed;
 mod completions;
 mod cost;
+mod document;
 mod ending;
 mod failure;
 mod fit_temperature;
@@ -40,23 +42,28 @@ mod verify;
 pub use failure::Failure;
 pub use ranks::once;
 
+use clap::error::{ContextKind, ContextValue};
+use std::path::Path;
 use std::process::ExitCode;
 use stick_slip::stats::Statistic;
+use stick_slip::store;
 
 /// Version and commit, as `--version` shows them.
 const VERSION: &str = concat!(env!("CARGO_PKG_VERSION"), " (", env!("MC_GIT_HASH"), ")");
 
 const EXAMPLES: &str = "\
-Examples:
-  mc init --from rho025 -o mine.toml        write a scenario to start from
-  mc check mine.toml                        is it sound, and what will it cost?
-  mc run mine.toml --paths 10000            simulate; results in mine.h5
+Start here:
+  mc init -o mine.toml                      write a scenario, every key of it with a comment
+  mc check mine.toml                        is it sound, and how long will it take?
+  mc run mine.toml --paths 10k              simulate; a table, and results in mine.h5
+  mc plot mine.h5                           all of it in pictures, in mine.svg
+
+More:
   mc run mine.toml --accuracy 1%            choose scheme, step and paths for an error of 1 %
   mc run mine.toml --set friction.static=1.3 -o stronger.h5
   mc resume mine.h5                         continue a run that was interrupted
   mc merge part-*.h5 -o mine.h5             join the parts that mc run --part made
   mc show mine.h5                           the table again, from the file
-  mc plot mine.h5                           all of it in pictures, in mine.svg
   mc report mine.h5                         a page for the browser, in mine.html
   mc replay mine.h5 --path 4711             one path alone, event by event
   mc verify mine.h5                         is the file what its scenario and seed come to?
@@ -146,6 +153,9 @@ impl Arguments {
 
 /// Help, the version, or what is wrong with the arguments, which are shown as they can be.
 pub fn answer(answer: &clap::Error) -> ExitCode {
+    if let Some(failure) = file_without_verb(answer) {
+        return failure.report();
+    }
     let plain = answer.to_string();
     // Colours are lost only where something would be done to the terminal.
     if safe::text(&plain) == plain {
@@ -154,6 +164,19 @@ pub fn answer(answer: &clap::Error) -> ExitCode {
         failure::note(plain.trim_end());
     }
     ExitCode::from(u8::try_from(answer.exit_code()).unwrap_or(2))
+}
+
+/// A file in the place of a verb, as in `mc mine.toml`: what can be done with it.
+fn file_without_verb(answer: &clap::Error) -> Option<Failure> {
+    let ContextValue::String(word) = answer.get(ContextKind::InvalidSubcommand)? else { return None };
+    let path = Path::new(word);
+    let is_file = path.is_file() || path.extension().is_some_and(|ending| ending == "toml" || ending == "h5");
+    let remedy = match store::kind(path) {
+        _ if !is_file => return None,
+        Ok(Some(_)) => format!("write `mc show {word}` for what is in it, or `mc plot {word}` for a picture"),
+        _ => format!("write `mc run {word}` to simulate it, or `mc check {word}` to see what it says"),
+    };
+    Some(Failure::usage(format!("{word} is a file, and what to do with it is not said"), remedy))
 }
 
 /// How many threads this process runs at once.

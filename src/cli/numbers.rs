@@ -1,7 +1,13 @@
 //! Numbers and sentences as people read them.
 
+use super::terminal::columns;
 use std::time::Duration;
 pub use stick_slip::numbers::{bytes, significant};
+
+/// A number of things: 1 path, 10 000 paths.
+pub fn counted(n: u64, thing: &str) -> String {
+    format!("{} {thing}{}", grouped(n), if n == 1 { "" } else { "s" })
+}
 
 /// A whole number in groups of three: 60 000 000.
 pub fn grouped(n: u64) -> String {
@@ -74,15 +80,29 @@ fn seconds(text: &str) -> Option<f64> {
     Some(sum)
 }
 
-/// Most characters in a line of prose.
+/// Most characters in a line of prose, where the terminal has room for them.
 const LINE: usize = 100;
+/// Fewest that a line is broken to, however narrow the terminal is.
+const SHORTEST: usize = 40;
 
 /// A sentence broken into lines; every line but the first begins with `indent`.
 pub fn wrapped(sentence: &str, indent: &str) -> String {
+    broken(sentence, indent, columns().map_or(LINE, |columns| columns.clamp(SHORTEST, LINE)))
+}
+
+/// The same only where a terminal is too narrow for it.
+pub fn fitted(sentence: &str, indent: &str) -> String {
+    match columns() {
+        Some(columns) if columns < sentence.chars().count() => broken(sentence, indent, columns.max(SHORTEST)),
+        _ => format!("{sentence}\n"),
+    }
+}
+
+fn broken(sentence: &str, indent: &str, most: usize) -> String {
     let mut text = String::new();
     let mut line = String::new();
     for word in sentence.split_inclusive(' ') {
-        if line.chars().count() + word.trim_end().chars().count() > LINE {
+        if line.chars().count() + word.trim_end().chars().count() > most {
             text.push_str(line.trim_end());
             text.push('\n');
             line = indent.to_string();
@@ -195,6 +215,8 @@ mod tests {
         assert_eq!(significant(1.5e-9, 3), "1.5e-9");
         assert_eq!(grouped(60_000_000), "60 000 000");
         assert_eq!(grouped(12), "12");
+        assert_eq!([0, 1, 10_000].map(|n| counted(n, "path")), ["0 paths", "1 path", "10 000 paths"]);
+        assert_eq!(broken("one two three", "  ", 8), "one two\n  three\n");
         assert_eq!(bytes(1_234_567.0), "1.23 MB");
         assert_eq!(duration(200.0), "3 min 20 s");
     }

@@ -17,7 +17,7 @@ pub struct Overrides {
     /// Seed; with the number of a path, determines its noise [ensemble.seed]
     #[arg(long, value_name = "S", allow_hyphen_values = true)]
     seed: Option<String>,
-    #[arg(long, value_name = "KIND", allow_hyphen_values = true,
+    #[arg(long, value_name = "KIND", allow_hyphen_values = true, value_parser = super::completed::SCHEME, hide_possible_values = true,
           help = format!("Scheme: {} [scheme.kind]", names(|_| true, "or")))]
     scheme: Option<String>,
     #[arg(long, value_name = "TOL", allow_hyphen_values = true,
@@ -32,15 +32,21 @@ pub struct Overrides {
     #[arg(long, value_name = "T|GOAL", allow_hyphen_values = true)]
     until: Vec<String>,
     /// Any key of the scenario, e.g. friction.static=1.3 or temperature.harmonics.0.amplitude=2; repeatable
-    #[arg(long, value_name = "KEY=VALUE", allow_hyphen_values = true)]
+    #[arg(long, value_name = "KEY=VALUE", allow_hyphen_values = true, value_parser = super::completed::SETTING,
+          hide_possible_values = true)]
     set: Vec<String>,
 }
 
 impl Overrides {
     /// Read a scenario with the flags laid over it: `--set` in order, then the flags with names of their own.
     pub fn scenario(&self, path: &Path) -> Result<Scenario, Failure> {
+        Ok(Scenario::read(path, &self.without_goals()?)?)
+    }
+
+    /// The changes, of a verb that knows no goals.
+    pub fn without_goals(&self) -> Result<Vec<Override>, Failure> {
         match self.until.iter().find(|text| is_goal(text)) {
-            None => Ok(Scenario::read(path, &self.list()?)?),
+            None => Ok(self.list()?),
             Some(goal) => Err(Failure::usage(format!("--until \"{goal}\" is a goal of mc run"), "leave it out here")),
         }
     }

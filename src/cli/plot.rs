@@ -1,7 +1,7 @@
 //! `mc plot`: pictures of a scenario's path, of a run, of a trade.
 
 use super::failure::{Failure, note, writable};
-use super::numbers::grouped;
+use super::numbers::counted;
 use super::{results, sweep};
 use std::path::{Path, PathBuf};
 use stick_slip::config::Override;
@@ -48,7 +48,7 @@ pub struct Plot {
     #[arg(long, value_name = "T", allow_hyphen_values = true)]
     until: Option<String>,
     /// The statistic of a trade [default: the first that has an answer], or of a sweep [default: two of them]
-    #[arg(long, value_name = "NAME", value_parser = super::trade::statistic)]
+    #[arg(long, value_name = "NAME", value_parser = super::completed::STATISTIC, hide_possible_values = true)]
     statistic: Option<Statistic>,
     /// Colours for paper or for a dark screen
     #[arg(long, value_name = "light|dark", default_value = "light", value_parser = theme)]
@@ -61,7 +61,8 @@ pub struct Plot {
     log: bool,
     /// Any key of the scenario, e.g. friction.static=1.3; repeatable; not for a file, which says
     /// what was run
-    #[arg(long, value_name = "KEY=VALUE", allow_hyphen_values = true)]
+    #[arg(long, value_name = "KEY=VALUE", allow_hyphen_values = true, value_parser = super::completed::SETTING,
+          hide_possible_values = true)]
     set: Vec<String>,
     /// Overwrite an earlier picture
     #[arg(long)]
@@ -136,7 +137,7 @@ impl Plot {
 
     fn scene_of_run(&self, stored: &Stored) -> Result<Scene, Failure> {
         if self.path >= stored.header.paths {
-            let problem = format!("--path {}: the ensemble has {} paths", self.path, stored.header.paths);
+            let problem = format!("--path {}: the ensemble has {}", self.path, counted(stored.header.paths, "path"));
             let remedy = format!("give a number from 0 to {}", stored.header.paths.saturating_sub(1));
             return Err(Failure::usage(problem, remedy));
         }
@@ -146,7 +147,7 @@ impl Plot {
         let until: Vec<Override> = self.until().into_iter().collect();
         let scenario = results::scenario(&name, stored, &until)?;
         let (summary, path) = (&stored.summary, self.path);
-        let line = format!("{}, {} paths", about(&scenario), grouped(stored.completed_paths));
+        let line = format!("{}, {}", about(&scenario), counted(stored.completed_paths, "path"));
         self.draw(&Subject::Run { scenario: &scenario, summary, path }, &scenario.title, &line)
     }
 

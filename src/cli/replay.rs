@@ -1,6 +1,7 @@
 //! `mc replay`: one path of a stored ensemble alone, with its events and as fine a trajectory as it has.
 
 use super::failure::{Failure, note, print, writable};
+use super::numbers::counted;
 use super::results;
 use std::path::{Path, PathBuf};
 use stick_slip::engine::{self, Rows, Status};
@@ -40,7 +41,7 @@ impl Replay {
         let stored = store::read(&self.file)?;
         // Any path can be simulated, but one the ensemble does not have is more likely a slip of the pen.
         if self.path >= stored.header.paths {
-            let problem = format!("--path {}: the ensemble has {} paths", self.path, stored.header.paths);
+            let problem = format!("--path {}: the ensemble has {}", self.path, counted(stored.header.paths, "path"));
             let remedy = format!("give a number from 0 to {}", stored.header.paths.saturating_sub(1));
             return Err(Failure::usage(problem, remedy));
         }

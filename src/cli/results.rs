@@ -1,9 +1,9 @@
 //! What the command says of the results of a scenario, before and after they are there.
 
+use super::document::JsonWarning;
 use super::failure::{Failure, note};
 use super::numbers::wrapped;
 use super::report;
-use stick_slip::advice::Warning;
 use stick_slip::config::{Override, ScenarioError};
 use stick_slip::engine::RunError;
 use stick_slip::provenance::Provenance;
@@ -35,12 +35,12 @@ pub fn warn(scenario: &Scenario, measures_bias: bool) {
 }
 
 /// All that is to be said of results that are there.
-pub fn warnings(summary: &Summary, scenario: Option<&Scenario>) -> Vec<String> {
+pub fn warnings(summary: &Summary, scenario: Option<&Scenario>) -> Vec<JsonWarning> {
     let due = scenario.map_or(Vec::new(), |scenario| scenario.warnings_of_run(summary.has_bias()));
-    let mut all: Vec<String> = due.iter().map(Warning::to_string).collect();
-    all.extend(report::dominating_bias(summary));
-    all.extend(report::unsettled(summary));
-    all
+    let due = due.iter().map(|warning| (warning.name(), Some(warning.to_string())));
+    let found = [("dominating-bias", report::dominating_bias(summary)), ("unsettled", report::unsettled(summary))];
+    let told = due.chain(found);
+    told.filter_map(|(name, text)| Some(JsonWarning { name: name.to_string(), text: text? })).collect()
 }
 
 /// Say so where the bias of the step is larger than the statistical interval tells.

@@ -9,6 +9,7 @@ use super::results;
 use super::sitting::{Leaves, Manner, Sitting};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
+use stick_slip::config::STANDARD_INPUT;
 use stick_slip::engine::{self, MOST_PATHS, Part};
 use stick_slip::ensemble::BLOCK_SIZE;
 use stick_slip::scenario::Scenario;
@@ -37,7 +38,7 @@ comes to the same numbers; `mc show FILE.h5` says what is known so far.";
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Run {
-    /// The scenario, a TOML file
+    /// The scenario, a TOML file; - for standard input
     scenario: PathBuf,
     #[command(flatten)]
     overrides: Overrides,
@@ -45,7 +46,7 @@ pub struct Run {
     #[arg(long, value_name = "EPS", value_parser = accuracy::target, allow_hyphen_values = true)]
     accuracy: Option<f64>,
     /// The statistic that --accuracy is for; repeatable [default: all]
-    #[arg(long, value_name = "NAME", value_parser = super::trade::statistic, requires = "accuracy")]
+    #[arg(long, value_name = "NAME", value_parser = super::completed::STATISTIC, hide_possible_values = true, requires = "accuracy")]
     statistic: Vec<Statistic>,
     /// End the run in time for this limit: 90, 90s, 15m, 4h50m; the file says after which block
     #[arg(long, value_name = "TIME", value_parser = super::numbers::parse_duration, allow_hyphen_values = true)]
@@ -53,7 +54,7 @@ pub struct Run {
     /// Simulate one part of the run only, e.g. 3/16: the third of 16; mc merge joins them
     #[arg(long, value_name = "I/N")]
     part: Option<Part>,
-    /// Where to write the results [default: SCENARIO.h5 in the current directory]
+    /// Where to write the results [default: SCENARIO.h5 in the current directory, stdin.h5 for standard input]
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
     /// Overwrite the results of another run
@@ -155,7 +156,9 @@ impl Run {
 
 /// `<scenario>.h5` in the current directory.
 fn default_output(scenario: &Path) -> PathBuf {
-    let mut name = scenario.file_stem().unwrap_or("run".as_ref()).to_os_string();
+    let is_standard_input = scenario == Path::new(STANDARD_INPUT);
+    let stem = if is_standard_input { "stdin".as_ref() } else { scenario.file_stem().unwrap_or("run".as_ref()) };
+    let mut name = stem.to_os_string();
     name.push(".h5");
     PathBuf::from(name)
 }
@@ -168,5 +171,6 @@ mod tests {
     fn results_are_named_after_the_scenario_and_stay_in_the_current_directory() {
         assert_eq!(default_output(Path::new("scenarios/rho025.toml")), Path::new("rho025.h5"));
         assert_eq!(default_output(Path::new("my.study.toml")), Path::new("my.study.h5"));
+        assert_eq!(default_output(Path::new("-")), Path::new("stdin.h5"));
     }
 }

@@ -4,7 +4,7 @@ use super::failure::{Failure, note, print, print_data};
 use super::report::{self, Csv, RunInfo};
 use super::results;
 use super::terminal::Letters;
-use super::{calibrate, sweep, sweep_report};
+use super::{calibrate, sweep, sweep_report, trade_report};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use stick_slip::provenance::Provenance;
@@ -17,6 +17,7 @@ Examples:
   mc show rho025.h5
   mc show rho025.h5 --plot
   mc show rho025.h5 --json | jq .statistics
+  mc show rho025.h5 --scenario > again.toml   the scenario that was run
   mc show coarse.h5 fine.h5                 one table, with differences from the first file
   mc show rho025.h5 rho025-sweep.h5 --csv   one line for each statistic
   mc show rho025.h5 --cite                  what to write in a paper";
@@ -25,7 +26,7 @@ Examples:
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Show {
-    /// Files that `mc run` wrote, or one of `mc sweep` or `mc calibrate`
+    /// Files that `mc run` wrote, or one of `mc sweep`, `mc trade` or `mc calibrate`
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
     /// Print JSON instead: one object, or an array of them for several files
@@ -40,6 +41,9 @@ pub struct Show {
     /// Print how to cite a run instead: program, scenario, scheme, seed, paths, and the paper of the model
     #[arg(long, conflicts_with_all = ["json", "plot", "csv"])]
     cite: bool,
+    /// Print the scenario that the file was made with instead, every default visible: a file for mc run
+    #[arg(long, conflicts_with_all = ["json", "csv", "plot", "cite"])]
+    scenario: bool,
 }
 
 impl Show {
@@ -50,6 +54,9 @@ impl Show {
         if self.cite {
             return self.print_citations();
         }
+        if self.scenario {
+            return self.print_scenario();
+        }
         match self.files.as_slice() {
             [first, ..] if self.plot && (self.files.len() > 1 || is_sweep(first)) => {
                 Err(Failure::usage("--plot draws one run", "leave it out, or draw sweeps with `mc plot`"))
@@ -57,6 +64,13 @@ impl Show {
             [file] if matches!(store::kind(file), Ok(Some(FileKind::Calibration))) => {
                 let stored = store::read_calibration(file)?;
                 calibrate::show(&stored.title, &stored.calibration, &stored.warnings, self.json)
+            }
+            [file] if matches!(store::kind(file), Ok(Some(FileKind::Trade))) => {
+                let trade = store::read_trade(file)?;
+                match self.json {
+                    true => print_data(&trade_report::stored_json(&trade, &file.display().to_string())),
+                    false => print(&trade_report::stored_table(&trade)),
+                }
             }
             [file] if is_sweep(file) => {
                 let sweep = sweep::stored(file, store::read_sweep(file)?)?;
@@ -68,6 +82,30 @@ impl Show {
             [file] => self.print_one(file),
             files => self.print_several(files),
         }
+    }
+
+    fn print_scenario(&self) -> Result<(), Failure> {
+        let [file] = self.files.as_slice() else {
+            return Err(Failure::usage("--scenario prints the scenario of one file", "give one file"));
+        };
+        let (text, is_measured) = match store::kind(file)? {
+            Some(FileKind::Sweep) => {
+                let stored = store::read_sweep(file)?;
+                (stored.scenario_text, stored.series.is_some())
+            }
+            Some(FileKind::Trade) => (store::read_trade(file)?.scenario_text, false),
+            Some(FileKind::Calibration) => (store::read_calibration(file)?.scenario_text, false),
+            Some(FileKind::Run) | None => {
+                let stored = store::read(file)?;
+                (stored.header.scenario_text, stored.header.series.is_some())
+            }
+        };
+        if is_measured {
+            note(
+                "the measured temperature is in the file of results and not in the text: run it beside the CSV file that it names",
+            );
+        }
+        print_data(&text)
     }
 
     fn print_one(&self, file: &Path) -> Result<(), Failure> {
@@ -88,7 +126,8 @@ impl Show {
             note(&format!("this run is not finished; continue it with: mc resume {}", unfinished.display()));
         }
         if self.json {
-            return print_data(&report::json(&stored.summary, &info));
+            let warnings = results::warnings(&stored.summary, scenario.as_ref());
+            return print_data(&report::json(&stored.summary, &info, &warnings));
         }
         let mut text = report::table(&stored.summary, &info);
         if self.plot {
@@ -107,7 +146,9 @@ impl Show {
         let runs = files.iter().map(|file| store::read(file)).collect::<Result<Vec<_>, _>>()?;
         let infos: Vec<RunInfo> = files.iter().zip(&runs).map(|(file, run)| info(file, run, None)).collect();
         if self.json {
-            let objects = runs.iter().zip(&infos).map(|(run, info)| report::json(&run.summary, info));
+            let warnings =
+                |run: &Stored| results::warnings(&run.summary, results::scenario("scenario", run, &[]).ok().as_ref());
+            let objects = runs.iter().zip(&infos).map(|(run, info)| report::json(&run.summary, info, &warnings(run)));
             let objects: Vec<String> = objects.map(|object| object.trim_end().to_string()).collect();
             return print_data(&format!("[{}]\n", objects.join(",\n")));
         }
@@ -165,6 +206,7 @@ pub(super) fn info(file: &Path, stored: &Stored, scenario: Option<&Scenario>) ->
         file: file.display().to_string(),
         status: *status,
         ended_by: ended_by.clone(),
+        scenario_text: Some(header.scenario_text.clone()),
         units: header.units.clone(),
     }
 }

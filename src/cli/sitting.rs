@@ -19,7 +19,7 @@ use stick_slip::study::accuracy::AccuracyGoal;
 #[derive(Debug, clap::Args)]
 pub struct Manner {
     /// Show the running estimate of this statistic and its relative error [default: that of --until or --accuracy]
-    #[arg(long, value_name = "NAME", value_parser = super::trade::statistic)]
+    #[arg(long, value_name = "NAME", value_parser = super::completed::STATISTIC, hide_possible_values = true)]
     watch: Option<Statistic>,
     /// Threads [default: one a core]
     #[arg(long, value_name = "K", value_parser = clap::value_parser!(u16).range(1..=1024))]
@@ -141,7 +141,7 @@ impl Sitting<'_> {
         let (summary, info) = (&outcome.summary, self.info(outcome));
         let (json, quiet) = (self.manner.json, self.manner.quiet);
         if json {
-            print_data(&report::json(summary, &info))?;
+            print_data(&report::json(summary, &info, &results::warnings(summary, Some(self.scenario))))?;
         } else if !quiet {
             print(&report::table(summary, &info))?;
         }
@@ -183,6 +183,7 @@ impl Sitting<'_> {
             file: file.display().to_string(),
             status: outcome.status,
             ended_by: outcome.ended_by.as_ref().map(EndedBy::to_string),
+            scenario_text: Some(scenario.to_toml()),
             units: scenario.units.clone(),
         }
     }

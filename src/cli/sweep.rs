@@ -56,7 +56,7 @@ pub struct Sweep {
     #[arg(long)]
     dry_run: bool,
     /// A statistic to print; repeatable [default: some; the file has all]
-    #[arg(long, value_name = "NAME", value_parser = super::trade::statistic)]
+    #[arg(long, value_name = "NAME", value_parser = super::completed::STATISTIC, hide_possible_values = true)]
     statistic: Vec<Statistic>,
     /// Do not estimate the bias that the step gives each statistic
     #[arg(long)]

@@ -1,6 +1,16 @@
-//! Bars and small curves of letters, in Unicode or, where the locale is not UTF-8, in ASCII.
+//! What a terminal shows: how wide it is; bars and small curves of letters, in Unicode or, where the locale is not UTF-8,
+//! in ASCII.
 
 use std::ffi::OsString;
+use std::io::IsTerminal as _;
+
+/// How many columns standard output has; none where it is no terminal, as in a pipe, so that what programs read does not
+/// depend on a window.
+pub fn columns() -> Option<usize> {
+    let out = std::io::stdout();
+    let size = rustix::termios::tcgetwinsize(&out).ok().filter(|_| out.is_terminal())?;
+    Some(usize::from(size.ws_col)).filter(|columns| *columns > 0)
+}
 
 /// The letters that a terminal shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

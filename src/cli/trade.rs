@@ -38,10 +38,11 @@ pub struct Trade {
     #[arg(long, value_name = "TIME", default_value = "30s", value_parser = budget)]
     budget: Duration,
     /// The statistic that the picture shows [default: the first that can be answered]
-    #[arg(long, value_name = "NAME", value_parser = statistic)]
+    #[arg(long, value_name = "NAME", value_parser = super::completed::STATISTIC, hide_possible_values = true)]
     statistic: Option<Statistic>,
     /// Any key of the scenario, e.g. friction.static=1.3; repeatable
-    #[arg(long, value_name = "KEY=VALUE", allow_hyphen_values = true)]
+    #[arg(long, value_name = "KEY=VALUE", allow_hyphen_values = true, value_parser = super::completed::SETTING,
+          hide_possible_values = true)]
     set: Vec<String>,
     /// Seed [ensemble.seed]
     #[arg(long, value_name = "S", allow_hyphen_values = true)]
@@ -123,12 +124,6 @@ impl Trade {
 /// The SVG and the PNG next to a file.
 fn pictures(output: &Path) -> [PathBuf; 2] {
     ["svg", "png"].map(|extension| output.with_extension(extension))
-}
-
-/// The statistic of a name.
-pub(super) fn statistic(name: &str) -> Result<Statistic, String> {
-    Statistic::from_name(name)
-        .ok_or_else(|| format!("there is no such statistic; write one of {}", super::statistic_names()))
 }
 
 /// The longest budget that is not a slip of the pen: a week.

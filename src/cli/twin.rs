@@ -55,7 +55,8 @@ pub struct Twin {
     #[arg(long, value_name = "TIME", default_value = "10m", value_parser = parse_seconds)]
     every: f64,
     /// Any key of the scenario, e.g. friction.static=5e5; repeatable
-    #[arg(long, value_name = "KEY=VALUE", allow_hyphen_values = true)]
+    #[arg(long, value_name = "KEY=VALUE", allow_hyphen_values = true, value_parser = super::completed::SETTING,
+          hide_possible_values = true)]
     set: Vec<String>,
     /// Where to write the measurements
     #[arg(short, long, value_name = "FILE.csv")]

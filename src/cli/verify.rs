@@ -1,5 +1,6 @@
 //! `mc verify`: whether a file is what its scenario and its seed come to.
 
+use super::document::document;
 use super::failure::{Failure, note, print, print_data};
 use super::numbers::grouped;
 use super::results;
@@ -109,7 +110,7 @@ impl Verify {
                 "has_checksum": sealed.has_checksum,
                 "blocks_checked": [],
             });
-            return print_data(&(serde_json::to_string_pretty(&object).unwrap_or_default() + "\n"));
+            return print_data(&document("verification", &object));
         }
         print(&format!("{}\n{}", self.file.display(), checksum(sealed)))?;
         print(
@@ -272,8 +273,7 @@ impl Verify {
             "values_checked": values,
             "difference": difference,
         });
-        // Nothing in it can fail: every key is a string.
-        serde_json::to_string_pretty(&object).unwrap_or_default() + "\n"
+        document("verification", &object)
     }
 }
 

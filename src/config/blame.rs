@@ -5,6 +5,13 @@ use super::fields::Fields;
 use super::source::Sources;
 use crate::scheme::Misfit;
 
+/// Report values that do not go together, unless they do.
+pub(super) fn report_misfit(sources: &Sources<'_>, root: &Fields<'_>, check: Result<(), Misfit>) {
+    if let Err(misfit) = check {
+        sources.report_misfit(*blame(sources, root, &misfit));
+    }
+}
+
 /// The fault for a misfit. It is shown at the first of the values, or at the first that an override
 /// brought, because a file is more likely to have been sound before a command line changed it. A
 /// default value stands nowhere.

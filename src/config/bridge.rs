@@ -1,7 +1,7 @@
 //! What a calibration needs of a scenario, and no more: it runs nothing, so that `[time]` and what drives the body may be
 //! missing.
 
-use super::error::{Fault, ScenarioError};
+use super::error::ScenarioError;
 use super::fields::Fields;
 use super::keys;
 use super::overrides::Override;
@@ -19,31 +19,31 @@ impl BridgeScene {
 
     /// From a text that messages call `name`.
     pub fn parse(name: &str, text: &str, overrides: &[Override]) -> Result<Self, ScenarioError> {
-        Ok(scene(&Sources { name, text, overrides, samples: None })?)
+        scene(&Sources::new(name, text, overrides, None))
     }
 }
 
-fn scene(sources: &Sources<'_>) -> Result<BridgeScene, Box<Fault>> {
+fn scene(sources: &Sources<'_>) -> Result<BridgeScene, ScenarioError> {
     let tree = tree::read(sources)?;
-    let root = Fields::root(sources, &tree)?;
-    let (oscillator, friction) = (root.table("oscillator")?, root.table("friction")?);
-    let (bearing, series) = (root.table("bearing")?, root.table("temperature")?.table("series")?);
-    let line = |name: &str| Ok::<_, Box<Fault>>(Some(series.line_or(name, "")?).filter(|text| !text.is_empty()));
+    let root = Fields::root(sources, &tree);
+    let (oscillator, friction) = (root.table("oscillator"), root.table("friction"));
+    let (bearing, series) = (root.table("bearing"), root.table("temperature").table("series"));
+    let line = |name: &str| Some(series.line_or(name, "")).filter(|text| !text.is_empty());
     let stem = Path::new(sources.name).file_stem().unwrap_or_default().to_string_lossy();
-    let initial = root.table("initial")?.number_or_word(keys::DISPLACEMENT, &["balanced", "free"])?;
-    Ok(BridgeScene {
-        title: root.line_or("title", &stem)?,
-        stiffness: oscillator.number(keys::STIFFNESS)?.value,
-        dilatation: oscillator.number(keys::DILATATION)?.value,
-        f_s: friction.number(keys::STATIC)?.value,
-        f_d: friction.number(keys::DYNAMIC)?.value,
-        shear_stiffness: bearing.number_if_present(keys::BEARING_STIFFNESS)?.map(|read| read.value),
-        offset: bearing.number_or(keys::OFFSET, 0.0)?.value,
-        displacement: initial.and_then(Result::ok).map(|read| read.value),
-        file: line("file")?,
-        time: series.line_or("time", "time")?,
-        value: line("value")?,
-        zone: line("zone")?,
+    let initial = root.table("initial").number_or_word(keys::DISPLACEMENT, &["balanced", "free"]);
+    sources.outcome(BridgeScene {
+        title: root.line_or("title", &stem),
+        stiffness: oscillator.number(keys::STIFFNESS),
+        dilatation: oscillator.number(keys::DILATATION),
+        f_s: friction.number(keys::STATIC),
+        f_d: friction.number(keys::DYNAMIC),
+        shear_stiffness: bearing.number_if_present(keys::BEARING_STIFFNESS).map(|read| read.value),
+        offset: bearing.number_or(keys::OFFSET, 0.0),
+        displacement: initial.and_then(Result::ok),
+        file: line("file"),
+        time: series.line_or("time", "time"),
+        value: line("value"),
+        zone: line("zone"),
         text: sources.text.to_string(),
     })
 }

@@ -15,14 +15,15 @@ pub enum ScenarioError {
         /// What to do about it.
         remedy: String,
     },
-    /// It can be read, but something in it, or in an override, is wrong.
-    #[error("{0}")]
-    Invalid(Box<Fault>),
+    /// It can be read, but this is wrong in it, or in an override: at least one thing, in the order of the file. Whether
+    /// values go together is told only of those that are sound by themselves.
+    #[error("{}", .0.iter().map(Fault::to_string).collect::<Vec<_>>().join("\n"))]
+    Invalid(Vec<Fault>),
 }
 
 impl From<Box<Fault>> for ScenarioError {
     fn from(fault: Box<Fault>) -> Self {
-        ScenarioError::Invalid(fault)
+        ScenarioError::Invalid(vec![*fault])
     }
 }
 

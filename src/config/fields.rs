@@ -1,4 +1,7 @@
 //! A table of the tree, read key by key: types and ranges are checked here, once for all keys.
+//!
+//! What cannot be used is reported to the sources, and a value that can be computed with stands in for it, so
+//! that one reading finds all that is wrong.
 
 use super::error::Fault;
 use super::keys::{self, Key, Range};
@@ -21,34 +24,46 @@ pub(super) struct Fields<'a> {
     /// The header; none where the table is missing, which is an empty table.
     place: Option<Place>,
     entries: &'a [Entry],
+    /// Whether something in it is reported already that explains why a key is missing.
+    is_misread: bool,
 }
 
 impl<'a> Fields<'a> {
     /// The root table.
-    pub fn root(sources: &'a Sources<'a>, node: &'a Node) -> Result<Self, Box<Fault>> {
-        let mut root = Self::open(sources, "", String::new(), node)?;
-        root.place = None;
-        Ok(root)
+    pub fn root(sources: &'a Sources<'a>, node: &'a Node) -> Self {
+        let root = Self::open(sources, "", String::new(), node);
+        Fields { place: None, ..root }
     }
 
     /// A table of the kind `schema` (see `keys::TABLES`); an unknown key in it is an error.
-    fn open(sources: &'a Sources<'a>, schema: &str, path: String, node: &'a Node) -> Result<Self, Box<Fault>> {
+    fn open(sources: &'a Sources<'a>, schema: &str, path: String, node: &'a Node) -> Self {
+        let place = Some(node.place);
         let Value::Table(entries) = &node.value else {
             let names = keys::of_table(schema).join(", ");
-            return Err(wrong_kind(sources, node, &path, "a table", &format!("write a table with the keys {names}")));
+            let remedy = format!("write a table with the keys {names}");
+            sources.report(wrong_kind(sources, node, &path, "a table", &remedy));
+            return Fields { sources, path, place, entries: &[], is_misread: true };
         };
         let known = keys::of_table(schema);
-        if let Some(entry) = entries.iter().find(|entry| !known.contains(&entry.key.as_str())) {
+        let mut is_misread = false;
+        for entry in entries.iter().filter(|entry| !known.contains(&entry.key.as_str())) {
+            is_misread = true;
             let table = if schema.is_empty() { "a scenario".to_string() } else { format!("`{schema}`") };
             let (hint, remedy) = match keys::suggestion(schema, &entry.key) {
+                // A harmonic is one of several, and therefore a table in an array.
+                Some(name) if name.starts_with("temperature.harmonics.") && schema != "temperature.harmonics" => {
+                    let example =
+                        "write `harmonics = [{ amplitude = 1.0, angular_frequency = 0.25 }]` under [temperature]";
+                    (format!("; did you mean `{name}`?"), example.to_string())
+                }
                 Some(name) => (format!("; did you mean `{name}`?"), format!("write `{name}`, or remove the line")),
                 None => (String::new(), "remove the line".to_string()),
             };
             let problem = format!("unknown key `{}`{hint}", entry.key);
             let remedy = format!("{remedy}; {table} takes {}", known.join(", "));
-            return Err(sources.fault(Some(entry.key_place), problem, remedy));
+            sources.report(sources.fault(Some(entry.key_place), problem, remedy));
         }
-        Ok(Fields { sources, path, place: Some(node.place), entries })
+        Fields { sources, path, place, entries, is_misread }
     }
 
     fn dotted(&self, name: &str) -> String {
@@ -71,52 +86,58 @@ impl<'a> Fields<'a> {
     }
 
     /// A table in this one; if it is missing, an empty one.
-    pub fn table(&self, name: &str) -> Result<Fields<'a>, Box<Fault>> {
+    pub fn table(&self, name: &str) -> Fields<'a> {
         let path = self.dotted(name);
         match self.node(name) {
             Some(node) => Self::open(self.sources, &path.clone(), path, node),
-            None => Ok(Fields { sources: self.sources, path, place: None, entries: &[] }),
+            None => Fields { sources: self.sources, path, place: None, entries: &[], is_misread: self.is_misread },
         }
     }
 
     /// A table in this one, if it is there.
-    pub fn table_if_present(&self, name: &str) -> Result<Option<Fields<'a>>, Box<Fault>> {
-        if self.node(name).is_some() { self.table(name).map(Some) } else { Ok(None) }
+    pub fn table_if_present(&self, name: &str) -> Option<Fields<'a>> {
+        self.node(name).is_some().then(|| self.table(name))
     }
 
     /// The tables of an array of tables; a missing array is empty.
-    pub fn tables(&self, name: &str) -> Result<Vec<Fields<'a>>, Box<Fault>> {
+    pub fn tables(&self, name: &str) -> Vec<Fields<'a>> {
         let path = self.dotted(name);
-        let Some(node) = self.node(name) else { return Ok(Vec::new()) };
+        let Some(node) = self.node(name) else { return Vec::new() };
         let Value::Array(items) = &node.value else {
             let remedy = format!("write {name} = [{{ ... }}], with the keys {}", keys::of_table(&path).join(", "));
-            return Err(wrong_kind(self.sources, node, &path, "an array of tables", &remedy));
+            self.sources.report(wrong_kind(self.sources, node, &path, "an array of tables", &remedy));
+            return Vec::new();
         };
         items.iter().enumerate().map(|(i, item)| Self::open(self.sources, &path, format!("{path}.{i}"), item)).collect()
     }
 
     /// A table, or the tables of an array of them: what may be there once or more often.
-    pub fn one_or_more(&self, name: &str) -> Result<Vec<Fields<'a>>, Box<Fault>> {
+    pub fn one_or_more(&self, name: &str) -> Vec<Fields<'a>> {
         match self.node(name) {
             Some(Node { value: Value::Array(_), .. }) => self.tables(name),
-            _ => Ok(self.table_if_present(name)?.into_iter().collect()),
+            _ => self.table_if_present(name).into_iter().collect(),
         }
     }
 
     /// A number that must be there.
-    pub fn number(&self, key: Key) -> Result<Read, Box<Fault>> {
-        self.number_if_present(key)?.ok_or_else(|| self.missing(key))
+    pub fn number(&self, key: Key) -> f64 {
+        self.number_if_present(key).map_or_else(|| self.missing(key), |read| read.value)
     }
 
     /// A number, or its default.
-    pub fn number_or(&self, key: Key, default: f64) -> Result<Read, Box<Fault>> {
-        let read = self.number_if_present(key)?;
-        Ok(read.unwrap_or(Read { value: default, place: None }))
+    pub fn number_or(&self, key: Key, default: f64) -> f64 {
+        self.number_if_present(key).map_or(default, |read| read.value)
     }
 
     /// A number, if it is there.
-    pub fn number_if_present(&self, key: Key) -> Result<Option<Read>, Box<Fault>> {
-        let Some(node) = self.node(key.name) else { return Ok(None) };
+    pub fn number_if_present(&self, key: Key) -> Option<Read> {
+        let node = self.node(key.name)?;
+        let value = self.sources.or_report(self.number_in(node, key)).unwrap_or_else(|| key.range.stand_in());
+        Some(Read { value, place: Some(node.place) })
+    }
+
+    /// The number in the node of a key.
+    fn number_in(&self, node: &Node, key: Key) -> Result<f64, Box<Fault>> {
         let path = self.dotted(key.name);
         let allowed = key.range.words();
         let symbol = if key.symbol.is_empty() { String::new() } else { format!("{}, ", key.symbol) };
@@ -135,19 +156,20 @@ impl<'a> Fields<'a> {
                     remedy,
                 ));
             }
-            _ => return Ok(Some(Read { value, place: Some(node.place) })),
+            _ => return Ok(value),
         };
         Err(self.fault(node, &path, problem, remedy))
     }
 
     /// A length of time, if it is there: a number, or a text such as "6h", which is in seconds.
-    pub fn span_if_present(&self, key: Key) -> Result<Option<f64>, Box<Fault>> {
-        let Some(node) = self.node(key.name) else { return Ok(None) };
-        let Value::Text(text) = &node.value else { return Ok(self.number_if_present(key)?.map(|read| read.value)) };
-        crate::data::seconds(text).map(Some).ok_or_else(|| {
+    pub fn span_if_present(&self, key: Key) -> Option<f64> {
+        let node = self.node(key.name)?;
+        let Value::Text(text) = &node.value else { return Some(self.number_or(key, key.range.stand_in())) };
+        let read = crate::data::seconds(text).ok_or_else(|| {
             let remedy = "write a length of time above 0 such as \"6h\", \"90min\" or \"2d\", or a number".to_string();
             self.fault(node, &self.dotted(key.name), "is no length of time".into(), remedy)
-        })
+        });
+        self.sources.or_report(read)
     }
 
     /// The fault of a table that should not be there.
@@ -161,25 +183,28 @@ impl<'a> Fields<'a> {
     }
 
     /// A number or a word from a list: `Ok(Ok(number))` or `Ok(Err(word))`.
-    pub fn number_or_word(
-        &self,
-        key: Key,
-        words: &[&'static str],
-    ) -> Result<Option<Result<Read, &'static str>>, Box<Fault>> {
-        let Some(node) = self.node(key.name) else { return Ok(None) };
-        let Value::Text(text) = &node.value else { return Ok(self.number_if_present(key)?.map(Ok)) };
+    pub fn number_or_word(&self, key: Key, words: &[&'static str]) -> Option<Result<f64, &'static str>> {
+        let node = self.node(key.name)?;
+        let Value::Text(text) = &node.value else { return Some(Ok(self.number(key))) };
         match words.iter().find(|word| **word == text) {
-            Some(word) => Ok(Some(Err(word))),
-            None => Err(self.unknown_word(node, key.name, words, &format!("{} or one of", key.range.words()))),
+            Some(word) => Some(Err(word)),
+            None => {
+                let allowed = format!("{} or one of", key.range.words());
+                self.sources.report(self.unknown_word(node, key.name, words, &allowed));
+                Some(Ok(key.range.stand_in()))
+            }
         }
     }
 
     /// A word from a list, if it is there.
-    pub fn word(&self, name: &str, words: &[&'static str]) -> Result<Option<&'static str>, Box<Fault>> {
-        let Some(node) = self.node(name) else { return Ok(None) };
+    pub fn word(&self, name: &str, words: &[&'static str]) -> Option<&'static str> {
+        self.sources.or_report(self.word_in(self.node(name)?, name, words))
+    }
+
+    fn word_in(&self, node: &Node, name: &str, words: &[&'static str]) -> Result<&'static str, Box<Fault>> {
         match &node.value {
             Value::Text(text) => match words.iter().find(|word| **word == text) {
-                Some(word) => Ok(Some(word)),
+                Some(word) => Ok(word),
                 None => Err(self.unknown_word(node, name, words, "one of")),
             },
             _ => {
@@ -200,8 +225,11 @@ impl<'a> Fields<'a> {
     }
 
     /// A whole number in a range, or its default.
-    pub fn whole_or(&self, name: &str, default: u64, range: (u64, u64)) -> Result<u64, Box<Fault>> {
-        let Some(node) = self.node(name) else { return Ok(default) };
+    pub fn whole_or(&self, name: &str, default: u64, range: (u64, u64)) -> u64 {
+        self.node(name).and_then(|node| self.sources.or_report(self.whole_in(node, name, range))).unwrap_or(default)
+    }
+
+    fn whole_in(&self, node: &Node, name: &str, range: (u64, u64)) -> Result<u64, Box<Fault>> {
         let path = self.dotted(name);
         let (low, high) = range;
         let allowed = format!("a whole number from {low} to {high}");
@@ -213,33 +241,37 @@ impl<'a> Fields<'a> {
                     self.fault(node, &path, problem, format!("give {allowed}"))
                 })
             }
-            Value::Float(text) => {
-                // 1e4 is the natural way to write ten thousand, and not a TOML integer.
-                let whole = text.parse::<f64>().ok().filter(|x| x.fract() == 0.0 && x.abs() < EXACT_INTEGERS);
-                let remedy = match whole.and_then(|x| inside(x as i128)) {
-                    Some(n) => format!("write {n}"),
-                    None => format!("give {allowed}"),
-                };
-                Err(wrong_kind(self.sources, node, &path, &allowed, &remedy))
+            // 1e4 and "10k" are natural ways to write ten thousand, and no TOML integers.
+            Value::Float(text) | Value::Text(text) if count(text).is_some() => {
+                count(text).and_then(inside).ok_or_else(|| {
+                    let problem = format!("is out of range: it must be {allowed}");
+                    self.fault(node, &path, problem, format!("give {allowed}"))
+                })
             }
             _ => Err(wrong_kind(self.sources, node, &path, &allowed, &format!("give {allowed}"))),
         }
     }
 
     /// True or false, or the default.
-    pub fn flag_or(&self, name: &str, default: bool) -> Result<bool, Box<Fault>> {
+    pub fn flag_or(&self, name: &str, default: bool) -> bool {
         match self.node(name) {
-            None => Ok(default),
-            Some(Node { value: Value::Boolean(value), .. }) => Ok(*value),
+            None => default,
+            Some(Node { value: Value::Boolean(value), .. }) => *value,
             Some(node) => {
-                Err(wrong_kind(self.sources, node, &self.dotted(name), "true or false", "write true or false"))
+                let path = self.dotted(name);
+                self.sources.report(wrong_kind(self.sources, node, &path, "true or false", "write true or false"));
+                default
             }
         }
     }
 
     /// One line of text, or the default.
-    pub fn line_or(&self, name: &str, default: &str) -> Result<String, Box<Fault>> {
-        let Some(node) = self.node(name) else { return Ok(default.to_string()) };
+    pub fn line_or(&self, name: &str, default: &str) -> String {
+        let read = self.node(name).and_then(|node| self.sources.or_report(self.line_in(node, name)));
+        read.unwrap_or_else(|| default.to_string())
+    }
+
+    fn line_in(&self, node: &Node, name: &str) -> Result<String, Box<Fault>> {
         let path = self.dotted(name);
         match &node.value {
             Value::Text(text) if text.chars().any(char::is_control) => {
@@ -251,17 +283,37 @@ impl<'a> Fields<'a> {
         }
     }
 
-    fn missing(&self, key: Key) -> Box<Fault> {
+    /// Report that a key is missing; what stands in for it.
+    fn missing(&self, key: Key) -> f64 {
+        if self.is_misread {
+            return key.range.stand_in();
+        }
         let (symbol, meaning) = (key.symbol, key.meaning);
         let problem = format!("missing key `{}`", self.dotted(key.name));
         let under = if self.place.is_some() { "there" } else { &format!("under [{}]", self.path) };
         let remedy = format!("add `{} = ...` {under}: {symbol}, {meaning}; {}", key.name, key.range.words());
-        self.sources.fault(self.place, problem, remedy)
+        self.sources.report(self.sources.fault(self.place, problem, remedy));
+        key.range.stand_in()
     }
 
     fn fault(&self, node: &Node, path: &str, problem: String, remedy: String) -> Box<Fault> {
         self.sources.fault(Some(node.place), problem, remedy).of(path).value(self.sources.quote(node.place))
     }
+}
+
+/// The whole number that a text such as "1e5", "1_000_000", "10k" or "2.5M" stands for.
+fn count(text: &str) -> Option<i128> {
+    let plain = text.replace('_', "");
+    let (digits, unit) = match plain.strip_suffix(['k', 'K', 'M', 'G']) {
+        None => (plain.as_str(), 1.0),
+        Some(digits) if plain.ends_with('M') => (digits, 1e6),
+        Some(digits) if plain.ends_with('G') => (digits, 1e9),
+        Some(digits) => (digits, 1e3),
+    };
+    // Rounded, because 0.7e3 or 1.1 times a thousand differ from whole numbers by rounding.
+    let number = digits.parse::<f64>().ok()? * unit;
+    let whole = number.round();
+    (whole.abs() < EXACT_INTEGERS && (number - whole).abs() <= f64::EPSILON * whole.abs()).then_some(whole as i128)
 }
 
 /// Above this, not every whole number is a double.

@@ -24,6 +24,14 @@ impl Range {
         }
     }
 
+    /// A number that it takes, to go on with where the one that is given cannot be used.
+    pub fn stand_in(self) -> f64 {
+        match self {
+            Range::Tolerance => *TOLERANCES.end(),
+            _ => 1.0,
+        }
+    }
+
     pub fn words(self) -> &'static str {
         match self {
             Range::Any => "a finite number",
@@ -203,7 +211,12 @@ pub(super) fn suggestion(table: &str, key: &str) -> Option<String> {
             .max_by(|a, b| a.0.0.total_cmp(&b.0.0))
             .map(|((_, name), home)| dotted(home, name))
     };
-    synonym().or_else(within).or_else(across)
+    // The very name, in one other table.
+    let elsewhere = || {
+        let mut homes = TABLES.iter().filter(|(home, names)| *home != table && names.contains(&word.as_str()));
+        homes.next().filter(|_| homes.next().is_none()).map(|(home, _)| dotted(home, &word))
+    };
+    synonym().or_else(elsewhere).or_else(within).or_else(across)
 }
 
 /// The name most like a word, if any is alike enough; a part of a name, such as `frequency`, counts

@@ -55,6 +55,12 @@ impl Override {
         Override::flag(shown, key, &if is_whole { format!("{value:.0}") } else { format!("{value:?}") })
     }
 
+    /// From a flag of its own whose value is a text, such as a title: whatever it looks like, it is taken as it is.
+    pub fn text(flag: &str, key: &str, value: &str) -> Self {
+        let quoted = toml::Value::from(value).to_string();
+        Override { shown: format!("{flag} {quoted}"), key: key.to_string(), value: quoted }
+    }
+
     /// Whether it sets this key, by itself or with the whole table it is in.
     pub fn sets(&self, key: &str) -> bool {
         key.strip_prefix(&self.key).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))

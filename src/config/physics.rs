@@ -1,7 +1,6 @@
 //! The keys of the physics -> a model.
 
-use super::blame::blame;
-use super::error::Fault;
+use super::blame::report_misfit;
 use super::fields::Fields;
 use super::keys;
 use super::series;
@@ -18,84 +17,84 @@ pub(super) struct Physics {
 }
 
 /// Read `[oscillator]`, `[friction]`, `[temperature]` and `[initial]`.
-pub(super) fn physics(sources: &Sources<'_>, root: &Fields<'_>) -> Result<Physics, Box<Fault>> {
-    let fault = |misfit| blame(sources, root, &misfit);
-    let table = root.table("oscillator")?;
+pub(super) fn physics(sources: &Sources<'_>, root: &Fields<'_>) -> Physics {
+    let together = |check| report_misfit(sources, root, check);
+    let table = root.table("oscillator");
     let oscillator = Oscillator {
-        mass: table.number(keys::MASS)?.value,
-        stiffness: table.number(keys::STIFFNESS)?.value,
-        damping: table.number_or(keys::DAMPING, 0.0)?.value,
-        dilatation: table.number(keys::DILATATION)?.value,
+        mass: table.number(keys::MASS),
+        stiffness: table.number(keys::STIFFNESS),
+        damping: table.number_or(keys::DAMPING, 0.0),
+        dilatation: table.number(keys::DILATATION),
     };
 
-    let table = root.table("friction")?;
-    let static_force = table.number(keys::STATIC)?.value;
-    let dynamic_force = table.number(keys::DYNAMIC)?.value;
-    let friction = Friction { static_force, dynamic_force };
-    check::friction(&friction).map_err(fault)?;
+    let table = root.table("friction");
+    let friction = Friction { static_force: table.number(keys::STATIC), dynamic_force: table.number(keys::DYNAMIC) };
+    together(check::friction(&friction));
 
-    let table = root.table("temperature")?;
+    let table = root.table("temperature");
     let mut harmonics = Vec::new();
-    for harmonic in table.tables("harmonics")? {
+    for harmonic in table.tables("harmonics") {
         harmonics.push(Harmonic {
-            amplitude: harmonic.number(keys::AMPLITUDE)?.value,
-            angular_frequency: harmonic.number(keys::ANGULAR_FREQUENCY)?.value,
-            phase: harmonic.number_or(keys::PHASE, 0.0)?.value,
+            amplitude: harmonic.number(keys::AMPLITUDE),
+            angular_frequency: harmonic.number(keys::ANGULAR_FREQUENCY),
+            phase: harmonic.number_or(keys::PHASE, 0.0),
         });
     }
-    let noises = table.one_or_more("noise")?;
+    let noises = table.one_or_more("noise");
     if let [_, _, third, ..] = &noises[..] {
         let remedy = "keep two of them, or add up those whose relaxation rates are alike: their variances add";
-        return Err(third.wrong("is one noise too many; two are simulated at most", remedy));
+        sources.report(third.wrong("is one noise too many; two are simulated at most", remedy));
     }
     let mut read = Vec::new();
     for table in &noises {
-        let noise = noise(table)?;
-        check::noise(&noise).map_err(fault)?;
+        let noise = noise(table);
+        together(check::noise(&noise));
         read.push(noise);
     }
     let (noise, second_noise) = (read.first().copied(), read.get(1).copied());
 
-    let (series, measured) = series::series(sources, root)?.unzip();
+    let (series, measured) = sources.or_report(series::series(sources, root)).flatten().unzip();
     let mut is_pinned = false;
     for table in &noises {
-        is_pinned |= table.flag_or("pinned", false)?;
+        is_pinned |= table.flag_or("pinned", false);
     }
     let temperature = Temperature { harmonics, series, is_pinned, noise, second_noise };
     if let Some((problem, remedy)) = check::pinned(&temperature) {
         let place = noises.iter().find_map(|table| table.place_of("pinned"));
-        return Err(sources.fault(place, problem.into(), remedy.into()).of("temperature.noise.pinned"));
+        sources.report_misfit(*sources.fault(place, problem.into(), remedy.into()).of("temperature.noise.pinned"));
     }
 
-    let table = root.table("initial")?;
-    let given = table.number_or_word(keys::DISPLACEMENT, &["balanced"])?;
+    let table = root.table("initial");
+    let given = table.number_or_word(keys::DISPLACEMENT, &["balanced"]);
     let is_balanced = matches!(given, Some(Err(_)));
     let initial_displacement = match given {
-        Some(Ok(x0)) => x0.value,
+        Some(Ok(x0)) => x0,
         Some(Err(_balanced)) => oscillator.dilatation * temperature.mean(0.0),
-        None => table.number(keys::DISPLACEMENT)?.value,
+        None => table.number(keys::DISPLACEMENT),
     };
     let model = Model { oscillator, friction, temperature, initial_displacement };
-    check::forces(&model).map_err(fault)?;
-    Ok(Physics { model, measured, is_balanced })
+    if sources.are_sound() {
+        together(check::forces(&model));
+    }
+    Physics { model, measured, is_balanced }
 }
 
 /// Read `[bearing]`.
-pub(super) fn bearing(root: &Fields<'_>) -> Result<Option<Bearing>, Box<Fault>> {
-    let Some(table) = root.table_if_present("bearing")? else { return Ok(None) };
-    let stiffness = table.number_if_present(keys::BEARING_STIFFNESS)?.map(|read| read.value);
-    Ok(Some(Bearing { stiffness, offset: table.number_or(keys::OFFSET, 0.0)?.value }))
+pub(super) fn bearing(root: &Fields<'_>) -> Option<Bearing> {
+    let table = root.table_if_present("bearing")?;
+    let stiffness = table.number_if_present(keys::BEARING_STIFFNESS).map(|read| read.value);
+    Some(Bearing { stiffness, offset: table.number_or(keys::OFFSET, 0.0) })
 }
 
-fn noise(table: &Fields<'_>) -> Result<Noise, Box<Fault>> {
-    Ok(Noise {
-        intensity: table.number(keys::INTENSITY)?.value,
-        relaxation_rate: table.number_or(keys::RELAXATION_RATE, 1.0)?.value,
-        diffusion: table.number_or(keys::DIFFUSION, 1.0)?.value,
-        initial: match table.number_or_word(keys::INITIAL_NOISE, &["stationary"])? {
+fn noise(table: &Fields<'_>) -> Noise {
+    Noise {
+        intensity: table.number(keys::INTENSITY),
+        relaxation_rate: table.number_or(keys::RELAXATION_RATE, 1.0),
+        diffusion: table.number_or(keys::DIFFUSION, 1.0),
+        initial: match table.number_or_word(keys::INITIAL_NOISE, &["stationary"]) {
             None => InitialNoise::At(0.0),
-            Some(Ok(v0)) => InitialNoise::At(v0.value),
+            Some(Ok(v0)) => InitialNoise::At(v0),
             Some(Err(_stationary)) => InitialNoise::Stationary,
         },
-    })
+    }
 }

@@ -22,16 +22,16 @@ pub(super) fn series(sources: &Sources<'_>, root: &Fields<'_>) -> Result<Option<
     if let Some(Samples::Given(samples)) = sources.samples {
         return Ok(Some((samples.clone(), in_memory())));
     }
-    let Some(table) = root.table("temperature")?.table_if_present("series")? else { return Ok(None) };
+    let Some(table) = root.table("temperature").table_if_present("series") else { return Ok(None) };
     let line = |name: &str, default: &str| table.line_or(name, default);
     let mut measured = Measured {
-        file: line("file", "")?,
-        time: line("time", "time")?,
-        value: line("value", "")?,
-        zone: line("zone", "")?,
-        max_gap: table.span_if_present(keys::MAX_GAP)?,
+        file: line("file", ""),
+        time: line("time", "time"),
+        value: line("value", ""),
+        zone: line("zone", ""),
+        max_gap: table.span_if_present(keys::MAX_GAP),
         // Samples that are read say it anew.
-        start: Some(line("start", "")?).filter(|stamp| !stamp.is_empty()),
+        start: Some(line("start", "")).filter(|stamp| !stamp.is_empty()),
         repairs: Vec::new(),
     };
     let place = table.place_of("file");
@@ -39,7 +39,7 @@ pub(super) fn series(sources: &Sources<'_>, root: &Fields<'_>) -> Result<Option<
         let remedy = "add `file = \"t.csv\"`: a CSV file with a column of times and one of temperatures";
         return Err(table.absent("file", remedy));
     }
-    let hash = line("hash", "")?;
+    let hash = line("hash", "");
     let is_override = sources.is_override(place);
     let series = match sources.samples {
         Some(Samples::Stored(stored)) if !is_override => stored.clone(),
@@ -103,7 +103,7 @@ fn read(
         max_gap = Some(DEFAULT_MAX_GAP);
         found = columns(max_gap).map_err(cannot)?;
     }
-    let unit = root.table("units")?.line_or("time", "")?;
+    let unit = root.table("units").line_or("time", "");
     if found.in_seconds && !SECONDS.contains(&unit.as_str()) {
         let problem = format!("has times in seconds, and `units.time` is \"{unit}\"");
         return Err(fault(problem, "write the whole scenario in seconds, and `time = \"s\"` under [units]".into()));

@@ -1,8 +1,9 @@
 //! The texts a scenario is read from: one file, and the overrides of a command line.
 
-use super::error::Fault;
+use super::error::{Fault, ScenarioError};
 use super::overrides::Override;
 use crate::model::Series;
+use std::cell::RefCell;
 use std::sync::Arc;
 
 /// A stretch of one of the texts.
@@ -26,7 +27,7 @@ struct Excerpt {
     drawing: String,
 }
 
-/// The file and the overrides.
+/// The file and the overrides, and what is wrong in them.
 pub(super) struct Sources<'a> {
     /// What the file is called.
     pub name: &'a str,
@@ -36,6 +37,15 @@ pub(super) struct Sources<'a> {
     pub overrides: &'a [Override],
     /// The samples of a measured temperature, where they come with the text.
     pub samples: Option<Samples<'a>>,
+    faults: RefCell<Faults>,
+}
+
+/// What is wrong in the texts, as far as they have been read.
+#[derive(Default)]
+struct Faults {
+    found: Vec<Fault>,
+    /// Whether a value cannot be used, so that another one stands in for it.
+    has_stand_in: bool,
 }
 
 /// Samples of a measured temperature that come with a text.
@@ -45,6 +55,48 @@ pub(super) enum Samples<'a> {
     Stored(&'a Arc<Series>),
     /// Others, in the place of its `[temperature.series]`.
     Given(&'a Arc<Series>),
+}
+
+impl<'a> Sources<'a> {
+    pub fn new(name: &'a str, text: &'a str, overrides: &'a [Override], samples: Option<Samples<'a>>) -> Self {
+        Sources { name, text, overrides, samples, faults: RefCell::default() }
+    }
+
+    /// Note that a value is missing or cannot be used; the reading goes on with another one.
+    pub fn report(&self, fault: Box<Fault>) {
+        let mut faults = self.faults.borrow_mut();
+        faults.has_stand_in = true;
+        // A table may be opened more than once.
+        if !faults.found.contains(&fault) {
+            faults.found.push(*fault);
+        }
+    }
+
+    /// The value, or note why there is none.
+    pub fn or_report<T>(&self, read: Result<T, Box<Fault>>) -> Option<T> {
+        read.map_err(|fault| self.report(fault)).ok()
+    }
+
+    /// Note that values do not go together. Where one of all that were read only stands in for another,
+    /// that says nothing.
+    pub fn report_misfit(&self, fault: Fault) {
+        let mut faults = self.faults.borrow_mut();
+        if !faults.has_stand_in {
+            faults.found.push(fault);
+        }
+    }
+
+    /// Whether nothing is wrong so far.
+    pub fn are_sound(&self) -> bool {
+        self.faults.borrow().found.is_empty()
+    }
+
+    /// What was read, if nothing is wrong with it; otherwise all that is, in the order of the file.
+    pub fn outcome<T>(&self, read: T) -> Result<T, ScenarioError> {
+        let mut found = std::mem::take(&mut self.faults.borrow_mut().found);
+        found.sort_by_key(|fault| (fault.line.is_none(), fault.line, fault.column));
+        if found.is_empty() { Ok(read) } else { Err(ScenarioError::Invalid(found)) }
+    }
 }
 
 impl Sources<'_> {

@@ -20,7 +20,7 @@ fn base(overrides: &[&str]) -> Result<Scenario, ScenarioError> {
 
 fn fault(result: Result<Scenario, ScenarioError>) -> Fault {
     match result {
-        Err(ScenarioError::Invalid(fault)) => *fault,
+        Err(ScenarioError::Invalid(faults)) if faults.len() == 1 => faults[0].clone(),
         other => panic!("expected a fault, got {other:?}"),
     }
 }
@@ -184,10 +184,98 @@ fn unknown_keys_come_with_the_key_that_was_meant() {
     assert_eq!(keys::suggestion("time", "zzz"), None);
 }
 
+/// What is wrong, as `line key`, of a text that is wrong in several places.
+fn faults(text: &str, overrides: &[&str]) -> Vec<String> {
+    let overrides: Vec<Override> = overrides.iter().map(|text| Override::set(text).unwrap()).collect();
+    let Err(ScenarioError::Invalid(faults)) = Scenario::parse("x", text, &overrides) else { panic!("is refused") };
+    let shown = |fault: &Fault| {
+        let key = fault.key.clone().unwrap_or_else(|| fault.problem.split('`').nth(1).unwrap_or_default().to_string());
+        format!("{} {key}", fault.line.map_or("-".to_string(), |line| line.to_string()))
+    };
+    faults.iter().map(shown).collect()
+}
+
 #[test]
-fn the_first_mistake_in_the_file_is_reported_first() {
+fn all_mistakes_are_told_at_once_in_the_order_of_the_file() {
     let text = BASE.replace("[initial]", "[intial]").replace("[friction]", "[fricton]");
-    assert!(fault(Scenario::parse("x", &text, &[])).problem.contains("fricton"));
+    let line = |of: &str| 1 + text.lines().position(|line| line.starts_with(of)).unwrap();
+    let expected = [format!("{} fricton", line("[fricton]")), format!("{} intial", line("[intial]"))];
+    assert_eq!(faults(&text, &[]), expected, "a misspelt table is no missing key as well");
+
+    let mut text = BASE.to_string();
+    for (right, wrong) in [
+        ("mass = 1.0", "mass = -1.0"),
+        ("dilatation = 6.0", "dilation = 6.0"),
+        ("static = 1.2", "static = \"strong\""),
+        ("dynamic = 1.0", "# dynamic"),
+        ("amplitude = 1.0", "amplitude = nan"),
+        ("initial = 0.0", "initial = \"stationery\""),
+        ("end = 60.0", "end = -1"),
+        ("paths = 10000", "paths = 0"),
+        ("seed = 1", "seed = 1\nantithetic = 2"),
+    ] {
+        assert!(text.contains(right), "{right}");
+        text = text.replace(right, wrong);
+    }
+    let keys: Vec<String> = faults(&text, &["record.events=perhaps", "scheme.kind=exact"]);
+    let keys: Vec<&str> = keys.iter().map(|shown| shown.split_once(' ').unwrap().1).collect();
+    let expected = [
+        "oscillator.mass",
+        "dilation",
+        "friction.dynamic",
+        "friction.static",
+        "temperature.harmonics.0.amplitude",
+        "temperature.noise.initial",
+        "time.end",
+        "ensemble.paths",
+        "ensemble.antithetic",
+        "scheme.kind",
+        "record.events",
+    ];
+    assert_eq!(keys, expected);
+}
+
+#[test]
+fn values_that_do_not_go_together_are_told_together_where_each_of_them_is_sound() {
+    let text = BASE.replace("dynamic = 1.0", "dynamic = 2.0").replace("paths = 10000", "paths = 11\nantithetic = true");
+    let text = text.replace("step = 0.01 ", "step = 0.007 ");
+    let keys: Vec<String> = faults(&text, &["statistics.after=100"]);
+    let keys: Vec<&str> = keys.iter().map(|shown| shown.split_once(' ').unwrap().1).collect();
+    assert_eq!(keys, ["friction.dynamic", "time.step", "ensemble.paths", "statistics.after"]);
+    // Whether f_d <= f_s cannot be told where f_s is no number.
+    let text = text.replace("static = 1.2", "static = true");
+    assert_eq!(faults(&text, &["statistics.after=100"]).len(), 1);
+}
+
+#[test]
+fn counts_are_read_as_people_write_them() {
+    let paths = |text: &str| base(&[&format!("ensemble.paths={text}")]).map(|scenario| scenario.ensemble.paths);
+    for (text, count) in
+        [("1e5", 100_000), ("1_000_000", 1_000_000), ("10k", 10_000), ("2.5M", 2_500_000), ("1G", 1_000_000_000)]
+    {
+        assert_eq!(paths(text).ok(), Some(count), "{text}");
+        let file = BASE.replace("paths = 10000", &format!("paths = \"{text}\""));
+        assert_eq!(
+            Scenario::parse("x", &file, &[]).map(|scenario| scenario.ensemble.paths).ok(),
+            Some(count),
+            "{text}"
+        );
+    }
+    for text in ["1.5", "10m", "k", "1e-3", "0.0001k", "-1k", "1e300"] {
+        assert!(paths(text).is_err(), "{text}");
+    }
+}
+
+/// The remedy for an amplitude outside of a harmonic, done as it says.
+#[test]
+fn the_remedy_for_a_harmonic_in_the_wrong_place_works() {
+    let text = BASE.replace("harmonics = [{ amplitude = 1.0, angular_frequency = 0.25 }]", "amplitude = 1.0");
+    let Err(ScenarioError::Invalid(faults)) = Scenario::parse("x", &text, &[]) else { panic!("is refused") };
+    let remedy = faults[0].remedy.split('`').nth(1).expect("something to write");
+    assert_eq!(
+        Scenario::parse("x", &text.replace("amplitude = 1.0", remedy), &[]).map(|s| s.model).ok(),
+        base(&[]).map(|s| s.model).ok()
+    );
 }
 
 #[test]
@@ -356,7 +444,8 @@ fn a_file_that_is_no_scenario_is_refused_with_a_way_on() {
 #[test]
 fn the_caret_stands_under_the_value() {
     let text = "# \u{e9}\r\n[oscillator]\r\n\tmass = \"\u{e9}\u{e9}\"\r\n";
-    let fault = fault(Scenario::parse("x", text, &[]));
+    let Err(ScenarioError::Invalid(faults)) = Scenario::parse("x", text, &[]) else { panic!("is refused") };
+    let fault = faults.into_iter().find(|fault| fault.key.is_some()).expect("the mass");
     assert_eq!((fault.line, fault.column), (Some(3), Some(9)));
     assert_eq!(fault.excerpt.unwrap(), "  |\n3 | \tmass = \"\u{e9}\u{e9}\"\n  | \t       ^^^^");
 }
@@ -442,11 +531,11 @@ fn another_scheme_is_refused_as_the_reader_refuses_it() {
                 let read = Scenario::parse(&scenario.title, &scenario.to_toml(), &flags);
                 match (read, scenario.with_scheme(kind.with(parameter))) {
                     (Ok(read), Ok(changed)) => assert_eq!(read, changed),
-                    (Err(ScenarioError::Invalid(fault)), Err(misfit)) => {
-                        let words = fault.to_string();
+                    (Err(refusal @ ScenarioError::Invalid(_)), Err(misfit)) => {
+                        let words = refusal.to_string();
                         assert!(
                             words.contains(&misfit.sentence()) && words.contains(&misfit.remedy),
-                            "{fault} {misfit}"
+                            "{words} {misfit}"
                         );
                         refused += 1;
                     }

@@ -52,6 +52,51 @@ pub(super) fn resolved(scenario: &Scenario) -> String {
     text
 }
 
+/// A scenario to change: the resolved one, without what is only true of its samples, and the parts that it does not use, as
+/// comments.
+pub(super) fn template(scenario: &Scenario) -> String {
+    let is_of_samples = |line: &&str| ["start = ", "hash = "].iter().any(|key| line.starts_with(key));
+    let resolved = resolved(scenario);
+    let mut text: String =
+        resolved.lines().filter(|line| !is_of_samples(line)).map(|line| format!("{line}\n")).collect();
+    let temperature = &scenario.model.temperature;
+    let unused = [
+        (temperature.noise.is_none(), NOISE_PART),
+        (temperature.series.is_none(), SERIES_PART),
+        (scenario.bearing.is_none(), BEARING_PART),
+    ];
+    let unused: Vec<&str> = unused.iter().filter(|(is_unused, _)| *is_unused).map(|(_, part)| *part).collect();
+    if !unused.is_empty() {
+        text.push_str("\n# What this scenario does not use. Remove the `#` in front of a part to use it.\n");
+    }
+    for part in unused {
+        text.push('\n');
+        text.extend(part.lines().map(|line| format!("# {line}\n")));
+    }
+    text
+}
+
+/// Parts that a scenario need not have, as they may be written.
+pub(super) const NOISE_PART: &str = "\
+[temperature.noise]             # rho v, with v an Ornstein-Uhlenbeck process: dv = -theta v dt + sigma dW
+intensity = 0.25                # rho: weight of v in T
+relaxation_rate = 1.0           # theta
+diffusion = 1.0                 # sigma
+initial = 0.0                   # v(0), or \"stationary\"
+";
+pub(super) const SERIES_PART: &str = "\
+[temperature.series]            # a measured temperature, added to the harmonics
+file = \"temperature.csv\"        # relative to the folder of the scenario
+time = \"time\"                   # its column of times: stamps, or numbers with a unit in the name
+value = \"temperature_degC\"      # its column of temperatures
+max_gap = \"6h\"                  # longest time between two samples
+";
+pub(super) const BEARING_PART: &str = "\
+[bearing]                       # a sensor at the bearing shows z = z0 + x + F/K_B
+stiffness = 2.0e9               # K_B: shear of the bearing under F
+offset = 0.0                    # z0: what the sensor shows at x = 0
+";
+
 fn physics(text: &mut String, scenario: &Scenario) {
     let Scenario { model, measured, is_balanced, .. } = scenario;
     table(text, "oscillator");

@@ -1,7 +1,6 @@
 //! `[time]` and `[scheme]` -> a duration, a grid, and a scheme with its step or tolerance.
 
-use super::blame::blame;
-use super::error::Fault;
+use super::blame::report_misfit;
 use super::fields::Fields;
 use super::keys;
 use super::source::Sources;
@@ -12,61 +11,59 @@ use crate::scenario::{Time, check};
 use crate::scheme::{DEFAULT_TOLERANCE, Kind, Misfit, Parameter, Scheme};
 
 /// Read `[scheme]` and `[time]`.
-pub(super) fn scheme_and_time(
-    sources: &Sources<'_>,
-    root: &Fields<'_>,
-    model: &Model,
-) -> Result<(Scheme, Time), Box<Fault>> {
-    let fault = |misfit| blame(sources, root, &misfit);
-    let (kind, tolerance) = kind(sources, root)?;
-    let table = root.table("time")?;
-    // 0.0, never -0.0.
-    let given = table.number_if_present(keys::END)?.map(|end| end.value.abs());
-    let series = model.temperature.series.as_ref();
-    let end = match (given, series) {
-        (Some(end), _) => end,
-        (None, Some(series)) => last_step(series.end(), &table, kind)?,
-        (None, None) => table.number(keys::END)?.value,
-    };
-    check::series(model, end).map_err(fault)?;
-    check::reach(model, end).map_err(fault)?;
+pub(super) fn scheme_and_time(sources: &Sources<'_>, root: &Fields<'_>, model: &Model) -> (Scheme, Time) {
+    let together = |check| report_misfit(sources, root, check);
+    let (kind, tolerance) = kind(sources, root);
+    let table = root.table("time");
     let scheme = kind.with(match kind.parameter() {
-        Parameter::Step => table.number(keys::STEP)?.value,
+        Parameter::Step => table.number(keys::STEP),
         Parameter::Tolerance { .. } => {
-            refuse_step(sources, root, kind)?;
+            refuse_step(sources, root, kind);
             tolerance.unwrap_or(DEFAULT_TOLERANCE)
         }
     });
-    check_end(scheme, end).map_err(fault)?;
-    scheme.check(model, end).map_err(fault)?;
-    let time = match table.number_if_present(keys::OUTPUT_STEP)? {
-        None => Time::with_default_rows(end, scheme),
-        Some(output_step) => Time { end, output_step: output_step.value },
+    // 0.0, never -0.0.
+    let given = table.number_if_present(keys::END).map(|end| end.value.abs());
+    let is_measured = root.table("temperature").table_if_present("series").is_some();
+    let end = match (given, &model.temperature.series) {
+        (Some(end), _) => end,
+        (None, Some(series)) => last_step(series.end(), scheme),
+        // Why there are no samples is reported already.
+        (None, None) if is_measured => 0.0,
+        (None, None) => table.number(keys::END),
     };
-    time.check_rows(scheme).map_err(fault)?;
-    Ok((scheme, time))
+    let output_step = table.number_if_present(keys::OUTPUT_STEP).map(|read| read.value);
+    together(check::series(model, end));
+    together(check_end(scheme, end));
+    // The others are computed from all values, so that they mean something only where all are sound.
+    if sources.are_sound() {
+        together(check::reach(model, end).and_then(|()| scheme.check(model, end)));
+    }
+    let time = match output_step {
+        None if sources.are_sound() => Time::with_default_rows(end, scheme),
+        output_step => Time { end, output_step: output_step.unwrap_or(end) },
+    };
+    if sources.are_sound() {
+        together(time.check_rows(scheme));
+    }
+    (scheme, time)
 }
 
 /// The last sample of a series, or the last step before it.
-fn last_step(end: f64, table: &Fields<'_>, kind: Kind) -> Result<f64, Box<Fault>> {
-    Ok(if kind.has_step() {
-        let step = table.number(keys::STEP)?.value;
-        tidy((end / step * (1.0 + 1e-12)).floor() * step).min(end)
-    } else {
-        end
-    })
+fn last_step(end: f64, scheme: Scheme) -> f64 {
+    scheme.step().map_or(end, |step| tidy((end / step * (1.0 + 1e-12)).floor() * step).min(end))
 }
 
 /// The scheme, and the tolerance that is given for it.
-fn kind(sources: &Sources<'_>, root: &Fields<'_>) -> Result<(Kind, Option<f64>), Box<Fault>> {
-    let table = root.table("scheme")?;
+fn kind(sources: &Sources<'_>, root: &Fields<'_>) -> (Kind, Option<f64>) {
+    let table = root.table("scheme");
     let names: Vec<&'static str> = Kind::ALL.iter().map(|kind| kind.name()).collect();
-    let kind = table.word("kind", &names)?.and_then(Kind::from_name).unwrap_or(Kind::DiscreteVi);
-    let Some(tolerance) = table.number_if_present(keys::TOLERANCE)? else { return Ok((kind, None)) };
+    let kind = table.word("kind", &names).and_then(Kind::from_name).unwrap_or(Kind::DiscreteVi);
+    let Some(tolerance) = table.number_if_present(keys::TOLERANCE) else { return (kind, None) };
     // A scheme chosen on the command line leaves the tolerance of the file's own behind.
     let is_left_behind = sources.is_override(table.place_of("kind")) && !sources.is_override(tolerance.place);
     if !kind.has_step() || is_left_behind {
-        return Ok((kind, Some(tolerance.value)));
+        return (kind, Some(tolerance.value));
     }
     let problem = format!("is given, but the accuracy of the {} scheme is set by `time.step` alone", kind.name());
     let others = names_of(false);
@@ -75,20 +72,22 @@ fn kind(sources: &Sources<'_>, root: &Fields<'_>) -> Result<(Kind, Option<f64>),
         listed(&others, |name| format!("\"{name}\"")),
         others.first().unwrap_or(&"")
     );
-    Err(blame(sources, root, &Misfit::new(&[("scheme.tolerance", tolerance.value)], problem, remedy)))
+    let misfit = Misfit::new(&[("scheme.tolerance", tolerance.value)], problem, remedy);
+    report_misfit(sources, root, Err(misfit));
+    (kind, None)
 }
 
 /// A step in the file is left alone by a scheme without steps, so that one file serves every
 /// scheme; asking for one on the command line is a misunderstanding.
-fn refuse_step(sources: &Sources<'_>, root: &Fields<'_>, kind: Kind) -> Result<(), Box<Fault>> {
-    let step = root.table("time")?.number_if_present(keys::STEP)?;
-    let Some(step) = step.filter(|step| sources.is_override(step.place)) else { return Ok(()) };
+fn refuse_step(sources: &Sources<'_>, root: &Fields<'_>, kind: Kind) {
+    let step = root.table("time").number_if_present(keys::STEP);
+    let Some(step) = step.filter(|step| sources.is_override(step.place)) else { return };
     let problem = format!("is given, but the {} scheme has no time step", kind.name());
     let remedy = format!(
         "leave it out (`scheme.tolerance` sets the accuracy), or choose a scheme that has one: {}",
         listed(&names_of(true), |name| format!("`--scheme {name}`"))
     );
-    Err(blame(sources, root, &Misfit::new(&[("time.step", step.value)], problem, remedy)))
+    report_misfit(sources, root, Err(Misfit::new(&[("time.step", step.value)], problem, remedy)));
 }
 
 /// The schemes with a step, or those without.

@@ -143,7 +143,8 @@ fn lay_over(root: &mut Node, sources: &Sources<'_>, i: usize) -> Result<(), Box<
     let text = this.value.trim();
     spot.value = match DeValue::parse(text) {
         Ok(value) => node(value, i + 1).value,
-        Err(_) if text.starts_with(|c: char| c.is_alphabetic()) => Value::Text(text.to_string()),
+        // A word, or a count such as 10k.
+        Err(_) if text.starts_with(|c: char| c.is_alphabetic()) || is_count(text) => Value::Text(text.to_string()),
         Err(e) => {
             let problem = format!("`{text}` is not a TOML value: {}", one_line(e.message()));
             return Err(wrong(problem, "give a number, a word, true, false, \"a string\" or { key = value }".into()));
@@ -151,6 +152,12 @@ fn lay_over(root: &mut Node, sources: &Sources<'_>, i: usize) -> Result<(), Box<
     };
     relocate(spot, place);
     Ok(())
+}
+
+/// Digits with a unit behind them, such as 10k.
+fn is_count(text: &str) -> bool {
+    let digits = text.strip_suffix(['k', 'K', 'M', 'G']).unwrap_or_default();
+    !digits.is_empty() && digits.chars().all(|c| c.is_ascii_digit() || "._".contains(c))
 }
 
 /// Everything that an override brings stands at the override as a whole.

@@ -5,7 +5,7 @@ use super::layout::{self, Unit, Variable, variable};
 use super::summary::write_statistics;
 use super::{Destination, Source, read_or_empty, read_text, texts};
 use crate::provenance::Provenance;
-use crate::scheme::Kind;
+use crate::scheme::{Kind, Scheme};
 use crate::stats::Statistic;
 use crate::study::trade::{Choice, Prices, Rung, TARGETS, Trade};
 
@@ -124,6 +124,66 @@ pub(crate) fn read_prices<S: Source>(from: &S) -> Result<Vec<Prices>, S::Error> 
         Some(Prices { title: title.clone(), statistic: Statistic::from_name(name)?, curves })
     };
     Ok(statistics.iter().enumerate().filter_map(of).collect())
+}
+
+/// The cheapest run for one statistic and one target.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Cheapest {
+    /// Which statistic.
+    pub statistic: Statistic,
+    /// Its root mean square error, relative.
+    pub target: f64,
+    /// The run; none where no run reaches the target.
+    pub run: Option<CheapestRun>,
+}
+
+/// A run that was predicted to reach a target.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CheapestRun {
+    /// Its scheme, with step or tolerance.
+    pub scheme: Scheme,
+    /// Number of paths.
+    pub paths: u64,
+    /// Whether they are antithetic pairs.
+    pub is_antithetic: bool,
+    /// CPU time on one thread, in seconds.
+    pub seconds: f64,
+}
+
+/// Title and resolved scenario.
+pub(crate) fn read_origin<S: Source>(from: &S) -> Result<(String, String), S::Error> {
+    Ok((read_text(from, "title")?, read_text(from, "scenario")?))
+}
+
+/// The cheapest runs, statistic by statistic and target by target.
+pub(crate) fn read_cheapest<S: Source>(from: &S) -> Result<Vec<Cheapest>, S::Error> {
+    let schemes: Vec<String> = read_or_empty(from, &SCHEME)?;
+    let statistics: Vec<String> = read_or_empty(from, &layout::STATISTIC)?;
+    let targets: Vec<f64> = read_or_empty(from, &TARGET)?;
+    let winners: Vec<String> = read_or_empty(from, &WINNER)?;
+    let [seconds, paths, steps, tolerances] =
+        [&PREDICTED_SECONDS, &PREDICTED_PATHS, &PREDICTED_STEP, &PREDICTED_TOLERANCE].map(|v| read_or_empty(from, v));
+    let (seconds, paths, steps, tolerances): (Vec<f64>, Vec<f64>, Vec<f64>, Vec<f64>) =
+        (seconds?, paths?, steps?, tolerances?);
+    let pairs: Vec<i8> = read_or_empty(from, &PREDICTED_ANTITHETIC)?;
+    let cells = schemes.len() * statistics.len() * targets.len();
+    let lengths = [seconds.len(), paths.len(), steps.len(), tolerances.len(), pairs.len()];
+    if lengths.iter().any(|length| *length != cells) || winners.len() != statistics.len() * targets.len() {
+        return Err("the variables of its predictions differ in length".to_string().into());
+    }
+    let run = |name: &str, cell: usize| {
+        let i = schemes.iter().position(|scheme| scheme == name)?;
+        let at = i * winners.len() + cell;
+        let kind = Kind::from_name(name)?;
+        let parameter = if kind.has_step() { steps[at] } else { tolerances[at] };
+        let (scheme, paths) = (kind.with(parameter), paths[at] as u64);
+        Some(CheapestRun { scheme, paths, is_antithetic: pairs[at] != 0, seconds: seconds[at] })
+    };
+    let each = winners.iter().enumerate().filter_map(|(cell, name)| {
+        let statistic = Statistic::from_name(&statistics[cell / targets.len()])?;
+        Some(Cheapest { statistic, target: targets[cell % targets.len()], run: run(name, cell) })
+    });
+    Ok(each.collect())
 }
 
 const PER_RUNG: &[(&str, &str)] = &[("coordinates", "rung_scheme rung_step rung_tolerance")];

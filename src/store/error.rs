@@ -58,7 +58,7 @@ pub enum StoreError {
         path: PathBuf,
     },
     /// There is no unfinished run.
-    #[error("{}: there is no such file, and no unfinished run of that name ({}); give the file of a run that was interrupted", target.display(), partial.display())]
+    #[error("{}: there is no such file, and no unfinished run of that name ({})\n  fix: give the file of a run that was interrupted", target.display(), partial.display())]
     NothingToResume {
         /// The file that would have been made.
         target: PathBuf,
@@ -207,7 +207,7 @@ pub enum StoreError {
         source: io::Error,
     },
     /// There is no such file, or it may not be read.
-    #[error("{}: {source}; give a file written by `mc run`", path.display())]
+    #[error("{}: {source}\n  fix: give a file that mc run wrote", path.display())]
     NotOpened {
         /// The file.
         path: PathBuf,
@@ -215,13 +215,13 @@ pub enum StoreError {
         source: io::Error,
     },
     /// The file is of another kind.
-    #[error("{}: not an HDF5 file; give a file written by `mc run`", path.display())]
+    #[error("{}: not an HDF5 file\n  fix: give a file that mc run wrote", path.display())]
     NotHdf5 {
         /// The file.
         path: PathBuf,
     },
     /// HDF5, but of another program.
-    #[error("{}: an HDF5 file, but not one of this program (no format_name = \"{}\"); give a file written by `mc run`", path.display(), crate::dataset::header::FORMAT_NAME)]
+    #[error("{}: an HDF5 file, but not one of this program (no format_name = \"{}\")\n  fix: give a file that mc run wrote", path.display(), crate::dataset::header::FORMAT_NAME)]
     Foreign {
         /// The file.
         path: PathBuf,

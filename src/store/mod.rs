@@ -31,7 +31,7 @@ mod verify;
 mod workshop;
 mod writer;
 
-pub use crate::dataset::{StoredCalibration, StoredSweep};
+pub use crate::dataset::{Cheapest, CheapestRun, StoredCalibration, StoredSweep};
 pub use calibration::{read_calibration, write_calibration};
 pub use error::StoreError;
 pub use log::{read_block, write_block};
@@ -42,7 +42,7 @@ pub use sink::{FileSink, Unfinished};
 pub use space::check_space;
 pub use state::Question;
 pub use sweep::{SweepFile, read_sweep, sweep_bytes};
-pub use trade::{read_prices, write_trade};
+pub use trade::{StoredTrade, read_prices, read_trade, write_trade};
 pub use verify::{Difference, Sealed, Verification, check_bytes};
 pub use workshop::{file_of, partial_path, write_whole};
 pub use writer::Writer;

@@ -23,7 +23,7 @@ pub enum PartError {
     #[error(transparent)]
     Store(#[from] StoreError),
     /// A file is that of a run.
-    #[error("{}: not a part of a run, its status is `{}`; give files of `mc run --part`", path.display(), status.name())]
+    #[error("{}: not a part of a run, its status is `{}`\n  fix: give files of mc run --part", path.display(), status.name())]
     NoPart {
         /// The file.
         path: PathBuf,

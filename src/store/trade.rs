@@ -4,7 +4,7 @@ use super::StoreError;
 use super::at_once::write_at_once;
 use super::error::cause;
 use super::reader::{check_file, open};
-use crate::dataset::trade;
+use crate::dataset::trade::{self, Cheapest};
 use crate::provenance::Provenance;
 use crate::stats::Statistic;
 use crate::study::trade::{Prices, Trade};
@@ -13,6 +13,26 @@ use std::path::Path;
 /// Write a trade, in the folder `NAME.partial` like every file. With `force`, a file of this name is replaced.
 pub fn write_trade(target: &Path, header: &Provenance, trade: &Trade, force: bool) -> Result<(), StoreError> {
     write_at_once(target, header.units.clone(), force, |place| trade::write(place, header, trade))
+}
+
+/// The cheapest runs that a trade has found, and what it was made with.
+#[derive(Clone, Debug, PartialEq)]
+pub struct StoredTrade {
+    /// What the scenario asks.
+    pub title: String,
+    /// The resolved scenario.
+    pub scenario_text: String,
+    /// For each statistic and each target, in the order of the file.
+    pub cheapest: Vec<Cheapest>,
+}
+
+/// What a trade has found, from its file.
+pub fn read_trade(path: &Path) -> Result<StoredTrade, StoreError> {
+    check_file(path)?;
+    let file = open(path)?;
+    let damaged = |error: hdf5::Error| StoreError::Damaged { path: path.to_owned(), cause: cause(&error) };
+    let (title, scenario_text) = trade::read_origin(&file).map_err(damaged)?;
+    Ok(StoredTrade { title, scenario_text, cheapest: trade::read_cheapest(&file).map_err(damaged)? })
 }
 
 /// The prices of accuracy in a file of a trade: of this statistic, or of the first that has any.

@@ -17,6 +17,7 @@ mod clock;
 pub mod forecast;
 mod linear;
 pub mod multilevel;
+pub mod pace;
 pub mod sweep;
 pub mod trade;
 pub mod weather;

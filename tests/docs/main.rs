@@ -8,6 +8,7 @@
 mod command;
 mod commands;
 mod constants;
+mod json;
 mod links;
 mod markdown;
 mod modules;

@@ -91,7 +91,8 @@ fn examine(text: &str, kind: Kind) -> Result<Outcome, String> {
     let scheme = Override::flag("--scheme", "scheme.kind", &format!("\"{}\"", kind.name()));
     let scenario = match Scenario::parse("survey.toml", text, &[scheme]) {
         Ok(scenario) => scenario,
-        Err(ScenarioError::Invalid(fault)) => {
+        Err(ScenarioError::Invalid(faults)) => {
+            let fault = &faults[0];
             let named = fault.key.is_some() && fault.line.is_some() && !fault.remedy.is_empty();
             let words = fault.problem.split(|c: char| c == '=' || c.is_ascii_digit()).next().unwrap_or_default();
             let reason = format!("{}: {}", fault.key.clone().unwrap_or_default(), words.trim());

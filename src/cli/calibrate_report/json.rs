@@ -1,5 +1,6 @@
 //! A calibration for machines: one JSON object.
 
+use crate::cli::document::{JsonWarning, document};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use stick_slip::study::calibration::{Calibration, Estimate, Lag, Quantity};
@@ -13,7 +14,7 @@ struct JsonCalibration<'a> {
     lag: JsonLag,
     starts: Vec<JsonStart>,
     residuals: JsonResiduals<'a>,
-    warnings: Vec<JsonWarning<'a>>,
+    warnings: Vec<JsonWarning>,
 }
 
 /// Numbers that are not known are null.
@@ -53,12 +54,6 @@ struct JsonStart {
 struct JsonResiduals<'a> {
     rms: f64,
     autocorrelation: &'a [(f64, f64)],
-}
-
-#[derive(Serialize)]
-struct JsonWarning<'a> {
-    name: &'a str,
-    text: &'a str,
 }
 
 fn known(x: f64) -> Option<f64> {
@@ -107,7 +102,7 @@ pub fn json(calibration: &Calibration, warnings: &[(String, String)]) -> String 
             rms: calibration.residuals.rms,
             autocorrelation: &calibration.residuals.autocorrelation,
         },
-        warnings: warnings.iter().map(|(name, text)| JsonWarning { name, text }).collect(),
+        warnings: warnings.iter().map(|(name, text)| JsonWarning { name: name.clone(), text: text.clone() }).collect(),
     };
-    serde_json::to_string_pretty(&object).unwrap_or_default() + "\n"
+    document("calibration", &object)
 }

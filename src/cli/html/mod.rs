@@ -10,6 +10,7 @@
 
 mod data;
 
+use super::document::JsonWarning;
 use super::failure::{Failure, note, writable};
 use super::report::{self, RunInfo};
 use super::results;
@@ -123,11 +124,11 @@ fn escaped(text: &str) -> String {
     out
 }
 
-fn list_of_warnings(warnings: &[String]) -> String {
+fn list_of_warnings(warnings: &[JsonWarning]) -> String {
     if warnings.is_empty() {
         return String::new();
     }
-    let items: String = warnings.iter().map(|warning| format!("<li>{}</li>", escaped(warning))).collect();
+    let items: String = warnings.iter().map(|warning| format!("<li>{}</li>", escaped(&warning.text))).collect();
     format!("<section class=\"warnings\"><h2>Warnings</h2><ul>{items}</ul></section>")
 }
 

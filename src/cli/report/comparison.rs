@@ -1,7 +1,7 @@
 //! Several files as one table: the statistics of each, and how they differ from the first.
 
 use super::RunInfo;
-use crate::cli::numbers::{Digits, grouped, wrapped};
+use crate::cli::numbers::{Digits, counted, wrapped};
 use crate::cli::table::{Row, aligned};
 use std::fmt::Write as _;
 use stick_slip::stats::{Statistic, Summary};
@@ -15,8 +15,8 @@ pub fn comparison(summaries: &[&Summary], infos: &[RunInfo]) -> String {
     let letters: Vec<String> = (0..infos.len()).map(letter).collect();
     for (letter, info) in letters.iter().zip(infos) {
         let step = info.step.map_or(String::new(), |h| format!(", step {h:?}"));
-        let paths = grouped(info.paths);
-        let _ = writeln!(text, "{letter:<3}{}: {}{step}, seed {}, {paths} paths", info.file, info.scheme, info.seed);
+        let paths = counted(info.paths, "path");
+        let _ = writeln!(text, "{letter:<3}{}: {}{step}, seed {}, {paths}", info.file, info.scheme, info.seed);
     }
     let mut headings = vec![letters[0].clone(), "std. error".to_string()];
     for letter in &letters[1..] {

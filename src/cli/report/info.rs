@@ -40,6 +40,8 @@ pub struct RunInfo {
     pub status: Status,
     /// What ended the run before its last path, if it was asked to end.
     pub ended_by: Option<String>,
+    /// The resolved scenario, if it is at hand.
+    pub scenario_text: Option<String>,
     /// Labels of the units.
     pub units: Units,
 }

@@ -1,15 +1,23 @@
 //! The report for machines: one JSON object.
 
 use super::RunInfo;
+use crate::cli::document::{JsonWarning, document, sha256};
 use serde::ser::{Serialize, SerializeMap as _, Serializer};
 use stick_slip::stats::{Estimate, Statistic, Summary, Transient};
 
 /// The report as one JSON object; a number that does not exist is null.
-pub fn json(summary: &Summary, info: &RunInfo) -> String {
+pub fn json(summary: &Summary, info: &RunInfo, warnings: &[JsonWarning]) -> String {
     let sticks = &summary.stick_durations;
     let report = JsonReport {
         scenario: &info.scenario,
         title: &info.title,
+        scenario_sha256: info.scenario_text.as_deref().map(sha256),
+        units: JsonUnits {
+            time: &info.units.time,
+            length: &info.units.length,
+            force: &info.units.force,
+            temperature: &info.units.temperature,
+        },
         scheme: &info.scheme,
         step: info.step,
         resolution: info.resolution,
@@ -46,15 +54,18 @@ pub fn json(summary: &Summary, info: &RunInfo) -> String {
         counted_periods: summary.counted_periods(),
         unsettled: summary.unsettled().map(|statistics| statistics.into_iter().map(Statistic::name).collect()),
         statistics: JsonStatistics(&summary.estimates),
+        warnings,
     };
-    // Nothing in it can fail: every key is a string, and non-finite numbers become null.
-    serde_json::to_string_pretty(&report).unwrap_or_default() + "\n"
+    document("run", &report)
 }
 
 #[derive(serde::Serialize)]
 struct JsonReport<'a> {
     scenario: &'a str,
     title: &'a str,
+    /// Of the resolved scenario, as `mc check` prints it and files hold it.
+    scenario_sha256: Option<String>,
+    units: JsonUnits<'a>,
     scheme: &'a str,
     step: Option<f64>,
     resolution: Option<f64>,
@@ -80,6 +91,17 @@ struct JsonReport<'a> {
     /// The statistics that are zero once x has settled, and are not; null where the paths do not tell.
     unsettled: Option<Vec<&'static str>>,
     statistics: JsonStatistics<'a>,
+    /// What is to be known of the results before they are used, as on standard error.
+    warnings: &'a [JsonWarning],
+}
+
+/// Labels; empty where the scenario gives none.
+#[derive(serde::Serialize)]
+struct JsonUnits<'a> {
+    time: &'a str,
+    length: &'a str,
+    force: &'a str,
+    temperature: &'a str,
 }
 
 #[derive(serde::Serialize)]
@@ -155,7 +177,7 @@ mod tests {
         let mut summary = summary();
         set(&mut summary, Statistic::DriftVelocity, f64::NAN);
         set(&mut summary, Statistic::JumpMean, f64::INFINITY);
-        let text = json(&summary, &info());
+        let text = json(&summary, &info(), &[]);
         let value: serde_json::Value = serde_json::from_str(&text).expect("valid JSON");
         for key in ["scenario", "scheme", "step", "seed", "paths", "completed_paths", "diverged_paths", "threads"] {
             assert!(!value[key].is_null(), "{key}");
@@ -179,7 +201,7 @@ mod tests {
     fn a_corrected_estimate_stands_beside_its_bias() {
         let mut summary = summary();
         summary.estimates[0].bias = Some(Bias { estimate: 0.0955, uncertainty: 0.0311, order: None });
-        let value: serde_json::Value = serde_json::from_str(&json(&summary, &info())).expect("valid JSON");
+        let value: serde_json::Value = serde_json::from_str(&json(&summary, &info(), &[])).expect("valid JSON");
         let entry = |statistic: &str, key: &str| value["statistics"][statistic][key].as_f64();
         // 1 - (0.0311/0.0955)^4 = 0.98875 of the bias; the ends are 0.0311044 from 0.538572 - 0.0955.
         for (key, expected) in [("", 0.444146), ("_low", 0.411968), ("_high", 0.474176)] {
@@ -194,7 +216,7 @@ mod tests {
         let stored =
             RunInfo { seconds: None, bias_seconds: None, threads: None, status: Status::Interrupted, ..info() };
         assert!(table(&summary(), &stored).contains("interrupted"));
-        let value: serde_json::Value = serde_json::from_str(&json(&summary(), &stored)).expect("valid JSON");
+        let value: serde_json::Value = serde_json::from_str(&json(&summary(), &stored, &[])).expect("valid JSON");
         assert!(value["seconds"].is_null() && value["ns_per_path_step"].is_null() && value["threads"].is_null());
         assert_eq!(value["status"], "interrupted");
     }

@@ -36,7 +36,7 @@ pub use plots::plots;
 pub use remarks::{lost, remarks, unsettled};
 pub use statistics::cells;
 
-use super::numbers::grouped;
+use super::numbers::{counted, fitted};
 use statistics::statistics;
 use std::fmt::Write as _;
 use stick_slip::engine::Status;
@@ -47,13 +47,13 @@ pub fn table(summary: &Summary, info: &RunInfo) -> String {
     let mut text = String::new();
     let _ = writeln!(text, "{}", info.title);
     let step = info.step.map_or(String::new(), |h| format!(", step {h:?}"));
-    let paths = grouped(if info.status == Status::Ended { summary.completed_paths } else { info.paths });
+    let paths = counted(if info.status == Status::Ended { summary.completed_paths } else { info.paths }, "path");
     let pairs = if info.antithetic { " in antithetic pairs" } else { "" };
-    let _ = writeln!(text, "{}{step}, seed {}, {paths} paths{pairs}\n", info.scheme, info.seed);
+    let _ = writeln!(text, "{}{step}, seed {}, {paths}{pairs}\n", info.scheme, info.seed);
     text.push_str(&statistics(summary, &info.units));
     text.push('\n');
     for (label, line) in remarks(summary, info) {
-        let _ = writeln!(text, "{label:<8}{line}");
+        text.push_str(&fitted(&format!("{label:<8}{line}"), "        "));
     }
     text
 }

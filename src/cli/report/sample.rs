@@ -98,6 +98,7 @@ pub fn info() -> RunInfo {
         file: "rho025.h5".into(),
         status: Status::Complete,
         ended_by: None,
+        scenario_text: None,
         units: Units::default(),
     }
 }
@@ -106,6 +107,16 @@ pub fn set(summary: &mut Summary, statistic: Statistic, estimate: f64) {
     for e in summary.estimates.iter_mut().filter(|e| e.statistic == statistic) {
         *e = Estimate { estimate, standard_error: f64::NAN, low: f64::NAN, high: f64::NAN, ..*e };
     }
+}
+
+/// Why a number in a row is absent: in the row, or in its footnote.
+pub fn reason<'a>(table: &'a str, name: &str) -> &'a str {
+    let row = row(table, name);
+    let mark = row.rsplit(' ').next().unwrap_or_default();
+    if mark.len() != 3 {
+        return row.split_once('(').map_or("", |(_, reason)| reason.trim_end_matches(')'));
+    }
+    table.lines().find_map(|line| line.strip_prefix(mark)).unwrap_or_else(|| panic!("{mark}:\n{table}")).trim()
 }
 
 pub fn row<'a>(table: &'a str, name: &str) -> &'a str {

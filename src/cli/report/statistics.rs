@@ -2,8 +2,9 @@
 
 use super::absence::absence;
 use super::bias::{bias_cells, corrected_cell};
-use crate::cli::numbers::Digits;
+use crate::cli::numbers::{Digits, wrapped};
 use crate::cli::table::{Row, aligned};
+use crate::cli::terminal::columns;
 use stick_slip::scenario::Units;
 use stick_slip::stats::{Estimate, Summary};
 
@@ -13,9 +14,73 @@ pub fn cells(summary: &Summary, units: &Units) -> Vec<Vec<String>> {
     rows.into_iter().map(|Row { cells, note }| cells.into_iter().chain([note]).collect()).collect()
 }
 
-/// The rows of statistics under their headings.
+/// The rows of statistics under their headings, as wide as the terminal at most.
 pub(super) fn statistics(summary: &Summary, units: &Units) -> String {
-    aligned(&table(summary, units), "  ")
+    let mut table = table(summary, units);
+    let columns = columns();
+    let is_narrow = columns.is_some_and(|columns| columns < width(&table));
+    let reasons = footnotes(&mut table, is_narrow);
+    let text = match columns {
+        Some(columns) => narrowed(table, columns),
+        None => aligned(&table, GAP),
+    };
+    text + &reasons
+}
+
+/// Take the reasons for absent numbers out of the rows, and say each of them once; where there is room for it, one that a
+/// single row has stays there.
+fn footnotes(table: &mut [Row], is_narrow: bool) -> String {
+    let all: Vec<String> = table.iter().map(|row| row.note.clone()).collect();
+    let mut reasons: Vec<String> = Vec::new();
+    for row in table {
+        let Some((label, reason)) = row.note.split_once('(') else { continue };
+        let reason = reason.trim_end_matches(')');
+        if !is_narrow && all.iter().filter(|note| note.contains(reason)).count() == 1 {
+            continue;
+        }
+        let number = reasons.iter().position(|known| known == reason).unwrap_or_else(|| {
+            reasons.push(reason.to_string());
+            reasons.len() - 1
+        });
+        row.note = format!("{label}({})", mark(number));
+    }
+    (reasons.iter().enumerate())
+        .map(|(number, reason)| wrapped(&format!("({}) {reason}", mark(number)), "    "))
+        .collect()
+}
+
+/// a, b, c, ...: there are fewer reasons than letters.
+fn mark(number: usize) -> char {
+    (b'a'..=b'z').nth(number).map_or('z', char::from)
+}
+
+/// Between two columns.
+const GAP: &str = "  ";
+
+/// What is left out of a table that is too wide, in this order: what follows from the columns that stay.
+const SPARE: [&str; 2] = ["std. error", "corrected"];
+
+/// The longest line of a table.
+fn width(table: &[Row]) -> usize {
+    aligned(table, GAP).lines().map(|line| line.chars().count()).max().unwrap_or(0)
+}
+
+/// The table without the columns for which there is no room.
+fn narrowed(mut table: Vec<Row>, columns: usize) -> String {
+    if width(&table) <= columns {
+        return aligned(&table, GAP);
+    }
+    let mut left_out = Vec::new();
+    for heading in SPARE {
+        let place = table.first().and_then(|row| row.cells.iter().position(|cell| cell == heading));
+        if let Some(place) = place.filter(|_| width(&table) > columns) {
+            left_out.push(heading);
+            table.iter_mut().filter(|row| place < row.cells.len()).for_each(|row| drop(row.cells.remove(place)));
+        }
+    }
+    let told = format!("(no room for {}; a wider terminal and --json show it)", left_out.join(" and "));
+    let gap = if width(&table) > columns { " " } else { GAP };
+    aligned(&table, gap) + &if left_out.is_empty() { String::new() } else { wrapped(&told, "") }
 }
 
 fn table(summary: &Summary, units: &Units) -> Vec<Row> {
@@ -88,6 +153,21 @@ mod tests {
         // Within its uncertainty there is nothing to take off.
         assert_eq!(cells("slips_per_path"), ["0.03", "0.10"]);
         assert!(table.lines().take(20).all(|line| line.chars().count() <= 120), "{table}");
+    }
+
+    #[test]
+    fn a_narrow_terminal_leaves_out_what_follows_from_the_rest() {
+        let mut summary = summary();
+        summary.estimates[0].bias = Some(Bias { estimate: 0.0955, uncertainty: 0.0311, order: Some(0.58) });
+        let mut rows = super::table(&summary, &Units::default());
+        super::footnotes(&mut rows, true);
+        let wide = super::narrowed(rows.clone(), 200);
+        assert_eq!(wide, super::aligned(&rows, super::GAP));
+        let narrow = super::narrowed(rows, 80);
+        assert!(narrow.lines().all(|line| line.chars().count() <= 80), "{narrow}");
+        let cells: Vec<&str> = row(&narrow, "stick_duration_mean").split_whitespace().collect();
+        assert_eq!(cells[..4], ["stick_duration_mean", "0.53857", "0.53805", "0.53909"], "{narrow}");
+        assert!(narrow.contains("no room for std. error"), "{narrow}");
     }
 
     #[test]

@@ -1,5 +1,6 @@
 //! The report of a sweep for machines: one JSON object.
 
+use crate::cli::document::document;
 use serde_json::{Map, Value, json};
 use std::path::Path;
 use stick_slip::stats::{Estimate, Statistic};
@@ -29,8 +30,7 @@ pub fn json(sweep: &Sweep, output: &Path) -> String {
         }
         Design::Grid(_) | Design::Zip(_) => object["differences"] = differences(sweep),
     }
-    // Nothing in it can fail: every key is a string, and non-finite numbers become null.
-    serde_json::to_string_pretty(&object).unwrap_or_default() + "\n"
+    document("sweep", &object)
 }
 
 fn point(sweep: &Sweep, p: usize) -> Value {

@@ -1,6 +1,6 @@
 //! The report of a sweep for people: a table for each statistic, what common seeds gain, elasticities by size.
 
-use crate::cli::numbers::{Digits, duration, grouped, significant, wrapped};
+use crate::cli::numbers::{Digits, counted, duration, grouped, significant, wrapped};
 use crate::cli::table::{Row, aligned};
 use std::fmt::Write as _;
 use std::path::Path;
@@ -28,7 +28,7 @@ pub fn table(sweep: &Sweep, named: &[Statistic], output: &Path) -> String {
     let mut text = format!("{}\n{}{step}", scenario.title, scenario.scheme.name());
     let first = sweep.question.points[0].ensemble.paths;
     if sweep.question.points.iter().all(|point| point.ensemble.paths == first) {
-        let _ = write!(text, ", {} paths at each point", grouped(first));
+        let _ = write!(text, ", {} at each point", counted(first, "path"));
     }
     let _ = writeln!(text, ", {} seeds", sweep.question.seeds.name());
     match &sweep.question.design {

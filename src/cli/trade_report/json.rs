@@ -1,6 +1,7 @@
 //! The report of a trade for machines: one JSON object.
 
 use super::{Asked, INTERVAL};
+use crate::cli::document::document;
 use serde::Serialize;
 use stick_slip::scheme::Kind;
 use stick_slip::stats::Statistic;
@@ -98,8 +99,7 @@ pub fn json(trade: &Trade, asked: &Asked<'_>) -> String {
             .collect(),
         left_out: trade.left_out.iter().map(|LeftOut { what, why }| JsonLeftOut { what, why }).collect(),
     };
-    // Nothing in it can fail: every key is a string, and non-finite numbers become null.
-    serde_json::to_string_pretty(&object).unwrap_or_default() + "\n"
+    document("trade", &object)
 }
 
 fn json_rung(trade: &Trade, rung: &Rung) -> JsonRung {

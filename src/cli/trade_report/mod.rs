@@ -1,9 +1,11 @@
 //! A trade, for people and for machines: pure functions of what was measured.
 
 mod json;
+mod stored;
 mod table;
 
 pub use json::json;
+pub use stored::{stored_json, stored_table};
 pub use table::table;
 
 use std::path::Path;

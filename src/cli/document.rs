@@ -1,0 +1,67 @@
+//! What every JSON object of the program begins with, so that its readers know what they read.
+
+use serde::Serialize;
+use sha2::{Digest as _, Sha256};
+use stick_slip::provenance::GIT_HASH;
+
+/// The version of all objects together (docs/json.md). It rises where a key changes its meaning or goes away, and not
+/// where one is added.
+pub const SCHEMA_VERSION: u32 = 1;
+
+#[derive(Serialize)]
+struct Document<'a, B: Serialize> {
+    /// Which kind of object it is.
+    document: &'static str,
+    schema_version: u32,
+    program: Program,
+    #[serde(flatten)]
+    body: &'a B,
+}
+
+#[derive(Serialize)]
+struct Program {
+    name: &'static str,
+    version: &'static str,
+    commit: &'static str,
+}
+
+/// A warning, under a name that programs can compare.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct JsonWarning {
+    pub name: String,
+    pub text: String,
+}
+
+/// One object of this kind, with a line break at its end; a number that is not finite is null.
+pub fn document(kind: &'static str, body: &impl Serialize) -> String {
+    let program = Program { name: "mc", version: env!("CARGO_PKG_VERSION"), commit: GIT_HASH };
+    let document = Document { document: kind, schema_version: SCHEMA_VERSION, program, body };
+    // Nothing in it can fail: every key is a string, and non-finite numbers become null.
+    serde_json::to_string_pretty(&document).unwrap_or_default() + "\n"
+}
+
+/// The SHA-256 of a text in hexadecimal digits, as `sha256sum` prints it.
+pub fn sha256(text: &str) -> String {
+    Sha256::digest(text.as_bytes()).iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The hash of "abc" in FIPS 180-4.
+    #[test]
+    fn the_hash_is_that_of_sha256sum() {
+        let known = "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad";
+        assert_eq!(sha256("abc"), known);
+    }
+
+    #[test]
+    fn an_object_says_what_it_is_before_what_it_holds() {
+        let text = document("sample", &serde_json::json!({ "answer": 42.0, "nothing": f64::NAN }));
+        let value: serde_json::Value = serde_json::from_str(&text).expect("valid JSON");
+        assert!(text.starts_with("{\n  \"document\": \"sample\",\n  \"schema_version\": 1,"), "{text}");
+        assert_eq!(value["program"]["version"], env!("CARGO_PKG_VERSION"));
+        assert_eq!((&value["answer"], &value["nothing"]), (&42.0.into(), &serde_json::Value::Null));
+    }
+}

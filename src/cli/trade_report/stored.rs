@@ -1,0 +1,53 @@
+//! The cheapest runs in the file of a trade: a table, and an object for programs.
+
+use crate::cli::document::document;
+use crate::cli::numbers::{grouped, percent, significant, time};
+use crate::cli::table::{Row, aligned};
+use serde_json::{Value, json};
+use stick_slip::store::{Cheapest, CheapestRun, StoredTrade};
+
+/// The table for people: for each statistic and target the cheapest run.
+pub fn stored_table(trade: &StoredTrade) -> String {
+    let headings = ["error", "scheme", "step or tolerance", "paths", "CPU time"];
+    let mut rows = vec![Row::labelled("statistic", headings.map(String::from))];
+    let mut last = None;
+    for Cheapest { statistic, target, run } in &trade.cheapest {
+        let cells = match run {
+            Some(CheapestRun { scheme, paths, is_antithetic, seconds }) => {
+                let pairs = if *is_antithetic { " p" } else { "" };
+                [
+                    scheme.name().to_string(),
+                    significant(scheme.parameter(), 3),
+                    format!("{}{pairs}", grouped(*paths)),
+                    time(*seconds),
+                ]
+            }
+            None => ["none", "", "", ""].map(String::from),
+        };
+        let name = if last == Some(statistic) { "" } else { statistic.name() };
+        rows.push(Row::labelled(name, std::iter::once(percent(*target)).chain(cells)));
+        last = Some(statistic);
+    }
+    let legend = "The cheapest run for a root mean square error of this size; CPU time on one thread. Paths marked p are\n\
+                  antithetic pairs. `none`: no run that was measured or predicted reaches it.";
+    format!("{}\n\n{}\n{legend}\n", trade.title, aligned(&rows, "  "))
+}
+
+/// The object for programs.
+pub fn stored_json(trade: &StoredTrade, file: &str) -> String {
+    let each = trade.cheapest.iter().map(|Cheapest { statistic, target, run }| {
+        let run = run.map(|CheapestRun { scheme, paths, is_antithetic, seconds }| {
+            json!({
+                "scheme": scheme.name(),
+                "step": scheme.step(),
+                "tolerance": scheme.tolerance(),
+                "paths": paths,
+                "antithetic": is_antithetic,
+                "cpu_seconds": seconds,
+            })
+        });
+        json!({ "statistic": statistic.name(), "target": target, "run": run })
+    });
+    let cheapest: Vec<Value> = each.collect();
+    document("stored trade", &json!({ "title": trade.title, "file": file, "cheapest": cheapest }))
+}

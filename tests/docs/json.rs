@@ -1,0 +1,81 @@
+//! docs/json.md, held against what the program prints.
+
+use crate::command::mc;
+use crate::markdown::root;
+use serde_json::Value;
+use std::collections::BTreeSet;
+
+/// The names of statistics, quantities and keys of scenarios stand for each other: their parents, in the documents.
+const NAMED: [&str; 6] = ["statistics", "parameters", "derived", "levels", "at", "elasticity"];
+
+/// The path of every value that is no object.
+fn paths(value: &Value, path: &str, into: &mut BTreeSet<String>) {
+    match value {
+        Value::Object(map) => {
+            let is_named = NAMED.contains(&path.rsplit('.').next().unwrap_or_default());
+            for (key, value) in map {
+                let name = if is_named { "*" } else { key };
+                let below = if path.is_empty() { name.to_string() } else { format!("{path}.{name}") };
+                paths(value, &below, into);
+            }
+        }
+        Value::Array(items) if items.iter().any(Value::is_object) => {
+            items.iter().for_each(|item| paths(item, &format!("{path}[]"), into));
+        }
+        _ => drop(into.insert(path.to_string())),
+    }
+}
+
+/// The keys that the page names for a kind of object, and those that all have.
+fn documented(kind: &str) -> BTreeSet<String> {
+    let page = std::fs::read_to_string(root().join("docs/json.md")).expect("the page");
+    let mut parts = page.split("\n## ");
+    let opening = parts.next().expect("an opening");
+    let part = parts.find(|part| part.lines().next() == Some(kind)).unwrap_or_else(|| panic!("no part `{kind}`"));
+    let rows = opening.lines().chain(part.lines()).filter(|line| line.starts_with("| `"));
+    let keys = rows
+        .flat_map(|row| row.split('|').nth(1).unwrap_or_default().split(", ").map(|key| key.trim().trim_matches('`')));
+    keys.map(str::to_string).collect()
+}
+
+/// Every key of every object is on the page, under its kind; and an object begins with what it is.
+#[test]
+fn every_key_of_every_object_is_described() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let scenario = |name: &str| root().join("scenarios").join(name).display().to_string();
+    let bridge = |name: &str| root().join("examples/bridge").join(name).display().to_string();
+    let (rho025, bearing, data) = (scenario("rho025.toml"), bridge("bridge.toml"), bridge("twin.csv"));
+    let lines: [(&str, Vec<&str>); 11] = [
+        ("run", vec!["run", &rho025, "--paths", "512", "--set", "statistics.after=20", "-o", "a.h5"]),
+        ("run", vec!["show", "a.h5"]),
+        ("check", vec!["check", &rho025]),
+        ("trade", vec!["trade", &rho025, "--budget", "2s", "-o", "trade.h5"]),
+        ("stored trade", vec!["show", "trade.h5"]),
+        ("sweep", vec!["sweep", &rho025, "--paths", "256", "--vary", "friction.static=1.2,1.3", "-o", "sweep.h5"]),
+        ("sweep", vec!["sweep", &rho025, "--paths", "256", "--elasticity", "friction.static", "-o", "star.h5"]),
+        ("verification", vec!["verify", "a.h5"]),
+        ("calibration", vec!["calibrate", &bearing, &data]),
+        ("weather", vec!["fit-temperature", &data]),
+        ("forecast", vec!["forecast", &bearing, &data, "--draws", "2", "--years", "2"]),
+    ];
+    for (kind, mut line) in lines {
+        line.push("--json");
+        let output = mc(folder.path(), &line);
+        assert!(output.status.success(), "{line:?}: {}", String::from_utf8_lossy(&output.stderr));
+        let value: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+        assert_eq!((&value["document"], &value["schema_version"]), (&kind.into(), &1.into()), "{line:?}");
+        let mut found = BTreeSet::new();
+        paths(&value, "", &mut found);
+        let described = documented(kind);
+        // What is absent is null, in the place of all that would be below it.
+        let is_described = |key: &String| {
+            described.contains(key)
+                || described
+                    .iter()
+                    .any(|other| other.starts_with(&format!("{key}.")) || other.starts_with(&format!("{key}[]")))
+        };
+        let unknown: Vec<&String> = found.iter().filter(|key| !is_described(key)).collect();
+        assert!(unknown.is_empty(), "{line:?}: docs/json.md does not describe {unknown:?}");
+        assert!(found.len() > 8, "{line:?}: {found:?}");
+    }
+}
