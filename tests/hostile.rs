@@ -164,6 +164,10 @@ fn a_long_run_is_announced() {
 fn edited(here: &TempDir, change: impl FnOnce(&hdf5::File)) {
     let file = hdf5::File::open_rw(here.path().join("a.h5")).expect("HDF5");
     change(&file);
+    drop(file);
+    // A program that another test began meanwhile has the file open, and its lock with it, until it ends.
+    let file = std::fs::File::open(here.path().join("a.h5")).expect("the file");
+    file.lock().expect("nobody has it open any more");
 }
 
 fn set_text(file: &hdf5::File, name: &str, change: impl FnOnce(&str) -> String) {

@@ -45,6 +45,6 @@ impl<T: Clone + Send + Sync + 'static> TypedValueParser for Completed<T> {
     }
 
     fn possible_values(&self) -> Option<Box<dyn Iterator<Item = PossibleValue> + '_>> {
-        Some(Box::new((self.words)().into_iter().map(|word| PossibleValue::new(word))))
+        Some(Box::new((self.words)().into_iter().map(PossibleValue::new)))
     }
 }
