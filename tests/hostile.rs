@@ -146,6 +146,48 @@ fn too_little_memory_is_an_error_and_not_an_abort() {
     assert!(text(&output.stderr).contains("of memory") && text(&output.stderr).contains("--threads"));
 }
 
+/// Within a gigabyte of memory, everything that claims to be larger is refused by its size: no abort, and no reading of gigabytes.
+#[test]
+fn sizes_are_looked_at_before_memory_is_asked_for() {
+    let here = folder();
+    run(&here, &[]);
+    let sparse = |name: &str, head: &[u8]| {
+        fs::write(here.path().join(name), head).expect("room");
+        let file = fs::File::options().write(true).open(here.path().join(name)).expect("there");
+        file.set_len(3 << 30).expect("room");
+    };
+    sparse("large.toml", b"title = 'a scenario'\n");
+    sparse("large.csv", b"time,temperature_degC\n0,1\n");
+    sparse("large.h5", b"");
+    fs::create_dir(here.path().join("run.h5.partial")).expect("room");
+    sparse("run.h5.partial/state", b"");
+    // Of the variables of a file, one that takes no room, and has more rows than any memory.
+    let file = hdf5::File::open_rw(here.path().join("a.h5")).expect("a file");
+    file.unlink("time").expect("there");
+    file.new_dataset::<f64>().chunk(1024).shape(1_000_000_000_000_usize).create("time").expect("room");
+    drop(file);
+    let grid = "--paths 2000 --scheme event-driven --set time.output_step=0.01 --threads 4 --quiet -o b.h5";
+    for (arguments, code, words) in [
+        (format!("run {RHO025} --paths 1000000000000000000 -o b.h5"), 2, "out of range"),
+        (format!("run {RHO025} --paths 1000000000000 -o b.h5"), 1, "are needed and"),
+        (format!("run {RHO025} --scheme event-driven --set time.output_step=1e-12 -o b.h5"), 2, "at most 100000 are kept"),
+        (format!("run {RHO025} {grid} --set record.trajectories=2000"), 2, "of memory"),
+        ("run large.toml -o b.h5".into(), 2, "larger than 1 MiB"),
+        ("fit-temperature large.csv".into(), 2, "larger than 1 GiB"),
+        ("show large.h5".into(), 2, "not an HDF5 file"),
+        ("show run.h5".into(), 1, "damaged"),
+        ("show a.h5".into(), 1, "time is larger than the file"),
+    ] {
+        let output = shell(here.path(), &format!("ulimit -v 1000000; exec \"$0\" {arguments}"));
+        let said = text(&output.stderr);
+        assert!(output.status.code() == Some(code) && said.contains(words), "mc {arguments}: {said}");
+        assert!(!here.path().join("b.h5.partial").exists(), "mc {arguments}");
+    }
+    let rows: String = (0..20_000_001).map(|_| "0,1\n").collect();
+    fs::write(here.path().join("rows.csv"), format!("time,temperature_degC\n{rows}")).expect("room");
+    assert_refused(&here, &["fit-temperature", "rows.csv"], 2, &["more than 20000000 rows"]);
+}
+
 #[test]
 fn a_long_run_is_announced() {
     let here = folder();

@@ -1,7 +1,7 @@
 //! Quantities that follow from a scenario.
 
 use super::amplitude::expected_amplitude;
-use super::size::{output_bytes, thread_bytes};
+use super::size::{block_bytes, output_bytes, thread_bytes};
 use crate::model::{Model, Noise, Oscillator};
 use crate::scenario::Scenario;
 use crate::scheme::{Discretisation, Resolution, Stability, monitoring_shift};
@@ -111,6 +111,11 @@ impl Derived {
 }
 
 impl Scenario {
+    /// Estimated memory of what is recorded of the single paths of a block, in bytes.
+    pub fn block_bytes(&self) -> f64 {
+        block_bytes(self)
+    }
+
     /// What follows from the scenario before it is run.
     pub fn derived(&self) -> Derived {
         let Model { oscillator, friction, temperature, .. } = &self.model;

@@ -1,5 +1,6 @@
 //! How large the file of a run will be.
 
+use crate::ensemble::BLOCK_SIZE;
 use crate::model::Model;
 use crate::scenario::Scenario;
 use std::f64::consts::PI;
@@ -28,19 +29,30 @@ pub(super) fn thread_bytes(scenario: &Scenario) -> f64 {
     scenario.timeline().rows() as f64 * THREAD_ROW_BYTES
 }
 
+/// Estimated memory of what is recorded of the single paths of a block.
+pub(super) fn block_bytes(scenario: &Scenario) -> f64 {
+    let paths = BLOCK_SIZE.min(scenario.ensemble.paths) as f64;
+    rows_bytes(scenario, paths)
+}
+
+/// Bytes of what is recorded of so many single paths.
+fn rows_bytes(scenario: &Scenario, paths: f64) -> f64 {
+    let record = &scenario.record;
+    let events = scenario.steps().map_or(f64::INFINITY, |steps| steps as f64).min(events(scenario)) + 1.0;
+    let sensor = if scenario.bearing.is_some() { SENSOR_BYTES } else { 0.0 };
+    let rows = scenario.timeline().rows() as f64;
+    let scalars = if record.paths { paths * PATH_BYTES } else { 0.0 };
+    let events = if record.events { paths * (4.0 + events * EVENT_BYTES) } else { 0.0 };
+    scalars + events + paths.min(record.trajectories as f64) * rows * (TRAJECTORY_BYTES + sensor)
+}
+
 /// Estimated size of the output file in bytes, uncompressed.
 pub(super) fn output_bytes(scenario: &Scenario) -> f64 {
-    let paths = scenario.ensemble.paths as f64;
     let rows = scenario.timeline().rows() as f64;
-    let events = scenario.steps().map_or(f64::INFINITY, |steps| steps as f64).min(events(scenario)) + 1.0;
-    let record = &scenario.record;
-    let sensor = if scenario.bearing.is_some() { SENSOR_BYTES } else { 0.0 };
     let samples = scenario.model.temperature.series.as_ref().map_or(0, |series| series.times().len());
     EMPTY_BYTES
         + rows * ROW_BYTES
-        + if record.paths { paths * PATH_BYTES } else { 0.0 }
-        + if record.events { paths * (4.0 + events * EVENT_BYTES) } else { 0.0 }
-        + paths.min(record.trajectories as f64) * rows * (TRAJECTORY_BYTES + sensor)
+        + rows_bytes(scenario, scenario.ensemble.paths as f64)
         + samples as f64 * SAMPLE_BYTES
 }
 

@@ -40,7 +40,7 @@ pub use unit::Quantity;
 use std::io::Read as _;
 use std::path::Path;
 
-/// Largest file, in bytes: twenty times 10^6 rows of a usual one.
+/// Largest file, in bytes: 2 10^7 rows of a usual one.
 const MAX_FILE: u64 = 1 << 30;
 
 /// Columns of a CSV file, in one pass; or with the feature `store` variables of an HDF5 file along one dimension.
@@ -51,10 +51,16 @@ pub fn read(path: &Path, time: TimeColumn<'_>, wanted: &[Wanted<'_>]) -> Result<
         return Err(unreadable("it is a directory".into(), "give the path of a CSV file"));
     }
     let mut bytes = Vec::new();
-    std::fs::File::open(path)
-        .and_then(|file| file.take(MAX_FILE + 1).read_to_end(&mut bytes))
-        .map_err(|error| unreadable(format!("cannot be read: {error}"), "give the path of a CSV file"))?;
-    if bytes.len() as u64 > MAX_FILE {
+    let mut fits = || -> std::io::Result<bool> {
+        let file = std::fs::File::open(path)?;
+        // A size that is known is looked at before any memory is asked for; a pipe says none.
+        if file.metadata()?.len() > MAX_FILE {
+            return Ok(false);
+        }
+        Ok(file.take(MAX_FILE + 1).read_to_end(&mut bytes)? as u64 <= MAX_FILE)
+    };
+    let fits = fits().map_err(|error| unreadable(format!("cannot be read: {error}"), "give the path of a CSV file"))?;
+    if !fits {
         return Err(unreadable("it is larger than 1 GiB".into(), "cut it, or keep only the columns that are needed"));
     }
     #[cfg(feature = "store")]

@@ -42,6 +42,8 @@ use arithmetic;
 mod functions;
 mod portable;
 mod scalar;
+#[cfg(test)]
+mod tests;
 #[cfg(target_arch = "x86_64")]
 mod x86;
 

@@ -113,7 +113,12 @@ pub(super) fn read(
         io::ErrorKind::UnexpectedEof => LogError::Damaged,
         _ => LogError::Io(error),
     };
-    let mut file = BufReader::with_capacity(BUFFER, File::open(path).map_err(failed)?);
+    let file = File::open(path).map_err(failed)?;
+    // What is claimed is held against what there is before any memory is asked for.
+    if file.metadata().map_err(failed)?.len() < end.length {
+        return Err(LogError::Damaged);
+    }
+    let mut file = BufReader::with_capacity(BUFFER, file);
     let mut at = Position::default();
     let mut bytes = Vec::new();
     while at.length < end.length {
@@ -350,6 +355,8 @@ mod tests {
         let last = ends[20];
         assert!(matches!(read_all(&path, Position { checksum: 1, ..last }), Err(LogError::Damaged)));
         assert!(matches!(read_all(&path, Position { length: last.length - 1, ..last }), Err(LogError::Damaged)));
+        // A log that claims to be longer than its file asks for no memory.
+        assert!(matches!(read_all(&path, Position { length: 1 << 60, ..last }), Err(LogError::Damaged)));
         // Cut at every byte, and with a bit of every byte turned over.
         for at in 0..whole.len() {
             std::fs::write(&path, &whole[..at]).expect("room");

@@ -5,6 +5,7 @@ use super::log::{OwnedRows, Position};
 use super::reader::{check_file, open};
 use super::sink::is_logged;
 use super::state::{self, Question, State};
+use super::variable::read_variable;
 use super::workshop::{Workshop, parent};
 use super::{StoreError, Writer, check_space, rows};
 use crate::dataset::{header, layout};
@@ -148,8 +149,8 @@ fn read_state(path: &Path) -> Result<State, PartError> {
         }
         let damaged = |error: hdf5::Error| StoreError::Damaged { path: path.to_owned(), cause: cause(&error) };
         let (status, _) = header::read_progress(&file).map_err(damaged)?;
-        let state =
-            file.link_exists(layout::PART_STATE.name).then(|| file.dataset(layout::PART_STATE.name)?.read_raw());
+        let is_there = file.link_exists(layout::PART_STATE.name);
+        let state = is_there.then(|| read_variable(&file, &layout::PART_STATE));
         Ok((status, state.transpose().map_err(damaged)?))
     };
     match read() {

@@ -167,7 +167,12 @@ pub(super) fn read(path: &Path) -> Result<State, StoreError> {
     let there = std::fs::metadata(path).map_err(not_opened)?;
     let mut bytes = Vec::new();
     if there.is_file() && there.len() <= LARGEST {
-        File::open(path).and_then(|file| file.take(LARGEST).read_to_end(&mut bytes)).map_err(not_opened)?;
+        let mut file = File::open(path).map_err(not_opened)?;
+        file.by_ref().take(MAGIC.len() as u64).read_to_end(&mut bytes).map_err(not_opened)?;
+        // Whatever else it is, it need not be read.
+        if bytes == MAGIC {
+            file.take(LARGEST).read_to_end(&mut bytes).map_err(not_opened)?;
+        }
     }
     of_bytes(&bytes, path)
 }

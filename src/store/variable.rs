@@ -221,7 +221,7 @@ fn text(value: &str) -> Result<VarLenUnicode> {
 }
 
 /// Read a variable that must be there. Its type and its size are looked at before anything is read.
-fn read_variable<T: H5Type>(file: &File, variable: &Described) -> Result<Vec<T>> {
+pub(super) fn read_variable<T: H5Type>(file: &File, variable: &Described) -> Result<Vec<T>> {
     let name = variable.name;
     if !file.link_exists(name) {
         return Err(format!("{name} is missing").into());

@@ -1,0 +1,76 @@
+//! Where fuzzing starts: the shipped scenarios and series, and what a short run writes of each of them.
+
+use std::fs;
+use std::path::Path;
+use std::sync::atomic::{AtomicBool, Ordering};
+use stick_slip::config::SHIPPED;
+use stick_slip::engine::{Run, Sink, SinkError};
+use stick_slip::scenario::Scenario;
+use stick_slip::stats::BlockResult;
+use stick_slip::store::{FileSink, partial_path};
+
+type Done<T = ()> = Result<T, Box<dyn std::error::Error>>;
+
+/// Stops a run after its first block.
+struct Stopper<'a>(&'a AtomicBool);
+
+impl Sink for Stopper<'_> {
+    fn block(&mut self, _: &BlockResult) -> Result<(), SinkError> {
+        self.0.store(true, Ordering::Relaxed);
+        Ok(())
+    }
+}
+
+fn main() -> Done {
+    let corpus = Path::new(env!("CARGO_MANIFEST_DIR")).join("fuzz/corpus");
+    for target in ["scenario", "series", "state", "rows", "results"] {
+        fs::create_dir_all(corpus.join(target))?;
+    }
+    let shipped = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios");
+    for file in fs::read_dir(shipped)? {
+        let path = file?.path();
+        let name = path.file_name().unwrap_or_default();
+        match path.extension().is_some_and(|extension| extension == "csv") {
+            true => {
+                // A day of it, which is small.
+                let text: String =
+                    fs::read_to_string(&path)?.lines().take(150).map(|line| format!("{line}\n")).collect();
+                fs::write(corpus.join("series").join(name), format!("\0{text}"))?;
+            }
+            false => drop(fs::copy(&path, corpus.join("scenario").join(name))?),
+        }
+    }
+    SHIPPED.iter().try_for_each(|shipped| runs(&corpus, shipped.name))
+}
+
+/// A run that is finished, and one that is not.
+fn runs(corpus: &Path, name: &str) -> Done {
+    let mut scenario = Scenario::shipped(name)?;
+    scenario.ensemble.paths = 600;
+    scenario.record.events = true;
+    scenario.record.trajectories = 2;
+    scenario.time.output_step = scenario.time.end / 4.0;
+    if scenario.check().is_err() {
+        scenario = Scenario::shipped(name)?;
+    }
+    let folder = tempfile::tempdir()?;
+    let target = folder.path().join("run.h5");
+    let stop = AtomicBool::new(false);
+    let (mut file, mut stopper) = (FileSink::new(&target, false), Stopper(&stop));
+    Run::of(&scenario).threads(1).stopped_by(&stop).into_sink(&mut file).into_sink(&mut stopper).simulate()?;
+    drop(file);
+    let partial = partial_path(&target);
+    let state = fs::read(partial.join("state"))?;
+    fs::write(corpus.join("state").join(name), &state[..state.len() - 4])?;
+    let rows = fs::read(partial.join("rows"))?;
+    // All blocks as they are, and the rows of one block alone.
+    fs::write(corpus.join("rows").join(name), [&[1], &rows[..]].concat())?;
+    fs::write(corpus.join("rows").join(format!("{name}-block")), [&[0], &rows[8..rows.len() - 4]].concat())?;
+    let target = folder.path().join("finished.h5");
+    scenario.record.events = false;
+    scenario.ensemble.paths = 64;
+    Run::of(&scenario).threads(1).without_bias().into_sink(&mut FileSink::new(&target, false)).simulate()?;
+    let results = fs::read(target)?;
+    fs::write(corpus.join("results").join(name), &results[..results.len() - 24])?;
+    Ok(())
+}

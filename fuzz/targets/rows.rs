@@ -1,0 +1,57 @@
+//! The log of rows of a run that is not finished, as `mc resume` reads it. The state beside it says that all of it counts, and
+//! checksums are made right, or nothing would come past them.
+#![no_main]
+
+use libfuzzer_sys::fuzz_target;
+use std::path::PathBuf;
+use std::sync::LazyLock;
+use stick_slip::engine::Run;
+use stick_slip::scenario::Scenario;
+use stick_slip::stats::{Codec as _, RunTotals};
+use stick_slip::store::{self, FileSink, Question};
+
+/// In memory, where there is such a folder.
+static FOLDER: LazyLock<tempfile::TempDir> = LazyLock::new(|| {
+    let folder = tempfile::tempdir_in("/dev/shm").or_else(|_| tempfile::tempdir()).expect("a folder");
+    std::fs::create_dir(folder.path().join("run.h5.partial")).expect("room");
+    folder
+});
+static TARGET: LazyLock<PathBuf> = LazyLock::new(|| FOLDER.path().join("run.h5"));
+
+/// The state of a run of which nothing is done, up to its log, and its sums.
+static STATE: LazyLock<(Vec<u8>, Vec<u8>)> = LazyLock::new(|| {
+    let mut scenario = Scenario::shipped("rho025").expect("shipped");
+    // Few rows of the output grid, for a small state.
+    scenario.time.output_step = scenario.time.end;
+    let asked = Run::of(&scenario).question();
+    let mut head = Question { scenario: scenario.clone(), asked, note: String::new() }.to_bytes();
+    let sums = RunTotals::empty(&scenario.model, &scenario.timeline()).to_bytes();
+    let mut length = Vec::new();
+    (sums.len() as u64).write(&mut length);
+    let tail = [length, sums].concat();
+    // An empty log is two bytes, and the checksum has four.
+    head.truncate(head.len() - 4 - tail.len() - 2);
+    (head, tail)
+});
+
+fuzz_target!(|bytes: &[u8]| {
+    // One block, or blocks as they come, by the first byte.
+    let (how, bytes) = bytes.split_first().unwrap_or((&0, &[]));
+    let mut log = bytes.to_vec();
+    let mut checksum = 0;
+    if how % 2 == 0 {
+        log.splice(0..0, (bytes.len() as u64).to_le_bytes());
+        checksum = crc32fast::hash(&log);
+        log.extend(checksum.to_le_bytes());
+    }
+    let (head, tail) = &*STATE;
+    let mut state = head.clone();
+    (log.len() as u64).write(&mut state);
+    u64::from(checksum).write(&mut state);
+    state.extend(tail);
+    state.extend(crc32fast::hash(&state).to_le_bytes());
+    let folder = store::partial_path(&TARGET);
+    std::fs::write(folder.join("state"), state).expect("room");
+    std::fs::write(folder.join("rows"), log).expect("room");
+    let _ = FileSink::go_on(&TARGET, false);
+});
