@@ -170,7 +170,11 @@ fn sizes_are_looked_at_before_memory_is_asked_for() {
     for (arguments, code, words) in [
         (format!("run {RHO025} --paths 1000000000000000000 -o b.h5"), 2, "out of range"),
         (format!("run {RHO025} --paths 1000000000000 -o b.h5"), 1, "are needed and"),
-        (format!("run {RHO025} --scheme event-driven --set time.output_step=1e-12 -o b.h5"), 2, "at most 100000 are kept"),
+        (
+            format!("run {RHO025} --scheme event-driven --set time.output_step=1e-12 -o b.h5"),
+            2,
+            "at most 100000 are kept",
+        ),
         (format!("run {RHO025} {grid} --set record.trajectories=2000"), 2, "of memory"),
         ("run large.toml -o b.h5".into(), 2, "larger than 1 MiB"),
         ("fit-temperature large.csv".into(), 2, "larger than 1 GiB"),

@@ -15,6 +15,10 @@ use stick_slip::stats::Statistic;
 use stick_slip::store;
 use stick_slip::study::accuracy::AccuracyGoal;
 
+/// What is said where several processes simulate the paths.
+const LONELY_BIAS: &str =
+    "warning: rank 0 alone estimates the bias of the step, and the other ranks wait for it; --no-bias leaves it out";
+
 /// What changes no number.
 #[derive(Debug, clap::Args)]
 pub struct Manner {
@@ -71,6 +75,7 @@ impl Sitting<'_> {
         let of_promise = || self.accuracy_goal.map(|accuracy_goal| accuracy_goal.decisive);
         let watched = self.manner.watch.or_else(of_goal).or_else(of_promise);
         let mut progress = Progress::new(asked.own_paths(), self.manner.quiet, watched);
+        let has_bias = asked.with_bias && asked.part.is_none() && self.scenario.bias_plan(asked.paths).is_ok();
         let run = Run::of(self.scenario)
             .asked(asked)
             .threads(self.manner.threads())
@@ -78,7 +83,12 @@ impl Sitting<'_> {
             .with_progress(&mut progress)
             .into_sink(file);
         let run = match ranks::crew() {
-            Some(crew) => run.with_crew(crew),
+            Some(crew) => {
+                if has_bias {
+                    note(LONELY_BIAS);
+                }
+                run.with_crew(crew)
+            }
             None => run,
         };
         let ended = match so_far {
