@@ -99,7 +99,7 @@ impl State {
         let blocks = self.so_far.totals.blocks();
         let block_size = self.program.block_size;
         let most = self.question.asked.paths;
-        let paths = |block: u64| (block * block_size).min(most);
+        let paths = |block: u64| block.saturating_mul(block_size).min(most);
         blocks.iter().map(|range| paths(range.end) - paths(range.start)).sum()
     }
 
