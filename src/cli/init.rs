@@ -25,7 +25,7 @@ pub struct Init {
     #[arg(long, value_name = "NAME", default_value = "rho025",
           value_parser = clap::builder::PossibleValuesParser::new(SHIPPED.map(|scenario| scenario.name)))]
     from: String,
-    /// What the scenario asks, in a line [title]
+    /// What the scenario asks, in a line; the key `title`
     #[arg(long, value_name = "TEXT")]
     title: Option<String>,
     /// Static friction f_s [friction.static]

@@ -10,43 +10,64 @@ use stick_slip::stats::{Estimate, Summary};
 
 /// The table, row by row, the headings first.
 pub fn cells(summary: &Summary, units: &Units) -> Vec<Vec<String>> {
-    let rows = table(summary, units);
-    rows.into_iter().map(|Row { cells, note }| cells.into_iter().chain([note]).collect()).collect()
+    let lines = table(summary, units).into_iter().map(Line::with_reason);
+    lines.map(|Row { cells, note }| cells.into_iter().chain([note]).collect()).collect()
 }
 
 /// The rows of statistics under their headings, as wide as the terminal at most.
 pub(super) fn statistics(summary: &Summary, units: &Units) -> String {
-    let mut table = table(summary, units);
+    let lines = table(summary, units);
     let columns = columns();
-    let is_narrow = columns.is_some_and(|columns| columns < width(&table));
-    let reasons = footnotes(&mut table, is_narrow);
-    let text = match columns {
-        Some(columns) => narrowed(table, columns),
-        None => aligned(&table, GAP),
-    };
-    text + &reasons
+    let full: Vec<Row> = lines.iter().cloned().map(Line::with_reason).collect();
+    let is_narrow = columns.is_some_and(|columns| columns < width(&full));
+    let (rows, reasons) = footnotes(lines, is_narrow);
+    match columns {
+        Some(columns) => narrowed(rows, columns) + &reasons,
+        None => aligned(&rows, GAP) + &reasons,
+    }
 }
 
-/// Take the reasons for absent numbers out of the rows, and say each of them once; where there is room for it, one that a
-/// single row has stays there.
-fn footnotes(table: &mut [Row], is_narrow: bool) -> String {
-    let all: Vec<String> = table.iter().map(|row| row.note.clone()).collect();
-    let mut reasons: Vec<String> = Vec::new();
-    for row in table {
-        let Some((label, reason)) = row.note.split_once('(') else { continue };
-        let reason = reason.trim_end_matches(')');
-        if !is_narrow && all.iter().filter(|note| note.contains(reason)).count() == 1 {
-            continue;
-        }
-        let number = reasons.iter().position(|known| known == reason).unwrap_or_else(|| {
-            reasons.push(reason.to_string());
-            reasons.len() - 1
-        });
-        row.note = format!("{label}({})", mark(number));
+/// A row, whose note is a unit, and why a number in it is absent.
+#[derive(Clone)]
+struct Line {
+    row: Row,
+    reason: Option<&'static str>,
+}
+
+impl Line {
+    /// The row with something in brackets behind its unit.
+    fn with(mut self, remark: &str) -> Row {
+        self.row.note = format!("{} ({remark})", self.row.note).trim_start().to_string();
+        self.row
     }
-    (reasons.iter().enumerate())
-        .map(|(number, reason)| wrapped(&format!("({}) {reason}", mark(number)), "    "))
-        .collect()
+
+    fn with_reason(mut self) -> Row {
+        match self.reason.take() {
+            Some(reason) => self.with(reason),
+            None => self.row,
+        }
+    }
+}
+
+/// The rows with letters in the place of reasons, and each reason once; where there is room for it, one that a single row has
+/// stays there.
+fn footnotes(lines: Vec<Line>, is_narrow: bool) -> (Vec<Row>, String) {
+    let all: Vec<&str> = lines.iter().filter_map(|line| line.reason).collect();
+    let is_shared = |reason: &str| all.iter().filter(|other| **other == reason).count() > 1;
+    let mut below: Vec<&str> = Vec::new();
+    let mut row = |line: Line| match line.reason {
+        Some(reason) if is_narrow || is_shared(reason) => {
+            if !below.contains(&reason) {
+                below.push(reason);
+            }
+            let number = below.iter().position(|known| *known == reason).unwrap_or_default();
+            line.with(&mark(number).to_string())
+        }
+        _ => line.with_reason(),
+    };
+    let rows = lines.into_iter().map(&mut row).collect();
+    let told = below.iter().enumerate();
+    (rows, told.map(|(number, reason)| wrapped(&format!("({}) {reason}", mark(number)), "    ")).collect())
 }
 
 /// a, b, c, ...: there are fewer reasons than letters.
@@ -83,18 +104,13 @@ fn narrowed(mut table: Vec<Row>, columns: usize) -> String {
     aligned(&table, gap) + &if left_out.is_empty() { String::new() } else { wrapped(&told, "") }
 }
 
-fn table(summary: &Summary, units: &Units) -> Vec<Row> {
+fn table(summary: &Summary, units: &Units) -> Vec<Line> {
     let has_bias = summary.has_bias();
     let labels: Vec<String> = summary.estimates.iter().map(|e| e.statistic.dimension().label(units)).collect();
-    let mut rows = vec![headings(has_bias, labels.iter().any(|label| !label.is_empty()))];
-    for (e, label) in summary.estimates.iter().zip(labels) {
-        let note = match absence(e, summary) {
-            Some(reason) => format!("{label} ({reason})").trim_start().to_string(),
-            None => label,
-        };
-        rows.push(Row { note, ..row(e, has_bias) });
-    }
-    rows
+    let headings = headings(has_bias, labels.iter().any(|label| !label.is_empty()));
+    let of = |(e, note)| Line { row: Row { note, ..row(e, has_bias) }, reason: absence(e, summary) };
+    let lines = summary.estimates.iter().zip(labels).map(of);
+    std::iter::once(Line { row: headings, reason: None }).chain(lines).collect()
 }
 
 /// The interval is two columns under one heading, its ends.
@@ -159,8 +175,7 @@ mod tests {
     fn a_narrow_terminal_leaves_out_what_follows_from_the_rest() {
         let mut summary = summary();
         summary.estimates[0].bias = Some(Bias { estimate: 0.0955, uncertainty: 0.0311, order: Some(0.58) });
-        let mut rows = super::table(&summary, &Units::default());
-        super::footnotes(&mut rows, true);
+        let (rows, _) = super::footnotes(super::table(&summary, &Units::default()), true);
         let wide = super::narrowed(rows.clone(), 200);
         assert_eq!(wide, super::aligned(&rows, super::GAP));
         let narrow = super::narrowed(rows, 80);
@@ -180,5 +195,10 @@ mod tests {
         assert_eq!(unit("drift_velocity"), "m/s");
         assert_eq!(unit("diffusion_coefficient"), "m^2/s");
         assert_eq!(unit("friction_work_mean"), "N m");
+        // What is in brackets in a label is no reason.
+        let units = Units { length: "(mm)".to_string(), ..Units::default() };
+        assert!(
+            row(&super::super::table(&self::summary(), &RunInfo { units, ..info() }), "jump_mean").ends_with("(mm)")
+        );
     }
 }
