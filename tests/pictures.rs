@@ -120,7 +120,7 @@ fn what_cannot_be_drawn_is_refused_in_words() {
         (&["run.h5", "--only", "ventilator"], 2, "path, fan, sticks"),
         (&["run.h5", "--width", "5"], 2, "from 60 to 400"),
         (&["run.h5", "--theme", "pink"], 2, "light or dark"),
-        (&["run.h5", "--path", "1"], 2, "the ensemble has 1 paths"),
+        (&["run.h5", "--path", "1"], 2, "the ensemble has 1 path\n"),
         (&["run.h5", "--only", "trade"], 2, "a file of `mc trade`"),
         (&["run.h5", "--set", "friction.static=2"], 2, "says what was run"),
         (&["scenarios/shaw.toml", "--only", "fan"], 2, "a file of `mc run`"),
