@@ -130,6 +130,8 @@ def test_fit_temperature(processes, mc, tmp_path):
     mine = ss.fit_temperature(TWIN, processes=processes)
     numbers = dataclasses.asdict(mine)
     toml, table, start = (numbers.pop(name) for name in ("toml", "temperature", "start"))
+    # What an object of the command begins with says which program printed it.
+    assert told.pop("document") == "weather" and told.pop("schema_version") == 1 and told.pop("program")["name"] == "mc"
     assert numbers == told
     part = (tmp_path / "weather.toml").read_text()
     assert part.endswith(toml) and f"t = 0 is {start}." in part
