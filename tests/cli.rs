@@ -360,6 +360,8 @@ fn init_writes_a_scenario_that_passes_and_never_overwrites() {
         "{}",
         changed.out
     );
+    let untitled = desk.mc(&["init", "--rho", "0.4", "-o", "-"]);
+    assert_eq!(scene(untitled.done()).unwrap().title, "rho025 with --rho 0.4", "not the title of another noise");
     desk.mc(&["init", "--f-s", "0.5", "-o", "-"]).refused(&["`friction.dynamic` = 1.0 is above", "fix: "]);
     desk.mc(&["init", "--from", "nowhere"]).refused(&["nowhere", "rho025", "shaw"]);
 }

@@ -63,7 +63,8 @@ impl Init {
             Failure::usage(format!("there is no shipped scenario `{}`", self.from), format!("choose one of {names}"))
         })?;
         let changes = [self.symbols(), self.overrides.without_goals()?].concat();
-        let scenario = Scenario::parse(start.name, start.text, &changes)?;
+        let title = retitled(start.name, &changes);
+        let scenario = Scenario::parse(start.name, start.text, &[changes.as_slice(), title.as_slice()].concat())?;
         let text = introduction(start.name, start.text, &changes) + "\n" + &scenario.to_template();
         let output = self.output.clone().unwrap_or_else(|| format!("{}.toml", start.name).into());
         if output == Path::new("-") {
@@ -102,11 +103,21 @@ impl Init {
     }
 }
 
+/// A title that says what is changed, unless there is one among the changes or nothing is.
+fn retitled(name: &str, changes: &[Override]) -> Option<Override> {
+    let is_needed = !changes.is_empty() && !changes.iter().any(|change| change.sets("title"));
+    is_needed.then(|| Override::text("--title", "title", &format!("{name} with {}", listed(changes))))
+}
+
+/// The changes as they were typed.
+fn listed(changes: &[Override]) -> String {
+    changes.iter().map(Override::to_string).collect::<Vec<_>>().join(" ")
+}
+
 /// What the scenario is about: the words of the shipped one, as long as nothing of it is changed.
 fn introduction(name: &str, text: &str, changes: &[Override]) -> String {
     if changes.is_empty() {
         return text.lines().take_while(|line| line.starts_with('#')).map(|line| format!("{line}\n")).collect();
     }
-    let changes: Vec<String> = changes.iter().map(Override::to_string).collect();
-    format!("# The shipped scenario {name}, with {}.\n", changes.join(" "))
+    format!("# The shipped scenario {name}, with {}.\n", listed(changes))
 }
