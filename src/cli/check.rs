@@ -3,7 +3,7 @@
 use super::cost;
 use super::document::{JsonWarning, document};
 use super::failure::{Failure, print_data};
-use super::numbers::{bytes, grouped, significant, time, wrapped};
+use super::numbers::{bytes, counted, grouped, significant, time, wrapped};
 use super::overrides::Overrides;
 use serde::{Serialize, Serializer};
 use std::fmt::Write as _;
@@ -62,7 +62,7 @@ pub fn report(scenario: &Scenario) -> String {
 /// How long the run will take here, as a comment.
 fn duration(seconds: Option<f64>) -> String {
     let threads = super::cores();
-    let name = format!("time of the run here, on {threads} thread{}, about", if threads == 1 { "" } else { "s" });
+    let name = format!("time of the run here, on {}, about", counted(threads as u64, "thread"));
     let value = seconds.map_or("unknown: no path came far enough in a tenth of a second".to_string(), time);
     format!("# {name:<46}{value}\n")
 }

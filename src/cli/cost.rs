@@ -1,7 +1,7 @@
 //! What a run will take, before it begins: time and memory.
 
 use super::failure::{Failure, note};
-use super::numbers::{bytes, time};
+use super::numbers::{bytes, counted, time};
 use std::time::Duration;
 use stick_slip::advice::Derived;
 use stick_slip::scenario::Scenario;
@@ -45,9 +45,9 @@ pub fn announce(scenario: &Scenario, paths: u64, threads: usize, is_quiet: bool)
     let needed = memory(scenario, threads);
     if let Some(free) = free_memory().filter(|free| *free < needed) {
         let problem = format!(
-            "a run of {} rows on {threads} thread{} takes about {} of memory, and {} are free",
+            "a run of {} rows on {} takes about {} of memory, and {} are free",
             scenario.timeline().rows(),
-            if threads == 1 { "" } else { "s" },
+            counted(threads as u64, "thread"),
             bytes(needed),
             bytes(free)
         );
@@ -66,8 +66,9 @@ pub fn announce(scenario: &Scenario, paths: u64, threads: usize, is_quiet: bool)
     };
     if let Some(seconds) = seconds.map(|seconds| seconds / threads as f64).filter(|seconds| *seconds > LONG) {
         note(&format!(
-            "this takes about {} on {threads} threads; --max-time bounds it, and Ctrl-C saves it",
-            time(seconds)
+            "this takes about {} on {}; --max-time bounds it, and Ctrl-C saves it",
+            time(seconds),
+            counted(threads as u64, "thread")
         ));
     }
     Ok(())

@@ -182,13 +182,8 @@ impl Plot {
 
     /// `<name>.svg`, or `<name>-<figure>.svg`, in the current directory.
     fn default_output(&self) -> PathBuf {
-        let mut name = self.subject.file_stem().unwrap_or("picture".as_ref()).to_os_string();
-        if let Some(figure) = self.only {
-            name.push("-");
-            name.push(figure.name);
-        }
-        name.push(".svg");
-        PathBuf::from(name)
+        let figure = self.only.map_or_else(String::new, |figure| format!("-{}", figure.name));
+        results::default_output(&self.subject, &format!("{figure}.svg"))
     }
 }
 

@@ -4,12 +4,22 @@ use super::document::JsonWarning;
 use super::failure::{Failure, note};
 use super::numbers::wrapped;
 use super::report;
-use stick_slip::config::{Override, ScenarioError};
+use std::path::{Path, PathBuf};
+use stick_slip::config::{Override, STANDARD_INPUT, ScenarioError};
 use stick_slip::engine::RunError;
 use stick_slip::provenance::Provenance;
 use stick_slip::scenario::Scenario;
 use stick_slip::stats::Summary;
 use stick_slip::store::{StoreError, Stored};
+
+/// Where the results of a scenario go unless another place is named: in the current directory, under its name with this ending.
+pub fn default_output(scenario: &Path, ending: &str) -> PathBuf {
+    let is_standard_input = scenario == Path::new(STANDARD_INPUT);
+    let stem = if is_standard_input { "stdin".as_ref() } else { scenario.file_stem().unwrap_or("run".as_ref()) };
+    let mut name = stem.to_os_string();
+    name.push(ending);
+    PathBuf::from(name)
+}
 
 /// The scenario that a file was run with, its measured temperature included, with overrides laid over it.
 pub fn scenario(name: &str, stored: &Stored, overrides: &[Override]) -> Result<Scenario, ScenarioError> {
@@ -81,5 +91,19 @@ impl From<StoreError> for Failure {
             | StoreError::NoSweep { .. } => Failure::Refused(error.to_string()),
             _ => Failure::Run(error.to_string()),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn results_are_named_after_the_scenario_and_stay_in_the_current_directory() {
+        let named = |scenario: &str| default_output(Path::new(scenario), ".h5");
+        assert_eq!(named("scenarios/rho025.toml"), Path::new("rho025.h5"));
+        assert_eq!(named("my.study.toml"), Path::new("my.study.h5"));
+        assert_eq!(named("-"), Path::new("stdin.h5"));
+        assert_eq!(default_output(Path::new("-"), "-sweep.h5"), Path::new("stdin-sweep.h5"));
     }
 }

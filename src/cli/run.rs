@@ -7,9 +7,8 @@ use super::interrupt::stop_on_signals;
 use super::overrides::Overrides;
 use super::results;
 use super::sitting::{Leaves, Manner, Sitting};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::Duration;
-use stick_slip::config::STANDARD_INPUT;
 use stick_slip::engine::{self, MOST_PATHS, Part};
 use stick_slip::ensemble::BLOCK_SIZE;
 use stick_slip::scenario::Scenario;
@@ -73,7 +72,7 @@ pub struct Run {
 impl Run {
     pub fn call(&self) -> Result<(), Failure> {
         let (mut scenario, goals) = self.overrides.scenario_and_goals(&self.scenario)?;
-        let output = self.output.clone().unwrap_or_else(|| default_output(&self.scenario));
+        let output = self.output.clone().unwrap_or_else(|| results::default_output(&self.scenario, ".h5"));
         writable(&output, self.force, [self.scenario.as_path()])?;
         let threads = self.manner.threads();
         if self.accuracy.is_none() {
@@ -151,26 +150,5 @@ impl Run {
             return Err(Failure::usage(problem, format!("give {blocks} parts at most")));
         }
         Ok(())
-    }
-}
-
-/// `<scenario>.h5` in the current directory.
-fn default_output(scenario: &Path) -> PathBuf {
-    let is_standard_input = scenario == Path::new(STANDARD_INPUT);
-    let stem = if is_standard_input { "stdin".as_ref() } else { scenario.file_stem().unwrap_or("run".as_ref()) };
-    let mut name = stem.to_os_string();
-    name.push(".h5");
-    PathBuf::from(name)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn results_are_named_after_the_scenario_and_stay_in_the_current_directory() {
-        assert_eq!(default_output(Path::new("scenarios/rho025.toml")), Path::new("rho025.h5"));
-        assert_eq!(default_output(Path::new("my.study.toml")), Path::new("my.study.h5"));
-        assert_eq!(default_output(Path::new("-")), Path::new("stdin.h5"));
     }
 }

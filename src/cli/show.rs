@@ -61,26 +61,33 @@ impl Show {
             [first, ..] if self.plot && (self.files.len() > 1 || is_sweep(first)) => {
                 Err(Failure::usage("--plot draws one run", "leave it out, or draw sweeps with `mc plot`"))
             }
-            [file] if matches!(store::kind(file), Ok(Some(FileKind::Calibration))) => {
+            [file] => self.print_alone(file),
+            files => self.print_several(files),
+        }
+    }
+
+    /// One file, of whatever kind; what is no file of results is told by whoever reads it as a run.
+    fn print_alone(&self, file: &Path) -> Result<(), Failure> {
+        match store::kind(file) {
+            Ok(Some(FileKind::Calibration)) => {
                 let stored = store::read_calibration(file)?;
                 calibrate::show(&stored.title, &stored.calibration, &stored.warnings, self.json)
             }
-            [file] if matches!(store::kind(file), Ok(Some(FileKind::Trade))) => {
+            Ok(Some(FileKind::Trade)) => {
                 let trade = store::read_trade(file)?;
                 match self.json {
                     true => print_data(&trade_report::stored_json(&trade, &file.display().to_string())),
                     false => print(&trade_report::stored_table(&trade)),
                 }
             }
-            [file] if is_sweep(file) => {
+            Ok(Some(FileKind::Sweep)) => {
                 let sweep = sweep::stored(file, store::read_sweep(file)?)?;
                 match self.json {
                     true => print_data(&sweep_report::json(&sweep, file)),
                     false => print(&sweep_report::table(&sweep, &[], file)),
                 }
             }
-            [file] => self.print_one(file),
-            files => self.print_several(files),
+            Ok(Some(FileKind::Run) | None) | Err(_) => self.print_one(file),
         }
     }
 

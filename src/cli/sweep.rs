@@ -5,6 +5,7 @@ use super::interrupt::stop_on_signals;
 use super::numbers::{bytes, duration, grouped, wrapped};
 use super::overrides::Overrides;
 use super::progress::Progress;
+use super::results;
 use super::sweep_report;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -85,7 +86,7 @@ impl Sweep {
         if self.dry_run {
             return print(&outlook(&question, threads));
         }
-        let output = self.output.clone().unwrap_or_else(|| default_output(&self.scenario));
+        let output = self.output.clone().unwrap_or_else(|| results::default_output(&self.scenario, "-sweep.h5"));
         // A file that is there is read first: it may be this sweep.
         writable(&output, true, [self.scenario.as_path()])?;
         let header = Provenance::of(&question.scenario);
@@ -258,13 +259,6 @@ fn warn(question: &Question) {
             if points == all { String::new() } else { format!(" (at {points} of {all} points, the first here)") };
         note(wrapped(&format!("warning{which}: {text}"), "  ").trim_end());
     }
-}
-
-/// `<scenario>-sweep.h5` in the current directory.
-fn default_output(scenario: &Path) -> PathBuf {
-    let mut name = scenario.file_stem().unwrap_or("sweep".as_ref()).to_os_string();
-    name.push("-sweep.h5");
-    PathBuf::from(name)
 }
 
 /// 0.05 or 5%.

@@ -1,7 +1,7 @@
 //! What stands below the table: censored sticks, how the run ended, lost paths, time and file.
 
 use super::RunInfo;
-use crate::cli::numbers::{Digits, duration, grouped, significant};
+use crate::cli::numbers::{Digits, counted, duration, grouped, significant};
 use std::fmt::Write as _;
 use stick_slip::engine::Status;
 use stick_slip::scheme::Timeline;
@@ -127,7 +127,7 @@ fn paths(summary: &Summary, info: &RunInfo) -> String {
 fn time(summary: &Summary, info: &RunInfo) -> Option<String> {
     let mut line = duration(info.seconds?);
     if let Some(threads) = info.threads {
-        let _ = write!(line, " on {threads} thread{}", if threads == 1 { "" } else { "s" });
+        let _ = write!(line, " on {}", counted(threads as u64, "thread"));
     }
     if let Some(us) = info.us_per_path(summary.completed_paths) {
         let _ = write!(line, ", {} us per path", significant(us, 3));
