@@ -1,16 +1,21 @@
-//! Lanes: several paths side by side in one register, as a type that formulas read well in.
+//! Lanes: several numbers, each of another path, in one processor register. They are a type with
+//! ordinary operators, so that formulas stay readable.
 //!
-//! [`Lanes`] is the arithmetic that noise and schemes need. There are three of it: eight lanes of AVX-512, four
-//! of AVX2 with FMA, and four portable ones; and a single number is one lane, so that a formula is written once for a path and for
-//! many. All of them compute the same bits: every operation is one that IEEE 754
-//! rounds correctly, and fused multiply-adds are written out, never left to the compiler. The widest one the processor has is
-//! chosen once per run ([`InstructionSet::detect`], [`InstructionSet::run`]).
+//! [`Lanes`] is the arithmetic that noise and schemes need. It is implemented by eight lanes of
+//! AVX-512, by four lanes of AVX2 with FMA, by four lanes in portable Rust, and by `f64` as a
+//! single lane, so that a formula is written once for one path and for many. All of them compute
+//! the same bits: IEEE 754 defines the correct rounding of every operation that is used, and a
+//! fused multiply-add is written out where it is wanted and never left to the compiler. Each run
+//! chooses the widest lanes that the processor has ([`InstructionSet::detect`],
+//! [`InstructionSet::run`]).
 //!
-//! This is the only room with `unsafe` for speed. Its argument: the x86 lane types wrap intrinsics of one instruction set; code
-//! that uses them is only reached through `run`, which checks with `is_x86_feature_detected!` that the processor has it.
+//! This is the only module that uses `unsafe` for speed. It is sound because the x86 lane types
+//! only wrap intrinsics of one instruction set, and because the only way to code that uses them is
+//! `run`, which checks with `is_x86_feature_detected!` that the processor has that instruction set.
 
-/// Implements operators of a lane type, and those with one number for every lane. The bodies are no closures, which would not
-/// be compiled for the instruction set.
+/// Implements the operators between two values of a lane type, and those between lanes and one
+/// number for every lane. The bodies are not passed as closures, because a closure would not be
+/// compiled for the instruction set.
 macro_rules! arithmetic {
     ($Type:ident, $($Trait:ident $name:ident ($a:ident, $b:ident) $body:block)+) => {
         $(
@@ -52,23 +57,23 @@ pub use portable::Portable;
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-/// Numbers of a row: as many as fill a cache line.
+/// Numbers in a [`Row`]: as many as fill a cache line of 64 bytes.
 pub const ROW: usize = 8;
 
-/// Some numbers of one lane, in a cache line of their own.
+/// The numbers that belong to one lane, in a cache line of their own.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(64))]
 pub struct Row(pub [f64; ROW]);
 
-/// Bits of a key below those that number its entry in a [`Table`].
+/// The number of lower bits of a key that do not select an entry of a [`Table`].
 pub const KEY_SHIFT: u32 = 45;
 
-/// A table with an entry for every number that the upper bits of a key can be: 19 of them.
+/// A table with one entry for each value of the upper 19 bits of a key.
 pub type Table = [u64; 1 << (u64::BITS - KEY_SHIFT)];
 
-/// Some numbers side by side, and the few operations the schemes need on them.
+/// Several numbers side by side, and the operations that the schemes need on them.
 ///
-/// `Bits` are the same lanes seen as 64-bit integers; `Mask` says yes or no for each lane.
+/// `Bits` holds the same lanes as 64-bit integers. `Mask` holds one boolean for each lane.
 pub trait Lanes:
     Copy
     + Add<Output = Self>
@@ -80,28 +85,29 @@ pub trait Lanes:
     + Sub<f64, Output = Self>
     + Mul<f64, Output = Self>
 {
-    /// How many lanes.
+    /// The number of lanes.
     const WIDTH: usize;
-    /// One 64-bit integer a lane.
+    /// One 64-bit integer in each lane.
     type Bits: Copy;
-    /// One boolean a lane.
+    /// One boolean in each lane.
     type Mask: Copy;
 
     /// The same number in every lane.
     fn splat(value: f64) -> Self;
     /// The first `WIDTH` numbers of a slice.
     fn load(from: &[f64]) -> Self;
-    /// Write the lanes to the first `WIDTH` places of a slice.
+    /// Writes the lanes to the first `WIDTH` places of a slice.
     fn store(self, to: &mut [f64]);
-    /// The number `column` of each of `WIDTH` rows of a table, for every column.
+    /// Reads `WIDTH` rows of a table as columns: lane i of result k is number k of row `rows[i]`.
     fn gather_rows(table: &[Row], rows: &[u32; ROW]) -> [Self; ROW];
-    /// Write the columns of `WIDTH` rows to a table.
+    /// Writes columns to `WIDTH` rows of a table; the inverse of `gather_rows`.
     fn scatter_rows(columns: [Self; ROW], table: &mut [Row], rows: &[u32; ROW]);
     /// The square root.
     fn sqrt(self) -> Self;
     /// |self|
     fn abs(self) -> Self;
-    /// Those of the entries whose lanes are in the mask, side by side; what is behind them means nothing.
+    /// The first `WIDTH` entries whose bit is set in `lanes`, packed at the front of the result.
+    /// What follows them in the result has no meaning.
     #[inline(always)]
     fn compress(entries: &[u32; ROW], lanes: u32) -> [u32; ROW] {
         let (mut all, mut count) = ([0; ROW], 0);
@@ -111,7 +117,7 @@ pub trait Lanes:
         }
         all
     }
-    /// self * factor + term, rounded once.
+    /// self * factor + term, with a single rounding.
     fn mul_add(self, factor: Self, term: Self) -> Self;
     /// self > other
     fn gt(self, other: Self) -> Self::Mask;
@@ -123,36 +129,38 @@ pub trait Lanes:
     fn le(self, other: Self) -> Self::Mask;
     /// `a` where `mask` holds, `b` elsewhere.
     fn select(mask: Self::Mask, a: Self, b: Self) -> Self;
-    /// `a` where `up` holds, `b` where `down` holds, 0 elsewhere; they never hold both.
+    /// `a` where `up` holds, `b` where `down` holds, 0 elsewhere. No lane may be in both masks.
     fn either(up: Self::Mask, a: Self, down: Self::Mask, b: Self) -> Self;
     /// `zero` where self is zero, `other` elsewhere.
     fn where_zero(self, zero: Self, other: Self) -> Self;
     /// self + other where `keep` holds, 0 elsewhere.
     fn add_where(self, other: Self, keep: Self::Mask) -> Self;
-    /// In the lanes of either mask.
+    /// True in the lanes where at least one of the masks is true.
     fn or(a: Self::Mask, b: Self::Mask) -> Self::Mask;
-    /// In the lanes of both masks.
+    /// True in the lanes where both masks are true.
     fn and(a: Self::Mask, b: Self::Mask) -> Self::Mask;
-    /// In the lanes that are not in the mask.
+    /// True in the lanes where the mask is false.
     fn not(mask: Self::Mask) -> Self::Mask;
-    /// Yes in every lane.
+    /// True in every lane.
     fn always() -> Self::Mask;
-    /// The lanes of `among` where self is neither below `least` nor above `most`; those where it is not a number are kept.
+    /// True in the lanes of `among` where self is neither below `least` nor above `most`. A lane of
+    /// `among` stays true where self is not a number.
     fn not_beyond(self, least: Self, most: Self, among: Self::Mask) -> Self::Mask;
     /// Bit i of the result is lane i of the mask.
     fn bitmask(mask: Self::Mask) -> u32;
-    /// In each lane, the table entry numbered by the upper bits of `key`, `key >> KEY_SHIFT`.
+    /// In each lane, the entry of the table whose index is `key >> KEY_SHIFT`, the upper bits of
+    /// `key`.
     fn lookup(table: &Table, key: Self::Bits) -> Self::Bits;
 
-    /// The lanes' bit patterns.
+    /// The bit patterns of the lanes.
     fn to_bits(self) -> Self::Bits;
-    /// The numbers with these bit patterns.
+    /// The numbers that have these bit patterns.
     fn from_bits(bits: Self::Bits) -> Self;
     /// The same integer in every lane.
     fn splat_bits(value: u64) -> Self::Bits;
     /// The first `WIDTH` integers of a slice.
     fn load_bits(from: &[u64]) -> Self::Bits;
-    /// Write the lanes to the first `WIDTH` places of a slice.
+    /// Writes the lanes to the first `WIDTH` places of a slice.
     fn store_bits(bits: Self::Bits, to: &mut [u64]);
     /// a + b modulo 2^64
     fn add_bits(a: Self::Bits, b: Self::Bits) -> Self::Bits;
@@ -164,55 +172,57 @@ pub trait Lanes:
     fn xor3(a: Self::Bits, b: Self::Bits, c: Self::Bits) -> Self::Bits;
     /// (bits & keep) | set
     fn keep_and_set(bits: Self::Bits, keep: u64, set: u64) -> Self::Bits;
-    /// The doubles nearest to the lanes as signed integers.
+    /// The lanes as signed integers, converted to the nearest doubles.
     fn from_integers(bits: Self::Bits) -> Self;
-    /// bits >> N, zeros coming in
+    /// bits >> N, filled with zeros from the left.
     fn shr<const N: u32>(bits: Self::Bits) -> Self::Bits;
     /// bits << N
     fn shl<const N: u32>(bits: Self::Bits) -> Self::Bits;
-    /// bits rotated left by N < 64
+    /// bits rotated left by N, with N < 64.
     fn rotate_left<const N: i32>(bits: Self::Bits) -> Self::Bits;
 }
 
 impl<L: Lanes> Choose for L {}
 
-/// What follows from the operations of [`Lanes`].
+/// Operations that are composed of those of [`Lanes`].
 pub trait Choose: Lanes {
-    /// The larger of both; `other` where self is not a number.
+    /// The larger of self and `other`; `other` where self is not a number.
     #[inline(always)]
     fn or_at_least(self, other: Self) -> Self {
         Self::select(self.gt(other), self, other)
     }
 
-    /// The smaller of both; `other` where self is not a number.
+    /// The smaller of self and `other`; `other` where self is not a number.
     #[inline(always)]
     fn or_at_most(self, other: Self) -> Self {
         Self::select(self.lt(other), self, other)
     }
 }
 
-/// A computation that is generic over the lanes it runs on.
+/// A computation that is generic over the lanes that it runs on.
 pub trait LaneProgram {
-    /// Run it on these lanes. Implementations are `#[inline(always)]`, so that they compile for the caller's instruction set.
+    /// Runs the computation on lanes of type `L`. Implementations are marked `#[inline(always)]`,
+    /// so that they are compiled for the instruction set of the caller.
     fn run<L: Lanes>(&mut self);
 }
 
-/// The instruction sets there are lanes for.
+/// The instruction sets that lanes exist for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum InstructionSet {
-    /// Eight lanes; needs AVX-512 F, DQ and VL.
+    /// Eight lanes. Needs AVX-512 F, DQ and VL.
     Avx512,
-    /// Four lanes; needs AVX2 and FMA.
+    /// Four lanes. Needs AVX2 and FMA.
     Avx2,
-    /// Four lanes in plain Rust; runs anywhere, slowly where there is no fused multiply-add.
+    /// Four lanes in plain Rust. Runs on every processor, but slowly on one without a fused
+    /// multiply-add.
     Portable,
 }
 
 impl InstructionSet {
-    /// From the widest to the one that always works.
+    /// All instruction sets, from the widest to the one that is always available.
     pub const ALL: [InstructionSet; 3] = [InstructionSet::Avx512, InstructionSet::Avx2, InstructionSet::Portable];
 
-    /// The widest one this processor has.
+    /// The widest instruction set that this processor has.
     pub fn detect() -> Self {
         Self::ALL.into_iter().find(|set| set.is_available()).unwrap_or(InstructionSet::Portable)
     }
@@ -244,8 +254,8 @@ impl InstructionSet {
         }
     }
 
-    /// Run a program on this instruction set's lanes, or on the portable ones if the processor lacks it; the result is the
-    /// same either way.
+    /// Run a program on this instruction set's lanes, or on the portable ones if the processor
+    /// lacks it; the result is the same either way.
     pub fn run(self, program: &mut impl LaneProgram) {
         match self {
             #[cfg(target_arch = "x86_64")]

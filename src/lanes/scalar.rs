@@ -1,4 +1,4 @@
-//! A single number as one lane, for code that follows its paths one by one.
+//! `f64` as a single lane, for code that follows paths one by one.
 
 use super::{KEY_SHIFT, Lanes, ROW, Row, Table};
 

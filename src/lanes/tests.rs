@@ -7,7 +7,8 @@
 
 use super::*;
 
-/// Numbers in which operations may differ: zeros of both signs, subnormal and infinite ones, those that are none, ties of rounding.
+/// Numbers for which implementations may differ: zeros of both signs, subnormal and infinite
+/// numbers, NaN, and numbers whose sums and products are ties of rounding.
 const EDGES: [f64; 16] = [
     0.0,
     -0.0,
@@ -27,10 +28,11 @@ const EDGES: [f64; 16] = [
     2.5,
 ];
 
-/// Words in which operations may differ.
+/// Integers for which implementations may differ.
 const WORDS: [u64; 8] = [0, 1, u64::MAX, 1 << 63, (1 << 63) - 1, 0xFFFF_FFFF, 0xFFFF_FFFF_0000_0000, (1 << 53) + 1];
 
-/// Triples of numbers and of words: every pair of edges with a third one, and bits at random.
+/// Triples of numbers and of integers: every pair of edge cases with some third one, and then
+/// random bits.
 struct Inputs {
     numbers: [Vec<f64>; 3],
     words: [Vec<u64>; 3],
@@ -41,7 +43,7 @@ impl Inputs {
         let random = if cfg!(miri) { 16 } else { 1 << 16 };
         let mut state = 0_u64;
         let mut next = || {
-            // SplitMix64.
+            // The generator is SplitMix64.
             state = state.wrapping_add(0x9E37_79B9_7F4A_7C15);
             let mixed = (state ^ state >> 30).wrapping_mul(0xBF58_476D_1CE4_E5B9);
             let mixed = (mixed ^ mixed >> 27).wrapping_mul(0x94D0_49BB_1331_11EB);
@@ -52,7 +54,8 @@ impl Inputs {
         let word = |column: usize, i: usize| WORDS[[i, i / WORDS.len(), i * 3 + i / 7][column] % WORDS.len()];
         let mut filled = |column: usize| -> (Vec<f64>, Vec<u64>) {
             let chance: Vec<u64> = (0..random).map(|_| next()).collect();
-            // Half of them between 1/2 and 2, where rounding shows.
+            // Half of the random numbers lie between 1/2 and 2, where results round differently
+            // most often.
             let near = |bits: u64| f64::from_bits(if bits & 1 == 0 { bits } else { bits >> 11 | 0x3FE0 << 48 });
             let numbers = (0..edges).map(|i| edge(column, i)).chain(chance.iter().map(|&bits| near(bits)));
             (numbers.collect(), (0..edges).map(|i| word(column, i)).chain(chance.iter().copied()).collect())
@@ -62,12 +65,12 @@ impl Inputs {
     }
 }
 
-/// All operations on all inputs; what each came to, number by number.
+/// Runs all operations on all inputs and keeps the bits of every result, by operation and lane.
 struct All<'a> {
     inputs: &'a Inputs,
     table: &'a Table,
     results: Vec<(&'static str, Vec<u64>)>,
-    /// Which of them comes next.
+    /// The index of the operation whose results are kept next.
     next: usize,
 }
 
@@ -80,7 +83,7 @@ impl All<'_> {
         self.next += 1;
     }
 
-    /// Those that are no numbers are alike: IEEE 754 leaves their bits open.
+    /// Keeps numbers. All NaNs count as equal, because IEEE 754 does not define their bits.
     fn numbers<L: Lanes>(&mut self, name: &'static str, lanes: L) {
         let mut to = [0.0; ROW];
         lanes.store(&mut to);
@@ -160,7 +163,7 @@ impl LaneProgram for All<'_> {
     }
 }
 
-/// The operations on rows, whose results are not one number a lane.
+/// Runs the operations on rows, whose results are not one number for each lane.
 struct Moved {
     columns: Vec<[u64; ROW]>,
     scattered: Vec<[u64; ROW]>,
@@ -199,7 +202,8 @@ impl LaneProgram for Moved {
 
 fn available() -> Vec<InstructionSet> {
     let all: Vec<InstructionSet> = InstructionSet::ALL.into_iter().filter(|set| set.is_available()).collect();
-    // What the test was compiled for is tested.
+    // If the test was compiled for an instruction set, as under Miri, that set must be among the
+    // tested.
     assert!(!cfg!(target_feature = "avx2") || all.contains(&InstructionSet::Avx2), "{all:?}");
     eprintln!("lanes: {all:?}");
     all

@@ -1,11 +1,13 @@
-//! Eight lanes of AVX-512 and four of AVX2: one intrinsic a method.
+//! Eight lanes of AVX-512 and four of AVX2. Most methods are one intrinsic.
 //!
 //! SAFETY, for every `unsafe` block of this file. Arithmetic intrinsics have one precondition: that
 //! the processor has their instruction set. The two lane types are private to this file and are
 //! only named by `run_avx512` and `run_avx2`, which [`super::InstructionSet::run`] calls after
-//! detecting it. Loads and stores are unaligned and reach exactly `WIDTH` elements of a slice whose
-//! length is checked first; table reads go to entries numbered by 64 bits shifted right by
-//! `KEY_SHIFT`, and a table has one for each such number.
+//! detecting that instruction set. Loads from and stores to slices need no alignment, and they
+//! reach exactly `WIDTH` elements of a slice whose length is checked first. The aligned loads and
+//! stores of AVX-512 go to entries of a [`Row`], which is aligned to 64 bytes. Table lookups read
+//! the entry whose index is 64 bits shifted right by `KEY_SHIFT`, and a [`Table`] has one entry for
+//! each such index.
 
 use super::{KEY_SHIFT, LaneProgram, Lanes, ROW, Row, Table};
 use std::arch::x86_64::*;
@@ -68,7 +70,8 @@ impl Lanes for Avx512 {
     #[inline(always)]
     fn gather_rows(table: &[Row], rows: &[u32; ROW]) -> [Self; ROW] {
         assert_in(table, rows);
-        // SAFETY: all rows are in the table.
+        // SAFETY: `assert_in` has checked that all rows are in the table, and a `Row` is aligned to
+        // 64 bytes.
         unsafe {
             let c = transposed([
                 _mm512_load_pd(table.get_unchecked(rows[0] as usize).0.as_ptr()),
@@ -95,7 +98,8 @@ impl Lanes for Avx512 {
     #[inline(always)]
     fn scatter_rows(c: [Self; ROW], table: &mut [Row], rows: &[u32; ROW]) {
         assert_in(table, rows);
-        // SAFETY: all rows are in the table.
+        // SAFETY: `assert_in` has checked that all rows are in the table, and a `Row` is aligned to
+        // 64 bytes.
         unsafe {
             let lanes = transposed([c[0].0, c[1].0, c[2].0, c[3].0, c[4].0, c[5].0, c[6].0, c[7].0]);
             _mm512_store_pd(table.get_unchecked_mut(rows[0] as usize).0.as_mut_ptr(), lanes[0]);
@@ -229,12 +233,12 @@ impl Lanes for Avx512 {
     }
     #[inline(always)]
     fn keep_and_set(bits: Self::Bits, keep: u64, set: u64) -> Self::Bits {
-        // 0xEA is the truth table of (a & b) | c
+        // 0xEA is the truth table of (a & b) | c.
         unsafe { _mm512_ternarylogic_epi64::<0xEA>(bits, Self::splat_bits(keep), Self::splat_bits(set)) }
     }
     #[inline(always)]
     fn xor3(a: Self::Bits, b: Self::Bits, c: Self::Bits) -> Self::Bits {
-        // 0x96 is the truth table of a ^ b ^ c
+        // 0x96 is the truth table of a ^ b ^ c.
         unsafe { _mm512_ternarylogic_epi64::<0x96>(a, b, c) }
     }
     #[inline(always)]
@@ -255,7 +259,8 @@ impl Lanes for Avx512 {
     }
 }
 
-/// All rows at once, where one comparison is cheaper than eight.
+/// Panics unless all eight rows are in the table. One comparison of all indices is cheaper than
+/// eight.
 #[inline(always)]
 fn assert_in(table: &[Row], rows: &[u32; ROW]) {
     let length = table.len().min(i32::MAX as usize) as i32;
@@ -265,17 +270,18 @@ fn assert_in(table: &[Row], rows: &[u32; ROW]) {
     assert!(inside == 0xFF, "a row that the table does not have");
 }
 
-/// Rows as columns: entry i of result k is entry k of row i.
+/// Transposes rows to columns: entry i of result k is entry k of row i.
 #[inline(always)]
 fn transposed(rows: [__m512d; 8]) -> [__m512d; 8] {
     let [r0, r1, r2, r3, r4, r5, r6, r7] = rows;
     unsafe {
-        // Pairs of rows, even and odd columns.
+        // Each register interleaves two rows: the first its even columns, the second its odd ones.
         let (a0, a1) = (_mm512_unpacklo_pd(r0, r1), _mm512_unpackhi_pd(r0, r1));
         let (a2, a3) = (_mm512_unpacklo_pd(r2, r3), _mm512_unpackhi_pd(r2, r3));
         let (a4, a5) = (_mm512_unpacklo_pd(r4, r5), _mm512_unpackhi_pd(r4, r5));
         let (a6, a7) = (_mm512_unpacklo_pd(r6, r7), _mm512_unpackhi_pd(r6, r7));
-        // Two rows by two columns in each quarter; columns 0 4, 2 6, 1 5 and 3 7 of four rows.
+        // Each quarter of a register holds two rows of one column. The four registers of four rows
+        // hold columns 0 and 4, 2 and 6, 1 and 5, and 3 and 7.
         let (b0, b2) = (_mm512_shuffle_f64x2::<0x88>(a0, a2), _mm512_shuffle_f64x2::<0xDD>(a0, a2));
         let (b1, b3) = (_mm512_shuffle_f64x2::<0x88>(a1, a3), _mm512_shuffle_f64x2::<0xDD>(a1, a3));
         let (b4, b6) = (_mm512_shuffle_f64x2::<0x88>(a4, a6), _mm512_shuffle_f64x2::<0xDD>(a4, a6));
@@ -465,7 +471,7 @@ impl Lanes for Avx2 {
     fn add_bits(a: Self::Bits, b: Self::Bits) -> Self::Bits {
         unsafe { _mm256_add_epi64(a, b) }
     }
-    /// From products of 32-bit halves.
+    /// The 64-bit product, composed of products of 32-bit halves.
     #[inline(always)]
     fn mul_bits(a: Self::Bits, b: Self::Bits) -> Self::Bits {
         unsafe {
@@ -487,9 +493,10 @@ impl Lanes for Avx2 {
     fn xor3(a: Self::Bits, b: Self::Bits, c: Self::Bits) -> Self::Bits {
         Self::xor(Self::xor(a, b), c)
     }
-    /// AVX2 has no such conversion. The upper 32 bits, signed, are placed in the mantissa of 3 2^67
-    /// and the lower ones in that of 2^52; subtracting both constants from the former is exact, so
-    /// the last addition rounds once.
+    /// AVX2 has no instruction for this conversion. The upper 16 bits, signed, are added to the
+    /// mantissa of 3 2^67, at the place that is worth 2^48, and the lower 48 bits become the
+    /// mantissa of 2^52. Subtracting both constants from the former is exact, so only the last
+    /// addition rounds.
     #[inline(always)]
     fn from_integers(bits: Self::Bits) -> Self {
         const UPPER: f64 = 442_721_857_769_029_238_784.0; // 3 2^67
@@ -519,7 +526,7 @@ impl Lanes for Avx2 {
     }
 }
 
-/// Rows as columns: entry i of result k is entry k of row i.
+/// Transposes rows to columns: entry i of result k is entry k of row i.
 #[inline(always)]
 fn transposed4([r0, r1, r2, r3]: [Avx2; 4]) -> [Avx2; 4] {
     unsafe {
