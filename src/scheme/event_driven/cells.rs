@@ -1,9 +1,9 @@
-//! The cells of time that paths are simulated in.
+//! The cells of time in which paths are simulated.
 //!
 //! The length of a cell follows from the scene and the tolerance alone, never from the instants at
-//! which somebody looks. n at the ends of the cells is the skeleton of a path, a function of (seed,
-//! path, cell); what happens inside a cell is drawn given n at its end. So two scenes with the same
-//! cells see the same noise, and looking at a path does not change it.
+//! which the state is observed. The values of n at the ends of the cells are the skeleton of a
+//! path, a function of (seed, path, cell). What happens inside a cell is drawn given n at its end.
+//! So two scenes with the same cells see the same noise, and observing a path does not change it.
 
 use super::ladder::Ladder;
 use super::scene::Scene;
@@ -11,7 +11,7 @@ use crate::lanes::{Lanes, small_unit};
 use crate::model::Complex;
 use crate::noise::Transition;
 
-/// One cell, with what all paths share in it.
+/// One cell of time, with the quantities in it that are the same for all paths.
 #[derive(Clone, Debug)]
 pub struct Cell {
     /// Its number.
@@ -22,15 +22,15 @@ pub struct Cell {
     pub end: f64,
     /// How long it lasts.
     pub length: f64,
-    /// How n gets across it.
+    /// The transition of n over the cell.
     pub transition: Transition,
-    /// How each of two noises gets across it, if there are two.
+    /// The transition of each of two noises over the cell, if there are two.
     pub two_transitions: Option<[Transition; 2]>,
-    /// The terms of B where it begins.
+    /// The terms of B at the start of the cell.
     pub terms: Vec<Complex>,
-    /// B and its curvature where it begins.
+    /// B and B'' at the start of the cell.
     pub first: Forcing,
-    /// The same where it ends.
+    /// B and B'' at the end of the cell.
     pub last: Forcing,
     frequencies: Vec<f64>,
 }
@@ -62,7 +62,7 @@ impl Cell {
         cell
     }
 
-    /// Make it the cell with another number.
+    /// Turns this cell into the cell with another number.
     pub fn move_to(&mut self, scene: &Scene, ladder: &Ladder, index: u64) {
         let rung = ladder.rung(index);
         if rung.length != self.length || scene.is_pinned {
@@ -79,12 +79,12 @@ impl Cell {
         self.first = self.forcing_here();
     }
 
-    /// B and its second derivative a time after the start.
+    /// B and B'' a time after the start of the cell.
     #[inline(always)]
     pub fn forcing<L: Lanes>(&self, after: L) -> Forcing<L> {
         let mut all = Forcing { value: L::splat(0.0), curvature: L::splat(0.0) };
         for (term, &w) in self.terms.iter().zip(&self.frequencies) {
-            // A cell is at most 1/w long.
+            // The length of a cell is at most 1/w, for which `small_unit` is accurate.
             let (cos, sin) = small_unit(after * w);
             let re = cos * term.re - sin * term.im;
             all.value = all.value + re;
@@ -93,7 +93,7 @@ impl Cell {
         all
     }
 
-    /// The same where the terms of B are those of the cell.
+    /// B and B'' at the time to which `terms` belong.
     fn forcing_here(&self) -> Forcing {
         let mut all = Forcing { value: 0.0, curvature: 0.0 };
         for (term, &w) in self.terms.iter().zip(&self.frequencies) {
@@ -103,7 +103,7 @@ impl Cell {
         all
     }
 
-    /// The term of one of the harmonics of B a time after the start.
+    /// The term of one harmonic of B, a time after the start of the cell.
     #[inline(always)]
     pub fn term<L: Lanes>(&self, harmonic: usize, after: L) -> Complex<L> {
         let p = self.terms[harmonic];
@@ -111,7 +111,7 @@ impl Cell {
         Complex { re: cos * p.re - sin * p.im, im: sin * p.re + cos * p.im }
     }
 
-    /// The terms of B a time after the start.
+    /// Sets all terms of B to those a time after the start of the cell.
     #[inline(always)]
     pub fn set_terms(&self, after: f64, terms: &mut [Complex]) {
         for (harmonic, to) in terms.iter_mut().enumerate() {
@@ -120,11 +120,12 @@ impl Cell {
     }
 }
 
-/// The largest of 1, 2, 2.5 and 5 times a power of ten that is at most `length`: such cells end
-/// where people look, which then takes no extra draw.
+/// The largest of 1, 2, 2.5 and 5 times a power of ten that is at most `length`. Output times are
+/// usually multiples of such numbers, so they fall on ends of cells, where the state is known
+/// without a further draw.
 pub fn round_down(length: f64) -> f64 {
     let mut decade = 10f64.powi(libm::log10(length).floor() as i32);
-    // The logarithm may be off by a rounding.
+    // Rounding of the logarithm may have raised it to the next integer.
     if decade > length {
         decade /= 10.0;
     }

@@ -1,4 +1,4 @@
-//! The first zero of a smooth function, with none missed.
+//! The first zero of a smooth function, without ever missing one.
 //!
 //! Let g(r) >= 0 and |g''| <= M on [r, r + H]. Taylor's theorem gives g(r + u) >= g + g' u - M
 //! u^2/2, which is positive for every u below its positive root
@@ -7,30 +7,33 @@
 //! u* = 2 g / (sqrt(g'^2 + 2 M g) - g')
 //! ```
 //!
-//! so no zero lies in [r, r + min(u*, H)), and we may go there. Repeating this never steps over a
-//! zero: it is not a grid that might be too coarse. Near a simple zero u* is a Newton step from the
-//! left (quadratic convergence); near a double zero it still gains a fixed factor a step. It ends
-//! where g <= 0 or u* is below the resolution of r. For the first zero of several functions, the
-//! smallest of their u* is the step.
+//! So no zero lies in [r, r + min(u*, H)), and the search may continue at its right end. Repeating
+//! this never passes a zero, unlike a search on a grid, which may be too coarse. Near a simple
+//! zero, u* is a Newton step from the left (quadratic convergence); near a double zero each step
+//! still reduces the distance by a fixed factor. The search ends where g <= 0 or where u* is below
+//! the resolution of r. For the first zero of several functions, the step is the smallest of their
+//! u*.
 
 use super::work::{Unresolved, Work};
 
-/// A function at one point, and how much it may bend from there on.
+/// A function g at one point, and a bound of its second derivative ahead of this point.
 #[derive(Clone, Copy, Debug)]
 pub struct Jet {
     /// g.
     pub value: f64,
     /// g'.
     pub slope: f64,
-    /// |g''| at a distance u ahead is at most bend + bend_growth u.
+    /// M at this point: |g''| at a distance u ahead is at most bend + bend_growth u.
     pub bend: f64,
-    /// See `bend`.
+    /// The growth of M with the distance; see `bend`.
     pub bend_growth: f64,
 }
 
-/// The first zero of any of several functions at or after `start`, and which of them it belongs to,
-/// if that is at most `end`. `span` is the time scale over which one bound is used. A search takes
-/// some ten evaluations per oscillation of g; each is paid for.
+/// The first zero at or after `start` of any of several functions and the index of that function;
+/// none if there is no zero up to `end`.
+///
+/// `span` is the time over which one bound of the second derivative is used. A search takes some
+/// ten evaluations per oscillation of g, each of which is counted in `work`.
 pub fn first_root<const N: usize>(
     mut jets: impl FnMut(f64) -> [Jet; N],
     start: f64,
@@ -61,19 +64,20 @@ pub fn first_root<const N: usize>(
 }
 
 impl Jet {
-    /// How far ahead g is certainly positive.
+    /// A distance ahead up to which g is certainly positive.
     fn positive_for(&self, span: f64) -> f64 {
-        // The bound is taken over at least the distance at which its growth doubles it.
+        // The bound is used over a distance of at least `span`, or the longer one over which it
+        // doubles.
         let window = if self.bend_growth > 0.0 { span.max(self.bend / self.bend_growth) } else { f64::INFINITY };
         let bend = if window < f64::INFINITY { self.bend + self.bend_growth * window } else { self.bend };
         let step = safe_step(self.value, self.slope, bend);
-        // Not `min`, which would hide a NaN.
+        // `min` is not used here, because it would hide a NaN.
         if step > window { window } else { step }
     }
 }
 
-/// u*: positive, infinite if g can never reach zero; in the form that does not cancel for either
-/// sign of the slope.
+/// u*: the distance up to which g is positive; infinite if g can never reach zero. Each branch is
+/// the form without cancellation for its sign of the slope.
 pub fn safe_step(value: f64, slope: f64, bend: f64) -> f64 {
     let root = (slope * slope + 2.0 * bend * value).sqrt();
     if slope <= 0.0 { if value == 0.0 { 0.0 } else { 2.0 * value / (root - slope) } } else { (root + slope) / bend }
@@ -85,8 +89,9 @@ mod tests {
 
     #[test]
     fn a_dip_of_any_depth_is_found_or_passed_according_to_its_sign() {
-        // g = 1 + e - cos(r - 40): touches zero at r = 40 within e; a grid of any spacing misses it
-        // for small e < 0.
+        // g = 1 + lift - cos(3 (r - 40)) + 1e-3 (r - 40)^2 has its minimum, `lift`, at r = 40. For
+        // small lift < 0 its two zeros are so close together that a search on a grid of any usual
+        // spacing misses them.
         for (lift, found) in [(1e-13, false), (-1e-13, true), (1e-6, false), (-1e-6, true)] {
             let g = |r: f64| {
                 [Jet {
@@ -99,7 +104,7 @@ mod tests {
             let root = first_root(g, 0.0, 100.0, 1.0, &mut Work::new(10_000)).expect("bounded");
             assert_eq!(root.is_some(), found, "{lift}");
             if let Some((r, _)) = root {
-                // 4.5 u^2 = -lift at the zero on the left.
+                // The zero to the left of the minimum is where 4.5 u^2 = -lift.
                 assert!((r - (40.0 - (-lift / 4.5).sqrt())).abs() < 1e-2 * (-lift / 4.5f64).sqrt(), "{r}");
             }
         }

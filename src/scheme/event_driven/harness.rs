@@ -1,4 +1,4 @@
-//! What the unit tests of the noisy scheme share.
+//! Helpers that the unit tests of the noisy scheme share.
 
 use super::cell_loop::Path;
 use super::cells::{Cell, round_down};
@@ -10,7 +10,8 @@ use super::work::Work;
 use crate::model::{Model, Sign};
 use crate::noise::{AddressedDraws, Transition};
 
-/// Time and side of the first exit from stick, path by path, started at n = `noise`.
+/// The time and the side of the first exit from the initial stick of each path, started at n =
+/// `noise`.
 pub fn exits(model: &Model, noise: f64, kappa: f64, horizon: f64, seed: u64, paths: u64) -> Vec<(f64, Sign)> {
     let scene = Scene::new(model);
     let corridor = Corridor::new(&scene, kappa);
@@ -40,7 +41,7 @@ pub fn exits(model: &Model, noise: f64, kappa: f64, horizon: f64, seed: u64, pat
         .collect()
 }
 
-/// Mean of independent values and its standard error.
+/// The mean of independent values and its standard error.
 pub fn mean_and_error(values: &[f64]) -> (f64, f64) {
     let n = values.len() as f64;
     let mean = values.iter().sum::<f64>() / n;

@@ -1,38 +1,39 @@
-//! Where cells begin and end.
+//! The times at which cells begin and end.
 //!
-//! Cells have one length, which follows from the scene and the tolerance. Where the temperature was
-//! measured, a cell also ends at every sample, so that B is a straight line in each: the time
-//! between two samples is parted into as few equal cells as that length allows.
+//! All cells have one length, which follows from the scene and the tolerance. Where the temperature
+//! was measured, a cell also ends at every sample, so that B is a straight line inside each cell:
+//! the time between two samples is divided into the smallest number of equal cells that are not
+//! longer than this length.
 
 use crate::model::Series;
 use std::sync::Arc;
 
-/// Where cells begin and end.
+/// The division of time into cells.
 #[derive(Clone, Debug)]
 pub struct Ladder {
-    /// How long most cells are.
+    /// The length of most cells.
     length: f64,
     cuts: Option<Arc<Cuts>>,
 }
 
-/// The cells between samples.
+/// The division of the time between samples into cells.
 #[derive(Debug)]
 struct Cuts {
-    /// When the samples are.
+    /// The times of the samples.
     times: Vec<f64>,
-    /// The cell that begins at each of them.
+    /// The number of the cell that begins at each sample.
     firsts: Vec<u64>,
 }
 
-/// One cell of a ladder.
+/// One cell: where it lies in time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rung {
-    /// When it begins.
+    /// The time at which it begins.
     pub start: f64,
-    /// When it ends, and the next one begins.
+    /// The time at which it ends and the next cell begins.
     pub end: f64,
     pub length: f64,
-    /// The piece of the series that it lies on.
+    /// The number of the piece of the measured series in which it lies.
     pub piece: usize,
 }
 
@@ -42,7 +43,7 @@ impl Ladder {
         Ladder { length, cuts: None }
     }
 
-    /// Cells of at most this length, cut at samples.
+    /// Cells of at most this length, which also end at every sample.
     pub fn cut(series: &Series, longest: f64) -> Self {
         let times = series.times().to_vec();
         let parts = |spacing: f64| (spacing / longest * (1.0 - ALIGNMENT)).ceil().max(1.0);
@@ -54,17 +55,18 @@ impl Ladder {
         Ladder { length: usual / parts(usual), cuts: Some(Arc::new(Cuts { times, firsts })) }
     }
 
-    /// How long most cells are.
+    /// The length of most cells.
     pub fn length(&self) -> f64 {
         self.length
     }
 
-    /// Whether all cells have that length.
+    /// Whether all cells have the same length.
     pub fn is_even(&self) -> bool {
         self.cuts.is_none()
     }
 
-    /// The cell with this number. Behind the last sample cells go on as they were.
+    /// The cell with this number. After the last sample, cells go on with the length of those
+    /// before it.
     pub fn rung(&self, index: u64) -> Rung {
         let Some(cuts) = &self.cuts else {
             let (start, end) = (index as f64 * self.length, (index + 1) as f64 * self.length);
@@ -75,13 +77,14 @@ impl Ladder {
         let (from, to) = (times[piece], times[piece + 1]);
         let (done, parts) = (index - firsts[piece], firsts[piece + 1] - firsts[piece]);
         let length = (to - from) / parts as f64;
-        // The last cell before a sample ends where the sample is.
+        // The last cell before a sample ends exactly at the sample.
         let at = |part: u64| if part == parts { to } else { from + part as f64 * length };
         Rung { start: at(done), end: at(done + 1), length, piece }
     }
 }
 
-/// Relative difference of two lengths that is rounding of the times they come from.
+/// Two lengths whose relative difference is smaller than this differ only by the rounding of the
+/// times from which they were computed.
 const ALIGNMENT: f64 = 1e-9;
 
 #[cfg(test)]
@@ -100,12 +103,12 @@ mod tests {
             at = rung.end;
         }
         assert_eq!(at, 3.3);
-        // 3, 1, 3 and 3 cells.
+        // The four intervals between samples have 3, 1, 3 and 3 cells.
         assert_eq!([2, 3, 6, 9].map(|index| ladder.rung(index).end), [1.0, 1.3, 2.3, 3.3]);
         assert_eq!([0, 2, 3, 4, 9, 10].map(|index| ladder.rung(index).piece), [0, 0, 1, 2, 3, 3]);
         assert_eq!((ladder.length(), ladder.is_even()), (1.0 / 3.0, false));
         assert_eq!(ladder.rung(10).start, 3.3);
-        // Ten minutes that three cells of 200 s fill.
+        // Ten minutes are filled by three cells of 200 s.
         assert_eq!(Ladder::cut(&Series::new(vec![0.0, 600.0], vec![0.0; 2]).unwrap(), 200.0).length(), 200.0);
         assert_eq!(Ladder::even(0.5).rung(7), Rung { start: 3.5, end: 4.0, length: 0.5, piece: 0 });
     }

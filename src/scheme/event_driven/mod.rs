@@ -1,17 +1,18 @@
-//! Scheme B: event-driven, the paper's step-by-step construction of stick and slip phases (its
+//! The event-driven scheme: the paper's step-by-step construction of stick and slip phases (its
 //! section on the cascade).
 //!
 //! ```text
-//! rho = 0   Noiseless   every phase a closed form, every event a root; no step at all
-//! rho > 0   Noisy       stick: exact noise, bridge crossings; slip: exact transitions, conditional bisection
-//!                       StepRules   what the one tolerance means for its steps
-//!                       cell_loop   from cell to cell, from event to event
-//!                       abreast     the same for all paths of a block together, in lanes
-//!                       watch       what is seen inside a cell
+//! without noise   Noiseless   phases are closed forms, events are roots; there is no time step
+//! with noise      Noisy       sticks: exact noise and the crossing of thresholds by its bridge;
+//!                             slips: exact transitions and conditional bisection
+//!                             StepRules   the step lengths that follow from the tolerance
+//!                             cell_loop   the loop over cells of time and over events
+//!                             abreast     the same loop for all paths of a block at once, in lanes
+//!                             watch       the state of a path at instants inside a cell
 //! ```
 //!
-//! [`EventDriven`] is the scheme and what it is known for, [`EventDrivenSimulation`] the scheme on
-//! one model.
+//! [`EventDriven`] is the scheme with its tolerance; [`EventDrivenSimulation`] is the scheme on one
+//! model.
 
 mod abreast;
 mod cell_loop;
@@ -95,8 +96,11 @@ impl Method for EventDriven {
     }
 }
 
-/// The schemes without a step ask when the noise passes f_s, after some (f_s/s)^2: both must be
-/// forces whose squares, with their products and ratios, can be computed with.
+/// Whether the friction threshold f_s and the noise can be computed with together, for the schemes
+/// without a time step.
+///
+/// These schemes compute when the noise moves b past f_s, which takes a time of order (f_s/s)^2. So
+/// the squares of both forces, their product and their ratio must be representable.
 pub(super) fn check_friction(model: &Model, end: f64) -> Result<(), Misfit> {
     let f_s = model.friction.static_force;
     let felt = Scene::new(model).felt_noise(end);

@@ -1,9 +1,9 @@
-//! The constants of a noisy scene, with the noise measured as a force.
+//! The constants of a scene with noise, where the noise is measured as a force.
 //!
 //! n = K beta rho v is an Ornstein-Uhlenbeck process dn = -theta n dt + s dW with s = |K beta rho|
-//! sigma. (The sign of beta only turns W.) In a static phase b = B(t) - K x + n with B = K beta
-//! T_det, so the corridor of v becomes
-//! |b| <= f_s; in a slip, m x'' = B(t) - K x - 2 alpha x' - eps f_d + n.
+//! sigma. (The sign of beta only changes the sign of W.) In a static phase b = B(t) - K x + n with
+//! B = K beta T_det, and the phase lasts while |b| <= f_s. In a slip, m x'' = B(t) - K x - 2 alpha
+//! x' - eps f_d + n.
 
 use super::ladder::{Ladder, Rung};
 use super::two_noises::{Part, TwoNoises};
@@ -25,32 +25,33 @@ pub struct ForceHarmonic {
 pub struct Scene {
     /// m, K, alpha, beta.
     pub oscillator: Oscillator,
-    /// f_s and f_d, as simulated.
+    /// f_s and f_d as they are simulated; the scheme may raise f_s (see
+    /// [`super::StepRules::added_gap`]).
     pub friction: Friction,
     /// x(0).
     pub initial_displacement: f64,
-    /// B(t); where the temperature was measured, the last one is the straight line of a cell (see
-    /// [`Scene::set_line`]).
+    /// The harmonics of B(t). Where the temperature was measured, the last one represents the
+    /// straight line of the current cell (see [`Scene::set_line`]).
     pub harmonics: Vec<ForceHarmonic>,
-    /// What was measured.
+    /// The measured temperature, if there is one.
     pub series: Option<Arc<Series>>,
-    /// Whether n is zero at every sample.
+    /// Whether n is set to zero at every sample of the measured temperature.
     pub is_pinned: bool,
-    /// theta.
+    /// theta, the relaxation rate of n.
     pub relaxation_rate: f64,
-    /// s: the diffusion of n.
+    /// s, the diffusion of n.
     pub diffusion: f64,
     /// The law of n(0): its mean and standard deviation.
     pub initial_noise: (f64, f64),
-    /// What n is the sum of, where there are two noises; theta and s are those of the sum inside a
-    /// cell then.
+    /// The two noises whose sum is n, if there are two. Then `relaxation_rate` and `diffusion` are
+    /// those of the single process that stands for the sum inside a cell.
     pub two_noises: Option<TwoNoises>,
-    /// K beta: force per temperature.
+    /// K beta: force per unit of temperature.
     pub force_per_temperature: f64,
 }
 
 impl Scene {
-    /// Of a model whose temperature has noise; without, n = 0 throughout.
+    /// The constants of a model. Without noise in its temperature, n = 0 throughout.
     pub fn new(model: &Model) -> Self {
         let oscillator = model.oscillator;
         let gain = oscillator.force_per_temperature();
@@ -92,7 +93,8 @@ impl Scene {
         }
     }
 
-    /// n(0) of a path, and what of it is n2.
+    /// Draws n(0) of a path. Returns n(0) and the part of it that belongs to the second noise (0 if
+    /// there is only one).
     pub fn draw_initial_noise(&self, path: AddressedDraws) -> (f64, f64) {
         if let Some(both) = &self.two_noises {
             let [first, second] = both.draw(path);
@@ -102,13 +104,14 @@ impl Scene {
         (if sd > 0.0 { mean + sd * path.for_start().normal() } else { mean }, 0.0)
     }
 
-    /// The rate of the noise that cells are to resolve.
+    /// The relaxation rate that the length of a cell must resolve. With two noises it is larger
+    /// than either theta (see [`TwoNoises::rate`]).
     pub fn noise_rate(&self) -> f64 {
         self.two_noises.map_or(self.relaxation_rate, |both| both.rate())
     }
 
-    /// What the noise moves b by until `end`, if that can change a force at all: not if it stays
-    /// below the rounding of the others.
+    /// The size of the changes of b that the noise causes until `end`; none if they are so small
+    /// that they are lost in the rounding of the other forces.
     pub fn felt_noise(&self, end: f64) -> Option<f64> {
         let harmonics: f64 = self.harmonics.iter().map(|h| h.force.abs()).sum();
         let measured = self.series.as_ref().map_or(0.0, |series| self.force_per_temperature.abs() * series.bound());
@@ -118,7 +121,7 @@ impl Scene {
         (wander > BELOW_ROUNDING * forces).then_some(wander)
     }
 
-    /// B', from the terms of B.
+    /// B', computed from the terms of B.
     #[inline]
     pub fn forcing_slope(&self, terms: &[Complex]) -> f64 {
         -terms.iter().zip(&self.harmonics).map(|(p, h)| p.im * h.angular_frequency).sum::<f64>()
@@ -130,19 +133,20 @@ impl Scene {
         self.series.as_ref().map_or(harmonics, |series| harmonics + self.force_per_temperature * series.values()[0])
     }
 
-    /// The cells for this scene, of at most this length: even ones, but where a sample cuts one.
+    /// The cells for this scene, each of at most this length. All have the same length, except that
+    /// a cell also ends at every sample of a measured temperature.
     pub fn ladder(&self, longest: f64) -> Ladder {
         self.series.as_ref().map_or(Ladder::even(longest), |series| Ladder::cut(series, longest))
     }
 
-    /// How n gets across a cell: freely, or, where it is pinned, on its way to zero at the sample
-    /// ahead.
+    /// The transition of n over a cell: that of a free Ornstein-Uhlenbeck process, or, where the
+    /// noise is pinned, that of a bridge to zero at the next sample.
     pub fn transition(&self, rung: &Rung) -> Transition {
         let (theta, s) = (self.relaxation_rate, self.diffusion);
         match &self.series {
             Some(series) if self.is_pinned => {
                 let ahead = (series.times()[rung.piece + 1] - rung.end).max(0.0);
-                // The mean is that share of n, and zero from zero.
+                // The mean of the bridge is `decay` times n, because its other end is zero.
                 let (decay, increment_sd) = bridge_at(theta, s, rung.length, ahead, (1.0, 0.0));
                 Transition { decay, increment_sd }
             }
@@ -150,11 +154,13 @@ impl Scene {
         }
     }
 
-    /// The term of the straight line that B is between two samples, at a time on it.
+    /// Sets the last term to that of the straight line that B is between two samples, at a time on
+    /// this line.
     ///
-    /// A harmonic that turns by an angle y of at most 1e-8 goes straight: Re[(re + i im) e^{iy}] =
-    /// re - im y, because cos y rounds to 1 and sin y to y. So a line needs no formulas of its own,
-    /// and what is left of the harmonic's bend, y^2/2, is below rounding.
+    /// The line is represented as a harmonic that turns by a very small angle y, of at most 1e-8.
+    /// Such a harmonic is a straight line to rounding: Re[(re + i im) e^{iy}] = re - im y, because
+    /// cos y rounds to 1 and sin y to y. So a line needs no formulas of its own; the curvature that
+    /// remains, y^2/2, is below rounding.
     pub fn set_line(&self, piece: usize, t: f64, terms: &mut [Complex]) {
         let (Some(series), Some(h), Some(term)) = (&self.series, self.harmonics.last(), terms.last_mut()) else {
             return;
@@ -163,7 +169,8 @@ impl Scene {
         *term = Complex::new(gain * series.on(piece, t), -(gain * series.slope(piece)) / h.angular_frequency);
     }
 
-    /// The terms K beta a e^{i (w t + phi)} of B at a time, from its definition; not of the line.
+    /// Sets the terms K beta a e^{i (w t + phi)} of B at a time, each from its definition. The term
+    /// of a straight line is set by [`Scene::set_line`].
     pub fn set_terms(&self, t: f64, terms: &mut [Complex]) {
         for (term, h) in terms.iter_mut().zip(&self.harmonics) {
             *term = h.force * Complex::unit(h.angular_frequency * t);
@@ -171,7 +178,7 @@ impl Scene {
     }
 }
 
-/// A noise, measured as a force.
+/// One noise, measured as a force. `gain` is K beta.
 pub fn part(noise: &Noise, gain: f64) -> Part {
     let force = gain * noise.intensity;
     let initial = match noise.initial {
@@ -181,14 +188,15 @@ pub fn part(noise: &Noise, gain: f64) -> Part {
     Part { relaxation_rate: noise.relaxation_rate, diffusion: force.abs() * noise.diffusion, initial }
 }
 
-/// By how much the harmonic that stands for a line turns from sample to sample, at most.
+/// The largest angle by which the harmonic that represents a straight line turns from sample to
+/// sample.
 const LINE_ANGLE: f64 = 1e-8;
 
-/// A relative size that is lost in a sum of doubles, with room for 7 standard deviations and for
-/// thousands of steps.
+/// A relative size that is lost in a sum of doubles, with room for fluctuations of 7 standard
+/// deviations and for thousands of steps.
 const BELOW_ROUNDING: f64 = 1e-20;
 
-/// B: the real part of its terms.
+/// B, the sum of the real parts of its terms.
 #[inline]
 pub fn forcing(terms: &[Complex]) -> f64 {
     terms.iter().map(|p| p.re).sum()

@@ -1,4 +1,5 @@
-//! The event-driven scheme on one model: with noise or without, chosen once.
+//! The event-driven scheme on one model. Whether it is simulated with or without noise is chosen
+//! once.
 
 use super::noiseless::Noiseless;
 use super::noisy::Noisy;
@@ -19,7 +20,8 @@ pub struct EventDrivenSimulation {
     resolution: Option<Resolution>,
 }
 
-/// Chosen once: a scene whose motion feels no noise draws none for it.
+/// The simulation with or without noise. Where the motion does not depend on the noise, no random
+/// numbers are drawn for the motion.
 #[derive(Clone, Debug)]
 enum Kernel {
     Noiseless(Box<Noiseless>, UnfeltNoise),
@@ -27,8 +29,8 @@ enum Kernel {
 }
 
 impl EventDrivenSimulation {
-    /// For a scene, observed at the stops of a timeline, with discretisation errors of about
-    /// `tolerance` relative (the noiseless cascade has none).
+    /// The scheme on a model, observed at the stops of a timeline, with relative discretisation
+    /// errors of about `tolerance`. Without noise there is no discretisation error.
     pub fn new(model: &Model, timeline: &Timeline, tolerance: f64) -> Self {
         let scene = Scene::new(model);
         let (kernel, resolution) = if scene.felt_noise(timeline.end).is_some() {
@@ -40,13 +42,13 @@ impl EventDrivenSimulation {
         EventDrivenSimulation { model: model.clone(), timeline: *timeline, kernel, resolution }
     }
 
-    /// What is simulated in place of the scene where f_s and f_d (nearly) meet under noise; usually
-    /// nothing.
+    /// The threshold that is simulated instead of f_s where f_s and f_d are (nearly) equal under
+    /// noise; usually none.
     pub fn resolution(&self) -> Option<Resolution> {
         self.resolution
     }
 
-    /// What [`Simulate::simulate`] does, with what was evaluated for it.
+    /// [`Simulate::simulate`], which also returns the number of evaluations.
     pub fn simulate_counting(&self, seed: u64, paths: &[u64], observer: &mut dyn Observer) -> Simulated {
         match &self.kernel {
             Kernel::Noiseless(cascade, noise) => {
@@ -66,7 +68,8 @@ impl Simulate for EventDrivenSimulation {
         &self.timeline
     }
 
-    /// A path is lost where it spends all its work, or meets a value that is not a number.
+    /// A path is given up if it makes all the evaluations that it may, or if a value is not a
+    /// number.
     fn simulate(&self, seed: u64, paths: &[u64], observer: &mut dyn Observer) -> Vec<usize> {
         self.simulate_counting(seed, paths, observer).lost
     }

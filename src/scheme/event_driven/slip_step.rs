@@ -1,4 +1,4 @@
-//! One exact step of (x, x', n) in a sub-phase, given n at its end: for one path, or for several in
+//! One exact step of (x, x', n) in a sub-phase, given n at its end, for one path or for several in
 //! lanes.
 
 use super::first_stop::Motion;
@@ -6,7 +6,7 @@ use super::slip_transition::{HarmonicResponse, SlipTransition};
 use crate::lanes::Lanes;
 use crate::model::{Complex, Oscillator};
 
-/// x, x' and n.
+/// x, x' and n at one time.
 #[derive(Clone, Copy, Debug)]
 pub struct State<L = f64> {
     pub x: L,
@@ -14,7 +14,8 @@ pub struct State<L = f64> {
     pub n: L,
 }
 
-/// What a harmonic adds to x and x' over a step, and its term of B at the end.
+/// The contribution of a harmonic to x and x' over a step, and its term of B at the end of the
+/// step.
 #[derive(Clone, Copy, Debug)]
 pub struct Push<L = f64> {
     pub x: L,
@@ -23,7 +24,7 @@ pub struct Push<L = f64> {
 }
 
 impl<L: Lanes> HarmonicResponse<L> {
-    /// From the term of B at the start of the step.
+    /// The contribution of a harmonic, from its term of B at the start of the step.
     #[inline(always)]
     pub fn push(&self, p: Complex<L>) -> Push<L> {
         let (x, v, (cos, sin)) = (self.x, self.v, self.turn);
@@ -36,7 +37,8 @@ impl<L: Lanes> HarmonicResponse<L> {
 }
 
 impl<L: Lanes> SlipTransition<L> {
-    /// Without forcing and without noise from here on: the state after the step.
+    /// The mean state after the step without the forcing: from the state at its start and the
+    /// dynamic friction alone, with the noise n relaxing from its start.
     #[inline(always)]
     pub fn free(&self, start: State<L>, friction: L) -> State<L> {
         let [x, v] = [&self.x, &self.v];
@@ -47,7 +49,8 @@ impl<L: Lanes> SlipTransition<L> {
         }
     }
 
-    /// The state after the step, given its mean and n there; by one normal for x' and one for x.
+    /// Draws the state after the step, given its mean and n at the end, with one normal for x' and
+    /// one for x.
     #[inline(always)]
     pub fn drawn(&self, mean: State<L>, n: L, [b, c]: [L; 2]) -> State<L> {
         let factor = &self.factor;
@@ -60,20 +63,20 @@ impl<L: Lanes> SlipTransition<L> {
     }
 }
 
-/// K (beta T - x) - 2 alpha x', where B is `forcing`.
+/// b = K (beta T - x) - 2 alpha x', where `forcing` is the part B of K beta T without noise.
 #[inline(always)]
 pub fn force<L: Lanes>(body: &Oscillator, forcing: L, state: State<L>) -> L {
     forcing + state.n - state.x * body.stiffness - state.v * (2.0 * body.damping)
 }
 
-/// eps x' and its derivative under this force, friction along eps being `friction`.
+/// eps x' and its derivative, from the force b and the friction force `friction` = eps f_d.
 #[inline(always)]
 pub fn motion<L: Lanes>(body: &Oscillator, eps: L, v: L, force: L, friction: L) -> Motion<L> {
     Motion { velocity: eps * v, acceleration: eps * (force - friction) / L::splat(body.mass) }
 }
 
-/// The distance from x0 to x1, or that of the cubic of both ends where x0 and x1 cannot tell it
-/// from theirs: far out, or in a step of no length.
+/// The distance x1 - x0. Where rounding of x0 and x1 hides the difference (far from x = 0, or in a
+/// very short step), it is the distance that the cubic through the motion at both ends covers.
 #[inline(always)]
 pub fn resolved_travel<L: Lanes>(x0: L, x1: L, start: Motion<L>, end: Motion<L>, h: L) -> L {
     let travel = x1 - x0;

@@ -1,14 +1,14 @@
-//! What one tolerance means for the steps of the noisy scheme.
+//! The step lengths of the noisy scheme, which all follow from one tolerance.
 //!
 //! `tolerance` is the relative error that discretisation may leave in the statistics of the
-//! cascade. The errors it governs, with the power of each knob that they follow, and where the
-//! knobs stand at the default:
+//! cascade. It sets three rules:
 //!
-//! | knob | what it bounds | error | default |
-//! |---|---|---|---|
-//! | `slip_length` | relative error of the conditional law between the ends of a slip step, (rate h)^2/100 | h^2 | 1/2 |
-//! | `chord_error` | bend of the corridor in a stick step against the noise, second order after its correction | kappa^2 | 0.03 |
-//! | `caution` | standard deviations that count as never when a zero of x' is looked for | exp(-caution^2/2) | 4 |
+//! - `slip_length` bounds the relative error of the conditional law between the ends of a slip
+//!   step, (rate h)^2/100. The error is of order h^2; the default rule is 1/2.
+//! - `chord_error` bounds kappa, the bend of a threshold in a stick step relative to the noise.
+//!   After the correction for the bend, the error is of order kappa^2; the default rule is 0.03.
+//! - `caution` is the number of standard deviations beyond which a zero of x' is taken to be
+//!   impossible. The error is of order exp(-caution^2/2); the default rule is 4.
 //!
 //! The states at the ends of slip steps are exact draws for any tolerance.
 
@@ -18,52 +18,56 @@ use std::ops::RangeInclusive;
 /// The step rules at one tolerance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StepRules {
-    /// Length of a slip step in units of the fastest rate's inverse.
+    /// Length of a slip step, in units of the inverse of the fastest rate.
     pub slip_length: f64,
-    /// kappa of the stick steps.
+    /// kappa, the largest bend of a threshold in a stick step relative to the noise.
     pub chord_error: f64,
-    /// See [`super::first_stop::StopSearch`].
+    /// Standard deviations beyond which a zero of x' is taken to be impossible (see
+    /// [`super::first_stop::StopSearch`]).
     pub caution: f64,
-    /// The shortest slip resolved where f_s and f_d (nearly) meet, in units of 1/w0.
+    /// The shortest slip that is resolved where f_s and f_d are (nearly) equal, in units of 1/w0.
     pub shortest_slip: f64,
 }
 
-/// Discretisation error below 0.1 % of the statistics of the paper's noisy scene.
+/// The default tolerance. It leaves a discretisation error below 0.1 % in the statistics of the
+/// paper's noisy scene.
 pub const DEFAULT_TOLERANCE: f64 = 1e-3;
 
-/// The tolerances that make a difference.
+/// The range of tolerances. Values outside of it act like the nearer end of it.
 pub const TOLERANCES: RangeInclusive<f64> = 1e-9..=0.1;
 
-/// What the scheme cannot resolve and therefore replaces, where f_s and f_d (nearly) meet under
-/// noise.
+/// The replacement of f_s where f_s and f_d are (nearly) equal under noise, because the scheme
+/// cannot resolve arbitrarily short slips.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Resolution {
-    /// The static threshold that is simulated instead of f_s.
+    /// The static threshold that is simulated instead of f_s, a force.
     pub static_force: f64,
-    /// Slips shorter than about this are not resolved.
+    /// Slips shorter than about this time are not resolved.
     pub shortest_slip: f64,
 }
 
 impl StepRules {
-    /// From a tolerance; values outside of [`TOLERANCES`] are taken as the nearest in it.
+    /// The rules at a tolerance. Values outside of [`TOLERANCES`] are replaced by the nearest value
+    /// in it.
     pub fn new(tolerance: f64) -> Self {
         let (least, greatest) = (*TOLERANCES.start(), *TOLERANCES.end());
         let t = if tolerance > 0.0 { tolerance.clamp(least, greatest) } else { least } / DEFAULT_TOLERANCE;
         StepRules {
             slip_length: (0.5 * t.sqrt()).min(1.0),
             chord_error: (0.03 * t.sqrt()).min(0.15),
-            // 4 at the default; exp(-caution^2/2) is proportional to the tolerance.
+            // caution is 4 at the default; exp(-caution^2/2) is proportional to the tolerance.
             caution: (16.0 - 2.0 * libm::log(t)).max(4.0).sqrt(),
             shortest_slip: 1e-6 * t,
         }
     }
 
-    /// What f_s is raised by.
+    /// The amount by which f_s is raised.
     ///
-    /// After a stick exit x' grows with acceleration a = (f_s - f_d)/m against noise c t^{1/2}, c =
-    /// s/m: slips last about (a/c)^2 or longer. With f_s = f_d there are slips of all sizes down to
-    /// zero, infinitely many. The gap is therefore kept at or above s sqrt(shortest slip) - but
-    /// never more than a hundredth of f_s, so that huge noise does not create friction.
+    /// After the exit from a stick, x' grows with the acceleration a = (f_s - f_d)/m against noise
+    /// c t^{1/2}, where c = s/m, so slips last about (a/c)^2 or longer. With f_s = f_d there are
+    /// infinitely many slips, of all lengths down to zero. Therefore f_s - f_d is kept at or above
+    /// s sqrt(shortest slip). It is not raised above a hundredth of f_s, so that very strong noise
+    /// does not create friction.
     pub fn added_gap(&self, scene: &Scene) -> f64 {
         let (f_s, f_d) = (scene.friction.static_force, scene.friction.dynamic_force);
         let time = self.shortest_slip / scene.oscillator.natural_frequency();
@@ -71,7 +75,8 @@ impl StepRules {
         (least - (f_s - f_d)).max(0.0)
     }
 
-    /// The replacement, if there is one.
+    /// The threshold that is simulated and the shortest slip that is resolved; none if f_s is not
+    /// raised.
     pub fn resolution(&self, scene: &Scene) -> Option<Resolution> {
         let added = self.added_gap(scene);
         (added > 0.0).then(|| {
@@ -82,5 +87,5 @@ impl StepRules {
     }
 }
 
-/// The largest share of f_s that a kept gap may be.
+/// The largest difference f_s - f_d that is enforced, as a fraction of f_s.
 const MOST_GAP: f64 = 0.01;

@@ -1,8 +1,9 @@
 //! Two Ornstein-Uhlenbeck noises at once.
 //!
-//! n = n1 + n2, each a process dn_j = -theta_j n_j dt + s_j dW_j of its own. The skeleton of a path
-//! holds both at the ends of every cell, drawn exactly. Inside a cell only their sum matters, and
-//! there it is taken for one process between the two known ends, with
+//! n = n1 + n2, where each is a process dn_j = -theta_j n_j dt + s_j dW_j of its own. The skeleton
+//! of a path holds both values at the ends of every cell, drawn exactly. Inside a cell only their
+//! sum matters. There the sum is approximated by one Ornstein-Uhlenbeck process between the two
+//! known ends, with
 //!
 //! ```text
 //! s^2 = s1^2 + s2^2,    theta^2 = (theta1^2 s1^2 + theta2^2 s2^2)/s^2
@@ -16,10 +17,10 @@
 //! variance   s_j^2 t (h - t)/h (1 - theta_j^2 t (h - t)/3 + ..)
 //! ```
 //!
-//! so the variance of the sum is that of one process with the theta above, up to the fourth power
-//! of theta_j h; its mean is off by at most (theta_1^2 - theta^2) h^2/8 of n1, and likewise of n2.
-//! Cells are so short that theta_j h <= 0.1 at the default tolerance, which leaves 0.13 % of n1 at
-//! mid-cell.
+//! So the variance of the sum is that of one process with the theta above, up to the fourth power
+//! of theta_j h. The mean of the sum is off by at most (theta_1^2 - theta^2) h^2/8 of n1, and
+//! likewise of n2. The cells are so short that theta_j h <= 0.1 at the default tolerance, which
+//! leaves an error of 0.13 % of n1 in the middle of a cell.
 
 use super::scene::part;
 use crate::model::Noise;
@@ -29,7 +30,7 @@ use crate::noise::{AddressedDraws, Transition};
 #[derive(Clone, Copy, Debug)]
 pub struct TwoNoises([Part; 2]);
 
-/// One of the two.
+/// One Ornstein-Uhlenbeck noise, measured as a force.
 #[derive(Clone, Copy, Debug)]
 pub struct Part {
     /// theta_j.
@@ -40,16 +41,16 @@ pub struct Part {
     pub initial: (f64, f64),
 }
 
-/// How much shorter than those of one noise the cells are.
+/// How many times shorter the cells are than with one noise.
 const SHORTER: f64 = 5.0;
 
 impl TwoNoises {
-    /// With this force per unit of temperature.
+    /// Two noises, where `gain` is the force per unit of temperature.
     pub fn new(noises: [Noise; 2], gain: f64) -> Self {
         TwoNoises(noises.map(|noise| part(&noise, gain)))
     }
 
-    /// The one process that their sum is inside a cell.
+    /// The single process that approximates their sum inside a cell.
     pub fn inside(&self) -> Part {
         let [a, b] = self.0;
         let diffusion = a.diffusion.hypot(b.diffusion);
@@ -59,17 +60,18 @@ impl TwoNoises {
         Part { relaxation_rate, diffusion, initial }
     }
 
-    /// The rate that cells are to resolve, as those of one noise resolve its theta.
+    /// The rate that the length of a cell must resolve, in the way in which it resolves theta of
+    /// one noise: the larger theta_j, times `SHORTER`.
     pub fn rate(&self) -> f64 {
         SHORTER * self.fastest()
     }
 
-    /// How each of them gets across a cell of this length.
+    /// The transition of each noise over a cell of this length.
     pub fn transitions(&self, length: f64) -> [Transition; 2] {
         self.0.map(|part| Transition::new(part.relaxation_rate, part.diffusion, length))
     }
 
-    /// n1(0) and n2(0) of a path.
+    /// Draws n1(0) and n2(0) of a path.
     pub fn draw(&self, path: AddressedDraws) -> [f64; 2] {
         let normals = path.for_start().normal_pair();
         let drawn = |(part, normal): (Part, f64)| part.initial.0 + part.initial.1 * normal;

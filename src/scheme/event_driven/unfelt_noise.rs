@@ -1,25 +1,27 @@
-//! Noise that no force feels, and whoever looks at the temperature sees all the same.
+//! Noise that is too weak to change the motion, but is part of the temperature that is recorded.
 //!
 //! With K beta = 0, or with noise below the rounding of the other forces, the motion is that of the
-//! scene without diffusion. T is not: v = E v + u, where E v relaxes from v(0) with the rest of the
-//! model and u is an Ornstein-Uhlenbeck process that starts at 0, or in its stationary law. Its
-//! exact transition from one instant to the next is added to the T of every snapshot.
+//! scene without diffusion. The temperature T still fluctuates: v = E v + u, where E v relaxes from
+//! v(0) and is computed with the motion, and u is an Ornstein-Uhlenbeck process that starts at 0 or
+//! in its stationary law. Its exact transition from one instant to the next is added to the T of
+//! every snapshot.
 
 use crate::model::{Event, InitialNoise, Model, Noise};
 use crate::noise::{Stream, Transition};
 use crate::scheme::{Instant, Observer, Snapshot};
 
-/// The fluctuations of T in a scene whose cascade does not feel them.
+/// The fluctuations of T in a scene whose motion does not depend on them.
 #[derive(Clone, Copy, Debug)]
 pub struct UnfeltNoise(Option<Noise>);
 
 impl UnfeltNoise {
-    /// Of a model; a temperature without diffusion has none.
+    /// The fluctuations of a model's temperature; none if it has no diffusion.
     pub fn new(model: &Model) -> Self {
         UnfeltNoise(model.temperature.effective_noise().filter(Noise::is_random))
     }
 
-    /// An observer that adds them, path by path, to what it passes on.
+    /// An observer that adds the fluctuations of each path to T in every snapshot, and passes
+    /// everything on to `observer`.
     pub fn added_before<'a>(&self, observer: &'a mut dyn Observer, seed: u64, paths: &[u64]) -> WithUnfeltNoise<'a> {
         let lanes = match self.0 {
             None => Vec::new(),
@@ -34,7 +36,7 @@ pub struct WithUnfeltNoise<'a> {
     observer: &'a mut dyn Observer,
     noise: Option<Noise>,
     lanes: Vec<Lane>,
-    /// When it was last looked at.
+    /// The time of the last snapshot.
     time: f64,
     temperature: Vec<f64>,
 }
