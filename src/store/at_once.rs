@@ -1,4 +1,4 @@
-//! A file that is written at once, when all that it holds is known.
+//! Writing a file in one go, when everything that it holds is known.
 
 use super::error::{cause, is_full, system_error};
 use super::variable::Place;
@@ -8,8 +8,8 @@ use super::{StoreError, seal};
 use crate::stats::Units;
 use std::path::Path;
 
-/// Make the folder `NAME.partial`, have the file in it filled, seal it and give it its name. With
-/// `force`, a file of this name is replaced.
+/// Create the folder `NAME.partial`, let `fill` write the file in it, seal the file and give it its
+/// final name. With `force`, an existing file of this name is replaced.
 pub(super) fn write_at_once(
     target: &Path,
     units: Units,
@@ -23,7 +23,7 @@ pub(super) fn write_at_once(
     let mut place = Place { file, units };
     let written = fill(&mut place).and_then(|()| place.file.flush());
     if let Err(error) = written {
-        // As for a run: closing a file that could not be written may crash the library.
+        // The handles are leaked, because closing a file that could not be written may crash HDF5.
         std::mem::forget(place);
         let full = system_error(&error).is_some_and(|system| is_full(&system));
         return Err(workshop.failure(cause(&error), full));

@@ -1,4 +1,4 @@
-//! The file of a calibration: the record, what was found in it, and what the model makes of it.
+//! The file of a calibration: the measured record, the slips found in it, and the fitted model.
 
 use super::StoreError;
 use super::at_once::write_at_once;
@@ -9,8 +9,8 @@ use crate::dataset::{self, StoredCalibration, read_text};
 use crate::study::calibration::Calibration;
 use std::path::Path;
 
-/// Write a calibration, in the folder `NAME.partial` like every file. With `force`, a file of this
-/// name is replaced.
+/// Write a calibration to `target`. Like every file it is made in the folder `NAME.partial`. With
+/// `force`, an existing file of this name is replaced.
 pub fn write_calibration(
     target: &Path,
     title: &str,
@@ -21,7 +21,8 @@ pub fn write_calibration(
     write_at_once(target, units(), force, |place| dataset::calibration::write(place, title, scenario_text, calibration))
 }
 
-/// Read the file of a calibration.
+/// Read the file of a calibration. A file that is not one, is newer than this program or is damaged
+/// is an error.
 pub fn read_calibration(path: &Path) -> Result<StoredCalibration, StoreError> {
     check_file(path)?;
     let file = open(path)?;

@@ -1,7 +1,8 @@
-//! The checksum of everything that is written beside the results: CRC-32, which tells any flipped
-//! bit, and any 32 in a row.
+//! The checksum of every file of this program: CRC-32, which detects any single flipped bit and any
+//! burst of errors within 32 consecutive bits.
 
-/// Of these bytes, going on from the checksum of what comes before them.
+/// The checksum of these bytes, continued from `before`, the checksum of the bytes that precede
+/// them (0 at the start).
 pub(super) fn checksum(before: u32, bytes: &[u8]) -> u32 {
     let mut hasher = crc32fast::Hasher::new_with_initial(before);
     hasher.update(bytes);

@@ -1,4 +1,4 @@
-//! What can go wrong between a run and its file, and what to do about it.
+//! What can go wrong between a run and its file, and the remedy.
 
 use crate::numbers::bytes;
 use std::io;
@@ -23,18 +23,18 @@ pub enum StoreError {
         /// What the system says.
         cause: String,
     },
-    /// Something unfinished has the name of the folder in which a file is made.
+    /// `NAME.partial`, the folder in which the file would be made, holds unfinished work already.
     #[error(
         "{}: left behind by something that did not finish; move it away to keep it, continue it with `mc resume {}`, or give it \
          up with --force", partial.display(), target.display()
     )]
     LeftOver {
-        /// The unfinished work.
+        /// The folder with the unfinished work.
         partial: PathBuf,
         /// The file that was to be made.
         target: PathBuf,
     },
-    /// An earlier run to the same target did not finish, and can.
+    /// An earlier run to the same target was not finished and can be continued.
     #[error(
         "{}: {what} is unfinished there, with {saved_paths} of {paths} paths\n  fix: continue it with `mc resume {}`, give it up with \
          --force, or choose another output file with -o", partial.display(), target.display()
@@ -44,28 +44,28 @@ pub enum StoreError {
         partial: PathBuf,
         /// The file that was to be made.
         target: PathBuf,
-        /// Which run it is.
+        /// Whether it is the run that was asked for now, or how it differs from that run.
         what: String,
-        /// Paths that are done.
+        /// Number of paths that are saved.
         saved_paths: u64,
-        /// Paths to be done.
+        /// Number of paths that the run asks for.
         paths: u64,
     },
-    /// Something of this name is neither ours nor a regular file that could be replaced.
+    /// Something else has the name, and it is nothing that this program may replace.
     #[error("{}: something else of this name is in the way; move it away, or choose another output file with -o", path.display())]
     InTheWay {
-        /// What it is called.
+        /// The name in question.
         path: PathBuf,
     },
-    /// There is no unfinished run.
+    /// There is neither a file of this name nor an unfinished run.
     #[error("{}: there is no such file, and no unfinished run of that name ({})\n  fix: give the file of a run that was interrupted", target.display(), partial.display())]
     NothingToResume {
-        /// The file that would have been made.
+        /// The file that was to be continued.
         target: PathBuf,
-        /// The folder in which it would have been saved.
+        /// The folder in which an unfinished run would have been saved.
         partial: PathBuf,
     },
-    /// The folder in which a file is made is gone, or another one.
+    /// The folder in which a file is made was removed or replaced by another one meanwhile.
     #[error("{}: moved, deleted or replaced while {} was being made in it; leave it alone, and run again", partial.display(), target.display())]
     TakenAway {
         /// The folder.
@@ -73,20 +73,20 @@ pub enum StoreError {
         /// The file that was to be made.
         target: PathBuf,
     },
-    /// Another program has begun the run.
+    /// The run was begun by another version or build of the program.
     #[error(
         "{}: begun by {theirs}; this is {mine}, which need not come to the same numbers\n  fix: continue it with the program that \
          began it, or run it again with this one", path.display()
     )]
     OtherProgram {
-        /// The state of the run.
+        /// The file with the state of the run.
         path: PathBuf,
         /// The program that began it.
         theirs: String,
         /// This program.
         mine: String,
     },
-    /// What a run is to go on from is not what was saved.
+    /// The saved state or log of a run cannot be used: its bytes are not those that were saved.
     #[error("{}: damaged, or not what this program has saved; take it from a backup, or run again with --force", path.display())]
     DamagedState {
         /// The file.
@@ -98,7 +98,7 @@ pub enum StoreError {
         /// The file.
         path: PathBuf,
     },
-    /// A file appeared under the name that the results were to have.
+    /// A file appeared under the target's name while the results were being made.
     #[error(
         "{}: appeared while it was being made, and was not replaced; the results are in {}\n  fix: move the file away, or replace it \
          with --force, then `mc resume {}`", target.display(), partial.display(), target.display()
@@ -106,30 +106,31 @@ pub enum StoreError {
     Appeared {
         /// The folder with the results.
         partial: PathBuf,
-        /// The file that is there.
+        /// The file that appeared.
         target: PathBuf,
     },
-    /// Another process has the file open.
+    /// Another process has the file open and HDF5 has locked it.
     #[error("{}: in use by another process; wait or close that one", path.display())]
     InUse {
         /// The file.
         path: PathBuf,
     },
-    /// The file system has no locks, and somebody may be making the file.
+    /// The file system has no locks, and a lock file exists, so another process may be making the
+    /// file.
     #[error("{}: another process may be making {}, and this file system has no locks to tell; remove this file if there is none", path.display(), target.display())]
     NoLocks {
         /// The lock file.
         path: PathBuf,
-        /// The file that is made.
+        /// The file that is being made.
         target: PathBuf,
     },
-    /// Another process makes the same file.
+    /// Another process is making the same file.
     #[error("{}: another process is making this file; wait for it, or choose another output file with -o", path.display())]
     Busy {
         /// The file.
         path: PathBuf,
     },
-    /// The sweep in the file is another one.
+    /// The file holds the results of another sweep.
     #[error(
         "{}: this is another sweep: {what}\n  fix: give the options of that sweep to continue it, choose another output file with -o, \
          or overwrite it with --force", path.display()
@@ -137,23 +138,23 @@ pub enum StoreError {
     OtherSweep {
         /// The file.
         path: PathBuf,
-        /// Where they differ.
+        /// Where the two sweeps differ.
         what: String,
     },
-    /// The file is not that of a sweep.
+    /// The file is not the file of a sweep.
     #[error("{}: this is no file of a sweep; choose another output file with -o, or overwrite it with --force", path.display())]
     NoSweep {
         /// The file.
         path: PathBuf,
     },
-    /// There is not enough room for a run, found out before it starts.
+    /// The disk has too little space for the run; this is checked before the run starts.
     #[error("{}: about {} are needed and {} are free; free some space, choose another disk, or record less", folder.display(), bytes(*needed as f64), bytes(*free as f64))]
     TooLittleSpace {
         /// The folder of the output file.
         folder: PathBuf,
-        /// Bytes needed, at most.
+        /// Bytes needed, an upper estimate.
         needed: u64,
-        /// Bytes free.
+        /// Bytes free on the disk.
         free: u64,
     },
     /// The disk became full.
@@ -163,7 +164,7 @@ pub enum StoreError {
         partial: PathBuf,
         /// The file that was to be made.
         target: PathBuf,
-        /// Paths that are saved in the folder.
+        /// Number of paths that are saved in the folder.
         saved_paths: u64,
         /// What the system says.
         cause: String,
@@ -175,7 +176,7 @@ pub enum StoreError {
         partial: PathBuf,
         /// The file that was to be made.
         target: PathBuf,
-        /// Paths that are saved in the folder.
+        /// Number of paths that are saved in the folder.
         saved_paths: u64,
         /// What HDF5 or the system says.
         cause: String,
@@ -187,7 +188,7 @@ pub enum StoreError {
         partial: PathBuf,
         /// The name it should have.
         target: PathBuf,
-        /// Why not.
+        /// The error of the system.
         source: io::Error,
     },
     /// A leftover file could not be removed.
@@ -195,38 +196,38 @@ pub enum StoreError {
     Remove {
         /// The unfinished file.
         partial: PathBuf,
-        /// Why not.
+        /// The error of the system.
         source: io::Error,
     },
-    /// The free space of a disk could not be asked for.
+    /// The system could not say how much space is free.
     #[error("{}: cannot ask for the free space: {source}", folder.display())]
     Space {
         /// The folder of the output file.
         folder: PathBuf,
-        /// Why not.
+        /// The error of the system.
         source: io::Error,
     },
-    /// There is no such file, or it may not be read.
+    /// The file does not exist, or it may not be read.
     #[error("{}: {source}\n  fix: give a file that mc run wrote", path.display())]
     NotOpened {
         /// The file.
         path: PathBuf,
-        /// Why not.
+        /// The error of the system.
         source: io::Error,
     },
-    /// The file is of another kind.
+    /// The file is not an HDF5 file.
     #[error("{}: not an HDF5 file\n  fix: give a file that mc run wrote", path.display())]
     NotHdf5 {
         /// The file.
         path: PathBuf,
     },
-    /// HDF5, but of another program.
+    /// The file is an HDF5 file, but not one of this program.
     #[error("{}: an HDF5 file, but not one of this program (no format_name = \"{}\")\n  fix: give a file that mc run wrote", path.display(), crate::dataset::header::FORMAT_NAME)]
     Foreign {
         /// The file.
         path: PathBuf,
     },
-    /// The format is newer than this program.
+    /// The file has a newer format than this program can read.
     #[error(
         "{}: written in format {major}.{minor}, and this program reads up to {}.x; use a newer version of mc",
         path.display(), crate::dataset::FORMAT_VERSION.0
@@ -239,7 +240,7 @@ pub enum StoreError {
         /// Its minor format version.
         minor: u32,
     },
-    /// The file is one of ours and cannot be read.
+    /// The file is one of this program, but its contents cannot be read.
     #[error("{}: damaged or cut short ({cause}); copy it again from its origin, or run again", path.display())]
     Damaged {
         /// The file.
@@ -249,7 +250,8 @@ pub enum StoreError {
     },
 }
 
-/// What the operating system said, if HDF5 passed it on. HDF5 keeps it only as text inside its error stack.
+/// The error of the operating system behind an HDF5 error, if there is one. HDF5 keeps it only as
+/// text within its error stack.
 pub(super) fn system_error(error: &hdf5::Error) -> Option<io::Error> {
     let frames = error.stack()?;
     frames.iter().find_map(|frame| {
@@ -260,17 +262,19 @@ pub(super) fn system_error(error: &hdf5::Error) -> Option<io::Error> {
     })
 }
 
-/// Whether there is no room left: the disk, a quota, or a limit on the size of a file.
+/// Whether an error means that there is no room left: a full disk, a quota, or a limit on the size
+/// of a file.
 pub(super) fn is_full(error: &io::Error) -> bool {
     matches!(error.kind(), io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded | io::ErrorKind::FileTooLarge)
 }
 
-/// One line on what went wrong.
+/// The cause of an HDF5 error in one line: the error of the system where there is one, else HDF5's
+/// own message.
 pub(super) fn cause(error: &hdf5::Error) -> String {
     system_error(error).map_or_else(|| error.to_string(), |system| system.to_string())
 }
 
-/// What is safe after a write has failed, and what to do.
+/// The end of a message about a failed write: how many paths are saved, and what to do next.
 fn after_failure(saved_paths: u64, target: &Path, remedy: &str) -> String {
     match saved_paths {
         0 => format!("nothing was written: {remedy}, and run again"),

@@ -1,7 +1,7 @@
 //! Variables that grow together along one dimension, written in whole chunks.
 //!
-//! A block of 256 paths is far smaller than a chunk. Appending it directly would rewrite the same
-//! chunk over and over, so rows wait in memory until they fill one.
+//! A block of 256 paths is far smaller than a chunk. If it were appended directly, the same chunk
+//! would be rewritten many times, so rows wait in memory until they fill one.
 
 use super::variable::{Element, Growth, Place};
 use crate::dataset::layout::{self, Variable};
@@ -15,29 +15,29 @@ use ndarray::{ArrayView1, ArrayView2, s};
 struct GrowingVariable {
     name: &'static str,
     dataset: Dataset,
-    /// Values in a row.
+    /// Number of values in a row.
     width: usize,
-    /// What waits to be written.
+    /// Values that wait to be written.
     pending: Column,
 }
 
 /// A growing dimension with all its variables.
 #[derive(Debug)]
 pub(super) struct GrowingTable {
-    /// The dimension itself, where it is not a variable.
+    /// The dataset of the dimension itself, where no variable is its coordinate.
     bare_dimension: Option<Dataset>,
     columns: Vec<GrowingVariable>,
-    /// Rows in a chunk.
+    /// Number of rows in a chunk.
     chunk: usize,
-    /// Rows in the file.
+    /// Number of rows in the file.
     written: usize,
-    /// Rows in memory.
+    /// Number of rows that wait in memory.
     pending: usize,
 }
 
 impl GrowingTable {
-    /// Make the variables, which are empty for now. The first one carries the dimension, but for
-    /// that of events, which is no variable itself.
+    /// Create the variables with no rows. The first variable is the coordinate of the dimension;
+    /// only the dimension of events has no coordinate and gets a bare dimension instead.
     pub(super) fn define(place: &Place, table: &Table, growth: Growth) -> Result<GrowingTable> {
         let bare_dimension = match table.along {
             Along::Event => Some(place.define_growing::<u32>(&layout::EVENT, growth)?),
@@ -49,8 +49,8 @@ impl GrowingTable {
         Ok(GrowingTable { bare_dimension, columns, chunk: growth.rows, written: 0, pending: 0 })
     }
 
-    /// Add rows, in the order of the variables given to `define`, and write every chunk that has
-    /// become full.
+    /// Add rows, with the variables in the order given to `define`, and write every chunk that is
+    /// now full.
     pub(super) fn push(&mut self, Table { rows, variables, .. }: &Table) -> Result<()> {
         if !self.columns.iter().map(|column| column.name).eq(variables.iter().map(|(variable, _)| variable.name)) {
             return Err("a block holds other variables than the file records".into());
@@ -67,7 +67,7 @@ impl GrowingTable {
         self.write_to(full)
     }
 
-    /// Write everything, a last incomplete chunk included.
+    /// Write all rows that wait, including a last incomplete chunk.
     pub(super) fn write_all(&mut self) -> Result<()> {
         self.write_to(self.written + self.pending)
     }
@@ -115,7 +115,8 @@ impl GrowingVariable {
     }
 }
 
-/// Move the first rows that wait into rows `start..end` of the file.
+/// Write the first waiting rows to rows `start..end` of the file, and remove them from the waiting
+/// ones.
 fn write_rows<T: Element>(
     dataset: &Dataset,
     width: usize,

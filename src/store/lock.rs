@@ -1,8 +1,8 @@
-//! One process at a time makes a file: an advisory lock on `NAME.lock`, which the system drops when
-//! the process ends, however it ends.
+//! An advisory lock on `NAME.lock`, so that only one process at a time makes a file. The system
+//! drops the lock when the process ends, however it ends.
 //!
-//! HDF5 has a lock of its own, which is commonly switched off where the file system is shared by
-//! many machines.
+//! HDF5 has a lock of its own, but it is commonly switched off on file systems that many machines
+//! share.
 
 use super::StoreError;
 use std::fs::{File, TryLockError};
@@ -12,19 +12,19 @@ use std::path::{Path, PathBuf};
 use std::thread::sleep;
 use std::time::Duration;
 
-/// Somebody who only asks whether the lock is taken has it for an instant: so often it is tried
-/// again.
+/// How often taking the lock is repeated while it is taken. A process that only asks whether the
+/// lock is taken ([`Lock::is_taken`]) holds it for an instant.
 const TRIES: u32 = 5;
 const PAUSE: Duration = Duration::from_millis(20);
 
-/// The right to make a file. The lock file goes with it.
+/// The right to make a file. Dropping it removes the lock file.
 #[derive(Debug)]
 pub(super) struct Lock {
     path: PathBuf,
     _file: File,
 }
 
-/// `NAME.lock`.
+/// The path of the lock file, `NAME.lock`.
 fn lock_path(target: &Path) -> PathBuf {
     let mut name = target.as_os_str().to_owned();
     name.push(".lock");
@@ -32,7 +32,7 @@ fn lock_path(target: &Path) -> PathBuf {
 }
 
 impl Lock {
-    /// Take it, unless another process has it.
+    /// Take the lock of a target; an error if another process holds it.
     pub fn take(target: &Path) -> Result<Lock, StoreError> {
         let path = lock_path(target);
         let not_created = |error: io::Error| StoreError::NotCreated { partial: path.clone(), cause: error.to_string() };
@@ -47,12 +47,14 @@ impl Lock {
                     continue;
                 }
                 Err(TryLockError::WouldBlock) => return Err(StoreError::Busy { path: target.to_owned() }),
-                // A file system without locks still makes a file only once.
+                // On a file system without locks, creating the lock file still succeeds for one
+                // process only.
                 Err(TryLockError::Error(_)) if is_new => {}
                 Err(TryLockError::Error(_)) => return Err(StoreError::NoLocks { path, target: target.to_owned() }),
             }
-            // Whoever had it may have removed it between our opening and our locking it: then a
-            // lock on it says nothing.
+            // The previous holder may have removed the file after it was opened here and before it
+            // was locked. The lock is then on a file without a name, which excludes nobody, so it
+            // is tried again.
             let here = file.metadata().map_err(not_created)?;
             if std::fs::metadata(&path).is_ok_and(|there| (there.dev(), there.ino()) == (here.dev(), here.ino())) {
                 return Ok(Lock { path, _file: file });
@@ -60,15 +62,15 @@ impl Lock {
         }
     }
 
-    /// Whether a process has it.
+    /// Whether a process holds the lock of a target.
     pub fn is_taken(target: &Path) -> bool {
         let file = File::open(lock_path(target));
         file.is_ok_and(|file| matches!(file.try_lock_shared(), Err(TryLockError::WouldBlock)))
     }
 }
 
-/// The lock file, and whether it was made just now. Nothing but a regular file is opened: a pipe
-/// would wait for its other end.
+/// Open the lock file; the flag is true if it was created just now. Only a regular file is opened:
+/// opening a pipe would wait for its other end.
 fn open(path: &Path) -> io::Result<(File, bool)> {
     match File::options().create_new(true).write(true).open(path) {
         Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}
@@ -84,7 +86,7 @@ fn open(path: &Path) -> io::Result<(File, bool)> {
 
 impl Drop for Lock {
     fn drop(&mut self) {
-        // An empty file that is left takes nobody's right.
+        // If removal fails, the empty file that remains blocks nobody, since nobody has it locked.
         let _ = std::fs::remove_file(&self.path);
     }
 }

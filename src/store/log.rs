@@ -1,8 +1,9 @@
-//! The log of a run: rows of its single paths, block after block, only ever appended to.
+//! The log of a run: the rows of its single paths, block after block. It is only ever appended to.
 //!
-//! A block is the length of its bytes, the bytes, and a checksum of everything in the log up to here. So the state of a run
-//! needs only the length of the log that counts and the checksum at its end ([`Position`]): what a power failure has torn
-//! lies beyond, and is cut off.
+//! A block is stored as its length in bytes, its bytes, and a checksum of everything in the log up
+//! to here. The state of a run therefore needs to keep only the length of the log that is valid and
+//! the checksum at its end ([`Position`]). Whatever an interrupted write has left beyond that
+//! length is cut off.
 
 use super::checksum::checksum;
 use crate::dataset::Rows;
@@ -11,17 +12,17 @@ use std::fs::File;
 use std::io::{self, BufReader, Read as _, Seek as _, SeekFrom, Write as _};
 use std::path::Path;
 
-/// How much of a log counts.
+/// How much of a log is valid.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Position {
-    /// Bytes.
+    /// Length in bytes.
     pub length: u64,
-    /// Their checksum.
+    /// Checksum of these bytes.
     pub checksum: u32,
 }
 
 impl Position {
-    /// Where the log ends after another block, whose bytes are put into `out`.
+    /// The position after one more block, whose bytes are appended to `out`.
     pub fn after(self, rows: &Rows, out: &mut Vec<u8>) -> Position {
         let start = out.len();
         out.extend([0; 8]);
@@ -34,26 +35,26 @@ impl Position {
     }
 }
 
-/// Bytes that wait in memory before they are written.
+/// Number of bytes that are gathered in memory before they are written.
 const BUFFER: usize = 1 << 20;
 
-/// A log that is being written.
+/// A log that is open for writing.
 #[derive(Debug)]
 pub(super) struct Log {
     file: File,
     waiting: Vec<u8>,
-    /// Where it ends, what waits included.
+    /// The end of the log, including the bytes that still wait in memory.
     end: Position,
 }
 
 impl Log {
-    /// A new one.
+    /// Create a new log; an error if there is one.
     pub fn create(path: &Path) -> io::Result<Log> {
         let file = File::options().create_new(true).write(true).open(path)?;
         Ok(Log { file, waiting: Vec::new(), end: Position::default() })
     }
 
-    /// One to go on with: what is beyond this position goes.
+    /// Open a log to continue it; everything beyond `end` is cut off.
     pub fn go_on(path: &Path, end: Position) -> io::Result<Log> {
         let mut file = File::options().write(true).open(path)?;
         file.set_len(end.length)?;
@@ -61,7 +62,7 @@ impl Log {
         Ok(Log { file, waiting: Vec::new(), end })
     }
 
-    /// The file, to be compared with what has its name.
+    /// The open file, so that the caller can check that it still is the one of this name.
     pub fn file(&self) -> &File {
         &self.file
     }
@@ -72,7 +73,7 @@ impl Log {
         if self.waiting.len() >= BUFFER { self.write() } else { Ok(()) }
     }
 
-    /// Bring everything to the disk; returns what counts now.
+    /// Write everything to the disk and return the position that is valid now.
     pub fn sync(&mut self) -> io::Result<Position> {
         self.write()?;
         self.file.sync_data()?;
@@ -89,11 +90,11 @@ impl Log {
 /// Why a log cannot be read.
 #[derive(Debug)]
 pub(super) enum LogError {
-    /// The system says so.
+    /// The system reported an error.
     Io(io::Error),
-    /// It is not what was written.
+    /// The bytes are not those that were written.
     Damaged,
-    /// Whoever was shown the rows failed.
+    /// The function that received the rows returned an error.
     Shown(Box<super::StoreError>),
 }
 
@@ -103,7 +104,7 @@ impl From<Damaged> for LogError {
     }
 }
 
-/// Show every block of the log up to this position to somebody, in order.
+/// Read the log up to `end` and hand every block to `show`, in order.
 pub(super) fn read(
     path: &Path,
     end: Position,
@@ -114,7 +115,7 @@ pub(super) fn read(
         _ => LogError::Io(error),
     };
     let file = File::open(path).map_err(failed)?;
-    // What is claimed is held against what there is before any memory is asked for.
+    // The claimed length is compared with that of the file before any memory is allocated.
     if file.metadata().map_err(failed)?.len() < end.length {
         return Err(LogError::Damaged);
     }
@@ -126,7 +127,7 @@ pub(super) fn read(
         file.read_exact(&mut head).map_err(failed)?;
         let length = u64::from_le_bytes(head);
         let left = end.length - at.length;
-        // Sizes are held against what there is before they are asked for.
+        // The claimed length of the block is compared with what is left before memory is allocated.
         if left < 12 || length > left - 12 {
             return Err(LogError::Damaged);
         }
@@ -148,7 +149,7 @@ pub(super) fn read(
     if at == end { Ok(()) } else { Err(LogError::Damaged) }
 }
 
-/// Rows of a block that were read back.
+/// The rows of one block, read back from a log.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct OwnedRows {
     pub first_path: u64,
@@ -159,7 +160,7 @@ pub(super) struct OwnedRows {
 }
 
 impl OwnedRows {
-    /// As the writer takes them.
+    /// The same rows, borrowed, in the form that the writer takes.
     pub fn rows(&self) -> Rows<'_> {
         Rows {
             first_path: self.first_path,
@@ -171,7 +172,7 @@ impl OwnedRows {
     }
 }
 
-/// A number of fixed size.
+/// A number whose bytes have a fixed length.
 trait Fixed<const N: usize>: Copy {
     fn bytes(self) -> [u8; N];
     fn of(bytes: [u8; N]) -> Result<Self, Damaged>;
@@ -203,7 +204,7 @@ impl Fixed<1> for bool {
     }
 }
 
-/// A list of them: its length, then the numbers.
+/// Write a list: its length, then its numbers.
 fn write_list<T: Fixed<N>, const N: usize>(list: &[T], out: &mut Vec<u8>) {
     (list.len() as u64).write(out);
     list.iter().for_each(|number| out.extend(number.bytes()));
@@ -215,7 +216,7 @@ fn read_list<T: Fixed<N>, const N: usize>(from: &mut Reader<'_>) -> Result<Vec<T
     numbers.iter().map(|bytes| T::of(*bytes)).collect()
 }
 
-/// Write and read every list of a struct.
+/// Define the functions that write and read all lists of a struct.
 macro_rules! lists {
     ($write:ident, $read:ident, $type:ident { $($field:ident),* $(,)? }) => {
         fn $write(columns: Option<&$type>, out: &mut Vec<u8>) {
@@ -255,14 +256,16 @@ lists!(
     TrajectoryRows { path, displacement, velocity, temperature, force, friction, is_static }
 );
 
-/// Append what is kept of a block, but not its sums.
+/// Append the rows of a block and the numbers of its diverged paths to `out`. Its sums are not
+/// written.
 pub fn write_block(block: &BlockResult, out: &mut Vec<u8>) {
     (block.diverged.len() as u64).write(out);
     block.diverged.iter().for_each(|path| path.write(out));
     write_rows(&block.into(), out);
 }
 
-/// Read it back, beside these sums.
+/// Read a block that [`write_block`] wrote. Its sums are not among the bytes, so a copy of `totals`
+/// takes their place.
 pub fn read_block(from: &mut Reader<'_>, totals: &Totals) -> Result<BlockResult, Damaged> {
     let mut diverged = vec![0; from.length()?];
     diverged.iter_mut().try_for_each(|path| path.read(from))?;
@@ -351,13 +354,13 @@ mod tests {
         for (n, &end) in ends.iter().enumerate() {
             assert_eq!(bits(&read_all(&path, end).expect("whole")), bits(&blocks[..n]));
         }
-        // Another checksum, or an end within a block, is damage.
+        // Another checksum, or an end within a block, is reported as damage.
         let last = ends[20];
         assert!(matches!(read_all(&path, Position { checksum: 1, ..last }), Err(LogError::Damaged)));
         assert!(matches!(read_all(&path, Position { length: last.length - 1, ..last }), Err(LogError::Damaged)));
-        // A log that claims to be longer than its file asks for no memory.
+        // A length beyond that of the file is an error before memory is allocated.
         assert!(matches!(read_all(&path, Position { length: 1 << 60, ..last }), Err(LogError::Damaged)));
-        // Cut at every byte, and with a bit of every byte turned over.
+        // The log is cut at every byte, and one bit of every byte is flipped.
         for at in 0..whole.len() {
             std::fs::write(&path, &whole[..at]).expect("room");
             assert!(matches!(read_all(&path, last), Err(LogError::Damaged)), "cut at {at}");
@@ -366,7 +369,8 @@ mod tests {
             std::fs::write(&path, &flipped).expect("room");
             assert!(matches!(read_all(&path, last), Err(LogError::Damaged)), "flipped at {at}");
         }
-        // Going on from the seventh block, after whatever a loss of power has left behind it.
+        // The log is continued after the seventh block, behind which a power failure has left other
+        // bytes.
         std::fs::write(&path, [&whole[..ends[7].length as usize], &[0xff; 99]].concat()).expect("room");
         let mut log = Log::go_on(&path, ends[7]).expect("there");
         blocks[7..].iter().for_each(|block| log.append(&block.rows()).expect("room"));

@@ -1,13 +1,15 @@
-//! The ensemble on disk: HDF5 that netCDF-4 readers open as it is. The only home of HDF5.
+//! Runs and studies on disk, in HDF5 files that netCDF-4 readers open directly. This is the only
+//! module that writes HDF5.
 //!
 //! ```text
-//! FileSink        a run that is being simulated, saved in the folder NAME.partial: state.rs and log.rs
-//!   -> go_on      the same from what was saved, after whatever ended the process
-//!   -> Writer     its file, written once, at the end, in that folder (workshop.rs); then it gets its name in one step
-//! read            the header and the statistics of a finished file, or of an unfinished run
+//! FileSink      a run that is being simulated, saved in the folder NAME.partial (state.rs, log.rs)
+//!   -> go_on    continues the run from what was saved, after whatever ended the process
+//!   -> Writer   writes the file in that folder, once, at the end; then the file gets its name
+//! read          the header and the statistics of a finished file, or of an unfinished run
 //! ```
 //!
-//! `docs/output-format.md` describes the file for its readers; [`crate::dataset`] says what is in it.
+//! `docs/output-format.md` describes the file for its readers; [`crate::dataset`] defines its
+//! contents.
 
 mod at_once;
 mod calibration;

@@ -1,4 +1,5 @@
-//! Parts of a run, joined: their sums along the tree, their rows one after the other.
+//! Joining the parts of a run: their sums are merged along the tree, their rows are written one
+//! after the other.
 
 use super::error::cause;
 use super::log::{OwnedRows, Position};
@@ -23,7 +24,7 @@ pub enum PartError {
     /// A file cannot be read.
     #[error(transparent)]
     Store(#[from] StoreError),
-    /// A file is that of a run.
+    /// A file is not one part of a run; it may hold a whole run, for example.
     #[error("{}: not a part of a run, its status is `{}`\n  fix: give files of mc run --part", path.display(), status.name())]
     NoPart {
         /// The file.
@@ -31,18 +32,18 @@ pub enum PartError {
         /// How the run ended.
         status: Status,
     },
-    /// A part is not finished.
+    /// A part is not finished yet.
     #[error("{}: this part is not finished; continue it with `mc resume {}`", path.display(), path.display())]
     Unfinished {
-        /// The file that it was to be.
+        /// The file that the part was to become.
         path: PathBuf,
     },
-    /// Parts of two runs, or of two ways to cut one.
+    /// The parts belong to different runs, or to the same run cut into different numbers of parts.
     #[error("{}: not of the same run as {}: {difference}; give the parts of one run", path.display(), first.display())]
     Foreign {
         /// The file.
         path: PathBuf,
-        /// The first file.
+        /// The file that it was compared with.
         first: PathBuf,
         /// Where they differ.
         difference: String,
@@ -54,30 +55,31 @@ pub enum PartError {
         first: PathBuf,
         /// The second file.
         second: PathBuf,
-        /// Which part they are.
+        /// Which part both of them are, such as `2/3`.
         part: String,
     },
-    /// Not all of them are there.
+    /// Some parts of the run were not given.
     #[error("missing: part {missing} of the run; give their files as well, or make them with `mc run --part`")]
     Missing {
-        /// Which parts.
+        /// The missing parts, such as `1/3, 3/3`.
         missing: String,
     },
 }
 
-/// All parts of a run.
+/// All parts of one run.
 #[derive(Debug)]
 pub struct Parts {
-    /// The run that they are.
+    /// The run as a whole.
     pub question: Question,
-    /// Their sums together.
+    /// The merged sums of all parts.
     pub so_far: SoFar,
-    /// Files and states, in the order of their paths.
+    /// The files of the parts and their states, in the order of their paths.
     parts: Vec<(PathBuf, State)>,
 }
 
 impl Parts {
-    /// Read what parts say of themselves, and whether they are one whole run.
+    /// Read the states of the parts and check that together they are one whole run. Parts that are
+    /// unreadable, unfinished, repeated, missing, of another run or of another program are errors.
     pub fn open(paths: &[PathBuf]) -> Result<Parts, PartError> {
         let mut parts =
             paths.iter().map(|path| Ok((path.clone(), read_state(path)?))).collect::<Result<Vec<_>, PartError>>()?;
@@ -128,18 +130,19 @@ impl Parts {
         Ok(Parts { question, so_far: SoFar { totals, spent }, parts })
     }
 
-    /// Where the run is written that they are together.
+    /// A sink that writes the file of the whole run to `target`, once the merged sums are handed to
+    /// it.
     pub fn into_sink(&self, target: &Path, force: bool) -> impl Sink + '_ {
         Merge { parts: &self.parts, question: &self.question, target: target.to_owned(), force, workshop: None }
     }
 
-    /// Their files.
+    /// The files of the parts, in the order of their paths.
     pub fn files(&self) -> impl Iterator<Item = &Path> {
         self.parts.iter().map(|(path, _)| path.as_path())
     }
 }
 
-/// The state in the file of a part.
+/// Read the state of a part from its file.
 fn read_state(path: &Path) -> Result<State, PartError> {
     let read = || -> Result<(Status, Option<Vec<u8>>), StoreError> {
         check_file(path)?;
@@ -165,7 +168,8 @@ fn read_state(path: &Path) -> Result<State, PartError> {
     }
 }
 
-/// Writes the rows of parts, which are files, when the run that they are together is summed up.
+/// The sink of a run that is joined from parts. It copies the rows of the parts when the run is
+/// finished.
 struct Merge<'a> {
     parts: &'a [(PathBuf, State)],
     question: &'a Question,
@@ -181,7 +185,7 @@ impl Sink for Merge<'_> {
         Ok(())
     }
 
-    /// There are none left.
+    /// No block is simulated, so there is nothing to write here.
     fn block(&mut self, _: &BlockResult) -> Result<(), SinkError> {
         Ok(())
     }
@@ -201,7 +205,8 @@ impl Sink for Merge<'_> {
     }
 }
 
-/// Write the rows of a part, and hold them against the checksum of the log that they come from.
+/// Copy the rows of a part to the new file, and compare their checksum with that of the log they
+/// were written from.
 fn copy_rows(path: &Path, state: &State, writer: &mut Writer) -> Result<(), StoreError> {
     let damaged = |cause: String| StoreError::Damaged { path: path.to_owned(), cause };
     let unread = |error: hdf5::Error| damaged(cause(&error));

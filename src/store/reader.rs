@@ -16,25 +16,26 @@ use hdf5::File;
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
-/// What a file, or an unfinished run, says.
+/// The header and the statistics of a file, or of an unfinished run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Stored {
     /// Where its numbers come from.
     pub header: Provenance,
-    /// How the run ended; whether it is running or was interrupted, where it has not.
+    /// How the run ended. For an unfinished run it says whether the run is running or was
+    /// interrupted.
     pub status: Status,
-    /// Which part of a run it is, if it is one.
+    /// Which part of a run this is, if it is one.
     pub part: Option<Part>,
-    /// What ended it before its last path, if it was asked to end.
+    /// What ended the run before its last path, such as a goal or a limit, if anything did.
     pub ended_by: Option<String>,
-    /// The file that it was to be, where the run is not finished.
+    /// The file that the run was to write, if the run is not finished and no process is running it.
     pub unfinished: Option<PathBuf>,
-    /// Whether the file is covered by a checksum. It is not where another program has changed it,
-    /// or an earlier version has written it.
+    /// Whether the file is covered by a checksum. It is not if another program has changed it, or
+    /// if an earlier version has written it.
     pub is_sealed: bool,
-    /// Paths in the file.
+    /// Number of paths in the file.
     pub completed_paths: u64,
-    /// Its statistics.
+    /// Statistics of these paths.
     pub summary: Summary,
 }
 
@@ -43,15 +44,16 @@ pub struct Stored {
 pub enum FileKind {
     /// An ensemble.
     Run,
-    /// What accuracy costs.
+    /// A trade: the price of accuracy for each scheme.
     Trade,
-    /// Statistics as functions of keys.
+    /// A sweep: statistics as functions of keys of the scenario.
     Sweep,
-    /// Parameters from a measurement.
+    /// A calibration: parameters fitted to a measurement.
     Calibration,
 }
 
-/// What a file holds; none where it is no HDF5 file.
+/// What kind of file this is; `None` if it cannot be opened or is not an HDF5 file. An HDF5 file of
+/// another program is an error, and so is a damaged one.
 pub fn kind(path: &Path) -> Result<Option<FileKind>, StoreError> {
     if unfinished(path).is_some() {
         return Ok(Some(FileKind::Run));
@@ -73,15 +75,15 @@ pub fn kind(path: &Path) -> Result<Option<FileKind>, StoreError> {
 /// The first bytes of every HDF5 file.
 const SIGNATURE: [u8; 8] = *b"\x89HDF\r\n\x1a\n";
 
-/// The name of the file of an unfinished run: `path` is that name, or that of the folder in which
-/// the run is saved.
+/// The target of an unfinished run, if there is one. `path` is either the target itself or the
+/// folder in which the run is saved.
 pub(super) fn unfinished(path: &Path) -> Option<PathBuf> {
     let target = if path.is_dir() { file_of(path) } else { path.to_owned() };
     let is_saved = (path.is_dir() || !path.exists()) && partial_path(&target).join(STATE).exists();
     is_saved.then_some(target)
 }
 
-/// What an unfinished run says, given the name of its file.
+/// Read the state of an unfinished run, given its target.
 fn read_unfinished(target: &Path) -> Result<Stored, StoreError> {
     let state = state::read(&partial_path(target).join(STATE))?;
     let (header, completed_paths, part) = (state.header(), state.paths(), state.question.asked.part);
@@ -115,12 +117,13 @@ pub fn read(path: &Path) -> Result<Stored, StoreError> {
     Ok(Stored { header, status, part, ended_by, unfinished: None, is_sealed, completed_paths, summary })
 }
 
-/// Look at a file before the library does, which has one answer for a missing, an unreadable and a
-/// foreign file, and follows whatever a flipped bit points to. Returns whether the file is sealed.
+/// Check a file before the HDF5 library opens it, and return whether the file has a seal. The
+/// library gives the same error for a missing, an unreadable and a foreign file, and it follows
+/// whatever address a flipped bit has made.
 pub(super) fn check_file(path: &Path) -> Result<bool, StoreError> {
     let not_opened = |source| StoreError::NotOpened { path: path.to_owned(), source };
     let mut start = [0; SIGNATURE.len()];
-    // A pipe would wait for its other end.
+    // Opening a pipe would wait for its other end.
     if std::fs::metadata(path).is_ok_and(|there| !there.is_file() && !there.is_dir()) {
         return Err(StoreError::NotHdf5 { path: path.to_owned() });
     }

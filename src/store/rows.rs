@@ -1,4 +1,4 @@
-//! Reading rows of single paths back.
+//! Reading the rows of single paths back from a file.
 
 use super::StoreError;
 use super::error::cause;
@@ -10,7 +10,8 @@ use ndarray::s;
 use std::ops::Range;
 use std::path::Path;
 
-/// What the file of a run holds of one path; none where it does not record paths, or not this one.
+/// The scalars of one path from the file of a run; `None` if the file does not record paths, or not
+/// this one.
 pub fn read_path(path: &Path, number: u64) -> std::result::Result<Option<PathColumns>, StoreError> {
     check_file(path)?;
     let file = open(path)?;
@@ -26,7 +27,7 @@ pub fn read_path(path: &Path, number: u64) -> std::result::Result<Option<PathCol
     read().map_err(|error| StoreError::Damaged { path: path.to_owned(), cause: cause(&error) })
 }
 
-/// Some rows of a variable.
+/// Read some rows of a variable, row by row.
 pub(super) fn column<T: H5Type + Clone>(
     file: &File,
     variable: &layout::Variable,
@@ -42,7 +43,7 @@ pub(super) fn column<T: H5Type + Clone>(
     }
 }
 
-/// Scalars of some paths.
+/// Read the scalars of some paths.
 pub(super) fn paths(file: &File, rows: &Range<usize>) -> Result<PathColumns> {
     let diverged: Vec<i8> = column(file, &layout::PATH_DIVERGED, rows)?;
     Ok(PathColumns {
@@ -58,8 +59,8 @@ pub(super) fn paths(file: &File, rows: &Range<usize>) -> Result<PathColumns> {
     })
 }
 
-/// Events of some paths, the first of which is number `first`; and the number of the first one
-/// after them.
+/// Read the events of some paths. `first` is the row of their first event; the row after their last
+/// event is returned with them.
 pub(super) fn events(file: &File, rows: &Range<usize>, first: usize) -> Result<(EventColumns, usize)> {
     let count: Vec<u32> = column(file, &layout::EVENT_COUNT, rows)?;
     let next = first + count.iter().map(|&count| count as usize).sum::<usize>();
@@ -78,7 +79,7 @@ pub(super) fn events(file: &File, rows: &Range<usize>, first: usize) -> Result<(
     Ok((events, next))
 }
 
-/// Paths kept on the output grid.
+/// Read some of the paths that were kept on the output grid.
 pub(super) fn trajectories(file: &File, rows: &Range<usize>) -> Result<TrajectoryRows> {
     Ok(TrajectoryRows {
         path: column(file, &layout::TRAJECTORY, rows)?,

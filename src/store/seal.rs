@@ -1,8 +1,9 @@
-//! The seal of a finished file: a checksum of all of it, in a few bytes behind what HDF5 looks at.
+//! The seal of a finished file: a checksum of the whole file, in a few bytes behind the end that
+//! HDF5 sees.
 //!
-//! HDF5 follows whatever a flipped bit points to, into another number, a signal, or a loop. So a
-//! file is held against its seal before the library opens it. Programs that change a file drop the
-//! bytes behind its end, and the seal with them.
+//! HDF5 follows whatever address a flipped bit has made, which may give wrong numbers, a crash or
+//! an endless loop. A file is therefore compared with its seal before the library opens it. A
+//! program that changes the file drops the bytes behind the end, and the seal with them.
 
 use super::StoreError;
 use super::checksum::checksum;
@@ -10,15 +11,16 @@ use std::fs::File;
 use std::io::{self, Read, Seek as _, SeekFrom, Write as _};
 use std::path::Path;
 
-/// How the seal begins.
+/// The first bytes of the seal.
 const MAGIC: &[u8; 8] = b"mc-seal\n";
-/// Its bytes: the magic, the length and the checksum of the file before it, and a checksum of
-/// these.
+/// Length of the seal in bytes: the magic, the length and the checksum of the file before it, and a
+/// checksum of these three.
 const LENGTH: usize = 8 + 8 + 4 + 4;
-/// Larger files are opened without being read through first, which would take minutes.
+/// Files larger than this many bytes are opened without reading them through first, which would
+/// take minutes.
 const LARGEST: u64 = 1 << 30;
 
-/// Seal a file that is closed.
+/// Append a seal to a file that HDF5 has closed.
 pub(super) fn seal(path: &Path) -> io::Result<()> {
     let mut file = File::options().read(true).append(true).open(path)?;
     let length = file.metadata()?.len();
@@ -27,13 +29,13 @@ pub(super) fn seal(path: &Path) -> io::Result<()> {
     file.sync_all()
 }
 
-/// An error if a file is not what was sealed; otherwise, whether it has a seal. Large files are not
-/// read through.
+/// Compare a file with its seal, and return whether it has one. A wrong seal is an error. In files
+/// larger than `LARGEST` the seal is found but the checksum is not computed.
 pub(super) fn check(path: &Path) -> Result<bool, StoreError> {
     check_up_to(path, LARGEST)
 }
 
-/// The same, however large the file is.
+/// The same for a file of any size.
 pub(super) fn check_all(path: &Path) -> Result<bool, StoreError> {
     check_up_to(path, u64::MAX)
 }
@@ -76,7 +78,7 @@ fn bytes(length: u64, sum: u32) -> [u8; LENGTH] {
     bytes
 }
 
-/// The checksum of the first so many bytes.
+/// The checksum of the first `length` bytes.
 fn sum(file: &mut File, length: u64) -> io::Result<u32> {
     let mut left = length;
     let mut buffer = vec![0; 1 << 20];

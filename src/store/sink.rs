@@ -1,4 +1,4 @@
-//! A file as the sink of a run.
+//! The sink that writes a run to a file.
 
 use super::lock::Lock;
 use super::log::{self, Log, LogError, Position};
@@ -12,16 +12,17 @@ use crate::stats::{BlockResult, Record};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-/// Shortest time between two moments at which a run is saved.
+/// Shortest time between two saves of a run.
 const INTERVAL: Duration = Duration::from_millis(200);
 
-/// Saving may take at most this share of the time: on a slow disk a run is saved less often.
+/// Saving takes at most one part in `SHARE` of the time, so that a run is saved less often on a
+/// slow disk.
 const SHARE: u32 = 50;
 
-/// Writes a run to a file, which has its name only once the run is over.
+/// Writes a run to a file, which gets its name only when the run is over.
 ///
-/// Until then the run is saved every now and then in the folder `NAME.partial`. What is killed, or
-/// interrupted, goes on from there ([`FileSink::go_on`]), and comes to the same file.
+/// Until then the run is saved from time to time in the folder `NAME.partial`. A run that was
+/// killed or interrupted is continued from there ([`FileSink::go_on`]) and gives the same file.
 ///
 /// ```
 /// use stick_slip::engine::Run;
@@ -44,12 +45,12 @@ pub struct FileSink {
     open: Option<Open>,
 }
 
-/// A run that is being saved.
+/// The parts of a sink that exist while a run is being saved.
 #[derive(Debug)]
 struct Open {
     workshop: Workshop,
     question: Question,
-    /// None where nothing is recorded of single paths.
+    /// The log; `None` if nothing is recorded of single paths.
     log: Option<Log>,
     /// How much of the log is on the disk.
     position: Position,
@@ -58,42 +59,46 @@ struct Open {
     interval: Duration,
 }
 
-/// A run to go on with.
+/// An unfinished run that can be continued.
 #[derive(Debug)]
 pub struct Unfinished {
-    /// What it is.
+    /// What the run is.
     pub question: Question,
-    /// How far it has come.
+    /// The sums of the paths that are done, and the time spent on them.
     pub so_far: SoFar,
-    /// Where it goes on being saved.
+    /// The sink that goes on saving the run.
     pub sink: FileSink,
 }
 
 impl FileSink {
-    /// To this file. With `force`, a file of this name is replaced, and what an unfinished run to
-    /// it left behind goes.
+    /// A sink that writes to `target`. With `force`, an existing file of this name is replaced, and
+    /// what an unfinished run to it left behind is removed.
     pub fn new(target: &Path, force: bool) -> Self {
         FileSink { target: target.to_owned(), force, note: String::new(), ends: false, open: None }
     }
 
-    /// Keep this text with the run, for whoever goes on with it.
+    /// Keep this text with the saved run, for the program that continues it.
     pub fn with_note(self, note: String) -> Self {
         FileSink { note, ..self }
     }
 
-    /// Write the file even if the run is interrupted, of the paths that are done.
+    /// Write the file even if the run is interrupted; it then holds the paths that are done.
     pub fn ending(self) -> Self {
         FileSink { ends: true, ..self }
     }
 
-    /// Go on with the run that `NAME.partial` holds, where `target` is `NAME`. There is none where
-    /// the run was finished and only its folder was left.
+    /// Continue the run that is saved in `NAME.partial`, where `target` is `NAME`. Returns `None`
+    /// if the run was finished: the file exists, and the folder, if it was left behind, is removed.
+    ///
+    /// It is an error if there is nothing to continue, if a file of the target's name has appeared
+    /// (unless `force` lets it be replaced), if the saved state is damaged, or if another program
+    /// began the run.
     pub fn go_on(target: &Path, force: bool) -> Result<Option<Unfinished>, StoreError> {
         let partial = partial_path(target);
         if !partial.exists() && !target.exists() {
             return Err(StoreError::NothingToResume { target: target.to_owned(), partial });
         }
-        // A lock that a process left when it was killed goes with ours.
+        // A lock file that a killed process has left is removed together with this lock.
         let lock = Lock::take(target)?;
         if !partial.exists() {
             return Ok(None);
@@ -102,7 +107,7 @@ impl FileSink {
         let path = workshop.path(STATE);
         let (is_there, is_saved) = (target.symlink_metadata().is_ok(), path.exists());
         if is_published(target) || is_there && !is_saved {
-            // Only the folder was left to be removed.
+            // The run was finished, and only its folder was left to be removed.
             workshop.discard();
             return Ok(None);
         }
@@ -133,15 +138,15 @@ impl FileSink {
         Ok(Some(Unfinished { question, so_far, sink }))
     }
 
-    /// Paths that are saved.
+    /// Number of paths that are saved.
     pub fn saved_paths(&self) -> u64 {
         self.open.as_ref().map_or(0, |open| open.workshop.saved_paths)
     }
 
-    /// Start to save a run.
+    /// Create the folder and the log of a new run.
     fn create(&self, question: Question) -> Result<Open, StoreError> {
         let Question { scenario, asked, .. } = &question;
-        // Rows are written twice: to the log, and to the file.
+        // The factor 2 is there because rows are written twice: to the log, and to the file.
         let share = asked.own_paths() as f64 / scenario.ensemble.paths.max(1) as f64;
         check_space(&parent(&self.target), (2.0 * share.min(1.0) * scenario.derived().output_bytes) as u64)?;
         let workshop = Workshop::open(&self.target, self.force).map_err(|error| match error {
@@ -162,12 +167,12 @@ impl FileSink {
     }
 }
 
-/// Whether anything of single paths is recorded.
+/// Whether anything is recorded of single paths.
 pub(super) fn is_logged(record: &Record) -> bool {
     *record != Record::NOTHING
 }
 
-/// Check all of a log, and go on with it.
+/// Check the whole log up to `end`, and open it to continue it.
 fn go_on_with_log(workshop: &Workshop, end: Position) -> Result<Log, StoreError> {
     let path = workshop.path(ROWS);
     read_log(path.clone(), end, |_| Ok(()))?;
@@ -186,7 +191,8 @@ fn read_log(
     })
 }
 
-/// What is in the way of a run: itself, another one, or something that cannot be read.
+/// The error for a folder that holds a run already: the same run, another run, or something that
+/// cannot be read.
 fn left_over(partial: PathBuf, target: PathBuf, question: &Question) -> StoreError {
     let Ok(state) = state::read(&partial.join(STATE)) else { return StoreError::LeftOver { partial, target } };
     let (saved_paths, paths) = (state.paths(), state.question.asked.own_paths());
@@ -198,7 +204,8 @@ fn left_over(partial: PathBuf, target: PathBuf, question: &Question) -> StoreErr
 }
 
 impl Question {
-    /// What it asks otherwise than another one.
+    /// The first difference between this question and another one, in words; `None` if they are
+    /// equal.
     pub(super) fn difference_from(&self, other: &Question) -> Option<String> {
         let (mine, theirs) = (self.scenario.to_toml(), other.scenario.to_toml());
         let lines = || mine.lines().zip(theirs.lines());
@@ -214,7 +221,7 @@ impl Question {
 }
 
 impl Open {
-    /// Bring everything to the disk: the rows first, and then the state that speaks of them.
+    /// Write everything to the disk: first the rows, then the state, which refers to them.
     fn save(&mut self, moment: &Moment<'_>) -> Result<(), StoreError> {
         let start = Instant::now();
         let file = self.log.as_ref().map(|log| (ROWS, log.file()));
@@ -229,7 +236,7 @@ impl Open {
         Ok(())
     }
 
-    /// Write the file.
+    /// Write the file of the run and give it its name.
     fn finish(self, outcome: &Outcome) -> Result<(), StoreError> {
         let Open { workshop, question, log, position, .. } = self;
         drop(log);
@@ -271,14 +278,15 @@ impl Sink for FileSink {
 
     fn save(&mut self, moment: &Moment<'_>) -> Result<(), SinkError> {
         let Some(open) = &mut self.open else { return Ok(()) };
-        // A run of which nothing is done leaves nothing.
+        // A run of which no path is done leaves nothing behind.
         let is_due = open.appended > 0 && (moment.is_last || open.last.elapsed() >= open.interval);
         if is_due { Ok(open.save(moment)?) } else { Ok(()) }
     }
 
     fn finish(&mut self, outcome: &Outcome) -> Result<(), SinkError> {
         let Some(open) = self.open.take() else { return Ok(()) };
-        // An interrupted run goes on later, and one of which nothing is done leaves nothing.
+        // An interrupted run is continued later, and a run of which no path is done leaves nothing
+        // behind.
         let is_left = outcome.status == Status::Interrupted && !self.ends || outcome.summary.completed_paths == 0;
         if is_left { Ok(()) } else { Ok(open.finish(outcome)?) }
     }

@@ -1,7 +1,8 @@
-//! The state of a run: what it was asked, how far it has come, and how much of its log counts.
+//! The saved state of a run: what was asked of it, how far it has come, and how much of its log is
+//! valid.
 //!
-//! It is a name and a version, then what follows, then a checksum of all of it. Reals and counts are written as
-//! [`crate::stats::Codec`] writes them, texts as their length and their bytes.
+//! The bytes are a magic name, a version, the contents, and a checksum of all of these. Numbers are
+//! written as [`crate::stats::Codec`] writes them, texts as their length and their bytes.
 
 use super::StoreError;
 use super::checksum::checksum;
@@ -18,37 +19,39 @@ use std::path::Path;
 use std::sync::Arc;
 use std::time::Duration;
 
-/// How the bytes begin.
+/// The first bytes of a state.
 const MAGIC: &[u8; 8] = b"sticksav";
-/// Version of what follows.
+/// Version of the contents.
 const VERSION: u64 = 2;
-/// No state is larger, whatever its file says: the largest has 100 000 rows.
+/// Size limit in bytes; a larger file is reported as damaged without being read. The largest state,
+/// with 100 000 rows of the output grid, is smaller.
 const LARGEST: u64 = 1 << 31;
 
-/// What a run is, which every state of it says alike.
+/// What a run is asked to do. It is the same in every saved state of the run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Question {
     /// What is simulated.
     pub scenario: Scenario,
-    /// What else is asked.
+    /// Number of paths, part, goals, time limit and bias.
     pub asked: Asked,
-    /// What the caller wants to know again when the run goes on; nothing here depends on it.
+    /// A text that the caller gets back when the run is continued. The store does not interpret it.
     pub note: String,
 }
 
 impl Question {
-    /// The ensemble that it asks for.
+    /// The plan of the ensemble, with the number of paths that was asked for.
     pub fn plan(&self) -> Plan {
         Plan { paths: self.asked.paths, ..self.scenario.plan() }
     }
 
-    /// As bytes, for another process.
+    /// The question as bytes, to be sent to another process.
     pub fn to_bytes(&self) -> Vec<u8> {
         let totals = RunTotals::empty(&self.scenario.model, &self.scenario.timeline());
         to_bytes(self, &totals.to_bytes(), Duration::ZERO, Position::default())
     }
 
-    /// From bytes; `origin` is where they come from. Those of another program are an error.
+    /// Read a question from bytes. `origin` is named in error messages. Bytes that are damaged or
+    /// were written by another program are an error.
     pub fn of_bytes(bytes: &[u8], origin: &Path) -> Result<Self, StoreError> {
         let state = of_bytes(bytes, origin)?;
         state.check_program(origin)?;
@@ -56,7 +59,7 @@ impl Question {
     }
 }
 
-/// The program that a run was begun with.
+/// The version of the program that began a run.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Program {
     version: String,
@@ -94,7 +97,7 @@ pub(super) struct State {
 }
 
 impl State {
-    /// Paths that are in it.
+    /// Number of paths that the state contains.
     pub fn paths(&self) -> u64 {
         let blocks = self.so_far.totals.blocks();
         let block_size = self.program.block_size;
@@ -103,7 +106,7 @@ impl State {
         blocks.iter().map(|range| paths(range.end) - paths(range.start)).sum()
     }
 
-    /// Where its numbers come from.
+    /// The provenance of its numbers, with the program that began the run.
     pub fn header(&self) -> Provenance {
         let Program { version, git_hash, generator, block_size } = self.program.clone();
         let paths = self.question.asked.paths;
@@ -111,7 +114,7 @@ impl State {
         Provenance { program_version: version, git_hash, generator, block_size, paths, ..header }
     }
 
-    /// An error where another program has begun the run, which need not come to the same bits.
+    /// An error if another program began the run, because it need not produce the same bits.
     pub fn check_program(&self, path: &Path) -> Result<(), StoreError> {
         let mine = Program::of(&Provenance::of(&self.question.scenario));
         if self.program == mine { Ok(()) } else { Err(other_program(path, &self.program, &mine)) }
@@ -122,7 +125,7 @@ fn other_program(path: &Path, theirs: &Program, mine: &Program) -> StoreError {
     StoreError::OtherProgram { path: path.to_owned(), theirs: theirs.to_string(), mine: mine.to_string() }
 }
 
-/// The state of a run as bytes, given the bytes of its sums.
+/// The state of a run as bytes. `totals` are the bytes of its sums.
 pub(super) fn to_bytes(question: &Question, totals: &[u8], spent: Duration, log: Position) -> Vec<u8> {
     let Question { scenario, asked, note } = question;
     let program = Program::of(&Provenance::of(scenario));
@@ -169,7 +172,7 @@ pub(super) fn read(path: &Path) -> Result<State, StoreError> {
     if there.is_file() && there.len() <= LARGEST {
         let mut file = File::open(path).map_err(not_opened)?;
         file.by_ref().take(MAGIC.len() as u64).read_to_end(&mut bytes).map_err(not_opened)?;
-        // Whatever else it is, it need not be read.
+        // A file with other first bytes is no state, so the rest of it is not read.
         if bytes == MAGIC {
             file.take(LARGEST).read_to_end(&mut bytes).map_err(not_opened)?;
         }
@@ -177,7 +180,7 @@ pub(super) fn read(path: &Path) -> Result<State, StoreError> {
     of_bytes(&bytes, path)
 }
 
-/// Read the state of a run; `path` is where the bytes come from.
+/// Read the state of a run from bytes. `path` is named in error messages.
 pub(super) fn of_bytes(bytes: &[u8], path: &Path) -> Result<State, StoreError> {
     let damaged = || StoreError::DamagedState { path: path.to_owned() };
     let (body, sum) = bytes.split_last_chunk::<4>().ok_or_else(damaged)?;
@@ -196,7 +199,7 @@ pub(super) fn of_bytes(bytes: &[u8], path: &Path) -> Result<State, StoreError> {
     })
 }
 
-/// Why whole bytes are no state.
+/// Why bytes with a correct checksum are not a state that can be used.
 enum Unread {
     Damaged,
     OtherProgram(Box<[Program; 2]>),
@@ -226,7 +229,8 @@ fn parse(from: &mut Reader<'_>) -> Result<State, Unread> {
     let log = Position { length: count(from)?, checksum: count(from)?.try_into().map_err(|_| Damaged)? };
     let length = from.length()?;
     let empty = RunTotals::empty(&scenario.model, &scenario.timeline());
-    // Whoever has other sums is another program, whatever it says of itself.
+    // If the sums cannot be read and the state names another program, that difference is reported
+    // instead of damage.
     let mine = Program::of(&Provenance::of(&scenario));
     let totals = empty.read(from.take(length)?).map_err(|_| match program == mine {
         true => Unread::Damaged,
@@ -237,7 +241,7 @@ fn parse(from: &mut Reader<'_>) -> Result<State, Unread> {
     if is_sound { Ok(State { program, question, so_far: SoFar { totals, spent }, log }) } else { Err(Unread::Damaged) }
 }
 
-/// The samples of a measured temperature: how many, when, what.
+/// Write the samples of a measured temperature: their number, all times, all values.
 fn write_series(scenario: &Scenario, out: &mut Vec<u8>) {
     let series = scenario.model.temperature.series.as_deref();
     let (times, values) = series.map_or((&[][..], &[][..]), |series| (series.times(), series.values()));
@@ -261,7 +265,7 @@ fn real(from: &mut Reader<'_>) -> Result<f64, Damaged> {
     Ok(number)
 }
 
-/// Whether these are the first blocks of what was asked.
+/// Whether these sums are of the first blocks that were asked for.
 fn is_of(totals: &RunTotals, asked: &Asked) -> bool {
     match totals.blocks().as_slice() {
         [] => true,
@@ -283,7 +287,7 @@ fn goal(from: &mut Reader<'_>) -> Result<Goal, Damaged> {
     Ok(Goal { statistic, bound })
 }
 
-/// Centuries of them, at most.
+/// Nanoseconds in 64 bits, which are enough for 584 years; longer times are cut to that.
 fn nanoseconds(time: Duration) -> u64 {
     time.as_nanos().try_into().unwrap_or(u64::MAX)
 }
@@ -345,7 +349,7 @@ mod tests {
         }
     }
 
-    /// Cut at every byte, and with one or two bits of every byte turned over.
+    /// The bytes are cut at every length, and one or two bits of every byte are flipped.
     #[test]
     fn what_is_not_what_was_written_is_damaged() {
         let bytes = state(2..3);
@@ -362,8 +366,9 @@ mod tests {
         assert!(read(&damaged).is_ok());
     }
 
-    /// With a checksum that is right, what a state says is still held against itself: whoever can write a checksum gets an error, and no
-    /// crash, for every byte that he changes to anything.
+    /// Even when the checksum is right, the contents are checked against each other. So bytes that
+    /// were changed on purpose, with a new checksum, give an error or another valid state, but no
+    /// panic.
     #[test]
     fn whole_bytes_that_make_no_sense_are_an_error() {
         let bytes = state(2..3);
@@ -374,11 +379,11 @@ mod tests {
             for byte in [0, 1, 0x7f, 0xff] {
                 let mut changed = body.to_vec();
                 changed[at] = byte;
-                // It may be another state that makes sense.
+                // The change may give another valid state, so only a panic fails the test.
                 let _ = read(&with_sum(&changed));
             }
         }
-        // Blocks that are not those of the part.
+        // The blocks are not those of the part.
         assert!(read(&state(0..1)).is_err() && read(&state(3..5)).is_err() && read(&state(3..4)).is_err());
     }
 

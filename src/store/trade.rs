@@ -1,4 +1,4 @@
-//! The file of a trade: what was measured of every rung, and what was predicted for every target.
+//! The file of a trade: the measurements at every rung, and the predictions for every target.
 
 use super::StoreError;
 use super::at_once::write_at_once;
@@ -10,23 +10,24 @@ use crate::stats::Statistic;
 use crate::study::trade::{Prices, Trade};
 use std::path::Path;
 
-/// Write a trade, in the folder `NAME.partial` like every file. With `force`, a file of this name is replaced.
+/// Write a trade to `target`. Like every file it is made in the folder `NAME.partial`. With
+/// `force`, an existing file of this name is replaced.
 pub fn write_trade(target: &Path, header: &Provenance, trade: &Trade, force: bool) -> Result<(), StoreError> {
     write_at_once(target, header.units.clone(), force, |place| trade::write(place, header, trade))
 }
 
-/// The cheapest runs that a trade has found, and what it was made with.
+/// The cheapest runs that a trade has found, and the scenario that it was made with.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StoredTrade {
-    /// What the scenario asks.
+    /// The title of the scenario.
     pub title: String,
     /// The resolved scenario.
     pub scenario_text: String,
-    /// For each statistic and each target, in the order of the file.
+    /// One entry for each statistic and each target, in the order of the file.
     pub cheapest: Vec<Cheapest>,
 }
 
-/// What a trade has found, from its file.
+/// Read what a trade has found from its file.
 pub fn read_trade(path: &Path) -> Result<StoredTrade, StoreError> {
     check_file(path)?;
     let file = open(path)?;
@@ -35,7 +36,8 @@ pub fn read_trade(path: &Path) -> Result<StoredTrade, StoreError> {
     Ok(StoredTrade { title, scenario_text, cheapest: trade::read_cheapest(&file).map_err(damaged)? })
 }
 
-/// The prices of accuracy in a file of a trade: of this statistic, or of the first that has any.
+/// Read the prices of accuracy from the file of a trade: those of `statistic`, or of the first
+/// statistic that has any. A file without them is an error.
 pub fn read_prices(path: &Path, statistic: Option<Statistic>) -> Result<Prices, StoreError> {
     check_file(path)?;
     let file = open(path)?;

@@ -1,4 +1,5 @@
-//! A netCDF variable in HDF5: a dataset with its attributes, each of its axes attached to a coordinate.
+//! A netCDF variable in HDF5: a dataset with attributes, and a coordinate attached to each of its
+//! axes.
 
 use super::scale::{attach_scale, make_scale};
 use crate::dataset::layout::{BARE_DIMENSION, Described};
@@ -8,16 +9,16 @@ use hdf5::types::VarLenUnicode;
 use hdf5::{Dataset, Error, Extent, File, H5Type, Location, Result};
 use std::str::FromStr;
 
-/// How an axis that grows is laid out.
+/// How a growing variable is cut into chunks.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Growth {
-    /// Rows in a chunk.
+    /// Number of rows in a chunk.
     pub rows: usize,
-    /// Values of one row in a chunk; 1 where a row is a single value.
+    /// Number of values of one row in a chunk; 1 if a row is a single value.
     pub columns: usize,
 }
 
-/// An HDF5 file seen as a place for netCDF variables.
+/// An HDF5 file as a destination for netCDF variables.
 #[derive(Debug)]
 pub(super) struct Place {
     /// The file; all variables are in its root group.
@@ -27,8 +28,8 @@ pub(super) struct Place {
 }
 
 impl Place {
-    /// Write a variable whose size is known. An empty one is left out, and so is its dimension: zero-length
-    /// dimensions read as unlimited ones.
+    /// Write a variable whose size is known. An empty variable is left out together with its
+    /// dimension, because readers take a dimension of length zero for an unlimited one.
     fn write<T: Element>(&self, variable: &Described, values: &[T]) -> Result<()> {
         if values.is_empty() {
             return Ok(());
@@ -46,7 +47,7 @@ impl Place {
         dataset.write_raw(values)
     }
 
-    /// Make a variable that grows along its first axis, empty for now.
+    /// Create a variable that grows along its first axis, without rows.
     pub(super) fn define_growing<T: Element>(&self, variable: &Described, growth: Growth) -> Result<Dataset> {
         let mut shape = vec![Extent::resizable(0)];
         let mut chunk = vec![growth.rows];
@@ -56,14 +57,15 @@ impl Place {
             }
             chunk.push(growth.columns);
         }
-        // Not compressed: noise shrinks by a third at most, and deflate writes 30 MB/s, less than two threads simulate.
+        // The data are not compressed: random values shrink by a third at most, and deflate writes
+        // 30 MB/s, which is less than two threads produce.
         let builder = T::builder(&self.file, variable).chunk(chunk);
         let dataset = builder.shape(shape).create(variable.name)?;
         self.describe::<T>(&dataset, variable)?;
         Ok(dataset)
     }
 
-    /// Lengths of the axes, unless one of them is not in the file.
+    /// The lengths of the axes; `None` if one of the axes is not in the file.
     fn shape_along_axes(&self, variable: &Described) -> Result<Option<Vec<usize>>> {
         let mut shape = Vec::new();
         for axis in variable.axes {
@@ -75,7 +77,7 @@ impl Place {
         Ok(Some(shape))
     }
 
-    /// Attributes, and the coordinate of each axis.
+    /// Write the attributes of a variable, and attach the coordinates of its axes.
     fn describe<T: Element>(&self, dataset: &Dataset, variable: &Described) -> Result<()> {
         if variable.is_bare_dimension() {
             return make_scale(dataset, BARE_DIMENSION);
@@ -156,14 +158,14 @@ impl Source for File {
     }
 }
 
-/// A type of values in the file.
+/// A type of values that can be stored.
 pub(super) trait Element: H5Type + Clone {
     /// Start a dataset of this type.
     fn builder(file: &File, _variable: &Described) -> hdf5::DatasetBuilderEmpty {
         file.new_dataset::<Self>()
     }
 
-    /// Say which value means "missing", if one does.
+    /// Mark the value that means "missing", if the type has one.
     fn mark_missing(_dataset: &Dataset) -> Result<()> {
         Ok(())
     }
@@ -177,7 +179,7 @@ impl Element for VarLenUnicode {}
 impl Element for f64 {
     fn builder(file: &File, variable: &Described) -> hdf5::DatasetBuilderEmpty {
         let builder = file.new_dataset::<f64>();
-        // CF: a coordinate has no missing values.
+        // The CF conventions allow no missing values in a coordinate.
         if variable.is_coordinate() { builder } else { builder.fill_value(f64::NAN) }
     }
 
@@ -186,7 +188,7 @@ impl Element for f64 {
     }
 }
 
-/// Write an attribute, in place of what it was before.
+/// Write an attribute, replacing an earlier value.
 fn write_scalar<T: H5Type>(location: &Location, name: &str, value: &T) -> Result<()> {
     match location.attr_names()?.iter().any(|there| there == name) {
         true => location.attr(name)?.write_scalar(value),
@@ -209,18 +211,19 @@ fn read_attribute(location: &Location, name: &str) -> Result<Option<Attribute>> 
     }))
 }
 
-/// A text of a file is whatever bytes it holds.
+/// The text of a file as UTF-8. The file may hold any bytes, so this is checked.
 fn readable(text: &VarLenUnicode) -> Result<String> {
     let text = std::str::from_utf8(text.as_str().as_bytes());
     text.map(str::to_owned).map_err(|_| Error::from("a text is not UTF-8"))
 }
 
-/// Text as HDF5 keeps it.
+/// Text in the form that HDF5 stores.
 fn text(value: &str) -> Result<VarLenUnicode> {
     VarLenUnicode::from_str(value).map_err(|_| Error::from("a text holds a NUL character"))
 }
 
-/// Read a variable that must be there. Its type and its size are looked at before anything is read.
+/// Read a variable, which must be there. Its type and its shape are checked before anything is
+/// read.
 pub(super) fn read_variable<T: H5Type>(file: &File, variable: &Described) -> Result<Vec<T>> {
     let name = variable.name;
     if !file.link_exists(name) {
@@ -237,7 +240,7 @@ pub(super) fn read_variable<T: H5Type>(file: &File, variable: &Described) -> Res
     if shape.len() != variable.axes.len() || !variable.axes.iter().zip(&shape).all(is_along) {
         return Err(format!("{name} has another shape than its axes").into());
     }
-    // Nothing is compressed, so no variable is larger than its file.
+    // Nothing is compressed, so a variable that claims to be larger than its file is damaged.
     if (dataset.size() as u64).saturating_mul(dataset.dtype()?.size() as u64) > file.size() {
         return Err(format!("{name} is larger than the file").into());
     }

@@ -1,6 +1,7 @@
-//! A finished file, held against what its scenario comes to when it is simulated again.
+//! Comparing a finished file with what its scenario gives when it is simulated again.
 //!
-//! Whatever the writer would write is not written but compared with what is there.
+//! [`Verification`] takes the place of the writer: every value that would be written is compared
+//! with the one in the file.
 
 use super::error::cause;
 use super::reader::{check_file, open};
@@ -19,18 +20,18 @@ use std::fmt;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-/// Something that a file holds and its scenario does not come to.
+/// The first value in a file that differs from the simulation of its scenario.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Difference {
-    /// Which variable or attribute of the file.
+    /// The variable or attribute of the file.
     pub variable: String,
-    /// The number of the path, for rows of single paths.
+    /// The number of the path, if the variable holds rows of single paths.
     pub path: Option<u64>,
-    /// Which of its values, from 0: those of the path, or those of the file.
+    /// The index of the value, from 0, among the values of the path or else of the variable.
     pub index: usize,
-    /// What the file holds.
+    /// The value in the file.
     pub stored: String,
-    /// What its scenario comes to.
+    /// The value that the simulation gives.
     pub computed: String,
 }
 
@@ -46,17 +47,18 @@ impl fmt::Display for Difference {
     }
 }
 
-/// What the checksum of a whole file says.
+/// The result of checking a file against its checksum.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Sealed {
-    /// Bytes of the file.
+    /// Size of the file in bytes.
     pub bytes: u64,
-    /// Whether there is a checksum; if so, it is right. There is none where another program has
+    /// Whether the file has a checksum, which is then right. It has none if another program has
     /// changed the file.
     pub has_checksum: bool,
 }
 
-/// Hold all bytes of a file against its checksum, however large it is. A wrong one is an error.
+/// Check all bytes of a file against its checksum, however large the file is. A wrong checksum is
+/// an error.
 pub fn check_bytes(path: &Path) -> std::result::Result<Sealed, StoreError> {
     check_file(path)?;
     let has_checksum = seal::check_all(path)?;
@@ -64,8 +66,8 @@ pub fn check_bytes(path: &Path) -> std::result::Result<Sealed, StoreError> {
     Ok(Sealed { bytes: there.len(), has_checksum })
 }
 
-/// Attributes that may differ where every number is the same: who wrote the file, how its scenario
-/// is spelt, how far it went.
+/// Attributes that may differ although every number is the same: the program that wrote the file,
+/// the text of its scenario, and how far the run went.
 const NOT_COMPARED: [&str; 8] = [
     "Conventions",
     "format_version",
@@ -77,12 +79,12 @@ const NOT_COMPARED: [&str; 8] = [
     "scenario",
 ];
 
-/// A finished file of a run that is held against what its scenario comes to.
+/// A finished file of a run while it is compared with a simulation of its scenario.
 #[derive(Debug)]
 pub struct Verification {
     path: PathBuf,
     file: File,
-    /// Its first path.
+    /// The number of the first path in the file.
     origin: u64,
     bearing: Option<Bearing>,
     units: Units,
@@ -95,7 +97,7 @@ pub struct Verification {
 }
 
 impl Verification {
-    /// Of this file, whose first path has this number, and which is of a run with this header.
+    /// Open the file at `path`, whose first path is number `origin`, of a run with this header.
     pub fn open(path: &Path, origin: u64, header: &Provenance) -> std::result::Result<Self, StoreError> {
         Ok(Verification {
             path: path.to_owned(),
@@ -110,24 +112,25 @@ impl Verification {
         })
     }
 
-    /// How many numbers and texts were compared so far.
+    /// Number of values and texts that were compared so far.
     pub fn values(&self) -> u64 {
         self.values
     }
 
-    /// The first difference that was found.
+    /// The first difference that was found, if any.
     pub fn difference(&self) -> Option<&Difference> {
         self.difference.as_ref()
     }
 
-    /// Compare what the file keeps of the paths of a block, which was simulated again; blocks in
-    /// ascending order.
+    /// Compare the rows in the file with those of a block that was simulated again. Blocks must be
+    /// given in ascending order.
     pub fn block(&mut self, block: &BlockResult) -> std::result::Result<(), StoreError> {
         let compared = rows::tables(&Rows::from(block), self.bearing, |table| self.table(block, &table));
         compared.map_err(|error| self.damaged(&error))
     }
 
-    /// Compare what the file says of itself, and all statistics where they were computed again.
+    /// Compare the attributes and coordinates of the file, and all statistics if they were computed
+    /// again.
     pub fn rest(&mut self, header: &Provenance, again: Option<&Summary>) -> std::result::Result<(), StoreError> {
         let mut compare = || -> Result<()> {
             run::write_start(self, header)?;
@@ -147,7 +150,7 @@ impl Verification {
         StoreError::Damaged { path: self.path.clone(), cause: cause(error) }
     }
 
-    /// Only the first one is told: others often follow from it.
+    /// Keep a difference if it is the first one. Later differences often follow from the first.
     fn differ(&mut self, variable: &str, path: Option<u64>, (index, stored, computed): Unlike) {
         let new = Difference { variable: variable.to_owned(), path, index, stored, computed };
         self.difference.get_or_insert(new);
@@ -182,7 +185,7 @@ impl Verification {
         Ok(())
     }
 
-    /// Compare some rows of a variable.
+    /// Compare some rows of a variable; returns the first difference.
     fn held(&mut self, variable: &Variable, values: Values, rows: &Range<usize>) -> Result<Option<Unlike>> {
         if rows.is_empty() {
             return Ok(None);
@@ -200,7 +203,7 @@ impl Verification {
         Ok(unlike(&stored, values))
     }
 
-    /// Events of the paths before this one, as the file counts them.
+    /// The number of events of all paths before this one, according to the file.
     fn events_before(&mut self, path: u64) -> Result<usize> {
         let (mut next, mut events) = self.counted;
         while next < path {
@@ -214,7 +217,8 @@ impl Verification {
     }
 }
 
-/// Whose event this row of a block is, and which one of that path.
+/// The path, counted from the first of the block, and the event of that path that a row of events
+/// belongs to.
 fn path_of(counts: &[u32], row: usize) -> (usize, usize) {
     let mut left = row;
     for (path, &count) in counts.iter().enumerate() {
@@ -226,14 +230,15 @@ fn path_of(counts: &[u32], row: usize) -> (usize, usize) {
     (counts.len(), left)
 }
 
-/// Whether a variable is one of single paths, or of the program.
+/// Whether a variable holds rows of single paths or the state of a part. These are not part of the
+/// comparison of statistics.
 fn is_of_paths(name: &str) -> bool {
     let tables = [layout::PATH, layout::EVENT, layout::TRAJECTORY, layout::PART_STATE];
     let prefixed = ["path_", "event_", "trajectory_"];
     tables.iter().any(|table| table.name == name) || prefixed.iter().any(|prefix| name.starts_with(prefix))
 }
 
-/// Writes nothing: compares.
+/// Compares each value with the file instead of writing it.
 impl Destination for Verification {
     type Error = hdf5::Error;
 
@@ -290,15 +295,16 @@ impl Destination for Verification {
     }
 }
 
-/// Index, and what is stored and computed there.
+/// The index of a difference, and the stored and the computed value as text.
 type Unlike = (usize, String, String);
 
-/// The first value that is another one, bit for bit; but a missing one is missing, whatever its
-/// bits.
+/// The first value that differs. Reals are compared bit for bit, except that all NaN are equal,
+/// since NaN means a missing value.
 fn unlike(stored: &Column, computed: Values) -> Option<Unlike> {
     let same_real = |a: &f64, b: &f64| a.to_bits() == b.to_bits() || a.is_nan() && b.is_nan();
     match (stored, computed) {
-        // As many digits as tell a number from every other.
+        // `first` prints reals with `{:?}`, which gives enough digits to distinguish any two of
+        // them.
         (Column::F64(stored), Values::F64(computed)) => first(stored, computed, same_real),
         (Column::U64(stored), Values::U64(computed)) => first(stored, computed, u64::eq),
         (Column::U32(stored), Values::U32(computed)) => first(stored, computed, u32::eq),

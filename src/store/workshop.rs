@@ -1,5 +1,5 @@
-//! The folder `NAME.partial`, in which a file is made before it gets its name, and the right to
-//! make it.
+//! The folder `NAME.partial`, in which a file is made before it gets its name, together with the
+//! lock for making it.
 //!
 //! ```text
 //! NAME.partial/state        how far a run has come
@@ -7,9 +7,9 @@
 //! NAME.partial/results.h5   the file itself, while it is written
 //! ```
 //!
-//! `results.h5` gets its name as a second name of the same file: a link replaces nothing, and
-//! whoever is interrupted after it sees by the two names that only the folder is left to be
-//! removed.
+//! `results.h5` gets its final name by a hard link, because a link cannot replace another file. If
+//! the process is interrupted after that, the two names of one file show that only the folder is
+//! left to be removed.
 
 use super::StoreError;
 use super::error::is_full;
@@ -19,18 +19,19 @@ use std::io::{self, Write as _};
 use std::os::unix::fs::MetadataExt as _;
 use std::path::{Path, PathBuf};
 
-/// How far a run has come.
+/// The state of a run.
 pub(super) const STATE: &str = "state";
-/// Rows of its single paths.
+/// The rows of its single paths.
 pub(super) const ROWS: &str = "rows";
-/// The file that is made.
+/// The file that is being made.
 pub(super) const RESULTS: &str = "results.h5";
-/// What is written beside the state, to take its place.
+/// A new state, before it replaces the old one.
 const NEW_STATE: &str = "state.new";
-/// A second name of the results on their way to replace an earlier file.
+/// A second name of the results, from which they are renamed to replace an earlier file.
 const LINK: &str = "results.link";
 
-/// In the order in which they go: whoever is interrupted in between can still tell what was left.
+/// The files of the folder in the order of their removal. If the process is interrupted in between,
+/// the files that remain still show what the folder was.
 const NAMES: [&str; 5] = [ROWS, NEW_STATE, LINK, STATE, RESULTS];
 
 /// The name of the folder in which a file is made: `NAME.partial`.
@@ -40,7 +41,8 @@ pub fn partial_path(target: &Path) -> PathBuf {
     PathBuf::from(name)
 }
 
-/// The file that is meant: `NAME` where this is `NAME.partial`, and this itself otherwise.
+/// The target that a path stands for: `NAME` if the path is `NAME.partial`, and the path itself
+/// otherwise.
 pub fn file_of(path: &Path) -> PathBuf {
     if path.extension().is_some_and(|extension| extension == "partial") {
         path.with_extension("")
@@ -49,7 +51,7 @@ pub fn file_of(path: &Path) -> PathBuf {
     }
 }
 
-/// The folder, and the right to make a file in it.
+/// The folder for making one file, with the lock.
 #[derive(Debug)]
 pub(super) struct Workshop {
     target: PathBuf,
@@ -57,14 +59,14 @@ pub(super) struct Workshop {
     identity: (u64, u64),
     /// Whether a regular file of the target's name is replaced.
     force: bool,
-    /// Paths that are safe in it.
+    /// Number of paths that are saved in the folder.
     pub saved_paths: u64,
     _lock: Lock,
 }
 
 impl Workshop {
-    /// An empty one. What a run has left in it is an error unless it may go (`force`), and so is a
-    /// file of the target's name.
+    /// Create an empty folder. What a run has left in it is an error, unless `force` lets it be
+    /// removed.
     pub fn open(target: &Path, force: bool) -> Result<Workshop, StoreError> {
         let lock = lock(target)?;
         let folder = partial_path(target);
@@ -87,7 +89,7 @@ impl Workshop {
         Workshop::of(target, folder, force, lock)
     }
 
-    /// The one that an unfinished run has left.
+    /// Take over the folder that an unfinished run has left, which must exist.
     pub fn enter(target: &Path, force: bool, lock: Lock) -> Result<Workshop, StoreError> {
         Workshop::of(target, partial_path(target), force, lock)
     }
@@ -99,13 +101,13 @@ impl Workshop {
         Ok(Workshop { target: target.to_owned(), folder, identity, force, saved_paths: 0, _lock: lock })
     }
 
-    /// A file in it.
+    /// The path of a file in the folder.
     pub fn path(&self, name: &str) -> PathBuf {
         self.folder.join(name)
     }
 
-    /// Whether the folder of this name is still ours, and the file of this name in it the one that
-    /// is open.
+    /// Check that the folder still is the one that was opened, and that the name of an open file in
+    /// it still belongs to that file.
     pub fn check(&self, open: Option<(&str, &File)>) -> Result<(), StoreError> {
         let is = |path: &Path, identity: (u64, u64)| {
             fs::symlink_metadata(path).is_ok_and(|there| (there.dev(), there.ino()) == identity)
@@ -118,7 +120,7 @@ impl Workshop {
         if is_ours { Ok(()) } else { Err(StoreError::TakenAway { partial, target }) }
     }
 
-    /// Put a new state in the place of the old one, in one step that a loss of power does not undo.
+    /// Replace the saved state by a new one in a single step that survives a power failure.
     pub fn save(&mut self, state: &[u8], paths: u64) -> Result<(), StoreError> {
         let new = self.path(NEW_STATE);
         let write = || {
@@ -133,12 +135,12 @@ impl Workshop {
         Ok(())
     }
 
-    /// An error of the system as one that says what to do.
+    /// Turn an error of the system into an error that names the remedy.
     pub fn failed(&self, error: &io::Error) -> StoreError {
         self.failure(error.to_string(), is_full(error))
     }
 
-    /// The same.
+    /// The same from the cause as text, and whether the disk is full.
     pub fn failure(&self, cause: String, is_full: bool) -> StoreError {
         let (partial, target, saved_paths) = (self.folder.clone(), self.target.clone(), self.saved_paths);
         match is_full {
@@ -147,8 +149,8 @@ impl Workshop {
         }
     }
 
-    /// Give the results, which are whole and on the disk, their name, and remove the folder.
-    /// Nothing is replaced but a regular file, where it may be.
+    /// Give the results, which must be complete and on the disk, their final name, and remove the
+    /// folder. Nothing is replaced except a regular file, and that only with `force`.
     pub fn publish(&self) -> Result<(), StoreError> {
         let force = self.force;
         let (results, target) = (self.path(RESULTS), self.target.clone());
@@ -170,7 +172,7 @@ impl Workshop {
             fs::hard_link(&results, &target)
         };
         match named {
-            // Not every file system has links.
+            // Not every file system has hard links.
             Err(error) if error.kind() != io::ErrorKind::AlreadyExists => {
                 if !force && fs::symlink_metadata(&target).is_ok() {
                     return Err(failed(io::ErrorKind::AlreadyExists.into()));
@@ -179,21 +181,21 @@ impl Workshop {
             }
             named => named.map_err(failed)?,
         }
-        // Some file systems do not sync folders; the file itself is on the disk.
+        // Not every file system can sync folders; the contents of the file are on the disk already.
         let _ = sync_folder(&parent(&self.target));
         self.discard();
         Ok(())
     }
 
-    /// Remove the folder.
+    /// Remove the folder. Files in it that are not of this program stay, and the folder with them.
     pub fn discard(&self) {
-        // What is left is in nobody's way: without a state there is nothing to go on from.
+        // An error is ignored: a folder without a state hinders no later run.
         let _ = clear(&self.folder);
     }
 }
 
 impl Drop for Workshop {
-    /// Nothing is left where nothing is saved.
+    /// Remove the folder if no state was saved in it.
     fn drop(&mut self) {
         if self.check(None).is_ok() && !fs::exists(self.path(STATE)).unwrap_or(true) {
             let _ = clear(&self.folder);
@@ -201,8 +203,8 @@ impl Drop for Workshop {
     }
 }
 
-/// Write a file in one step: what has its name is whole. With `force`, a regular file of this name
-/// is replaced.
+/// Write a file in one step, so that a file of this name is always complete. With `force`, an
+/// existing regular file of this name is replaced.
 pub fn write_whole(target: &Path, bytes: &[u8], force: bool) -> Result<(), StoreError> {
     let workshop = Workshop::open(target, force)?;
     let write = || {
@@ -214,7 +216,8 @@ pub fn write_whole(target: &Path, bytes: &[u8], force: bool) -> Result<(), Store
     workshop.publish()
 }
 
-/// Whether this folder is what is left of making the file that has the target's name now.
+/// Whether the target and the results in its folder are the same file: then only the folder is left
+/// to be removed.
 pub(super) fn is_published(target: &Path) -> bool {
     let of = |path: &Path| fs::symlink_metadata(path).map(|there| (there.dev(), there.ino()));
     match (of(target), of(&partial_path(target).join(RESULTS))) {
@@ -223,7 +226,8 @@ pub(super) fn is_published(target: &Path) -> bool {
     }
 }
 
-/// Remove what is ours, and the folder unless it holds anything else.
+/// Remove the files of this program, and then the folder. The folder stays, with an error, if it
+/// holds anything else.
 fn clear(folder: &Path) -> io::Result<()> {
     for name in NAMES {
         match fs::remove_file(folder.join(name)) {
@@ -234,7 +238,7 @@ fn clear(folder: &Path) -> io::Result<()> {
     fs::remove_dir(folder)
 }
 
-/// The folder of a file.
+/// The folder that contains a file; `.` for a bare file name.
 pub(super) fn parent(target: &Path) -> PathBuf {
     target.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new(".")).to_owned()
 }
@@ -247,10 +251,10 @@ fn lock(target: &Path) -> Result<Lock, StoreError> {
     Lock::take(target)
 }
 
-/// Bring the names in a folder to the disk.
+/// Write the names in a folder to the disk.
 fn sync_folder(folder: &Path) -> io::Result<()> {
     match File::open(folder)?.sync_all() {
-        // A file system that cannot sync folders has nothing to bring.
+        // On a file system that cannot sync folders this step is left out.
         Err(error) if matches!(error.kind(), io::ErrorKind::InvalidInput | io::ErrorKind::Unsupported) => Ok(()),
         synced => synced,
     }

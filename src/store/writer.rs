@@ -17,32 +17,32 @@ use hdf5::plist::file_create::{AttrCreationOrder, LinkCreationOrder};
 use std::fs;
 use std::path::Path;
 
-/// Values in a chunk of per-path data: 128 kB of reals, so that a chunk of every variable fits into
-/// HDF5's cache.
+/// Number of values in a chunk of per-path data. As reals they take 128 kB, so that one chunk of
+/// every variable fits into HDF5's cache.
 const CHUNK: usize = 16_384;
 
 /// A file that is being written, in the folder `NAME.partial`.
 ///
-/// Rows must arrive in the order of their paths. Dropping a writer without `finish` leaves nothing
+/// Rows must arrive in the order of their paths. Dropping a writer without `finish` leaves no file
 /// behind.
 ///
 /// # When the disk is full
 ///
 /// The first error of a write or a flush is final: the HDF5 handles are leaked on purpose, and
-/// every later call returns an error. Closing such a file crashes in some versions of the HDF5
-/// library, and reports success in others.
+/// every later call returns an error. Closing such a file crashes some versions of the HDF5
+/// library, and others report success.
 #[derive(Debug)]
 pub struct Writer {
     workshop: Workshop,
-    /// Gone once a write has failed.
+    /// The open file; `None` after a write has failed.
     open: Option<Open>,
-    /// Why it is gone.
+    /// Why the file is no longer open.
     failure: Option<Failure>,
-    /// Paths appended.
+    /// Number of paths appended.
     appended: u64,
 }
 
-/// The handles of an open file; on a write error they must not be dropped.
+/// The handles of an open file. They must not be dropped after a write error.
 #[derive(Debug)]
 struct Open {
     place: Place,
@@ -50,7 +50,7 @@ struct Open {
     bearing: Option<Bearing>,
 }
 
-/// What went wrong, for as often as somebody asks.
+/// The first failure, kept so that every later call can report it again.
 #[derive(Clone, Debug)]
 struct Failure {
     cause: String,
@@ -58,17 +58,17 @@ struct Failure {
 }
 
 impl Writer {
-    /// Start a file: root attributes, coordinates, and the empty variables of what is recorded.
-    /// Nothing of the target is touched before `finish`. With `force`, a file of this name is
-    /// replaced, and what an unfinished run to it left behind goes.
+    /// Start a file: root attributes, coordinates, and the empty variables of what is recorded. The
+    /// target itself is not touched before `finish`. With `force`, an existing file of this name is
+    /// replaced, and what an unfinished run to it left behind is removed.
     pub fn create(target: &Path, header: &Provenance, record: &Record, force: bool) -> Result<Writer, StoreError> {
         Writer::within(Workshop::open(target, force)?, header, record)
     }
 
-    /// The same in a folder that is there.
+    /// The same in a folder that exists already.
     pub(super) fn within(workshop: Workshop, header: &Provenance, record: &Record) -> Result<Writer, StoreError> {
         let path = workshop.path(RESULTS);
-        // An earlier attempt to finish the run may have left it.
+        // An earlier attempt to finish the run may have left a file of this name.
         let _ = fs::remove_file(&path);
         let file = create_file(&path)
             .map_err(|error| StoreError::NotCreated { partial: path.clone(), cause: cause(&error) })?;
@@ -79,24 +79,25 @@ impl Writer {
         Ok(writer)
     }
 
-    /// Add the paths of the next block.
+    /// Append the rows of the next block.
     pub fn append(&mut self, block: &BlockResult) -> Result<(), StoreError> {
         self.append_rows(Rows::from(block))
     }
 
-    /// Add consecutive paths.
+    /// Append the rows of consecutive paths.
     pub fn append_rows(&mut self, rows: Rows) -> Result<(), StoreError> {
         self.guarded(|open| open.append(rows))?;
         self.appended += rows.paths;
         Ok(())
     }
 
-    /// Say what ends the run before its last path.
+    /// Write what ended the run before its last path.
     pub fn ended_by(&mut self, reason: &str) -> Result<(), StoreError> {
         self.guarded(|open| header::write_ended_by(&mut open.place, reason))
     }
 
-    /// Say which part of a run it is, and keep its state, from which it can be joined to others.
+    /// Write which part of a run this is, and keep the state of the part, from which it can be
+    /// joined to the others.
     pub(super) fn part(&mut self, part: Part, state: &[u8]) -> Result<(), StoreError> {
         self.guarded(|open| {
             header::write_part(&mut open.place, part)?;
@@ -104,8 +105,8 @@ impl Writer {
         })
     }
 
-    /// Write the statistics, and give the file its name: at every moment there is either no file of
-    /// that name (or the earlier one), or a finished one.
+    /// Write the statistics, and give the file its name. At every moment the name belongs to no
+    /// file (or to the earlier one), or to the finished file.
     pub fn finish(mut self, summary: &Summary, status: Status) -> Result<(), StoreError> {
         let paths = summary.completed_paths;
         let appended = self.appended;
@@ -115,16 +116,15 @@ impl Writer {
             }
             open.finish(summary, status)
         })?;
-        // Everything is written by now, so closing has nothing left to write.
+        // Everything is written by now, so closing the file writes nothing more.
         drop(self.open.take());
-        // Some file systems notice only now that they are full.
+        // Some file systems report only at this point that they are full.
         seal::seal(&self.workshop.path(RESULTS))
             .map_err(|error| self.latch(Failure { full: is_full(&error), cause: error.to_string() }))?;
         self.workshop.publish()
     }
 
-    /// Do something with the open file, unless an earlier write has failed; latch the first
-    /// failure.
+    /// Do something with the open file. After the first failure, every call returns that failure.
     fn guarded(&mut self, work: impl FnOnce(&mut Open) -> hdf5::Result<()>) -> Result<(), StoreError> {
         let Some(open) = &mut self.open else {
             return Err(self.error());
@@ -135,7 +135,7 @@ impl Writer {
         })
     }
 
-    /// Never touch the file again.
+    /// Record the failure and leak the handles, so that the file is never touched again.
     fn latch(&mut self, failure: Failure) -> StoreError {
         std::mem::forget(self.open.take());
         self.failure = Some(failure);
@@ -150,8 +150,8 @@ impl Writer {
 }
 
 impl Drop for Writer {
-    /// What is not written yet is of no use, but to close the file writes it; an error then may
-    /// crash the library.
+    /// Closing the file writes what is still in memory, and an error then may crash the library. So
+    /// the file is flushed first, and leaked if that fails.
     fn drop(&mut self) {
         if let Some(open) = self.open.take()
             && open.place.file.flush().is_err()
@@ -161,17 +161,17 @@ impl Drop for Writer {
     }
 }
 
-/// An empty file of the kind that netCDF-4 readers expect.
+/// Create an empty file of the kind that netCDF-4 readers expect.
 pub(super) fn create_file(path: &Path) -> hdf5::Result<File> {
     File::with_options()
-        // V18 keeps the file readable after the process is killed; V110 and later mark it as open
-        // for writing. A strong close closes the file even if a handle to one of its objects is
-        // still around.
+        // With V18 the file stays readable after the process is killed; V110 and later mark it as
+        // open for writing. A strong close closes the file even if a handle to one of its objects
+        // still exists.
         .with_fapl(|access| {
             access.libver_bounds(LibraryVersion::V18, LibraryVersion::V110).fclose_degree(FileCloseDegree::Strong)
         })
-        // netCDF-4 appends only to files that know the order in which their variables were made,
-        // and equal runs give equal files only without modification times.
+        // netCDF-4 appends only to files that record the order in which their variables were
+        // created. Equal runs give equal files only if no modification times are stored.
         .with_fcpl(|creation| {
             creation
                 .link_creation_order(LinkCreationOrder::Indexed)
@@ -208,7 +208,7 @@ impl Open {
     }
 }
 
-/// How the variables along a dimension are laid out.
+/// The chunks of the variables along a dimension.
 fn growth(along: Along, header: &Provenance, record: &Record) -> Growth {
     match along {
         Along::Path => Growth { rows: (header.paths as usize).clamp(1, CHUNK), columns: 1 },

@@ -1,10 +1,11 @@
-//! The file of a sweep: what was asked, what is known of every point, and what points say together.
+//! The file of a sweep: the question, the results at every point, and the comparisons between
+//! points.
 //!
 //! ```text
-//! SweepFile::open   takes the name for this process; what an interrupted sweep of the same question left is where to go on
-//!   -> save         NAME.partial: at every moment a whole file of the points that were done, replaced in one step
-//!     -> finish     NAME.partial becomes NAME
-//! read_sweep        either of them
+//! SweepFile::open   takes the lock, and returns the points that are saved already
+//!   -> save         replaces NAME.partial, a complete file of the points that are done, in one step
+//!     -> finish     renames NAME.partial to NAME
+//! read_sweep        reads either of the two
 //! ```
 
 mod read;
@@ -21,18 +22,19 @@ use crate::study::sweep::{Design, Point, Question, Sweep};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-/// Shortest time between two moments at which the file on disk is brought up to date.
+/// Shortest time between two updates of the file on disk.
 const INTERVAL: Duration = Duration::from_secs(1);
 
-/// Bringing it up to date may take at most this share of the time.
+/// Updating the file takes at most one part in `SHARE` of the time.
 const SHARE: u32 = 50;
 
-/// The file of a sweep that is being simulated. Nobody else may write it meanwhile.
+/// The file of a sweep that is being simulated. It holds the lock, so that no other process writes
+/// the file meanwhile.
 #[derive(Debug)]
 pub struct SweepFile {
     target: PathBuf,
     header: Provenance,
-    /// When it was brought up to date last.
+    /// When the file was last updated.
     last: Option<Instant>,
     interval: Duration,
     /// Whether a regular file of the target's name is replaced.
@@ -41,10 +43,10 @@ pub struct SweepFile {
 }
 
 impl SweepFile {
-    /// Take the name for a sweep. Returns the points that are known already: all of them, if the
-    /// file is there and answers the same question; those of `NAME.partial`, if an interrupted
-    /// sweep of the same question left it. A file of another question is an error, unless it may go
-    /// (`force`).
+    /// Take the lock for a sweep, and return the points that are known already. If the target
+    /// exists and answers the same question, these are all of its points; if an interrupted sweep
+    /// of the same question left `NAME.partial`, they are the points in it. A file of another
+    /// question is an error, unless `force` lets it be replaced.
     pub fn open(
         target: &Path,
         header: &Provenance,
@@ -79,13 +81,13 @@ impl SweepFile {
         }
     }
 
-    /// Bring `NAME.partial` up to date, unless that was done a moment ago.
+    /// Update `NAME.partial`, unless that was done a moment ago.
     pub fn save(&mut self, sweep: &Sweep) -> Result<(), StoreError> {
         let is_due = self.last.is_none_or(|last| last.elapsed() >= self.interval);
         if is_due { self.save_now(sweep) } else { Ok(()) }
     }
 
-    /// Bring `NAME.partial` up to date.
+    /// Update `NAME.partial` now.
     pub fn save_now(&mut self, sweep: &Sweep) -> Result<(), StoreError> {
         let start = Instant::now();
         write::replace(&partial_path(&self.target), &self.header, sweep)?;
@@ -94,7 +96,7 @@ impl SweepFile {
         Ok(())
     }
 
-    /// Every point is done: the file gets its name.
+    /// Update the file a last time and rename it to the target. Every point must be done.
     pub fn finish(mut self, sweep: &Sweep) -> Result<(), StoreError> {
         self.save_now(sweep)?;
         let partial = partial_path(&self.target);
@@ -105,7 +107,8 @@ impl SweepFile {
     }
 }
 
-/// The points in a file, if it is a sweep of this question by this program.
+/// The points in a file, if it is of this question and was written by this program; an error
+/// otherwise.
 fn same_question(path: &Path, header: &Provenance, question: &Question) -> Result<Vec<Option<Point>>, StoreError> {
     let stored = read_sweep(path)?;
     match read::difference(&stored, header, question) {
@@ -114,13 +117,13 @@ fn same_question(path: &Path, header: &Provenance, question: &Question) -> Resul
     }
 }
 
-/// About how many bytes the file of a sweep has.
+/// Approximate size of the file of a sweep, in bytes.
 pub fn sweep_bytes(design: &Design) -> u64 {
-    /// Numbers of a statistic at a point besides those of each group and each comparison.
+    /// Values of one statistic at one point, without those of groups and comparisons.
     const OF_POINT: usize = 10;
-    /// Numbers of a comparison.
+    /// Values of one comparison.
     const OF_DIFFERENCE: usize = 5;
-    /// Attributes, names, and what HDF5 takes for itself.
+    /// Bytes of attributes, names and HDF5's own structures.
     const EMPTY: usize = 40_000;
     let of_statistic = OF_POINT + GROUPS + OF_DIFFERENCE * design.along().len().max(1);
     (EMPTY + design.points() * 8 * (of_statistic * Statistic::ALL.len() + 8)) as u64

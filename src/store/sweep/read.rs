@@ -1,4 +1,4 @@
-//! Reading the file of a sweep back, a finished one or one that is to be continued.
+//! Reading the file of a sweep, finished or not.
 
 use crate::dataset::sweep::{self, SWEEP_FORMAT_NAME, SWEEP_FORMAT_VERSION, name, program};
 use crate::dataset::{StoredSweep, read_text};
@@ -9,7 +9,8 @@ use crate::store::reader::{check_file, open};
 use crate::study::sweep::{Design, Question};
 use std::path::Path;
 
-/// What a stored sweep was asked otherwise than by this question, if anything.
+/// The first difference between a stored sweep and this question, in words; `None` if there is
+/// none.
 pub(super) fn difference(stored: &StoredSweep, header: &Provenance, question: &Question) -> Option<String> {
     let Provenance { program_version, git_hash, generator, block_size, .. } = header;
     let mine = program(program_version, git_hash, generator, *block_size);
@@ -40,13 +41,14 @@ pub(super) fn difference(stored: &StoredSweep, header: &Provenance, question: &Q
     })
 }
 
-/// The lines that say something, without their comments.
+/// The lines of a text without comments and empty lines.
 fn lines(text: &str) -> Vec<String> {
     let said = text.lines().map(|line| line.split("  #").next().unwrap_or("").trim().to_string());
     said.filter(|line| !line.is_empty()).collect()
 }
 
-/// Read the file of a sweep.
+/// Read the file of a sweep. A file that is not one, is newer than this program or is damaged is an
+/// error.
 pub fn read_sweep(path: &Path) -> Result<StoredSweep, StoreError> {
     check_file(path)?;
     let file = open(path)?;
