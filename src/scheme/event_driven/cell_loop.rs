@@ -1,16 +1,17 @@
-//! The loop of the schemes that follow noisy paths from event to event: event-driven and
-//! quasi-static.
+//! The loop over cells and phases of the schemes that follow noisy paths from event to event:
+//! event-driven and quasi-static.
 //!
-//! All paths of a block cross one cell of time after the other. A path crosses a cell phase by
-//! phase:
+//! All paths of a block cross one cell of time before the next. Within a cell, a path is taken
+//! phase by phase:
 //!
 //! ```text
 //! n at the end of the cell    drawn from its law given n at the start: the skeleton
-//! stick                       is the corridor left, given both ends?          `Corridor`
-//! slip                        where does it stop, given n at the end?         the scheme
+//! stick                       does b leave the corridor, given n at both ends?    `Corridor`
+//! slip                        where does it stop, given n at the end?             the scheme
 //! ```
 //!
-//! Whoever looks inside a cell is shown what is drawn for the purpose ([`super::watch`]).
+//! The state at an instant inside a cell is drawn separately and does not change the path
+//! ([`super::watch`]).
 
 use super::cells::Cell;
 use super::corridor::{Corridor, Pending};
@@ -25,49 +26,51 @@ use crate::scheme::columns::Columns;
 use crate::scheme::timeline::Stop;
 use crate::scheme::{Instant, Observer, Timeline};
 
-/// Where one path is.
+/// The state of one path.
 #[derive(Clone, Debug)]
 pub struct Path<M> {
-    /// How far it has been simulated, after the start of the cell.
+    /// The time up to which it has been simulated, after the start of the cell.
     pub after: f64,
-    /// x, or where the phase began if the scheme tells from that.
+    /// x, or x at the start of the phase if the scheme computes x from that.
     pub displacement: f64,
     /// n.
     pub noise: f64,
-    /// What of n was n2 at the start of the cell; 0 where there is one noise.
+    /// The part of n that is the second noise, at the start of the cell; 0 where there is only one
+    /// noise.
     pub second_noise: f64,
-    /// b, as it is known where a phase begins: threshold or force at a stop, and not a difference
-    /// of larger forces.
+    /// b. Where a phase begins it is the value that is known exactly (the threshold, or the force
+    /// at a stop), not a difference of larger forces.
     pub force: f64,
     pub phase: Phase,
-    /// What else the scheme knows of the motion.
+    /// What else the scheme needs to know of the motion.
     pub motion: M,
     pub draws: AddressedDraws,
     pub work: Work,
     pub is_lost: bool,
 }
 
-/// A scheme as the loop sees it.
+/// What the loop needs from a scheme.
 pub trait Cascade {
-    /// What it knows of the motion of a path besides place, noise, force and phase.
+    /// What the scheme knows of the motion of a path besides displacement, noise, force and phase.
     type Motion: Default;
-    /// Room for what one path needs at a time.
+    /// Buffers for the computation of one path at a time.
     type Scratch;
 
     fn scene(&self) -> &Scene;
     fn timeline(&self) -> &Timeline;
-    /// Where cells begin and end.
+    /// The division of time into cells.
     fn ladder(&self) -> &Ladder;
-    /// What ends sticks.
+    /// Finds the exits from sticks.
     fn corridor(&self) -> &Corridor;
-    /// What a path may spend.
+    /// The number of evaluations that a path may make.
     fn work_limit(&self) -> u64;
-    /// Every so many rows of the output grid one is the run's; those between are a closer look.
+    /// Every `closeness`-th row of the output grid belongs to the run; the rows between are only
+    /// for a closer look at a path.
     fn closeness(&self) -> usize;
     fn scratch(&self) -> Self::Scratch;
 
-    /// Take a path in a sub-phase to the end of the cell, where n is `end_noise`, or to the event
-    /// that ends the sub-phase before.
+    /// Takes a path in a sub-phase to the end of the cell, where n is `end_noise`, or to the event
+    /// that ends the sub-phase if this comes first. Returns that event.
     fn slip(
         &self,
         cell: &Cell,
@@ -78,43 +81,44 @@ pub trait Cascade {
         watch: &mut impl Watch,
     ) -> Result<Option<Event>, Unresolved>;
 
-    /// The motion with which the phase after an event begins.
+    /// The motion at the start of the phase that follows an event.
     fn motion_after(&self, event: &Event) -> Self::Motion;
 
-    /// x and x' at the end of a cell to which the path has been taken.
+    /// x and x' at the end of the cell to which the path has been taken.
     fn look(&self, path: &Path<Self::Motion>, cell: &Cell) -> (f64, f64);
 }
 
-/// A stop is on the end of a cell if it is within this share of the time, which is its rounding.
+/// A stop lies on the end of a cell if their times differ by at most this fraction, which is
+/// rounding.
 const ALIGNMENT: f64 = 4.0 * f64::EPSILON;
 
-/// So many cells are crossed by one path before the next path.
+/// The largest number of cells that one path crosses before the next path.
 const MOST_QUIET: usize = 64;
 
-/// Places of a cell's numbers: n at its end, what the scheme moves by over a whole cell, and from
-/// here on what happens inside.
+/// Places of the random numbers of a cell: n at its end, the motion of a slip over the whole cell,
+/// and from `EVENT_PLACE` on everything else inside the cell.
 pub const NOISE_PLACE: u64 = 0;
 pub const WHOLE_PLACE: u64 = 1;
 pub const EVENT_PLACE: u64 = 2;
 
-/// The paths of a block between two cells, as the loop moves them.
+/// The paths of a block at the border of two cells, and how the loop takes them across cells.
 pub trait Paths {
-    /// What moves by itself: the scheme.
+    /// The scheme.
     type Cascade: Cascade;
 
     fn cascade(&self) -> &Self::Cascade;
-    /// Take all paths across cells inside which nobody looks.
+    /// Takes all paths across cells that have no stop inside.
     fn cross(&mut self, cells: &[Cell], observer: &mut dyn Observer);
-    /// Take all paths across a cell inside which somebody looks.
+    /// Takes all paths across a cell with stops inside.
     fn cross_watched(&mut self, cell: &Cell, inside: &mut Inside);
-    /// Set what is seen of every path at the end of the cell that was crossed last.
+    /// Writes the state of every path at the end of the cell that was crossed last.
     fn look(&self, passed: &Cell, columns: &mut Columns);
-    /// Whether all paths are lost.
+    /// Whether all paths have been given up.
     fn are_lost(&self) -> bool;
     fn simulated(&self) -> Simulated;
 }
 
-/// Simulate some paths.
+/// Simulates `count` paths to the last stop of the timeline, or until the observer stops them.
 pub fn simulate(paths: &mut impl Paths, count: usize, observer: &mut dyn Observer) -> Simulated {
     let mut cell = Cell::new(paths.cascade().scene(), paths.cascade().ladder(), 0);
     let (closeness, timeline) = (paths.cascade().closeness(), *paths.cascade().timeline());
@@ -124,8 +128,9 @@ pub fn simulate(paths: &mut impl Paths, count: usize, observer: &mut dyn Observe
     let is_before = |stop: &Stop, end: f64| stop.time < end - ALIGNMENT * end;
     let is_by = |stop: &Stop, end: f64| stop.time <= end + ALIGNMENT * end;
     while let Some(stop) = stops.peek().filter(|_| !observer.is_stopped()) {
-        // Cells inside which nobody looks, up to the end of one at which somebody does: each path
-        // goes through all of them alone, which processors predict better.
+        // Collect the cells without a stop inside, up to the end of a cell at which there is a
+        // stop. Where paths go one by one, each crosses all of them before the next path, which is
+        // easier for the branch prediction of a processor.
         quiet.clear();
         while !is_before(stop, cell.end) && quiet.len() < MOST_QUIET {
             quiet.push(cell.clone());
@@ -158,12 +163,12 @@ pub fn simulate(paths: &mut impl Paths, count: usize, observer: &mut dyn Observe
     paths.simulated()
 }
 
-/// Paths that go one by one.
+/// Paths that are simulated one after the other.
 pub struct OneByOne<'a, C: Cascade> {
     cascade: &'a C,
     instructions: InstructionSet,
     paths: Vec<Path<C::Motion>>,
-    /// The events of the cells that were crossed last.
+    /// The events of the cells that were crossed last, with their lanes.
     events: Vec<(usize, Event)>,
     scratch: (C::Scratch, Pending),
 }
@@ -181,9 +186,10 @@ impl<'a, C: Cascade> OneByOne<'a, C> {
     }
 }
 
-/// One path after the other across cells, looked at or not: a scalar program, compiled for each
-/// instruction set with everything that is called often (hence `inline(always)` there), so that
-/// fused multiply-adds become instructions instead of calls. The bits stay the same.
+/// Takes one path after the other across cells, with or without stops inside. This scalar program
+/// is compiled for each instruction set together with everything that it calls often (hence
+/// `inline(always)` there), so that a fused multiply-add is an instruction instead of a call. The
+/// bits are the same on all instruction sets.
 struct Crossing<'p, 'a, C: Cascade> {
     all: &'p mut OneByOne<'a, C>,
     cells: &'p [Cell],
@@ -252,7 +258,7 @@ impl<C: Cascade> Paths for OneByOne<'_, C> {
     }
 }
 
-/// What is seen of a path at the end of a cell.
+/// The state that an observer sees of a path at the end of a cell.
 fn at_the_end<C: Cascade>(cascade: &C, cell: &Cell, path: &Path<C::Motion>) -> Seen {
     if path.is_lost {
         return LOST;
@@ -262,7 +268,7 @@ fn at_the_end<C: Cascade>(cascade: &C, cell: &Cell, path: &Path<C::Motion>) -> S
     (x, v, temperature, path.phase == Phase::Static)
 }
 
-/// What is seen of a path that was given up.
+/// The state that an observer sees of a path that was given up.
 pub const LOST: Seen = (f64::NAN, f64::NAN, f64::NAN, false);
 
 /// A path at t = 0.
@@ -273,7 +279,7 @@ pub fn start<C: Cascade>(cascade: &C, seed: u64, path: u64) -> Path<C::Motion> {
 }
 
 impl<M: Default> Path<M> {
-    /// At t = 0, at rest, with this n.
+    /// A path at t = 0, at rest, with this n.
     pub fn new(scene: &Scene, noise: f64, draws: AddressedDraws, work: Work) -> Self {
         let displacement = scene.initial_displacement;
         Path {
@@ -291,7 +297,7 @@ impl<M: Default> Path<M> {
     }
 }
 
-/// Take a path across a cell, phase by phase.
+/// Takes a path across a cell, phase by phase.
 #[inline(always)]
 pub fn cross<C: Cascade>(
     cascade: &C,
@@ -320,7 +326,7 @@ pub fn cross<C: Cascade>(
     Ok(())
 }
 
-/// n at the end of a cell, given n at its start: the skeleton.
+/// Draws n at the end of a cell, given n at its start: the next value of the skeleton.
 #[inline(always)]
 fn noise_at_the_end<M>(cell: &Cell, path: &mut Path<M>) -> f64 {
     let mut draws = path.draws.at(cell.index, NOISE_PLACE);
@@ -331,7 +337,8 @@ fn noise_at_the_end<M>(cell: &Cell, path: &mut Path<M>) -> f64 {
     first + path.second_noise
 }
 
-/// Take a path in a static phase to the end of the cell or to its exit.
+/// Takes a path in a static phase to the end of the cell, or to its exit if this comes first.
+/// Returns the exit.
 #[inline(always)]
 fn stick<C: Cascade>(
     cascade: &C,
@@ -364,21 +371,21 @@ fn stick<C: Cascade>(
     Ok(Some(event))
 }
 
-/// The stops inside a cell, what was seen there, and the events of the cell.
+/// The stops inside a cell, the states of all paths there, and the events of the cell.
 #[derive(Default)]
 pub struct Inside {
     stops: Vec<Stop>,
-    /// When they are, each time once, and which of them are a closer look.
+    /// The times of the stops, each once, and whether they are only for a closer look.
     glances: Vec<Glance>,
-    /// The glance of each stop.
+    /// The index in `glances` of each stop.
     places: Vec<usize>,
-    /// What was seen at each stop, lane by lane.
+    /// The states at `glances`, lane by lane.
     seen: Vec<Vec<Seen>>,
     events: Vec<(usize, Event)>,
 }
 
 impl Inside {
-    /// The stops in the next cell, at which so many paths are looked at.
+    /// Starts a new cell with these stops, at which so many paths are observed.
     fn begin(&mut self, stops: impl Iterator<Item = Stop>, cell: &Cell, paths: usize, closeness: usize) {
         self.stops.clear();
         self.stops.extend(stops);
@@ -398,7 +405,7 @@ impl Inside {
         self.events.clear();
     }
 
-    /// Take a path across the cell, and look at it.
+    /// Takes a path across the cell and draws its state at the stops.
     #[inline(always)]
     pub fn cross<C: Cascade>(
         &mut self,
@@ -415,8 +422,8 @@ impl Inside {
         path.is_lost = cross(cascade, cell, path, scratch, &mut watch, emit).is_err();
     }
 
-    /// Tell the observer what happened, in order of time. `is_over` if nothing after the last stop
-    /// matters.
+    /// Passes events and states to the observer, in order of time. With `is_over`, there is no
+    /// later stop, and events after the last one are dropped.
     fn tell(&mut self, observer: &mut dyn Observer, columns: &mut Columns, is_over: bool) {
         for (stop, &place) in self.stops.iter().zip(&self.places) {
             self.events.retain(|&(lane, event)| {

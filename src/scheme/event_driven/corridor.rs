@@ -1,14 +1,15 @@
 //! A static phase inside a cell: whether and when b leaves the corridor |b| <= f_s, given n at the
 //! end of the cell.
 //!
-//! A piece of the bridge between two known values of n
+//! Between two known values of n the noise is a bridge. A piece of the bridge
 //!
-//! - is *clear* if neither threshold can be met: the chance, after the threshold has been moved
-//!   towards the noise by all that it bends, is below exp(-35);
-//! - is *decided* by [`StickStep::exit`] if it is short enough: h <= width^2/(8 s^2), so that the
-//!   chance that one bridge meets both thresholds is below 2 exp(-16), and |c| h^2/8 <= kappa s
-//!   sqrt(h) for each threshold in reach, kappa the stick share of the tolerance;
-//! - otherwise n is drawn in the middle, and the halves are looked at from the left.
+//! - is *clear* if it cannot meet a threshold: the probability that it does, after the threshold
+//!   has been moved towards the noise by the most that it bends, is below exp(-35);
+//! - is *decided* by [`StickStep::exit`] if it is short enough: h <= width^2/(8 s^2), so that one
+//!   bridge meets both thresholds with a probability below 2 exp(-16), and |c| h^2/8 <= kappa s
+//!   sqrt(h) for each threshold that may be met, where c is the bend of the threshold
+//!   ([`super::stick_step`]) and kappa follows from the tolerance;
+//! - is otherwise divided: n is drawn in the middle, and the halves are treated from left to right.
 
 use super::cell_loop::Path;
 use super::cells::Cell;
@@ -20,18 +21,18 @@ use crate::lanes::{Choose, Lanes};
 use crate::model::Sign;
 use crate::noise::bridge_middle;
 
-/// The width rule: pieces of at most width^2 / (this s^2) are decided.
+/// The number in the width rule: pieces of at most width^2 / (WIDTH_RULE s^2) are decided.
 const WIDTH_RULE: f64 = 8.0;
 
-/// Halvings of a piece; it is decided then whatever its bend.
+/// After so many halvings a piece is decided, whatever its bend.
 const DEPTH: usize = 60;
 
-/// What decides pieces of sticks.
+/// Finds the exits from sticks.
 #[derive(Clone, Debug)]
 pub struct Corridor {
-    /// The longest piece by the width rule.
+    /// The longest piece by the width rule, a time.
     widest: f64,
-    /// (8 kappa s)^2, to be held against |c|^2 h^3.
+    /// (8 kappa s)^2, the largest |c|^2 h^3 of a piece that is decided.
     most_bend: f64,
 }
 
@@ -47,13 +48,13 @@ pub struct Node<L = f64> {
     pub curvature: L,
 }
 
-/// The right ends of pieces still to be looked at, the nearest on top; kept between sticks so that
-/// none is cleared in vain.
+/// The right ends of the pieces that remain, the nearest one last. It is kept from stick to stick,
+/// so that it need not be initialised again.
 #[derive(Clone, Debug)]
 pub struct Pending([Node; DEPTH + 1]);
 
 impl Pending {
-    /// None.
+    /// An empty stack.
     pub fn new() -> Self {
         Pending([Node { after: 0.0, noise: 0.0, force: 0.0, curvature: 0.0 }; DEPTH + 1])
     }
@@ -62,16 +63,17 @@ impl Pending {
 /// One threshold over a piece.
 #[derive(Clone, Copy)]
 struct Side<L: Lanes> {
-    /// The largest |U'' - theta^2 U| at its ends, U the threshold as n sees it.
+    /// The larger |U'' - theta^2 U| of both ends, where U is the value of n at which the threshold
+    /// is met.
     bend: L,
-    /// Whether the bridge may meet it.
+    /// Whether the bridge may meet the threshold.
     is_near: L::Mask,
 }
 
 /// Both thresholds over a piece.
 #[derive(Clone, Copy)]
 pub struct Reach<L: Lanes> {
-    /// Whether the bridge may meet one of them.
+    /// Whether the bridge may meet at least one of them.
     pub is_near: L::Mask,
     /// Whether the piece is too long to be decided.
     pub is_long: L::Mask,
@@ -83,8 +85,9 @@ impl Corridor {
         Corridor { widest: width * width / (WIDTH_RULE * s * s), most_bend: (8.0 * kappa * s) * (8.0 * kappa * s) }
     }
 
-    /// Whether a path in a static phase leaves the corridor before the end of the cell, where n is
-    /// `end_noise`; if so, the time after the start of the cell and the side.
+    /// The exit of a path from its static phase before the end of the cell, where n is `end_noise`:
+    /// the time after the start of the cell, and the sign of b. None if the path stays inside the
+    /// corridor.
     #[inline(always)]
     pub fn exit<M>(
         &self,
@@ -148,8 +151,8 @@ impl Corridor {
 }
 
 impl Corridor {
-    /// Whether a piece between two nodes may leave the corridor, and whether that is decided at
-    /// once.
+    /// Whether the bridge between two nodes may leave the corridor, and whether the piece is too
+    /// long to be decided without halving it.
     #[inline(always)]
     pub fn reach<L: Lanes>(&self, scene: &Scene, h: L, left: &Node<L>, right: &Node<L>) -> Reach<L> {
         let (up, down) = (side(scene, 1.0, h, left, right), side(scene, -1.0, h, left, right));
@@ -160,7 +163,7 @@ impl Corridor {
     }
 }
 
-/// What decides a piece between two nodes.
+/// What [`StickStep`] needs to know of a piece between two nodes.
 #[inline(always)]
 pub fn ends<L: Lanes>(left: &Node<L>, right: &Node<L>) -> StickEnds<L> {
     StickEnds {
@@ -171,7 +174,7 @@ pub fn ends<L: Lanes>(left: &Node<L>, right: &Node<L>) -> StickEnds<L> {
     }
 }
 
-/// What is to be known of one threshold over a piece.
+/// One threshold (`side` = 1: upper, -1: lower) over a piece between two nodes.
 #[inline(always)]
 fn side<L: Lanes>(scene: &Scene, side: f64, h: L, left: &Node<L>, right: &Node<L>) -> Side<L> {
     let (f_s, theta) = (L::splat(scene.friction.static_force), scene.relaxation_rate);
@@ -188,13 +191,13 @@ fn side<L: Lanes>(scene: &Scene, side: f64, h: L, left: &Node<L>, right: &Node<L
     Side { bend, is_near: L::not(is_far) }
 }
 
-/// |U'' - theta^2 U| at one end, where the distance to the threshold is `d`.
+/// |U'' - theta^2 U| at one end, where `d` is the distance to the threshold.
 #[inline(always)]
 fn bend<L: Lanes>(theta: f64, side: f64, node: &Node<L>, d: L) -> L {
     (node.curvature * side + (node.noise * side + d) * (theta * theta)).abs()
 }
 
-/// sinh y <= y (1 + this y^2) for 0 <= y <= 1.
+/// sinh y <= y (1 + SINH_BOUND y^2) for 0 <= y <= 1.
 const SINH_BOUND: f64 = 0.1753;
 
 #[cfg(test)]
@@ -204,8 +207,8 @@ mod tests {
     use crate::model::paper::paper;
     use crate::model::{Harmonic, Sign};
 
-    /// Statistical tests: null hypothesis, the mean is the exact one; n paths; they fail by chance
-    /// once in 1e4 (3.9 standard errors), with fixed seeds.
+    /// The statistical tests have the null hypothesis that the mean is the exact one. With fixed
+    /// seeds, each comparison fails by chance once in 1e4 (3.9 standard errors).
     const FALSE_ALARM: f64 = 3.9;
 
     /// The chord error at the default tolerance.
@@ -218,9 +221,10 @@ mod tests {
         assert!((mean - exact).abs() <= FALSE_ALARM * error, "{name}: {mean} +- {error}, exact {exact}");
     }
 
-    /// Exit of dv = -v dt + dW from (lower, upper), started at `from`: Siegert's integrals by
-    /// high-precision quadrature. The wide corridor is left seldom and where its threshold bends
-    /// most, so it takes more paths: at four times the chord error its mean is 1 % too long.
+    /// Exit of dv = -v dt + dW from (lower, upper), started at `from`. The exact means are
+    /// Siegert's integrals, computed by high-precision quadrature. The wide corridor is left rarely
+    /// and where its threshold bends most, so it takes more paths: at four times the chord error
+    /// its mean is 1 % too long.
     #[test]
     fn exit_from_a_fixed_corridor_has_siegert_s_mean_and_side() {
         // (lower, upper, from, mean, probability of the upper side)
@@ -234,7 +238,8 @@ mod tests {
             (-0.4, 1.2, 0.0, 0.553_861_940_553_424, 0.164_777_335_275_732_8),
         ];
         for (case, (lower, upper, from, mean, up)) in cases.into_iter().enumerate() {
-            // K = beta = rho = 1 and no harmonics: b = n - x0 with threshold (upper - lower)/2.
+            // With K = beta = rho = 1 and no harmonics, b = n - x0 and the threshold is (upper -
+            // lower)/2.
             let mut model = paper(0.25, 1.0);
             model.oscillator.dilatation = 1.0;
             model.temperature.harmonics.clear();
@@ -253,8 +258,8 @@ mod tests {
 
     #[test]
     fn exit_does_not_depend_on_the_units_of_the_noise() {
-        // theta, sigma general: time scales by 1/theta and v by sigma/sqrt(theta); survival P(T >
-        // t) of the corridor 0.8.
+        // General theta and sigma scale time by 1/theta and v by sigma/sqrt(theta). The exact
+        // values are the survival probabilities P(T > t) of the corridor of half-width 0.8.
         let (theta, sigma) = (3.0, 0.2);
         let mut model = paper(0.25, 1.0);
         model.oscillator.dilatation = 1.0;
@@ -275,8 +280,8 @@ mod tests {
 
     #[test]
     fn first_stick_of_the_paper_s_noisy_scene_has_its_exact_mean() {
-        // The corridor moves with the forcing; means from the backward Kolmogorov equation (12
-        // digits) and, for the two smallest rho, from a Volterra equation
+        // The corridor moves with the forcing. The exact means are from the backward Kolmogorov
+        // equation (12 digits) and, for the two smallest rho, from a Volterra equation
         // (tests/reference/first_stick.py, 7 digits).
         for (rho, mean) in [
             (0.01, 2.571_426),
@@ -302,13 +307,12 @@ mod tests {
         }
     }
 
-    /// Where the threshold bends, 1 + 100 (1 - cos((t - 2.5)/10)) above the noise with theta =
-    /// 0.0354 and s = 1, the length of a step is a matter of its chord error alone; pieces are
-    /// halved, so that four times the error would be pieces of four times the length. Null: the
-    /// chance to leave in the first dip, and when, are the exact ones
-    /// (`tests/reference/first_stick.py`) but for the default tolerance, 0.1 %. 8e5 paths, which
-    /// tell the two to 0.12 and 0.06 %, two comparisons at 1e-4 each. At twice the chord error the
-    /// time is 0.4 % too long, at four times 4 %.
+    /// A threshold that bends: it lies 1 + 100 (1 - cos((t - 2.5)/10)) above the noise, with theta
+    /// = 0.0354 and s = 1, so that the length of a piece follows from its chord error alone. Null:
+    /// the probability to leave in the first dip, and the mean time of these exits, are the exact
+    /// ones (`tests/reference/first_stick.py`) within the default tolerance, 0.1 %. 8e5 paths give
+    /// standard errors of 0.12 and 0.06 %; each of the two comparisons fails by chance once in 1e4.
+    /// At twice the chord error the time is 0.4 % too long, at four times 4 %.
     #[test]
     fn a_bent_threshold_is_left_when_it_should_be_at_the_default_tolerance() {
         let (amplitude, w): (f64, f64) = (100.0, 0.1);

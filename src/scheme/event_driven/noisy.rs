@@ -1,16 +1,17 @@
-//! The cascade with Ornstein-Uhlenbeck noise, in law.
+//! The cascade under Ornstein-Uhlenbeck noise, exact in law up to the tolerance.
 //!
-//! Cell by cell ([`super::cell_loop`]), n at the end of a cell being known:
+//! A path is taken from cell to cell ([`super::cell_loop`]); n at the end of the cell is drawn
+//! first.
 //!
-//! - Stick: bridge crossings of the corridor ([`super::corridor`]).
-//! - Slip: exact steps of (x, x', n) ([`DrivenOscillator`]), given n at their ends, each searched
-//!   for the first zero of x' ([`super::first_stop`]). Where a slip stops, the state that was drawn
-//!   at the end of the step is forgotten: what goes on from there depends on n at the end of the
-//!   cell alone.
+//! - Stick: the bridge of n between known values may cross a threshold ([`super::corridor`]).
+//! - Slip: exact steps of (x, x', n) ([`DrivenOscillator`]), given n at their ends, each of which
+//!   is searched for the first zero of x' ([`super::first_stop`]). Where a slip stops, the state
+//!   that was drawn at the end of the step is discarded: what follows depends only on n at the end
+//!   of the cell.
 //!
-//! A cell is as long as one step of a slip, or, where the body swings much faster than forcing and
-//! noise change, as those allow: then a slip makes many steps in a cell, n at their ends drawn from
-//! its bridge to the end of the cell.
+//! A cell is as long as one step of a slip. Where the body oscillates much faster than forcing and
+//! noise change, a cell is as long as these allow; then a slip makes many steps in a cell, and n at
+//! their ends is drawn from its bridge to the end of the cell.
 
 use super::abreast::Abreast;
 use super::cell_loop::{self, Cascade, OneByOne, WHOLE_PLACE};
@@ -30,7 +31,7 @@ use crate::noise::{AddressedDraws, bridge_at};
 use crate::scheme::{Observer, Timeline};
 use std::cell;
 
-/// The noisy cascade of one scene.
+/// The noisy scheme for one scene.
 #[derive(Clone, Debug)]
 pub struct Noisy {
     scene: Scene,
@@ -40,13 +41,13 @@ pub struct Noisy {
     oscillator: DrivenOscillator,
     step: SlipStep,
     search: StopSearch,
-    /// What a path may spend.
+    /// The number of evaluations that a path may make.
     pub(super) work_limit: u64,
-    /// Every so many rows of the output grid one is the run's.
+    /// Every `closeness`-th row of the output grid belongs to the run.
     pub(super) closeness: usize,
 }
 
-/// A slip step of the usual length, tabulated.
+/// A slip step of the usual length, with its coefficients.
 #[derive(Clone, Debug)]
 struct SlipStep {
     transition: SlipTransition,
@@ -54,38 +55,38 @@ struct SlipStep {
     harmonics: Vec<HarmonicResponse>,
 }
 
-/// Room for what one path needs at a time.
+/// Buffers for the computation of one path at a time.
 #[derive(Debug)]
 pub struct Scratch {
     partial: SlipStep,
     pending: Pending,
-    /// The terms of B where a step has come.
+    /// The terms of B at the end of a step.
     terms: Vec<Complex>,
-    /// For the flow of a part of a step.
+    /// Buffers for the motion over a part of a step.
     flow: cell::RefCell<FlowScratch>,
-    /// The intervals of a step that is looked at.
+    /// The intervals of a step, kept where its state is observed.
     passed: Vec<Passed>,
 }
 
-/// Responses and terms after a part of a step.
+/// Responses to the harmonics, and terms of B, after a part of a step.
 #[derive(Debug)]
 struct FlowScratch {
     harmonics: Vec<HarmonicResponse>,
     terms: Vec<Complex>,
 }
 
-/// A path; what moves of it is x'.
+/// A path, whose `motion` is x'.
 type Path = cell_loop::Path<f64>;
 
-/// Where the body swings this much faster than forcing and noise change, cells are as long as those
-/// allow.
+/// Where the body oscillates more than so many times faster than forcing and noise change, the
+/// length of a cell follows from forcing and noise.
 const TWO_SCALES: f64 = 16.0;
 
-/// So many paths do not fill the lanes.
+/// Up to so many paths are simulated one by one, because they do not fill the lanes.
 const FEW: usize = 8;
 
 impl Noisy {
-    /// For a scene with noise.
+    /// The scheme for a scene with noise.
     pub fn new(model: &Model, timeline: &Timeline, rules: &StepRules) -> Self {
         let mut scene = Scene::new(model);
         scene.friction.static_force += rules.added_gap(&scene);
@@ -124,7 +125,8 @@ impl Noisy {
         }
     }
 
-    /// Whether a slip crosses a cell in one step whose transition is a sum of series.
+    /// Whether the paths can be simulated abreast: all cells have the length of one slip step, its
+    /// transition is a sum of power series without doubling, and there is only one noise.
     pub fn has_one_step_a_cell(&self) -> bool {
         let length = self.step.transition.length;
         self.scene.two_noises.is_none()
@@ -133,12 +135,13 @@ impl Noisy {
             && self.oscillator.has_series_for(length)
     }
 
-    /// The step of a slip over a whole cell, and the square root of its length.
+    /// The slip step of the usual length, and the square root of its length. It covers a whole cell
+    /// where [`Noisy::has_one_step_a_cell`].
     pub fn usual_step(&self) -> (&SlipTransition, f64) {
         (&self.step.transition, self.step.root_length)
     }
 
-    /// What the forcing does to a slip over the whole of a cell.
+    /// The contribution of each harmonic to a slip over a whole cell.
     pub fn pushes(&self, cell: &Cell) -> Vec<Push> {
         cell.terms.iter().zip(&self.step.harmonics).map(|(term, response)| response.push(*term)).collect()
     }
@@ -151,13 +154,13 @@ impl Noisy {
         &self.search
     }
 
-    /// Enough to fill the registers of what is done for flagged paths in one cell, few enough to
-    /// stay in the cache.
+    /// The best number of paths to simulate together: enough to fill the registers with the flagged
+    /// lanes of one cell, few enough to stay in the cache.
     pub fn paths_abreast(&self) -> usize {
         if self.has_one_step_a_cell() { 1024 } else { 1 }
     }
 
-    /// Simulate the paths with these numbers.
+    /// Simulates the paths with these numbers.
     pub fn simulate(&self, seed: u64, paths: &[u64], observer: &mut dyn Observer) -> Simulated {
         let instructions = InstructionSet::detect();
         if paths.len() > FEW && self.has_one_step_a_cell() {
@@ -168,11 +171,12 @@ impl Noisy {
         cell_loop::simulate(&mut all, paths.len(), observer)
     }
 
-    /// The step from here towards a time, and whether it ends there.
+    /// The next step of a slip, when this much of the cell remains, and whether it ends with the
+    /// cell.
     #[inline(always)]
     fn step_towards<'a>(&'a self, remaining: f64, partial: &'a mut SlipStep) -> (&'a SlipStep, bool) {
         let usual = self.step.transition.length;
-        // A remainder that differs from a usual step by rounding is one.
+        // A remainder that differs from the usual length only by rounding takes the usual step.
         let is_last = remaining <= usual * (1.0 + ALIGNMENT);
         if is_last && remaining < usual * (1.0 - ALIGNMENT) {
             partial.transition = self.oscillator.transition(remaining, &mut partial.harmonics);
@@ -191,8 +195,8 @@ impl Noisy {
         motion(&self.scene.oscillator, eps, path.motion, path.force, friction)
     }
 
-    /// The end of a sub-phase, at a stop within the step from `start`: n is what makes the force
-    /// there.
+    /// Ends a sub-phase at a stop within the step that begins at `start`. n is computed from the
+    /// force at the stop.
     #[inline(always)]
     fn stopped(
         &self,
@@ -212,8 +216,8 @@ impl Noisy {
         Event { kind, time: cell.start + path.after, displacement: path.displacement, force }
     }
 
-    /// One exact step of (x, x', n) given n at its end, of the forcing and so of b; by one normal
-    /// for x' and one for x.
+    /// Takes one exact step of (x, x', n), given n at its end, with one normal for x' and one for
+    /// x, and moves B and b with it.
     #[inline(always)]
     fn take(
         &self,
@@ -232,8 +236,8 @@ impl Noisy {
         path.force = force(&self.scene.oscillator, forcing(terms), end);
     }
 
-    /// The remainder of a cell that is too short for the noise to be told from rounding, as uniform
-    /// acceleration.
+    /// Crosses the remainder of a cell with uniform acceleration, where it is too short for the
+    /// noise to be distinguished from rounding.
     fn coast(&self, cell: &Cell, path: &mut Path, direction: Sign, remaining: f64, end_noise: f64) {
         let body = &self.scene.oscillator;
         let eps = direction.value();
@@ -245,7 +249,7 @@ impl Noisy {
             cell.last.value + end_noise - body.stiffness * path.displacement - 2.0 * body.damping * path.motion;
     }
 
-    /// n at the end of a step that ends before the cell does.
+    /// Draws n at the end of a step that ends before the cell does.
     #[inline(always)]
     fn noise_after(&self, path: &mut Path, length: f64, remaining: f64, end_noise: f64) -> f64 {
         let Scene { relaxation_rate, diffusion, .. } = self.scene;
@@ -254,15 +258,17 @@ impl Noisy {
         mean + sd * path.draws.normal()
     }
 
-    /// A stop, with the motion without noise as it is, where the search has its quintic between the
-    /// ends of the step.
+    /// Moves a stop from the quintic of the search to the exact motion without noise; for feeble
+    /// noise.
     ///
-    /// Conditional laws of a linear system differ by their means only. Let X be the motion from the
-    /// start of the step without noise, and Q its quintic. What the search draws is Q + (drawn
-    /// deviation); X + (the same deviation) has V = X' - Q' at the stop that it found, and its own
-    /// a time -V/a away: once for what the quintic leaves, some 1e-6 of a step, and again for the
-    /// square of that. A deviation beyond what the noise can draw is rounding of the quintic, which
-    /// its derivatives magnify.
+    /// The search replaces the motion without noise by the quintic between the ends of the step.
+    /// Given both ends, the conditional laws of a linear system differ only by their means. Let X
+    /// be the motion from the start of the step without noise, and Q the quintic through its ends.
+    /// The search draws Q + (drawn deviation); the corrected motion is X + (the same deviation). At
+    /// the stop that was found it has the velocity V = X' - Q', so its own zero is a time -V/a
+    /// away. The first Newton step corrects the error of the quintic, some 1e-6 of a step; the
+    /// second one corrects what is left, the square of that. A deviation larger than the noise can
+    /// draw is rounding of the quintic, magnified by differentiation, and is bounded.
     #[inline(always)]
     fn on_the_flow(&self, (searched, stop): (Step, Stop), flow: &StepFlow) -> Stop {
         let Scene { oscillator: body, relaxation_rate, .. } = &self.scene;
@@ -392,7 +398,7 @@ impl Cascade for Noisy {
                 last_drawn: cell::Cell::new([(before.0, before.1.n); 2]),
                 scratch: flow_scratch,
             };
-            // Kept for whoever looks, since a stop at the end of the last one may move.
+            // The intervals are kept, because a stop at the end of the last one may still be moved.
             passed.clear();
             let pass = |after, travel, start, interval: &Interval| {
                 if watch.is_looking() {
@@ -408,7 +414,7 @@ impl Cascade for Noisy {
                     *last = ending_at(*last, stop);
                 }
             }
-            // Not in a closure, which is not compiled for the instruction set.
+            // This is not a closure, because a closure is not compiled for the instruction set.
             for &(after, travel, start, interval) in passed.iter() {
                 let known = [flow.last_drawn.get()[0], flow.end];
                 let piece = SlipPiece { flow: &flow, after: before.0 + after, travel, start, interval, known };
@@ -436,11 +442,11 @@ impl Cascade for Noisy {
     }
 }
 
-/// An interval without a zero of the velocity: the time and the distance to where it begins, the
-/// motion there, and the rest of it.
+/// An interval without a zero of the velocity: the time and the distance at its start (since the
+/// start of the step), the motion there, and the interval itself.
 type Passed = (f64, f64, Motion, Interval);
 
-/// The interval before a stop, with the stop as it is.
+/// The interval before a stop, ending at the stop.
 fn ending_at((after, travel, start, interval): Passed, stop: &Stop) -> Passed {
     let part = (stop.after - after) / interval.length();
     let end = Motion { velocity: 0.0, acceleration: stop.acceleration };
@@ -448,26 +454,28 @@ fn ending_at((after, travel, start, interval): Passed, stop: &Stop) -> Passed {
     (after, travel, start, interval)
 }
 
-/// A step from a state without noise.
+/// The motion of a step without noise, from the state at its start.
 struct StepFlow<'a> {
     cascade: &'a Noisy,
     cell: &'a Cell,
     step: &'a SlipStep,
     direction: Sign,
-    /// When the step begins, after the start of the cell.
+    /// The time at which the step begins, after the start of the cell.
     after: f64,
     start: State,
-    /// The motion there along the direction.
+    /// The motion along the direction at the start.
     first: Motion,
-    /// Where it ends.
+    /// The time at which the step ends, and n there.
     end: Known,
-    /// Where n was told last, to the rows of the run and to those between them.
+    /// The last time at which n was drawn for an observer, and n there: for the rows of the run,
+    /// and for the rows between them.
     last_drawn: cell::Cell<[Known; 2]>,
     scratch: &'a cell::RefCell<FlowScratch>,
 }
 
 impl StepFlow<'_> {
-    /// The distance, the motion along it and the state a time after the start of the step.
+    /// The distance, the motion along the direction and the state, a time after the start of the
+    /// step.
     #[inline(always)]
     fn motion(&self, since: f64) -> (f64, Motion, State) {
         let Noisy { scene, oscillator, .. } = self.cascade;
@@ -508,7 +516,7 @@ impl Flow for StepFlow<'_> {
         draws: &mut AddressedDraws,
     ) -> f64 {
         let Scene { relaxation_rate, diffusion, .. } = self.cascade.scene;
-        // Not a comparison that something undefined would pass.
+        // The comparison is written so that an undefined value does not pass it.
         if diffusion * (self.end.0 - self.after).sqrt() > ROUNDED * forces {
             return noise;
         }
@@ -532,7 +540,7 @@ impl Flow for StepFlow<'_> {
     }
 }
 
-/// Without noise: the state after a step, and the forcing there.
+/// The mean state after a step, from a known start. `terms` is moved to the end of the step.
 #[inline(always)]
 fn mean_state(
     transition: &SlipTransition,
@@ -551,23 +559,26 @@ fn mean_state(
     mean
 }
 
-/// Below this c sqrt(h)/|a| what the quintic leaves out of a, (rate h)^4/1920 of it, is no longer
-/// below the first neglected terms of the law, (rate h)^2/100 of its c sqrt(h)/4; at the default
-/// step, rate h = 1/2.
+/// The noise is feeble where c sqrt(h)/|a| is below this. There the error of the quintic in a,
+/// (rate h)^4/1920 of a, is no longer below the first neglected terms of the conditional law, (rate
+/// h)^2/100 of its standard deviation c sqrt(h)/4. The value is for the default step, rate h = 1/2.
 pub const FEEBLE: f64 = 0.05;
 
-/// The share of a cell below which a remainder of it is not simulated: a step is as exact as the
-/// difference between n at both its ends, which loses its digits there.
+/// A remainder of a cell that is shorter than this fraction of it takes no exact step: the
+/// difference of n at both its ends, which such a step needs, would have lost its digits.
 pub const SHORTEST: f64 = 1e-8;
 
-/// A noise that moves the forces by less than this share of them is lost in their balance.
+/// Where the noise moves the forces by less than this fraction of them, n cannot be computed from a
+/// balance of forces.
 const ROUNDED: f64 = 1e-6;
 
-/// No draw is so many standard deviations away; those of a, c sqrt(h) at most, and of V, c h^{3/2}.
+/// No draw is further from its mean than so many standard deviations, which are at most c sqrt(h)
+/// for a and c h^{3/2} for V.
 const MOST_DEVIATIONS: f64 = 10.0;
 
-/// Newton's steps from the stop of the quintic to that of the motion.
+/// Newton steps from the stop of the quintic to that of the exact motion.
 const FLOW_STEPS: usize = 3;
 
-/// Relative difference of two step lengths that is rounding of the times they come from.
+/// Two step lengths whose relative difference is smaller than this differ only by the rounding of
+/// the times from which they were computed.
 pub const ALIGNMENT: f64 = 1e-9;

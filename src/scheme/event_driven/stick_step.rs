@@ -1,36 +1,38 @@
-//! One step of the noise in a static phase, and whether it left the corridor on the way.
+//! One step of the noise in a static phase, and whether b left the corridor on the way.
 //!
-//! One step of length h draws the end n(t+h) from the exact transition, then asks for each
-//! threshold whether the bridge between the two ends met it ([`meeting_probability`]), and if so
-//! when ([`meeting_place`]). With U = f_s - B + K x the upper threshold seen by n, and d0, d1 the
-//! distances of n below it at both ends, Doob's time change ([`TimeChange`]) gives
+//! In a step of length h, n is known at both ends. For each threshold it is drawn whether the
+//! bridge between the two ends met the threshold ([`meeting_probability`]), and if so when
+//! ([`meeting_place`]). Let U = f_s - B + K x be the value of n at which the upper threshold is
+//! met, and d0, d1 the distances of n below U at both ends. Doob's time change ([`TimeChange`])
+//! gives
 //!
 //! ```text
 //! S = s^2 (e^{2 theta h} - 1)/(2 theta),   distances d0 and D1 = d1 e^{theta h},
 //! ```
 //!
-//! exact for U = A e^{theta t} + C e^{-theta t}. What any other U deviates from that chord at a
-//! fraction u of the step is c h^2 u (1-u)/2 with c = U'' - theta^2 U at mid-step, to leading
-//! order; its mean over the place of touching shifts both distances. (Symmetrically below.) After
-//! that correction the error of a step is of second order in c h^2 / (8 s sqrt h).
+//! which is exact for U = A e^{theta t} + C e^{-theta t}. Any other U deviates from that chord, at
+//! a fraction u of the step, by c h^2 u (1-u)/2 to leading order, where c = U'' - theta^2 U in the
+//! middle of the step. Both distances are corrected by the mean of this deviation over the place at
+//! which a bridge touches the threshold. After that correction the error of a step is of second
+//! order in c h^2 / (8 s sqrt h). The lower threshold is treated symmetrically.
 
 use super::scene::Scene;
 use crate::lanes::{Choose, Lanes};
 use crate::model::Sign;
 use crate::noise::{AddressedDraws, TimeChange, mean_touching_spread, meeting_place, meeting_probability, time_of};
 
-/// What a step of one length needs.
+/// The constants of a step of one length.
 #[derive(Clone, Debug)]
 pub struct StickStep<L = f64> {
     pub length: L,
-    /// What n does in h, as Brownian motion.
+    /// The time change that turns n over the step into Brownian motion.
     pub noise: TimeChange<L>,
 }
 
-/// exp(-FAR_EXPONENT) is a chance that 1e10 steps do not notice.
+/// exp(-FAR_EXPONENT) is a probability that is negligible even in 1e10 steps.
 pub const FAR_EXPONENT: f64 = 35.0;
 
-/// What is known at both ends of a step: b, and in its middle -B'' and n.
+/// What is known of a step: b at both ends (`start`, `end`), and -B'' and n in its middle.
 #[derive(Clone, Copy)]
 pub struct StickEnds<L> {
     pub start: L,
@@ -39,8 +41,8 @@ pub struct StickEnds<L> {
     pub mean_noise: L,
 }
 
-/// A threshold after the time change: the distances of n below it at both ends, and twice what it
-/// deviates from straight in units of u (1 - u).
+/// A threshold after the time change: the distances of n below it at both ends, and its bend. At a
+/// fraction u of the step it deviates from a straight line by `bend` u (1 - u)/2.
 #[derive(Clone, Copy)]
 pub struct Chord<L> {
     start: L,
@@ -49,16 +51,18 @@ pub struct Chord<L> {
 }
 
 impl StickStep {
-    /// Of this length.
+    /// A step of this length.
     #[inline(always)]
     pub fn new(scene: &Scene, length: f64) -> Self {
         StickStep { length, noise: TimeChange::new(scene.relaxation_rate, scene.diffusion, length) }
     }
 
-    /// Whether, where and after which time the bridge between two forces leaves the corridor.
+    /// The side on which the bridge between two forces leaves the corridor, and the time of this
+    /// since the start of the step; none if it stays inside.
     #[inline(always)]
     pub fn exit(&self, scene: &Scene, ends: &StickEnds<f64>, draws: &mut AddressedDraws) -> Option<(Sign, f64)> {
-        // Exponents of both meeting probabilities, before any correction: usually both are far.
+        // Often both thresholds are out of reach, which is decided before the correction for the
+        // bend.
         let (is_up_near, is_down_near) = (self.is_near(scene, 1.0, ends), self.is_near(scene, -1.0, ends));
         if !(is_up_near || is_down_near) {
             return None;
@@ -78,7 +82,7 @@ impl StickStep {
 }
 
 impl<L: Lanes> StickStep<L> {
-    /// Whether the bridge may meet a threshold at all.
+    /// Whether the bridge may meet the threshold on this side at all.
     #[inline(always)]
     pub fn is_near(&self, scene: &Scene, side: f64, ends: &StickEnds<L>) -> L::Mask {
         let f_s = L::splat(scene.friction.static_force);
@@ -86,25 +90,25 @@ impl<L: Lanes> StickStep<L> {
         (scale * (f_s - ends.start * side) * (f_s - ends.end * side)).lt(L::splat(FAR_EXPONENT))
     }
 
-    /// The threshold on this side.
+    /// The threshold on this side, 1 or -1.
     #[inline(always)]
     pub fn chord(&self, scene: &Scene, side: f64, ends: &StickEnds<L>) -> Chord<L> {
         self.chord_on(scene, L::splat(side), ends)
     }
 
-    /// The threshold on a side of each lane, 1 or -1.
+    /// The threshold on a side, 1 or -1, that may differ from lane to lane.
     #[inline(always)]
     pub fn chord_on(&self, scene: &Scene, side: L, ends: &StickEnds<L>) -> Chord<L> {
         let (f_s, theta) = (L::splat(scene.friction.static_force), scene.relaxation_rate);
         let (d0, d1) = (f_s - side * ends.start, f_s - side * ends.end);
-        // U = n + distance on this side.
+        // Threshold = n + distance, on this side.
         let threshold = side * ends.mean_noise + (d0 + d1) * 0.5;
         let c = side * ends.bend - threshold * (theta * theta);
         Chord { start: d0, end: d1 * self.noise.growth, bend: c * self.noise.bow }
     }
 
-    /// The chance that the bridge meets a threshold, moved by what it bends on average where a
-    /// bridge touches it.
+    /// The probability that the bridge meets a threshold. The threshold is moved by its mean
+    /// deviation from the chord at the place where a bridge touches it.
     #[inline(always)]
     pub fn chance(&self, &Chord { start: d0, end: d1, bend }: &Chord<L>) -> L {
         let shift = bend * 0.5 * mean_touching_spread(d0, d1, self.noise.duration);
@@ -112,7 +116,8 @@ impl<L: Lanes> StickStep<L> {
         L::select(d1.le(L::splat(0.0)), L::splat(1.0), chance)
     }
 
-    /// When the bridge meets a threshold, given that it does, from a normal and a uniform number.
+    /// The time at which the bridge meets a threshold, given that it does, from a normal and a
+    /// uniform random number.
     #[inline(always)]
     pub fn meeting_time(
         &self,
@@ -123,12 +128,14 @@ impl<L: Lanes> StickStep<L> {
     ) -> L {
         let duration = self.noise.duration;
         let first = meeting_place(d0, d1, duration, normal, uniform);
-        // The threshold met is the bent one: once more with the chord moved to it at that place.
+        // The threshold is bent, so the place is computed a second time, with the chord moved by
+        // the bend at the first place.
         let u = first / duration;
         let shift = bend * 0.5 * u * (L::splat(1.0) - u);
         let second = meeting_place(d0 - shift, d1 - shift, duration, normal, uniform);
-        // Not from a start within four times the bend, |bend|/8: little has bent where that is met,
-        // and a chord moved to the start would be met at once.
+        // The second place is not used where the start is closer to the threshold than four times
+        // the bend, |bend|/8. There the threshold is met before it has bent much, while a chord
+        // that is moved to the start would be met at once.
         let place = L::select(bend.abs().lt(d0 * 2.0), second, first);
         time_of(scene.relaxation_rate, scene.diffusion, place).or_at_most(self.length)
     }
@@ -139,8 +146,8 @@ mod tests {
     use super::*;
     use crate::model::paper::paper;
 
-    /// theta = 1, s = 1, f_s = 3; the upper threshold at n = 0, so that it is straight after the
-    /// time change.
+    /// The scene has theta = 1, s = 1 and f_s = 3. Its upper threshold is at n = 0, so that it is
+    /// straight after the time change.
     const F_S: f64 = 3.0;
 
     fn scene() -> Scene {
@@ -151,7 +158,8 @@ mod tests {
         Scene::new(&model)
     }
 
-    /// When a bridge of this duration between two values of n < 0 first reaches 0, if it does.
+    /// The time at which a bridge of this duration between two values of n < 0 first reaches 0, if
+    /// it does.
     fn first_touch(scene: &Scene, from: f64, to: f64, duration: f64, draws: &mut AddressedDraws) -> Option<f64> {
         let step = StickStep::new(scene, duration);
         let ends = StickEnds { start: F_S + from, end: F_S + to, bend: 0.0, mean_noise: 0.5 * (from + to) };
@@ -162,25 +170,26 @@ mod tests {
         })
     }
 
-    /// The bridge at t, from `from` at 0 to `to` at `duration`: mean and standard deviation. With y
-    /// = e^t n and the transition densities of dn = -n dt + dW written out, the exponent is
-    /// quadratic with these hyperbolic coefficients; they are the same read from either end.
+    /// Mean and standard deviation at t of the bridge from `from` at 0 to `to` at `duration`. With
+    /// y = e^t n and the transition densities of dn = -n dt + dW written out, the exponent is
+    /// quadratic with these hyperbolic coefficients; they are symmetric in the two ends.
     fn bridge(from: f64, to: f64, t: f64, duration: f64) -> (f64, f64) {
         let (before, after, whole) = (t.sinh(), (duration - t).sinh(), duration.sinh());
         ((from * after + to * before) / whole, (before * after / whole).sqrt())
     }
 
     /// Null: the bridge from a to b, read backwards, is the bridge from b to a. The hitting times
-    /// come from a time change that treats the two ends differently (e^h = 7.4 between them); the
-    /// law does not. In both directions the share that has touched by t is compared with
+    /// come from a time change that treats the two ends differently (e^h = 7.4 between them), while
+    /// the law does not. In both directions, the share of bridges that have touched by t is
+    /// compared with
     ///
     /// - the share of reversed bridges that touch after h - t (state at h - t from its closed law,
     ///   then the last piece);
     /// - that law by reflection at n = 0, the centre of the process: P(touch | c to d over t) =
     ///   p_t(c, -d)/p_t(c, d).
     ///
-    /// 2e5 bridges each, 4 times, 2 directions, 2 comparisons at 3.9 standard errors (1e-4) each;
-    /// seeds 21 and 22.
+    /// 2e5 bridges each, at 4 times, in 2 directions, with 2 comparisons at 3.9 standard errors
+    /// (1e-4) each; seeds 21 and 22.
     #[test]
     fn a_bridge_read_backwards_is_the_bridge_from_the_other_end() {
         let (scene, h, bridges) = (scene(), 2.0, 200_000);
@@ -199,7 +208,7 @@ mod tests {
                 });
                 let reversed = late.count() as f64 / n;
 
-                // Midpoint rule over the state at t of the bridge as it runs.
+                // Midpoint rule over the state at t of the bridge that is not reversed.
                 let (mean, sd) = bridge(from, to, t, h);
                 let (nodes, farthest) = (20_000, 9.0);
                 let mass = (0..nodes).map(|i| {
@@ -221,9 +230,10 @@ mod tests {
         }
     }
 
-    /// The chance to touch, exp(-2 a b theta/(s^2 sinh theta h)), does not know the direction
-    /// either. Path by path: equal uniform numbers decide equally, but for one in 1e15 that
-    /// rounding of the chance turns; 1e5 of them, seed 23.
+    /// The probability to touch, exp(-2 a b theta/(s^2 sinh theta h)), is symmetric in the two
+    /// ends. This is tested path by path: with equal uniform numbers both directions decide
+    /// equally, except for about one path in 1e15 in which rounding of the probability matters. 1e5
+    /// paths, seed 23.
     #[test]
     fn the_chance_of_touching_is_symmetric_in_the_ends() {
         let scene = scene();
@@ -237,10 +247,11 @@ mod tests {
         }
     }
 
-    /// Null: a start as near to the threshold as that bends in a step, 0.1 standard deviations,
-    /// meets it at its exact mean time (tests/reference/bent_bridge.py), to the fifth of it that an
-    /// exit without that bend is off by; a chord moved to the start would halve it. Times so short
-    /// that theta = 1 is not noticed; 1e5 bridges each, errors of the means below 0.7 %; seed 24.
+    /// The start is as close to the threshold as the threshold bends in a step, 0.1 standard
+    /// deviations. Null: the mean time at which the threshold is met is the exact one
+    /// (tests/reference/bent_bridge.py) within 20 %, the error of an exit that neglects the bend; a
+    /// chord that is moved to the start would halve it. The times are so short that theta = 1 does
+    /// not matter. 1e5 bridges each, so that the errors of the means are below 0.7 %; seed 24.
     #[test]
     fn a_start_as_near_as_the_bend_is_not_an_exit() {
         let (scene, h): (Scene, f64) = (scene(), 1e-6);

@@ -1,11 +1,12 @@
-//! Looking at a path inside a cell.
+//! The state of a path at instants inside a cell.
 //!
-//! Events are drawn without anybody looking. Whoever looks draws the state at the instant, given
-//! what is known of the path on the piece around it, from numbers that no event depends on:
+//! Events are drawn without regard to the instants at which the state is observed. The state at an
+//! instant is drawn given what is known of the path on the piece around it, from random numbers
+//! that no event depends on:
 //!
 //! ```text
 //! slip                      between two known states: the conditional law of `first_stop`
-//! stick, not left           the bridge of n, accepted with the chance that neither half meets a threshold
+//! stick, not left           the bridge of n, accepted if neither half then meets a threshold
 //! stick, left at the end    the distance from the threshold is a Bessel bridge of dimension 3
 //! ```
 //!
@@ -13,8 +14,9 @@
 //! three-dimensional Bessel bridge: Revuz and Yor, *Continuous martingales and Brownian motion*,
 //! chapter XI.)
 //!
-//! The rows of a run are drawn first. Rows between them, for somebody who looks more closely, are
-//! drawn given those, from other numbers, so that a closer look goes through what was seen before.
+//! The output rows of a run are drawn first. Rows between them, for a closer look at a path, are
+//! drawn given those, from other random numbers. So a closer look agrees with everything that the
+//! run has recorded.
 
 use super::cells::Cell;
 use super::first_stop::{Interval, Motion, state_inside};
@@ -26,23 +28,23 @@ use crate::noise::{AddressedDraws, TimeChange, bridge_at, meeting_probability};
 /// x, x', T and whether the path is static.
 pub type Seen = (f64, f64, f64, bool);
 
-/// A time to look at, after the start of the cell.
+/// An instant at which the state is observed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Glance {
     pub time: f64,
-    /// A row between those of the run.
+    /// Whether it is a row between those of the run.
     pub is_closer: bool,
 }
 
-/// Who looks at a path inside a cell.
+/// An observer of one path inside a cell.
 pub trait Watch {
-    /// Whether anybody looks inside this cell.
+    /// Whether there are instants to observe inside this cell.
     fn is_looking(&self) -> bool;
-    /// Look at a piece of the path, all times up to its end.
+    /// Observes a piece of the path: draws the state at all instants up to the end of the piece.
     fn look<P: Piece>(&mut self, scene: &Scene, cell: &Cell, piece: impl FnOnce() -> P);
 }
 
-/// Nobody looks inside this cell.
+/// There are no instants to observe inside this cell.
 pub struct Nobody;
 
 impl Watch for Nobody {
@@ -55,12 +57,12 @@ impl Watch for Nobody {
     fn look<P: Piece>(&mut self, _: &Scene, _: &Cell, _: impl FnOnce() -> P) {}
 }
 
-/// Looks at one path at these times, in order.
+/// Observes one path at these times, in order.
 pub struct Glances<'a> {
     pub glances: &'a [Glance],
-    /// The numbers for the rows of the run, and for those between them.
+    /// The random numbers for the rows of the run, and for the rows between them.
     pub draws: [AddressedDraws; 2],
-    /// What was seen, as far as it has come.
+    /// The states that have been drawn so far.
     pub seen: &'a mut Vec<Seen>,
 }
 
@@ -85,12 +87,12 @@ impl Watch for Glances<'_> {
 }
 
 impl<'a> Glances<'a> {
-    /// The times still to be looked at, up to `end`.
+    /// The instants that remain, up to `end`.
     fn ahead(&self, end: f64) -> impl Iterator<Item = Glance> + use<'a> {
         self.glances[self.seen.len()..].iter().copied().take_while(move |glance| glance.time <= end)
     }
 
-    /// The rows between those of the run, up to `end`.
+    /// Draws the states at the rows between those of the run, up to `end`.
     #[inline(always)]
     fn look_closer<P: Piece>(&mut self, scene: &Scene, cell: &Cell, mut piece: P, end: f64) {
         while let Some(row) = self.ahead(end).next().filter(|glance| glance.is_closer) {
@@ -101,23 +103,26 @@ impl<'a> Glances<'a> {
     }
 }
 
-/// A piece of a path without an event but for its end.
+/// A piece of a path without an event, except perhaps at its end.
 pub trait Piece: Sized {
-    /// When it ends, after the start of the cell.
+    /// The time at which it ends, after the start of the cell.
     fn end(&self) -> f64;
-    /// Draw the state at a glance in it, and part it there.
+    /// Draws the state at an instant inside the piece. Returns the state and the two parts of the
+    /// piece before and after the instant.
     fn parted(&self, scene: &Scene, cell: &Cell, glance: Glance, draws: &mut AddressedDraws) -> (Seen, Self, Self);
 }
 
-/// The motion of a step of a slip without noise: what the drawn motion is told as a deviation from,
-/// so that it keeps its digits where the noise is feeble.
+/// The motion of a slip step without noise. The drawn motion is computed as a deviation from it, so
+/// that it keeps its digits where the noise is feeble.
 pub trait Flow {
-    /// Direction of the slip, and x where the step begins.
+    /// Direction of the slip, and x at the start of the step.
     fn start(&self) -> (Sign, f64);
-    /// The distance from there, the motion along it and n, at a time after the start of the cell.
+    /// The distance since the start of the step, the motion along the direction and n, at a time
+    /// after the start of the cell.
     fn at(&self, after: f64) -> (f64, Motion, f64);
-    /// n at a glance as it was told from a balance of forces of this size, or, where that has lost
-    /// its digits, drawn from the bridge of n between what is known of it.
+    /// n at an instant. `noise` is n as computed from a balance of forces of size `forces`. Where
+    /// this has lost its digits, n is drawn from the bridge of n between the two times of `known`
+    /// instead.
     fn resolved_noise(
         &self,
         glance: Glance,
@@ -128,21 +133,21 @@ pub trait Flow {
     ) -> f64;
 }
 
-/// A time after the start of the cell, and n there.
+/// A time after the start of the cell, and n at that time.
 pub type Known = (f64, f64);
 
 /// A piece of a slip.
 pub struct SlipPiece<'a, F> {
     pub flow: &'a F,
-    /// When it begins, after the start of the cell.
+    /// The time at which it begins, after the start of the cell.
     pub after: f64,
-    /// The distance to there since the step began.
+    /// The distance from the start of the step to the start of the piece.
     pub travel: f64,
-    /// The motion there.
+    /// The motion at the start of the piece.
     pub start: Motion,
-    /// The rest of it.
+    /// The length of the piece, and the distance and motion at its end.
     pub interval: Interval,
-    /// n before and behind, as the rows of the run know it.
+    /// n at known times before and after, as drawn for the rows of the run.
     pub known: [Known; 2],
 }
 
@@ -165,14 +170,14 @@ impl<F: Flow> Piece for SlipPiece<'_, F> {
             acceleration: a.acceleration - b.acceleration,
         };
         let deviation = interval.with_end(interval.end().0 - (way_behind - way_before), less(interval.end().1, behind));
-        // A piece of no length has its start all along.
+        // In a piece of zero length the state is that at its start.
         let part = if time > after { ((time - after) / interval.length()).min(1.0) } else { 0.0 };
         let (passed, off) = if part > 0.0 {
             state_inside(less(start, before), &deviation, part, draws.three_normals())
         } else {
             (0.0, less(start, before))
         };
-        // In law positive but for a chance that the search neglects.
+        // The velocity is positive in law, but for a probability that the search neglects.
         let velocity = (here.velocity + off.velocity).max(0.0);
         let motion = Motion { velocity, acceleration: here.acceleration + off.acceleration };
         let passed = passed + (way_here - way_before);
@@ -192,10 +197,10 @@ impl<F: Flow> Piece for SlipPiece<'_, F> {
     }
 }
 
-/// A piece of a stick that is not left before its end.
+/// A piece of a stick that does not end before the end of the piece.
 #[derive(Clone, Copy, Debug)]
 pub struct StickPiece {
-    /// When it begins and ends, after the start of the cell.
+    /// The times at which it begins and ends, after the start of the cell.
     pub after: (f64, f64),
     /// n at both ends.
     pub noise: (f64, f64),
@@ -206,14 +211,14 @@ pub struct StickPiece {
     pub kind: StickEnd,
 }
 
-/// What is known of the end of a piece of a stick.
+/// What is known of a piece of a stick.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum StickEnd {
-    /// Both thresholds are out of reach throughout.
+    /// Neither threshold can be met.
     Clear,
-    /// None is met.
+    /// Neither threshold is met.
     Kept,
-    /// This one is met, at the end.
+    /// The threshold on this side is met, at the end of the piece.
     Exit(Sign),
 }
 
@@ -245,11 +250,11 @@ impl Piece for StickPiece {
     }
 }
 
-/// So often a bridge that left the corridor is drawn again.
+/// The number of attempts to draw a bridge that stays inside the corridor.
 const TRIES: usize = 1000;
 
 impl StickPiece {
-    /// n and b at a time in it.
+    /// Draws n and b at a time inside the piece.
     fn stuck(&self, scene: &Scene, cell: &Cell, time: f64, draws: &mut AddressedDraws) -> (f64, f64) {
         let (before, behind) = (time - self.after.0, self.after.1 - time);
         if before <= 0.0 {
@@ -267,8 +272,8 @@ impl StickPiece {
                 return (noise, rest + noise);
             }
             StickEnd::Exit(sign) => {
-                // The distance by which b is inside ends at zero, and is the length of a vector
-                // whose components are bridges.
+                // The distance of b from the threshold ends at zero. It is the length of a
+                // three-dimensional vector whose components are bridges.
                 let side = sign.value();
                 let inside = f_s - side * (rest + mean);
                 let [one, two, three] = draws.three_normals();
@@ -281,7 +286,7 @@ impl StickPiece {
         }
         let [to, from] = [before, behind].map(|h| TimeChange::new(scene.relaxation_rate, scene.diffusion, h));
         let stays = |half: &TimeChange, from: f64, to: f64| -> f64 {
-            // Usually one threshold is far.
+            // Usually one of the thresholds is out of reach.
             let met = |side: f64| {
                 let (d0, d1) = (f_s - side * from, (f_s - side * to) * half.growth);
                 let is_far = d0 > 0.0 && d1 > 0.0 && 2.0 * d0 * d1 > FAR_EXPONENT * half.duration;
@@ -295,14 +300,15 @@ impl StickPiece {
                 return (force - rest, force);
             }
         }
-        // Both ends all but on the threshold: where the straight line between them is.
+        // All attempts fail only where both ends are very close to the threshold. There, b on the
+        // straight line between them is used.
         let part = before / (before + behind);
         let force = self.force.0 + part * (self.force.1 - self.force.0);
         (force - rest, force)
     }
 }
 
-/// T where n is known.
+/// T at a time after the start of the cell, where n is `noise`.
 pub fn temperature(scene: &Scene, cell: &Cell, after: f64, noise: f64) -> f64 {
     (cell.forcing(after).value + noise) / scene.force_per_temperature
 }
