@@ -1,20 +1,20 @@
-//! Where values stand that do not go together, and which of them to blame.
+//! Where a message shows values that do not go together, and which of them it names.
 
 use super::error::Fault;
 use super::fields::Fields;
 use super::source::Sources;
 use crate::scheme::Misfit;
 
-/// Report values that do not go together, unless they do.
+/// Report values that do not go together; nothing is reported if they do.
 pub(super) fn report_misfit(sources: &Sources<'_>, root: &Fields<'_>, check: Result<(), Misfit>) {
     if let Err(misfit) = check {
         sources.report_misfit(*blame(sources, root, &misfit));
     }
 }
 
-/// The fault for a misfit. It is shown at the first of the values, or at the first that an override
-/// brought, because a file is more likely to have been sound before a command line changed it. A
-/// default value stands nowhere.
+/// The fault for a misfit. It is shown at the first of the values that an override set, or else at
+/// the first value. An override is preferred because the file was probably valid before the command
+/// line changed it. A default value has no place in any text.
 pub(super) fn blame(sources: &Sources<'_>, root: &Fields<'_>, misfit: &Misfit) -> Box<Fault> {
     let Misfit { about, problem, remedy } = misfit;
     let is_override = |(key, _): &&(&'static str, f64)| sources.is_override(root.place_of(key));

@@ -1,5 +1,5 @@
-//! What a calibration needs of a scenario, and no more: it runs nothing, so that `[time]` and what drives the body may be
-//! missing.
+//! Reading only what a calibration needs from a scenario. Nothing is simulated, so `[time]` and the
+//! tables that drive the body may be missing.
 
 use super::error::ScenarioError;
 use super::fields::Fields;
@@ -11,13 +11,13 @@ use crate::scenario::BridgeScene;
 use std::path::Path;
 
 impl BridgeScene {
-    /// Read a file, with the overrides laid over it.
+    /// Read a file with the overrides applied.
     pub fn read(path: &Path, overrides: &[Override]) -> Result<Self, ScenarioError> {
         let (name, text) = text_of(path)?;
         Self::parse(&name, &text, overrides)
     }
 
-    /// From a text that messages call `name`.
+    /// Read a text with the overrides applied; messages call the text `name`.
     pub fn parse(name: &str, text: &str, overrides: &[Override]) -> Result<Self, ScenarioError> {
         scene(&Sources::new(name, text, overrides, None))
     }

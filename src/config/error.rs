@@ -1,8 +1,8 @@
-//! What can be wrong with a scenario, said so that the reader knows what to change.
+//! What can be wrong with a scenario, in messages that say what to change.
 
 use std::fmt;
 
-/// Why there is no scenario.
+/// Why a scenario cannot be read.
 #[derive(Debug, thiserror::Error)]
 pub enum ScenarioError {
     /// The file cannot be read at all.
@@ -10,13 +10,14 @@ pub enum ScenarioError {
     Unreadable {
         /// The file.
         path: String,
-        /// Why.
+        /// The reason.
         reason: String,
-        /// What to do about it.
+        /// The remedy.
         remedy: String,
     },
-    /// It can be read, but this is wrong in it, or in an override: at least one thing, in the order of the file. Whether
-    /// values go together is told only of those that are sound by themselves.
+    /// The file can be read, but it or an override is wrong in at least one place. The faults are
+    /// in the order of the file. Whether values go together is reported only if each of them is
+    /// valid by itself.
     #[error("{}", .0.iter().map(Fault::to_string).collect::<Vec<_>>().join("\n"))]
     Invalid(Vec<Fault>),
 }
@@ -27,7 +28,7 @@ impl From<Box<Fault>> for ScenarioError {
     }
 }
 
-/// One thing that is wrong, and where.
+/// One mistake, and where it is.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Fault {
     /// The file, or the override as it was typed.
@@ -36,7 +37,7 @@ pub struct Fault {
     pub line: Option<usize>,
     /// Column in the file, from 1.
     pub column: Option<usize>,
-    /// The dotted key, if it is about one.
+    /// The dotted key, if the fault is about one.
     pub key: Option<String>,
     /// The value as written, if there is one.
     pub value: Option<String>,
@@ -44,18 +45,18 @@ pub struct Fault {
     pub problem: String,
     /// What would be right.
     pub remedy: String,
-    /// The line with a caret, ready to print.
+    /// The line of the file with a caret under the place, ready to print.
     pub excerpt: Option<String>,
 }
 
 impl Fault {
-    /// The same fault, about this key.
+    /// The same fault, with its key set.
     pub(super) fn of(mut self: Box<Self>, key: &str) -> Box<Fault> {
         self.key = Some(key.to_string());
         self
     }
 
-    /// The same fault, about this value.
+    /// The same fault, with its value set.
     pub(super) fn value(mut self: Box<Self>, value: String) -> Box<Fault> {
         self.value = Some(value);
         self
@@ -69,7 +70,7 @@ impl fmt::Display for Fault {
             write!(f, ":{line}:{column}")?;
         }
         f.write_str(": ")?;
-        // A problem that names the key itself is a sentence of its own.
+        // A problem that already names the key is printed as a sentence of its own.
         let key = self.key.as_ref().filter(|key| !self.problem.contains(&format!("`{key}` = ")));
         match (key, &self.value) {
             (Some(key), Some(value)) => write!(f, "`{key}` = {value} ")?,

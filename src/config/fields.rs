@@ -1,7 +1,7 @@
-//! A table of the tree, read key by key: types and ranges are checked here, once for all keys.
+//! Reading a table of the tree key by key. Types and ranges are checked here, once for all keys.
 //!
-//! What cannot be used is reported to the sources, and a value that can be computed with stands in for it, so
-//! that one reading finds all that is wrong.
+//! A value that cannot be used is reported to the sources and replaced by a valid one, so that
+//! reading goes on and one pass finds all mistakes.
 
 use super::error::Fault;
 use super::keys::{self, Key, Range};
@@ -9,22 +9,24 @@ use super::source::{Place, Sources};
 use super::tree::{Entry, Node, Value};
 use crate::model::LARGEST;
 
-/// A number that was read, and where; `place` is none where a default stands in.
+/// A number with its place. `place` is `None` if the number is a default.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Read {
     pub value: f64,
     pub place: Option<Place>,
 }
 
-/// A table whose keys are all known.
+/// A table of which the known keys can be read.
 pub(super) struct Fields<'a> {
     sources: &'a Sources<'a>,
-    /// The dotted name, as in a message: "temperature.harmonics.0".
+    /// The dotted name that messages use, such as "temperature.harmonics.0".
     path: String,
-    /// The header; none where the table is missing, which is an empty table.
+    /// The place of the table; `None` for the root and for a missing table, which is read as an
+    /// empty one.
     place: Option<Place>,
     entries: &'a [Entry],
-    /// Whether something in it is reported already that explains why a key is missing.
+    /// Whether a fault in this table is reported already that may be the reason why a key is
+    /// missing.
     is_misread: bool,
 }
 
@@ -35,7 +37,7 @@ impl<'a> Fields<'a> {
         Fields { place: None, ..root }
     }
 
-    /// A table of the kind `schema` (see `keys::TABLES`); an unknown key in it is an error.
+    /// Open a table of the kind `schema` (see `keys::TABLES`) and report its unknown keys.
     fn open(sources: &'a Sources<'a>, schema: &str, path: String, node: &'a Node) -> Self {
         let place = Some(node.place);
         let Value::Table(entries) = &node.value else {
@@ -50,7 +52,7 @@ impl<'a> Fields<'a> {
             is_misread = true;
             let table = if schema.is_empty() { "a scenario".to_string() } else { format!("`{schema}`") };
             let (hint, remedy) = match keys::suggestion(schema, &entry.key) {
-                // A harmonic is one of several, and therefore a table in an array.
+                // Harmonics form an array, so the remedy shows a harmonic within its array.
                 Some(name) if name.starts_with("temperature.harmonics.") && schema != "temperature.harmonics" => {
                     let example =
                         "write `harmonics = [{ amplitude = 1.0, angular_frequency = 0.25 }]` under [temperature]";
@@ -74,7 +76,8 @@ impl<'a> Fields<'a> {
         self.entries.iter().find(|entry| entry.key == name).map(|entry| &entry.node)
     }
 
-    /// Where the value of a key, in this table or dotted in one below, is, if it is there.
+    /// The place of the value of a key, if it is there. The key may be dotted, for a table within
+    /// this one.
     pub fn place_of(&self, dotted: &str) -> Option<Place> {
         let mut names = dotted.split('.');
         let mut node = self.node(names.next()?)?;
@@ -85,7 +88,7 @@ impl<'a> Fields<'a> {
         Some(node.place)
     }
 
-    /// A table in this one; if it is missing, an empty one.
+    /// A table within this one; an empty one if it is missing.
     pub fn table(&self, name: &str) -> Fields<'a> {
         let path = self.dotted(name);
         match self.node(name) {
@@ -94,7 +97,7 @@ impl<'a> Fields<'a> {
         }
     }
 
-    /// A table in this one, if it is there.
+    /// A table within this one, if it is there.
     pub fn table_if_present(&self, name: &str) -> Option<Fields<'a>> {
         self.node(name).is_some().then(|| self.table(name))
     }
@@ -111,7 +114,7 @@ impl<'a> Fields<'a> {
         items.iter().enumerate().map(|(i, item)| Self::open(self.sources, &path, format!("{path}.{i}"), item)).collect()
     }
 
-    /// A table, or the tables of an array of them: what may be there once or more often.
+    /// The tables of a key that may hold one table or an array of tables.
     pub fn one_or_more(&self, name: &str) -> Vec<Fields<'a>> {
         match self.node(name) {
             Some(Node { value: Value::Array(_), .. }) => self.tables(name),
@@ -119,12 +122,12 @@ impl<'a> Fields<'a> {
         }
     }
 
-    /// A number that must be there.
+    /// A number that must be there; if it is missing, this is reported.
     pub fn number(&self, key: Key) -> f64 {
         self.number_if_present(key).map_or_else(|| self.missing(key), |read| read.value)
     }
 
-    /// A number, or its default.
+    /// A number, or its default if it is missing.
     pub fn number_or(&self, key: Key, default: f64) -> f64 {
         self.number_if_present(key).map_or(default, |read| read.value)
     }
@@ -136,7 +139,7 @@ impl<'a> Fields<'a> {
         Some(Read { value, place: Some(node.place) })
     }
 
-    /// The number in the node of a key.
+    /// The number in the node of a key, checked.
     fn number_in(&self, node: &Node, key: Key) -> Result<f64, Box<Fault>> {
         let path = self.dotted(key.name);
         let allowed = key.range.words();
@@ -161,7 +164,7 @@ impl<'a> Fields<'a> {
         Err(self.fault(node, &path, problem, remedy))
     }
 
-    /// A length of time, if it is there: a number, or a text such as "6h", which is in seconds.
+    /// A length of time, if it is there: a number as it is, or a text such as "6h" in seconds.
     pub fn span_if_present(&self, key: Key) -> Option<f64> {
         let node = self.node(key.name)?;
         let Value::Text(text) = &node.value else { return Some(self.number_or(key, key.range.stand_in())) };
@@ -172,17 +175,17 @@ impl<'a> Fields<'a> {
         self.sources.or_report(read)
     }
 
-    /// The fault of a table that should not be there.
+    /// The fault for a table that should not be there.
     pub fn wrong(&self, problem: &str, remedy: &str) -> Box<Fault> {
         self.sources.fault(self.place, problem.to_string(), remedy.to_string()).of(&self.path)
     }
 
-    /// The fault of a text that is not there.
+    /// The fault for a text that is missing.
     pub fn absent(&self, name: &str, remedy: &str) -> Box<Fault> {
         self.sources.fault(self.place, format!("missing key `{}`", self.dotted(name)), remedy.to_string())
     }
 
-    /// A number or a word from a list: `Ok(Ok(number))` or `Ok(Err(word))`.
+    /// A number or a word from a list, if it is there: `Ok(number)` or `Err(word)`.
     pub fn number_or_word(&self, key: Key, words: &[&'static str]) -> Option<Result<f64, &'static str>> {
         let node = self.node(key.name)?;
         let Value::Text(text) = &node.value else { return Some(Ok(self.number(key))) };
@@ -224,7 +227,7 @@ impl<'a> Fields<'a> {
         self.fault(node, &self.dotted(name), problem, format!("write {allowed} {}", quoted(words)))
     }
 
-    /// A whole number in a range, or its default.
+    /// A whole number within a range, or its default if it is missing.
     pub fn whole_or(&self, name: &str, default: u64, range: (u64, u64)) -> u64 {
         self.node(name).and_then(|node| self.sources.or_report(self.whole_in(node, name, range))).unwrap_or(default)
     }
@@ -241,7 +244,7 @@ impl<'a> Fields<'a> {
                     self.fault(node, &path, problem, format!("give {allowed}"))
                 })
             }
-            // 1e4 and "10k" are natural ways to write ten thousand, and no TOML integers.
+            // 1e4 and "10k" are natural ways to write ten thousand, but not TOML integers.
             Value::Float(text) | Value::Text(text) if count(text).is_some() => {
                 count(text).and_then(inside).ok_or_else(|| {
                     let problem = format!("is out of range: it must be {allowed}");
@@ -252,7 +255,7 @@ impl<'a> Fields<'a> {
         }
     }
 
-    /// True or false, or the default.
+    /// True or false, or the default if it is missing.
     pub fn flag_or(&self, name: &str, default: bool) -> bool {
         match self.node(name) {
             None => default,
@@ -265,7 +268,7 @@ impl<'a> Fields<'a> {
         }
     }
 
-    /// One line of text, or the default.
+    /// One line of text, or the default if it is missing.
     pub fn line_or(&self, name: &str, default: &str) -> String {
         let read = self.node(name).and_then(|node| self.sources.or_report(self.line_in(node, name)));
         read.unwrap_or_else(|| default.to_string())
@@ -283,7 +286,7 @@ impl<'a> Fields<'a> {
         }
     }
 
-    /// Report that a key is missing; what stands in for it.
+    /// Report that a key is missing, and return the number that replaces it.
     fn missing(&self, key: Key) -> f64 {
         if self.is_misread {
             return key.range.stand_in();
@@ -301,7 +304,7 @@ impl<'a> Fields<'a> {
     }
 }
 
-/// The whole number that a text such as "1e5", "1_000_000", "10k" or "2.5M" stands for.
+/// The whole number that a text such as "1e5", "1_000_000", "10k" or "2.5M" means.
 fn count(text: &str) -> Option<i128> {
     let plain = text.replace('_', "");
     let (digits, unit) = match plain.strip_suffix(['k', 'K', 'M', 'G']) {
@@ -310,16 +313,17 @@ fn count(text: &str) -> Option<i128> {
         Some(digits) if plain.ends_with('G') => (digits, 1e9),
         Some(digits) => (digits, 1e3),
     };
-    // Rounded, because 0.7e3 or 1.1 times a thousand differ from whole numbers by rounding.
+    // Rounding is allowed for, because 1.1 times a thousand, for example, is not exactly a whole
+    // number in floating point.
     let number = digits.parse::<f64>().ok()? * unit;
     let whole = number.round();
     (whole.abs() < EXACT_INTEGERS && (number - whole).abs() <= f64::EPSILON * whole.abs()).then_some(whole as i128)
 }
 
-/// Above this, not every whole number is a double.
+/// 2^53: above it, not every whole number is a double.
 const EXACT_INTEGERS: f64 = 9_007_199_254_740_992.0;
 
-/// The number in a node. Whole numbers are numbers too.
+/// The number in a node. A whole number is accepted as well.
 fn float(node: &Node) -> Option<f64> {
     match &node.value {
         Value::Float(text) => text.parse().ok(),
@@ -332,7 +336,7 @@ fn float(node: &Node) -> Option<f64> {
 fn wrong_kind(sources: &Sources<'_>, node: &Node, path: &str, expected: &str, remedy: &str) -> Box<Fault> {
     let problem = format!("is {}; it must be {expected}", node.value.kind());
     let fault = sources.fault(Some(node.place), problem, remedy.to_string());
-    // A whole table or array says nothing as a value.
+    // The text of a whole table or array would not help as a value.
     match node.value {
         Value::Array(_) | Value::Table(_) => fault.of(path),
         _ => fault.of(path).value(sources.quote(node.place)),

@@ -1,15 +1,15 @@
-//! Every key a scenario may hold: its table, its symbol, what it means, what is allowed.
+//! Every key that a scenario may hold: its table, its symbol, its meaning and its range.
 
 use crate::scheme::TOLERANCES;
 
-/// Which numbers a key takes; infinities and NaN are never among them.
+/// The range of numbers that a key accepts. Infinities and NaN are never accepted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Range {
     Any,
     Positive,
     NonNegative,
-    /// A friction threshold: 0 or above, and as large as one likes, for what no force reaches is
-    /// never computed with.
+    /// A friction threshold, at least 0. It has no upper limit, because a threshold that no force
+    /// reaches does not enter the computation.
     Threshold,
     Tolerance,
 }
@@ -24,7 +24,8 @@ impl Range {
         }
     }
 
-    /// A number that it takes, to go on with where the one that is given cannot be used.
+    /// A number within the range, used in place of one that cannot be used so that reading can go
+    /// on.
     pub fn stand_in(self) -> f64 {
         match self {
             Range::Tolerance => *TOLERANCES.end(),
@@ -80,7 +81,7 @@ pub(super) const TOLERANCE: Key =
     key("tolerance", "", "relative error that discretisation may leave", Range::Tolerance);
 pub(super) const AFTER: Key = key("after", "", "statistics count from this time on", Range::NonNegative);
 
-/// The keys that hold numbers, with their tables.
+/// The keys that hold numbers, each with its table.
 const NUMBERS: [(&str, Key); 22] = [
     ("oscillator", MASS),
     ("oscillator", STIFFNESS),
@@ -106,7 +107,7 @@ const NUMBERS: [(&str, Key); 22] = [
     ("statistics", AFTER),
 ];
 
-/// What is known of a dotted key that holds a number; the number of a harmonic is left out.
+/// The key that a dotted name stands for, if it holds a number. The index of a harmonic is ignored.
 pub(super) fn number(dotted: &str) -> Option<Key> {
     let is_name = |segment: &&str| !segment.bytes().all(|byte| byte.is_ascii_digit());
     let plain = dotted.split('.').map(str::trim).filter(is_name).collect::<Vec<_>>().join(".");
@@ -114,7 +115,7 @@ pub(super) fn number(dotted: &str) -> Option<Key> {
     NUMBERS.iter().find(|(home, key)| *home == table && key.name == name).map(|(_, key)| *key)
 }
 
-/// The tables and the keys of each, in the order of a resolved scenario.
+/// The tables and the keys of each, in the order in which a resolved scenario is written.
 pub(super) const TABLES: [(&str, &[&str]); 15] = [
     (
         "",
@@ -154,7 +155,7 @@ pub(super) fn of_table(table: &str) -> &'static [&'static str] {
     TABLES.iter().find(|(name, _)| *name == table).map_or(&[], |(_, keys)| keys)
 }
 
-/// What people write for a key: the paper's symbols and common synonyms.
+/// Other names that users write for a key: the symbols of the paper and common synonyms.
 const SYNONYMS: [(&str, &str); 32] = [
     ("m", "oscillator.mass"),
     ("k", "oscillator.stiffness"),
@@ -190,12 +191,12 @@ const SYNONYMS: [(&str, &str); 32] = [
     ("epsilon", "scheme.tolerance"),
 ];
 
-/// How alike two words must be (1 is equal) for one to be suggested for the other: less within a
-/// table than across tables, where chance likeness is more common.
+/// The likeness (1 for equal words) from which a key is suggested. It is lower within a table than
+/// across tables, where two words are more often alike by chance.
 const ALIKE_WITHIN: f64 = 0.75;
 const ALIKE_ACROSS: f64 = 0.85;
 
-/// The key that was probably meant by `key` in `table`: dotted if it lives in another table.
+/// The key that `key` in `table` probably stands for; dotted if it belongs to another table.
 pub(super) fn suggestion(table: &str, key: &str) -> Option<String> {
     let word = key.to_lowercase();
     let dotted = |home: &str, name: &str| if home.is_empty() { name.to_string() } else { format!("{home}.{name}") };
@@ -211,7 +212,7 @@ pub(super) fn suggestion(table: &str, key: &str) -> Option<String> {
             .max_by(|a, b| a.0.0.total_cmp(&b.0.0))
             .map(|((_, name), home)| dotted(home, name))
     };
-    // The very name, in one other table.
+    // A key of exactly this name in one other table.
     let elsewhere = || {
         let mut homes = TABLES.iter().filter(|(home, names)| *home != table && names.contains(&word.as_str()));
         homes.next().filter(|_| homes.next().is_none()).map(|(home, _)| dotted(home, &word))
@@ -219,8 +220,8 @@ pub(super) fn suggestion(table: &str, key: &str) -> Option<String> {
     synonym().or_else(elsewhere).or_else(within).or_else(across)
 }
 
-/// The name most like a word, if any is alike enough; a part of a name, such as `frequency`, counts
-/// nearly in full.
+/// The name most like a word, if one is alike enough. Likeness to a part of a name, such as
+/// `frequency`, counts nearly in full.
 fn most_alike(word: &str, names: &[&'static str], enough: f64) -> Option<(f64, &'static str)> {
     names
         .iter()

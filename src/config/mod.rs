@@ -1,14 +1,14 @@
-//! Text -> a checked scenario, and back. The only home of TOML.
+//! From text to a checked scenario, and back. This is the only module that reads or writes TOML.
 //!
 //! ```text
 //! source    the texts: a file, and the overrides of a command line
-//!   -> tree      TOML with the place of every value, overrides laid over it
+//!   -> tree      TOML with the place of every value, and the overrides applied to it
 //!        -> fields    a table read key by key: unknown keys, types, ranges (keys lists them all)
-//!             -> parse     all of it: physics, time, and the rest
-//!                  -> a Scenario whose values go together, or the Faults that say what to change (blame: where)
+//!             -> parse     the whole scenario (physics and time are files of their own)
+//!                  -> a checked Scenario, or the Faults with their places (blame, error)
 //! series    the file of a measured temperature
-//! bridge    of the same tree only what a calibration needs -> a BridgeScene
-//! text      a Scenario -> TOML, every default visible; reading it again gives the same Scenario
+//! bridge    reads only what a calibration needs, from the same tree: a BridgeScene
+//! text      a Scenario as TOML with every default; reading it again gives the same Scenario
 //! shipped   the scenarios that come with the program
 //! ```
 
@@ -41,7 +41,8 @@ use std::io::Read as _;
 use std::path::Path;
 use std::sync::Arc;
 
-/// The paper's symbol of a dotted key that holds a number, and what it means; no symbol where it has none.
+/// The symbol of the paper and the meaning of a dotted key that holds a number. The symbol is empty
+/// if the key has none.
 ///
 /// ```
 /// use stick_slip::config::symbol_and_meaning;
@@ -54,7 +55,8 @@ pub fn symbol_and_meaning(key: &str) -> Option<(&'static str, &'static str)> {
     keys::number(key).map(|key| (key.symbol, key.meaning))
 }
 
-/// Every key of a scenario, dotted, in the order in which `mc check` prints them; of harmonics the first.
+/// Every key of a scenario, dotted, in the order in which `mc check` prints them. Of the harmonics
+/// only the first is listed.
 pub fn keys() -> Vec<String> {
     let dotted = |table: &str, name: &str| match table {
         "" => name.to_string(),
@@ -66,22 +68,23 @@ pub fn keys() -> Vec<String> {
     all.filter(|key| !is_table(key)).collect()
 }
 
-/// The part of a scenario that says its temperature: `[temperature.harmonics]` and `[temperature.noise]`. A series is
-/// left out, because it is a file of its own.
+/// The `[temperature.harmonics]` and `[temperature.noise]` of a scenario as TOML. A series is left
+/// out, because its samples are in a file of their own.
 pub fn temperature_part(temperature: &Temperature) -> String {
     text::of_temperature(temperature)
 }
 
-/// Largest scenario file, in bytes; one that is larger is some other file.
+/// Largest scenario file, in bytes. A larger file is taken for a file of another kind.
 const MAX_FILE: u64 = 1 << 20;
 
-/// How an HDF5 file starts.
+/// The first bytes of an HDF5 file.
 const HDF5_SIGNATURE: &[u8] = b"\x89HDF\r\n\x1a\n";
 
-/// What stands for a scenario that is read from standard input in the place of a path.
+/// The path that stands for standard input.
 pub const STANDARD_INPUT: &str = "-";
 
-/// The text of a scenario file, or of standard input where the path is "-", and what messages call it.
+/// The text of a scenario file, or of standard input if the path is "-". The first string returned
+/// is the name that messages use for it.
 pub fn text_of(path: &Path) -> Result<(String, String), ScenarioError> {
     let is_standard_input = path == Path::new(STANDARD_INPUT);
     let name = if is_standard_input { "standard input".to_string() } else { path.display().to_string() };
@@ -123,20 +126,21 @@ pub fn text_of(path: &Path) -> Result<(String, String), ScenarioError> {
 }
 
 impl Scenario {
-    /// Read a file, lay the overrides over it in order, check the result.
+    /// Read a file, apply the overrides in order, and check the result.
     pub fn read(path: &Path, overrides: &[Override]) -> Result<Self, ScenarioError> {
         let (name, text) = text_of(path)?;
         Self::parse(&name, &text, overrides)
     }
 
-    /// Check a text with overrides laid over it; `name` is what messages call it, and its stem the
-    /// default title. A file that the text names is looked for in the folder of `name`.
+    /// Read a text, apply the overrides, and check the result. Messages call the text `name`, and
+    /// the stem of `name` is the default title. A data file that the text names is looked for in
+    /// the folder of `name`.
     pub fn parse(name: &str, text: &str, overrides: &[Override]) -> Result<Self, ScenarioError> {
         parsed(&Sources::new(name, text, overrides, None))
     }
 
-    /// The same where the samples of a measured temperature are stored beside the text, as in results: no other file is read
-    /// unless an override names one.
+    /// The same for a text whose samples of a measured temperature are stored beside it, as in the
+    /// file of a run. No other file is read unless an override names one.
     pub fn parse_stored(
         name: &str,
         text: &str,
@@ -146,8 +150,9 @@ impl Scenario {
         parsed(&Sources::new(name, text, overrides, stored.map(Samples::Stored)))
     }
 
-    /// The same with the samples of a measured temperature in the place of `[temperature.series]`, which may be missing. Results
-    /// hold them beside the text, as they hold those of a file.
+    /// The same with given samples of a measured temperature in place of `[temperature.series]`,
+    /// which may be missing. The file of a run keeps these samples beside the text, like those of a
+    /// data file.
     pub fn parse_measured(
         name: &str,
         text: &str,
@@ -179,19 +184,20 @@ impl Scenario {
         spot.as_float().or_else(|| spot.as_integer().map(|whole| whole as f64))
     }
 
-    /// The whole scenario as TOML to be changed by hand: every default visible, every key with a comment, and the parts that
-    /// it does not use as comments. Parsing it gives this scenario again.
+    /// The whole scenario as TOML that is meant to be edited: every default is written, every key
+    /// has a comment, and tables that the scenario does not use are added as comments. Reading it
+    /// gives the same scenario again.
     pub fn to_template(&self) -> String {
         text::template(self)
     }
 
-    /// The whole scenario as TOML, every default visible; parsing it gives this scenario again.
+    /// The whole scenario as TOML with every default; reading it gives the same scenario again.
     pub fn to_toml(&self) -> String {
         text::resolved(self)
     }
 }
 
-/// The stem of the name is the default title.
+/// Read a scenario; the stem of the source's name is its default title.
 fn parsed(sources: &Sources<'_>) -> Result<Scenario, ScenarioError> {
     let stem = Path::new(sources.name).file_stem().unwrap_or_default().to_string_lossy();
     let title: String = stem.chars().filter(|c| !c.is_control()).collect();

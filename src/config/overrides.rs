@@ -1,9 +1,9 @@
-//! A key of a scenario with another value, as a command line gives it.
+//! A new value for one key of a scenario, as given on a command line.
 
 use super::error::{Fault, ScenarioError};
 use std::fmt;
 
-/// A key of a scenario with a value to put there, and how the user wrote it.
+/// A key of a scenario, the value to set, and how the user wrote both.
 ///
 /// ```
 /// use stick_slip::config::{Override, shipped};
@@ -24,8 +24,9 @@ pub struct Override {
 }
 
 impl Override {
-    /// From `--set key=value`: the key is dotted (`friction.static`,
-    /// `temperature.harmonics.0.amplitude`), the value is TOML, or a bare word for a string.
+    /// The override of `--set key=value`. The key is dotted (`friction.static`,
+    /// `temperature.harmonics.0.amplitude`). The value is TOML, and a bare word is taken as a
+    /// string.
     pub fn set(text: &str) -> Result<Self, ScenarioError> {
         let shown = format!("--set {text}");
         match text.split_once('=') {
@@ -44,30 +45,32 @@ impl Override {
         }
     }
 
-    /// From a flag of its own, such as `--paths`.
+    /// The override of a flag with a key of its own, such as `--paths`.
     pub fn flag(flag: &str, key: &str, value: &str) -> Self {
         Override { shown: format!("{flag} {value}"), key: key.to_string(), value: value.to_string() }
     }
 
-    /// Of a number that comes from somewhere else than a scenario, such as a sweep. Counts and seeds are whole numbers.
+    /// An override with a number that is computed, for example by a sweep. A whole number is
+    /// written without a decimal point, because counts and seeds must be whole.
     pub fn number(shown: &str, key: &str, value: f64) -> Self {
         let is_whole = value.fract() == 0.0 && value.abs() < 1e15;
         Override::flag(shown, key, &if is_whole { format!("{value:.0}") } else { format!("{value:?}") })
     }
 
-    /// From a flag of its own whose value is a text, such as a title: whatever it looks like, it is taken as it is.
+    /// The override of a flag whose value is a text, such as a title. The text is never interpreted
+    /// as TOML.
     pub fn text(flag: &str, key: &str, value: &str) -> Self {
         let quoted = toml::Value::from(value).to_string();
         Override { shown: format!("{flag} {quoted}"), key: key.to_string(), value: quoted }
     }
 
-    /// Whether it sets this key, by itself or with the whole table it is in.
+    /// Whether it sets this key, alone or together with the whole table that holds it.
     pub fn sets(&self, key: &str) -> bool {
         key.strip_prefix(&self.key).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
     }
 }
 
-/// As it was typed.
+/// Prints the override as it was typed.
 impl fmt::Display for Override {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&self.shown)

@@ -1,4 +1,4 @@
-//! Keys -> a checked scenario. What leaves this file is finite, in range, and can be computed with.
+//! From keys to a checked scenario. Every number in the result is finite and in range.
 
 use super::blame::report_misfit;
 use super::error::ScenarioError;
@@ -11,13 +11,13 @@ use super::tree;
 use crate::scenario::{Ensemble, MAX_PATHS, MAX_TRAJECTORIES, Scenario, Statistics, Units};
 use crate::stats::Record;
 
-/// Paths of a scenario that does not say how many.
+/// Number of paths if a scenario does not give it.
 const DEFAULT_PATHS: u64 = 10_000;
 
-/// A fixed default, so that a scenario without a seed is still reproducible.
+/// The default seed is fixed, so that a scenario without a seed is still reproducible.
 const DEFAULT_SEED: u64 = 1;
 
-/// Read the tree, key by key.
+/// Read the whole tree, key by key.
 pub(super) fn scenario(sources: &Sources<'_>, default_title: &str) -> Result<Scenario, ScenarioError> {
     let tree = tree::read(sources)?;
     let root = Fields::root(sources, &tree);
@@ -25,7 +25,7 @@ pub(super) fn scenario(sources: &Sources<'_>, default_title: &str) -> Result<Sce
     let Physics { model, measured, is_balanced } = physics(sources, &root);
     let bearing = bearing(&root);
     let (scheme, time) = scheme_and_time(sources, &root, &model);
-    // 0.0, never -0.0.
+    // `abs` turns -0.0 into 0.0.
     let statistics = Statistics { after: root.table("statistics").number_or(keys::AFTER, 0.0).abs() };
     report_misfit(sources, &root, statistics.check(time.end));
     let ensemble = root.table("ensemble");
@@ -61,7 +61,7 @@ pub(super) fn scenario(sources: &Sources<'_>, default_title: &str) -> Result<Sce
     })
 }
 
-/// Open every table, read or not, for what is unknown in it.
+/// Open every table, even one that is not read below, so that its unknown keys are reported.
 fn report_unknown_keys(root: &Fields<'_>) {
     for name in keys::of_table("").iter().filter(|name| !keys::of_table(name).is_empty()) {
         root.table(name);

@@ -1,4 +1,4 @@
-//! The keys of the physics -> a model.
+//! The model from the tables that describe the physics.
 
 use super::blame::report_misfit;
 use super::fields::Fields;
@@ -8,11 +8,11 @@ use super::source::Sources;
 use crate::model::{Friction, Harmonic, InitialNoise, Model, Noise, Oscillator, Temperature};
 use crate::scenario::{Bearing, Measured, check};
 
-/// The physics, and what is to be known of where it comes from.
+/// The model, and where parts of it come from.
 pub(super) struct Physics {
     pub model: Model,
     pub measured: Option<Measured>,
-    /// Whether x(0) is said to be where no spring force acts.
+    /// Whether x(0) is given as "balanced": where no spring force acts.
     pub is_balanced: bool,
 }
 

@@ -1,4 +1,5 @@
-//! `[temperature.series]` -> samples, from the file that it names or from where they are stored.
+//! The samples of `[temperature.series]`, from the file that it names or from where they are
+//! stored.
 
 use super::error::Fault;
 use super::fields::Fields;
@@ -11,10 +12,10 @@ use crate::scenario::Measured;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// The longest time between two samples where a scenario says none, in seconds: six hours.
+/// The longest time between two samples, in seconds, if a scenario gives none: six hours.
 const DEFAULT_MAX_GAP: f64 = 21_600.0;
 
-/// Names of the second, as `units.time` may have them.
+/// The labels of `units.time` that mean seconds.
 const SECONDS: [&str; 5] = ["", "s", "sec", "second", "seconds"];
 
 /// Read `[temperature.series]`, if it is there.
@@ -30,7 +31,7 @@ pub(super) fn series(sources: &Sources<'_>, root: &Fields<'_>) -> Result<Option<
         value: line("value", ""),
         zone: line("zone", ""),
         max_gap: table.span_if_present(keys::MAX_GAP),
-        // Samples that are read say it anew.
+        // If the samples are read from a file, this is overwritten with their first stamp.
         start: Some(line("start", "")).filter(|stamp| !stamp.is_empty()),
         repairs: Vec::new(),
     };
@@ -55,7 +56,7 @@ pub(super) fn series(sources: &Sources<'_>, root: &Fields<'_>) -> Result<Option<
     Ok(Some((series, measured)))
 }
 
-/// What is said of samples that no file holds.
+/// The description of samples that come from memory and not from a file.
 fn in_memory() -> Measured {
     Measured {
         file: "memory".into(),
@@ -68,7 +69,7 @@ fn in_memory() -> Measured {
     }
 }
 
-/// The samples in the file, and what is to be known of it.
+/// Read the samples from the file, and complete their description.
 fn read(
     sources: &Sources<'_>,
     root: &Fields<'_>,
@@ -99,7 +100,8 @@ fn read(
     let mut max_gap = measured.max_gap;
     let mut found = columns(max_gap).map_err(cannot)?;
     if max_gap.is_none() && found.in_seconds {
-        // Only now is it known that times are in seconds; a longer gap is an error with its line.
+        // It is known only now that times are in seconds. The file is read again with the default
+        // limit, so that a longer gap is an error with its line.
         max_gap = Some(DEFAULT_MAX_GAP);
         found = columns(max_gap).map_err(cannot)?;
     }
@@ -124,7 +126,8 @@ fn read(
 }
 
 impl Sources<'_> {
-    /// Where a file is that the scenario names, in the file or in an override: relative to the folder of the scenario.
+    /// The path of a file that the scenario or an override names, relative to the folder of the
+    /// scenario.
     fn path_of(&self, file: &str) -> PathBuf {
         Path::new(self.name).parent().unwrap_or(Path::new("")).join(file)
     }

@@ -1,15 +1,15 @@
-//! The scenarios that come with the program, comments and all.
+//! The scenarios that are built into the program, including their comments.
 
 use super::{Scenario, ScenarioError};
 
 /// A shipped scenario.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Shipped {
-    /// Its name: the stem of its file.
+    /// Its name, which is the stem of its file.
     pub name: &'static str,
-    /// The file.
+    /// The text of its file.
     pub text: &'static str,
-    /// The files that it names, with what is in them.
+    /// The data files that it names: each name with the text of the file.
     pub data: &'static [(&'static str, &'static str)],
 }
 
@@ -23,7 +23,7 @@ macro_rules! shipped {
     };
 }
 
-/// Every shipped scenario; `scenarios/` holds the same files.
+/// Every shipped scenario. The same files are in `scenarios/`.
 pub const SHIPPED: [Shipped; 9] = shipped![
     "shaw",
     "shaw-as-printed",
@@ -41,14 +41,15 @@ pub fn shipped(name: &str) -> Option<&'static Shipped> {
     SHIPPED.iter().find(|scenario| scenario.name == name)
 }
 
-/// What is in a file that a shipped scenario names; a scenario that is read from a file has another
-/// name, with an ending.
+/// The text of a data file that a shipped scenario names. A scenario that is read from a file is
+/// named by its path, which normally has an extension and therefore is no name of a shipped
+/// scenario.
 pub(super) fn shipped_data(scenario: &str, file: &str) -> Option<&'static str> {
     shipped(scenario)?.data.iter().find(|(name, _)| *name == file).map(|(_, text)| *text)
 }
 
 impl Scenario {
-    /// The shipped scenario of this name, checked; an error names those that there are.
+    /// The shipped scenario of this name, checked. If there is none, the error lists the names.
     pub fn shipped(name: &str) -> Result<Self, ScenarioError> {
         match shipped(name) {
             Some(found) => Scenario::parse(found.name, found.text, &[]),

@@ -1,4 +1,4 @@
-//! The texts a scenario is read from: one file, and the overrides of a command line.
+//! The texts that a scenario is read from: one file, and the overrides of a command line.
 
 use super::error::{Fault, ScenarioError};
 use super::overrides::Override;
@@ -6,7 +6,7 @@ use crate::model::Series;
 use std::cell::RefCell;
 use std::sync::Arc;
 
-/// A stretch of one of the texts.
+/// A range of bytes in one of the texts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Place {
     /// Which text: 0 is the file, i > 0 is override i - 1.
@@ -27,33 +27,33 @@ struct Excerpt {
     drawing: String,
 }
 
-/// The file and the overrides, and what is wrong in them.
+/// The texts, and the faults found in them so far.
 pub(super) struct Sources<'a> {
-    /// What the file is called.
+    /// The name of the file in messages.
     pub name: &'a str,
-    /// What is in it.
+    /// The text of the file.
     pub text: &'a str,
-    /// What is laid over it.
+    /// The overrides that are applied to it.
     pub overrides: &'a [Override],
-    /// The samples of a measured temperature, where they come with the text.
+    /// Samples of a measured temperature that come with the text, if any.
     pub samples: Option<Samples<'a>>,
     faults: RefCell<Faults>,
 }
 
-/// What is wrong in the texts, as far as they have been read.
+/// The faults found so far.
 #[derive(Default)]
 struct Faults {
     found: Vec<Fault>,
-    /// Whether a value cannot be used, so that another one stands in for it.
+    /// Whether some value could not be used and was replaced by a valid one.
     has_stand_in: bool,
 }
 
 /// Samples of a measured temperature that come with a text.
 #[derive(Clone, Copy)]
 pub(super) enum Samples<'a> {
-    /// Those that its `[temperature.series]` speaks of, as in results.
+    /// The samples that its `[temperature.series]` describes, as stored in the file of a run.
     Stored(&'a Arc<Series>),
-    /// Others, in the place of its `[temperature.series]`.
+    /// Other samples, which replace its `[temperature.series]`.
     Given(&'a Arc<Series>),
 }
 
@@ -62,23 +62,23 @@ impl<'a> Sources<'a> {
         Sources { name, text, overrides, samples, faults: RefCell::default() }
     }
 
-    /// Note that a value is missing or cannot be used; the reading goes on with another one.
+    /// Record that a value is missing or cannot be used; the reader goes on with another value.
     pub fn report(&self, fault: Box<Fault>) {
         let mut faults = self.faults.borrow_mut();
         faults.has_stand_in = true;
-        // A table may be opened more than once.
+        // A table may be opened more than once, so the same fault may be reported again.
         if !faults.found.contains(&fault) {
             faults.found.push(*fault);
         }
     }
 
-    /// The value, or note why there is none.
+    /// The value, or `None` with its fault recorded.
     pub fn or_report<T>(&self, read: Result<T, Box<Fault>>) -> Option<T> {
         read.map_err(|fault| self.report(fault)).ok()
     }
 
-    /// Note that values do not go together. Where one of all that were read only stands in for another,
-    /// that says nothing.
+    /// Record that values do not go together. This is ignored after some value was replaced by a
+    /// valid one, because the check is then meaningless.
     pub fn report_misfit(&self, fault: Fault) {
         let mut faults = self.faults.borrow_mut();
         if !faults.has_stand_in {
@@ -86,12 +86,13 @@ impl<'a> Sources<'a> {
         }
     }
 
-    /// Whether nothing is wrong so far.
+    /// Whether no fault has been found so far.
     pub fn are_sound(&self) -> bool {
         self.faults.borrow().found.is_empty()
     }
 
-    /// What was read, if nothing is wrong with it; otherwise all that is, in the order of the file.
+    /// The value that was read if no fault was found; otherwise all faults, in the order of the
+    /// file.
     pub fn outcome<T>(&self, read: T) -> Result<T, ScenarioError> {
         let mut found = std::mem::take(&mut self.faults.borrow_mut().found);
         found.sort_by_key(|fault| (fault.line.is_none(), fault.line, fault.column));
@@ -100,17 +101,17 @@ impl<'a> Sources<'a> {
 }
 
 impl Sources<'_> {
-    /// The override that a place is in, if it is not in the file.
+    /// The override that a place is in; `None` if it is in the file.
     pub fn override_at(&self, place: Place) -> Option<&Override> {
         place.text.checked_sub(1).and_then(|i| self.overrides.get(i))
     }
 
-    /// Whether an override brought what stands at a place.
+    /// Whether a place is in an override.
     pub fn is_override(&self, place: Option<Place>) -> bool {
         place.is_some_and(|place| self.override_at(place).is_some())
     }
 
-    /// What is wrong at a place, or with the file as a whole.
+    /// A fault at a place, or of the file as a whole.
     pub fn fault(&self, place: Option<Place>, problem: String, remedy: String) -> Box<Fault> {
         let origin = match place.and_then(|p| self.override_at(p)) {
             Some(o) => o.shown.clone(),
@@ -129,7 +130,7 @@ impl Sources<'_> {
         })
     }
 
-    /// What stands at a place, cut to one short line; of an override, its whole value.
+    /// The text at a place, cut to one short line. For an override this is its whole value.
     pub fn quote(&self, place: Place) -> String {
         let raw = match self.override_at(place) {
             Some(o) => o.value.as_str(),
@@ -140,7 +141,7 @@ impl Sources<'_> {
         if short.len() < raw.len() { format!("{short}...") } else { short }
     }
 
-    /// Line, column and drawing of a place in the file.
+    /// Line, column and excerpt of a place in the file.
     fn excerpt(&self, place: Place) -> Option<Excerpt> {
         if place.text > 0 {
             return None;
@@ -153,8 +154,8 @@ impl Sources<'_> {
         let before = &self.text[line_start..start];
         let marked = &self.text[start..floor_boundary(self.text, place.end.clamp(start, line_end))];
         let margin = line.to_string();
-        // A tab before the caret is copied, so that the caret stands under its place whatever the
-        // tab width.
+        // A tab before the caret is copied, so that the caret is under its place for every tab
+        // width.
         let indent: String = before.chars().map(|c| if c == '\t' { '\t' } else { ' ' }).collect();
         let drawing = format!(
             "{0:1$} |\n{margin} | {content}\n{0:1$} | {indent}{2}",
@@ -166,7 +167,7 @@ impl Sources<'_> {
     }
 }
 
-/// Longest quoted value, in characters: enough for any number.
+/// Length of the longest quoted value, in characters; every number is shorter.
 const QUOTE_LENGTH: usize = 40;
 
 /// The last character boundary at or before `index`.

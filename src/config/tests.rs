@@ -1,5 +1,5 @@
-//! What the reader promises: every shipped scenario is sound, every mistake is located, every text
-//! reads back.
+//! Tests of the reader: every shipped scenario is valid, every mistake is located, and every text
+//! that is written reads back.
 
 use super::*;
 use crate::advice::Warning;
@@ -153,7 +153,7 @@ fn the_nearest_values_of_a_message_are_accepted() {
                 [format!("time.end={end:?}"), format!("time.step={step:?}"), format!("time.output_step={step:?}")];
             match base(&set.each_ref().map(String::as_str)) {
                 Ok(_) => true,
-                // A fine enough step makes too many rows; that is another matter.
+                // A fine step may make too many rows of the output grid, which is not tested here.
                 Err(e) => e.to_string().contains("rows"),
             }
         };
@@ -184,7 +184,7 @@ fn unknown_keys_come_with_the_key_that_was_meant() {
     assert_eq!(keys::suggestion("time", "zzz"), None);
 }
 
-/// What is wrong, as `line key`, of a text that is wrong in several places.
+/// The faults of a text with several mistakes, each as `line key`.
 fn faults(text: &str, overrides: &[&str]) -> Vec<String> {
     let overrides: Vec<Override> = overrides.iter().map(|text| Override::set(text).unwrap()).collect();
     let Err(ScenarioError::Invalid(faults)) = Scenario::parse("x", text, &overrides) else { panic!("is refused") };
@@ -242,7 +242,7 @@ fn values_that_do_not_go_together_are_told_together_where_each_of_them_is_sound(
     let keys: Vec<String> = faults(&text, &["statistics.after=100"]);
     let keys: Vec<&str> = keys.iter().map(|shown| shown.split_once(' ').unwrap().1).collect();
     assert_eq!(keys, ["friction.dynamic", "time.step", "ensemble.paths", "statistics.after"]);
-    // Whether f_d <= f_s cannot be told where f_s is no number.
+    // Whether f_d <= f_s holds is not checked if f_s is not a number.
     let text = text.replace("static = 1.2", "static = true");
     assert_eq!(faults(&text, &["statistics.after=100"]).len(), 1);
 }
@@ -266,7 +266,7 @@ fn counts_are_read_as_people_write_them() {
     }
 }
 
-/// The remedy for an amplitude outside of a harmonic, done as it says.
+/// Following the remedy for an amplitude outside of a harmonic gives a valid scenario.
 #[test]
 fn the_remedy_for_a_harmonic_in_the_wrong_place_works() {
     let text = BASE.replace("harmonics = [{ amplitude = 1.0, angular_frequency = 0.25 }]", "amplitude = 1.0");
@@ -335,7 +335,7 @@ fn values_that_cannot_be_computed_with_are_refused_with_the_reason() {
     }
 }
 
-/// The checks know no file: a scenario that was changed in memory is refused for the same reasons.
+/// The same values are rejected in memory as in a file, since the checks do not depend on files.
 #[test]
 fn what_a_file_is_refused_for_data_are_refused_for() {
     type Change = fn(&mut Scenario);
@@ -380,7 +380,7 @@ fn extremes_that_can_be_computed_with_are_accepted() {
     ] {
         let scenario = base(set).unwrap_or_else(|e| panic!("{set:?}: {e}"));
         assert!(scenario.time.end.is_sign_positive());
-        // Neither may panic, whatever the scenario.
+        // The calls below must not panic for any scenario.
         assert!(scenario.timeline().rows() <= MAX_ROWS && scenario.timeline().periods() <= MAX_PERIODS);
         for warning in scenario.warnings() {
             assert!(!warning.to_string().contains("NaN"), "{warning}");
@@ -406,7 +406,7 @@ fn a_noise_that_is_always_zero_is_kept_as_it_was_written_and_moves_nothing() {
         let text = scenario.to_toml();
         assert_eq!(Scenario::parse("x", &text, &[]).unwrap(), scenario, "{text}");
         assert!(text.contains("[temperature.noise]\n"), "{text}");
-        // The same paths as without the table, and the same warnings.
+        // The paths and the warnings are those of the scenario without the table.
         let totals = |scenario: &Scenario| scenario.plan().block(0).totals.summary().estimates.map(|e| e.estimate);
         assert_eq!(totals(&scenario).map(f64::to_bits), totals(&without).map(f64::to_bits), "{set:?}");
         assert_eq!(scenario.derived(), without.derived(), "{set:?}");
@@ -469,7 +469,7 @@ fn a_burn_in_is_zero_or_ends_before_the_run() {
         let message = with(set).unwrap_err().to_string();
         assert!(message.contains(says) && message.contains("fix: "), "{set}: {message}");
     }
-    // A run of no duration has nothing to leave out.
+    // A run of duration 0 may have a burn-in of 0.
     let none = [Override::set("time.end=0").unwrap(), Override::set("statistics.after=0").unwrap()];
     assert!(Scenario::parse("x", shipped("rho025").unwrap().text, &none).is_ok());
 }
@@ -502,8 +502,8 @@ fn every_scheme_is_chosen_by_name() {
     assert_eq!(DEFAULT_TOLERANCE, 1e-3, "as in docs/scenario.md");
 }
 
-/// What a command line is refused for, a change of the scheme is refused for in the same words;
-/// what it is not refused for is the same scenario.
+/// Changing the scheme in memory and on the command line gives the same error in the same words, or
+/// else the same scenario.
 #[test]
 fn another_scheme_is_refused_as_the_reader_refuses_it() {
     let mut refused = 0;
@@ -565,7 +565,8 @@ fn a_scheme_takes_only_what_it_has_a_use_for() {
         assert_eq!(fault.key.as_deref(), Some(key), "{set:?}: {fault}");
         assert!(fault.problem.contains(says), "{set:?}: {fault}");
     }
-    // Another scheme chosen on the command line leaves behind what the file says about its own.
+    // The settings in the file for its own scheme are ignored if the command line chooses another
+    // scheme.
     let text = base(&["scheme.kind=event-driven"]).unwrap().to_toml();
     let set =
         |kind: &str| [Override::flag("--scheme", "scheme.kind", kind), Override::flag("--step", "time.step", "0.01")];
@@ -589,7 +590,8 @@ fn a_grid_without_steps_needs_no_whole_multiples() {
 
 #[test]
 fn the_corrected_scheme_is_refused_where_its_shift_is_not_small() {
-    // Shift 0.5826 * 6 * 0.25 sqrt(h) = f_s/2 = 0.6 at h = 0.4714, f_s/5 = 0.24 at 0.0754.
+    // The shift is 0.5826 * 6 * 0.25 sqrt(h). It is f_s/2 = 0.6 at h = 0.4714 and f_s/5 = 0.24 at h
+    // = 0.0754.
     let corrected = |step: &str| base(&["scheme.kind=corrected-vi", step, "time.output_step=60"]);
     for step in ["time.step=0.48", "time.step=1"] {
         let fault = fault(corrected(step));
@@ -601,7 +603,7 @@ fn the_corrected_scheme_is_refused_where_its_shift_is_not_small() {
     let names = |step| corrected(step).unwrap().warnings().iter().map(Warning::name).collect::<Vec<_>>();
     assert!(names("time.step=0.08").contains(&"large-shift"));
     assert!(!names("time.step=0.075").contains(&"large-shift"));
-    // f_s - f_d = 0.2 at h = 0.05237.
+    // The shift is f_s - f_d = 0.2 at h = 0.05237.
     assert!(names("time.step=0.06").contains(&"incomplete-correction"));
     assert!(!names("time.step=0.05").contains(&"incomplete-correction"));
     let frictionless = fault(base(&["scheme.kind=corrected-vi", "friction.static=0", "friction.dynamic=0"]));

@@ -1,4 +1,4 @@
-//! A scenario as TOML: every default visible, the paper's symbol beside every number.
+//! A scenario as TOML, with every default and with the symbol of the paper beside every number.
 
 use super::keys::{self, Key};
 use crate::model::{InitialNoise, Noise, Series, Temperature};
@@ -6,7 +6,7 @@ use crate::scenario::{Bearing, Measured, Scenario, Time, Units};
 use crate::stats::Record;
 use std::fmt::Write as _;
 
-/// The text of a scenario. Numbers are the shortest decimals that read back as the same double.
+/// The text of a scenario. Each number is the shortest decimal that reads back as the same double.
 pub(super) fn resolved(scenario: &Scenario) -> String {
     let Scenario { title, bearing, time, scheme, statistics, ensemble, record, units, .. } = scenario;
     let mut text = format!("title = {}\n", string(title));
@@ -52,8 +52,8 @@ pub(super) fn resolved(scenario: &Scenario) -> String {
     text
 }
 
-/// A scenario to change: the resolved one, without what is only true of its samples, and the parts that it does not use, as
-/// comments.
+/// The text of a scenario that is meant to be edited: the resolved scenario without the keys that
+/// hold only for its samples, and the tables that it does not use as comments.
 pub(super) fn template(scenario: &Scenario) -> String {
     let is_of_samples = |line: &&str| ["start = ", "hash = "].iter().any(|key| line.starts_with(key));
     let resolved = resolved(scenario);
@@ -76,7 +76,7 @@ pub(super) fn template(scenario: &Scenario) -> String {
     text
 }
 
-/// Parts that a scenario need not have, as they may be written.
+/// Tables that a scenario need not have, each with an example.
 pub(super) const NOISE_PART: &str = "\
 [temperature.noise]             # rho v, with v an Ornstein-Uhlenbeck process: dv = -theta v dt + sigma dW
 intensity = 0.25                # rho: weight of v in T
@@ -117,7 +117,7 @@ fn physics(text: &mut String, scenario: &Scenario) {
     }
 }
 
-/// The tables of a temperature alone, to be a part of a scenario: harmonics and noises.
+/// The tables of a temperature alone, harmonics and noises, to be inserted into a scenario.
 pub(super) fn of_temperature(temperature: &Temperature) -> String {
     let mut text = String::new();
     self::temperature(&mut text, temperature, None);
@@ -195,7 +195,7 @@ fn number(text: &mut String, key: Key, value: f64) {
     line(text, key.name, &format!("{value:?}"), &comment);
 }
 
-/// Column at which comments start, if the value leaves room.
+/// Column at which comments start if the value is short enough.
 const COMMENT_COLUMN: usize = 32;
 
 fn line(text: &mut String, name: &str, value: &str, comment: &str) {

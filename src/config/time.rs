@@ -1,4 +1,5 @@
-//! `[time]` and `[scheme]` -> a duration, a grid, and a scheme with its step or tolerance.
+//! From `[time]` and `[scheme]` to a duration, an output grid, and a scheme with its step or
+//! tolerance.
 
 use super::blame::report_misfit;
 use super::fields::Fields;
@@ -22,20 +23,20 @@ pub(super) fn scheme_and_time(sources: &Sources<'_>, root: &Fields<'_>, model: &
             tolerance.unwrap_or(DEFAULT_TOLERANCE)
         }
     });
-    // 0.0, never -0.0.
+    // `abs` turns -0.0 into 0.0.
     let given = table.number_if_present(keys::END).map(|end| end.value.abs());
     let is_measured = root.table("temperature").table_if_present("series").is_some();
     let end = match (given, &model.temperature.series) {
         (Some(end), _) => end,
         (None, Some(series)) => last_step(series.end(), scheme),
-        // Why there are no samples is reported already.
+        // The series could not be read, which is reported already.
         (None, None) if is_measured => 0.0,
         (None, None) => table.number(keys::END),
     };
     let output_step = table.number_if_present(keys::OUTPUT_STEP).map(|read| read.value);
     together(check::series(model, end));
     together(check_end(scheme, end));
-    // The others are computed from all values, so that they mean something only where all are sound.
+    // The following checks use all values, so they are meaningful only if all values are valid.
     if sources.are_sound() {
         together(check::reach(model, end).and_then(|()| scheme.check(model, end)));
     }
@@ -49,18 +50,19 @@ pub(super) fn scheme_and_time(sources: &Sources<'_>, root: &Fields<'_>, model: &
     (scheme, time)
 }
 
-/// The last sample of a series, or the last step before it.
+/// The time of the last sample, or of the last step before it.
 fn last_step(end: f64, scheme: Scheme) -> f64 {
     scheme.step().map_or(end, |step| tidy((end / step * (1.0 + 1e-12)).floor() * step).min(end))
 }
 
-/// The scheme, and the tolerance that is given for it.
+/// The scheme, and the tolerance given for it.
 fn kind(sources: &Sources<'_>, root: &Fields<'_>) -> (Kind, Option<f64>) {
     let table = root.table("scheme");
     let names: Vec<&'static str> = Kind::ALL.iter().map(|kind| kind.name()).collect();
     let kind = table.word("kind", &names).and_then(Kind::from_name).unwrap_or(Kind::DiscreteVi);
     let Some(tolerance) = table.number_if_present(keys::TOLERANCE) else { return (kind, None) };
-    // A scheme chosen on the command line leaves the tolerance of the file's own behind.
+    // If the command line chooses a scheme with a step, a tolerance in the file is ignored, since
+    // it belongs to the scheme that the file chose.
     let is_left_behind = sources.is_override(table.place_of("kind")) && !sources.is_override(tolerance.place);
     if !kind.has_step() || is_left_behind {
         return (kind, Some(tolerance.value));
@@ -77,8 +79,8 @@ fn kind(sources: &Sources<'_>, root: &Fields<'_>) -> (Kind, Option<f64>) {
     (kind, None)
 }
 
-/// A step in the file is left alone by a scheme without steps, so that one file serves every
-/// scheme; asking for one on the command line is a misunderstanding.
+/// A step given on the command line is an error for a scheme without steps. A step in the file is
+/// ignored, so that one file serves every scheme.
 fn refuse_step(sources: &Sources<'_>, root: &Fields<'_>, kind: Kind) {
     let step = root.table("time").number_if_present(keys::STEP);
     let Some(step) = step.filter(|step| sources.is_override(step.place)) else { return };
@@ -90,7 +92,7 @@ fn refuse_step(sources: &Sources<'_>, root: &Fields<'_>, kind: Kind) {
     report_misfit(sources, root, Err(Misfit::new(&[("time.step", step.value)], problem, remedy)));
 }
 
-/// The schemes with a step, or those without.
+/// The names of the schemes with a step, or of those without.
 fn names_of(has_step: bool) -> Vec<&'static str> {
     Kind::ALL.iter().filter(|kind| kind.has_step() == has_step).map(|kind| kind.name()).collect()
 }

@@ -1,19 +1,19 @@
-//! TOML with places: the file as a tree, and the overrides laid over it.
+//! TOML with the place of every value: the file as a tree, and the overrides applied to it.
 
 use super::error::Fault;
 use super::source::{Place, Sources};
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-/// A value and where it stands.
+/// A value and its place.
 #[derive(Clone, Debug)]
 pub(super) struct Node {
     pub place: Place,
     pub value: Value,
 }
 
-/// A TOML value; numbers as they are written, so that nothing is rounded or overflows before it is
-/// checked.
+/// A TOML value. Numbers are kept as they are written, so that none is rounded or overflows before
+/// it is checked.
 #[derive(Clone, Debug)]
 pub(super) enum Value {
     Text(String),
@@ -34,7 +34,7 @@ pub(super) struct Entry {
 }
 
 impl Value {
-    /// What a reader calls such a value.
+    /// What a message calls such a value.
     pub fn kind(&self) -> &'static str {
         match self {
             Value::Text(_) => "a string",
@@ -48,7 +48,7 @@ impl Value {
     }
 }
 
-/// The file's tree with every override applied, in order.
+/// The tree of the file with every override applied, in order.
 pub(super) fn read(sources: &Sources<'_>) -> Result<Node, Box<Fault>> {
     let parsed = DeTable::parse(sources.text).map_err(|e| {
         let place = e.span().map(|span| Place { text: 0, start: span.start, end: span.end });
@@ -87,12 +87,12 @@ fn table(entries: DeTable<'_>, text: usize) -> Value {
             Entry { key: key.into_inner().into_owned(), key_place, node: node(value, text) }
         })
         .collect();
-    // The order of the file, so that the first mistake in it is the first one reported.
+    // Entries are in the order of the file, so that the first mistake in it is reported first.
     entries.sort_by_key(|entry| entry.key_place.start);
     Value::Table(entries)
 }
 
-/// Apply override `i`: walk its dotted key, creating tables on the way, and put its value there.
+/// Apply override `i`: follow its dotted key, creating tables on the way, and set its value there.
 fn lay_over(root: &mut Node, sources: &Sources<'_>, i: usize) -> Result<(), Box<Fault>> {
     let this = &sources.overrides[i];
     let place = Place { text: i + 1, start: 0, end: 0 };
@@ -119,7 +119,7 @@ fn lay_over(root: &mut Node, sources: &Sources<'_>, i: usize) -> Result<(), Box<
             }
             Value::Array(items) => {
                 let n = items.len();
-                // One past the end appends.
+                // An index one past the end appends an entry.
                 let index = segment.parse::<usize>().ok().filter(|&index| index <= n).ok_or_else(|| {
                     let problem = format!("`{walked}` has {n} entries, and `{segment}` is not one of them");
                     wrong(problem, format!("number them from 0; `{walked}.{n}` adds one"))
@@ -143,7 +143,7 @@ fn lay_over(root: &mut Node, sources: &Sources<'_>, i: usize) -> Result<(), Box<
     let text = this.value.trim();
     spot.value = match DeValue::parse(text) {
         Ok(value) => node(value, i + 1).value,
-        // A word, or a count such as 10k.
+        // The value is a bare word, or a count such as 10k.
         Err(_) if text.starts_with(|c: char| c.is_alphabetic()) || is_count(text) => Value::Text(text.to_string()),
         Err(e) => {
             let problem = format!("`{text}` is not a TOML value: {}", one_line(e.message()));
@@ -154,13 +154,13 @@ fn lay_over(root: &mut Node, sources: &Sources<'_>, i: usize) -> Result<(), Box<
     Ok(())
 }
 
-/// Digits with a unit behind them, such as 10k.
+/// Whether a text is a number followed by a unit, such as 10k.
 fn is_count(text: &str) -> bool {
     let digits = text.strip_suffix(['k', 'K', 'M', 'G']).unwrap_or_default();
     !digits.is_empty() && digits.chars().all(|c| c.is_ascii_digit() || "._".contains(c))
 }
 
-/// Everything that an override brings stands at the override as a whole.
+/// The place of every value within an override is the override as a whole.
 fn relocate(node: &mut Node, place: Place) {
     node.place = place;
     match &mut node.value {
