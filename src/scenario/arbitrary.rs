@@ -1,4 +1,4 @@
-//! Sound scenarios at random, for tests.
+//! Random valid scenarios for tests.
 
 use super::{Bearing, Ensemble, MAX_PATHS, MAX_TRAJECTORIES, Scenario, Statistics, Time, Units};
 use crate::model::{Friction, Harmonic, InitialNoise, Model, Noise, Oscillator, Temperature};
@@ -6,7 +6,7 @@ use crate::scheme::{Kind, monitoring_shift};
 use crate::stats::Record;
 use proptest::prelude::*;
 
-/// A number of any size that keeps K/m and the forces within a double.
+/// A number of any magnitude for which K/m and the forces stay within the range of a double.
 fn size() -> impl Strategy<Value = f64> {
     (1.0..10.0f64, -12..12i32).prop_map(|(x, power)| x * 10f64.powi(power))
 }
@@ -79,7 +79,8 @@ prop_compose! {
             record: Record { paths: keep_paths, events, trajectories },
             units: Units { time, length, force, temperature },
         };
-        // Two noises that move nothing are refused.
+        // A second noise is invalid with some of these values, for example if both noises move
+        // nothing.
         if scenario.check().is_err() {
             scenario.model.temperature.second_noise = None;
         }

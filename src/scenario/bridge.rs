@@ -1,32 +1,34 @@
-//! What a scenario says of a bearing that is calibrated: less than a run takes, because nothing is
-//! run.
+//! The parts of a scenario that a calibration needs. A run needs more, but a calibration simulates
+//! nothing.
 
-/// A bearing in a scenario: where a search begins, and how its data are read.
+/// A bearing as a scenario describes it: where the search for its parameters begins, and how its
+/// data are read.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BridgeScene {
-    /// What it is about, in a line.
+    /// Title, one line.
     pub title: String,
-    /// K.
+    /// K, stiffness of the spring.
     pub stiffness: f64,
-    /// beta.
+    /// beta, displacement of the rest position per degree.
     pub dilatation: f64,
-    /// f_s.
+    /// f_s, static friction.
     pub f_s: f64,
-    /// f_d.
+    /// f_d, dynamic friction.
     pub f_d: f64,
-    /// K_BP, if it is known.
+    /// K_BP, shear stiffness of the bearing, if it is known.
     pub shear_stiffness: Option<f64>,
-    /// z0.
+    /// z0, reading of the sensor at x = 0.
     pub offset: f64,
-    /// x(0); none where it is not a number ("balanced", "free").
+    /// x(0); `None` if it is missing or a word ("balanced", "free").
     pub displacement: Option<f64>,
-    /// Where the temperature of the scenario is, relative to it.
+    /// The file of the temperature, relative to the folder of the scenario.
     pub file: Option<String>,
-    /// The column of times.
+    /// The name of the column of times.
     pub time: String,
-    /// The column of temperatures; none for the one whose name begins with `temperature`.
+    /// The name of the column of temperatures. `None` means the column whose name begins with
+    /// `temperature`.
     pub value: Option<String>,
-    /// The zone of stamps that name none.
+    /// The time zone of stamps that name none.
     pub zone: Option<String>,
     /// The text of the scenario.
     pub text: String,

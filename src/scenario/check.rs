@@ -1,5 +1,5 @@
-//! Whether values can be computed with together. The range of each value alone is a matter of
-//! whoever reads it.
+//! Checks of values against each other. The range of each single value is checked by whoever reads
+//! it.
 
 use super::time::check_end;
 use super::{Ensemble, Scenario, Statistics};
@@ -7,7 +7,7 @@ use crate::model::{Friction, InitialNoise, LARGEST, Model, Noise, Temperature, c
 use crate::scheme::{Misfit, Scheme, divergence_bound};
 
 impl Scenario {
-    /// Whether its values go together, each of which is in its range.
+    /// Check that the values go together. Each of them must already be in its own range.
     pub fn check(&self) -> Result<(), Misfit> {
         let Scenario { model, time, scheme, statistics, .. } = self;
         friction(&model.friction)?;
@@ -22,8 +22,8 @@ impl Scenario {
         self.ensemble.check()
     }
 
-    /// The same question answered by another scheme; an error where its step, or its tolerance,
-    /// does not go with the rest.
+    /// The same scenario with another scheme. It is an error if the step or the tolerance of that
+    /// scheme does not go with the rest.
     pub fn with_scheme(&self, scheme: impl Into<Scheme>) -> Result<Scenario, Misfit> {
         let changed = Scenario { scheme: scheme.into(), ..self.clone() };
         changed.check()?;
@@ -32,7 +32,7 @@ impl Scenario {
 }
 
 impl Ensemble {
-    /// Pairs are whole.
+    /// Antithetic paths come in pairs, so their number must be even.
     pub(crate) fn check(&self) -> Result<(), Misfit> {
         let paths = self.paths;
         if !self.antithetic || paths.is_multiple_of(2) {
@@ -45,7 +45,7 @@ impl Ensemble {
 }
 
 impl Statistics {
-    /// after < t_end, unless there is no burn-in.
+    /// after < t_end, or after = 0 for no burn-in.
     pub(crate) fn check(&self, end: f64) -> Result<(), Misfit> {
         let after = self.after;
         if after == 0.0 || after < end {
@@ -68,7 +68,7 @@ pub(crate) fn friction(friction: &Friction) -> Result<(), Misfit> {
     Err(Misfit::new(&[("friction.dynamic", f_d), ("friction.static", f_s)], problem, remedy))
 }
 
-/// The stationary standard deviations of v and of rho v are numbers with all their digits.
+/// The stationary standard deviations of v and of rho v are neither too large nor subnormal.
 pub(crate) fn noise(noise: &Noise) -> Result<(), Misfit> {
     let sd = noise.stationary_sd();
     if can_be_computed_with(&[noise.intensity * sd, sd]) && (noise.diffusion == 0.0 || sd.is_normal()) {
@@ -82,7 +82,7 @@ pub(crate) fn noise(noise: &Noise) -> Result<(), Misfit> {
     Err(Misfit::new(&about, problem, "choose units in which relaxation rate and diffusion are closer to 1"))
 }
 
-/// K/m, alpha/m, b and b/m are neither too small nor too large.
+/// K/m, alpha/m, b and b/m are neither too small nor too large for a double.
 pub(crate) fn forces(model: &Model) -> Result<(), Misfit> {
     let Model { oscillator, initial_displacement, .. } = model;
     let mass = ("oscillator.mass", oscillator.mass);
@@ -108,14 +108,14 @@ pub(crate) fn forces(model: &Model) -> Result<(), Misfit> {
          compute with"
     );
     let remedy = "lower the stiffness, dilatation, temperature or displacement, or change units";
-    // Most likely the largest factor of it is the one that is wrong.
+    // The largest factor is named first, because it is the one that is most probably wrong.
     let dilatation = ("oscillator.dilatation", oscillator.dilatation);
     let mut factors = [stiffness, dilatation, ("initial.displacement", *initial_displacement)];
     factors.sort_by(|a, b| b.1.abs().total_cmp(&a.1.abs()));
     Err(Misfit::new(&factors, problem, remedy))
 }
 
-/// A measured temperature is known until t_end.
+/// A measured temperature has samples up to t_end.
 pub(crate) fn series(model: &Model, end: f64) -> Result<(), Misfit> {
     let Some(series) = &model.temperature.series else { return Ok(()) };
     let last = series.end();
@@ -127,8 +127,8 @@ pub(crate) fn series(model: &Model, end: f64) -> Result<(), Misfit> {
     Err(Misfit::new(&[("time.end", end)], problem, remedy))
 }
 
-/// Noise is pinned to samples that there are, and begins at the first: what is wrong, and what to
-/// do.
+/// Pinned noise needs a series of samples, has no second noise beside it, and is zero at the first
+/// sample. Returns what is wrong and the remedy.
 pub(crate) fn pinned(temperature: &Temperature) -> Option<(&'static str, &'static str)> {
     let noise = temperature.noise.filter(|_| temperature.is_pinned)?;
     if temperature.series.is_none() {
@@ -149,9 +149,9 @@ pub(crate) fn pinned(temperature: &Temperature) -> Option<(&'static str, &'stati
         .then_some(("is true, so v is zero at the first sample, and `temperature.noise.initial` is not", remedy))
 }
 
-/// |x| and |x'| stay within what can be computed with up to `end`.
+/// |x| and |x'| stay small enough for a double up to `end`.
 pub(crate) fn reach(model: &Model, end: f64) -> Result<(), Misfit> {
-    // Friction takes the body nowhere, however large it is.
+    // The bound is that of motion without friction, because friction does not drive the body.
     let mut free = model.clone();
     free.friction.static_force = 0.0;
     let reach = divergence_bound(&free, end);

@@ -1,27 +1,28 @@
-//! What of a scenario was measured, and what measures it: the file of a temperature, the bearing
-//! with its sensor.
+//! The measured parts of a scenario: where its temperature comes from, and how a sensor at the
+//! bearing sees the body.
 
-/// Where a measured temperature comes from: what a scenario says of it. The samples themselves are
+/// Where a measured temperature comes from, as the scenario states it. The samples themselves are
 /// in the model.
 #[derive(Clone, Debug)]
 pub struct Measured {
-    /// The file, as the scenario names it: relative to the folder of the scenario.
+    /// The file as the scenario names it, relative to the folder of the scenario.
     pub file: String,
-    /// The column of times.
+    /// The name of the column of times.
     pub time: String,
-    /// The column of temperatures.
+    /// The name of the column of temperatures.
     pub value: String,
-    /// The zone of stamps that name none; empty for none.
+    /// The time zone of stamps that name none; empty if the scenario gives no zone.
     pub zone: String,
-    /// The longest time between two samples; none for any.
+    /// The longest time allowed between two samples; `None` for no limit.
     pub max_gap: Option<f64>,
     /// The stamp of t = 0, if the file has stamps.
     pub start: Option<String>,
-    /// What was mended in the file, in words; nothing where the samples come from results.
+    /// What was repaired in the file, in sentences; empty if the samples come from the file of a
+    /// run.
     pub repairs: Vec<String>,
 }
 
-/// What was mended is not compared: it is told once, when the file is read.
+/// The repairs are not compared, because they are known only when the data file itself is read.
 impl PartialEq for Measured {
     fn eq(&self, other: &Self) -> bool {
         let said = |m: &Self| (m.file.clone(), m.time.clone(), m.value.clone(), m.zone.clone(), m.start.clone());
@@ -29,17 +30,19 @@ impl PartialEq for Measured {
     }
 }
 
-/// How a bearing shows the body to a sensor: z = z0 + x + F/K_B. It does not act on the body.
+/// How a sensor at the bearing sees the body: z = z0 + x + F/K_B. The bearing does not act on the
+/// body.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bearing {
-    /// K_B > 0, of the shear of the bearing under the friction force; none for a rigid one.
+    /// K_B > 0, the stiffness with which the bearing is sheared by the friction force F; `None` for
+    /// a rigid bearing.
     pub stiffness: Option<f64>,
-    /// z0.
+    /// z0, the reading at x = 0 and F = 0.
     pub offset: f64,
 }
 
 impl Bearing {
-    /// z from x and the friction force F.
+    /// The reading z at displacement x and friction force F.
     pub fn displacement(&self, x: f64, friction: f64) -> f64 {
         self.offset + x + self.stiffness.map_or(0.0, |stiffness| friction / stiffness)
     }

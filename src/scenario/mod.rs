@@ -1,18 +1,18 @@
-//! A scenario: one physical question as plain data, its values checked together, and the ensemble
-//! that answers it.
+//! A scenario: one physical question as plain data, the checks of its values against each other,
+//! and the ensemble that answers it.
 //!
 //! ```text
 //! Scenario   title, Model, Bearing, Time, Scheme, Statistics, Ensemble, Record, Units
 //! time       duration and output grid, and whether they go with a scheme's step
-//! check      whether all of it goes together
-//! plan       the ensemble that answers it, and the simulations that tell the error of its step
-//! measured   where a measured temperature comes from, and what a sensor shows
-//! bridge     of a scenario only what a calibration needs: a BridgeScene
-//! limits     how much of anything there may be
+//! check      whether all values go together
+//! plan       the ensemble of a scenario, and the simulations that estimate its discretisation bias
+//! measured   where a measured temperature comes from, and how a sensor sees the body
+//! bridge     the parts of a scenario that a calibration needs: a BridgeScene
+//! limits     the largest number of paths, rows, steps and periods
 //! ```
 //!
-//! [`crate::config`] reads it from a file; [`crate::advice`] says what follows from it before it is
-//! run.
+//! [`crate::config`] reads a scenario from a file; [`crate::advice`] derives numbers and warnings
+//! from it before it is run.
 
 #[cfg(test)]
 pub(crate) mod arbitrary;
@@ -34,49 +34,50 @@ use crate::model::Model;
 use crate::scheme::Scheme;
 use crate::stats::Record;
 
-/// A checked scenario: every number in it is finite and in range.
+/// A scenario. One that was read from a file is checked: every number in it is finite and in range.
+/// After a change in memory, call [`Scenario::check`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scenario {
-    /// What the scenario asks, in a line.
+    /// The question of the scenario, one line.
     pub title: String,
-    /// The physics.
+    /// Oscillator, friction, temperature and x(0).
     pub model: Model,
     /// Where the series of the temperature comes from, if there is one.
     pub measured: Option<Measured>,
-    /// Whether x(0) follows from the rest: beta E T(0), where no spring force acts.
+    /// Whether x(0) is given as "balanced": it is then beta E T(0), where no spring force acts.
     pub is_balanced: bool,
-    /// What a sensor at the bearing shows, if there is one.
+    /// How a sensor at the bearing sees the body, if there is one.
     pub bearing: Option<Bearing>,
     /// Duration and output grid.
     pub time: Time,
-    /// How it is simulated.
+    /// The scheme, with its step or its tolerance.
     pub scheme: Scheme,
-    /// What of a path is counted.
+    /// Which part of a path the statistics count.
     pub statistics: Statistics,
-    /// How many paths, from which seed.
+    /// Number of paths, seed, and whether paths are antithetic.
     pub ensemble: Ensemble,
-    /// What is kept of single paths.
+    /// What is recorded of single paths.
     pub record: Record,
-    /// Labels, used in tables and attributes only.
+    /// Labels of the units. They appear in tables and attributes and are never used to compute.
     pub units: Units,
 }
 
-/// What of a path is counted in its statistics.
+/// Which part of a path the statistics count.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Statistics {
-    /// The time from which on it is: 0 <= after < t_end, or 0. What was before is a burn-in, which
-    /// lets the motion forget where it began.
+    /// The time from which the statistics count: 0 <= after < t_end, or 0. The motion before it is
+    /// a burn-in, in which the motion forgets its initial state.
     pub after: f64,
 }
 
-/// How many paths, from which seed.
+/// Number of paths, seed, and whether paths are antithetic.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Ensemble {
     /// Number of paths.
     pub paths: u64,
-    /// Seed; with the path number it determines a path.
+    /// Seed. Together with the number of a path it determines the noise of that path.
     pub seed: u64,
-    /// Whether paths 2k and 2k + 1 see the same noise and its mirror image, and the pair is the
-    /// unit of every interval.
+    /// Whether path 2k + 1 sees the mirror image of the noise of path 2k. Such a pair then counts
+    /// as one sample in every interval.
     pub antithetic: bool,
 }

@@ -1,4 +1,4 @@
-//! From a question to the ensemble that answers it.
+//! The ensemble that a scenario asks for.
 
 use super::limits::MAX_PERIODS;
 use super::{Scenario, Time};
@@ -7,8 +7,9 @@ use crate::ensemble::Plan;
 use crate::scheme::{Resolution, Timeline};
 
 impl Scenario {
-    /// When the paths are observed. The forcing period is the one that all harmonics share, unless
-    /// there would be more than [`MAX_PERIODS`] of them.
+    /// The times at which paths are observed. The forcing period is the common period of all
+    /// harmonics; there is none if they have none, or if the run would contain more than
+    /// [`MAX_PERIODS`] of them.
     pub fn timeline(&self) -> Timeline {
         let few = |period: &f64| self.time.end / period <= MAX_PERIODS as f64;
         let period = self.model.temperature.period().filter(few);
@@ -21,13 +22,13 @@ impl Scenario {
         self.scheme.step().map(|h| (self.time.end / h).round() as u64)
     }
 
-    /// What the scheme simulates in place of the model where f_s and f_d (nearly) meet under noise;
-    /// usually nothing.
+    /// The static threshold that the scheme simulates in place of f_s if f_s and f_d are (nearly)
+    /// equal under noise; `None` for most scenarios.
     pub fn resolution(&self) -> Option<Resolution> {
         self.scheme.resolution(&self.model, &self.timeline())
     }
 
-    /// The ensemble this scenario asks for.
+    /// The ensemble that this scenario asks for.
     pub fn plan(&self) -> Plan {
         Plan {
             simulation: self.scheme.simulation(&self.model, &self.timeline()),
@@ -38,7 +39,8 @@ impl Scenario {
         }
     }
 
-    /// The simulations from which the error of its step is estimated, for a run of so many paths.
+    /// The simulations from which the discretisation bias of a run of `paths` paths is estimated;
+    /// an error if the scenario allows no such estimate.
     pub fn bias_plan(&self, paths: u64) -> Result<BiasPlan, NoBias> {
         let plan = BiasPlan::new(self.scheme, &self.model, &self.timeline(), self.ensemble.seed, paths)?;
         Ok(if self.ensemble.antithetic { plan.in_pairs() } else { plan })

@@ -1,4 +1,5 @@
-//! Duration and output grid, and which of them must be whole multiples of a scheme's step.
+//! Duration and output grid, both of which must be whole multiples of the step if the scheme has
+//! one.
 
 use super::limits::{MAX_ROWS, MAX_STEPS};
 use crate::numbers::tidy;
@@ -7,13 +8,13 @@ use crate::scheme::{Misfit, Scheme};
 /// Duration and output grid of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Time {
-    /// t_end >= 0; a whole multiple of the step, if the scheme has one.
+    /// t_end >= 0, a whole multiple of the step if the scheme has one.
     pub end: f64,
-    /// Spacing of the output grid; likewise.
+    /// Spacing of the output grid, a whole multiple of the step if the scheme has one.
     pub output_step: f64,
 }
 
-/// Whether `end` is a whole number of steps that can be counted, if the scheme has steps.
+/// Check that `end` is a whole number of steps, and not too many to count, if the scheme has steps.
 pub(crate) fn check_end(scheme: Scheme, end: f64) -> Result<(), Misfit> {
     let Some(h) = scheme.step() else { return Ok(()) };
     let about = [("time.step", h), ("time.end", end)];
@@ -40,12 +41,12 @@ pub(crate) fn check_end(scheme: Scheme, end: f64) -> Result<(), Misfit> {
     Err(Misfit::new(&about, problem, remedy))
 }
 
-/// Rows of a default output grid, the first one not counted.
+/// Number of rows of a default output grid, without the row at t = 0.
 const DEFAULT_ROWS: f64 = 120.0;
 
 impl Time {
-    /// With an output grid of about 120 rows. `end` is a whole number of steps, if the scheme has
-    /// steps.
+    /// A duration with an output grid of about 120 rows. `end` must be a whole number of steps if
+    /// the scheme has steps.
     pub(crate) fn with_default_rows(end: f64, scheme: Scheme) -> Self {
         let output_step = match scheme.step() {
             Some(h) => default_output_step(end, h),
@@ -54,8 +55,8 @@ impl Time {
         Time { end, output_step }
     }
 
-    /// Whether the rows of the output grid are instants that the scheme passes through, and no more
-    /// than are kept.
+    /// Check that the output grid falls on steps of the scheme, if it has steps, and has at most
+    /// [`MAX_ROWS`] rows.
     pub(crate) fn check_rows(&self, scheme: Scheme) -> Result<(), Misfit> {
         let Time { end, output_step } = *self;
         if let Some(h) = scheme.step() {
@@ -86,19 +87,19 @@ fn check_between_steps(output_step: f64, h: f64) -> Result<(), Misfit> {
     Err(Misfit::new(&[("time.output_step", output_step), ("time.step", h)], problem, remedy))
 }
 
-/// How far, relative to it, a duration may be from a whole number of steps: rounding of decimal
-/// fractions, no more.
+/// Largest relative distance of a duration from a whole number of steps. It only allows for the
+/// rounding of decimal fractions.
 const WHOLE: f64 = 1e-9;
 
-/// n, if `total` is n `part`.
+/// n, if `total` is n times `part` up to rounding.
 fn whole_multiple(total: f64, part: f64) -> Option<f64> {
     let ratio = total / part;
     let n = ratio.round();
     ((ratio - n).abs() <= WHOLE * n && (n > 0.0 || total == 0.0)).then_some(n)
 }
 
-/// About 120 rows: the count from 60 to 240 nearest to it that divides the steps, else whatever is
-/// near it.
+/// The spacing of about 120 rows. Of the row counts from 60 to 240 that divide the number of steps
+/// it takes the one nearest to 120; if none divides it, the nearest whole number of steps.
 fn default_output_step(end: f64, h: f64) -> f64 {
     let steps = (end / h).round();
     if steps <= DEFAULT_ROWS {
@@ -107,7 +108,8 @@ fn default_output_step(end: f64, h: f64) -> f64 {
     let distance = |rows: &f64| (rows / DEFAULT_ROWS).ln().abs();
     let divisor = (60..=240).map(f64::from).filter(|rows| steps % rows == 0.0);
     match divisor.min_by(|a, b| distance(a).total_cmp(&distance(b))) {
-        // end / rows rather than a multiple of h: 60 / 120 is 0.5, 50 * 0.01 need not be.
+        // end / rows is rounded once, so that 60 / 120 is exactly 0.5; a product such as
+        // `50 * 0.01` need not be.
         Some(rows) => end / rows,
         None => (steps / DEFAULT_ROWS).round() * h,
     }
