@@ -1,4 +1,4 @@
-//! The column that says when: stamps, with their zones, or numbers.
+//! The column of times: stamps with their time zones, or numbers.
 
 use super::unit::{self, Unit};
 use jiff::civil::DateTime;
@@ -9,18 +9,18 @@ use std::fmt;
 
 static PARSER: DateTimeParser = DateTimeParser::new();
 
-/// The instant from which the times of a table count.
+/// An instant, such as the one from which the times of a table count.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Start(Timestamp);
 
 impl Start {
-    /// From an RFC 3339 stamp.
+    /// Read an RFC 3339 stamp; `None` if the text is none.
     pub fn parse(stamp: &str) -> Option<Self> {
         PARSER.parse_timestamp(stamp).ok().map(Start)
     }
 
-    /// From a date with or without a time of day and a zone, as the units of a time in a CF file
-    /// have it: UTC unless it says another.
+    /// Read a date, with or without a time of day and a zone, as it appears in the units of a time
+    /// in a CF file. Without a zone it is UTC.
     #[cfg(feature = "store")]
     pub(super) fn of_calendar(text: &str) -> Option<Self> {
         let text = text.trim().trim_end_matches(" UTC");
@@ -28,34 +28,34 @@ impl Start {
         Start::parse(text).or_else(|| PARSER.parse_datetime(text).ok().and_then(utc))
     }
 
-    /// How many seconds later than another one it is.
+    /// Seconds from `earlier` to this instant.
     pub fn since(&self, earlier: &Start) -> f64 {
         self.0.duration_since(earlier.0).as_secs_f64()
     }
 
-    /// The instant so many seconds later, if the calendar reaches so far.
+    /// The instant `seconds` later; `None` beyond the range of the calendar.
     pub fn after(&self, seconds: f64) -> Option<Self> {
         let later = SignedDuration::try_from_secs_f64(seconds).ok()?;
         self.0.checked_add(later).ok().map(Start)
     }
 }
 
-/// The RFC 3339 stamp, in UTC.
+/// Prints the RFC 3339 stamp in UTC.
 impl fmt::Display for Start {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         self.0.fmt(f)
     }
 }
 
-/// Cells of the time column -> seconds.
+/// Reads the cells of the time column one after the other and gives seconds.
 pub(super) enum Clock {
-    /// Numbers; in seconds, if the name of the column says their unit.
+    /// The cells are numbers. They are converted to seconds if the name of the column gives a unit.
     Numbers { unit: Option<Unit>, first: Option<f64> },
-    /// Stamps.
+    /// The cells are stamps.
     Stamps { zone: Option<TimeZone>, first: Option<Timestamp>, previous: Option<Timestamp>, folds: u64 },
 }
 
-/// What is wrong with a time, and what to do.
+/// What is wrong with a time, and the remedy.
 pub(super) type Wrong = (String, String);
 
 fn wrong<T>(problem: impl Into<String>, remedy: impl Into<String>) -> Result<T, Wrong> {
@@ -63,7 +63,7 @@ fn wrong<T>(problem: impl Into<String>, remedy: impl Into<String>) -> Result<T, 
 }
 
 impl Clock {
-    /// For a column that begins with this cell.
+    /// A reader for a column with this name, this zone for stamps without one, and this first cell.
     pub fn new(column: &str, zone: Option<&str>, first: &[u8]) -> Result<Self, Wrong> {
         let number = std::str::from_utf8(first).is_ok_and(|text| text.replace(',', ".").parse::<f64>().is_ok());
         if number {
@@ -82,12 +82,13 @@ impl Clock {
         Ok(Clock::Stamps { zone, first: None, previous: None, folds: 0 })
     }
 
-    /// Whether times are in seconds, and not in whatever unit the numbers have.
+    /// Whether times are in seconds. Numbers in a column whose name gives no unit stay in their
+    /// own, unknown unit.
     pub fn in_seconds(&self) -> bool {
         !matches!(self, Clock::Numbers { unit: None, .. })
     }
 
-    /// The time that other times are counted from, if the cells are stamps.
+    /// The instant from which times count, if the cells are stamps.
     pub fn first(&self) -> Option<Start> {
         match self {
             Clock::Stamps { first, .. } => first.map(Start),
@@ -95,7 +96,7 @@ impl Clock {
         }
     }
 
-    /// How many stamps stood in an hour that the clocks went through twice.
+    /// Number of stamps that fell in an hour which occurs twice, when clocks are put back.
     pub fn folds(&self) -> u64 {
         match self {
             Clock::Stamps { folds, .. } => *folds,
@@ -103,7 +104,7 @@ impl Clock {
         }
     }
 
-    /// A cell as the time since the first.
+    /// The time of a cell since the first cell.
     pub fn read(&mut self, cell: &[u8], number: impl Fn(&[u8]) -> Option<f64>) -> Result<f64, Wrong> {
         match self {
             Clock::Numbers { unit, first } => {
@@ -124,9 +125,9 @@ impl Clock {
     }
 }
 
-/// The instant of a stamp, and whether its hour was gone through twice.
+/// The instant of a stamp, and whether it fell in an hour which occurs twice.
 fn instant(cell: &[u8], zone: Option<&TimeZone>, previous: Option<Timestamp>) -> Result<(Timestamp, bool), Wrong> {
-    // Behind the date, `Z`, `+` and `-` say the zone.
+    // Behind the ten characters of the date, `Z`, `+` or `-` gives the zone.
     if cell.iter().skip(10).any(|byte| matches!(byte, b'Z' | b'z' | b'+' | b'-')) {
         return PARSER.parse_timestamp(cell).map(|stamp| (stamp, false)).or_else(|_| not_a_stamp());
     }
@@ -138,8 +139,8 @@ fn instant(cell: &[u8], zone: Option<&TimeZone>, previous: Option<Timestamp>) ->
     in_zone(local, zone, previous)
 }
 
-/// A local time: one that never was is an error, and one that was twice is the first that is later
-/// than the row before.
+/// The instant of a local time. A time that the clocks skipped is an error. A time that occurred
+/// twice is taken as the first of its two instants that is later than the row before.
 fn in_zone(local: DateTime, zone: &TimeZone, previous: Option<Timestamp>) -> Result<(Timestamp, bool), Wrong> {
     let found = zone.to_ambiguous_timestamp(local);
     let beyond = |_| ("is beyond the calendar".to_string(), "mend the row".to_string());

@@ -1,16 +1,15 @@
-//! What is wrong with a file of data, said so that the reader knows where to look and what to
-//! change.
+//! What is wrong with a data file, in messages that say where to look and what to change.
 
 use std::fmt;
 
-/// One thing that is wrong, and where.
+/// One mistake, and where it is.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct DataError {
     /// The file.
     pub file: String,
     /// The line, from 1.
     pub line: Option<u64>,
-    /// The cell that it is about, if it is about one.
+    /// The cell in question, if the mistake is in one.
     pub cell: Option<Box<Cell>>,
     /// What is wrong.
     pub problem: String,
@@ -23,7 +22,7 @@ pub struct DataError {
 pub struct Cell {
     /// The name of its column.
     pub column: String,
-    /// What it holds, cut to one short line.
+    /// Its content, cut to one short line.
     pub value: String,
 }
 
@@ -31,7 +30,7 @@ pub struct Cell {
 const QUOTE_LENGTH: usize = 40;
 
 impl DataError {
-    /// Something about the file as a whole.
+    /// An error of the file as a whole.
     pub(super) fn file(file: &str, problem: String, remedy: &str) -> Self {
         DataError { file: file.into(), line: None, cell: None, problem, remedy: remedy.into() }
     }

@@ -1,7 +1,7 @@
-//! Variables of an HDF5 or netCDF-4 file, read as the columns of a CSV file of the same are.
+//! Variables of an HDF5 or netCDF-4 file, read as if they were the columns of a CSV file.
 //!
-//! They are written out as the text of that file, so that whatever is checked, mended or refused in
-//! one is so in the other.
+//! They are written to a CSV text in memory, which is then read like a file, so that both formats
+//! have the same checks, repairs and errors.
 
 use super::clock::Start;
 use super::error::DataError;
@@ -12,13 +12,14 @@ use ::hdf5::{Dataset, File};
 use std::fmt::Write as _;
 use std::path::Path;
 
-/// How an HDF5 file starts.
+/// The first bytes of an HDF5 file.
 pub(super) const SIGNATURE: &[u8] = b"\x89HDF\r\n\x1a\n";
 
-/// More values than this are no record of a bearing.
+/// Largest number of values in a variable, which bounds the memory. No measured record of a bearing
+/// is longer.
 const MOST: usize = 50_000_000;
 
-/// Variables along one dimension, a value for each time.
+/// Read variables along one dimension, with one value for each time.
 pub(super) fn read(path: &Path, time: TimeColumn<'_>, wanted: &[Wanted<'_>]) -> Result<Table, DataError> {
     let name = path.display().to_string();
     let wrong = |problem: String, remedy: &str| DataError::file(&name, problem, remedy);
@@ -99,7 +100,7 @@ pub(super) fn read(path: &Path, time: TimeColumn<'_>, wanted: &[Wanted<'_>]) -> 
         .map(|((name, _, unit), one)| Wanted { column: Name::Exactly(name), unit: unit.as_deref(), ..*one })
         .collect();
     let of_values = |error: DataError| match error.line {
-        // The header is the first line.
+        // The header is the first line, so value n is on line n + 1.
         Some(line) => DataError { line: None, problem: format!("{} (value {})", error.problem, line - 1), ..error },
         None => error,
     };
@@ -113,12 +114,12 @@ pub(super) fn read(path: &Path, time: TimeColumn<'_>, wanted: &[Wanted<'_>]) -> 
     Ok(table)
 }
 
-/// A name as a cell of CSV.
+/// A name as a quoted cell of CSV.
 fn cell(name: &str) -> String {
     format!("\"{}\"", name.replace('"', "\"\""))
 }
 
-/// An attribute that is a text, however it is stored.
+/// A text attribute, whichever of the HDF5 string types it has.
 fn text_of(variable: &Dataset, name: &str) -> Option<String> {
     let attribute = variable.attr(name).ok()?;
     let read = attribute.read_scalar::<VarLenUnicode>().map(|text| text.to_string());

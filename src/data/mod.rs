@@ -1,20 +1,21 @@
-//! Measured data: named columns of a CSV file, or variables of an HDF5 file, as they are in the world. The only home of the crates
-//! `csv-core` and `jiff`.
+//! Reading measured data: named columns of a CSV file, or variables of an HDF5 file. This is the
+//! only module that uses the crates `csv-core` and `jiff`.
 //!
 //! ```text
 //! rows      bytes -> the header and one row after the other: separators, quotes, comments
-//! unit      what a column's name says of its unit
+//! unit      the unit that the name of a column gives
 //! clock     a cell of the time column -> seconds: stamps, zones, numbers
 //! table     the rows in order of time, checked and repaired: a Table
 //! hdf5      variables of an HDF5 file as the columns of a CSV file (feature `store`)
-//! pair      temperatures and displacements of a bearing on one clock, from one file or two
+//! pair      temperatures and displacements of a bearing on one time axis, from one file or two
 //! span      "6h" as seconds
-//! query     which columns are asked for, and how they are to be read
+//! query     which columns are wanted, and how they are read
 //! error     what is wrong with a file, and where
 //! ```
 //!
-//! What is mended is counted ([`Repairs`]): rows out of order are sorted, cells without a value are left out, a row that is there
-//! twice is taken once. What could be meant in two ways is an error with its line.
+//! Repairs are counted ([`Repairs`]): rows out of order are sorted, cells without a value are left
+//! out, and a repeated row is used once. Anything that could be read in two ways is an error with
+//! its line.
 
 mod clock;
 mod error;
@@ -40,10 +41,11 @@ pub use unit::Quantity;
 use std::io::Read as _;
 use std::path::Path;
 
-/// Largest file, in bytes: 2 10^7 rows of a usual one.
+/// Largest file, in bytes; a usual file of this size has 2 10^7 rows.
 const MAX_FILE: u64 = 1 << 30;
 
-/// Columns of a CSV file, in one pass; or with the feature `store` variables of an HDF5 file along one dimension.
+/// Read columns of a CSV file in one pass, or, with the feature `store`, variables of an HDF5 file
+/// along one dimension. Fails with a [`DataError`] that names the file, the place and the remedy.
 pub fn read(path: &Path, time: TimeColumn<'_>, wanted: &[Wanted<'_>]) -> Result<Table, DataError> {
     let name = path.display().to_string();
     let unreadable = |problem: String, remedy: &str| DataError::file(&name, problem, remedy);
@@ -53,7 +55,8 @@ pub fn read(path: &Path, time: TimeColumn<'_>, wanted: &[Wanted<'_>]) -> Result<
     let mut bytes = Vec::new();
     let mut fits = || -> std::io::Result<bool> {
         let file = std::fs::File::open(path)?;
-        // A size that is known is looked at before any memory is asked for; a pipe says none.
+        // The size of a regular file is checked before memory is allocated. A pipe does not know
+        // its size.
         if file.metadata()?.len() > MAX_FILE {
             return Ok(false);
         }
@@ -70,7 +73,7 @@ pub fn read(path: &Path, time: TimeColumn<'_>, wanted: &[Wanted<'_>]) -> Result<
     parse(&name, &bytes, time, wanted)
 }
 
-/// The same from bytes; `name` is what messages call them.
+/// Read columns of a CSV text; messages call it `name`.
 ///
 /// ```
 /// use stick_slip::data::{Name, Quantity, TimeColumn, Wanted, parse};

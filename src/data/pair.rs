@@ -1,4 +1,4 @@
-//! Temperatures and displacements on one clock, from one file or from two.
+//! Temperatures and displacements on one time axis, from one file or from two.
 
 use super::error::DataError;
 use super::query::{TimeColumn, Wanted};
@@ -6,17 +6,17 @@ use super::table::{Column, Table};
 use super::{parse, read};
 use std::path::Path;
 
-/// Where a table is.
+/// Where a table is read from.
 #[derive(Clone, Copy, Debug)]
 pub enum Origin<'a> {
-    /// In a file.
+    /// From a file.
     File(&'a Path),
-    /// In a text, which messages call by this name.
+    /// From a text: the name that messages use for it, and the text itself.
     Text(&'a str, &'a str),
 }
 
 impl Origin<'_> {
-    /// What messages call it.
+    /// The name that messages use.
     pub fn name(&self) -> String {
         match self {
             Origin::File(path) => path.display().to_string(),
@@ -24,7 +24,7 @@ impl Origin<'_> {
         }
     }
 
-    /// Columns whose times are in seconds.
+    /// Read columns whose times are in seconds. Times of an unknown unit are an error.
     pub fn read_in_seconds(&self, time: TimeColumn<'_>, wanted: &[Wanted<'_>]) -> Result<Table, DataError> {
         let table = match self {
             Origin::File(path) => read(path, time, wanted)?,
@@ -39,20 +39,20 @@ impl Origin<'_> {
     }
 }
 
-/// What was measured at a bearing.
+/// The temperatures and displacements measured at a bearing.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Pair {
-    /// Temperatures, in degrees.
+    /// Temperatures, in degrees Celsius or kelvin.
     pub temperature: Column,
     /// Displacements, in metres.
     pub displacement: Column,
-    /// What was mended, in words, file by file.
+    /// What was repaired, in sentences that begin with the name of the file.
     pub repairs: Vec<String>,
 }
 
 impl Pair {
-    /// A temperature and a displacement of one file; or, if the temperatures are in a file of their
-    /// own, of two files with stamps.
+    /// Read a temperature and a displacement from one file. If the temperatures are in a file of
+    /// their own, read both files; their times must then be stamps.
     pub fn read(
         data: Origin<'_>,
         temperatures: Option<Origin<'_>>,

@@ -1,15 +1,16 @@
-//! A CSV file as rows of cells: which separator it has, its header, and where each row stands.
+//! A CSV file as rows of cells: its separator, its header, and the place of each row.
 
 use super::error::{DataError, quoted};
 use csv_core::{ReadRecordResult, Reader, ReaderBuilder};
 
-/// The rows of a file, one at a time.
+/// Reads the rows of a file one at a time, and holds the current row.
 pub(super) struct Rows<'a> {
     pub file: &'a str,
     bytes: &'a [u8],
     reader: Reader,
     pub separator: u8,
-    /// How far the file has been read, and where the row that is held was looked for.
+    /// Byte offsets: `at` is how far the file has been read, `from` is where the search for the
+    /// current row began.
     at: usize,
     from: usize,
     cells: Vec<u8>,
@@ -18,7 +19,7 @@ pub(super) struct Rows<'a> {
 }
 
 impl<'a> Rows<'a> {
-    /// Opens the file at its first row after the header, and gives the header.
+    /// Open a file and read its header. The reader then stands before the first row.
     pub fn open(file: &'a str, bytes: &'a [u8]) -> Result<(Self, Vec<String>), DataError> {
         let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
         let foreign = |what: &str, remedy| DataError::file(file, format!("it is {what}"), remedy);
@@ -51,7 +52,8 @@ impl<'a> Rows<'a> {
         Ok((rows, header))
     }
 
-    /// The next row, which has as many cells as the header; false at the end.
+    /// Read the next row, which must have as many cells as the header; false at the end of the
+    /// file.
     pub fn next(&mut self, header: &[String]) -> Result<bool, DataError> {
         if !self.read() {
             return Ok(false);
@@ -75,7 +77,7 @@ impl<'a> Rows<'a> {
         Err(DataError::file(self.file, problem, remedy).line(self.line(self.from())))
     }
 
-    /// One row into `cells` and `ends`.
+    /// Read one row into `cells` and `ends`; false at the end of the file.
     fn read(&mut self) -> bool {
         self.from = self.at;
         let (mut written, mut fields) = (0, 0);
@@ -86,7 +88,7 @@ impl<'a> Rows<'a> {
             written += wrote;
             fields += ended;
             match result {
-                // Empty input tells the reader that there is no more.
+                // Calling the reader again with empty input tells it that the file has ended.
                 ReadRecordResult::InputEmpty => {}
                 ReadRecordResult::OutputFull => self.cells.resize(2 * self.cells.len(), 0),
                 ReadRecordResult::OutputEndsFull => self.ends.resize(2 * self.ends.len(), 0),
@@ -99,25 +101,25 @@ impl<'a> Rows<'a> {
         }
     }
 
-    /// A cell of the row, without the blanks around it.
+    /// A cell of the current row, without the blanks around it.
     pub fn cell(&self, field: usize) -> &[u8] {
         let start = if field == 0 { 0 } else { self.ends[field - 1] };
         self.cells[start..self.ends[field]].trim_ascii()
     }
 
-    /// Where the row is, for [`Rows::line`].
+    /// The byte offset of the current row, to be given to [`Rows::line`] later.
     pub fn from(&self) -> usize {
         self.from
     }
 
-    /// The line on which the row begins that was looked for at this place, counted from 1.
+    /// The number of the line, from 1, on which the row at byte offset `from` begins.
     pub fn line(&self, from: usize) -> u64 {
         let before = &self.bytes[..row_start(self.bytes, from)];
         1 + before.iter().filter(|byte| **byte == b'\n').count() as u64
     }
 }
 
-/// Where the next row begins, behind empty lines and comments.
+/// The byte offset of the next row, after empty lines and comments.
 fn row_start(bytes: &[u8], from: usize) -> usize {
     let mut at = from;
     while let Some(byte) = bytes.get(at) {
@@ -130,8 +132,8 @@ fn row_start(bytes: &[u8], from: usize) -> usize {
     at
 }
 
-/// What separates the names of the header: a semicolon or a tab where there is one, else a comma.
-/// Quoted names may hold any.
+/// The separator of the header: a semicolon or a tab if the header contains one, else a comma.
+/// Characters within quoted names do not count.
 fn separator(header: &[u8]) -> u8 {
     let mut quoted = false;
     let line = header.iter().take_while(|byte| **byte != b'\n');
@@ -153,7 +155,7 @@ fn name_of(separator: u8) -> &'static str {
     }
 }
 
-/// The names of a header as a message lists them.
+/// The names of a header, as a message lists them.
 pub(super) fn listed(header: &[String]) -> String {
     const MOST: usize = 20;
     let names: Vec<String> = header.iter().take(MOST).map(|name| format!("`{}`", quoted(name.as_bytes()))).collect();

@@ -1,9 +1,9 @@
-//! Lengths of time as people write them.
+//! Lengths of time as users write them.
 
 use jiff::{Span, SpanRelativeTo, Unit};
 
-/// `"6h"`, `"1d 12h"` or `"90min"` in seconds; none where it is no length of time, or not above
-/// zero. A day has 24 hours.
+/// Convert `"6h"`, `"1d 12h"` or `"90min"` to seconds; `None` if the text is no length of time
+/// above zero. A day has 24 hours.
 ///
 /// ```
 /// use stick_slip::data::seconds;

@@ -7,49 +7,51 @@ use super::rows::{Rows, listed};
 use super::unit::{self, Unit};
 use crate::numbers::short;
 
-/// What a file says in the columns that were asked for.
+/// The columns that were wanted, as read from a file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Table {
     /// The instant of time 0, if the file has stamps.
     pub start: Option<Start>,
-    /// Whether times are in seconds. Numbers in a column whose name says no unit are in whatever unit they have.
+    /// Whether times are in seconds. If not, they are numbers in a column whose name gives no unit.
     pub in_seconds: bool,
-    /// Rows read, repeated ones and those without a value included.
+    /// Number of rows read, including repeated ones and those without a value.
     pub rows: u64,
-    /// As they were asked for.
+    /// The columns, in the order in which they were wanted.
     pub columns: Vec<Column>,
-    /// What was mended.
+    /// What was repaired.
     pub repairs: Repairs,
 }
 
-/// One column: values in order of time.
+/// One column: times in ascending order, with their values.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Column {
     /// Its name in the header.
     pub name: String,
-    /// When, from the earliest value of all columns that were asked for; each later than the one before.
+    /// Times from the earliest value of all columns that were wanted; each is later than the one
+    /// before.
     pub times: Vec<f64>,
-    /// What, in degrees or metres.
+    /// Values: temperatures in degrees, displacements in metres.
     pub values: Vec<f64>,
 }
 
-/// What was mended in a file.
+/// What was repaired in a file.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Repairs {
-    /// Rows that stood behind a later one, and were sorted.
+    /// Number of rows that came after a row with a later time, and were sorted.
     pub unsorted: u64,
-    /// Rows that gave the same values at the same time once more, and were left out.
+    /// Number of rows that repeated the time and the value of another row, and were left out.
     pub repeated: u64,
-    /// Stamps in an hour that the clocks went through twice, taken in the order of the rows.
+    /// Number of stamps in an hour that occurs twice; they were understood by the order of the
+    /// rows.
     pub folds: u64,
-    /// Numbers with a decimal comma.
+    /// Number of numbers with a decimal comma.
     pub decimal_commas: u64,
-    /// Cells without a value, by column, which were left out.
+    /// For each column, the number of cells without a value, which were left out.
     pub missing: Vec<(String, u64)>,
 }
 
 impl Repairs {
-    /// What was done, in words; nothing for a file that was sound.
+    /// The repairs as sentences; none if nothing was repaired.
     pub fn sentences(&self) -> Vec<String> {
         let many = |count: u64, one: &str, more: &str| match count {
             0 => None,
@@ -81,20 +83,21 @@ impl Repairs {
     }
 }
 
-/// Where a column stands, its unit, and what has been read of it.
+/// A column while it is read: its position, its unit, and its samples so far.
 struct Reading<'a> {
     wanted: &'a Wanted<'a>,
     field: usize,
     unit: Unit,
-    /// When, what, and where its row begins.
+    /// Time, value, and the byte offset of the row.
     samples: Vec<(f64, f64, u32)>,
     missing: u64,
 }
 
-/// Most rows. With this and the largest file, reading takes at most 2 GB of memory; ten minutes for a century make 5 10^6.
+/// Largest number of rows. With it and the largest file, reading takes at most 2 GB of memory. A
+/// century with a row every ten minutes has 5 10^6 rows.
 const MAX_ROWS: u64 = 20_000_000;
 
-/// How cells that hold no value are written, besides empty ones; in lower case.
+/// Texts, in lower case, that mark a missing value; an empty cell marks one as well.
 const NOTHING: [&str; 9] = ["nan", "na", "n/a", "null", "none", "-", "--", "#n/a", "missing"];
 
 pub(super) fn table<'w>(
@@ -193,7 +196,7 @@ pub(super) fn table<'w>(
     })
 }
 
-/// The field of this column, or an error that says which there are.
+/// The index of a column in the header; if there is not exactly one, the error lists the names.
 fn find(file: &str, header: &[String], name: Name<'_>) -> Result<usize, DataError> {
     let fields = |is: &dyn Fn(&str) -> bool| -> Vec<usize> {
         header.iter().enumerate().filter(|(_, column)| is(column)).map(|(field, _)| field).collect()
@@ -233,13 +236,13 @@ fn find(file: &str, header: &[String], name: Name<'_>) -> Result<usize, DataErro
 }
 
 fn is_missing(cell: &[u8]) -> bool {
-    // Most cells begin with a digit or a sign before one.
+    // Most cells end in a digit, and none of these texts does, so the comparison is rarely needed.
     cell.is_empty()
         || (!cell[cell.len() - 1].is_ascii_digit()
             && NOTHING.iter().any(|nothing| cell.eq_ignore_ascii_case(nothing.as_bytes())))
 }
 
-/// How the file writes decimals.
+/// How the file writes decimals: the number of cells with a comma and with a point.
 struct Decimals {
     may_be_commas: bool,
     commas: u64,
@@ -261,7 +264,8 @@ fn number(cell: &[u8], may_be_commas: bool) -> Option<f64> {
     if may_be_commas && text.contains(',') { text.replacen(',', ".", 1).parse().ok() } else { text.parse().ok() }
 }
 
-/// Sorts what was read, leaves out what is there twice, and looks for gaps; how many rows were out of order, and how many repeated.
+/// Sort the samples of a column, leave out repeated ones, and check for gaps. Returns how many
+/// samples were out of order, and how many were repeated.
 fn in_order(reading: &mut Reading<'_>, rows: &Rows<'_>, name: &str, in_seconds: bool) -> Result<(u64, u64), DataError> {
     let lasting = |time: f64| match in_seconds {
         true if time >= 7200.0 => format!("{} h", short(time / 3600.0)),
@@ -278,7 +282,7 @@ fn in_order(reading: &mut Reading<'_>, rows: &Rows<'_>, name: &str, in_seconds: 
         unsorted += u64::from(*time < latest);
         latest = latest.max(*time);
     }
-    // Stable, so that equal times stay in the order of their rows.
+    // The sort is stable, so samples of equal time stay in the order of their rows.
     samples.sort_by(|a, b| a.0.total_cmp(&b.0));
     if let Some(pair) = samples.windows(2).find(|pair| pair[0].0 == pair[1].0 && pair[0].1 != pair[1].1) {
         let problem = format!(

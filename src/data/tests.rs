@@ -11,7 +11,7 @@ fn displacement(column: &str) -> Wanted<'_> {
     Wanted { quantity: Quantity::Displacement, ..temperature(column) }
 }
 
-/// The column `T` of a text.
+/// Read the column `T` of a text.
 fn read_t(text: &str) -> Result<Table, DataError> {
     parse("t.csv", text.as_bytes(), TIME, &[temperature("T")])
 }
@@ -20,7 +20,7 @@ fn in_zone(zone: &'static str, text: &str) -> Result<Table, DataError> {
     parse("t.csv", text.as_bytes(), TimeColumn { zone: Some(zone), ..TIME }, &[temperature("T")])
 }
 
-/// Times and values of the only column.
+/// The times and values of the only column.
 fn samples(table: &Table) -> Vec<(f64, f64)> {
     let column = &table.columns[0];
     column.times.iter().copied().zip(column.values.iter().copied()).collect()
@@ -35,7 +35,7 @@ fn stamps_become_seconds_from_the_first() {
     assert_eq!(table.start.map(|start| start.to_string()).as_deref(), Some("2015-08-13T00:00:00Z"));
     assert_eq!(table.start.and_then(|start| start.after(90.0)), Start::parse("2015-08-13T00:01:30Z"));
     assert_eq!((table.rows, table.in_seconds, table.repairs.sentences().len()), (3, true, 0));
-    // Without a zone, in that of the scenario; a day alone is its midnight.
+    // A stamp without a zone is in the zone that is given, and a date alone is its midnight.
     let table = in_zone("+01:00", "time,T\n2015-08-13 01:00,1\n2015-08-14,2\n").unwrap();
     assert_eq!(samples(&table), [(0.0, 1.0), (82_800.0, 2.0)]);
     assert_eq!(table.start, Start::parse("2015-08-13T00:00:00Z"));
@@ -72,8 +72,8 @@ fn units_stand_in_the_names_of_columns() {
     assert!(says(Wanted { unit: Some("inch"), ..given }).contains("no unit is called `inch`"));
 }
 
-/// A cell without a displacement leaves the temperature of its row where it is, and the other way
-/// round.
+/// A cell without a displacement leaves out only the displacement of its row, not the temperature,
+/// and vice versa.
 #[test]
 fn columns_of_one_pass_share_their_time_and_nothing_else() {
     let text = b"time_h,temperature_degC,displacement_mm\n0,,1\n1,5,\n2,6,NaN\n3,7,4\n";
@@ -89,7 +89,7 @@ fn columns_of_one_pass_share_their_time_and_nothing_else() {
     let sentences = table.repairs.sentences();
     assert_eq!(sentences[0], "left out 1 cell without a value in `temperature_degC`");
     assert_eq!(sentences[1], "left out 2 cells without a value in `displacement_mm`");
-    // Where the temperature alone is asked for, its own first value is time 0.
+    // If only the temperature is wanted, time 0 is at its own first value.
     assert_eq!(parse("t.csv", text, time, &[temperature("temperature_degC")]).unwrap().columns[0].times[0], 0.0);
 }
 
@@ -123,7 +123,8 @@ fn files_of_any_system_are_read() {
     assert_eq!(read_t("time;T\n0,5;1,5\n1,5;-2\n").unwrap().repairs.decimal_commas, 1);
 }
 
-/// Europe/Paris: 2015-03-29 skips 02:00 to 03:00, and 2015-10-25 has 02:00 to 03:00 twice.
+/// In Europe/Paris the clocks skip 02:00 to 03:00 on 2015-03-29, and pass 02:00 to 03:00 twice on
+/// 2015-10-25.
 #[test]
 fn an_hour_that_was_twice_is_told_by_the_order_of_the_rows() {
     let night = "time,T\n2015-10-25 01:30,1\n2015-10-25 02:00,2\n2015-10-25 02:30,3\n2015-10-25 02:00,4\n2015-10-25 02:30,5\n\
@@ -132,7 +133,7 @@ fn an_hour_that_was_twice_is_told_by_the_order_of_the_rows() {
     let half_hours: Vec<f64> = samples(&table).iter().map(|sample| sample.0 / 1800.0).collect();
     assert_eq!(half_hours, [0.0, 1.0, 2.0, 3.0, 4.0, 5.0]);
     assert_eq!(table.repairs.folds, 4);
-    // In another zone these are two rows of one time, with two values.
+    // In UTC the stamps repeat two times with different values.
     assert!(in_zone("UTC", night).unwrap_err().problem.contains("another value of `T`"));
     let backwards = "time,T\n2015-10-25 03:00,1\n2015-10-25 02:30,2\n";
     let error = in_zone("Europe/Paris", backwards).unwrap_err();
@@ -155,7 +156,7 @@ fn a_gap_is_allowed_up_to_the_longest_one() {
     assert!(error.problem.contains("for 6.5 h, since line 3, where at most 6 h"), "{error}");
 }
 
-/// Each fault of a file has its line, its value and its remedy.
+/// Each mistake in a file is reported with its line, its value and its remedy.
 #[test]
 fn what_could_be_meant_in_two_ways_is_an_error() {
     for (text, line, says, remedy) in [
@@ -210,7 +211,7 @@ fn what_could_be_meant_in_two_ways_is_an_error() {
     assert!(read(Path::new("/"), TIME, &[]).unwrap_err().problem.contains("directory"));
 }
 
-/// What is printed of a file never takes a line of its own, nor reaches a terminal as a command.
+/// The text of a cell in a message stays on one line and contains no control characters.
 #[test]
 fn a_hostile_cell_is_cut_and_defused() {
     let text = format!("time,T\n0,\u{1b}[2J{}\n", "x".repeat(1000));
@@ -219,8 +220,8 @@ fn a_hostile_cell_is_cut_and_defused() {
 }
 
 proptest! {
-    /// Whatever the order, the separator, the ends of lines and the quotes: the values come back to
-    /// the bit.
+    /// Whatever the order of the rows, the separator, the line ends and the quotes are, the values
+    /// are read with every bit.
     #[test]
     fn what_is_written_is_read(
         values in proptest::collection::vec((0..1_000_000u32, proptest::option::of(-1e3..1e3f64)), 2..40),
@@ -247,7 +248,7 @@ proptest! {
         }
     }
 
-    /// A stamp in any zone is the instant that it names.
+    /// A stamp with an offset is read as the instant that it names, for every offset.
     #[test]
     fn offsets_are_taken_off(seconds in proptest::collection::btree_set(0..100_000_000i64, 2..20), hours in -12..=14i64) {
         let mut text = String::from("time,T\n");
@@ -274,7 +275,7 @@ proptest! {
     }
 }
 
-/// The same in HDF5.
+/// The same for HDF5 files.
 #[cfg(feature = "store")]
 mod in_hdf5 {
     use super::super::{Name, Origin, Pair, TimeColumn, Wanted, parse, read};
@@ -285,7 +286,7 @@ mod in_hdf5 {
                        2015-08-13T00:20:00Z,,2\n2015-08-13T00:30:00Z,14.25,3\n";
     const TIME: TimeColumn<'_> = TimeColumn { name: "time", zone: None };
 
-    /// The record of `CSV` in a file, with these units of time and these times.
+    /// An HDF5 file with the record of `CSV`, these units of time and these times.
     fn written(units: Option<&str>, times: &[f64]) -> tempfile::NamedTempFile {
         let place = tempfile::NamedTempFile::new().expect("a file");
         let file = File::create(place.path()).expect("HDF5");

@@ -1,23 +1,23 @@
-//! What the name of a column says of its unit: `temperature_degC`, `displacement [mm]`, `time_h`.
+//! The unit that the name of a column gives: `temperature_degC`, `displacement [mm]`, `time_h`.
 
 /// What a column measures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Quantity {
-    /// Degrees Celsius or kelvin, as given, because only differences act; Fahrenheit becomes
-    /// Celsius. A name without a unit is taken as given too.
+    /// Temperature. Degrees Celsius and kelvin are kept as given, because only differences act on
+    /// the body; Fahrenheit is converted to Celsius. Without a unit, values are kept as given.
     Temperature,
-    /// Becomes metres. A name without a unit is an error.
+    /// Displacement, converted to metres. A column without a unit is an error.
     Displacement,
 }
 
-/// value = times (cell - origin) / over. Two whole numbers, so that 2.5 mm is the double nearest
-/// 0.0025.
+/// A unit: value = times (cell - origin) / over. The scale is kept as a ratio of two numbers, so
+/// that 2.5 mm becomes the double nearest to 0.0025.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Unit {
     times: f64,
     over: f64,
     origin: f64,
-    /// What no cell can be below: absolute zero.
+    /// The lowest value that a cell may hold: absolute zero for temperatures.
     pub least: f64,
 }
 
@@ -32,13 +32,13 @@ impl Unit {
         Unit { over, ..Self::AS_GIVEN }
     }
 
-    /// A cell in the unit of the results.
+    /// The value of a cell in the unit of the results.
     pub fn of(&self, cell: f64) -> f64 {
         self.times * (cell - self.origin) / self.over
     }
 }
 
-/// The unit of this name, if there is one.
+/// The unit of temperature that is called so, if there is one.
 fn temperature(name: &str) -> Option<Unit> {
     match name {
         "degc" | "c" | "celsius" | "\u{b0}c" => Some(Unit { least: -273.15, ..Unit::AS_GIVEN }),
@@ -71,14 +71,15 @@ fn time(name: &str) -> Option<Unit> {
     }
 }
 
-/// A number of this unit of time in seconds.
+/// The conversion of numbers in this unit of time to seconds; `None` if the unit is unknown.
 #[cfg(feature = "store")]
 pub(super) fn seconds_of(unit: &str) -> Option<impl Fn(f64) -> f64 + use<>> {
     let unit = time(&unit.to_lowercase())?;
     Some(move |number| unit.of(number))
 }
 
-/// What stands for a unit in a name: within brackets at its end, or behind its last underscore.
+/// The part of a name that may be a unit: in brackets at its end (the flag is then true), or after
+/// its last underscore.
 fn suffix(name: &str) -> Option<(&str, bool)> {
     let brackets =
         |open: char, close: char| name.strip_suffix(close)?.rsplit_once(open).map(|(_, unit)| (unit.trim(), true));
@@ -86,7 +87,7 @@ fn suffix(name: &str) -> Option<(&str, bool)> {
     brackets('[', ']').or_else(|| brackets('(', ')')).or_else(underscore)
 }
 
-/// The unit of a column of values, or what is wrong and what to do.
+/// The unit of a column of values; the error is what is wrong and the remedy.
 pub(super) fn of_values(quantity: Quantity, column: &str, given: Option<&str>) -> Result<Unit, (String, String)> {
     let (known, names): (fn(&str) -> Option<Unit>, _) = match quantity {
         Quantity::Temperature => (temperature, "degC, K or degF"),
@@ -111,7 +112,8 @@ pub(super) fn of_values(quantity: Quantity, column: &str, given: Option<&str>) -
     }
 }
 
-/// The unit of times that are numbers, in seconds; none where the name says none.
+/// The conversion to seconds for a column of numeric times; `None` if the name of the column gives
+/// no unit.
 pub(super) fn of_time(column: &str) -> Option<Unit> {
     suffix(column).and_then(|(unit, _)| time(&unit.to_lowercase()))
 }
