@@ -1,12 +1,13 @@
 //! The first zero of the velocity inside a slip step whose two ends are known.
 //!
-//! Let V = eps x' and a = V' on a step [0, h], and s the distance travelled, eps (x1 - x0). To
-//! leading order in h (fastest rate), x is a twice integrated Brownian motion of intensity c =
+//! Let V = eps x' and a = V' on a step [0, h], and let s = eps (x1 - x0) be the distance travelled.
+//! To leading order in h (fastest rate), x is a twice integrated Brownian motion of intensity c =
 //! (noise diffusion)/m, conditioned at both ends on distance, velocity and acceleration (the first
-//! neglected terms are of relative order (h rate)^2/100). Given those,
+//! neglected terms are of relative order (h rate)^2/100). Given the two ends,
 //!
 //! - the mean is the quintic Hermite interpolant of x;
-//! - the precision of (x, V, a) at u, r = h - u, is the sum of the one-sided ones, c^-2 times
+//! - the precision of (x, V, a) at u, with r = h - u, is the sum of the one-sided precisions, c^-2
+//!   times
 //!
 //! ```text
 //! | 720 (1/u^5 + 1/r^5)   360 (1/r^4 - 1/u^4)    60 (1/u^3 + 1/r^3) |
@@ -14,29 +15,31 @@
 //! |          .                     .              9 (1/u + 1/r)     |
 //! ```
 //!
-//! so that at the midpoint sd V = c h^{3/2}/sqrt 3072, independent of (x, a), sd a = c h^{1/2}/4,
-//! E(dx | da) = -h^2 da/48, sd(x | a) = c h^{5/2}/sqrt 46080.
+//! So at the midpoint sd V = c h^{3/2}/sqrt 3072, independent of (x, a), sd a = c h^{1/2}/4, E(dx |
+//! da) = -h^2 da/48, sd(x | a) = c h^{5/2}/sqrt 46080.
 //!
-//! So a path on [0, h] can be refined where it matters, by drawing midpoints, and left alone where
-//! it does not (recursive conditional bisection). Scanning from the left, an interval is
+//! Therefore a path on [0, h] can be refined where it matters, by drawing midpoints, and left as it
+//! is elsewhere (recursive conditional bisection). The intervals are treated from left to right. An
+//! interval is
 //!
-//! - *clear* if the mean of V stays `caution` standard deviations above zero: its Bezier control
-//!   points
+//! - *clear* if the mean of V stays `caution` standard deviations above zero. The mean is bounded
+//!   by its Bezier control points
 //!
 //!   ```text
 //!   V0,  c1 = V0 + h a0/4,  c2 = 5 s/h - 2 (V0 + V1) + h (a1 - a0)/4,  c3 = V1 - h a1/4,  V1
 //!   ```
 //!
-//!   bound it, and sd V <= c h^{3/2}/sqrt 1500. Where the slip starts, V0 = 0: there V/u is bounded
-//!   by its control points a0, 2 c2/h, 4 c3/(3h), V1/h, and sd V/u <= 0.1284 c h^{1/2};
-//! - a *stop* if V1 <= 0 and the slope is `caution` standard deviations below zero all along:
-//!   control points a0, 4 (c2 - c1)/h, 4 (c3 - c2)/h, a1, and sd a <= c h^{1/2}/4. Then there is
+//!   and sd V <= c h^{3/2}/sqrt 1500. At the start of a slip V0 = 0. There V/u is bounded by its
+//!   control points a0, 2 c2/h, 4 c3/(3h), V1/h, and sd V/u <= 0.1284 c h^{1/2};
+//! - a *stop* if V1 <= 0 and the slope of V stays `caution` standard deviations below zero: its
+//!   control points are a0, 4 (c2 - c1)/h, 4 (c3 - c2)/h, a1, and sd a <= c h^{1/2}/4. Then V has
 //!   one zero, near that of the mean;
 //! - otherwise bisected.
 //!
-//! A slip starts with V = 0 and a = (f_s - f_d)/m; noise turns it back within h* = (a/c)^2.
-//! Bisection goes there by itself, so that micro-slips are resolved in law. The recursion ends
-//! because at small enough h any V0 > 0 or a0 > 0 is clear; a tangency is cut off at 2^-DEPTH h.
+//! A slip starts with V = 0 and a = (f_s - f_d)/m, and noise may turn it back within h* = (a/c)^2.
+//! Bisection reaches this time scale by itself, so that very short slips are resolved in law. The
+//! recursion ends because at small enough h any V0 > 0 or a0 > 0 is clear; a tangency is cut off at
+//! 2^-DEPTH h.
 
 use super::work::{Unresolved, Work};
 use crate::lanes::{Choose, Lanes};
@@ -60,7 +63,8 @@ impl<L: Lanes> Motion<L> {
     }
 }
 
-/// A slip step: its ends, the distance between them, its length and the square root of that.
+/// A slip step: the motion at its ends, the distance between them, its length and the square root
+/// of its length.
 #[derive(Clone, Copy, Debug)]
 pub struct Step {
     /// At u = 0; V0 >= 0, and V0 = 0 only where a sub-phase starts.
@@ -76,7 +80,7 @@ pub struct Step {
 }
 
 impl Step {
-    /// The mean of distance and motion at a time u.
+    /// The mean of the distance and of the motion at a time u.
     pub fn mean(&self, u: f64) -> (f64, Motion) {
         let inverse = 1.0 / self.length;
         let whole = Interval { end: self.end, travel: self.travel, length: self.length, inverse, noise: 0.0 };
@@ -86,39 +90,40 @@ impl Step {
     }
 }
 
-/// A stop: the first zero of V.
+/// A stop of the slip: the first zero of V.
 #[derive(Clone, Copy, Debug)]
 pub struct Stop {
-    /// u: time since the start of the step.
+    /// u, the time since the start of the step.
     pub after: f64,
-    /// a there.
+    /// a at the stop.
     pub acceleration: f64,
-    /// The distance travelled since the start of the step; not negative, for V > 0 on it.
+    /// The distance travelled since the start of the step. It is not negative, because V > 0 before
+    /// the stop.
     pub travel: f64,
 }
 
-/// c, and how cautious to be.
+/// The search for the first zero of V.
 #[derive(Clone, Copy, Debug)]
 pub struct StopSearch {
-    /// c.
+    /// c, the intensity of the noise of a.
     pub noise: f64,
-    /// How many standard deviations count as never.
+    /// Standard deviations beyond which a zero of V is taken to be impossible.
     pub caution: f64,
 }
 
-/// Halvings of a step; 2^-40 of it is far below the time scale of any micro-slip.
+/// Halvings of a step; 2^-40 of it is far below the time scale of any slip.
 const DEPTH: usize = 40;
 
 /// 2^-DEPTH.
 const FINEST: f64 = 1.0 / (1u64 << DEPTH) as f64;
 
-/// max sd V(u) for h = c = 1: 1/sqrt 1500, at u = (1 -+ 1/sqrt 5)/2.
+/// The largest sd V(u) for h = c = 1: 1/sqrt 1500, at u = (1 -+ 1/sqrt 5)/2.
 const VELOCITY_SPREAD: f64 = 0.025_819_888_974_716_11;
 
-/// max sd V(u)/u for h = c = 1, attained at u = 0.1225.
+/// The largest sd V(u)/u for h = c = 1, attained at u = 0.1225.
 const START_SPREAD: f64 = 0.128_330_1;
 
-/// max sd a(u) for h = c = 1, at the midpoint.
+/// The largest sd a(u) for h = c = 1, at the midpoint.
 const SLOPE_SPREAD: f64 = 0.25;
 
 /// sd of V at the midpoint: 1/sqrt 3072.
@@ -130,7 +135,8 @@ const MIDDLE_WAY: f64 = 0.004_658_474_953_124_562;
 /// 2^{-1/2}.
 const ROOT_HALF: f64 = std::f64::consts::FRAC_1_SQRT_2;
 
-/// An interval to the right of what has been scanned.
+/// An interval that starts where the part that has been searched ends. Its start is known from
+/// there; it holds the motion at its end, and the distance travelled in it.
 #[derive(Clone, Copy, Debug)]
 pub struct Interval<L = f64> {
     pub end: Motion<L>,
@@ -142,8 +148,8 @@ pub struct Interval<L = f64> {
     pub noise: L,
 }
 
-/// Intervals still to be scanned, the nearest on top; kept between searches so that none is cleared
-/// in vain.
+/// The intervals that remain to be searched, the nearest one last. It is kept from search to
+/// search, so that it need not be initialised again.
 #[derive(Clone, Debug)]
 pub struct Pending([Interval; DEPTH + 1]);
 
@@ -156,9 +162,10 @@ impl Pending {
 }
 
 impl StopSearch {
-    /// The first zero of V in a step, or none. `passed` is told, from the left, of every interval
-    /// without one: the time and the distance to where it begins, the motion there, and the rest of
-    /// it.
+    /// The first zero of V in a step; none if V stays positive.
+    ///
+    /// `passed` is called, from left to right, for every interval without a zero: with the time and
+    /// the distance at its start (since the start of the step), the motion there, and the interval.
     #[inline(always)]
     pub fn first(
         &self,
@@ -182,7 +189,7 @@ impl StopSearch {
         self.bisect(step.start, whole, draws, pending, work, &mut passed)
     }
 
-    /// The scan.
+    /// The search by bisection.
     #[inline(always)]
     fn bisect(
         &self,
@@ -197,7 +204,8 @@ impl StopSearch {
         let finest = whole.length * FINEST;
         let (mut left, mut top, mut clear) = (start, 0, false);
         let (mut after, mut travel) = (0.0, 0.0);
-        // Tens of intervals are usual; a motion that is all zeros would be bisected for ever.
+        // Usually tens of intervals are enough. A motion that is zero throughout would be bisected
+        // without end, which the limit on `work` prevents.
         loop {
             work.spend()?;
             let next = pending[top];
@@ -218,7 +226,8 @@ impl StopSearch {
                     continue;
                 }
                 if next.end.velocity <= 0.0 {
-                    // A tangency below the resolution: a straight line.
+                    // A zero near a tangency below the resolution: V is taken to be a straight
+                    // line.
                     let part = left.velocity / (left.velocity - next.end.velocity);
                     let part = if part.is_finite() { part } else { 0.0 };
                     let acceleration = left.acceleration + part * (next.end.acceleration - left.acceleration);
@@ -241,7 +250,7 @@ impl StopSearch {
         }
     }
 
-    /// Whether V stays above zero on an interval, but for a chance that is neglected.
+    /// Whether V stays above zero on an interval, except with a probability that is neglected.
     #[inline(always)]
     pub fn is_clear<L: Lanes>(&self, left: Motion<L>, next: &Interval<L>) -> L::Mask {
         let [v0, c1, c2, c3, v1] = velocity_controls(left, next);
@@ -258,7 +267,7 @@ impl StopSearch {
         L::and(L::or(from_rest, L::and(L::not(is_start), in_motion)), later)
     }
 
-    /// Whether V has one zero on an interval, and falls throughout.
+    /// Whether V falls throughout an interval and has one zero in it.
     #[inline(always)]
     pub fn is_stop<L: Lanes>(&self, left: Motion<L>, next: &Interval<L>) -> L::Mask {
         let [v0, c1, c2, c3, v1] = velocity_controls(left, next);
@@ -269,13 +278,14 @@ impl StopSearch {
         L::and(L::and(v1.le(zero), v0.gt(zero)), falls)
     }
 
-    /// The zero of V on an interval where it falls throughout.
+    /// The zero of V on an interval where V falls throughout.
     ///
-    /// The state is drawn, from the law above, near the zero of the mean. The true zero is then a
-    /// time -V/a away, much nearer than either end was; with the drawn state as the new end,
-    /// repeat. The remaining time falls like its own power 3/2, until the noise of a within it is
-    /// below `STOP_PRECISION` of a. (The pull of both ends matters: a free step from the first draw
-    /// to the zero would give the force at the stop too much variance, and too many sticks.)
+    /// The state is drawn, from the law above, near the zero of the mean. The zero of the drawn
+    /// motion is then a time -V/a away, which is much closer than either end of the interval was.
+    /// This is repeated with the drawn state as a new end. The remaining time falls like its own
+    /// power 3/2, until the noise of a within it is below `STOP_PRECISION` of a. (The condition at
+    /// both ends matters: a free step from the first draw to the zero would give the force at the
+    /// stop too much variance, and so too many sticks.)
     #[inline(always)]
     fn stop(
         &self,
@@ -306,7 +316,7 @@ impl StopSearch {
         Stop { after, acceleration: left.acceleration.min(next.end.acceleration), travel }
     }
 
-    /// A state near the zero of V, drawn with three normals.
+    /// Draws a state near the zero of V, with three normals.
     #[inline(always)]
     pub fn near_stop<L: Lanes>(&self, left: Motion<L>, next: &Interval<L>, normals: [L; 3]) -> NearStop<L> {
         let mean = Quintic::new(left, next);
@@ -316,10 +326,11 @@ impl StopSearch {
         let travel = mean.travel(p) + noise * h * h * dx;
         let velocity = mean.velocity(p) * next.inverse + noise * h * dv;
         let mean_acceleration = mean.acceleration(p) * next.inverse * next.inverse;
-        // In law below zero by `caution` standard deviations.
+        // The acceleration is negative in law by `caution` standard deviations.
         let drawn = mean_acceleration + noise * da;
         let acceleration = L::select(drawn.lt(zero), drawn, mean_acceleration);
-        // Both ends may be one, where a step is so short that its moments underflow.
+        // `after` and `behind` may both equal the whole interval, where a step is so short that its
+        // moments underflow.
         let (after, behind) = (p * h, (L::splat(1.0) - p) * h);
         let late = (-velocity / acceleration).or_at_least(-after).or_at_most(behind);
         let tolerated = acceleration * STOP_PRECISION;
@@ -328,18 +339,18 @@ impl StopSearch {
     }
 }
 
-/// A state near a stop.
+/// A drawn state near a stop.
 #[derive(Clone, Copy, Debug)]
 pub struct NearStop<L: Lanes = f64> {
-    /// How long it is after the start of the interval, and before its end.
+    /// Its time since the start of the interval, and until the end of the interval.
     pub after: L,
     pub behind: L,
     /// The distance travelled since the start of the interval.
     pub travel: L,
     pub motion: Motion<L>,
-    /// How long after this state the velocity is zero, at uniform acceleration.
+    /// The time from this state to the zero of the velocity, at uniform acceleration.
     pub late: L,
-    /// Whether the noise until then does not matter.
+    /// Whether the noise until then can be neglected.
     pub is_at_it: L::Mask,
 }
 
@@ -352,7 +363,7 @@ impl<L: Lanes> NearStop<L> {
         (self.after + t, self.travel + t * (velocity + t * 0.5 * acceleration))
     }
 
-    /// The parts of the interval before and behind this state.
+    /// The parts of the interval before and after this state.
     #[inline(always)]
     pub fn parted(&self, whole: &Interval<L>, noise: f64) -> [Interval<L>; 2] {
         [
@@ -362,15 +373,16 @@ impl<L: Lanes> NearStop<L> {
     }
 }
 
-/// A distance travelled while V > 0. Those of intervals are differences, good to a rounding of that
-/// of the whole step; a slip much smaller than that may come out backwards.
+/// A distance travelled while V > 0, made non-negative. The distance of an interval is a difference
+/// whose error is a rounding of the distance of the whole step, so that of a very short slip may
+/// come out negative.
 #[inline(always)]
 pub fn forwards<L: Lanes>(travel: L) -> L {
     L::select(travel.lt(L::splat(0.0)), L::splat(0.0), travel)
 }
 
-/// The state at a fraction of an interval, drawn with three normals given both its ends: the
-/// distance to there, and the motion.
+/// Draws the state at a fraction `p` of an interval with three normals, given both ends. Returns
+/// the distance from the start of the interval and the motion.
 pub fn state_inside(left: Motion, next: &Interval, p: f64, normals: [f64; 3]) -> (f64, Motion) {
     let (mean, [dx, dv, da]) = (Quintic::new(left, next), conditional_factor(p, normals));
     let (h, inverse, noise) = (next.length, next.inverse, next.noise);
@@ -385,17 +397,18 @@ impl Interval {
         self.length
     }
 
-    /// The motion at the end, and the distance there.
+    /// The distance from start to end, and the motion at the end.
     pub fn end(&self) -> (f64, Motion) {
         (self.travel, self.end)
     }
 
-    /// The same interval with another end.
+    /// The same interval with other values at its end.
     pub fn with_end(self, travel: f64, end: Motion) -> Self {
         Interval { end, travel, ..self }
     }
 
-    /// Both parts of it, parted at a fraction, where the distance and the motion are these.
+    /// The two parts of the interval, divided at a fraction `p` of it, where the distance and the
+    /// motion are these.
     pub fn parted(self, p: f64, travel: f64, motion: Motion) -> [Self; 2] {
         let part = |end: Motion, travel: f64, p: f64| Interval {
             end,
@@ -423,7 +436,7 @@ fn velocity_controls<L: Lanes>(left: Motion<L>, next: &Interval<L>) -> [L; 5] {
     [v0, v0 + q0, next.travel * 5.0 * next.inverse - (v0 + v1) * 2.0 + (q1 - q0), v1 - q1, v1]
 }
 
-/// Draw the state in the middle of an interval with three normals, and part it there.
+/// Draws the state in the middle of an interval with three normals, and divides the interval there.
 #[inline(always)]
 pub fn halves<L: Lanes>(left: Motion<L>, next: &Interval<L>, [one, two, three]: [L; 3]) -> (Interval<L>, Interval<L>) {
     let (v0, v1, a0, a1) = (left.velocity, next.end.velocity, left.acceleration, next.end.acceleration);
@@ -444,8 +457,8 @@ pub fn halves<L: Lanes>(left: Motion<L>, next: &Interval<L>, [one, two, three]: 
 /// A draw from the conditional law of (x, V, a) at a fraction p of an interval with h = c = 1, from
 /// three normals.
 ///
-/// In terms of q = p (1-p) and s = 1 - 2p the precision above, for (x q^{-5/2}, V q^{-3/2}, a
-/// q^{-1/2}), is
+/// With q = p (1-p) and s = 1 - 2p, the precision above is, for (x q^{-5/2}, V q^{-3/2}, a
+/// q^{-1/2}),
 ///
 /// ```text
 /// | 720 D   -360 s (1-2q)    60 (1-3q) |
@@ -453,8 +466,8 @@ pub fn halves<L: Lanes>(left: Motion<L>, next: &Interval<L>, [one, two, three]: 
 /// |   .          .               9     |
 /// ```
 ///
-/// Eliminating x leaves (12 E, -6 s (1-5q); ., 4 - 15q)/D, eliminating V leaves 1/E: three factors
-/// of the draw in closed form.
+/// Eliminating x leaves (12 E, -6 s (1-5q); ., 4 - 15q)/D, and eliminating V leaves 1/E. So the
+/// three factors of the draw are closed forms.
 #[inline(always)]
 fn conditional_factor<L: Lanes>(p: L, [one, two, three]: [L; 3]) -> [L; 3] {
     let unit = L::splat(1.0);
@@ -471,18 +484,19 @@ fn conditional_factor<L: Lanes>(p: L, [one, two, three]: [L; 3]) -> [L; 3] {
 /// 60^{-1/2}.
 const ROOT_60TH: f64 = 0.129_099_444_873_580_57;
 
-/// The acceleration at a stop is known to this fraction of itself.
+/// The acceleration at a stop is known to within this fraction of itself.
 const STOP_PRECISION: f64 = 1e-2;
 
-/// From the chord, good to a few hundredths of a step where V falls throughout: squared three
-/// times, to rounding.
+/// Newton steps from the zero of the chord of V. Where V falls throughout, this is within a few
+/// hundredths of the interval; three steps square the error three times.
 const NEWTON_STEPS: usize = 3;
 
-/// Each refinement takes the remaining distance to about its power 3/2; eight are never needed.
+/// The most refinements of a stop. Each takes the remaining distance to about its power 3/2, so
+/// eight are never needed.
 pub const STOP_REFINEMENTS: usize = 8;
 
-/// The mean distance on an interval as a polynomial in the fraction p of it; so are V, times h, and
-/// a, times h^2.
+/// The mean distance on an interval, as a polynomial in the fraction p of the interval. V times h
+/// and a times h^2 are its derivatives in p.
 struct Quintic<L> {
     d0: L,
     e0: L,
@@ -523,8 +537,8 @@ impl<L: Lanes> Quintic<L> {
         self.e0 * 2.0 + p * (self.c3 * 6.0 + p * (self.c4 * 12.0 + p * 20.0 * self.c5))
     }
 
-    /// A fraction near the zero of V: the chord's, improved by Newton until only the noise is left
-    /// between them. Any fraction may be drawn at; a near one saves refinements.
+    /// A fraction near the zero of V: the zero of the chord, improved by Newton steps. The law is
+    /// exact for a draw at any fraction; one near the zero saves refinements.
     #[inline(always)]
     fn near_zero(&self) -> L {
         let (zero, one) = (L::splat(0.0), L::splat(1.0));
@@ -563,17 +577,16 @@ mod tests {
         }
     }
 
-    /// A step of length h from rest to rest of a motion that is not at rest in between, and its
-    /// noise.
+    /// The motion at the start of an interval of length h, and the interval, for noise c.
     fn an_interval(h: f64, c: f64) -> (Motion, Interval) {
         let left = Motion { velocity: 0.7, acceleration: -1.3 };
         let end = Motion { velocity: -0.4, acceleration: 0.9 };
         (left, Interval::new(end, 0.31, h, c))
     }
 
-    /// The mean of V is a polynomial of degree 4 whose Bezier control points are said to bound it:
-    /// the sum of them with Bernstein's weights is the derivative of the mean distance, which
-    /// begins and ends as the motion does.
+    /// The mean of V is a polynomial of degree 4, which is bounded by its Bezier control points.
+    /// The test compares the sum of the control points with Bernstein's weights with the derivative
+    /// of the mean distance, and the mean motion at the ends with that of the interval.
     #[test]
     fn the_control_points_are_those_of_the_mean_velocity() {
         let (left, next) = an_interval(0.8, 0.0);
@@ -586,7 +599,7 @@ mod tests {
             let sum: f64 = bernstein.zip(controls).map(|(weight, control)| weight * control).sum();
             let (_, motion) = step.mean(p * 0.8);
             assert!((sum - motion.velocity).abs() < 1e-12, "{p}: {sum} {motion:?}");
-            // The rate of the distance is V, and that of V is a.
+            // The derivative of the distance is V, and the derivative of V is a.
             let (inside, d) = (0.8 * p.clamp(0.01, 0.99), 1e-4);
             let ((before, slow), (here, now), (after, fast)) =
                 (step.mean(inside - d), step.mean(inside), step.mean(inside + d));
@@ -598,8 +611,8 @@ mod tests {
         assert!((ends.1.acceleration - 0.9).abs() < 1e-11 && (whole.1.acceleration + 1.3).abs() < 1e-12, "{ends:?}");
     }
 
-    /// The standard deviations that a zero is held to be out of reach by are the largest there are
-    /// between two ends: of V, of V/u, of a, for h = c = 1, from the factor of the conditional law,
+    /// The constants for the standard deviations of V, of V/u and of a are the largest values
+    /// between two ends, for h = c = 1. They are compared with the factor of the conditional law,
     /// whose rows are distance, V and a.
     #[test]
     fn the_spreads_are_the_largest_of_the_conditional_law() {
@@ -617,10 +630,11 @@ mod tests {
         }
     }
 
-    /// The state in the middle of an interval, given both ends, is Gaussian with the precision that
-    /// the ends bring together, and with the mean that is on the quintic between them. Both are
-    /// linear in the normals: what the zeros and each normal alone make of it says all. The
-    /// precision at u = r = h/2 for c = 1, of (x, V, a), is written at the head of this file.
+    /// The state in the middle of an interval, given both ends, is Gaussian. Its precision is the
+    /// sum of those from both ends, and its mean lies on the quintic between them. Both are linear
+    /// in the normals, so a draw with zeros gives the mean, and a draw with each normal alone gives
+    /// the factor of the covariance. The precision of (x, V, a) at u = r = h/2 for c = 1 is written
+    /// at the head of this file.
     #[test]
     fn the_middle_of_an_interval_has_the_law_between_its_ends() {
         let (h, c) = (0.8, 1.7);
@@ -656,15 +670,15 @@ mod tests {
         }
     }
 
-    /// What has no end in sight: 4096 steps of a slip of length 1, each drawn from its law given
-    /// the one before, and the first of them at which V is not above zero. Within a step V changes
-    /// by its slope, a straight line; a zero that comes and goes within one is missed, with a
-    /// chance of some 1e-3 in all.
+    /// A slip without a known end: 4096 steps that together have length 1, each drawn from its law
+    /// given the one before, up to the first at which V is not above zero. Within a step V is taken
+    /// to be a straight line. A pair of zeros within one step is missed, with a probability of some
+    /// 1e-3 in all.
     fn by_small_steps(start: Motion, c: f64, draws: &mut AddressedDraws) -> Option<Stop> {
         let (steps, mut x, mut v, mut a) = (4096, 0.0, start.velocity, start.acceleration);
         let u = 1.0 / f64::from(steps);
         for i in 0..steps {
-            // Cholesky's factor of the covariance u, u^2/2, u^3/6; ., u^3/3, u^4/8; ., ., u^5/20 of
+            // Cholesky factor of the covariance u, u^2/2, u^3/6; ., u^3/3, u^4/8; ., ., u^5/20 of
             // (a, V, x).
             let (one, two, three) = (draws.normal(), draws.normal(), draws.normal());
             let root = c * u.sqrt();
@@ -684,12 +698,12 @@ mod tests {
         None
     }
 
-    /// Null: of a slip that starts from rest with a push, or runs, the first zero of V that is
-    /// found between two drawn ends has the law of the first zero of small steps from the start:
-    /// how often there is one by 1/16, 1/4 and 1; and how far the body has come and how hard it is
-    /// held back where it stops. Neither knows of the other but the same linear system. 2e4 slips
-    /// either way in three scenes, 15 comparisons at 3.9 combined standard errors (1e-4 each),
-    /// beside 0.003 for the zeros that small steps miss; seeds 51 and 52.
+    /// Null: the first zero of V that is found between two drawn ends has the law of the first zero
+    /// that small steps from the start find. The slips start from rest or in motion. Compared are
+    /// the probabilities of a zero by 1/16, 1/4 and 1, and the means of the distance and of the
+    /// deceleration at the stop. The two methods share nothing but the linear system. 2e4 slips
+    /// with each method in three scenes, 15 comparisons at 3.9 combined standard errors (1e-4
+    /// each), plus 0.003 for the zeros that small steps miss; seeds 51 and 52.
     #[test]
     fn the_first_zero_has_the_law_that_small_steps_find() {
         const SLIPS: u64 = 20_000;

@@ -1,16 +1,17 @@
-//! The cascade without diffusion: closed forms between events, events as first roots; no time step
-//! at all.
+//! The cascade without diffusion: closed forms between events, events as first roots, and no time
+//! step at all.
 //!
 //! - Slip: [`ForcedOscillator::slip`] gives x, x', b at any time; the sub-phase ends at the first
 //!   zero of eps x'.
 //! - Stick: b(t) is a sum of exponentials; the phase ends at the first zero of f_s - b or f_s + b.
 //!
-//! A temperature that was measured bends at its samples. So a phase is cut there, and goes on from
-//! the same place, with the same velocity and force, on another line.
+//! A measured temperature is a straight line between samples, with a kink at each sample. So a
+//! phase is divided at the samples, and continues on the next line from the same displacement,
+//! velocity and force.
 //!
-//! Both zeros are bracketed by bounds of the second derivative ([`first_root`]), so none is missed,
-//! and polished to rounding. Nothing is random: one path is computed and every lane is told about
-//! it.
+//! Both kinds of zeros are bracketed by bounds of the second derivative ([`first_root`]), so none
+//! is missed, and are found to rounding. Nothing is random, so one path is computed and reported
+//! for every lane.
 
 use super::exact_time::ExactTime;
 use super::first_root::{Jet, first_root, safe_step};
@@ -19,20 +20,20 @@ use crate::model::{Complex, Event, EventKind, ForcedOscillator, InitialNoise, Mo
 use crate::scheme::columns::Columns;
 use crate::scheme::{Observer, Timeline};
 
-/// The deterministic cascade of one scene.
+/// The noiseless scheme for one scene.
 #[derive(Clone, Debug)]
 pub struct Noiseless {
     model: Model,
     timeline: Timeline,
     body: ForcedOscillator,
-    /// 1/max(w0, |z_j|): the time over which one derivative bound is used.
+    /// 1/max(w0, |z_j|): the time over which one bound of the second derivative is used.
     span: f64,
-    /// What the path may spend.
+    /// The number of evaluations that the path may make.
     pub(super) work_limit: u64,
 }
 
 impl Leg {
-    /// What ends it, if anything does, and whether that is at a time or before.
+    /// What ends the leg, if anything does, and whether it ends at a time or before.
     fn end_by(&self, time: f64) -> Option<(End, bool)> {
         let (duration, end) = self.end?;
         let is_due = match end {
@@ -46,11 +47,11 @@ impl Leg {
 /// The signs of b at the two thresholds.
 const SIDES: [f64; 2] = [1.0, -1.0];
 
-/// One phase of the path, or what of it lies between two samples: since when, and what ends it.
+/// One phase of the path, or the part of a phase that lies between two samples.
 struct Leg {
     start: ExactTime,
     displacement: f64,
-    /// x' at the start: zero, but behind a cut.
+    /// x' at the start. It is zero except after a sample inside a slip.
     velocity: f64,
     /// b at the start.
     force: f64,
@@ -59,7 +60,7 @@ struct Leg {
     /// The slope of K beta T/m between the samples.
     line: f64,
     phase: Phase,
-    /// What ends it and the time until then, if before t_end.
+    /// The duration of the leg and what ends it; none if it does not end before t_end.
     end: Option<(f64, End)>,
 }
 
@@ -67,13 +68,13 @@ struct Leg {
 #[derive(Clone, Copy)]
 enum End {
     Event(Event),
-    /// A sample, at which the temperature bends.
+    /// A sample, at which the temperature has a kink.
     Cut,
 }
 
 impl Noiseless {
-    /// For a scene whose noise is absent, has sigma = 0 (then v relaxes from its initial value) or
-    /// is not felt (then its mean does).
+    /// The scheme for a scene without noise, with sigma = 0 (then v relaxes from its initial value)
+    /// or with noise that is too weak to change the motion (then the mean of v relaxes).
     pub fn new(model: &Model, timeline: &Timeline) -> Self {
         let noise_start = match model.temperature.effective_noise().map(|n| n.initial) {
             Some(InitialNoise::At(v)) => v,
@@ -85,8 +86,8 @@ impl Noiseless {
         Noiseless { model: model.clone(), timeline: *timeline, body, span: 1.0 / fastest, work_limit: WORK_LIMIT }
     }
 
-    /// Tell the observer about the path, once for each of `lanes` lanes. All lanes are lost if it
-    /// cannot be resolved.
+    /// Computes the path and reports it to the observer once for each of `lanes` lanes. If the path
+    /// cannot be resolved, all lanes are lost.
     pub fn simulate(&self, lanes: usize, observer: &mut dyn Observer) -> Simulated {
         let mut columns = Columns::new(lanes);
         let mut work = Work::new(self.work_limit);
@@ -118,7 +119,7 @@ impl Noiseless {
         self.stick(ExactTime::ZERO, displacement, force, terms, work)
     }
 
-    /// The leg that begins with the event that ends `leg`.
+    /// The leg that follows `leg`.
     fn next_leg(&self, leg: &Leg, work: &mut Work) -> Result<Leg, Unresolved> {
         work.spend()?;
         let Some((duration, end)) = leg.end else { return Err(Unresolved) };
@@ -152,13 +153,14 @@ impl Noiseless {
         self.model.temperature.series.as_deref()
     }
 
-    /// From a time on: the slope of K beta T/m on the line between two samples, how long that
-    /// lasts, and whether it is a sample that ends it, and not t_end.
+    /// The line between two samples from a time on: the slope of K beta T/m, the duration until the
+    /// next sample or t_end, and whether a sample ends it.
     fn line(&self, start: ExactTime) -> (f64, f64, bool) {
         let left = start.until(self.timeline.end);
         let Some(series) = self.series() else { return (0.0, left, false) };
         let mut piece = series.piece(start.value());
-        // The time has more digits than the double that found the piece.
+        // `start` has more digits than the double that found the piece, so it may lie in a later
+        // one.
         while piece + 2 < series.times().len() && start.until(series.times()[piece + 1]) <= 0.0 {
             piece += 1;
         }
@@ -171,7 +173,8 @@ impl Noiseless {
         self.body.terms().iter().map(|term| t.phased(term)).collect()
     }
 
-    /// The exit of a static phase that begins at a time and a place, if before t_end.
+    /// The exit from a static phase that begins at a time and a displacement; none if it does not
+    /// end before t_end.
     pub fn stick_exit(
         &self,
         start: ExactTime,
@@ -190,14 +193,14 @@ impl Noiseless {
         }
     }
 
-    /// b with x' = 0.
+    /// b for x' = 0.
     fn force_at_rest(&self, time: ExactTime, terms: &[Complex], displacement: f64) -> f64 {
         let body = &self.model.oscillator;
         let measured = self.series().map_or(0.0, |series| body.dilatation * series.at(time.value()));
         body.mass * terms.iter().map(|p| p.re).sum::<f64>() + body.stiffness * (measured - displacement)
     }
 
-    /// A static phase, and its exit: the first time that |b| > f_s.
+    /// A static phase and its exit, the first time at which |b| > f_s.
     fn stick(
         &self,
         start: ExactTime,
@@ -236,7 +239,7 @@ impl Noiseless {
         Ok(Leg { start, displacement, velocity: 0.0, force, terms, line, phase: Phase::Static, end: end.or(cut) })
     }
 
-    /// |K (beta T - x)| <= f_s whatever the phases of the forcing are.
+    /// Whether |K (beta T - x)| <= f_s for all phases of the forcing.
     fn never_exits(&self, displacement: f64, f_s: f64) -> bool {
         let Model { oscillator, .. } = &self.model;
         let measured = self.series().map_or(0.0, |series| oscillator.dilatation.abs() * series.bound());
@@ -244,8 +247,8 @@ impl Noiseless {
     }
 
     /// A time until which b stays in the corridor, for a stick that may begin exactly on a
-    /// threshold: zero unless b moves inwards from there. With zero slope too, what follows is
-    /// decided a little later than rounding allows.
+    /// threshold. It is zero unless b moves inwards from there. Where the slope is zero too,
+    /// rounding hides which way b moves, so the search starts a little later.
     fn inside(&self, distances: [Jet; 2]) -> f64 {
         let stays = |g: &Jet| match g.slope {
             _ if g.value > 0.0 => safe_step(g.value, g.slope, g.bend),
@@ -256,7 +259,7 @@ impl Noiseless {
         if distances.iter().all(|g| g.value > 0.0) { 0.0 } else { stays(&distances[0]).min(stays(&distances[1])) }
     }
 
-    /// A sub-phase, and its end: the first time after its start that eps x' = 0.
+    /// A sub-phase and its end, the first time after its start at which eps x' = 0.
     fn slip(
         &self,
         start: ExactTime,
@@ -290,9 +293,9 @@ impl Noiseless {
 
     /// A time before which eps x' cannot return to zero.
     ///
-    /// With g = eps x': g(0) = 0, g'(0) = a >= 0, |g''| <= M over the span: g > 0 below 2a/M. Where
-    /// f_s = f_d, a = 0 and the jerk j = g''(0) > 0 lifts it; |g'''| <= N then gives g > 0 below 3
-    /// j / N.
+    /// Let g = eps x', so g(0) = 0 and g'(0) = a >= 0. With |g''| <= M over the span, g > 0 below
+    /// 2a/M. Where f_s = f_d, a = 0 and g rises by the jerk j = g''(0) > 0. With |g'''| <= N, g > 0
+    /// below 3 j / N.
     fn departure(&self, flow: &SlipFlow<'_>, eps: f64) -> f64 {
         let state = flow.at(0.0);
         let (bend, growth) = flow.jerk_bound(&state);
@@ -302,25 +305,26 @@ impl Noiseless {
         by_acceleration.max(by_jerk).min(self.span).max(self.indeterminate_start())
     }
 
-    /// A duration over which a function of size 1 whose value and slope vanish does not rise above
-    /// its own rounding error (a cubic reaches eps at eps^{1/3} = 6e-6 of its time scale): slips
-    /// shorter than this are not resolved.
+    /// The time after the start of a slip or a stick from which on it is resolved, where the start
+    /// has no definite sign. A function of size 1 whose value and slope vanish does not rise above
+    /// its own rounding error earlier: a cubic reaches eps at eps^{1/3} = 6e-6 of its time scale. A
+    /// hundredth of this time is used.
     fn indeterminate_start(&self) -> f64 {
         1e-2 * f64::EPSILON.cbrt() * self.span
     }
 
-    /// E T.
+    /// The mean of T.
     pub fn mean_temperature(&self, t: f64) -> f64 {
         self.model.temperature.mean(t)
     }
 
-    /// x, x', T and whether static, at a time within the leg.
+    /// x, x', T and whether the path is static, at a time within the leg.
     fn state(&self, leg: &Leg, t: f64) -> (f64, f64, f64, bool) {
         let r = leg.start.until(t).max(0.0);
         let terms = self.body.terms();
         let gain = self.model.oscillator.force_per_temperature() / self.model.oscillator.mass;
-        // beta = 0 leaves the body blind to a temperature that the observer still sees; a leg that
-        // nothing ends may go over samples.
+        // With beta = 0 the terms of the body do not contain the temperature that the observer
+        // sees. With samples, a leg without an end may extend over several of them.
         let temperature = if gain == 0.0 || self.series().is_some() {
             self.mean_temperature(t)
         } else {

@@ -1,48 +1,54 @@
 //! The exact transition of an oscillator driven by Ornstein-Uhlenbeck noise and harmonics, over any
-//! time step.
+//! time step. The system
 //!
 //! ```text
 //! x' = v,   v' = -w0^2 x - 2 gamma v + (n + f(t))/m,   dn = -theta n dt + s dW
 //! ```
 //!
-//! is linear with Gaussian noise: over a step h the state moves by its mean, plus a Gaussian vector
-//! of covariance Q(h) = s^2 int_0^h g(r) g(r)^T dr, where g = (g_x, g_v, g_n) answers a unit of n
-//! that is there at r = 0:
+//! is linear with Gaussian noise. So the state after a step h is its mean plus a Gaussian vector of
+//! covariance Q(h) = s^2 int_0^h g(r) g(r)^T dr, where g = (g_x, g_v, g_n) is the response of (x,
+//! v, n) to a unit of n at r = 0. The responses satisfy
 //!
 //! ```text
-//! S'' + 2 gamma S' + w0^2 S = 0,             S(0) = 0, S'(0) = 1      (x answers a unit of v)
-//! g_x'' + 2 gamma g_x' + w0^2 g_x = e^{-theta r}/m,  g_x(0) = g_x'(0) = 0;   g_v = g_x',  g_n = e^{-theta r}
-//! G_w'' + 2 gamma G_w' + w0^2 G_w = e^{i w r}/m,     G_w(0) = G_w'(0) = 0    (x answers a harmonic; w = 0: friction)
+//! S'' + 2 gamma S' + w0^2 S = 0,                     S(0) = 0, S'(0) = 1
+//! g_x'' + 2 gamma g_x' + w0^2 g_x = e^{-theta r}/m,  g_x(0) = g_x'(0) = 0
+//! g_v = g_x',   g_n = e^{-theta r}
+//! G_w'' + 2 gamma G_w' + w0^2 G_w = e^{i w r}/m,     G_w(0) = G_w'(0) = 0
 //! ```
 //!
-//! Q is badly scaled (h, h^3, h^5 on its diagonal), and matrix exponentials of the textbook (Van
-//! Loan 1978) lose its small entries. Here every entry is a power series in h that starts at its
-//! own leading term, used where (fastest rate) h <= 1/2 so that nothing cancels; longer steps come
-//! from doubling,
+//! S is the response of x to a unit of v, and G_w its response to a harmonic; w = 0 is the constant
+//! force of friction.
+//!
+//! The entries of Q differ by many orders of magnitude (h, h^3, h^5 on its diagonal), and the usual
+//! matrix exponentials (Van Loan 1978) lose the small ones. Here every entry is a power series in h
+//! that starts at its own leading term. The series are used where (fastest rate) h <= 1/2, so that
+//! nothing cancels. Longer steps are composed by doubling,
 //!
 //! ```text
-//! Phi(2h) = Phi(h)^2,   Q(2h) = Q(h) + Phi(h) Q(h) Phi(h)^T,   G(2h) = Phi(h) G(h) + e^{i w h} G(h),
+//! Phi(2h) = Phi(h)^2,   Q(2h) = Q(h) + Phi(h) Q(h) Phi(h)^T,
+//! G(2h) = Phi(h) G(h) + e^{i w h} G(h),
 //! ```
 //!
-//! which adds positive matrices. No eigenvalue appears: critical damping and resonance are ordinary
-//! points.
+//! which adds positive matrices. No eigenvalue is computed, so critical damping and resonance need
+//! no special case.
 
 use crate::lanes::{Choose, Lanes};
 use crate::noise::increment_variance;
 
 /// Terms of each series. In units of the fastest rate L, coefficient k of the squared responses is
-/// below 2^k/k!, so with L h <= 1/2 the last term is below 1/18! = 2e-16 of the first.
+/// below 2^k/k!. So with L h <= 1/2 the first neglected term is below 1/18! = 2e-16 of the first
+/// term.
 const TERMS: usize = 18;
 
 /// The series are used up to (fastest rate) h = 1/2.
 const SERIES_RADIUS: f64 = 0.5;
 
-/// More doublings than any finite step of a finite rate needs.
+/// A limit of the doublings, more than any finite step of a finite rate needs.
 const DOUBLINGS: u32 = 2100;
 
 type Series = [f64; TERMS];
 
-/// m, gamma, w0, theta, s and the forcing frequencies, with the series of all responses.
+/// m, gamma, w0, theta, s and the forcing frequencies, with the power series of all responses.
 #[derive(Clone, Debug)]
 pub struct DrivenOscillator {
     mass: f64,
@@ -55,11 +61,11 @@ pub struct DrivenOscillator {
     /// S/h, m g_x/h^2, m int e^{-theta r} g_x/h^3, m^2 int g_v^2/h^3, m^2 int g_x^2/h^5, m G_0/h^2,
     /// e^{-theta h} and (1 - e^{-2 theta h})/(2 theta h).
     responses: SeriesOf8,
-    /// m G_w / h^2 and e^{i w h}, real and imaginary parts, of two harmonics each.
+    /// m G_w / h^2 and e^{i w h}, real and imaginary parts, for two harmonics in each entry.
     harmonic: Vec<SeriesOf8>,
 }
 
-/// Eight series side by side: the coefficients of each power.
+/// Eight series side by side: for each power, the coefficients of all eight.
 type SeriesOf8 = [[f64; 8]; TERMS];
 
 /// The response of (x, v) to a harmonic force Re[P e^{i w r}]: x += Re[P x], v += Re[P v].
@@ -74,23 +80,23 @@ pub struct HarmonicResponse<L = f64> {
 }
 
 impl<L: Lanes> HarmonicResponse<L> {
-    /// Of a step of no length.
+    /// The response over a step of zero length.
     pub fn none() -> Self {
         let (zero, one) = (L::splat(0.0), L::splat(1.0));
         HarmonicResponse { x: (zero, zero), v: (zero, zero), turn: (one, zero) }
     }
 }
 
-/// The transition over one step.
+/// The transition of (x, v, n) over one step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SlipTransition<L = f64> {
     /// h.
     pub length: L,
-    /// x1 from x, v, n and a constant force.
+    /// The coefficients of x, v, n and a constant force in the mean of x after the step.
     pub x: [L; 4],
-    /// v1 from x, v, n and a constant force.
+    /// The coefficients of x, v, n and a constant force in the mean of v after the step.
     pub v: [L; 4],
-    /// n1 from n.
+    /// The coefficient of n in the mean of n after the step.
     pub n: L,
     /// Covariances nn, nv, nx, vv, vx, xx.
     pub covariance: [L; 6],
@@ -99,7 +105,7 @@ pub struct SlipTransition<L = f64> {
 }
 
 impl DrivenOscillator {
-    /// From m, gamma = alpha/m, w0, theta, s and the frequencies of the forcing.
+    /// An oscillator from m, gamma = alpha/m, w0, theta, s and the frequencies of the forcing.
     pub fn new(
         mass: f64,
         damping_rate: f64,
@@ -109,7 +115,8 @@ impl DrivenOscillator {
         frequencies: &[f64],
     ) -> Self {
         let (g, w0) = (damping_rate, natural_frequency);
-        // |l1|, |l2| <= gamma + sqrt(gamma^2 - w0^2) if overdamped, else w0.
+        // The roots of the free oscillator: |l1|, |l2| <= gamma + sqrt(gamma^2 - w0^2) if it is
+        // overdamped, w0 otherwise.
         let free = if g > w0 { g + ((g - w0) * (g + w0)).sqrt() } else { w0 };
         let fastest = frequencies.iter().copied().fold(free.max(relaxation_rate), f64::max);
         // Everything below is in units of 1/fastest.
@@ -160,10 +167,10 @@ impl DrivenOscillator {
         self.fastest * h <= SERIES_RADIUS
     }
 
-    /// The transition over h; `harmonics` receives one response per frequency.
+    /// The transition over h. `harmonics` receives one response per frequency.
     #[inline(always)]
     pub fn transition(&self, h: f64, harmonics: &mut [HarmonicResponse]) -> SlipTransition {
-        // Halve until the series reach it.
+        // The step is halved until the series can be used.
         let (mut base, mut doublings) = (h, 0);
         while self.fastest * base > SERIES_RADIUS && doublings < DOUBLINGS {
             base *= 0.5;
@@ -177,7 +184,7 @@ impl DrivenOscillator {
         step
     }
 
-    /// The transition over (fastest rate) h <= 1/2, by the series.
+    /// The transition over (fastest rate) h <= 1/2, by the series. `factor` is left at zero.
     #[inline(always)]
     pub fn series<L: Lanes>(&self, h: L, harmonics: &mut [HarmonicResponse<L>]) -> SlipTransition<L> {
         let r = h * self.fastest;
@@ -283,8 +290,9 @@ pub fn splat<L: Lanes>(step: &SlipTransition) -> SlipTransition<L> {
     }
 }
 
-/// y / h^2 for y'' + damping y' + stiffness y = sum_k f_k r^k/k!, y(0) = y'(0) = 0, in units of the
-/// fastest rate: (k+2)! y_{k+2} = f_k - damping (k+1)! y_{k+1} - stiffness k! y_k.
+/// The series y / h^2 of the solution of y'' + damping y' + stiffness y = sum_k f_k r^k/k!, y(0) =
+/// y'(0) = 0, in units of the fastest rate: (k+2)! y_{k+2} = f_k - damping (k+1)! y_{k+1} -
+/// stiffness k! y_k.
 fn response(damping: f64, stiffness: f64, force: &dyn Fn(usize) -> f64) -> Series {
     let (mut before, mut last) = (0.0, 0.0);
     std::array::from_fn(|k| {
@@ -294,7 +302,7 @@ fn response(damping: f64, stiffness: f64, force: &dyn Fn(usize) -> f64) -> Serie
     })
 }
 
-/// S / h likewise: no force, S'(0) = 1.
+/// The series S / h likewise, without force and with S'(0) = 1.
 fn free_response(damping: f64, stiffness: f64) -> Series {
     let (mut before, mut last) = (0.0, 1.0);
     std::array::from_fn(|k| {
@@ -319,7 +327,7 @@ fn side_by_side(series: [Series; 8]) -> SeriesOf8 {
     std::array::from_fn(|k| std::array::from_fn(|i| series[i][k]))
 }
 
-/// The sums of eight series: by Horner's rule, all of them at once.
+/// The sums of eight series, all at once, by Horner's rule.
 #[inline(always)]
 fn sums<L: Lanes>(series: &SeriesOf8, r: L) -> [L; 8] {
     let mut sums = [L::splat(0.0); 8];
@@ -331,21 +339,22 @@ fn sums<L: Lanes>(series: &SeriesOf8, r: L) -> [L; 8] {
     sums
 }
 
-/// The factor of a covariance through its correlation matrix, whose entries are all of order one:
-/// the covariance itself has a condition number of h^-4.
+/// The Cholesky factor of a covariance, computed from its correlation matrix. The entries of the
+/// latter are all of order one, while the covariance itself has a condition number of h^-4.
 #[inline(always)]
 pub fn cholesky<L: Lanes>(&[nn, nv, nx, vv, vx, xx]: &[L; 6]) -> [L; 6] {
     let (zero, one) = (L::splat(0.0), L::splat(1.0));
     let (sn, sv, sx) = (nn.sqrt(), vv.sqrt(), xx.sqrt());
     let (rnv, rnx, rvx) = (ratio(nv, sn * sv), ratio(nx, sn * sx), ratio(vx, sv * sx));
-    // In law never negative; rounding may make it so where the noise is all but white.
+    // The argument of this root is never negative in law. Rounding may make it negative where the
+    // noise is almost white.
     let l22 = (one - rnv * rnv).or_at_least(zero).sqrt();
     let l32 = ratio(rvx - rnv * rnx, l22);
     let l33 = (one - rnx * rnx - l32 * l32).or_at_least(zero).sqrt();
     [sn, sv * rnv, sv * l22, sx * rnx, sx * l32, sx * l33]
 }
 
-/// a/b, or 0 where b is.
+/// a/b, or 0 where b = 0.
 #[inline(always)]
 fn ratio<L: Lanes>(a: L, b: L) -> L {
     L::select(b.gt(L::splat(0.0)), a / b, L::splat(0.0))

@@ -1,57 +1,59 @@
-//! What is still to be done in a cell: a queue for every task, and what each waiting lane needs,
-//! two rows of a table.
+//! The work that remains in a cell: one queue per task, and for each waiting lane the data of its
+//! task, a row in each of two tables.
 
 use crate::lanes::{Lanes, ROW, Row};
 use crate::noise::LaneDraws;
 
-/// What a flagged lane waits for.
+/// What remains to be done for a flagged lane.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Task {
-    /// A piece of a stick is parted in its middle.
+    /// Draw n in the middle of a piece of a stick, and divide the piece.
     Halve,
-    /// Whether a piece of a stick is left.
+    /// Decide whether a piece of a stick is left.
     Decide,
-    /// The next piece of a stick.
+    /// Go on to the next piece of a stick.
     StickOn,
-    /// A sub-phase begins inside the cell.
+    /// Begin a sub-phase inside the cell.
     Begin,
-    /// An interval of a slip is parted in its middle.
+    /// Draw the state in the middle of an interval of a slip, and divide the interval.
     Bisect,
-    /// The next interval of a slip.
+    /// Go on to the next interval of a slip.
     SlipOn,
-    /// A slip stops in an interval.
+    /// Find the stop of a slip in an interval.
     Stop,
 }
 
 const TASKS: [Task; 7] =
     [Task::Halve, Task::Decide, Task::StickOn, Task::Begin, Task::Bisect, Task::SlipOn, Task::Stop];
 
-/// Pieces that may wait behind another one.
+/// The most pieces of one lane that may wait.
 pub const DEPTH: usize = 32;
 
-/// Lanes that are worked on together; those beyond the last are the one that stands for none.
+/// The rows of the lanes that are worked on together. A place without a lane holds the last row of
+/// the tables, which belongs to no path.
 pub type Rows = [u32; ROW];
 
 /// The tables and queues.
 pub struct Jobs {
-    /// What is left of a piece, or where it begins.
+    /// For each lane, the start of its piece or interval, and its [`Count`].
     pub left: Vec<Row>,
-    /// What is right of it, and what tells the random numbers of the path apart.
+    /// For each lane, the end of its piece or interval, and the keys of the random numbers of its
+    /// path.
     pub right: Vec<Row>,
-    /// The pieces behind it, as rows of `right`.
+    /// The pieces of each lane that wait, in the layout of `right`.
     stack: Vec<Row>,
-    /// The lanes that waited for anything in this cell.
+    /// The lanes that were flagged in this cell.
     pub flagged: Vec<u32>,
     queues: [Queue; 7],
-    /// Lanes taken out of a queue, and how many are still to be worked on.
+    /// The lanes that were taken out of a queue, and how many of them remain to be worked on.
     batch: Vec<u32>,
     taken: usize,
     lanes: usize,
 }
 
-/// The lanes that wait for a task; the last one comes first.
+/// The lanes that wait for a task. The last one is taken first.
 struct Queue {
-    /// With room for a whole register behind the last.
+    /// Has room for a whole register after the last lane.
     lanes: Vec<u32>,
     len: usize,
 }
@@ -72,7 +74,7 @@ impl Jobs {
         }
     }
 
-    /// Put the lanes of a mask in a queue.
+    /// Puts the lanes of a mask into a queue.
     #[inline(always)]
     pub fn push<L: Lanes>(&mut self, task: Task, rows: &Rows, lanes: u32) {
         let queue = &mut self.queues[task as usize];
@@ -80,9 +82,10 @@ impl Jobs {
         queue.len += lanes.count_ones() as usize;
     }
 
-    /// Take out all whole registers of lanes from the longest queue, or, where no queue has a whole
-    /// one, what is in it. They are handed out by [`Jobs::next`], so that what is done with one
-    /// register need not wait for where the lanes of the one before it went.
+    /// Takes as many whole registers of lanes as there are from the longest queue; or all its
+    /// lanes, where no queue fills a register. [`Jobs::next`] returns them register by register, so
+    /// that the work on one register need not wait for the queues to which the lanes of the one
+    /// before are sent.
     #[inline(always)]
     pub fn longest<L: Lanes>(&mut self) -> Option<Task> {
         let mut longest = 0;
@@ -102,7 +105,7 @@ impl Jobs {
         Some(TASKS[longest])
     }
 
-    /// The next lanes of those taken out, and a mask of them.
+    /// The next lanes of those taken out of the queue, and a mask of them.
     #[inline(always)]
     pub fn next<L: Lanes>(&mut self) -> Option<(Rows, u32)> {
         if self.taken == 0 {
@@ -118,20 +121,20 @@ impl Jobs {
         Some((rows, (1 << count) - 1))
     }
 
-    /// Put pieces behind the lanes, as rows of `right`.
+    /// Puts a piece on top of the waiting pieces of each lane.
     #[inline(always)]
     pub fn place_behind<L: Lanes>(&mut self, rows: &Rows, count: Count<L>, piece: [L; ROW]) {
         let places = self.places(rows, count);
         L::scatter_rows(piece, &mut self.stack, &places);
     }
 
-    /// The pieces placed last behind the lanes, which are no longer counted.
+    /// The topmost waiting piece of each lane. `count` no longer counts it.
     #[inline(always)]
     pub fn last_behind<L: Lanes>(&self, rows: &Rows, count: Count<L>) -> [L; ROW] {
         L::gather_rows(&self.stack, &self.places(rows, count))
     }
 
-    /// Where in the stack the next pieces behind these lanes are.
+    /// The place in the stack of the next waiting piece of each lane.
     #[inline(always)]
     fn places<L: Lanes>(&self, rows: &Rows, count: Count<L>) -> Rows {
         let mut depths = [0; ROW];
@@ -143,7 +146,7 @@ impl Jobs {
         places
     }
 
-    /// The rows of the lanes of a mask, and for the others the one that stands for none.
+    /// The rows of the lanes of a mask; for the other lanes the row that belongs to no path.
     #[inline(always)]
     pub fn only<L: Lanes>(&self, rows: &Rows, lanes: u32) -> Rows {
         let nobody = (self.lanes - 1) as u32;
@@ -155,9 +158,9 @@ impl Jobs {
     }
 }
 
-/// What is counted of a flagged lane, packed into one number: the place of its next random number,
-/// how many pieces wait behind it (where a slip stops, how often that was tried), whether its
-/// normals are mirrored, and what it has spent.
+/// The counters of a flagged lane, packed into one number: the place of its next random number, the
+/// number of its waiting pieces (while a stop is searched, the number of attempts), whether its
+/// normals are mirrored, and its evaluations.
 #[derive(Clone, Copy)]
 pub struct Count<L: Lanes>(pub L::Bits);
 
@@ -167,20 +170,21 @@ const MIRRORED: u64 = 1 << 39;
 const SPENT: u32 = 40;
 
 impl<L: Lanes> Count<L> {
-    /// Nothing yet; the first number is at this place, and the normals of some paths are mirrored.
+    /// Counters at zero, with the first random number at this place. `flip` tells for which paths
+    /// the normals are mirrored.
     #[inline(always)]
     pub fn from(place: u64, flip: L::Bits) -> Self {
         Count(L::keep_and_set(flip, MIRRORED, place))
     }
 
-    /// All ones where the normals of a path are mirrored.
+    /// All bits set where the normals of a path are mirrored.
     #[inline(always)]
     fn flip(self) -> L::Bits {
         let is_not = L::xor(L::keep_and_set(self.0, MIRRORED, 0), L::splat_bits(MIRRORED));
         L::add_bits(L::shr::<39>(is_not), L::splat_bits(u64::MAX))
     }
 
-    /// The random numbers of lanes with these keys, from the next one on.
+    /// The random numbers of the lanes with these keys, from the next one on.
     #[inline(always)]
     pub fn draws(self, cell: u64, origin: L::Bits, key: L::Bits) -> LaneDraws<L> {
         let place = L::keep_and_set(self.0, BEHIND - 1, 0);
@@ -202,50 +206,50 @@ impl<L: Lanes> Count<L> {
         L::keep_and_set(L::shr::<32>(self.0), MOST_BEHIND, 0)
     }
 
-    /// Those behind which nothing waits, or where nothing was tried.
+    /// The lanes without waiting pieces, or without attempts.
     #[inline(always)]
     pub fn has_none(self) -> L::Mask {
         L::from_integers(self.behind()).le(L::splat(0.0))
     }
 
-    /// Those behind which so much waits, or where so much was tried.
+    /// The lanes with at least so many waiting pieces, or attempts.
     #[inline(always)]
     pub fn has(self, many: f64) -> L::Mask {
         L::from_integers(self.behind()).ge(L::splat(many))
     }
 
-    /// So many random numbers were taken.
+    /// Counts random numbers that were taken.
     #[inline(always)]
     pub fn drawn(self, numbers: u64) -> Self {
         Count(L::add_bits(self.0, L::splat_bits(numbers)))
     }
 
-    /// One was taken in these lanes.
+    /// Counts one random number in these lanes.
     #[inline(always)]
     pub fn drawn_where(self, mask: L::Mask) -> Self {
         self.plus(mask, 1)
     }
 
-    /// One more piece waits.
+    /// Counts one more waiting piece, or one more attempt, in these lanes.
     #[inline(always)]
     pub fn behind_where(self, mask: L::Mask) -> Self {
         self.plus(mask, BEHIND)
     }
 
-    /// One piece less waits.
+    /// Counts one waiting piece less.
     #[inline(always)]
     pub fn taken(self) -> Self {
         Count(L::add_bits(self.0, L::splat_bits(BEHIND.wrapping_neg())))
     }
 
-    /// Nothing waits, nothing was tried.
+    /// Sets the number of waiting pieces, or of attempts, to zero in these lanes.
     #[inline(always)]
     pub fn alone_where(self, mask: L::Mask) -> Self {
         let alone = L::keep_and_set(self.0, !(MOST_BEHIND * BEHIND), 0);
         Count(L::select(mask, L::from_bits(alone), self.number()).to_bits())
     }
 
-    /// One more evaluation.
+    /// Counts one evaluation.
     #[inline(always)]
     pub fn spent(self) -> Self {
         Count(L::add_bits(self.0, L::splat_bits(1 << SPENT)))
@@ -263,11 +267,11 @@ impl<L: Lanes> Count<L> {
     }
 }
 
-/// Where the count is in a row of `left`, whatever the task.
+/// The place of the [`Count`] in a row of `left`, which is the same for all tasks.
 pub const COUNT: usize = 4;
 
 impl Jobs {
-    /// What a lane has spent in the cell since it was flagged.
+    /// The evaluations of a lane in this cell since it was flagged.
     pub fn spent(&self, lane: usize) -> u64 {
         self.left[lane].0[COUNT].to_bits() >> SPENT
     }

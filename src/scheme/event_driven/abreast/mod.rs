@@ -1,18 +1,18 @@
-//! Paths abreast: all paths of a block cross a cell together, lane by lane.
+//! Paths abreast: all paths of a block cross a cell together, in lanes.
 //!
 //! ```text
-//! sweep    n at the end of the cell; every stick and slip as if nothing happened in it
-//! queues   of the lanes where something may have: a stick that may be left, a slip that may stop
-//! alone    the few that meet a rare case cross the cell again, one by one
+//! sweep    draws n at the end of the cell, and takes every path there as if it had no event
+//! queues   treat the lanes that may have an event: a stick that may be left, a slip that may stop
+//! alone    the few lanes that meet a rare case cross the cell again, one by one
 //! ```
 //!
-//! A lane does what [`super::cell_loop::cross`] does, number by number and rounding by rounding, so
-//! a path has the same bits whether it goes abreast or alone. That is what decides all that is rare
-//! (an end of the bisection, a noise too feeble for its quintic, a start on a threshold): the lane
-//! is crossed again alone.
+//! A lane does the same as [`super::cell_loop::cross`], with the same random numbers and the same
+//! rounding, so a path has the same bits abreast and alone. Therefore rare cases (the end of a
+//! bisection, noise that is too feeble for the quintic, a start on a threshold) need not be treated
+//! in lanes: such a lane crosses the cell again alone.
 //!
-//! For scenes whose slips take one step a cell; where the body swings much faster than forcing and
-//! noise change, paths go one by one.
+//! This is for scenes in which a slip takes one step per cell. Where the body oscillates much
+//! faster than forcing and noise change, paths are simulated one by one.
 
 mod jobs;
 mod slip;
@@ -41,28 +41,29 @@ pub struct Abreast<'a> {
     instructions: InstructionSet,
     normals: &'static Table,
     count: usize,
-    /// At the start of a cell, and at its end.
+    /// The states at the start of the cell, and at its end.
     now: States,
     next: States,
     draws: Vec<AddressedDraws>,
-    /// What tells the random numbers of the paths apart ([`AddressedDraws::keys`]).
+    /// The keys of the random numbers of each path ([`AddressedDraws::keys`]).
     keys: [Vec<u64>; 3],
-    /// Evaluations of each path, and what they were where the cell began.
+    /// Evaluations of each path until now, and until the start of the cell.
     spent: Vec<u64>,
     spent_before: Vec<u64>,
     is_lost: Vec<bool>,
     jobs: Jobs,
-    /// The events in the cell.
+    /// The events in the cell, with their lanes.
     events: Vec<(u32, Event)>,
     /// The lanes that cross the cell again, alone.
     odd: Vec<u32>,
-    /// Flagged lanes of all cells, and odd ones among them.
+    /// The number of flagged lanes in all cells so far, and how many of them crossed the cell again
+    /// alone.
     flagged: usize,
     turned_odd: usize,
     scratch: (Scratch, Pending),
 }
 
-/// Where the paths are at the border of two cells, one entry a lane.
+/// The states of the paths at the border of two cells, one entry per lane.
 #[derive(Clone)]
 struct States {
     x: Vec<f64>,
@@ -71,14 +72,15 @@ struct States {
     n: Vec<f64>,
     /// b.
     force: Vec<f64>,
-    /// The direction of the slip, or zero.
+    /// The direction of the slip; zero in a stick.
     eps: Vec<f64>,
 }
 
-/// Where more lanes than one of so many flagged ones turn out odd, paths go alone.
+/// Where more than one in `MOST_ODD` flagged lanes has to cross the cell again, all paths are
+/// simulated alone.
 const MOST_ODD: usize = 4;
 
-/// So many flagged lanes tell whether most are odd.
+/// The decision for `MOST_ODD` is made after so many flagged lanes.
 const FLAGGED: usize = 512;
 
 impl<'a> Abreast<'a> {
@@ -120,7 +122,7 @@ impl<'a> Abreast<'a> {
         all
     }
 
-    /// The path of a lane at the start of the cell.
+    /// The path of a lane at the start of the cell, with its evaluations so far.
     fn path(&self, lane: usize, spent: u64) -> Path<f64> {
         let eps = self.now.eps[lane];
         let mut work = Work::new(self.noisy.work_limit());
@@ -139,7 +141,7 @@ impl<'a> Abreast<'a> {
         }
     }
 
-    /// Set a lane at the end of the cell.
+    /// Sets the state of a lane at the end of the cell.
     fn put(&mut self, lane: usize, path: &Path<f64>) {
         let (eps, v) = match path.phase {
             Phase::Static => (0.0, 0.0),
@@ -152,7 +154,7 @@ impl<'a> Abreast<'a> {
         self.is_lost[lane] = path.is_lost;
     }
 
-    /// Take a lane across the cell alone.
+    /// Takes a lane across the cell alone.
     #[inline(always)]
     fn cross_alone(&mut self, lane: usize, cell: &Cell) {
         let mut path = self.path(lane, self.spent_before[lane]);
@@ -163,15 +165,15 @@ impl<'a> Abreast<'a> {
     }
 }
 
-/// A cell that the paths are taken across, in lanes of one kind.
+/// A crossing of one cell by all paths, in lanes of one kind.
 struct Crossing<'p, 'a, L: Lanes> {
     paths: &'p mut Abreast<'a>,
     cell: &'p Cell,
-    /// Room for the responses of a step.
+    /// Buffer for the responses of a step to the harmonics.
     responses: Vec<HarmonicResponse<L>>,
 }
 
-/// A cell inside which nobody looks, crossed on whatever instruction set there is.
+/// A crossing of a cell without stops inside, for any instruction set.
 struct Quiet<'p, 'a> {
     paths: &'p mut Abreast<'a>,
     cell: &'p Cell,
@@ -185,7 +187,7 @@ impl LaneProgram for Quiet<'_, '_> {
     }
 }
 
-/// A cell inside which somebody looks.
+/// A crossing of a cell with stops inside, one path after the other.
 struct Watched<'p, 'a> {
     paths: &'p mut Abreast<'a>,
     cell: &'p Cell,

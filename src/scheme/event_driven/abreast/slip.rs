@@ -13,15 +13,16 @@ use crate::scheme::event_driven::noisy::{ALIGNMENT, FEEBLE, SHORTEST};
 use crate::scheme::event_driven::slip_step::{State, force, motion, resolved_travel};
 use crate::scheme::event_driven::slip_transition::cholesky;
 
-/// A slip that is searched for its stop, from the left.
+/// A slip that is searched for its stop, from left to right.
 #[derive(Clone, Copy)]
 pub(super) struct Searched<L: Lanes> {
-    /// The motion where the interval begins, and how far that is from where the step does.
+    /// The motion at the start of the interval, and the time and distance there since the start of
+    /// the step.
     pub left: Motion<L>,
     pub after: L,
     pub travel: L,
     pub count: Count<L>,
-    /// x where the step begins, and when that is.
+    /// x at the start of the step, and its time after the start of the cell.
     pub x: L,
     pub start: L,
     pub eps: L,
@@ -59,7 +60,7 @@ impl<L: Lanes> Searched<L> {
         self.count.draws(cell, self.origin, self.key)
     }
 
-    /// The interval is passed where `mask` holds, and `next` is behind it.
+    /// Moves the start of the search to the end of the interval `passed`, where `mask` holds.
     #[inline(always)]
     fn pass(&mut self, mask: L::Mask, passed: &Interval<L>) {
         self.after = L::select(mask, self.after + passed.length, self.after);
@@ -94,8 +95,8 @@ fn select<L: Lanes>(mask: L::Mask, a: &Interval<L>, b: &Interval<L>) -> Interval
 }
 
 impl<L: Lanes> Crossing<'_, '_, L> {
-    /// Part the intervals in their middles, and go on to what is behind them where both halves are
-    /// clear.
+    /// Divides the intervals in their middles. Where both halves are clear, the lane goes on to the
+    /// next waiting interval.
     #[inline(always)]
     pub(super) fn bisect(&mut self, rows: &Rows, lanes: u32) {
         let mut searched = Searched::<L>::get(&self.paths.jobs, rows);
@@ -119,8 +120,8 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         self.queue_searched(searched, rows, lanes & !clear, clear & more, far_clear);
     }
 
-    /// Put searched lanes where they belong next, those with more behind a clear interval too, and
-    /// their rows in place.
+    /// Puts each of `lanes` into the queue of its next task, those of `more` into that for the next
+    /// waiting interval, and writes their rows.
     #[inline(always)]
     fn queue_searched(&mut self, searched: Searched<L>, rows: &Rows, lanes: u32, more: u32, is_clear: L::Mask) {
         let is_stop = self.paths.noisy.search().is_stop(searched.left, &searched.interval);
@@ -133,7 +134,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         self.paths.jobs.push::<L>(Task::SlipOn, rows, more);
     }
 
-    /// Go on to the next interval.
+    /// Goes on to the next interval.
     #[inline(always)]
     pub(super) fn slip_on(&mut self, rows: &Rows, lanes: u32) {
         let mut searched = Searched::<L>::get(&self.paths.jobs, rows);
@@ -148,7 +149,8 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         self.queue_searched(searched, rows, lanes & !clear, clear & more, is_clear);
     }
 
-    /// Draw near the stop, until it is found; then what follows it.
+    /// Draws a state near the stop. Where the stop is found, what follows it begins; elsewhere the
+    /// interval is refined.
     #[inline(always)]
     pub(super) fn stop(&mut self, rows: &Rows, lanes: u32) {
         let mut searched = Searched::<L>::get(&self.paths.jobs, rows);
@@ -189,7 +191,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         }
     }
 
-    /// What follows a stop: a stick, or another sub-phase.
+    /// Begins what follows a stop: a stick, or another sub-phase.
     #[inline(always)]
     fn stopped(&mut self, rows: &Rows, lanes: u32, searched: &Searched<L>, (after, travel, acceleration): (L, L, L)) {
         let scene = self.paths.noisy.scene();
@@ -227,7 +229,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         }
     }
 
-    /// A sub-phase begins in the cell: one exact step to its end.
+    /// Begins a sub-phase in the cell, with one exact step to the end of the cell.
     #[inline(always)]
     pub(super) fn begin(&mut self, rows: &Rows, lanes: u32) {
         let begun = Begun::<L>::get(&self.paths.jobs, rows);
@@ -296,7 +298,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         L::load(&noise)
     }
 
-    /// Set x, x', b and the direction at the end of the cell.
+    /// Sets x, x', b and the direction at the end of the cell.
     #[inline(always)]
     pub(super) fn set_next(&mut self, rows: &Rows, lanes: u32, (x, v, force, eps): (L, L, L, L)) {
         let (mut xs, mut vs, mut forces, mut signs) = ([0.0; ROW], [0.0; ROW], [0.0; ROW], [0.0; ROW]);
@@ -315,7 +317,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         }
     }
 
-    /// Keep the events of lanes at these times after the start of the cell.
+    /// Records an event of each of these lanes, at these times after the start of the cell.
     #[inline(always)]
     pub(super) fn tell(
         &mut self,
@@ -338,7 +340,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
     }
 }
 
-/// Where a sub-phase begins in the cell.
+/// The start of a sub-phase in the cell.
 #[derive(Clone, Copy)]
 pub(super) struct Begun<L: Lanes> {
     pub after: L,

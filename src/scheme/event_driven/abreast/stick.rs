@@ -64,7 +64,7 @@ fn node_of<L: Lanes>([after, noise, force, curvature, _, _, origin, key]: [L; RO
 }
 
 impl<L: Lanes> Crossing<'_, '_, L> {
-    /// A stick begins in the cell, in these lanes.
+    /// Begins a stick in the cell, in these lanes.
     #[inline(always)]
     pub(super) fn begin_stick(&mut self, rows: &Rows, lanes: u32, piece: &Piece<L>) {
         let zero = L::splat(0.0);
@@ -75,8 +75,8 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         self.queue_piece(*piece, rows, &own, lanes);
     }
 
-    /// Put pieces where they belong next; where they are clear, what is behind them. `own` are the
-    /// rows that are written.
+    /// Puts each piece into the queue of its next task. Where the piece is clear, the lane goes on
+    /// to the next waiting piece. `own` are the rows that are written.
     #[inline(always)]
     fn queue_piece(&mut self, mut piece: Piece<L>, rows: &Rows, own: &Rows, lanes: u32) {
         piece.count = piece.count.spent();
@@ -91,7 +91,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         self.paths.jobs.push::<L>(Task::StickOn, rows, lanes & !near & more);
     }
 
-    /// Draw n in the middle of the pieces.
+    /// Draws n in the middle of the pieces.
     #[inline(always)]
     pub(super) fn halve(&mut self, rows: &Rows, lanes: u32) {
         let mut piece = Piece::<L>::get(&self.paths.jobs, rows);
@@ -112,7 +112,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         self.queue_piece(piece, rows, rows, lanes);
     }
 
-    /// Go on to the next piece.
+    /// Goes on to the next piece.
     #[inline(always)]
     pub(super) fn stick_on(&mut self, rows: &Rows, lanes: u32) {
         let mut piece = Piece::<L>::get(&self.paths.jobs, rows);
@@ -122,7 +122,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         self.queue_piece(piece, rows, rows, lanes);
     }
 
-    /// Whether pieces are left, and when.
+    /// Decides whether pieces are left, and when.
     #[inline(always)]
     pub(super) fn decide(&mut self, rows: &Rows, lanes: u32) {
         let mut piece = Piece::<L>::get(&self.paths.jobs, rows);
@@ -134,7 +134,8 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         let is_near = L::or(is_up_near, is_down_near);
         let draws = piece.draws(self.cell.index);
         let u = draws.uniform(0);
-        // The nearer threshold, and seldom the other one too.
+        // The upper threshold where it may be met, otherwise the lower one. The rare lanes that may
+        // meet both look at the lower one below.
         let one = L::splat(1.0);
         let side = L::select(is_up_near, one, -one);
         let chord = step.chord_on(scene, side, &ends);
@@ -164,7 +165,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
             self.tell(rows, left, (after, piece.x, force), |force, _| EventKind::SlipStarted(Sign::of(force)));
             let Piece { x, origin, key, count, .. } = piece;
             let count = count.drawn(2).spent().alone_where(L::always());
-            // The rows of the lanes that are kept stay.
+            // The rows of the lanes that stay in the corridor are not overwritten.
             let own = self.paths.jobs.only::<L>(rows, left);
             Begun { after, noise, force, eps: side, x, count, origin, key }.put(&mut self.paths.jobs, &own);
             self.paths.jobs.push::<L>(Task::Begin, rows, left);

@@ -1,4 +1,4 @@
-//! All lanes across a cell as if nothing happened in it, and the lanes where something may have.
+//! Takes all lanes across a cell as if it had no event, and finds the lanes that may have one.
 
 use super::Crossing;
 use super::jobs::{Count, Rows, Task};
@@ -13,7 +13,7 @@ use crate::scheme::event_driven::slip_step::{Push, State, force, motion, resolve
 use crate::scheme::event_driven::slip_transition::{SlipTransition, splat};
 
 impl<L: Lanes> Crossing<'_, '_, L> {
-    /// Every lane to the end of the cell, and the flagged ones into their queues.
+    /// Takes every lane to the end of the cell, and puts the flagged lanes into queues.
     #[inline(always)]
     pub(super) fn sweep(&mut self) {
         let (step, root_length) = self.paths.noisy.usual_step();
@@ -67,7 +67,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         }
     }
 
-    /// Those of the lanes from here on that are paths.
+    /// A mask of the lanes from here on that hold a path which has not been given up.
     #[inline(always)]
     fn present(&self, lane: usize) -> u32 {
         let last = self.paths.count.min(lane + L::WIDTH);
@@ -166,14 +166,14 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         (end, end_force)
     }
 
-    /// Note that something may happen in lanes.
+    /// Notes that these lanes may have an event.
     #[inline(always)]
     fn flag(&mut self, rows: &Rows, lanes: u32) {
         let flagged = L::compress(rows, lanes);
         self.paths.jobs.flagged.extend_from_slice(&flagged[..lanes.count_ones() as usize]);
     }
 
-    /// Have lanes cross the cell again, alone.
+    /// Marks lanes that have to cross the cell again, alone.
     #[inline(always)]
     pub(super) fn odd_lanes(&mut self, rows: &Rows, mut lanes: u32) {
         while lanes != 0 {
@@ -183,7 +183,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
     }
 }
 
-/// What the forcing does to every slip over the whole of a cell.
+/// The contribution of the forcing to every slip over the whole cell.
 struct WholeStep {
     pushes: Vec<Push>,
     /// B at the end.

@@ -8,7 +8,7 @@ use crate::scheme::event_driven::noisy::Noisy;
 use crate::scheme::event_driven::step_rules::StepRules;
 use crate::scheme::{Instant, Observer, Snapshot, Timeline};
 
-/// All that is heard and seen of every path, in bits.
+/// All events and snapshots of every path, in bits.
 #[derive(Clone, Debug, Default, PartialEq)]
 struct Everything {
     events: Vec<Vec<String>>,
@@ -27,7 +27,7 @@ impl Observer for Everything {
     fn snapshot(&mut self, _: Instant, snapshot: Snapshot<'_>) {
         for lane in 0..self.events.len() {
             let state = [snapshot.displacement[lane], snapshot.velocity[lane], snapshot.temperature[lane]];
-            // The sign of a zero is not a matter of the path.
+            // The sign of a zero may differ.
             self.seen.push(state.map(|value| (value + 0.0).to_bits()));
             self.stops += usize::from(snapshot.is_static[lane]);
         }
@@ -56,8 +56,8 @@ fn scenes() -> Vec<(&'static str, Model)> {
     ]
 }
 
-/// A path has the same bits abreast and alone, on every instruction set, whatever the company, with
-/// rows on the ends of cells and inside them.
+/// A path has the same bits abreast and alone, on every instruction set and among any other paths,
+/// with output rows at the ends of cells and inside them.
 #[test]
 fn a_path_is_the_same_abreast_and_alone() {
     let paths: Vec<u64> = (100..300).chain((100..153).map(|path| path | MIRROR)).collect();
