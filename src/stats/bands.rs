@@ -16,17 +16,20 @@ use ndarray::Array2;
 /// The variables that have a band, in this order: x, x', T.
 const VARIABLES: usize = 3;
 
-/// Their values in a snapshot.
+/// The values of these variables in a snapshot, each with one value per path.
 fn variables<'a>(snapshot: &Snapshot<'a>) -> [&'a [f64]; VARIABLES] {
     [snapshot.displacement, snapshot.velocity, snapshot.temperature]
 }
 
-/// Mean and spread of each variable at each time: the floating-point half of the bands.
+/// Mean and spread of each variable at each time: the part of the bands that consists of
+/// floating-point sums.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct BandSums {
-    /// Of the means of units.
+    /// Moments of the means of units, one entry per row of the output grid.
     rows: [Vec<Moments>; VARIABLES],
-    /// Of the paths of each unit about their mean, the sum of squares: only where a unit is a pair.
+    /// Sum over units of the squared deviations of their paths from the mean of the unit, one entry
+    /// per row. It exists only where units are pairs, because a single path does not deviate from
+    /// itself.
     within: Option<[Vec<f64>; VARIABLES]>,
 }
 
@@ -35,7 +38,8 @@ impl BandSums {
         BandSums { rows: std::array::from_fn(|_| vec![Moments::default(); rows]), within: None }
     }
 
-    /// Row `row` of the output grid, of every path of the block.
+    /// Set row `row` of the output grid from all paths of the block. A row beyond the grid is
+    /// ignored.
     pub fn fold(&mut self, row: usize, snapshot: &Snapshot<'_>, unit: Unit) {
         let rows = self.rows[0].len();
         if row >= rows {
@@ -67,7 +71,7 @@ impl BandSums {
         let rows = self.rows[variable].iter();
         match &self.within {
             None => rows.map(Moments::variance).collect(),
-            // Of 2n paths in n pairs.
+            // The variance of 2n paths that form n pairs.
             Some(within) => {
                 let of_pairs = |(m, &within): (&Moments, &f64)| (2.0 * m.m2 + within) / (2 * m.count - 1) as f64;
                 rows.zip(&within[variable])
@@ -102,20 +106,21 @@ impl Codec for BandSums {
     }
 }
 
-/// Of all sketches together so many values are kept, or half as many bins, which with all that
-/// belongs to them takes 100 MB at most.
+/// All sketches together keep at most this many values, or half as many bins, which with everything
+/// that belongs to them takes at most 100 MB. With more than 5859 rows of the output grid, the
+/// lower of [`LIMITS`] applies instead.
 const VALUES: usize = 4_500_000;
 
-/// A sketch keeps neither fewer nor more values than this.
+/// The least and the largest number of values that one sketch keeps.
 const LIMITS: [usize; 2] = [256, 2048];
 
-/// The values of a block of paths, as they are.
+/// The values of a block of paths, one by one.
 #[derive(Clone, Debug, Default)]
 struct BlockValues {
     paths: usize,
-    /// x, x' and T of all paths, row after row.
+    /// x of all paths, then x', then T, for one row after another.
     values: Vec<f64>,
-    /// Where each row begins, if it has been seen.
+    /// Index in `values` at which each row begins; none for a row that was not observed.
     starts: Vec<Option<usize>>,
 }
 
@@ -126,20 +131,21 @@ impl BlockValues {
     }
 }
 
-/// Which values each variable takes at each time, and how many paths are static: the half of the
-/// bands that merges exactly.
+/// Which values each variable takes at each time, and how many paths are static: the part of the
+/// bands that consists of counts and merges exactly.
 #[derive(Clone, Debug)]
 pub(super) struct BandCounts {
     rows: [Vec<Sketch>; VARIABLES],
-    /// Values that are in no sketch: a block has none to fill.
+    /// The values of a block that has not been merged yet. They are in no sketch:
+    /// [`BandCounts::merge`] counts them in the sketches of the run.
     block: Option<BlockValues>,
-    /// Paths at each time, and how many of them are static.
+    /// For each row, the number of paths and how many of them are static.
     occupancy: Vec<[u64; 2]>,
 }
 
 impl BandCounts {
-    /// Many paths may share x0, where every path starts and where a path that never slips stays,
-    /// and the velocity zero.
+    /// Counts of no paths. The centres of the sketches are values that many paths may share: x0,
+    /// where every path starts and where a path that never slips stays, and the velocity zero.
     pub fn empty(model: &Model, rows: usize) -> Self {
         let [least, most] = LIMITS;
         let values = (VALUES / (VARIABLES * rows)).clamp(least, most);
@@ -152,7 +158,8 @@ impl BandCounts {
         }
     }
 
-    /// Row `row` of the output grid, of every path of the block.
+    /// Set row `row` of the output grid from all paths of the block. A row beyond the grid is
+    /// ignored.
     pub fn fold(&mut self, row: usize, snapshot: &Snapshot<'_>) {
         let (rows, paths) = (self.occupancy.len(), snapshot.is_static.len());
         if row >= rows {
@@ -186,7 +193,7 @@ impl BandCounts {
         }
     }
 
-    /// The same with all values in the sketches.
+    /// The same counts with all values in the sketches.
     fn settled(mut self) -> Self {
         if let Some(block) = self.block.take() {
             self.count(&block);
@@ -215,7 +222,7 @@ impl Codec for BandCounts {
     }
 }
 
-/// The bands from their two halves.
+/// The bands of a run, from their sums and their counts.
 pub(super) fn summary(sums: &BandSums, counts: &BandCounts, timeline: &Timeline, is_random: bool, unit: Unit) -> Bands {
     let counts = counts.clone().settled();
     let size = unit.size() as f64;
@@ -226,7 +233,7 @@ pub(super) fn summary(sums: &BandSums, counts: &BandCounts, timeline: &Timeline,
         let quantiles: Vec<f64> = QUANTILE_LEVELS.into_iter().flat_map(quantile).collect();
         let quantile_ends =
             QUANTILE_LEVELS.into_iter().flat_map(|level| values.iter().map(move |row| ends(row, level, size)));
-        // Where a path begins is the same for all of them.
+        // In row 0, at t = 0, all paths agree by construction and not by chance.
         let chance = |row: usize, moments: &Moments| (is_random && row > 0).then_some(moments.count);
         let mean_ends = |(row, m): (usize, &Moments)| Measured::mean(m).in_range(Range::ANY, chance(row, m)).interval();
         let sd_ends = |(((row, m), variance), values): (((usize, &Moments), &f64), &Ordered)| {
@@ -257,8 +264,8 @@ pub(super) fn summary(sums: &BandSums, counts: &BandCounts, timeline: &Timeline,
     }
 }
 
-/// The interval of a quantile of values so many of which make an independent unit: those whose
-/// share of the values below is in doubt, read back.
+/// The 95 % interval of a quantile by Woodruff's method, where `size` values form one independent
+/// unit. The interval of the share of values below the quantile is read back through the quantiles.
 fn ends(values: &Ordered, level: f64, size: f64) -> [f64; 2] {
     let n = values.count() as f64 / size;
     if n < 2.0 {
@@ -278,7 +285,7 @@ mod tests {
     use rand_pcg::Pcg64Dxsm;
     use rand_pcg::rand_core::SeedableRng;
 
-    /// Hyndman and Fan's definition 7.
+    /// The quantile of order p by Hyndman and Fan's definition 7.
     fn exact(values: &[f64], p: f64) -> f64 {
         let mut sorted = values.to_vec();
         sorted.sort_by(f64::total_cmp);
@@ -287,9 +294,10 @@ mod tests {
         below + (above - below) * rank.fract()
     }
 
-    /// Null: the intervals of mean, standard deviation, upper quartile and static probability at
-    /// one time cover in 95 % of all ensembles of 200 paths, whose x is normal and which are static
-    /// with probability 0.3 ([`Coverage::assert_95_percent`] has the false-alarm rate).
+    /// Null: at one time, the intervals of mean, standard deviation, upper quartile and static
+    /// probability cover the truth in 95 % of all ensembles of 200 paths. Here x is normal, and a
+    /// path is static with probability 0.3. [`Coverage::assert_95_percent`] states the false-alarm
+    /// rate.
     #[test]
     fn intervals_at_a_time_cover_what_they_bound() {
         let timeline = Timeline { end: 1.0, output_step: 1.0, period: None, after: 0.0 };
@@ -307,8 +315,8 @@ mod tests {
             part.1.fold(1, &snapshot);
             let bands = summary(&part.0, &part.1, &timeline, true, Unit::Path);
             let x = &bands.displacement;
-            // The upper quartile of the standard normal law is 0.674490; the fourth level is 3/4,
-            // and there are two times.
+            // The upper quartile of the standard normal law is 0.674490. It is the fourth level,
+            // and there are two times, so its index is 3 * 2 + 1 at the second time.
             let curves = [
                 (&x.mean_ends, 1, 4.0),
                 (&x.sd_ends, 1, 1.5),
@@ -347,19 +355,20 @@ mod tests {
         let bands = summary(&sums, &counts, &timeline, true, Unit::Path);
         assert_eq!((bands.time.clone(), bands.static_probability[1]), (vec![0.0, 1.0], 0.4));
         assert!(bands.static_probability[0].is_nan() && bands.displacement.mean[0].is_nan());
-        // Two passes over all values; rounding is 1e-16 a value.
+        // The reference is computed in two passes over all values. Rounding is 1e-16 per value.
         let mean = x.iter().sum::<f64>() / 5000.0;
         let sd = (x.iter().map(|x| (x - mean) * (x - mean)).sum::<f64>() / 4999.0).sqrt();
         assert!((bands.displacement.mean[1] - mean).abs() < 1e-12);
         assert!((bands.displacement.sd[1] - sd).abs() < 1e-12);
         for (i, &p) in QUANTILE_LEVELS.iter().enumerate() {
-            // 5000 paths have more than 2048 values; the nine sd of the 3000 that move are in bins
-            // of a hundredth of one.
+            // 5000 paths have more than the 2048 values that a sketch keeps. The 3000 that have
+            // moved span nine standard deviations, and lie in bins that are a hundredth of one
+            // wide.
             let exact = exact(&x, p);
             assert!((bands.displacement.quantiles[[i, 1]] - exact).abs() <= 0.01 * sd, "{p}");
             assert!((bands.velocity.quantiles[[i, 1]] - (exact - 6.0)).abs() <= 0.01 * sd, "{p}");
         }
-        // The atom holds the quantiles from 0.53 to 0.96, so those in it are exact.
+        // The atom at x0 holds the quantiles from 0.53 to 0.96, so those between are exact.
         assert_eq!(bands.displacement.quantiles[[3, 1]], 6.0);
         assert_eq!(bands.velocity.quantiles[[3, 1]], 0.0);
     }

@@ -1,36 +1,36 @@
-//! Shares among pooled phases, and how sure they are: phases of one path may depend on each other
-//! as they like, those of different batches of whole paths do not.
+//! Shares among pooled phases, and their uncertainty. Phases of one path may depend on each other
+//! in any way, but those of different batches of whole paths are independent.
 
 use super::interval::student;
 use super::range::{NORMAL, wilson};
 
-/// Phases are counted apart for the units of each residue modulo this, so that the spread between
-/// these batches shows how uncertain a pooled share is. 31 degrees of freedom widen the interval by
-/// 4 %.
+/// Number of batches. Phases are counted separately for the units of each residue modulo this
+/// number, so that the spread between the batches shows how uncertain a pooled share is. With 31
+/// degrees of freedom the interval is 4 % wider than by the normal law.
 pub(super) const BATCHES: usize = 32;
 
-/// The batch that a unit is in, a path or a pair of them.
+/// The batch of a unit, which is a path or a pair of paths.
 pub(super) fn batch_of(unit: u64) -> usize {
     (unit % BATCHES as u64) as usize
 }
 
-/// A spread of shares below this is rounding: every batch holds the same distribution.
+/// A standard error of a share below this is rounding: every batch has the same share.
 const ROUNDING: f64 = 1e-12;
 
-/// A share of all phases of all batches.
+/// The share of some phases among all phases of all batches.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Share {
     /// NaN if there are no phases.
     pub estimate: f64,
-    /// The standard error of a ratio of sums over batches; NaN if fewer than two of them have any
+    /// The standard error of a ratio of sums over batches; NaN if fewer than two batches have any
     /// phases.
     pub error: f64,
-    /// Batches that have any, less one.
+    /// The number of batches that have any phases, less one.
     pub freedom: u64,
 }
 
 impl Share {
-    /// Of the phases in question of each batch, and all of its phases.
+    /// The share from two numbers per batch: the phases in question, and all phases.
     pub fn of(batches: impl Iterator<Item = (f64, f64)>) -> Self {
         let batches: Vec<(f64, f64)> = batches.filter(|batch| batch.1 > 0.0).collect();
         let (some, all) = batches.iter().fold((0.0, 0.0), |sum, batch| (sum.0 + batch.0, sum.1 + batch.1));
@@ -41,14 +41,14 @@ impl Share {
         Share { estimate, error: if error < ROUNDING { 0.0 } else { error }, freedom: freedom as u64 }
     }
 
-    /// Half the width of its 95 % interval.
+    /// Half the width of the 95 % interval by Student's t.
     pub fn half_width(&self) -> f64 {
         student(self.freedom) * self.error
     }
 
-    /// Its 95 % interval within [0, 1]. Where the batches agree, and `chance` is the number of
-    /// paths that have phases and agree by chance, a share of 0 or 1 is known as well as so many
-    /// paths tell it.
+    /// The 95 % interval, within [0, 1]. `chance` is the number of paths that have phases, where
+    /// their agreement is a matter of chance. If all batches agree, the interval is Wilson's for
+    /// that many paths, and without `chance` it is a single point.
     pub fn interval(&self, chance: Option<u64>) -> [f64; 2] {
         let Share { estimate, error, freedom } = *self;
         match chance {

@@ -1,45 +1,48 @@
-//! Counts on the dyadic lattice: at the finest level at which no more than so many bins are
-//! occupied.
+//! Counts of values in bins of the dyadic lattice, at the finest level at which no more than a
+//! given number of bins are occupied.
 //!
-//! A value that is added occupies no fewer bins at any level, so the level only rises, and that of
-//! two parts together follows from the parts. Level and counts are thus functions of the values
-//! alone, in whatever order, grouping and number of steps they came ([`Bins::list`]). How the
-//! counts lie in memory is not: bins that are close together are slots of an array, and the others,
-//! few, are a list.
+//! An added value never reduces the number of occupied bins of a level. So the level only rises,
+//! and the level of two merged parts follows from the parts. Level and counts ([`Bins::list`]) are
+//! therefore functions of the values alone, and do not depend on the order, the grouping and the
+//! number of steps in which the values came. Only the layout of the counts in memory depends on
+//! them: bins that are close together are slots of an array, and the few others are entries of a
+//! list.
 
 use super::codec::{Codec, Damaged, Reader};
 use super::dyadic::{List, MAX_INDEX, Ruler, coarsen, counted, excess, exponent, finest, union};
 use crate::lanes::{InstructionSet, LaneProgram, Lanes};
 
-/// What a sketch is of, and how much it may hold.
+/// The centre of a sketch, and how much the sketch may hold.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Shape {
-    /// A value that may be shared by many: it has a bin of its own at every level.
+    /// A value that many paths may share: it has a bin of its own at every level.
     pub centre: f64,
-    /// The finest level to be told apart; 0 for whole numbers.
+    /// The finest level that is used; 0 for whole numbers.
     pub floor: i32,
-    /// So many values are kept as they are, besides any number of that one.
+    /// Up to this many values are kept one by one, besides any number of values at the centre.
     pub values: usize,
-    /// Beyond that, so many bins are counted; not more than values are kept.
+    /// Beyond that, values are counted in up to this many bins; not more than `values`.
     pub bins: usize,
 }
 
-/// Arrays of slots at most; what lies in more clusters than this is counted more slowly.
+/// The largest number of arrays of slots. Values in further clusters are counted in the list, which
+/// is slower.
 const MAX_RUNS: usize = 4;
 
-/// Empty bins that are bridged rather than ending an array, at most.
+/// The longest gap of empty bins within an array. A longer gap ends the array.
 const LONGEST_GAP: i64 = 256;
 
-/// Slots beyond either end of an array, for values to come.
+/// Number of slots beyond either end of an array, which are there for later values.
 const MARGIN: i64 = 32;
 
-/// So many slots a bin are afforded.
+/// Limit for the total length of all clusters, in slots per bin that may be occupied.
 const AFFORDED: i64 = 4;
 
-/// Values whose slots are computed together.
+/// Number of values whose slots are computed together.
 const CHUNK: usize = 64;
 
-/// In this share of the values counted, one outside all arrays is a reason to lay them out anew.
+/// If more than one in this many added values lies outside all arrays, the arrays are laid out
+/// anew.
 const MISSES: usize = 8;
 
 /// Consecutive bins, from `first` on, in the slots `slot .. slot + length`.
@@ -50,37 +53,38 @@ struct Run {
     slot: usize,
 }
 
-/// Counts of more than `Shape::values` values.
+/// Counts of values that are more than `Shape::values`.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Bins {
     pub level: i32,
     pub smallest: f64,
     pub largest: f64,
-    /// By their counts, the fullest first.
+    /// Ordered by their counts when they were laid out, the fullest first.
     runs: Vec<Run>,
     slots: Vec<u16>,
-    /// So many values may be counted before a slot can be full.
+    /// How many more values may be counted before a slot can be full.
     room: usize,
-    /// How many values have been counted since the occupied bins were.
+    /// How many values have been counted since the occupied bins were last counted.
     unseen: usize,
-    /// Bins outside the runs, and what is more than a slot can take.
+    /// Bins outside the runs, and counts that are too large for a slot.
     rest: List,
 }
 
-/// A slot with the highest bit set is laid out anew before it counts further. Half as many values
-/// come in one go at most.
+/// A count with the highest bit set. The slots are laid out anew before such a slot counts further.
+/// A single call counts at most half as many values, so that no slot overflows.
 const FULL: u16 = 1 << 15;
 
-/// With so many slots a value the slots are not read in vain.
+/// With up to this many slots per value to be counted, all slots are read first.
 const SPARSE: usize = 16;
 
 impl Bins {
-    /// The bins of these values, all at a finite distance from the centre, and not none.
+    /// The bins of these values, of which there is at least one. All must be at a finite distance
+    /// from the centre.
     pub fn of(values: &[f64], shape: &Shape) -> Self {
         let (smallest, largest) = extremes(values);
         let lowest = shape.lowest_level(smallest, largest);
-        // An array over all values: if too many of its slots are taken, then so are too many of any
-        // finer ones.
+        // First try a single array over all values. If more than `shape.bins` of its slots are
+        // taken, then that also holds at any finer level.
         let slots = (8 * shape.bins) as f64;
         let level = lowest.max(exponent(largest / slots - smallest / slots) + 1);
         let taken = Taken::by(values, (smallest, largest), &Ruler::new(shape.centre, level));
@@ -92,7 +96,7 @@ impl Bins {
             count_slots(values, &ruler, first, &mut slots);
             (level, filled(first, &slots))
         } else {
-            // Clusters, or an outlier: from the lowest level up.
+            // The values form clusters, or there is an outlier: start from the lowest level.
             let ruler = Ruler::new(shape.centre, lowest);
             (lowest, counted(values.iter().map(|&value| ruler.index(value) as i64).collect()))
         };
@@ -101,11 +105,11 @@ impl Bins {
         bins
     }
 
-    /// Count more values. Those that are not at a finite distance from the centre are left out.
+    /// Count more values. Values that are not at a finite distance from the centre are left out.
     pub fn count(&mut self, values: &[f64], shape: &Shape) {
-        // So short are the slots that those of hundreds of rows stay near a processor; and where
-        // there are many values for them, reading all of them in order here brings them nearer than
-        // counting here and there would.
+        // The slots are so short that those of hundreds of rows stay in a cache. Where there are
+        // many values to be counted, reading all slots in order brings them into the nearest cache
+        // faster than the scattered accesses of counting would.
         if self.room < values.len() || self.slots.len() <= SPARSE * values.len() {
             let fullest = fullest_slot(&self.slots);
             self.room = FULL.saturating_sub(fullest).into();
@@ -125,7 +129,7 @@ impl Bins {
         }
     }
 
-    /// Count so many values at the centre.
+    /// Count this many values at the centre.
     pub fn count_at_centre(&mut self, number: u64, shape: &Shape) {
         if number > 0 {
             self.extend_to(shape.centre + 0.0, shape.centre + 0.0, shape);
@@ -133,8 +137,8 @@ impl Bins {
         }
     }
 
-    /// Rise to the level that the number of occupied bins asks for; between times there may be too
-    /// many of them.
+    /// Rise to the level that the number of occupied bins requires. Between two calls, more bins
+    /// than `limit` may be occupied.
     pub fn settle(&mut self, limit: usize, is_scattered: bool) {
         self.unseen = 0;
         if is_scattered || self.occupied(limit) > limit {
@@ -150,18 +154,18 @@ impl Bins {
         self.lay_out(union(&self.list(), &theirs), shape.bins);
     }
 
-    /// The bins that are not empty, ascending, with their counts.
+    /// The occupied bins with their counts, in ascending order.
     pub fn list(&self) -> List {
         let mut list = self.rest.clone();
         for run in &self.runs {
             let slots = &self.slots[run.slot..run.slot + run.length as usize];
-            // The margins of two runs may overlap.
+            // The margins of two runs may overlap, so that both may have counted a bin.
             list = union(&list, &filled(run.first, slots));
         }
         list
     }
 
-    /// There are values between these, too.
+    /// Extend the extremes to these two values, and rise to the level that they require.
     fn extend_to(&mut self, smallest: f64, largest: f64, shape: &Shape) {
         self.smallest = self.smallest.min(smallest);
         self.largest = self.largest.max(largest);
@@ -176,7 +180,8 @@ impl Bins {
         }
     }
 
-    /// Bins that are not empty; not counted one by one if they cannot be more than `limit`.
+    /// The number of occupied bins. Where an upper bound of it is not above `limit`, that bound is
+    /// returned instead, because it takes no counting.
     fn occupied(&self, limit: usize) -> usize {
         if self.rest.len() + self.slots.len() <= limit {
             return self.rest.len() + self.slots.len();
@@ -184,10 +189,11 @@ impl Bins {
         self.rest.len() + self.slots.iter().map(|&count| u32::from(count > 0)).sum::<u32>() as usize
     }
 
-    /// Count the values that lie in the first run, the fullest, and are surely not extreme. Returns
-    /// the others.
+    /// Count the values that lie in the first run, which is the fullest, and are surely not new
+    /// extremes. Returns the other values.
     fn count_inside(&mut self, values: &[f64], ruler: &Ruler) -> Vec<f64> {
-        // All of bin 0 is one value.
+        // The bin of an extreme may hold values beyond it. Only bin 0 cannot, because it holds a
+        // single value.
         let [lowest, highest] = [self.smallest, self.largest].map(|value| ruler.index(value) as i64);
         let (lowest, highest) = (lowest + i64::from(lowest != 0), highest - i64::from(highest != 0));
         let run = self.runs.first().copied().unwrap_or(Run { first: 0, length: 0, slot: 0 });
@@ -197,7 +203,8 @@ impl Bins {
         count_slots(values, ruler, first, self.slots.get_mut(start..start + length).unwrap_or_default())
     }
 
-    /// Count values wherever they are. Returns how many of them lay outside all runs.
+    /// Count values, whether or not they lie in a run. Returns how many of them lie outside all
+    /// runs.
     fn count_anywhere(&mut self, values: &[f64], ruler: &Ruler) -> usize {
         let mut missed = Vec::new();
         for &value in values {
@@ -214,7 +221,8 @@ impl Bins {
         number
     }
 
-    /// Take these bins of the present level, at as much coarser a one as their number asks for.
+    /// Replace all counts by this list of bins of the present level, and rise by as many levels as
+    /// the number of bins requires.
     fn lay_out(&mut self, list: List, limit: usize) {
         let levels = excess(&list, limit);
         let list = if levels > 0 { coarsen(&list, levels) } else { list };
@@ -239,7 +247,7 @@ impl Bins {
 }
 
 impl Shape {
-    /// No bins below this level are looked at, where these are the extreme values.
+    /// The finest level that is used for values between these extremes.
     fn lowest_level(&self, smallest: f64, largest: f64) -> i32 {
         finest((smallest - self.centre).abs().max((largest - self.centre).abs())).max(self.floor)
     }
@@ -253,15 +261,15 @@ impl Run {
     }
 }
 
-/// Bins that lie close together.
+/// Occupied bins that lie close together.
 struct Cluster {
     first: i64,
     length: i64,
     count: u64,
 }
 
-/// Split where the gaps are too long for all the slots between to be afforded, twice as many as
-/// there may be bins.
+/// Split the bins at long gaps. The longest gap within a cluster is halved until all clusters
+/// together have no more than [`AFFORDED`] slots per bin that may be occupied.
 fn clusters(list: &[(i64, u64)], limit: usize) -> Vec<Cluster> {
     let mut gap = LONGEST_GAP;
     loop {
@@ -275,7 +283,7 @@ fn clusters(list: &[(i64, u64)], limit: usize) -> Vec<Cluster> {
                 _ => clusters.push(Cluster { first: index, length: 1, count }),
             }
         }
-        // With gaps of one there are less than two slots a bin.
+        // If no gap is longer than one, there are fewer than two slots per occupied bin.
         if gap == 1 || clusters.iter().map(|cluster| cluster.length).sum::<i64>() <= AFFORDED * limit as i64 {
             return clusters;
         }
@@ -283,14 +291,14 @@ fn clusters(list: &[(i64, u64)], limit: usize) -> Vec<Cluster> {
     }
 }
 
-/// Those with the most values, the fullest first.
+/// The clusters with the most values, the fullest first.
 fn fullest(mut clusters: Vec<Cluster>) -> Vec<Cluster> {
     clusters.sort_by_key(|cluster| std::cmp::Reverse(cluster.count));
     clusters.truncate(MAX_RUNS);
     clusters
 }
 
-/// Count values in the slots of the bins from `first` on. Returns those that have none.
+/// Count values in the slots of the bins from `first` on. Returns the values that have no slot.
 fn count_slots(values: &[f64], ruler: &Ruler, first: i64, slots: &mut [u16]) -> Vec<f64> {
     let mut count = CountSlots { values, ruler, first, slots, others: Vec::new() };
     InstructionSet::detect().run(&mut count);
@@ -341,9 +349,10 @@ impl CountSlots<'_> {
     #[inline(always)]
     fn count(&mut self) {
         let CountSlots { values, ruler, first, slots, others } = self;
-        // Between 2^52 and 2^53 numbers are 1 apart, and so are their bits: what is taken off those
-        // of 2^52 is the distance from the first bin, and a bin before that, or none, wraps round
-        // to a place far beyond the last.
+        // From 2^52 to 2^53 consecutive numbers differ by 1, and so do their bits. So the bits of
+        // 2^52 + (index - first), less those of 2^52, are the distance from the first bin. If the
+        // bin is before the first, or the index is NaN, the difference wraps round to a place far
+        // beyond the last slot.
         let start = (1u64 << 52) as f64;
         let offset = start - *first as f64;
         let mut places = [0_u64; CHUNK];
@@ -361,7 +370,7 @@ impl CountSlots<'_> {
     }
 }
 
-/// The bins from `first` on that are not empty.
+/// The occupied bins among those from `first` on, with their counts.
 fn filled(first: i64, slots: &[u16]) -> List {
     let mut list = List::with_capacity(slots.len());
     for (index, &count) in (first..).zip(slots) {
@@ -372,14 +381,15 @@ fn filled(first: i64, slots: &[u16]) -> List {
     list
 }
 
-/// Which bins are taken, a bit each.
+/// Which bins are taken, with one bit per bin.
 struct Taken {
-    /// On either side of the centre, so that bins that pair off are neighbouring bits of one word.
+    /// The bins on either side of the centre, without bin 0, so that bins that become one at the
+    /// next level are neighbouring bits of one word.
     words: Vec<u64>,
     is_centre_taken: bool,
 }
 
-/// The bits that stand for 1, 2, 4, ..., 64 of them.
+/// Each mask keeps the lowest of every 1, 2, 4, ..., 64 bits.
 const GROUPS: [u64; 7] = [!0, !0 / 0x3, !0 / 0xf, !0 / 0xff, !0 / 0xffff, !0 / 0xffff_ffff, 1];
 
 impl Taken {
@@ -399,7 +409,7 @@ impl Taken {
         Taken { words, is_centre_taken }
     }
 
-    /// How many bins are taken so many levels up, six at most.
+    /// How many bins are taken `levels` levels up, for up to six levels.
     fn count(&self, levels: usize) -> u32 {
         let groups =
             |word: u64| (0..levels).fold(word, |word, level| (word | word >> (1 << level)) & GROUPS[level + 1]);
@@ -407,7 +417,7 @@ impl Taken {
     }
 }
 
-/// Smallest and largest value. -0 counts as 0, whichever came first.
+/// Smallest and largest value. Both are 0 rather than -0, whichever of the two came first.
 fn extremes(values: &[f64]) -> (f64, f64) {
     let ends = (f64::INFINITY, f64::NEG_INFINITY);
     let (low, high) = values.iter().fold(ends, |(low, high), &v| (low.min(v), high.max(v)));
@@ -421,8 +431,9 @@ impl PartialEq for Bins {
     }
 }
 
-/// Level, extremes, and the bins that are not empty: the first, the distance of each from the one
-/// before it, and their counts.
+/// Bytes hold the level, the extremes, the number of occupied bins, and each of these bins with its
+/// count. The first bin is given by its index, and each later one by its distance from the one
+/// before.
 impl Bins {
     pub fn write(&self, out: &mut Vec<u8>) {
         let list = self.list();
@@ -483,12 +494,12 @@ impl Bins {
     }
 }
 
-/// A whole number with a sign as one without: 0, -1, 1, -2, ...
+/// A whole number with a sign as one without: 0, -1, 1, -2, ... become 0, 1, 2, 3, ...
 fn signed(number: i64) -> u64 {
     ((number << 1) ^ (number >> 63)) as u64
 }
 
-/// And back.
+/// The inverse of [`signed`].
 fn unsigned(code: u64) -> i64 {
     (code >> 1) as i64 ^ -((code & 1) as i64)
 }

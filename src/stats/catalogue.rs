@@ -1,8 +1,8 @@
-//! The list of reported statistics: one name each, the same in tables, JSON and HDF5.
+//! The list of reported statistics. Each has one name, which is the same in tables, JSON and HDF5.
 
 use super::dimension::Dimension;
 
-/// A reported number.
+/// A reported statistic of an ensemble of paths.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Statistic {
     /// Mean of D_j = tau_{j+1/2} - tau_j over completed sticks, j >= 1.
@@ -21,7 +21,7 @@ pub enum Statistic {
     SubPhasesMean,
     /// Share of completed dynamic phases with k(j) >= 2.
     SubPhasesMultipleShare,
-    /// Share of the time that is counted, [after, t_end], spent static, the first and the last
+    /// Share of the counted time, [after, t_end], that is spent static, the first and the last
     /// stick included.
     StickingFraction,
     /// Mean of x(t_end).
@@ -32,22 +32,24 @@ pub enum Statistic {
     DriftVelocity,
     /// Half the slope of Var x(nP) over the whole forcing periods n >= 1 from `after` on.
     DiffusionCoefficient,
-    /// Mean of u_n = x((n + 1)P) - x(nP) over the same n.
+    /// Mean of u_n = x((n + 1)P) - x(nP) over paths and over the whole forcing periods n >= 1 from
+    /// `after` on.
     PeriodDisplacementMean,
-    /// Standard deviation of u_n over paths and periods.
+    /// Standard deviation of u_n over the same paths and periods.
     PeriodDisplacementSd,
-    /// Correlation of u_n and u_{n+1}.
+    /// Correlation of u_n and u_{n+1}, over the same paths and periods.
     PeriodDisplacementCorrelation,
-    /// Standard deviation of x(nP) over the paths, root mean square over the same n.
+    /// Standard deviation of x(nP) over paths, as the root mean square over the whole forcing
+    /// periods n >= 1 from `after` on.
     PhaseDisplacementSd,
     /// Mean of x_{j+1} - x_j over completed dynamic phases.
     JumpMean,
     /// Mean of |x_{j+1} - x_j| over completed dynamic phases.
     JumpAbsMean,
-    /// Mean over paths of the friction work, integral of f_d |x'| dt over [after, t_end].
+    /// Mean over paths of the friction work, the integral of f_d |x'| dt over [after, t_end].
     FrictionWorkMean,
-    /// Mean over paths of the sliding path, integral of |x'| dt, per unit of time of [after,
-    /// t_end].
+    /// Mean over paths of the sliding path, the integral of |x'| dt over [after, t_end], divided by
+    /// that time.
     SlidingPathRate,
 }
 
@@ -77,17 +79,17 @@ impl Statistic {
         Statistic::SlidingPathRate,
     ];
 
-    /// Its place in [`Statistic::ALL`].
+    /// The position of the statistic in [`Statistic::ALL`].
     pub fn index(self) -> usize {
         self as usize
     }
 
-    /// The statistic of this name.
+    /// The statistic with this name, if there is one.
     pub fn from_name(name: &str) -> Option<Self> {
         Statistic::ALL.into_iter().find(|statistic| statistic.name() == name)
     }
 
-    /// The name in tables, JSON keys and HDF5.
+    /// The name of the statistic in tables, JSON and HDF5.
     pub fn name(self) -> &'static str {
         match self {
             Statistic::StickDurationMean => "stick_duration_mean",
@@ -114,7 +116,7 @@ impl Statistic {
         }
     }
 
-    /// What the number is measured in.
+    /// The dimension of the statistic, from which its unit follows.
     pub fn dimension(self) -> Dimension {
         match self {
             Statistic::StickDurationMean

@@ -1,12 +1,12 @@
-//! Sums and counts as bytes and back: what is read has the bits of what was written.
+//! Sums and counts as bytes. A value that is read back has the bits of the value that was written.
 //!
-//! The format is plain: a count is a variable-length integer (seven bits a byte, the lowest first),
-//! a real is the eight bytes of its bits, the lowest first, and a list is its length followed by
-//! its entries. Reading fills a value that is already there and empty ([`Codec::read`]), so that
-//! what the bytes say of themselves is held against what the scenario asks for: a list of another
-//! length than the one in place is damage, not a request for memory.
+//! In this format a count is a variable-length integer (seven bits per byte, the lowest first), a
+//! real number is the eight bytes of its bits (the lowest first), and a list is its length followed
+//! by its entries. Reading fills a value that already exists and is empty ([`Codec::read`]), so
+//! that the bytes are checked against what the scenario asks for. A list whose length differs from
+//! that of the existing one is an error, and no memory is allocated for it.
 
-/// The bytes are not what they should be.
+/// The bytes do not hold what they should.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("the bytes end early, or are not the sums of this scenario")]
 pub struct Damaged;
@@ -16,24 +16,25 @@ pub struct Damaged;
 pub struct Reader<'a>(&'a [u8]);
 
 impl<'a> Reader<'a> {
-    /// From the first of these bytes on.
+    /// A reader that starts at the first of these bytes.
     pub fn new(bytes: &'a [u8]) -> Self {
         Reader(bytes)
     }
 
-    /// The next so many bytes.
+    /// The next `n` bytes, or [`Damaged`] if fewer are left.
     pub fn take(&mut self, n: usize) -> Result<&'a [u8], Damaged> {
         let (taken, rest) = self.0.split_at_checked(n).ok_or(Damaged)?;
         self.0 = rest;
         Ok(taken)
     }
 
-    /// Bytes that are left.
+    /// Number of bytes that are left.
     pub fn left(&self) -> usize {
         self.0.len()
     }
 
-    /// The next count, which no list in the remaining bytes can exceed.
+    /// The next count as the length of a list, or [`Damaged`] if it exceeds the number of remaining
+    /// bytes, which no list can.
     pub fn length(&mut self) -> Result<usize, Damaged> {
         let mut length = 0_u64;
         length.read(self)?;
@@ -43,11 +44,11 @@ impl<'a> Reader<'a> {
 
 /// A value that can be written and read back without loss.
 pub trait Codec {
-    /// Append it.
+    /// Append the value to `out`.
     fn write(&self, out: &mut Vec<u8>);
 
-    /// Replace it by the next one of the bytes; `self` says how long its lists must be, where that
-    /// is fixed.
+    /// Replace the value by the next one in the bytes. Where the scenario fixes the length of a
+    /// list, the list in `self` must already have that length.
     fn read(&mut self, from: &mut Reader<'_>) -> Result<(), Damaged>;
 }
 
@@ -115,7 +116,7 @@ impl<T: Codec> Codec for Vec<T> {
     }
 }
 
-/// Write and read a struct field by field, in the order given.
+/// Implement [`Codec`] for a struct, field by field in the given order.
 macro_rules! codec_of_fields {
     ($type:ty { $($field:ident),* $(,)? } $(, $const:ident)?) => {
         impl $(<const $const: usize>)? $crate::stats::codec::Codec for $type {

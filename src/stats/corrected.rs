@@ -1,9 +1,9 @@
-//! An estimate with as much of the error of its step taken off as is known of it.
+//! An estimate less the bias of the step, as far as that bias is known.
 
 use super::{Bias, Estimate};
 
-/// A statistic with the bias of the step taken off, and its 95 % interval. It estimates the value
-/// at zero step.
+/// A statistic from which the bias of the step is subtracted, and its 95 % interval. It estimates
+/// the value at zero step, in the unit of the statistic.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Corrected {
     /// The estimate less [`Bias::weight`] times its bias.
@@ -15,13 +15,13 @@ pub struct Corrected {
 }
 
 impl Bias {
-    /// Which share of the bias is worth taking off: max(0, 1 - (uncertainty/bias)^4).
+    /// The share of the bias that is worth subtracting: max(0, 1 - (uncertainty/bias)^4).
     ///
-    /// Nothing is taken off where zero is within the uncertainty of the bias, because that adds
-    /// more noise than it removes bias, and 99 % where the bias is three times its uncertainty:
-    /// between keeping all and taking all, with no jump. (The second power is L. Breiman's garrote,
-    /// *Better subset regression using the nonnegative garrote*, Technometrics 37 (1995). It leaves
-    /// a ninth of such a bias, which is more than its sampling error.)
+    /// Where zero is within the uncertainty of the bias, nothing is subtracted, because that would
+    /// add more noise than it removes bias. Where the bias is three times its uncertainty, 99 % of
+    /// it is subtracted. Between these the share grows without a jump. (With the second power this
+    /// is L. Breiman's garrote, *Better subset regression using the nonnegative garrote*,
+    /// Technometrics 37 (1995). It leaves a ninth of a bias of three times its uncertainty.)
     ///
     /// In units of the uncertainty, and for normal errors, the root-mean-square error exceeds that
     /// of the plain estimate by no more than 0.15, and that of the estimate less all of its bias by
@@ -32,16 +32,17 @@ impl Bias {
 }
 
 impl Estimate {
-    /// The statistic without the error of its step, as far as that is known; none where there is no
-    /// bias or no interval.
+    /// The statistic without the error of the step, as far as that is known; none where there is no
+    /// bias or no finite interval.
     ///
-    /// The interval is that of the estimate less all of its bias, whatever share is taken off: it
-    /// holds 95 % however large the bias is in truth, or more where the bias was measured against
-    /// paths of which the run has the more. The estimate is always in it, and in its middle only
-    /// where nearly all of the bias is taken off.
+    /// The interval is that of the estimate less all of its bias, whatever share is subtracted. It
+    /// covers the truth with a probability of 95 %, however large the bias is in truth. The
+    /// probability is higher where the bias was measured against a reference run, because the error
+    /// of the estimate then counts twice. The corrected estimate always lies in the interval, and
+    /// in its middle only where nearly all of the bias is subtracted.
     ///
-    /// What is estimated is the value of the model. So the corrected median of durations that are
-    /// multiples of the step is no multiple of it.
+    /// The corrected estimate is an estimate of the value in the model. So the corrected median of
+    /// durations that are multiples of the step is no multiple of the step.
     pub fn corrected(&self) -> Option<Corrected> {
         let bias = self.bias?;
         let centre = self.estimate - bias.estimate;
@@ -68,23 +69,24 @@ mod tests {
 
     #[test]
     fn the_corrected_estimate_is_the_one_computed_by_hand() {
-        // 1 - (1/2)^4 = 15/16 of a bias of 2; the interval is that of 10 - 2, sqrt(0.75^2 + 1) to
-        // either side.
+        // The weight is 1 - (1/2)^4 = 15/16, of a bias of 2. The interval is that of 10 - 2,
+        // sqrt(0.75^2 + 1) to either side.
         let corrected = estimate(10.0, 0.75, 2.0, 1.0).corrected();
         assert_eq!(corrected, Some(Corrected { estimate: 8.125, low: 6.75, high: 9.25 }));
-        // Nothing is taken off within the uncertainty.
+        // Within the uncertainty nothing is subtracted.
         let corrected = estimate(10.0, 0.75, -0.5, 1.0).corrected();
         assert_eq!(corrected, Some(Corrected { estimate: 10.0, low: 9.25, high: 11.75 }));
-        // Uneven ends keep their sides.
+        // Arms of unequal length stay on their sides.
         let uneven = Estimate { low: 10.0, ..estimate(10.0, 0.75, 2.0, 1.0) };
         assert_eq!(uneven.corrected(), Some(Corrected { estimate: 8.125, low: 7.0, high: 9.25 }));
         assert_eq!(Estimate { bias: None, ..uneven }.corrected(), None);
         assert_eq!(Estimate { low: f64::NAN, ..uneven }.corrected(), None);
-        // A bias that is exactly zero, and exactly known.
+        // A bias that is exactly zero and exactly known.
         assert_eq!(estimate(10.0, 0.75, 0.0, 0.0).corrected().map(|c| c.estimate), Some(10.0));
     }
 
-    /// How errors are spread: draws of mean zero, and within how much of zero 95 % of them are.
+    /// A law of errors: its name, a draw of mean zero, and the half-width of the central interval
+    /// about zero that holds 95 % of the draws.
     type Law = (&'static str, fn(&mut Pcg64Dxsm) -> f64, f64);
 
     const LAWS: [Law; 3] = [
@@ -95,10 +97,11 @@ mod tests {
         ("skewed", |rng| Distribution::<f64>::sample(&Exp1, rng) - 1.0, 1.995_732),
     ];
 
-    /// Root-mean-square errors of the plain, the shrunk and the wholly corrected estimate in units
-    /// of the uncertainty, and how often the interval holds, where the bias is so many
-    /// uncertainties in truth. The error of the plain estimate is `share` of the bias's; the bias
-    /// is measured on its own, or against a second estimate.
+    /// Root-mean-square errors of the plain, the partly corrected and the wholly corrected
+    /// estimate, and how often the interval covers the truth. The true value is zero, and the unit
+    /// is the uncertainty of the bias. `truth` is the true bias. `share` is the error of the plain
+    /// estimate, relative to that of the bias. The bias is measured on its own, or against a second
+    /// estimate if `has_reference`.
     fn simulated((_, draw, half_width): Law, truth: f64, share: f64, has_reference: bool) -> ([f64; 3], f64) {
         let (n, mut rng) = (20_000, Pcg64Dxsm::seed_from_u64(1961));
         let (mut squares, mut held) = ([0.0; 3], 0);
@@ -120,14 +123,19 @@ mod tests {
         (squares.map(|square| (square / f64::from(n)).sqrt()), f64::from(held) / f64::from(n))
     }
 
-    /// The true value is zero, the bias from none to six uncertainties, the errors normal, as the
-    /// cost is stated for, with heavy tails, and skewed (exponential); the run as sure as the bias
-    /// or much surer. Normal errors hold the promised 0.15 and 0.4, the others 0.3 and 0.55
-    /// (docs/bias.md); 20 000 draws know a root mean square to 1 %. Coverage: null 95 %, so that
-    /// the share of 20 000 is above 94.2 % but for a probability of 1e-7 a cell; two equally skewed
-    /// errors, whose squares do not add up as those of normal ones do, cover 93 %. With all of the
-    /// bias taken off the first bound falls (0.5 at no bias), with none the second (5.5 at six
-    /// uncertainties), with twice the uncertainty in the weight the second.
+    /// The true value is zero, and the true bias goes from none to six uncertainties. The errors
+    /// are normal, as the stated cost assumes, or have heavy tails, or are skewed (exponential).
+    /// The run is as precise as the bias or much more precise. With normal errors the cost stays
+    /// within the stated 0.15 and 0.4, with the others within 0.3 and 0.55 (docs/bias.md). 20 000
+    /// draws give a root mean square to 1 %.
+    ///
+    /// Null for the coverage: 95 %, so that the observed share of 20 000 is above 94.2 % with a
+    /// false-alarm rate of 1e-7 per cell. The squares of two skewed errors do not add up as those
+    /// of normal errors do, and their coverage is 93 %.
+    ///
+    /// If all of the bias is subtracted, the first bound fails (0.5 at no bias). If none is
+    /// subtracted, the second fails (5.5 at six uncertainties). With twice the uncertainty in the
+    /// weight, the second fails.
     #[test]
     fn shrinking_costs_no_more_than_it_says_and_the_interval_holds() {
         for law in LAWS {

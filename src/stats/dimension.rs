@@ -1,7 +1,7 @@
-//! What a number is measured in, and how that is written with the unit labels of a scenario.
+//! The dimension of a number, and its unit written with the unit labels of a scenario.
 
-/// What a number is measured in: the powers of time, length, force and temperature whose product
-/// its unit is.
+/// The dimension of a number: its unit is a product of these powers of the units of time, length,
+/// force and temperature.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Dimension {
     /// Power of time.
@@ -14,7 +14,7 @@ pub struct Dimension {
     pub temperature: i32,
 }
 
-/// Unit labels; empty where the scenario is dimensionless.
+/// Unit labels. A label is empty where the scenario is dimensionless.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Units {
     /// Label of time, e.g. "s".
@@ -47,15 +47,15 @@ impl Dimension {
     /// force * length
     pub const WORK: Dimension = Dimension { force: 1, length: 1, ..Dimension::ONE };
 
-    /// The labels with their powers, in the order in which products are written: newton metres,
-    /// metres per second.
+    /// The labels with their powers, in the order in which products are written, as in newton metre
+    /// or metre per second.
     fn factors(self, units: &Units) -> [(&str, i32); 4] {
         let Dimension { time, length, force, temperature } = self;
         [(&units.force, force), (&units.length, length), (&units.temperature, temperature), (&units.time, time)]
             .map(|(label, power)| (label.as_str(), power))
     }
 
-    /// The unit for people: `m^2/s`, `N m`, `1/s`; empty where nothing has a label.
+    /// The unit as people write it: `m^2/s`, `N m`, `1/s`; empty where nothing has a label.
     pub fn label(self, units: &Units) -> String {
         let product = |of: &[(&str, i32)]| {
             let factors = of.iter().filter(|(label, power)| !label.is_empty() && *power > 0);
@@ -83,7 +83,8 @@ impl Dimension {
     }
 }
 
-/// `m` to the power 2 is `m2`; a label that is itself an expression needs brackets.
+/// One factor of a unit in UDUNITS notation. `m` to the power 2 is `m2`; a label that is itself an
+/// expression is put in brackets.
 fn udunits_factor(label: &str, power: i32) -> Option<String> {
     let label = label.trim();
     let is_simple = label.chars().all(char::is_alphabetic);

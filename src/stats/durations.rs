@@ -1,5 +1,5 @@
-//! Stick durations: their quantiles, the interval of their median, and their survival with the
-//! cut-off ones in it.
+//! Stick durations: their quantiles, the interval of their median, and their survival function,
+//! which takes the censored sticks into account.
 
 use super::batches::{BATCHES, Share, batch_of};
 use super::bins::Shape;
@@ -15,30 +15,30 @@ use super::survival::Survival;
 use super::{Ends, Histogram, QUANTILE_LEVELS, StickDurations};
 use crate::scheme::Timeline;
 
-/// Fine bins that make one bin of the public histogram: 8 to an octave.
+/// Fine bins per bin of the public histogram, which has 8 bins per octave.
 const COARSENING: i32 = 32;
 
 /// Below this share of t_end, durations are binned evenly instead of logarithmically.
 const RESOLUTION: f64 = 1.0 / (1u64 << 30) as f64;
 
-/// So many durations of a batch are kept as they are, and so many bins are counted when there are
-/// more.
+/// A batch keeps up to this many durations one by one, and counts more than these in up to as many
+/// bins.
 const LIMIT: usize = 4096;
 
-/// The sticks of every path number with one residue.
+/// The sticks of the units of one batch.
 #[derive(Clone, Debug, PartialEq)]
 struct Batch {
     durations: Sketch,
-    /// Of those that ended.
+    /// Durations of the sticks that have ended.
     bins: LogBins,
-    /// How long those have lasted that run at t_end.
+    /// Durations so far of the sticks that run at t_end.
     censored: LogBins,
 }
 
 codec_of_fields!(Batch { durations, bins, censored });
 
 impl Batch {
-    /// Of durations in whole steps, or of any.
+    /// A batch without sticks. Durations are whole numbers of steps if `is_stepping`.
     fn empty(is_stepping: bool) -> Self {
         let floor = if is_stepping { 0 } else { i32::MIN };
         let shape = Shape { centre: 0.0, floor, values: LIMIT, bins: LIMIT };
@@ -56,7 +56,7 @@ impl Batch {
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct DurationCounts {
     grid: LogGrid,
-    /// h, if all durations are multiples of it: they are then counted as whole numbers of steps.
+    /// h, if all durations are multiples of h. They are then counted as whole numbers of steps.
     step: Option<f64>,
     batches: [Batch; BATCHES],
     first_completed: u64,
@@ -74,7 +74,7 @@ impl DurationCounts {
         }
     }
 
-    /// The same, before anything is counted, where a scheme has a step.
+    /// Set the step of the scheme, if it has one, before anything is counted.
     pub fn set_step(&mut self, step: Option<f64>) {
         self.step = step;
         self.batches = std::array::from_fn(|_| Batch::empty(step.is_some()));
@@ -91,7 +91,7 @@ impl DurationCounts {
         batch.bins.push(self.grid.key(duration));
     }
 
-    /// A stick, j >= 1, of a path of this unit runs at t_end and has lasted so long.
+    /// A stick, j >= 1, of a path of this unit runs at t_end and has lasted for `so_far`.
     pub fn censored(&mut self, unit: u64, so_far: f64) {
         self.batches[batch_of(unit)].censored.push(self.grid.key(so_far));
     }
@@ -107,7 +107,7 @@ impl DurationCounts {
         self.first_censored += 1;
     }
 
-    /// What has counted nothing takes the step of the other.
+    /// Add the counts of `other`. Counts that are still empty take over the step of `other`.
     pub fn merge(&mut self, other: &DurationCounts) {
         if self.step != other.step && other.step.is_some() {
             debug_assert_eq!(self.step, None, "durations of different steps");
@@ -133,8 +133,7 @@ impl DurationCounts {
         median
     }
 
-    /// The median without the sticks of each batch; missing where durations are whole numbers of
-    /// steps.
+    /// The median without the sticks of each batch; NaN where durations are whole numbers of steps.
     pub fn medians_without_each_batch(&self) -> [f64; BATCHES] {
         if self.step.is_some() {
             return [f64::NAN; BATCHES];
@@ -153,8 +152,9 @@ impl DurationCounts {
         })
     }
 
-    /// Of these paths. `chance` is the number of units with a completed stick, if they are random;
-    /// `completed_ends` is the interval of the number of completed sticks.
+    /// Everything that is reported of the durations. `completed_ends` is the interval of the number
+    /// of completed sticks. `chance` is the number of units with a completed stick, if these are
+    /// random.
     pub fn summary(&self, completed_ends: [f64; 2], chance: Option<u64>, sample: Sample) -> StickDurations {
         let pooled = |of: fn(&Batch) -> &LogBins| {
             let mut pooled = LogBins::default();
@@ -210,14 +210,15 @@ impl DurationCounts {
     }
 }
 
-/// The public bin of a fine bin. Fine bin 0, a duration of exactly zero, belongs to the first.
+/// The public bin of a fine bin. Fine bin 0, which holds durations of exactly zero, belongs to the
+/// first public bin.
 fn coarse_bin(key: i16) -> i32 {
     (i32::from(key) - 1).max(0) / COARSENING
 }
 
 impl Codec for DurationCounts {
     fn write(&self, out: &mut Vec<u8>) {
-        // Zero is no step.
+        // Zero stands for no step.
         self.step.unwrap_or(0.0).write(out);
         self.batches.write(out);
         self.first_completed.write(out);
@@ -253,8 +254,8 @@ mod tests {
     #[test]
     fn survival_is_that_of_the_textbook_example() {
         // Remission times in weeks of the 6-MP group of Freireich et al. (1963), the standard
-        // example (Cox and Oakes, *Analysis of Survival Data*, table 1.1): 9 relapses, 12 censored;
-        // the estimates below are the printed ones.
+        // example (Cox and Oakes, *Analysis of Survival Data*, table 1.1): 9 relapses and 12
+        // censored. The estimates below are the printed ones.
         let relapsed = [6.0, 6.0, 6.0, 7.0, 10.0, 13.0, 16.0, 22.0, 23.0];
         let censored = [6.0, 9.0, 10.0, 11.0, 17.0, 19.0, 20.0, 25.0, 32.0, 32.0, 34.0, 35.0];
         let printed =
@@ -264,31 +265,31 @@ mod tests {
         censored.iter().for_each(|&d| totals.censored(0, d));
         let summary = totals.summary([0.0; 2], Some(21), independent(21, true));
         assert_eq!((summary.completed, summary.censored), (9, 12));
-        // All these times differ by more than a public bin, but 22 and 23 (bins are 2 wide there).
+        // All these times lie in different public bins, except 22 and 23 (bins are 2 wide there).
         for (time, survival) in printed.into_iter().filter(|p| p.0 != 22.0) {
             let bin = summary.histogram.edges.windows(2).position(|e| e[0] <= time && time < e[1]).unwrap();
             assert!((summary.survival[bin] - survival).abs() <= 0.0005, "{time}: {}", summary.survival[bin]);
         }
     }
 
-    /// Sticks that depend on each other within a path: their mean is 1/2 or 2, a fair coin for the
-    /// whole path, and each is cut off by an independent clock of mean 3. P(D > t) is the mean of
-    /// e^{-2t} and e^{-t/2}. (In a path of the program the sticks that end early leave room for
-    /// others; here the truth is known in closed form.)
+    /// Sticks that depend on each other within a path. A fair coin decides for a whole path whether
+    /// the mean duration of its sticks is 1/2 or 2, and each stick is cut off by an independent
+    /// clock of mean 3. P(D > t) is the mean of e^{-2t} and e^{-t/2}. (In a path of the program,
+    /// sticks that end early leave room for others. Here the truth is known in closed form.)
     ///
-    /// Null: the interval at a bin covers in 95 % of all ensembles, at each of three bins where 88
-    /// %, 45 % and 7 % of the sticks last longer, and so do that of the number of completed sticks
-    /// in a bin and of their quantiles ([`Coverage::assert_95_percent`] has the false-alarm rate).
-    /// If sticks were taken for independent, as in Greenwood's formula, the coverage would be about
-    /// 80 %.
+    /// Null: the interval of the survival function covers the truth in 95 % of all ensembles, at
+    /// each of three bins at which 88 %, 45 % and 7 % of the sticks last longer. So do the interval
+    /// of the number of completed sticks in a bin and that of the upper quartile.
+    /// [`Coverage::assert_95_percent`] states the false-alarm rate. If sticks were taken for
+    /// independent, as in Greenwood's formula, the coverage would be about 80 %.
     #[test]
     fn intervals_of_survival_counts_and_quantiles_cover_where_sticks_of_a_path_are_alike() {
         let (ensembles, paths) = (2000, 300_u64);
         let mut rng = Pcg64Dxsm::seed_from_u64(1958);
         let exponential = |mean: f64, rng: &mut Pcg64Dxsm| mean * Distribution::<f64>::sample(&Exp1, rng);
         let survival = |t: f64| ((-2.0 * t).exp() + (-t / 2.0).exp()) / 2.0;
-        // A stick ends before t with the density of D times P(C > t) = e^{-t/3}: of its law, and of
-        // that up to t.
+        // The probability that a stick ends, and does so before t. Its density is that of D times
+        // P(C > t) = e^{-t/3}, where C is the clock.
         let ended_by = |t: f64| {
             let of = |rate: f64| rate / (rate + 1.0 / 3.0) * (1.0 - (-(rate + 1.0 / 3.0) * t).exp());
             (of(2.0) + of(0.5)) / 2.0
@@ -353,7 +354,7 @@ mod tests {
         assert_eq!((sticks.survival[last], low[last]), (0.0, 0.0));
         assert!(high[last] > 0.2 && low[0] < 0.6, "{low:?} {high:?}");
         assert!(sticks.count_ends.high.iter().all(|high| *high > 1.0), "{:?}", sticks.count_ends);
-        // Where nothing is random, all that is told is certain.
+        // Where nothing is random, every number is certain.
         let sticks = totals.summary([0.0; 2], None, independent(4, false));
         assert_eq!(sticks.survival_ends.low, sticks.survival);
         assert_eq!(sticks.survival_ends.high, sticks.survival);
@@ -374,7 +375,8 @@ mod tests {
             let expected = (0..1000).filter(|&i| inside(0.75 + 0.001 * i as f64)).count();
             assert_eq!(count, expected as u64 + u64::from(edges[0] == 0.0), "{edges:?}");
         }
-        // Scale 64 / 2^30: the edges of the octave from 1 are 1, 9/8, 10/8, ... less that.
+        // The scale is 64 / 2^30. The edges of the octave from 1 on are 1, 9/8, 10/8, ... less
+        // that.
         for eighth in 8..14 {
             let edge = f64::from(eighth) / 8.0 - 64.0 / 2f64.powi(30);
             assert!(histogram.edges.contains(&edge), "{edge}");

@@ -1,5 +1,5 @@
-//! The lattice that values are counted on: bins of width 2^level about a centre, which pair off
-//! from level to level.
+//! The lattice on which values are counted: bins of width 2^level about a centre, where two bins of
+//! a level form one bin of the next.
 //!
 //! With u the distance of a value from the centre, with its sign, and w = 2^level,
 //!
@@ -10,26 +10,27 @@
 //! ```
 //!
 //! that is |i| = ceil(|u|/w). Since ceil(ceil(y)/2) = ceil(y/2), the bin at a coarser level follows
-//! from the bin alone, and it does not matter when a value is moved there, or beside which others.
+//! from the bin alone. So it does not matter when a value is moved to a coarser level, or together
+//! with which others.
 
-/// Bins reach so many powers of two: an index then is a whole number that an f64 holds with room to
-/// round in.
+/// Bins extend over this many powers of two. An index then is a whole number that an f64 holds with
+/// room for rounding.
 const INDEX_BITS: i32 = 50;
 
-/// No index is larger, in either direction.
+/// The largest index, in either direction.
 pub(super) const MAX_INDEX: i64 = 1 << (INDEX_BITS + 1);
 
-/// The finest level there is, above which neither a width nor its inverse is subnormal.
+/// The finest level there is. From here on neither a width nor its inverse is subnormal.
 const LOWEST: i32 = -1000;
 
-/// The finest level for values no further than `reach` from the centre: bins there are a few
-/// roundings of the farthest value wide.
+/// The finest level for values no further than `reach` from the centre. Bins of this level are a
+/// few roundings of the farthest value wide.
 pub(super) fn finest(reach: f64) -> i32 {
     (exponent(reach) - INDEX_BITS).max(LOWEST)
 }
 
-/// The e with 2^e <= x < 2^(e + 1), for x > 0; that of the smallest normal number for what is below
-/// it.
+/// The e with 2^e <= x < 2^(e + 1), for x > 0. Below the smallest normal number it is the e of that
+/// number.
 pub(super) fn exponent(x: f64) -> i32 {
     (x.to_bits() >> 52 & 0x7ff).max(1) as i32 - 1023
 }
@@ -39,7 +40,7 @@ pub(super) fn width(level: i32) -> f64 {
     f64::from_bits(((level + 1023) as u64) << 52)
 }
 
-/// Adding it to a number below it, and taking it off again, rounds to a whole number.
+/// Adding this number to a smaller one, and subtracting it again, rounds to a whole number.
 const ROUNDING: f64 = (1u64 << 52) as f64;
 
 /// The whole number nearest to x, 0 <= x < 2^52.
@@ -48,7 +49,7 @@ pub(super) fn nearest(x: f64) -> f64 {
     (x + ROUNDING) - ROUNDING
 }
 
-/// Finds bins at one level.
+/// Finds the bins of values at one level.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Ruler {
     centre: f64,
@@ -57,27 +58,27 @@ pub(super) struct Ruler {
 }
 
 impl Ruler {
-    /// At this level, which is not finer than [`finest`] of the values it will see.
+    /// A ruler of this level, which must not be finer than [`finest`] of the values to come.
     pub fn new(centre: f64, level: i32) -> Self {
         Ruler { centre, width: width(level), inverse: width(-level) }
     }
 
-    /// The bin of a value, as a whole number with a sign; -0 is 0. No branch, so that a row is done
-    /// in vectors.
+    /// The bin of a value, as a whole number with a sign; -0 is 0. There is no branch, so that a
+    /// row of values is computed in vectors.
     #[inline(always)]
     pub fn index(&self, value: f64) -> f64 {
         let u = value - self.centre;
         let nearest = nearest(u.abs() * self.inverse);
-        // Held against u itself: u/w may have vanished, and a number next to the centre is not the
-        // centre.
+        // The comparison is with u itself, because u/w may have vanished, and a number next to the
+        // centre is not the centre.
         let above = if nearest * self.width < u.abs() { 1.0 } else { 0.0 };
         (nearest + above).copysign(u)
     }
 }
 
-/// The bin that bin `index` is part of, so many levels up.
+/// The bin that contains bin `index`, `levels` levels up.
 pub(super) fn coarsened(index: i64, levels: u32) -> i64 {
-    // 0-based from the centre, half of a bin is its number without the last bit
+    // Counted from 0 outwards, half of a bin's number is the number without its last bit.
     let half = |magnitude: i64| ((magnitude - 1) >> levels.min(63)) + 1;
     match index {
         0 => 0,
@@ -86,7 +87,7 @@ pub(super) fn coarsened(index: i64, levels: u32) -> i64 {
     }
 }
 
-/// How many levels up two different bins become one; none if they never do.
+/// The number of levels up at which two different bins become one; none if they never do.
 fn levels_apart(a: i64, b: i64) -> Option<u32> {
     let (a, b) = if a < 0 { (-a, -b) } else { (a, b) };
     (a > 0 && b > 0).then(|| 64 - ((a - 1) ^ (b - 1)).leading_zeros())
@@ -95,28 +96,29 @@ fn levels_apart(a: i64, b: i64) -> Option<u32> {
 /// Bins that are not empty, ascending, with their counts.
 pub(super) type List = Vec<(i64, u64)>;
 
-/// How many levels up no more than `limit` >= 3 of these bins are left.
+/// The number of levels up at which no more than `limit` >= 3 of these bins are left.
 pub(super) fn excess(bins: &[(i64, u64)], limit: usize) -> u32 {
     if bins.len() <= limit {
         return 0;
     }
-    // So many levels up as many bins are left, less one, as neighbours are farther apart.
+    // The bins that are left some levels up are one more than the pairs of neighbours that are
+    // farther apart than so many levels.
     let apart = bins.windows(2).map(|pair| levels_apart(pair[0].0, pair[1].0).unwrap_or(u32::MAX));
-    // mostly one level is enough
+    // Mostly one level is enough.
     if apart.clone().filter(|levels| *levels > 1).count() < limit {
         return 1;
     }
     *apart.collect::<Vec<u32>>().select_nth_unstable_by(limit - 1, |a, b| b.cmp(a)).1
 }
 
-/// The same counts so many levels up.
+/// The same counts, `levels` levels up.
 pub(super) fn coarsen(bins: &[(i64, u64)], levels: u32) -> List {
     let mut coarse = List::with_capacity(bins.len());
     bins.iter().for_each(|&(index, count)| append(&mut coarse, (coarsened(index, levels), count)));
     coarse
 }
 
-/// The counts of both.
+/// The sum of two lists of counts.
 pub(super) fn union(a: &[(i64, u64)], b: &[(i64, u64)]) -> List {
     let mut both = List::with_capacity(a.len() + b.len());
     let (mut i, mut j) = (0, 0);
@@ -133,7 +135,7 @@ pub(super) fn union(a: &[(i64, u64)], b: &[(i64, u64)]) -> List {
     both
 }
 
-/// The counts of bins that come in any order, one at a time.
+/// The counts of bins that are given one at a time, in any order.
 pub(super) fn counted(mut indices: Vec<i64>) -> List {
     indices.sort_unstable();
     let mut list = List::new();
@@ -141,7 +143,7 @@ pub(super) fn counted(mut indices: Vec<i64>) -> List {
     list
 }
 
-/// Add a bin that is not before the last one.
+/// Add a bin that is not before the last one of the list.
 fn append(list: &mut List, (index, count): (i64, u64)) {
     match list.last_mut() {
         Some(last) if last.0 == index => last.1 += count,
@@ -154,7 +156,7 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// From the definition, in integers: |i| is the smallest with |u| <= |i| 2^level.
+    /// The bin by its definition, in integers: |i| is the smallest with |u| <= |i| 2^level.
     fn by_definition(u: f64, level: i32) -> i64 {
         let magnitude = (u.abs() / width(level)).ceil() as i64;
         let magnitude = if u != 0.0 { magnitude.max(1) } else { 0 };

@@ -1,4 +1,4 @@
-//! How sure a statistic is to be, and whether it is.
+//! A bound on the standard error of a statistic, and whether an estimate meets it.
 
 use super::{Estimate, Statistic};
 use std::fmt;
@@ -20,37 +20,38 @@ use std::str::FromStr;
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Goal {
-    /// Which statistic.
+    /// The statistic that is bounded.
     pub statistic: Statistic,
-    /// What its standard error is to be below.
+    /// The bound that its standard error must be below.
     pub bound: Bound,
 }
 
-/// What a standard error is held against.
+/// An upper bound of a standard error.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Bound {
-    /// So large a share of the estimate.
+    /// This share of the estimate.
     Relative(f64),
-    /// So much, in the statistic's own unit.
+    /// This number, in the unit of the statistic.
     Absolute(f64),
 }
 
-/// What a goal makes of an estimate.
+/// How an estimate stands with respect to a goal.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Verdict {
-    /// The standard error is below the bound. It is zero if all paths agree, which reaches every
-    /// goal.
+    /// The standard error is below the bound. It is zero if all paths agree, and then every goal is
+    /// reached.
     Reached,
-    /// Not yet. The standard error falls like 1/sqrt(paths), so about this many times as many paths
-    /// will do.
+    /// The standard error is not yet below the bound. Since it falls like 1/sqrt(paths), about this
+    /// many times as many paths are needed.
     Ahead(f64),
-    /// The estimate is within two of its standard errors of zero: a share of it is no goal.
+    /// The estimate is within two of its standard errors of zero, so that a share of it is no
+    /// sensible bound.
     Zero,
     /// The statistic does not exist, or has no standard error.
     Missing,
 }
 
-/// An estimate within so many standard errors of zero may be zero.
+/// An estimate within this many standard errors of zero may be zero.
 const ZERO: f64 = 2.0;
 
 impl Goal {
@@ -77,10 +78,10 @@ impl Goal {
     }
 }
 
-/// Why a text is no goal.
+/// Why a text is not a goal.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum GoalError {
-    /// No `<` in it.
+    /// The text has no `<`.
     #[error("it has no '<'")]
     NoComparison,
     /// The word before the `<` names no statistic.
@@ -111,7 +112,8 @@ impl FromStr for Goal {
 impl fmt::Display for Goal {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.bound {
-            // to twelve digits, so that 0.7% does not come back as 0.7000000000000001%
+            // The number is rounded to twelve digits, so that 0.7% does not come back as
+            // 0.7000000000000001%.
             Bound::Relative(share) => write!(f, "{} < {}%", self.statistic.name(), (share * 1e14).round() / 1e12),
             Bound::Absolute(bound) => write!(f, "{} < {bound:?}", self.statistic.name()),
         }

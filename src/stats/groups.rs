@@ -1,14 +1,14 @@
-//! The paths of a run in groups: what its statistics are without each of them tells how uncertain
-//! anything is that is computed from several runs.
+//! The paths of a run in groups. The values of its statistics without each group show how uncertain
+//! a number is that is computed from several runs.
 //!
-//! A path is in the group of its number modulo [`GROUPS`], in every run; an antithetic pair is in
-//! that of its own number. Where path n of two runs sees one noise, the paths of a group do so too,
-//! and what a group does to the one run and to the other is kept together. The errors of
-//! differences and ratios of runs follow by the jackknife ([`super::jackknife`]). Groups hold whole
-//! paths, so it does not matter how the phases of a path depend on each other.
+//! In every run, a path is in the group of its number modulo [`GROUPS`], and an antithetic pair in
+//! that of the pair's number. Where path n of two runs sees the same noise, so do all paths of a
+//! group, and the effects of a group on both runs are kept together. The errors of differences and
+//! ratios of runs then follow by the jackknife ([`super::jackknife`]). Groups hold whole paths, so
+//! the phases of a path may depend on each other in any way.
 //!
-//! A group is its moments alone. The median is found from the durations of the run, which are kept
-//! in the same groups.
+//! A group holds moments alone. The median comes from the durations of the run, which are kept in
+//! the same groups.
 
 use super::batches::{BATCHES, batch_of};
 use super::jackknife::leaving_one_out;
@@ -20,14 +20,14 @@ use super::{Companion, Statistic, Totals, Unit};
 use crate::model::{Event, Model};
 use crate::scheme::{Instant, Observer, Snapshot, Timeline};
 
-/// Groups of paths: 31 degrees of freedom make an interval 4 % wider than the normal law would, and
-/// an error is known to 13 %.
+/// Number of groups of paths. With 31 degrees of freedom an interval is 4 % wider than by the
+/// normal law, and an error is known to 13 %.
 pub const GROUPS: usize = BATCHES;
 
 /// The value of every statistic, in the order of [`Statistic::ALL`].
 pub type Values = [f64; Statistic::ALL.len()];
 
-/// Watches the blocks of a run beside its statistics, group by group.
+/// Observes the blocks of a run, and sums each group of paths separately.
 #[derive(Clone, Debug)]
 pub struct Grouping {
     timeline: Timeline,
@@ -36,7 +36,7 @@ pub struct Grouping {
     dynamic_force: f64,
 }
 
-/// The moments of each group.
+/// The moments of each group, in order.
 #[derive(Clone, Debug)]
 pub struct Groups(Vec<PhaseSums>);
 
@@ -49,16 +49,17 @@ impl Merge for Groups {
 }
 
 impl Groups {
-    /// Group by group, the value of every statistic of the other paths; `run` is all of them
-    /// together. Of fewer units than groups each is a group. Durations in whole steps have a median
-    /// that leaving out paths mostly does not move at all: theirs is missing.
+    /// For each group, the value of every statistic over the other paths. `run` has the totals of
+    /// all paths. If there are fewer units than groups, each unit is a group. The median is NaN
+    /// where durations are whole numbers of steps, because leaving out paths mostly does not change
+    /// it at all.
     pub fn without(&self, run: &Totals) -> Vec<Values> {
         let Totals { timeline, counts, .. } = run;
         let some = &self.0[..GROUPS.min(counts.units() as usize)];
         let medians = counts.durations.medians_without_each_batch();
         let empty = PhaseSums::empty(timeline);
         let value = |sums: &PhaseSums, statistic| sums.measured(statistic, timeline, counts).estimate();
-        // The median is of the run alone: looking it up for every group would take long.
+        // The median is taken from the run, because computing it for every group would take long.
         let of = |sums: &PhaseSums| {
             Statistic::ALL.map(|statistic| match statistic {
                 Statistic::StickDurationMedian => f64::NAN,
@@ -74,7 +75,8 @@ impl Groups {
 }
 
 impl Grouping {
-    /// For runs of this model on this timeline, whose independent units are paths or pairs.
+    /// A grouping for runs of this model on this timeline, whose independent units are paths or
+    /// pairs.
     pub fn new(model: &Model, timeline: &Timeline, unit: Unit) -> Self {
         let dynamic_force = model.friction.dynamic_force;
         Grouping { timeline: *timeline, unit, start: model.initial_displacement, dynamic_force }
@@ -113,7 +115,8 @@ impl Companion for Grouping {
     }
 }
 
-/// Folds each path of a block, and the instants at which groups are looked at together.
+/// Folds each path of a block, and for each group the instants at which its paths are observed
+/// together.
 pub struct GroupObserver {
     paths: Vec<PathFold>,
     groups: Vec<Group>,

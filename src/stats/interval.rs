@@ -1,8 +1,8 @@
-//! From moments over paths to an estimate with its 95 % interval.
+//! Estimates with their 95 % intervals, from moments over paths.
 //!
-//! Everything reported is a smooth function g of means over paths, and a path is the independent
-//! unit. To first order the error of g is the mean of the influences e_i = grad g . (z_i - mean) of
-//! the paths (the delta method), so
+//! Every reported number is a smooth function g of means over paths, and the path is the
+//! independent unit. To first order the error of g is the mean of the influences e_i = grad g .
+//! (z_i - mean) of the paths (the delta method), so
 //!
 //! ```text
 //! standard error^2 = m/(m - 1) sum_i e_i^2 / n^2
@@ -10,16 +10,17 @@
 //!
 //! For a ratio R = sum y / sum x this is the classical e_i = (y_i - R x_i) / mean x (W. G. Cochran,
 //! *Sampling Techniques*, 3rd edition (1977), chapter 6). Paths with x_i = y_i = 0 have e_i = 0 and
-//! say nothing about R: only the m paths that contribute are counted in the correction and in the
-//! degrees of freedom of Student's t.
+//! contain no information on R. So only the m paths that contribute are counted in the correction
+//! and in the degrees of freedom of Student's t.
 //!
 //! The interval of a standard deviation is that of Student's t for its reciprocal, with the degrees
-//! of freedom that the tails of the law leave ([`super::spread`]). The estimate of a spread and of
-//! its error go up and down together, since both come from the few values farthest out, so an
-//! interval of equal arms misses low; of the reciprocal they do so less. Of a normal law the
-//! interval is that of chi square to within 5 % from 50 paths on.
+//! of freedom that the tails of the law leave ([`super::spread`]). The estimate of a standard
+//! deviation and that of its error rise and fall together, since both come from the few values
+//! farthest out. Therefore an interval with equal arms often ends below the truth. The reciprocal
+//! and its error depend on each other less. For a normal law and 50 paths or more, the interval
+//! agrees with that of chi square to within 5 %.
 //!
-//! Numbers that have a range keep to it ([`super::range`]).
+//! The interval of a number that has a range stays within it ([`super::range`]).
 
 use super::moments::{JointMoments, Moments};
 use super::range::{NORMAL, Range, wilson};
@@ -29,17 +30,18 @@ use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 /// Upper end of the central 95 % of a distribution.
 const UPPER: f64 = 0.975;
 
-/// From here on the expansion about the normal quantile serves, good to 1e-8. Inverting the
-/// incomplete beta function takes a thousand times as long, and loses digits with growing degrees
-/// of freedom.
+/// From this number of degrees of freedom on, the quantile comes from an expansion about that of
+/// the normal law, which is accurate to 1e-8. Inverting the incomplete beta function takes a
+/// thousand times as long, and loses digits as the degrees of freedom grow.
 const LARGE_FREEDOM: f64 = 100.0;
 
-/// The 97.5 % quantile of Student's t; NaN without a degree of freedom.
+/// The 97.5 % quantile of Student's t; NaN for zero degrees of freedom.
 pub(crate) fn student(freedom: u64) -> f64 {
     student_quantile(UPPER, freedom as f64)
 }
 
-/// A quantile of Student's t with any number of degrees of freedom; NaN without any.
+/// The quantile of order p of Student's t. The degrees of freedom may be any number above zero;
+/// otherwise the quantile is NaN.
 pub(super) fn student_quantile(p: f64, freedom: f64) -> f64 {
     if freedom.is_nan() || freedom <= 0.0 {
         f64::NAN
@@ -59,33 +61,34 @@ pub(super) fn student_quantile(p: f64, freedom: f64) -> f64 {
     }
 }
 
-/// Paths agree on a number whose relative error is below this, which is rounding.
+/// If the relative error of a number is below this, it is rounding, and all paths agree on the
+/// number.
 const AGREEMENT: f64 = 1e-14;
 
-/// A standard deviation whose relative error is below this has an error of zero but for rounding:
-/// two values, say, are always equally far from their mean.
+/// If the relative error of a standard deviation is below this, it is rounding, and the error is
+/// zero. For example, two values are always equally far from their mean.
 const ROUNDING: f64 = 1e-7;
 
-/// An estimate and how far it may be off, before it is given a name.
+/// An estimate with its uncertainty, before it is given the name of a statistic.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Measured {
     estimate: f64,
     standard_error: f64,
     interval: Interval,
     range: Range,
-    /// So many paths say something about it, and by chance only do they agree.
+    /// The number of paths that contribute, where their agreement would be a matter of chance.
     chance: Option<u64>,
 }
 
-/// Where its interval comes from.
+/// How the interval is found.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Interval {
-    /// Student's t with so many degrees of freedom. It is costly, so it is evaluated when the
-    /// interval is asked for.
+    /// From Student's t with this many degrees of freedom. The quantile is costly, so it is
+    /// computed only when the interval is asked for.
     Student(u64),
-    /// The same for the reciprocal of the estimate.
+    /// From Student's t for the reciprocal of the estimate.
     Reciprocal(f64),
-    /// Its ends.
+    /// Lower and upper end, found by other means.
     Ends(f64, f64),
 }
 
@@ -109,20 +112,20 @@ impl Measured {
         Measured { estimate, standard_error, interval: Interval::Ends(low, high), ..Measured::NOTHING }
     }
 
-    /// A standard deviation, whose error is known as well as so many degrees of freedom tell it.
+    /// A standard deviation, whose error is known with this many degrees of freedom.
     pub fn spread(estimate: f64, standard_error: f64, freedom: f64) -> Self {
         let standard_error = if standard_error < ROUNDING * estimate { 0.0 } else { standard_error };
         Measured { estimate, standard_error, interval: Interval::Reciprocal(freedom), ..Measured::NOTHING }
     }
 
-    /// The same number, which cannot leave this range. `chance` is the number of paths that say
-    /// something about it, unless they have to agree because nothing is random.
+    /// The same number, which cannot leave this range. `chance` is the number of paths that
+    /// contribute; it is none where nothing is random, so that all paths must agree.
     pub fn in_range(self, range: Range, chance: Option<u64>) -> Self {
         Measured { range, chance, ..self }
     }
 
-    /// g(means of `paths`) with gradient of g at the means; `contributing` paths say something
-    /// about it.
+    /// A function g of the means of `paths`, with its gradient at the means. `contributing` is the
+    /// number of paths that contain information on it.
     pub fn smooth<const N: usize>(
         estimate: f64,
         paths: &JointMoments<N>,
@@ -136,7 +139,8 @@ impl Measured {
         Measured::new(estimate, error, freedom)
     }
 
-    /// Mean of entry `top` over mean of entry `bottom`; a ratio over nothing does not exist.
+    /// Mean of entry `top` divided by the mean of entry `bottom`. It does not exist where the
+    /// latter is zero.
     pub fn ratio<const N: usize>(paths: &JointMoments<N>, top: usize, bottom: usize, contributing: u64) -> Self {
         let denominator = paths.mean[bottom];
         if denominator == 0.0 {
@@ -165,7 +169,7 @@ impl Measured {
         Measured::new(paths.mean(), (paths.variance() / n as f64).sqrt(), n.saturating_sub(1))
     }
 
-    /// The same number divided by a constant.
+    /// The same number, divided by a constant.
     pub fn divided_by(self, constant: f64) -> Self {
         self.in_units(|number| number / constant)
     }
@@ -183,7 +187,7 @@ impl Measured {
         Measured { estimate: of(self.estimate), standard_error: of(self.standard_error), interval, ..self }
     }
 
-    /// The same error about another estimate.
+    /// The same error with another estimate.
     pub fn about(self, estimate: f64) -> Self {
         let interval = match self.interval {
             Interval::Ends(low, high) => {
@@ -199,18 +203,18 @@ impl Measured {
         self.estimate
     }
 
-    /// With the ends of its interval.
+    /// The estimate with its standard error and the ends of its interval.
     pub fn measurement(self) -> Measurement {
         let [low, high] = self.interval();
         Measurement { estimate: self.estimate, standard_error: self.standard_error, low, high }
     }
 
-    /// The ends of its interval.
+    /// The ends of the 95 % interval, within the range.
     pub fn interval(self) -> [f64; 2] {
         self.range.clip(self.ends())
     }
 
-    /// The same, which may lie outside the range yet.
+    /// The ends of the 95 % interval, which may lie outside the range.
     fn ends(self) -> [f64; 2] {
         let Measured { estimate, standard_error, interval, range, chance } = self;
         let agreeing = chance.filter(|paths| standard_error <= AGREEMENT * estimate.abs() && *paths > 1);
@@ -241,7 +245,7 @@ impl Measured {
         }
     }
 
-    /// Give it its name.
+    /// The estimate of this statistic.
     pub fn named(self, statistic: Statistic) -> Estimate {
         let Measurement { estimate, standard_error, low, high } = self.measurement();
         Estimate { statistic, estimate, standard_error, low, high, bias: None }
@@ -258,8 +262,8 @@ mod tests {
         for (freedom, table) in [(1, 12.706), (2, 4.303), (9, 2.262), (30, 2.042), (120, 1.980), (u64::MAX, 1.960)] {
             assert!((student(freedom) - table).abs() < 0.0005 + 1e-12, "{freedom}: {}", student(freedom));
         }
-        // Where the expansion takes over, it is as good as the inversion it replaces; at 1000, to
-        // six places, the quantile is 1.962339.
+        // Where the expansion takes over, it is as good as the inversion that it replaces. With
+        // 1000 degrees of freedom the quantile is 1.962339, to six places.
         let from = StudentsT::new(0.0, 1.0, LARGE_FREEDOM).map(|law| law.inverse_cdf(UPPER)).expect("a law");
         assert!((student(LARGE_FREEDOM as u64) - from).abs() < 1e-8, "{from}");
         assert!((student(1000) - 1.962_339).abs() < 1e-6, "{}", student(1000));
@@ -268,8 +272,8 @@ mod tests {
 
     #[test]
     fn a_ratio_and_its_error_are_those_of_a_hand_computed_sample() {
-        // x = 1, 2, 3; y = 2, 5, 5: R = 2, residuals y - 2 x = 0, 1, -1, mean x = 2,
-        // so the standard error is sqrt(3/2 * 2) / (3 * 2) = sqrt(3)/6.
+        // x = 1, 2, 3 and y = 2, 5, 5 give R = 2, residuals y - 2 x = 0, 1, -1, and mean x = 2. So
+        // the standard error is sqrt(3/2 * 2) / (3 * 2) = sqrt(3)/6.
         let paths = JointMoments::of([&[2.0, 5.0, 5.0], &[1.0, 2.0, 3.0]]);
         let measured = Measured::ratio(&paths, 0, 1, 3);
         assert!((measured.estimate - 2.0).abs() < 1e-15);

@@ -1,7 +1,8 @@
-//! The delete-a-group jackknife: what leaving out one group of paths after another says about
-//! errors.
+//! The delete-a-group jackknife: the error of a number from its values without one group of paths
+//! after another.
 //!
-//! Of a number g computed from all paths, and from all but those of group i as g_i,
+//! If a number g is computed from all paths, and g_i from all but those of group i, then for G
+//! groups
 //!
 //! ```text
 //! standard error^2 = (G - 1)/G sum_i (g_i - mean g_i)^2
@@ -13,7 +14,8 @@
 
 use super::tree::Merge;
 
-/// The standard error of a number that is g_i without group i; zero if there is one group only.
+/// The standard error of a number, from its values g_i without group i; zero if there is one group
+/// only.
 pub(crate) fn standard_error(without: &[f64]) -> f64 {
     if without.len() < 2 {
         return 0.0;
@@ -24,10 +26,10 @@ pub(crate) fn standard_error(without: &[f64]) -> f64 {
     ((n - 1.0) / n * spread).sqrt()
 }
 
-/// What `of` makes of all groups together, merged from the last to the first, and of all but each
-/// of them in turn. `empty` is a group of no paths.
+/// The value of `of` for all groups together, merged from the last to the first, and for all groups
+/// but each of them in turn. `empty` is a group of no paths.
 pub(crate) fn leaving_one_out<S: Merge + Clone, T>(empty: &S, groups: &[S], of: impl Fn(&S) -> T) -> (T, Vec<T>) {
-    // after[i] sums the last i groups.
+    // after[i] is the sum of the last i groups.
     let mut after = vec![empty.clone()];
     for group in groups.iter().rev() {
         let mut sum = group.clone();

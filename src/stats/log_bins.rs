@@ -1,35 +1,35 @@
-//! Durations in fixed bins, a constant share of themselves wide: for histograms and survival
-//! curves.
+//! Durations in fixed bins, for histograms and survival curves. The width of a bin is a constant
+//! share of its durations.
 //!
-//! A duration d is counted in a bin of d + s: the top eight bits of the mantissa of a
-//! floating-point number and its exponent, so bins are evenly spaced below the scale s and
-//! logarithmic above it. Counts are integers, hence merging is exact and order does not matter.
+//! The bin of a duration d is given by the exponent and the top eight bits of the mantissa of d + s
+//! as a floating-point number. So bins are evenly spaced below the scale s and logarithmic above
+//! it. Counts are integers, so merging is exact and order does not matter.
 
 use super::codec::{Codec, Damaged, Reader};
 
-/// Mantissa bits that tell bins apart: 256 bins to an octave.
+/// Number of mantissa bits that distinguish bins, which gives 256 bins per octave.
 const MANTISSA_BITS: u32 = 8;
 
-/// How far an f64 is shifted to leave its exponent and `MANTISSA_BITS` of its mantissa.
+/// Shifting an f64 by so many bits leaves its exponent and `MANTISSA_BITS` of its mantissa.
 const SHIFT: u32 = 52 - MANTISSA_BITS;
 
-/// The last bin, 128 octaves out. It also counts everything beyond.
+/// The last bin, 128 octaves from the first. It also counts all longer durations.
 const LAST_KEY: i16 = i16::MAX;
 
-/// Where the bins lie. A duration of zero has bin 0 to itself.
+/// The edges of the bins. Bin 0 holds durations of zero and nothing else.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct LogGrid {
-    /// s, a power of two: the octaves of d + s then begin at bin edges.
+    /// s, a power of two, so that the octaves of d + s begin at edges of bins.
     scale: f64,
     /// Lower edge of the last bin, in d + s.
     limit: f64,
 }
 
 impl LogGrid {
-    /// Bins that are evenly spaced up to about `scale`.
+    /// A grid whose bins are evenly spaced up to about `scale`.
     pub fn new(scale: f64) -> Self {
-        // Far from both ends of the number range, so that s 2^-8 is not subnormal and s 2^128 is
-        // finite.
+        // The scale stays far from both ends of the number range, so that s 2^-8 is not subnormal
+        // and s 2^128 is finite.
         let (smallest, largest) = (2f64.powi(-800), 2f64.powi(800));
         let scale = if scale > 0.0 { scale.clamp(smallest, largest) } else { 1.0 };
         let scale = f64::from_bits(scale.to_bits() & (0x7ff << 52));
@@ -37,7 +37,7 @@ impl LogGrid {
         LogGrid { scale, limit }
     }
 
-    /// The bin of a duration; increases with it.
+    /// The bin of a duration; it increases with the duration.
     #[inline]
     pub fn key(&self, duration: f64) -> i16 {
         if duration.is_nan() || duration <= 0.0 {
@@ -53,26 +53,26 @@ impl LogGrid {
     }
 }
 
-/// How many keys are kept as they are before they are counted: a block and a small ensemble
-/// allocate no bins.
+/// This many keys are stored before they are counted, so that a block or a small ensemble allocates
+/// no bins.
 const PENDING_LIMIT: usize = 2048;
 
 /// Bins are allocated in multiples of this many.
 const PAGE: i32 = 64;
 
-/// Counts by bin.
+/// Durations counted by bin.
 #[derive(Clone, Debug, Default)]
 pub(super) struct LogBins {
-    /// Keys not yet counted, in the order they came.
+    /// Keys that are not counted yet, in the order in which they came.
     pending: Vec<i16>,
     /// The key of `counts[0]`.
     first: i32,
-    /// How many of the other durations have each key, from `first` on.
+    /// The number of the other durations with each key, from `first` on.
     counts: Vec<u64>,
 }
 
 impl LogBins {
-    /// Count one duration, by its bin.
+    /// Count one duration, given its bin.
     #[inline]
     pub fn push(&mut self, key: i16) {
         self.pending.push(key);
@@ -95,7 +95,7 @@ impl LogBins {
         }
     }
 
-    /// The bins that are not empty, with their counts, in order.
+    /// The bins that are not empty with their counts, in ascending order.
     pub fn bins(&self) -> Vec<(i16, u64)> {
         let mut all = self.clone();
         all.count_pending();
@@ -116,7 +116,7 @@ impl LogBins {
         self.pending = keys;
     }
 
-    /// The bins from key `low` on, up to `high` at least.
+    /// The counts of the bins from key `low` on, at least up to key `high`.
     fn bins_covering(&mut self, low: i32, high: i32) -> &mut [u64] {
         let page = low.div_euclid(PAGE) * PAGE;
         if self.counts.is_empty() {
@@ -140,7 +140,8 @@ impl PartialEq for LogBins {
     }
 }
 
-/// The bins that are not empty, as the distance of each key from the one before it, and its count.
+/// Bytes hold each bin that is not empty: the distance of its key from the one before it, and its
+/// count.
 impl Codec for LogBins {
     fn write(&self, out: &mut Vec<u8>) {
         let bins = self.bins();
@@ -184,8 +185,8 @@ mod tests {
             let grid = LogGrid::new(scale);
             let key = i32::from(grid.key(duration));
             let (low, high) = (grid.edge((key - 1).max(0)), grid.edge(key));
-            // d + s is rounded once: a duration within one ulp of that of an edge may be counted on
-            // its other side.
+            // d + s is rounded once, so that a duration within one rounding of an edge may be
+            // counted on the other side of it.
             let ulp = f64::EPSILON * (duration + grid.scale);
             prop_assert!(low - ulp <= duration && duration <= high + ulp, "{duration} not in {low}..{high}");
             prop_assert!(high - low <= (duration + grid.scale) / 256.0 + 2.0 * ulp);

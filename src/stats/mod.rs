@@ -1,17 +1,17 @@
-//! Statistics of the cascade: folded over one block of paths, merged in block order, summed up with
-//! intervals.
+//! Statistics of the cascade: folded over one block of paths, merged along a binary tree of blocks,
+//! and summed up with intervals.
 //!
 //! ```text
 //! BlockObserver   watches one block of paths (implements scheme::Observer)
-//!   -> BlockResult   what the block leaves behind: Totals, and what was asked to be kept of each path
+//!   -> BlockResult   the result of the block: Totals, and what is kept of each path on request
 //!        -> RunTotals     the tree of sums over blocks: push, merge, write, read
 //!             -> Totals::summary -> Summary   estimates, intervals, bands, histograms
 //! Tally            a statistic of a user's own, folded beside them
 //! ```
 //!
 //! Floating-point sums are formed path by path in time order, then over the paths of a block in
-//! order, then over blocks along a binary tree; counts are integers. So no statistic depends on
-//! threads, lanes or vector width, nor on the way a run is cut into parts.
+//! order, then over blocks along a binary tree; counts are integers. So no statistic depends on the
+//! threads, the lanes, the vector width, or the way in which a run is cut into parts.
 
 mod bands;
 mod batches;

@@ -1,30 +1,31 @@
-//! Moments that merge: of one number, of several numbers jointly, and up to the fourth order.
+//! Moments that can be merged: of one number, of several numbers jointly, and up to the fourth
+//! order.
 //!
-//! A block of paths is folded in two passes (mean, then deviations from it), blocks are merged by
-//! the pairwise formula of Chan, Golub and LeVeque, *Algorithms for computing the sample variance:
-//! analysis and recommendations*, The American Statistician 37 (1983): with delta = mean_b - mean_a
-//! and n = n_a + n_b,
+//! A block of paths is folded in two passes (first the mean, then the deviations from it). Blocks
+//! are merged by the pairwise formula of Chan, Golub and LeVeque, *Algorithms for computing the
+//! sample variance: analysis and recommendations*, The American Statistician 37 (1983). With delta
+//! = mean_b - mean_a and n = n_a + n_b,
 //!
 //! ```text
 //! mean = mean_a + delta n_b / n
 //! M_2  = M_2a + M_2b + delta^2 n_a n_b / n
 //! ```
 //!
-//! Neither step subtracts large squares, so a spread far below the mean survives. Equal numbers
-//! give exactly zero spread.
+//! Neither step subtracts large squares, so that a spread far smaller than the mean is preserved.
+//! The spread of equal numbers is exactly zero.
 
 use super::codec::codec_of_fields;
 use super::tree::Merge;
 use crate::lanes::{InstructionSet, LaneProgram, Lanes};
 
-/// Terms are added in this many interleaved partial sums: a fixed order that compilers can
+/// Terms are added in this many interleaved partial sums, in a fixed order that compilers can
 /// vectorise.
 const LANES: usize = 8;
 
-/// What is left of terms that cancel is rounding if it is below this share of their sizes.
+/// Where terms cancel, a rest below this share of their sizes is rounding.
 const ROUNDING: f64 = 64.0 * f64::EPSILON;
 
-/// Sum of `term` over the entries of `values`, in an order that depends on their number alone.
+/// Sum of `term` over the entries of `values`, in an order that depends only on their number.
 #[inline(always)]
 fn sum(values: &[f64], term: impl Fn(f64) -> f64) -> f64 {
     let mut partial = [0.0; LANES];
@@ -55,7 +56,7 @@ fn sum_of_products(a: &[f64], mean_a: f64, b: &[f64], mean_b: f64) -> f64 {
     partial.iter().sum()
 }
 
-/// The mean, taken about the first entry: exact if all entries are equal.
+/// The mean, computed relative to the first entry, so that it is exact if all entries are equal.
 #[inline(always)]
 fn mean(values: &[f64]) -> f64 {
     match values.first() {
@@ -64,10 +65,10 @@ fn mean(values: &[f64]) -> f64 {
     }
 }
 
-/// Number, mean and spread of one quantity.
+/// Number, mean and spread of the values of one quantity.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Moments {
-    /// How many values.
+    /// Number of values.
     pub count: u64,
     /// Their mean; 0 if there are none.
     pub mean: f64,
@@ -84,7 +85,7 @@ impl Merge for Moments {
 }
 
 impl Moments {
-    /// Fold of all values.
+    /// The moments of these values.
     pub fn of(values: &[f64]) -> Self {
         let mut fold = MomentsOf(values, Moments::default());
         InstructionSet::detect().run(&mut fold);
@@ -118,7 +119,7 @@ impl Moments {
     }
 }
 
-/// See [`Moments::of`].
+/// The lane program of [`Moments::of`].
 struct MomentsOf<'a>(&'a [f64], Moments);
 
 impl LaneProgram for MomentsOf<'_> {
@@ -132,7 +133,7 @@ impl LaneProgram for MomentsOf<'_> {
 /// Means and co-moments of N numbers that belong to the same path.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct JointMoments<const N: usize> {
-    /// How many paths.
+    /// Number of paths.
     pub count: u64,
     /// Mean of each number.
     pub mean: [f64; N],
@@ -149,7 +150,7 @@ impl<const N: usize> Default for JointMoments<N> {
 codec_of_fields!(JointMoments<N> { count, mean, comoment }, N);
 
 impl<const N: usize> JointMoments<N> {
-    /// Fold of N columns with one entry a path.
+    /// The moments of N columns with one entry per path.
     pub fn of(columns: [&[f64]; N]) -> Self {
         let mean = columns.map(mean);
         let mut comoment = [[0.0; N]; N];
@@ -182,23 +183,23 @@ impl<const N: usize> JointMoments<N> {
         self.count += other.count;
     }
 
-    /// Sum over paths of (g . (z - mean))^2: the spread of the linear combination with coefficients
-    /// g.
+    /// Sum over paths of (g . (z - mean))^2: the spread of the linear combination of the N numbers
+    /// with coefficients g.
     pub fn spread_along(&self, gradient: [f64; N]) -> f64 {
         let (mut total, mut size) = (0.0, 0.0);
         let mut add = |term: f64| {
             total += term;
             size += term.abs();
         };
-        // A coefficient of zero is left out, so that an overflowed moment which is not asked for
-        // stays unseen.
+        // Terms with a coefficient of zero are left out, so that a moment that is not asked for
+        // does no harm if it has overflowed.
         for i in (0..N).filter(|&i| gradient[i] != 0.0) {
             add(gradient[i] * gradient[i] * self.comoment[i][i]);
             for j in (i + 1..N).filter(|&j| gradient[j] != 0.0) {
                 add(2.0 * gradient[i] * gradient[j] * self.comoment[i][j]);
             }
         }
-        // Of a perfectly correlated combination rounding leaves next to nothing; NaN stays NaN.
+        // For a perfectly correlated combination only rounding is left. NaN stays NaN.
         if total < ROUNDING * size { 0.0 } else { total }
     }
 }
@@ -219,7 +220,7 @@ pub(super) struct FourMoments {
 codec_of_fields!(FourMoments { two, m3, m4 });
 
 impl FourMoments {
-    /// Fold of all values.
+    /// The moments of these values.
     pub fn of(values: &[f64]) -> Self {
         let two = Moments::of(values);
         let (m3, m4) = (
@@ -262,13 +263,14 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// Straight from the definition.
+    /// The central moment by its definition.
     fn central(values: &[f64], power: i32) -> f64 {
         let mean = values.iter().sum::<f64>() / values.len() as f64;
         values.iter().map(|v| (v - mean).powi(power)).sum()
     }
 
-    /// Rounding: each of ~100 terms is known to 1e-16 of the largest, 1e-12 leaves a factor of 100.
+    /// Rounding: each of about 100 terms is known to 1e-16 of the largest, so 1e-12 leaves a factor
+    /// of 100.
     fn close(a: f64, b: f64, scale: f64) -> bool {
         (a - b).abs() <= 1e-12 * scale
     }
@@ -306,8 +308,8 @@ mod tests {
         }
     }
 
-    /// Each path has its number of things, and each thing has the size 0.4: what varies is the
-    /// number.
+    /// Each path has a number of things, and each thing has the size 0.4, so that only the number
+    /// varies.
     #[test]
     fn a_ratio_that_all_paths_share_has_no_spread() {
         let mut merged = JointMoments::<2>::default();
@@ -331,8 +333,8 @@ mod tests {
 
     #[test]
     fn a_spread_of_one_on_a_mean_of_1e12_is_kept() {
-        // 600 values 1e12 +- 1 in blocks of 100: the variance is 600/599; sums of squares would be
-        // off by 1e8.
+        // There are 600 values 1e12 +- 1 in blocks of 100. The variance is 600/599; sums of squares
+        // would be off by 1e8.
         let values: Vec<f64> = (0..600).map(|i| 1e12 + if i % 2 == 0 { 1.0 } else { -1.0 }).collect();
         let mut merged = Moments::default();
         values.chunks(100).for_each(|block| merged.merge(&Moments::of(block)));
@@ -342,8 +344,8 @@ mod tests {
 
     #[test]
     fn equal_values_have_no_spread_at_all() {
-        // 0.1 has no finite binary expansion: a plain sum of 256 of them would be off in the last
-        // digits.
+        // 0.1 has no finite binary expansion, so that a plain sum of 256 such numbers would be
+        // wrong in the last digits.
         let mut merged = FourMoments::default();
         for n in [256, 3, 77] {
             merged.merge(&FourMoments::of(&vec![0.1; n]));

@@ -1,4 +1,5 @@
-//! Watches one block of paths and leaves its totals, and what was asked to be kept of each path.
+//! The observer of one block of paths. It yields the totals of the block, and what a run keeps of
+//! single paths.
 
 use super::path::{Censored, Completed, PathFold};
 use super::periods::PeriodFold;
@@ -23,8 +24,8 @@ pub struct BlockObserver {
     keeps_paths: bool,
     /// Events of each lane, if they are kept.
     events: Option<Vec<Vec<Event>>>,
-    /// How many of the first paths of the run are kept on the output grid, and those of them that
-    /// are in this block.
+    /// How many of the first paths of the run are kept on the output grid, and which of them are in
+    /// this block.
     trajectories: (u64, Vec<Trajectory>),
 }
 
@@ -55,8 +56,8 @@ impl Trajectory {
 }
 
 impl BlockObserver {
-    /// An observer of these paths, in ascending order; lane i is path `paths[i]`. Each is at rest
-    /// at x0, in its first static phase.
+    /// An observer of these paths, whose numbers must ascend. Lane i is path `paths[i]`. Each path
+    /// is at rest at x0, in its first static phase.
     pub fn new(model: &Model, timeline: &Timeline, record: &Record, paths: &[u64]) -> Self {
         let rows = timeline.rows();
         let kept = paths.iter().take_while(|&&path| path < record.trajectories).count();
@@ -75,22 +76,22 @@ impl BlockObserver {
         }
     }
 
-    /// The same for paths of a scheme with this step, if it has one.
+    /// The same observer for a scheme with this step, if the scheme has one.
     pub fn with_step(mut self, step: Option<f64>) -> Self {
         self.totals.counts.durations.set_step(step);
         self
     }
 
-    /// The same for paths whose independent unit is another one; pairs follow one another in the
-    /// list.
+    /// The same observer with another independent unit than the path. The two paths of a pair must
+    /// follow one another in the list.
     pub fn in_units(mut self, unit: Unit) -> Self {
         self.unit = unit;
         self.periods.set_unit(unit);
         self
     }
 
-    /// What the block leaves behind. It holds `path_count` paths from number `first_path` on, of
-    /// which `diverged` did not reach t_end and were not watched.
+    /// The result of the block, which has `path_count` paths from number `first_path` on. The paths
+    /// in `diverged` did not reach t_end and were not observed.
     pub fn finish(mut self, first_path: u64, path_count: u64, diverged: Vec<u64>) -> BlockResult {
         self.totals.sums.phases.periods = self.periods.finish();
         self.totals.end(&self.paths, self.dynamic_force, &diverged, self.unit);
@@ -165,7 +166,7 @@ impl Observer for BlockObserver {
     }
 }
 
-/// Which paths a block holds, and which of them were watched.
+/// Which paths a block has, and which of them were observed.
 struct Block<'a> {
     first_path: u64,
     path_count: u64,
@@ -174,7 +175,7 @@ struct Block<'a> {
 }
 
 impl Block<'_> {
-    /// The lane of every path of the block, in order; none for a diverged path.
+    /// The number of every path of the block, in order, with its lane; none for a diverged path.
     fn lanes(&self) -> impl Iterator<Item = (u64, Option<usize>)> {
         let mut watched = self.path_numbers.iter().enumerate().peekable();
         (self.first_path..self.first_path + self.path_count)
@@ -277,14 +278,14 @@ mod tests {
             merged.merge(&part(from, to));
         }
         let merged = merged.summary();
-        // Sums of 600 numbers near 10: rounding is below 1e-13; a ratio of small differences of
-        // them loses a digit.
+        // Sums of 600 numbers near 10 have a rounding error below 1e-13. A ratio of small
+        // differences of them loses a digit.
         let close = |a: f64, b: f64| (a - b).abs() <= 1e-11 * (1.0 + a.abs()) || (a.is_nan() && b.is_nan());
         for (a, b) in whole.estimates.iter().zip(&merged.estimates) {
             assert!(close(a.estimate, b.estimate), "{a:?} {b:?}");
-            // The errors of spreads over periods are taken about block means, and the last path
-            // has no block to be compared with: a relative O(1/256). So are the tails of what a
-            // standard deviation comes from.
+            // The errors of spreads over periods are computed about block means, and the last path
+            // has no other path in its block. The effect is a relative O(1/256). The same holds for
+            // the tails from which the interval of a standard deviation comes.
             let near = |a: f64, b: f64| (a / b - 1.0).abs() < 0.01;
             match a.statistic {
                 Statistic::DiffusionCoefficient => assert!(near(a.standard_error, b.standard_error), "{a:?} {b:?}"),
@@ -322,7 +323,7 @@ mod tests {
     fn diverged_paths_keep_their_place_and_stay_out_of_the_statistics() {
         let timeline = Timeline { end: 2.0, output_step: 1.0, period: None, after: 0.0 };
         let record = Record { paths: true, events: true, trajectories: 103 };
-        // A block of paths 100 to 104, of which 101 and 104 diverged.
+        // The block has paths 100 to 104, of which 101 and 104 diverged.
         let mut observer = BlockObserver::new(&model(), &timeline, &record, &[100, 102, 103]);
         observer.event(1, slip(0.5, 6.0));
         observer.event(1, stick(1.5, 7.0));
@@ -342,7 +343,7 @@ mod tests {
         assert_eq!(columns.diverged, [false, true, false, false, true]);
         assert_eq!(columns.slips, [0, 0, 1, 0, 0]);
         assert_eq!(columns.sub_phases, [0, 0, 1, 0, 0]);
-        // f_d = 2.
+        // With f_d = 2:
         let expected = [0.0, f64::NAN, 2.0, 4.0, f64::NAN];
         assert!(
             columns
@@ -365,7 +366,7 @@ mod tests {
         assert!(trajectories.displacement[3..6].iter().all(|x| x.is_nan()));
         assert_eq!(trajectories.displacement[6..], [6.0, 6.5, 7.0]);
         assert_eq!(trajectories.velocity[6..], [0.25; 3]);
-        // b = T - x with m = K = beta = 1; path 102 slips to the right against f_d = 2, so F = 2.
+        // b = T - x with m = K = beta = 1. Path 102 slips to the right against f_d = 2, so F = 2.
         assert_eq!(trajectories.force[6..], [-5.75, -6.25, -6.75]);
         assert_eq!(trajectories.friction[6..], [2.0; 3]);
         // Path 100 stays in its first stick: F = b.

@@ -1,49 +1,51 @@
-//! Values in order: their ranks, quantiles and shares, exact or read off bins.
+//! Values in order: their ranks, quantiles and shares, exact or from bins.
 
 use super::bins::Bins;
 use super::dyadic::width;
 use super::spread::Tails;
 
-/// Halvings of the range of values, to the last digit of any but the smallest.
+/// Number of halvings of the range of values. They reach the last digit of any value but the
+/// smallest.
 const BISECTIONS: usize = 64;
 
 /// The values that a sketch holds.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Ordered {
-    /// As they are.
+    /// One by one.
     Kept(Kept),
-    /// By bins.
+    /// In bins.
     Binned(Binned),
 }
 
-/// Values as they are.
+/// Values that are kept one by one.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Kept {
-    /// A value that may be shared by many.
+    /// A value that many paths may share.
     centre: f64,
-    /// How many are at the centre.
+    /// Number of values at the centre.
     at_centre: u64,
-    /// How many are below the centre.
+    /// Number of values below the centre.
     below: usize,
-    /// The others, ascending.
+    /// The values that are not at the centre, in ascending order.
     values: Vec<f64>,
 }
 
-/// What is known of values in bins.
+/// Values that are counted in bins.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Binned {
-    /// Where bin 0 is.
+    /// The value of bin 0.
     pub centre: f64,
-    /// Bins are 2^level wide.
+    /// The width of a bin is 2^level.
     pub level: i32,
     pub smallest: f64,
     pub largest: f64,
-    /// The bins that are not empty, ascending, and how many values lie in them or in lower ones.
+    /// The occupied bins in ascending order, each with the number of values in it and in lower
+    /// bins.
     pub up_to: Vec<(i64, u64)>,
 }
 
 impl Ordered {
-    /// How many.
+    /// Number of values.
     pub fn count(&self) -> u64 {
         match self {
             Ordered::Kept(kept) => kept.values.len() as u64 + kept.at_centre,
@@ -51,9 +53,9 @@ impl Ordered {
         }
     }
 
-    /// The quantile of order p, 0 <= p <= 1: between the order statistics either side of rank p (n - 1) (definition 7 of R. J.
-    /// Hyndman and Y. Fan, *Sample quantiles in statistical packages*, The American Statistician 50 (1996)). NaN if there
-    /// are no values.
+    /// The quantile of order p, 0 <= p <= 1, interpolated between the order statistics on either
+    /// side of rank p (n - 1); NaN if there are no values. This is definition 7 of R. J. Hyndman
+    /// and Y. Fan, *Sample quantiles in statistical packages*, The American Statistician 50 (1996).
     pub fn quantile(&self, p: f64) -> f64 {
         let n = self.count();
         if n == 0 {
@@ -64,7 +66,7 @@ impl Ordered {
         below + (above - below) * rank.fract()
     }
 
-    /// The median of these values without some of them; NaN if there are no others.
+    /// The median of these values without those in `some`; NaN if no values are left.
     pub fn median_without(&self, some: &Ordered) -> f64 {
         let left = self.count().saturating_sub(some.count());
         if left == 0 {
@@ -78,7 +80,8 @@ impl Ordered {
                 let [below, above] = ranks(0.5 * (left - 1) as f64).map(|rank| others[rank as usize]);
                 below + (above - below) * 0.5
             }
-            // With so many values, where the distribution function of the others, even within bins, is a half.
+            // There are so many values that the median is taken as the place where the distribution
+            // function of the others, which is linear within bins, is one half.
             _ => {
                 let (mut low, mut high) = (self.of_rank(0), self.of_rank(self.count() - 1));
                 for _ in 0..BISECTIONS {
@@ -91,7 +94,7 @@ impl Ordered {
         }
     }
 
-    /// The value of rank 0 <= `rank` < n.
+    /// The value of rank `rank`, 0 <= `rank` < n.
     fn of_rank(&self, rank: u64) -> f64 {
         match self {
             Ordered::Kept(kept) => kept.place(rank).map_or(kept.centre, |place| kept.values[place]),
@@ -99,8 +102,8 @@ impl Ordered {
         }
     }
 
-    /// The error of the standard deviation of independent values, relative to it, and its degrees
-    /// of freedom ([`super::spread`]); those in a bin are taken to lie in the middle of it.
+    /// The relative error of the standard deviation of independent values, and its degrees of
+    /// freedom ([`super::spread`]). Values in a bin are taken to lie in its middle.
     pub fn error_of_spread(&self) -> (f64, f64) {
         let (n, values) = (self.count(), self.weighted());
         let mean = values.iter().map(|(value, number)| number * value).sum::<f64>() / n as f64;
@@ -112,7 +115,7 @@ impl Ordered {
         (tails.squares().sqrt() / (2.0 * n as f64), tails.freedom(n))
     }
 
-    /// Values, ascending, and how many there are of each.
+    /// The values in ascending order, and how many there are of each.
     fn weighted(&self) -> Vec<(f64, f64)> {
         match self {
             Ordered::Kept(kept) => kept.runs().collect(),
@@ -120,7 +123,7 @@ impl Ordered {
         }
     }
 
-    /// How many values are no larger than `value`.
+    /// The number of values no larger than `value`.
     pub fn up_to(&self, value: f64) -> f64 {
         match self {
             Ordered::Kept(kept) => {
@@ -132,33 +135,34 @@ impl Ordered {
     }
 }
 
-/// The whole ranks either side of one.
+/// The whole ranks on either side of a rank.
 fn ranks(rank: f64) -> [u64; 2] {
     [rank.floor() as u64, rank.ceil() as u64]
 }
 
 impl Kept {
-    /// Of these values, none of them at the centre, in any order.
+    /// These values, of which none is at the centre, in any order, and `at_centre` values at the
+    /// centre.
     pub fn of(mut values: Vec<f64>, centre: f64, at_centre: u64) -> Self {
         values.sort_unstable_by(f64::total_cmp);
         let below = values.partition_point(|value| *value < centre);
         Kept { centre, at_centre, below, values }
     }
 
-    /// All values, ascending, those at the centre in one go.
+    /// All values in ascending order with their numbers, where those at the centre are one entry.
     fn runs(&self) -> impl Iterator<Item = (f64, f64)> {
         let (below, above) = self.values.split_at(self.below);
         let one = |value: &f64| (*value, 1.0);
         below.iter().map(one).chain([(self.centre, self.at_centre as f64)]).chain(above.iter().map(one))
     }
 
-    /// All values, ascending.
+    /// All values in ascending order.
     pub fn ascending(&self) -> impl Iterator<Item = f64> {
         (0..self.values.len() as u64 + self.at_centre)
             .map(|rank| self.place(rank).map_or(self.centre, |place| self.values[place]))
     }
 
-    /// Where the value of this rank is; none if it is the centre.
+    /// The index in `values` of the value of this rank; none if that value is the centre.
     fn place(&self, rank: u64) -> Option<usize> {
         let below = self.below as u64;
         if rank < below {
@@ -180,7 +184,7 @@ impl Binned {
         Binned { centre, level: bins.level, smallest: bins.smallest, largest: bins.largest, up_to }
     }
 
-    /// The middles of the bins and how many values are in each.
+    /// The middles of the bins, and how many values are in each bin.
     fn middles(&self) -> impl Iterator<Item = (f64, f64)> {
         let mut before = 0;
         self.up_to.iter().map(move |&(index, up_to)| {
@@ -194,7 +198,8 @@ impl Binned {
         self.up_to.last().map_or(0, |bin| bin.1)
     }
 
-    /// In the middle of its share of its bin; the smallest and the largest as they are.
+    /// The value of a rank. The values of a bin are taken to be spread evenly over it; the smallest
+    /// and the largest value are exact.
     fn of_rank(&self, rank: u64) -> f64 {
         if rank == 0 {
             return self.smallest;
@@ -208,7 +213,8 @@ impl Binned {
         low + (high - low) * (((rank - before) as f64 + 0.5) / (end - before) as f64)
     }
 
-    /// Of the values in its bin, as many as its place in it says.
+    /// The number of values no larger than `value`. In the bin of `value` it is interpolated
+    /// linearly.
     fn up_to(&self, value: f64) -> f64 {
         let (place, before) = self.bin(|bin| self.edges(bin.0).1 <= value);
         let Some(&(index, end)) = self.up_to.get(place) else { return before as f64 };
@@ -223,7 +229,7 @@ impl Binned {
         (place, if place == 0 { 0 } else { self.up_to[place - 1].1 })
     }
 
-    /// Where the values of a bin may lie.
+    /// The interval in which the values of a bin may lie.
     fn edges(&self, index: i64) -> (f64, f64) {
         let width = width(self.level);
         let edge = |index: i64| (self.centre + index as f64 * width).clamp(self.smallest, self.largest);

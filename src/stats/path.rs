@@ -1,29 +1,30 @@
 //! One path of the cascade, folded as its events arrive.
 //!
-//! After a burn-in a phase is counted if it begins at its end or later. So each phase has one
-//! chance to be counted, however long it lasts: of those that run at one given instant the long
-//! ones are too many. Time and way are counted from that instant on, whatever phase they fall in.
+//! With a burn-in, a phase is counted if it begins at the end of the burn-in or later. So each
+//! phase has one chance to be counted, however long it lasts. The phases that run at a given
+//! instant would be a biased sample, because long ones are too frequent among them. Times and
+//! distances are counted from the end of the burn-in on, whatever phase they fall in.
 
 use crate::model::{Event, EventKind, Sign};
 
-/// The running sums of one path. Every entry is a sum in time order, so it depends on the path
+/// The running sums of one path. Every entry is a sum in time order, so it depends on this path
 /// alone.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PathFold {
     now: Now,
     /// The end of the burn-in; 0 if there is none.
     after: f64,
-    /// Whether the phase that runs now is counted: whether it began after the burn-in.
+    /// Whether the present phase is counted, because it began after the burn-in.
     is_counted: bool,
-    /// Direction of the sub-phase that runs now, or ran last.
+    /// Direction of the present or last sub-phase.
     pub direction: Sign,
-    /// When the static phase that runs now, or ran last, was entered.
+    /// When the present or last static phase began.
     stick_entered: f64,
-    /// x at the last event: where the present sub-phase began.
+    /// x at the last event, where the present sub-phase began.
     last_displacement: f64,
-    /// x_j: where the present dynamic phase began.
+    /// x_j, where the present dynamic phase began.
     slip_origin: f64,
-    /// Sub-phases of the present dynamic phase, the running one included.
+    /// Sub-phases of the present dynamic phase so far, including the present one.
     running_sub_phases: u32,
     /// Completed sticks, j >= 1, that are not counted.
     pub early_sticks: u32,
@@ -31,38 +32,38 @@ pub(super) struct PathFold {
     pub early_slips: u32,
     /// x0.
     start: f64,
-    /// How far x has moved from x0 at the end of the burn-in.
+    /// x - x0 at the end of the burn-in.
     pub early_displacement: f64,
-    /// Completed sticks, j >= 1, as are counted; likewise all that follows.
+    /// Completed sticks, j >= 1, that are counted. The sums below are also of counted phases.
     pub sticks: u32,
-    /// Sum of their D_j.
+    /// Sum of the D_j of these sticks.
     pub duration: f64,
-    /// Sum of their D_j^2.
+    /// Sum of the D_j^2 of these sticks.
     pub duration_squared: f64,
     /// D_0, once the first stick has ended.
     pub first_duration: Option<f64>,
     /// Completed dynamic phases.
     pub slips: u32,
-    /// Sum of their k(j).
+    /// Sum of the k(j) of these phases.
     pub sub_phases: u32,
-    /// How many of them have k(j) >= 2.
+    /// Number of these phases with k(j) >= 2.
     pub multiple: u32,
     /// Sum of x_{j+1} - x_j over completed dynamic phases.
     pub jump: f64,
-    /// Sum of |x_{j+1} - x_j|.
+    /// Sum of |x_{j+1} - x_j| over completed dynamic phases.
     pub jump_abs: f64,
     /// Total static time after the burn-in, the first and the last stick included.
     pub stick_time: f64,
-    /// Integral of |x'| dt after the burn-in: x is monotone on a sub-phase, so it is the sum of |x
-    /// change| between events.
+    /// Integral of |x'| dt after the burn-in. Since x is monotone on a sub-phase, this is the sum
+    /// of the distances between events.
     pub travel: f64,
-    /// max |x|, of the burn-in as well: attained at an event, at the start or at the end.
+    /// max |x|, the burn-in included. It is attained at an event, at the start or at the end.
     pub max_displacement: f64,
     /// x(t_end).
     pub displacement_end: f64,
 }
 
-/// What the path is doing.
+/// The present phase of a path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Now {
     /// Static since t = 0.
@@ -127,19 +128,19 @@ impl PathFold {
         }
     }
 
-    /// The same with a burn-in up to this time.
+    /// The same path with a burn-in that ends at this time.
     pub fn counted_after(self, after: f64) -> Self {
         PathFold { after, ..self }
     }
 
-    /// The burn-in ends, with x there.
+    /// The burn-in ends, at this displacement.
     pub fn count_from_here(&mut self, displacement: f64) {
         self.early_displacement = displacement - self.start;
         self.last_displacement = displacement;
         self.travel = 0.0;
     }
 
-    /// The next event. Says which counted phase it completes, if it completes one.
+    /// Add the next event. Returns the counted phase that it completes, if it completes one.
     #[inline]
     pub fn event(&mut self, event: &Event) -> Option<Completed> {
         let completed = match event.kind {
@@ -160,7 +161,8 @@ impl PathFold {
         completed
     }
 
-    /// How much of a stick that began at `entered` is after the burn-in at this time.
+    /// The part, after the burn-in, of the time from the beginning of the present stick until
+    /// `time`.
     fn counted_time(&self, time: f64) -> f64 {
         (time - self.stick_entered.max(self.after)).max(0.0)
     }
@@ -207,7 +209,8 @@ impl PathFold {
         completed
     }
 
-    /// t_end, with x there. Says which counted phase is cut off. The first stick always is.
+    /// The path ends at t_end, at this displacement. Returns the counted phase that is cut off. The
+    /// first stick is always counted.
     pub fn end(&mut self, time: f64, displacement: f64) -> Option<Censored> {
         self.displacement_end = displacement;
         self.max_displacement = self.max_displacement.max(displacement.abs());
@@ -236,9 +239,9 @@ mod tests {
 
     #[test]
     fn the_deterministic_cascade_of_the_papers_frequency_one_half_is_read_as_two_sub_phases() {
-        // Shaw's case with forcing 1/2, f_d = 1, from its 40-digit solution: slip at 1.287 from x =
-        // 6, turn at 6.425 with x = -9.744, stick at 12.277 with x = 6.341. The end at 13 is in the
-        // middle of that stick.
+        // Shaw's case with forcing 1/2 and f_d = 1, from its 40-digit solution: slip at 1.287 from
+        // x = 6, turn at 6.425 with x = -9.744, stick at 12.277 with x = 6.341. The end at 13 is
+        // within that stick.
         let mut path = PathFold::starting_at(6.0);
         let slip = path.event(&event(EventKind::SlipStarted(Negative), 1.287_002_217_586_568_8, 6.0));
         let turn =
@@ -250,7 +253,8 @@ mod tests {
         assert_eq!((path.sticks, path.slips, path.sub_phases, path.multiple), (0, 1, 2, 1));
         assert_eq!(path.first_duration, Some(1.287_002_217_586_568_8));
         assert_eq!(path.max_displacement, 9.743_812_675_160_928);
-        // Travel 15.7438... + 16.0849...; rounding of two differences of numbers near 10.
+        // The travel is 15.7438... + 16.0849..., with the rounding of two differences of numbers
+        // near 10.
         assert!((path.travel - 31.828_680_110_268_83).abs() < 1e-13);
         assert!((path.jump - 0.341_054_759_946_978).abs() < 1e-14);
         assert!((path.stick_time - (1.287_002_217_586_568_8 + 0.723_308_055_902_64)).abs() < 1e-13);
@@ -275,7 +279,7 @@ mod tests {
             path.end(3.0, end);
             path.max_displacement
         };
-        // At the start, at an event, at t_end, on either side.
+        // The largest |x| is at the start, at an event, or at t_end, on either side.
         for sign in [1.0, -1.0] {
             assert_eq!(slip_to(sign * 7.0, sign * 3.0, -sign * 5.0), 7.0);
             assert_eq!(slip_to(-sign * 2.0, sign * 7.0, sign * 5.0), 7.0);
@@ -321,8 +325,8 @@ mod tests {
             path.event(&event(EventKind::StickEntered, 11.0, 2.0)),
             path.event(&event(EventKind::SlipStarted(Positive), 12.0, 2.0)),
         ];
-        // The slip from 4 to 6 began before: it is in no count and no jump, but its way from 1.5 on
-        // is.
+        // The slip from 4 to 6 began before the end of the burn-in. It is in no count and no jump,
+        // but its distance from 1.5 on is in the travel.
         let counted = [None, Some(Completed::Stick(3.0)), None, Some(Completed::Slip(2)), Some(Completed::Stick(1.0))];
         assert_eq!(seen, counted);
         assert_eq!(path.end(14.0, 5.0), Some(Censored::Slip));
@@ -333,7 +337,7 @@ mod tests {
         assert_eq!((path.max_displacement, path.displacement_end), (5.0, 5.0));
     }
 
-    /// From 2 on the path sticks, and the burn-in ends at 5; then it slips at 8, or never.
+    /// The path sticks from 2 on, and the burn-in ends at 5. Then the path slips at 8, or never.
     #[test]
     fn a_stick_that_runs_at_the_end_of_the_burn_in_is_not_counted_and_its_later_time_is() {
         let sticking = || {
@@ -354,7 +358,7 @@ mod tests {
         let mut first = PathFold::starting_at(0.0).counted_after(5.0);
         first.count_from_here(0.0);
         assert_eq!((first.end(10.0, 0.0), first.stick_time), (Some(Censored::FirstStick), 5.0));
-        // What begins at that very instant is counted.
+        // A phase that begins at the end of the burn-in is counted.
         let mut at_once = PathFold::starting_at(0.0).counted_after(5.0);
         at_once.event(&event(EventKind::SlipStarted(Positive), 1.0, 0.0));
         at_once.event(&event(EventKind::StickEntered, 5.0, 2.0));

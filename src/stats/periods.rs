@@ -1,7 +1,8 @@
-//! x at the whole forcing periods: drift velocity, diffusion coefficient, spread at one phase of the forcing.
+//! x at the whole forcing periods: drift velocity, diffusion coefficient, spread at one phase of
+//! the forcing.
 //!
-//! The first two are slopes of ordinary least squares over the K instants t_n = n P that are counted, written with the weights
-//! c_n = (t_n - mean t) / sum (t_n - mean t)^2:
+//! The first two are slopes of ordinary least squares over the K instants t_n = n P that are
+//! counted. They are written with the weights c_n = (t_n - mean t) / sum (t_n - mean t)^2:
 //!
 //! ```text
 //! drift velocity          V   = mean over paths of   sum_n c_n (x_i(t_n) - x0)
@@ -19,13 +20,13 @@ use super::wandering::{Wandering, WanderingFold};
 use super::{Ends, PeriodMoments};
 use crate::scheme::{Snapshot, Timeline};
 
-/// Times of the whole forcing periods, and the weights in a slope of those that are counted.
+/// The times of the whole forcing periods, and the weights of the counted ones in a slope.
 #[derive(Clone, Debug, PartialEq)]
 struct Slope {
     time: Vec<f64>,
     /// Number of instants before the first one that is counted.
     skipped: usize,
-    /// c_n; empty if fewer than two instants are counted, hence no slope.
+    /// c_n; empty if fewer than two instants are counted, because then there is no slope.
     weights: Vec<f64>,
 }
 
@@ -43,18 +44,18 @@ impl Slope {
     }
 }
 
-/// Moments of x at the whole forcing periods, and of the two slopes.
+/// Moments of x at the whole forcing periods, and of the slopes and spreads of single paths.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct PeriodSums {
-    /// Of x(t_n) - x0.
+    /// Moments of x(t_n) - x0.
     displacement: Vec<SpreadMoments>,
-    /// Of each path's slope.
+    /// Moments of the slope of each path.
     drift: Moments,
-    /// Of each path's share in the slope of the variance.
+    /// Moments of each path's contribution to the slope of the variance.
     spreading: Moments,
-    /// Of each path's share in S^2.
+    /// Moments of each path's contribution to S^2.
     spread: Moments,
-    /// Of the influences on it.
+    /// Second and fourth powers of the influences of paths on S^2.
     spread_tails: Tails,
     pub wandering: Wandering,
 }
@@ -84,17 +85,19 @@ impl PeriodSums {
         self.wandering.merge(&other.wandering);
     }
 
-    /// V; it takes two instants.
+    /// V. Two instants are needed.
     pub fn drift_velocity(&self, timeline: &Timeline) -> Measured {
         if timeline.counted_periods() == 0 { Measured::NOTHING } else { Measured::mean(&self.drift) }
     }
 
-    /// D; it takes two instants and two paths.
+    /// D. Two instants and two paths are needed.
     ///
-    /// The estimate is half the slope of the unbiased pooled variances. Its error is that of the mean over paths of
-    /// y_i = sum_n c_n (x_i(t_n) - m_n)^2, whose centre m_n is the mean over the path's block. With n paths in a block m_n is off
-    /// by sd/sqrt(n), which changes the spread of the y_i by a relative O(1/n), made smaller by the factor n/(n - 1) on them:
-    /// below 1 % of the standard error at 256 paths a block. A block of a single path has no spread and is left out.
+    /// The estimate is half the slope of the unbiased pooled variances. Its error is that of the
+    /// mean over paths of y_i = sum_n c_n (x_i(t_n) - m_n)^2, where m_n is the mean over the block
+    /// of the path. With n paths in a block, m_n is off by sd/sqrt(n), which changes the spread of
+    /// the y_i by a relative O(1/n). The factor n/(n - 1) on the y_i makes this smaller: it is
+    /// below 1 % of the standard error at 256 paths per block. A block of a single path has no
+    /// spread and is left out.
     pub fn diffusion_coefficient(&self, timeline: &Timeline) -> Measured {
         let slope = Slope::over(timeline);
         if slope.weights.is_empty() {
@@ -105,8 +108,8 @@ impl PeriodSums {
         Measured::mean(&self.spreading).about(growth).divided_by(2.0)
     }
 
-    /// S; it takes an instant and two paths. Estimate and error are found as those of D, with 1/K
-    /// in place of c_n, and a spread has the interval of one ([`super::spread`]).
+    /// S. One instant and two paths are needed. Estimate and error are found like those of D, with
+    /// 1/K in place of c_n. The interval is that of a standard deviation ([`super::spread`]).
     pub fn spread_at_phase(&self, timeline: &Timeline) -> Measured {
         let counted = &self.displacement[Slope::over(timeline).skipped..];
         if counted.is_empty() {
@@ -131,24 +134,25 @@ impl PeriodSums {
             mean: self.displacement.iter().map(|period| two(period).mean()).collect(),
             mean_ends: self.displacement.iter().map(mean_ends).collect(),
             variance: self.displacement.iter().map(|period| two(period).variance()).collect(),
-            // The square of a standard deviation is where the squares of the ends are.
+            // The ends of the interval of a variance are the squares of those of the standard
+            // deviation.
             variance_ends: self.displacement.iter().map(|p| sd_ends(p).map(|end| end * end)).collect::<Ends>(),
         }
     }
 }
 
-/// One block of paths on its way through the periods.
+/// Folds one block of paths, period by period.
 pub(super) struct PeriodFold {
     sums: PeriodSums,
     slope: Slope,
     x0: f64,
     /// x - x0 of each path at the present period.
     displacement: Vec<f64>,
-    /// Each path's slope, as far as it has come.
+    /// The slope of each path, summed up to the present period.
     drift: Vec<f64>,
-    /// Each path's y_i, as far as it has come.
+    /// y_i of each path, summed up to the present period.
     spreading: Vec<f64>,
-    /// Each path's share in S^2, as far as it has come.
+    /// The contribution of each path to S^2, summed up to the present period.
     spread: Vec<f64>,
     wandering: WanderingFold,
     unit: Unit,
@@ -171,20 +175,21 @@ impl PeriodFold {
         }
     }
 
-    /// The same with another independent unit than the path.
+    /// Set another independent unit than the path.
     pub fn set_unit(&mut self, unit: Unit) {
         self.unit = unit;
     }
 
-    /// The paths at the end of period `n` = 1, 2, ... A scheme with a step shows the instant of it that is nearest to t_n;
-    /// from there to t_n they go on at the velocity that they have.
+    /// Add the paths at the end of period `n` = 1, 2, ... A scheme with a step gives the state at
+    /// its instant nearest to t_n. From there to t_n the paths are continued at their present
+    /// velocity.
     pub fn observe(&mut self, n: usize, snapshot: &Snapshot<'_>) {
         let missing = self.slope.time.get(n - 1).map_or(0.0, |time| time - snapshot.time);
         let states = snapshot.displacement.iter().zip(snapshot.velocity);
         self.fold(n, &states.map(|(x, v)| x + missing * v).collect::<Vec<f64>>());
     }
 
-    /// x of each path at the end of period `n` = 1, 2, ...
+    /// Add x of each path at the end of period `n` = 1, 2, ...
     pub fn fold(&mut self, n: usize, displacement: &[f64]) {
         self.displacement.clear();
         self.displacement.extend(displacement.iter().map(|x| x - self.x0));
@@ -218,8 +223,8 @@ impl PeriodFold {
     }
 }
 
-/// The paths' shares in a spread about the mean of their block, times n/(n - 1); a single path has
-/// none.
+/// The contributions of paths to a spread about the mean of their block, times n/(n - 1). For a
+/// block of a single path there are none.
 fn unbiased(mut shares: Vec<f64>) -> Vec<f64> {
     let n = shares.len() as f64;
     if shares.len() < 2 {
@@ -240,7 +245,8 @@ mod tests {
 
     #[test]
     fn drift_and_diffusion_of_a_brownian_motion_are_covered() {
-        // x(t) = x0 + V t + sqrt(2 D) W(t), seen at 2.5, 5, ..., 15; 400 paths in blocks of 200.
+        // x(t) = x0 + V t + sqrt(2 D) W(t), observed at 2.5, 5, ..., 15, for 400 paths in blocks of
+        // 200.
         let (drift, diffusion, x0) = (-0.3, 0.7, 6.0);
         let timeline = Timeline { end: 16.0, output_step: 16.0, period: Some(2.5), after: 0.0 };
         let mut rng = Pcg64Dxsm::seed_from_u64(1905);
@@ -275,7 +281,7 @@ mod tests {
             correlation_held.count(r.low <= 0.0 && 0.0 <= r.high);
             drift_held.count(v.low <= drift && drift <= v.high);
             diffusion_held.count(d.low <= diffusion && diffusion <= d.high);
-            // At the last period, after 15: V t and 2 D t.
+            // At the last period, at t = 15, the mean is V t and the variance is 2 D t.
             let PeriodMoments { mean_ends, variance_ends, .. } = totals.summary(&timeline, true);
             let (mean, variance) = (drift * 15.0, 2.0 * diffusion * 15.0);
             mean_held.count(mean_ends.low[5] <= mean && mean <= mean_ends.high[5]);
@@ -286,29 +292,33 @@ mod tests {
         diffusion_held.assert_95_percent("diffusion coefficient");
         mean_held.assert_95_percent("mean at a period");
         variance_held.assert_95_percent("variance at a period");
-        // Free of a spring, each displacement is a draw of its own.
+        // Without a spring, the displacements from period to period are independent draws.
         step_held.assert_95_percent("mean displacement from period to period");
         sd_held.assert_95_percent("standard deviation of it");
         correlation_held.assert_95_percent("correlation of it");
-        // Unbiased. The slope of the variances of 400 paths has a relative sd of about 1.3 sqrt(2/400) = 0.09, so the mean
-        // over the ensembles is within 4 sd = 4 * 0.09 / sqrt(2000) = 0.8 % but for a false-alarm rate of 6e-5.
+        // The estimate is unbiased. The slope of the variances of 400 paths has a relative sd of
+        // about 1.3 sqrt(2/400) = 0.09. So the mean over the ensembles is within 4 sd = 4 * 0.09 /
+        // sqrt(2000) = 0.8 %, with a false-alarm rate of 6e-5.
         assert!((mean_estimate / diffusion - 1.0).abs() < 0.008, "{mean_estimate}");
     }
 
-    /// Three paths over the periods 1, 2, 3 with the weights -1/2, 0, 1/2: x - x0 is 0, 1, 2 at the first and 4, 0, -1 at the last, of mean 1 both times. So the
-    /// variances are 1 and 7, D = (7 - 1)/4, and the paths' shares y = (9 - 1)/2, 1/2 and (4 - 1)/2, times n/(n - 1) = 3/2, are 6, 3/4 and 9/4, of variance
-    /// 7.3125; the standard error of half their mean is sqrt(7.3125/3)/2. Slopes 2, -1/2 and -3/2 of mean 0 and variance 13/4.
+    /// Three paths over the periods 1, 2, 3 with the weights -1/2, 0, 1/2. x - x0 is 0, 1, 2 at the
+    /// first period and 4, 0, -1 at the last, with mean 1 both times. So the variances are 1 and 7,
+    /// and D = (7 - 1)/4. The contributions y = (9 - 1)/2, 1/2 and (4 - 1)/2 of the paths, times
+    /// n/(n - 1) = 3/2, are 6, 3/4 and 9/4, with variance 7.3125. So the standard error of half
+    /// their mean is sqrt(7.3125/3)/2. The slopes are 2, -1/2 and -3/2, with mean 0 and variance
+    /// 13/4.
     #[test]
     fn the_errors_of_drift_and_diffusion_of_unequal_paths_are_those_computed_by_hand() {
         let timeline = Timeline { end: 3.0, output_step: 3.0, period: Some(1.0), after: 0.0 };
         let mut fold = PeriodFold::new(&timeline, 6.0, 3);
         fold.fold(1, &[6.0, 7.0, 8.0]);
-        fold.fold(2, &[-20.0, 30.0, 5.0]); // in the middle, where the weight is zero
+        fold.fold(2, &[-20.0, 30.0, 5.0]); // the middle period, where the weight is zero
         fold.fold(3, &[10.0, 6.0, 5.0]);
         let totals = fold.finish();
         let d = totals.diffusion_coefficient(&timeline).named(Statistic::DiffusionCoefficient);
         let v = totals.drift_velocity(&timeline).named(Statistic::DriftVelocity);
-        let t = 4.302_652_729_9; // Student's t, two degrees of freedom
+        let t = 4.302_652_729_9; // Student's t with two degrees of freedom
         for (e, value, error) in [(d, 1.5, (7.3125f64 / 3.0).sqrt() / 2.0), (v, 0.0, (3.25f64 / 3.0).sqrt())] {
             let all = [(e.estimate, value), (e.standard_error, error), (e.high, value + t * error)];
             assert!(
@@ -318,8 +328,9 @@ mod tests {
         }
     }
 
-    /// One path at x = 0.3 + 2 t - 0.7 t^2, looked at on a grid of 0.01 that no period ends on: what is told is x at the end
-    /// of the period, but for the 0.7 (0.005)^2 that the velocity there misses, where x on the grid is 0.005 off.
+    /// One path at x = 0.3 + 2 t - 0.7 t^2, observed on a grid of 0.01 on which no period ends. The
+    /// result is x at the end of the period, except for the 0.7 (0.005)^2 by which continuing at
+    /// the velocity is off. On the grid itself x would be 0.005 off.
     #[test]
     fn x_is_told_at_the_end_of_a_period_and_not_at_the_nearest_instant_of_the_grid() {
         let period = 0.314_9;
@@ -339,8 +350,9 @@ mod tests {
         }
     }
 
-    /// x - x0 is 0, 1, 5 and then 3, 3, 0, of variances 7 and 3: S^2 = 5, and the paths' shares (4 + 1)/2, (1 + 1)/2 and (9 + 4)/2, times 3/2, have the
-    /// variance 18.1875. The instant before the end of the burn-in is in the moments of each period alone.
+    /// x - x0 is 0, 1, 5 and then 3, 3, 0, with variances 7 and 3, so S^2 = 5. The contributions (4
+    /// + 1)/2, (1 + 1)/2 and (9 + 4)/2 of the paths, times 3/2, have the variance 18.1875. The
+    /// instant before the end of the burn-in is in the moments of each period only.
     #[test]
     fn the_spread_at_one_phase_and_its_error_are_those_computed_by_hand() {
         let timeline = Timeline { end: 3.0, output_step: 3.0, period: Some(1.0), after: 1.5 };
@@ -351,7 +363,8 @@ mod tests {
         let totals = fold.finish();
         let e = totals.spread_at_phase(&timeline).named(Statistic::PhaseDisplacementSd);
         let error = (18.1875f64 / 3.0).sqrt() / (2.0 * 5f64.sqrt());
-        // Three numbers about their mean always have two degrees of freedom; 4.3 errors are more than S.
+        // Three numbers about their mean always have two degrees of freedom. 4.3 standard errors
+        // are more than S, so that the upper end is infinite.
         let low = 5f64.sqrt() / (1.0 + 4.302_652_729_9 * error / 5f64.sqrt());
         let all = [(e.estimate, 5f64.sqrt()), (e.standard_error, error), (e.low, low)];
         assert!(all.iter().all(|(got, expected)| (got - expected).abs() < 1e-9), "{e:?}");
@@ -361,10 +374,11 @@ mod tests {
         assert_eq!(totals.summary(&timeline, true).mean.len(), 3);
     }
 
-    /// Of one instant the spread at one phase is the standard deviation over paths, and so is that of
-    /// the only displacement from period to period, but for n in place of n - 1 in it. Both have the
-    /// interval of a plain standard deviation of so many numbers, whose long tail leaves them fewer
-    /// degrees of freedom than n - 1; but the error in it is wider by n/(n - 1).
+    /// For a single instant the spread at one phase is the standard deviation over paths. The only
+    /// displacement from period to period has that standard deviation as well, except that n takes
+    /// the place of n - 1. Both have the interval of a plain standard deviation of n numbers, to
+    /// which the long tail leaves fewer than n - 1 degrees of freedom, but with an error that is
+    /// larger by n/(n - 1).
     #[test]
     fn spreads_of_long_tailed_laws_have_the_intervals_of_a_standard_deviation() {
         let n = 40.0;
@@ -380,7 +394,7 @@ mod tests {
         };
         let reach = |low: f64, estimate: f64| estimate / low - 1.0;
         let wanted = reach(plain.low, plain.estimate) * n / (n - 1.0);
-        let students_t = 2.022_690_9; // of 39 degrees of freedom
+        let students_t = 2.022_690_9; // Student's t with 39 degrees of freedom
         assert!(reach(plain.low, plain.estimate) > 1.1 * students_t * plain.standard_error / plain.estimate);
         for (e, sd) in [(reported(0.0).0, plain.estimate * ((n - 1.0) / n).sqrt()), (reported(1.5).1, plain.estimate)] {
             assert!((e.estimate / sd - 1.0).abs() < 1e-12, "{e:?}, expected {sd}");

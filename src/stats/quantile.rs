@@ -1,26 +1,26 @@
-//! Quantiles of the stick durations, above all their median, with Woodruff's interval: that of a
-//! share, read back through the distribution.
+//! Quantiles of the stick durations, above all their median, with Woodruff's interval: the interval
+//! of a share, read back through the distribution.
 //!
 //! The error of the share F(m) of sticks no longer than the quantile m is turned into one of m (R.
 //! S. Woodruff, *Confidence intervals for medians and other position measures*, Journal of the
 //! American Statistical Association 47 (1952)). F(m) is a ratio of sums over batches of whole paths
-//! ([`Share`]), so sticks of a path may depend on each other as they like.
+//! ([`Share`]), so sticks of a path may depend on each other in any way.
 //!
-//! Where the interval of the share leaves (0, 1), the data bound the quantile by nothing but 0 or
-//! infinity.
+//! Where the interval of the share leaves (0, 1), the data give no bound of the quantile, and the
+//! end of its interval is 0 or infinity.
 
 use super::batches::Share;
 use super::interval::{Measured, student};
 use super::ordered::Ordered;
 use super::steps::{Cell, Steps};
 
-/// The share of durations no longer than this.
+/// The share of durations that are no longer than `duration`.
 fn share(batches: &[Ordered], duration: f64) -> Share {
     Share::of(batches.iter().map(|batch| (batch.up_to(duration), batch.count() as f64)))
 }
 
-/// The quantile of order p of durations of a continuous law: those of orders p -+ t se(F(m)) are
-/// the ends of its interval.
+/// The quantile of order p of durations with a continuous law. The ends of its interval are the
+/// quantiles of orders p -+ t se(F(m)).
 pub(super) fn continuous(batches: &[Ordered], pooled: &Ordered, p: f64) -> Measured {
     if pooled.count() == 0 {
         return Measured::NOTHING;
@@ -39,14 +39,15 @@ pub(super) fn continuous(batches: &[Ordered], pooled: &Ordered, p: f64) -> Measu
 /// The quantile of order p of durations that are whole numbers of steps, in steps: the smallest m
 /// with F(m) >= p.
 ///
-/// Its interval holds every m that the data do not refute. They refute one that lies below by F(m)
-/// < p, and one that lies above by F(m - 1) >= p, each at the level of 2.5 %, with the error of the
-/// share at that very place: a law with atoms may have quite another one next to it. Because m is a
-/// whole number the interval covers it in 95 % of all cases or more, and is often a single number.
+/// Its interval holds every m that the data do not refute. The data refute a lower m by F(m) < p,
+/// and a higher m by F(m - 1) >= p, each at the level of 2.5 %. The error of the share is taken at
+/// that very m, because where a law has atoms the error may differ from one value to the next.
+/// Since m is a whole number, the interval covers the truth in 95 % of all cases or more, and is
+/// often a single number.
 ///
-/// The standard error is that of the law spread evenly over half a step to either side, whose
-/// median moves smoothly. It falls like 1/sqrt(paths), and is below a step where the steps are too
-/// long to tell the median any finer.
+/// The standard error is that of the law when each duration is spread evenly over half a step to
+/// either side, because the median of that law moves smoothly. It falls like 1/sqrt(paths), and is
+/// below a step where the steps are too long to resolve the median any further.
 pub(super) fn of_steps(batches: &[Ordered], pooled: &Ordered, p: f64) -> Measured {
     if pooled.count() == 0 {
         return Measured::NOTHING;
@@ -71,7 +72,7 @@ pub(super) fn of_steps(batches: &[Ordered], pooled: &Ordered, p: f64) -> Measure
     let (lower, upper) = (&steps.cells()[..=place], &steps.cells()[place..]);
     let low = lower.iter().rev().take_while(|cell| !is_too_low(cell)).last().map_or(quantile, |cell| cell.first);
     let high = upper.iter().find(is_high_enough).map_or(f64::INFINITY, |cell| cell.last);
-    // As with a continuous law.
+    // The data give no bound under the same condition as with a continuous law.
     let (low, high) = (if half_width < p { low } else { 0.0 }, if p + half_width < 1.0 { high } else { f64::INFINITY });
     Measured::within(quantile, error, low, high)
 }

@@ -1,24 +1,25 @@
-//! Intervals of numbers that have a range: they stay in it, and where all paths agree they are no
-//! single point.
+//! Intervals of numbers that have a range. An interval stays within the range, and where all paths
+//! agree by chance it is not a single point.
 //!
-//! The interval of a share p holds every share s that the data do not refute: those for which p is
-//! within t standard errors of s, where the standard error is the one that p would have if s were
-//! true,
+//! The interval of a share p holds every share s that the data do not refute. These are the s from
+//! which p is no more than t standard errors away, where the standard error is the one that p would
+//! have if s were true:
 //!
 //! ```text
 //! (p - s)^2 <= t^2 s (1 - s)/n
 //! ```
 //!
 //! (E. B. Wilson, *Probable inference, the law of succession, and statistical inference*, Journal
-//! of the American Statistical Association 22 (1927).) Of paths that count as 0 or 1, n is their
-//! number. Of a share with another standard error e, n is the number of them that would have it, p
-//! (1 - p)/e^2 (E. L. Korn and B. I. Graubard, *Confidence intervals for proportions with small
-//! expected number of positive counts estimated from survey data*, Survey Methodology 24 (1998)).
+//! of the American Statistical Association 22 (1927).) If each path counts as 0 or 1, n is the
+//! number of paths. If the share has another standard error e, n is the number of such paths that
+//! would give this error, p (1 - p)/e^2 (E. L. Korn and B. I. Graubard, *Confidence intervals for
+//! proportions with small expected number of positive counts estimated from survey data*, Survey
+//! Methodology 24 (1998)).
 
-/// 97.5 % quantile of the normal law.
+/// The 97.5 % quantile of the normal law.
 pub(super) const NORMAL: f64 = 1.959_963_984_540_054;
 
-/// What a number can be at least and at most.
+/// The smallest and the largest value that a number can have.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Range {
     pub low: f64,
@@ -28,32 +29,31 @@ pub(super) struct Range {
 impl Range {
     /// Any number.
     pub const ANY: Range = Range { low: f64::NEG_INFINITY, high: f64::INFINITY };
-    /// A duration, a count, a spread, a work.
+    /// A duration, a count, a standard deviation, or work.
     pub const NOT_NEGATIVE: Range = Range { low: 0.0, high: f64::INFINITY };
-    /// A number of things of which there is one at least.
+    /// A number of things of which there is at least one.
     pub const FROM_ONE: Range = Range { low: 1.0, high: f64::INFINITY };
     /// A correlation.
     pub const CORRELATION: Range = Range { low: -1.0, high: 1.0 };
     /// A share.
     pub const SHARE: Range = Range { low: 0.0, high: 1.0 };
 
-    /// Whether it has two ends, and the number lies between them: a share of the way from one to
-    /// the other.
+    /// Whether the range has two ends and the number lies between them, so that it is a share of
+    /// the way from one end to the other.
     pub fn has_inside(self, number: f64) -> bool {
         self.low.is_finite() && self.high.is_finite() && self.low < number && number < self.high
     }
 
-    /// An interval without what lies outside.
+    /// The part of an interval that lies within the range. An end that is NaN stays NaN.
     pub fn clip(self, [low, high]: [f64; 2]) -> [f64; 2] {
-        // What is missing stays missing.
         let inside = |x: f64| if x.is_nan() { x } else { x.max(self.low).min(self.high) };
         [inside(low), inside(high)]
     }
 
-    /// Where a number is at which so many paths agree, one and all. That tells of no spread, but
-    /// paths that differ are few: the share of them is below that of Wilson for none of `paths`.
-    /// They may differ by as much as the range allows, so an end that the range does not bound is
-    /// infinite.
+    /// The interval of a number on which all of `paths` paths agree. Their agreement shows no
+    /// spread, but paths that differ must be rare: their share is below the upper end of Wilson's
+    /// interval for none of `paths`. They may differ by as much as the range allows, so an end that
+    /// the range does not bound is infinite.
     pub fn agreed(self, number: f64, paths: u64) -> [f64; 2] {
         let [_, few] = wilson(0.0, paths as f64, NORMAL);
         let towards = |end: f64| if end.is_finite() { number + few * (end - number) } else { end };
@@ -61,30 +61,29 @@ impl Range {
     }
 }
 
-/// The interval of a share p that n paths would tell, with t in place of the normal quantile.
+/// The interval of a share p of n paths, with t in place of the normal quantile.
 pub(super) fn wilson(p: f64, n: f64, t: f64) -> [f64; 2] {
     let square = t * t / n;
     let half_width = t * (p * (1.0 - p) / n + square / (4.0 * n)).sqrt();
     let end = |offset: f64| ((p + square / 2.0 + offset) / (1.0 + square)).clamp(0.0, 1.0);
-    // At 0 and 1 the nearer end is the share itself, but for rounding.
+    // At 0 and 1 the nearer end is the share itself, except for rounding.
     let low = if p <= 0.0 { 0.0 } else { end(-half_width).min(p) };
     let high = if p >= 1.0 { 1.0 } else { end(half_width).max(p) };
     [low, high]
 }
 
-/// So many paths, in so many independent units.
+/// The size of an ensemble: the numbers of its paths and of its independent units.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Sample {
     pub paths: u64,
     pub units: u64,
-    /// Whether they differ by chance.
+    /// Whether the paths differ by chance.
     pub is_random: bool,
 }
 
 impl Sample {
-    /// The interval of the share of paths that are so many of them, each of which is or is not; in
-    /// an ensemble that is not random it is the share itself, and for fewer than two units there is
-    /// none.
+    /// The interval of the share of paths with some property, if `count` paths have it. It is the
+    /// share itself where nothing is random, and NaN for fewer than two units.
     pub fn share(self, count: u64) -> [f64; 2] {
         let share = count as f64 / self.paths as f64;
         match (self.units, self.is_random) {
@@ -94,13 +93,13 @@ impl Sample {
         }
     }
 
-    /// The interval of their number, likewise.
+    /// The interval of the number of paths with some property, likewise.
     pub fn number(self, count: u64) -> [f64; 2] {
         self.share(count).map(|end| end * self.paths as f64)
     }
 }
 
-/// Paths each of which is a unit.
+/// Paths each of which is an independent unit.
 #[cfg(test)]
 pub(super) fn independent(paths: u64, is_random: bool) -> Sample {
     Sample { paths, units: paths, is_random }
@@ -127,8 +126,8 @@ mod tests {
 
     #[test]
     fn what_was_never_seen_is_bounded_by_the_number_of_paths_and_what_has_no_range_by_nothing() {
-        // t^2/(n + t^2): about four in n, one more than the rule of three, which leaves all of the
-        // 5 % at one end.
+        // The upper end is t^2/(n + t^2), about 4/n. The rule of three gives 3/n, because it leaves
+        // all of the 5 % at one end.
         assert_eq!(wilson(0.0, 12.0, 2.0), [0.0, 0.25]);
         assert_eq!(wilson(1.0, 12.0, 2.0), [0.75, 1.0]);
         let few = independent(4, true).share(0)[1];
@@ -139,9 +138,10 @@ mod tests {
         assert!(independent(1, true).share(1)[0].is_nan());
     }
 
-    /// Null: of 250 paths the share that is static is 0.3, or 0.02. The number of them is binomial,
-    /// so the coverage is a finite sum without chance: it is 95 % to within 1 %, and for the rare 2
-    /// %, where the number is about five, within 2 %.
+    /// Null: of 250 paths, each is static with probability 0.3, 0.5, 0.9 or 0.02. The number of
+    /// static paths is binomial, so that the coverage is a finite sum and not subject to chance. It
+    /// is 95 % to within 1 %, to within 1.5 % for 0.9, and to within 2 % for the rare 0.02, where
+    /// the number is about five.
     #[test]
     fn wilsons_interval_of_binomial_paths_covers_95_percent() {
         let n = 250_u64;

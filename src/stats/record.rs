@@ -1,4 +1,4 @@
-//! What is kept of single paths, on request.
+//! What a run keeps of single paths, on request.
 
 use super::Totals;
 use crate::model::{Event, EventKind, Sign};
@@ -6,38 +6,38 @@ use crate::model::{Event, EventKind, Sign};
 /// What a run keeps besides the statistics of the ensemble.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Record {
-    /// Scalars of every path.
+    /// Whether scalars of every path are kept.
     pub paths: bool,
-    /// The event table of every path.
+    /// Whether the events of every path are kept.
     pub events: bool,
-    /// The first so many paths are kept on the output grid.
+    /// How many paths, from the first on, are kept on the output grid.
     pub trajectories: u64,
 }
 
 impl Record {
-    /// Nothing.
+    /// Nothing is kept of single paths.
     pub const NOTHING: Record = Record { paths: false, events: false, trajectories: 0 };
 }
 
-/// Scalars of each path, one entry a path, in order of the path numbers. A diverged path holds NaN
-/// and zeros.
+/// Scalars of each path, one entry per path, in the order of the path numbers. A diverged path has
+/// NaN and zeros.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PathColumns {
     /// x(t_end).
     pub displacement_end: Vec<f64>,
     /// max over [0, t_end] of |x|.
     pub max_displacement: Vec<f64>,
-    /// D_0; NaN while it runs at t_end.
+    /// D_0; NaN if the first stick still runs at t_end.
     pub first_stick_duration: Vec<f64>,
-    /// Total static time, the first and the last stick included.
+    /// Static time within [after, t_end], the first and the last stick included.
     pub stick_time: Vec<f64>,
-    /// Integral of f_d |x'| dt.
+    /// Integral of f_d |x'| dt over [after, t_end].
     pub friction_work: Vec<f64>,
-    /// Completed sticks, j >= 1.
+    /// Completed sticks, j >= 1, that began at `after` or later.
     pub sticks: Vec<u32>,
-    /// Completed dynamic phases.
+    /// Completed dynamic phases that began at `after` or later.
     pub slips: Vec<u32>,
-    /// Sub-phases of the completed dynamic phases: sum of k(j).
+    /// Sum of k(j) over these dynamic phases.
     pub sub_phases: Vec<u32>,
     /// Whether the path diverged.
     pub diverged: Vec<bool>,
@@ -48,15 +48,15 @@ pub struct PathColumns {
 pub struct EventColumns {
     /// Number of events of each path.
     pub count: Vec<u32>,
-    /// tau.
+    /// tau, the time of each event.
     pub time: Vec<f64>,
     /// x(tau).
     pub displacement: Vec<f64>,
     /// b at tau.
     pub force: Vec<f64>,
-    /// Direction of the sub-phase that starts; 0 where a stick starts.
+    /// Direction of the sub-phase that starts, -1 or 1; 0 where a stick starts.
     pub sign: Vec<i8>,
-    /// 0 stick entered, 1 slip started, 2 sub-phase boundary.
+    /// Kind of each event: 0 stick entered, 1 slip started, 2 sub-phase boundary.
     pub kind: Vec<i8>,
 }
 
@@ -86,8 +86,7 @@ fn number(sign: Sign) -> i8 {
     }
 }
 
-/// Paths kept on the output grid; each matrix is row-major with shape (paths, rows of the output
-/// grid).
+/// Paths on the output grid. Each matrix is row-major with shape (paths, rows of the output grid).
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct TrajectoryRows {
     /// Path numbers, in order.
@@ -98,15 +97,16 @@ pub struct TrajectoryRows {
     pub velocity: Vec<f64>,
     /// T(t).
     pub temperature: Vec<f64>,
-    /// b(t), every force but friction.
+    /// b(t), the total of all forces except friction.
     pub force: Vec<f64>,
     /// F(t), the friction force: b in a static phase, f_d in the direction of motion otherwise.
     pub friction: Vec<f64>,
-    /// 1 where static.
+    /// 1 in a static phase, 0 otherwise.
     pub is_static: Vec<i8>,
 }
 
-/// What one block of paths leaves behind; self-contained, and mergeable with its neighbours.
+/// The result of one block of paths. It depends on no other block, and can be merged with its
+/// neighbours.
 #[derive(Clone, Debug)]
 pub struct BlockResult {
     /// Number of the first path.
@@ -115,12 +115,12 @@ pub struct BlockResult {
     pub paths: u64,
     /// Numbers of the diverged paths.
     pub diverged: Vec<u64>,
-    /// The sums every statistic is computed from.
+    /// The sums and counts from which every statistic is computed.
     pub totals: Totals,
-    /// If asked for.
+    /// Scalars of each path, if they are kept.
     pub path_columns: Option<PathColumns>,
-    /// If asked for; a diverged path has no events.
+    /// Events of each path, if they are kept. A diverged path has none.
     pub events: Option<EventColumns>,
-    /// If asked for and if the block holds any of the first paths.
+    /// Paths on the output grid, if any are kept and the block has any of them.
     pub trajectories: Option<TrajectoryRows>,
 }

@@ -1,5 +1,5 @@
-//! The state of a run after some of its blocks: enough to go on from, to join with other parts, and
-//! to sum up.
+//! The state of a run after some of its blocks. It is all that is needed to continue the run, to
+//! join it with other parts, and to compute its statistics.
 
 use super::codec::{Codec, Damaged, Reader};
 use super::totals::PhaseSums;
@@ -9,19 +9,19 @@ use crate::model::Model;
 use crate::scheme::Timeline;
 use std::ops::Range;
 
-/// How the bytes of a state begin: a name, and the version of what follows.
+/// The first bytes of a state: a name, and the version of what follows.
 const MAGIC: &[u8; 8] = b"sticksum";
 const VERSION: u64 = 3;
 
 /// The totals of some blocks of a run: the nodes of the tree of sums, and the counts, which need no
 /// tree.
 ///
-/// Any two of them that hold different blocks of one run can be joined, and whatever way the blocks
-/// were shared out, the result has the same bits. Memory grows with log2 of the number of blocks (a
-/// node takes about 7 kB for 121 rows of the output grid, 0.5 MB for 10 000), not with the number
-/// of paths.
+/// Any two of these that hold different blocks of one run can be joined. The result has the same
+/// bits, however the blocks were divided. Memory grows with log2 of the number of blocks (a node
+/// takes about 7 kB for 121 rows of the output grid, and 0.5 MB for 10 000), not with the number of
+/// paths.
 ///
-/// `X` are sums of a user's own ([`super::Tally`]), folded along the same tree.
+/// `X` are sums of a user's own ([`super::Tally`]), which are folded along the same tree.
 ///
 /// ```
 /// use stick_slip::scenario::Scenario;
@@ -59,7 +59,7 @@ impl<X: Merge> Merge for (Sums, X) {
     }
 }
 
-/// The program's sums alone.
+/// Only the sums of the program are written and read.
 impl Codec for (Sums, ()) {
     fn write(&self, out: &mut Vec<u8>) {
         self.0.write(out);
@@ -76,14 +76,15 @@ impl RunTotals {
         RunTotals::with((), model, timeline)
     }
 
-    /// Add block number `block`. Each block of a run is added once.
+    /// Add block number `block`. Each block of a run can be added once; a block that is already
+    /// there is an [`Overlap`].
     pub fn push(&mut self, block: u64, totals: Totals) -> Result<(), Overlap> {
         self.push_with(block, totals, ())
     }
 }
 
 impl<X: Merge + Clone> RunTotals<X> {
-    /// The totals of no blocks, beside empty sums of a user's own.
+    /// The totals of no blocks, with empty sums of the user's own.
     pub fn with(own: X, model: &Model, timeline: &Timeline) -> Self {
         RunTotals {
             timeline: *timeline,
@@ -93,7 +94,8 @@ impl<X: Merge + Clone> RunTotals<X> {
         }
     }
 
-    /// Add block number `block` with the user's own sums of it.
+    /// Add block number `block` with the user's own sums of this block. A block that is already
+    /// there is an [`Overlap`].
     pub fn push_with(&mut self, block: u64, totals: Totals, own: X) -> Result<(), Overlap> {
         let Totals { sums, counts, .. } = totals;
         self.tree.push(block, (sums, own))?;
@@ -101,7 +103,8 @@ impl<X: Merge + Clone> RunTotals<X> {
         Ok(())
     }
 
-    /// Add the blocks of another part of the same run.
+    /// Add the blocks of another part of the same run. A block that both parts have is an
+    /// [`Overlap`].
     pub fn merge(&mut self, other: RunTotals<X>) -> Result<(), Overlap> {
         debug_assert_eq!(self.timeline, other.timeline, "parts of different runs");
         self.tree.merge(other.tree)?;
@@ -109,30 +112,31 @@ impl<X: Merge + Clone> RunTotals<X> {
         Ok(())
     }
 
-    /// The blocks that are in it, as ranges without gaps, ascending.
+    /// The blocks that have been added, as ranges without gaps, in ascending order.
     pub fn blocks(&self) -> Vec<Range<u64>> {
         self.tree.ranges()
     }
 
-    /// Estimate of one statistic, from all paths that are in it.
+    /// The estimate of one statistic, from all paths that have been added.
     pub fn estimate(&self, statistic: Statistic) -> Estimate {
         let phases: PhaseSums =
             self.tree.total(|(sums, _)| &sums.phases).unwrap_or_else(|| self.empty.0.phases.clone());
         phases.measured(statistic, &self.timeline, &self.counts).named(statistic)
     }
 
-    /// Everything summed up.
+    /// The totals of all paths that have been added.
     pub fn totals(&self) -> Totals {
         let sums = self.tree.total(|(sums, _)| sums).unwrap_or_else(|| self.empty.0.clone());
         Totals::of(self.timeline, sums, self.counts.clone())
     }
 
-    /// The user's own sums.
+    /// The user's own sums over all paths that have been added.
     pub fn own(&self) -> X {
         self.tree.total(|(_, own)| own).unwrap_or_else(|| self.empty.1.clone())
     }
 
-    /// As bytes that [`RunTotals::read`] turns into the same bits; without the user's own sums.
+    /// The state as bytes, from which [`RunTotals::read`] restores the same bits. They do not
+    /// contain the user's own sums.
     pub fn to_bytes(&self) -> Vec<u8> {
         let mut bytes = MAGIC.to_vec();
         VERSION.write(&mut bytes);
@@ -143,9 +147,9 @@ impl<X: Merge + Clone> RunTotals<X> {
 }
 
 impl RunTotals {
-    /// From bytes, given the empty totals of the run that they are of. What the bytes say is held
-    /// against those: other rows or periods, overlapping blocks, bytes missing or left over are
-    /// damage.
+    /// The state from bytes; `self` must be the empty totals of the same run. The bytes are checked
+    /// against these: another number of rows or periods, overlapping blocks, and missing or
+    /// additional bytes are [`Damaged`].
     pub fn read(self, bytes: &[u8]) -> Result<Self, Damaged> {
         let mut from = Reader::new(bytes);
         let mut version = 0_u64;

@@ -1,26 +1,27 @@
 //! Whether x at equal phases of the forcing has settled.
 //!
-//! The spring binds the body, so where forcing and noise are stationary the law of x at one phase
-//! is the same in every period, once the start is forgotten: `drift_velocity` and
-//! `diffusion_coefficient` are zero. Each of them is held against zero at the level of 0.5 %, so
-//! that together they raise a false alarm in 1 % of all runs at most (Bonferroni).
+//! The spring binds the body. So where forcing and noise are stationary, the law of x at one phase
+//! becomes the same in every period, once the start is forgotten, and `drift_velocity` and
+//! `diffusion_coefficient` are zero. Each of the two is tested against zero at the level of 0.5 %,
+//! so that together they raise a false alarm in at most 1 % of all runs (Bonferroni).
 
 use super::interval::student_quantile;
 use super::{Statistic, Summary};
 
-/// Probability with which each of the two is within its bounds while it is zero.
+/// Probability that each of the two statistics is within its bounds if it is zero.
 const CONFIDENCE: f64 = 0.995;
 
 impl Summary {
-    /// Number of whole forcing periods from the first instant that is counted to the last.
+    /// The number of whole forcing periods from the first counted instant to the last.
     pub fn counted_periods(&self) -> usize {
         let after = self.transient.map_or(0.0, |transient| transient.end);
         let is_counted = |time: &&f64| **time >= after * (1.0 - 1e-9);
         self.periods.time.iter().filter(is_counted).count().saturating_sub(1)
     }
 
-    /// Of `drift_velocity` and `diffusion_coefficient` those that chance does not explain; none
-    /// where the paths do not tell.
+    /// Which of `drift_velocity` and `diffusion_coefficient` differ from zero by more than chance
+    /// explains; none where one of the two has no estimate or no spread, so that it cannot be
+    /// tested.
     pub fn unsettled(&self) -> Option<Vec<Statistic>> {
         let paths = self.completed_paths - self.diverged.len() as u64;
         let half_width = student_quantile((1.0 + CONFIDENCE) / 2.0, paths.saturating_sub(1) as f64);
@@ -42,9 +43,9 @@ mod tests {
     use rand_pcg::Pcg64Dxsm;
     use rand_pcg::rand_core::SeedableRng;
 
-    /// How far a body is from rest at the ends of 9 periods, where a spring draws it back by the
-    /// factor 0.6 each and noise keeps the standard deviation 1.5: it begins at 6 + 40, and is 40 *
-    /// 0.6^n from 6 in the mean. Two blocks of 100 paths.
+    /// Paths at the ends of 9 periods. In each period a spring draws the body back towards its rest
+    /// position 6 by the factor 0.6, and noise keeps the standard deviation at 1.5. The body begins
+    /// at 6 + `offset` and is offset * 0.6^n from 6 in the mean. There are two blocks of 100 paths.
     fn summary(rng: &mut Pcg64Dxsm, offset: f64, after: f64) -> Summary {
         let timeline = Timeline { end: 9.0, output_step: 9.0, period: Some(1.0), after };
         let mut totals = Vec::new();
@@ -64,13 +65,14 @@ mod tests {
         totals[0].summary()
     }
 
-    /// Null: 95 % coverage, and 1 % of false alarms, of 2000 stationary ensembles: 20, of which
+    /// Null: 95 % coverage, and false alarms in 1 % of 2000 stationary ensembles. That is 20, and
     /// fewer than 4 or more than 40 have a probability of 4e-5. With errors half as large there
-    /// were 300, with errors twice as large none.
+    /// were 300 alarms, with errors twice as large none.
     #[test]
     fn a_stationary_motion_is_covered_and_seldom_called_unsettled() {
         let mut rng = Pcg64Dxsm::seed_from_u64(7);
-        // cov(u_n, u_{n+1}) = -(1 - 0.6)^2 of the variance of x, var u = 2 (1 - 0.6) of it.
+        // cov(u_n, u_{n+1}) is -(1 - 0.6)^2 times the variance of x, and var u is 2 (1 - 0.6) times
+        // it.
         let truths = [
             (Statistic::PeriodDisplacementMean, 0.0),
             (Statistic::PeriodDisplacementSd, 1.5 * 0.8f64.sqrt()),
@@ -96,10 +98,10 @@ mod tests {
         assert!((4..=40).contains(&alarms), "{alarms} alarms");
     }
 
-    /// A start 40 off leaves a mean of 24 at the first instant, where 200 paths tell 0.1: every
-    /// ensemble is called unsettled. A start 1 off leaves 0.05 from the sixth on, half a standard
-    /// error. Null: alarms in 1 to 1.5 % of 1000 ensembles with that burn-in; more than 32 have a
-    /// probability of 4e-5.
+    /// A start that is 40 off leaves a mean of 24 at the first instant, which 200 paths resolve to
+    /// 0.1, so every ensemble is found unsettled. A start that is 1 off leaves 0.05 from the sixth
+    /// instant on, half a standard error. Null: with that burn-in, alarms in 1 to 1.5 % of 1000
+    /// ensembles; more than 32 have a probability of 4e-5.
     #[test]
     fn a_transient_is_called_unsettled_until_it_is_left_out() {
         let mut rng = Pcg64Dxsm::seed_from_u64(8);

@@ -1,9 +1,9 @@
-//! The distribution of a quantity in bounded memory: what it holds is a function of the values
+//! The distribution of a quantity in bounded memory. What it holds is a function of the values
 //! alone.
 //!
-//! Up to `Shape::values` values besides those at the centre are kept as they are. More are counted
-//! in bins on a lattice that adapts itself to them ([`Bins`]). Merging is exact, whatever the order
-//! and the grouping; a mean of quantiles never arises.
+//! Up to `Shape::values` values, besides those at the centre, are kept one by one. More than these
+//! are counted in bins on a lattice that adapts itself to the values ([`Bins`]). Merging is exact,
+//! whatever the order and the grouping; quantiles of parts are never averaged.
 
 use super::bins::{Bins, Shape};
 use super::codec::{Codec, Damaged, Reader};
@@ -13,24 +13,25 @@ use super::ordered::{Binned, Kept, Ordered};
 #[derive(Clone, Debug)]
 pub(super) struct Sketch {
     shape: Shape,
-    /// How many values are at the centre, but for those in the bins.
+    /// Number of values at the centre, without those that the bins count.
     at_centre: u64,
-    /// Values not in the bins, in the order they came: all others, as long as there are no bins.
+    /// Values that are not in the bins, in the order in which they came. As long as there are no
+    /// bins, these are all values that are not counted in `at_centre`.
     pending: Vec<f64>,
     bins: Option<Box<Bins>>,
 }
 
-/// Values are worth a look at the bins by themselves from one in so many bins on. Fewer wait for
-/// others: a look may read all bins.
+/// Added values are counted at once if they are at least one for this many bins. Fewer values wait
+/// for others, because counting may read all bins.
 const WORTHWHILE: usize = 16;
 
 impl Sketch {
-    /// Of no values.
+    /// A sketch of no values.
     pub fn empty(shape: Shape) -> Self {
         Sketch { shape, at_centre: 0, pending: Vec::new(), bins: None }
     }
 
-    /// Add one value. One that is not finite is left out.
+    /// Add one value. A value that is not finite is left out.
     #[inline]
     pub fn push(&mut self, value: f64) {
         self.pending.push(value);
@@ -39,7 +40,7 @@ impl Sketch {
         }
     }
 
-    /// Add these values. Those that are not finite are left out.
+    /// Add these values. Values that are not finite are left out.
     pub fn extend(&mut self, values: &[f64]) {
         match &mut self.bins {
             Some(bins) if WORTHWHILE * values.len() >= self.shape.bins => return bins.count(values, &self.shape),
@@ -66,7 +67,7 @@ impl Sketch {
         self.extend(&other.pending);
     }
 
-    /// Its values in order.
+    /// The values in order.
     pub fn ordered(&self) -> Ordered {
         let Sketch { shape, at_centre, pending, bins } = self.settled();
         match bins {
@@ -75,7 +76,7 @@ impl Sketch {
         }
     }
 
-    /// The same values in the one form they have, but for the order of those that are kept.
+    /// The same values in their only form, except for the order of those that are kept one by one.
     fn settled(&self) -> Sketch {
         let mut settled = self.clone();
         settled.count_pending();
@@ -106,15 +107,15 @@ impl Sketch {
     }
 }
 
-/// Sketches are equal that hold the same values, as far as they tell them apart.
+/// Two sketches are equal if they hold the same values, as far as they distinguish values.
 impl PartialEq for Sketch {
     fn eq(&self, other: &Self) -> bool {
         self.shape == other.shape && self.ordered() == other.ordered()
     }
 }
 
-/// Whether there are bins; if so these, if not how many values are at the centre, and the others,
-/// ascending.
+/// Bytes hold whether there are bins. If there are, the bins follow. If not, the number of values
+/// at the centre follows, and then the other values in ascending order.
 impl Codec for Sketch {
     fn write(&self, out: &mut Vec<u8>) {
         let Sketch { mut pending, bins, at_centre, .. } = self.settled();
@@ -179,8 +180,8 @@ mod tests {
         back
     }
 
-    /// What a sketch of these values holds, in the words of the module: without arrays, without
-    /// order, by integers.
+    /// What a sketch of these values holds, by the definition at the head of the module: without
+    /// arrays, without order, in integers.
     fn by_definition(values: &[f64], shape: &Shape) -> Ordered {
         let mut finite: Vec<f64> = values.iter().map(|v| v + 0.0).filter(|v| (v - shape.centre).is_finite()).collect();
         finite.sort_by(f64::total_cmp);
@@ -212,8 +213,8 @@ mod tests {
         }
     }
 
-    /// Values as ensembles may have them: continuous, atoms, lattices, clusters, outliers, and
-    /// nonsense.
+    /// Values as ensembles may have them: continuous laws, atoms, lattices, clusters, outliers, and
+    /// values that are not sensible.
     fn some_values() -> impl Strategy<Value = Vec<f64>> {
         let value = prop_oneof![
             8 => -1.0..3.0f64,
@@ -279,7 +280,7 @@ mod tests {
         }
     }
 
-    /// Hyndman and Fan's definition 7, from the sorted values.
+    /// The quantile of order p by Hyndman and Fan's definition 7, from the sorted values.
     fn exact(sorted: &[f64], p: f64) -> f64 {
         let rank = p * (sorted.len() - 1) as f64;
         let (below, above) = (sorted[rank.floor() as usize], sorted[rank.ceil() as usize]);
@@ -303,7 +304,7 @@ mod tests {
     /// Draws a value.
     type Law = Box<dyn FnMut(&mut Pcg64Dxsm) -> f64>;
 
-    /// Laws that are hard to bin, each with a name.
+    /// Laws that are hard to represent in bins, each with a name.
     fn laws() -> Vec<(&'static str, Law)> {
         let normal = |rng: &mut Pcg64Dxsm| -> f64 { StandardNormal.sample(rng) };
         let uniform = |rng: &mut Pcg64Dxsm| -> f64 { Uniform::new(0.0, 1.0).unwrap().sample(rng) };
@@ -336,7 +337,8 @@ mod tests {
 
     #[test]
     fn quantiles_are_those_of_the_sorted_values_up_to_a_fiftieth_of_an_sd() {
-        // No sampling error enters, since both see one sample. Up to 2048 values nothing is binned.
+        // There is no sampling error, since both quantiles are of the same sample. Up to 2048
+        // values are not binned.
         let mut rng = Pcg64Dxsm::seed_from_u64(7);
         for (name, mut law) in laws() {
             for (n, bound) in [(100, 0.0), (2048, 0.0), (3000, 0.02), (30_000, 0.02), (1_000_000, 0.02)] {
@@ -350,8 +352,9 @@ mod tests {
 
     #[test]
     fn the_smallest_sketches_still_hold_smooth_laws() {
-        // What 10 000 rows leave: 256 bins, 0.04 to 0.08 sd wide; where the density is smooth,
-        // placing values by rank within a bin is off by w^2 |f'|/(8 f) = 0.002 sd.
+        // With 10 000 rows of the output grid a sketch has 256 bins, which are 0.04 to 0.08 sd
+        // wide. Where the density is smooth, placing values by rank within a bin is off by w^2
+        // |f'|/(8 f) = 0.002 sd.
         let mut rng = Pcg64Dxsm::seed_from_u64(8);
         let values: Vec<f64> = (0..200_000).map(|_| Normal::new(5.0, 0.1).unwrap().sample(&mut rng)).collect();
         let error = worst(&values, Shape { values: 256, bins: 256, ..SHAPE });
@@ -367,7 +370,7 @@ mod tests {
             let off: f64 = StandardNormal.sample(&mut rng);
             sketch.push(if i % 5 < 2 { 6.0 } else { 6.0 + off });
         }
-        // It holds the shares from 0.3 to 0.7.
+        // The atom holds the shares from 0.3 to 0.7.
         let ordered = sketch.ordered();
         assert_eq!([0.31, 0.5, 0.69].map(|p| ordered.quantile(p)), [6.0; 3]);
         assert!(ordered.quantile(0.29) < 6.0 && ordered.quantile(0.71) > 6.0);

@@ -1,11 +1,11 @@
-//! Durations in whole steps, as a discrete law: its distribution function climbs at whole numbers
-//! and is flat between them.
+//! Durations in whole steps, as a discrete law: its distribution function rises at whole numbers
+//! and is constant between them.
 
 use super::dyadic::width;
 use super::ordered::Ordered;
 
-/// Neighbouring whole numbers, most often one alone, and how many durations are no longer than the
-/// last.
+/// Consecutive whole numbers, most often a single one, and how many durations are no longer than
+/// the last of them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Cell {
     pub first: f64,
@@ -13,12 +13,12 @@ pub(super) struct Cell {
     pub up_to: u64,
 }
 
-/// The cells in which there are durations, ascending.
+/// The cells in which there are durations, in ascending order.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Steps(Vec<Cell>);
 
 impl Steps {
-    /// Of durations that are whole numbers.
+    /// The cells of durations that are whole numbers.
     pub fn of(durations: &Ordered) -> Self {
         match durations {
             Ordered::Kept(kept) => Steps::of_values(kept.ascending()),
@@ -45,16 +45,16 @@ impl Steps {
         Steps(cells)
     }
 
-    /// The cells.
+    /// The cells, in ascending order.
     pub fn cells(&self) -> &[Cell] {
         &self.0
     }
 
-    /// The smallest whole number that a share p of the durations does not exceed, 0 < p <= 1, and
-    /// its cell; NaN if there are none.
+    /// The smallest whole number m such that at least a share p of the durations are no longer than
+    /// m, 0 < p <= 1, and the index of its cell; NaN if there are no durations.
     pub fn at_least(&self, p: f64) -> (usize, f64) {
         let n = self.0.last().map_or(0, |cell| cell.up_to) as f64;
-        // p n may be rounded to just above a whole number.
+        // Rounding may put p n just above a whole number.
         let rank = (p * n * (1.0 - 4.0 * f64::EPSILON)).ceil().max(1.0);
         let place = self.place(rank);
         let Some(cell) = self.0.get(place) else { return (0, f64::NAN) };
@@ -62,8 +62,7 @@ impl Steps {
         (place, cell.first - 1.0 + (numbers * share).ceil())
     }
 
-    /// The quantile of order p of the law that is spread evenly over half a step to either side of
-    /// each number.
+    /// The quantile of order p when each duration is spread evenly over half a step to either side.
     pub fn spread(&self, p: f64) -> f64 {
         let n = self.0.last().map_or(0, |cell| cell.up_to) as f64;
         let rank = p.clamp(0.0, 1.0) * n;
@@ -72,12 +71,12 @@ impl Steps {
         cell.first - 0.5 + (cell.last - cell.first + 1.0) * self.share(place, rank)
     }
 
-    /// The first cell that so many durations do not exceed.
+    /// The index of the first cell up to which there are at least `rank` durations.
     fn place(&self, rank: f64) -> usize {
         self.0.partition_point(|cell| (cell.up_to as f64) < rank)
     }
 
-    /// Which share of the durations of a cell has ranks up to this.
+    /// The share of the durations of a cell that have ranks up to `rank`.
     fn share(&self, place: usize, rank: f64) -> f64 {
         let before = if place == 0 { 0 } else { self.0[place - 1].up_to };
         (rank - before as f64) / (self.0[place].up_to - before) as f64

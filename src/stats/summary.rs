@@ -1,4 +1,4 @@
-//! What an ensemble comes down to: plain numbers, ready to print or store.
+//! The summary of an ensemble: plain numbers, ready to be printed or stored.
 
 use super::Statistic;
 use ndarray::Array2;
@@ -6,13 +6,13 @@ use ndarray::Array2;
 /// The quantile levels of every band and of the stick durations.
 pub const QUANTILE_LEVELS: [f64; 5] = [0.05, 0.25, 0.5, 0.75, 0.95];
 
-/// A number with its 95 % interval, the path being the independent unit. What does not exist is
-/// NaN.
+/// A number with its 95 % interval, for which the path is the independent unit. A value that does
+/// not exist is NaN.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Measurement {
     /// The estimate.
     pub estimate: f64,
-    /// Its standard error.
+    /// Standard error of the estimate.
     pub standard_error: f64,
     /// Lower end of the 95 % interval.
     pub low: f64,
@@ -20,15 +20,15 @@ pub struct Measurement {
     pub high: f64,
 }
 
-/// One statistic with its 95 % interval. A number that does not exist (no stick ended, fewer than
-/// two periods) is NaN.
+/// One statistic with its 95 % interval, in the unit of the statistic. A value that does not exist
+/// (for example because no stick ended, or there are fewer than two periods) is NaN.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Estimate {
     /// Which statistic.
     pub statistic: Statistic,
     /// The estimate.
     pub estimate: f64,
-    /// Its standard error, the path being the independent unit.
+    /// Standard error of the estimate, for which the path is the independent unit.
     pub standard_error: f64,
     /// Lower end of the 95 % interval.
     pub low: f64,
@@ -38,16 +38,17 @@ pub struct Estimate {
     pub bias: Option<Bias>,
 }
 
-/// By how much the step moves a statistic away from its value at zero step ([`crate::bias`]).
+/// The bias of the step: the difference between a statistic at the step of the run and its value at
+/// zero step ([`crate::bias`]).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bias {
     /// Estimate at the step of the run minus the value at zero step.
     pub estimate: f64,
-    /// The bias is within this of its estimate, at 95 %: error of sampling and of extrapolation
-    /// together.
+    /// The bias lies within this distance of its estimate at 95 %. The errors of sampling and of
+    /// extrapolation are both included.
     pub uncertainty: f64,
-    /// The power of the step with which the statistic was seen to change, where that is told by the
-    /// paths.
+    /// The observed order of the error, that is the power of the step with which the statistic
+    /// changes; none where the paths do not determine it.
     pub order: Option<f64>,
 }
 
@@ -58,20 +59,20 @@ impl Estimate {
     }
 }
 
-/// Ends of the 95 % interval of each point of a curve, the path being the independent unit.
+/// Ends of the 95 % interval of each point of a curve, for which the path is the independent unit.
 ///
-/// An end that the data do not bound is infinite, or where the quantity ends. Of fewer than two
-/// paths there is no interval, and both are NaN.
+/// An end that the data do not bound is infinite, or is the end of the range of the quantity. With
+/// fewer than two paths there is no interval, and both ends are NaN.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Ends {
-    /// The lower ends, point by point.
+    /// The lower end at each point.
     pub low: Vec<f64>,
-    /// The upper ends.
+    /// The upper end at each point.
     pub high: Vec<f64>,
 }
 
 impl Ends {
-    /// The same times a number that is not negative.
+    /// The ends times a number that is not negative.
     pub(super) fn times(&self, number: f64) -> Ends {
         let times = |ends: &[f64]| ends.iter().map(|end| end * number).collect();
         Ends { low: times(&self.low), high: times(&self.high) }
@@ -90,15 +91,15 @@ impl FromIterator<[f64; 2]> for Ends {
 pub struct Band {
     /// Mean at each time.
     pub mean: Vec<f64>,
-    /// Its interval.
+    /// Interval of the mean at each time.
     pub mean_ends: Ends,
     /// Standard deviation at each time.
     pub sd: Vec<f64>,
-    /// Its interval.
+    /// Interval of the standard deviation at each time.
     pub sd_ends: Ends,
-    /// Quantiles, shape (QUANTILE_LEVELS, time).
+    /// Quantiles, with shape (QUANTILE_LEVELS, time).
     pub quantiles: Array2<f64>,
-    /// Their intervals, row after row of `quantiles`.
+    /// Intervals of the quantiles, row after row of `quantiles`.
     pub quantile_ends: Ends,
 }
 
@@ -115,7 +116,7 @@ pub struct Bands {
     pub temperature: Band,
     /// P(static at t).
     pub static_probability: Vec<f64>,
-    /// Its interval.
+    /// Interval of the static probability at each time.
     pub static_probability_ends: Ends,
 }
 
@@ -128,79 +129,79 @@ pub struct Histogram {
     pub counts: Vec<u64>,
 }
 
-/// Stick durations D_j, j >= 1: those that ended, and those still running at t_end.
+/// Stick durations D_j, j >= 1, of the sticks that ended and of those that still run at t_end.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StickDurations {
-    /// h, where all durations are multiples of the step of the scheme; their quantiles then are
-    /// multiples of it, too.
+    /// h, where all durations are multiples of the step h of the scheme. Their quantiles are then
+    /// multiples of h as well.
     pub step: Option<f64>,
     /// Sticks, j >= 1, that ended.
     pub completed: u64,
-    /// Interval of their expected number in as many paths.
+    /// Interval of the expected number of these sticks in as many paths.
     pub completed_ends: [f64; 2],
-    /// Sticks, j >= 1, still running at t_end (right-censored).
+    /// Sticks, j >= 1, that still run at t_end (right-censored).
     pub censored: u64,
-    /// Interval of their expected number in as many paths.
+    /// Interval of the expected number of these sticks in as many paths.
     pub censored_ends: [f64; 2],
     /// First sticks (j = 0) that ended.
     pub first_completed: u64,
-    /// Interval of their expected number in as many paths.
+    /// Interval of the expected number of these sticks in as many paths.
     pub first_completed_ends: [f64; 2],
-    /// First sticks (j = 0) still running at t_end.
+    /// First sticks (j = 0) that still run at t_end.
     pub first_censored: u64,
-    /// Interval of their expected number in as many paths.
+    /// Interval of the expected number of these sticks in as many paths.
     pub first_censored_ends: [f64; 2],
-    /// Durations of the completed sticks, logarithmic bins.
+    /// Durations of the completed sticks, in logarithmic bins.
     pub histogram: Histogram,
     /// Interval of the expected number in each bin among as many completed sticks.
     pub count_ends: Ends,
     /// Durations so far of the censored sticks, in the same bins.
     pub censored_counts: Vec<u64>,
-    /// Interval of their expected number in as many paths.
+    /// Interval of the expected number of censored sticks in each bin in as many paths.
     pub censored_count_ends: Ends,
     /// Kaplan-Meier estimate of P(D > t) at the upper edge of each bin.
     pub survival: Vec<f64>,
-    /// Its interval.
+    /// Interval of the survival probability at each edge.
     pub survival_ends: Ends,
-    /// QUANTILE_LEVELS of the completed durations.
+    /// Quantiles of the durations of the completed sticks, at QUANTILE_LEVELS.
     pub quantiles: Vec<f64>,
-    /// Their intervals.
+    /// Interval of each quantile.
     pub quantile_ends: Ends,
 }
 
 /// Distribution of k(j), the number of sub-phases of a dynamic phase.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SubPhaseCounts {
-    /// counts[k - 1]: completed dynamic phases with k sub-phases; the last entry also holds all
-    /// larger k.
+    /// counts[k - 1] is the number of completed dynamic phases with k sub-phases. The last entry
+    /// also counts all larger k.
     pub counts: Vec<u64>,
-    /// Interval of the expected number among as many completed dynamic phases.
+    /// Interval of each expected number among as many completed dynamic phases.
     pub count_ends: Ends,
-    /// shares[k - 1]: their share of the completed dynamic phases.
+    /// shares[k - 1] is the share of these phases among all completed dynamic phases.
     pub shares: Vec<f64>,
-    /// Its interval.
+    /// Interval of each share.
     pub share_ends: Ends,
-    /// Dynamic phases still running at t_end.
+    /// Dynamic phases that still run at t_end.
     pub censored: u64,
-    /// Interval of their expected number in as many paths.
+    /// Interval of the expected number of these phases in as many paths.
     pub censored_ends: [f64; 2],
 }
 
-/// What the statistics leave out because it was before [`crate::scenario::Statistics::after`]; the
-/// first stick is apart in any case.
+/// What the statistics leave out because it was before [`crate::scenario::Statistics::after`]. The
+/// first stick is not part of it, because it has statistics of its own in any case.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Transient {
-    /// When it ends.
+    /// The end of the burn-in.
     pub end: f64,
-    /// Completed sticks, j >= 1, that began in it.
+    /// Completed sticks, j >= 1, that began before this end.
     pub sticks: u64,
-    /// Interval of their expected number in as many paths.
+    /// Interval of the expected number of these sticks in as many paths.
     pub stick_ends: [f64; 2],
-    /// Completed dynamic phases that began in it.
+    /// Completed dynamic phases that began before this end.
     pub slips: u64,
-    /// Interval of their expected number in as many paths.
+    /// Interval of the expected number of these phases in as many paths.
     pub slip_ends: [f64; 2],
-    /// Mean displacement in it, x(end) - x0.
+    /// Mean displacement during the burn-in, x(end) - x0.
     pub displacement: Measurement,
 }
 
@@ -211,37 +212,37 @@ pub struct PeriodMoments {
     pub time: Vec<f64>,
     /// Mean of x(n P) - x0.
     pub mean: Vec<f64>,
-    /// Its interval.
+    /// Interval of the mean at each period.
     pub mean_ends: Ends,
     /// Variance of x(n P).
     pub variance: Vec<f64>,
-    /// Its interval.
+    /// Interval of the variance at each period.
     pub variance_ends: Ends,
 }
 
-/// Everything that is known about an ensemble once its paths are folded.
+/// All statistics of an ensemble whose paths have been folded.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Summary {
-    /// Paths simulated to the end, diverged ones included.
+    /// Paths simulated to the end. The diverged ones are included.
     pub completed_paths: u64,
-    /// Numbers of the diverged paths, in order; they are in no statistic.
+    /// Numbers of the diverged paths, in ascending order. They are in no statistic.
     pub diverged: Vec<u64>,
-    /// One estimate for each of `Statistic::ALL`, in that order.
+    /// One estimate for each entry of `Statistic::ALL`, in that order.
     pub estimates: [Estimate; Statistic::ALL.len()],
-    /// Stick durations.
+    /// Distribution of the stick durations.
     pub stick_durations: StickDurations,
-    /// Sub-phase counts.
+    /// Distribution of the number of sub-phases of a dynamic phase.
     pub sub_phases: SubPhaseCounts,
-    /// The burn-in, if there is one.
+    /// What the burn-in leaves out, if there is one.
     pub transient: Option<Transient>,
-    /// x at the whole forcing periods, those of the burn-in as well.
+    /// x at the whole forcing periods, those of the burn-in included.
     pub periods: PeriodMoments,
-    /// The output grid.
+    /// The variables on the output grid.
     pub bands: Bands,
 }
 
 impl Summary {
-    /// What is known of a statistic.
+    /// The estimate of a statistic.
     pub fn estimate(&self, statistic: Statistic) -> &Estimate {
         &self.estimates[statistic.index()]
     }
@@ -251,12 +252,12 @@ impl Summary {
         self.estimates.iter().any(|e| e.bias.is_some())
     }
 
-    /// The statistics whose bias is beyond doubt and larger than their intervals show, the surest
-    /// first.
+    /// The statistics whose bias is certain and larger than half the width of their intervals, the
+    /// most certain first.
     ///
-    /// Surest is the bias that is largest against its uncertainty, and not the one that exceeds its
-    /// interval most: the interval of a median of durations, which are multiples of the step, has
-    /// next to no width.
+    /// A bias is more certain the larger it is relative to its uncertainty. The ratio to the
+    /// interval would not do, because the interval of a median of durations that are multiples of
+    /// the step has almost no width.
     pub fn dominated_by_bias(&self) -> Vec<Estimate> {
         let certainty = |e: &Estimate| e.bias.map_or(0.0, |bias| bias.estimate.abs() / bias.uncertainty);
         let exceeds = |e: &&Estimate| e.bias.is_some_and(|bias| bias.estimate.abs() > e.half_width());
@@ -266,7 +267,7 @@ impl Summary {
         dominated
     }
 
-    /// Add what is known of the bias. A statistic that does not exist has none.
+    /// Set the biases of the statistics. A statistic that does not exist has none.
     pub fn set_biases(&mut self, biases: &[(Statistic, Bias)]) {
         for e in self.estimates.iter_mut().filter(|e| e.estimate.is_finite()) {
             e.bias = biases.iter().find(|(of, _)| *of == e.statistic).map(|(_, bias)| *bias);

@@ -1,34 +1,36 @@
-//! The survival curve of stick durations, with those that were cut off at the end in it, and how
-//! sure it is.
+//! The survival curve of stick durations, which takes the censored sticks into account, and its
+//! uncertainty.
 //!
 //! The curve is Kaplan and Meier's (*Nonparametric estimation from incomplete observations*,
-//! Journal of the American Statistical Association 53 (1958)): the product of 1 - d/n, where n
-//! sticks reached a duration and d of them ended in it. Its textbook error, Greenwood's, takes
-//! every stick for independent. The sticks of one path are not, so the error comes from batches of
-//! whole paths: from what the curve becomes without each of them ([`super::jackknife`]).
+//! Journal of the American Statistical Association 53 (1958)). It is the product of 1 - d/n over
+//! all durations, where n sticks reached a duration and d of them ended in it. Its textbook error,
+//! Greenwood's, assumes that all sticks are independent. The sticks of one path are not. So the
+//! error comes from batches of whole paths, by the jackknife over the curves without each batch
+//! ([`super::jackknife`]).
 
 use super::Ends;
 use super::interval::student;
 use super::jackknife::standard_error;
 use super::range::{NORMAL, wilson};
 
-/// Fine bins with their counts, ascending.
+/// Fine bins with their counts, in ascending order.
 type Bins = Vec<(i16, u64)>;
 
-/// A survival curve, and the same without each batch of paths.
+/// A survival curve, and the curves without each batch of paths.
 #[derive(Debug)]
 pub(super) struct Survival {
-    /// P(D > t) at the upper edge of each bin of the curve.
+    /// P(D > t) at the upper edge t of each bin of the curve.
     pub curve: Vec<f64>,
-    /// How many sticks there are, and how many reach that edge.
+    /// Number of sticks, and how many of them reach each of these edges.
     sticks: u64,
     at_risk: Vec<u64>,
     without: Vec<Vec<f64>>,
 }
 
 impl Survival {
-    /// Of the sticks that ended and those that were cut off in each batch; `bin_of` is the bin of
-    /// the curve, of `bins` in all, that a fine bin lies in.
+    /// The curve of the sticks that ended and those that were cut off, for each batch. `bin_of`
+    /// gives the bin of the curve in which a fine bin lies, and `bins` is the number of bins of the
+    /// curve.
     pub fn new(batches: Vec<(Bins, Bins)>, bin_of: impl Fn(i16) -> usize, bins: usize) -> Self {
         let batches: Vec<(Bins, Bins)> =
             batches.into_iter().filter(|(ended, cut)| !ended.is_empty() || !cut.is_empty()).collect();
@@ -52,9 +54,9 @@ impl Survival {
         Survival { curve: all, sticks: counts.iter().flatten().sum(), at_risk, without: without.collect() }
     }
 
-    /// Its 95 % intervals. `chance` is the number of paths with sticks, if they are random: they,
-    /// or as many as there are sticks at risk if those are fewer, tell how sure a share is of which
-    /// the batches agree.
+    /// The 95 % intervals of the curve. `chance` is the number of paths with sticks, if they are
+    /// random. Where all batches agree on a share, its interval is Wilson's for that many paths, or
+    /// for the number of sticks at risk if that is smaller.
     pub fn ends(&self, chance: Option<u64>) -> Ends {
         let freedom = self.without.len().saturating_sub(1);
         let Some(paths) = chance.filter(|_| freedom > 0) else {
@@ -66,8 +68,8 @@ impl Survival {
         let point = |(bin, &share): (usize, &f64)| {
             let error = standard_error(&self.without.iter().map(|curve| curve[bin]).collect::<Vec<_>>());
             let [low, high] = if share == 0.0 {
-                // The curve is no higher than it may have been before, times what those may outlast
-                // that were left then.
+                // The curve is at most as high as its upper end before, times the upper bound of
+                // the share of the sticks left there that may last longer.
                 [0.0, highest * wilson(0.0, few(at_risk), NORMAL)[1]]
             } else if error > 0.0 && share < 1.0 {
                 wilson(share, share * (1.0 - share) / (error * error), student(freedom as u64))
@@ -81,15 +83,16 @@ impl Survival {
     }
 }
 
-/// The product, and how many sticks are left, at the upper edge of each bin. A stick cut off in a
-/// fine bin counts as having reached all of it, as with ties there.
+/// The product, and how many sticks are left, at the upper edge of each bin. A stick that is cut
+/// off in a fine bin counts as having reached the end of that bin, as is usual for ties.
 fn kaplan_meier(keys: &[i16], counts: &[[u64; 2]], bin_of: impl Fn(i16) -> usize, bins: usize) -> Vec<(f64, u64)> {
     let mut at_risk: u64 = counts.iter().flatten().sum();
     let mut surviving = 1.0;
     let mut fine = keys.iter().zip(counts).peekable();
     let edge = |bin: usize| {
         while let Some((_, [ended, cut])) = fine.next_if(|(key, _)| bin_of(**key) == bin) {
-            // In integers up to the one division: the last stick to end leaves exactly zero.
+            // The factor is a ratio of integers, so that the curve is exactly zero once the last
+            // stick has ended.
             surviving *= if at_risk == 0 { 1.0 } else { (at_risk - ended) as f64 / at_risk as f64 };
             at_risk -= ended + cut;
         }

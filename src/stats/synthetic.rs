@@ -4,7 +4,7 @@ use super::{BlockObserver, BlockResult, Estimate, Record, Statistic, Summary};
 use crate::model::{Event, EventKind, Friction, Model, Oscillator, Sign, Temperature};
 use crate::scheme::{Instant, Observer, Snapshot, Timeline};
 
-/// f_d = 2, x0 = 6, and nothing that moves: the tests say what happens.
+/// f_d = 2, x0 = 6, and no forcing. The tests prescribe the events themselves.
 pub fn model() -> Model {
     Model {
         oscillator: Oscillator { mass: 1.0, stiffness: 1.0, damping: 0.0, dilatation: 1.0 },
@@ -26,14 +26,14 @@ pub fn stick(time: f64, displacement: f64) -> Event {
     Event { kind: EventKind::StickEntered, time, displacement, force: 0.5 }
 }
 
-/// A path by its events and x(t_end).
+/// A path, given by its events and x(t_end).
 pub struct Path {
     pub events: Vec<Event>,
     pub end: f64,
 }
 
-/// A block of such paths with numbers from `first` on, seen through an observer. `rows` of the
-/// output grid and `periods` hold x of every path; x' and T are shown as -x and x^2.
+/// The result of an observer of a block of such paths, with numbers from `first` on. `rows` (of the
+/// output grid) and `periods` hold x of every path. x' is taken to be -x, and T to be x^2.
 pub fn observe(
     timeline: &Timeline,
     record: &Record,
@@ -65,7 +65,7 @@ pub fn estimate(summary: &Summary, statistic: Statistic) -> Estimate {
     *summary.estimate(statistic)
 }
 
-/// How often intervals held the truth.
+/// How often intervals covered the truth.
 #[derive(Default)]
 pub struct Coverage {
     held: u32,
@@ -82,9 +82,9 @@ impl Coverage {
         f64::from(self.held) / f64::from(self.of)
     }
 
-    /// Null: the true coverage is 95 % up to 1 % of second-order bias (skewness at a few hundred
+    /// Null: the true coverage is 95 %, up to 1 % of second-order bias (skewness at a few hundred
     /// paths). The share of n ensembles is then within four binomial standard deviations of that
-    /// range but for a false-alarm rate of 6e-5. An error of a factor of two in the standard error
+    /// range, with a false-alarm rate of 6e-5. A standard error that is wrong by a factor of two
     /// gives a coverage of 67 % or 99.99 %.
     pub fn assert_95_percent(&self, what: &str) {
         let margin = 4.0 * (0.05 * 0.95 / f64::from(self.of)).sqrt() + 0.01;

@@ -1,5 +1,5 @@
-//! A statistic of a user's own: numbers that each path comes down to, and what is estimated from
-//! their means.
+//! A statistic of a user's own: a few numbers of each path, and an estimate from their means over
+//! paths.
 //!
 //! ```text
 //! Tally           start, event, row, end: one path -> N numbers
@@ -43,10 +43,11 @@ impl PathState {
     }
 }
 
-/// N numbers of each path, and what is estimated from them. It is folded beside the statistics of
-/// the program, block by block, and gives the same bits on any number of threads. It sees the whole
-/// path: what [`after`](crate::scenario::Statistics::after) leaves out of the statistics of the
-/// program is its own to leave out.
+/// N numbers of each path, and an estimate from their means. A tally is folded beside the
+/// statistics of the program, block by block, and gives the same bits on any number of threads. It
+/// observes the whole path: if it is to leave out what is before
+/// [`after`](crate::scenario::Statistics::after), as the statistics of the program do, it must do
+/// so itself.
 ///
 /// ```
 /// use stick_slip::engine::Run;
@@ -75,23 +76,23 @@ impl PathState {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub trait Tally<const N: usize>: Sync {
-    /// What is remembered of a path while it runs.
+    /// The state that is kept for a path while it is simulated.
     type Path: Clone + Send;
 
-    /// A path begins, at rest at x0.
+    /// The state at the start of a path, which is at rest at x0.
     fn start(&self) -> Self::Path;
 
-    /// Something happens to the path; events arrive in time order.
+    /// Takes an event of the path. Events arrive in time order. By default nothing is done.
     fn event(&self, path: &mut Self::Path, event: &Event) {
         let _ = (path, event);
     }
 
-    /// The path at a row of the output grid.
+    /// Takes the state of the path at a row of the output grid. By default nothing is done.
     fn row(&self, path: &mut Self::Path, state: PathState) {
         let _ = (path, state);
     }
 
-    /// The path has reached t_end: its numbers. A path that diverged is never asked.
+    /// The numbers of a path that has reached t_end. It is not called for a path that diverged.
     fn end(&self, path: Self::Path, state: PathState) -> [f64; N];
 
     /// The estimate from the means over all paths, usually [`PathMeans::mean`] or
@@ -103,7 +104,7 @@ pub trait Tally<const N: usize>: Sync {
 #[derive(Clone, Debug, PartialEq)]
 pub struct PathMeans<const N: usize> {
     moments: JointMoments<N>,
-    /// Units with a path whose number i is not zero.
+    /// For each i, the number of units with a path whose number i is not zero.
     contributing: [u64; N],
 }
 
@@ -116,7 +117,7 @@ impl<const N: usize> Default for PathMeans<N> {
 }
 
 impl<const N: usize> PathMeans<N> {
-    /// Of the numbers of consecutive paths, diverged ones left out.
+    /// The means of the numbers of consecutive paths, without diverged ones.
     pub fn of(paths: &[[f64; N]], unit: Unit) -> Self {
         let column = |i: usize| unit.means(&paths.iter().map(|numbers| numbers[i]).collect::<Vec<f64>>()).into_owned();
         let columns: [Vec<f64>; N] = std::array::from_fn(column);
@@ -126,7 +127,7 @@ impl<const N: usize> PathMeans<N> {
         }
     }
 
-    /// Number of independent units: paths, or antithetic pairs of them.
+    /// Number of independent units: paths, or antithetic pairs of paths.
     pub fn units(&self) -> u64 {
         self.moments.count
     }
@@ -136,10 +137,10 @@ impl<const N: usize> PathMeans<N> {
         Measured::mean_of(&self.moments, i).measurement()
     }
 
-    /// The mean of number `top` over the mean of number `bottom`: that of a pool, if `top` is the
-    /// sum of what a path puts into it and `bottom` how many those are. Its interval is that of a
-    /// ratio estimator (W. G. Cochran, *Sampling Techniques* (1977), chapter 6); paths whose
-    /// `bottom` is zero say nothing about it.
+    /// The mean of number `top` divided by the mean of number `bottom`. This is the mean of a pool
+    /// if `top` is the sum of what a path contributes to the pool and `bottom` is the number of
+    /// these contributions. The interval is that of a ratio estimator (W. G. Cochran, *Sampling
+    /// Techniques* (1977), chapter 6). Paths whose `bottom` is zero contain no information on it.
     pub fn ratio(&self, top: usize, bottom: usize) -> Measurement {
         Measured::ratio(&self.moments, top, bottom, self.contributing[bottom]).measurement()
     }
@@ -154,21 +155,21 @@ impl<const N: usize> Merge for PathMeans<N> {
     }
 }
 
-/// What watches each block beside the statistics of the program; `()` watches nothing and costs
-/// nothing.
+/// Observes each block beside the statistics of the program. `()` observes nothing and takes no
+/// time.
 pub trait Companion: Sync {
-    /// Shown one block of paths.
+    /// The observer of one block of paths.
     type Observer: Observer;
-    /// What a block leaves behind.
+    /// The sums over the paths of a block.
     type Sums: Merge + Clone + Send;
 
     /// The sums of no paths.
     fn empty(&self) -> Self::Sums;
 
-    /// An observer of the paths of these numbers, ascending, a lane each.
+    /// An observer of the paths with these numbers, in ascending order, one lane each.
     fn observer(&self, paths: &[u64]) -> Self::Observer;
 
-    /// What it has seen, once its paths have reached t_end.
+    /// The sums of the block, once its paths have reached t_end.
     fn finish(&self, observer: Self::Observer, unit: Unit) -> Self::Sums;
 }
 
@@ -183,7 +184,7 @@ impl Companion for () {
     fn finish(&self, (): (), _: Unit) {}
 }
 
-/// A tally as a companion of every block.
+/// A tally as the companion of every block.
 pub struct Tallied<'a, T, const N: usize>(pub &'a T);
 
 impl<'a, T: Tally<N>, const N: usize> Companion for Tallied<'a, T, N> {
@@ -203,7 +204,7 @@ impl<'a, T: Tally<N>, const N: usize> Companion for Tallied<'a, T, N> {
     }
 }
 
-/// Shows the paths of a block to a tally.
+/// Passes the paths of a block to a tally.
 pub struct TallyObserver<'a, T: Tally<N>, const N: usize> {
     tally: &'a T,
     paths: Vec<T::Path>,
@@ -236,16 +237,16 @@ impl<T: Tally<N>, const N: usize> Observer for TallyObserver<'_, T, N> {
 mod tests {
     use super::*;
 
-    /// y = 2, 0, 5, 0, 5 over x = 1, 0, 2, 0, 3: R = 2, residuals 0, 1, -1 of the three paths that
-    /// say anything, so the standard error is sqrt(3/2 * 2)/6, and Student's t has two degrees of
-    /// freedom. The mean of y is over all five.
+    /// y = 2, 0, 5, 0, 5 over x = 1, 0, 2, 0, 3 gives R = 2. The three paths that contribute have
+    /// the residuals 0, 1, -1. So the standard error is sqrt(3/2 * 2)/6, and Student's t has two
+    /// degrees of freedom. The mean of y is over all five paths.
     #[test]
     fn paths_with_nothing_to_say_of_a_ratio_are_not_counted_in_its_interval() {
         let paths = PathMeans::of(&[[2.0, 1.0], [0.0, 0.0], [5.0, 2.0], [0.0, 0.0], [5.0, 3.0]], Unit::Path);
         let ratio = paths.ratio(0, 1);
         assert!((ratio.estimate - 2.0).abs() < 1e-15 && (ratio.standard_error - 3f64.sqrt() / 6.0).abs() < 1e-15);
         assert!((ratio.high - 2.0 - 4.302_652_729_9 * 3f64.sqrt() / 6.0).abs() < 1e-9, "{ratio:?}");
-        // Squared deviations from 2.4: 0.16, 5.76, 6.76, 5.76, 6.76.
+        // The squared deviations from 2.4 are 0.16, 5.76, 6.76, 5.76, 6.76.
         let mean = paths.mean(0);
         assert!((mean.estimate - 2.4).abs() < 1e-15 && (mean.standard_error - (25.2f64 / 20.0).sqrt()).abs() < 1e-15);
         assert!((mean.high - 2.4 - 2.776_445_105_2 * mean.standard_error).abs() < 1e-9, "{mean:?}");

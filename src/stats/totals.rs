@@ -1,4 +1,4 @@
-//! The sums every statistic is computed from: empty, fold a block, merge, sum up.
+//! The sums from which every statistic is computed: empty, of a block, merged, and summarised.
 
 use super::bands::{self, BandCounts, BandSums};
 use super::batches::{BATCHES, Share, batch_of};
@@ -19,12 +19,12 @@ use crate::scheme::{Snapshot, Timeline};
 /// Dynamic phases with this many sub-phases or more are counted together.
 pub const SUB_PHASE_CAP: usize = 64;
 
-/// Everything a block, or a few of them, is summed up from. Its size does not grow with the number
-/// of paths (but for the numbers of the diverged ones).
+/// All sums and counts of one or more blocks. Their size does not grow with the number of paths
+/// (except for the numbers of the diverged ones).
 ///
-/// It has two halves. [`Counts`] merge exactly, in any order. [`Sums`] are rounded when they merge,
-/// so their order decides the last bits: a run merges those of its blocks along a tree
-/// ([`super::RunTotals`]).
+/// There are two parts. [`Counts`] merge exactly, in any order. [`Sums`] are rounded when they
+/// merge, so that their order decides the last bits. A run therefore merges those of its blocks
+/// along a tree ([`super::RunTotals`]).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Totals {
     pub(super) timeline: Timeline,
@@ -32,7 +32,7 @@ pub struct Totals {
     pub(super) counts: Counts,
 }
 
-/// Floating-point moments over paths. Merging is associative up to rounding only.
+/// Floating-point moments over paths. Merging them is associative only up to rounding.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sums {
     pub(super) phases: PhaseSums,
@@ -41,7 +41,7 @@ pub struct Sums {
 
 codec_of_fields!(Sums { phases, bands });
 
-/// The moments that statistics are estimated from, as against those of the bands.
+/// The moments from which statistics are estimated, without those of the bands.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct PhaseSums {
     cascade: CascadeSums,
@@ -50,16 +50,16 @@ pub(super) struct PhaseSums {
 
 codec_of_fields!(PhaseSums { cascade, periods });
 
-/// Integers, extremes and lists of numbers: merging is exact, whatever the order.
+/// Integers, extremes and lists of numbers. Merging them is exact in any order.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Counts {
-    /// Whether paths differ by chance, which the scenario says.
+    /// Whether paths differ by chance, which follows from the scenario.
     is_random: bool,
-    /// Paths folded, the diverged left out.
+    /// Number of paths folded, without the diverged ones.
     paths: u64,
-    /// The independent units that they are: as many, or half as many pairs.
+    /// Number of independent units: that of the paths, or half of it for pairs.
     units: u64,
-    /// Numbers of the diverged paths, ascending.
+    /// Numbers of the diverged paths, in ascending order.
     diverged: Vec<u64>,
     pub(super) durations: DurationCounts,
     pub(super) sub_phases: SubPhaseTotals,
@@ -106,12 +106,12 @@ impl Counts {
         }
     }
 
-    /// So many units, if they agree by chance only.
+    /// This number of units, if their agreement would be a matter of chance.
     fn chance(&self, units: u64) -> Option<u64> {
         self.is_random.then_some(units)
     }
 
-    /// Independent units folded, the diverged left out.
+    /// Number of independent units folded, without the diverged paths.
     pub(super) fn units(&self) -> u64 {
         self.units
     }
@@ -155,7 +155,7 @@ impl Codec for Counts {
     fn read(&mut self, from: &mut Reader<'_>) -> Result<(), Damaged> {
         self.paths.read(from)?;
         self.units.read(from)?;
-        // The one list whose length the scenario does not fix.
+        // This is the only list whose length the scenario does not fix.
         let mut ahead = from.clone();
         self.diverged = vec![0; ahead.length()?];
         self.diverged.read(from)?;
@@ -176,18 +176,18 @@ impl Totals {
         Totals { timeline: *timeline, sums: Sums::empty(timeline), counts: Counts::empty(model, timeline) }
     }
 
-    /// From its two halves.
+    /// The totals from their two parts.
     pub(super) fn of(timeline: Timeline, sums: Sums, counts: Counts) -> Self {
         Totals { timeline, sums, counts }
     }
 
-    /// Row `row` of the output grid, of every path of the block.
+    /// Set row `row` of the output grid from all paths of the block.
     pub(super) fn row(&mut self, row: usize, snapshot: &Snapshot<'_>, unit: Unit) {
         self.sums.bands.fold(row, snapshot, unit);
         self.counts.bands.fold(row, snapshot);
     }
 
-    /// The paths of one block have reached t_end.
+    /// Set the sums and counts of the paths of one block, once these have reached t_end.
     pub(super) fn end(&mut self, paths: &[PathFold], dynamic_force: f64, diverged: &[u64], unit: Unit) {
         self.counts.paths = paths.len() as u64;
         self.counts.units = self.counts.paths / unit.size();
@@ -204,7 +204,7 @@ impl Totals {
         self.counts.merge(&other.counts);
     }
 
-    /// Estimates with intervals, bands, histograms.
+    /// The summary: estimates with intervals, bands, and histograms.
     pub fn summary(&self) -> Summary {
         let Totals { timeline, sums, counts } = self;
         Summary {
@@ -269,12 +269,12 @@ impl PhaseSums {
         PhaseSums { cascade: CascadeSums::default(), periods: PeriodSums::empty(timeline) }
     }
 
-    /// Of paths that have reached t_end.
+    /// The sums of paths that have reached t_end.
     pub(super) fn of(paths: &[PathFold], dynamic_force: f64, periods: PeriodSums, unit: Unit) -> Self {
         PhaseSums { cascade: CascadeSums::of(paths, dynamic_force, unit), periods }
     }
 
-    /// A statistic of the run whose sums these are.
+    /// A statistic of the run that has these sums.
     pub(super) fn measured(&self, statistic: Statistic, timeline: &Timeline, counts: &Counts) -> Measured {
         let CascadeSums { contributing, .. } = &self.cascade;
         let (range, units) = match statistic {
@@ -334,7 +334,7 @@ impl PhaseSums {
     }
 }
 
-// Entries of `CascadeSums::sticks`; the third, the sum of squares, is used by `stick_duration_sd`
+// Entries of `CascadeSums::sticks`. The third, the sum of squares, is used by `stick_duration_sd`
 // alone.
 const STICKS: usize = 0;
 const STICK_SUM: usize = 1;
@@ -346,12 +346,12 @@ const MULTIPLE: usize = 2;
 const JUMP: usize = 3;
 const JUMP_ABS: usize = 4;
 
-/// Moments over paths of what each path's cascade comes down to.
+/// Moments over paths of the numbers that describe the cascade of a path.
 #[derive(Clone, Debug, Default, PartialEq)]
 struct CascadeSums {
     /// Number of completed sticks, j >= 1, sum of D_j, sum of D_j^2.
     sticks: JointMoments<3>,
-    /// Of the influences on the standard deviation of D_j.
+    /// Powers of the influences of paths on the standard deviation of D_j.
     stick_tails: Tails,
     /// Whether the first stick ended, and its D_0.
     first_sticks: JointMoments<2>,
@@ -381,7 +381,7 @@ codec_of_fields!(CascadeSums {
 /// Moments over paths of what was before the end of the burn-in.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct EarlySums {
-    /// Completed sticks, j >= 1, and slips that began in it.
+    /// Completed sticks, j >= 1, and slips that began before the end of the burn-in.
     sticks: Moments,
     slips: Moments,
     /// x(after) - x0.
@@ -398,7 +398,7 @@ impl EarlySums {
     }
 }
 
-/// Number of units that completed at least one of each.
+/// Number of units that completed at least one phase of each kind.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Contributing {
     sticks: u64,
@@ -416,7 +416,8 @@ impl CascadeSums {
         let work: Vec<f64> = paths.iter().map(|p| dynamic_force * p.travel).collect();
         let sticks =
             JointMoments::of([&column(|p| p.sticks.into()), &column(|p| p.duration), &column(|p| p.duration_squared)]);
-        // sum_j (D_j - mean)^2 - sd^2 of each path, about the mean and sd of these paths.
+        // The influence of a path is sum_j ((D_j - mean)^2 - sd^2), with the mean and sd of these
+        // paths.
         let [number, sum, squares] = sticks.mean;
         let (mean, variance) = (sum / number, squares / number - (sum / number) * (sum / number));
         let influence = |p: &PathFold| {
@@ -475,12 +476,12 @@ impl CascadeSums {
     }
 }
 
-/// sqrt(q/n - (s/n)^2) from the means over paths n, s, q of the number of sticks, of their summed
-/// durations and of their summed squares. An sd below 1e-8 of the root mean square is lost in
-/// rounding, and comes out as zero.
+/// sqrt(q/n - (s/n)^2), where n, s and q are the means over paths of the number of sticks, of their
+/// summed durations and of their summed squares. An sd below 1e-8 of the root mean square is lost
+/// in rounding, and the result is zero.
 fn stick_duration_sd(paths: &JointMoments<3>, tails: &Tails, contributing: u64) -> Measured {
     let [n, s, q] = paths.mean;
-    // One stick has no spread.
+    // A single stick has no spread.
     if n * paths.count as f64 <= 1.5 {
         return Measured::NOTHING;
     }
@@ -498,7 +499,7 @@ fn stick_duration_sd(paths: &JointMoments<3>, tails: &Tails, contributing: u64) 
 /// Counts of k(j).
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct SubPhaseTotals {
-    /// Those of the paths of each batch.
+    /// The counts of the paths of each batch.
     counts: Vec<[u64; SUB_PHASE_CAP]>,
     censored: u64,
 }
@@ -512,7 +513,7 @@ impl Default for SubPhaseTotals {
 }
 
 impl SubPhaseTotals {
-    /// A dynamic phase of a path of this unit, of k >= 1 sub-phases, is complete.
+    /// A dynamic phase with k >= 1 sub-phases, of a path of this unit, is complete.
     #[inline]
     pub fn completed(&mut self, unit: u64, k: u32) {
         self.counts[batch_of(unit)][(k.max(1) as usize).min(SUB_PHASE_CAP) - 1] += 1;
@@ -530,8 +531,8 @@ impl SubPhaseTotals {
         self.censored += other.censored;
     }
 
-    /// Of these paths; `chance` is the number of units that completed a dynamic phase, if they are
-    /// random.
+    /// The distribution of k(j). `chance` is the number of units that completed a dynamic phase, if
+    /// these are random.
     fn summary(&self, chance: Option<u64>, sample: Sample) -> SubPhaseCounts {
         let counts: Vec<u64> = (0..SUB_PHASE_CAP).map(|k| self.counts.iter().map(|batch| batch[k]).sum()).collect();
         let all: u64 = counts.iter().sum();
@@ -564,8 +565,9 @@ mod tests {
 
     const TIMELINE: Timeline = Timeline { end: 1000.0, output_step: 1000.0, period: None, after: 0.0 };
 
-    /// A path whose sticks resemble each other: their mean is 1/2 or 2, a fair coin for the whole
-    /// path, and they are exponential about it, 5 to 15 of them. Pooled over all paths
+    /// A path whose sticks resemble each other. A fair coin decides for the whole path whether
+    /// their mean is 1/2 or 2. There are 5 to 15 sticks, exponential with that mean. Pooled over
+    /// all paths
     ///
     /// ```text
     /// E D = 5/4,   E D^2 = 2 (1/4 + 4)/2 = 17/4,   P(D > m) = (e^{-2m} + e^{-m/2})/2
@@ -591,7 +593,7 @@ mod tests {
     #[test]
     fn intervals_of_pooled_stick_statistics_hold_where_those_of_independent_sticks_fail() {
         let (ensembles, paths) = (2000, 300);
-        // z = e^{-m/2} solves z^4 + z = 1.
+        // At the median m, z = e^{-m/2} solves z^4 + z = 1.
         let (mean, sd, median) = (1.25, (4.25f64 - 1.25 * 1.25).sqrt(), -2.0 * 0.724_491_959_000_515_6_f64.ln());
         let mut rng = Pcg64Dxsm::seed_from_u64(20_260);
         let mut covered: [Coverage; 3] = Default::default();
@@ -605,8 +607,8 @@ mod tests {
                 let e = estimate(&summary, statistic);
                 covered.count(e.low <= truth && truth <= e.high);
             }
-            // As if all sticks were independent: mean -+ 1.96 sd/sqrt(N), and a binomial number of
-            // sticks below the median.
+            // The intervals if all sticks were independent: mean -+ 1.96 sd/sqrt(N), and a binomial
+            // number of sticks below the median.
             let pooled = durations.concat();
             let n = pooled.len() as f64;
             let average = pooled.iter().sum::<f64>() / n;
@@ -618,12 +620,12 @@ mod tests {
         covered[0].assert_95_percent("mean");
         covered[1].assert_95_percent("standard deviation");
         covered[2].assert_95_percent("median");
-        // The design effect is about 1 + 0.2 (11 - 1) = 3, so 1.96 naive standard errors are 1.13
-        // true ones: 74 %.
+        // The design effect is about 1 + 0.2 (11 - 1) = 3, so that 1.96 naive standard errors are
+        // 1.13 true ones, which cover 74 %.
         assert!(naive[0].share() < 0.80 && naive[1].share() < 0.80, "{} {}", naive[0].share(), naive[1].share());
     }
 
-    /// What a statistic is never below.
+    /// The lower end of the range of a statistic.
     fn least(statistic: Statistic) -> f64 {
         match statistic {
             Statistic::SubPhasesMean => 1.0,
@@ -637,8 +639,8 @@ mod tests {
         }
     }
 
-    /// The ends of the interval of a share p are where (p - s)^2 = t^2 e^2 s (1 - s)/(p (1 - p)),
-    /// either side of it.
+    /// The ends s of the interval of a share p solve (p - s)^2 = t^2 e^2 s (1 - s)/(p (1 - p)), one
+    /// on either side of p.
     fn check_share(e: Estimate, value: f64, error: f64, t: f64) {
         assert!((e.estimate - value).abs() < 1e-9 && (e.standard_error - error).abs() < 1e-9, "{e:?}");
         assert!(0.0 <= e.low && e.low < value && value < e.high && e.high <= 1.0, "{e:?}");
@@ -648,9 +650,10 @@ mod tests {
         }
     }
 
-    /// Five bodies that come back in the second period from where the first has taken them, and one
-    /// that does so by half: the correlation is -0.98, and Student's t would lead beyond -1. From
-    /// -1 to 1 it has the interval of a share.
+    /// In the second period five of six bodies return to where they were before the first, and one
+    /// does so by half. The correlation is -0.98, and an interval by Student's t would extend
+    /// beyond -1. The interval of a correlation is that of a share, scaled to the range from -1 to
+    /// 1.
     #[test]
     fn the_interval_of_a_correlation_is_that_of_a_share_from_minus_one_to_one() {
         let timeline = Timeline { end: 3.0, output_step: 3.0, period: Some(1.0), after: 0.0 };
@@ -660,7 +663,7 @@ mod tests {
         let paths: Vec<Path> = back.iter().map(|&end| Path { events: Vec::new(), end }).collect();
         let summary = observe(&timeline, &Record::NOTHING, 0, &paths, &[], &ends).totals.summary();
         let e = estimate(&summary, Statistic::PeriodDisplacementCorrelation);
-        let t = 2.570_581_836; // five degrees of freedom
+        let t = 2.570_581_836; // Student's t with five degrees of freedom
         assert!(e.estimate > -1.0 && e.estimate - t * e.standard_error < -1.0, "{e:?}");
         let of_share = |number: f64| (number + 1.0) / 2.0;
         let (share, error) = (of_share(e.estimate), e.standard_error / 2.0);
@@ -669,12 +672,12 @@ mod tests {
         check_share(ends, share, error, t);
     }
 
-    /// Durations of 1 to 3 sticks a path, half of the paths repeating the first, drawn from laws
-    /// whose standard deviations are known. Intervals of equal arms about the standard deviation
-    /// cover 88 to 93 % of them.
+    /// Durations of 1 to 3 sticks per path, where in half of the paths all sticks repeat the first.
+    /// They are drawn from laws with known standard deviations. Intervals with equal arms about the
+    /// estimate cover 88 to 93 % of these.
     ///
-    /// Null: the interval covers in 95 % of all ensembles, whatever the law
-    /// ([`Coverage::assert_95_percent`] has the false-alarm rate).
+    /// Null: the interval covers the truth in 95 % of all ensembles, whatever the law.
+    /// [`Coverage::assert_95_percent`] states the false-alarm rate.
     #[test]
     fn intervals_of_the_standard_deviation_cover_with_few_sticks_a_path_whatever_their_law() {
         let lognormal = LogNormal::new(0.0, 0.5).unwrap();
@@ -727,17 +730,17 @@ mod tests {
     #[test]
     fn every_statistic_of_two_paths_is_the_one_computed_by_hand() {
         let timeline = Timeline { end: 20.0, output_step: 20.0, period: Some(8.0), after: 0.0 };
-        // Slips 6 -> 8 (one sub-phase) and 8 -> 10 -> 9 (two); sticks D_0 = 1, D_1 = 2, the last
-        // one cut off at 20.
+        // Slips 6 -> 8 (one sub-phase) and 8 -> 10 -> 9 (two sub-phases). Sticks D_0 = 1 and D_1 =
+        // 2, and a last one that is cut off at 20.
         let first = Path {
             events: vec![slip(1.0, 6.0), stick(2.0, 8.0), slip(4.0, 8.0), turn(5.0, 10.0), stick(7.0, 9.0)],
             end: 9.0,
         };
-        // Slip 6 -> 5; sticks D_0 = 3, D_1 = 6; then a slip 5 -> 4 cut off at 20.
+        // Slip 6 -> 5. Sticks D_0 = 3 and D_1 = 6. Then a slip 5 -> 4 that is cut off at 20.
         let second = Path { events: vec![slip(3.0, 6.0), stick(4.0, 5.0), slip(10.0, 5.0)], end: 4.0 };
         let periods = [vec![9.0, 5.0], vec![9.5, 4.5]];
         let summary = observe(&timeline, &Record::NOTHING, 0, &[first, second], &[], &periods).totals.summary();
-        let t = 12.706_204_736_432_1; // Student's t, one degree of freedom
+        let t = 12.706_204_736_432_1; // Student's t with one degree of freedom
         let check = |statistic: Statistic, value: f64, error: f64| {
             let e = estimate(&summary, statistic);
             for (got, expected) in [
@@ -749,39 +752,40 @@ mod tests {
                 assert!((got - expected).abs() < 1e-9, "{}: {e:?}, expected {value} +- {error}", statistic.name());
             }
         };
-        // Of two paths, a mean has the standard error |difference|/2; a ratio that of its residuals
-        // y - R x.
+        // For two paths, a mean has the standard error |difference|/2, and a ratio that of its
+        // residuals y - R x.
         check(Statistic::StickDurationMean, 4.0, 2.0);
         check(Statistic::FirstStickDurationMean, 2.0, 1.0);
         check(Statistic::SticksPerPath, 1.0, 0.0);
         check(Statistic::SlipsPerPath, 1.5, 0.5);
-        // R = 4/3: residuals 3 - 8/3 and 1 - 4/3, over a mean of 3/2 slips.
+        // R = 4/3, with residuals 3 - 8/3 and 1 - 4/3, and a mean of 3/2 slips.
         check(Statistic::SubPhasesMean, 4.0 / 3.0, 1.0 / 3.0 / 1.5);
-        // R = 1/3: residuals 1 - 2/3 and 0 - 1/3.
+        // R = 1/3, with residuals 1 - 2/3 and 0 - 1/3.
         check_share(estimate(&summary, Statistic::SubPhasesMultipleShare), 1.0 / 3.0, 1.0 / 3.0 / 1.5, t);
-        // Static for 1 + 2 + 13 = 16 and 3 + 6 = 9 of 20.
+        // The paths are static for 1 + 2 + 13 = 16 and 3 + 6 = 9 of 20.
         check_share(estimate(&summary, Statistic::StickingFraction), 0.625, 0.175, t);
         check(Statistic::DisplacementEndMean, 6.5, 2.5);
-        // Drift: x moves by 0.5 and -0.5 in a period of 8.
+        // x moves by 0.5 and -0.5 in a period of 8.
         check(Statistic::DriftVelocity, 0.0, 0.0625);
-        // Jumps 2 + 1 = 3 of two slips, -1 of one: R = 2/3, residuals 3 - 4/3 and -1 - 2/3.
+        // Jumps 2 + 1 = 3 in two slips, and -1 in one slip: R = 2/3, with residuals 3 - 4/3 and -1
+        // - 2/3.
         check(Statistic::JumpMean, 2.0 / 3.0, 5.0 / 3.0 / 1.5);
         check(Statistic::JumpAbsMean, 4.0 / 3.0, 1.0 / 3.0 / 1.5);
-        // f_d = 2 times the travel 2 + 2 + 1 = 5 and 1 + 1 = 2.
+        // f_d = 2 times the travel, which is 2 + 2 + 1 = 5 and 1 + 1 = 2.
         check(Statistic::FrictionWorkMean, 7.0, 3.0);
-        // Variances 4^2/2 and 5^2/2, half their slope over a period of 8; two paths are always
-        // equally far from their mean.
+        // The variances are 4^2/2 and 5^2/2, and D is half their slope over a period of 8. Two
+        // paths are always equally far from their mean.
         check(Statistic::DiffusionCoefficient, (12.5 - 8.0) / 16.0, 0.0);
         check(Statistic::DisplacementEndSd, 12.5f64.sqrt(), 0.0);
-        // u = 1/2 and -1/2; their squares are alike. The mean of the variances 8 and 12.5 of x at
-        // one phase.
+        // u is 1/2 and -1/2, with equal squares. The variance at one phase is the mean of the
+        // variances 8 and 12.5 of x.
         check(Statistic::PeriodDisplacementMean, 0.0, 0.5);
         check(Statistic::PeriodDisplacementSd, 0.5, 0.0);
         check(Statistic::PhaseDisplacementSd, 10.25f64.sqrt(), 0.0);
         assert!(estimate(&summary, Statistic::PeriodDisplacementCorrelation).estimate.is_nan());
-        // 5 and 2 in a time of 20.
+        // The sliding paths are 5 and 2, in a time of 20.
         check(Statistic::SlidingPathRate, 0.175, 0.075);
-        // D = 2 and 6, both with (D - 4)^2 = 4.
+        // D is 2 and 6, both with (D - 4)^2 = 4.
         check(Statistic::StickDurationSd, 2.0, 0.0);
         assert_eq!(summary.sub_phases.counts[..3], [2, 1, 0]);
         assert_eq!((summary.sub_phases.censored, summary.stick_durations.censored), (1, 1));
@@ -791,8 +795,8 @@ mod tests {
     }
 
     /// The interval of a standard deviation is that of Student's t for its reciprocal, 1/sd -+ t
-    /// error/sd^2, with the degrees of freedom that the squares e of the paths, less their mean,
-    /// leave: 2/freedom = sum e^4/(sum e^2)^2 - 1/m, and m - 1 at most.
+    /// error/sd^2. With e the squares of the paths, less their mean, the degrees of freedom follow
+    /// from 2/freedom = sum e^4/(sum e^2)^2 - 1/m, and are at most m - 1.
     fn check_spread(e: Estimate, sd: f64, error: f64, squares: &[f64]) {
         assert!((e.estimate - sd).abs() < 1e-9 && (e.standard_error - error).abs() < 1e-9, "{e:?} {sd} {error}");
         let (m, power) = (squares.len() as f64, |k: i32| squares.iter().map(|e| e.powi(k)).sum::<f64>());
@@ -803,12 +807,12 @@ mod tests {
         assert!(if high > 0.0 { (1.0 / e.high - high).abs() < 1e-9 } else { e.high == f64::INFINITY }, "{e:?}");
     }
 
-    /// Five paths that have little in common: one never slips, one is in its first slip at t_end,
-    /// and of the others each has another number of sticks and slips. Two paths of one shape have
-    /// errors that many a wrong formula gives as well; of these no two terms are alike.
+    /// Five paths that have little in common. One never slips, one is in its first slip at t_end,
+    /// and the others differ in their numbers of sticks and slips. Two paths of one shape have
+    /// errors that many a wrong formula gives as well. Here no two terms are alike.
     fn unequal() -> [Path; 5] {
         [
-            // D_0 = 1, D = 1 and 3; slips 6 -> 8, 8 -> 9 -> 7, 7 -> 10; static at t_end.
+            // D_0 = 1, D = 1 and 3. Slips 6 -> 8, 8 -> 9 -> 7, 7 -> 10. Static at t_end.
             Path {
                 events: vec![
                     slip(1.0, 6.0),
@@ -821,11 +825,11 @@ mod tests {
                 ],
                 end: 10.0,
             },
-            // D_0 = 2, D = 5; slip 6 -> 5; then 5 -> 4 runs at t_end.
+            // D_0 = 2, D = 5. Slip 6 -> 5, then a slip 5 -> 4 that runs at t_end.
             Path { events: vec![slip(2.0, 6.0), stick(3.0, 5.0), slip(8.0, 5.0)], end: 4.0 },
             Path { events: vec![], end: 6.0 },
-            // D_0 = 6, D = 2, 2 and 11; slips 6 -> 9 -> 3 -> 4, 4 -> 6, 6 -> 7; then 7 -> 9 runs at
-            // t_end.
+            // D_0 = 6, D = 2, 2 and 11. Slips 6 -> 9 -> 3 -> 4, 4 -> 6, 6 -> 7, then a slip 7 -> 9
+            // that runs at t_end.
             Path {
                 events: vec![
                     slip(6.0, 6.0),
@@ -840,7 +844,7 @@ mod tests {
                 ],
                 end: 9.0,
             },
-            // D_0 = 3; then 6 -> 1 runs at t_end.
+            // D_0 = 3, then a slip 6 -> 1 that runs at t_end.
             Path { events: vec![slip(3.0, 6.0)], end: 1.0 },
         ]
     }
@@ -850,7 +854,7 @@ mod tests {
         let timeline = Timeline { end: 100.0, output_step: 100.0, period: None, after: 0.0 };
         let paths = unequal();
         let summary = observe(&timeline, &Record::NOTHING, 0, &paths, &[], &[]).totals.summary();
-        // Of m paths that contribute, Student's t has m - 1 degrees of freedom (Abramowitz and
+        // For m paths that contribute, Student's t has m - 1 degrees of freedom (Abramowitz and
         // Stegun, table 26.10).
         let t = |m: usize| [f64::NAN, f64::NAN, 12.706_204_736_4, 4.302_652_729_9, 3.182_446_305_3, 2.776_445_105_2][m];
         let check = |statistic: Statistic, value: f64, error: f64, contributing: usize| {
@@ -870,10 +874,12 @@ mod tests {
             let squares: f64 = residuals.iter().map(|r| r * r).sum();
             check(statistic, value, (m as f64 / (m - 1) as f64 * squares).sqrt() / x, m);
         };
-        // Six sticks, 24 in all: the residuals are 4 - 2 * 4, 5 - 4 and 15 - 3 * 4.
+        // There are six sticks with a total of 24. The residuals are 4 - 2 * 4, 5 - 4 and 15 - 3 *
+        // 4.
         ratio(Statistic::StickDurationMean, 4.0, [-4.0, 1.0, 0.0, 3.0, 0.0], 6.0, 3);
-        // (D - 4)^2 = 9 and 1; 1; 4, 4 and 49: their mean is the variance 34/3. Of its root,
-        // residuals are those of the variance over twice the root.
+        // (D - 4)^2 is 9 and 1 in the first path, 1 in the second, and 4, 4 and 49 in the fourth.
+        // Their mean is the variance 34/3. The residuals of its root are those of the variance,
+        // divided by twice the root.
         let sd = (34.0 / 3.0_f64).sqrt();
         let squares = [10.0 - 2.0 * 34.0 / 3.0, 1.0 - 34.0 / 3.0, 57.0 - 34.0];
         let error = |squares: &[f64], n: f64| {
@@ -881,28 +887,29 @@ mod tests {
             (m / (m - 1.0) * squares.iter().map(|e| e * e).sum::<f64>()).sqrt() / n
         };
         check_spread(estimate(&summary, Statistic::StickDurationSd), sd, error(&squares, 6.0) / (2.0 * sd), &squares);
-        // D_0 = 1, 2, 6, 3 of four paths.
+        // D_0 is 1, 2, 6 and 3 in four paths.
         ratio(Statistic::FirstStickDurationMean, 3.0, [-2.0, -1.0, 0.0, 3.0, 0.0], 4.0, 4);
-        // Seven slips: 3, 1 and 3. Sub-phases 4, 1 and 5; two or more in 1, 0 and 1 of them.
+        // There are seven slips: 3, 1 and 3. They have 4, 1 and 5 sub-phases, and 1, 0 and 1 of
+        // them have two or more.
         let sevenths = |residuals: [f64; 5]| residuals.map(|r| r / 7.0);
         ratio(Statistic::SubPhasesMean, 10.0 / 7.0, sevenths([-2.0, -3.0, 0.0, 5.0, 0.0]), 7.0, 3);
         let share_error = (3.0 / 2.0 * 6.0 / 49.0_f64).sqrt() / 7.0;
         check_share(estimate(&summary, Statistic::SubPhasesMultipleShare), 2.0 / 7.0, share_error, t(3));
-        // Jumps 2 - 1 + 3, -1 and -2 + 2 + 1; their sizes 6, 1 and 5.
+        // The jumps are 2 - 1 + 3, -1 and -2 + 2 + 1. The sums of their sizes are 6, 1 and 5.
         ratio(Statistic::JumpMean, 4.0 / 7.0, sevenths([16.0, -11.0, 0.0, -5.0, 0.0]), 7.0, 3);
         ratio(Statistic::JumpAbsMean, 12.0 / 7.0, sevenths([6.0, -5.0, 0.0, -1.0, 0.0]), 7.0, 3);
-        // Means over all five paths: sqrt(variance/5), variances from the sums of squared
-        // deviations over 4.
+        // Means over all five paths have the error sqrt(variance/5), where the variance is the sum
+        // of squared deviations over 4.
         let mean = |statistic, value, squares: f64| check(statistic, value, (squares / 4.0 / 5.0).sqrt(), 5);
         mean(Statistic::SticksPerPath, 1.2, 6.8); // 2, 1, 0, 3, 0
         mean(Statistic::SlipsPerPath, 1.4, 9.2); // 3, 1, 0, 3, 0
-        // 96, 7, 100, 21 and 3 of 100.
+        // The paths are static for 96, 7, 100, 21 and 3 of 100.
         check_share(estimate(&summary, Statistic::StickingFraction), 0.454, (0.940_92 / 20.0_f64).sqrt(), t(5));
         mean(Statistic::DisplacementEndMean, 6.0, 54.0); // 10, 4, 6, 9, 1
         mean(Statistic::FrictionWorkMean, 12.0, 552.0); // f_d = 2 times 8, 2, 0, 15, 5
-        mean(Statistic::SlidingPathRate, 0.06, 0.0138); // the same ways, in a time of 100
-        // Squared deviations 16, 4, 0, 9 and 25 of x(t_end), less their mean 10.8: squares 394.8 in
-        // all.
+        mean(Statistic::SlidingPathRate, 0.06, 0.0138); // the same travel, in a time of 100
+        // The squared deviations of x(t_end) are 16, 4, 0, 9 and 25. Less their mean 10.8 they have
+        // a sum of squares of 394.8.
         let (sd, squares) = (13.5f64.sqrt(), [5.2, -6.8, -10.8, -1.8, 14.2]);
         check_spread(
             estimate(&summary, Statistic::DisplacementEndSd),
@@ -912,10 +919,10 @@ mod tests {
         );
     }
 
-    /// The five paths above with a burn-in up to 4.5, where they are at 8.5 (in a slip), 5 (in a
-    /// stick), 6, 6 and 3 (in a slip). What is left are the sticks of 3 in the first and of 2, 2
-    /// and 11 in the fourth, and the slips 7 -> 10 and all three. Left out is what began before:
-    /// the sticks of 1 and of 5, and three slips, of which one ends later.
+    /// The five paths above with a burn-in up to 4.5, when they are at 8.5 (in a slip), 5 (in a
+    /// stick), 6, 6 and 3 (in a slip). Counted are the stick of 3 in the first path, those of 2, 2
+    /// and 11 in the fourth, the slip 7 -> 10, and all three slips of the fourth. Left out is what
+    /// began before: the sticks of 1 and of 5, and three slips, of which one ends later.
     #[test]
     fn every_statistic_after_a_burn_in_is_the_one_computed_by_hand() {
         let timeline = Timeline { end: 100.0, output_step: 100.0, period: None, after: 4.5 };
@@ -950,17 +957,18 @@ mod tests {
         };
         mean(Statistic::SticksPerPath, [1.0, 0.0, 0.0, 3.0, 0.0]);
         mean(Statistic::SlipsPerPath, [1.0, 0.0, 0.0, 3.0, 0.0]);
-        // Static from 5 to 8 and from 9 on; 4.5 to 8; always; up to 6, 9 to 11, 12 to 14 and 15 to
-        // 26; never; of 95.5.
+        // The paths are static from 5 to 8 and from 9 on; from 4.5 to 8; always; up to 6, from 9 to
+        // 11, 12 to 14 and 15 to 26; and never. The time is 95.5.
         mean(Statistic::StickingFraction, [94.0, 3.5, 95.5, 16.5, 0.0].map(|time| time / 95.5));
-        // 8.5 -> 7 and 7 -> 10; 5 -> 4; nothing; all of 15; 3 -> 1.
+        // The paths slide 8.5 -> 7 and 7 -> 10; 5 -> 4; not at all; the whole 15; and 3 -> 1.
         mean(Statistic::SlidingPathRate, [4.5, 1.0, 0.0, 15.0, 2.0].map(|way| way / 95.5));
         mean(Statistic::FrictionWorkMean, [9.0, 2.0, 0.0, 30.0, 4.0]);
         mean(Statistic::DisplacementEndMean, [10.0, 4.0, 6.0, 9.0, 1.0]);
-        // 18 in 4 sticks: residuals 3 - 4.5 and 15 - 13.5, of two paths.
+        // There are 4 sticks with a total of 18, in two paths with the residuals 3 - 4.5 and 15 -
+        // 13.5.
         check(Statistic::StickDurationMean, 4.5, (2.0f64 * (2.25 + 2.25)).sqrt() / 4.0);
-        // Jumps 3, and -2 + 2 + 1: 4 in 4 slips, residuals 3 - 1 and 1 - 3, of two paths.
-        // Sub-phases 1 and 5.
+        // The jumps are 3 in one path and -2 + 2 + 1 in another: 4 in 4 slips, with residuals 3 - 1
+        // and 1 - 3. The sub-phases are 1 and 5.
         check(Statistic::JumpMean, 1.0, (2.0f64 * 8.0).sqrt() / 4.0);
         check(Statistic::JumpAbsMean, 2.0, (2.0f64 * (1.0 + 1.0)).sqrt() / 4.0);
         check(Statistic::SubPhasesMean, 1.5, (2.0f64 * (0.25 + 0.25)).sqrt() / 4.0);
@@ -969,29 +977,30 @@ mod tests {
         assert!((first.estimate - 3.0).abs() < 1e-12 && summary.stick_durations.first_completed == 4);
         let sticks = &summary.stick_durations;
         assert_eq!((sticks.completed, sticks.censored, sticks.first_censored), (4, 1, 1));
-        // Path 0 is static at t_end, since 9; of the slips that run there those of paths 1 and 3
-        // began after 4.5.
+        // Path 0 is static at t_end, from 9 on. Of the slips that run at t_end, those of paths 1
+        // and 3 began after 4.5.
         assert_eq!((summary.sub_phases.censored, &summary.sub_phases.counts[..3]), (2, &[3, 0, 1][..]));
         let transient = summary.transient.expect("a burn-in");
         assert_eq!((transient.end, transient.sticks, transient.slips), (4.5, 2, 3));
-        // Two paths of five left out a stick each: 0.4 of them a path, of variance 0.3; t has 4
-        // degrees of freedom. Of the three slips two are of one path.
+        // Two of five paths have one stick each that is left out: the mean is 0.4 per path, with
+        // variance 0.3, and t has 4 degrees of freedom. Of the three slips that are left out, two
+        // are in one path.
         let of_five = |mean: f64, variance: f64| 5.0 * (mean + 2.776_445_105 * (variance / 5.0).sqrt());
         for (ends, mean, variance) in [(transient.stick_ends, 0.4, 0.3), (transient.slip_ends, 0.6, 0.8)] {
             assert!(ends[0] == 0.0 && (ends[1] - of_five(mean, variance)).abs() < 1e-8, "{ends:?}");
         }
-        // From 6 to 8.5, 5, 6, 6 and 3.
+        // The paths move from 6 to 8.5, 5, 6, 6 and 3.
         assert!((transient.displacement.estimate + 0.3).abs() < 1e-12, "{transient:?}");
         let squares: f64 = [2.8f64, -0.7, 0.3, 0.3, -2.7].iter().map(|x| x * x).sum();
         assert!((transient.displacement.standard_error - (squares / 20.0).sqrt()).abs() < 1e-12, "{transient:?}");
     }
 
-    /// Durations 1 to 2, evenly spaced, so that the quantile of a share p is 1 + p; path by path
-    /// the sticks alternate between 60 % and 40 % below the median, so that each of the 32 batches
-    /// of paths is off by 10 of its 100 sticks, and the share of 3200 below the median has the
-    /// standard error sqrt(32/31 * 32 * 10^2)/3200. Its interval is that of Student's t with 31
-    /// degrees of freedom, 2.0395, and the median's is what the quantiles make of it; with the 1.96
-    /// of a normal error it would be 4 % shorter.
+    /// Durations from 1 to 2 are evenly spaced, so that the quantile of order p is 1 + p. From path
+    /// to path, 60 % and 40 % of the sticks alternately are below the median. So each of the 32
+    /// batches of paths is off by 10 of its 100 sticks, and the share of the 3200 sticks below the
+    /// median has the standard error sqrt(32/31 * 32 * 10^2)/3200. Its interval is that of
+    /// Student's t with 31 degrees of freedom, 2.0395, and that of the median follows through the
+    /// quantiles. With the 1.96 of a normal error it would be 4 % shorter.
     #[test]
     fn the_interval_of_the_median_has_the_students_t_of_its_batches() {
         let sticks_below = [60, 40];
@@ -1009,8 +1018,8 @@ mod tests {
         let e = estimate(&summary, Statistic::StickDurationMedian);
         let share_error = (32.0 / 31.0 * 32.0 * 100.0_f64).sqrt() / 3200.0;
         let t = 2.039_513_446;
-        // Quantiles are read to a small part of a bin of 2^-8; 1.96 in place of t would move each
-        // end by 0.0014.
+        // Quantiles are accurate to a small part of a bin of 2^-8. With 1.96 in place of t each end
+        // would move by 0.0014.
         assert!((e.estimate - 1.5).abs() < 5e-4, "{e:?}");
         assert!((e.standard_error / share_error - 1.0).abs() < 0.02, "{e:?}, expected {share_error}");
         assert!((e.high - (1.5 + t * share_error)).abs() < 5e-4, "{e:?}");
@@ -1047,9 +1056,9 @@ mod tests {
         assert!(summary.stick_durations.histogram.counts.is_empty());
     }
 
-    /// Of 4 random paths none slips. Wilson's bound of a share that none of them shows is 3.84/(4 +
-    /// 3.84) = 0.49; what has no bound, such as the number of slips of a path that does slip, has
-    /// no interval.
+    /// None of 4 random paths slips. Wilson's bound of a share that none of them shows is 3.84/(4 +
+    /// 3.84) = 0.49. A number without a bound, such as the number of slips of a path that does
+    /// slip, has an infinite upper end.
     #[test]
     fn few_random_paths_that_agree_are_not_certain() {
         let paths: Vec<Path> = (0..4).map(|_| Path { events: Vec::new(), end: 6.0 }).collect();
@@ -1077,8 +1086,8 @@ mod tests {
         let sticks = &summary.stick_durations;
         assert_eq!((sticks.completed_ends, sticks.first_completed), ([0.0, f64::INFINITY], 0));
         assert!((sticks.first_completed_ends[1] - 4.0 * few).abs() < 1e-5, "{sticks:?}");
-        // At the start every path is at x0, whatever the noise; and all are static, which is not
-        // certain of others later.
+        // At the start every path is at x0, whatever the noise. All are static, but it is not
+        // certain that other paths are static later.
         let (bands, x) = (&summary.bands, &summary.bands.displacement);
         assert_eq!([x.mean_ends.low[0], x.mean_ends.high[0]], [6.0, 6.0]);
         assert_eq!([x.mean_ends.low[1], x.mean_ends.high[1]], [f64::NEG_INFINITY, f64::INFINITY]);

@@ -1,34 +1,34 @@
 //! One order of floating-point sums, however a run is cut: the binary tree over block numbers.
 //!
-//! Block k is leaf k. Node (level l, index i) sums the blocks i 2^l .. (i + 1) 2^l, and is its left
-//! half, merged with its right half. A part of a run keeps the largest such nodes that it holds
-//! completely, O(log n) of them for n blocks in a row, and nothing else. Parts are joined by
-//! putting their nodes together. The sum of what is there is the root of the tree with empty leaves
-//! for the blocks that are not: merging with nothing changes no bit, so that is one number, whoever
-//! computed which block, and when.
+//! Block k is leaf k. Node (level l, index i) is the sum of the blocks i 2^l .. (i + 1) 2^l, and is
+//! formed by merging its left half with its right half. A part of a run keeps the largest nodes all
+//! of whose blocks it has, O(log n) of them for n consecutive blocks, and nothing else. Parts are
+//! joined by putting their nodes together. The sum of the blocks that are there is the root of the
+//! tree in which the missing blocks are empty leaves. Merging with nothing changes no bit, so this
+//! sum does not depend on which part computed which block, and when.
 //!
-//! Pairwise summation is more accurate than one running sum, too: the rounding error grows like the
+//! Pairwise summation is also more accurate than one running sum: its rounding error grows like the
 //! depth of the tree, log2 n, instead of like n in the worst case (N. J. Higham, *The accuracy of
 //! floating point summation*, SIAM J. Sci. Comput. 14 (1993)).
 
 use super::codec::{Codec, Damaged, Reader};
 use std::collections::BTreeMap;
 
-/// Something that is summed.
+/// Sums that can be merged.
 pub trait Merge {
-    /// Add what `other` sums, which comes after what `self` sums.
+    /// Add the sums of `other`, whose blocks come after those of `self`.
     fn merge(&mut self, other: &Self);
 }
 
-/// Two parts hold the same block.
+/// The error when a block is in both of two parts that are to be joined.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("block {block} is in both parts")]
 pub struct Overlap {
-    /// The first such block.
+    /// The lowest such block that was found.
     pub block: u64,
 }
 
-/// The sums of some blocks of a run: its complete nodes, by the number of their first block.
+/// The sums of some blocks of a run: the complete nodes, by the numbers of their first blocks.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tree<S> {
     nodes: BTreeMap<u64, Node<S>>,
@@ -47,14 +47,15 @@ impl<S> Default for Tree<S> {
 }
 
 impl<S: Merge> Tree<S> {
-    /// Add one block.
+    /// Add one block. Fails if the block has already been added.
     pub fn push(&mut self, block: u64, sums: S) -> Result<(), Overlap> {
         self.insert(block, Node { level: 0, sums })
     }
 
-    /// Add the blocks of another part.
+    /// Add the blocks of another part. Fails if both parts have the same block; then this part
+    /// remains unchanged.
     pub fn merge(&mut self, other: Tree<S>) -> Result<(), Overlap> {
-        // Looked for first, so that a refusal leaves this part as it was.
+        // This is checked first, so that after an error this part is as it was before.
         let there = other.nodes.iter().find_map(|(first, node)| self.first_in(*first, size(node.level)));
         match there {
             Some(block) => Err(Overlap { block }),
@@ -80,14 +81,14 @@ impl<S: Merge> Tree<S> {
         Ok(())
     }
 
-    /// The first block of `first .. first + blocks` that is here already.
+    /// The first block of `first .. first + blocks` that has already been added.
     fn first_in(&self, first: u64, blocks: u64) -> Option<u64> {
         let before = self.nodes.range(..first).next_back();
         let reaches = before.filter(|(start, node)| *start + size(node.level) > first).map(|_| first);
         reaches.or_else(|| self.nodes.range(first..first + blocks).next().map(|(start, _)| *start))
     }
 
-    /// The blocks that are here, as ranges without gaps, ascending.
+    /// The blocks that have been added, as ranges without gaps, in ascending order.
     pub fn ranges(&self) -> Vec<std::ops::Range<u64>> {
         let mut ranges: Vec<std::ops::Range<u64>> = Vec::new();
         for (&first, node) in &self.nodes {
@@ -100,9 +101,9 @@ impl<S: Merge> Tree<S> {
         ranges
     }
 
-    /// What all the blocks sum to, seen through `part`; none if there are no blocks.
+    /// The sum over all blocks of what `part` selects from their sums; none if there are no blocks.
     ///
-    /// The order of merging is that of the whole sums, so a part of them is the same part of their
+    /// The order of merging is that of the whole sums, so that the result is the same part of their
     /// total.
     pub fn total<P: Merge + Clone>(&self, part: impl Fn(&S) -> &P) -> Option<P> {
         let nodes: Vec<(u64, &P)> = self.nodes.iter().map(|(first, node)| (*first, part(&node.sums))).collect();
@@ -110,12 +111,12 @@ impl<S: Merge> Tree<S> {
     }
 }
 
-/// Blocks of a node.
+/// Number of blocks of a node.
 fn size(level: u32) -> u64 {
     1 << level
 }
 
-/// The sum of nodes that are all within one node of this level.
+/// The sum of nodes that all lie within one node of this level.
 fn root<P: Merge + Clone>(nodes: &[(u64, &P)], level: u32) -> Option<P> {
     match nodes {
         [] => None,
@@ -135,7 +136,8 @@ fn root<P: Merge + Clone>(nodes: &[(u64, &P)], level: u32) -> Option<P> {
 }
 
 impl<S> Tree<S> {
-    /// Append every node: level, first block, and what `part` sees of its sums.
+    /// Append the nodes: their number, and for each the level, the first block, and what `part`
+    /// selects from its sums.
     pub fn write<P: Codec>(&self, out: &mut Vec<u8>, part: impl Fn(&S) -> &P) {
         (self.nodes.len() as u64).write(out);
         for (first, node) in &self.nodes {
@@ -147,8 +149,8 @@ impl<S> Tree<S> {
 }
 
 impl<S: Merge + Codec> Tree<S> {
-    /// Read nodes back, each into a copy of `empty`. Damage is an overlap, a node off its place, or
-    /// two that should be one.
+    /// Read the nodes back, each into a copy of `empty`. The bytes are damaged if nodes overlap, if
+    /// a node is at a wrong place, or if two nodes should be one.
     pub fn read(from: &mut Reader<'_>, empty: &S) -> Result<Self, Damaged>
     where
         S: Clone,
@@ -190,8 +192,8 @@ mod tests {
         tree.total(|sums| sums).expect("there are blocks")
     }
 
-    /// The definition, without the code under test: halves of a power of two of leaves, missing
-    /// ones empty.
+    /// The sum by its definition, without the code under test: halves of a power of two of leaves,
+    /// where missing leaves are empty.
     fn by_definition(blocks: &[Moments], first: usize, size: usize) -> Moments {
         if size == 1 {
             return blocks.get(first).copied().unwrap_or_default();
@@ -287,12 +289,13 @@ mod tests {
         }
     }
 
-    /// Means of 2^16 blocks, against their sum in twice the precision. The error of one running
-    /// mean grows with the number of merges, that of the tree with its depth, 16.
+    /// The mean over 2^16 blocks, compared with a sum in twice the precision. The error of a
+    /// running mean grows with the number of merges, that of the tree with its depth, 16.
     #[test]
     fn the_tree_rounds_less_than_a_running_sum() {
         let blocks = blocks(1 << 16, 3);
-        // Neumaier's sum: as if in twice the precision, so exact at this scale.
+        // Neumaier's sum is as accurate as if computed in twice the precision, so it is exact at
+        // this scale.
         let (mut sum, mut lost) = (0.0_f64, 0.0_f64);
         for term in blocks.iter().map(|block| block.mean) {
             let next = sum + term;
@@ -307,7 +310,7 @@ mod tests {
         println!(
             "relative error of a mean over 65 536 blocks, in units of 2^-52: tree {tree:.2}, running {running:.2}"
         );
-        // Each of 16 levels rounds by half a unit or so, in either direction.
+        // Each of 16 levels rounds by about half a unit, in either direction.
         assert!(tree <= 4.0 && tree <= running, "{tree} {running}");
     }
 }

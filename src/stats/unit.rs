@@ -1,10 +1,10 @@
-//! What is independent of one another in an ensemble: paths, or antithetic pairs of them.
+//! The independent unit of an ensemble: a path, or an antithetic pair of paths.
 //!
-//! Estimates are functions of means over paths either way. Their errors come from how units
-//! scatter, and a pair contributes the mean of what its paths do. What is counted without telling
-//! which paths it is from (quantiles, standard deviations and static paths of a row, phases that
-//! run at the end) is taken to be as uncertain as if both paths of a pair were one and the same,
-//! which is the most that two paths may depend on each other.
+//! Estimates are functions of means over paths in either case. Their errors come from the scatter
+//! of units, where a pair contributes the mean of its two paths. Some numbers are counted without
+//! keeping their paths apart: quantiles, standard deviations and static paths of a row, and phases
+//! that run at the end. These are taken to be as uncertain as if both paths of a pair were equal,
+//! which is the strongest possible dependence.
 
 use std::borrow::Cow;
 
@@ -14,12 +14,12 @@ pub enum Unit {
     /// A path.
     #[default]
     Path,
-    /// Paths 2k and 2k + 1.
+    /// An antithetic pair: paths 2k and 2k + 1.
     Pair,
 }
 
 impl Unit {
-    /// How many paths it holds.
+    /// Number of paths in a unit.
     pub fn size(self) -> u64 {
         match self {
             Unit::Path => 1,
@@ -27,7 +27,7 @@ impl Unit {
         }
     }
 
-    /// The number of the unit that a path is in.
+    /// The number of the unit that contains a path.
     #[inline]
     pub fn of(self, path: u64) -> u64 {
         match self {
@@ -36,7 +36,7 @@ impl Unit {
         }
     }
 
-    /// The mean of each unit, from one value a path.
+    /// The mean of each unit, from one value per path.
     pub fn means(self, values: &[f64]) -> Cow<'_, [f64]> {
         match self {
             Unit::Path => Cow::Borrowed(values),
@@ -44,7 +44,7 @@ impl Unit {
         }
     }
 
-    /// Units of which a path, at least one, is what is asked.
+    /// Number of units in which at least one path satisfies `is`.
     pub fn count<T>(self, paths: &[T], is: impl Fn(&T) -> bool) -> u64 {
         match self {
             Unit::Path => paths.iter().filter(|path| is(path)).count() as u64,

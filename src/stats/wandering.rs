@@ -1,14 +1,14 @@
-//! How far the body gets from one forcing period to the next, at one phase of the forcing.
+//! How far the body moves from one forcing period to the next, at one phase of the forcing.
 //!
-//! Of the displacements u_n = x((n + 1)P) - x(nP), n = 1..M, a path leaves the means
+//! From the displacements u_n = x((n + 1)P) - x(nP), n = 1..M, each path contributes the means
 //!
 //! ```text
 //! a = mean u_n,   b = mean u_n^2,   c = mean u_n u_{n+1},   d = mean (u_n + u_{n+1})
 //! ```
 //!
-//! the last two over n = 1..M-1. With the means of these over paths, the mean of u is a, its
-//! variance b - a^2, and the covariance of neighbours c - a d + a^2; errors follow from how a, b, c
-//! and d scatter from path to path.
+//! the last two over n = 1..M-1. In terms of the means of these over paths, the mean of u is a, its
+//! variance is b - a^2, and the covariance of neighbours is c - a d + a^2. Errors follow from the
+//! scatter of a, b, c and d from path to path.
 
 use super::codec::{Codec, Damaged, Reader};
 use super::interval::Measured;
@@ -17,14 +17,14 @@ use super::spread::Tails;
 use super::unit::Unit;
 use crate::scheme::Timeline;
 
-/// What the displacements from period to period come to.
+/// Moments of the displacements from period to period.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Wandering {
-    /// M; the timeline says it.
+    /// M, which follows from the timeline.
     displacements: usize,
-    /// a, b, c and d.
+    /// Moments of a, b, c and d.
     paths: JointMoments<4>,
-    /// Of the influences on the standard deviation of u_n.
+    /// Powers of the influences on the standard deviation of u_n.
     tails: Tails,
 }
 
@@ -43,10 +43,10 @@ impl Wandering {
         if self.displacements == 0 { Measured::NOTHING } else { Measured::mean_of(&self.paths, 0) }
     }
 
-    /// Standard deviation of u_n. One below 1e-8 of the root mean square is lost in rounding, and
-    /// comes out as zero.
+    /// Standard deviation of u_n. A value below 1e-8 of the root mean square is lost in rounding,
+    /// and the result is zero.
     pub fn sd(&self) -> Measured {
-        // One number has no spread.
+        // A single number has no spread.
         if self.displacements as u64 * self.paths.count < 2 {
             return Measured::NOTHING;
         }
@@ -61,7 +61,7 @@ impl Wandering {
         }
     }
 
-    /// Correlation of u_n and u_{n+1}; none where u_n does not vary.
+    /// Correlation of u_n and u_{n+1}; it does not exist where u_n does not vary.
     pub fn correlation(&self) -> Measured {
         let variance = self.variance();
         if self.displacements < 2 || self.paths.count == 0 || variance == 0.0 {
@@ -70,7 +70,8 @@ impl Wandering {
         let [a, _, c, d] = self.paths.mean;
         let r = (c - a * d + a * a) / variance;
         let gradient = [2.0 * a - d + 2.0 * a * r, -r, 1.0, -a].map(|g| g / variance);
-        // Over few periods it may leave the range of a correlation by chance, or by rounding.
+        // Over few periods the estimate may leave the range of a correlation, by chance or by
+        // rounding.
         Measured::smooth(r.clamp(-1.0, 1.0), &self.paths, gradient, self.paths.count)
     }
 
@@ -93,10 +94,10 @@ impl Codec for Wandering {
     }
 }
 
-/// One block of paths on its way through the periods.
+/// Folds one block of paths, period by period.
 pub(super) struct WanderingFold {
     empty: Wandering,
-    /// Instants that have been seen.
+    /// Number of instants so far.
     seen: usize,
     paths: Vec<OnePath>,
 }
@@ -121,7 +122,7 @@ impl WanderingFold {
         WanderingFold { empty, seen: 0, paths: vec![OnePath::default(); paths] }
     }
 
-    /// The next instant at the same phase.
+    /// Add the paths at the next instant of the same phase.
     pub fn fold(&mut self, displacement: &[f64]) {
         self.seen += 1;
         for (path, &x) in self.paths.iter_mut().zip(displacement) {
@@ -135,7 +136,7 @@ impl WanderingFold {
             }
             path.sum += u;
             path.squares += u * u;
-            // Zero before the first one.
+            // `last` is zero before the first displacement.
             path.products += path.last * u;
             path.last = u;
         }
@@ -166,17 +167,17 @@ mod tests {
     use super::*;
     use crate::stats::Statistic;
 
-    /// Three paths with u = 1, 2, 0 and -1, 1, 3 and -2, -1, -3, of mean 0: a = 1, 1, -2; b = 5/3,
-    /// 11/3, 14/3 of mean 10/3, the variance; c = 1, 1, 5/2 of mean 3/2, the covariance; d = 5/2,
-    /// 2, -7/2 of mean 1/3. The influences on the standard deviation are (b - 10/3)/(2 sd), and
-    /// those on the correlation r = 9/20 are (-a/3 - r (b - 10/3) + c - 3/2)/(10/3). A constant on
-    /// top of every u changes the mean alone.
+    /// Three paths with u = 1, 2, 0 and -1, 1, 3 and -2, -1, -3, with mean 0. a is 1, 1, -2. b is
+    /// 5/3, 11/3, 14/3, and its mean 10/3 is the variance. c is 1, 1, 5/2, and its mean 3/2 is the
+    /// covariance. d is 5/2, 2, -7/2, with mean 1/3. The influences on the standard deviation are
+    /// (b - 10/3)/(2 sd), and those on the correlation r = 9/20 are (-a/3 - r (b - 10/3) + c -
+    /// 3/2)/(10/3). A constant added to every u changes the mean alone.
     #[test]
     fn the_errors_of_unequal_paths_are_those_computed_by_hand() {
         let timeline = Timeline { end: 4.0, output_step: 4.0, period: Some(1.0), after: 0.0 };
         let u = [[1.0, 2.0, 0.0], [-1.0, 1.0, 3.0], [-2.0, -1.0, -3.0]];
         for constant in [0.0, 1.0, -7.0] {
-            // In two blocks, from three places.
+            // The paths are in two blocks and start at different places.
             let part = |paths: &[[f64; 3]]| {
                 let mut fold = WanderingFold::new(&timeline, paths.len());
                 let mut x: Vec<f64> = (0..paths.len()).map(|path| 5.0 - path as f64).collect();
