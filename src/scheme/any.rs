@@ -1,11 +1,11 @@
-//! The closed sets of schemes, made from one list: [`Kind`] without a parameter, [`Scheme`] with
-//! it, and `Simulation`, ready to simulate. Each of them is matched once, outside every loop;
-//! inside, everything is compiled for the one scheme.
+//! The enums of all schemes, made from one list: [`Kind`] without a parameter, [`Scheme`] with its
+//! parameter, and `Simulation`, ready to simulate. Each is matched once, outside all loops; the
+//! code inside the loops is compiled for the one scheme.
 
 use super::{Kind, Parameter, Scheme};
 use std::fmt;
 
-/// Makes the enums of the types that implement `Method`, and hands on what each of these knows.
+/// Makes the enums from the types that implement `Method`, and forwards their methods.
 macro_rules! schemes {
     ($($Scheme:ident),+ $(,)?) => {
         /// The schemes by name, without their parameters.
@@ -40,7 +40,7 @@ macro_rules! schemes {
         }
 
         impl Kind {
-            /// Every one, in the order of tables and pictures.
+            /// All schemes, in the order of tables and pictures.
             pub const ALL: &'static [Kind] = &[$(Kind::$Scheme),+];
 
             /// The name in scenarios, tables, JSON and files.
@@ -48,17 +48,17 @@ macro_rules! schemes {
                 match self { $(Kind::$Scheme => $Scheme::NAME,)+ }
             }
 
-            /// What it is, in a line.
+            /// A description of the scheme in one line.
             pub fn meaning(self) -> &'static str {
                 match self { $(Kind::$Scheme => $Scheme::MEANING,)+ }
             }
 
-            /// What its parameter is.
+            /// Which parameter the scheme has.
             pub fn parameter(self) -> Parameter {
                 match self { $(Kind::$Scheme => $Scheme::PARAMETER,)+ }
             }
 
-            /// How pictures tell it from the others.
+            /// How pictures distinguish the scheme from the others.
             pub fn look(self) -> Look {
                 match self { $(Kind::$Scheme => $Scheme::LOOK,)+ }
             }
@@ -70,40 +70,41 @@ macro_rules! schemes {
         }
 
         impl Scheme {
-            /// Which scheme it is.
+            /// The scheme without its parameter.
             pub fn kind(self) -> Kind {
                 match self { $(Scheme::$Scheme(_) => Kind::$Scheme,)+ }
             }
 
-            /// Its step or its tolerance: what is made smaller for a smaller error.
+            /// The step (a time) or the relative tolerance of the scheme. A smaller value gives a
+            /// smaller error.
             pub fn parameter(self) -> f64 {
                 match self { $(Scheme::$Scheme(scheme) => scheme.parameter(),)+ }
             }
 
-            /// The scheme on this model, looked at on this timeline.
+            /// The scheme on this model, observed on this timeline.
             pub fn simulation(self, model: &Model, timeline: &Timeline) -> Simulation {
                 match self {
                     $(Scheme::$Scheme(scheme) => Simulation::$Scheme(Box::new(scheme.simulation(model, timeline))),)+
                 }
             }
 
-            /// How the error of its discretisation is known.
+            /// How the error that its discretisation leaves in the statistics is known.
             pub fn discretisation(self) -> Discretisation {
                 match self { $(Scheme::$Scheme(scheme) => scheme.discretisation(),)+ }
             }
 
-            /// How long its step may be before slips grow without bound, if they can.
+            /// The limit beyond which slips grow without bound; none for a scheme without a step.
             pub fn stability(self, model: &Model) -> Option<Stability> {
                 match self { $(Scheme::$Scheme(scheme) => scheme.stability(model),)+ }
             }
 
-            /// What is simulated in place of the model where f_s and f_d (nearly) meet under noise;
-            /// usually nothing.
+            /// The threshold that is simulated instead of f_s where f_s and f_d are (nearly) equal
+            /// under noise; usually none.
             pub fn resolution(self, model: &Model, timeline: &Timeline) -> Option<Resolution> {
                 match self { $(Scheme::$Scheme(scheme) => scheme.resolution(model, timeline),)+ }
             }
 
-            /// Whether it can simulate this model up to `end`.
+            /// Checks whether the scheme can simulate this model up to `end`.
             pub fn check(self, model: &Model, end: f64) -> Result<(), Misfit> {
                 match self { $(Scheme::$Scheme(scheme) => scheme.check(model, end),)+ }
             }
@@ -174,12 +175,12 @@ macro_rules! schemes {
 }
 
 impl Kind {
-    /// The scheme of this name.
+    /// The scheme of this name; none if there is no such scheme.
     pub fn from_name(name: &str) -> Option<Self> {
         Kind::ALL.iter().copied().find(|kind| kind.name() == name)
     }
 
-    /// Whether its parameter is a time step.
+    /// Whether the parameter is a time step.
     pub fn has_step(self) -> bool {
         self.parameter() == Parameter::Step
     }
@@ -191,18 +192,18 @@ impl Scheme {
         self.kind().name()
     }
 
-    /// h, if it has a step.
+    /// The time step h; none for a scheme with a tolerance.
     pub fn step(self) -> Option<f64> {
         self.kind().has_step().then(|| self.parameter())
     }
 
-    /// Its tolerance, if it has one.
+    /// The tolerance; none for a scheme with a step.
     pub fn tolerance(self) -> Option<f64> {
         (!self.kind().has_step()).then(|| self.parameter())
     }
 }
 
-/// As on the command line: `--scheme corrected-vi --step 0.005`.
+/// Writes the scheme as on the command line: `--scheme corrected-vi --step 0.005`.
 impl fmt::Display for Scheme {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let flag = match self.kind().parameter() {

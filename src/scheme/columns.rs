@@ -1,4 +1,4 @@
-//! The buffers of a snapshot, for schemes that follow their paths one by one.
+//! The buffers of a snapshot, for the schemes that follow their paths one by one.
 
 use super::Snapshot;
 
@@ -12,7 +12,7 @@ pub(super) struct Columns {
 }
 
 impl Columns {
-    /// For so many lanes.
+    /// Buffers for so many lanes.
     pub(super) fn new(lanes: usize) -> Self {
         let zeros = vec![0.0; lanes];
         Columns {
@@ -23,7 +23,7 @@ impl Columns {
         }
     }
 
-    /// x, x', T and whether the path is static, of one lane.
+    /// Sets x, x', T and whether the path is static, for one lane.
     pub(super) fn set(&mut self, lane: usize, (x, v, temperature, is_static): (f64, f64, f64, bool)) {
         self.displacement[lane] = x;
         self.velocity[lane] = v;
@@ -31,7 +31,7 @@ impl Columns {
         self.is_static[lane] = is_static;
     }
 
-    /// The same for every lane.
+    /// Sets the same values for every lane.
     pub(super) fn fill(&mut self, (x, v, temperature, is_static): (f64, f64, f64, bool)) {
         self.displacement.fill(x);
         self.velocity.fill(v);
@@ -39,7 +39,7 @@ impl Columns {
         self.is_static.fill(is_static);
     }
 
-    /// What the observer is shown.
+    /// The buffers as the snapshot that an observer receives.
     pub(super) fn snapshot(&self, time: f64) -> Snapshot<'_> {
         Snapshot {
             time,

@@ -1,23 +1,22 @@
-//! Values that are each in their range and do not go together: which they are, why not, and what
-//! would.
+//! The error for values that are each within their range but cannot be used together.
 
 use std::fmt;
 
-/// Why a scenario cannot be simulated as it is asked for.
+/// The reason why a scenario cannot be simulated, and the remedy.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub struct Misfit {
-    /// The values it is about, by their dotted keys in a scenario. The first is the one to blame,
-    /// unless a command line changed another.
+    /// The values concerned, by their dotted keys in a scenario. The first one is named as the
+    /// cause, unless another one was set on the command line.
     pub about: Vec<(&'static str, f64)>,
-    /// What is wrong: the rest of a sentence that begins with the first key and its value, or a
-    /// whole sentence that names them.
+    /// What is wrong: either the rest of a sentence that begins with the first key and its value,
+    /// or a whole sentence that names them.
     pub problem: String,
-    /// What would be right.
+    /// What to change.
     pub remedy: String,
 }
 
 impl Misfit {
-    /// About these values.
+    /// An error about these values.
     pub fn new(about: &[(&'static str, f64)], problem: impl Into<String>, remedy: impl Into<String>) -> Self {
         Misfit { about: about.to_vec(), problem: problem.into(), remedy: remedy.into() }
     }
@@ -30,7 +29,7 @@ impl Misfit {
         }
     }
 
-    /// Whether the problem is a sentence of its own, which names this key and its value.
+    /// Whether the problem is a whole sentence, which names this key and its value.
     fn names(&self, key: &str) -> bool {
         self.problem.contains(&format!("`{key}` = "))
     }

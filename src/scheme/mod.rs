@@ -1,16 +1,16 @@
-//! Schemes: how noise becomes the cascade of stick and slip phases.
+//! Schemes: the ways to simulate the cascade of stick and slip phases.
 //!
 //! ```text
 //! Scheme       how to simulate: a scheme with its one parameter, a step or a tolerance
-//!   -> Simulation   the scheme on one Model, looked at on one Timeline
-//!        -> Observer    hears the events of its paths, and sees their state at the instants of the
+//!   -> Simulation   the scheme on one Model, observed on one Timeline
+//!        -> Observer    receives the events of the paths, and their states at the instants of the
 //!                       timeline
 //! ```
 //!
-//! A scheme knows nothing of statistics, files or threads. A path is a function of the seed and its
-//! number alone, whatever company it is simulated in. What is known of a scheme (its name, its
-//! parameter, how its error is known, when it is stable) stands in its own file, as a [`Method`];
-//! `schemes!` below lists them.
+//! A scheme does not know of statistics, files or threads. A path is a function of the seed and its
+//! number alone; it does not depend on the paths that are simulated with it. The properties of a
+//! scheme (its name, its parameter, how its error is known, when it is stable) are in its own file,
+//! as a [`Method`]. The list of the schemes is the call of `schemes!` below.
 
 #[macro_use]
 mod any;
@@ -45,7 +45,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 schemes! { DiscreteVi, CorrectedVi, EventDriven, QuasiStatic }
 
-/// What watches a simulation. `lane` is the position of a path in the list given to it.
+/// Receives the events and states of the simulated paths. `lane` is the position of a path in the
+/// list of paths that are simulated.
 ///
 /// ```
 /// use stick_slip::model::{Event, EventKind};
@@ -73,25 +74,25 @@ pub trait Observer {
     /// An event of one path; the events of a path arrive in time order.
     fn event(&mut self, lane: usize, event: Event);
 
-    /// The state of every path at an instant; instants arrive in time order, and after every
-    /// earlier event.
+    /// The state of every path at an instant. Instants arrive in time order, after all events that
+    /// happened until then.
     fn snapshot(&mut self, instant: Instant, snapshot: Snapshot<'_>);
 
-    /// Whether nobody waits for these paths any more. A scheme that is told so returns soon, and
-    /// what it has told of them is no result.
+    /// Whether the results of these paths are no longer needed. A scheme then returns soon, and the
+    /// observer must discard what it has received of these paths.
     fn is_stopped(&self) -> bool {
         false
     }
 }
 
-/// Nobody watches.
+/// An observer that ignores everything.
 impl Observer for () {
     fn event(&mut self, _: usize, _: Event) {}
 
     fn snapshot(&mut self, _: Instant, _: Snapshot<'_>) {}
 }
 
-/// Two watch the same paths.
+/// Two observers of the same paths.
 impl<A: Observer, B: Observer> Observer for (A, B) {
     #[inline]
     fn event(&mut self, lane: usize, event: Event) {
@@ -110,7 +111,7 @@ impl<A: Observer, B: Observer> Observer for (A, B) {
     }
 }
 
-/// Watches nothing, and stops the simulation when it is raised.
+/// An observer that ignores everything, and stops the simulation when the flag is set.
 impl Observer for &AtomicBool {
     fn event(&mut self, _: usize, _: Event) {}
 
@@ -125,13 +126,13 @@ impl Observer for &AtomicBool {
 /// The state of every path at one time; each slice has one entry a lane.
 #[derive(Clone, Copy, Debug)]
 pub struct Snapshot<'a> {
-    /// t.
+    /// t, in units of time.
     pub time: f64,
-    /// x(t).
+    /// x(t), in units of length.
     pub displacement: &'a [f64],
-    /// x'(t).
+    /// x'(t), in units of length per time.
     pub velocity: &'a [f64],
-    /// T(t), noise included.
+    /// T(t), in units of temperature, including the noise.
     pub temperature: &'a [f64],
     /// Whether the path is in a static phase at t.
     pub is_static: &'a [bool],

@@ -1,9 +1,9 @@
-//! Scheme C: quasi-static, the paper's approximation for slow forcing (its section on the bridge),
+//! The quasi-static scheme: the paper's approximation for slow forcing (its section on the bridge),
 //! with damping.
 //!
-//! While the body slips the temperature is taken to stand still. At the exit |b| = f_s, so the body
-//! starts from rest towards an equilibrium that is (f_s - f_d)/K away, and swings beyond it until
-//! it is at rest again ([`StepResponse`]). The cascade is then a recursion:
+//! During a slip the temperature is taken to be constant. At the exit |b| = f_s, so the body starts
+//! from rest towards an equilibrium at a distance of (f_s - f_d)/K, and swings beyond it until it
+//! is at rest again ([`StepResponse`]). The cascade is then a recursion:
 //!
 //! ```text
 //! tau_{j+1/2} = inf{t > tau_j : |b(x_j, t)| > f_s},      tau_{j+1} = tau_{j+1/2} + pi/w_d,
@@ -12,26 +12,27 @@
 //! ```
 //!
 //! with b = K (beta T - x) at rest. The paper has zeta = 0, where the half-cycle lasts pi/w0 and
-//! moves 2 (f_s - f_d)/K. (It prints the integrals of this section from tau_j; they start at
-//! tau_{j+1/2}.) In between, for whoever looks, x(t) and x'(t) are those of the swing. With f_s =
-//! f_d the body never moves and only the times do.
+//! moves the body by 2 (f_s - f_d)/K. (The paper prints the integrals of this section from tau_j;
+//! they start at tau_{j+1/2}.) The states x(t) and x'(t) during a slip are those of the swing. With
+//! f_s = f_d the body never moves; slips still take their time.
 //!
-//! **At critical damping and above** (zeta >= 1) the swing has no overshoot, q = 0, and no end: the
-//! slip is taken to last the settling time, until a thousandth of the distance is left, and to have
-//! made all of it. A slip must end, or the recursion would stop at the first one; any end at which
-//! nearly all of it is travelled gives the same sticks and jumps where the forcing is slow, for
-//! which alone the recursion is meant. The settling time is also about how long such a slip does
-//! last: what ends it is noise, once it moves x' more than the rest of the swing does
-//! (docs/event-driven.md).
+//! **At critical damping and above** (zeta >= 1) the swing has no overshoot, q = 0, and never ends.
+//! The slip is taken to last the settling time, until a thousandth of the distance is left, and to
+//! cover the whole distance. A slip must end, or the recursion would stop at the first one. Any end
+//! at which nearly all of the distance is covered gives the same sticks and jumps where the forcing
+//! is slow, and the recursion is only meant for slow forcing. The settling time is also about how
+//! long such a slip lasts in the model, where noise ends it as soon as the noise moves x' more than
+//! the rest of the swing does (docs/event-driven.md).
 //!
-//! **Where it is not the limit of slow forcing.** A forcing that moves the equilibrium faster than
-//! the body would swing back, K |beta| |T'| > (f_s - f_d) w0 [`StepResponse::return_speed`], leaves
-//! x' no zero: the body creeps behind the temperature until that turns. Without noise every forcing
-//! does so for zeta >= 1, however slow, and close below 1 all but the slowest.
+//! **Limits of the approximation.** If the forcing moves the equilibrium faster than the body would
+//! swing back, K |beta| |T'| > (f_s - f_d) w0 [`StepResponse::return_speed`], x' has no zero: the
+//! body creeps behind the temperature until the temperature turns. Without noise this holds for
+//! every forcing, however slow, if zeta >= 1, and for all but the slowest forcing if zeta is
+//! slightly below 1.
 //!
-//! Exits are those of the event-driven scheme: first roots without noise, bridge crossings with it.
-//! Nothing in the recursion asks whether |b| <= f_s at tau_{j+1}; where it is not, the stick there
-//! is empty.
+//! Exits are those of the event-driven scheme: first roots without noise, crossings of a threshold
+//! by a bridge with noise. The recursion does not check whether |b| <= f_s at tau_{j+1}; where this
+//! is false, the stick that begins there is empty.
 
 use super::columns::Columns;
 use super::event_driven::{
@@ -54,7 +55,7 @@ pub struct QuasiStatic {
 impl Method for QuasiStatic {
     const NAME: &'static str = "quasi-static";
     const MEANING: &'static str = "the recursion for slow forcing";
-    /// One is enough: what it is off by is the approximation.
+    /// One tolerance is enough, because the error is that of the approximation.
     const PARAMETER: Parameter = Parameter::Tolerance { ladder: &[DEFAULT_TOLERANCE] };
     const LOOK: Look = Look { colour: "#CC79A7", dash: "2 3" };
     type Simulation = QuasiStaticSimulation;
@@ -86,30 +87,30 @@ pub struct QuasiStaticSimulation {
     model: Model,
     timeline: Timeline,
     exits: Exits,
-    /// What a path may spend.
+    /// The number of evaluations that a path may make.
     work_limit: u64,
-    /// What a slip is.
+    /// The motion of every slip.
     slip: Swing,
 }
 
-/// How stick phases end.
+/// How the ends of stick phases are computed.
 #[derive(Clone, Debug)]
 enum Exits {
     Noisy(Box<Noisy>),
-    /// The noise of the scene is its mean; what fluctuates is left to the observer.
+    /// Motion with the mean of the noise; its fluctuations are only added to the temperature.
     Noiseless(Box<Noiseless>, UnfeltNoise),
 }
 
-/// The distance that a slip travels.
+/// The motion of a slip.
 #[derive(Clone, Debug)]
 struct Swing {
     response: StepResponse,
-    /// (1 + q) (f_s - f_d)/K: how far it moves.
+    /// (1 + q) (f_s - f_d)/K, the distance that a slip covers.
     jump: f64,
 }
 
 impl Swing {
-    /// x and x' of a slip from x0, a time after it began.
+    /// x and x' of a slip that begins at x0, a time after its start.
     fn at(&self, x0: f64, direction: Sign, since: f64) -> (f64, f64) {
         let equilibrium = direction.value() * self.jump / (1.0 + self.response.overshoot);
         let (way, velocity) = self.response.at(equilibrium, since);
@@ -118,8 +119,8 @@ impl Swing {
 }
 
 impl QuasiStaticSimulation {
-    /// For a scene, observed at the stops of a timeline; `tolerance` governs the noisy exits as in
-    /// the event-driven scheme.
+    /// The scheme on a model, observed at the stops of a timeline. `tolerance` governs the noisy
+    /// exits as in the event-driven scheme.
     pub fn new(model: &Model, timeline: &Timeline, tolerance: f64) -> Self {
         let Model { oscillator, friction, .. } = model;
         let response = StepResponse::new(oscillator);
@@ -134,8 +135,8 @@ impl QuasiStaticSimulation {
         QuasiStaticSimulation { model: model.clone(), timeline: *timeline, exits, work_limit: WORK_LIMIT, slip }
     }
 
-    /// Without noise there is one path, of which every lane is told. All lanes are lost if it
-    /// cannot be resolved.
+    /// Computes the one path that there is without noise, and reports it to the observer for every
+    /// lane. If the path cannot be resolved, all lanes are lost.
     fn one_path(&self, cascade: &Noiseless, lanes: usize, observer: &mut dyn Observer) -> Vec<usize> {
         let mut columns = Columns::new(lanes);
         let mut work = Work::new(self.work_limit);
@@ -161,7 +162,7 @@ impl QuasiStaticSimulation {
         if next.is_ok() { Vec::new() } else { (0..lanes).collect() }
     }
 
-    /// The event that ends a phase without noise, if there is one.
+    /// The event that ends a phase without noise; none if the phase does not end.
     fn next(
         &self,
         cascade: &Noiseless,
@@ -195,8 +196,8 @@ struct Noisy {
     closeness: usize,
 }
 
-/// Where one path is: its displacement is x_j in the dynamic phase too, whose beginning is what the
-/// scheme knows of the motion.
+/// The state of one path. During slip j its displacement stays x_j, and its `motion` is the time at
+/// which the slip began.
 type Path = event_driven::Path<f64>;
 
 impl Noisy {
@@ -209,7 +210,7 @@ impl Noisy {
 }
 
 impl Cascade for Noisy {
-    /// When the slip began.
+    /// The time at which the slip began.
     type Motion = f64;
     type Scratch = ();
 
@@ -287,15 +288,15 @@ impl Cascade for Noisy {
     }
 }
 
-/// A piece of a slip: it moves as if nothing was random, and n is a bridge.
+/// A piece of a slip. The body moves as without noise, and n is a bridge.
 #[derive(Clone, Copy)]
 struct SwingPiece<'a> {
     slip: &'a Swing,
-    /// When the slip began, after the start of the cell, and where.
+    /// The time at which the slip began, after the start of the cell, and x at that time.
     began: f64,
     displacement: f64,
     direction: Sign,
-    /// When the piece begins and ends, and n there.
+    /// The times at which the piece begins and ends, after the start of the cell, and n there.
     first: (f64, f64),
     last: (f64, f64),
 }
@@ -331,7 +332,8 @@ impl Simulate for QuasiStaticSimulation {
         &self.timeline
     }
 
-    /// A path is lost where it spends all its work, or meets a value that is not a number.
+    /// A path is given up if it makes all the evaluations that it may, or if a value is not a
+    /// number.
     fn simulate(&self, seed: u64, paths: &[u64], observer: &mut dyn Observer) -> Vec<usize> {
         match &self.exits {
             Exits::Noisy(cascade) => {

@@ -1,15 +1,15 @@
-//! The discrete variational inequality word for word: one path, plain arithmetic, a branch for
-//! every case of the paper.
+//! The discrete variational inequality exactly as the paper writes it: one path, plain arithmetic,
+//! and a branch for every case.
 //!
-//! This is the loop everybody writes first. It is here to be compared with: the fast kernel must
-//! give the same cascade on the same normals, and benchmarks measure against it.
+//! This code is for comparison only. The fast kernel must give the same cascade from the same
+//! normals, and benchmarks measure against this loop.
 
 use crate::model::{Event, EventKind, InitialNoise, Model, Sign};
 use crate::noise::Transition;
 
-/// Step one path `steps` times with step `h`, drawing one standard normal a step from `normal` if
-/// there is noise (and one before the first for a stationary start). Events go to `on_event`;
-/// returns x and x' at the end.
+/// Simulates one path for `steps` steps of length `h`. If there is noise, `normal` is called for
+/// one standard normal number per step, and once before the first step for a stationary start.
+/// Events are passed to `on_event`. Returns x and x' at the end.
 pub fn reference_path(
     model: &Model,
     h: f64,

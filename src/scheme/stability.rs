@@ -1,10 +1,10 @@
-//! How long a step may be before slips grow without bound.
+//! The limits beyond which slips of a scheme with a step grow without bound.
 
-/// What keeps a scheme with a step from growing without bound in slip.
+/// The condition under which slips of a scheme with a step stay bounded.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Stability {
-    /// The explicit step of an undamped oscillator adds energy to a slip, however short it is.
-    /// Above the critical amplitude friction takes less than that.
+    /// The explicit step of an undamped oscillator adds energy to a slip, however short the step
+    /// is. Above the critical amplitude, friction takes away less energy than the step adds.
     Undamped {
         /// A_c = 4 f_d / (pi w0 h K).
         critical_amplitude: f64,
@@ -19,8 +19,7 @@ pub enum Stability {
         /// The limit: 2 / |lambda_max|.
         largest_step: f64,
     },
-    /// A step that moves with the new velocity is stable below a limit, whether there is damping or
-    /// not.
+    /// A step that moves with the new velocity is stable below a limit, with and without damping.
     NewVelocity {
         /// The limit: 2 / (w0 (z + sqrt(1 + z^2))), where z = alpha / (m w0).
         largest_step: f64,

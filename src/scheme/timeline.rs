@@ -1,20 +1,20 @@
-//! When a simulation is looked at: the output grid, the whole forcing periods, the end of the
-//! burn-in, the end.
+//! The instants at which a simulation is observed: the output grid, the ends of the forcing
+//! periods, the end of the burn-in, and the end.
 
 /// The instants at which every path is observed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Timeline {
     /// t_end >= 0.
     pub end: f64,
-    /// Spacing of the output grid 0, s, 2s, ... <= t_end.
+    /// The spacing s of the output grid 0, s, 2s, ... <= t_end.
     pub output_step: f64,
-    /// P: the forcing period, if there is one.
+    /// P, the forcing period; none if the forcing has no period.
     pub period: Option<f64>,
-    /// Statistics count from this time on: 0 <= after < t_end, or 0.
+    /// The end of the burn-in, from which on statistics count: 0 <= after < t_end, or 0.
     pub after: f64,
 }
 
-/// Why the paths are looked at.
+/// Why the paths are observed at an instant.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Instant {
     /// Row `k` of the output grid, t = k output_step.
@@ -30,59 +30,60 @@ pub enum Instant {
 /// One instant with its time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stop {
-    /// t.
+    /// Why the paths are observed then.
     pub time: f64,
     /// Why.
     pub instant: Instant,
 }
 
-/// How far beyond the end, relative to it, a grid time may fall by rounding and still count as the
-/// end.
+/// A time of the grid that lies beyond the end by at most this fraction, because of rounding, still
+/// counts as the end.
 const END_TOLERANCE: f64 = 1e-9;
 
 impl Timeline {
-    /// From fewer whole forcing periods nothing tells a lasting drift from what is left of the
-    /// start.
+    /// The fewest whole forcing periods from which a lasting drift can be distinguished from the
+    /// effect of the initial condition.
     pub const FEWEST_PERIODS: usize = 3;
 
-    /// The same with no row but the first.
+    /// The same timeline with an output grid that has only its first row.
     pub fn without_rows(&self) -> Self {
         Timeline { output_step: 2.0 * self.end, ..*self }
     }
 
-    /// Times of the output grid, row by row.
+    /// The times of the output grid, row by row.
     pub fn output_times(&self) -> Vec<f64> {
         (0..self.rows()).map(|k| self.output_time(k)).collect()
     }
 
-    /// Number of rows of the output grid.
+    /// The number of rows of the output grid.
     pub fn rows(&self) -> usize {
         whole(self.end, self.output_step) + 1
     }
 
-    /// Number of whole forcing periods up to the end.
+    /// The number of whole forcing periods up to the end.
     pub fn periods(&self) -> usize {
         self.period.map_or(0, |p| whole(self.end, p))
     }
 
-    /// Number of the first forcing period n >= 1 whose end, n P, is counted.
+    /// The number of the first forcing period n >= 1 whose end, n P, is not before the end of the
+    /// burn-in.
     pub fn first_period(&self) -> usize {
         let passed = self.period.map_or(0.0, |p| (self.after / p * (1.0 - END_TOLERANCE)).ceil());
         (passed as usize).max(1)
     }
 
-    /// Number of whole forcing periods that are counted: from the first instant at which one ends
-    /// to the last one.
+    /// The number of whole forcing periods between the first and the last counted instant at which
+    /// a period ends.
     pub fn counted_periods(&self) -> usize {
         self.periods().saturating_sub(self.first_period())
     }
 
-    /// How much time is counted.
+    /// The length of time that is counted, from the end of the burn-in to the end.
     pub fn counted(&self) -> f64 {
         self.end - self.after
     }
 
-    /// All stops in time order; at equal times, output before period before counting before end.
+    /// All stops in time order. At equal times, the order is output, period, counting, end.
     pub fn stops(&self) -> impl Iterator<Item = Stop> + use<> {
         let this = *self;
         let (rows, periods) = (this.rows(), this.periods());
@@ -115,7 +116,7 @@ impl Timeline {
     }
 }
 
-/// The largest n with n * part <= total, rounding forgiven.
+/// The largest n with n * part <= total, where rounding errors are ignored.
 fn whole(total: f64, part: f64) -> usize {
     (total / part * (1.0 + END_TOLERANCE)).floor() as usize
 }

@@ -1,6 +1,6 @@
-//! The same step with its stick exits corrected. A stick exit is looked for only every h, which
-//! makes sticks too long; the correction makes the statistics of sticks of order 1 instead of 1/2,
-//! at no cost.
+//! The discrete variational inequality with corrected stick exits. The plain step looks for a stick
+//! exit only once per step h, which makes sticks too long. The correction makes the error of the
+//! statistics of sticks of order 1 instead of order 1/2, at no cost.
 //!
 //! A stick ends at [`corrected_exit`], f_s less [`monitoring_shift`], and the body moves with its
 //! new velocity, X_{n+1} = X_n + h V_{n+1}.
@@ -11,11 +11,11 @@ use crate::model::{Friction, Model};
 use crate::numbers::tidy;
 use crate::scheme::{Discretisation, Look, Method, Misfit, Parameter, Stability, Timeline};
 
-/// The corrected discrete variational inequality with this step; sound while [`monitoring_shift`]
-/// is small against f_s.
+/// The corrected discrete variational inequality with this step. It is valid while
+/// [`monitoring_shift`] is small compared with f_s.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CorrectedVi {
-    /// h > 0.
+    /// The time step h > 0.
     pub step: f64,
 }
 
@@ -42,9 +42,9 @@ impl Method for CorrectedVi {
         Discretisation::CorrectedStep { h: self.step }
     }
 
-    /// The multipliers of a step in slip solve mu^2 - (2 - a - c) mu + 1 - a = 0 with a = 2 alpha
-    /// h/m, c = (h w0)^2; both lie within the unit circle iff 2 a + c < 4 (on it without damping:
-    /// the amplitude neither grows nor decays).
+    /// During a slip, the multipliers of a step solve mu^2 - (2 - a - c) mu + 1 - a = 0 with a = 2
+    /// alpha h/m, c = (h w0)^2. Both lie within the unit circle if and only if 2 a + c < 4. Without
+    /// damping they lie on it, and the amplitude neither grows nor decays.
     fn stability(self, model: &Model) -> Option<Stability> {
         let w0 = model.oscillator.natural_frequency();
         let ratio = model.oscillator.damping / (model.oscillator.mass * w0);
@@ -59,13 +59,13 @@ impl Method for CorrectedVi {
     }
 }
 
-/// The scheme is refused where its shift is this share of f_s or more, because the corridor that is
-/// left has little to do with the one that was asked for.
+/// The scheme is refused where its shift is this fraction of f_s or more, because the remaining
+/// corridor would have little to do with the given f_s.
 const LARGEST_SHIFT: f64 = 0.5;
 
 impl CorrectedVi {
-    /// The correction of the stick exit is the first term of an expansion: it must be small against
-    /// f_s.
+    /// Checks that the shift is small compared with f_s, because the correction of the stick exit
+    /// is only the first term of an expansion.
     fn check_shift(self, model: &Model) -> Result<(), Misfit> {
         let (f_s, shift) = (model.friction.static_force, monitoring_shift(model, self.step));
         if shift == 0.0 || shift < LARGEST_SHIFT * f_s {
@@ -87,25 +87,25 @@ impl CorrectedVi {
     }
 }
 
-/// -zeta(1/2) / sqrt(2 pi): by how many standard deviations of a step a random walk overshoots a
-/// barrier, in the mean.
+/// -zeta(1/2) / sqrt(2 pi): the mean overshoot of a random walk over a barrier, in standard
+/// deviations of one step.
 const OVERSHOOT: f64 = 0.582_597_157_939_010_7;
 
-/// What looking at a barrier only every h amounts to, as a force: 0.5826 K beta rho sigma sqrt(h).
-/// Lowering the threshold by it gives the exit time of continuous monitoring up to o(sqrt(h))
-/// (Broadie, Glasserman, Kou, Math. Finance 7 (1997); for moving barriers Gobet, Menozzi, Stoch.
-/// Proc. Appl. 120 (2010)).
+/// The effect of looking at a barrier only once per step h, as a force: 0.5826 K beta rho sigma
+/// sqrt(h). With a threshold that is lower by this shift, the exit time agrees with that of
+/// continuous monitoring up to o(sqrt(h)) (Broadie, Glasserman, Kou, Math. Finance 7 (1997); for
+/// moving barriers Gobet, Menozzi, Stoch. Proc. Appl. 120 (2010)).
 pub fn monitoring_shift(model: &Model, h: f64) -> f64 {
     let Model { oscillator, temperature, .. } = model;
     let noise = temperature.effective_noise().map_or(0.0, |noise| noise.intensity * noise.diffusion);
-    // The product is formed from the left, constant first. With K beta as one factor it would be
-    // rounded otherwise, which would move exits by a last bit.
+    // The product is formed from the left, with the constant first. With K beta as one factor it
+    // would be rounded differently, which would change the last bit of exits.
     OVERSHOOT * oscillator.stiffness * oscillator.dilatation.abs() * noise * h.sqrt()
 }
 
-/// The force at which the corrected scheme leaves a stick: f_s less [`monitoring_shift`], and never
-/// below f_d. A body let go at |b| < f_d would be driven by |b| - f_d, against b, where friction
-/// holds it; so what f_s - f_d has no room for is not corrected.
+/// The force at which the corrected scheme leaves a stick: f_s less [`monitoring_shift`], but never
+/// below f_d. A body released at |b| < f_d would be moved by |b| - f_d, against b, although
+/// friction holds it in place. So the part of the shift that exceeds f_s - f_d is not corrected.
 pub fn corrected_exit(model: &Model, h: f64) -> f64 {
     let Friction { static_force, dynamic_force } = model.friction;
     (static_force - monitoring_shift(model, h)).max(dynamic_force)

@@ -1,4 +1,4 @@
-//! The step itself, many paths side by side: the hot loop.
+//! The step itself, for many paths in lanes: the hot loop.
 
 use super::corrected_exit;
 use crate::lanes::{InstructionSet, LaneProgram, Lanes};
@@ -6,20 +6,20 @@ use crate::model::{Model, Temperature};
 use crate::noise::{LaneNormals, LaneStreams, Transition};
 use std::f64::consts::SQRT_2;
 
-/// Steps between two looks at what happened: enough to keep the look cheap.
+/// Steps between two readings of the turns, enough to make reading cheap.
 pub(super) const RUN: usize = 256;
 
-/// Lanes stepped together, so that one register's latency hides behind the others' work: two
-/// registers of eight lanes, four of four.
+/// Lanes that are stepped together, so that the latency of one register is hidden by the work on
+/// the others: two registers of eight lanes, or four of four.
 const GROUP: usize = 16;
-/// As many of eight lanes without noise, when a step is too short to hide it and has registers to
-/// spare.
+/// Lanes that are stepped together without noise, in registers of eight lanes. A step then has less
+/// work to hide the latency, and more registers are free.
 const WIDE: usize = 32;
 
 /// Lanes are padded to a multiple of the widest register.
 const PADDING: usize = 8;
 
-/// The numbers of the step.
+/// The coefficients of the step.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Coefficients {
     /// h
@@ -30,7 +30,7 @@ pub(super) struct Coefficients {
     pub minus_stiffness: f64,
     /// -2 alpha
     pub minus_two_alpha: f64,
-    /// K beta rho unit: the force that v makes per unit of it
+    /// K beta rho unit: the force per unit of v/unit
     pub noise_force: f64,
     /// e^{-theta h}
     pub decay: f64,
@@ -38,7 +38,7 @@ pub(super) struct Coefficients {
     pub static_impulse: f64,
     /// (h/m) f_d
     pub dynamic_impulse: f64,
-    /// (h/m) f_s at zero velocity, lowered if the scheme is corrected
+    /// (h/m) times the force that ends a stick: f_s, or less if the scheme is corrected
     pub exit_impulse: f64,
 }
 
@@ -59,7 +59,7 @@ impl Coefficients {
         }
     }
 
-    /// b(X, V, t), rounded as the lanes round it; `forcing` is K beta times the harmonics at t.
+    /// b(X, V, t), rounded as in the lanes; `forcing` is K beta times the harmonics at t.
     pub(super) fn force(&self, at: &Point, forcing: f64) -> f64 {
         let temperature_force = self.noise_force.mul_add(at.noise, forcing);
         let b = self.minus_stiffness.mul_add(at.displacement, temperature_force);
@@ -67,31 +67,32 @@ impl Coefficients {
     }
 }
 
-/// The noise in a unit of its own. The lanes draw normals over sqrt(2), chi = xi/sqrt(2); with
+/// The noise v, measured in a unit of its own. The lanes draw normals divided by sqrt(2), chi =
+/// xi/sqrt(2). With
 ///
 /// ```text
 /// unit = sqrt(2) increment_sd,    (v/unit)' = decay (v/unit) + chi
 /// ```
 ///
-/// a step of the noise takes one operation fewer than that of v.
+/// a step of v/unit takes one operation fewer than a step of v.
 ///
-/// A step may be fed the noise of `refinement` shorter ones. Its increment is then theirs, joined,
-/// and the unit is that of the shorter step: v passes through the same values, whatever the
+/// A step may use the noise of `refinement` shorter steps. Its increment is then composed of
+/// theirs, and the unit is that of the shorter step, so v takes the same values for every
 /// refinement.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct NoiseScale {
     /// e^{-theta h}
     pub decay: f64,
-    /// How many normals make the increment of a step.
+    /// The number of normals in the increment of one step.
     refinement: usize,
     /// e^{-theta h/refinement}
     shorter_decay: f64,
     /// sqrt(2) times the standard deviation of the increment of v in a step of h/refinement; 1
-    /// where nothing is added.
+    /// where this is zero.
     pub unit: f64,
-    /// rho unit: the temperature that v makes per unit of it.
+    /// rho unit: the temperature per unit of v/unit.
     pub temperature: f64,
-    /// Whether the noise moves at random: rho and sigma above zero.
+    /// Whether the noise is random: rho and sigma are above zero.
     pub draws: bool,
 }
 
@@ -115,7 +116,7 @@ impl NoiseScale {
         NoiseScale { decay: over(h).decay, refinement, shorter_decay, unit, temperature, draws }
     }
 
-    /// The next increment, in its unit.
+    /// Draws the next increment of v/unit.
     #[inline(always)]
     fn increment<L: Lanes, const R: usize, const MIRRORED: bool>(
         &self,
@@ -135,7 +136,8 @@ impl NoiseScale {
     }
 }
 
-/// Positions, velocities and noise of the paths; padded with lanes that nobody looks at.
+/// Displacements, velocities and noise of the paths. Unused lanes at the end fill the last
+/// register.
 #[derive(Clone, Debug)]
 pub(super) struct Paths {
     pub displacement: Vec<f64>,
@@ -145,12 +147,12 @@ pub(super) struct Paths {
 }
 
 impl Paths {
-    /// Lanes for so many paths.
+    /// The number of lanes for so many paths.
     pub(super) fn padded(paths: usize) -> usize {
         paths.next_multiple_of(PADDING)
     }
 
-    /// All at x0 with zero velocity, and the given v(0)/unit.
+    /// All paths at x0 with zero velocity, and the given v(0)/unit.
     pub(super) fn at_rest(displacement: f64, noise: &[f64]) -> Self {
         Paths { displacement: vec![displacement; noise.len()], velocity: vec![0.0; noise.len()], noise: noise.to_vec() }
     }
@@ -164,17 +166,17 @@ pub(super) struct Point {
     pub noise: f64,
 }
 
-/// A step at which a velocity came to zero, left it, or changed sign.
+/// A step in which the velocity of a path becomes zero, leaves zero, or changes sign.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Turn {
     pub lane: usize,
-    /// The step went from t_{start + step} to the next.
+    /// The number of the step within the run.
     pub step: usize,
     pub before: Point,
     pub after: Point,
 }
 
-/// The stepper for one scene, with what the scene does not have left out.
+/// The kernel for one scene. Terms that the scene does not have are compiled out.
 #[derive(Clone, Debug)]
 pub(super) struct Kernel {
     pub coefficients: Coefficients,
@@ -204,8 +206,9 @@ impl Kernel {
         }
     }
 
-    /// Step every path through `forcing.len() - 1` <= RUN steps; `forcing[n]` is K beta times the
-    /// harmonics at the n-th instant. Leaves the turns in `turns`, those of one lane in time order.
+    /// Takes every path through `forcing.len() - 1` <= RUN steps, where `forcing[n]` is K beta
+    /// times the harmonics at the n-th instant. Writes the turns of these steps to `turns`; those
+    /// of one lane are in time order.
     pub(super) fn advance(&self, forcing: &[f64], streams: &mut LaneStreams, paths: &mut Paths, turns: &mut Vec<Turn>) {
         turns.clear();
         match (self.has_damping, self.is_corrected) {
@@ -275,13 +278,13 @@ impl<const NOISE: bool, const MIRRORED: bool, const DAMPING: bool, const CORRECT
 impl<const NOISE: bool, const MIRRORED: bool, const DAMPING: bool, const CORRECTED: bool>
     Run<'_, NOISE, MIRRORED, DAMPING, CORRECTED>
 {
-    /// `R` registers of paths, beginning at `lane`, through the whole run. Returns how many lanes
-    /// that are.
+    /// Takes `R` registers of paths, beginning at `lane`, through the whole run. Returns the number
+    /// of lanes.
     #[inline(always)]
     fn advance_group<L: Lanes, const R: usize>(&mut self, lane: usize) -> usize {
         let at = |r: usize| lane + r * L::WIDTH;
         let c = Splat::<L>::new(self.c);
-        // plain loops: closures would not be compiled for the instruction set
+        // These are plain loops, because closures would not be compiled for the instruction set.
         let mut state = [State::load::<NOISE>(self.paths, lane); R];
         for (r, state) in state.iter_mut().enumerate() {
             *state = State::load::<NOISE>(self.paths, at(r));
@@ -316,7 +319,8 @@ impl<const NOISE: bool, const MIRRORED: bool, const DAMPING: bool, const CORRECT
                     let next_v = c.settle(s[r], state[r].v);
                     let turned = every_lane ^ L::bitmask(regimes[r].holds(s[r], L::always()));
                     if turned != 0 {
-                        // here again, so that only a turn keeps both states in registers
+                        // The state is computed here a second time, so that both states are in
+                        // registers only where there is a turn.
                         let next = c.next::<NOISE, CORRECTED>(&state[r], next_v, chi[r]);
                         note(self.turns, at(r), n, turned, &state[r], &next);
                         regimes[r] = c.regime(next_v);
@@ -372,7 +376,7 @@ impl<L: Lanes> State<L> {
     }
 }
 
-/// The coefficients, one copy a lane, so that they stay in registers.
+/// The coefficients, one copy per lane, so that they stay in registers.
 struct Splat<L> {
     h: L,
     h_over_m: L,
@@ -385,7 +389,7 @@ struct Splat<L> {
     exit_impulse: L,
     minus_static_impulse: L,
     minus_exit_impulse: L,
-    /// The least impulse that moves on.
+    /// The smallest impulse that does not stop the body.
     slip_impulse: L,
 }
 
@@ -425,14 +429,15 @@ impl<L: Lanes> Splat<L> {
     /// The discrete variational inequality: V' = 0 if |S| <= (h/m) f_s, else S - (h/m) f_d sign(S).
     #[inline(always)]
     fn settle(&self, s: L, v: L) -> L {
-        // f_s lowered, if the scheme is corrected, in the test that leaves stick only
+        // The corrected scheme lowers f_s, but only where the body is at rest.
         let most = v.where_zero(self.exit_impulse, self.static_impulse);
         let least = v.where_zero(self.minus_exit_impulse, self.minus_static_impulse);
         let fd = self.dynamic_impulse;
         L::either(s.gt(most), s.sub(fd), s.lt(least), s.add(fd))
     }
 
-    /// What [`Splat::settle`] comes to for velocities that keep the sign of v.
+    /// The step as it is for velocities that keep the sign of v; there it agrees with
+    /// [`Splat::settle`].
     #[inline(always)]
     fn regime(&self, v: L) -> Regime<L> {
         let (zero, fd) = (L::splat(0.0), self.dynamic_impulse);
@@ -464,8 +469,8 @@ impl<L: Lanes> Splat<L> {
     }
 }
 
-/// The step while a lane keeps to slip up, slip down or stick: V' = S + push in the lanes that move
-/// and 0 in the others, as long as S is from `least` to `most`.
+/// The step while each lane keeps sliding up, sliding down or sticking: V' = S + push in the lanes
+/// that move, and 0 in the others, as long as S lies between `least` and `most`.
 #[derive(Clone, Copy)]
 struct Regime<L: Lanes> {
     moves: L::Mask,
@@ -475,7 +480,7 @@ struct Regime<L: Lanes> {
 }
 
 impl<L: Lanes> Regime<L> {
-    /// The lanes of `among` that stay in it.
+    /// The lanes of `among` whose regime does not change.
     #[inline(always)]
     fn holds(&self, s: L, among: L::Mask) -> L::Mask {
         s.not_beyond(self.least, self.most, among)
@@ -487,7 +492,7 @@ impl<L: Lanes> Regime<L> {
     }
 }
 
-/// Keep the lanes that turned in a step.
+/// Records the lanes that turned in a step.
 #[inline(always)]
 fn note<L: Lanes>(turns: &mut Vec<Turn>, lane: usize, step: usize, turned: u32, before: &State<L>, after: &State<L>) {
     keep(turns, lane, step, turned, &before.spill(), &after.spill());
@@ -508,7 +513,7 @@ fn keep(turns: &mut Vec<Turn>, lane: usize, step: usize, mut turned: u32, before
     }
 }
 
-/// A register's state in memory. Its alignment makes the compiler align the stack of the loop, so
-/// that the registers it has no room for do not lie across two cache lines.
+/// The state of a register in memory. Its alignment makes the compiler align the stack of the loop,
+/// so that the registers that are spilled there do not lie across two cache lines.
 #[repr(align(64))]
 struct Spilled([[f64; PADDING]; 3]);

@@ -1,11 +1,11 @@
-//! What a step can be computed with: its products with mass, forces and noise must be doubles with
-//! all their digits.
+//! The steps that can be computed with doubles: the products of a step with mass, forces and noise
+//! must be doubles with all their digits.
 
 use crate::model::{InitialNoise, Model, can_be_computed_with};
 use crate::noise::Transition;
 use crate::scheme::Misfit;
 
-/// h/m and the thresholds it makes of the friction forces must be finite, and not so small that
+/// Checks that h/m and its products with the friction forces are finite, and not so small that
 /// digits are lost.
 pub(super) fn check_step(model: &Model, h: f64) -> Result<(), Misfit> {
     let h_over_m = h / model.oscillator.mass;
@@ -22,8 +22,8 @@ pub(super) fn check_step(model: &Model, h: f64) -> Result<(), Misfit> {
     Err(Misfit::new(&[("time.step", h)], problem, "choose units in which mass, forces and step are closer to 1"))
 }
 
-/// v is counted in increments of one step: these must be doubles, and v(0) a number of them that
-/// can be computed with.
+/// Checks that v can be counted in increments of one step: the increments must be doubles with all
+/// their digits, and so must v(0) in units of them.
 pub(super) fn check_increments(model: &Model, h: f64) -> Result<(), Misfit> {
     let Some(noise) = model.temperature.effective_noise().filter(|noise| noise.diffusion > 0.0) else { return Ok(()) };
     let increment = Transition::new(noise.relaxation_rate, noise.diffusion, h).increment_sd;
@@ -38,9 +38,9 @@ pub(super) fn check_increments(model: &Model, h: f64) -> Result<(), Misfit> {
     Err(Misfit::new(&[("temperature.noise.diffusion", noise.diffusion)], problem, remedy))
 }
 
-/// Noise is one process that goes on from step to step: the kernels carry one v a path, and would
-/// be slower for every scene if they carried two. Nor do steps meet the samples that noise is
-/// pinned to.
+/// Checks that the noise is one process that runs on from step to step. The kernels carry one v per
+/// path, and would be slower for every scene if they carried two. Nor do the steps end at the
+/// samples at which noise may be pinned.
 pub(super) fn check_noise(model: &Model) -> Result<(), Misfit> {
     if model.temperature.has_two_noises() {
         let problem = "there are two noises, and the schemes with a step carry one".to_string();

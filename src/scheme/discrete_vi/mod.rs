@@ -8,16 +8,16 @@
 //!         = S_n - (h/m) f_d sign(S_n)       otherwise
 //! ```
 //!
-//! (paper, section 3.1.) With f_d = f_s the last line is [`crate::model::prox`] at S_n, the
-//! solution of the discrete variational inequality. The noise between t_n and t_{n+1} is the exact
-//! Ornstein-Uhlenbeck transition.
+//! (Paper, section 3.1.) With f_d = f_s the last line is [`crate::model::prox`] at S_n, the
+//! solution of the discrete variational inequality. The noise moves from t_n to t_{n+1} by the
+//! exact Ornstein-Uhlenbeck transition.
 //!
 //! ```text
-//! plain, corrected   the two schemes that step so, and what each is known for
-//! simulation         either of them on one model: paths side by side, looked at on a timeline
+//! plain, corrected   the two schemes that take this step, and their properties
+//! simulation         either of them on one model: many paths in lanes, observed on a timeline
 //!   kernel             the step itself, the hot loop
-//!   reading            what turns a velocity into phases: rare, and scalar
-//! limits             what a step can be computed with
+//!   reading            finds the phases from the velocities; rare, so it is scalar
+//! limits             which steps can be computed with doubles
 //! ```
 
 mod corrected;

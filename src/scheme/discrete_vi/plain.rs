@@ -1,7 +1,7 @@
 //! The discrete variational inequality as the paper has it.
 //!
-//! It is first order in h where nothing random decides, and of order 1/2 in every statistic of
-//! sticks when there is noise: a stick exit is a barrier looked at only every h.
+//! Its error is of order 1 in h where nothing is random. Under noise it is of order 1/2 in every
+//! statistic of sticks, because a stick exit is looked for only once per step h.
 
 use super::limits;
 use super::simulation::DiscreteSimulation;
@@ -12,7 +12,7 @@ use std::f64::consts::PI;
 /// The discrete variational inequality with this step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DiscreteVi {
-    /// h > 0.
+    /// The time step h > 0.
     pub step: f64,
 }
 
@@ -53,7 +53,7 @@ impl Method for DiscreteVi {
     fn stability(self, model: &Model) -> Option<Stability> {
         let Oscillator { mass: m, stiffness: k, damping: alpha, .. } = model.oscillator;
         let (w0, f_d) = (model.oscillator.natural_frequency(), model.friction.dynamic_force);
-        // alpha / sqrt(K m), formed without the product K m, which may overflow.
+        // The ratio is alpha / sqrt(K m), computed without the product K m, which may overflow.
         let ratio = alpha / (m * w0);
         Some(if alpha == 0.0 {
             Stability::Undamped { critical_amplitude: 4.0 * f_d / (PI * w0 * self.step * k) }

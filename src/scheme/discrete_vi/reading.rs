@@ -1,23 +1,24 @@
-//! How the cascade is read off the discrete scheme.
+//! How the phases of the cascade are found from the velocities of the discrete scheme.
 //!
-//! V_{n+1} = 0 is not by itself a static phase: at a turning point with |b| > f_s the scheme gives
-//! a zero velocity for one step. Static begins at t_{n+1} iff V_{n+1} = 0 and |b(X_{n+1}, 0,
-//! t_{n+1})| <= f_s. A zero that is not static, or V_n V_{n+1} < 0, is a sub-phase boundary at
-//! t_{n+1}. A static phase ends at t_n, the last instant with V_n = 0: the paper's own convention
-//! (its tau_{3/2} = 14.86). Counting every zero as a stick would make sticks 23 % shorter at h =
-//! 0.01 (docs/model.md), and never converge.
+//! V_{n+1} = 0 alone is not a static phase: at a turning point with |b| > f_s the scheme gives a
+//! zero velocity for one step. A static phase begins at t_{n+1} if and only if V_{n+1} = 0 and
+//! |b(X_{n+1}, 0, t_{n+1})| <= f_s. A zero that does not begin a static phase, or V_n V_{n+1} < 0,
+//! is a sub-phase boundary at t_{n+1}. A static phase ends at t_n, the last instant with V_n = 0;
+//! this is the paper's convention (its tau_{3/2} = 14.86). If every zero counted as a stick, sticks
+//! would be 23 % shorter at h = 0.01 (docs/model.md), and their duration would not converge.
 
 use super::kernel::{Coefficients, Kernel, Paths, Point, Turn};
 use crate::model::{Event, EventKind, Phase, Sign};
 use crate::scheme::Observer;
 
-/// The phase each path is in, and the rule that changes it.
+/// The phase of each path.
 pub(super) struct Reader {
     phases: Vec<Phase>,
 }
 
 impl Reader {
-    /// At t = 0: static where |b| <= f_s, else the first stick is empty and a slip starts.
+    /// The phases at t = 0: static where |b| <= f_s; elsewhere the first stick is empty and a slip
+    /// starts.
     pub(super) fn start(
         kernel: &Kernel,
         state: &Paths,
@@ -44,7 +45,8 @@ impl Reader {
         &self.phases
     }
 
-    /// Read the turns of a run that began at step `n`.
+    /// Finds the events in the turns of a run that began at step `n`, and passes them to the
+    /// observer.
     pub(super) fn read(
         &mut self,
         kernel: &Kernel,
@@ -74,14 +76,14 @@ impl Reader {
     }
 }
 
-/// At which end of the step an event lies.
+/// The end of the step at which an event lies.
 enum When {
     Before,
     After,
 }
 
-/// What a step from `turn.before` to `turn.after` means to a path in this phase; `forcing` is that
-/// of the later instant.
+/// The event of a path in this phase that a step from `turn.before` to `turn.after` makes, if any.
+/// `forcing` is that at the end of the step.
 fn read(phase: Phase, turn: &Turn, c: &Coefficients, forcing: f64) -> Option<(EventKind, When)> {
     let (before, after) = (turn.before.velocity, turn.after.velocity);
     match phase {
@@ -91,17 +93,17 @@ fn read(phase: Phase, turn: &Turn, c: &Coefficients, forcing: f64) -> Option<(Ev
             let force = c.force(&turn.after, forcing);
             Some((EventKind::at_rest(holds(c, force), force), When::After))
         }
-        // compared by sign, not by product, which could underflow
+        // The signs are compared, because the product of the velocities could underflow.
         Phase::Slip(_) if before != 0.0 && Sign::of(before) != Sign::of(after) => {
             Some((EventKind::SubPhaseBoundary(Sign::of(after)), When::After))
         }
-        // leaving a turning point: the boundary was its zero
+        // The path leaves a turning point, whose sub-phase boundary was the zero before.
         Phase::Slip(_) => None,
     }
 }
 
-/// Whether |b| <= f_s at zero velocity, rounded as the step rounds it, so that static here means
-/// V = 0 at the next step.
+/// Whether |b| <= f_s at zero velocity. It is rounded as the step rounds it, so that a static phase
+/// here means V = 0 at the next step.
 fn holds(c: &Coefficients, force: f64) -> bool {
     (c.h_over_m * force).abs() <= c.static_impulse
 }

@@ -1,5 +1,4 @@
-//! The discrete scheme on one model, corrected or not: many paths stepped side by side, looked at
-//! on a timeline.
+//! The discrete scheme on one model, corrected or not: many paths in lanes, observed on a timeline.
 
 use super::kernel::{Kernel, Paths, RUN};
 use super::reading::Reader;
@@ -8,11 +7,12 @@ use crate::model::{HarmonicClock, InitialNoise, Model, Phase};
 use crate::noise::LaneStreams;
 use crate::scheme::{Observer, Simulate, Snapshot, Timeline};
 
-/// A path counts as diverged beyond so many times the greatest displacement that the exact model
-/// can be thought to have.
+/// A path counts as diverged beyond so many times the largest displacement to be expected of the
+/// exact model.
 const DIVERGENCE_MARGIN: f64 = 10.0;
 
-/// How many stationary standard deviations of v that greatest displacement allows for.
+/// The number of stationary standard deviations of v that are included in that largest
+/// displacement.
 const FARTHEST_NOISE_SDS: f64 = 10.0;
 
 /// The discrete variational inequality on one model with one step, corrected or not.
@@ -23,15 +23,15 @@ pub struct DiscreteSimulation {
     h: f64,
     clock: HarmonicClock,
     refinement: usize,
-    /// Steps between the instants at which paths can be observed.
+    /// The number of steps between the instants at which paths can be observed.
     observed_every: u64,
     is_corrected: bool,
     instructions: InstructionSet,
 }
 
 impl DiscreteSimulation {
-    /// For steps of length `h`, of which the stops of the timeline are taken to be whole multiples:
-    /// each is observed at the nearest t_n.
+    /// The scheme with steps of length `h`. Each stop of the timeline is observed at the t_n that
+    /// is nearest to it.
     pub fn new(model: &Model, timeline: &Timeline, h: f64) -> Self {
         DiscreteSimulation {
             model: model.clone(),
@@ -45,12 +45,12 @@ impl DiscreteSimulation {
         }
     }
 
-    /// The same of the corrected scheme ([`super::CorrectedVi`]).
+    /// The corrected scheme ([`super::CorrectedVi`]) with steps of length `h`.
     pub fn corrected(model: &Model, timeline: &Timeline, h: f64) -> Self {
         DiscreteSimulation { is_corrected: true, ..DiscreteSimulation::new(model, timeline, h) }
     }
 
-    /// The same on another instruction set; the results are the same bits.
+    /// The same simulation on another instruction set. The results have the same bits.
     pub fn with_instructions(self, instructions: InstructionSet) -> Self {
         DiscreteSimulation { instructions, ..self }
     }
@@ -93,8 +93,8 @@ impl Simulate for DiscreteSimulation {
         format!("{} lanes", self.instructions.name())
     }
 
-    /// v passes through the values it has in the scheme with the shorter step and the same seed,
-    /// path by path.
+    /// v of each path takes the same values as in the scheme with the shorter step and the same
+    /// seed.
     fn fed_by_finer(self, refinement: usize) -> Self {
         DiscreteSimulation { refinement, ..self }
     }
@@ -103,7 +103,7 @@ impl Simulate for DiscreteSimulation {
         DiscreteSimulation { observed_every: steps, ..self }
     }
 
-    /// A path is lost where it diverges: where its |x| is not a number below [`divergence_bound`].
+    /// A path is lost if it diverges: if |x| exceeds [`divergence_bound`] or is not a number.
     fn simulate(&self, seed: u64, paths: &[u64], observer: &mut dyn Observer) -> Vec<usize> {
         let kernel = Kernel::new(&self.model, self.h, self.refinement, self.is_corrected, self.instructions);
         let mut streams = LaneStreams::new(seed, paths, Paths::padded(paths.len()));
@@ -136,7 +136,7 @@ impl Simulate for DiscreteSimulation {
                 }
                 kernel.advance(&forcing[..=steps], &mut streams, &mut state, &mut turns);
                 reader.read(&kernel, n, &forcing, &turns, observer);
-                // all at once first: hardly ever is there one to name
+                // All lanes are tested together first, because a path hardly ever diverges.
                 let is_bounded = |x: &f64| x.abs() <= bound;
                 if !state.displacement[..paths].iter().fold(true, |all, x| all & is_bounded(x)) {
                     for (diverged, x) in diverged.iter_mut().zip(&state.displacement) {
@@ -154,11 +154,11 @@ impl Simulate for DiscreteSimulation {
     }
 }
 
-/// The displacement beyond which a path of the scheme has left every solution of the model behind.
+/// The displacement beyond which a path of the scheme counts as diverged, a length.
 ///
-/// The undamped oscillator without friction obeys |x(t)| <= |x0| + (1 + w0 t) sup |beta T|;
-/// friction and damping only take energy. The bound is ten times that at t_end, with ten stationary
-/// standard deviations of the noise, plus ten f_s/K.
+/// The undamped oscillator without friction obeys |x(t)| <= |x0| + (1 + w0 t) sup |beta T|, and
+/// friction and damping only take energy away. The bound is ten times this value at t_end, where T
+/// includes ten stationary standard deviations of the noise, plus ten f_s/K.
 pub fn divergence_bound(model: &Model, end: f64) -> f64 {
     let oscillator = &model.oscillator;
     let driven = oscillator.dilatation.abs() * model.temperature.bound(FARTHEST_NOISE_SDS);
@@ -167,7 +167,7 @@ pub fn divergence_bound(model: &Model, end: f64) -> f64 {
     (DIVERGENCE_MARGIN * (model.initial_displacement.abs() + growth * driven + stuck)).min(f64::MAX)
 }
 
-/// The buffers a snapshot is shown from.
+/// The buffers of a snapshot.
 #[derive(Default)]
 struct Samples {
     temperature: Vec<f64>,
