@@ -1,5 +1,5 @@
-//! `mc run --accuracy`: asks for a choice of scheme, step or tolerance, and paths, and says what
-//! was chosen and why.
+//! `mc run --accuracy`: asks `study::accuracy` to choose scheme, step or tolerance, and number of
+//! paths, and prints what was chosen and why.
 
 use super::failure::{Failure, note};
 use super::numbers::{grouped, percent, significant, time, wrapped};
@@ -12,18 +12,18 @@ use stick_slip::study::accuracy::{
 };
 use stick_slip::study::trade::{Choice, Limits, Standing, Trade, TradeError};
 
-/// The keys of a scenario that are chosen.
+/// The keys of a scenario whose values are chosen.
 pub const CHOSEN: [&str; 5] = ["ensemble.antithetic", "ensemble.paths", "scheme.kind", "scheme.tolerance", "time.step"];
 
-/// What is asked for, and whether to say nothing but errors.
+/// The accuracy that is asked for, and whether only errors are printed.
 pub struct Chooser<'a> {
     pub accuracy: Accuracy<'a>,
     pub is_quiet: bool,
 }
 
 impl Chooser<'_> {
-    /// How to run the scenario. Says what it chose and why. When `stop` is raised, nothing is
-    /// chosen.
+    /// Chooses how to run the scenario and prints the choice with its reasons. Returns
+    /// `Failure::Interrupted` when `stop` is raised meanwhile.
     pub fn choose(&self, scenario: &Scenario, stop: &AtomicBool) -> Result<Decision, Failure> {
         self.say(&format!("choosing how to run it: measuring for about {} s", PILOT.as_secs()));
         let line = Measuring::new(PILOT, self.is_quiet);
@@ -40,7 +40,7 @@ impl Chooser<'_> {
         Ok(decision)
     }
 
-    /// What was chosen, and why.
+    /// Prints what was chosen and why.
     fn explain(&self, scenario: &Scenario, trade: &Trade, decision: &Decision) {
         let Accuracy { target, named, .. } = self.accuracy;
         let (asked, choice) = (&decision.asked, &decision.choice);
@@ -92,7 +92,7 @@ impl Chooser<'_> {
         }
     }
 
-    /// Why nothing was chosen, and what to ask for instead.
+    /// Says why nothing was chosen, and what to ask for instead.
     fn failure(&self, error: AccuracyError) -> Failure {
         let Accuracy { target, max_time, threads, .. } = self.accuracy;
         match error {
@@ -138,12 +138,13 @@ impl Chooser<'_> {
     }
 }
 
-/// How pairs are asked for on the command line.
+/// The part of a command line that asks for antithetic pairs; empty where the choice has none.
 pub fn pairs(choice: &Choice) -> &'static str {
     if choice.is_antithetic { " --set ensemble.antithetic=true" } else { "" }
 }
 
-/// What is left of what was chosen for, where only so many paths are done and that is not enough.
+/// The message of a run that ended after `completed` paths, before it had the accuracy that it was
+/// chosen for. None if so many paths are enough.
 pub fn missed(accuracy_goal: &AccuracyGoal, completed: u64) -> Option<String> {
     let AccuracyGoal { target, paths, decisive, .. } = accuracy_goal;
     accuracy_goal.error_after(completed).map(|error| {
@@ -158,7 +159,7 @@ pub fn missed(accuracy_goal: &AccuracyGoal, completed: u64) -> Option<String> {
     })
 }
 
-/// What could be asked for instead.
+/// The remedy: the accuracy that is within reach, if there is one.
 fn alternative(instead: Option<Alternative>) -> String {
     match instead {
         Some(Alternative { target, seconds }) => format!(
@@ -170,7 +171,7 @@ fn alternative(instead: Option<Alternative>) -> String {
     }
 }
 
-/// Why nothing can be promised of a statistic.
+/// Says why no accuracy can be guaranteed for a statistic.
 fn why_not(statistic: Statistic, standing: Standing) -> String {
     let name = statistic.name();
     match standing {
@@ -181,7 +182,7 @@ fn why_not(statistic: Statistic, standing: Standing) -> String {
     }
 }
 
-/// A target as it is typed: 1e-2 or 1%.
+/// Reads a relative error, e.g. `1e-2` or `1%`.
 pub fn target(text: &str) -> Result<f64, String> {
     let (number, unit) = text.trim().strip_suffix('%').map_or((text.trim(), 1.0), |percent| (percent.trim(), 0.01));
     let target = number.parse::<f64>().map(|number| number * unit).unwrap_or(f64::NAN);

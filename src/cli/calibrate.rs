@@ -1,4 +1,5 @@
-//! `mc calibrate`: from measured temperatures and displacements of a bearing to its friction, stiffness and dilatation.
+//! `mc calibrate`: estimates friction, stiffness and dilatation of a bearing from measured
+//! temperatures and displacements.
 
 use super::calibrate_report as report;
 use super::failure::{Failure, note, print, writable};
@@ -30,23 +31,26 @@ whether the intervals hold it. The scenario gives K_BP as bearing.stiffness, nam
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Calibrate {
-    /// The scenario, a TOML file: K_BP, the columns, and where a search begins
+    /// The scenario, a TOML file: the stiffness K_BP, the names of the columns, and where a search
+    /// begins
     scenario: PathBuf,
     #[command(flatten)]
     source: Source,
-    /// Estimate by slips, by the paper's least squares (err), or by both
+    /// Estimate from the slips, by the least squares of the paper (err), or by both
     #[arg(long, value_name = "slips|err|both", default_value = "both", value_parser = method)]
     method: Method,
-    /// The parameters to fit, by their keys; the others are held at what the scenario says [default: all]
+    /// The keys of the parameters to fit; the others keep the value that the scenario gives them
+    /// [default: all]
     #[arg(long, value_name = "KEY,KEY", value_delimiter = ',', value_parser = parameter)]
     fit: Vec<Quantity>,
-    /// Bounds of a parameter in the least squares, e.g. friction.static=4e5:6e5; repeatable [default: a box around the estimates by slips]
+    /// Bounds of a parameter in the least squares, e.g. friction.static=4e5:6e5; repeatable
+    /// [default: a box around the estimates from the slips]
     #[arg(long, value_name = "KEY=LOW:HIGH", value_parser = bounds, allow_hyphen_values = true)]
     bounds: Vec<(Quantity, [f64; 2])>,
-    /// Number of starts of the least squares
+    /// Number of starting points of the least squares
     #[arg(long, value_name = "N", default_value_t = 10, value_parser = clap::value_parser!(u32).range(1..=1000))]
     starts: u32,
-    /// Delay of the steel behind the thermometer, e.g. 15m; `auto` estimates it
+    /// Delay of the temperature of the steel behind the thermometer, e.g. 15m; `auto` estimates it
     #[arg(long, value_name = "auto|TIME", default_value = "auto", value_parser = lag)]
     lag: Lag,
     /// Confidence level of the intervals
@@ -56,10 +60,11 @@ pub struct Calibrate {
     #[arg(long, value_name = "KEY=VALUE", allow_hyphen_values = true, value_parser = super::completed::SETTING,
           hide_possible_values = true)]
     set: Vec<String>,
-    /// Threads [default: one a core]
+    /// Number of threads [default: one for each core]
     #[arg(long, value_name = "K", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
-    /// Write everything to FILE: estimates, slips, starts, the record and the model
+    /// Write everything to FILE: estimates, slips, starting points with their results, the
+    /// measurements and the model
     #[arg(short, long, value_name = "FILE.h5")]
     output: Option<PathBuf>,
     /// Overwrite an earlier file
@@ -115,7 +120,7 @@ impl From<NotHeld> for Failure {
     }
 }
 
-/// Print a calibration, and on standard error what to beware of: name and sentence of each warning.
+/// Prints a calibration, and its warnings on standard error. Each warning is a name and a sentence.
 pub(super) fn show(
     title: &str,
     calibration: &Calibration,
@@ -128,7 +133,8 @@ pub(super) fn show(
     print(&if json { report::json(calibration, warnings) } else { report::table(title, calibration) })
 }
 
-/// Why there is no calibration; what to do depends on the verb where no slip is seen.
+/// Says why there is no calibration. If no slip was found, the remedy depends on the verb and is
+/// `without_slips`.
 pub(super) fn refused(path: &Path, error: &CalibrationError, without_slips: &str) -> Failure {
     let remedy = match error {
         CalibrationError::NoSlips => without_slips,

@@ -1,4 +1,4 @@
-//! `mc check`: a scenario in full, what follows from it, and what to beware of.
+//! `mc check`: prints a scenario in full, the numbers that follow from it, and warnings.
 
 use super::cost;
 use super::document::{JsonWarning, document};
@@ -37,7 +37,8 @@ pub struct Check {
 impl Check {
     pub fn call(&self) -> Result<(), Failure> {
         let mut scenario = self.overrides.scenario(&self.scenario)?;
-        // What is printed is to run from the working directory.
+        // The printed scenario must run from the working directory, so its data file is named from
+        // there.
         if let (Some(measured), Some(folder)) = (&mut scenario.measured, self.scenario.parent()) {
             measured.file = folder.join(&measured.file).display().to_string();
         }
@@ -49,7 +50,7 @@ impl Check {
     }
 }
 
-/// The resolved scenario, and as comments what follows from it.
+/// The resolved scenario, followed by the derived numbers as comments.
 pub fn report(scenario: &Scenario) -> String {
     let mut text = scenario.to_toml();
     text.push_str("\n# What follows from it\n");
@@ -59,7 +60,7 @@ pub fn report(scenario: &Scenario) -> String {
     text
 }
 
-/// How long the run will take here, as a comment.
+/// How long the run will take on this machine, as a comment.
 fn duration(seconds: Option<f64>) -> String {
     let threads = super::cores();
     let name = format!("time of the run here, on {}, about", counted(threads as u64, "thread"));
@@ -67,7 +68,7 @@ fn duration(seconds: Option<f64>) -> String {
     format!("# {name:<46}{value}\n")
 }
 
-/// A run of hours is warned of.
+/// A warning if the run takes hours; empty otherwise.
 fn long(seconds: Option<f64>) -> String {
     let Some(seconds) = seconds.filter(|seconds| *seconds > cost::LONG) else { return String::new() };
     let warning = format!(
@@ -161,12 +162,13 @@ struct JsonCheck<'a> {
     scenario: &'a str,
     resolved: String,
     derived: JsonDerived,
-    /// CPU seconds of the run here, on one thread; null where that could not be found out.
+    /// CPU seconds of the run on one thread of this machine; null where they could not be
+    /// estimated.
     cpu_seconds: Option<f64>,
     warnings: Vec<JsonWarning>,
 }
 
-/// What follows from a scenario, by name.
+/// The numbers that follow from a scenario, by name.
 struct JsonDerived(Derived);
 
 impl Serialize for JsonDerived {

@@ -1,4 +1,4 @@
-//! Values of flags that a shell can complete.
+//! Flags whose values a shell can complete.
 
 use clap::Command;
 use clap::builder::{PossibleValue, TypedValueParser};
@@ -7,8 +7,9 @@ use stick_slip::config;
 use stick_slip::scheme::Kind;
 use stick_slip::stats::Statistic;
 
-/// Reads a value as a function says, and tells shells the words to complete it with. What else may stand there is for
-/// the function to say, whose messages know more.
+/// Reads a value with a function, and lists the words that a shell completes it with. Values
+/// outside the list reach the function too, whose error messages are more specific than those of
+/// clap.
 #[derive(Clone, Copy)]
 pub struct Completed<T> {
     words: fn() -> Vec<String>,
@@ -19,11 +20,12 @@ pub struct Completed<T> {
 pub const STATISTIC: Completed<Statistic> =
     Completed { words: || Statistic::ALL.map(|statistic| statistic.name().to_string()).into(), read: statistic };
 
-/// The name of a scheme; the scenario says what is wrong with another.
+/// The name of a scheme. An unknown name is reported when the scenario is checked.
 pub const SCHEME: Completed<String> =
     Completed { words: || Kind::ALL.iter().map(|kind| kind.name().to_string()).collect(), read: as_it_is };
 
-/// A key with a value, `key=value`; the scenario says what is wrong with another.
+/// A key with a value, `key=value`. An unknown key or a wrong value is reported when the scenario
+/// is checked.
 pub const SETTING: Completed<String> =
     Completed { words: || config::keys().iter().map(|key| format!("{key}=")).collect(), read: as_it_is };
 
@@ -31,7 +33,7 @@ fn as_it_is(text: &str) -> Result<String, String> {
     Ok(text.to_string())
 }
 
-/// The statistic of a name.
+/// The statistic with this name.
 fn statistic(name: &str) -> Result<Statistic, String> {
     Statistic::from_name(name)
         .ok_or_else(|| format!("there is no such statistic; write one of {}", super::statistic_names()))

@@ -1,4 +1,4 @@
-//! `mc completions`: a completion script on standard output.
+//! `mc completions`: prints a completion script for a shell on standard output.
 
 use super::failure::{Failure, print_data};
 use clap::CommandFactory as _;
@@ -7,7 +7,7 @@ use clap::CommandFactory as _;
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Example:\n  mc completions bash > ~/.local/share/bash-completion/completions/mc")]
 pub struct Completions {
-    /// Which shell
+    /// The shell
     shell: clap_complete::Shell,
 }
 

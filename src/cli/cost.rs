@@ -1,4 +1,4 @@
-//! What a run will take, before it begins: time and memory.
+//! What a run will need, estimated before it begins: time and memory.
 
 use super::failure::{Failure, note};
 use super::numbers::{bytes, counted, time};
@@ -7,40 +7,44 @@ use stick_slip::advice::Derived;
 use stick_slip::scenario::Scenario;
 use stick_slip::study::pace::seconds_per_path;
 
-/// CPU seconds of a path-step of the discrete schemes, roughly, on a processor of these years.
+/// Approximate CPU seconds of one step of one path of a discrete scheme, on a processor of about
+/// 2025.
 const PATH_STEP: f64 = 1.5e-9;
-/// Runs that are expected to take longer than these seconds are warned of.
+/// A run that is expected to take more seconds than this is announced or warned about.
 pub const LONG: f64 = 3600.0;
-/// How long paths are simulated to find out how long they take.
+/// How long paths are simulated to measure the time of a path.
 const PATIENCE: Duration = Duration::from_millis(100);
-/// A run of fewer paths, of a scheme whose work is not known beforehand, begins without a measurement.
+/// If the work of a path is not known beforehand, only runs of at least so many paths are timed
+/// before they begin.
 const MANY: u64 = 100_000;
-/// Bytes of the program itself, and of the sums of a row of the output grid. Measured: 253 MB with 10 001 rows on one thread, and
-/// 105 MB more with a second one.
+/// Bytes of the program itself (`PROGRAM`), and of the sums for one row of the output grid (`ROW`).
+/// Measured: 253 MB with 10 001 rows on one thread, and 105 MB more with a second thread.
 const PROGRAM: f64 = 50e6;
 const ROW: f64 = 10e3;
-/// Blocks of which a thread holds what is recorded of single paths: one in work, one that waits, one that is written. Measured: 2.3.
+/// How many blocks each thread holds in memory with what is recorded of single paths: one that is
+/// simulated, one that waits for its turn, one that is being written. Measured: 2.3.
 const BLOCKS: f64 = 3.0;
 
-/// CPU seconds of the paths of a scenario on this machine, as some of them say; where they do not come far enough to say anything,
-/// the number of steps does.
+/// CPU seconds of all paths of a scenario on this machine, from the time that some of its paths
+/// take. Where they take too long to be timed, the seconds follow from the number of steps. None if
+/// that is not known either.
 pub fn measured_cpu_seconds(scenario: &Scenario) -> Option<f64> {
     let paths = scenario.ensemble.paths;
     seconds_per_path(scenario, PATIENCE).map(|each| each * paths as f64).or_else(|| cpu_seconds(scenario, paths))
 }
 
-/// CPU seconds of so many paths, where the number of their steps is known.
+/// CPU seconds of so many paths. None if the number of steps is not known beforehand.
 fn cpu_seconds(scenario: &Scenario, paths: u64) -> Option<f64> {
     scenario.steps().map(|steps| steps as f64 * paths as f64 * PATH_STEP)
 }
 
-/// Bytes of memory that a run takes, roughly.
+/// Approximate bytes of memory that a run needs.
 fn memory(scenario: &Scenario, threads: usize) -> f64 {
     let Derived { rows, thread_bytes, .. } = scenario.derived();
     PROGRAM + rows as f64 * ROW + threads as f64 * (thread_bytes + BLOCKS * scenario.block_bytes())
 }
 
-/// Say what takes long, and refuse what does not fit.
+/// Announces a run that takes long. Refuses a run that does not fit into the memory.
 pub fn announce(scenario: &Scenario, paths: u64, threads: usize, is_quiet: bool) -> Result<(), Failure> {
     let needed = memory(scenario, threads);
     if let Some(free) = free_memory().filter(|free| *free < needed) {
@@ -74,7 +78,7 @@ pub fn announce(scenario: &Scenario, paths: u64, threads: usize, is_quiet: bool)
     Ok(())
 }
 
-/// Bytes of memory that this process may still have; none where the system does not say.
+/// Bytes of memory that this process can still get; none where the system does not say.
 fn free_memory() -> Option<f64> {
     let number = |file: &str, name: &str| -> Option<f64> {
         let text = std::fs::read_to_string(file).ok()?;
@@ -82,7 +86,8 @@ fn free_memory() -> Option<f64> {
         line.split_whitespace().next()?.parse().ok()
     };
     let machine = number("/proc/meminfo", "MemAvailable:").map(|kilobytes| kilobytes * 1024.0);
-    // What a shell has allowed with `ulimit -v`; the library and the stacks of threads are within it.
+    // The limit that `ulimit -v` has set. It counts address space, so it includes the libraries and
+    // the stacks of threads.
     let limit = number("/proc/self/limits", "Max address space");
     [machine, limit].into_iter().flatten().reduce(f64::min)
 }

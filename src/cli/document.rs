@@ -1,16 +1,16 @@
-//! What every JSON object of the program begins with, so that its readers know what they read.
+//! The members that every JSON object of the program begins with. They identify the object.
 
 use serde::Serialize;
 use sha2::{Digest as _, Sha256};
 use stick_slip::provenance::GIT_HASH;
 
-/// The version of all objects together (docs/json.md). It rises where a key changes its meaning or goes away, and not
-/// where one is added.
+/// The schema version, one for all objects together (docs/json.md). It rises where a key changes
+/// its meaning or is removed, and not where a key is added.
 pub const SCHEMA_VERSION: u32 = 1;
 
 #[derive(Serialize)]
 struct Document<'a, B: Serialize> {
-    /// Which kind of object it is.
+    /// The kind of the object.
     document: &'static str,
     schema_version: u32,
     program: Program,
@@ -25,18 +25,19 @@ struct Program {
     commit: &'static str,
 }
 
-/// A warning, under a name that programs can compare.
+/// A warning, with a name that programs can compare.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct JsonWarning {
     pub name: String,
     pub text: String,
 }
 
-/// One object of this kind, with a line break at its end; a number that is not finite is null.
+/// One object of this kind as text with a line break at its end. Numbers that are not finite become
+/// null.
 pub fn document(kind: &'static str, body: &impl Serialize) -> String {
     let program = Program { name: "mc", version: env!("CARGO_PKG_VERSION"), commit: GIT_HASH };
     let document = Document { document: kind, schema_version: SCHEMA_VERSION, program, body };
-    // Nothing in it can fail: every key is a string, and non-finite numbers become null.
+    // This cannot fail: every key is a string, and numbers that are not finite become null.
     serde_json::to_string_pretty(&document).unwrap_or_default() + "\n"
 }
 

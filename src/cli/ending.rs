@@ -1,10 +1,10 @@
-//! In words: why a goal cannot be reached, or was missed.
+//! Messages of a run with a goal: why the goal cannot be reached, or was missed.
 
 use super::numbers::{grouped, significant};
 use stick_slip::engine::{Hopeless, MOST_PATHS, MissedGoal};
 use stick_slip::stats::Verdict;
 
-/// Why a goal cannot be reached, and what to do.
+/// Says why a goal cannot be reached, and what to do.
 pub fn hopeless(reason: &Hopeless) -> String {
     match reason {
         Hopeless::Zero { estimate, paths } => {
@@ -31,7 +31,7 @@ pub fn hopeless(reason: &Hopeless) -> String {
     }
 }
 
-/// What a goal that was missed would need.
+/// Says that a goal was missed, and how many paths it would need if that is known.
 pub fn missed(MissedGoal { goal, paths, verdict }: &MissedGoal, needed: Option<u64>) -> String {
     match (verdict, needed) {
         (Verdict::Zero, _) => {

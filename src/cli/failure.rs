@@ -1,4 +1,4 @@
-//! What a verb can fail with, and the one place where failures become exit codes.
+//! Everything a verb can fail with, and the only place where failures become exit codes.
 
 use super::interrupt::exit_code;
 use super::safe;
@@ -8,22 +8,22 @@ use std::process::ExitCode;
 use stick_slip::config::ScenarioError;
 use stick_slip::scheme::Misfit;
 
-/// Why a verb did not do what it was asked to.
+/// Why a verb did not do what it was asked to do.
 #[derive(Debug)]
 pub enum Failure {
     /// The arguments are wrong; nothing was started.
     Usage {
         /// What is wrong.
         problem: String,
-        /// What would be right.
+        /// What to write instead.
         remedy: String,
     },
-    /// The arguments do not go with the file of results or the scenario that they are about; the message
-    /// says what to do.
+    /// The arguments contradict the file of results or the scenario that they refer to. The message
+    /// contains the remedy.
     Refused(String),
-    /// There is no scenario to work on.
+    /// The scenario cannot be read or is not valid.
     Scenario(ScenarioError),
-    /// It was started and did not finish.
+    /// The work began and did not finish.
     Run(String),
     /// The user stopped it; what was finished is in the file.
     Interrupted,
@@ -37,9 +37,9 @@ impl Failure {
         Failure::Usage { problem: problem.into(), remedy: remedy.into() }
     }
 
-    /// Print to standard error; what the process exits with.
+    /// Prints the failure on standard error and returns the exit code of the process.
     pub fn report(&self) -> ExitCode {
-        // Standard error may be closed as well: then there is nobody to tell.
+        // A failure to print is ignored: if standard error is closed, no message can reach anybody.
         let say = |text: String| drop(writeln!(io::stderr(), "error: {}", safe::text(&text)));
         match self {
             Failure::Usage { problem, remedy } => {
@@ -63,7 +63,8 @@ impl Failure {
                 ExitCode::from(1)
             }
             Failure::Interrupted => ExitCode::from(exit_code()),
-            // `mc ... | head`: the reader has seen enough.
+            // In `mc ... | head` the reader closes the pipe when it has read enough, which is no
+            // failure.
             Failure::Output(error) if error.kind() == io::ErrorKind::BrokenPipe => ExitCode::SUCCESS,
             Failure::Output(error) => {
                 say(format!("cannot write to standard output: {error}"));
@@ -85,12 +86,13 @@ impl From<Misfit> for Failure {
     }
 }
 
-/// Write to standard output for people; unlike `print!`, a closed pipe is a failure to return, not a panic.
+/// Writes to standard output for people. A closed pipe is a failure to return and not a panic, as
+/// it is with `print!`.
 pub fn print(text: &str) -> Result<(), Failure> {
     print_as_it_is(&safe::text(text))
 }
 
-/// Write to standard output for programs.
+/// Writes to standard output for programs: nothing is cut.
 pub fn print_data(text: &str) -> Result<(), Failure> {
     print_as_it_is(&safe::data(text))
 }
@@ -100,13 +102,14 @@ fn print_as_it_is(text: &str) -> Result<(), Failure> {
     out.write_all(text.as_bytes()).and_then(|()| out.flush()).map_err(Failure::Output)
 }
 
-/// Write a line to standard error, where a closed pipe is nobody's concern.
+/// Writes a line to standard error. A failure to write it is ignored.
 pub fn note(text: &str) {
     drop(writeln!(io::stderr(), "{}", safe::text(text)));
 }
 
-/// A file may be written here, made from these others: its directory exists, and nothing is lost that `--force` has not given up. That
-/// is a regular file, and none of the others, in any case.
+/// Checks that a file may be written at `path`: its directory exists, and it replaces at most a
+/// regular file, and that only with `force`. A file among `inputs`, from which the results are
+/// made, is never replaced.
 pub fn writable<'a>(path: &Path, force: bool, inputs: impl IntoIterator<Item = &'a Path>) -> Result<(), Failure> {
     let shown = path.display();
     let refuse = |problem: String| Err(Failure::usage(problem, "choose another file with -o"));
@@ -129,7 +132,8 @@ pub fn writable<'a>(path: &Path, force: bool, inputs: impl IntoIterator<Item = &
         let problem = format!("there is no directory {} to write {shown} in", parent.display());
         return Err(Failure::usage(problem, "create it, or choose another place with -o"));
     }
-    // A dangling link counts: writing would go wherever it points.
+    // `symlink_metadata` also finds a dangling link. Writing through it would create a file at its
+    // target.
     match path.symlink_metadata() {
         Ok(there) if !there.is_file() => refuse(format!("{shown} is no regular file, and nothing else is replaced")),
         Ok(_) if !force => {

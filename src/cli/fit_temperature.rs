@@ -1,4 +1,4 @@
-//! `mc fit-temperature`: from a measured temperature to harmonics and noise of a scenario.
+//! `mc fit-temperature`: fits harmonics and noise of a scenario to a measured temperature.
 
 use super::document::document;
 use super::failure::{Failure, note, print, writable};
@@ -29,7 +29,7 @@ pub struct FitTemperature {
     /// The measurement, a CSV file with times and temperatures
     #[arg(value_name = "DATA.csv")]
     data: PathBuf,
-    /// How many Ornstein-Uhlenbeck processes the weather has: one, or a fast and a slow one
+    /// Number of Ornstein-Uhlenbeck processes in the noise: one, or a fast and a slow one
     #[arg(long, value_name = "1|2", default_value_t = 2, value_parser = clap::value_parser!(u8).range(1..=2))]
     processes: u8,
     /// The periods of the harmonics, e.g. 1d; `none` for no harmonics
@@ -41,10 +41,10 @@ pub struct FitTemperature {
     /// The column of temperatures [default: the one whose name begins with `temperature`]
     #[arg(long, value_name = "COLUMN")]
     temperature: Option<String>,
-    /// The zone of stamps that name none, e.g. UTC or Europe/Paris
+    /// The time zone of times that name none, e.g. UTC or Europe/Paris
     #[arg(long, value_name = "ZONE")]
     zone: Option<String>,
-    /// Write the part of a scenario to FILE
+    /// Write the temperature section of a scenario to FILE
     #[arg(short, long, value_name = "FILE.toml")]
     output: Option<PathBuf>,
     /// Overwrite an earlier file
@@ -55,7 +55,7 @@ pub struct FitTemperature {
     json: bool,
 }
 
-/// The period of a harmonic in seconds; none for the word `none`.
+/// The period of a harmonic in seconds; none if the word is `none`.
 #[derive(Clone, Copy, Debug)]
 struct Period(Option<f64>);
 
@@ -86,7 +86,7 @@ impl FitTemperature {
     }
 }
 
-/// Why there is no fit, and what to do.
+/// Says why there is no fit, and what to do.
 fn refused(path: &Path, error: &WeatherError) -> Failure {
     let remedy = match error {
         WeatherError::ShorterThanPeriod(_) => {
@@ -98,7 +98,7 @@ fn refused(path: &Path, error: &WeatherError) -> Failure {
     Failure::Run(format!("{}: {error}\n  fix: {remedy}", path.display()))
 }
 
-/// The part of a scenario.
+/// The temperature section of a scenario.
 fn part(found: &WeatherFit, data: &Path, start: &str) -> String {
     let mut text = format!(
         "# The temperature of {}, fitted to {} samples; t = 0 is {start}.\n# In the tables: noise of intensity rho in \
@@ -112,7 +112,7 @@ fn part(found: &WeatherFit, data: &Path, start: &str) -> String {
     text + &config::temperature_part(&found.temperature())
 }
 
-/// What was found, for people.
+/// The fit as a table for people.
 fn report(found: &WeatherFit) -> String {
     let mut rows = vec![Row::labelled("", ["estimate", "standard error", ""].map(String::from))];
     let mut row = |name: &str, value: f64, error: f64, note: String| {
@@ -168,7 +168,7 @@ struct JsonProcess {
     relaxation_rate_relative_error: f64,
 }
 
-/// What was found, for programs: seconds and kelvin.
+/// The fit as JSON for programs, in seconds and kelvin.
 fn json(found: &WeatherFit) -> String {
     let cycles = found.cycles().into_iter().map(|cycle| JsonCycle {
         period: cycle.period,

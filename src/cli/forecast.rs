@@ -1,4 +1,4 @@
-//! `mc forecast`: what years to come do to a bearing that was measured.
+//! `mc forecast`: simulates future years of a bearing that was measured.
 
 use super::calibrate;
 use super::document::document;
@@ -33,14 +33,14 @@ interval of one year holds its weather as well. Traffic, wear, and a climate tha
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Forecast {
-    /// The scenario, a TOML file: K_BP and the columns
+    /// The scenario, a TOML file: the stiffness K_BP and the names of the columns
     scenario: PathBuf,
     #[command(flatten)]
     source: Source,
-    /// How many draws of the parameters
+    /// Number of draws of the uncertain parameters of bearing and weather
     #[arg(long, value_name = "N", default_value_t = 50, value_parser = clap::value_parser!(u32).range(2..=10_000))]
     draws: u32,
-    /// How many years for each draw
+    /// Number of years to simulate for each draw
     #[arg(long, value_name = "N", default_value_t = 40, value_parser = clap::value_parser!(u32).range(2..=10_000))]
     years: u32,
     /// Seed of all random numbers
@@ -49,17 +49,17 @@ pub struct Forecast {
     /// Confidence level of the intervals
     #[arg(long, value_name = "P", default_value_t = 0.9, value_parser = calibrate::level)]
     interval: f64,
-    /// The share of f_s above which time is counted as loaded
+    /// Time counts as loaded where |F| is above this share of f_s
     #[arg(long, value_name = "Q", default_value_t = 0.9, value_parser = share)]
     share: f64,
-    /// How many processes the weather has: one, or a fast and a slow one
+    /// Number of Ornstein-Uhlenbeck processes in the weather: one, or a fast and a slow one
     #[arg(long, value_name = "1|2", default_value_t = 2, value_parser = clap::value_parser!(u8).range(1..=2))]
     processes: u8,
     /// Any key of the scenario, e.g. bearing.stiffness=2e9; repeatable
     #[arg(long, value_name = "KEY=VALUE", allow_hyphen_values = true, value_parser = super::completed::SETTING,
           hide_possible_values = true)]
     set: Vec<String>,
-    /// Threads [default: one a core]
+    /// Number of threads [default: one for each core]
     #[arg(long, value_name = "K", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
     /// Write every year to FILE
@@ -104,7 +104,8 @@ impl Forecast {
         if stop.load(Ordering::Relaxed) { Err(Failure::Interrupted) } else { Ok(()) }
     }
 
-    /// By slips, which is what gives errors of parameters to draw from.
+    /// Calibrates from the slips, because only that method gives errors of the parameters to draw
+    /// from.
     fn calibration(
         &self,
         scene: &BridgeScene,
@@ -133,7 +134,7 @@ impl Forecast {
     }
 }
 
-/// What a quantity is called in the table, in words.
+/// The name of a quantity in the table for people.
 fn words(quantity: Quantity, share: f64) -> String {
     match quantity {
         Quantity::SlidingPath => "sliding path".to_string(),
@@ -145,7 +146,7 @@ fn words(quantity: Quantity, share: f64) -> String {
     }
 }
 
-/// For people.
+/// The table for people.
 fn report(title: &str, found: &Found) -> String {
     let mut rows =
         vec![Row::labelled("in a year", ["expected", "from", "to", "year from", "year to"].map(String::from))];
@@ -175,7 +176,7 @@ fn report(title: &str, found: &Found) -> String {
     text + &wrapped(&meaning, "")
 }
 
-/// Every year, a row each.
+/// All simulated years as CSV, one row for each.
 fn csv(found: &Found) -> String {
     let mut text = String::from("draw,year");
     for level in &found.levels {
@@ -222,7 +223,7 @@ struct JsonReturnLevel {
     interval: [f64; 2],
 }
 
-/// For programs.
+/// The forecast as JSON for programs.
 fn json(found: &Found) -> String {
     let levels = found.levels.iter().map(|level| {
         let json = JsonLevel {

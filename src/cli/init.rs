@@ -1,4 +1,4 @@
-//! `mc init`: a scenario to start from, every section of it with comments.
+//! `mc init`: writes a scenario to start from, with comments on every section.
 
 use super::failure::{Failure, note, print_data, writable};
 use super::overrides::Overrides;
@@ -21,11 +21,11 @@ Every key of a scenario is written, with what it means; parts that are not used 
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Init {
-    /// The shipped scenario that is the start
+    /// The shipped scenario to start from
     #[arg(long, value_name = "NAME", default_value = "rho025",
           value_parser = clap::builder::PossibleValuesParser::new(SHIPPED.map(|scenario| scenario.name)))]
     from: String,
-    /// What the scenario asks, in a line; the key `title`
+    /// What the scenario asks, in one line; sets the key `title`
     #[arg(long, value_name = "TEXT")]
     title: Option<String>,
     /// Static friction f_s [friction.static]
@@ -48,7 +48,7 @@ pub struct Init {
     sigma: Option<String>,
     #[command(flatten)]
     overrides: Overrides,
-    /// Where to write it; `-` is standard output [default: NAME.toml]
+    /// Where to write the scenario; `-` is standard output [default: NAME.toml]
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
     /// Overwrite the file if it exists
@@ -70,7 +70,7 @@ impl Init {
         if output == Path::new("-") {
             return print_data(&text);
         }
-        // What the scenario names lies beside it.
+        // The data files that the scenario names are written beside it.
         let beside = start.data.iter().map(|(name, text)| (output.with_file_name(name), *text));
         let files: Vec<(PathBuf, &str)> = std::iter::once((output.clone(), text.as_str())).chain(beside).collect();
         for (path, _) in &files {
@@ -86,7 +86,7 @@ impl Init {
         Ok(())
     }
 
-    /// The flags that are called after symbols of the paper.
+    /// The changes from flags that are named after symbols of the paper.
     fn symbols(&self) -> Vec<Override> {
         let named = [
             ("--f-s", "friction.static", &self.f_s),
@@ -103,18 +103,19 @@ impl Init {
     }
 }
 
-/// A title that says what is changed, unless there is one among the changes or nothing is.
+/// A title that lists the changes; none if nothing is changed or the changes contain a title.
 fn retitled(name: &str, changes: &[Override]) -> Option<Override> {
     let is_needed = !changes.is_empty() && !changes.iter().any(|change| change.sets("title"));
     is_needed.then(|| Override::text("--title", "title", &format!("{name} with {}", listed(changes))))
 }
 
-/// The changes as they were typed.
+/// The changes as they were typed on the command line.
 fn listed(changes: &[Override]) -> String {
     changes.iter().map(Override::to_string).collect::<Vec<_>>().join(" ")
 }
 
-/// What the scenario is about: the words of the shipped one, as long as nothing of it is changed.
+/// The comment at the head of the file: that of the shipped scenario if nothing is changed, else a
+/// line that lists the changes.
 fn introduction(name: &str, text: &str, changes: &[Override]) -> String {
     if changes.is_empty() {
         return text.lines().take_while(|line| line.starts_with('#')).map(|line| format!("{line}\n")).collect();

@@ -1,8 +1,8 @@
-//! What a signal does that asks a process to end: the first one asks the run to end, the second one
-//! ends it.
+//! Handles the signals that ask a process to end: the first one asks the run to stop and save, the
+//! second one ends the process.
 //!
-//! A signal that was ignored when the process began, as `nohup` ignores the one of a terminal that
-//! closes, stays ignored.
+//! A signal that is ignored when the process begins stays ignored. `nohup`, for instance, starts a
+//! process that ignores SIGHUP, the signal of a terminal that closes.
 
 use super::failure::note;
 use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM, SIGUSR1, SIGUSR2, SIGXCPU, SIGXFSZ};
@@ -10,14 +10,15 @@ use signal_hook::iterator::Signals;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicI32, Ordering};
 
-/// Signals of users and schedulers: Ctrl-C, a terminal that closes, a time limit that comes near.
+/// Signals that users and schedulers send: Ctrl-C, the end of the terminal, or a time limit that
+/// will soon be reached.
 const ENDING: [i32; 6] = [SIGINT, SIGTERM, SIGHUP, SIGXCPU, SIGUSR1, SIGUSR2];
 
-/// The one that came; 0 for none.
+/// The last signal that was received; 0 for none.
 static CAME: AtomicI32 = AtomicI32::new(0);
 
-/// What a process exits with that was ended by the signal that came: 130 for Ctrl-C, 143 for
-/// SIGTERM.
+/// The exit code of a process that is ended by the signal that was received: 130 for Ctrl-C, 143
+/// for SIGTERM.
 pub fn exit_code() -> u8 {
     let signal = match CAME.load(Ordering::Relaxed) {
         0 => SIGINT,
@@ -26,15 +27,17 @@ pub fn exit_code() -> u8 {
     128 + u8::try_from(signal).unwrap_or(0)
 }
 
-/// A flag that the first of these signals raises; the second one ends the process. Called once in a
-/// process.
+/// A flag that the first of these signals raises. The second signal ends the process. May be called
+/// once in a process.
 pub fn stop_on_signals() -> Arc<AtomicBool> {
     let stop = Arc::new(AtomicBool::new(false));
-    // A file that is too large for its limit is an error of the write, which says what to do.
+    // With a handler for SIGXFSZ, writing beyond the size limit of files is an error of the write,
+    // whose message says what to do. Without one, the signal ends the process.
     let _ = signal_hook::flag::register(SIGXFSZ, Arc::new(AtomicBool::new(false)));
     let ignored = ignored();
     let heard = ENDING.into_iter().filter(|signal| ignored >> (signal - 1) & 1 == 0);
-    // Without a handler a signal still ends the process, only less gently.
+    // If the handlers cannot be installed, a signal still ends the process, but the run is not
+    // stopped and saved.
     let Ok(mut signals) = Signals::new(heard) else { return stop };
     let raised = Arc::clone(&stop);
     std::thread::spawn(move || {
@@ -49,8 +52,8 @@ pub fn stop_on_signals() -> Arc<AtomicBool> {
     stop
 }
 
-/// The signals that this process ignores, signal n at bit n - 1; none where the system does not
-/// say.
+/// The signals that this process ignores: signal n is bit n - 1. Zero where the system does not
+/// tell.
 fn ignored() -> u64 {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     let bits = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));

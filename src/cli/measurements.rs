@@ -1,4 +1,4 @@
-//! Measured columns of a bearing, as a scenario names them.
+//! Reads the measured columns of a bearing that a scenario names.
 
 use super::failure::{Failure, note};
 use std::path::{Path, PathBuf};
@@ -6,19 +6,19 @@ use stick_slip::data::{DataError, Origin, Pair, Repairs, TimeColumn, Wanted};
 use stick_slip::scenario::BridgeScene;
 use stick_slip::study::calibration::Record;
 
-/// The column of times of a scenario.
+/// The column of times that a scenario names, and its time zone.
 pub fn time(scene: &BridgeScene) -> TimeColumn<'_> {
     TimeColumn { name: &scene.time, zone: scene.zone.as_deref() }
 }
 
-/// Say what was repaired in a file.
+/// Says on standard error what was repaired in a file.
 pub fn note_repairs(path: &Path, repairs: &Repairs) {
     for sentence in repairs.sentences() {
         note(&format!("{}: {sentence}", path.display()));
     }
 }
 
-/// Where a record of a bearing is.
+/// The files and columns with the measurements of a bearing.
 #[derive(Debug, clap::Args)]
 pub struct Source {
     /// The measurement, a CSV file with times, temperatures and displacements
@@ -36,12 +36,12 @@ pub struct Source {
 }
 
 impl Source {
-    /// The files that a result is made from.
+    /// The files that the measurements are read from.
     pub fn files(&self) -> impl Iterator<Item = &Path> {
         std::iter::once(self.data.as_path()).chain(self.temperature.as_deref())
     }
 
-    /// The record, in the columns that a scenario names.
+    /// Reads temperatures and displacements. Repairs are noted on standard error.
     pub fn record(&self, scene: &BridgeScene) -> Result<Record, Failure> {
         let wanted = [
             Wanted::temperature(scene.value.as_deref()),

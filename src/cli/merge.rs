@@ -1,4 +1,4 @@
-//! `mc merge`: parts of a run, joined to the run.
+//! `mc merge`: joins the parts of a run to the whole run.
 
 use super::failure::{Failure, writable};
 use super::interrupt::stop_on_signals;

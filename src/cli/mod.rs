@@ -1,4 +1,5 @@
-//! The command line: one file per verb, each of them parse, call, print.
+//! The command line: one file for each verb, which parses its arguments, calls the library, and
+//! prints.
 
 mod accuracy;
 mod calibrate;
@@ -76,7 +77,8 @@ More:
 
 Exit codes: 0 done, 1 the run failed, 2 the arguments or the scenario are wrong, 130 interrupted (128 + the number of the signal).";
 
-/// Monte Carlo of an oscillator with dry friction: when it sticks, when it slips, and how sure that is.
+/// Monte Carlo of an oscillator with dry friction: when it sticks, when it slips, and how sure that
+/// is.
 #[derive(Debug, clap::Parser)]
 #[command(name = "mc", version = VERSION, after_help = EXAMPLES, arg_required_else_help = true)]
 pub struct Arguments {
@@ -86,7 +88,7 @@ pub struct Arguments {
 
 #[derive(Debug, clap::Subcommand)]
 enum Verb {
-    /// Simulate an ensemble and write its statistics
+    /// Simulate an ensemble of paths and write its statistics
     Run(run::Run),
     /// Continue a run that was interrupted or killed
     Resume(resume::Resume),
@@ -98,23 +100,25 @@ enum Verb {
     Show(show::Show),
     /// Draw a run, a path or a trade as SVG, PNG or PDF
     Plot(plot::Plot),
-    /// A run as one page for a browser: table, warnings, and charts to hover over
+    /// Write a run as one page for a browser: table, warnings, and interactive charts
     Report(html::Report),
-    /// Rerun one path of a stored ensemble alone, keeping its events and its trajectory
+    /// Simulate one path of a stored ensemble again, keeping its events and its trajectory
     Replay(replay::Replay),
     /// Check a file against its checksum, and some of its paths against a second simulation
     Verify(verify::Verify),
-    /// What accuracy costs: every scheme over a ladder of settings, and the cheapest for a target
+    /// Measure what accuracy costs: every scheme at several settings, and the cheapest for a target
     Trade(trade::Trade),
-    /// Statistics as functions of keys of the scenario, with sharp differences; or what each key does to them
+    /// Compute statistics as functions of keys of the scenario, with precise differences; or the
+    /// effect of each key on them
     Sweep(sweep::Sweep),
-    /// Friction, stiffness and dilatation of a bearing, from measured temperatures and displacements
+    /// Estimate friction, stiffness and dilatation of a bearing from measured temperatures and
+    /// displacements
     Calibrate(calibrate::Calibrate),
-    /// Synthetic measurements of a bearing whose truth is known, to try a calibration on
+    /// Make synthetic measurements of a bearing with known parameters, to try a calibration on
     Twin(twin::Twin),
-    /// Harmonics and noise of a scenario, from a measured temperature
+    /// Fit harmonics and noise of a scenario to a measured temperature
     FitTemperature(fit_temperature::FitTemperature),
-    /// What years to come do to a measured bearing: sliding path, slips, displacements, forces
+    /// Simulate future years of a measured bearing: sliding path, slips, displacements, forces
     Forecast(forecast::Forecast),
     /// Write a commented scenario to start from
     Init(init::Init),
@@ -123,7 +127,7 @@ enum Verb {
 }
 
 impl Arguments {
-    /// Call the verb.
+    /// Calls the verb.
     pub fn call(&self) -> Result<(), Failure> {
         if ranks::crew().is_some() && !matches!(self.verb, Verb::Run(_) | Verb::Resume(_)) {
             let problem = "several ranks share the work of `mc run` and `mc resume`, and of no other verb";
@@ -151,13 +155,15 @@ impl Arguments {
     }
 }
 
-/// Help, the version, or what is wrong with the arguments, which are shown as they can be.
+/// Prints the answer of the argument parser: help, the version, or an error. Arguments are shown
+/// with unsafe characters escaped.
 pub fn answer(answer: &clap::Error) -> ExitCode {
     if let Some(failure) = file_without_verb(answer) {
         return failure.report();
     }
     let plain = answer.to_string();
-    // Colours are lost only where something would be done to the terminal.
+    // Escaping would destroy the colours, so the text is escaped, without colours, only if it
+    // contains something unsafe for a terminal.
     if safe::text(&plain) == plain {
         let _ = answer.print();
     } else {
@@ -166,7 +172,8 @@ pub fn answer(answer: &clap::Error) -> ExitCode {
     ExitCode::from(u8::try_from(answer.exit_code()).unwrap_or(2))
 }
 
-/// A file in the place of a verb, as in `mc mine.toml`: what can be done with it.
+/// The message where a file stands in the place of a verb, as in `mc mine.toml`: the verbs that
+/// take such a file.
 fn file_without_verb(answer: &clap::Error) -> Option<Failure> {
     let ContextValue::String(word) = answer.get(ContextKind::InvalidSubcommand)? else { return None };
     let path = Path::new(word);

@@ -1,15 +1,15 @@
-//! Numbers and sentences as people read them.
+//! Formats numbers and sentences for people, and reads durations.
 
 use super::terminal::columns;
 use std::time::Duration;
 pub use stick_slip::numbers::{bytes, significant};
 
-/// A number of things: 1 path, 10 000 paths.
+/// A number of things with its noun: 1 path, 10 000 paths.
 pub fn counted(n: u64, thing: &str) -> String {
     format!("{} {thing}{}", grouped(n), if n == 1 { "" } else { "s" })
 }
 
-/// A whole number in groups of three: 60 000 000.
+/// A whole number with its digits in groups of three: 60 000 000.
 pub fn grouped(n: u64) -> String {
     let digits = n.to_string();
     let mut text = String::with_capacity(digits.len() * 4 / 3);
@@ -22,7 +22,7 @@ pub fn grouped(n: u64) -> String {
     text
 }
 
-/// Seconds as people say them: 0.42 s, 3 min 20 s, 2 h 5 min.
+/// A duration in seconds, minutes or hours: 0.42 s, 3 min 20 s, 2 h 5 min.
 pub fn duration(seconds: f64) -> String {
     match seconds {
         s if s < 10.0 => format!("{s:.2} s"),
@@ -32,7 +32,7 @@ pub fn duration(seconds: f64) -> String {
     }
 }
 
-/// Seconds in the unit that suits them, from us to yr.
+/// A duration in the unit that suits it, from us to yr.
 pub fn time(seconds: f64) -> String {
     match seconds {
         s if s < 1e-3 => format!("{} us", significant(s * 1e6, 2)),
@@ -49,14 +49,15 @@ pub fn percent(share: f64) -> String {
     format!("{} %", significant(100.0 * share, 3))
 }
 
-/// A time as it is typed: 90, 90s, 15m, 1.5h, 4h50m, 1d 2h.
+/// Reads a duration: 90, 90s, 15m, 1.5h, 4h50m, 1d 2h.
 pub fn parse_duration(text: &str) -> Result<Duration, String> {
     let seconds = seconds(text.trim()).filter(|seconds| *seconds > 0.0);
     let duration = seconds.and_then(|seconds| Duration::try_from_secs_f64(seconds).ok());
     duration.ok_or_else(|| "not a time above zero, such as 90, 90s, 15m, 2h or 4h50m".to_string())
 }
 
-/// Numbers with units, from the largest unit to the smallest; a number alone is of seconds.
+/// Reads numbers with units, from the largest unit to the smallest. A number without a unit is in
+/// seconds.
 fn seconds(text: &str) -> Option<f64> {
     if let Ok(seconds) = text.parse::<f64>() {
         return Some(seconds);
@@ -80,17 +81,18 @@ fn seconds(text: &str) -> Option<f64> {
     Some(sum)
 }
 
-/// Most characters in a line of prose, where the terminal has room for them.
+/// The longest line of prose, in characters.
 const LINE: usize = 100;
-/// Fewest that a line is broken to, however narrow the terminal is.
+/// The length that lines keep even if the terminal is narrower.
 const SHORTEST: usize = 40;
 
-/// A sentence broken into lines; every line but the first begins with `indent`.
+/// A sentence broken into lines no wider than the terminal. Every line but the first begins with
+/// `indent`.
 pub fn wrapped(sentence: &str, indent: &str) -> String {
     broken(sentence, indent, columns().map_or(LINE, |columns| columns.clamp(SHORTEST, LINE)))
 }
 
-/// The same only where a terminal is too narrow for it.
+/// Like [`wrapped`], but the sentence is broken only if the terminal is too narrow for it.
 pub fn fitted(sentence: &str, indent: &str) -> String {
     match columns() {
         Some(columns) if columns < sentence.chars().count() => broken(sentence, indent, columns.max(SHORTEST)),
@@ -112,39 +114,40 @@ fn broken(sentence: &str, indent: &str, most: usize) -> String {
     text + line.trim_end() + "\n"
 }
 
-/// An estimate, its standard error and its interval, with a common number of decimals and a common
-/// power of ten.
+/// How an estimate, its standard error and the ends of its interval are printed: with a common
+/// number of decimals and a common power of ten.
 ///
-/// Two digits of the standard error say how far the estimate can be read; further digits are noise.
+/// Two digits of the standard error determine how many digits of the estimate are shown; further
+/// digits would be noise.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Digits {
     exponent: i32,
     decimals: usize,
 }
 
-/// Digits of a number that has no standard error.
+/// Significant digits of a number that has no standard error.
 const EXACT_DIGITS: i32 = 7;
-/// Powers of ten that are printed plainly.
+/// Powers of ten of the numbers that are printed without an exponent.
 const PLAIN: std::ops::RangeInclusive<i32> = -3..=6;
 
 impl Digits {
-    /// For this estimate and standard error.
+    /// The format for this estimate and standard error.
     pub fn of(estimate: f64, standard_error: f64) -> Self {
         let sure = standard_error.is_finite() && standard_error > 0.0;
         let error = if sure { standard_error } else { 0.0 };
         let largest = power_of_ten(estimate.abs().max(error));
-        // Never more than a double holds.
+        // A double has no more than sixteen significant digits.
         let last = if sure { power_of_ten(error) - 1 } else { largest - EXACT_DIGITS + 1 }.max(largest - 15);
         let exponent = if PLAIN.contains(&largest) { 0 } else { largest };
         Digits { exponent, decimals: (exponent - last).max(0) as usize }
     }
 
-    /// A number with these digits; `none` if it is not finite.
+    /// A number in this format; `none` if it is not finite.
     pub fn show(self, x: f64) -> String {
         if !x.is_finite() {
             return "none".into();
         }
-        // In two halves: 10^324, or its inverse, is not a double.
+        // The power of ten is applied in two halves, because 10^324 or its inverse is not a double.
         let half = self.exponent / 2;
         let scaled = x / 10f64.powi(half) / 10f64.powi(self.exponent - half);
         let text = format!("{scaled:.*}", self.decimals);

@@ -1,4 +1,4 @@
-//! The flags that change a scenario; each is a key of it by another name.
+//! Flags that change keys of a scenario.
 
 use super::failure::Failure;
 use std::path::Path;
@@ -10,7 +10,8 @@ use stick_slip::stats::{Goal, GoalError};
 /// Flags shared by every verb that reads a scenario.
 #[derive(Debug, Default, clap::Args)]
 pub struct Overrides {
-    // Strings here, numbers there: the scenario's own check has the better messages.
+    // The numbers are strings here, because the check of the scenario has better messages than the
+    // parser of arguments.
     /// Number of paths [ensemble.paths]
     #[arg(long, value_name = "N", allow_hyphen_values = true)]
     paths: Option<String>,
@@ -27,23 +28,26 @@ pub struct Overrides {
     #[arg(long, value_name = "H", allow_hyphen_values = true,
           help = format!("Time step h; {} schemes [time.step]", names(Kind::has_step, "and")))]
     step: Option<String>,
-    /// End of the simulation [time.end]; or, for mc run, a goal "NAME < 0.5%" (or "NAME < 0.01", in its unit): simulate until the
-    /// standard error of this statistic is so small; repeatable
+    /// End of the simulation [time.end]; or, for mc run, a goal "NAME < 0.5%" (or "NAME < 0.01", in
+    /// the unit of NAME): simulate until the standard error of this statistic is below the bound;
+    /// repeatable
     #[arg(long, value_name = "T|GOAL", allow_hyphen_values = true)]
     until: Vec<String>,
-    /// Any key of the scenario, e.g. friction.static=1.3 or temperature.harmonics.0.amplitude=2; repeatable
+    /// Any key of the scenario, e.g. friction.static=1.3 or temperature.harmonics.0.amplitude=2;
+    /// repeatable
     #[arg(long, value_name = "KEY=VALUE", allow_hyphen_values = true, value_parser = super::completed::SETTING,
           hide_possible_values = true)]
     set: Vec<String>,
 }
 
 impl Overrides {
-    /// Read a scenario with the flags laid over it: `--set` in order, then the flags with names of their own.
+    /// Reads a scenario and applies the flags: every `--set` in order, then the flags with names of
+    /// their own.
     pub fn scenario(&self, path: &Path) -> Result<Scenario, Failure> {
         Ok(Scenario::read(path, &self.without_goals()?)?)
     }
 
-    /// The changes, of a verb that knows no goals.
+    /// The changes, for a verb that has no goals; a goal is an error there.
     pub fn without_goals(&self) -> Result<Vec<Override>, Failure> {
         match self.until.iter().find(|text| is_goal(text)) {
             None => Ok(self.list()?),
@@ -51,12 +55,12 @@ impl Overrides {
         }
     }
 
-    /// The same with more laid over it, after the flags.
+    /// Reads a scenario and applies the flags, then further changes.
     pub fn scenario_with(&self, path: &Path, more: &[Override]) -> Result<Scenario, Failure> {
         Ok(Scenario::read(path, &[self.list()?.as_slice(), more].concat())?)
     }
 
-    /// The same for a run, which may have goals.
+    /// Reads the scenario and the goals of a run.
     pub fn scenario_and_goals(&self, path: &Path) -> Result<(Scenario, Vec<Goal>), Failure> {
         let goals = self.until.iter().filter(|text| is_goal(text));
         let goals: Result<Vec<Goal>, Failure> =
@@ -64,12 +68,12 @@ impl Overrides {
         Ok((Scenario::read(path, &self.list()?)?, goals?))
     }
 
-    /// Whether the number of paths is set by its flag.
+    /// Whether `--paths` is given.
     pub fn gives_paths(&self) -> bool {
         self.paths.is_some()
     }
 
-    /// The first of these keys, as typed, that the command line sets.
+    /// The first flag, as typed, that sets one of these keys.
     pub fn decides(&self, keys: &[&str]) -> Option<String> {
         let list = self.list().unwrap_or_default();
         list.iter().find(|given| keys.iter().any(|key| given.sets(key))).map(Override::to_string)
@@ -93,7 +97,7 @@ impl Overrides {
     }
 }
 
-/// The names of some schemes: "a, b or c".
+/// The names of the schemes for which `of` is true, joined by commas and `word`: "a, b or c".
 fn names(of: impl Fn(Kind) -> bool, word: &str) -> String {
     let names: Vec<&str> = Kind::ALL.iter().filter(|kind| of(**kind)).map(|kind| kind.name()).collect();
     match names.split_last() {
@@ -103,7 +107,7 @@ fn names(of: impl Fn(Kind) -> bool, word: &str) -> String {
     }
 }
 
-/// A goal compares; a time does not.
+/// Whether an argument of `--until` is a goal, which contains a comparison, and not a time.
 fn is_goal(until: &str) -> bool {
     until.contains('<')
 }

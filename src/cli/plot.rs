@@ -1,4 +1,4 @@
-//! `mc plot`: pictures of a scenario's path, of a run, of a trade.
+//! `mc plot`: draws a path of a scenario, a run, a trade, a sweep or a calibration.
 
 use super::failure::{Failure, note, writable};
 use super::numbers::counted;
@@ -32,22 +32,23 @@ pub struct Plot {
     /// A scenario (TOML), or a file that `mc run`, `mc trade`, `mc sweep` or `mc calibrate` wrote
     #[arg(value_name = "SCENARIO|FILE.h5")]
     subject: PathBuf,
-    /// Further sweeps over the same key, drawn into the same axes
+    /// Further sweeps over the same key, drawn in the same axes
     #[arg(value_name = "SWEEP.h5")]
     beside: Vec<PathBuf>,
-    /// Where to draw it; .svg, .png or .pdf tells the format [default: NAME.svg in the current
-    /// directory]
+    /// Where to write the picture; the ending .svg, .png or .pdf selects the format [default:
+    /// NAME.svg in the current directory]
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
     #[arg(long, value_name = "NAME", value_parser = figure_of_name, help = format!("One figure: {}", names().join(", ")))]
     only: Option<&'static Figure>,
-    /// The number of the path that is drawn
+    /// The number of the path to draw
     #[arg(long, value_name = "N", default_value_t = 0)]
     path: u64,
-    /// Draw the path up to this time only
+    /// The time at which the drawn path ends
     #[arg(long, value_name = "T", allow_hyphen_values = true)]
     until: Option<String>,
-    /// The statistic of a trade [default: the first that has an answer], or of a sweep [default: two of them]
+    /// The statistic of a trade [default: the first that the trade has an answer for], or of a
+    /// sweep [default: two of them]
     #[arg(long, value_name = "NAME", value_parser = super::completed::STATISTIC, hide_possible_values = true)]
     statistic: Option<Statistic>,
     /// Colours for paper or for a dark screen
@@ -59,8 +60,8 @@ pub struct Plot {
     /// Logarithmic vertical axes for densities and shares
     #[arg(long)]
     log: bool,
-    /// Any key of the scenario, e.g. friction.static=1.3; repeatable; not for a file, which says
-    /// what was run
+    /// Any key of the scenario, e.g. friction.static=1.3; repeatable; not for a file of results,
+    /// which holds what was run
     #[arg(long, value_name = "KEY=VALUE", allow_hyphen_values = true, value_parser = super::completed::SETTING,
           hide_possible_values = true)]
     set: Vec<String>,
@@ -142,8 +143,8 @@ impl Plot {
             return Err(Failure::usage(problem, remedy));
         }
         let name = self.subject.display().to_string();
-        // An event is where it is whatever the end, so that a shorter path is the beginning of the
-        // longer one.
+        // Events do not depend on the end of the simulation, so a shorter path is the beginning of
+        // the longer one.
         let until: Vec<Override> = self.until().into_iter().collect();
         let scenario = results::scenario(&name, stored, &until)?;
         let (summary, path) = (&stored.summary, self.path);
@@ -159,7 +160,7 @@ impl Plot {
         let style = Style { theme: self.theme, width: self.width, log: self.log };
         match (self.only, subject) {
             (Some(figure), _) => figure.draw(subject, &style).map_err(|absent| self.refused(figure, &absent)),
-            // One figure needs no page around it.
+            // These subjects have one figure each, so they need no page around it.
             (None, Subject::Scenario { .. } | Subject::Trade(_) | Subject::Sweep { .. }) => {
                 let mut drawn = FIGURES.iter().map(|figure| (figure, figure.draw(subject, &style)));
                 let only = drawn.find(|(_, drawn)| !matches!(drawn, Err(Absent::Elsewhere(_))));
@@ -180,7 +181,7 @@ impl Plot {
         }
     }
 
-    /// `<name>.svg`, or `<name>-<figure>.svg`, in the current directory.
+    /// `NAME.svg`, or `NAME-FIGURE.svg`, in the current directory.
     fn default_output(&self) -> PathBuf {
         let figure = self.only.map_or_else(String::new, |figure| format!("-{}", figure.name));
         results::default_output(&self.subject, &format!("{figure}.svg"))
@@ -191,7 +192,7 @@ fn nothing() -> Failure {
     Failure::Run("there is nothing to draw: every path was lost".to_string())
 }
 
-/// Scheme and seed in a line.
+/// Scheme and seed in one line.
 fn about(scenario: &Scenario) -> String {
     let scheme = scenario.scheme.to_string().replace("--scheme ", "").replace("--", "");
     format!("{scheme}, seed {}", scenario.ensemble.seed)
@@ -204,7 +205,7 @@ fn size(scene: &Scene) -> String {
 }
 
 impl Format {
-    /// By the ending of a file's name.
+    /// The format that belongs to the ending of a file name.
     pub fn of(path: &Path) -> Result<Self, Failure> {
         let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase());
         match ending.as_deref() {
@@ -219,10 +220,11 @@ impl Format {
     }
 }
 
-/// Dots per inch of a PNG.
+/// Resolution of a PNG.
 const DOTS_PER_INCH: f64 = 300.0;
 
-/// Write a picture: beside its place first, then there in one step.
+/// Writes a picture under a temporary name and then renames it, so that the file under its name is
+/// always complete.
 pub fn write(scene: &Scene, format: Format, output: &Path, force: bool) -> Result<(), Failure> {
     let bytes = match format {
         Format::Svg => figure::svg(scene).into_bytes(),
@@ -248,7 +250,8 @@ fn theme(name: &str) -> Result<Theme, String> {
     }
 }
 
-/// Widths between which letters of 8 points are neither crowded nor lost.
+/// The widths at which letters of 8 points are neither crowded nor too small beside the figure, in
+/// millimetres.
 const WIDTHS: std::ops::RangeInclusive<f64> = 60.0..=400.0;
 
 fn width(text: &str) -> Result<f64, String> {

@@ -1,4 +1,5 @@
-//! How far a run has come: a bar on a terminal, plain lines elsewhere, nothing if quiet.
+//! Shows how far a run has come: by a bar on a terminal, by lines elsewhere, not at all with
+//! `--quiet`.
 
 use super::failure::note;
 use super::numbers::{Digits, duration, grouped, percent, significant};
@@ -8,13 +9,13 @@ use std::io::{self, IsTerminal as _};
 use std::time::{Duration, Instant};
 use stick_slip::stats::{Estimate, Statistic};
 
-/// Told of every finished block of paths.
+/// Shows the progress of a run. The engine calls it after every finished block of paths.
 pub struct Progress {
     place: Place,
     watched: Option<Watched>,
 }
 
-/// Where it is shown.
+/// Where the progress is shown.
 enum Place {
     /// On a terminal.
     Bar(ProgressBar),
@@ -25,8 +26,8 @@ enum Place {
 }
 
 impl Progress {
-    /// For a run of this many paths, on standard error; with the running estimate of a statistic,
-    /// if one is named.
+    /// For a run of this many paths, on standard error. Shows also the running estimate of a
+    /// statistic if one is given.
     pub fn new(paths: u64, quiet: bool, watched: Option<Statistic>) -> Self {
         let watched = watched.filter(|_| !quiet).map(Watched::new);
         let place = if quiet {
@@ -43,7 +44,7 @@ impl Progress {
         Progress { place, watched }
     }
 
-    /// The run is over: the bar goes, the lines stay.
+    /// The run is over: removes the bar. Lines stay.
     pub fn finish(&self) {
         if let Place::Bar(bar) = &self.place {
             bar.finish_and_clear();
@@ -52,7 +53,7 @@ impl Progress {
 }
 
 impl stick_slip::engine::Progress for Progress {
-    // Once a block, not once a path: each call takes a lock.
+    // This is called once for each block and not for each path, because every call takes a lock.
     fn paths(&mut self, done: u64, expected: u64) {
         match &mut self.place {
             Place::Bar(bar) => {
@@ -98,20 +99,20 @@ impl stick_slip::engine::Progress for Progress {
     }
 }
 
-/// A statistic while the run goes on.
+/// The running estimate of a statistic.
 struct Watched {
     statistic: Statistic,
     last: Instant,
-    /// Estimate and relative standard error at one in so many looks.
+    /// Estimate and relative standard error, of every `stride`-th look.
     seen: Vec<[f64; 2]>,
     stride: u32,
     looks: u32,
     latest: Option<Estimate>,
 }
 
-/// How often the estimate is looked at.
+/// The least time between two looks at the estimate.
 const LOOK: Duration = Duration::from_millis(500);
-/// Most looks that are shown.
+/// The number of looks at which every second one is dropped.
 const SHOWN: usize = 32;
 
 impl Watched {
@@ -126,8 +127,8 @@ impl Watched {
             return;
         }
         self.seen.push([e.estimate, (e.standard_error / e.estimate).abs()]);
-        // Every other look goes, and so does every other one from now on: the curve is of the whole
-        // run.
+        // Every second look is dropped, and only every second of the later ones is kept, so that
+        // the curve spans the whole run.
         if self.seen.len() >= SHOWN {
             let mut place = 0;
             self.seen.retain(|_| {
@@ -138,7 +139,7 @@ impl Watched {
         }
     }
 
-    /// The estimate and its relative error, once there is one.
+    /// The estimate and its relative error as text; none before the first estimate.
     fn words(&self) -> Option<String> {
         let e = self.latest.filter(|e| e.estimate.is_finite())?;
         let digits = Digits::of(e.estimate, e.standard_error);
@@ -147,14 +148,14 @@ impl Watched {
         Some(format!("{} {}, error {error}", self.statistic.name(), digits.show(e.estimate)))
     }
 
-    /// How both came to be what they are.
+    /// Small curves of how estimate and error have changed during the run.
     fn curves(&self, letters: Letters) -> String {
         let curve = |i: usize| letters.spark(&self.seen.iter().map(|seen| seen[i]).collect::<Vec<_>>());
         format!("   estimate {}   error {}", curve(0), curve(1))
     }
 }
 
-/// A share in percent with two digits.
+/// A share in percent, with two significant digits.
 fn percent_of(share: f64) -> String {
     percent(significant(share, 2).parse().unwrap_or(share))
 }
@@ -163,11 +164,11 @@ fn style(template: &str) -> ProgressStyle {
     ProgressStyle::with_template(template).unwrap_or(ProgressStyle::default_bar())
 }
 
-/// What a measurement is at, on a terminal; nothing elsewhere.
+/// Shows on a terminal what is being measured and for how long; shows nothing elsewhere.
 pub struct Measuring(ProgressBar);
 
 impl Measuring {
-    /// For a measurement of about this time, on standard error.
+    /// For a measurement that takes about this time, on standard error.
     pub fn new(budget: Duration, quiet: bool) -> Self {
         let target = if quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
         let line = ProgressBar::with_draw_target(None, target);
@@ -176,25 +177,25 @@ impl Measuring {
         Measuring(line)
     }
 
-    /// This is measured next.
+    /// Shows `what` as the thing that is measured now.
     pub fn begin(&self, what: &str) {
         self.0.set_message(what.to_string());
     }
 
-    /// The measurement is over: the line goes.
+    /// The measurement is over: removes the line.
     pub fn finish(&self) {
         self.0.finish_and_clear();
     }
 }
 
-/// How often the time of a measurement is shown.
+/// The time between two updates of the elapsed time.
 const TICK: Duration = Duration::from_millis(250);
-/// Distance of the lines of a log.
+/// The time between two lines of a log.
 const PERIOD: Duration = Duration::from_secs(30);
-/// A run that finishes sooner needs no lines.
+/// A run that takes less than this prints no lines.
 const PATIENCE: Duration = Duration::from_secs(2);
 
-/// Decides when a log deserves a line: every thirty seconds.
+/// Decides when a line is due in a log: every thirty seconds.
 struct Lines {
     paths: u64,
     last: Duration,
@@ -205,7 +206,7 @@ impl Lines {
         Lines { paths, last: Duration::ZERO }
     }
 
-    /// The line to print now, if any.
+    /// The line to print now; none if no line is due.
     fn at(&mut self, done: u64, elapsed: Duration) -> Option<String> {
         if elapsed < self.last + PERIOD || done >= self.paths {
             return None;
@@ -250,7 +251,7 @@ mod tests {
         assert_eq!(watched.words().as_deref(), Some("stick_duration_mean 0.5398, error 0.26 %"));
     }
 
-    /// However long the run, the curve goes from its beginning to its latest look.
+    /// However long the run is, the curve spans it from its beginning to the latest look.
     #[test]
     fn the_curve_is_of_the_whole_run() {
         let mut watched = Watched::new(Statistic::StickDurationMean);

@@ -1,7 +1,7 @@
-//! The command among several ranks of MPI: the first one does what it would do alone, the others
-//! simulate for it.
+//! The command as one of several ranks of MPI. The first rank does what it would do alone; the
+//! other ranks simulate for it.
 //!
-//! Without the feature `mpi` there is one process, and nothing here does anything.
+//! Without the feature `mpi` there is one process, and these functions do nothing special.
 
 pub use here::{crew, once, threads};
 
@@ -12,10 +12,10 @@ mod here {
     use stick_slip::engine::Crew;
     use stick_slip::ranks::{Coordinator, Place, join};
 
-    /// The ranks, where a launcher has started them.
+    /// The other ranks as seen by the first one, if a launcher has started several.
     static COORDINATOR: OnceLock<Coordinator> = OnceLock::new();
 
-    /// Call the command once, however many ranks there are.
+    /// Calls the command on the first rank only, however many ranks there are.
     pub fn once(command: impl FnOnce() -> ExitCode) -> ExitCode {
         let Some((_membership, place)) = join() else { return command() };
         match place {
@@ -29,12 +29,12 @@ mod here {
         }
     }
 
-    /// The ranks that simulate, where there are several.
+    /// The ranks that simulate, if there are several.
     pub fn crew() -> Option<&'static dyn Crew> {
         COORDINATOR.get().filter(|all| all.ranks() > 1).map(|all| all as &dyn Crew)
     }
 
-    /// Of the threads that this process may use, those that it is to use.
+    /// How many of the threads that this process may use it should use.
     pub fn threads(usable: usize) -> usize {
         COORDINATOR.get().map_or(usable, |all| all.threads(usable))
     }
@@ -45,12 +45,12 @@ mod here {
     use std::process::ExitCode;
     use stick_slip::engine::Crew;
 
-    /// Call the command.
+    /// Calls the command.
     pub fn once(command: impl FnOnce() -> ExitCode) -> ExitCode {
         command()
     }
 
-    /// No other ranks.
+    /// None, because there are no other ranks.
     pub fn crew() -> Option<&'static dyn Crew> {
         None
     }

@@ -1,4 +1,5 @@
-//! `mc replay`: one path of a stored ensemble alone, with its events and as fine a trajectory as it has.
+//! `mc replay`: simulates one path of a stored ensemble again, with its events and the finest
+//! trajectory that its scheme has.
 
 use super::failure::{Failure, note, print, writable};
 use super::numbers::counted;
@@ -39,7 +40,8 @@ pub struct Replay {
 impl Replay {
     pub fn call(&self) -> Result<(), Failure> {
         let stored = store::read(&self.file)?;
-        // Any path can be simulated, but one the ensemble does not have is more likely a slip of the pen.
+        // Any number names a path that can be simulated, but one outside the ensemble is most
+        // likely a typing error.
         if self.path >= stored.header.paths {
             let problem = format!("--path {}: the ensemble has {}", self.path, counted(stored.header.paths, "path"));
             let remedy = format!("give a number from 0 to {}", stored.header.paths.saturating_sub(1));
@@ -58,10 +60,10 @@ impl Replay {
 }
 
 impl Replay {
-    /// The path is the one that the file holds.
+    /// Checks that the path is the one that the file holds.
     fn check_path(&self, scenario: &Scenario) -> Result<(), Failure> {
         if self.file.is_dir() || !self.file.exists() {
-            // A run that is not finished has no rows yet.
+            // A run that is not finished holds no rows of paths yet.
             return Ok(());
         }
         let Some(held) = store::read_path(&self.file, self.path)? else { return Ok(()) };
@@ -78,7 +80,7 @@ impl Replay {
     }
 }
 
-/// Every number of one path.
+/// The bits of all numbers of one path.
 fn bits(path: &PathColumns) -> Vec<u64> {
     let PathColumns {
         displacement_end,
@@ -92,18 +94,18 @@ fn bits(path: &PathColumns) -> Vec<u64> {
         diverged,
     } = path;
     let reals = [displacement_end, max_displacement, first_stick_duration, stick_time, friction_work];
-    // A missing value is missing, whatever its bits.
+    // All NaNs count as equal: they mean that a value is missing.
     let real = |x: &f64| if x.is_nan() { f64::NAN.to_bits() } else { x.to_bits() };
     let reals = reals.into_iter().flatten().map(real);
     let counts = [sticks, slips, sub_phases].into_iter().flatten().map(|&count| count.into());
     reals.chain(counts).chain(diverged.iter().map(|&flag| flag.into())).collect()
 }
 
-/// Simulate one path, write it, and print its events.
+/// Simulates one path, writes it, and prints its events.
 fn replay(scenario: &Scenario, path: u64, output: &Path, force: bool) -> Result<(), Failure> {
     let replay = engine::Replay::of(scenario, path);
     note(&format!("trajectory: {}", rows(replay.rows)));
-    // A file of one path, whatever its number in the ensemble.
+    // The written file holds one path, whatever the number of that path in the ensemble.
     let provenance = Provenance { paths: 1, ..Provenance::of(&replay.scenario) };
     let mut writer = Writer::create(output, &provenance, &replay.record, force)?;
     writer.append(&replay.block)?;
@@ -124,7 +126,7 @@ fn replay(scenario: &Scenario, path: u64, output: &Path, force: bool) -> Result<
     print(&format!("x(t_end) {}, {} sticks; in {}\n", columns.displacement_end[0], columns.sticks[0], output.display()))
 }
 
-/// How the rows of the trajectory lie, in words.
+/// How fine the rows of the trajectory are, in words.
 fn rows(rows: Rows) -> String {
     match rows {
         Rows::Steps { stride: 1, .. } => "every step".into(),

@@ -1,4 +1,4 @@
-//! What the command says of the results of a scenario, before and after they are there.
+//! Where results are written, and what the command says about them before and after a run.
 
 use super::document::JsonWarning;
 use super::failure::{Failure, note};
@@ -12,7 +12,8 @@ use stick_slip::scenario::Scenario;
 use stick_slip::stats::Summary;
 use stick_slip::store::{StoreError, Stored};
 
-/// Where the results of a scenario go unless another place is named: in the current directory, under its name with this ending.
+/// Where the results of a scenario are written if no other place is given: in the current
+/// directory, under the name of the scenario with this ending.
 pub fn default_output(scenario: &Path, ending: &str) -> PathBuf {
     let is_standard_input = scenario == Path::new(STANDARD_INPUT);
     let stem = if is_standard_input { "stdin".as_ref() } else { scenario.file_stem().unwrap_or("run".as_ref()) };
@@ -21,12 +22,13 @@ pub fn default_output(scenario: &Path, ending: &str) -> PathBuf {
     PathBuf::from(name)
 }
 
-/// The scenario that a file was run with, its measured temperature included, with overrides laid over it.
+/// The scenario of a file of results, with its measured temperature, after these overrides.
 pub fn scenario(name: &str, stored: &Stored, overrides: &[Override]) -> Result<Scenario, ScenarioError> {
     Scenario::parse_stored(name, &stored.header.scenario_text, overrides, stored.header.series.as_ref())
 }
 
-/// That another program has written a file, which need not come to the same numbers; none where it is this one.
+/// Says which program has written a file, and that its numbers may therefore differ. None if it was
+/// this program.
 pub fn other_program(theirs: &Provenance, mine: &Provenance) -> Option<String> {
     let of = |header: &Provenance| {
         let Provenance { program_version, git_hash, generator, .. } = header;
@@ -36,15 +38,15 @@ pub fn other_program(theirs: &Provenance, mine: &Provenance) -> Option<String> {
     (theirs != mine).then(|| format!("written by {theirs}; this is {mine}"))
 }
 
-/// Say in what way the results of a scenario are not what they seem to be, on standard error. Where the bias of the step is
-/// measured, the guess at it is left out.
+/// Prints the warnings of a scenario on standard error. The warnings that only estimate the bias of
+/// the step are left out where the run measures that bias.
 pub fn warn(scenario: &Scenario, measures_bias: bool) {
     for warning in scenario.warnings_of_run(measures_bias) {
         note(wrapped(&format!("warning: {warning}"), "  ").trim_end());
     }
 }
 
-/// All that is to be said of results that are there.
+/// All warnings about results: those of the scenario and those that follow from the statistics.
 pub fn warnings(summary: &Summary, scenario: Option<&Scenario>) -> Vec<JsonWarning> {
     let due = scenario.map_or(Vec::new(), |scenario| scenario.warnings_of_run(summary.has_bias()));
     let due = due.iter().map(|warning| (warning.name(), Some(warning.to_string())));
@@ -53,7 +55,7 @@ pub fn warnings(summary: &Summary, scenario: Option<&Scenario>) -> Vec<JsonWarni
     told.filter_map(|(name, text)| Some(JsonWarning { name: name.to_string(), text: text? })).collect()
 }
 
-/// Say so where the bias of the step is larger than the statistical interval tells.
+/// Prints a warning if the bias of the step is larger than the statistical interval suggests.
 pub fn warn_of_bias(summary: &Summary) {
     if let Some(line) = report::dominating_bias(summary) {
         note(wrapped(&format!("warning: {line}"), "  ").trim_end());

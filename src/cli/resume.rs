@@ -1,4 +1,4 @@
-//! `mc resume`: continue a run that was interrupted or killed.
+//! `mc resume`: continues a run that was interrupted or killed.
 
 use super::failure::{Failure, note};
 use super::interrupt::stop_on_signals;
@@ -20,12 +20,12 @@ was spent counts, and what --accuracy chose are those of the run. Only the progr
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Resume {
-    /// The file that the run was to write, or the folder FILE.partial that it left
+    /// The file that the run would have written, or the folder FILE.partial that it left
     file: PathBuf,
-    /// Write the file of the paths that are done; its status is `interrupted`
+    /// Do not continue: write a file with the paths that are done; its status is `interrupted`
     #[arg(long)]
     end: bool,
-    /// Replace a file of this name
+    /// Replace an existing file of this name
     #[arg(long)]
     force: bool,
     #[command(flatten)]

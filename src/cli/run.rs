@@ -1,4 +1,4 @@
-//! `mc run`: simulate an ensemble, write its statistics, say what came out.
+//! `mc run`: simulates an ensemble, writes its statistics and prints them.
 
 use super::accuracy::{self, Chooser};
 use super::cost;
@@ -41,25 +41,29 @@ pub struct Run {
     scenario: PathBuf,
     #[command(flatten)]
     overrides: Overrides,
-    /// Choose scheme, step or tolerance, and number of paths for this relative error, e.g. 1e-2 or 1%, from a pilot of some seconds
+    /// Choose scheme, step or tolerance, and number of paths for this relative error, e.g. 1e-2 or
+    /// 1%, from a pilot run of some seconds
     #[arg(long, value_name = "EPS", value_parser = accuracy::target, allow_hyphen_values = true)]
     accuracy: Option<f64>,
     /// The statistic that --accuracy is for; repeatable [default: all]
     #[arg(long, value_name = "NAME", value_parser = super::completed::STATISTIC, hide_possible_values = true, requires = "accuracy")]
     statistic: Vec<Statistic>,
-    /// End the run in time for this limit: 90, 90s, 15m, 4h50m; the file says after which block
+    /// End the run before this time is up: 90, 90s, 15m, 4h50m; the file says after which block it
+    /// ended
     #[arg(long, value_name = "TIME", value_parser = super::numbers::parse_duration, allow_hyphen_values = true)]
     max_time: Option<Duration>,
-    /// Simulate one part of the run only, e.g. 3/16: the third of 16; mc merge joins them
+    /// Simulate one part of the run only, e.g. 3/16 for the third of 16; mc merge joins the parts
     #[arg(long, value_name = "I/N")]
     part: Option<Part>,
-    /// Where to write the results [default: SCENARIO.h5 in the current directory, stdin.h5 for standard input]
+    /// Where to write the results [default: SCENARIO.h5 in the current directory, stdin.h5 for
+    /// standard input]
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
     /// Overwrite the results of another run
     #[arg(long)]
     force: bool,
-    /// Do not estimate the bias that the step gives each statistic; saves up to 15 % of the time
+    /// Do not estimate the bias of each statistic that comes from the step; saves up to 15 % of the
+    /// time
     #[arg(long)]
     no_bias: bool,
     /// Print the resolved scenario and what follows from it before the run
@@ -124,7 +128,8 @@ impl Run {
 }
 
 impl Run {
-    /// A part is a part of a run that is known beforehand.
+    /// Refuses options that only a whole run can have, such as a goal, and more parts than there
+    /// are blocks.
     fn check_part(&self, scenario: &Scenario, goals: &[Goal]) -> Result<(), Failure> {
         let Some(part) = self.part else { return Ok(()) };
         let refuse = |what: &str, why: &str, remedy: &str| {

@@ -1,13 +1,13 @@
-//! What a terminal may be shown: no character that moves its cursor, recolours it or turns its text
-//! around, and no endless line.
+//! Makes text safe for a terminal: no character in it moves the cursor, changes colours or reverses
+//! the direction of the text, and no line is endless.
 //!
-//! Titles, keys, units and names of files come from whoever wrote them. So everything that is
-//! printed goes through here.
+//! Titles, keys, units and file names come from outside the program and may contain anything. So
+//! everything that is printed goes through this module.
 
-/// Most characters of a line that is read by people.
+/// The most characters in a line that people read.
 const LINE: usize = 1000;
 
-/// For people: long lines are cut.
+/// Text for people: unsafe characters are escaped and long lines are cut.
 pub fn text(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for line in text.split_inclusive('\n') {
@@ -23,7 +23,8 @@ pub fn text(text: &str) -> String {
     out
 }
 
-/// For programs: nothing is cut. The escapes are those of JSON and TOML.
+/// Text for programs: unsafe characters are escaped and nothing is cut. The escapes are those that
+/// JSON and TOML share.
 pub fn data(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     escape(text, &mut out);
@@ -40,7 +41,8 @@ fn escape(text: &str, out: &mut String) {
     }
 }
 
-/// Controls; marks that order or hide text; ends of lines that are none.
+/// Control characters, marks that change the order of text or hide it, and characters that only
+/// look like the end of a line.
 fn is_unsafe(c: char) -> bool {
     c.is_control() && c != '\n' && c != '\t'
         || matches!(c, '\u{61c}' | '\u{200b}'..='\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2060}'..='\u{2069}' | '\u{feff}')

@@ -1,4 +1,5 @@
-//! `mc show`: the results in a file, and where they come from; several files beside each other.
+//! `mc show`: prints the results in a file and where they come from; several files are printed side
+//! by side.
 
 use super::failure::{Failure, note, print, print_data};
 use super::report::{self, Csv, RunInfo};
@@ -32,16 +33,19 @@ pub struct Show {
     /// Print JSON instead: one object, or an array of them for several files
     #[arg(long)]
     json: bool,
-    /// Add histograms of stick durations and sub-phases, and the share of sticks that last longer, drawn with letters
+    /// Add histograms of stick durations and of sub-phases, and the share of sticks that last
+    /// longer than each duration, drawn with letters
     #[arg(long, conflicts_with_all = ["json", "csv"])]
     plot: bool,
     /// Print comma-separated values instead: a line for each statistic of each file or point
     #[arg(long, conflicts_with = "json")]
     csv: bool,
-    /// Print how to cite a run instead: program, scenario, scheme, seed, paths, and the paper of the model
+    /// Print how to cite a run instead: program, scenario, scheme, seed, paths, and the paper of
+    /// the model
     #[arg(long, conflicts_with_all = ["json", "plot", "csv"])]
     cite: bool,
-    /// Print the scenario that the file was made with instead, every default visible: a file for mc run
+    /// Print the scenario that the file was made with instead, with every default written out: a
+    /// file for mc run
     #[arg(long, conflicts_with_all = ["json", "csv", "plot", "cite"])]
     scenario: bool,
 }
@@ -66,7 +70,8 @@ impl Show {
         }
     }
 
-    /// One file, of whatever kind; what is no file of results is told by whoever reads it as a run.
+    /// Prints one file of any kind. A file that is not a file of results is read as a run, whose
+    /// reader reports what is wrong.
     fn print_alone(&self, file: &Path) -> Result<(), Failure> {
         match store::kind(file) {
             Ok(Some(FileKind::Calibration)) => {
@@ -186,7 +191,8 @@ impl Show {
     }
 }
 
-/// What else a file may be is told by whoever reads it.
+/// Whether the file holds a sweep. A file that cannot be read counts as no sweep here, because the
+/// reader that comes next reports the error.
 fn is_sweep(file: &Path) -> bool {
     matches!(store::kind(file), Ok(Some(FileKind::Sweep)))
 }

@@ -1,4 +1,5 @@
-//! One sitting of a run, its first or a later one: simulate, then say what came out, and how sure that is.
+//! One sitting of a run, which is the time from a start or a continuation to the next end:
+//! simulates, then prints the results and how precise they are.
 
 use super::accuracy;
 use super::ending;
@@ -15,17 +16,18 @@ use stick_slip::stats::Statistic;
 use stick_slip::store;
 use stick_slip::study::accuracy::AccuracyGoal;
 
-/// What is said where several processes simulate the paths.
+/// The warning where several processes simulate the paths and the bias is estimated.
 const LONELY_BIAS: &str =
     "warning: rank 0 alone estimates the bias of the step, and the other ranks wait for it; --no-bias leaves it out";
 
-/// What changes no number.
+/// Options that change no number of the results.
 #[derive(Debug, clap::Args)]
 pub struct Manner {
-    /// Show the running estimate of this statistic and its relative error [default: that of --until or --accuracy]
+    /// Show the running estimate of this statistic and its relative error [default: that of --until
+    /// or --accuracy]
     #[arg(long, value_name = "NAME", value_parser = super::completed::STATISTIC, hide_possible_values = true)]
     watch: Option<Statistic>,
-    /// Threads [default: one a core]
+    /// Number of threads [default: one for each core]
     #[arg(long, value_name = "K", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
     /// Print nothing but warnings and errors
@@ -37,39 +39,40 @@ pub struct Manner {
 }
 
 impl Manner {
-    /// How many threads to use.
+    /// The number of threads to use.
     pub fn threads(&self) -> usize {
         self.threads.map_or_else(super::cores, usize::from)
     }
 }
 
-/// One sitting of a run.
+/// One sitting of a run: its scenario, its output, and how it is run.
 pub struct Sitting<'a> {
     pub manner: &'a Manner,
-    /// What the scenario is called.
+    /// The name of the scenario.
     pub name: String,
     pub scenario: &'a Scenario,
     pub output: &'a Path,
-    /// What `--accuracy` has promised.
+    /// The accuracy that `--accuracy` has chosen the run for.
     pub accuracy_goal: Option<AccuracyGoal>,
     pub stop: &'a AtomicBool,
-    /// What an interruption leaves.
+    /// What is left of the run if it is interrupted.
     pub leaves: Leaves,
 }
 
-/// What an interruption leaves.
+/// What is left of a run that is interrupted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Leaves {
-    /// A run that can go on.
+    /// A run that can be continued.
     Run,
-    /// The file of what is done.
+    /// A file of results of the paths that are done.
     File,
-    /// Nothing: it is to be done again.
+    /// Nothing: the command must be given again.
     Nothing,
 }
 
 impl Sitting<'_> {
-    /// Simulate a run, from where an earlier sitting has left it.
+    /// Simulates a run from its beginning, or continues it from where an earlier sitting has left
+    /// it.
     pub fn simulate(&self, asked: Asked, so_far: Option<SoFar>, file: &mut dyn Sink) -> Result<(), Failure> {
         let of_goal = || asked.goals.first().map(|goal| goal.statistic);
         let of_promise = || self.accuracy_goal.map(|accuracy_goal| accuracy_goal.decisive);
@@ -99,7 +102,7 @@ impl Sitting<'_> {
         match ended {
             Ok(outcome) => self.report(&outcome),
             Err(RunError::Sink { error, outcome }) => {
-                // What is in memory is not lost with the file.
+                // The file could not be written, so the results in memory are at least printed.
                 if let Some(outcome) = outcome.filter(|outcome| outcome.summary.completed_paths > 0) {
                     self.print(&outcome)?;
                 }
@@ -109,7 +112,7 @@ impl Sitting<'_> {
         }
     }
 
-    /// Say what came out, and what is to be done about it.
+    /// Prints the results, and returns a failure if the run has not done what was asked.
     fn report(&self, outcome: &Outcome) -> Result<(), Failure> {
         if self.is_unfinished(outcome) && outcome.summary.completed_paths == 0 {
             note("interrupted before the first paths were done: nothing is written");
@@ -142,7 +145,7 @@ impl Sitting<'_> {
         }
     }
 
-    /// Whether the run can go on.
+    /// Whether the run was interrupted and can be continued.
     fn is_unfinished(&self, outcome: &Outcome) -> bool {
         outcome.status == Status::Interrupted && self.leaves == Leaves::Run
     }
@@ -199,7 +202,7 @@ impl Sitting<'_> {
     }
 }
 
-/// What to say where no path is left.
+/// The message where every path was lost.
 fn all_lost(has_step: bool) -> &'static str {
     if has_step {
         "every path diverged, so there are no statistics\n  fix: a smaller step, or --scheme corrected-vi or event-driven; mc check \

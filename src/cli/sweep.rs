@@ -1,4 +1,5 @@
-//! `mc sweep`: statistics as functions of keys of the scenario, and what a key does to them.
+//! `mc sweep`: computes statistics as functions of keys of the scenario, or how strongly a key
+//! affects them.
 
 use super::failure::{Failure, note, print, print_data, writable};
 use super::interrupt::stop_on_signals;
@@ -35,34 +36,38 @@ whose unit is the path. Ctrl-C, or a crash, leaves FILE.h5.partial with the poin
 pub struct Sweep {
     /// The scenario, a TOML file
     scenario: PathBuf,
-    /// A key and its values, e.g. rho=temperature.noise.intensity=0:1:21 or friction.static=log:1:2:11; repeatable
+    /// A key and its values, e.g. rho=temperature.noise.intensity=0:1:21 or
+    /// friction.static=log:1:2:11; repeatable
     #[arg(long, value_name = "[NAME=]KEY=VALUES", allow_hyphen_values = true, required_unless_present = "elasticity")]
     vary: Vec<String>,
-    /// Pair the values of all --vary, first with first and so on, instead of crossing them
+    /// Pair the values of all --vary, first with first and so on, instead of combining each with
+    /// each
     #[arg(long, requires = "vary")]
     zip: bool,
-    /// Report elasticities with respect to these keys: the relative change of each statistic per relative change of the key
+    /// Report elasticities with respect to these keys: the relative change of each statistic per
+    /// relative change of the key
     #[arg(long, value_name = "KEY,KEY", value_delimiter = ',', conflicts_with = "vary")]
     elasticity: Vec<String>,
-    /// The step to both sides of each key, for --elasticity
+    /// For --elasticity: the relative change of each key, to both sides of its value
     #[arg(long, value_name = "SHARE", default_value = "5%", value_parser = share, requires = "elasticity",
           allow_hyphen_values = true)]
     relative_step: f64,
-    /// Give every point its own seed: errors of points are then independent, and differences less precise
+    /// Give every point its own seed: the errors of points are then independent, and differences
+    /// between points are less precise
     #[arg(long)]
     independent: bool,
     #[command(flatten)]
     overrides: Overrides,
-    /// Print the number of points and paths, the time and the disk space, and stop
+    /// Print the number of points and paths, the time and the disk space, and do not simulate
     #[arg(long)]
     dry_run: bool,
-    /// A statistic to print; repeatable [default: some; the file has all]
+    /// A statistic to print; repeatable [default: some; the file holds all]
     #[arg(long, value_name = "NAME", value_parser = super::completed::STATISTIC, hide_possible_values = true)]
     statistic: Vec<Statistic>,
-    /// Do not estimate the bias that the step gives each statistic
+    /// Do not estimate the bias of each statistic that comes from the step
     #[arg(long)]
     no_bias: bool,
-    /// Threads [default: one a core]
+    /// Number of threads [default: one for each core]
     #[arg(long, value_name = "K", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
     /// Where to write the results [default: SCENARIO-sweep.h5 in the current directory]
@@ -87,7 +92,7 @@ impl Sweep {
             return print(&outlook(&question, threads));
         }
         let output = self.output.clone().unwrap_or_else(|| results::default_output(&self.scenario, "-sweep.h5"));
-        // A file that is there is read first: it may be this sweep.
+        // An existing file is read before anything else: it may hold this sweep, done or half done.
         writable(&output, true, [self.scenario.as_path()])?;
         let header = Provenance::of(&question.scenario);
         let (mut file, known) = SweepFile::open(&output, &header, &question, self.force)?;
@@ -146,7 +151,7 @@ impl Sweep {
         Ok(())
     }
 
-    /// What is asked, every point of it checked.
+    /// The sweep that is asked for, with the scenario of every point checked.
     fn question(&self) -> Result<Question, Failure> {
         let scenario = self.overrides.scenario(&self.scenario)?;
         let (design, shown) = if self.elasticity.is_empty() { self.grid()? } else { self.star(&scenario)? };
@@ -172,7 +177,7 @@ impl Sweep {
             let flag = format!("--elasticity {key}");
             let remedy = match error {
                 StarError::NoNumber => {
-                    // The check of the scenario has the better message for a key that does not exist.
+                    // A key that does not exist is best reported by the check of the scenario.
                     let tried = Override::flag(&format!("{flag}, tried at"), &key, "1");
                     self.overrides.scenario_with(&self.scenario, &[tried])?;
                     "`mc check` prints every key with its value".to_string()
@@ -189,7 +194,7 @@ impl Sweep {
     }
 }
 
-/// A stored sweep with its points put together again.
+/// A sweep read from a file, with the scenarios of its points made again.
 pub fn stored(path: &Path, stored: StoredSweep) -> Result<Swept, Failure> {
     let (name, text, series) = (path.display().to_string(), stored.scenario_text.clone(), stored.series.clone());
     let point = |settings: &[Setting]| {
@@ -198,7 +203,7 @@ pub fn stored(path: &Path, stored: StoredSweep) -> Result<Swept, Failure> {
     Ok(stored.whole(point)?)
 }
 
-/// What a message calls the value of a key: key by key, what was typed.
+/// For each key, the words of the command line that messages about its value quote.
 struct Shown(Vec<(String, String)>);
 
 impl Shown {
@@ -223,7 +228,7 @@ impl From<DesignError> for Failure {
     }
 }
 
-/// Points, paths, time and disk.
+/// The number of points and paths, and about how much time and disk space they take.
 fn outlook(question: &Question, threads: usize) -> String {
     let design = &question.design;
     let shape = design.shape().iter().map(usize::to_string).collect::<Vec<_>>().join(" x ");
@@ -244,7 +249,7 @@ fn outlook(question: &Question, threads: usize) -> String {
     )
 }
 
-/// Each warning once, with how many points it is about.
+/// Prints each warning once, with the number of points that it concerns.
 fn warn(question: &Question) {
     let mut due: BTreeMap<&str, (String, usize)> = BTreeMap::new();
     for scenario in &question.points {
@@ -261,7 +266,7 @@ fn warn(question: &Question) {
     }
 }
 
-/// 0.05 or 5%.
+/// Reads a share: 0.05 or 5%.
 fn share(text: &str) -> Result<f64, String> {
     let number = match text.trim().strip_suffix('%') {
         Some(percent) => percent.trim().parse::<f64>().map(|percent| percent / 100.0),

@@ -1,25 +1,25 @@
-//! Columns of cells under each other, for the tables that people read.
+//! Aligned columns, for the tables that people read.
 
 use std::fmt::Write as _;
 
 /// One line of a table.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Row {
-    /// What stands under the cells of the other rows.
+    /// One text for each column.
     pub cells: Vec<String>,
-    /// What follows the last cell, at the same place in every row.
+    /// Text behind the last cell. It begins at the same column in every row.
     pub note: String,
 }
 
 impl Row {
-    /// A row of a label and the cells to its right.
+    /// A row with a label in the first column and these cells to its right.
     pub fn labelled(label: impl Into<String>, cells: impl IntoIterator<Item = String>) -> Self {
         Row { cells: std::iter::once(label.into()).chain(cells).collect(), note: String::new() }
     }
 }
 
-/// The rows as text: the first column to the left, the others to the right, `gap` between them, no
-/// space at the end of a line.
+/// The rows as text. The first column is aligned to the left, the others to the right, with `gap`
+/// between them. Lines do not end with spaces.
 pub fn aligned(rows: &[Row], gap: &str) -> String {
     let columns = rows.iter().map(|row| row.cells.len()).max().unwrap_or(0);
     let width = |column: usize| {

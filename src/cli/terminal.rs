@@ -1,35 +1,35 @@
-//! What a terminal shows: how wide it is; bars and small curves of letters, in Unicode or, where the locale is not UTF-8,
-//! in ASCII.
+//! What a terminal can show: its width, and bars and small curves made of letters, in Unicode or,
+//! where the locale is not UTF-8, in ASCII.
 
 use std::ffi::OsString;
 use std::io::IsTerminal as _;
 
-/// How many columns standard output has; none where it is no terminal, as in a pipe, so that what programs read does not
-/// depend on a window.
+/// The width of standard output in columns. None if it is not a terminal but, for instance, a pipe,
+/// so that what programs read does not depend on a window.
 pub fn columns() -> Option<usize> {
     let out = std::io::stdout();
     let size = rustix::termios::tcgetwinsize(&out).ok().filter(|_| out.is_terminal())?;
     Some(usize::from(size.ws_col)).filter(|columns| *columns > 0)
 }
 
-/// The letters that a terminal shows.
+/// The set of letters that bars and curves are made of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Letters {
-    /// Blocks by the eighth.
+    /// Block elements, in steps of an eighth of a cell.
     Unicode,
-    /// What every terminal has.
+    /// ASCII, for every terminal.
     Ascii,
 }
 
-/// Parts of a cell from the left, none to seven eighths.
+/// A cell filled from the left, from empty to seven eighths.
 const EIGHTHS: [&str; 8] = ["", "▏", "▎", "▍", "▌", "▋", "▊", "▉"];
-/// Heights, from the lowest to the highest.
+/// Heights of a cell, from the lowest to the highest.
 const HEIGHTS: [char; 8] = ['▁', '▂', '▃', '▄', '▅', '▆', '▇', '█'];
 const ASCII_HEIGHTS: [char; 5] = ['_', '.', '-', '=', '#'];
 
 impl Letters {
-    /// Those of this process: the first of LC_ALL, LC_CTYPE and LANG that is set names the
-    /// encoding.
+    /// The letters for the locale of this process. The first of LC_ALL, LC_CTYPE and LANG that is
+    /// set names the encoding.
     pub fn of_locale() -> Self {
         Letters::of(["LC_ALL", "LC_CTYPE", "LANG"].map(std::env::var_os))
     }
@@ -40,7 +40,7 @@ impl Letters {
         if locale.contains("utf-8") || locale.contains("utf8") { Letters::Unicode } else { Letters::Ascii }
     }
 
-    /// A bar of this share, from 0 to 1, of so many cells. What is not zero has a mark.
+    /// A bar for a share from 0 to 1, at most `cells` long. A share above zero has at least a mark.
     pub fn bar(self, share: f64, cells: usize) -> String {
         let share = if share.is_finite() { share.clamp(0.0, 1.0) } else { 0.0 };
         match self {
@@ -53,7 +53,7 @@ impl Letters {
         }
     }
 
-    /// A curve of one letter a value, from the least to the largest of them.
+    /// A curve with one letter for each value, scaled from the smallest to the largest of them.
     pub fn spark(self, values: &[f64]) -> String {
         let finite = || values.iter().copied().filter(|value| value.is_finite());
         let (low, high) = (finite().fold(f64::INFINITY, f64::min), finite().fold(f64::NEG_INFINITY, f64::max));

@@ -1,4 +1,5 @@
-//! `mc trade`: what accuracy costs, scheme by scheme, and which is cheapest for a target.
+//! `mc trade`: measures what accuracy costs with each scheme, and which is the cheapest for a
+//! target.
 
 use super::failure::{Failure, note, print, print_data, writable};
 use super::interrupt::stop_on_signals;
@@ -37,7 +38,7 @@ pub struct Trade {
     /// How long to measure, e.g. 60s, 5m, 1h; a plain number is seconds
     #[arg(long, value_name = "TIME", default_value = "30s", value_parser = budget)]
     budget: Duration,
-    /// The statistic that the picture shows [default: the first that can be answered]
+    /// The statistic that the picture shows [default: the first for which there is an answer]
     #[arg(long, value_name = "NAME", value_parser = super::completed::STATISTIC, hide_possible_values = true)]
     statistic: Option<Statistic>,
     /// Any key of the scenario, e.g. friction.static=1.3; repeatable
@@ -47,10 +48,10 @@ pub struct Trade {
     /// Seed [ensemble.seed]
     #[arg(long, value_name = "S", allow_hyphen_values = true)]
     seed: Option<String>,
-    /// Threads to measure with [default: one a core]
+    /// Number of threads to measure with [default: one for each core]
     #[arg(long, value_name = "K", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
-    /// Write everything measured to FILE, and the picture next to it as SVG and PNG
+    /// Write all measurements to FILE, and the picture next to it as SVG and PNG
     #[arg(short, long, value_name = "FILE.h5")]
     output: Option<PathBuf>,
     /// Overwrite earlier files
@@ -121,15 +122,15 @@ impl Trade {
     }
 }
 
-/// The SVG and the PNG next to a file.
+/// The names of the SVG and the PNG next to a file.
 fn pictures(output: &Path) -> [PathBuf; 2] {
     ["svg", "png"].map(|extension| output.with_extension(extension))
 }
 
-/// The longest budget that is not a slip of the pen: a week.
+/// The longest budget, a week. A longer one is most likely a typing error.
 const LONGEST: Duration = Duration::from_secs(7 * 86_400);
 
-/// 60s, 5m, 1h, or plain seconds.
+/// Reads a time: 60s, 5m, 1h, or plain seconds.
 fn budget(text: &str) -> Result<Duration, String> {
     let sensible = Duration::from_secs(1)..=LONGEST;
     let budget = parse_duration(text).ok().filter(|budget| sensible.contains(budget));

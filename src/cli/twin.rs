@@ -1,4 +1,4 @@
-//! `mc twin`: synthetic measurements of a bearing whose truth is known.
+//! `mc twin`: makes synthetic measurements of a bearing with known parameters.
 
 use super::failure::{Failure, note, print, writable};
 use super::measurements;
@@ -25,40 +25,41 @@ harmonics and noise. Each flaw has random numbers of its own, so that one more o
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Twin {
-    /// The scenario, a TOML file: the truth
+    /// The scenario with the true parameters, a TOML file
     scenario: PathBuf,
     /// Seed of all random numbers
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
-    /// White noise of the sensor, red noise, and how long that remembers: standard deviations in metres
+    /// Noise of the displacement sensor: the standard deviations of white and of red noise in
+    /// metres, and the correlation time of the red noise
     #[arg(long, value_name = "WHITE[,RED[,TIME]]", default_value = "30e-6,150e-6,1d", value_parser = sensor_noise)]
     sensor_noise: SensorNoise,
-    /// By what share f_s differs from slip to slip (standard deviation), while f_d stays
+    /// Relative standard deviation of f_s from slip to slip; f_d does not vary
     #[arg(long, value_name = "SHARE", default_value_t = 0.0, value_parser = share)]
     scatter: f64,
-    /// Delay of the steel behind the thermometer, e.g. 15m
+    /// Delay of the temperature of the steel behind the thermometer, e.g. 15m
     #[arg(long, value_name = "TIME", value_parser = parse_seconds)]
     lag: Option<f64>,
-    /// The thermometer shows multiples of this, in kelvin
+    /// Resolution of the thermometer in kelvin: readings are multiples of it
     #[arg(long, value_name = "K", default_value_t = 0.0, value_parser = not_negative)]
     resolution: f64,
-    /// The share of displacements that are far off
+    /// The share of displacements that are replaced by outliers
     #[arg(long, value_name = "SHARE", default_value_t = 0.0, value_parser = share)]
     spikes: f64,
-    /// How many stretches of one to five days are missing
+    /// Number of gaps in the record, of one to five days each
     #[arg(long, value_name = "N", default_value_t = 0)]
     gaps: u32,
-    /// How long, where the temperature is not a measured one
+    /// Length of the record, if the scenario has no measured temperature
     #[arg(long, value_name = "TIME", default_value = "300d", value_parser = parse_seconds)]
     duration: f64,
-    /// Time between samples, where the temperature is not a measured one
+    /// Time between samples, if the scenario has no measured temperature
     #[arg(long, value_name = "TIME", default_value = "10m", value_parser = parse_seconds)]
     every: f64,
     /// Any key of the scenario, e.g. friction.static=5e5; repeatable
     #[arg(long, value_name = "KEY=VALUE", allow_hyphen_values = true, value_parser = super::completed::SETTING,
           hide_possible_values = true)]
     set: Vec<String>,
-    /// Where to write the measurements
+    /// Where to write the synthetic measurements
     #[arg(short, long, value_name = "FILE.csv")]
     output: PathBuf,
     /// Overwrite an earlier file
@@ -73,17 +74,17 @@ struct SensorNoise {
     memory: f64,
 }
 
-/// A temperature, sample by sample.
+/// The temperature of the air, sample by sample.
 struct Air {
     start: Option<Start>,
     times: Vec<f64>,
     temperatures: Vec<f64>,
 }
 
-/// The instant of the first sample where there is none to take.
+/// The time of the first sample, if no measurement provides one.
 const EPOCH: &str = "2015-01-01T00:00:00Z";
 
-/// More samples than this are a slip of the pen.
+/// The most samples. A larger number is most likely a typing error.
 const MOST: f64 = 1e7;
 
 impl Twin {
@@ -121,7 +122,7 @@ impl Twin {
         Ok(())
     }
 
-    /// The temperature of a scenario that has no measured one.
+    /// A simulated temperature, for a scenario without a measured one.
     fn drawn(&self, set: &[Override]) -> Result<Air, Failure> {
         let scenario = Scenario::read(&self.scenario, set)?;
         let count = self.duration / self.every;
@@ -134,7 +135,7 @@ impl Twin {
     }
 }
 
-/// The measured temperature of a scenario.
+/// The measured temperature that a scenario names.
 fn measured(scenario: &Path, file: &str, scene: &BridgeScene) -> Result<Air, Failure> {
     let path = scenario.parent().unwrap_or(Path::new("")).join(file);
     let wanted = [Wanted::temperature(scene.value.as_deref())];
@@ -144,7 +145,8 @@ fn measured(scenario: &Path, file: &str, scene: &BridgeScene) -> Result<Air, Fai
     Ok(Air { start: table.start, times: column.times, temperatures: column.values })
 }
 
-/// The measurements as CSV: stamps, degrees and millimetres.
+/// The measurements as CSV: times, temperatures in degrees Celsius and displacements in
+/// millimetres.
 fn csv(made: &Made, air: &Air, scene: &BridgeScene) -> Result<String, Failure> {
     let out_of_calendar = || Failure::Run("the calendar does not reach so far".to_string());
     let start = air.start.or_else(|| Start::parse(EPOCH)).ok_or_else(out_of_calendar)?;

@@ -1,4 +1,4 @@
-//! `mc verify`: whether a file is what its scenario and its seed come to.
+//! `mc verify`: checks that a file holds what its scenario and its seed give.
 
 use super::document::document;
 use super::failure::{Failure, note, print, print_data};
@@ -43,7 +43,7 @@ pub struct Verify {
     json: bool,
 }
 
-/// How many blocks are simulated again.
+/// How many blocks are to be simulated again.
 #[derive(Clone, Copy, Debug)]
 enum Sample {
     Some(u64),
@@ -57,21 +57,21 @@ fn sample(text: &str) -> Result<Sample, String> {
     }
 }
 
-/// What was compared, and what came out.
+/// What was compared, and the first difference if there is one.
 struct Checked {
     sealed: Sealed,
     /// The blocks of the file.
     blocks: Range<u64>,
     paths: u64,
-    /// Those that were simulated again, and the paths in them.
+    /// The blocks that were simulated again, and the number of paths in them.
     again: BTreeSet<u64>,
     again_paths: u64,
-    /// What is kept of single paths.
+    /// What the file records of single paths.
     record: Record,
-    /// Whether the statistics were computed again.
+    /// Whether the statistics were computed again and compared.
     has_statistics: bool,
     values: u64,
-    /// The program of the file, where it is another one.
+    /// The program that wrote the file, if it was not this one.
     other_program: Option<String>,
     difference: Option<Difference>,
 }
@@ -100,7 +100,8 @@ impl Verify {
         }
     }
 
-    /// A file of many runs keeps nothing that one of them could be held against.
+    /// Reports the checksum only. A file of many runs holds no paths that a second simulation could
+    /// be compared with.
     fn bytes_only(&self, sealed: Sealed) -> Result<(), Failure> {
         if self.json {
             let object = json!({
@@ -165,7 +166,7 @@ impl Verify {
         Ok(checked)
     }
 
-    /// Simulate some blocks again, and hold each against the file.
+    /// Simulates these blocks again and compares each with the file.
     fn simulate(
         &self,
         scenario: &Scenario,
@@ -187,7 +188,7 @@ impl Verify {
         Ok(totals)
     }
 
-    /// All statistics of the file again, with the bias of the step where the file has it.
+    /// Computes all statistics of the file again, with the bias of the step if the file has it.
     fn summary(&self, scenario: &Scenario, stored: &Stored, totals: &RunTotals) -> Option<Summary> {
         let mut summary = totals.totals().summary();
         if stored.summary.has_bias() {
@@ -210,7 +211,7 @@ impl Verify {
         format!("{}: {difference}\n  fix: {remedy}", self.file.display())
     }
 
-    /// In words.
+    /// The result for people.
     fn report(&self, checked: &Checked) -> String {
         let Checked { sealed, blocks, paths, again, again_paths, record, has_statistics, values, .. } = checked;
         let mut text = format!("{}\n{}", self.file.display(), checksum(*sealed));
@@ -285,7 +286,7 @@ fn checksum(Sealed { bytes, has_checksum }: Sealed) -> String {
     }
 }
 
-/// Numbers of blocks, the first of them if there are many.
+/// The numbers of the blocks; only the first ones if there are many.
 fn listed(again: &BTreeSet<u64>, all: &Range<u64>) -> String {
     if again.len() as u64 == all.end - all.start {
         return "all".into();
@@ -295,11 +296,11 @@ fn listed(again: &BTreeSet<u64>, all: &Range<u64>) -> String {
     format!("blocks {}{more}", first.join(", "))
 }
 
-/// So many blocks, drawn at random.
+/// `wanted` different blocks, drawn at random.
 fn drawn(blocks: &Range<u64>, wanted: u64) -> BTreeSet<u64> {
     let (random, count) = (RandomState::new(), blocks.end - blocks.start);
     let mut drawn = BTreeSet::new();
-    // Floyd's way to a sample: each subset is as likely as any other.
+    // Floyd's algorithm for a sample: every subset of this size is equally likely.
     for last in count - wanted..count {
         let block = blocks.start + random.hash_one(last) % (last + 1);
         if !drawn.insert(block) {
@@ -316,7 +317,9 @@ mod tests {
     #[test]
     fn a_sample_has_its_size_and_every_block_its_chance() {
         let mut seen = BTreeSet::new();
-        // Of 20 blocks a sample of 5 misses a given one with probability 3/4: 400 of them all do with 1e-50.
+        // The test fails by chance with probability below 1e-48: a sample of 5 out of 20 blocks
+        // misses a given block with probability 3/4, so 400 samples all miss it with probability
+        // 1e-50, and there are 20 blocks. The samples are not seeded.
         for _ in 0..400 {
             let sample = drawn(&(100..120), 5);
             assert_eq!(sample.len(), 5);

@@ -1,4 +1,4 @@
-//! A calibration for machines: one JSON object.
+//! A calibration for programs: one JSON object.
 
 use crate::cli::document::{JsonWarning, document};
 use serde::Serialize;
@@ -65,7 +65,7 @@ fn estimate(estimate: Estimate) -> JsonEstimate {
     JsonEstimate { estimate: known(estimate), low: known(low), high: known(high) }
 }
 
-/// The object, with a line break at its end. Warnings are names and sentences.
+/// The object as text with a line break at its end. Each warning is a name and a sentence.
 pub fn json(calibration: &Calibration, warnings: &[(String, String)]) -> String {
     let of = |quantities: &[Quantity]| {
         quantities.iter().map(|quantity| (quantity.key(), estimate(calibration.estimate(*quantity)))).collect()

@@ -1,4 +1,4 @@
-//! A calibration for people.
+//! A calibration as a table for people.
 
 use crate::cli::numbers::{Digits, grouped, percent, significant, time, wrapped};
 use crate::cli::table::{Row, aligned};
@@ -7,7 +7,7 @@ use stick_slip::study::calibration::{Calibration, Estimate, Lag, Method, Quantit
 
 const GAP: &str = "  ";
 
-/// The table, and what belongs to it.
+/// The table, with the remarks below it.
 pub fn table(title: &str, calibration: &Calibration) -> String {
     let mut text = format!("{title}\n\n");
     let level = percent(calibration.question.level);
@@ -78,7 +78,8 @@ fn sources(calibration: &Calibration) -> String {
     text
 }
 
-/// The table of the paper: what each start found, and how that scatters.
+/// The table of the paper: the result from each starting point of the least squares, and the
+/// scatter of these results.
 fn starts(calibration: &Calibration) -> String {
     const COLUMNS: [Quantity; 6] = [
         Quantity::Offset,

@@ -1,4 +1,4 @@
-// The charts of a report: every number is one of the file, and so is every number that hovering shows.
+// The charts of a report. Every number in them, and every number that hovering shows, is one of the file.
 'use strict';
 (() => {
   const data = JSON.parse(document.getElementById('data').textContent);
@@ -15,7 +15,7 @@
     : { ink: '#16181c', faint: '#6a6f78', grid: '#e3e5e8', sheet: '#ffffff', first: '#0b4f8a', second: '#d55e00', wide: '#d3e5f3', narrow: '#8fbfe0' };
   const shown = (x) => x === null || x === undefined ? 'none' : String(x).replace('-', '\u2212');
 
-  // A number at an axis.
+  // A number as an axis shows it.
   const short = (x) => typeof x === 'string' ? x : (x !== 0 && Math.abs(x) < 1e-3 ? x.toExponential(0) : String(Number(x.toPrecision(4)))).replace('-', '\u2212');
 
   // An area between two curves, drawn in one piece.
@@ -52,7 +52,7 @@
     },
   });
 
-  // What a chart is: columns as they are in the file, and how they are drawn.
+  // Each chart has the columns of the file that it shows, and how they are drawn.
   const charts = [];
   if (data.fan) {
     const f = data.fan;
@@ -72,7 +72,7 @@
   if (data.survival) {
     const s = data.survival;
     const total = s.count.reduce((sum, n) => sum + n, 0);
-    // Where durations are multiples of a step, a bin reaches half a step beyond the multiples in it; some have none.
+    // Where durations are multiples of a step, the edges of a bin are moved to half a step beyond the multiples in it. Some bins hold no multiple.
     const edge = (x) => data.step === null ? x : (Math.max(Math.ceil(x / data.step - 1e-6), 1) - 0.5) * data.step;
     const density = s.count.map((n, i) => {
       const [low, high] = [edge(s.lower[i]), edge(s.duration[i])];
@@ -133,7 +133,7 @@
       series: chart.series(c),
     }, true);
   };
-  // The row of the file at a place, number by number.
+  // The numbers of row i of the file, one on each line.
   const told = (chart, i) => Object.entries(chart.columns).map(([name, values]) => `${name} ${shown(values[i])}`).join('\n');
 
   const element = (name, text, parent) => {
@@ -150,7 +150,7 @@
     setTimeout(() => URL.revokeObjectURL(link.href), 1000);
   };
   const csv = (columns) => {
-    // A cell that a spreadsheet would take for a formula, or for two cells, is quoted.
+    // Texts are quoted, so that a spreadsheet reads none as a formula or as two cells.
     const cell = (x) => x === null || x === undefined ? '' : typeof x === 'number' ? String(x) : `"${String(x).replace(/^([=+@-])/, "'$1").replaceAll('"', '""')}"`;
     const names = Object.keys(columns);
     const rows = columns[names[0]].map((_, i) => names.map((name) => cell(columns[name][i])).join(','));

@@ -1,4 +1,4 @@
-//! The numbers of a report, as JSON that can stand inside a page.
+//! The numbers of a report, as JSON that can be embedded in a page.
 
 use super::RunInfo;
 use crate::cli::report;
@@ -6,7 +6,7 @@ use serde_json::{Map, Value, json};
 use stick_slip::stats::{Dimension, Ends, Summary};
 use stick_slip::store::Stored;
 
-/// Of a run. What is not a finite number is null.
+/// The numbers of a run. Those that are not finite are null.
 pub(super) fn json(stored: &Stored, info: &RunInfo) -> String {
     let summary = &stored.summary;
     let unit = |dimension: Dimension| Some(dimension.label(&info.units)).filter(|unit| !unit.is_empty());
@@ -28,7 +28,8 @@ pub(super) fn json(stored: &Stored, info: &RunInfo) -> String {
     data.insert("drift".into(), remark("drift").into());
     data.insert("statistics".into(), statistics(summary, info));
     charts(summary, &mut data);
-    // No `<`: a text of the file cannot end the element that holds this, nor begin a comment in it.
+    // `<` is escaped, so that no text of the file can end the element that holds this JSON or begin
+    // a comment in it.
     Value::from(data).to_string().replace('<', "\\u003c").replace('\u{2028}', "\\u2028").replace('\u{2029}', "\\u2029")
 }
 
@@ -80,7 +81,8 @@ fn charts(summary: &Summary, data: &mut Map<String, Value>) {
     let sticks = &summary.stick_durations;
     if sticks.completed > 0 && sticks.histogram.edges.len() > 1 {
         let edges = &sticks.histogram.edges;
-        // Below the shortest stick there are only empty bins.
+        // The bins below the shortest stick are empty, so the curve begins at the first bin that is
+        // not.
         let first = sticks.histogram.counts.iter().position(|count| *count > 0).unwrap_or(0);
         let survival = columns([
             ("duration", numbers(&edges[first + 1..])),
@@ -122,7 +124,8 @@ fn charts(summary: &Summary, data: &mut Map<String, Value>) {
 }
 
 fn columns<const N: usize>(columns: [(&str, Value); N]) -> Value {
-    // Pairs keep their order, which the members of an object do not.
+    // The columns are an array of pairs, because an array keeps its order and the members of an
+    // object do not.
     columns.into_iter().map(|(name, values)| json!([name, values])).collect()
 }
 

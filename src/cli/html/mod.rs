@@ -1,10 +1,10 @@
-//! `mc report`: a run as one page for a browser, with its table, its warnings and charts that
-//! answer to the mouse and the keyboard. It needs no network.
+//! `mc report`: writes a run as one page for a browser, with its table, its warnings and charts
+//! that respond to mouse and keyboard. The page needs no network.
 //!
 //! ```text
-//! page.html   the frame, with {{places}} that are filled here
-//! style.css   how it looks, light, dark and on paper
-//! charts.js   the charts; Apache ECharts (assets/echarts) draws them
+//! page.html   the skeleton of the page, with {{placeholders}} that this module fills
+//! style.css   the style for light and dark screens and for paper
+//! charts.js   the charts, which Apache ECharts (assets/echarts) draws
 //! data        the numbers of the file, as JSON
 //! ```
 
@@ -62,7 +62,7 @@ impl Report {
     }
 }
 
-/// The page.
+/// The page as HTML.
 fn page(stored: &Stored, scenario: Option<&Scenario>, info: &RunInfo) -> String {
     let summary = &stored.summary;
     let header = &stored.header;
@@ -81,7 +81,8 @@ fn page(stored: &Stored, scenario: Option<&Scenario>, info: &RunInfo) -> String 
         ("echarts", ECHARTS.to_string()),
         ("charts", CHARTS.to_string()),
     ];
-    // In one pass: what is filled in has no places of its own, whatever it says.
+    // All placeholders are filled in one pass, so that a placeholder inside a filled-in text stays
+    // as it is.
     let mut parts = PAGE.split("{{");
     let mut out = parts.next().unwrap_or_default().to_string();
     for part in parts {
@@ -94,7 +95,8 @@ fn page(stored: &Stored, scenario: Option<&Scenario>, info: &RunInfo) -> String 
     out
 }
 
-/// Nothing may be loaded, and no script may run but the two that are part of the program.
+/// The content security policy: nothing may be loaded, and only the two scripts that are part of
+/// the program may run.
 fn policy() -> String {
     let hash = |script: &str| base64::engine::general_purpose::STANDARD.encode(Sha256::digest(script.as_bytes()));
     format!(
@@ -105,8 +107,8 @@ fn policy() -> String {
     )
 }
 
-/// A text as it stands in HTML. Control characters, which HTML does not have, become replacement
-/// characters.
+/// A text with the escapes of HTML. Control characters, which HTML does not allow, become
+/// replacement characters.
 fn escaped(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for c in text.chars() {
@@ -132,7 +134,7 @@ fn list_of_warnings(warnings: &[JsonWarning]) -> String {
     format!("<section class=\"warnings\"><h2>Warnings</h2><ul>{items}</ul></section>")
 }
 
-/// The rows of the table, the first of them its headings.
+/// The rows of the table as HTML. The first row holds the headings.
 fn rows(cells: &[Vec<String>]) -> String {
     let row = |cells: &Vec<String>, tag: &str| {
         let sign = |cell: &str| match cell.parse::<f64>() {
@@ -163,7 +165,7 @@ fn provenance(stored: &Stored, info: &RunInfo) -> String {
     out
 }
 
-/// What to write in a paper.
+/// How to cite the run.
 fn cite(stored: &Stored) -> String {
     report::citation(stored).map(|sentence| format!("<p>{}</p>", escaped(&sentence))).concat()
 }
@@ -177,13 +179,13 @@ mod tests {
         assert_eq!(escaped("</script>&\"'\u{0}\u{7f}\n"), "&lt;/script&gt;&amp;&quot;&#39;\u{fffd}\u{fffd}\n");
     }
 
-    /// Hashes of the empty text and of ECharts 6.1.0 as others publish them.
+    /// The policy allows exactly two scripts, each by its hash, and no other source of scripts.
     #[test]
     fn the_policy_names_the_scripts_that_are_there() {
         let policy = policy();
         assert!(policy.starts_with("default-src 'none';") && policy.matches("'sha256-").count() == 2, "{policy}");
         assert!(!policy.contains("unsafe-eval") && !policy.contains("http"), "{policy}");
-        // a script that closes its own element would be cut there
+        // A script that contains the end tag of its own element would be cut there.
         assert!(!CHARTS.contains("</script") && !ECHARTS.contains("</script"));
     }
 }

@@ -1,8 +1,8 @@
-//! Why a statistic, or its interval, does not exist.
+//! Why a statistic or its interval is missing.
 
 use stick_slip::stats::{Estimate, Statistic, Summary};
 
-/// Why a number, or its interval, does not exist.
+/// Why an estimate or its interval is missing; none if both exist.
 pub(super) fn absence(e: &Estimate, summary: &Summary) -> Option<&'static str> {
     let valid = summary.completed_paths.saturating_sub(summary.diverged.len() as u64);
     if e.estimate.is_finite() {

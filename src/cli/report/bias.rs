@@ -1,9 +1,10 @@
-//! The error of the step: what a report says of it.
+//! The bias of the step in a report.
 
 use crate::cli::numbers::{Digits, significant};
 use stick_slip::stats::{Bias, Estimate, Summary};
 
-/// A bias and its uncertainty, to two digits of the uncertainty; `none` where it is not known.
+/// A bias and its uncertainty, to two digits of the uncertainty; `none` where the bias is not
+/// known.
 pub(super) fn bias_cells(bias: Option<Bias>) -> [String; 2] {
     let Some(Bias { estimate, uncertainty, .. }) = bias else {
         return ["none".into(), String::new()];
@@ -12,7 +13,8 @@ pub(super) fn bias_cells(bias: Option<Bias>) -> [String; 2] {
     [digits.show(estimate), digits.show(uncertainty)]
 }
 
-/// The corrected estimate to two digits of its own error, where it is better than the plain one.
+/// The corrected estimate to two digits of its own error. Empty where the correction does not
+/// improve the plain estimate.
 pub(super) fn corrected_cell(e: &Estimate) -> String {
     let is_better = e.bias.is_some_and(|bias| bias.weight() > 0.0);
     let Some(corrected) = e.corrected().filter(|_| is_better) else { return String::new() };
@@ -20,11 +22,11 @@ pub(super) fn corrected_cell(e: &Estimate) -> String {
     Digits::of(corrected.estimate, half_width / NORMAL_REACH).show(corrected.estimate)
 }
 
-/// Half the width of a 95 % interval in standard errors, where they are those of a normal law.
+/// Half the width of a 95 % interval of a normal distribution, in standard errors.
 const NORMAL_REACH: f64 = 1.96;
 
-/// In how many statistics the bias of the step is beyond doubt and larger than the statistical
-/// interval shows, and what to do; none if in none.
+/// Says in how many statistics the bias of the step is certain and larger than the statistical
+/// interval suggests, and what to do. None if there is no such statistic.
 pub fn dominating_bias(summary: &Summary) -> Option<String> {
     let dominated = summary.dominated_by_bias();
     let surest = dominated.first()?;
@@ -50,7 +52,7 @@ mod tests {
         let bias = |estimate, uncertainty| Some(Bias { estimate, uncertainty, order: None });
         let mut summary = summary();
         assert_eq!(dominating_bias(&summary), None);
-        // Half-widths of the intervals: 0.00052, 0.0143, 0.0314.
+        // The half-widths of the intervals of the sample are 0.00052, 0.0143 and 0.0314.
         summary.estimates[0].bias = bias(0.0005, 0.0001);
         assert_eq!(dominating_bias(&summary), None, "within the interval");
         summary.estimates[0].bias = bias(0.0955, 0.1);

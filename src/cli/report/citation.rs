@@ -5,17 +5,18 @@ use crate::cli::numbers::counted;
 use stick_slip::numbers::short;
 use stick_slip::store::Stored;
 
-/// The paper that the model and the scheme `discrete-vi` are from.
+/// The paper in which the model and the scheme `discrete-vi` were published.
 const PAPER: &str = "A. Bensoussan, A. Brouste, F. B. Cartiaux, C. Mathey, L. Mertz, Mathematical formulation of a \
                      dynamical system with dry friction subjected to external forces.";
 
-/// Digits of the hash of the scenario: enough to tell one from another.
+/// The number of digits of the hash of the scenario that are printed: enough to distinguish
+/// scenarios.
 const DIGITS: usize = 16;
 
 /// Two sentences for a paper: the run, and the source of its model.
 ///
-/// The hash is that of the resolved scenario that the file holds, so two runs with the same version,
-/// hash and number of paths have the same data.
+/// The hash is that of the resolved scenario in the file, so two runs with the same version, hash
+/// and number of paths have the same data.
 pub fn citation(stored: &Stored) -> [String; 2] {
     let header = &stored.header;
     let step = header.step.map(|step| format!(", step {}", short(step))).unwrap_or_default();

@@ -1,4 +1,4 @@
-//! Several files as one table: the statistics of each, and how they differ from the first.
+//! Several files as one table: the statistics of each, and their differences from the first file.
 
 use super::RunInfo;
 use crate::cli::numbers::{Digits, counted, wrapped};
@@ -9,7 +9,8 @@ use stick_slip::stats::{Statistic, Summary};
 /// Half the width of a 95 % interval, in standard errors.
 const INTERVAL: f64 = 1.96;
 
-/// The table for people. Differences are from the first file; their errors are those of independent runs.
+/// The table for people. Differences are taken from the first file, and their errors are those of
+/// independent runs.
 pub fn comparison(summaries: &[&Summary], infos: &[RunInfo]) -> String {
     let mut text = String::new();
     let letters: Vec<String> = (0..infos.len()).map(letter).collect();
@@ -51,13 +52,13 @@ pub fn comparison(summaries: &[&Summary], infos: &[RunInfo]) -> String {
     text
 }
 
-/// a, b, ..., z, then numbers.
+/// The label of file i: a, b, ..., z, then numbers.
 fn letter(i: usize) -> String {
     let letter = u8::try_from(i).ok().filter(|i| *i < 26).map(|i| char::from(b'a' + i));
     letter.map_or_else(|| format!("{}", i + 1), String::from)
 }
 
-/// What the errors of the differences assume.
+/// States what the errors of the differences assume.
 fn legend(infos: &[RunInfo], letters: &[String]) -> String {
     let mut legend = "errors of differences are those of independent runs; * marks a difference beyond 1.96 \
                       of them, which chance alone produces once in twenty"
@@ -90,7 +91,8 @@ mod tests {
     use super::super::sample::{info, row, set, summary};
     use super::*;
 
-    /// 3 -+ 0.03 and 4 -+ 0.04 differ by 1 -+ 0.05, and 3 and 3.05 by no more than chance makes of them.
+    /// 3 +- 0.03 and 4 +- 0.04 differ by 1 +- 0.05, which is significant. The difference of 3 and
+    /// 3.05 is not.
     #[test]
     fn differences_have_the_errors_of_independent_runs() {
         let (mut a, mut b) = (summary(), summary());

@@ -5,7 +5,7 @@ use stick_slip::scenario::Units;
 use stick_slip::stats::Estimate;
 use stick_slip::study::sweep::Sweep;
 
-/// The numbers of a statistic.
+/// The columns with the numbers of a statistic.
 const NUMBERS: [&str; 9] = [
     "estimate",
     "standard_error",
@@ -18,17 +18,18 @@ const NUMBERS: [&str; 9] = [
     "estimate_corrected_high",
 ];
 
-/// A table that grows file by file.
+/// A table to which files are added one by one.
 #[derive(Default)]
 pub struct Csv {
-    /// Keys of the scenario that points of sweeps differ in, in the order of their appearance.
+    /// The keys of the scenario in which points of sweeps differ, in the order in which they first
+    /// appeared.
     keys: Vec<String>,
     lines: Vec<Line>,
 }
 
 struct Line {
     file: String,
-    /// The keys that are set, by their place in the list, and their values.
+    /// The keys that are set for this line, by their index in the list of keys, and their values.
     at: Vec<(usize, f64)>,
     statistic: &'static str,
     unit: String,
@@ -36,7 +37,8 @@ struct Line {
 }
 
 impl Csv {
-    /// Add the statistics of one file, or of one point of it: the keys that are set there.
+    /// Adds the statistics of one file, or of one point of a sweep, where `at` holds the keys that
+    /// are set at that point.
     pub fn add(&mut self, file: &str, at: &[(String, f64)], estimates: &[Estimate], units: &Units) {
         let mut places = Vec::new();
         for (key, value) in at {
@@ -55,7 +57,7 @@ impl Csv {
         }));
     }
 
-    /// Add the points of a sweep that are done.
+    /// Adds the points of a sweep that are done.
     pub fn add_sweep(&mut self, file: &str, sweep: &Sweep) {
         let done = sweep.points.iter().enumerate().filter_map(|(p, point)| Some((p, point.as_ref()?)));
         for (p, point) in done {
@@ -65,7 +67,8 @@ impl Csv {
         }
     }
 
-    /// All of it, with headings. What does not exist is an empty cell, what is not bounded `inf`.
+    /// The whole table with its headings. A missing number is an empty cell, and the end of an
+    /// interval without a bound is `inf`.
     pub fn text(&self) -> String {
         let keys = self.keys.iter().map(String::as_str);
         let headings = ["file"].into_iter().chain(keys).chain(["statistic", "unit"]).chain(NUMBERS);
@@ -89,7 +92,7 @@ fn numbers(e: &Estimate) -> [f64; NUMBERS.len()] {
     std::array::from_fn(|_| all.next().unwrap_or(f64::NAN))
 }
 
-/// The shortest decimals that read back as the same double.
+/// The shortest decimal number that reads back as the same double.
 fn number(x: f64) -> String {
     if x.is_nan() { String::new() } else { format!("{x:?}") }
 }

@@ -1,70 +1,71 @@
-//! What is known about a run besides its statistics, and the speeds that follow from it.
+//! Everything a report says about a run besides its statistics, and the speeds that follow from it.
 
 use stick_slip::engine::{Part, Status};
 use stick_slip::scenario::Units;
 
-/// What is known about a run besides its summary.
+/// Everything a report says about a run besides its statistics.
 #[derive(Clone, Debug)]
 pub struct RunInfo {
-    /// What the scenario is called: its file for a run, its title for a stored one.
+    /// The name of the scenario: its file for a new run, its title for a stored one.
     pub scenario: String,
-    /// What the scenario asks.
+    /// The title of the scenario.
     pub title: String,
     /// Name of the scheme.
     pub scheme: String,
-    /// h, for time-stepping schemes.
+    /// The step h, for time-stepping schemes.
     pub step: Option<f64>,
-    /// The shortest slip the scheme resolves, where its results depend on that.
+    /// The shortest slip that the scheme resolves, where the results depend on it.
     pub resolution: Option<f64>,
     /// Seed of the ensemble.
     pub seed: u64,
-    /// Paths asked for.
+    /// The number of paths that were asked for.
     pub paths: u64,
-    /// Which part of them this is, if not all.
+    /// Which part of the paths this is, if not all of them.
     pub part: Option<Part>,
-    /// Whether they are antithetic pairs.
+    /// Whether the paths are antithetic pairs.
     pub antithetic: bool,
-    /// Threads, if this process ran it.
+    /// The number of threads, if this process simulated the run.
     pub threads: Option<usize>,
-    /// Wall-clock time, if known.
+    /// Wall-clock time in seconds, if known.
     pub seconds: Option<f64>,
-    /// How much of it went into the bias of the step.
+    /// How much of that time the estimate of the bias of the step took.
     pub bias_seconds: Option<f64>,
-    /// Why the bias is not known, unless nobody asked.
+    /// Why the bias is not known; none if nobody asked for it.
     pub no_bias: Option<String>,
-    /// Steps of one path, for time-stepping schemes.
+    /// The number of steps of one path, for time-stepping schemes.
     pub steps_per_path: Option<u64>,
-    /// Where the results are.
+    /// The file that holds the results.
     pub file: String,
     /// Whether every path was simulated.
     pub status: Status,
-    /// What ended the run before its last path, if it was asked to end.
+    /// What ended the run before its last path; none if the run was not ended early.
     pub ended_by: Option<String>,
-    /// The resolved scenario, if it is at hand.
+    /// The resolved scenario as TOML, if it is available.
     pub scenario_text: Option<String>,
-    /// Labels of the units.
+    /// The labels of the units.
     pub units: Units,
 }
 
 impl RunInfo {
-    /// What became of a path that is in no statistic. A step can be unstable; a scheme without one
-    /// gives up, where a path takes more work than it may or meets a number that is not finite.
+    /// What happened to a path that is in no statistic. A path diverges where the step is unstable.
+    /// A scheme without a step gives up a path that takes more work than is allowed or meets a
+    /// number that is not finite.
     pub(super) fn loss(&self) -> &'static str {
         if self.step.is_some() { "diverged" } else { "given up" }
     }
 
-    /// Wall-clock time of the ensemble itself.
+    /// Wall-clock time of the simulation without the estimate of the bias.
     fn ensemble_seconds(&self) -> Option<f64> {
         Some(self.seconds? - self.bias_seconds?)
     }
 
-    /// Wall-clock nanoseconds per step of one path, all threads together.
+    /// Wall-clock nanoseconds for one step of one path, with all threads together.
     pub(super) fn ns_per_path_step(&self, completed_paths: u64) -> Option<f64> {
         let path_steps = completed_paths as f64 * self.steps_per_path? as f64;
         (path_steps > 0.0).then_some(self.ensemble_seconds()? * 1e9 / path_steps)
     }
 
-    /// Wall-clock microseconds per path, all threads together.
+    /// Wall-clock microseconds for one path, with all threads together.
     pub(super) fn us_per_path(&self, completed_paths: u64) -> Option<f64> {
         (completed_paths > 0).then_some(self.ensemble_seconds()? * 1e6 / completed_paths as f64)
     }

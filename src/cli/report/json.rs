@@ -1,11 +1,11 @@
-//! The report for machines: one JSON object.
+//! The report for programs: one JSON object.
 
 use super::RunInfo;
 use crate::cli::document::{JsonWarning, document, sha256};
 use serde::ser::{Serialize, SerializeMap as _, Serializer};
 use stick_slip::stats::{Estimate, Statistic, Summary, Transient};
 
-/// The report as one JSON object; a number that does not exist is null.
+/// The report as one JSON object. A number that does not exist is null.
 pub fn json(summary: &Summary, info: &RunInfo, warnings: &[JsonWarning]) -> String {
     let sticks = &summary.stick_durations;
     let report = JsonReport {
@@ -63,7 +63,7 @@ pub fn json(summary: &Summary, info: &RunInfo, warnings: &[JsonWarning]) -> Stri
 struct JsonReport<'a> {
     scenario: &'a str,
     title: &'a str,
-    /// Of the resolved scenario, as `mc check` prints it and files hold it.
+    /// The hash of the resolved scenario, as `mc check` prints it and files hold it.
     scenario_sha256: Option<String>,
     units: JsonUnits<'a>,
     scheme: &'a str,
@@ -85,17 +85,19 @@ struct JsonReport<'a> {
     us_per_path: Option<f64>,
     file: &'a str,
     sticks: JsonSticks,
-    /// What was before the time from which on statistics count; null where nothing was.
+    /// What happened before the time from which on statistics count; null where they count from the
+    /// beginning.
     start: Option<JsonStart>,
     counted_periods: usize,
-    /// The statistics that are zero once x has settled, and are not; null where the paths do not tell.
+    /// The statistics that are zero once x has settled but are significantly not zero here; null
+    /// where the paths are too few to decide.
     unsettled: Option<Vec<&'static str>>,
     statistics: JsonStatistics<'a>,
-    /// What is to be known of the results before they are used, as on standard error.
+    /// The warnings about the results, as printed on standard error.
     warnings: &'a [JsonWarning],
 }
 
-/// Labels; empty where the scenario gives none.
+/// Labels of the units; empty where the scenario gives none.
 #[derive(serde::Serialize)]
 struct JsonUnits<'a> {
     time: &'a str,
@@ -203,7 +205,8 @@ mod tests {
         summary.estimates[0].bias = Some(Bias { estimate: 0.0955, uncertainty: 0.0311, order: None });
         let value: serde_json::Value = serde_json::from_str(&json(&summary, &info(), &[])).expect("valid JSON");
         let entry = |statistic: &str, key: &str| value["statistics"][statistic][key].as_f64();
-        // 1 - (0.0311/0.0955)^4 = 0.98875 of the bias; the ends are 0.0311044 from 0.538572 - 0.0955.
+        // The correction takes off 1 - (0.0311/0.0955)^4 = 0.98875 of the bias; the ends of the
+        // interval are 0.0311044 from 0.538572 - 0.0955.
         for (key, expected) in [("", 0.444146), ("_low", 0.411968), ("_high", 0.474176)] {
             let reported = entry("stick_duration_mean", &format!("estimate_corrected{key}")).expect("it has a bias");
             assert!((reported - expected).abs() < 2e-6, "{key}: {reported}");

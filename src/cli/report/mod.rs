@@ -1,13 +1,13 @@
-//! What a run came to, for people and for machines: pure functions of a summary.
+//! The results of a run, for people and for programs: pure functions of a summary.
 //!
 //! ```text
-//! info         what is known about a run besides its statistics
+//! info         what a report says about a run besides its statistics
 //! statistics   the rows of the table
-//!   absence    why a number in them does not exist
-//! remarks      what stands below the table
-//! bias         the error of the step: its cells in the table, and the warning where it dominates
-//! plots        stick durations and sub-phases as bars of letters
-//! json         all of it for machines
+//!   absence    why a number in them is missing
+//! remarks      the remarks below the table
+//! bias         the bias of the step: its cells in the table, and the warning where it dominates
+//! plots        stick durations and sub-phases as bars made of letters
+//! json         everything as JSON for programs
 //! csv          statistics of several files or points, a line each
 //! citation     how to cite a run
 //! comparison   several files as one table, with their differences

@@ -1,24 +1,25 @@
-//! Stick durations and sub-phases as bars of letters.
+//! Stick durations and sub-phases as bars made of letters.
 
 use crate::cli::numbers::{percent, significant};
 use crate::cli::terminal::Letters;
 use stick_slip::scenario::Units;
 use stick_slip::stats::{Dimension, StickDurations, SubPhaseCounts, Summary};
 
-/// Longest bar.
+/// The length of the longest bar, in cells.
 const CELLS: usize = 24;
-/// Most rows of a table; the shortest durations share its first row.
+/// The most rows of a table. All shorter durations share its first row.
 const ROWS: usize = 16;
-/// The share of sticks that the first row may hold if there are fewer rows than that.
+/// The shortest durations are put together in the first row until it would hold more than this
+/// share of the sticks.
 const FIRST: f64 = 0.005;
 
-/// The pictures for a terminal.
+/// Both plots, for a terminal.
 pub fn plots(summary: &Summary, units: &Units, letters: Letters) -> String {
     let unit = Dimension::TIME.label(units);
     sticks(&summary.stick_durations, &unit, letters) + &sub_phases(&summary.sub_phases, letters)
 }
 
-/// Sticks by the octave of their duration.
+/// The sticks whose durations lie in one octave, which is a factor of two.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Octave {
     upper: f64,
@@ -49,7 +50,7 @@ fn sticks(sticks: &StickDurations, unit: &str, letters: Letters) -> String {
     layout(&rows)
 }
 
-/// The bins of the file, an octave each; the shortest together in the first.
+/// The bins of the file put together to octaves. The first octave also holds all shorter sticks.
 fn octaves(sticks: &StickDurations) -> Vec<Octave> {
     let total: u64 = sticks.histogram.counts.iter().sum();
     let (Some(last), true) = (sticks.histogram.counts.iter().rposition(|count| *count > 0), total > 0) else {
@@ -64,7 +65,7 @@ fn octaves(sticks: &StickDurations) -> Vec<Octave> {
         if next == f64::NEG_INFINITY {
             next = 2.0 * sticks.histogram.edges[i].max(upper / 2.0);
         }
-        // A little less than an octave counts as one: edges are rounded.
+        // The edges are rounded, so a little less than an octave counts as an octave.
         if upper >= 0.999 * next || i == last {
             let share = count as f64 / total as f64;
             let survival = [sticks.survival[i], end(&sticks.survival_ends.low, i), end(&sticks.survival_ends.high, i)];
@@ -96,7 +97,7 @@ fn sub_phases(counts: &SubPhaseCounts, letters: Letters) -> String {
 
 type Cells = [String; 7];
 
-/// Columns in line: numbers to the right, bars to the left.
+/// The rows as text, with numbers aligned to the right and bars to the left.
 fn layout(rows: &[Cells]) -> String {
     let width = |column: usize| rows.iter().map(|row| row[column].chars().count()).max().unwrap_or(0);
     let widths: Vec<usize> = (0..7).map(width).collect();
@@ -119,8 +120,8 @@ mod tests {
     use stick_slip::engine::Run;
     use stick_slip::scenario::Scenario;
 
-    /// Every stick is in one row, what outlasts a row falls with it, and the bars say the same as
-    /// the numbers.
+    /// Every stick is in one row, the share of longer sticks decreases from row to row, and the
+    /// bars agree with the numbers.
     #[test]
     fn the_rows_hold_every_stick() {
         let mut scenario = Scenario::shipped("rho025").expect("shipped");
@@ -133,7 +134,8 @@ mod tests {
         for pair in octaves.windows(2) {
             assert!(pair[0].upper < pair[1].upper && pair[0].survival[0] > pair[1].survival[0]);
         }
-        // censored sticks are few: what has not ended by the end of a row is about what is longer
+        // Few sticks are censored, so the share that has not ended at the upper edge of a row is
+        // about the share that lasts longer.
         let mut ended = 0.0;
         for octave in &octaves {
             ended += octave.share;

@@ -1,4 +1,4 @@
-//! What stands below the table: censored sticks, how the run ended, lost paths, time and file.
+//! The remarks below the table: censored sticks, how the run ended, lost paths, time and file.
 
 use super::RunInfo;
 use crate::cli::numbers::{Digits, counted, duration, grouped, significant};
@@ -7,7 +7,7 @@ use stick_slip::engine::Status;
 use stick_slip::scheme::Timeline;
 use stick_slip::stats::{Dimension, Statistic, Summary, Transient};
 
-/// Everything below the table, as label and line.
+/// Everything below the table, as labels and lines.
 pub fn remarks(summary: &Summary, info: &RunInfo) -> Vec<(&'static str, String)> {
     let mut remarks = vec![("sticks", sticks(summary))];
     remarks.extend(multiples(summary).map(|line| ("", line)));
@@ -34,14 +34,16 @@ fn sticks(summary: &Summary) -> String {
     )
 }
 
-/// Why the median of stick durations may have no width.
+/// Says that stick durations are multiples of the step, which is why the interval of their median
+/// may have no width.
 fn multiples(summary: &Summary) -> Option<String> {
     let sticks = &summary.stick_durations;
     let step = sticks.step.filter(|_| sticks.completed > 0)?;
     Some(format!("their durations are multiples of the step, {step:?}, and so is their median"))
 }
 
-/// What is left out of the statistics because it was before the time from which on they count.
+/// Says what is left out of the statistics because it happened before the time from which on they
+/// count.
 fn start(summary: &Summary, info: &RunInfo) -> Option<String> {
     let Transient { end, sticks, slips, displacement, .. } = summary.transient?;
     let digits = Digits::of(displacement.estimate, displacement.standard_error);
@@ -58,7 +60,7 @@ fn start(summary: &Summary, info: &RunInfo) -> Option<String> {
     ))
 }
 
-/// How few forcing periods the drift rests on, if they are too few.
+/// Says that the drift is estimated from too few forcing periods, where it is.
 fn few_periods(summary: &Summary) -> Option<String> {
     let periods = summary.counted_periods();
     let is_few = (1..Timeline::FEWEST_PERIODS).contains(&periods);
@@ -71,7 +73,8 @@ fn few_periods(summary: &Summary) -> Option<String> {
     })
 }
 
-/// That the drift is what is left of the start, where it is.
+/// Says that the motion has not settled, so that the drift is a remainder of the start, where it
+/// is.
 pub fn unsettled(summary: &Summary) -> Option<String> {
     let names: Vec<&str> = summary.unsettled()?.into_iter().map(Statistic::name).collect();
     (!names.is_empty()).then(|| {
@@ -84,7 +87,7 @@ pub fn unsettled(summary: &Summary) -> Option<String> {
     })
 }
 
-/// What the columns of the bias mean, or why there are none.
+/// Says what the columns of the bias mean, or why there are none.
 fn bias(summary: &Summary, info: &RunInfo) -> Option<String> {
     if summary.has_bias() {
         return Some(
@@ -96,7 +99,7 @@ fn bias(summary: &Summary, info: &RunInfo) -> Option<String> {
     info.no_bias.as_ref().map(|reason| format!("not estimated: {reason}"))
 }
 
-/// Why a median has no bias where other statistics have one.
+/// Says why the median has no bias where other statistics have one.
 fn without_bias(summary: &Summary) -> Option<String> {
     let median = summary.estimate(Statistic::StickDurationMedian);
     let is_missing = summary.has_bias() && median.estimate.is_finite() && median.bias.is_none();
@@ -108,7 +111,7 @@ fn without_bias(summary: &Summary) -> Option<String> {
     })
 }
 
-/// How many paths there are, and how the run ended.
+/// The number of paths, and how the run ended.
 fn paths(summary: &Summary, info: &RunInfo) -> String {
     let completed = grouped(summary.completed_paths);
     let of_all = format!("{completed} of {} completed", grouped(info.paths));
@@ -123,7 +126,7 @@ fn paths(summary: &Summary, info: &RunInfo) -> String {
     }
 }
 
-/// How long it took, if that is known.
+/// How long the run took, if that is known.
 fn time(summary: &Summary, info: &RunInfo) -> Option<String> {
     let mut line = duration(info.seconds?);
     if let Some(threads) = info.threads {
@@ -141,10 +144,11 @@ fn time(summary: &Summary, info: &RunInfo) -> Option<String> {
     Some(line)
 }
 
-/// Most numbers of lost paths listed in a table; the file holds them all.
+/// The most numbers of lost paths that are listed in a table. The file holds all of them.
 const LISTED_PATHS: usize = 10;
 
-/// How many paths diverged or were given up, and the first of their numbers; none if none did.
+/// The number of paths that diverged or were given up, and the first of their path numbers; none if
+/// no path was lost.
 pub fn lost(summary: &Summary, info: &RunInfo) -> Option<String> {
     let n = summary.diverged.len();
     let numbers: Vec<String> = summary.diverged.iter().take(LISTED_PATHS).map(u64::to_string).collect();
@@ -219,13 +223,13 @@ mod tests {
         ));
         summary.periods.time = vec![25.1, 50.3, 75.4, 100.5];
         assert!(!reported(&summary).contains("whole forcing period"));
-        // Estimates of 1 +- 0.01.
+        // Both estimates are 1 +- 0.01.
         let line = "drift   x at equal phases has not settled: drift_velocity and diffusion_coefficient are not zero (level 1 %)";
         assert!(reported(&summary).contains(line), "{}", reported(&summary));
         let put = |summary: &mut Summary, statistic: Statistic, estimate: f64| {
             summary.estimates[statistic.index()].estimate = estimate;
         };
-        // The 99.75 % quantile of the normal law is 2.807.
+        // The 99.75 % quantile of the normal distribution is 2.807.
         put(&mut summary, Statistic::DriftVelocity, -0.0281);
         put(&mut summary, Statistic::DiffusionCoefficient, 0.028);
         assert!(reported(&summary).contains("has not settled: drift_velocity is not zero"), "{}", reported(&summary));

@@ -109,7 +109,7 @@ pub fn set(summary: &mut Summary, statistic: Statistic, estimate: f64) {
     }
 }
 
-/// Why a number in a row is absent: in the row, or in its footnote.
+/// The reason why a number in a row is missing. It stands in the row or in a footnote.
 pub fn reason<'a>(table: &'a str, name: &str) -> &'a str {
     let row = row(table, name);
     let mark = row.rsplit(' ').next().unwrap_or_default();

@@ -1,4 +1,4 @@
-//! The table of statistics: a row each, with its interval, its bias and its unit.
+//! The table of statistics: a row for each, with its interval, its bias and its unit.
 
 use super::absence::absence;
 use super::bias::{bias_cells, corrected_cell};
@@ -8,13 +8,13 @@ use crate::cli::terminal::columns;
 use stick_slip::scenario::Units;
 use stick_slip::stats::{Estimate, Summary};
 
-/// The table, row by row, the headings first.
+/// The cells of the table, row by row, headings first.
 pub fn cells(summary: &Summary, units: &Units) -> Vec<Vec<String>> {
     let lines = table(summary, units).into_iter().map(Line::with_reason);
     lines.map(|Row { cells, note }| cells.into_iter().chain([note]).collect()).collect()
 }
 
-/// The rows of statistics under their headings, as wide as the terminal at most.
+/// The table as text, at most as wide as the terminal.
 pub(super) fn statistics(summary: &Summary, units: &Units) -> String {
     let lines = table(summary, units);
     let columns = columns();
@@ -27,7 +27,7 @@ pub(super) fn statistics(summary: &Summary, units: &Units) -> String {
     }
 }
 
-/// A row, whose note is a unit, and why a number in it is absent.
+/// A row whose note is a unit, and the reason why a number in it is missing.
 #[derive(Clone)]
 struct Line {
     row: Row,
@@ -35,7 +35,7 @@ struct Line {
 }
 
 impl Line {
-    /// The row with something in brackets behind its unit.
+    /// The row with a remark in brackets behind its unit.
     fn with(mut self, remark: &str) -> Row {
         self.row.note = format!("{} ({remark})", self.row.note).trim_start().to_string();
         self.row
@@ -49,8 +49,8 @@ impl Line {
     }
 }
 
-/// The rows with letters in the place of reasons, and each reason once; where there is room for it, one that a single row has
-/// stays there.
+/// The rows with letters in the place of reasons, and each reason once as a footnote. A reason that
+/// only one row has stays in its row, unless the terminal is too narrow.
 fn footnotes(lines: Vec<Line>, is_narrow: bool) -> (Vec<Row>, String) {
     let all: Vec<&str> = lines.iter().filter_map(|line| line.reason).collect();
     let is_shared = |reason: &str| all.iter().filter(|other| **other == reason).count() > 1;
@@ -70,23 +70,24 @@ fn footnotes(lines: Vec<Line>, is_narrow: bool) -> (Vec<Row>, String) {
     (rows, told.map(|(number, reason)| wrapped(&format!("({}) {reason}", mark(number)), "    ")).collect())
 }
 
-/// a, b, c, ...: there are fewer reasons than letters.
+/// The mark of a footnote: a, b, c, ... There are fewer reasons than letters.
 fn mark(number: usize) -> char {
     (b'a'..=b'z').nth(number).map_or('z', char::from)
 }
 
-/// Between two columns.
+/// The space between two columns.
 const GAP: &str = "  ";
 
-/// What is left out of a table that is too wide, in this order: what follows from the columns that stay.
+/// The columns that are left out of a table that is too wide, in this order. Their numbers follow
+/// from the columns that stay.
 const SPARE: [&str; 2] = ["std. error", "corrected"];
 
-/// The longest line of a table.
+/// The length of the longest line of a table.
 fn width(table: &[Row]) -> usize {
     aligned(table, GAP).lines().map(|line| line.chars().count()).max().unwrap_or(0)
 }
 
-/// The table without the columns for which there is no room.
+/// The table as text, without the columns that do not fit.
 fn narrowed(mut table: Vec<Row>, columns: usize) -> String {
     if width(&table) <= columns {
         return aligned(&table, GAP);
@@ -113,7 +114,7 @@ fn table(summary: &Summary, units: &Units) -> Vec<Line> {
     std::iter::once(Line { row: headings, reason: None }).chain(lines).collect()
 }
 
-/// The interval is two columns under one heading, its ends.
+/// The headings. The interval has one heading for its two columns, which are its ends.
 fn headings(has_bias: bool, has_unit: bool) -> Row {
     let headings: &[&str] = match has_bias {
         true => &["estimate", "std. error", "95 % interval", "", "bias", "+-", "corrected"],
@@ -123,7 +124,7 @@ fn headings(has_bias: bool, has_unit: bool) -> Row {
     Row { note, ..Row::labelled("statistic", headings.iter().map(|heading| heading.to_string())) }
 }
 
-/// One statistic, with the digits that its standard error leaves it.
+/// The row of one statistic, with as many digits as its standard error justifies.
 fn row(e: &Estimate, has_bias: bool) -> Row {
     let digits = Digits::of(e.estimate, e.standard_error);
     let has_interval = e.low.is_finite() && e.high.is_finite();
@@ -166,7 +167,7 @@ mod tests {
         let cells = |name| row(&table, name).split_whitespace().skip(5).map(str::to_string).collect::<Vec<_>>();
         assert_eq!(cells("stick_duration_mean"), ["0.096", "0.031", "0.444"]);
         assert_eq!(cells("sticks_per_path"), ["none"]);
-        // Within its uncertainty there is nothing to take off.
+        // A bias smaller than its uncertainty is not corrected.
         assert_eq!(cells("slips_per_path"), ["0.03", "0.10"]);
         assert!(table.lines().take(20).all(|line| line.chars().count() <= 120), "{table}");
     }
@@ -195,7 +196,7 @@ mod tests {
         assert_eq!(unit("drift_velocity"), "m/s");
         assert_eq!(unit("diffusion_coefficient"), "m^2/s");
         assert_eq!(unit("friction_work_mean"), "N m");
-        // What is in brackets in a label is no reason.
+        // A label of a unit may contain brackets, which are not the brackets of a reason.
         let units = Units { length: "(mm)".to_string(), ..Units::default() };
         assert!(
             row(&super::super::table(&self::summary(), &RunInfo { units, ..info() }), "jump_mean").ends_with("(mm)")

@@ -1,4 +1,4 @@
-//! The report of a sweep for machines: one JSON object.
+//! The report of a sweep for programs: one JSON object.
 
 use crate::cli::document::document;
 use serde_json::{Map, Value, json};
@@ -6,7 +6,7 @@ use std::path::Path;
 use stick_slip::stats::{Estimate, Statistic};
 use stick_slip::study::sweep::{Design, Paired, Point, Sweep};
 
-/// One object; a number that does not exist is null.
+/// The report as one JSON object. A number that does not exist is null.
 pub fn json(sweep: &Sweep, output: &Path) -> String {
     let design = &sweep.question.design;
     let axes: Vec<Value> = (design.axes().iter())
@@ -75,7 +75,7 @@ fn paired(Paired { measurement: m, gain }: Paired) -> Value {
     })
 }
 
-/// The next point less each point, dimension by dimension.
+/// The differences from each point to the next one along each dimension.
 fn differences(sweep: &Sweep) -> Value {
     let design = &sweep.question.design;
     let along = design.along().into_iter().enumerate().map(|(dimension, name)| {

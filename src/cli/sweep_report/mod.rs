@@ -1,4 +1,4 @@
-//! A sweep, for people and for machines: pure functions of what is known of its points.
+//! The report of a sweep, for people and for programs: pure functions of the points that are done.
 
 mod json;
 mod table;

@@ -1,4 +1,5 @@
-//! The report of a sweep for people: a table for each statistic, what common seeds gain, elasticities by size.
+//! The report of a sweep for people: a table for each statistic, the gain from common seeds, and
+//! elasticities sorted by size.
 
 use crate::cli::numbers::{Digits, counted, duration, grouped, significant, wrapped};
 use crate::cli::table::{Row, aligned};
@@ -7,20 +8,20 @@ use std::path::Path;
 use stick_slip::stats::{Estimate, Statistic};
 use stick_slip::study::sweep::{Design, Paired, Seeds, Sweep};
 
-/// Between columns.
+/// The space between two columns.
 const GAP: &str = "  ";
 
-/// Points that are printed; the file has all.
+/// The most points that are printed. The file holds all of them.
 const MOST_ROWS: usize = 100;
 
-/// Below this common seeds are hardly better than independent ones.
+/// A gain below this is worth a remark: common seeds are then hardly better than independent ones.
 const LOW_GAIN: f64 = 2.0;
 
-/// What is printed where nobody says what.
+/// The statistics that are printed if none is named.
 const USUAL: [Statistic; 3] =
     [Statistic::StickDurationMean, Statistic::SubPhasesMultipleShare, Statistic::StickingFraction];
 
-/// The tables for people.
+/// The report as text.
 pub fn table(sweep: &Sweep, named: &[Statistic], output: &Path) -> String {
     let shown = if named.is_empty() { &USUAL } else { named };
     let scenario = &sweep.question.scenario;
@@ -48,7 +49,7 @@ pub fn table(sweep: &Sweep, named: &[Statistic], output: &Path) -> String {
     text
 }
 
-/// One statistic at every point; along a line, its difference to the next point.
+/// One statistic at every point and, if the points form a line, its difference to the next point.
 fn points(sweep: &Sweep, statistic: Statistic) -> String {
     let design = &sweep.question.design;
     let is_line = design.along().len() == 1;
@@ -96,7 +97,7 @@ fn estimate_cells(e: &Estimate, has_bias: bool) -> Vec<String> {
     cells
 }
 
-/// A number, its error, and the gain.
+/// A number, its standard error, and the gain from common seeds.
 fn paired_cells(Paired { measurement, gain }: &Paired) -> [String; 3] {
     let digits = Digits::of(measurement.estimate, measurement.standard_error);
     [digits.show(measurement.estimate), digits.show(measurement.standard_error), gain_cell(*gain)]
@@ -106,7 +107,8 @@ fn gain_cell(gain: f64) -> String {
     if gain.is_finite() { significant(gain, 2) } else { "none".into() }
 }
 
-/// What common seeds gain for the differences of neighbours, statistic by statistic.
+/// The gain from common seeds for the differences of neighbouring points, for each statistic. The
+/// gain is the variance with independent seeds over that with common ones.
 fn gains(sweep: &Sweep) -> String {
     let along = sweep.question.design.along();
     let mut rows = vec![Row::labelled("gain along", along.iter().map(|name| name.to_string()))];
@@ -123,7 +125,7 @@ fn gains(sweep: &Sweep) -> String {
     format!("\n{}{}", aligned(&rows, GAP), wrapped(legend, ""))
 }
 
-/// The keys for one statistic, the strongest first: a tornado in numbers.
+/// The elasticities of one statistic, sorted from the largest to the smallest.
 fn elasticities(sweep: &Sweep, keys: &[(String, f64)], statistic: Statistic) -> String {
     let headings = ["value", "elasticity", "std. error", "95 % interval", "", "gain"].map(String::from);
     let mut rows = vec![Row::labelled(statistic.name(), headings)];
@@ -145,7 +147,7 @@ fn elasticities(sweep: &Sweep, keys: &[(String, f64)], statistic: Statistic) -> 
     format!("\n{}", aligned(&rows, GAP))
 }
 
-/// What a reader should know before a number is believed.
+/// Remarks that a reader should know before relying on the numbers.
 pub fn remarks(sweep: &Sweep) -> Vec<String> {
     let mut remarks = Vec::new();
     let diverged: u64 = sweep.points.iter().flatten().map(|point| point.diverged_paths).sum();

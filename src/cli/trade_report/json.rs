@@ -1,4 +1,4 @@
-//! The report of a trade for machines: one JSON object.
+//! The report of a trade for programs: one JSON object.
 
 use super::{Asked, INTERVAL};
 use crate::cli::document::document;
@@ -84,7 +84,7 @@ struct JsonLeftOut<'a> {
     why: &'a str,
 }
 
-/// One object; a number that does not exist is null.
+/// The report as one JSON object. A number that does not exist is null.
 pub fn json(trade: &Trade, asked: &Asked<'_>) -> String {
     let object = JsonTrade {
         scenario: &asked.scenario.title,

@@ -1,4 +1,4 @@
-//! A trade, for people and for machines: pure functions of what was measured.
+//! The report of a trade, for people and for programs: pure functions of what was measured.
 
 mod json;
 mod stored;
@@ -17,13 +17,13 @@ use stick_slip::stats::Statistic;
 pub struct Asked<'a> {
     /// The scenario.
     pub scenario: &'a Scenario,
-    /// Its file.
+    /// The file of the scenario.
     pub path: &'a Path,
     /// The statistic that the picture shows.
     pub shown: Option<Statistic>,
-    /// The budget of time.
+    /// The time that the measurement may take.
     pub budget: Duration,
-    /// Threads that measured.
+    /// The number of threads that measured.
     pub threads: usize,
 }
 

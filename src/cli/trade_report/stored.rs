@@ -1,4 +1,5 @@
-//! The cheapest runs in the file of a trade: a table, and an object for programs.
+//! The cheapest runs that the file of a trade holds: a table for people, and an object for
+//! programs.
 
 use crate::cli::document::document;
 use crate::cli::numbers::{grouped, percent, significant, time};
@@ -6,7 +7,7 @@ use crate::cli::table::{Row, aligned};
 use serde_json::{Value, json};
 use stick_slip::store::{Cheapest, CheapestRun, StoredTrade};
 
-/// The table for people: for each statistic and target the cheapest run.
+/// The table for people: the cheapest run for each statistic and target.
 pub fn stored_table(trade: &StoredTrade) -> String {
     let headings = ["error", "scheme", "step or tolerance", "paths", "CPU time"];
     let mut rows = vec![Row::labelled("statistic", headings.map(String::from))];
@@ -33,7 +34,7 @@ pub fn stored_table(trade: &StoredTrade) -> String {
     format!("{}\n\n{}\n{legend}\n", trade.title, aligned(&rows, "  "))
 }
 
-/// The object for programs.
+/// The JSON object for programs.
 pub fn stored_json(trade: &StoredTrade, file: &str) -> String {
     let each = trade.cheapest.iter().map(|Cheapest { statistic, target, run }| {
         let run = run.map(|CheapestRun { scheme, paths, is_antithetic, seconds }| {

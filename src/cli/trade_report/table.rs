@@ -1,4 +1,5 @@
-//! The report of a trade for people: tables of costs, biases, orders, and the cheapest runs.
+//! The report of a trade for people: tables of costs, biases, orders of convergence, and the
+//! cheapest runs.
 
 use super::{Asked, INTERVAL};
 use crate::cli::accuracy::pairs;
@@ -9,10 +10,10 @@ use stick_slip::scheme::Kind;
 use stick_slip::stats::Statistic;
 use stick_slip::study::trade::{Choice, LeftOut, Pairing, Refusal, Rung, Standing, TARGETS, Trade};
 
-/// Between columns, of which there are many.
+/// The space between two columns. It is narrow because there are many columns.
 const GAP: &str = " ";
 
-/// The table for people, no wider than 120 columns.
+/// The report as text, at most 120 columns wide.
 pub fn table(trade: &Trade, asked: &Asked<'_>) -> String {
     let mut text = format!("{}\n", asked.scenario.title);
     let reference = trade.reference();
@@ -54,8 +55,8 @@ pub fn table(trade: &Trade, asked: &Asked<'_>) -> String {
     text
 }
 
-/// The runs to make for the statistic that is shown, ready to paste; here with every digit of the
-/// step.
+/// The commands of the cheapest runs for the statistic that is shown, ready to paste. They have
+/// every digit of the step, unlike the table.
 fn commands(trade: &Trade, asked: &Asked<'_>) -> String {
     let mut text = String::new();
     for (statistic, target) in asked.shown.iter().flat_map(|s| TARGETS.map(|target| (*s, target))) {
@@ -72,7 +73,7 @@ fn commands(trade: &Trade, asked: &Asked<'_>) -> String {
     text
 }
 
-/// Biases of every statistic, one column a step or tolerance.
+/// The bias of every statistic, with one column for each step or tolerance.
 fn scheme_table(trade: &Trade, scheme: Kind) -> String {
     let rungs: Vec<&Rung> = trade.rungs_of(scheme).collect();
     let knob = if scheme.has_step() { "step" } else { "tolerance" };
@@ -93,7 +94,7 @@ fn label(trade: &Trade, statistic: Statistic) -> String {
     format!("{}{mark}", statistic.name())
 }
 
-/// +22.1+-0.2, or `ref`.
+/// The bias with its uncertainty in percent, e.g. `+22.1±0.2`, or `ref` for the reference run.
 fn bias(trade: &Trade, rung: &Rung, statistic: Statistic) -> String {
     if trade.is_reference(rung) {
         return "ref".into();
@@ -112,8 +113,9 @@ fn bias(trade: &Trade, rung: &Rung, statistic: Statistic) -> String {
     if half > 0.0 { format!("{percent:+.decimals$}±{half:.decimals$}") } else { format!("{percent:+.decimals$}") }
 }
 
-/// Value and standard deviation per path of every statistic, the variance from antithetic pairs
-/// over that from as many independent paths, and the observed order of each time-stepping scheme.
+/// For every statistic: its value, its standard deviation per path, the variance from antithetic
+/// pairs divided by that from as many independent paths, and the observed order of each
+/// time-stepping scheme.
 fn deviations(trade: &Trade) -> String {
     let reference = trade.reference();
     let mut schemes = trade.schemes();
@@ -137,7 +139,7 @@ fn deviations(trade: &Trade) -> String {
     aligned(&rows, GAP)
 }
 
-/// Step or tolerance, paths and cost of every scheme for one target, the cheapest marked.
+/// Step or tolerance, paths and cost of every scheme for one target. The cheapest is marked.
 fn winners(trade: &Trade, target: f64) -> String {
     let schemes = trade.schemes();
     let headings = schemes.iter().map(|scheme| scheme.name().to_string());
@@ -156,8 +158,8 @@ fn winners(trade: &Trade, target: f64) -> String {
     aligned(&rows, GAP)
 }
 
-/// `0.0039 x684 12.3 ms`; a step that was not run is in brackets, and antithetic pairs are marked
-/// p.
+/// One cell, e.g. `0.0039 x684 12.3 ms`. A step that was not run is in brackets, and `p` marks
+/// antithetic pairs.
 fn run(choice: &Choice) -> String {
     let knob = short(choice.scheme.parameter());
     let knob = if choice.is_measured { knob } else { format!("({knob})") };
@@ -166,7 +168,7 @@ fn run(choice: &Choice) -> String {
     format!("{knob} x{}{pairs} {cost}", short(choice.paths as f64))
 }
 
-/// Three digits, with an exponent where that is shorter.
+/// Three significant digits, with an exponent where that is shorter.
 fn short(x: f64) -> String {
     let (plain, powers) = (significant(x, 3), format!("{x:.2e}"));
     let powers = powers.replace(".00e", "e").replace("0e", "e");
