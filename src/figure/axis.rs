@@ -1,8 +1,8 @@
-//! An axis: from numbers to places, and which numbers are written at it.
+//! An axis: converts numbers to positions, and chooses the numbers that are written beside it.
 
 use super::kit::Label;
 
-/// How numbers lie along an axis.
+/// How numbers are spaced along an axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Scale {
     /// Evenly.
@@ -20,22 +20,23 @@ pub struct Axis {
     title: Label,
     unit: String,
     whole: bool,
-    /// What stands at some places instead of numbers.
+    /// Names that are written at some positions instead of numbers.
     names: Vec<(f64, Label)>,
 }
 
-/// A number written at an axis, or only marked there.
+/// A mark on an axis, with or without a number.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tick {
-    /// Where, as a share of the length.
+    /// The position, as a share of the length of the axis.
     pub at: f64,
-    /// What is written; none at a small mark.
+    /// The text at the mark; none at a minor mark.
     pub label: Option<Label>,
 }
 
-/// Numbers from here on are written with their power of ten at the title.
+/// If the largest number is at least this, the numbers are written as multiples of a power of ten,
+/// which stands in the title.
 const LARGE: f64 = 1e5;
-/// And so are those below.
+/// The same holds if the largest number is below this.
 const LITTLE: f64 = 1e-3;
 
 impl Axis {
@@ -45,7 +46,7 @@ impl Axis {
         Axis { scale: Scale::Linear, low, high, title, unit: unit.to_string(), whole: false, names: Vec::new() }
     }
 
-    /// A linear axis with some room beyond the finite ones of these values.
+    /// A linear axis over the finite ones of these values, with some space beyond them.
     pub fn around(values: impl IntoIterator<Item = f64>, title: Label, unit: &str) -> Self {
         let [low, high] = widened(range_of(values));
         let room = ROOM * (high - low);
@@ -59,23 +60,23 @@ impl Axis {
         Axis { scale: Scale::Log, low, high, title, unit: unit.to_string(), whole: false, names: Vec::new() }
     }
 
-    /// An axis of things, each at its place.
+    /// An axis with names at given positions instead of numbers.
     pub fn named(range: [f64; 2], names: Vec<(f64, Label)>) -> Self {
         Axis { names, ..Axis::linear(range, Label::default(), "") }
     }
 
-    /// The same where only whole numbers mean something.
+    /// The same axis with marks at whole numbers only.
     pub fn whole(self) -> Self {
         Axis { whole: true, ..self }
     }
 
-    /// Its ends.
+    /// The two ends of the axis.
     pub fn range(&self) -> [f64; 2] {
         [self.low, self.high]
     }
 
-    /// Where a number lies: 0 at the lower end, 1 at the upper one. What has no logarithm lies far
-    /// below.
+    /// The position of a number: 0 at the lower end of the axis, 1 at the upper end. On a
+    /// logarithmic axis, a number without a logarithm is far below the lower end.
     pub fn place(&self, x: f64) -> f64 {
         match self.scale {
             Scale::Linear => ((x - self.low) / (self.high - self.low)).clamp(-FAR, FAR),
@@ -84,7 +85,7 @@ impl Axis {
         }
     }
 
-    /// The title with the unit, and the power of ten that the numbers are written in.
+    /// The title with the unit and with the power of ten that the numbers are multiples of.
     pub fn title(&self) -> Label {
         let power = self.power();
         let title = self.title.clone();
@@ -99,14 +100,14 @@ impl Axis {
         }
     }
 
-    /// The power of ten that the numbers of a linear axis are written in.
+    /// The power of ten that the numbers of a linear axis are multiples of.
     fn power(&self) -> i32 {
         let largest = self.low.abs().max(self.high.abs());
         let is_plain = self.scale == Scale::Log || (LITTLE..LARGE).contains(&largest);
         if is_plain || self.whole { 0 } else { largest.log10().floor() as i32 }
     }
 
-    /// What is written at it, with so much room on its length for every number.
+    /// The marks of an axis of this length, if each number needs `room` of it.
     pub fn ticks(&self, length: f64, room: f64) -> Vec<Tick> {
         if !self.names.is_empty() {
             let tick = |(place, name): &(f64, Label)| Tick { at: self.place(*place), label: Some(name.clone()) };
@@ -128,7 +129,7 @@ impl Axis {
         }
         let factor = 10f64.powi(self.power());
         let decimals = (-(step / factor).log10().floor()).clamp(0.0, 12.0) as usize;
-        // 2.5 needs a digit more than its size tells
+        // A step of 2.5 needs one more digit than its size suggests.
         let decimals = decimals + usize::from(!is_whole_at(step / factor, decimals));
         let (first, last) = ((self.low / step - SLACK).ceil() as i64, (self.high / step + SLACK).floor() as i64);
         let tick = |n: i64| {
@@ -143,7 +144,8 @@ impl Axis {
         let decades = (last.floor() - first.ceil()) as i32 + 1;
         let mut ticks = Vec::new();
         if decades < 3 {
-            // Few powers of ten: plain numbers, 1, 2 and 5 of each, or all of them.
+            // With few powers of ten on the axis, the marks are plain numbers: all in this list, or
+            // 1, 2 and 5 times each power of ten, or only the powers, whichever fits.
             let sets: [&[f64]; 3] = [&[1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0], &[1.0, 2.0, 5.0], &[1.0]];
             let all = |set: &[f64]| -> Vec<f64> {
                 let powers = first.floor() as i32..=last.ceil() as i32;
@@ -170,16 +172,16 @@ impl Axis {
     }
 }
 
-/// Room for a whole number of one or two digits.
+/// The space that a whole number of one or two digits needs.
 const WHOLE_ROOM: f64 = 13.0;
-/// Room beyond the values, as a share of their range.
+/// The space beyond the values, as a share of their range.
 const ROOM: f64 = 0.06;
-/// Farther out than anything that is seen.
+/// A position farther out than anything that is visible.
 const FAR: f64 = 50.0;
-/// What rounding may leave of a step.
+/// The rounding error that is allowed, as a share of a step.
 const SLACK: f64 = 1e-9;
 
-/// A range that is not empty.
+/// The range, made wider if it is empty.
 fn widened([low, high]: [f64; 2]) -> [f64; 2] {
     match (low.is_finite() && high.is_finite(), high > low) {
         (true, true) if (high - low) > 1e-12 * low.abs().max(high.abs()) => [low, high],
@@ -191,13 +193,13 @@ fn widened([low, high]: [f64; 2]) -> [f64; 2] {
     }
 }
 
-/// The least and the largest of the finite values.
+/// The smallest and the largest of the finite values.
 pub fn range_of(values: impl IntoIterator<Item = f64>) -> [f64; 2] {
     let finite = values.into_iter().filter(|x| x.is_finite());
     finite.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(x), high.max(x)])
 }
 
-/// 1, 2 or 5 times a power of ten, not below `x`; 2.5 where that is closest.
+/// The smallest of 1, 2, 2.5 and 5 times a power of ten that is not below `x`.
 fn nice_at_least(x: f64) -> f64 {
     let power = 10f64.powi(x.log10().floor() as i32);
     [1.0, 2.0, 2.5, 5.0, 10.0].into_iter().map(|digit| digit * power).find(|step| *step >= x).unwrap_or(10.0 * power)
@@ -214,12 +216,12 @@ fn fixed(x: f64, decimals: usize) -> String {
     minus(if is_zero { text.trim_start_matches('-') } else { &text })
 }
 
-/// A number with a true minus sign.
+/// A number with the typographic minus sign.
 pub fn minus(text: &str) -> String {
     text.replace('-', "\u{2212}")
 }
 
-/// A number with two digits, or as a product with a power of ten.
+/// A number with two significant digits, or as a product with a power of ten.
 pub fn plain(x: f64) -> Label {
     let text = crate::numbers::significant(x, 2);
     match text.split_once('e') {
@@ -229,7 +231,7 @@ pub fn plain(x: f64) -> Label {
     }
 }
 
-/// A unit: `m^2/s` with its power raised, everything else as it was written.
+/// A unit as a label. The power in `m^2/s` is raised; everything else stays as it was written.
 pub fn unit(label: &str) -> Label {
     let mut out = Label::default();
     let mut rest = label;

@@ -1,5 +1,5 @@
-//! A calibrated bearing against time: the displacement as measured and as the model has it, and the
-//! temperature; all of it, and two stretches closer.
+//! A calibrated bearing over time: the displacement as measured and as modelled, and the
+//! temperature. They are shown for the whole record and for two shorter stretches.
 
 use super::axis::{Axis, range_of};
 use super::kit::{Label, Scene, Stroke};
@@ -16,10 +16,11 @@ pub const FIGURE: Figure =
 
 pub(super) const DAY: f64 = 86_400.0;
 
-/// Points of a curve, at most: more are closer together than a printer's dots.
+/// The most points of a curve. More of them would be closer together than the dots of a printer.
 pub(super) const POINTS: usize = 8_000;
 
-/// Where the closer looks begin, as shares of the whole, and how long they are in days.
+/// The beginnings of the shorter stretches, as shares of the whole record, and their length in
+/// days.
 const CLOSER: ([f64; 2], f64) = ([0.1, 0.6], 30.0);
 
 fn draw(subject: &Subject, style: &Style) -> Result<Scene, Absent> {
@@ -41,7 +42,7 @@ fn draw(subject: &Subject, style: &Style) -> Result<Scene, Absent> {
     Ok(sheet(style, &format!("Calibration: {title}"), &legend, &panels, ""))
 }
 
-/// Displacement above temperature, between two days.
+/// Two panels, displacement above temperature, between two days.
 fn pair(calibration: &Calibration, days: [f64; 2], height: f64, style: &Style) -> Vec<Panel> {
     let palette = style.palette();
     let record = &calibration.record;
@@ -58,7 +59,8 @@ fn pair(calibration: &Calibration, days: [f64; 2], height: f64, style: &Style) -
     let mut above = Panel::new(time(), Axis::linear([low - room, high + room], Label::new("*z*"), "mm"), height);
     above.line(measured, Stroke::solid(palette.first, THIN));
     above.line(modelled, Stroke::solid(palette.second, THIN));
-    // So many marks stand apart; more would be a line.
+    // In a stretch of this length the marks of slips are separate; in a longer one they would merge
+    // to a line.
     if days[1] - days[0] <= CLOSER.1 {
         let seen = calibration.slips.iter().filter(|slip| (days[0]..days[1]).contains(&(slip.time / DAY)));
         for slip in seen {
@@ -72,7 +74,7 @@ fn pair(calibration: &Calibration, days: [f64; 2], height: f64, style: &Style) -
     vec![above.above_another(), below]
 }
 
-/// The samples between two days.
+/// The indices of the samples between two days.
 fn within(times: &[f64], [from, to]: [f64; 2]) -> Range<usize> {
     times.partition_point(|t| *t < from * DAY)..times.partition_point(|t| *t <= to * DAY)
 }

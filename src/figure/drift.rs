@@ -1,5 +1,5 @@
-//! Whether the motion has settled: mean and variance of x at the whole forcing periods, and the
-//! slopes that the statistics measure.
+//! Whether the motion has settled: mean and variance of x at whole forcing periods, with the slopes
+//! that the statistics report.
 
 use super::axis::{Axis, plain};
 use super::kit::{Label, Scene, Stroke};
@@ -68,8 +68,8 @@ fn draw(subject: &Subject, style: &Style) -> Result<Scene, Absent> {
     Ok(sheet(style, &format!("Wandering: {}", scenario.title), &legend, &[mean.above_another(), variance], ""))
 }
 
-/// The line with this slope through the middle of the points that are counted, from the first of
-/// them to the last.
+/// The line with this slope through the mean of the points that are counted, from the first of them
+/// to the last. None if no point is counted.
 fn sloped(time: &[f64], values: &[f64], slope: f64, after: f64) -> Option<[[f64; 2]; 2]> {
     let counted = time.iter().zip(values).filter(|(t, value)| **t >= after * (1.0 - 1e-9) && value.is_finite());
     let counted: Vec<(f64, f64)> = counted.map(|(t, value)| (*t, *value)).collect();
@@ -80,7 +80,7 @@ fn sloped(time: &[f64], values: &[f64], slope: f64, after: f64) -> Option<[[f64;
     (last > first && slope.is_finite()).then(|| [at(first), at(last)])
 }
 
-/// What the statistics say.
+/// The intervals of the slopes, as the statistics report them.
 fn reported(summary: &Summary) -> Vec<Label> {
     let number = |statistic: Statistic, name: &str| {
         let e = summary.estimate(statistic);

@@ -1,5 +1,4 @@
-//! Where the paths are: quantile bands of x, and the probability of being static on the same axis
-//! of time.
+//! Quantile bands of x over time, and the probability of being static on the same axis of time.
 
 use super::axis::{Axis, range_of};
 use super::kit::{Label, Scene, Stroke};
@@ -57,12 +56,12 @@ fn draw(subject: &Subject, style: &Style) -> Result<Scene, Absent> {
     ))
 }
 
-/// A curve.
+/// The points of a curve.
 pub(super) fn along(x: &[f64], y: &[f64]) -> Vec<[f64; 2]> {
     x.iter().zip(y).map(|(x, y)| [*x, *y]).collect()
 }
 
-/// What lies between two curves.
+/// The area between two curves, as points (x, low, high).
 pub(super) fn between(x: &[f64], low: &[f64], high: &[f64]) -> Vec<[f64; 3]> {
     x.iter().zip(low.iter().zip(high)).map(|(x, (low, high))| [*x, *low, *high]).collect()
 }

@@ -1,4 +1,5 @@
-//! Displacement against temperature: the loops of a bearing that sticks, measured and modelled.
+//! Displacement against temperature, as measured and as modelled. A bearing that sticks draws
+//! loops.
 
 use super::axis::{Axis, range_of};
 use super::calibration::POINTS;

@@ -1,16 +1,17 @@
-//! Pictures, drawn from what a file says, or from a path that the same code simulates again.
+//! Pictures. They are drawn from the contents of a file, or from a path that is simulated again by
+//! the same code.
 //!
 //! ```text
-//! Subject     what a picture is of: a scenario, the summary of a run, the prices of a trade, sweeps, a calibration
-//!   -> FIGURES    one file each: what it takes from its subject, and how it lays it out
-//!        Axis, Panel   numbers to places; curves, bands, bars, marks, notes that never overlap
-//!        sheet         a legend above, panels in line below each other
+//! Subject     what a picture shows: a scenario, a run, a trade, sweeps, a calibration
+//!   -> FIGURES    one file each: what it takes from its subject, and its layout
+//!        Axis, Panel   numbers to positions; curves, bands, bars, marks, notes without overlap
+//!        sheet         a legend above panels that are aligned below each other
 //!   -> Scene      a picture as data (kit)
 //!        page          all figures of a subject on one sheet
 //!   -> svg, png, pdf
 //! ```
 //!
-//! A figure more is a file with a `FIGURE` in it, and its name in [`FIGURES`].
+//! A new figure is a file with a `FIGURE` in it, and its name in [`FIGURES`].
 
 mod axis;
 mod calibration;
@@ -55,7 +56,7 @@ pub const FIGURES: &[Figure] = &[
     overview::FIGURE,
 ];
 
-/// The figure of this name.
+/// The figure with this name; none if there is no such figure.
 pub fn named(name: &str) -> Option<&'static Figure> {
     FIGURES.iter().find(|figure| figure.name == name)
 }

@@ -1,5 +1,5 @@
-//! A run at one glance: one of its paths with the sticks shaded, the quantiles of all paths, and
-//! how long sticks last.
+//! A run at a glance: one of its paths with the sticks shaded, the quantiles of all paths, and the
+//! durations of sticks.
 
 use super::axis::Axis;
 use super::fan::{along, between};
@@ -12,7 +12,7 @@ use super::{path, sticks};
 use crate::engine::Replay;
 use crate::stats::Dimension;
 
-/// The figure. A page, which has the figures of these three panels, leaves it out.
+/// The figure. A page leaves it out, because it has the figures of these three panels.
 pub const FIGURE: Figure =
     Figure { name: "overview", shows: "a path with its sticks, the quantiles of all, and the sticks", draws: draw };
 
@@ -37,7 +37,7 @@ fn draw(subject: &Subject, style: &Style) -> Result<Scene, Absent> {
     let mut one = Panel::new(time_axis(), displacement("one path *x*(*t*)"), 84.0);
     let size = seen().fold(0.0, |size, x| f64::max(size, x.abs()));
     for [begin, end] in &path.sticks {
-        // The panel cuts what is beyond its frame.
+        // The bar is higher than the panel, which clips it at its frame.
         one.bar([*begin, -10.0 * size], [*end, 10.0 * size], palette.wide);
     }
     one.line(path.curve.clone(), solid(palette.first));

@@ -1,18 +1,19 @@
-//! All figures of a subject on one sheet, two beside each other.
+//! All figures of a subject on one sheet, in two columns.
 
 use super::kit::{Align, Item, Label, Scene};
 use super::subject::Subject;
 use super::theme::{LETTERS, SMALL, Style};
 use super::{FIGURES, overview};
 
-/// Room between figures.
+/// The space between figures.
 const GAP: f64 = 14.0;
-/// Room at the edge.
+/// The space at the edge of the sheet.
 const EDGE: f64 = 8.0;
-/// Size of the heading.
+/// The size of the letters of the heading.
 const HEADING: f64 = 11.0;
 
-/// The sheet, with a heading and a line below it; none where no figure can be drawn.
+/// The sheet, with a heading and a line of text below it. None if no figure of the subject can be
+/// drawn.
 pub fn page(subject: &Subject, style: &Style, heading: &str, line: &str) -> Option<Scene> {
     let figures = FIGURES.iter().filter(|figure| figure.name != overview::FIGURE.name);
     let scenes: Vec<Scene> = figures.filter_map(|figure| figure.draw(subject, style).ok()).collect();
@@ -43,7 +44,7 @@ pub fn page(subject: &Subject, style: &Style, heading: &str, line: &str) -> Opti
     Some(Scene { width, height, background: palette.background, title: heading.to_string(), items })
 }
 
-/// Rows of words that fit; a word that is too long for a row has one to itself.
+/// The words in rows that fit. A word that is too long for a row has a row of its own.
 fn wrapped(text: &str, fits: impl Fn(&str) -> bool) -> Vec<String> {
     let mut rows: Vec<String> = Vec::new();
     for word in text.split_whitespace() {

@@ -4,7 +4,7 @@ use super::axis::Axis;
 use super::kit::{Align, Colour, Item, Label, Path, Rect, Stroke};
 use super::theme::{LETTERS, MARK, Palette, SMALL, THIN};
 
-/// Shapes of marks, which tell curves apart without colour.
+/// Shapes of marks. They distinguish curves without colour.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Mark {
     /// A filled disc.
@@ -15,11 +15,11 @@ pub enum Mark {
     Square,
     /// A triangle.
     Triangle,
-    /// A square on its corner.
+    /// A square standing on its corner.
     Diamond,
 }
 
-/// Something in a panel, in the numbers of its axes.
+/// An element of a panel. Its positions are numbers of the two axes.
 #[derive(Clone, Debug)]
 enum Layer {
     Line { points: Vec<[f64; 2]>, stroke: Stroke },
@@ -32,18 +32,18 @@ enum Layer {
     Before { at: f64, fill: Colour },
 }
 
-/// Words beside a point, put where there is room.
+/// Words beside a point. They are placed where there is space for them.
 #[derive(Clone, Debug)]
 pub struct Note {
     /// The point.
     pub at: [f64; 2],
     /// The words.
     pub label: Label,
-    /// Where they may stand, the best place first.
+    /// The sides of the point where they may be placed, the best one first.
     pub places: &'static [Beside],
 }
 
-/// On which side of a point words stand.
+/// The side of a point at which words are placed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Beside {
     /// Below it.
@@ -64,104 +64,104 @@ pub enum Beside {
     AboveRight,
 }
 
-/// A panel.
+/// A panel with its two axes and its elements.
 #[derive(Clone, Debug)]
 pub struct Panel {
     /// The horizontal axis.
     pub x: Axis,
     /// The vertical axis.
     pub y: Axis,
-    /// Height between the axes.
+    /// The height of the frame in points.
     pub height: f64,
-    /// Whether the horizontal axis has numbers and a title; else it shares those of the panel
+    /// Whether the horizontal axis has numbers and a title. If not, it shares those of the panel
     /// below.
     pub is_labelled: bool,
-    /// A bold letter at its corner.
+    /// A bold letter at the corner of the panel.
     pub letter: Option<char>,
     layers: Vec<Layer>,
     notes: Vec<Note>,
 }
 
-/// A panel as it is on the sheet.
+/// A panel that was drawn on the sheet.
 pub struct Drawn {
-    /// What is to be drawn.
+    /// The items to draw.
     pub items: Vec<Item>,
-    /// How many notes found no room.
+    /// The number of notes for which there was no space.
     pub left_out: usize,
 }
 
-/// Length of a tick.
+/// The length of a tick.
 const TICK: f64 = 3.0;
-/// Room between a tick and its number.
+/// The space between a tick and its number.
 const GAP: f64 = 2.0;
-/// Room along an axis for one number.
+/// The space along an axis for one number.
 const X_ROOM: f64 = 26.0;
 const Y_ROOM: f64 = 17.0;
-/// Points of a curve closer to the line between their neighbours than this are left out.
+/// Points of a curve that are closer than this to the line between their neighbours are left out.
 const TOLERANCE: f64 = 0.03;
 
 impl Panel {
-    /// An empty one.
+    /// A panel without elements.
     pub fn new(x: Axis, y: Axis, height: f64) -> Self {
         Panel { x, y, height, is_labelled: true, letter: None, layers: Vec::new(), notes: Vec::new() }
     }
 
-    /// The same with a letter at its corner.
+    /// The same panel with a letter at its corner.
     pub fn lettered(self, letter: char) -> Self {
         Panel { letter: Some(letter), ..self }
     }
 
-    /// The same above a panel whose horizontal axis it shares.
+    /// The same panel without numbers at its horizontal axis, because the panel below has them.
     pub fn above_another(self) -> Self {
         Panel { is_labelled: false, ..self }
     }
 
-    /// A curve; it has a gap where a number is missing.
+    /// Adds a curve. It has a gap where a number is missing.
     pub fn line(&mut self, points: Vec<[f64; 2]>, stroke: Stroke) {
         self.layers.push(Layer::Line { points, stroke });
     }
 
-    /// What lies between two curves: x, low, high.
+    /// Adds the area between two curves, given by points (x, low, high).
     pub fn band(&mut self, points: Vec<[f64; 3]>, fill: Colour) {
         self.layers.push(Layer::Band { points, fill });
     }
 
-    /// A filled rectangle.
+    /// Adds a filled rectangle.
     pub fn bar(&mut self, from: [f64; 2], to: [f64; 2], fill: Colour) {
         self.layers.push(Layer::Bar { from, to, fill });
     }
 
-    /// A vertical interval.
+    /// Adds a vertical interval.
     pub fn interval(&mut self, at: f64, ends: [f64; 2], colour: Colour) {
         self.layers.push(Layer::Interval { at, ends, colour });
     }
 
-    /// A horizontal interval.
+    /// Adds a horizontal interval.
     pub fn interval_across(&mut self, at: f64, ends: [f64; 2], colour: Colour) {
         self.layers.push(Layer::Across { at, ends, colour });
     }
 
-    /// A mark; it is never cut at the frame.
+    /// Adds a mark. It is never clipped at the frame.
     pub fn mark(&mut self, at: [f64; 2], mark: Mark, colour: Colour) {
         self.layers.push(Layer::Mark { at, mark, colour });
     }
 
-    /// A horizontal line from side to side.
+    /// Adds a horizontal line across the whole panel.
     pub fn level(&mut self, at: f64, stroke: Stroke) {
         self.layers.push(Layer::Level { at, stroke });
     }
 
-    /// Everything to the left of a number.
+    /// Fills the part of the panel to the left of a number.
     pub fn before(&mut self, at: f64, fill: Colour) {
         self.layers.push(Layer::Before { at, fill });
     }
 
-    /// Words beside a point, if there is room.
+    /// Adds words beside a point. They are left out if there is no space for them.
     pub fn note(&mut self, note: Note) {
         self.notes.push(note);
     }
 
-    /// Room to the left of the frame for numbers and title.
+    /// The space that numbers and title need to the left of the frame.
     pub fn margin(&self) -> f64 {
         LETTERS * 1.35 + GAP + self.number_width() + GAP + TICK
     }
@@ -171,12 +171,12 @@ impl Panel {
         ticks.iter().filter_map(|tick| tick.label.as_ref()).map(|label| SMALL * label.width()).fold(0.0, f64::max)
     }
 
-    /// Room below the frame for numbers and title.
+    /// The space that numbers and title need below the frame.
     pub fn footing(&self) -> f64 {
         if self.is_labelled { TICK + GAP + SMALL + GAP + LETTERS * 1.3 } else { TICK }
     }
 
-    /// The panel with its frame here.
+    /// Draws the panel with its frame at this place.
     pub fn draw(&self, frame: Rect, palette: &Palette) -> Drawn {
         let mut items = Vec::new();
         let place = |[x, y]: [f64; 2]| {
@@ -232,7 +232,8 @@ impl Panel {
         }
     }
 
-    /// Put the notes where they meet nothing; how many found no such place.
+    /// Places the notes where they overlap nothing, and returns how many of them found no such
+    /// place.
     fn draw_notes(
         &self,
         frame: Rect,
@@ -263,8 +264,7 @@ impl Panel {
                 let (at, needed) = beside.at(point, &note.label);
                 let across = needed.x >= frame.x - 1.0 && needed.right() <= frame.right() + ASIDE;
                 let within = across && needed.y >= frame.y - 1.0 && needed.bottom() <= frame.bottom() + 1.0;
-                // Words that do not stand at the middle of their mark must not reach over another
-                // one.
+                // Words diagonally beside their mark must not extend over another mark.
                 let is_own = |mark: &&[f64; 2]| (mark[0] - point[0]).abs() < 0.01;
                 let reaches = |mark: &[f64; 2]| (needed.x..=needed.right()).contains(&mark[0]) && mark[1] == point[1];
                 let is_plain = !beside.is_diagonal() || !marks.iter().any(|mark| !is_own(&mark) && reaches(mark));
@@ -283,7 +283,7 @@ impl Panel {
     }
 }
 
-/// How far words may reach beyond the right side of the frame.
+/// How far words may extend beyond the right side of the frame.
 const ASIDE: f64 = 8.0;
 
 impl Beside {
@@ -291,7 +291,7 @@ impl Beside {
         matches!(self, Beside::BelowLeft | Beside::BelowRight | Beside::AboveLeft | Beside::AboveRight)
     }
 
-    /// Where the base line of words begins, and the room that they take.
+    /// The beginning of the base line of the words, and the rectangle that they take.
     fn at(self, [x, y]: [f64; 2], label: &Label) -> ([f64; 2], Rect) {
         let (rise, fall) = (LETTERS * label.rise(), LETTERS * label.fall());
         let (width, gap, aside) = (LETTERS * label.width(), MARK + 1.4, 1.6);
@@ -312,7 +312,7 @@ impl Beside {
 }
 
 impl Mark {
-    /// The mark at a place, for panels and legends.
+    /// Draws the mark at a place. Panels and legends use it.
     pub fn draw(self, at: [f64; 2], colour: Colour, background: Colour) -> Vec<Item> {
         let [x, y] = at;
         let corners = |points: &[[f64; 2]]| {
@@ -386,17 +386,17 @@ impl Layer {
     }
 }
 
-/// The parts of a curve between missing numbers.
+/// The pieces of a curve between missing numbers.
 fn pieces(points: &[[f64; 2]]) -> impl Iterator<Item = &[[f64; 2]]> {
     points.split(|[x, y]| x.is_nan() || y.is_nan()).filter(|piece| piece.len() > 1)
 }
 
-/// A square room about a point.
+/// A square around a point.
 fn around([x, y]: [f64; 2], half: f64) -> Rect {
     Rect { x: x - half, y: y - half, width: 2.0 * half, height: 2.0 * half }
 }
 
-/// Points along a curve, no farther apart than a letter's stem.
+/// Points along a curve, no farther apart than the stem of a letter.
 fn sampled(curve: &[[f64; 2]]) -> Vec<[f64; 2]> {
     let mut out = Vec::new();
     for pair in curve.windows(2) {
@@ -413,8 +413,8 @@ fn sampled(curve: &[[f64; 2]]) -> Vec<[f64; 2]> {
     out
 }
 
-/// The same curve with fewer points, none of which moves by more than `TOLERANCE` (Ramer; Douglas
-/// and Peucker).
+/// The same curve with fewer points: no point that is left out is farther than `TOLERANCE` from the
+/// new curve (algorithm of Ramer, and Douglas and Peucker).
 fn simplified(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
     let mut keep = vec![false; points.len()];
     let Some(last) = points.len().checked_sub(1) else { return Vec::new() };
@@ -432,7 +432,7 @@ fn simplified(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
     points.iter().zip(keep).filter(|(_, keep)| *keep).map(|(point, _)| *point).collect()
 }
 
-/// From a point to the stretch between two others.
+/// The distance of a point from the line segment between two others.
 fn distance(p: [f64; 2], a: [f64; 2], b: [f64; 2]) -> f64 {
     let (along, to) = ([b[0] - a[0], b[1] - a[1]], [p[0] - a[0], p[1] - a[1]]);
     let square = along[0] * along[0] + along[1] * along[1];

@@ -1,7 +1,8 @@
-//! One path as the paper draws it: x, velocity and forces over time, force against velocity, with
-//! every event of the cascade marked.
+//! One path in the layout of the paper: x, velocity and forces over time, and force against
+//! velocity, with every event of the cascade marked.
 //!
-//! (Bensoussan, Brouste, Cartiaux, Mathey, Mertz, figure of trajectories and the one after it.)
+//! Source: Bensoussan, Brouste, Cartiaux, Mathey and Mertz, the figure of trajectories and the
+//! figure after it.
 
 use super::axis::{Axis, range_of};
 use super::kit::{Colour, Label, Scene, Stroke};
@@ -18,20 +19,20 @@ use std::ops::Range;
 pub const FIGURE: Figure =
     Figure { name: "path", shows: "one path: x, velocity and forces, with its events", draws: draw };
 
-/// A path at one instant.
+/// The state of a path at one instant.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Sample {
     time: f64,
     displacement: f64,
     velocity: f64,
-    /// K (beta T - x).
+    /// The force of the spring, K (beta T - x).
     spring: f64,
 }
 
 /// A stick, or a sub-phase of a slip, from its first instant to its last.
 #[derive(Clone, Debug, PartialEq)]
 struct Piece {
-    /// Number k of the sub-phase from 1 on, and its direction; none in a stick.
+    /// The number k of the sub-phase, from 1 on, and its direction; none in a stick.
     slip: Option<(usize, f64)>,
     samples: Vec<Sample>,
 }
@@ -46,16 +47,16 @@ impl Piece {
     }
 }
 
-/// A mark of the cascade: tau_j, tau_{j+1/2} or tau_j^k.
+/// An event of the cascade: tau_j, tau_{j+1/2} or tau_j^k.
 #[derive(Clone, Debug, PartialEq)]
 struct Moment {
     at: Sample,
     name: String,
-    /// Whether it lies between two sub-phases.
+    /// Whether the event lies between two sub-phases.
     is_turn: bool,
 }
 
-/// A path cut at its events.
+/// A path, cut into pieces at its events.
 #[derive(Clone, Debug, PartialEq)]
 struct Story {
     pieces: Vec<Piece>,
@@ -63,8 +64,8 @@ struct Story {
 }
 
 impl Story {
-    /// Of a path that was simulated again: the rows of its trajectory, with its events between
-    /// them.
+    /// The pieces of a path that was simulated again: the rows of its trajectory, with its events
+    /// inserted between them. None if events or trajectory were not kept.
     fn of(replay: &Replay) -> Option<Story> {
         let (events, rows) = (replay.block.events.as_ref()?, replay.block.trajectories.as_ref()?);
         let model = &replay.scenario.model;
@@ -80,7 +81,7 @@ impl Story {
         let mut story = Story { pieces: Vec::new(), moments: Vec::new() };
         let (mut j, mut k) = (0_usize, 0_usize);
         for i in 0..events.time.len() {
-            // At an event the velocity is zero, so that b is the force of the spring.
+            // The velocity is zero at an event, so the force b is that of the spring alone.
             let [time, displacement, spring] = [events.time[i], events.displacement[i], events.force[i]];
             let at = Sample { time, displacement, velocity: 0.0, spring };
             while next_row < end && row(next_row).time < at.time {
@@ -118,7 +119,7 @@ impl Story {
         Some(story)
     }
 
-    /// From an event to the nearest other.
+    /// The time from an event to the nearest other event.
     fn distance(&self, moment: &Moment) -> f64 {
         let others = self.moments.iter().filter(|other| *other != moment);
         others.map(|other| (other.at.time - moment.at.time).abs()).fold(f64::INFINITY, f64::min)
@@ -128,14 +129,14 @@ impl Story {
         self.pieces.iter().flat_map(|piece| &piece.samples)
     }
 
-    /// The sub-phases of slips that occur: first, second, later ones.
+    /// Which sub-phases occur in the slips of the path: the first, the second, later ones.
     fn occurring(&self) -> [bool; 3] {
         let largest = self.pieces.iter().filter_map(|piece| piece.slip).map(|(k, _)| k).max().unwrap_or(0);
         [largest >= 1, largest >= 2, largest >= 3]
     }
 
-    /// The pieces that the phase plane shows in full: all of them where there are few events, else
-    /// those of the longest whole slip, with the sticks before and after it.
+    /// The pieces that the phase plane shows in full. With few events these are all pieces, else
+    /// the longest complete slip with the sticks before and after it.
     fn in_full(&self) -> Range<usize> {
         let sticks: Vec<usize> = (0..self.pieces.len()).filter(|i| self.pieces[*i].slip.is_none()).collect();
         let slips = sticks.windows(2).map(|pair| pair[0]..pair[1] + 1);
@@ -145,15 +146,16 @@ impl Story {
     }
 }
 
-/// So many events are shown one by one; of more, the phase plane shows the last slip.
+/// With more events than this, the phase plane shows the longest complete slip in full and the rest
+/// faintly.
 const FEW: usize = 8;
-/// Of so many events each is led to the axis.
+/// With more events than this, no lines lead from the events to the axis.
 const LED: usize = 70;
-/// More events than this are a line of marks that tells nothing.
+/// With more events than this, no marks are drawn, because they would merge to a line.
 const MARKED: usize = 150;
-/// Room at both ends of the axis of time, as a share of it.
+/// The space at both ends of the axis of time, as a share of it.
 const MARGIN: f64 = 0.025;
-/// Curves whose sizes differ by more than this do not share an axis.
+/// Curves whose sizes differ by more than this factor do not share an axis.
 const ALIKE: f64 = 8.0;
 
 fn draw(subject: &Subject, style: &Style) -> Result<Scene, Absent> {
@@ -215,13 +217,13 @@ fn draw(subject: &Subject, style: &Style) -> Result<Scene, Absent> {
     Ok(sheet(style, &format!("Path {number}: {}", scenario.title), &legend, &panels, "labels have no room"))
 }
 
-/// A path as its curve of x over time, and the time at which each stick begins and ends.
+/// A path as the curve of x over time, with the times at which each stick begins and ends.
 pub(super) struct Phases {
     pub curve: Vec<[f64; 2]>,
     pub sticks: Vec<[f64; 2]>,
 }
 
-/// The phases of a path; none where its events or its trajectory were not kept.
+/// The phases of a path; none if its events or its trajectory were not kept.
 pub(super) fn phases(replay: &Replay) -> Option<Phases> {
     let story = Story::of(replay)?;
     let sticks = story.pieces.iter().filter(|piece| piece.slip.is_none());
@@ -245,10 +247,10 @@ fn stroke(piece: &Piece, palette: &Palette) -> Stroke {
     }
 }
 
-/// A: x over time, each event led to the axis and named there.
+/// Panel A: x over time. A line leads from each event to the axis, where the event is named.
 fn over_time(story: &Story, palette: &Palette, time: Axis, unit: &str) -> Panel {
     let [low, high] = range_of(story.samples().map(|s| s.displacement));
-    // Where x is far from zero, the events are marked at the lower edge.
+    // Where x is far from zero, the events are marked at the lower edge instead of at zero.
     let base =
         if low - 1.5 * (high - low) > 0.0 || high + 1.5 * (high - low) < 0.0 { low - 0.3 * (high - low) } else { 0.0 };
     let room = 0.1 * (high - low).max(f64::MIN_POSITIVE);
@@ -270,7 +272,8 @@ fn over_time(story: &Story, palette: &Palette, time: Axis, unit: &str) -> Panel 
     for moment in &story.moments {
         panel.mark([moment.at.time, base], moment.mark(), palette.ink);
     }
-    // Those with most room first, so that as many as can be are named.
+    // The events with most space around them are named first, so that as many as possible have a
+    // name.
     let mut moments: Vec<(f64, &Moment)> =
         story.moments.iter().map(|moment| (story.distance(moment), moment)).collect();
     moments.sort_by(|one, other| other.0.total_cmp(&one.0));
@@ -294,7 +297,7 @@ impl Moment {
     }
 }
 
-/// B: the velocity, with the events on it.
+/// Panel B: the velocity, with a mark at each event.
 fn velocities(story: &Story, palette: &Palette, panel: &mut Panel) {
     panel.level(0.0, Stroke::solid(palette.faint, 0.4));
     for piece in &story.pieces {
@@ -305,13 +308,15 @@ fn velocities(story: &Story, palette: &Palette, panel: &mut Panel) {
     }
 }
 
-/// F over time: what balances b in a stick, f_d in the direction of motion in a slip.
+/// The friction F over time: in a stick it balances the force b, in a slip it is f_d in the
+/// direction of motion.
 fn friction_force(story: &Story, dynamic: f64) -> Vec<[f64; 2]> {
     let force = |piece: &Piece, s: &Sample| [s.time, piece.slip.map_or(s.spring, |(_, sign)| sign * dynamic)];
     story.pieces.iter().flat_map(|piece| piece.samples.iter().map(move |s| force(piece, s))).collect()
 }
 
-/// C: the force of the spring against the velocity; of many slips, the last.
+/// Panel C: the force of the spring against the velocity. With many events, only the longest
+/// complete slip is shown in full and the rest faintly.
 fn phase_plane(story: &Story, palette: &Palette, friction: f64, velocity_unit: &str, force_unit: &str) -> Panel {
     let seen = story.samples().map(|s| s.velocity);
     let x = Axis::around(seen, Label::new("velocity *ẋ*(*t*)"), velocity_unit);
@@ -362,8 +367,8 @@ mod tests {
         (scenario, story)
     }
 
-    /// The marks of the paper's figure are 0, 2.58, 13.38, 14.86 and 25.74, the last of them one
-    /// step before the velocity is zero.
+    /// The events in the figure of the paper are at 0, 2.58, 13.38, 14.86 and 25.74. The last of
+    /// them is one step before the velocity is zero.
     #[test]
     fn the_events_of_shaw_are_those_of_the_paper() {
         let (_, story) = story("shaw", 0);
@@ -377,15 +382,15 @@ mod tests {
             ("*τ*_{2}", "25.75"),
         ];
         assert_eq!(marks, expected.map(|(name, time)| (name.to_string(), time.to_string())));
-        // and the forces that its phase plane marks
+        // The forces at these events in the phase plane.
         let forces: Vec<f64> = story.moments[2..5].iter().map(|m| m.at.spring).collect();
         assert!((forces[0] - 0.365_928).abs() < 1e-5 && (forces[1] - 1.2).abs() < 0.01, "{forces:?}");
         assert!((story.moments[2].at.displacement + 6.242_23).abs() < 5e-6);
         assert!((story.moments[4].at.displacement - 6.222_28).abs() < 5e-4);
     }
 
-    /// Pieces follow each other without a gap, x rests in every stick, and the velocity has the
-    /// direction of its sub-phase.
+    /// The pieces follow each other without a gap, x does not change in a stick, and the velocity
+    /// has the direction of its sub-phase.
     #[test]
     fn a_path_is_cut_at_its_events_and_nowhere_else() {
         for (name, path) in [("shaw", 0), ("rho025", 41)] {
@@ -407,7 +412,8 @@ mod tests {
         }
     }
 
-    /// The paper's noisy figure has a turn between sub-phases, and so do the names here.
+    /// The figure of a noisy path in the paper has an event between two sub-phases. Here such an
+    /// event has a name, too.
     #[test]
     fn a_slip_of_several_sub_phases_has_its_turns_named() {
         let (_, story) = story("rho025", 41);
@@ -416,8 +422,8 @@ mod tests {
         assert!(turn.name.contains("}^{1}"), "{}", turn.name);
     }
 
-    /// In a slip the friction is f_d in the direction of motion, in a stick it is what holds the
-    /// body.
+    /// In a slip the friction is f_d in the direction of motion; in a stick it is the force that
+    /// holds the body.
     #[test]
     fn friction_holds_in_sticks_and_drags_in_slips() {
         let (scenario, story) = story("shaw", 0);

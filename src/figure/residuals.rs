@@ -1,5 +1,5 @@
-//! What a calibrated model leaves of the measurement: against time, how long it lasts, and where
-//! the starts of the least squares ended.
+//! The residuals of a calibrated model: over time, their correlation, and the results of the
+//! starting points of the least squares.
 
 use super::axis::Axis;
 use super::calibration::{DAY, POINTS};

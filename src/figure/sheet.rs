@@ -1,39 +1,39 @@
-//! A sheet: a legend, and panels below each other with their frames in line.
+//! A sheet: a legend, and panels below each other with their frames aligned.
 
 use super::kit::{Align, Colour, Item, Label, Path, Rect, Scene, Stroke};
 use super::panel::{Mark, Panel};
 use super::theme::{LETTERS, LINE, SMALL, Style};
 
-/// A line of a legend: what it looks like, and what it is.
+/// An entry of a legend: a sample, and what it stands for.
 #[derive(Clone, Debug)]
 pub struct Entry {
-    /// A curve, if it is one.
+    /// The stroke, if the entry is a curve.
     pub stroke: Option<Stroke>,
-    /// A filled area, if it is one.
+    /// The colour, if the entry is a filled area.
     pub fill: Option<Colour>,
-    /// The marks of a curve.
+    /// The mark, if the entry is or has one.
     pub mark: Option<(Mark, Colour)>,
-    /// What it is.
+    /// What the entry stands for.
     pub label: Label,
 }
 
 impl Entry {
-    /// A curve.
+    /// The entry of a curve.
     pub fn line(stroke: Stroke, label: &str) -> Self {
         Entry { stroke: Some(stroke), fill: None, mark: None, label: Label::new(label) }
     }
 
-    /// An area.
+    /// The entry of an area.
     pub fn area(fill: Colour, label: &str) -> Self {
         Entry { stroke: None, fill: Some(fill), mark: None, label: Label::new(label) }
     }
 
-    /// A mark.
+    /// The entry of a mark.
     pub fn mark(mark: Mark, colour: Colour, label: &str) -> Self {
         Entry { stroke: None, fill: None, mark: Some((mark, colour)), label: Label::new(label) }
     }
 
-    /// Words alone.
+    /// An entry of words alone.
     pub fn words(label: Label) -> Self {
         Entry { stroke: None, fill: None, mark: None, label }
     }
@@ -58,18 +58,18 @@ impl Entry {
     }
 }
 
-/// Room at the edge of a sheet.
+/// The space at the edge of a sheet.
 const EDGE: f64 = 4.0;
-/// Room between entries of a legend.
+/// The space between entries of a legend.
 const BETWEEN: f64 = 12.0;
-/// Height of a row of a legend.
+/// The height of a row of a legend.
 const ROW: f64 = 11.5;
-/// Room between panels that share an axis, and between others.
+/// The space between panels that share an axis (`CLOSE`), and between other panels (`APART`).
 const CLOSE: f64 = 9.0;
 const APART: f64 = 13.0;
 
-/// The sheet. What is left out of the notes of the panels is said below them, in the words of
-/// `left_out`.
+/// The sheet. If notes of the panels found no space, a line below the panels gives their number and
+/// the words `left_out`.
 pub fn sheet(style: &Style, title: &str, legend: &[Entry], panels: &[Panel], left_out: &str) -> Scene {
     let palette = style.palette();
     let width = style.points();
@@ -96,7 +96,7 @@ pub fn sheet(style: &Style, title: &str, legend: &[Entry], panels: &[Panel], lef
     Scene { width, height: y + EDGE, background: palette.background, title: title.to_string(), items }
 }
 
-/// The legend in as many rows as it takes; its height.
+/// Draws the legend in as many rows as it needs, and returns its height.
 fn draw_legend(legend: &[Entry], [x, y]: [f64; 2], width: f64, style: &Style, items: &mut Vec<Item>) -> f64 {
     let palette = style.palette();
     let mut rows: Vec<Vec<&Entry>> = Vec::new();
@@ -132,7 +132,7 @@ fn draw_legend(legend: &[Entry], [x, y]: [f64; 2], width: f64, style: &Style, it
     rows.len() as f64 * ROW
 }
 
-/// A curve of this colour without gaps.
+/// The stroke of a solid curve in this colour.
 pub fn solid(colour: Colour) -> Stroke {
     Stroke::solid(colour, LINE)
 }

@@ -1,5 +1,5 @@
-//! How long sticks last: the density of their durations on a logarithmic axis, and the share that
-//! outlasts a duration.
+//! How long sticks last: the density of their durations on a logarithmic axis, and the share of
+//! sticks that last longer than a duration.
 
 use super::axis::{Axis, range_of};
 use super::kit::{Label, Scene};
@@ -13,15 +13,16 @@ use crate::stats::{Dimension, StickDurations};
 /// The figure.
 pub const FIGURE: Figure = Figure { name: "sticks", shows: "how long sticks last", draws: draw };
 
-/// The share of sticks that may be shorter than what is drawn.
+/// The share of sticks that may be shorter than the shortest duration that is drawn.
 const NEXT_TO_NONE: f64 = 1e-3;
-/// Sticks in a bin whose interval need not fit into the picture.
+/// The interval of a bin with at most this many sticks may extend beyond the axis.
 const FEW: u64 = 5;
 
-/// The share of the completed sticks in one bin per decade of the duration, with its interval.
+/// The share of the completed sticks in one bin, divided by the width of the bin in decades, with
+/// its interval.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Bin {
-    /// Where it begins and ends.
+    /// The durations at which the bin begins and ends.
     edges: [f64; 2],
     count: u64,
     density: f64,
@@ -49,7 +50,8 @@ fn draw(subject: &Subject, style: &Style) -> Result<Scene, Absent> {
         };
         (axis, least / 1.2)
     };
-    // Of a few sticks in a bin next to nothing is known: their intervals would flatten the rest.
+    // The intervals of bins with few sticks are wide, so an axis that showed them whole would
+    // flatten the rest.
     let tops = bins.iter().map(|bin| if bin.count > FEW { bin.ends[1] } else { bin.density });
     let (axis, floor) = vertical(tops.collect(), "density per decade");
     let mut density = Panel::new(durations(), axis, 84.0);
@@ -91,8 +93,9 @@ fn draw(subject: &Subject, style: &Style) -> Result<Scene, Absent> {
     ))
 }
 
-/// The bins of the file. Where durations are multiples of a step, a bin reaches half a step beyond
-/// the multiples in it, and bins without one belong to their neighbours.
+/// The bins of the file. Where durations are multiples of a step, the edges of a bin are moved to
+/// half a step beyond the multiples in it, and a bin without a multiple becomes part of its
+/// neighbours.
 fn bins(sticks: &StickDurations) -> Vec<Bin> {
     let edges = &sticks.histogram.edges;
     let mut out = Vec::new();
@@ -119,8 +122,8 @@ fn bins(sticks: &StickDurations) -> Vec<Bin> {
     out
 }
 
-/// The bins that are drawn, and how many sticks are shorter than those: from where next to no stick
-/// is shorter, to the longest.
+/// The bins that are drawn, and the number of sticks shorter than they show. They begin where a
+/// share of `NEXT_TO_NONE` of the sticks is shorter, and end at the longest stick.
 fn drawn(bins: &[Bin]) -> (&[Bin], u64) {
     let total: u64 = bins.iter().map(|bin| bin.count).sum();
     let below = |end: usize| bins[..end].iter().map(|bin| bin.count).sum::<u64>();
@@ -129,15 +132,14 @@ fn drawn(bins: &[Bin]) -> (&[Bin], u64) {
     (&bins[first..last], below(first))
 }
 
-/// From the shortest duration that is drawn to the longest; none where no stick has ended.
+/// The shortest and the longest duration that is drawn; none if no stick has ended.
 pub(super) fn range(sticks: &StickDurations) -> Option<[f64; 2]> {
     let all = bins(sticks);
     let (bins, _) = drawn(&all);
     Some([bins.first()?.edges[0], bins.last()?.edges[1]])
 }
 
-/// The survival curve of the file: durations, shares and their intervals. It is known at the edges
-/// of the bins.
+/// The survival curve of the file at the edges of the bins: durations, shares and their intervals.
 pub(super) fn survival(sticks: &StickDurations) -> Vec<(f64, f64, [f64; 2])> {
     let edges = &sticks.histogram.edges;
     let end = |ends: &[f64], i: usize| ends.get(i).copied().unwrap_or(f64::NAN);
@@ -154,7 +156,8 @@ mod tests {
     use crate::engine::Run;
     use crate::scenario::Scenario;
 
-    /// The density integrates to one over the logarithm of the duration, with a step and without.
+    /// The density integrates to one over the logarithm of the duration, both with a step and
+    /// without one.
     #[test]
     fn the_density_holds_every_stick() {
         for scheme in ["discrete-vi", "event-driven"] {

@@ -1,4 +1,4 @@
-//! Of how many sub-phases slips consist: the share of each number, with its interval.
+//! The number of sub-phases of a slip: the share of slips with each number, with its interval.
 
 use super::axis::{Axis, range_of};
 use super::kit::{Label, Scene};

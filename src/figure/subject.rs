@@ -1,4 +1,4 @@
-//! What a picture is of, and what a figure is.
+//! What a picture shows (`Subject`), and a kind of figure (`Figure`).
 
 use super::kit::Scene;
 use super::theme::Style;
@@ -8,48 +8,48 @@ use crate::study::calibration::Calibration;
 use crate::study::sweep::Sweep;
 use crate::study::trade::Prices;
 
-/// What a picture is of.
+/// What a picture shows.
 #[derive(Clone, Copy, Debug)]
 pub enum Subject<'a> {
     /// A scenario that need not have been run: one of its paths can be drawn.
     Scenario {
-        /// Which.
+        /// The scenario.
         scenario: &'a Scenario,
         /// Number of the path.
         path: u64,
     },
     /// A run.
     Run {
-        /// What was run.
+        /// The scenario that was run.
         scenario: &'a Scenario,
-        /// What came out.
+        /// The results of the run.
         summary: &'a Summary,
         /// Number of the path that is drawn.
         path: u64,
     },
-    /// What accuracy costs.
+    /// A trade: what accuracy costs.
     Trade(&'a Prices),
-    /// Statistics as functions of keys.
+    /// Sweeps: statistics as functions of keys.
     Sweep {
-        /// Sweeps over one key, each with the name of its file.
+        /// Sweeps over the same key, each with the name of its file.
         sweeps: &'a [(String, &'a Sweep)],
-        /// The statistics that are drawn; some, if there is none.
+        /// The statistics to draw. If the list is empty, a default selection is drawn.
         statistics: &'a [Statistic],
     },
-    /// Parameters from a measurement.
+    /// A calibration: parameters estimated from a measurement.
     Calibration {
-        /// What it is about, in a line.
+        /// A title in one line.
         title: &'a str,
-        /// The result.
+        /// The result of the calibration.
         calibration: &'a Calibration,
     },
 }
 
-/// Sweeps with the names of their files, and statistics.
+/// Sweeps with the names of their files, and the statistics to draw.
 type Sweeps<'a> = (&'a [(String, &'a Sweep)], &'a [Statistic]);
 
 impl<'a> Subject<'a> {
-    /// The scenario and the path of it that can be drawn.
+    /// The scenario, and the number of the path that is drawn.
     pub(super) fn path(&self) -> Result<(&'a Scenario, u64), Absent> {
         match self {
             Subject::Scenario { scenario, path } | Subject::Run { scenario, path, .. } => Ok((scenario, *path)),
@@ -59,7 +59,7 @@ impl<'a> Subject<'a> {
         }
     }
 
-    /// The run and what it was of.
+    /// The scenario and the results of a run.
     pub(super) fn run(&self) -> Result<(&'a Scenario, &'a Summary), Absent> {
         match self {
             Subject::Run { scenario, summary, .. } => Ok((scenario, summary)),
@@ -67,7 +67,7 @@ impl<'a> Subject<'a> {
         }
     }
 
-    /// The sweeps.
+    /// The sweeps and the statistics to draw.
     pub(super) fn sweeps(&self) -> Result<Sweeps<'a>, Absent> {
         match self {
             Subject::Sweep { sweeps, statistics } => Ok((sweeps, statistics)),
@@ -75,7 +75,7 @@ impl<'a> Subject<'a> {
         }
     }
 
-    /// The calibration and what it is about.
+    /// The title and the result of a calibration.
     pub(super) fn calibration(&self) -> Result<(&'a str, &'a Calibration), Absent> {
         match self {
             Subject::Calibration { title, calibration } => Ok((title, calibration)),
@@ -83,7 +83,7 @@ impl<'a> Subject<'a> {
         }
     }
 
-    /// The trade.
+    /// The costs that a trade has found.
     pub(super) fn trade(&self) -> Result<&'a Prices, Absent> {
         match self {
             Subject::Trade(prices) => Ok(prices),
@@ -92,16 +92,16 @@ impl<'a> Subject<'a> {
     }
 }
 
-/// Why there is no such figure of a subject.
+/// Why a figure cannot be drawn from a subject.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Absent {
-    /// It is a figure of something else.
+    /// The figure shows another kind of subject, which is named.
     #[error("it is drawn from {0}")]
     Elsewhere(&'static str),
-    /// There is nothing to draw.
+    /// The subject lacks what the figure shows; the reason is given.
     #[error("{0}")]
     Nothing(&'static str),
-    /// The path was lost.
+    /// The path with this number was lost.
     #[error("path {0} was lost: it diverged or was given up")]
     Lost(u64),
 }
@@ -111,14 +111,18 @@ pub enum Absent {
 pub struct Figure {
     /// Its name on the command line.
     pub name: &'static str,
-    /// What it shows, in a line.
+    /// What it shows, in one line.
     pub shows: &'static str,
-    /// How it is drawn.
+    /// The function that draws it.
     pub(super) draws: fn(&Subject, &Style) -> Result<Scene, Absent>,
 }
 
 impl Figure {
-    /// Draw it.
+    /// Draws the figure.
+    ///
+    /// # Errors
+    ///
+    /// [`Absent`] says why this subject has no such figure.
     pub fn draw(&self, subject: &Subject, style: &Style) -> Result<Scene, Absent> {
         (self.draws)(subject, style)
     }

@@ -1,5 +1,5 @@
-//! Statistics as functions of a key: a panel each, a curve for each sweep, or for each value of a
-//! second key.
+//! Statistics as functions of a key, in one panel for each statistic. There is one curve for each
+//! sweep, or for each value of a second key.
 
 use super::axis::{Axis, range_of};
 use super::kit::{Colour, Label, Scene, Stroke};
@@ -16,25 +16,25 @@ use crate::study::sweep::{self, Design, Sweep};
 pub const FIGURE: Figure =
     Figure { name: "sweep", shows: "statistics as functions of a key of the scenario", draws: draw };
 
-/// What is drawn where nobody says what.
+/// The statistics that are drawn if none is named.
 pub(super) const USUAL: [Statistic; 2] = [Statistic::StickDurationMean, Statistic::SubPhasesMultipleShare];
 
-/// Height of a panel: that of the longest title.
+/// The height of a panel, which the longest title determines.
 const HEIGHT: f64 = 118.0;
 
-/// More points than these are a curve without marks.
+/// A curve of more points than this has no marks.
 const MOST_MARKS: usize = 30;
 
-/// More curves than these cannot be told apart.
+/// The most curves of a sweep; more could not be distinguished.
 const MOST_CURVES: usize = 6;
 
-/// Points of one sweep, along its first axis.
+/// The points of one sweep along its first axis, at one value of each other axis.
 struct Curve<'a> {
     sweep: &'a Sweep,
     label: Label,
     stroke: Stroke,
     mark: Mark,
-    /// The number of each point, in the order of the values.
+    /// The numbers of the points, in the order of the values of the first axis.
     points: Vec<usize>,
 }
 
@@ -105,7 +105,7 @@ fn draw(subject: &Subject, style: &Style) -> Result<Scene, Absent> {
     Ok(sheet(style, &format!("Sweep: {}", first.question.scenario.title), &legend, &panels, ""))
 }
 
-/// Logarithmic where the values are evenly spaced so.
+/// The horizontal axis. It is logarithmic if the values are evenly spaced in their logarithms.
 fn horizontal(axis: &sweep::Axis) -> Axis {
     let values = &axis.values;
     let title = symbol(&axis.name, &axis.key);
@@ -139,7 +139,7 @@ fn curves<'a>(sweeps: &'a [(String, &'a Sweep)], palette: &Palette) -> Vec<Curve
         let others = if matches!(design, Design::Grid(_)) { design.points() / length } else { 1 };
         let shown = others.min(MOST_CURVES);
         for k in 0..shown {
-            // Spread over the values of the other axes.
+            // The curves that are drawn are spread over the values of the other axes.
             let other = if shown > 1 { k * (others - 1) / (shown - 1) } else { 0 };
             let points: Vec<usize> = (0..length).map(|i| i * others + other).collect();
             let (stroke, mark) = if others == 1 && are_distinct { look(kinds[i]) } else { own(curves.len()) };

@@ -1,15 +1,15 @@
-//! How every picture looks: width, colours, sizes of letters and lines.
+//! The look of every picture: width, colours, sizes of letters and lines.
 
 use super::kit::Colour;
 
-/// What a user chooses of the look of a picture.
+/// The part of the look that a user chooses.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Style {
     /// Light or dark.
     pub theme: Theme,
     /// Width of one figure in millimetres.
     pub width: f64,
-    /// Whether vertical axes are logarithmic where values allow it.
+    /// Whether vertical axes are logarithmic where the values allow it.
     pub log: bool,
 }
 
@@ -32,12 +32,12 @@ impl Default for Style {
 }
 
 impl Style {
-    /// Width of one figure in points.
+    /// Width of one figure in points of 1/72 inch.
     pub fn points(&self) -> f64 {
         self.width * 72.0 / 25.4
     }
 
-    /// Its colours.
+    /// The colours of the theme.
     pub fn palette(&self) -> &'static Palette {
         match self.theme {
             Theme::Light => &LIGHT,
@@ -46,47 +46,47 @@ impl Style {
     }
 }
 
-/// Size of letters.
+/// The size of letters, in points.
 pub const LETTERS: f64 = 8.0;
-/// Size of the numbers at ticks and of notes.
+/// The size of the numbers at ticks and of notes, in points.
 pub const SMALL: f64 = 7.0;
-/// Width of a line of data.
+/// The width of a curve.
 pub const LINE: f64 = 1.3;
-/// Width of a line that is beside the point.
+/// The width of a secondary line.
 pub const THIN: f64 = 0.6;
-/// Radius of a mark.
+/// The radius of a mark.
 pub const MARK: f64 = 1.9;
 
-/// Strokes and gaps of a static phase.
+/// Lengths of the strokes and gaps of a static phase.
 pub const DASH_DOT: [f64; 4] = [5.0, 1.8, 1.1, 1.8];
-/// Strokes and gaps of a second curve.
+/// Lengths of the strokes and gaps of a second curve.
 pub const DASHES: [f64; 2] = [3.2, 1.6];
-/// Of lines that lead somewhere.
+/// Lengths of the strokes and gaps of a line that leads from a point to an axis.
 pub const DOTS: [f64; 2] = [0.8, 1.8];
 
-/// The colours of a theme. The data colours are told apart by colour-blind readers, and in grey by
-/// their lightness or their dashes.
+/// The colours of a theme. Colour-blind readers can distinguish the colours of the data. Printed in
+/// grey, they differ in lightness or by the dashes of their curves.
 #[derive(Debug)]
 pub struct Palette {
-    /// The sheet.
+    /// The background of the sheet.
     pub background: Colour,
     /// Letters, axes and static phases.
     pub ink: Colour,
-    /// What is beside the point.
+    /// Secondary lines.
     pub faint: Colour,
     /// Lines of a grid.
     pub grid: Colour,
-    /// What is shown first.
+    /// The first colour of data.
     pub first: Colour,
-    /// What is beside it.
+    /// The second colour of data.
     pub second: Colour,
-    /// A third.
+    /// The third colour of data.
     pub third: Colour,
-    /// A fourth.
+    /// The fourth colour of data.
     pub fourth: Colour,
-    /// A wide interval of the first.
+    /// The area of a wide interval around the first curve.
     pub wide: Colour,
-    /// A narrow interval of the first.
+    /// The area of a narrow interval around the first curve.
     pub narrow: Colour,
 }
 
@@ -135,9 +135,9 @@ mod tests {
         (one.max(other) + 0.05) / (one.min(other) + 0.05)
     }
 
-    /// WCAG asks for a contrast of 3 between graphics and what is behind them, and of 4.5 for
-    /// letters. The curves of one panel that differ by colour alone, the sub-phases, must differ in
-    /// grey as well.
+    /// WCAG requires a contrast of 3 between graphics and their background, and of 4.5 for letters.
+    /// The curves of one panel that differ by colour alone, which are those of sub-phases, must
+    /// also differ in grey.
     #[test]
     fn colours_are_legible_and_those_of_sub_phases_differ_in_grey() {
         for palette in [&LIGHT, &DARK] {

@@ -1,5 +1,5 @@
-//! What each key does to a statistic: elasticities as bars, the longest above, with their
-//! intervals.
+//! The effect of each key on a statistic: elasticities as bars with their intervals, the largest at
+//! the top.
 
 use super::axis::{Axis, range_of};
 use super::kit::{Label, Scene, Stroke};
@@ -14,10 +14,10 @@ use crate::study::sweep::Design;
 /// The figure.
 pub const FIGURE: Figure = Figure { name: "tornado", shows: "what each key does to a statistic", draws: draw };
 
-/// Half the height of a bar.
+/// Half the height of a bar, as a share of the space for it.
 const HALF: f64 = 0.36;
 
-/// Room for a bar.
+/// The space for a bar, in points.
 const BAR: f64 = 15.0;
 
 fn draw(subject: &Subject, style: &Style) -> Result<Scene, Absent> {

@@ -1,5 +1,5 @@
-//! What accuracy costs: for every scheme the CPU time of the cheapest run that reaches a target, on
-//! logarithmic axes.
+//! What accuracy costs: the CPU time of the cheapest run that reaches a target, for every scheme,
+//! on logarithmic axes.
 
 use super::axis::{Axis, range_of};
 use super::kit::{Colour, Label, Scene, Stroke};
@@ -14,7 +14,7 @@ use crate::scheme::Kind;
 pub const FIGURE: Figure =
     Figure { name: "trade", shows: "the error that CPU time buys, scheme by scheme", draws: draw };
 
-/// Runs of more than a year are not drawn.
+/// CPU seconds of a year. Runs that take longer are not drawn.
 const YEAR: f64 = 3.2e7;
 
 fn draw(subject: &Subject, style: &Style) -> Result<Scene, Absent> {
@@ -45,8 +45,8 @@ fn draw(subject: &Subject, style: &Style) -> Result<Scene, Absent> {
     Ok(sheet(style, &format!("What accuracy costs: {}", prices.title), &legend, &[panel], ""))
 }
 
-/// How a scheme looks: its colour, its dashes and its marks tell it from the others, each of them
-/// alone.
+/// The look of a scheme. Its colour, its dashes and its marks each distinguish it from the other
+/// schemes.
 pub(super) fn look(kind: Kind) -> (Stroke, Mark) {
     let look = kind.look();
     let rgb = u32::from_str_radix(look.colour.trim_start_matches('#'), 16).unwrap_or(0);

@@ -1,9 +1,9 @@
-//! What statistics are called at an axis.
+//! The names of statistics and keys at an axis.
 
 use super::kit::Label;
 use crate::stats::Statistic;
 
-/// A statistic in a few words: "mean stick duration".
+/// The name of a statistic, e.g. "mean stick duration".
 pub fn words(statistic: Statistic) -> &'static str {
     match statistic {
         Statistic::StickDurationMean => "mean stick duration",
@@ -30,11 +30,12 @@ pub fn words(statistic: Statistic) -> &'static str {
     }
 }
 
-/// The Greek letters among the paper's symbols.
+/// The Greek letters among the symbols of the paper.
 const GREEK: [(&str, &str); 7] =
     [("alpha", "α"), ("beta", "β"), ("phi", "φ"), ("rho", "ρ"), ("sigma", "σ"), ("tau", "τ"), ("theta", "θ")];
 
-/// A symbol as it is printed: rho as its letter, f_s and x0 with an index, anything else as it is.
+/// A symbol as it is printed: rho becomes its Greek letter, f_s and x0 get an index, and anything
+/// else stays as it is.
 pub fn letter(name: &str) -> Label {
     if let Some((_, letter)) = GREEK.iter().find(|(word, _)| *word == name) {
         return Label::new(&format!("*{letter}*"));
@@ -50,23 +51,23 @@ pub fn letter(name: &str) -> Label {
     }
 }
 
-/// The last two words of a dotted key: "noise intensity".
+/// The last two words of a dotted key, e.g. "noise intensity".
 fn key_words(key: &str) -> String {
     let words: Vec<&str> = key.split('.').collect();
     words[words.len().saturating_sub(2)..].join(" ").replace('_', " ")
 }
 
-/// A dotted key in words.
+/// The label of a dotted key.
 pub fn letter_of_key(key: &str) -> Label {
     Label::verbatim(&key_words(key))
 }
 
-/// A key with its symbol: "noise intensity ρ".
+/// The label of a key with its symbol, e.g. "noise intensity ρ".
 pub fn symbol(name: &str, key: &str) -> Label {
     Label::verbatim(&format!("{} ", key_words(key))).and(letter(name))
 }
 
-/// A whole number in groups of three that stay together.
+/// A whole number in groups of three digits, which a line break does not separate.
 pub fn grouped(n: u64) -> String {
     let digits = n.to_string();
     let groups: Vec<&str> =

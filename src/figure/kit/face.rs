@@ -1,4 +1,4 @@
-//! The three faces in which pictures are lettered: subsets of Inter (`assets/inter`).
+//! The three typefaces of pictures: subsets of Inter (`assets/inter`).
 
 use skrifa::instance::{LocationRef, Size};
 use skrifa::outline::{DrawSettings, OutlinePen};
@@ -6,18 +6,18 @@ use skrifa::raw::TableProvider as _;
 use skrifa::{FontRef, GlyphId, MetadataProvider as _};
 use std::sync::LazyLock;
 
-/// A face.
+/// A typeface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Face {
     /// Upright.
     Regular,
-    /// For symbols of quantities.
+    /// For the symbols of quantities.
     Italic,
     /// For headings and the letters of panels.
     Bold,
 }
 
-/// What is parsed once.
+/// A font that was parsed once.
 struct Parsed {
     font: FontRef<'static>,
     em: f64,
@@ -29,7 +29,8 @@ static BOLD: &[u8] = include_bytes!("../../../assets/inter/Inter-Bold.ttf");
 
 static PARSED: LazyLock<[Parsed; 3]> = LazyLock::new(|| {
     [REGULAR, ITALIC, BOLD].map(|bytes| {
-        // tests/assets.rs holds the bytes against their hash, and a test below reads every face.
+        // This cannot fail: tests/assets.rs compares the bytes with their hash, and a test below
+        // reads every typeface.
         let font = FontRef::new(bytes).expect("a vendored font is sound");
         let em = f64::from(font.head().map_or(1000, |head| head.units_per_em()));
         Parsed { font, em }
@@ -37,7 +38,7 @@ static PARSED: LazyLock<[Parsed; 3]> = LazyLock::new(|| {
 });
 
 impl Face {
-    /// Every one.
+    /// All typefaces.
     pub const ALL: [Face; 3] = [Face::Regular, Face::Italic, Face::Bold];
 
     fn parsed(self) -> &'static Parsed {
@@ -49,33 +50,34 @@ impl Face {
         [REGULAR, ITALIC, BOLD][self as usize]
     }
 
-    /// Units of the outlines in the size of the letters.
+    /// The number of font units in the size of the letters.
     pub fn em(self) -> f64 {
         self.parsed().em
     }
 
-    /// The glyph of a character; the face's mark for a missing one where it has none.
+    /// The glyph of a character; the glyph for missing characters if the typeface does not have it.
     pub fn glyph(self, c: char) -> u32 {
         self.parsed().font.charmap().map(c).map_or(0, |glyph| glyph.to_u32())
     }
 
-    /// How far it moves the pen, in units of the size.
+    /// The width of a glyph, in units of the size of the letters.
     pub fn advance(self, glyph: u32) -> f64 {
         let metrics = self.parsed().font.glyph_metrics(Size::unscaled(), LocationRef::default());
         f64::from(metrics.advance_width(GlyphId::new(glyph)).unwrap_or(0.0)) / self.em()
     }
 
-    /// The width of a text, in units of the size.
+    /// The width of a text, in units of the size of the letters.
     pub fn width(self, text: &str) -> f64 {
         text.chars().map(|c| self.advance(self.glyph(c))).sum()
     }
 
-    /// The outline of a glyph as SVG path data, in units of the font, y pointing up.
+    /// The outline of a glyph as SVG path data, in font units with y pointing up.
     pub fn outline(self, glyph: u32) -> String {
         let mut pen = SvgPen::default();
         let settings = DrawSettings::unhinted(Size::unscaled(), LocationRef::default());
         if let Some(outline) = self.parsed().font.outline_glyphs().get(GlyphId::new(glyph)) {
-            // A glyph that cannot be drawn stays blank, and the test below sees to it that all can.
+            // A glyph that cannot be drawn stays blank. The test below ensures that all glyphs that
+            // are used can be drawn.
             let _ = outline.draw(settings, &mut pen);
         }
         pen.0
@@ -115,7 +117,8 @@ impl OutlinePen for SvgPen {
 mod tests {
     use super::*;
 
-    /// What labels are made of: digits, a true minus, Greek, the dot of a velocity, a half, bounds.
+    /// The characters of labels: letters, digits, the typographic minus, Greek letters, a dotted x
+    /// for a velocity, fractions, comparisons.
     const NEEDED: &str = "0123456789−–.,%()=<>≤≥×·±°√∞≈½¼abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZẋẍαβγδεθλμρστφωΔΩäöüßéèñçåøžś";
 
     #[test]

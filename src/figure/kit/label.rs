@@ -1,42 +1,42 @@
-//! Words with italics, indices and powers, laid out before they are placed.
+//! Text with italics, indices and powers, whose size is known before it is placed.
 
 use super::face::Face;
 
-/// A part of a label: its letters stand together.
+/// A part of a label with letters of one typeface and size.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Run {
     pub face: Face,
-    /// Size of the letters, in units of that of the label.
+    /// The size of the letters, in units of the size of the label.
     pub size: f64,
-    /// Where it begins, in units of the size of the label, y up.
+    /// The position of its beginning, in units of the size of the label, with y pointing up.
     pub at: [f64; 2],
     pub text: String,
 }
 
-/// A line of words. Positions and widths are in units of the size that it is drawn in.
+/// A line of text. Positions and widths are in units of the size that it is drawn in.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Label {
     pub(super) runs: Vec<Run>,
     width: f64,
 }
 
-/// Letters of an index or a power.
+/// The size of an index or a power.
 const SMALL: f64 = 0.72;
-/// How far an index hangs below the line, and a power stands above it.
+/// How far an index is below the base line (`DROP`), and a power above it (`RAISE`).
 const DROP: f64 = 0.20;
 const RAISE: f64 = 0.36;
 
-/// How far letters stand above their line, and hang below it.
+/// How far letters extend above the base line (`TALL`), and below it (`DEEP`).
 const TALL: f64 = 0.74;
 const DEEP: f64 = 0.16;
 
 impl Label {
-    /// Of a text with marks: `*x*` is italic, `**A**` bold, `_{1}` an index, `^{2}` a power; an
-    /// index and a power that follow each other stand one above the other.
+    /// A label from a text with marks: `*x*` is italic, `**A**` bold, `_{1}` an index, `^{2}` a
+    /// power. An index and a power that follow each other are placed one above the other.
     pub fn new(marked: &str) -> Self {
         let mut label = Label::default();
         let (mut face, mut rest) = (Face::Regular, marked);
-        // Where an index or a power begins that another one may stand above.
+        // The position of an index or a power above or below which the next one may be placed.
         let mut stack: Option<f64> = None;
         while let Some(c) = rest.chars().next() {
             let script = [("_{", -DROP), ("^{", RAISE)].into_iter().find_map(|(mark, shift)| {
@@ -67,14 +67,14 @@ impl Label {
         label
     }
 
-    /// Of a text as it is: what a user wrote has no marks.
+    /// A label from a text without marks, such as one that a user wrote.
     pub fn verbatim(text: &str) -> Self {
         let mut label = Label::default();
         label.push(Face::Regular, 1.0, [0.0; 2], text);
         label
     }
 
-    /// The same with more behind it.
+    /// This label with another one behind it.
     pub fn and(mut self, other: Label) -> Self {
         let shift = self.width;
         self.runs.extend(other.runs.into_iter().map(|run| Run { at: [run.at[0] + shift, run.at[1]], ..run }));
@@ -82,29 +82,29 @@ impl Label {
         self
     }
 
-    /// The same in bold letters.
+    /// A label in bold letters, from a text without marks.
     pub fn bold(text: &str) -> Self {
         let mut label = Label::default();
         label.push(Face::Bold, 1.0, [0.0; 2], text);
         label
     }
 
-    /// Its width, in units of the size.
+    /// The width of the label, in units of its size.
     pub fn width(&self) -> f64 {
         self.width
     }
 
-    /// How far its letters stand above the base line, in units of the size.
+    /// How far the label extends above the base line, in units of its size.
     pub fn rise(&self) -> f64 {
         self.runs.iter().map(|run| run.at[1].max(0.0) + TALL * run.size).fold(0.0, f64::max)
     }
 
-    /// How far they hang below it.
+    /// How far the label extends below the base line, in units of its size.
     pub fn fall(&self) -> f64 {
         self.runs.iter().map(|run| (-run.at[1]).max(0.0) + DEEP * run.size).fold(0.0, f64::max)
     }
 
-    /// Its words without the marks, as a reader that does not see hears them.
+    /// The text without the marks, for readers who do not see the picture.
     pub fn words(&self) -> String {
         self.runs.iter().map(|run| run.text.as_str()).collect()
     }
@@ -135,7 +135,7 @@ mod tests {
                 (Face::Regular, " (m)", 0.0)
             ]
         );
-        // index and power begin together, and what follows begins behind the wider one
+        // Index and power begin at the same place, and what follows begins behind the wider one.
         assert_eq!(label.runs[2].at[0], label.runs[3].at[0]);
         assert!((label.runs[4].at[0] - label.runs[2].at[0] - SMALL * Face::Regular.width("1+½")).abs() < 1e-12);
         assert_eq!(label.words(), "mean x1+½2 (m)");

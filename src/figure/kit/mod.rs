@@ -1,14 +1,15 @@
-//! A picture as data, and its three formats: no plotting here, only shapes and words on a sheet.
+//! A picture as data, and its three formats. There is no plotting here, only shapes and text on a
+//! sheet.
 //!
 //! ```text
-//! Label      words with italics and indices, measured before they are placed      (face, label)
-//! Scene      a sheet with filled and stroked paths, words, and clipped parts      (scene)
+//! Label      text with italics and indices, measured before it is placed            (face, label)
+//! Scene      a sheet with filled and stroked paths, text, and clipped parts         (scene)
 //!   -> svg   letters as outlines, so that it looks the same everywhere
 //!   -> png   that SVG, rasterised
 //!   -> pdf   letters as text in an embedded font, so that it can be searched
 //! ```
 //!
-//! Lengths are points of 1/72 inch, and y points down.
+//! Lengths are in points of 1/72 inch, and y points down.
 
 mod face;
 mod label;

@@ -1,4 +1,4 @@
-//! A scene as PDF: letters as text in an embedded font, shapes as they are.
+//! A scene as PDF: letters as text in an embedded font, shapes as vector paths.
 
 use super::face::Face;
 use super::scene::{Colour, Item, Path, Scene, Step, Stroke};
@@ -12,7 +12,8 @@ use krilla::surface::Surface;
 use krilla::text::{Font, GlyphId, KrillaGlyph};
 use krilla::{Data, Document};
 
-/// The scene as a document of one page, equal for equal scenes; none where the page is no sheet.
+/// The scene as a document of one page. Equal scenes give equal documents. None if PDF does not
+/// allow a page of this size.
 pub fn pdf(scene: &Scene) -> Option<Vec<u8>> {
     let fonts: Vec<Font> =
         Face::ALL.iter().filter_map(|face| Font::new(Data::from(face.bytes().to_vec()), 0)).collect();

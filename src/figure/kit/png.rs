@@ -5,21 +5,22 @@ use super::svg::svg;
 use resvg::tiny_skia::{Pixmap, Transform};
 use resvg::usvg::{Options, Tree};
 
-/// Why a scene has no PNG.
+/// Why a scene cannot be written as PNG.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum PngError {
-    /// It would have more pixels than memory should hold.
+    /// The picture would have more pixels than are allowed: its width and its height.
     #[error("{0} x {1} pixels are too many for a PNG; write SVG or PDF, or make it narrower")]
     TooLarge(u32, u32),
-    /// A flaw of this program.
+    /// The conversion failed, which is an error of this program.
     #[error("a flaw in the program: {0}")]
     Flaw(String),
 }
 
-/// Most pixels: 400 MB while they are drawn.
+/// The most pixels. They take 400 MB while they are drawn.
 const MOST_PIXELS: u64 = 100_000_000;
 
-/// The scene with so many pixels to an inch, equal for equal scenes on one machine.
+/// The scene as PNG with `per_inch` pixels to an inch. Equal scenes give equal pictures on one
+/// machine.
 pub fn png(scene: &Scene, per_inch: f64) -> Result<Vec<u8>, PngError> {
     let flaw = |error: String| PngError::Flaw(error);
     let tree = Tree::from_str(&svg(scene), &Options::default()).map_err(|error| flaw(error.to_string()))?;
@@ -32,8 +33,8 @@ pub fn png(scene: &Scene, per_inch: f64) -> Result<Vec<u8>, PngError> {
     let (x, y) = (width as f32 / tree.size().width(), height as f32 / tree.size().height());
     resvg::render(&tree, Transform::from_scale(x, y), &mut pixmap.as_mut());
 
-    // The sheet is opaque: without the fourth channel the file is smaller, and no reader mistakes
-    // it.
+    // The sheet is opaque. Without the channel for transparency the file is smaller, and no reader
+    // can misinterpret that channel.
     let rgb: Vec<u8> = pixmap.pixels().iter().flat_map(|pixel| [pixel.red(), pixel.green(), pixel.blue()]).collect();
     let mut bytes = Vec::new();
     let mut encoder = png::Encoder::new(&mut bytes, width, height);

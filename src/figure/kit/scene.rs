@@ -1,35 +1,35 @@
-//! A sheet with shapes and words on it.
+//! A sheet with shapes and text on it.
 
 use super::Label;
 
-/// A colour, and how much of what lies behind it shows through.
+/// A colour and its opacity.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Colour {
     /// Red, green and blue.
     pub rgb: [u8; 3],
-    /// From 0, nothing of it, to 1, nothing behind it.
+    /// The opacity, from 0 for invisible to 1 for opaque.
     pub opacity: f64,
 }
 
 impl Colour {
-    /// Of six hexadecimal digits, opaque.
+    /// An opaque colour from six hexadecimal digits.
     pub const fn hex(rgb: u32) -> Self {
         Colour { rgb: [(rgb >> 16) as u8, (rgb >> 8) as u8, rgb as u8], opacity: 1.0 }
     }
 
-    /// The same, so far opaque.
+    /// The same colour with this opacity.
     pub const fn at(self, opacity: f64) -> Self {
         Colour { opacity, ..self }
     }
 
-    /// The same mixed with so much of another.
+    /// The colour mixed with a share of another one.
     pub fn mixed(self, other: Colour, share: f64) -> Self {
         let mix = |i: usize| (f64::from(self.rgb[i]) * (1.0 - share) + f64::from(other.rgb[i]) * share).round() as u8;
         Colour { rgb: [0, 1, 2].map(mix), ..self }
     }
 }
 
-/// An upright rectangle.
+/// A rectangle with horizontal and vertical sides.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rect {
     /// Left edge.
@@ -53,36 +53,36 @@ impl Rect {
         self.y + self.height
     }
 
-    /// Larger by so much on every side.
+    /// The rectangle, larger by `by` on every side.
     pub fn grown(&self, by: f64) -> Rect {
         Rect { x: self.x - by, y: self.y - by, width: self.width + 2.0 * by, height: self.height + 2.0 * by }
     }
 
-    /// Whether a point lies in it.
+    /// Whether a point lies in the rectangle.
     pub fn holds(&self, [x, y]: [f64; 2]) -> bool {
         (self.x..=self.right()).contains(&x) && (self.y..=self.bottom()).contains(&y)
     }
 
-    /// Whether the two have a point in common.
+    /// Whether the interiors of the two rectangles have a point in common.
     pub fn meets(&self, other: &Rect) -> bool {
         self.x < other.right() && other.x < self.right() && self.y < other.bottom() && other.y < self.bottom()
     }
 }
 
-/// Lines and curves, as SVG draws them.
+/// Lines and curves, in the elements that SVG has.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Path(pub Vec<Step>);
 
-/// A step of a path.
+/// An element of a path.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Step {
-    /// Go there without drawing.
+    /// Moves to a point without drawing.
     Move([f64; 2]),
     /// A straight line.
     Line([f64; 2]),
     /// A cubic curve with two control points.
     Curve([f64; 2], [f64; 2], [f64; 2]),
-    /// Back to where this part began.
+    /// Closes this part of the path by a line to its beginning.
     Close,
 }
 
@@ -108,7 +108,7 @@ impl Path {
 
     /// A circle.
     pub fn circle([x, y]: [f64; 2], radius: f64) -> Self {
-        // Four cubic curves, off by less than 3e-4 of the radius.
+        // Four cubic curves approximate the circle to 3e-4 of its radius.
         let (r, k) = (radius, 0.552_284_75 * radius);
         Path(vec![
             Step::Move([x + r, y]),
@@ -121,30 +121,30 @@ impl Path {
     }
 }
 
-/// How a path is drawn along.
+/// How the outline of a path is drawn.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Stroke {
     /// Its colour.
     pub colour: Colour,
     /// Its width.
     pub width: f64,
-    /// Lengths of strokes and gaps; empty for a line without gaps.
+    /// The lengths of strokes and gaps in turn; empty for a solid line.
     pub dash: Vec<f64>,
 }
 
 impl Stroke {
-    /// Without gaps.
+    /// A solid line.
     pub fn solid(colour: Colour, width: f64) -> Self {
         Stroke { colour, width, dash: Vec::new() }
     }
 
-    /// With gaps.
+    /// A dashed line.
     pub fn dashed(colour: Colour, width: f64, dash: &[f64]) -> Self {
         Stroke { colour, width, dash: dash.to_vec() }
     }
 }
 
-/// Which point of a line of words stands at its place.
+/// Which point of a text is placed at the given position.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Align {
     /// Its beginning.
@@ -155,43 +155,43 @@ pub enum Align {
     End,
 }
 
-/// Something on a sheet.
+/// An element of a sheet.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Item {
     /// A shape.
     Shape {
         /// Its outline.
         path: Path,
-        /// What it is filled with.
+        /// The colour it is filled with; none for an outline only.
         fill: Option<Colour>,
-        /// How its outline is drawn.
+        /// How its outline is drawn; none for an area only.
         stroke: Option<Stroke>,
     },
-    /// A line of words.
+    /// A line of text.
     Words {
-        /// The words.
+        /// The text.
         label: Label,
-        /// Where the base line begins.
+        /// Where its base line begins.
         at: [f64; 2],
-        /// Size of the letters.
+        /// The size of the letters.
         size: f64,
-        /// Their colour.
+        /// The colour of the letters.
         colour: Colour,
-        /// Whether they run upwards instead of to the right.
+        /// Whether the text runs upwards instead of to the right.
         upwards: bool,
     },
-    /// Things of which only what is inside a rectangle is seen.
+    /// Items that are visible only inside a rectangle.
     Clipped {
         /// The rectangle.
         inside: Rect,
-        /// The things.
+        /// The items.
         items: Vec<Item>,
     },
-    /// Things moved to the right and down.
+    /// Items that are moved to the right and down.
     Moved {
-        /// How far.
+        /// The distances to the right and down.
         by: [f64; 2],
-        /// The things.
+        /// The items.
         items: Vec<Item>,
     },
 }
@@ -205,30 +205,31 @@ pub struct Scene {
     pub height: f64,
     /// Its colour.
     pub background: Colour,
-    /// What it shows, in a line: for readers that do not see it.
+    /// What it shows, in one line, for readers who do not see the picture.
     pub title: String,
-    /// What is on it, from back to front.
+    /// Its items, from back to front.
     pub items: Vec<Item>,
 }
 
 impl Item {
-    /// A line that is drawn along.
+    /// An outline without a filled area.
     pub fn stroked(path: Path, stroke: Stroke) -> Self {
         Item::Shape { path, fill: None, stroke: Some(stroke) }
     }
 
-    /// A shape that is filled.
+    /// A filled area without an outline.
     pub fn filled(path: Path, fill: Colour) -> Self {
         Item::Shape { path, fill: Some(fill), stroke: None }
     }
 
-    /// Words to the right, one point of which stands at a place on their base line.
+    /// Text that runs to the right. `align` says which point of its base line is at the given
+    /// position.
     pub fn words(label: Label, [x, y]: [f64; 2], align: Align, size: f64, colour: Colour) -> Self {
         let x = x - size * label.width() * share(align);
         Item::Words { label, at: [x, y], size, colour, upwards: false }
     }
 
-    /// Words upwards.
+    /// Text that runs upwards. `align` says which point of its base line is at the given position.
     pub fn words_upwards(label: Label, [x, y]: [f64; 2], align: Align, size: f64, colour: Colour) -> Self {
         let y = y + size * label.width() * share(align);
         Item::Words { label, at: [x, y], size, colour, upwards: true }

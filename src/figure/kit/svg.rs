@@ -1,12 +1,12 @@
-//! A scene as SVG. Letters are outlines, each drawn once and used often, so that no font is needed
-//! to see it.
+//! A scene as SVG. Letters are outlines, so that no font is needed to show it. Each outline is
+//! stored once and referred to wherever it occurs.
 
 use super::face::Face;
 use super::scene::{Colour, Item, Path, Rect, Scene, Step};
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
-/// The scene as the text of an SVG file, equal for equal scenes.
+/// The scene as the text of an SVG file. Equal scenes give equal files.
 pub fn svg(scene: &Scene) -> String {
     let mut writer = Writer::default();
     writer.items(&scene.items);
@@ -119,7 +119,7 @@ impl Writer {
     }
 }
 
-/// The name of a glyph within the file.
+/// The identifier of a glyph within the file.
 fn name(face: Face, glyph: u32) -> String {
     format!("{}{glyph}", ['r', 'i', 'b'][face as usize])
 }
@@ -135,7 +135,7 @@ fn data(path: &Path) -> String {
     path.0.iter().map(step).collect()
 }
 
-/// A length to a hundredth of a point, without needless digits.
+/// A length to a hundredth of a point, without trailing zeros.
 fn number(x: f64) -> String {
     let text = format!("{x:.2}");
     let text = text.trim_end_matches('0').trim_end_matches('.');
@@ -150,8 +150,8 @@ fn opacity(attribute: &str, colour: Colour) -> String {
     if colour.opacity < 1.0 { format!(" {attribute}=\"{}\"", number(colour.opacity)) } else { String::new() }
 }
 
-/// A text as it stands in XML; what XML cannot hold, such as a NUL, becomes a replacement
-/// character.
+/// A text with the escapes of XML. Characters that XML does not allow, such as NUL, become
+/// replacement characters.
 fn escaped(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for c in text.chars() {
@@ -177,8 +177,8 @@ mod tests {
         assert_eq!(
             [1.0, -0.001, 0.125, -3.456, 100.0, 1.10].map(number),
             ["1", "0", "0.13", "-3.46", "100", "1.1"].map(|s| {
-                // 0.125 is halfway: rounding to even or away is the formatter's choice, and the
-                // same everywhere
+                // 0.125 is halfway between two roundings. Which one the formatter chooses is the
+                // same everywhere.
                 if s == "0.13" { format!("{:.2}", 0.125) } else { s.to_string() }
             })
         );
