@@ -2,11 +2,12 @@
 //! temperature.
 //!
 //! A body on a spring sticks while the force on it stays below a static threshold, and slips
-//! against a dynamic one. The temperature moves the rest position of the spring, and part of it is
-//! random. This library simulates very many paths of such a body and answers, each with an interval
-//! and with the error that its own time step makes:
+//! against a dynamic one. The temperature moves the rest position of the spring, and part of the
+//! temperature is random. This library simulates a large ensemble of paths of such a body and
+//! estimates the statistics below. Each estimate comes with a confidence interval, and with the
+//! bias that comes from the time step of the simulation:
 //!
-//! - how long the body sticks, and with which distribution;
+//! - how long the body sticks, and how these durations are distributed;
 //! - how often it slips, and how many times it turns back before it sticks again (sub-phases);
 //! - where it is at each time, how far it drifts, and how much work friction does.
 //!
@@ -29,43 +30,47 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! # The rooms
+//! # The modules
 //!
-//! From the ground up; each knows only those above it in this list.
+//! The list goes from the ground up: each module uses only modules above it.
 //!
-//! | room | what it is for |
+//! | module | purpose |
 //! |---|---|
+//! | [`numbers`] | numbers in the form in which people read them |
 //! | [`model`] | oscillator, friction, temperature, and the vocabulary of phases; pure functions |
-//! | [`lanes`] | several numbers in one register |
-//! | [`noise`] | random streams, normals, exact transitions |
-//! | [`scheme`] | how noise becomes the cascade of stick and slip phases |
-//! | [`stats`] | statistics of the cascade, summed along one tree, with intervals |
+//! | [`lanes`] | several numbers in one processor register |
+//! | [`noise`] | random streams, normal numbers, exact transitions |
+//! | [`scheme`] | the schemes that turn noise into the cascade of stick and slip phases |
+//! | [`stats`] | statistics of the cascade with their intervals |
 //! | [`ensemble`] | blocks of paths on threads, delivered in order |
-//! | [`bias`] | the error that the time step makes |
-//! | [`data`] | measured data: columns of a CSV file, checked and repaired |
-//! | [`scenario`] | one physical question: checked data, and the ensemble that it asks for |
-//! | [`engine`] | a run from scenario to outcome |
-//! | [`study`] | many runs, one question: what accuracy costs, how to run a scene for a target |
-//! | [`provenance`] | what a file says about where its numbers come from |
-//! | [`dataset`] | the data of a run, a trade, a sweep or a calibration: variables, dimensions, units |
-//! | `store` | the same as files (feature `store`) |
+//! | [`bias`] | the bias of the time step |
+//! | [`data`] | measured data: columns of a CSV or HDF5 file, checked and repaired |
+//! | [`scenario`] | one physical question as checked data, and the ensemble that it asks for |
+//! | [`config`] | scenarios as TOML, with overrides of single keys |
+//! | [`advice`] | what follows from a scenario before it is run: derived numbers and warnings |
+//! | [`engine`] | a run from its scenario to its outcome |
+//! | [`study`] | many runs for one question: the cost of accuracy, sweeps, calibration |
+//! | [`provenance`] | where the numbers of a run come from |
+//! | [`dataset`] | results as data: variables, dimensions, units |
+//! | `store` | the same data as files (feature `store`) |
 //! | `ranks` | one run in several processes, by MPI (feature `mpi`) |
 //! | `figure` | pictures (feature `figure`) |
 //!
-//! # Where to plug in
+//! # What you can add
 //!
-//! - A statistic of your own over the events and states of paths: [`stats::Tally`], folded in
+//! - A statistic of your own over the events and states of paths: [`stats::Tally`], computed in
 //!   parallel by [`engine::Run::tallied`].
 //! - A place for rows and results: [`engine::Sink`].
-//! - Somebody to tell how far a run is: [`engine::Progress`].
-//! - Something that watches single paths: [`scheme::Observer`].
+//! - A display of how far a run is: [`engine::Progress`].
+//! - An observer of single paths: [`scheme::Observer`].
 //! - A scheme: a file in `src/scheme`, and a line in its list (see DESIGN.md, "How to add").
 //!
 //! # Features
 //!
 //! `store` writes and reads HDF5 files and needs the HDF5 library, `figure` draws, and `cli` is the
-//! command `mc` and includes both. All are on by default. Without them the library needs neither
-//! HDF5 nor a C compiler.
+//! command `mc` and includes both. These three are on by default. Without them the library needs
+//! neither HDF5 nor a C compiler. `mpi` lets several processes make one run; it needs an MPI
+//! library and is off by default.
 #![deny(missing_docs)]
 
 pub mod advice;

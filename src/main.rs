@@ -1,4 +1,4 @@
-//! `mc`: parse the arguments, call one verb, choose the exit code.
+//! The command `mc`: parses the arguments, calls one verb, and exits with its exit code.
 
 mod cli;
 

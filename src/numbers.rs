@@ -1,6 +1,7 @@
-//! Numbers as people read them.
+//! Numbers in the form in which people read them.
 
-/// `digits` significant digits, in plain notation where that is readable; trailing zeros dropped.
+/// A number rounded to `digits` significant digits, with an exponent only below 1e-4 and from 1e7
+/// on, and without trailing zeros. NaN is `none`, infinities are `infinite` and `-infinite`.
 pub fn significant(x: f64, digits: usize) -> String {
     if !x.is_finite() {
         return if x.is_nan() {
@@ -14,7 +15,7 @@ pub fn significant(x: f64, digits: usize) -> String {
     plain(rounded(x, digits), 1e7)
 }
 
-/// Three significant digits, as a number stands in a sentence.
+/// A number rounded to three significant digits, for a sentence.
 pub fn short(x: f64) -> String {
     plain(rounded(x, 3), 1e6)
 }
@@ -23,12 +24,13 @@ fn rounded(x: f64, digits: usize) -> f64 {
     format!("{x:.*e}", digits.saturating_sub(1)).parse().unwrap_or(x)
 }
 
-/// Without an exponent where that reads better: from 1e-4 to below `end`.
+/// The shortest decimals of a number, without an exponent from 1e-4 to below `end`.
 fn plain(x: f64, end: f64) -> String {
     if x != 0.0 && !(1e-4..end).contains(&x.abs()) { format!("{x:e}") } else { format!("{x}") }
 }
 
-/// Bytes in the largest decimal unit that leaves a number above one.
+/// A number of bytes with three significant digits, in the largest decimal unit that is not larger
+/// than it.
 pub fn bytes(n: f64) -> String {
     let units = [(1e15, "PB"), (1e12, "TB"), (1e9, "GB"), (1e6, "MB"), (1e3, "kB")];
     match units.into_iter().find(|(unit, _)| n >= *unit) {
@@ -37,7 +39,8 @@ pub fn bytes(n: f64) -> String {
     }
 }
 
-/// The number to twelve digits, if that is all there is to it: 0.9 rather than 0.8999999999999999.
+/// The number rounded to twelve significant digits, which removes rounding errors: 0.9 instead of
+/// 0.8999999999999999.
 pub fn tidy(x: f64) -> f64 {
     format!("{x:.11e}").parse().unwrap_or(x)
 }

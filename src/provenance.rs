@@ -11,51 +11,52 @@ use std::sync::Arc;
 /// Version of the program.
 pub const PROGRAM_VERSION: &str = env!("CARGO_PKG_VERSION");
 
-/// Commit that the program was built from; `unknown` outside a repository.
+/// Commit that the program was built from; `unknown` if it was built outside a repository.
 pub const GIT_HASH: &str = env!("MC_GIT_HASH");
 
-/// Everything that is needed to repeat a run, and to know what made it.
+/// Everything that is needed to repeat a run, and to know which program made it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Provenance {
-    /// What the scenario asks, in a line.
+    /// The title of the scenario: what it asks, in one line.
     pub title: String,
     /// The resolved scenario as TOML: running it again gives the same data.
     pub scenario_text: String,
     /// Name of the scheme.
     pub scheme: String,
-    /// h, for time-stepping schemes.
+    /// The step h, for schemes with a time step.
     pub step: Option<f64>,
-    /// The shortest slip the scheme resolves, where its results depend on that.
+    /// The shortest slip that the scheme resolves, where the results depend on it.
     pub resolution: Option<f64>,
     /// Seed of the ensemble.
     pub seed: u64,
     /// Name of the random number generator and of the normal sampler.
     pub generator: String,
-    /// Paths asked for.
+    /// Number of paths that were asked for.
     pub paths: u64,
-    /// Whether they are antithetic pairs: paths 2k and 2k + 1 see the same noise and its mirror
-    /// image.
+    /// Whether the paths are antithetic pairs: paths 2k and 2k + 1 see the same noise with opposite
+    /// signs.
     pub antithetic: bool,
-    /// Paths in a block.
+    /// Number of paths in a block.
     pub block_size: u64,
     /// Version of the program.
     pub program_version: String,
-    /// Commit the program was built from.
+    /// Commit that the program was built from.
     pub git_hash: String,
-    /// Labels of the units; empty where dimensionless.
+    /// Labels of the units; empty where the scenario is dimensionless.
     pub units: Units,
     /// Times of the output grid.
     pub time: Vec<f64>,
-    /// What the temperature was measured to be, if it was.
+    /// The measured temperature of the scenario, if it has one.
     pub series: Option<Arc<Series>>,
-    /// The stamp of its first sample, for a file that is written.
+    /// The time stamp of the first sample of that temperature, as it is written to a file.
     pub series_start: Option<String>,
-    /// What shows the displacement of trajectories, for a file that is written.
+    /// The bearing at which a sensor observes the displacement of trajectories, as it is written
+    /// to a file; none if the scenario names no bearing.
     pub bearing: Option<Bearing>,
 }
 
 impl Provenance {
-    /// Of a run of this scenario, by this program.
+    /// The provenance of a run of this scenario by this program.
     pub fn of(scenario: &Scenario) -> Self {
         Provenance {
             title: scenario.title.clone(),
