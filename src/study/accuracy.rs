@@ -1,8 +1,8 @@
-//! From an error that is good enough to the scheme, its step or tolerance, and the number of paths.
+//! Choosing the scheme, its step or tolerance, and the number of paths for a given error.
 //!
-//! A pilot of some seconds measures the [`Trade`] of the scene; the cheapest of its settings whose
-//! relative root mean square error is at most the target in every statistic that is asked for is
-//! what should be run.
+//! A pilot of some seconds measures the [`Trade`] of the scenario. The choice is the cheapest of
+//! its settings for which the relative root mean square error is at most the target in every
+//! statistic that is asked for.
 
 use super::trade::{Choice, Limits, Refusal, Standing, Trade, TradeError, measure_within};
 use crate::engine::MOST_PATHS;
@@ -13,24 +13,24 @@ use std::fmt;
 use std::str::FromStr;
 use std::time::Duration;
 
-/// How long the pilot may take.
+/// CPU time of the pilot on each thread.
 pub const PILOT: Duration = Duration::from_secs(8);
 
-/// The longest run that is begun without a time limit.
+/// The longest run that is chosen if the caller sets no time limit.
 pub const LONGEST: Duration = Duration::from_secs(30 * 86_400);
 
-/// Fewest paths of a run with noise: with fewer its own interval says nothing, and the pilot's
-/// variance little about its error.
+/// Fewest paths of a run with noise. With fewer, the confidence interval of the run is not
+/// reliable, and the variance that the pilot measured predicts its error badly.
 pub const FEWEST_PATHS: u64 = 32;
 
-/// Targets that may be asked for.
+/// The range of targets that are accepted.
 pub const TARGETS: std::ops::RangeInclusive<f64> = 1e-6..=0.5;
 
-/// Targets to name instead, where one is out of reach.
+/// Targets that a message may propose in place of one that is out of reach.
 const ALTERNATIVES: [f64; 18] =
     [0.5, 0.2, 0.1, 0.05, 0.02, 0.01, 5e-3, 2e-3, 1e-3, 5e-4, 2e-4, 1e-4, 5e-5, 2e-5, 1e-5, 5e-6, 2e-6, 1e-6];
 
-/// What is asked for.
+/// The accuracy that is asked for.
 ///
 /// ```no_run
 /// use stick_slip::engine::Run;
@@ -47,87 +47,89 @@ const ALTERNATIVES: [f64; 18] =
 /// ```
 #[derive(Clone, Copy, Debug)]
 pub struct Accuracy<'a> {
-    /// The relative root mean square error, within [`TARGETS`].
+    /// The largest relative root mean square error, within [`TARGETS`].
     pub target: f64,
-    /// Of these statistics; of all that a run can answer, if there is none.
+    /// The statistics that must reach it. An empty list means all for which the scenario has an
+    /// answer.
     pub named: &'a [Statistic],
-    /// How long the run may take.
+    /// Wall-clock time that the run may take; `None` means [`LONGEST`].
     pub max_time: Option<Duration>,
-    /// Threads of the pilot and of the run.
+    /// Number of threads of the pilot and of the run.
     pub threads: usize,
 }
 
 /// How to run a scenario for a target.
 #[derive(Clone, Debug)]
 pub struct Decision {
-    /// The scenario with the scheme, the number of paths, and whether they are antithetic pairs, as
-    /// they were chosen.
+    /// The scenario with the chosen scheme and number of paths, as antithetic pairs if these were
+    /// chosen.
     pub scenario: Scenario,
     /// The target.
     pub target: f64,
-    /// The statistics that it holds for.
+    /// The statistics that reach it.
     pub asked: Vec<Statistic>,
-    /// What was chosen.
+    /// The chosen run and its predicted cost.
     pub choice: Choice,
 }
 
-/// Another target that is in reach.
+/// Another target that can be reached.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Alternative {
     /// The target.
     pub target: f64,
-    /// Wall-clock seconds that it takes.
+    /// Wall-clock seconds that a run for it takes.
     pub seconds: f64,
 }
 
-/// Why nothing can be chosen.
+/// Why nothing could be chosen.
 #[derive(Debug, thiserror::Error)]
 pub enum AccuracyError {
-    /// The pilot could not be made.
+    /// The pilot could not be run.
     #[error(transparent)]
     Pilot(#[from] TradeError),
-    /// What was chosen cannot be laid over the scenario.
+    /// The chosen scheme does not go with the other values of the scenario.
     #[error(transparent)]
     Misfit(#[from] Misfit),
-    /// A statistic that was named has no relative error in this scene.
+    /// A statistic that was named has no relative error in this scenario.
     #[error("{}: {standing}", statistic.name())]
     NoAnswer {
-        /// Which one.
+        /// The statistic.
         statistic: Statistic,
-        /// Why.
+        /// The reason.
         standing: Standing,
     },
-    /// No statistic has.
+    /// No statistic of this scenario has a relative error.
     #[error("no statistic of this scene has an error to choose for")]
     NothingToChoose,
     /// No setting has a bias that is small enough.
     #[error("it cannot be guaranteed: {refusal}")]
     OutOfReach {
-        /// Why.
+        /// The reason.
         refusal: Refusal,
-        /// The smallest target that is.
+        /// The smallest target that can be reached, if there is one.
         instead: Option<Alternative>,
     },
-    /// It takes longer than it may.
+    /// The cheapest run takes longer than allowed.
     #[error("it takes about {seconds:.0} s")]
     TooLong {
         /// The cheapest run.
         choice: Choice,
         /// Wall-clock seconds that it takes.
         seconds: f64,
-        /// The smallest target that does not.
+        /// The smallest target that can be reached in time, if there is one.
         instead: Option<Alternative>,
     },
 }
 
 impl Accuracy<'_> {
-    /// Measure a pilot, and choose.
+    /// Measure a pilot, and choose from it. Returns the choice and what the pilot measured. Fails
+    /// if the pilot cannot be run, or if no setting reaches the target in time.
     pub fn choose(&self, scenario: &Scenario, limits: Limits<'_>) -> Result<(Decision, Trade), AccuracyError> {
         let trade = measure_within(scenario, PILOT, self.threads, limits)?;
         Ok((self.decide(scenario, &trade)?, trade))
     }
 
-    /// Choose from what a pilot measured.
+    /// Choose from what a pilot has measured.
     pub fn decide(&self, scenario: &Scenario, trade: &Trade) -> Result<Decision, AccuracyError> {
         let asked = self.answerable(trade)?;
         let instead = || self.alternative(trade, &asked);
@@ -145,7 +147,7 @@ impl Accuracy<'_> {
         Ok(Decision { scenario, target: self.target, asked, choice })
     }
 
-    /// The statistics that are asked for, each of which must have an answer.
+    /// The statistics that are asked for; an error if one that was named has no answer.
     fn answerable(&self, trade: &Trade) -> Result<Vec<Statistic>, AccuracyError> {
         if let Some(&statistic) = self.named.iter().find(|statistic| trade.standing(**statistic).scale().is_none()) {
             return Err(AccuracyError::NoAnswer { statistic, standing: trade.standing(statistic) });
@@ -154,7 +156,7 @@ impl Accuracy<'_> {
         if asked.is_empty() { Err(AccuracyError::NothingToChoose) } else { Ok(asked) }
     }
 
-    /// Wall-clock seconds of a choice.
+    /// Wall-clock seconds of a run on the threads that are available.
     fn seconds(&self, choice: &Choice) -> f64 {
         let cores = std::thread::available_parallelism().map_or(1, usize::from);
         choice.seconds / self.threads.min(cores) as f64
@@ -164,7 +166,7 @@ impl Accuracy<'_> {
         self.seconds(choice) <= self.max_time.unwrap_or(LONGEST).as_secs_f64() && choice.paths <= MOST_PATHS
     }
 
-    /// The smallest target that could be asked for instead.
+    /// The smallest of the [`ALTERNATIVES`] that can be reached in time.
     fn alternative(&self, trade: &Trade, asked: &[Statistic]) -> Option<Alternative> {
         let reached = |target: &f64| trade.best(None, asked, *target).ok().filter(|choice| self.is_in_time(choice));
         let within = ALTERNATIVES.into_iter().map_while(|target| Some((target, reached(&target)?)));
@@ -173,30 +175,32 @@ impl Accuracy<'_> {
 }
 
 impl Decision {
-    /// What was promised.
+    /// The target with the number of paths that it takes, to be kept with the run.
     pub fn accuracy_goal(&self) -> AccuracyGoal {
         let Choice { paths, bias, decisive, .. } = self.choice;
         AccuracyGoal { target: self.target, paths, bias, decisive }
     }
 }
 
-/// What is promised of a run that was chosen: an error, once its paths are done.
+/// The error that a chosen run has once all its paths are done.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AccuracyGoal {
     /// The relative root mean square error.
     pub target: f64,
-    /// The number of paths that it takes.
+    /// The number of paths of the choice.
     pub paths: u64,
-    /// The part of the error that no number of paths makes smaller.
+    /// The relative bias, which does not fall with the number of paths.
     pub bias: f64,
-    /// The statistic that asks for most paths.
+    /// The statistic that needs the most paths.
     pub decisive: Statistic,
 }
 
 impl AccuracyGoal {
-    /// The relative error that is left where only so many paths are done, if that is not enough.
+    /// The relative error of a run that stopped after `completed` paths; `None` if these are all
+    /// that the choice asks for.
     ///
-    /// The square of the error is bias^2 + variance/N, and `target`^2 at the paths of the choice.
+    /// The square of the error is bias^2 + variance/N, and equals `target`^2 for the number of
+    /// paths of the choice.
     pub fn error_after(&self, completed: u64) -> Option<f64> {
         let AccuracyGoal { target, paths, bias, .. } = *self;
         let spread = (target * target - bias * bias) * paths as f64 / completed as f64;
@@ -204,7 +208,7 @@ impl AccuracyGoal {
     }
 }
 
-/// As it is kept with a run.
+/// Writes the line that is kept with a run; `from_str` reads it.
 impl fmt::Display for AccuracyGoal {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let AccuracyGoal { target, paths, bias, decisive } = self;
@@ -237,8 +241,8 @@ mod tests {
     use crate::study::trade::{Cost, Effort, Ladder, Pairing, measure};
     use std::sync::LazyLock;
 
-    /// A second of a pilot. The costs are fixed, so that no choice depends on the machine: 1.2 ns a
-    /// step, 30 us an event-driven path.
+    /// A pilot of about a second. The costs are replaced by fixed ones, so that no choice depends
+    /// on the machine: 1.2 ns for a step, 30 us for an event-driven path.
     fn pilot(name: &str, steps: usize, free_paths: &[u64]) -> (Scenario, Trade) {
         let scenario = Scenario::shipped(name).expect("a shipped scenario");
         let effort = Effort { steps, coupled_paths: 640, free_paths: free_paths.to_vec(), timing: 0.0 };
@@ -258,11 +262,12 @@ mod tests {
         Accuracy { target, named, max_time: None, threads: 1 }
     }
 
-    /// Null: the relative root mean square error over 400 runs of what is chosen for 2 %, against
-    /// the value of another program (tests/reference/noisy.c, known to 4e-4), is 2 %, or as much
-    /// less as its bias is below the bound that was counted. From 400 runs it is known to 3.5 % of
-    /// itself; four of these are allowed, and 3 % for the pilot's own error of the variance:
-    /// false-alarm rate below 1e-4. Half or twice the paths change it by 1.41.
+    /// Null: over 400 runs of the choice for 2 %, the relative root mean square error against the
+    /// value of another program (tests/reference/noisy.c, known to 4e-4) is 2 %, or less by as much
+    /// as the true bias is below the bound that was used. From 400 runs the error is known to 3.5 %
+    /// of itself. The test allows four times that, and 3 % for the pilot's own error of the
+    /// variance, which gives a false-alarm rate below 1e-4. Half or twice the number of paths would
+    /// change the error by a factor of 1.41.
     #[test]
     fn many_runs_of_what_is_chosen_have_the_error_asked_for() {
         let (scenario, trade) = &*RHO025;
@@ -282,9 +287,9 @@ mod tests {
         assert!((least * (1.0 - play)..1.0 + play).contains(&ratio), "{ratio} {choice:?}");
     }
 
-    /// The same for the mean displacement at the end and 0.5 %, for which antithetic pairs need
-    /// some seventh of the paths. The truth is that of 2^18 event-driven paths of another seed in
-    /// pairs, known to 3e-4 of itself.
+    /// The same for the mean displacement at the end and a target of 0.5 %, for which antithetic
+    /// pairs need about a seventh of the paths. The reference value is that of 2^18 event-driven
+    /// paths of another seed in pairs, known to 3e-4 of itself.
     #[test]
     fn many_runs_of_chosen_pairs_have_the_error_asked_for() {
         let (scenario, trade) = &*RHO025;
@@ -307,15 +312,14 @@ mod tests {
             (summary.estimate(asked[0]).estimate / truth - 1.0).powi(2)
         };
         let ratio = ((0..400).map(square).sum::<f64>() / 400.0).sqrt() / 0.005;
-        // The pilot knows the variance of pairs from 2048 of them to 3 %, and so the error to 1.6
-        // %.
+        // The pilot knows the variance from 2048 paths in pairs to 3 %, and so the error to 1.6 %.
         let (play, least) = (4.0 / 800f64.sqrt() + 0.05, (1.0 - (choice.bias / 0.005).powi(2)).sqrt());
         println!("{} x{}: {ratio}, least {least}", choice.scheme, choice.paths);
         assert!((least * (1.0 - play)..1.0 + play).contains(&ratio), "{ratio} {choice:?}");
     }
 
-    /// What is named as in reach is accepted, and is no more than two and a half times what was
-    /// refused for being out of it.
+    /// The alternative that is proposed is accepted when it is asked for, and a target 2.6 times
+    /// smaller is rejected.
     #[test]
     fn what_takes_too_long_is_refused_with_what_does_not() {
         let limits = [(1e-6, None), (1e-3, Some(Duration::from_secs(1))), (0.01, Some(Duration::from_millis(10)))];
@@ -334,8 +338,8 @@ mod tests {
         assert!(matches!(refused, Err(AccuracyError::TooLong { instead: None, .. })), "{refused:?}");
     }
 
-    /// The variance of a mean over n of N paths is N/n times that of all: with no bias, a quarter
-    /// of the paths make twice the error.
+    /// The variance of a mean is inversely proportional to the number of paths. Without bias, a
+    /// quarter of the paths gives twice the error.
     #[test]
     fn fewer_paths_leave_the_error_of_their_number() {
         let (scenario, trade) = &*RHO025;
@@ -363,7 +367,7 @@ mod tests {
         let never = pilot("never-slips", 2, &[64, 64, 64, 64]);
         assert_eq!(refused(&[Statistic::SticksPerPath], &never), Standing::Zero);
         assert_eq!(refused(&[MEAN], &never), Standing::Absent);
-        // All paths agree there: the fewest whose intervals say something.
+        // All paths are equal there, so the smallest number of paths is chosen.
         let decision = wanted(0.1, &[Statistic::StickingFraction]).decide(&never.0, &never.1).expect("it has a value");
         assert_eq!(decision.scenario.ensemble.paths, FEWEST_PATHS);
     }

@@ -1,17 +1,17 @@
-//! The one clock of a measurement: CPU time.
+//! The clock by which measurements are planned and ended: CPU time.
 //!
-//! Effort is planned in CPU seconds, so shares of it must end in CPU seconds too. On a machine that
-//! is busy with other work, wall-clock deadlines would cut off what comes last, whatever the plan
-//! said.
+//! Effort is planned in CPU seconds, so shares of it must end in CPU seconds too. If deadlines were
+//! in wall-clock time, a machine that is busy with other work would cut off whatever is measured
+//! last.
 
 use rustix::time::{ClockId, clock_gettime};
 use std::time::{Duration, Instant};
 
-/// A measurement ends after so many times its budget of wall-clock time, however little the machine
-/// let it compute.
+/// A measurement ends at the latest after this many times its budget of wall-clock time, even if
+/// the machine gave it little CPU time.
 const MOST_WALL_TIME: u32 = 4;
 
-/// CPU seconds that this thread has computed.
+/// CPU seconds that this thread has used.
 pub(in crate::study) fn thread_seconds() -> f64 {
     seconds(ClockId::ThreadCPUTime)
 }
@@ -21,7 +21,7 @@ fn seconds(clock: ClockId) -> f64 {
     now.tv_sec as f64 + 1e-9 * now.tv_nsec as f64
 }
 
-/// Tells the time since a measurement began.
+/// Measures the time since a measurement began.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::study) struct Stopwatch {
     threads: usize,
@@ -30,18 +30,18 @@ pub(in crate::study) struct Stopwatch {
 }
 
 impl Stopwatch {
-    /// A measurement begins that computes on so many threads.
+    /// Start the clock for a measurement that uses so many threads.
     pub fn start(threads: usize) -> Self {
         Stopwatch { threads: threads.max(1), cpu: seconds(ClockId::ProcessCPUTime), wall: Instant::now() }
     }
 
-    /// CPU seconds that the process has spent since, all threads together.
+    /// CPU seconds that the process has used since the start, over all threads.
     pub fn spent(&self) -> f64 {
         seconds(ClockId::ProcessCPUTime) - self.cpu
     }
 
-    /// The time that each thread has computed since; a fourth of the wall-clock time at least, so
-    /// that it always passes.
+    /// CPU time per thread since the start, but at least a fourth of the wall-clock time, so that
+    /// it always advances.
     pub fn elapsed(&self) -> Duration {
         let computed = Duration::from_secs_f64(self.spent().max(0.0) / self.threads as f64);
         computed.max(self.wall.elapsed() / MOST_WALL_TIME)
@@ -52,9 +52,9 @@ impl Stopwatch {
 mod tests {
     use super::*;
 
-    /// Sleeping is not computing: half a second of it counts for a fourth; and a loop counts for no
-    /// more than its CPU time. No limit from above on the wall-clock time, which the machine
-    /// decides.
+    /// While the process sleeps, a fourth of the wall-clock time counts; while it computes, at
+    /// least its CPU time counts. Wall-clock time has no upper limit in this test, because it
+    /// depends on the load of the machine.
     #[test]
     fn a_pause_counts_for_little_and_computing_for_what_it_took() {
         let watch = Stopwatch::start(1);

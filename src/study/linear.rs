@@ -1,10 +1,11 @@
-//! Symmetric matrices of a few rows, by Cholesky's factors: regressions, inverses, correlated
+//! Symmetric matrices of a few rows, by Cholesky factors: regressions, inverses, and correlated
 //! draws.
 //!
-//! Rows are arrays where their number is known when the program is compiled, which is fast, and
-//! vectors elsewhere.
+//! Rows are arrays, which is fast, where their number is known at compile time, and vectors
+//! elsewhere.
 
-/// L of A = L L^T, of which the lower half is enough; none where A is not positive.
+/// Write L of A = L L^T into `factor`. Only the lower triangle of A is read. `None` if A is not
+/// positive definite.
 #[inline(always)]
 fn factorise<R: AsRef<[f64]> + AsMut<[f64]>>(a: &[R], mut factor: impl AsMut<[R]>) -> Option<()> {
     let factor = factor.as_mut();
@@ -25,7 +26,7 @@ fn factorise<R: AsRef<[f64]> + AsMut<[f64]>>(a: &[R], mut factor: impl AsMut<[R]
     Some(())
 }
 
-/// x of L L^T x = b, in the place of b.
+/// Solve L L^T x = b; `x` holds b at first and the solution at the end.
 #[inline(always)]
 fn substitute<R: AsRef<[f64]>>(factor: &[R], x: &mut [f64]) {
     let n = x.len();
@@ -39,7 +40,7 @@ fn substitute<R: AsRef<[f64]>>(factor: &[R], x: &mut [f64]) {
     }
 }
 
-/// The normal equations of weighted rows.
+/// The normal equations of a weighted least-squares fit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Normal<const N: usize> {
     matrix: [[f64; N]; N],
@@ -53,12 +54,13 @@ impl<const N: usize> Default for Normal<N> {
 }
 
 impl<const N: usize> Normal<N> {
-    /// Of a matrix, of which the lower half is enough, and a right side.
+    /// The normal equations with this matrix, of which only the lower triangle is read, and this
+    /// right side.
     pub fn of(matrix: [[f64; N]; N], right: [f64; N]) -> Self {
         Normal { matrix, right }
     }
 
-    /// A row: what y should be a combination of.
+    /// Add an observation: `y` should equal the coefficients times `row`.
     #[inline(always)]
     pub fn add(&mut self, row: [f64; N], y: f64, weight: f64) {
         for i in 0..N {
@@ -69,7 +71,7 @@ impl<const N: usize> Normal<N> {
         }
     }
 
-    /// The coefficients; none where the rows do not tell them.
+    /// The coefficients; `None` if the observations do not determine them.
     pub fn solve(&self) -> Option<[f64; N]> {
         let mut factor = [[0.0; N]; N];
         factorise(&self.matrix, &mut factor)?;
@@ -82,14 +84,14 @@ impl<const N: usize> Normal<N> {
 /// A square matrix, row by row.
 pub type Matrix = Vec<Vec<f64>>;
 
-/// L of A = L L^T, of which the lower half is enough; none where A is not positive.
+/// L of A = L L^T. Only the lower triangle of A is read. `None` if A is not positive definite.
 pub fn cholesky(a: &Matrix) -> Option<Matrix> {
     let mut factor = vec![vec![0.0; a.len()]; a.len()];
     factorise(a, &mut factor)?;
     Some(factor)
 }
 
-/// x of L L^T x = b.
+/// The solution x of L L^T x = b.
 pub fn solve(factor: &Matrix, b: &[f64]) -> Vec<f64> {
     let mut x = b.to_vec();
     substitute(factor, &mut x);
@@ -102,7 +104,7 @@ pub fn inverse(factor: &Matrix) -> Matrix {
     (0..n).map(|i| solve(factor, &(0..n).map(|j| f64::from(u8::from(i == j))).collect::<Vec<_>>())).collect()
 }
 
-/// L x.
+/// The product L x.
 pub fn times(factor: &Matrix, x: &[f64]) -> Vec<f64> {
     factor.iter().map(|row| row.iter().zip(x).map(|(a, b)| a * b).sum()).collect()
 }
@@ -113,7 +115,8 @@ mod tests {
 
     #[test]
     fn a_system_solved_by_hand() {
-        // [[4, 2], [2, 3]] x = [8, 7] has x = [5/4, 3/2]; the inverse is [[3, -2], [-2, 4]]/8.
+        // [[4, 2], [2, 3]] x = [8, 7] has the solution x = [5/4, 3/2], and the inverse is [[3, -2],
+        // [-2, 4]]/8.
         let factor = cholesky(&vec![vec![4.0, 2.0], vec![2.0, 3.0]]).expect("positive");
         let x = solve(&factor, &[8.0, 7.0]);
         assert!((x[0] - 1.25).abs() < 1e-15 && (x[1] - 1.5).abs() < 1e-15, "{x:?}");

@@ -1,14 +1,14 @@
-//! Many runs, one question: what accuracy costs, how to run a scene for an error that is good enough, statistics as functions of
-//! parameters, parameters from measurements, means by many levels.
+//! Questions that take more than one run.
 //!
 //! ```text
-//! trade        every scheme over a ladder of settings: bias, variance, cost, and the cheapest for a target
-//! calibration  from measured temperatures and displacements to friction, stiffness and dilatation
-//! forecast     from both to what years to come bring
-//! weather      from a measured temperature to harmonics and one or two processes
-//! accuracy     from a target to a scheme, its step or tolerance, and a number of paths
-//! sweep        statistics as functions of keys, with differences that common seeds make sharp
+//! trade        what each accuracy costs with each scheme, and the cheapest run for a target
+//! calibration  friction, stiffness and dilatation from measured temperatures and displacements
+//! forecast     displacements, forces and slips of coming years, from a calibration and a weather
+//! weather      harmonics and one or two noise processes fitted to a measured temperature
+//! accuracy     the scheme, its step or tolerance, and the number of paths for a target
+//! sweep        statistics as functions of keys, with accurate differences from common seeds
 //! multilevel   means over paths from many coarse paths and few pairs of finer ones
+//! pace         the CPU time of a path on this machine
 //! ```
 
 pub mod accuracy;

@@ -4,18 +4,18 @@
 //! E P(h_L) = E P(h_0) + sum over l = 1 .. L of E [P(h_l) - P(h_{l-1})],   h_l = h_0 / 2^l
 //! ```
 //!
-//! Both members of a difference are simulated on one realisation of the noise, so it varies the
-//! less the finer they are, and few of the expensive paths are needed. With V_l the variance and
-//! C_l the cost of one sample of level l, paths in proportion to sqrt(V_l / C_l) reach a variance v
-//! at the least cost, (sum sqrt(V_l C_l))^2 / v. Levels are added until what is left beyond the
-//! finest, about as much as its own difference (the scheme is of order 1), is small against the
-//! target.
+//! Both members of a difference are simulated on one realisation of the noise. The variance of a
+//! difference therefore falls with its steps, and few of the expensive paths are needed. Let V_l be
+//! the variance and C_l the cost of one sample of level l. If the numbers of paths are proportional
+//! to sqrt(V_l / C_l), a variance v is reached at the least cost, (sum sqrt(V_l C_l))^2 / v. The
+//! bias beyond the finest level is about as large as the difference on that level, because the
+//! scheme is of order 1. Levels are added until it is small against the target.
 //!
 //! M. B. Giles, *Multilevel Monte Carlo path simulation*, Operations Research 56 (2008).
 //!
-//! It pays for statistics that move little when an exit from stick comes a little later: the
-//! displacement and the work. Sticks themselves are counted differently on the two members of a
-//! pair, whatever the step.
+//! The method is of advantage for statistics that change little when an exit from stick comes a
+//! little later, such as the displacement and the work. The number of sticks differs between the
+//! two members of a pair for every step, so its variance does not fall.
 
 use crate::ensemble::{BLOCK_SIZE, Plan, in_order};
 use crate::model::Model;
@@ -25,25 +25,27 @@ use std::convert::Infallible;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Blocks of each level before anything is known of it.
+/// Blocks of a new level, simulated before anything is known of its variance.
 const PILOT_BLOCKS: u64 = 4;
 
-/// Levels to begin with; convergence cannot be judged on fewer.
+/// Number of levels at the start; convergence cannot be judged on fewer.
 const FIRST_LEVELS: usize = 3;
 
-/// The finest level: h_0 / 2^16.
+/// Largest number of levels, so that the finest step is h_0 / 2^16.
 const MOST_LEVELS: usize = 17;
 
-/// Path numbers of one level: level l uses those from l 2^40 on, so that levels are independent.
+/// Blocks of path numbers for one level. Level l uses the path numbers from l 2^40 on, so that
+/// levels are independent.
 const LEVEL_BLOCKS: u64 = (1 << 40) / BLOCK_SIZE;
 
-/// h_0 w0, and h_0 over the time scales of forcing and noise: a quarter of a radian.
+/// Largest h_0 relative to the time scales of oscillator, forcing and noise: the fastest of them
+/// advances by a quarter of a radian in a step.
 const COARSEST: f64 = 0.25;
 
-/// What an event costs to read, in steps (measured: 30 ns against 1.3 ns).
+/// The cost of one event, in steps (measured: 30 ns against 1.3 ns).
 const EVENT_COST: f64 = 20.0;
 
-/// The mean over paths that is asked for, and the ladder of steps it is computed on.
+/// A mean over paths, with the steps it is computed on.
 #[derive(Clone, Debug)]
 pub struct Multilevel {
     model: Model,
@@ -54,57 +56,59 @@ pub struct Multilevel {
     coarsest_steps: f64,
 }
 
-/// What has been simulated of one level.
+/// The results of one level.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Level {
-    /// h_l.
+    /// The step h_l.
     pub step: f64,
-    /// Paths, or pairs of them.
+    /// Number of paths, or on levels above 0 of pairs.
     pub paths: u64,
     /// Mean of P(h_l) - P(h_{l-1}); on level 0 of P(h_0).
     pub mean: f64,
-    /// Its variance per path.
+    /// Variance of one sample of it.
     pub variance: f64,
-    /// Steps a path, those of both members of a pair, with what events cost in steps.
+    /// Cost of one sample: the steps of both members of a pair, and their events expressed in
+    /// steps.
     pub cost: f64,
 }
 
-/// What came out.
+/// The result.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Outcome {
-    /// The sum of the means of the levels.
+    /// The sum of the means of all levels.
     pub estimate: f64,
     /// Its standard error.
     pub standard_error: f64,
-    /// What the finest step is thought to leave, in magnitude.
+    /// Estimated bias of the finest step, in magnitude.
     pub bias: f64,
     /// Its standard error.
     pub bias_error: f64,
-    /// From the coarsest to the finest.
+    /// The levels, from the coarsest to the finest.
     pub levels: Vec<Level>,
 }
 
-/// Why there is none.
+/// Why there is no result.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum MultilevelError {
-    /// It was stopped from outside.
+    /// The caller has stopped it.
     #[error("interrupted")]
     Interrupted,
     /// A path diverged.
     #[error("a path diverged")]
     Diverged,
-    /// The bias does not fall below the target on the finest level there is.
+    /// The bias is above the target even on the finest level.
     #[error("the bias is above the target on the finest level")]
     NotConverged,
 }
 
 impl Multilevel {
-    /// For a statistic that is a mean over paths; none for any other, and none without noise, where
-    /// one path says it all.
+    /// A study of `statistic`, which must be a mean over paths; `None` otherwise. `None` also
+    /// without noise, because then one path gives the value, and where the scheme cannot simulate
+    /// the noise.
     pub fn new(model: &Model, end: f64, statistic: Statistic, seed: u64) -> Option<Self> {
         value_of(statistic)?;
-        // The scheme with a step has one noise, and does not meet the samples that noise is pinned
-        // to.
+        // The scheme simulates a single noise, and its steps do not fall on the samples that noise
+        // may be pinned to.
         let temperature = &model.temperature;
         let fits = !temperature.is_pinned && !temperature.has_two_noises();
         let noise = temperature.effective_noise().filter(|_| fits)?;
@@ -116,8 +120,9 @@ impl Multilevel {
         is_usable.then(|| Multilevel { model: model.clone(), end, statistic, seed, coarsest_steps })
     }
 
-    /// Simulate until the root mean square error is `target`: at most half of its square is left to
-    /// the bias, the rest is for the variance.
+    /// Simulate until the root mean square error is `target`. The bias may use at most half of its
+    /// square, and the variance uses the rest. Fails if it is stopped, if a path diverges, or if
+    /// the bias stays too large.
     pub fn run(&self, target: f64, threads: usize, stop: &AtomicBool) -> Result<Outcome, MultilevelError> {
         let most_bias = target / std::f64::consts::SQRT_2;
         let mut samples = vec![Sample::default(); FIRST_LEVELS];
@@ -126,8 +131,8 @@ impl Multilevel {
             let outcome = self.outcome(&samples);
             let wanted = blocks_for(&outcome.levels, target.powi(2) - outcome.bias.min(most_bias).powi(2));
             let is_short = samples.iter().zip(&wanted).any(|(sample, wanted)| sample.blocks < wanted - wanted / 50);
-            // the bias is known the better the more is simulated: only where it is too large for
-            // certain is that not worth the while
+            // More paths also make the bias better known. They are not worth simulating if the bias
+            // is too large with certainty.
             let least_bias = outcome.bias - 2.0 * outcome.bias_error;
             if is_short && least_bias <= most_bias {
                 self.extend(&mut samples, |l| wanted[l], threads, stop)?;
@@ -157,8 +162,8 @@ impl Multilevel {
     fn outcome(&self, samples: &[Sample]) -> Outcome {
         let levels: Vec<Level> = samples.iter().enumerate().map(|(l, sample)| self.level(l, sample)).collect();
         let variance_of_mean = |level: &Level| level.variance / level.paths as f64;
-        // order 1: what is left is the last difference, or half of the one before it, whichever is
-        // greater
+        // The scheme is of order 1, so the remaining bias is about the last difference or half of
+        // the one before it. The greater of the two is used.
         let (before, last) = (&levels[levels.len() - 2], &levels[levels.len() - 1]);
         let (bias, bias_error) = if last.mean.abs() >= before.mean.abs() / 2.0 {
             (last.mean.abs(), variance_of_mean(last).sqrt())
@@ -174,7 +179,7 @@ impl Multilevel {
         }
     }
 
-    /// Simulate the blocks that are missing of each level.
+    /// Simulate the missing blocks of each level.
     fn extend(
         &self,
         samples: &mut [Sample],
@@ -207,7 +212,7 @@ impl Multilevel {
         }
     }
 
-    /// The two members of level `l`.
+    /// The plans of the two members of level `l`.
     fn pair(&self, l: usize) -> Pair {
         let plan = |steps: f64, refinement: usize| {
             let timeline = Timeline { end: self.end, output_step: self.end, period: None, after: 0.0 };
@@ -221,21 +226,21 @@ impl Multilevel {
     }
 }
 
-/// Blocks of each level that make the variance of the estimate `variance` at the least cost.
+/// The number of blocks of each level that reaches this variance of the estimate at the least cost.
 fn blocks_for(levels: &[Level], variance: f64) -> Vec<u64> {
     let total: f64 = levels.iter().map(|level| (level.variance * level.cost).sqrt()).sum();
     let paths = |level: &Level| (level.variance / level.cost).sqrt() * total / variance;
     levels.iter().map(|level| ((paths(level) / BLOCK_SIZE as f64).ceil() as u64).max(PILOT_BLOCKS)).collect()
 }
 
-/// What a level is simulated by.
+/// The plans that simulate a level: the fine member and, except on level 0, the coarse one.
 struct Pair {
     fine: Plan,
     coarse: Option<Plan>,
 }
 
 impl Pair {
-    /// One block of the level; none if a path diverged.
+    /// Simulate one block of a level; `None` if a path diverged.
     fn sample(&self, block: u64, statistic: Statistic) -> Option<Sample> {
         let value = value_of(statistic)?;
         let fine = self.fine.block(block);
@@ -251,7 +256,7 @@ impl Pair {
     }
 }
 
-/// The scalars of a block's paths, if all are there.
+/// The scalars of the paths of a block, if none of its paths diverged.
 fn kept(block: &BlockResult) -> Option<&PathColumns> {
     block.path_columns.as_ref().filter(|_| block.diverged.is_empty())
 }
@@ -263,7 +268,7 @@ fn events_of(columns: &PathColumns) -> f64 {
 
 type Value = fn(&Plan, &PathColumns) -> Vec<f64>;
 
-/// What a statistic is the mean of over paths, if it is one.
+/// The number per path of which a statistic is the mean, if it is such a mean.
 fn value_of(statistic: Statistic) -> Option<Value> {
     let value: Value = match statistic {
         Statistic::DisplacementEndMean => |_, columns| columns.displacement_end.clone(),

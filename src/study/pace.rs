@@ -1,4 +1,4 @@
-//! How long a path takes on this machine, found out by simulating some of them for a moment.
+//! The CPU time of a path on this machine, measured by simulating some paths for a moment.
 
 use super::clock::thread_seconds;
 use crate::ensemble::{BLOCK_SIZE, drawn};
@@ -8,11 +8,11 @@ use crate::scheme::{Instant, Observer, Simulate as _, Snapshot};
 use crate::stats::BlockObserver;
 use std::time::Duration;
 
-/// Ends a simulation when its time is up, and knows how far it came.
+/// An observer that ends a simulation at a given time and records how far it came.
 struct Patience {
-    /// CPU seconds of this thread at which it ends.
+    /// The end, in CPU seconds of this thread.
     until: f64,
-    /// The last instant at which the paths were looked at.
+    /// The simulated time of the last row of the output grid that was reached.
     reached: f64,
 }
 
@@ -28,9 +28,9 @@ impl Observer for Patience {
     }
 }
 
-/// CPU seconds of one path on one thread, from a block of them that is simulated for `patience` at most. None where
-/// not even the first row of the output grid was reached in that time. The share of the paths that was not reached is
-/// taken to be as dear as the rest.
+/// CPU seconds of one path on one thread, measured on one block of paths for at most `patience` of
+/// CPU time. If the paths do not come to their end in that time, the rest of them is assumed to
+/// take as long per simulated time. `None` if no row of the output grid after t = 0 was reached.
 pub fn seconds_per_path(scenario: &Scenario, patience: Duration) -> Option<f64> {
     let plan = scenario.plan();
     let paths: Vec<u64> = (0..BLOCK_SIZE.min(scenario.ensemble.paths)).collect();
@@ -49,8 +49,9 @@ pub fn seconds_per_path(scenario: &Scenario, patience: Duration) -> Option<f64> 
 mod tests {
     use super::*;
 
-    /// A hundredth of the step takes a hundred times as long, whether or not the paths come to their end in the time that there
-    /// is. Clocks are no test, so the bounds are wide: a factor of three to both sides.
+    /// A path with a hundredth of the step takes about a hundred times as long, whether or not the
+    /// measured paths come to their end. Timings vary, so the bounds are a factor of three on both
+    /// sides.
     #[test]
     fn what_takes_longer_than_the_patience_is_told_from_a_part_of_it() {
         let at = |step: f64| {

@@ -1,13 +1,13 @@
-//! What a sweep varies: one key of the scenario, over a list of values.
+//! One axis of a sweep: a key of the scenario, and the values that it takes.
 
 use crate::numbers::tidy;
 use std::fmt;
 use std::ops::Range;
 
-/// Most points of a sweep.
+/// Largest number of points of a sweep.
 pub const MOST_POINTS: usize = 100_000;
 
-/// A key of the scenario and the values that it takes.
+/// A key of the scenario with the values that it takes.
 ///
 /// ```
 /// use stick_slip::study::sweep::Axis;
@@ -21,30 +21,30 @@ pub const MOST_POINTS: usize = 100_000;
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Axis {
-    /// What the dimension is called in the file: a letter, then letters, digits and underscores.
+    /// The name of its dimension in the file: a letter, then letters, digits and underscores.
     pub name: String,
     /// The dotted key of the scenario.
     pub key: String,
-    /// Its values, no two the same.
+    /// Its values, all different.
     pub values: Vec<f64>,
 }
 
-/// Why a text is no axis, and where in it.
+/// Why a text does not describe an axis, and which part of it is wrong.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct AxisError {
     /// The text.
     pub text: String,
-    /// The bytes that are wrong.
+    /// The range of bytes that is wrong.
     pub at: Range<usize>,
     /// What is wrong with them.
     pub problem: String,
-    /// What would be right.
+    /// The remedy.
     pub remedy: String,
 }
 
 impl std::error::Error for AxisError {}
 
-/// The problem, the text with a caret, and the remedy.
+/// Writes the problem, the text with a caret, and the remedy.
 impl fmt::Display for AxisError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let before = self.text.get(..self.at.start).unwrap_or("").chars().count();
@@ -56,14 +56,14 @@ impl fmt::Display for AxisError {
     }
 }
 
-/// What the values may be.
+/// The forms that values may have.
 const VALUES: &str = "write START:STOP:COUNT, log:START:STOP:COUNT, or values such as 0.1,0.2,0.5";
 
 impl Axis {
-    /// From `[NAME=]KEY=VALUES`, where the values are `START:STOP:COUNT` (evenly spaced),
-    /// `log:START:STOP:COUNT` (evenly spaced in their logarithm) or a list. Without a name it is
-    /// what `symbol` says of the key, or the key with underscores for its dots. Values of a grid
-    /// are rounded to twelve digits, so that they can be typed again.
+    /// Read `[NAME=]KEY=VALUES`. The values are `START:STOP:COUNT` (evenly spaced),
+    /// `log:START:STOP:COUNT` (evenly spaced in the logarithm) or a list. Without a name, the axis
+    /// is called by the `symbol` of its key, or by the key with underscores in place of dots. The
+    /// values of a grid are rounded to twelve digits, so that they are short enough to type.
     pub fn parse(text: &str, symbol: impl Fn(&str) -> Option<String>) -> Result<Axis, AxisError> {
         let whole = Piece { whole: text, at: 0..text.len() };
         let parts = whole.split('=');
@@ -88,11 +88,12 @@ impl Axis {
     }
 }
 
-/// What an axis is.
+/// The form of an axis.
 const WRITTEN: &str =
     "write [NAME=]KEY=VALUES, e.g. rho=temperature.noise.intensity=0:1:21 or friction.static=1.1,1.2,1.5";
 
-/// Whether a dimension may be called so: readers take its name for one of theirs.
+/// Whether a text is a valid name of a dimension. Programs that read the file often use the name as
+/// an identifier.
 fn is_name(name: &str) -> bool {
     name.starts_with(|c: char| c.is_ascii_alphabetic()) && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')
 }
@@ -101,7 +102,7 @@ fn plain(key: &str) -> String {
     key.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect()
 }
 
-/// A stretch of the text.
+/// A part of the text, as a range of bytes.
 #[derive(Clone, Debug)]
 struct Piece<'a> {
     whole: &'a str,
@@ -140,7 +141,7 @@ impl<'a> Piece<'a> {
 
     fn number(&self) -> Result<f64, AxisError> {
         let number = self.text().trim().parse::<f64>().ok().filter(|x| x.is_finite());
-        // 0.0, never -0.0: they would be two values, and are one.
+        // The addition turns -0.0 into 0.0, because both are the same value.
         number
             .map(|x| x + 0.0)
             .ok_or_else(|| self.trimmed().wrong(&format!("`{}` is not a finite number", self.text().trim()), VALUES))
@@ -198,7 +199,7 @@ fn grid(
         i if i == n - 1 => b,
         i => {
             let x = between(a, b, i as f64 / (n - 1) as f64);
-            // What rounding leaves of zero is zero.
+            // A value that would be zero but for rounding becomes zero.
             if x.abs() < ROUNDING * size && a * b < 0.0 { 0.0 } else { tidy(x) }
         }
     };
@@ -210,11 +211,11 @@ fn grid(
     Err(ends.wrong("the ends are too close for so many values", "give ends that differ, or fewer values"))
 }
 
-/// A value of a grid is known to twelve digits.
+/// Values of a grid are rounded to this relative accuracy, twelve digits.
 const ROUNDING: f64 = 1e-12;
 
 fn linear(a: f64, b: f64, share: f64) -> f64 {
-    // Not a + (b - a) share, which overflows where the ends do not.
+    // The form a + (b - a) share would overflow for some finite ends.
     a * (1.0 - share) + b * share
 }
 
@@ -254,7 +255,7 @@ mod tests {
         assert_eq!(name("a.0.b=1", None), "a_0_b");
     }
 
-    /// The caret stands under what is wrong.
+    /// The caret is under the part that is wrong.
     #[test]
     fn a_mistake_is_shown_where_it_is() {
         let cases = [

@@ -1,4 +1,4 @@
-//! About how long a sweep will take, from a few paths of a few of its points.
+//! A rough prediction of the time that a sweep takes, from a few paths at a few of its points.
 
 use super::Question;
 use crate::ensemble::{BLOCK_SIZE, Plan};
@@ -7,19 +7,19 @@ use crate::stats::Record;
 use crate::study::clock::thread_seconds;
 use std::time::{Duration, Instant};
 
-/// Points that are timed, evenly spread over all of them.
+/// Number of points that are timed, spread evenly over all points.
 const TIMED: usize = 12;
 
-/// Paths of a timing: a few registers full.
+/// Number of paths per timing, which fills the vector registers a few times.
 const PATHS: u64 = 64;
 
-/// The timing itself may take so long.
+/// Wall-clock time after which no further point is timed.
 const PATIENCE: Duration = Duration::from_secs(3);
 
-/// The bias of the step takes up to this share of a run besides.
+/// Estimating the bias of the step costs up to this share of a run in addition.
 const BIAS_SHARE: f64 = 0.125;
 
-/// Wall-clock seconds that a sweep takes on so many threads of an idle machine, roughly.
+/// Rough number of wall-clock seconds that a sweep takes on so many threads of an idle machine.
 pub fn estimated_seconds(question: &Question, threads: usize) -> f64 {
     let points = &question.points;
     let start = Instant::now();
@@ -36,7 +36,7 @@ pub fn estimated_seconds(question: &Question, threads: usize) -> f64 {
     let all: f64 = points.iter().map(|point| point.ensemble.paths as f64).sum();
     let has_bias = question.with_bias && question.scenario.scheme.step().is_some();
     let bias = if has_bias { 1.0 + BIAS_SHARE } else { 1.0 };
-    // The last piece of work keeps one thread busy while the others wait.
+    // A sweep takes at least as long as one block on one thread.
     seconds / paths as f64 * (all / threads as f64).max((BLOCK_SIZE as f64).min(all)) * bias
 }
 

@@ -1,4 +1,4 @@
-//! Which points a sweep has, and which of them are compared.
+//! The points of a sweep, and which of them are compared.
 
 use super::axis::{Axis, MOST_POINTS};
 use crate::numbers::tidy;
@@ -6,20 +6,20 @@ use crate::numbers::tidy;
 /// The points of a sweep.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Design {
-    /// Every value of each axis with every value of the others; the last axis varies fastest.
+    /// All combinations of the values of the axes; the last axis varies fastest.
     Grid(Vec<Axis>),
-    /// The first values of all axes together, then the second ones, and so on.
+    /// The first values of all axes together, then the second values, and so on.
     Zip(Vec<Axis>),
-    /// The scenario itself, then one step below and one above it for each key.
+    /// The scenario itself, and for each key one point with a smaller and one with a larger value.
     Star {
-        /// The keys and what they are in the scenario, no two the same, none zero.
+        /// The keys with their values in the scenario, all keys different and no value zero.
         keys: Vec<(String, f64)>,
-        /// The step as a share of the value.
+        /// The change of a value, relative to it.
         relative_step: f64,
     },
 }
 
-/// A key at a point.
+/// The value of a key at a point.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Setting {
     /// The dotted key.
@@ -28,38 +28,38 @@ pub struct Setting {
     pub value: f64,
 }
 
-/// Why axes do not make a design.
+/// Why axes cannot be combined to a design.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum DesignError {
-    /// Two dimensions of one name, or a name that the file uses.
+    /// Two dimensions have the same name, or one has a name that the file uses itself.
     #[error("a dimension cannot be called `{0}`, which is a name of the file, or of another dimension")]
     Name(String),
-    /// A key that is varied twice.
+    /// A key is varied twice.
     #[error("`{0}` is varied twice")]
     Key(String),
-    /// Axes that are to be zipped, of different lengths.
+    /// Axes that are to be zipped have different numbers of values.
     #[error("`{0}` has {1} values and `{2}` {3}, and zipped ones need as many")]
     Lengths(String, usize, String, usize),
-    /// More than [`MOST_POINTS`].
+    /// There are more than [`MOST_POINTS`] points.
     #[error("these are {0} points, and a sweep has at most {MOST_POINTS}")]
     Points(f64),
 }
 
-/// Why keys do not make a star.
+/// Why a key cannot be part of a star.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum StarError {
-    /// There is nothing to move.
+    /// The scenario has no number at this key.
     #[error("the scenario has no number there")]
     NoNumber,
-    /// No share of it moves it.
+    /// The value is 0, so a relative change leaves it as it is.
     #[error("it is 0, and a share of 0 is 0")]
     Zero,
-    /// It is there already.
+    /// The key is named twice.
     #[error("it is named twice")]
     Twice,
 }
 
-/// Names of the file of a sweep, which no axis may take.
+/// Names that the file of a sweep uses itself, which no axis may have.
 pub const RESERVED: [&str; 36] = [
     "statistic",
     "statistic_long_name",
@@ -99,12 +99,12 @@ pub const RESERVED: [&str; 36] = [
     "elasticity_gain",
 ];
 
-/// Relative steps that say something: the difference drowns in rounding below, and is no derivative
-/// above.
+/// Relative steps that are accepted. With smaller ones the difference is lost in rounding, and with
+/// larger ones it does not approximate a derivative.
 pub const RELATIVE_STEPS: std::ops::RangeInclusive<f64> = 1e-6..=0.5;
 
 impl Design {
-    /// Crossed or zipped axes.
+    /// A grid of all combinations of axes, or, with `is_zipped`, their values in parallel.
     pub fn of(axes: Vec<Axis>, is_zipped: bool) -> Result<Design, DesignError> {
         for (i, axis) in axes.iter().enumerate() {
             if RESERVED.contains(&axis.name.as_str()) || axes[..i].iter().any(|other| other.name == axis.name) {
@@ -130,7 +130,7 @@ impl Design {
         }
     }
 
-    /// A step to both sides of each of these keys, which have these numbers. An error comes with
+    /// A star around the values that `number_at` gives for these keys. An error is returned with
     /// its key.
     pub fn star(
         keys: &[String],
@@ -150,7 +150,7 @@ impl Design {
         Ok(Design::Star { keys: named, relative_step })
     }
 
-    /// The axes, if there are any.
+    /// The axes; none for a star.
     pub fn axes(&self) -> &[Axis] {
         match self {
             Design::Grid(axes) | Design::Zip(axes) => axes,
@@ -158,7 +158,7 @@ impl Design {
         }
     }
 
-    /// Length of each dimension, slowest first; a star and a zip have one.
+    /// Length of each dimension, slowest first. A star and a zip have one dimension.
     pub fn shape(&self) -> Vec<usize> {
         match self {
             Design::Grid(axes) => axes.iter().map(|axis| axis.values.len()).collect(),
@@ -172,7 +172,7 @@ impl Design {
         self.shape().into_iter().product()
     }
 
-    /// What is set at a point; nothing at the centre of a star.
+    /// The settings of a point; none at the centre of a star.
     pub fn settings(&self, point: usize) -> Vec<Setting> {
         let setting = |axis: &Axis, i: usize| Setting { key: axis.key.clone(), value: axis.values[i] };
         match self {
@@ -194,7 +194,7 @@ impl Design {
         }
     }
 
-    /// The place of a point along each dimension.
+    /// The index of a point along each dimension.
     fn places(&self, point: usize) -> Vec<usize> {
         let mut left = point;
         let mut places: Vec<usize> = Vec::new();
@@ -206,7 +206,7 @@ impl Design {
         places
     }
 
-    /// What neighbours are compared along: the name of each dimension. Of a star it is nothing.
+    /// The name of each dimension along which neighbours are compared. A star has none.
     pub fn along(&self) -> Vec<&str> {
         match self {
             Design::Grid(axes) => axes.iter().map(|axis| axis.name.as_str()).collect(),

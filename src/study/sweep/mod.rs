@@ -1,16 +1,16 @@
-//! One statistic after another as a function of keys of the scenario: a run at every point of a
-//! grid, from common seeds.
+//! All statistics as functions of keys of the scenario: a run at every point of a design, by
+//! default with common seeds.
 //!
 //! ```text
-//! Axis       a key and its values, as a person writes them
-//!   -> Design      which points: crossed axes, zipped ones, or a step to both sides of each key
+//! Axis       a key and its values, as the user writes them
+//!   -> Design      which points: a grid of axes, zipped axes, or a star around the scenario
 //!     -> Question    a checked scenario for each point
-//!       -> simulate    points and blocks of paths share the threads; every point is a run of its own, to the last bit
-//!         -> Sweep       points; differences of neighbours and elasticities with paired errors (groups, paired)
+//!       -> simulate    points and blocks of paths share the threads
+//!         -> Sweep       points; differences and elasticities with paired errors (paired)
 //! ```
 //!
-//! The estimates of a point are those that a run of its scenario has. No bit of them, nor of a
-//! paired error, depends on the number of threads, or on where a sweep was interrupted and
+//! The estimates at a point have the same bits as those of a run of its scenario. Neither they nor
+//! the paired errors depend on the number of threads, or on where a sweep was interrupted and
 //! continued.
 
 mod axis;
@@ -28,17 +28,17 @@ pub use simulate::{Simulation, SweepEnd};
 use crate::scenario::Scenario;
 use crate::stats::{Estimate, Statistic, Values};
 
-/// Whether points see the same noise.
+/// Whether all points use the same noise.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Seeds {
-    /// Path n of every point has the seed of the scenario.
+    /// Path n sees the same noise at every point, from the seed of the scenario.
     Common,
-    /// Point i has the seed of the scenario plus i.
+    /// Point i uses the seed of the scenario plus i.
     Independent,
 }
 
 impl Seeds {
-    /// The word in files.
+    /// The name in files.
     pub fn name(self) -> &'static str {
         match self {
             Seeds::Common => "common",
@@ -47,24 +47,24 @@ impl Seeds {
     }
 }
 
-/// What a sweep asks.
+/// A sweep as it was asked for.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Question {
-    /// The scenario that the points are variations of.
+    /// The scenario that is varied.
     pub scenario: Scenario,
-    /// Which points there are.
+    /// The points.
     pub design: Design,
-    /// The scenario of each point.
+    /// The scenario of each point, in the order of the design.
     pub points: Vec<Scenario>,
-    /// Whether they see the same noise.
+    /// Whether all points use the same noise.
     pub seeds: Seeds,
-    /// Whether the bias of the step is estimated at each point.
+    /// Whether the discretisation bias is estimated at each point.
     pub with_bias: bool,
 }
 
 impl Question {
-    /// Of a scenario and those of its points, in the order of the design. Independent points get
-    /// seeds of their own.
+    /// A question from the scenario and the scenarios of the points, in the order of the design.
+    /// With independent seeds, the seed of each point is changed here.
     pub fn new(scenario: Scenario, design: Design, mut points: Vec<Scenario>, seeds: Seeds, with_bias: bool) -> Self {
         if seeds == Seeds::Independent {
             for (i, point) in (0..).zip(&mut points) {
@@ -74,8 +74,8 @@ impl Question {
         Question { scenario, design, points, seeds, with_bias }
     }
 
-    /// The same with the scenario of each point from its settings, of which the scenario itself has
-    /// none.
+    /// The same, with each scenario made from the settings of its point; the scenario that is
+    /// varied has no settings.
     pub fn at_each<E>(
         design: Design,
         seeds: Seeds,
@@ -86,71 +86,72 @@ impl Question {
         Ok(Question::new(scenario_at(&[])?, design, points, seeds, with_bias))
     }
 
-    /// Whether anything is random at any of the points.
+    /// Whether the paths of any point are random.
     fn is_random(&self) -> bool {
         self.points.iter().any(|point| point.model.temperature.is_random())
     }
 }
 
-/// What is known of a point.
+/// The results at one point.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Point {
-    /// One for each of `Statistic::ALL`, in that order: what a run of the point's scenario
-    /// estimates.
+    /// The estimates of a run of the point's scenario, one for each of `Statistic::ALL`, in that
+    /// order.
     pub estimates: [Estimate; Statistic::ALL.len()],
-    /// Paths simulated to the end, diverged ones included.
+    /// Number of paths simulated, including diverged ones.
     pub completed_paths: u64,
-    /// How many of them diverged or were given up; they are in no statistic.
+    /// Number of paths that diverged or were given up; they are not part of any statistic.
     pub diverged_paths: u64,
-    /// CPU seconds that it took.
+    /// CPU seconds that the point took.
     pub seconds: f64,
-    /// The statistics without each group of paths.
+    /// For each group of paths, the values of all statistics without that group.
     pub without: Vec<Values>,
 }
 
-/// A sweep: what was asked, and what is known so far.
+/// A sweep with the results so far.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sweep {
     /// What was asked.
     pub question: Question,
-    /// Point by point, in the order of the design; none where it is not done yet.
+    /// The results in the order of the design; `None` for a point that is not done.
     pub points: Vec<Option<Point>>,
 }
 
 impl Sweep {
-    /// One of which nothing is known yet.
+    /// A sweep without results.
     pub fn new(question: Question) -> Self {
         let points = vec![None; question.points.len()];
         Sweep { question, points }
     }
 
-    /// How many points are done.
+    /// Number of points that are done.
     pub fn done(&self) -> usize {
         self.points.iter().flatten().count()
     }
 
-    /// Whether all are.
+    /// Whether all points are done.
     pub fn is_complete(&self) -> bool {
         self.done() == self.points.len()
     }
 
-    /// The next point along a dimension less this one; none at the end, or before both are done.
+    /// The statistic at the next point along a dimension minus that at this point. `None` at the
+    /// end of the dimension, or if one of the two is not done.
     pub fn difference(&self, point: usize, dimension: usize, statistic: Statistic) -> Option<Paired> {
         let next = self.question.design.next(point, dimension)?;
         let (from, to) = (self.points[point].as_ref()?, self.points[next].as_ref()?);
         Some(paired::difference(from, to, statistic, self.question.is_random()))
     }
 
-    /// The gain of common seeds for the differences along a dimension, all of them together: the
-    /// sum of their variances with independent seeds over the sum of what they are. Missing where
-    /// no difference has an error.
+    /// The gain of common seeds over all differences along a dimension: the sum of the variances
+    /// that the differences would have with independent seeds, divided by the sum of their
+    /// variances. NaN if no difference has an error.
     pub fn gain(&self, dimension: usize, statistic: Statistic) -> f64 {
         let pairs = (0..self.points.len()).filter_map(|point| self.difference(point, dimension, statistic));
         pooled(pairs)
     }
 
-    /// The elasticity of a statistic for the `key`-th key of a star; none before its points are
-    /// done.
+    /// The elasticity of a statistic for key number `key` of a star; `None` before its three points
+    /// are done.
     pub fn elasticity(&self, key: usize, statistic: Statistic) -> Option<Paired> {
         let Design::Star { relative_step, .. } = self.question.design else { return None };
         let point = |i: usize| self.points.get(i)?.as_ref();
@@ -159,7 +160,7 @@ impl Sweep {
     }
 }
 
-/// The gain of several numbers together.
+/// The gain over several differences together.
 fn pooled(pairs: impl Iterator<Item = Paired>) -> f64 {
     let (mut independent, mut common) = (0.0, 0.0);
     for Paired { measurement, gain } in pairs.filter(|pair| pair.gain.is_finite()) {

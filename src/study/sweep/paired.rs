@@ -1,50 +1,52 @@
-//! What two or three points say together: differences of neighbours and elasticities, with errors
-//! whose unit is the path.
+//! Numbers that compare two or three points: differences of neighbours and elasticities. Their
+//! errors follow from comparing the points path by path.
 //!
-//! With common seeds path n of one point and path n of the next see the same noise. Much of their
-//! scatter is then the same, and drops out of a difference. The error that remains comes from
-//! groups of paths that are left out at all points together ([`crate::stats::Groups`]); the
-//! variance that independent seeds would have had, divided by that one, is the gain.
+//! With common seeds, path n of one point and path n of the next see the same noise. Much of their
+//! scatter is then the same, and cancels in a difference. The remaining error is found by leaving
+//! out a group of paths at all points together ([`crate::stats::Groups`]). The variance that
+//! independent seeds would give, divided by the variance found in this way, is the gain.
 
 use super::Point;
 use crate::stats::{Measurement, Statistic, jackknife, student};
 
-/// What several points say together.
+/// A number that compares several points.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Paired {
-    /// The number with its error and its 95 % interval; no interval where all groups agree by
-    /// chance.
+    /// The number with its standard error and its 95 % interval. The limits are NaN if all groups
+    /// of random paths agree, since then the error is unknown.
     pub measurement: Measurement,
-    /// The variance with independent seeds over that with common ones; missing where there is none.
+    /// The variance with independent seeds divided by that with common seeds; NaN if there is no
+    /// variance.
     pub gain: f64,
 }
 
 impl Paired {
-    /// A number that does not exist.
+    /// A number that does not exist: all fields are NaN.
     pub const NOTHING: Paired = Paired {
         measurement: Measurement { estimate: f64::NAN, standard_error: f64::NAN, low: f64::NAN, high: f64::NAN },
         gain: f64::NAN,
     };
 }
 
-/// A relative error below this is rounding.
+/// An error below this, relative to the largest value that enters, is rounding.
 const ROUNDING: f64 = 1e-12;
 
-/// A number within so many standard errors of zero has no share.
+/// An elasticity is not given for a statistic within this many standard errors of zero.
 const ZERO: f64 = 2.0;
 
-/// S(`to`) - S(`from`).
+/// The difference S(`to`) - S(`from`).
 pub(super) fn difference(from: &Point, to: &Point, statistic: Statistic, is_random: bool) -> Paired {
     together(&[from, to], &[-1.0, 1.0], statistic, is_random, |[a, b]| b - a)
 }
 
-/// The share by which S grows for each share by which the key does, by a central difference:
+/// The elasticity: the relative change of S divided by the relative change of the key, by a central
+/// difference:
 ///
 /// ```text
 /// E = (S(above) - S(below)) / (2 step S(centre))
 /// ```
 ///
-/// None where S may be zero.
+/// [`Paired::NOTHING`] if S may be zero.
 pub(super) fn elasticity(
     [centre, below, above]: [&Point; 3],
     relative_step: f64,
@@ -61,13 +63,13 @@ pub(super) fn elasticity(
     together(&[centre, below, above], &[0.0, -weight, weight], statistic, is_random, of)
 }
 
-/// Without each group, one statistic of a point.
+/// One statistic of a point without each group of paths in turn.
 fn column(point: &Point, statistic: usize) -> Vec<f64> {
     point.without.iter().map(|values| values[statistic]).collect()
 }
 
-/// A function of one statistic at several points. `weights` say by what each point would enter its
-/// variance if they were independent.
+/// A function of one statistic at several points. `weights` are its derivatives with respect to the
+/// points; they give the variance that it would have if the points were independent.
 fn together<const N: usize>(
     points: &[&Point; N],
     weights: &[f64; N],

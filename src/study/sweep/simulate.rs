@@ -1,9 +1,9 @@
-//! Simulating the points of a sweep: blocks of paths of all points on one set of threads.
+//! Simulating the points of a sweep: the blocks of paths of all points share one set of threads.
 //!
-//! The work is one list of pieces, point after point: its blocks, then what the bias of its step
-//! needs. Threads take pieces as they come, so that neither a point with few paths nor the end of
-//! one leaves a thread idle; pieces are delivered in order, and the sums of a point are formed
-//! along the tree of a run.
+//! The work is one list of pieces, point after point: the blocks of a point, then its bias
+//! estimate. Threads take pieces from this list as they become free, so no thread is idle at a
+//! point with few paths or at the end of a point. Pieces are delivered in order, and the sums of a
+//! point are formed along the same tree as in a run.
 
 use super::{Point, Sweep};
 use crate::bias::{BesideRun, NoBias};
@@ -17,39 +17,39 @@ use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// How a sweep is simulated. Set up by its fields, started by [`Simulation::run`].
+/// Simulates a sweep. Set its fields, then call [`Simulation::run`].
 pub struct Simulation<'a> {
-    /// How many threads; no bit depends on it.
+    /// Number of threads; no bit of the results depends on it.
     pub threads: usize,
-    /// When raised, the pieces in work are the last; a point that is not complete then is left out.
+    /// When raised, no further pieces are begun. A point that is not complete by then is left out.
     pub stop: &'a AtomicBool,
-    /// Told how many paths are done.
+    /// Receives the number of paths that are done.
     pub progress: &'a mut dyn Progress,
 }
 
 /// Why a sweep ended before its last point.
 #[derive(Debug, thiserror::Error)]
 pub enum SweepEnd<E> {
-    /// Whoever is handed the points failed.
+    /// The function that receives the finished points failed.
     #[error(transparent)]
     Told(E),
-    /// A block was delivered twice: a flaw of this program.
+    /// A block was delivered twice, which is a flaw of this program.
     #[error("a flaw in the program: {0}")]
     Overlap(#[from] Overlap),
 }
 
-/// A point that is to be simulated.
+/// A point that has to be simulated.
 struct Job {
     point: usize,
-    /// The number of its first piece.
+    /// The number of its first piece in the list of all pieces.
     first: u64,
     blocks: u64,
     has_bias: bool,
-    /// Made when its first piece is, and dropped after its last.
+    /// Created with the first piece of the point, and dropped after its last.
     kit: Mutex<Option<Arc<Kit>>>,
 }
 
-/// What the pieces of a point share.
+/// The data that all pieces of a point share.
 struct Kit {
     plan: Plan,
     grouping: Grouping,
@@ -57,7 +57,7 @@ struct Kit {
 
 impl Kit {
     fn of(scenario: &Scenario) -> Self {
-        // Nothing of the output grid is kept, and no event depends on it.
+        // The output grid is left out, because nothing of it is kept and no event depends on it.
         let timeline = scenario.timeline().without_rows();
         let simulation = scenario.scheme.simulation(&scenario.model, &timeline);
         let Ensemble { paths, seed, antithetic } = scenario.ensemble;
@@ -67,7 +67,7 @@ impl Kit {
     }
 }
 
-/// A piece of work, with the CPU seconds that it took.
+/// A finished piece of work, with the CPU seconds that it took.
 struct Piece {
     job: usize,
     seconds: f64,
@@ -79,14 +79,15 @@ enum Made {
     Bias(Box<Result<BesideRun, NoBias>>),
 }
 
-/// The point whose pieces are being delivered.
+/// The sums of the point whose pieces are being delivered.
 struct Growing {
     totals: RunTotals<Groups>,
     seconds: f64,
 }
 
 impl Simulation<'_> {
-    /// Simulate the points of a sweep that are not done yet, and tell of each as soon as it is.
+    /// Simulate all points of a sweep that are not done, and call `tell` after each point. Fails if
+    /// `tell` fails.
     pub fn run<E: Send>(
         self,
         sweep: &mut Sweep,

@@ -1,4 +1,4 @@
-//! How much of the ladder fits into a budget of time, and with how many paths.
+//! How many steps of the ladder and how many paths of each scheme fit into a budget of time.
 
 use super::ladder::is_exact;
 use super::measure::{GROUPS, bare_plan, timed};
@@ -9,14 +9,14 @@ use crate::scheme::{Misfit, Scheme, Timeline};
 use crate::study::clock::Stopwatch;
 use std::time::Duration;
 
-/// How many paths are spent on what.
+/// The number of paths for each part of the measurement.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Effort {
-    /// Steps of the ladder that are run, from the coarsest.
+    /// Number of steps of the ladder that are run, from the coarsest.
     pub steps: usize,
-    /// Paths of every time-stepping rung, a multiple of 20.
+    /// Paths of every rung with a step, a multiple of 20.
     pub coupled_paths: u64,
-    /// Paths of each scheme without steps, in the order of the ladder; 0 is not run.
+    /// Paths of each setting without a step, in the order of the ladder; 0 for one that is not run.
     pub free_paths: Vec<u64>,
     /// CPU seconds for timing each rung.
     pub timing: f64,
@@ -26,22 +26,24 @@ pub struct Effort {
 const STEPPING: f64 = 0.4;
 const REFERENCE: f64 = 0.25;
 const OTHERS: f64 = 0.15;
-/// The timings are of one thread.
+/// Share of the budget for timing the rungs, which is done on one thread.
 const TIMING: f64 = 0.1;
 
-/// Fewest paths of a scheme without steps; two are needed for an error.
+/// Fewest paths of a setting without a step, so that its error is known to some extent.
 const LEAST_FREE: u64 = 32;
-/// Most paths: enough for any target.
+/// Largest number of paths, enough for every target.
 const MOST_PATHS: u64 = 1 << 22;
-/// Paths of the time-stepping rungs, the best first, and the fewest steps worth running them on.
+/// Numbers of paths for the rungs with a step, best first, each with the fewest steps for which it
+/// is used.
 const COUPLED: [(u64, usize); 3] = [(GROUPS << 9, 4), (GROUPS << 7, 3), (GROUPS << 5, 2)];
-/// A step that is fed the noise of a finer one costs about this share of that one.
+/// The cost of a step that gets its noise from a finer one, relative to the cost of the finer one.
 const FED: f64 = 0.7;
 
 impl Effort {
-    /// What fits into `budget` of CPU time on each of `threads` threads. Numbers of paths are
-    /// powers of two times a constant, so that small differences of speed do not change them. What
-    /// does not fit is struck from the ladder, with the reason.
+    /// The effort that fits into `budget` of CPU time on each of `threads` threads. Numbers of
+    /// paths are powers of two times a constant, so that small differences of speed do not change
+    /// them. What does not fit is removed from the ladder, with the reason. Fails if not even the
+    /// reference fits.
     pub fn within(
         scenario: &Scenario,
         ladder: &mut Ladder,
@@ -72,7 +74,7 @@ impl Effort {
                     let doublings = (0..32).take_while(|i| paths << i <= MOST_PATHS && fits(paths << i, steps)).count();
                     (steps, paths << doublings.saturating_sub(1))
                 }
-                // Equal paths: one a group.
+                // Without noise all paths are equal, so there is one in each group.
                 Some((paths, _)) => (most(paths), GROUPS),
                 None => {
                     let seconds = chain(2) * COUPLED[2].0 as f64 / threads as f64;
@@ -90,7 +92,8 @@ impl Effort {
                 }
             }
         };
-        // What the pilot took is gone; what stepping schemes do not need, the others may have.
+        // The time of the pilot is spent. The share of the schemes with a step goes to the others
+        // if none of them is run.
         let capacity = (capacity - watch.spent()).max(0.0);
         let more = if coupled_paths > 0 { 1.0 } else { 1.0 + STEPPING / (REFERENCE + OTHERS) };
         let reference = |each: &[f64]| {
@@ -133,28 +136,28 @@ impl Effort {
     }
 }
 
-/// CPU seconds of a path, from one path, or from a few if they are quick.
+/// CPU seconds of a path, measured on one path, or on 16 if they are quick.
 fn free_cost(scenario: &Scenario, scheme: Scheme, quick: f64) -> Result<f64, Misfit> {
     let plan = bare_plan(scenario, scheme)?;
     let one = timed(&plan, 1);
     Ok(if one * 16.0 < quick { timed(&plan, 16) / 16.0 } else { one }.max(1e-9))
 }
 
-/// CPU seconds of a time-stepping path: some for what happens to it, and some for each step.
+/// CPU seconds of a path with a step: a part for its events, and a part for each step.
 struct StepCost {
     events: f64,
     step: f64,
     end: f64,
 }
 
-/// Paths side by side in the kernel.
+/// Number of paths per timing, which fills the vector registers.
 const LANES: u64 = 32;
-/// Steps of a pilot.
+/// Number of steps per timing.
 const PILOT_STEPS: f64 = 4096.0;
 
 impl StepCost {
-    /// From the first steps of the finest rung, and the whole of the coarsest if that is not much
-    /// longer.
+    /// Measure the cost of a step on the first steps of the finest rung, and the cost of events on
+    /// a whole path of the coarsest rung if that is short enough.
     fn measure(scenario: &Scenario, ladder: &Ladder) -> Result<Self, Misfit> {
         let (kind, end) = (ladder.stepping[0], scenario.time.end);
         let seconds = |h: f64, end: f64| -> Result<f64, Misfit> {
@@ -162,7 +165,7 @@ impl StepCost {
             let plan = bare_plan(scenario, scheme)?;
             let timeline = Timeline { end, output_step: end, period: None, after: 0.0 };
             let short = Plan { simulation: scheme.simulation(plan.model(), &timeline), ..plan };
-            timed(&short, LANES); // warm up
+            timed(&short, LANES); // The first run warms up the caches.
             Ok(timed(&short, LANES) / LANES as f64)
         };
         let (coarsest, finest) = (ladder.steps[0], ladder.steps[ladder.steps.len() - 1]);
@@ -172,7 +175,8 @@ impl StepCost {
         Ok(StepCost { events: whole, step, end })
     }
 
-    /// Of one path on each of these steps, all fed the noise of the finest.
+    /// CPU seconds of one path on each of these steps, all of which get their noise from the
+    /// finest.
     fn chain(&self, steps: &[f64]) -> f64 {
         let Some(finest) = steps.last() else { return 0.0 };
         let coarser = (steps.len() - 1) as f64;

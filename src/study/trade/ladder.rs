@@ -1,40 +1,41 @@
-//! Which settings a scene can sensibly be run with.
+//! The settings with which a scenario can sensibly be run.
 
 use crate::advice::Warning;
 use crate::scenario::Scenario;
 use crate::scheme::{DEFAULT_TOLERANCE, Discretisation, Kind, Parameter, Scheme};
 
-/// Most steps of the ladder, each half of the one before.
+/// Largest number of steps in the ladder; each is half of the one before.
 const MOST_STEPS: usize = 9;
 
-/// Halvings in search of a step that is fine enough.
+/// Largest number of halvings in the search for a step that is fine enough.
 const MOST_HALVINGS: i32 = 60;
 
 /// The settings to measure.
 #[derive(Clone, Debug)]
 pub struct Ladder {
-    /// Schemes with a step, all with the same ones.
+    /// Schemes with a step, which are all run with the same steps.
     pub stepping: Vec<Kind>,
-    /// h, h/2, h/4, ...: from the coarsest that is stable and resolves what moves.
+    /// The steps h, h/2, h/4, ..., from the coarsest one that is stable and resolves all time
+    /// scales.
     pub steps: Vec<f64>,
-    /// Schemes without a step, each from its loosest tolerance to its tightest.
+    /// Schemes without a step, each from its loosest to its tightest tolerance.
     pub free: Vec<Scheme>,
-    /// What the scene rules out.
+    /// What the scenario rules out.
     pub left_out: Vec<LeftOut>,
 }
 
-/// Something that was not measured.
+/// Something that is not measured.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LeftOut {
-    /// What.
+    /// What it is.
     pub what: String,
-    /// Why, in words.
+    /// The reason, in words.
     pub why: String,
 }
 
 impl Ladder {
-    /// For a scene; its own scheme and step do not matter, except that steps are fractions of a
-    /// grid its times lie on.
+    /// The ladder of a scenario. Its own scheme and step do not matter, except that steps are
+    /// fractions of a grid on which its times lie.
     pub fn of(scenario: &Scenario) -> Self {
         let mut ladder = Ladder { stepping: Vec::new(), steps: Vec::new(), free: Vec::new(), left_out: Vec::new() };
         let mut coarsest = f64::INFINITY;
@@ -45,7 +46,8 @@ impl Ladder {
                     ladder.stepping.push(scheme);
                 }),
                 Parameter::Tolerance { ladder: tolerances } => suits(scenario, scheme).map(|()| {
-                    // Where nothing is random the cascade is exact at any tolerance.
+                    // Without noise the cascade is exact at any tolerance, so one tolerance is
+                    // enough.
                     let one = [DEFAULT_TOLERANCE];
                     let tolerances = if scenario.model.temperature.is_random() { tolerances } else { &one };
                     ladder.free.extend(tolerances.iter().map(|&tolerance| scheme.with(tolerance)));
@@ -60,9 +62,9 @@ impl Ladder {
     }
 }
 
-/// The coarsest halving of the grid at which the scheme is stable and resolves oscillator, forcing,
-/// noise and corridor, as far as [`Scenario::warnings`] can tell; otherwise the last thing that
-/// stood against it.
+/// The coarsest step, found by halving the grid, at which the scheme is stable and resolves
+/// oscillator, forcing, noise and corridor, as far as [`Scenario::warnings`] can judge. If there is
+/// none, the error is the last reason against a step.
 fn coarsest_step(scenario: &Scenario, scheme: Kind) -> Result<f64, String> {
     let grid = grid(scenario);
     let mut why = String::new();
@@ -83,7 +85,7 @@ fn coarsest_step(scenario: &Scenario, scheme: Kind) -> Result<f64, String> {
     Err(format!("no step suits it: {why}"))
 }
 
-/// A length of which both the end and the output step are whole multiples, if they have one.
+/// A length of which both the end and the output step are whole multiples, if there is one.
 fn grid(scenario: &Scenario) -> f64 {
     let time = &scenario.time;
     match scenario.scheme.step() {
@@ -96,8 +98,8 @@ fn gcd(a: u64, b: u64) -> u64 {
     if b == 0 { a } else { gcd(b, a % b) }
 }
 
-/// Warnings that a smaller step takes away, and under which a scheme is not worth running. Bias is
-/// not among them: it is measured.
+/// Whether a warning means that a scheme is not worth running at its step, and that a smaller step
+/// would help. Warnings of bias are not among these, because the bias is measured.
 fn is_against_step(warning: &Warning) -> bool {
     matches!(
         warning,
@@ -111,11 +113,11 @@ fn is_against_step(warning: &Warning) -> bool {
     )
 }
 
-/// Whether a scheme without a step suits the scene, as far as [`Scenario::warnings`] can tell;
-/// otherwise what stands against it.
+/// Check that a scheme without a step suits the scenario, as far as [`Scenario::warnings`] can
+/// judge; the error is the reason why it does not.
 fn suits(scenario: &Scenario, scheme: Kind) -> Result<(), String> {
     let scheme = scheme.with(DEFAULT_TOLERANCE);
-    // A scheme that is exact but for its tolerance suits every scene, and the others are measured
+    // A scheme that is exact up to its tolerance suits every scenario, and the others are measured
     // against it.
     if is_exact(scheme) {
         return Ok(());
@@ -130,7 +132,7 @@ fn suits(scenario: &Scenario, scheme: Kind) -> Result<(), String> {
     }
 }
 
-/// Whether the bias of a scheme is no larger than its tolerance, so that others can be measured
+/// Whether the bias of a scheme is at most its tolerance, so that other schemes can be measured
 /// against it.
 pub(super) fn is_exact(scheme: Scheme) -> bool {
     matches!(scheme.discretisation(), Discretisation::Tolerance { .. })

@@ -1,58 +1,58 @@
-//! How a bias falls with the step: C h^p, fitted.
+//! The law by which a bias falls with the step, C h^p, fitted to measurements.
 
 use super::Number;
 
-/// S(h) - S(h/2) on one realisation.
+/// The difference S(h) - S(h/2), measured on one realisation of the noise.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Change {
-    /// h.
+    /// The step h.
     pub h: f64,
-    /// The change and its error.
+    /// The difference with its standard error.
     pub change: Number,
 }
 
-/// bias(h) = C h^p.
+/// The fitted law bias(h) = C h^p.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Law {
-    /// p, and its standard error.
+    /// The order p with its error.
     pub order: Number,
-    /// The coarsest step the law was fitted to.
+    /// The coarsest step that the law was fitted to.
     pub coarsest: f64,
-    /// (p, C, standard error of C) wherever p is within its error.
+    /// (p, C, standard error of C) for every p within the error of the order.
     within_error: Vec<[f64; 3]>,
     /// The same at the best p.
     best: [f64; 3],
 }
 
-/// What a power law leaves out, relative: each observation may be off by so much besides its own
-/// error.
+/// Relative error of the power law itself, added to the error of each observation.
 const REMAINDER: f64 = 0.05;
-/// Misfit per degree of freedom beyond which coarse steps are not yet, or the law is not at all,
-/// what is seen.
+/// Chi-square per degree of freedom above which the law does not fit: either the coarse steps do
+/// not follow it yet, or no power law holds.
 const MISFIT: f64 = 3.0;
-/// Orders that are tried: p = 0.01 i.
+/// The orders that are tried: p = 0.01 i.
 const ORDERS: std::ops::RangeInclusive<i32> = 10..=300;
-/// Standard errors that a coefficient must be away from zero.
+/// C must differ from zero by at least this many standard errors.
 const RESOLVED: f64 = 3.0;
 
 impl Law {
-    /// From the changes of neighbouring steps (coarse to fine) and the bias at the finest step,
+    /// Fit the law to the changes between neighbouring steps (coarse to fine) and to the bias at
+    /// the finest step,
     ///
     /// ```text
     /// S(h) - S(h/2) = C h^p (1 - 2^-p),    S(finest) - reference = C finest^p
     /// ```
     ///
-    /// by least squares: C in closed form for each p, then the best p; its error is where
-    /// chi-square has risen by one. The coarsest steps are left out until the rest fits. None, if
-    /// nothing fits or C is not resolved.
+    /// by least squares. For each p the best C has a closed form, then the best p is chosen; its
+    /// error is where chi-square has risen by one. The coarsest steps are left out until the rest
+    /// fits. `None` if nothing fits, or if C is not resolved.
     pub fn fit(changes: &[Change], finest: f64, anchor: Number) -> Option<Law> {
-        // Three observations, two parameters.
+        // At least three observations are needed for the two parameters.
         (0..changes.len().saturating_sub(1)).find_map(|first| Law::fit_all(&changes[first..], finest, anchor))
     }
 
     fn fit_all(changes: &[Change], finest: f64, anchor: Number) -> Option<Law> {
         let at = |p: f64| {
-            let mut sums = [0.0; 3]; // of y^2, g y, g^2 over squared errors, where y = C g
+            let mut sums = [0.0; 3]; // The sums of y^2, g y and g^2 over squared errors, where y = C g.
             let mut add = |y: Number, g: f64| {
                 let weight = (y.error.powi(2) + (REMAINDER * y.value).powi(2)).recip();
                 for (sum, term) in sums.iter_mut().zip([y.value * y.value, g * y.value, g * g]) {
@@ -72,7 +72,7 @@ impl Law {
         if !(least <= MISFIT * freedom && is_inside && is_resolved) {
             return None;
         }
-        // A fit that is worse than chance has errors larger than stated.
+        // If the fit is worse than chance explains, the errors are increased accordingly.
         let inflation = (least / freedom).max(1.0);
         let within_error: Vec<_> = fits
             .iter()
@@ -84,7 +84,7 @@ impl Law {
         Some(Law { order, coarsest: changes[0].h, within_error, best })
     }
 
-    /// C h^p, with the errors of both.
+    /// C h^p, with an error from the errors of both parameters.
     pub fn bias(&self, h: f64) -> Number {
         let at = |[p, c, _]: [f64; 3]| c * h.powf(p);
         let value = at(self.best);
@@ -119,7 +119,8 @@ mod tests {
 
     #[test]
     fn steps_that_are_too_coarse_for_the_law_are_left_out() {
-        // Like the corrected scheme: flat where the step is coarse, of order one below.
+        // A bias like that of the corrected scheme: flat for coarse steps, of order one for fine
+        // ones.
         let (changes, finest, anchor) = ladder(|h| -h / (1.0 + (h / 0.01).powi(2)).sqrt(), 1e-6);
         let law = Law::fit(&changes, finest, anchor).expect("a law");
         assert!((law.order.value - 1.0).abs() < 0.05 && law.coarsest < 0.01, "{law:?}");

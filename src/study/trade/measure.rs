@@ -1,5 +1,5 @@
-//! Running the ladder: estimates, their change from step to step on one realisation, CPU time per
-//! path.
+//! Running the ladder: estimates, their change from step to step on one realisation of the noise,
+//! and CPU time per path.
 
 use super::ladder::is_exact;
 use super::{Effort, Ladder, LeftOut, Number, Pairing, Trade, pairing};
@@ -13,51 +13,52 @@ use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
-/// Groups of paths, each left out in turn for the error of a change (the jackknife).
+/// Number of groups of paths. Each is left out in turn to find the error of a change (the
+/// jackknife).
 pub(super) const GROUPS: u64 = 20;
 
-/// Of fewer, where the measuring was cut short, no error can be told.
+/// If a measurement was cut short and fewer groups have paths, no error can be given.
 const FEWEST_GROUPS: usize = 8;
 
-/// Paths that one thread simulates at a time.
+/// Number of paths that one thread simulates at a time.
 const PIECE: u64 = 256;
 
-/// Path numbers of different parts of the measurement are this far apart, so that the parts are
+/// Distance between the path numbers of different parts of the measurement, so that the parts are
 /// independent.
 const APART: u64 = 1 << 40;
 
-/// CPU seconds on one thread, results folded into every statistic but not written to a file.
+/// CPU seconds on one thread. All statistics are computed, but nothing is written to a file.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cost {
-    /// Of a run of one path.
+    /// Cost of a run of one path.
     pub first: f64,
-    /// Of each path of a large run.
+    /// Cost of each path of a large run.
     pub each: f64,
 }
 
 impl Cost {
-    /// Of a run of so many paths. Where paths are simulated side by side, one costs as much as a
-    /// registerful.
+    /// Cost of a run of this number of paths. Where paths are simulated side by side, one path
+    /// costs as much as a full vector register.
     pub fn of(&self, paths: f64) -> f64 {
         self.first.max(paths * self.each)
     }
 }
 
-/// One scheme with one step or tolerance, measured.
+/// The measurement of one scheme with one step or tolerance.
 #[derive(Clone, Debug)]
 pub struct Rung {
-    /// What was run; each rung another.
+    /// The scheme with its step or tolerance; different for each rung.
     pub scheme: Scheme,
-    /// Paths simulated for the estimates.
+    /// Number of paths simulated for the estimates.
     pub paths: u64,
-    /// How many of them diverged; they are in no estimate.
+    /// Number of paths that diverged; they are in no estimate.
     pub diverged: u64,
-    /// What a path costs.
+    /// The cost of its paths.
     pub cost: Cost,
     /// One for each of `Statistic::ALL`, in that order.
     pub estimates: [Estimate; Statistic::ALL.len()],
-    /// S(h) - S(h/2) on one realisation, for each of `Statistic::ALL`; empty where there is no
-    /// finer step to compare with.
+    /// S(h) - S(h/2) on one realisation of the noise, for each of `Statistic::ALL`; empty if there
+    /// is no finer step to compare with.
     pub changes: Vec<Number>,
 }
 
@@ -68,7 +69,7 @@ impl Rung {
         Number { value: estimate, error: standard_error }
     }
 
-    /// The variance a statistic has per path: that of a run of N paths is one N-th of it.
+    /// The variance of a statistic per path. The variance of a run of N paths is this divided by N.
     pub fn variance(&self, statistic: Statistic) -> f64 {
         (self.paths - self.diverged) as f64 * self.estimate(statistic).error.powi(2)
     }
@@ -79,7 +80,7 @@ impl Rung {
     }
 }
 
-/// Why nothing can be said about a scene.
+/// Why nothing can be measured.
 #[derive(Debug, thiserror::Error)]
 pub enum TradeError {
     /// A scheme does not go with the scenario.
@@ -95,21 +96,21 @@ pub enum TradeError {
     BudgetTooSmall {
         /// CPU seconds of a path.
         path_seconds: f64,
-        /// Paths needed.
+        /// Number of paths needed.
         least: u64,
     },
 }
 
-/// What a measurement is bound to, and whom it tells where it is.
+/// Limits of a measurement, and a function that is informed about its progress.
 #[derive(Clone, Copy, Default)]
 pub struct Limits<'a> {
-    /// CPU time of each thread. What is not done by then is cut short, on a machine that is slower
-    /// than its pilot.
+    /// CPU time of each thread, for a machine that turns out slower than its pilot. Whatever is not
+    /// done by then is cut short.
     pub time: Option<Duration>,
-    /// When raised, the pieces in work are the last: what is begun is cut short, what is not is
-    /// left out.
+    /// When raised, the pieces in work are the last. What has begun is cut short, and what has not
+    /// begun is left out.
     pub stop: Option<&'a AtomicBool>,
-    /// Told what is measured next.
+    /// Called with the name of what is measured next.
     pub begins: Option<&'a (dyn Fn(&str) + Sync)>,
 }
 
@@ -125,9 +126,9 @@ impl Limits<'_> {
     }
 }
 
-/// Measure a scene within about `budget` of CPU time on each thread, whatever the time in `limits`.
-/// On an idle machine that is wall-clock time; on a busy one it takes longer, up to four times as
-/// long.
+/// Measure a scenario within about `budget` of CPU time on each thread; `limits.time` is ignored.
+/// On an idle machine this is wall-clock time, and on a busy one it takes up to four times as long.
+/// Fails if the budget is too small for the reference, or if the scenario has a duration of 0.
 pub fn measure_within(
     scenario: &Scenario,
     budget: Duration,
@@ -142,13 +143,13 @@ pub fn measure_within(
     measure(scenario, &ladder, &effort, threads, Limits { time, ..limits })
 }
 
-// Shares of the time after which no further paths are begun: of the reference, of everything
-// without steps, of everything.
+// Shares of the time after which no further paths are begun: for the reference, for everything
+// without a step, and for everything.
 const REFERENCE_ENDS: f64 = 0.35;
 const FREE_ENDS: f64 = 0.5;
 const ALL_ENDS: f64 = 0.9;
 
-/// Measure a scene with a given effort. Where no limit cuts it short, everything but the costs is a
+/// Measure a scenario with a given effort. If no limit cuts it short, everything but the costs is a
 /// function of scenario, ladder and effort.
 pub fn measure(
     scenario: &Scenario,
@@ -172,8 +173,7 @@ pub fn measure(
         limits.begin(&scheme.to_string());
         free(scenario, scheme, paths, (i as u64 + 2) * APART, threads, ends)
     };
-    // First, so that it is there whatever else the time allows: what the others are measured
-    // against.
+    // The reference comes first, because everything else is compared with it and time may run out.
     let reference = run(runs[tightest], until(reference_ends))?;
     let is_random = scenario.model.temperature.is_random();
     let paired_paths = runs[tightest].2 / pairing::SHARE;
@@ -219,8 +219,8 @@ pub fn measure(
     Ok(Trade { rungs, reference, left_out, pairing, is_random, has_limitless_phases })
 }
 
-/// The ensemble that a scheme simulates without an output grid and without rows of single paths:
-/// what the estimates need.
+/// The ensemble that a scheme simulates for the estimates, without an output grid and without rows
+/// of single paths.
 pub(super) fn bare_plan(scenario: &Scenario, scheme: Scheme) -> Result<Plan, Misfit> {
     let mut scenario = scenario.with_scheme(scheme)?;
     scenario.time.output_step = scenario.time.end;
@@ -235,15 +235,16 @@ pub(super) fn timed(plan: &Plan, paths: u64) -> f64 {
     thread_seconds() - start
 }
 
-/// Repetitions of a timing, of which the shortest counts: what disturbs a timing makes it longer.
+/// Number of repetitions of a timing. The shortest one counts, because disturbances only make a
+/// timing longer.
 const REPETITIONS: usize = 3;
-/// Paths of a timing, if they fit into `seconds` or into a registerful.
+/// Numbers of paths per timing: the second if it fits into the time for timing, else the first.
 const TIMED_PATHS: [u64; 2] = [32, 256];
 
 fn cost(plan: &Plan, seconds: f64) -> Cost {
     let least = |paths: u64| (0..REPETITIONS).map(|_| timed(plan, paths)).fold(f64::INFINITY, f64::min);
     let [few, many] = TIMED_PATHS;
-    // Warm from here on: tables, caches, clock.
+    // The first run only warms up tables, caches and the clock of the processor.
     let first = timed(plan, 1);
     if first * REPETITIONS as f64 > seconds {
         return Cost { first, each: first };
@@ -256,7 +257,7 @@ fn cost(plan: &Plan, seconds: f64) -> Cost {
     Cost { first, each }
 }
 
-/// Seconds for timing a rung when someone waits for the end.
+/// Seconds for timing a rung after the caller has asked to stop.
 const BRIEF: f64 = 0.1;
 
 const UNTIMED: Cost = Cost { first: f64::NAN, each: f64::NAN };
@@ -270,19 +271,19 @@ struct End<'a> {
 }
 
 impl End<'_> {
-    /// Whether to go on; asked after a piece, so the first one is always done.
+    /// Whether to go on. This is asked after each piece, so the first piece is always done.
     fn flow(&self) -> ControlFlow<()> {
         let is_late = self.time.is_some_and(|time| self.watch.elapsed() > time);
         if is_late || self.limits.is_stopped() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     }
 }
 
-/// So many paths, or one more where they are antithetic pairs.
+/// The number of paths, made even if paths are antithetic pairs.
 fn whole_pairs(plan: &Plan, paths: u64) -> u64 {
     if plan.antithetic { paths.next_multiple_of(2) } else { paths }
 }
 
-/// A rung of a scheme without steps.
+/// Measure the rung of a scheme without a step.
 fn free(
     scenario: &Scenario,
     scheme: Scheme,
@@ -309,8 +310,9 @@ fn rung(scheme: Scheme, totals: &Totals, changes: Vec<Number>) -> Rung {
     Rung { scheme, paths, diverged, cost: UNTIMED, estimates: summary.estimates, changes }
 }
 
-/// The rungs of the time-stepping schemes, none if they are cut short too early, every step fed the
-/// noise of the finest: path by path they see one realisation.
+/// Measure the rungs of all schemes with a step; the list is empty if they are cut short too early.
+/// Every step gets its noise from the finest one, so that path n sees the same realisation on every
+/// rung.
 fn coupled(
     scenario: &Scenario,
     ladder: &Ladder,
@@ -333,7 +335,7 @@ fn coupled(
         ladder.stepping.iter().map(|kind| kind.name()).collect::<Vec<_>>().join(" and ")
     ));
     let empty = Totals::empty(any.model(), any.timeline());
-    // groups[r][g]: the paths of group g on rung r.
+    // groups[r][g] holds the paths of group g on rung r.
     let mut groups = vec![vec![empty.clone(); GROUPS as usize]; plans.len()];
     let of_group = whole_pairs(any, effort.coupled_paths / GROUPS);
     let make = |piece: u64| -> Vec<Totals> {
@@ -352,7 +354,7 @@ fn coupled(
     let pieces = GROUPS * of_group.div_ceil(PIECE);
     let Ok(delivered) = in_order(pieces, threads, &AtomicBool::new(false), make, deliver);
 
-    // The groups take turns, so the first so many have paths.
+    // Pieces go to the groups in turn, so if few were delivered, only the first groups have paths.
     let reached = delivered.min(GROUPS) as usize;
     if reached < FEWEST_GROUPS {
         return Ok(Vec::new());
@@ -385,8 +387,8 @@ fn on_one_realisation(plan: Plan, refinement: usize) -> Plan {
 /// The value of every statistic.
 type Values = [f64; Statistic::ALL.len()];
 
-/// The differences of two rungs on one realisation, with standard errors from what both are without
-/// each group.
+/// The differences of two rungs on one realisation of the noise. Their standard errors follow from
+/// leaving out each group on both rungs.
 fn changes(here: &[Estimate], finer: &[Estimate], coarse: &[Values], fine: &[Values]) -> Vec<Number> {
     let change = |i: usize| {
         let without: Vec<f64> = coarse.iter().zip(fine).map(|(c, f)| c[i] - f[i]).collect();
@@ -400,8 +402,8 @@ mod tests {
     use super::*;
     use crate::scheme::DiscreteVi;
 
-    /// Forty of a hundred paths are left, and their mean is known to 0.5: a path scatters by 0.5
-    /// sqrt(40), and not by 0.5 sqrt(100).
+    /// 40 of 100 paths are left, and the standard error of their mean is 0.5. The standard
+    /// deviation of a path is then 0.5 sqrt(40), not 0.5 sqrt(100).
     #[test]
     fn the_variance_of_a_rung_is_that_of_the_paths_that_are_left() {
         let estimates = Statistic::ALL.map(|statistic| Estimate {

@@ -1,17 +1,18 @@
-//! What accuracy costs: every scheme over a ladder of settings, measured, and what follows for a
-//! target.
+//! What accuracy costs: every scheme is measured over a ladder of settings, and the cheapest run
+//! for a target is predicted.
 //!
 //! ```text
-//! Ladder::of        which settings a scene can be run with: steps, tolerances
+//! Ladder::of        which settings a scenario can be run with: steps, tolerances
 //!   -> Effort       how many paths of each, from a budget of time
-//!     -> measure    Rung by rung: CPU time per path, estimates, their change from step to step on one realisation
-//!       -> Law      bias = C h^p, fitted to those changes and to the distance from the event-driven run
-//!         -> Trade::best   statistics and a target -> the cheapest setting, its number of paths, its cost; or why there is none
+//!     -> measure    for each rung: CPU time per path, estimates, and changes from step to step
+//!       -> Law      bias = C h^p, fitted to those changes and the distance from the reference
+//!         -> Trade::best   the cheapest setting for a target, with its paths and its cost
 //! ```
 //!
-//! The mean square error of a run of N paths is bias^2 + variance/N. More paths buy the second
-//! term, a finer setting the first, and both cost CPU time: the cheapest setting for a target eps
-//! is the one with the least N c, N = variance/(eps^2 - bias^2).
+//! The mean square error of a run of N paths is bias^2 + variance/N. More paths reduce the second
+//! term and a finer setting the first, and both cost CPU time. With the cost c of a path, the
+//! cheapest setting for a target eps is the one with the least N c, where N = variance/(eps^2 -
+//! bias^2).
 //!
 //! Except for times, everything is a function of the scenario, the seed and the [`Effort`].
 
@@ -46,46 +47,47 @@ pub struct Number {
 }
 
 impl Number {
-    /// An upper bound of the absolute value, at one-sided 95 %.
+    /// An upper bound of the absolute value at one-sided 95 %.
     pub fn bound(self) -> f64 {
         self.value.abs() + ONE_SIDED * self.error
     }
 }
 
-/// The 95 % quantile of the normal law.
+/// The 95 % quantile of the standard normal distribution.
 const ONE_SIDED: f64 = 1.645;
 
-/// The measured ladder of a scene.
+/// The measured ladder of a scenario.
 #[derive(Clone, Debug)]
 pub struct Trade {
-    /// Scheme by scheme, from coarse to fine.
+    /// The rungs, scheme by scheme, from coarse to fine.
     pub rungs: Vec<Rung>,
-    /// The rung that every bias is measured against: the tightest event-driven one.
+    /// The index of the reference rung, the event-driven run with the tightest tolerance, which
+    /// every bias is measured against.
     pub reference: usize,
-    /// What was not run, and why.
+    /// What was not run, with the reasons.
     pub left_out: Vec<LeftOut>,
-    /// Whether paths are antithetic pairs, or what it would be worth.
+    /// Whether paths are antithetic pairs, or how pairs would change the variance.
     pub pairing: Pairing,
     /// Whether paths differ at all.
     pub is_random: bool,
-    /// Whether f_s and f_d (nearly) meet under noise, so that counts and durations of single phases
-    /// have no limit.
+    /// Whether f_s and f_d are (nearly) equal under noise, so that counts and durations of single
+    /// phases have no limit as the step falls.
     pub has_limitless_phases: bool,
 }
 
 impl Trade {
-    /// What every bias is measured against.
+    /// The rung that every bias is measured against.
     pub fn reference(&self) -> &Rung {
         &self.rungs[self.reference]
     }
 
-    /// Whether a rung is the reference. No two rungs run the same scheme with the same step or
-    /// tolerance, so the scheme tells.
+    /// Whether a rung is the reference. No two rungs have the same scheme with the same step or
+    /// tolerance, so comparing these is enough.
     pub fn is_reference(&self, rung: &Rung) -> bool {
         rung.scheme == self.reference().scheme
     }
 
-    /// The bias of a statistic on a rung against the reference.
+    /// The bias of a statistic on a rung, estimated as the difference from the reference.
     pub fn bias(&self, rung: &Rung, statistic: Statistic) -> Number {
         if self.is_reference(rung) {
             return Number { value: 0.0, error: 0.0 };
@@ -94,8 +96,8 @@ impl Trade {
         Number { value: here.value - there.value, error: here.error.hypot(there.error) }
     }
 
-    /// How the bias of a scheme falls with its step, where that can be seen; none for a scheme
-    /// without steps.
+    /// The law by which the bias of a scheme falls with its step; `None` if it cannot be seen, or
+    /// for a scheme without steps.
     pub fn law(&self, scheme: Kind, statistic: Statistic) -> Option<Law> {
         let rungs: Vec<&Rung> = self.rungs_of(scheme).collect();
         let (finest, coarser) = rungs.split_last()?;

@@ -1,5 +1,5 @@
-//! From measured rungs to a choice: what a target costs, with which setting, or why it cannot be
-//! had.
+//! From measured rungs to a choice: the cheapest setting for a target and its cost, or why there is
+//! none.
 
 use super::pairing::WORTH;
 use super::{Law, Number, Pairing, Rung, Trade};
@@ -7,28 +7,28 @@ use crate::scheme::{Discretisation, Kind, Scheme};
 use crate::stats::Statistic;
 use std::fmt;
 
-/// Relative root mean square errors that a trade is tabulated for.
+/// The relative root mean square errors for which a trade is tabulated.
 pub const TARGETS: [f64; 4] = [0.1, 0.01, 0.001, 0.0001];
 
-/// Halvings of the finest measured step to which a law is carried on.
+/// Number of halvings of the finest measured step to which a law is extrapolated.
 const HALVINGS: i32 = 40;
 
 /// The cheapest run for a target.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Choice {
-    /// What to run.
+    /// The scheme with its step or tolerance.
     pub scheme: Scheme,
-    /// How many paths.
+    /// Number of paths.
     pub paths: u64,
     /// Whether they are antithetic pairs.
     pub is_antithetic: bool,
-    /// CPU seconds it will take on one thread.
+    /// Predicted CPU seconds on one thread.
     pub seconds: f64,
-    /// The statistic that asks for so many paths.
+    /// The statistic that needs the most paths.
     pub decisive: Statistic,
-    /// Its bound of the bias, relative to its scale.
+    /// The upper bound of the bias of that statistic, relative to its scale.
     pub bias: f64,
-    /// Whether this setting was run; otherwise it is a finer step, by the fitted law.
+    /// Whether this setting was run; otherwise it is a finer step, for which the bias is predicted.
     pub is_measured: bool,
 }
 
@@ -37,7 +37,7 @@ pub struct Choice {
 pub enum Refusal {
     /// The scheme was not run.
     NotRun,
-    /// The statistic is nothing that a run can answer; [`Trade::standing`] says why.
+    /// The statistic has no relative error; [`Trade::standing`] gives the reason.
     NoAnswer(Statistic),
     /// No setting is known to have a bias below the target.
     Bias {
@@ -65,8 +65,8 @@ impl fmt::Display for Refusal {
     }
 }
 
-/// A setting that might be chosen: per statistic the bound of the bias and the variance per path,
-/// in absolute terms.
+/// A setting that might be chosen. `terms` holds for each statistic the bound of the bias and the
+/// variance per path, both in absolute terms.
 struct Candidate {
     scheme: Scheme,
     cost: super::Cost,
@@ -74,7 +74,8 @@ struct Candidate {
     terms: Vec<(Statistic, Bound, f64)>,
 }
 
-/// An upper bound of |bias|.
+/// An upper bound of the absolute bias. It is unresolved if it mostly is the error of the
+/// measurement.
 #[derive(Clone, Copy)]
 struct Bound {
     value: f64,
@@ -82,14 +83,14 @@ struct Bound {
 }
 
 impl Bound {
-    /// The sharper of two.
+    /// The smaller of two bounds.
     fn or(self, other: Bound) -> Bound {
         if other.value < self.value { other } else { self }
     }
 }
 
-/// sum over k >= 0 of the changes at the steps h/r, h/2r, ... in terms of the change at h, if they
-/// fall like sqrt(h).
+/// The sum over k >= 0 of the changes at the steps h/r, h/2r, h/4r, ..., divided by the change at
+/// h, if changes are proportional to sqrt(h).
 fn tail(r: f64) -> f64 {
     r.sqrt().recip() / (1.0 - 0.5f64.sqrt())
 }
@@ -102,18 +103,18 @@ impl From<Number> for Bound {
 
 impl Trade {
     /// The cheapest run, of one scheme or of any, in which each of these statistics has a relative
-    /// root mean square error of at most `target`.
+    /// root mean square error of at most `target`. If there is none, the error gives the reason.
     ///
-    /// The settings weighed are the measured rungs and, by the fitted law, further halvings of the
-    /// finest step. Between neighbouring steps nothing is lost that matters: with bias C h^p and
+    /// The settings compared are the measured rungs and further halvings of the finest step, whose
+    /// bias follows from the fitted law. Steps in between would save little: with bias C h^p and
     /// cost 1/h, N c is least where bias^2 = target^2/(2p + 1), and the better of two steps, one
     /// twice the other, costs at most 13 % more than that at p = 1/2, and 19 % more at p = 1.
     ///
-    /// Where antithetic pairs were measured beside independent paths, they are chosen if they make
-    /// the run at least a fifth cheaper.
+    /// If antithetic pairs were measured in addition to independent paths, they are chosen if they
+    /// make the run at least a fifth cheaper.
     ///
-    /// A bias counts with its upper bound at one-sided 95 %, so that a bias that was not resolved
-    /// counts for what it may be.
+    /// A bias counts with its upper bound at one-sided 95 %, so that a bias which was not resolved
+    /// counts with the largest value that it may have.
     pub fn best(&self, scheme: Option<Kind>, statistics: &[Statistic], target: f64) -> Result<Choice, Refusal> {
         if let Some(statistic) = statistics.iter().find(|s| self.standing(**s).scale().is_none()) {
             return Err(Refusal::NoAnswer(*statistic));
@@ -139,8 +140,8 @@ impl Trade {
         Ok(paired.filter(|paired| paired.seconds <= WORTH * best.seconds).unwrap_or(best))
     }
 
-    /// N = variance/(target^2 - bias^2) for the statistic that asks for most, with independent
-    /// paths or in the pairs that were measured beside them.
+    /// The number of paths of a candidate, N = variance/(target^2 - bias^2) for the statistic that
+    /// needs the most, with independent paths or with the pairs that were measured in addition.
     fn run(&self, candidate: &Candidate, target: f64, in_pairs: bool) -> Result<Choice, Refusal> {
         let is_antithetic = in_pairs || self.pairing == Pairing::Asked;
         let mut choice: Option<Choice> = None;
@@ -153,7 +154,7 @@ impl Trade {
                 let least = if bias.is_nan() { f64::INFINITY } else { bias };
                 return Err(Refusal::Bias { statistic: *statistic, least, is_unresolved: bound.is_unresolved });
             }
-            // An error needs two paths, unless all are equal.
+            // An error estimate needs two paths, unless all paths are equal.
             let paths = (variance / room).ceil().max(if self.is_random { 2.0 } else { 1.0 });
             let paths = if is_antithetic { 2.0 * (paths / 2.0).ceil() } else { paths };
             if choice.is_none_or(|choice| paths > choice.paths as f64) {
@@ -200,9 +201,9 @@ impl Trade {
         candidates
     }
 
-    /// An upper bound of the bias of a measured rung: from its distance from the reference; from
-    /// the law, where that is known better; for a scheme that promises a tolerance from that,
-    /// unless it was seen to break the promise.
+    /// An upper bound of the bias of a measured rung. It comes from the distance to the reference,
+    /// or from the law if that is known better. For a scheme with a tolerance it is the tolerance,
+    /// unless the distance shows a larger bias.
     fn bound(&self, rung: &Rung, statistic: Statistic, law: Option<&Law>) -> Bound {
         let measured = self.bias(rung, statistic);
         match (rung.scheme.discretisation(), rung.scheme.step(), law) {
@@ -223,8 +224,8 @@ impl Trade {
     }
 
     /// A bound of the bias of a step without a law: the sum of the changes from it to the finest
-    /// step, and beyond that what is left of the last change if the bias falls no slower than
-    /// sqrt(h), which is the slowest of these schemes.
+    /// step, and a bound of what is left beyond that. The latter assumes that the bias falls at
+    /// least as fast as sqrt(h), the slowest rate of these schemes.
     fn changes_from(&self, rung: &Rung, statistic: Statistic) -> Bound {
         let kind = rung.scheme.kind();
         let finer: Vec<Number> = (self.rungs_of(kind))
@@ -253,12 +254,13 @@ impl Trade {
     }
 }
 
-/// Standard errors beyond its tolerance from which on a run without a step counts as biased; over
-/// 21 statistics and 3 rungs chance does so once in 600 scenes.
+/// A run without a step counts as biased if it differs from the reference by more than its
+/// tolerance and this many standard errors. Over 21 statistics and 3 rungs this happens by chance
+/// once in 600 scenarios.
 const PROMISE_ERRORS: f64 = 4.0;
 
 impl Refusal {
-    /// Of two reasons the one that is nearer to success.
+    /// Of two reasons, the one with the smaller bias.
     fn or(self, other: Refusal) -> Refusal {
         match (self, other) {
             (Refusal::Bias { least: mine, .. }, Refusal::Bias { least: theirs, .. }) if mine <= theirs => self,
@@ -275,8 +277,8 @@ mod tests {
     use crate::scheme::{DiscreteVi, EventDriven};
     use crate::stats::Estimate;
 
-    /// The change from h to h/2 is C (sqrt(h) - sqrt(h/2)); those at h/r, h/2r, h/4r, ... are added
-    /// one by one, to the 200th.
+    /// The change from h to h/2 is C (sqrt(h) - sqrt(h/2)). The changes at h/r, h/2r, h/4r, ... are
+    /// added one by one, up to the 200th.
     #[test]
     fn the_tail_is_the_sum_of_all_finer_changes() {
         for r in [1.0, 2.0, 4.0, 7.0, 2f64.powi(20)] {
@@ -286,12 +288,12 @@ mod tests {
         }
     }
 
-    /// Steps whose changes 0.05, -0.02 and 0.01 follow no power, so that there is no law, and a
-    /// reference that is known to 0.1 only. What bounds the bias of a step is the sum of the
-    /// changes from it on, 0.04, -0.01 and 0.01, and beyond the finest step 1/(sqrt 2 - 1) = 2.4142
-    /// times the last change, which is what is left of it if the bias falls like sqrt(h). Costs
-    /// double from step to step and paths do not scatter, so the coarsest step whose bound is below
-    /// the target is the cheapest; at half the finest step 0.01 sqrt(1/4)/(1 - sqrt(1/2)) is left.
+    /// The changes 0.05, -0.02 and 0.01 follow no power, so there is no law, and the reference is
+    /// known only to 0.1. The bias of a step is then bounded by the sum of the changes from it on,
+    /// 0.04, -0.01 and 0.01, and, beyond the finest step, by 1/(sqrt 2 - 1) = 2.4142 times the last
+    /// change, which is the rest if the bias falls like sqrt(h). Costs double from step to step and
+    /// paths do not scatter, so the cheapest step is the coarsest one whose bound is below the
+    /// target. At half the finest step the rest is 0.01 sqrt(1/4)/(1 - sqrt(1/2)).
     #[test]
     fn without_a_law_the_changes_and_their_tail_bound_the_bias() {
         let estimate = |standard_error: f64| {

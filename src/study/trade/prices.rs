@@ -1,22 +1,22 @@
-//! The prices of accuracy of one statistic, as tables and pictures show them.
+//! The cost of accuracy for one statistic, in the form that tables and pictures use.
 
 use super::{TARGETS, Trade};
 use crate::scheme::Kind;
 use crate::stats::Statistic;
 
-/// What accuracy costs for one statistic.
+/// The cost of accuracy for one statistic.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Prices {
-    /// What was simulated.
+    /// Title of the scenario.
     pub title: String,
-    /// Of which statistic the error is.
+    /// The statistic whose error is meant.
     pub statistic: Statistic,
-    /// For each scheme the CPU seconds on one thread, and the relative error that they buy.
+    /// For each scheme, pairs of CPU seconds on one thread and the relative error that is reached.
     pub curves: Vec<(Kind, Vec<[f64; 2]>)>,
 }
 
 impl Prices {
-    /// As a trade predicts them.
+    /// The costs that a trade predicts for each of [`TARGETS`].
     pub fn of(trade: &Trade, statistic: Statistic, title: &str) -> Self {
         let cost =
             |scheme: Kind, target: f64| Some([trade.best(Some(scheme), &[statistic], target).ok()?.seconds, target]);

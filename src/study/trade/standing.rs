@@ -1,27 +1,28 @@
-//! What "relative" means for a statistic, and which statistics no run can answer.
+//! What the relative error of a statistic refers to, and which statistics have none.
 
 use super::{Number, Trade};
 use crate::stats::Statistic;
 use std::fmt;
 
-/// What can be asked of a statistic.
+/// What the relative error of a statistic refers to, or why it has none.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Standing {
-    /// Its errors are given relative to its value.
+    /// Errors are relative to the absolute value of the statistic, which this is.
     Value(f64),
-    /// Its value is zero as far as the reference can tell: its errors are given relative to its
-    /// standard deviation per path.
+    /// The value is zero within its error, so errors are relative to the standard deviation per
+    /// path, which this is.
     Deviation(f64),
-    /// It is exactly zero.
+    /// The value is exactly zero.
     Zero,
-    /// f_s and f_d meet under noise: it is a property of the step or the resolution.
+    /// f_s and f_d are (nearly) equal under noise, so the value is a property of the step or the
+    /// resolution.
     NoLimit,
-    /// The reference has no such number.
+    /// The reference has no value.
     Absent,
 }
 
 impl Standing {
-    /// What errors are relative to.
+    /// The number that errors are relative to, if there is one.
     pub fn scale(self) -> Option<f64> {
         match self {
             Standing::Value(scale) | Standing::Deviation(scale) => Some(scale),
@@ -30,7 +31,7 @@ impl Standing {
     }
 }
 
-/// What a table says in place of numbers, or besides them.
+/// The text that a table shows in place of numbers, or beside them.
 impl fmt::Display for Standing {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
@@ -45,11 +46,11 @@ impl fmt::Display for Standing {
     }
 }
 
-/// Standard errors within which a value counts as zero.
+/// A value within this many standard errors of zero counts as zero.
 const ZERO_WITHIN: f64 = 3.0;
 
 impl Trade {
-    /// What can be asked of a statistic in this scene.
+    /// What the relative error of a statistic refers to in this scenario.
     pub fn standing(&self, statistic: Statistic) -> Standing {
         let reference = self.reference();
         let Number { value, error } = reference.estimate(statistic);
@@ -66,14 +67,14 @@ impl Trade {
         }
     }
 
-    /// The statistics that a run can answer.
+    /// The statistics that have a relative error in this scenario.
     pub fn answerable(&self) -> Vec<Statistic> {
         Statistic::ALL.into_iter().filter(|statistic| self.standing(*statistic).scale().is_some()).collect()
     }
 }
 
-/// Numbers of phases, and means over phases: infinitely many of them where slips of all sizes
-/// occur. Times in total, the first stick and positions are not among them.
+/// Whether a statistic counts phases or averages over them. There are infinitely many phases where
+/// slips of all sizes occur. Total times, the first stick and positions are not affected by that.
 fn counts_phases(statistic: Statistic) -> bool {
     match statistic {
         Statistic::StickDurationMean
