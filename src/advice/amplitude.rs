@@ -1,36 +1,37 @@
-//! How far a body may be expected to go, roughly and rather too far: its forced motion, and a free
-//! oscillation on top.
+//! How far the body may be expected to move: a rough estimate, and rather too large. It is the
+//! forced motion with a free oscillation on top.
 //!
-//! A term A e^{st} of beta T, a harmonic (s = i w) or v relaxing from v(0) (s = -theta), moves a
-//! body without friction by H A e^{st}, where
+//! A term A e^{st} of beta T is a harmonic (s = i w), or v that relaxes from v(0) (s = -theta).
+//! Without friction it moves the body by H A e^{st}, where
 //!
 //! ```text
 //! H = 1/(p^2 + 2 zeta p + 1),   p = s/w0,   zeta = alpha/(m w0)
 //! ```
 //!
-//! The explicit step puts (e^{sh} - 1)/h in the place of s; so it takes a forcing that is faster
-//! than itself for a slow one, to which the body yields. The free oscillation is what is left of x0
-//! and x'(0) = 0; or of a later start at rest at |b| = f_s, where the forced motion passes.
+//! The explicit step has (e^{sh} - 1)/h in the place of s. So where a forcing is faster than the
+//! step resolves, the scheme may take it for a slow one, and the body follows it. The free
+//! oscillation starts from the difference between the initial state x0, x'(0) = 0 and the forced
+//! motion, or from a later start at rest with |b| = f_s while the forced motion passes.
 
 use crate::model::{Complex, InitialNoise, Model, Noise, Oscillator};
 use std::f64::consts::PI;
 
-/// Standard deviations that a stationary noise exceeds in no run of practical length.
+/// Number of standard deviations that stationary noise exceeds in no run of practical length.
 pub(super) const NEVER_SD: f64 = 10.0;
 
-/// Standard deviations of the noise counted into an expected amplitude.
+/// Number of standard deviations of the noise that are counted in an expected amplitude.
 const TYPICAL_SD: f64 = 3.0;
 
-/// A rough upper estimate of |x| up to `end`, as the explicit step makes it or, without one, the
-/// model.
+/// A rough upper estimate of |x| up to `end`. With a step h it is that of the explicit scheme, and
+/// without one that of the model.
 pub(super) fn expected_amplitude(model: &Model, end: f64, step: Option<f64>) -> f64 {
     let Model { oscillator, friction, temperature, initial_displacement: x0 } = model;
     let w0 = oscillator.natural_frequency();
     if model.force_bound(NEVER_SD) <= friction.static_force {
         return x0.abs();
     }
-    // At resonance without damping the amplitude grows by w0/2 per unit of time, so the end of the
-    // run bounds it.
+    // At resonance without damping the amplitude grows by w0/2 per unit of time, so that the end of
+    // the run bounds it.
     let most = 1.0 + w0 * end / 2.0;
     let harmonics = temperature.harmonics.iter().map(|harmonic| {
         (Complex::unit(harmonic.phase) * harmonic.amplitude, Complex::new(0.0, harmonic.angular_frequency))
@@ -41,7 +42,7 @@ pub(super) fn expected_amplitude(model: &Model, end: f64, step: Option<f64>) -> 
         }
         InitialNoise::Stationary => None,
     });
-    // x and x'/w0 of the forced motion: at t = 0, and at most.
+    // x and x'/w0 of the forced motion: at t = 0, and their largest sizes.
     let (mut x, mut y, mut most_x, mut most_y) = (0.0, 0.0, 0.0, 0.0);
     for (amplitude, s) in harmonics.chain(relaxing) {
         let p = step.map_or(s, |h| (s * h).exp_m1() * (1.0 / h)) * (1.0 / w0);
@@ -50,8 +51,8 @@ pub(super) fn expected_amplitude(model: &Model, end: f64, step: Option<f64>) -> 
         (x, y) = (x + moved.re, y + passing.re);
         (most_x, most_y) = (most_x + moved.abs(), most_y + passing.abs());
     }
-    // Measured values move the rest position, and every bend of theirs sets the body swinging about
-    // it.
+    // Measured values move the rest position, and every change of their slope makes the body
+    // oscillate about it.
     if let Some(series) = &temperature.series {
         let (low, high) = series.range();
         most_x += oscillator.dilatation.abs() * low.abs().max(high.abs());
@@ -62,7 +63,7 @@ pub(super) fn expected_amplitude(model: &Model, end: f64, step: Option<f64>) -> 
     most_x + (x0 - x).hypot(y).max((friction.static_force / oscillator.stiffness).hypot(most_y)) + stirred
 }
 
-/// H at p, kept to `most` where they resonate.
+/// H at p, limited to `most` at resonance.
 fn response(oscillator: &Oscillator, p: Complex, most: f64) -> Complex {
     let zeta = oscillator.damping / (oscillator.mass * oscillator.natural_frequency());
     let stiffness = p * (p + Complex::new(2.0 * zeta, 0.0)) + Complex::ONE;
@@ -73,16 +74,17 @@ fn response(oscillator: &Oscillator, p: Complex, most: f64) -> Complex {
     }
 }
 
-/// What the stationary noise does: the body follows it, and it stirs the free oscillation. The
-/// squared amplitude A^2 grows by D = w0^2 S a unit of time, S the spectrum at w0 of beta rho v, as
-/// the step samples it. Friction takes a = 2 f_d w0/(pi K) from A, damping A alpha/m; the step of A
-/// near A_c gives part of it back, and A comes that far with odds of exp(-2 a A/D), here one to a
-/// thousand.
+/// The amplitude that stationary noise adds: the body follows the noise, and the noise excites the
+/// free oscillation. Per unit of time the squared amplitude A^2 grows by D = w0^2 S, where S is the
+/// spectrum of beta rho v at w0, as the step samples it. Friction reduces A by a = 2 f_d w0/(pi K)
+/// per unit of time, and damping by A alpha/m. Near A_c the explicit step gives back a part of what
+/// friction takes. A then gets that large with a probability of about exp(-2 a A/D), which is set
+/// to one in a thousand here.
 fn stirred(model: &Model, noise: &Noise, end: f64, step: Option<f64>) -> f64 {
     let Model { oscillator, friction, .. } = model;
     let (w0, theta) = (oscillator.natural_frequency(), noise.relaxation_rate);
     let sd = oscillator.dilatation.abs() * noise.intensity * noise.stationary_sd();
-    // w0 S/sd^2: 2 theta w0/(theta^2 + w0^2) without a step.
+    // w0 S/sd^2, which is 2 theta w0/(theta^2 + w0^2) without a step.
     let spectrum = match step {
         Some(h) => {
             let turn = Complex::new(-theta * h, w0 * h).exp_m1().abs();

@@ -15,48 +15,49 @@ pub struct Derived {
     pub frequency_ratios: Vec<f64>,
     /// f_d/f_s; none if f_s = 0.
     pub friction_ratio: Option<f64>,
-    /// K |beta| rho sigma / sqrt(2 theta): the stationary sd of the noise in b, of two noises together; none
-    /// without noise.
+    /// K |beta| rho sigma / sqrt(2 theta): the stationary standard deviation of the noise in b, of
+    /// two noises together; none without noise.
     pub noise_force: Option<f64>,
-    /// f_s / (K |beta| rho) in units of the stationary sd of v: how far the noise must go to end a
-    /// centred stick.
+    /// f_s / (K |beta| rho), in units of the stationary standard deviation of v: how far the noise
+    /// must move to end a centred stick.
     pub corridor_half_width: Option<f64>,
-    /// (f_s / (K beta rho sigma))^2: the time the noise takes to cross that half-width by
+    /// (f_s / (K beta rho sigma))^2: the time that the noise takes to cross that half-width by
     /// diffusion.
     pub corridor_time: Option<f64>,
-    /// Limits of the step, if there are steps.
+    /// Limits of the step, if the scheme has a step.
     pub stability: Option<Stability>,
     /// 0.5826 K |beta| rho sigma sqrt(h), by which the corrected scheme lowers f_s.
     pub monitoring_shift: Option<f64>,
-    /// What the event-driven scheme does not resolve, where f_s and f_d (nearly) meet under noise.
+    /// What the event-driven scheme does not resolve, where f_s and f_d are equal or nearly so
+    /// under noise.
     pub resolution: Option<Resolution>,
-    /// The tolerance of a scheme without steps, relative.
+    /// The relative tolerance of a scheme without a step.
     pub tolerance: Option<f64>,
     /// A rough upper estimate of the largest |x|: the forced response without friction, a free
-    /// oscillation, the noise.
+    /// oscillation, and the noise.
     pub expected_amplitude: f64,
-    /// P, the forcing period.
+    /// P, the forcing period, if there is one.
     pub forcing_period: Option<f64>,
-    /// Whole forcing periods up to the end.
+    /// Whole forcing periods up to the end of the run.
     pub whole_periods: f64,
-    /// Whole forcing periods that are counted: from the end of the first one, or of the burn-in, on.
+    /// Whole forcing periods that are counted, from the end of the first one or of the burn-in on.
     pub counted_periods: usize,
-    /// Steps of one path, if there are steps.
+    /// Steps of one path, if the scheme has a step.
     pub steps: Option<u64>,
-    /// Steps of all paths together.
+    /// Steps of all paths together, if the scheme has a step.
     pub path_steps: Option<f64>,
     /// Rows of the output grid.
     pub rows: usize,
-    /// Estimated memory of a thread for these rows, in bytes.
+    /// Estimated memory that a thread needs for these rows, in bytes.
     pub thread_bytes: f64,
     /// Estimated size of the output file in bytes, uncompressed.
     pub output_bytes: f64,
 }
 
-/// A quantity that follows from a scenario, for those who list them.
+/// The value of a quantity that follows from a scenario, for lists of such quantities.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Quantity {
-    /// There is no such thing.
+    /// The quantity does not exist in this scenario.
     Unknown,
     /// A real number.
     Real(f64),
@@ -73,7 +74,7 @@ impl From<Option<f64>> for Quantity {
 }
 
 impl Derived {
-    /// Every one of them with its name.
+    /// All quantities with their names.
     pub fn quantities(&self) -> [(&'static str, Quantity); 21] {
         let (critical_amplitude, largest_step) = match self.stability {
             None => (None, None),
@@ -111,16 +112,16 @@ impl Derived {
 }
 
 impl Scenario {
-    /// Estimated memory of what is recorded of the single paths of a block, in bytes.
+    /// Estimated memory for what is recorded of the single paths of a block, in bytes.
     pub fn block_bytes(&self) -> f64 {
         block_bytes(self)
     }
 
-    /// What follows from the scenario before it is run.
+    /// The quantities that follow from the scenario before it is run.
     pub fn derived(&self) -> Derived {
         let Model { oscillator, friction, temperature, .. } = &self.model;
         let w0 = oscillator.natural_frequency();
-        // Variances of independent noises add.
+        // Variances of independent noises add up.
         let both = |of: fn(&Noise) -> f64| {
             let forces = temperature.noises().map(|noise| force_per_v(oscillator, &noise) * of(&noise));
             forces.reduce(f64::hypot)
@@ -156,7 +157,7 @@ impl Scenario {
     }
 }
 
-/// K |beta| rho: the force that one unit of v makes.
+/// K |beta| rho: the force that corresponds to one unit of v.
 fn force_per_v(oscillator: &Oscillator, noise: &Noise) -> f64 {
     oscillator.force_per_temperature().abs() * noise.intensity
 }

@@ -5,37 +5,39 @@ use crate::model::Model;
 use crate::scenario::Scenario;
 use std::f64::consts::PI;
 
-/// Bytes of one row of the bands: x, x' and T with mean, sd and five quantiles, P(static), each of
-/// them with two ends of an interval, and time.
+/// Bytes of one row of the bands: the time; and x, x' and T, each with mean, sd and five quantiles,
+/// and P(static), each of these with the two ends of its interval.
 const ROW_BYTES: f64 = 8.0 * (3.0 * (3.0 * 7.0 + 1.0) + 1.0);
 /// Bytes of a path's scalars: its number, five doubles, three counts, one flag.
 const PATH_BYTES: f64 = 8.0 * 6.0 + 4.0 * 3.0 + 1.0;
 /// Bytes of an event: three doubles and two flags.
 const EVENT_BYTES: f64 = 8.0 * 3.0 + 2.0;
-/// Bytes of one row of a trajectory: five doubles and a flag, and what a sensor shows.
+/// Bytes of one row of a trajectory: five doubles and a flag. A sensor at the bearing adds one
+/// double.
 const TRAJECTORY_BYTES: f64 = 8.0 * 5.0 + 1.0;
 const SENSOR_BYTES: f64 = 8.0;
 /// Bytes of a sample of a measured temperature: its time and its value.
 const SAMPLE_BYTES: f64 = 8.0 * 2.0;
-/// Bytes of a file that holds nothing.
+/// Bytes of a file without any data.
 const EMPTY_BYTES: f64 = 65_536.0;
 
-/// Bytes that a thread takes for one row of the output grid, at most: values of the paths of a block, sketches of their quantiles, and
-/// finished blocks that wait for their turn. Measured: 12.5 kB with one thread, 9 to 13 kB each with two and four.
+/// Bytes that a thread needs for one row of the output grid, at most: values of the paths of a
+/// block, sketches of their quantiles, and finished blocks that wait to be delivered in order.
+/// Measured are 12.5 kB with one thread, and 9 to 13 kB per thread with two and four.
 const THREAD_ROW_BYTES: f64 = 13e3;
 
-/// Estimated memory of one thread for the output grid.
+/// Estimated memory of one thread for the output grid, in bytes.
 pub(super) fn thread_bytes(scenario: &Scenario) -> f64 {
     scenario.timeline().rows() as f64 * THREAD_ROW_BYTES
 }
 
-/// Estimated memory of what is recorded of the single paths of a block.
+/// Estimated memory for what is recorded of the single paths of a block, in bytes.
 pub(super) fn block_bytes(scenario: &Scenario) -> f64 {
     let paths = BLOCK_SIZE.min(scenario.ensemble.paths) as f64;
     rows_bytes(scenario, paths)
 }
 
-/// Bytes of what is recorded of so many single paths.
+/// Bytes of what is recorded of this many single paths.
 fn rows_bytes(scenario: &Scenario, paths: f64) -> f64 {
     let record = &scenario.record;
     let events = scenario.steps().map_or(f64::INFINITY, |steps| steps as f64).min(events(scenario)) + 1.0;
@@ -56,10 +58,11 @@ pub(super) fn output_bytes(scenario: &Scenario) -> f64 {
         + samples as f64 * SAMPLE_BYTES
 }
 
-/// Events of a path, roughly and rather too many: two (a slip, a stick) per half-cycle of the
-/// oscillator, or per slip that the temperature can cause. A slip lets 2 (f_s - f_d) of the force
-/// go; a harmonic builds up 2/pi K beta a w of it per unit of time, a series what it varies, the noise so much in ((2 f_s -
-/// 2 f_d)/(K beta rho sigma))^2.
+/// Number of events of a path, roughly and rather too large. It is two (a slip and a stick) per
+/// half-cycle of the oscillator, or two per slip that the temperature can cause, if that is fewer.
+/// A slip releases 2 (f_s - f_d) of the force. A harmonic builds up (2/pi) K beta a w per unit of
+/// time, and a series as much as it varies. The noise builds up 2 (f_s - f_d) in a time of ((2 f_s
+/// - 2 f_d)/(K beta rho sigma))^2.
 fn events(scenario: &Scenario) -> f64 {
     let Model { oscillator, friction, temperature, .. } = &scenario.model;
     let end = scenario.time.end;
@@ -70,6 +73,6 @@ fn events(scenario: &Scenario) -> f64 {
     let measured = temperature.series.as_ref().map_or(0.0, |series| gain * series.variation() / series.end());
     let noise = temperature.noises().map(|noise| gain * noise.intensity * noise.diffusion).fold(0.0, f64::hypot);
     let slips = end * (2.0 / PI * harmonic / gap + measured / gap + (noise / gap).powi(2));
-    // Without a gap it is 0/0 or more: then the half-cycles count.
+    // Without a gap the number of slips is infinite or 0/0, and the half-cycles count.
     2.0 * if slips < half_cycles { slips } else { half_cycles }
 }

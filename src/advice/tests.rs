@@ -1,5 +1,5 @@
-//! What advice promises: limits of the step separate what they are to separate, derived numbers are
-//! those of closed forms, and each warning comes where it is due.
+//! Tests of the advice: limits of the step separate decay from growth, derived quantities agree
+//! with closed forms, and each warning is given where it is due.
 
 use super::*;
 use crate::config::{Override, shipped};
@@ -18,9 +18,9 @@ fn base(overrides: &[&str]) -> Scenario {
 
 #[test]
 fn what_moves_a_body_far_is_expected_to() {
-    // A_c = 127 here; v(0) = 1e5 moves the body by beta rho v(0). At w h = 2 pi + 8e-4 the scheme
-    // takes a fast forcing for a slow one, at 0.9 pi it sees it pass. On a step of 0.2, A_c = 6.4:
-    // the relaxed start leaves no free oscillation, the noise stirs one.
+    // Here A_c = 127, and v(0) = 1e5 moves the body by beta rho v(0). At w h = 2 pi + 8e-4 the
+    // scheme takes a fast forcing for a slow one; at 0.9 pi it does not. With a step of 0.2, A_c is
+    // 6.4: the relaxed start leaves no free oscillation, but the noise excites one.
     let grows = |set: &[&str]| {
         let warnings = base(set).warnings();
         warnings.iter().any(|w| matches!(w, Warning::AmplitudeAboveCritical { .. }))
@@ -35,9 +35,10 @@ fn what_moves_a_body_far_is_expected_to() {
 
 #[test]
 fn the_expected_amplitude_is_the_forced_motion_and_a_free_one_on_top() {
-    // Closed forms in units of 1, event-driven: no step in them. Forced by 6 cos(t/4): 6/(1 - 1/16)
-    // = 6.4, passing at 1.6. Starts at x0 = 6, 0.4 off, at x0 = -6, 12.4 off, or later at |b| = f_s
-    // = 1.2.
+    // Closed forms in units of 1 for the event-driven scheme, which has no step. The forcing 6
+    // cos(t/4) gives an amplitude of 6/(1 - 1/16) = 6.4, and a largest velocity of 1.6. The start
+    // is at x0 = 6, which is 0.4 off, or at x0 = -6, which is 12.4 off, or later at |b| = f_s =
+    // 1.2.
     let expected = |set: &[&str]| {
         let set = [&["scheme.kind=event-driven", "temperature.noise.intensity=0"], set].concat();
         base(&set).derived().expected_amplitude
@@ -45,18 +46,18 @@ fn the_expected_amplitude_is_the_forced_motion_and_a_free_one_on_top() {
     let near = |a: f64, b: f64| assert!((a / b - 1.0).abs() < 1e-12, "{a} {b}");
     near(expected(&[]), 6.4 + 1.2f64.hypot(1.6));
     near(expected(&["initial.displacement=-6"]), 6.4 + 12.4);
-    // v relaxing from -4 like e^{-2t}: -6/(1 + 4), -12/5 in the velocity's sign; the harmonic is
-    // out of the way.
+    // v relaxes from -4 like e^{-2t}. The response is -6/(1 + 4) in x and 12/5 in x'. There is no
+    // harmonic.
     let noise = ["temperature.noise.intensity=0.25", "temperature.noise.initial=-4", "temperature.noise.diffusion=0"];
     let relaxing = [&noise[..], &["temperature.noise.relaxation_rate=2", "temperature.harmonics=[]"]].concat();
     near(expected(&[&["scheme.kind=event-driven"], &relaxing[..]].concat()), 1.2 + 7.2f64.hypot(2.4));
-    // Nothing slips: the body stays where it is. At resonance for a time t the amplitude grows by
-    // w0 t/2.
+    // Nothing slips, so the body stays where it is. At resonance, after a time t, the amplitude has
+    // grown by w0 t/2.
     near(expected(&["friction.static=1000"]), 6.0);
     assert!(expected(&["temperature.harmonics.0.angular_frequency=1"]) >= 6.0 * 30.0);
 }
 
-/// A scheme's slip step without forcing and friction, iterated: how large (X, V) is in the end.
+/// The size of (X, V) after many slip steps of a scheme, without forcing and friction.
 fn size_after_slip(kind: Kind, oscillator: &Oscillator, h: f64) -> f64 {
     let (mut x, mut v) = (1.0f64, 0.0f64);
     for _ in 0..20_000 {
@@ -97,7 +98,7 @@ fn the_stability_limit_separates_decay_from_growth() {
     }
 }
 
-/// The slip scheme with friction f_d, free of forcing: the amplitude after many half-cycles.
+/// The amplitude after many half-cycles of the slip scheme with friction f_d and without forcing.
 fn amplitude_after(start: f64, h: f64, f_d: f64, half_cycles: usize) -> f64 {
     let (mut x, mut v, mut turns) = (start, 0.0f64, 0);
     while turns < half_cycles {
@@ -172,9 +173,9 @@ fn warnings_are_those_of_the_scheme() {
     assert!(names("event-driven", &["oscillator.stiffness=1e9", "temperature.noise.relaxation_rate=1e3"]).is_empty());
     let slow = ["temperature.harmonics.0.angular_frequency=1e-4", "temperature.noise.intensity=0", "ensemble.paths=1"];
     assert_eq!(names("quasi-static", &slow), ["few-periods"]);
-    // The harmonics change the force by up to 6e-4: slower than the body swings back at zeta = 0.3,
-    // by up to 0.05, and faster than at 0.9, by up to 1.2e-4, and at 1.5, not at all. Noise of the
-    // same slowness ends slips at any damping.
+    // The harmonics change the force by up to 6e-4 per unit of time. That is slower than the body
+    // swings back at zeta = 0.3, which is by up to 0.05, and faster than at 0.9, by up to 1.2e-4,
+    // and at 1.5, where it does not swing back. Noise that is as slow ends slips at any damping.
     let swings =
         |damping: &str| names("quasi-static", &[&slow[..], &[&*format!("oscillator.damping={damping}")]].concat());
     assert_eq!(swings("0.3"), ["few-periods"]);
@@ -191,7 +192,7 @@ fn warnings_are_those_of_the_scheme() {
         let viaduct = Scenario::parse("viaduct", shipped("viaduct").unwrap().text, &set).unwrap();
         viaduct.warnings().iter().map(Warning::name).collect::<Vec<_>>()
     };
-    // Days and years come round together after four years, and the run is 300 days long.
+    // The period of days and years together is four years, and the run is 300 days long.
     assert_eq!((viaduct("event-driven"), viaduct("quasi-static")), (vec!["few-periods"], vec!["few-periods"]));
 }
 

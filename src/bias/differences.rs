@@ -1,13 +1,14 @@
-//! The bias from the run's own paths at three steps.
+//! The bias of the step from paths of the run at three steps.
 //!
 //! The first few paths of the run are simulated with the steps h, 2h and 4h on one realisation of
-//! the noise. What the statistics change from 4h to 2h and from 2h to h is then known far better
-//! than the statistics themselves, and says what they would still change from h to 0
-//! ([`super::extrapolation`]), with an error from groups of paths ([`super::groups`]).
+//! the noise. The changes of the statistics from 4h to 2h and from 2h to h are then known far
+//! better than the statistics themselves. They show by how much the statistics would still change
+//! from h to 0 ([`super::extrapolation`]), with an error from groups of paths ([`super::groups`]).
 //!
-//! Only what goes smoothly with the step can be extrapolated. A median does not: where sticks are
-//! either short or long and the step misses some of the short ones, the median is that of the long
-//! ones at h, 2h and 4h alike, and that of the short ones at zero step ([`is_smooth`]).
+//! Only a statistic that depends smoothly on the step can be extrapolated. A median does not. Where
+//! sticks are either short or long and the step misses some of the short ones, the median may be
+//! that of the long ones at h, 2h and 4h alike, and that of the short ones at zero step
+//! ([`is_smooth`]).
 
 use super::extrapolation::{Levels, is_smooth, leading_order, unseen, weight};
 use super::groups::{GroupObserver, Grouped, Groups};
@@ -20,13 +21,13 @@ use std::convert::Infallible;
 use std::ops::ControlFlow;
 use std::sync::atomic::AtomicBool;
 
-/// One path in so many of a run is simulated at three steps, at three times the work of a path at
-/// most, since each step draws the normals of the finest: a sixteenth of a run at most, and a
-/// little for the sums.
+/// One path in this many of a run is simulated at three steps. This takes at most three times the
+/// work of a path, since each step draws the normals of the finest one. So it takes at most a
+/// sixteenth of the time of the run, and a little for the sums.
 const SHARE: u64 = 48;
 
-/// Groups of paths the standard error is taken from: its own error is 18 %, which Student's t with
-/// 15 degrees of freedom allows for.
+/// Number of groups of paths from which the standard error is computed. Its own error is 18 %,
+/// which Student's t with 15 degrees of freedom allows for.
 const GROUPS: usize = 16;
 
 /// 97.5 % quantile of Student's t with GROUPS - 1 degrees of freedom (Abramowitz and Stegun, table
@@ -36,21 +37,23 @@ pub(super) const STUDENT: f64 = 2.131;
 /// The steps, in units of h.
 const LEVELS: [usize; 3] = [1, 2, 4];
 
-/// An observed order with a larger standard error is not worth printing.
+/// An observed order with a larger standard error than this is not reported.
 const MAX_ORDER_ERROR: f64 = 0.5;
 
-/// Fewest steps of a path; the ends of the three simulations are rounded to a multiple of 4h.
+/// The smallest number of steps of a path. The ends of the three simulations are rounded to a
+/// multiple of 4h.
 pub(super) const MIN_STEPS: f64 = 16.0;
 
-/// Paths of a group in a piece of work, at most; with 16 groups a piece is as wide as a block.
+/// Largest number of paths of a group in a piece of work. With 16 groups a piece is then as wide as
+/// a block.
 const MAX_WIDTH: u64 = 16;
 
-/// Pieces of a level there should be, for the threads to share.
+/// Number of pieces into which a level is divided at least, so that threads can share the work.
 const PIECES: u64 = 8;
 
-/// Some paths of a run, to be simulated at three steps. The three simulations end, and look at
-/// whole forcing periods, at the same instants: the multiples of 4h nearest to those of the run,
-/// which changes the statistics by a share of 2h/t_end and their bias likewise.
+/// Some paths of a run, to be simulated at three steps. The three simulations end, and observe
+/// whole forcing periods, at the same instants. These are the multiples of 4h nearest to the
+/// instants of the run, which changes the statistics and their bias by a share of at most 2h/t_end.
 #[derive(Clone, Debug)]
 pub struct Differences {
     model: Model,
@@ -64,7 +67,7 @@ pub struct Differences {
 }
 
 impl Differences {
-    /// For a run of a scheme with a step, this seed and number of paths.
+    /// The plan for a run of a scheme with a step, with this seed and number of paths.
     pub fn new(scheme: Scheme, model: &Model, timeline: &Timeline, seed: u64, paths: u64) -> Result<Self, NoBias> {
         let h = scheme.step().ok_or(NoBias::FewSteps)?;
         let is_random = model.temperature.is_random();
@@ -79,7 +82,7 @@ impl Differences {
         if per_group == 0 {
             return Err(NoBias::FewPaths { needed: SHARE * GROUPS as u64 });
         }
-        // the bands have no bias
+        // Rows of the output grid are left out, because the bands have no bias estimate.
         let timeline = timeline.without_rows();
         let coarsest = LEVELS[LEVELS.len() - 1];
         let levels = LEVELS.map(|k| {
@@ -89,8 +92,8 @@ impl Differences {
         Ok(Differences { model: model.clone(), timeline, levels, h, seed, groups, per_group, antithetic: false })
     }
 
-    /// The same for a run of antithetic pairs. Groups hold whole pairs, so that leaving one out
-    /// tells how pairs scatter; where a group would hold one path, there are none.
+    /// The same for a run of antithetic pairs. Groups hold whole pairs, so that leaving out a group
+    /// shows the scatter of pairs. If a group had only one path, no pairs are formed.
     pub fn in_pairs(self) -> Self {
         let per_group = self.per_group & !1;
         if per_group == 0 { self } else { Differences { per_group, antithetic: true, ..self } }
@@ -101,8 +104,8 @@ impl Differences {
         self.groups as u64 * self.per_group
     }
 
-    /// The bias of every statistic that exists and can be extrapolated, on `threads` threads, the
-    /// same bits for any number of them.
+    /// The bias of every statistic that exists and can be extrapolated. The result has the same
+    /// bits for any number of `threads`.
     pub fn estimate(&self, threads: usize, stop: &AtomicBool) -> Result<Vec<(Statistic, Bias)>, NoBias> {
         let levels = self.simulate(threads, stop)?.map(|groups| groups.values());
         let at = |of: &dyn Fn(&Grouped) -> f64| Levels(levels.each_ref().map(of));
@@ -116,8 +119,8 @@ impl Differences {
         Ok(Statistic::ALL.iter().enumerate().filter_map(bias).collect())
     }
 
-    /// The bias of one statistic from its values at the three steps, of all paths and without each
-    /// group, and the sticks of a path.
+    /// The bias of one statistic from its values at the three steps: `all` over all paths,
+    /// `without` without each group. `sticks` is the number of sticks per path.
     fn bias(&self, statistic: Statistic, all: Levels, without: &[Levels], sticks: f64) -> Bias {
         let error = |of: &dyn Fn(Levels) -> f64| {
             jackknife::standard_error(&without.iter().map(|&y| of(y)).collect::<Vec<f64>>())
@@ -126,7 +129,7 @@ impl Differences {
         let order = Some(all.observed_order()).filter(is_told);
         if !self.model.temperature.is_random() {
             let (estimate, uncertainty) = all.without_noise();
-            // Both ends of a phase are on the grid.
+            // Both ends of a phase lie on the grid, so that its duration may be off by h.
             let grid = if statistic.dimension() == Dimension::TIME { self.h } else { 0.0 };
             return Bias { estimate, uncertainty: uncertainty + grid, order };
         }
@@ -135,13 +138,14 @@ impl Differences {
         let weight = weight(all.second_term(p), second_term_error);
         let sampling = STUDENT * error(&|y| y.bias(p, weight));
         let grid = match statistic {
-            // Fewer sticks, and longer ones: what is left of the two is no larger than half a step
-            // for each stick.
+            // As the step falls, sticks become more numerous and shorter, and the two changes may
+            // cancel in the fraction. What remains is no larger than half a step for each stick.
             Statistic::StickingFraction => 0.5 * self.h * sticks / self.timeline.counted(),
             _ => 0.0,
         };
         let missed = all.model_error(p, unseen(statistic, self.noise_to_gap()), STUDENT * second_term_error);
-        // Sums, not squares: what extrapolation misses is the same for every seed.
+        // The uncertainty is a plain sum and not a root of squares, because the error of
+        // extrapolation is the same for every seed.
         Bias { estimate: all.bias(p, weight), uncertainty: caution(self.paths()) * (sampling + missed + grid), order }
     }
 
@@ -159,7 +163,7 @@ impl Differences {
         let pieces = self.per_group.div_ceil(width);
         let mut levels = LEVELS.map(|_| Groups::empty(&self.model, &self.timeline, self.groups));
         let mut diverged = 0;
-        // The finest level first: its pieces take longest.
+        // The finest level comes first, because its pieces take longest.
         let make = |index: u64| {
             let (level, done) = ((index / pieces) as usize, index % pieces * width);
             let (totals, lost) = self.piece(level, done, width.min(self.per_group - done));
@@ -179,8 +183,8 @@ impl Differences {
         }
     }
 
-    /// The next `width` paths of each group, `done` of each being done; and how many of them
-    /// diverged.
+    /// The totals of each group over its next `width` paths, after the first `done` of them, and
+    /// the number of paths that diverged.
     fn piece(&self, level: usize, done: u64, width: u64) -> (Vec<Totals>, usize) {
         let groups = self.groups as u64;
         let first = done * groups;

@@ -1,5 +1,5 @@
-//! Paths in groups: an observer that shows each path to its group, and the statistics of all paths
-//! and without each group, from which the jackknife tells errors.
+//! Paths in groups: an observer that passes each path to its group, and the statistics of all paths
+//! and without each group, from which the jackknife computes errors.
 
 use crate::model::{Event, Model};
 use crate::scheme::{Instant, Observer, Snapshot, Timeline};
@@ -8,12 +8,12 @@ use crate::stats::{BlockObserver, Record, Statistic, Totals, jackknife};
 /// The value of every statistic, in the order of `Statistic::ALL`.
 pub(super) type Values = [f64; Statistic::ALL.len()];
 
-/// What the groups come to.
+/// The statistics of paths in groups.
 #[derive(Clone, Debug)]
 pub(super) struct Grouped {
     /// The statistics of all paths.
     pub all: Values,
-    /// Group by group, those of all paths but the group's.
+    /// For each group, the statistics of all paths but those of the group.
     pub without: Vec<Values>,
 }
 
@@ -25,13 +25,13 @@ pub(super) struct Groups {
 }
 
 impl Groups {
-    /// So many groups of no paths.
+    /// This many groups of no paths.
     pub fn empty(model: &Model, timeline: &Timeline, groups: usize) -> Self {
         let empty = Totals::empty(model, timeline);
         Groups { groups: vec![empty.clone(); groups], empty }
     }
 
-    /// Add later paths, group by group.
+    /// Add the totals of further paths, group by group.
     pub fn merge(&mut self, more: &[Totals]) {
         for (mine, more) in self.groups.iter_mut().zip(more) {
             mine.merge(more);
@@ -45,17 +45,17 @@ impl Groups {
     }
 }
 
-/// Shows each path to the observer of its group: of the lanes, the first so many are the first
-/// group, and so on.
+/// Passes each path to the observer of its group. The first `width` lanes are the first group, the
+/// next `width` lanes the second, and so on.
 pub(super) struct GroupObserver {
     observers: Vec<BlockObserver>,
     first: u64,
-    /// Paths of a group.
+    /// Number of paths of each group.
     width: usize,
 }
 
 impl GroupObserver {
-    /// For `groups` groups of `width` paths each, in order from number `first` on.
+    /// An observer of `groups` groups of `width` paths each, whose numbers run from `first` on.
     pub fn new(model: &Model, timeline: &Timeline, first: u64, width: usize, groups: usize) -> Self {
         let group = |g: usize| {
             let from = first + (g * width) as u64;
@@ -103,8 +103,8 @@ mod tests {
 
     /// Null: D1 of a ratio and of a mean are within Student's t of their expectation, here the mean
     /// over all seeds, in 95 % of 400 seeds. The share is then within four binomial standard
-    /// deviations, 4.4 %, and 1.5 % for the skewness of so few paths, but for a false-alarm rate of
-    /// 6e-5. An error of a factor of two gives 70 % or 99.9 %.
+    /// deviations, 4.4 %, and 1.5 % for the skewness of so few paths, with a false-alarm rate of
+    /// 6e-5. A standard error that is wrong by a factor of two gives 70 % or 99.9 %.
     #[test]
     fn differences_of_steps_scatter_as_the_jackknife_says() {
         let model = paper(0.25, 0.25);

@@ -1,11 +1,11 @@
-//! The discretisation bias of every statistic of a run, measured beside the run at an eighth of
-//! its cost.
+//! The discretisation bias of every statistic of a run. It is measured beside the run, at an eighth
+//! of the cost of the run.
 //!
 //! There are two measurements, and each statistic takes one of them:
 //!
 //! ```text
-//! differences     some of the run's paths again at h, 2h and 4h on the same noise. Precise for
-//!                 displacements, because the same noise makes nearly the same path; gives the order
+//! differences     some paths of the run, again at h, 2h and 4h on the same noise. Precise for
+//!                 displacements, since the same noise makes nearly the same path. Gives the order
 //! reference run   event-driven paths, which have no step. Precise for sticks, because another step
 //!                 changes every stick exit even on the same noise
 //! ```
@@ -36,24 +36,25 @@ pub enum NoBias {
     Exact,
     /// The quasi-static scheme: its error is that of an approximation, which no step makes smaller.
     Approximation,
-    /// The corrected scheme, where the reference run costs too much: the error of this scheme
-    /// changes sign between the steps that would be compared.
+    /// The corrected scheme, where nothing is random or a reference run costs too much. The error
+    /// of this scheme cannot be extrapolated, because it may be the same at the steps that would be
+    /// compared.
     Corrected,
-    /// f_s = f_d under noise: stick statistics have no limit as h falls.
+    /// f_s = f_d under noise: statistics of sticks have no limit as h falls.
     EqualFriction,
-    /// Too few paths.
+    /// The run has too few paths.
     FewPaths {
-        /// How many it takes.
+        /// The number of paths that are needed.
         needed: u64,
     },
-    /// Too few steps.
+    /// A path has too few steps.
     FewSteps,
     /// Paths diverged at h, 2h or 4h.
     Diverged {
-        /// How many, all steps together.
+        /// Number of paths that diverged, at all three steps together.
         paths: usize,
     },
-    /// Stopped from outside.
+    /// The simulation was stopped by the caller.
     Stopped,
 }
 
@@ -90,23 +91,25 @@ impl fmt::Display for NoBias {
     }
 }
 
-/// The reference run may cost one part in so many of the run, where differences are measured too.
+/// The reference run may cost one part in this many of the run, if differences are measured as
+/// well.
 const SHARE: u64 = 20;
 
-/// The same where they are not.
+/// The same if differences are not measured.
 const SHARE_ALONE: u64 = 10;
 
 /// What is simulated beside a run to measure its bias.
 #[derive(Clone, Debug)]
 pub struct BiasPlan {
-    /// Not for the corrected scheme.
+    /// None for the corrected scheme.
     differences: Option<Differences>,
     /// None without noise, where all paths are the same.
     reference: Option<ReferenceRun>,
 }
 
 impl BiasPlan {
-    /// For a run of this scheme, seed and number of paths.
+    /// The plan for a run of this scheme on this model and timeline, with this seed and number of
+    /// paths.
     pub fn new(scheme: Scheme, model: &Model, timeline: &Timeline, seed: u64, paths: u64) -> Result<Self, NoBias> {
         let is_random = model.temperature.is_random();
         let (h, is_corrected) = match scheme.discretisation() {
@@ -130,13 +133,14 @@ impl BiasPlan {
         BiasPlan { differences: self.differences.map(Differences::in_pairs), ..self }
     }
 
-    /// The bias of every statistic that exists in the run whose result this is, on `threads`
-    /// threads, the same bits for any number of them.
+    /// The bias of every statistic that exists in `run`. The result has the same bits for any
+    /// number of `threads`.
     pub fn estimate(&self, run: &Summary, threads: usize, stop: &AtomicBool) -> Result<Vec<(Statistic, Bias)>, NoBias> {
         Ok(self.simulate(threads, stop)?.of(run))
     }
 
-    /// Simulate what the bias is measured from, which may be done before the run or after it.
+    /// Simulate the paths from which the bias is measured. This may be done before the run or after
+    /// it.
     pub fn simulate(&self, threads: usize, stop: &AtomicBool) -> Result<BesideRun, NoBias> {
         let referenced = self.reference.as_ref().and_then(|reference| reference.simulate(threads, stop));
         let Some(differences) = &self.differences else {
@@ -148,17 +152,17 @@ impl BiasPlan {
     }
 }
 
-/// What was simulated beside a run for the bias of its step.
+/// The results of the simulations that measure the bias of a run.
 #[derive(Clone, Debug)]
 pub struct BesideRun {
-    /// The biases that follow from three steps.
+    /// The biases by extrapolation from three steps.
     extrapolated: Vec<(Statistic, Bias)>,
     /// The statistics of the reference run.
     referenced: Option<Summary>,
 }
 
 impl BesideRun {
-    /// The bias of every statistic that exists in the run whose result this is.
+    /// The bias of every statistic that exists in `run`.
     pub fn of(&self, run: &Summary) -> Vec<(Statistic, Bias)> {
         let referenced = self.referenced.as_ref().map_or_else(Vec::new, |exact| reference_run::biases(run, exact));
         let of = |biases: &[(Statistic, Bias)], statistic| biases.iter().find(|(s, _)| *s == statistic).map(|b| b.1);
@@ -167,9 +171,9 @@ impl BesideRun {
     }
 }
 
-/// The factor by which a 95 % uncertainty that rests on so many paths is widened. With a few dozen
-/// paths the intervals of skewed laws cover the truth less often than they say, and the coverage is
-/// claimed for every statistic of every scene (docs/bias.md).
+/// The factor by which a 95 % uncertainty is widened that comes from this many paths. With a few
+/// dozen paths the intervals of skewed laws cover the truth in less than 95 % of cases, but the
+/// coverage is stated for every statistic of every scene (docs/bias.md).
 fn caution(paths: u64) -> f64 {
     1.0 + 2.5 / (paths as f64).sqrt()
 }
@@ -178,11 +182,11 @@ fn caution(paths: u64) -> f64 {
 /// run, and the two do not contradict each other.
 const SHARPER: f64 = 0.5;
 
-/// Of the two measurements of one bias, where there are two.
+/// The measurement that is taken, of two measurements of one bias or the only one.
 ///
 /// The reference run assumes nothing about the order, so it is taken unless the extrapolation is
-/// far more precise. If the more precise of two similar ones were taken, it would often be the one
-/// whose uncertainty is too small by chance.
+/// far more precise. If the more precise of two similar measurements were taken, it would often be
+/// the one whose uncertainty is too small by chance.
 fn chosen(extrapolated: Option<Bias>, referenced: Option<Bias>) -> Option<Bias> {
     let (Some(extrapolated), Some(referenced)) = (extrapolated, referenced) else { return extrapolated.or(referenced) };
     let is_sharper = extrapolated.uncertainty < SHARPER * referenced.uncertainty;
@@ -200,8 +204,8 @@ mod tests {
         let bias = |estimate, uncertainty, order| Some(Bias { estimate, uncertainty, order });
         let referenced = bias(1.0, 0.4, None);
         assert_eq!(chosen(bias(0.7, 0.1, Some(0.5)), referenced), bias(0.7, 0.1, Some(0.5)));
-        // No sharper by chance than chance may be; and in contradiction, 0.6 apart where 0.5 is
-        // possible.
+        // The first is not precise enough, and might only be so by chance. The second contradicts
+        // the reference run, because they are 0.6 apart where 0.5 is possible.
         assert_eq!(chosen(bias(0.7, 0.3, Some(0.5)), referenced), bias(1.0, 0.4, Some(0.5)));
         assert_eq!(chosen(bias(0.4, 0.1, Some(0.5)), referenced), bias(1.0, 0.4, Some(0.5)));
         assert_eq!(chosen(None, referenced), referenced);

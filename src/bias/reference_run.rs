@@ -1,9 +1,9 @@
 //! The bias by comparison with a reference run of event-driven paths, which have no step.
 //!
 //! The reference run has as many paths as a given share of the cost of the run allows. Its
-//! statistics are those to which the run tends as h falls, so the bias is the difference of the
-//! two. Nothing is extrapolated, and any scheme with a step may be compared. The error is that of
-//! two finite ensembles, of which the reference run is the smaller one.
+//! statistics are those to which the run tends as h falls, so that the bias is the difference of
+//! the two. Nothing is extrapolated, and any scheme with a step can be compared. The error is that
+//! of two finite ensembles, of which the reference run is the smaller one.
 
 use super::caution;
 use crate::ensemble::{Plan, in_order};
@@ -16,23 +16,23 @@ use std::sync::atomic::AtomicBool;
 
 /// How event-driven paths are simulated beside a run.
 struct Pieces {
-    /// Paths of a piece of work.
+    /// Number of paths in a piece of work.
     paths: u64,
-    /// What an evaluation costs, in path-steps, of which one takes 0.8 to 1.25 ns (AVX-512; fewer
-    /// path-steps elsewhere).
+    /// The cost of one evaluation in path-steps. A path-step takes 0.8 to 1.25 ns (with AVX-512;
+    /// otherwise it takes longer, and an evaluation costs fewer of them).
     evaluation: u64,
 }
 
-/// Paths that go one by one: 63 to 77 ns an evaluation.
+/// Paths that are simulated one by one: 63 to 77 ns per evaluation.
 const ALONE: Pieces = Pieces { paths: 16, evaluation: 64 };
 
-/// Paths that go abreast: 25 to 40 ns an evaluation of 64 paths and more.
+/// Paths that are simulated together in lanes: 25 to 40 ns per evaluation with 64 paths and more.
 const ABREAST: Pieces = Pieces { paths: 128, evaluation: 32 };
 
-/// The number of paths from which the cost of one is measured.
+/// The number of paths from which the cost of a path is measured.
 const FIRST: u64 = 16;
 
-/// With fewer paths the intervals are hardly bounded.
+/// The smallest number of paths. With fewer paths, many intervals are not bounded.
 const FEWEST: u64 = 32;
 
 /// A reference run of event-driven paths beside a run.
@@ -41,19 +41,20 @@ pub struct ReferenceRun {
     model: Model,
     timeline: Timeline,
     seed: u64,
-    /// Path-steps that they may cost.
+    /// The number of path-steps that the reference run may cost.
     budget: u64,
-    /// Paths of the run; there is no point in more.
+    /// The number of paths of the run, which the reference run does not exceed.
     paths: u64,
 }
 
 impl ReferenceRun {
-    /// For a run of so many paths with this step and seed, of whose cost they may take one part in
-    /// `share`.
+    /// A reference run beside a run of this many paths with this step and seed. It may cost one
+    /// part in `share` of the run.
     pub fn new(model: &Model, timeline: &Timeline, h: f64, seed: u64, paths: u64, share: u64) -> Self {
         let path_steps = timeline.end / h * paths as f64;
         let budget = path_steps as u64 / share;
-        // the bands have no bias; other random numbers than those of the run
+        // Rows of the output grid are left out, because the bands have no bias estimate. The seed
+        // gives other random numbers than those of the run.
         ReferenceRun { model: model.clone(), timeline: timeline.without_rows(), seed: !seed, budget, paths }
     }
 
@@ -83,8 +84,9 @@ impl ReferenceRun {
         Some(totals.summary()).filter(|summary| delivered == pieces && summary.diverged.is_empty())
     }
 
-    /// How many paths so many evaluations pay for, by what the first ones take, which is not more
-    /// than all of it.
+    /// The number of paths that this many evaluations allow, judged by the cost of the first paths,
+    /// which are stopped if they exceed the whole budget. None if it is too small, or if the scheme
+    /// does not resolve all slips.
     fn affordable(&self, exact: &EventDrivenSimulation, evaluations: u64) -> Option<u64> {
         if exact.resolution().is_some() || evaluations < FEWEST {
             return None;
@@ -106,10 +108,10 @@ pub(super) fn biases(run: &Summary, exact: &Summary) -> Vec<(Statistic, Bias)> {
 }
 
 /// The statistic of the run minus that of the reference run. The two are independent, so their
-/// errors add in squares, for each side apart: the lower end of the bias is where the run is low
-/// and the reference run is high. The uncertainty is that of the longer side. The error that the
-/// tolerance leaves is the same for every seed, so it is added as it is. None where one of the two
-/// has no bounded interval.
+/// errors add in squares, separately for each side: the lower end of the bias is where the run is
+/// low and the reference run is high. The uncertainty is that of the longer side. The error that
+/// the tolerance leaves is the same for every seed, so it is added as it is. None where one of the
+/// two has no bounded interval.
 fn difference(run: &Estimate, exact: &Estimate, caution: f64) -> Option<Bias> {
     let below = (run.estimate - run.low).hypot(exact.high - exact.estimate);
     let above = (run.high - run.estimate).hypot(exact.estimate - exact.low);
@@ -128,10 +130,10 @@ mod tests {
         Estimate { statistic, estimate, standard_error, low, high, bias: None }
     }
 
-    /// The median of the run is 4, in [4, 7], and that of the reference run 1, in [1, 5]: the bias
-    /// is 3, and as much as sqrt(0 + 4^2) less or sqrt(3^2 + 0) more. The uncertainty is that of
-    /// the longer side, 1.5 times, and 0.1 % of 1. Half the width of the two intervals, 2.5, would
-    /// hold neither.
+    /// The median of the run is 4, in [4, 7], and that of the reference run is 1, in [1, 5]. The
+    /// bias is 3, and may be lower by sqrt(0 + 4^2) or higher by sqrt(3^2 + 0). The uncertainty is
+    /// 1.5 times the longer side, plus 0.1 % of 1. Half the width of the two intervals, 2.5, would
+    /// cover neither side.
     #[test]
     fn the_uncertainty_is_that_of_the_longer_side() {
         let told = difference(&of(4.0, 4.0, 7.0), &of(1.0, 1.0, 5.0), 1.5);

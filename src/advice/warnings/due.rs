@@ -1,4 +1,4 @@
-//! Which warnings are due for a scenario, the gravest first.
+//! Which warnings are due for a scenario, the most serious first.
 
 use super::noise::NoisyStep;
 use super::*;
@@ -7,7 +7,7 @@ use crate::scenario::Scenario;
 use crate::scheme::Discretisation;
 
 impl Scenario {
-    /// What the user should know before trusting the run, the gravest first.
+    /// What the user should know before trusting the run, the most serious first.
     pub fn warnings(&self) -> Vec<Warning> {
         let derived = self.derived();
         let noisy_step = |h| NoisyStep::of(&self.model, &derived, h);
@@ -24,7 +24,8 @@ impl Scenario {
         [of_scheme, of_question(self, &derived)].concat()
     }
 
-    /// The same for a run: where it measures the bias of the step, a guess at it is left out.
+    /// The warnings for a run. If the run measures the bias of the step, warnings that only give a
+    /// guess of it are left out.
     pub fn warnings_of_run(&self, measures_bias: bool) -> Vec<Warning> {
         let is_guess =
             |warning: &Warning| matches!(warning, Warning::StickExitBias { .. } | Warning::CorrectedBias { .. });
@@ -33,7 +34,7 @@ impl Scenario {
     }
 }
 
-/// A step beside what it is to follow.
+/// Warnings about a step that is long for the oscillator, the forcing or the noise.
 fn of_step(scenario: &Scenario, derived: &Derived, h: f64) -> Vec<Warning> {
     let temperature = &scenario.model.temperature;
     let mut warnings = listed([
@@ -48,7 +49,7 @@ fn of_step(scenario: &Scenario, derived: &Derived, h: f64) -> Vec<Warning> {
     warnings
 }
 
-/// Stick exits that are looked for once a step.
+/// Warnings about stick exits that are checked only once a step.
 fn of_noise(step: Option<NoisyStep>) -> Vec<Warning> {
     let Some(step) = step else { return Vec::new() };
     listed([
@@ -59,7 +60,8 @@ fn of_noise(step: Option<NoisyStep>) -> Vec<Warning> {
     ])
 }
 
-/// Stick exits that are corrected for that.
+/// Warnings about stick exits that are checked only once a step, by the scheme that corrects for
+/// this.
 fn of_correction(step: Option<NoisyStep>) -> Vec<Warning> {
     let Some(step) = step else { return Vec::new() };
     listed([
@@ -71,7 +73,7 @@ fn of_correction(step: Option<NoisyStep>) -> Vec<Warning> {
     ])
 }
 
-/// The question, whatever the scheme.
+/// Warnings that do not depend on the scheme.
 fn of_question(scenario: &Scenario, derived: &Derived) -> Vec<Warning> {
     let Scenario { model, measured, ensemble, time, .. } = scenario;
     listed([

@@ -1,19 +1,19 @@
-//! What to know about the file of a run, and about its memory.
+//! Warnings about the file of a run and about its memory.
 
 use crate::advice::derived::Derived;
 use crate::numbers::bytes;
 use std::fmt;
 
-/// An output grid that takes much memory.
+/// The output grid takes much memory.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ManyRows {
-    /// How many.
+    /// Number of rows.
     pub rows: usize,
-    /// What a thread takes for them, in bytes.
+    /// Memory that a thread needs for them, in bytes.
     pub bytes: f64,
 }
 
-/// More rows than this deserve a word.
+/// More rows than this are worth a warning.
 const MANY_ROWS: usize = 10_000;
 
 impl ManyRows {
@@ -35,14 +35,14 @@ impl fmt::Display for ManyRows {
     }
 }
 
-/// A large file.
+/// The output file is large.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LargeOutput {
-    /// Estimated size.
+    /// Estimated size in bytes.
     pub bytes: f64,
 }
 
-/// Above this, a file deserves a word: one gigabyte.
+/// A larger file than this, one gigabyte, is worth a warning.
 const LARGE_OUTPUT: f64 = 1e9;
 
 impl LargeOutput {

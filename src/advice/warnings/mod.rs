@@ -1,8 +1,8 @@
 //! What to know before trusting a run, in plain words.
 //!
-//! Each warning is a type that holds its numbers. Its condition, the function `due`, stands beside
-//! the sentence that it prints, and each file holds the warnings of one subject. The list below
-//! makes the closed set of them; `due.rs` puts together those of a scenario.
+//! Each warning is a type that holds its numbers. Its condition, the function `due`, is next to the
+//! sentence that it prints, and each file has the warnings of one subject. The list below makes the
+//! closed set of them, and `due.rs` selects those of a scenario.
 
 mod due;
 mod file;
@@ -24,26 +24,26 @@ pub use step::{AmplitudeAboveCritical, StepAgainstForcing, StepAgainstNoise, Ste
 
 use std::fmt;
 
-/// Makes the enum of the warnings from their types and names.
+/// Makes the enum of the warnings from a list of their types and names.
 macro_rules! warnings {
     ($($Warning:ident = $name:literal),+ $(,)?) => {
-        /// Something that makes a scenario's results differ from what they seem to be.
+        /// A reason why the results of a scenario may not be what they seem to be.
         #[derive(Clone, Debug, PartialEq)]
         pub enum Warning {
             $(#[doc = concat!("[`", stringify!($Warning), "`].")] $Warning($Warning),)+
         }
 
         impl Warning {
-            /// The names of all of them.
+            /// The names of all warnings.
             pub const NAMES: &'static [&'static str] = &[$($name),+];
 
-            /// A short name for machines.
+            /// The name of the warning, for programs.
             pub fn name(&self) -> &'static str {
                 match self { $(Warning::$Warning(_) => $name,)+ }
             }
         }
 
-        /// A sentence or two for people.
+        /// The warning in a sentence or two, for people.
         impl fmt::Display for Warning {
             fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
                 match self { $(Warning::$Warning(warning) => warning.fmt(f),)+ }

@@ -1,5 +1,5 @@
-//! What to know about stick exits under noise: looked for once a step, corrected for that, or
-//! resolved only so far.
+//! Warnings about stick exits under noise, which a scheme checks only once a step, or corrects for
+//! this, or resolves only down to a limit.
 
 use crate::advice::derived::Derived;
 use crate::model::{Friction, Model};
@@ -7,14 +7,14 @@ use crate::numbers::short;
 use crate::scheme::{Resolution, monitoring_shift};
 use std::fmt;
 
-/// A step under noise, and what the noise does to a stick in it.
+/// A step under noise, with the numbers that decide what it does to sticks.
 pub(super) struct NoisyStep {
     h: f64,
     friction: Friction,
     /// f_d/f_s.
     friction_ratio: f64,
-    /// 0.5826 K beta rho sigma sqrt(h): how far the force overshoots f_s in the mean before a step
-    /// sees it.
+    /// 0.5826 K beta rho sigma sqrt(h): how far the force has passed f_s on average when a step
+    /// detects it.
     shift: f64,
     /// (f_s / (K beta rho sigma))^2.
     crossing_time: f64,
@@ -23,7 +23,7 @@ pub(super) struct NoisyStep {
 }
 
 impl NoisyStep {
-    /// There is none without noise, and none without friction, where there are no sticks.
+    /// None without noise, and none without friction, where there are no sticks.
     pub(super) fn of(model: &Model, derived: &Derived, h: f64) -> Option<Self> {
         let crossing_time = derived.corridor_time.filter(|time| *time > 0.0)?;
         let friction_ratio = derived.friction_ratio?;
@@ -43,7 +43,7 @@ impl NoisyStep {
     }
 }
 
-/// The noise crosses a good part of the corridor of a stick within a step.
+/// The noise crosses a large part of the corridor of a stick within one step.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StepAgainstCorridor {
     /// h.
@@ -52,7 +52,7 @@ pub struct StepAgainstCorridor {
     pub crossing_time: f64,
 }
 
-/// A mean overshoot above this share of the corridor makes a stick exit meaningless.
+/// A mean overshoot above this share of f_s makes a stick exit meaningless.
 const LARGE_OVERSHOOT: f64 = 1.0 / 3.0;
 
 impl StepAgainstCorridor {
@@ -74,7 +74,8 @@ impl fmt::Display for StepAgainstCorridor {
     }
 }
 
-/// f_s = f_d with noise: stick counts and durations are properties of the step.
+/// f_s = f_d under noise: the numbers and durations of sticks are properties of the step, not of
+/// the model.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EqualFriction;
 
@@ -94,22 +95,23 @@ impl fmt::Display for EqualFriction {
     }
 }
 
-/// The stick exit is looked for only every h: an error of order sqrt(h).
+/// The scheme checks only once a step whether a stick has ended, which makes an error of order
+/// sqrt(h).
 #[derive(Clone, Debug, PartialEq)]
 pub struct StickExitBias {
     /// Rough relative error of the mean stick duration.
     pub relative: f64,
 }
 
-/// Relative error of the mean stick duration over sqrt(h / crossing time), measured between h =
-/// 0.001 and 0.02 in the scene with rho = 0.25 and forcing 1/4 (1.7 to 1.9); elsewhere a guide
-/// only.
+/// Relative error of the mean stick duration, divided by sqrt(h / crossing time). It was measured
+/// between h = 0.001 and 0.02 in the scene with rho = 0.25 and forcing 1/4 (1.7 to 1.9). For other
+/// scenes it is only a guide.
 const STICK_BIAS: f64 = 1.8;
-/// A bias hint below this is not worth a line.
+/// A smaller relative bias than this is not worth a warning.
 const SMALL_BIAS: f64 = 0.01;
 
 impl StickExitBias {
-    /// It is not due where stick durations mean nothing at this step.
+    /// This warning is not due where stick durations mean nothing at this step.
     pub(super) fn due(step: &NoisyStep) -> Option<Self> {
         let means_something = EqualFriction::due(step).is_none() && StepAgainstCorridor::due(step).is_none();
         let relative = STICK_BIAS * (step.h / step.crossing_time).sqrt();
@@ -140,7 +142,7 @@ pub struct MicroSlips {
 }
 
 impl MicroSlips {
-    /// Where f_s = f_d every step is longer than that, and another warning says so.
+    /// Where f_s = f_d, every step is longer than the return time, and another warning says so.
     pub(super) fn due(step: &NoisyStep) -> Option<Self> {
         let is_due = EqualFriction::due(step).is_none() && step.h > step.return_time;
         is_due.then_some(MicroSlips { step: step.h, return_time: step.return_time })
@@ -159,7 +161,7 @@ impl fmt::Display for MicroSlips {
     }
 }
 
-/// The correction of the stick exit is not small against f_s.
+/// The correction of the stick exit is not small relative to f_s.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LargeShift {
     /// 0.5826 K beta rho sigma sqrt(h).
@@ -168,8 +170,8 @@ pub struct LargeShift {
     pub static_force: f64,
 }
 
-/// A shift above this share of f_s leaves the corrected scheme with errors of the second order that
-/// show.
+/// With a shift above this share of f_s, errors of second order of the corrected scheme become
+/// visible.
 const LARGE_SHIFT: f64 = 0.2;
 
 impl LargeShift {
@@ -192,14 +194,14 @@ impl fmt::Display for LargeShift {
     }
 }
 
-/// The corrected scheme lowers f_s no further than to f_d, and its shift asks for more.
+/// The corrected scheme lowers f_s no further than to f_d, but its shift is larger than that.
 #[derive(Clone, Debug, PartialEq)]
 pub struct IncompleteCorrection {
     /// 0.5826 K beta rho sigma sqrt(h).
     pub shift: f64,
     /// f_s - f_d.
     pub gap: f64,
-    /// The step at which they are equal.
+    /// The step at which the shift equals the gap.
     pub largest_step: f64,
 }
 
@@ -229,22 +231,22 @@ impl fmt::Display for IncompleteCorrection {
     }
 }
 
-/// The corrected scheme's own error, of order h.
+/// The error of the corrected scheme itself, which is of order h.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CorrectedBias {
     /// Rough relative error of the mean stick duration.
     pub relative: f64,
 }
 
-/// Relative error of the mean stick duration of the corrected scheme over h / return time, and
-/// where it stops growing: measured between h = 0.000625 and 0.02 in the same scene (0.15 to 0.18
-/// below 0.3; 8 % at 0.01 and at 0.02).
+/// Relative error of the mean stick duration of the corrected scheme, divided by h / return time,
+/// and the value of h / return time above which it no longer grows. They were measured between h =
+/// 0.000625 and 0.02 in the same scene (0.15 to 0.18 below 0.3; 8 % at 0.01 and at 0.02).
 const CORRECTED_BIAS: f64 = 0.17;
 const CORRECTED_BIAS_GROWS_TO: f64 = 0.5;
 
 impl CorrectedBias {
-    /// It is not due where stick durations mean nothing, or where what is left uncorrected
-    /// outweighs it.
+    /// This warning is not due where stick durations mean nothing, or where the error that remains
+    /// because the correction is incomplete is larger.
     pub(super) fn due(step: &NoisyStep) -> Option<Self> {
         let is_corrected = EqualFriction::due(step).is_none() && IncompleteCorrection::due(step).is_none();
         let relative = CORRECTED_BIAS * (step.h / step.return_time).min(CORRECTED_BIAS_GROWS_TO);
@@ -263,11 +265,11 @@ impl fmt::Display for CorrectedBias {
     }
 }
 
-/// f_s = f_d, or nearly, under noise: stick counts and durations are properties of the resolution
-/// of a scheme without a step.
+/// f_s = f_d, or nearly so, under noise: the numbers and durations of sticks are properties of the
+/// resolution of a scheme without a step.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Unresolved {
-    /// What is simulated instead.
+    /// The resolution of the scheme.
     pub resolution: Resolution,
 }
 

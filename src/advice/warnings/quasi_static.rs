@@ -1,4 +1,4 @@
-//! What to know about the recursion that takes the forcing to stand still while a slip lasts.
+//! Warnings about the quasi-static recursion, which takes the forcing as constant during a slip.
 
 use crate::model::{Model, StepResponse};
 use crate::numbers::short;
@@ -23,22 +23,22 @@ impl fmt::Display for NeverMoves {
     }
 }
 
-/// What a slip of the recursion is, beside what the forcing does meanwhile.
+/// A slip of the recursion, and what the forcing does during it.
 struct Slip {
-    /// How long it lasts: pi/w0 without damping.
+    /// Duration of the slip: pi/w0 without damping.
     duration: f64,
     /// By how much, roughly, the force changes in that time.
     change: f64,
-    /// What it lets go: 2 (f_s - f_d) without damping.
+    /// The force that the slip releases: 2 (f_s - f_d) without damping.
     released: f64,
-    /// How fast harmonics and series change the force, at most.
+    /// The largest rate at which harmonics and series change the force.
     rate: f64,
-    /// The rate from which on it has no end.
+    /// The rate from which on the slip does not end.
     limit: f64,
 }
 
 impl Slip {
-    /// None where slips move nothing.
+    /// None where slips do not move the body.
     fn of(model: &Model) -> Option<Self> {
         if NeverMoves::due(model).is_some() {
             return None;
@@ -49,8 +49,8 @@ impl Slip {
         let series = temperature.series.as_ref();
         let rates = temperature.harmonics.iter().map(|h| h.amplitude.abs() * h.angular_frequency);
         let rates = rates.chain(series.map(|series| series.steepest()));
-        // However fast a harmonic, it changes by no more than twice its amplitude; measured values
-        // by no more than their range.
+        // A harmonic, however fast, changes by no more than twice its amplitude, and measured
+        // values by no more than their range.
         let bounds = temperature.harmonics.iter().map(|h| 2.0 * h.amplitude.abs());
         let bounds = bounds.chain(series.map(|series| series.range().1 - series.range().0));
         let harmonics: f64 = rates.clone().zip(bounds).map(|(rate, bound)| (rate * duration).min(bound)).sum();
@@ -62,7 +62,7 @@ impl Slip {
         let to_force = oscillator.force_per_temperature().abs();
         let gap = friction.static_force - friction.dynamic_force;
         // A slip ends because the body swings back faster than the forcing moves on, or because of
-        // noise.
+        // the noise.
         let swings_back = swing.return_speed * oscillator.natural_frequency() * gap;
         Some(Slip {
             duration,
@@ -81,21 +81,21 @@ impl Slip {
 /// The force changes too much during a slip for the quasi-static recursion.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ForcingDuringSlip {
-    /// How long a slip lasts: pi/w0 without damping.
+    /// Duration of a slip: pi/w0 without damping.
     pub duration: f64,
-    /// By how much, roughly, in that time.
+    /// By how much, roughly, the force changes in that time.
     pub change: f64,
-    /// What a slip lets go: 2 (f_s - f_d) without damping.
+    /// The force that a slip releases: 2 (f_s - f_d) without damping.
     pub released: f64,
 }
 
-/// A change of the force during a slip above this share of what the slip lets go shows in where the
-/// body stops. In the noiseless paper scene the jumps are off by 0.85 times that share
-/// (docs/event-driven.md).
+/// If the change of the force during a slip is above this share of the force that the slip
+/// releases, the place where the body stops is visibly off. In the paper's scene without noise the
+/// jumps are off by 0.85 times that share (docs/event-driven.md).
 const SLOW_FORCING: f64 = 0.01;
 
 impl ForcingDuringSlip {
-    /// It is not due where slips move nothing, nor where the body creeps.
+    /// This warning is not due where slips do not move the body, nor where the body creeps.
     pub(super) fn due(model: &Model) -> Option<Self> {
         let slip = Slip::of(model).filter(|slip| !slip.creeps())?;
         let Slip { duration, change, released, .. } = slip;
@@ -119,13 +119,13 @@ impl fmt::Display for ForcingDuringSlip {
     }
 }
 
-/// The damped swing of the quasi-static recursion has no end where the forcing moves on: the body
-/// creeps.
+/// The damped body does not swing back fast enough to end a slip of the quasi-static recursion
+/// while the forcing moves on: the body creeps.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Creep {
-    /// How fast the harmonics change the force, at most.
+    /// The largest rate at which harmonics and series change the force.
     pub rate: f64,
-    /// The rate from which on a slip has no end.
+    /// The rate from which on a slip does not end.
     pub limit: f64,
 }
 

@@ -1,4 +1,4 @@
-//! What to know about the question that is asked, however it is answered.
+//! Warnings about the question itself, whatever scheme answers it.
 
 use crate::advice::amplitude::NEVER_SD;
 use crate::advice::derived::Derived;
@@ -11,7 +11,7 @@ use std::fmt;
 /// |b| cannot reach f_s.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NeverSlips {
-    /// A bound of |b|.
+    /// An upper bound of |b|.
     pub largest_force: f64,
 }
 
@@ -29,10 +29,10 @@ impl fmt::Display for NeverSlips {
     }
 }
 
-/// Nothing random: every path is the same.
+/// Nothing is random: all paths are the same.
 #[derive(Clone, Debug, PartialEq)]
 pub struct IdenticalPaths {
-    /// How many.
+    /// Number of paths.
     pub paths: u64,
 }
 
@@ -49,7 +49,7 @@ impl fmt::Display for IdenticalPaths {
     }
 }
 
-/// beta = 0: the temperature moves nothing.
+/// beta = 0: the temperature does not move the body.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NoDilatation;
 
@@ -68,12 +68,12 @@ impl fmt::Display for NoDilatation {
     }
 }
 
-/// Too few forcing periods to tell a drift from a transient.
+/// There are too few forcing periods to distinguish a drift from a transient.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FewPeriods {
     /// Whole forcing periods that are counted.
     pub periods: usize,
-    /// The end of a run that counts enough of them.
+    /// The `time.end` with which enough of them are counted.
     pub enough: f64,
 }
 
@@ -102,10 +102,10 @@ impl fmt::Display for FewPeriods {
     }
 }
 
-/// Too many forcing periods to keep.
+/// There are too many forcing periods to keep x at each of them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ManyPeriods {
-    /// Whole forcing periods up to the end.
+    /// Whole forcing periods up to the end of the run.
     pub periods: f64,
 }
 
@@ -133,7 +133,7 @@ pub struct NoCommonPeriod;
 
 impl NoCommonPeriod {
     pub(super) fn due(temperature: &Temperature) -> Option<Self> {
-        // A series says by itself that there are no periods.
+        // A measured series obviously has no period, so that no warning is needed.
         if temperature.series.is_some() {
             return None;
         }

@@ -1,15 +1,15 @@
-//! What to know about a temperature that was measured.
+//! Warnings about a measured temperature.
 
 use crate::model::Model;
 use crate::scenario::Measured;
 use std::fmt;
 
-/// The file was not sound, and was mended.
+/// The file of the series was not sound, and was repaired as it was read.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RepairedSeries {
-    /// The file.
+    /// The name of the file.
     pub file: String,
-    /// What was done, in words.
+    /// The repairs, in words.
     pub repairs: Vec<String>,
 }
 
@@ -26,7 +26,7 @@ impl fmt::Display for RepairedSeries {
     }
 }
 
-/// Noise on top of measured weather.
+/// Noise is added to a measured temperature, which already contains the weather.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WeatherTwice;
 

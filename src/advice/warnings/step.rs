@@ -1,4 +1,4 @@
-//! What to know about a step beside the oscillator, the forcing and the noise it is to follow.
+//! Warnings about a step that is too long for the oscillator, the forcing or the noise.
 
 use crate::advice::derived::Derived;
 use crate::model::{Harmonic, Noise};
@@ -12,7 +12,7 @@ use std::fmt;
 pub struct StepUnstable {
     /// h.
     pub step: f64,
-    /// It must stay below this.
+    /// The stability limit: the step must be shorter than this.
     pub limit: f64,
 }
 
@@ -39,7 +39,7 @@ impl fmt::Display for StepUnstable {
     }
 }
 
-/// Undamped, and the expected amplitude is above the critical one.
+/// Without damping, the expected amplitude is above the critical one.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AmplitudeAboveCritical {
     /// Expected largest |x|.
@@ -48,13 +48,14 @@ pub struct AmplitudeAboveCritical {
     pub critical: f64,
 }
 
-/// Below this relative growth of the amplitude over the whole run nothing can have grown.
+/// If the relative growth of the amplitude over the whole run is below this, it is not worth a
+/// warning.
 const GROWTH: f64 = 0.01;
 
 impl AmplitudeAboveCritical {
     pub(super) fn due(derived: &Derived, step: f64, end: f64) -> Option<Self> {
         let Some(Stability::Undamped { critical_amplitude: critical }) = derived.stability else { return None };
-        // What the scheme makes of the amplitude over the whole run.
+        // Relative growth of the amplitude that the explicit step causes over the whole run.
         let growth = derived.natural_frequency.powi(2) * step * end / 2.0;
         let expected = derived.expected_amplitude;
         (expected > critical && growth > GROWTH).then_some(AmplitudeAboveCritical { expected, critical })
@@ -74,14 +75,14 @@ impl fmt::Display for AmplitudeAboveCritical {
     }
 }
 
-/// Few steps per half-cycle of the oscillator.
+/// There are few steps per half-cycle of the oscillator.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StepAgainstOscillator {
     /// pi / (w0 h).
     pub steps_per_half_cycle: f64,
 }
 
-/// Fewest steps per half-cycle of the oscillator before its discretisation is worth a word.
+/// With fewer steps per half-cycle of the oscillator, its discretisation is worth a warning.
 const FEW_STEPS: f64 = 16.0;
 
 impl StepAgainstOscillator {
@@ -101,7 +102,7 @@ impl fmt::Display for StepAgainstOscillator {
     }
 }
 
-/// Few steps per period of a harmonic.
+/// There are few steps per period of a harmonic.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StepAgainstForcing {
     /// w.
@@ -131,7 +132,7 @@ impl fmt::Display for StepAgainstForcing {
     }
 }
 
-/// theta h > 1: the noise forgets itself within a step.
+/// theta h > 1: the noise decorrelates within one step.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StepAgainstNoise {
     /// theta h.
