@@ -1,4 +1,5 @@
-//! A calibration as a data set: the record, what was found in it, and what the model makes of it.
+//! A calibration as a data set: the measured record, what was found in it, and what the model
+//! gives.
 
 use super::header::CONVENTIONS;
 use super::layout::{Unit, Variable, variable};
@@ -13,26 +14,26 @@ use crate::study::calibration::{
     Values, response_of,
 };
 
-/// What `format_name` says of a calibration.
+/// The attribute `format_name` of a calibration.
 pub(crate) const CALIBRATION_FORMAT_NAME: &str = "stick-slip calibration";
 
-/// Major and minor version of that format.
+/// Major and minor version of the format.
 pub(crate) const CALIBRATION_FORMAT_VERSION: (u32, u32) = (1, 0);
 
-/// What is stored of a calibration.
+/// A calibration as it is read back from a data set.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StoredCalibration {
-    /// What it is about, in a line.
+    /// The title of the calibration, one line.
     pub title: String,
     /// The scenario, as it was written.
     pub scenario_text: String,
-    /// The result; its warnings are in `warnings`.
+    /// The result. Its list of warnings is empty; they are in `warnings`.
     pub calibration: Calibration,
     /// Name and sentence of each warning.
     pub warnings: Vec<(String, String)>,
 }
 
-/// Labels of its units.
+/// Labels of the units of a calibration.
 pub(crate) fn units() -> Units {
     let [time, length, force, temperature] = ["s", "m", "N", "K"].map(String::from);
     Units { time, length, force, temperature }
@@ -250,7 +251,7 @@ const LENGTH: Unit = Unit::Of(Dimension::LENGTH);
 const TEMPERATURES: Unit = Unit::Of(Dimension::TEMPERATURE);
 const PER_QUANTITY: &[(&str, &str)] = &[("coordinates", "quantity_symbol quantity_unit")];
 
-/// Declares the variables and the list of all of them together, so that neither can miss one.
+/// Declares the variables together with the list of all of them, so that the list is complete.
 macro_rules! table {
     ($($constant:ident = $value:expr;)*) => {
         $(pub(crate) const $constant: Variable = $value;)*

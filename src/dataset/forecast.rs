@@ -1,4 +1,4 @@
-//! A forecast as a data set: what a year brings, and every year that was simulated.
+//! A forecast as a data set: what is expected of a year, and every year that was simulated.
 
 use super::layout::{Unit, Variable, variable};
 use super::{Destination, texts};
@@ -6,7 +6,7 @@ use crate::provenance::{GIT_HASH, PROGRAM_VERSION};
 use crate::stats::Dimension;
 use crate::study::forecast::{Forecast, Level, ReturnLevel};
 
-/// What `format_name` says of a forecast.
+/// The attribute `format_name` of a forecast.
 const FORMAT_NAME: &str = "stick-slip forecast";
 
 /// Write a forecast.

@@ -1,4 +1,4 @@
-//! What a data set is put into, and read back from: a file or memory, without saying which.
+//! Where a data set is written and from where it is read back, be it a file or memory.
 
 use super::layout::Described;
 use crate::stats::Units;
@@ -40,18 +40,18 @@ impl From<u64> for Attribute {
     }
 }
 
-/// A type of the values of a variable.
+/// A type that the values of a variable may have.
 pub(crate) trait Element: Clone {
-    /// Which.
+    /// Which type this is.
     const KIND: Kind;
-    /// These values, whose type is theirs.
+    /// These values, tagged with their type.
     fn values(values: &[Self]) -> Values<'_>;
-    /// Out of a column; none where it is of another type.
+    /// The values of a column; none if the column has another type.
     fn of(column: Column) -> Option<Vec<Self>>;
 }
 
-/// Declares the types that a variable may have: their names, `Values` that are borrowed and a
-/// `Column` that owns them.
+/// Declares the types that the values of a variable may have: the enum `Kind` of their names, and
+/// the values themselves, borrowed as `Values` and owned as `Column`.
 macro_rules! kinds {
     ($($kind:ident($type:ty): $meaning:literal;)*) => {
         /// Types of values.
@@ -66,14 +66,14 @@ macro_rules! kinds {
             $(#[doc = $meaning] $kind(&'a [$type]),)*
         }
 
-        /// Values of a variable of one's own, row by row, the last axis fastest.
+        /// Owned values of a variable, row by row, the last axis fastest.
         #[derive(Clone, Debug, PartialEq)]
         pub enum Column {
             $(#[doc = $meaning] $kind(Vec<$type>),)*
         }
 
         impl Values<'_> {
-            /// How many.
+            /// Number of values.
             pub(crate) fn len(&self) -> usize {
                 match self {
                     $(Values::$kind(values) => values.len(),)*
@@ -89,14 +89,14 @@ macro_rules! kinds {
         }
 
         impl Column {
-            /// How many values it has.
+            /// Number of values.
             pub fn len(&self) -> usize {
                 match self {
                     $(Column::$kind(values) => values.len(),)*
                 }
             }
 
-            /// Add the values of another column, if it is of the same type.
+            /// Add the values of another column. Fails if that column has another type.
             pub(crate) fn append(&mut self, other: &Column) -> Result<(), ()> {
                 match (self, other) {
                     $((Column::$kind(column), Column::$kind(values)) => column.extend_from_slice(values),)*
@@ -105,7 +105,7 @@ macro_rules! kinds {
                 Ok(())
             }
 
-            /// Add values of its own type.
+            /// Add values of the type of this column.
             pub(crate) fn extend(&mut self, values: Values) {
                 match (self, values) {
                     $((Column::$kind(column), Values::$kind(values)) => column.extend_from_slice(values),)*
@@ -141,7 +141,7 @@ kinds! {
 }
 
 impl Column {
-    /// Whether it has no values.
+    /// Whether the column has no values.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
@@ -165,39 +165,40 @@ impl<'a, T: Element, const N: usize> From<&'a [T; N]> for Values<'a> {
     }
 }
 
-/// Names as values.
+/// Names as values of a variable.
 pub(crate) fn texts<'a>(of: impl IntoIterator<Item = &'a str>) -> Vec<String> {
     of.into_iter().map(str::to_owned).collect()
 }
 
 /// Where a data set is written.
 pub(crate) trait Destination {
-    /// What can go wrong.
+    /// The error of writing.
     type Error;
 
     /// Labels of the units.
     fn units(&self) -> &Units;
 
-    /// Write a variable. One without values is left out, and so is its dimension.
+    /// Write a variable. A variable without values is left out, and so is its dimension.
     fn put<'a>(&mut self, variable: &Described, values: impl Into<Values<'a>>) -> Result<(), Self::Error>;
 
-    /// Set an attribute of the data set, in place of what it was before.
+    /// Set an attribute of the data set. It replaces an earlier value.
     fn say(&mut self, name: &str, value: impl Into<Attribute>) -> Result<(), Self::Error>;
 }
 
 /// Where a data set is read back from.
 pub(crate) trait Source {
-    /// What can go wrong.
+    /// The error of reading.
     type Error: From<String>;
 
-    /// The values of a variable; none where there is no such variable.
+    /// The values of a variable; none if there is no such variable.
     fn column(&self, variable: &Described, kind: Kind) -> Result<Option<Column>, Self::Error>;
 
-    /// An attribute of the data set, or of a variable of it; none where there is no such attribute.
+    /// An attribute of the data set, or of one of its variables; none if there is no such
+    /// attribute.
     fn attribute(&self, variable: Option<&str>, name: &str) -> Result<Option<Attribute>, Self::Error>;
 }
 
-/// Read an attribute of the data set that is a text; none where there is no such attribute.
+/// Read an attribute of the data set that is a text; none if there is no such attribute.
 pub(crate) fn read_text_if_present<S: Source>(from: &S, name: &str) -> Result<Option<String>, S::Error> {
     text(from.attribute(None, name)?, name)
 }
@@ -220,7 +221,7 @@ fn text<E: From<String>>(attribute: Option<Attribute>, name: &str) -> Result<Opt
     }
 }
 
-/// Read an attribute of the data set that is a real number; none where there is no such attribute.
+/// Read an attribute of the data set that is a real number; none if there is no such attribute.
 pub(crate) fn read_real_if_present<S: Source>(from: &S, name: &str) -> Result<Option<f64>, S::Error> {
     match from.attribute(None, name)? {
         None => Ok(None),
@@ -243,13 +244,13 @@ pub(crate) fn read_count<S: Source>(from: &S, name: &str) -> Result<u64, S::Erro
     }
 }
 
-/// Read a variable, an absent one as empty.
+/// Read a variable. An absent variable gives an empty list.
 pub(crate) fn read_or_empty<S: Source, T: Element>(from: &S, variable: &Described) -> Result<Vec<T>, S::Error> {
     let Some(column) = from.column(variable, T::KIND)? else { return Ok(Vec::new()) };
     T::of(column).ok_or_else(|| format!("{} has another type than it was written with", variable.name).into())
 }
 
-/// Read a variable that must be there.
+/// Read a variable that must be present and have values.
 pub(crate) fn read_variable<S: Source, T: Element>(from: &S, variable: &Described) -> Result<Vec<T>, S::Error> {
     match read_or_empty(from, variable)? {
         values if values.is_empty() => Err(format!("{} is missing", variable.name).into()),
@@ -257,7 +258,7 @@ pub(crate) fn read_variable<S: Source, T: Element>(from: &S, variable: &Describe
     }
 }
 
-/// Read a variable of a single value.
+/// Read a variable that must have a single value.
 pub(crate) fn read_scalar<S: Source, T: Element>(from: &S, variable: &Described) -> Result<T, S::Error> {
     match read_variable::<S, T>(from, variable)?.as_slice() {
         [value] => Ok(value.clone()),

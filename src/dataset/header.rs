@@ -1,4 +1,5 @@
-//! What a run says of itself: the attributes of its data set, written and read side by side.
+//! The attributes of the data set of a run, which say where its numbers come from. Writing and
+//! reading are side by side.
 
 use super::{Destination, Source, read_count, read_real_if_present, read_text, read_text_if_present};
 use crate::engine::{NoPart, Part, Status};
@@ -7,11 +8,11 @@ use crate::provenance::Provenance;
 use crate::stats::Units;
 use std::sync::Arc;
 
-/// What `format_name` says of every run of this program.
+/// The attribute `format_name` of every run of this program.
 pub(crate) const FORMAT_NAME: &str = "stick-slip ensemble";
 
-/// Major and minor version of the format. A new minor version only adds; a new major version may
-/// change or remove.
+/// Major and minor version of the format. A new minor version only adds to it; a new major version
+/// may change or remove.
 pub const FORMAT_VERSION: (u32, u32) = (1, 3);
 
 /// Version of the CF conventions that every data set follows.
@@ -46,7 +47,8 @@ pub(crate) fn write<D: Destination>(to: &mut D, header: &Provenance) -> Result<(
     for (name, label) in
         [("time_unit", time), ("length_unit", length), ("force_unit", force), ("temperature_unit", temperature)]
     {
-        // An absent label is a dimensionless one: some readers stumble over empty strings.
+        // A label that is empty stands for a dimensionless quantity. It is left out, because some
+        // readers fail at empty strings.
         if !label.is_empty() {
             to.say(name, label.as_str())?;
         }
@@ -54,7 +56,7 @@ pub(crate) fn write<D: Destination>(to: &mut D, header: &Provenance) -> Result<(
     to.say("scenario", header.scenario_text.as_str())
 }
 
-/// Say how the run ended, with how many paths, and how many of them diverged.
+/// Write the status with which the run ended, its number of paths, and how many of them diverged.
 pub(crate) fn write_end<D: Destination>(
     to: &mut D,
     completed: u64,
@@ -66,17 +68,17 @@ pub(crate) fn write_end<D: Destination>(
     to.say("status", status.name())
 }
 
-/// Say which part of a run it is.
+/// Write which part of a run this is.
 pub(crate) fn write_part<D: Destination>(to: &mut D, part: Part) -> Result<(), D::Error> {
     to.say("part", part.to_string())
 }
 
-/// Say what ended the run before its last path.
+/// Write what ended the run before its last path.
 pub(crate) fn write_ended_by<D: Destination>(to: &mut D, reason: &str) -> Result<(), D::Error> {
     to.say("ended_by", reason)
 }
 
-/// Which part of a run it is, if it is one.
+/// Which part of a run this is, if it is a part.
 pub(crate) fn read_part<S: Source>(from: &S) -> Result<Option<Part>, S::Error> {
     let Some(text) = read_text_if_present(from, "part")? else { return Ok(None) };
     text.parse().map(Some).map_err(|error: NoPart| format!("part = \"{text}\": {error}").into())
@@ -87,7 +89,7 @@ pub(crate) fn read_ended_by<S: Source>(from: &S) -> Result<Option<String>, S::Er
     read_text_if_present(from, "ended_by")
 }
 
-/// Major and minor format version, if it is a run of this program.
+/// Major and minor version of the format, if this is a run of this program.
 pub(crate) fn format_version<S: Source>(from: &S) -> Option<(u32, u32)> {
     if read_text(from, "format_name").ok()? != FORMAT_NAME {
         return None;
@@ -97,14 +99,14 @@ pub(crate) fn format_version<S: Source>(from: &S) -> Option<(u32, u32)> {
     Some((major.parse().ok()?, minor.parse().ok()?))
 }
 
-/// The status and the number of paths.
+/// The status of the run and its number of completed paths.
 pub(crate) fn read_progress<S: Source>(from: &S) -> Result<(Status, u64), S::Error> {
     let word = read_text(from, "status")?;
     let status = Status::from_name(&word).ok_or_else(|| format!("unknown status \"{word}\""))?;
     Ok((status, read_count(from, "completed_paths")?))
 }
 
-/// The header, given the output grid and the measured temperature.
+/// The attributes of a run, given its output grid and the measured temperature.
 pub(crate) fn read<S: Source>(from: &S, time: Vec<f64>, series: Option<Arc<Series>>) -> Result<Provenance, S::Error> {
     let label = |name| Ok::<_, S::Error>(read_text_if_present(from, name)?.unwrap_or_default());
     Ok(Provenance {

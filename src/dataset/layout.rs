@@ -1,16 +1,17 @@
-//! Every dimension and variable of a run: name, axes, unit and meaning, in one table for writers
-//! and readers.
+//! Every dimension and variable of a run, in one table for writers and readers: name, axes, unit
+//! and meaning.
 
 use crate::stats::{Dimension, Statistic, Units};
 
-/// What a variable is measured in; `label` turns it into text.
+/// The unit of a variable; `label` gives its text.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Unit {
-    /// No `units` attribute: flags, names, and numbers of different kinds in one array.
+    /// The variable has no `units` attribute: flags, names, and numbers of different dimensions in
+    /// one array.
     None,
-    /// In units of the scenario.
+    /// A product of units of the scenario.
     Of(Dimension),
-    /// Seconds of a computer, whatever the scenario's unit of time.
+    /// Seconds, whatever the unit of time of the scenario.
     Seconds,
 }
 
@@ -24,7 +25,7 @@ impl Unit {
     const AREA: Unit = Unit::Of(Dimension::AREA);
     const WORK: Unit = Unit::Of(Dimension::WORK);
 
-    /// The `units` attribute.
+    /// The `units` attribute, if there is one.
     pub(crate) fn label(self, units: &Units) -> Option<String> {
         match self {
             Unit::None => None,
@@ -34,33 +35,34 @@ impl Unit {
     }
 }
 
-/// One variable, known when the program is built.
+/// A variable whose description is constant.
 pub(crate) type Variable = Described<'static>;
 
-/// One variable of a data set.
+/// The description of one variable of a data set.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Described<'a> {
-    /// Its name; a variable named like its only axis is the coordinate of that dimension.
+    /// Name of the variable. A variable with the name of its only axis is the coordinate of that
+    /// dimension.
     pub name: &'a str,
-    /// Names of its dimensions, slowest first.
+    /// Names of the dimensions, the slowest first.
     pub axes: &'a [&'a str],
-    /// What it is measured in.
+    /// Unit of the values.
     pub unit: Unit,
-    /// What it is, for a plot's axis.
+    /// Meaning of the variable, in words that fit the axis of a plot.
     pub long_name: &'a str,
     /// Further CF attributes: name and text.
     pub attributes: &'a [(&'a str, &'a str)],
-    /// Values of the flags, named in the attribute `flag_meanings`.
+    /// The values that flags may have. The attribute `flag_meanings` names them.
     pub flags: &'a [i8],
 }
 
 impl<'a> Described<'a> {
-    /// Whether it gives a dimension its name and length.
+    /// Whether the variable gives a dimension its name and length.
     pub(crate) fn is_coordinate(&self) -> bool {
         *self.axes == [self.name]
     }
 
-    /// Whether it is only a dimension, without values of its own.
+    /// Whether the variable is only a dimension, without values of its own.
     pub(crate) fn is_bare_dimension(&self) -> bool {
         self.long_name == BARE_DIMENSION
     }
@@ -80,7 +82,7 @@ pub(crate) const fn variable<'a>(name: &'a str, axes: &'a [&'a str], unit: Unit,
     Described { name, axes, unit, long_name, attributes: &[], flags: &[] }
 }
 
-/// Declares the variables and the list of all of them together, so that neither can miss one.
+/// Declares the variables together with the list of all of them, so that the list is complete.
 macro_rules! table {
     ($($constant:ident = $value:expr;)*) => {
         $(pub(crate) const $constant: Variable = $value;)*
@@ -90,18 +92,18 @@ macro_rules! table {
     };
 }
 
-/// The phrase by which netCDF-4 marks a dimension that is not a variable; the ten characters after
-/// it are a length that no reader uses.
+/// The phrase with which netCDF-4 marks a dimension that has no variable. The ten characters at its
+/// end hold a length that no reader uses.
 pub(crate) const BARE_DIMENSION: &str = "This is a netCDF dimension but not a netCDF variable.         0";
 
-/// Declares the two ends of the intervals of a variable, and the list of all of them.
+/// Declares the two ends of the interval of each variable, and the list of all such pairs.
 macro_rules! ends {
     ($($constant:ident = $name:literal, $axes:expr, $unit:expr, $what:literal;)*) => {
         $(pub(crate) const $constant: [Variable; 2] = [
             variable(concat!($name, "_low"), $axes, $unit, concat!("lower end of the 95 % confidence interval of the ", $what)),
             variable(concat!($name, "_high"), $axes, $unit, concat!("upper end of the 95 % confidence interval of the ", $what)),
         ];)*
-        /// Every such pair.
+        /// Every pair of ends.
         #[cfg(test)]
         pub(crate) const ALL_ENDS: &[&[Variable; 2]] = &[$(&$constant),*];
     };
@@ -293,7 +295,7 @@ ends! {
         "variance of the displacement at the end of the period";
 }
 
-/// What a statistic is, for a table or a plot's title.
+/// The meaning of a statistic, in words that fit a table or the title of a plot.
 pub(crate) fn long_name(statistic: Statistic) -> &'static str {
     match statistic {
         Statistic::StickDurationMean => "mean duration of the completed sticks",

@@ -18,12 +18,12 @@ use crate::study::trade::{Prices, Trade};
 use std::convert::Infallible;
 use std::sync::Arc;
 
-/// A data set in memory: what a file would hold, variable by variable.
+/// A data set in memory, with the same variables and attributes as a file.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Dataset {
-    /// What it says of itself, by name.
+    /// Attributes of the data set, by name.
     pub attributes: Vec<(String, Attribute)>,
-    /// Its variables, coordinates first where others lie along them.
+    /// Variables. A coordinate comes before the variables that lie along it.
     pub entries: Vec<Entry>,
     units: Units,
 }
@@ -31,28 +31,29 @@ pub struct Dataset {
 /// A variable of a data set.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Entry {
-    /// Its name; a variable named like its only axis is the coordinate of that dimension.
+    /// Name of the variable. A variable with the name of its only axis is the coordinate of that
+    /// dimension.
     pub name: String,
-    /// Names of its dimensions, slowest first.
+    /// Names of the dimensions, the slowest first.
     pub axes: Vec<String>,
-    /// What it says of itself, by name.
+    /// Attributes of the variable, by name.
     pub attributes: Vec<(String, Attribute)>,
-    /// Its values, the last axis fastest.
+    /// Values, the last axis fastest.
     pub column: Column,
 }
 
 impl Dataset {
-    /// An empty one, whose units have these labels.
+    /// An empty data set whose units have these labels.
     pub(crate) fn new(units: &Units) -> Self {
         Dataset { units: units.clone(), ..Dataset::default() }
     }
 
-    /// One that was taken apart.
+    /// A data set from its attributes and variables.
     pub fn of(attributes: Vec<(String, Attribute)>, entries: Vec<Entry>) -> Self {
         Dataset { attributes, entries, ..Dataset::default() }
     }
 
-    /// A sweep.
+    /// The data set of a sweep.
     pub fn of_sweep(sweep: &Sweep) -> Self {
         let header = Provenance::of(&sweep.question.scenario);
         let mut dataset = Dataset::new(&header.units);
@@ -60,7 +61,7 @@ impl Dataset {
         dataset
     }
 
-    /// A trade of a scenario.
+    /// The data set of a trade of this scenario.
     pub fn of_trade(scenario: &Scenario, trade: &Trade) -> Self {
         let header = Provenance::of(scenario);
         let mut dataset = Dataset::new(&header.units);
@@ -68,31 +69,33 @@ impl Dataset {
         dataset
     }
 
-    /// A calibration, given what it is about and the scenario as it was written.
+    /// The data set of a calibration. `title` is one line, and `scenario_text` is the scenario as
+    /// it was written.
     pub fn of_calibration(title: &str, scenario_text: &str, calibration: &Calibration) -> Self {
         let mut dataset = Dataset::new(&calibration::units());
         let Ok(()) = calibration::write(&mut dataset, title, scenario_text, calibration);
         dataset
     }
 
-    /// A forecast, given what it is about and the scenario as it was written.
+    /// The data set of a forecast. `title` is one line, and `scenario_text` is the scenario as it
+    /// was written.
     pub fn of_forecast(title: &str, scenario_text: &str, forecast: &Forecast) -> Self {
         let mut dataset = Dataset::new(&calibration::units());
         let Ok(()) = forecast::write(&mut dataset, title, scenario_text, forecast);
         dataset
     }
 
-    /// Synthetic measurements whose time 0 has this stamp, and what a calibration is to find in
-    /// them.
+    /// The data set of synthetic measurements, with the true values that a calibration should find
+    /// in them. `start` is the time stamp of t = 0.
     pub fn of_twin(start: &str, truth: &bearing::Values, twin: &Twin) -> Self {
         let mut dataset = Dataset::new(&calibration::units());
         let Ok(()) = twin::write(&mut dataset, start, truth, twin);
         dataset
     }
 
-    /// One path of an ensemble alone.
+    /// The data set of a single path of an ensemble.
     pub fn of_replay(replay: &Replay) -> Self {
-        // A data set of one path, whatever its number in the ensemble.
+        // The data set has one path, whatever its number in the ensemble.
         let header = Provenance { paths: 1, ..Provenance::of(&replay.scenario) };
         let mut dataset = Dataset::new(&header.units);
         let Ok(()) = run::write_start(&mut dataset, &header);
@@ -101,7 +104,8 @@ impl Dataset {
         dataset
     }
 
-    /// Add the rows of single paths that another part of the run holds.
+    /// Add the rows of single paths that another part of the run holds. Fails if a variable is
+    /// missing there or has another type.
     pub fn append_rows(&mut self, part: &Dataset) -> Result<(), String> {
         let is_row = |entry: &&mut Entry| {
             entry.axes.first().is_some_and(|axis| ["path", "event", "trajectory"].contains(&axis.as_str()))
@@ -113,7 +117,8 @@ impl Dataset {
         Ok(())
     }
 
-    /// The prices of accuracy in a trade: of this statistic, or of the first that has any.
+    /// The prices of accuracy in a trade for this statistic, or for the first statistic that has
+    /// any; none if there are none. Fails if the variables of the trade do not fit together.
     pub fn prices(&self, statistic: Option<Statistic>) -> Result<Option<Prices>, String> {
         let mut prices = trade::read_prices(self)?.into_iter();
         Ok(match statistic {
@@ -122,22 +127,24 @@ impl Dataset {
         })
     }
 
-    /// What it says of a sweep.
+    /// The sweep in the data set. Fails if the data set is not that of a sweep.
     pub fn sweep(&self) -> Result<StoredSweep, String> {
         sweep::read(self)
     }
 
-    /// What it says of a calibration.
+    /// The calibration in the data set. Fails if the data set is not that of a calibration.
     pub fn calibration(&self) -> Result<StoredCalibration, String> {
         calibration::read(self)
     }
 
-    /// The samples of a measured temperature, if it has some.
+    /// The samples of a measured temperature, if there are any. Fails if they are not a valid
+    /// series.
     pub fn series(&self) -> Result<Option<Arc<Series>>, String> {
         series::read(self)
     }
 
-    /// The statistics of a run, of a scheme with this step.
+    /// The statistics of a run; `step` is the step of its scheme, if it has one. Fails if the data
+    /// set is not that of a run.
     pub fn summary(&self, step: Option<f64>) -> Result<Summary, String> {
         match self.attribute("completed_paths") {
             Some(Attribute::Count(paths)) => summary::read(self, *paths, step),
@@ -145,18 +152,18 @@ impl Dataset {
         }
     }
 
-    /// The variable of this name.
+    /// The variable with this name, if there is one.
     pub fn entry(&self, name: &str) -> Option<&Entry> {
         self.entries.iter().find(|entry| entry.name == name)
     }
 
-    /// The attribute of this name.
+    /// The attribute of the data set with this name, if there is one.
     pub fn attribute(&self, name: &str) -> Option<&Attribute> {
         self.attributes.iter().find(|(of, _)| of == name).map(|(_, value)| value)
     }
 
-    /// Lengths of the axes of a variable. A dimension without a coordinate, that of events, is as
-    /// long as its variables.
+    /// The lengths of the axes of a variable. A dimension without a coordinate, which is that of
+    /// events, has the length of its variables.
     pub fn shape(&self, entry: &Entry) -> Vec<usize> {
         let known = |axis: &String| match *axis == entry.name {
             true => Some(entry.column.len()),
@@ -170,7 +177,7 @@ impl Dataset {
             .collect()
     }
 
-    /// Add rows to the variables of a table, and begin those that are not there yet.
+    /// Add rows to the variables of a table. Variables that are not there yet are created.
     pub(super) fn grow(&mut self, table: &Table) -> Result<(), Infallible> {
         for (variable, values) in table.variables {
             match self.entries.iter_mut().find(|entry| entry.name == variable.name) {

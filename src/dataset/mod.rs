@@ -1,16 +1,18 @@
-//! The data sets that the program makes, each described once: names, axes, units, attributes and values. It knows no format.
+//! The data sets that the program makes, each described once: names, axes, units, attributes and
+//! values. Nothing here depends on a file format.
 //!
 //! ```text
-//! layout          every variable of a run: name, axes, unit, meaning      (sweep_layout: of a sweep)
-//! run, trade, sweep, calibration, forecast, twin   what goes where, written and, where it is read back, read side by side
+//! layout          every variable of a run: name, axes, unit, meaning (sweep_layout: of a sweep)
+//! run, trade, sweep, calibration, forecast, twin   the contents of each kind of data set;
+//!                 where they are read back, the reader is beside the writer
 //!   -> Destination   a file, or memory
-//!   <- Source        the same
+//!   <- Source        a file, or memory
 //! Dataset         in memory
-//! Recorder        the sink of a run that ends as one
+//! Recorder        the sink that makes a run a data set in memory
 //! ```
 //!
-//! `docs/output-format.md` describes them for their readers.
-// What only files have, such as the state of a part, is described here as well.
+//! `docs/output-format.md` describes the data sets for their readers.
+// Some of this, such as the state of a part, is used by files only.
 #![cfg_attr(not(feature = "store"), allow(dead_code))]
 
 pub(crate) mod calibration;

@@ -1,4 +1,4 @@
-//! Memory as the sink of a run.
+//! The sink that keeps a run in memory.
 
 use super::rows::{self, Rows};
 use super::{Dataset, header, run};
@@ -7,8 +7,8 @@ use crate::provenance::Provenance;
 use crate::scenario::Scenario;
 use crate::stats::BlockResult;
 
-/// Keeps a run in memory, with what its scenario records: the data set that a file of it would
-/// hold.
+/// Keeps a run in memory, with everything that its scenario records. The result is the data set
+/// that a file of the run would hold.
 ///
 /// ```
 /// use stick_slip::dataset::{Column, Recorder};
@@ -26,19 +26,19 @@ use crate::stats::BlockResult;
 pub struct Recorder {
     dataset: Dataset,
     header: Option<Provenance>,
-    /// Of a part of a run, when all of it is simulated.
+    /// The sums of a part of a run, once all of the part is simulated.
     sums: Option<Vec<u8>>,
     is_part: bool,
 }
 
 impl Recorder {
-    /// What it holds.
+    /// The data set.
     pub fn into_dataset(self) -> Dataset {
         self.dataset
     }
 
     /// The sums of a part of a run as bytes, which [`crate::stats::RunTotals::read`] turns into the
-    /// same bits, to be joined to those of the other parts.
+    /// same bits, to be joined with those of the other parts; none for a run that is no part.
     pub fn sums(&self) -> Option<&[u8]> {
         self.sums.as_deref()
     }
@@ -85,7 +85,7 @@ mod tests {
     use super::*;
     use crate::engine::Run;
 
-    /// What was written is read back, bit for bit, as far as the statistics go.
+    /// The statistics that are read back have the bits of those that were written.
     #[test]
     fn the_statistics_of_a_data_set_are_those_of_the_run() {
         for (name, paths) in [("rho025", 300), ("shaw", 1)] {
@@ -96,7 +96,7 @@ mod tests {
             let outcome = Run::of(&scenario).into_sink(&mut recorder).simulate().expect("sound");
             let dataset = recorder.into_dataset();
             let summary = dataset.summary(scenario.scheme.step()).expect("whole");
-            // NaN is not itself.
+            // The texts are compared because NaN does not equal itself.
             assert_eq!(format!("{summary:?}"), format!("{:?}", outcome.summary), "{name}");
             let shape = |name: &str| dataset.shape(dataset.entry(name).expect("recorded"));
             assert_eq!(shape("path_sticks"), [paths as usize]);

@@ -6,18 +6,18 @@ use crate::provenance::Provenance;
 use crate::scenario::Bearing;
 use crate::stats::{BlockResult, EventColumns, PathColumns, Record, TrajectoryRows};
 
-/// What a run keeps of consecutive paths.
+/// What is recorded of consecutive paths.
 #[derive(Clone, Copy, Debug)]
 pub struct Rows<'a> {
     /// Number of the first path.
     pub first_path: u64,
     /// Number of paths, diverged ones included.
     pub paths: u64,
-    /// If asked for.
+    /// Scalars of each path, if they are recorded.
     pub path_columns: Option<&'a PathColumns>,
-    /// If asked for.
+    /// Events of each path, if they are recorded.
     pub events: Option<&'a EventColumns>,
-    /// If asked for and if any of these paths is kept.
+    /// Paths on the output grid, if any are recorded and these paths include any of them.
     pub trajectories: Option<&'a TrajectoryRows>,
 }
 
@@ -33,7 +33,7 @@ impl<'a> From<&'a BlockResult> for Rows<'a> {
     }
 }
 
-/// Along which dimension the variables of a table grow.
+/// The dimension along which the variables of a table grow.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Along {
     Path,
@@ -48,7 +48,7 @@ pub(crate) struct Table<'a> {
     pub variables: &'a [(&'static Variable, Values<'a>)],
 }
 
-/// Show the tables that a run is to have, without rows.
+/// Pass the tables that a run will have to `show`, without rows.
 pub(crate) fn empty_tables<E>(
     record: &Record,
     header: &Provenance,
@@ -65,7 +65,7 @@ pub(crate) fn empty_tables<E>(
     tables(&rows, header.bearing, show)
 }
 
-/// Show the tables of some paths.
+/// Pass the tables of some paths to `show`.
 pub(crate) fn tables<E>(
     rows: &Rows,
     bearing: Option<Bearing>,
@@ -93,7 +93,7 @@ pub(crate) fn tables<E>(
     Ok(())
 }
 
-/// The variables along `path` with their values. What is not recorded is left out.
+/// The variables along `path` with their values. Variables that are not recorded are left out.
 fn path_variables<'a>(
     numbers: &'a [u64],
     columns: Option<&'a PathColumns>,
@@ -131,7 +131,8 @@ fn event_variables(events: &EventColumns) -> [(&'static Variable, Values<'_>); 5
     ]
 }
 
-/// The variables along `trajectory` with their values; what a sensor shows only where there is one.
+/// The variables along `trajectory` with their values. What a sensor shows is included only if
+/// there is a sensor.
 fn trajectory_variables<'a>(
     rows: &'a TrajectoryRows,
     shown: Option<&'a [f64]>,

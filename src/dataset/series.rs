@@ -1,11 +1,12 @@
-//! The samples of a measured temperature, so that a data set says by itself what was run.
+//! The samples of a measured temperature. They are part of a data set so that it is complete
+//! without the file of the measurement.
 
 use super::layout;
 use super::{Destination, Source, read_or_empty};
 use crate::model::Series;
 use std::sync::Arc;
 
-/// Write the samples, and the stamp of t = 0 if they have stamps.
+/// Write the samples, and the time stamp of t = 0 if they have time stamps.
 pub(crate) fn write<D: Destination>(to: &mut D, series: &Series, start: Option<&str>) -> Result<(), D::Error> {
     let stamp = start.map(|stamp| [("start", stamp)]);
     let time = layout::SERIES_TIME.with(stamp.as_ref().map_or(&[], |stamp| stamp));
@@ -13,7 +14,7 @@ pub(crate) fn write<D: Destination>(to: &mut D, series: &Series, start: Option<&
     to.put(&layout::SERIES_TEMPERATURE, series.values())
 }
 
-/// The samples in a data set; none where it has none.
+/// The samples in a data set; none if it has no samples.
 pub(crate) fn read<S: Source>(from: &S) -> Result<Option<Arc<Series>>, S::Error> {
     let times: Vec<f64> = read_or_empty(from, &layout::SERIES_TIME)?;
     if times.is_empty() {

@@ -1,4 +1,4 @@
-//! The statistics of an ensemble: written and read side by side, so that one mirrors the other.
+//! The statistics of an ensemble. Writing and reading are side by side, so that they agree.
 
 use super::layout;
 use super::{Destination, Source, read_or_empty, read_scalar, read_variable, texts};
@@ -8,14 +8,14 @@ use crate::stats::{
 };
 use ndarray::Array2;
 
-/// Write the coordinates that are known before a run: statistics, quantile levels, times.
+/// Write the coordinates that are known before a run: statistics, quantile levels, and times.
 pub(crate) fn write_coordinates<D: Destination>(to: &mut D, time: &[f64]) -> Result<(), D::Error> {
     write_statistics(to)?;
     to.put(&layout::QUANTILE, &QUANTILE_LEVELS)?;
     to.put(&layout::TIME, time)
 }
 
-/// Write the names of all statistics, what they are and their units.
+/// Write the names, meanings and units of all statistics.
 pub(crate) fn write_statistics<D: Destination>(to: &mut D) -> Result<(), D::Error> {
     let units = Statistic::ALL.map(|statistic| statistic.dimension().udunits(to.units()));
     to.put(&layout::STATISTIC, &texts(Statistic::ALL.map(Statistic::name)))?;
@@ -23,7 +23,7 @@ pub(crate) fn write_statistics<D: Destination>(to: &mut D) -> Result<(), D::Erro
     to.put(&layout::STATISTIC_UNIT, &units)
 }
 
-/// Write everything that is known at the end of a run.
+/// Write all statistics of a run at its end.
 pub(crate) fn write<D: Destination>(to: &mut D, summary: &Summary) -> Result<(), D::Error> {
     write_estimates(to, &summary.estimates)?;
     write_bands(to, &summary.bands)?;
@@ -34,7 +34,7 @@ pub(crate) fn write<D: Destination>(to: &mut D, summary: &Summary) -> Result<(),
     to.put(&layout::DIVERGED_PATH, &summary.diverged)
 }
 
-/// The statistics of a finished run, of a scheme with this step.
+/// The statistics of a finished run; `step` is the step of its scheme, if it has one.
 pub(crate) fn read<S: Source>(from: &S, completed_paths: u64, step: Option<f64>) -> Result<Summary, S::Error> {
     Ok(Summary {
         completed_paths,
@@ -61,13 +61,13 @@ pub(crate) fn read<S: Source>(from: &S, completed_paths: u64, step: Option<f64>)
     })
 }
 
-/// The ends of the intervals of a curve.
+/// Write the ends of the intervals of a curve.
 fn put_ends<D: Destination>(to: &mut D, [low, high]: &[layout::Variable; 2], ends: &Ends) -> Result<(), D::Error> {
     to.put(low, &ends.low)?;
     to.put(high, &ends.high)
 }
 
-/// The ends of the interval of a single number.
+/// Write the ends of the interval of a single number.
 fn put_scalar_ends<D: Destination>(
     to: &mut D,
     variables: &[layout::Variable; 2],
@@ -76,21 +76,23 @@ fn put_scalar_ends<D: Destination>(
     put_ends(to, variables, &Ends::from_iter([ends]))
 }
 
-/// Empty where an earlier version wrote it.
+/// Read the ends of the intervals of a curve; empty if an earlier version of the program wrote
+/// none.
 fn read_ends<S: Source>(from: &S, [low, high]: &[layout::Variable; 2]) -> Result<Ends, S::Error> {
     Ok(Ends { low: read_or_empty(from, low)?, high: read_or_empty(from, high)? })
 }
 
-/// NaN where an earlier version wrote it.
+/// Read the ends of the interval of a single number; NaN if an earlier version of the program wrote
+/// none.
 fn read_scalar_ends<S: Source>(from: &S, variables: &[layout::Variable; 2]) -> Result<[f64; 2], S::Error> {
     let Ends { low, high } = read_ends(from, variables)?;
     Ok([low, high].map(|end| end.first().copied().unwrap_or(f64::NAN)))
 }
 
-/// One for each of `Statistic::ALL`.
+/// One estimate for each entry of `Statistic::ALL`.
 type Estimates = [Estimate; Statistic::ALL.len()];
 
-/// A value that an estimate has there; NaN where it is unknown.
+/// A value of an estimate; NaN where it is unknown.
 type Field = fn(&Estimate) -> f64;
 
 fn write_estimates<D: Destination>(to: &mut D, estimates: &Estimates) -> Result<(), D::Error> {
@@ -109,7 +111,8 @@ fn write_estimates<D: Destination>(to: &mut D, estimates: &Estimates) -> Result<
     write_corrected(to, estimates)
 }
 
-/// What follows from the bias, where there is one. It is not read back: an estimate knows it.
+/// Write the corrected estimates, if any statistic has one. They are not read back, because they
+/// follow from the estimates and their biases.
 fn write_corrected<D: Destination>(to: &mut D, estimates: &Estimates) -> Result<(), D::Error> {
     let corrected = estimates.each_ref().map(Estimate::corrected);
     if corrected.iter().all(Option::is_none) {
@@ -121,7 +124,8 @@ fn write_corrected<D: Destination>(to: &mut D, estimates: &Estimates) -> Result<
     to.put(&layout::ESTIMATE_CORRECTED_HIGH, &each(|c| c.high))
 }
 
-/// Statistics are found by name: another minor version may have fewer or more of them.
+/// Read the estimates. Statistics are found by name, because another minor version may have fewer
+/// or more of them.
 fn read_estimates<S: Source>(from: &S) -> Result<Estimates, S::Error> {
     let names: Vec<String> = read_or_empty(from, &layout::STATISTIC)?;
     if names.is_empty() {

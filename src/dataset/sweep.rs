@@ -1,5 +1,5 @@
-//! A sweep as a data set: what was asked, what is known of every point, and what points say
-//! together.
+//! A sweep as a data set: the question, the results of every point, and the comparisons between
+//! points.
 
 use super::header::CONVENTIONS;
 use super::layout::{Described, Unit, Variable, variable};
@@ -17,42 +17,44 @@ use crate::stats::{Bias, Estimate, GROUPS, Statistic, Values};
 use crate::study::sweep::{Axis, Design, DesignError, Paired, Point, Question, Seeds, Setting, Sweep};
 use std::sync::Arc;
 
-/// What `format_name` says of a sweep.
+/// The attribute `format_name` of a sweep.
 pub(crate) const SWEEP_FORMAT_NAME: &str = "stick-slip sweep";
 
-/// Major and minor version of that format.
+/// Major and minor version of the format.
 pub(crate) const SWEEP_FORMAT_VERSION: (u32, u32) = (1, 0);
 
-/// What is stored of a sweep.
+/// A sweep as it is read back from a data set.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StoredSweep {
     /// The scenario that the points are variations of, as TOML.
     pub scenario_text: String,
-    /// What its temperature was measured to be, if it was.
+    /// The measured temperature of the scenario, if there is one.
     pub series: Option<Arc<Series>>,
-    /// Version, commit, generator and block size of the program that wrote it, in a line.
+    /// Version, commit, generator and block size of the program that wrote the sweep, in one line.
     pub program: String,
-    /// Which points there are.
+    /// The design, which determines the points.
     pub design: Design,
-    /// Whether they see the same noise.
+    /// Whether all points see the same noise.
     pub seeds: Seeds,
     /// Whether the bias of the step was estimated.
     pub with_bias: bool,
     /// Whether all points are done.
     pub status: Status,
-    /// Point by point; none where it is not done.
+    /// The result of each point; none if the point is not done.
     pub points: Vec<Option<Point>>,
 }
 
 impl StoredSweep {
-    /// The sweep, with the scenario of each point from its settings.
+    /// The sweep, where `scenario_at` gives the scenario of a point from its settings. Fails if
+    /// `scenario_at` does.
     pub fn whole<E>(self, scenario_at: impl Fn(&[Setting]) -> Result<Scenario, E>) -> Result<Sweep, E> {
         let question = Question::at_each(self.design, self.seeds, self.with_bias, scenario_at)?;
         Ok(Sweep { question, points: self.points })
     }
 }
 
-/// What makes numbers of a program: those of another one do not go with them.
+/// Everything about a program that decides its numbers, in one line. Points of programs that differ
+/// in it must not be in one sweep.
 pub(crate) fn program(version: &str, hash: &str, generator: &str, block_size: u64) -> String {
     format!("mc {version} ({hash}), {generator}, blocks of {block_size}")
 }
@@ -102,7 +104,7 @@ fn attributes<D: Destination>(to: &mut D, header: &Provenance, sweep: &Sweep) ->
     to.say("scenario", header.scenario_text.as_str())
 }
 
-/// The word for a design.
+/// The name of a design.
 pub(crate) fn name(design: &Design) -> &'static str {
     match design {
         Design::Grid(_) => "grid",
@@ -111,7 +113,7 @@ pub(crate) fn name(design: &Design) -> &'static str {
     }
 }
 
-/// The coordinates; returns the names of the dimensions of the design.
+/// Write the coordinates. Returns the names of the dimensions of the design.
 fn coordinates<D: Destination>(to: &mut D, sweep: &Sweep) -> Result<Vec<String>, D::Error> {
     write_statistics(to)?;
     to.put(&own::GROUP, &(0..GROUPS as u32).collect::<Vec<_>>())?;
@@ -338,15 +340,15 @@ fn read_points<S: Source>(from: &S, design: &Design) -> Result<Vec<Option<Point>
             completed_paths: completed[p],
             diverged_paths: diverged[p],
             seconds: seconds[p],
-            // There are fewer where there are fewer paths.
+            // There are fewer groups where there are fewer paths.
             without: (0..GROUPS).map(group).take_while(|values| values.iter().any(|x| !x.is_nan())).collect(),
         }))
     };
     (0..points).map(point).collect()
 }
 
-/// Read a variable along the dimensions of the design, then those of its own. What is said of its
-/// size is held against what the design asks for.
+/// Read a variable along the dimensions of the design and then its own. Its size must be the one
+/// that the design requires.
 fn read_at_points<S: Source, T: Element>(
     from: &S,
     variable: &Variable,

@@ -1,19 +1,20 @@
-//! Every variable of a sweep. `...` stands for the dimensions of the design: those of its axes, or
-//! `point`.
+//! Every variable of a sweep. The dimensions of the design, which are those of its axes or `point`,
+//! come before the axes given here.
 
 use super::layout::{Described, Unit, Variable, variable};
 
-/// Declares the variables and the list of all of them together.
+/// Declares the variables together with the list of all of them.
 macro_rules! table {
     ($($constant:ident = $value:expr;)*) => {
         $(pub(crate) const $constant: Variable = $value;)*
-        /// Every one of them.
+        /// Every variable.
         #[cfg(test)]
         pub(crate) const ALL: &[&Variable] = &[$(&$constant),*];
     };
 }
 
-/// Along the dimensions of the design, then these. The writer puts the dimensions in.
+/// The axis of variables with one value per statistic. The writer puts the dimensions of the design
+/// before it.
 const STATISTIC: &[&str] = &["statistic"];
 
 table! {
@@ -64,7 +65,7 @@ table! {
     ELASTICITY_GAIN = variable("elasticity_gain", STATISTIC, Unit::ONE, "variance of the elasticity with independent seeds over its own");
 }
 
-/// What a point has of each statistic, in the order in which it is read.
+/// The variables with one value per statistic of each point, in the order in which they are read.
 pub(crate) const PER_STATISTIC: [Variable; 10] = [
     ESTIMATE,
     STANDARD_ERROR,
@@ -78,15 +79,15 @@ pub(crate) const PER_STATISTIC: [Variable; 10] = [
     ESTIMATE_CORRECTED_HIGH,
 ];
 
-/// What a difference has of each statistic.
+/// The variables with one value per statistic of each difference.
 pub(crate) const PER_DIFFERENCE: [Variable; 5] =
     [DIFFERENCE, DIFFERENCE_ERROR, DIFFERENCE_LOW, DIFFERENCE_HIGH, DIFFERENCE_GAIN];
 
-/// What an elasticity has of each statistic.
+/// The variables with one value per statistic of each elasticity.
 pub(crate) const PER_ELASTICITY: [Variable; 5] =
     [ELASTICITY, ELASTICITY_ERROR, ELASTICITY_LOW, ELASTICITY_HIGH, ELASTICITY_GAIN];
 
-/// A variable along these dimensions.
+/// The same variable along these axes, with these attributes if there are any.
 pub(crate) fn along<'a>(
     variable: &Variable,
     axes: &'a [&'a str],
@@ -102,7 +103,7 @@ mod tests {
     use crate::study::sweep::RESERVED;
     use std::collections::BTreeSet;
 
-    /// An axis that took such a name could not be written.
+    /// An axis with one of these names could not be written.
     #[test]
     fn the_names_of_the_file_are_those_that_no_axis_may_take() {
         let mut names: BTreeSet<&str> = ALL.iter().map(|variable| variable.name).collect();

@@ -1,4 +1,5 @@
-//! A trade as a data set: what was measured of every rung, and what was predicted for every target.
+//! A trade as a data set: what was measured for every rung, and what was predicted for every
+//! target.
 
 use super::header::CONVENTIONS;
 use super::layout::{self, Unit, Variable, variable};
@@ -9,7 +10,7 @@ use crate::scheme::{Kind, Scheme};
 use crate::stats::Statistic;
 use crate::study::trade::{Choice, Prices, Rung, TARGETS, Trade};
 
-/// What `format_name` says of a trade.
+/// The attribute `format_name` of a trade.
 pub(crate) const TRADE_FORMAT_NAME: &str = "stick-slip trade";
 
 /// Write a trade.
@@ -104,7 +105,7 @@ fn predicted<D: Destination>(to: &mut D, trade: &Trade) -> Result<(), D::Error> 
     to.put(&WINNER, &texts(winners))
 }
 
-/// The prices of accuracy in a trade, statistic by statistic.
+/// The prices of accuracy in a trade, for each statistic.
 pub(crate) fn read_prices<S: Source>(from: &S) -> Result<Vec<Prices>, S::Error> {
     let title = read_text(from, "title")?;
     let schemes: Vec<String> = read_or_empty(from, &SCHEME)?;
@@ -129,33 +130,33 @@ pub(crate) fn read_prices<S: Source>(from: &S) -> Result<Vec<Prices>, S::Error> 
 /// The cheapest run for one statistic and one target.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Cheapest {
-    /// Which statistic.
+    /// The statistic.
     pub statistic: Statistic,
-    /// Its root mean square error, relative.
+    /// The target: the relative root mean square error of the statistic.
     pub target: f64,
-    /// The run; none where no run reaches the target.
+    /// The cheapest run; none if no run reaches the target.
     pub run: Option<CheapestRun>,
 }
 
 /// A run that was predicted to reach a target.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CheapestRun {
-    /// Its scheme, with step or tolerance.
+    /// The scheme of the run, with its step or tolerance.
     pub scheme: Scheme,
     /// Number of paths.
     pub paths: u64,
-    /// Whether they are antithetic pairs.
+    /// Whether the paths are antithetic pairs.
     pub is_antithetic: bool,
     /// CPU time on one thread, in seconds.
     pub seconds: f64,
 }
 
-/// Title and resolved scenario.
+/// The title and the resolved scenario of a trade.
 pub(crate) fn read_origin<S: Source>(from: &S) -> Result<(String, String), S::Error> {
     Ok((read_text(from, "title")?, read_text(from, "scenario")?))
 }
 
-/// The cheapest runs, statistic by statistic and target by target.
+/// The cheapest runs for each statistic and each target.
 pub(crate) fn read_cheapest<S: Source>(from: &S) -> Result<Vec<Cheapest>, S::Error> {
     let schemes: Vec<String> = read_or_empty(from, &SCHEME)?;
     let statistics: Vec<String> = read_or_empty(from, &layout::STATISTIC)?;

@@ -1,4 +1,4 @@
-//! Synthetic measurements of a bearing as a data set, with the truth beside them.
+//! Synthetic measurements of a bearing as a data set, with the true values beside them.
 
 use super::calibration::{QUANTITY, QUANTITY_SYMBOL, QUANTITY_UNIT, TIME};
 use super::layout::{Unit, Variable, variable};
@@ -7,10 +7,10 @@ use crate::provenance::{GIT_HASH, PROGRAM_VERSION};
 use crate::stats::Dimension;
 use crate::study::calibration::{Quantity, Twin, Values};
 
-/// What `format_name` says of a twin.
+/// The attribute `format_name` of a twin.
 const FORMAT_NAME: &str = "stick-slip twin";
 
-/// Write a twin with its truth; `start` is the stamp of time 0.
+/// Write synthetic measurements with the true values. `start` is the time stamp of t = 0.
 pub(crate) fn write<D: Destination>(to: &mut D, start: &str, truth: &Values, twin: &Twin) -> Result<(), D::Error> {
     for (name, value) in
         [("format_name", FORMAT_NAME), ("program_version", PROGRAM_VERSION), ("git_hash", GIT_HASH), ("start", start)]
