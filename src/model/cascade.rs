@@ -1,14 +1,16 @@
-//! The cascade of phases: the one description of a path that every statistic is a function of.
+//! The cascade of phases, which describes a path completely: every statistic is a function of it.
 //!
 //! ```text
-//! tau_j        entry of the j-th static phase (tau_0 = 0 is an initial condition, not an entry)
+//! tau_j        start of static phase j (tau_0 = 0 is an initial condition, not an event)
 //! tau_{j+1/2}  its end, and the start of dynamic phase j:  inf{t >= tau_j : |b(x_j, t)| > f_s}
-//! tau_j^k      sub-phase boundaries of dynamic phase j: tau_j^0 = tau_{j+1/2}, tau_j^{k+1} = inf{t > tau_j^k : x'(t) = 0}
-//! k(j)         inf{k >= 1 : |b(x_j^k, tau_j^k)| <= f_s}: how many sub-phases it has; tau_{j+1} = tau_j^{k(j)}
+//! tau_j^k      sub-phase boundaries of dynamic phase j:
+//!              tau_j^0 = tau_{j+1/2},   tau_j^{k+1} = inf{t > tau_j^k : x'(t) = 0}
+//! k(j)         its number of sub-phases:  inf{k >= 1 : |b(x_j^k, tau_j^k)| <= f_s}
+//! tau_{j+1}    = tau_j^{k(j)}
 //! ```
 //!
-//! (paper, section 2.4.) Every path starts in a static phase at t = 0, which is empty if |b(x0, 0)|
-//! > f_s: then its first event is a slip started at t = 0.
+//! (Paper, section 2.4.) Every path starts in a static phase at t = 0. This phase is empty if
+//! |b(x0, 0)| > f_s; then the first event is the start of a slip at t = 0.
 
 /// A direction of motion, or of a force.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -34,16 +36,16 @@ impl Sign {
     }
 }
 
-/// What a path is doing between two events.
+/// The phase of a path between two events.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Phase {
-    /// x' = 0 and |b| <= f_s.
+    /// A static phase: x' = 0 and |b| <= f_s.
     Static,
-    /// A sub-phase of a dynamic phase: x' has this sign.
+    /// A sub-phase of a dynamic phase, in which x' has this sign.
     Slip(Sign),
 }
 
-/// What happens at an instant of the cascade.
+/// The kind of an event of the cascade.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum EventKind {
     /// tau_{j+1}: x' = 0 and |b| <= f_s; a dynamic phase ends.
@@ -57,14 +59,14 @@ pub enum EventKind {
 }
 
 impl EventKind {
-    /// What an instant with x' = 0 is: a stick begins where friction holds the body, else it turns,
-    /// driven by this force.
+    /// The kind of an event at which x' = 0: a stick begins if friction holds the body (`is_held`);
+    /// otherwise the next sub-phase begins, in the direction of `force`.
     #[inline]
     pub fn at_rest(is_held: bool, force: f64) -> Self {
         if is_held { EventKind::StickEntered } else { EventKind::SubPhaseBoundary(Sign::of(force)) }
     }
 
-    /// The phase that begins.
+    /// The phase that begins with the event.
     #[inline]
     pub fn phase(self) -> Phase {
         match self {
@@ -74,15 +76,15 @@ impl EventKind {
     }
 }
 
-/// One instant of the cascade, with the state there.
+/// One event of the cascade, with the state at its time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Event {
-    /// What happens.
+    /// What begins or ends.
     pub kind: EventKind,
-    /// tau_j, tau_{j+1/2} or tau_j^k.
+    /// tau_j, tau_{j+1/2} or tau_j^k, a time.
     pub time: f64,
-    /// x at that time.
+    /// x at that time, a length.
     pub displacement: f64,
-    /// b at that time.
+    /// b at that time, a force.
     pub force: f64,
 }

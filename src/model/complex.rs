@@ -1,8 +1,8 @@
-//! The few complex operations that decaying and oscillating exponentials need.
+//! The few complex operations that exponentials of decaying and oscillating terms need.
 
 use std::ops::{Add, Div, Mul, Sub};
 
-/// re + i im.
+/// The complex number re + i im.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Complex<L = f64> {
     /// Real part.
@@ -12,9 +12,9 @@ pub struct Complex<L = f64> {
 }
 
 impl Complex {
-    /// 0.
+    /// The number 0.
     pub const ZERO: Complex = Complex { re: 0.0, im: 0.0 };
-    /// 1.
+    /// The number 1.
     pub const ONE: Complex = Complex { re: 1.0, im: 0.0 };
 
     /// re + i im.

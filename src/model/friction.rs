@@ -1,11 +1,11 @@
-//! Coulomb friction with two thresholds, and the proximal map that a discrete step of it solves.
+//! Coulomb friction with two thresholds, and the proximal map that solves one discrete step of it.
 
-/// f_s and f_d, with 0 <= f_d <= f_s.
+/// The two thresholds f_s and f_d, with 0 <= f_d <= f_s.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Friction {
-    /// f_s: a stick lasts while |b| <= f_s.
+    /// f_s, a force: a stick lasts while |b| <= f_s.
     pub static_force: f64,
-    /// f_d: |F| while x' != 0.
+    /// f_d, a force: |F| while x' != 0.
     pub dynamic_force: f64,
 }
 
@@ -27,8 +27,8 @@ mod tests {
     use proptest::prelude::*;
 
     proptest! {
-        /// The inequality itself, for arbitrary test velocities; equality up to rounding of its
-        /// terms is allowed.
+        /// Tests the inequality itself, for arbitrary velocities phi, up to the rounding of its
+        /// terms.
         #[test]
         fn prox_solves_the_variational_inequality(s in -1e3..1e3f64, c in 0.0..1e3f64, phi in -1e4..1e4f64) {
             let v = prox(s, c);
@@ -36,7 +36,8 @@ mod tests {
             prop_assert!((s - v) * (phi - v) + c * v.abs() <= c * phi.abs() + rounding);
         }
 
-        /// And no other velocity solves it: a neighbour fails for some test velocity.
+        /// No other velocity is a solution: with one, the inequality fails for at least one of
+        /// three velocities phi.
         #[test]
         fn nothing_else_solves_it(s in -1e3..1e3f64, c in 0.0..1e3f64, off in prop_oneof![-10.0..-1e-3f64, 1e-3..10.0f64]) {
             let v = prox(s, c) + off;

@@ -1,5 +1,5 @@
-//! The deterministic temperature at the instants t_n = n h, accurate for as many steps as there
-//! are.
+//! The deterministic temperature at the instants t_n = n h, with an error that does not grow with
+//! the number of steps.
 
 use super::{Harmonic, Series, Temperature};
 use std::f64::consts::TAU;
@@ -8,24 +8,25 @@ use std::sync::Arc;
 /// 1/(2 pi) to 107 bits, as the sum of two doubles.
 const TURNS_PER_RADIAN: (f64, f64) = (0.159_154_943_091_895_35, -9.839_338_337_591_243e-18);
 
-/// Values between two reductions of the phase.
+/// The number of values between two reductions of the phase.
 const RUN: u64 = 64;
 
-/// sum_i a_i cos(w_i n h + phi_i), and what was measured, at consecutive n.
+/// sum_i a_i cos(w_i n h + phi_i) plus the measured temperature, at consecutive n.
 ///
-/// At every 64th n the phase is reduced in turns: n w h / (2 pi) in double-double arithmetic, whole
-/// turns dropped exactly, so its error stays below 1e-15 turns up to n = 2^53. From there the
-/// angle-addition theorem steps with a table of cos(w_i j h) and sin(w_i j h), j < 64. Nothing is
-/// carried on from one run of 64 to the next, so nothing drifts: each value has an error below
-/// 1e-14 sum_i |a_i|, and is the same bits whichever n the caller starts from.
+/// At every 64th n the phase is reduced in turns: n w h / (2 pi) is computed in double-double
+/// arithmetic and whole turns are subtracted exactly, so its error stays below 1e-15 turns up to n
+/// = 2^53. The 64 values from there on follow from the angle-addition theorem, with a table of
+/// cos(w_i j h) and sin(w_i j h), j < 64. No value depends on an earlier run of 64, so errors do
+/// not accumulate: each value has an error below 1e-14 sum_i |a_i|, and has the same bits for every
+/// n from which the caller starts.
 #[derive(Clone, Debug)]
 pub struct HarmonicClock {
     voices: Vec<Voice>,
-    /// What was measured, and h.
+    /// The measured temperature, and h.
     series: Option<(Arc<Series>, f64)>,
 }
 
-/// One harmonic, prepared.
+/// One harmonic, with its table.
 #[derive(Clone, Debug)]
 struct Voice {
     amplitude: f64,
@@ -37,7 +38,7 @@ struct Voice {
 }
 
 impl HarmonicClock {
-    /// For steps of length `h`.
+    /// The values of these harmonics for steps of length `h`.
     pub fn new(harmonics: &[Harmonic], h: f64) -> Self {
         let voice = |harmonic: &Harmonic| {
             let mut voice = Voice {
@@ -52,13 +53,13 @@ impl HarmonicClock {
         HarmonicClock { voices: harmonics.iter().map(voice).collect(), series: None }
     }
 
-    /// Of harmonics and series together.
+    /// The values of the harmonics and the series of a temperature, for steps of length `h`.
     pub fn of(temperature: &Temperature, h: f64) -> Self {
         let series = temperature.series.clone().map(|series| (series, h));
         HarmonicClock { series, ..Self::new(&temperature.harmonics, h) }
     }
 
-    /// The values at t_n, t_{n+1}, ... into `values`.
+    /// Writes the values at t_n, t_{n+1}, ... into `values`.
     pub fn fill(&self, n: u64, values: &mut [f64]) {
         let (first, rest) = values.split_at_mut(((RUN - n % RUN) as usize).min(values.len()));
         self.fill_run(n, first);
@@ -67,7 +68,7 @@ impl HarmonicClock {
         }
     }
 
-    /// Values that all lie between two multiples of 64.
+    /// Writes values that all lie between two multiples of 64.
     fn fill_run(&self, n: u64, values: &mut [f64]) {
         values.fill(0.0);
         for voice in &self.voices {
@@ -99,7 +100,7 @@ impl Voice {
     }
 }
 
-/// a b = high + low exactly.
+/// a b = high + low, exactly.
 fn two_product(a: f64, b: f64) -> (f64, f64) {
     let high = a * b;
     (high, a.mul_add(b, -high))
@@ -115,7 +116,7 @@ fn product(a: (f64, f64), b: (f64, f64)) -> (f64, f64) {
 mod tests {
     use super::*;
 
-    /// cos(0.25 * 0.01 * n), with 0.25 and 0.01 taken as the doubles they are; 40-digit arithmetic
+    /// cos(0.25 * 0.01 * n) for the doubles nearest to 0.25 and 0.01, from 40-digit arithmetic
     /// (mpmath).
     const EXACT: [(u64, f64); 5] = [
         (40, 0.9950041652780258),

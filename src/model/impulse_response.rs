@@ -1,5 +1,5 @@
-//! How the free oscillator answers an impulse and an exponential force, for any damping and at any
-//! resonance.
+//! The response of the free oscillator to an impulse and to an exponential force, for any damping
+//! and at any resonance.
 //!
 //! The oscillator y'' + 2 gamma y' + w0^2 y has the characteristic roots l1, l2 = -gamma +-
 //! sqrt(gamma^2 - w0^2). Its response to a unit impulse, and to a force e^{z t} switched on at t =
@@ -10,15 +10,18 @@
 //! G_z(r) = exp[z, l1, l2] = int_0^r S(r - u) e^{z u} du,        G_z' = z G_z + S
 //! ```
 //!
-//! Written so, critical damping (l1 = l2) and resonance (z = l1) are ordinary points: a divided
-//! difference is entire in its arguments. What needs care is only how to evaluate it without
+//! In this form critical damping (l1 = l2) and resonance (z = l1) need no special formula, because
+//! a divided difference is an entire function of its arguments. It only has to be evaluated without
 //! subtracting nearly equal numbers:
 //!
 //! - for small r (all |root| r <= 1), by its Taylor series, which starts at the leading term r^2/2;
-//! - otherwise as a difference quotient over the two roots farthest apart. Their distance is of the
-//!   order of the largest root, because w >= 0 and gamma >= 0 never let all three of iw, l1, l2
-//!   fall together away from 0. The first-order differences inside use sinh(q)/q where their own
-//!   roots are close.
+//! - otherwise as a difference quotient over the two roots farthest apart. The first-order
+//!   differences inside use sinh(q)/q where their own roots are close.
+//!
+//! For a harmonic, z = i w, the distance of the two roots farthest apart is of the order of the
+//! largest root, because i w, l1, l2 with w >= 0 and gamma >= 0 cannot all be close together away
+//! from 0. For z = -theta they can: with theta = gamma = w0 the quotient is 0/0, which is not a
+//! number.
 
 use super::complex::Complex;
 
@@ -26,11 +29,11 @@ use super::complex::Complex;
 /// `TAYLOR_TERMS`.
 const TAYLOR_RADIUS: f64 = 1.0;
 
-/// Terms of the Taylor series: with |root| r <= 1 term k is below (k+1)/(k+2)! of the leading one;
-/// 1e-17 at k = 18.
+/// Terms of the Taylor series: with |root| r <= 1, term k is below (k+1)/(k+2)! of the leading one,
+/// which is 1e-17 at k = 18.
 const TAYLOR_TERMS: usize = 20;
 
-/// The unforced oscillator: gamma = alpha/m, w0^2 = K/m, and the characteristic roots.
+/// The oscillator without a force: gamma = alpha/m, w0^2 = K/m, and the characteristic roots.
 #[derive(Clone, Copy, Debug)]
 pub struct ImpulseResponse {
     /// gamma.
@@ -41,7 +44,7 @@ pub struct ImpulseResponse {
 }
 
 impl ImpulseResponse {
-    /// From gamma = alpha/m >= 0 and w0 > 0.
+    /// The oscillator with gamma = alpha/m >= 0 and w0 > 0.
     pub fn new(damping_rate: f64, natural_frequency: f64) -> Self {
         let (g, w0) = (damping_rate, natural_frequency);
         let discriminant = (g - w0) * (g + w0);
@@ -49,7 +52,7 @@ impl ImpulseResponse {
         let roots = if discriminant < 0.0 {
             [Complex::new(-g, root), Complex::new(-g, -root)]
         } else {
-            // The slow root as w0^2 over the fast one: gamma - root would cancel.
+            // The slow root is w0^2 divided by the fast one, because gamma - root would cancel.
             let fast = g + root;
             [Complex::new(-w0 * (w0 / fast), 0.0), Complex::new(-fast, 0.0)]
         };
@@ -61,8 +64,8 @@ impl ImpulseResponse {
         first_difference(self.roots[0], self.roots[1], r).re
     }
 
-    /// S'(r) = l1 S + e^{l2 r}: what is left of an overdamped motion keeps its digits, however
-    /// small it has become.
+    /// S'(r) = l1 S + e^{l2 r}. In this form an overdamped motion keeps its digits, however small
+    /// it has become.
     pub fn impulse_slope(&self, r: f64) -> f64 {
         let [l1, l2] = self.roots;
         (l1 * first_difference(l1, l2, r) + (l2 * r).exp()).re
@@ -81,9 +84,9 @@ impl ImpulseResponse {
 
     /// G_z'(r) from `response` = G_z(r) and `impulse` = S(r).
     ///
-    /// G_z' = a G_z + exp[b, c] for any order a, b, c of the roots z, l1, l2. With the smallest as
-    /// a, neither term is larger than the largest root's share of the sum: z G_z + S would cancel
-    /// where the force is faster than the oscillator.
+    /// G_z' = a G_z + exp[b, c] for any order a, b, c of the roots z, l1, l2. The smallest root is
+    /// taken as a, so that the two terms are of the size of their sum. The form z G_z + S would
+    /// cancel where the force is faster than the oscillator.
     pub fn exponential_slope(&self, z: Complex, r: f64, response: Complex, impulse: f64) -> Complex {
         let [l1, l2] = self.roots;
         if z.abs() <= l1.abs() {
@@ -93,7 +96,7 @@ impl ImpulseResponse {
         }
     }
 
-    /// G_z(r) - G_0(r): the response to e^{z t} - 1, a force that is switched on at zero.
+    /// G_z(r) - G_0(r), the response to e^{z t} - 1, a force that is zero when it is switched on.
     pub fn exponential_from_zero(&self, z: Complex, r: f64) -> Complex {
         let largest = z.abs().max(self.roots[0].abs()).max(self.roots[1].abs());
         if largest * r <= TAYLOR_RADIUS {
@@ -102,12 +105,12 @@ impl ImpulseResponse {
         self.exponential(z, r) - self.exponential(Complex::ZERO, r)
     }
 
-    /// int_0^r G_0: the response to a force that grows as r.
+    /// int_0^r G_0, the response to a force that grows as r.
     pub fn ramp(&self, r: f64) -> f64 {
         if self.roots[0].abs().max(self.roots[1].abs()) * r <= TAYLOR_RADIUS {
             return self.taylor(Complex::ZERO, r, 3).re * (r * r * r);
         }
-        // The equation of the oscillator, read for the displacement.
+        // The displacement follows from the equation of the oscillator.
         let settled = self.exponential(Complex::ZERO, r).re;
         (r - self.impulse(r) - 2.0 * self.damping_rate * settled) / self.stiffness_ratio
     }
@@ -131,8 +134,8 @@ impl ImpulseResponse {
     }
 }
 
-/// exp[a, b](r): r e^{(a+b) r/2} sinh(q)/q with q = (a - b) r/2, or the plain quotient where that
-/// is not small.
+/// exp[a, b] at r: r e^{(a+b) r/2} sinh(q)/q with q = (a - b) r/2, or the plain quotient where q is
+/// not small.
 fn first_difference(a: Complex, b: Complex, r: f64) -> Complex {
     let gap = a - b;
     if gap.abs() * r > TAYLOR_RADIUS {
@@ -148,7 +151,7 @@ fn first_difference(a: Complex, b: Complex, r: f64) -> Complex {
     ((a + b) * (0.5 * r)).exp() * series * r
 }
 
-/// The three roots with the two that are farthest apart in first and last place.
+/// The three roots in an order in which the first and the last are the two farthest apart.
 fn farthest_apart(a: Complex, b: Complex, c: Complex) -> (Complex, Complex, Complex) {
     let (ab, bc, ac) = ((a - b).abs(), (b - c).abs(), (a - c).abs());
     if ac >= ab && ac >= bc {
@@ -164,8 +167,7 @@ fn farthest_apart(a: Complex, b: Complex, c: Complex) -> (Complex, Complex, Comp
 mod tests {
     use super::*;
 
-    /// G_z by 16-point-free brute force: Simpson on the convolution, an oracle that knows no
-    /// divided differences.
+    /// G_z by brute force: Simpson's rule on the convolution, which uses no divided differences.
     fn convolution(gamma: f64, w0: f64, z: Complex, r: f64) -> Complex {
         let n = 20_000;
         let d2 = gamma * gamma - w0 * w0;
@@ -194,8 +196,8 @@ mod tests {
             for z in [0.0, 0.25, 1.0, 1.0 + 1e-9, 1.0 - 1e-5, 2.5].map(|w| Complex::new(0.0, w)) {
                 for r in [1e-3, 0.2, 0.9, 1.1, 4.0, 12.0] {
                     let (fast, slow) = (free.exponential(z, r), convolution(gamma, w0, z, r));
-                    // Simpson with 2e4 intervals is good to (12/2e4)^4 w^4 / 180 * r ~ 1e-13 of its
-                    // largest terms.
+                    // With 2e4 intervals the error of Simpson's rule is (12/2e4)^4 w^4 / 180 * r ~
+                    // 1e-13 of its largest terms.
                     let scale = slow.abs().max(0.5 * r * r * (-gamma * r).exp());
                     assert!((fast - slow).abs() <= 1e-11 * scale, "{gamma} {w0} {z:?} {r}: {fast:?} {slow:?}");
                     let difference = slow - convolution(gamma, w0, Complex::ZERO, r);
@@ -208,13 +210,13 @@ mod tests {
 
     #[test]
     fn nothing_is_lost_across_the_switches_between_formulas() {
-        // Just below and above |root| r = 1, and around resonance, the function is smooth to
-        // rounding.
+        // The function is smooth to rounding just below and above |root| r = 1, and around
+        // resonance.
         let free = ImpulseResponse::new(0.0, 1.0);
         let z = Complex::new(0.0, 1.0);
         let (below, above) = (free.exponential(z, 1.0), free.exponential(z, 1.0 + 1e-15));
         assert!((below - above).abs() < 4e-15, "slope is below 1: a jump would be a lost digit");
-        // At exact resonance, G_i(r) = (r/2) e^{ir} / i ... = (e^{ir} r - sin r) / (2i).
+        // At exact resonance, G_i(r) = (e^{ir} r - sin r) / (2i).
         for r in [0.5f64, 2.0, 30.0, 1e4] {
             let exact = (Complex::unit(r) * r - Complex::new(r.sin(), 0.0)) / Complex::new(0.0, 2.0);
             let got = free.exponential(z, r);
@@ -225,7 +227,7 @@ mod tests {
     #[test]
     fn the_slope_keeps_its_digits_where_the_force_is_much_faster_or_slower_than_the_oscillator() {
         // Without damping and with w0 = 1: G_z = (e^{zr} - cos r - z sin r)/(z^2 + 1), written for
-        // a pure imaginary z = iw.
+        // a purely imaginary z = iw.
         let (free, r) = (ImpulseResponse::new(0.0, 1.0), 2.5f64);
         for w in [1e-8f64, 1e-3, 0.5, 3.0, 1e4, 1e8] {
             let z = Complex::new(0.0, w);

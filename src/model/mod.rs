@@ -1,11 +1,14 @@
-//! The mechanics: oscillator, dry friction, temperature, and the vocabulary of phases.
+//! The mechanics: the oscillator, dry friction, the temperature, and the types that describe the
+//! cascade of phases.
 //!
-//! Pure functions and plain values; nothing here draws a random number.
+//! There are only pure functions and plain values here; no random number is drawn.
 //!
 //! ```text
 //! m x'' + F(x') = b(x, x', t),   b = K (beta T(t) - x) - 2 alpha x',   x(0) = x0, x'(0) = 0
-//! T(t) = sum_i a_i cos(w_i t + phi_i) + S(t) + rho v(t),   dv = -theta v dt + sigma dW,   S measured
+//! T(t) = sum_i a_i cos(w_i t + phi_i) + S(t) + rho v(t),   dv = -theta v dt + sigma dW
 //! ```
+//!
+//! S is the measured temperature.
 //!
 //! Bensoussan, Brouste, Cartiaux, Mathey, Mertz, *Mathematical formulation of a dynamical system
 //! with dry friction subjected to external forces*, equations (friction1), (engapp), (shaw).
@@ -40,14 +43,14 @@ pub use step_response::SETTLED;
 pub(crate) use step_response::StepResponse;
 pub use temperature::{Harmonic, InitialNoise, Noise, Temperature};
 
-/// Everything the physics needs: one oscillator, its friction, its temperature, where it starts.
+/// The physical model: one oscillator, its friction, its temperature and its initial displacement.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Model {
     /// Mass, stiffness, damping, dilatation.
     pub oscillator: Oscillator,
     /// The two Coulomb thresholds.
     pub friction: Friction,
-    /// What drives the oscillator.
+    /// The temperature, which drives the oscillator.
     pub temperature: Temperature,
     /// x(0); the velocity starts at zero.
     pub initial_displacement: f64,

@@ -1,9 +1,9 @@
-//! The paper's oscillator for unit tests, in whatever room they are.
+//! The paper's oscillator, for the unit tests of all modules.
 
 use super::{Friction, Harmonic, InitialNoise, Model, Noise, Oscillator, Temperature};
 
-/// The parameters of the paper's section 3.1 with this forcing frequency and noise of this
-/// intensity; none where that is zero.
+/// The parameters of the paper's section 3.1, with this forcing frequency and this intensity of the
+/// noise. Without noise if the intensity is zero.
 pub(crate) fn paper(w: f64, rho: f64) -> Model {
     let noise = Noise { intensity: rho, relaxation_rate: 1.0, diffusion: 1.0, initial: InitialNoise::At(0.0) };
     Model {

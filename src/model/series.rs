@@ -1,13 +1,13 @@
-//! A temperature that was measured: samples in order of time, and straight lines between them.
+//! A measured temperature: samples in order of time, and straight lines between them.
 
-/// T at t_0 = 0 < t_1 < ..., linear in between.
+/// T at the times t_0 = 0 < t_1 < ..., with straight lines in between.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Series {
     times: Vec<f64>,
     values: Vec<f64>,
 }
 
-/// Why numbers are no series.
+/// The error for numbers that are not a valid series.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
     "a series takes two samples or more, as many values as times, all finite, and times that begin at 0 and increase"
@@ -15,7 +15,7 @@ pub struct Series {
 pub struct NoSeries;
 
 impl Series {
-    /// From times and values.
+    /// A series from times and values.
     ///
     /// ```
     /// use stick_slip::model::Series;
@@ -31,12 +31,12 @@ impl Series {
         if is_finite && is_ordered && is_long { Ok(Series { times, values }) } else { Err(NoSeries) }
     }
 
-    /// When the samples are; the first at 0.
+    /// The times of the samples; the first is 0.
     pub fn times(&self) -> &[f64] {
         &self.times
     }
 
-    /// What they are.
+    /// The temperatures of the samples.
     pub fn values(&self) -> &[f64] {
         &self.values
     }
@@ -46,12 +46,13 @@ impl Series {
         self.times[self.times.len() - 1]
     }
 
-    /// The piece that a time is in: number i lasts from t_i to t_{i+1}. The last one goes on.
+    /// The number of the piece that contains a time. Piece i lasts from t_i to t_{i+1}; the last
+    /// one also contains all later times.
     pub fn piece(&self, t: f64) -> usize {
         self.times.partition_point(|time| *time <= t).clamp(1, self.times.len() - 1) - 1
     }
 
-    /// T at a time in a piece. It is the sample itself where the piece begins.
+    /// T at a time in a piece. At the start of the piece it is exactly the sample.
     pub fn on(&self, piece: usize, t: f64) -> f64 {
         self.values[piece] + self.slope(piece) * (t - self.times[piece])
     }
@@ -76,19 +77,19 @@ impl Series {
         (0..self.times.len() - 1).fold(0.0, |most, piece| self.slope(piece).abs().max(most))
     }
 
-    /// The least and the greatest T.
+    /// The smallest and the largest T.
     pub fn range(&self) -> (f64, f64) {
         self.values
             .iter()
             .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &value| (value.min(low), value.max(high)))
     }
 
-    /// The way that T goes up and down, from sample to sample.
+    /// The total variation of T: the sum of |T(t_{i+1}) - T(t_i)|.
     pub fn variation(&self) -> f64 {
         self.values.windows(2).map(|pair| (pair[1] - pair[0]).abs()).sum()
     }
 
-    /// The time between two samples that half of all are not above.
+    /// The median time between two samples; of two middle ones the longer.
     pub fn usual_spacing(&self) -> f64 {
         let mut spacings: Vec<f64> = self.times.windows(2).map(|pair| pair[1] - pair[0]).collect();
         let middle = spacings.len() / 2;
@@ -100,8 +101,8 @@ impl Series {
         self.times.windows(2).fold(0.0, |longest, pair| (pair[1] - pair[0]).max(longest))
     }
 
-    /// A number that another series has only by a chance of 2^-64: FNV-1a over the bits of all
-    /// samples.
+    /// A number that identifies the series: FNV-1a over the bits of all samples. Another series has
+    /// the same number with a probability of 2^-64.
     pub fn fingerprint(&self) -> u64 {
         let numbers = self.times.iter().chain(&self.values);
         let bytes = numbers.flat_map(|x| x.to_bits().to_le_bytes());
@@ -139,8 +140,8 @@ mod tests {
         marks.push(Series::new(vec![0.0, 1.0, 3.0, 4.5], vec![2.0, -1.0, 5.0, 5.0]).unwrap().fingerprint());
         let distinct: std::collections::BTreeSet<u64> = marks.iter().copied().collect();
         assert_eq!(distinct.len(), marks.len());
-        // As others compute it: FNV-1a of sixteen zero bytes and the bits of 1.0 and 0.0
-        // (0x3ff0000000000000, little end first).
+        // The same hash computed independently: FNV-1a of sixteen zero bytes and the bits of 1.0
+        // and 0.0 (0x3ff0000000000000, little-endian), in the order of the samples.
         let two = Series::new(vec![0.0, 1.0], vec![0.0, 0.0]).unwrap();
         let bytes = [[0; 8], [0, 0, 0, 0, 0, 0, 0xf0, 0x3f], [0; 8], [0; 8]].concat();
         let prime = 1_099_511_628_211_u128;

@@ -1,5 +1,5 @@
-//! One sub-phase in closed form: position, velocity and force while the sign of x' is known and the
-//! forcing is a sum of exponentials.
+//! One sub-phase in closed form: displacement, velocity and force while the sign of x' is known and
+//! the forcing is a sum of exponentials.
 //!
 //! On a sub-phase of sign eps, with F_j e^{z_j t} the terms of K beta T(t)/m (z_j = i w_j for a
 //! harmonic),
@@ -8,9 +8,9 @@
 //! x'' + 2 gamma x' + w0^2 x = sum_j Re[F_j e^{z_j t}] - eps f_d / m,      x'(t0) = 0.
 //! ```
 //!
-//! Let r = t - t0, P_j = F_j e^{z_j t0}, a0 = (b(t0) - eps f_d)/m. The displacement since t0,
-//! y = x - x(t0), starts at y = y' = 0 and obeys the same equation with right-hand side
-//! a0 + sum_j Re[P_j (e^{z_j r} - 1)], so that with S and G_z of [`ImpulseResponse`]
+//! Let r = t - t0, P_j = F_j e^{z_j t0}, a0 = (b(t0) - eps f_d)/m. The displacement since t0 is y =
+//! x - x(t0), which starts at y = y' = 0. It satisfies the same equation with the right-hand side
+//! a0 + sum_j Re[P_j (e^{z_j r} - 1)]. So with S and G_z of [`ImpulseResponse`]
 //!
 //! ```text
 //! y   = a0 G_0 + sum_j Re[P_j (G_{z_j} - G_0)]
@@ -19,16 +19,16 @@
 //! b   = m y'' + eps f_d
 //! ```
 //!
-//! A temperature that was measured adds a straight line of slope c to K beta T/m, and a sub-phase
-//! that goes on over a sample begins there with a velocity v0. Both add
+//! A measured temperature adds a straight line of slope c to K beta T/m, and a sub-phase that
+//! continues after a sample begins there with a velocity v0. Both add
 //!
 //! ```text
 //! y += v0 (S + 2 gamma G_0) + c R,   R = int_0^r G_0,   R' = G_0,   R'' = S
 //! ```
 //!
-//! Increments only: slow forcing and small slips lose no digits, and x'' at the start is exactly
-//! a0. The force is read from x'', not from K (beta T - x): it keeps its digits where a motion has
-//! died down below the rounding of the place that it started from.
+//! Only increments are computed, so slow forcing and small slips lose no digits, and x'' at the
+//! start is exactly a0. The force is computed from x'', not from K (beta T - x), so it keeps its
+//! digits where the motion has decayed below the rounding of x.
 
 use super::complex::Complex;
 use super::impulse_response::ImpulseResponse;
@@ -39,11 +39,11 @@ use super::{Model, Oscillator, Sign};
 pub struct ForcingTerm {
     /// F, at t = 0.
     pub amplitude: Complex,
-    /// z: i w for a harmonic, -theta for a temperature that relaxes.
+    /// z: i w for a harmonic, -theta for the mean of a noise that relaxes.
     pub rate: Complex,
 }
 
-/// The oscillator with its forcing as exponentials.
+/// The oscillator, with its forcing as a sum of exponentials.
 #[derive(Clone, Debug)]
 pub struct ForcedOscillator {
     free: ImpulseResponse,
@@ -53,7 +53,7 @@ pub struct ForcedOscillator {
     forcing_curvature: f64,
 }
 
-/// One sub-phase, from its start.
+/// The motion of one sub-phase, from its start.
 #[derive(Clone, Debug)]
 pub struct SlipFlow<'a> {
     body: &'a ForcedOscillator,
@@ -65,7 +65,7 @@ pub struct SlipFlow<'a> {
     line: f64,
 }
 
-/// Where a sub-phase is at one time.
+/// The state of a sub-phase at one time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SlipState {
     /// x - x(t0).
@@ -79,8 +79,8 @@ pub struct SlipState {
 }
 
 impl ForcedOscillator {
-    /// The model without its diffusion: harmonics, and v relaxing from `noise_start` if that is not
-    /// zero.
+    /// The model without its diffusion: the harmonics, and v relaxing from `noise_start` if that is
+    /// not zero.
     pub fn new(model: &Model, noise_start: f64) -> Self {
         let oscillator = model.oscillator;
         let w0 = oscillator.natural_frequency();
@@ -100,13 +100,14 @@ impl ForcedOscillator {
                 rate: Complex::new(-noise.relaxation_rate, 0.0),
             });
         }
-        // From +0: the sum of no terms is -0, and a distance over that is -infinity.
+        // The sum starts from +0, because the sum of no terms would be -0, and a distance divided
+        // by -0 is -infinity.
         let forcing_curvature = terms.iter().fold(0.0, |sum, t| sum + t.amplitude.abs() * t.rate.abs() * t.rate.abs());
         let free = ImpulseResponse::new(oscillator.damping / oscillator.mass, w0);
         ForcedOscillator { free, oscillator, terms, forcing_curvature }
     }
 
-    /// F_j and z_j.
+    /// F_j and z_j of each term.
     pub fn terms(&self) -> &[ForcingTerm] {
         &self.terms
     }
@@ -121,8 +122,8 @@ impl ForcedOscillator {
         self.terms.iter().map(|t| t.amplitude.abs()).sum()
     }
 
-    /// The sub-phase of sign `direction` from x' = `velocity` and force `force` on, where the
-    /// forcing is `terms`, the P_j, and a line of slope `line`.
+    /// The sub-phase of sign `direction` that starts with x' = `velocity` and b = `force`, where
+    /// the forcing is given by `terms`, the P_j, and by a line of slope `line`.
     pub fn slip<'a>(
         &'a self,
         (terms, line): (&'a [Complex], f64),
@@ -136,8 +137,8 @@ impl ForcedOscillator {
         SlipFlow { body: self, start_acceleration, start_velocity: velocity, terms, line }
     }
 
-    /// Increment, first and second derivative of K beta T / m over a time r from where the terms
-    /// are `terms`, on a line of slope `line`.
+    /// The increment, first and second derivative of K beta T / m over a time r, from a time at
+    /// which the terms are `terms`, on a line of slope `line`.
     pub fn forcing_increment(&self, (terms, line): (&[Complex], f64), r: f64) -> [f64; 3] {
         let mut sum = [line * r, line, 0.0];
         for (term, p) in self.terms.iter().zip(terms) {
@@ -188,20 +189,19 @@ impl SlipFlow<'_> {
         SlipState { displacement, velocity, acceleration, jerk }
     }
 
-    /// Bounds of |x'''| from a state onwards: at a time u later it is at most `bound.0 + bound.1
-    /// u`.
+    /// Bounds of |x'''| after a state: at a time u later |x'''| is at most `bound.0 + bound.1 u`.
     ///
-    /// q = x'' obeys q'' + 2 gamma q' + w0^2 q = (K beta T / m)''. Its energy norm sqrt(q'^2 + w0^2
-    /// q^2) >= |x'''| grows at most at the rate of the right-hand side, since damping only lowers
-    /// it. This holds for any damping and across resonance, where bounds from the amplitudes of the
-    /// modes would be useless.
+    /// q = x'' satisfies q'' + 2 gamma q' + w0^2 q = (K beta T / m)''. Its energy norm sqrt(q'^2 +
+    /// w0^2 q^2) >= |x'''| grows at most at the rate of the right-hand side, because damping only
+    /// reduces it. This holds for any damping and across resonance, where bounds from the
+    /// amplitudes of the modes would be useless.
     pub fn jerk_bound(&self, state: &SlipState) -> (f64, f64) {
         let w0 = self.body.oscillator.natural_frequency();
         (libm::hypot(state.jerk, w0 * state.acceleration), self.body.forcing_curvature)
     }
 
-    /// A bound of |x''''| where `bend` bounds the energy norm of [`SlipFlow::jerk_bound`]: the
-    /// equation of q read for q''.
+    /// A bound of |x''''|, where `bend` bounds the energy norm of [`SlipFlow::jerk_bound`]. It
+    /// follows from the equation of q, solved for q''.
     pub fn snap_bound(&self, bend: f64) -> f64 {
         let Oscillator { mass, damping, .. } = self.body.oscillator;
         self.body.forcing_curvature + (2.0 * damping / mass + self.body.oscillator.natural_frequency()) * bend

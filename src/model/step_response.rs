@@ -1,7 +1,8 @@
-//! The swing of an oscillator at rest when a constant force sets in, until it comes to rest again.
+//! The swing of an oscillator at rest under a constant force that sets in, until it comes to rest
+//! again.
 //!
-//! Let Y be the distance to the equilibrium under that force, gamma = alpha/m, zeta = gamma/w0,
-//! w_d = w0 sqrt(1 - zeta^2). The distance y travelled after a time r obeys
+//! Let Y be the distance to the equilibrium under that force, gamma = alpha/m, zeta = gamma/w0, w_d
+//! = w0 sqrt(1 - zeta^2). The distance y travelled after a time r satisfies
 //!
 //! ```text
 //! y'' + 2 gamma y' + w0^2 y = w0^2 Y,   y(0) = y'(0) = 0
@@ -10,46 +11,47 @@
 //! ```
 //!
 //! **Below critical damping** (zeta < 1) y' first returns to zero after half a cycle of the damped
-//! oscillator, beyond the equilibrium by the overshoot q:
+//! oscillator, when the body is beyond the equilibrium by the overshoot q:
 //!
 //! ```text
 //! r = pi/w_d,   y = Y (1 + q),   q = e^{-pi zeta/sqrt(1 - zeta^2)}
 //! ```
 //!
-//! Let go there, it would swing back, at most at a speed of Y w0 e^{-gamma r*}, where y'' = 0 for
-//! the second time: w_d r* = pi + arccos zeta.
+//! If the same force goes on, the body swings back from there. Its largest speed is Y w0 e^{-gamma
+//! r*}, where y'' = 0 for the second time: w_d r* = pi + arccos zeta.
 //!
-//! **At critical damping and above** (zeta >= 1) it comes nearer to the equilibrium for ever and is
-//! never at rest: q = 0. The swing is said to end after the settling time, when a share [`SETTLED`]
-//! of the distance is left.
+//! **At critical damping and above** (zeta >= 1) the body approaches the equilibrium without ever
+//! coming to rest: q = 0. The swing is taken to end after the settling time, when the fraction
+//! [`SETTLED`] of the distance is left.
 
 use super::complex::Complex;
 use super::{ImpulseResponse, Oscillator};
 use std::f64::consts::PI;
 
-/// The share of the distance to the equilibrium that is left when a swing without overshoot is said
-/// to end: as much as the schemes without a step may leave in any statistic by default. A smaller
-/// share would make the swing longer, by ln 10 of the slow time scale for each digit, and move
-/// nothing.
+/// The fraction of the distance to the equilibrium that is left when a swing without overshoot is
+/// taken to end. It is as large as the error that the schemes without a step may leave in any
+/// statistic by default. A smaller fraction would make the swing longer, by ln 10 of the slow time
+/// scale for each digit, without changing the motion noticeably.
 pub const SETTLED: f64 = 1e-3;
 
-/// How an oscillator answers a force that sets in while it is at rest, and stays.
+/// The response of an oscillator at rest to a constant force that sets in.
 #[derive(Clone, Copy, Debug)]
 pub struct StepResponse {
     natural_frequency: f64,
-    /// None without damping.
+    /// None if there is no damping.
     damped: Option<ImpulseResponse>,
-    /// How long the swing lasts: pi/w_d, or the settling time if zeta >= 1.
+    /// The duration of the swing: pi/w_d, or the settling time if zeta >= 1.
     pub duration: f64,
-    /// q: the distance beyond the equilibrium as a share of the distance to it, from 1 without
+    /// q, the distance beyond the equilibrium as a fraction of the distance to it: from 1 without
     /// damping to 0 for zeta >= 1.
     pub overshoot: f64,
-    /// The greatest speed of the swing back from there, in units of Y w0: from 1 to 0 likewise.
+    /// The largest speed of the swing back, in units of Y w0: from 1 without damping to 0 at and
+    /// above critical damping.
     pub return_speed: f64,
 }
 
 impl StepResponse {
-    /// Of this oscillator.
+    /// The response of this oscillator.
     pub fn new(oscillator: &Oscillator) -> Self {
         let w0 = oscillator.natural_frequency();
         let gamma = oscillator.damping / oscillator.mass;
@@ -66,7 +68,7 @@ impl StepResponse {
         StepResponse { natural_frequency: w0, damped, duration, overshoot, return_speed }
     }
 
-    /// y and y' a time `r` after the force set in, where `equilibrium` is Y.
+    /// y and y' a time `r` after the force sets in, where `equilibrium` is Y.
     pub fn at(&self, equilibrium: f64, r: f64) -> (f64, f64) {
         let w0 = self.natural_frequency;
         match &self.damped {
@@ -82,12 +84,12 @@ impl StepResponse {
     }
 }
 
-/// When the share of the distance that is left, R = 1 - y/Y = S' + 2 gamma S, has fallen to
-/// [`SETTLED`].
+/// The time at which the fraction of the distance that is left, R = 1 - y/Y = S' + 2 gamma S, has
+/// fallen to [`SETTLED`].
 ///
-/// With the slow root l1, R >= e^{l1 r} says that it is not before ln(1/SETTLED)/|l1|. ln R is
-/// concave with the slope -w0^2 S/R, so that Newton's first step from there goes too far, and the
-/// others come back without passing the root.
+/// With the slow root l1, R >= e^{l1 r}, so this time is not before ln(1/SETTLED)/|l1|. ln R is
+/// concave with the slope -w0^2 S/R. So Newton's first step from there goes too far, and the next
+/// ones come back without passing the root.
 fn settling_time(response: &ImpulseResponse, gamma: f64, w0: f64) -> f64 {
     let fast = gamma + ((gamma - w0) * (gamma + w0)).sqrt();
     let mut r = -libm::log(SETTLED) * (fast / w0 / w0);
@@ -96,11 +98,12 @@ fn settling_time(response: &ImpulseResponse, gamma: f64, w0: f64) -> f64 {
         let left = response.impulse_slope(r) + 2.0 * gamma * impulse;
         r += libm::log(left / SETTLED) * (left / impulse / w0 / w0);
     }
-    // Too long for a double.
+    // The time is too long for a double.
     if r.is_nan() { f64::INFINITY } else { r }
 }
 
-/// From at most a third of the time away: to rounding.
+/// Newton steps from a start that is wrong by at most a third of the time. They are enough to reach
+/// rounding.
 const NEWTON_STEPS: usize = 8;
 
 #[cfg(test)]
@@ -112,7 +115,7 @@ mod tests {
         StepResponse::new(&Oscillator { mass: 0.5, stiffness: 2.0, damping: zeta, dilatation: 0.0 })
     }
 
-    /// The formulas of the module's head in plain arithmetic, and for zeta > 1 the two
+    /// The formulas at the head of this file in plain arithmetic, and for zeta > 1 the two
     /// exponentials.
     fn formula(zeta: f64, r: f64) -> (f64, f64) {
         let (w0, gamma) = (2.0, 2.0 * zeta);
@@ -147,16 +150,16 @@ mod tests {
             let swing = response(zeta);
             let (y, v) = swing.at(1.0, swing.duration);
             assert!((y - (1.0 + swing.overshoot)).abs() < 1e-14 && v.abs() < 1e-14, "{zeta}: {y} {v}");
-            // Not at rest before.
+            // The body is not at rest before the end.
             assert!((1..100).all(|i| swing.at(1.0, swing.duration * f64::from(i) / 100.0).1 > 0.0), "{zeta}");
-            // The swing back is nowhere faster than it says, and as fast somewhere.
+            // No speed of the swing back exceeds `return_speed`, and one equals it.
             let back = |i: i32| -swing.at(1.0, swing.duration * (1.0 + f64::from(i) / 1e4)).1;
             let fastest = (0..10_000).map(back).fold(0.0, f64::max) / 2.0;
             assert!((fastest / swing.return_speed - 1.0).abs() < 1e-6, "{zeta}: {fastest}");
         }
         assert_eq!((response(0.0).overshoot, response(0.0).return_speed), (1.0, 1.0));
         assert_eq!(response(0.0).duration, PI / 2.0);
-        // e^{-0.3 pi/sqrt(0.91)}, 30-digit arithmetic.
+        // e^{-0.3 pi/sqrt(0.91)}, from 30-digit arithmetic.
         assert!((response(0.3).overshoot - 0.372_326_104_926_586_5).abs() < 1e-15, "{}", response(0.3).overshoot);
     }
 
@@ -169,7 +172,7 @@ mod tests {
             assert!((left / SETTLED - 1.0).abs() < if zeta > 1e3 { 1e-3 } else { 1e-6 }, "{zeta}: {left}");
             assert_eq!((swing.overshoot, swing.return_speed), (0.0, 0.0));
         }
-        // (1 + u) e^{-u} = 1e-3 at u = 9.2334134764...; w0 = 2.
+        // (1 + u) e^{-u} = 1e-3 at u = 9.2334134764...; here w0 = 2.
         assert!((2.0 * response(1.0).duration - 9.233_413_476_4).abs() < 1e-9, "{}", response(1.0).duration);
     }
 }

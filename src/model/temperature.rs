@@ -1,22 +1,22 @@
-//! What drives the oscillator: a sum of harmonics, what was measured, and one or two
-//! Ornstein-Uhlenbeck noises on top.
+//! The temperature that drives the oscillator: a sum of harmonics, a measured series, and one or
+//! two Ornstein-Uhlenbeck noises.
 
 use super::Series;
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
-/// a cos(w t + phi).
+/// One harmonic of the temperature, a cos(w t + phi).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Harmonic {
-    /// a.
+    /// a, in units of temperature.
     pub amplitude: f64,
-    /// w >= 0.
+    /// w >= 0, in radians per unit of time.
     pub angular_frequency: f64,
-    /// phi.
+    /// phi, in radians.
     pub phase: f64,
 }
 
-/// rho v(t) with dv = -theta v dt + sigma dW.
+/// One noise of the temperature, rho v(t) with dv = -theta v dt + sigma dW.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Noise {
     /// rho >= 0.
@@ -29,13 +29,12 @@ pub struct Noise {
     pub initial: InitialNoise,
 }
 
-/// How v starts.
+/// The value of v at t = 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum InitialNoise {
-    /// At this value.
+    /// This value.
     At(f64),
-    /// Drawn from the stationary law N(0, sigma^2 / (2 theta)); the first draw of the path's
-    /// stream.
+    /// A random value from the stationary law N(0, sigma^2 / (2 theta)).
     Stationary,
 }
 
@@ -46,12 +45,12 @@ impl Noise {
     }
 
     /// Whether rho v(t) differs from path to path: rho sigma > 0. Without diffusion v relaxes from
-    /// v(0), the same for all.
+    /// v(0), equally on all paths.
     pub fn is_random(&self) -> bool {
         self.intensity * self.diffusion > 0.0
     }
 
-    /// Whether rho v(t) is zero for ever: rho = 0, or v stays at zero.
+    /// Whether rho v(t) is zero at all times: rho = 0, or v stays at zero.
     pub fn is_silent(&self) -> bool {
         let starts_at_zero = matches!(self.initial, InitialNoise::Stationary | InitialNoise::At(0.0));
         self.intensity == 0.0 || (self.diffusion == 0.0 && starts_at_zero)
@@ -61,60 +60,61 @@ impl Noise {
 /// T(t) = sum_i a_i cos(w_i t + phi_i) + S(t) + sum_j rho_j v_j(t), with one noise or two.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Temperature {
-    /// What is known in closed form.
+    /// The harmonics.
     pub harmonics: Vec<Harmonic>,
-    /// S, what was measured, if anything was. Clones of a model share it.
+    /// S, the measured temperature, if there is one. Clones of a model share it.
     pub series: Option<Arc<Series>>,
-    /// Whether v is zero at every sample of the series: what the weather may have done in between,
-    /// given that it was measured there.
+    /// Whether v is zero at every sample of the series. The noise then describes what the
+    /// temperature may have done between the samples, where it was measured.
     pub is_pinned: bool,
-    /// The noise as it was written, if any; one that is zero for ever is kept, but see
-    /// [`Temperature::effective_noise`].
+    /// The noise as it is given, if there is one. A noise that is zero at all times is kept here,
+    /// but not in [`Temperature::effective_noise`].
     pub noise: Option<Noise>,
-    /// Another noise, independent of the first: weather has a memory of hours and one of days.
+    /// A second noise, independent of the first. With two noises, the temperature can have one
+    /// memory of hours and one of days.
     pub second_noise: Option<Noise>,
 }
 
-/// Cycles of the slowest harmonic in which the others are to come round.
+/// The largest number of cycles of the slowest harmonic for which the forcing period is looked for.
 pub const MOST_CYCLES: u32 = 1000;
 
-/// How far, relative to it, a number of cycles may be from a whole one: rounding of decimal
-/// fractions, no more.
+/// The largest relative distance from a whole number at which a number of cycles counts as whole.
+/// It allows for the rounding of decimal fractions only.
 const WHOLE: f64 = 1e-9;
 
 impl Temperature {
-    /// Whether T(t) differs from path to path, and with it all that follows from it. Else one path
-    /// is the ensemble.
+    /// Whether T(t) differs from path to path, and with it the motion. If not, all paths are the
+    /// same.
     pub fn is_random(&self) -> bool {
         self.noises().any(|noise| noise.is_random())
     }
 
-    /// The noises that are not zero for ever: what is simulated. A scene without any draws no
-    /// random number.
+    /// The noises that are not zero at all times; only these are simulated. Without any, no random
+    /// number is drawn.
     pub fn noises(&self) -> impl Iterator<Item = Noise> {
         [self.noise, self.second_noise].into_iter().flatten().filter(|noise| !noise.is_silent())
     }
 
-    /// The first of [`Temperature::noises`]; the only one for whoever asks
-    /// [`Temperature::has_two_noises`] before.
+    /// The first of [`Temperature::noises`]. It is the only one unless
+    /// [`Temperature::has_two_noises`].
     pub fn effective_noise(&self) -> Option<Noise> {
         self.noises().next()
     }
 
-    /// Whether two noises are to be simulated.
+    /// Whether two noises are simulated.
     pub fn has_two_noises(&self) -> bool {
         self.noises().count() == 2
     }
 
-    /// The harmonics and the series at time t, straight from their definition.
+    /// The harmonics and the series at time t, from their definition.
     pub fn deterministic(&self, t: f64) -> f64 {
         let harmonics: f64 =
             self.harmonics.iter().map(|h| h.amplitude * libm::cos(h.angular_frequency * t + h.phase)).sum();
         self.series.as_ref().map_or(harmonics, |series| harmonics + series.at(t))
     }
 
-    /// E T(t), straight from its definition: harmonics and series, and each v relaxing from where
-    /// it starts.
+    /// E T(t), from its definition: the harmonics, the series, and the mean of each v, which
+    /// relaxes from its start.
     pub fn mean(&self, t: f64) -> f64 {
         let relaxing = self.noises().map(|noise| match noise.initial {
             InitialNoise::At(v) => noise.intensity * v * libm::exp(-noise.relaxation_rate * t),
@@ -123,7 +123,7 @@ impl Temperature {
         self.deterministic(t) + relaxing.sum::<f64>()
     }
 
-    /// A bound of |T|, with each noise kept to so many stationary standard deviations.
+    /// A bound of |T|, where each noise is bounded by `sds` stationary standard deviations.
     pub fn bound(&self, sds: f64) -> f64 {
         let harmonics: f64 = self.harmonics.iter().map(|harmonic| harmonic.amplitude.abs()).sum();
         let noise = self.noises().map(|noise| {
@@ -133,11 +133,11 @@ impl Temperature {
         harmonics + self.series.as_ref().map_or(0.0, |series| series.bound()) + noise.sum::<f64>()
     }
 
-    /// P: the shortest time after which every harmonic repeats itself.
+    /// P, the forcing period: the shortest time after which every harmonic repeats itself.
     ///
-    /// None where no harmonic moves, where there is a series, which repeats nothing, and where
-    /// their frequencies have no common measure: where no number of cycles of the slowest one, up
-    /// to 1000, is a whole number of cycles of each.
+    /// None if no harmonic changes with time, if there is a series (which does not repeat itself),
+    /// or if the frequencies have no common measure. They have none if no number of cycles of the
+    /// slowest harmonic, up to 1000, is a whole number of cycles of each of the others.
     pub fn period(&self) -> Option<f64> {
         if self.series.is_some() {
             return None;
@@ -164,8 +164,8 @@ mod tests {
     #[test]
     fn the_period_is_that_which_all_harmonics_share() {
         assert_eq!(period(&[(1.0, 0.25)]), Some(TAU / 0.25));
-        // 0.25 and 0.6 have the common measure 0.05; a harmonic that does not move, or is not
-        // there, has no say.
+        // 0.25 and 0.6 have the common measure 0.05. A harmonic of frequency zero or of amplitude
+        // zero does not count.
         let both = period(&[(1.0, 0.25), (0.2, 0.6), (3.0, 0.0), (0.0, 0.7)]).expect("5 and 12 cycles");
         assert!((both / (TAU / 0.05) - 1.0).abs() < 1e-12);
         assert_eq!(period(&[(0.2, 0.6), (1.0, 0.25)]), Some(both));

@@ -1,16 +1,16 @@
 //! Random numbers of a path, each at an address of its own.
 //!
-//! A stream hands out its numbers in turn, so that whatever takes one more number moves all that
-//! come after it. Here a number is a function of (seed, path, cell, place) alone: what a path does
-//! in one cell of time leaves the numbers of the next cell as they are. That is what lets two
-//! scenes see the same noise, and somebody look at a path without changing it.
+//! A stream returns its numbers in turn, so one number more changes all that come after it. Here a
+//! number is a function of (seed, path, cell, place) alone, and what a path does in one cell of
+//! time leaves the numbers of the next cell unchanged. Therefore two scenes can see the same noise,
+//! and a path can be observed without being changed.
 //!
 //! The generator is SplitMix64 (Steele, Lea and Flood, *Fast splittable pseudorandom number
 //! generators*, OOPSLA 2014) at the counter `cell 2^32 + place`, with a second key of 64 bits
 //! between the two rounds of its output function (Stafford's variant 13). The origin of the counter
-//! and the second key are two outputs of SplitMix64 sequences, one-to-one functions of the path
-//! number like the words of [`super::Stream`]. Two paths whose counters happen to overlap have
-//! other second keys, so they share no number.
+//! and the second key are two outputs of SplitMix64 sequences. Both are one-to-one functions of the
+//! path number, like the words of [`super::Stream`]. Two paths whose counters happen to overlap
+//! have different second keys, so they share no number.
 
 use super::mirror;
 use super::normal::{half_normals, standard_normal};
@@ -18,42 +18,42 @@ use super::stream::{GAMMA, path_word};
 use crate::lanes::{Lanes, Table};
 use std::f64::consts::SQRT_2;
 
-/// The random numbers of one path; a cursor that goes on from place to place within a cell.
+/// The random numbers of one path, from a place of a cell on. Each draw moves on to the next place.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct AddressedDraws {
     origin: u64,
     key: u64,
     counter: u64,
-    /// See [`mirror::parts`].
+    /// The bits of [`mirror::parts`].
     flip: u64,
 }
 
-/// Places of a cell from here on are for those who only look.
+/// The first place of a cell whose numbers are only used for observing a path.
 const LOOKING: u64 = 1 << 31;
 
-/// The place, in cell 0, of what a path begins with.
+/// The place, in cell 0, of the numbers for the initial state of a path.
 const START: u64 = LOOKING - 1;
 
 impl AddressedDraws {
-    /// Those of path `path` of the ensemble with this seed, or of a mirror image
-    /// ([`super::MIRROR`]), at the first place of cell 0.
+    /// The numbers of path `path` of the ensemble with this seed, from the first place of cell 0
+    /// on. With [`super::MIRROR`] in `path`, they are those of a mirror image.
     pub fn new(seed: u64, path: u64) -> Self {
         let (path, flip) = mirror::parts(path);
         AddressedDraws { origin: path_word(seed, path, 4), key: path_word(seed, path, 5), counter: 0, flip }
     }
 
-    /// Those of the same path at this place of a cell; cells and places are below 2^31.
+    /// The numbers of the same path from this place of a cell on. Cells and places are below 2^31.
     #[inline(always)]
     pub fn at(&self, cell: u64, place: u64) -> Self {
         AddressedDraws { counter: cell << 32 | place, ..*self }
     }
 
-    /// Those that the same path begins with.
+    /// The numbers for the initial state of the same path.
     pub fn for_start(&self) -> Self {
         self.at(0, START)
     }
 
-    /// Two rows of those of the same path and cell that no event depends on.
+    /// Two sequences of numbers of the same path in this cell, on which no event depends.
     pub fn for_looking(&self, cell: u64) -> [Self; 2] {
         [self.at(cell, LOOKING), self.at(cell, LOOKING + LOOKING / 2)]
     }
@@ -66,8 +66,8 @@ impl AddressedDraws {
         bits_at::<f64>(self.origin, self.key, counter)
     }
 
-    /// What tells the numbers of this path from those of others: origin, key and whether its
-    /// normals have the other sign.
+    /// The keys that distinguish the numbers of this path from those of others: origin, key and
+    /// whether its normals have the opposite sign.
     pub fn keys(&self) -> [u64; 3] {
         [self.origin, self.key, self.flip]
     }
@@ -78,15 +78,15 @@ impl AddressedDraws {
         standard_normal(self.next_u64() ^ self.flip)
     }
 
-    /// The next two standard normals, of one draw ([`super::Stream::normal_pair`]).
+    /// The next two standard normals, made from one draw ([`super::Stream::normal_pair`]).
     #[inline(always)]
     pub fn normal_pair(&mut self) -> [f64; 2] {
         let draw = self.next_u64() ^ self.flip;
-        // Not by `map`, which is not compiled for the instruction set of the caller.
+        // This does not use `map`, which is not compiled for the instruction set of the caller.
         [standard_normal(draw), standard_normal(draw.rotate_left(32))]
     }
 
-    /// The next three standard normals, of two draws.
+    /// The next three standard normals, made from two draws.
     #[inline(always)]
     pub fn three_normals(&mut self) -> [f64; 3] {
         let ([one, two], three) = (self.normal_pair(), self.normal());
@@ -110,16 +110,17 @@ fn bits_at<L: Lanes>(origin: L::Bits, key: L::Bits, counter: L::Bits) -> L::Bits
     L::xor(z, L::shr::<31>(z))
 }
 
-/// The random numbers of several paths in one cell, lane by lane those of [`AddressedDraws`]. None
-/// is used up: whoever takes numbers says which, as places after the next one.
+/// The random numbers of several paths in one cell; in each lane they are those of
+/// [`AddressedDraws`]. A draw does not change this value: the argument `after` says how many places
+/// after the next one the number is.
 #[derive(Clone, Copy)]
 pub struct LaneDraws<L: Lanes> {
-    /// What tells the paths apart ([`AddressedDraws::keys`]).
+    /// The keys of the paths ([`AddressedDraws::keys`]).
     pub origin: L::Bits,
     pub key: L::Bits,
-    /// What the next number of each path is, as cell 2^32 + place.
+    /// The address of the next number of each path, cell 2^32 + place.
     pub counter: L::Bits,
-    /// See [`mirror::parts`].
+    /// The bits of [`mirror::parts`].
     pub flip: L::Bits,
 }
 

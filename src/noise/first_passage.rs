@@ -1,8 +1,8 @@
-//! When a Brownian bridge first meets a moving threshold.
+//! The first time at which a Brownian bridge meets a moving threshold.
 //!
-//! Set-up: Brownian motion y over 0 <= s <= S with both ends known, and a threshold that it starts
-//! below by d0 > 0 and ends below by d1 (negative if above). For a threshold linear in s only the
-//! distances matter, and everything is exact:
+//! Let y be a Brownian motion over 0 <= s <= S with both ends known. The threshold is d0 > 0 above
+//! y at the start, and d1 above y at the end (negative if it is below). For a threshold that is
+//! linear in s only these distances matter, and the law is exact:
 //!
 //! ```text
 //! P(met)          = exp(-2 d0 d1 / S) if d1 > 0, else 1
@@ -10,16 +10,17 @@
 //! ```
 //!
 //! (Borodin and Salminen, *Handbook of Brownian Motion*, 2.1 and IV; Karatzas and Shreve, section
-//! 4.3.) The second line holds given that it is met, whatever the sign of d1, by reflection of the
-//! end.
+//! 4.3.) The second line holds given that the threshold is met, for either sign of d1, by
+//! reflection of the end.
 //!
-//! An Ornstein-Uhlenbeck process becomes Brownian motion by [`super::TimeChange`], and a threshold
-//! U(t) of it becomes e^{theta t} U, whose second derivative in s is (U'' - theta^2 U) e^{-3 theta
-//! t} / sigma^4.
+//! An Ornstein-Uhlenbeck process becomes Brownian motion by [`super::TimeChange`]. A threshold U(t)
+//! of it becomes e^{theta t} U, whose second derivative in s is (U'' - theta^2 U) e^{-3 theta t} /
+//! sigma^4.
 
 use crate::lanes::{Lanes, exp};
 
-/// P(met), by which an unmet end is thinned; 1 where an end is on the threshold or beyond.
+/// P(met), the probability that the threshold is met; 1 where an end is on the threshold or beyond
+/// it.
 #[inline(always)]
 pub fn meeting_probability<L: Lanes>(d0: L, d1: L, duration: L) -> L {
     let zero = L::splat(0.0);
@@ -27,13 +28,13 @@ pub fn meeting_probability<L: Lanes>(d0: L, d1: L, duration: L) -> L {
     L::select(is_met, L::splat(1.0), exp(d0 * -2.0 * d1 / duration))
 }
 
-/// The meeting place s*, given that the threshold is met, from a standard normal and a uniform
-/// number.
+/// The place s* of the first meeting, given that the threshold is met, from a standard normal and a
+/// uniform number.
 ///
-/// The inverse Gaussian by Michael, Schucany and Haas (The American Statistician 30, 1976): with y
-/// = normal^2 the smaller root of their quadratic, mu + mu^2 y/(2 l) - (mu/(2 l)) sqrt(4 mu l y +
-/// mu^2 y^2), written without its cancellation as 4 l/(y (1 + g)^2), g = sqrt(1 + 4 l/(mu y)). It
-/// stays finite as mu grows without bound (d1 -> 0).
+/// The inverse Gaussian is drawn by the method of Michael, Schucany and Haas (The American
+/// Statistician 30, 1976). With y = normal^2, the smaller root of their quadratic is mu + mu^2 y/(2
+/// l) - (mu/(2 l)) sqrt(4 mu l y + mu^2 y^2). Without its cancellation it is 4 l/(y (1 + g)^2), g =
+/// sqrt(1 + 4 l/(mu y)), which stays finite as mu grows without bound (d1 -> 0).
 #[inline(always)]
 pub fn meeting_place<L: Lanes>(d0: L, d1: L, duration: L, normal: L, uniform: L) -> L {
     let (zero, one) = (L::splat(0.0), L::splat(1.0));
@@ -41,15 +42,15 @@ pub fn meeting_place<L: Lanes>(d0: L, d1: L, duration: L, normal: L, uniform: L)
     let rate = d1.abs() / (d0 * duration); // 1/mu
     let g = (l * 4.0 * rate / y + 1.0).sqrt() + 1.0;
     let small = l * 4.0 / (y * g * g);
-    // The larger root mu^2/small replaces it with probability small/(mu + small).
+    // The larger root mu^2/small replaces the smaller one with probability small/(mu + small).
     let is_larger = (uniform * (small * rate + 1.0)).gt(one);
     let q = L::select(is_larger, one / (rate * rate * small), small);
     let place = L::select(q.lt(L::splat(f64::INFINITY)), duration * q / (duration + q), duration);
     L::select(d0.le(zero), zero, place)
 }
 
-/// E[u (1 - u)] at the place u = s/S where a straight threshold is touched, d0, d1 > 0: what a bent
-/// one deviates by.
+/// E[u (1 - u)] at the place u = s/S where the bridge touches a straight threshold, for d0, d1 > 0.
+/// It gives the mean deviation of a bent threshold from a straight one.
 ///
 /// The touching place has the density of a hitting time from one end and, backwards, from the
 /// other,
@@ -66,8 +67,8 @@ pub fn meeting_place<L: Lanes>(d0: L, d1: L, duration: L, normal: L, uniform: L)
 /// E[u (1-u)] = sqrt(pi/2) d0 d1 / (D sqrt S) erfcx(D/sqrt(2S)),   D = d0 + d1
 /// ```
 ///
-/// and erfcx(z) = (2/sqrt pi)/(z + sqrt(z^2 + 4/pi)) within 6 % (Abramowitz and Stegun 7.1.13, its
-/// upper bound): enough for a correction that is itself small.
+/// erfcx(z) is replaced by its upper bound (2/sqrt pi)/(z + sqrt(z^2 + 4/pi)), which is within 6 %
+/// (Abramowitz and Stegun 7.1.13). This is enough for a correction that is itself small.
 #[inline(always)]
 pub fn mean_touching_spread<L: Lanes>(d0: L, d1: L, duration: L) -> L {
     let sum = d0 + d1;
@@ -84,9 +85,9 @@ mod tests {
 
     #[test]
     fn one_straight_step_of_an_ornstein_uhlenbeck_process_is_exact() {
-        // theta = sigma = 1, U(t) = e^{-t} (0.5 + 0.3 s): straight after the time change. The
-        // bridge probability, integrated over the end by the midpoint rule, against the exact
-        // first-passage law of Brownian motion to a line.
+        // theta = sigma = 1 and U(t) = e^{-t} (0.5 + 0.3 s), which is straight after the time
+        // change. The probability for the bridge, integrated over its end by the midpoint rule, is
+        // compared with the exact first-passage law of Brownian motion to a line.
         let exact = 0.652_644_296_302_603_9;
         let total = (f64::exp(2.0) - 1.0) / 2.0;
         let (n, farthest) = (200_000, 9.0);
@@ -107,7 +108,7 @@ mod tests {
             let (mut mass, mut mean) = (0.0, 0.0);
             let n = 400_000;
             for i in 0..n {
-                // u = sin^2(phi) tames both ends.
+                // The substitution u = sin^2(phi) removes the singularities at both ends.
                 let phi = std::f64::consts::FRAC_PI_2 * (i as f64 + 0.5) / f64::from(n);
                 let u = phi.sin().powi(2);
                 let jacobian = phi.sin() * phi.cos();

@@ -1,5 +1,5 @@
-//! Randomness: streams and addressed numbers of a path, normals by inversion, the
-//! Ornstein-Uhlenbeck process exactly.
+//! Randomness: the random numbers of a path, normals by inversion, and the exact laws of the
+//! Ornstein-Uhlenbeck process and its bridges.
 
 mod addressed;
 mod first_passage;
@@ -22,6 +22,6 @@ pub(crate) use ornstein_uhlenbeck::{
 pub(crate) use stream::LaneNormals;
 pub use stream::{LaneStreams, Stream};
 
-/// What a file says about where its random numbers come from.
+/// The description of the random numbers that is written to files.
 pub const GENERATOR: &str = "schemes with a step: xoshiro256+, one stream a path seeded by SplitMix64 from (seed, path); \
     others: SplitMix64 with two keys from (seed, path), at addresses (cell, place); normals by inversion";

@@ -1,54 +1,55 @@
-//! Normals by inversion: 64 uniform bits, one normal.
+//! Normals by inversion: each normal is computed from 64 uniform bits.
 //!
-//! A draw is a signed integer y, uniform, -2^63 <= y < 2^63; it stands for sign(y) Z(|y|), Z(y) =
-//! erfc^{-1}(y 2^-63), which is a standard normal over sqrt(2). Each octave of |y| is cut into 128
-//! cells. Because Z'' = 2 Z Z'^2, the level A = Z and the slope b of a cell give the parabola of Z
-//! about its centre,
+//! A draw is a uniform signed integer y, -2^63 <= y < 2^63. It represents sign(y) Z(|y|) with Z(y)
+//! = erfc^{-1}(y 2^-63), which is a standard normal divided by sqrt(2). Each octave of |y| is
+//! divided into 128 cells. Because Z'' = 2 Z Z'^2, the level A = Z and the slope b at the centre of
+//! a cell give the parabola of Z about that centre,
 //!
 //! ```text
 //! Z = A + s + A s^2,   s = b t,   t the distance from the centre down to |y|, in cells
 //! ```
 //!
-//! and both are packed into one 64-bit word (`tools/normal_table.py`). The number of the cell is
-//! the sign, the exponent and the upper mantissa bits of y as a double, and t is in the lower ones,
-//! so there is nothing to search, no tail to treat apart, and no branch: the normals reach from the
-//! median to 9.1 sigma, where |y| = 1. A cell of negative y has -A and -b.
+//! A and b are packed into one 64-bit word (`tools/normal_table.py`). The number of the cell
+//! consists of the sign, the exponent and the upper mantissa bits of y as a double, and t follows
+//! from the lower bits. So there is no search, no special case for the tail, and no branch. The
+//! normals reach from the median to 9.1 sigma, where |y| = 1. A cell of negative y has -A and -b.
 
 use super::normal_table::{CELLS, SLOPE_BITS};
 use crate::lanes::{KEY_SHIFT, Lanes, Table};
 use std::f64::consts::SQRT_2;
 use std::sync::LazyLock;
 
-/// Greatest absolute error of [`standard_normal`] as an inverse of the normal distribution
-/// function, anywhere from the median to 9.1 sigma. At the ends and extrema of all cells it is
-/// 4.9e-9 at most (`tools/normal_table.py` prints it): 2.4e-9 of the parabola next to the median,
-/// 1.3e-9 of the slope's last bit, and in the tails 2.7e-9 of the bits of the level that hold the
-/// slope. The normals of y and -y differ from each other's negatives by 1e-9 at most.
+/// The largest absolute error of [`standard_normal`] as an inverse of the normal distribution
+/// function, anywhere from the median to 9.1 sigma. At the ends and extrema of all cells the error
+/// is 4.9e-9 at most (`tools/normal_table.py` prints it): 2.4e-9 of the parabola next to the
+/// median, 1.3e-9 of the last bit of the slope, and in the tails 2.7e-9 of the bits of the level
+/// that hold the slope. The normals of y and -y add up to at most 1e-9 instead of 0.
 pub const MAX_NORMAL_ERROR: f64 = 5e-9;
 
 const SIGN: u64 = 1 << 63;
-/// The bits of a double below the number of its cell, 52 of mantissa less seven: the place in the
-/// cell.
+/// The mantissa bits of a double below those in the number of its cell (52 less seven bits); they
+/// give the place in the cell.
 const PLACE: u64 = (1 << KEY_SHIFT) - 1;
-/// With these upper bits instead of its own, a double is 128 plus its place, from 0 to 1.
+/// A double with these upper bits instead of its own is 128 plus its place in the cell, which runs
+/// from 0 to 1.
 const BEFORE_PLACE: f64 = 128.0;
 const CENTRE: f64 = BEFORE_PLACE + 0.5;
 const SLOPE: u64 = (1 << SLOPE_BITS) - 1;
-/// Set before the bits of a slope, this makes a double of them: itself plus 2^-7 plus the slope, in
-/// units of 2^-28.
+/// Set before the bits of a slope, these bits make a double whose value is BEFORE_SLOPE plus 2^-7
+/// plus the slope, where the bits of the slope count units of 2^-28.
 const BEFORE_SLOPE: f64 = 16_777_216.0;
 const NO_SLOPE: f64 = BEFORE_SLOPE + 0.007_812_5;
 
-/// The cell of y, a double.
+/// The cell of the double y.
 fn cell(y: u64) -> u64 {
     let first = 1.0f64.to_bits() >> KEY_SHIFT;
-    // y = 0, once in 2^64 draws, counts as 1
+    // y = 0, which occurs once in 2^64 draws, counts as 1.
     let cell = CELLS[((y & !SIGN) >> KEY_SHIFT).saturating_sub(first) as usize];
     if y & SIGN == 0 { cell } else { SIGN | cell & !SLOPE | (SLOPE + 1 - (cell & SLOPE)) }
 }
 
-/// The cells of both signs where [`Lanes::lookup`] finds them. Of its 4 MiB only those around them
-/// are ever touched, 132 KiB.
+/// The cells of both signs, at the places where [`Lanes::lookup`] finds them. Only the 132 KiB
+/// around them, of 4 MiB, are ever touched.
 pub(crate) fn cells() -> &'static Table {
     static TABLE: LazyLock<Box<Table>> = LazyLock::new(|| {
         let mut table = vec![0; size_of::<Table>() / size_of::<u64>()];
@@ -63,7 +64,7 @@ pub(crate) fn cells() -> &'static Table {
     &TABLE
 }
 
-/// The standard normal that a 64-bit draw stands for.
+/// The standard normal that a 64-bit draw represents.
 #[inline(always)]
 pub fn standard_normal(draw: u64) -> f64 {
     let y = (draw as i64 as f64).to_bits();
@@ -73,8 +74,8 @@ pub fn standard_normal(draw: u64) -> f64 {
     SQRT_2 * level.mul_add(s.mul_add(s, 1.0), s)
 }
 
-/// Normals of variance 1/2, those that draws stand for, lane by lane: [`standard_normal`]'s before
-/// the factor sqrt(2), the same bits. `cells` are [`cells`].
+/// The normals of variance 1/2 that draws represent, lane by lane: the same as [`standard_normal`]
+/// before its factor sqrt(2), with the same bits. `cells` is the table of [`cells`].
 #[inline(always)]
 pub(super) fn half_normals<L: Lanes>(cells: &Table, draws: L::Bits) -> L {
     let y = L::from_integers(draws).to_bits();
@@ -90,12 +91,13 @@ mod tests {
     use super::super::normal_table::REFERENCE;
     use super::*;
 
-    /// Reference: 40-digit arithmetic at 1736 integers y, in every octave.
+    /// The reference values are from 40-digit arithmetic, at 1736 integers y in every octave.
     #[test]
     fn the_inverse_is_within_its_stated_error_on_every_octave() {
         let mut worst = [0.0f64; 64];
         for &(y, z) in &REFERENCE {
-            // a double holds 53 bits: y moves by half an ulp, z by less than 2^-53 / z'
+            // A double holds 53 bits, so y moves by half a unit in its last place and z by less
+            // than 2^-53 / z'.
             let error = (standard_normal(y) - z).abs();
             let octave = y.ilog2() as usize;
             worst[octave] = worst[octave].max(error);
@@ -113,7 +115,7 @@ mod tests {
     fn the_ends_are_nine_sigma_and_the_median() {
         assert!((standard_normal(1) - 9.080_155_124_873_613).abs() < MAX_NORMAL_ERROR);
         assert!((standard_normal(u64::MAX) + 9.080_155_124_873_613).abs() < MAX_NORMAL_ERROR);
-        // the largest |y| rounds to 2^63, the median itself
+        // The largest |y| is rounded to 2^63, which is the median itself.
         assert!(standard_normal(i64::MAX as u64).abs() < f64::MIN_POSITIVE);
         assert!(standard_normal(i64::MAX as u64 - 2048).abs() < MAX_NORMAL_ERROR);
     }
@@ -122,7 +124,7 @@ mod tests {
     fn cells_join() {
         for border in (9..63).flat_map(|o| (0..128).map(move |i| (1u64 << o) + (i << (o - 7)))) {
             let (below, above) = (standard_normal((border - 2) | 1), standard_normal(border | 1));
-            // two steps of y move z by at most 4 / (y z'), z' > 0.6 sqrt(z)
+            // Two steps of y move z by at most 4 / (y z'), z' > 0.6 sqrt(z).
             let slope = 8.0 / border as f64;
             assert!((below - above).abs() < 2.0 * MAX_NORMAL_ERROR + slope, "{border}: {below} {above}");
         }

@@ -5,7 +5,7 @@
 //! time change  y = e^{theta t} v is Brownian motion in s = sigma^2 (e^{2 theta t} - 1)/(2 theta)
 //! ```
 //!
-//! with xi a standard normal. The time change is Doob's (Annals of Mathematics 43, 1942).
+//! Here xi is a standard normal. The time change is Doob's (Annals of Mathematics 43, 1942).
 
 use crate::lanes::{Lanes, cosh_and_sinh_over, log1p};
 
@@ -14,14 +14,13 @@ use crate::lanes::{Lanes, cosh_and_sinh_over, log1p};
 pub struct Transition {
     /// e^{-theta h}.
     pub decay: f64,
-    /// sigma sqrt((1 - e^{-2 theta h})/(2 theta)): the standard deviation of the increment of v
-    /// given where it starts.
+    /// sigma sqrt((1 - e^{-2 theta h})/(2 theta)), the standard deviation of v(t + h) given v(t).
     pub increment_sd: f64,
 }
 
 impl Transition {
-    /// Over a time `h` >= 0, for theta > 0 and sigma >= 0. Without cancellation for any theta h
-    /// (expm1).
+    /// The transition over a time `h` >= 0, for theta > 0 and sigma >= 0. It uses expm1, so it does
+    /// not cancel for any theta h.
     pub fn new(theta: f64, sigma: f64, h: f64) -> Self {
         Transition { decay: libm::exp(-theta * h), increment_sd: increment_sd(theta, sigma, forgotten(theta, h)) }
     }
@@ -33,27 +32,27 @@ impl Transition {
     }
 }
 
-/// The square of [`Transition::increment_sd`], rounded once less.
+/// The square of [`Transition::increment_sd`], with one rounding fewer.
 pub fn increment_variance(theta: f64, sigma: f64, h: f64) -> f64 {
     spread(theta, sigma, forgotten(theta, h))
 }
 
-/// The process over a time h as the Brownian motion y of Doob's time change, which starts where v
-/// does.
+/// The process over a time h as the Brownian motion y of Doob's time change. y starts at the value
+/// of v.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TimeChange<L = f64> {
-    /// e^{theta h}: what a distance of v at the end is multiplied by to be one of y.
+    /// e^{theta h}, the factor that turns a distance of v at the end into a distance of y.
     pub growth: L,
-    /// S = sigma^2 (e^{2 theta h} - 1)/(2 theta): how long y runs.
+    /// S = sigma^2 (e^{2 theta h} - 1)/(2 theta), the duration of y.
     pub duration: L,
-    /// (S/sigma^2)^2 e^{-3 theta h/2} = h^2 (1 + theta h/2 + ..). A threshold U of v with c = U'' -
-    /// theta^2 U at mid-step deviates by c bow u (1 - u)/2 from a straight threshold of y, a
-    /// fraction u of S from the start.
+    /// (S/sigma^2)^2 e^{-3 theta h/2} = h^2 (1 + theta h/2 + ..). A threshold U of v becomes a
+    /// threshold of y. At a fraction u of S it deviates from a straight line by c bow u (1 - u)/2,
+    /// where c = U'' - theta^2 U in the middle of the step.
     pub bow: L,
 }
 
 impl TimeChange {
-    /// Over a time `h` >= 0, for theta > 0 and sigma >= 0.
+    /// The time change over a time `h` >= 0, for theta > 0 and sigma >= 0.
     #[inline(always)]
     pub fn new(theta: f64, sigma: f64, h: f64) -> Self {
         if theta * h <= 1.0 { Self::short(theta, sigma, h) } else { Self::long(theta, sigma, h) }
@@ -72,8 +71,8 @@ impl TimeChange {
 }
 
 impl<L: Lanes> TimeChange<L> {
-    /// For y = theta h <= 1, in terms of c = cosh y and s = sinh(y)/y: growth = c + y s, and S =
-    /// sigma^2 h s e^y.
+    /// The time change for y = theta h <= 1, in terms of c = cosh y and s = sinh(y)/y: growth = c +
+    /// y s, and S = sigma^2 h s e^y.
     #[inline(always)]
     pub fn short(theta: f64, sigma: f64, h: L) -> Self {
         let y = h * theta;
@@ -84,13 +83,13 @@ impl<L: Lanes> TimeChange<L> {
     }
 }
 
-/// The time t at which the Brownian motion of the time change has run for s.
+/// The time t after which the Brownian motion of the time change has run for s.
 #[inline(always)]
 pub fn time_of<L: Lanes>(theta: f64, sigma: f64, s: L) -> L {
     log1p(s * (2.0 * theta / (sigma * sigma))) * (0.5 / theta)
 }
 
-/// n half-way between two values a time `h` apart: what the sum of both is multiplied by to be the
+/// The bridge half-way between two values n0 and n1 a time `h` apart: the factor of n0 + n1 in the
 /// mean, and the standard deviation.
 ///
 /// ```text
@@ -115,16 +114,16 @@ pub fn short_bridge_middle<L: Lanes>(theta: f64, sigma: f64, h: L) -> (L, L) {
     (inverse * 0.5, (h * s * inverse).sqrt() * (0.5 * sigma))
 }
 
-/// n between two known values, a time `before` after the first and `behind` before the second: mean
-/// and standard deviation.
+/// The bridge between two known values n0 and n1, a time `before` after the first and `behind`
+/// before the second: its mean and its standard deviation.
 #[inline(always)]
 pub fn bridge_at(theta: f64, sigma: f64, before: f64, behind: f64, (n0, n1): (f64, f64)) -> (f64, f64) {
     let whole = before + behind;
     if theta * whole > 1.0 {
         return long_bridge_at(theta, sigma, before, behind, (n0, n1));
     }
-    // With S(t) = sinh(theta t)/theta: mean (n0 S(behind) + n1 S(before))/S(whole), variance
-    // sigma^2 S(before) S(behind)/S(whole).
+    // With S(t) = sinh(theta t)/theta, the mean is (n0 S(behind) + n1 S(before))/S(whole) and the
+    // variance sigma^2 S(before) S(behind)/S(whole).
     let sinh = |t: f64| t * cosh_and_sinh_over((theta * t) * (theta * t)).1;
     let (before, behind, inverse) = (sinh(before), sinh(behind), 1.0 / sinh(whole));
     ((n0 * behind + n1 * before) * inverse, sigma * (before * behind * inverse).sqrt())
@@ -138,8 +137,7 @@ fn long_bridge_at(theta: f64, sigma: f64, before: f64, behind: f64, (n0, n1): (f
     ((to.decay * n0 * q1 + from.decay * q0 * n1) / all, to.increment_sd * from.increment_sd / all.sqrt())
 }
 
-/// 1 - e^{-2 theta h}: the share of its stationary variance that does not depend on where it
-/// started.
+/// 1 - e^{-2 theta h}, the fraction of the stationary variance that does not come from the start.
 fn forgotten(theta: f64, h: f64) -> f64 {
     -libm::expm1(-2.0 * theta * h)
 }
@@ -158,7 +156,8 @@ mod tests {
     use crate::noise::Stream;
 
     /// v(h) given v(0) has mean e^{-theta h} v(0) and variance (sigma^2 / 2 theta)(1 - e^{-2 theta
-    /// h}); for small theta h that is sigma^2 h (1 - theta h + ...), which subtraction would lose.
+    /// h}). For small theta h the variance is sigma^2 h (1 - theta h + ...), which subtraction
+    /// would lose.
     #[test]
     fn mean_and_variance_are_those_of_the_process() {
         for (theta, sigma, h) in [(1.0, 1.0, 0.01), (3.0, 0.5, 2.0), (1e-8, 2.0, 1e-4), (5.0, 1.0, 1e3)] {
@@ -176,7 +175,8 @@ mod tests {
         }
     }
 
-    /// Chapman-Kolmogorov: decays multiply, and variances add after decay.
+    /// Chapman-Kolmogorov: the decays of two half steps multiply, and their variances add after the
+    /// decay.
     #[test]
     fn two_half_steps_have_the_law_of_one() {
         for h in [1e-9, 1e-3, 0.7, 40.0] {
@@ -189,8 +189,9 @@ mod tests {
 
     /// Null: started from N(0, sigma^2 / 2 theta), v(n h) keeps that law, and corr(v(0), v(n h)) =
     /// e^{-theta n h}. 2^16 paths, 20 steps. The sample variance has relative sd sqrt(2/N) = 0.0055
-    /// and the correlation sd below 1/sqrt(N) = 0.0039: bounds at 4 sd, false-alarm rate below
-    /// 2e-4. A factor 2 in the variance, or one step of decay more (0.11), would be seen at once.
+    /// and the correlation sd below 1/sqrt(N) = 0.0039. The bounds are at 4 sd, so the false-alarm
+    /// rate is below 2e-4. A factor 2 in the variance, or one step of decay more (0.11), would fail
+    /// at once.
     #[test]
     fn a_stationary_start_stays_stationary_and_forgets_at_the_right_rate() {
         let (theta, sigma, h, paths) = (0.8, 1.7, 0.1, 1 << 16);
@@ -212,8 +213,8 @@ mod tests {
             product / n / stationary
         );
     }
-    /// v(h) = y(S) e^{-theta h}, so Var v(h) = S e^{-2 theta h}; y has run for S at the time h; and
-    /// decays and growths cancel.
+    /// v(h) = y(S) e^{-theta h}, so Var v(h) = S e^{-2 theta h}. y has run for S at the time h, and
+    /// decay times growth is 1.
     #[test]
     fn the_time_change_is_that_of_the_transition() {
         for (theta, sigma, h) in [(1.0, 1.0, 0.01), (3.0, 0.5, 2.0), (1e-8, 2.0, 1e-4), (0.3, 1.0, 30.0)] {
@@ -228,9 +229,9 @@ mod tests {
         }
     }
 
-    /// The bridge, from the densities of both its halves: n0 -> n has precision 1/q0 around its
-    /// mean, and n -> n1 sees n through the decay. Both forms of it, on either side of theta h = 1,
-    /// and the middle.
+    /// The law of the bridge from the densities of both its parts: n0 -> n has precision 1/q0
+    /// around its mean, and n -> n1 depends on n through the decay. The test covers both forms of
+    /// the formula, on either side of theta h = 1, and the middle.
     #[test]
     fn the_bridge_is_where_both_its_halves_put_it() {
         for (theta, sigma, before, behind) in [

@@ -1,13 +1,15 @@
-//! The stream of a path: xoshiro256+, seeded from (seed, path number) alone.
+//! The random stream of a path: xoshiro256+, seeded from (seed, path number) alone.
 //!
-//! Of this family it is the member made for floating-point numbers: only its lowest three bits are
-//! weak. A normal does not see them before 7 sigma, and the second normal of a pair, where they
-//! come to lie at bits 32 to 34, not above 2^-29 of its uniform number. Blackman and Vigna,
-//! *Scrambled linear pseudorandom number generators*, ACM TOMS 47 (2021). The four state words of
-//! path p are the p-th outputs of four SplitMix64 sequences whose origins are the first four
-//! SplitMix64 outputs from the seed. Each word is thus a bijective, avalanching function of the
-//! path number: no two paths of a run share a state, neighbouring paths share no structure, and
-//! 2^256 states leave overlaps of streams out of reach (probability below paths^2 * steps / 2^256).
+//! Blackman and Vigna (*Scrambled linear pseudorandom number generators*, ACM TOMS 47 (2021)) made
+//! this generator for floating-point numbers: only its lowest three bits are weak. They do not
+//! change a normal up to 7 sigma. In the second normal of a pair they are bits 32 to 34, where they
+//! do not change its uniform number by more than 2^-29.
+//!
+//! The four state words of path p are the p-th outputs of four SplitMix64 sequences, whose origins
+//! are the first four SplitMix64 outputs from the seed. So each word is a one-to-one function of
+//! the path number in which every bit of the number changes about half the bits of the word. No two
+//! paths of a run share a state, and neighbouring paths share no structure. With 2^256 states,
+//! streams overlap only with a probability below paths^2 * steps / 2^256.
 
 use super::mirror;
 use super::normal::{cells, half_normals};
@@ -24,8 +26,8 @@ const fn mix(mut z: u64) -> u64 {
     z ^ (z >> 31)
 }
 
-/// Word `i` of what a path draws from: the output of a SplitMix64 sequence at position path + 1,
-/// whose origin is the i-th output from the seed.
+/// Word `i` of those that seed the random numbers of a path: the output at position path + 1 of a
+/// SplitMix64 sequence whose origin is the i-th output from the seed.
 pub(super) fn path_word(seed: u64, path: u64, i: u64) -> u64 {
     let origin = mix(seed.wrapping_add((i + 1).wrapping_mul(GAMMA)));
     mix(origin.wrapping_add(path.wrapping_add(1).wrapping_mul(GAMMA)))
@@ -35,13 +37,13 @@ pub(super) fn path_word(seed: u64, path: u64, i: u64) -> u64 {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Stream {
     state: [u64; 4],
-    /// See [`mirror::parts`].
+    /// The bits of [`mirror::parts`].
     flip: u64,
 }
 
 impl Stream {
-    /// The stream of path `path` of the ensemble with this seed, or of a mirror image
-    /// ([`super::MIRROR`]).
+    /// The stream of path `path` of the ensemble with this seed. With [`super::MIRROR`] in `path`,
+    /// it is the stream of a mirror image.
     pub fn new(seed: u64, path: u64) -> Self {
         let (path, flip) = mirror::parts(path);
         Stream { state: std::array::from_fn(|i| path_word(seed, path, i as u64)), flip }
@@ -73,9 +75,9 @@ impl Stream {
         super::standard_normal(self.next_u64() ^ self.flip)
     }
 
-    /// The next two standard normals, of one draw w: those of w and of w with its halves exchanged.
-    /// The upper halves, which decide a normal to one part in 2^32, have no bit in common; the
-    /// lower ones matter alone only beyond 6.2 sigma.
+    /// The next two standard normals, made from one draw: the first from the draw, the second from
+    /// the draw with its two halves exchanged. The upper halves, which determine a normal to one
+    /// part in 2^32, have no bit in common. The lower halves matter alone only beyond 6.2 sigma.
     #[inline(always)]
     pub fn normal_pair(&mut self) -> [f64; 2] {
         let draw = self.next_u64() ^ self.flip;
@@ -89,19 +91,19 @@ impl Stream {
     }
 }
 
-/// The streams of several paths, to be drawn from in lanes. Lane i is the stream of `paths[i]`; the
-/// lanes are padded to whole registers with streams of paths beyond the last.
+/// The streams of several paths, for drawing in lanes. Lane i is the stream of `paths[i]`; further
+/// paths fill the lanes up to whole registers.
 #[derive(Clone, Debug)]
 pub struct LaneStreams {
     words: [Vec<u64>; 4],
-    /// See [`mirror::parts`].
+    /// The bits of [`mirror::parts`], lane by lane.
     flips: Vec<u64>,
-    /// Whether the next normal is the second of a pair.
+    /// Whether the next normal of a lane is the second of a pair.
     is_second: Vec<bool>,
 }
 
 impl LaneStreams {
-    /// The streams of these paths, and of more paths until there are `lanes`.
+    /// The streams of these paths, and of further paths up to `lanes` streams.
     pub fn new(seed: u64, paths: &[u64], lanes: usize) -> Self {
         let beyond = paths.last().map_or(0, |p| p.wrapping_add(1));
         let padded = paths.iter().copied().chain((0..).map(|i| beyond.wrapping_add(i))).take(lanes);
@@ -117,7 +119,7 @@ impl LaneStreams {
         LaneStreams { words, flips, is_second: vec![false; lanes] }
     }
 
-    /// Whether any of them is a mirror image.
+    /// Whether any of the streams is that of a mirror image.
     pub fn are_mirrored(&self) -> bool {
         self.flips.iter().any(|&flip| flip != 0)
     }
@@ -129,8 +131,8 @@ impl LaneStreams {
         normals
     }
 
-    /// Take out the streams of `R` registers of lanes, beginning at `lane`; [`LaneStreams::put`]
-    /// brings them back.
+    /// A copy of the streams of `R` registers of lanes, beginning at `lane`, to draw from.
+    /// [`LaneStreams::put`] writes their state back.
     #[inline(always)]
     pub fn take<L: Lanes, const R: usize, const MIRRORED: bool>(&self, lane: usize) -> LaneNormals<L, R, MIRRORED> {
         let zero = L::splat_bits(0);
@@ -147,7 +149,7 @@ impl LaneStreams {
         taken
     }
 
-    /// Bring back what was taken out at `lane`.
+    /// Writes back the state of the streams that were taken at `lane`.
     #[inline(always)]
     pub fn put<L: Lanes, const R: usize, const MIRRORED: bool>(
         &mut self,
@@ -163,8 +165,9 @@ impl LaneStreams {
     }
 }
 
-/// `R` registers of lanes, each the normals of its stream in pairs, as [`Stream::normal_pair`]
-/// draws them, over sqrt(2). Only where `MIRRORED` may any of them be a mirror image.
+/// The streams of `R` registers of lanes. They give normals divided by sqrt(2), in pairs as
+/// [`Stream::normal_pair`] draws them. Streams of mirror images are only allowed where `MIRRORED`
+/// is true.
 #[derive(Clone, Copy)]
 pub struct LaneNormals<L: Lanes, const R: usize, const MIRRORED: bool> {
     words: [[L::Bits; 4]; R],
@@ -174,7 +177,7 @@ pub struct LaneNormals<L: Lanes, const R: usize, const MIRRORED: bool> {
 }
 
 impl<L: Lanes, const R: usize, const MIRRORED: bool> LaneNormals<L, R, MIRRORED> {
-    /// The next normal of each lane, over sqrt(2).
+    /// The next normal of each lane, divided by sqrt(2).
     #[inline(always)]
     pub fn draw(&mut self) -> [L; R] {
         let mut normals = [L::splat(0.0); R];
@@ -213,14 +216,14 @@ impl LaneProgram for Fill<'_> {
     }
 }
 
-/// What xoshiro256+ gives in a state.
+/// The output of xoshiro256+ in a state.
 #[inline(always)]
 fn output<L: Lanes>([s0, _, _, s3]: &[L::Bits; 4]) -> L::Bits {
     L::add_bits(*s0, *s3)
 }
 
-/// The next state of xoshiro256+: the order of [`Stream::next_u64`] with its exclusive-ors joined
-/// by threes.
+/// The next state of xoshiro256+, as in [`Stream::next_u64`], with its exclusive-ors combined in
+/// threes.
 #[inline(always)]
 fn step<L: Lanes>([s0, s1, s2, s3]: [L::Bits; 4]) -> [L::Bits; 4] {
     let t = L::shl::<17>(s1);
