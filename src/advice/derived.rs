@@ -9,11 +9,11 @@ use crate::scheme::{Discretisation, Resolution, Stability, monitoring_shift};
 /// Quantities that follow from a scenario.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Derived {
-    /// w0 = sqrt(K/m).
+    /// Natural frequency w0 = sqrt(K/m), in radians per unit of time.
     pub natural_frequency: f64,
-    /// w/w0 of each harmonic.
+    /// Frequency of each harmonic relative to the natural frequency, w/w0.
     pub frequency_ratios: Vec<f64>,
-    /// f_d/f_s; none if f_s = 0.
+    /// Friction ratio f_d/f_s; none if f_s = 0.
     pub friction_ratio: Option<f64>,
     /// K |beta| rho sigma / sqrt(2 theta): the stationary standard deviation of the noise in b, of
     /// two noises together; none without noise.
@@ -26,7 +26,8 @@ pub struct Derived {
     pub corridor_time: Option<f64>,
     /// Limits of the step, if the scheme has a step.
     pub stability: Option<Stability>,
-    /// 0.5826 K |beta| rho sigma sqrt(h), by which the corrected scheme lowers f_s.
+    /// Shift 0.5826 K |beta| rho sigma sqrt(h) by which the corrected scheme lowers f_s; none for
+    /// other schemes.
     pub monitoring_shift: Option<f64>,
     /// What the event-driven scheme does not resolve, where f_s and f_d are equal or nearly so
     /// under noise.

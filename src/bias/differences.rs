@@ -149,7 +149,8 @@ impl Differences {
         Bias { estimate: all.bias(p, weight), uncertainty: caution(self.paths()) * (sampling + missed + grid), order }
     }
 
-    /// K beta rho sigma sqrt(h)/(f_s - f_d).
+    /// The standard deviation of the change of the force by the noise in a step, as a share of the
+    /// gap: K beta rho sigma sqrt(h)/(f_s - f_d).
     fn noise_to_gap(&self) -> f64 {
         let Model { oscillator, friction, temperature, .. } = &self.model;
         let noise = temperature.effective_noise().map_or(0.0, |noise| noise.intensity * noise.diffusion);

@@ -46,7 +46,7 @@ impl Levels {
         self.0.iter().all(|y| y.is_finite())
     }
 
-    /// D1 and D2.
+    /// The differences D1 and D2.
     fn differences(self) -> (f64, f64) {
         let Levels([fine, middle, coarse]) = self;
         (middle - fine, coarse - middle)

@@ -20,7 +20,7 @@ const ROUNDING: f64 = 1e-12;
 /// The share of some phases among all phases of all batches.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Share {
-    /// NaN if there are no phases.
+    /// The estimate; NaN if there are no phases.
     pub estimate: f64,
     /// The standard error of a ratio of sums over batches; NaN if fewer than two batches have any
     /// phases.

@@ -5,32 +5,34 @@ use super::dimension::Dimension;
 /// A reported statistic of an ensemble of paths.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Statistic {
-    /// Mean of D_j = tau_{j+1/2} - tau_j over completed sticks, j >= 1.
+    /// Mean stick duration D_j = tau_{j+1/2} - tau_j over completed sticks, j >= 1.
     StickDurationMean,
-    /// Standard deviation of D_j over completed sticks, j >= 1.
+    /// Standard deviation of the stick duration D_j over completed sticks, j >= 1.
     StickDurationSd,
-    /// Median of D_j over completed sticks, j >= 1.
+    /// Median stick duration D_j over completed sticks, j >= 1.
     StickDurationMedian,
-    /// Mean of D_0 over the paths whose first stick ended.
+    /// Mean duration D_0 of the first stick over the paths in which it ended.
     FirstStickDurationMean,
-    /// Completed sticks, j >= 1, per path.
+    /// Number of completed sticks, j >= 1, per path.
     SticksPerPath,
-    /// Completed dynamic phases per path.
+    /// Number of completed dynamic phases per path.
     SlipsPerPath,
-    /// Mean of k(j) over completed dynamic phases.
+    /// Mean number k(j) of sub-phases over completed dynamic phases.
     SubPhasesMean,
-    /// Share of completed dynamic phases with k(j) >= 2.
+    /// Share of completed dynamic phases with several sub-phases, k(j) >= 2.
     SubPhasesMultipleShare,
     /// Share of the counted time, [after, t_end], that is spent static, the first and the last
     /// stick included.
     StickingFraction,
-    /// Mean of x(t_end).
+    /// Mean displacement at the end, x(t_end).
     DisplacementEndMean,
-    /// Standard deviation of x(t_end).
+    /// Standard deviation of the displacement at the end, x(t_end).
     DisplacementEndSd,
-    /// Slope of E x(nP) over the whole forcing periods n >= 1 from `after` on.
+    /// Drift velocity: slope of the mean of x(nP) over the whole forcing periods n >= 1 from
+    /// `after` on.
     DriftVelocity,
-    /// Half the slope of Var x(nP) over the whole forcing periods n >= 1 from `after` on.
+    /// Diffusion coefficient: half the slope of the variance of x(nP) over the whole forcing
+    /// periods n >= 1 from `after` on.
     DiffusionCoefficient,
     /// Mean of u_n = x((n + 1)P) - x(nP) over paths and over the whole forcing periods n >= 1 from
     /// `after` on.
@@ -42,9 +44,9 @@ pub enum Statistic {
     /// Standard deviation of x(nP) over paths, as the root mean square over the whole forcing
     /// periods n >= 1 from `after` on.
     PhaseDisplacementSd,
-    /// Mean of x_{j+1} - x_j over completed dynamic phases.
+    /// Mean jump of the displacement, x_{j+1} - x_j, over completed dynamic phases.
     JumpMean,
-    /// Mean of |x_{j+1} - x_j| over completed dynamic phases.
+    /// Mean size of that jump, |x_{j+1} - x_j|, over completed dynamic phases.
     JumpAbsMean,
     /// Mean over paths of the friction work, the integral of f_d |x'| dt over [after, t_end].
     FrictionWorkMean,

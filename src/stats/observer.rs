@@ -15,9 +15,9 @@ pub struct BlockObserver {
     paths: Vec<PathFold>,
     unit: Unit,
     oscillator: Oscillator,
-    /// f_d.
+    /// Dynamic friction f_d.
     dynamic_force: f64,
-    /// Rows of the output grid.
+    /// Number of rows of the output grid.
     rows: usize,
     totals: Totals,
     periods: PeriodFold,

@@ -30,7 +30,7 @@ pub(super) struct PathFold {
     pub early_sticks: u32,
     /// Completed dynamic phases that are not counted.
     pub early_slips: u32,
-    /// x0.
+    /// Initial displacement x0.
     start: f64,
     /// x - x0 at the end of the burn-in.
     pub early_displacement: f64,
@@ -40,7 +40,7 @@ pub(super) struct PathFold {
     pub duration: f64,
     /// Sum of the D_j^2 of these sticks.
     pub duration_squared: f64,
-    /// D_0, once the first stick has ended.
+    /// Duration D_0 of the first stick, once it has ended.
     pub first_duration: Option<f64>,
     /// Completed dynamic phases.
     pub slips: u32,
@@ -59,7 +59,7 @@ pub(super) struct PathFold {
     pub travel: f64,
     /// max |x|, the burn-in included. It is attained at an event, at the start or at the end.
     pub max_displacement: f64,
-    /// x(t_end).
+    /// Displacement at the end, x(t_end).
     pub displacement_end: f64,
 }
 

@@ -23,9 +23,9 @@ impl Record {
 /// NaN and zeros.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PathColumns {
-    /// x(t_end).
+    /// Displacement at the end, x(t_end).
     pub displacement_end: Vec<f64>,
-    /// max over [0, t_end] of |x|.
+    /// Largest |x| over [0, t_end].
     pub max_displacement: Vec<f64>,
     /// D_0; NaN if the first stick still runs at t_end.
     pub first_stick_duration: Vec<f64>,
@@ -50,9 +50,9 @@ pub struct EventColumns {
     pub count: Vec<u32>,
     /// tau, the time of each event.
     pub time: Vec<f64>,
-    /// x(tau).
+    /// Displacement x at each event.
     pub displacement: Vec<f64>,
-    /// b at tau.
+    /// Force b at each event, the total of all forces except friction.
     pub force: Vec<f64>,
     /// Direction of the sub-phase that starts, -1 or 1; 0 where a stick starts.
     pub sign: Vec<i8>,
@@ -91,15 +91,15 @@ fn number(sign: Sign) -> i8 {
 pub struct TrajectoryRows {
     /// Path numbers, in order.
     pub path: Vec<u64>,
-    /// x(t).
+    /// Displacement x(t).
     pub displacement: Vec<f64>,
-    /// x'(t).
+    /// Velocity x'(t).
     pub velocity: Vec<f64>,
-    /// T(t).
+    /// Temperature T(t).
     pub temperature: Vec<f64>,
     /// b(t), the total of all forces except friction.
     pub force: Vec<f64>,
-    /// F(t), the friction force: b in a static phase, f_d in the direction of motion otherwise.
+    /// Friction force F(t): b in a static phase, f_d in the direction of motion otherwise.
     pub friction: Vec<f64>,
     /// 1 in a static phase, 0 otherwise.
     pub is_static: Vec<i8>,

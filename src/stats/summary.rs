@@ -24,7 +24,7 @@ pub struct Measurement {
 /// (for example because no stick ended, or there are fewer than two periods) is NaN.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Estimate {
-    /// Which statistic.
+    /// The statistic that is estimated.
     pub statistic: Statistic,
     /// The estimate.
     pub estimate: f64,
@@ -42,7 +42,7 @@ pub struct Estimate {
 /// zero step ([`crate::bias`]).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bias {
-    /// Estimate at the step of the run minus the value at zero step.
+    /// The value at the step of the run minus the value at zero step, in the unit of the statistic.
     pub estimate: f64,
     /// The bias lies within this distance of its estimate at 95 %. The errors of sampling and of
     /// extrapolation are both included.
@@ -108,13 +108,13 @@ pub struct Band {
 pub struct Bands {
     /// Output times.
     pub time: Vec<f64>,
-    /// x(t).
+    /// Displacement x(t).
     pub displacement: Band,
-    /// x'(t).
+    /// Velocity x'(t).
     pub velocity: Band,
-    /// T(t).
+    /// Temperature T(t).
     pub temperature: Band,
-    /// P(static at t).
+    /// Probability that a path is static at t.
     pub static_probability: Vec<f64>,
     /// Interval of the static probability at each time.
     pub static_probability_ends: Ends,
@@ -208,13 +208,13 @@ pub struct Transient {
 /// Moments of x at the whole forcing periods.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PeriodMoments {
-    /// n P, n = 1, 2, ...
+    /// Ends n P of the forcing periods, n = 1, 2, ...
     pub time: Vec<f64>,
-    /// Mean of x(n P) - x0.
+    /// Mean displacement since the start, x(n P) - x0.
     pub mean: Vec<f64>,
     /// Interval of the mean at each period.
     pub mean_ends: Ends,
-    /// Variance of x(n P).
+    /// Variance of the displacement x(n P).
     pub variance: Vec<f64>,
     /// Interval of the variance at each period.
     pub variance_ends: Ends,

@@ -19,13 +19,13 @@ use crate::scheme::{Instant, Observer, Snapshot};
 /// The state of one path at one time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PathState {
-    /// t.
+    /// Time t.
     pub time: f64,
-    /// x(t).
+    /// Displacement x(t).
     pub displacement: f64,
-    /// x'(t).
+    /// Velocity x'(t).
     pub velocity: f64,
-    /// T(t), noise included.
+    /// Temperature T(t), noise included.
     pub temperature: f64,
     /// Whether the path is in a static phase at t.
     pub is_static: bool,

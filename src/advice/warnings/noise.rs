@@ -11,14 +11,14 @@ use std::fmt;
 pub(super) struct NoisyStep {
     h: f64,
     friction: Friction,
-    /// f_d/f_s.
+    /// Friction ratio f_d/f_s.
     friction_ratio: f64,
     /// 0.5826 K beta rho sigma sqrt(h): how far the force has passed f_s on average when a step
     /// detects it.
     shift: f64,
-    /// (f_s / (K beta rho sigma))^2.
+    /// Time in which the noise crosses the corridor of a stick, (f_s / (K beta rho sigma))^2.
     crossing_time: f64,
-    /// ((f_s - f_d) / (K beta rho sigma))^2.
+    /// Time in which a slip may turn back, ((f_s - f_d) / (K beta rho sigma))^2.
     return_time: f64,
 }
 
@@ -37,7 +37,7 @@ impl NoisyStep {
         })
     }
 
-    /// f_s - f_d.
+    /// The gap f_s - f_d between the two thresholds.
     fn gap(&self) -> f64 {
         self.friction.static_force - self.friction.dynamic_force
     }
@@ -46,9 +46,9 @@ impl NoisyStep {
 /// The noise crosses a large part of the corridor of a stick within one step.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StepAgainstCorridor {
-    /// h.
+    /// Step h.
     pub step: f64,
-    /// (f_s / (K beta rho sigma))^2.
+    /// Time in which the noise crosses the corridor of a stick, (f_s / (K beta rho sigma))^2.
     pub crossing_time: f64,
 }
 
@@ -135,9 +135,9 @@ impl fmt::Display for StickExitBias {
 /// The step is longer than the time in which a slip that has just begun may turn back.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MicroSlips {
-    /// h.
+    /// Step h.
     pub step: f64,
-    /// ((f_s - f_d) / (K beta rho sigma))^2.
+    /// Time in which a slip may turn back, ((f_s - f_d) / (K beta rho sigma))^2.
     pub return_time: f64,
 }
 
@@ -164,9 +164,9 @@ impl fmt::Display for MicroSlips {
 /// The correction of the stick exit is not small relative to f_s.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LargeShift {
-    /// 0.5826 K beta rho sigma sqrt(h).
+    /// Shift of the threshold, 0.5826 K beta rho sigma sqrt(h).
     pub shift: f64,
-    /// f_s.
+    /// Static friction f_s.
     pub static_force: f64,
 }
 
@@ -197,9 +197,9 @@ impl fmt::Display for LargeShift {
 /// The corrected scheme lowers f_s no further than to f_d, but its shift is larger than that.
 #[derive(Clone, Debug, PartialEq)]
 pub struct IncompleteCorrection {
-    /// 0.5826 K beta rho sigma sqrt(h).
+    /// Shift of the threshold, 0.5826 K beta rho sigma sqrt(h).
     pub shift: f64,
-    /// f_s - f_d.
+    /// Gap f_s - f_d between the two thresholds.
     pub gap: f64,
     /// The step at which the shift equals the gap.
     pub largest_step: f64,

@@ -8,7 +8,7 @@ use crate::scenario::MAX_PERIODS;
 use crate::scheme::Timeline;
 use std::fmt;
 
-/// |b| cannot reach f_s.
+/// The force |b| cannot reach the static friction f_s.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NeverSlips {
     /// An upper bound of |b|.

@@ -10,7 +10,7 @@ use std::fmt;
 /// The step is beyond its stability limit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StepUnstable {
-    /// h.
+    /// Step h.
     pub step: f64,
     /// The stability limit: the step must be shorter than this.
     pub limit: f64,
@@ -44,7 +44,7 @@ impl fmt::Display for StepUnstable {
 pub struct AmplitudeAboveCritical {
     /// Expected largest |x|.
     pub expected: f64,
-    /// A_c.
+    /// Critical amplitude A_c.
     pub critical: f64,
 }
 
@@ -78,7 +78,7 @@ impl fmt::Display for AmplitudeAboveCritical {
 /// There are few steps per half-cycle of the oscillator.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StepAgainstOscillator {
-    /// pi / (w0 h).
+    /// Steps per half-cycle of the oscillator, pi / (w0 h).
     pub steps_per_half_cycle: f64,
 }
 
@@ -105,9 +105,9 @@ impl fmt::Display for StepAgainstOscillator {
 /// There are few steps per period of a harmonic.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StepAgainstForcing {
-    /// w.
+    /// Angular frequency w of the harmonic.
     pub angular_frequency: f64,
-    /// 2 pi / (w h).
+    /// Steps per period of the harmonic, 2 pi / (w h).
     pub steps_per_period: f64,
 }
 
@@ -135,7 +135,7 @@ impl fmt::Display for StepAgainstForcing {
 /// theta h > 1: the noise decorrelates within one step.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StepAgainstNoise {
-    /// theta h.
+    /// Relaxation times of the noise per step, theta h.
     pub relaxations_per_step: f64,
 }
 
