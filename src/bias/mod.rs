@@ -36,9 +36,9 @@ pub enum NoBias {
     Exact,
     /// The quasi-static scheme: its error is that of an approximation, which no step makes smaller.
     Approximation,
-    /// The corrected scheme, where nothing is random or a reference run costs too much. The error
-    /// of this scheme cannot be extrapolated, because it may be the same at the steps that would be
-    /// compared.
+    /// The corrected scheme, where nothing is random, or where a reference run costs too much or
+    /// does not resolve all slips. The error of this scheme cannot be extrapolated, because it may
+    /// be the same at the steps that would be compared.
     Corrected,
     /// f_s = f_d under noise: statistics of sticks have no limit as h falls.
     EqualFriction,

@@ -21,8 +21,8 @@ pub(super) struct Sketch {
     bins: Option<Box<Bins>>,
 }
 
-/// Added values are counted at once if they are at least one for this many bins. Fewer values wait
-/// for others, because counting may read all bins.
+/// Added values are counted at once if there is at least one of them per this many bins. Fewer
+/// values wait for others, because counting may read all bins.
 const WORTHWHILE: usize = 16;
 
 impl Sketch {

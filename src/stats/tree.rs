@@ -24,7 +24,7 @@ pub trait Merge {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("block {block} is in both parts")]
 pub struct Overlap {
-    /// The lowest such block that was found.
+    /// The lowest such block.
     pub block: u64,
 }
 
