@@ -1,32 +1,35 @@
-//! Between what can be read off the data and what an engineer asks for.
+//! The parameters of a bearing, and their combinations that a record of its displacement
+//! determines.
 
 use super::motion::Motion;
 use crate::scenario::BridgeScene;
 
-/// The sensor: z = offset + moving xi + still T.
+/// How the sensor sees the body: z = offset + moving xi + still T, with xi = x/beta.
 ///
 /// With kappa = K/K_BP, `moving` is (1 - kappa) beta and `still` is kappa beta, because the bearing
-/// is sheared by F/K_BP = kappa (beta T - x) while friction holds it. The criteria of a fit are
-/// quadratic in these three.
+/// is sheared by F/K_BP = kappa (beta T - x) while friction holds the body. The sum of squares of a
+/// fit is quadratic in these three numbers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sensor {
     /// z0, in the unit of displacement.
     pub offset: f64,
-    /// (1 - kappa) beta, in the unit of displacement per kelvin: seen of slips.
+    /// (1 - kappa) beta, in the unit of displacement per kelvin: how much of a slip the sensor
+    /// sees.
     pub moving: f64,
-    /// kappa beta, in the unit of displacement per kelvin: seen while friction holds.
+    /// kappa beta, in the unit of displacement per kelvin: how z follows T while friction holds the
+    /// body.
     pub still: f64,
 }
 
 impl Sensor {
-    /// z where the body has slipped to xi, at this temperature.
+    /// The reading z at this position xi and this temperature, both in kelvin.
     #[inline(always)]
     pub fn reading(&self, xi: f64, temperature: f64) -> f64 {
         self.offset + self.moving * xi + self.still * temperature
     }
 }
 
-/// What the data can tell of a bearing: the motion, and how the sensor sees it.
+/// What a record can determine of a bearing: its motion, and how the sensor sees it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Response {
     /// A, G and xi(0).
@@ -38,25 +41,25 @@ pub struct Response {
 /// The parameters of a bearing, in the units of the scenario.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bearing {
-    /// K.
+    /// K, stiffness.
     pub stiffness: f64,
-    /// beta.
+    /// beta, dilatation.
     pub dilatation: f64,
-    /// f_s.
+    /// f_s, static friction.
     pub f_s: f64,
-    /// f_d.
+    /// f_d, dynamic friction.
     pub f_d: f64,
-    /// z0.
+    /// z0, offset of the sensor.
     pub offset: f64,
-    /// x(0).
+    /// x(0), initial displacement.
     pub displacement: f64,
-    /// K_BP; infinite where the bearing is not sheared.
+    /// K_BP, shear stiffness of the bearing; infinite if the bearing is not sheared.
     pub shear_stiffness: f64,
 }
 
 impl Bearing {
-    /// That of a scenario, under this temperature at first: a body whose place is not given is
-    /// where no spring force acts.
+    /// The bearing of a scenario. `temperature` is the one at the start: if the scenario gives no
+    /// x(0), the body begins where no spring force acts.
     pub fn of(scene: &BridgeScene, temperature: f64) -> Self {
         Bearing {
             stiffness: scene.stiffness,
@@ -69,7 +72,7 @@ impl Bearing {
         }
     }
 
-    /// What a sensor sees of it.
+    /// The motion, and how the sensor sees it.
     pub fn response(&self) -> Response {
         let slope = self.stiffness * self.dilatation;
         let kappa = self.stiffness / self.shear_stiffness;

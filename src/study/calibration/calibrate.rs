@@ -1,4 +1,4 @@
-//! From a record to a calibration.
+//! The steps from a record to a calibration.
 
 use super::doubts::doubts;
 use super::hold::conditioned;
@@ -14,14 +14,15 @@ use super::starts::{Search, starts};
 use super::uncertainty::{Around, Replicates};
 use std::sync::atomic::AtomicBool;
 
-/// Fewer usual slips than this tell nothing.
+/// The fewest usual slips that determine anything.
 const FEWEST_SLIPS: usize = 6;
 
-/// Find the parameters of a bearing.
+/// Find the parameters of a bearing from a record.
 ///
 /// # Errors
 ///
-/// Where the record says nothing.
+/// If the record is too short, if a column is constant, or if only the method by slips is asked for
+/// and no slips are visible.
 pub fn calibrate(
     record: &Record,
     question: &Question,
@@ -110,13 +111,14 @@ fn check(record: &Record) -> Result<(), CalibrationError> {
     Ok(())
 }
 
-/// Whether slips are seen well enough to tell anything.
+/// Whether enough slips are seen to determine the parameters.
 fn is_visible(evidence: &Evidence) -> bool {
     let usual = evidence.slips.iter().filter(|slip| slip.is_usual).count();
     usual >= FEWEST_SLIPS && evidence.reversals.len() >= 2
 }
 
-/// The record with displacements that grow with temperature: a sensor may count the other way.
+/// Change the sign of the displacements if they fall as the temperature rises, because a sensor may
+/// count in the other direction. The flag is true if the sign was changed.
 fn upright(record: Record) -> (Record, bool) {
     let seen = record.samples();
     let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;

@@ -1,51 +1,53 @@
-//! Where z jumps and temperature does not say why: a first look, which needs to know nothing.
+//! A first search for slips: jumps of z that the temperature does not explain. It needs no
+//! knowledge of the bearing.
 
 use super::samples::{HOUR, Samples, median, spread};
 
 /// A jump between two samples.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Jump {
-    /// The first sample after it.
+    /// The index of the first sample after it.
     pub index: usize,
-    /// How far it goes, in the unit of displacement.
+    /// Its size with its sign, in the unit of displacement.
     pub size: f64,
 }
 
-/// What was found.
+/// The jumps that were found.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Jumps {
-    /// In order of time.
+    /// The jumps in order of time.
     pub jumps: Vec<Jump>,
-    /// How many samples a mean to either side takes.
+    /// Number of samples on each side over which means are taken.
     pub window: usize,
-    /// The size of a usual jump over the standard deviation of what is none.
+    /// The size of a usual jump divided by the standard deviation of the noise.
     pub contrast: f64,
 }
 
 impl Jumps {
-    /// The samples after the jumps.
+    /// The indices of the samples after the jumps.
     pub fn indices(&self) -> impl Iterator<Item = usize> {
         self.jumps.iter().map(|jump| jump.index)
     }
 }
 
-/// Windows to try, in samples.
+/// The windows that are tried, in samples.
 const WINDOWS: [usize; 9] = [1, 2, 3, 4, 6, 9, 12, 18, 24];
 
 /// The longest window, in seconds.
 const LONGEST: f64 = 3.0 * HOUR;
 
-/// A jump stands out of the noise by so many of its standard deviations.
+/// A jump must exceed this many standard deviations of the noise.
 const SIGNIFICANT: f64 = 4.5;
 
-/// The contrast from which a longer window would only run jumps together.
+/// The contrast above which no longer window is tried, because it would only merge neighbouring
+/// jumps.
 const CLEAR: f64 = 8.0;
 
-/// So much of the usual size is a jump.
+/// A jump must have at least this share of the usual size.
 const SHARE: f64 = 0.35;
 
-/// The jumps of z - still T: differences of the means over a window to either side, where they are
-/// largest. The window is the shortest in which jumps stand clear of the noise.
+/// Find the jumps of z - still T: the peaks of the difference between the means over a window on
+/// each side. The shortest window is used in which jumps clearly exceed the noise.
 pub fn jumps(samples: &Samples, still: f64) -> Jumps {
     let rest: Vec<f64> = samples.readings.iter().zip(&samples.temperatures).map(|(z, t)| z - still * t).collect();
     let sums: Vec<f64> = std::iter::once(0.0)
@@ -99,8 +101,8 @@ fn with_window(samples: &Samples, sums: &[f64], window: usize) -> Jumps {
     Jumps { jumps, window, contrast: usual / noise }
 }
 
-/// `still` before any slip is known: increments of an hour, of which those are trimmed that a slip
-/// may be in.
+/// An estimate of `still` before any slip is known, from increments over one hour. Large residuals
+/// are left out, because they may contain a slip.
 pub fn trimmed_slope(samples: &Samples) -> f64 {
     let step = ((HOUR / samples.interval()).round() as usize).max(1);
     let Samples { temperatures: t, readings: z, .. } = samples;

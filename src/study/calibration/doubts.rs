@@ -1,4 +1,4 @@
-//! Which warnings a calibration deserves.
+//! Which warnings a calibration gets.
 
 use super::lag::CONVINCING;
 use super::quantity::Quantity;
@@ -8,19 +8,21 @@ use super::slips::Evidence;
 use super::spikes::Spikes;
 use super::warning::Warning;
 
-/// Relative differences of err from which starts disagree.
+/// Relative difference of err above which the starts are said to disagree.
 const AGREE: f64 = 1e-3;
 
-/// A gap with a standard error of more than this share of itself is not identified.
+/// f_s - f_d counts as not identified if its standard error is more than this share of it. The
+/// check takes the intervals for 90 % ones.
 const IDENTIFIED: f64 = 0.25;
 
-/// Slips that explain less of the way than this are not all there is.
+/// If slips explain less than this share of the motion, some were not seen or the body also slides
+/// without them.
 const EXPLAINED: f64 = 0.9;
 
-/// Slips that scatter so much more than noise does say that friction does.
+/// Excess scatter of the sizes of slips above which friction seems to vary.
 const SCATTER: f64 = 0.2;
 
-/// What to beware of; `evidence` is there if slips were seen.
+/// The warnings of a calibration. `evidence` is given if slips were seen.
 pub(super) fn doubts(calibration: &Calibration, evidence: Option<&Evidence>) -> Vec<Warning> {
     let mut found = Vec::new();
     let estimate = |quantity| calibration.estimate(quantity);

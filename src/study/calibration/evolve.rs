@@ -1,44 +1,45 @@
-//! A global optimum of a rugged function of few numbers: differential evolution.
+//! Global minimum of a rugged function of a few numbers, by differential evolution.
 //!
 //! Storn and Price, *Differential evolution*, Journal of Global Optimization 11 (1997), in the form
-//! current-to-best/1 with a random scale. A function with many valleys of nearly one depth stops a
-//! population in one of them, so that it is let loose again, closer around the best point found,
-//! until that finds nothing better.
+//! current-to-best/1 with a random scale. If a function has many minima of nearly equal depth, a
+//! population stops in one of them. The search is then repeated in a smaller box around the best
+//! point found, until that finds nothing better.
 
 use crate::noise::Stream;
 
-/// How many candidates there are for each number.
+/// Number of candidates for each number that is searched.
 const CANDIDATES: usize = 20;
 
-/// Generations of a population, at most.
+/// Largest number of generations of a population.
 const GENERATIONS: usize = 150;
 
-/// Populations after the first one, at most, and how wide their box is beside the first one.
+/// Largest number of repeated searches, and the width of their box relative to the first box.
 const AGAIN: (u32, f64) = (8, 0.1);
 
-/// So many populations in a row that found nothing better are the end.
+/// The search ends after this many populations in a row that found nothing better.
 const ENOUGH: u32 = 2;
 
-/// What is better, relative to the best value.
+/// A value counts as better if it is lower by this share of the best value.
 const BETTER: f64 = 1e-5;
 
-/// The share of trials that leap.
+/// Share of the trials that use `leap`.
 const LEAPS: f64 = 0.05;
 
-/// What the random numbers are drawn from.
+/// Seed of the random numbers.
 const SEED: u64 = 0xD1FF;
 
-/// The intervals in which the numbers are.
+/// The interval of each number.
 type Box<const N: usize> = [[f64; 2]; N];
 
-/// A point, and the value there.
+/// A point, and the value of the function there.
 type Found<const N: usize> = ([f64; N], f64);
 
-/// The lowest point found in a box, and its value. The number of the start decides the random
+/// The lowest point found in a box, with its value. The number `start` determines the random
 /// numbers.
 ///
-/// `leap` knows from a point, and a number from -1 to 1, another one where the function may be as
-/// low: valleys that lie side by side are not found one from the other by mixing points of one.
+/// `leap` takes a point and a number from -1 to 1, and returns another point where the function may
+/// be as low. It is needed for minima that lie side by side, because mixing the points of one of
+/// them does not find the other.
 pub fn lowest<const N: usize>(
     bounds: &Box<N>,
     start: u64,
@@ -66,7 +67,7 @@ pub fn lowest<const N: usize>(
     best
 }
 
-/// One population, from a box until all its points are about equally low.
+/// One search in a box, until all points of the population are about equally low.
 fn population<const N: usize>(
     bounds: &Box<N>,
     random: &mut Stream,
@@ -113,8 +114,7 @@ fn population<const N: usize>(
 mod tests {
     use super::*;
 
-    /// Rastrigin's function has a hundred valleys in this box, of which the lowest is at (0.3,
-    /// -0.7).
+    /// Rastrigin's function has a hundred minima in this box; the lowest is at (0.3, -0.7).
     #[test]
     fn the_lowest_of_many_valleys_is_found() {
         let rugged = |x: &[f64; 2]| {

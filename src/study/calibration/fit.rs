@@ -1,4 +1,4 @@
-//! The response of a bearing from its slips.
+//! The response of a bearing, computed from its slips.
 
 use super::bearing::{Response, Sensor};
 use super::level::Sums;
@@ -8,21 +8,22 @@ use super::slips::{Evidence, Slip};
 use crate::study::linear::Normal;
 
 impl Evidence {
-    /// A, G, xi(0), z0 and the slopes, from blocks of time with these weights. None where too few
-    /// slips were seen.
+    /// A, G, xi(0), z0 and the two slopes, with these weights of the blocks of time. `None` if too
+    /// few slips were seen.
     ///
-    /// Each number has a source of its own, and none needs to know how many slips there were in
-    /// between:
+    /// Each number is computed from a different part of the data, and none of them depends on how
+    /// many slips were missed in between:
     ///
-    /// - `still` is the slope of z against T inside sticks;
-    /// - between a slip and the next one the other way T goes 2 A - G = 2 f_d/(K beta);
-    /// - the middle of a jump, less still T, is z0 + moving (T -+ (A - G/2)): a line whose slope is
-    ///   `moving`;
+    /// - `still` is the slope of z against T during sticks;
+    /// - between a slip and the next slip in the other direction, T changes by 2 A - G = 2 f_d/(K
+    ///   beta);
+    /// - the middle of a jump, minus still T, is z0 + moving (T -+ (A - G/2)): a line whose slope
+    ///   is `moving`;
     /// - the height of a jump is moving G;
-    /// - xi(0) is A away from the temperature of the first slip; where that fell into a gap it is
-    ///   read off the level before.
+    /// - xi(0) differs by A from the temperature of the first slip; if that slip fell into a gap,
+    ///   xi(0) follows from the level before it.
     ///
-    /// f_s may differ from slip to slip: the means of these are still right.
+    /// f_s may vary from slip to slip; the results are then right for its mean.
     pub fn fit(&self, weights: &[f64]) -> Option<Response> {
         let still = Sums::weighted(&self.sums, weights).slope();
         let mean = |values: &mut dyn Iterator<Item = (f64, usize)>| {
@@ -51,9 +52,10 @@ impl Evidence {
 }
 
 impl Evidence {
-    /// How well xi(0) is known where everything else is, in kelvin. From the temperature of one
-    /// slip: from how reversals differ, each of which takes two of them. From a level: from how far
-    /// the middles of jumps are from their line.
+    /// The standard error of xi(0) when everything else is known, in kelvin. If xi(0) comes from
+    /// the temperature of one slip, this follows from the scatter of the reversals, each of which
+    /// contains two such temperatures. If it comes from a level, it follows from the distances of
+    /// the middles of jumps from their line.
     pub fn scatter(&self) -> f64 {
         if self.beginning.is_some() {
             let Some(Response { motion, sensor }) = self.fit(&self.unweighted()) else { return 0.0 };
@@ -70,21 +72,21 @@ impl Evidence {
 }
 
 impl Evidence {
-    /// By how much the sizes of slips scatter beyond what the noise of the sensor explains, over
+    /// The standard deviation of the sizes of slips beyond the noise of the sensor, divided by
     /// their mean.
     pub fn excess_scatter(&self) -> f64 {
         let still = Sums::weighted(&self.sums, &self.unweighted()).slope();
         let sizes: Vec<f64> = self.slips.iter().map(|slip| slip.size(still)).collect();
         let middle = median(&mut sizes.clone());
-        // Two slips between two samples are not one that is twice as large.
+        // Two slips between two samples look like one of twice the size, and are left out.
         let single: Vec<f64> = sizes.into_iter().filter(|size| *size < 1.5 * middle).collect();
         let noise = self.contrast.recip();
         ((spread(&single) / middle).powi(2) - noise * noise).max(0.0).sqrt()
     }
 
-    /// Which share of the way of the body, while it goes on in one direction, the slips explain
-    /// that were seen. It is 1 if all were, because the next one comes when T has gone on by G; of
-    /// a body that slides, only some of the way looks like slips.
+    /// The share of the motion that the visible slips explain while the body moves on in one
+    /// direction. It is 1 if all slips are seen, because the next one comes after T has changed by
+    /// G. If the body slides without jumps, only part of its motion appears as slips.
     pub fn explained(&self, response: &Response) -> f64 {
         let onwards = self.slips.windows(2).filter(|pair| pair[0].sign == pair[1].sign);
         let [seen, gone] = onwards.fold([0.0; 2], |[seen, gone], pair| {

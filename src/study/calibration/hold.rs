@@ -1,16 +1,17 @@
-//! Parameters that are given instead of fitted.
+//! Quantities that are held at given values instead of being fitted.
 
 use super::motion::Motion;
 use super::quantity::{Quantity, Values, with_derived};
 use super::uncertainty::Replicates;
 
-/// A quantity, and the value it is to have.
+/// A quantity, and the value at which it is held.
 pub type Held = (Quantity, f64);
 
-/// The estimates, and the replicates, when these quantities have these values.
+/// The estimates, after these quantities are held at their values; the replicates are changed in
+/// the same way.
 ///
-/// Errors of estimates go together, as the replicates do; so what is told of one corrects the
-/// others. This is the conditional law of normal errors, taken for one quantity after the other.
+/// The errors of the estimates are correlated, so fixing one quantity also corrects the others.
+/// This is the conditional distribution of normal errors, applied for one quantity after the other.
 pub fn conditioned(estimates: Values, replicates: &mut Replicates, held: &[Held], shear_stiffness: f64) -> Values {
     let mut estimates = estimates;
     for (quantity, target) in held {
@@ -25,10 +26,11 @@ pub fn conditioned(estimates: Values, replicates: &mut Replicates, held: &[Held]
     estimates
 }
 
-/// What a held quantity says of z0 and the slopes of a sensor, when the motion is this one: a
-/// combination of (z0, moving, still), and what it is, both in the unit of displacement.
+/// A held quantity as a linear equation for (z0, moving, still), for a given motion: the
+/// coefficients, and the value of the combination, both in the unit of displacement.
 pub fn row((quantity, value): &Held, motion: &Motion, shear_stiffness: f64) -> ([f64; 3], f64) {
-    /// What slopes are multiplied with, in kelvin: as far as temperatures go.
+    /// The factor of slopes, in kelvin. It is about the range of temperatures, so that the equation
+    /// gets the unit of displacement.
     const WIDE: f64 = 10.0;
     let kappa = value / shear_stiffness;
     let force = |reach: f64| ([0.0, 0.0, reach], value / shear_stiffness);
@@ -40,7 +42,7 @@ pub fn row((quantity, value): &Held, motion: &Motion, shear_stiffness: f64) -> (
         Quantity::Dynamic => force(motion.reach - 0.5 * motion.jump),
         Quantity::Gap => force(0.5 * motion.jump),
         Quantity::Stiffness => ([0.0, -WIDE * kappa, WIDE * (1.0 - kappa)], 0.0),
-        // No other can be held.
+        // Other quantities cannot be held.
         _ => ([0.0; 3], 0.0),
     }
 }

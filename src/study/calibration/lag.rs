@@ -1,4 +1,4 @@
-//! How far steel is behind air.
+//! The lag of the temperature of the steel behind that of the air.
 
 use super::level::{self, Sums};
 use super::lowest::golden;
@@ -6,30 +6,31 @@ use super::samples::{HOUR, Record, Samples};
 use super::slips::Evidence;
 use super::sticks::{bins, sticks};
 
-/// The longest lag that is looked for, in seconds.
+/// The longest lag that is considered, in seconds.
 pub const LONGEST: f64 = 4.0 * HOUR;
 
-/// By how much twice the logarithm of the likelihood must gain for a lag to be believed.
+/// A lag is accepted if twice the logarithm of the likelihood gains more than this.
 ///
-/// Twins without a lag gain less than 3, and less than 10 with a thermometer of 1 K; one of five
-/// minutes gains 40.
+/// In synthetic records without a lag the gain is below 3, and below 10 with a thermometer that
+/// shows whole kelvins; a lag of five minutes gains 40.
 pub const CONVINCING: f64 = 15.0;
 
-/// The lags of the profile that is kept, in minutes.
+/// The lags of the reported profile, in minutes.
 const MINUTES: [f64; 12] = [0.0, 5.0, 10.0, 15.0, 20.0, 30.0, 45.0, 60.0, 90.0, 120.0, 180.0, 240.0];
 
-/// What z says inside sticks of the lag of steel behind the thermometer.
+/// The likelihood of the lag of steel behind the thermometer, from z during sticks.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LagProfile {
-    /// The likeliest, in seconds.
+    /// The most likely lag, in seconds.
     pub likeliest: f64,
-    /// By how much twice the logarithm of the likelihood is larger there than without a lag.
+    /// Twice the logarithm of the likelihood at that lag, minus the same without a lag.
     pub gain: f64,
-    /// Lags in seconds, and how far each is below the likeliest in the same measure.
+    /// Lags in seconds, and for each the deviance (minus twice the log-likelihood) above its
+    /// minimum.
     pub profile: Vec<(f64, f64)>,
 }
 
-/// Profile the lag, with the slips that were found.
+/// Compute the profile of the lag, given the slips that were found.
 pub fn lag_profile(record: &Record, evidence: &Evidence) -> LagProfile {
     let samples = record.samples();
     let sticks = sticks(&samples, evidence.slips.iter().map(|slip| slip.index));
@@ -48,7 +49,8 @@ pub fn lag_profile(record: &Record, evidence: &Evidence) -> LagProfile {
 }
 
 impl LagProfile {
-    /// How far this lag is below the likeliest, on a line between the lags of the profile.
+    /// The deviance of a lag above the minimum, interpolated linearly between the lags of the
+    /// profile.
     pub fn against(&self, lag: f64) -> f64 {
         let after = self.profile.iter().position(|(at, _)| *at >= lag).unwrap_or(self.profile.len() - 1).max(1);
         let ((a, low), (b, high)) = (self.profile[after - 1], self.profile[after]);

@@ -1,44 +1,45 @@
-//! How z follows T while friction holds, in noise that is red and white.
+//! How z follows T while friction holds the body, with noise that is partly white and partly red.
 //!
-//! Inside a stick z = level + still T + noise. The level is free, because the way of a slip is not
-//! known here, and it wanders, because a sensor's noise of a day is a random walk for the hours
-//! that tell `still`. So this is the local level model of Kalman filtering: a random walk seen
-//! through white noise, forgotten at every slip and gap. Its one parameter, the variance of a step
-//! of the walk over that of the white noise, is fitted by likelihood, and the filter turns z and T
-//! into independent rows of a regression.
+//! During a stick z = level + still T + noise. The level of each stick is free, because the size of
+//! slips is not known here. It also drifts, because a noise of the sensor with a memory of a day
+//! looks like a random walk over the hours that determine `still`. This is the local level model of
+//! Kalman filtering: a random walk observed with white noise, which starts anew after every slip
+//! and every gap. Its one parameter is the variance of the walk per unit of time over that of the
+//! white noise, and is fitted by maximum likelihood. The filter turns z and T into independent rows
+//! of a regression.
 
-/// Samples of a stick, taken together.
+/// The mean of some neighbouring samples of a stick.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bin {
-    /// Their mean time, in seconds.
+    /// Mean time, in seconds.
     pub time: f64,
-    /// Their mean temperature.
+    /// Mean temperature.
     pub temperature: f64,
-    /// Their mean reading.
+    /// Mean reading.
     pub reading: f64,
-    /// How many they are.
+    /// Number of samples.
     pub count: f64,
-    /// Whether nothing before it tells the level: the first of a stick.
+    /// Whether it is the first bin of a stick, so that no earlier bin determines the level.
     pub is_first: bool,
 }
 
-/// Sums over the rows of one block of time.
+/// Sums over the rows of one block of time, each row weighted with its inverse variance.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Sums {
-    /// How many rows there are.
+    /// Number of rows.
     pub rows: f64,
-    /// Of temperature squared.
+    /// Sum of the squares of the temperature.
     pub tt: f64,
-    /// Of temperature times reading.
+    /// Sum of the products of temperature and reading.
     pub tz: f64,
-    /// Of reading squared.
+    /// Sum of the squares of the reading.
     pub zz: f64,
-    /// Of the logarithms of the variances of rows, in units of the white noise.
+    /// Sum of the logarithms of the variances of rows, in units of the white noise.
     pub log_variance: f64,
 }
 
 impl Sums {
-    /// These, so many times.
+    /// These sums times a weight.
     fn times(self, weight: f64) -> Sums {
         let Sums { rows, tt, tz, zz, log_variance } = self;
         Sums {
@@ -60,12 +61,12 @@ impl Sums {
         }
     }
 
-    /// Of blocks with these weights.
+    /// The sum over blocks with these weights.
     pub fn weighted(blocks: &[Sums], weights: &[f64]) -> Sums {
         blocks.iter().zip(weights).fold(Sums::default(), |sum, (block, weight)| sum.plus(block.times(*weight)))
     }
 
-    /// `still`.
+    /// The slope of z against T, `still`.
     pub fn slope(&self) -> f64 {
         if self.tt > 0.0 { self.tz / self.tt } else { 0.0 }
     }
@@ -75,26 +76,25 @@ impl Sums {
         ((self.zz - self.slope() * self.tz) / self.rows).max(0.0)
     }
 
-    /// Twice the negative logarithm of the likelihood, `still` and the white noise chosen to make
-    /// it largest.
+    /// Minus twice the logarithm of the likelihood, maximised over `still` and the white noise.
     pub fn deviance(&self) -> f64 {
         self.rows * self.variance().ln() + self.log_variance
     }
 }
 
-/// A level that is known so well: its estimate from z and from T, and the variance of both.
+/// An estimate of the level of a stick, for z and T alike, and its variance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Level {
-    /// Of the readings.
+    /// The level of the readings.
     pub reading: f64,
-    /// Of the temperatures, weighted alike.
+    /// The level of the temperatures, with the same weights.
     pub temperature: f64,
-    /// In units of the white noise.
+    /// Variance of both, in units of the white noise.
     pub variance: f64,
 }
 
 impl Level {
-    /// Of z - still T.
+    /// The level of z - still T.
     pub fn less(&self, still: f64) -> f64 {
         self.reading - still * self.temperature
     }
@@ -104,7 +104,8 @@ impl Level {
     }
 }
 
-/// One step of the filter: the level after the bin, and the row: T, z, and the variance of both.
+/// One step of the filter. Returns the level after the bin, and the row: T, z, and the variance of
+/// both.
 #[inline(always)]
 fn step(level: Level, elapsed: f64, bin: &Bin, walk: f64) -> (Level, [f64; 3]) {
     let before = level.variance + walk * elapsed;
@@ -119,7 +120,8 @@ fn step(level: Level, elapsed: f64, bin: &Bin, walk: f64) -> (Level, [f64; 3]) {
     (level, [t, z, variance])
 }
 
-/// The rows, and the bin of each: T, z, and the variance of both in units of the white noise.
+/// The rows of the regression, each with the index of its bin: T, z, and the variance of both in
+/// units of the white noise.
 pub fn rows(bins: &[Bin], walk: f64) -> impl Iterator<Item = (usize, [f64; 3])> {
     let mut state: Option<(Level, f64)> = None;
     bins.iter().enumerate().filter_map(move |(i, bin)| {
@@ -134,8 +136,8 @@ pub fn rows(bins: &[Bin], walk: f64) -> impl Iterator<Item = (usize, [f64; 3])> 
     })
 }
 
-/// The level at each bin, from the bins of its stick up to it; of bins that run backwards in time,
-/// from those after it.
+/// The level at each bin, estimated from the bins of its stick up to it. If the bins run backwards
+/// in time, these are the later ones.
 pub fn levels(bins: &[Bin], walk: f64) -> Vec<Level> {
     let mut out: Vec<Level> = Vec::with_capacity(bins.len());
     for (i, bin) in bins.iter().enumerate() {
@@ -148,7 +150,7 @@ pub fn levels(bins: &[Bin], walk: f64) -> Vec<Level> {
     out
 }
 
-/// The sums of each block; `block` tells the block of a time.
+/// The sums of each block; `block` gives the index of the block of a time.
 pub fn sums(bins: &[Bin], walk: f64, blocks: usize, block: impl Fn(f64) -> usize) -> Vec<Sums> {
     let mut out = vec![Sums::default(); blocks];
     for (i, [t, z, variance]) in rows(bins, walk) {
@@ -162,10 +164,10 @@ pub fn sums(bins: &[Bin], walk: f64, blocks: usize, block: impl Fn(f64) -> usize
     out
 }
 
-/// Between which the variance that the walk gains in an hour may lie, in units of the white noise.
+/// Bounds of the variance that the walk gains in an hour, in units of the white noise.
 const WALKS: [f64; 2] = [1e-4, 1e5];
 
-/// The walk that makes the likelihood largest, per second.
+/// The variance of the walk per second, in units of the white noise, of largest likelihood.
 pub fn fitted_walk(bins: &[Bin]) -> f64 {
     let deviance = |log: f64| sums(bins, log.exp() / 3600.0, 1, |_| 0)[0].deviance();
     let [low, high] = WALKS.map(f64::ln);

@@ -1,6 +1,6 @@
-//! Where a function of one number is lowest.
+//! The minimum of a function of one number.
 
-/// By golden sections, of which there are so many.
+/// The minimum within an interval, by this number of golden sections.
 pub fn golden(mut low: f64, mut high: f64, sections: u32, mut f: impl FnMut(f64) -> f64) -> f64 {
     const SHARE: f64 = 0.618_033_988_749_894_9;
     let mut inner = [high - SHARE * (high - low), low + SHARE * (high - low)];

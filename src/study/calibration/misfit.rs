@@ -1,20 +1,21 @@
-//! The paper's least squares, quickly.
+//! A fast evaluation of the paper's least squares.
 //!
-//! err is the integral of (z_model - z)^2 over the time that was measured. z0 and the two slopes
-//! enter it linearly, so that for each A, G and xi(0) the best of them are a regression of three
-//! columns. xi is constant between slips: sums over a stick are differences of sums from the
-//! beginning, and the next slip is found by the extremes of whole blocks of temperatures. So an
-//! evaluation costs as many steps as there are slips, and not as there are samples.
+//! err is the integral of (z_model - z)^2 over the measured time. z0 and the two slopes enter the
+//! model linearly, so for each A, G and xi(0) their best values follow from a regression on three
+//! columns. xi is constant between slips, so sums over a stick are differences of cumulative sums,
+//! and the next slip is found from the extremes of whole blocks of temperatures. The cost of an
+//! evaluation is therefore proportional to the number of slips and not to the number of samples.
 
 use super::bearing::Sensor;
 use super::motion::Motion;
 use super::samples::Record;
 use crate::study::linear::Normal;
 
-/// How many entries of one level make one of the next.
+/// Number of entries of one level that are combined to one entry of the next.
 const RADIX: usize = 16;
 
-/// Sums over the samples before a given one, each weighted with the time that it stands for.
+/// Cumulative sums over the samples before a given one, each weighted with the time that it stands
+/// for.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Before {
     time: f64,
@@ -27,16 +28,18 @@ struct Before {
 pub struct Misfit {
     temperatures: Vec<f64>,
     before: Vec<Before>,
-    /// Lowest and highest temperatures of 16 samples, of 16 times 16, and so on.
+    /// Lowest and highest temperatures of 16 samples, of 16 times 16 samples, and so on.
     extremes: Vec<Vec<[f64; 2]>>,
-    /// The means of temperature and reading, which sums are of deviations from.
+    /// The means of temperature and reading. All sums are of deviations from them, to avoid
+    /// rounding errors.
     centre: [f64; 2],
-    /// Of T T, T z and z z.
+    /// Sums of T T, T z and z z.
     products: [f64; 3],
 }
 
 impl Misfit {
-    /// Over the samples of this record that have a reading; the others move the body all the same.
+    /// Prepare the evaluation for a record. Samples without a reading move the body, but are not
+    /// compared.
     pub fn new(record: &Record) -> Misfit {
         let temperatures = &record.temperatures;
         let shares = record.shares();
@@ -68,13 +71,14 @@ impl Misfit {
         Misfit { temperatures: temperatures.clone(), before, extremes, centre, products }
     }
 
-    /// The first sample from `from` on whose temperature is not within these.
+    /// The index of the first sample, from `from` on, whose temperature is not between `low` and
+    /// `high`.
     #[inline(always)]
     fn first_beyond(&self, from: usize, low: f64, high: f64) -> usize {
         let n = self.temperatures.len();
         let is_beyond = |[l, h]: [f64; 2]| l < low || h > high;
         let mut i = from;
-        // Up, while whole blocks are within.
+        // Go up to larger blocks as long as whole blocks are inside.
         let mut height = 0;
         loop {
             if height == 0 {
@@ -108,7 +112,7 @@ impl Misfit {
                 return n;
             }
         }
-        // Down again, into the block that is not.
+        // Go down again within the first block that is not.
         while height > 0 {
             i *= RADIX;
             height -= 1;
@@ -123,21 +127,22 @@ impl Misfit {
         i
     }
 
-    /// err, in the unit of displacement squared times seconds, and the sensor that makes it
-    /// smallest.
+    /// err for this motion, in the unit of displacement squared times seconds, and the sensor that
+    /// minimises it.
     pub fn of(&self, motion: &Motion) -> (f64, Sensor) {
         self.best_sensor(self.sums(motion))
     }
 
-    /// The same with combinations of (z0, moving, still) that are to have given values; err grows
-    /// fast where they cannot.
+    /// The same with linear equations for (z0, moving, still) that have to hold. If they cannot all
+    /// hold, err grows fast.
     pub fn held(&self, motion: &Motion, rows: &[([f64; 3], f64)]) -> (f64, Sensor) {
-        /// How much dearer a unit of displacement is in a row than in the record.
+        /// The weight of an equation relative to the record.
         const DEAR: f64 = 1e4;
         let [x, xx, xt, xz] = self.sums(motion);
         let [tt, tz, zz] = self.products;
         let (time, origin) = (self.duration(), self.centre[0]);
-        // In place of z0 what z - its mean is at the mean temperature, of body and steel.
+        // The first unknown is the deviation of z from its mean, at the mean temperature of body
+        // and steel, instead of z0.
         let matrix = [[time, 0.0, 0.0], [x, xx, 0.0], [0.0, xt, tt]];
         let mut normal = Normal::of(matrix, [0.0, xz, tz]);
         let moved: Vec<([f64; 3], f64)> = (rows.iter())
@@ -157,12 +162,12 @@ impl Misfit {
         (err.max(0.0), Sensor { offset, moving, still })
     }
 
-    /// Of xi, xi xi, xi T and xi z.
+    /// Sums of xi, xi xi, xi T and xi z.
     #[inline(always)]
     fn sums(&self, motion: &Motion) -> [f64; 4] {
         let n = self.temperatures.len();
         let mut sums = [0.0; 4];
-        // Of deviations as well.
+        // xi is taken relative to the mean temperature, like the other sums.
         let origin = self.centre[0];
         let (mut i, mut k, mut xi) = (0, 0, motion.start);
         while i < n {
@@ -191,7 +196,7 @@ impl Misfit {
         let [tt, tz, zz] = self.products;
         let xx = xx - x * x / time;
         let determinant = xx * tt - xt * xt;
-        // Where the body never moves, xi tells nothing.
+        // If the body never moves, the data do not determine `moving`.
         let [moving, still] = if determinant > 1e-12 * xx * tt {
             [(xz * tt - tz * xt) / determinant, (tz * xx - xz * xt) / determinant]
         } else {
@@ -202,7 +207,7 @@ impl Misfit {
         (err.max(0.0), Sensor { offset, moving, still })
     }
 
-    /// How much time was measured, in seconds.
+    /// The measured time, in seconds.
     pub fn duration(&self) -> f64 {
         self.before.last().map_or(0.0, |all| all.time)
     }
@@ -215,8 +220,8 @@ mod tests {
     use crate::study::calibration::hold::row;
     use crate::study::calibration::quantity::{Quantity, values};
 
-    /// A sensor with beta, z0 and K held has them, and err is what it leaves; held at what is best
-    /// anyway, nothing changes.
+    /// If beta, z0, K, f_s or f_s - f_d is held, the sensor has that value, and err is that of this
+    /// sensor. If it is held at its best value, err does not change.
     #[test]
     fn what_is_held_is_had() {
         let temperatures: Vec<f64> = (0..3000).map(|i| 10.0 + 8.0 * libm::sin(0.01 * f64::from(i))).collect();
@@ -244,8 +249,8 @@ mod tests {
         }
     }
 
-    /// Against the model followed sample by sample: wide motions, narrow ones, without a gap, and
-    /// one that never moves.
+    /// Compared with the model followed sample by sample: large and small motions, one without a
+    /// gap, and one that never moves.
     #[test]
     fn err_is_that_of_the_model_followed_sample_by_sample() {
         let mut random = Stream::new(5, 0);
@@ -275,7 +280,7 @@ mod tests {
                 seen.map(|i| shares[i] * off(i).powi(2)).sum()
             };
             assert!((err / slow(&sensor) - 1.0).abs() < 1e-9, "{motion:?}: {err} and {}", slow(&sensor));
-            // No other sensor does better.
+            // No other sensor gives a smaller err.
             for [a, b, c] in [[1e-3, 0.0, 0.0], [0.0, 1e-3, 0.0], [0.0, 0.0, 1e-3], [-1e-3, 1e-4, -1e-4]] {
                 let other = Sensor { offset: sensor.offset + a, moving: sensor.moving + b, still: sensor.still + c };
                 assert!(slow(&other) > err, "{motion:?}");

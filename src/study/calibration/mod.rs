@@ -1,15 +1,15 @@
-//! From measured temperatures and displacements of a bearing to its friction, stiffness and
-//! dilatation: the paper's section on the experimental campaign.
+//! Friction, stiffness and dilatation of a bearing from measured temperatures and displacements, as
+//! in the paper's section on the experimental campaign.
 //!
 //! ```text
 //! Record         a thermometer and a displacement sensor (spikes, samples)
-//!   -> Evidence    slips, as jumps of z that temperature does not explain (detect, sight, level, slips)
-//!     -> Response    A, G, xi(0), z0 and two slopes, by slips (fit) ...
-//!     -> Start       ... or by the paper's least squares, in a box around those (misfit, evolve, starts)
+//!   -> Evidence    slips: jumps of z that temperature does not explain (detect, sight, slips)
+//!     -> Response    A, G, xi(0), z0 and two slopes, computed from the slips (fit) ...
+//!     -> Start       ... or by the paper's least squares, in a box around those (misfit, starts)
 //!       -> Estimate    each quantity with an interval (quantity, uncertainty)
 //! ```
 //!
-//! The model is that of [`Motion`] and [`Sensor`]: quasi-static, exact from sample to sample.
+//! The model is that of [`Motion`] and [`Sensor`]: quasi-static, and exact from sample to sample.
 
 mod bearing;
 mod calibrate;

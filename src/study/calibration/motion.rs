@@ -1,31 +1,31 @@
-//! The bearing in kelvin: where it has slipped to, sample by sample.
+//! The quasi-static motion of the bearing in kelvin, sample by sample.
 //!
-//! Without mass, and with x = beta xi, the body rests while |T - xi| <= A, and is thrown by G
-//! towards T when it does not:
+//! The body is taken without mass, at x = beta xi. It rests while |T - xi| <= A. When T goes beyond
+//! that, the body slips by G towards T:
 //!
 //! ```text
-//! A = f_s/(K beta)             the temperature that friction holds
-//! G = 2 (f_s - f_d)/(K beta)   the way of one slip
+//! A = f_s/(K beta)             the temperature difference that friction holds
+//! G = 2 (f_s - f_d)/(K beta)   the size of one slip
 //! ```
 //!
-//! A slip takes a tenth of a second and temperature is a line from sample to sample. So from one
-//! sample to the next there are n = ceil((|T - xi| - A)/G) slips towards T, with T that of the
-//! later sample: this is exact and has no step. With G = 0 the body is dragged along at the
-//! distance A, which is the play operator.
+//! A slip takes a tenth of a second, and the temperature is taken to be linear from sample to
+//! sample. So from one sample to the next there are n = ceil((|T - xi| - A)/G) slips towards T,
+//! with T at the later sample. This is exact and has no discretisation error. With G = 0 the body
+//! is dragged along at the distance A, which is the play operator.
 
-/// A, G and xi(0).
+/// The parameters of the motion: A, G and xi(0).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Motion {
-    /// A = f_s/(K beta) in kelvin: how far T may be from xi.
+    /// A = f_s/(K beta) in kelvin: the largest distance of T from xi.
     pub reach: f64,
-    /// G = 2 (f_s - f_d)/(K beta) in kelvin: how far one slip goes. From 0 to 2 A.
+    /// G = 2 (f_s - f_d)/(K beta) in kelvin: the size of one slip, from 0 to 2 A.
     pub jump: f64,
     /// xi(0) in kelvin, on the scale of the thermometer.
     pub start: f64,
 }
 
 impl Motion {
-    /// xi after the temperature has gone straight to this one.
+    /// xi after the temperature has gone to this value without turning.
     #[inline(always)]
     pub fn next(&self, xi: f64, temperature: f64) -> f64 {
         let away = temperature - xi;
@@ -39,7 +39,7 @@ impl Motion {
         }
     }
 
-    /// xi at each of these temperatures, one after another.
+    /// xi at each of these temperatures, one after the other.
     pub fn follow(&self, temperatures: &[f64]) -> Vec<f64> {
         let mut xi = self.start;
         let step = |temperature: &f64| {
@@ -50,11 +50,11 @@ impl Motion {
     }
 }
 
-/// The least whole number that is not below a positive one, without the call that `f64::ceil` is on
+/// The smallest whole number not below x > 0. It avoids `f64::ceil`, which is a function call on
 /// older processors.
 #[inline(always)]
 fn ceil(x: f64) -> f64 {
-    // From here on every number is whole.
+    // 2^52, from which on every double is a whole number.
     const WHOLE: f64 = 4_503_599_627_370_496.0;
     if x >= WHOLE {
         return x;
@@ -69,7 +69,7 @@ mod tests {
 
     const WAVE: [f64; 9] = [0.0, 1.5, 2.5, 4.75, 2.0, -3.0, -1.0, 4.0, 0.0];
 
-    /// Against slips taken one at a time, as the paper defines them: x + 2 eps (f_s - f_d)/K.
+    /// Compared with slips taken one at a time, as the paper defines them: x + 2 eps (f_s - f_d)/K.
     #[test]
     fn many_slips_at_once_are_slips_one_after_another() {
         let motion = Motion { reach: 2.0, jump: 0.75, start: 0.0 };
@@ -85,7 +85,8 @@ mod tests {
         assert_eq!(slow, [0.0, 0.0, 0.75, 3.0, 3.0, -1.5, -1.5, 2.25, 1.5]);
     }
 
-    /// Without a gap the body is dragged: it stays put in between, and at the distance A beyond.
+    /// Without a gap the body is dragged: it rests while |T - xi| < A, and follows T at the
+    /// distance A otherwise.
     #[test]
     fn without_a_gap_it_is_the_play_operator() {
         let play = Motion { reach: 2.0, jump: 0.0, start: 0.0 };

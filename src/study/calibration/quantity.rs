@@ -1,24 +1,24 @@
-//! What is estimated, by the names of the scenario.
+//! The quantities that a calibration estimates, with the keys of the scenario.
 
 use super::bearing::{Response, Sensor};
 use super::motion::Motion;
 
-/// A number that a calibration estimates.
+/// A quantity that a calibration estimates.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Quantity {
-    /// K.
+    /// K, stiffness.
     Stiffness,
-    /// beta.
+    /// beta, dilatation.
     Dilatation,
-    /// f_s.
+    /// f_s, static friction.
     Static,
-    /// f_d.
+    /// f_d, dynamic friction.
     Dynamic,
     /// f_s - f_d.
     Gap,
-    /// z0.
+    /// z0, offset of the sensor.
     Offset,
-    /// x(0).
+    /// x(0), initial displacement.
     Displacement,
     /// kappa = K/K_BP.
     Shear,
@@ -35,22 +35,22 @@ pub enum Quantity {
 use Quantity::*;
 
 impl Quantity {
-    /// All of them: seven parameters, and what follows from them.
+    /// All quantities: first the seven parameters, then those that follow from them.
     pub const ALL: [Quantity; 12] =
         [Stiffness, Dilatation, Static, Dynamic, Gap, Offset, Displacement, Shear, Reach, Jump, StaticWay, DynamicWay];
 
-    /// How many of them are parameters.
+    /// Number of parameters.
     pub const PARAMETERS: usize = 7;
 
-    /// What can be fitted or held; f_s - f_d follows.
+    /// The parameters that can be fitted or held; f_s - f_d follows from them.
     pub const FITTED: [Quantity; 6] = [Stiffness, Dilatation, Static, Dynamic, Offset, Displacement];
 
-    /// The quantity of [`Quantity::FITTED`] that has this key.
+    /// The quantity of [`Quantity::FITTED`] with this key.
     pub fn fitted(key: &str) -> Option<Quantity> {
         Quantity::FITTED.into_iter().find(|quantity| quantity.key() == key)
     }
 
-    /// The key of the scenario, or a name in its style.
+    /// The key of the scenario, or a name of the same form if the scenario has no such key.
     pub fn key(self) -> &'static str {
         match self {
             Stiffness => "oscillator.stiffness",
@@ -68,7 +68,7 @@ impl Quantity {
         }
     }
 
-    /// The symbol of the formulas.
+    /// The symbol in formulas.
     pub fn symbol(self) -> &'static str {
         match self {
             Stiffness => "K",
@@ -86,7 +86,7 @@ impl Quantity {
         }
     }
 
-    /// Its unit, of quantities in metres, newtons and kelvin.
+    /// The unit, in metres, newtons and kelvin.
     pub fn unit(self) -> &'static str {
         match self {
             Stiffness => "N/m",
@@ -98,7 +98,7 @@ impl Quantity {
         }
     }
 
-    /// Whether it takes K_BP to know it.
+    /// Whether the quantity can be known only if K_BP is.
     pub fn needs_shear_stiffness(self) -> bool {
         matches!(self, Stiffness | Static | Dynamic | Gap)
     }
@@ -107,15 +107,15 @@ impl Quantity {
 /// One value for each of [`Quantity::ALL`].
 pub type Values = [f64; Quantity::ALL.len()];
 
-/// The values of a response, with the shear stiffness K_BP of the bearing if it is known. Missing
-/// is what cannot be known without.
+/// The quantities of a response. `shear_stiffness` is K_BP, if it is known; without it, the
+/// quantities that need it are NaN.
 pub fn values(response: &Response, shear_stiffness: Option<f64>) -> Values {
     let Response { motion, sensor } = response;
     let beta = sensor.moving + sensor.still;
     let kappa = sensor.still / beta;
     let kinetic = motion.reach - 0.5 * motion.jump;
     let shear = shear_stiffness.unwrap_or(f64::NAN);
-    // K beta = kappa beta K_BP
+    // K beta = kappa beta K_BP.
     let slope = sensor.still * shear;
     Quantity::ALL.map(|quantity| match quantity {
         Stiffness => kappa * shear,
@@ -143,7 +143,7 @@ pub fn response_of(values: &Values) -> Response {
     }
 }
 
-/// The values whose first ones are K, beta, f_s, f_d, z0 and x(0): the others follow from these.
+/// All quantities from K, beta, f_s, f_d, z0 and x(0); the other values are computed again.
 pub fn with_derived(values: &Values, shear_stiffness: f64) -> Values {
     let of = |quantity: Quantity| values[quantity as usize];
     let (stiffness, slope) = (of(Stiffness), of(Stiffness) * of(Dilatation));

@@ -10,16 +10,16 @@ use crate::scenario::BridgeScene;
 /// How the parameters are found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Method {
-    /// By slips.
+    /// From the slips alone.
     Slips,
     /// By the paper's least squares.
     Err,
-    /// By slips, with the least squares beside it.
+    /// From the slips, and by the least squares for comparison.
     Both,
 }
 
 impl Method {
-    /// The word on the command line and in files.
+    /// The name on the command line and in files.
     pub fn name(self) -> &'static str {
         match self {
             Method::Slips => "slips",
@@ -28,7 +28,7 @@ impl Method {
         }
     }
 
-    /// The method of a name.
+    /// The method with this name.
     pub fn from_name(name: &str) -> Option<Self> {
         [Method::Slips, Method::Err, Method::Both].into_iter().find(|method| method.name() == name)
     }
@@ -37,36 +37,36 @@ impl Method {
 /// What is known of the lag of steel behind the thermometer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Lag {
-    /// Nothing: it is estimated, and taken for 0 unless the data say otherwise.
+    /// It is not known. It is estimated, and taken to be 0 unless the data clearly show a lag.
     Auto,
-    /// It is this, in seconds.
+    /// It is known, in seconds.
     Known(f64),
 }
 
 /// What is asked of a record.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Question {
-    /// How.
+    /// How the parameters are found.
     pub method: Method,
-    /// K_BP, if it is known; without it there are no forces.
+    /// K_BP, if it is known; without it no force can be determined.
     pub shear_stiffness: Option<f64>,
-    /// How many starts the least squares has.
+    /// Number of starts of the least squares.
     pub starts: u32,
-    /// The lag.
+    /// The lag of steel behind the thermometer.
     pub lag: Lag,
-    /// The probability with which an interval is to hold the truth.
+    /// The coverage probability of the intervals.
     pub level: f64,
-    /// What is given instead of fitted: parameters, and forces among them only if K_BP is known.
+    /// Parameters that are held at given values instead of fitted. Those that need K_BP can be held
+    /// only if it is known.
     pub held: Vec<Held>,
-    /// Between which values the least squares looks for a quantity.
+    /// The interval in which the least squares searches a quantity.
     pub bounds: Vec<(Quantity, [f64; 2])>,
-    /// Where a search begins if no slip can be seen.
+    /// Where the search begins if no slips are visible.
     pub guess: Motion,
 }
 
 impl Question {
-    /// What is asked of the record of a bearing, where nothing more is said: everything is fitted
-    /// by both methods.
+    /// The default question for a bearing: all parameters are fitted, by both methods.
     pub fn of(scene: &BridgeScene, record: &Record) -> Self {
         let first = record.temperatures.first().copied().unwrap_or(0.0);
         Question {
@@ -81,8 +81,9 @@ impl Question {
         }
     }
 
-    /// The same where only some quantities are fitted, if any are named: the others are held at
-    /// what the scenario says.
+    /// The same with only some quantities fitted, if any are named. The others are held at the
+    /// values of the scenario. Fails if the scenario has no number for one of them, or if K_BP is
+    /// needed and missing.
     pub fn fitting(self, fitted: &[Quantity], scene: &BridgeScene) -> Result<Self, NotHeld> {
         let is_held = |quantity: &Quantity| !fitted.is_empty() && !fitted.contains(quantity);
         let held = Quantity::FITTED.into_iter().filter(is_held).map(|quantity| {
@@ -109,30 +110,30 @@ impl Question {
 /// Why a quantity cannot be held or bounded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum NotHeld {
-    /// The scenario does not say what it is to be held at.
+    /// The scenario has no value at which to hold it.
     #[error("{} is left out of what is fitted, and is not a number in the scenario", .0.key())]
     NoNumber(Quantity),
-    /// It is known only together with K_BP.
+    /// It can be known only together with K_BP.
     #[error("{} cannot be held or bounded, because it takes K_BP to know it", .0.key())]
     TakesShearStiffness(Quantity),
 }
 
-/// Why nothing can be said.
+/// Why a record cannot be calibrated.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum CalibrationError {
-    /// There is next to no record.
+    /// The record has too few samples.
     #[error("{0} samples have a displacement and a temperature; a calibration takes at least {LEAST}")]
     TooShort(usize),
-    /// T or z is one number.
+    /// The temperature or the displacement is constant.
     #[error("the {0} is the same in all samples")]
     Constant(&'static str),
-    /// No slip, and nothing else was asked for.
+    /// No slips are visible, and no other method was asked for.
     #[error("no slips are visible: too few jumps of the displacement, or too small for its noise")]
     NoSlips,
 }
 
 impl CalibrationError {
-    /// What to measure or look at.
+    /// What the user can do about it.
     pub fn remedy(&self) -> &'static str {
         match self {
             CalibrationError::TooShort(_) => "measure for longer: weeks at least, with tens of slips",
@@ -142,5 +143,5 @@ impl CalibrationError {
     }
 }
 
-/// Fewer samples than this are no record.
+/// Fewest samples of a record.
 pub(super) const LEAST: usize = 200;

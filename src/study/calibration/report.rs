@@ -13,10 +13,10 @@ use super::uncertainty::Replicates;
 use super::warning::Warning;
 use statrs::distribution::{ContinuousCDF as _, Normal};
 
-/// A quantity, and where it is with the probability that was asked for. Missing is NaN.
+/// An estimate with its interval. Values that are not known are NaN.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Estimate {
-    /// The likeliest value.
+    /// The most likely value.
     pub estimate: f64,
     /// Lower end of the interval.
     pub low: f64,
@@ -25,88 +25,89 @@ pub struct Estimate {
 }
 
 impl Estimate {
-    /// Whether the interval holds this.
+    /// Whether the interval contains a value.
     pub fn holds(&self, value: f64) -> bool {
         (self.low..=self.high).contains(&value)
     }
 }
 
-/// By how much the standard deviation of each quantity over the random weights is too small.
+/// Factors by which the standard deviation of each quantity over the random weights is multiplied.
 ///
-/// Blocks of three days are not quite independent, and few. So intervals are widened as much as it
-/// took to hold the truth in 90 of 100 of 400 twins of the paper's bridge with red noise, which are
-/// other twins than those that the tests judge by: `cargo test --release --test calibration
-/// widening -- --ignored --nocapture` prints by how much more they would have to be.
+/// The blocks of three days are few and not quite independent, so intervals without these factors
+/// are too narrow. With them, the intervals contain the truth in 90 % of 400 synthetic records of
+/// the paper's bridge with red noise. The tests judge by other records.
+/// `cargo test --release --test calibration widening -- --ignored --nocapture` prints by how much
+/// more the intervals would have to be widened.
 const WIDENING: Values = [1.05, 1.22, 1.07, 1.06, 1.08, 1.23, 1.26, 1.05, 1.47, 1.17, 1.21, 1.22];
 
-/// The same for the paper's least squares, around whose estimates the same law is laid: of 150 such
-/// twins.
+/// The factors for the paper's least squares, from 150 such records. The intervals around its
+/// estimates come from the same standard deviations.
 ///
-/// It knows A and G far better, if friction is always the same, and K, f_s and f_d far worse,
-/// because it takes red noise for independent.
+/// Least squares determines A and G far better if friction is always the same. It determines K, f_s
+/// and f_d far worse, because it takes red noise for independent.
 const WIDENING_ERR: Values = [2.85, 0.85, 3.2, 3.2, 2.55, 0.87, 3.4, 2.85, 0.45, 0.12, 0.95, 0.85];
 
 /// A slip that was seen.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SeenSlip {
-    /// In the middle between two samples, in seconds.
+    /// The time in the middle between two samples, in seconds.
     pub time: f64,
-    /// Of steel, in kelvin.
+    /// The temperature of the steel, in kelvin.
     pub temperature: f64,
     /// The jump of z - kappa beta T, with its sign.
     pub jump: f64,
-    /// Whether it went as far as most; only those were fitted.
+    /// Whether it has the usual size; only such slips were fitted.
     pub is_usual: bool,
 }
 
-/// What the model leaves of the measurement.
+/// The difference between measurement and model.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Residuals {
-    /// The root of the mean square of measurement less model.
+    /// Root mean square of measurement minus model.
     pub rms: f64,
-    /// Delays in hours, and the correlation of residuals so far apart.
+    /// Delays in hours, and the correlation of residuals with this delay.
     pub autocorrelation: Vec<(f64, f64)>,
 }
 
-/// A calibration.
+/// The result of a calibration.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Calibration {
     /// What was asked.
     pub question: Question,
-    /// The measurement without spikes, and with displacements that grow with temperature.
+    /// The record without spikes, and with the sign with which displacements grow with temperature.
     pub record: Record,
-    /// The temperature of steel, sample by sample.
+    /// The temperature of the steel at each sample.
     pub steel: Vec<f64>,
-    /// What was taken out.
+    /// Number of spikes that were taken out.
     pub spikes: Spikes,
-    /// Whether the sensor counts the other way, so that its readings were taken with the other
-    /// sign.
+    /// Whether displacements fell as the temperature rose, so that their sign was changed.
     pub is_mirrored: bool,
-    /// The response that the estimates are of.
+    /// The response from which the estimates are computed.
     pub response: Response,
-    /// One for each of [`Quantity::ALL`].
+    /// One estimate for each of [`Quantity::ALL`].
     pub estimates: [Estimate; Quantity::ALL.len()],
-    /// The same by the least squares, from the best of its starts.
+    /// The same by the least squares, from the best of its starts; `None` if it was not asked for.
     pub least_squares: Option<[Estimate; Quantity::ALL.len()]>,
-    /// Correlations of the errors of estimates, one row for each quantity; none without slips.
+    /// Correlations of the errors of the estimates, one row for each quantity; empty if there are
+    /// no slips.
     pub correlations: Vec<Values>,
-    /// In order of time.
+    /// The slips in order of time.
     pub slips: Vec<SeenSlip>,
-    /// The lag that was used, in seconds; its interval is one point if it was given.
+    /// The lag that was used, in seconds. Its interval is a single point if the lag was given.
     pub lag: Estimate,
-    /// How the likelihood depends on the lag; none without slips.
+    /// The likelihood as a function of the lag; `None` if there are no slips.
     pub lag_profile: Option<LagProfile>,
-    /// What each start of the least squares found.
+    /// The result of each start of the least squares.
     pub starts: Vec<Start>,
-    /// What z the model says, sample by sample.
+    /// The reading z of the model at each sample.
     pub modelled: Vec<f64>,
-    /// What it leaves.
+    /// The difference between measurement and model.
     pub residuals: Residuals,
-    /// What to beware of.
+    /// Reasons to be careful with the result.
     pub warnings: Vec<Warning>,
 }
 
-/// All that a result is put together from.
+/// Everything that a result is made from.
 pub(super) struct Parts<'a> {
     pub question: &'a Question,
     pub record: &'a Record,
@@ -189,19 +190,19 @@ impl Calibration {
         self.estimates[quantity as usize]
     }
 
-    /// The standard error of a quantity: that of its interval. NaN where it has none.
+    /// The standard error of a quantity, from its interval; NaN if it has none.
     pub fn standard_error(&self, quantity: Quantity) -> f64 {
         let Estimate { low, high, .. } = self.estimate(quantity);
         0.5 * (high - low) / normal_quantile(self.question.level)
     }
 
-    /// All quantities at each start.
+    /// All quantities of the result of each start.
     pub fn start_values(&self) -> Vec<Values> {
         self.starts.iter().map(|start| values(&start.response, self.question.shear_stiffness)).collect()
     }
 }
 
-/// How far to both sides a standard normal is with this probability.
+/// The distance from 0 within which a standard normal lies with this probability.
 fn normal_quantile(level: f64) -> f64 {
     Normal::standard().inverse_cdf(0.5 + 0.5 * level)
 }

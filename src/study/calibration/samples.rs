@@ -1,28 +1,28 @@
-//! What was measured, as the methods need it.
+//! The record, in the forms that the methods need.
 
 use std::ops::Range;
 
 /// A record of a thermometer and a displacement sensor, in order of time.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Record {
-    /// In seconds.
+    /// Times, in seconds.
     pub times: Vec<f64>,
-    /// In kelvin, or in degrees on a scale with the same divisions; none is missing.
+    /// Temperatures in kelvin or degrees Celsius; none is missing.
     pub temperatures: Vec<f64>,
-    /// What the sensor shows; NaN where it shows nothing.
+    /// Readings of the sensor; NaN where there is none.
     pub readings: Vec<f64>,
 }
 
 /// Seconds of an hour.
 pub const HOUR: f64 = 3600.0;
 
-/// So many sampling intervals without a sample are a gap.
+/// A pause longer than this many sampling intervals is a gap.
 const GAP: f64 = 3.5;
 
 impl Record {
-    /// From two columns of times and values, each in order of time. The record has a sample at each
-    /// time of the temperatures; a displacement at another time goes with the temperature on the
-    /// line between its neighbours, unless they are farther apart than a gap.
+    /// A record from temperatures and displacements, each as times and values in order of time. It
+    /// has a sample at each time of the temperatures. A displacement at another time gets the
+    /// temperature interpolated between its neighbours, unless they are separated by a gap.
     pub fn of([times, temperatures]: [&[f64]; 2], [when, readings]: [&[f64]; 2]) -> Record {
         let gap = GAP * interval(times);
         let mut record = Record { times: Vec::new(), temperatures: Vec::new(), readings: Vec::new() };
@@ -60,11 +60,11 @@ impl Record {
         Samples { temperatures: pick(&self.temperatures), readings: pick(&self.readings), times, starts }
     }
 
-    /// The same under the temperature of steel, which follows that of the air with this lag, in
-    /// seconds.
+    /// The same record with the temperature of the steel, which follows that of the air with this
+    /// lag, in seconds.
     ///
-    /// dS/dt = (T - S)/lag, with T a line from sample to sample, for which the solution is exact; S
-    /// = T at the start and after a gap.
+    /// dS/dt = (T - S)/lag, with T linear from sample to sample, for which the solution is exact.
+    /// At the start and after each gap, S is T.
     pub fn lagged(&self, lag: f64) -> Record {
         let mut steel = self.temperatures.clone();
         if lag > 0.0 {
@@ -81,8 +81,9 @@ impl Record {
         Record { temperatures: steel, ..self.clone() }
     }
 
-    /// The time that each sample stands for, in seconds: half of the ways to its neighbours, and
-    /// half of a usual one where there is a gap. Nothing for a sample without a reading.
+    /// The time that each sample stands for, in seconds: half of the distance to each of its
+    /// neighbours, or half a usual interval towards a gap. It is zero for a sample without a
+    /// reading.
     pub fn shares(&self) -> Vec<f64> {
         let samples = self.samples();
         let interval = samples.interval();
@@ -99,8 +100,7 @@ impl Record {
         self.readings.iter().map(share).collect()
     }
 
-    /// The smallest division of the thermometer, in kelvin: the usual distance of neighbouring
-    /// values.
+    /// The resolution of the thermometer, in kelvin: the median distance of neighbouring values.
     pub fn resolution(&self) -> f64 {
         let mut values = self.temperatures.clone();
         values.sort_by(f64::total_cmp);
@@ -113,13 +113,13 @@ impl Record {
 /// Samples in order of time, each with a temperature and a reading.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Samples {
-    /// In seconds.
+    /// Times, in seconds.
     pub times: Vec<f64>,
-    /// In kelvin.
+    /// Temperatures, in kelvin.
     pub temperatures: Vec<f64>,
-    /// What the sensor shows.
+    /// Readings of the sensor.
     pub readings: Vec<f64>,
-    /// Where each stretch without a gap begins; the first is 0.
+    /// The index at which each stretch without a gap begins; the first is 0.
     pub starts: Vec<usize>,
 }
 
@@ -129,7 +129,7 @@ impl Samples {
         stretches(&self.starts, self.times.len())
     }
 
-    /// The usual time between samples, in seconds.
+    /// The median time between samples, in seconds.
     pub fn interval(&self) -> f64 {
         interval(&self.times)
     }
@@ -149,7 +149,7 @@ fn stretches(starts: &[usize], end: usize) -> impl Iterator<Item = Range<usize>>
     starts.iter().zip(ends).map(|(start, end)| *start..end)
 }
 
-/// The middle one; of an even number, the upper of two. Missing where there is none.
+/// The median; of an even number of values, the upper of the middle two. NaN for no values.
 pub fn median(values: &mut [f64]) -> f64 {
     if values.is_empty() {
         return f64::NAN;
@@ -158,13 +158,14 @@ pub fn median(values: &mut [f64]) -> f64 {
     *values.select_nth_unstable_by(middle, f64::total_cmp).1
 }
 
-/// The standard deviation of a normal law whose middle half is as wide.
+/// A robust standard deviation: that of a normal distribution with the same median distance from
+/// the median.
 pub fn spread(values: &[f64]) -> f64 {
     let centre = median(&mut values.to_vec());
     1.482_602_218_505_602 * median(&mut values.iter().map(|value| (value - centre).abs()).collect::<Vec<_>>())
 }
 
-/// The correlation of pairs.
+/// The correlation of pairs of values.
 pub fn correlation(pairs: &[[f64; 2]]) -> f64 {
     let n = pairs.len() as f64;
     let mean = |k: usize| pairs.iter().map(|pair| pair[k]).sum::<f64>() / n;
@@ -204,7 +205,7 @@ mod tests {
         assert_eq!([both.readings[0], both.readings[2], both.readings[4]], [5.0, 6.0, 8.0]);
     }
 
-    /// Against small explicit steps of the differential equation.
+    /// Compared with small explicit steps of the differential equation.
     #[test]
     fn steel_follows_air_exactly() {
         let times = [0.0, 600.0, 1300.0, 1800.0];

@@ -1,5 +1,5 @@
-//! What sticks say when their ends are known: of z against T, of the noise, and of jumps that were
-//! overlooked.
+//! What sticks show once their ends are known: the slope of z against T, the noise, and jumps that
+//! the first search missed.
 
 use super::detect::{Jump, Jumps};
 use super::level::{self, Bin, Level, Sums};
@@ -7,45 +7,46 @@ use super::samples::{HOUR, Samples, median};
 use super::sticks::{bin, bins, sticks};
 use std::ops::Range;
 
-/// How long a block of time is that is weighted as one, in seconds: longer than a sensor's noise
-/// remembers.
+/// Length of a block of time with one weight, in seconds. It is longer than the memory of a
+/// sensor's noise.
 const BLOCK: f64 = 3.0 * 24.0 * HOUR;
 
-/// The number of the block of a time, in seconds.
+/// The index of the block of a time, in seconds.
 pub fn block(start: f64, time: f64) -> usize {
     ((time - start) / BLOCK) as usize
 }
 
-/// The sticks between jumps, and what they say.
+/// The results from the sticks between jumps.
 pub struct Sight {
-    /// Of z against T inside sticks, block by block.
+    /// Sums for the regression of z on T during sticks, for each block.
     pub sums: Vec<Sums>,
-    /// The bins that z was regressed on T with, in seconds.
+    /// Length of the bins of that regression, in seconds.
     pub bin: f64,
     /// The level at each sample, from the samples of its stick up to it.
     pub before: Vec<Level>,
-    /// The same from the samples of its stick that follow.
+    /// The level at each sample, from it and the later samples of its stick.
     pub after: Vec<Level>,
-    /// What the level gains by itself in a second, in units of the white noise of a sample.
+    /// The variance that the level gains per second, in units of the white noise of a sample.
     walk: f64,
-    /// The standard deviation of that noise.
+    /// The standard deviation of the white noise.
     noise: f64,
 }
 
-/// A level that jumps by so many standard deviations is a slip ...
+/// A new jump must exceed this many standard deviations.
 const NEW: f64 = 4.0;
 
-/// ... and one that was found stays one above this.
+/// A jump that was found before is kept if it exceeds this many standard deviations.
 const KEPT: f64 = 3.5;
 
-/// So much of the usual size is a jump.
+/// A new jump must have at least this share of the usual size.
 const SHARE: f64 = 0.35;
 
-/// Samples to either side among which only the clearest jump is new.
+/// A new jump must be the clearest within this many samples on each side.
 const APART: usize = 3;
 
 impl Sight {
-    /// Of sticks between these jumps, z against T in bins of so many seconds.
+    /// Analyse the sticks between these jumps, with bins of this many seconds for the regression of
+    /// z on T.
     pub fn new(samples: &Samples, found: &Jumps, seconds: f64) -> Option<Sight> {
         let [start, end] = [*samples.times.first()?, *samples.times.last()?];
         let sticks = sticks(samples, found.indices());
@@ -69,7 +70,8 @@ impl Sight {
         Sums::weighted(&self.sums, &vec![1.0; self.sums.len()]).slope()
     }
 
-    /// How far the level jumps before each sample, and that over its standard deviation.
+    /// For each sample, the jump of the level before it, and that jump divided by its standard
+    /// deviation.
     fn steps(&self, samples: &Samples) -> Vec<[f64; 2]> {
         let still = self.still();
         let mut steps = vec![[0.0; 2]; samples.times.len()];
@@ -86,7 +88,7 @@ impl Sight {
     }
 
     /// The jumps that stand out when every level is known from its whole stick: those of `found`
-    /// that still do, and more.
+    /// that are still clear enough, and new ones.
     pub fn jumps(&self, samples: &Samples, found: &Jumps) -> Jumps {
         let steps = self.steps(samples);
         let clear = |i: usize| steps[i][1].abs();

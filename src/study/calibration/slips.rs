@@ -1,4 +1,4 @@
-//! Slips as they were seen: when, at which temperature, and from where to where.
+//! The slips that are visible in a record: their times, temperatures and sizes.
 
 use super::detect::{self, Jumps, trimmed_slope};
 use super::level::{Level, Sums};
@@ -10,25 +10,25 @@ use std::ops::Range;
 /// One slip, or several between two samples.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Slip {
-    /// The first sample after it.
+    /// The index of the first sample after it.
     pub index: usize,
-    /// When, in seconds: in the middle between two samples.
+    /// Its time in seconds, in the middle between two samples.
     pub time: f64,
-    /// Which way: 1 or -1.
+    /// Its direction: 1 or -1.
     pub sign: f64,
-    /// Between which temperatures: that at the sample after it, and the farthest that was reached
-    /// before without a slip.
+    /// Its temperature: the middle between that of the sample after it and the farthest temperature
+    /// that was reached before without a slip.
     pub temperature: f64,
     /// The level of z before it, from all samples of its stick.
     pub before: Level,
     /// The level after it.
     pub after: Level,
-    /// Whether it goes as far as usual, and so is one slip, seen well.
+    /// Whether it has the usual size, so that it is a single slip that was seen clearly.
     pub is_usual: bool,
 }
 
 impl Slip {
-    /// How far z - still T jumps, in the direction of the slip.
+    /// The jump of z - still T, in the direction of the slip.
     pub fn size(&self, still: f64) -> f64 {
         self.sign * (self.after.less(still) - self.before.less(still))
     }
@@ -39,38 +39,38 @@ impl Slip {
     }
 }
 
-/// What the samples say of slips, and of sticks between them.
+/// Everything that the samples show of slips, and of the sticks between them.
 #[derive(Clone, Debug)]
 pub struct Evidence {
-    /// In order of time.
+    /// The slips in order of time.
     pub slips: Vec<Slip>,
-    /// The differences of temperatures of slips that follow a slip the other way, and the block of
-    /// each.
+    /// For each slip that follows one in the other direction, the difference of their temperatures
+    /// and the index of its block.
     pub reversals: Vec<(f64, usize)>,
-    /// Of z against T inside sticks, block by block.
+    /// Sums for the regression of z on T during sticks, for each block.
     pub sums: Vec<Sums>,
-    /// A usual jump over the noise from which it was told.
+    /// The size of a usual jump divided by the standard deviation of the noise.
     pub contrast: f64,
-    /// The bins that z was regressed on T with, in seconds.
+    /// Length of the bins of that regression, in seconds.
     pub bin: f64,
-    /// The level of the stick in which the record begins, if the first slip that was seen does not
-    /// end it, because there is a gap in between.
+    /// The level at the start of the record, if a gap lies between it and the first slip that was
+    /// seen.
     pub beginning: Option<Level>,
     start: f64,
 }
 
-/// How often slips are looked for again, at most.
+/// Largest number of repeated searches for slips.
 const ROUNDS: usize = 6;
 
-/// Farther from the usual than so many standard deviations is unusual.
+/// A value farther from the median than this many standard deviations is unusual.
 const UNUSUAL: f64 = 2.5;
 
 impl Evidence {
-    /// Look for slips, and at them. None where there is not one.
+    /// Find the slips of a record; `None` if there are none.
     ///
-    /// First by windows, which need to know nothing, and then by what the sticks between say: how z
-    /// wanders by itself, and where a level that is known from all samples of a stick jumps once
-    /// more.
+    /// The first search compares windows and needs no knowledge of the bearing. The later ones use
+    /// the sticks in between: how the level drifts, and where a level that is known from all
+    /// samples of a stick jumps.
     pub fn find(samples: &Samples, resolution: f64) -> Option<Evidence> {
         let seconds = bin_length(samples, resolution);
         let mut found = detect::jumps(samples, trimmed_slope(samples));
@@ -85,7 +85,7 @@ impl Evidence {
         Evidence::of(samples, &found, &Sight::new(samples, &found, seconds)?)
     }
 
-    /// Of these jumps.
+    /// The evidence from these jumps.
     fn of(samples: &Samples, found: &Jumps, sight: &Sight) -> Option<Evidence> {
         let still = sight.still();
         let start = samples.times[0];
@@ -128,17 +128,17 @@ impl Evidence {
         })
     }
 
-    /// The block of a time.
+    /// The index of the block of a time.
     pub fn block(&self, time: f64) -> usize {
         block(self.start, time)
     }
 
-    /// A weight of one for each block.
+    /// A weight of 1 for each block.
     pub fn unweighted(&self) -> Vec<f64> {
         vec![1.0; self.sums.len()]
     }
 
-    /// What the same slips say when the temperature is this one, sample by sample.
+    /// The evidence from the same slips with other temperatures of the samples.
     pub fn with_temperatures(&self, samples: &Samples) -> Option<Evidence> {
         let jumps = self.slips.iter().map(|slip| detect::Jump { index: slip.index, size: slip.sign }).collect();
         let found = Jumps { jumps, window: 1, contrast: self.contrast };
@@ -146,18 +146,18 @@ impl Evidence {
     }
 }
 
-/// The temperature of a slip between the samples of `before` and the next one.
+/// The temperature of a slip between the samples `before` and the next one.
 ///
-/// While it is warming, the slip comes when T has gone farther than ever since the last slip: it is
-/// between the highest temperature so far and that of the next sample. In the middle of them it is
-/// right on the mean.
+/// When the temperature rises, the slip comes once T is higher than ever since the last slip. It
+/// therefore lies between the highest temperature so far and that of the next sample. The middle of
+/// the two is right on average.
 fn crossing(temperatures: &[f64], before: Range<usize>, sign: f64) -> f64 {
     let next = sign * temperatures[before.end];
     let farthest = temperatures[before].iter().fold(f64::NEG_INFINITY, |far, t| far.max(sign * t));
     sign * if next > farthest { 0.5 * (next + farthest) } else { farthest }
 }
 
-/// Which slips go as far as most.
+/// Mark the slips that have the usual size.
 fn mark_usual(slips: &mut [Slip], still: f64) {
     let sizes: Vec<f64> = slips.iter().map(|slip| slip.size(still)).collect();
     let middle = median(&mut sizes.clone());
@@ -168,8 +168,8 @@ fn mark_usual(slips: &mut [Slip], still: f64) {
     }
 }
 
-/// Those that are not far from the others: where a slip was not seen, the next reversal seems to go
-/// farther.
+/// The values that are not far from the median. If a slip was not seen, the difference at the next
+/// reversal is too large.
 fn usual(values: Vec<(f64, usize)>) -> Vec<(f64, usize)> {
     let only: Vec<f64> = values.iter().map(|(value, _)| *value).collect();
     let (middle, wide) = (median(&mut only.clone()), spread(&only));

@@ -1,25 +1,25 @@
-//! Samples that cannot be true: a few that stand out of those around them, and return.
+//! Wrong samples: a few in a row that differ strongly from those around them.
 
 use super::samples::{Record, median, spread};
 
-/// How many samples to either side a sample is held against. A level that changes, as in a slip, is
-/// no spike: the sample is with the majority of its window.
+/// Number of samples on each side that a sample is compared with. A change of level, as in a slip,
+/// is not a spike, because such a sample agrees with the majority of its window.
 const REACH: usize = 3;
 
-/// So many standard deviations of what is usual make a spike.
+/// A spike exceeds this many standard deviations of the usual differences.
 const FAR: f64 = 8.0;
 
-/// How many samples were taken out.
+/// Number of samples that were taken out.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Spikes {
-    /// Readings of the displacement sensor.
+    /// Number of readings of the displacement sensor.
     pub readings: usize,
-    /// Temperatures.
+    /// Number of temperatures.
     pub temperatures: usize,
 }
 
-/// A record without spikes. A reading is missing then; a temperature is on the line between its
-/// neighbours.
+/// A record without spikes, and their number. A reading is then missing, and a temperature is
+/// interpolated between its neighbours.
 pub fn without_spikes(record: &Record) -> (Record, Spikes) {
     let seen: Vec<usize> = (0..record.times.len()).filter(|i| record.readings[*i].is_finite()).collect();
     let readings: Vec<f64> = seen.iter().map(|i| record.readings[*i]).collect();
@@ -48,11 +48,12 @@ pub fn without_spikes(record: &Record) -> (Record, Spikes) {
     (clean, counts)
 }
 
-/// Which of these values are far from the middle of those around them.
+/// Which values are far from the median of those around them.
 fn spikes(values: &[f64], resolution: f64) -> Vec<bool> {
     let around = |i: usize| i.saturating_sub(REACH)..(i + REACH + 1).min(values.len());
     let off: Vec<f64> = (0..values.len()).map(|i| values[i] - median(&mut values[around(i)].to_vec())).collect();
-    // Coarse numbers are their own median more often than not.
+    // Values with a coarse resolution often equal their own median. These zeros are left out, since
+    // they would make the spread zero.
     let moving: Vec<f64> = off.iter().copied().filter(|off| *off != 0.0).collect();
     let far = FAR * spread(&moving).max(spread(&off)).max(resolution);
     off.iter().map(|off| off.abs() > far).collect()

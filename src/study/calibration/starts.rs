@@ -12,19 +12,20 @@ use std::convert::Infallible;
 use std::ops::ControlFlow;
 use std::sync::atomic::AtomicBool;
 
-/// Where a search for A, G and xi(0) begins, and may not leave.
+/// The box in which A, G and xi(0) are searched.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Search {
-    /// Of A.
+    /// The interval of A.
     pub reach: [f64; 2],
-    /// Of G.
+    /// The interval of G.
     pub jump: [f64; 2],
-    /// Of xi(0).
+    /// The interval of xi(0).
     pub start: [f64; 2],
 }
 
 impl Search {
-    /// Around a motion that slips told, so wide that it takes more than chance to be outside.
+    /// The box around a motion that was computed from slips, with the standard deviations of A and
+    /// G. It is so wide that the minimum lies in it almost certainly.
     pub fn around(motion: &Motion, [reach, jump]: [f64; 2]) -> Search {
         let Motion { reach: a, jump: g, start } = *motion;
         let a_away = (0.08 * a).max(4.0 * reach);
@@ -36,7 +37,7 @@ impl Search {
         }
     }
 
-    /// Around a motion that was only guessed.
+    /// The box around a motion that was only guessed.
     pub fn guessed(motion: &Motion) -> Search {
         let Motion { reach: a, jump: g, start } = *motion;
         let g = if g > 0.0 { g } else { 0.1 * a };
@@ -44,16 +45,17 @@ impl Search {
     }
 }
 
-/// What one start found.
+/// The result of one start.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Start {
-    /// err over the time that was measured: the mean square of model less measurement.
+    /// err divided by the measured time: the mean square of model minus measurement.
     pub err: f64,
-    /// Where it is that.
+    /// The response at that minimum.
     pub response: Response,
 }
 
-/// So many starts, on these threads. Each is a search of its own, with random numbers of its own.
+/// Run all starts of a question on these threads. Each is a search of its own, with its own random
+/// numbers.
 pub fn starts(misfit: &Misfit, search: &Search, question: &Question, threads: usize, stop: &AtomicBool) -> Vec<Start> {
     let bounds = [search.reach, search.jump, search.start];
     let motion = |[reach, jump, start]: [f64; 3]| Motion { reach, jump: jump.min(2.0 * reach), start };
@@ -78,8 +80,8 @@ pub fn starts(misfit: &Misfit, search: &Search, question: &Question, threads: us
         let (err, sensor) = best(&motion);
         if question.bounds.is_empty() { err } else { err * (1.0 + 100.0 * outside(&Response { motion, sensor })) }
     };
-    // x lives on the lattice x(0) + n G: shifted by G, it is another body until both have been
-    // thrown about.
+    // xi moves on the lattice xi(0) + n G. A start shifted by G gives the same motion once both
+    // bodies have slipped.
     let leap = |[reach, jump, start]: [f64; 3], way: f64| [reach, jump, start + jump.copysign(way)];
     let make = |number: u64| {
         let (at, _) = evolve::lowest(&bounds, number, leap, value);

@@ -1,10 +1,11 @@
-//! The samples between slips, taken together in bins.
+//! The samples between slips, and their means in bins.
 
 use super::level::Bin;
 use super::samples::{HOUR, Samples};
 use std::ops::Range;
 
-/// The stretches of samples without a gap and without a jump; `jumps` are first samples after one.
+/// The stretches of samples without a gap and without a jump. `jumps` are the indices of first
+/// samples after a jump.
 pub fn sticks(samples: &Samples, jumps: impl Iterator<Item = usize>) -> Vec<Range<usize>> {
     let mut starts: Vec<usize> = samples.starts.iter().copied().chain(jumps).collect();
     starts.sort_unstable();
@@ -13,8 +14,8 @@ pub fn sticks(samples: &Samples, jumps: impl Iterator<Item = usize>) -> Vec<Rang
     starts.iter().copied().zip(ends).map(|(start, end)| start..end).collect()
 }
 
-/// Bins of so many seconds, the `margin` samples next to the ends of each stick left out: a jump
-/// that was found a sample too early or too late is not in them.
+/// Bins of this many seconds. The `margin` samples at both ends of each stick are left out, so that
+/// a jump which was found a sample too early or too late is not in them.
 pub fn bins(samples: &Samples, sticks: &[Range<usize>], seconds: f64, margin: usize) -> Vec<Bin> {
     let mut bins = Vec::new();
     for stick in sticks {
@@ -32,7 +33,7 @@ pub fn bins(samples: &Samples, sticks: &[Range<usize>], seconds: f64, margin: us
     bins
 }
 
-/// These samples together.
+/// The mean of these samples.
 pub fn bin(samples: &Samples, range: Range<usize>, is_first: bool) -> Bin {
     let count = range.len() as f64;
     let mean = |values: &[f64]| values[range.clone()].iter().sum::<f64>() / count;
@@ -45,11 +46,11 @@ pub fn bin(samples: &Samples, range: Range<usize>, is_first: bool) -> Bin {
     }
 }
 
-/// Lengths of bins to choose from, in hours.
+/// The lengths of bins that may be chosen, in hours.
 const BINS: [f64; 4] = [1.0, 2.0, 3.0, 6.0];
 
-/// Long enough for the temperature to move by three divisions of the thermometer: an error of T
-/// makes a slope too flat.
+/// The shortest length of bins, in seconds, in which the temperature changes by three divisions of
+/// the thermometer. With smaller changes, errors of T would make the slope too small.
 pub fn bin_length(samples: &Samples, resolution: f64) -> f64 {
     let moves = |hours: f64| {
         let step = ((hours * HOUR / samples.interval()).round() as usize).max(1);

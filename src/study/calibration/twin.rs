@@ -1,54 +1,57 @@
-//! Synthetic data: the model, seen through a sensor and a thermometer as they are.
+//! Synthetic records: the model, seen by an imperfect sensor and thermometer.
 
 use super::bearing::Response;
 use super::samples::Record;
 use crate::noise::{Stream, Transition};
 
-/// What is wrong with a measurement.
+/// The imperfections of a measurement.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Flaws {
-    /// Standard deviation of the white part of the sensor's noise, in the unit of displacement.
+    /// Standard deviation of the white noise of the sensor, in the unit of displacement.
     pub white: f64,
-    /// Stationary standard deviation of its red part, an Ornstein-Uhlenbeck process.
+    /// Stationary standard deviation of the red noise of the sensor, an Ornstein-Uhlenbeck process.
     pub red: f64,
-    /// How long the red part remembers, in seconds.
+    /// Correlation time of the red noise, in seconds.
     pub memory: f64,
-    /// By what share f_s differs from one slip to the next (standard deviation), while f_d stays.
+    /// Relative standard deviation of f_s from slip to slip; f_d does not vary.
     pub scatter: f64,
-    /// How long the steel is behind the thermometer, in seconds.
+    /// Lag of the steel behind the thermometer, in seconds.
     pub lag: f64,
-    /// The thermometer shows multiples of this, in kelvin; 0 for one that shows everything.
+    /// Resolution of the thermometer, in kelvin; 0 for a perfect one.
     pub resolution: f64,
-    /// The share of samples whose displacement is off by up to 20 red and white noises together.
+    /// Share of samples whose displacement is wrong, by up to 20 standard deviations of red and
+    /// white noise together.
     pub spikes: f64,
-    /// How many stretches of one to five days are missing.
+    /// Number of gaps, of one to five days each.
     pub gaps: u32,
 }
 
 impl Flaws {
-    /// None at all.
+    /// A perfect measurement.
     pub const NONE: Flaws =
         Flaws { white: 0.0, red: 0.0, memory: 86_400.0, scatter: 0.0, lag: 0.0, resolution: 0.0, spikes: 0.0, gaps: 0 };
 }
 
-/// What comes of it: times in seconds, kelvin, and the unit of displacement.
+/// A synthetic record: times in seconds, temperatures in kelvin, and readings in the unit of
+/// displacement.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Twin {
     /// Times of the samples, in seconds.
     pub times: Vec<f64>,
-    /// What the thermometer shows, in kelvin.
+    /// Temperatures that the thermometer shows, in kelvin.
     pub temperatures: Vec<f64>,
-    /// What the sensor shows.
+    /// Readings of the sensor.
     pub readings: Vec<f64>,
-    /// xi, which nobody sees.
+    /// xi, which is not measured.
     pub positions: Vec<f64>,
-    /// How many slips there were.
+    /// Number of slips.
     pub slips: u64,
 }
 
-/// A bearing under these temperatures, seen with these flaws.
+/// A record of a bearing under these temperatures, measured with these imperfections.
 pub fn twin(response: &Response, times: &[f64], temperatures: &[f64], flaws: &Flaws, seed: u64) -> Twin {
-    // A stream for each flaw, so that one more of them leaves the others as they are.
+    // Each imperfection has a stream of random numbers of its own, so that changing one leaves the
+    // others as they are.
     let [mut sensor, mut friction, mut spikes, mut gaps] = std::array::from_fn(|i| Stream::new(seed, i as u64));
     let air = Record { times: times.to_vec(), temperatures: temperatures.to_vec(), readings: Vec::new() };
     let steel = air.lagged(flaws.lag).temperatures;

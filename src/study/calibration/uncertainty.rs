@@ -1,9 +1,8 @@
-//! How far an estimate may be off.
+//! The uncertainty of the estimates.
 //!
-//! Blocks of time are weighted anew, each with an exponential random number, and everything is
-//! estimated again: the Bayesian bootstrap (Rubin, *Annals of Statistics* 9, 1981) of blocks. No
-//! block is cut out, so that the history of the temperature, which a body with friction remembers,
-//! stays whole.
+//! Blocks of time get random weights, exponentially distributed, and everything is estimated again:
+//! the Bayesian bootstrap (Rubin, *Annals of Statistics* 9, 1981) of blocks. No block is cut out,
+//! so the history of the temperature, on which a body with friction depends, stays complete.
 
 use super::level::Sums;
 use super::quantity::{Quantity, Values, values};
@@ -11,23 +10,23 @@ use super::samples::{Record, correlation};
 use super::slips::Evidence;
 use crate::noise::Stream;
 
-/// How many times everything is estimated again.
+/// Number of times that everything is estimated again.
 const REPLICATES: u64 = 600;
 
-/// What the random numbers are drawn from.
+/// Seed of the random numbers.
 const SEED: u64 = 0xCA11;
 
-/// Evidence at a lag, and at two lags around it if the lag was estimated and not given.
+/// The evidence at a lag and, if the lag was estimated, at two neighbouring lags.
 #[derive(Clone, Debug)]
 pub struct Around {
-    /// At the lag itself.
+    /// The evidence at the lag itself.
     pub here: Evidence,
-    /// At a shorter and a longer one, and how far they are away, in seconds.
+    /// The evidence at a shorter and at a longer lag, and their distance in seconds.
     pub beside: Option<([Evidence; 2], f64)>,
 }
 
 impl Around {
-    /// What the slips say at this lag, which was estimated.
+    /// Compute the evidence around a lag that was estimated.
     pub fn lag(here: Evidence, record: &Record, lag: f64) -> Around {
         let step = (0.2 * lag).max(60.0).min(lag);
         let at = |lag: f64| here.with_temperatures(&record.lagged(lag).samples());
@@ -35,14 +34,16 @@ impl Around {
         Around { here, beside }
     }
 
-    /// The lag's distance from the likeliest one, and all quantities, with these weights.
+    /// The most likely lag, relative to the one that was estimated, and all quantities, with these
+    /// weights.
     fn replicate(&self, weights: &[f64], shear_stiffness: f64) -> Option<(f64, Values)> {
         let at = |evidence: &Evidence| Some(values(&evidence.fit(weights)?, Some(shear_stiffness)));
         let here = at(&self.here)?;
         let Some(([less, more], step)) = &self.beside else { return Some((0.0, here)) };
         let deviance = |evidence: &Evidence| Sums::weighted(&evidence.sums, weights).deviance();
         let [low, middle, high] = [deviance(less), deviance(&self.here), deviance(more)];
-        // The vertex of the parabola through three deviances, no farther than parabolas hold.
+        // The vertex of the parabola through the three deviances, limited to the range in which a
+        // parabola is a good approximation.
         let bend = low - 2.0 * middle + high;
         let vertex = if bend > 0.0 { (0.5 * (low - high) / bend).clamp(-3.0, 3.0) } else { 0.0 };
         let (low, high) = (at(less)?, at(more)?);
@@ -51,7 +52,7 @@ impl Around {
     }
 }
 
-/// What everything is when blocks are weighted at random.
+/// The quantities and the lag for each set of random weights.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Replicates {
     values: Vec<Values>,
@@ -59,7 +60,7 @@ pub struct Replicates {
 }
 
 impl Replicates {
-    /// From random weights of the blocks of this evidence.
+    /// Estimate everything again with random weights of the blocks.
     pub fn new(around: &Around, shear_stiffness: f64) -> Replicates {
         let evidence = &around.here;
         let scatter = evidence.scatter();
@@ -67,7 +68,8 @@ impl Replicates {
             let mut random = Stream::new(SEED, number);
             let weights: Vec<f64> = evidence.sums.iter().map(|_| -libm::log(random.uniform())).collect();
             let (lag, mut values) = around.replicate(&weights, shear_stiffness)?;
-            // The temperature of the first slip is one number, which no weight changes.
+            // The temperature of the first slip is a single number that weights do not change, so
+            // its error is added here.
             let beta = values[Quantity::Dilatation as usize];
             values[Quantity::Displacement as usize] += beta * scatter * random.normal();
             Some((lag, values))
@@ -81,19 +83,19 @@ impl Replicates {
         std::array::from_fn(|i| deviation(&self.column(i)))
     }
 
-    /// That of the lag, in seconds.
+    /// The standard deviation of the lag, in seconds.
     pub fn lag_deviation(&self) -> f64 {
         deviation(&self.lags)
     }
 
-    /// Their correlations, one row after another.
+    /// The correlations of the quantities, one row for each.
     pub fn correlations(&self) -> Vec<Values> {
         let columns: Vec<Vec<f64>> = (0..Quantity::ALL.len()).map(|i| self.column(i)).collect();
         let between = |a: &[f64], b: &[f64]| correlation(&a.iter().zip(b).map(|(a, b)| [*a, *b]).collect::<Vec<_>>());
         columns.iter().map(|a| std::array::from_fn(|j| between(a, &columns[j]))).collect()
     }
 
-    /// How far each quantity goes with this one.
+    /// The regression coefficient of each quantity on this one.
     pub fn gains(&self, with: Quantity) -> Values {
         let other = self.column(with as usize);
         let spread = deviation(&other);
@@ -105,7 +107,7 @@ impl Replicates {
         })
     }
 
-    /// Every replicate changed.
+    /// Change every replicate.
     pub fn change(&mut self, change: impl Fn(&Values) -> Values) {
         for values in &mut self.values {
             *values = change(values);
@@ -121,7 +123,7 @@ fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len() as f64
 }
 
-/// The standard deviation.
+/// The standard deviation of a sample.
 pub fn deviation(values: &[f64]) -> f64 {
     let mean = mean(values);
     (values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / (values.len() as f64 - 1.0)).sqrt()

@@ -1,39 +1,40 @@
-//! What to beware of in a calibration.
+//! Warnings about a calibration.
 
 use super::quantity::Quantity;
 use super::spikes::Spikes;
 use std::fmt;
 
-/// Something that makes a result mean less than it seems to.
+/// A reason why a result means less than it seems to.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Warning {
     /// K_BP is not known.
     NoShearStiffness,
-    /// No slips can be told from noise.
+    /// No slips can be distinguished from noise.
     NoSlips,
-    /// f_s - f_d is not told from zero, or hardly.
+    /// f_s - f_d is hardly distinguishable from zero, or slips do not explain all of the motion.
     GapNotIdentified,
-    /// Slips differ in size more than they should if friction were always the same: standard
-    /// deviation over mean.
+    /// The sizes of slips differ more than noise explains. The number is their standard deviation
+    /// beyond the noise, divided by their mean.
     Scatter(f64),
-    /// Steel is so many seconds behind the thermometer.
+    /// The steel lags behind the thermometer by this many seconds.
     Lag(f64),
-    /// A lag was given, and the data say another one: both in seconds.
+    /// A lag was given, but the data indicate the second one; both in seconds.
     OtherLag(f64, f64),
-    /// Slips and least squares say different things of these.
+    /// The intervals by slips and by least squares do not overlap for these quantities.
     MethodsApart(Vec<Quantity>),
-    /// The starts did not find one minimum: the largest err over the smallest, less one.
+    /// The starts did not all find the same minimum. The number is the largest err divided by the
+    /// smallest, minus one.
     StartsDisagree(f64),
-    /// Samples were taken out.
+    /// Samples were taken out as spikes.
     Spikes(Spikes),
-    /// The sensor counts the other way.
+    /// The displacement falls as the temperature rises, so its sign was changed.
     Mirrored,
-    /// A value that no bearing has.
+    /// A quantity has a value that no bearing can have.
     Unphysical(Quantity),
 }
 
 impl Warning {
-    /// A word for programs.
+    /// The name in files and for programs.
     pub fn name(&self) -> &'static str {
         match self {
             Warning::NoShearStiffness => "no_shear_stiffness",

@@ -1,29 +1,31 @@
-//! Bearings as a calibration allows them.
+//! Random bearings, distributed as a calibration allows.
 
 use crate::model::{Friction, Model, Oscillator, Temperature};
 use crate::noise::Stream;
 use crate::study::calibration::{Calibration, Quantity, Sensor};
 use crate::study::linear::{Matrix, cholesky, times};
 
-/// What decides motion and reading; K, f_s and f_d follow, and x(0) is forgotten.
+/// The quantities that determine motion and reading. K, f_s and f_d follow from them, and x(0) is
+/// forgotten in the burn-in.
 const DRAWN: [Quantity; 5] = [Quantity::Dilatation, Quantity::Shear, Quantity::Offset, Quantity::Reach, Quantity::Jump];
 
-/// G is at least this share of its estimate: less makes slips without number.
+/// G is at least this share of its estimate, because a very small G gives an enormous number of
+/// slips.
 const LEAST_JUMP: f64 = 0.1;
 
-/// How long a slip lasts, in seconds: beside the weather, no time.
+/// Duration of a slip in seconds, which is negligible against the time scales of the weather.
 const SLIP: f64 = 0.1;
 
-/// A bearing in kelvin, and how a sensor sees it.
+/// The parameters of a bearing in kelvin, and how a sensor sees it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DrawnBearing {
-    /// A.
+    /// A = f_s/(K beta), in kelvin.
     pub reach: f64,
-    /// G.
+    /// G = 2 (f_s - f_d)/(K beta), in kelvin.
     pub jump: f64,
     /// z0 and the two slopes.
     pub sensor: Sensor,
-    /// K; 1 where it is not known.
+    /// K; 1 if it is not known.
     pub stiffness: f64,
 }
 
@@ -33,7 +35,7 @@ impl DrawnBearing {
         self.sensor.moving + self.sensor.still
     }
 
-    /// The quasi-static model of it.
+    /// The model of this bearing, for the quasi-static scheme.
     pub fn model(&self, temperature: Temperature) -> Model {
         let slope = self.stiffness * self.dilatation();
         let static_force = self.reach * slope;
@@ -52,7 +54,7 @@ impl DrawnBearing {
     }
 }
 
-/// The law of the errors of a calibration.
+/// The distribution of the parameters according to a calibration.
 pub struct BearingDraws {
     estimates: [f64; DRAWN.len()],
     errors: Matrix,
@@ -60,7 +62,8 @@ pub struct BearingDraws {
 }
 
 impl BearingDraws {
-    /// Normal, with the widths of the intervals and the correlations that the calibration found.
+    /// A normal distribution with the standard errors and the correlations that the calibration
+    /// found.
     pub fn new(calibration: &Calibration) -> Self {
         let estimates = DRAWN.map(|quantity| calibration.estimate(quantity).estimate);
         let sds = DRAWN.map(|quantity| calibration.standard_error(quantity));
@@ -71,7 +74,8 @@ impl BearingDraws {
         let covariance: Matrix = (0..DRAWN.len())
             .map(|i| (0..DRAWN.len()).map(|j| finite(sds[i] * sds[j] * correlation(i, j))).collect())
             .collect();
-        // What was held has no error, and a matrix with a row of zeros no factor.
+        // A quantity that was held has no error. The matrix then has a row of zeros and no Cholesky
+        // factor, so the correlations are left out.
         let errors = cholesky(&covariance).unwrap_or_else(|| {
             let diagonal = |i: usize, j: usize| if i == j { finite(sds[i]) } else { 0.0 };
             (0..DRAWN.len()).map(|i| (0..DRAWN.len()).map(|j| diagonal(i, j)).collect()).collect()
@@ -79,17 +83,17 @@ impl BearingDraws {
         BearingDraws { estimates, errors, shear_stiffness: calibration.question.shear_stiffness }
     }
 
-    /// The likeliest bearing.
+    /// The most likely bearing.
     pub fn likeliest(&self) -> DrawnBearing {
         self.at(&[0.0; DRAWN.len()])
     }
 
-    /// One bearing of many.
+    /// A random bearing.
     pub fn draw(&self, random: &mut Stream) -> DrawnBearing {
         self.at(&DRAWN.map(|_| random.normal()))
     }
 
-    /// So many standard errors away from the likeliest one, in directions that are independent.
+    /// The bearing whose independent standardised errors are these.
     fn at(&self, normals: &[f64]) -> DrawnBearing {
         let errors = times(&self.errors, normals);
         let [beta, kappa, offset, reach, jump] = std::array::from_fn(|i| self.estimates[i] + errors[i]);

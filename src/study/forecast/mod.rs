@@ -1,18 +1,18 @@
-//! What years to come do to a bearing: from a calibration and a model of the weather.
+//! A forecast of coming years for a bearing, from a calibration and a model of the weather.
 //!
 //! ```text
 //! Calibration, WeatherFit
-//!   -> draws        parameters of bearing and weather, from the law of their errors
+//!   -> draws        parameters of bearing and weather, from the distribution of their errors
 //!     -> Year       paths of the quasi-static scheme for each: a year after a burn-in (year)
-//!       -> Forecast each quantity with two intervals: of what is expected, and of one year (summary)
+//!       -> Forecast each quantity with intervals for its mean and for a single year (summary)
 //! ```
 //!
-//! What is expected is the mean of years with the likeliest parameters. The mean over all draws
-//! would be too high by some percent: slips grow faster than in proportion with the variance of the
-//! weather.
+//! The expected value is the mean over years with the most likely parameters. The mean over all
+//! draws would be too high by some percent, because the number of slips grows faster than the
+//! variance of the weather.
 //!
-//! Crossings of the thresholds are those of the model in continuous time. A weather that is
-//! sampled, every ten minutes for example, overlooks the slips between its samples.
+//! Crossings of the thresholds are those of the model in continuous time. A sampled temperature,
+//! with a sample every ten minutes for example, misses slips between its samples.
 
 mod draw;
 mod summary;
@@ -32,44 +32,44 @@ use std::ops::ControlFlow;
 use std::sync::atomic::AtomicBool;
 use year::YearObserver;
 
-/// What is asked.
+/// What is asked of a forecast.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Question {
-    /// How many draws of the parameters of bearing and weather.
+    /// Number of draws of the parameters of bearing and weather.
     pub draws: u64,
-    /// How many years for each of them.
+    /// Number of years for each draw.
     pub years: u64,
-    /// With the numbers of the draws, decides all random numbers.
+    /// The seed, which determines all random numbers together with the numbers of draws and paths.
     pub seed: u64,
-    /// The probability with which an interval is to hold what it is about.
+    /// The coverage probability of the intervals.
     pub level: f64,
-    /// q: the share of f_s above which time is counted.
+    /// q: the time with |F| above this share of f_s is counted.
     pub share: f64,
 }
 
-/// The time before a year is counted, in seconds: the body forgets where it was once the
-/// temperature has swung by more than 2 A both ways, which takes days to weeks.
+/// The time before a year is counted, in seconds. The body forgets its initial position once the
+/// temperature has changed by more than 2 A in both directions, which takes days to weeks.
 pub const BURN_IN: f64 = 90.0 * 86_400.0;
 
 /// A year, in seconds.
 pub const YEAR: f64 = 365.25 * 86_400.0;
 
-/// How far apart the instants are at which z and F are looked at besides slips, in seconds.
+/// Seconds between the times at which z and F are observed in addition to slips.
 pub const LOOKS: f64 = 3600.0;
 
-/// So many times as many years have the likeliest parameters as those of one draw.
+/// The most likely parameters get this many times as many years as one draw.
 const LIKELIEST: u64 = 10;
 
-/// How many years a piece of work has.
+/// Number of years in a piece of work.
 const PIECE: u64 = 10;
 
 /// Simulate years with parameters drawn from a calibration by slips and from a model of the
-/// weather, in seconds and kelvin. Fewer draws than were asked for are in it if `stop` was raised;
-/// none if not even two are.
+/// weather, in seconds and kelvin. If `stop` is raised, the forecast has fewer draws than asked
+/// for; `None` if it has fewer than two.
 ///
 /// # Errors
 ///
-/// Where the parameters are such that they cannot be simulated.
+/// If the scheme cannot simulate some of the drawn parameters.
 pub fn forecast(
     calibration: &Calibration,
     weather: &WeatherFit,
@@ -80,8 +80,8 @@ pub fn forecast(
     let bearings = BearingDraws::new(calibration);
     let timeline = Timeline { end: BURN_IN + YEAR, output_step: LOOKS, period: None, after: BURN_IN };
     let scheme = Scheme::from(QuasiStatic { tolerance: DEFAULT_TOLERANCE });
-    // The likeliest parameters first; then a stream for each draw, beside those of paths, which the
-    // seed and their numbers decide.
+    // Draw 0 has the most likely parameters. Every other draw has a stream of random numbers of its
+    // own, separate from those of the paths.
     let model = |draw: u64| {
         if draw == 0 {
             let bearing = bearings.likeliest();
@@ -111,10 +111,10 @@ pub fn forecast(
         Ok::<_, Infallible>(ControlFlow::Continue(()))
     };
     let Ok(_) = in_order((LIKELIEST + question.draws) * pieces, threads, stop, make, deliver);
-    // The last draw may have been given up.
+    // Draws with too few years are left out: the last one after a stop, and those that lost paths.
     years.retain(|years| years.len() as u64 >= question.years);
     Ok(Forecast::of(years, question, calibration.question.shear_stiffness.is_some()))
 }
 
-/// Turns a seed into that of the draws of parameters.
+/// Turns the seed of the forecast into that of the draws of parameters.
 const DRAWS: u64 = 0xF0_4E_CA_57;

@@ -1,45 +1,46 @@
-//! From years to what is expected, and how sure that is.
+//! Expected values and their intervals from simulated years.
 
 use super::Question;
 use super::year::{Quantity, Year};
 use statrs::distribution::{ContinuousCDF as _, StudentsT};
 
-/// What years bring of one quantity.
+/// The forecast of one quantity.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Level {
-    /// Which.
+    /// The quantity.
     pub quantity: Quantity,
-    /// The mean over years with the likeliest parameters.
+    /// The mean over years with the most likely parameters.
     pub expected: f64,
-    /// Where the mean over years is, for what is known of the parameters.
+    /// The interval of that mean, which allows for the errors of the parameters.
     pub expected_interval: [f64; 2],
-    /// Where a single year is: weather and parameters together.
+    /// The interval for a single year, which allows for the weather and the errors of the
+    /// parameters.
     pub year_interval: [f64; 2],
 }
 
-/// The |z| that is exceeded in one year of so many.
+/// The |z| that is exceeded in one year out of `years`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ReturnLevel {
-    /// So many.
+    /// The return period, in years.
     pub years: f64,
-    /// Over years and parameters.
+    /// Its value over all years and draws.
     pub expected: f64,
-    /// For what is known of the parameters.
+    /// Its interval, which allows for the errors of the parameters.
     pub interval: [f64; 2],
 }
 
-/// Years to come.
+/// The forecast.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Forecast {
     /// What was asked.
     pub question: Question,
-    /// Years with the likeliest parameters.
+    /// The years with the most likely parameters.
     pub likeliest: Vec<Year>,
-    /// All others, those of one draw of the parameters together.
+    /// All other years, one list for each draw of the parameters.
     pub years: Vec<Vec<Year>>,
-    /// One for each quantity that can be known: forces take K_BP.
+    /// One for each quantity that can be known; forces need K_BP.
     pub levels: Vec<Level>,
-    /// Of the largest |z| of a year.
+    /// Return levels of the largest |z| of a year.
     pub return_levels: Vec<ReturnLevel>,
 }
 
@@ -50,8 +51,8 @@ const RETURN_PERIODS: [f64; 2] = [10.0, 50.0];
 const EULER: f64 = 0.577_215_664_901_532_9;
 
 impl Forecast {
-    /// Of years, those with the likeliest parameters first and then draw by draw; none of fewer
-    /// than two draws.
+    /// Summarise years: first those with the most likely parameters, then those of each draw.
+    /// `None` for fewer than two draws.
     pub(super) fn of(mut years: Vec<Vec<Year>>, question: &Question, knows_forces: bool) -> Option<Forecast> {
         if years.len() < 3 {
             return None;
@@ -67,7 +68,7 @@ impl Forecast {
         Some(Forecast { question: *question, likeliest, years, levels, return_levels })
     }
 
-    /// What years bring of a quantity, if it can be known.
+    /// The forecast of a quantity, if it can be known.
     pub fn level(&self, quantity: Quantity) -> Option<&Level> {
         self.levels.iter().find(|level| level.quantity == quantity)
     }
@@ -90,26 +91,27 @@ fn level(likeliest: &[Year], years: &[Vec<Year>], quantity: Quantity, question: 
     }
 }
 
-/// How far the true mean may be from the expected one: what the means of draws scatter by, less
-/// what the few years of each of them make of that, and with what all years leave.
+/// Half of the width of the interval of the true mean. Its variance is that of the means of draws,
+/// minus the part which comes from the few years of each draw, plus the error of the mean over all
+/// years.
 fn half_width(means: &[f64], within: f64, level: f64) -> f64 {
     let n = means.len() as f64;
     let variance = (variance(means) - within).max(0.0) + within / n;
     StudentsT::new(0.0, 1.0, n - 1.0).map_or(f64::NAN, |t| t.inverse_cdf(0.5 + 0.5 * level)) * variance.sqrt()
 }
 
-/// The greatest value of a year follows Gumbel's law nearly, which gives each draw of the
-/// parameters a return level from few years; the expected one is the quantile of all years, which
-/// needs no law.
+/// The largest value of a year nearly has a Gumbel distribution, which gives a return level for
+/// each draw from few years, and so the interval. The expected return level is the quantile of all
+/// years, without this assumption.
 fn return_level(years: &[Vec<Year>], period: f64, question: &Question) -> ReturnLevel {
     let greatest = |year: &Year| year[Quantity::Greatest as usize];
     let mut all: Vec<f64> = years.iter().flatten().map(greatest).collect();
     all.sort_by(f64::total_cmp);
     let expected = quantile(&all, 1.0 - 1.0 / period);
     let reduced = -libm::log(-libm::log1p(-1.0 / period));
-    // By moments: scale sd sqrt(6)/pi, location mean - Euler's constant scales. The variance of
-    // what comes of it is that of a sum of mean and sd, with the kurtosis of Gumbel's law, 5.4, and
-    // its skewness, 1.14.
+    // The method of moments: the scale is sd sqrt(6)/pi, and the location is the mean minus Euler's
+    // constant times the scale. The variance of the result is that of a combination of mean and sd,
+    // with the kurtosis 5.4 and the skewness 1.14 of the Gumbel distribution.
     let factor = (reduced - EULER) * 6f64.sqrt() / std::f64::consts::PI;
     let share = 1.0 + 1.14 * factor + 1.1 * factor * factor;
     let (mut levels, mut within) = (Vec::new(), 0.0);
@@ -132,7 +134,7 @@ fn variance(values: &[f64]) -> f64 {
     values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / (values.len() as f64 - 1.0)
 }
 
-/// Of ascending values, between the two nearest.
+/// A quantile of ascending values, interpolated between the two nearest.
 fn quantile(values: &[f64], level: f64) -> f64 {
     let place = level * (values.len() as f64 - 1.0);
     let below = place as usize;
@@ -147,11 +149,12 @@ mod tests {
 
     const QUESTION: Question = Question { draws: 50, years: 40, seed: 1, level: 0.9, share: 0.9 };
 
-    /// Draws whose means scatter by sd 1 around 5, years by sd 3 around each. The interval of what
-    /// is expected is +-1.68 (Student, 49 degrees of freedom) and not sqrt(1 + 9/40) of that; a
-    /// year is in +-1.645 sqrt(10). The largest value of a year is 10 - log(-log U), Gumbel's law:
-    /// exceeded once in ten years is 12.25, and once in fifty 13.90. Averages over 200 forecasts:
-    /// their standard errors are below 1.5 %.
+    /// The means of draws scatter with sd 1 around 5, and years with sd 3 around each mean. The
+    /// interval of the expected value is +-1.68 (Student, 49 degrees of freedom) and not sqrt(1 +
+    /// 9/40) times that; a single year is within +-1.645 sqrt(10). The largest value of a year is
+    /// 10 - log(-log U), with a Gumbel distribution: 12.25 is exceeded once in ten years, and 13.90
+    /// once in fifty. The results are averages over 200 forecasts, whose standard errors are below
+    /// 1.5 %.
     #[test]
     fn intervals_hold_what_they_are_about() {
         let mut random = Stream::new(2, 0);
@@ -181,11 +184,11 @@ mod tests {
         println!("{expected:.3} {year:.3} {levels:.3?} {widths:.3?}");
         assert!((expected / 1.685 - 1.0).abs() < 0.06, "{expected}");
         assert!((year / (1.645 * 10f64.sqrt()) - 1.0).abs() < 0.06, "{year}");
-        // With parameters that scatter by 0.5 the quantiles of all years are a little higher than
+        // Since the parameters scatter by 0.5, the quantiles of all years are a little higher than
         // 12.25 and 13.90.
         assert!((levels[0] - 12.4).abs() < 0.15 && (levels[1] - 14.05).abs() < 0.25, "{levels:?}");
-        // 1.68 * 0.5; less for the rarer level, whose share of few years is sometimes more than all
-        // there is.
+        // The expected width is 1.68 * 0.5. It is smaller for the longer return period, because the
+        // part that is subtracted for the few years of a draw sometimes exceeds the whole variance.
         assert!(widths.iter().all(|width| (0.7..0.98).contains(width)), "{widths:?}");
     }
 }

@@ -1,4 +1,4 @@
-//! What a year comes down to.
+//! The numbers that are kept of a simulated year.
 
 use super::draw::DrawnBearing;
 use crate::model::{Event, EventKind};
@@ -8,15 +8,15 @@ use std::sync::atomic::{AtomicBool, Ordering};
 /// A number of a year.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Quantity {
-    /// The sum of |x| after less before, over all slips.
+    /// The sum of the distances of all slips.
     SlidingPath,
-    /// How many slips.
+    /// The number of slips.
     Slips,
-    /// The highest z less the lowest.
+    /// The highest z minus the lowest.
     Range,
     /// The largest |z|.
     Greatest,
-    /// The share of time for which |F| is above q f_s.
+    /// The share of time with |F| above q f_s.
     Loaded,
     /// The largest |F|.
     Force,
@@ -33,7 +33,7 @@ impl Quantity {
         Quantity::Force,
     ];
 
-    /// Its name in files and for programs.
+    /// The name in files and for programs.
     pub fn name(self) -> &'static str {
         match self {
             Quantity::SlidingPath => "sliding_path",
@@ -58,10 +58,10 @@ impl Quantity {
 /// One value for each of [`Quantity::ALL`].
 pub type Year = [f64; Quantity::ALL.len()];
 
-/// One path of a year.
+/// The path of one year.
 #[derive(Clone, Copy, Debug)]
 struct Path {
-    /// Where the body is, as the last event left it.
+    /// The displacement x of the body after its last event.
     position: f64,
     sliding: f64,
     slips: u64,
@@ -72,7 +72,7 @@ struct Path {
     loaded: u64,
 }
 
-/// Watches paths from the end of the burn-in on.
+/// Observes paths from the end of the burn-in on.
 pub struct YearObserver<'a> {
     bearing: DrawnBearing,
     threshold: f64,
@@ -82,7 +82,8 @@ pub struct YearObserver<'a> {
 }
 
 impl<'a> YearObserver<'a> {
-    /// So many paths of a bearing; time is counted with |F| above this share of f_s.
+    /// An observer of this number of paths of a bearing. The time with |F| above this `share` of
+    /// f_s is counted.
     pub fn new(bearing: DrawnBearing, share: f64, paths: usize, stop: &'a AtomicBool) -> Self {
         let threshold = share * bearing.reach * bearing.stiffness * bearing.dilatation();
         let path = Path {
@@ -98,7 +99,7 @@ impl<'a> YearObserver<'a> {
         YearObserver { bearing, threshold, paths: vec![path; paths], is_counting: false, stop }
     }
 
-    /// The years, without those of lost paths; none if it was stopped.
+    /// The years of all paths that were not lost; empty if the simulation was stopped.
     pub fn years(&self, lost: &[usize]) -> Vec<Year> {
         if self.is_stopped() {
             return Vec::new();
@@ -112,7 +113,7 @@ impl<'a> YearObserver<'a> {
         .collect()
     }
 
-    /// A body at x under a force F: z = z0 + x + kappa F/K.
+    /// Observe a body at x under the force F: z = z0 + x + kappa F/K.
     fn see(&mut self, lane: usize, x: f64, force: f64) {
         let sensor = self.bearing.sensor;
         let kappa = sensor.still / self.bearing.dilatation();
@@ -144,7 +145,8 @@ impl Observer for YearObserver<'_> {
             return;
         }
         for lane in 0..self.paths.len() {
-            // Slips take no time beside the hour from look to look.
+            // Paths in a slip are skipped: slips take no time compared with the hour between two
+            // observations.
             if seen.is_static[lane] {
                 let x = seen.displacement[lane];
                 let force = self.bearing.stiffness * (self.bearing.dilatation() * seen.temperature[lane] - x);

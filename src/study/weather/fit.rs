@@ -1,4 +1,4 @@
-//! The likeliest weather, and how sure it is.
+//! The most likely parameters of the weather, and their errors.
 
 use super::kalman::{Likelihood, Shape, likelihood};
 use super::simplex;
@@ -10,7 +10,7 @@ use std::f64::consts::TAU;
 /// One Ornstein-Uhlenbeck process of the weather.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Process {
-    /// theta, one over the unit of time.
+    /// theta, in units of 1/time.
     pub relaxation_rate: f64,
     /// Its stationary standard deviation, in the unit of temperature.
     pub sd: f64,
@@ -23,41 +23,41 @@ pub struct Process {
 /// One harmonic of the temperature.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cycle {
-    /// How long it takes.
+    /// The period.
     pub period: f64,
-    /// a of a cos(w t + phi), with t = 0 at the first sample.
+    /// The amplitude a of a cos(w t + phi), with t = 0 at the first sample.
     pub amplitude: f64,
-    /// phi, in radians.
+    /// The phase phi, in radians.
     pub phase: f64,
     /// The standard error of the amplitude.
     pub error: f64,
 }
 
-/// A temperature in the form of a scenario, with the errors of all its parameters.
+/// A model of a temperature in the form of a scenario, with the errors of all its parameters.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WeatherFit {
-    /// How many samples there were.
+    /// Number of samples.
     pub samples: usize,
-    /// The time from the first of them to the last.
+    /// The time from the first sample to the last.
     pub duration: f64,
-    /// The standard deviation of what the thermometer adds to every sample; 0 where the data do not
-    /// ask for it.
+    /// The standard deviation of the white noise that the thermometer adds to every sample; 0 if
+    /// the data do not clearly show any.
     pub white: f64,
     /// log L, the logarithm of the restricted likelihood.
     pub log_likelihood: f64,
     /// The periods of the harmonics.
     periods: Vec<f64>,
-    /// a_0, b_1, c_1, b_2 ..
+    /// a_0, b_1, c_1, b_2, ...
     coefficients: Estimates,
-    /// log theta_1, log sd_1, log theta_2 .., the fastest process first.
+    /// log theta_1, log sd_1, log theta_2, ..., the fastest process first.
     logarithms: Estimates,
 }
 
-/// Estimates whose errors are normal.
+/// Estimates with normal errors.
 #[derive(Clone, Debug, PartialEq)]
 struct Estimates {
     values: Vec<f64>,
-    /// Cholesky's factor of the covariance of their errors.
+    /// The Cholesky factor of the covariance of the errors.
     factor: Matrix,
 }
 
@@ -76,28 +76,28 @@ impl Estimates {
     }
 }
 
-/// Why there is no model of a temperature.
+/// Why a temperature has no model.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum WeatherError {
-    /// Too few samples.
+    /// The record has too few samples.
     #[error("{0} samples tell no weather; at least {LEAST} are needed")]
     TooShort(usize),
-    /// The record does not cover a period.
+    /// The record is shorter than half a period.
     #[error("the record is shorter than half a period of {0} s, so it does not tell that harmonic")]
     ShorterThanPeriod(f64),
-    /// Two harmonics of one period.
+    /// Two harmonics have the same period.
     #[error("one period is named twice: {0} s")]
     PeriodTwice(f64),
-    /// There is nothing to fit.
+    /// The samples leave nothing to fit.
     #[error("no process explains these samples: is the temperature constant, or purely periodic?")]
     NoProcess,
-    /// Two processes have the same rate, or one of them is nothing.
+    /// Two processes cannot be distinguished: they have the same rate, or one of them is zero.
     #[error("the samples do not tell two processes apart")]
     OneIsEnough,
 }
 
 impl WeatherError {
-    /// What to measure or look at.
+    /// What the user can do about it.
     pub fn remedy(&self) -> &'static str {
         match self {
             WeatherError::TooShort(_) => "measure for longer",
@@ -109,23 +109,24 @@ impl WeatherError {
     }
 }
 
-/// Fewer samples than this are no record.
+/// Fewest samples of a record.
 const LEAST: usize = 100;
 
-/// White noise is kept if twice the logarithm of the likelihood gains more than this: chance gains
-/// as much in one of 3000 records (half of chi^2 with one degree of freedom).
+/// White noise is kept if twice the logarithm of the likelihood gains more than this. By chance it
+/// gains as much in one of 3000 records (half of chi^2 with one degree of freedom).
 const CONVINCING: f64 = 12.0;
 
-/// When the deviances of a simplex agree to this, the parameters are known to a thousandth of their
-/// errors.
+/// The search ends when the deviances of the simplex agree to this. The parameters are then known
+/// to a thousandth of their errors.
 const ENOUGH: f64 = 1e-6;
 
-/// Find the likeliest harmonics of these periods, and one process or two, for samples at ascending
-/// times.
+/// Fit harmonics of these periods and one or two processes to samples at ascending times, by the
+/// largest restricted likelihood.
 ///
 /// # Errors
 ///
-/// Where the samples do not tell.
+/// If the record is too short, a period is named twice, or the samples do not determine the
+/// processes.
 pub fn fit(times: &[f64], temperatures: &[f64], periods: &[f64], processes: usize) -> Result<WeatherFit, WeatherError> {
     let n = times.len();
     if n < LEAST {
@@ -140,13 +141,14 @@ pub fn fit(times: &[f64], temperatures: &[f64], periods: &[f64], processes: usiz
     }
     let samples = Samples::new(times, temperatures, periods);
     let interval = duration / (n as f64 - 1.0);
-    // A memory of half a day, or of three hours and four days.
+    // The search starts from a correlation time of half a day, or from three hours and four days.
     let starts: &[f64] = if processes == 1 { &[0.5] } else { &[0.125, 4.0] };
     let day = 86_400f64.min(duration / 20.0).max(4.0 * interval);
     let mut start: Vec<f64> = starts.iter().map(|days| libm::log(1.0 / (days * day))).collect();
     start.resize(2 * starts.len() - 1, 0.0);
     let (exact, without) = simplex::lowest(&start, 0.7, ENOUGH, |x| samples.deviance(x, None));
-    // From a hundredth of the variance that a step of the fastest process has.
+    // The search for white noise starts from a hundredth of the variance that the fastest process
+    // gains per step.
     let white_start = [&exact[..], &[libm::log(0.02 * libm::exp(exact[0]) * interval)]].concat();
     let (noisy, with) =
         simplex::lowest(&white_start, 0.7, ENOUGH, |x| samples.deviance(&x[..start.len()], x.last().copied()));
@@ -155,7 +157,7 @@ pub fn fit(times: &[f64], temperatures: &[f64], periods: &[f64], processes: usiz
     samples.weather(found, white, duration)
 }
 
-/// What was measured, beside the columns of the regression.
+/// The samples, with the columns of the regression.
 struct Samples<'a> {
     times: &'a [f64],
     columns: Vec<Vec<f64>>,
@@ -174,8 +176,9 @@ impl<'a> Samples<'a> {
         Samples { times, columns, periods }
     }
 
-    /// The numbers that are searched: log theta of each process, the logarithm of the variance of
-    /// the second over that of the first; and that of white noise beside them.
+    /// The likelihood of a point of the search. `x` holds log theta of each process and, for two
+    /// processes, the logarithm of the variance of the second over that of the first; `white` is
+    /// the logarithm of the variance of the white noise over the same.
     fn likelihood(&self, x: &[f64], white: Option<f64>) -> Option<Likelihood> {
         likelihood(self.times, &self.columns, &shape(x, white))
     }
@@ -184,7 +187,7 @@ impl<'a> Samples<'a> {
         self.likelihood(x, white).map_or(f64::INFINITY, |found| found.deviance)
     }
 
-    /// The result, at the best point.
+    /// The result at the best point.
     fn weather(&self, x: &[f64], white: Option<f64>, duration: f64) -> Result<WeatherFit, WeatherError> {
         let best = self.likelihood(x, white).ok_or(WeatherError::NoProcess)?;
         let shape = shape(x, white);
@@ -215,14 +218,14 @@ impl<'a> Samples<'a> {
         })
     }
 
-    /// The covariance of the errors of log theta_1, log sd_1, log theta_2 ..: twice the inverse of
-    /// the second derivatives of the deviance, whose second derivative by the logarithm of the
-    /// scale is n - p.
+    /// The covariance of the errors of log theta_1, log sd_1, log theta_2, .... It is twice the
+    /// inverse of the second derivatives of the deviance; the second derivative with respect to the
+    /// logarithm of the scale is n - p.
     fn errors(&self, x: &[f64], white: Option<f64>, lowest: f64) -> Option<Matrix> {
         let n = (self.times.len() + 1 - self.columns.len()) as f64;
         let all: Vec<f64> = x.iter().copied().chain(white).collect();
         let at = |moved: &[f64]| self.deviance(&moved[..x.len()], moved.get(x.len()).copied());
-        // Steps that move the deviance by about one, where differences of it have many digits.
+        // Each step changes the deviance by about one, so that differences of it keep many digits.
         let step = |i: usize| {
             let mut step = 0.02;
             for _ in 0..40 {
@@ -248,7 +251,7 @@ impl<'a> Samples<'a> {
             }
         }
         let profiled = inverse(&cholesky(&bends)?);
-        // The logarithm of the scale follows the others along its best value: s(x).
+        // The derivative of the logarithm of the best scale s^2 with respect to x.
         let slope: Vec<f64> = (0..all.len())
             .map(|i| {
                 let scale = |sign: f64| {
@@ -259,7 +262,8 @@ impl<'a> Samples<'a> {
                 (scale(1.0) - scale(-1.0)) / (2.0 * steps[i])
             })
             .collect();
-        // Rows of d(log theta_1, log sd_1, ..)/d(x) and d/d(log s^2).
+        // Each row holds the derivatives of one of log theta_1, log sd_1, ... with respect to x,
+        // and that with respect to log s^2.
         let m = x.len().div_ceil(2);
         let mut rows = Vec::new();
         for j in 0..m {
@@ -278,7 +282,7 @@ impl<'a> Samples<'a> {
     }
 }
 
-/// With these of the numbers moved.
+/// The numbers with some of them moved.
 fn with(all: &[f64], moves: &[(usize, f64)]) -> Vec<f64> {
     let mut moved = all.to_vec();
     moves.iter().for_each(|(i, by)| moved[*i] += by);
@@ -303,7 +307,7 @@ impl WeatherFit {
         (self.coefficients.values[0], self.coefficients.error(0))
     }
 
-    /// The harmonics, by the periods that were asked for.
+    /// The harmonics, in the order of the periods that were given.
     pub fn cycles(&self) -> Vec<Cycle> {
         let Estimates { values: b, .. } = &self.coefficients;
         let cycle = |(i, period): (usize, &f64)| {
@@ -318,7 +322,7 @@ impl WeatherFit {
         self.periods.iter().enumerate().map(cycle).collect()
     }
 
-    /// The processes, the fastest one first.
+    /// The processes, the fastest first.
     pub fn processes(&self) -> Vec<Process> {
         let of = |(j, pair): (usize, &[f64])| Process {
             relaxation_rate: libm::exp(pair[0]),
@@ -329,13 +333,13 @@ impl WeatherFit {
         self.logarithms.values.chunks_exact(2).enumerate().map(of).collect()
     }
 
-    /// The likeliest temperature, as a scenario has it: its noise is stationary from t = 0 on,
-    /// which is the first sample.
+    /// The most likely temperature in the form of a scenario. Its noise is stationary from t = 0
+    /// on, which is the first sample.
     pub fn temperature(&self) -> Temperature {
         self.of(&self.coefficients.values, &self.logarithms.values)
     }
 
-    /// A temperature with parameters drawn from the law of their errors.
+    /// A temperature with parameters drawn from the distribution of their errors.
     pub fn drawn(&self, random: &mut Stream) -> Temperature {
         let coefficients = self.coefficients.drawn(random);
         let logarithms = self.logarithms.drawn(random);
@@ -353,7 +357,7 @@ impl WeatherFit {
         }
         let mut noises = logarithms.chunks_exact(2).map(|pair| {
             let (rate, sd) = (libm::exp(pair[0]), libm::exp(pair[1]));
-            // v has the standard deviation 1, so rho is that of the temperature.
+            // v has the standard deviation 1, so rho is the standard deviation of the temperature.
             let diffusion = (2.0 * rate).sqrt();
             Noise { intensity: sd, relaxation_rate: rate, diffusion, initial: InitialNoise::Stationary }
         });
@@ -379,8 +383,8 @@ mod tests {
         }
     }
 
-    /// A year of 12 degrees and 8 of amplitude, days of 4, weather of 3.5 K and 3 days and of 0.7 K
-    /// and 2 hours.
+    /// A mean of 12 degrees, a yearly harmonic of amplitude 8 and a daily one of 4, and weather of
+    /// 3.5 K with 3 days and of 0.7 K with 2 hours.
     pub(super) fn truth() -> Temperature {
         let harmonic = |amplitude: f64, period: f64, phase: f64| Harmonic {
             amplitude,
@@ -395,10 +399,10 @@ mod tests {
         }
     }
 
-    /// 40 records of 300 days, every hour. Null: each parameter over its error is standard normal.
-    /// The mean square over 40 has an sd of 0.22 then, so 1.9 is exceeded by chance once in 20 000
-    /// times, and 0.35 undercut in 10 000; a factor of 2 in an error makes it 4 or 0.25. There are
-    /// nine such numbers.
+    /// 40 records of 300 days, with a sample every hour. Null: each parameter's error divided by
+    /// its standard error is standard normal. The mean square over 40 records then has an sd of
+    /// 0.22. By chance it exceeds 1.9 once in 20 000 times and is below 0.35 once in 10 000. A
+    /// factor of 2 in a standard error makes it 4 or 0.25. There are seven such numbers.
     #[test]
     fn parameters_are_off_by_as_much_as_their_errors_say() {
         let truth = truth();
@@ -427,9 +431,10 @@ mod tests {
         assert!(squares.iter().all(|mean| (0.35..1.9).contains(mean)), "{squares:?}");
     }
 
-    /// A thermometer that shows whole halves of a degree adds 0.144 K to every sample; without a
-    /// white part the fast process would take it up and remember minutes. Four records of 140 days
-    /// without a year: each z is below 4 but once in 16 000 times.
+    /// A thermometer that shows multiples of half a degree adds 0.144 K to every sample. Without a
+    /// white part, the fast process would have to explain it, with a correlation time of minutes.
+    /// There are four records of 140 days without a yearly harmonic; |z| exceeds 4 by chance once
+    /// in 16 000 times.
     #[test]
     fn a_coarse_thermometer_is_told_from_weather() {
         let mut truth = truth();
@@ -447,8 +452,8 @@ mod tests {
         }
     }
 
-    /// Draws are spread as the errors say: 4000 of them, of the mean and of the logarithm of a
-    /// rate; 4 standard errors of a standard deviation are 4.5 %.
+    /// 4000 draws of the mean and of the logarithm of a rate scatter as their standard errors say.
+    /// Four standard errors of a standard deviation are 4.5 %.
     #[test]
     fn draws_have_the_errors_of_the_fit() {
         let [times, temperatures] = drawn(&truth(), 7200, 3600.0, 7);

@@ -1,54 +1,54 @@
-//! The exact likelihood of samples of Ornstein-Uhlenbeck processes and a regression, by a Kalman
+//! The exact likelihood of samples of Ornstein-Uhlenbeck processes plus a regression, by a Kalman
 //! filter.
 //!
-//! The state is (u_1, u_2), stationary at the first sample. Filtering is linear, so the innovations
-//! of y - X b are those of y less those of the columns of X times b. Hence one pass over y and all
-//! columns together gives the weighted regression, the best b, and the best scale s^2 of all
-//! variances:
+//! The state is (u_1, u_2), stationary at the first sample. The filter is linear, so the
+//! innovations of y - X b are those of y minus those of the columns of X times b. One pass over y
+//! and all columns together therefore gives the weighted regression, the best b, and the best scale
+//! s^2 of all variances:
 //!
 //! ```text
 //! -2 log L = sum_k log S_k + log det(sum_k X_k X_k^T/S_k) + (n - p) (1 + log(2 pi s^2))
 //! s^2 = (sum_k e_k^2/S_k)/(n - p)
 //! ```
 //!
-//! with S_k the variance of innovation k where s = 1, e and X the innovations of y - X b and of the
-//! columns, and p the number of columns. This is the restricted likelihood (Patterson and Thompson,
-//! Biometrika 58, 1971): a mean and harmonics that are fitted take their share of the slow weather,
-//! and the plain likelihood would leave that out of its variance.
+//! Here S_k is the variance of innovation k for s = 1, e and X are the innovations of y - X b and
+//! of the columns, and p is the number of columns. This is the restricted likelihood (Patterson and
+//! Thompson, Biometrika 58, 1971). The fitted mean and harmonics absorb a part of the slow weather,
+//! and the plain likelihood would underestimate its variance by that part.
 
 use crate::study::linear::{Matrix, cholesky, inverse, solve};
 use std::f64::consts::TAU;
 
-/// The processes in units of the first one's variance.
+/// The processes, with all variances relative to that of the first.
 #[derive(Clone, Debug)]
 pub struct Shape {
-    /// theta_j, and the variance of u_j over that of u_1.
+    /// theta_j, and the variance of u_j divided by that of u_1.
     pub processes: Vec<(f64, f64)>,
-    /// r, over the variance of u_1.
+    /// r, divided by the variance of u_1.
     pub white: f64,
 }
 
-/// What the samples say of one shape.
+/// The likelihood of the samples for one shape.
 #[derive(Clone, Debug)]
 pub struct Likelihood {
-    /// -2 log L, restricted, where b and s are best.
+    /// -2 log L, restricted, for the best b and s.
     pub deviance: f64,
     /// The best b.
     pub coefficients: Vec<f64>,
-    /// The covariance of their errors.
+    /// The covariance of the errors of b.
     pub covariance: Matrix,
-    /// s^2: the variance of u_1.
+    /// s^2, the variance of u_1.
     pub scale: f64,
 }
 
-/// At most so many processes.
+/// Largest number of processes.
 const STATES: usize = 2;
 
-/// A filter of samples at even times has settled when the variance of an innovation changes by less
-/// than this, relative.
+/// For evenly spaced samples, the filter has settled when the variance of an innovation changes by
+/// less than this, relative to it.
 const SETTLED: f64 = 1e-13;
 
-/// The variances and gains of the filter, which do not depend on what was measured.
+/// The variances and gains of the filter, which do not depend on the measured values.
 struct Filter<'a> {
     shape: &'a Shape,
     /// The covariance of the states, given the samples so far.
@@ -61,7 +61,7 @@ struct Filter<'a> {
 }
 
 impl<'a> Filter<'a> {
-    /// At the first sample, where the processes are stationary.
+    /// The filter at the first sample, where the processes are stationary.
     fn new(shape: &'a Shape) -> Self {
         let mut covariance = [[0.0; STATES]; STATES];
         for (j, (_, variance)) in shape.processes.iter().enumerate() {
@@ -75,7 +75,8 @@ impl<'a> Filter<'a> {
 
     /// Go on to the next sample, a time h later.
     fn go(&mut self, h: f64) {
-        // Stamps are whole seconds, but differences of what follows from them are rounded.
+        // Stamps are whole seconds, but times computed from them are rounded, so intervals may
+        // differ slightly.
         if (h - self.interval).abs() > 1e-9 * h {
             (self.interval, self.has_settled) = (h, false);
             for (decay, (theta, _)) in self.decay.iter_mut().zip(&self.shape.processes) {
@@ -98,7 +99,8 @@ impl<'a> Filter<'a> {
         self.has_settled = (self.variance - before).abs() <= SETTLED * before;
     }
 
-    /// The variance of the innovation, and what it tells of the states.
+    /// Compute the variance of the innovation, and update the covariance of the states with the
+    /// sample.
     fn see(&mut self) {
         let p = self.covariance;
         let seen = p.map(|row| row.iter().sum::<f64>());
@@ -108,11 +110,12 @@ impl<'a> Filter<'a> {
     }
 }
 
-/// The likelihood of samples at ascending times. `columns` are those of X and then y, each as long
-/// as `times`. None where the shape explains nothing, or the columns of X do not differ.
+/// The likelihood of samples at ascending times. `columns` holds the columns of X and then y, each
+/// as long as `times`. `None` if the shape explains nothing, or if the columns of X are linearly
+/// dependent.
 pub fn likelihood(times: &[f64], columns: &[Vec<f64>], shape: &Shape) -> Option<Likelihood> {
     let mut filter = Filter::new(shape);
-    // The estimates of both states and the innovation, column by column.
+    // The estimates of both states and the innovation, for each column.
     let mut tracks = vec![([0.0; STATES], 0.0); columns.len()];
     let mut gram = vec![vec![0.0; columns.len()]; columns.len()];
     let mut log_variances = 0.0;
@@ -138,7 +141,7 @@ pub fn likelihood(times: &[f64], columns: &[Vec<f64>], shape: &Shape) -> Option<
     regression(&gram, times.len() as f64, log_variances)
 }
 
-/// From the products of all innovations, of which the lower half is there.
+/// The regression from the products of all innovations, of which the lower triangle is given.
 fn regression(gram: &Matrix, n: f64, log_variances: f64) -> Option<Likelihood> {
     let (y, products) = gram.split_last()?;
     let (square, right) = y.split_last()?;
@@ -161,8 +164,9 @@ mod tests {
     use super::*;
     use crate::noise::Stream;
 
-    /// The same likelihood from the whole covariance matrix: samples at uneven times and then at
-    /// even ones, which settle the filter; two processes, white noise, a mean and a slope.
+    /// The same likelihood from the full covariance matrix. The samples are at uneven times first
+    /// and then at even ones, for which the filter settles. There are two processes, white noise, a
+    /// mean and a slope.
     #[test]
     fn the_likelihood_is_that_of_the_whole_covariance_matrix() {
         let mut random = Stream::new(4, 0);

@@ -1,5 +1,5 @@
-//! From a measured temperature to a model of it: a mean, harmonics, and one or two
-//! Ornstein-Uhlenbeck processes.
+//! A model of a measured temperature: a mean, harmonics, and one or two Ornstein-Uhlenbeck
+//! processes.
 //!
 //! ```text
 //! T(t_k) = a_0 + sum_i (b_i cos w_i t_k + c_i sin w_i t_k) + u_1(t_k) + u_2(t_k) + e_k
@@ -7,21 +7,22 @@
 //! ```
 //!
 //! The periods of the harmonics are given, such as a year and a day. Amplitudes, rates and
-//! variances are those of largest restricted likelihood. It is exact for samples at any times: a
-//! Kalman filter gives the innovations (`kalman.rs`), a regression the amplitudes, and the best
-//! scale of all variances follows; so two, three or four numbers are left to be searched
-//! (`simplex.rs`). e is what the thermometer adds by itself, for example because it shows whole
-//! tenths; it is left out of the weather that is simulated, and out of the model unless the data
-//! ask for it.
+//! variances are those of the largest restricted likelihood, which is exact for samples at any
+//! times. A Kalman filter gives the innovations (`kalman.rs`), a regression gives the amplitudes
+//! and the best scale of all variances, and one to four numbers are left to be searched
+//! (`simplex.rs`). The white noise e comes from the thermometer, for example because it shows whole
+//! tenths. It is not part of the weather that is simulated, and it is part of the model only if the
+//! data clearly show it.
 //!
-//! A temperature with one memory is rougher than weather from one sample to the next, or smoother
-//! from day to day. So one process makes too many slips or too few, and two are the default.
+//! With one process, the temperature varies either more than real weather from one sample to the
+//! next, or less from day to day. One process therefore gives too many slips or too few, and two
+//! are the default.
 
 mod fit;
 mod kalman;
 mod simplex;
 
-/// A year and a day, in seconds: the periods that a temperature outdoors has.
+/// A year and a day, in seconds: the periods of an outdoor temperature.
 pub const PERIODS: [f64; 2] = [365.25 * 86_400.0, 86_400.0];
 
 pub use fit::{Cycle, Process, WeatherError, WeatherFit, fit};

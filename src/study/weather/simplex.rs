@@ -1,9 +1,9 @@
-//! The minimum of a smooth function of few numbers, without derivatives.
+//! The minimum of a smooth function of a few numbers, without derivatives.
 //!
 //! Nelder and Mead, *A simplex method for function minimization*, Computer Journal 7 (1965).
 
-/// The lowest point found from a start, with first steps of this length, and its value: until the
-/// values of the simplex agree within `enough`.
+/// The lowest point found, and its value. The search begins at `start` with steps of length `step`,
+/// and ends when the values of the simplex agree within `enough`.
 pub fn lowest(start: &[f64], step: f64, enough: f64, mut f: impl FnMut(&[f64]) -> f64) -> (Vec<f64>, f64) {
     let n = start.len();
     let mut all: Vec<(Vec<f64>, f64)> = (0..=n)
@@ -53,14 +53,15 @@ pub fn lowest(start: &[f64], step: f64, enough: f64, mut f: impl FnMut(&[f64]) -
     all.swap_remove(0)
 }
 
-/// Far more than it takes.
+/// Largest number of steps, far more than are needed.
 const MOST_STEPS: usize = 2000;
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    /// Rosenbrock's valley, which is curved, in two and in four dimensions; the minimum is at ones.
+    /// Rosenbrock's function, which has a curved valley, in two and in four dimensions. Its minimum
+    /// is where all coordinates are 1.
     #[test]
     fn the_end_of_a_curved_valley_is_found() {
         for n in [2, 4] {
