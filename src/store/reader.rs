@@ -42,7 +42,7 @@ pub struct Stored {
 /// What a file of this program holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FileKind {
-    /// An ensemble.
+    /// The ensemble of a run.
     Run,
     /// A trade: the price of accuracy for each scheme.
     Trade,

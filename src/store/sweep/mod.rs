@@ -3,7 +3,7 @@
 //!
 //! ```text
 //! SweepFile::open   takes the lock, and returns the points that are saved already
-//!   -> save         replaces NAME.partial, a complete file of the points that are done, in one step
+//!   -> save         replaces NAME.partial, a complete file of the points done so far, in one step
 //!     -> finish     renames NAME.partial to NAME
 //! read_sweep        reads either of the two
 //! ```

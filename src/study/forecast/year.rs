@@ -5,7 +5,7 @@ use crate::model::{Event, EventKind};
 use crate::scheme::{Instant, Observer, Snapshot};
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// A number of a year.
+/// A quantity that is kept of a simulated year.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Quantity {
     /// The sum of the distances of all slips.

@@ -86,7 +86,7 @@ pub enum TradeError {
     /// A scheme does not go with the scenario.
     #[error(transparent)]
     Misfit(#[from] Misfit),
-    /// time.end = 0.
+    /// The duration of the scenario, `time.end`, is 0.
     #[error("`time.end` is 0: nothing happens, and there is nothing to compare; give `time.end` a value above 0")]
     NothingHappens,
     /// Not even the reference fits into the budget.
