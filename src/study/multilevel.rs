@@ -102,9 +102,9 @@ pub enum MultilevelError {
 }
 
 impl Multilevel {
-    /// A study of `statistic`, which must be a mean over paths; `None` otherwise. `None` also
-    /// without noise, because then one path gives the value, and where the scheme cannot simulate
-    /// the noise.
+    /// A study of `statistic`. `None` if it is not a mean over paths, without noise (one path then
+    /// gives the value), with noise that the scheme cannot simulate, and if the duration is 0 or
+    /// takes too many steps.
     pub fn new(model: &Model, end: f64, statistic: Statistic, seed: u64) -> Option<Self> {
         value_of(statistic)?;
         // The scheme simulates a single noise, and its steps do not fall on the samples that noise
