@@ -11,8 +11,8 @@ pub fn can_be_computed_with(sizes: &[f64]) -> bool {
     sizes.iter().all(|size| *size <= LARGEST)
 }
 
-/// v is taken never to exceed so many standard deviations: beyond 40, exp(-40^2/2) is below the
-/// smallest double.
+/// The number of standard deviations that v is taken never to exceed: beyond 40, exp(-40^2/2) is
+/// below the smallest double.
 const FARTHEST_SD: f64 = 40.0;
 
 impl Model {

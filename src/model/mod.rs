@@ -52,6 +52,6 @@ pub struct Model {
     pub friction: Friction,
     /// The temperature, which drives the oscillator.
     pub temperature: Temperature,
-    /// x(0); the velocity starts at zero.
+    /// x(0), a length; the velocity starts at zero.
     pub initial_displacement: f64,
 }

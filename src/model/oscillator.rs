@@ -7,7 +7,7 @@ pub struct Oscillator {
     pub mass: f64,
     /// K > 0, the stiffness of the spring, a force per length.
     pub stiffness: f64,
-    /// alpha >= 0; the damping force is 2 alpha x'.
+    /// alpha >= 0, a force per velocity; the damping force is 2 alpha x'.
     pub damping: f64,
     /// beta, a length per temperature; the rest position of the spring is beta T.
     pub dilatation: f64,

@@ -19,22 +19,22 @@ pub struct Harmonic {
 /// One noise of the temperature, rho v(t) with dv = -theta v dt + sigma dW.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Noise {
-    /// rho >= 0.
+    /// rho >= 0, the weight of v in T, in units of temperature (v is a pure number).
     pub intensity: f64,
-    /// theta > 0.
+    /// theta > 0, the relaxation rate, per unit of time.
     pub relaxation_rate: f64,
-    /// sigma >= 0.
+    /// sigma >= 0, the diffusion, per square root of a unit of time.
     pub diffusion: f64,
-    /// v(0).
+    /// The law of v(0).
     pub initial: InitialNoise,
 }
 
-/// The value of v at t = 0.
+/// The start of the noise, v(0).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum InitialNoise {
-    /// This value.
+    /// v(0) has this value.
     At(f64),
-    /// A random value from the stationary law N(0, sigma^2 / (2 theta)).
+    /// v(0) is drawn from the stationary law N(0, sigma^2 / (2 theta)).
     Stationary,
 }
 
@@ -65,7 +65,7 @@ pub struct Temperature {
     /// S, the measured temperature, if there is one. Clones of a model share it.
     pub series: Option<Arc<Series>>,
     /// Whether v is zero at every sample of the series. The noise then describes what the
-    /// temperature may have done between the samples, where it was measured.
+    /// temperature may have done between the samples, at which it is known.
     pub is_pinned: bool,
     /// The noise as it is given, if there is one. A noise that is zero at all times is kept here,
     /// but not in [`Temperature::effective_noise`].

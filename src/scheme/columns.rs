@@ -12,7 +12,7 @@ pub(super) struct Columns {
 }
 
 impl Columns {
-    /// Buffers for so many lanes.
+    /// Buffers for `lanes` lanes.
     pub(super) fn new(lanes: usize) -> Self {
         let zeros = vec![0.0; lanes];
         Columns {

@@ -67,8 +67,8 @@ pub trait Simulate: Sized {
         None
     }
 
-    /// How many paths are best simulated together, if there are so many. The result of a path does
-    /// not depend on this number.
+    /// The number of paths that are best simulated together, if there are as many. The result of a
+    /// path does not depend on this number.
     fn paths_abreast(&self) -> usize {
         1
     }

@@ -6,22 +6,22 @@ pub enum Stability {
     /// The explicit step of an undamped oscillator adds energy to a slip, however short the step
     /// is. Above the critical amplitude, friction takes away less energy than the step adds.
     Undamped {
-        /// A_c = 4 f_d / (pi w0 h K).
+        /// A_c = 4 f_d / (pi w0 h K), a length.
         critical_amplitude: f64,
     },
     /// The explicit step of an underdamped oscillator, alpha^2 < K m, is stable below a limit.
     Underdamped {
-        /// The limit: 2 alpha / K.
+        /// The limit 2 alpha / K of the step, a time.
         largest_step: f64,
     },
     /// The explicit step of an overdamped oscillator, alpha^2 >= K m, is stable below a limit.
     Overdamped {
-        /// The limit: 2 / |lambda_max|.
+        /// The limit 2 / |lambda_max| of the step, a time.
         largest_step: f64,
     },
     /// A step that moves with the new velocity is stable below a limit, with and without damping.
     NewVelocity {
-        /// The limit: 2 / (w0 (z + sqrt(1 + z^2))), where z = alpha / (m w0).
+        /// The limit 2 / (w0 (z + sqrt(1 + z^2))) of the step, a time, where z = alpha / (m w0).
         largest_step: f64,
     },
 }

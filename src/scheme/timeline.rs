@@ -4,7 +4,7 @@
 /// The instants at which every path is observed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Timeline {
-    /// t_end >= 0.
+    /// t_end >= 0, the end of the run.
     pub end: f64,
     /// The spacing s of the output grid 0, s, 2s, ... <= t_end.
     pub output_step: f64,
@@ -27,12 +27,12 @@ pub enum Instant {
     End,
 }
 
-/// One instant with its time.
+/// An instant and its time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stop {
-    /// Why the paths are observed then.
+    /// t, a time.
     pub time: f64,
-    /// Why.
+    /// Why the paths are observed at this time.
     pub instant: Instant,
 }
 

@@ -22,7 +22,7 @@ const PADDING: usize = 8;
 /// The coefficients of the step.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Coefficients {
-    /// h
+    /// h, the time step
     pub h: f64,
     /// h/m
     pub h_over_m: f64,
@@ -147,7 +147,7 @@ pub(super) struct Paths {
 }
 
 impl Paths {
-    /// The number of lanes for so many paths.
+    /// The number of lanes for `paths` paths: whole registers.
     pub(super) fn padded(paths: usize) -> usize {
         paths.next_multiple_of(PADDING)
     }

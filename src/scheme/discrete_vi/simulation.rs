@@ -7,7 +7,7 @@ use crate::model::{HarmonicClock, InitialNoise, Model, Phase};
 use crate::noise::LaneStreams;
 use crate::scheme::{Observer, Simulate, Snapshot, Timeline};
 
-/// A path counts as diverged beyond so many times the largest displacement to be expected of the
+/// A path counts as diverged beyond this multiple of the largest displacement to be expected of the
 /// exact model.
 const DIVERGENCE_MARGIN: f64 = 10.0;
 

@@ -385,7 +385,7 @@ pub struct Inside {
 }
 
 impl Inside {
-    /// Starts a new cell with these stops, at which so many paths are observed.
+    /// Starts a new cell with these stops, at which `paths` paths are observed.
     fn begin(&mut self, stops: impl Iterator<Item = Stop>, cell: &Cell, paths: usize, closeness: usize) {
         self.stops.clear();
         self.stops.extend(stops);

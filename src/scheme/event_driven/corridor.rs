@@ -24,7 +24,7 @@ use crate::noise::bridge_middle;
 /// The number in the width rule: pieces of at most width^2 / (WIDTH_RULE s^2) are decided.
 const WIDTH_RULE: f64 = 8.0;
 
-/// After so many halvings a piece is decided, whatever its bend.
+/// The number of halvings after which a piece is decided, whatever its bend.
 const DEPTH: usize = 60;
 
 /// Finds the exits from sticks.

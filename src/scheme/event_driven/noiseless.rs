@@ -305,10 +305,10 @@ impl Noiseless {
         by_acceleration.max(by_jerk).min(self.span).max(self.indeterminate_start())
     }
 
-    /// The time after the start of a slip or a stick from which on it is resolved, where the start
-    /// has no definite sign. A function of size 1 whose value and slope vanish does not rise above
-    /// its own rounding error earlier: a cubic reaches eps at eps^{1/3} = 6e-6 of its time scale. A
-    /// hundredth of this time is used.
+    /// The shortest time that is resolved after the start of a phase at which value and slope of
+    /// the function that is searched vanish. A function of size 1 whose value and slope vanish
+    /// stays below its own rounding error for longer than this: a cubic reaches eps at eps^{1/3} =
+    /// 6e-6 of its time scale. A hundredth of that time is used.
     fn indeterminate_start(&self) -> f64 {
         1e-2 * f64::EPSILON.cbrt() * self.span
     }

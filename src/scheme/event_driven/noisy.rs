@@ -78,11 +78,11 @@ struct FlowScratch {
 /// A path, whose `motion` is x'.
 type Path = cell_loop::Path<f64>;
 
-/// Where the body oscillates more than so many times faster than forcing and noise change, the
-/// length of a cell follows from forcing and noise.
+/// If the fastest rate of the body is more than this multiple of the rates of forcing and noise,
+/// the length of a cell follows from forcing and noise instead.
 const TWO_SCALES: f64 = 16.0;
 
-/// Up to so many paths are simulated one by one, because they do not fill the lanes.
+/// Up to this number of paths are simulated one by one, because they do not fill the lanes.
 const FEW: usize = 8;
 
 impl Noisy {
@@ -572,8 +572,8 @@ pub const SHORTEST: f64 = 1e-8;
 /// balance of forces.
 const ROUNDED: f64 = 1e-6;
 
-/// No draw is further from its mean than so many standard deviations, which are at most c sqrt(h)
-/// for a and c h^{3/2} for V.
+/// No draw is further from its mean than this number of standard deviations. These are at most c
+/// sqrt(h) for a and c h^{3/2} for V.
 const MOST_DEVIATIONS: f64 = 10.0;
 
 /// Newton steps from the stop of the quintic to that of the exact motion.

@@ -197,7 +197,7 @@ impl<F: Flow> Piece for SlipPiece<'_, F> {
     }
 }
 
-/// A piece of a stick that does not end before the end of the piece.
+/// A piece of a stick. The stick lasts at least until the end of the piece.
 #[derive(Clone, Copy, Debug)]
 pub struct StickPiece {
     /// The times at which it begins and ends, after the start of the cell.
@@ -206,7 +206,7 @@ pub struct StickPiece {
     pub noise: (f64, f64),
     /// b at both ends.
     pub force: (f64, f64),
-    /// x.
+    /// x, which is constant in a stick.
     pub displacement: f64,
     pub kind: StickEnd,
 }

@@ -32,7 +32,7 @@ pub struct Unresolved;
 pub const WORK_LIMIT: u64 = 100_000_000;
 
 impl Work {
-    /// A limit of so many evaluations.
+    /// A limit of `limit` evaluations.
     pub fn new(limit: u64) -> Self {
         Work { left: limit }
     }

@@ -59,7 +59,7 @@ struct Queue {
 }
 
 impl Jobs {
-    /// For so many lanes, a whole number of registers.
+    /// Tables and queues for `lanes` lanes, a whole number of registers.
     pub fn new(lanes: usize) -> Self {
         let rows = lanes + ROW;
         Jobs {
@@ -212,7 +212,7 @@ impl<L: Lanes> Count<L> {
         L::from_integers(self.behind()).le(L::splat(0.0))
     }
 
-    /// The lanes with at least so many waiting pieces, or attempts.
+    /// The lanes with at least `many` waiting pieces, or attempts.
     #[inline(always)]
     pub fn has(self, many: f64) -> L::Mask {
         L::from_integers(self.behind()).ge(L::splat(many))

@@ -80,7 +80,7 @@ struct States {
 /// simulated alone.
 const MOST_ODD: usize = 4;
 
-/// The decision for `MOST_ODD` is made after so many flagged lanes.
+/// The number of flagged lanes after which the decision for `MOST_ODD` is made.
 const FLAGGED: usize = 512;
 
 impl<'a> Abreast<'a> {
