@@ -1,7 +1,13 @@
-"""Monte Carlo of an oscillator with dry friction, in memory.
+"""Monte Carlo simulation of an oscillator with dry friction.
 
-The engine is that of the command `mc`: the same scenarios, the same messages, the same bits. What the command writes into a file comes
-back as an `xarray.Dataset` with the same variables, dimensions, units and attributes.
+A body on a spring sticks while the force on it stays below a static threshold, and slips against a
+dynamic one. A temperature with harmonics and noise drives it. The package simulates an ensemble of
+paths of such a body, in memory, and returns statistics with confidence intervals as
+`xarray.Dataset`.
+
+The engine is that of the command `mc`: the same scenarios, the same messages, and the same results
+to the last bit. A data set has the variables, dimensions, units and attributes of the file that the
+command would write.
 
     import stickslip as ss
     ds = ss.run("rho025", paths=10_000)
@@ -20,9 +26,16 @@ from ._run import merge, replay, run
 from ._scenario import ScenarioLike
 from ._studies import sweep, trade
 from ._verify import Verified, verify
-from .errors import ArgumentError, RunError, ScenarioError, StickSlipError, StickSlipWarning, VerificationError
+from .errors import (
+    ArgumentError,
+    RunError,
+    ScenarioError,
+    StickSlipError,
+    StickSlipWarning,
+    VerificationError,
+)
 
-#: Version of the package, which is that of the command.
+#: Version of the package. It is also the version of the command.
 __version__: str = _native.VERSION
 
 #: Names of all statistics, in the order of the coordinate `statistic`.

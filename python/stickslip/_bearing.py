@@ -1,4 +1,4 @@
-"""Measured bearings: calibration, the weather, a forecast of years to come, and synthetic measurements."""
+"""Measured bearings: calibration, weather, forecast of future years, and synthetic measurements."""
 
 from __future__ import annotations
 
@@ -38,36 +38,58 @@ def calibrate(
     set: Settings | None = None,
     threads: int | None = None,
 ) -> xr.Dataset:
-    """Friction, stiffness and dilatation of a bearing from its measured temperature and displacement, like `mc calibrate`.
+    """Estimate friction, stiffness and dilatation of a bearing from its measured temperature and
+    displacement, like `mc calibrate`.
+
+    After Ctrl-C the least squares use the starting points that are done, with a `StickSlipWarning`.
 
     Args:
-        scenario: K_BP, where a search begins, and the columns of the data. It needs no `[time]`.
-        data: a CSV file; a pandas DataFrame with the columns that such a file has; or measured temperatures along time in degrees, as
-            a pandas Series, a one-dimensional DataArray or a pair (times, values), with times in seconds or dates.
-        displacement: of a CSV file or a DataFrame, the column of displacements; else measured displacements along time, in m.
-        method: "slips", the paper's least squares "err", or "both".
-        fit: keys of the parameters to fit; the others are held at what the scenario says. All if not given.
-        bounds: between which values the least squares look for a parameter.
-        starts: how many starts the least squares have.
-        lag: seconds by which steel is behind the thermometer; estimated if not given.
-        interval: the probability with which an interval is to hold the truth, from 0.5 to 0.999.
-        temperature: the CSV file of temperatures, if they are not in that of displacements.
-        unit: of displacements in a CSV file, if the name of their column does not say it: m, cm, mm or um.
-        set: as for `run`.
-        threads: as for `run`.
+        scenario: as for `run`, in SI units: the stiffness K_BP of the bearing, where a search
+            begins, and the names of the columns of the data. It needs no table `[time]`.
+        data: the measurement: the path of a CSV file, a pandas DataFrame with the columns that such
+            a file has, or only the measured temperatures over time in degrees Celsius, as a pandas
+            Series, a one-dimensional DataArray or a pair (times, values) of one-dimensional arrays.
+            Times are in seconds, or dates.
+        displacement: the measured displacements. For a file or a DataFrame, the name of their
+            column; by default the one whose name begins with `displacement`. Otherwise
+            displacements over time in metres, in any of the forms of the temperatures, with the
+            same or other times.
+        method: "slips" to estimate from the slips, "err" for the least squares of the paper, or
+            "both".
+        fit: the keys of the parameters to fit; all if none is given. The others keep the value that
+            the scenario gives them.
+        bounds: for the least squares, the lowest and the highest value of a parameter by its key,
+            e.g. `{"friction.static": (4e5, 6e5)}`. By default a box around the estimates from the
+            slips.
+        starts: number of starting points of the least squares, from 1 to 1000.
+        lag: delay of the temperature of the steel behind the thermometer, in seconds or as a
+            timedelta; estimated if not given.
+        interval: confidence level of the intervals, from 0.5 to 0.999.
+        temperature: the path of the CSV file of temperatures, if `data` is a file that lacks them.
+        unit: unit of the displacements in a file or a DataFrame, if the name of their column does
+            not say it: "m", "cm", "mm" or "um".
+        set: further keys of the scenario with their values, as for `run`.
+        threads: number of threads; one for each core if not given.
 
     Returns:
-        Estimates with intervals along `quantity`, the slips that were seen, the record, and what the model makes of it.
+        Along `quantity`, the name of a parameter: `estimate` with its interval from `interval_low`
+        to `interval_high`, in the unit `quantity_unit`, and the same by the least squares as
+        `least_squares`, `least_squares_low` and `least_squares_high`. Along `slip`: time,
+        temperature and size of each slip that was found. Along `start`: the result of each starting
+        point. Along `time`, in seconds from the first sample: the measurement, and
+        `displacement_modelled` in metres.
 
     Raises:
         ScenarioError: something in the scenario is wrong.
         ArgumentError: an argument, or something in the data, is wrong.
-        RunError: the record does not tell the parameters.
+        RunError: the measurement does not determine the parameters.
     """
     ready()
     _probability(interval)
     if not 1 <= starts <= 1000:
-        raise wrong_argument("starts", starts, "so many starts are none, or too many", "give 1 to 1000")
+        raise wrong_argument(
+            "starts", starts, "so many starts are none, or too many", "give 1 to 1000"
+        )
     made, remarks = _native.calibrate(
         _given(scenario, set),
         _record(data, displacement, temperature, unit),
@@ -99,36 +121,53 @@ def forecast(
     set: Settings | None = None,
     threads: int | None = None,
 ) -> xr.Dataset:
-    """What years to come do to a bearing, like `mc forecast`: calibrated by its slips, under the weather of the same record.
+    """Simulate future years of a bearing, like `mc forecast`.
+
+    The bearing is calibrated from the slips in its measurement, and the weather is fitted to the
+    temperatures of the same measurement. Years are simulated for the estimated parameters, and for
+    parameters drawn from the distribution of their errors. After Ctrl-C the draws that are done are
+    returned with a `StickSlipWarning`.
 
     Args:
         scenario, data, displacement, temperature, unit, set, threads: as for `calibrate`.
-        draws: how many draws of the parameters of bearing and weather, from the law of their errors.
-        years: how many years for each draw.
-        seed: decides all random numbers.
-        interval: the probability with which an interval is to hold what it is about, from 0.5 to 0.999.
-        share: the share of f_s above which time is counted as loaded, from 0 to below 1.
-        processes: how many Ornstein-Uhlenbeck processes the weather has: 1, or a fast and a slow one.
+        draws: number of draws of the parameters of bearing and weather, from 2 to 10000.
+        years: number of years for each draw, from 2 to 10000.
+        seed: seed of all random numbers.
+        interval: confidence level of the intervals, from 0.5 to 0.999.
+        share: a share of f_s, from 0 to below 1. Time counts as loaded where the friction force is
+            above this share of f_s.
+        processes: number of Ornstein-Uhlenbeck processes in the weather: 1, or 2 for a fast and a
+            slow one.
 
     Returns:
-        Along `quantity`: `expected`, the mean of a year with the likeliest parameters, `expected_low` and `expected_high` for what is not
-        known of the parameters, `year_low` and `year_high` for one year; along `return_period` in years the |z| that is exceeded once in
-        it, in m; and every year that was simulated, each quantity along `draw` and `year`: `sliding_path` in m, `slips`,
-        `displacement_range` and `displacement_abs_max` in m, `loaded_share`, and `force_abs_max` in N where K_BP is known.
+        Along `quantity`, in the unit `quantity_unit`: `expected`, the mean of a year with the most
+        likely parameters, its interval `expected_low` to `expected_high`, which holds the error of
+        the parameters, and the interval `year_low` to `year_high` for a single year. Along
+        `return_period`, in years: `return_level`, the |z| in metres that is exceeded once in this
+        period, with its interval `return_level_low` to `return_level_high`. Along `draw` and
+        `year`, each simulated year: `sliding_path` in m, `slips`, `displacement_range` and
+        `displacement_abs_max` in m, `loaded_share`, and `force_abs_max` in N if K_BP is known.
 
     Raises:
         ScenarioError: something in the scenario is wrong.
         ArgumentError: an argument, or something in the data, is wrong.
-        RunError: the record does not tell the parameters of bearing or weather.
+        RunError: the measurement does not determine the parameters of bearing or weather.
         KeyboardInterrupt: Ctrl-C came before two draws were done.
     """
     ready()
     _probability(interval)
     for name, count in (("draws", draws), ("years", years)):
         if not 2 <= count <= 10_000:
-            raise wrong_argument(name, count, "so many are too few to say how sure it is, or too many", "give 2 to 10000")
+            raise wrong_argument(
+                name,
+                count,
+                "so many are too few to say how sure it is, or too many",
+                "give 2 to 10000",
+            )
     if not 0 <= share < 1:
-        raise wrong_argument("share", share, "it is no share of f_s that friction can hold", "give 0 to below 1")
+        raise wrong_argument(
+            "share", share, "it is no share of f_s that friction can hold", "give 0 to below 1"
+        )
     _one_or_two(processes)
     made, remarks = _native.forecast(
         _given(scenario, set),
@@ -147,21 +186,24 @@ def forecast(
 
 @dataclass(frozen=True)
 class Weather:
-    """What `mc fit-temperature` prints: a measured temperature as a mean, harmonics and noise.
+    """A measured temperature as a mean, harmonics and noise, as `mc fit-temperature` prints it.
 
     Attributes:
-        samples: how many samples were fitted.
-        duration: the time from the first of them to the last, in s.
-        mean: the mean temperature and its standard error, in degrees.
-        harmonics: for each of them `period` in s, `amplitude` in K, `phase` in radians, where a cos(2 pi t/period + phase) counts t from
-            the first sample, and `standard_error` of the amplitude.
-        processes: for each Ornstein-Uhlenbeck process, the fastest first, `sd` in K and `relaxation_rate` in 1/s, with
+        samples: number of samples that were fitted.
+        duration: time from the first to the last sample, in s.
+        mean: the mean temperature and its standard error, in degrees Celsius.
+        harmonics: for each harmonic its `period` in s, `amplitude` in K, `phase` in radians, and
+            the `standard_error` of the amplitude in K. With t from the first sample on, a harmonic
+            is amplitude cos(2 pi t/period + phase).
+        processes: for each Ornstein-Uhlenbeck process, the fastest first, its standard deviation
+            `sd` in K and its `relaxation_rate` in 1/s, with the relative standard errors
             `sd_relative_error` and `relaxation_rate_relative_error`.
-        sensor_sd: what the thermometer adds to every sample, in K; 0 where the data do not ask for it.
-        log_likelihood: logarithm of the restricted likelihood.
-        start: the stamp of the first sample, of a file with stamps.
-        toml: the part of a scenario, to be added to the text of one without a temperature.
-        temperature: the same as the table `temperature` of a dictionary.
+        sensor_sd: standard deviation of the white noise of the thermometer, in K; 0 where the data
+            show none.
+        log_likelihood: logarithm of the restricted likelihood of the fit.
+        start: the date of the first sample, if the times of a file or a DataFrame are dates.
+        toml: the temperature as TOML text, to be appended to a scenario without a temperature.
+        temperature: the same as the table `temperature` of a scenario that is a dictionary.
     """
 
     samples: int
@@ -185,42 +227,72 @@ def fit_temperature(
     temperature: str | None = None,
     zone: str | None = None,
 ) -> Weather:
-    """Harmonics and noise of a scenario from a measured temperature, like `mc fit-temperature`.
+    """Fit harmonics and noise of a scenario to a measured temperature, like `mc fit-temperature`.
+
+    The fit maximises the restricted likelihood, which is exact for samples at any times. It cannot
+    be interrupted, but takes only seconds.
 
     Args:
-        data: a CSV file, a pandas DataFrame, or temperatures along time in degrees, as for `calibrate`.
-        processes: how many Ornstein-Uhlenbeck processes the weather has: 1, or a fast and a slow one.
-        periods: the periods of the harmonics, in seconds or as timedelta; none for no harmonics.
-        time: the column of times, of a file or a DataFrame.
-        temperature: the column of temperatures; the one whose name begins with `temperature` if not given.
-        zone: the zone of stamps that name none, e.g. "UTC" or "Europe/Paris".
+        data: the path of a CSV file, a pandas DataFrame, or temperatures over time in degrees
+            Celsius, as for `calibrate`.
+        processes: number of Ornstein-Uhlenbeck processes in the noise: 1, or 2 for a fast and a
+            slow one.
+        periods: the periods of the harmonics, in seconds or as timedelta; by default a year of
+            365.25 days and a day. An empty sequence fits no harmonics.
+        time: the name of the column of times in a file or a DataFrame.
+        temperature: the name of the column of temperatures; by default the one whose name begins
+            with `temperature`.
+        zone: the time zone of dates without one, e.g. "UTC" or "Europe/Paris".
 
     Returns:
-        The fit of largest likelihood, exact for samples at any times.
+        The fitted temperature with its standard errors.
 
     Raises:
         ArgumentError: an argument, or something in the data, is wrong.
-        RunError: the samples do not tell.
+        RunError: the samples do not determine the fit.
     """
     _one_or_two(processes)
     lengths = [_seconds("periods", period) for period in periods]
     if len({*lengths}) < len(lengths):
-        raise wrong_argument("periods", list(periods), "they name one period twice", "name each period once")
+        raise wrong_argument(
+            "periods", list(periods), "they name one period twice", "name each period once"
+        )
     if _is_table(data):
         measured = _table(data, None, None, None)
     else:
         times, values, _ = samples(data, "data")
         measured = _arrays([times, values])
     fit = _native.fit_temperature(
-        measured, processes=processes, periods=lengths, time=time, temperature=temperature, zone=zone
+        measured,
+        processes=processes,
+        periods=lengths,
+        time=time,
+        temperature=temperature,
+        zone=zone,
     )
     warn(fit.remarks)
     return Weather(
         fit.samples,
         fit.duration,
         list(fit.mean),
-        [dict(zip(("period", "amplitude", "phase", "standard_error"), one)) for one in fit.harmonics],
-        [dict(zip(("sd", "sd_relative_error", "relaxation_rate", "relaxation_rate_relative_error"), one)) for one in fit.processes],
+        [
+            dict(zip(("period", "amplitude", "phase", "standard_error"), one))
+            for one in fit.harmonics
+        ],
+        [
+            dict(
+                zip(
+                    (
+                        "sd",
+                        "sd_relative_error",
+                        "relaxation_rate",
+                        "relaxation_rate_relative_error",
+                    ),
+                    one,
+                )
+            )
+            for one in fit.processes
+        ],
         fit.sensor_sd,
         fit.log_likelihood,
         fit.start,
@@ -229,11 +301,18 @@ def fit_temperature(
     )
 
 
-def _tables(temperature: tuple[list[tuple[float, float, float]], list[tuple[float, float, float]]]) -> dict[str, Any]:
+def _tables(
+    temperature: tuple[list[tuple[float, float, float]], list[tuple[float, float, float]]],
+) -> dict[str, Any]:
     harmonics, noises = temperature
     return {
-        "harmonics": [dict(zip(("amplitude", "angular_frequency", "phase"), one)) for one in harmonics],
-        "noise": [dict(zip(("intensity", "relaxation_rate", "diffusion"), one), initial="stationary") for one in noises],
+        "harmonics": [
+            dict(zip(("amplitude", "angular_frequency", "phase"), one)) for one in harmonics
+        ],
+        "noise": [
+            dict(zip(("intensity", "relaxation_rate", "diffusion"), one), initial="stationary")
+            for one in noises
+        ],
     }
 
 
@@ -252,54 +331,86 @@ def twin(
     set: Settings | None = None,
     temperature: Any = None,
 ) -> xr.Dataset:
-    """Synthetic measurements of a bearing whose truth is known, to try a calibration on, like `mc twin`.
+    """Make synthetic measurements of a bearing with known parameters, like `mc twin`.
+
+    A calibration can be tried on them: `calibrate(scenario, ds.temperature, ds.displacement)`
+    estimates the parameters from them, and `ds.truth` holds the true values.
 
     Args:
-        scenario: the truth. Its temperature is the measured one of `[temperature.series]`, if it has that, and otherwise drawn from its
-            harmonics and noise.
-        seed: decides all random numbers; each flaw has random numbers of its own.
-        sensor_noise: standard deviations of the white and of the red noise of the sensor, in m, and how long the red one remembers.
-        scatter: by what share f_s differs from slip to slip (standard deviation), while f_d stays.
-        lag: how far steel is behind the thermometer, in s.
-        resolution: the thermometer shows multiples of this, in K.
-        spikes: the share of displacements that are far off.
-        gaps: how many stretches of one to five days are missing.
-        duration: how long, in s, where the temperature is not a measured one.
-        every: time between samples, in s, where the temperature is not a measured one.
-        set: as for `run`.
-        temperature: a measured temperature in the place of `[temperature.series]`, along time in seconds or dates, as for `run`.
+        scenario: the scenario with the true parameters, as for `calibrate`. Its temperature is the
+            measured one of `[temperature.series]`, if it has that table, and otherwise is simulated
+            from its harmonics and noise.
+        seed: seed of all random numbers. Each of the errors below has random numbers of its own.
+        sensor_noise: the standard deviations of the white and of the red noise of the displacement
+            sensor, in metres, and the correlation time of the red noise, in seconds or as a
+            timedelta.
+        scatter: relative standard deviation of f_s from slip to slip, from 0 to below 0.5; f_d does
+            not vary.
+        lag: delay of the temperature of the steel behind the thermometer, in seconds or as a
+            timedelta.
+        resolution: resolution of the thermometer in kelvin: its readings are multiples of it.
+        spikes: the share of displacements that are outliers, from 0 to below 0.5; they are off by
+            up to 20 standard deviations of the noise of the sensor.
+        gaps: number of gaps in the measurement, of one to five days each.
+        duration: length of the measurement, in seconds or as a timedelta, if the temperature is
+            simulated.
+        every: time between samples, in seconds or as a timedelta, if the temperature is simulated.
+        set: further keys of the scenario with their values, as for `run`.
+        temperature: a measured temperature, which replaces `[temperature.series]`, in degrees
+            Celsius over time in seconds or dates, in the forms that `run` accepts.
 
     Returns:
-        `temperature` in degrees and `displacement` in m along `time` in s, and `truth` along `quantity`: what a calibration is to find.
-        `calibrate(scenario, ds.temperature, ds.displacement)` looks for it. Values are not rounded, as those of a file are.
+        Along `time` in seconds: `temperature` in degrees Celsius and `displacement` in metres. They
+        are not rounded, unlike those in a file of `mc twin`. Along `quantity`: `truth`, the true
+        parameters in the unit `quantity_unit`. The attribute `start` is the date of time 0.
 
     Raises:
         ScenarioError: something in the scenario is wrong.
         ArgumentError: an argument is wrong.
     """
     ready()
-    for name, given, most in (("scatter", scatter, 0.5), ("spikes", spikes, 0.5), ("resolution", resolution, float("inf"))):
+    for name, given, most in (
+        ("scatter", scatter, 0.5),
+        ("spikes", spikes, 0.5),
+        ("resolution", resolution, float("inf")),
+    ):
         if not 0 <= given < most:
-            raise wrong_argument(name, given, "it is out of range", f"give a number from 0 to below {most:g}")
+            raise wrong_argument(
+                name, given, "it is out of range", f"give a number from 0 to below {most:g}"
+            )
     if not 1 <= len(sensor_noise) <= 3:
-        raise wrong_argument("sensor_noise", sensor_noise, "it is one to three numbers", "give (white, red, time), e.g. (30e-6, 150e-6, 86400)")
+        raise wrong_argument(
+            "sensor_noise",
+            sensor_noise,
+            "it is one to three numbers",
+            "give (white, red, time), e.g. (30e-6, 150e-6, 86400)",
+        )
     sds: list[float] = []
     for sd in (*sensor_noise[:2], 0.0)[:2]:
         if isinstance(sd, timedelta) or not 0 <= sd < float("inf"):
-            raise wrong_argument("sensor_noise", sd, "it is no standard deviation", "give metres, 0 or above")
+            raise wrong_argument(
+                "sensor_noise", sd, "it is no standard deviation", "give metres, 0 or above"
+            )
         sds.append(float(sd))
     memory = _seconds("sensor_noise", sensor_noise[2]) if len(sensor_noise) == 3 else 86_400.0
     if gaps < 0:
         raise wrong_argument("gaps", gaps, "it is no number of gaps", "give 0 or more")
     seconds, step = _seconds("duration", duration), _seconds("every", every)
     if not 2 <= seconds / step <= 1e7:
-        raise wrong_argument("duration", duration, f"{seconds / step:.0f} samples are not between 2 and 1e7", "choose other duration and every")
+        raise wrong_argument(
+            "duration",
+            duration,
+            f"{seconds / step:.0f} samples are not between 2 and 1e7",
+            "choose other duration and every",
+        )
     first = None
     arrays = None
     if temperature is not None:
         times, values, first = samples(temperature)
         if len(times) < 2:
-            raise wrong_argument("temperature", f"{len(times)} samples", "they are too few", "give two at least")
+            raise wrong_argument(
+                "temperature", f"{len(times)} samples", "they are too few", "give two at least"
+            )
         arrays = [times, values]
     made, remarks = _native.twin(
         _given(scenario, set),
@@ -321,30 +432,53 @@ def twin(
     return ds
 
 
-def _given(scenario: ScenarioLike, settings: Settings | None) -> tuple[str, str | None, list[tuple[str, str]]]:
+def _given(
+    scenario: ScenarioLike, settings: Settings | None
+) -> tuple[str, str | None, list[tuple[str, str]]]:
     return (*source(scenario), written(settings))
 
 
 def _is_table(data: Any) -> bool:
-    return isinstance(data, (str, os.PathLike)) or hasattr(data, "to_csv") and hasattr(data, "columns")
+    return (
+        isinstance(data, (str, os.PathLike)) or hasattr(data, "to_csv") and hasattr(data, "columns")
+    )
 
 
-def _record(data: Any, displacement: Any, temperature: str | os.PathLike[str] | None, unit: str | None) -> _native.Measured:
-    """The record of a bearing, however it is given."""
+def _record(
+    data: Any, displacement: Any, temperature: str | os.PathLike[str] | None, unit: str | None
+) -> _native.Measured:
+    """The measurement of a bearing in the form that the engine accepts."""
     if _is_table(data):
         if displacement is not None and not isinstance(displacement, str):
-            raise wrong_argument("displacement", type(displacement).__name__, "the data have columns", "give the name of one")
+            raise wrong_argument(
+                "displacement",
+                type(displacement).__name__,
+                "the data have columns",
+                "give the name of one",
+            )
         return _table(data, temperature, displacement, unit)
     if displacement is None:
-        raise wrong_argument("displacement", None, "the temperatures come without displacements", "give both")
+        raise wrong_argument(
+            "displacement", None, "the temperatures come without displacements", "give both"
+        )
     if temperature is not None or unit is not None:
         raise wrong_argument(
-            "temperature or unit", temperature or unit, "they are about files, and these data are arrays",
+            "temperature or unit",
+            temperature or unit,
+            "they are about files, and these data are arrays",
             "leave it out; arrays are in degrees and metres",
         )
-    (times, temperatures, first), (when, readings, later) = samples(data, "data"), samples(displacement, "displacement")
+    (times, temperatures, first), (when, readings, later) = (
+        samples(data, "data"),
+        samples(displacement, "displacement"),
+    )
     if (first is None) != (later is None):
-        raise wrong_argument("displacement", "its times", "dates do not go with numbers", "give dates for both, or seconds for both")
+        raise wrong_argument(
+            "displacement",
+            "its times",
+            "dates do not go with numbers",
+            "give dates for both, or seconds for both",
+        )
     if first is not None and later is not None:
         import numpy as np
 
@@ -352,8 +486,14 @@ def _record(data: Any, displacement: Any, temperature: str | os.PathLike[str] | 
     return _arrays([times, temperatures, when, readings])
 
 
-def _table(data: Any, temperature: str | os.PathLike[str] | None, displacement: str | None, unit: str | None) -> _native.Measured:
-    """A file, or a DataFrame as the text of one, so that the one reader reads it and its messages speak of it."""
+def _table(
+    data: Any,
+    temperature: str | os.PathLike[str] | None,
+    displacement: str | None,
+    unit: str | None,
+) -> _native.Measured:
+    """A file, or a DataFrame as the text of such a file, so that the same reader checks it and its
+    messages fit."""
     text = None
     name = "the DataFrame"
     if isinstance(data, (str, os.PathLike)):
@@ -372,21 +512,34 @@ def _table(data: Any, temperature: str | os.PathLike[str] | None, displacement: 
 
 
 def _arrays(arrays: list[Any]) -> _native.Measured:
-    return {"name": "the arrays", "text": None, "temperature": None, "arrays": arrays, "displacement": None, "unit": None}
+    return {
+        "name": "the arrays",
+        "text": None,
+        "temperature": None,
+        "arrays": arrays,
+        "displacement": None,
+        "unit": None,
+    }
 
 
 def _seconds(argument: str, time: Time) -> float:
     seconds = time.total_seconds() if isinstance(time, timedelta) else float(time)
     if not 0 < seconds < 1e12:
-        raise wrong_argument(argument, time, "it is no time above zero", "give seconds, or a timedelta")
+        raise wrong_argument(
+            argument, time, "it is no time above zero", "give seconds, or a timedelta"
+        )
     return seconds
 
 
 def _probability(interval: float) -> None:
     if not 0.5 <= interval <= 0.999:
-        raise wrong_argument("interval", interval, "it is no probability of an interval", "give 0.5 to 0.999")
+        raise wrong_argument(
+            "interval", interval, "it is no probability of an interval", "give 0.5 to 0.999"
+        )
 
 
 def _one_or_two(processes: int) -> None:
     if processes not in (1, 2):
-        raise wrong_argument("processes", processes, "the weather has one process or two", "give 1 or 2")
+        raise wrong_argument(
+            "processes", processes, "the weather has one process or two", "give 1 or 2"
+        )

@@ -1,4 +1,4 @@
-"""A scenario in full, what follows from it, and what to beware of."""
+"""Check a scenario without running it."""
 
 from __future__ import annotations
 
@@ -10,13 +10,15 @@ from ._scenario import ScenarioLike, Settings, parse
 
 @dataclass(frozen=True)
 class Check:
-    """What `mc check` prints.
+    """A checked scenario, as `mc check` prints it.
 
     Attributes:
-        title: what the scenario asks, in a line.
-        toml: all of it, every default visible. It is a scenario itself.
-        derived: what follows from it, by name: numbers in units of the scenario, None where there is no such thing.
-        warnings: sentences by name.
+        title: what the scenario asks, in one line.
+        toml: the whole scenario as TOML text, with every default written out. `run` accepts it as a
+            scenario.
+        derived: numbers that follow from the scenario, by name, e.g. "natural_frequency" or
+            "steps". They are in the units of the scenario, and None where there is no such number.
+        warnings: sentences by name; empty if there is nothing to warn about.
     """
 
     title: str
@@ -40,20 +42,36 @@ def check(
     """Check a scenario without running it, like `mc check`.
 
     Args:
-        scenario: path of a TOML file, TOML text, name of a shipped scenario, or a dictionary of tables.
+        scenario: the path of a TOML file, TOML text of several lines, the name of a shipped
+            scenario such as "rho025", or a dictionary of tables.
         paths: number of paths [ensemble.paths].
-        seed: seed [ensemble.seed].
-        scheme: discrete-vi, corrected-vi, event-driven or quasi-static [scheme.kind].
-        step: time step, of schemes that have one [time.step].
-        tolerance: relative error that discretisation may leave, of the others [scheme.tolerance].
-        until: end of the simulation [time.end].
-        set: dotted keys with values, e.g. `{"friction.static": 1.3}`.
-        temperature: measured temperature; see `run`.
+        seed: seed of all random numbers [ensemble.seed].
+        scheme: "discrete-vi", "corrected-vi", "event-driven" or "quasi-static" [scheme.kind].
+        step: time step of "discrete-vi" and "corrected-vi", in the unit of time of the scenario
+            [time.step].
+        tolerance: relative error that the discretisation of "event-driven" and "quasi-static" may
+            leave [scheme.tolerance].
+        until: the time at which each path ends, in the unit of time of the scenario [time.end].
+        set: further keys with their values, e.g. `{"friction.static": 1.3}`.
+        temperature: a measured temperature, as for `run`.
+
+    Returns:
+        The scenario in full, the numbers that follow from it, and warnings.
 
     Raises:
-        ScenarioError: something in the scenario is wrong; says where, and what would be right.
+        ScenarioError: something in the scenario is wrong. The error says where, and what would be
+            right.
+        ArgumentError: `temperature` is not a measurement.
     """
     parsed = parse(
-        scenario, set, temperature, paths=paths, seed=seed, scheme=scheme, step=step, tolerance=tolerance, until=until
+        scenario,
+        set,
+        temperature,
+        paths=paths,
+        seed=seed,
+        scheme=scheme,
+        step=step,
+        tolerance=tolerance,
+        until=until,
     )
     return Check(parsed.title, parsed.toml, parsed.derived(), dict(parsed.warnings()))

@@ -1,4 +1,4 @@
-"""Data sets of the engine as xarray data sets."""
+"""Convert data sets between the engine and xarray."""
 
 from __future__ import annotations
 
@@ -11,12 +11,20 @@ if TYPE_CHECKING:
 
 
 def ready() -> None:
-    """Import xarray, which takes most of a second: better before a run than after Ctrl-C has ended it."""
+    """Import xarray, which takes most of a second, before the work begins.
+
+    Otherwise it would be imported only when a result is returned, perhaps just after Ctrl-C.
+    """
     import xarray  # noqa: F401
 
 
-def dataset(made: tuple[dict[str, Any], list[tuple[str, tuple[str, ...], Any, dict[str, Any]]]]) -> xr.Dataset:
-    """What `xarray.open_dataset` makes of a file of the same. The arrays keep the memory that the engine filled."""
+def dataset(
+    made: tuple[dict[str, Any], list[tuple[str, tuple[str, ...], Any, dict[str, Any]]]],
+) -> xr.Dataset:
+    """The data set that `xarray.open_dataset` would read from a file with the same contents.
+
+    The arrays keep the memory that the engine has filled; numbers are not copied.
+    """
     import xarray as xr
 
     attributes, variables = made
@@ -35,19 +43,29 @@ def dataset(made: tuple[dict[str, Any], list[tuple[str, tuple[str, ...], Any, di
 
 
 def raw(ds: xr.Dataset) -> tuple[dict[str, Any], list[tuple[str, list[str], Any, dict[str, Any]]]]:
-    """The same as the engine takes it back."""
-    variables = [(str(name), [str(axis) for axis in v.dims], v.to_numpy(), v.attrs) for name, v in ds.variables.items()]
+    """Attributes and variables of a data set in the form that the engine accepts."""
+    variables = [
+        (str(name), [str(axis) for axis in v.dims], v.to_numpy(), v.attrs)
+        for name, v in ds.variables.items()
+    ]
     return ds.attrs, variables
 
 
 def load(file: str | os.PathLike[str]) -> xr.Dataset:
-    """Open a file of `mc run`, `mc replay`, `mc sweep`, `mc trade` or `mc calibrate`.
+    """Open a file that `mc run`, `merge`, `replay`, `sweep`, `trade` or `calibrate` wrote.
 
-    It is the data set that the function of the same name returns; values are read when they are used. It takes one of
-    the readers of netCDF-4 that xarray knows: `pip install stickslip[files]` brings h5netcdf.
+    Values are read from the file when they are used. xarray needs a reader of netCDF-4 files for
+    it: `pip install stickslip[files]` installs h5netcdf.
+
+    Args:
+        file: path of the file.
+
+    Returns:
+        The data set that the function of the same name in this package returns.
 
     Raises:
         OSError: the file cannot be opened.
+        ValueError: no reader of netCDF-4 files is installed, or the file is not such a file.
     """
     import xarray as xr
 
@@ -55,7 +73,7 @@ def load(file: str | os.PathLike[str]) -> xr.Dataset:
 
 
 def warn(sentences: list[str], level: int = 3) -> None:
-    """Say in what way a result is not what it seems to be."""
+    """Issue a `StickSlipWarning` for each sentence, with `level` as its `stacklevel`."""
     from .errors import StickSlipWarning
 
     for sentence in sentences:

@@ -1,4 +1,4 @@
-"""The engine. Use the functions of `stickslip`, which say what they mean."""
+"""The engine, without documentation. Use the functions of `stickslip`, which are documented."""
 
 from collections.abc import Callable, Sequence
 from typing import Any, TypedDict
@@ -10,7 +10,11 @@ VERSION: str
 GIT_HASH: str
 STATISTICS: list[str]
 
-Variables = tuple[dict[str, Any], list[tuple[str, tuple[str, ...], npt.NDArray[Any], dict[str, Any]]]]
+# A data set of the engine: its attributes, and for each variable its name, dimensions, values and
+# attributes.
+Variables = tuple[
+    dict[str, Any], list[tuple[str, tuple[str, ...], npt.NDArray[Any], dict[str, Any]]]
+]
 
 class Scenario:
     @property
@@ -31,7 +35,11 @@ def parse(
     are_stored: bool = False,
 ) -> Scenario: ...
 def shipped(name: str) -> str | None: ...
+
+# A data set that is handed to the engine, in the same form.
 Handed = tuple[dict[str, Any], list[tuple[str, list[str], npt.NDArray[Any], dict[str, Any]]]]
+# How a picture is drawn: the name of its only figure (None for all figures), whether it is dark,
+# the width of a figure in millimetres, and whether vertical axes are logarithmic.
 Drawn = tuple[str | None, bool, float, bool]
 
 class Picture:
@@ -62,7 +70,11 @@ def merge(
 ) -> tuple[Variables, list[str]]: ...
 def replay(scenario: Scenario, path: int) -> Variables: ...
 def choose(
-    scenario: Scenario, target: float, statistics: list[str], max_time: float | None, workers: int | None
+    scenario: Scenario,
+    target: float,
+    statistics: list[str],
+    max_time: float | None,
+    workers: int | None,
 ) -> tuple[Scenario, str]: ...
 def sweep(
     scenario: Scenario,
@@ -77,8 +89,12 @@ def sweep(
     progress: Callable[[int, int], object] | None,
 ) -> tuple[Variables, bool]: ...
 def trade(scenario: Scenario, budget: float, workers: int | None) -> tuple[Variables, bool]: ...
+
+# A scenario: its name in messages, its text (None if the name is that of a file), and overrides as
+# pairs of a key and a value in TOML.
 Given = tuple[str, str | None, list[tuple[str, str]]]
 
+# A measurement: a file or a text with this name, or arrays of times and values.
 class Measured(TypedDict):
     name: str
     text: str | None
@@ -134,10 +150,18 @@ class Weather:
     @property
     def toml(self) -> str: ...
     @property
-    def temperature(self) -> tuple[list[tuple[float, float, float]], list[tuple[float, float, float]]]: ...
+    def temperature(
+        self,
+    ) -> tuple[list[tuple[float, float, float]], list[tuple[float, float, float]]]: ...
 
 def fit_temperature(
-    measured: Measured, *, processes: int, periods: list[float], time: str, temperature: str | None, zone: str | None
+    measured: Measured,
+    *,
+    processes: int,
+    periods: list[float],
+    time: str,
+    temperature: str | None,
+    zone: str | None,
 ) -> Weather: ...
 def twin(
     scenario: Given,
@@ -153,7 +177,9 @@ def twin(
     duration: float,
     every: float,
 ) -> tuple[Variables, list[str]]: ...
-def blocks(scenario: Scenario, paths: int, numbers: list[int], threads: int | None) -> Variables: ...
+def blocks(
+    scenario: Scenario, paths: int, numbers: list[int], threads: int | None
+) -> Variables: ...
 def plot_scenario(scenario: Scenario, run: Handed | None, path: int, drawn: Drawn) -> Picture: ...
 def plot_trade(trade: Handed, of: str | None, drawn: Drawn) -> Picture: ...
 def plot_sweeps(sweeps: list[tuple[str, Handed]], of: str | None, drawn: Drawn) -> Picture: ...

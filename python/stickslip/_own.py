@@ -1,4 +1,4 @@
-"""Statistics of the caller's own: from the events of a block of paths to a number of each path."""
+"""Statistics of the caller's own: functions from the events of paths to a number for each path."""
 
 from __future__ import annotations
 
@@ -15,16 +15,20 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Events:
-    """Events of consecutive paths, one path after the other, each in order of time.
+    """The events of consecutive paths: those of the first path in order of time, then those of the
+    next path, and so on.
+
+    All attributes but the first two are arrays with one entry for each event.
 
     Attributes:
         first_path: number of the first path.
-        count: number of events of each path; 0 for one that diverged.
-        time: when, in the scenario's unit of time.
-        displacement: displacement at the event.
-        force: total force besides friction at the event.
-        sign: direction of the sub-phase that starts, -1 or 1; 0 where a stick starts.
-        kind: 0 where a stick is entered, 1 where a slip starts, 2 at the boundary of two sub-phases.
+        count: number of events of each path, with one entry for each path; 0 for a path that was
+            lost because it diverged or was given up.
+        time: time of the event, in the unit of time of the scenario.
+        displacement: displacement x at the event, in the unit of length.
+        force: total force besides friction at the event, in the unit of force.
+        sign: direction of the sub-phase that starts at the event, -1 or 1; 0 where a stick starts.
+        kind: 0 where a stick starts, 1 where a slip starts, 2 between two sub-phases of a slip.
     """
 
     first_path: int
@@ -37,26 +41,34 @@ class Events:
 
     @property
     def path(self) -> npt.NDArray[np.intp]:
-        """Which path of the block each event is of, from 0."""
+        """The index of the path of each event, from 0 for `first_path`; shape `(len(time),)`."""
         import numpy as np
 
         return np.repeat(np.arange(len(self.count)), self.count)
 
     def per_path(self, values: npt.ArrayLike) -> npt.NDArray[np.float64]:
-        """The sum over the events of each path of one value an event, such as a truth value to count."""
+        """Sum the values of the events of each path.
+
+        Args:
+            values: one number for each event, or one truth value for each event to count.
+
+        Returns:
+            One sum for each path, of shape `(len(count),)`; 0 for a path without events.
+        """
         import numpy as np
 
         weights = np.asarray(values, dtype=np.float64)
         return np.bincount(self.path, weights, minlength=len(self.count)).astype(np.float64)
 
 
-#: From the events of a block to one number of each path, whose mean over paths is estimated; or a pair of them, the ratio of whose
-#: means is.
+#: A function from the events of a block to one number for each path, whose mean over paths is
+#: estimated, or to a pair of such arrays, the ratio of whose means is estimated.
 Statistic = Callable[[Events], Union["npt.ArrayLike", "tuple[npt.ArrayLike, npt.ArrayLike]"]]
 
 
 def shown(own: Mapping[str, Statistic] | None) -> list[tuple[str, Callable[..., Any]]]:
-    """The functions that the engine calls: each checks what the caller's own gives."""
+    """The functions that the engine calls. Each calls a function of the caller and checks its
+    result."""
     return [(name, _checked(name, statistic)) for name, statistic in (own or {}).items()]
 
 
@@ -71,11 +83,18 @@ def _checked(name: str, statistic: Statistic) -> Callable[..., Any]:
         if len(numbers) > 2 or any(part.shape != events.count.shape for part in numbers):
             shapes = ", ".join(str(part.shape) for part in numbers)
             raise wrong_argument(
-                "own", name, f"it gives shapes {shapes} for {len(events.count)} paths",
+                "own",
+                name,
+                f"it gives shapes {shapes} for {len(events.count)} paths",
                 "give one number for each path, or a pair of such arrays for a ratio",
             )
         if not all(np.isfinite(part).all() for part in numbers):
-            raise wrong_argument("own", name, "it gives numbers that are not finite", "give a number for each path, 0 for nothing")
+            raise wrong_argument(
+                "own",
+                name,
+                "it gives numbers that are not finite",
+                "give a number for each path, 0 for nothing",
+            )
         return numbers[0], (numbers[1] if len(numbers) > 1 else None)
 
     return call

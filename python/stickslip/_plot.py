@@ -1,4 +1,4 @@
-"""Pictures that a notebook shows."""
+"""Pictures, which a notebook shows."""
 
 from __future__ import annotations
 
@@ -16,39 +16,54 @@ from .errors import wrong_argument
 if TYPE_CHECKING:
     import xarray as xr
 
-#: Millimetres of a figure that is one column of a journal wide.
+#: Default width of a figure in millimetres: one column of a journal.
 COLUMN = 86.0
 
 
 class Picture:
-    """A picture. A notebook shows it as SVG; `save` writes SVG, PNG or PDF."""
+    """A picture. A notebook shows it as SVG; `save` writes it as SVG, PNG or PDF."""
 
     def __init__(self, scene: _native.Picture) -> None:
         self._scene = scene
 
     @property
     def svg(self) -> str:
-        """The picture as SVG text."""
+        """The picture as the text of an SVG file."""
         return self._scene.svg
 
     def png(self, dots_per_inch: float = 300.0) -> bytes:
-        """The picture as PNG."""
+        """The picture as the bytes of a PNG file.
+
+        Args:
+            dots_per_inch: resolution; 300 suits print.
+
+        Raises:
+            RunError: the picture would have more than 10^8 pixels.
+        """
         return self._scene.png(dots_per_inch)
 
     def pdf(self) -> bytes:
-        """The picture as PDF."""
+        """The picture as the bytes of a PDF file."""
         return self._scene.pdf()
 
     def save(self, file: str | os.PathLike[str]) -> None:
-        """Write the picture; the ending of the name, .svg, .png or .pdf, tells the format.
+        """Write the picture to a file, which is replaced if it exists.
+
+        Args:
+            file: name of the file. Its ending, .svg, .png or .pdf, selects the format.
 
         Raises:
-            ArgumentError: the ending tells none.
+            ArgumentError: the name has another ending.
+            OSError: the file cannot be written.
         """
         path = Path(file)
-        made = {".svg": lambda: self.svg.encode(), ".png": self.png, ".pdf": self.pdf}.get(path.suffix.lower())
+        made = {".svg": lambda: self.svg.encode(), ".png": self.png, ".pdf": self.pdf}.get(
+            path.suffix.lower()
+        )
         if made is None:
-            raise wrong_argument("file", path, "the ending does not tell a format", "end it in .svg, .png or .pdf")
+            raise wrong_argument(
+                "file", path, "the ending does not tell a format", "end it in .svg, .png or .pdf"
+            )
         path.write_bytes(made())
 
     def _repr_svg_(self) -> str:
@@ -67,23 +82,36 @@ def plot(
     log: bool = False,
     set: Settings | None = None,
 ) -> Picture:
-    """Draw a scenario's path, a run, a trade, sweeps or a calibration, like `mc plot`.
+    """Draw a path of a scenario, a run, a trade, sweeps or a calibration, like `mc plot`.
+
+    Without `only`, a run or a calibration has all its figures except `overview` on one page, and
+    every other subject has the one figure that belongs to it.
 
     Args:
-        subject: a scenario as for `run`; a data set of `run`, `trade`, `sweep` or `calibrate`, or `load` of a file; or several sweeps
-            over one key, by name.
-        only: one figure: path, fan, sticks, sub-phases, drift, trade, sweep, tornado, calibration, loops or residuals.
-        path: number of the path that is drawn.
-        until: draw the path of a scenario up to this time only.
-        statistic: the statistic of a trade or a sweep.
+        subject: a scenario as for `run`, of which one path is drawn; a data set that `run`,
+            `merge`, `trade`, `sweep` or `calibrate` returned, or `load` of a file of them; or
+            several data sets of sweeps over the same key, as a dictionary by name.
+        only: the name of one figure. Of a scenario: "path". Of a run: "overview", "path", "fan",
+            "sticks", "sub-phases" or "drift". Of a trade: "trade". Of sweeps: "sweep", or "tornado"
+            for elasticities. Of a calibration: "calibration", "loops" or "residuals".
+        path: number of the path that is drawn, from 0, of a scenario or a run.
+        until: time at which the path of a scenario ends, in its unit of time. It has no effect on a
+            data set.
+        statistic: the name of the statistic that is drawn of a trade or of sweeps. By default it is
+            the first that the trade has an answer for, or two statistics of a sweep.
         theme: "light" or "dark".
-        width: width of one figure in millimetres; a page is two figures wide.
-        log: logarithmic vertical axes for densities and shares.
-        set: dotted keys with values, of a scenario.
+        width: width of one figure in millimetres, from 60 to 400; a page is two figures wide.
+        log: whether densities and shares have logarithmic vertical axes.
+        set: further keys of a scenario with their values, as for `run`. It has no effect on a data
+            set.
+
+    Returns:
+        The picture.
 
     Raises:
-        ArgumentError: there is no such figure of the subject.
+        ArgumentError: the subject has no such figure, or an argument is wrong.
         ScenarioError: something in the scenario is wrong.
+        RunError: there is nothing to draw, because every path was lost.
     """
     if theme not in ("light", "dark"):
         raise wrong_argument("theme", theme, "there is no such theme", "write light or dark")

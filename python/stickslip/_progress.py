@@ -1,4 +1,4 @@
-"""Who is told how far a run has come."""
+"""Show how far a run has come."""
 
 from __future__ import annotations
 
@@ -8,13 +8,15 @@ from typing import Union
 
 from .errors import wrong_argument
 
-#: None, True for a bar of tqdm, or a callable that is told paths done and paths expected.
+#: None for no display, True for a bar of tqdm, or a callable that is called with the number of
+#: paths that are done and the number expected in all.
 Progress = Union[Callable[[int, int], object], bool, None]
 
 
 @contextmanager
 def shown(progress: Progress) -> Iterator[Callable[[int, int], object] | None]:
-    """The callable that is told, while it is."""
+    """The callable that the engine calls with the progress; a bar is open as long as the context
+    is."""
     if progress is None or progress is False:
         yield None
     elif callable(progress):
@@ -24,7 +26,10 @@ def shown(progress: Progress) -> Iterator[Callable[[int, int], object] | None]:
             from tqdm.auto import tqdm
         except ModuleNotFoundError:
             raise wrong_argument(
-                "progress", progress, "tqdm is not installed", "pip install tqdm, or give a callable (done, expected)"
+                "progress",
+                progress,
+                "tqdm is not installed",
+                "pip install tqdm, or give a callable (done, expected)",
             ) from None
         with tqdm(unit="path", unit_scale=True) as bar:
 

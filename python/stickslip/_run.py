@@ -1,4 +1,4 @@
-"""An ensemble, and one path of it again."""
+"""Simulate an ensemble, join its parts, and simulate one of its paths again."""
 
 from __future__ import annotations
 
@@ -16,10 +16,12 @@ from .errors import ArgumentError, wrong_argument
 if TYPE_CHECKING:
     import xarray as xr
 
-#: A time, which ends the simulation of each path, or goals such as "stick_duration_mean < 0.5%", which end the run.
+#: The time at which each path ends, or goals such as "stick_duration_mean < 0.5%", which end the
+#: run.
 Until = Union[float, str, Sequence[str]]
 
-#: What is kept of single paths: names of `paths`, `events`, or a dictionary with `trajectories` as well.
+#: What is kept of single paths: the names "paths" and "events", or a dictionary, which may also
+#: have the key "trajectories".
 Record = Union[str, Sequence[str], Mapping[str, Any]]
 
 
@@ -44,59 +46,124 @@ def run(
     threads: int | None = None,
     progress: Progress = None,
 ) -> xr.Dataset:
-    """Simulate an ensemble and return its statistics, like `mc run`.
+    """Simulate an ensemble of paths and return its statistics, like `mc run`.
 
-    The result is what `xarray.open_dataset` makes of the file that `mc run` writes: the same variables, dimensions, attributes and
-    bits, for any number of threads. Ctrl-C ends it within 0.3 s; what is done by then is returned, with the attribute `status`
-    "interrupted".
+    The result is what `xarray.open_dataset` reads from the file that `mc run` writes: the same
+    variables, dimensions, attributes and bits, for any number of threads. Ctrl-C ends the run
+    within 0.3 s. The paths that are done by then are returned, with a `StickSlipWarning` and with
+    the attribute `status` equal to "interrupted".
+
+    In brackets below is the key of the scenario that an argument replaces. None leaves the value of
+    the scenario in force.
 
     Args:
-        scenario: path of a TOML file, TOML text, name of a shipped scenario, or a dictionary of tables.
-        paths: number of paths [ensemble.paths]; with a goal, at most so many.
-        seed: seed [ensemble.seed].
-        scheme: discrete-vi, corrected-vi, event-driven or quasi-static [scheme.kind].
-        step: time step, of schemes that have one, in the scenario's unit of time [time.step].
-        tolerance: relative error that discretisation may leave, of the other schemes [scheme.tolerance].
-        until: end of the simulation [time.end], or a goal "NAME < 0.5%" or several: simulate until the standard errors are so small.
-        set: dotted keys with values, e.g. `{"friction.static": 1.3}`.
-        record: what is kept of single paths: "events", ["paths", "events"], or `{"events": True, "trajectories": 3}`.
-        temperature: measured temperature in the place of `[temperature.series]`: a pandas Series or one-dimensional DataArray along
-            time, or a pair (times, values). Dates become seconds since the first of them.
-        accuracy: choose scheme, step or tolerance, and number of paths for this relative error, e.g. 0.01, from a pilot of some seconds.
-        statistic: the statistics that are to be so accurate; all if not given.
-        max_time: end in time for this limit, in seconds.
-        part: simulate one part of the run only, e.g. "3/16"; `merge` joins them.
-        bias: whether the bias of the step is estimated, which takes up to an eighth of the time.
-        own: statistics of your own by name: functions of the `Events` of a block of paths that give one number of each path, whose
-            mean is estimated, or a pair of such arrays, the ratio of whose means is.
-        threads: number of threads, one a core if not given.
-        progress: True for a bar of tqdm, or a callable that is told paths done and paths expected, some times a second.
+        scenario: the path of a TOML file, TOML text of several lines, the name of a shipped
+            scenario such as "rho025", or a dictionary of tables with the structure of the TOML
+            file.
+        paths: number of paths [ensemble.paths]. With a goal (see `until`), the largest number of
+            paths.
+        seed: seed of all random numbers [ensemble.seed]. A path is a function of the scenario, the
+            seed and the number of the path.
+        scheme: the simulation scheme: "discrete-vi", "corrected-vi", "event-driven" or
+            "quasi-static" [scheme.kind].
+        step: time step of "discrete-vi" and "corrected-vi", in the unit of time of the scenario
+            [time.step].
+        tolerance: relative error that the discretisation of "event-driven" and "quasi-static" may
+            leave [scheme.tolerance].
+        until: the time at which each path ends, in the unit of time of the scenario [time.end]; or
+            a goal; or a list of goals with at most one end time. A goal is a text such as
+            "stick_duration_mean < 0.5%", or "stick_duration_mean < 0.01" in the unit of the
+            statistic. With goals, paths are added until the standard error of each named statistic
+            is below its bound.
+        set: further keys of the scenario with their values, e.g. `{"friction.static": 1.3}`.
+        record: what is kept of single paths: "paths" for a few numbers of each path, "events" for
+            every event of each path, a list of both, or a dictionary such as `{"events": True,
+            "trajectories": 3}`, in which `trajectories` is the number of paths whose trajectory is
+            kept.
+        temperature: a measured temperature, which replaces the table `[temperature.series]` of the
+            scenario: a pandas Series with time as its index, a one-dimensional DataArray along
+            time, or a pair (times, values) of one-dimensional arrays of equal length. Times and
+            values are in the units of the scenario. Times may also be dates; they become seconds
+            since the first of them, and the unit of time of the scenario must be the second.
+        accuracy: a relative error from 1e-6 to 0.5, e.g. 0.01. Scheme, step or tolerance, and
+            number of paths are then chosen for this error, after a pilot run of about 8 s. It
+            cannot be given together with `paths`, `scheme`, `step`, `tolerance` or a goal. The
+            attribute `accuracy` of the result holds what was chosen.
+        statistic: the name or the names of the statistics that `accuracy` is for; all of
+            `STATISTICS` if none is named.
+        max_time: a limit of the wall-clock time, in seconds or as a timedelta. The run ends in time
+            for it, with the attribute `status` equal to "ended".
+        part: one part of the run, e.g. "3/16" for the third of 16. `merge` joins the parts. It
+            cannot be given together with a goal, `max_time`, `accuracy` or `own`.
+        bias: whether to estimate the bias of each statistic that comes from the time step. The
+            estimate takes up to an eighth of the time.
+        own: statistics of your own, as functions by name. A function is called with the `Events` of
+            a block of at most 256 paths and returns one finite number for each path: an array of
+            shape `(len(events.count),)`, whose mean over all paths is estimated. A function may
+            also return a pair of such arrays; the ratio of their means is then estimated.
+        threads: number of threads; one for each core if not given.
+        progress: True for a progress bar of tqdm, or a callable `f(done, expected)`, which is
+            called a few times a second with the number of paths that are done and that are expected
+            in all. An exception in it ends the run.
 
     Returns:
-        Statistics along `statistic` with intervals and biases, curves along `time`, histograms along `duration_bin` and `sub_phase`,
-        rows along `path`, `event` and `trajectory` where they are recorded. `docs/output-format.md` lists every variable. Statistics of
-        your own are `own_estimate`, `own_standard_error`, `own_interval_low` and `own_interval_high` along `own`; their intervals hold
-        with 95 %, the path being the independent unit, as those of the others do.
+        A data set with one value for each statistic along `statistic` (coordinate: the names in
+        `STATISTICS`): `estimate`, `standard_error`, the 95 % confidence interval from
+        `interval_low` to `interval_high`, and `bias` with `bias_uncertainty`. They are in the units
+        of `statistic_unit`, and NaN where the statistic does not exist. The interval holds the
+        error of a finite ensemble only; `estimate_corrected` and its interval allow for the bias as
+        well.
+
+        Curves of mean, standard deviation and quantiles are along `time`, the histogram and the
+        survival curve of stick durations along `duration_bin`, and the numbers of sub-phases along
+        `sub_phase`. What is recorded of single paths is along `path`, `event` and `trajectory`.
+        Statistics of your own are `own_estimate`, `own_standard_error`, `own_interval_low` and
+        `own_interval_high` along `own`; the path is the independent unit of their 95 % intervals,
+        as of all others.
+
+        The attributes hold what is needed to repeat the run, such as the resolved `scenario`,
+        `seed` and `paths`, and how it ended (`status`, `completed_paths`). The page
+        `docs/output-format.md` lists every variable and attribute.
 
     Raises:
-        ScenarioError: something in the scenario is wrong; says where, and what would be right.
-        ArgumentError: an argument is wrong.
-        RunError: the time was up before the first paths were done.
+        ScenarioError: something in the scenario or in an argument that replaces a key of it is
+            wrong. The error says where, and what would be right.
+        ArgumentError: another argument is wrong, or two of them cannot be given together.
+        RunError: `max_time` was up before the first paths were done.
         KeyboardInterrupt: Ctrl-C came before the first paths were done.
+        Exception: whatever a function in `own` or `progress` raises.
     """
     ready()
     end, goals = _end_and_goals(until)
     seconds = _seconds(max_time)
     settings = dict(set or {}) | _recorded(record)
     parsed = parse(
-        scenario, settings, temperature, paths=paths, seed=seed, scheme=scheme, step=step, tolerance=tolerance, until=end
+        scenario,
+        settings,
+        temperature,
+        paths=paths,
+        seed=seed,
+        scheme=scheme,
+        step=step,
+        tolerance=tolerance,
+        until=end,
     )
     if part is not None and (own or accuracy is not None):
         raise wrong_argument(
-            "part", part, "a part has neither statistics of your own nor an accuracy", "give them to a run in one piece"
+            "part",
+            part,
+            "a part has neither statistics of your own nor an accuracy",
+            "give them to a run in one piece",
         )
     if accuracy is not None:
-        parsed, promise = _chosen(parsed, accuracy, statistic, seconds, threads, goals or paths or scheme or step or tolerance)
+        parsed, promise = _chosen(
+            parsed,
+            accuracy,
+            statistic,
+            seconds,
+            threads,
+            goals or paths or scheme or step or tolerance,
+        )
     warn([text for _, text in parsed.warnings(measures_bias=bias)])
     with shown(progress) as told:
         made, remarks, estimates, sums = _native.run(
@@ -122,27 +189,35 @@ def run(
 
 
 def merge(
-    parts: Sequence[xr.Dataset], *, bias: bool = True, threads: int | None = None, progress: Progress = None
+    parts: Sequence[xr.Dataset],
+    *,
+    bias: bool = True,
+    threads: int | None = None,
+    progress: Progress = None,
 ) -> xr.Dataset:
-    """Join the parts of a run that `run(..., part=...)` made, in any order, like `mc merge`.
+    """Join the parts of a run that `run(..., part=...)` made, like `mc merge`.
 
     Args:
-        parts: all parts of one run, made on whatever machines by one version of the package.
-        bias: whether the bias of the step is estimated, which is done here.
-        threads: number of threads for that.
+        parts: the data sets of all parts of one run, in any order. They may come from several
+            machines, but from one version of the package.
+        bias: whether to estimate the bias of each statistic that comes from the time step. Parts
+            have no such estimate, so it is made here.
+        threads: number of threads for that estimate; one for each core if not given.
         progress: as for `run`.
 
     Returns:
-        The data set of the run in one piece, bit for bit.
+        The data set that `run` would have returned for the whole run, bit for bit.
 
     Raises:
-        ArgumentError: a part is missing, given twice, or of another run or version.
+        ArgumentError: a part is missing, given twice, damaged, or of another run or version.
     """
     given = {}
     for ds in parts:
         name = ds.attrs.get("part")
         if not isinstance(name, str) or "part_sums" not in ds:
-            raise _wrong_parts("a data set", "it is no part", 'give what run(..., part="1/4") returned')
+            raise _wrong_parts(
+                "a data set", "it is no part", 'give what run(..., part="1/4") returned'
+            )
         if name in given:
             raise _wrong_parts(name, "it is given twice", "leave out one of them")
         given[name] = ds
@@ -153,14 +228,24 @@ def merge(
     for name, ds in given.items():
         for key in ("scenario", "program_version", "git_hash", "generator", "block_size", "paths"):
             if ds.attrs.get(key) != first.attrs.get(key):
-                raise _wrong_parts(name, f"its attribute `{key}` is another one", "give the parts of one run, made by one version")
+                raise _wrong_parts(
+                    name,
+                    f"its attribute `{key}` is another one",
+                    "give the parts of one run, made by one version",
+                )
     wanted = [f"{number}/{count}" for number in range(1, count + 1)]
     missing = [name for name in wanted if name not in given]
     if missing or len(given) > count:
-        raise _wrong_parts(", ".join(missing) or "too many", "missing, or cut otherwise", "give all parts of one run")
+        raise _wrong_parts(
+            ", ".join(missing) or "too many",
+            "missing, or cut otherwise",
+            "give all parts of one run",
+        )
     with shown(progress) as told:
         handed = [(raw(given[name]), given[name].part_sums.to_numpy().tobytes()) for name in wanted]
-        made, remarks = _native.merge(of_run(first), handed, bias=bias, threads=threads, progress=told)
+        made, remarks = _native.merge(
+            of_run(first), handed, bias=bias, threads=threads, progress=told
+        )
     warn(remarks)
     return dataset(made)
 
@@ -170,22 +255,31 @@ def _wrong_parts(value: str, problem: str, remedy: str) -> ArgumentError:
 
 
 def _chosen(
-    parsed: _native.Scenario, accuracy: float, statistic: str | Sequence[str], seconds: float | None, threads: int | None, decided: object
+    parsed: _native.Scenario,
+    accuracy: float,
+    statistic: str | Sequence[str],
+    seconds: float | None,
+    threads: int | None,
+    decided: object,
 ) -> tuple[_native.Scenario, str]:
-    """The scenario with what was chosen for an accuracy, and the promise."""
+    """The scenario with the choice for an accuracy, and the text of the attribute `accuracy`."""
     if decided:
         raise wrong_argument(
-            "accuracy", accuracy, "it chooses scheme, step or tolerance, and paths, and something else does so as well",
+            "accuracy",
+            accuracy,
+            "it chooses scheme, step or tolerance, and paths, and something else does so as well",
             "leave out one of them",
         )
     if not 1e-6 <= accuracy <= 0.5:
-        raise wrong_argument("accuracy", accuracy, "it is no relative error that can be reached", "give 1e-6 to 0.5")
+        raise wrong_argument(
+            "accuracy", accuracy, "it is no relative error that can be reached", "give 1e-6 to 0.5"
+        )
     named = [statistic] if isinstance(statistic, str) else list(statistic)
     return _native.choose(parsed, accuracy, named, seconds, threads)
 
 
 def _of_own(estimates: list[tuple[str, float, float, float, float]]) -> xr.Dataset:
-    """Statistics of the caller's own as variables."""
+    """The estimates of the caller's own statistics as variables."""
     import numpy as np
     import xarray as xr
 
@@ -198,20 +292,26 @@ def _of_own(estimates: list[tuple[str, float, float, float, float]]) -> xr.Datas
         "own_interval_high": "upper end of the 95 % confidence interval",
     }
     variables = {
-        name: ("own", columns[:, i], {"long_name": meaning}) for i, (name, meaning) in enumerate(meanings.items())
+        name: ("own", columns[:, i], {"long_name": meaning})
+        for i, (name, meaning) in enumerate(meanings.items())
     }
-    return xr.Dataset(variables, coords={"own": ("own", np.array(names), {"long_name": "statistic of the caller's own"})})
+    return xr.Dataset(
+        variables,
+        coords={"own": ("own", np.array(names), {"long_name": "statistic of the caller's own"})},
+    )
 
 
 def replay(run: xr.Dataset, path: int) -> xr.Dataset:
-    """Simulate one path of an ensemble again, with its events and as fine a trajectory as it has, like `mc replay`.
+    """Simulate one path of an ensemble again, with its events and its trajectory, like `mc replay`.
 
     Args:
-        run: what `run` returned, or `load` of its file.
-        path: number of the path, from 0.
+        run: a data set that `run` returned, or `load` of the file of a run.
+        path: number of the path, from 0 to the number of paths less 1.
 
     Returns:
-        The data set of this one path: it is the path of the ensemble, bit for bit.
+        A data set like that of `run` for this one path, which is the path of the ensemble bit for
+        bit. Its events are along `event`. Its trajectory, with the dimensions `trajectory` (of size
+        1) and `time`, is as fine as its scheme knows it.
 
     Raises:
         ArgumentError: the ensemble has no such path, or the data set is not that of a run.
@@ -220,11 +320,15 @@ def replay(run: xr.Dataset, path: int) -> xr.Dataset:
 
 
 def of_run(run: xr.Dataset, paths: int | None = None) -> _native.Scenario:
-    """The scenario that a data set was run with, its measured temperature included; with so many paths, if another number is meant."""
+    """The scenario of the data set of a run, with its measured temperature. `paths` replaces its
+    number of paths."""
     text = run.attrs.get("scenario")
     if not isinstance(text, str) or run.attrs.get("format_name") != "stick-slip ensemble":
         raise wrong_argument(
-            "run", type(run).__name__, "it is not the data set of a run", "give what run() returned, or load() of its file"
+            "run",
+            type(run).__name__,
+            "it is not the data set of a run",
+            "give what run() returned, or load() of its file",
         )
     stored = None
     if "series_time" in run:
@@ -234,18 +338,20 @@ def of_run(run: xr.Dataset, paths: int | None = None) -> _native.Scenario:
 
 
 def _end_and_goals(until: Until | None) -> tuple[float | str | None, list[str]]:
-    """The end of the simulation, and goals: a goal compares, a time does not."""
+    """The end of the simulation and the goals. A goal is a text with a comparison."""
     if until is None or isinstance(until, (int, float)):
         return until, []
     all_of_them = [until] if isinstance(until, str) else list(until)
     ends = [text for text in all_of_them if "<" not in text]
     if len(ends) > 1:
-        raise wrong_argument("until", until, "it has more than one end of the simulation", "give one time, and goals")
+        raise wrong_argument(
+            "until", until, "it has more than one end of the simulation", "give one time, and goals"
+        )
     return (ends[0] if ends else None), [text for text in all_of_them if "<" in text]
 
 
 def _recorded(record: Record | None) -> dict[str, Any]:
-    """What is recorded, as keys of a scenario."""
+    """What is recorded, as keys of a scenario with values."""
     if record is None:
         return {}
     if isinstance(record, Mapping):
@@ -257,5 +363,7 @@ def _recorded(record: Record | None) -> dict[str, Any]:
 def _seconds(time: float | timedelta | None) -> float | None:
     seconds = time.total_seconds() if isinstance(time, timedelta) else time
     if seconds is not None and not 0 < seconds < 1e9:
-        raise wrong_argument("max_time", time, "it is no time", "give a positive number of seconds, or a timedelta")
+        raise wrong_argument(
+            "max_time", time, "it is no time", "give a positive number of seconds, or a timedelta"
+        )
     return seconds

@@ -1,4 +1,4 @@
-"""From what a caller gives to a checked scenario."""
+"""Make a checked scenario of what a caller gives."""
 
 from __future__ import annotations
 
@@ -13,17 +13,18 @@ if TYPE_CHECKING:
     import numpy as np
     import numpy.typing as npt
 
-#: A path of a file, TOML text, the name of a shipped scenario, or a dictionary.
+#: The path of a file, TOML text, the name of a shipped scenario, or a dictionary.
 ScenarioLike = Union[str, "os.PathLike[str]", Mapping[str, Any]]
 
-#: What is set besides: dotted keys with values.
+#: Keys of a scenario with their values: dotted keys such as "friction.static".
 Settings = Mapping[str, Any]
 
-#: Names of the second, as `units.time` may have them.
+#: Labels of the unit of time that mean seconds.
 _SECONDS = ("", "s", "sec", "second", "seconds")
 
 
-#: Arguments that are keys of a scenario by another name: as the command calls them, and the key.
+#: Arguments that replace a key of the scenario: the flag of the command that messages quote, and
+#: the key.
 _FLAGS = {
     "paths": ("--paths", "ensemble.paths"),
     "seed": ("--seed", "ensemble.seed"),
@@ -34,31 +35,49 @@ _FLAGS = {
 }
 
 
-def parse(scenario: ScenarioLike, settings: Settings | None = None, temperature: Any = None, **flags: object) -> _native.Scenario:
-    """Read a scenario with overrides laid over it: `settings` in order, then the arguments `paths`, `seed`, `scheme`, `tolerance`, `step`
-    and `until` that are not None."""
+def parse(
+    scenario: ScenarioLike,
+    settings: Settings | None = None,
+    temperature: Any = None,
+    **flags: object,
+) -> _native.Scenario:
+    """Read a scenario and apply overrides.
+
+    First come the `settings` in order, then those of the arguments `paths`, `seed`, `scheme`,
+    `tolerance`, `step` and `until` that are not None.
+    """
     name, text = source(scenario)
-    laid: list[tuple[str | None, str, str]] = [(None, key, given) for key, given in written(settings)]
+    laid: list[tuple[str | None, str, str]] = [
+        (None, key, given) for key, given in written(settings)
+    ]
     for argument, (flag, key) in _FLAGS.items():
         if flags.get(argument) is not None:
             laid.append((flag, key, _bare(key, flags[argument])))
     times_and_values = None if temperature is None else samples(temperature)
-    parsed = _native.parse(name, text, laid, None if times_and_values is None else times_and_values[:2])
-    if times_and_values is not None and times_and_values[2] is not None and parsed.time_unit not in _SECONDS:
+    parsed = _native.parse(
+        name, text, laid, None if times_and_values is None else times_and_values[:2]
+    )
+    if (
+        times_and_values is not None
+        and times_and_values[2] is not None
+        and parsed.time_unit not in _SECONDS
+    ):
         raise wrong_argument(
-            "temperature", "a series with dates", f'its times are in seconds, and `units.time` is "{parsed.time_unit}"',
+            "temperature",
+            "a series with dates",
+            f'its times are in seconds, and `units.time` is "{parsed.time_unit}"',
             'write the whole scenario in seconds, and `time = "s"` under [units]',
         )
     return parsed
 
 
 def written(settings: Settings | None) -> list[tuple[str, str]]:
-    """Keys with their values as TOML."""
+    """The keys with their values as TOML."""
     return [(key, _toml.value(key, given)) for key, given in (settings or {}).items()]
 
 
 def source(scenario: ScenarioLike) -> tuple[str, str | None]:
-    """What messages call a scenario, and its text, unless it is in a file."""
+    """The name of a scenario in messages, and its text; no text if it is in a file."""
     if isinstance(scenario, Mapping):
         return "scenario", _toml.document(scenario)
     path = os.fspath(scenario)
@@ -71,10 +90,14 @@ def source(scenario: ScenarioLike) -> tuple[str, str | None]:
 def samples(
     given: Any, argument: str = "temperature"
 ) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64], np.datetime64 | None]:
-    """Times and values of what was measured, and the first date if the times were dates.
+    """Times and values of a measurement, and the first date if the times are dates.
 
-    Takes a pandas Series, whose index is the time, a one-dimensional xarray DataArray, or a pair of arrays.
-    Dates become seconds since the first of them.
+    `given` is a pandas Series, whose index is the time, a one-dimensional xarray DataArray, or a
+    pair of arrays. Dates become seconds since the first of them. `argument` is the name of the
+    argument in messages.
+
+    Raises:
+        ArgumentError: there are no times and values, or their shapes differ.
     """
     import numpy as np
 
@@ -87,13 +110,15 @@ def samples(
             times, values = given
         except (TypeError, ValueError):
             raise wrong_argument(
-                argument, type(given).__name__, "it has no times and values",
+                argument,
+                type(given).__name__,
+                "it has no times and values",
                 "give a pandas Series, a one-dimensional DataArray, or a pair (times, values)",
             ) from None
     times, values = np.asarray(times), np.asarray(values, dtype=np.float64)
     first = None
     if times.dtype.kind == "O" and len(times) and hasattr(times[0], "timestamp"):
-        # Dates with a zone.
+        # Dates with a time zone.
         times = np.array([np.datetime64(round(1e6 * date.timestamp()), "us") for date in times])
     if times.dtype.kind == "M" and len(times):
         first = np.datetime64(times[0])
@@ -101,12 +126,14 @@ def samples(
     times = np.ascontiguousarray(times, dtype=np.float64)
     if times.ndim != 1 or times.shape != values.shape:
         raise wrong_argument(
-            argument, f"shapes {times.shape} and {values.shape}", "times and values do not go together",
+            argument,
+            f"shapes {times.shape} and {values.shape}",
+            "times and values do not go together",
             "give as many times as values, each in one dimension",
         )
     return times, np.ascontiguousarray(values), first
 
 
 def _bare(key: str, given: object) -> str:
-    """A value as it is typed after a flag: a text without quotation marks."""
+    """A value as it is typed after a flag: a text has no quotation marks."""
     return given if isinstance(given, str) else _toml.value(key, given)

@@ -1,4 +1,4 @@
-"""Many runs, one question: sweeps and the trade."""
+"""Studies of many runs: sweeps and trades."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from .errors import wrong_argument
 if TYPE_CHECKING:
     import xarray as xr
 
-#: Values of a key: numbers, or "START:STOP:COUNT" or "log:START:STOP:COUNT".
+#: Values of a key: numbers, or a text "START:STOP:COUNT" or "log:START:STOP:COUNT".
 Values = Union[str, Sequence[float], Any]
 
 
@@ -38,34 +38,63 @@ def sweep(
     threads: int | None = None,
     progress: Progress = None,
 ) -> xr.Dataset:
-    """Statistics as functions of keys of the scenario, like `mc sweep`.
+    """Compute statistics as functions of keys of the scenario, like `mc sweep`.
 
-    All points see the same noise, which makes differences between neighbours sharp.
+    All points of the sweep see the same noise, so that differences between neighbouring points are
+    much more precise than the estimates themselves. After Ctrl-C the points that are done are
+    returned with a `StickSlipWarning`.
 
     Args:
         scenario: as for `run`.
-        vary: values of each key: `{"temperature.noise.intensity": np.linspace(0, 1, 21)}`. The dimension is called by the symbol of
-            the key; "rho=temperature.noise.intensity" calls it rho. Several keys are crossed.
-        zip: let the first values of all keys go together, then the second ones, and so on.
-        elasticity: keys instead of `vary`: by what share each statistic changes for each share by which these keys do.
-        relative_step: the step to both sides of each key, for `elasticity`.
-        independent: give every point a seed of its own.
-        paths, seed, scheme, step, tolerance, until, set, temperature, bias, threads, progress: as for `run`.
+        vary: the values of each key, as a sequence of numbers or as a text "START:STOP:COUNT" or
+            "log:START:STOP:COUNT", e.g. `{"temperature.noise.intensity": np.linspace(0, 1, 21)}`.
+            Each key is a dimension of the result, with the symbol of the key as its name. A key
+            written "rho=temperature.noise.intensity" has the name rho. Several keys are combined
+            each with each.
+        zip: combine the first values of all keys, then their second values, and so on, instead of
+            each with each.
+        elasticity: a key or keys whose elasticities are computed, instead of `vary`: the relative
+            change of each statistic for a relative change of the key.
+        relative_step: for `elasticity`, the relative change of each key to both sides of its value,
+            from 1e-6 to 0.5.
+        independent: give every point a seed of its own. The errors of the points are then
+            independent, and differences between points are less precise.
+        paths, seed, scheme, step, tolerance, until, set, temperature, bias, threads, progress: as
+            for `run`, at every point; `until` is a time, not a goal.
 
     Returns:
-        Estimates with intervals and biases along the dimensions of the sweep and `statistic`, and differences of neighbours, or
-        elasticities. After Ctrl-C `point_status` says which points are done.
+        With `vary`: `estimate`, `standard_error`, `interval_low`, `interval_high`, `bias` and
+        `bias_uncertainty` with the dimensions of the sweep and `statistic`; `difference`,
+        `difference_error`, `difference_low` and `difference_high` from each point to the next, with
+        the further dimension `along`. With `elasticity`: the same estimates along `point` and
+        `statistic`, and `elasticity`, `elasticity_error`, `elasticity_low` and `elasticity_high`
+        along `key` and `statistic`. `point_status` says which points are done (1); the others are
+        NaN.
 
     Raises:
         ScenarioError: something in the scenario, or at a point of the sweep, is wrong.
-        ArgumentError: an argument is wrong.
+        ArgumentError: another argument is wrong.
+        KeyboardInterrupt: Ctrl-C came before the first point was done.
     """
     ready()
     keys = [elasticity] if isinstance(elasticity, str) else list(elasticity)
     if bool(vary) == bool(keys):
-        raise wrong_argument("vary", vary, "either keys are varied, or elasticities are asked for", "give one of them")
+        raise wrong_argument(
+            "vary",
+            vary,
+            "either keys are varied, or elasticities are asked for",
+            "give one of them",
+        )
     parsed = parse(
-        scenario, set, temperature, paths=paths, seed=seed, scheme=scheme, step=step, tolerance=tolerance, until=until
+        scenario,
+        set,
+        temperature,
+        paths=paths,
+        seed=seed,
+        scheme=scheme,
+        step=step,
+        tolerance=tolerance,
+        until=until,
     )
     with shown(progress) as told:
         made, is_interrupted = _native.sweep(
@@ -92,17 +121,29 @@ def trade(
     temperature: Any = None,
     threads: int | None = None,
 ) -> xr.Dataset:
-    """What accuracy costs, like `mc trade`: every scheme over a ladder of steps or tolerances, measured on this machine.
+    """Measure what accuracy costs on this machine, like `mc trade`.
+
+    Every scheme is run with several steps or tolerances. From these runs follow its bias, its
+    variance, and the cheapest run for a given accuracy. After Ctrl-C what was measured so far is
+    returned with a `StickSlipWarning`.
 
     Args:
         scenario, seed, set, temperature, threads: as for `run`.
-        budget: seconds to measure for.
+        budget: how long to measure, in seconds, from 1 to 604800.
 
     Returns:
-        Bias, variance and CPU time of each `rung`, orders of the schemes, and for each `scheme`, `statistic` and `target` the
-        cheapest run that is predicted to meet it.
+        Along `rung`, one for each step or tolerance of each scheme: `rung_scheme`, `rung_step`,
+        `rung_tolerance` and the CPU time `rung_seconds` of a path in seconds; along `rung` and
+        `statistic`: `rung_bias` with its standard error `rung_bias_error`, and the variance per
+        path `rung_path_variance`. Along `scheme` and `statistic`: the observed order of convergence
+        `scheme_order`. Along `scheme`, `statistic` and `target`, a relative root mean square error:
+        the cheapest run that is predicted to meet the target, as `predicted_seconds`,
+        `predicted_paths`, `predicted_step` and `predicted_tolerance`; `winner` is the cheapest
+        scheme.
 
     Raises:
+        ScenarioError: something in the scenario is wrong.
+        ArgumentError: `budget` is not a time to measure for.
         RunError: the budget is too small, or there is nothing to compare.
     """
     ready()
@@ -113,4 +154,8 @@ def trade(
 
 
 def _values(key: str, values: Values) -> str:
-    return values if isinstance(values, str) else ",".join(_toml.value(key, float(value)) for value in values)
+    return (
+        values
+        if isinstance(values, str)
+        else ",".join(_toml.value(key, float(value)) for value in values)
+    )

@@ -1,4 +1,5 @@
-"""Values and dictionaries as TOML, so that the one parser reads them and its messages speak of them."""
+"""Write values and dictionaries as TOML, so that the parser of the engine reads them and its
+messages quote them."""
 
 from __future__ import annotations
 
@@ -11,15 +12,21 @@ from .errors import wrong_argument
 
 
 def document(scenario: Mapping[str, Any]) -> str:
-    """A dictionary of tables as TOML text, table by table."""
+    """A dictionary of tables as TOML text."""
     lines: list[str] = []
     _table("", scenario, lines)
     return "\n".join(lines) + "\n"
 
 
 def value(key: str, given: object) -> str:
-    """A value as TOML."""
-    plain = given.item() if hasattr(given, "item") and not isinstance(given, (str, bytes)) else given
+    """A value as TOML. `key` is its key in messages.
+
+    Raises:
+        ArgumentError: TOML has no values of this type.
+    """
+    plain = (
+        given.item() if hasattr(given, "item") and not isinstance(given, (str, bytes)) else given
+    )
     if isinstance(plain, bool):
         return "true" if plain else "false"
     if isinstance(plain, int):
@@ -29,17 +36,24 @@ def value(key: str, given: object) -> str:
     if isinstance(plain, str):
         return json.dumps(plain, ensure_ascii=False).replace("\x7f", "\\u007f")
     if isinstance(plain, Mapping):
-        return "{ " + ", ".join(f"{_name(k)} = {value(f'{key}.{k}', v)}" for k, v in plain.items()) + " }"
+        return (
+            "{ "
+            + ", ".join(f"{_name(k)} = {value(f'{key}.{k}', v)}" for k, v in plain.items())
+            + " }"
+        )
     if isinstance(plain, Sequence):
         return "[" + ", ".join(value(key, item) for item in plain) + "]"
     raise wrong_argument(
-        key, repr(given), f"a scenario has no values of type {type(given).__name__}",
+        key,
+        repr(given),
+        f"a scenario has no values of type {type(given).__name__}",
         "give a number, a text, a truth value, a list or a dictionary",
     )
 
 
 def _table(path: str, table: Mapping[str, Any], lines: list[str]) -> None:
-    """The values of a table, then the tables in it: a value after a table would belong to that one."""
+    """Append the values of a table to `lines`, then the tables in it. In TOML, a value after an
+    inner table would belong to that inner table."""
     inner: list[tuple[str, Any]] = []
     for name, given in table.items():
         if isinstance(given, Mapping) or _is_tables(given):

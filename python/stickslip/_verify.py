@@ -1,4 +1,4 @@
-"""Whether numbers are what their scenario and their seed come to."""
+"""Check that numbers are those that their scenario and their seed give."""
 
 from __future__ import annotations
 
@@ -20,9 +20,11 @@ if TYPE_CHECKING:
     import numpy.typing as npt
     import xarray as xr
 
-#: Attributes that may differ where every number is the same: who made it, how its scenario is spelt, how far it went.
+#: Attributes that may differ although every number is the same: which program made the run, how its
+#: scenario is written, and how many paths were completed.
 _NOT_COMPARED = {
-    "Conventions", "format_version", "program_version", "git_hash", "generator", "status", "completed_paths", "scenario", "paths",
+    "Conventions", "format_version", "program_version", "git_hash", "generator", "status",
+    "completed_paths", "scenario", "paths",
 }  # fmt: skip
 
 #: Dimensions of what is kept of single paths.
@@ -31,17 +33,17 @@ _ROWS = ("path", "event", "trajectory")
 
 @dataclass(frozen=True)
 class Verified:
-    """What was compared, and found to be the same bit for bit.
+    """What was compared and found to be equal, bit for bit.
 
     Attributes:
-        blocks: blocks of 256 paths that there are; 0 for what keeps no paths.
-        blocks_checked: numbers of those that were simulated again.
-        paths: paths that there are.
-        paths_checked: how many of them were simulated again.
-        statistics_checked: whether all statistics were computed again.
+        blocks: number of blocks of 256 paths in the run; 0 for a trade, a sweep or a calibration.
+        blocks_checked: the numbers of the blocks that were simulated again.
+        paths: number of paths in the run.
+        paths_checked: number of paths that were simulated again.
+        statistics_checked: whether all statistics were computed again and compared.
         values_checked: how many numbers and texts were compared.
-        has_checksum: of a file, whether it has a checksum, which is right then.
-        same_program: whether it was made by this version of the program.
+        has_checksum: whether a file has a checksum, which then is right; None for a data set.
+        same_program: whether this version of the program made the run.
     """
 
     blocks: int
@@ -55,71 +57,119 @@ class Verified:
 
 
 def verify(
-    run: xr.Dataset | str | os.PathLike[str], *, blocks: int | Literal["all"] = 8, threads: int | None = None
+    run: xr.Dataset | str | os.PathLike[str],
+    *,
+    blocks: int | Literal["all"] = 8,
+    threads: int | None = None,
 ) -> Verified:
-    """Hold a run against a second simulation of its scenario and seed, and a file against its checksum, like `mc verify`.
+    """Compare a run with a second simulation of its scenario and seed, and a file with its
+    checksum, like `mc verify`.
 
     Args:
-        run: a data set of `run`, `merge` or `load`, or the file of a run. Of the file of a trade, a sweep or a calibration, which keeps
-            no paths, only the checksum is looked at.
-        blocks: how many blocks of 256 paths are simulated again, drawn at random and anew each time; "all" for everything, statistics
-            included, which takes as long as the run.
-        threads: number of threads, one a core if not given.
+        run: a data set that `run`, `merge` or `load` returned, or the path of the file of a run.
+            The path may also be the file of a trade, a sweep or a calibration. Such a file keeps no
+            paths, so only its checksum is compared.
+        blocks: how many blocks of 256 paths are simulated again; they are drawn at random in each
+            call. "all" simulates the whole run again and compares all statistics, which takes as
+            long as the run.
+        threads: number of threads; one for each core if not given.
 
     Returns:
-        What was compared. All of that is the same, bit for bit.
+        What was compared. All of it is equal, bit for bit.
 
     Raises:
-        VerificationError: a number is another one than its scenario comes to; says which.
-        RunError: the file is damaged.
-        ArgumentError: there is nothing to verify, or an argument is wrong.
+        VerificationError: a number differs from the one that the scenario gives. The error says
+            which.
+        RunError: the file is damaged: its checksum is wrong.
+        ArgumentError: an argument is wrong, or is not a run.
+        OSError: the file cannot be opened.
     """
     ready()
     if blocks != "all" and (isinstance(blocks, str) or blocks < 0):
-        raise wrong_argument("blocks", blocks, "it is no number of blocks", 'give a number of blocks, or "all"')
+        raise wrong_argument(
+            "blocks", blocks, "it is no number of blocks", 'give a number of blocks, or "all"'
+        )
     has_checksum = None
     where = "data set"
     if isinstance(run, (str, os.PathLike)):
         where, path = "file", Path(run)
         has_checksum = _sealed(path)
         with load(path) as ds:
-            if ds.attrs.get("format_name") in ("stick-slip trade", "stick-slip sweep", "stick-slip calibration"):
+            if ds.attrs.get("format_name") in (
+                "stick-slip trade",
+                "stick-slip sweep",
+                "stick-slip calibration",
+            ):
                 return Verified(0, (), 0, 0, False, 0, has_checksum, _is_same_program(ds))
             return _verified(ds.load(), blocks, threads, has_checksum, where)
     return _verified(run, blocks, threads, has_checksum, where)
 
 
 def _verified(
-    ds: xr.Dataset, blocks: int | Literal["all"], threads: int | None, has_checksum: bool | None, where: str
+    ds: xr.Dataset,
+    blocks: int | Literal["all"],
+    threads: int | None,
+    has_checksum: bool | None,
+    where: str,
 ) -> Verified:
     if not _is_same_program(ds):
-        warn(["it was made by another version of the program, which need not come to the same numbers"], level=4)
+        warn(
+            [
+                "it was made by another version of the program, "
+                "which need not come to the same numbers"
+            ],
+            level=4,
+        )
     scenario = of_run(ds)
-    size, completed, paths = (int(ds.attrs[name]) for name in ("block_size", "completed_paths", "paths"))
+    size, completed, paths = (
+        int(ds.attrs[name]) for name in ("block_size", "completed_paths", "paths")
+    )
     part = ds.attrs.get("part")
     first = _first_block(-(-paths // size), part)
     there = range(first, first + -(-completed // size))
     has_rows = any(axis in ds.sizes for axis in _ROWS)
     is_whole = blocks == "all" or blocks >= len(there)
-    again: list[int] = list(there) if is_whole else sorted(random.sample(there, int(blocks))) if has_rows else []
+    again: list[int] = (
+        list(there) if is_whole else sorted(random.sample(there, int(blocks))) if has_rows else []
+    )
     compared = _Compared(where, first * size)
     if is_whole:
-        # A run that a goal or Ctrl-C ended is the run of the paths that it has.
+        # A run that a goal or Ctrl-C has ended equals a run of the paths that it completed.
         whole = of_run(ds, paths if part else completed)
         has_bias = bool(ds["bias"].notnull().any())
         made, _, _, _ = _native.run(
-            whole, goals=[], is_bounded=True, max_time=None, part=part, bias=has_bias, threads=threads, progress=None, own=[]
+            whole,
+            goals=[],
+            is_bounded=True,
+            max_time=None,
+            part=part,
+            bias=has_bias,
+            threads=threads,
+            progress=None,
+            own=[],
         )
         computed = dataset(made)
         surplus = {str(name) for name in ds.variables} - {str(name) for name in computed.variables}
-        surplus = {name for name in surplus if not name.startswith("own") and name not in ("part_sums", "part_state")}
+        surplus = {
+            name
+            for name in surplus
+            if not name.startswith("own") and name not in ("part_sums", "part_state")
+        }
         for name in sorted(surplus):
             compared.differ(name, None, 0, "there", "missing")
         names = [str(name) for name in computed.variables]
     else:
         computed = dataset(_native.blocks(scenario, paths, again, threads))
-        names = [str(name) for name in computed.variables if name in ds.variables or computed[name].dims[:1] not in [(a,) for a in _ROWS]]
-    rows = _rows(ds, [range(n * size, min((n + 1) * size, first * size + completed)) for n in again], first * size)
+        names = [
+            str(name)
+            for name in computed.variables
+            if name in ds.variables or computed[name].dims[:1] not in [(a,) for a in _ROWS]
+        ]
+    rows = _rows(
+        ds,
+        [range(n * size, min((n + 1) * size, first * size + completed)) for n in again],
+        first * size,
+    )
     for name, value in computed.attrs.items():
         if name not in _NOT_COMPARED:
             compared.attribute(name, ds.attrs.get(name), value)
@@ -128,12 +178,22 @@ def _verified(
         compared.variable(name, ds.get(name), computed[name], rows.get(axis), ds.get("event_count"))
     again_paths = sum(min((n + 1) * size, first * size + completed) - n * size for n in again)
     return Verified(
-        len(there), tuple(again), completed, again_paths, is_whole, compared.values, has_checksum, _is_same_program(ds)
+        len(there),
+        tuple(again),
+        completed,
+        again_paths,
+        is_whole,
+        compared.values,
+        has_checksum,
+        _is_same_program(ds),
     )
 
 
 def _is_same_program(ds: xr.Dataset) -> bool:
-    return ds.attrs.get("program_version") == _native.VERSION and ds.attrs.get("git_hash") == _native.GIT_HASH
+    return (
+        ds.attrs.get("program_version") == _native.VERSION
+        and ds.attrs.get("git_hash") == _native.GIT_HASH
+    )
 
 
 def _first_block(blocks: int, part: str | None) -> int:
@@ -145,7 +205,7 @@ def _first_block(blocks: int, part: str | None) -> int:
 
 
 def _rows(ds: xr.Dataset, ranges: list[range], origin: int) -> dict[str, npt.NDArray[np.intp]]:
-    """Along each dimension, the rows of some paths."""
+    """For each dimension of single paths, the indices of the rows of these paths."""
     import numpy as np
 
     wanted = np.concatenate([np.arange(r.start, r.stop) for r in ranges] or [np.arange(0)]) - origin
@@ -159,20 +219,33 @@ def _rows(ds: xr.Dataset, ranges: list[range], origin: int) -> dict[str, npt.NDA
 
 
 class _Compared:
-    """Compares, counts, and raises at the first difference."""
+    """Compares values, counts them, and raises `VerificationError` at the first difference."""
 
     def __init__(self, where: str, origin: int) -> None:
         self.where, self.origin, self.values = where, origin, 0
 
-    def differ(self, variable: str, path: int | None, index: int, stored: object, computed: object) -> None:
+    def differ(
+        self, variable: str, path: int | None, index: int, stored: object, computed: object
+    ) -> None:
         place = f"{variable}, value {index}," if path is None else f"path {path}: {variable}"
         if path is not None and index > 0:
             place = f"{place}, value {index} of the path,"
-        problem = f"{place} is {stored} in the {self.where}, and {computed} when it is simulated again"
-        remedy = f"take the {self.where} as it was made; its scenario, its seed or its numbers were changed since"
+        problem = (
+            f"{place} is {stored} in the {self.where}, and {computed} when it is simulated again"
+        )
+        remedy = (
+            f"take the {self.where} as it was made; "
+            "its scenario, its seed or its numbers were changed since"
+        )
         raise VerificationError(
-            f"{problem}\n  fix: {remedy}", problem=problem, remedy=remedy, variable=variable, path=path, index=index,
-            stored=str(stored), computed=str(computed),
+            f"{problem}\n  fix: {remedy}",
+            problem=problem,
+            remedy=remedy,
+            variable=variable,
+            path=path,
+            index=index,
+            stored=str(stored),
+            computed=str(computed),
         )
 
     def attribute(self, name: str, stored: object, computed: object) -> None:
@@ -181,7 +254,12 @@ class _Compared:
             self.differ(name, None, 0, "missing" if stored is None else stored, computed)
 
     def variable(
-        self, name: str, stored: xr.DataArray | None, computed: xr.DataArray, rows: npt.NDArray[np.intp] | None, counts: xr.DataArray | None
+        self,
+        name: str,
+        stored: xr.DataArray | None,
+        computed: xr.DataArray,
+        rows: npt.NDArray[np.intp] | None,
+        counts: xr.DataArray | None,
     ) -> None:
         import numpy as np
 
@@ -196,13 +274,18 @@ class _Compared:
             return self.differ(name, None, 0, f"one of {left.size} values", f"one of {right.size}")
         same = left == right
         if right.dtype.kind == "f":
-            same = (left.view(np.uint64) == right.view(np.uint64)) | (np.isnan(left) & np.isnan(right))
+            same = (left.view(np.uint64) == right.view(np.uint64)) | (
+                np.isnan(left) & np.isnan(right)
+            )
         if same.all():
             return None
         at = tuple(int(i) for i in np.argwhere(~same)[0])
         index = int(np.ravel_multi_index(at, right.shape))
         stored_value, computed_value = left[at], right[at]
-        shown = [repr(value.item() if hasattr(value, "item") else value) for value in (stored_value, computed_value)]
+        shown = [
+            repr(value.item() if hasattr(value, "item") else value)
+            for value in (stored_value, computed_value)
+        ]
         if rows is None:
             return self.differ(name, None, index, *shown)
         row, path = int(rows[at[0]]), int(rows[at[0]])
@@ -214,12 +297,17 @@ class _Compared:
         return self.differ(name, self.origin + path, index, *shown)
 
 
-#: How the seal of a finished file begins; its length, and its checksum, and a checksum of the seal follow.
+#: The seal at the end of a finished file begins with these bytes and has this length. Then follow
+#: the length of the file before the seal, its checksum, and a checksum of the seal.
 _MAGIC, _SEAL = b"mc-seal\n", 24
 
 
 def _sealed(path: Path) -> bool:
-    """Whether a file has a checksum. A wrong one is an error."""
+    """Whether a file has a checksum.
+
+    Raises:
+        RunError: the checksum is wrong.
+    """
     size = path.stat().st_size - _SEAL
     if size < 0:
         return False
@@ -234,7 +322,10 @@ def _sealed(path: Path) -> bool:
             checksum = zlib.crc32(some, checksum)
     right = _MAGIC + size.to_bytes(8, "little") + checksum.to_bytes(4, "little")
     if seal != right + zlib.crc32(right).to_bytes(4, "little"):
-        problem, remedy = f"{path} is damaged: its checksum is another one", "take another copy of it, or run its scenario again"
+        problem, remedy = (
+            f"{path} is damaged: its checksum is another one",
+            "take another copy of it, or run its scenario again",
+        )
         raise RunError(f"{problem}\n  fix: {remedy}", problem=problem, remedy=remedy)
     return True
 

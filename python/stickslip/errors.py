@@ -1,16 +1,24 @@
-"""What can go wrong, as exceptions that say what to change."""
+"""The exceptions of the package. Each says what to change."""
 
 from __future__ import annotations
 
-__all__ = ["ArgumentError", "RunError", "ScenarioError", "StickSlipError", "StickSlipWarning", "VerificationError"]
+__all__ = [
+    "ArgumentError",
+    "RunError",
+    "ScenarioError",
+    "StickSlipError",
+    "StickSlipWarning",
+    "VerificationError",
+]
 
 
 class StickSlipError(Exception):
-    """Any error of this package. Its text is the message that the command prints.
+    """The base class of all errors of this package. The text is the message that the command
+    prints.
 
     Attributes:
         problem: what is wrong.
-        remedy: what would be right.
+        remedy: what to do about it.
     """
 
     problem: str
@@ -25,13 +33,15 @@ class StickSlipError(Exception):
 class ScenarioError(StickSlipError, ValueError):
     """A scenario cannot be read, or something in it or in an override is wrong.
 
+    If several things are wrong, the text names all of them, and the attributes describe the first.
+
     Attributes:
         origin: the file, or the override.
-        line: line in the text, from 1; an override has none.
-        column: column in the text, from 1.
-        key: the dotted key, if it is about one.
-        value: the value as written, if there is one.
-        excerpt: the line with a caret under the place.
+        line: line in the text, from 1; None for an override.
+        column: column in the text, from 1; None for an override.
+        key: the dotted key that is wrong, if there is one.
+        value: the value as it was written, if there is one.
+        excerpt: the line, with a caret under the place.
     """
 
     def __init__(
@@ -60,12 +70,18 @@ class ArgumentError(StickSlipError, ValueError):
     """An argument of a function is wrong.
 
     Attributes:
-        argument: its name.
+        argument: the name of the argument.
         value: its value, as text.
     """
 
     def __init__(
-        self, message: str, *, argument: str = "", value: str = "", problem: str = "", remedy: str = ""
+        self,
+        message: str,
+        *,
+        argument: str = "",
+        value: str = "",
+        problem: str = "",
+        remedy: str = "",
     ) -> None:
         super().__init__(message, problem=problem, remedy=remedy)
         self.argument = argument
@@ -73,18 +89,18 @@ class ArgumentError(StickSlipError, ValueError):
 
 
 class RunError(StickSlipError, RuntimeError):
-    """A run, a trade or a calibration has no result."""
+    """A run, a trade, a calibration or a forecast has no result."""
 
 
 class VerificationError(RunError):
-    """A number is another one than its scenario and its seed come to.
+    """A number differs from the one that the scenario and the seed give.
 
     Attributes:
-        variable: the variable or attribute.
-        path: number of the path, for rows of single paths.
-        index: which of its values, from 0: those of the path, or those of the data set.
-        stored: what is there.
-        computed: what its scenario comes to.
+        variable: the name of the variable or attribute.
+        path: number of the path; None for a number that belongs to no single path.
+        index: index of the value, from 0: among the values of the path, or in the whole variable.
+        stored: the value in the data set or file, as text.
+        computed: the value that the second simulation gives, as text.
     """
 
     def __init__(
@@ -108,10 +124,12 @@ class VerificationError(RunError):
 
 
 class StickSlipWarning(UserWarning):
-    """In what way a result is not what it seems to be."""
+    """A result should be used with care; the text says why."""
 
 
 def wrong_argument(argument: str, value: object, problem: str, remedy: str) -> ArgumentError:
-    """The exception about an argument."""
+    """The exception for an argument that is wrong."""
     message = f"{argument} = {value}: {problem}\n  fix: {remedy}"
-    return ArgumentError(message, argument=argument, value=str(value), problem=problem, remedy=remedy)
+    return ArgumentError(
+        message, argument=argument, value=str(value), problem=problem, remedy=remedy
+    )

@@ -43,7 +43,7 @@ pub struct Twin {
     /// Resolution of the thermometer in kelvin: readings are multiples of it
     #[arg(long, value_name = "K", default_value_t = 0.0, value_parser = not_negative)]
     resolution: f64,
-    /// The share of displacements that are replaced by outliers
+    /// The share of displacements that are outliers, off by up to 20 times the noise of the sensor
     #[arg(long, value_name = "SHARE", default_value_t = 0.0, value_parser = share)]
     spikes: f64,
     /// Number of gaps in the record, of one to five days each
