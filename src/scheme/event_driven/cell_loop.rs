@@ -1,8 +1,8 @@
 //! The loop over cells and phases of the schemes that follow noisy paths from event to event:
 //! event-driven and quasi-static.
 //!
-//! All paths of a block cross one cell of time before the next. Within a cell, a path is taken
-//! phase by phase:
+//! The paths of a block cross the same cells of time, one cell or a run of up to 64, before any of
+//! them goes on. Within a cell, a path is taken phase by phase:
 //!
 //! ```text
 //! n at the end of the cell    drawn from its law given n at the start: the skeleton
