@@ -1,4 +1,4 @@
-//! Measured bearings: calibration, the weather, a forecast of years to come, and synthetic measurements.
+//! Measured bearings: calibration, weather, forecast of future years, and synthetic measurements.
 
 use crate::dataset::to_python;
 use crate::errors;
@@ -20,7 +20,8 @@ use stick_slip::study::calibration::{
 use stick_slip::study::forecast::{Question as Asked, forecast as foreseen};
 use stick_slip::study::weather::{PERIODS, WeatherError, WeatherFit, fit};
 
-/// A scenario as the caller gives it: what messages call it, its text unless it is in a file, and what is laid over it.
+/// A scenario from Python: its name in messages, its text (none if the name is that of a file), and
+/// overrides as pairs of a key and a value in TOML.
 type Given = (String, Option<String>, Vec<(String, String)>);
 
 struct Read {
@@ -42,8 +43,10 @@ fn read(py: Python<'_>, (name, text, overrides): Given) -> PyResult<Read> {
     parsed().map_err(|error| errors::of_scenario(py, &error))
 }
 
-/// Where measurements are: a file of this name or a text that is called so, temperatures in a file of their own, or arrays of times
-/// and temperatures, times and displacements, in seconds, kelvin and metres. And the column of displacements and its unit.
+/// A measurement from Python: a file with this name or a text that has this name in messages, where
+/// temperatures may be in a file of their own; or arrays of times and temperatures, then of times
+/// and displacements, in seconds, degrees and metres. The last two fields are the column of
+/// displacements and its unit.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 pub struct Measured<'py> {
@@ -71,7 +74,7 @@ impl Measured<'_> {
         errors::of_argument(py, "data", &self.name, &error.to_string(), &error.remedy)
     }
 
-    /// The record of a bearing in the columns that a scenario names, and what was mended.
+    /// The measurement in the columns that a scenario names, and what was repaired in it.
     fn record(&self, py: Python<'_>, scene: &BridgeScene) -> PyResult<(Record, Vec<String>)> {
         if let Some([times, temperatures, when, readings]) = self.arrays().as_deref() {
             return Ok((Record::of([times, temperatures], [when, readings]), Vec::new()));
@@ -101,7 +104,8 @@ fn warnings(calibration: &Calibration) -> impl Iterator<Item = String> {
     calibration.warnings.iter().map(ToString::to_string)
 }
 
-/// Friction, stiffness and dilatation of a bearing from its measured temperature and displacement.
+/// Estimates friction, stiffness and dilatation of a bearing from its measured temperature and
+/// displacement. Returns the data set and warnings.
 #[pyfunction]
 #[pyo3(signature = (scenario, measured, *, method, fit, bounds, starts, lag, interval, workers))]
 #[expect(clippy::too_many_arguments, reason = "they are keywords of one Python function")]
@@ -156,7 +160,8 @@ pub fn calibrate<'py>(
     Ok((to_python(py, Dataset::of_calibration(&scene.title, &scene.text, &calibration))?, remarks))
 }
 
-/// What years to come do to a bearing: of a calibration by slips, and of the weather in the same record.
+/// Simulates future years of a bearing that is calibrated from its slips, under the weather of the
+/// same measurement. Returns the data set and warnings.
 #[pyfunction]
 #[pyo3(signature = (scenario, measured, *, draws, years, seed, interval, share, processes, workers))]
 #[expect(clippy::too_many_arguments, reason = "they are keywords of one Python function")]
@@ -220,17 +225,17 @@ fn no_weather(py: Python<'_>, error: &WeatherError) -> PyErr {
     errors::of_run(py, &error.to_string(), remedy)
 }
 
-/// A row of a table of a temperature.
+/// The three numbers of a harmonic or of a noise.
 type Triple = (f64, f64, f64);
 
-/// A measured temperature as harmonics and noise of a scenario.
+/// A measured temperature, fitted by harmonics and noise of a scenario.
 #[pyclass(frozen)]
 pub struct Weather {
     fit: WeatherFit,
-    /// The stamp of time 0, if the times were stamps.
+    /// The date of time 0, if the times were dates in a file or a text.
     #[pyo3(get)]
     start: Option<String>,
-    /// What was mended.
+    /// What was repaired in the data.
     #[pyo3(get)]
     remarks: Vec<String>,
 }
@@ -247,19 +252,20 @@ impl Weather {
         self.fit.duration
     }
 
-    /// Estimate and standard error.
+    /// The mean and its standard error.
     #[getter]
     fn mean(&self) -> (f64, f64) {
         self.fit.mean()
     }
 
-    /// Period, amplitude, phase, and the standard error of the amplitude.
+    /// Period, amplitude, phase, and standard error of the amplitude of each harmonic.
     #[getter]
     fn harmonics(&self) -> Vec<(f64, f64, f64, f64)> {
         self.fit.cycles().iter().map(|cycle| (cycle.period, cycle.amplitude, cycle.phase, cycle.error)).collect()
     }
 
-    /// Standard deviation and its relative error, relaxation rate and its relative error.
+    /// Standard deviation and its relative error, relaxation rate and its relative error, of each
+    /// process.
     #[getter]
     fn processes(&self) -> Vec<(f64, f64, f64, f64)> {
         let of = self.fit.processes();
@@ -276,7 +282,8 @@ impl Weather {
         self.fit.log_likelihood
     }
 
-    /// Amplitude, angular frequency and phase of each harmonic, the mean first; intensity, relaxation rate and diffusion of each noise.
+    /// Amplitude, angular frequency and phase of each harmonic, with the mean as the first one;
+    /// intensity, relaxation rate and diffusion of each noise.
     #[getter]
     fn temperature(&self) -> (Vec<Triple>, Vec<Triple>) {
         let temperature = self.fit.temperature();
@@ -285,14 +292,14 @@ impl Weather {
         (harmonics.collect(), noises.collect())
     }
 
-    /// The part of a scenario.
+    /// The temperature as a section of a scenario.
     #[getter]
     fn toml(&self) -> String {
         config::temperature_part(&self.fit.temperature())
     }
 }
 
-/// Fit harmonics of these periods, in seconds, and one or two processes.
+/// Fits harmonics with these periods, in seconds, and one or two Ornstein-Uhlenbeck processes.
 #[pyfunction]
 #[pyo3(signature = (measured, *, processes, periods, time, temperature, zone))]
 pub fn fit_temperature<'py>(
@@ -318,13 +325,15 @@ pub fn fit_temperature<'py>(
             (column.times, column.values, table.start.map(|start| start.to_string()), repairs)
         }
     };
-    // The fit hears no signal; it takes seconds.
+    // The fit cannot be interrupted, but it takes only seconds.
     let (found, _) = watched(py, None, |_| fit(&times, &temperatures, &periods, processes))?;
     Ok(Weather { fit: found.map_err(|error| no_weather(py, &error))?, start, remarks })
 }
 
-/// Synthetic measurements of a bearing, whose truth the scenario says. Its temperature is the measured one, in a file or in arrays of
-/// times and values, or drawn from harmonics and noise for a duration, a sample every so many seconds.
+/// Makes synthetic measurements of a bearing with the parameters of the scenario. The temperature
+/// is a measured one, in a file or in arrays of times and values, or it is simulated from harmonics
+/// and noise for `duration` seconds with a sample every `every` seconds. Returns the data set and
+/// remarks.
 #[pyfunction]
 #[pyo3(signature = (scenario, temperature, *, seed, noise, scatter, lag, resolution, spikes, gaps, duration, every))]
 #[expect(clippy::too_many_arguments, reason = "they are keywords of one Python function")]
@@ -377,5 +386,5 @@ pub fn twin<'py>(
     Ok((to_python(py, Dataset::of_twin(&start, &truth, &found))?, remarks))
 }
 
-/// The stamp of the first sample where there is none to take.
+/// The date of the first sample, if no measurement provides one.
 const EPOCH: &str = "2015-01-01T00:00:00Z";

@@ -1,11 +1,13 @@
-//! Data sets of the engine as NumPy arrays, which take over the memory that holds the values.
+//! Conversion of data sets of the engine to NumPy arrays, which take over the memory with the
+//! values, and back.
 
 use numpy::{Element, IntoPyArray as _, PyArrayDyn, PyArrayMethods as _};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyFloat, PyList, PyString, PyTuple};
 use stick_slip::dataset::{Attribute, Column, Dataset, Entry};
 
-/// Attributes, and for each variable its name, dimensions, values and attributes.
+/// Converts a data set to its attributes, and for each variable its name, dimensions, values and
+/// attributes.
 pub fn to_python<'py>(py: Python<'py>, mut dataset: Dataset) -> PyResult<(Bound<'py, PyDict>, Bound<'py, PyList>)> {
     let shapes: Vec<Vec<usize>> = dataset.entries.iter().map(|entry| dataset.shape(entry)).collect();
     let variables = PyList::empty(py);
@@ -16,7 +18,7 @@ pub fn to_python<'py>(py: Python<'py>, mut dataset: Dataset) -> PyResult<(Bound<
     Ok((attributes(py, &dataset.attributes)?, variables))
 }
 
-/// Values as an array of this shape. Numbers are not copied.
+/// The values as an array of this shape. Numbers are not copied.
 fn array<'py>(py: Python<'py>, column: Column, shape: &[usize]) -> PyResult<Bound<'py, PyAny>> {
     Ok(match column {
         Column::F64(values) => values.into_pyarray(py).reshape(shape)?.into_any(),
@@ -30,7 +32,7 @@ fn array<'py>(py: Python<'py>, column: Column, shape: &[usize]) -> PyResult<Boun
     })
 }
 
-/// Attributes with the types that a reader of the file sees.
+/// The attributes, with the types that a reader of the file would see.
 fn attributes<'py>(py: Python<'py>, attributes: &[(String, Attribute)]) -> PyResult<Bound<'py, PyDict>> {
     let numpy = py.import("numpy")?;
     let dictionary = PyDict::new(py);
@@ -45,10 +47,12 @@ fn attributes<'py>(py: Python<'py>, attributes: &[(String, Attribute)]) -> PyRes
     Ok(dictionary)
 }
 
-/// A data set as Python hands it back: attributes, and for each variable its name, dimensions, values and attributes.
+/// A data set from Python: attributes, and for each variable its name, dimensions, values and
+/// attributes.
 pub type Handed<'py> = (Bound<'py, PyDict>, Vec<(String, Vec<String>, Bound<'py, PyAny>, Bound<'py, PyDict>)>);
 
-/// A data set of Python as one of the engine. What the engine does not know is left out.
+/// Converts a data set from Python to one of the engine. Values of types that the engine does not
+/// know are left out.
 pub fn from_python((attributes, variables): Handed<'_>) -> PyResult<Dataset> {
     let entry = |(name, axes, values, own): (String, Vec<String>, Bound<'_, PyAny>, Bound<'_, PyDict>)| {
         let Some(column) = column(&values)? else { return Ok(None) };

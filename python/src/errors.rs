@@ -4,7 +4,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use stick_slip::config::{Fault, ScenarioError};
 
-/// An exception of this class of `stickslip.errors`, with these attributes.
+/// An exception of the class `class` of `stickslip.errors`, with these attributes.
 fn exception(
     py: Python<'_>,
     class: &str,
@@ -20,7 +20,7 @@ fn exception(
     made().unwrap_or_else(|error| error)
 }
 
-/// What is wrong with a scenario.
+/// The exception for an error in a scenario.
 pub fn of_scenario(py: Python<'_>, error: &ScenarioError) -> PyErr {
     exception(py, "ScenarioError", &error.to_string(), |keywords| match error {
         ScenarioError::Unreadable { path, reason, remedy } => {
@@ -28,7 +28,7 @@ pub fn of_scenario(py: Python<'_>, error: &ScenarioError) -> PyErr {
             keywords.set_item("problem", reason)?;
             keywords.set_item("remedy", remedy)
         }
-        // All of them are in the message; the attributes are those of the first.
+        // The message names all faults; the attributes are those of the first one.
         ScenarioError::Invalid(faults) => {
             let Some(first) = faults.first() else { return Ok(()) };
             let Fault { origin, line, column, key, value, problem, remedy, excerpt } = first;
@@ -44,7 +44,7 @@ pub fn of_scenario(py: Python<'_>, error: &ScenarioError) -> PyErr {
     })
 }
 
-/// What is wrong with an argument of a function.
+/// The exception for a wrong argument of a function.
 pub fn of_argument(py: Python<'_>, argument: &str, value: &str, problem: &str, remedy: &str) -> PyErr {
     let message = format!("{argument} = {value}: {problem}\n  fix: {remedy}");
     exception(py, "ArgumentError", &message, |keywords| {
@@ -55,7 +55,7 @@ pub fn of_argument(py: Python<'_>, argument: &str, value: &str, problem: &str, r
     })
 }
 
-/// Why a run, a trade or a calibration has no result.
+/// The exception for a run, a trade, a calibration or a forecast without a result.
 pub fn of_run(py: Python<'_>, problem: &str, remedy: &str) -> PyErr {
     exception(py, "RunError", &format!("{problem}\n  fix: {remedy}"), |keywords| {
         keywords.set_item("problem", problem)?;

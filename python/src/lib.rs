@@ -1,14 +1,14 @@
-//! The engine for Python: a thin door, whose other side is `stickslip/`.
+//! The native part of the Python package: it exposes the engine to the functions in `stickslip/`.
 //!
 //! ```text
-//! scenario   text or file and what is laid over it -> a checked Scenario; what follows from it
-//! watched    work on another thread while this one hears signals and tells the progress
-//! run        a run, its parts, a replay -> data sets
+//! scenario   text or file with overrides -> a checked Scenario, and what follows from it
+//! watched    work on another thread, while this one handles signals and reports progress
+//! run        a run, its parts, one of its paths -> data sets
 //! own        statistics of the caller's own, over the events of finished blocks
-//! studies    the choice for an accuracy, sweeps, the trade
-//! bearing    calibration, weather and forecast of measured bearings, and twins of them
+//! studies    the choice for an accuracy, sweeps, trades
+//! bearing    calibration, weather and forecast of measured bearings, synthetic measurements
 //! plot       pictures of all of them
-//! dataset    a data set -> NumPy arrays, which take its memory over; and back
+//! dataset    a data set -> NumPy arrays, which take over its memory; and back
 //! errors     an error of the engine -> an exception of stickslip.errors
 //! ```
 

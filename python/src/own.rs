@@ -1,5 +1,6 @@
-//! Statistics of the caller's own: a function of Python turns the events of a finished block into
-//! numbers of each path, and what is estimated from them has the interval of any other statistic.
+//! Statistics of the caller's own. A function of Python turns the events of a finished block into a
+//! number for each path. The estimate from these numbers has an interval like that of any other
+//! statistic.
 
 use numpy::{IntoPyArray as _, PyReadonlyArray1};
 use pyo3::prelude::*;
@@ -8,29 +9,30 @@ use stick_slip::engine::{Asked, Moment, Outcome, Sink, SinkError};
 use stick_slip::scenario::Scenario;
 use stick_slip::stats::{BlockResult, EventColumns, Measurement, PathMeans, Record, Tree, Unit};
 
-/// One of them.
+/// A statistic of the caller's own.
 pub struct Own {
     pub name: String,
     pub estimate: Measurement,
     function: Py<PyAny>,
-    /// Means of what the function gives, and of what they are divided by, summed along the tree of
-    /// the run.
+    /// The means of what the function returns and of what these numbers are divided by, summed
+    /// along the tree of the run.
     tree: Tree<PathMeans<2>>,
     is_ratio: bool,
 }
 
-/// Keeps a run in memory, and shows its events to statistics of the caller's own.
+/// A sink that keeps a run in memory, and passes the events of each block to statistics of the
+/// caller's own.
 pub struct Kept {
     pub recorder: Recorder,
     pub own: Vec<Own>,
-    /// What the data set is to hold.
+    /// What the data set is to contain.
     record: Record,
     unit: Unit,
     blocks: u64,
 }
 
-/// What a function gives for a block: a number of each path, and for a ratio what its mean is
-/// divided by.
+/// What a function returns for a block: a number for each path, and for a ratio the numbers whose
+/// mean it is divided by.
 type Numbers<'py> = (PyReadonlyArray1<'py, f64>, Option<PyReadonlyArray1<'py, f64>>);
 
 impl Kept {
@@ -47,7 +49,8 @@ impl Kept {
         Kept { recorder: Recorder::default(), own: own.collect(), record: scenario.record, unit, blocks: 0 }
     }
 
-    /// The scenario with events, if somebody looks at them.
+    /// The scenario with events recorded, if there are statistics of the caller's own that need
+    /// them.
     pub fn watched(&self, scenario: &Scenario) -> Scenario {
         let record = Record { events: scenario.record.events || !self.own.is_empty(), ..scenario.record };
         Scenario { record, ..scenario.clone() }
@@ -65,7 +68,7 @@ impl Kept {
                 let sound = each.filter(|(_, (path, _))| is_sound(*path));
                 let numbers = sound.map(|(i, (_, &top))| [top, bottom.as_ref().map_or(1.0, |bottom| bottom[i])]);
                 let means = PathMeans::of(&numbers.collect::<Vec<_>>(), self.unit);
-                // Blocks come once each, and in order.
+                // This cannot fail, because each block comes once and in order.
                 let _ = own.tree.push(self.blocks, means);
             }
             Ok(())

@@ -1,4 +1,4 @@
-//! Pictures of a scenario's path, of a run, a trade, sweeps and a calibration.
+//! Pictures of a path of a scenario, of a run, a trade, sweeps and a calibration.
 
 use crate::dataset::{Handed, from_python};
 use crate::errors;
@@ -12,35 +12,35 @@ use stick_slip::scenario::Scenario as Checked;
 use stick_slip::stats::Statistic;
 use stick_slip::study::sweep::{Setting, Sweep};
 
-/// A picture: SVG for a screen, PNG and PDF for paper.
+/// A picture, which can be written as SVG, PNG or PDF.
 #[pyclass(frozen)]
 pub struct Picture(Scene);
 
 #[pymethods]
 impl Picture {
-    /// As SVG text.
+    /// The picture as the text of an SVG file.
     #[getter]
     fn svg(&self) -> String {
         figure::svg(&self.0)
     }
 
-    /// As PNG, with so many dots per inch.
+    /// The picture as the bytes of a PNG file with this resolution.
     #[pyo3(signature = (dots_per_inch = 300.0))]
     fn png(&self, py: Python<'_>, dots_per_inch: f64) -> PyResult<Vec<u8>> {
         figure::png(&self.0, dots_per_inch).map_err(|error| errors::of_run(py, &error.to_string(), "report it"))
     }
 
-    /// As PDF.
+    /// The picture as the bytes of a PDF file.
     fn pdf(&self, py: Python<'_>) -> PyResult<Vec<u8>> {
         figure::pdf(&self.0).ok_or_else(|| errors::of_run(py, "a flaw in the program: no PDF", "report it"))
     }
 }
 
-/// How a picture is drawn: the name of the one figure of it, if not all; whether it is dark; the
-/// width of a figure in millimetres; whether vertical axes are logarithmic.
+/// How a picture is drawn: the name of its only figure (none for all figures), whether it is dark,
+/// the width of a figure in millimetres, and whether vertical axes are logarithmic.
 type Drawn = (Option<String>, bool, f64, bool);
 
-/// A path of a scenario, or a run of it, given its data set.
+/// Draws a path of a scenario or, given the data set of a run, that run.
 #[pyfunction]
 pub fn plot_scenario(
     py: Python<'_>,
@@ -60,7 +60,7 @@ pub fn plot_scenario(
     draw(py, &Subject::Run { scenario, summary: &summary, path }, drawn, &scenario.title, &line)
 }
 
-/// A trade.
+/// Draws a trade.
 #[pyfunction]
 pub fn plot_trade(py: Python<'_>, trade: Handed<'_>, of: Option<&str>, drawn: Drawn) -> PyResult<Picture> {
     let of = of.map(|name| statistic(py, name)).transpose()?;
@@ -69,7 +69,7 @@ pub fn plot_trade(py: Python<'_>, trade: Handed<'_>, of: Option<&str>, drawn: Dr
     draw(py, &Subject::Trade(&prices), drawn, &prices.title, "what accuracy costs")
 }
 
-/// Sweeps over one key, each with a name.
+/// Draws sweeps over the same key, each with its name.
 #[pyfunction]
 pub fn plot_sweeps(
     py: Python<'_>,
@@ -88,7 +88,7 @@ pub fn plot_sweeps(
     draw(py, &Subject::Sweep { sweeps: &named, statistics: &of }, drawn, title, "")
 }
 
-/// A calibration.
+/// Draws a calibration.
 #[pyfunction]
 pub fn plot_calibration(py: Python<'_>, calibration: Handed<'_>, drawn: Drawn) -> PyResult<Picture> {
     let stored = from_python(calibration)?.calibration().map_err(|error| damaged(py, &error))?;
@@ -96,7 +96,7 @@ pub fn plot_calibration(py: Python<'_>, calibration: Handed<'_>, drawn: Drawn) -
     draw(py, &subject, drawn, &stored.title, "")
 }
 
-/// A stored sweep with its points put together again.
+/// A sweep from a data set, with the scenarios of its points made again.
 fn whole(py: Python<'_>, stored: StoredSweep) -> PyResult<Sweep> {
     let (text, series) = (stored.scenario_text.clone(), stored.series.clone());
     stored.whole(|settings| {
@@ -139,7 +139,7 @@ fn draw(
             let unknown = || errors::of_argument(py, "only", &name, "there is no such figure", &names.join(", "));
             figure::named(&name).ok_or_else(unknown)?.draw(subject, &style).map_err(|absent| refused(&name, absent))?
         }
-        // One figure needs no page around it.
+        // These subjects have one figure each, so they need no page around it.
         (None, Subject::Scenario { .. } | Subject::Trade(_) | Subject::Sweep { .. }) => {
             let mut drawn = FIGURES.iter().map(|figure| (figure.name, figure.draw(subject, &style)));
             let (name, drawn) =

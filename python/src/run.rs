@@ -1,4 +1,4 @@
-//! A run, a part of one, the parts together, and one path of it again, as data sets in memory.
+//! A run, a part of a run, the parts joined, and one path of a run again, as data sets in memory.
 
 use crate::dataset::{Handed, from_python, to_python};
 use crate::errors;
@@ -18,17 +18,17 @@ use stick_slip::ensemble::{Plan, in_order};
 use stick_slip::scenario::Scenario as Checked;
 use stick_slip::stats::{Goal, Measurement, RunTotals};
 
-/// Attributes and variables of a data set.
+/// The attributes and the variables of a data set.
 pub type Variables<'py> = (Bound<'py, PyDict>, Bound<'py, PyList>);
 
-/// Name, estimate, standard error, and the ends of the interval of a statistic of the caller's own.
+/// A statistic of the caller's own: name, estimate, standard error, and the ends of the interval.
 type OwnEstimate = (String, f64, f64, f64, f64);
 
-/// What a run came to: its data set, what is to be said of it, the statistics of the caller's own,
-/// and the sums of a part.
+/// The results of a run: its data set, warnings, the statistics of the caller's own, and the sums
+/// if it is a part.
 type Ran<'py> = (Variables<'py>, Vec<String>, Vec<OwnEstimate>, Option<Vec<u8>>);
 
-/// Simulate a scenario. With goals the number of paths is open, unless `is_bounded`.
+/// Simulates a scenario. With goals, the number of paths is limited only if `is_bounded`.
 #[pyfunction]
 #[pyo3(signature = (scenario, *, goals, is_bounded, max_time, part, bias, threads, progress, own))]
 #[expect(clippy::too_many_arguments, reason = "they are keywords of one Python function")]
@@ -60,7 +60,7 @@ pub fn run<'py>(
         with_bias: bias,
     };
     let mut kept = Kept::new(scenario, own);
-    // Statistics of the caller's own are of events, whether the data set is to hold them or not.
+    // Statistics of the caller's own need events, even if the data set is not to contain them.
     let watched_scenario = kept.watched(scenario);
     let (outcome, is_interrupted) = watched(py, progress.as_ref(), |watch| {
         let mut reported = Told(watch);
@@ -78,7 +78,8 @@ pub fn run<'py>(
     Ok((to_python(py, recorder.into_dataset())?, remarks, own.iter().map(named).collect(), sums))
 }
 
-/// Join the parts of a run: their data sets and their sums. The bias of the step is estimated here.
+/// Joins the parts of a run, given their data sets and their sums. The bias of the step is
+/// estimated here.
 #[pyfunction]
 #[pyo3(signature = (scenario, parts, *, bias, threads, progress))]
 pub fn merge<'py>(
@@ -117,7 +118,8 @@ pub fn merge<'py>(
     Ok((to_python(py, dataset)?, remarks))
 }
 
-/// The rows of single paths in some blocks of a run of so many paths, in ascending order.
+/// Simulates the blocks with these numbers, in ascending order, of a run of `paths` paths. The data
+/// set has the rows of their single paths.
 #[pyfunction]
 #[pyo3(signature = (scenario, paths, numbers, threads))]
 pub fn blocks<'py>(
@@ -147,7 +149,7 @@ pub fn blocks<'py>(
     to_python(py, recorder.into_dataset())
 }
 
-/// A part is a part of a run that is known beforehand.
+/// Reads the number of a part. Refuses what only a whole run can have: goals and a time limit.
 fn cut(py: Python<'_>, text: &str, scenario: &Checked, goals: &[Goal], max_time: Option<f64>) -> PyResult<Part> {
     let wrong = |problem: &str, remedy: &str| errors::of_argument(py, "part", text, problem, remedy);
     let part: Part = text.parse().map_err(|_| wrong("it is no part", "write 3/16 for the third of 16 parts"))?;
@@ -167,7 +169,8 @@ fn with_threads(run: Run<'_>, threads: Option<usize>) -> Run<'_> {
     if let Some(threads) = threads { run.threads(threads) } else { run }
 }
 
-/// An exception of a statistic of the caller's own is that exception.
+/// The exception for a failed run. If a statistic of the caller's own raised an exception, it is
+/// that exception.
 fn of_run(py: Python<'_>, error: RunError) -> PyErr {
     match error {
         RunError::Sink { error, .. } => match error.downcast::<PyErr>() {
@@ -178,7 +181,7 @@ fn of_run(py: Python<'_>, error: RunError) -> PyErr {
     }
 }
 
-/// What is to be said of an outcome. One of no paths is an exception.
+/// The warnings about an outcome. An outcome without paths is an exception instead.
 fn remarks(py: Python<'_>, outcome: &Outcome, is_interrupted: bool) -> PyResult<Vec<String>> {
     let paths = outcome.summary.completed_paths;
     if paths == 0 {
@@ -205,8 +208,8 @@ fn remarks(py: Python<'_>, outcome: &Outcome, is_interrupted: bool) -> PyResult<
     Ok(remarks)
 }
 
-/// Simulate one path of the ensemble of a scenario again, with its events and as fine a trajectory
-/// as it has.
+/// Simulates one path of the ensemble of a scenario again, with its events and the finest
+/// trajectory that its scheme has.
 #[pyfunction]
 pub fn replay<'py>(py: Python<'py>, scenario: &Scenario, path: u64) -> PyResult<Variables<'py>> {
     let scenario = &scenario.checked;

@@ -1,5 +1,5 @@
-//! Scenarios: text or a file, with overrides and samples of a measured temperature laid over it,
-//! checked by the one parser.
+//! Scenarios: a text or a file with overrides and samples of a measured temperature, checked by the
+//! parser of the command.
 
 use crate::errors;
 use numpy::PyReadonlyArray1;
@@ -19,7 +19,9 @@ pub struct Scenario {
     source: Source,
 }
 
-/// A text, what is laid over it, and the samples of a measured temperature that come with it.
+/// A text with overrides, and the samples of a measured temperature that belong to it. The flag is
+/// true if the samples are those that the text refers to, as in stored results, and false if they
+/// replace them.
 #[derive(Clone)]
 struct Source {
     name: String,
@@ -41,12 +43,12 @@ impl Source {
 }
 
 impl Scenario {
-    /// The same with more laid over it.
+    /// The scenario after further overrides.
     pub fn with(&self, more: &[Override]) -> Result<Checked, ScenarioError> {
         self.source.parse(more)
     }
 
-    /// Another one in the place of what was read.
+    /// Another checked scenario with the same source.
     pub fn replaced(&self, checked: Checked) -> Scenario {
         Scenario { checked, source: self.source.clone() }
     }
@@ -54,7 +56,7 @@ impl Scenario {
 
 #[pymethods]
 impl Scenario {
-    /// What it asks, in a line.
+    /// The title: what the scenario asks, in one line.
     #[getter]
     fn title(&self) -> &str {
         &self.checked.title
@@ -66,18 +68,18 @@ impl Scenario {
         &self.checked.units.time
     }
 
-    /// All of it as TOML, every default visible.
+    /// The whole scenario as TOML, with every default written out.
     #[getter]
     fn toml(&self) -> String {
         self.checked.to_toml()
     }
 
-    /// The number at a dotted key, if there is one.
+    /// The number at a dotted key; None if there is no such number.
     fn number_at(&self, key: &str) -> Option<f64> {
         self.checked.number_at(key)
     }
 
-    /// What follows from it, by name.
+    /// The numbers that follow from the scenario, by name.
     fn derived<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let dictionary = PyDict::new(py);
         for (name, quantity) in self.checked.derived().quantities() {
@@ -91,7 +93,8 @@ impl Scenario {
         Ok(dictionary)
     }
 
-    /// Name and sentence of each warning; without a guess at what the run itself measures.
+    /// Name and sentence of each warning. With `measures_bias`, warnings that only estimate the
+    /// bias that the run measures are left out.
     #[pyo3(signature = (measures_bias = false))]
     fn warnings(&self, measures_bias: bool) -> Vec<(&'static str, String)> {
         let measures = measures_bias && self.checked.bias_plan(self.checked.ensemble.paths).is_ok();
@@ -100,12 +103,12 @@ impl Scenario {
     }
 }
 
-/// One override: its flag, none for `--set`; its key, and the value as TOML.
+/// An override: its flag (None for `--set`), its key, and the value as TOML.
 type Laid = (Option<String>, String, String);
 
-/// Read and check a scenario: the file of this name, or this text of that name. Samples of a
-/// measured temperature are those that the text speaks of, as results store them, or others in
-/// their place.
+/// Reads and checks a scenario: the file with this name, or `text`, which has this name in
+/// messages. With `are_stored`, the samples of a measured temperature are those that the text
+/// refers to, as in stored results; otherwise they replace them.
 #[pyfunction]
 #[pyo3(signature = (name, text, overrides, samples = None, are_stored = false))]
 pub fn parse(
@@ -138,7 +141,7 @@ pub fn parse(
     Ok(Scenario { checked, source })
 }
 
-/// The text of the shipped scenario of this name, if there is one.
+/// The text of the shipped scenario with this name; None if there is no such scenario.
 #[pyfunction]
 pub fn shipped(name: &str) -> Option<&'static str> {
     config::shipped(name).map(|shipped| shipped.text)

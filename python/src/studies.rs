@@ -1,4 +1,4 @@
-//! Many runs, one question: the choice for an accuracy, sweeps, the trade.
+//! Studies of many runs: the choice for an accuracy, sweeps, trades.
 
 use crate::dataset::to_python;
 use crate::errors;
@@ -18,20 +18,20 @@ use stick_slip::study::sweep::{
 };
 use stick_slip::study::trade::{Limits, measure_within};
 
-/// How many threads are meant.
+/// The number of threads: the given one, or one for each core.
 pub fn threads(threads: Option<usize>) -> usize {
     threads.unwrap_or_else(|| std::thread::available_parallelism().map_or(1, usize::from)).max(1)
 }
 
-/// The statistic of a name.
+/// The statistic with this name.
 pub fn statistic(py: Python<'_>, name: &str) -> PyResult<Statistic> {
     let remedy = "write one of stickslip.STATISTICS";
     Statistic::from_name(name)
         .ok_or_else(|| errors::of_argument(py, "statistic", name, "there is no such statistic", remedy))
 }
 
-/// The scenario with scheme, step or tolerance, and paths for a relative error; and what is
-/// promised.
+/// The scenario with scheme, step or tolerance, and paths chosen for a relative error; and that
+/// choice as text.
 #[pyfunction]
 #[pyo3(signature = (scenario, target, statistics, max_time, workers))]
 pub fn choose(
@@ -57,8 +57,8 @@ pub fn choose(
     Ok((scenario.replaced(decision.scenario), accuracy_goal.to_string()))
 }
 
-/// Statistics as functions of keys: `vary` as `mc sweep --vary` takes it, or elasticities of some
-/// keys.
+/// Computes statistics as functions of keys, with `vary` as `mc sweep --vary` takes it, or the
+/// elasticities of keys. Returns the data set, and whether it was interrupted.
 #[pyfunction]
 #[pyo3(signature = (scenario, *, vary, zip, elasticity, relative_step, independent, bias, workers, progress))]
 #[expect(clippy::too_many_arguments, reason = "they are keywords of one Python function")]
@@ -123,7 +123,8 @@ fn star(py: Python<'_>, scenario: &Scenario, keys: Vec<String>, relative_step: f
     })
 }
 
-/// What accuracy costs, measured for so many seconds.
+/// Measures what accuracy costs, for `budget` seconds. Returns the data set, and whether it was
+/// interrupted.
 #[pyfunction]
 pub fn trade<'py>(
     py: Python<'py>,

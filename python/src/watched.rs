@@ -1,5 +1,5 @@
-//! Work on another thread, while the thread that Python called from hears Ctrl-C and tells how far
-//! the work has come.
+//! Does work on another thread, while the thread that Python called from handles Ctrl-C and reports
+//! how far the work has come.
 
 use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
@@ -10,10 +10,11 @@ use std::thread;
 use std::time::Duration;
 use stick_slip::engine::Progress;
 
-/// How long a signal may wait until it is heard. The engine then gives blocks in work 0.15 s.
+/// The longest time until a signal is handled. The engine then gives the blocks in work another
+/// 0.15 s.
 const TICK: Duration = Duration::from_millis(20);
 
-/// The progress is told every so many of these times.
+/// The progress is reported at every so many of these times.
 const TOLD_EVERY: u64 = 5;
 
 /// How far the work has come, and whether it is to stop.
@@ -25,7 +26,7 @@ pub struct Watch {
     expected: AtomicU64,
 }
 
-/// Tells the watch. It is the engine's own view of progress, so that no thread of it waits for
+/// Passes the progress of the engine on to the watch, so that no thread of the engine waits for
 /// Python.
 #[derive(Debug)]
 pub struct Told<'a>(pub &'a Watch);
@@ -37,9 +38,9 @@ impl Progress for Told<'_> {
     }
 }
 
-/// Do some work with the interpreter released. Ctrl-C raises the flag of the watch, and so does an
-/// exception of `progress`, a callable that is told paths done and paths expected. Returns what the
-/// work came to, and whether it was interrupted.
+/// Does some work with the interpreter lock released. Ctrl-C raises the flag of the watch, and so
+/// does an exception in `progress`, a callable that is called with the numbers of paths done and
+/// expected. Returns the result of the work, and whether Ctrl-C interrupted it.
 pub fn watched<T: Send>(
     py: Python<'_>,
     progress: Option<&Py<PyAny>>,
@@ -82,7 +83,7 @@ pub fn watched<T: Send>(
     match (result, failure) {
         (_, Some(error)) if !is_interrupt(&error) => Err(error),
         (Ok(result), failure) => Ok((result, failure.is_some())),
-        // The work panicked; its message is on standard error.
+        // The work has panicked, and its message is on standard error.
         (Err(_), _) => Err(pyo3::exceptions::PyRuntimeError::new_err("a flaw in the program")),
     }
 }
