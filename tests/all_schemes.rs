@@ -1,8 +1,8 @@
-//! What every scheme has in common, whatever it makes of friction: the law of the temperature,
-//! where it starts, what a path is a function of, and that the velocity is the rate of the
-//! displacement.
+//! Properties that every scheme has: the law of the temperature and its initial value, that a path
+//! is a function of the scenario, the seed and its number, and that the velocity is the rate of
+//! change of the displacement.
 //!
-//! Statistical tests have a fixed seed; each states its null hypothesis, sample size and
+//! Statistical tests have a fixed seed. Each states its null hypothesis, its sample size and its
 //! false-alarm rate.
 
 mod common;
@@ -18,7 +18,7 @@ use stick_slip::scheme::{
 };
 use stick_slip::stats::{BlockObserver, Record};
 
-/// Every scheme, those that have a step with this one.
+/// All schemes; those that have a step get this one.
 fn schemes(step: f64) -> impl Iterator<Item = Scheme> {
     Kind::ALL.iter().map(move |kind| match kind.parameter() {
         Parameter::Step => kind.with(step),
@@ -40,7 +40,8 @@ fn with_noise(noise: Noise) -> Model {
     model
 }
 
-/// Row by row, the sums over paths of n, n^2 and n(before) n, where n is T less its mean.
+/// For each row of the output grid, the sums over paths of n, n^2 and n n', where n is T less its
+/// mean and n' is n at the row before.
 struct NoiseMoments {
     mean: Box<dyn Fn(f64) -> f64>,
     before: Vec<f64>,
@@ -62,19 +63,21 @@ impl Observer for NoiseMoments {
     }
 }
 
-/// Friction hears the noise, and the noise does not hear friction: however a path sticks, slips,
-/// turns and is cut into steps, T less its harmonics is rho times the Ornstein-Uhlenbeck process,
-/// in every scheme. Of it
+/// The noise acts on the body, and the body does not act on the noise. So in every scheme, however
+/// a path sticks, slips, turns and is cut into steps, T less its harmonics is rho times the
+/// Ornstein-Uhlenbeck process v, for which
 ///
 /// ```text
 /// E v = e^{-theta t} v(0),   Var v = (sigma^2/2 theta)(1 - e^{-2 theta t}),   Cov(v(s), v(t)) = e^{-theta (t - s)} Var v(s),
 /// ```
 ///
-/// and sigma^2/2 theta at every t from a stationary start. Null: these, on ten rows 0.7 apart, of
-/// which the first is t = 0, in four schemes from either start; there are slips of 3 and more, so
-/// most rows lie in one. 2e4 paths: 240 comparisons at 3.9 standard errors (1e-4 each); a variance
-/// is known to 1 %. A noise that stands still while the body slips, or a v(0) that shares a draw
-/// with the first increment, is off by tens of them.
+/// or Var v = sigma^2/2 theta at every t after a stationary start.
+///
+/// Null hypothesis: these moments, on ten rows 0.7 apart, the first at t = 0, in four schemes and
+/// from either start. Slips last 3 and more, so most rows lie in one. Sample size: 2e4 paths, so
+/// that a variance is known to 1 %. False-alarm rate: 1e-4 for each of 240 comparisons, which are
+/// made at 3.9 standard errors. If the noise stood still while the body slips, or if v(0) shared a
+/// random number with the first increment, the moments would be off by tens of standard errors.
 #[test]
 fn the_temperature_is_the_same_process_in_every_scheme() {
     let (rho, theta, sigma, lag, paths) = (0.25, 0.5, 1.0, 0.7, 20_000u64);
@@ -103,7 +106,8 @@ fn the_temperature_is_the_same_process_in_every_scheme() {
                     .zip([0.0, var, covariance].into_iter().zip(sds))
                 {
                     let (got, error) = (sum / paths as f64, sd / (paths as f64).sqrt());
-                    // Rounding of T about its mean, where nothing fluctuates yet.
+                    // At the first row nothing fluctuates yet, and T differs from its mean by
+                    // rounding.
                     let is_so = (got - want).abs() <= 3.9 * error + 1e-14;
                     assert!(is_so, "{scheme}, {initial:?}, t = {t}, {what}: {got}, not {want} +- {error}");
                 }
@@ -112,8 +116,8 @@ fn the_temperature_is_the_same_process_in_every_scheme() {
     }
 }
 
-/// T(0) is the sum of the harmonics at 0 and of rho v(0), to rounding, and the body feels K beta of
-/// it: b at the first event of a start outside the corridor is K (beta T(0) - x0).
+/// T(0) is the sum of the harmonics at 0 and of rho v(0), to rounding, and it acts on the body: b
+/// at the first event of a start outside the corridor is K (beta T(0) - x0).
 #[test]
 fn every_scheme_starts_from_rho_times_the_noise_it_is_given() {
     let initial = InitialNoise::At(2.0);
@@ -131,9 +135,9 @@ fn every_scheme_starts_from_rho_times_the_noise_it_is_given() {
     }
 }
 
-/// Every bit of the number of a path, and of the seed, makes another path: of 65 numbers that
-/// differ from one by a bit each no two share their T at the end, and each is the path that it is
-/// alone. The same of 65 seeds.
+/// Every bit of the number of a path changes the path: 65 numbers, of which 64 differ from the
+/// first in one bit each, give 65 different T at the end, and each path is the same as when it is
+/// simulated alone. The same holds for 65 seeds.
 #[test]
 fn every_bit_of_the_path_number_and_of_the_seed_counts_in_every_scheme() {
     let number = 5u64;
@@ -157,7 +161,7 @@ fn every_bit_of_the_path_number_and_of_the_seed_counts_in_every_scheme() {
     }
 }
 
-/// A replay takes the whole number too, and says which path it is.
+/// A replay uses all 64 bits of the number of a path, and reports that number.
 #[test]
 fn a_replay_of_a_number_beyond_sixteen_and_thirty_two_bits_is_another_path() {
     let scenario = Scenario::parse("rho025", shipped("rho025").expect("shipped").text, &[]).expect("sound");
@@ -171,10 +175,10 @@ fn a_replay_of_a_number_beyond_sixteen_and_thirty_two_bits_is_another_path() {
     assert_eq!(ends.len(), 4);
 }
 
-/// x' is the rate of x, in every scheme, in a scene whose natural frequency is 2: between rows 2d
-/// apart in one sub-phase, (x(t + d) - x(t - d))/2d is x'(t) up to d times the change of the force
-/// over the mass, here below 2 % of the greatest velocity that the scheme shows. Where the body
-/// sticks both are zero.
+/// x' is the rate of change of x in every scheme, in a scene whose natural frequency is 2. For rows
+/// 2d apart in one sub-phase, (x(t + d) - x(t - d))/2d equals x'(t) up to d times the change of the
+/// force over the mass, which here is below 2 % of the greatest velocity in the scheme. While the
+/// body sticks, both are zero.
 #[test]
 fn the_velocity_is_the_rate_of_the_displacement_in_every_scheme() {
     let (d, end) = (0.002, 20.0);
@@ -198,7 +202,8 @@ fn the_velocity_is_the_rate_of_the_displacement_in_every_scheme() {
                 }
             }
             assert!(slides > 1000 && rests > 100, "{scheme}: {slides} {rests}");
-            // The quasi-static one swings by (f_s - f_d)/K about its equilibrium, at w0.
+            // In the quasi-static scheme the body swings by (f_s - f_d)/K about its equilibrium, at
+            // w0.
             if scheme.discretisation() == Discretisation::Approximation {
                 assert!((fastest / 0.4 - 1.0).abs() < 1e-4, "{fastest}");
             }
@@ -206,9 +211,9 @@ fn the_velocity_is_the_rate_of_the_displacement_in_every_scheme() {
     }
 }
 
-/// (x, T) -> (-x, -T), with the sign of T turned by that of beta: each scheme with a step gives the
-/// same path with the other sign, bit for bit. A correction of the stick exit that took beta with
-/// its sign would raise the threshold of one of the two, and lower that of the other.
+/// Under (x, beta) -> (-x, -beta) each scheme with a step gives the same path with the opposite
+/// sign, bit for bit. A correction of the stick exit that used beta with its sign instead of |beta|
+/// would raise the threshold in one of the two scenes and lower it in the other.
 #[test]
 fn a_body_that_shrinks_in_the_heat_does_the_same_on_the_other_side() {
     let model = paper(0.25, 0.25);
@@ -228,9 +233,10 @@ fn a_body_that_shrinks_in_the_heat_does_the_same_on_the_other_side() {
     }
 }
 
-/// Whatever the scheme, what it tells its observer leads to the counts, times and ways that its
-/// events and rows say: sticks and slips that begin at the end of the burn-in or later, and time
-/// and way from there on. The burn-in ends on the output grid, in slips and in sticks.
+/// With a burn-in, the counts, times and ways of each path are those that follow from its events
+/// and rows, in every scheme: of sticks and slips that begin at the end of the burn-in or later,
+/// and of time and way from there on. The burn-in ends on the output grid, both inside slips and
+/// inside sticks.
 #[test]
 fn a_burn_in_leaves_out_the_same_of_every_scheme() {
     let (model, after, end) = (paper(0.25, 0.25), 20.0, 60.0);
@@ -246,7 +252,8 @@ fn a_burn_in_leaves_out_the_same_of_every_scheme() {
         let (mut sticking, mut straddling) = (0, 0);
         for (lane, (events, rows)) in both.0.events.iter().zip(&both.0.rows).enumerate() {
             let (at_end, at_after) = (rows[3].1, rows[1].1);
-            // Phases as (begin, end, whether static), the last one cut off.
+            // Phases as (begin, end, whether static). The last one is cut off at the end of the
+            // path.
             let marks: Vec<(f64, bool)> = std::iter::once((0.0, true))
                 .chain(events.iter().filter_map(|event| match event.kind {
                     EventKind::StickEntered => Some((event.time, true)),

@@ -1,4 +1,4 @@
-//! Antithetic pairs: what the paths of a pair have in common, and intervals whose unit is the pair.
+//! Antithetic pairs: the paths of a pair, and intervals whose independent unit is the pair.
 //!
 //! Each statistical test states its null hypothesis, sample size and false-alarm rate, and has a
 //! fixed seed.
@@ -10,7 +10,7 @@ use stick_slip::scenario::Scenario;
 use stick_slip::scheme::{CorrectedVi, DiscreteVi, Instant, Kind, Observer, Scheme, Simulate as _, Snapshot};
 use stick_slip::stats::{RunTotals, Statistic, Summary};
 
-/// `rho025` in antithetic pairs, by this scheme, to this time.
+/// The scenario `rho025` in antithetic pairs, with this scheme, up to this time.
 fn scenario(scheme: impl Into<Scheme>, end: f64, paths: u64, seed: u64) -> Scenario {
     let mut scenario = Scenario::shipped("rho025").expect("shipped");
     (scenario.time.end, scenario.time.output_step) = (end, end / 4.0);
@@ -24,8 +24,8 @@ fn of_kind(kind: Kind) -> Scheme {
     kind.with(if kind.has_step() { 0.01 } else { 1e-3 })
 }
 
-/// y and -y - 1, one bit of 63 apart from -y, stand for normals that differ in sign only, to twice
-/// the error of the normals.
+/// The random words y and -y - 1 differ from opposite numbers in one bit of 63, so they stand for
+/// normals of opposite sign, up to twice the error of the normals.
 #[test]
 fn a_mirror_image_has_the_same_normals_with_the_other_sign() {
     for (seed, path) in [(1, 0), (7, 4710), (u64::MAX, 1 << 39)] {
@@ -45,7 +45,7 @@ fn a_mirror_image_has_the_same_normals_with_the_other_sign() {
     }
 }
 
-/// The normals of the kernel's lanes are those of the streams, mirror images among them.
+/// The lanes of the kernel draw the same normals as the streams, for mirror images as well.
 #[test]
 fn lanes_draw_what_the_streams_of_mirror_images_draw() {
     let paths = [4, 4 | MIRROR, 6, 6 | MIRROR, 8];
@@ -56,7 +56,7 @@ fn lanes_draw_what_the_streams_of_mirror_images_draw() {
     }
 }
 
-/// Keeps the events of every lane, and T at every row.
+/// Keeps the events of every lane, and T at every row of the output grid.
 #[derive(Default)]
 struct Seen {
     events: Vec<Vec<Event>>,
@@ -76,9 +76,9 @@ impl Observer for Seen {
     }
 }
 
-/// With v(0) = 0 the noise of paths 2k and 2k + 1 adds up to nothing, wherever no event depends on
-/// who looks, and the even path is that of a run without pairs. Each is replayed to the bit. In the
-/// schemes without steps the rows are ends of cells.
+/// With v(0) = 0 the noises of paths 2k and 2k + 1 add up to zero, wherever the draws do not depend
+/// on events, and the even path is that of a run without pairs. A replay of each path has the same
+/// bits. In the schemes without steps the rows are ends of cells.
 #[test]
 fn the_paths_of_a_pair_see_the_noise_and_its_mirror_image() {
     for &kind in Kind::ALL {
@@ -109,13 +109,13 @@ fn the_paths_of_a_pair_see_the_noise_and_its_mirror_image() {
     }
 }
 
-/// Parts of a run of pairs that are written, read and joined have the bits of the whole, on any
-/// number of threads.
+/// Parts of a run of pairs that are written, read and joined have the bits of the whole run, for
+/// any number of threads.
 #[test]
 fn pairs_are_summed_to_the_same_bits_in_any_parts() {
     let plan = scenario(CorrectedVi { step: 0.05 }, 20.0, 1100, 2).plan();
     let whole = plan.run(1);
-    // What does not exist is not equal to itself.
+    // The summaries are compared as text, because NaN does not equal itself.
     let same = |a: &Summary, b: &Summary| assert_eq!(format!("{a:?}"), format!("{b:?}"));
     same(&plan.run(2), &whole);
     let empty = || RunTotals::empty(plan.model(), plan.timeline());
@@ -129,8 +129,8 @@ fn pairs_are_summed_to_the_same_bits_in_any_parts() {
     same(&joined.totals().summary(), &whole);
 }
 
-/// Of a pair of which a path diverges neither path is in the statistics, and both are listed. The
-/// step is so long that some paths diverge and others do not.
+/// If one path of a pair diverges, neither is in the statistics, and both are listed. The step is
+/// so long that some paths diverge and others do not.
 #[test]
 fn a_pair_is_left_out_as_a_whole() {
     let mut paired = scenario(of_kind(Kind::EventDriven), 60.0, 512, 2);
@@ -146,20 +146,22 @@ fn a_pair_is_left_out_as_a_whole() {
     assert!(summary.estimate(Statistic::DisplacementEndMean).low.is_finite());
 }
 
-/// How often intervals hold, of 1000 seeds.
+/// How many of 1000 intervals hold the truth.
 struct Held {
     what: String,
     times: u32,
     truth: f64,
 }
 
-/// Null: of runs of 200 pairs, each with another seed, intervals of every statistic hold its truth
-/// in 95 %; the truth is that of 2e6 paths without pairs, which adds 1 % to what the runs scatter
-/// by. Of 1000 seeds 950 +- 7 hold; four standard deviations and 10 more are allowed, for 200 pairs
-/// are few for what is skewed, and the false-alarm rate is 1e-4 each. What is counted path by path
-/// (a quantile, P(static)) is stated with more caution: it holds 930 times or more.
+/// Null hypothesis: over runs of 200 pairs, each with another seed, the intervals of every
+/// statistic hold its truth in 95 % of the runs. The truth is that of 2e6 paths without pairs,
+/// whose own error adds 1 % to the scatter of the runs. Sample size: 1000 seeds, of which 950 +- 7
+/// hold. Bounds: four standard deviations and 10 more, because 200 pairs are few for a skewed
+/// statistic. False-alarm rate: 1e-4 for each statistic. Intervals that count path by path (a
+/// quantile, P(static)) are conservative; for them the test only requires 912 or more.
 ///
-/// Were the path the unit, the interval of the mean of x(t_end) would hold always.
+/// If the path instead of the pair were the unit, the interval of the mean of x(t_end) would always
+/// hold the truth.
 #[test]
 fn intervals_hold_whose_unit_is_the_pair() {
     let scheme = CorrectedVi { step: 0.05 };
@@ -184,7 +186,7 @@ fn intervals_hold_whose_unit_is_the_pair() {
     ];
     let curve = |summary: &Summary| {
         let x = &summary.bands.displacement;
-        // The median at the last of five rows.
+        // The index of the median at the last of five rows.
         let median = 2 * 5 + 4;
         [
             ("mean of x", x.mean[4], [x.mean_ends.low[4], x.mean_ends.high[4]]),
@@ -210,16 +212,16 @@ fn intervals_hold_whose_unit_is_the_pair() {
     }
     for (i, Held { what, times, .. }) in held.iter().enumerate() {
         println!("{what:<28} {times}");
-        // Mean over pairs; the others are bounded.
+        // Means over pairs have an upper bound as well; the other intervals are conservative.
         let is_exact = i <= exact.len();
         assert!(*times >= 912 && (!is_exact || *times <= 983), "{what}: {times} of 1000");
     }
 }
 
-/// What pairs gain in `rho025`: the variance of an estimate from as many paths without pairs, over
-/// that with them, which is 1/(1 + r) for paths of a pair whose correlation is r. 20 000 paths to
-/// t_end = 60; the gains of means are known to 3 %. Stated: 6.7 for the mean of x(60), none for
-/// sticks, a loss for the first stick.
+/// The gain from pairs in `rho025`: the variance of an estimate from as many paths without pairs
+/// divided by that with pairs, which is 1/(1 + r) if r is the correlation of the paths of a pair.
+/// 20 000 paths to t_end = 60, so that the gains of means are known to 3 %. Expected: 6.7 for the
+/// mean of x(60), none for sticks, a loss for the first stick.
 #[test]
 fn pairs_gain_where_paths_mirror_each_other() {
     let gain = |statistic: Statistic| {

@@ -1,5 +1,5 @@
-//! Files of others that are part of the program: what they were when they were taken, and with
-//! their licences.
+//! Files by others that are part of the program: they are unchanged, and their licences are beside
+//! them.
 
 use std::path::Path;
 use std::process::Command;

@@ -1,5 +1,5 @@
-//! The estimated bias of the step, against what is known without it: event-driven values, and the
-//! exact cascade.
+//! The estimated bias of the step compared with values that are known without a step: from the
+//! event-driven scheme, and from the exact cascade.
 
 mod common;
 
@@ -19,14 +19,14 @@ const STATISTICS: [Statistic; 5] = [
     Statistic::StickingFraction,
 ];
 
-/// Without a step, rho = 0.25, forcing 1/4, t_end = 60, with standard errors
+/// The values at zero step for rho = 0.25, forcing 1/4 and t_end = 60, with standard errors
 /// (tests/reference/noisy.c).
 fn truth(statistic: &Statistic) -> (f64, f64) {
     reference::limit(statistic.name())
 }
 
-/// The same of `discrete-vi`, with standard errors: `mc run scenarios/rho025.toml --seed 11 --step
-/// H --paths N`.
+/// The values of `discrete-vi` at a step, with standard errors: `mc run scenarios/rho025.toml
+/// --seed 11 --step H --paths N`.
 struct AtStep {
     h: f64,
     values: [(f64, f64); 5],
@@ -67,11 +67,11 @@ fn of(biases: &[(Statistic, Bias)], statistic: Statistic) -> Bias {
     biases.iter().find(|(s, _)| *s == statistic).expect("it has a bias").1
 }
 
-/// What a run of the discrete scheme, corrected or not, says of its bias.
-/// How many statistics exist in two forcing periods, which have no correlation from one to the
-/// next.
+/// The number of statistics that exist in two forcing periods. There is no correlation from one
+/// period to the next.
 const EXISTING: usize = Statistic::ALL.len() - 1;
 
+/// The biases that a run of the discrete scheme, corrected or not, reports.
 fn reported(model: &Model, scheme: Scheme, seed: u64, paths: u64, threads: usize) -> Vec<(Statistic, Bias)> {
     let run = run(model, scheme, seed, paths, threads);
     let plan = BiasPlan::new(scheme, model, &timeline(model), seed, paths).expect("enough paths");
@@ -84,8 +84,8 @@ fn run(model: &Model, scheme: Scheme, seed: u64, paths: u64, threads: usize) -> 
     Plan { simulation, record, seed, paths, antithetic: false }.run(threads)
 }
 
-/// Which of the thirty comparisons fail: the estimates at a step, times each factor, against the
-/// large run at that step less the truth.
+/// The comparisons that fail, of thirty: the bias that is estimated at each step, multiplied by
+/// each factor, against the value of the large run at that step less the truth.
 fn misses<const N: usize>(biases: impl Fn(f64) -> Vec<(Statistic, Bias)>, factors: [f64; N]) -> [Vec<String>; N] {
     let mut misses = [const { Vec::new() }; N];
     for AtStep { h, values } in &AT_STEP {
@@ -105,9 +105,12 @@ fn misses<const N: usize>(biases: impl Fn(f64) -> Vec<(Statistic, Bias)>, factor
     misses
 }
 
-/// As `mc run` does it with 10 000 paths. Null: each of the thirty is within its uncertainty, a 95
-/// % one, and the errors of the two numbers that it is compared with. Of 40 other seeds at five of
-/// the steps, 1.8 % of all statistics were not. An estimate of twice the size is seen in most.
+/// The bias as `mc run` estimates it with 10 000 paths.
+///
+/// Null hypothesis: in each of thirty comparisons the error of the estimated bias is within its 95
+/// % uncertainty, enlarged by the errors of the two numbers that it is compared with. The seed is
+/// fixed. False-alarm rate, measured over 40 other seeds at five of the steps: 1.8 % of all
+/// comparisons failed. An estimate of twice the size fails in most comparisons.
 #[test]
 fn what_a_run_says_is_within_its_uncertainty_of_the_truth() {
     let model = paper(0.25, 0.25);
@@ -116,10 +119,13 @@ fn what_a_run_says_is_within_its_uncertainty_of_the_truth() {
     assert!(double.len() > 20, "{}", double.len());
 }
 
-/// Both schemes at the step of the paper, five statistics, 20 seeds. `corrected-vi` without error
-/// of sampling: `mc run scenarios/rho025.toml --scheme corrected-vi --step 0.01 --paths 400000
-/// --seed 11`. Null: 5 % of the 200 are missed or fewer; were they independent, 20 would have a
-/// probability of 0.3 %. Half the uncertainty misses more than that.
+/// Both schemes at the step of the paper, with five statistics and 20 seeds. The values of
+/// `corrected-vi` are those of `mc run scenarios/rho025.toml --scheme corrected-vi --step 0.01
+/// --paths 400000 --seed 11`.
+///
+/// Null hypothesis: each of 200 biases is off by more than its uncertainty with a probability of at
+/// most 5 %. Bound: 20 misses. False-alarm rate: if the biases were independent, 20 or more misses
+/// would have a probability of 0.3 %. With half the uncertainty there are more.
 #[test]
 fn over_the_seeds_it_is_missed_as_seldom_as_it_says() {
     let model = paper(0.25, 0.25);
@@ -142,10 +148,11 @@ fn over_the_seeds_it_is_missed_as_seldom_as_it_says() {
     assert!(misses[0] <= 20 && misses[1] > 20, "{misses:?}");
 }
 
-/// With up to 10 000 paths at three steps the sampling error is below a tenth of most biases, and
-/// what is tested is the extrapolation. Its uncertainty was set to hold here, so this guards it
-/// rather than proves it; an estimate of twice the size fails in most of the thirty, one of half
-/// the size, to which the stated error comes close, in fewer.
+/// The extrapolation itself: with up to 480 000 paths at three steps the sampling error is below a
+/// tenth of most biases. The stated uncertainty was chosen such that this test passes, so the test
+/// guards it against changes and does not prove it. An estimate of twice the size fails in most of
+/// the thirty comparisons. One of half the size fails in fewer, because the stated uncertainty is
+/// about that large.
 #[test]
 fn extrapolation_holds_and_an_error_of_a_factor_of_two_is_seen() {
     let paths = |h| if h < 0.002 { 120_000 } else { 480_000 };
@@ -154,12 +161,15 @@ fn extrapolation_holds_and_an_error_of_a_factor_of_two_is_seen() {
     assert!(double.len() > 20 && half.len() > 6, "{} {}", double.len(), half.len());
 }
 
-/// f_s = 1.05: at zero step, `mc run scenarios/rho025.toml --set friction.static=1.05 --scheme
-/// event-driven --paths 300000 --seed 77`; with one, the means over 40 runs of 10 000 paths, seeds
-/// 101 to 140. The noise of a step of 0.0025 moves the force by 1.5 times f_s - f_d, of 0.02 by 4.2
-/// times, and there the steps see half of what they change. Null as above: of the six, none missed
-/// for 18 other seeds. An uncertainty that does not grow with the step misses the number of sticks
-/// for each of them at 0.01 and 0.02.
+/// f_s = 1.05 f_d. The values at zero step are those of `mc run scenarios/rho025.toml --set
+/// friction.static=1.05 --scheme event-driven --paths 300000 --seed 77`; those at a step are means
+/// over 40 runs of 10 000 paths, seeds 101 to 140. In one step of 0.0025 the noise moves the force
+/// by 1.5 times f_s - f_d, in one of 0.02 by 4.2 times, so that the steps resolve only half of the
+/// change.
+///
+/// Null hypothesis: as above, in six comparisons. False-alarm rate: none of the six failed for 18
+/// other seeds. An uncertainty that did not grow with the step would be too small for the number of
+/// sticks at 0.01 and 0.02, with each of these seeds.
 #[test]
 fn the_truth_is_within_its_uncertainty_where_static_and_dynamic_friction_are_close() {
     let mut model = paper(0.25, 0.25);
@@ -176,13 +186,15 @@ fn the_truth_is_within_its_uncertainty_where_static_and_dynamic_friction_are_clo
     }
 }
 
-/// Two biases that D1 and D2 mislead about. With theta = 5 sub-phases go with h^1, and the estimate
-/// is twice the truth; with close frictions, strong noise and damping the sticking fraction hardly
-/// changes from step to step, since fewer sticks and longer ones make up for each other. Truth as
-/// above, of `scenarios/damped.toml` with damping 1, intensity 0.5 and f_s = 1.05 in the second
-/// case. Null: each seed is within its uncertainty with 95 %; more than 6 misses of 40 have a
-/// probability of 0.3 %. With 30 % of one term alone the first has 12, without half a step a stick
-/// the second 32.
+/// Two biases that cannot be inferred from the differences D1 and D2 between the steps alone. With
+/// theta = 5 the bias of sub-phases is proportional to h, and the plain extrapolation is twice the
+/// truth. With close frictions, strong noise and damping the sticking fraction hardly changes from
+/// step to step, because fewer and longer sticks compensate each other. The truth is obtained as
+/// above; the second case is `scenarios/damped.toml` with damping 1, intensity 0.5 and f_s = 1.05.
+///
+/// Null hypothesis: each of 40 seeds is within its uncertainty with 95 %. False-alarm rate: more
+/// than 6 misses have a probability of 0.3 %. With an uncertainty of 30 % of one term alone the
+/// first case has 12 misses; without half a step for each stick the second has 32.
 #[test]
 fn the_truth_is_within_its_uncertainty_where_the_changes_from_step_to_step_mislead() {
     let mut short_memory = paper(0.25, 0.25);
@@ -203,10 +215,10 @@ fn the_truth_is_within_its_uncertainty_where_the_changes_from_step_to_step_misle
     }
 }
 
-/// With 10 000 paths at the step of the paper the bias of the mean stick duration is known, in the
-/// median of nine seeds, to better than 35 % of itself, that of x(t_end), whose paths are the same
-/// at h and 2h, to little more than the standard error of the run, 0.016; and the order is seen: in
-/// the median from 0.45 to 0.75.
+/// The uncertainty is small enough to be useful. With 10 000 paths at the step of the paper, in the
+/// median of nine seeds, the bias of the mean stick duration is known to better than 35 % of
+/// itself. The bias of x(t_end), whose paths hardly differ between h and 2h, is known to little
+/// more than the standard error of the run, 0.016. The observed order is between 0.45 and 0.75.
 #[test]
 fn the_uncertainty_says_something() {
     let model = paper(0.25, 0.25);
@@ -223,15 +235,17 @@ fn the_uncertainty_says_something() {
     assert!((0.45..0.75).contains(&order), "{order}");
 }
 
-/// Two kinds of sticks: light noise and nearly equal frictions make them either short or long, and
-/// a step misses many of the short ones. The median at h = 0.01 is 1.55, that of long sticks, and
-/// at zero step it is 0.40 (`mc run scenarios/rho025.toml --scheme event-driven --paths 300000
-/// --seed 77` with the values below); at 2h and 4h it is 1.65 and more, so that no extrapolation
-/// finds the other kind. Truth, as an interval: 200 000 paths at the step and those. Null: each
-/// seed is within its uncertainty with 95 %; more than 4 misses of 20 have a probability of 0.3 %.
-/// Extrapolation from h, 2h and 4h has 6, with most estimates near 0.2; and an uncertainty of half
-/// of the estimate would be false precision here, so what is told must be honest about the other
-/// hump: half a unit or more for most seeds.
+/// Two kinds of sticks: with weak noise and nearly equal frictions sticks are either short or long,
+/// and a step misses many of the short ones. The median at h = 0.01 is 1.55, that of long sticks.
+/// At zero step it is 0.40 (`mc run scenarios/rho025.toml --scheme event-driven --paths 300000
+/// --seed 77` with the values below). At 2h and 4h it is 1.65 and more, so no extrapolation from
+/// the steps can find the short sticks. The truth is an interval, from 200 000 paths at the step
+/// and 300 000 event-driven ones.
+///
+/// Null hypothesis: each of 20 seeds is within its uncertainty with 95 %. False-alarm rate: more
+/// than 4 misses have a probability of 0.3 %. Extrapolation from h, 2h and 4h alone has 6 misses,
+/// with most estimates near 0.2. An uncertainty of half the estimate would claim too much
+/// precision, so for most seeds the uncertainty must be half a unit or more.
 #[test]
 fn so_is_a_median_that_jumps_from_one_kind_of_sticks_to_the_other() {
     let mut model = paper(0.25, 0.1);
@@ -253,9 +267,9 @@ fn so_is_a_median_that_jumps_from_one_kind_of_sticks_to_the_other() {
     assert!(misses <= 4 && honest >= 15, "{misses} misses, {honest} wide");
 }
 
-/// The reference run is left out where it costs more than the run allows (theta = 1e6: a step each
-/// 5e-7, 10^8 of them), where they resolve less than there is (f_s and f_d all but equal), and
-/// where they are too few; the three steps still tell.
+/// The reference run is left out where it costs more than the run allows (theta = 1e6, which needs
+/// a cell each 5e-7, 10^8 of them), where it resolves less than is needed (f_s and f_d almost
+/// equal), and where its paths are too few. The bias is then estimated from the three steps.
 #[test]
 fn what_paths_without_a_step_cannot_tell_the_steps_do() {
     let referenced = |model: &Model, h: f64, paths: u64| {
@@ -280,13 +294,16 @@ fn what_paths_without_a_step_cannot_tell_the_steps_do() {
     }
 }
 
-/// The reference run has random numbers of its own, or the two ensembles are not independent and
-/// their errors do not add up in squares. Here v stays where it starts, at random, and makes the
-/// path: of one seed, path k would be the same path in both ensembles, and the difference of the
-/// two means next to nothing against its error. Null: over 64 seeds the mean square of difference
-/// over error is a chi-square of 64 degrees of freedom over 64, which is above 0.4 with a
-/// probability of 1 - 1e-5 (and below 2, which errors half as large as they should be are not). As
-/// many paths on either side.
+/// The reference run has random numbers of its own. Otherwise the two ensembles would not be
+/// independent, and the squares of their errors would not add up. In this scene v stays at its
+/// random initial value, which determines the path: if the ensembles shared the seed, path k would
+/// be the same in both, and the difference of the two means would be almost zero compared with its
+/// error.
+///
+/// Null hypothesis: over 64 seeds the mean square of difference over error is a chi-square of 64
+/// degrees of freedom divided by 64. False-alarm rate: it is below 0.4 with a probability of 1e-5.
+/// It is above 2 if the errors are half as large as they should be. Both ensembles have the same
+/// number of paths.
 #[test]
 fn paths_without_a_step_are_not_those_of_the_run() {
     let mut model = paper(0.25, 1.0);
@@ -301,12 +318,12 @@ fn paths_without_a_step_are_not_those_of_the_run() {
     let squares = (0..64).map(|seed| {
         let simulation = plain(h).simulation(&model, &timeline);
         let run = Plan { simulation, record: Record::NOTHING, seed, paths, antithetic: false }.run(2);
-        // All of the cost of the run: enough for as many paths as it has.
+        // The reference run may cost as much as the run, which is enough for as many paths.
         let reference = ReferenceRun::new(&model, &timeline, h, seed, paths, 1);
         let biases = reference.estimate(&run, 2, &AtomicBool::new(false)).expect("the budget is enough");
         let reported = of(&biases, Statistic::FrictionWorkMean);
-        // Student's t with 127 degrees of freedom, times what few paths are trusted less; a little
-        // for the tolerance.
+        // The quantile of Student's t with 127 degrees of freedom, times the factor by which the
+        // uncertainty is enlarged for few paths, with a little allowance for the tolerance.
         (reported.estimate / (reported.uncertainty / (1.979 * (1.0 + 2.5 / 128f64.sqrt())))).powi(2)
     });
     let mean_square = squares.sum::<f64>() / 64.0;
@@ -314,8 +331,8 @@ fn paths_without_a_step_are_not_those_of_the_run() {
     assert!((0.4..2.0).contains(&mean_square), "{mean_square}");
 }
 
-/// Without noise: every statistic of Shaw's case against the exact cascade, and x(t_end), the
-/// smoothest, to 15 %.
+/// Without noise: the bias of every statistic of Shaw's case compared with the exact cascade.
+/// x(t_end), the smoothest statistic, must be right to 15 %.
 #[test]
 fn without_noise_the_bias_is_that_against_the_exact_cascade() {
     let model = paper(0.25, 0.0);
@@ -368,7 +385,7 @@ fn where_there_is_no_estimate_the_reason_is_told() {
         let stopped = plan.estimate(&run(&model, scheme, 1, 1000, 2), 2, &AtomicBool::new(true));
         assert_eq!(stopped, Err(NoBias::Stopped));
     }
-    // 4h = 0.8 is far beyond what an undamped slip of this size stands.
+    // 4h = 0.8 is so long that an undamped slip of this size diverges.
     let long = Timeline { end: 1000.0, output_step: 1000.0, period: None, after: 0.0 };
     let plan = Differences::new(plain(0.2), &model, &long, 1, 1000).expect("enough paths");
     assert!(matches!(plan.estimate(1, &AtomicBool::new(false)), Err(NoBias::Diverged { paths: 32.. })));

@@ -1,8 +1,8 @@
-//! How often what a run says of its bias is off by more than it says, on scenes that no rule was
-//! made for.
+//! How often the bias that a run estimates is off by more than its uncertainty, in scenes that the
+//! rules of the estimate were not made for.
 //!
-//! `cargo test --release --test bias_coverage -- --ignored --nocapture`; docs/bias.md has the last
-//! result.
+//! `cargo test --release --test bias_coverage -- --ignored --nocapture` prints the table;
+//! docs/bias.md has the last result.
 
 mod common;
 
@@ -28,16 +28,16 @@ fn run(model: &Model, scheme: Scheme, seed: u64, paths: u64) -> Summary {
         .run(2)
 }
 
-/// What a run says of its bias.
+/// The biases that a run reports.
 fn reported(model: &Model, scheme: Scheme, seed: u64, paths: u64) -> Vec<(Statistic, Bias)> {
     let timeline = Timeline { end: 60.0, output_step: 60.0, period: model.temperature.period(), after: 0.0 };
     let plan = BiasPlan::new(scheme, model, &timeline, seed, paths).expect("enough paths");
     plan.estimate(&run(model, scheme, seed, paths), 2, &AtomicBool::new(false)).unwrap_or_default()
 }
 
-/// Light noise and nearly equal frictions: sticks are either short or long, and a step misses many
-/// of the short ones. At h = 0.01 most of those that it sees are long, so its median is 1.55; at
-/// zero step most are short, and the median is 0.40.
+/// Weak noise and nearly equal frictions: sticks are either short or long, and a step misses many
+/// of the short ones. At h = 0.01 most of the sticks that are seen are long, and their median is
+/// 1.55. At zero step most are short, and the median is 0.40.
 fn two_humps(static_force: f64, intensity: f64) -> Model {
     let mut model = paper(0.25, intensity);
     let oscillator = &mut model.oscillator;
@@ -49,7 +49,8 @@ fn two_humps(static_force: f64, intensity: f64) -> Model {
     model
 }
 
-/// The shipped scene, two with sticks of two kinds, and six drawn at random around the shipped one.
+/// The shipped scene, two scenes with two kinds of sticks, and six scenes drawn at random around
+/// the shipped one.
 fn scenes() -> Vec<(String, Model)> {
     let mut scenes = vec![
         ("rho025".to_string(), paper(0.25, 0.25)),
@@ -74,8 +75,8 @@ fn scenes() -> Vec<(String, Model)> {
     scenes
 }
 
-/// Where a number of a large run may lie: two standard errors to either side, or in the interval of
-/// a median.
+/// The range in which the true number lies, from a large run: two standard errors to either side,
+/// or the interval of a median.
 fn ends(e: &Estimate) -> (f64, f64) {
     match e.statistic {
         Statistic::StickDurationMedian => (e.low, e.high),
@@ -83,18 +84,21 @@ fn ends(e: &Estimate) -> (f64, f64) {
     }
 }
 
-/// Of fewer estimates a share of 5 % is seldom told from one of 3 %.
+/// With fewer estimates than this, a share of 5 % can hardly be distinguished from one of 3 %.
 const FEWEST: usize = 100;
 
-/// Misses, and how many there might be.
+/// The number of misses, and the number of estimates.
 type Count = (usize, usize);
 
-/// Nine scenes at three steps, both schemes, 10 000 and 2000 paths, 20 seeds. Truth: 200 000 paths
-/// at the step less 300 000 event-driven ones, each with what it is known to. Null: an estimate is
-/// off by more than it says with a probability of 5 % at most. For each statistic and setting the
-/// misses are below the mean of that binomial law plus 3.7 of its standard deviations (1e-4 each,
-/// 250 of them: a false alarm in 40 runs), 19 of 180; half the uncertainty makes 30 %, 54 of 180.
-/// All together are below half of what is stated, since most statements are cautious.
+/// Nine scenes at three steps, both schemes, 10 000 and 2000 paths, 20 seeds. The truth is that of
+/// 200 000 paths at the step less that of 300 000 event-driven paths, each with its error.
+///
+/// Null hypothesis: an estimate is off by more than its uncertainty with a probability of at most 5
+/// %. For each statistic and setting, the misses must be below the mean of that binomial
+/// distribution plus 3.7 of its standard deviations, e.g. 19 of 180. False-alarm rate: 1e-4 for
+/// each of 250 settings, so one false alarm in 40 runs. With half the uncertainty 30 % are missed,
+/// 54 of 180. All estimates together must have less than half of the stated share, because most
+/// uncertainties are conservative.
 #[test]
 #[ignore = "a measurement of some minutes"]
 fn no_statistic_of_any_setting_is_missed_more_often_than_it_says() {

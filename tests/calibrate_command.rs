@@ -1,5 +1,5 @@
-//! `mc calibrate` and `mc twin` as a person uses them: data of one's own, what cannot be known,
-//! what is refused.
+//! `mc calibrate` and `mc twin` as a person uses them: with measurements of one's own, where
+//! something cannot be known, and where the input is refused.
 
 #[path = "common/command.rs"]
 mod command;
@@ -9,8 +9,8 @@ use command::{done, json, refused};
 const SCENARIO: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/bridge/bridge.toml");
 const DATA: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/bridge/twin.csv");
 
-/// The shipped twin: the JSON has the seven parameters, the file says the same again, and it can be
-/// drawn.
+/// The shipped measurements: the JSON has the seven parameters, the file holds the same numbers,
+/// and it can be drawn.
 #[test]
 fn the_shipped_twin_is_calibrated_in_one_command() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -36,8 +36,8 @@ fn the_shipped_twin_is_calibrated_in_one_command() {
     assert!((stiffness / 1.89e8 - 1.0).abs() < 0.05, "{stiffness}");
     assert_eq!(reported["starts"].as_array().map(Vec::len), Some(10));
     assert!(reported["slips"].as_array().is_some_and(|slips| slips.len() > 100));
-    // What a start found is kept as parameters, from which the others are computed again, to the
-    // last bit but one.
+    // The result of each starting point is stored as its parameters, from which the other numbers
+    // are computed again; they agree to the last bit but one.
     let shown = json(&done(path, &["show", "fit.h5", "--json"]));
     for key in ["parameters", "derived", "interval", "slips", "lag", "residuals", "warnings"] {
         assert_eq!(shown[key], reported[key], "{key}");
@@ -50,8 +50,8 @@ fn the_shipped_twin_is_calibrated_in_one_command() {
     refused(path, &["calibrate", SCENARIO, DATA, "--method", "slips", "-o", "fit.h5"], 2, &["--force"]);
 }
 
-/// A twin is the same for the same seed, another for another, and calibrated to its truth within 10
-/// %: five standard errors.
+/// Synthetic measurements are the same for the same seed and differ for another one. A calibration
+/// finds their true parameters to within 10 %, which is five standard errors.
 #[test]
 fn a_twin_is_calibrated_to_its_truth() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -68,7 +68,7 @@ fn a_twin_is_calibrated_to_its_truth() {
         let found = reported["parameters"][key]["estimate"].as_f64().expect("a number");
         assert!((found / truth - 1.0).abs() < 0.1, "{key}: {found}");
     }
-    // A parameter that is held has its value, and nothing around it.
+    // A parameter that is held has the value that was given, without an interval.
     let held = "oscillator.stiffness,friction.static,friction.dynamic,bearing.offset,initial.displacement";
     let reported = json(&done(path, &["calibrate", SCENARIO, "a.csv", "--method", "slips", "--fit", held, "--json"]));
     let beta = &reported["parameters"]["oscillator.dilatation"];

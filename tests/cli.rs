@@ -1,4 +1,5 @@
-//! The program as a user meets it: every mistake is answered with the place, the value and what to write instead.
+//! The program as a user meets it: every mistake is answered with the place, the value and what to
+//! write instead.
 
 #[path = "common/command.rs"]
 mod command;
@@ -10,12 +11,12 @@ use tempfile::TempDir;
 
 const RHO025: &str = include_str!("../scenarios/rho025.toml");
 
-/// A directory with one scenario in it, `scene.toml`.
+/// A folder with one scenario in it, `scene.toml`.
 struct Desk {
     folder: TempDir,
 }
 
-/// What the program said.
+/// What the program printed, and its exit code.
 struct Answer {
     code: Option<i32>,
     out: String,
@@ -45,7 +46,8 @@ impl Desk {
 }
 
 impl Answer {
-    /// Refused: exit code 2, nothing on standard output, and the message holds every one of these.
+    /// The command was refused: exit code 2, nothing on standard output, and a message with each of
+    /// these parts.
     #[track_caller]
     fn refused(&self, says: &[&str]) {
         assert_eq!(self.code, Some(2), "{}", self.err);
@@ -62,16 +64,16 @@ impl Answer {
     }
 }
 
-/// `mc check` of the scenario with one piece of text replaced.
+/// Runs `mc check` on the scenario after one piece of text is replaced.
 #[track_caller]
 fn check_with(from: &str, to: &str) -> Answer {
-    // Below the opening comment, which mentions keys as well.
+    // The text is replaced below the opening comment, which mentions keys as well.
     let (comment, body) = RHO025.split_at(RHO025.find("title = ").unwrap());
     assert!(body.contains(from), "{from}");
     Desk::with(&format!("{comment}{}", body.replacen(from, to, 1))).mc(&["check", "scene.toml"])
 }
 
-/// Number of the first line that starts like this.
+/// The number of the first line that starts with this text.
 fn line_of(start: &str) -> usize {
     RHO025.lines().position(|line| line.starts_with(start)).unwrap() + 1
 }
@@ -240,7 +242,7 @@ fn every_shipped_scenario_passes_the_check() {
     let mut seen = 0;
     for entry in std::fs::read_dir(folder).unwrap() {
         let path = entry.unwrap().path();
-        // Samples of a measured temperature lie beside the scenario that names them.
+        // Data files lie beside the scenario that names them.
         if path.extension().is_some_and(|ending| ending != "toml") {
             continue;
         }
@@ -251,7 +253,7 @@ fn every_shipped_scenario_passes_the_check() {
     assert_eq!(seen, 9);
 }
 
-/// What `mc check` prints, but for how long the run takes, which differs from one time to the next.
+/// The output of `mc check` without the time of the run, which differs from one call to the next.
 fn timeless(out: &str) -> Vec<&str> {
     out.lines().filter(|line| !line.starts_with("# time of the run here")).collect()
 }
@@ -265,7 +267,8 @@ fn what_check_prints_is_the_same_scenario() {
     assert_eq!(timeless(desk.mc(&["check", "resolved.toml"]).done()), timeless(&first.out));
     let json = desk.mc(&["check", "scene.toml", "--json"]);
     let value: serde_json::Value = serde_json::from_str(json.done()).unwrap();
-    // 60 million path-steps take a tenth of a second; a hundred times as long is another order of machine.
+    // 60 million path-steps take a tenth of a second. The bounds allow for a machine a hundred
+    // times slower.
     let seconds = value["cpu_seconds"].as_f64().unwrap();
     assert!((0.005..10.0).contains(&seconds), "{seconds}");
 }
@@ -282,7 +285,7 @@ fn a_scenario_is_read_from_standard_input() {
     piped("sed s/1.2/0.2/ scene.toml | \"$0\" check -").refused(&["standard input:", "`friction.dynamic` = 1.0"]);
     piped("\"$0\" run - --paths 256 --quiet < scene.toml").done();
     assert!(desk.path("stdin.h5").is_file());
-    // And a file of results gives its scenario back.
+    // A file of results also contains its scenario.
     piped("\"$0\" show stdin.h5 --scenario > again.toml").done();
     let [first, again] = ["scene.toml", "again.toml"].map(|name| Scenario::read(&desk.path(name), &[]).unwrap().model);
     assert_eq!(first, again);
@@ -333,7 +336,7 @@ fn init_writes_a_scenario_that_passes_and_never_overwrites() {
     let whole = desk.mc(&["init", "--from", "rho025", "-o", "-"]);
     let scene = |text: &str| Scenario::parse("rho025", text, &[]).map_err(|error| error.to_string());
     assert_eq!(scene(whole.done()), scene(RHO025));
-    // Every section is there, and what is not used is used where its `#` is taken away.
+    // Every section is present. One that is not used takes effect when its `#` is removed.
     for section in
         ["[[temperature.harmonics]]", "[temperature.noise]", "[scheme]", "[statistics]", "[record]", "[units]"]
     {
@@ -345,7 +348,7 @@ fn init_writes_a_scenario_that_passes_and_never_overwrites() {
         let part: String = format!("{section}{}", lines.map(|line| format!("{line}\n")).collect::<String>());
         assert!(part.contains(key), "{part}");
         let error = scene(&(whole.out.clone() + &part)).err();
-        // The CSV file of the example is the user's own.
+        // The CSV file of the example must be provided by the user.
         assert!(error.as_ref().is_none_or(|error| error.contains("temperature.csv")), "{section}: {error:?}");
     }
     let flags =
@@ -394,7 +397,8 @@ fn options(help: &str) -> Vec<String> {
     words.filter(|word| word.starts_with("--")).map(String::from).collect()
 }
 
-/// Every verb that `mc --help` lists and every option that `mc VERB --help` lists is in the script of every shell.
+/// Every verb that `mc --help` lists and every option that `mc VERB --help` lists is in the script
+/// of every shell.
 #[test]
 fn completions_know_every_verb_and_every_option() {
     let desk = Desk::new();
@@ -410,7 +414,7 @@ fn completions_know_every_verb_and_every_option() {
             let options = options(desk.mc(&[verb, "--help"]).done());
             assert!(options.contains(&"--help".to_string()), "{verb}: {options:?}");
             for option in options {
-                // Fish has it without the hyphens.
+                // The script for fish has the options without hyphens.
                 let word = if shell == "fish" { format!("-l {}", &option[2..]) } else { option.clone() };
                 let ends = |next: Option<char>| next.is_none_or(|c| !c.is_alphanumeric() && c != '-');
                 let is_known =
@@ -422,7 +426,7 @@ fn completions_know_every_verb_and_every_option() {
     desk.mc(&["completions", "cmd"]).refused(&["cmd", "bash"]);
 }
 
-/// What bash makes of the beginnings of a verb, of options and of a value.
+/// The completions of bash for the beginnings of a verb, of options and of a value.
 #[test]
 fn bash_completes_verbs_options_and_values() {
     let desk = Desk::new();
@@ -448,7 +452,8 @@ fn bash_completes_verbs_options_and_values() {
     assert_eq!(complete(&["mc", "completions", "z"]), "zsh");
 }
 
-/// The output grid has at most 100 000 rows, the first one counted: one more is refused, with a grid that is not, whether there is a step or not.
+/// The output grid has at most 100 000 rows, including the first one. One more row is refused, and
+/// the message proposes a grid that is allowed, with a step and without one.
 #[test]
 fn a_hundred_thousand_rows_are_kept_and_one_more_is_refused() {
     let check = |scheme: &str, end: &str| {
@@ -508,7 +513,7 @@ fn check_says_what_a_scheme_does_with_the_step() {
         assert!(!out.out.contains("stability") && !out.out.contains("sqrt(h)"), "{}", out.out);
         let desk = Desk::with(&out.out);
         assert_eq!(timeless(desk.mc(&["check", "scene.toml"]).done()), timeless(&out.out));
-        // Its tolerance stays behind when another scheme is asked for.
+        // The tolerance is dropped when another scheme is chosen.
         desk.mc(&["check", "scene.toml", "--scheme", "discrete-vi", "--step", "0.01"]).done();
     }
     assert!(check(&["--scheme", "corrected-vi"]).done().contains("shift of f_s"));

@@ -1,5 +1,5 @@
-//! The corrected discrete VI: order 1 where the plain scheme has order 1/2, against the values of
-//! another program.
+//! The corrected discrete VI has order 1 where the plain scheme has order 1/2. The values are
+//! compared with those of another program.
 
 mod common;
 
@@ -25,24 +25,23 @@ fn estimates(model: Model, h: f64, paths: u64, corrected: bool, statistics: &[St
     statistics.iter().map(estimate).collect()
 }
 
-/// The value at zero step (tests/reference/noisy.c, relative standard errors below 6e-4).
+/// The value at zero step (tests/reference/noisy.c, with relative standard errors below 6e-4).
 fn truth(statistic: Statistic) -> f64 {
     reference::limit(statistic.name()).0
 }
 
-/// log2 of the ratio of two relative errors when h is halved, and its standard error by the delta
-/// method.
+/// log2 of the ratio of two relative errors, and its standard error by the delta method.
 fn order(coarse: (f64, f64), fine: (f64, f64), truth: f64) -> (f64, f64) {
     let (a, b) = (coarse.0 / truth - 1.0, fine.0 / truth - 1.0);
     let (sa, sb) = (coarse.1 / truth / a, fine.1 / truth / b);
     ((a / b).abs().log2(), sa.hypot(sb) / std::f64::consts::LN_2)
 }
 
-/// Null: the error of the mean stick duration falls at least like h^0.9 from h = 0.005 to 0.00125
-/// when corrected (measured: 1.4), and like h^(0.3 to 0.6) when not (measured: 0.45; theory 1/2).
-/// 40000 paths; the standard error of a slope is below 0.15, and the bounds are at least 3 of them
-/// away: false-alarm rate below 1e-2 over the seeds, none for this one. A correction by half the
-/// shift, or in the test that ends a slip as well, fails.
+/// Null hypothesis: from h = 0.005 to 0.00125 the error of the mean stick duration falls at least
+/// like h^0.9 with the correction (measured: 1.4), and like h^0.3 to h^0.6 without it (measured:
+/// 0.45; theory: 1/2). Sample size: 40 000 paths, so that the standard error of an order is below
+/// 0.15. False-alarm rate: below 1e-2, since the bounds are at least 3 standard errors away. A
+/// correction by half the shift, or one that is also applied where a slip ends, fails.
 #[test]
 fn the_correction_makes_order_one_of_one_half() {
     let error = |h: f64, corrected: bool| run(h, 40_000, corrected, &[Statistic::StickDurationMean])[0];
@@ -52,8 +51,9 @@ fn the_correction_makes_order_one_of_one_half() {
     assert!((0.3..0.6).contains(&(slope / 2.0)), "plain: order {} +- {}", slope / 2.0, se / 2.0);
 }
 
-/// At h = 0.00125 the corrected scheme is within 1 % where the plain one is off by 8 %, 7 %, 1.8 %
-/// and 1.2 %. 40000 paths, standard errors of 0.05 to 0.15 %.
+/// At h = 0.00125 four statistics of the corrected scheme are within 1 % of the truth, while those
+/// of the plain scheme are off by 8 %, 7 %, 1.8 % and 1.2 %. 40 000 paths, with standard errors of
+/// 0.05 to 0.15 %.
 #[test]
 fn at_a_fine_step_one_percent_is_left() {
     use Statistic::*;
@@ -69,9 +69,9 @@ fn with_gap(gap: f64) -> Model {
     Model { friction: Friction { static_force: 1.0 + gap, dynamic_force: 1.0 }, ..paper(0.25, 0.25) }
 }
 
-/// Friction never drives: a slip starts along b, at |b| >= f_d, and moves along b in its first
-/// step. The shift is 0.155 at h = 1/32; an exit at f_s less all of it sends some of the slips of
-/// the first two scenes off against b.
+/// Friction never accelerates the body: a slip starts in the direction of b, at |b| >= f_d, and
+/// moves in that direction in its first step. The shift is 0.155 at h = 1/32. If the exit threshold
+/// were f_s less the whole shift, some slips of the first two scenes would start against b.
 #[test]
 fn no_slip_starts_against_the_force() {
     for gap in [0.0, 0.05, 0.2] {
@@ -95,15 +95,16 @@ fn no_slip_starts_against_the_force() {
     }
 }
 
-/// The corrected step by hand, on paths of which every step is kept: with S = V + (h/m) b,
+/// The corrected step, computed independently on paths of which every step is kept. With S = V +
+/// (h/m) b,
 ///
 /// ```text
-/// V' = 0 if |S| <= (h/m) f, else S - (h/m) f_d sign(S),   f = f_s less the shift where V = 0, f_s where V is not;   X' = X + h V'
+/// V' = 0 if |S| <= (h/m) f, else S - (h/m) f_d sign(S),   f = f_s less the shift if V = 0, else f_s;   X' = X + h V'
 /// ```
 ///
-/// The lowered threshold is that of the exit alone: of the bodies that come to rest, some hundreds
-/// do with |S| between the two thresholds, and of those at rest that set out, as many do so there.
-/// Steps within 1e-9 of a threshold, where rounding may decide, are left out.
+/// Only the threshold at which a stick ends is lowered. Both cases occur some hundreds of times:
+/// bodies that come to rest with |S| between the two thresholds, and bodies at rest that start to
+/// slip there. Steps within 1e-9 of a threshold, where rounding may decide, are left out.
 #[test]
 fn the_threshold_is_lowered_for_the_way_out_of_a_stick_and_not_for_the_way_in() {
     let (model, h) = (paper(0.25, 0.25), 0.01);
@@ -113,7 +114,7 @@ fn the_threshold_is_lowered_for_the_way_out_of_a_stick_and_not_for_the_way_in() 
     assert_eq!(simulation.simulate(5, &(0..64).collect::<Vec<_>>(), &mut keep), []);
     let (f_s, f_d, m) = (model.friction.static_force, model.friction.dynamic_force, model.oscillator.mass);
     let lowered = corrected_exit(&model, h);
-    // -zeta(1/2)/sqrt(2 pi) K beta rho sigma sqrt(h).
+    // The shift is -zeta(1/2)/sqrt(2 pi) K beta rho sigma sqrt(h).
     assert!((f_s - lowered - 0.582_597_157_939 * 6.0 * 0.25 * 0.1).abs() < 1e-12, "{lowered}");
     let (mut entries_between, mut exits_between) = (0, 0);
     for rows in &keep.rows {
@@ -135,7 +136,7 @@ fn the_threshold_is_lowered_for_the_way_out_of_a_stick_and_not_for_the_way_in() 
     assert!(entries_between > 200 && exits_between > 200, "{entries_between} {exits_between}");
 }
 
-/// The shift is a size: that of beta counts, whatever its sign.
+/// The shift depends on the size of beta and not on its sign.
 #[test]
 fn the_shift_does_not_know_the_sign_of_the_dilatation() {
     let model = paper(0.25, 0.25);
@@ -147,19 +148,19 @@ fn the_shift_does_not_know_the_sign_of_the_dilatation() {
     assert_eq!(corrected_exit(&shrinking, 0.01), model.friction.static_force - shift);
 }
 
-/// What that does to the time spent sticking, at f_s = f_d: null, within 4 % of 0.13013 at h = 1/32
-/// (measured: -1.5 %; the reference, of `mc trade scenarios/equal-friction.toml`, is known to 0.5
-/// %). 20000 paths, standard error 0.23 %: false-alarm rate below 1e-4. With the threshold lowered
-/// all the way it is 11.6 % short.
+/// The effect on the sticking fraction at f_s = f_d. Null hypothesis: at h = 1/32 it is within 4 %
+/// of 0.13013 (measured: -1.5 %; the reference, from `mc trade scenarios/equal-friction.toml`, is
+/// known to 0.5 %). Sample size: 20 000 paths, with a standard error of 0.23 %. False-alarm rate:
+/// below 1e-4. With the threshold lowered by the whole shift, the fraction is 11.6 % too small.
 #[test]
 fn with_equal_friction_the_sticking_fraction_is_that_of_the_limit() {
     let (value, se) = estimates(with_gap(0.0), 1.0 / 32.0, 20_000, true, &[Statistic::StickingFraction])[0];
     assert!((value / 0.13013 - 1.0).abs() < 0.04, "{value} +- {se}");
 }
 
-/// Without noise there is no barrier to miss: the shift is zero, and what remains is the
-/// semi-implicit step. It feeds no energy in, so an amplitude above the plain scheme's critical one
-/// comes to rest.
+/// Without noise nothing crosses a threshold between steps, so the shift is zero, and the scheme is
+/// the semi-implicit step. It adds no energy: an oscillation above the critical amplitude of the
+/// plain scheme comes to rest.
 #[test]
 fn the_semi_implicit_step_does_not_grow() {
     let mut model = paper(0.25, 0.0);

@@ -1,5 +1,5 @@
-//! However a run is cut into parts, and in whatever order the parts are done, it comes to the same
-//! bits.
+//! A run has the same bits however it is cut into parts, and in whatever order the parts are
+//! simulated.
 
 use proptest::prelude::*;
 use std::sync::OnceLock;
@@ -16,8 +16,8 @@ use stick_slip::stats::{
 
 const BLOCKS: u64 = 23;
 
-/// Noise, seven forcing periods, a burn-in of more than one of them, 31 rows; the last block is not
-/// full.
+/// A scene with noise, seven forcing periods, a burn-in of more than one of them, and 31 rows. The
+/// last block is not full.
 fn scenario() -> Scenario {
     let set = [
         "time.end=60",
@@ -48,7 +48,7 @@ fn empty() -> RunTotals {
     RunTotals::empty(plan().model(), plan().timeline())
 }
 
-/// Every number of a summary, as bits: NaN equals NaN, and 0 is not -0.
+/// Every number of a summary as bits, so that NaN equals NaN, and 0 does not equal -0.
 fn bits(summary: &Summary) -> Vec<u64> {
     let mut all = vec![summary.completed_paths];
     all.extend(&summary.diverged);
@@ -90,7 +90,7 @@ fn whole() -> &'static [u64] {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(40))]
 
-    /// Contiguous parts, completed in a random order, half of them written as bytes and read back.
+    /// Contiguous parts, completed in a random order, some of them written as bytes and read back.
     #[test]
     fn parts_in_any_order_come_to_the_bits_of_the_whole_run(
         cuts in prop::collection::vec(0..=BLOCKS, 0..7),
@@ -113,7 +113,7 @@ proptest! {
         }
         prop_assert_eq!(joined.blocks(), vec![0..BLOCKS]);
         prop_assert_eq!(bits(&joined.totals().summary()), whole());
-        // What a goal is judged by is what the end of the run says.
+        // A goal is judged by the same numbers that the end of the run reports.
         for statistic in Statistic::ALL {
             let (early, late) = (joined.estimate(statistic), joined.totals().estimate(statistic));
             prop_assert_eq!([early.estimate, early.low].map(f64::to_bits), [late.estimate, late.low].map(f64::to_bits));
@@ -130,7 +130,7 @@ fn any_number_of_threads_comes_to_the_same_bits() {
     }
 }
 
-/// Counts the slips of a path and sums the squares of the times at which they begin.
+/// Counts the slips of a path, and sums the squares of the times at which they begin.
 struct Slips;
 
 impl Tally<2> for Slips {
@@ -156,9 +156,9 @@ impl Tally<2> for Slips {
     }
 }
 
-/// The number of slips that begin, per path, is that of completed slips and of slips cut off at the
-/// end: the tally's own count against the program's. The interval of the mean is the same too where
-/// no slip is cut off.
+/// A tally of one's own counts the slips that begin in each path. It must agree with the statistics
+/// of the program: completed slips plus slips that are cut off at the end. If no slip is cut off,
+/// the interval of the mean agrees as well.
 #[test]
 fn a_tally_is_folded_in_parallel_to_the_same_bits_and_sees_what_the_program_sees() {
     struct Count;
@@ -182,7 +182,7 @@ fn a_tally_is_folded_in_parallel_to_the_same_bits_and_sees_what_the_program_sees
         }
     }
     let scenario = scenario();
-    // A tally sees the burn-in as well.
+    // A tally includes the burn-in, unlike the statistics of the program.
     let mut whole = scenario.clone();
     whole.statistics.after = 0.0;
     let outcome = Run::of(&whole).threads(2).without_bias().tallied(&Count).expect("no sink");
@@ -195,7 +195,7 @@ fn a_tally_is_folded_in_parallel_to_the_same_bits_and_sees_what_the_program_sees
     let one = ratio(1);
     assert!(one.low < one.estimate && one.estimate < one.high);
     assert_eq!(ratio(7), one);
-    // In parts, through the tree, by hand.
+    // The same in parts that are joined along the tree.
     let mut joined = RunTotals::with(Tallied(&Slips).empty(), plan().model(), plan().timeline());
     let deliver = |block: stick_slip::ensemble::Delivered<PathMeans<2>>| {
         joined.push_with(block.index, block.result.totals, block.beside)?;
@@ -207,9 +207,9 @@ fn a_tally_is_folded_in_parallel_to_the_same_bits_and_sees_what_the_program_sees
     assert_eq!(Slips.estimate(&joined.own()), one);
 }
 
-/// What the documentation says of the size of a state. The nodes of the tree: after 2^k - 1 blocks,
-/// when every level holds one. What is counted exactly, in one copy whatever the number of blocks:
-/// after enough paths for all of it to be in bins.
+/// The size of a state is as documented. The nodes of the tree are counted after 2^k - 1 blocks,
+/// when every level holds one. What is counted exactly, in one copy whatever the number of blocks,
+/// is measured after so many paths that all of it is in bins.
 #[test]
 fn the_state_of_a_run_is_as_small_as_promised() {
     for (rows, node_bytes, exact_bytes) in [(121_u64, 10_000, 6_500_000), (10_000, 760_000, 65_000_000)] {

@@ -1,7 +1,7 @@
-//! The discrete variational inequality against what it was not derived from: the paper's printed
-//! digits, the exact cascade, another program's ensemble, invariances of the model, and the loop
-//! everybody writes first.
-// Reference numbers keep the digits they were computed with.
+//! The discrete variational inequality compared with what it was not derived from: the digits
+//! printed in the paper, the exact cascade, another program's ensemble, invariances of the model,
+//! and a plain loop over the steps.
+// Reference numbers keep the digits that they were computed with.
 #![allow(clippy::excessive_precision)]
 
 mod common;
@@ -29,8 +29,8 @@ fn near(a: f64, b: f64, tolerance: f64) -> bool {
     (a - b).abs() <= tolerance
 }
 
-/// Every digit that the paper prints of its figure on Shaw's case, which it made with forcing
-/// frequency 1/4 and h = 0.01 (not with the 1/2 of its text: see docs/model.md).
+/// Every digit in the figure of the paper on Shaw's case, which was made with forcing frequency 1/4
+/// and h = 0.01 (not with the 1/2 of its text: see docs/model.md).
 #[test]
 fn shaws_case_has_every_digit_the_paper_prints() {
     let keep = simulate(&paper(0.25, 0.0), 26.0, 0.01, 0.01, &[0]);
@@ -42,14 +42,15 @@ fn shaws_case_has_every_digit_the_paper_prints() {
     // tau_1 = 13.38, x = -6.24223, b = 0.365928
     assert!(near(events[1].time, 13.38, 1e-9));
     assert!(near(events[1].displacement, -6.24223, 5e-6) && near(events[1].force, 0.365928, 5e-7), "{:?}", events[1]);
-    // the paper marks tau_2 one step before the scheme's: t = 25.74, x = 6.22228, b = -0.291287
+    // The paper marks tau_2 one step before the scheme's event: t = 25.74, x = 6.22228, b =
+    // -0.291287.
     let (t, x, v, temperature, _) = keep.rows[0][2574];
     let b = paper(0.25, 0.0).oscillator.force(temperature, x, 0.0);
     assert!(near(t, 25.74, 1e-9) && near(x, 6.22228, 5e-6) && near(b, -0.291287, 5e-7), "{t} {x} {b} {v}");
     assert!(near(events[3].time, 25.75, 1e-9));
 }
 
-/// The exact cascade for rho = 0, from 40-digit arithmetic on the closed form of each sub-phase:
+/// The exact cascade for rho = 0, from the closed form of each sub-phase in 40-digit arithmetic:
 /// (t, x) of the first events.
 #[allow(clippy::excessive_precision)] // the digits of the table
 const EXACT_QUARTER: [(f64, f64); 5] = [
@@ -60,7 +61,7 @@ const EXACT_QUARTER: [(f64, f64); 5] = [
     (27.501_143_704_213_758_1, 6.178_620_865_143_942_78),
 ];
 
-/// The same with forcing 1/2: the second and fifth are sub-phase boundaries.
+/// The same with forcing 1/2. The second and the fifth event are sub-phase boundaries.
 #[allow(clippy::excessive_precision)] // the digits of the table
 const EXACT_HALF: [(f64, f64); 6] = [
     (1.287_002_217_586_568_77, 6.0),
@@ -71,11 +72,11 @@ const EXACT_HALF: [(f64, f64); 6] = [
     (24.991_827_957_873_689_6, 6.476_949_291_157_171_13),
 ];
 
-/// The error of every event time and place falls like h, and is so many steps at most, those of the
-/// times and those of the places: measured 6.3 and 5.5 with forcing 1/4, 8.6 and 13.5 with 1/2,
-/// whose path is longer, at eight steps from 0.02 to 0.02/128. Event times are multiples of h, so
-/// single errors jump by up to a step, by which the bounds are higher, and which moves the fitted
-/// order of the times by 0.03, that of the places by less.
+/// The error of the time and of the place of every event falls like h, and divided by h it is at
+/// most `most` (time, place). Measured at eight steps from 0.02 to 0.02/128: 6.3 and 5.5 with
+/// forcing 1/4; 8.6 and 13.5 with 1/2, whose path is longer. Event times are multiples of h, so
+/// single errors jump by up to a step. The bounds allow for such a jump, which changes the fitted
+/// order of the times by 0.03 and that of the places by less.
 fn assert_first_order(w: f64, exact: &[(f64, f64)], most: (f64, f64)) {
     let steps: Vec<f64> = (0..8).map(|k| 0.02 / f64::from(1 << k)).collect();
     let errors: Vec<(f64, f64)> = steps
@@ -117,9 +118,9 @@ fn the_cascade_of_forcing_a_half_is_approached_with_order_one_sub_phases_include
     assert_eq!((turns, sticks), (11, 11), "two sub-phases in each dynamic phase");
 }
 
-/// The reference draws its own normals; the kernel must read the same cascade off the same ones.
-/// Rounding differs (the reference does not fuse), so places agree to 1e-9 and, with this seed,
-/// every event falls on the same step.
+/// A plain reference loop on the same normals gives the same cascade as the kernel. Rounding
+/// differs, because the reference uses no fused multiply-add. So places agree to 1e-9, and with
+/// this seed every event falls on the same step.
 #[test]
 fn the_kernel_gives_the_cascade_of_the_reference_on_the_same_normals() {
     let mut damped = paper(0.25, 0.25);
@@ -155,12 +156,13 @@ fn the_kernel_gives_the_cascade_of_the_reference_on_the_same_normals() {
     }
 }
 
-/// The error of the normals moves no statistic: the loop above on our normals and, path by path, on
-/// the exact inverses of the same draws (one step of Newton's method with libm's erfc leaves
-/// 1e-16). An event moves by a step where an increment of 1e-9 decides, and then mostly by that
-/// step alone. 2000 paths of `rho025`: means of the number of sticks, the time stuck, the first
-/// stick and the last place each differ by less than 1/20 of their standard error. Normals too
-/// large by 1e-3 leave 241 of these cascades and move the first stick by 1/8.
+/// The error of the normals changes no statistic. The plain loop runs on our normals and, path by
+/// path, on the exact inverses of the same draws, which one step of Newton's method with libm's
+/// erfc gives to 1e-16. An event moves by a step only where an increment of 1e-9 decides. Sample
+/// size: 2000 paths of `rho025`. The means of the number of sticks, of the time stuck, of the first
+/// stick and of the last place each differ by less than 1/20 of their standard error. Normals that
+/// are too large by 1e-3 leave only 241 of the 2000 cascades unchanged, and move the first stick by
+/// 1/8 of its standard error.
 #[test]
 fn the_error_of_the_normals_moves_no_statistic() {
     let (model, h, steps, paths) = (paper(0.25, 0.25), 0.01, 6000, 2000);
@@ -214,7 +216,8 @@ fn every_instruction_set_gives_the_same_bits() {
         damped.oscillator.damping = 0.1;
         damped
     }] {
-        // 77 paths: whole groups of registers, single registers, and a part of one
+        // 77 paths fill whole groups of registers, then single registers, then a part of a
+        // register.
         let paths: Vec<u64> = (0..77).collect();
         let run = |set: InstructionSet, corrected: bool| {
             assert!(set.is_available());
@@ -247,13 +250,13 @@ fn a_path_does_not_depend_on_its_company() {
     }
     let some = simulate(&model, 30.0, 0.01, 0.5, &[3, 90, 91, 200]);
     assert!(some.events[2] == all.events[91]);
-    // nor on when it is looked at
+    // Nor do the events depend on the output grid.
     let rarely = simulate(&model, 30.0, 0.01, 30.0, &[5]);
     assert!(rarely.events[0] == all.events[5]);
 }
 
-/// Without noise nothing is drawn: the seed changes no bit, and a noise of intensity 0 is the scene
-/// without noise.
+/// Without noise no random number is drawn: the seed changes no bit, and a noise of intensity 0
+/// gives the scene without noise.
 #[test]
 fn intensity_zero_is_the_deterministic_case_bit_for_bit() {
     let without = paper(0.25, 0.0);
@@ -269,8 +272,9 @@ fn intensity_zero_is_the_deterministic_case_bit_for_bit() {
     assert!(deterministic.events[0] == deterministic.events[2]);
 }
 
-/// As rho falls by ten, so does the distance from the deterministic path: in x over the first
-/// period, and in the event times (which are multiples of h = 1e-5, hence no smaller rho there).
+/// When rho falls by a factor of ten, so does the distance from the deterministic path: in x over
+/// the first period, and in the event times. These are multiples of h = 1e-5, so they are not
+/// tested at smaller rho.
 #[test]
 fn the_noise_goes_out_in_proportion_to_its_intensity() {
     let (end, h) = (26.0, 1e-3);
@@ -282,9 +286,9 @@ fn the_noise_goes_out_in_proportion_to_its_intensity() {
         squares.sqrt()
     };
     let d: Vec<f64> = (1..=6).map(|k| distance(10f64.powi(-k))).collect();
-    // rho = 0.1 still changes which events there are; below, a tenth of rho is a tenth of the
-    // distance, up to the steps of event times of size h, which act on x like a force f_s - f_d
-    // during h
+    // rho = 0.1 still changes which events there are. Below, a tenth of rho gives a tenth of the
+    // distance, except for the steps of size h by which event times move; such a step acts on x
+    // like a force f_s - f_d during h.
     for pair in d[1..4].windows(2) {
         assert!((5.0..20.0).contains(&(pair[0] / pair[1])), "{d:?}");
     }
@@ -294,15 +298,15 @@ fn the_noise_goes_out_in_proportion_to_its_intensity() {
     let start = |rho: f64, path: u64| simulate(&paper(0.25, rho), 4.0, h, 4.0, &[path]).events[0][0].time;
     for path in 0..4 {
         let (coarse, fine) = (start(1e-2, path) - 2.574_004_435, start(1e-3, path) - 2.574_004_435);
-        // the exit is where rho v(t) meets the corridor: linear in rho up to the correlation of v
-        // over the shift
+        // A stick ends where rho v(t) meets the corridor, so the shift is linear in rho, up to the
+        // change of v during the shift.
         assert!(fine.abs() < 0.4 * coarse.abs() + 2e-3 && fine.abs() < 0.03, "path {path}: {coarse} {fine}");
     }
 }
 
-/// (x, T) -> (-x, -T): with T's sign turned by the phase pi and the noise's by its draws' sign. The
-/// deterministic case is exact up to the rounding of cos(t + pi); the noisy case is tested by
-/// negating rho, which negates every product with it exactly.
+/// The model is odd: (x, beta T) -> (-x, -beta T). Here x0 and beta change their sign, which
+/// changes the sign of every product with them exactly. So every event has the same time and the
+/// opposite place and force, bit for bit, with noise.
 #[test]
 fn the_model_is_odd() {
     let mirrored = |mut model: Model| {
@@ -322,8 +326,8 @@ fn the_model_is_odd() {
     }
 }
 
-/// Lengths by 8, times by 4, forces by 2 (powers of two, so that scaling is exact): every event
-/// scales with them.
+/// The model scales: with lengths times 8, times times 4 and forces times 2, every event scales
+/// likewise. The factors are powers of two, so that the scaling is exact.
 #[test]
 fn the_model_scales() {
     let (length, time, force) = (8.0, 4.0, 2.0);
@@ -356,8 +360,8 @@ fn the_model_scales() {
     }
 }
 
-/// d/dt (m x'^2/2 + K x^2/2) = K beta T x' - 2 alpha x'^2 - f_d |x'|, summed over the path: the
-/// mismatch falls like h.
+/// The energy balance d/dt (m x'^2/2 + K x^2/2) = K beta T x' - 2 alpha x'^2 - f_d |x'|, summed
+/// over the path. The mismatch falls like h.
 #[test]
 fn energy_is_balanced_to_first_order() {
     let mut model = paper(0.25, 0.0);
@@ -381,12 +385,12 @@ fn energy_is_balanced_to_first_order() {
     };
     let (coarse, fine, finest) = (mismatch(0.01), mismatch(0.005), mismatch(0.0025));
     assert!((1.6..2.4).contains(&(coarse / fine)) && (1.6..2.4).contains(&(fine / finest)), "{coarse} {fine} {finest}");
-    // friction work over these 40 units is about 37
+    // The friction work over these 40 units of time is about 37.
     assert!(coarse < 0.05 * 37.0, "{coarse}");
 }
 
-/// With f_d = f_s the step is the paper's single discrete VI: V_{n+1} is the prox, which solves the
-/// inequality.
+/// With f_d = f_s the step is the single discrete VI of the paper: V_{n+1} is the prox, which
+/// solves the inequality.
 #[test]
 fn equal_thresholds_are_the_single_variational_inequality() {
     let mut model = paper(0.25, 0.25);
@@ -430,9 +434,9 @@ fn a_start_outside_the_corridor_slips_at_once() {
     assert!(events[1].time > 0.5, "the first zero of the velocity is not the start");
 }
 
-/// A reversal looks like a one-step stick with probability 2 f_s / (|b| + f_d), whatever h is.
-/// Reading every zero as a stick would therefore give other sub-phase counts that do not converge:
-/// here both are counted on the same run.
+/// At a reversal the discrete velocity is exactly zero for one step with probability 2 f_s/(|b| +
+/// f_d), whatever h is. If every such zero counted as a stick, the numbers of sub-phases would be
+/// others and would not converge. Here both ways of counting are applied to the same run.
 #[test]
 fn a_zero_with_a_large_force_is_a_turning_point_and_not_a_stick() {
     let model = paper(0.25, 0.25);
@@ -450,13 +454,14 @@ fn a_zero_with_a_large_force_is_a_turning_point_and_not_a_stick() {
             }
         }
     }
-    // measured 0.7 on this ensemble; raw counting would call all of these sticks
+    // The measured share in this ensemble is 0.7; if every zero were a stick, all of these would be
+    // sticks.
     assert!(turns > 200 && f64::from(at_zero) > 0.5 * f64::from(turns), "{at_zero} of {turns}");
 }
 
-/// Undamped explicit steps feed energy in; above A_c = 4 f_d / (pi w0 h K) more than friction takes
-/// out. Free oscillation (no forcing) with small friction: below A_c it comes to rest, above it
-/// grows until it is reported as diverged.
+/// Explicit steps without damping add energy, and above A_c = 4 f_d/(pi w0 h K) more than friction
+/// removes. In a free oscillation with small friction, an amplitude below A_c comes to rest, and
+/// one above it grows until the path is reported as diverged.
 #[test]
 fn amplitudes_above_the_critical_one_grow_and_are_reported() {
     let mut model = paper(0.25, 0.0);
@@ -477,11 +482,11 @@ fn amplitudes_above_the_critical_one_grow_and_are_reported() {
     assert_eq!(lost, [0], "grown beyond ten times every bound of the model");
 }
 
-/// A step of 20 natural times multiplies the amplitude by 20 and more, so x passes the greatest
-/// number after 236 steps, and x and x' are NaN, which is neither above nor below any bound, before
-/// a path is looked at for the first time, after 256 steps. Both paths count as lost all the same,
-/// by every instruction set, with noise and without, in the scheme and in an ensemble; whatever is
-/// left over is in no statistic.
+/// A step of 20 natural times multiplies the amplitude by more than 20. So x exceeds the largest
+/// double after 236 steps, and x and x' are NaN, which is neither above nor below any bound, before
+/// the path is checked for the first time, after 256 steps. Both paths still count as lost, with
+/// every instruction set, with noise and without, in the scheme and in an ensemble, and nothing of
+/// them is in a statistic.
 #[test]
 fn a_path_that_is_no_number_when_it_is_first_looked_at_has_diverged() {
     let (h, end) = (20.0, 6000.0);
@@ -502,9 +507,10 @@ fn a_path_that_is_no_number_when_it_is_first_looked_at_has_diverged() {
     }
 }
 
-/// Null: T(t) is the same on the grid of the coarsest step, up to the rounding of 1000 steps,
-/// however many of the shorter steps' normals a step is fed. The noise starts from a draw, decays
-/// over half a unit of time and is wide: a normal left out or weighed wrongly moves T by about 0.1.
+/// Steps that are fed by the normals of finer steps see the same noise: T(t) is the same on the
+/// grid of the coarsest step, up to the rounding of 1000 steps, however many finer normals feed a
+/// step. The noise starts at random, has a correlation time of half a unit, and is strong: a normal
+/// that is left out or has a wrong weight changes T by about 0.1.
 #[test]
 fn steps_fed_by_finer_ones_see_the_same_noise() {
     let mut model = paper(0.25, 2.0);

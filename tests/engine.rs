@@ -1,5 +1,5 @@
-//! The run as a library: where goals end it, what sinks and progress are told, and how an error
-//! ends it.
+//! The run as a library: at which block a goal ends it, what sinks and progress observers receive,
+//! and how an error ends it.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
@@ -23,7 +23,7 @@ fn goal(text: &str) -> Goal {
     text.parse().expect("a goal")
 }
 
-/// Every estimate to its last digit; a number that does not exist equals itself.
+/// Every estimate with all its digits. As text, a number that does not exist equals itself.
 fn shown(outcome: &Outcome) -> String {
     format!("{:?}", outcome.summary.estimates)
 }
@@ -40,7 +40,7 @@ fn a_run_that_a_goal_ends_is_the_run_of_so_many_paths() {
     let fixed = Run::of(&scenario).paths(blocks * BLOCK_SIZE).threads(3).simulate().expect("no sink");
     assert_eq!(fixed.status, Status::Complete);
     assert_eq!(shown(&fixed), shown(&ended));
-    // One block less had not reached both.
+    // With one block less, both goals would not be reached.
     let short = Run::of(&scenario).paths((blocks - 1) * BLOCK_SIZE).until(until()).simulate().expect("no sink");
     assert_eq!(short.status, Status::Complete);
     assert!(!short.missed.is_empty() && short.missed.iter().all(|missed| missed.paths_needed() > Some(missed.paths)));
@@ -57,9 +57,9 @@ fn a_goal_that_cannot_be_reached_ends_the_run_and_says_why() {
     assert!(matches!(outcome.ended_by, Some(EndedBy::Hopeless(Hopeless::TooFar { needed, .. })) if needed > 1e12));
 }
 
-/// A goal that any number of paths reaches is looked at after four blocks, and not before: a
-/// standard error of fewer paths is itself known too badly. That the goal was reached after the
-/// first block already is what makes the claim one about the look.
+/// A goal that any number of paths reaches is checked after four blocks, and not before, because
+/// the standard error of fewer paths is itself not known well enough. The goal is in fact reached
+/// after the first block, so it is the time of the check that ends the run after four.
 #[test]
 fn a_goal_is_first_looked_at_after_four_blocks() {
     let scenario = scenario(20 * BLOCK_SIZE, &[]);
@@ -74,9 +74,8 @@ fn a_goal_is_first_looked_at_after_four_blocks() {
     }
 }
 
-/// The paths are so many that no machine simulates them in the time, 3e9 steps in a tenth of a
-/// second, and so few that a limit that is ignored fails the test instead of holding it up for
-/// ever.
+/// There are so many paths, 3e9 steps, that no machine simulates them in a tenth of a second, but
+/// so few that a run without the limit would still end and fail the test.
 #[test]
 fn a_time_limit_ends_a_run_that_has_goals_as_well() {
     let scenario = scenario(12_000 * BLOCK_SIZE, &[]);
@@ -87,7 +86,7 @@ fn a_time_limit_ends_a_run_that_has_goals_as_well() {
     assert_eq!((outcome.status, outcome.missed.len()), (Status::Ended, 1));
 }
 
-/// What a run tells.
+/// Keeps the progress that a run reports.
 #[derive(Default)]
 struct Reported(Vec<(u64, u64)>, usize);
 
@@ -116,11 +115,11 @@ fn progress_and_every_sink_see_each_block_once_and_in_order() {
     let ends: Vec<f64> = columns.flat_map(|columns| columns.displacement_end.clone()).collect();
     let mean = ends.iter().sum::<f64>() / ends.len() as f64;
     let estimate = outcome.summary.estimate(Statistic::DisplacementEndMean).estimate;
-    // Both are sums of 1273 numbers below 20, in another order.
+    // Both numbers are sums of 1273 numbers below 20, in different orders.
     assert!((mean - estimate).abs() < 1e-12, "{mean} {estimate}");
 }
 
-/// Takes two blocks, and then no more.
+/// A sink that accepts two blocks and then fails.
 struct Full(usize);
 
 #[derive(Debug, thiserror::Error)]
@@ -166,7 +165,7 @@ fn a_raised_flag_leaves_the_first_blocks_and_an_interrupted_outcome() {
         Run::of(&scenario).threads(2).stopped_by(&stop).with_progress(&mut progress).simulate().expect("no sink");
     let blocks = outcome.summary.completed_paths / BLOCK_SIZE;
     assert_eq!(outcome.status, Status::Interrupted);
-    // Two threads may each be eight blocks ahead.
+    // Each of two threads may be eight blocks ahead.
     assert!((3..=3 + 2 * 8).contains(&blocks), "{blocks}");
     let whole = Run::of(&scenario).paths(blocks * BLOCK_SIZE).without_bias().simulate().expect("no sink");
     assert_eq!(shown(&whole), shown(&outcome));

@@ -1,5 +1,5 @@
-//! Ensembles: another program's numbers, the same bits however the work is shared out, and paths
-//! that diverge.
+//! Ensembles: agreement with another program, the same bits however the work is distributed, and
+//! paths that diverge.
 
 mod common;
 
@@ -33,10 +33,10 @@ fn plan_on(model: &Model, timeline: &Timeline, h: f64, paths: u64) -> Plan {
     }
 }
 
-/// The scheme's own values at three steps, from a program that shares nothing with this one
-/// (tests/reference/noisy.c). Null: both draw from the same law. |difference| < 4 combined standard
-/// errors in each of 27 comparisons: false-alarm rate below 2e-3 over the seeds, none for these.
-/// The standard errors here are below 1 % of each value, so a bias of 4 % in any would be seen.
+/// The scheme at three steps compared with another program that shares no code with this one
+/// (tests/reference/noisy.c). Null hypothesis: both draw from the same law. The bound is 4 combined
+/// standard errors in each of 27 comparisons. False-alarm rate: below 2e-3. The standard errors are
+/// below 1 % of each value, so a bias of 4 % in any of them would be found.
 #[test]
 fn the_noisy_ensemble_has_the_schemes_own_values_at_three_steps() {
     use Statistic::*;
@@ -63,9 +63,9 @@ fn the_noisy_ensemble_has_the_schemes_own_values_at_three_steps() {
     }
 }
 
-/// The sketch against the quantiles of all the paths, sorted: within the width of its bins, 1/256
-/// of the distance from the centre plus a little. Where paths sit on an atom (x' = 0 while static)
-/// the quantile is the atom itself.
+/// The quantile sketch compared with the quantiles of all paths, sorted. It is right to within the
+/// width of its bins, which is 1/256 of the distance from the centre plus a little. Where many
+/// paths have exactly the same value (x' = 0 while static), the quantile is that value.
 #[test]
 fn bands_hold_the_quantiles_of_the_paths() {
     let mut plan = plan(paper(0.25, 0.25), 60.0, 0.01, 3000);
@@ -90,8 +90,8 @@ fn bands_hold_the_quantiles_of_the_paths() {
             for (level, sketched) in QUANTILE_LEVELS.iter().zip(bands_column(band, row)) {
                 let exact = values.quantile_mut(n64(*level), &Linear).expect("not empty").raw();
                 let width = ((exact - centre).abs() + 0.1) / 256.0;
-                // neighbouring order statistics may lie apart in the sparse flanks; 5 % and 95 % of
-                // 3000 are dense
+                // In the tails neighbouring order statistics may lie apart; at 5 % and 95 % the
+                // 3000 paths are dense.
                 assert!((sketched - exact).abs() <= 1.5 * width + 0.02, "row {row}, {level}: {sketched} {exact}");
                 if exact == centre {
                     assert_eq!(sketched, exact, "an atom is exact");
@@ -149,8 +149,8 @@ fn a_replayed_path_is_the_path_of_the_ensemble() {
     assert_eq!(alone.path_columns.expect("kept").displacement_end, [columns.displacement_end[lane]]);
 }
 
-/// Blocks run ahead of the oldest one in work are finished when a run is stopped from outside: at
-/// most eight a thread.
+/// When a run is stopped from outside, blocks ahead of the oldest unfinished one are finished: at
+/// most eight for each thread.
 const AHEAD: u64 = 8;
 
 #[test]
@@ -191,8 +191,9 @@ fn a_run_ends_with_the_block_its_consumer_calls_the_last_whatever_is_in_work() {
     }
 }
 
-/// One thread takes several blocks of event-driven paths across each cell together. Each block is
-/// what it is alone, bit for bit, also the short last one and those in which a path is given up.
+/// One thread takes several blocks of event-driven paths across each cell of time together. Each
+/// block has the same bits as when it is simulated alone, including the short last block and blocks
+/// in which a path is given up.
 #[test]
 fn blocks_in_flight_together_are_the_blocks_alone() {
     let model = paper(0.25, 0.25);
@@ -217,9 +218,9 @@ fn blocks_in_flight_together_are_the_blocks_alone() {
     }
 }
 
-/// Above the critical amplitude the explicit scheme grows. A stationary start of a large, slow
-/// noise puts some paths above it and some below: the former are counted, listed and kept out of
-/// every mean.
+/// Above the critical amplitude the explicit scheme diverges. With a stationary start of a strong,
+/// slow noise some paths are above it and some below. Those above are counted, listed and in no
+/// statistic.
 #[test]
 fn diverged_paths_are_counted_listed_and_kept_out() {
     let mut model = paper(0.25, 0.0);
@@ -237,8 +238,8 @@ fn diverged_paths_are_counted_listed_and_kept_out() {
         }),
     };
     model.initial_displacement = 0.0;
-    // the amplitude of a path is 6 |v(0)|, v(0) of sd 0.2236; at h = 0.02 the critical one is
-    // 0.637: about half are above
+    // The amplitude of a path is 6 |v(0)|, where v(0) has the standard deviation 0.2236. The
+    // critical amplitude at h = 0.02 is 0.637, so about half of the paths are above it.
     let timeline = Timeline { end: 3000.0, output_step: 300.0, period: None, after: 0.0 };
     let plan = plan_on(&model, &timeline, 0.02, 2 * BLOCK_SIZE);
     let all = blocks(&plan, 2);

@@ -1,5 +1,5 @@
-//! What a user may do to the command, or a machine to its files, that nobody means to: each is one clear message, and nothing of anybody
-//! is lost.
+//! What a user may do to the command, or a machine to its files, that nobody means to: each is one
+//! clear message, and nothing of anybody is lost.
 
 #[path = "common/command.rs"]
 mod command;
@@ -55,7 +55,8 @@ fn names(folder: &Path) -> Vec<std::ffi::OsString> {
     names
 }
 
-/// A block of these takes minutes, and the limits are kept to a part of a second; the machine may be slow by some seconds.
+/// A block of these takes minutes, and the limits are kept to a part of a second; the machine may
+/// be slow by some seconds.
 #[test]
 fn a_time_limit_and_an_interrupt_do_not_wait_for_a_block() {
     let late = Duration::from_secs(8);
@@ -146,7 +147,8 @@ fn too_little_memory_is_an_error_and_not_an_abort() {
     assert!(text(&output.stderr).contains("of memory") && text(&output.stderr).contains("--threads"));
 }
 
-/// Within a gigabyte of memory, everything that claims to be larger is refused by its size: no abort, and no reading of gigabytes.
+/// Within a gigabyte of memory, everything that claims to be larger is refused by its size: no
+/// abort, and no reading of gigabytes.
 #[test]
 fn sizes_are_looked_at_before_memory_is_asked_for() {
     let here = folder();
@@ -211,7 +213,8 @@ fn edited(here: &TempDir, change: impl FnOnce(&hdf5::File)) {
     let file = hdf5::File::open_rw(here.path().join("a.h5")).expect("HDF5");
     change(&file);
     drop(file);
-    // A program that another test began meanwhile has the file open, and its lock with it, until it ends.
+    // A program that another test began meanwhile has the file open, and its lock with it, until it
+    // ends.
     let file = std::fs::File::open(here.path().join("a.h5")).expect("the file");
     file.lock().expect("nobody has it open any more");
 }
@@ -286,8 +289,9 @@ fn a_file_without_what_a_table_needs_is_damaged() {
     assert_refused(&here, &["show", "a.h5"], 1, &["displacement_mean has another shape"]);
 }
 
-/// 400 files with a bit turned over, of which every one is refused by its checksum; and 40 that were cut short. Without it, one in two
-/// hundred ends in a signal and one in four hundred in a panic.
+/// 400 files with a bit turned over, of which every one is refused by its checksum; and 40 that
+/// were cut short. Without it, one in two hundred ends in a signal and one in four hundred in a
+/// panic.
 #[test]
 fn flipped_bits_are_refused_before_anything_follows_them() {
     let here = folder();

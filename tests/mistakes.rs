@@ -1,7 +1,8 @@
-//! What a user sees after a typical mistake. `cargo test --release --test mistakes -- --nocapture` prints all of it, to be read.
+//! What a user sees after a typical mistake. `cargo test --release --test mistakes -- --nocapture`
+//! prints all of it, to be read.
 //!
-//! Each answer names the cause, the place and the remedy, in lines that a terminal shows. Nothing is written, and the exit code
-//! is 2, or 1 where something was begun.
+//! Each answer names the cause, the place and the remedy, in lines that a terminal shows. Nothing
+//! is written, and the exit code is 2, or 1 where something was begun.
 
 #[path = "common/command.rs"]
 mod command;

@@ -1,16 +1,18 @@
-//! How accurate estimates are, and how often intervals hold the truth.
+//! The accuracy of estimates, and how often their intervals hold the truth.
 
 use crate::bridge::{BRIDGE, RED_CAMPAIGN, ask, by_slips, covered, question, record, rmse, twin_of};
 use stick_slip::study::calibration::{Method, Misfit, Motion, Quantity, Record, values};
 
 const PARAMETERS: &[Quantity] = Quantity::ALL.split_at(Quantity::PARAMETERS).0;
 
-/// Over 24 red twins (seeds 100 to 123) the root of the mean square error of K, f_s and f_d is
-/// below 3 %, and that of beta below 1.5 %. They are 1.8, 1.6, 1.6 and 1.0 % over 400 others, so
-/// that chance exceeds a limit less than once in a thousand sets of seeds (24 errors scatter by 15
-/// % of their root mean square). Intervals of 90 % hold the truth of each parameter in at least 17
-/// of the 24: 16 or fewer happen by chance once in 400 sets for each of the seven, and with
-/// intervals of half the width in nearly every second one.
+/// Null hypothesis: the root mean square error of K, f_s and f_d is 1.8, 1.6 and 1.6 %, and that of
+/// beta is 1.0 %, as measured over 400 other synthetic measurements with red noise; and intervals
+/// of 90 % hold the truth. Sample size: 24 (seeds 100 to 123). Limits: 3 % and 1.5 % for the
+/// errors, which 24 errors exceed by chance less than once in a thousand sets of seeds, since their
+/// root mean square scatters by 15 %; and at least 17 of 24 intervals that hold for each of seven
+/// parameters, while 16 or fewer hold by chance once in 400 sets for each parameter. At least 80 %
+/// of all intervals together must hold. With intervals of half the width nearly every second set
+/// would fail.
 #[test]
 fn slips_tell_the_parameters_of_red_twins() {
     let all = by_slips(&RED_CAMPAIGN, 100..124);
@@ -33,8 +35,8 @@ fn slips_tell_the_parameters_of_red_twins() {
     assert!(held >= 24 * 7 * 80 / 100, "{held} of {}", 24 * 7);
 }
 
-/// The long version: 200 red twins (seeds 1000 to 1199), of which intervals of 90 % hold 85 to 95 %
-/// for each parameter. Takes a minute.
+/// The long version: 200 synthetic measurements with red noise (seeds 1000 to 1199), of which
+/// intervals of 90 % hold the truth in 85 to 95 % for each parameter. It takes a minute.
 #[test]
 #[ignore = "a minute"]
 fn intervals_hold_what_they_promise() {
@@ -47,8 +49,8 @@ fn intervals_hold_what_they_promise() {
     }
 }
 
-/// By how much intervals would have to be wider, for 90 % of 400 red twins (seeds 20 000 to 20 399,
-/// which nothing else uses).
+/// The factor by which intervals would have to be wider, so that they hold the truth in 90 % of 400
+/// synthetic measurements with red noise (seeds 20 000 to 20 399, which nothing else uses).
 #[test]
 #[ignore = "two minutes; prints what `report::WIDENING` is to be multiplied with"]
 fn widening() {
@@ -65,9 +67,10 @@ fn widening() {
     }
 }
 
-/// Ten starts of the least squares end within 0.1 % of err of each other, at A and G within 1 % of
-/// the truth, and below the err of the truth itself: on six red twins. That A and G are found shows
-/// that it is the right valley; K is as far off as red noise makes it.
+/// On six synthetic measurements with red noise, ten starting points of the least squares end
+/// within 0.1 % of err of each other, at A and G within 1 % of the truth, and below the err of the
+/// true parameters. That A and G are right shows that the global minimum was found; the error of K
+/// is that which red noise causes.
 #[test]
 fn starts_of_the_least_squares_agree() {
     for seed in 300..306 {
@@ -93,13 +96,13 @@ fn starts_of_the_least_squares_agree() {
     }
 }
 
-/// CPU seconds of this process.
+/// CPU seconds that this process has used.
 fn cpu() -> f64 {
     let now = rustix::time::clock_gettime(rustix::time::ClockId::ProcessCPUTime);
     now.tv_sec as f64 + 1e-9 * now.tv_nsec as f64
 }
 
-/// What an evaluation of err costs, and ten starts of it, in CPU time: printed, not judged.
+/// Prints the CPU time of an evaluation of err, and of ten starting points; nothing is tested.
 #[test]
 #[ignore = "prints times"]
 fn times() {
@@ -122,10 +125,10 @@ fn times() {
     }
 }
 
-/// The twin of `examples/bridge`, made by another program: at least five of the seven intervals of
-/// 90 % hold the truth that `examples/bridge/README.md` states (fewer do by chance in one of 40
-/// such twins; this one is fixed, and six do), every truth is within twice its interval, and at
-/// least 110 of its 112 slips are seen.
+/// The synthetic measurements of `examples/bridge`, which another program made: at least five of
+/// the seven intervals of 90 % hold the truth that `examples/bridge/README.md` states, every truth
+/// is within twice its interval, and at least 110 of the 112 slips are found. Fewer than five
+/// intervals hold by chance for one in 40 such measurements; this one is fixed, and six hold.
 #[test]
 fn the_twin_of_another_program_is_fitted() {
     let text = std::fs::read_to_string("examples/bridge/twin.csv").expect("the example");

@@ -1,4 +1,5 @@
-//! Twins of the paper's bridge: its calibrated means, under weather made for the tests.
+//! Synthetic measurements of the bridge of the paper: its calibrated mean parameters, under weather
+//! made for the tests.
 
 use std::f64::consts::TAU;
 use stick_slip::noise::{Stream, Transition};
@@ -9,7 +10,7 @@ use stick_slip::study::calibration::{
 /// Seconds of a day.
 pub const DAY: f64 = 86_400.0;
 
-/// The paper's means, and a shear stiffness at which its z0 makes sense.
+/// The mean parameters of the paper, and a shear stiffness for which its z0 is plausible.
 pub const BRIDGE: Bearing = Bearing {
     stiffness: 1.89e8,
     dilatation: 3.06e-4,
@@ -20,24 +21,25 @@ pub const BRIDGE: Bearing = Bearing {
     shear_stiffness: 2.0e9,
 };
 
-/// 30 um of white noise, and 150 um of red noise that remembers a day.
+/// 30 um of white noise, and 150 um of red noise with a correlation time of a day.
 pub const RED: Flaws = Flaws { white: 30e-6, red: 150e-6, memory: DAY, ..Flaws::NONE };
 
-/// What is sampled, and how often.
+/// How a synthetic measurement is sampled.
 #[derive(Clone, Copy, Debug)]
 pub struct Campaign {
-    /// How long, in days.
+    /// Its length in days.
     pub days: f64,
     /// Seconds between samples.
     pub interval: f64,
-    /// What is wrong with them.
+    /// The errors of the measurement.
     pub flaws: Flaws,
 }
 
-/// 300 days of ten minutes, with red noise.
+/// 300 days with a sample every ten minutes, with red noise.
 pub const RED_CAMPAIGN: Campaign = Campaign { days: 300.0, interval: 600.0, flaws: RED };
 
-/// Year, day, and two processes of weather: times in seconds and degrees.
+/// The temperature: a yearly and a daily cycle, and two processes of weather. Times are in seconds,
+/// temperatures in degrees.
 fn weather(seed: u64, campaign: &Campaign) -> [Vec<f64>; 2] {
     let mut random = Stream::new(seed, 9);
     let process = |sd: f64, memory: f64| Transition::new(1.0 / memory, sd * (2.0 / memory).sqrt(), campaign.interval);
@@ -54,7 +56,8 @@ fn weather(seed: u64, campaign: &Campaign) -> [Vec<f64>; 2] {
     [times, temperatures]
 }
 
-/// A twin of a bearing that starts at rest somewhere, and the truth about it.
+/// Synthetic measurements of a bearing that starts at rest at a random place, and the true
+/// parameters.
 pub fn twin_of(bearing: &Bearing, campaign: &Campaign, seed: u64) -> (Twin, Values) {
     let [times, temperatures] = weather(seed, campaign);
     let mut response = bearing.response();
@@ -64,12 +67,13 @@ pub fn twin_of(bearing: &Bearing, campaign: &Campaign, seed: u64) -> (Twin, Valu
     (twin, values(&response, Some(bearing.shear_stiffness)))
 }
 
-/// What a user has of it.
+/// The part of them that a user has.
 pub fn record(twin: &Twin) -> Record {
     Record { times: twin.times.clone(), temperatures: twin.temperatures.clone(), readings: twin.readings.clone() }
 }
 
-/// The question of `mc calibrate` without options, asked of a bearing in a 2.0e9 N/m rubber.
+/// The question that `mc calibrate` asks without options, for a bearing with a shear stiffness of
+/// 2.0e9 N/m.
 pub fn question(method: Method) -> Question {
     let guess = Motion { reach: 9.0, jump: 1.2, start: 15.0 };
     Question {
@@ -84,12 +88,13 @@ pub fn question(method: Method) -> Question {
     }
 }
 
-/// Calibrate, on two threads.
+/// Calibrates on two threads.
 pub fn ask(record: &Record, question: &Question) -> Calibration {
     calibrate(record, question, 2, &Default::default()).expect("a record with slips")
 }
 
-/// By slips, of each of these twins: the calibration, and the truth.
+/// Calibrates synthetic measurements with each of these seeds from their slips. Returns each
+/// calibration with the truth.
 pub fn by_slips(campaign: &Campaign, seeds: std::ops::Range<u64>) -> Vec<(Calibration, Values)> {
     let one = |seed| {
         let (twin, truth) = twin_of(&BRIDGE, campaign, seed);
@@ -98,13 +103,13 @@ pub fn by_slips(campaign: &Campaign, seeds: std::ops::Range<u64>) -> Vec<(Calibr
     seeds.map(one).collect()
 }
 
-/// The root of the mean square error of a quantity, relative to its truth.
+/// The root mean square error of a quantity, relative to its truth.
 pub fn rmse(all: &[(Calibration, Values)], quantity: Quantity) -> f64 {
     let error = |(fit, truth): &(Calibration, Values)| fit.estimate(quantity).estimate / truth[quantity as usize] - 1.0;
     (all.iter().map(|one| error(one).powi(2)).sum::<f64>() / all.len() as f64).sqrt()
 }
 
-/// In how many of them the interval holds the truth.
+/// The number of calibrations whose interval holds the truth.
 pub fn covered(all: &[(Calibration, Values)], quantity: Quantity) -> usize {
     all.iter().filter(|(fit, truth)| fit.estimate(quantity).holds(truth[quantity as usize])).count()
 }

@@ -1,18 +1,19 @@
-//! Measurements as they are: a lag, gaps, spikes, a coarse thermometer, other sampling, friction
-//! that scatters.
+//! Measurements with errors as they occur: a lag, gaps, spikes, a coarse thermometer, other
+//! sampling, friction that varies.
 //!
-//! Limits are three times the root of the mean square error that 40 such twins had, or a stated
-//! target; so a single twin of a fixed seed exceeds one by chance once in 300 to 400 sets of seeds.
+//! The limits are three times the root mean square error of 40 such measurements, or a stated
+//! target. So one measurement with a fixed seed exceeds a limit by chance once in 300 to 400 sets
+//! of seeds.
 
 use crate::bridge::{BRIDGE, Campaign, RED, RED_CAMPAIGN, ask, by_slips, question, record, rmse, twin_of};
 use stick_slip::study::calibration::{Flaws, Lag, Method, Quantity, Question, Record, Warning};
 
 const FORCES: [Quantity; 3] = [Quantity::Stiffness, Quantity::Static, Quantity::Dynamic];
 
-/// Steel is 15 minutes behind the thermometer. Told so, the fit is as good as without a lag: K
-/// within 5 %. Not told, it finds the lag to three minutes, says so, and K is within 5 % as well;
-/// told that there is none, K is at least 4 % too small in the mean, and the fit says that another
-/// lag is likelier.
+/// The steel is 15 minutes behind the thermometer. If the fit is given this lag, it is as good as
+/// without a lag: K is within 5 %. If not, it finds the lag to three minutes and reports it, and K
+/// is within 5 % as well. If it is told that there is no lag, K is at least 4 % too small in the
+/// mean, and the fit reports that another lag is more likely.
 #[test]
 fn a_lag_is_found_and_allowed_for() {
     let lagging = Campaign { flaws: Flaws { lag: 900.0, ..RED }, ..RED_CAMPAIGN };
@@ -33,9 +34,9 @@ fn a_lag_is_found_and_allowed_for() {
     assert!(unaware < -0.04, "{unaware}");
 }
 
-/// Without a lag none is found, whatever the thermometer: in twelve twins, of which a third have
-/// one of 0.5 K and a third one of 1 K. A gain of 15 in twice the logarithm of a likelihood happens
-/// by chance once in 10 000.
+/// Without a lag none is found, in twelve synthetic measurements with thermometers of no, 0.5 K and
+/// 1 K resolution. False-alarm rate: a lag is reported if it increases twice the logarithm of the
+/// likelihood by 15, which happens by chance once in 10 000 measurements.
 #[test]
 fn no_lag_is_made_up() {
     for resolution in [0.0, 0.5, 1.0] {
@@ -46,8 +47,9 @@ fn no_lag_is_made_up() {
     }
 }
 
-/// Everything at once: twenty gaps of one to five days, one reading in a hundred off by up to 3 mm,
-/// a thermometer of 0.5 K. Spikes are counted: of those that stand out, four of five.
+/// All errors together: twenty gaps of one to five days, one reading in a hundred off by up to 3
+/// mm, and a thermometer with a resolution of 0.5 K. Of the spikes that are larger than the noise,
+/// four of five are found.
 #[test]
 fn gaps_spikes_and_a_coarse_thermometer_do_no_harm() {
     let flaws = Flaws { gaps: 20, spikes: 0.01, resolution: 0.5, ..RED };
@@ -61,8 +63,7 @@ fn gaps_spikes_and_a_coarse_thermometer_do_no_harm() {
     }
 }
 
-/// Sampled every two minutes and every hour, and with white noise of an eighth and of a fifth of a
-/// slip.
+/// Samples every two minutes and every hour, and white noise of an eighth and of a fifth of a slip.
 #[test]
 fn other_sampling_and_other_noise_are_borne() {
     let campaigns = [
@@ -79,8 +80,9 @@ fn other_sampling_and_other_noise_are_borne() {
     }
 }
 
-/// f_s differs by 5 % from one slip to the next. Slips still tell its mean, and f_d; the fit says
-/// that it scatters, which it does not say of the same bearing with one f_s.
+/// f_s varies by 5 % from one slip to the next. The mean of f_s, and f_d, are still found from the
+/// slips. The fit warns that f_s varies, and does not warn for the same bearing with a constant
+/// f_s.
 #[test]
 fn friction_that_scatters_is_noticed() {
     let scattering = Campaign { flaws: Flaws { scatter: 0.05, ..RED }, ..RED_CAMPAIGN };
@@ -96,8 +98,8 @@ fn friction_that_scatters_is_noticed() {
     }
 }
 
-/// The table of docs/calibration.md: root mean square errors of 24 twins of each kind (seeds 2000
-/// to 2023).
+/// The table of docs/calibration.md: root mean square errors of 24 synthetic measurements of each
+/// kind (seeds 2000 to 2023).
 #[test]
 #[ignore = "a minute; prints a table"]
 fn table() {
@@ -128,8 +130,8 @@ fn table() {
     }
 }
 
-/// A sensor that counts the other way, and one whose readings have holes while the thermometer goes
-/// on.
+/// A sensor with the opposite sign, and one whose readings have gaps while the thermometer
+/// continues.
 #[test]
 fn the_sign_of_the_sensor_and_holes_in_it_do_not_matter() {
     let (twin, _) = twin_of(&BRIDGE, &RED_CAMPAIGN, 77);

@@ -1,12 +1,12 @@
-//! What cannot be known, and what is refused.
+//! Limits of a calibration: what cannot be known, and what is refused.
 
 use crate::bridge::{BRIDGE, RED_CAMPAIGN, ask, question, record, twin_of};
 use stick_slip::study::calibration::{
     Bearing, CalibrationError, Method, Quantity, Question, Record, Warning, calibrate,
 };
 
-/// Without K_BP the data tell beta, f_s/K and f_d/K, and no force: with the bearing rigid, and with
-/// a sheared one of which K_BP is not told.
+/// Without K_BP the data determine beta, f_s/K and f_d/K, but no force. This holds for a rigid
+/// bearing, and for a sheared one whose K_BP is not given.
 #[test]
 fn without_the_shear_stiffness_there_are_no_forces() {
     for shear_stiffness in [f64::INFINITY, 2.0e9] {
@@ -25,9 +25,9 @@ fn without_the_shear_stiffness_there_are_no_forces() {
     }
 }
 
-/// A twin whose f_s and f_d are the same slides without slips, and with more noise than that some
-/// of the way looks like slips. The fit says so, and knows f_d/K to 5 % all the same; it does not
-/// say so of twins that slip.
+/// A bearing with f_s = f_d slides without slips, and noise larger than its motion makes some of
+/// the motion look like slips. The fit warns about it and still determines f_d/K to 5 %. It does
+/// not warn for bearings that slip.
 #[test]
 fn sliding_without_slips_is_said() {
     let said = |bearing: &Bearing| {
@@ -54,7 +54,7 @@ fn no_record_is_refused() {
     assert_eq!(ask(flat(0, wave, wave)).unwrap_err(), CalibrationError::TooShort(0));
     assert_eq!(ask(flat(2000, wave, |_| 20.0)).unwrap_err(), CalibrationError::Constant("temperature"));
     assert_eq!(ask(flat(2000, |_| 0.0, wave)).unwrap_err(), CalibrationError::Constant("displacement"));
-    // A body that never slips: z follows T, and nothing else can be said.
+    // If the body never slips, z follows T, and nothing else can be determined.
     let still = Question { starts: 1, ..question(Method::Both) };
     let fit = calibrate(&flat(2000, wave, wave), &still, 1, &Default::default()).expect("an answer with warnings");
     assert!(fit.warnings.contains(&Warning::NoSlips));

@@ -1,7 +1,7 @@
-//! Calibrations of synthetic twins, whose truth is known.
+//! Calibrations of synthetic measurements ("twins"), whose true parameters are known.
 //!
-//! The twins of these tests are made by `study::calibration::twin`; that of `examples/bridge` was
-//! made by another program.
+//! The measurements are made by `study::calibration::twin`, except that of `examples/bridge`, which
+//! another program made.
 
 mod accuracy;
 mod bridge;

@@ -1,5 +1,5 @@
-//! `mc` as a child process that cannot outlive its test: one that hangs is killed, and the test
-//! fails and says so.
+//! Runs `mc` as a child process that cannot outlive its test: a process that hangs is killed, and
+//! the test fails with a message.
 #![allow(dead_code, reason = "each test file uses its own part")]
 
 use std::io::Read;
@@ -8,21 +8,20 @@ use std::process::{Child, Command, Output, Stdio};
 use std::thread::{JoinHandle, sleep, spawn};
 use std::time::{Duration, Instant};
 
-/// The longest that a command may take. The slowest of them takes ten seconds on a machine of its
-/// own, so one that is not over by then waits for something that does not come, and not for its
-/// share of a processor.
+/// The longest that a command may take. The slowest takes ten seconds on an idle machine, so a
+/// command that takes longer than this is not merely slow but hangs.
 pub const LONGEST: Duration = Duration::from_secs(300);
 
-/// How often a condition is looked at.
+/// How often a condition is checked.
 const LOOK: Duration = Duration::from_millis(20);
 
-/// What `mc` says to these arguments in this folder.
+/// The output of `mc` with these arguments in this folder.
 #[track_caller]
 pub fn mc(folder: &Path, arguments: &[&str]) -> Output {
     within(LONGEST, folder, arguments)
 }
 
-/// The same with a limit of its own.
+/// Like [`mc`], with another limit of the time.
 #[track_caller]
 pub fn within(limit: Duration, folder: &Path, arguments: &[&str]) -> Output {
     let mut command = assert_cmd::Command::cargo_bin("mc").expect("built");
@@ -37,7 +36,7 @@ pub fn within(limit: Duration, folder: &Path, arguments: &[&str]) -> Output {
     output
 }
 
-/// What `mc` prints when it succeeds.
+/// The standard output of `mc`, which must succeed.
 #[track_caller]
 pub fn done(folder: &Path, arguments: &[&str]) -> String {
     let output = mc(folder, arguments);
@@ -45,7 +44,7 @@ pub fn done(folder: &Path, arguments: &[&str]) -> String {
     text(&output.stdout)
 }
 
-/// `mc` refuses with this exit code, and says all of these.
+/// `mc` must fail with this exit code, and its message must contain each of these texts.
 #[track_caller]
 pub fn refused(folder: &Path, arguments: &[&str], code: i32, says: &[&str]) {
     let output = mc(folder, arguments);
@@ -56,17 +55,17 @@ pub fn refused(folder: &Path, arguments: &[&str], code: i32, says: &[&str]) {
     }
 }
 
-/// What was printed.
+/// The bytes as text.
 pub fn text(bytes: &[u8]) -> String {
     String::from_utf8_lossy(bytes).into_owned()
 }
 
-/// What was printed as one JSON object.
+/// A text that is one JSON object.
 pub fn json(text: &str) -> serde_json::Value {
     serde_json::from_str(text).expect("one JSON object")
 }
 
-/// What a shell says to a line in this folder, `$0` of which is `mc`.
+/// The output of a shell command in this folder, in which `$0` is `mc`.
 #[track_caller]
 pub fn shell(folder: &Path, line: &str) -> Output {
     let mut command = assert_cmd::Command::new("sh");
@@ -80,7 +79,8 @@ pub fn shell(folder: &Path, line: &str) -> Output {
     output
 }
 
-/// `mc` while the test goes on. It is killed when the test is over, whatever the test came to.
+/// An `mc` that runs while the test goes on. It is killed at the end of the test, whether the test
+/// passes or fails.
 pub struct Running {
     child: Child,
     begun: Instant,
@@ -89,25 +89,26 @@ pub struct Running {
 }
 
 impl Running {
-    /// Start it.
+    /// Starts it.
     pub fn mc(folder: &Path, arguments: &[&str]) -> Self {
         Running::mc_into(Stdio::piped(), folder, arguments)
     }
 
-    /// The same with its standard output led somewhere.
+    /// Starts it with its standard output connected to `out`.
     pub fn mc_into(out: Stdio, folder: &Path, arguments: &[&str]) -> Self {
-        // A signal that was ignored when it starts stays ignored, and a test may be started so.
+        // A process keeps ignoring the signals that were ignored when it started, and the tests may
+        // have been started in such a way. So the signals are reset.
         let mut command = Command::new("env");
         let command = command.arg("--default-signal=INT,TERM,HUP,USR1,USR2,XCPU");
         let command = command.arg(assert_cmd::cargo::cargo_bin!("mc")).args(arguments);
         let command = command.current_dir(folder).stdout(out).stderr(Stdio::piped());
         let mut child = command.spawn().expect("starts");
-        // Read while it runs: a pipe that nobody empties would hold it up.
+        // The streams are read while it runs, because a full pipe would block it.
         let streams = [child.stdout.take().map(collect), child.stderr.take().map(collect)];
         Running { child, begun: Instant::now(), shown: format!("mc {}", arguments.join(" ")), streams }
     }
 
-    /// Wait until something is so.
+    /// Waits until a condition is true.
     #[track_caller]
     pub fn until(&mut self, what: &str, mut is_so: impl FnMut() -> bool) {
         while !is_so() {
@@ -118,7 +119,7 @@ impl Running {
         }
     }
 
-    /// Wait until it answers Ctrl-C: until then an interrupt ends it as it ends any process.
+    /// Waits until it handles Ctrl-C. Before that, an interrupt would end it like any process.
     #[track_caller]
     pub fn until_it_answers(&mut self) {
         let status = format!("/proc/{}/status", self.child.id());
@@ -126,24 +127,24 @@ impl Running {
             let text = std::fs::read_to_string(&status).unwrap_or_default();
             let caught = text.lines().find_map(|line| line.strip_prefix("SigCgt:"));
             let caught = caught.and_then(|bits| u64::from_str_radix(bits.trim(), 16).ok());
-            // Bit n - 1 is signal n, and SIGINT is 2.
+            // Bit n - 1 stands for signal n, and SIGINT is signal 2.
             caught.is_some_and(|bits| bits & 0b10 != 0)
         });
     }
 
-    /// Send it Ctrl-C.
+    /// Sends Ctrl-C.
     pub fn interrupt(&self) {
         self.signal("INT");
     }
 
-    /// Send it a signal of this name.
+    /// Sends the signal with this name.
     pub fn signal(&self, name: &str) {
         let to = self.child.id().to_string();
         let sent = Command::new("kill").args([&format!("-{name}"), &to]).status().expect("kill");
         assert!(sent.success(), "{sent}");
     }
 
-    /// Wait for its end.
+    /// Waits for its end.
     #[track_caller]
     pub fn end(mut self) -> Output {
         let status = loop {
@@ -163,7 +164,7 @@ impl Running {
 
 impl Drop for Running {
     fn drop(&mut self) {
-        // It has ended already, mostly; then there is nothing to kill.
+        // Mostly it has ended already, and there is nothing to kill.
         let _ = self.child.kill();
         let _ = self.child.wait();
     }

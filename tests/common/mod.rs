@@ -1,4 +1,4 @@
-//! What the tests of the schemes share: scenes and an observer that keeps everything.
+//! Scenes and observers that several tests of the schemes use.
 #![allow(dead_code, reason = "each test file uses its own part")]
 
 pub mod reference;
@@ -15,8 +15,8 @@ pub fn shipped_model(name: &str) -> Model {
     Scenario::parse(name, shipped(name).expect("shipped").text, &[]).expect("sound").model
 }
 
-/// The paper's model with forcing frequency `w` and noise of intensity `rho`, none where that is
-/// zero.
+/// The model of the paper with forcing frequency `w` and noise of intensity `rho`; without noise if
+/// `rho` is zero.
 pub fn paper(w: f64, rho: f64) -> Model {
     let mut model = shipped_model("rho025");
     model.temperature.harmonics[0].angular_frequency = w;
@@ -30,15 +30,15 @@ pub fn timeline(end: f64, output_step: f64) -> Timeline {
     Timeline { end, output_step, period: None, after: 0.0 }
 }
 
-/// (t, x, x', T, static).
+/// A row of the output grid: t, x, x', T, and whether the path is static.
 pub type OutputRow = (f64, f64, f64, f64, bool);
 
 /// Keeps every event and every output row.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Keep {
-    /// Events of each lane.
+    /// The events of each lane.
     pub events: Vec<Vec<Event>>,
-    /// Each lane, row by row.
+    /// The rows of each lane.
     pub rows: Vec<Vec<OutputRow>>,
 }
 
@@ -63,7 +63,8 @@ impl Observer for Keep {
     }
 }
 
-/// The statistics of paths 0, 1, .. of a scheme that is given as its `simulate`, on two threads.
+/// The statistics of the first `paths` paths of a scheme, which is given as its function
+/// `simulate`, on two threads.
 pub fn summary_of<S>(model: &Model, timeline: &Timeline, paths: u64, simulate: S) -> Summary
 where
     S: Fn(&[u64], &mut BlockObserver) -> Vec<usize> + Sync,
@@ -92,13 +93,13 @@ where
     })
 }
 
-/// The same for the event-driven scheme.
+/// The statistics of the event-driven scheme.
 pub fn event_driven_summary(model: &Model, timeline: &Timeline, tolerance: f64, seed: u64, paths: u64) -> Summary {
     let simulation = EventDrivenSimulation::new(model, timeline, tolerance);
     summary_of(model, timeline, paths, |numbers, observer| simulation.simulate(seed, numbers, observer))
 }
 
-/// One statistic and its standard error.
+/// A statistic and its standard error.
 pub fn estimate(summary: &Summary, statistic: Statistic) -> (f64, f64) {
     let e = summary.estimate(statistic);
     (e.estimate, e.standard_error)

@@ -1,10 +1,10 @@
-//! The statistics of the paper's noisy scene (`rho025`) from a program that shares nothing with
-//! this crate, `tests/reference/noisy.c`.
+//! The statistics of the noisy scene of the paper (`rho025`) from `tests/reference/noisy.c`, a
+//! program that shares no code with this crate.
 #![allow(dead_code, reason = "each test file uses its own part")]
 
 const TABLE: &str = include_str!("../reference/noisy.csv");
 
-/// A statistic of the model itself, without any step, and its standard error.
+/// A statistic of the model itself, at zero step, and its standard error.
 #[track_caller]
 pub fn limit(statistic: &str) -> (f64, f64) {
     value("limit", statistic)

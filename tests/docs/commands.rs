@@ -1,16 +1,16 @@
-//! Commands that a page shows can be typed: tests, examples, benchmarks, scenarios and options
-//! exist under these names.
+//! Commands that a page shows can be typed: the tests, examples, benchmarks, scenarios and options
+//! in them exist.
 
 use super::markdown::{Page, root};
 use super::source::{all, code};
 use std::path::Path;
 use stick_slip::config::shipped;
 
-/// The words after `start` in every span or line of code that begins with it.
+/// The words of every span or line of code that begins with `start`, each with its page and text.
 fn commands(start: &str) -> Vec<(String, Vec<String>)> {
     let mut found = Vec::new();
     for page in Page::all() {
-        // a table that a program printed is no command
+        // A line of a table that a program printed is not a command.
         let code = page.code().filter(|line| !line.contains("   "));
         let lines = page.spans().into_iter().chain(code).flat_map(|text| text.split(" && "));
         for line in lines.map(|line| line.trim_start_matches(['(', ' '])).filter(|line| line.starts_with(start)) {
@@ -55,7 +55,7 @@ fn examples_and_benchmarks_that_a_page_names_exist() {
     }
 }
 
-/// Options are declared by clap from the fields of the arguments, and shown by `--help`.
+/// clap declares options from the fields of the arguments, and `--help` shows them.
 #[test]
 fn options_and_scenarios_that_a_page_gives_to_mc_exist() {
     for (shown, words) in commands("mc ") {

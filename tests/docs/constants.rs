@@ -1,4 +1,4 @@
-//! Constants that pages quote, as the code has them.
+//! Constants that pages quote have the values in the code.
 
 use super::markdown::{Page, names};
 use super::source::find;
@@ -52,7 +52,7 @@ fn the_limits_of_a_scenario() {
     says("docs/scenario.md", &format!("| 1e-3 | from {:e} to {} |", TOLERANCES.start(), TOLERANCES.end()));
 }
 
-/// docs/statistics.md lists the statistics in the order of the catalogue, each by its full name.
+/// docs/statistics.md lists the statistics in the order of the catalogue, each with its full name.
 #[test]
 fn the_statistics() {
     let page = Page::read("docs/statistics.md").section("## The list");
@@ -60,8 +60,8 @@ fn the_statistics() {
     assert_eq!(listed, Statistic::ALL.map(|statistic| statistic.name().to_string()));
 }
 
-/// The normals of the kernel are over sqrt(2), so its unit of noise is sqrt(2) times what one would
-/// think.
+/// The normals of the kernel are divided by sqrt(2), so its unit of noise contains a factor of
+/// sqrt(2).
 #[test]
 fn the_unit_of_the_kernel_s_noise() {
     let kernel = find("kernel.rs");
@@ -74,7 +74,7 @@ fn the_unit_of_the_kernel_s_noise() {
     );
 }
 
-/// Every symbol that a resolved scenario puts beside a key, as in `mass = 1.0  # m: mass`, is in
+/// Every symbol that a resolved scenario prints beside a key, as in `mass = 1.0 # m: mass`, is in
 /// the table of notation.
 #[test]
 fn the_notation_has_the_symbols_of_a_scenario() {

@@ -1,14 +1,15 @@
-//! docs/json.md, held against what the program prints.
+//! docs/json.md describes the JSON objects that the program prints.
 
 use crate::command::mc;
 use crate::markdown::root;
 use serde_json::Value;
 use std::collections::BTreeSet;
 
-/// The names of statistics, quantities and keys of scenarios stand for each other: their parents, in the documents.
+/// Objects whose keys are names of statistics, quantities or keys of a scenario. All of these names
+/// have the same description.
 const NAMED: [&str; 6] = ["statistics", "parameters", "derived", "levels", "at", "elasticity"];
 
-/// The path of every value that is no object.
+/// Collects the path of every value that is not an object.
 fn paths(value: &Value, path: &str, into: &mut BTreeSet<String>) {
     match value {
         Value::Object(map) => {
@@ -26,7 +27,7 @@ fn paths(value: &Value, path: &str, into: &mut BTreeSet<String>) {
     }
 }
 
-/// The keys that the page names for a kind of object, and those that all have.
+/// The keys that the page lists for a kind of object, and those that all objects have.
 fn documented(kind: &str) -> BTreeSet<String> {
     let page = std::fs::read_to_string(root().join("docs/json.md")).expect("the page");
     let mut parts = page.split("\n## ");
@@ -38,7 +39,7 @@ fn documented(kind: &str) -> BTreeSet<String> {
     keys.map(str::to_string).collect()
 }
 
-/// Every key of every object is on the page, under its kind; and an object begins with what it is.
+/// Every key of every object is on the page under its kind, and an object begins with its kind.
 #[test]
 fn every_key_of_every_object_is_described() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -67,7 +68,7 @@ fn every_key_of_every_object_is_described() {
         let mut found = BTreeSet::new();
         paths(&value, "", &mut found);
         let described = documented(kind);
-        // What is absent is null, in the place of all that would be below it.
+        // An object that is absent is null, and the page describes the keys that it would have.
         let is_described = |key: &String| {
             described.contains(key)
                 || described

@@ -1,4 +1,4 @@
-//! Links from page to page.
+//! Links between the pages.
 
 use super::markdown::{Page, root};
 use std::path::{Path, PathBuf};
@@ -33,7 +33,7 @@ fn every_link_to_the_repository_leads_to_a_file_and_to_a_heading_in_it() {
     assert!(followed > 40, "links are recognised: {followed}");
 }
 
-/// The files that a page links to, relative to the root, each once for each link.
+/// The files that a page links to, relative to the root of the repository, once for each link.
 fn linked(from: &str) -> Vec<PathBuf> {
     let page = Page::read(from);
     let folder = page.path.parent().expect("a file is in a folder");
@@ -47,8 +47,8 @@ fn linked(from: &str) -> Vec<PathBuf> {
     page.prose().flat_map(targets).filter(|target| !target.contains("://")).map(target).collect()
 }
 
-/// The overview of the documentation and the contents of its site have every page, the contents
-/// exactly once: a page that is missing there is not part of the site.
+/// The overview of the documentation lists every page, and the contents of its site list every page
+/// exactly once. A page that is missing there would not be part of the site.
 #[test]
 fn every_page_is_in_the_overview_and_once_in_the_contents_of_the_site() {
     let (overview, contents) = (linked("docs/README.md"), linked("docs/SUMMARY.md"));

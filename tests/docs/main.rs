@@ -1,8 +1,8 @@
-//! What the documentation says, held against the code: names, constants, tables, links, and who
-//! knows whom.
+//! What the documentation says agrees with the code: names, constants, tables, links, and which
+//! module uses which.
 //!
-//! Each test compares two lists or two numbers that must be equal, so a change on either side that
-//! the other does not follow fails.
+//! Each test compares two lists or two numbers that must be equal. So it fails if one side changes
+//! and the other does not.
 
 #[path = "../common/command.rs"]
 mod command;

@@ -1,4 +1,4 @@
-//! The pages of the repository, and what a Markdown page consists of.
+//! The pages of the repository, and the parts of a Markdown page.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -9,22 +9,22 @@ pub fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
 }
 
-/// A page with its place in the repository.
+/// A page and its path in the repository.
 pub struct Page {
-    /// Relative to the root.
+    /// The path, relative to the root of the repository.
     pub path: PathBuf,
     pub text: String,
 }
 
 impl Page {
-    /// The page at a place relative to the root.
+    /// The page at this path, relative to the root.
     pub fn read(path: impl Into<PathBuf>) -> Page {
         let path = path.into();
         let text = fs::read_to_string(root().join(&path)).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
         Page { path, text }
     }
 
-    /// Every page: those at the root and those of `docs/`.
+    /// All pages: those at the root and those in `docs/`.
     pub fn all() -> Vec<Page> {
         let mut paths: Vec<PathBuf> = ["", "docs"]
             .iter()
@@ -38,7 +38,7 @@ impl Page {
         paths.into_iter().map(Page::read).collect()
     }
 
-    /// Lines outside of blocks of code.
+    /// The lines outside of code blocks.
     pub fn prose(&self) -> impl Iterator<Item = &str> {
         let mut is_fenced = false;
         self.text.lines().filter(move |line| {
@@ -48,7 +48,7 @@ impl Page {
         })
     }
 
-    /// Lines inside of blocks of code.
+    /// The lines inside of code blocks.
     pub fn code(&self) -> impl Iterator<Item = &str> {
         let mut is_fenced = false;
         self.text.lines().filter(move |line| {
@@ -58,17 +58,17 @@ impl Page {
         })
     }
 
-    /// The headings, without their marks.
+    /// The headings without their marks.
     pub fn headings(&self) -> impl Iterator<Item = &str> {
         self.prose().filter(|line| line.starts_with('#')).map(|line| line.trim_start_matches('#').trim())
     }
 
-    /// What stands between backticks in the prose.
+    /// The texts between backticks in the prose.
     pub fn spans(&self) -> Vec<&str> {
         self.prose().flat_map(spans).collect()
     }
 
-    /// The rows of every table whose first heading is this one, the headings left out.
+    /// The rows, without headings, of every table whose first heading is this one.
     pub fn rows(&self, first_heading: &str) -> Vec<Vec<String>> {
         let lines: Vec<&str> = self.prose().collect();
         let mut rows = Vec::new();
@@ -83,7 +83,8 @@ impl Page {
         rows
     }
 
-    /// The part under the heading of the second level that starts so, up to the next one.
+    /// The part of the page under the second-level heading that begins with this text, up to the
+    /// next such heading.
     pub fn section(&self, heading: &str) -> Page {
         let start = self.text.find(&format!("\n{heading}"));
         let start = start.unwrap_or_else(|| panic!("{}: no heading {heading}", self.path.display())) + 1;
@@ -93,7 +94,7 @@ impl Page {
     }
 }
 
-/// Two lists of names are equal; what only one of them has is said.
+/// Two lists of names must be equal. The failure shows the names that are in one of them only.
 #[track_caller]
 pub fn same(listed: &BTreeSet<String>, of_code: &BTreeSet<String>) {
     let missing: Vec<_> = of_code.difference(listed).collect();
@@ -101,7 +102,7 @@ pub fn same(listed: &BTreeSet<String>, of_code: &BTreeSet<String>) {
     assert!(missing.is_empty() && stale.is_empty(), "not documented: {missing:?}; documented and not there: {stale:?}");
 }
 
-/// What stands between backticks in a line.
+/// The texts between backticks in a line.
 pub fn spans(line: &str) -> Vec<&str> {
     line.split('`').skip(1).step_by(2).collect()
 }
@@ -111,7 +112,7 @@ pub fn names(cell: &str) -> Vec<String> {
     spans(cell).into_iter().map(String::from).collect()
 }
 
-/// The cells of a row; `\|` is a bar inside of one.
+/// The cells of a row. `\|` is a bar inside a cell.
 fn cells(line: &str) -> Vec<String> {
     let line = line.trim().trim_start_matches('|').trim_end_matches('|').replace("\\|", "\u{0}");
     line.split('|').map(|cell| cell.trim().replace('\u{0}', "|")).collect()

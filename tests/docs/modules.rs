@@ -1,13 +1,13 @@
-//! The modules of `src/` as they are without tests, and which of them names items of which.
+//! The modules of `src/` without tests, and which of them uses items of which.
 
 use super::markdown::root;
 use super::source::{all, code, is_word, item_length};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// A path such as `crate::stats::Record`, segment by segment; `*` stands for all that is there.
+/// The segments of a path such as `crate::stats::Record`. `*` stands for everything in a module.
 pub type Segments = Vec<String>;
 
-/// Words and marks; `::` is one of them.
+/// The words and punctuation marks of the code; `::` is one mark.
 fn tokens(code: &str) -> Vec<String> {
     let mut tokens: Vec<String> = Vec::new();
     let mut chars = code.chars().peekable();
@@ -27,7 +27,7 @@ fn tokens(code: &str) -> Vec<String> {
     tokens
 }
 
-/// The paths of the tree that starts at a token; where it ends.
+/// Collects the paths of the `use` tree that starts at token `i`. Returns the token behind it.
 fn path_tree(tokens: &[String], mut i: usize, prefix: &[String], found: &mut Vec<Segments>) -> usize {
     let mut path = prefix.to_vec();
     loop {
@@ -55,20 +55,22 @@ fn path_tree(tokens: &[String], mut i: usize, prefix: &[String], found: &mut Vec
     }
 }
 
-/// The modules of `src/` that are compiled without tests, by their absolute path.
+/// The modules of `src/` that are compiled without tests, by their absolute paths.
 pub struct Modules(pub BTreeMap<Segments, Module>);
 
-/// What a module says of others.
+/// The paths that a module contains.
 #[derive(Default)]
 pub struct Module {
-    /// Where each name that it imports is from, absolute; others may take it from here.
+    /// The absolute path of each name that the module imports. Other modules may use the name from
+    /// here.
     imports: BTreeMap<String, Segments>,
-    /// What it names itself, absolute: every path but those that it only passes on with `pub use`.
+    /// The absolute paths that the module uses itself: all but those that it only exports again
+    /// with `pub use`.
     paths: Vec<Segments>,
 }
 
 impl Modules {
-    /// All of them.
+    /// Reads all modules.
     pub fn read() -> Modules {
         let source = root().join("src");
         let files: Vec<(Segments, String)> = all(&source)
@@ -85,19 +87,19 @@ impl Modules {
         let is_compiled = |place: &Segments| !for_tests.iter().any(|test| place.starts_with(test));
         let mut modules: BTreeMap<Segments, Module> = BTreeMap::new();
         for (place, code) in files.into_iter().filter(|(place, _)| is_compiled(place)) {
-            // main.rs and lib.rs have the same place
+            // main.rs and lib.rs have the same path.
             modules.entry(place.clone()).or_default().add(&place, &without_tests(&code), &names);
         }
         Modules(modules)
     }
 
-    /// The modules, below the crate, in which the items are that a module names.
+    /// The other modules that define the items that a module uses.
     pub fn known(&self, place: &Segments) -> BTreeSet<Segments> {
         self.0[place].paths.iter().filter_map(|path| self.home(path, 0)).filter(|home| home != place).collect()
     }
 
-    /// The module in which the item of an absolute path is defined, through the imports of those on
-    /// the way.
+    /// The module that defines the item at an absolute path, found through the imports of the
+    /// modules on the way.
     fn home(&self, path: &[String], depth: usize) -> Option<Segments> {
         let length = (1..=path.len()).rev().find(|length| self.0.contains_key(&path[..*length]))?;
         let (place, rest) = path.split_at(length);
@@ -133,7 +135,7 @@ impl Module {
     }
 }
 
-/// Whether `pub`, or `pub(...)`, comes last.
+/// Whether `pub` or `pub(...)` is the last of these tokens.
 fn is_public(tokens: &[String]) -> bool {
     let end = match tokens.last().map(String::as_str) {
         Some(")") => tokens.iter().rposition(|token| token == "(").unwrap_or(0),
@@ -142,7 +144,7 @@ fn is_public(tokens: &[String]) -> bool {
     tokens[..end].last().is_some_and(|token| token == "pub")
 }
 
-/// A path from the root of the crate, if it is one of ours.
+/// The absolute path of a path in a module, if it is in this crate.
 fn absolute(place: &Segments, path: &[String], modules: &BTreeSet<Segments>) -> Option<Segments> {
     let child = [place.as_slice(), &path[..1]].concat();
     let (mut base, mut rest) = match path[0].as_str() {
@@ -172,7 +174,7 @@ fn test_modules(place: &Segments, code: &str) -> Vec<Segments> {
 
 const TEST: &str = "#[cfg(test)]";
 
-/// The code without what is compiled for tests only.
+/// The code without the items that are compiled for tests only.
 fn without_tests(code: &str) -> String {
     let mut out = String::new();
     let mut rest = code;

@@ -1,4 +1,4 @@
-//! What stands between backticks and looks like a name of the code is one.
+//! A text between backticks that looks like a name of the code is one.
 //!
 //! A file is written with its folder or by its name alone (`stats/totals.rs`, `reading.rs`), an
 //! item with its owner (`Splat::impulse`, `noise::MAX_NORMAL_ERROR`), a type alone (`Turn`). Other
@@ -9,8 +9,8 @@ use super::source::{all, blocks, code, code_and_texts, is_word, texts, words};
 use std::collections::BTreeSet;
 use std::path::Path;
 
-/// Names of other programs, of their types and units, of packages, and a column that
-/// benches/peers/report.py prints.
+/// Names that do not belong to this package: of other programs, their types and units, of other
+/// packages, and a column that benches/peers/report.py prints.
 const FOREIGN: [&str; 20] = [
     "agrees",
     "aarch64-unknown-linux-gnu",
@@ -34,8 +34,8 @@ const FOREIGN: [&str; 20] = [
     "CF-1.11",
 ];
 
-/// The source: each file by its place below the root, its code, and all that its code and its texts
-/// name.
+/// The source: the path and the code of each file, and all words in the code and its string
+/// literals.
 struct Source {
     files: Vec<(String, String)>,
     words: BTreeSet<String>,
@@ -47,7 +47,7 @@ impl Source {
         let files: Vec<_> = places.iter().flat_map(|place| all(place)).collect();
         let mut known: BTreeSet<String> =
             words(&std::fs::read_to_string(root().join("Cargo.toml")).expect("a manifest"));
-        // The package for Python: its modules name what a reader of Python reads.
+        // The modules of the Python package contain the names that users of Python need.
         for entry in std::fs::read_dir(root().join("python/stickslip")).expect("the package for Python") {
             let path = entry.expect("readable").path();
             if path.extension().is_some_and(|ending| ending == "py") {
@@ -68,8 +68,8 @@ impl Source {
         self.files.iter().any(|(_, code)| TYPES.iter().any(|keyword| declares(code, keyword, name)))
     }
 
-    /// `owner::item`: a module of `src/` with what it declares, or a type with its functions,
-    /// constants, fields or variants.
+    /// Whether `owner::item` exists: a module of `src/` with an item that it declares, or a type
+    /// with a function, constant, field or variant.
     fn has_item(&self, path: &str) -> bool {
         let segments: Vec<&str> = path.split("::").filter(|segment| *segment != "stick_slip").collect();
         let Some((item, owners)) = segments.split_last() else { return false };
@@ -88,7 +88,8 @@ impl Source {
             .any(|file| if owner.starts_with(char::is_uppercase) { of_type(file) } else { of_module(file) })
     }
 
-    /// A file or folder, from the root, from `src/`, or by its name alone; `*` stands for any name.
+    /// Whether there is a file or folder with this path from the root or from `src/`, or with this
+    /// name alone. `*` stands for any name.
     fn has_file(&self, path: &str) -> bool {
         let (folder, name) = path.rsplit_once('/').unwrap_or(("", path));
         let is_named_alone =
@@ -119,19 +120,19 @@ impl Source {
 const TYPES: [&str; 4] = ["struct", "enum", "trait", "type"];
 const ITEMS: [&str; 4] = ["fn", "const", "static", "mod"];
 
-/// Whether the code has the item under this keyword.
+/// Whether the code declares the item with this keyword.
 fn declares(code: &str, keyword: &str, item: &str) -> bool {
     let after = |(at, declared): (usize, &str)| code[at + declared.len()..].chars().next();
     code.match_indices(&format!("{keyword} {item}")).any(|found| after(found).is_none_or(|c| !is_word(c)))
 }
 
-/// Whether the body of a type has a field or a variant of this name.
+/// Whether the body of a type has a field or a variant with this name.
 fn lists(body: &str, item: &str) -> bool {
     [": ", ",", "(", " {"].iter().any(|end| body.contains(&format!(" {item}{end}")))
 }
 
-/// Whether the span is one word that could be a name: no spaces, no formula, no option, no
-/// placeholder in capitals.
+/// Whether the text is one word that could be a name: it has no spaces and is no formula, option,
+/// or placeholder in capitals.
 fn could_be_a_name(span: &str) -> bool {
     let is_word = span.chars().all(|c| c.is_ascii_alphanumeric() || "_:/.*-".contains(c));
     is_word && !span.starts_with('-') && !span.split(['.', '/', '_']).any(|part| part == "NAME")
@@ -145,7 +146,7 @@ fn what_a_page_names_exists() {
     for page in Page::all() {
         for span in page.spans().into_iter().filter(|span| could_be_a_name(span) && !FOREIGN.contains(span)) {
             looked_up += 1;
-            // The ends of the interval of a variable are called like it.
+            // The ends of the interval of a variable have its name with an ending.
             let of = span.strip_suffix("_low").or_else(|| span.strip_suffix("_high")).unwrap_or(span);
             if !source.knows(span) && !source.knows(of) {
                 unknown.insert(format!("{}: {span}", page.path.display()));

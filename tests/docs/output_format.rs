@@ -1,4 +1,4 @@
-//! docs/output-format.md: every attribute and variable of the files that `mc` writes, with its
+//! docs/output-format.md lists every attribute and variable of the files that `mc` writes, with its
 //! axes, type and unit.
 
 use super::markdown::{Page, names, same, spans};
@@ -9,7 +9,7 @@ use std::path::Path;
 
 const PAGE: &str = "docs/output-format.md";
 
-/// What a row of the page says of a variable.
+/// A row of a table on the page: the description of a variable.
 #[derive(Debug)]
 struct Documented {
     axes: Vec<String>,
@@ -17,8 +17,8 @@ struct Documented {
     unit: String,
 }
 
-/// Every variable of the tables, by name. A cell with several names has one type and unit for all,
-/// or one for each.
+/// All variables of the tables by name. If a cell has several names, the row has one type and one
+/// unit for all of them, or one for each.
 fn documented(page: &Page) -> BTreeMap<String, Documented> {
     let mut all = BTreeMap::new();
     for row in page.rows("Variable") {
@@ -37,7 +37,7 @@ fn documented(page: &Page) -> BTreeMap<String, Documented> {
     all
 }
 
-/// A dimension that a heading names and that has no values of its own.
+/// The dimensions that a heading names and that have no values of their own.
 fn bare_dimensions(page: &Page) -> BTreeSet<String> {
     let dimensions = page.headings().filter_map(|heading| heading.split_once("dimension"));
     dimensions.flat_map(|(_, names)| spans(names.split(", with").next().unwrap_or(names))).map(String::from).collect()
@@ -60,8 +60,7 @@ fn text(location: &hdf5::Location, name: &str) -> Option<String> {
     Some(value.as_str().to_string())
 }
 
-/// The `units` attribute of what the page says a variable is measured in, where the labels are s,
-/// m, N and K.
+/// The `units` attribute for a unit on the page, if the labels are s, m, N and K.
 fn udunits(unit: &str) -> Option<&'static str> {
     Some(match unit {
         "" | "flags" => return None,
@@ -77,7 +76,7 @@ fn udunits(unit: &str) -> Option<&'static str> {
     })
 }
 
-/// Each variable of a file as the page says; the names of all of them.
+/// Checks that each variable of a file is as the page says. Returns the names of all variables.
 fn check(file: &File, page: &Page) -> BTreeSet<String> {
     let (rows, bare) = (documented(page), bare_dimensions(page));
     let members = file.member_names().expect("a root group");
@@ -98,7 +97,7 @@ fn check(file: &File, page: &Page) -> BTreeSet<String> {
 const UNITS: [&str; 8] =
     ["--set", "units.time=s", "--set", "units.length=m", "--set", "units.force=N", "--set", "units.temperature=K"];
 
-/// Write a file with `mc`; a run of which every path diverges fails and leaves one too.
+/// Writes a file with `mc`. A run of which every path diverges fails, but writes a file as well.
 fn written(folder: &Path, name: &str, arguments: &[&str]) -> File {
     let scenarios = concat!(env!("CARGO_MANIFEST_DIR"), "/scenarios");
     let arguments: Vec<String> = arguments.iter().map(|argument| argument.replace("scenarios", scenarios)).collect();
@@ -107,9 +106,9 @@ fn written(folder: &Path, name: &str, arguments: &[&str]) -> File {
     File::open(folder.join(name)).unwrap_or_else(|e| panic!("{e}: {}", String::from_utf8_lossy(&output.stderr)))
 }
 
-/// Files in which everything that a run can write occurs: records, units, lost paths, a resolution,
-/// pairs, a part, a run that was ended, a measured temperature with a bearing, the fewest paths for
-/// a bias of the step.
+/// Files in which together everything occurs that a run can write: records, units, lost paths, a
+/// resolution, pairs, a part, a run that was ended, a measured temperature with a bearing, and the
+/// fewest paths for a bias of the step.
 fn runs(folder: &Path) -> Vec<File> {
     let record = ["record.events=true", "record.trajectories=7"].map(|set| ["--set", set]).concat();
     let everything = [&["run", "scenarios/rho025.toml", "--paths", "300"][..], &record].concat();
@@ -164,7 +163,7 @@ fn every_attribute_of_a_run_is_listed_with_its_type_and_constants_with_their_val
                 let is_text = attribute.dtype().and_then(|kind| kind.to_descriptor()).expect("a type")
                     == TypeDescriptor::VarLenUnicode;
                 assert_eq!(is_text, row[1] == "text", "type of {name}");
-                // a meaning that is nothing but a value is that value
+                // A meaning that consists of a value in backticks only is that value.
                 if let Some(value) = row[2]
                     .strip_prefix('`')
                     .and_then(|rest| rest.strip_suffix('`'))
@@ -198,7 +197,7 @@ fn every_variable_and_attribute_of_a_trade_is_listed() {
     }
 }
 
-/// Axes of a sweep are those of its design, which the page writes as `...`.
+/// The axes of a sweep are those of its design, which the page writes as `...`.
 #[test]
 fn every_variable_and_attribute_of_a_sweep_is_listed() {
     let folder = tempfile::tempdir().expect("a temporary folder");

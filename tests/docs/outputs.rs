@@ -1,10 +1,11 @@
-//! What a page prints beside a command is what the command prints.
+//! The output that a page shows beside a command is what the command prints.
 
 use super::markdown::{Page, root, spans};
 use serde_json::Value;
 use std::path::Path;
 
-/// A folder in which commands run as they do in the root of the repository, and leave their files.
+/// A folder with copies of the scenarios, in which commands run as in the root of the repository
+/// and can write files.
 fn workplace() -> tempfile::TempDir {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let scenarios = folder.path().join("scenarios");
@@ -16,7 +17,7 @@ fn workplace() -> tempfile::TempDir {
     folder
 }
 
-/// What `mc` prints on standard output.
+/// The standard output of `mc`.
 fn printed(folder: &Path, words: &[&str]) -> String {
     let output = assert_cmd::Command::cargo_bin("mc").expect("built").current_dir(folder).args(words).output();
     let output = output.expect("runs");
@@ -24,14 +25,14 @@ fn printed(folder: &Path, words: &[&str]) -> String {
     String::from_utf8_lossy(&output.stdout).into_owned()
 }
 
-/// The fenced blocks of a page, each with its language, in order.
+/// The fenced blocks of a page in order, each with its language.
 fn blocks(page: &Page) -> Vec<(&str, &str)> {
     let fences = page.text.split("\n```").skip(1).step_by(2);
     fences.filter_map(|block| block.split_once('\n')).collect()
 }
 
-/// Wherever a block of commands is followed by a block of text, the commands print these lines in
-/// this order, and others before, between and after them.
+/// Wherever a block of text follows a block of commands, the commands print these lines in this
+/// order, perhaps with other lines before, between and after them.
 #[test]
 fn the_cascades_of_the_page_on_the_model() {
     let (page, folder) = (Page::read("docs/model.md"), workplace());
@@ -49,7 +50,8 @@ fn the_cascades_of_the_page_on_the_model() {
     assert_eq!(compared, 3, "cascades");
 }
 
-/// All of it but the time that it took; the warning goes to standard error.
+/// The whole table is compared, except for the time that the run took. The warning is on standard
+/// error.
 #[test]
 fn the_table_of_the_readme() {
     let (page, folder) = (Page::read("README.md"), workplace());
@@ -61,7 +63,8 @@ fn the_table_of_the_readme() {
     assert_eq!(shown, printed);
 }
 
-/// Every row of a table gives options, the mean stick duration and its interval.
+/// Every row of a table contains options, the mean stick duration with these options, and its
+/// interval.
 #[test]
 fn stick_durations_by_scheme_and_step() {
     let folder = workplace();

@@ -1,14 +1,15 @@
-//! DESIGN.md says which room of `src/` knows which; the paths in the source say so too.
+//! The table in DESIGN.md of the modules of `src/` ("rooms") and the modules that each of them uses
+//! agrees with the paths in the source.
 
 use super::markdown::{Page, root, same, spans};
 use super::modules::{Modules, Segments};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// The rooms that each room knows.
+/// For each module, the modules that it uses.
 type Known = BTreeMap<String, BTreeSet<String>>;
 
-/// The table of DESIGN.md: rooms in the first column, what they know in the second, as rooms or as
-/// paths into them.
+/// The table of DESIGN.md: the first column lists modules, the second the modules that they use, by
+/// themselves or as paths into them.
 fn documented() -> Known {
     let rows = Page::read("DESIGN.md").rows("room");
     let rooms: BTreeSet<String> = rows.iter().flat_map(|row| spans(&row[0])).map(String::from).collect();
@@ -23,7 +24,7 @@ fn documented() -> Known {
     rows.iter().flat_map(of_row).collect()
 }
 
-/// What the source says.
+/// The modules that each module uses according to the source.
 fn found(modules: &Modules) -> Known {
     let mut known = Known::new();
     for place in modules.0.keys().filter(|place| !place.is_empty()) {
@@ -33,7 +34,7 @@ fn found(modules: &Modules) -> Known {
     known
 }
 
-/// A room is a folder of the source, or a file beside `lib.rs` and `main.rs`.
+/// A top-level module is a folder of the source, or a file beside `lib.rs` and `main.rs`.
 #[test]
 fn the_table_of_rooms_lists_every_room_of_the_source() {
     let entries = std::fs::read_dir(root().join("src")).expect("the source").map(|entry| entry.expect("readable"));
@@ -52,7 +53,7 @@ fn rooms_know_what_the_table_says_no_less_and_no_more() {
     same(&pairs(documented()), &pairs(found(&Modules::read())));
 }
 
-/// Those of a graph that lie on a circle, each with those that it reaches and that reach it.
+/// The nodes of a graph that lie on a cycle, each with the nodes on the same cycles.
 fn circles<T: Ord + Clone>(edges: &BTreeMap<T, BTreeSet<T>>) -> BTreeMap<T, BTreeSet<T>> {
     let reached = |from: &T| {
         let (mut seen, mut next) = (BTreeSet::new(), vec![from.clone()]);
@@ -76,9 +77,9 @@ fn no_room_knows_itself_through_others() {
     assert_eq!(circles(&found(&Modules::read())), BTreeMap::new());
 }
 
-/// Rooms in which a file still knows itself through others, mostly by way of `mod.rs`, which
-/// defines what the files below it need and calls them. A room leaves this list when it has no such
-/// circle any more; none may join it.
+/// Modules in which a file still depends on itself through other files, mostly through `mod.rs`,
+/// which defines what the files below it use and also calls them. A module that loses its last such
+/// cycle must be removed from this list, and none may be added.
 const CIRCULAR: [&str; 5] = ["bias", "cli", "lanes", "scheme", "study"];
 
 #[test]

@@ -1,5 +1,4 @@
-//! docs/scenario.md: keys, schemes, warnings and shipped scenarios, each list equal to that of the
-//! code.
+//! docs/scenario.md lists the keys, schemes, warnings and shipped scenarios that the code has.
 
 use super::markdown::{Page, names, same};
 use std::collections::BTreeSet;
@@ -16,7 +15,7 @@ fn first_column(page: &Page, heading: &str) -> BTreeSet<String> {
     page.rows(heading).iter().flat_map(|row| names(&row[0])).collect()
 }
 
-/// The keys of a resolved scenario, dotted, with the array of harmonics as a key of its own.
+/// The dotted keys of a resolved scenario. The array of harmonics is a key of its own.
 fn keys(table: &toml::Table, path: &str, into: &mut BTreeSet<String>) {
     for (name, value) in table {
         let key = if path.is_empty() { name.clone() } else { format!("{path}.{name}") };
@@ -40,7 +39,7 @@ fn every_key_is_listed_and_every_listed_key_exists() {
         let resolved = Scenario::parse("rho025", text, &set).expect("sound").to_toml();
         keys(&resolved.parse().expect("TOML"), "", &mut of_code);
     }
-    // A measured temperature and a bearing.
+    // A scenario with a measured temperature and a bearing.
     let zone = ["temperature.series.zone=UTC", "temperature.noise={intensity=1, pinned=true}"];
     let zone = zone.map(|set| Override::set(set).expect("well formed"));
     let measured = Scenario::parse("bridge", shipped("bridge").expect("shipped").text, &zone).expect("sound").to_toml();

@@ -1,11 +1,11 @@
-//! The source as a list of files, and their code without comments.
+//! The source as a list of files, and the code in them without comments.
 
 use super::markdown::root;
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Every Rust file at or below a place, with its text.
+/// Every Rust file at or below a path, with its text.
 pub fn all(place: &Path) -> Vec<(PathBuf, String)> {
     let place = root().join(place);
     if place.is_file() {
@@ -19,7 +19,7 @@ pub fn all(place: &Path) -> Vec<(PathBuf, String)> {
     entries.into_iter().filter(is_source).flat_map(|path| all(&path)).collect()
 }
 
-/// The text of the one file of `src/` that is called so.
+/// The text of the only file of `src/` with this name.
 pub fn find(name: &str) -> String {
     let mut files: Vec<_> = all("src".as_ref()).into_iter().filter(|(path, _)| path.ends_with(name)).collect();
     assert_eq!(files.len(), 1, "one file is called {name}");
@@ -31,7 +31,7 @@ pub fn code_and_texts(text: &str) -> String {
     stripped(text, true)
 }
 
-/// The text without comments, and with nothing between the quotes of its texts.
+/// The text without comments and without the contents of string literals.
 pub fn code(text: &str) -> String {
     stripped(text, false)
 }
@@ -64,7 +64,7 @@ fn stripped(text: &str, with_texts: bool) -> String {
             out.push_str(&format!("\"{inside}\""));
             i = j + 1 + if is_raw { raw_hashes } else { 0 };
         } else if at(i) == '\'' && (at(i + 2) == '\'' || at(i + 1) == '\\') {
-            // a character, not a lifetime
+            // A character literal, not a lifetime.
             i += 2;
             while i < c.len() && at(i) != '\'' {
                 i += 1;
@@ -79,12 +79,12 @@ fn stripped(text: &str, with_texts: bool) -> String {
     out
 }
 
-/// Whether a name may have this character.
+/// Whether the character can be part of a name.
 pub fn is_word(c: char) -> bool {
     c.is_alphanumeric() || c == '_'
 }
 
-/// The texts between quotes, in order.
+/// The contents of the string literals, in order.
 pub fn texts(code_and_texts: &str) -> Vec<String> {
     code_and_texts.split('"').skip(1).step_by(2).map(String::from).collect()
 }
@@ -94,7 +94,7 @@ pub fn words(text: &str) -> BTreeSet<String> {
     text.split(|c| !is_word(c)).filter(|word| !word.is_empty()).map(String::from).collect()
 }
 
-/// How far the item goes at which the code starts: to its semicolon, or to the brace that closes
+/// The length of the item that begins the code: up to its semicolon, or to the brace that closes
 /// it.
 pub fn item_length(code: &str) -> usize {
     let mut depth = 0;
@@ -110,8 +110,8 @@ pub fn item_length(code: &str) -> usize {
     code.len()
 }
 
-/// What the types of a file consist of: the words before each brace that opens a type, a trait or
-/// what is implemented for them, and what is between it and the brace that closes it.
+/// For each type, trait and implementation in a file, the words before its opening brace, and the
+/// text between its braces.
 pub fn blocks(code: &str) -> Vec<(BTreeSet<String>, &str)> {
     let starts = ["impl", "struct ", "enum ", "trait "].into_iter().flat_map(|start| code.match_indices(start));
     let block = |(at, _): (usize, &str)| {

@@ -1,4 +1,5 @@
-//! Scenarios at random, through the door that a user comes in by: a text, each scheme, and what came of it.
+//! Scenarios at random, through the door that a user comes in by: a text, each scheme, and what
+//! came of it.
 
 use super::draw::{Family, scenario};
 use super::invariants::Watch;
@@ -14,7 +15,8 @@ use stick_slip::scenario::Scenario;
 use stick_slip::scheme::{self, Kind, Observer, Simulate as _, Snapshot};
 use stick_slip::stats::{Statistic, Summary};
 
-/// What a path may spend here: 1/5000 of the usual, so that 1e5 scenarios with hopeless ones among them end in minutes.
+/// What a path may spend here: 1/5000 of the usual, so that 1e5 scenarios with hopeless ones among
+/// them end in minutes.
 const WORK_LIMIT: u64 = 20_000;
 
 /// What became of one scenario under one scheme.
@@ -129,7 +131,8 @@ fn examine(text: &str, kind: Kind) -> Result<Outcome, String> {
     })
 }
 
-/// Looked at only at the end, the time-stepping schemes make runs of many steps in one go: the events must be the same.
+/// Looked at only at the end, the time-stepping schemes make runs of many steps in one go: the
+/// events must be the same.
 fn look_rarely(scenario: &Scenario, paths: &[u64], watch: &Watch, lost: &[usize]) -> Result<(), String> {
     let mut scenario = scenario.clone();
     scenario.time.output_step = scenario.time.end.max(scenario.time.output_step);
@@ -217,7 +220,8 @@ fn check_summary(summary: &Summary, scenario: &Scenario, lost: u64) -> Result<()
     Ok(())
 }
 
-/// The warning of the undamped explicit step is an upper estimate: it may come in vain, and must not be missing.
+/// The warning of the undamped explicit step is an upper estimate: it may come in vain, and must
+/// not be missing.
 #[test]
 #[ignore = "1e6 scenarios, half of them undamped: half a minute"]
 fn the_undamped_step_diverges_in_no_scenario_without_a_warning() {
@@ -242,7 +246,8 @@ fn the_undamped_step_diverges_in_no_scenario_without_a_warning() {
     assert!(missed == 0 && foretold > 0);
 }
 
-/// Ends the process, and says where, when one scenario takes longer than [`PATIENCE`]: a hang cannot end itself.
+/// Ends the process, and says where, when one scenario takes longer than [`PATIENCE`]: a hang
+/// cannot end itself.
 struct Watchdog {
     number: &'static AtomicU64,
 }
@@ -278,8 +283,9 @@ impl Drop for Watchdog {
     }
 }
 
-/// Scenarios in which the survey found what has been mended since: divergences without a warning, numbers that are none, panics, slips that went
-/// backwards or began below f_s for the rounding of larger numbers, sticks beyond f_s where a motion had died down below the rounding of its start,
+/// Scenarios in which the survey found what has been mended since: divergences without a warning,
+/// numbers that are none, panics, slips that went backwards or began below f_s for the rounding of
+/// larger numbers, sticks beyond f_s where a motion had died down below the rounding of its start,
 /// subnormal jumps, stops and stick exits at which the noise took up more than it can do.
 const MENDED: [u64; 52] = [
     356, 432, 611, 776, 1000, 1293, 1528, 3178, 7230, 8995, 9202, 9769, 10_084, 11_280, 12_399, 12_433, 15_685, 16_831,
