@@ -68,7 +68,8 @@ impl Observer for NoiseMoments {
 /// Ornstein-Uhlenbeck process v, for which
 ///
 /// ```text
-/// E v = e^{-theta t} v(0),   Var v = (sigma^2/2 theta)(1 - e^{-2 theta t}),   Cov(v(s), v(t)) = e^{-theta (t - s)} Var v(s),
+/// E v = e^{-theta t} v(0),   Var v = (sigma^2/2 theta)(1 - e^{-2 theta t}),
+/// Cov(v(s), v(t)) = e^{-theta (t - s)} Var v(s),
 /// ```
 ///
 /// or Var v = sigma^2/2 theta at every t after a stationary start.

@@ -99,7 +99,8 @@ fn no_slip_starts_against_the_force() {
 /// (h/m) b,
 ///
 /// ```text
-/// V' = 0 if |S| <= (h/m) f, else S - (h/m) f_d sign(S),   f = f_s less the shift if V = 0, else f_s;   X' = X + h V'
+/// V' = 0 if |S| <= (h/m) f, else S - (h/m) f_d sign(S),   X' = X + h V',
+/// f = f_s less the shift if V = 0, else f_s.
 /// ```
 ///
 /// Only the threshold at which a stick ends is lowered. Both cases occur some hundreds of times:

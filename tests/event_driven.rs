@@ -1,8 +1,8 @@
-//! The event-driven scheme against what it was not derived from.
+//! The event-driven scheme compared with what it was not derived from.
 //!
-//! Exact tests compare with tables of high-precision arithmetic. Statistical tests have a fixed
+//! Exact tests compare with tables from high-precision arithmetic. Statistical tests have a fixed
 //! seed; each states its null hypothesis, sample size and false-alarm rate.
-// Reference numbers keep the digits they were computed with.
+// Reference numbers keep the digits that they were computed with.
 #![allow(clippy::excessive_precision)]
 
 mod common;
@@ -21,7 +21,7 @@ fn timeline(end: f64) -> Timeline {
     Timeline { end, output_step: end.max(1.0), period: None, after: 0.0 }
 }
 
-/// Keeps everything, lane by lane.
+/// Keeps all events of every lane, and the rows of lane 0.
 #[derive(Default)]
 struct Recorder {
     events: Vec<Vec<Event>>,
@@ -56,11 +56,11 @@ fn kind_number(kind: EventKind) -> u8 {
     }
 }
 
-/// Kind, t, x, b of an exact table.
+/// A row of an exact table: kind, t, x, b.
 type Row = (u8, f64, f64, f64);
 
-/// Exact cascade of the paper's noiseless scene, forcing frequency 1/4: 40-digit arithmetic, closed
-/// forms and bisection.
+/// Exact cascade of the noiseless scene of the paper with forcing frequency 1/4, from closed forms
+/// and bisection in 40-digit arithmetic.
 const QUARTER: &[Row] = &[
     (1, 2.57400443517313755, 6.0, -1.2),
     (0, 13.3613220575479587, -6.18847247536762567, 0.306573202338802169),
@@ -86,8 +86,8 @@ const QUARTER: &[Row] = &[
     (0, 138.881726483748099, -6.17946974459977021, 0.258915182271240379),
 ];
 
-/// The same with forcing frequency 1/2, as the paper prints it: two sub-phases in every dynamic
-/// phase.
+/// The same with forcing frequency 1/2, as the paper prints it, with two sub-phases in every
+/// dynamic phase.
 const HALF: &[Row] = &[
     (1, 1.28700221758656877, 6.0, -1.2),
     (2, 6.42517019752096936, -9.74381267516092767, 3.75892610782486854),
@@ -124,8 +124,8 @@ const HALF: &[Row] = &[
     (0, 138.20498808436356, 6.75220178977171212, -0.752673864737951006),
 ];
 
-/// Every event within a relative 1e-12; the unit is the size of the motion where a value is near
-/// zero.
+/// Every event agrees to a relative 1e-12. Where a value is near zero, the error is relative to the
+/// size of the motion.
 fn assert_cascade(name: &str, events: &[Event], exact: &[Row]) {
     assert_eq!(events.len(), exact.len(), "{name}: {events:?}");
     for (event, &(kind, t, x, b)) in events.iter().zip(exact) {
@@ -193,8 +193,8 @@ fn every_damping_regime_and_resonance_is_exact() {
 #[test]
 fn ten_thousand_periods_do_not_drift() {
     // After its transient the orbit of the 1/4 scene is symmetric: half a forcing period later,
-    // everything has changed sign. The contraction (a factor 8 a phase, see QUARTER) has reached
-    // rounding long before event 100.
+    // everything has changed sign. The transient decays by a factor of 8 in each phase (see
+    // QUARTER), so long before event 100 only rounding is left of it.
     let half_period = std::f64::consts::PI / 0.25;
     let periods = 1e4;
     let events = noiseless_events(&paper(0.25, 0.0), 2.0 * half_period * periods);
@@ -202,7 +202,7 @@ fn ten_thousand_periods_do_not_drift() {
     let (first, last) = (events[100], events[events.len() - 3]);
     let halves = ((last.time - first.time) / half_period).round();
     assert!(halves > 19_900.0);
-    // Times are reported as doubles: 2.5e5 has a spacing of 2.9e-11.
+    // Times are reported as doubles, which have a spacing of 2.9e-11 at 2.5e5.
     assert!((last.time - first.time - halves * half_period).abs() < 6e-11);
     for pair in events[100..].windows(3).map(|w| (w[0], w[2])) {
         assert!((pair.0.displacement + pair.1.displacement).abs() < 1e-13 * 6.2);
@@ -284,7 +284,8 @@ fn a_temperature_that_relaxes_without_diffusion_is_one_more_exponential() {
     assert!((events[1].displacement - x).abs() < 1e-13);
 }
 
-/// Sums of T, T^2 and T(previous) T over the lanes, row by row, about the mean of T.
+/// For each row, the sums over the lanes of T, T^2 and T times T at the row before, all about the
+/// mean of T.
 struct TemperatureMoments {
     mean: fn(f64) -> f64,
     previous: Vec<f64>,
@@ -307,10 +308,10 @@ impl Observer for TemperatureMoments {
 
 #[test]
 fn noise_that_moves_nothing_is_seen_in_the_temperature() {
-    // beta = 0, and beta so small that the noise is lost in the rounding of the forces: T is still
-    // cos(t/4) + rho v, v the process started at 2 or in its stationary law. Null: mean, variance
-    // and autocovariance at lag 0.7 of that process. 1e5 paths, ten times, 240 comparisons at 3.9
-    // standard errors (1e-4) each; seed 11.
+    // With beta = 0, or beta so small that the noise is lost in the rounding of the forces, T is
+    // still cos(t/4) + rho v, where v starts at 2 or from its stationary law. Null hypothesis:
+    // mean, variance and autocovariance at lag 0.7 of that process. Sample size: 1e5 paths, ten
+    // times, seed 11. False-alarm rate: 1e-4 for each of 240 comparisons at 3.9 standard errors.
     let (rho, theta, sigma, lag, paths) = (0.25, 0.5, 2.0, 0.7, 100_000u64);
     let stationary: f64 = rho * rho * sigma * sigma / (2.0 * theta);
     let (numbers, n): (Vec<u64>, f64) = ((0..paths).collect(), paths as f64);
@@ -342,7 +343,8 @@ fn noise_that_moves_nothing_is_seen_in_the_temperature() {
                     let errors = [var.sqrt(), 2f64.sqrt() * var, (var * before + covariance * covariance).sqrt()];
                     for ((sum, want), sd) in sums.into_iter().zip([0.0, var, covariance]).zip(errors) {
                         let (got, error) = (sum / n, sd / n.sqrt());
-                        // Rounding of T about its mean, where nothing fluctuates yet.
+                        // At the first row nothing fluctuates yet, and T differs from its mean by
+                        // rounding.
                         assert!(
                             (got - want).abs() <= FALSE_ALARM * error + 1e-14,
                             "beta {dilatation}, {initial:?}, quasi-static {quasi}, t = {t}: {got}, not {want} +- {error}"
@@ -356,9 +358,9 @@ fn noise_that_moves_nothing_is_seen_in_the_temperature() {
 
 #[test]
 fn the_slip_transition_keeps_ten_digits_in_every_entry_for_every_step() {
-    // Against Van Loan's block exponential and spectral sums in 220-digit arithmetic
-    // (tests/reference/slip_transition.py). Exempt: what has decayed to less than 1e-100 of its
-    // natural scale, where nothing it is added to can see it.
+    // The reference is Van Loan's block exponential and spectral sums in 220-digit arithmetic
+    // (tests/reference/slip_transition.py). Entries that have decayed to less than 1e-100 of their
+    // natural scale are left out, because whatever they are added to is not changed by them.
     for line in include_str!("reference/slip_transition.csv").lines().skip(1) {
         let row: Vec<f64> = line.split(',').map(|f| f.parse().expect("a number")).collect();
         let (w0, theta, alpha, h) = (row[0], row[1], row[2], row[3]);
@@ -388,7 +390,8 @@ fn the_slip_transition_keeps_ten_digits_in_every_entry_for_every_step() {
                 "w0 {w0} theta {theta} alpha {alpha} h {h}, {column}: {got:e} {want:e}"
             );
         }
-        // The factor reproduces the covariance: positive, though the covariance has condition h^-4.
+        // The factor reproduces the covariance. Its diagonal is positive, although the condition
+        // number of the covariance is h^-4.
         let [nn, vn, vv, xn, xv, xx] = step.factor;
         assert!(nn > 0.0 && vv > 0.0 && xx > 0.0, "{w0} {theta} {alpha} {h}: {:?}", step.factor);
         for (got, want, scale) in [
@@ -404,8 +407,8 @@ fn the_slip_transition_keeps_ten_digits_in_every_entry_for_every_step() {
 
 #[test]
 fn a_step_through_the_transition_follows_the_closed_form_under_forcing() {
-    // The noiseless sub-phase by series and doubling against divided differences of the
-    // exponential, at resonance too.
+    // The noiseless sub-phase by series and doubling compared with divided differences of the
+    // exponential, at resonance as well.
     for (alpha, w) in [(0.0, 1.0), (0.0, 0.25), (0.1, 1.75), (1.0, 0.25), (4.0, 0.0)] {
         let free = ImpulseResponse::new(alpha, 1.0);
         let oscillator = DrivenOscillator::new(1.0, alpha, 1.0, 1.0, 0.0, &[w]);
@@ -424,10 +427,11 @@ fn a_step_through_the_transition_follows_the_closed_form_under_forcing() {
     }
 }
 
-/// Statistical tests fail by chance once in 1e4: 3.9 standard errors, fixed seeds.
+/// Statistical comparisons are made at 3.9 standard errors, which fail by chance once in 1e4. Seeds
+/// are fixed.
 const FALSE_ALARM: f64 = 3.9;
 
-/// What the statistics of one path are folded from.
+/// The sums of one path from which the statistics are computed.
 #[derive(Clone, Default)]
 struct Fold {
     first_stick: f64,
@@ -490,7 +494,8 @@ fn folds(model: &Model, line: &Timeline, tolerance: f64, seed: u64, paths: u64) 
     all
 }
 
-/// sum f / sum g over paths, with the standard error of a ratio whose independent unit is the path.
+/// The ratio sum f / sum g over paths, with the standard error of a ratio whose independent unit is
+/// the path.
 fn ratio(paths: &[Fold], f: impl Fn(&Fold) -> f64, g: impl Fn(&Fold) -> f64) -> (f64, f64) {
     let (above, below): (f64, f64) = (paths.iter().map(&f).sum(), paths.iter().map(&g).sum());
     let r = above / below;
@@ -498,7 +503,7 @@ fn ratio(paths: &[Fold], f: impl Fn(&Fold) -> f64, g: impl Fn(&Fold) -> f64) -> 
     (r, squares.sqrt() / below)
 }
 
-/// The statistics the reference file has, in its order, each with its standard error.
+/// The statistics of the reference file, in its order, each with its standard error.
 fn statistics(paths: &[Fold]) -> [(&'static str, (f64, f64)); 8] {
     let one = |_: &Fold| 1.0;
     [
@@ -515,9 +520,10 @@ fn statistics(paths: &[Fold]) -> [(&'static str, (f64, f64)); 8] {
 
 #[test]
 fn the_paper_s_noisy_scene_has_the_reference_statistics() {
-    // Null: the statistics are those of another program of other construction
-    // (tests/reference/noisy.c), but for the 0.1 % that the tolerance allows; the first stick has
-    // an exact mean (backward Kolmogorov equation). 2e5 paths, 8 comparisons at 1e-4 each.
+    // Null hypothesis: the statistics are those of another program that was written independently
+    // (tests/reference/noisy.c), up to the 0.1 % that the tolerance allows; the mean of the first
+    // stick is exact (backward Kolmogorov equation). Sample size: 2e5 paths. False-alarm rate: 1e-4
+    // for each of 8 comparisons.
     let reference = |name: &str| match name {
         "first_stick_duration_mean" => (0.775576827665, 0.0),
         _ => common::reference::limit(name),
@@ -533,9 +539,9 @@ fn the_paper_s_noisy_scene_has_the_reference_statistics() {
 
 #[test]
 fn statistics_do_not_depend_on_the_tolerance_nor_on_being_observed() {
-    // Null: equal values of every statistic there is; all of them exist in this scene, which has
-    // three whole forcing periods. 1e5 paths a side, 84 comparisons at a false-alarm rate of 1e-4
-    // each, seeds 1 to 5.
+    // Null hypothesis: every statistic has the same value for each tolerance and output grid. All
+    // statistics exist in this scene, which has three whole forcing periods. Sample size: 1e5 paths
+    // on either side, seeds 1 to 5. False-alarm rate: 1e-4 for each of 84 comparisons.
     let line = |output_step| Timeline { end: 76.0, output_step, period: Some(8.0 * std::f64::consts::PI), after: 0.0 };
     let standard = event_driven_summary(&paper(0.25, 0.25), &line(60.0), DEFAULT_TOLERANCE, 1, 100_000);
     let others = [(0.5, 60.0, 2), (2.0, 60.0, 3), (1.0, 0.7, 4), (16.0, 0.3, 5)];
@@ -566,9 +572,10 @@ impl Observer for EndStates {
 
 #[test]
 fn without_friction_finding_zeros_leaves_the_gaussian_law_alone() {
-    // f_s = f_d = 0: every zero of x' is an event, found, cut at and restarted from; yet (x, x')
-    // must keep the law of a linear system: the mean and covariance of one exact transition over
-    // the whole time. 1e5 paths, 5 moments a case at 1e-4.
+    // With f_s = f_d = 0 every zero of x' is an event at which the motion is cut and started again.
+    // Null hypothesis: (x, x') still has the law of a linear system, the mean and covariance of one
+    // exact transition over the whole time. Sample size: 1e5 paths in each of three cases.
+    // False-alarm rate: 1e-4 for each of 5 moments in a case.
     for (case, (rho, theta, alpha)) in [(0.25, 1.0, 0.0), (2.0, 0.3, 0.1), (0.5, 4.0, 0.5)].into_iter().enumerate() {
         let mut model = paper(0.25, rho);
         model.friction = Friction { static_force: 0.0, dynamic_force: 0.0 };
@@ -623,10 +630,11 @@ fn a_path_is_a_function_of_the_seed_and_its_number_alone() {
     assert_ne!(together[0], path_events(&model, 60.0, 10, &[3])[0]);
 }
 
-/// x, x', T and whether the path rests.
+/// x, x', T, and whether the path is static.
 type State = (f64, f64, f64, bool);
 
-/// Everything that is told of some paths: the events, and the states at the instants, lane by lane.
+/// Keeps everything that is reported of some paths: the events, and the states at the rows, lane by
+/// lane.
 #[derive(Default, PartialEq, Debug)]
 struct Reported {
     events: Vec<Vec<Event>>,
@@ -647,9 +655,9 @@ impl Observer for Reported {
     }
 }
 
-/// Whoever looks at a path, at whatever instants, sees the same events to the last bit, and the
-/// same state wherever a row lies on the end of a cell (multiples of 0.5 in this scene). An end of
-/// the run in the middle of a cell cuts the same path off.
+/// Whatever the output grid is, the events are the same to the last bit, and so is the state
+/// wherever a row lies at the end of a cell (multiples of 0.5 in this scene). If the run ends in
+/// the middle of a cell, the path is the same up to that time.
 #[test]
 fn looking_at_a_path_does_not_change_it() {
     let model = paper(0.25, 0.25);
@@ -673,7 +681,7 @@ fn looking_at_a_path_does_not_change_it() {
         for (row, same) in half.rows.iter().zip(whole.rows.iter().filter(|row| (2.0 * row.0).fract() == 0.0)) {
             assert_eq!(row, same, "{kind:?}");
         }
-        // A closer look goes through what a coarser one saw, also inside cells.
+        // A finer output grid passes through the states of a coarser one, also inside cells.
         let coarse = reported(60.0, 0.7, None);
         let line = Timeline { end: 60.0, after: 0.0, output_step: 0.1, period: None };
         let mut close = Reported::default();
@@ -695,8 +703,8 @@ fn looking_at_a_path_does_not_change_it() {
     }
 }
 
-/// Moments of what is seen at one instant, each with its standard error: of x, x', T and of whether
-/// the path rests, of the noise where it rests, and of x' where it slips.
+/// Moments of the states at one instant, each with its standard error: of x, x', T and of whether
+/// the path is static, of the noise where it is static, and of x' where it slips.
 fn seen_moments(model: &Model, tolerance: f64, times: &[f64], seed: u64, paths: u64) -> Vec<Vec<(f64, f64)>> {
     let line = Timeline { end: times[times.len() - 1], after: 0.0, output_step: times[0], period: None };
     let simulation = EventDrivenSimulation::new(model, &line, tolerance);
@@ -717,7 +725,7 @@ fn seen_moments(model: &Model, tolerance: f64, times: &[f64], seed: u64, paths: 
         |s| s.2,
         |s| s.2 * s.2,
         |s| f64::from(u8::from(s.3)),
-        // b where it rests: how near the thresholds, on either side.
+        // b where the path is static: how near it is to the thresholds, on either side.
         |s| f64::from(u8::from(s.3)) * (6.0 * s.2 - s.0).powi(2),
         |s| f64::from(u8::from(!s.3)) * s.1 * (6.0 * s.2 - s.0),
     ];
@@ -732,12 +740,13 @@ fn mean_and_error(values: &[f64]) -> (f64, f64) {
     (mean, (values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (n - 1.0) / n).sqrt())
 }
 
-/// Null: what is drawn for somebody who looks inside a cell has the law of what is there at the end
-/// of a cell. At the default tolerance cells are 0.5 long, and t = 0.7, 1.4, .. lies inside them
-/// but for every fifth; at a twenty-fifth of it, 0.1 long, and all of these are ends. 9 moments at
-/// 10 instants, 1e5 paths a side, seeds 61 and 62, false alarms 1e-4 each; a stick in which the
-/// bridge is drawn without asking whether it stays in the corridor, or a slip whose noise is twice
-/// too large in between, is off by tens of standard errors.
+/// Null hypothesis: a state that is drawn inside a cell has the same law as one at the end of a
+/// cell. At the default tolerance cells are 0.5 long, and t = 0.7, 1.4, .. lies inside them except
+/// for every fifth. At 1/25 of that tolerance cells are 0.1 long, and all of these times are ends.
+/// Sample size: 1e5 paths on either side, seeds 61 and 62. False-alarm rate: 1e-4 for each of 9
+/// moments at 10 instants. If the bridge in a stick were drawn without the condition that it stays
+/// in the corridor, or if the noise in a slip were twice too large between ends, the moments would
+/// be off by tens of standard errors.
 #[test]
 fn what_is_seen_inside_a_cell_has_the_law_of_the_path() {
     let model = paper(0.25, 0.25);
@@ -755,7 +764,7 @@ fn what_is_seen_inside_a_cell_has_the_law_of_the_path() {
     println!("largest difference: {worst:.1} standard errors");
 }
 
-/// Squares of what the noise adds to T from row to row, over their variance.
+/// The squares of the increments of T from row to row, divided by their variance.
 struct Increments {
     rate: f64,
     variance: f64,
@@ -779,11 +788,12 @@ impl Observer for Increments {
     }
 }
 
-/// Null: in a slip whose forces are 1e9 times what the noise moves them by, so that no force tells
-/// the noise, T goes from row to row as the noise does: 40 rows inside one cell (0.5 long) in each
-/// of 500 paths, whose scaled squares have mean 1 +- 0.01; seed 12, false alarm 1e-4 each. The same
-/// where four rows of five are a closer look. (Rows drawn one by one from the law given both ends
-/// of the cell have a mean of 18.)
+/// In a slip whose forces are 1e9 times larger than the changes by the noise, the noise cannot be
+/// recovered from the forces. Null hypothesis: T still has the increments of the noise from row to
+/// row. Sample size: 40 rows inside one cell (0.5 long) in each of 500 paths, whose scaled squares
+/// have the mean 1 +- 0.01; seed 12. False-alarm rate: 1e-4 for each comparison. The same holds
+/// where four of five rows come from a finer output grid. If rows were drawn one by one from the
+/// law given both ends of the cell, the mean would be 18.
 #[test]
 fn in_a_slip_the_temperature_moves_as_the_noise_does_however_feeble_it_is() {
     let mut model = paper(0.25, 0.25);
@@ -804,14 +814,14 @@ fn in_a_slip_the_temperature_moves_as_the_noise_does_however_feeble_it_is() {
     }
 }
 
-/// Two scenes see the same noise: the variance of the difference of two runs with one seed, against
-/// that of independent runs, for rho = 0.25 and 0.2525. 2e4 paths; the gains are known to some 5 %,
-/// so that nine tenths of a target are a fixed floor.
+/// Two scenes with the same seed see the same noise: the variance of the difference of independent
+/// runs divided by that of runs with one seed, for rho = 0.25 and 0.2525. 2e4 paths, so that these
+/// gains are known to some 5 %; each must reach nine tenths of a target.
 #[test]
 fn two_scenes_see_the_same_noise() {
     let runs = [0.25, 0.2525].map(|rho| folds(&paper(0.25, rho), &timeline(60.0), DEFAULT_TOLERANCE, 17, 20_000));
     let mean = |paths: &[Fold], f: &dyn Fn(&Fold) -> f64| paths.iter().map(f).sum::<f64>() / paths.len() as f64;
-    // What a path contributes to a ratio of means, to first order.
+    // The contribution of a path to a ratio of means, to first order.
     let shares = |paths: &[Fold], f: fn(&Fold) -> f64, g: fn(&Fold) -> f64| -> Vec<f64> {
         let (below, ratio) = (mean(paths, &g), mean(paths, &f) / mean(paths, &g));
         paths.iter().map(|p| (f(p) - ratio * g(p)) / below).collect()
@@ -864,9 +874,9 @@ fn events_alternate_as_the_cascade_says_and_carry_consistent_forces() {
 
 #[test]
 fn units_do_not_matter_path_by_path() {
-    // Length and force in units of 1/4, time in units of 1/2 (mass keeps K/m): powers of two, so
-    // that only the transcendental functions may round differently; paths stay together while no
-    // event is decided by that.
+    // Length and force in units of 1/4, and time in units of 1/2 (the mass keeps K/m). These are
+    // powers of two, so only the transcendental functions may round differently, and paths stay
+    // together until rounding decides an event.
     let model = paper(0.25, 0.25);
     let mut scaled = model.clone();
     let (length, time) = (4.0, 2.0);
@@ -896,9 +906,9 @@ fn units_do_not_matter_path_by_path() {
 
 #[test]
 fn vanishing_noise_recovers_the_deterministic_cascade() {
-    // n has a standard deviation of 4.2 rho and goes into t, x and b with factors of order one: ten
-    // standard deviations. The stop is looked for on an interpolated motion, which alone is off by
-    // 1e-4 here, and moved to the exact one.
+    // The noise n has a standard deviation of 4.2 rho and enters t, x and b with factors of order
+    // one. The bound is ten standard deviations. The end of a slip is searched on an interpolated
+    // motion, which alone would be off by 1e-4 here, and is then moved to the exact one.
     for (rho, within) in [(1e-9, 5e-8), (1e-12, 1e-10)] {
         let mut worst = 0.0f64;
         for events in path_events(&paper(0.25, rho), 139.0, 4, &[0, 1, 2]) {
@@ -928,13 +938,13 @@ fn equal_thresholds_under_noise_have_a_stated_resolution() {
     assert!(EventDrivenSimulation::new(&paper(0.25, 0.25), &timeline(60.0), DEFAULT_TOLERANCE).resolution().is_none());
 }
 
-/// What is evaluated for a path is bounded by what happens on it and not by how extreme its numbers
-/// are: the ceilings are twice what was counted, and all far below the 10^8 at which a path is
-/// given up. They are counts, the same on any machine. A limit that is lower than what a path takes
-/// holds too: the path is given up, and no more is spent.
+/// The number of evaluations of a path is bounded by what happens on it and not by how extreme its
+/// numbers are. The bounds are twice what was counted, and far below the 10^8 evaluations at which
+/// a path is given up. They are counts, so they are the same on any machine. A limit below what a
+/// path needs is respected as well: the path is given up, and no further evaluation is made.
 #[test]
 fn extreme_scenes_end_in_bounded_work() {
-    // (rho, theta, f_s, f_d, alpha, t_end), evaluations of a path at most
+    // ((rho, theta, f_s, f_d, alpha, t_end), the most evaluations of a path)
     for ((rho, theta, f_s, f_d, alpha, end), most) in [
         ((100.0, 1.0, 1.2, 1.0, 0.0, 10.0), 640),
         ((1e6, 1.0, 1.2, 1.0, 0.0, 1.0), 1_240),
@@ -977,9 +987,9 @@ fn extreme_scenes_end_in_bounded_work() {
 
 #[test]
 fn the_viaduct_slips_seldom_and_briefly() {
-    // 300 days; slips last pi/w0 = 0.0723 s and move 2 (f_s - f_d)/K = 0.498 mm, for the
-    // temperature all but stands still meanwhile: its noise moves the force by s sqrt(pi/w0) = 300
-    // N, 0.6 % of f_s - f_d.
+    // 300 days. Slips last pi/w0 = 0.0723 s and move 2 (f_s - f_d)/K = 0.498 mm, because the
+    // temperature hardly changes meanwhile: its noise moves the force by s sqrt(pi/w0) = 300 N, 0.6
+    // % of f_s - f_d.
     let mut recorder = Recorder::default();
     let line = Timeline { end: 2.592e7, output_step: 3600.0, period: None, after: 0.0 };
     let numbers: Vec<u64> = (0..16).collect();
@@ -1000,8 +1010,8 @@ fn the_viaduct_slips_seldom_and_briefly() {
 
 #[test]
 fn the_quasi_static_recursion_is_the_paper_s() {
-    // Slow forcing, w = w0/1000: exits where 6 cos(w t) = x_j -+ f_s by hand, slips of pi/w0 and 2
-    // (f_s - f_d)/K.
+    // Slow forcing, w = w0/1000: the exits where 6 cos(w t) = x_j -+ f_s, computed independently,
+    // and slips that last pi/w0 and move 2 (f_s - f_d)/K.
     let (w, f_s, jump) = (1e-3, 1.2, 0.4);
     let mut model = paper(w, 0.0);
     model.initial_displacement = 5.9; // from 6, steps of 0.4 would meet the forcing's extremum to the last digit
@@ -1013,14 +1023,14 @@ fn the_quasi_static_recursion_is_the_paper_s() {
     assert_eq!(recorder.events[0], recorder.events[1]);
     let (mut x, mut t): (f64, f64) = (5.9, 0.0);
     for pair in recorder.events[0].chunks_exact(2) {
-        // The next time after t that 6 cos(w t) leaves [x - f_s, x + f_s]: the nearest of the two
-        // thresholds' crossings.
+        // The next time after t at which 6 cos(w t) leaves [x - f_s, x + f_s]: the earlier of the
+        // crossings of the two thresholds.
         let crossings = [x - f_s, x + f_s].into_iter().filter(|level: &f64| level.abs() <= 6.0).flat_map(|level| {
             let angle = (level / 6.0).acos();
             let turn = std::f64::consts::TAU;
             [angle, turn - angle].map(|a| (a + turn * ((w * t - a) / turn).ceil().max(0.0)) / w)
         });
-        // A stick that begins outside the corridor is empty.
+        // A stick that begins outside the corridor has no duration.
         let outside = (6.0 * (w * t).cos() - x).abs() > f_s;
         let exit = if outside { t } else { crossings.fold(f64::INFINITY, f64::min) };
         let eps = (6.0 * (w * exit).cos() - x).signum();
@@ -1044,9 +1054,10 @@ fn quasi_static_with_equal_thresholds_never_moves() {
 
 #[test]
 fn quasi_static_and_event_driven_agree_on_the_viaduct_and_not_under_fast_forcing() {
-    // Null: equal means of the number of slips and of the final displacement; 400 paths a side,
-    // false alarm 1e-4 each. Their laws differ by the work of the noise during a slip of 0.07 s,
-    // far below what 400 paths can see.
+    // Null hypothesis: both schemes have the same mean number of slips and the same mean final
+    // displacement. Sample size: 400 paths on either side. False-alarm rate: 1e-4 for each
+    // comparison. The laws differ by the work of the noise during a slip of 0.07 s, which is far
+    // too small to be seen with 400 paths.
     let line = Timeline { end: 2.592e7, output_step: 2.592e7, period: None, after: 0.0 };
     let fold = |numbers: std::ops::Range<u64>, quasi: bool, model: &Model, line: &Timeline| {
         let numbers: Vec<u64> = numbers.collect();
@@ -1067,7 +1078,7 @@ fn quasi_static_and_event_driven_agree_on_the_viaduct_and_not_under_fast_forcing
         println!("measure {i}: event-driven {a} +- {sa}, quasi-static {b} +- {sb}");
         assert!((a - b).abs() <= FALSE_ALARM * sa.hypot(sb), "{i}: {a} +- {sa}, {b} +- {sb}");
     }
-    // At w = w0/4 slips move by 12, not by 0.4.
+    // At w = w0/4 slips move by 12 and not by 0.4.
     let jump = |quasi| ratio(&fold(0..64, quasi, &paper(0.25, 0.0), &timeline(139.0)), |p| p.jumps, |p| p.slips).0;
     assert!(jump(false) > 12.0 && (jump(true) - 0.4).abs() < 1e-12);
 }

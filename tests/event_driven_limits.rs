@@ -1,5 +1,5 @@
-//! The event-driven scheme where something else is known: white noise, mirror images, and the time
-//! step it does without.
+//! The event-driven scheme where a result is known otherwise: white noise, mirror images, the limit
+//! of a time step that goes to zero, and Rice's formula.
 //!
 //! Statistical tests have a fixed seed; each states its null hypothesis, sample size and
 //! false-alarm rate.
@@ -13,10 +13,10 @@ use stick_slip::scheme::{
 };
 use stick_slip::stats::Statistic;
 
-/// Statistical comparisons fail by chance once in 1e4: 3.9 standard errors.
+/// Statistical comparisons are made at 3.9 standard errors, which fail by chance once in 1e4.
 const FALSE_ALARM: f64 = 3.9;
 
-/// Mean of independent values and its standard error.
+/// The mean of independent values and its standard error.
 fn mean_and_error(values: &[f64]) -> (f64, f64) {
     let n = values.len() as f64;
     let mean = values.iter().sum::<f64>() / n;
@@ -24,8 +24,8 @@ fn mean_and_error(values: &[f64]) -> (f64, f64) {
     (mean, (variance / n).sqrt())
 }
 
-/// Friction work and final state of every path, from nothing but its sub-phases: f_d times the way
-/// of each.
+/// Friction work and final state of every path. The work is computed from the sub-phases alone: f_d
+/// times the way of each.
 struct Work {
     dynamic_force: f64,
     is_slipping: Vec<bool>,
@@ -70,7 +70,7 @@ impl Observer for Work {
 }
 
 /// m = K = 1, no damping, x0 = 0, and noise of relaxation rate theta whose force has the spectral
-/// density `intensity` of white noise at zero frequency: (K beta rho sigma/theta)^2.
+/// density `intensity` at zero frequency: (K beta rho sigma/theta)^2.
 fn nearly_white(theta: f64, intensity: f64, friction: Friction) -> Model {
     let mut model = paper(0.25, 1.0);
     model.friction = friction;
@@ -101,13 +101,15 @@ fn works(model: &Model, end: f64, seed: u64, paths: u64) -> Work {
 
 #[test]
 fn fast_noise_moves_the_free_oscillator_as_white_noise_does() {
-    // theta -> infinity with sigma/theta fixed: n dt tends to sqrt(q) dW with q = (K beta rho
+    // As theta -> infinity with sigma/theta fixed, n dt tends to sqrt(q) dW with q = (K beta rho
     // sigma/theta)^2. Without friction, from rest, x'' + x = sqrt(q) W' gives x(t) = sqrt(q) int
-    // sin(t - s) dW and, by the isometry,
-    //   Var x = q (t/2 - sin(2t)/4),   Var x' = q (t/2 + sin(2t)/4),   Cov = q sin(t)^2/2.
-    // Null: these, at theta = 200. What is left of theta is a delay of 1/theta, of relative size
-    // 1/(theta t) = 6e-4 against a standard error of 1.4 %. 1e4 paths, 5 comparisons at 1e-4 each,
-    // seed 31.
+    // sin(t - s) dW and, by the isometry of Ito's integral,
+    //
+    //     Var x = q (t/2 - sin(2t)/4),   Var x' = q (t/2 + sin(2t)/4),   Cov = q sin(t)^2/2.
+    //
+    // Null hypothesis: these moments at theta = 200. The remaining effect of theta is a delay of
+    // 1/theta, of relative size 1/(theta t) = 6e-4, while the standard error is 1.4 %. Sample size:
+    // 1e4 paths, seed 31. False-alarm rate: 1e-4 for each of 5 comparisons.
     let (t, q): (f64, f64) = (8.0, 4.0);
     let free = Friction { static_force: 0.0, dynamic_force: 0.0 };
     let end = works(&nearly_white(200.0, q, free), t, 31, 10_000).end;
@@ -130,12 +132,16 @@ fn fast_noise_moves_the_free_oscillator_as_white_noise_does() {
 
 #[test]
 fn fast_noise_does_the_work_of_white_noise_against_friction() {
-    // Whatever it is that resists, white noise of intensity q does the work q/(2m) a time on a mass
-    // m (Ito's formula for m v^2/2): with T_det = 0 and alpha = 0
-    //   E[friction work + (m v^2 + K x^2)/2 at t] = q t/(2m),
-    // for any f_s and f_d: sticks vanish as theta -> infinity, for n is of size sqrt(q theta/2) and f_s is not. Null: this, at theta =
-    // 400; what is left of theta is of order 1/theta (measured: -3.5 % at 25, hence -0.2 % here) against a standard error of 0.9 %.
-    // 5000 paths, 1 comparison at 1e-4, seed 32. The friction work is read off the events, and is a third or more of the sum.
+    // Whatever the resistance is, white noise of intensity q does the work q/(2m) in a unit of time
+    // on a mass m (Ito's formula for m v^2/2). With T_det = 0 and alpha = 0 therefore
+    //
+    //     E[friction work + (m v^2 + K x^2)/2 at t] = q t/(2m)
+    //
+    // for any f_s and f_d. Sticks vanish as theta -> infinity, because n is of size sqrt(q theta/2)
+    // and f_s does not grow. Null hypothesis: this balance at theta = 400. The remaining effect is
+    // of order 1/theta (measured: -3.5 % at 25, hence -0.2 % here), while the standard error is 0.9
+    // %. Sample size: 5000 paths, seed 32. False-alarm rate: 1e-4 for one comparison. The friction
+    // work is computed from the events, and is a third or more of the sum.
     let (t, q) = (10.0, 4.0);
     let work = works(&nearly_white(400.0, q, Friction { static_force: 1.2, dynamic_force: 1.0 }), t, 32, 5_000);
     let balance: Vec<f64> = work.work.iter().zip(&work.end).map(|(w, (x, v))| w + 0.5 * (x * x + v * v)).collect();
@@ -145,7 +151,7 @@ fn fast_noise_does_the_work_of_white_noise_against_friction() {
     assert!((got - 0.5 * q * t).abs() <= FALSE_ALARM * error, "{got} +- {error}");
 }
 
-/// The model in a mirror: x -> -x, T -> -T.
+/// The scene under x -> -x, T -> -T.
 fn mirrored(model: &Model) -> Model {
     let mut mirrored = model.clone();
     mirrored.initial_displacement = -model.initial_displacement;
@@ -166,7 +172,7 @@ fn kept(model: &Model, seed: u64, paths: u64) -> Keep {
 
 #[test]
 fn without_noise_the_mirror_image_of_a_scene_has_the_mirror_image_of_its_path() {
-    // Every operation is odd or even in (x, T): the same bits but for the sign.
+    // Every operation is odd or even in (x, T), so the bits are the same except for the signs.
     for w in [0.25, 0.5] {
         let (path, image) = (kept(&paper(w, 0.0), 0, 1), kept(&mirrored(&paper(w, 0.0)), 0, 1));
         assert_eq!(path.events[0].len(), image.events[0].len());
@@ -182,8 +188,8 @@ fn without_noise_the_mirror_image_of_a_scene_has_the_mirror_image_of_its_path() 
 
 #[test]
 fn a_body_that_shrinks_in_the_heat_follows_the_same_path_in_the_opposite_temperature() {
-    // (beta, T) -> (-beta, -T) leaves the forces alone: the same bits, path by path, but for the
-    // sign of T.
+    // (beta, T) -> (-beta, -T) does not change the forces, so every path has the same bits except
+    // for the sign of T.
     let model = paper(0.25, 0.25);
     let mut opposite = mirrored(&model);
     opposite.initial_displacement = model.initial_displacement;
@@ -197,8 +203,9 @@ fn a_body_that_shrinks_in_the_heat_follows_the_same_path_in_the_opposite_tempera
 
 #[test]
 fn with_noise_the_mirror_image_of_a_scene_has_the_mirror_image_of_its_law() {
-    // Null: statistics of x change sign, all others stay. v(0) = 0.5 and a phase make the scene
-    // itself lopsided. 4e4 paths a side, 21 comparisons at 1e-4 each, seeds 41 and 42.
+    // Null hypothesis: in the mirrored scene the statistics of x change sign, and all others stay
+    // the same. v(0) = 0.5 and a phase make the scene itself asymmetric. Sample size: 4e4 paths on
+    // either side, seeds 41 and 42. False-alarm rate: 1e-4 for each of 21 comparisons.
     let mut model = paper(0.25, 0.25);
     model.temperature.harmonics[0].phase = 0.4;
     if let Some(noise) = &mut model.temperature.noise {
@@ -221,8 +228,8 @@ fn with_noise_the_mirror_image_of_a_scene_has_the_mirror_image_of_its_law() {
     }
 }
 
-/// The value at h = 0 of the weighted fit a + b sqrt(h) + c h, its standard error, and the chi
-/// square of the fit: rows (h, value, standard error).
+/// The weighted fit of a + b sqrt(h) + c h to rows (h, value, standard error): its value at h = 0,
+/// the standard error of that value, and the chi square of the fit.
 fn extrapolated(rows: &[(f64, f64, f64)]) -> (f64, f64, f64) {
     let basis = |h: f64| [1.0, h.sqrt(), h];
     let (mut normal, mut right) = ([[0.0; 3]; 3], [0.0; 3]);
@@ -247,15 +254,17 @@ fn extrapolated(rows: &[(f64, f64, f64)]) -> (f64, f64, f64) {
 
 #[test]
 fn the_discrete_inequality_extrapolates_to_it() {
-    // Null: as h -> 0 both schemes have the same statistics, and the discrete one approaches like a
-    // + b sqrt(h) + c h. 5e4 event-driven paths, 3e4 at each of five steps: 4 limits at 3.9
-    // combined standard errors (1e-4), 4 fits at chi square 18.4 (2 degrees of freedom, 1e-4),
-    // seeds 51 and 52. A limit is known to 0.5 % of the stick duration, whose value at h = 0.01 is
-    // 21 % off.
+    // Null hypothesis: as h -> 0 both schemes have the same statistics, and those of the discrete
+    // one behave like a + b sqrt(h) + c h. Sample size: 5e4 event-driven paths, and 3e4 paths at
+    // each of five steps; seeds 51 and 52. False-alarm rate: 1e-4 for each of 4 limits at 3.9
+    // combined standard errors, and 1e-4 for each of 4 fits at chi square 18.4 with 2 degrees of
+    // freedom. A limit is known to 0.5 % of the stick duration, whose value at h = 0.01 is off by
+    // 21 %.
     //
-    // Three terms need steps well below the time ((f_s - f_d)/(K beta rho sigma))^2 = 0.018 of the
-    // shortest slips. From 0.02 to 0.0025 they miss the first three by 1 to 5 %, 4 to 6 standard
-    // errors of 1e5 paths; with the next term, h^{3/2}, they agree again within 1 to 4 %.
+    // Three terms suffice only for steps well below ((f_s - f_d)/(K beta rho sigma))^2 = 0.018, the
+    // time of the shortest slips. With steps from 0.02 to 0.0025, the fit misses the first three
+    // limits by 1 to 5 %, which is 4 to 6 standard errors of 1e5 paths; with the further term
+    // h^{3/2} it agrees again to 1 to 4 %.
     let (model, line) = (paper(0.25, 0.25), timeline(60.0, 60.0));
     let exact = event_driven_summary(&model, &line, DEFAULT_TOLERANCE, 51, 50_000);
     let summaries = [0.01, 0.005, 0.0025, 0.00125, 0.000625].map(|h| {
@@ -276,7 +285,8 @@ fn the_discrete_inequality_extrapolates_to_it() {
         println!("{name}: {limit} +- {limit_error}, chi square {chi_square}; event-driven {value} +- {error}");
         assert!((limit - value).abs() <= FALSE_ALARM * limit_error.hypot(error), "{name}: {limit} {value}");
         assert!(chi_square < 18.4, "{name}: {chi_square}, {rows:?}");
-        // It has something to extrapolate.
+        // The value at the coarsest step is far from the limit, so that the extrapolation is
+        // tested.
         assert!((rows[0].1 - value).abs() > 5.0 * rows[0].2.hypot(error), "{name}: {rows:?}");
     }
 }
@@ -297,15 +307,18 @@ impl Observer for Zeros {
 
 #[test]
 fn without_friction_zeros_of_the_velocity_are_as_many_as_rice_says() {
-    // A stationary Gaussian process y with a derivative has sqrt(E y'^2/E y^2)/pi zeros a unit of
-    // time in the mean (Rice 1945). Here y = x' of x'' + 2 alpha x' + x = n, m = K = 1, with noise
-    // of relaxation rate theta, so y' = n - 2 alpha x' - x. In units of E x'n, d/dt E of xx', x'^2,
-    // xn and x'n = 0 give
-    //   E x'^2 = 1/(2 alpha),   E xn = 1/theta,   E x^2 = E x'^2 + E xn,   E n^2 = 1/theta + 2 alpha + theta,
-    // hence E y'^2. With f_s = f_d = 0 each zero of x' is an event. Null: this number of them, from
-    // t = 40, when the start is forgotten to e^{-20}, to 140, in 4000 paths, so that the mean is
-    // known to some 1e-4; 4 standard errors in three scenes: false-alarm rate 2e-4. A zero that is
-    // overlooked takes the next one with it.
+    // A stationary Gaussian process y with a derivative has sqrt(E y'^2/E y^2)/pi zeros in a unit
+    // of time in the mean (Rice 1945). Here y = x' of x'' + 2 alpha x' + x = n with m = K = 1 and
+    // noise of relaxation rate theta, so y' = n - 2 alpha x' - x. In units of E x'n, the time
+    // derivatives of E xx', E x'^2, E xn and E x'n, which are zero, give
+    //
+    //     E x'^2 = 1/(2 alpha),   E xn = 1/theta,
+    //     E x^2 = E x'^2 + E xn,   E n^2 = 1/theta + 2 alpha + theta,
+    //
+    // and hence E y'^2. With f_s = f_d = 0 each zero of x' is an event. Null hypothesis: this mean
+    // number of zeros from t = 40, when the effect of the start has decayed to e^{-20}, to 140.
+    // Sample size: 4000 paths, so that the mean is known to some 1e-4. False-alarm rate: 2e-4 for
+    // three scenes at 4 standard errors. If a zero is missed, so is the next one.
     for (case, (alpha, theta)) in [(0.5, 1.0), (0.5, 10.0), (2.0, 40.0)].into_iter().enumerate() {
         let mut model = nearly_white(theta, 1.0, Friction { static_force: 0.0, dynamic_force: 0.0 });
         model.oscillator.damping = alpha;

@@ -1,7 +1,7 @@
-//! What is in a file that `mc run` writes, read with nothing of the store: the numbers that a
-//! program which writes and reads with one mistake would not see. `tests/python/recompute.py`
-//! recomputes every variable; here are those that a test without Python can hold against the rows
-//! of the same file.
+//! The contents of a file that `mc run` writes, read without the store. This finds numbers that a
+//! program which writes and reads with the same mistake would not notice.
+//! `tests/python/recompute.py` recomputes every variable; here are the checks against rows of the
+//! same file that need no Python.
 
 #[path = "common/command.rs"]
 mod command;
@@ -15,10 +15,10 @@ const RHO025: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenarios/rho025.toml
 const PATHS: usize = 64;
 const SEED: u64 = 4711;
 
-/// A run of the noisy scene, whose slips have sub-phases, with all that can be recorded, unit
-/// labels and a seed that no scenario has; and its path 11 replayed.
+/// A run of the noisy scene, whose slips have sub-phases, with everything that can be recorded,
+/// unit labels, and a seed that no scenario has; and a replay of its path 11.
 static FOLDER: LazyLock<PathBuf> = LazyLock::new(|| {
-    // Not a temporary folder: nobody drops a static, and it would stay.
+    // This is no temporary folder, because a static is never dropped, and the folder would remain.
     let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("file_contents");
     std::fs::create_dir_all(&folder).expect("a folder");
     let paths = PATHS.to_string();
@@ -56,7 +56,7 @@ fn the_seed_is_the_one_that_was_asked_for_to_its_last_bit() {
         assert_eq!(seed(&file(name)), SEED, "{name}");
         assert!(text(&file(name), "scenario").contains("seed = 4711"), "{name}");
     }
-    // Beyond what a signed number or a double holds.
+    // A seed beyond the range of signed numbers and of exact doubles.
     let folder = tempfile::tempdir().expect("a folder");
     let greatest = u64::MAX.to_string();
     let run = ["run", RHO025, "--paths", "1", "--until", "1", "--seed", &greatest, "--quiet", "-o", "run.h5"];
@@ -75,8 +75,8 @@ fn a_replay_says_which_path_it_is() {
     assert_eq!(values::<u64>(&file("run.h5"), "trajectory"), numbers);
 }
 
-/// The sign of an event that starts a sub-phase is that of the change of x up to the next event, or
-/// up to t_end; where a stick starts it is 0, and x stays. There are turns among them.
+/// An event that starts a sub-phase has the sign of the change of x up to the next event or to
+/// t_end. Where a stick starts, the sign is 0 and x does not change. The events include turns.
 #[test]
 fn the_sign_of_an_event_is_that_of_the_motion_that_follows() {
     let run = file("run.h5");
@@ -119,9 +119,10 @@ fn a_variance_is_measured_in_squares() {
     assert_eq!((of("diffusion_coefficient"), of("displacement_end_sd")), ("mm2 s-1".to_string(), "mm".to_string()));
 }
 
-/// Level by level along the first axis, time by time along the second: each quantile lies between
-/// the two of the 64 ordered values that its level lies between, or as near to one of them as a bin
-/// is wide, 2^-8 of the distance from the centre and of the scale of the scene, which is below 16.
+/// The quantiles have the level along the first axis and the time along the second. Each lies
+/// between those two of the 64 ordered values that its level lies between, or is as near to one of
+/// them as a bin is wide: 2^-8 of the distance from the centre and of the scale of the scene, which
+/// is below 16.
 #[test]
 fn quantiles_lie_along_the_axes_that_they_are_said_to_lie_along() {
     let run = file("run.h5");
@@ -149,7 +150,7 @@ fn quantiles_lie_along_the_axes_that_they_are_said_to_lie_along() {
     }
 }
 
-/// The mean and the spread over all paths at every time, and the share of static ones.
+/// The mean and the standard deviation over all paths at every time, and the share of static paths.
 #[test]
 fn bands_are_those_of_the_trajectories() {
     let run = file("run.h5");
@@ -163,7 +164,7 @@ fn bands_are_those_of_the_trajectories() {
             let at: Vec<f64> = all.iter().skip(row).step_by(rows).copied().collect();
             let mean = at.iter().sum::<f64>() / n;
             let sd = (at.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / (n - 1.0)).sqrt();
-            // Sums of 64 numbers below 20, in another order.
+            // Both are sums of 64 numbers below 20, in different orders.
             assert!((means[row] - mean).abs() < 1e-12 && (sds[row] - sd).abs() < 1e-10, "{name}, row {row}");
         }
     }

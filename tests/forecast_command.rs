@@ -1,4 +1,4 @@
-//! `mc fit-temperature`, `mc forecast` and two files of measurements, as a person uses them.
+//! `mc fit-temperature`, `mc forecast` and measurements in two files, as a person uses them.
 
 #[path = "common/command.rs"]
 mod command;
@@ -11,7 +11,7 @@ const BEARING: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/bridge/bear
 const TRUTH: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/bridge/bridge.toml");
 const DATA: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/bridge/twin.csv");
 
-/// Columns of the shipped twin, from this row on.
+/// These columns of the shipped measurements, from this row on.
 fn columns(of: &[usize], from: usize) -> String {
     let text = fs::read_to_string(DATA).expect("the twin");
     let mut lines = text.lines();
@@ -23,8 +23,8 @@ fn columns(of: &[usize], from: usize) -> String {
     cut
 }
 
-/// Temperatures and displacements in two files are the record that they are in one; also where the
-/// sensor was mounted a week after the thermometer.
+/// Temperatures and displacements in two files give the same as in one file, also if the
+/// displacements begin a week later.
 #[test]
 fn two_files_say_what_one_says() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -44,7 +44,7 @@ fn two_files_say_what_one_says() {
             reported["slips"].as_array().expect("slips").iter().map(|slip| slip["time"].as_f64().expect("a time"));
         times.filter(|time| *time > 8.0 * 86_400.0).collect::<Vec<_>>()
     };
-    // The same slips at the same times, but for a few that the noise hides.
+    // The same slips are found at the same times, except for a few that the noise hides.
     let (of_one, of_late) = (slips(&one), slips(&late));
     let found = of_one.iter().filter(|time| of_late.contains(time)).count();
     assert!(found * 100 >= of_one.len() * 95, "{found} of {}", of_one.len());
@@ -55,8 +55,8 @@ fn two_files_say_what_one_says() {
     refused(path, &arguments, 2, &["t.csv"]);
 }
 
-/// The part that is written reads back as the temperature that is printed, and makes a scenario
-/// with the bearing.
+/// The section that is written reads back as the temperature that is printed, and makes a scenario
+/// together with the bearing.
 #[test]
 fn a_fitted_temperature_is_a_part_of_a_scenario() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -100,7 +100,8 @@ fn a_fitted_temperature_is_a_part_of_a_scenario() {
     refused(path, &["fit-temperature", DATA, "-o", DATA, "--force"], 2, &["is what the results are made from"]);
 }
 
-/// Forces take K_BP; what is printed is the same for any number of threads; all years are written.
+/// There are forces only if K_BP is known. The output is the same for any number of threads, and
+/// all years are written.
 #[test]
 fn a_forecast_says_what_can_be_known() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -110,12 +111,12 @@ fn a_forecast_says_what_can_be_known() {
     assert_eq!(done(path, &[&few[..], &["--threads", "2"]].concat()), reported);
     let reported = json(&reported);
     let expected = |name: &str| reported["levels"][name]["expected"].as_f64();
-    // The shipped twin slips 112 times in 300 days, each by 0.497 mm.
+    // The shipped measurements have 112 slips of 0.497 mm each in 300 days.
     let slips = expected("slips").expect("slips");
     assert!((100.0..230.0).contains(&slips), "{slips}");
     let jump = expected("sliding_path").expect("a path") / slips;
     assert!((jump / 4.97e-4 - 1.0).abs() < 0.05, "{jump}");
-    // Friction holds at most f_s = 4.69e5 N.
+    // Friction is at most f_s = 4.69e5 N.
     let force = expected("force_abs_max").expect("a force");
     assert!((force / 4.69e5 - 1.0).abs() < 0.05, "{force}");
     let csv = fs::read_to_string(path.join("years.csv")).expect("years");
@@ -129,8 +130,8 @@ fn a_forecast_says_what_can_be_known() {
     assert!(levels["force_abs_max"].is_null() && levels["slips"].is_object(), "{levels}");
 }
 
-/// What a forecast lacks is to be measured: it has neither the methods of a calibration nor the
-/// periods of a fit.
+/// The remedy for a forecast that cannot be made is a longer measurement: it has neither the
+/// methods of a calibration nor the periods of a fit.
 #[test]
 fn a_forecast_that_cannot_be_says_what_to_measure() {
     let folder = tempfile::tempdir().expect("a folder");

@@ -1,5 +1,5 @@
-//! What a user may do to the command, or a machine to its files, that nobody means to: each is one
-//! clear message, and nothing of anybody is lost.
+//! Situations that nobody intends, caused by a user of the command or by a machine that damages its
+//! files. Each leads to one clear message, and no file is lost.
 
 #[path = "common/command.rs"]
 mod command;
@@ -30,14 +30,14 @@ fn text(bytes: &[u8]) -> String {
     String::from_utf8_lossy(bytes).into_owned()
 }
 
-/// A small run, in `a.h5`.
+/// Makes a small run, in `a.h5`.
 fn run(here: &TempDir, more: &[&str]) {
     let output =
         mc(here, &[&["run", RHO025, "--paths", "40", "--step", "0.05", "--quiet", "-o", "a.h5"], more].concat());
     assert!(output.status.success(), "{}", text(&output.stderr));
 }
 
-/// Refused by this exit code, with these words, and with nothing left that was not there.
+/// The command is refused with this exit code and these words, and leaves no new file.
 #[track_caller]
 fn assert_refused(here: &TempDir, arguments: &[&str], code: i32, words: &[&str]) {
     let before = names(here.path());
@@ -55,8 +55,8 @@ fn names(folder: &Path) -> Vec<std::ffi::OsString> {
     names
 }
 
-/// A block of these takes minutes, and the limits are kept to a part of a second; the machine may
-/// be slow by some seconds.
+/// A block of this run takes minutes, while the limits are kept to a fraction of a second. The
+/// bound allows for a machine that is slow by some seconds.
 #[test]
 fn a_time_limit_and_an_interrupt_do_not_wait_for_a_block() {
     let late = Duration::from_secs(8);
@@ -114,7 +114,7 @@ fn only_regular_files_are_replaced_and_never_an_input() {
     assert!(text(&output.stderr).contains("not UTF-8"), "{}", text(&output.stderr));
 }
 
-/// A pipe that nobody reads or fills would hold up whoever opens it.
+/// Opening a pipe that nobody reads or writes would block the program.
 #[test]
 fn a_pipe_in_the_way_holds_nobody_up() {
     let here = folder();
@@ -147,8 +147,8 @@ fn too_little_memory_is_an_error_and_not_an_abort() {
     assert!(text(&output.stderr).contains("of memory") && text(&output.stderr).contains("--threads"));
 }
 
-/// Within a gigabyte of memory, everything that claims to be larger is refused by its size: no
-/// abort, and no reading of gigabytes.
+/// Within a gigabyte of memory, everything that claims to be larger is refused because of its size.
+/// The program does not abort, and reads no gigabytes.
 #[test]
 fn sizes_are_looked_at_before_memory_is_asked_for() {
     let here = folder();
@@ -163,7 +163,7 @@ fn sizes_are_looked_at_before_memory_is_asked_for() {
     sparse("large.h5", b"");
     fs::create_dir(here.path().join("run.h5.partial")).expect("room");
     sparse("run.h5.partial/state", b"");
-    // Of the variables of a file, one that takes no room, and has more rows than any memory.
+    // A variable that takes no space in the file, but has more rows than any memory can hold.
     let file = hdf5::File::open_rw(here.path().join("a.h5")).expect("a file");
     file.unlink("time").expect("there");
     file.new_dataset::<f64>().chunk(1024).shape(1_000_000_000_000_usize).create("time").expect("room");
@@ -208,13 +208,13 @@ fn a_long_run_is_announced() {
     assert!(text(&running.end().stderr).contains("this takes about"));
 }
 
-/// Let HDF5 change a file, as a user with h5py does.
+/// Changes a file with HDF5, as a user would with h5py.
 fn edited(here: &TempDir, change: impl FnOnce(&hdf5::File)) {
     let file = hdf5::File::open_rw(here.path().join("a.h5")).expect("HDF5");
     change(&file);
     drop(file);
-    // A program that another test began meanwhile has the file open, and its lock with it, until it
-    // ends.
+    // A process that another test has started meanwhile inherits the open file and its lock until
+    // it ends.
     let file = std::fs::File::open(here.path().join("a.h5")).expect("the file");
     file.lock().expect("nobody has it open any more");
 }
@@ -245,7 +245,7 @@ fn a_replay_of_a_file_that_was_edited_is_refused() {
             1,
             &["another one than the file holds"],
         );
-        // It says that it was changed, whatever is asked of it.
+        // The file is reported as changed by every verb.
         let shown = mc(&here, &["show", "a.h5"]);
         assert!(text(&shown.stderr).contains("no checksum"), "{}", text(&shown.stderr));
     }
@@ -265,7 +265,7 @@ fn a_file_without_what_a_table_needs_is_damaged() {
         edited(&here, |file| file.unlink(name).expect("there"));
         assert_refused(&here, &["show", "a.h5"], 1, &["a.h5", "damaged"]);
     }
-    // Of another shape, of another type.
+    // A variable of another shape, and one of another type.
     for wrong in 0..2 {
         let here = folder();
         run(&here, &[]);
@@ -282,16 +282,16 @@ fn a_file_without_what_a_table_needs_is_damaged() {
     run(&here, &[]);
     edited(&here, |file| {
         file.unlink("displacement_mean").expect("there");
-        // A petabyte that takes no room.
+        // A petabyte of values that takes no space.
         let huge = file.new_dataset::<f64>().chunk(1024).shape(1_usize << 47).create("displacement_mean");
         drop(huge.expect("made"));
     });
     assert_refused(&here, &["show", "a.h5"], 1, &["displacement_mean has another shape"]);
 }
 
-/// 400 files with a bit turned over, of which every one is refused by its checksum; and 40 that
-/// were cut short. Without it, one in two hundred ends in a signal and one in four hundred in a
-/// panic.
+/// 400 files with one bit inverted, all of which are refused because of their checksum, and 40
+/// files that are cut short. Without the checksum, one in two hundred would end in a signal and one
+/// in four hundred in a panic.
 #[test]
 fn flipped_bits_are_refused_before_anything_follows_them() {
     let here = folder();
@@ -299,7 +299,7 @@ fn flipped_bits_are_refused_before_anything_follows_them() {
     let whole = fs::read(here.path().join("a.h5")).expect("written");
     let mut rng = Pcg64Dxsm::seed_from_u64(3);
     let mut below = |end: usize| (rng.next_u64() % end as u64) as usize;
-    // The seal itself is another matter: a file without one is read as it is.
+    // The checksum itself is left out: a file without one is read as it is.
     let sealed = whole.len() - 24;
     let read = |bytes: &[u8]| {
         fs::write(here.path().join("b.h5"), bytes).expect("written");
@@ -318,7 +318,7 @@ fn flipped_bits_are_refused_before_anything_follows_them() {
         let error = read(&whole[..below(sealed)]).expect_err("refused").to_string();
         assert!(error.contains("b.h5") && !error.contains('\n'), "{error}");
     }
-    // By the command as well.
+    // The command refuses such a file as well.
     let mut flipped = whole;
     flipped[5000] ^= 4;
     fs::write(here.path().join("b.h5"), flipped).expect("written");
@@ -352,7 +352,7 @@ fn nothing_reaches_the_terminal_that_moves_it() {
     assert!(text(&mc(&here, &["show", "a.h5"]).stdout).contains("\\u001b[2Jtitle\\u202e\\u0007"));
 }
 
-/// A sweep does not replace what has appeared under its name either.
+/// A sweep does not replace a file that has appeared under its name either.
 #[test]
 fn a_file_that_appears_during_a_sweep_is_not_replaced() {
     let here = folder();

@@ -1,5 +1,5 @@
-//! `mc` on scenarios with a measured temperature: what a file may look like, what results hold,
-//! what is refused.
+//! `mc` with scenarios that have a measured temperature: the formats of the file, the contents of
+//! the results, and what is refused.
 
 #[path = "common/command.rs"]
 mod command;
@@ -19,7 +19,7 @@ fn ok(output: &Output) -> String {
     text(&output.stdout)
 }
 
-/// What a command is refused with: exit code 2, one message with a remedy.
+/// The command is refused: exit code 2, and one message with a remedy.
 #[track_caller]
 fn refused(folder: &Path, arguments: &[&str], says: &[&str]) {
     let output = mc(folder, arguments);
@@ -31,7 +31,7 @@ fn refused(folder: &Path, arguments: &[&str], says: &[&str]) {
     assert!(message.contains("fix: "), "{message}");
 }
 
-/// The bridge in a folder of its own, with other samples.
+/// The scenario `bridge` in a folder of its own, with other samples.
 fn bridge(csv: &str) -> tempfile::TempDir {
     let here = tempfile::tempdir().expect("a folder");
     std::fs::create_dir(here.path().join("scene")).expect("made");
@@ -40,7 +40,7 @@ fn bridge(csv: &str) -> tempfile::TempDir {
     here
 }
 
-/// Two days of ten minutes.
+/// Two days with a sample every ten minutes.
 fn days() -> String {
     let mut csv = String::from("time,temperature_degC\n");
     for i in 0..=288 {
@@ -56,7 +56,7 @@ fn results_say_everything_without_the_file_of_samples() {
     let here = here.path();
     ok(&mc(here, &["run", "scene/bridge.toml", "-o", "run.h5"]));
     let checked = ok(&mc(here, &["check", "scene/bridge.toml"]));
-    // What is printed runs from where it was printed.
+    // The printed scenario runs from the folder in which it was printed.
     std::fs::write(here.join("checked.toml"), &checked).expect("written");
     ok(&mc(here, &["run", "checked.toml", "-o", "checked.h5"]));
     let replayed = ok(&mc(here, &["replay", "run.h5", "--path", "0", "-o", "before.h5"]));
@@ -69,8 +69,8 @@ fn results_say_everything_without_the_file_of_samples() {
     ok(&mc(here, &["plot", "run.h5", "--only", "path", "--until", "86400", "-o", "path.svg"]));
 }
 
-/// Parts hold their samples, so that they are joined without the file; so does a run that is to be
-/// resumed, which has the same state.
+/// Parts contain their samples, so that they can be joined without the file of samples. So does an
+/// unfinished run, which has the same state.
 #[test]
 fn parts_are_joined_without_the_file_of_samples() {
     let here = bridge(&days());
@@ -164,7 +164,8 @@ fn what_was_mended_is_told_and_noise_on_top_is_warned_of() {
     assert!(many.contains("many-rows") && many.contains("43201"), "{many}");
 }
 
-/// x(0) = beta T(0) has no force at the start, and F is b in a stick: z = z0 + x + b/K_B.
+/// With x(0) = beta T(0) there is no force at the start. In a stick F is b, so that z = z0 + x +
+/// b/K_B.
 #[test]
 fn a_balanced_bearing_shows_its_offset_first() {
     let here = bridge(&days());

@@ -1,15 +1,15 @@
 //! What a user sees after a typical mistake. `cargo test --release --test mistakes -- --nocapture`
-//! prints all of it, to be read.
+//! prints all answers, for reading.
 //!
-//! Each answer names the cause, the place and the remedy, in lines that a terminal shows. Nothing
-//! is written, and the exit code is 2, or 1 where something was begun.
+//! Each answer names the cause, the place and the remedy, in lines that fit a terminal. Nothing is
+//! written. The exit code is 2, or 1 if some work had begun.
 
 #[path = "common/command.rs"]
 mod command;
 
 use std::path::Path;
 
-/// The words of a command line, and what its answer has to hold.
+/// The words of a command line, and what its answer must contain.
 struct Mistake {
     line: &'static str,
     says: &'static [&'static str],
@@ -19,10 +19,10 @@ const fn mistake(line: &'static str, says: &'static [&'static str]) -> Mistake {
     Mistake { line, says }
 }
 
-/// `scene.toml` is a copy of the shipped rho025, `done.h5` a run of it, and the other files are
-/// made by [`desk`]. Words that belong together are joined by `~`.
+/// `scene.toml` is a copy of the shipped rho025, `done.h5` is a run of it, and [`desk`] makes the
+/// other files. Words that belong together are joined by `~`.
 const MISTAKES: [Mistake; 78] = [
-    // The verb.
+    // Mistakes in the verb.
     mistake("scene.toml", &["scene.toml", "mc run scene.toml", "mc check scene.toml"]),
     mistake("done.h5", &["done.h5", "mc show done.h5", "mc plot done.h5"]),
     mistake("rum scene.toml", &["'rum'", "'run'"]),
@@ -30,7 +30,7 @@ const MISTAKES: [Mistake; 78] = [
     mistake("run scene.toml other.toml", &["'other.toml'", "Usage: mc run"]),
     mistake("run scene.toml --path 10", &["'--path'", "'--paths'"]),
     mistake("show done.h5 --plot --json", &["'--plot'", "'--json'", "cannot be used with"]),
-    // The file.
+    // Mistakes in the file.
     mistake("run absent.toml", &["absent.toml", "No such file", "mc init"]),
     mistake("run shaw.toml", &["shaw.toml", "mc init --from shaw"]),
     mistake("run .", &["it is a directory", "TOML file"]),
@@ -43,7 +43,7 @@ const MISTAKES: [Mistake; 78] = [
     mistake("check amplitude.toml", &["unknown key `amplitude`", "harmonics = [{ amplitude = 1.0"]),
     mistake("check single.toml", &["`temperature.harmonics`", "array of tables", "harmonics = [{ ... }]"]),
     mistake("check series.toml", &["series.toml:", "t.csv", "No such file"]),
-    // Values.
+    // Mistakes in values.
     mistake("run scene.toml --paths ten", &["--paths ten", "whole number from 1", "fix: "]),
     mistake("run scene.toml --paths 0", &["--paths 0", "out of range", "from 1"]),
     mistake("run scene.toml --paths -5", &["--paths -5", "out of range", "from 1"]),
@@ -68,14 +68,14 @@ const MISTAKES: [Mistake; 78] = [
     mistake("run scene.toml --set statistics.after=100", &["`statistics.after` = 100.0", "raise `time.end`"]),
     mistake("run scene.toml --set time.output_step=0.013", &["`time.output_step` = 0.013", "0.01 or 0.02"]),
     mistake("run scene.toml --set oscillator.mass=nan", &["is not a number", "m, mass"]),
-    // Schemes.
+    // Mistakes in schemes.
     mistake("run scene.toml --scheme event_driven", &["event_driven", "did you mean \"event-driven\""]),
     mistake("run scene.toml --scheme exact", &["exact", "\"discrete-vi\", \"corrected-vi\""]),
     mistake("run scene.toml --scheme event-driven --step 0.01", &["--step 0.01", "no time step", "scheme.tolerance"]),
     mistake("run scene.toml --tolerance 1e-3", &["--tolerance 1e-3", "`time.step` alone", "--scheme event-driven"]),
     mistake("run scene.toml --scheme event-driven --tolerance 2", &["--tolerance 2", "1e-9 to 0.1"]),
     mistake("run scene.toml --set temperature.noise.1.intensity=1", &["`temperature.noise`"]),
-    // How a run ends.
+    // Mistakes in how a run ends.
     mistake("run scene.toml --until stick_mean~<~1%", &["stick_mean", "no statistic", "one of stick_duration_mean"]),
     mistake("run scene.toml --until stick_duration_mean~<~lots", &["lots", "stick_duration_mean < 0.5%"]),
     mistake("check scene.toml --until stick_duration_mean~<~1%", &["goal of mc run", "leave it out"]),
@@ -86,14 +86,14 @@ const MISTAKES: [Mistake; 78] = [
     mistake("run scene.toml --part 4/3", &["'4/3'", "--part"]),
     mistake("run scene.toml --part 1/2 --max-time 1m", &["--part 1/2", "--max-time", "mc resume"]),
     mistake("run scene.toml --threads 0", &["'0'", "--threads", "1..="]),
-    // Where results go.
+    // Mistakes in where results are written.
     mistake("run scene.toml -o nowhere/a.h5", &["no directory nowhere", "create it"]),
     mistake("run scene.toml -o done.h5", &["done.h5 exists", "--force"]),
     mistake("run scene.toml -o scene.toml --force", &["scene.toml", "made from", "-o"]),
     mistake("run scene.toml -o -", &["standard output", "-o"]),
     mistake("init -o scene.toml", &["scene.toml exists", "--force"]),
     mistake("plot done.h5 -o fan.gif", &["fan.gif", ".svg"]),
-    // Results.
+    // Mistakes with results.
     mistake("show absent.h5", &["absent.h5", "No such file"]),
     mistake("show scene.toml", &["scene.toml", "HDF5"]),
     mistake("replay done.h5 --path 9999", &["--path 9999", "the ensemble has 256 paths"]),
@@ -101,17 +101,17 @@ const MISTAKES: [Mistake; 78] = [
     mistake("resume absent.h5", &["absent.h5", "no such file", "fix: "]),
     mistake("merge done.h5 -o all.h5", &["done.h5", "part"]),
     mistake("verify scene.toml", &["scene.toml", "HDF5"]),
-    // Many runs.
+    // Mistakes with studies of many runs.
     mistake("sweep scene.toml", &["--vary", "Usage: mc sweep"]),
     mistake("sweep scene.toml --vary friction.sttic=1:2:3", &["sttic", "did you mean `static`"]),
     mistake("sweep scene.toml --vary friction.static=1:2", &["friction.static=1:2", "--vary"]),
     mistake("trade scene.toml --budget 0", &["'0'", "--budget", "60s"]),
-    // Measurements.
+    // Mistakes with measurements.
     mistake("calibrate scene.toml absent.csv", &["absent.csv", "No such file"]),
     mistake("fit-temperature words.csv", &["words.csv", "time"]),
 ];
 
-/// The folder in which the mistakes are made.
+/// Makes the folder in which the commands run.
 fn desk(folder: &Path) {
     const SCENE: &str = include_str!("../scenarios/rho025.toml");
     let write = |name: &str, bytes: &[u8]| std::fs::write(folder.join(name), bytes).expect("writes");

@@ -1,4 +1,4 @@
-//! Multilevel means against the event-driven scheme, which has no step.
+//! Multilevel estimates compared with the event-driven scheme, which has no step.
 
 mod common;
 
@@ -17,20 +17,22 @@ fn run(statistic: Statistic, target: f64, seed: u64, threads: usize) -> Outcome 
     multilevel.run(target, threads, &AtomicBool::new(false)).expect("converges")
 }
 
-/// Null: what a run says of its error is so. It says a standard error and what the finest step may
-/// leave, and the squares of both add up to that of the target. Over 200 seeds, of two statistics,
+/// Null hypothesis: the errors that a run reports are right. It reports a standard error and a
+/// bound of the bias of the finest step, whose squares add up to that of the target. Sample size:
+/// 200 seeds, for each of two statistics:
 ///
-/// - the estimates scatter about their mean by the standard error: the mean square in units of it
-///   is a chi-square of 199 degrees of freedom over 199, within 1 -+ 0.4 but for a false-alarm rate
-///   of 1e-4. A standard error of half or twice the size gives 4 or 1/4;
-/// - their mean is off the mean of 100 000 event-driven paths by no more than the bias that they
-///   tell and four standard errors of the two means (6e-5): a level left out, or a pair on
-///   different noise, is off by the difference of two steps;
-/// - what they tell comes to the target: to no more but for 2 %, since the number of paths is
-///   chosen before the variance is known for good, and to no less than whole blocks of paths, and
-///   four of them on each level, make it;
-/// - hence the mean square error is between 0.6 times 0.85^2 and 1.4 times 1.02^2 of the square of
-///   the target, to which the error of the truth is added.
+/// - The estimates scatter about their mean by the standard error. The mean square in units of the
+///   standard error is a chi-square of 199 degrees of freedom divided by 199, which is within 1 -+
+///   0.4 except for a false-alarm rate of 1e-4. A standard error of half or twice the size gives 4
+///   or 1/4.
+/// - Their mean differs from that of 100 000 event-driven paths by at most the reported bias and
+///   four standard errors of the two means (false-alarm rate 6e-5). A level that is left out, or a
+///   pair on different noise, shifts the mean by the difference of two steps.
+/// - The reported errors reach the target. They exceed it by at most 2 %, because the number of
+///   paths is chosen before the variance is known finally, and are not much smaller, except that
+///   paths come in whole blocks, four of them on each level at least.
+/// - Hence the mean square error is between 0.6 times 0.85^2 and 1.4 times 1.02^2 of the square of
+///   the target, plus the error of the reference.
 #[test]
 fn the_error_is_the_one_asked_for() {
     const RUNS: f64 = 200.0;
@@ -38,7 +40,8 @@ fn the_error_is_the_one_asked_for() {
     let exact = event_driven_summary(&paper(0.25, 0.25), &timeline, 1e-3, 77, PATHS);
     for (statistic, share) in [(Statistic::DisplacementEndMean, 0.5), (Statistic::FrictionWorkMean, 0.3)] {
         let (truth, truth_error) = estimate(&exact, statistic);
-        // a share of the spread of a path over 32: some thousand paths on the coarsest level
+        // The target is a share of the standard deviation per path over 32, which needs some
+        // thousand paths on the coarsest level.
         let target = share * truth_error * (PATHS as f64 / 1000.0).sqrt();
         let outcomes: Vec<Outcome> = (0..RUNS as u64).map(|seed| run(statistic, target, seed, 2)).collect();
         let mean = |of: &dyn Fn(&Outcome) -> f64| outcomes.iter().map(of).sum::<f64>() / RUNS;
@@ -59,7 +62,8 @@ fn the_error_is_the_one_asked_for() {
     }
 }
 
-/// A difference is of strong order 1, so its variance falls by about 4 a level, whatever the level.
+/// A difference of two levels has strong order 1, so its variance falls by about 4 from each level
+/// to the next.
 #[test]
 fn the_variance_of_a_difference_falls_by_four_a_level() {
     let outcome = run(Statistic::DisplacementEndMean, 0.01, 1, 2);
@@ -68,16 +72,16 @@ fn the_variance_of_a_difference_falls_by_four_a_level() {
         let ratio = pair[0].variance / pair[1].variance;
         assert!((2.5..6.5).contains(&ratio), "{ratio} {:?}", outcome.levels);
     }
-    // most of the paths are on the coarsest level
+    // Most of the paths are on the coarsest level.
     assert!(outcome.levels.windows(2).all(|pair| pair[0].paths >= pair[1].paths));
 }
 
-/// Levels are independent, or their variances do not add up. Without friction to speak of and with
-/// v at rest at v(0), x(t_end) is v(0) times a number that depends on the step, on every level: the
-/// mean of a level, too, is the mean of v(0) over its paths, times another number, so two levels
-/// that shared paths would have means of correlation 1 or -1. Null: they have none. 400 seeds, so a
-/// sample correlation has a standard deviation of 0.05, and three pairs of levels: false-alarm rate
-/// below 3e-4 at 4 of them.
+/// Levels are independent; otherwise their variances would not add up. With almost no friction and
+/// v constant at v(0), x(t_end) is on every level v(0) times a number that depends on the step. The
+/// mean of a level then is the mean of v(0) over its paths times another number, so two levels that
+/// shared paths would have means of correlation 1 or -1. Null hypothesis: the means are
+/// uncorrelated. Sample size: 400 seeds, so that a sample correlation has a standard deviation of
+/// 0.05. False-alarm rate: below 3e-4 for three pairs of levels at 4 standard deviations.
 #[test]
 fn levels_share_no_path() {
     let mut model = paper(0.25, 1.0);
@@ -92,7 +96,8 @@ fn levels_share_no_path() {
         .map(|seed| {
             let run = Multilevel::new(&model, 10.0, Statistic::DisplacementEndMean, seed)
                 .expect("a mean over paths, with noise");
-            // So easy a target that the first blocks of the first three levels are all there is.
+            // The target is so easy that the run consists of the first blocks of the first three
+            // levels.
             let outcome = run.run(1e6, 2, &AtomicBool::new(false)).expect("converges");
             assert_eq!(outcome.levels.len(), 3);
             [0, 1, 2].map(|l| outcome.levels[l].mean / outcome.levels[l].variance.sqrt())

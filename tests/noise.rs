@@ -1,8 +1,8 @@
-//! The random numbers: the generator they are said to be, streams that know nothing of each other,
-//! normals that are normal.
+//! The random numbers: the generator is the documented one, streams are independent, and normals
+//! are normal.
 //!
-//! Every statistical test states its null and its false-alarm rate; seeds are fixed, so each passes
-//! always or never.
+//! Every statistical test states its null hypothesis, sample size and false-alarm rate. Seeds are
+//! fixed, so a test always passes or always fails.
 
 use rand_xoshiro::Xoshiro256Plus;
 use rand_xoshiro::rand_core::{Rng, SeedableRng};
@@ -22,8 +22,8 @@ fn a_stream_is_xoshiro256_plus_from_its_state() {
     }
 }
 
-/// Pinned, so that a change of the generator, of its seeding or of the normals cannot go unnoticed:
-/// it alters every result.
+/// The values are fixed here, so that a change of the generator, of its seeding or of the normals
+/// cannot go unnoticed: it would alter every result.
 #[test]
 fn the_first_values_never_change() {
     let mut stream = Stream::new(1, 4711);
@@ -37,13 +37,14 @@ fn the_first_values_never_change() {
 const PINNED_DRAWS: [u64; 3] = [15416075624907741186, 9508115752145081868, 11747578446230996153];
 const PINNED_NORMALS: [u64; 3] = [13830346988445976151, 13809110395695062451, 13823349025215307354];
 
-/// `steps` normals of each of the paths `first..first + lanes`, `[step][lane]`.
+/// `steps` normals of each of the paths `first..first + lanes`, as `[step][lane]`.
 fn normals(set: InstructionSet, seed: u64, first: u64, lanes: usize, steps: usize) -> Vec<f64> {
     let paths: Vec<u64> = (first..first + lanes as u64).collect();
     LaneStreams::new(seed, &paths, lanes).normals(steps, set)
 }
 
-/// However the drawing is cut into calls, a pair included.
+/// The lanes draw the same numbers however the drawing is divided into calls, even if a pair of
+/// normals is divided.
 #[test]
 fn lanes_draw_what_streams_draw_on_every_instruction_set() {
     let lanes = 16;
@@ -61,12 +62,13 @@ fn lanes_draw_what_streams_draw_on_every_instruction_set() {
     }
 }
 
-/// Null: the two normals of one draw are independent. 2^24 pairs: the joint counts of 16 x 16 cells
-/// of equal probability are chi-square with 255 degrees of freedom, tested at 1e-5; the
-/// correlations of the values, of their squares, and of each with the other's square are below 5
-/// sd; and of the pairs with one beyond 3 sigma, where the halves of a draw could meet, the other's
-/// variance is 1 within 5 sd. False-alarm rate below 2e-5. A rotation by 8 bits instead of 32 gives
-/// a correlation of 34 sd.
+/// Null hypothesis: the two normals of one draw are independent. Sample size: 2^24 pairs. The joint
+/// counts of 16 x 16 cells of equal probability are chi-square with 255 degrees of freedom and are
+/// tested at 1e-5. The correlations of the values, of their squares, and of each with the square of
+/// the other must be below 5 standard deviations. Where one normal is beyond 3 sigma, where the
+/// halves of a draw might overlap, the variance of the other must be 1 within 5 standard
+/// deviations. False-alarm rate: below 2e-5. A rotation by 8 bits instead of 32 gives a correlation
+/// of 34 standard deviations.
 #[test]
 fn the_two_normals_of_a_draw_are_independent() {
     let (lanes, pairs) = (256, 1 << 16);
@@ -125,10 +127,11 @@ fn neighbouring_paths_and_seeds_share_no_bit_of_state() {
     }
 }
 
-/// Null: normals of different paths at the same step, of a path and its neighbour one step on, and
-/// of one path at small lags, are uncorrelated: n r^2 is chi-square with one degree of freedom. 25
-/// correlations of n = 4e6 products each, bound at 5 sd: false-alarm rate below 2e-5. Squares are
-/// tested too (a dependence of the sizes).
+/// Null hypothesis: normals of different paths at the same step, of a path and its neighbour one
+/// step later, and of one path at small lags are uncorrelated, so that n r^2 is chi-square with one
+/// degree of freedom. Their squares are tested too, to find a dependence of the sizes. Sample size:
+/// n = 4e6 products for each of 25 correlations. Bound: 5 standard deviations. False-alarm rate:
+/// below 2e-5.
 #[test]
 fn normals_are_uncorrelated_across_paths_and_along_them() {
     let (lanes, steps) = (2048, 2048);
@@ -157,15 +160,16 @@ fn normals_are_uncorrelated_across_paths_and_along_them() {
     }
 }
 
-/// Null: the first normals of many paths (a sample across streams) and the normals of a few (a
-/// sample along them) are standard normal. Chi-square over 64 cells of equal probability and the
-/// tails beyond 3, 4, 5 sigma; each at false-alarm rate 1e-5.
+/// Null hypothesis: a sample is standard normal. Tested are a chi-square over 64 cells of equal
+/// probability, the tails beyond 3, 4 and 5 sigma, and the moments. False-alarm rate: about 1e-5
+/// for each test. The samples are the first normals of many paths (across streams) and the normals
+/// of a few paths (along streams).
 fn assert_normal(sample: impl Iterator<Item = f64>) {
     let (mut cells, mut n) = ([0u64; 64], 0u64);
     let mut beyond = [0u64; 6];
     let (mut mean, mut square, mut fourth) = (0.0, 0.0, 0.0);
     for z in sample {
-        // libm's erfc is accurate to an ulp, statrs' only to 1e-10
+        // libm's erfc is accurate to its last digit, that of statrs only to 1e-10.
         let p = 0.5 * libm::erfc(-z * std::f64::consts::FRAC_1_SQRT_2);
         cells[((p * 64.0) as usize).min(63)] += 1;
         for (sigma, count) in beyond.iter_mut().enumerate() {
@@ -180,7 +184,8 @@ fn assert_normal(sample: impl Iterator<Item = f64>) {
     assert!(p > 1e-5, "chi-square {chi} over 64 cells, p = {p}");
     for (sigma, &count) in beyond.iter().enumerate().skip(3) {
         let expected = total * libm::erfc(sigma as f64 * std::f64::consts::FRAC_1_SQRT_2);
-        // Poisson: 4.5 sd, and one count where few are expected
+        // The counts follow Poisson's law: 4.5 standard deviations are allowed, and one count more
+        // where few are expected.
         assert!((count as f64 - expected).abs() < 4.5 * expected.sqrt() + 1.0, "{sigma} sigma: {count} of {expected}");
     }
     assert!((mean / total).abs() < 4.5 / total.sqrt());
@@ -198,16 +203,17 @@ fn normals_are_normal_along_streams() {
     assert_normal(normals(InstructionSet::detect(), 12, 0, 64, 1 << 17).into_iter());
 }
 
-/// The output function of SplitMix64 with a key between its rounds, from the published constants.
-/// With the key 0 it is SplitMix64, whose first outputs from the seed 0 are well known.
+/// The output function of SplitMix64 with a key between its two rounds, from the published
+/// constants. With the key 0 it is SplitMix64 itself, whose first outputs from the seed 0 are well
+/// known.
 fn keyed(z: u64, key: u64) -> u64 {
     let z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9) ^ key;
     let z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
     z ^ (z >> 31)
 }
 
-/// A number with an address is that of the generator it is said to be, wherever the cursor came
-/// from; pinned, for a change alters every result.
+/// A number with an address is that of the documented generator, wherever the cursor was before.
+/// The values are fixed, because a change would alter every result.
 #[test]
 fn an_addressed_number_is_a_function_of_its_address() {
     const GAMMA: u64 = 0x9E37_79B9_7F4A_7C15;
@@ -224,11 +230,12 @@ fn an_addressed_number_is_a_function_of_its_address() {
     }
 }
 
-/// Null: numbers at neighbouring addresses are independent: of one cell and the next, of one place
-/// and the next, of a path and the next, of a seed and the next, and across both. Correlations of
-/// the normals and of their squares, 12 of n = 4e6 products each, at 5 sd: false-alarm rate below
-/// 1e-5. With the same key for all paths and a counter that is the sum of path, cell and place,
-/// every second of them is 1.
+/// Null hypothesis: numbers at neighbouring addresses are independent: of one cell and the next, of
+/// one place and the next, of a path and the next, of a seed and the next, and of two of these at
+/// once. Tested are the correlations of the normals and of their squares. Sample size: n = 4e6
+/// products for each of 12 correlations. Bound: 5 standard deviations. False-alarm rate: below
+/// 1e-5. With the same key for all paths, and a counter that is the sum of path, cell and place,
+/// every second correlation would be 1.
 #[test]
 fn numbers_at_neighbouring_addresses_are_uncorrelated() {
     let at = |seed: u64, path: u64, cell: u64, place: u64| AddressedDraws::new(seed, path).at(cell, place).normal();
@@ -251,7 +258,8 @@ fn numbers_at_neighbouring_addresses_are_uncorrelated() {
     }
 }
 
-/// The skeletons of some paths, place by place of others, and the starts of many.
+/// The samples are numbers of all cells of some paths at their first place, and of one cell and
+/// place of many paths.
 #[test]
 fn addressed_normals_are_normal() {
     let path = |p: u64| AddressedDraws::new(13, p);
@@ -263,9 +271,10 @@ fn addressed_normals_are_normal() {
     }));
 }
 
-/// The long battery: 2^32 normals (4.3e9) of 2^15 paths against the exact tail probabilities in
-/// half-sigma cells out to 6.5 sigma, moments, lag and cross-lane correlation. About a minute on
-/// one core: `cargo test --release --test noise -- --ignored --nocapture`.
+/// The long test: 2^32 normals (4.3e9) of 2^15 paths compared with the exact tail probabilities in
+/// cells of half a sigma out to 6.5 sigma, with moments, and with correlations along and across
+/// lanes. It takes about a minute on one core: `cargo test --release --test noise -- --ignored
+/// --nocapture`.
 #[test]
 #[ignore = "four billion draws"]
 fn four_billion_normals() {

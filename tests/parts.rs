@@ -1,5 +1,5 @@
-//! A run that is cut into parts and joined again has the file of the run in one piece, byte for
-//! byte; and parts that do not go together are named.
+//! A run that is cut into parts and joined again gives the same file as the whole run, byte for
+//! byte. Parts that do not belong together are refused by name.
 
 #[path = "common/command.rs"]
 mod command;
@@ -29,8 +29,8 @@ fn folder() -> TempDir {
     tempfile::tempdir().expect("a folder")
 }
 
-/// Rows of every kind, paths that do not fill their last block, trajectories that end within a
-/// part, a bias of the step.
+/// A run with rows of every kind, a last block that is not full, trajectories that end within a
+/// part, and a bias of the step.
 const SCENE: &[&str] = &[
     "run",
     RHO025,
@@ -51,7 +51,7 @@ fn run(more: &[&'static str]) -> Vec<&'static str> {
     [SCENE, more].concat()
 }
 
-/// All parts of a run, in files p1.h5, p2.h5 and so on.
+/// Makes all parts of a run, in files p1.h5, p2.h5 and so on.
 fn parts(here: &TempDir, scene: &[&str], of: usize) -> Vec<String> {
     let make = |number: usize| {
         let (part, file) = (format!("{number}/{of}"), format!("p{number}.h5"));
@@ -154,12 +154,12 @@ fn parts_that_do_not_go_together_are_named() {
         assert!(named.iter().all(|name| said.contains(name)), "{named:?}: {said}");
         assert!(!here.path().join("all.h5").exists());
     }
-    // A part is no input to be overwritten.
+    // A part is an input of the merge, so it is not overwritten, even with `--force`.
     let output = mc(&here, &["merge", "p1.h5", "p2.h5", "p3.h5", "p4.h5", "-o", "p4.h5", "--force"]);
     assert_eq!(output.status.code(), Some(2), "{}", text(&output.stderr));
 }
 
-/// A number that was changed in the rows of a part is noticed, whatever HDF5 thinks of it.
+/// A number that was changed in the rows of a part is noticed, although the HDF5 file is valid.
 #[test]
 fn rows_of_a_part_that_were_changed_are_not_joined() {
     let here = folder();
@@ -196,8 +196,8 @@ fn what_is_known_of_all_parts_together_only_is_refused_with_the_reason() {
     }
 }
 
-/// The job array of the documentation, with a stand-in for the scheduler: a loop that sets the
-/// variable which Slurm sets, and in which one task is killed and continued as the page says.
+/// The job array of the documentation, with a substitute for the scheduler: a loop that sets the
+/// variable that Slurm sets. One task is killed and continued as the page says.
 #[test]
 fn the_job_array_of_the_documentation_runs() {
     let page = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/parts.md")).expect("a page");

@@ -1,5 +1,5 @@
-//! `mc plot`: the pictures of docs/pictures.md come out as they are there, equal pictures have
-//! equal bytes, and what cannot be drawn is refused in words.
+//! `mc plot`: the pictures of docs/pictures.md are reproduced, equal pictures have equal bytes, and
+//! what cannot be drawn is refused with a reason.
 
 #[path = "common/command.rs"]
 mod command;
@@ -11,7 +11,7 @@ fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
 }
 
-/// A folder that sees the scenarios and the examples.
+/// A folder with links to the scenarios and the examples.
 fn folder() -> tempfile::TempDir {
     let folder = tempfile::tempdir().expect("a folder");
     for seen in ["scenarios", "examples"] {
@@ -27,7 +27,7 @@ fn done(folder: &Path, arguments: &[&str]) {
     assert_eq!(output.status.code(), Some(0), "mc {}: {error}", arguments.join(" "));
 }
 
-/// Width, height and the three channels of every pixel.
+/// The width, the height, and the three channels of every pixel.
 fn pixels(path: &Path) -> (usize, usize, Vec<u8>) {
     let file = std::io::BufReader::new(std::fs::File::open(path).unwrap_or_else(|e| panic!("{}: {e}", path.display())));
     let mut reader = png::Decoder::new(file).read_info().expect("a PNG");
@@ -37,13 +37,13 @@ fn pixels(path: &Path) -> (usize, usize, Vec<u8>) {
     (info.width as usize, info.height as usize, bytes)
 }
 
-/// Side of a block of pixels that are compared together.
+/// The side of a block of pixels whose means are compared.
 const BLOCK: usize = 4;
-/// Blocks whose mean differs by more than this, out of 255, differ.
+/// Two blocks differ if their means differ by more than this, out of 255.
 const LEVELS: f64 = 16.0;
-/// Share of the blocks that may: rasterisers of other processors round the edges of letters
-/// differently. A label that moves by a point, or a curve that is drawn with other dashes, changes
-/// ten times as many.
+/// The share of blocks that may differ, because rasterisers on other processors round the edges of
+/// letters differently. A label that moves by a point, or a curve with other dashes, changes ten
+/// times as many.
 const SHARE: f64 = 3e-4;
 
 /// The share of blocks that differ.
@@ -61,7 +61,7 @@ fn difference(one: &Path, other: &Path) -> f64 {
     count as f64 / (columns * rows) as f64
 }
 
-/// docs/pictures.sh is the list of what is drawn; its lines are run here.
+/// docs/pictures.sh lists the commands that draw the pictures; its lines are run here.
 #[test]
 fn the_pictures_of_the_documentation_come_out_again() {
     let folder = folder();
@@ -83,7 +83,8 @@ fn the_pictures_of_the_documentation_come_out_again() {
     }
 }
 
-/// In two processes, in each format, and from a file as from the scenario that it was run from.
+/// The bytes are equal in two processes, in each format, and for a file and the scenario that it
+/// was run from.
 #[test]
 fn equal_pictures_have_equal_bytes() {
     let folder = folder();
@@ -139,8 +140,8 @@ fn what_cannot_be_drawn_is_refused_in_words() {
     assert_eq!(std::fs::read_to_string(path.join("old.svg")).expect("kept"), "mine");
 }
 
-/// Every shipped scene, with its units and scales, has a path that can be drawn in both themes, and
-/// its texts are XML.
+/// A path of every shipped scene, with its units and scales, can be drawn in both themes, and its
+/// texts are valid XML.
 #[test]
 fn every_shipped_scene_can_be_drawn() {
     let folder = folder();
@@ -155,12 +156,12 @@ fn every_shipped_scene_can_be_drawn() {
         let svg = std::fs::read_to_string(folder.path().join("a.svg")).expect("drawn");
         assert!(svg.contains("&lt;b&gt; &amp; &quot;quoted&quot; \u{1d54f} 50 %</title>"), "{name}");
         assert!(!svg.contains("NaN") && !svg.contains("inf"), "{name}");
-        // a PNG is rasterised from the SVG, so that it must be one
+        // A PNG is rasterised from the SVG, so this also tests that the SVG can be parsed.
         done(folder.path(), &["plot", &scenario, "--set", title, "-o", "a.png", "--force"]);
     }
 }
 
-/// The letters of the pictures follow the locale; the pictures are there on request only.
+/// `mc show --plot` uses letters that the locale has, and draws only on request.
 #[test]
 fn show_draws_with_letters_that_the_locale_has() {
     let folder = folder();

@@ -1,9 +1,9 @@
-//! The quasi-static scheme with damping against the event-driven scheme, which takes nothing to
-//! stand still.
+//! The quasi-static scheme with damping compared with the event-driven scheme, which does not
+//! assume that the temperature stands still during a slip.
 //!
-//! Parameters (P) of the paper unless a test says otherwise: m = K = w0 = 1, beta a = 6, f_s - f_d
-//! = 0.2, so that zeta is alpha. Statistical tests have fixed seeds; each states its null
-//! hypothesis, sample size and false-alarm rate.
+//! Unless a test says otherwise, the parameters are those of set (P) of the paper: m = K = w0 = 1,
+//! beta a = 6, f_s - f_d = 0.2, so that zeta is alpha. Statistical tests have fixed seeds; each
+//! states its null hypothesis, sample size and false-alarm rate.
 
 mod common;
 
@@ -13,8 +13,8 @@ use stick_slip::model::*;
 use stick_slip::scheme::{DEFAULT_TOLERANCE, EventDrivenSimulation, QuasiStaticSimulation, Simulate as _, Timeline};
 use stick_slip::stats::{Statistic, Summary};
 
-/// A bearing with this damping ratio; from 6, jumps of 0.4 would meet the forcing's extremum to the
-/// last digit.
+/// A bearing with this damping ratio. x0 is 5.9, because from 6 jumps of 0.4 would meet the
+/// extremum of the forcing to the last digit.
 fn damped(zeta: f64, w: f64) -> Model {
     let mut model = paper(w, 0.0);
     model.oscillator.damping = zeta;
@@ -22,8 +22,8 @@ fn damped(zeta: f64, w: f64) -> Model {
     model
 }
 
-/// pi/w_d and e^{-pi zeta/sqrt(1 - zeta^2)}; at zeta = 1.5 the settling time, where 1.1708
-/// e^{-0.38197 r} = 1e-3.
+/// The duration of a slip and the overshoot q: pi/w_d and e^{-pi zeta/sqrt(1 - zeta^2)}. At zeta =
+/// 1.5 the duration is the settling time, where 1.1708 e^{-0.38197 r} = 1e-3.
 fn swing(zeta: f64) -> (f64, f64) {
     if zeta < 1.0 {
         let root = (1.0 - zeta * zeta).sqrt();
@@ -34,7 +34,7 @@ fn swing(zeta: f64) -> (f64, f64) {
     }
 }
 
-/// What became of one path: completed slips, their mean |jump| and mean duration.
+/// The completed slips of one path: their number, mean |jump| and mean duration.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Slips {
     count: usize,
@@ -53,7 +53,7 @@ fn kept(model: &Model, line: &Timeline, is_quasi_static: bool) -> Keep {
     keep
 }
 
-/// Over two periods of the forcing, event-driven and quasi-static.
+/// The slips in two periods of the forcing, event-driven and quasi-static.
 fn slips(model: &Model) -> [Slips; 2] {
     let end = 2.0 * TAU / model.temperature.harmonics[0].angular_frequency;
     [false, true].map(|is_quasi_static| {
@@ -69,9 +69,9 @@ fn slips(model: &Model) -> [Slips; 2] {
     })
 }
 
-/// Where the temperature does stand still, nothing is approximated: x, x' and the events of both
-/// schemes agree to the 1e-12 by which the force starts above f_s (over f_s - f_d, 2e-11), for m, K
-/// other than 1, in both directions and at any damping.
+/// With a constant temperature nothing is approximated: x, x' and the events of both schemes agree
+/// to the 1e-12 by which the force starts above f_s (2e-11 relative to f_s - f_d), for m and K
+/// other than 1, in both directions and with any damping.
 #[test]
 fn in_a_standing_temperature_both_schemes_make_one_and_the_same_slip() {
     let (mass, stiffness, gap) = (0.5, 3.0, 0.2);
@@ -94,18 +94,18 @@ fn in_a_standing_temperature_both_schemes_make_one_and_the_same_slip() {
             let Some(stop) = keep.events[0].get(1) else { continue };
             let jump = side * (1.0 + overshoot) * gap / stiffness;
             assert_eq!(stop.kind, EventKind::StickEntered);
-            // A zero of x' that has decayed with q is as much less sharp.
+            // A zero of x' that has decayed by the factor q is less sharp by that factor.
             assert!((stop.time - lasts).abs() < 1e-10 / overshoot, "{zeta}: {} {lasts}", stop.time);
             assert!((stop.displacement - model.initial_displacement - jump).abs() < 1e-10, "{zeta} {side}: {stop:?}");
         }
     }
 }
 
-/// To first order in the speed r = K beta a w of the forcing a slip moves further by what the
-/// equilibrium moves meanwhile, at most r T/K, and comes to rest later by r (1 + q)/((f_s - f_d)
-/// w0^2 q). Both are seen, less than twice as large as that, with the right sign, and fall tenfold
-/// with w (twelvefold at zeta = 0.9, where w = 1e-5 is half of the rate from which the body
-/// creeps); a jump or a duration that is wrong by 2 would differ by 1.
+/// To first order in the speed r = K beta a w of the forcing, a slip moves further by the motion of
+/// the equilibrium meanwhile, at most r T/K, and ends later by r (1 + q)/((f_s - f_d) w0^2 q). Both
+/// effects are found: they have the right sign, are less than twice as large, and fall tenfold with
+/// w (twelvefold at zeta = 0.9, where w = 1e-5 is half of the rate at which the body begins to
+/// creep). A jump or a duration that was wrong by a factor of 2 would differ by 1.
 #[test]
 fn without_noise_the_recursion_is_the_limit_of_slow_forcing_below_critical_damping() {
     println!(
@@ -136,10 +136,10 @@ fn without_noise_the_recursion_is_the_limit_of_slow_forcing_below_critical_dampi
     }
 }
 
-/// Where the forcing moves the equilibrium faster than the body would swing back, r > (f_s - f_d)
-/// w0 e^{-zeta (pi + arccos zeta)/sqrt(1 - zeta^2)}, x' has no zero and the body creeps. A tenth
-/// below that rate the two schemes still have the same slips (but for the tenth that longer jumps
-/// cost), a fifth above it the event-driven one has lost four of five.
+/// If the forcing moves the equilibrium faster than the body would swing back, r > (f_s - f_d) w0
+/// e^{-zeta (pi + arccos zeta)/sqrt(1 - zeta^2)}, then x' has no zero and the body creeps. At 0.9
+/// of that rate the two schemes still have the same number of slips, up to the tenth that longer
+/// jumps cost. At 1.2 of it the event-driven scheme has lost four of five.
 #[test]
 fn near_critical_damping_the_body_creeps_unless_the_forcing_is_slower_than_the_swing_back() {
     println!(
@@ -158,9 +158,9 @@ fn near_critical_damping_the_body_creeps_unless_the_forcing_is_slower_than_the_s
     }
 }
 
-/// From one turn of the temperature to the next: the body follows it at a distance of f_d, from 5
-/// to -5 and back, however slow the forcing is, in three slips of which the first starts at 5.9.
-/// The recursion makes some 200 of it.
+/// An overdamped body follows the temperature from one turning point to the next at a distance of
+/// f_d, from 5 to -5 and back, however slow the forcing is, in three slips, the first of which
+/// starts at 5.9. The recursion has some 200 slips instead.
 #[test]
 fn without_noise_an_overdamped_body_creeps_however_slow_the_forcing() {
     for (zeta, w) in [1.0, 1.5].into_iter().flat_map(|zeta| [1e-3, 1e-4, 1e-5].map(|w| (zeta, w))) {
@@ -172,10 +172,11 @@ fn without_noise_an_overdamped_body_creeps_however_slow_the_forcing() {
     }
 }
 
-/// Statistical tests fail by chance once in 1e4: 3.9 standard errors.
+/// Statistical comparisons are made at 3.9 standard errors, which fail by chance once in 1e4.
 const FALSE_ALARM: f64 = 3.9;
 
-/// The forcing with a noise that slows down with it: theta = 10 w, sd of the force 0.3.
+/// The forcing with a noise whose relaxation rate is proportional to its frequency: theta = 10 w,
+/// and a standard deviation of the force of 0.3.
 fn slow_noise(zeta: f64, w: f64) -> Model {
     let mut model = damped(zeta, w);
     let theta = 10.0 * w;
@@ -188,17 +189,18 @@ fn slow_noise(zeta: f64, w: f64) -> Model {
     model
 }
 
-/// Mean duration of the slips.
+/// The mean duration of a slip.
 fn slip_duration(summary: &Summary, end: f64) -> f64 {
     (1.0 - estimate(summary, Statistic::StickingFraction).0) * end / estimate(summary, Statistic::SlipsPerPath).0
 }
 
-/// Null: mean |jump| and mean number of sticks of both schemes agree within what forcing and noise
-/// move the force by during a slip, as a share of what it lets go (the share that the warning
-/// `forcing-during-slip` states); it falls like sqrt(w). 400 paths a side, seeds 1 and 2, 3.9
-/// standard errors on top. Where the difference is seen, at zeta = 0.9 and 1.5 with 40 and more
-/// standard errors, it falls by more than 2 for the sqrt(10) that w does. Noise ends slips at any
-/// damping: above critical after 0.7 to 1 of the settling time.
+/// Null hypothesis: the mean |jump| and the mean number of sticks of both schemes agree to within
+/// the share of f_s - f_d by which forcing and noise move the force during a slip, which the
+/// warning `forcing-during-slip` states, and which falls like sqrt(w). Sample size: 400 paths on
+/// either side, seeds 1 and 2. False-alarm rate: 1e-4 for each comparison, with 3.9 standard errors
+/// added to the bound. Where the difference is significant, at zeta = 0.9 and 1.5 with 40 and more
+/// standard errors, it falls by more than 2 when w falls by 10. Noise ends slips with any damping:
+/// above the critical one after 0.7 to 1 of the settling time.
 #[test]
 fn under_slow_noise_the_recursion_is_the_limit_at_any_damping() {
     println!(

@@ -1,5 +1,4 @@
-//! `mc report`: one page that is refused or whole; what a browser makes of it is in
-//! tests/browser.sh.
+//! `mc report`: a page is either refused or complete. tests/browser.sh tests it in a browser.
 
 #[path = "common/command.rs"]
 mod command;
@@ -26,7 +25,7 @@ fn a_page_is_whole_and_asks_for_nothing() {
     for statistic in stick_slip::stats::Statistic::ALL {
         assert!(page.contains(&format!("<td>{}</td>", statistic.name())), "{}", statistic.name());
     }
-    // what hovering shows is read from this
+    // What hovering shows is read from this data.
     let (_, data) = page.split_once("id=\"data\">").expect("the data");
     let (data, _) = data.split_once("</script>").expect("its end");
     assert!(!data.contains('<'));
@@ -45,10 +44,10 @@ fn a_page_is_whole_and_asks_for_nothing() {
     ] {
         let stored: Vec<f64> = file.dataset(variable).and_then(|dataset| dataset.read_raw()).expect("numbers");
         let shown = column(table, name);
-        // empty bins below the shortest stick are left out
+        // Empty bins below the shortest stick are left out.
         assert!(shown.len() == stored.len() || (name == "survival" && shown.len() > 20), "{name}");
         let stored = &stored[stored.len() - shown.len()..];
-        // what reads the JSON here may be off by a last place
+        // The parser of JSON that is used here may be off by the last digit.
         let is_near = |(a, b): (&f64, &f64)| (a - b).abs() <= 2.0 * f64::EPSILON * b.abs();
         assert!(shown.iter().zip(stored).all(is_near), "{name}");
     }
@@ -70,7 +69,7 @@ fn what_is_no_run_is_refused() {
     assert_eq!(std::fs::read_to_string(folder.path().join("old.html")).expect("kept"), "mine");
 }
 
-/// What a paper says of a run must tell it from another one, and say the same of the same run.
+/// A citation distinguishes a run from other runs, and is the same for the same run.
 #[test]
 fn a_citation_names_program_scenario_scheme_seed_and_paths() {
     let folder = tempfile::tempdir().expect("a folder");

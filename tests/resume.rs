@@ -1,6 +1,6 @@
-//! What becomes of a run that is stopped, killed, or robbed of its files: it goes on, and comes to
-//! the same file, bit for bit; or it says in one message what is wrong. `tests/shim/kill.c` kills
-//! it at a change of the disk that a test names.
+//! A run that is stopped, killed, or whose files are removed either continues and gives the same
+//! file, bit for bit, or reports what is wrong in one message. `tests/shim/kill.c` kills it at a
+//! chosen change of the disk.
 
 #[path = "common/command.rs"]
 mod command;
@@ -42,7 +42,7 @@ const RUN: &[&str] = &[
     "statistics.after=10",
 ];
 
-/// The same of a tenth of a second.
+/// A similar run of a tenth of a second.
 const SHORT: &[&str] = &[
     "run",
     RHO025,
@@ -67,7 +67,7 @@ fn text(bytes: &[u8]) -> String {
     String::from_utf8_lossy(bytes).into_owned()
 }
 
-/// The file of a run that nobody disturbs.
+/// The file of a run that is not disturbed.
 fn undisturbed(run: &[&str]) -> Vec<u8> {
     let here = tempfile::tempdir().expect("a folder");
     let output = command::mc(here.path(), run);
@@ -78,7 +78,7 @@ fn undisturbed(run: &[&str]) -> Vec<u8> {
 static LONG_FILE: LazyLock<Vec<u8>> = LazyLock::new(|| undisturbed(RUN));
 static SHORT_FILE: LazyLock<Vec<u8>> = LazyLock::new(|| undisturbed(SHORT));
 
-/// That the run has come to this file, and has left nothing else.
+/// The run has given this file, and has left nothing else.
 #[track_caller]
 fn assert_finished(folder: &Path, file: &[u8], what: &str) {
     assert!(fs::read(folder.join("a.h5")).expect("finished") == file, "{what}: another file");
@@ -86,12 +86,12 @@ fn assert_finished(folder: &Path, file: &[u8], what: &str) {
     assert_eq!(left, ["a.h5"], "{what}");
 }
 
-/// How to go on: resume what there is, or start again where nothing was saved.
+/// The command that continues: `mc resume` if something was saved, and the run itself otherwise.
 fn next<'a>(folder: &Path, run: &'a [&'a str]) -> &'a [&'a str] {
     if folder.join("a.h5.partial/state").exists() || folder.join("a.h5").exists() { RESUME } else { run }
 }
 
-/// Start `mc`, and kill it after this time. Returns how it ended.
+/// Starts `mc`, and kills it after this time. Returns how it ended.
 fn killed_after(folder: &Path, arguments: &[&str], delay: Duration) -> ExitStatus {
     let mut command = Command::new(assert_cmd::cargo::cargo_bin!("mc"));
     let command = command.current_dir(folder).args(arguments).stdout(Stdio::null()).stderr(Stdio::null());
@@ -104,8 +104,8 @@ fn killed_after(folder: &Path, arguments: &[&str], delay: Duration) -> ExitStatu
     child.wait().expect("a child")
 }
 
-/// Kill runs of one command at random moments, and the sittings that continue them, until there
-/// were so many kills. Returns kills, sittings and finished runs.
+/// Kills runs of one command, and the sittings that continue them, at random times, until there
+/// were `kills` kills. Returns the numbers of kills, sittings and finished runs.
 fn kill_at_random(seed: u64, kills: u32, longest: Duration) -> [u32; 3] {
     let mut rng = Pcg64Dxsm::seed_from_u64(seed);
     let [mut killed, mut sittings, mut finished] = [0; 3];
@@ -120,7 +120,7 @@ fn kill_at_random(seed: u64, kills: u32, longest: Duration) -> [u32; 3] {
             }
             assert_eq!(status.code(), None, "it failed by itself");
             killed += 1;
-            // Under the final name there is the whole file or none.
+            // Under the final name there is the complete file or none.
             if let Ok(file) = fs::read(here.path().join("a.h5")) {
                 assert!(file == *LONG_FILE, "another file after {killed} kills");
             }
@@ -131,7 +131,7 @@ fn kill_at_random(seed: u64, kills: u32, longest: Duration) -> [u32; 3] {
     [killed, sittings, finished]
 }
 
-/// So many kills, on two threads.
+/// Kills `kills` times, on two threads.
 fn many_kills(seeds: [u64; 2], kills: u32) {
     let _ = LONG_FILE.len();
     let work = |seed: u64| move || kill_at_random(seed, kills / 2, Duration::from_millis(700));
@@ -140,21 +140,23 @@ fn many_kills(seeds: [u64; 2], kills: u32) {
     println!("kills, sittings, finished runs: {counts:?}");
 }
 
-/// 200 kills take less than a minute on two cores. The last time, 209 kills in 219 sittings of 10
-/// runs came to one file.
+/// 200 kills take less than a minute on two cores. In the last measurement, 10 runs with 209 kills
+/// in 219 sittings all gave the same file.
 #[test]
 fn killed_at_random_moments_a_run_comes_to_the_same_file() {
     many_kills([1, 2], 200);
 }
 
-/// The same for longer. The last time, 1009 kills in 1050 sittings of 41 runs came to one file.
+/// The same with more kills. In the last measurement, 41 runs with 1009 kills in 1050 sittings all
+/// gave the same file.
 #[test]
 #[ignore = "four minutes"]
 fn killed_a_thousand_times_a_run_comes_to_the_same_file() {
     many_kills([3, 4], 1000);
 }
 
-/// The changes of the disk that a run makes, and whether it was killed at one of them.
+/// Runs `mc` and kills it at change number `kill_at` of the disk. Returns its output, and the
+/// changes of the disk that it made.
 fn shimmed(folder: &Path, arguments: &[&str], kill_at: u64) -> (Output, Vec<String>) {
     let trace = folder.join("../trace");
     let _ = fs::remove_file(&trace);
@@ -177,7 +179,7 @@ fn shim() -> &'static Path {
     &SHIM
 }
 
-/// A folder within one that goes away.
+/// A temporary folder and a folder within it.
 fn folders() -> (tempfile::TempDir, PathBuf) {
     let outer = tempfile::tempdir().expect("a folder");
     let inner = outer.path().join("here");
@@ -185,8 +187,8 @@ fn folders() -> (tempfile::TempDir, PathBuf) {
     (outer, inner)
 }
 
-/// Every write (which then reaches the file by half), sync, rename, link and removal of a run, its
-/// file included.
+/// A run is killed at every write (which then has reached the file by half), sync, rename, link and
+/// removal that it makes, including those of its final file.
 #[test]
 fn killed_at_every_change_of_the_disk_a_run_comes_to_the_same_file() {
     let mut kills = 0;
@@ -206,7 +208,7 @@ fn killed_at_every_change_of_the_disk_a_run_comes_to_the_same_file() {
     assert!(kills > 40, "{kills}");
 }
 
-/// The same of a sitting that continues a run, which was killed in its middle.
+/// The same for a sitting that continues a run that was killed in the middle.
 #[test]
 fn a_sitting_that_continues_a_run_is_killed_at_every_change_of_the_disk() {
     let (_outer, begun) = folders();
@@ -234,15 +236,15 @@ fn a_sitting_that_continues_a_run_is_killed_at_every_change_of_the_disk() {
     assert!(kills > 15, "{kills}");
 }
 
-/// A loss of power keeps what was synced, and of the rest what it likes. So what a state speaks of
-/// must be on the disk before the state has its name: the rows, the state itself, and then the
-/// name.
+/// A loss of power preserves what was synced, and any part of the rest. So everything that a state
+/// refers to must be on the disk before the state has its name: first the rows, then the state
+/// itself, then its name.
 #[test]
 fn what_a_state_speaks_of_is_on_the_disk_before_it() {
     let (_outer, here) = folders();
     let (output, trace) = shimmed(&here, RUN, 0);
     assert!(output.status.success(), "{}", text(&output.stderr));
-    // Files with writes that are not on the disk yet.
+    // The files with writes that are not on the disk yet.
     let mut dirty: HashMap<String, bool> = HashMap::new();
     let mut unsynced_name = false;
     let [mut saves, mut files] = [0, 0];
@@ -271,7 +273,7 @@ fn what_a_state_speaks_of_is_on_the_disk_before_it() {
     assert!(saves >= 2 && files == 1, "{saves} saves, {files} files");
 }
 
-/// Start the long run, and stop it once it is saved.
+/// Starts the long run, and stops it after it was saved.
 fn interrupted(folder: &Path, run: &[&str], signal: &str) -> Output {
     let mut running = Running::mc(folder, run);
     running.until("the run is saved", || folder.join("a.h5.partial/state").exists());
@@ -292,7 +294,7 @@ fn each_signal_saves_the_run_and_says_how_to_go_on() {
         let (table, said) = (text(&shown.stdout), text(&shown.stderr));
         assert!(table.contains("stick_duration_mean") && table.contains("interrupted"), "{table}");
         assert!(said.contains("mc resume a.h5"), "{said}");
-        // The same command does not lose it.
+        // The same command does not overwrite the unfinished run.
         let again = command::mc(here.path(), RUN);
         assert_eq!(again.status.code(), Some(2));
         let said = text(&again.stderr);
@@ -302,7 +304,7 @@ fn each_signal_saves_the_run_and_says_how_to_go_on() {
         let resumed = command::mc(here.path(), RESUME);
         assert!(resumed.status.success(), "{}", text(&resumed.stderr));
         assert_finished(here.path(), &LONG_FILE, signal);
-        // There is nothing to resume now, which is no error.
+        // A run that is finished cannot be resumed, which is no error.
         assert!(command::mc(here.path(), RESUME).status.success());
     }
 }
@@ -320,7 +322,8 @@ fn what_is_ignored_when_it_starts_stays_ignored() {
     assert_finished(here.path(), &LONG_FILE, "ignored signals");
 }
 
-/// Goals, and the end of a run that was never to be a whole one.
+/// A run with a goal, which is interrupted, ends at the same block as without the interruption. An
+/// interrupted run that is ended with `--end` has the status "interrupted".
 #[test]
 fn an_interrupted_run_ends_where_its_goal_ends_it() {
     let goal = [&RUN[..2], &["--until", "stick_duration_mean < 0.1%"], &RUN[4..]].concat();
@@ -340,7 +343,7 @@ fn an_interrupted_run_ends_where_its_goal_ends_it() {
     assert!(stored.completed_paths > 0 && stored.completed_paths < 60_000);
 }
 
-/// Time that was spent counts, whoever spent it.
+/// The time of all sittings counts towards the limit.
 #[test]
 fn a_time_limit_is_one_on_all_sittings() {
     let here = tempfile::tempdir().expect("a folder");
@@ -357,7 +360,8 @@ fn a_time_limit_is_one_on_all_sittings() {
     assert!(second < 3.0 - 0.5 * first.min(3.0) + 2.0, "{first} and {second} s");
 }
 
-/// What was chosen for an accuracy is what is continued, and what it promised is remembered.
+/// A run that was chosen for an accuracy is continued with the same choice, and the accuracy is
+/// remembered.
 #[test]
 fn a_run_that_was_chosen_for_an_accuracy_is_continued_as_it_was_chosen() {
     let here = tempfile::tempdir().expect("a folder");
@@ -382,7 +386,7 @@ fn a_run_that_was_chosen_for_an_accuracy_is_continued_as_it_was_chosen() {
     for name in ["state", "rows"] {
         fs::copy(here.path().join("a.h5.partial").join(name), copy.join(name)).expect("copied");
     }
-    // Ended early, it does not keep what was promised, and says so.
+    // If it is ended early, it has not reached the accuracy, and says so.
     let early = command::mc(here.path(), &["resume", "b.h5", "--end", "--quiet"]);
     assert!(text(&early.stderr).contains("relative error of 0.1 % is not reached"), "{}", text(&early.stderr));
     let resumed = command::mc(here.path(), RESUME);
@@ -393,7 +397,7 @@ fn a_run_that_was_chosen_for_an_accuracy_is_continued_as_it_was_chosen() {
     assert!(fs::read(here.path().join("a.h5")).unwrap() == fs::read(here.path().join("c.h5")).unwrap());
 }
 
-/// A saved run, with its state and its log.
+/// A run that was saved, with its state and its log.
 fn saved() -> (tempfile::TempDir, Vec<u8>, Vec<u8>) {
     let here = tempfile::tempdir().expect("a folder");
     assert_eq!(interrupted(here.path(), RUN, "TERM").status.code(), Some(143));
@@ -402,7 +406,7 @@ fn saved() -> (tempfile::TempDir, Vec<u8>, Vec<u8>) {
     (here, state, rows)
 }
 
-/// What the library says to the saved run, whose files are as they are now.
+/// The error of the library for the saved run, with its files as they are now.
 fn refusal(folder: &Path) -> StoreError {
     match store::FileSink::go_on(&folder.join("a.h5"), false) {
         Err(error) => error,
@@ -417,7 +421,7 @@ fn a_damaged_state_or_log_is_one_clear_message_and_nothing_else_is_touched() {
         |name: &str, bytes: &[u8]| fs::write(here.path().join("a.h5.partial").join(name), bytes).expect("written");
     let mut rng = Pcg64Dxsm::seed_from_u64(7);
     let mut below = |end: usize| (rng.next_u64() % end as u64) as usize;
-    // Lengths and bits at random; `store::state` tries every one of a small state.
+    // Random lengths and bits; the tests of `store::state` try every one of a small state.
     for (name, bytes) in [("state", &state), ("rows", &rows)] {
         for i in 0..400 {
             let mut damaged = bytes.clone();
@@ -438,7 +442,7 @@ fn a_damaged_state_or_log_is_one_clear_message_and_nothing_else_is_touched() {
         assert_eq!(command::mc(here.path(), RESUME).status.code(), Some(1));
         put(name, bytes);
     }
-    // What a loss of power has torn lies beyond what counts.
+    // A loss of power may leave torn data behind the part that counts.
     put("rows", &[rows.as_slice(), &[0xff; 5000]].concat());
     fs::write(here.path().join("a.h5.partial/state.new"), &state[..state.len() / 2]).expect("written");
     assert!(command::mc(here.path(), RESUME).status.success());
@@ -461,7 +465,7 @@ fn files_that_are_gone_are_named() {
     let output = command::mc(nothing.path(), RESUME);
     assert_eq!(output.status.code(), Some(2));
     assert!(text(&output.stderr).contains("no unfinished run"), "{}", text(&output.stderr));
-    // Where nothing was saved there is nothing to lose.
+    // If nothing was saved, nothing can be lost, so the run starts again.
     assert!(within(LONGEST, here.path(), RUN).status.success());
     assert_finished(here.path(), &LONG_FILE, "a folder without a state");
 }
@@ -506,7 +510,8 @@ fn a_file_that_appears_is_not_replaced_and_the_run_is_not_lost() {
     assert_finished(here.path(), &LONG_FILE, "a file that appeared");
 }
 
-/// One of them makes the file, whatever HDF5 thinks of locks; the others say so.
+/// Of several runs to one file, one makes it, although HDF5 locks are off; the others say that it
+/// is in use.
 #[test]
 fn of_many_runs_to_one_file_one_makes_it() {
     let here = tempfile::tempdir().expect("a folder");

@@ -1,4 +1,4 @@
-//! `mc run`, `mc show` and `mc replay` as a user meets them: the binary, its output, its files.
+//! `mc run`, `mc show` and `mc replay` as a user meets them: the command, its output, its files.
 
 #[path = "common/command.rs"]
 mod command;
@@ -110,7 +110,7 @@ fn a_run_tells_how_much_of_a_number_is_the_step_or_why_it_does_not() {
     let here = folder();
     let run = |arguments: &[&str]| mc(&here, &[&["run", RHO025, "--step", "0.02", "--force"], arguments].concat());
     let reported = run(&["--paths", "10000"]);
-    // The measured bias replaces the guess before the run.
+    // The warning with the measured bias replaces the estimate before the run.
     let (out, err) = (text(&reported.stdout), text(&reported.stderr));
     assert!(out.contains("corrected") && out.contains("of the step"), "{out}");
     assert!(err.contains("warning: the step shifts") && !err.contains("as a guide"), "{err}");
@@ -181,10 +181,10 @@ fn one_path_can_be_replayed_from_a_file() {
     assert!(text(&refused.stderr).contains("0 to 19"));
 }
 
-/// A limit on the size of files is a full disk that any user can have: at the first page and while
-/// rows are appended it is one error with the name of the file that is left, and no file of the
-/// final name. The signal that comes with the error would end the process, so the shell has it
-/// ignored.
+/// A limit on the size of files has the effect of a full disk, and every user can set it. At the
+/// first page, and while rows are appended, the result is one error with the name of the file that
+/// is left, and no file under the final name. The shell ignores the signal that comes with the
+/// error, because it would end the process.
 #[test]
 fn a_limit_on_the_size_of_a_file_is_one_clear_error_and_no_crash() {
     let here = folder();
@@ -192,7 +192,8 @@ fn a_limit_on_the_size_of_a_file_is_one_clear_error_and_no_crash() {
     assert!(command::shell(here.path(), &format!("exec \"$0\" {run}")).status.success());
     let bytes = std::fs::metadata(here.path().join("run.h5")).expect("written").len();
     std::fs::remove_file(here.path().join("run.h5")).expect("removed");
-    // In blocks of 512 bytes; a shell that counts in 1024 allows twice as much.
+    // The limit is in blocks of 512 bytes. A shell that counts in blocks of 1024 bytes allows twice
+    // as much.
     for blocks in [2, 16, bytes / 512 / 4, bytes / 512 / 2 - 8] {
         let output = command::shell(here.path(), &format!("trap '' XFSZ; ulimit -f {blocks} && exec \"$0\" {run}"));
         let said = text(&output.stderr);
@@ -211,12 +212,12 @@ fn diverged_paths_are_announced() {
     let printed: Value = serde_json::from_slice(&output.stdout).expect("JSON");
     assert_eq!(printed["diverged_paths"].as_u64(), Some(2));
     assert!(printed["statistics"]["displacement_end_mean"]["estimate"].is_null());
-    // nothing is left of the run: it has failed, and says what to do
+    // The run has failed and says what to do.
     assert_eq!(output.status.code(), Some(1));
     assert!(text(&output.stderr).contains("every path diverged") && text(&output.stderr).contains("smaller step"));
 }
 
-/// What has the name of the folder in which a file is made is not silently overwritten either.
+/// A file with the name of the folder in which results are made is not overwritten either.
 #[test]
 fn a_leftover_is_not_lost_silently() {
     let here = folder();
@@ -228,7 +229,7 @@ fn a_leftover_is_not_lost_silently() {
     assert!(Path::exists(&here.path().join("rho025.h5")));
 }
 
-/// The kernel in use is named, and so is every derived number.
+/// The kernel that is used is printed, and so is every derived number.
 #[test]
 fn verbose_says_which_kernel_runs() {
     let here = folder();
@@ -260,10 +261,11 @@ fn every_scheme_runs_and_its_file_reproduces_the_run() {
     }
 }
 
-/// The mean stick duration at zero step is another program's (tests/reference/noisy.c, known to
-/// 4e-4). Null for the event-driven scheme: its mean is that; four standard errors. The corrected
-/// step is known to be 5.2 % short at h = 0.005, the plain one 16 % long; each gets two percent for
-/// what that is known to, and four standard errors.
+/// The mean stick duration at zero step is that of another program (tests/reference/noisy.c, known
+/// to 4e-4). Null hypothesis: the mean of the event-driven scheme equals it. With a step of h =
+/// 0.005 the corrected scheme is known to be 5.2 % below it, and the plain one 16 % above it; both
+/// offsets are known to two per cent. False-alarm rate: 6e-5 for each scheme, at four standard
+/// errors.
 #[test]
 fn mean_stick_durations_are_where_each_scheme_puts_them() {
     let here = folder();
@@ -304,7 +306,7 @@ fn a_replay_is_the_same_path_for_every_scheme() {
     }
 }
 
-/// A path of ten million steps has a trajectory of at most ten thousand rows, and the file can
+/// The trajectory of a path of ten million steps has at most ten thousand rows, and the file can
 /// still be read as a scenario.
 #[test]
 fn a_replay_of_a_very_long_path_is_kept_within_bounds() {
@@ -328,7 +330,7 @@ fn the_viaduct_runs() {
     assert!(fraction > 0.9999 && fraction < 1.0, "slips of 0.07 s in 300 days: {fraction}");
 }
 
-/// Where f_s = f_d under noise, the resolution is announced before the run.
+/// If f_s = f_d under noise, the resolution is printed before the run.
 #[test]
 fn verbose_and_warnings_name_the_resolution() {
     let here = folder();
@@ -340,8 +342,8 @@ fn verbose_and_warnings_name_the_resolution() {
     }
 }
 
-/// With f_s = f_d and noise the number of sticks is a property of the resolution: it is in the JSON
-/// and in the file.
+/// With f_s = f_d and noise the number of sticks depends on the resolution, which is therefore in
+/// the JSON and in the file.
 #[test]
 fn the_resolution_is_reported_where_results_depend_on_it() {
     let here = folder();
@@ -355,8 +357,8 @@ fn the_resolution_is_reported_where_results_depend_on_it() {
     assert!(ordinary["resolution"].is_null());
 }
 
-/// A goal ends a run after the first block, from the fourth on, at which it is reached: after the
-/// same one for any number of threads.
+/// A goal ends a run after the first block, from the fourth on, at which it is reached; this is the
+/// same block for any number of threads.
 #[test]
 fn a_goal_ends_a_run_at_the_first_block_that_reaches_it() {
     let here = folder();
@@ -381,7 +383,7 @@ fn a_goal_ends_a_run_at_the_first_block_that_reaches_it() {
     let same = run(&["--paths", &paths.to_string()]);
     assert_eq!(same["statistics"], ended["statistics"]);
 
-    // too few paths: said, with a number that is enough
+    // With too few paths the message says so, with a number that is enough.
     let capped =
         mc(&here, &[&["run", RHO025, "--step", "0.02", "--force", "--quiet", "--paths", "600"], &goal[..]].concat());
     assert!(capped.status.success());
@@ -428,14 +430,14 @@ fn a_time_limit_ends_a_run_at_a_block_and_that_many_paths_are_the_same_run() {
     assert_eq!(output.status.code(), Some(2));
 }
 
-/// Null: the runs that `--accuracy 2%` chooses have a relative root mean square error of at most 2
-/// %, against the value of `tests/reference/noisy.c` (known to 4e-4). What it chose, the scheme
-/// with its step or tolerance and the number of paths, is printed as it is typed; with it, 50 other
-/// seeds. Their mean square is known to 1/5 (a chi-square of 50 degrees of freedom), of which four
-/// are allowed, so 2.7 % in the root: false-alarm rate below 1e-4. The choice is the machine's,
-/// since it follows from what paths cost there, and counts the bias by an upper bound; so the error
-/// may be less, and an error of half the target would be a run four times as dear: it is above 0.7
-/// %.
+/// Null hypothesis: runs that `--accuracy 2%` chooses have a relative root mean square error of at
+/// most 2 %, compared with the value of `tests/reference/noisy.c` (known to 4e-4). The command
+/// prints its choice of scheme, step or tolerance, and number of paths as options. Sample size: 50
+/// runs with these options and other seeds. Their mean square error is known to 1/5 (a chi-square
+/// of 50 degrees of freedom), of which four are allowed, so the root may be 2.7 %. False-alarm
+/// rate: below 1e-4. The choice depends on the machine, because it follows from the cost of paths
+/// there, and it counts the bias by an upper bound. So the error may be smaller, but an error of
+/// half the target would mean a run four times too expensive; the error must be above 0.7 %.
 #[test]
 fn accuracy_chooses_a_run_that_is_as_accurate() {
     let here = folder();
@@ -453,14 +455,14 @@ fn accuracy_chooses_a_run_that_is_as_accurate() {
         let flags = ["--seed", &seed, "--json", "--force", "--no-bias", "--set", "record.paths=false"];
         mean(&json(&mc(&here, &[&["run", RHO025], &chosen[..], &flags].concat()))) / truth - 1.0
     };
-    // The seed of the scenario is 1: the run above is the run of what it says.
+    // The seed of the scenario is 1, so the run above equals the run with the printed options.
     assert_eq!(first / truth - 1.0, error(1));
     let root_mean_square = ((2..52).map(|seed| error(seed).powi(2)).sum::<f64>() / 50.0).sqrt();
     println!("{}: {root_mean_square}", chosen.join(" "));
     assert!((0.007..0.027).contains(&root_mean_square), "{}: {root_mean_square}", chosen.join(" "));
 }
 
-/// Before any pilot.
+/// The arguments are refused before any pilot run.
 #[test]
 fn an_accuracy_that_is_none_or_is_decided_twice_is_refused() {
     let here = folder();
@@ -484,8 +486,8 @@ fn an_accuracy_that_is_none_or_is_decided_twice_is_refused() {
     assert!(!here.path().join("rho025.h5").exists());
 }
 
-/// Without noise the pilot is quick, one path is the ensemble, and what is zero or absent is told
-/// as such.
+/// Without noise the pilot run is quick, the ensemble is one path, and statistics that are zero or
+/// absent are named.
 #[test]
 fn accuracy_without_noise_takes_one_path_and_says_what_it_leaves_out() {
     let here = folder();
@@ -502,7 +504,7 @@ fn accuracy_without_noise_takes_one_path_and_says_what_it_leaves_out() {
     ] {
         assert!(said.contains(part), "{part} in\n{said}");
     }
-    // 40-digit arithmetic.
+    // The reference is from 40-digit arithmetic.
     let first = json(&all)["statistics"]["first_stick_duration_mean"]["estimate"].as_f64().expect("a number");
     assert!((first / 2.574_004_435_173_1 - 1.0).abs() <= 1e-3, "{first}");
     for (more, says) in [
@@ -518,7 +520,7 @@ fn accuracy_without_noise_takes_one_path_and_says_what_it_leaves_out() {
     assert_eq!((text(&quiet.stderr), quiet.status.code()), (String::new(), Some(0)));
 }
 
-/// What Ctrl-C leaves of the pilot: the reason, and no file.
+/// Ctrl-C during the pilot run leaves a message and no file.
 #[test]
 fn an_interrupted_pilot_runs_nothing() {
     let here = folder();
@@ -528,8 +530,8 @@ fn an_interrupted_pilot_runs_nothing() {
     assert_eq!(std::fs::read_dir(here.path()).expect("there").count(), 0);
 }
 
-/// What Ctrl-C leaves of a trade: a table of what was measured, the rest named as not run, and the
-/// files that were asked for.
+/// Ctrl-C during a trade leaves a table of what was measured, in which the rest is named as not
+/// run, and the files that were asked for.
 #[test]
 fn an_interrupted_trade_prints_what_it_has() {
     let here = folder();
@@ -544,9 +546,9 @@ fn an_interrupted_trade_prints_what_it_has() {
 }
 
 /// Exit code, standard output and standard error of a command that is sent Ctrl-C as soon as it
-/// answers to it. How long it takes to end then is the machine's; a command that goes on regardless
-/// is killed by the limit that every command has here, which is half of the ten minutes that the
-/// trade would measure.
+/// handles it. How long it then takes to end depends on the machine. A command that does not end is
+/// killed by the limit that every command has here, which is half of the ten minutes that the trade
+/// would measure.
 fn interrupted(folder: &TempDir, arguments: &[&str]) -> (Option<i32>, String, String) {
     let mut running = Running::mc(folder.path(), arguments);
     running.until_it_answers();
@@ -555,7 +557,7 @@ fn interrupted(folder: &TempDir, arguments: &[&str]) -> (Option<i32>, String, St
     (output.status.code(), text(&output.stdout), text(&output.stderr))
 }
 
-/// A time limit that ends a run before its goal says so.
+/// If a time limit ends a run before its goal, the run says so.
 #[test]
 fn a_goal_that_the_time_limit_cuts_off_is_told() {
     let here = folder();
@@ -564,6 +566,6 @@ fn a_goal_that_the_time_limit_cuts_off_is_told() {
     let (out, said) = (text(&output.stdout), text(&output.stderr));
     assert!(output.status.success() && out.contains("ended by time limit"), "{out}{said}");
     assert!(said.contains("stick_duration_mean < 1e-5 is not reached after") && said.contains("try --paths"), "{said}");
-    // the heading has the paths that there are, not those that might have been
+    // The heading has the number of paths that were simulated, not the largest possible one.
     assert!(!out.contains("1 000 000 000"), "{out}");
 }

@@ -1,5 +1,5 @@
-//! A measured temperature as forcing, scheme by scheme, against what it was not derived from:
-//! closed forms, an integration of the equation of motion written here, plain loops, and scenes
+//! A measured temperature as forcing, scheme by scheme, compared with what it was not derived from:
+//! closed forms, an integration of the equation of motion in this file, plain loops, and scenes
 //! without a series.
 
 mod common;
@@ -14,14 +14,14 @@ use stick_slip::stats::Statistic;
 
 const TOLERANCE: f64 = 1e-3;
 
-/// The model with this series in place of its harmonics.
+/// The model with this series instead of its harmonics.
 fn measured(mut model: Model, times: Vec<f64>, values: Vec<f64>) -> Model {
     model.temperature.harmonics.clear();
     model.temperature.series = Some(Arc::new(Series::new(times, values).expect("a series")));
     model
 }
 
-/// T(t) from n + 1 samples that are `step` apart.
+/// The model with T(t) given by n + 1 samples that are `step` apart.
 fn sampled(model: Model, n: usize, step: f64, temperature: impl Fn(f64) -> f64) -> Model {
     let times: Vec<f64> = (0..=n).map(|i| i as f64 * step).collect();
     let values = times.iter().map(|&t| temperature(t)).collect();
@@ -43,8 +43,8 @@ fn assert_alike(found: &[Event], wanted: &[Event], within: f64) {
     }
 }
 
-/// A cosine by its samples. Straight lines between them are below it by at most w^2 d^2/8, 8e-9 of
-/// it for d = 1e-3, and the discrete scheme is at a sample at each step.
+/// A cosine given by samples. Straight lines between the samples are below it by at most w^2 d^2/8,
+/// which is 8e-9 for d = 1e-3. Each step of the discrete scheme is at a sample.
 #[test]
 fn a_finely_sampled_cosine_does_what_the_harmonic_does() {
     for damping in [0.0, 0.1] {
@@ -69,9 +69,9 @@ fn a_finely_sampled_cosine_does_what_the_harmonic_does() {
     }
 }
 
-/// T = t/2 by two samples: from x = 0 the body leaves at K beta t/2 = f_s, t = 0.4. From there on,
-/// r later, y'' + y = 0.2 + 3 r, so that y' = 0.2 sin r + 3 (1 - cos r) and y = 0.2 (1 - cos r) + 3
-/// (r - sin r): y' = 0 at r = 2 pi - 2 atan(0.2/3).
+/// T = t/2 given by two samples. From x = 0 the body leaves at K beta t/2 = f_s, t = 0.4. A time r
+/// later, y'' + y = 0.2 + 3 r, so that y' = 0.2 sin r + 3 (1 - cos r) and y = 0.2 (1 - cos r) + 3
+/// (r - sin r), and y' = 0 at r = 2 pi - 2 atan(0.2/3).
 #[test]
 fn a_ramp_ends_sticks_and_slips_where_a_hand_finds_it() {
     let mut model = paper(0.25, 0.0);
@@ -83,8 +83,8 @@ fn a_ramp_ends_sticks_and_slips_where_a_hand_finds_it() {
     let way = 0.2 * (1.0 - end.cos()) + 3.0 * (end - end.sin());
     assert!((found[0].time - 0.4).abs() < 1e-15 && found[0].displacement == 0.0, "{:?}", found[0]);
     assert!((found[1].time - 0.4 - end).abs() < 1e-13 && (found[1].displacement - way).abs() < 1e-12, "{:?}", found[1]);
-    // A sample on a line changes nothing, wherever it is: in a stick, in a slip, all but on an
-    // event.
+    // A further sample on a straight line changes nothing, wherever it is: in a stick, in a slip,
+    // or almost at an event.
     let times = vec![0.0, 0.1, 0.4, 0.4 + 1e-9, 1.7, 5.0, found[1].time, found[1].time + 1e-12, 9.0, 22.5, 40.0];
     let values = times.iter().map(|t| 0.5 * t).collect();
     let cut = measured(model, times, values);
@@ -93,22 +93,22 @@ fn a_ramp_ends_sticks_and_slips_where_a_hand_finds_it() {
     assert_alike(&quasi_static(&cut), &quasi_static(&ramp), 1e-10);
 }
 
-/// Samples that go up and down as they like.
+/// Samples that go up and down irregularly.
 fn zigzag(n: usize, step: f64, size: f64) -> (Vec<f64>, Vec<f64>) {
     let times = (0..=n).map(|i| i as f64 * step).collect();
     let values = (0..=n).map(|i| size * (1.3 * (i as f64).sin() + 0.9 * (0.37 * (i * i) as f64).cos())).collect();
     (times, values)
 }
 
-/// (x, v) and its rate on a line of T, with friction along `eps`.
+/// The rate of change of (x, v) on a straight line of T, with friction in the direction `eps`.
 fn rate(model: &Model, (from, to): ((f64, f64), (f64, f64)), eps: f64, t: f64, [x, v]: [f64; 2]) -> [f64; 2] {
     let temperature = from.1 + (to.1 - from.1) * ((t - from.0) / (to.0 - from.0));
     let force = model.oscillator.force(temperature, x, v);
     [v, (force - eps * model.friction.dynamic_force) / model.oscillator.mass]
 }
 
-/// The cascade by Runge and Kutta's fourth order, `steps` to each line: where an event is, the step
-/// is halved towards it.
+/// The cascade by the Runge-Kutta method of fourth order with `steps` steps on each line. Where an
+/// event is, the step is halved until it is found.
 fn integrated(model: &Model, steps: u32) -> Vec<(f64, f64)> {
     let series = model.temperature.series.as_ref().expect("a series");
     let f_s = model.friction.static_force;
@@ -132,7 +132,7 @@ fn integrated(model: &Model, steps: u32) -> Vec<(f64, f64)> {
             let mean = |i: usize| (a[i] + 2.0 * b[i] + 2.0 * c[i] + d[i]) / 6.0;
             add([mean(0), mean(1)], h)
         };
-        // Whether the phase is over.
+        // Whether the phase has ended.
         let is_over =
             |eps: f64, t: f64, y: [f64; 2]| if eps == 0.0 { force(t, y[0]).abs() > f_s } else { eps * y[1] < 0.0 };
         let h = (line.1.0 - line.0.0) / f64::from(steps);
@@ -160,8 +160,8 @@ fn integrated(model: &Model, steps: u32) -> Vec<(f64, f64)> {
     found
 }
 
-/// The event-driven scheme over kinks of the forcing, damped and not, against the equation of
-/// motion. 2000 steps a line of length 0.7 have an error of (3.5e-4)^4.
+/// The event-driven scheme at kinks of the forcing, damped and undamped, compared with the equation
+/// of motion. 2000 steps on a line of length 0.7 have an error of (3.5e-4)^4.
 #[test]
 fn slips_over_kinks_are_those_of_the_equation_of_motion() {
     for damping in [0.0, 0.15, 1.4] {
@@ -183,7 +183,7 @@ fn slips_over_kinks_are_those_of_the_equation_of_motion() {
     }
 }
 
-/// The discrete scheme against a plain loop, with T looked up sample by sample.
+/// The discrete scheme compared with a plain loop that interpolates T between the samples.
 #[test]
 fn the_discrete_scheme_samples_the_series_at_its_steps() {
     let (times, values) = zigzag(40, 0.77, 1.0);
@@ -210,8 +210,8 @@ fn the_discrete_scheme_samples_the_series_at_its_steps() {
     }
 }
 
-/// A series of zeros on top of a scene with noise is that scene: bit for bit, because it draws no
-/// random number, and its cells end where those of the scene do.
+/// A series of zeros added to a scene with noise changes no bit: it draws no random number, and its
+/// cells end where those of the scene do.
 #[test]
 fn a_series_of_zeros_changes_no_bit() {
     let plain = paper(0.25, 0.25);
@@ -233,12 +233,13 @@ fn a_series_of_zeros_changes_no_bit() {
     assert_eq!(a, b);
 }
 
-/// A series under noise: event-driven against the corrected discrete scheme.
+/// A series under noise, event-driven and with the corrected discrete scheme.
 ///
-/// Null: the same law, but for 0.4 % that the discrete scheme's step of 2.5e-4 leaves in stick
-/// durations (0.17 h/return time, 0.24 % in the paper's scene). 40 000 paths against 20 000; five
-/// comparisons that fail by chance once in 1e4 each. Twice the slope of the series in the
-/// event-driven scheme moves every one of them by over ten standard errors.
+/// Null hypothesis: both have the same law, up to 0.4 % that the step of 2.5e-4 of the discrete
+/// scheme leaves in stick durations (0.17 h/return time, 0.24 % in the scene of the paper). Sample
+/// size: 40 000 and 20 000 paths. False-alarm rate: 1e-4 for each of five comparisons. Twice the
+/// slope of the series in the event-driven scheme would move each of them by over ten standard
+/// errors.
 #[test]
 fn a_series_under_noise_has_the_law_of_the_discrete_scheme() {
     let (times, values) = zigzag(12, 1.1, 0.6);
@@ -262,14 +263,15 @@ fn a_series_under_noise_has_the_law_of_the_discrete_scheme() {
     }
 }
 
-/// Noise that is pinned: zero at samples, and in between a bridge of the Ornstein-Uhlenbeck
-/// process, under a corridor that is left now and then.
+/// Pinned noise: zero at the samples and, between them, a bridge of the Ornstein-Uhlenbeck process.
+/// The corridor is so narrow that it is left now and then.
 ///
-/// Null: the noise that T shows on top of the series has mean 0 and variance sinh(theta s)
-/// sinh(theta (d - s)) rho^2 sigma^2/(theta sinh(theta d)) a time s after a sample, d = 1.5 apart,
-/// and is uncorrelated across a sample. 40 000 paths, whose variances are known to 0.7 %; 28
-/// comparisons at 4.5 standard errors, false alarm 2e-4 in all. Free noise has twice the variance
-/// in the middle and more at the end. A slip depends on the noise, and the noise on no slip.
+/// Null hypothesis: the noise in T, which is T less the series, has mean 0 and variance sinh(theta
+/// s) sinh(theta (d - s)) rho^2 sigma^2/(theta sinh(theta d)) at a time s after a sample, where
+/// samples are d = 1.5 apart, and is uncorrelated across a sample. Slips depend on the noise, and
+/// the noise does not depend on slips. Sample size: 40 000 paths, whose variances are known to 0.7
+/// %. False-alarm rate: 2e-4 for all 28 comparisons together, at 4.5 standard errors. Free noise
+/// would have twice the variance in the middle and more at the end.
 #[test]
 fn pinned_noise_is_a_bridge_from_sample_to_sample() {
     let mut model = measured(paper(0.25, 0.25), vec![0.0, 1.5, 3.0], vec![1.0, 1.1, 0.7]);
@@ -310,8 +312,8 @@ fn pinned_noise_is_a_bridge_from_sample_to_sample() {
 }
 
 /// The recursion of the bridge: n = ceil((|T - xi| - A)/G) jumps of G between two samples, whatever
-/// the way there. A slip of the scheme lasts 0.07 s, and samples are 600 s apart, so that its slips
-/// come in the same pieces, as many, and end at the same place.
+/// T does between them. A slip of the scheme lasts 0.07 s and samples are 600 s apart. So there are
+/// as many slips between the same samples, and they end at the same place.
 #[test]
 fn slips_of_a_bridge_are_those_of_the_recursion_between_samples() {
     let scenario = Scenario::shipped("bridge").expect("sound");
@@ -330,17 +332,17 @@ fn slips_of_a_bridge_are_those_of_the_recursion_between_samples() {
     let slips: Vec<&Event> = found.iter().filter(|event| matches!(event.kind, EventKind::SlipStarted(_))).collect();
     let pieces: Vec<usize> = slips.iter().map(|event| series.piece(event.time)).collect();
     assert_eq!(pieces, wanted);
-    // 27 slips in this month: the truth of the synthetic bridge.
+    // The synthetic bridge has 27 slips in this month.
     assert_eq!(wanted.len(), 27);
     let end = found.iter().rev().find(|event| event.kind == EventKind::StickEntered).expect("a stick").displacement;
     assert!((end - beta * xi).abs() < 1e-13, "{end} {}", beta * xi);
-    // The exits are where the line of T meets a threshold, to rounding.
+    // The exits are where the straight line of T meets a threshold, up to rounding.
     for slip in &slips {
         let b = k * (beta * series.at(slip.time) - slip.displacement);
         assert!((b.abs() - model.friction.static_force).abs() < 1e-6 * model.friction.static_force, "{slip:?} {b}");
     }
-    // The event-driven scheme, which takes nothing to stand still, agrees: slips of the same
-    // pieces.
+    // The event-driven scheme, which does not assume that T stands still during a slip, has slips
+    // between the same samples.
     let exact = events(&EventDrivenSimulation::new(model, &scenario.timeline(), TOLERANCE));
     let slips = exact.iter().filter(|event| matches!(event.kind, EventKind::SlipStarted(_)));
     assert_eq!(slips.map(|event| series.piece(event.time)).collect::<Vec<_>>(), wanted);

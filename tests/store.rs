@@ -1,5 +1,5 @@
-//! The store from outside: what is written comes back, bad files are refused by name, and a full
-//! disk is no crash.
+//! The store from outside: what is written is read back, damaged files are refused by name, and a
+//! full disk causes no crash.
 
 mod synthetic;
 
@@ -10,7 +10,8 @@ use stick_slip::stats::{Ends, Estimate, Histogram, PeriodMoments, Record, Statis
 use stick_slip::store::{StoreError, Writer, check_space, partial_path, read};
 use synthetic::{Block, EVERYTHING, NOTHING, block, header, summary, write};
 
-/// NaN is not equal to itself, but it prints the same; and `{:?}` of a number is exact.
+/// Compares as text: NaN does not equal itself but prints the same, and `{:?}` prints every digit
+/// of a number.
 fn assert_same<T: std::fmt::Debug>(left: &T, right: &T) {
     assert_eq!(format!("{left:?}"), format!("{right:?}"));
 }
@@ -78,8 +79,8 @@ fn a_summary_of_nothing_comes_back() {
 #[test]
 fn data_do_not_depend_on_the_size_of_blocks() {
     let folder = tempfile::tempdir().unwrap();
-    // More paths than a chunk has rows, so that whole chunks, a chunk in two pieces and a last
-    // incomplete one occur.
+    // There are more paths than rows in a chunk, so that whole chunks, a chunk in two pieces and a
+    // last incomplete one occur.
     let paths = 20_000;
     let targets = [256, 17_000, paths].map(|size| {
         let target = folder.path().join(format!("{size}.h5"));
@@ -116,7 +117,8 @@ fn an_interrupted_run_says_how_far_it_came() {
     assert_eq!(reals(&target, "path_stick_time").len(), 300);
 }
 
-/// Two at a time cannot make one file, and whoever gives up leaves nothing behind.
+/// Two writers cannot make one file at the same time, and a writer that gives up leaves nothing
+/// behind.
 #[test]
 fn a_file_is_made_by_one_at_a_time_and_given_up_without_a_trace() {
     let folder = tempfile::tempdir().unwrap();
@@ -133,8 +135,8 @@ fn a_file_is_made_by_one_at_a_time_and_given_up_without_a_trace() {
     Writer::create(&target, &header(1000), &NOTHING, false).unwrap();
 }
 
-/// Whatever has the name of the folder and is not ours stays, and so does a file that has the name
-/// of the target by the end.
+/// A file of others with the name of the folder stays, and so does a file that has the name of the
+/// target at the end.
 #[test]
 fn nothing_of_others_is_replaced() {
     let folder = tempfile::tempdir().unwrap();
@@ -207,7 +209,7 @@ fn a_missing_folder_and_one_that_cannot_be_written_are_named() {
     let folder = tempfile::tempdir().unwrap();
     let error = Writer::create(&folder.path().join("no/run.h5"), &header(1), &NOTHING, false).unwrap_err();
     assert!(matches!(error, StoreError::NoFolder { .. }) && error.to_string().contains("run.h5"), "{error}");
-    // Not even the superuser may make files here.
+    // Not even the superuser can make files here.
     let error = Writer::create(Path::new("/proc/self/run.h5"), &header(1), &NOTHING, false).unwrap_err();
     assert!(matches!(error, StoreError::NotCreated { .. }) && error.to_string().contains("run.h5"), "{error}");
     let error = check_space(&folder.path().join("no"), 1).unwrap_err();
@@ -222,8 +224,8 @@ fn a_run_that_does_not_fit_is_refused_before_it_starts() {
     assert!(matches!(error, StoreError::TooLittleSpace { .. }), "{error}");
 }
 
-/// How fast rows reach the disk, in the sizes of a real run: `cargo test --release --test store
-/// speed -- --ignored --nocapture`.
+/// Measures how fast rows are written to the disk, with the sizes of a real run: `cargo test
+/// --release --test store speed -- --ignored --nocapture`.
 #[test]
 #[ignore = "a measurement, not a check"]
 fn speed_of_writing() {
@@ -248,9 +250,9 @@ fn speed_of_writing() {
     }
 }
 
-/// A file of every kind comes back, and has the rows that were asked for and no others. Readers of
-/// other languages find them where `STORE_SAMPLES=DIR cargo test --test store every_kind` puts
-/// them.
+/// A file of every kind is read back, and has the rows that were asked for and no others.
+/// `STORE_SAMPLES=DIR cargo test --test store every_kind` writes these files to DIR, for readers in
+/// other languages.
 #[test]
 fn a_file_of_every_kind_comes_back_with_the_rows_it_was_asked_for() {
     let temporary = tempfile::tempdir().unwrap();

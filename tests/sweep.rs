@@ -1,4 +1,4 @@
-//! Sweeps: points that are runs, differences whose errors are those of common noise.
+//! Sweeps: points equal single runs, and differences have the errors of common noise.
 
 use std::convert::Infallible;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -15,7 +15,7 @@ fn scenario(name: &str, set: &[&str]) -> Scenario {
     Scenario::read(path.as_ref(), &overrides).expect("a sound scenario")
 }
 
-/// A sweep of it over some axes.
+/// A sweep of a shipped scenario over some axes.
 fn sweep(name: &str, set: &[&str], axes: &[&str], seeds: Seeds) -> Sweep {
     let axes = axes.iter().map(|axis| Axis::parse(axis, |_| None).expect("an axis")).collect();
     let design = Design::of(axes, false).expect("a design");
@@ -31,7 +31,7 @@ fn question(name: &str, set: &[&str], design: Design, seeds: Seeds) -> Sweep {
     Sweep::new(Question::new(scenario(name, set), design, points, seeds, true))
 }
 
-/// Simulate it on so many threads, to the end.
+/// Simulates a sweep to its end on so many threads.
 fn simulated(mut sweep: Sweep, threads: usize) -> Sweep {
     let stop = AtomicBool::new(false);
     let simulation = Simulation { threads, stop: &stop, progress: &mut () };
@@ -41,7 +41,7 @@ fn simulated(mut sweep: Sweep, threads: usize) -> Sweep {
 }
 
 fn bits(x: f64) -> u64 {
-    // No number is no number, whatever its bits.
+    // All NaNs count as equal.
     if x.is_nan() { 0 } else { x.to_bits() }
 }
 
@@ -50,7 +50,7 @@ fn estimate_bits(e: &Estimate) -> Vec<u64> {
     [e.estimate, e.standard_error, e.low, e.high, bias[0], bias[1]].map(bits).to_vec()
 }
 
-/// All but the time that it took.
+/// The bits of a point, without its CPU time.
 fn point_bits(point: &Point) -> Vec<u64> {
     let mut all: Vec<u64> = point.estimates.iter().flat_map(estimate_bits).collect();
     all.extend(point.without.iter().flatten().copied().map(bits));
@@ -89,7 +89,8 @@ fn no_bit_depends_on_threads_or_on_where_a_sweep_was_interrupted() {
     for threads in [2, 3, 8, 32] {
         assert_eq!(sweep_bits(&simulated(sweep(), threads)), sweep_bits(&whole), "{threads} threads");
     }
-    // Stopped after each point, and continued by another process, which starts with what was told.
+    // The sweep is stopped after each point and continued by another process, which starts with the
+    // points that are done.
     let mut parts = sweep();
     let mut stops = 0;
     while !parts.is_complete() {
@@ -106,10 +107,11 @@ fn no_bit_depends_on_threads_or_on_where_a_sweep_was_interrupted() {
     assert_eq!(sweep_bits(&parts), sweep_bits(&whole));
 }
 
-/// Null: the error of a mean that follows from the groups is the one that the run tells of its
-/// units: 31 degrees of freedom know it to 13 %, and four of these are allowed (false-alarm rate
-/// 6e-5 each). Groups that parted the pairs would be off by 2.6 for the displacement, which
-/// antithetic noise makes so much surer.
+/// Null hypothesis: the error of a mean that follows from the groups equals the one that the run
+/// reports from its independent units. The groups determine it to 13 % (31 degrees of freedom), of
+/// which four are allowed. False-alarm rate: 6e-5 for each comparison. Groups that separated the
+/// paths of pairs would be off by a factor of 2.6 for the displacement, for which antithetic noise
+/// reduces the error most.
 #[test]
 fn groups_tell_the_errors_that_a_run_tells_also_of_antithetic_pairs() {
     for antithetic in ["false", "true"] {
@@ -139,8 +141,8 @@ fn independent_points_have_seeds_of_their_own() {
     assert_eq!(seeds, [1, 2, 3]);
 }
 
-/// The statistics whose paired errors are held against what many seeds do: means, ratios, a spread,
-/// a slope, a median.
+/// The statistics whose paired errors are compared with the scatter over many seeds: means, ratios,
+/// a standard deviation, a slope, a median.
 const HELD: [Statistic; 8] = [
     Statistic::StickDurationMean,
     Statistic::StickDurationMedian,
@@ -152,7 +154,7 @@ const HELD: [Statistic; 8] = [
     Statistic::JumpAbsMean,
 ];
 
-/// What a number comes to over many seeds, beside what each says of its own error.
+/// The estimates of a number for many seeds, with the error and interval of each.
 #[derive(Default)]
 struct Seen {
     estimates: Vec<f64>,
@@ -161,8 +163,8 @@ struct Seen {
 }
 
 impl Seen {
-    /// The share of intervals that hold the mean over all seeds, and the mean square of the errors
-    /// over the variance of the estimates.
+    /// The share of intervals that hold the mean over all seeds; and the mean square of the errors
+    /// divided by the variance of the estimates.
     fn coverage_and_ratio(&self) -> (f64, f64) {
         let n = self.estimates.len() as f64;
         let mean = self.estimates.iter().sum::<f64>() / n;
@@ -171,12 +173,13 @@ impl Seen {
         (held / n, self.errors.iter().map(|e| e * e).sum::<f64>() / n / variance)
     }
 
-    /// Null: intervals hold the truth, here the mean over all seeds, in 95 % of 500 seeds. The
-    /// share is within four binomial standard deviations, 3.9 %, and 1.5 % for the skewness of 320
-    /// paths, but for a false-alarm rate of 6e-5. The mean square of the error is the variance to
-    /// four times the 6.3 % to which 500 seeds know it, and 10 % for what a jackknife of ratios
-    /// overstates. Twice the error holds 99.99 % and has four times the variance; half of it holds
-    /// 68 %.
+    /// Null hypothesis: intervals hold the truth, here the mean over all seeds, with 95 %, and the
+    /// mean square of the reported errors is the variance of the estimates. Sample size: 500 seeds.
+    /// Bounds: for the share, four binomial standard deviations, 3.9 %, and 1.5 % for the skewness
+    /// of 320 paths; for the ratio, four times the 6.3 % to which 500 seeds determine it, and 10 %
+    /// by which a jackknife overestimates the error of ratios. False-alarm rate: 6e-5 for each.
+    /// With twice the error 99.99 % would hold, and the ratio would be 4; with half of it 68 %
+    /// would hold.
     fn check(&self, what: &str) {
         let (coverage, ratio) = self.coverage_and_ratio();
         println!("{what}: holds {:.1} %, error^2 over variance {ratio:.3}", 100.0 * coverage);
@@ -214,7 +217,7 @@ fn paired_intervals_of_differences_and_elasticities_hold_what_many_seeds_show() 
     }
 }
 
-/// The points of a star of one key as a line: the centre, below, above.
+/// The points of a star of one key as a line: the centre, below it, above it.
 fn line() -> Design {
     let axis = Axis { name: "rho".into(), key: "rho".into(), values: vec![1.0, 2.0, 3.0] };
     Design::of(vec![axis], false).expect("a line")

@@ -11,7 +11,7 @@ use std::process::Output;
 
 const SCENARIO: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenarios/rho025.toml");
 
-/// Six points of 1024 short paths.
+/// A sweep of six points with 1024 short paths each.
 const SMALL: [&str; 9] = [
     "sweep",
     SCENARIO,
@@ -41,14 +41,13 @@ fn done(output: &Output) {
     assert_eq!(output.status.code(), Some(0), "{}", err(output));
 }
 
-/// The bits of every number of a file that equal sweeps have in common: all but the time that they
-/// took.
+/// The bits of all numbers that equal sweeps have in common, which are all but the CPU times.
 fn numbers(path: &Path) -> Vec<(String, Vec<u64>)> {
     let file = File::open(path).expect("an HDF5 file");
     let names = file.member_names().expect("a root group").into_iter().filter(|name| name != "point_seconds");
     let bits = |name: String| {
         let dataset = file.dataset(&name).expect("a variable");
-        // No number is no number, whatever its bits.
+        // All NaNs count as equal.
         let bits = |x: &f64| if x.is_nan() { 0 } else { x.to_bits() };
         let values = dataset.read_raw::<f64>().map(|values| values.iter().map(bits).collect());
         (name, values.unwrap_or_default())
@@ -69,7 +68,7 @@ fn completed_points(path: &Path) -> u64 {
 fn a_sweep_that_was_interrupted_and_killed_goes_on_to_the_same_numbers() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let here = folder.path();
-    // Long enough to be interrupted: 6e9 steps, some seconds.
+    // The sweep takes some seconds, 6e9 steps, so that it can be interrupted.
     let long = [&SMALL[..], &["--step", "0.00002", "-o", "parts.h5", "--threads", "2", "--no-bias"]].concat();
     let partial = here.join("parts.h5.partial");
     let mut first = Running::mc(here, &long);
@@ -191,7 +190,7 @@ fn a_dry_run_says_points_paths_time_and_disk_and_writes_nothing() {
     assert!(text.contains("1 024 at each point, 18 432 in all"), "{text}");
     assert!(text.contains("time    about") && text.contains("disk    about"), "{text}");
     assert_eq!(std::fs::read_dir(folder.path()).expect("a folder").count(), 0);
-    // What it says of the disk is what the file takes, within a fifth.
+    // The announced size is that of the file, to within a fifth.
     done(&sweep(folder.path(), &["--vary", "friction.static=log:1.2:2.4:3", "-o", "s.h5", "--no-bias"]));
     let size = std::fs::metadata(folder.path().join("s.h5")).expect("a file").len() as f64;
     let said = stick_slip::store::sweep_bytes(&{
@@ -202,7 +201,7 @@ fn a_dry_run_says_points_paths_time_and_disk_and_writes_nothing() {
     assert!((0.8..1.25).contains(&(said as f64 / size)), "{said} said, {size} taken");
 }
 
-/// A point of the file, read by the names of its axes, is what `mc run` says there.
+/// A point of the file, read by the names of its axes, has the numbers that `mc run` gives there.
 #[test]
 fn a_point_of_the_file_is_the_run_that_mc_run_makes() {
     let folder = tempfile::tempdir().expect("a temporary folder");
@@ -243,8 +242,8 @@ fn show_prints_a_sweep_again_and_csv_has_a_line_for_each_statistic_of_each_point
     assert_eq!(refused.status.code(), Some(2), "{}", out(&refused));
 }
 
-/// A difference of independent runs is within 1.96 errors in quadrature, but for chance: of these
-/// seeds it is.
+/// Two equal scenes with different seeds must not differ by more than 1.96 combined errors. This
+/// fails by chance for one pair of seeds in twenty; with these seeds it holds.
 #[test]
 fn show_puts_several_runs_beside_each_other() {
     let folder = tempfile::tempdir().expect("a temporary folder");

@@ -1,5 +1,5 @@
-//! What `mc trade` promises, against closed forms, against the values of another event-driven
-//! program, and against what runs then do.
+//! The predictions of `mc trade` compared with closed forms, with the values of another
+//! event-driven program, and with actual runs.
 
 #[path = "common/command.rs"]
 mod command;
@@ -25,8 +25,8 @@ fn shipped(name: &str) -> Scenario {
 
 const TWO_THREADS: usize = 2;
 
-/// A few seconds of the paper's noisy scene. The costs are fixed, so that no choice depends on the
-/// machine: 1.2 ns a step, 30 us an event-driven path.
+/// A pilot run of a few seconds on the noisy scene of the paper. The costs are fixed, so that no
+/// choice depends on the machine: 1.2 ns for a step, 30 us for an event-driven path.
 static PILOT: LazyLock<Trade> = LazyLock::new(|| {
     let scenario = shipped("rho025");
     let effort = Effort { steps: 7, coupled_paths: 5120, free_paths: vec![1024, 8192, 1024, 32_768], timing: 0.0 };
@@ -41,8 +41,8 @@ static PILOT: LazyLock<Trade> = LazyLock::new(|| {
 
 use Statistic::{StickDurationMean, StickingFraction, SticksPerPath, SubPhasesMean};
 
-/// The value of another program, and its standard error (tests/reference/noisy.c, relative errors
-/// below 6e-4).
+/// The value of another program, and its standard error (tests/reference/noisy.c, with relative
+/// errors below 6e-4).
 fn truth(statistic: Statistic) -> (f64, f64) {
     reference::limit(statistic.name())
 }
@@ -62,12 +62,13 @@ fn rmse(choice: &Choice, statistic: Statistic, runs: u64) -> f64 {
     ((0..runs).map(square).sum::<f64>() / runs as f64).sqrt()
 }
 
-/// What was promised is found. Null: the root mean square error is at most `target`, and no less
-/// than what remains of it if the bias, of which the choice knows an upper bound U only, is zero:
-/// sqrt(target^2 - U^2). From M runs it is known to 1/sqrt(2M), relative (a chi-square of M degrees
-/// of freedom), of which four are allowed, and 3 % for the pilot's own error of the variance:
-/// false-alarm rate below 1e-4. Half or twice the paths change it by 1.41, which 100 runs see with
-/// a play of 0.31.
+/// A choice has the predicted error. Null hypothesis: the root mean square error is at most
+/// `target`, and at least sqrt(target^2 - U^2), which is what remains if the true bias, of which
+/// the choice knows only an upper bound U, is zero. Sample size: M = `runs` runs, from which the
+/// error is known to a relative 1/sqrt(2M) (a chi-square of M degrees of freedom). Bounds: four
+/// times this, and 3 % for the error of the variance in the pilot run. False-alarm rate: below
+/// 1e-4. Half or twice the paths change the error by a factor of 1.41, which 100 runs find with
+/// bounds of 0.31.
 #[track_caller]
 fn keeps_its_promise(choice: &Choice, statistic: Statistic, target: f64, runs: u64) {
     let ratio = rmse(choice, statistic, runs) / target;
@@ -96,8 +97,8 @@ fn the_recommended_run_has_the_error_it_was_recommended_for() {
     }
 }
 
-/// Here the promise rests on the bias: of the discrete VI by the law, at a step that the pilot did
-/// not run.
+/// This prediction depends on the bias, which for the discrete VI follows from the law, at a step
+/// that the pilot run did not simulate.
 #[test]
 fn so_has_the_best_run_of_a_scheme_with_a_step() {
     let discrete = PILOT.best(Some(Kind::DiscreteVi), &[StickDurationMean], 0.05).expect("a choice");
@@ -107,7 +108,8 @@ fn so_has_the_best_run_of_a_scheme_with_a_step() {
     keeps_its_promise(&corrected, StickDurationMean, 0.02, 200);
 }
 
-/// Several statistics at once: each is within the target, and the decisive one asked for the paths.
+/// With several statistics each is within the target, and the most demanding one determines the
+/// number of paths.
 #[test]
 fn a_run_for_several_statistics_suits_the_most_demanding() {
     let all = [StickDurationMean, SticksPerPath, StickingFraction, SubPhasesMean];
@@ -118,8 +120,8 @@ fn a_run_for_several_statistics_suits_the_most_demanding() {
     keeps_its_promise(&together, StickingFraction, 0.01, 100);
 }
 
-/// Theory: order 1/2 for the discrete VI, 1 for the corrected one. The errors of the fits are below
-/// 0.05 and 0.3.
+/// In theory the order is 1/2 for the discrete VI, and 1 for the corrected one. The errors of the
+/// fits are below 0.05 and 0.3.
 #[test]
 fn the_ladder_sees_the_orders() {
     let order = |scheme| PILOT.law(scheme, StickDurationMean).expect("a law").order;
@@ -129,8 +131,8 @@ fn the_ladder_sees_the_orders() {
     assert!(corrected.value - 2.0 * corrected.error < 2.0 && corrected.value > 0.9, "{corrected:?}");
 }
 
-/// The biases at the pilot's steps are those against the other program's value: four standard
-/// errors.
+/// The biases at the steps of the pilot run agree with those relative to the value of the other
+/// program, to within four standard errors.
 #[test]
 fn biases_are_those_against_another_program() {
     for statistic in [StickDurationMean, SticksPerPath, StickingFraction, SubPhasesMean] {
@@ -144,7 +146,7 @@ fn biases_are_those_against_another_program() {
     }
 }
 
-/// Everything but the costs is the same for any number of threads.
+/// Everything except the costs is the same for any number of threads.
 #[test]
 fn a_measurement_is_reproducible() {
     let scenario = shipped("damped");
@@ -154,14 +156,14 @@ fn a_measurement_is_reproducible() {
     let (one, three) = (run(1), run(3));
     assert_eq!(one.rungs.len(), 9);
     for (a, b) in one.rungs.iter().zip(&three.rungs) {
-        // As text, in which a number that does not exist is equal to itself.
+        // Compared as text, in which a number that does not exist equals itself.
         let (a, b) = ((a.scheme, a.paths, &a.estimates, &a.changes), (b.scheme, b.paths, &b.estimates, &b.changes));
         assert_eq!(format!("{a:?}"), format!("{b:?}"));
     }
 }
 
-/// Rungs put together by hand: value 1, variance v a path, bias C h^p, cost a/h; an exact reference
-/// of cost 1 s.
+/// Synthetic rungs with value 1, variance v per path, bias C h^p and cost a/h, and an exact
+/// reference of cost 1 s.
 fn synthetic(c: f64, p: f64, v: f64, a: f64) -> Trade {
     const PATHS: u64 = 1 << 54; // so many that errors vanish
     let estimate = |value: f64| {
@@ -193,9 +195,10 @@ fn synthetic(c: f64, p: f64, v: f64, a: f64) -> Trade {
     Trade { rungs, reference, left_out, pairing, is_random: true, has_limitless_phases: false }
 }
 
-/// Pairs with a seventh of the variance are chosen, with a seventh of the paths and rounded up to
-/// whole pairs; where one of two statistics would need more paths, or where little is gained, paths
-/// stay independent. N = v/eps^2 with v = 300, eps = 0.01, of the reference without bias.
+/// Antithetic pairs with a seventh of the variance are chosen, with a seventh of the paths, rounded
+/// up to whole pairs. If one of two statistics would need more paths, or if little is gained, paths
+/// stay independent. The number of paths for the reference without bias is N = v/eps^2 with v =
+/// 300, eps = 0.01.
 #[test]
 fn antithetic_pairs_are_chosen_where_they_pay() {
     let mut trade = synthetic(0.8, 0.5, 300.0, 1e-6);
@@ -221,9 +224,9 @@ fn antithetic_pairs_are_chosen_where_they_pay() {
     assert_eq!(chosen(&trade, &[loses]), (true, all.next_multiple_of(2)));
 }
 
-/// With bias C h^p, cost a/h and variance v a path, N a/h = a v/(h (eps^2 - C^2 h^2p)) is least
-/// where C h^p = eps/sqrt(2p + 1). The ladder's nearest steps cost at most 13 % (p = 1/2) or 19 %
-/// (p = 1) more. Beyond the ladder the law has an error, which counts as bias: 40 %.
+/// With bias C h^p, cost a/h and variance v per path, the cost N a/h = a v/(h (eps^2 - C^2 h^2p))
+/// is least where C h^p = eps/sqrt(2p + 1). The nearest steps of the ladder cost at most 13 % (p =
+/// 1/2) or 19 % (p = 1) more. Beyond the ladder the law has an error, which counts as bias: 40 %.
 #[test]
 fn the_cheapest_step_is_that_of_the_closed_form() {
     let (c, v, a) = (0.8, 300.0, 1e-6);
@@ -244,13 +247,13 @@ fn the_cheapest_step_is_that_of_the_closed_form() {
         let choice = trade.best(Some(Kind::DiscreteVi), &[Statistic::SticksPerPath], eps).expect("a choice");
         let excess = choice.seconds / least(eps) - 1.0;
         assert!(!choice.is_measured && (0.0..beyond).contains(&excess), "{excess} {choice:?}");
-        // The reference costs 1 s a path, N = v/(eps^2 - 1e-10) = 300/(1e-4 (1 - 1e-6)).
+        // The reference costs 1 s for a path, and N = v/(eps^2 - 1e-10) = 300/(1e-4 (1 - 1e-6)).
         let exact = trade.best(Some(Kind::EventDriven), &[Statistic::SticksPerPath], 0.01).expect("a choice");
         assert_eq!(exact.paths, 3_000_004);
     }
 }
 
-/// Where nothing is random every path is the same: one is the answer, and its error is the bias.
+/// Without randomness every path is the same, so the choice is one path, and its error is the bias.
 /// `exact` is the duration of the first stick.
 #[track_caller]
 fn one_path_is_the_answer(scenario: &Scenario, exact: f64) -> Trade {
@@ -284,8 +287,7 @@ fn without_noise_one_path_is_the_answer() {
     assert_eq!(trade.standing(Statistic::DisplacementEndSd), Standing::Zero);
 }
 
-/// v relaxes from v(0) = 2 and nothing else happens: b = 3 (e^{-t} - 1) reaches -1.2 at t = -ln
-/// 0.6.
+/// v relaxes from v(0) = 2 without diffusion: b = 3 (e^{-t} - 1) reaches -1.2 at t = -ln 0.6.
 #[test]
 fn one_path_is_the_answer_where_the_noise_does_not_diffuse() {
     let mut scenario = shipped("rho025");
@@ -316,7 +318,7 @@ fn what_cannot_be_answered_says_why() {
     let drift = PILOT.standing(Statistic::DriftVelocity);
     assert!(matches!(drift, Standing::Deviation(_)), "{drift:?}");
     assert_eq!(PILOT.best(Some(Kind::QuasiStatic), &[Statistic::SticksPerPath], 0.1), Err(Refusal::NotRun));
-    // What 5120 paths say of the bias at the finest step is too little for 1e-5.
+    // 5120 paths do not determine the bias at the finest step well enough for an accuracy of 1e-6.
     let refused = PILOT.best(Some(Kind::EventDriven), &[Statistic::SticksPerPath], 1e-6);
     assert!(matches!(refused, Err(Refusal::Bias { .. })), "{refused:?}");
 }
@@ -361,7 +363,7 @@ fn the_command_leaves_a_table_a_file_and_two_pictures() {
     assert_eq!(shape("rung_bias"), [rungs, Statistic::ALL.len()]);
     assert_eq!(shape("predicted_seconds"), [3, Statistic::ALL.len(), 4]);
     let biases: Vec<f64> = file.dataset("rung_bias").and_then(|d| d.read_raw()).expect("numbers");
-    // what reads the JSON here may be off by a last place
+    // The parser of JSON that is used here may be off by the last digit.
     let shown = json["rungs"][0]["statistics"][0]["bias"].as_f64().expect("a number");
     assert!((biases[0] - shown).abs() <= 2.0 * f64::EPSILON * shown.abs(), "{} {shown}", biases[0]);
 
@@ -373,7 +375,7 @@ fn the_command_leaves_a_table_a_file_and_two_pictures() {
     }
     let table = mc(folder.path(), &["trade", RHO025, "--budget", "2s"]);
     let table = String::from_utf8_lossy(&table.stdout).into_owned();
-    // A command to paste is in one line, however long.
+    // A command to be pasted is in one line, however long it is.
     let is_narrow = |line: &str| line.contains("mc run") || line.chars().count() <= 120;
     assert!(table.lines().all(is_narrow), "{table}");
     assert!(table.contains("RMSE 0.01 %") && table.contains("mc run"), "{table}");

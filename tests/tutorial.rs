@@ -1,12 +1,12 @@
-//! The tutorial on a bearing: its commands run as they stand, one after another, and print what the
-//! page says.
+//! The tutorial on a bearing: its commands run one after another as they are printed on the page,
+//! and print what the page shows.
 
 use std::path::Path;
 use std::process::Command;
 
 const ROOT: &str = env!("CARGO_MANIFEST_DIR");
 
-/// The blocks of a page: language and text.
+/// The code blocks of a page: language and text.
 fn blocks(page: &str) -> Vec<(String, String)> {
     let mut blocks = Vec::new();
     let mut open: Option<(String, String)> = None;
@@ -21,7 +21,7 @@ fn blocks(page: &str) -> Vec<(String, String)> {
     blocks
 }
 
-/// What commands print, in a folder with the examples of the repository and `mc` on the path.
+/// The output of commands in a folder with the examples of the repository, with `mc` on the path.
 fn printed(commands: &str, folder: &Path) -> String {
     let bin = Path::new(env!("CARGO_BIN_EXE_mc")).parent().expect("a folder");
     let path = format!("{}:{}", bin.display(), std::env::var("PATH").expect("a path"));

@@ -1,7 +1,7 @@
-//! Two noises at once, against what does not know how the scheme adds them up.
+//! Two noises at once, compared with results that do not depend on how the scheme adds them.
 //!
-//! Rate of false alarms: each z below is compared with 4.5, which a normal exceeds once in 150 000
-//! times; there are 25 of them.
+//! False-alarm rate: each of 25 comparisons is made at 4.5 standard errors, which a normal number
+//! exceeds once in 150 000 times. Sample sizes are with each test; seeds are fixed.
 
 mod common;
 
@@ -31,9 +31,10 @@ fn assert_near(name: &str, got: f64, want: f64, error: f64) {
     assert!(z.abs() <= FALSE_ALARM, "{name}: {got} for {want} +- {error}");
 }
 
-/// Without friction the model is linear: the mean and the covariance of (x, x') are sums over what
-/// each noise does alone, which is one exact transition over the whole time. T is stationary noise
-/// around the harmonic. 60 000 paths; the end is inside a cell.
+/// Null hypothesis: without friction the model is linear, so the mean and the covariance of (x, x')
+/// are sums over the effects of each noise alone, each of which is one exact transition over the
+/// whole time; and T is stationary noise around the harmonic. Sample size: 60 000 paths, whose end
+/// is inside a cell.
 #[test]
 fn without_friction_both_noises_move_the_body_as_each_alone_would_in_sum() {
     let (end, paths) = (8.037, 60_000);
@@ -76,7 +77,7 @@ fn without_friction_both_noises_move_the_body_as_each_alone_would_in_sum() {
     assert_near("cov", mean(&|x, v, _| x * v), vx, (xx * vv + vx * vx).sqrt() / root);
 }
 
-/// x, x' and T at the end.
+/// Keeps x, x' and T at the end.
 #[derive(Default)]
 struct End(Vec<(f64, f64, f64)>);
 
@@ -89,7 +90,7 @@ impl stick_slip::scheme::Observer for End {
     }
 }
 
-/// A body that no harmonic moves, with unit gain, and f_s = 1.
+/// A body without harmonics, with K beta = 1 and f_s = 1.
 fn still(fast: Noise, slow: Noise) -> Model {
     let mut model = paper(0.25, 1.0);
     model.oscillator.dilatation = 1.0;
@@ -101,10 +102,11 @@ fn still(fast: Noise, slow: Noise) -> Model {
     model
 }
 
-/// When n1 + n2 first leaves [-1, 1], path by path, up to `end`: the scheme, and a loop of small
-/// steps whose thresholds are moved by 0.5826 s sqrt(step), which is what looking only now and then
-/// overlooks (Broadie, Glasserman, Kou, Mathematical Finance 7, 1997). One noise of hours and one
-/// of days, both stationary.
+/// Null hypothesis: the time at which n1 + n2 first leaves [-1, 1], up to `end`, has the same law
+/// in the scheme and in a loop of small steps. The thresholds of the loop are moved by 0.5826 s
+/// sqrt(step), which corrects for crossings between steps (Broadie, Glasserman and Kou,
+/// Mathematical Finance 7, 1997). One noise has a correlation time of hours and one of days; both
+/// are stationary. Sample size: 40 000 paths of each.
 #[test]
 fn the_sum_first_leaves_the_corridor_when_small_steps_say() {
     let (paths, end, step) = (40_000, 60.0, 2e-3);
@@ -125,7 +127,7 @@ fn the_sum_first_leaves_the_corridor_when_small_steps_say() {
         .map(|_| {
             let mut n = [fast, slow].map(|n| n.stationary_sd() * normals());
             let mut steps = 0;
-            // At the start nothing has been overlooked yet.
+            // At the start no step lies behind, so the threshold is not moved.
             while (n[0] + n[1]).abs() < if steps == 0 { 1.0 } else { corridor } && f64::from(steps) * step < end {
                 n = [moves[0].0 * n[0] + moves[0].1 * normals(), moves[1].0 * n[1] + moves[1].1 * normals()];
                 steps += 1;
@@ -145,7 +147,7 @@ fn the_sum_first_leaves_the_corridor_when_small_steps_say() {
     }
 }
 
-/// What is compared of a law of times, by name.
+/// A function of the time whose mean is compared, with its name.
 type Law = (&'static str, fn(f64) -> f64);
 
 fn laws() -> [Law; 5] {
@@ -176,8 +178,8 @@ fn first_exits(scheme: &impl Simulate, end: f64, paths: u64) -> Vec<f64> {
     all
 }
 
-/// Two noises of one relaxation rate are one noise, whose variance is the sum of both: in the
-/// paper's scene, 8000 paths a side.
+/// Null hypothesis: two noises of the same relaxation rate are one noise whose variance is the sum
+/// of both, in the scene of the paper. Sample size: 8000 paths on either side.
 #[test]
 fn two_noises_of_one_memory_are_one() {
     let one = paper(0.25, 0.25);

@@ -1,5 +1,5 @@
-//! `mc verify`: a file is as it was written, and holds what its scenario comes to; every number
-//! that was changed is named, although its checksum was made to fit.
+//! `mc verify`: a file is as it was written, and contains what its scenario gives. Every number
+//! that was changed is named, even if the checksum was made to fit.
 
 #[path = "common/command.rs"]
 mod command;
@@ -12,7 +12,7 @@ const RHO025: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenarios/rho025.toml
 const SHAW: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenarios/shaw.toml");
 const BRIDGE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenarios/viaduct.toml");
 
-/// Rows of every kind, and paths that do not fill their last block.
+/// A run with rows of every kind, whose last block is not full.
 const SCENE: &[&str] = &[
     "run",
     RHO025,
@@ -52,11 +52,11 @@ fn verified(here: &TempDir, more: &[&str]) -> serde_json::Value {
     serde_json::from_slice(&output.stdout).expect("JSON")
 }
 
-/// Change a file as a careful forger would: with a checksum that fits, or with none.
+/// Changes a file as a careful forger would: with a checksum that fits, or without one.
 fn forge(here: &TempDir, is_sealed: bool, change: impl FnOnce(&hdf5::File)) {
     let [path, other] = ["a.h5", "other.h5"].map(|name| here.path().join(name));
-    // Another file, because a process that another test has just started may still hold the lock of
-    // the one that was open here.
+    // The change is made in another file, because a process that another test has just started may
+    // still hold the lock of this one.
     fs::rename(&path, &other).expect("renamed");
     let file = hdf5::File::open_rw(&other).expect("HDF5");
     change(&file);
@@ -115,7 +115,7 @@ fn it_says_how_much_was_checked() {
     let said = text(&verify(&here, &["--blocks", "all"]).stdout);
     assert!(said.contains("simulated    12 of 12 blocks, 2 900 of 2 900 paths: all"), "{said}");
     assert!(said.contains("every statistic") && said.contains("bit for bit"), "{said}");
-    // Without rows there is nothing to hold a block against.
+    // Without rows of single paths there is nothing that a block could be compared with.
     let none = ["--set", "record.paths=false", "--set", "record.events=false", "--set", "record.trajectories=0"];
     let here = made(&[SCENE, &none].concat());
     let said = text(&verify(&here, &[]).stdout);
@@ -124,8 +124,8 @@ fn it_says_how_much_was_checked() {
     assert_eq!((&all["statistics_checked"], &all["paths_checked"]), (&true.into(), &2900.into()));
 }
 
-/// One value in the last bits, in every table of a file, in its statistics, and in what it says of
-/// itself.
+/// One value is changed in its last bits, in every table of a file, in its statistics, and in its
+/// attributes.
 #[test]
 fn whatever_was_changed_is_named_although_the_checksum_fits() {
     type Change = fn(&hdf5::File);
@@ -155,7 +155,7 @@ fn whatever_was_changed_is_named_although_the_checksum_fits() {
         assert_eq!(output.status.code(), Some(1), "{name}: {said}");
         assert!(named.iter().all(|named| said.contains(named)), "{name}: {said}");
     }
-    // The scenario itself: another one, of which the rows are not.
+    // The scenario itself is changed to one that does not give the rows.
     let here = made(SCENE);
     let edit = |file: &hdf5::File| {
         let attribute = file.attr("scenario").expect("there");
@@ -170,7 +170,7 @@ fn whatever_was_changed_is_named_although_the_checksum_fits() {
     assert!(text(&output.stderr).contains("path "), "{}", text(&output.stderr));
 }
 
-/// Values in a row of the trajectories.
+/// The number of values in a row of the trajectories.
 fn row(file: &hdf5::File) -> usize {
     file.dataset("time").expect("there").size()
 }

@@ -1,4 +1,5 @@
-//! Every operation of every instruction set against the scalar lane, bit for bit, small enough for Miri:
+//! Compares every operation of every instruction set with the scalar lane, bit for bit. The tests
+//! are small enough for Miri:
 //!
 //! ```text
 //! MIRIFLAGS=-Zmiri-disable-isolation RUSTFLAGS="-C target-feature=+avx2,+fma" \

@@ -1,21 +1,21 @@
-//! One random scenario, as the text that a user would write.
+//! One random scenario as TOML text, as a user would write it.
 
 use rand_distr::{Distribution, StandardUniform};
 use rand_pcg::Pcg64Dxsm;
 use rand_pcg::rand_core::SeedableRng;
 use std::fmt::Write as _;
 
-/// How the parameters are drawn.
+/// The distribution of the parameters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Family {
-    /// Each by itself, log-uniform over 24 decades, special values mixed in. Most such scenes are
-    /// absurd; that is the point.
+    /// Each parameter by itself, log-uniform over 24 decades, with special values mixed in. Most
+    /// such scenes are absurd, which is intended.
     Apart,
-    /// The dimensionless numbers around values where sticks and slips occur, the units at random.
+    /// Dimensionless numbers around values where sticks and slips occur, with random units.
     Together,
 }
 
-/// Random numbers of one scenario.
+/// The random numbers of one scenario.
 struct Draws(Pcg64Dxsm);
 
 impl Draws {
@@ -39,7 +39,8 @@ impl Draws {
         if self.chance(0.5) { 1.0 } else { -1.0 }
     }
 
-    /// 1e-12 to 1e12, or something worse.
+    /// A number from 1e-12 to 1e12, or sometimes a special value such as zero or the largest
+    /// double.
     fn parameter(&mut self) -> f64 {
         const SPECIAL: f64 = 0.04;
         match self.chance(SPECIAL) {
@@ -49,7 +50,7 @@ impl Draws {
     }
 }
 
-/// What a scenario is made of.
+/// The parameters of a scenario.
 #[derive(Default)]
 struct Parts {
     mass: f64,
@@ -58,9 +59,9 @@ struct Parts {
     dilatation: f64,
     static_force: f64,
     dynamic_force: f64,
-    /// Amplitude, angular frequency, phase.
+    /// Amplitude, angular frequency and phase of each harmonic.
     harmonics: Vec<(f64, f64, f64)>,
-    /// Intensity, relaxation rate, diffusion, v(0); none is the stationary law.
+    /// Intensity, relaxation rate, diffusion and v(0); without v(0) the start is stationary.
     noise: Option<(f64, f64, f64, Option<f64>)>,
     displacement: f64,
     step: f64,
@@ -68,7 +69,7 @@ struct Parts {
     paths: u64,
 }
 
-/// Most steps of a path.
+/// The most steps of a path.
 const MOST_STEPS: f64 = 1000.0;
 
 /// The scenario with this number.
@@ -118,7 +119,8 @@ fn apart(draws: &mut Draws) -> Parts {
 }
 
 fn together(draws: &mut Draws) -> Parts {
-    // In units of m, K and f_s: time 1/w0, length f_s/K, and the temperature whose force is f_s.
+    // The parameters are in units of m, K and f_s: times in units of 1/w0, lengths in units of
+    // f_s/K, and temperatures in units of that whose force is f_s.
     let ratio = if draws.chance(0.6) { draws.uniform() } else { draws.of([0.0, 1.0, 0.99, 0.8]) };
     let mut harmonics = Vec::new();
     while draws.chance(0.6) && harmonics.len() < 3 {
@@ -133,7 +135,7 @@ fn together(draws: &mut Draws) -> Parts {
         (1.0, theta, sd * (2.0 * theta).sqrt(), start)
     });
     let (steps, paths) = steps(draws);
-    // The units.
+    // The random units.
     let [m, k, force, degree] = [(); 4].map(|()| draws.decades(-4.0, 4.0));
     let (time, length) = ((m / k).sqrt(), force / k);
     let noise = noise.map(|(rho, theta, sigma, start)| {

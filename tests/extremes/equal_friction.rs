@@ -1,17 +1,18 @@
-//! f_s = f_d under noise: what has a limit as the resolution gets finer, and what is a property of
-//! the resolution.
+//! f_s = f_d under noise: which statistics have a limit as the resolution becomes finer, and which
+//! depend on the resolution.
 //!
-//! **How many sticks.** At a stick exit b = f_s = f_d: the slip starts without a push. Near the
-//! threshold b - f_d is a Brownian motion of intensity s = K beta rho sigma, so m x' is an
-//! integrated Brownian motion from rest. What the scheme does not resolve, a step h or a shortest
-//! slip, gives it a start of that scale, and the chance not to have come back to zero by t falls
-//! like (h/t)^{1/4} (McKean 1963; Sinai 1992): slips last t >> h with that tail. A stick ends when
-//! the Brownian motion is back at the threshold, with tail (h/t)^{1/2}; every exit starts afresh.
-//! Of N slips the longest takes h N^4, which fills the time T in which the force changes: N ~
-//! (T/h)^{1/4} sticks, while shares of time, positions and work are those of the long slips and
-//! have limits.
+//! **The number of sticks.** At a stick exit b = f_s = f_d, so the slip starts with zero net force.
+//! Near the threshold b - f_d is a Brownian motion of intensity s = K beta rho sigma, so m x' is an
+//! integrated Brownian motion that starts at rest. The resolution, which is a step h or a shortest
+//! slip h, gives it a start of that scale. The probability that it has not come back to zero by t
+//! then falls like (h/t)^{1/4} (McKean 1963; Sinai 1992), so that slips last t >> h with this tail.
+//! A stick ends when the Brownian motion is back at the threshold, with tail (h/t)^{1/2}, and every
+//! exit starts anew. Of N slips the longest takes h N^4. It fills the time T in which the force
+//! changes, so that N ~ (T/h)^{1/4}, while shares of time, positions and work are determined by the
+//! long slips and have limits.
 //!
-//! So sticks ~ h^{-1/4}, and likewise in the shortest slip that the event-driven scheme resolves.
+//! Therefore the number of sticks is proportional to h^{-1/4}, and likewise in the shortest slip
+//! that the event-driven scheme resolves.
 
 use super::common::estimate;
 use stick_slip::advice::{EqualFriction, Unresolved};
@@ -24,7 +25,8 @@ fn scenario(settings: &[(&str, String)]) -> Scenario {
     Scenario::read("scenarios/equal-friction.toml".as_ref(), &overrides).unwrap_or_else(|e| panic!("{e}"))
 }
 
-/// The weighted fit of ln(sticks) on ln(resolution): slope, its standard error, chi square.
+/// The weighted fit of ln(sticks) as a linear function of ln(resolution): slope, its standard
+/// error, chi square.
 fn exponent(rows: &[(f64, (f64, f64))]) -> (f64, f64, f64) {
     let points: Vec<_> = rows.iter().map(|(r, (n, e))| (r.ln(), n.ln(), (n / e).powi(2))).collect();
     let w: f64 = points.iter().map(|p| p.2).sum();
@@ -36,7 +38,7 @@ fn exponent(rows: &[(f64, (f64, f64))]) -> (f64, f64, f64) {
     (slope, sxx.sqrt().recip(), chi)
 }
 
-/// What has a limit.
+/// The statistics that have a limit.
 const SETTLED: [Statistic; 4] = [
     Statistic::StickingFraction,
     Statistic::DisplacementEndMean,
@@ -75,9 +77,11 @@ fn sticks_multiply_as_the_resolution_gets_finer_and_the_rest_settles() {
             (resolution.shortest_slip, scenario.plan().run(2))
         })
         .into();
-    // Null: equal up to the error of the step in what settles, below a standard error here. 10 runs
-    // against the finest of the second kind, 4 comparisons each at 3.9 combined standard errors
-    // (1e-4); fixed seed. Sticks differ by a factor 44 meanwhile.
+    // Null hypothesis: the statistics with a limit are equal for every resolution, up to the error
+    // of the step, which here is below a standard error. Sample size: 10 runs compared with the one
+    // of the finest tolerance, fixed seed. False-alarm rate: 1e-4 for each of 4 comparisons in a
+    // run, at 3.9 combined standard errors. The numbers of sticks differ by a factor of 44
+    // meanwhile.
     let (_, finest) = &by_tolerance[4];
     for (resolution, summary) in by_step.iter().chain(&by_tolerance[..4]) {
         for statistic in SETTLED {
@@ -90,13 +94,13 @@ fn sticks_multiply_as_the_resolution_gets_finer_and_the_rest_settles() {
         let rows: Vec<_> = runs.iter().map(|(r, summary)| (*r, estimate(summary, Statistic::SticksPerPath))).collect();
         let (slope, error, chi) = exponent(&rows);
         println!("sticks ~ resolution^{slope:.4} +- {error:.4}, chi square {chi:.1}");
-        // 0.02 is four standard errors of the steps; a count that falls like h^{-1/2}, or one with
-        // a limit, is far outside.
+        // 0.02 is four standard errors of the fit over the steps. A number of sticks proportional
+        // to h^{-1/2}, or one with a limit, is far outside.
         assert!((slope + 0.25).abs() < 0.02 && chi < 21.1, "{slope} +- {error}");
     }
 }
 
-/// The engine says which is which, in the words of `mc check` and `mc run`.
+/// The warnings of `mc check` and `mc run` say which statistics have a limit.
 #[test]
 fn the_warning_says_which_statistics_have_a_limit() {
     for scheme in ["discrete-vi", "corrected-vi", "event-driven"] {

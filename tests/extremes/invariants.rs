@@ -1,24 +1,32 @@
-//! What holds on every path of every scheme, checked by an observer that sees events and snapshots
-//! and nothing else.
+//! Invariants of every path of every scheme, checked by an observer that sees only events and
+//! snapshots. Each is given with its tolerance:
 //!
-//! | invariant | tolerance |
-//! |---|---|
-//! | events in time order within [0, t_end], none before what has been looked at | none |
-//! | slip only from stick; turn and stick only from slip | none |
-//! | \|b\| <= f_s where a stick is entered (not quasi-static, whose recursion does not ask) | 4 roundings of f_s |
-//! | \|b\| >= f_s where one ends, in the direction of the slip (corrected: f_s less its shift, f_d at least) | rounding of b |
-//! | \|b\| > f_s where a sub-phase begins, in its direction (event-driven) | none |
-//! | \|K (beta T - x)\| <= f_s in every static snapshot (event-driven) | rounding of b, of each harmonic and its phase w t, and of x as a sum of ways |
-//! | x rests in a stick | none |
-//! | a step of the discrete schemes comes to rest where a friction of f_s suffices for it, and nowhere else | 16 roundings of its forces |
-//! | x' and every displacement in a sub-phase have its sign | rounding; a corrected turn lies a step behind |
-//! | energy: a step of the discrete schemes balances to rounding with its own O(h^2) surplus | 1e-12 of its terms |
-//! | T from one look to the next (event-driven) | as far as its harmonics, to the rounding of t, and twelve standard deviations of its noise go |
-//! | energy: event-driven, T between two looks known as well as it can move in between | that, times the way; 1e-9 of its terms |
-//! | quasi-static: a slip lasts pi/w_d and moves (1 + e^{-pi zeta/sqrt(1 - zeta^2)}) (f_s - f_d)/K, | rounding |
-//! | or, for zeta >= 1, until 1e-3 of the way (f_s - f_d)/K is left | rounding, 1e-6 |
-//! | stick time + slip time = t_end | a rounding of t_end an event |
-//! | discrete schemes: the same events however rarely one looks (in the survey itself) | none |
+//! - events are in time order within [0, t_end], and none is before the last snapshot: exactly
+//! - a slip follows only a stick; a turn or a stick follows only a slip: exactly
+//! - |b| <= f_s where a stick is entered (not quasi-static, whose recursion does not require it): 4
+//!   roundings of f_s
+//! - |b| >= f_s where a stick ends, in the direction of the slip (corrected: f_s less its shift,
+//!   but at least f_d): rounding of b
+//! - |b| > f_s where a sub-phase begins, in its direction (event-driven): exactly
+//! - |K (beta T - x)| <= f_s in every static snapshot (event-driven): rounding of b, of each
+//!   harmonic and its phase w t, and of x as a sum of ways
+//! - x does not change in a stick: exactly
+//! - a step of the discrete schemes comes to rest where a friction of at most f_s suffices for it,
+//!   and nowhere else: 16 roundings of its forces
+//! - x' and every displacement in a sub-phase have its sign: rounding, and 1e-9 of the greatest
+//!   velocity; a turn of the corrected scheme is one step late
+//! - energy: a step of the discrete schemes balances with its own O(h^2) surplus: 1e-12 of its
+//!   terms
+//! - T changes between two instants (event-driven) by at most what its harmonics, to the rounding
+//!   of t, and twelve standard deviations of its noise allow
+//! - energy of the event-driven scheme: T between two instants is known up to its possible change;
+//!   the balance holds up to this change times the way, and 1e-12 of its terms
+//! - quasi-static: a slip lasts pi/w_d and moves (1 + e^{-pi zeta/sqrt(1 - zeta^2)}) (f_s - f_d)/K:
+//!   rounding
+//! - quasi-static with zeta >= 1: a slip lasts until 1e-3 of the way (f_s - f_d)/K is left:
+//!   rounding, 1e-6
+//! - stick time + slip time = t_end: 2 roundings of t_end for each event
+//! - discrete schemes have the same events for any output grid (in the survey itself): exactly
 
 use stick_slip::model::{Event, EventKind, InitialNoise, Model, Oscillator, Sign};
 use stick_slip::scenario::Scenario;
@@ -26,41 +34,42 @@ use stick_slip::scheme::{Instant, Kind, Observer, Snapshot, monitoring_shift};
 
 const ULP: f64 = f64::EPSILON;
 
-/// What rounding may leave of the greatest forces so far at a stop: it is put on the flow, where b
-/// is the sum of some dozens of their terms.
+/// Rounding errors that are allowed where a slip ends, relative to the greatest forces so far: the
+/// state is moved onto the exact motion there, where b is the sum of some dozens of terms of that
+/// size.
 const STOP_REST: f64 = 1e-14;
 
-/// What rounding may leave of an energy between two instants, relative to its terms.
+/// Rounding errors that are allowed in an energy between two instants, relative to its terms.
 const ROUNDING: f64 = 1e-12;
 
-/// Watches the paths of one scenario.
+/// Checks the invariants on the paths of one scenario.
 pub struct Watch {
     model: Model,
     scheme: Kind,
     end: f64,
     step: f64,
-    /// f_s, as simulated.
+    /// f_s, as it is simulated.
     static_force: f64,
-    /// The least |b| at which a stick ends.
+    /// The least |b| at which a stick may end.
     exit_force: f64,
     pub lanes: Vec<Lane>,
     /// The events of each lane.
     pub events: Vec<Vec<Event>>,
 }
 
-/// One path, and what is wrong with it.
+/// The state of the checks on one path, and the first violation that was found.
 #[derive(Clone, Debug)]
 pub struct Lane {
     pub complaint: Option<String>,
-    /// None while static.
+    /// The direction of the current sub-phase; none while static.
     direction: Option<Sign>,
-    /// When the present phase began.
+    /// The time at which the present phase began.
     since: f64,
     /// x at the last event.
     origin: f64,
-    /// x where the dynamic phase began.
+    /// x where the present dynamic phase began.
     slip_origin: f64,
-    /// What x may be off by for being a sum of ways: a rounding of both ends of each.
+    /// The rounding error of x as a sum of ways: one rounding at both ends of each way.
     spread: f64,
     /// The greatest forces so far.
     peak: f64,
@@ -78,7 +87,7 @@ pub struct Lane {
     pub energy: Energy,
 }
 
-/// What is known at an instant: t, x, x' and g = K beta T.
+/// The state at an instant: t, x, x' and g = K beta T.
 #[derive(Clone, Copy, Debug)]
 struct State {
     t: f64,
@@ -87,7 +96,7 @@ struct State {
     g: f64,
 }
 
-/// A balance and how far it may be off.
+/// The mismatch of an energy balance, and how large it may be.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Energy {
     pub mismatch: f64,
@@ -131,8 +140,8 @@ impl Watch {
         self.scheme == Kind::EventDriven
     }
 
-    /// What rounding does to b at a time: its terms, each harmonic and its phase w t, and x as the
-    /// sum of ways that it is.
+    /// The rounding error of b at a time: of its terms, of each harmonic and its phase w t, and of
+    /// x as a sum of ways.
     fn rounding(&self, lane: &Lane, t: f64, x: f64, force: f64) -> f64 {
         let Oscillator { stiffness, dilatation, .. } = self.model.oscillator;
         let phase = (self.model.temperature.harmonics.iter())
@@ -209,8 +218,8 @@ impl Watch {
             ensure((lasted - lasts).abs() <= allowed, || format!("a slip of {lasted:e}, not {lasts:e}"))?;
             (-std::f64::consts::PI * zeta / root).exp()
         } else {
-            // The share of the way that is left: e^{l1 t} and e^{l2 t}, weighted to start at 1 and
-            // at rest.
+            // The share of the way that is left: a combination of e^{l1 t} and e^{l2 t} that starts
+            // at 1 with zero velocity.
             let fast = gamma + ((gamma - w0) * (gamma + w0)).sqrt();
             let slow = w0 * (w0 / fast);
             let left = (fast * (-slow * lasted).exp() - slow * (-fast * lasted).exp()) / (fast - slow);
@@ -269,8 +278,8 @@ impl Watch {
         let h = self.step;
         let force = a.g - k * a.x - 2.0 * damping * a.v;
         let impulse = a.v + h / m * force;
-        // What would bring it to rest, against what may hold it there; where |needed| is above
-        // that, it moves.
+        // The force that would bring the body to rest in this step is compared with the largest
+        // that friction may exert. The body moves if it is larger.
         let needed = (m / h * impulse).abs();
         let most = if a.v == 0.0 { self.exit_force } else { self.static_force };
         let rounding = 16.0 * ULP * (a.g.abs() + (k * a.x).abs() + 2.0 * (damping * a.v).abs() + m / h * a.v.abs());
@@ -296,27 +305,30 @@ impl Watch {
     }
 
     /// From one instant to the next of the exact motion: E' - E = int g dx - f_d |dx| - 2 alpha int
-    /// x'^2 dt. In between, g is the mean of both ends up to what it can move, and x' likewise.
+    /// x'^2 dt. Between the two instants, g and x' are taken as the means of both ends, up to the
+    /// amount by which they can change.
     fn balance(&self, lane: &mut Lane, now: State) -> Result<(), String> {
         let Some(last) = lane.last.replace(now) else { return Ok(()) };
         let Oscillator { mass: m, stiffness: k, damping, dilatation } = self.model.oscillator;
         let (dt, dx) = (now.t - last.t, now.x - last.x);
         let temperature = &self.model.temperature;
         let gain = (k * dilatation).abs();
-        // A phase w t is known to the rounding of t.
+        // A phase w t is known up to the rounding of t.
         let turn = |w: f64| (w * (dt + ULP * now.t)).min(2.0);
         let harmonics: f64 =
             temperature.harmonics.iter().map(|h| gain * h.amplitude.abs() * turn(h.angular_frequency)).sum();
-        // Six standard deviations of a bridge, and the pull back to zero.
+        // Six standard deviations of a bridge, and the relaxation towards zero.
         let noise = temperature.noise.map_or(0.0, |n| {
             let spread = n.diffusion * dt.min(0.5 / n.relaxation_rate).sqrt();
             let size = spread + n.stationary_sd() + if let InitialNoise::At(v) = n.initial { v.abs() } else { 0.0 };
             gain * n.intensity * (6.0 * spread + (n.relaxation_rate * dt).min(2.0) * size)
         });
         let wander = harmonics + noise;
-        // At a stop the noise takes up what rounding leaves of force, place and motion.
+        // Where a slip ends, the noise is adjusted by the rounding errors of force, place and
+        // motion.
         lane.peak = lane.peak.max(now.g.abs() + last.g.abs() + k * (now.x.abs() + last.x.abs()));
-        // T is a multiple of the least double, 5e-324, and each of the two was rounded to one.
+        // T is a multiple of the least double, 5e-324, and each of the two values was rounded to
+        // such a multiple.
         let left = STOP_REST * lane.peak + 16.0 * k * lane.spread + gain * f64::from_bits(1);
         let jump = (now.g - last.g).abs();
         ensure(jump.is_nan() || jump <= 2.0 * wander + left + f64::MIN_POSITIVE, || {
@@ -326,7 +338,7 @@ impl Watch {
         let speed = now.v.abs() + last.v.abs() + dt / m * forces;
         let gained = 0.5 * m * (now.v + last.v) * (now.v - last.v) + 0.5 * k * (now.x + last.x) * dx;
         let done = 0.5 * (now.g + last.g) * dx - self.model.friction.dynamic_force * dx.abs();
-        // The damping takes between nothing and its greatest speed all the way.
+        // The damping takes between no energy and that at the greatest speed all the way.
         let damped = 2.0 * damping * dx.abs() * speed;
         let size = m * (now.v * now.v + last.v * last.v) + forces * (now.x.abs() + last.x.abs());
         lane.energy.mismatch += gained - done + 0.5 * damped;

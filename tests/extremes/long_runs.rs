@@ -1,4 +1,4 @@
-//! 1e9 steps, 1e6 forcing periods, 300 days: no drift of time, phase or energy.
+//! Runs of 1e9 steps, 1e6 forcing periods and 300 days: time, phase and energy do not drift.
 
 use super::common::{paper, timeline};
 use super::invariants::Watch;
@@ -10,8 +10,8 @@ use stick_slip::scheme::{
     DEFAULT_TOLERANCE, DiscreteSimulation, EventDrivenSimulation, Instant, Observer, Simulate as _, Snapshot,
 };
 
-/// Averages of the cascade over many periods, early and late: phase of the forcing at stick exits,
-/// |x| at sticks, way of a slip.
+/// Averages of the cascade over many periods, early and late in a run: phase of the forcing at
+/// stick exits, |x| at sticks, way of a slip.
 struct Orbit {
     angular_frequency: f64,
     early: (f64, f64),
@@ -70,7 +70,7 @@ impl Observer for Orbit {
     }
 }
 
-/// n steps of the noiseless scene, w h = 2^-9: the phase at the end is n/512, exactly.
+/// n steps of the noiseless scene with w h = 2^-9, so that the phase at the end is exactly n/512.
 fn many_steps(n: u64) {
     let (w, h) = (0.25, 1.0 / 128.0);
     let end = n as f64 * h;
@@ -85,10 +85,10 @@ fn many_steps(n: u64) {
         orbit.temperature - exact
     );
     assert!((orbit.temperature - exact).abs() < 1e-14);
-    // One slip a half-period, from the first to the last.
+    // There is one slip in each half-period, from the first to the last.
     assert!((orbit.events as f64 / 2.0 - halves).abs() < 2.0, "{} events in {halves} half-periods", orbit.events);
-    // Events are multiples of h, whose place in the period runs through all values: a mean over N
-    // half-periods is good to about h/N.
+    // Events are multiples of h, and their place in the period takes all values. So a mean over N
+    // half-periods is accurate to about h/N.
     let bound = 20.0 * h / (0.1 * halves);
     assert!((early - late).abs() < bound && (short - long).abs() < 10.0 * bound, "bound {bound}");
 }
@@ -104,7 +104,8 @@ fn a_billion_steps_do_not_drift() {
     many_steps(1_000_000_000);
 }
 
-/// The periodic orbit of the noiseless scene, event by event, against its first periods.
+/// The periodic orbit of the noiseless scene: every event is compared with that of the first
+/// periods.
 struct Periodic {
     half_period: f64,
     /// Slip and stick of one half-period after the transient: phase within the half-period, |x|,
@@ -114,7 +115,8 @@ struct Periodic {
     worst: (f64, f64, f64),
 }
 
-/// Events until the transient has died away: a factor 8 a phase.
+/// The number of events after which the transient has died away; it decays by a factor of 8 in each
+/// phase.
 const TRANSIENT: usize = 100;
 
 impl Observer for Periodic {
@@ -158,16 +160,16 @@ fn many_periods(periods: usize) {
         orbit.seen, orbit.worst.0, orbit.worst.1, orbit.worst.2
     );
     assert_eq!(orbit.seen, 4 * periods - 1);
-    // 2.5e7 has a spacing of 3.7e-9, of which the reported time and the multiple of the period
-    // subtracted here each lose a half.
+    // Doubles near 2.5e7 have a spacing of 3.7e-9, and the reported time and the multiple of the
+    // period that is subtracted are each off by half of it.
     assert!(orbit.worst.0 <= 4e-9, "{:e}", orbit.worst.0);
     assert!(orbit.worst.1 < 1e-11 && orbit.worst.2 < 1e-12);
 }
 
 #[test]
 fn three_hundred_days_of_the_viaduct_balance() {
-    // 528 slips of 0.07 s a path. Energy, relative to the friction work, and time, relative to the
-    // 300 days.
+    // Each path has 528 slips of 0.07 s. The mismatch of the energy is relative to the friction
+    // work, that of the time to the 300 days.
     for scheme in ["event-driven", "quasi-static"] {
         let overrides =
             [Override::flag("--scheme", "scheme.kind", scheme), Override::flag("--paths", "ensemble.paths", "16")];

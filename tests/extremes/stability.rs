@@ -1,17 +1,18 @@
-//! Where the explicit step grows and where it does not: predicted, warned of, shown; and the
-//! event-driven scheme beside it.
+//! Where the explicit step diverges and where it does not: the prediction, the warning, and the
+//! simulation, with the event-driven scheme for comparison.
 //!
 //! **Without damping.** A step multiplies the distance from the centre of a half-cycle by sqrt(1 +
-//! c^2), c = w0 h, and turns it by atan c; a half-cycle multiplies by G = (1 + c^2)^{pi/(2 atan
-//! c)}, about centres eps f_d/K. From turn to turn
+//! c^2), c = w0 h, and turns it by atan c. A half-cycle multiplies by G = (1 + c^2)^{pi/(2 atan
+//! c)}, about centres eps f_d/K. From one turning point to the next
 //!
 //! ```text
-//! A' = G A - (G + 1) f_d/K,   at rest at A* = coth(ln G/2) f_d/K = A_c (1 + pi^2 c^2/48 + ...),   A_c = 4 f_d/(pi w0 h K)
+//! A' = G A - (G + 1) f_d/K,   unchanged at A* = coth(ln G/2) f_d/K = A_c (1 + pi^2 c^2/48 + ...),
+//! A_c = 4 f_d/(pi w0 h K),
 //! ```
 //!
-//! so A_c is the limit up to a relative O(c^2), and A_n - A* = G^n (A_0 - A*). Turns happen on the
-//! grid, which moves each by a relative O(c^2) too; over the 2/(pi c) half-cycles in which a
-//! distance from A* grows e-fold, that is O(c).
+//! so A_c is the limit up to a relative O(c^2), and A_n - A* = G^n (A_0 - A*). Turning points lie
+//! on the grid of steps, which also moves each of them by a relative O(c^2). Over the 2/(pi c)
+//! half-cycles in which a distance from A* grows by a factor e, that is O(c).
 
 use super::common::Keep;
 use std::f64::consts::PI;
@@ -22,7 +23,7 @@ use stick_slip::scenario::Scenario;
 use stick_slip::scheme::Simulate as _;
 use stick_slip::stats::Summary;
 
-/// A free body with equal friction, released at x0.
+/// A body with equal friction that is released at x0, without forcing.
 struct Free {
     mass: f64,
     stiffness: f64,
@@ -51,7 +52,7 @@ impl Free {
         (self.stiffness / self.mass).sqrt()
     }
 
-    /// Events and last row of the one path; what is lost is left out.
+    /// The events and the last row of the path, and the summary of an ensemble of it.
     fn path(&self, scheme: &str) -> (Vec<Event>, (f64, f64), Summary) {
         let plan = self.scenario(scheme).plan();
         let mut keep = Keep::lanes(1);
@@ -70,7 +71,7 @@ fn foretold(scenario: &Scenario) -> bool {
     scenario.warnings().iter().any(grows)
 }
 
-/// (m, K, c = w0 h, how near to A_c the two starts are).
+/// (m, K, c = w0 h, relative distance of the two starts from A_c).
 const UNDAMPED: [(f64, f64, f64, f64); 6] = [
     (1.0, 1.0, 0.01, 0.02),
     (1.0, 1.0, 0.05, 0.05),
@@ -92,7 +93,7 @@ fn amplitudes_grow_above_the_critical_one_and_fall_below_it_as_predicted() {
             assert_eq!(foretold(&free.scenario("discrete-vi")), side > 1.0, "{mass} {stiffness} {c} {side}");
             let (events, (x, v), summary) = free.path("discrete-vi");
 
-            // A_n - A* = G^n (A_0 - A*), over the time in which it grows e-fold.
+            // A_n - A* = G^n (A_0 - A*), over the time in which the distance grows by a factor e.
             let growth = PI * c.mul_add(c, 1.0).ln() / (2.0 * c.atan());
             let rest = friction / stiffness / (0.5 * growth).tanh();
             let n = (1.0 / growth).ceil() as usize;
@@ -118,8 +119,8 @@ fn amplitudes_grow_above_the_critical_one_and_fall_below_it_as_predicted() {
 
 #[test]
 fn where_the_explicit_step_grows_the_event_driven_scheme_loses_two_f_d_over_k_a_half_cycle() {
-    // Coulomb's own result: turn n at t = n pi/w0 and |x| = x0 - 2 n f_d/K. To rounding, in digits
-    // of x0.
+    // Coulomb's result: turning point n is at t = n pi/w0 and |x| = x0 - 2 n f_d/K, up to rounding
+    // in the digits of x0.
     for (mass, stiffness, c, near) in UNDAMPED {
         let friction = 0.3 * stiffness;
         let start = (1.0 + near) * 4.0 * friction / (PI * c * stiffness);
@@ -129,7 +130,7 @@ fn where_the_explicit_step_grows_the_event_driven_scheme_loses_two_f_d_over_k_a_
         let (events, (x, v), summary) = free.path("event-driven");
         let turns: Vec<&Event> = events.iter().filter(|e| matches!(e.kind, EventKind::SubPhaseBoundary(_))).collect();
         let lost = 2.0 * friction / stiffness;
-        // It turns while |b| = K |x| > f_s = K lost/2.
+        // The body turns while |b| = K |x| > f_s = K lost/2.
         let expected = ((start - 0.5 * lost) / lost).ceil() as usize - 1;
         assert_eq!(turns.len(), expected, "{mass} {stiffness} {c}");
         for (n, turn) in (1..).zip(&turns) {
@@ -141,21 +142,21 @@ fn where_the_explicit_step_grows_the_event_driven_scheme_loses_two_f_d_over_k_a_
     }
 }
 
-/// (m, K, alpha): under-, over- and critically damped.
+/// (m, K, alpha): underdamped, critically damped and overdamped.
 const DAMPED: [(f64, f64, f64); 6] =
     [(1.0, 1.0, 0.1), (1.0, 1.0, 0.5), (2.0, 8.0, 1.0), (1.0, 1.0, 1.0), (1.0, 1.0, 3.0), (1e5, 1.888e8, 1e7)];
 
 #[test]
 fn the_damped_step_grows_beyond_its_limit_and_not_before() {
-    // 5 % to either side of h = 2 alpha/K (underdamped) and of h = 2/|lambda_max| (over): from 1e4
-    // f/K it comes to rest, or overflows.
+    // The limits are h = 2 alpha/K (underdamped) and h = 2/|lambda_max| (overdamped). 5 % below
+    // them a body that starts at 1e4 f/K comes to rest, 5 % above them it overflows.
     for (mass, stiffness, damping) in DAMPED {
         let (w0, gamma) = ((stiffness / mass).sqrt(), damping / mass);
         let lambda = gamma + (gamma * gamma - w0 * w0).max(0.0).sqrt();
         let limit = if gamma < w0 { 2.0 * damping / stiffness } else { 2.0 / lambda };
         for side in [0.95, 1.05] {
-            // Enough for the slow growth of weak damping; not so long that an overdamped creep
-            // underflows.
+            // So many steps suffice for the slow growth of weak damping, and do not underflow an
+            // overdamped creep.
             let steps = if gamma < w0 { 40_000.0 } else { 300.0 };
             let step = side * limit;
             let (friction, start) = (1e-4 * stiffness, 1.0);
@@ -168,12 +169,12 @@ fn the_damped_step_grows_beyond_its_limit_and_not_before() {
             );
             assert_eq!(summary.diverged.len(), usize::from(side > 1.0), "{mass} {stiffness} {damping} {side}");
             if side < 1.0 {
-                // A slip creeps to f_d/K where it is overdamped, and need not end.
+                // An overdamped slip creeps towards f_d/K and need not end.
                 assert!(x.abs() <= 1.001 * friction / stiffness && v.abs() <= 1e-6 * w0 * start, "{x} {v}");
             }
 
-            // The event-driven scheme has no step to be wrong: the exact damped motion about f_d/K,
-            // at its first turn or at a given time.
+            // The event-driven scheme has no step: it gives the exact damped motion about f_d/K, at
+            // its first turning point or at a given time.
             let (events, _, summary) = free.path("event-driven");
             assert!(summary.diverged.is_empty());
             assert!(!foretold(&free.scenario("event-driven")));

@@ -1,5 +1,5 @@
-//! Scenarios at random, through the door that a user comes in by: a text, each scheme, and what
-//! came of it.
+//! Random scenarios, read and run as a user would do it: as text, with each scheme, with the
+//! results checked.
 
 use super::draw::{Family, scenario};
 use super::invariants::Watch;
@@ -15,25 +15,25 @@ use stick_slip::scenario::Scenario;
 use stick_slip::scheme::{self, Kind, Observer, Simulate as _, Snapshot};
 use stick_slip::stats::{Statistic, Summary};
 
-/// What a path may spend here: 1/5000 of the usual, so that 1e5 scenarios with hopeless ones among
-/// them end in minutes.
+/// The most evaluations of a path: 1/5000 of the usual limit, so that 1e5 scenarios, some of them
+/// hopeless, take minutes.
 const WORK_LIMIT: u64 = 20_000;
 
-/// What became of one scenario under one scheme.
+/// The outcome of one scenario with one scheme.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Outcome {
-    /// By the key and the problem.
+    /// The scenario was refused, because of this key and problem.
     Refused(String),
-    /// No path completed: diverged, or given up.
+    /// No path completed: all diverged or were given up.
     Lost,
     PartlyLost,
     NeverSlips,
-    /// Slips, and no stick has been entered.
+    /// There are slips, but no stick was entered.
     Slides,
     SticksAndSlips,
 }
 
-/// Something that must not happen.
+/// A violation of an invariant, a panic or a wrong result.
 #[derive(Debug)]
 struct Finding {
     family: Family,
@@ -73,7 +73,7 @@ impl Survey {
         survey
     }
 
-    /// The table of docs/extremes.md.
+    /// Prints the table of docs/extremes.md.
     fn print(&self) {
         for ((family, scheme, outcome), count) in &self.outcomes {
             println!("{family:<9} {scheme:<13} {count:>7}  {outcome:?}");
@@ -88,7 +88,7 @@ impl Survey {
     }
 }
 
-/// Read, run and check one scenario.
+/// Reads, runs and checks one scenario.
 fn examine(text: &str, kind: Kind) -> Result<Outcome, String> {
     let scheme = Override::flag("--scheme", "scheme.kind", &format!("\"{}\"", kind.name()));
     let scenario = match Scenario::parse("survey.toml", text, &[scheme]) {
@@ -131,8 +131,8 @@ fn examine(text: &str, kind: Kind) -> Result<Outcome, String> {
     })
 }
 
-/// Looked at only at the end, the time-stepping schemes make runs of many steps in one go: the
-/// events must be the same.
+/// With rows only at the beginning and at the end, the time-stepping schemes make many steps
+/// without interruption. The events must be the same.
 fn look_rarely(scenario: &Scenario, paths: &[u64], watch: &Watch, lost: &[usize]) -> Result<(), String> {
     let mut scenario = scenario.clone();
     scenario.time.output_step = scenario.time.end.max(scenario.time.output_step);
@@ -160,7 +160,7 @@ fn foretells_divergence(warning: &Warning) -> bool {
     matches!(warning, Warning::StepUnstable { .. } | Warning::AmplitudeAboveCritical { .. })
 }
 
-/// The scalars that the engine keeps of each path, against those of the observer.
+/// The numbers that the engine keeps of each path agree with those of the observer.
 fn compare<'a>(plan: &Plan, kept: impl Iterator<Item = &'a super::invariants::Lane>) -> Result<(), String> {
     let columns = plan.block(0).path_columns.ok_or("no columns")?;
     let rows = (0..columns.slips.len()).filter(|&row| !columns.diverged[row]);
@@ -185,7 +185,8 @@ fn compare<'a>(plan: &Plan, kept: impl Iterator<Item = &'a super::invariants::La
     Ok(())
 }
 
-/// What is there has a number, what is not has none; lost paths are counted.
+/// A statistic that exists has a number, one that does not exist has none, and lost paths are
+/// counted.
 fn check_summary(summary: &Summary, scenario: &Scenario, lost: u64) -> Result<(), String> {
     if summary.diverged.len() as u64 != lost || summary.completed_paths != scenario.ensemble.paths {
         return Err(format!("{} of {} lost, {lost} seen", summary.diverged.len(), summary.completed_paths));
@@ -220,12 +221,12 @@ fn check_summary(summary: &Summary, scenario: &Scenario, lost: u64) -> Result<()
     Ok(())
 }
 
-/// The warning of the undamped explicit step is an upper estimate: it may come in vain, and must
-/// not be missing.
+/// The warning about the undamped explicit step is conservative: it may be given although no path
+/// diverges, but must not be missing where one does.
 #[test]
 #[ignore = "1e6 scenarios, half of them undamped: half a minute"]
 fn the_undamped_step_diverges_in_no_scenario_without_a_warning() {
-    // By diverged, foretold.
+    // Counts, indexed by whether a path diverged and whether the warning was given.
     let mut scenarios = [[0u64; 2]; 2];
     for number in 0..1_000_000 {
         let scheme = Override::flag("--scheme", "scheme.kind", "\"discrete-vi\"");
@@ -246,8 +247,8 @@ fn the_undamped_step_diverges_in_no_scenario_without_a_warning() {
     assert!(missed == 0 && foretold > 0);
 }
 
-/// Ends the process, and says where, when one scenario takes longer than [`PATIENCE`]: a hang
-/// cannot end itself.
+/// Ends the process with a message when one scenario takes longer than [`PATIENCE`], because a
+/// scenario that hangs never returns.
 struct Watchdog {
     number: &'static AtomicU64,
 }
@@ -283,10 +284,11 @@ impl Drop for Watchdog {
     }
 }
 
-/// Scenarios in which the survey found what has been mended since: divergences without a warning,
-/// numbers that are none, panics, slips that went backwards or began below f_s for the rounding of
+/// Scenarios in which the survey found faults that have been repaired since: divergences without a
+/// warning, NaN, panics, slips that went backwards or began below f_s because of the rounding of
 /// larger numbers, sticks beyond f_s where a motion had died down below the rounding of its start,
-/// subnormal jumps, stops and stick exits at which the noise took up more than it can do.
+/// subnormal jumps, and ends of slips and sticks at which the noise was adjusted by more than it
+/// can change.
 const MENDED: [u64; 52] = [
     356, 432, 611, 776, 1000, 1293, 1528, 3178, 7230, 8995, 9202, 9769, 10_084, 11_280, 12_399, 12_433, 15_685, 16_831,
     17_971, 20_465, 20_576, 20_892, 22_880, 23_289, 23_443, 23_543, 23_772, 24_722, 25_244, 25_873, 29_600, 30_404,

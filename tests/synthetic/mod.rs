@@ -1,5 +1,5 @@
-//! A synthetic run for the tests of the store: rows and a summary that are functions of the path
-//! numbers alone.
+//! A synthetic run for the tests of the store: its rows and its summary depend on the path numbers
+//! alone.
 #![allow(dead_code, reason = "each test file uses its own part")]
 
 use ndarray::Array2;
@@ -16,7 +16,7 @@ use stick_slip::store::Writer;
 pub const EVERYTHING: Record = Record { paths: true, events: true, trajectories: 40 };
 pub const NOTHING: Record = Record { paths: false, events: false, trajectories: 0 };
 
-/// A deterministic number in [0, 1) that is different for every pair of arguments.
+/// A deterministic number in [0, 1) that differs for every pair of arguments.
 pub fn noise(path: u64, salt: u64) -> f64 {
     let mut z = path.wrapping_mul(0x9E37_79B9_7F4A_7C15).wrapping_add(salt.wrapping_mul(0xD1B5_4A32_D192_ED03));
     z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
@@ -31,7 +31,8 @@ pub fn header(paths: u64) -> Provenance {
         scheme: "event-driven".to_owned(),
         step: Some(0.01),
         resolution: Some(1e-6),
-        // Beyond 2^63: a reader that takes it for a signed or a floating-point number shows.
+        // The seed is above 2^63, so that reading it as a signed or a floating-point number would
+        // fail the test.
         seed: 0xFEDC_BA98_7654_3211,
         generator: "PCG64DXSM, ziggurat".to_owned(),
         paths,
@@ -47,7 +48,7 @@ pub fn header(paths: u64) -> Provenance {
     }
 }
 
-/// Rows of consecutive paths, a function of their numbers alone. Path 7 diverged.
+/// The rows of consecutive paths, which depend on their numbers alone. Path 7 diverged.
 #[derive(Default)]
 pub struct Block {
     pub first_path: u64,
@@ -109,7 +110,7 @@ impl Block {
     }
 }
 
-/// Made-up ends of intervals, none missing; those that the data do not bound are infinite.
+/// Made-up ends of intervals, none of them missing. Those that the data do not bound are infinite.
 pub fn ends(points: usize, salt: u64) -> Ends {
     let end = |point: usize| if point == 3 { f64::INFINITY } else { noise(point as u64, salt) };
     (0..points).map(|point| [end(point) - 1.0, end(point)]).collect()
@@ -127,7 +128,7 @@ pub fn band(rows: usize, salt: u64) -> Band {
     }
 }
 
-/// A summary that agrees with `block`, and holds every kind of missing number.
+/// A summary that agrees with `block`, and contains every kind of missing number.
 pub fn summary(paths: u64, header: &Provenance) -> Summary {
     let block = block(0, paths, 0, 0);
     let places: Vec<f64> = block.columns.displacement_end.iter().copied().filter(|x| x.is_finite()).collect();
@@ -211,7 +212,7 @@ pub fn summary(paths: u64, header: &Provenance) -> Summary {
     }
 }
 
-/// Write a file of so many paths in blocks of this size.
+/// Writes a file of `paths` paths in blocks of this size.
 pub fn write(target: &Path, paths: u64, block_size: u64, record: &Record, status: Status) -> (Provenance, Summary) {
     let header = header(if status == Status::Complete { paths } else { 10 * paths });
     let summary = summary(paths, &header);
