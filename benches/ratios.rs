@@ -1,7 +1,7 @@
-//! Every speed that is claimed, in one run, and the ratios between them.
+//! Every speed that the documentation claims, in one run, and the ratios between them.
 //!
 //! `cargo bench --bench ratios` takes about three minutes on two cores. Absolute times depend on
-//! the machine and its other users; the ratios at the end are what the documentation quotes.
+//! the machine and on what else runs there; the documentation quotes the ratios at the end.
 
 #[path = "common/mod.rs"]
 mod common;
@@ -22,9 +22,9 @@ use stick_slip::scheme::{DiscreteSimulation, Simulate as _};
 use stick_slip::stats::{BlockResult, Totals};
 use stick_slip::store::{FileSink, Writer};
 
-/// The loop everybody writes first: one path at a time, `rand_pcg` and the ziggurat of
-/// `rand_distr`, forcing from a table, sticks counted and their durations summed. Parameters (P) of
-/// the paper, rho = 0.25, forcing 1/4.
+/// The straightforward loop: one path at a time, `rand_pcg` and the ziggurat of `rand_distr`,
+/// forcing from a table, sticks counted and their durations summed. The parameters are those of set
+/// (P) of the paper, with rho = 0.25 and forcing 1/4.
 fn scalar_loop(h: f64, steps: usize, paths: u64, forcing: &[f64]) -> (f64, f64) {
     let (decay, increment_sd) = ((-h).exp(), ((1.0 - (-2.0 * h).exp()) / 2.0).sqrt());
     let (f_s, f_d) = (1.2, 1.0);
@@ -59,7 +59,7 @@ fn scalar_loop(h: f64, steps: usize, paths: u64, forcing: &[f64]) -> (f64, f64) 
     (sticks, duration)
 }
 
-/// 64 steps of 32 lanes, added up.
+/// Draws 64 steps of 32 lanes, and adds them up.
 struct Normals {
     streams: LaneStreams,
     sums: [f64; 8],
@@ -94,7 +94,7 @@ fn normals(c: &mut Criterion) {
     });
 }
 
-/// A path-step of the bare kernel on a block of paths.
+/// The time of a path-step of the bare kernel on a block of paths.
 fn kernel(c: &mut Criterion) {
     let mut group = group(c, "kernel", BLOCK_SIZE * STEPS);
     let paths: Vec<u64> = (0..BLOCK_SIZE).collect();
@@ -113,7 +113,7 @@ fn kernel(c: &mut Criterion) {
     group.bench_function("scalar loop", |b| b.iter(|| scalar_loop(0.001, STEPS as usize, 16, &forcing)));
 }
 
-/// A path-step with everything a run does but the file.
+/// The time of a path-step with everything that a run does except writing the file.
 fn statistics(c: &mut Criterion) {
     let paths = BLOCK_SIZE;
     let mut group = group(c, "statistics", paths * STEPS);
@@ -121,7 +121,8 @@ fn statistics(c: &mut Criterion) {
     group.bench_function("default", |b| b.iter(|| plan.block(0)));
 }
 
-/// A whole run of 10000 paths with all default statistics, t_end = 60, h = 0.001, file included.
+/// The time of a whole run of 10 000 paths with all default statistics, t_end = 60, h = 0.001,
+/// including the file.
 fn whole_run(c: &mut Criterion) {
     let scenario = scenario("rho025", &[STEP]);
     let mut group = group(c, "whole run", 10_000 * 60_000);
@@ -133,7 +134,8 @@ fn whole_run(c: &mut Criterion) {
     }
 }
 
-/// What a run hands to the store: 10000 paths' scalars, the statistics, the close.
+/// The time of writing what a run hands to the store: the numbers of 10 000 paths, the statistics,
+/// and closing the file.
 fn writing(c: &mut Criterion) {
     let scenario = scenario("rho025", &[STEP]);
     let plan = Plan { paths: 10_000, ..common::scenario("rho025", &["time.step=0.05"]).plan() };

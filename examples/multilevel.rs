@@ -12,7 +12,7 @@ use stick_slip::study::multilevel::Multilevel;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let scenario = Scenario::read("scenarios/rho025.toml".as_ref(), &[])?;
-    // their values, roughly: targets are relative to them
+    // The approximate values of the statistics, to which targets are relative.
     for (statistic, value) in [(Statistic::DisplacementEndMean, 4.22), (Statistic::FrictionWorkMean, 69.6)] {
         let means = Multilevel::new(&scenario.model, scenario.time.end, statistic, scenario.ensemble.seed)
             .ok_or("not a mean over paths, or no noise")?;

@@ -7,12 +7,12 @@ use stick_slip::model::{Event, EventKind};
 use stick_slip::scenario::Scenario;
 use stick_slip::stats::{Measurement, PathMeans, PathState, Tally};
 
-/// The share of sticks that last longer than this, the first one of each path left out.
+/// The share of sticks that last longer than this. The first stick of each path is left out.
 struct LongSticks(f64);
 
 impl Tally<2> for LongSticks {
-    /// When the present stick was entered, none before the first slip; how many were long; how many
-    /// ended.
+    /// The time at which the present stick was entered (none before the first slip), the number of
+    /// long sticks, and the number of all sticks that ended.
     type Path = (Option<f64>, f64, f64);
 
     fn start(&self) -> Self::Path {

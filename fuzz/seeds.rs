@@ -1,4 +1,5 @@
-//! Where fuzzing starts: the shipped scenarios and series, and what a short run writes of each of them.
+//! Makes the inputs that fuzzing starts from: the shipped scenarios and series, and the files that
+//! a short run of each writes.
 
 use std::fs;
 use std::path::Path;
@@ -32,7 +33,7 @@ fn main() -> Done {
         let name = path.file_name().unwrap_or_default();
         match path.extension().is_some_and(|extension| extension == "csv") {
             true => {
-                // A day of it, which is small.
+                // The first day of the series only, to keep the input small.
                 let text: String =
                     fs::read_to_string(&path)?.lines().take(150).map(|line| format!("{line}\n")).collect();
                 fs::write(corpus.join("series").join(name), format!("\0{text}"))?;
@@ -43,7 +44,7 @@ fn main() -> Done {
     SHIPPED.iter().try_for_each(|shipped| runs(&corpus, shipped.name))
 }
 
-/// A run that is finished, and one that is not.
+/// Makes a finished run and an unfinished one.
 fn runs(corpus: &Path, name: &str) -> Done {
     let mut scenario = Scenario::shipped(name)?;
     scenario.ensemble.paths = 600;
@@ -63,7 +64,7 @@ fn runs(corpus: &Path, name: &str) -> Done {
     let state = fs::read(partial.join("state"))?;
     fs::write(corpus.join("state").join(name), &state[..state.len() - 4])?;
     let rows = fs::read(partial.join("rows"))?;
-    // All blocks as they are, and the rows of one block alone.
+    // All blocks of rows as they are, and the rows of one block alone.
     fs::write(corpus.join("rows").join(name), [&[1], &rows[..]].concat())?;
     fs::write(corpus.join("rows").join(format!("{name}-block")), [&[0], &rows[8..rows.len() - 4]].concat())?;
     let target = folder.path().join("finished.h5");

@@ -1,4 +1,4 @@
-//! What the benchmarks share.
+//! Scenarios and measurements that several benchmarks use.
 
 use criterion::{BenchmarkGroup, Criterion, Throughput, measurement::WallTime};
 use std::hint::black_box;
@@ -10,18 +10,18 @@ use stick_slip::scenario::Scenario;
 use stick_slip::scheme::{Instant, Observer, Snapshot};
 
 pub const STEP: &str = "time.step=0.001";
-/// Long enough for the phases of the paths to mix, short enough for many repetitions.
+/// Long enough for the phases of the paths to mix, and short enough for many repetitions.
 pub const END: &str = "time.end=12";
 pub const STEPS: u64 = 12_000;
 
-/// A scenario of the repository, changed.
+/// A scenario of the repository with these keys set.
 pub fn scenario(name: &str, set: &[&str]) -> Scenario {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios").join(name).with_extension("toml");
     let overrides: Vec<Override> = set.iter().map(|s| Override::set(s).expect("well formed")).collect();
     Scenario::read(&path, &overrides).expect("shipped")
 }
 
-/// Hears nothing: what the kernel costs alone.
+/// An observer that ignores everything, to measure the kernel alone.
 pub struct Deaf;
 
 impl Observer for Deaf {
@@ -39,7 +39,7 @@ pub fn group<'a>(c: &'a mut Criterion, name: &str, elements: u64) -> BenchmarkGr
     group
 }
 
-/// Nanoseconds an element, from what criterion has just written.
+/// Nanoseconds for each element, from the file that criterion has just written.
 pub fn measured(group: &str, name: &str, elements: f64) -> Option<f64> {
     let folder = std::env::var("CARGO_TARGET_DIR").unwrap_or_else(|_| "target".into());
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(folder).join("criterion").join(group).join(name);

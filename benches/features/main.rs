@@ -1,9 +1,9 @@
-//! The price of each feature, on and off, and the kernel beside loops that never had the features
-//! that a scene lacks.
+//! The cost of each feature, measured with and without it, and the kernel compared with loops that
+//! were written without the features that a scene does not use.
 //!
 //! `cargo bench --bench features` takes about three minutes on two cores. Absolute times depend on
-//! the machine and its other users; the last columns, ratios of one run, are what the documentation
-//! quotes.
+//! the machine and on what else runs there; the documentation quotes the last columns, which are
+//! ratios within one run.
 
 #[path = "../common/mod.rs"]
 mod common;
@@ -21,10 +21,10 @@ use stick_slip::scenario::Scenario;
 use stick_slip::scheme::{DiscreteSimulation, Simulate as _};
 use stripped::{Scene, count_sticks};
 
-/// Paths of the runs that estimate their bias or do not: 48 times 16 groups of 14.
+/// Paths of the runs with and without an estimate of the bias: 48 times 16 groups of 14.
 const WITH_BIAS: u64 = 48 * 16 * 14;
 
-/// A path-step of the bare kernel, scene by scene.
+/// The time of a path-step of the bare kernel, for each scene.
 fn scenes(c: &mut Criterion) {
     let mut group = group(c, "scene", BLOCK_SIZE * STEPS);
     let paths: Vec<u64> = (0..BLOCK_SIZE).collect();
@@ -65,7 +65,7 @@ fn scenes(c: &mut Criterion) {
     }
 }
 
-/// A path-step with the statistics of a run, recording by recording.
+/// The time of a path-step with the statistics of a run, for each way of recording.
 fn recordings(c: &mut Criterion) {
     let paths = BLOCK_SIZE;
     let mut group = group(c, "recording", paths * STEPS);
@@ -80,7 +80,7 @@ fn recordings(c: &mut Criterion) {
     bench("a row every 10 steps", &["time.output_step=0.01"]);
 }
 
-/// A run of statistics only, and the estimate of its bias.
+/// The time of a run with statistics only, and of the estimate of its bias.
 fn bias(c: &mut Criterion) {
     let scenario = scenario("rho025", &[STEP, END, &format!("ensemble.paths={WITH_BIAS}")]);
     let plan = scenario.plan();
@@ -91,10 +91,10 @@ fn bias(c: &mut Criterion) {
     group.bench_function("on", |b| b.iter(|| bias.estimate(&plan.run(1), 1, &AtomicBool::new(false))));
 }
 
-/// Paths of an event-driven run: enough for its sketches to hold bins.
+/// Paths of an event-driven run. They are enough to fill bins of its sketches.
 const FREE: u64 = 16 * BLOCK_SIZE;
 
-/// A path of `rho025` by the event-driven scheme, to t_end = 60.
+/// The time of a path of `rho025` with the event-driven scheme, up to t_end = 60.
 fn event_driven(c: &mut Criterion) {
     let mut group = group(c, "event-driven", FREE);
     group.measurement_time(Duration::from_secs(6));

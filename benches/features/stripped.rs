@@ -1,6 +1,6 @@
-//! The discrete scheme as an engine would have it that knew neither damping nor corrections, once
-//! with noise and once without. It steps as the kernel does, groups of 16 or, without noise, 32
-//! lanes through runs of 256 steps, computes the forcing and looks for divergence as often, and
+//! The discrete scheme in the form that an engine without damping and corrections would have, with
+//! noise and without it. It steps as the kernel does: groups of 16 lanes (32 without noise) through
+//! runs of 256 steps. It computes the forcing and checks for divergence as often as the kernel, and
 //! counts the ends of sticks.
 
 use std::hint::black_box;
@@ -8,7 +8,7 @@ use stick_slip::lanes::{InstructionSet, LaneProgram, Lanes};
 use stick_slip::model::HarmonicClock;
 use stick_slip::noise::{LaneStreams, Transition};
 
-/// The first lane of a register in which some turned, and its velocities.
+/// The first lane of each register in which some path turned, and the velocities of its lanes.
 type Turns = Vec<(usize, [f64; 8])>;
 
 const LANES: usize = 256;
@@ -16,7 +16,7 @@ const RUN: usize = 256;
 /// Beyond this displacement a path is lost.
 const BOUND: f64 = 1e3;
 
-/// The numbers of the step, as [`stick_slip::model::Model`] has them.
+/// The parameters of the step, with the names that [`stick_slip::model::Model`] has.
 #[derive(Clone, Copy)]
 pub struct Scene {
     pub h: f64,
@@ -24,13 +24,13 @@ pub struct Scene {
     pub stiffness: f64,
     pub static_force: f64,
     pub dynamic_force: f64,
-    /// K beta
+    /// K beta.
     pub forcing: f64,
-    /// K beta rho, theta, sigma
+    /// K beta rho, theta, sigma.
     pub noise: Option<(f64, f64, f64)>,
 }
 
-/// 256 paths.
+/// The state of 256 paths.
 struct Stripped<'a> {
     scene: Scene,
     clock: &'a HarmonicClock,
@@ -43,13 +43,13 @@ struct Stripped<'a> {
     noise: Vec<f64>,
     is_static: Vec<bool>,
     turns: Turns,
-    /// Ends of sticks.
+    /// The number of sticks that have ended.
     sticks: u64,
     is_lost: bool,
 }
 
-/// How many sticks end in so many steps of 256 paths that start at rest with a relaxed spring, T
-/// being what the clock says; none if a path is lost.
+/// Counts the sticks that end in `steps` steps of 256 paths that start at rest with a relaxed
+/// spring. T is that of the clock, plus the noise. None if a path is lost.
 pub fn count_sticks(set: InstructionSet, scene: Scene, clock: &HarmonicClock, steps: usize) -> Option<u64> {
     let mut start = [0.0];
     clock.fill(0, &mut start);
@@ -97,7 +97,8 @@ impl LaneProgram for Stripped<'_> {
     }
 }
 
-/// V' = S + push in the lanes that move, 0 in the others, while S is from `least` to `most`.
+/// The step as long as nothing turns: V' = S + push in the lanes that move, 0 in the others, valid
+/// while S is between `least` and `most`.
 #[derive(Clone, Copy)]
 struct Regime<L: Lanes> {
     moves: L::Mask,
@@ -123,7 +124,8 @@ fn settle<L: Lanes>(s: L, fs: f64, fd: L) -> L {
     L::either(s.gt(L::splat(fs)), s.sub(fd), s.lt(L::splat(-fs)), s.add(fd))
 }
 
-/// V' of a group in which some lane turns; those of this register that do are kept.
+/// V' of a register of which some lane of the group turns. If some lane of this register does, its
+/// velocities are kept in `turns`.
 #[inline(always)]
 fn turn<L: Lanes>(s: L, v: L, now: &mut Regime<L>, (fs, fd): (f64, L), turns: &mut Turns, lane: usize) -> L {
     let next = settle(s, fs, fd);
@@ -219,7 +221,7 @@ impl Stripped<'_> {
         }
     }
 
-    /// A stick ends where a velocity leaves zero; a zero is taken for a stick.
+    /// Counts the sticks that end: where a velocity leaves zero. Every zero counts as a stick.
     fn read(&mut self) {
         for (lane, velocities) in self.turns.drain(..) {
             for (is_static, v) in self.is_static[lane..].iter_mut().zip(velocities) {

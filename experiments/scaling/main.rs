@@ -1,8 +1,8 @@
-//! A run on very many ranks: what its messages cost, measured here, and how long it would take,
-//! simulated.
+//! A run on very many ranks: the cost of its messages, measured here, and the time that it would
+//! take, simulated.
 //!
-//! The leases are those of the program (`ensemble::Leases`); ranks, clock and network are not
-//! there. Prints the tables of docs/scaling.md.
+//! The leases are those of the program (`ensemble::Leases`); ranks, clock and network are
+//! simulated. Prints the tables of docs/scaling.md.
 //!
 //! ```text
 //! cargo run --release --example scaling
@@ -15,7 +15,7 @@ use measured::Costs;
 use simulated::{Machine, Outcome, simulate};
 use stick_slip::scenario::Scenario;
 
-/// Paths of the large run.
+/// The number of paths of the large run.
 const PATHS: u64 = 10_000_000_000;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {

@@ -1,4 +1,4 @@
-//! What a block, its rows and its sums cost on this machine.
+//! Measures what a block, its rows and its sums cost on this machine.
 
 use std::io::Write as _;
 use std::time::Instant;
@@ -7,21 +7,23 @@ use stick_slip::scenario::Scenario;
 use stick_slip::stats::{Reader, RunTotals, Totals};
 use stick_slip::store;
 
-/// Blocks of the leases that are measured: a short one, and one whose sketches are full.
+/// The lengths in blocks of the leases that are measured: a short lease, and one whose sketches are
+/// full.
 const LEASES: [u64; 2] = [8, 128];
 
-/// Seconds and bytes.
+/// Costs in seconds and bytes.
 pub struct Costs {
-    /// Seconds that it takes to simulate and sum a block.
+    /// Seconds to simulate and sum a block.
     pub block: f64,
-    /// Bytes of the rows of a block, and seconds that rank 0 takes for them.
+    /// Bytes of the rows of a block, and seconds that rank 0 needs for them.
     pub rows: [f64; 2],
-    /// Bytes of the sums of a lease, seconds to write them, and seconds that rank 0 takes to read
-    /// and to join them: of a short lease, and of a long one.
+    /// Bytes of the sums of a lease, seconds to write them, and seconds that rank 0 needs to read
+    /// and to join them, for a short lease and for a long one.
     pub sums: [[f64; 3]; 2],
 }
 
-/// Seconds that something takes: the least of some times, because other programs may be running.
+/// Seconds that some work takes: the least of several measurements, because other programs may be
+/// running.
 fn fastest(
     mut work: impl FnMut() -> Result<(), Box<dyn std::error::Error>>,
 ) -> Result<f64, Box<dyn std::error::Error>> {
@@ -49,7 +51,7 @@ impl Costs {
                 totals.push(index, result.totals)?;
                 block = start.elapsed().as_secs_f64().min(block);
             }
-            // Rows: read, and written to a log.
+            // The rows are read and written to a log.
             let none = Totals::empty(plan.model(), &plan.timeline().without_rows());
             let taken = fastest(|| {
                 let (mut from, mut log, mut file) = (Reader::new(&bytes), Vec::new(), tempfile::tempfile()?);
@@ -60,7 +62,7 @@ impl Costs {
                 Ok(())
             })?;
             rows = [bytes.len() as f64, taken].map(|all| all / lease as f64);
-            // Sums: written, read and joined to those of as many blocks.
+            // The sums are written, read, and joined to those of as many blocks.
             let mut before = empty.clone();
             (0..first).try_for_each(|index| before.push(index, plan.block(index).totals))?;
             first += lease;
@@ -78,7 +80,7 @@ impl Costs {
         Ok(Costs { block, rows, sums })
     }
 
-    /// Bytes of a message with a lease of so many blocks, and seconds that rank 0 takes for it.
+    /// Bytes of a message with a lease of so many blocks, and seconds that rank 0 needs for it.
     /// Sketches grow until they are full.
     pub fn message(&self, blocks: f64) -> [f64; 2] {
         let [small, large] = self.sums;

@@ -1,4 +1,4 @@
-//! The protocol of ranks without ranks: a queue of things that happen, and a clock.
+//! Simulates the protocol of the ranks by a queue of events and a clock.
 
 use super::measured::Costs;
 use std::cmp::Reverse;
@@ -6,29 +6,29 @@ use std::collections::{BinaryHeap, VecDeque};
 use std::ops::Range;
 use stick_slip::ensemble::Leases;
 
-/// Bytes a second that rank 0 can receive: a usual network of 100 Gbit/s.
+/// Bytes that rank 0 can receive in a second: a usual network of 100 Gbit/s.
 const NETWORK: f64 = 12.5e9;
-/// Seconds until a message is noticed, at most: how long somebody who waits sleeps.
+/// The longest time in seconds until a message is noticed, which is how long a waiting rank sleeps.
 const NOTICED: f64 = 0.02;
 
-/// Ranks of one thread each.
+/// A machine with ranks of one thread each.
 pub struct Machine<'a> {
     pub ranks: usize,
     pub costs: &'a Costs,
 }
 
 pub struct Outcome {
-    /// How long it took.
+    /// How long the run took, in seconds.
     pub seconds: f64,
-    /// Of which rank 0 was busy for so long.
+    /// How long rank 0 was busy, in seconds.
     pub busy: f64,
-    /// Seconds of a lease in the middle of the run.
+    /// The length of a lease in the middle of the run, in seconds.
     pub lease: f64,
     pub messages: u64,
     pub bytes: f64,
 }
 
-/// A time as something that can be put in order: it is not negative.
+/// A time in whole nanoseconds, which can be ordered. Times are not negative.
 fn at(seconds: f64) -> u64 {
     (seconds * 1e9) as u64
 }
@@ -37,15 +37,16 @@ pub fn simulate(paths: u64, machine: &Machine) -> Outcome {
     let Machine { ranks, costs } = machine;
     let blocks = paths.div_ceil(256);
     let mut leases: Leases<()> = Leases::new(0..blocks, &vec![1; *ranks]);
-    // Leases of each rank, the first of them in work; and when each first one is done and noticed.
+    // The leases of each rank, of which the first is in work; and the times at which the first one
+    // of each rank is done and noticed.
     let mut queues: Vec<VecDeque<Range<u64>>> = vec![VecDeque::new(); *ranks];
     let mut free = vec![0.0_f64; *ranks];
     let mut events = BinaryHeap::new();
-    // No two ranks are equally fast: up to 5 % slower.
+    // Ranks are not equally fast: some are slower by up to 5 %.
     let speed = |rank: usize| 1.0 + 0.05 * ((rank * 7919) % 997) as f64 / 997.0;
     let mut outcome = Outcome { seconds: 0.0, busy: 0.0, lease: 0.0, messages: 0, bytes: 0.0 };
     let mut desk = 0.0_f64;
-    // Ranks that may get a lease.
+    // The ranks that may get a lease.
     let mut idle: Vec<usize> = (0..*ranks).collect();
     loop {
         idle.retain(|&rank| {
@@ -66,7 +67,7 @@ pub fn simulate(paths: u64, machine: &Machine) -> Outcome {
         let done = lease.end - lease.start;
         let [bytes, seconds] = costs.message(done as f64);
         let seconds = seconds + bytes / NETWORK;
-        // Rank 0 takes messages one after the other.
+        // Rank 0 handles messages one after the other.
         desk = desk.max(time as f64 / 1e9) + seconds;
         outcome.busy += seconds;
         outcome.bytes += bytes;

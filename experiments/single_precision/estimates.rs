@@ -1,8 +1,9 @@
-//! What the experiment compares: four statistics, each with what every path adds to it.
+//! The quantities that the experiment compares: four statistics, each with the contribution of
+//! every path.
 
 use crate::prototype::Cascade;
 
-/// An estimate, and what each path adds to it to first order.
+/// An estimate, and the contribution of each path to it to first order.
 pub struct Estimate {
     pub name: &'static str,
     pub value: f64,
@@ -13,7 +14,7 @@ fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len() as f64
 }
 
-/// Of a mean over paths.
+/// The standard error of a mean over paths.
 pub fn standard_error(parts: &[f64]) -> f64 {
     let centre = mean(parts);
     let squares: Vec<f64> = parts.iter().map(|part| (part - centre).powi(2)).collect();

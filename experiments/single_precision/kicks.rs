@@ -1,4 +1,5 @@
-//! The random numbers of a step, from normals as good as the crate's to sums of four bytes.
+//! The random numbers of a step, from normals as accurate as those of the crate to sums of four
+//! bytes.
 
 use crate::prototype::{LANES, RUN, Real, Row};
 use std::array::from_fn;
@@ -6,13 +7,13 @@ use std::sync::LazyLock;
 use stick_slip::lanes::InstructionSet;
 use stick_slip::noise::{LaneStreams, Stream, standard_normal};
 
-/// Where the numbers xi of mean 0 and variance 1 come from, for `RUN` steps at a time.
+/// A source of numbers xi of mean 0 and variance 1, for `RUN` steps at a time.
 pub trait Kicks<F> {
     fn new(seed: u64, paths: &[u64]) -> Self;
     fn fill(&mut self, tile: &mut [Row<F>; RUN]);
 }
 
-/// The normals of the crate, off by no more than [`stick_slip::noise::MAX_NORMAL_ERROR`].
+/// The normals of the crate, with an error of at most [`stick_slip::noise::MAX_NORMAL_ERROR`].
 pub struct Own(LaneStreams);
 
 impl<F: Real> Kicks<F> for Own {
@@ -30,7 +31,7 @@ impl<F: Real> Kicks<F> for Own {
     }
 }
 
-/// xoshiro128+, one a lane.
+/// One xoshiro128+ generator for each lane.
 #[repr(align(64))]
 struct Words([[u32; LANES]; 4]);
 
@@ -57,12 +58,12 @@ impl Words {
     }
 }
 
-/// Normals by inversion in single precision: [`standard_normal`] as lines on 64 cells an octave; 32
-/// bits, out to 6.2 sigma.
+/// Normals by inversion in single precision: [`standard_normal`] is approximated by straight lines
+/// in 64 cells of each octave. It takes 32 bits and reaches 6.2 sigma.
 pub struct Inverse(Words);
 
-/// Middle and slope of each cell, numbered by the exponent and upper mantissa bits of y as an
-/// `f32`, 1 <= y <= 2^31.
+/// Middle and slope of each cell. The index of a cell consists of the exponent and the upper
+/// mantissa bits of y as an `f32`, 1 <= y <= 2^31.
 static LINES: LazyLock<[[f32; 2048]; 2]> = LazyLock::new(|| {
     let mut lines = [[0.0; 2048]; 2];
     for upper in 127u32 << 6..158 << 6 {
@@ -95,7 +96,8 @@ impl Kicks<f32> for Inverse {
     }
 }
 
-/// Sums of four bytes: three moments of a normal, excess kurtosis -0.3, nothing beyond 3.5 sigma.
+/// Sums of four bytes. They have three moments of a normal, an excess kurtosis of -0.3, and no
+/// values beyond 3.5 sigma.
 pub struct Bytes(Words);
 
 impl<F: Real> Kicks<F> for Bytes {

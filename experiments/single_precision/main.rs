@@ -1,12 +1,12 @@
-//! What single precision and cheaper normals would gain the discrete scheme, and what they would do
-//! to its numbers.
+//! The gain from single precision and from cheaper normals in the discrete scheme, and their effect
+//! on its statistics.
 //!
 //!     cargo run --release --example single_precision
 //!
-//! A prototype steps `scenarios/rho025.toml` on plain arrays of `f32` or `f64`, from which the
-//! compiler makes registers. It prints ns a path-step beside the crate's kernel; then what changes
-//! if both precisions are given the same normals, path by path; then what other normals change.
-//! Half a minute.
+//! A prototype simulates `scenarios/rho025.toml` on plain arrays of `f32` or `f64`, which the
+//! compiler vectorises. It prints ns for a path-step beside that of the crate's kernel; then the
+//! changes if both precisions are given the same normals, path by path; then the changes from other
+//! normals. It takes half a minute.
 
 mod estimates;
 mod kicks;
@@ -23,7 +23,7 @@ use stick_slip::model::{Event, Model};
 use stick_slip::scenario::Scenario;
 use stick_slip::scheme::{DiscreteSimulation, Instant, Observer, Simulate as _, Snapshot};
 
-/// Hears nothing: what the kernel costs alone.
+/// An observer that ignores everything, to measure the kernel alone.
 struct Deaf;
 
 impl Observer for Deaf {
@@ -35,7 +35,7 @@ impl Observer for Deaf {
     }
 }
 
-/// ns a path-step, the least of 40 rounds in which the programs take turns.
+/// Prints ns for a path-step, the least of 40 rounds in which the programs take turns.
 fn time(h: f64) -> Result<(), Box<dyn Error>> {
     const PATHS: u64 = 256;
     const STEPS: u64 = 12_000;
@@ -66,7 +66,7 @@ fn time(h: f64) -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// Both precisions on the same normals.
+/// Compares both precisions on the same normals.
 fn compare_precision(model: &Model, h: f64, end: f64, paths: u64) {
     let steps = (end / h).round() as u64;
     let double = simulate::<f64, Own>(model, h, steps, 1, paths);
@@ -88,7 +88,8 @@ fn compare_precision(model: &Model, h: f64, end: f64, paths: u64) {
     }
 }
 
-/// Other normals, hence other paths: independent ensembles.
+/// Compares other normals with those of the crate. The paths are then different, so the ensembles
+/// are independent.
 fn compare_normals(model: &Model, h: f64, paths: u64) {
     let (end, steps) = (60.0, (60.0 / h).round() as u64);
     let own = estimates(h, end, &simulate::<f64, Own>(model, h, steps, 1, paths));

@@ -1,4 +1,4 @@
-//! The discrete scheme on plain arrays of `f32` or `f64`, from which the compiler makes registers.
+//! The discrete scheme on plain arrays of `f32` or `f64`, which the compiler vectorises.
 
 use crate::kicks::Kicks;
 use std::ops::{Mul, Neg};
@@ -6,9 +6,9 @@ use stick_slip::lanes::{InstructionSet, LaneProgram, Lanes};
 use stick_slip::model::{HarmonicClock, Model};
 use stick_slip::noise::Transition;
 
-/// Paths stepped together.
+/// The number of paths that are stepped together.
 pub const LANES: usize = 32;
-/// Steps between two looks at what is to be done.
+/// The number of steps for which forcing and noise are computed at once.
 pub const RUN: usize = 64;
 
 /// `f32` or `f64`.
@@ -38,12 +38,13 @@ macro_rules! real {
 real!(f32);
 real!(f64);
 
-/// One number a path, in whole cache lines.
+/// One number for each path, in whole cache lines.
 #[derive(Clone, Copy)]
 #[repr(align(64))]
 pub struct Row<F>(pub [F; LANES]);
 
-/// The numbers of the step, as in `docs/model.md`; noise is v/kick.
+/// The coefficients of the step, as in `docs/model.md`. The noise is in units of its increment,
+/// v/kick.
 struct Coefficients<F> {
     h: F,
     h_over_m: F,
@@ -54,7 +55,8 @@ struct Coefficients<F> {
     dynamic_impulse: F,
 }
 
-/// `LANES` paths. While a velocity keeps its sign, V' = keep S + push, S from `least` to `most`.
+/// The state of `LANES` paths. While a velocity keeps its sign, V' = keep S + push, for S between
+/// `least` and `most`.
 #[repr(align(64))]
 struct Paths<F> {
     x: [F; LANES],
@@ -67,12 +69,12 @@ struct Paths<F> {
     cascades: [Cascade; LANES],
 }
 
-/// What is read off a path.
+/// The numbers that are computed from a path.
 #[derive(Clone, Copy, Default)]
 pub struct Cascade {
     /// The step at which the present stick began.
     stuck_since: Option<u64>,
-    /// Completed sticks but the first, and the steps they took.
+    /// The completed sticks without the first, and the steps that they took.
     pub sticks: u64,
     pub stick_steps: u64,
     pub static_steps: u64,
@@ -82,7 +84,7 @@ pub struct Cascade {
 }
 
 impl Cascade {
-    /// Stick begins, or ends.
+    /// A stick begins or ends at step n.
     fn toggle(&mut self, n: u64) {
         self.signature = (self.signature ^ n).wrapping_mul(0x9E37_79B9_7F4A_7C15).rotate_left(29);
         self.stuck_since = match self.stuck_since {
@@ -100,7 +102,7 @@ impl Cascade {
 }
 
 impl<F: Real> Paths<F> {
-    /// At rest, in stick.
+    /// Paths that start at rest, in a stick.
     fn new(c: &Coefficients<F>, x: f64) -> Self {
         let (zero, fs) = ([F::of(0.0); LANES], c.static_impulse);
         let cascade = Cascade { stuck_since: Some(0), ..Cascade::default() };
@@ -117,8 +119,8 @@ impl<F: Real> Paths<F> {
         }
     }
 
-    /// Lane i has left its bounds in step n: its velocity in the general form, its new bounds, and
-    /// what that means.
+    /// Lane i has left its bounds in step n. This sets its velocity by the general formula, its new
+    /// bounds, and the counts that change.
     #[cold]
     #[inline(never)]
     fn turn(&mut self, c: &Coefficients<F>, i: usize, s: F, n: u64, next_forcing: F) {
@@ -182,7 +184,7 @@ impl<F: Real, K: Kicks<F>> LaneProgram for Run<'_, F, K> {
     }
 }
 
-/// So many steps of the paths 0 to `paths` - 1, a multiple of `LANES`.
+/// Simulates `steps` steps of the paths 0 to `paths` - 1, where `paths` is a multiple of `LANES`.
 pub fn simulate<F: Real, K: Kicks<F>>(model: &Model, h: f64, steps: u64, seed: u64, paths: u64) -> Vec<Cascade> {
     let (oscillator, noise) = (&model.oscillator, model.temperature.noise.expect("a noisy scene"));
     let Transition { decay, increment_sd: kick } = Transition::new(noise.relaxation_rate, noise.diffusion, h);

@@ -1,4 +1,5 @@
-//! A finished file of which some bytes are others, as `mc show` reads it. Its seal is taken away, or nothing would come past it.
+//! Reads a finished file with some bytes changed, as `mc show` does. Its checksum is removed,
+//! because otherwise every changed file would be refused at once.
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
@@ -7,7 +8,7 @@ use std::sync::LazyLock;
 use stick_slip::scenario::Scenario;
 use stick_slip::store::{self, FileKind};
 
-/// In memory, where there is such a folder.
+/// A folder in memory, where there is one.
 static FOLDER: LazyLock<tempfile::TempDir> =
     LazyLock::new(|| tempfile::tempdir_in("/dev/shm").or_else(|_| tempfile::tempdir()).expect("a folder"));
 static FILE: LazyLock<PathBuf> = LazyLock::new(|| FOLDER.path().join("run.h5"));

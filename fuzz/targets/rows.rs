@@ -1,5 +1,6 @@
-//! The log of rows of a run that is not finished, as `mc resume` reads it. The state beside it says that all of it counts, and
-//! checksums are made right, or nothing would come past them.
+//! Reads the log of rows of an unfinished run, as `mc resume` does. The state beside it says that
+//! the whole log counts, and checksums are made right, because otherwise every changed log would be
+//! refused at once.
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
@@ -10,7 +11,7 @@ use stick_slip::scenario::Scenario;
 use stick_slip::stats::{Codec as _, RunTotals};
 use stick_slip::store::{self, FileSink, Question};
 
-/// In memory, where there is such a folder.
+/// A folder in memory, where there is one.
 static FOLDER: LazyLock<tempfile::TempDir> = LazyLock::new(|| {
     let folder = tempfile::tempdir_in("/dev/shm").or_else(|_| tempfile::tempdir()).expect("a folder");
     std::fs::create_dir(folder.path().join("run.h5.partial")).expect("room");
@@ -18,10 +19,10 @@ static FOLDER: LazyLock<tempfile::TempDir> = LazyLock::new(|| {
 });
 static TARGET: LazyLock<PathBuf> = LazyLock::new(|| FOLDER.path().join("run.h5"));
 
-/// The state of a run of which nothing is done, up to its log, and its sums.
+/// The state of a run of which no path is done: the part before its log, and its sums.
 static STATE: LazyLock<(Vec<u8>, Vec<u8>)> = LazyLock::new(|| {
     let mut scenario = Scenario::shipped("rho025").expect("shipped");
-    // Few rows of the output grid, for a small state.
+    // There are few rows of the output grid, so that the state is small.
     scenario.time.output_step = scenario.time.end;
     let asked = Run::of(&scenario).question();
     let mut head = Question { scenario: scenario.clone(), asked, note: String::new() }.to_bytes();
@@ -29,13 +30,13 @@ static STATE: LazyLock<(Vec<u8>, Vec<u8>)> = LazyLock::new(|| {
     let mut length = Vec::new();
     (sums.len() as u64).write(&mut length);
     let tail = [length, sums].concat();
-    // An empty log is two bytes, and the checksum has four.
+    // An empty log takes two bytes, and the checksum four.
     head.truncate(head.len() - 4 - tail.len() - 2);
     (head, tail)
 });
 
 fuzz_target!(|bytes: &[u8]| {
-    // One block, or blocks as they come, by the first byte.
+    // The first byte decides whether the bytes are one block, or blocks as they are.
     let (how, bytes) = bytes.split_first().unwrap_or((&0, &[]));
     let mut log = bytes.to_vec();
     let mut checksum = 0;

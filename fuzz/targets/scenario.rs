@@ -1,5 +1,6 @@
-//! The text of a scenario: a scenario or an error, and a scenario that is written comes back as it was. Without what follows from it
-//! (warnings, derived numbers), which takes most of the time of `mc check`.
+//! Reads the text of a scenario. The result is a scenario or an error, and a scenario that is
+//! written and read again is the same. What follows from a scenario (warnings, derived numbers) is
+//! left out, because it takes most of the time of `mc check`.
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;

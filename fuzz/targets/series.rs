@@ -1,4 +1,5 @@
-//! A CSV file of a measured temperature: a table whose times ascend and whose numbers are finite, or an error.
+//! Reads a CSV file of a measured temperature. The result is a table whose times ascend and whose
+//! numbers are finite, or an error.
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
@@ -6,7 +7,7 @@ use stick_slip::data::{Name, Quantity, TimeColumn, Wanted, parse};
 use stick_slip::model::Series;
 
 fuzz_target!(|bytes: &[u8]| {
-    // The zone and the longest gap come from the first byte.
+    // The first byte decides the time zone and the longest gap.
     let (how, bytes) = bytes.split_first().unwrap_or((&0, &[]));
     let zone = [None, Some("UTC"), Some("Europe/Berlin"), Some("nowhere")][usize::from(how % 4)];
     let max_gap = (how & 4 != 0).then_some(21_600.0);

@@ -1,4 +1,5 @@
-//! The state of a run that is not finished, as `mc show` reads it. The checksum is made right, or nothing would come past it.
+//! Reads the state of an unfinished run, as `mc show` does. The checksum is made right, because
+//! otherwise every changed state would be refused at once.
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
@@ -6,7 +7,7 @@ use std::path::PathBuf;
 use std::sync::LazyLock;
 use stick_slip::store;
 
-/// In memory, where there is such a folder.
+/// A folder in memory, where there is one.
 static FOLDER: LazyLock<tempfile::TempDir> = LazyLock::new(|| {
     let folder = tempfile::tempdir_in("/dev/shm").or_else(|_| tempfile::tempdir()).expect("a folder");
     std::fs::create_dir(folder.path().join("run.h5.partial")).expect("room");

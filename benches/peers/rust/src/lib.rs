@@ -1,6 +1,7 @@
-//! The scene every Rust peer runs, its command line, its threads and the JSON line it prints.
+//! The scene that every Rust peer runs, its command line, its threads, and the JSON line that it
+//! prints.
 //!
-//! The scheme, in the paper's symbols (m = K = 1):
+//! The scheme, in the symbols of the paper with m = K = 1:
 //!
 //! ```text
 //! b_n     = beta (cos(w t_n) + rho e_n) - X_n
@@ -9,9 +10,9 @@
 //! e_{n+1} = decay e_n + increment_sd xi_n,  the exact transition of de = -e dt + dW
 //! ```
 //!
-//! The counting rule: a stick begins at t_{n+1} if V_{n+1} = 0 and |b_{n+1}| <= f_s, and ends at
-//! t_n, the last instant with V_n = 0. The one under way at t = 0 is an initial condition and is
-//! not counted; one under way at the end is not either.
+//! How sticks are counted: a stick begins at t_{n+1} if V_{n+1} = 0 and |b_{n+1}| <= f_s, and ends
+//! at t_n, the last instant with V_n = 0. The stick at t = 0 is an initial condition and is not
+//! counted, nor is a stick that has not ended at the end.
 
 pub mod scalar;
 
@@ -26,7 +27,7 @@ pub const F_D: f64 = 1.0;
 pub const X0: f64 = 6.0;
 pub const H: f64 = 1e-3;
 
-/// Sums over paths; stick time in steps. A turn is a zero of the velocity within a slip.
+/// Sums over paths. Stick time is in steps. A turn is a zero of the velocity within a slip.
 #[derive(Clone, Copy, Default)]
 pub struct Totals {
     pub sticks: f64,
@@ -51,7 +52,8 @@ unsafe extern "C" {
     fn clock() -> std::ffi::c_long;
 }
 
-/// Shares the paths among the threads, times `paths(steps, range)`, prints the JSON line.
+/// Distributes the paths over the threads, measures the time of `paths(steps, range)`, and prints
+/// the JSON line.
 pub fn measure(paths_of: impl Fn(usize, Range<usize>) -> Totals + Sync) {
     let words: Vec<f64> = std::env::args().skip(1).map(|word| word.parse().expect("a number")).collect();
     let word = |at: usize, default: f64| words.get(at).copied().unwrap_or(default);

@@ -1,11 +1,12 @@
-//! The straightforward loop: one path after the other, normals by the ziggurat of rand_distr.
+//! The straightforward loop: one path after the other, with normals from the ziggurat of
+//! rand_distr.
 
 use crate::{BETA, F_D, F_S, H, RHO, Totals, W, X0};
 use rand::{Rng, SeedableRng};
 use rand_distr::{Distribution, StandardNormal};
 use std::ops::Range;
 
-/// Runs a range of paths, each with the generator `R` seeded by its number.
+/// Simulates a range of paths, each with a generator `R` that is seeded by its number.
 pub fn paths<R: Rng + SeedableRng>(steps: usize, range: Range<usize>) -> Totals {
     let forcing: Vec<f64> = (0..=steps).map(|n| BETA * (W * H * n as f64).cos()).collect();
     let (decay, increment_sd) = ((-H).exp(), (-(-2.0 * H).exp_m1() / 2.0).sqrt());

@@ -1,9 +1,9 @@
-//! The crate differential-equations: the scheme as a drift for its Euler method, the counters as
-//! further components.
+//! The crate differential-equations: the scheme is a drift for its Euler method, and the counters
+//! are further components.
 //!
-//! As with diffrax, whatever the scheme does in a step is divided by h first, the noise is Euler's,
-//! and a stick is entered where |b_n|, not |b_{n+1}|, is within f_s: the drift cannot see the end
-//! of its own step.
+//! As with diffrax, the change by the scheme in a step is divided by h first, the noise is Euler's,
+//! and a stick is entered where |b_n| instead of |b_{n+1}| is within f_s, because the drift does
+//! not know the end of its own step.
 
 use differential_equations::prelude::*;
 use nalgebra::SVector;
@@ -15,7 +15,7 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 /// (x, v, e, stuck, entry, sticks, stick time, turns).
 type State = SVector<f64, 8>;
 
-/// Its noise source; the state is passed around by the solver.
+/// The source of the noise. The solver holds the state.
 struct Oscillator(Xoshiro256PlusPlus);
 
 impl SDE<f64, State> for Oscillator {
@@ -36,7 +36,7 @@ impl SDE<f64, State> for Oscillator {
         } else if v_next == 0.0 && b.abs() <= F_S {
             (dy[3], dy[4]) = ((1.0 - y[3]) / H, (t + H - entry) / H);
         } else if v * v_next <= 0.0 && v.abs() > 1e-12 {
-            // v + h (0 - v)/h is zero but for rounding
+            // v + h (0 - v)/h is zero only up to rounding.
             dy[7] = 1.0 / H;
         }
     }
