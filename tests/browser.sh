@@ -1,7 +1,6 @@
 #!/usr/bin/env bash
-# Open reports in a headless Chromium and hold what they show against their files:
-# tests/python/browser.py says how.
-# `tools/setup --tests` installs the browser.
+# Open reports in a headless Chromium and compare what they show with their files, as described in
+# tests/python/browser.py. `tools/setup --tests` installs the browser.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -15,5 +14,5 @@ look() { # NAME ARGUMENTS...
 }
 look biased --paths 2000 --set units.time=s --set units.length=mm
 look event-driven --paths 2000 --scheme event-driven
-# A title that would run if it were not escaped.
+# A title that would run as a script if it were not escaped.
 look hostile --paths 600 --set 'title="</script><script>window.stolen=1</script> <!-- <b>"'

@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# One run in several processes, by MPI: the file of 1, 2, 3 and 4 ranks is that of threads, byte by byte; a rank that is lost
-# ends all of them, and what was finished is continued by another number of ranks, or by threads. Installs what it needs.
+# One run in several processes, by MPI. The file of 1, 2, 3 and 4 ranks equals that of threads, byte
+# by byte. A rank that is lost ends all ranks, and what was finished is continued by another number
+# of ranks, or by threads. The script installs what it needs.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -45,19 +46,19 @@ compare 3 --paths 5000 --scheme event-driven
 compare 2 --paths 20000 --set ensemble.antithetic=true --set record.paths=false
 compare 4 --paths 100
 
-# The file of a part says how long it took, so that no two are alike.
+# The file of a part contains how long it took, so that no two such files are equal.
 ranks 3 run "$scene" --paths 20000 --part 2/3 -o part.h5 || fail "$(cat messages)"
 ./mc verify part.h5 --blocks all 2>/dev/null | grep -q 'every statistic' || fail 'a part of a run'
 echo 'same: a part of a run'
 
-# One line of progress and one table, however many ranks there are.
+# There is one line of progress and one table for any number of ranks.
 timeout 60 mpirun -n 3 ./mc run "$scene" --paths 20000 --threads 1 -o shown.h5 >table 2>messages
 [ "$(grep -c '^stick_duration_mean' table)" -eq 1 ] || fail "the table is not there once: $(cat table)"
 [ "$(grep -c 'paths.*left' messages)" -le 1 ] || fail "several lines of progress: $(cat messages)"
 if timeout 60 mpirun -n 2 ./mc show shown.h5 >/dev/null 2>messages; then fail 'mc show with several ranks'; fi
 grep -q 'leave out mpirun' messages || fail "no reason: $(cat messages)"
 
-# Whoever waits sleeps: three ranks that have nothing to do take next to no CPU time beside the one that works.
+# Waiting ranks sleep: three ranks without work take almost no CPU time beside the one that works.
 cpu() { # COMMAND...: CPU seconds of it and its children
     local TIMEFORMAT='%U %S'
     { time "$@" 2>/dev/null; } 2>used
@@ -69,7 +70,7 @@ together=$(cpu ranks 4 "${long[@]}" -o together.h5)
 echo "CPU time of one block: $alone s alone, $together s on 4 ranks, of which 3 wait"
 awk "BEGIN { exit !($together < 1.25 * $alone + 1.5) }" || fail 'waiting takes CPU time'
 
-# Lost ranks, signals: all end, and what was finished goes on.
+# Lost ranks and signals: all ranks end, and what was finished is continued.
 paths=(--paths 600000 --no-bias)
 ./mc run "$scene" "${paths[@]}" --quiet -o whole.h5 2>/dev/null
 lost() { # WHAT SIGNAL RANK: 0 to 2, or `launcher`

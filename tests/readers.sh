@@ -1,7 +1,6 @@
 #!/usr/bin/env bash
 # Write a file of every kind with `mc run`, open each with every reader that docs/output-format.md
-# names, and recompute every variable of some.
-# `tools/setup --tests` installs the readers.
+# names, and recompute every variable of some of them. `tools/setup --tests` installs the readers.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -15,7 +14,8 @@ run() { # NAME SCENARIO ARGUMENTS...
     }
 }
 
-# Blocks, the last one not full; everything that can be recorded; unit labels.
+# Several blocks, the last of them not full, with everything that can be recorded and with unit
+# labels.
 run recorded rho025 --paths 600 --set record.events=true --set record.trajectories=3 \
     --set units.time=s --set units.length=mm --set units.force=N --set units.temperature=K
 # No rows of single paths at all.
@@ -37,7 +37,7 @@ cargo run --release --quiet --bin mc -- trade scenarios/rho025.toml --budget 2s 
 
 target/venv/bin/python tests/python/check.py "$folder"/*.h5
 
-# Antithetic pairs, whose errors have the pair for their unit.
+# Antithetic pairs, in which the pair is the unit of errors.
 mkdir "$folder/pairs"
 run pairs/pairs rho025 --scheme event-driven --paths 600 --set ensemble.antithetic=true
 target/venv/bin/python tests/python/pairs.py "$folder/pairs/pairs.h5"
@@ -49,22 +49,22 @@ cargo run --release --quiet --bin mc -- sweep scenarios/rho025.toml --scheme eve
 run sweeps/run rho025 --scheme event-driven --paths 600 --set temperature.noise.intensity=0.3 --set friction.static=1.3
 target/venv/bin/python tests/python/sweep.py "$folder/sweeps/sweep.h5" "$folder/sweeps/run.h5"
 
-# A calibration of the twin that is shipped.
+# A calibration of the shipped synthetic measurements.
 mkdir "$folder/calibrations"
 cargo run --release --quiet --bin mc -- calibrate examples/bridge/bridge.toml examples/bridge/twin.csv -o "$folder/calibrations/fit.h5" >"$folder/messages" 2>&1
 target/venv/bin/python tests/python/calibration.py "$folder/calibrations/fit.h5"
 
-# Biases beyond their uncertainties, and the estimates corrected for them.
+# Biases larger than their uncertainties, and the estimates that are corrected for them.
 run biased rho025 --paths 10000 \
     --set units.time=s --set units.length=mm --set units.force=N --set units.temperature=K
 target/venv/bin/python tests/python/recompute.py --bias "$folder/biased.h5"
 
-# A measured temperature, against the file that it was read from.
+# A measured temperature, compared with the file that it was read from.
 target/venv/bin/python tests/python/recompute.py --measured "$folder/bearing.h5" scenarios/bridge.csv
 
-# Every scheme with all that can be recorded of all its paths, on a grid that passes through the
-# ends of the forcing periods, 12.5, and of the burn-in; the schemes with a step with every step.
-# Two blocks, a seed that is no default, one path of each replayed.
+# Every scheme, with everything that can be recorded of all its paths. The output grid contains the
+# ends of the forcing periods, 12.5, and that of the burn-in; for schemes with a step it contains
+# every step. There are two blocks, the seed is not the default, and one path of each is replayed.
 recomputed=$(mktemp -d -p "$folder")
 recompute() { # NAME ARGUMENTS...
     run "${recomputed##*/}/$1" rho025 "${@:2}" --seed 4711 \

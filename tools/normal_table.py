@@ -1,21 +1,26 @@
 #!/usr/bin/env python3
-"""Write src/noise/normal_table.rs: the parabolas of the inverse normal CDF, and reference values to test them against.
+"""Write src/noise/normal_table.rs: the parabolas of the inverse normal CDF, and reference values to
+test them against.
 
 usage: python3 -m venv v && v/bin/pip install mpmath==1.4.1 && v/bin/python tools/normal_table.py
 
-Z(y) = erfc^{-1}(y 2^-63) for 1 <= y < 2^63, a standard normal over sqrt(2). Each octave of y is cut into 128 equal cells, and t is the
-distance from a cell's centre down to y in widths of the cell, -1/2 < t <= 1/2. Because Z'' = 2 Z Z'^2, a level A and a slope b > 0 are
-enough for a parabola,
+Z(y) = erfc^{-1}(y 2^-63) for 1 <= y < 2^63 is a standard normal over sqrt(2). Each octave of y is
+divided into 128 equal cells, and t is the distance from the centre of a cell down to y, in widths
+of the cell, -1/2 < t <= 1/2. Because Z'' = 2 Z Z'^2, a level A and a slope b > 0 determine the
+parabola
 
     Z = A + s + A s^2,   s = b t,
 
-wrong by the cubic term alone. A and b are fitted with 40 digits, so that this error has the same size at both ends and in between.
-y = 2^63, where Z = 0, has a cell of its own.
+whose error is only the cubic term. A and b are fitted with 40 digits, such that this error has the
+same size at both ends and in between. y = 2^63, where Z = 0, has a cell of its own.
 
-One 64-bit word holds both: its lowest 22 bits are 2^21 plus b in units of 2^-28; all of it, read as a double, is A. So first b is rounded,
-then A is fitted. The cell of -y has -A and -b, that is, the same upper bits but for the sign, and 2^21 minus b below them; so A is
-fitted among the doubles with 2^21 there, from which the two differ by less than 2^21 units in the last place.
+One 64-bit word holds both numbers: its lowest 22 bits are 2^21 plus b in units of 2^-28, and the
+whole word, read as a double, is A. So b is rounded first, and then A is fitted. The cell of -y has
+-A and -b, that is, the same upper bits except for the sign, and 2^21 minus b in the lower ones. So
+A is fitted among the doubles with 2^21 in the lower bits, from which the two words differ by less
+than 2^21 units in the last place.
 """
+
 import struct
 
 import mpmath as mp
@@ -43,7 +48,8 @@ def double(b):
 
 
 def word(level, slope):
-    """The word of a cell: its upper bits are those with which a double that ends in NO_SLOPE is nearest the level."""
+    """The word of a cell. Its upper bits are those with which a double that ends in NO_SLOPE is
+    nearest to the level."""
     b = ((bits(level) >> SLOPE_BITS) << SLOPE_BITS) | NO_SLOPE
     step = 1 << SLOPE_BITS
     nearest = min((max(b - step, NO_SLOPE), b, b + step), key=lambda b: abs(double(b) - level))
@@ -61,7 +67,7 @@ def cell(o, i):
     def at(t):
         return erfc_inverse(mp.mpf(2) ** o * (1 + (i + mp.mpf(1) / 2 - t) / CELLS))
 
-    # the slope of the parabola through the nodes
+    # The slope of the parabola through the nodes.
     slope = int(mp.nint((at(NODES[2]) - at(NODES[0])) / (NODES[2] - NODES[0]) / SLOPE_UNIT))
     assert 0 < slope < NO_SLOPE
     steps = [slope * SLOPE_UNIT * t for t in EXTREMA]
@@ -70,19 +76,26 @@ def cell(o, i):
 
 
 def error(o, i, w, sign):
-    """Greatest error, in standard deviations, of the word of a cell at its ends and extrema; sign -1: of the cell of -y."""
+    """The greatest error of the word of a cell at its ends and extrema, in standard deviations.
+    With sign -1 it is that of the cell of -y."""
     slope = (w % (1 << SLOPE_BITS) - NO_SLOPE) * SLOPE_UNIT
     level = mp.mpf(double(w if sign > 0 else w - 2 * (w % (1 << SLOPE_BITS) - NO_SLOPE)))
 
     def at(t):
         s = slope * t
-        return level + s + level * s**2 - erfc_inverse(mp.mpf(2) ** o * (1 + (i + mp.mpf(1) / 2 - t) / CELLS))
+        return (
+            level
+            + s
+            + level * s**2
+            - erfc_inverse(mp.mpf(2) ** o * (1 + (i + mp.mpf(1) / 2 - t) / CELLS))
+        )
 
     return mp.sqrt(2) * max(abs(at(t)) for t in EXTREMA)
 
 
 def place(o, i):
-    """(bits of y) >> 45, exponent field 1023 + o and upper mantissa, beyond that of y = 1."""
+    """The index of a cell beyond that of y = 1: (bits of y) >> 45, which is the exponent field 1023
+    + o and the upper mantissa."""
     return o * CELLS + i
 
 
@@ -91,7 +104,10 @@ def rows(words):
 
 
 def write(f, name, doc, kind, rows, test=False, length=None):
-    f.write("\n/// %s\n%s#[rustfmt::skip]\npub(super) static %s: [%s; %d] = [\n" % (doc, "#[cfg(test)]\n" if test else "", name, kind, length or len(rows)))
+    f.write(
+        "\n/// %s\n%s#[rustfmt::skip]\npub(super) static %s: [%s; %d] = [\n"
+        % (doc, "#[cfg(test)]\n" if test else "", name, kind, length or len(rows))
+    )
     for row in rows:
         f.write("    %s,\n" % row)
     f.write("];\n")
@@ -102,16 +118,46 @@ if __name__ == "__main__":
     for o in range(OCTAVES):
         for i in range(CELLS):
             words[place(o, i)] = cell(o, i)
-    greatest = max(error(o, i, words[place(o, i)], sign) for o in range(OCTAVES) for i in range(CELLS) for sign in (1, -1))
+    greatest = max(
+        error(o, i, words[place(o, i)], sign)
+        for o in range(OCTAVES)
+        for i in range(CELLS)
+        for sign in (1, -1)
+    )
     print("greatest error: %.3g" % greatest)
     points = []
     for o in range(OCTAVES):
-        for i in range(3, CELLS, 32):  # every 32nd cell, eight points in each; odd integers next to them
-            points += [int(mp.mpf(2) ** o * (1 + (i + mp.mpf(k) / 8) / CELLS)) | 1 for k in range(8)] if o > 8 else []
+        for i in range(
+            3, CELLS, 32
+        ):  # every 32nd cell, eight points in each; odd integers next to them
+            points += (
+                [int(mp.mpf(2) ** o * (1 + (i + mp.mpf(k) / 8) / CELLS)) | 1 for k in range(8)]
+                if o > 8
+                else []
+            )
     points += [1, 3, 5, 7, 9, 15, 33, 101]
     with open("src/noise/normal_table.rs", "w") as f:
-        f.write("//! Parabolas of the inverse normal CDF; written by tools/normal_table.py, not by hand.\n")
-        f.write("\n/// Bits of a cell that hold its slope: 2^21 plus the slope in units of 2^-28.\npub(super) const SLOPE_BITS: u32 = %d;\n" % SLOPE_BITS)
-        write(f, "CELLS", "The cells of y = 1 to 2^63: each one's level, a double, whose lowest bits hold the slope.", "u64", rows(words), length=len(words))
+        f.write(
+            "//! Parabolas of the inverse normal CDF; written by tools/normal_table.py, not by hand.\n"
+        )
+        f.write(
+            "\n/// Bits of a cell that hold its slope: 2^21 plus the slope in units of 2^-28.\npub(super) const SLOPE_BITS: u32 = %d;\n"
+            % SLOPE_BITS
+        )
+        write(
+            f,
+            "CELLS",
+            "The cells of y = 1 to 2^63: each one's level, a double, whose lowest bits hold the slope.",
+            "u64",
+            rows(words),
+            length=len(words),
+        )
         pairs = ["(%d, %r)" % (y, float(mp.sqrt(2) * erfc_inverse(y))) for y in points]
-        write(f, "REFERENCE", "(y, z(y)), 40 digits rounded: 32 points an octave, and the smallest y.", "(u64, f64)", pairs, True)
+        write(
+            f,
+            "REFERENCE",
+            "(y, z(y)), 40 digits rounded: 32 points an octave, and the smallest y.",
+            "(u64, f64)",
+            pairs,
+            True,
+        )

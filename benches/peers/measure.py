@@ -1,9 +1,11 @@
-"""One run of `mc` or of a peer, as a small dictionary; times in nanoseconds per path-step.
+"""One run of `mc` or of a peer, as a dictionary with times in nanoseconds for each path-step.
 
-`wall` is the time on the clock, `cpu` the processor time: on a machine shared with others the second is the one that means
-something on one core. A peer times its simulation only, without start-up and compilation; for `mc` the clock covers the whole
-run with statistics and file, and the processor time the whole process.
+`wall` is the wall-clock time and `cpu` the processor time; on a machine that is shared with others,
+only the second one is meaningful on one core. A peer measures its simulation only, without start-up
+and compilation. For `mc` the wall-clock time is that of the whole run with statistics and file, and
+the processor time that of the whole process.
 """
+
 import json
 import os
 import resource
@@ -11,11 +13,12 @@ import subprocess
 
 from lineup import last_line
 
-LIMIT = 300  # seconds a peer may take
+LIMIT = 300  # the longest time of a peer in seconds
 
 
 def pin(threads):
-    """Keeps this process and all it starts on as many cores as there are threads; returns which, None where not possible."""
+    """Keep this process and its children on as many cores as there are threads. Returns these
+    cores, or None where that is not possible."""
     if not hasattr(os, "sched_setaffinity"):
         return None
     os.sched_setaffinity(0, sorted(os.sched_getaffinity(0))[:threads])
@@ -23,8 +26,13 @@ def pin(threads):
 
 
 def start(command):
-    return subprocess.run([str(word) for word in command], capture_output=True, text=True, timeout=LIMIT,
-                          env={**os.environ, "PYTHONDONTWRITEBYTECODE": "1"})
+    return subprocess.run(
+        [str(word) for word in command],
+        capture_output=True,
+        text=True,
+        timeout=LIMIT,
+        env={**os.environ, "PYTHONDONTWRITEBYTECODE": "1"},
+    )
 
 
 def ours(command):
@@ -36,8 +44,14 @@ def ours(command):
     told = json.loads(done.stdout)
     path_steps = told["seconds"] * 1e9 / told["ns_per_path_step"]
     named = told["statistics"]
-    return {"wall": told["ns_per_path_step"], "cpu": used * 1e9 / path_steps, "setup": 0.0, "paths": told["paths"],
-            "sticks": named["sticks_per_path"], "duration": named["stick_duration_mean"]}
+    return {
+        "wall": told["ns_per_path_step"],
+        "cpu": used * 1e9 / path_steps,
+        "setup": 0.0,
+        "paths": told["paths"],
+        "sticks": named["sticks_per_path"],
+        "duration": named["stick_duration_mean"],
+    }
 
 
 def processor_time():
@@ -48,7 +62,9 @@ def processor_time():
 def peer(peer, threads):
     """Its result, or None with the reason in `peer.absent`."""
     try:
-        done = start([*peer.command, peer.paths, 12, threads, *([peer.option] if peer.option else [])])
+        done = start(
+            [*peer.command, peer.paths, 12, threads, *([peer.option] if peer.option else [])]
+        )
         told = json.loads(done.stdout)
     except subprocess.TimeoutExpired:
         peer.absent = f"took longer than {LIMIT} s"
@@ -56,6 +72,12 @@ def peer(peer, threads):
         peer.absent = f"failed: {last_line(done.stderr)}"
     else:
         scale = 1e9 / (told["paths"] * told["steps"])
-        return {"wall": told["seconds"] * scale, "cpu": told["cpu_seconds"] * scale, "setup": told["setup_seconds"],
-                "paths": told["paths"], "sticks": told["sticks_per_path"], "duration": told["stick_duration_mean"]}
+        return {
+            "wall": told["seconds"] * scale,
+            "cpu": told["cpu_seconds"] * scale,
+            "setup": told["setup_seconds"],
+            "paths": told["paths"],
+            "sticks": told["sticks_per_path"],
+            "duration": told["stick_duration_mean"],
+        }
     return None

@@ -1,4 +1,4 @@
-"""The command beside the package: what it writes is what the package returns."""
+"""Runs the command beside the package: the package must return what the command writes."""
 
 from __future__ import annotations
 
@@ -18,7 +18,9 @@ def mc(tmp_path):
     command = os.environ.get("MC", str(ROOT / "target/release/mc"))
 
     def call(*arguments, succeeds=True):
-        done = subprocess.run([command, *map(str, arguments)], capture_output=True, text=True, cwd=tmp_path)
+        done = subprocess.run(
+            [command, *map(str, arguments)], capture_output=True, text=True, cwd=tmp_path
+        )
         assert (done.returncode == 0) == succeeds, done.stderr
         return done.stdout, done.stderr
 
@@ -26,14 +28,20 @@ def mc(tmp_path):
 
 
 def bits(values):
-    """Numbers as their bytes, so that no NaN and no last place goes unnoticed."""
-    return values.astype(str).tolist() if values.dtype.kind in "UOT" else (str(values.dtype), values.tobytes())
+    """Numbers as their bytes, so that NaN and the last digit are compared too."""
+    return (
+        values.astype(str).tolist()
+        if values.dtype.kind in "UOT"
+        else (str(values.dtype), values.tobytes())
+    )
 
 
 def same(mine, theirs, but=()):
-    """Two data sets agree in every name, dimension, attribute, coordinate and bit, but for some attributes or variables.
+    """Two data sets agree in every name, dimension, attribute, coordinate and bit, except for some
+    attributes or variables.
 
-    The commit that each was built from may differ where one was built before a commit that changed nothing in it.
+    The commits that they were built from may differ, because one may have been built before a
+    commit that changed nothing in it.
     """
     import xarray as xr
 
@@ -47,5 +55,9 @@ def same(mine, theirs, but=()):
     assert mine.sizes == theirs.sizes
     for name, variable in theirs.variables.items():
         assert bits(mine[name].to_numpy()) == bits(variable.to_numpy()), name
-        assert {k: type(v) for k, v in mine[name].attrs.items()} == {k: type(v) for k, v in variable.attrs.items()}, name
-    assert {k: type(v) for k, v in mine.attrs.items()} == {k: type(v) for k, v in theirs.attrs.items()}
+        assert {k: type(v) for k, v in mine[name].attrs.items()} == {
+            k: type(v) for k, v in variable.attrs.items()
+        }, name
+    assert {k: type(v) for k, v in mine.attrs.items()} == {
+        k: type(v) for k, v in theirs.attrs.items()
+    }

@@ -1,6 +1,7 @@
-"""What a run costs from Python and on the command line, in CPU time; what an import takes; and how long Ctrl-C waits for an answer.
+"""Measure the CPU time of a run from Python and on the command line, the time of an import, and how
+long Ctrl-C takes.
 
-target/venv-python/bin/python python/tests/cost.py
+    target/venv-python/bin/python python/tests/cost.py
 """
 
 import resource
@@ -29,7 +30,17 @@ warnings.simplefilter("ignore")
 ss.run(SCENARIO, paths=256)
 here, there = [], []
 with tempfile.TemporaryDirectory() as folder:
-    command = [ROOT / "target/release/mc", "run", SCENARIO, "--paths", str(PATHS), "--quiet", "--force", "-o", f"{folder}/run.h5"]
+    command = [
+        ROOT / "target/release/mc",
+        "run",
+        SCENARIO,
+        "--paths",
+        str(PATHS),
+        "--quiet",
+        "--force",
+        "-o",
+        f"{folder}/run.h5",
+    ]
     for _ in range(TIMES):
         start = cpu(resource.RUSAGE_SELF)
         ss.run(SCENARIO, paths=PATHS)
@@ -37,12 +48,18 @@ with tempfile.TemporaryDirectory() as folder:
         start = cpu(resource.RUSAGE_CHILDREN)
         subprocess.run(command, check=True, stderr=subprocess.DEVNULL)
         there.append(cpu(resource.RUSAGE_CHILDREN) - start)
-print(f"ss.run {min(here):.2f} s, mc run {min(there):.2f} s, ratio {min(here) / min(there):.2f}; {PATHS} paths, the least of {TIMES}")
+print(
+    f"ss.run {min(here):.2f} s, mc run {min(there):.2f} s, ratio {min(here) / min(there):.2f}; {PATHS} paths, the least of {TIMES}"
+)
 
 from test_interrupt import INTERRUPTED  # noqa: E402
 
 waits = []
 for _ in range(TIMES):
-    done = subprocess.run([sys.executable, "-c", INTERRUPTED], capture_output=True, text=True, check=True)
+    done = subprocess.run(
+        [sys.executable, "-c", INTERRUPTED], capture_output=True, text=True, check=True
+    )
     waits.append(float(done.stdout.split()[0]))
-print(f"Ctrl-C is answered after {statistics.median(waits):.2f} s, at most {max(waits):.2f} s; {TIMES} times")
+print(
+    f"Ctrl-C is answered after {statistics.median(waits):.2f} s, at most {max(waits):.2f} s; {TIMES} times"
+)

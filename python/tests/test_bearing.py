@@ -1,4 +1,5 @@
-"""Calibrations, forecasts, fits of a temperature and twins have the numbers of the command."""
+"""Calibrations, forecasts, fits of a temperature and synthetic measurements have the numbers of the
+command."""
 
 from __future__ import annotations
 
@@ -24,9 +25,11 @@ def test_calibrate(mc, tmp_path):
     same(mine, file)
     mc("plot", "fit.h5", "-o", "fit.svg")
     assert ss.plot(mine).svg == (tmp_path / "fit.svg").read_text()
-    # The same record from memory has the same estimates: it was mended and thinned already.
+    # The measurement from memory has the same estimates. It was repaired and thinned already.
     time = file.time.to_numpy()
-    again = ss.calibrate(BRIDGE, (time, file.temperature.to_numpy()), (time, file.displacement.to_numpy()), starts=2)
+    again = ss.calibrate(
+        BRIDGE, (time, file.temperature.to_numpy()), (time, file.displacement.to_numpy()), starts=2
+    )
     np.testing.assert_allclose(again.estimate, file.estimate, rtol=1e-6)
 
 
@@ -61,15 +64,27 @@ def test_a_data_frame_and_two_files_are_the_file(mc, tmp_path):
     same(ss.calibrate(BRIDGE, frame, method="slips"), by_file)
     dated = frame.assign(time=pandas.to_datetime(frame.time)).set_index("time")
     same(ss.calibrate(BRIDGE, dated, method="slips"), by_file)
-    # Columns of a unit that is not theirs are read by it, and what is amiss is told with the line.
-    metres = frame.assign(displacement_m=frame.displacement_mm / 1000).drop(columns="displacement_mm")
-    np.testing.assert_allclose(ss.calibrate(BRIDGE, metres, method="slips").estimate, by_file.estimate, rtol=1e-9)
-    with pytest.raises(ss.ArgumentError, match="the DataFrame:12: `displacement_mm` = \"far\" is not a number"):
-        ss.calibrate(BRIDGE, frame.astype({"displacement_mm": object}).replace({"displacement_mm": {frame.displacement_mm[10]: "far"}}))
+    # Columns are read in the unit that their names give, and errors name the line.
+    metres = frame.assign(displacement_m=frame.displacement_mm / 1000).drop(
+        columns="displacement_mm"
+    )
+    np.testing.assert_allclose(
+        ss.calibrate(BRIDGE, metres, method="slips").estimate, by_file.estimate, rtol=1e-9
+    )
+    with pytest.raises(
+        ss.ArgumentError, match='the DataFrame:12: `displacement_mm` = "far" is not a number'
+    ):
+        ss.calibrate(
+            BRIDGE,
+            frame.astype({"displacement_mm": object}).replace(
+                {"displacement_mm": {frame.displacement_mm[10]: "far"}}
+            ),
+        )
     frame[["time", "temperature_degC"]].to_csv(tmp_path / "t.csv", index=False)
     frame[["time", "displacement_mm"]][1008:].to_csv(tmp_path / "z.csv", index=False)
     two = ss.calibrate(BRIDGE, tmp_path / "z.csv", temperature=tmp_path / "t.csv", method="slips")
-    # A sensor that was mounted a week later, as files and as series with dates, which have one clock.
+    # A sensor that was mounted a week later: as files, and as series with dates, which have the
+    # same clock.
     temperature = dated.temperature_degC
     later = dated.displacement_mm[1008:] / 1000
     by_series = ss.calibrate(BRIDGE, temperature, later, method="slips")
@@ -87,19 +102,26 @@ def test_forecast(mc, tmp_path):
     assert set(mine.quantity.to_numpy()) == set(told["levels"])
     for name, level in told["levels"].items():
         one = mine.sel(quantity=name)
-        assert one.quantity_unit.item() == level["unit"] and one.expected.item() == level["expected"]
+        assert (
+            one.quantity_unit.item() == level["unit"] and one.expected.item() == level["expected"]
+        )
         assert [one.expected_low.item(), one.expected_high.item()] == level["expected_interval"]
         assert [one.year_low.item(), one.year_high.item()] == level["year_interval"]
     for i, level in enumerate(told["return_levels"]):
         one = mine.isel(return_period=i)
-        assert one.return_period.item() == level["years"] and one.return_level.item() == level["expected"]
+        assert (
+            one.return_period.item() == level["years"]
+            and one.return_level.item() == level["expected"]
+        )
         assert [one.return_level_low.item(), one.return_level_high.item()] == level["interval"]
     rows = list(csv.DictReader((tmp_path / "years.csv").open()))
     assert len(rows) == mine.sizes["draw"] * mine.sizes["year"] == 12
     for row in rows:
         year = mine.sel(draw=int(row.pop("draw")), year=int(row.pop("year")))
         for column, value in row.items():
-            name = next(name for name in told["levels"] if column in (name, f"{name}_m", f"{name}_N"))
+            name = next(
+                name for name in told["levels"] if column in (name, f"{name}_m", f"{name}_N")
+            )
             assert year[name].item() == float(value), column
     # Without K_BP there are no forces.
     soft = BEARING.read_text().replace("stiffness = 2.0e9\n", "")
@@ -117,7 +139,10 @@ def test_a_forecast_that_cannot_be_says_what_to_measure():
         ss.forecast(BEARING, still.temperature, still.displacement)
     assert "no slips" in raised.value.problem and "measure for longer" in raised.value.remedy
     for arguments, argument in [
-        ({"draws": 1}, "draws"), ({"years": 1}, "years"), ({"share": 1}, "share"), ({"processes": 3}, "processes"),
+        ({"draws": 1}, "draws"),
+        ({"years": 1}, "years"),
+        ({"share": 1}, "share"),
+        ({"processes": 3}, "processes"),
     ]:
         with pytest.raises(ss.ArgumentError) as wrong:
             ss.forecast(BEARING, TWIN, **arguments)
@@ -126,22 +151,28 @@ def test_a_forecast_that_cannot_be_says_what_to_measure():
 
 @pytest.mark.parametrize("processes", [1, 2])
 def test_fit_temperature(processes, mc, tmp_path):
-    told = json.loads(mc("fit-temperature", TWIN, "--processes", processes, "--json", "-o", "weather.toml")[0])
+    told = json.loads(
+        mc("fit-temperature", TWIN, "--processes", processes, "--json", "-o", "weather.toml")[0]
+    )
     mine = ss.fit_temperature(TWIN, processes=processes)
     numbers = dataclasses.asdict(mine)
     toml, table, start = (numbers.pop(name) for name in ("toml", "temperature", "start"))
-    # What an object of the command begins with says which program printed it.
-    assert told.pop("document") == "weather" and told.pop("schema_version") == 1 and told.pop("program")["name"] == "mc"
+    # The first members of a JSON object of the command say which program printed it.
+    assert (
+        told.pop("document") == "weather"
+        and told.pop("schema_version") == 1
+        and told.pop("program")["name"] == "mc"
+    )
     assert numbers == told
     part = (tmp_path / "weather.toml").read_text()
     assert part.endswith(toml) and f"t = 0 is {start}." in part
-    # As text and as a dictionary it makes one scenario with a bearing.
+    # As text and as a dictionary it makes the same scenario with a bearing.
     import tomllib
 
     by_text = ss.check(BEARING.read_text() + toml)
     by_table = ss.check({**tomllib.loads(BEARING.read_text()), "temperature": table})
     assert by_text.toml == by_table.toml
-    # The same from arrays.
+    # Arrays give the same.
     file = ss.calibrate(BRIDGE, TWIN, method="slips")
     times, temperatures = file.time.to_numpy(), file.temperature.to_numpy()
     by_arrays = ss.fit_temperature((times, temperatures), processes=processes)
@@ -149,8 +180,13 @@ def test_fit_temperature(processes, mc, tmp_path):
 
 
 def test_what_cannot_be_fitted_is_refused():
-    for arguments, argument in [({"periods": [86_400, 86_400.0]}, "periods"), ({"periods": [0]}, "periods"), ({"processes": 0}, "processes"),
-                                ({"temperature": "air"}, "data"), ({"time": "when"}, "data")]:
+    for arguments, argument in [
+        ({"periods": [86_400, 86_400.0]}, "periods"),
+        ({"periods": [0]}, "periods"),
+        ({"processes": 0}, "processes"),
+        ({"temperature": "air"}, "data"),
+        ({"time": "when"}, "data"),
+    ]:
         with pytest.raises(ss.ArgumentError) as raised:
             ss.fit_temperature(TWIN, **arguments)
         assert raised.value.argument == argument and raised.value.remedy
@@ -163,17 +199,48 @@ def test_what_cannot_be_fitted_is_refused():
 TWINS = {
     "drawn": ({"seed": 3}, ["--seed", 3]),
     "with every flaw": (
-        {"seed": 4, "sensor_noise": (50e-6, 200e-6, 2 * 86_400), "scatter": 0.05, "lag": 900, "resolution": 0.5, "spikes": 0.001,
-         "gaps": 4, "duration": 60 * 86_400, "every": 1200, "set": {"friction.static": 5e5}},
-        ["--seed", 4, "--sensor-noise", "50e-6,200e-6,2d", "--scatter", 0.05, "--lag", "15m", "--resolution", 0.5, "--spikes", 0.001,
-         "--gaps", 4, "--duration", "60d", "--every", "20m", "--set", "friction.static=5e5"]),
+        {
+            "seed": 4,
+            "sensor_noise": (50e-6, 200e-6, 2 * 86_400),
+            "scatter": 0.05,
+            "lag": 900,
+            "resolution": 0.5,
+            "spikes": 0.001,
+            "gaps": 4,
+            "duration": 60 * 86_400,
+            "every": 1200,
+            "set": {"friction.static": 5e5},
+        },
+        [
+            "--seed",
+            4,
+            "--sensor-noise",
+            "50e-6,200e-6,2d",
+            "--scatter",
+            0.05,
+            "--lag",
+            "15m",
+            "--resolution",
+            0.5,
+            "--spikes",
+            0.001,
+            "--gaps",
+            4,
+            "--duration",
+            "60d",
+            "--every",
+            "20m",
+            "--set",
+            "friction.static=5e5",
+        ],
+    ),
 }
 
 
 @pytest.mark.parametrize("scenario", ["bridge", "viaduct-drawn"])
 @pytest.mark.parametrize("name", TWINS)
 def test_twin(name, scenario, mc, tmp_path):
-    """A file has three and five decimals, so that its numbers are those of memory after rounding."""
+    """A file has three and five decimals, so its numbers are those in memory after rounding."""
     arguments, flags = TWINS[name]
     path = BRIDGE if scenario == "bridge" else tmp_path / "year.toml"
     if scenario != "bridge":
@@ -182,26 +249,39 @@ def test_twin(name, scenario, mc, tmp_path):
     mine = ss.twin(path, **arguments)
     rows = list(csv.reader((tmp_path / "twin.csv").open()))[1:]
     assert [row[1] for row in rows] == [f"{value:.3f}" for value in mine.temperature.to_numpy()]
-    assert [row[2] for row in rows] == [f"{1e3 * value:.5f}" for value in mine.displacement.to_numpy()]
+    assert [row[2] for row in rows] == [
+        f"{1e3 * value:.5f}" for value in mine.displacement.to_numpy()
+    ]
     assert f"{mine.attrs['slips']} slips" in said.replace(" ", " ")
     assert rows[0][0].startswith(mine.attrs["start"][:16])
     seconds = np.array([row[0].rstrip("Z") for row in rows], dtype="datetime64[s]")
-    assert ((seconds - seconds[0]).astype(float) == mine.time.to_numpy() - mine.time.to_numpy()[0]).all()
+    assert (
+        (seconds - seconds[0]).astype(float) == mine.time.to_numpy() - mine.time.to_numpy()[0]
+    ).all()
     for line in printed.splitlines():
         key, *_, value = line.split()
         assert float(value) == pytest.approx(mine.truth.sel(quantity=key).item(), rel=1e-6), key
 
 
 def test_a_twin_is_calibrated_to_its_truth():
-    """Within 10 %, which is five standard errors."""
+    """The estimates are within 10 % of the truth, which is five standard errors."""
     mine = ss.twin(BRIDGE, seed=4, set={"friction.static": 4.2e5, "friction.dynamic": 3.6e5})
     found = ss.calibrate(BRIDGE, mine.temperature, mine.displacement, method="slips")
-    for key in ("friction.static", "friction.dynamic", "oscillator.stiffness", "oscillator.dilatation"):
+    for key in (
+        "friction.static",
+        "friction.dynamic",
+        "oscillator.stiffness",
+        "oscillator.dilatation",
+    ):
         one = found.sel(quantity=key).estimate.item()
         assert one == pytest.approx(mine.truth.sel(quantity=key).item(), rel=0.1), key
     for arguments, argument in [
-        ({"scatter": -0.1}, "scatter"), ({"spikes": 0.6}, "spikes"), ({"gaps": -1}, "gaps"), ({"every": 0}, "every"),
-        ({"duration": 100, "every": 100}, "duration"), ({"sensor_noise": (-1,)}, "sensor_noise"),
+        ({"scatter": -0.1}, "scatter"),
+        ({"spikes": 0.6}, "spikes"),
+        ({"gaps": -1}, "gaps"),
+        ({"every": 0}, "every"),
+        ({"duration": 100, "every": 100}, "duration"),
+        ({"sensor_noise": (-1,)}, "sensor_noise"),
     ]:
         with pytest.raises(ss.ArgumentError) as raised:
             ss.twin(BRIDGE, **arguments)

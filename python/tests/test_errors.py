@@ -1,4 +1,4 @@
-"""Messages are those of the command; exceptions carry their parts."""
+"""Messages are those of the command, and exceptions have their parts as attributes."""
 
 from __future__ import annotations
 
@@ -30,11 +30,17 @@ def test_the_message_of_a_text_is_that_of_its_file(name, mc, tmp_path):
     assert "^" in parts.excerpt
     assert (parts.key is None) == (name == "a key that is misspelt")
     assert parts.remedy and parts.line and parts.column
-    assert text.replace(before, after).splitlines()[parts.line - 1].startswith(after.splitlines()[-1].split("=")[0])
+    assert (
+        text.replace(before, after)
+        .splitlines()[parts.line - 1]
+        .startswith(after.splitlines()[-1].split("=")[0])
+    )
 
 
 def test_an_override_is_named_as_the_command_names_it(mc):
-    _, message = mc("check", SCENARIOS / "rho025.toml", "--set", "friction.static=0.5", succeeds=False)
+    _, message = mc(
+        "check", SCENARIOS / "rho025.toml", "--set", "friction.static=0.5", succeeds=False
+    )
     with pytest.raises(ss.ScenarioError) as raised:
         ss.run("rho025", set={"friction.static": 0.5})
     assert f"error: {raised.value}".strip() == message.strip()
@@ -46,13 +52,16 @@ def test_an_override_is_named_as_the_command_names_it(mc):
         ss.run("no-such-file.toml")
 
 
-@pytest.mark.parametrize(("arguments", "argument"), [
-    ({"until": "stick_duration_mean < soon"}, "until"),
-    ({"until": "stick_duration_maen < 1%"}, "until"),
-    ({"until": ["10", "20"]}, "until"),
-    ({"max_time": -1}, "max_time"),
-    ({"set": {"friction.static": object()}}, "friction.static"),
-])
+@pytest.mark.parametrize(
+    ("arguments", "argument"),
+    [
+        ({"until": "stick_duration_mean < soon"}, "until"),
+        ({"until": "stick_duration_maen < 1%"}, "until"),
+        ({"until": ["10", "20"]}, "until"),
+        ({"max_time": -1}, "max_time"),
+        ({"set": {"friction.static": object()}}, "friction.static"),
+    ],
+)
 def test_an_argument_that_is_wrong_is_named(arguments, argument):
     with pytest.raises(ss.ArgumentError) as raised:
         ss.run("rho025", **arguments)

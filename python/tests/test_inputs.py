@@ -1,4 +1,5 @@
-"""A scenario as a file, a text, a name and a dictionary is one scenario; so is a temperature however it is given."""
+"""A scenario is the same as a file, a text, a name and a dictionary, and so is a temperature in
+each form."""
 
 from __future__ import annotations
 
@@ -19,15 +20,27 @@ def test_a_dictionary_a_text_a_name_and_a_file_are_one_scenario():
         same(ss.run(other, paths=256), by_file)
 
 
-@pytest.mark.parametrize("name", sorted(path.stem for path in SCENARIOS.glob("*.toml") if "series" not in path.read_text()))
+@pytest.mark.parametrize(
+    "name",
+    sorted(path.stem for path in SCENARIOS.glob("*.toml") if "series" not in path.read_text()),
+)
 def test_every_scenario_goes_through_a_dictionary(name):
     path = SCENARIOS / f"{name}.toml"
     assert ss.check(tomllib.loads(path.read_text())).toml == ss.check(path).toml
 
 
 def test_numbers_of_numpy_are_numbers():
-    plain = ss.check("rho025", set={"friction.static": 1.3, "ensemble.paths": 500, "record.events": True})
-    numpy = ss.check("rho025", set={"friction.static": np.float64(1.3), "ensemble.paths": np.int64(500), "record.events": np.True_})
+    plain = ss.check(
+        "rho025", set={"friction.static": 1.3, "ensemble.paths": 500, "record.events": True}
+    )
+    numpy = ss.check(
+        "rho025",
+        set={
+            "friction.static": np.float64(1.3),
+            "ensemble.paths": np.int64(500),
+            "record.events": np.True_,
+        },
+    )
     assert plain == numpy
     assert "static = 1.3" in plain.toml
 
@@ -55,7 +68,7 @@ def measured(time_unit=""):
 
 
 def test_samples_in_memory_are_those_of_a_file(tmp_path):
-    """Only what the scenario says of the file is another."""
+    """The data sets differ only in what the scenario says about the file."""
     rows = (f"{t!r},{v!r}" for t, v in zip(TIMES.tolist(), VALUES.tolist()))
     (tmp_path / "t.csv").write_text("time,temperature\n" + "\n".join(rows) + "\n")
     from_file = measured()
@@ -64,7 +77,7 @@ def test_samples_in_memory_are_those_of_a_file(tmp_path):
     in_memory = ss.run(measured(), paths=64, temperature=(TIMES, VALUES))
     same(in_memory, by_file, but=["scenario"])
     assert in_memory.series_temperature.to_numpy().tobytes() == VALUES.tobytes()
-    # And one path of it can be had again.
+    # One path of it can be simulated again.
     assert ss.replay(in_memory, 3).path_sticks.item() == in_memory.path_sticks.sel(path=3).item()
 
 
@@ -78,12 +91,15 @@ def test_a_series_with_dates_is_in_seconds():
     assert raised.value.argument == "temperature"
 
 
-@pytest.mark.parametrize(("samples", "problem"), [
-    (([0.0, 1.0], [1.0]), "do not go together"),
-    (([0.0, 0.0], [1.0, 2.0]), "the samples"),
-    (([0.0, 1.0], [1.0, float("nan")]), "the samples"),
-    (3.0, "no times and values"),
-])
+@pytest.mark.parametrize(
+    ("samples", "problem"),
+    [
+        (([0.0, 1.0], [1.0]), "do not go together"),
+        (([0.0, 0.0], [1.0, 2.0]), "the samples"),
+        (([0.0, 1.0], [1.0, float("nan")]), "the samples"),
+        (3.0, "no times and values"),
+    ],
+)
 def test_samples_that_make_no_sense_are_refused(samples, problem):
     with pytest.raises(ss.ArgumentError, match=problem) as raised:
         ss.run(measured(), temperature=samples)

@@ -1,4 +1,4 @@
-"""Ctrl-C, and who is told how far a run is."""
+"""Ctrl-C, and how progress is reported."""
 
 from __future__ import annotations
 
@@ -44,13 +44,19 @@ print(late, ds.attrs["status"], int(ds.attrs["completed_paths"]), ds.estimate.to
 
 
 def test_ctrl_c_returns_what_is_done():
-    """In a process of its own, where nothing is imported yet that may be needed only then."""
-    done = subprocess.run([sys.executable, "-c", INTERRUPTED], capture_output=True, text=True, check=True)
+    """Runs in a process of its own, in which nothing is imported yet that is needed only after
+    Ctrl-C."""
+    done = subprocess.run(
+        [sys.executable, "-c", INTERRUPTED], capture_output=True, text=True, check=True
+    )
     late, status, paths, estimates = done.stdout.split()
     assert status == "interrupted" and 0 < int(paths) < 10**9 and int(paths) % 256 == 0
-    # What is done is what a run of so many paths has, to the last bit.
-    assert ss.run("rho025", paths=int(paths), bias=False).estimate.to_numpy().tobytes().hex() == estimates
-    # 0.3 s are promised where nothing else runs; other tests and builds may share this machine.
+    # The result equals a run of so many paths, to the last bit.
+    assert (
+        ss.run("rho025", paths=int(paths), bias=False).estimate.to_numpy().tobytes().hex()
+        == estimates
+    )
+    # 0.3 s are documented for an idle machine; other tests and builds may run on this one.
     assert float(late) < 1, late
 
 
@@ -61,7 +67,7 @@ def test_ctrl_c_before_the_first_block_is_an_interrupt():
 
 
 def test_other_threads_of_python_run_meanwhile():
-    """The interpreter is released: another thread counts on."""
+    """The interpreter lock is released: another thread continues to count."""
     counted, stop = [0], threading.Event()
 
     def count():
@@ -79,7 +85,12 @@ def test_other_threads_of_python_run_meanwhile():
 
 def test_a_callback_hears_of_all_paths():
     heard = []
-    ss.run("rho025", paths=2560, bias=False, progress=lambda done, expected: heard.append((done, expected)))
+    ss.run(
+        "rho025",
+        paths=2560,
+        bias=False,
+        progress=lambda done, expected: heard.append((done, expected)),
+    )
     assert heard[-1] == (2560, 2560)
     assert heard == sorted(heard)
 
@@ -99,7 +110,7 @@ def test_a_bar_is_drawn_where_tqdm_is_installed(capsys):
 
 
 def test_the_package_is_imported_quickly():
-    """xarray takes most of a second; it is imported when a data set is made."""
+    """xarray takes most of a second to import; it is imported when a data set is made."""
     code = "import sys, stickslip; print('xarray' in sys.modules, 'pandas' in sys.modules, 'tqdm' in sys.modules)"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.split() == ["False"] * 3

@@ -11,7 +11,8 @@ pytestmark = pytest.mark.filterwarnings("ignore::stickslip.StickSlipWarning")
 
 
 def slips(events):
-    """Slips that ended: a stick is entered after the first event of the path."""
+    """The number of slips of each path that ended: a stick is entered after the first event of the
+    path."""
     begins = np.cumsum(events.count) - events.count
     entered = events.kind == 0
     entered[begins[events.count > 0]] = False
@@ -19,7 +20,8 @@ def slips(events):
 
 
 def jumps(events):
-    """Sum of the ways between the beginning and the end of a slip, and how many slips there are: their ratio is the mean jump."""
+    """For each path, the sum of the ways from the beginning to the end of its slips, and the number
+    of slips. The ratio of their means is the mean jump."""
     began = np.flatnonzero(events.kind == 1)
     ended = np.searchsorted(np.flatnonzero(events.kind == 0), began)
     ends = np.append(np.flatnonzero(events.kind == 0), -1)[ended]
@@ -32,13 +34,24 @@ def jumps(events):
 
 @pytest.mark.parametrize("antithetic", [False, True])
 @pytest.mark.parametrize("scheme", ["discrete-vi", "event-driven"])
-def test_a_statistic_of_ones_own_has_the_estimate_and_the_interval_of_that_of_the_program(scheme, antithetic):
-    ds = ss.run("rho025", paths=1000, scheme=scheme, bias=False, set={"ensemble.antithetic": antithetic},
-                own={"slips": slips, "jumps": jumps})
+def test_a_statistic_of_ones_own_has_the_estimate_and_the_interval_of_that_of_the_program(
+    scheme, antithetic
+):
+    ds = ss.run(
+        "rho025",
+        paths=1000,
+        scheme=scheme,
+        bias=False,
+        set={"ensemble.antithetic": antithetic},
+        own={"slips": slips, "jumps": jumps},
+    )
     for own, statistic in [("slips", "slips_per_path"), ("jumps", "jump_abs_mean")]:
         mine, theirs = ds.sel(own=own), ds.sel(statistic=statistic)
         for name in ("estimate", "standard_error", "interval_low", "interval_high"):
-            assert mine[f"own_{name}"].item() == pytest.approx(theirs[name].item(), rel=1e-9), (own, name)
+            assert mine[f"own_{name}"].item() == pytest.approx(theirs[name].item(), rel=1e-9), (
+                own,
+                name,
+            )
 
 
 def test_the_bits_do_not_depend_on_threads_and_the_events_are_not_kept():
@@ -81,9 +94,22 @@ def test_parts_are_the_run(bias):
 
 
 def test_a_part_is_that_of_the_command(mc, tmp_path):
-    mc("run", SCENARIOS / "rho025.toml", "--paths", 1500, "--part", "2/4", "--quiet", "-o", "part.h5")
-    mine, file = ss.run(SCENARIOS / "rho025.toml", paths=1500, part="2/4"), ss.load(tmp_path / "part.h5")
-    # Only the form of the sums is another: a file also holds the state of its log.
+    mc(
+        "run",
+        SCENARIOS / "rho025.toml",
+        "--paths",
+        1500,
+        "--part",
+        "2/4",
+        "--quiet",
+        "-o",
+        "part.h5",
+    )
+    mine, file = (
+        ss.run(SCENARIOS / "rho025.toml", paths=1500, part="2/4"),
+        ss.load(tmp_path / "part.h5"),
+    )
+    # Only the form of the sums differs, because a file also holds the state of its log.
     same(mine.drop_dims("part_sum"), file.drop_dims("part_state"))
 
 
@@ -99,7 +125,9 @@ def test_parts_that_do_not_go_together_are_named():
         with pytest.raises(ss.ArgumentError, match=problem):
             ss.merge(parts)
     for part, arguments, problem in [
-        ("2/9", {}, "the run has 3 blocks"), ("0/2", {}, "it is no part"), ("1/2", {"max_time": 1}, "does not go with"),
+        ("2/9", {}, "the run has 3 blocks"),
+        ("0/2", {}, "it is no part"),
+        ("1/2", {"max_time": 1}, "does not go with"),
         ("1/2", {"own": {"slips": slips}}, "neither statistics"),
     ]:
         with pytest.raises(ss.ArgumentError, match=problem):

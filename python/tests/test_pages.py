@@ -1,4 +1,4 @@
-"""What the pages and the notebook show runs, and comes to what they say."""
+"""The code on the pages and in the notebook runs, and gives the results that they show."""
 
 from __future__ import annotations
 
@@ -18,9 +18,19 @@ def snippets(page):
 def test_the_tutorial_runs_from_end_to_end():
     nbformat, nbclient = pytest.importorskip("nbformat"), pytest.importorskip("nbclient")
     notebook = nbformat.read(ROOT / "examples/tutorial.ipynb", as_version=4)
-    client = nbclient.NotebookClient(notebook, timeout=300, kernel_name="python3", resources={"metadata": {"path": ROOT / "examples"}})
+    client = nbclient.NotebookClient(
+        notebook,
+        timeout=300,
+        kernel_name="python3",
+        resources={"metadata": {"path": ROOT / "examples"}},
+    )
     client.execute()
-    shown = [output.data for cell in notebook.cells for output in cell.get("outputs", []) if "data" in output]
+    shown = [
+        output.data
+        for cell in notebook.cells
+        for output in cell.get("outputs", [])
+        if "data" in output
+    ]
     assert sum("image/svg+xml" in data for data in shown) == 4
 
 
@@ -44,7 +54,7 @@ def test_the_snippet_for_ray_comes_to_the_bits_of_the_run():
 
 
 def test_the_snippets_of_the_guide_run(monkeypatch):
-    """All of them but that of the measured temperature, whose arrays are the reader's."""
+    """All of them except that with a measured temperature, whose arrays a reader must provide."""
     import numpy as np
 
     monkeypatch.chdir(ROOT)
@@ -52,6 +62,12 @@ def test_the_snippets_of_the_guide_run(monkeypatch):
     for snippet in snippets("docs/python.md"):
         if "times, temperatures" not in snippet:
             exec(snippet, names)
-    # What `cargo run --release --example own_statistic` prints, which counts the same sticks of the same paths.
-    estimate, low, high = (names["ds"][f"own_{name}"].item() for name in ("estimate", "interval_low", "interval_high"))
-    assert f"{estimate:.4f}, 95 % interval [{low:.4f}, {high:.4f}]" == "0.1599, 95 % interval [0.1570, 0.1628]"
+    # The output of `cargo run --release --example own_statistic`, which counts the same sticks of
+    # the same paths.
+    estimate, low, high = (
+        names["ds"][f"own_{name}"].item() for name in ("estimate", "interval_low", "interval_high")
+    )
+    assert (
+        f"{estimate:.4f}, 95 % interval [{low:.4f}, {high:.4f}]"
+        == "0.1599, 95 % interval [0.1570, 0.1628]"
+    )

@@ -1,4 +1,4 @@
-"""What a function returns is what the command of the same name writes, variable by variable."""
+"""Each function returns what the command of the same name writes, variable by variable."""
 
 from __future__ import annotations
 
@@ -10,26 +10,54 @@ UNITS = {"units.time": "s", "units.length": "mm", "units.force": "N", "units.tem
 
 RUNS = {
     "all that can be recorded, biases, labels": (
-        "rho025", {"paths": 600, "record": {"events": True, "trajectories": 3}, "set": UNITS},
-        ["--set", "record.events=true", "--set", "record.trajectories=3", *(f"--set={k}={v}" for k, v in UNITS.items())]),
-    "no rows of single paths": ("rho025", {"paths": 300, "record": {"paths": False}}, ["--set", "record.paths=false"]),
+        "rho025",
+        {"paths": 600, "record": {"events": True, "trajectories": 3}, "set": UNITS},
+        [
+            "--set",
+            "record.events=true",
+            "--set",
+            "record.trajectories=3",
+            *(f"--set={k}={v}" for k, v in UNITS.items()),
+        ],
+    ),
+    "no rows of single paths": (
+        "rho025",
+        {"paths": 300, "record": {"paths": False}},
+        ["--set", "record.paths=false"],
+    ),
     "one path without noise": ("shaw", {}, []),
     "a measured temperature and a bearing": (
-        "bridge", {"paths": 40, "record": {"trajectories": 2}}, ["--set", "record.trajectories=2"]),
+        "bridge",
+        {"paths": 40, "record": {"trajectories": 2}},
+        ["--set", "record.trajectories=2"],
+    ),
     "no stick ends": ("never-slips", {}, []),
     "no time step, another seed": (
-        "rho025", {"paths": 300, "scheme": "event-driven", "tolerance": 1e-4, "seed": 7},
-        ["--scheme", "event-driven", "--tolerance", "1e-4", "--seed", "7"]),
+        "rho025",
+        {"paths": 300, "scheme": "event-driven", "tolerance": 1e-4, "seed": 7},
+        ["--scheme", "event-driven", "--tolerance", "1e-4", "--seed", "7"],
+    ),
     "paths that diverge": (
-        "rho025", {"paths": 600, "step": 0.4, "set": {"time.output_step": 6}}, ["--step", "0.4", "--set", "time.output_step=6"]),
-    "a burn-in": ("rho025", {"paths": 300, "set": {"statistics.after": 20}}, ["--set", "statistics.after=20"]),
+        "rho025",
+        {"paths": 600, "step": 0.4, "set": {"time.output_step": 6}},
+        ["--step", "0.4", "--set", "time.output_step=6"],
+    ),
+    "a burn-in": (
+        "rho025",
+        {"paths": 300, "set": {"statistics.after": 20}},
+        ["--set", "statistics.after=20"],
+    ),
     "antithetic pairs": (
-        "rho025", {"paths": 300, "scheme": "event-driven", "set": {"ensemble.antithetic": True}},
-        ["--scheme", "event-driven", "--set", "ensemble.antithetic=true"]),
+        "rho025",
+        {"paths": 300, "scheme": "event-driven", "set": {"ensemble.antithetic": True}},
+        ["--scheme", "event-driven", "--set", "ensemble.antithetic=true"],
+    ),
     "without the bias of the step": ("rho025", {"paths": 300, "bias": False}, ["--no-bias"]),
     "until a goal": (
-        "rho025", {"until": ["stick_duration_mean < 4%", "50"], "bias": False},
-        ["--until", "stick_duration_mean < 4%", "--until", "50", "--no-bias"]),
+        "rho025",
+        {"until": ["stick_duration_mean < 4%", "50"], "bias": False},
+        ["--until", "stick_duration_mean < 4%", "--until", "50", "--no-bias"],
+    ),
 }
 
 
@@ -46,7 +74,10 @@ def test_run(name, mc, tmp_path):
 
 
 @pytest.mark.filterwarnings("ignore::stickslip.StickSlipWarning")
-@pytest.mark.parametrize(("scenario", "scheme"), [("rho025", "discrete-vi"), ("rho025", "event-driven"), ("bridge", None)])
+@pytest.mark.parametrize(
+    ("scenario", "scheme"),
+    [("rho025", "discrete-vi"), ("rho025", "event-driven"), ("bridge", None)],
+)
 def test_replay(scenario, scheme, mc, tmp_path):
     path = SCENARIOS / f"{scenario}.toml"
     flags = ["--scheme", scheme] if scheme else []
@@ -59,7 +90,10 @@ def test_replay(scenario, scheme, mc, tmp_path):
 
 @pytest.mark.filterwarnings("ignore::stickslip.StickSlipWarning")
 def test_the_arrays_are_those_that_the_engine_filled():
-    """No copy is made: an array owns nothing, because its memory is the engine's."""
+    """No copy is made: an array does not own its memory, because that belongs to the engine."""
     values = ss.run("rho025", paths=256, bias=False).path_displacement_end.to_numpy()
     assert not values.flags.owndata
-    assert type(values.base if values.base.base is None else values.base.base).__name__ == "PySliceContainer"
+    assert (
+        type(values.base if values.base.base is None else values.base.base).__name__
+        == "PySliceContainer"
+    )

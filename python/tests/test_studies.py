@@ -1,4 +1,4 @@
-"""Sweeps, trades and pictures are those of the command."""
+"""Sweeps, trades and pictures equal those of the command."""
 
 from __future__ import annotations
 
@@ -13,23 +13,43 @@ RHO025 = SCENARIOS / "rho025.toml"
 RHO, STATIC = "rho=temperature.noise.intensity", "friction.static"
 
 SWEEPS = {
-    "crossed": ({"vary": {RHO: [0.2, 0.3], STATIC: np.array([1.2, 1.3])}},
-                ["--vary", f"{RHO}=0.2,0.3", "--vary", f"{STATIC}=1.2,1.3"]),
-    "zipped": ({"vary": {RHO: "0.2:0.3:2", STATIC: [1.2, 1.3]}, "zip": True, "independent": True},
-               ["--vary", f"{RHO}=0.2:0.3:2", "--vary", f"{STATIC}=1.2,1.3", "--zip", "--independent"]),
-    "elasticities": ({"elasticity": [STATIC, "oscillator.mass"], "relative_step": 0.02},
-                     ["--elasticity", f"{STATIC},oscillator.mass", "--relative-step", "2%"]),
+    "crossed": (
+        {"vary": {RHO: [0.2, 0.3], STATIC: np.array([1.2, 1.3])}},
+        ["--vary", f"{RHO}=0.2,0.3", "--vary", f"{STATIC}=1.2,1.3"],
+    ),
+    "zipped": (
+        {"vary": {RHO: "0.2:0.3:2", STATIC: [1.2, 1.3]}, "zip": True, "independent": True},
+        ["--vary", f"{RHO}=0.2:0.3:2", "--vary", f"{STATIC}=1.2,1.3", "--zip", "--independent"],
+    ),
+    "elasticities": (
+        {"elasticity": [STATIC, "oscillator.mass"], "relative_step": 0.02},
+        ["--elasticity", f"{STATIC},oscillator.mass", "--relative-step", "2%"],
+    ),
 }
 
 
 @pytest.mark.parametrize("name", SWEEPS)
 def test_sweep(name, mc, tmp_path):
     arguments, flags = SWEEPS[name]
-    mc("sweep", RHO025, "--scheme", "event-driven", "--paths", 300, *flags, "--quiet", "-o", "sweep.h5")
-    mine, file = ss.sweep(RHO025, scheme="event-driven", paths=300, **arguments), ss.load(tmp_path / "sweep.h5")
-    # How long a point took is its own.
+    mc(
+        "sweep",
+        RHO025,
+        "--scheme",
+        "event-driven",
+        "--paths",
+        300,
+        *flags,
+        "--quiet",
+        "-o",
+        "sweep.h5",
+    )
+    mine, file = (
+        ss.sweep(RHO025, scheme="event-driven", paths=300, **arguments),
+        ss.load(tmp_path / "sweep.h5"),
+    )
+    # The time of a point differs between two runs.
     same(mine, file, but=["point_seconds"])
-    # What was swept is drawn, from memory as from the file, and one picture is in the package and on the disk.
+    # The pictures drawn from memory, from the file and by the command are equal.
     mc("plot", "sweep.h5", "-o", "sweep.svg")
     drawn = (tmp_path / "sweep.svg").read_text()
     assert ss.plot(mine).svg == ss.plot(file).svg == drawn
@@ -37,8 +57,11 @@ def test_sweep(name, mc, tmp_path):
 
 def test_a_sweep_that_cannot_be_is_refused():
     for arguments, argument in [
-        ({}, "vary"), ({"vary": {STATIC: []}}, "vary"), ({"vary": {STATIC: [1.2], RHO: [1, 2]}, "zip": True}, "vary"),
-        ({"elasticity": "friction.sttic"}, "elasticity"), ({"elasticity": STATIC, "relative_step": 2}, "relative_step"),
+        ({}, "vary"),
+        ({"vary": {STATIC: []}}, "vary"),
+        ({"vary": {STATIC: [1.2], RHO: [1, 2]}, "zip": True}, "vary"),
+        ({"elasticity": "friction.sttic"}, "elasticity"),
+        ({"elasticity": STATIC, "relative_step": 2}, "relative_step"),
     ]:
         with pytest.raises(ss.ArgumentError) as raised:
             ss.sweep("rho025", **arguments)
@@ -48,15 +71,17 @@ def test_a_sweep_that_cannot_be_is_refused():
 
 
 def test_trade(mc, tmp_path):
-    """Times are measured, so what they decide differs; rungs, names and units do not."""
+    """Times are measured, so what depends on them differs; rungs, names and units do not."""
     mc("trade", RHO025, "--budget", "3s", "-o", "trade.h5")
     file, mine = ss.load(tmp_path / "trade.h5"), ss.trade(RHO025, budget=3)
     assert set(mine.variables) == set(file.variables) and mine.attrs.keys() == file.attrs.keys()
     for name in file.variables:
-        assert mine[name].dims == file[name].dims and mine[name].dtype.kind == file[name].dtype.kind, name
+        assert (
+            mine[name].dims == file[name].dims and mine[name].dtype.kind == file[name].dtype.kind
+        ), name
         assert mine[name].attrs == file[name].attrs, name
     assert mine.scheme.to_numpy().tolist() == file.scheme.to_numpy().tolist()
-    # The picture of a stored trade is that of the command.
+    # The picture of a stored trade equals that of the command.
     mc("plot", "trade.h5", "-o", "again.svg")
     assert ss.plot(file).svg == (tmp_path / "again.svg").read_text()
     assert ss.plot(mine).svg.startswith("<svg")
@@ -70,10 +95,23 @@ def test_pictures_of_a_run_and_of_a_scenario_are_those_of_the_command(mc, tmp_pa
     for only in (None, "fan", "sticks", "sub-phases", "path"):
         mc("plot", "rho025.h5", *(["--only", only] if only else []), "-o", "run.svg", "--force")
         assert ss.plot(run, only=only).svg == (tmp_path / "run.svg").read_text(), only
-    mc("plot", SCENARIOS / "shaw.toml", "--until", 28, "-o", "shaw.png", "--theme", "dark", "--width", 120)
+    mc(
+        "plot",
+        SCENARIOS / "shaw.toml",
+        "--until",
+        28,
+        "-o",
+        "shaw.png",
+        "--theme",
+        "dark",
+        "--width",
+        120,
+    )
     ss.plot("shaw", until=28, theme="dark", width=120).save(tmp_path / "mine.png")
     assert (tmp_path / "mine.png").read_bytes() == (tmp_path / "shaw.png").read_bytes()
-    assert ss.plot("shaw").pdf().startswith(b"%PDF") and ss.plot("shaw")._repr_svg_().startswith("<svg")
+    assert ss.plot("shaw").pdf().startswith(b"%PDF") and ss.plot("shaw")._repr_svg_().startswith(
+        "<svg"
+    )
     with pytest.raises(ss.ArgumentError, match="no such figure"):
         ss.plot("shaw", only="fann")
     with pytest.raises(ss.ArgumentError, match="only = trade"):
@@ -83,7 +121,8 @@ def test_pictures_of_a_run_and_of_a_scenario_are_those_of_the_command(mc, tmp_pa
 def test_an_accuracy_chooses_how_to_run_a_scenario():
     ds = ss.run("rho025", accuracy=0.05, statistic="stick_duration_mean", max_time=60)
     mean = ds.sel(statistic="stick_duration_mean")
-    # The reference of the README is 0.44302 +- 0.00026; 4 standard errors of 5 % are missed once in 16 000 runs.
+    # Null hypothesis: the mean is 0.44302 +- 0.00026, the reference in the README. The standard
+    # error of this run is 5 %. False-alarm rate: once in 16 000 runs, at 4 standard errors.
     assert abs(mean.estimate / 0.44302 - 1) < 0.2
     assert "stick_duration_mean" in ds.attrs["accuracy"]
     with pytest.raises(ss.ArgumentError, match="leave out one of them"):

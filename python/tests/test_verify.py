@@ -1,4 +1,4 @@
-"""A run is held against its scenario, as the command does it with a file."""
+"""A run is compared with a second simulation of its scenario, as the command does with a file."""
 
 from __future__ import annotations
 
@@ -13,16 +13,36 @@ pytestmark = pytest.mark.filterwarnings("ignore::stickslip.StickSlipWarning")
 
 RHO025 = SCENARIOS / "rho025.toml"
 SCENE = {"paths": 1500, "step": 0.05, "record": {"events": True, "trajectories": 700}}
-FLAGS = ["--paths", 1500, "--step", 0.05, "--set", "record.events=true", "--set", "record.trajectories=700"]
+FLAGS = [
+    "--paths",
+    1500,
+    "--step",
+    0.05,
+    "--set",
+    "record.events=true",
+    "--set",
+    "record.trajectories=700",
+]
 
 RUNS = {
     "rows of every kind": (SCENE, FLAGS),
-    "no rows": ({**SCENE, "record": {"paths": False}}, ["--paths", 1500, "--step", 0.05, "--set", "record.paths=false"]),
+    "no rows": (
+        {**SCENE, "record": {"paths": False}},
+        ["--paths", 1500, "--step", 0.05, "--set", "record.paths=false"],
+    ),
     "a part": ({**SCENE, "part": "2/3"}, [*FLAGS, "--part", "2/3"]),
-    "antithetic pairs": ({**SCENE, "set": {"ensemble.antithetic": True}, "bias": False},
-                         [*FLAGS, "--set", "ensemble.antithetic=true", "--no-bias"]),
-    "until a goal": ({"until": "stick_duration_mean < 5%", "step": 0.05}, ["--until", "stick_duration_mean < 5%", "--step", 0.05]),
-    "no step": ({"paths": 700, "scheme": "event-driven"}, ["--paths", 700, "--scheme", "event-driven"]),
+    "antithetic pairs": (
+        {**SCENE, "set": {"ensemble.antithetic": True}, "bias": False},
+        [*FLAGS, "--set", "ensemble.antithetic=true", "--no-bias"],
+    ),
+    "until a goal": (
+        {"until": "stick_duration_mean < 5%", "step": 0.05},
+        ["--until", "stick_duration_mean < 5%", "--step", 0.05],
+    ),
+    "no step": (
+        {"paths": 700, "scheme": "event-driven"},
+        ["--paths", 700, "--scheme", "event-driven"],
+    ),
 }
 
 
@@ -35,19 +55,28 @@ def test_what_is_checked_is_what_the_command_checks(name, mc, tmp_path):
         for run in (tmp_path / "a.h5", ss.run(RHO025, **arguments)):
             mine = ss.verify(run, blocks=blocks)
             assert told["matches"]
-            assert (mine.blocks, mine.paths, mine.paths_checked) == (told["blocks"], told["paths"], told["paths_checked"]) or blocks == 2
+            assert (mine.blocks, mine.paths, mine.paths_checked) == (
+                told["blocks"],
+                told["paths"],
+                told["paths_checked"],
+            ) or blocks == 2
             assert len(mine.blocks_checked) == len(told["blocks_checked"])
             assert mine.statistics_checked == told["statistics_checked"]
             is_file = not hasattr(run, "attrs")
             assert mine.has_checksum == (True if is_file else None)
-            # The command may be of another commit, which changed nothing in it.
+            # The command may have been built from another commit, which changed nothing in it.
             assert mine.same_program or is_file
             assert mine.values_checked > 0
 
 
 CHANGES = [
-    ("path_stick_time", 1499), ("path_sticks", 256), ("event_count", 1000), ("event_force", 1), ("trajectory_velocity", 699),
-    ("estimate", 4), ("interval_high", 0),
+    ("path_stick_time", 1499),
+    ("path_sticks", 256),
+    ("event_count", 1000),
+    ("event_force", 1),
+    ("trajectory_velocity", 699),
+    ("estimate", 4),
+    ("interval_high", 0),
 ]
 
 
@@ -55,7 +84,7 @@ CHANGES = [
 def test_whatever_was_changed_is_named_as_the_command_names_it(name, at, mc, tmp_path):
     h5py = pytest.importorskip("h5py")
     mc("run", RHO025, *FLAGS, "--quiet", "-o", "a.h5")
-    # Another program drops the checksum when it writes.
+    # Another program that writes the file drops its checksum.
     with h5py.File(tmp_path / "a.h5", "r+") as file:
         place = (at, 3) if name == "trajectory_velocity" else at
         file[name][place] += 1 if file[name].dtype.kind == "u" else 1e-9
@@ -64,7 +93,8 @@ def test_whatever_was_changed_is_named_as_the_command_names_it(name, at, mc, tmp
         ss.verify(tmp_path / "a.h5", blocks="all")
     assert raised.value.variable == name
     if name != "event_count":
-        # Digits apart: a small number has an exponent of two digits in one language and of as many as it takes in the other.
+        # The digits are compared, not the texts, because the exponent of a small number has two
+        # digits in one language and as many as needed in the other.
         assert raised.value.problem.split(" is ")[0] in said, said
     in_memory = ss.load(tmp_path / "a.h5").load()
     with pytest.raises(ss.VerificationError, match="in the data set"):
@@ -90,7 +120,17 @@ def test_bytes_that_were_changed_and_files_of_many_runs(mc, tmp_path):
     (tmp_path / "b.h5").write_bytes(changed)
     with pytest.raises(ss.RunError, match="checksum"):
         ss.verify(tmp_path / "b.h5")
-    mc("sweep", RHO025, "--vary", "friction.static=1.1:1.2:2", "--paths", 300, "--quiet", "-o", "sweep.h5")
+    mc(
+        "sweep",
+        RHO025,
+        "--vary",
+        "friction.static=1.1:1.2:2",
+        "--paths",
+        300,
+        "--quiet",
+        "-o",
+        "sweep.h5",
+    )
     checked = ss.verify(tmp_path / "sweep.h5")
     assert checked.has_checksum and not checked.blocks_checked and not checked.statistics_checked
     shutil.copy(tmp_path / "a.h5", tmp_path / "c.h5")

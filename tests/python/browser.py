@@ -1,8 +1,10 @@
-"""A report in a real browser without a window: `browser.py RUN.h5 REPORT.html`.
+"""Test a report in a real browser without a window: `browser.py RUN.h5 REPORT.html`.
 
-It holds what hovering and the keyboard show against what h5py reads from the file, and that the page asks for nothing and says nothing to
-the console. The browser is driven over its debugging pipe, which needs no package.
+What hovering and the keyboard show is compared with what h5py reads from the file. The page must
+not load anything and not print anything on the console. The browser is controlled through its
+debugging pipe, which needs no package.
 """
+
 import json
 import os
 import re
@@ -22,22 +24,43 @@ class Browser:
         # It reads commands from descriptor 3 and writes answers to descriptor 4.
         to_child, self.out = os.pipe()
         self.inp, from_child = os.pipe()
-        command = ["chromium", "--headless=new", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage", "--no-first-run",
-                   "--remote-debugging-pipe", f"--user-data-dir={self.profile.name}", "--window-size=1200,900", *arguments, "about:blank"]
+        command = [
+            "chromium",
+            "--headless=new",
+            "--no-sandbox",
+            "--disable-gpu",
+            "--disable-dev-shm-usage",
+            "--no-first-run",
+            "--remote-debugging-pipe",
+            f"--user-data-dir={self.profile.name}",
+            "--window-size=1200,900",
+            *arguments,
+            "about:blank",
+        ]
 
         def descriptors():
             a, b = os.dup(to_child), os.dup(from_child)
             os.dup2(a, 3)
             os.dup2(b, 4)
 
-        self.child = subprocess.Popen(command, preexec_fn=descriptors, close_fds=False, stdin=subprocess.DEVNULL,
-                                      stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        self.child = subprocess.Popen(
+            command,
+            preexec_fn=descriptors,
+            close_fds=False,
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+        )
         os.close(to_child)
         os.close(from_child)
         self.buffer, self.number, self.events = b"", 0, []
-        target = next(t for t in self.call("Target.getTargets")["targetInfos"] if t["type"] == "page")
+        target = next(
+            t for t in self.call("Target.getTargets")["targetInfos"] if t["type"] == "page"
+        )
         self.session = None
-        self.session = self.call("Target.attachToTarget", targetId=target["targetId"], flatten=True)["sessionId"]
+        self.session = self.call(
+            "Target.attachToTarget", targetId=target["targetId"], flatten=True
+        )["sessionId"]
         for domain in ["Page", "Runtime", "Network", "Log"]:
             self.call(f"{domain}.enable")
 
@@ -63,7 +86,9 @@ class Browser:
             self.events.append(message)
 
     def value(self, expression):
-        answer = self.call("Runtime.evaluate", expression=expression, returnByValue=True, awaitPromise=True)
+        answer = self.call(
+            "Runtime.evaluate", expression=expression, returnByValue=True, awaitPromise=True
+        )
         assert "exceptionDetails" not in answer, answer
         return answer["result"].get("value")
 
@@ -71,7 +96,10 @@ class Browser:
         self.events.clear()
         begun = time.monotonic()
         self.call("Page.navigate", url=f"file://{os.path.abspath(path)}")
-        while self.value("document.readyState") != "complete" or self.value("document.URL") == "about:blank":
+        while (
+            self.value("document.readyState") != "complete"
+            or self.value("document.URL") == "about:blank"
+        ):
             assert time.monotonic() - begun < 60, "the page does not load"
             time.sleep(0.05)
         return self.value("performance.timing.loadEventEnd - performance.timing.navigationStart")
@@ -82,9 +110,12 @@ class Browser:
 
 
 def numbers(text):
-    """name value lines of a tooltip."""
+    """The lines "name value" of a tooltip as numbers by name."""
     pairs = re.findall(r"^(\w+) (none|[\u2212\d.e+-]+)$", text.replace(", ", "\n"), re.M)
-    return {name: None if value == "none" else float(value.replace("\u2212", "-")) for name, value in pairs}
+    return {
+        name: None if value == "none" else float(value.replace("\u2212", "-"))
+        for name, value in pairs
+    }
 
 
 def hold(told, file, row, columns):
@@ -107,29 +138,44 @@ def main(run, report):
         title = file.attrs["title"]
         assert browser.value("document.title") == title, browser.value("document.title")
         assert browser.value("document.querySelector('h1').textContent") == title
-        charts = browser.value("[...document.querySelectorAll('.chart')].map(c => [c.parentNode.id, c.querySelectorAll('svg path').length])")
+        charts = browser.value(
+            "[...document.querySelectorAll('.chart')].map(c => [c.parentNode.id, c.querySelectorAll('svg path').length])"
+        )
         names = [name for name, _ in charts]
-        assert names == ["displacement", "static", "survival", "durations", "sub-phases", "periods"], names
+        assert names == [
+            "displacement",
+            "static",
+            "survival",
+            "durations",
+            "sub-phases",
+            "periods",
+        ], names
         assert all(paths > 10 for _, paths in charts), charts
-        assert browser.value("document.querySelectorAll('#statistics tbody tr').length") == len(file["statistic"])
+        assert browser.value("document.querySelectorAll('#statistics tbody tr').length") == len(
+            file["statistic"]
+        )
 
         quantile = file["displacement_quantile"]
         fan = {"time": file["time"], "displacement_mean": file["displacement_mean"]}
-        # hovering: in the middle of the chart, whichever row is nearest
+        # Hover over the middle of the chart, whichever row is nearest to it.
         browser.value("document.getElementById('displacement').scrollIntoView({block: 'center'})")
-        box = browser.value("(r => [r.x, r.y, r.width, r.height])(document.querySelector('#displacement .chart').getBoundingClientRect())")
+        box = browser.value(
+            "(r => [r.x, r.y, r.width, r.height])(document.querySelector('#displacement .chart').getBoundingClientRect())"
+        )
         x, y = box[0] + box[2] * 0.5, box[1] + box[3] * 0.5
         for dx in (0, 1):
             browser.call("Input.dispatchMouseEvent", type="mouseMoved", x=x + dx, y=y)
         time.sleep(0.3)
-        tip = browser.value("[...document.querySelectorAll('#displacement svg text')].map(t => t.textContent).join('\\n')")
+        tip = browser.value(
+            "[...document.querySelectorAll('#displacement svg text')].map(t => t.textContent).join('\\n')"
+        )
         told = numbers(tip)
         rows = [i for i, t in enumerate(file["time"][:]) if t == told.get("time")]
         assert len(rows) == 1 and 0 < rows[0] < len(file["time"]) - 1, (tip, told)
         hold(told, file, rows[0], fan)
         assert told["displacement_q95"] == quantile[4, rows[0]]
 
-        # the keyboard: from the first value to the fourth, then to the last
+        # Use the keyboard: from the first value to the fourth, then to the last.
         def keys(chart, pressed):
             browser.value(f"document.querySelector('#{chart} .chart').focus()")
             for key in pressed:
@@ -138,25 +184,48 @@ def main(run, report):
             return numbers(browser.value(f"document.querySelector('#{chart} .told').textContent"))
 
         hold(keys("displacement", ["Home"] + ["ArrowRight"] * 3), file, 3, fan)
-        survival = {"duration": file["duration_bin"], "survival": file["stick_duration_survival"], "count": file["stick_duration_count"],
-                    "survival_low": file["stick_duration_survival_low"], "survival_high": file["stick_duration_survival_high"]}
+        survival = {
+            "duration": file["duration_bin"],
+            "survival": file["stick_duration_survival"],
+            "count": file["stick_duration_count"],
+            "survival_low": file["stick_duration_survival_low"],
+            "survival_high": file["stick_duration_survival_high"],
+        }
         hold(keys("survival", ["End", "ArrowLeft"]), file, -2, survival)
-        shares = {"k": file["sub_phase"], "share": file["sub_phase_share"], "share_high": file["sub_phase_share_high"]}
+        shares = {
+            "k": file["sub_phase"],
+            "share": file["sub_phase_share"],
+            "share_high": file["sub_phase_share_high"],
+        }
         hold(keys("sub-phases", ["Home", "ArrowRight"]), file, 1, shares)
 
-    # buttons: linear and logarithmic, light and dark; downloads are made without a request
+    # Use the buttons: linear and logarithmic, light and dark. Downloads are made without a request.
     browser.value("[...document.querySelectorAll('button')].forEach(b => b.click())")
     browser.value("document.getElementById('theme').click()")
-    # what a hostile title would do
+    # A hostile title would set this variable.
     assert browser.value("typeof window.stolen") == "undefined"
     assert browser.value("[...document.scripts].length") == 3
     browser.close()
-    complaints = [e for e in browser.events if e["method"] in ("Runtime.consoleAPICalled", "Runtime.exceptionThrown", "Log.entryAdded")]
+    complaints = [
+        e
+        for e in browser.events
+        if e["method"] in ("Runtime.consoleAPICalled", "Runtime.exceptionThrown", "Log.entryAdded")
+    ]
     assert not complaints, complaints
-    asked = [e["params"]["request"]["url"] for e in browser.events if e["method"] == "Network.requestWillBeSent"]
-    others = [url for url in asked if not url.startswith(("file://" + os.path.abspath(report), "data:", "blob:"))]
+    asked = [
+        e["params"]["request"]["url"]
+        for e in browser.events
+        if e["method"] == "Network.requestWillBeSent"
+    ]
+    others = [
+        url
+        for url in asked
+        if not url.startswith(("file://" + os.path.abspath(report), "data:", "blob:"))
+    ]
     assert not others, others
-    print(f"{report}: {len(charts)} charts, {size} bytes, loaded in {milliseconds} ms, hovering and keys show what the file says")
+    print(
+        f"{report}: {len(charts)} charts, {size} bytes, loaded in {milliseconds} ms, hovering and keys show what the file says"
+    )
 
 
 if __name__ == "__main__":

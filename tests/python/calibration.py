@@ -1,4 +1,7 @@
-"""Hold the file of `mc calibrate` against the model, written out once more: calibration.py FIT.h5"""
+"""Compare the file of `mc calibrate` with the model, computed independently here.
+
+calibration.py FIT.h5
+"""
 
 import math
 import sys
@@ -8,7 +11,7 @@ import xarray as xr
 
 
 def follow(reach, jump, start, temperatures):
-    """xi at each temperature, slip by slip, as the paper defines them."""
+    """xi at each temperature, slip by slip, as the paper defines it."""
     xi, out = start, []
     for temperature in temperatures:
         while abs(temperature - xi) > reach:
@@ -18,7 +21,7 @@ def follow(reach, jump, start, temperatures):
 
 
 def modelled(values, steel):
-    """z of a response with these quantities."""
+    """z of a bearing with these parameters."""
     at = dict(zip(values.quantity.values, values.values))
     beta, kappa = at["oscillator.dilatation"], at["bearing.shear"]
     xi = follow(at["reach"], at["jump"], at["initial.displacement"] / beta, steel)
@@ -37,7 +40,9 @@ def main(path):
     np.testing.assert_allclose(fit.attrs["residual_rms"], np.sqrt((left**2).mean()), rtol=1e-9)
     # Samples are evenly spaced here, so that each stands for the same time.
     for start in range(fit.sizes["start"]):
-        left = (measured - modelled(fit.start_value.isel(start=start), steel))[np.isfinite(measured)]
+        left = (measured - modelled(fit.start_value.isel(start=start), steel))[
+            np.isfinite(measured)
+        ]
         np.testing.assert_allclose(fit.start_err.values[start], (left**2).mean(), rtol=1e-3)
     at = dict(zip(fit.quantity.values, fit.estimate.values))
     slope = at["oscillator.stiffness"] * at["oscillator.dilatation"]

@@ -1,10 +1,11 @@
-"""Open a file of `mc run` with every reader in common use, and check what docs/output-format.md promises.
+"""Open a file of `mc run` with every reader in common use, and check what docs/output-format.md
+says.
 
     python3 -m venv target/venv
     target/venv/bin/pip install -r tests/python/requirements.txt
     target/venv/bin/python tests/python/check.py FILE.h5 ...
 
-Exits with 1 and names the broken promise at the first one that does not hold.
+Exits with 1 at the first statement that does not hold, and names it.
 """
 
 import math
@@ -34,7 +35,7 @@ FLAGS = {
     "trajectory_static": {0: "dynamic", 1: "static"},
 }
 
-# `event` is a dimension only, and `sub_phase` and `period` count from 1.
+# `event` is a dimension without values, and `sub_phase` and `period` count from 1.
 BARE_DIMENSIONS = {"event"}
 
 
@@ -44,7 +45,7 @@ def check(condition, promise):
 
 
 def check_h5py(path):
-    """Every axis of every dataset has a named scale; text is text and the seed is an integer."""
+    """Every axis of every variable has a named scale, text is text, and the seed is an integer."""
     with h5py.File(path) as file:
         for name in ROOT_ATTRIBUTES:
             check(name in file.attrs, f"root attribute {name}")
@@ -55,7 +56,10 @@ def check_h5py(path):
             if not dataset.is_scale:
                 for axis, dimension in enumerate(dataset.dims):
                     check(len(dimension) == 1, f"{name}: axis {axis} has one scale")
-                    check(dimension[0].name.lstrip("/") in scales, f"{name}: axis {axis} is attached to a scale")
+                    check(
+                        dimension[0].name.lstrip("/") in scales,
+                        f"{name}: axis {axis} is attached to a scale",
+                    )
             if dataset.dtype == np.float64 and not dataset.is_scale:
                 check(math.isnan(dataset.attrs["_FillValue"]), f"{name}: _FillValue is NaN")
         return int(file.attrs["seed"])
@@ -81,7 +85,9 @@ def check_xarray(path, engine, seed):
         check(name in data.coords or name in BARE_DIMENSIONS, f"{engine}: {name} has a coordinate")
     for name, variable in data.variables.items():
         check(variable.attrs.get("long_name"), f"{engine}: {name} has a long_name")
-        check(("units" in variable.attrs) == (name not in WITHOUT_UNITS), f"{engine}: units of {name}")
+        check(
+            ("units" in variable.attrs) == (name not in WITHOUT_UNITS), f"{engine}: units of {name}"
+        )
         if name in FLAGS:
             values = [int(value) for value in np.atleast_1d(variable.attrs["flag_values"])]
             flags = dict(zip(values, variable.attrs["flag_meanings"].split(), strict=True))
@@ -91,11 +97,17 @@ def check_xarray(path, engine, seed):
 
 
 def check_contents(data):
-    """What the numbers promise of each other."""
+    """The numbers of a file agree with each other."""
     attributes = data.attrs
     tomllib.loads(attributes["scenario"])
-    check(attributes["status"] in ("complete", "ended", "interrupted"), "the status of a finished file")
-    check((attributes["status"] == "ended") == ("ended_by" in attributes), "a run that was ended says by what")
+    check(
+        attributes["status"] in ("complete", "ended", "interrupted"),
+        "the status of a finished file",
+    )
+    check(
+        (attributes["status"] == "ended") == ("ended_by" in attributes),
+        "a run that was ended says by what",
+    )
     completed, diverged = int(attributes["completed_paths"]), int(attributes["diverged_paths"])
     check(completed <= attributes["paths"], "no more paths than asked for")
     if attributes["status"] == "complete":
@@ -107,20 +119,42 @@ def check_contents(data):
     low, high = known.interval_low, known.interval_high
     check(bool(((low <= known.estimate) | low.isnull()).all()), "interval_low <= estimate")
     check(bool(((known.estimate <= high) | high.isnull()).all()), "estimate <= interval_high")
-    for name in [name.removesuffix("_low") for name in data if name.endswith("_low") and name != "interval_low"]:
+    for name in [
+        name.removesuffix("_low")
+        for name in data
+        if name.endswith("_low") and name != "interval_low"
+    ]:
         low, value, high = data[f"{name}_low"], data[name], data[f"{name}_high"]
-        check(bool(((low <= value) & (value <= high) | low.isnull()).all()), f"{name} is in its interval")
+        check(
+            bool(((low <= value) & (value <= high) | low.isnull()).all()),
+            f"{name} is in its interval",
+        )
         check(low.dims == value.dims == high.dims, f"{name}: axes of its interval")
-        check(low.attrs.get("units") == value.attrs.get("units") == high.attrs.get("units"), f"{name}: units of its interval")
+        check(
+            low.attrs.get("units") == value.attrs.get("units") == high.attrs.get("units"),
+            f"{name}: units of its interval",
+        )
     check(bool((np.diff(data.time) > 0).all()), "time increases")
     for name in ("displacement", "velocity", "temperature"):
         steps = np.diff(data[f"{name}_quantile"], axis=0)
-        check(bool((steps[np.isfinite(steps)] >= 0).all()), f"quantiles of {name} increase with their level")
-    check(bool(((data.static_probability >= 0) & (data.static_probability <= 1)).all()), "a probability")
+        check(
+            bool((steps[np.isfinite(steps)] >= 0).all()),
+            f"quantiles of {name} increase with their level",
+        )
+    check(
+        bool(((data.static_probability >= 0) & (data.static_probability <= 1)).all()),
+        "a probability",
+    )
     if "duration_bin" in data:
-        check(int(data.stick_duration_count.sum()) == int(data.stick_duration_completed), "every stick is in a bin")
+        check(
+            int(data.stick_duration_count.sum()) == int(data.stick_duration_completed),
+            "every stick is in a bin",
+        )
         check(bool((np.diff(data.stick_duration_survival) <= 0).all()), "survival does not rise")
-        check(bool((data.duration_bin_lower[1:].values == data.duration_bin[:-1].values).all()), "bins touch")
+        check(
+            bool((data.duration_bin_lower[1:].values == data.duration_bin[:-1].values).all()),
+            "bins touch",
+        )
 
     if "path" in data.dims:
         check(data.sizes["path"] == completed, "one row a completed path")
@@ -132,9 +166,14 @@ def check_contents(data):
         mean = math.fsum(data.path_displacement_end.values[good]) / good.sum()
         estimate = float(data.estimate.sel(statistic="displacement_end_mean"))
         scale = max(abs(estimate), float(np.abs(data.path_displacement_end.values[good]).max()))
-        check(abs(mean - estimate) <= 1e-12 * scale, f"mean of the rows {mean} is the estimate {estimate}")
+        check(
+            abs(mean - estimate) <= 1e-12 * scale,
+            f"mean of the rows {mean} is the estimate {estimate}",
+        )
     if "event_count" in data:
-        check(int(data.event_count.sum()) == data.sizes["event"], "event_count adds up to the events")
+        check(
+            int(data.event_count.sum()) == data.sizes["event"], "event_count adds up to the events"
+        )
         ends = np.cumsum(data.event_count.values.astype(int))
         for times in np.split(data.event_time.values, ends[:-1])[:1000]:
             check(bool((np.diff(times) >= 0).all()), "events of a path are in order of time")
@@ -143,7 +182,8 @@ def check_contents(data):
 
 
 def check_trade(path):
-    """The file of `mc trade`: every reader sees the same named axes, and its predictions agree with its measurements."""
+    """In the file of `mc trade` every reader sees the same named axes, and the predictions agree
+    with the measurements."""
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         seen = [xr.open_dataset(path, engine=engine).load() for engine in ("h5netcdf", "netcdf4")]
@@ -153,9 +193,15 @@ def check_trade(path):
     for name, variable in data.variables.items():
         check(variable.attrs.get("long_name"), f"{name} has a long_name")
     target = data.predicted_bias.where(data.predicted_seconds.notnull()) < data.target
-    check(bool((target | data.predicted_bias.isnull()).all()), "no recommended run has a bias above its target")
+    check(
+        bool((target | data.predicted_bias.isnull()).all()),
+        "no recommended run has a bias above its target",
+    )
     cheapest = data.predicted_seconds.min("scheme")
-    check(bool(((data.winner == "none") == cheapest.isnull()).all()), "there is a winner where there is a run")
+    check(
+        bool(((data.winner == "none") == cheapest.isnull()).all()),
+        "there is a winner where there is a run",
+    )
 
 
 def check_command(*command):

@@ -1,12 +1,15 @@
-"""Recompute every variable of a file of `mc run` from its events, its trajectories and its scenario, and hold its units against a list.
+"""Recompute every variable of a file of `mc run` from its events, its trajectories and its
+scenario, and compare its units with a list.
 
     target/venv/bin/python tests/python/recompute.py RUN.h5 [REPLAY.h5 ...]
 
-RUN.h5 holds the events and the trajectories of all its paths (`record.events=true`, `record.trajectories` as many as paths), none of which
-is lost, on an output grid that passes through the ends of the forcing periods; its unit labels are s, mm, N and K. REPLAY.h5 is a path
-of it. Nothing here knows how the program folds its sums: each number is computed from all values at once, as its definition says.
+RUN.h5 has the events and the trajectories of all its paths (`record.events=true`, and
+`record.trajectories` as many as there are paths), none of which is lost, on an output grid that
+contains the ends of the forcing periods. Its unit labels are s, mm, N and K. REPLAY.h5 is a replay
+of one of its paths. The program here does not use the sums of the other one: it computes each
+number from all values at once, by its definition.
 
-Exits with 1 and names the variable that is not what it should be.
+Exits with 1 at the first variable that is wrong, and names it.
 """
 
 import csv
@@ -39,7 +42,8 @@ UNITS = {
 }
 UNIT = {name: unit for unit, names in UNITS.items() for name in names.split()}
 
-# What is estimated from the paths has an interval, NAME_low and NAME_high, in its own unit.
+# Variables that are estimated from the paths have an interval, NAME_low and NAME_high, in their own
+# unit.
 WITH_INTERVAL = """displacement_mean displacement_sd displacement_quantile velocity_mean velocity_sd velocity_quantile temperature_mean
     temperature_sd temperature_quantile static_probability stick_duration_count stick_duration_censored_count
     stick_duration_survival stick_duration_quantile stick_duration_completed stick_duration_censored
@@ -75,7 +79,7 @@ STATISTICS = {
 LEVELS = [0.05, 0.25, 0.5, 0.75, 0.95]
 ENTERED, STARTED, TURNED = 0, 1, 2
 
-# Sums of thousands of numbers in another order.
+# The tolerance for sums of thousands of numbers in another order.
 ROUNDING = 1e-11
 
 checked = set()
@@ -87,7 +91,8 @@ def check(condition, message):
 
 
 def same(name, got, wanted, within=ROUNDING):
-    """Each number of a variable is the one wanted, up to a share of the largest of them; NaN is NaN."""
+    """Each number of a variable equals the expected one, up to a share of the largest of them. NaN
+    equals NaN."""
     got, wanted = np.asarray(got, dtype=float), np.asarray(wanted, dtype=float)
     check(got.shape == wanted.shape, f"{name}: shape {got.shape}, not {wanted.shape}")
     check(bool((np.isnan(got) == np.isnan(wanted)).all()), f"{name}: other numbers are missing")
@@ -96,15 +101,20 @@ def same(name, got, wanted, within=ROUNDING):
         off = np.abs(got[finite] - wanted[finite])
         worst = int(np.argmax(off))
         scale = np.abs(wanted[finite]).max()
-        check(off[worst] <= within * scale, f"{name}: {got[finite][worst]!r}, not {wanted[finite][worst]!r}")
+        check(
+            off[worst] <= within * scale,
+            f"{name}: {got[finite][worst]!r}, not {wanted[finite][worst]!r}",
+        )
     checked.add(name)
 
 
 @functools.cache
 def student(freedom):
-    """The 97.5 % quantile of Student's t: with x = sqrt(freedom) tan(angle) the density is cos(angle)^(freedom - 1), up to a constant, summed up
-    by Simpson's rule until there are 47.5 %."""
-    constant = math.exp(math.lgamma((freedom + 1) / 2) - math.lgamma(freedom / 2)) / math.sqrt(math.pi)
+    """The 97.5 % quantile of Student's t. With x = sqrt(freedom) tan(angle) the density is
+    proportional to cos(angle)^(freedom - 1), which is integrated by Simpson's rule up to 47.5 %."""
+    constant = math.exp(math.lgamma((freedom + 1) / 2) - math.lgamma(freedom / 2)) / math.sqrt(
+        math.pi
+    )
     weights = np.array([1] + [4, 2] * 199 + [4, 1]) / 3
     low, high = 0.0, math.pi / 2
     for _ in range(60):
@@ -116,7 +126,8 @@ def student(freedom):
 
 
 def wilson(share, n, t=1.959963984540054):
-    """The shares s with (share - s)^2 <= t^2 s (1 - s)/n, by bisection from either side."""
+    """The ends of the interval of shares s with (share - s)^2 <= t^2 s (1 - s)/n, by bisection from
+    either side."""
     share, n = np.broadcast_arrays(np.asarray(share, dtype=float), np.asarray(n, dtype=float))
     ends = []
     for outside in (np.zeros_like(share), np.ones_like(share)):
@@ -130,23 +141,32 @@ def wilson(share, n, t=1.959963984540054):
 
 
 def same_interval(data, name, low, high, within=1e-8):
-    """The ends of the interval, with the estimate between them."""
+    """The ends of an interval equal the expected ones, and the estimate is between them."""
     for end, wanted in (("low", low), ("high", high)):
-        got, wanted = np.asarray(data[f"{name}_{end}"], dtype=float), np.asarray(wanted, dtype=float)
+        got, wanted = (
+            np.asarray(data[f"{name}_{end}"], dtype=float),
+            np.asarray(wanted, dtype=float),
+        )
         infinite = np.isinf(wanted)
-        check(bool((got[infinite] == wanted[infinite]).all()) if got.shape else True, f"{name}_{end}: not infinite")
+        check(
+            bool((got[infinite] == wanted[infinite]).all()) if got.shape else True,
+            f"{name}_{end}: not infinite",
+        )
         same(f"{name}_{end}", np.where(infinite, 0, got), np.where(infinite, 0, wanted), within)
     below, above = data[f"{name}_low"] <= data[name], data[name] <= data[f"{name}_high"]
     check(bool(np.all(below & above)), f"{name}: the estimate is in its interval")
 
 
 def in_batches(paths, of):
-    """A sum over the paths of each of 32 batches, the numbers of which have one remainder."""
-    return np.array([sum(np.asarray(of(path), dtype=float) for path in paths[first::32]) for first in range(32)])
+    """The sum over the paths of each of 32 batches. A batch has the paths whose numbers have the
+    same remainder modulo 32."""
+    return np.array(
+        [sum(np.asarray(of(path), dtype=float) for path in paths[first::32]) for first in range(32)]
+    )
 
 
 def share_interval(parts, wholes, contributing):
-    """Of sum parts/sum wholes over batches, along the last axis of the parts."""
+    """The interval of sum parts/sum wholes over batches, along the last axis of the parts."""
     share = parts.sum(axis=0) / wholes.sum()
     error = np.sqrt(32 / 31 * ((parts - np.outer(wholes, share)) ** 2).sum(axis=0)) / wholes.sum()
     is_sure = error < 1e-12
@@ -156,8 +176,8 @@ def share_interval(parts, wholes, contributing):
 
 
 class Path:
-    """What the events of one path, its place at the end and that at the end of the burn-in come to. Counted are the phases that begin after the burn-in, and time
-    and way from there on."""
+    """What follows from the events of one path, its place at the end, and that at the end of the
+    burn-in. Phases that begin after the burn-in are counted, and time and way from there on."""
 
     def __init__(self, scenario, events, end, after, place_after):
         self.t_end, x0 = scenario["time"]["end"], scenario["initial"]["displacement"]
@@ -169,10 +189,21 @@ class Path:
         is_first, entered, origin, x, k = True, 0.0, x0, x0, None
         began, slid = 0.0, 0.0
         self.largest = max(abs(x0), abs(end))
-        for time, displacement, kind in zip(events["time"], events["displacement"], events["kind"], strict=True):
-            check((k is None) == (kind == STARTED), "a slip starts from a stick, and turns or ends in a slip")
-            # Between events the body moves one way only.
-            self.travel += abs(displacement - x) if began >= after else abs(displacement - place_after) if time > after else 0.0
+        for time, displacement, kind in zip(
+            events["time"], events["displacement"], events["kind"], strict=True
+        ):
+            check(
+                (k is None) == (kind == STARTED),
+                "a slip starts from a stick, and turns or ends in a slip",
+            )
+            # Between events the body moves in one direction only.
+            self.travel += (
+                abs(displacement - x)
+                if began >= after
+                else abs(displacement - place_after)
+                if time > after
+                else 0.0
+            )
             began = time
             check(k is not None or displacement == x, "the body rests in a stick")
             x, self.largest = displacement, max(self.largest, abs(displacement))
@@ -204,75 +235,125 @@ class Path:
 
 
 def check_events(data, paths, events, is_on_grid):
-    """The signs against what the body does next, the forces against the thresholds and, where every step is kept, against the trajectories."""
+    """The signs of events agree with the motion that follows, their forces with the thresholds and,
+    where every step is kept, with the trajectories."""
     friction, oscillator = data.scenario["friction"], data.scenario["oscillator"]
     moves = 0
     for path, of in zip(paths, events, strict=True):
         places = np.append(of["displacement"], path.end)
-        for i, (sign, kind, force) in enumerate(zip(of["sign"], of["kind"], of["force"], strict=True)):
-            check((sign == 0) == (kind == ENTERED), "event_sign: 0 where a stick starts, and nowhere else")
+        for i, (sign, kind, force) in enumerate(
+            zip(of["sign"], of["kind"], of["force"], strict=True)
+        ):
+            check(
+                (sign == 0) == (kind == ENTERED),
+                "event_sign: 0 where a stick starts, and nowhere else",
+            )
             change = places[i + 1] - places[i]
             if kind == ENTERED:
-                # The quasi-static recursion does not ask: where the force does not hold, the stick is empty.
-                holds = abs(force) <= friction["static"] * (1 + 1e-12) or data.attributes["scheme"] == "quasi-static"
+                # The quasi-static recursion does not require it: where friction does not hold the
+                # body, the stick has no duration.
+                holds = (
+                    abs(force) <= friction["static"] * (1 + 1e-12)
+                    or data.attributes["scheme"] == "quasi-static"
+                )
                 check(holds, f"event_force: {force} holds no stick")
                 check(change == 0, "the body rests in a stick")
                 continue
             check(sign * change >= 0, f"event_sign: {sign}, and the body moves by {change}")
             moves += sign * change > 0
             check(sign * force > 0, f"event_force: {force} against a motion of sign {sign}")
-            # A step may pass a turn, and lets a body go at the last instant before the force is too large.
+            # A step may pass a turn, and a stick ends at the last instant before the force is too
+            # large.
             if not data.has_step:
-                check(abs(force) >= friction["static"] * (1 - 1e-9), f"event_force: {force} moves nothing")
+                check(
+                    abs(force) >= friction["static"] * (1 - 1e-9),
+                    f"event_force: {force} moves nothing",
+                )
     check(moves > 1000, f"event_sign: {moves} of the sub-phases move")
     if is_on_grid:
         k, alpha = oscillator["stiffness"], oscillator["damping"]
         rows = [np.rint(of["time"] / data.spacing).astype(int) for of in events]
         for path, (of, at) in enumerate(zip(events, rows, strict=True)):
             same("event_time", of["time"], at * data.spacing)
-            same("event_displacement", of["displacement"], data["trajectory_displacement"][path, at])
-            b = k * (oscillator["dilatation"] * data["trajectory_temperature"][path, at] - of["displacement"])
+            same(
+                "event_displacement", of["displacement"], data["trajectory_displacement"][path, at]
+            )
+            b = k * (
+                oscillator["dilatation"] * data["trajectory_temperature"][path, at]
+                - of["displacement"]
+            )
             velocity = np.where(of["kind"] == TURNED, data["trajectory_velocity"][path, at], 0)
             at_rest = (of["kind"] == TURNED) & (velocity == 0)
-            check(bool((np.abs(of["force"][at_rest]) > friction["static"]).all()), "event_force: a turn at rest that is a stick")
+            check(
+                bool((np.abs(of["force"][at_rest]) > friction["static"]).all()),
+                "event_force: a turn at rest that is a stick",
+            )
             same("event_force", of["force"], b - 2 * alpha * velocity)
-    checked.update(["event_time", "event_displacement", "event_force", "event_sign", "event_kind", "event"])
+    checked.update(
+        ["event_time", "event_displacement", "event_force", "event_sign", "event_kind", "event"]
+    )
 
 
 def check_trajectories(data, events):
-    """b and F by their formulas, from the phases that the events tell."""
+    """b and F of the trajectories follow from their formulas, with the phases of the events."""
     friction, oscillator = data.scenario["friction"], data.scenario["oscillator"]
     time, x, v = data["time"], data["trajectory_displacement"], data["trajectory_velocity"]
-    b = oscillator["stiffness"] * (oscillator["dilatation"] * data["trajectory_temperature"] - x) - 2 * oscillator["damping"] * v
+    b = (
+        oscillator["stiffness"] * (oscillator["dilatation"] * data["trajectory_temperature"] - x)
+        - 2 * oscillator["damping"] * v
+    )
     same("trajectory_force", data["trajectory_force"], b)
     static, sign = np.ones(x.shape, dtype=bool), np.zeros(x.shape)
     for path, of in enumerate(events):
-        # A stick lasts up to the instant at which it ends; a sub-phase begins at its own.
-        begins = np.where(of["kind"] == STARTED, np.searchsorted(time, of["time"], "right"), np.searchsorted(time, of["time"], "left"))
-        # A start outside the corridor is not at rest for an instant.
+        # A stick includes the instant at which it ends; a sub-phase includes the one at which it
+        # begins.
+        begins = np.where(
+            of["kind"] == STARTED,
+            np.searchsorted(time, of["time"], "right"),
+            np.searchsorted(time, of["time"], "left"),
+        )
+        # After a start outside the corridor there is no instant of rest.
         begins = np.where((of["kind"] == STARTED) & (of["time"] == 0), 0, begins)
         for first, kind, direction in zip(begins, of["kind"], of["sign"], strict=True):
             static[path, first:] = kind == ENTERED
             sign[path, first:] = direction
     same("trajectory_static", data["trajectory_static"], static)
     check(bool((v[static] == 0).all()), "trajectory_velocity: zero in a stick")
-    same("trajectory_friction", data["trajectory_friction"], np.where(static, b, friction["dynamic"] * sign))
+    same(
+        "trajectory_friction",
+        data["trajectory_friction"],
+        np.where(static, b, friction["dynamic"] * sign),
+    )
     bearing = data.scenario["bearing"]
-    shown = bearing["offset"] + x + np.where(static, b, friction["dynamic"] * sign) / bearing["stiffness"]
+    shown = (
+        bearing["offset"]
+        + x
+        + np.where(static, b, friction["dynamic"] * sign) / bearing["stiffness"]
+    )
     same("trajectory_bearing_displacement", data["trajectory_bearing_displacement"], shown)
-    # The way is the integral of the velocity: the trapezoidal rule, whose error is h^2/12 times the change of the force, and in a scheme with a step h/2 times it.
+    # The way is the integral of the velocity. The trapezoidal rule has an error of h^2/12 times the
+    # change of the force; in a scheme with a step it is h/2 times that change.
     way = np.diff(x, axis=1) - np.diff(time) * 0.5 * (v[:, 1:] + v[:, :-1])
     largest = np.abs(b).max() / oscillator["mass"]
-    check(bool((np.abs(way) <= largest * data.spacing**2).all()), "trajectory_velocity: the rate of the displacement")
+    check(
+        bool((np.abs(way) <= largest * data.spacing**2).all()),
+        "trajectory_velocity: the rate of the displacement",
+    )
     harmonics = data.scenario["temperature"]["harmonics"]
-    mean = sum(h["amplitude"] * np.cos(h["angular_frequency"] * time + h["phase"]) for h in harmonics)
+    mean = sum(
+        h["amplitude"] * np.cos(h["angular_frequency"] * time + h["phase"]) for h in harmonics
+    )
     noise = data["trajectory_temperature"] - mean
-    # v(0) = 0, and then the law of the noise; its variance is known to 5 sqrt(2/paths).
+    # v(0) = 0, and later v has the law of the noise. The bound for its variance is 5 standard
+    # errors, 5 sqrt(2/paths).
     parts = data.scenario["temperature"]["noise"]
     theta, amplitude = parts["relaxation_rate"], parts["intensity"] * parts["diffusion"]
     variance = amplitude**2 * (1 - np.exp(-2 * theta * time)) / (2 * theta)
     allowed = 5 * math.sqrt(2 / len(noise)) * variance + 1e-20
-    check(bool((np.abs((noise**2).mean(axis=0) - variance) <= allowed).all()), "trajectory_temperature: the variance of the noise")
+    check(
+        bool((np.abs((noise**2).mean(axis=0) - variance) <= allowed).all()),
+        "trajectory_temperature: the variance of the noise",
+    )
     checked.update(["trajectory_displacement", "trajectory_velocity", "trajectory_temperature"])
 
 
@@ -284,35 +365,62 @@ def check_bands(data):
         check_band_intervals(data, name, rows)
         check_quantiles(f"{name}_quantile", data[f"{name}_quantile"], rows)
     same("static_probability", data["static_probability"], data["trajectory_static"].mean(axis=0))
-    same_interval(data, "static_probability", *wilson(data["static_probability"], len(data["trajectory_static"])))
+    same_interval(
+        data,
+        "static_probability",
+        *wilson(data["static_probability"], len(data["trajectory_static"])),
+    )
 
 
 def check_band_intervals(data, name, rows):
-    """Where all paths agree after t = 0 they agree by chance, and nothing is known of those that do not."""
+    """The intervals of means, standard deviations and shares along time. Where all paths agree by
+    chance at a time after t = 0, the spread of other paths is not known, and an interval has no
+    upper end."""
     n, sd = len(rows), rows.std(axis=0, ddof=1)
     agree, starts = (rows == rows[0]).all(axis=0), np.arange(rows.shape[1]) == 0
     reach = student(n - 1) * sd / math.sqrt(n)
     reach = np.where(agree, np.where(starts, 0, np.inf), reach)
     same_interval(data, f"{name}_mean", rows.mean(axis=0) - reach, rows.mean(axis=0) + reach)
-    ends = [spread_interval(x) if not agree[i] else (0, 0 if starts[i] else np.inf) for i, x in enumerate(rows.T)]
+    ends = [
+        spread_interval(x) if not agree[i] else (0, 0 if starts[i] else np.inf)
+        for i, x in enumerate(rows.T)
+    ]
     same_interval(data, f"{name}_sd", *np.array(ends).T, 1e-6)
     wanted = []
     for level in LEVELS:
         reach = 1.959963984540054 * math.sqrt(level * (1 - level) / n)
         for p in (level - reach, level + reach):
-            wanted.append(np.quantile(rows, p, axis=0) if 0 < p < 1 else np.full(rows.shape[1], np.sign(p) * np.inf))
+            wanted.append(
+                np.quantile(rows, p, axis=0)
+                if 0 < p < 1
+                else np.full(rows.shape[1], np.sign(p) * np.inf)
+            )
     same_interval(data, f"{name}_quantile", np.array(wanted[::2]), np.array(wanted[1::2]))
 
 
 def spread_interval(x, blocks=None):
-    """Student's t for 1/sd, with the degrees of freedom that the squares, less their mean, leave; taken block by block if they are."""
+    """The interval of a standard deviation: Student's t for 1/sd, with the degrees of freedom that
+    follow from the scatter of the squares about their mean, computed block by block if the program
+    does so."""
     n, sd = len(x), x.std(ddof=1)
+
     def influences(x):
         return (x - x.mean()) ** 2 - ((x - x.mean()) ** 2).mean()
+
     e = influences(x)
-    # From all values at once the error is relative to the sd of n, and from the sums of a run to that of n - 1.
-    relative = math.sqrt((e**2).sum()) / n / (2 * x.var()) if blocks is None else math.sqrt((e**2).sum() / (n * (n - 1))) / (2 * sd**2)
-    return reciprocal_interval(sd, relative, e if blocks is None else np.concatenate([influences(part) for part in blocks]), n)
+    # Computed from all values at once, the error is relative to the sd with divisor n; from the
+    # sums of a run, to that with divisor n - 1.
+    relative = (
+        math.sqrt((e**2).sum()) / n / (2 * x.var())
+        if blocks is None
+        else math.sqrt((e**2).sum() / (n * (n - 1))) / (2 * sd**2)
+    )
+    return reciprocal_interval(
+        sd,
+        relative,
+        e if blocks is None else np.concatenate([influences(part) for part in blocks]),
+        n,
+    )
 
 
 def reciprocal_interval(sd, relative, influences, m):
@@ -322,13 +430,16 @@ def reciprocal_interval(sd, relative, influences, m):
 
 
 def check_quantiles(name, got, values):
-    """Level by level, along the columns of values: between the neighbouring order statistics, since so few values are all kept."""
+    """The quantiles, with levels along rows and times along columns, lie between the neighbouring
+    order statistics; with so few paths every value is kept."""
     check(got.shape == (len(LEVELS), *values.shape[1:]), f"{name}: axes {got.shape}")
     ordered = np.sort(values, axis=0)
     for level, row in zip(LEVELS, got, strict=True):
         rank = level * (len(values) - 1)
         below, above = ordered[math.floor(rank)], ordered[math.ceil(rank)]
-        is_between = (below - ROUNDING * np.abs(below) <= row) & (row <= above + ROUNDING * np.abs(above))
+        is_between = (below - ROUNDING * np.abs(below) <= row) & (
+            row <= above + ROUNDING * np.abs(above)
+        )
         check(bool(np.all(is_between)), f"{name} at {level}: not between {below} and {above}")
     checked.add(name)
 
@@ -337,11 +448,17 @@ def check_durations(data, paths):
     durations = np.array([d for path in paths for d in path.sticks])
     cut = np.array([path.censored_stick for path in paths if path.censored_stick is not None])
     lower, upper = data["duration_bin_lower"], data["duration_bin"]
-    check(bool((lower[1:] == upper[:-1]).all() and (lower < upper).all()), "duration_bin: the bins touch")
-    count = lambda values: [int(((lo <= values) & (values < hi)).sum()) for lo, hi in zip(lower, upper, strict=True)]
+    check(
+        bool((lower[1:] == upper[:-1]).all() and (lower < upper).all()),
+        "duration_bin: the bins touch",
+    )
+    count = lambda values: [
+        int(((lo <= values) & (values < hi)).sum()) for lo, hi in zip(lower, upper, strict=True)
+    ]
     same("stick_duration_count", data["stick_duration_count"], count(durations))
     same("stick_duration_censored_count", data["stick_duration_censored_count"], count(cut))
-    # Kaplan and Meier's product over the sticks in the order of their durations, those that end first where some are cut off as well.
+    # The product of Kaplan and Meier over the sticks in the order of their durations. At equal
+    # durations, sticks that end come before those that are cut off.
     survival, at_risk, product, curve = {}, len(durations) + len(cut), 1.0, []
     marks = sorted([(d, 0) for d in durations] + [(d, 1) for d in cut])
     i = 0
@@ -352,13 +469,22 @@ def check_durations(data, paths):
             at_risk -= 1
             i += 1
         curve.append(product)
-    # Sticks that are cut off in a narrow bin count as having outlasted those that end in it: some in a thousand.
-    check(float(np.abs(data["stick_duration_survival"] - curve).max()) < 0.002, "stick_duration_survival")
+    # Sticks that are cut off in a bin count as longer than those that end in it, which concerns
+    # some in a thousand.
+    check(
+        float(np.abs(data["stick_duration_survival"] - curve).max()) < 0.002,
+        "stick_duration_survival",
+    )
     if data.has_step:
-        # Those of a discrete law: the smallest multiple of the step that so large a share does not exceed.
+        # Quantiles of a discrete law: the smallest multiple of the step that at least this share of
+        # the sticks does not exceed.
         ordered = np.sort(in_steps(data, durations))
         smallest = [ordered[math.ceil(level * len(ordered) - 1e-9) - 1] for level in LEVELS]
-        same("stick_duration_quantile", data["stick_duration_quantile"], np.array(smallest) * data.spacing)
+        same(
+            "stick_duration_quantile",
+            data["stick_duration_quantile"],
+            np.array(smallest) * data.spacing,
+        )
     else:
         check_quantiles("stick_duration_quantile", data["stick_duration_quantile"], durations)
     for name, number in [
@@ -378,35 +504,67 @@ def check_duration_intervals(data, paths, count):
     wholes = in_bins.sum(axis=1)
     low, high = share_interval(in_bins, wholes, contributing)
     same_interval(data, "stick_duration_count", low * wholes.sum(), high * wholes.sum())
-    for name in ("stick_duration_censored_count", "stick_duration_censored", "first_stick_duration_completed", "first_stick_duration_censored"):
+    for name in (
+        "stick_duration_censored_count",
+        "stick_duration_censored",
+        "first_stick_duration_completed",
+        "first_stick_duration_censored",
+    ):
         low, high = wilson(data[name] / n, n)
         same_interval(data, name, low * n, high * n)
     sticks = np.array([len(path.sticks) for path in paths])
     reach = student(n - 1) * sticks.std(ddof=1) / math.sqrt(n) * n
-    same_interval(data, "stick_duration_completed", max(0, sticks.sum() - reach), sticks.sum() + reach)
+    same_interval(
+        data, "stick_duration_completed", max(0, sticks.sum() - reach), sticks.sum() + reach
+    )
 
     def survival(paths):
-        """Bin by bin, with the sticks that end and are cut off in a bin of the file in one go: near the curve of the file."""
+        """The survival curve computed bin by bin of the file, which is near the curve of the file."""
         ended = np.array(count(np.array([d for path in paths for d in path.sticks])))
-        cut = np.array(count(np.array([path.censored_stick for path in paths if path.censored_stick is not None])))
+        cut = np.array(
+            count(
+                np.array([path.censored_stick for path in paths if path.censored_stick is not None])
+            )
+        )
         at_risk = (ended + cut)[::-1].cumsum()[::-1]
         return np.cumprod(1 - ended / np.maximum(at_risk, 1)), at_risk - ended - cut
 
     curve, at_risk = survival(paths)
-    without = np.array([survival([p for i, p in enumerate(paths) if i % 32 != batch])[0] for batch in range(32)])
+    without = np.array(
+        [survival([p for i, p in enumerate(paths) if i % 32 != batch])[0] for batch in range(32)]
+    )
     error = np.sqrt(31 / 32 * ((without - without.mean(axis=0)) ** 2).sum(axis=0))
     is_sure = error < 1e-12
     told = data["stick_duration_survival"]
-    n = np.where(is_sure, np.clip(at_risk, 1, contributing), curve * (1 - curve) / np.where(is_sure, 1, error) ** 2)
+    n = np.where(
+        is_sure,
+        np.clip(at_risk, 1, contributing),
+        curve * (1 - curve) / np.where(is_sure, 1, error) ** 2,
+    )
     few, many = wilson(told, np.maximum(n, 1e-9)), wilson(told, np.maximum(n, 1e-9), student(31))
     for end, a, b in zip(("low", "high"), few, many, strict=True):
         got = data[f"stick_duration_survival_{end}"]
         off = np.abs(got - np.where(is_sure, a, b))[told > 0]
         check(float(off.max()) < 0.01, f"stick_duration_survival_{end}: off by {off.max()}")
-    check(bool((data["stick_duration_survival_low"] <= told).all() and (told <= data["stick_duration_survival_high"]).all()), "survival in its interval")
+    check(
+        bool(
+            (data["stick_duration_survival_low"] <= told).all()
+            and (told <= data["stick_duration_survival_high"]).all()
+        ),
+        "survival in its interval",
+    )
     ended = told == 0
-    check(bool((data["stick_duration_survival_low"][ended] == 0).all()), "stick_duration_survival_low: 0 where none is left")
-    check(bool((data["stick_duration_survival_high"] <= 1).all() and (data["stick_duration_survival_high"] > 0).all()), "stick_duration_survival_high")
+    check(
+        bool((data["stick_duration_survival_low"][ended] == 0).all()),
+        "stick_duration_survival_low: 0 where none is left",
+    )
+    check(
+        bool(
+            (data["stick_duration_survival_high"] <= 1).all()
+            and (data["stick_duration_survival_high"] > 0).all()
+        ),
+        "stick_duration_survival_high",
+    )
     checked.update(["stick_duration_survival_low", "stick_duration_survival_high"])
 
 
@@ -414,32 +572,55 @@ def check_sub_phases(data, paths):
     counts = np.array([k for path in paths for k in path.counts])
     most = len(data["sub_phase"])
     same("sub_phase", data["sub_phase"], np.arange(1, most + 1))
-    same("sub_phase_count", data["sub_phase_count"], np.bincount(np.minimum(counts, most), minlength=most + 1)[1:])
+    same(
+        "sub_phase_count",
+        data["sub_phase_count"],
+        np.bincount(np.minimum(counts, most), minlength=most + 1)[1:],
+    )
     same("sub_phase_share", data["sub_phase_share"], data["sub_phase_count"] / len(counts))
-    same("sub_phase_censored", data["sub_phase_censored"], sum(path.is_slip_censored for path in paths))
-    by_k = in_batches(paths, lambda path: np.bincount(np.minimum(path.counts, most).astype(int), minlength=most + 1)[1:])
+    same(
+        "sub_phase_censored",
+        data["sub_phase_censored"],
+        sum(path.is_slip_censored for path in paths),
+    )
+    by_k = in_batches(
+        paths,
+        lambda path: np.bincount(np.minimum(path.counts, most).astype(int), minlength=most + 1)[1:],
+    )
     ends = share_interval(by_k, by_k.sum(axis=1), sum(len(path.counts) > 0 for path in paths))
     same_interval(data, "sub_phase_share", *ends)
     same_interval(data, "sub_phase_count", *(end * len(counts) for end in ends))
     low, high = wilson(data["sub_phase_censored"] / len(paths), len(paths))
     same_interval(data, "sub_phase_censored", low * len(paths), high * len(paths))
-    # In the quasi-static recursion each has one.
+    # In the quasi-static recursion each slip has one sub-phase.
     is_recursion = data.attributes["scheme"] == "quasi-static"
-    check((counts > 1).sum() > 100 or is_recursion, "the scene has dynamic phases of several sub-phases")
+    check(
+        (counts > 1).sum() > 100 or is_recursion,
+        "the scene has dynamic phases of several sub-phases",
+    )
 
 
 def check_periods(data):
-    frequency = next(h["angular_frequency"] for h in data.scenario["temperature"]["harmonics"] if h["angular_frequency"] > 0)
+    frequency = next(
+        h["angular_frequency"]
+        for h in data.scenario["temperature"]["harmonics"]
+        if h["angular_frequency"] > 0
+    )
     period = 2 * math.pi / frequency
     number = math.floor(data.scenario["time"]["end"] / period + 1e-9)
     times = period * np.arange(1, number + 1)
     same("period", data["period"], np.arange(1, number + 1))
     same("period_time", data["period_time"], times)
     rows = np.rint(times / data.spacing).astype(int)
-    check(bool((np.abs(data["time"][rows] - times) < 1e-9).all()), "the output grid passes through the ends of the periods")
+    check(
+        bool((np.abs(data["time"][rows] - times) < 1e-9).all()),
+        "the output grid passes through the ends of the periods",
+    )
     x = data["trajectory_displacement"][:, rows] - data.scenario["initial"]["displacement"]
     same("displacement_period_mean", data["displacement_period_mean"], x.mean(axis=0))
-    same("displacement_period_variance", data["displacement_period_variance"], x.var(axis=0, ddof=1))
+    same(
+        "displacement_period_variance", data["displacement_period_variance"], x.var(axis=0, ddof=1)
+    )
     reach = student(len(x) - 1) * x.std(axis=0, ddof=1) / math.sqrt(len(x))
     same_interval(data, "displacement_period_mean", x.mean(axis=0) - reach, x.mean(axis=0) + reach)
     block = int(data.attributes["block_size"])
@@ -449,7 +630,7 @@ def check_periods(data):
 
 
 def check_transient(data, paths):
-    """What the burn-in leaves out; without one there are no such variables."""
+    """The variables of the burn-in, which are absent without one."""
     if data.after == 0:
         return
     moved = np.array([path.early_displacement for path in paths])
@@ -468,7 +649,10 @@ def check_transient(data, paths):
         counts = np.array([getattr(path, f"early_{name}") for path in paths])
         reach = student(len(counts) - 1) * counts.std(ddof=1) * math.sqrt(len(counts))
         same_interval(data, f"transient_{name}", max(0, counts.sum() - reach), counts.sum() + reach)
-    check(data["transient_sticks"] > 100 and data["transient_slips"] > 100, "the burn-in leaves something out")
+    check(
+        data["transient_sticks"] > 100 and data["transient_slips"] > 100,
+        "the burn-in leaves something out",
+    )
 
 
 def check_paths(data, paths):
@@ -487,15 +671,25 @@ def check_paths(data, paths):
     }
     for name, wanted in columns.items():
         same(f"path_{name}", data[f"path_{name}"], wanted)
-    # It is looked for at events, and the corrected step from a turn to the next instant has its new velocity: h times the velocity of a step may be missing.
+    # The maximum is searched at events only, and the corrected step from a turn to the next instant
+    # has the new velocity. So h times the velocity of a step may be missing.
     largest = np.abs(data["trajectory_displacement"]).max(axis=1)
-    hardest = (np.abs(data["trajectory_force"]).max() + data.scenario["friction"]["dynamic"]) / data.scenario["oscillator"]["mass"]
-    missing = data.attributes["step"] ** 2 * hardest if data.attributes["scheme"] == "corrected-vi" else 1e-9
-    check(bool((data["path_max_displacement"] >= largest - missing).all()), "path_max_displacement: nothing is farther out")
+    hardest = (
+        np.abs(data["trajectory_force"]).max() + data.scenario["friction"]["dynamic"]
+    ) / data.scenario["oscillator"]["mass"]
+    missing = (
+        data.attributes["step"] ** 2 * hardest
+        if data.attributes["scheme"] == "corrected-vi"
+        else 1e-9
+    )
+    check(
+        bool((data["path_max_displacement"] >= largest - missing).all()),
+        "path_max_displacement: nothing is farther out",
+    )
 
 
 def check_statistics(data, paths, times, x):
-    """Estimates, standard errors and intervals; the path is the independent unit."""
+    """Estimates, standard errors and intervals, with the path as the independent unit."""
     n = len(paths)
     counted_time = data.scenario["time"]["end"] - data.after
     column = lambda of: np.array([float(of(path)) for path in paths])
@@ -516,17 +710,21 @@ def check_statistics(data, paths, times, x):
     spread = column(lambda p: sum((d - centre) ** 2 - sd**2 for d in p.sticks)) / (2 * sd)
     counted = times >= data.after
     times, x = times[counted], x[:, counted]
-    # Displacements from period to period, and the influence of each path on their standard deviation and on the correlation of neighbours.
+    # Displacements from period to period, and the influence of each path on their standard
+    # deviation and on the correlation of neighbouring periods.
     u = np.diff(x, axis=1)
     about, pairs = u - u.mean(), np.stack([u[:, :-1], u[:, 1:]])
     u_sd = u.std()
     on_sd = ((about**2).mean(axis=1) - u_sd**2) / (2 * u_sd)
-    # About the mean of all displacements the correlation is as if that mean were given, up to how the pairs differ from all.
+    # The correlation is about the mean of all displacements. Its influence is as if that mean were
+    # given, up to the difference between the pairs and all displacements.
     covariance = ((pairs[0] - u.mean()) * (pairs[1] - u.mean())).mean()
     correlation = covariance / u_sd**2
     shift = (pairs - u.mean()).sum(axis=0).mean()
     on_correlation = (
-        ((pairs[0] - u.mean()) * (pairs[1] - u.mean())).mean(axis=1) - covariance - shift * about.mean(axis=1)
+        ((pairs[0] - u.mean()) * (pairs[1] - u.mean())).mean(axis=1)
+        - covariance
+        - shift * about.mean(axis=1)
     ) / u_sd**2 - correlation * ((about**2).mean(axis=1) / u_sd**2 - 1)
     slips = column(lambda p: len(p.jumps))
     ends = column(lambda p: p.end)
@@ -541,7 +739,9 @@ def check_statistics(data, paths, times, x):
         squares_of_part = (part - part.mean(axis=0)) ** 2 * len(part) / (len(part) - 1)
         shares.extend(squares_of_part @ weights)
         shares_at_phase.extend(squares_of_part.mean(axis=1))
-        influences["phase_displacement_sd"].append(squares_of_part.mean(axis=1) - squares_of_part.mean())
+        influences["phase_displacement_sd"].append(
+            squares_of_part.mean(axis=1) - squares_of_part.mean()
+        )
         displacements = np.diff(part, axis=1)
         about_part = ((displacements - displacements.mean()) ** 2).mean(axis=1)
         influences["period_displacement_sd"].append(about_part - about_part.mean())
@@ -559,7 +759,8 @@ def check_statistics(data, paths, times, x):
         "displacement_end_mean": mean(ends),
         "displacement_end_sd": (
             ends.std(ddof=1),
-            math.sqrt(((squares - squares.mean()) ** 2).sum() / (n * (n - 1))) / (2 * ends.std(ddof=1)),
+            math.sqrt(((squares - squares.mean()) ** 2).sum() / (n * (n - 1)))
+            / (2 * ends.std(ddof=1)),
             n - 1,
         ),
         "drift_velocity": mean(x @ weights),
@@ -567,7 +768,11 @@ def check_statistics(data, paths, times, x):
         "period_displacement_mean": mean(u.mean(axis=1)),
         "period_displacement_sd": (u_sd, mean(on_sd)[1], n - 1),
         "period_displacement_correlation": (correlation, mean(on_correlation)[1], n - 1),
-        "phase_displacement_sd": (phase_sd, mean(np.array(shares_at_phase))[1] / (2 * phase_sd), n - 1),
+        "phase_displacement_sd": (
+            phase_sd,
+            mean(np.array(shares_at_phase))[1] / (2 * phase_sd),
+            n - 1,
+        ),
         "jump_mean": pooled(column(lambda p: sum(p.jumps)), slips),
         "jump_abs_mean": pooled(column(lambda p: sum(abs(jump) for jump in p.jumps)), slips),
         "friction_work_mean": mean(column(lambda p: p.work)),
@@ -577,31 +782,54 @@ def check_statistics(data, paths, times, x):
     check(list(data["statistic_unit"]) == list(STATISTICS.values()), "statistic_unit")
     for row, name in enumerate(STATISTICS):
         check(data["statistic_long_name"][row], f"statistic_long_name of {name}")
-        told = [data[kind][row] for kind in ("estimate", "standard_error", "interval_low", "interval_high")]
+        told = [
+            data[kind][row]
+            for kind in ("estimate", "standard_error", "interval_low", "interval_high")
+        ]
         if name in found:
             value, error, freedom = found[name]
             reach = student(freedom) * error
             low, high = value - reach, value + reach
             if name == "stick_duration_sd":
-                low, high = reciprocal_interval(value, error / value, stick_influences(paths, block), freedom + 1)
+                low, high = reciprocal_interval(
+                    value, error / value, stick_influences(paths, block), freedom + 1
+                )
             elif name == "displacement_end_sd":
                 low, high = spread_interval(ends, np.split(ends, range(block, n, block)))
             elif name in ("period_displacement_sd", "phase_displacement_sd"):
-                low, high = reciprocal_interval(value, error / value, np.concatenate(influences[name]), freedom + 1)
+                low, high = reciprocal_interval(
+                    value, error / value, np.concatenate(influences[name]), freedom + 1
+                )
             elif name == "period_displacement_correlation":
-                # As the interval of a share, from -1 to 1.
+                # Like the interval of a share, but from -1 to 1.
                 share = (value + 1) / 2
-                low, high = (2 * float(end) - 1 for end in wilson(share, share * (1 - share) / (error / 2) ** 2, student(freedom)))
+                low, high = (
+                    2 * float(end) - 1
+                    for end in wilson(
+                        share, share * (1 - share) / (error / 2) ** 2, student(freedom)
+                    )
+                )
             elif name in ("sticking_fraction", "sub_phases_multiple_share"):
                 sure = error == 0
                 size = freedom + 1 if sure else value * (1 - value) / error**2
-                low, high = (float(end) for end in (wilson(value, size) if sure else wilson(value, size, student(freedom))))
+                low, high = (
+                    float(end)
+                    for end in (
+                        wilson(value, size) if sure else wilson(value, size, student(freedom))
+                    )
+                )
             else:
-                least = {"displacement_end_mean": -math.inf, "drift_velocity": -math.inf, "diffusion_coefficient": -math.inf, "period_displacement_mean": -math.inf}
+                least = {
+                    "displacement_end_mean": -math.inf,
+                    "drift_velocity": -math.inf,
+                    "diffusion_coefficient": -math.inf,
+                    "period_displacement_mean": -math.inf,
+                }
                 least = (least | {"jump_mean": -math.inf, "sub_phases_mean": 1}).get(name, 0)
                 low = max(least, low)
                 if error <= 1e-14 * abs(value):
-                    # All paths agree; those that would not are few, and may be off by any number.
+                    # All paths agree. Paths that would not agree are rare, but may differ by any
+                    # amount.
                     few = 1.959963984540054**2 / (freedom + 1 + 1.959963984540054**2)
                     low, high = value + few * (least - value), math.inf
             wanted, scale = [value, error, low, high], abs(value) + error
@@ -609,60 +837,85 @@ def check_statistics(data, paths, times, x):
                 check(a == b or abs(a - b) <= 1e-7 * scale, f"{name}, {kind}: {a!r}, not {b!r}")
     check_median(data, paths, durations)
     check_corrected(data)
-    checked.update("""statistic statistic_long_name statistic_unit estimate standard_error interval_low interval_high bias
-        bias_uncertainty bias_order""".split())
+    checked.update(
+        """statistic statistic_long_name statistic_unit estimate standard_error interval_low interval_high bias
+        bias_uncertainty bias_order""".split()
+    )
 
 
 def check_corrected(data):
-    """The estimate less max(0, 1 - (uncertainty/bias)^4) of its bias, in the interval of the estimate less all of it."""
+    """The corrected estimate is the estimate less max(0, 1 - (uncertainty/bias)^4) of its bias; its
+    interval is that of the estimate less the whole bias."""
     if "estimate_corrected" not in data:
         for name in ("bias", "bias_uncertainty", "bias_order"):
             check(bool(np.isnan(data[name]).all()), f"{name}: the run was told not to estimate it")
         return 0
     corrected = 0
     for row, name in enumerate(data["statistic"]):
-        estimate, bias, uncertainty = (data[kind][row] for kind in ("estimate", "bias", "bias_uncertainty"))
+        estimate, bias, uncertainty = (
+            data[kind][row] for kind in ("estimate", "bias", "bias_uncertainty")
+        )
         weight = 0.0 if abs(bias) <= uncertainty else 1 - (uncertainty / bias) ** 4
         below, above = estimate - data["interval_low"][row], data["interval_high"][row] - estimate
         whole = estimate - bias
-        wanted = [estimate - weight * bias, whole - math.hypot(below, uncertainty), whole + math.hypot(above, uncertainty)]
+        wanted = [
+            estimate - weight * bias,
+            whole - math.hypot(below, uncertainty),
+            whole + math.hypot(above, uncertainty),
+        ]
         told = [data[f"estimate_corrected{end}"][row] for end in ("", "_low", "_high")]
-        check(np.allclose(told, wanted, rtol=1e-12, atol=0, equal_nan=True), f"{name}, corrected: {told}, not {wanted}")
+        check(
+            np.allclose(told, wanted, rtol=1e-12, atol=0, equal_nan=True),
+            f"{name}, corrected: {told}, not {wanted}",
+        )
         corrected += weight > 0
     checked.update(["estimate_corrected", "estimate_corrected_low", "estimate_corrected_high"])
     return corrected
 
 
 def check_bias(path):
-    """A run of so many paths that some of its biases exceed their uncertainties."""
+    """A run with so many paths that some of its biases are larger than their uncertainties."""
     corrected = check_corrected(Data(path))
     check(corrected >= 3, f"{corrected} statistics have a bias beyond its uncertainty")
     print(f"  {corrected} corrected estimates are what they should be")
 
 
 def stick_influences(paths, block):
-    """Of each path the sum over its sticks of (D - mean)^2 - sd^2, about the mean and sd of its block."""
+    """The influence of each path on the standard deviation of stick durations: the sum over its
+    sticks of (D - mean)^2 - sd^2, with the mean and sd of its block."""
     influences = []
     for begin in range(0, len(paths), block):
         part = [np.array(path.sticks) for path in paths[begin : begin + block]]
         durations = np.concatenate(part)
-        influences.extend(((sticks - durations.mean()) ** 2 - durations.var()).sum() for sticks in part)
+        influences.extend(
+            ((sticks - durations.mean()) ** 2 - durations.var()).sum() for sticks in part
+        )
     return np.array(influences)
 
 
 def in_steps(data, durations):
-    """The scenarios of this test have an output step as long as the step of the scheme."""
+    """Times in units of the step. The scenarios of this test have an output step as long as the
+    step of the scheme."""
     durations = np.asarray(durations)
     steps = np.round(durations / data.spacing)
-    check(bool(np.all(np.abs(durations - steps * data.spacing) <= 1e-9)), "durations are multiples of the step")
+    check(
+        bool(np.all(np.abs(durations - steps * data.spacing) <= 1e-9)),
+        "durations are multiples of the step",
+    )
     return steps
 
 
 def check_median(data, paths, durations):
-    """Woodruff's interval: the error of the share of sticks up to the median, from 32 batches of whole paths, read back through the distribution."""
+    """The interval of the median of stick durations by Woodruff's method: the error of the share of
+    sticks up to the median follows from 32 batches of whole paths, and the ends of the interval of
+    the share are converted to durations by the distribution."""
     row = list(STATISTICS).index("stick_duration_median")
-    told = [data[kind][row] for kind in ("estimate", "standard_error", "interval_low", "interval_high")]
-    batches = [np.array([d for path in paths[first::32] for d in path.sticks]) for first in range(32)]
+    told = [
+        data[kind][row] for kind in ("estimate", "standard_error", "interval_low", "interval_high")
+    ]
+    batches = [
+        np.array([d for path in paths[first::32] for d in path.sticks]) for first in range(32)
+    ]
     t = student(31)
 
     def share(longest):
@@ -676,7 +929,7 @@ def check_median(data, paths, durations):
         median = np.quantile(durations, 0.5)
         _, reach = share(median)
         low, high = (np.quantile(durations, p) for p in (0.5 - reach, 0.5 + reach))
-        # Neighbouring sticks are this far apart.
+        # The difference of the durations of neighbouring sticks.
         near = 3 * (high - low) / (2 * reach * len(durations))
         wanted, allowed = [median, (high - low) / (2 * t), low, high], [near] * 4
     else:
@@ -684,46 +937,75 @@ def check_median(data, paths, durations):
         ordered = np.sort(in_steps(data, durations))
         median = ordered[math.ceil(len(ordered) / 2) - 1]
         _, reach = share(median)
-        # The quantiles of the law that is spread evenly over half a step to either side of each multiple.
+        # The quantiles of the law in which each multiple is spread evenly over half a step to
+        # either side.
         values, counts = np.unique(ordered, return_counts=True)
         corners = np.column_stack([values - 0.5, values + 0.5]).ravel()
         heights = np.column_stack([np.cumsum(counts) - counts, np.cumsum(counts)]).ravel()
         spread = [np.interp(p * len(ordered), heights, corners) for p in (0.5 - reach, 0.5 + reach)]
-        # A multiple m is refuted if F(m) is certainly below 1/2, or F(m - 1) certainly not.
-        possible = [m for m in np.arange(values[0], values[-1] + 1) if sum(share(m)) >= 0.5 and np.subtract(*share(m - 1)) < 0.5]
+        # A multiple m is refuted if F(m) is significantly below 1/2, or if F(m - 1) is
+        # significantly above it.
+        possible = [
+            m
+            for m in np.arange(values[0], values[-1] + 1)
+            if sum(share(m)) >= 0.5 and np.subtract(*share(m - 1)) < 0.5
+        ]
         wanted = [median, (spread[1] - spread[0]) / (2 * t), possible[0], possible[-1]]
         wanted, allowed = [data.spacing * number for number in wanted], [1e-6 * data.spacing] * 4
     check_duration_quantile_intervals(data, share, durations, batches)
-    for kind, a, b, near in zip(("estimate", "error", "low", "high"), told, wanted, allowed, strict=True):
+    for kind, a, b, near in zip(
+        ("estimate", "error", "low", "high"), told, wanted, allowed, strict=True
+    ):
         check(abs(a - b) <= near, f"stick_duration_median, {kind}: {a!r}, not {b!r}")
 
 
 def check_duration_quantile_intervals(data, share, durations, batches):
-    """Woodruff's at every level: on the lattice those multiples that are not refuted, else the quantiles either side."""
+    """The intervals of quantiles of stick durations by Woodruff's method. For durations that are
+    multiples of a step, the interval consists of the multiples that are not refuted; otherwise it
+    lies between the quantiles at either end."""
     in_units = in_steps(data, durations) if data.has_step else durations
     ordered = np.sort(in_units)
     unit = data.spacing if data.has_step else 1
     for row, level in enumerate(LEVELS):
         told = [data[f"stick_duration_quantile_{end}"][row] for end in ("low", "high")]
-        quantile = ordered[math.ceil(level * len(ordered) - 1e-9) - 1] if data.has_step else np.quantile(ordered, level)
+        quantile = (
+            ordered[math.ceil(level * len(ordered) - 1e-9) - 1]
+            if data.has_step
+            else np.quantile(ordered, level)
+        )
         _, reach = share(quantile)
         if data.has_step:
-            possible = [m for m in np.arange(ordered[0], ordered[-1] + 1) if sum(share(m)) >= level and np.subtract(*share(m - 1)) < level]
+            possible = [
+                m
+                for m in np.arange(ordered[0], ordered[-1] + 1)
+                if sum(share(m)) >= level and np.subtract(*share(m - 1)) < level
+            ]
             ends, near = [unit * possible[0], unit * possible[-1]], 1e-6 * unit
         else:
             ends = [np.quantile(ordered, min(max(p, 0), 1)) for p in (level - reach, level + reach)]
-            near = 5 * np.diff(ordered)[max(0, int((level - reach) * len(ordered)) - 3) : int((level + reach) * len(ordered)) + 3].max()
+            near = (
+                5
+                * np.diff(ordered)[
+                    max(0, int((level - reach) * len(ordered)) - 3) : int(
+                        (level + reach) * len(ordered)
+                    )
+                    + 3
+                ].max()
+            )
         if reach >= level:
             ends[0] = 0
         if level + reach >= 1:
             ends[1] = math.inf
         for a, b in zip(told, ends, strict=True):
-            check(a == b or abs(a - b) <= near, f"stick_duration_quantile at {level}: {told}, not {ends}")
+            check(
+                a == b or abs(a - b) <= near,
+                f"stick_duration_quantile at {level}: {told}, not {ends}",
+            )
     checked.update(["stick_duration_quantile_low", "stick_duration_quantile_high"])
 
 
 class Data(dict):
-    """The variables of a file, and what it says of itself."""
+    """The variables and attributes of a file."""
 
     def __init__(self, path):
         with h5py.File(path) as file:
@@ -731,7 +1013,11 @@ class Data(dict):
             units = {}
             for name, dataset in file.items():
                 values = dataset[()]
-                self[name] = np.array([text.decode() for text in values]) if dataset.dtype.kind == "O" else values
+                self[name] = (
+                    np.array([text.decode() for text in values])
+                    if dataset.dtype.kind == "O"
+                    else values
+                )
                 units[name] = dataset.attrs.get("units")
         for name, unit in units.items():
             check(name in UNIT, f"{name} is in the file, and not in the list of this test")
@@ -743,12 +1029,18 @@ class Data(dict):
 
     def events(self):
         ends = np.cumsum(self["event_count"].astype(int))[:-1]
-        parts = {name: np.split(self[f"event_{name}"], ends) for name in ("time", "displacement", "force", "sign", "kind")}
-        return [{name: part[i] for name, part in parts.items()} for i in range(len(self["event_count"]))]
+        parts = {
+            name: np.split(self[f"event_{name}"], ends)
+            for name in ("time", "displacement", "force", "sign", "kind")
+        }
+        return [
+            {name: part[i] for name, part in parts.items()} for i in range(len(self["event_count"]))
+        ]
 
 
 def check_measured(path, samples):
-    """A run with a measured temperature: its samples are those of the CSV file, and T is a straight line from one to the next."""
+    """A run with a measured temperature: its samples are those of the CSV file, and T is a straight
+    line from one sample to the next."""
     data = Data(path)
     with open(samples, encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
@@ -757,11 +1049,18 @@ def check_measured(path, samples):
     celsius = np.array([float(row["temperature_degC"]) for row in rows])
     check(np.array_equal(data["series_time"], seconds), "series_time")
     check(np.array_equal(data["series_temperature"], celsius), "series_temperature")
-    same("trajectory_temperature", data["trajectory_temperature"][0], np.interp(data["time"], seconds, celsius))
+    same(
+        "trajectory_temperature",
+        data["trajectory_temperature"][0],
+        np.interp(data["time"], seconds, celsius),
+    )
     check(data.scenario["time"]["end"] == seconds[-1], "time.end: the last sample")
     events = data.events()[0]
     force, friction = data["trajectory_force"][0], data.scenario["friction"]["static"]
-    check(len(events["time"]) > 20 and np.abs(force).max() <= friction, "a bearing that slips, and no force above f_s on the hour")
+    check(
+        len(events["time"]) > 20 and np.abs(force).max() <= friction,
+        "a bearing that slips, and no force above f_s on the hour",
+    )
     print(f"  {len(rows)} samples, and T on {len(data['time'])} rows")
 
 
@@ -783,7 +1082,10 @@ def check_header(data):
         ("temperature_unit", "K"),
     ]:
         check(attributes[name] == wanted, f"attribute {name}: {attributes[name]!r}, not {wanted!r}")
-    check(attributes.get("step") == scenario["time"].get("step") or not data.has_step, "attribute step")
+    check(
+        attributes.get("step") == scenario["time"].get("step") or not data.has_step,
+        "attribute step",
+    )
 
 
 def check_run(path):
@@ -797,8 +1099,14 @@ def check_run(path):
     events = data.events()
     x = data["trajectory_displacement"]
     row = round(data.after / data.spacing)
-    check(abs(data["time"][row] - data.after) < 1e-9, "the output grid passes through the end of the burn-in")
-    paths = [Path(data.scenario, of, end, data.after, there) for of, end, there in zip(events, x[:, -1], x[:, row], strict=True)]
+    check(
+        abs(data["time"][row] - data.after) < 1e-9,
+        "the output grid passes through the end of the burn-in",
+    )
+    paths = [
+        Path(data.scenario, of, end, data.after, there)
+        for of, end, there in zip(events, x[:, -1], x[:, row], strict=True)
+    ]
     check_events(data, paths, events, data.has_step and data.attributes["step"] == data.spacing)
     check_trajectories(data, events)
     check_bands(data)
@@ -808,7 +1116,10 @@ def check_run(path):
     check_paths(data, paths)
     check_transient(data, paths)
     check_statistics(data, paths, times, x)
-    check(set(data) == checked, f"not recomputed: {sorted(set(data) - checked)}; absent: {sorted(checked - set(data))}")
+    check(
+        set(data) == checked,
+        f"not recomputed: {sorted(set(data) - checked)}; absent: {sorted(checked - set(data))}",
+    )
     checked.clear()
     print(f"  {len(data)} variables of {len(paths)} paths are what they should be")
     return data
@@ -818,15 +1129,23 @@ def check_replay(path, run):
     data = Data(path)
     check(len(data["path"]) == 1, "a replay is one path")
     number = int(data["path"][0])
-    check(number > 0 and list(data["trajectory"]) == [number], f"trajectory: {data['trajectory']}, not {number}")
-    check(data.attributes["seed"] == run.attributes["seed"], "the seed of a replay is that of the run")
+    check(
+        number > 0 and list(data["trajectory"]) == [number],
+        f"trajectory: {data['trajectory']}, not {number}",
+    )
+    check(
+        data.attributes["seed"] == run.attributes["seed"], "the seed of a replay is that of the run"
+    )
     (here,) = data.events()
     there = run.events()[number]
     for name, values in here.items():
         check(np.array_equal(values, there[name]), f"event_{name} of path {number}")
     for name in [name for name in run if name.startswith("path")]:
-        check(np.array_equal(data[name][0], run[name][number], equal_nan=True), f"{name} of path {number}")
-    # On the instants that both are looked at.
+        check(
+            np.array_equal(data[name][0], run[name][number], equal_nan=True),
+            f"{name} of path {number}",
+        )
+    # Compare the rows at the instants that both files have.
     times = {round(t, 9): i for i, t in enumerate(data["time"])}
     rows = [times[round(t, 9)] for t in run["time"]]
     for name in [name for name in run if name.startswith("trajectory_")]:

@@ -1,9 +1,11 @@
-"""Check the file of `mc sweep` against a run at one of its points, with nothing of the program's own arithmetic.
+"""Compare the file of `mc sweep` with a run at one of its points, without using the arithmetic of
+the program.
 
     target/venv/bin/python tests/python/sweep.py SWEEP.h5 RUN.h5
 
-RUN.h5 is `mc run` at the last point of the sweep, with `record.paths`. What is recomputed: the statistics without each group of
-paths, from the rows of the run; differences of neighbours, their errors by the jackknife, and gains, from the groups.
+RUN.h5 is `mc run` at the last point of the sweep, with `record.paths`. Recomputed are the
+statistics without each group of paths, from the rows of the run; and the differences of
+neighbouring points, their errors by the jackknife, and gains, from the groups.
 """
 
 import sys
@@ -12,7 +14,8 @@ import warnings
 import numpy as np
 import xarray as xr
 
-# 97.5 % of Student's t with 31 degrees of freedom (Abramowitz and Stegun, table 26.10, between 30 and 40).
+# 97.5 % of Student's t with 31 degrees of freedom (Abramowitz and Stegun, table 26.10, between 30
+# and 40).
 STUDENT = 2.0395
 
 
@@ -26,11 +29,13 @@ def opened(path):
 
 def jackknife(values, axis):
     n = values.shape[axis]
-    return np.sqrt((n - 1) / n * ((values - values.mean(axis=axis, keepdims=True)) ** 2).sum(axis=axis))
+    return np.sqrt(
+        (n - 1) / n * ((values - values.mean(axis=axis, keepdims=True)) ** 2).sum(axis=axis)
+    )
 
 
 def check_groups(sweep, run, dimensions):
-    """Of a run's rows, leave out the paths of each group."""
+    """The statistics without each group of paths, from the rows of the run."""
     last = sweep.isel({name: -1 for name in dimensions})
     assert float(last.point_completed_paths) == run.sizes["path"]
     duration = float(run.time.max())
@@ -47,7 +52,9 @@ def check_groups(sweep, run, dimensions):
         }
         for name, value in expected.items():
             there = float(known.sel(statistic=name))
-            assert abs(there - value) <= 1e-11 * abs(value), f"{name} without group {group}: {there}, not {value}"
+            assert abs(there - value) <= 1e-11 * abs(value), (
+                f"{name} without group {group}: {there}, not {value}"
+            )
 
 
 def check_differences(sweep):
@@ -57,7 +64,9 @@ def check_differences(sweep):
         for i in range(n):
             here = at.isel({name: i})
             if i + 1 == n:
-                assert bool(here.difference.isnull().all()), "there is nothing beyond the last point"
+                assert bool(here.difference.isnull().all()), (
+                    "there is nothing beyond the last point"
+                )
                 continue
             pair = sweep.isel({name: i}), sweep.isel({name: i + 1})
             order = [axis for axis in pair[0].estimate_without.dims if axis != "group"] + ["group"]
@@ -84,7 +93,9 @@ def main(sweep_path, run_path):
         assert variable.attrs.get("long_name"), f"{name} has a long_name"
     assert sweep.estimate.sel(statistic="stick_duration_mean").dims == tuple(dimensions)
     last = sweep.isel({name: -1 for name in dimensions})
-    assert (last.estimate.values == run.estimate.values).sum() + last.estimate.isnull().sum() == run.sizes["statistic"]
+    assert (
+        last.estimate.values == run.estimate.values
+    ).sum() + last.estimate.isnull().sum() == run.sizes["statistic"]
     check_groups(sweep, run, dimensions)
     check_differences(sweep)
     print(f"{sweep_path}: every promise holds")

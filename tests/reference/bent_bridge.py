@@ -1,11 +1,14 @@
-"""Mean time at which a Brownian bridge that starts near a bent threshold first meets it, for the unit tests of the stick step.
+"""Mean time at which a Brownian bridge that starts near a bent threshold first meets it, for the
+unit tests of the stick step.
 
     python3 tests/reference/bent_bridge.py
 
-Needs numpy. The bridge goes from 0 to 0 over [0, 1], the threshold is a(s) = d0 (1 - s) + d1 s - bent s (1 - s)/2. Oracle: the Volterra
-equation of first_stick.py for Brownian motion, whose density at s is then weighted with the chance to end at 0 from there. A grid
-that is quadratic near 0 resolves the times d0^2.
+Needs numpy. The bridge goes from 0 to 0 over [0, 1], and the threshold is a(s) = d0 (1 - s) + d1 s
+- bent s (1 - s)/2. The reference is the Volterra equation of first_stick.py for Brownian motion,
+whose density at s is then weighted with the probability to end at 0 from there. A grid that is
+quadratic near 0 resolves the times d0^2.
 """
+
 import numpy as np
 
 

@@ -2,10 +2,12 @@
 
     python3 tests/reference/cascade.py > tests/reference/cascade.csv
 
-Needs mpmath. An oracle by other means than the engine's: particular solutions and exponentials with explicit
-coefficients (a confluent case is nudged apart by 1e-22 and kept exact by the spare digits), zeros by a fine scan
-and bisection. Columns: scene, kind (0 stick entered, 1 slip started, 2 sub-phase boundary), t, x, b.
+Needs mpmath. The method differs from that of the engine: particular solutions and exponentials with
+explicit coefficients, and zeros by a fine scan and bisection. In a critically damped case the two
+eigenvalues are separated by 1e-22, and the additional digits keep the result exact. Columns: scene,
+kind (0 stick entered, 1 slip started, 2 sub-phase boundary), t, x, b.
 """
+
 from mpmath import mp, mpf, mpc, exp, sqrt, cos
 
 mp.dps = 60
@@ -18,7 +20,14 @@ SCENES = {
     "overdamped": ("3", "0.5", "1.2", "6", [("1", "0.25", "0")], 60),
     "resonant": ("0", "1", "1.2", "0", [("0.5", "1", "0.3")], 30),
     "near_resonant": ("0", "1", "1.2", "0", [("0.5", "1.000000001", "0.3")], 30),
-    "two_harmonics_and_a_constant": ("0.05", "0.9", "1.1", "1", [("0.7", "0.25", "0.5"), ("0.3", "1.75", "-1"), ("0.2", "0", "0.4")], 60),
+    "two_harmonics_and_a_constant": (
+        "0.05",
+        "0.9",
+        "1.1",
+        "1",
+        [("0.7", "0.25", "0.5"), ("0.3", "1.75", "-1"), ("0.2", "0", "0.4")],
+        60,
+    ),
     "starts_outside": ("0", "1", "1.2", "12", [("1", "0.25", "0")], 30),
     "no_dynamic_friction": ("0.05", "0", "1.2", "6", [("1", "0.25", "0")], 30),
     "equal_thresholds": ("0", "1", "1", "6", [("1", "0.25", "0")], 60),
@@ -32,7 +41,7 @@ def cascade(alpha, f_d, f_s, x0, harmonics, t_end):
     def forcing(t):
         return sum(a * cos(w * t + phi) for a, w, phi in harmonics)
 
-    root = sqrt(mpc(alpha * alpha - 1 - NUDGE))  # w0 nudged off critical damping
+    root = sqrt(mpc(alpha * alpha - 1 - NUDGE))  # w0 is moved off critical damping
     l1, l2 = -alpha + root, -alpha - root
 
     def sub_phase(t0, x, eps):

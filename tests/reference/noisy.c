@@ -1,19 +1,24 @@
-/* Statistics of the paper's noisy scene (scenarios/rho025.toml) by a program that shares nothing with the crate, for the tests that compare
-   with them (tests/common/reference.rs).
+/* Statistics of the noisy scene of the paper (scenarios/rho025.toml), from a program that shares no
+   code with the crate, for the tests that compare with them (tests/common/reference.rs).
 
        cc -O2 -o noisy tests/reference/noisy.c -lm
-       (./noisy limit 500000; ./noisy step 0.02 200000; ./noisy step 0.01 200000; ./noisy step 0.001 40000) > tests/reference/noisy.csv
+       (./noisy limit 500000; ./noisy step 0.02 200000; ./noisy step 0.01 200000; \
+        ./noisy step 0.001 40000) > tests/reference/noisy.csv
 
-   writes noisy.csv in seven minutes of one core: the statistics of the model itself, and those of the discrete variational inequality with
-   three steps, with their standard errors. `./noisy limit 100000 2 0.25` has steps a quarter as long and another seed, and moves nothing.
+   writes noisy.csv in seven minutes on one core: the statistics of the model itself, and those of
+   the discrete variational inequality with three steps, with their standard errors. `./noisy limit
+   100000 2 0.25` has steps a quarter as long and another seed; its statistics agree.
 
-   `limit` follows each path with steps of its own. In a stick the noise is drawn exactly and the steps shrink with the square of the
-   distance from the threshold, so that it is missed by nobody; a bridge settles the shortest steps. In a slip the motion under the forcing
-   is exact and the noise adds its integral and its double integral, drawn together with it; the steps shrink with the velocity V like
-   V^(2/3), the time in which noise could turn it, so that zeros of V are approached and not stepped over. The shortest step is 1e-5, while
-   a slip lives or dies within ((f_s - f_d)/s)^2 = 0.018.
+   `limit` simulates each path with steps of varying length. In a stick the noise is drawn exactly,
+   and the steps shrink with the square of the distance from the threshold, so that no crossing is
+   missed; in the shortest steps a bridge decides whether the threshold was crossed. In a slip the
+   motion under the forcing is exact, and the noise adds its integral and its double integral, which
+   are drawn together with it. The steps shrink with the velocity V like V^(2/3), the time in which
+   the noise could reverse it, so that zeros of V are approached and not stepped over. The shortest
+   step is 1e-5, while ((f_s - f_d)/s)^2 = 0.018 is the time scale of the shortest slips.
 
-   `step` is the formula of the paper with a loop over n, and the reading of sticks and slips off it that docs/model.md states. */
+   `step` is the formula of the paper in a loop over n, with sticks and slips defined as in
+   docs/model.md. */
 #include <math.h>
 #include <stdint.h>
 #include <stdio.h>
@@ -61,7 +66,7 @@ static void seed(uint64_t s) {
     for (int i = 0; i < 20; i++) bits();
 }
 
-/* What a path comes to. */
+/* The sums of one path. */
 enum { STICKS, DURATION, SLIPS, SUB_PHASES, MULTIPLE, JUMPS, STATIC, FIRST, X_END, SUMS };
 
 typedef struct {
@@ -150,7 +155,7 @@ static void limit(Path *p) {
             t = t1, x = x1, v = v1, n = n1;
             continue;
         }
-        /* A zero of the velocity, in one of the shortest steps. */
+        /* The velocity is zero in one of the shortest steps. */
         double part = v / (v - v1);
         t += part * dt, x += part * (x1 - x), n += part * (n1 - n), v = 0;
         b = B0 * cos(W * t) + n - x;

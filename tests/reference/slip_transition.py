@@ -2,11 +2,13 @@
 
     python3 tests/reference/slip_transition.py > tests/reference/slip_transition.csv
 
-Needs mpmath. dX = A X dt + (0, 0, 1) dW with A = [[0, 1, 0], [-w0^2, -2 alpha, 1], [0, 0, -theta]] (m = 1). 220 digits: the
-sums over pairs of eigenvalues below lose 5 log10(1/h) = 45 of them at h = 1e-9, and 80 more where all three
-eigenvalues meet and only a nudge of 1e-40 keeps the matrix diagonalisable. Wherever |A| h is moderate the rows are checked against Van Loan's block exponential
-(IEEE Trans. Autom. Control 23, 1978).
+Needs mpmath. dX = A X dt + (0, 0, 1) dW with A = [[0, 1, 0], [-w0^2, -2 alpha, 1], [0, 0, -theta]]
+(m = 1), in 220 digits. The sums over pairs of eigenvalues below lose 5 log10(1/h) = 45 of them at h
+= 1e-9, and 80 more where all three eigenvalues are equal and only a perturbation of 1e-40 makes the
+matrix diagonalisable. Wherever |A| h is moderate the rows are compared with Van Loan's block
+exponential (IEEE Trans. Autom. Control 23, 1978).
 """
+
 from mpmath import mp, mpf, matrix, expm, exp, sqrt, mpc
 
 mp.dps = 220
@@ -15,9 +17,14 @@ mp.dps = 220
 def spectral(w0, theta, alpha, h):
     root = sqrt(mpc(alpha * alpha - w0 * w0 * (1 + mpf(10) ** -40)))
     l1, l2, l3 = -alpha + root, -alpha - root, -theta
-    # Impulse responses as sums of c e^{z r}: of x to x' (S), of x to n (divided differences), derivatives times z.
+    # Impulse responses as sums of c e^{z r}: of x to x' (S), and of x to n (divided differences).
+    # Derivatives have the factor z.
     s = [(1 / (l1 - l2), l1), (-1 / (l1 - l2), l2)]
-    g = [(1 / ((l3 - l1) * (l3 - l2)), l3), (1 / ((l1 - l3) * (l1 - l2)), l1), (1 / ((l2 - l3) * (l2 - l1)), l2)]
+    g = [
+        (1 / ((l3 - l1) * (l3 - l2)), l3),
+        (1 / ((l1 - l3) * (l1 - l2)), l1),
+        (1 / ((l2 - l3) * (l2 - l1)), l2),
+    ]
     slope = lambda f: [(c * z, z) for c, z in f]
     at = lambda f: sum(c * exp(z * h) for c, z in f).real
     S, dS = at(s), at(slope(s))
@@ -25,7 +32,14 @@ def spectral(w0, theta, alpha, h):
     growth = lambda z: (exp(z * h) - 1) / z if z != 0 else h
     integral = lambda f, k: sum(c * d * growth(y + z) for c, y in f for d, z in k).real
     n, v = [(mpf(1), -theta)], slope(g)
-    return phi + [integral(n, n), integral(n, v), integral(n, g), integral(v, v), integral(v, g), integral(g, g)]
+    return phi + [
+        integral(n, n),
+        integral(n, v),
+        integral(n, g),
+        integral(v, v),
+        integral(v, g),
+        integral(g, g),
+    ]
 
 
 def van_loan(w0, theta, alpha, h):
@@ -39,8 +53,21 @@ def van_loan(w0, theta, alpha, h):
     e = expm(block * h)
     phi = e[3:6, 3:6].T
     q = phi * e[0:3, 3:6]
-    return [phi[0, 0], phi[0, 1], phi[0, 2], phi[1, 0], phi[1, 1], phi[1, 2], phi[2, 2],
-            q[2, 2], q[2, 1], q[2, 0], q[1, 1], q[1, 0], q[0, 0]]
+    return [
+        phi[0, 0],
+        phi[0, 1],
+        phi[0, 2],
+        phi[1, 0],
+        phi[1, 1],
+        phi[1, 2],
+        phi[2, 2],
+        q[2, 2],
+        q[2, 1],
+        q[2, 0],
+        q[1, 1],
+        q[1, 0],
+        q[0, 0],
+    ]
 
 
 print("w0,theta,alpha,h,xx,xv,xn,vx,vv,vn,nn,cov_nn,cov_nv,cov_nx,cov_vv,cov_vx,cov_xx")
@@ -48,11 +75,16 @@ for w0 in map(mpf, ("0.3", "1", "20")):
     for theta in map(mpf, ("0.01", "1", "50")):
         for ratio in map(mpf, ("0", "0.1", "1", "3")):
             for h in map(mpf, ("1e-9", "1e-6", "1e-3", "0.03", "0.5", "4", "30", "1000")):
-                # the inputs as the doubles that the test will read
+                # The inputs as the doubles that the test reads.
                 alpha = mpf(float(ratio * w0))
                 w0, theta, h = mpf(float(w0)), mpf(float(theta)), mpf(float(h))
                 row = spectral(w0, theta, alpha, h)
                 if (w0 + theta + 2 * alpha) * h < 20:
                     for a, b in zip(row, van_loan(w0, theta, alpha, h)):
                         assert abs(a - b) <= mpf(10) ** -25 * abs(b), (w0, theta, alpha, h, a, b)
-                print(",".join([repr(float(y)) for y in (w0, theta, alpha, h)] + [mp.nstr(y, 17) for y in row]))
+                print(
+                    ",".join(
+                        [repr(float(y)) for y in (w0, theta, alpha, h)]
+                        + [mp.nstr(y, 17) for y in row]
+                    )
+                )

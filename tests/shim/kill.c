@@ -1,5 +1,6 @@
-// Kills the process at its KILL_AT-th change of a file system, for tests of what a killed run leaves behind; linked in front of
-// the C library with LD_PRELOAD. A write at which it is killed reaches the file by half. Every change is noted in KILL_TRACE.
+// Kills the process at its KILL_AT-th change of a file system, for tests of what a killed run
+// leaves behind. It is linked in front of the C library with LD_PRELOAD. Half of the bytes of a
+// write at which it kills reach the file. Every change is written to KILL_TRACE.
 #define _GNU_SOURCE
 #include <dlfcn.h>
 #include <errno.h>
@@ -29,7 +30,7 @@ static const char *path_of(int fd) {
     return path;
 }
 
-// Whether this is the one; notes it either way.
+// Whether this is the change at which to kill. Writes the change to the trace in any case.
 static int is_due(const char *what, const char *path) {
     static int (*open_)(const char *, int, ...);
     static ssize_t (*write_)(int, const void *, size_t);

@@ -1,9 +1,12 @@
-// C++, lanes of paths in lockstep that the compiler turns into vector instructions: the fastest way we know to write it by hand.
+// C++: lanes of paths that are stepped together, which the compiler vectorises. This is the fastest
+// way to write the scheme by hand that we know.
 //
-// -DREAL=float or double is the precision of the state. The normals are single precision in both, from 24-bit uniforms:
-// xoshiro128+ and Giles' polynomial for erfinv ("Approximating the erfinv function", 2010), whose logarithm comes from the
-// vector library of libm under -ffast-math. A normal can therefore not exceed 5.4, and no path can be drawn again alone.
-// It counts sticks and their time, but no turning points within a slip: a little less than the others do.
+// -DREAL=float or double is the precision of the state. The normals have single precision in both
+// cases, from 24-bit uniforms: xoshiro128+ and Giles' polynomial for erfinv ("Approximating the
+// erfinv function", 2010), whose logarithm is that of the vector library of libm under -ffast-math.
+// So a normal cannot exceed 5.4, and no path can be simulated again alone. The program counts
+// sticks and their time, but no turning points within a slip, which is a little less work than the
+// others do.
 #include "scene.hpp"
 #include <cstdint>
 
@@ -12,7 +15,7 @@
 #endif
 constexpr int lanes = 64;
 
-// xoshiro128+, a generator a lane.
+// xoshiro128+, with one generator for each lane.
 struct Generators {
     alignas(64) uint32_t s[4][lanes];
 

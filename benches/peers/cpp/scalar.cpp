@@ -1,6 +1,8 @@
-// C++, one path at a time, double precision, the standard library's generator and normals: what the textbook loop costs.
+// C++: one path at a time in double precision, with the generator and the normals of the standard
+// library, as in a textbook.
 //
-// With -DFAST_NORMALS: xoshiro256++ and a ziggurat instead, what someone writes who has profiled the textbook loop.
+// With -DFAST_NORMALS it uses xoshiro256++ and a ziggurat instead, as somebody would who has
+// profiled the textbook loop.
 #include "scene.hpp"
 #include <random>
 #ifdef FAST_NORMALS

@@ -1,13 +1,15 @@
-// The scene every C++ peer runs, its command line (paths, end, threads) and the JSON line it prints.
+// The scene that every C++ peer runs, its command line (paths, end, threads), and the JSON line
+// that it prints.
 //
-// The scheme, in the paper's symbols (m = K = 1):
+// The scheme, in the symbols of the paper with m = K = 1:
 //   b_n     = beta (cos(w t_n) + rho e_n) - X_n
 //   S_n     = V_n + h b_n
 //   X_{n+1} = X_n + h V_n,   V_{n+1} = 0 if |S_n| <= h f_s, else S_n - h f_d sign(S_n)
 //   e_{n+1} = decay e_n + kick xi_n,  the exact transition of de = -e dt + dW
 //
-// The counting rule: a stick begins at t_{n+1} if V_{n+1} = 0 and |b_{n+1}| <= f_s, and ends at t_n, the last instant
-// with V_n = 0. The one under way at t = 0 is an initial condition and is not counted; one under way at the end is not either.
+// How sticks are counted: a stick begins at t_{n+1} if V_{n+1} = 0 and |b_{n+1}| <= f_s, and ends
+// at t_n, the last instant with V_n = 0. The stick at t = 0 is an initial condition and is not
+// counted, nor is a stick that has not ended at the end.
 #pragma once
 #include <chrono>
 #include <cmath>
@@ -41,7 +43,7 @@ struct Scene {
     }
 };
 
-// Sums over paths; stick time in steps. A turn is a zero of the velocity within a slip.
+// Sums over paths. Stick time is in steps. A turn is a zero of the velocity within a slip.
 struct Totals {
     double sticks = 0, stick_steps = 0, turns = 0, x = 0, x2 = 0;
 

@@ -1,4 +1,5 @@
-// xoshiro256++ (Blackman and Vigna) and the 256-layer ziggurat (Marsaglia and Tsang): fast scalar normals.
+// Fast scalar normals: xoshiro256++ (Blackman and Vigna) and the ziggurat with 256 layers (Marsaglia
+// and Tsang).
 #pragma once
 #include <cmath>
 #include <cstdint>
@@ -6,7 +7,8 @@
 class Ziggurat {
     uint64_t s[4];
 
-    // Layers of equal area v under f(x) = exp(-x^2/2), cut at r: x[0] = v / f(r) > x[1] = r > ... > x[256] = 0.
+    // Layers of equal area v under f(x) = exp(-x^2/2), with the tail beyond r:
+    // x[0] = v / f(r) > x[1] = r > ... > x[256] = 0.
     struct Layers {
         static constexpr double r = 3.6541528853610088, v = 0.00492867323399;
         double x[257], f[257];

@@ -1,11 +1,16 @@
-"""diffrax: the scheme as a drift for its Euler solver at constant steps, the counters as further components, jax.vmap over paths.
+"""diffrax: the scheme as a drift for its Euler solver at constant steps, the counters as further
+components, and jax.vmap over paths.
 
-Option: `unsafe` (UnsafeBrownianPath, the fastest) or `tree` (VirtualBrownianTree, the one its manual recommends).
-A solver of this kind hands over a drift f(t, y) and forms y + h f itself, so that whatever the scheme does in one step is
-divided by h first; and the noise enters additively, so that Euler's e + h(-e) + dW stands for the exact transition.
-With eight components instead of nine (leave out the completed slips) XLA's code for it runs three times slower.
-A stick is entered where |b_n|, not |b_{n+1}|, is within f_s: the drift cannot see the end of its own step.
+Option: `unsafe` (UnsafeBrownianPath, the fastest) or `tree` (VirtualBrownianTree, which its manual
+recommends).
+
+A solver of this kind takes a drift f(t, y) and computes y + h f itself. So the change by the scheme
+in one step is divided by h first, and Euler's e + h(-e) + dW takes the place of the exact
+transition of the noise. With eight components instead of nine (without the completed slips) XLA's
+code runs three times slower. A stick is entered where |b_n| instead of |b_{n+1}| is within f_s,
+because the drift does not know the end of its own step.
 """
+
 import time
 
 import jax
@@ -30,10 +35,22 @@ def drift(t, y, _):
     leaves = still & ~zero
     counted = leaves & (entry > h / 2)
     enters = ~still & zero & (jnp.abs(b) <= s.f_s)
-    turned = ~still & ~enters & (v * v_next <= 0) & (jnp.abs(v) > 1e-12)  # v + h (0 - v)/h is zero but for rounding
-    return jnp.array([
-        v, (v_next - v) / h, -e, jnp.where(enters, 1 - stuck, jnp.where(leaves, -stuck, 0)) / h,
-        jnp.where(enters, t + h - entry, 0) / h, counted / h, jnp.where(counted, t - entry, 0) / h, turned / h, enters / h])
+    turned = (
+        ~still & ~enters & (v * v_next <= 0) & (jnp.abs(v) > 1e-12)
+    )  # v + h (0 - v)/h is zero only up to rounding
+    return jnp.array(
+        [
+            v,
+            (v_next - v) / h,
+            -e,
+            jnp.where(enters, 1 - stuck, jnp.where(leaves, -stuck, 0)) / h,
+            jnp.where(enters, t + h - entry, 0) / h,
+            counted / h,
+            jnp.where(counted, t - entry, 0) / h,
+            turned / h,
+            enters / h,
+        ]
+    )
 
 
 def solve(key):
@@ -44,8 +61,18 @@ def solve(key):
     noise = diffrax.ControlTerm(lambda t, y, _: noise_enters_e, brownian)
     start = jnp.zeros(9).at[0].set(s.x0).at[3].set(1.0)
     adjoint = diffrax.ForwardMode() if s.option == "tree" else diffrax.DirectAdjoint()
-    return diffrax.diffeqsolve(diffrax.MultiTerm(diffrax.ODETerm(drift), noise), diffrax.Euler(), 0.0, end, h, start,
-                               saveat=diffrax.SaveAt(t1=True), max_steps=s.steps + 16, adjoint=adjoint, throw=False).ys[0]
+    return diffrax.diffeqsolve(
+        diffrax.MultiTerm(diffrax.ODETerm(drift), noise),
+        diffrax.Euler(),
+        0.0,
+        end,
+        h,
+        start,
+        saveat=diffrax.SaveAt(t1=True),
+        max_steps=s.steps + 16,
+        adjoint=adjoint,
+        throw=False,
+    ).ys[0]
 
 
 keys = jax.random.split(jax.random.key(1), s.paths)

@@ -1,4 +1,8 @@
-"""JAX: lax.fori_loop over the steps, arrays over the paths, its default generator. Option: f32 or f64."""
+"""JAX: lax.fori_loop over the steps, arrays over the paths, its default generator.
+
+Option: f32 or f64.
+"""
+
 import time
 
 import jax
@@ -24,8 +28,18 @@ def step(n, state):
     counted = leaves & (entry > 0)
     enters = ~stuck & zero & (jnp.abs(b) <= s.f_s)
     turned = ~stuck & ~enters & (v * v_next <= 0) & (v != 0)
-    return (key, x, v_next, e, b, (stuck & zero) | enters, jnp.where(enters, n + 1, entry), sticks + counted,
-            stick_steps + jnp.where(counted, n - entry, 0), turns + turned)
+    return (
+        key,
+        x,
+        v_next,
+        e,
+        b,
+        (stuck & zero) | enters,
+        jnp.where(enters, n + 1, entry),
+        sticks + counted,
+        stick_steps + jnp.where(counted, n - entry, 0),
+        turns + turned,
+    )
 
 
 @jax.jit

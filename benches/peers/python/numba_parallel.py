@@ -1,4 +1,5 @@
-"""Numba: the scalar loop under @njit(parallel=True), with Numba's own normals, as its manual shows it."""
+"""Numba: the scalar loop under @njit(parallel=True) with Numba's own normals, as in its manual."""
+
 import math
 import time
 
@@ -37,7 +38,12 @@ def run(forcing, results):
                 elif v * v_next <= 0 and v != 0:
                     turns += 1
                 v = v_next
-            results[0, path], results[1, path], results[2, path], results[3, path] = x, sticks, stick_steps, turns
+            results[0, path], results[1, path], results[2, path], results[3, path] = (
+                x,
+                sticks,
+                stick_steps,
+                turns,
+            )
 
 
 forcing = s.beta * np.cos(s.w * s.h * np.arange(s.steps + 1))

@@ -1,10 +1,11 @@
-"""NumPy: one array operation after the other over all paths, stick events by boolean masks. Runs on one thread."""
+"""NumPy: array operations over all paths, with boolean masks for the events. Runs on one thread."""
+
 import numpy as np
 
 import scene as s
 from scene import paths, h
 
-draw = np.random.Generator(np.random.SFC64(1))  # the fastest of NumPy's generators
+draw = np.random.Generator(np.random.SFC64(1))  # the fastest generator of NumPy
 x, v, e = np.full(paths, s.x0), np.zeros(paths), np.zeros(paths)
 b = s.beta * np.ones(paths) - x
 stuck = np.abs(b) <= s.f_s
@@ -37,7 +38,7 @@ for n in range(s.steps):
     if turned.size:
         turns[turned] += 1
     if enters.size:
-        turns[enters] -= v[enters] != 0  # a zero that became a stick is no turn
+        turns[enters] -= v[enters] != 0  # a zero that became a stick is not a turn
         stuck[enters] = True
         entry[enters] = n + 1
     v = v_next

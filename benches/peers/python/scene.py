@@ -1,16 +1,17 @@
-"""The scene every Python peer runs, its command line and the JSON line it prints.
+"""The scene that every Python peer runs, its command line, and the JSON line that it prints.
 
-The scheme, in the paper's symbols (m = K = 1):
+The scheme, in the symbols of the paper with m = K = 1:
 
     b_n     = beta (cos(w t_n) + rho e_n) - X_n
     S_n     = V_n + h b_n
     X_{n+1} = X_n + h V_n,   V_{n+1} = 0 if |S_n| <= h f_s, else S_n - h f_d sign(S_n)
     e_{n+1} = decay e_n + kick xi_n,  the exact transition of de = -e dt + dW
 
-The counting rule: a stick begins at t_{n+1} if V_{n+1} = 0 and |b_{n+1}| <= f_s, and ends at t_n, the last instant with
-V_n = 0. The one under way at t = 0 is an initial condition and is not counted; one under way at the end is not either.
-A turn is a zero of the velocity within a slip.
+How sticks are counted: a stick begins at t_{n+1} if V_{n+1} = 0 and |b_{n+1}| <= f_s, and ends at
+t_n, the last instant with V_n = 0. The stick at t = 0 is an initial condition and is not counted,
+nor is a stick that has not ended at the end. A turn is a zero of the velocity within a slip.
 """
+
 import json
 import math
 import sys
@@ -28,7 +29,7 @@ steps = round(end / h)
 
 
 class Watch:
-    """Wall and processor time of the simulation itself; what came before (compilation) is passed to `report`."""
+    """Wall-clock and processor time of the simulation. `report` takes that of the compilation."""
 
     def __init__(self):
         self.wall, self.cpu = time.perf_counter(), time.process_time()
@@ -37,9 +38,21 @@ class Watch:
         self.wall, self.cpu = time.perf_counter() - self.wall, time.process_time() - self.cpu
 
     def report(self, x, sticks, stick_time, turns, setup=0.0):
-        """Prints the line; the arrays hold one number a path."""
-        print(json.dumps({
-            "seconds": self.wall, "cpu_seconds": self.cpu, "setup_seconds": setup, "paths": paths, "steps": steps,
-            "threads": threads, "sticks_per_path": float(sticks.sum()) / paths,
-            "stick_duration_mean": float(stick_time.sum() / sticks.sum()), "turns_per_path": float(turns.sum()) / paths,
-            "displacement_end_mean": float(x.mean()), "displacement_end_sd": float(x.std())}))
+        """Print the JSON line. The arrays hold one number for each path."""
+        print(
+            json.dumps(
+                {
+                    "seconds": self.wall,
+                    "cpu_seconds": self.cpu,
+                    "setup_seconds": setup,
+                    "paths": paths,
+                    "steps": steps,
+                    "threads": threads,
+                    "sticks_per_path": float(sticks.sum()) / paths,
+                    "stick_duration_mean": float(stick_time.sum() / sticks.sum()),
+                    "turns_per_path": float(turns.sum()) / paths,
+                    "displacement_end_mean": float(x.mean()),
+                    "displacement_end_sd": float(x.std()),
+                }
+            )
+        )

@@ -1,4 +1,5 @@
 """PyTorch: tensors over all paths, a Python loop over the steps."""
+
 import math
 
 import torch
