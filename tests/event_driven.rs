@@ -418,7 +418,8 @@ fn a_step_through_the_transition_follows_the_closed_form_under_forcing() {
             let (x, z) = (free.exponential(Complex::new(0.0, w), h), Complex::new(0.0, w));
             let v = z * x + Complex::new(free.impulse(h), 0.0);
             let [HarmonicResponse { x: got_x, v: got_v, turn }] = responses;
-            let close = |got: f64, want: f64, scale: f64| (got - want).abs() <= 1e-13 * scale * h.max(1.0); // rounding of the phase
+            // The phase has a rounding error proportional to h.
+            let close = |got: f64, want: f64, scale: f64| (got - want).abs() <= 1e-13 * scale * h.max(1.0);
             assert!(close(got_x.0, x.re, x.abs()) && close(got_x.1, x.im, x.abs()), "{alpha} {w} {h}");
             assert!(close(got_v.0, v.re, 1.0) && close(got_v.1, v.im, 1.0), "{alpha} {w} {h}");
             assert!(close(turn.0, (w * h).cos(), 1.0) && close(step.x[1], free.impulse(h), 1.0));
@@ -1014,7 +1015,8 @@ fn the_quasi_static_recursion_is_the_paper_s() {
     // and slips that last pi/w0 and move 2 (f_s - f_d)/K.
     let (w, f_s, jump) = (1e-3, 1.2, 0.4);
     let mut model = paper(w, 0.0);
-    model.initial_displacement = 5.9; // from 6, steps of 0.4 would meet the forcing's extremum to the last digit
+    // From 6, jumps of 0.4 would meet the extremum of the forcing to the last digit.
+    model.initial_displacement = 5.9;
     let mut recorder = Recorder::default();
     let line = Timeline { end: 10_000.0, output_step: 100.0, period: None, after: 0.0 };
     assert!(
