@@ -10,9 +10,9 @@
 //! that of the long ones at h, 2h and 4h alike, and that of the short ones at zero step
 //! ([`is_smooth`]).
 
-use super::extrapolation::{Levels, is_smooth, leading_order, unseen, weight};
+use super::extrapolation::{Levels, is_smooth, leading_order, model_error_share, weight};
 use super::groups::{GroupObserver, Grouped, Groups};
-use super::{NoBias, caution};
+use super::{NoBias, widening_factor};
 use crate::ensemble::{drawn, in_order};
 use crate::model::Model;
 use crate::scheme::{Scheme, Simulate as _, Simulation, Timeline};
@@ -24,7 +24,7 @@ use std::sync::atomic::AtomicBool;
 /// One path in this many of a run is simulated at three steps. This takes at most three times the
 /// work of a path, since each step draws the normals of the finest one. So it takes at most a
 /// sixteenth of the time of the run, and a little for the sums.
-const SHARE: u64 = 48;
+const ONE_PATH_IN: u64 = 48;
 
 /// Number of groups of paths from which the standard error is computed. Its own error is 18 %,
 /// which Student's t with 15 degrees of freedom allows for.
@@ -78,9 +78,9 @@ impl Differences {
             return Err(NoBias::FewSteps);
         }
         // Where nothing is random, one path is the ensemble.
-        let (groups, per_group) = if is_random { (GROUPS, paths / (SHARE * GROUPS as u64)) } else { (1, 1) };
+        let (groups, per_group) = if is_random { (GROUPS, paths / (ONE_PATH_IN * GROUPS as u64)) } else { (1, 1) };
         if per_group == 0 {
-            return Err(NoBias::FewPaths { needed: SHARE * GROUPS as u64 });
+            return Err(NoBias::FewPaths { needed: ONE_PATH_IN * GROUPS as u64 });
         }
         // Rows of the output grid are left out, because the bands have no bias estimate.
         let timeline = timeline.without_rows();
@@ -113,8 +113,8 @@ impl Differences {
         let bias = |(i, &statistic): (usize, &Statistic)| {
             let all = at(&|level| level.all[i]);
             let without: Vec<Levels> = (0..self.groups).map(|g| at(&|level| level.without[g][i])).collect();
-            let is_told = all.is_known() && (is_smooth(statistic) || !self.model.temperature.is_random());
-            is_told.then(|| (statistic, self.bias(statistic, all, &without, sticks)))
+            let has_bias = all.is_known() && (is_smooth(statistic) || !self.model.temperature.is_random());
+            has_bias.then(|| (statistic, self.bias(statistic, all, &without, sticks)))
         };
         Ok(Statistic::ALL.iter().enumerate().filter_map(bias).collect())
     }
@@ -125,8 +125,8 @@ impl Differences {
         let error = |of: &dyn Fn(Levels) -> f64| {
             jackknife::standard_error(&without.iter().map(|&y| of(y)).collect::<Vec<f64>>())
         };
-        let is_told = |order: &f64| order.is_finite() && error(&|y| y.observed_order()) < MAX_ORDER_ERROR;
-        let order = Some(all.observed_order()).filter(is_told);
+        let is_determined = |order: &f64| order.is_finite() && error(&|y| y.observed_order()) < MAX_ORDER_ERROR;
+        let order = Some(all.observed_order()).filter(is_determined);
         if !self.model.temperature.is_random() {
             let (estimate, uncertainty) = all.without_noise();
             // Both ends of a phase lie on the grid, so that its duration may be off by h.
@@ -143,10 +143,15 @@ impl Differences {
             Statistic::StickingFraction => 0.5 * self.h * sticks / self.timeline.counted(),
             _ => 0.0,
         };
-        let missed = all.model_error(p, unseen(statistic, self.noise_to_gap()), STUDENT * second_term_error);
+        let model_error =
+            all.model_error(p, model_error_share(statistic, self.noise_to_gap()), STUDENT * second_term_error);
         // The uncertainty is a plain sum and not a root of squares, because the error of
         // extrapolation is the same for every seed.
-        Bias { estimate: all.bias(p, weight), uncertainty: caution(self.paths()) * (sampling + missed + grid), order }
+        Bias {
+            estimate: all.bias(p, weight),
+            uncertainty: widening_factor(self.paths()) * (sampling + model_error + grid),
+            order,
+        }
     }
 
     /// The standard deviation of the change of the force by the noise in a step, as a share of the

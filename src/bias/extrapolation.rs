@@ -19,7 +19,7 @@
 //! opposite sides of the truth. So the estimate is D1/(q - 1) + c/2, with less of c where c is
 //! mostly scatter ([`weight`]). It may be wrong by c/2, and by what no expansion of two terms
 //! describes: slips that turn back within a step are missed, and appear one after another as the
-//! step falls. That part is measured ([`unseen`]).
+//! step falls. That part is measured ([`model_error_share`]).
 
 use crate::stats::Statistic;
 
@@ -33,7 +33,7 @@ pub(super) struct Levels(pub [f64; 3]);
 /// grows with `noise_to_gap`. It is largest for the numbers of sticks and slips, which at a
 /// `noise_to_gap` of 4 are only half of those without a step, and for the standard deviation of
 /// durations.
-pub(super) fn unseen(statistic: Statistic, noise_to_gap: f64) -> f64 {
+pub(super) fn model_error_share(statistic: Statistic, noise_to_gap: f64) -> f64 {
     let is_missed_most =
         matches!(statistic, Statistic::SticksPerPath | Statistic::SlipsPerPath | Statistic::StickDurationSd);
     let slope = if is_missed_most { 0.5 } else { 0.2 };
@@ -75,12 +75,12 @@ impl Levels {
         self.one_term(p) + weight * self.second_term(p)
     }
 
-    /// How far the extrapolation may be off: by the share `unseen` of the bias from one term, and
+    /// How far the extrapolation may be off: by the share `share` of the bias from one term, and
     /// by half of c, which itself is known to `second_term_error` only. This error is counted
     /// because, where c is mostly scatter, its weight is small by chance and not because there is
     /// no second term.
-    pub fn model_error(self, p: f64, unseen: f64, second_term_error: f64) -> f64 {
-        (unseen * self.one_term(p)).hypot(0.5 * self.second_term(p).hypot(second_term_error))
+    pub fn model_error(self, p: f64, share: f64, second_term_error: f64) -> f64 {
+        (share * self.one_term(p)).hypot(0.5 * self.second_term(p).hypot(second_term_error))
     }
 
     /// The bias where nothing is random, and its uncertainty. The order is 1, but as the step

@@ -93,10 +93,10 @@ impl fmt::Display for NoBias {
 
 /// The reference run may cost one part in this many of the run, if differences are measured as
 /// well.
-const SHARE: u64 = 20;
+const REFERENCE_ONE_PART_IN: u64 = 20;
 
 /// The same if differences are not measured.
-const SHARE_ALONE: u64 = 10;
+const REFERENCE_ALONE_ONE_PART_IN: u64 = 10;
 
 /// What is simulated beside a run to measure its bias.
 #[derive(Clone, Debug)]
@@ -120,8 +120,8 @@ impl BiasPlan {
             Discretisation::Approximation => return Err(NoBias::Approximation),
         };
         let differences = Differences::new(scheme, model, timeline, seed, paths)?;
-        let share = if is_corrected { SHARE_ALONE } else { SHARE };
-        let reference = is_random.then(|| ReferenceRun::new(model, timeline, h, seed, paths, share));
+        let one_part_in = if is_corrected { REFERENCE_ALONE_ONE_PART_IN } else { REFERENCE_ONE_PART_IN };
+        let reference = is_random.then(|| ReferenceRun::new(model, timeline, h, seed, paths, one_part_in));
         if is_corrected && reference.is_none() {
             return Err(NoBias::Corrected);
         }
@@ -166,21 +166,21 @@ impl BesideRun {
     pub fn of(&self, run: &Summary) -> Vec<(Statistic, Bias)> {
         let referenced = self.referenced.as_ref().map_or_else(Vec::new, |exact| reference_run::biases(run, exact));
         let of = |biases: &[(Statistic, Bias)], statistic| biases.iter().find(|(s, _)| *s == statistic).map(|b| b.1);
-        let told = |statistic| chosen(of(&self.extrapolated, statistic), of(&referenced, statistic));
-        Statistic::ALL.into_iter().filter_map(|statistic| Some((statistic, told(statistic)?))).collect()
+        let bias_of = |statistic| chosen(of(&self.extrapolated, statistic), of(&referenced, statistic));
+        Statistic::ALL.into_iter().filter_map(|statistic| Some((statistic, bias_of(statistic)?))).collect()
     }
 }
 
 /// The factor by which a 95 % uncertainty is widened that comes from this many paths. With a few
 /// dozen paths the intervals of skewed laws cover the truth in less than 95 % of cases, but the
 /// coverage is stated for every statistic of every scene (docs/bias.md).
-fn caution(paths: u64) -> f64 {
+fn widening_factor(paths: u64) -> f64 {
     1.0 + 2.5 / (paths as f64).sqrt()
 }
 
 /// The extrapolation is taken where its uncertainty is below this share of that of the reference
 /// run, and the two do not contradict each other.
-const SHARPER: f64 = 0.5;
+const UNCERTAINTY_RATIO: f64 = 0.5;
 
 /// The measurement that is taken, of two measurements of one bias or the only one.
 ///
@@ -189,10 +189,10 @@ const SHARPER: f64 = 0.5;
 /// the one whose uncertainty is too small by chance.
 fn chosen(extrapolated: Option<Bias>, referenced: Option<Bias>) -> Option<Bias> {
     let (Some(extrapolated), Some(referenced)) = (extrapolated, referenced) else { return extrapolated.or(referenced) };
-    let is_sharper = extrapolated.uncertainty < SHARPER * referenced.uncertainty;
+    let is_more_precise = extrapolated.uncertainty < UNCERTAINTY_RATIO * referenced.uncertainty;
     let apart = (extrapolated.estimate - referenced.estimate).abs();
     let is_possible = apart <= extrapolated.uncertainty + referenced.uncertainty;
-    Some(if is_sharper && is_possible { extrapolated } else { Bias { order: extrapolated.order, ..referenced } })
+    Some(if is_more_precise && is_possible { extrapolated } else { Bias { order: extrapolated.order, ..referenced } })
 }
 
 #[cfg(test)]
@@ -200,7 +200,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn extrapolation_counts_where_it_is_much_sharper_and_possible() {
+    fn extrapolation_counts_where_it_is_much_more_precise_and_possible() {
         let bias = |estimate, uncertainty, order| Some(Bias { estimate, uncertainty, order });
         let referenced = bias(1.0, 0.4, None);
         assert_eq!(chosen(bias(0.7, 0.1, Some(0.5)), referenced), bias(0.7, 0.1, Some(0.5)));
@@ -214,7 +214,7 @@ mod tests {
     }
 
     #[test]
-    fn few_paths_are_trusted_less() {
-        assert_eq!((caution(25), caution(10_000)), (1.5, 1.025));
+    fn few_paths_widen_the_uncertainty() {
+        assert_eq!((widening_factor(25), widening_factor(10_000)), (1.5, 1.025));
     }
 }

@@ -5,7 +5,7 @@
 //! the two. Nothing is extrapolated, and any scheme with a step can be compared. The error is that
 //! of two finite ensembles, of which the reference run is the smaller one.
 
-use super::caution;
+use super::widening_factor;
 use crate::ensemble::{Plan, in_order};
 use crate::model::Model;
 use crate::scheme::{DEFAULT_TOLERANCE, EventDrivenSimulation, Simulate as _, Simulated, Simulation, Timeline};
@@ -15,19 +15,19 @@ use std::ops::ControlFlow;
 use std::sync::atomic::AtomicBool;
 
 /// How event-driven paths are simulated beside a run.
-struct Pieces {
+struct PieceCost {
     /// Number of paths in a piece of work.
     paths: u64,
     /// The cost of one evaluation in path-steps. A path-step takes 0.8 to 1.25 ns (with AVX-512;
     /// otherwise it takes longer, and an evaluation costs fewer of them).
-    evaluation: u64,
+    path_steps_per_evaluation: u64,
 }
 
 /// Paths that are simulated one by one: 63 to 77 ns per evaluation.
-const ALONE: Pieces = Pieces { paths: 16, evaluation: 64 };
+const ONE_BY_ONE: PieceCost = PieceCost { paths: 16, path_steps_per_evaluation: 64 };
 
 /// Paths that are simulated together in lanes: 25 to 40 ns per evaluation with 64 paths and more.
-const ABREAST: Pieces = Pieces { paths: 128, evaluation: 32 };
+const IN_LANES: PieceCost = PieceCost { paths: 128, path_steps_per_evaluation: 32 };
 
 /// The number of paths from which the cost of a path is measured.
 const FIRST: u64 = 16;
@@ -49,10 +49,10 @@ pub struct ReferenceRun {
 
 impl ReferenceRun {
     /// A reference run beside a run of this many paths with this step and seed. It may cost one
-    /// part in `share` of the run.
-    pub fn new(model: &Model, timeline: &Timeline, h: f64, seed: u64, paths: u64, share: u64) -> Self {
+    /// part in `one_part_in` of the run.
+    pub fn new(model: &Model, timeline: &Timeline, h: f64, seed: u64, paths: u64, one_part_in: u64) -> Self {
         let path_steps = timeline.end / h * paths as f64;
-        let budget = path_steps as u64 / share;
+        let budget = path_steps as u64 / one_part_in;
         // Rows of the output grid are left out, because the bands have no bias estimate. The seed
         // gives other random numbers than those of the run.
         ReferenceRun { model: model.clone(), timeline: timeline.without_rows(), seed: !seed, budget, paths }
@@ -68,9 +68,9 @@ impl ReferenceRun {
     /// slips.
     pub(super) fn simulate(&self, threads: usize, stop: &AtomicBool) -> Option<Summary> {
         let exact = EventDrivenSimulation::new(&self.model, &self.timeline, DEFAULT_TOLERANCE);
-        let pieces = if exact.paths_abreast() > 1 { ABREAST } else { ALONE };
-        let paths = self.affordable(&exact, self.budget / pieces.evaluation)?;
-        let size = pieces.paths;
+        let cost = if exact.paths_abreast() > 1 { IN_LANES } else { ONE_BY_ONE };
+        let paths = self.affordable(&exact, self.budget / cost.path_steps_per_evaluation)?;
+        let size = cost.paths;
         let simulation = Simulation::EventDriven(Box::new(exact));
         let plan = Plan { simulation, record: Record::NOTHING, seed: self.seed, paths, antithetic: false };
         let mut totals = Totals::empty(plan.model(), plan.timeline());
@@ -102,9 +102,9 @@ impl ReferenceRun {
 
 /// The bias of the statistics of a run, given those of its reference run.
 pub(super) fn biases(run: &Summary, exact: &Summary) -> Vec<(Statistic, Bias)> {
-    let caution = caution(exact.completed_paths);
+    let widening_factor = widening_factor(exact.completed_paths);
     let both = run.estimates.iter().zip(&exact.estimates);
-    both.filter_map(|(run, exact)| Some((run.statistic, difference(run, exact, caution)?))).collect()
+    both.filter_map(|(run, exact)| Some((run.statistic, difference(run, exact, widening_factor)?))).collect()
 }
 
 /// The statistic of the run minus that of the reference run. The two are independent, so their
@@ -112,10 +112,10 @@ pub(super) fn biases(run: &Summary, exact: &Summary) -> Vec<(Statistic, Bias)> {
 /// low and the reference run is high. The uncertainty is that of the longer side. The error that
 /// the tolerance leaves is the same for every seed, so it is added as it is. None where one of the
 /// two has no bounded interval.
-fn difference(run: &Estimate, exact: &Estimate, caution: f64) -> Option<Bias> {
+fn difference(run: &Estimate, exact: &Estimate, widening_factor: f64) -> Option<Bias> {
     let below = (run.estimate - run.low).hypot(exact.high - exact.estimate);
     let above = (run.high - run.estimate).hypot(exact.estimate - exact.low);
-    let uncertainty = caution * below.max(above) + DEFAULT_TOLERANCE * exact.estimate.abs();
+    let uncertainty = widening_factor * below.max(above) + DEFAULT_TOLERANCE * exact.estimate.abs();
     let estimate = run.estimate - exact.estimate;
     let is_bounded = estimate.is_finite() && below.is_finite() && above.is_finite();
     is_bounded.then_some(Bias { estimate, uncertainty, order: None })
@@ -136,15 +136,15 @@ mod tests {
     /// cover neither side.
     #[test]
     fn the_uncertainty_is_that_of_the_longer_side() {
-        let told = difference(&of(4.0, 4.0, 7.0), &of(1.0, 1.0, 5.0), 1.5);
+        let bias = difference(&of(4.0, 4.0, 7.0), &of(1.0, 1.0, 5.0), 1.5);
         let expected = Some(Bias { estimate: 3.0, uncertainty: 1.5 * 4.0 + 0.001, order: None });
-        assert_eq!(told, expected);
-        let told = difference(&of(4.0, 1.0, 4.0), &of(1.0, -3.0, 1.0), 1.0).expect("bounded").uncertainty;
-        assert!((told - 4.001).abs() < 1e-12, "{told}");
+        assert_eq!(bias, expected);
+        let uncertainty = difference(&of(4.0, 1.0, 4.0), &of(1.0, -3.0, 1.0), 1.0).expect("bounded").uncertainty;
+        assert!((uncertainty - 4.001).abs() < 1e-12, "{uncertainty}");
     }
 
     #[test]
-    fn what_nothing_bounds_is_not_told() {
+    fn a_statistic_without_a_bounded_interval_has_no_bias() {
         let run = of(4.0, 4.0, 4.0);
         assert_eq!(difference(&run, &of(1.0, 0.0, f64::INFINITY), 1.0), None);
         assert_eq!(difference(&run, &of(1.0, f64::NAN, f64::NAN), 1.0), None);

@@ -108,11 +108,11 @@ impl Codec for BandSums {
 
 /// All sketches together keep at most this many values, or half as many bins, which with everything
 /// that belongs to them takes at most 100 MB. With more than 5859 rows of the output grid, the
-/// lower of [`LIMITS`] applies instead.
-const VALUES: usize = 4_500_000;
+/// lower of [`VALUES_PER_SKETCH`] applies instead.
+const VALUES_TOGETHER: usize = 4_500_000;
 
 /// The least and the largest number of values that one sketch keeps.
-const LIMITS: [usize; 2] = [256, 2048];
+const VALUES_PER_SKETCH: [usize; 2] = [256, 2048];
 
 /// The values of a block of paths, one by one.
 #[derive(Clone, Debug, Default)]
@@ -147,8 +147,8 @@ impl BandCounts {
     /// Counts of no paths. The centres of the sketches are values that many paths may share: x0,
     /// where every path starts and where a path that never slips stays, and the velocity zero.
     pub fn empty(model: &Model, rows: usize) -> Self {
-        let [least, most] = LIMITS;
-        let values = (VALUES / (VARIABLES * rows)).clamp(least, most);
+        let [least, most] = VALUES_PER_SKETCH;
+        let values = (VALUES_TOGETHER / (VARIABLES * rows)).clamp(least, most);
         let bins = (values / 2).max(least);
         let row = |centre| Sketch::empty(Shape { centre, floor: i32::MIN, values, bins });
         BandCounts {
@@ -194,7 +194,7 @@ impl BandCounts {
     }
 
     /// The same counts with all values in the sketches.
-    fn settled(mut self) -> Self {
+    fn normalised(mut self) -> Self {
         if let Some(block) = self.block.take() {
             self.count(&block);
         }
@@ -204,14 +204,14 @@ impl BandCounts {
 
 impl PartialEq for BandCounts {
     fn eq(&self, other: &Self) -> bool {
-        let (mine, theirs) = (self.clone().settled(), other.clone().settled());
+        let (mine, theirs) = (self.clone().normalised(), other.clone().normalised());
         mine.rows == theirs.rows && mine.occupancy == theirs.occupancy
     }
 }
 
 impl Codec for BandCounts {
     fn write(&self, out: &mut Vec<u8>) {
-        self.clone().settled().rows.write(out);
+        self.clone().normalised().rows.write(out);
         self.occupancy.write(out);
     }
 
@@ -224,7 +224,7 @@ impl Codec for BandCounts {
 
 /// The bands of a run, from their sums and their counts.
 pub(super) fn summary(sums: &BandSums, counts: &BandCounts, timeline: &Timeline, is_random: bool, unit: Unit) -> Bands {
-    let counts = counts.clone().settled();
+    let counts = counts.clone().normalised();
     let size = unit.size() as f64;
     let band = |variable: usize| {
         let (moments, variances, rows) = (&sums.rows[variable], sums.variances(variable), &counts.rows[variable]);

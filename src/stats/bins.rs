@@ -43,7 +43,7 @@ const CHUNK: usize = 64;
 
 /// If more than one in this many added values lies outside all arrays, the arrays are laid out
 /// anew.
-const MISSES: usize = 8;
+const ONE_OUTSIDE_IN: usize = 8;
 
 /// Consecutive bins, from `first` on, in the slots `slot .. slot + length`.
 #[derive(Clone, Copy, Debug)]
@@ -63,11 +63,11 @@ pub(super) struct Bins {
     runs: Vec<Run>,
     slots: Vec<u16>,
     /// How many more values may be counted before a slot can be full.
-    room: usize,
+    free_counts: usize,
     /// How many values have been counted since the occupied bins were last counted.
-    unseen: usize,
+    counted_since_check: usize,
     /// Bins outside the runs, and counts that are too large for a slot.
-    rest: List,
+    listed: List,
 }
 
 /// A count with the highest bit set. The slots are laid out anew before such a slot counts further.
@@ -110,22 +110,23 @@ impl Bins {
         // The slots are so short that those of hundreds of rows stay in a cache. Where there are
         // many values to be counted, reading all slots in order brings them into the nearest cache
         // faster than the scattered accesses of counting would.
-        if self.room < values.len() || self.slots.len() <= SPARSE * values.len() {
+        if self.free_counts < values.len() || self.slots.len() <= SPARSE * values.len() {
             let fullest = fullest_slot(&self.slots);
-            self.room = FULL.saturating_sub(fullest).into();
+            self.free_counts = FULL.saturating_sub(fullest).into();
             if fullest >= FULL {
                 self.lay_out(self.list(), shape.bins);
             }
         }
-        self.room = self.room.saturating_sub(values.len());
+        self.free_counts = self.free_counts.saturating_sub(values.len());
         let mut others = self.count_inside(values, &Ruler::new(shape.centre, self.level));
         others.retain(|value| (value - shape.centre).is_finite());
         let (smallest, largest) = extremes(&others);
         self.extend_to(smallest, largest, shape);
-        let is_scattered = self.count_anywhere(&others, &Ruler::new(shape.centre, self.level)) > values.len() / MISSES;
-        self.unseen += values.len();
-        if is_scattered || self.unseen >= shape.values {
-            self.settle(shape.bins, is_scattered && self.level > shape.lowest_level(self.smallest, self.largest));
+        let is_scattered =
+            self.count_anywhere(&others, &Ruler::new(shape.centre, self.level)) > values.len() / ONE_OUTSIDE_IN;
+        self.counted_since_check += values.len();
+        if is_scattered || self.counted_since_check >= shape.values {
+            self.normalise(shape.bins, is_scattered && self.level > shape.lowest_level(self.smallest, self.largest));
         }
     }
 
@@ -133,14 +134,14 @@ impl Bins {
     pub fn count_at_centre(&mut self, number: u64, shape: &Shape) {
         if number > 0 {
             self.extend_to(shape.centre + 0.0, shape.centre + 0.0, shape);
-            self.rest = union(&self.rest, &[(0, number)]);
+            self.listed = union(&self.listed, &[(0, number)]);
         }
     }
 
     /// Rise to the level that the number of occupied bins requires. Between two calls, more bins
     /// than `limit` may be occupied.
-    pub fn settle(&mut self, limit: usize, is_scattered: bool) {
-        self.unseen = 0;
+    pub fn normalise(&mut self, limit: usize, is_scattered: bool) {
+        self.counted_since_check = 0;
         if is_scattered || self.occupied(limit) > limit {
             self.lay_out(self.list(), limit);
         }
@@ -156,7 +157,7 @@ impl Bins {
 
     /// The occupied bins with their counts, in ascending order.
     pub fn list(&self) -> List {
-        let mut list = self.rest.clone();
+        let mut list = self.listed.clone();
         for run in &self.runs {
             let slots = &self.slots[run.slot..run.slot + run.length as usize];
             // The margins of two runs may overlap, so that both may have counted a bin.
@@ -183,10 +184,10 @@ impl Bins {
     /// The number of occupied bins. Where an upper bound of it is not above `limit`, that bound is
     /// returned instead, because it takes no counting.
     fn occupied(&self, limit: usize) -> usize {
-        if self.rest.len() + self.slots.len() <= limit {
-            return self.rest.len() + self.slots.len();
+        if self.listed.len() + self.slots.len() <= limit {
+            return self.listed.len() + self.slots.len();
         }
-        self.rest.len() + self.slots.iter().map(|&count| u32::from(count > 0)).sum::<u32>() as usize
+        self.listed.len() + self.slots.iter().map(|&count| u32::from(count > 0)).sum::<u32>() as usize
     }
 
     /// Count the values that lie in the first run, which is the fullest, and are surely not new
@@ -216,7 +217,7 @@ impl Bins {
         }
         let number = missed.len();
         if number > 0 {
-            self.rest = union(&self.rest, &counted(missed));
+            self.listed = union(&self.listed, &counted(missed));
         }
         number
     }
@@ -228,7 +229,7 @@ impl Bins {
         let list = if levels > 0 { coarsen(&list, levels) } else { list };
         self.level += levels as i32;
         self.runs.clear();
-        self.rest.clear();
+        self.listed.clear();
         let mut length = 0;
         for cluster in fullest(clusters(&list, limit)) {
             let run = Run { first: cluster.first - MARGIN, length: cluster.length + 2 * MARGIN, slot: length };
@@ -239,10 +240,10 @@ impl Bins {
         for (index, count) in list {
             match self.runs.iter().find_map(|run| run.slot_of(index)).filter(|_| count < FULL.into()) {
                 Some(slot) => self.slots[slot] = count as u16,
-                None => self.rest.push((index, count)),
+                None => self.listed.push((index, count)),
             }
         }
-        self.room = FULL.saturating_sub(fullest_slot(&self.slots)).into();
+        self.free_counts = FULL.saturating_sub(fullest_slot(&self.slots)).into();
     }
 }
 

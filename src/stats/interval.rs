@@ -221,10 +221,10 @@ impl Measured {
         match (interval, agreeing) {
             // A median is where at least half of the paths agree.
             (Interval::Ends(low, high), Some(paths)) => {
-                let is_told = wilson(0.0, paths as f64, NORMAL)[1] < 0.5;
-                if is_told { [low, high] } else { [range.low, range.high] }
+                let is_median_among_agreeing = wilson(0.0, paths as f64, NORMAL)[1] < 0.5;
+                if is_median_among_agreeing { [low, high] } else { [range.low, range.high] }
             }
-            (_, Some(paths)) => range.agreed(estimate, paths),
+            (_, Some(paths)) => range.interval_where_all_agree(estimate, paths),
             (Interval::Ends(low, high), None) => [low, high],
             (Interval::Student(freedom), None) if range.has_inside(estimate) && standard_error > 0.0 => {
                 let scale = range.high - range.low;

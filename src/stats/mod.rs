@@ -31,6 +31,7 @@ mod moments;
 mod observer;
 mod ordered;
 mod path;
+mod period_displacements;
 mod periods;
 mod quantile;
 mod range;
@@ -48,7 +49,6 @@ mod tally;
 mod totals;
 mod tree;
 mod unit;
-mod wandering;
 
 pub use catalogue::Statistic;
 pub use codec::{Codec, Damaged, Reader};

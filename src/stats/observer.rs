@@ -242,7 +242,7 @@ mod tests {
     use rand_pcg::Pcg64Dxsm;
     use rand_pcg::rand_core::SeedableRng;
 
-    fn wandering(rng: &mut Pcg64Dxsm) -> Path {
+    fn random_walk(rng: &mut Pcg64Dxsm) -> Path {
         let (mut x, mut t, mut events) = (6.0, 0.0, Vec::new());
         for _ in 0..8 {
             let mut wait = || Distribution::<f64>::sample(&StandardUniform, rng);
@@ -261,7 +261,7 @@ mod tests {
     fn blocks_merged_in_order_are_the_ensemble_folded_at_once() {
         let timeline = Timeline { end: 32.0, output_step: 16.0, period: Some(10.0), after: 0.0 };
         let mut rng = Pcg64Dxsm::seed_from_u64(11);
-        let paths: Vec<Path> = (0..600).map(|_| wandering(&mut rng)).collect();
+        let paths: Vec<Path> = (0..600).map(|_| random_walk(&mut rng)).collect();
         let mut snapshots = |n: usize| -> Vec<Vec<f64>> {
             (0..n)
                 .map(|_| paths.iter().map(|p| p.end + Distribution::<f64>::sample(&StandardNormal, &mut rng)).collect())

@@ -54,9 +54,9 @@ impl Range {
     /// spread, but paths that differ must be rare: their share is below the upper end of Wilson's
     /// interval for none of `paths`. They may differ by as much as the range allows, so an end that
     /// the range does not bound is infinite.
-    pub fn agreed(self, number: f64, paths: u64) -> [f64; 2] {
-        let [_, few] = wilson(0.0, paths as f64, NORMAL);
-        let towards = |end: f64| if end.is_finite() { number + few * (end - number) } else { end };
+    pub fn interval_where_all_agree(self, number: f64, paths: u64) -> [f64; 2] {
+        let [_, share_bound] = wilson(0.0, paths as f64, NORMAL);
+        let towards = |end: f64| if end.is_finite() { number + share_bound * (end - number) } else { end };
         [towards(self.low), towards(self.high)]
     }
 }
@@ -130,10 +130,10 @@ mod tests {
         // all of the 5 % at one end.
         assert_eq!(wilson(0.0, 12.0, 2.0), [0.0, 0.25]);
         assert_eq!(wilson(1.0, 12.0, 2.0), [0.75, 1.0]);
-        let few = independent(4, true).share(0)[1];
-        assert_eq!(Range::SHARE.agreed(0.0, 4), [0.0, few]);
-        assert_eq!(Range::NOT_NEGATIVE.agreed(5.0, 4), [5.0 - few * 5.0, f64::INFINITY]);
-        assert_eq!(Range::ANY.agreed(5.0, 4), [f64::NEG_INFINITY, f64::INFINITY]);
+        let share_bound = independent(4, true).share(0)[1];
+        assert_eq!(Range::SHARE.interval_where_all_agree(0.0, 4), [0.0, share_bound]);
+        assert_eq!(Range::NOT_NEGATIVE.interval_where_all_agree(5.0, 4), [5.0 - share_bound * 5.0, f64::INFINITY]);
+        assert_eq!(Range::ANY.interval_where_all_agree(5.0, 4), [f64::NEG_INFINITY, f64::INFINITY]);
         assert_eq!(independent(4, false).share(0), [0.0, 0.0]);
         assert!(independent(1, true).share(1)[0].is_nan());
     }

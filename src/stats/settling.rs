@@ -27,9 +27,10 @@ impl Summary {
         let half_width = student_quantile((1.0 + CONFIDENCE) / 2.0, paths.saturating_sub(1) as f64);
         let both =
             [Statistic::DriftVelocity, Statistic::DiffusionCoefficient].map(|statistic| self.estimate(statistic));
-        let is_told = both.iter().all(|e| e.estimate.is_finite() && e.standard_error > 0.0) && half_width.is_finite();
+        let is_testable =
+            both.iter().all(|e| e.estimate.is_finite() && e.standard_error > 0.0) && half_width.is_finite();
         let off = both.iter().filter(|e| e.estimate.abs() > half_width * e.standard_error);
-        is_told.then(|| off.map(|e| e.statistic).collect())
+        is_testable.then(|| off.map(|e| e.statistic).collect())
     }
 }
 
@@ -116,7 +117,7 @@ mod tests {
     }
 
     #[test]
-    fn paths_without_spread_do_not_tell() {
+    fn paths_without_spread_cannot_be_tested() {
         let timeline = Timeline { end: 9.0, output_step: 9.0, period: Some(1.0), after: 0.0 };
         let paths: Vec<Path> = (0..5).map(|_| Path { events: Vec::new(), end: 6.0 }).collect();
         let ends: Vec<Vec<f64>> = (0..9).map(|n| vec![f64::from(n); 5]).collect();

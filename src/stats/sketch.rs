@@ -69,7 +69,7 @@ impl Sketch {
 
     /// The values in order.
     pub fn ordered(&self) -> Ordered {
-        let Sketch { shape, at_centre, pending, bins } = self.settled();
+        let Sketch { shape, at_centre, pending, bins } = self.normalised();
         match bins {
             None => Ordered::Kept(Kept::of(pending, shape.centre, at_centre)),
             Some(bins) => Ordered::Binned(Binned::of(&bins, shape.centre)),
@@ -77,14 +77,14 @@ impl Sketch {
     }
 
     /// The same values in their only form, except for the order of those that are kept one by one.
-    fn settled(&self) -> Sketch {
-        let mut settled = self.clone();
-        settled.count_pending();
-        if let Some(bins) = &mut settled.bins {
-            bins.count_at_centre(std::mem::take(&mut settled.at_centre), &settled.shape);
-            bins.settle(settled.shape.bins, false);
+    fn normalised(&self) -> Sketch {
+        let mut normalised = self.clone();
+        normalised.count_pending();
+        if let Some(bins) = &mut normalised.bins {
+            bins.count_at_centre(std::mem::take(&mut normalised.at_centre), &normalised.shape);
+            bins.normalise(normalised.shape.bins, false);
         }
-        settled
+        normalised
     }
 
     fn count_pending(&mut self) {
@@ -118,7 +118,7 @@ impl PartialEq for Sketch {
 /// at the centre follows, and then the other values in ascending order.
 impl Codec for Sketch {
     fn write(&self, out: &mut Vec<u8>) {
-        let Sketch { mut pending, bins, at_centre, .. } = self.settled();
+        let Sketch { mut pending, bins, at_centre, .. } = self.normalised();
         u64::from(bins.is_some()).write(out);
         match bins {
             None => {
@@ -143,8 +143,8 @@ impl Codec for Sketch {
                 }
                 self.pending = vec![0.0; length];
                 self.pending.read(from)?;
-                let is_told = |value: &f64| *value != self.shape.centre && (value - self.shape.centre).is_finite();
-                if self.pending.iter().all(is_told) && self.pending.is_sorted() { Ok(()) } else { Err(Damaged) }
+                let is_valid = |value: &f64| *value != self.shape.centre && (value - self.shape.centre).is_finite();
+                if self.pending.iter().all(is_valid) && self.pending.is_sorted() { Ok(()) } else { Err(Damaged) }
             }
             1 => {
                 self.bins = Some(Box::new(Bins::read(from, &self.shape)?));

@@ -80,7 +80,7 @@ fn of_question(scenario: &Scenario, derived: &Derived) -> Vec<Warning> {
         NeverSlips::due(model).map(Warning::from),
         IdenticalPaths::due(model, ensemble.paths).map(Warning::from),
         NoDilatation::due(model).map(Warning::from),
-        WeatherTwice::due(model).map(Warning::from),
+        NoiseOverSeries::due(model).map(Warning::from),
         RepairedSeries::due(measured.as_ref()).map(Warning::from),
         FewPeriods::due(&scenario.timeline()).map(Warning::from),
         ManyPeriods::due(derived, time.end).map(Warning::from),

@@ -19,7 +19,7 @@ pub use noise::{
 };
 pub use quasi_static::{Creep, ForcingDuringSlip, NeverMoves};
 pub use question::{FewPeriods, IdenticalPaths, ManyPeriods, NeverSlips, NoCommonPeriod, NoDilatation};
-pub use series::{RepairedSeries, WeatherTwice};
+pub use series::{NoiseOverSeries, RepairedSeries};
 pub use step::{AmplitudeAboveCritical, StepAgainstForcing, StepAgainstNoise, StepAgainstOscillator, StepUnstable};
 
 use std::fmt;
@@ -78,7 +78,7 @@ warnings! {
     NeverSlips = "never-slips",
     IdenticalPaths = "identical-paths",
     NoDilatation = "no-dilatation",
-    WeatherTwice = "weather-twice",
+    NoiseOverSeries = "weather-twice",
     RepairedSeries = "repaired-series",
     FewPeriods = "few-periods",
     ManyPeriods = "many-periods",

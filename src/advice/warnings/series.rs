@@ -28,16 +28,16 @@ impl fmt::Display for RepairedSeries {
 
 /// Noise is added to a measured temperature, which already contains the weather.
 #[derive(Clone, Debug, PartialEq)]
-pub struct WeatherTwice;
+pub struct NoiseOverSeries;
 
-impl WeatherTwice {
+impl NoiseOverSeries {
     pub(super) fn due(model: &Model) -> Option<Self> {
         let temperature = &model.temperature;
-        (temperature.series.is_some() && temperature.is_random() && !temperature.is_pinned).then_some(WeatherTwice)
+        (temperature.series.is_some() && temperature.is_random() && !temperature.is_pinned).then_some(NoiseOverSeries)
     }
 }
 
-impl fmt::Display for WeatherTwice {
+impl fmt::Display for NoiseOverSeries {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(
             "the weather is counted twice: the measured temperature contains it, and the noise adds as much \

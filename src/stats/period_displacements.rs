@@ -19,7 +19,7 @@ use crate::scheme::Timeline;
 
 /// Moments of the displacements from period to period.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Wandering {
+pub(super) struct PeriodDisplacements {
     /// M, which follows from the timeline.
     displacements: usize,
     /// Moments of a, b, c and d.
@@ -28,12 +28,16 @@ pub(super) struct Wandering {
     tails: Tails,
 }
 
-impl Wandering {
+impl PeriodDisplacements {
     pub fn empty(timeline: &Timeline) -> Self {
-        Wandering { displacements: timeline.counted_periods(), paths: JointMoments::default(), tails: Tails::default() }
+        PeriodDisplacements {
+            displacements: timeline.counted_periods(),
+            paths: JointMoments::default(),
+            tails: Tails::default(),
+        }
     }
 
-    pub fn merge(&mut self, other: &Wandering) {
+    pub fn merge(&mut self, other: &PeriodDisplacements) {
         self.paths.merge(&other.paths);
         self.tails.merge(&other.tails);
     }
@@ -82,7 +86,7 @@ impl Wandering {
     }
 }
 
-impl Codec for Wandering {
+impl Codec for PeriodDisplacements {
     fn write(&self, out: &mut Vec<u8>) {
         self.paths.write(out);
         self.tails.write(out);
@@ -95,15 +99,15 @@ impl Codec for Wandering {
 }
 
 /// Folds one block of paths, period by period.
-pub(super) struct WanderingFold {
-    empty: Wandering,
+pub(super) struct PeriodDisplacementsFold {
+    empty: PeriodDisplacements,
     /// Number of instants so far.
     seen: usize,
-    paths: Vec<OnePath>,
+    paths: Vec<PathDisplacements>,
 }
 
 #[derive(Clone, Copy, Debug, Default)]
-struct OnePath {
+struct PathDisplacements {
     /// x at the last instant.
     displacement: f64,
     /// u_1 and the last u_n.
@@ -115,11 +119,11 @@ struct OnePath {
     products: f64,
 }
 
-impl WanderingFold {
+impl PeriodDisplacementsFold {
     pub fn new(timeline: &Timeline, paths: usize) -> Self {
-        let empty = Wandering::empty(timeline);
+        let empty = PeriodDisplacements::empty(timeline);
         let paths = if empty.displacements == 0 { 0 } else { paths };
-        WanderingFold { empty, seen: 0, paths: vec![OnePath::default(); paths] }
+        PeriodDisplacementsFold { empty, seen: 0, paths: vec![PathDisplacements::default(); paths] }
     }
 
     /// Add the paths at the next instant of the same phase.
@@ -142,13 +146,14 @@ impl WanderingFold {
         }
     }
 
-    pub fn finish(self, unit: Unit) -> Wandering {
+    pub fn finish(self, unit: Unit) -> PeriodDisplacements {
         if self.paths.is_empty() {
             return self.empty;
         }
         let (all, pairs) = (self.empty.displacements as f64, self.empty.displacements as f64 - 1.0);
-        let column =
-            |of: &dyn Fn(&OnePath) -> f64| unit.means(&self.paths.iter().map(of).collect::<Vec<f64>>()).into_owned();
+        let column = |of: &dyn Fn(&PathDisplacements) -> f64| {
+            unit.means(&self.paths.iter().map(of).collect::<Vec<f64>>()).into_owned()
+        };
         let of_pairs = |sum: f64| if pairs > 0.0 { sum / pairs } else { 0.0 };
         let paths = JointMoments::of([
             &column(&|path| path.sum / all),
@@ -158,7 +163,7 @@ impl WanderingFold {
         ]);
         let [a, b, ..] = paths.mean;
         let influences = column(&|path| path.squares / all - b - 2.0 * a * (path.sum / all - a));
-        Wandering { paths, tails: Tails::of(influences.into_iter()), ..self.empty }
+        PeriodDisplacements { paths, tails: Tails::of(influences.into_iter()), ..self.empty }
     }
 }
 
@@ -179,7 +184,7 @@ mod tests {
         for constant in [0.0, 1.0, -7.0] {
             // The paths are in two blocks and start at different places.
             let part = |paths: &[[f64; 3]]| {
-                let mut fold = WanderingFold::new(&timeline, paths.len());
+                let mut fold = PeriodDisplacementsFold::new(&timeline, paths.len());
                 let mut x: Vec<f64> = (0..paths.len()).map(|path| 5.0 - path as f64).collect();
                 fold.fold(&x);
                 for n in 0..3 {
@@ -211,7 +216,7 @@ mod tests {
     fn displacements_that_do_not_vary_have_no_correlation_and_one_of_them_has_no_spread() {
         let of = |ends: f64, paths: usize| {
             let timeline = Timeline { end: ends, output_step: ends, period: Some(1.0), after: 0.0 };
-            let mut fold = WanderingFold::new(&timeline, paths);
+            let mut fold = PeriodDisplacementsFold::new(&timeline, paths);
             (0..ends as usize).for_each(|n| fold.fold(&vec![0.1 * n as f64; paths]));
             let fold = fold.finish(Unit::Path);
             [fold.mean(), fold.sd(), fold.correlation()].map(|measured| measured.estimate())
