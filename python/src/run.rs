@@ -4,7 +4,7 @@ use crate::dataset::{Handed, from_python, to_python};
 use crate::errors;
 use crate::own::{Kept, Own};
 use crate::scenario::Scenario;
-use crate::watched::{Told, Watch, watched};
+use crate::watched::{Watch, WatchedProgress, watched};
 use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
@@ -63,7 +63,7 @@ pub fn run<'py>(
     // Statistics of the caller's own need events, even if the data set is not to contain them.
     let watched_scenario = kept.watched(scenario);
     let (outcome, is_interrupted) = watched(py, progress.as_ref(), |watch| {
-        let mut reported = Told(watch);
+        let mut reported = WatchedProgress(watch);
         let run = with_threads(Run::of(&watched_scenario).asked(asked), threads);
         run.stopped_by(&watch.stop).with_progress(&mut reported).into_sink(&mut kept).simulate()
     })?;
@@ -105,7 +105,7 @@ pub fn merge<'py>(
     let so_far = SoFar { totals, spent: Duration::ZERO };
     let mut recorder = Recorder::default();
     let (outcome, is_interrupted) = watched(py, progress.as_ref(), |watch: &Watch| {
-        let mut reported = Told(watch);
+        let mut reported = WatchedProgress(watch);
         let run = with_threads(Run::of(scenario).asked(asked), threads);
         run.stopped_by(&watch.stop).with_progress(&mut reported).into_sink(&mut recorder).go_on(so_far)
     })?;

@@ -4,7 +4,7 @@ use crate::dataset::to_python;
 use crate::errors;
 use crate::run::Variables;
 use crate::scenario::Scenario;
-use crate::watched::{Told, watched};
+use crate::watched::{WatchedProgress, watched};
 use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
 use std::convert::Infallible;
@@ -96,7 +96,8 @@ pub fn sweep<'py>(
     let seeds = if independent { Seeds::Independent } else { Seeds::Common };
     let mut swept = Sweep::new(Question::at_each(design, seeds, bias, point)?);
     let (ended, is_interrupted) = watched(py, progress.as_ref(), |watch| {
-        let simulation = Simulation { threads: threads(workers), stop: &watch.stop, progress: &mut Told(watch) };
+        let simulation =
+            Simulation { threads: threads(workers), stop: &watch.stop, progress: &mut WatchedProgress(watch) };
         simulation.run(&mut swept, |_| Ok::<(), Infallible>(()))
     })?;
     ended.map_err(|error| errors::of_run(py, &error.to_string(), "report it"))?;

@@ -29,9 +29,9 @@ pub struct Watch {
 /// Passes the progress of the engine on to the watch, so that no thread of the engine waits for
 /// Python.
 #[derive(Debug)]
-pub struct Told<'a>(pub &'a Watch);
+pub struct WatchedProgress<'a>(pub &'a Watch);
 
-impl Progress for Told<'_> {
+impl Progress for WatchedProgress<'_> {
     fn paths(&mut self, done: u64, expected: u64) {
         self.0.done.store(done, Ordering::Relaxed);
         self.0.expected.store(expected, Ordering::Relaxed);

@@ -156,7 +156,7 @@ def run(
             "give them to a run in one piece",
         )
     if accuracy is not None:
-        parsed, promise = _chosen(
+        parsed, goal = _chosen(
             parsed,
             accuracy,
             statistic,
@@ -182,7 +182,7 @@ def run(
 
     ds = dataset(made)
     if accuracy is not None:
-        ds.attrs["accuracy"] = promise
+        ds.attrs["accuracy"] = goal
     if sums is not None:
         ds["part_sums"] = ("part_sum", np.frombuffer(sums, dtype=np.uint8))
     return ds.merge(_of_own(estimates)) if estimates else ds

@@ -113,7 +113,7 @@ impl Differences {
         let bias = |(i, &statistic): (usize, &Statistic)| {
             let all = at(&|level| level.all[i]);
             let without: Vec<Levels> = (0..self.groups).map(|g| at(&|level| level.without[g][i])).collect();
-            let has_bias = all.is_known() && (is_smooth(statistic) || !self.model.temperature.is_random());
+            let has_bias = all.are_finite() && (is_smooth(statistic) || !self.model.temperature.is_random());
             has_bias.then(|| (statistic, self.bias(statistic, all, &without, sticks)))
         };
         Ok(Statistic::ALL.iter().enumerate().filter_map(bias).collect())

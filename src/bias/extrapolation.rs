@@ -42,7 +42,7 @@ pub(super) fn model_error_share(statistic: Statistic, noise_to_gap: f64) -> f64 
 
 impl Levels {
     /// Whether the statistic exists at every step.
-    pub fn is_known(self) -> bool {
+    pub fn are_finite(self) -> bool {
         self.0.iter().all(|y| y.is_finite())
     }
 

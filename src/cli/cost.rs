@@ -13,7 +13,7 @@ const PATH_STEP: f64 = 1.5e-9;
 /// A run that is expected to take more seconds than this is announced or warned about.
 pub const LONG: f64 = 3600.0;
 /// How long paths are simulated to measure the time of a path.
-const PATIENCE: Duration = Duration::from_millis(100);
+const MEASURING_TIME: Duration = Duration::from_millis(100);
 /// If the work of a path is not known beforehand, only runs of at least so many paths are timed
 /// before they begin.
 const MANY: u64 = 100_000;
@@ -30,7 +30,7 @@ const BLOCKS: f64 = 3.0;
 /// that is not known either.
 pub fn measured_cpu_seconds(scenario: &Scenario) -> Option<f64> {
     let paths = scenario.ensemble.paths;
-    seconds_per_path(scenario, PATIENCE).map(|each| each * paths as f64).or_else(|| cpu_seconds(scenario, paths))
+    seconds_per_path(scenario, MEASURING_TIME).map(|each| each * paths as f64).or_else(|| cpu_seconds(scenario, paths))
 }
 
 /// CPU seconds of so many paths. None if the number of steps is not known beforehand.
@@ -66,7 +66,7 @@ pub fn announce(scenario: &Scenario, paths: u64, threads: usize, is_quiet: bool)
     let seconds = match scenario.steps() {
         Some(_) => cpu_seconds(scenario, paths),
         None if paths < MANY => None,
-        None => seconds_per_path(scenario, PATIENCE).map(|each| each * paths as f64),
+        None => seconds_per_path(scenario, MEASURING_TIME).map(|each| each * paths as f64),
     };
     if let Some(seconds) = seconds.map(|seconds| seconds / threads as f64).filter(|seconds| *seconds > LONG) {
         note(&format!(

@@ -2,7 +2,7 @@
 
 use super::failure::{Failure, writable};
 use super::interrupt::stop_on_signals;
-use super::sitting::{Leaves, Manner, Sitting};
+use super::sitting::{Leaves, RunOptions, Sitting};
 use std::path::PathBuf;
 use stick_slip::store::{PartError, Parts};
 
@@ -27,7 +27,7 @@ pub struct Merge {
     #[arg(long)]
     force: bool,
     #[command(flatten)]
-    manner: Manner,
+    options: RunOptions,
 }
 
 impl Merge {
@@ -37,9 +37,9 @@ impl Merge {
         let stop = stop_on_signals();
         let (scenario, asked) = (&parts.question.scenario, parts.question.asked.clone());
         let name = scenario.title.clone();
-        let mut file = parts.into_sink(&self.output, self.force);
+        let mut file = parts.sink(&self.output, self.force);
         Sitting {
-            manner: &self.manner,
+            options: &self.options,
             name,
             scenario,
             output: &self.output,

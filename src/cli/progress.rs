@@ -93,7 +93,7 @@ impl stick_slip::engine::Progress for Progress {
                 bar.set_style(style("{bar:32} {human_pos}/{human_len} paths, {msg}"));
                 bar.set_message(what);
             }
-            Place::Lines(_, start) if start.elapsed() >= PATIENCE => note(what),
+            Place::Lines(_, start) if start.elapsed() >= SILENT_UNTIL => note(what),
             Place::Lines(..) | Place::Nowhere => {}
         }
     }
@@ -193,7 +193,7 @@ const TICK: Duration = Duration::from_millis(250);
 /// The time between two lines of a log.
 const PERIOD: Duration = Duration::from_secs(30);
 /// A run that takes less than this prints no lines.
-const PATIENCE: Duration = Duration::from_secs(2);
+const SILENT_UNTIL: Duration = Duration::from_secs(2);
 
 /// Decides when a line is due in a log: every thirty seconds.
 struct Lines {

@@ -90,7 +90,7 @@ impl From<StoreError> for Failure {
             | StoreError::NewerState { .. }
             | StoreError::Busy { .. }
             | StoreError::OtherSweep { .. }
-            | StoreError::NoSweep { .. } => Failure::Refused(error.to_string()),
+            | StoreError::NotASweep { .. } => Failure::Refused(error.to_string()),
             _ => Failure::Run(error.to_string()),
         }
     }

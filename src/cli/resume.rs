@@ -3,7 +3,7 @@
 use super::failure::{Failure, note};
 use super::interrupt::stop_on_signals;
 use super::numbers::grouped;
-use super::sitting::{Leaves, Manner, Sitting};
+use super::sitting::{Leaves, RunOptions, Sitting};
 use std::path::PathBuf;
 use std::sync::atomic::Ordering;
 use stick_slip::store::{self, FileSink, Unfinished};
@@ -29,7 +29,7 @@ pub struct Resume {
     #[arg(long)]
     force: bool,
     #[command(flatten)]
-    manner: Manner,
+    options: RunOptions,
 }
 
 impl Resume {
@@ -42,7 +42,7 @@ impl Resume {
         let stop = stop_on_signals();
         stop.store(self.end, Ordering::Relaxed);
         let (scenario, asked) = (&question.scenario, &question.asked);
-        if !self.manner.quiet {
+        if !self.options.quiet {
             let (done, all) = (grouped(sink.saved_paths()), grouped(asked.own_paths()));
             note(&format!("continuing: {done} of {all} paths are done"));
         }
@@ -50,10 +50,7 @@ impl Resume {
         let accuracy_goal = question.note.parse().ok();
         let leaves = if self.end { Leaves::File } else { Leaves::Run };
         let mut sink = if self.end { sink.ending() } else { sink };
-        Sitting { manner: &self.manner, name, scenario, output: &output, accuracy_goal, stop: &stop, leaves }.simulate(
-            asked.clone(),
-            Some(so_far),
-            &mut sink,
-        )
+        Sitting { options: &self.options, name, scenario, output: &output, accuracy_goal, stop: &stop, leaves }
+            .simulate(asked.clone(), Some(so_far), &mut sink)
     }
 }

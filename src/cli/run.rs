@@ -6,7 +6,7 @@ use super::failure::{Failure, note, writable};
 use super::interrupt::stop_on_signals;
 use super::overrides::Overrides;
 use super::results;
-use super::sitting::{Leaves, Manner, Sitting};
+use super::sitting::{Leaves, RunOptions, Sitting};
 use std::path::PathBuf;
 use std::time::Duration;
 use stick_slip::engine::{self, MOST_PATHS, Part};
@@ -70,7 +70,7 @@ pub struct Run {
     #[arg(short, long, conflicts_with = "quiet")]
     verbose: bool,
     #[command(flatten)]
-    manner: Manner,
+    options: RunOptions,
 }
 
 impl Run {
@@ -78,9 +78,9 @@ impl Run {
         let (mut scenario, goals) = self.overrides.scenario_and_goals(&self.scenario)?;
         let output = self.output.clone().unwrap_or_else(|| results::default_output(&self.scenario, ".h5"));
         writable(&output, self.force, [self.scenario.as_path()])?;
-        let threads = self.manner.threads();
+        let threads = self.options.threads();
         if self.accuracy.is_none() {
-            cost::announce(&scenario, scenario.ensemble.paths, threads, self.manner.quiet)?;
+            cost::announce(&scenario, scenario.ensemble.paths, threads, self.options.quiet)?;
         }
         let stop = stop_on_signals();
         let mut decision = None;
@@ -95,7 +95,7 @@ impl Run {
                 return Err(Failure::usage(problem, "leave out one of them"));
             }
             let accuracy = Accuracy { target, named: &self.statistic, max_time: self.max_time, threads };
-            let chosen = Chooser { accuracy, is_quiet: self.manner.quiet }.choose(&scenario, &stop)?;
+            let chosen = Chooser { accuracy, is_quiet: self.options.quiet }.choose(&scenario, &stop)?;
             scenario = chosen.scenario.clone();
             decision = Some(chosen);
         }
@@ -115,7 +115,7 @@ impl Run {
         let run = if self.no_bias { run.without_bias() } else { run };
         let name = self.scenario.display().to_string();
         Sitting {
-            manner: &self.manner,
+            options: &self.options,
             name,
             scenario: &scenario,
             output: &output,

@@ -17,12 +17,12 @@ use stick_slip::store;
 use stick_slip::study::accuracy::AccuracyGoal;
 
 /// The warning where several processes simulate the paths and the bias is estimated.
-const LONELY_BIAS: &str =
+const BIAS_ON_RANK_0_ALONE: &str =
     "warning: rank 0 alone estimates the bias of the step, and the other ranks wait for it; --no-bias leaves it out";
 
 /// Options that change no number of the results.
 #[derive(Debug, clap::Args)]
-pub struct Manner {
+pub struct RunOptions {
     /// Show the running estimate of this statistic and its relative error [default: that of --until
     /// or --accuracy]
     #[arg(long, value_name = "NAME", value_parser = super::completed::STATISTIC, hide_possible_values = true)]
@@ -38,7 +38,7 @@ pub struct Manner {
     json: bool,
 }
 
-impl Manner {
+impl RunOptions {
     /// The number of threads to use.
     pub fn threads(&self) -> usize {
         self.threads.map_or_else(super::cores, usize::from)
@@ -47,7 +47,7 @@ impl Manner {
 
 /// One sitting of a run: its scenario, its output, and how it is run.
 pub struct Sitting<'a> {
-    pub manner: &'a Manner,
+    pub options: &'a RunOptions,
     /// The name of the scenario.
     pub name: String,
     pub scenario: &'a Scenario,
@@ -75,20 +75,20 @@ impl Sitting<'_> {
     /// it.
     pub fn simulate(&self, asked: Asked, so_far: Option<SoFar>, file: &mut dyn Sink) -> Result<(), Failure> {
         let of_goal = || asked.goals.first().map(|goal| goal.statistic);
-        let of_promise = || self.accuracy_goal.map(|accuracy_goal| accuracy_goal.decisive);
-        let watched = self.manner.watch.or_else(of_goal).or_else(of_promise);
-        let mut progress = Progress::new(asked.own_paths(), self.manner.quiet, watched);
+        let of_accuracy_goal = || self.accuracy_goal.map(|accuracy_goal| accuracy_goal.decisive);
+        let watched = self.options.watch.or_else(of_goal).or_else(of_accuracy_goal);
+        let mut progress = Progress::new(asked.own_paths(), self.options.quiet, watched);
         let has_bias = asked.with_bias && asked.part.is_none() && self.scenario.bias_plan(asked.paths).is_ok();
         let run = Run::of(self.scenario)
             .asked(asked)
-            .threads(self.manner.threads())
+            .threads(self.options.threads())
             .stopped_by(self.stop)
             .with_progress(&mut progress)
             .into_sink(file);
         let run = match ranks::crew() {
             Some(crew) => {
                 if has_bias {
-                    note(LONELY_BIAS);
+                    note(BIAS_ON_RANK_0_ALONE);
                 }
                 run.with_crew(crew)
             }
@@ -152,7 +152,7 @@ impl Sitting<'_> {
 
     fn print(&self, outcome: &Outcome) -> Result<RunInfo, Failure> {
         let (summary, info) = (&outcome.summary, self.info(outcome));
-        let (json, quiet) = (self.manner.json, self.manner.quiet);
+        let (json, quiet) = (self.options.json, self.options.quiet);
         if json {
             print_data(&report::json(summary, &info, &results::warnings(summary, Some(self.scenario))))?;
         } else if !quiet {

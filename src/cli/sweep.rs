@@ -128,7 +128,7 @@ impl Sweep {
         let ended = simulation.run(sweep, |sweep| file.save(sweep));
         progress.finish();
         ended.map_err(|end| match end {
-            SweepEnd::Told(error) => Failure::from(error),
+            SweepEnd::Receiver(error) => Failure::from(error),
             SweepEnd::Overlap(_) => Failure::Run(end.to_string()),
         })
     }
@@ -160,17 +160,18 @@ impl Sweep {
         Question::at_each(design, seeds, !self.no_bias, point)
     }
 
-    fn grid(&self) -> Result<(Design, Shown), Failure> {
+    fn grid(&self) -> Result<(Design, QuotedWords), Failure> {
         let symbol = |key: &str| symbol_and_meaning(key).map(|(symbol, _)| symbol.to_string());
         let axis =
             |text: &String| Axis::parse(text, symbol).map_err(|error| Failure::Refused(format!("--vary: {error}")));
         let axes = self.vary.iter().map(axis).collect::<Result<Vec<_>, _>>()?;
-        let shown =
-            Shown(axes.iter().zip(&self.vary).map(|(a, text)| (a.key.clone(), format!("--vary {text}, at"))).collect());
+        let shown = QuotedWords(
+            axes.iter().zip(&self.vary).map(|(a, text)| (a.key.clone(), format!("--vary {text}, at"))).collect(),
+        );
         Ok((Design::of(axes, self.zip)?, shown))
     }
 
-    fn star(&self, scenario: &Scenario) -> Result<(Design, Shown), Failure> {
+    fn star(&self, scenario: &Scenario) -> Result<(Design, QuotedWords), Failure> {
         let keys: Vec<String> = self.elasticity.iter().map(|key| key.trim().to_string()).collect();
         let star = Design::star(&keys, self.relative_step, |key| scenario.number_at(key));
         let design = star.or_else(|(key, error)| {
@@ -189,7 +190,7 @@ impl Sweep {
         })?;
         let keys = keys.iter().filter_map(|key| Some((key, scenario.number_at(key)?)));
         let shown = keys.map(|(key, value)| (key.clone(), format!("--elasticity {key}, {value} moved to")));
-        let shown = Shown(shown.collect());
+        let shown = QuotedWords(shown.collect());
         Ok((design, shown))
     }
 }
@@ -198,15 +199,15 @@ impl Sweep {
 pub fn stored(path: &Path, stored: StoredSweep) -> Result<Swept, Failure> {
     let (name, text, series) = (path.display().to_string(), stored.scenario_text.clone(), stored.series.clone());
     let point = |settings: &[Setting]| {
-        Scenario::parse_stored(&name, &text, &Shown(Vec::new()).overrides(settings), series.as_ref())
+        Scenario::parse_stored(&name, &text, &QuotedWords(Vec::new()).overrides(settings), series.as_ref())
     };
     Ok(stored.whole(point)?)
 }
 
 /// For each key, the words of the command line that messages about its value quote.
-struct Shown(Vec<(String, String)>);
+struct QuotedWords(Vec<(String, String)>);
 
-impl Shown {
+impl QuotedWords {
     fn overrides(&self, settings: &[Setting]) -> Vec<Override> {
         let laid = |Setting { key, value }: &Setting| {
             let typed = self.0.iter().find(|(of, _)| of == key).map_or(key.as_str(), |(_, typed)| typed);

@@ -176,12 +176,12 @@ impl<'a> Fields<'a> {
     }
 
     /// The fault for a table that should not be there.
-    pub fn wrong(&self, problem: &str, remedy: &str) -> Box<Fault> {
+    pub fn fault_of_table(&self, problem: &str, remedy: &str) -> Box<Fault> {
         self.sources.fault(self.place, problem.to_string(), remedy.to_string()).of(&self.path)
     }
 
     /// The fault for a text that is missing.
-    pub fn absent(&self, name: &str, remedy: &str) -> Box<Fault> {
+    pub fn missing_text(&self, name: &str, remedy: &str) -> Box<Fault> {
         self.sources.fault(self.place, format!("missing key `{}`", self.dotted(name)), remedy.to_string())
     }
 

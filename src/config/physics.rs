@@ -43,7 +43,7 @@ pub(super) fn physics(sources: &Sources<'_>, root: &Fields<'_>) -> Physics {
     let noises = table.one_or_more("noise");
     if let [_, _, third, ..] = &noises[..] {
         let remedy = "keep two of them, or add up those whose relaxation rates are alike: their variances add";
-        sources.report(third.wrong("is one noise too many; two are simulated at most", remedy));
+        sources.report(third.fault_of_table("is one noise too many; two are simulated at most", remedy));
     }
     let mut read = Vec::new();
     for table in &noises {

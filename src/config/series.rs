@@ -38,7 +38,7 @@ pub(super) fn series(sources: &Sources<'_>, root: &Fields<'_>) -> Result<Option<
     let place = table.place_of("file");
     if measured.file.is_empty() {
         let remedy = "add `file = \"t.csv\"`: a CSV file with a column of times and one of temperatures";
-        return Err(table.absent("file", remedy));
+        return Err(table.missing_text("file", remedy));
     }
     let hash = line("hash", "");
     let is_override = sources.is_override(place);

@@ -56,15 +56,15 @@ pub(super) enum Clock {
 }
 
 /// What is wrong with a time, and the remedy.
-pub(super) type Wrong = (String, String);
+pub(super) type ProblemAndRemedy = (String, String);
 
-fn wrong<T>(problem: impl Into<String>, remedy: impl Into<String>) -> Result<T, Wrong> {
+fn wrong<T>(problem: impl Into<String>, remedy: impl Into<String>) -> Result<T, ProblemAndRemedy> {
     Err((problem.into(), remedy.into()))
 }
 
 impl Clock {
     /// A reader for a column with this name, this zone for stamps without one, and this first cell.
-    pub fn new(column: &str, zone: Option<&str>, first: &[u8]) -> Result<Self, Wrong> {
+    pub fn new(column: &str, zone: Option<&str>, first: &[u8]) -> Result<Self, ProblemAndRemedy> {
         let number = std::str::from_utf8(first).is_ok_and(|text| text.replace(',', ".").parse::<f64>().is_ok());
         if number {
             return Ok(Clock::Numbers { unit: unit::of_time(column), first: None });
@@ -105,7 +105,7 @@ impl Clock {
     }
 
     /// The time of a cell since the first cell.
-    pub fn read(&mut self, cell: &[u8], number: impl Fn(&[u8]) -> Option<f64>) -> Result<f64, Wrong> {
+    pub fn read(&mut self, cell: &[u8], number: impl Fn(&[u8]) -> Option<f64>) -> Result<f64, ProblemAndRemedy> {
         match self {
             Clock::Numbers { unit, first } => {
                 let Some(time) = number(cell).filter(|time| time.is_finite()) else {
@@ -126,7 +126,11 @@ impl Clock {
 }
 
 /// The instant of a stamp, and whether it fell in an hour which occurs twice.
-fn instant(cell: &[u8], zone: Option<&TimeZone>, previous: Option<Timestamp>) -> Result<(Timestamp, bool), Wrong> {
+fn instant(
+    cell: &[u8],
+    zone: Option<&TimeZone>,
+    previous: Option<Timestamp>,
+) -> Result<(Timestamp, bool), ProblemAndRemedy> {
     // Behind the ten characters of the date, `Z`, `+` or `-` gives the zone.
     if cell.iter().skip(10).any(|byte| matches!(byte, b'Z' | b'z' | b'+' | b'-')) {
         return PARSER.parse_timestamp(cell).map(|stamp| (stamp, false)).or_else(|_| not_a_stamp());
@@ -141,7 +145,11 @@ fn instant(cell: &[u8], zone: Option<&TimeZone>, previous: Option<Timestamp>) ->
 
 /// The instant of a local time. A time that the clocks skipped is an error. A time that occurred
 /// twice is taken as the first of its two instants that is later than the row before.
-fn in_zone(local: DateTime, zone: &TimeZone, previous: Option<Timestamp>) -> Result<(Timestamp, bool), Wrong> {
+fn in_zone(
+    local: DateTime,
+    zone: &TimeZone,
+    previous: Option<Timestamp>,
+) -> Result<(Timestamp, bool), ProblemAndRemedy> {
     let found = zone.to_ambiguous_timestamp(local);
     let beyond = |_| ("is beyond the calendar".to_string(), "mend the row".to_string());
     match found.offset() {
@@ -163,7 +171,7 @@ fn in_zone(local: DateTime, zone: &TimeZone, previous: Option<Timestamp>) -> Res
     }
 }
 
-fn not_a_stamp<T>() -> Result<T, Wrong> {
+fn not_a_stamp<T>() -> Result<T, ProblemAndRemedy> {
     wrong(
         "is no time that can be read",
         "write stamps as 2015-08-13T00:10:00Z or 2015-08-13 00:10, year first, or numbers in a column such as `time_s`",

@@ -9,10 +9,10 @@ pub(super) struct Rows<'a> {
     bytes: &'a [u8],
     reader: Reader,
     pub separator: u8,
-    /// Byte offsets: `at` is how far the file has been read, `from` is where the search for the
-    /// current row began.
+    /// Byte offsets: `at` is how far the file has been read, `row_offset` is where the search for
+    /// the current row began.
     at: usize,
-    from: usize,
+    row_offset: usize,
     cells: Vec<u8>,
     ends: Vec<usize>,
     fields: usize,
@@ -38,7 +38,7 @@ impl<'a> Rows<'a> {
         let separator = separator(&bytes[row_start(bytes, 0)..]);
         let reader = ReaderBuilder::new().delimiter(separator).comment(Some(b'#')).build();
         let (cells, ends) = (vec![0; 1 << 12], vec![0; 64]);
-        let mut rows = Rows { file, bytes, reader, separator, at: 0, from: 0, cells, ends, fields: 0 };
+        let mut rows = Rows { file, bytes, reader, separator, at: 0, row_offset: 0, cells, ends, fields: 0 };
         if !rows.read() {
             return Err(foreign("empty", "give a CSV file whose first line names its columns"));
         }
@@ -47,7 +47,7 @@ impl<'a> Rows<'a> {
         if header.iter().all(|name| name.is_empty() || name.replace(',', ".").parse::<f64>().is_ok()) {
             let problem = "its first line holds numbers, where the names of the columns should be".to_string();
             let error = DataError::file(file, problem, "put a line such as `time_s,temperature_degC` before it");
-            return Err(error.line(rows.line(rows.from())));
+            return Err(error.line(rows.line(rows.row_offset())));
         }
         Ok((rows, header))
     }
@@ -74,12 +74,12 @@ impl<'a> Rows<'a> {
         } else {
             "mend the row, and see that every line is separated as the header is; a quotation mark may be left open"
         };
-        Err(DataError::file(self.file, problem, remedy).line(self.line(self.from())))
+        Err(DataError::file(self.file, problem, remedy).line(self.line(self.row_offset())))
     }
 
     /// Read one row into `cells` and `ends`; false at the end of the file.
     fn read(&mut self) -> bool {
-        self.from = self.at;
+        self.row_offset = self.at;
         let (mut written, mut fields) = (0, 0);
         loop {
             let (cells, ends) = (&mut self.cells[written..], &mut self.ends[fields..]);
@@ -108,13 +108,13 @@ impl<'a> Rows<'a> {
     }
 
     /// The byte offset of the current row, to be given to [`Rows::line`] later.
-    pub fn from(&self) -> usize {
-        self.from
+    pub fn row_offset(&self) -> usize {
+        self.row_offset
     }
 
-    /// The number of the line, from 1, on which the row at byte offset `from` begins.
-    pub fn line(&self, from: usize) -> u64 {
-        let before = &self.bytes[..row_start(self.bytes, from)];
+    /// The number of the line, from 1, on which the row at byte offset `offset` begins.
+    pub fn line(&self, offset: usize) -> u64 {
+        let before = &self.bytes[..row_start(self.bytes, offset)];
         1 + before.iter().filter(|byte| **byte == b'\n').count() as u64
     }
 }

@@ -122,7 +122,7 @@ pub(super) fn table<'w>(
     while rows.next(&header)? {
         let cell = rows.cell(time_field);
         let at = |(problem, remedy): (String, String)| {
-            DataError::file(file, problem, &remedy).line(rows.line(rows.from())).cell(&time_name, cell)
+            DataError::file(file, problem, &remedy).line(rows.line(rows.row_offset())).cell(&time_name, cell)
         };
         if cell.is_empty() {
             let nothing = (0..header.len()).all(|field| rows.cell(field).is_empty());
@@ -149,7 +149,7 @@ pub(super) fn table<'w>(
                 continue;
             }
             let at = |problem: &str, remedy: &str| {
-                let error = DataError::file(file, problem.into(), remedy).line(rows.line(rows.from()));
+                let error = DataError::file(file, problem.into(), remedy).line(rows.line(rows.row_offset()));
                 Err(error.cell(&header[reading.field], cell))
             };
             let Some(value) = decimals.number(cell) else {
@@ -167,7 +167,7 @@ pub(super) fn table<'w>(
             if value < reading.unit.least {
                 return at("is below absolute zero", "empty the cell, if it marks a missing value, or mend the unit");
             }
-            reading.samples.push((when, reading.unit.of(value), rows.from() as u32));
+            reading.samples.push((when, reading.unit.of(value), rows.row_offset() as u32));
         }
     }
     let Some(clock) = clock else {
@@ -274,7 +274,7 @@ fn in_order(reading: &mut Reading<'_>, rows: &Rows<'_>, name: &str, in_seconds: 
         false => short(time),
     };
     let error = |problem: String, remedy: &str| DataError::file(rows.file, problem, remedy);
-    let line = |from: u32| rows.line(from as usize);
+    let line = |offset: u32| rows.line(offset as usize);
     let samples = &mut reading.samples;
     let mut latest = f64::NEG_INFINITY;
     let mut unsorted = 0;

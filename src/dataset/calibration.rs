@@ -69,10 +69,10 @@ fn attributes<D: Destination>(
         ("method", question.method.name()),
         ("lag_choice", if question.lag == Lag::Auto { "auto" } else { "given" }),
     ] {
-        to.say(name, value)?;
+        to.set_attribute(name, value)?;
     }
     if let Some(shear_stiffness) = question.shear_stiffness {
-        to.say("shear_stiffness", shear_stiffness)?;
+        to.set_attribute("shear_stiffness", shear_stiffness)?;
     }
     for (name, value) in [
         ("interval", question.level),
@@ -81,22 +81,22 @@ fn attributes<D: Destination>(
         ("lag_high", lag.high),
         ("residual_rms", calibration.residuals.rms),
     ] {
-        to.say(name, value)?;
+        to.set_attribute(name, value)?;
     }
     if let Some(profile) = &calibration.lag_profile {
-        to.say("lag_likeliest", profile.likeliest)?;
-        to.say("lag_gain", profile.gain)?;
+        to.set_attribute("lag_likeliest", profile.likeliest)?;
+        to.set_attribute("lag_gain", profile.gain)?;
     }
     for (name, value) in [
         ("spikes_displacement", spikes.readings as u64),
         ("spikes_temperature", spikes.temperatures as u64),
         ("mirrored", u64::from(calibration.is_mirrored)),
     ] {
-        to.say(name, value)?;
+        to.set_attribute(name, value)?;
     }
     let warnings: Vec<String> =
         calibration.warnings.iter().map(|warning| format!("{}: {warning}", warning.name())).collect();
-    if warnings.is_empty() { Ok(()) } else { to.say("warnings", warnings.join("\n")) }
+    if warnings.is_empty() { Ok(()) } else { to.set_attribute("warnings", warnings.join("\n")) }
 }
 
 fn ends(estimates: &[Estimate]) -> [Vec<f64>; 3] {
@@ -106,43 +106,43 @@ fn ends(estimates: &[Estimate]) -> [Vec<f64>; 3] {
 
 fn variables<D: Destination>(to: &mut D, calibration: &Calibration) -> Result<(), D::Error> {
     let keys = texts(Quantity::ALL.map(Quantity::key));
-    to.put(&QUANTITY, &keys)?;
-    to.put(&QUANTITY_SYMBOL, &texts(Quantity::ALL.map(Quantity::symbol)))?;
-    to.put(&QUANTITY_UNIT, &texts(Quantity::ALL.map(Quantity::unit)))?;
+    to.write_variable(&QUANTITY, &keys)?;
+    to.write_variable(&QUANTITY_SYMBOL, &texts(Quantity::ALL.map(Quantity::symbol)))?;
+    to.write_variable(&QUANTITY_UNIT, &texts(Quantity::ALL.map(Quantity::unit)))?;
     for (variable, values) in [&ESTIMATE, &LOW, &HIGH].into_iter().zip(ends(&calibration.estimates)) {
-        to.put(variable, &values)?;
+        to.write_variable(variable, &values)?;
     }
     if let Some(others) = &calibration.least_squares {
         for (variable, values) in [&ERR_ESTIMATE, &ERR_LOW, &ERR_HIGH].into_iter().zip(ends(others)) {
-            to.put(variable, &values)?;
+            to.write_variable(variable, &values)?;
         }
     }
     if !calibration.correlations.is_empty() {
-        to.put(&OTHER, &keys)?;
-        to.put(&CORRELATION, &calibration.correlations.concat())?;
+        to.write_variable(&OTHER, &keys)?;
+        to.write_variable(&CORRELATION, &calibration.correlations.concat())?;
     }
     let slips = &calibration.slips;
     let of = |value: fn(&SeenSlip) -> f64| slips.iter().map(value).collect::<Vec<f64>>();
-    to.put(&SLIP, &numbers(slips.len()))?;
-    to.put(&SLIP_TIME, &of(|slip| slip.time))?;
-    to.put(&SLIP_TEMPERATURE, &of(|slip| slip.temperature))?;
-    to.put(&SLIP_JUMP, &of(|slip| slip.jump))?;
-    to.put(&SLIP_USUAL, &slips.iter().map(|slip| i8::from(slip.is_usual)).collect::<Vec<_>>())?;
-    to.put(&START, &numbers(calibration.starts.len()))?;
-    to.put(&START_ERR, &calibration.starts.iter().map(|start| start.err).collect::<Vec<_>>())?;
-    to.put(&START_VALUE, &calibration.start_values().concat())?;
+    to.write_variable(&SLIP, &numbers(slips.len()))?;
+    to.write_variable(&SLIP_TIME, &of(|slip| slip.time))?;
+    to.write_variable(&SLIP_TEMPERATURE, &of(|slip| slip.temperature))?;
+    to.write_variable(&SLIP_JUMP, &of(|slip| slip.jump))?;
+    to.write_variable(&SLIP_USUAL, &slips.iter().map(|slip| i8::from(slip.is_usual)).collect::<Vec<_>>())?;
+    to.write_variable(&START, &numbers(calibration.starts.len()))?;
+    to.write_variable(&START_ERR, &calibration.starts.iter().map(|start| start.err).collect::<Vec<_>>())?;
+    to.write_variable(&START_VALUE, &calibration.start_values().concat())?;
     if let Some(profile) = &calibration.lag_profile {
-        to.put(&LAG, &profile.profile.iter().map(|(lag, _)| *lag).collect::<Vec<_>>())?;
-        to.put(&LAG_DEVIANCE, &profile.profile.iter().map(|(_, deviance)| *deviance).collect::<Vec<_>>())?;
+        to.write_variable(&LAG, &profile.profile.iter().map(|(lag, _)| *lag).collect::<Vec<_>>())?;
+        to.write_variable(&LAG_DEVIANCE, &profile.profile.iter().map(|(_, deviance)| *deviance).collect::<Vec<_>>())?;
     }
     let correlation = &calibration.residuals.autocorrelation;
-    to.put(&DELAY, &correlation.iter().map(|(delay, _)| *delay).collect::<Vec<_>>())?;
-    to.put(&AUTOCORRELATION, &correlation.iter().map(|(_, correlation)| *correlation).collect::<Vec<_>>())?;
-    to.put(&TIME, &calibration.record.times)?;
-    to.put(&TEMPERATURE, &calibration.record.temperatures)?;
-    to.put(&STEEL, &calibration.steel)?;
-    to.put(&READING, &calibration.record.readings)?;
-    to.put(&MODELLED, &calibration.modelled)
+    to.write_variable(&DELAY, &correlation.iter().map(|(delay, _)| *delay).collect::<Vec<_>>())?;
+    to.write_variable(&AUTOCORRELATION, &correlation.iter().map(|(_, correlation)| *correlation).collect::<Vec<_>>())?;
+    to.write_variable(&TIME, &calibration.record.times)?;
+    to.write_variable(&TEMPERATURE, &calibration.record.temperatures)?;
+    to.write_variable(&STEEL, &calibration.steel)?;
+    to.write_variable(&READING, &calibration.record.readings)?;
+    to.write_variable(&MODELLED, &calibration.modelled)
 }
 
 fn numbers(count: usize) -> Vec<u32> {

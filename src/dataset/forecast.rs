@@ -24,32 +24,32 @@ pub(crate) fn write<D: Destination>(
         ("git_hash", GIT_HASH),
         ("scenario", scenario_text),
     ] {
-        to.say(name, value)?;
+        to.set_attribute(name, value)?;
     }
-    to.say("seed", question.seed)?;
-    to.say("interval", question.level)?;
-    to.say("share", question.share)?;
-    to.put(&QUANTITY, &texts(levels.iter().map(|level| level.quantity.name())))?;
-    to.put(&QUANTITY_UNIT, &texts(levels.iter().map(|level| level.quantity.unit())))?;
+    to.set_attribute("seed", question.seed)?;
+    to.set_attribute("interval", question.level)?;
+    to.set_attribute("share", question.share)?;
+    to.write_variable(&QUANTITY, &texts(levels.iter().map(|level| level.quantity.name())))?;
+    to.write_variable(&QUANTITY_UNIT, &texts(levels.iter().map(|level| level.quantity.unit())))?;
     let of = |value: fn(&Level) -> f64| levels.iter().map(value).collect::<Vec<_>>();
-    to.put(&EXPECTED, &of(|level| level.expected))?;
-    to.put(&EXPECTED_LOW, &of(|level| level.expected_interval[0]))?;
-    to.put(&EXPECTED_HIGH, &of(|level| level.expected_interval[1]))?;
-    to.put(&YEAR_LOW, &of(|level| level.year_interval[0]))?;
-    to.put(&YEAR_HIGH, &of(|level| level.year_interval[1]))?;
+    to.write_variable(&EXPECTED, &of(|level| level.expected))?;
+    to.write_variable(&EXPECTED_LOW, &of(|level| level.expected_interval[0]))?;
+    to.write_variable(&EXPECTED_HIGH, &of(|level| level.expected_interval[1]))?;
+    to.write_variable(&YEAR_LOW, &of(|level| level.year_interval[0]))?;
+    to.write_variable(&YEAR_HIGH, &of(|level| level.year_interval[1]))?;
     let of = |value: fn(&ReturnLevel) -> f64| return_levels.iter().map(value).collect::<Vec<_>>();
-    to.put(&RETURN_PERIOD, &of(|level| level.years))?;
-    to.put(&RETURN_LEVEL, &of(|level| level.expected))?;
-    to.put(&RETURN_LEVEL_LOW, &of(|level| level.interval[0]))?;
-    to.put(&RETURN_LEVEL_HIGH, &of(|level| level.interval[1]))?;
+    to.write_variable(&RETURN_PERIOD, &of(|level| level.years))?;
+    to.write_variable(&RETURN_LEVEL, &of(|level| level.expected))?;
+    to.write_variable(&RETURN_LEVEL_LOW, &of(|level| level.interval[0]))?;
+    to.write_variable(&RETURN_LEVEL_HIGH, &of(|level| level.interval[1]))?;
     let numbers = |count: usize| (0..).take(count).collect::<Vec<u32>>();
-    to.put(&DRAW, &numbers(years.len()))?;
-    to.put(&YEAR, &numbers(years.first().map_or(0, Vec::len)))?;
+    to.write_variable(&DRAW, &numbers(years.len()))?;
+    to.write_variable(&YEAR, &numbers(years.first().map_or(0, Vec::len)))?;
     for level in levels {
         let unit = [("units", level.quantity.unit())];
         let each = variable(level.quantity.name(), &["draw", "year"], Unit::None, "of one year").with(&unit);
         let values = years.iter().flatten().map(|year| year[level.quantity as usize]);
-        to.put(&each, &values.collect::<Vec<_>>())?;
+        to.write_variable(&each, &values.collect::<Vec<_>>())?;
     }
     Ok(())
 }

@@ -179,10 +179,10 @@ pub(crate) trait Destination {
     fn units(&self) -> &Units;
 
     /// Write a variable. A variable without values is left out, and so is its dimension.
-    fn put<'a>(&mut self, variable: &Described, values: impl Into<Values<'a>>) -> Result<(), Self::Error>;
+    fn write_variable<'a>(&mut self, variable: &Described, values: impl Into<Values<'a>>) -> Result<(), Self::Error>;
 
     /// Set an attribute of the data set. It replaces an earlier value.
-    fn say(&mut self, name: &str, value: impl Into<Attribute>) -> Result<(), Self::Error>;
+    fn set_attribute(&mut self, name: &str, value: impl Into<Attribute>) -> Result<(), Self::Error>;
 }
 
 /// Where a data set is read back from.

@@ -21,28 +21,28 @@ pub(crate) const CONVENTIONS: &str = "CF-1.11";
 /// Write every attribute of a run that has just started.
 pub(crate) fn write<D: Destination>(to: &mut D, header: &Provenance) -> Result<(), D::Error> {
     let (major, minor) = FORMAT_VERSION;
-    to.say("Conventions", CONVENTIONS)?;
-    to.say("title", header.title.as_str())?;
-    to.say("format_name", FORMAT_NAME)?;
-    to.say("format_version", format!("{major}.{minor}"))?;
-    to.say("program_version", header.program_version.as_str())?;
-    to.say("git_hash", header.git_hash.as_str())?;
-    to.say("scheme", header.scheme.as_str())?;
+    to.set_attribute("Conventions", CONVENTIONS)?;
+    to.set_attribute("title", header.title.as_str())?;
+    to.set_attribute("format_name", FORMAT_NAME)?;
+    to.set_attribute("format_version", format!("{major}.{minor}"))?;
+    to.set_attribute("program_version", header.program_version.as_str())?;
+    to.set_attribute("git_hash", header.git_hash.as_str())?;
+    to.set_attribute("scheme", header.scheme.as_str())?;
     if let Some(step) = header.step {
-        to.say("step", step)?;
+        to.set_attribute("step", step)?;
     }
     if let Some(resolution) = header.resolution {
-        to.say("resolution", resolution)?;
+        to.set_attribute("resolution", resolution)?;
     }
-    to.say("seed", header.seed)?;
-    to.say("generator", header.generator.as_str())?;
-    to.say("paths", header.paths)?;
+    to.set_attribute("seed", header.seed)?;
+    to.set_attribute("generator", header.generator.as_str())?;
+    to.set_attribute("paths", header.paths)?;
     if header.antithetic {
-        to.say("antithetic", 1_u64)?;
+        to.set_attribute("antithetic", 1_u64)?;
     }
-    to.say("block_size", header.block_size)?;
-    to.say("status", Status::Running.name())?;
-    to.say("completed_paths", 0_u64)?;
+    to.set_attribute("block_size", header.block_size)?;
+    to.set_attribute("status", Status::Running.name())?;
+    to.set_attribute("completed_paths", 0_u64)?;
     let Units { time, length, force, temperature } = &header.units;
     for (name, label) in
         [("time_unit", time), ("length_unit", length), ("force_unit", force), ("temperature_unit", temperature)]
@@ -50,10 +50,10 @@ pub(crate) fn write<D: Destination>(to: &mut D, header: &Provenance) -> Result<(
         // A label that is empty stands for a dimensionless quantity. It is left out, because some
         // readers fail at empty strings.
         if !label.is_empty() {
-            to.say(name, label.as_str())?;
+            to.set_attribute(name, label.as_str())?;
         }
     }
-    to.say("scenario", header.scenario_text.as_str())
+    to.set_attribute("scenario", header.scenario_text.as_str())
 }
 
 /// Write the status with which the run ended, its number of paths, and how many of them diverged.
@@ -63,19 +63,19 @@ pub(crate) fn write_end<D: Destination>(
     diverged: u64,
     status: Status,
 ) -> Result<(), D::Error> {
-    to.say("diverged_paths", diverged)?;
-    to.say("completed_paths", completed)?;
-    to.say("status", status.name())
+    to.set_attribute("diverged_paths", diverged)?;
+    to.set_attribute("completed_paths", completed)?;
+    to.set_attribute("status", status.name())
 }
 
 /// Write which part of a run this is.
 pub(crate) fn write_part<D: Destination>(to: &mut D, part: Part) -> Result<(), D::Error> {
-    to.say("part", part.to_string())
+    to.set_attribute("part", part.to_string())
 }
 
 /// Write what ended the run before its last path.
 pub(crate) fn write_ended_by<D: Destination>(to: &mut D, reason: &str) -> Result<(), D::Error> {
-    to.say("ended_by", reason)
+    to.set_attribute("ended_by", reason)
 }
 
 /// Which part of a run this is, if it is a part.

@@ -123,7 +123,7 @@ impl Dataset {
         let mut prices = trade::read_prices(self)?.into_iter();
         Ok(match statistic {
             Some(statistic) => prices.find(|prices| prices.statistic == statistic),
-            None => prices.find(Prices::is_known),
+            None => prices.find(Prices::has_points),
         })
     }
 
@@ -209,7 +209,7 @@ impl Destination for Dataset {
         &self.units
     }
 
-    fn put<'a>(&mut self, variable: &Described, values: impl Into<Values<'a>>) -> Result<(), Self::Error> {
+    fn write_variable<'a>(&mut self, variable: &Described, values: impl Into<Values<'a>>) -> Result<(), Self::Error> {
         let values = values.into();
         if values.len() > 0 {
             self.begin(variable, values);
@@ -217,7 +217,7 @@ impl Destination for Dataset {
         Ok(())
     }
 
-    fn say(&mut self, name: &str, value: impl Into<Attribute>) -> Result<(), Self::Error> {
+    fn set_attribute(&mut self, name: &str, value: impl Into<Attribute>) -> Result<(), Self::Error> {
         let value = value.into();
         match self.attributes.iter_mut().find(|(of, _)| of == name) {
             Some((_, earlier)) => *earlier = value,

@@ -52,7 +52,7 @@ pub(crate) struct Table<'a> {
 pub(crate) fn empty_tables<E>(
     record: &Record,
     header: &Provenance,
-    show: impl FnMut(Table) -> Result<(), E>,
+    visit: impl FnMut(Table) -> Result<(), E>,
 ) -> Result<(), E> {
     let (columns, events, trajectories) = Default::default();
     let rows = Rows {
@@ -62,14 +62,14 @@ pub(crate) fn empty_tables<E>(
         events: record.events.then_some(&events),
         trajectories: (record.trajectories > 0 && !header.time.is_empty()).then_some(&trajectories),
     };
-    tables(&rows, header.bearing, show)
+    tables(&rows, header.bearing, visit)
 }
 
 /// Pass the tables of some paths to `show`.
 pub(crate) fn tables<E>(
     rows: &Rows,
     bearing: Option<Bearing>,
-    mut show: impl FnMut(Table) -> Result<(), E>,
+    mut visit: impl FnMut(Table) -> Result<(), E>,
 ) -> Result<(), E> {
     let Rows { first_path, paths, path_columns, events, trajectories } = *rows;
     if path_columns.is_some() || events.is_some() {
@@ -77,10 +77,10 @@ pub(crate) fn tables<E>(
         let diverged: Vec<i8> =
             path_columns.iter().flat_map(|columns| &columns.diverged).map(|&diverged| diverged.into()).collect();
         let variables = path_variables(&numbers, path_columns, &diverged, events);
-        show(Table { along: Along::Path, rows: numbers.len(), variables: &variables })?;
+        visit(Table { along: Along::Path, rows: numbers.len(), variables: &variables })?;
     }
     if let Some(events) = events {
-        show(Table { along: Along::Event, rows: events.time.len(), variables: &event_variables(events) })?;
+        visit(Table { along: Along::Event, rows: events.time.len(), variables: &event_variables(events) })?;
     }
     if let Some(trajectories) = trajectories {
         let shown = bearing.map(|bearing| -> Vec<f64> {
@@ -88,7 +88,7 @@ pub(crate) fn tables<E>(
             places.map(|(&x, &friction)| bearing.displacement(x, friction)).collect()
         });
         let variables = trajectory_variables(trajectories, shown.as_deref());
-        show(Table { along: Along::Trajectory, rows: trajectories.path.len(), variables: &variables })?;
+        visit(Table { along: Along::Trajectory, rows: trajectories.path.len(), variables: &variables })?;
     }
     Ok(())
 }

@@ -10,8 +10,8 @@ use std::sync::Arc;
 pub(crate) fn write<D: Destination>(to: &mut D, series: &Series, start: Option<&str>) -> Result<(), D::Error> {
     let stamp = start.map(|stamp| [("start", stamp)]);
     let time = layout::SERIES_TIME.with(stamp.as_ref().map_or(&[], |stamp| stamp));
-    to.put(&time, series.times())?;
-    to.put(&layout::SERIES_TEMPERATURE, series.values())
+    to.write_variable(&time, series.times())?;
+    to.write_variable(&layout::SERIES_TEMPERATURE, series.values())
 }
 
 /// The samples in a data set; none if it has no samples.

@@ -11,16 +11,16 @@ use ndarray::Array2;
 /// Write the coordinates that are known before a run: statistics, quantile levels, and times.
 pub(crate) fn write_coordinates<D: Destination>(to: &mut D, time: &[f64]) -> Result<(), D::Error> {
     write_statistics(to)?;
-    to.put(&layout::QUANTILE, &QUANTILE_LEVELS)?;
-    to.put(&layout::TIME, time)
+    to.write_variable(&layout::QUANTILE, &QUANTILE_LEVELS)?;
+    to.write_variable(&layout::TIME, time)
 }
 
 /// Write the names, meanings and units of all statistics.
 pub(crate) fn write_statistics<D: Destination>(to: &mut D) -> Result<(), D::Error> {
     let units = Statistic::ALL.map(|statistic| statistic.dimension().udunits(to.units()));
-    to.put(&layout::STATISTIC, &texts(Statistic::ALL.map(Statistic::name)))?;
-    to.put(&layout::STATISTIC_LONG_NAME, &texts(Statistic::ALL.map(layout::long_name)))?;
-    to.put(&layout::STATISTIC_UNIT, &units)
+    to.write_variable(&layout::STATISTIC, &texts(Statistic::ALL.map(Statistic::name)))?;
+    to.write_variable(&layout::STATISTIC_LONG_NAME, &texts(Statistic::ALL.map(layout::long_name)))?;
+    to.write_variable(&layout::STATISTIC_UNIT, &units)
 }
 
 /// Write all statistics of a run at its end.
@@ -31,7 +31,7 @@ pub(crate) fn write<D: Destination>(to: &mut D, summary: &Summary) -> Result<(),
     write_sub_phases(to, &summary.sub_phases)?;
     write_periods(to, &summary.periods)?;
     write_transient(to, summary.transient)?;
-    to.put(&layout::DIVERGED_PATH, &summary.diverged)
+    to.write_variable(&layout::DIVERGED_PATH, &summary.diverged)
 }
 
 /// The statistics of a finished run; `step` is the step of its scheme, if it has one.
@@ -62,18 +62,18 @@ pub(crate) fn read<S: Source>(from: &S, completed_paths: u64, step: Option<f64>)
 }
 
 /// Write the ends of the intervals of a curve.
-fn put_ends<D: Destination>(to: &mut D, [low, high]: &[layout::Variable; 2], ends: &Ends) -> Result<(), D::Error> {
-    to.put(low, &ends.low)?;
-    to.put(high, &ends.high)
+fn write_ends<D: Destination>(to: &mut D, [low, high]: &[layout::Variable; 2], ends: &Ends) -> Result<(), D::Error> {
+    to.write_variable(low, &ends.low)?;
+    to.write_variable(high, &ends.high)
 }
 
 /// Write the ends of the interval of a single number.
-fn put_scalar_ends<D: Destination>(
+fn write_scalar_ends<D: Destination>(
     to: &mut D,
     variables: &[layout::Variable; 2],
     ends: [f64; 2],
 ) -> Result<(), D::Error> {
-    put_ends(to, variables, &Ends::from_iter([ends]))
+    write_ends(to, variables, &Ends::from_iter([ends]))
 }
 
 /// Read the ends of the intervals of a curve; empty if an earlier version of the program wrote
@@ -106,7 +106,7 @@ fn write_estimates<D: Destination>(to: &mut D, estimates: &Estimates) -> Result<
         (&layout::BIAS_ORDER, |e| e.bias.and_then(|bias| bias.order).unwrap_or(f64::NAN)),
     ];
     for (variable, field) in fields {
-        to.put(variable, &estimates.each_ref().map(field))?;
+        to.write_variable(variable, &estimates.each_ref().map(field))?;
     }
     write_corrected(to, estimates)
 }
@@ -119,9 +119,9 @@ fn write_corrected<D: Destination>(to: &mut D, estimates: &Estimates) -> Result<
         return Ok(());
     }
     let each = |of: fn(Corrected) -> f64| corrected.map(|corrected| corrected.map_or(f64::NAN, of));
-    to.put(&layout::ESTIMATE_CORRECTED, &each(|c| c.estimate))?;
-    to.put(&layout::ESTIMATE_CORRECTED_LOW, &each(|c| c.low))?;
-    to.put(&layout::ESTIMATE_CORRECTED_HIGH, &each(|c| c.high))
+    to.write_variable(&layout::ESTIMATE_CORRECTED, &each(|c| c.estimate))?;
+    to.write_variable(&layout::ESTIMATE_CORRECTED_LOW, &each(|c| c.low))?;
+    to.write_variable(&layout::ESTIMATE_CORRECTED_HIGH, &each(|c| c.high))
 }
 
 /// Read the estimates. Statistics are found by name, because another minor version may have fewer
@@ -188,12 +188,12 @@ fn write_bands<D: Destination>(to: &mut D, bands: &Bands) -> Result<(), D::Error
             (quantiles, values, &band.quantile_ends),
         ];
         for ((variable, variables), curve, ends) in curves {
-            to.put(variable, curve)?;
-            put_ends(to, variables, ends)?;
+            to.write_variable(variable, curve)?;
+            write_ends(to, variables, ends)?;
         }
     }
-    to.put(&layout::STATIC_PROBABILITY, &bands.static_probability)?;
-    put_ends(to, &layout::STATIC_PROBABILITY_ENDS, &bands.static_probability_ends)
+    to.write_variable(&layout::STATIC_PROBABILITY, &bands.static_probability)?;
+    write_ends(to, &layout::STATIC_PROBABILITY_ENDS, &bands.static_probability_ends)
 }
 
 fn read_bands<S: Source>(from: &S) -> Result<Bands, S::Error> {
@@ -224,16 +224,16 @@ fn read_bands<S: Source>(from: &S) -> Result<Bands, S::Error> {
 
 fn write_stick_durations<D: Destination>(to: &mut D, sticks: &StickDurations) -> Result<(), D::Error> {
     let edges = &sticks.histogram.edges;
-    to.put(&layout::DURATION_BIN, edges.get(1..).unwrap_or_default())?;
-    to.put(&layout::DURATION_BIN_LOWER, edges.get(..edges.len().saturating_sub(1)).unwrap_or_default())?;
-    to.put(&layout::STICK_DURATION_COUNT, &sticks.histogram.counts)?;
-    put_ends(to, &layout::STICK_DURATION_COUNT_ENDS, &sticks.count_ends)?;
-    to.put(&layout::STICK_DURATION_CENSORED_COUNT, &sticks.censored_counts)?;
-    put_ends(to, &layout::STICK_DURATION_CENSORED_COUNT_ENDS, &sticks.censored_count_ends)?;
-    to.put(&layout::STICK_DURATION_SURVIVAL, &sticks.survival)?;
-    put_ends(to, &layout::STICK_DURATION_SURVIVAL_ENDS, &sticks.survival_ends)?;
-    to.put(&layout::STICK_DURATION_QUANTILE, &sticks.quantiles)?;
-    put_ends(to, &layout::STICK_DURATION_QUANTILE_ENDS, &sticks.quantile_ends)?;
+    to.write_variable(&layout::DURATION_BIN, edges.get(1..).unwrap_or_default())?;
+    to.write_variable(&layout::DURATION_BIN_LOWER, edges.get(..edges.len().saturating_sub(1)).unwrap_or_default())?;
+    to.write_variable(&layout::STICK_DURATION_COUNT, &sticks.histogram.counts)?;
+    write_ends(to, &layout::STICK_DURATION_COUNT_ENDS, &sticks.count_ends)?;
+    to.write_variable(&layout::STICK_DURATION_CENSORED_COUNT, &sticks.censored_counts)?;
+    write_ends(to, &layout::STICK_DURATION_CENSORED_COUNT_ENDS, &sticks.censored_count_ends)?;
+    to.write_variable(&layout::STICK_DURATION_SURVIVAL, &sticks.survival)?;
+    write_ends(to, &layout::STICK_DURATION_SURVIVAL_ENDS, &sticks.survival_ends)?;
+    to.write_variable(&layout::STICK_DURATION_QUANTILE, &sticks.quantiles)?;
+    write_ends(to, &layout::STICK_DURATION_QUANTILE_ENDS, &sticks.quantile_ends)?;
     for (variable, count, variables, ends) in [
         (
             &layout::STICK_DURATION_COMPLETED,
@@ -260,8 +260,8 @@ fn write_stick_durations<D: Destination>(to: &mut D, sticks: &StickDurations) ->
             sticks.first_censored_ends,
         ),
     ] {
-        to.put(variable, &[count])?;
-        put_scalar_ends(to, variables, ends)?;
+        to.write_variable(variable, &[count])?;
+        write_scalar_ends(to, variables, ends)?;
     }
     Ok(())
 }
@@ -293,35 +293,35 @@ fn read_stick_durations<S: Source>(from: &S, step: Option<f64>) -> Result<StickD
 
 fn write_sub_phases<D: Destination>(to: &mut D, sub_phases: &SubPhaseCounts) -> Result<(), D::Error> {
     let k: Vec<u32> = (1..).take(sub_phases.counts.len()).collect();
-    to.put(&layout::SUB_PHASE, &k)?;
-    to.put(&layout::SUB_PHASE_COUNT, &sub_phases.counts)?;
-    put_ends(to, &layout::SUB_PHASE_COUNT_ENDS, &sub_phases.count_ends)?;
-    to.put(&layout::SUB_PHASE_SHARE, &sub_phases.shares)?;
-    put_ends(to, &layout::SUB_PHASE_SHARE_ENDS, &sub_phases.share_ends)?;
-    to.put(&layout::SUB_PHASE_CENSORED, &[sub_phases.censored])?;
-    put_scalar_ends(to, &layout::SUB_PHASE_CENSORED_ENDS, sub_phases.censored_ends)
+    to.write_variable(&layout::SUB_PHASE, &k)?;
+    to.write_variable(&layout::SUB_PHASE_COUNT, &sub_phases.counts)?;
+    write_ends(to, &layout::SUB_PHASE_COUNT_ENDS, &sub_phases.count_ends)?;
+    to.write_variable(&layout::SUB_PHASE_SHARE, &sub_phases.shares)?;
+    write_ends(to, &layout::SUB_PHASE_SHARE_ENDS, &sub_phases.share_ends)?;
+    to.write_variable(&layout::SUB_PHASE_CENSORED, &[sub_phases.censored])?;
+    write_scalar_ends(to, &layout::SUB_PHASE_CENSORED_ENDS, sub_phases.censored_ends)
 }
 
 fn write_periods<D: Destination>(to: &mut D, periods: &PeriodMoments) -> Result<(), D::Error> {
     let n: Vec<u32> = (1..).take(periods.time.len()).collect();
-    to.put(&layout::PERIOD, &n)?;
-    to.put(&layout::PERIOD_TIME, &periods.time)?;
-    to.put(&layout::DISPLACEMENT_PERIOD_MEAN, &periods.mean)?;
-    put_ends(to, &layout::DISPLACEMENT_PERIOD_MEAN_ENDS, &periods.mean_ends)?;
-    to.put(&layout::DISPLACEMENT_PERIOD_VARIANCE, &periods.variance)?;
-    put_ends(to, &layout::DISPLACEMENT_PERIOD_VARIANCE_ENDS, &periods.variance_ends)
+    to.write_variable(&layout::PERIOD, &n)?;
+    to.write_variable(&layout::PERIOD_TIME, &periods.time)?;
+    to.write_variable(&layout::DISPLACEMENT_PERIOD_MEAN, &periods.mean)?;
+    write_ends(to, &layout::DISPLACEMENT_PERIOD_MEAN_ENDS, &periods.mean_ends)?;
+    to.write_variable(&layout::DISPLACEMENT_PERIOD_VARIANCE, &periods.variance)?;
+    write_ends(to, &layout::DISPLACEMENT_PERIOD_VARIANCE_ENDS, &periods.variance_ends)
 }
 
 fn write_transient<D: Destination>(to: &mut D, transient: Option<Transient>) -> Result<(), D::Error> {
     let Some(Transient { end, sticks, stick_ends, slips, slip_ends, displacement }) = transient else { return Ok(()) };
-    to.put(&layout::TRANSIENT_END, &[end])?;
-    to.put(&layout::TRANSIENT_STICKS, &[sticks])?;
-    put_scalar_ends(to, &layout::TRANSIENT_STICKS_ENDS, stick_ends)?;
-    to.put(&layout::TRANSIENT_SLIPS, &[slips])?;
-    put_scalar_ends(to, &layout::TRANSIENT_SLIPS_ENDS, slip_ends)?;
-    to.put(&layout::TRANSIENT_DISPLACEMENT, &[displacement.estimate])?;
-    to.put(&layout::TRANSIENT_DISPLACEMENT_ERROR, &[displacement.standard_error])?;
-    put_scalar_ends(to, &layout::TRANSIENT_DISPLACEMENT_ENDS, [displacement.low, displacement.high])
+    to.write_variable(&layout::TRANSIENT_END, &[end])?;
+    to.write_variable(&layout::TRANSIENT_STICKS, &[sticks])?;
+    write_scalar_ends(to, &layout::TRANSIENT_STICKS_ENDS, stick_ends)?;
+    to.write_variable(&layout::TRANSIENT_SLIPS, &[slips])?;
+    write_scalar_ends(to, &layout::TRANSIENT_SLIPS_ENDS, slip_ends)?;
+    to.write_variable(&layout::TRANSIENT_DISPLACEMENT, &[displacement.estimate])?;
+    to.write_variable(&layout::TRANSIENT_DISPLACEMENT_ERROR, &[displacement.standard_error])?;
+    write_scalar_ends(to, &layout::TRANSIENT_DISPLACEMENT_ENDS, [displacement.low, displacement.high])
 }
 
 fn read_transient<S: Source>(from: &S) -> Result<Option<Transient>, S::Error> {

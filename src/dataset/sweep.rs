@@ -76,32 +76,32 @@ pub(crate) fn write<D: Destination>(to: &mut D, header: &Provenance, sweep: &Swe
 
 fn attributes<D: Destination>(to: &mut D, header: &Provenance, sweep: &Sweep) -> Result<(), D::Error> {
     let (major, minor) = SWEEP_FORMAT_VERSION;
-    to.say("Conventions", CONVENTIONS)?;
-    to.say("title", header.title.as_str())?;
-    to.say("format_name", SWEEP_FORMAT_NAME)?;
-    to.say("format_version", format!("{major}.{minor}"))?;
-    to.say("program_version", header.program_version.as_str())?;
-    to.say("git_hash", header.git_hash.as_str())?;
-    to.say("scheme", header.scheme.as_str())?;
-    to.say("seed", header.seed)?;
-    to.say("seeds", sweep.question.seeds.name())?;
-    to.say("generator", header.generator.as_str())?;
-    to.say("paths", header.paths)?;
-    to.say("block_size", header.block_size)?;
+    to.set_attribute("Conventions", CONVENTIONS)?;
+    to.set_attribute("title", header.title.as_str())?;
+    to.set_attribute("format_name", SWEEP_FORMAT_NAME)?;
+    to.set_attribute("format_version", format!("{major}.{minor}"))?;
+    to.set_attribute("program_version", header.program_version.as_str())?;
+    to.set_attribute("git_hash", header.git_hash.as_str())?;
+    to.set_attribute("scheme", header.scheme.as_str())?;
+    to.set_attribute("seed", header.seed)?;
+    to.set_attribute("seeds", sweep.question.seeds.name())?;
+    to.set_attribute("generator", header.generator.as_str())?;
+    to.set_attribute("paths", header.paths)?;
+    to.set_attribute("block_size", header.block_size)?;
     let status = if sweep.is_complete() { Status::Complete } else { Status::Running };
-    to.say("status", status.name())?;
-    to.say("points", sweep.points.len() as u64)?;
-    to.say("completed_points", sweep.done() as u64)?;
-    to.say("bias_of_the_step", if sweep.question.with_bias { "estimated" } else { "left out" })?;
-    to.say("design", name(&sweep.question.design))?;
+    to.set_attribute("status", status.name())?;
+    to.set_attribute("points", sweep.points.len() as u64)?;
+    to.set_attribute("completed_points", sweep.done() as u64)?;
+    to.set_attribute("bias_of_the_step", if sweep.question.with_bias { "estimated" } else { "left out" })?;
+    to.set_attribute("design", name(&sweep.question.design))?;
     let axes: Vec<&str> = sweep.question.design.axes().iter().map(|axis| axis.name.as_str()).collect();
     if !axes.is_empty() {
-        to.say("axes", axes.join(" "))?;
+        to.set_attribute("axes", axes.join(" "))?;
     }
     if let Design::Star { relative_step, .. } = sweep.question.design {
-        to.say("relative_step", relative_step)?;
+        to.set_attribute("relative_step", relative_step)?;
     }
-    to.say("scenario", header.scenario_text.as_str())
+    to.set_attribute("scenario", header.scenario_text.as_str())
 }
 
 /// The name of a design.
@@ -116,42 +116,42 @@ pub(crate) fn name(design: &Design) -> &'static str {
 /// Write the coordinates. Returns the names of the dimensions of the design.
 fn coordinates<D: Destination>(to: &mut D, sweep: &Sweep) -> Result<Vec<String>, D::Error> {
     write_statistics(to)?;
-    to.put(&own::GROUP, &(0..GROUPS as u32).collect::<Vec<_>>())?;
+    to.write_variable(&own::GROUP, &(0..GROUPS as u32).collect::<Vec<_>>())?;
     let design = &sweep.question.design;
     let numbers: Vec<u32> = (0..).take(design.points()).collect();
     match design {
         Design::Grid(axes) => {
             for axis in axes {
-                put_axis(to, axis, &[&axis.name])?;
+                write_axis(to, axis, &[&axis.name])?;
             }
-            to.put(&own::ALONG, &texts(design.along()))?;
+            to.write_variable(&own::ALONG, &texts(design.along()))?;
             Ok(axes.iter().map(|axis| axis.name.clone()).collect())
         }
         Design::Zip(axes) => {
-            to.put(&own::POINT, &numbers)?;
+            to.write_variable(&own::POINT, &numbers)?;
             for axis in axes {
-                put_axis(to, axis, &["point"])?;
+                write_axis(to, axis, &["point"])?;
             }
-            to.put(&own::ALONG, &texts(design.along()))?;
+            to.write_variable(&own::ALONG, &texts(design.along()))?;
             Ok(vec!["point".to_string()])
         }
         Design::Star { keys, .. } => {
-            to.put(&own::POINT, &numbers)?;
+            to.write_variable(&own::POINT, &numbers)?;
             let settings: Vec<_> = (0..design.points()).map(|point| design.settings(point).pop()).collect();
             let key = |point: usize| settings[point].as_ref().map_or("none", |setting| setting.key.as_str());
             let value = |point: usize| settings[point].as_ref().map_or(f64::NAN, |setting| setting.value);
-            to.put(&own::POINT_KEY, &texts((0..design.points()).map(key)))?;
-            to.put(&own::POINT_VALUE, &(0..design.points()).map(value).collect::<Vec<_>>())?;
-            to.put(&own::KEY, &texts(keys.iter().map(|key| key.0.as_str())))?;
-            to.put(&own::KEY_VALUE, &keys.iter().map(|key| key.1).collect::<Vec<_>>())?;
+            to.write_variable(&own::POINT_KEY, &texts((0..design.points()).map(key)))?;
+            to.write_variable(&own::POINT_VALUE, &(0..design.points()).map(value).collect::<Vec<_>>())?;
+            to.write_variable(&own::KEY, &texts(keys.iter().map(|key| key.0.as_str())))?;
+            to.write_variable(&own::KEY_VALUE, &keys.iter().map(|key| key.1).collect::<Vec<_>>())?;
             Ok(vec!["point".to_string()])
         }
     }
 }
 
-fn put_axis<D: Destination>(to: &mut D, axis: &Axis, axes: &[&str]) -> Result<(), D::Error> {
+fn write_axis<D: Destination>(to: &mut D, axis: &Axis, axes: &[&str]) -> Result<(), D::Error> {
     let attributes = [("key", axis.key.as_str())];
-    to.put(&variable(&axis.name, axes, Unit::None, &axis.key).with(&attributes), &axis.values)
+    to.write_variable(&variable(&axis.name, axes, Unit::None, &axis.key).with(&attributes), &axis.values)
 }
 
 fn points<D: Destination>(to: &mut D, sweep: &Sweep, shape: &[&str]) -> Result<(), D::Error> {
@@ -185,7 +185,7 @@ fn points<D: Destination>(to: &mut D, sweep: &Sweep, shape: &[&str]) -> Result<(
             None => [f64::NAN; Statistic::ALL.len()],
         };
         let values: Vec<f64> = sweep.points.iter().flat_map(of).collect();
-        to.put(&along(variable, &dimensions, &attributes), &values)?;
+        to.write_variable(&along(variable, &dimensions, &attributes), &values)?;
     }
     let with_groups = [shape, &["group", "statistic"]].concat();
     let missing = [f64::NAN; Statistic::ALL.len()];
@@ -195,7 +195,7 @@ fn points<D: Destination>(to: &mut D, sweep: &Sweep, shape: &[&str]) -> Result<(
         all.flatten().collect::<Vec<f64>>()
     };
     let values: Vec<f64> = sweep.points.iter().flat_map(without).collect();
-    to.put(&along(&own::ESTIMATE_WITHOUT, &with_groups, &[]), &values)?;
+    to.write_variable(&along(&own::ESTIMATE_WITHOUT, &with_groups, &[]), &values)?;
 
     let whole =
         |of: fn(&Point) -> u64| -> Vec<u64> { sweep.points.iter().map(|point| point.as_ref().map_or(0, of)).collect() };
@@ -206,11 +206,11 @@ fn points<D: Destination>(to: &mut D, sweep: &Sweep, shape: &[&str]) -> Result<(
     };
     let seconds = |point: &Option<Point>| point.as_ref().map_or(f64::NAN, |point| point.seconds);
     let seeds: Vec<u64> = sweep.question.points.iter().map(|scenario| scenario.ensemble.seed).collect();
-    to.put(&along(&own::POINT_STATUS, shape, &[]), &sweep.points.iter().map(status).collect::<Vec<i8>>())?;
-    to.put(&along(&own::POINT_COMPLETED_PATHS, shape, &[]), &whole(|point| point.completed_paths))?;
-    to.put(&along(&own::POINT_DIVERGED_PATHS, shape, &[]), &whole(|point| point.diverged_paths))?;
-    to.put(&along(&own::POINT_SEED, shape, &[]), &seeds)?;
-    to.put(&along(&own::POINT_SECONDS, shape, &[]), &sweep.points.iter().map(seconds).collect::<Vec<f64>>())
+    to.write_variable(&along(&own::POINT_STATUS, shape, &[]), &sweep.points.iter().map(status).collect::<Vec<i8>>())?;
+    to.write_variable(&along(&own::POINT_COMPLETED_PATHS, shape, &[]), &whole(|point| point.completed_paths))?;
+    to.write_variable(&along(&own::POINT_DIVERGED_PATHS, shape, &[]), &whole(|point| point.diverged_paths))?;
+    to.write_variable(&along(&own::POINT_SEED, shape, &[]), &seeds)?;
+    to.write_variable(&along(&own::POINT_SECONDS, shape, &[]), &sweep.points.iter().map(seconds).collect::<Vec<f64>>())
 }
 
 fn numbers(paired: Option<Paired>) -> [f64; 5] {
@@ -227,16 +227,16 @@ fn differences<D: Destination>(to: &mut D, sweep: &Sweep, shape: &[&str]) -> Res
         }
     }
     let dimensions = [&["along"], shape, &["statistic"]].concat();
-    put_each(to, &own::PER_DIFFERENCE, &dimensions, &all)
+    write_each(to, &own::PER_DIFFERENCE, &dimensions, &all)
 }
 
 fn elasticities<D: Destination>(to: &mut D, sweep: &Sweep, keys: usize) -> Result<(), D::Error> {
     let of = |key: usize| Statistic::ALL.map(|statistic| numbers(sweep.elasticity(key, statistic)));
     let all: Vec<[f64; 5]> = (0..keys).flat_map(of).collect();
-    put_each(to, &own::PER_ELASTICITY, &["key", "statistic"], &all)
+    write_each(to, &own::PER_ELASTICITY, &["key", "statistic"], &all)
 }
 
-fn put_each<D: Destination>(
+fn write_each<D: Destination>(
     to: &mut D,
     variables: &[Described],
     dimensions: &[&str],
@@ -244,7 +244,7 @@ fn put_each<D: Destination>(
 ) -> Result<(), D::Error> {
     for (i, variable) in variables.iter().enumerate() {
         let described = Described { axes: dimensions, ..*variable };
-        to.put(&described, &all.iter().map(|numbers| numbers[i]).collect::<Vec<f64>>())?;
+        to.write_variable(&described, &all.iter().map(|numbers| numbers[i]).collect::<Vec<f64>>())?;
     }
     Ok(())
 }

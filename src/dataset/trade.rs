@@ -23,48 +23,48 @@ pub(crate) fn write<D: Destination>(to: &mut D, header: &Provenance, trade: &Tra
 }
 
 fn attributes<D: Destination>(to: &mut D, header: &Provenance, trade: &Trade) -> Result<(), D::Error> {
-    to.say("Conventions", CONVENTIONS)?;
-    to.say("title", header.title.as_str())?;
-    to.say("format_name", TRADE_FORMAT_NAME)?;
-    to.say("format_version", "1.0")?;
-    to.say("program_version", header.program_version.as_str())?;
-    to.say("git_hash", header.git_hash.as_str())?;
-    to.say("seed", header.seed)?;
-    to.say("generator", header.generator.as_str())?;
-    to.say("reference", trade.reference().scheme.to_string())?;
-    to.say("scenario", header.scenario_text.as_str())
+    to.set_attribute("Conventions", CONVENTIONS)?;
+    to.set_attribute("title", header.title.as_str())?;
+    to.set_attribute("format_name", TRADE_FORMAT_NAME)?;
+    to.set_attribute("format_version", "1.0")?;
+    to.set_attribute("program_version", header.program_version.as_str())?;
+    to.set_attribute("git_hash", header.git_hash.as_str())?;
+    to.set_attribute("seed", header.seed)?;
+    to.set_attribute("generator", header.generator.as_str())?;
+    to.set_attribute("reference", trade.reference().scheme.to_string())?;
+    to.set_attribute("scenario", header.scenario_text.as_str())
 }
 
 fn coordinates<D: Destination>(to: &mut D, trade: &Trade) -> Result<(), D::Error> {
     let numbers: Vec<u32> = (0..).take(trade.rungs.len()).collect();
     write_statistics(to)?;
-    to.put(&RUNG, &numbers)?;
-    to.put(&SCHEME, &texts(trade.schemes().into_iter().map(|scheme| scheme.name())))?;
-    to.put(&TARGET, &TARGETS)
+    to.write_variable(&RUNG, &numbers)?;
+    to.write_variable(&SCHEME, &texts(trade.schemes().into_iter().map(|scheme| scheme.name())))?;
+    to.write_variable(&TARGET, &TARGETS)
 }
 
 fn measured<D: Destination>(to: &mut D, trade: &Trade) -> Result<(), D::Error> {
     let of = |value: &dyn Fn(&Rung) -> f64| -> Vec<f64> { trade.rungs.iter().map(value).collect() };
     let whole = |value: &dyn Fn(&Rung) -> u64| -> Vec<u64> { trade.rungs.iter().map(value).collect() };
-    to.put(&RUNG_SCHEME, &texts(trade.rungs.iter().map(|rung| rung.scheme.name())))?;
-    to.put(&RUNG_STEP, &of(&|rung| rung.scheme.step().unwrap_or(f64::NAN)))?;
-    to.put(&RUNG_TOLERANCE, &of(&|rung| rung.scheme.tolerance().unwrap_or(f64::NAN)))?;
-    to.put(&RUNG_PATHS, &whole(&|rung| rung.paths))?;
-    to.put(&RUNG_DIVERGED, &whole(&|rung| rung.diverged))?;
-    to.put(&RUNG_SECONDS_FIRST, &of(&|rung| rung.cost.first))?;
-    to.put(&RUNG_SECONDS, &of(&|rung| rung.cost.each))?;
+    to.write_variable(&RUNG_SCHEME, &texts(trade.rungs.iter().map(|rung| rung.scheme.name())))?;
+    to.write_variable(&RUNG_STEP, &of(&|rung| rung.scheme.step().unwrap_or(f64::NAN)))?;
+    to.write_variable(&RUNG_TOLERANCE, &of(&|rung| rung.scheme.tolerance().unwrap_or(f64::NAN)))?;
+    to.write_variable(&RUNG_PATHS, &whole(&|rung| rung.paths))?;
+    to.write_variable(&RUNG_DIVERGED, &whole(&|rung| rung.diverged))?;
+    to.write_variable(&RUNG_SECONDS_FIRST, &of(&|rung| rung.cost.first))?;
+    to.write_variable(&RUNG_SECONDS, &of(&|rung| rung.cost.each))?;
     let each = |value: &dyn Fn(&Rung, Statistic) -> f64| -> Vec<f64> {
         trade.rungs.iter().flat_map(|rung| Statistic::ALL.map(|statistic| value(rung, statistic))).collect()
     };
     let change =
         |rung: &Rung, s: Statistic| rung.change(s).map_or([f64::NAN; 2], |change| [change.value, change.error]);
-    to.put(&RUNG_ESTIMATE, &each(&|rung, s| rung.estimate(s).value))?;
-    to.put(&RUNG_STANDARD_ERROR, &each(&|rung, s| rung.estimate(s).error))?;
-    to.put(&RUNG_VARIANCE, &each(&|rung, s| rung.variance(s)))?;
-    to.put(&RUNG_BIAS, &each(&|rung, s| trade.bias(rung, s).value))?;
-    to.put(&RUNG_BIAS_ERROR, &each(&|rung, s| trade.bias(rung, s).error))?;
-    to.put(&RUNG_CHANGE, &each(&|rung, s| change(rung, s)[0]))?;
-    to.put(&RUNG_CHANGE_ERROR, &each(&|rung, s| change(rung, s)[1]))
+    to.write_variable(&RUNG_ESTIMATE, &each(&|rung, s| rung.estimate(s).value))?;
+    to.write_variable(&RUNG_STANDARD_ERROR, &each(&|rung, s| rung.estimate(s).error))?;
+    to.write_variable(&RUNG_VARIANCE, &each(&|rung, s| rung.variance(s)))?;
+    to.write_variable(&RUNG_BIAS, &each(&|rung, s| trade.bias(rung, s).value))?;
+    to.write_variable(&RUNG_BIAS_ERROR, &each(&|rung, s| trade.bias(rung, s).error))?;
+    to.write_variable(&RUNG_CHANGE, &each(&|rung, s| change(rung, s)[0]))?;
+    to.write_variable(&RUNG_CHANGE_ERROR, &each(&|rung, s| change(rung, s)[1]))
 }
 
 fn orders<D: Destination>(to: &mut D, trade: &Trade) -> Result<(), D::Error> {
@@ -74,10 +74,10 @@ fn orders<D: Destination>(to: &mut D, trade: &Trade) -> Result<(), D::Error> {
         .collect();
     let scales = Statistic::ALL.map(|statistic| trade.standing(statistic).scale().unwrap_or(f64::NAN));
     let notes = Statistic::ALL.map(|statistic| trade.standing(statistic).to_string());
-    to.put(&STATISTIC_SCALE, &scales)?;
-    to.put(&STATISTIC_NOTE, &texts(notes.iter().map(String::as_str)))?;
-    to.put(&SCHEME_ORDER, &orders.iter().map(|order| order[0]).collect::<Vec<_>>())?;
-    to.put(&SCHEME_ORDER_ERROR, &orders.iter().map(|order| order[1]).collect::<Vec<_>>())
+    to.write_variable(&STATISTIC_SCALE, &scales)?;
+    to.write_variable(&STATISTIC_NOTE, &texts(notes.iter().map(String::as_str)))?;
+    to.write_variable(&SCHEME_ORDER, &orders.iter().map(|order| order[0]).collect::<Vec<_>>())?;
+    to.write_variable(&SCHEME_ORDER_ERROR, &orders.iter().map(|order| order[1]).collect::<Vec<_>>())
 }
 
 fn predicted<D: Destination>(to: &mut D, trade: &Trade) -> Result<(), D::Error> {
@@ -90,19 +90,19 @@ fn predicted<D: Destination>(to: &mut D, trade: &Trade) -> Result<(), D::Error> 
     let of = |value: &dyn Fn(&Choice) -> f64| -> Vec<f64> {
         choices.iter().map(|choice| choice.as_ref().map_or(f64::NAN, value)).collect()
     };
-    to.put(&PREDICTED_SECONDS, &of(&|choice| choice.seconds))?;
-    to.put(&PREDICTED_PATHS, &of(&|choice| choice.paths as f64))?;
+    to.write_variable(&PREDICTED_SECONDS, &of(&|choice| choice.seconds))?;
+    to.write_variable(&PREDICTED_PATHS, &of(&|choice| choice.paths as f64))?;
     let is_antithetic = |choice: &Option<Choice>| i8::from(choice.is_some_and(|choice| choice.is_antithetic));
-    to.put(&PREDICTED_ANTITHETIC, &choices.iter().map(is_antithetic).collect::<Vec<i8>>())?;
-    to.put(&PREDICTED_STEP, &of(&|choice| choice.scheme.step().unwrap_or(f64::NAN)))?;
-    to.put(&PREDICTED_TOLERANCE, &of(&|choice| choice.scheme.tolerance().unwrap_or(f64::NAN)))?;
-    to.put(&PREDICTED_BIAS, &of(&|choice| choice.bias))?;
+    to.write_variable(&PREDICTED_ANTITHETIC, &choices.iter().map(is_antithetic).collect::<Vec<i8>>())?;
+    to.write_variable(&PREDICTED_STEP, &of(&|choice| choice.scheme.step().unwrap_or(f64::NAN)))?;
+    to.write_variable(&PREDICTED_TOLERANCE, &of(&|choice| choice.scheme.tolerance().unwrap_or(f64::NAN)))?;
+    to.write_variable(&PREDICTED_BIAS, &of(&|choice| choice.bias))?;
     let winner = |statistic, target| match trade.best(None, &[statistic], target) {
         Ok(choice) => choice.scheme.name(),
         Err(_) => "none",
     };
     let winners = Statistic::ALL.into_iter().flat_map(|s| TARGETS.map(|target| winner(s, target)));
-    to.put(&WINNER, &texts(winners))
+    to.write_variable(&WINNER, &texts(winners))
 }
 
 /// The prices of accuracy in a trade, for each statistic.

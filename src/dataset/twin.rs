@@ -15,16 +15,16 @@ pub(crate) fn write<D: Destination>(to: &mut D, start: &str, truth: &Values, twi
     for (name, value) in
         [("format_name", FORMAT_NAME), ("program_version", PROGRAM_VERSION), ("git_hash", GIT_HASH), ("start", start)]
     {
-        to.say(name, value)?;
+        to.set_attribute(name, value)?;
     }
-    to.say("slips", twin.slips)?;
-    to.put(&QUANTITY, &texts(Quantity::ALL.map(Quantity::key)))?;
-    to.put(&QUANTITY_SYMBOL, &texts(Quantity::ALL.map(Quantity::symbol)))?;
-    to.put(&QUANTITY_UNIT, &texts(Quantity::ALL.map(Quantity::unit)))?;
-    to.put(&TRUTH, truth)?;
-    to.put(&TIME, &twin.times)?;
-    to.put(&TEMPERATURE, &twin.temperatures)?;
-    to.put(&DISPLACEMENT, &twin.readings)
+    to.set_attribute("slips", twin.slips)?;
+    to.write_variable(&QUANTITY, &texts(Quantity::ALL.map(Quantity::key)))?;
+    to.write_variable(&QUANTITY_SYMBOL, &texts(Quantity::ALL.map(Quantity::symbol)))?;
+    to.write_variable(&QUANTITY_UNIT, &texts(Quantity::ALL.map(Quantity::unit)))?;
+    to.write_variable(&TRUTH, truth)?;
+    to.write_variable(&TIME, &twin.times)?;
+    to.write_variable(&TEMPERATURE, &twin.temperatures)?;
+    to.write_variable(&DISPLACEMENT, &twin.readings)
 }
 
 const TRUTH: Variable = variable("truth", &["quantity"], Unit::None, "what a calibration is to find")

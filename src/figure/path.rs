@@ -58,15 +58,15 @@ struct Moment {
 
 /// A path, cut into pieces at its events.
 #[derive(Clone, Debug, PartialEq)]
-struct Story {
+struct PathTrace {
     pieces: Vec<Piece>,
     moments: Vec<Moment>,
 }
 
-impl Story {
+impl PathTrace {
     /// The pieces of a path that was simulated again: the rows of its trajectory, with its events
     /// inserted between them. None if events or trajectory were not kept.
-    fn of(replay: &Replay) -> Option<Story> {
+    fn of(replay: &Replay) -> Option<PathTrace> {
         let (events, rows) = (replay.block.events.as_ref()?, replay.block.trajectories.as_ref()?);
         let model = &replay.scenario.model;
         let time = replay.scenario.timeline().output_times();
@@ -78,7 +78,7 @@ impl Story {
         let end = time.len().min(rows.displacement.len());
         let mut next_row = 0;
         let mut piece = Piece { slip: None, samples: Vec::new() };
-        let mut story = Story { pieces: Vec::new(), moments: Vec::new() };
+        let mut trace = PathTrace { pieces: Vec::new(), moments: Vec::new() };
         let (mut j, mut k) = (0_usize, 0_usize);
         for i in 0..events.time.len() {
             // The velocity is zero at an event, so the force b is that of the spring alone.
@@ -104,19 +104,19 @@ impl Story {
                     (Some((k, sign)), format!("*τ*_{{{j}}}^{{{}}}", k - 1))
                 }
             };
-            story.moments.push(Moment { at, name, is_turn: events.kind[i] == 2 });
+            trace.moments.push(Moment { at, name, is_turn: events.kind[i] == 2 });
             let before = std::mem::replace(&mut piece, Piece { slip, samples: vec![at] });
-            story.pieces.push(before);
+            trace.pieces.push(before);
         }
         piece.samples.extend((next_row..end).map(row));
-        story.pieces.push(piece);
+        trace.pieces.push(piece);
         if let Some(first) =
-            story.pieces.iter().find_map(|piece| piece.samples.first()).filter(|first| first.time == 0.0)
-            && story.moments.first().is_none_or(|moment| moment.at.time > 0.0)
+            trace.pieces.iter().find_map(|piece| piece.samples.first()).filter(|first| first.time == 0.0)
+            && trace.moments.first().is_none_or(|moment| moment.at.time > 0.0)
         {
-            story.moments.insert(0, Moment { at: *first, name: "*τ*_{0}".to_string(), is_turn: false });
+            trace.moments.insert(0, Moment { at: *first, name: "*τ*_{0}".to_string(), is_turn: false });
         }
-        Some(story)
+        Some(trace)
     }
 
     /// The time from an event to the nearest other event.
@@ -150,9 +150,9 @@ impl Story {
 /// faintly.
 const FEW: usize = 8;
 /// With more events than this, no lines lead from the events to the axis.
-const LED: usize = 70;
+const MOST_LED: usize = 70;
 /// With more events than this, no marks are drawn, because they would merge to a line.
-const MARKED: usize = 150;
+const MOST_MARKED: usize = 150;
 /// The space at both ends of the axis of time, as a share of it.
 const MARGIN: f64 = 0.025;
 /// Curves whose sizes differ by more than this factor do not share an axis.
@@ -161,55 +161,55 @@ const ALIKE: f64 = 8.0;
 fn draw(subject: &Subject, style: &Style) -> Result<Scene, Absent> {
     let (scenario, number) = subject.path()?;
     let replay = Replay::of(scenario, number);
-    let story = Story::of(&replay).filter(|_| !replay.is_lost()).ok_or(Absent::Lost(number))?;
+    let trace = PathTrace::of(&replay).filter(|_| !replay.is_lost()).ok_or(Absent::Lost(number))?;
     let palette = style.palette();
     let units = [Dimension::TIME, Dimension::LENGTH, Dimension::VELOCITY, Dimension::FORCE];
     let [time_unit, length_unit, velocity_unit, force_unit] = units.map(|d| d.label(&scenario.units));
     let [friction, end] = [scenario.model.friction.static_force, scenario.time.end];
     let time = || Axis::linear([-MARGIN * end, (1.0 + MARGIN) * end], Label::new("time *t*"), &time_unit);
 
-    let displacement = over_time(&story, palette, time(), &length_unit);
+    let displacement = over_time(&trace, palette, time(), &length_unit);
 
-    let size = |values: &dyn Fn(&Sample) -> f64| story.samples().map(|s| values(s).abs()).fold(0.0, f64::max);
+    let size = |values: &dyn Fn(&Sample) -> f64| trace.samples().map(|s| values(s).abs()).fold(0.0, f64::max);
     let ratio = size(&|s| s.velocity) / size(&|s| s.spring).max(f64::MIN_POSITIVE);
     let is_dimensionless = velocity_unit.is_empty() && force_unit.is_empty();
     let is_shared = is_dimensionless && (1.0 / ALIKE..ALIKE).contains(&ratio);
     let spring = Stroke::solid(palette.faint, THIN);
     let force = Stroke::dashed(palette.fourth, 0.9, &DASHES);
-    let springs = || story.samples().map(|s| [s.time, s.spring]).collect::<Vec<_>>();
-    let dry = friction_force(&story, scenario.model.friction.dynamic_force);
+    let springs = || trace.samples().map(|s| [s.time, s.spring]).collect::<Vec<_>>();
+    let dry = friction_force(&trace, scenario.model.friction.dynamic_force);
     let mut middle = Vec::new();
     if is_shared {
-        let seen = story.samples().flat_map(|s| [s.velocity, s.spring]).chain(dry.iter().map(|p| p[1]));
+        let seen = trace.samples().flat_map(|s| [s.velocity, s.spring]).chain(dry.iter().map(|p| p[1]));
         let mut panel = Panel::new(time(), Axis::around(seen, Label::new("velocity *ẋ*(*t*), force"), ""), 104.0);
         panel.line(springs(), spring.clone());
         panel.line(dry, force.clone());
-        velocities(&story, palette, &mut panel);
+        velocities(&trace, palette, &mut panel);
         middle.push(panel.lettered('B'));
     } else {
-        let seen = story.samples().map(|s| s.velocity);
+        let seen = trace.samples().map(|s| s.velocity);
         let mut panel = Panel::new(time(), Axis::around(seen, Label::new("velocity *ẋ*(*t*)"), &velocity_unit), 76.0);
-        velocities(&story, palette, &mut panel);
+        velocities(&trace, palette, &mut panel);
         middle.push(panel.lettered('B').above_another());
-        let seen = story.samples().map(|s| s.spring).chain(dry.iter().map(|p| p[1]));
+        let seen = trace.samples().map(|s| s.spring).chain(dry.iter().map(|p| p[1]));
         let mut panel = Panel::new(time(), Axis::around(seen, Label::new("force"), &force_unit), 76.0);
         panel.line(springs(), spring.clone());
         panel.line(dry, force.clone());
         middle.push(panel);
     }
-    let plane = phase_plane(&story, palette, friction, &velocity_unit, &force_unit);
+    let plane = phase_plane(&trace, palette, friction, &velocity_unit, &force_unit);
 
     let mut legend = vec![Entry::line(Stroke::dashed(palette.ink, LINE, &DASH_DOT), "static")];
     let names = ["slip", "2nd sub-phase", "3rd and later"];
-    let occurring = story.occurring();
+    let occurring = trace.occurring();
     legend.extend((0..3).filter(|k| occurring[*k]).map(|k| Entry::line(solid(of_sub_phase(k + 1, palette)), names[k])));
     legend.push(Entry::line(spring, "*K*(*βT* − *x*)"));
     legend.push(Entry::line(force, "friction *F*"));
-    if story.moments.len() > MARKED {
-        let words = format!("{} events, too close to be marked", grouped(story.moments.len() as u64));
+    if trace.moments.len() > MOST_MARKED {
+        let words = format!("{} events, too close to be marked", grouped(trace.moments.len() as u64));
         legend.push(Entry::words(Label::verbatim(&words)));
     }
-    if story.in_full().len() < story.pieces.len() {
+    if trace.in_full().len() < trace.pieces.len() {
         legend.push(Entry::words(Label::new("**C**: the longest slip; others thin")));
     }
     let panels: Vec<Panel> =
@@ -225,10 +225,10 @@ pub(super) struct Phases {
 
 /// The phases of a path; none if its events or its trajectory were not kept.
 pub(super) fn phases(replay: &Replay) -> Option<Phases> {
-    let story = Story::of(replay)?;
-    let sticks = story.pieces.iter().filter(|piece| piece.slip.is_none());
+    let trace = PathTrace::of(replay)?;
+    let sticks = trace.pieces.iter().filter(|piece| piece.slip.is_none());
     let sticks = sticks.map(|piece| [piece.begin(), piece.end()]).collect();
-    Some(Phases { curve: story.samples().map(|s| [s.time, s.displacement]).collect(), sticks })
+    Some(Phases { curve: trace.samples().map(|s| [s.time, s.displacement]).collect(), sticks })
 }
 
 /// The colour of sub-phase k of a slip.
@@ -248,8 +248,8 @@ fn stroke(piece: &Piece, palette: &Palette) -> Stroke {
 }
 
 /// Panel A: x over time. A line leads from each event to the axis, where the event is named.
-fn over_time(story: &Story, palette: &Palette, time: Axis, unit: &str) -> Panel {
-    let [low, high] = range_of(story.samples().map(|s| s.displacement));
+fn over_time(trace: &PathTrace, palette: &Palette, time: Axis, unit: &str) -> Panel {
+    let [low, high] = range_of(trace.samples().map(|s| s.displacement));
     // Where x is far from zero, the events are marked at the lower edge instead of at zero.
     let base =
         if low - 1.5 * (high - low) > 0.0 || high + 1.5 * (high - low) < 0.0 { low - 0.3 * (high - low) } else { 0.0 };
@@ -257,25 +257,25 @@ fn over_time(story: &Story, palette: &Palette, time: Axis, unit: &str) -> Panel 
     let axis = Axis::around([low - room, high + room, base], Label::new("displacement *x*(*t*)"), unit);
     let mut panel = Panel::new(time, axis, 108.0);
     panel.level(base, Stroke::solid(palette.faint, 0.4));
-    if story.moments.len() <= LED {
-        for moment in &story.moments {
+    if trace.moments.len() <= MOST_LED {
+        for moment in &trace.moments {
             let t = moment.at.time;
             panel.line(vec![[t, base], [t, moment.at.displacement]], Stroke::dashed(palette.faint, THIN, &DOTS));
         }
     }
-    for piece in &story.pieces {
+    for piece in &trace.pieces {
         panel.line(piece.samples.iter().map(|s| [s.time, s.displacement]).collect(), stroke(piece, palette));
     }
-    if story.moments.len() > MARKED {
+    if trace.moments.len() > MOST_MARKED {
         return panel;
     }
-    for moment in &story.moments {
+    for moment in &trace.moments {
         panel.mark([moment.at.time, base], moment.mark(), palette.ink);
     }
     // The events with most space around them are named first, so that as many as possible have a
     // name.
     let mut moments: Vec<(f64, &Moment)> =
-        story.moments.iter().map(|moment| (story.distance(moment), moment)).collect();
+        trace.moments.iter().map(|moment| (trace.distance(moment), moment)).collect();
     moments.sort_by(|one, other| other.0.total_cmp(&one.0));
     for (_, moment) in moments {
         let places: &[Beside] = if moment.at.displacement >= base { &UNDER } else { &OVER };
@@ -298,46 +298,46 @@ impl Moment {
 }
 
 /// Panel B: the velocity, with a mark at each event.
-fn velocities(story: &Story, palette: &Palette, panel: &mut Panel) {
+fn velocities(trace: &PathTrace, palette: &Palette, panel: &mut Panel) {
     panel.level(0.0, Stroke::solid(palette.faint, 0.4));
-    for piece in &story.pieces {
+    for piece in &trace.pieces {
         panel.line(piece.samples.iter().map(|s| [s.time, s.velocity]).collect(), stroke(piece, palette));
     }
-    for moment in story.moments.iter().filter(|_| story.moments.len() <= MARKED) {
+    for moment in trace.moments.iter().filter(|_| trace.moments.len() <= MOST_MARKED) {
         panel.mark([moment.at.time, 0.0], moment.mark(), palette.ink);
     }
 }
 
 /// The friction F over time: in a stick it balances the force b, in a slip it is f_d in the
 /// direction of motion.
-fn friction_force(story: &Story, dynamic: f64) -> Vec<[f64; 2]> {
+fn friction_force(trace: &PathTrace, dynamic: f64) -> Vec<[f64; 2]> {
     let force = |piece: &Piece, s: &Sample| [s.time, piece.slip.map_or(s.spring, |(_, sign)| sign * dynamic)];
-    story.pieces.iter().flat_map(|piece| piece.samples.iter().map(move |s| force(piece, s))).collect()
+    trace.pieces.iter().flat_map(|piece| piece.samples.iter().map(move |s| force(piece, s))).collect()
 }
 
 /// Panel C: the force of the spring against the velocity. With many events, only the longest
 /// complete slip is shown in full and the rest faintly.
-fn phase_plane(story: &Story, palette: &Palette, friction: f64, velocity_unit: &str, force_unit: &str) -> Panel {
-    let seen = story.samples().map(|s| s.velocity);
+fn phase_plane(trace: &PathTrace, palette: &Palette, friction: f64, velocity_unit: &str, force_unit: &str) -> Panel {
+    let seen = trace.samples().map(|s| s.velocity);
     let x = Axis::around(seen, Label::new("velocity *ẋ*(*t*)"), velocity_unit);
-    let seen = story.samples().map(|s| s.spring).chain([-friction, friction]);
+    let seen = trace.samples().map(|s| s.spring).chain([-friction, friction]);
     let y = Axis::around(seen, Label::new("force *K*(*βT* − *x*)"), force_unit);
     let right = x.range()[1];
     let mut panel = Panel::new(x, y, 124.0);
     for level in [-friction, friction] {
         panel.level(level, Stroke::dashed(palette.faint, 0.5, &DASHES));
     }
-    let full = story.in_full();
+    let full = trace.in_full();
     let points = |piece: &Piece| piece.samples.iter().map(|s| [s.velocity, s.spring]).collect();
-    let others = story.pieces.iter().enumerate().filter(|(i, _)| !full.contains(i));
+    let others = trace.pieces.iter().enumerate().filter(|(i, _)| !full.contains(i));
     for (_, piece) in others {
         panel.line(points(piece), Stroke::solid(palette.grid.mixed(palette.faint, 0.35), 0.4));
     }
-    for piece in &story.pieces[full.clone()] {
+    for piece in &trace.pieces[full.clone()] {
         panel.line(points(piece), stroke(piece, palette));
     }
-    let times = story.pieces[full.start].begin()..=story.pieces[full.end - 1].end();
-    let moments = || story.moments.iter().filter(|moment| times.contains(&moment.at.time));
+    let times = trace.pieces[full.start].begin()..=trace.pieces[full.end - 1].end();
+    let moments = || trace.moments.iter().filter(|moment| times.contains(&moment.at.time));
     for moment in moments() {
         panel.mark([0.0, moment.at.spring], moment.mark(), palette.ink);
     }
@@ -361,19 +361,19 @@ mod tests {
     use super::*;
     use crate::scenario::Scenario;
 
-    fn story(name: &str, path: u64) -> (Scenario, Story) {
+    fn trace(name: &str, path: u64) -> (Scenario, PathTrace) {
         let scenario = Scenario::shipped(name).expect("shipped");
-        let story = Story::of(&Replay::of(&scenario, path)).expect("not lost");
-        (scenario, story)
+        let trace = PathTrace::of(&Replay::of(&scenario, path)).expect("not lost");
+        (scenario, trace)
     }
 
     /// The events in the figure of the paper are at 0, 2.58, 13.38, 14.86 and 25.74. The last of
     /// them is one step before the velocity is zero.
     #[test]
     fn the_events_of_shaw_are_those_of_the_paper() {
-        let (_, story) = story("shaw", 0);
+        let (_, trace) = trace("shaw", 0);
         let marks: Vec<(String, String)> =
-            story.moments.iter().take(5).map(|m| (m.name.clone(), format!("{:.2}", m.at.time))).collect();
+            trace.moments.iter().take(5).map(|m| (m.name.clone(), format!("{:.2}", m.at.time))).collect();
         let expected = [
             ("*τ*_{0}", "0.00"),
             ("*τ*_{½}", "2.58"),
@@ -383,10 +383,10 @@ mod tests {
         ];
         assert_eq!(marks, expected.map(|(name, time)| (name.to_string(), time.to_string())));
         // The forces at these events in the phase plane.
-        let forces: Vec<f64> = story.moments[2..5].iter().map(|m| m.at.spring).collect();
+        let forces: Vec<f64> = trace.moments[2..5].iter().map(|m| m.at.spring).collect();
         assert!((forces[0] - 0.365_928).abs() < 1e-5 && (forces[1] - 1.2).abs() < 0.01, "{forces:?}");
-        assert!((story.moments[2].at.displacement + 6.242_23).abs() < 5e-6);
-        assert!((story.moments[4].at.displacement - 6.222_28).abs() < 5e-4);
+        assert!((trace.moments[2].at.displacement + 6.242_23).abs() < 5e-6);
+        assert!((trace.moments[4].at.displacement - 6.222_28).abs() < 5e-4);
     }
 
     /// The pieces follow each other without a gap, x does not change in a stick, and the velocity
@@ -394,13 +394,13 @@ mod tests {
     #[test]
     fn a_path_is_cut_at_its_events_and_nowhere_else() {
         for (name, path) in [("shaw", 0), ("rho025", 41)] {
-            let (scenario, story) = story(name, path);
-            for pair in story.pieces.windows(2) {
+            let (scenario, trace) = trace(name, path);
+            for pair in trace.pieces.windows(2) {
                 assert_eq!(pair[0].samples.last(), pair[1].samples.first());
             }
-            let last = story.pieces.last().and_then(|piece| piece.samples.last()).expect("it has an end");
+            let last = trace.pieces.last().and_then(|piece| piece.samples.last()).expect("it has an end");
             assert!((last.time - scenario.time.end).abs() < 1e-9);
-            for piece in &story.pieces {
+            for piece in &trace.pieces {
                 assert!(piece.samples.windows(2).all(|pair| pair[0].time <= pair[1].time));
                 for s in &piece.samples {
                     match piece.slip {
@@ -416,9 +416,9 @@ mod tests {
     /// event has a name, too.
     #[test]
     fn a_slip_of_several_sub_phases_has_its_turns_named() {
-        let (_, story) = story("rho025", 41);
-        assert_eq!(story.occurring()[..2], [true, true]);
-        let turn = story.moments.iter().find(|m| m.is_turn).expect("there is one");
+        let (_, trace) = trace("rho025", 41);
+        assert_eq!(trace.occurring()[..2], [true, true]);
+        let turn = trace.moments.iter().find(|m| m.is_turn).expect("there is one");
         assert!(turn.name.contains("}^{1}"), "{}", turn.name);
     }
 
@@ -426,10 +426,10 @@ mod tests {
     /// holds the body.
     #[test]
     fn friction_holds_in_sticks_and_drags_in_slips() {
-        let (scenario, story) = story("shaw", 0);
-        let force = friction_force(&story, scenario.model.friction.dynamic_force);
+        let (scenario, trace) = trace("shaw", 0);
+        let force = friction_force(&trace, scenario.model.friction.dynamic_force);
         let samples: Vec<(bool, f64)> =
-            story.pieces.iter().flat_map(|p| p.samples.iter().map(|s| (p.slip.is_none(), s.spring))).collect();
+            trace.pieces.iter().flat_map(|p| p.samples.iter().map(|s| (p.slip.is_none(), s.spring))).collect();
         for ((is_static, spring), [_, f]) in samples.into_iter().zip(force) {
             assert!(if is_static { f == spring && f.abs() < 1.2 + 0.01 } else { f.abs() == 1.0 });
         }

@@ -21,14 +21,14 @@ const RUN: u64 = 64;
 /// n from which the caller starts.
 #[derive(Clone, Debug)]
 pub struct HarmonicClock {
-    voices: Vec<Voice>,
+    harmonics: Vec<HarmonicTable>,
     /// The measured temperature, and h.
     series: Option<(Arc<Series>, f64)>,
 }
 
 /// One harmonic, with its table.
 #[derive(Clone, Debug)]
-struct Voice {
+struct HarmonicTable {
     amplitude: f64,
     phase: f64,
     /// w h / (2 pi), high and low part.
@@ -40,17 +40,17 @@ struct Voice {
 impl HarmonicClock {
     /// The values of these harmonics for steps of length `h`.
     pub fn new(harmonics: &[Harmonic], h: f64) -> Self {
-        let voice = |harmonic: &Harmonic| {
-            let mut voice = Voice {
+        let table = |harmonic: &Harmonic| {
+            let mut table = HarmonicTable {
                 amplitude: harmonic.amplitude,
                 phase: harmonic.phase,
                 turns: product(two_product(harmonic.angular_frequency, h), TURNS_PER_RADIAN),
                 ahead: Vec::new(),
             };
-            voice.ahead = (0..RUN).map(|j| libm::sincos(voice.angle(j))).map(|(s, c)| (c, s)).collect();
-            voice
+            table.ahead = (0..RUN).map(|j| libm::sincos(table.angle(j))).map(|(s, c)| (c, s)).collect();
+            table
         };
-        HarmonicClock { voices: harmonics.iter().map(voice).collect(), series: None }
+        HarmonicClock { harmonics: harmonics.iter().map(table).collect(), series: None }
     }
 
     /// The values of the harmonics and the series of a temperature, for steps of length `h`.
@@ -71,10 +71,10 @@ impl HarmonicClock {
     /// Writes values that all lie between two multiples of 64.
     fn fill_run(&self, n: u64, values: &mut [f64]) {
         values.fill(0.0);
-        for voice in &self.voices {
-            let (s, c) = libm::sincos(voice.angle(n - n % RUN) + voice.phase);
-            let (s, c) = (voice.amplitude * s, voice.amplitude * c);
-            for (value, (cos, sin)) in values.iter_mut().zip(&voice.ahead[(n % RUN) as usize..]) {
+        for table in &self.harmonics {
+            let (s, c) = libm::sincos(table.angle(n - n % RUN) + table.phase);
+            let (s, c) = (table.amplitude * s, table.amplitude * c);
+            for (value, (cos, sin)) in values.iter_mut().zip(&table.ahead[(n % RUN) as usize..]) {
                 *value += c * cos - s * sin;
             }
         }
@@ -91,7 +91,7 @@ impl HarmonicClock {
     }
 }
 
-impl Voice {
+impl HarmonicTable {
     /// w n h modulo whole turns, in radians.
     fn angle(&self, n: u64) -> f64 {
         let n = n as f64;

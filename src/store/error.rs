@@ -143,7 +143,7 @@ pub enum StoreError {
     },
     /// The file is not the file of a sweep.
     #[error("{}: this is no file of a sweep; choose another output file with -o, or overwrite it with --force", path.display())]
-    NoSweep {
+    NotASweep {
         /// The file.
         path: PathBuf,
     },

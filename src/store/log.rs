@@ -95,7 +95,7 @@ pub(super) enum LogError {
     /// The bytes are not those that were written.
     Damaged,
     /// The function that received the rows returned an error.
-    Shown(Box<super::StoreError>),
+    Visitor(Box<super::StoreError>),
 }
 
 impl From<Damaged> for LogError {
@@ -108,7 +108,7 @@ impl From<Damaged> for LogError {
 pub(super) fn read(
     path: &Path,
     end: Position,
-    mut show: impl FnMut(OwnedRows) -> Result<(), super::StoreError>,
+    mut visit: impl FnMut(OwnedRows) -> Result<(), super::StoreError>,
 ) -> Result<(), LogError> {
     let failed = |error: io::Error| match error.kind() {
         io::ErrorKind::UnexpectedEof => LogError::Damaged,
@@ -144,7 +144,7 @@ pub(super) fn read(
         if from.left() > 0 {
             return Err(LogError::Damaged);
         }
-        show(rows).map_err(|error| LogError::Shown(Box::new(error)))?;
+        visit(rows).map_err(|error| LogError::Visitor(Box::new(error)))?;
     }
     if at == end { Ok(()) } else { Err(LogError::Damaged) }
 }

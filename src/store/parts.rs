@@ -26,7 +26,7 @@ pub enum PartError {
     Store(#[from] StoreError),
     /// A file is not one part of a run; it may hold a whole run, for example.
     #[error("{}: not a part of a run, its status is `{}`\n  fix: give files of mc run --part", path.display(), status.name())]
-    NoPart {
+    NotAPart {
         /// The file.
         path: PathBuf,
         /// How the run ended.
@@ -132,7 +132,7 @@ impl Parts {
 
     /// A sink that writes the file of the whole run to `target`, once the merged sums are handed to
     /// it.
-    pub fn into_sink(&self, target: &Path, force: bool) -> impl Sink + '_ {
+    pub fn sink(&self, target: &Path, force: bool) -> impl Sink + '_ {
         Merge { parts: &self.parts, question: &self.question, target: target.to_owned(), force, workshop: None }
     }
 
@@ -162,7 +162,7 @@ fn read_state(path: &Path) -> Result<State, PartError> {
             let is_whole = state.paths() == state.question.asked.own_paths() && state.question.asked.part.is_some();
             if is_whole { Ok(state) } else { Err(StoreError::DamagedState { path: path.to_owned() }.into()) }
         }
-        Ok((status, _)) => Err(PartError::NoPart { path: path.to_owned(), status }),
+        Ok((status, _)) => Err(PartError::NotAPart { path: path.to_owned(), status }),
         Err(_) if super::reader::unfinished(path).is_some() => Err(PartError::Unfinished { path: path.to_owned() }),
         Err(error) => Err(error.into()),
     }

@@ -15,9 +15,9 @@ use std::time::{Duration, Instant};
 /// Shortest time between two saves of a run.
 const INTERVAL: Duration = Duration::from_millis(200);
 
-/// Saving takes at most one part in `SHARE` of the time, so that a run is saved less often on a
-/// slow disk.
-const SHARE: u32 = 50;
+/// Saving takes at most one part in this many of the time, so that a run is saved less often
+/// on a slow disk.
+const ONE_PART_IN: u32 = 50;
 
 /// Writes a run to a file, which gets its name only when the run is over.
 ///
@@ -182,12 +182,12 @@ fn go_on_with_log(workshop: &Workshop, end: Position) -> Result<Log, StoreError>
 fn read_log(
     path: PathBuf,
     end: Position,
-    show: impl FnMut(log::OwnedRows) -> Result<(), StoreError>,
+    visit: impl FnMut(log::OwnedRows) -> Result<(), StoreError>,
 ) -> Result<(), StoreError> {
-    log::read(&path, end, show).map_err(|error| match error {
+    log::read(&path, end, visit).map_err(|error| match error {
         LogError::Damaged => StoreError::DamagedState { path },
         LogError::Io(source) => StoreError::NotOpened { path, source },
-        LogError::Shown(error) => *error,
+        LogError::Visitor(error) => *error,
     })
 }
 
@@ -232,7 +232,7 @@ impl Open {
         let state = state::to_bytes(&self.question, &moment.state(), moment.spent, self.position);
         self.workshop.save(&state, self.appended)?;
         self.last = Instant::now();
-        self.interval = INTERVAL.max(start.elapsed() * SHARE);
+        self.interval = INTERVAL.max(start.elapsed() * ONE_PART_IN);
         Ok(())
     }
 

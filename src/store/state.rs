@@ -194,24 +194,24 @@ pub(super) fn of_bytes(bytes: &[u8], path: &Path) -> Result<State, StoreError> {
         return Err(StoreError::NewerState { path: path.to_owned() });
     }
     parse(&mut from).map_err(|unread| match unread {
-        Unread::Damaged => damaged(),
-        Unread::OtherProgram(programs) => other_program(path, &programs[0], &programs[1]),
+        ParseError::Damaged => damaged(),
+        ParseError::OtherProgram(programs) => other_program(path, &programs[0], &programs[1]),
     })
 }
 
 /// Why bytes with a correct checksum are not a state that can be used.
-enum Unread {
+enum ParseError {
     Damaged,
     OtherProgram(Box<[Program; 2]>),
 }
 
-impl From<Damaged> for Unread {
+impl From<Damaged> for ParseError {
     fn from(_: Damaged) -> Self {
-        Unread::Damaged
+        ParseError::Damaged
     }
 }
 
-fn parse(from: &mut Reader<'_>) -> Result<State, Unread> {
+fn parse(from: &mut Reader<'_>) -> Result<State, ParseError> {
     let (version, git_hash, generator) = (read_text(from)?, read_text(from)?, read_text(from)?);
     let program = Program { version, git_hash, generator, block_size: count(from)? };
     let text = read_text(from)?;
@@ -233,12 +233,16 @@ fn parse(from: &mut Reader<'_>) -> Result<State, Unread> {
     // instead of damage.
     let mine = Program::of(&Provenance::of(&scenario));
     let totals = empty.read(from.take(length)?).map_err(|_| match program == mine {
-        true => Unread::Damaged,
-        false => Unread::OtherProgram(Box::new([program.clone(), mine])),
+        true => ParseError::Damaged,
+        false => ParseError::OtherProgram(Box::new([program.clone(), mine])),
     })?;
     let is_sound = from.left() == 0 && is_of(&totals, &asked);
     let question = Question { scenario, asked, note };
-    if is_sound { Ok(State { program, question, so_far: SoFar { totals, spent }, log }) } else { Err(Unread::Damaged) }
+    if is_sound {
+        Ok(State { program, question, so_far: SoFar { totals, spent }, log })
+    } else {
+        Err(ParseError::Damaged)
+    }
 }
 
 /// Write the samples of a measured temperature: their number, all times, all values.

@@ -45,7 +45,7 @@ pub fn read_prices(path: &Path, statistic: Option<Statistic>) -> Result<Prices, 
     let mut prices = trade::read_prices(&file).map_err(damaged)?.into_iter();
     let found = match statistic {
         Some(statistic) => prices.find(|prices| prices.statistic == statistic),
-        None => prices.find(Prices::is_known),
+        None => prices.find(Prices::has_points),
     };
     found.ok_or_else(|| damaged("no statistic in it has prices".into()))
 }

@@ -110,7 +110,7 @@ impl Destination for Place {
         &self.units
     }
 
-    fn put<'a>(&mut self, variable: &Described, values: impl Into<Values<'a>>) -> Result<()> {
+    fn write_variable<'a>(&mut self, variable: &Described, values: impl Into<Values<'a>>) -> Result<()> {
         match values.into() {
             Values::F64(values) => self.write(variable, values),
             Values::U64(values) => self.write(variable, values),
@@ -123,7 +123,7 @@ impl Destination for Place {
         }
     }
 
-    fn say(&mut self, name: &str, value: impl Into<Attribute>) -> Result<()> {
+    fn set_attribute(&mut self, name: &str, value: impl Into<Attribute>) -> Result<()> {
         match value.into() {
             Attribute::Text(value) => write_scalar(&self.file, name, &text(&value)?),
             Attribute::Real(value) => write_scalar(&self.file, name, &value),

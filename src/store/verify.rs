@@ -151,7 +151,7 @@ impl Verification {
     }
 
     /// Keep a difference if it is the first one. Later differences often follow from the first.
-    fn differ(&mut self, variable: &str, path: Option<u64>, (index, stored, computed): Unlike) {
+    fn differ(&mut self, variable: &str, path: Option<u64>, (index, stored, computed): FirstDifference) {
         let new = Difference { variable: variable.to_owned(), path, index, stored, computed };
         self.difference.get_or_insert(new);
     }
@@ -186,7 +186,7 @@ impl Verification {
     }
 
     /// Compare some rows of a variable; returns the first difference.
-    fn held(&mut self, variable: &Variable, values: Values, rows: &Range<usize>) -> Result<Option<Unlike>> {
+    fn held(&mut self, variable: &Variable, values: Values, rows: &Range<usize>) -> Result<Option<FirstDifference>> {
         if rows.is_empty() {
             return Ok(None);
         }
@@ -200,7 +200,7 @@ impl Verification {
             Values::U8(_) => Column::U8(column(file, variable, rows)?),
             Values::Text(_) => return Err("no rows are texts".into()),
         };
-        Ok(unlike(&stored, values))
+        Ok(first_difference(&stored, values))
     }
 
     /// The number of events of all paths before this one, according to the file.
@@ -246,7 +246,7 @@ impl Destination for Verification {
         &self.units
     }
 
-    fn put<'a>(&mut self, variable: &Described, values: impl Into<Values<'a>>) -> Result<()> {
+    fn write_variable<'a>(&mut self, variable: &Described, values: impl Into<Values<'a>>) -> Result<()> {
         let values = values.into();
         let kind = match values {
             Values::F64(_) => Kind::F64,
@@ -262,14 +262,15 @@ impl Destination for Verification {
         self.seen.push(variable.name.to_owned());
         self.values += values.len() as u64;
         let stored = self.file.column(variable, kind)?;
-        let found = stored.map_or(Some((0, "missing".into(), "there".into())), |stored| unlike(&stored, values));
+        let found =
+            stored.map_or(Some((0, "missing".into(), "there".into())), |stored| first_difference(&stored, values));
         if let Some(found) = found {
             self.differ(variable.name, None, found);
         }
         Ok(())
     }
 
-    fn say(&mut self, name: &str, value: impl Into<Attribute>) -> Result<()> {
+    fn set_attribute(&mut self, name: &str, value: impl Into<Attribute>) -> Result<()> {
         if NOT_COMPARED.contains(&name) {
             return Ok(());
         }
@@ -296,11 +297,11 @@ impl Destination for Verification {
 }
 
 /// The index of a difference, and the stored and the computed value as text.
-type Unlike = (usize, String, String);
+type FirstDifference = (usize, String, String);
 
 /// The first value that differs. Reals are compared bit for bit, except that all NaN are equal,
 /// since NaN means a missing value.
-fn unlike(stored: &Column, computed: Values) -> Option<Unlike> {
+fn first_difference(stored: &Column, computed: Values) -> Option<FirstDifference> {
     let same_real = |a: &f64, b: &f64| a.to_bits() == b.to_bits() || a.is_nan() && b.is_nan();
     match (stored, computed) {
         // `first` prints reals with `{:?}`, which gives enough digits to distinguish any two of
@@ -315,7 +316,7 @@ fn unlike(stored: &Column, computed: Values) -> Option<Unlike> {
     }
 }
 
-fn first<T: fmt::Debug>(stored: &[T], computed: &[T], is_same: impl Fn(&T, &T) -> bool) -> Option<Unlike> {
+fn first<T: fmt::Debug>(stored: &[T], computed: &[T], is_same: impl Fn(&T, &T) -> bool) -> Option<FirstDifference> {
     if stored.len() != computed.len() {
         return Some((0, format!("one of {} values", stored.len()), format!("one of {}", computed.len())));
     }

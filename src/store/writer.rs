@@ -101,7 +101,7 @@ impl Writer {
     pub(super) fn part(&mut self, part: Part, state: &[u8]) -> Result<(), StoreError> {
         self.guarded(|open| {
             header::write_part(&mut open.place, part)?;
-            open.place.put(&layout::PART_STATE, state)
+            open.place.write_variable(&layout::PART_STATE, state)
         })
     }
 

@@ -9,14 +9,14 @@ use crate::stats::BlockObserver;
 use std::time::Duration;
 
 /// An observer that ends a simulation at a given time and records how far it came.
-struct Patience {
+struct TimeLimit {
     /// The end, in CPU seconds of this thread.
     until: f64,
     /// The simulated time of the last row of the output grid that was reached.
     reached: f64,
 }
 
-impl Observer for Patience {
+impl Observer for TimeLimit {
     fn event(&mut self, _: usize, _: Event) {}
 
     fn snapshot(&mut self, _: Instant, snapshot: Snapshot<'_>) {
@@ -28,16 +28,16 @@ impl Observer for Patience {
     }
 }
 
-/// CPU seconds of one path on one thread, measured on one block of paths for at most `patience` of
+/// CPU seconds of one path on one thread, measured on one block of paths for at most `limit` of
 /// CPU time. If the paths do not come to their end in that time, the rest of them is assumed to
 /// take as long per simulated time. `None` if no row of the output grid after t = 0 was reached.
-pub fn seconds_per_path(scenario: &Scenario, patience: Duration) -> Option<f64> {
+pub fn seconds_per_path(scenario: &Scenario, limit: Duration) -> Option<f64> {
     let plan = scenario.plan();
     let paths: Vec<u64> = (0..BLOCK_SIZE.min(scenario.ensemble.paths)).collect();
     let begun = thread_seconds();
-    let patience = Patience { until: begun + patience.as_secs_f64(), reached: 0.0 };
+    let time_limit = TimeLimit { until: begun + limit.as_secs_f64(), reached: 0.0 };
     let block = BlockObserver::new(plan.model(), plan.timeline(), &plan.record, &paths);
-    let mut watching = (block, patience);
+    let mut watching = (block, time_limit);
     plan.simulation.simulate(plan.seed, &drawn(&paths, plan.antithetic), &mut watching);
     let spent = thread_seconds() - begun;
     let end = scenario.time.end;
@@ -53,7 +53,7 @@ mod tests {
     /// measured paths come to their end. Timings vary, so the bounds are a factor of three on both
     /// sides.
     #[test]
-    fn what_takes_longer_than_the_patience_is_told_from_a_part_of_it() {
+    fn a_path_longer_than_the_limit_is_extrapolated_from_its_part() {
         let at = |step: f64| {
             let mut scenario = Scenario::shipped("rho025").expect("shipped");
             scenario.scheme = crate::scheme::DiscreteVi { step }.into();

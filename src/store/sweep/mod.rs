@@ -25,8 +25,8 @@ use std::time::{Duration, Instant};
 /// Shortest time between two updates of the file on disk.
 const INTERVAL: Duration = Duration::from_secs(1);
 
-/// Updating the file takes at most one part in `SHARE` of the time.
-const SHARE: u32 = 50;
+/// Updating the file takes at most one part in this many of the time.
+const ONE_PART_IN: u32 = 50;
 
 /// The file of a sweep that is being simulated. It holds the lock, so that no other process writes
 /// the file meanwhile.
@@ -92,7 +92,7 @@ impl SweepFile {
         let start = Instant::now();
         write::replace(&partial_path(&self.target), &self.header, sweep)?;
         self.last = Some(Instant::now());
-        self.interval = INTERVAL.max(start.elapsed() * SHARE);
+        self.interval = INTERVAL.max(start.elapsed() * ONE_PART_IN);
         Ok(())
     }
 

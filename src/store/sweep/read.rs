@@ -53,7 +53,7 @@ pub fn read_sweep(path: &Path) -> Result<StoredSweep, StoreError> {
     check_file(path)?;
     let file = open(path)?;
     if read_text(&file, "format_name").ok().as_deref() != Some(SWEEP_FORMAT_NAME) {
-        return Err(StoreError::NoSweep { path: path.to_owned() });
+        return Err(StoreError::NotASweep { path: path.to_owned() });
     }
     let damaged = |error: hdf5::Error| StoreError::Damaged { path: path.to_owned(), cause: cause(&error) };
     let version = read_text(&file, "format_version").map_err(damaged)?;

@@ -1,6 +1,5 @@
 //! The steps from a record to a calibration.
 
-use super::doubts::doubts;
 use super::hold::conditioned;
 use super::lag;
 use super::misfit::Misfit;
@@ -11,7 +10,8 @@ use super::samples::Record;
 use super::slips::Evidence;
 use super::spikes;
 use super::starts::{Search, starts};
-use super::uncertainty::{Around, Replicates};
+use super::uncertainty::{AroundLag, Replicates};
+use super::warnings::warnings;
 use std::sync::atomic::AtomicBool;
 
 /// The fewest usual slips that determine anything.
@@ -37,23 +37,23 @@ pub fn calibrate(
         Lag::Known(lag) => lag,
         Lag::Auto => 0.0,
     };
-    let see = |lag: f64| Evidence::find(&clean.lagged(lag).samples(), resolution).filter(is_visible);
-    let mut evidence = see(given);
+    let evidence_at = |lag: f64| Evidence::find(&clean.lagged(lag).samples(), resolution).filter(is_visible);
+    let mut evidence = evidence_at(given);
     let mut profile = evidence.as_ref().map(|evidence| lag::lag_profile(&clean, evidence));
     let mut used = given;
     if let (Lag::Auto, Some(first)) = (question.lag, &profile)
         && first.gain > lag::CONVINCING
-        && let Some(second) = see(first.likeliest)
+        && let Some(second) = evidence_at(first.likeliest)
     {
         let again = lag::lag_profile(&clean, &second);
         used = again.likeliest;
-        evidence = see(used);
+        evidence = evidence_at(used);
         profile = Some(again);
     }
     let steel = clean.lagged(used);
     let around = evidence.map(|evidence| match question.lag {
-        Lag::Auto if used > 0.0 => Around::lag(evidence, &clean, used),
-        _ => Around { here: evidence, beside: None },
+        Lag::Auto if used > 0.0 => AroundLag::lag(evidence, &clean, used),
+        _ => AroundLag { here: evidence, beside: None },
     });
     let by_slips = around.as_ref().and_then(|around| around.here.fit(&around.here.unweighted()));
     if by_slips.is_none() && question.method == Method::Slips {
@@ -93,7 +93,7 @@ pub fn calibrate(
         misfit: &misfit,
         starts: found,
     });
-    calibration.warnings = doubts(&calibration, evidence);
+    calibration.warnings = warnings(&calibration, evidence);
     Ok(calibration)
 }
 

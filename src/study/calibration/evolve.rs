@@ -13,8 +13,11 @@ const CANDIDATES: usize = 20;
 /// Largest number of generations of a population.
 const GENERATIONS: usize = 150;
 
-/// Largest number of repeated searches, and the width of their box relative to the first box.
-const AGAIN: (u32, f64) = (8, 0.1);
+/// Largest number of repeated searches.
+const REPEATS: u32 = 8;
+
+/// Width of the box of a repeated search, relative to the first box.
+const REPEAT_WIDTH: f64 = 0.1;
 
 /// The search ends after this many populations in a row that found nothing better.
 const ENOUGH: u32 = 2;
@@ -49,10 +52,10 @@ pub fn lowest<const N: usize>(
     let mut random = Stream::new(SEED, start);
     let mut best = population(bounds, &mut random, &leap, &f);
     let mut in_vain = 0;
-    for _ in 0..AGAIN.0 {
+    for _ in 0..REPEATS {
         let near = std::array::from_fn(|k| {
             let [low, high] = bounds[k];
-            let half = 0.5 * AGAIN.1 * (high - low);
+            let half = 0.5 * REPEAT_WIDTH * (high - low);
             [(best.0[k] - half).max(low), (best.0[k] + half).min(high)]
         });
         let next = population(&near, &mut random, &leap, &f);

@@ -44,7 +44,7 @@ impl Evidence {
         let first = self.slips.first()?;
         let start = match &self.beginning {
             None => first.temperature - first.sign * reach,
-            Some(level) => (level.less(still) - offset) / moving,
+            Some(level) => (level.minus_slope(still) - offset) / moving,
         };
         let fit = Response { motion: Motion { reach, jump, start }, sensor: Sensor { offset, moving, still } };
         (reach.is_finite() && jump.is_finite()).then_some(fit)

@@ -95,7 +95,7 @@ pub struct Level {
 
 impl Level {
     /// The level of z - still T.
-    pub fn less(&self, still: f64) -> f64 {
+    pub fn minus_slope(&self, still: f64) -> f64 {
         self.reading - still * self.temperature
     }
 

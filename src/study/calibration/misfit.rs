@@ -17,7 +17,7 @@ const RADIX: usize = 16;
 /// Cumulative sums over the samples before a given one, each weighted with the time that it stands
 /// for.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-struct Before {
+struct CumulativeSums {
     time: f64,
     temperature: f64,
     reading: f64,
@@ -27,7 +27,7 @@ struct Before {
 #[derive(Clone, Debug)]
 pub struct Misfit {
     temperatures: Vec<f64>,
-    before: Vec<Before>,
+    before: Vec<CumulativeSums>,
     /// Lowest and highest temperatures of 16 samples, of 16 times 16 samples, and so on.
     extremes: Vec<Vec<[f64; 2]>>,
     /// The means of temperature and reading. All sums are of deviations from them, to avoid
@@ -47,8 +47,8 @@ impl Misfit {
         let total: f64 = shares.iter().sum();
         let mean = |values: &[f64]| values.iter().zip(&shares).map(|(v, w)| v * w).sum::<f64>() / total;
         let centre = [mean(temperatures), mean(&readings)];
-        let mut before = vec![Before::default()];
-        let (mut sum, mut products) = (Before::default(), [0.0; 3]);
+        let mut before = vec![CumulativeSums::default()];
+        let (mut sum, mut products) = (CumulativeSums::default(), [0.0; 3]);
         for i in 0..shares.len() {
             let (w, t, z) = (shares[i], temperatures[i] - centre[0], readings[i] - centre[1]);
             sum.time += w;
@@ -137,7 +137,7 @@ impl Misfit {
     /// hold, err grows fast.
     pub fn held(&self, motion: &Motion, rows: &[([f64; 3], f64)]) -> (f64, Sensor) {
         /// The weight of an equation relative to the record.
-        const DEAR: f64 = 1e4;
+        const WEIGHT: f64 = 1e4;
         let [x, xx, xt, xz] = self.sums(motion);
         let [tt, tz, zz] = self.products;
         let (time, origin) = (self.duration(), self.centre[0]);
@@ -148,14 +148,14 @@ impl Misfit {
         let moved: Vec<([f64; 3], f64)> = (rows.iter())
             .map(|([a, b, c], value)| ([*a, b - a * origin, c - a * origin], value - a * self.centre[1]))
             .collect();
-        moved.iter().for_each(|(row, value)| normal.add(*row, *value, DEAR * time));
+        moved.iter().for_each(|(row, value)| normal.add(*row, *value, WEIGHT * time));
         let Some([level, moving, still]) = normal.solve() else { return self.best_sensor([x, xx, xt, xz]) };
         let quadratic = time * level * level
             + xx * moving * moving
             + tt * still * still
             + 2.0 * (x * level * moving + xt * moving * still);
         let off = |(row, value): &([f64; 3], f64)| {
-            (row[0] * level + row[1] * moving + row[2] * still - value).powi(2) * DEAR * time
+            (row[0] * level + row[1] * moving + row[2] * still - value).powi(2) * WEIGHT * time
         };
         let err = zz - 2.0 * (moving * xz + still * tz) + quadratic + moved.iter().map(off).sum::<f64>();
         let offset = self.centre[1] + level - (moving + still) * origin;

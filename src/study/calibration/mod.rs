@@ -3,7 +3,8 @@
 //!
 //! ```text
 //! Record         a thermometer and a displacement sensor (spikes, samples)
-//!   -> Evidence    slips: jumps of z that temperature does not explain (detect, sight, slips)
+//!   -> Evidence    slips: jumps of z that temperature does not explain (detect,
+//!                  stick_analysis, slips)
 //!     -> Response    A, G, xi(0), z0 and two slopes, computed from the slips (fit) ...
 //!     -> Start       ... or by the paper's least squares, in a box around those (misfit, starts)
 //!       -> Estimate    each quantity with an interval (quantity, uncertainty)
@@ -14,7 +15,6 @@
 mod bearing;
 mod calibrate;
 mod detect;
-mod doubts;
 mod evolve;
 mod fit;
 mod hold;
@@ -27,14 +27,15 @@ mod quantity;
 mod question;
 mod report;
 mod samples;
-mod sight;
 mod slips;
 mod spikes;
 mod starts;
+mod stick_analysis;
 mod sticks;
 mod twin;
 mod uncertainty;
 mod warning;
+mod warnings;
 mod weather;
 
 pub use bearing::{Bearing, Response, Sensor};

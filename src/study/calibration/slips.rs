@@ -3,7 +3,7 @@
 use super::detect::{self, Jumps, trimmed_slope};
 use super::level::{Level, Sums};
 use super::samples::{Samples, median, spread};
-use super::sight::{Sight, block};
+use super::stick_analysis::{StickAnalysis, block};
 use super::sticks::bin_length;
 use std::ops::Range;
 
@@ -30,12 +30,12 @@ pub struct Slip {
 impl Slip {
     /// The jump of z - still T, in the direction of the slip.
     pub fn size(&self, still: f64) -> f64 {
-        self.sign * (self.after.less(still) - self.before.less(still))
+        self.sign * (self.after.minus_slope(still) - self.before.minus_slope(still))
     }
 
     /// z - still T in the middle of the jump.
     pub fn middle(&self, still: f64) -> f64 {
-        0.5 * (self.before.less(still) + self.after.less(still))
+        0.5 * (self.before.minus_slope(still) + self.after.minus_slope(still))
     }
 }
 
@@ -75,19 +75,19 @@ impl Evidence {
         let seconds = bin_length(samples, resolution);
         let mut found = detect::jumps(samples, trimmed_slope(samples));
         for _ in 0..ROUNDS {
-            let better = Sight::new(samples, &found, seconds)?.jumps(samples, &found);
+            let better = StickAnalysis::new(samples, &found, seconds)?.jumps(samples, &found);
             let is_same = better.indices().eq(found.indices());
             found = better;
             if is_same {
                 break;
             }
         }
-        Evidence::of(samples, &found, &Sight::new(samples, &found, seconds)?)
+        Evidence::of(samples, &found, &StickAnalysis::new(samples, &found, seconds)?)
     }
 
     /// The evidence from these jumps.
-    fn of(samples: &Samples, found: &Jumps, sight: &Sight) -> Option<Evidence> {
-        let still = sight.still();
+    fn of(samples: &Samples, found: &Jumps, sticks: &StickAnalysis) -> Option<Evidence> {
+        let still = sticks.still();
         let start = samples.times[0];
         let mut slips = Vec::with_capacity(found.jumps.len());
         let mut since = 0;
@@ -99,8 +99,8 @@ impl Evidence {
                 time: 0.5 * (samples.times[i - 1] + samples.times[i]),
                 sign,
                 temperature: crossing(&samples.temperatures, since.max(stretch)..i, sign),
-                before: sight.before[i - 1],
-                after: sight.after[i],
+                before: sticks.before[i - 1],
+                after: sticks.after[i],
                 is_usual: false,
             };
             since = i;
@@ -116,13 +116,13 @@ impl Evidence {
             pairs.map(|pair| ((pair[1].temperature - pair[0].temperature) * pair[1].sign, block(start, pair[1].time)));
         let reversals = usual(ways.collect());
         let first = slips.first()?;
-        let beginning = (!is_whole(0, first.index)).then(|| sight.after[0]);
+        let beginning = (!is_whole(0, first.index)).then(|| sticks.after[0]);
         Some(Evidence {
             slips,
             reversals,
-            sums: sight.sums.clone(),
+            sums: sticks.sums.clone(),
             contrast: found.contrast,
-            bin: sight.bin,
+            bin: sticks.bin,
             beginning,
             start,
         })
@@ -142,7 +142,7 @@ impl Evidence {
     pub fn with_temperatures(&self, samples: &Samples) -> Option<Evidence> {
         let jumps = self.slips.iter().map(|slip| detect::Jump { index: slip.index, size: slip.sign }).collect();
         let found = Jumps { jumps, window: 1, contrast: self.contrast };
-        Evidence::of(samples, &found, &Sight::new(samples, &found, self.bin)?)
+        Evidence::of(samples, &found, &StickAnalysis::new(samples, &found, self.bin)?)
     }
 }
 

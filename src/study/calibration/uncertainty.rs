@@ -18,20 +18,20 @@ const SEED: u64 = 0xCA11;
 
 /// The evidence at a lag and, if the lag was estimated, at two neighbouring lags.
 #[derive(Clone, Debug)]
-pub struct Around {
+pub struct AroundLag {
     /// The evidence at the lag itself.
     pub here: Evidence,
     /// The evidence at a shorter and at a longer lag, and their distance in seconds.
     pub beside: Option<([Evidence; 2], f64)>,
 }
 
-impl Around {
+impl AroundLag {
     /// Compute the evidence around a lag that was estimated.
-    pub fn lag(here: Evidence, record: &Record, lag: f64) -> Around {
+    pub fn lag(here: Evidence, record: &Record, lag: f64) -> AroundLag {
         let step = (0.2 * lag).max(60.0).min(lag);
         let at = |lag: f64| here.with_temperatures(&record.lagged(lag).samples());
         let beside = at(lag - step).zip(at(lag + step)).map(|(less, more)| ([less, more], step));
-        Around { here, beside }
+        AroundLag { here, beside }
     }
 
     /// The most likely lag, relative to the one that was estimated, and all quantities, with these
@@ -61,7 +61,7 @@ pub struct Replicates {
 
 impl Replicates {
     /// Estimate everything again with random weights of the blocks.
-    pub fn new(around: &Around, shear_stiffness: f64) -> Replicates {
+    pub fn new(around: &AroundLag, shear_stiffness: f64) -> Replicates {
         let evidence = &around.here;
         let scatter = evidence.scatter();
         let replicate = |number: u64| {

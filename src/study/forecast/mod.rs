@@ -55,7 +55,7 @@ pub const BURN_IN: f64 = 90.0 * 86_400.0;
 pub const YEAR: f64 = 365.25 * 86_400.0;
 
 /// Seconds between the times at which z and F are observed in addition to slips.
-pub const LOOKS: f64 = 3600.0;
+pub const OBSERVATION_STEP: f64 = 3600.0;
 
 /// The most likely parameters get this many times as many years as one draw.
 const LIKELIEST: u64 = 10;
@@ -78,7 +78,7 @@ pub fn forecast(
     stop: &AtomicBool,
 ) -> Result<Option<Forecast>, Misfit> {
     let bearings = BearingDraws::new(calibration);
-    let timeline = Timeline { end: BURN_IN + YEAR, output_step: LOOKS, period: None, after: BURN_IN };
+    let timeline = Timeline { end: BURN_IN + YEAR, output_step: OBSERVATION_STEP, period: None, after: BURN_IN };
     let scheme = Scheme::from(QuasiStatic { tolerance: DEFAULT_TOLERANCE });
     // Draw 0 has the most likely parameters. Every other draw has a stream of random numbers of its
     // own, separate from those of the paths.
@@ -87,7 +87,7 @@ pub fn forecast(
             let bearing = bearings.likeliest();
             return (bearing, bearing.model(weather.temperature()));
         }
-        let mut random = Stream::new(question.seed ^ DRAWS, draw);
+        let mut random = Stream::new(question.seed ^ DRAW_SEED, draw);
         let bearing = bearings.draw(&mut random);
         (bearing, bearing.model(weather.drawn(&mut random)))
     };
@@ -117,4 +117,4 @@ pub fn forecast(
 }
 
 /// Turns the seed of the forecast into that of the draws of parameters.
-const DRAWS: u64 = 0xF0_4E_CA_57;
+const DRAW_SEED: u64 = 0xF0_4E_CA_57;

@@ -68,7 +68,7 @@ struct Path {
     low: f64,
     high: f64,
     force: f64,
-    looks: u64,
+    observations: u64,
     loaded: u64,
 }
 
@@ -93,7 +93,7 @@ impl<'a> YearObserver<'a> {
             low: f64::INFINITY,
             high: f64::NEG_INFINITY,
             force: 0.0,
-            looks: 0,
+            observations: 0,
             loaded: 0,
         };
         YearObserver { bearing, threshold, paths: vec![path; paths], is_counting: false, stop }
@@ -107,14 +107,14 @@ impl<'a> YearObserver<'a> {
         let kept = self.paths.iter().enumerate().filter(|(lane, _)| !lost.contains(lane));
         kept.map(|(_, path)| {
             let greatest = path.high.abs().max(path.low.abs());
-            let loaded = path.loaded as f64 / path.looks as f64;
+            let loaded = path.loaded as f64 / path.observations as f64;
             [path.sliding, path.slips as f64, path.high - path.low, greatest, loaded, path.force]
         })
         .collect()
     }
 
     /// Observe a body at x under the force F: z = z0 + x + kappa F/K.
-    fn see(&mut self, lane: usize, x: f64, force: f64) {
+    fn observe(&mut self, lane: usize, x: f64, force: f64) {
         let sensor = self.bearing.sensor;
         let kappa = sensor.still / self.bearing.dilatation();
         let z = sensor.offset + x + kappa * force / self.bearing.stiffness;
@@ -131,7 +131,7 @@ impl Observer for YearObserver<'_> {
         if !self.is_counting {
             return;
         }
-        self.see(lane, event.displacement, event.force);
+        self.observe(lane, event.displacement, event.force);
         if event.kind == EventKind::StickEntered {
             let path = &mut self.paths[lane];
             path.slips += 1;
@@ -150,8 +150,8 @@ impl Observer for YearObserver<'_> {
             if seen.is_static[lane] {
                 let x = seen.displacement[lane];
                 let force = self.bearing.stiffness * (self.bearing.dilatation() * seen.temperature[lane] - x);
-                self.see(lane, x, force);
-                self.paths[lane].looks += 1;
+                self.observe(lane, x, force);
+                self.paths[lane].observations += 1;
                 self.paths[lane].loaded += u64::from(force.abs() > self.threshold);
             }
         }

@@ -14,7 +14,7 @@ const TIMED: usize = 12;
 const PATHS: u64 = 64;
 
 /// Wall-clock time after which no further point is timed.
-const PATIENCE: Duration = Duration::from_secs(3);
+const MAX_TIMING: Duration = Duration::from_secs(3);
 
 /// Estimating the bias of the step costs up to this share of a run in addition.
 const BIAS_SHARE: f64 = 0.125;
@@ -29,7 +29,7 @@ pub fn estimated_seconds(question: &Question, threads: usize) -> f64 {
         let timed = scenario.ensemble.paths.min(PATHS);
         seconds += cpu_seconds(scenario, timed);
         paths += timed;
-        if start.elapsed() > PATIENCE {
+        if start.elapsed() > MAX_TIMING {
             break;
         }
     }

@@ -32,7 +32,7 @@ pub struct Simulation<'a> {
 pub enum SweepEnd<E> {
     /// The function that receives the finished points failed.
     #[error(transparent)]
-    Told(E),
+    Receiver(E),
     /// A block was delivered twice, which is a flaw of this program.
     #[error("a flaw in the program: {0}")]
     Overlap(#[from] Overlap),
@@ -46,16 +46,16 @@ struct Job {
     blocks: u64,
     has_bias: bool,
     /// Created with the first piece of the point, and dropped after its last.
-    kit: Mutex<Option<Arc<Kit>>>,
+    setup: Mutex<Option<Arc<PointSetup>>>,
 }
 
 /// The data that all pieces of a point share.
-struct Kit {
+struct PointSetup {
     plan: Plan,
     grouping: Grouping,
 }
 
-impl Kit {
+impl PointSetup {
     fn of(scenario: &Scenario) -> Self {
         // The output grid is left out, because nothing of it is kept and no event depends on it.
         let timeline = scenario.timeline().without_rows();
@@ -63,7 +63,7 @@ impl Kit {
         let Ensemble { paths, seed, antithetic } = scenario.ensemble;
         let unit = if antithetic { Unit::Pair } else { Unit::Path };
         let grouping = Grouping::new(simulation.model(), simulation.timeline(), unit);
-        Kit { plan: Plan { simulation, record: Record::NOTHING, seed, paths, antithetic }, grouping }
+        PointSetup { plan: Plan { simulation, record: Record::NOTHING, seed, paths, antithetic }, grouping }
     }
 }
 
@@ -86,12 +86,12 @@ struct Growing {
 }
 
 impl Simulation<'_> {
-    /// Simulate all points of a sweep that are not done, and call `tell` after each point. Fails if
-    /// `tell` fails.
+    /// Simulate all points of a sweep that are not done, and call `receive` after each point.
+    /// Fails if `receive` fails.
     pub fn run<E: Send>(
         self,
         sweep: &mut Sweep,
-        mut tell: impl FnMut(&Sweep) -> Result<(), E> + Send,
+        mut receive: impl FnMut(&Sweep) -> Result<(), E> + Send,
     ) -> Result<(), SweepEnd<E>> {
         let Simulation { threads, stop, progress } = self;
         let Sweep { question, points } = &*sweep;
@@ -101,22 +101,22 @@ impl Simulation<'_> {
         for (point, scenario) in question.points.iter().enumerate().filter(|(i, _)| points[*i].is_none()) {
             let blocks = scenario.ensemble.paths.div_ceil(BLOCK_SIZE);
             let has_bias = question.with_bias && scenario.bias_plan(scenario.ensemble.paths).is_ok();
-            jobs.push(Job { point, first: pieces, blocks, has_bias, kit: Mutex::new(None) });
+            jobs.push(Job { point, first: pieces, blocks, has_bias, setup: Mutex::new(None) });
             pieces += blocks + u64::from(has_bias);
             paths += scenario.ensemble.paths;
         }
         let scenarios = question.points.clone();
-        let kit = |job: &Job| {
-            let mut kit = job.kit.lock().unwrap_or_else(PoisonError::into_inner);
-            Arc::clone(kit.get_or_insert_with(|| Arc::new(Kit::of(&scenarios[job.point]))))
+        let setup = |job: &Job| {
+            let mut setup = job.setup.lock().unwrap_or_else(PoisonError::into_inner);
+            Arc::clone(setup.get_or_insert_with(|| Arc::new(PointSetup::of(&scenarios[job.point]))))
         };
         let make = |index: u64| {
             let start = thread_seconds();
             let number = jobs.partition_point(|job| job.first <= index) - 1;
             let (job, k) = (&jobs[number], index - jobs[number].first);
             let made = if k < job.blocks {
-                let kit = kit(job);
-                Made::Block(Box::new(kit.plan.block_beside(k, &kit.grouping, stop)?))
+                let setup = setup(job);
+                Made::Block(Box::new(setup.plan.block_beside(k, &setup.grouping, stop)?))
             } else {
                 let scenario = &scenarios[job.point];
                 let beside = scenario.bias_plan(scenario.ensemble.paths).and_then(|plan| plan.simulate(1, stop));
@@ -129,9 +129,9 @@ impl Simulation<'_> {
         let deliver = |piece: Piece| -> Result<ControlFlow<()>, SweepEnd<E>> {
             let job = &jobs[piece.job];
             let here = growing.get_or_insert_with(|| {
-                let kit = kit(job);
-                let (model, timeline) = (kit.plan.model(), kit.plan.timeline());
-                let totals = RunTotals::with(kit.grouping.empty(), model, timeline);
+                let setup = setup(job);
+                let (model, timeline) = (setup.plan.model(), setup.plan.timeline());
+                let totals = RunTotals::with(setup.grouping.empty(), model, timeline);
                 Growing { totals, seconds: 0.0 }
             });
             here.seconds += piece.seconds;
@@ -153,8 +153,8 @@ impl Simulation<'_> {
             }
             let Some(here) = growing.take() else { return Ok(ControlFlow::Continue(())) };
             sweep.points[job.point] = Some(here.point(beside));
-            *job.kit.lock().unwrap_or_else(PoisonError::into_inner) = None;
-            tell(sweep).map_err(SweepEnd::Told)?;
+            *job.setup.lock().unwrap_or_else(PoisonError::into_inner) = None;
+            receive(sweep).map_err(SweepEnd::Receiver)?;
             Ok(ControlFlow::Continue(()))
         };
         in_order_while(pieces, threads, stop, make, deliver)?;

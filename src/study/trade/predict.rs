@@ -208,13 +208,13 @@ impl Trade {
         let measured = self.bias(rung, statistic);
         match (rung.scheme.discretisation(), rung.scheme.step(), law) {
             (Discretisation::Tolerance { tolerance }, ..) => {
-                let accuracy_goal = if self.is_random { tolerance } else { 0.0 };
-                let promised = accuracy_goal * self.standing(statistic).scale().unwrap_or(f64::NAN);
-                let is_broken = measured.value.abs() - PROMISE_ERRORS * measured.error > promised;
-                match (self.is_reference(rung), is_broken) {
-                    (true, _) => Bound { value: promised, is_unresolved: false },
+                let relative = if self.is_random { tolerance } else { 0.0 };
+                let allowed = relative * self.standing(statistic).scale().unwrap_or(f64::NAN);
+                let is_exceeded = measured.value.abs() - BIAS_ERRORS * measured.error > allowed;
+                match (self.is_reference(rung), is_exceeded) {
+                    (true, _) => Bound { value: allowed, is_unresolved: false },
                     (false, true) => measured.into(),
-                    (false, false) => Bound { value: promised.min(measured.bound()), is_unresolved: false },
+                    (false, false) => Bound { value: allowed.min(measured.bound()), is_unresolved: false },
                 }
             }
             (_, Some(h), Some(law)) if h <= law.coarsest && law.bias(h).error < measured.error => law.bias(h).into(),
@@ -257,7 +257,7 @@ impl Trade {
 /// A run without a step counts as biased if it differs from the reference by more than its
 /// tolerance and this many standard errors. Over 21 statistics and 3 rungs this happens by chance
 /// once in 600 scenarios.
-const PROMISE_ERRORS: f64 = 4.0;
+const BIAS_ERRORS: f64 = 4.0;
 
 impl Refusal {
     /// Of two reasons, the one with the smaller bias.

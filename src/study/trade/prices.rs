@@ -26,7 +26,7 @@ impl Prices {
     }
 
     /// Whether any scheme reaches any target.
-    pub fn is_known(&self) -> bool {
+    pub fn has_points(&self) -> bool {
         self.curves.iter().any(|(_, points)| !points.is_empty())
     }
 }

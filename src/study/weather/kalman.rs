@@ -69,12 +69,12 @@ impl<'a> Filter<'a> {
         }
         let [decay, gain] = [[1.0; STATES], [0.0; STATES]];
         let mut filter = Filter { shape, covariance, interval: 0.0, decay, variance: 0.0, gain, has_settled: false };
-        filter.see();
+        filter.update();
         filter
     }
 
     /// Go on to the next sample, a time h later.
-    fn go(&mut self, h: f64) {
+    fn advance(&mut self, h: f64) {
         // Stamps are whole seconds, but times computed from them are rounded, so intervals may
         // differ slightly.
         if (h - self.interval).abs() > 1e-9 * h {
@@ -95,13 +95,13 @@ impl<'a> Filter<'a> {
             self.covariance[i][i] += variance * -libm::expm1(-2.0 * theta * h);
         }
         let before = self.variance;
-        self.see();
+        self.update();
         self.has_settled = (self.variance - before).abs() <= SETTLED * before;
     }
 
     /// Compute the variance of the innovation, and update the covariance of the states with the
     /// sample.
-    fn see(&mut self) {
+    fn update(&mut self) {
         let p = self.covariance;
         let seen = p.map(|row| row.iter().sum::<f64>());
         self.variance = seen.iter().sum::<f64>() + self.shape.white;
@@ -121,7 +121,7 @@ pub fn likelihood(times: &[f64], columns: &[Vec<f64>], shape: &Shape) -> Option<
     let mut log_variances = 0.0;
     for k in 0..times.len() {
         if k > 0 {
-            filter.go(times[k] - times[k - 1]);
+            filter.advance(times[k] - times[k - 1]);
         }
         if !(filter.variance > 0.0 && filter.variance.is_finite()) {
             return None;

@@ -17,7 +17,7 @@ pub fn block(start: f64, time: f64) -> usize {
 }
 
 /// The results from the sticks between jumps.
-pub struct Sight {
+pub struct StickAnalysis {
     /// Sums for the regression of z on T during sticks, for each block.
     pub sums: Vec<Sums>,
     /// Length of the bins of that regression, in seconds.
@@ -44,10 +44,10 @@ const SHARE: f64 = 0.35;
 /// A new jump must be the clearest within this many samples on each side.
 const APART: usize = 3;
 
-impl Sight {
+impl StickAnalysis {
     /// Analyse the sticks between these jumps, with bins of this many seconds for the regression of
     /// z on T.
-    pub fn new(samples: &Samples, found: &Jumps, seconds: f64) -> Option<Sight> {
+    pub fn new(samples: &Samples, found: &Jumps, seconds: f64) -> Option<StickAnalysis> {
         let [start, end] = [*samples.times.first()?, *samples.times.last()?];
         let sticks = sticks(samples, found.indices());
         let binned = bins(samples, &sticks, seconds, found.window / 2 + 1);
@@ -62,7 +62,7 @@ impl Sight {
         let before = level::levels(&forward, walk);
         let mut after = level::levels(&backward, walk);
         after.reverse();
-        Some(Sight { sums, bin: seconds, before, after, walk, noise })
+        Some(StickAnalysis { sums, bin: seconds, before, after, walk, noise })
     }
 
     /// The slope of z against T.
@@ -78,7 +78,7 @@ impl Sight {
         for stretch in samples.stretches() {
             for (i, step) in steps.iter_mut().enumerate().take(stretch.end).skip(stretch.start + 1) {
                 let (before, after) = (&self.before[i - 1], &self.after[i]);
-                let size = after.less(still) - before.less(still);
+                let size = after.minus_slope(still) - before.minus_slope(still);
                 let walked = self.walk * (samples.times[i] - samples.times[i - 1]);
                 let variance = before.variance + after.variance + walked;
                 *step = [size, size / (self.noise * variance.sqrt())];

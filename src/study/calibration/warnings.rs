@@ -23,7 +23,7 @@ const EXPLAINED: f64 = 0.9;
 const SCATTER: f64 = 0.2;
 
 /// The warnings of a calibration. `evidence` is given if slips were seen.
-pub(super) fn doubts(calibration: &Calibration, evidence: Option<&Evidence>) -> Vec<Warning> {
+pub(super) fn warnings(calibration: &Calibration, evidence: Option<&Evidence>) -> Vec<Warning> {
     let mut found = Vec::new();
     let estimate = |quantity| calibration.estimate(quantity);
     if calibration.question.shear_stiffness.is_none() {
@@ -33,9 +33,9 @@ pub(super) fn doubts(calibration: &Calibration, evidence: Option<&Evidence>) -> 
         found.push(Warning::NoSlips);
     }
     let jump = estimate(Quantity::Jump);
-    let is_told = jump.high - jump.low < 2.0 * 1.645 * IDENTIFIED * jump.estimate && jump.low > 0.0;
+    let is_identified = jump.high - jump.low < 2.0 * 1.645 * IDENTIFIED * jump.estimate && jump.low > 0.0;
     let explained = evidence.map_or(1.0, |evidence| evidence.explained(&calibration.response));
-    if !is_told || explained < EXPLAINED {
+    if !is_identified || explained < EXPLAINED {
         found.push(Warning::GapNotIdentified);
     }
     if let Some(scatter) = evidence.map(Evidence::excess_scatter).filter(|scatter| *scatter > SCATTER) {
