@@ -69,6 +69,19 @@ fn results_say_everything_without_the_file_of_samples() {
     ok(&mc(here, &["plot", "run.h5", "--only", "path", "--until", "86400", "-o", "path.svg"]));
 }
 
+/// A user's file that has the name of a shipped scenario takes the samples beside it, two days of
+/// them, and not the month that is built into the program. Without them it is refused.
+#[test]
+fn a_file_with_the_name_of_a_shipped_scenario_takes_its_own_samples() {
+    let here = tempfile::tempdir().expect("a folder");
+    let here = here.path();
+    std::fs::write(here.join("bridge"), shipped("bridge").expect("shipped").text).expect("written");
+    refused(here, &["check", "bridge"], &["temperature.series.file", "bridge.csv"]);
+    std::fs::write(here.join("bridge.csv"), days()).expect("written");
+    let checked = ok(&mc(here, &["check", "bridge"]));
+    assert!(checked.contains("end = 172800.0"), "{checked}");
+}
+
 /// Parts contain their samples, so that they can be joined without the file of samples. So does an
 /// unfinished run, which has the same state.
 #[test]

@@ -17,7 +17,7 @@ use stick_slip::study::calibration::{
     Bearing, Calibration, CalibrationError, Flaws, Lag, Method, NotHeld, Quantity, Question, Record,
     calibrate as calibrated, drawn, twin as made, values,
 };
-use stick_slip::study::forecast::{Question as Asked, forecast as foreseen};
+use stick_slip::study::forecast::{ForecastError, Question as Asked, forecast as foreseen};
 use stick_slip::study::weather::{PERIODS, WeatherError, WeatherFit, fit};
 
 /// A scenario from Python: its name in messages, its text (none if the name is that of a file), and
@@ -187,7 +187,7 @@ pub fn forecast<'py>(
         let weather =
             fit(&calibration.record.times, &calibration.steel, &PERIODS, processes).map_err(Missing::Weather)?;
         let found = foreseen(&calibration, &weather, &asked, workers, &watch.stop);
-        Ok((calibration, found.map_err(|misfit| Missing::Model(misfit.to_string()))?))
+        Ok((calibration, found.map_err(Missing::Years)?))
     })?;
     let (calibration, found) = ended.map_err(|missing: Missing| match missing {
         Missing::Bearing(error) => no_calibration(py, &error, None),
@@ -196,11 +196,15 @@ pub fn forecast<'py>(
             errors::of_run(py, &error.to_string(), remedy)
         }
         Missing::Weather(error) => no_weather(py, &error),
-        Missing::Model(problem) => errors::of_run(py, &problem, "see that the columns are right"),
+        Missing::Years(ForecastError::Misfit(misfit)) => {
+            errors::of_run(py, &misfit.to_string(), "see that the columns are right")
+        }
+        Missing::Years(error) => errors::of_run(py, &error.to_string(), ForecastError::REMEDY),
     })?;
     let stopped = || PyKeyboardInterrupt::new_err("interrupted before two draws of the parameters were done");
     let found = found.ok_or_else(stopped)?;
     remarks.extend(warnings(&calibration));
+    remarks.extend(found.warnings());
     if is_interrupted {
         remarks.push(format!("interrupted: {} draws of the parameters are in it, of {draws}", found.years.len()));
     }
@@ -211,7 +215,7 @@ pub fn forecast<'py>(
 enum Missing {
     Bearing(CalibrationError),
     Weather(WeatherError),
-    Model(String),
+    Years(ForecastError),
 }
 
 fn no_weather(py: Python<'_>, error: &WeatherError) -> PyErr {

@@ -8,7 +8,7 @@ use pyo3::types::PyDict;
 use std::path::Path;
 use std::sync::Arc;
 use stick_slip::advice::Quantity;
-use stick_slip::config::{self, Override, ScenarioError};
+use stick_slip::config::{self, Override, ScenarioError, Shipped};
 use stick_slip::model::Series;
 use stick_slip::scenario::Scenario as Checked;
 
@@ -28,16 +28,19 @@ struct Source {
     text: String,
     overrides: Vec<Override>,
     samples: Option<(Arc<Series>, bool)>,
+    /// The shipped scenario that the text is, if it was not read from a file.
+    shipped: Option<&'static Shipped>,
 }
 
 impl Source {
     fn parse(&self, more: &[Override]) -> Result<Checked, ScenarioError> {
-        let Source { name, text, overrides, samples } = self;
+        let Source { name, text, overrides, samples, shipped } = self;
         let overrides = [overrides, more].concat();
-        match samples {
-            None => Checked::parse(name, text, &overrides),
-            Some((series, true)) => Checked::parse_stored(name, text, &overrides, Some(series)),
-            Some((series, false)) => Checked::parse_measured(name, text, &overrides, series),
+        match (samples, shipped) {
+            (None, Some(shipped)) => shipped.parse(&overrides),
+            (None, None) => Checked::parse(name, text, &overrides),
+            (Some((series, true)), _) => Checked::parse_stored(name, text, &overrides, Some(series)),
+            (Some((series, false)), _) => Checked::parse_measured(name, text, &overrides, series),
         }
     }
 }
@@ -125,6 +128,7 @@ pub fn parse(
         None => Override::set(&format!("{key}={value}")),
     };
     let overrides = overrides.into_iter().map(laid).collect::<Result<Vec<_>, _>>().map_err(wrong)?;
+    let shipped = text.and_then(|text| config::shipped(name).filter(|shipped| shipped.text == text));
     let (name, text) = match text {
         Some(text) => (name.to_string(), text.to_string()),
         None => config::text_of(Path::new(name)).map_err(wrong)?,
@@ -136,7 +140,7 @@ pub fn parse(
         })
     });
     let samples = series.transpose()?.map(|series| (Arc::new(series), are_stored));
-    let source = Source { name, text, overrides, samples };
+    let source = Source { name, text, overrides, samples, shipped };
     let checked = source.parse(&[]).map_err(wrong)?;
     Ok(Scenario { checked, source })
 }

@@ -16,7 +16,7 @@ use stick_slip::config::Override;
 use stick_slip::scenario::BridgeScene;
 use stick_slip::store;
 use stick_slip::study::calibration::{self, Calibration, Method};
-use stick_slip::study::forecast::{Forecast as Found, Quantity, Question, forecast};
+use stick_slip::study::forecast::{Forecast as Found, ForecastError, Quantity, Question, forecast};
 use stick_slip::study::weather::{PERIODS, WeatherError, fit};
 
 const EXAMPLES: &str = "\
@@ -95,7 +95,12 @@ impl Forecast {
             level: self.interval,
             share: self.share,
         };
-        let found = forecast(&calibration, &weather, &question, threads, &stop)?.ok_or(Failure::Interrupted)?;
+        let found = forecast(&calibration, &weather, &question, threads, &stop)
+            .map_err(|error| self.without_years(&error))?
+            .ok_or(Failure::Interrupted)?;
+        for warning in found.warnings() {
+            note(wrapped(&format!("warning: {warning}"), "  ").trim_end());
+        }
         print(&if self.json { json(&found) } else { report(&scene.title, &found) })?;
         if let Some(output) = &self.output {
             store::write_whole(output, csv(&found).as_bytes(), self.force)?;
@@ -131,6 +136,15 @@ impl Forecast {
             error => error.remedy(),
         };
         Failure::Run(format!("{}: {error}\n  fix: {remedy}", self.source.data.display()))
+    }
+
+    fn without_years(&self, error: &ForecastError) -> Failure {
+        match error {
+            ForecastError::Misfit(misfit) => misfit.clone().into(),
+            ForecastError::GivenUp(..) => {
+                Failure::Run(format!("{}: {error}\n  fix: {}", self.source.data.display(), ForecastError::REMEDY))
+            }
+        }
     }
 }
 
@@ -201,6 +215,7 @@ fn csv(found: &Found) -> String {
 #[derive(Serialize)]
 struct JsonForecast {
     draws: usize,
+    draws_left_out: u64,
     years: usize,
     interval: f64,
     share: f64,
@@ -241,6 +256,7 @@ fn json(found: &Found) -> String {
     });
     let all = JsonForecast {
         draws: found.years.len(),
+        draws_left_out: found.draws_left_out,
         years: found.years.iter().map(Vec::len).sum(),
         interval: found.question.level,
         share: found.question.share,

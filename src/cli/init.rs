@@ -4,7 +4,6 @@ use super::failure::{Failure, note, print_data, writable};
 use super::overrides::Overrides;
 use std::path::{Path, PathBuf};
 use stick_slip::config::{Override, SHIPPED, shipped};
-use stick_slip::scenario::Scenario;
 use stick_slip::store;
 
 const EXAMPLES: &str = "\
@@ -64,7 +63,7 @@ impl Init {
         })?;
         let changes = [self.symbols(), self.overrides.without_goals()?].concat();
         let title = retitled(start.name, &changes);
-        let scenario = Scenario::parse(start.name, start.text, &[changes.as_slice(), title.as_slice()].concat())?;
+        let scenario = start.parse(&[changes.as_slice(), title.as_slice()].concat())?;
         let text = introduction(start.name, start.text, &changes) + "\n" + &scenario.to_template();
         let output = self.output.clone().unwrap_or_else(|| format!("{}.toml", start.name).into());
         if output == Path::new("-") {

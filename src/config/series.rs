@@ -4,7 +4,6 @@
 use super::error::Fault;
 use super::fields::Fields;
 use super::keys;
-use super::shipped::shipped_data;
 use super::source::{Samples, Sources};
 use crate::data::{self, DataError, Name, Quantity, Table, TimeColumn, Wanted};
 use crate::model::Series;
@@ -87,7 +86,7 @@ fn read(
     };
     let columns = |max_gap: Option<f64>| -> Result<Table, DataError> {
         let wanted = [Wanted { column, quantity: Quantity::Temperature, unit: None, max_gap }];
-        match shipped_data(sources.name, &measured.file).filter(|_| !sources.is_override(table.place_of("file"))) {
+        match sources.data(&measured.file).filter(|_| !sources.is_override(table.place_of("file"))) {
             Some(text) => data::parse(&measured.file, text.as_bytes(), time, &wanted),
             None => data::read(&sources.path_of(&measured.file), time, &wanted),
         }

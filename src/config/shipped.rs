@@ -1,5 +1,7 @@
 //! The scenarios that are built into the program, including their comments.
 
+use super::overrides::Override;
+use super::source::Sources;
 use super::{Scenario, ScenarioError};
 
 /// A shipped scenario.
@@ -41,18 +43,19 @@ pub fn shipped(name: &str) -> Option<&'static Shipped> {
     SHIPPED.iter().find(|scenario| scenario.name == name)
 }
 
-/// The text of a data file that a shipped scenario names. A scenario that is read from a file is
-/// named by its path, which normally has an extension and therefore is no name of a shipped
-/// scenario.
-pub(super) fn shipped_data(scenario: &str, file: &str) -> Option<&'static str> {
-    shipped(scenario)?.data.iter().find(|(name, _)| *name == file).map(|(_, text)| *text)
+impl Shipped {
+    /// The scenario with the overrides applied, checked. The data files that its text names are
+    /// those that are built into the program; only a file that an override names is read.
+    pub fn parse(&self, overrides: &[Override]) -> Result<Scenario, ScenarioError> {
+        super::parsed(&Sources::new(self.name, self.text, overrides, None).with_data(self.data))
+    }
 }
 
 impl Scenario {
     /// The shipped scenario of this name, checked. If there is none, the error lists the names.
     pub fn shipped(name: &str) -> Result<Self, ScenarioError> {
         match shipped(name) {
-            Some(found) => Scenario::parse(found.name, found.text, &[]),
+            Some(found) => found.parse(&[]),
             None => Err(ScenarioError::Unreadable {
                 path: name.to_string(),
                 reason: "no shipped scenario has this name".into(),

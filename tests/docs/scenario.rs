@@ -42,7 +42,7 @@ fn every_key_is_listed_and_every_listed_key_exists() {
     // A scenario with a measured temperature and a bearing.
     let zone = ["temperature.series.zone=UTC", "temperature.noise={intensity=1, pinned=true}"];
     let zone = zone.map(|set| Override::set(set).expect("well formed"));
-    let measured = Scenario::parse("bridge", shipped("bridge").expect("shipped").text, &zone).expect("sound").to_toml();
+    let measured = shipped("bridge").expect("shipped").parse(&zone).expect("sound").to_toml();
     keys(&measured.parse().expect("TOML"), "", &mut of_code);
     same(&first_column(&page(), "key"), &of_code);
 }

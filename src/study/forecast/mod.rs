@@ -18,6 +18,7 @@ mod draw;
 mod summary;
 mod year;
 
+use summary::SimulatedDraw;
 pub use summary::{Forecast, Level, ReturnLevel};
 pub use year::{Quantity, Year};
 
@@ -63,20 +64,40 @@ const LIKELIEST: u64 = 10;
 /// Number of years in a piece of work.
 const PIECE: u64 = 10;
 
+/// Why there is no forecast.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum ForecastError {
+    /// The scheme cannot simulate some of the drawn parameters.
+    #[error(transparent)]
+    Misfit(#[from] Misfit),
+    /// So many years were given up that no intervals can be computed.
+    #[error("years were given up with {0} of {1} draws of the parameters, {GIVEN_UP}, so there are no intervals")]
+    GivenUp(u64, u64),
+}
+
+impl ForecastError {
+    /// What to do if years were given up.
+    pub const REMEDY: &str = "measure for longer, so that the parameters are known better";
+}
+
+/// Why a year is given up.
+const GIVEN_UP: &str = "because they had more slips than can be simulated";
+
 /// Simulate years with parameters drawn from a calibration by slips and from a model of the
 /// weather, in seconds and kelvin. If `stop` is raised, the forecast has fewer draws than asked
-/// for; `None` if it has fewer than two.
+/// for; `None` if it has fewer than two for that reason.
 ///
 /// # Errors
 ///
-/// If the scheme cannot simulate some of the drawn parameters.
+/// If the scheme cannot simulate some of the drawn parameters, or gives up years with so many of
+/// them that fewer than two draws are left, or all years with the most likely parameters.
 pub fn forecast(
     calibration: &Calibration,
     weather: &WeatherFit,
     question: &Question,
     threads: usize,
     stop: &AtomicBool,
-) -> Result<Option<Forecast>, Misfit> {
+) -> Result<Option<Forecast>, ForecastError> {
     let bearings = BearingDraws::new(calibration);
     let timeline = Timeline { end: BURN_IN + YEAR, output_step: OBSERVATION_STEP, period: None, after: BURN_IN };
     let scheme = Scheme::from(QuasiStatic { tolerance: DEFAULT_TOLERANCE });
@@ -102,18 +123,17 @@ pub fn forecast(
         let (bearing, model) = model(draw);
         let mut observer = YearObserver::new(bearing, question.share, numbers.len(), stop);
         let lost = scheme.simulation(&model, &timeline).simulate(question.seed, &numbers, &mut observer);
-        (draw, observer.years(&lost))
+        (draw, observer.years(&lost), lost.len() as u64)
     };
-    let mut years: Vec<Vec<Year>> = Vec::new();
-    let deliver = |(draw, some): (u64, Vec<Year>)| {
-        years.resize_with(draw as usize + 1, Vec::new);
-        years[draw as usize].extend(some);
+    let mut draws: Vec<SimulatedDraw> = Vec::new();
+    let deliver = |(draw, years, given_up): (u64, Vec<Year>, u64)| {
+        draws.resize_with(draw as usize + 1, SimulatedDraw::default);
+        draws[draw as usize].years.extend(years);
+        draws[draw as usize].given_up += given_up;
         Ok::<_, Infallible>(ControlFlow::Continue(()))
     };
     let Ok(_) = in_order((LIKELIEST + question.draws) * pieces, threads, stop, make, deliver);
-    // Draws with too few years are left out: the last one after a stop, and those that lost paths.
-    years.retain(|years| years.len() as u64 >= question.years);
-    Ok(Forecast::of(years, question, calibration.question.shear_stiffness.is_some()))
+    Forecast::of(draws, question, calibration.question.shear_stiffness.is_some())
 }
 
 /// Turns the seed of the forecast into that of the draws of parameters.

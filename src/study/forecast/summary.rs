@@ -1,7 +1,7 @@
 //! Expected values and their intervals from simulated years.
 
-use super::Question;
 use super::year::{Quantity, Year};
+use super::{ForecastError, GIVEN_UP, LIKELIEST, Question};
 use statrs::distribution::{ContinuousCDF as _, StudentsT};
 
 /// The forecast of one quantity.
@@ -42,6 +42,19 @@ pub struct Forecast {
     pub levels: Vec<Level>,
     /// Return levels of the largest |z| of a year.
     pub return_levels: Vec<ReturnLevel>,
+    /// Number of draws that are left out, because years with them were given up.
+    pub draws_left_out: u64,
+    /// Number of years with the most likely parameters that were given up.
+    pub likeliest_given_up: u64,
+}
+
+/// The years of one draw of the parameters.
+#[derive(Clone, Debug, Default)]
+pub(super) struct SimulatedDraw {
+    /// The years that were simulated to their end.
+    pub years: Vec<Year>,
+    /// Number of years that were given up.
+    pub given_up: u64,
 }
 
 /// The return periods, in years.
@@ -51,13 +64,31 @@ const RETURN_PERIODS: [f64; 2] = [10.0, 50.0];
 const EULER: f64 = 0.577_215_664_901_532_9;
 
 impl Forecast {
-    /// Summarise years: first those with the most likely parameters, then those of each draw.
-    /// `None` for fewer than two draws.
-    pub(super) fn of(mut years: Vec<Vec<Year>>, question: &Question, knows_forces: bool) -> Option<Forecast> {
-        if years.len() < 3 {
-            return None;
+    /// Summarise years: first those with the most likely parameters, then those of each draw. A
+    /// draw whose years are not all there, because the forecast was stopped, is left out, and so is
+    /// a draw of which years were given up: those that remain would not be typical of it. `None` if
+    /// the forecast was stopped before two draws were simulated.
+    pub(super) fn of(
+        draws: Vec<SimulatedDraw>,
+        question: &Question,
+        knows_forces: bool,
+    ) -> Result<Option<Forecast>, ForecastError> {
+        let mut draws = draws.into_iter();
+        let Some(SimulatedDraw { years: likeliest, given_up: likeliest_given_up }) = draws.next() else {
+            return Ok(None);
+        };
+        let simulated: Vec<SimulatedDraw> =
+            draws.filter(|draw| draw.years.len() as u64 + draw.given_up == question.years).collect();
+        let count = simulated.len() as u64;
+        let (whole, given_up): (Vec<_>, Vec<_>) = simulated.into_iter().partition(|draw| draw.given_up == 0);
+        let draws_left_out = given_up.len() as u64;
+        if count < 2 {
+            return Ok(None);
         }
-        let likeliest = years.remove(0);
+        if likeliest.is_empty() || whole.len() < 2 {
+            return Err(ForecastError::GivenUp(draws_left_out + u64::from(likeliest_given_up > 0), count + 1));
+        }
+        let years: Vec<Vec<Year>> = whole.into_iter().map(|draw| draw.years).collect();
         let known = |quantity: &Quantity| knows_forces || *quantity != Quantity::Force;
         let levels = Quantity::ALL
             .into_iter()
@@ -65,7 +96,28 @@ impl Forecast {
             .map(|quantity| level(&likeliest, &years, quantity, question))
             .collect();
         let return_levels = RETURN_PERIODS.map(|period| return_level(&years, period, question)).to_vec();
-        Some(Forecast { question: *question, likeliest, years, levels, return_levels })
+        let question = *question;
+        Ok(Some(Forecast { question, likeliest, years, levels, return_levels, draws_left_out, likeliest_given_up }))
+    }
+
+    /// Reasons to be careful with the result.
+    pub fn warnings(&self) -> Vec<String> {
+        let draws = (self.draws_left_out > 0).then(|| {
+            let all = self.draws_left_out + self.years.len() as u64;
+            format!(
+                "{} of {all} draws of the parameters are left out, because years with them were given up, {GIVEN_UP}; the intervals \
+                 hold nothing of such parameters",
+                self.draws_left_out
+            )
+        });
+        let likeliest = (self.likeliest_given_up > 0).then(|| {
+            format!(
+                "{} of {} years with the likeliest parameters were given up, {GIVEN_UP}; the expected values are those of the others",
+                self.likeliest_given_up,
+                LIKELIEST * self.question.years
+            )
+        });
+        draws.into_iter().chain(likeliest).collect()
     }
 
     /// The forecast of a quantity, if it can be known.
@@ -169,8 +221,9 @@ mod tests {
                 };
                 (0..QUESTION.years).map(|_| year(&mut random)).collect()
             });
-            let years = std::iter::once(vec![[5.0, 0.0, 0.0, 0.0, 0.0, 0.0]; 40]).chain(years).collect();
-            let forecast = Forecast::of(years, &QUESTION, false).expect("enough");
+            let years = std::iter::once(vec![[5.0, 0.0, 0.0, 0.0, 0.0, 0.0]; 40]).chain(years);
+            let draws = years.map(|years| SimulatedDraw { years, given_up: 0 }).collect();
+            let forecast = Forecast::of(draws, &QUESTION, false).expect("no year is given up").expect("enough");
             assert_eq!(forecast.level(Quantity::Force), None);
             let level = forecast.level(Quantity::SlidingPath).expect("known");
             let half = |interval: [f64; 2]| 0.5 * (interval[1] - interval[0]) / f64::from(times);
@@ -190,5 +243,49 @@ mod tests {
         // The expected width is 1.68 * 0.5. It is smaller for the longer return period, because the
         // part that is subtracted for the few years of a draw sometimes exceeds the whole variance.
         assert!(widths.iter().all(|width| (0.7..0.98).contains(width)), "{widths:?}");
+    }
+    /// Of four draws of three years, with 10, 20, 30 and 40 slips in every year, the second loses a
+    /// year, so that it is in no result, and this is said. The expected value is that of the years
+    /// with the likeliest parameters, 25 slips, also if some of those are given up.
+    #[test]
+    fn a_draw_that_loses_a_year_is_left_out_and_said() {
+        let question = Question { draws: 4, years: 3, ..QUESTION };
+        let draw = |slips: f64, years: usize, given_up: u64| SimulatedDraw {
+            years: vec![[0.0, slips, 0.0, 0.0, 0.0, 0.0]; years],
+            given_up,
+        };
+        let of = |likeliest: SimulatedDraw, second: SimulatedDraw| {
+            let draws = vec![likeliest, draw(10.0, 3, 0), second, draw(30.0, 3, 0), draw(40.0, 3, 0)];
+            Forecast::of(draws, &question, false).map(|found| found.expect("not stopped"))
+        };
+        let slips = |forecast: &Forecast| forecast.level(Quantity::Slips).expect("known").expected;
+
+        let whole = of(draw(25.0, 30, 0), draw(20.0, 3, 0)).expect("sound");
+        assert_eq!((whole.years.len(), whole.draws_left_out, whole.warnings()), (4, 0, vec![]));
+
+        let lossy = of(draw(25.0, 30, 0), draw(20.0, 2, 1)).expect("sound");
+        assert_eq!((lossy.years.len(), lossy.draws_left_out, slips(&lossy)), (3, 1, 25.0));
+        assert!(lossy.years.iter().flatten().all(|year| year[Quantity::Slips as usize] != 20.0));
+        let said = lossy.warnings().join("\n");
+        assert!(said.starts_with("1 of 4 draws") && said.contains("more slips than can be simulated"), "{said}");
+
+        let likeliest = of(draw(25.0, 2, 28), draw(20.0, 3, 0)).expect("sound");
+        assert_eq!((likeliest.years.len(), slips(&likeliest)), (4, 25.0));
+        assert!(likeliest.warnings()[0].starts_with("28 of 30 years"), "{:?}", likeliest.warnings());
+        assert_eq!(of(draw(25.0, 0, 30), draw(20.0, 3, 0)), Err(ForecastError::GivenUp(1, 5)));
+    }
+
+    /// A stop leaves the last draw without some of its years, which is no loss, and a forecast that
+    /// was stopped early has no result. Losses that leave one draw are an error.
+    #[test]
+    fn a_stop_is_no_loss() {
+        let question = Question { draws: 3, years: 2, ..QUESTION };
+        let draw = |years: usize, given_up: u64| SimulatedDraw { years: vec![[1.0; 6]; years], given_up };
+        let of = |draws: &[SimulatedDraw]| Forecast::of(draws.to_vec(), &question, false);
+        let stopped = of(&[draw(20, 0), draw(2, 0), draw(2, 0), draw(1, 0)]).expect("sound").expect("two draws");
+        assert_eq!((stopped.years.len(), stopped.warnings()), (2, vec![]));
+        assert_eq!(of(&[]), Ok(None));
+        assert_eq!(of(&[draw(20, 0), draw(2, 0), draw(1, 0)]), Ok(None));
+        assert_eq!(of(&[draw(20, 0), draw(2, 0), draw(1, 1), draw(0, 2)]), Err(ForecastError::GivenUp(2, 4)));
     }
 }
