@@ -106,8 +106,8 @@ pub trait Lanes:
     fn sqrt(self) -> Self;
     /// |self|
     fn abs(self) -> Self;
-    /// The first `WIDTH` entries whose bit is set in `lanes`, packed at the front of the result.
-    /// What follows them in the result has no meaning.
+    /// Those of the first `WIDTH` entries whose bit in `lanes` is set, packed at the front of the
+    /// result. What follows them in the result has no meaning.
     #[inline(always)]
     fn compress(entries: &[u32; ROW], lanes: u32) -> [u32; ROW] {
         let (mut all, mut count) = ([0; ROW], 0);
