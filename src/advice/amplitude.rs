@@ -59,8 +59,8 @@ pub(super) fn expected_amplitude(model: &Model, end: f64, step: Option<f64>) -> 
         (x, y) = (x + oscillator.dilatation * series.at(0.0), y + oscillator.dilatation * series.steepest() / w0);
         most_y += oscillator.dilatation.abs() * series.steepest() / w0;
     }
-    let stirred = temperature.noises().map(|noise| stirred(model, &noise, end, step)).sum::<f64>();
-    most_x + (x0 - x).hypot(y).max((friction.static_force / oscillator.stiffness).hypot(most_y)) + stirred
+    let noise = temperature.noises().map(|noise| noise_amplitude(model, &noise, end, step)).sum::<f64>();
+    most_x + (x0 - x).hypot(y).max((friction.static_force / oscillator.stiffness).hypot(most_y)) + noise
 }
 
 /// H at p, limited to `most` at resonance.
@@ -80,7 +80,7 @@ fn response(oscillator: &Oscillator, p: Complex, most: f64) -> Complex {
 /// per unit of time, and damping by A alpha/m. Near A_c the explicit step gives back a part of what
 /// friction takes. A then gets that large with a probability of about exp(-2 a A/D), which is set
 /// to one in a thousand here.
-fn stirred(model: &Model, noise: &Noise, end: f64, step: Option<f64>) -> f64 {
+fn noise_amplitude(model: &Model, noise: &Noise, end: f64, step: Option<f64>) -> f64 {
     let Model { oscillator, friction, .. } = model;
     let (w0, theta) = (oscillator.natural_frequency(), noise.relaxation_rate);
     let sd = oscillator.dilatation.abs() * noise.intensity * noise.stationary_sd();
@@ -93,7 +93,8 @@ fn stirred(model: &Model, noise: &Noise, end: f64, step: Option<f64>) -> f64 {
         None => 2.0 / (theta / w0 + w0 / theta),
     };
     let time = end.min(0.5 * oscillator.mass / oscillator.damping);
-    let unopposed = TYPICAL_SD * sd * (spectrum * w0 * time).sqrt();
-    let rubbed = 0.5 * 1000f64.ln() * sd * sd * spectrum * (0.5 * PI * oscillator.stiffness / friction.dynamic_force);
-    TYPICAL_SD * sd + unopposed.min(rubbed)
+    let without_loss = TYPICAL_SD * sd * (spectrum * w0 * time).sqrt();
+    let with_friction =
+        0.5 * 1000f64.ln() * sd * sd * spectrum * (0.5 * PI * oscillator.stiffness / friction.dynamic_force);
+    TYPICAL_SD * sd + without_loss.min(with_friction)
 }

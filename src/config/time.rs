@@ -38,7 +38,7 @@ pub(super) fn scheme_and_time(sources: &Sources<'_>, root: &Fields<'_>, model: &
     together(check_end(scheme, end));
     // The following checks use all values, so they are meaningful only if all values are valid.
     if sources.are_sound() {
-        together(check::reach(model, end).and_then(|()| scheme.check(model, end)));
+        together(check::check_extent(model, end).and_then(|()| scheme.check(model, end)));
     }
     let time = match output_step {
         None if sources.are_sound() => Time::with_default_rows(end, scheme),

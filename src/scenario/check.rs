@@ -14,7 +14,7 @@ impl Scenario {
         [model.temperature.noise, model.temperature.second_noise].iter().flatten().try_for_each(noise)?;
         forces(model)?;
         series(model, time.end)?;
-        reach(model, time.end)?;
+        check_extent(model, time.end)?;
         check_end(*scheme, time.end)?;
         scheme.check(model, time.end)?;
         time.check_rows(*scheme)?;
@@ -150,17 +150,17 @@ pub(crate) fn pinned(temperature: &Temperature) -> Option<(&'static str, &'stati
 }
 
 /// |x| and |x'| stay small enough for a double up to `end`.
-pub(crate) fn reach(model: &Model, end: f64) -> Result<(), Misfit> {
+pub(crate) fn check_extent(model: &Model, end: f64) -> Result<(), Misfit> {
     // The bound is that of motion without friction, because friction does not drive the body.
     let mut free = model.clone();
     free.friction.static_force = 0.0;
-    let reach = divergence_bound(&free, end);
-    let speed = reach * model.oscillator.natural_frequency();
-    if can_be_computed_with(&[reach, speed]) {
+    let extent = divergence_bound(&free, end);
+    let speed = extent * model.oscillator.natural_frequency();
+    if can_be_computed_with(&[extent, speed]) {
         return Ok(());
     }
     let problem = format!(
-        "lets |x| grow towards {reach:e} and |x'| towards {speed:e}; above {LARGEST:e} is too large to compute with"
+        "lets |x| grow towards {extent:e} and |x'| towards {speed:e}; above {LARGEST:e} is too large to compute with"
     );
     let remedy = "choose units in which displacements, times and forces are closer to 1, or lower `time.end`";
     Err(Misfit::new(&[("time.end", end)], problem, remedy))

@@ -23,10 +23,10 @@ pub(super) const MAX_INDEX: i64 = 1 << (INDEX_BITS + 1);
 /// The finest level there is. From here on neither a width nor its inverse is subnormal.
 const LOWEST: i32 = -1000;
 
-/// The finest level for values no further than `reach` from the centre. Bins of this level are a
+/// The finest level for values no further than `distance` from the centre. Bins of this level are a
 /// few roundings of the farthest value wide.
-pub(super) fn finest(reach: f64) -> i32 {
-    (exponent(reach) - INDEX_BITS).max(LOWEST)
+pub(super) fn finest(distance: f64) -> i32 {
+    (exponent(distance) - INDEX_BITS).max(LOWEST)
 }
 
 /// The e with 2^e <= x < 2^(e + 1), for x > 0. Below the smallest normal number it is the e of that

@@ -43,8 +43,8 @@ impl LogGrid {
         if duration.is_nan() || duration <= 0.0 {
             return 0;
         }
-        let reach = (duration + self.scale).min(self.limit);
-        ((reach.to_bits() - self.scale.to_bits()) >> SHIFT) as i16 + 1
+        let shifted = (duration + self.scale).min(self.limit);
+        ((shifted.to_bits() - self.scale.to_bits()) >> SHIFT) as i16 + 1
     }
 
     /// The duration at the edge between bins `edge` and `edge + 1`.

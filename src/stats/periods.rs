@@ -57,10 +57,10 @@ pub(super) struct PeriodSums {
     spread: Moments,
     /// Second and fourth powers of the influences of paths on S^2.
     spread_tails: Tails,
-    pub displacements: PeriodDisplacements,
+    pub period_displacements: PeriodDisplacements,
 }
 
-codec_of_fields!(PeriodSums { displacement, drift, spreading, spread, spread_tails, displacements });
+codec_of_fields!(PeriodSums { displacement, drift, spreading, spread, spread_tails, period_displacements });
 
 impl PeriodSums {
     pub fn empty(timeline: &Timeline) -> Self {
@@ -70,7 +70,7 @@ impl PeriodSums {
             spreading: Moments::default(),
             spread: Moments::default(),
             spread_tails: Tails::default(),
-            displacements: PeriodDisplacements::empty(timeline),
+            period_displacements: PeriodDisplacements::empty(timeline),
         }
     }
 
@@ -82,7 +82,7 @@ impl PeriodSums {
         self.spreading.merge(&other.spreading);
         self.spread.merge(&other.spread);
         self.spread_tails.merge(&other.spread_tails);
-        self.displacements.merge(&other.displacements);
+        self.period_displacements.merge(&other.period_displacements);
     }
 
     /// V. Two instants are needed.
@@ -154,7 +154,7 @@ pub(super) struct PeriodFold {
     spreading: Vec<f64>,
     /// The contribution of each path to S^2, summed up to the present period.
     spread: Vec<f64>,
-    displacements: PeriodDisplacementsFold,
+    period_displacements: PeriodDisplacementsFold,
     unit: Unit,
 }
 
@@ -170,7 +170,7 @@ impl PeriodFold {
             spreading: numbers(!slope.weights.is_empty()),
             spread: numbers(slope.skipped < slope.time.len()),
             slope,
-            displacements: PeriodDisplacementsFold::new(timeline, paths),
+            period_displacements: PeriodDisplacementsFold::new(timeline, paths),
             unit: Unit::Path,
         }
     }
@@ -203,7 +203,7 @@ impl PeriodFold {
         for (spread, &u) in self.spread.iter_mut().zip(&self.displacement) {
             *spread += share * (u - moments.mean) * (u - moments.mean);
         }
-        self.displacements.fold(&self.displacement);
+        self.period_displacements.fold(&self.displacement);
         let Some(&weight) = self.slope.weights.get(counted) else { return };
         for ((drift, spreading), &u) in self.drift.iter_mut().zip(&mut self.spreading).zip(&self.displacement) {
             *drift += weight * u;
@@ -218,7 +218,7 @@ impl PeriodFold {
         let shares = unit.means(&unbiased(self.spread)).into_owned();
         self.sums.spread = Moments::of(&shares);
         self.sums.spread_tails = Tails::of(shares.iter().map(|share| share - self.sums.spread.mean));
-        self.sums.displacements = self.displacements.finish(unit);
+        self.sums.period_displacements = self.period_displacements.finish(unit);
         self.sums
     }
 }
@@ -272,9 +272,9 @@ mod tests {
             }
             let v = totals.drift_velocity(&timeline).named(Statistic::DriftVelocity);
             let d = totals.diffusion_coefficient(&timeline).named(Statistic::DiffusionCoefficient);
-            let sd = totals.displacements.sd().named(Statistic::PeriodDisplacementSd);
-            let r = totals.displacements.correlation().named(Statistic::PeriodDisplacementCorrelation);
-            let step = totals.displacements.mean().named(Statistic::PeriodDisplacementMean);
+            let sd = totals.period_displacements.sd().named(Statistic::PeriodDisplacementSd);
+            let r = totals.period_displacements.correlation().named(Statistic::PeriodDisplacementCorrelation);
+            let step = totals.period_displacements.mean().named(Statistic::PeriodDisplacementMean);
             step_held.count(step.low <= 2.5 * drift && 2.5 * drift <= step.high);
             let step_sd = (2.0 * diffusion * 2.5f64).sqrt();
             sd_held.count(sd.low <= step_sd && step_sd <= sd.high);
@@ -370,7 +370,7 @@ mod tests {
         assert!(all.iter().all(|(got, expected)| (got - expected).abs() < 1e-9), "{e:?}");
         assert_eq!(e.high, f64::INFINITY);
         assert_eq!(totals.drift_velocity(&timeline).named(Statistic::DriftVelocity).estimate, 0.0);
-        assert!((totals.displacements.mean().estimate()).abs() < 1e-12);
+        assert!((totals.period_displacements.mean().estimate()).abs() < 1e-12);
         assert_eq!(totals.summary(&timeline, true).mean.len(), 3);
     }
 
@@ -390,15 +390,15 @@ mod tests {
             fold.fold(1, &[8.0; 40]);
             fold.fold(2, &x);
             let sums = fold.finish();
-            (sums.displacements.sd().measurement(), sums.spread_at_phase(&timeline).measurement())
+            (sums.period_displacements.sd().measurement(), sums.spread_at_phase(&timeline).measurement())
         };
-        let reach = |low: f64, estimate: f64| estimate / low - 1.0;
-        let wanted = reach(plain.low, plain.estimate) * n / (n - 1.0);
+        let relative_width = |low: f64, estimate: f64| estimate / low - 1.0;
+        let wanted = relative_width(plain.low, plain.estimate) * n / (n - 1.0);
         let students_t = 2.022_690_9; // Student's t with 39 degrees of freedom
-        assert!(reach(plain.low, plain.estimate) > 1.1 * students_t * plain.standard_error / plain.estimate);
+        assert!(relative_width(plain.low, plain.estimate) > 1.1 * students_t * plain.standard_error / plain.estimate);
         for (e, sd) in [(reported(0.0).0, plain.estimate * ((n - 1.0) / n).sqrt()), (reported(1.5).1, plain.estimate)] {
             assert!((e.estimate / sd - 1.0).abs() < 1e-12, "{e:?}, expected {sd}");
-            assert!((reach(e.low, e.estimate) / wanted - 1.0).abs() < 1e-9, "{e:?}, expected a reach of {wanted}");
+            assert!((relative_width(e.low, e.estimate) / wanted - 1.0).abs() < 1e-9, "{e:?}, expected {wanted}");
         }
     }
 

@@ -191,8 +191,8 @@ mod tests {
             return Ordered::Kept(Kept::of(others, shape.centre, at_centre));
         }
         let (smallest, largest) = (finite[0], finite[finite.len() - 1]);
-        let reach = (smallest - shape.centre).abs().max((largest - shape.centre).abs());
-        let mut level = crate::stats::dyadic::finest(reach).max(shape.floor);
+        let farthest = (smallest - shape.centre).abs().max((largest - shape.centre).abs());
+        let mut level = crate::stats::dyadic::finest(farthest).max(shape.floor);
         loop {
             let width = crate::stats::dyadic::width(level);
             let mut bins = std::collections::BTreeMap::<i64, u64>::new();

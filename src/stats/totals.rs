@@ -322,9 +322,9 @@ impl PhaseSums {
             Statistic::DisplacementEndSd => displacement_end.standard_deviation(),
             Statistic::DriftVelocity => self.periods.drift_velocity(timeline),
             Statistic::DiffusionCoefficient => self.periods.diffusion_coefficient(timeline),
-            Statistic::PeriodDisplacementMean => self.periods.displacements.mean(),
-            Statistic::PeriodDisplacementSd => self.periods.displacements.sd(),
-            Statistic::PeriodDisplacementCorrelation => self.periods.displacements.correlation(),
+            Statistic::PeriodDisplacementMean => self.periods.period_displacements.mean(),
+            Statistic::PeriodDisplacementSd => self.periods.period_displacements.sd(),
+            Statistic::PeriodDisplacementCorrelation => self.periods.period_displacements.correlation(),
             Statistic::PhaseDisplacementSd => self.periods.spread_at_phase(timeline),
             Statistic::JumpMean => Measured::ratio(slips, JUMP, SLIPS, contributing.slips),
             Statistic::JumpAbsMean => Measured::ratio(slips, JUMP_ABS, SLIPS, contributing.slips),
@@ -859,12 +859,12 @@ mod tests {
         let t = |m: usize| [f64::NAN, f64::NAN, 12.706_204_736_4, 4.302_652_729_9, 3.182_446_305_3, 2.776_445_105_2][m];
         let check = |statistic: Statistic, value: f64, error: f64, contributing: usize| {
             let e = estimate(&summary, statistic);
-            let (reach, least) = (t(contributing) * error, least(statistic));
+            let (half_width, least) = (t(contributing) * error, least(statistic));
             for (got, expected) in [
                 (e.estimate, value),
                 (e.standard_error, error),
-                (e.low, least.max(value - reach)),
-                (e.high, value + reach),
+                (e.low, least.max(value - half_width)),
+                (e.high, value + half_width),
             ] {
                 assert!((got - expected).abs() < 1e-9, "{}: {e:?}, expected {value} +- {error}", statistic.name());
             }

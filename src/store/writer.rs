@@ -120,7 +120,7 @@ impl Writer {
         drop(self.open.take());
         // Some file systems report only at this point that they are full.
         seal::seal(&self.workshop.path(RESULTS))
-            .map_err(|error| self.latch(Failure { full: is_full(&error), cause: error.to_string() }))?;
+            .map_err(|error| self.fail(Failure { full: is_full(&error), cause: error.to_string() }))?;
         self.workshop.publish()
     }
 
@@ -131,12 +131,12 @@ impl Writer {
         };
         work(open).map_err(|error| {
             let full = system_error(&error).is_some_and(|system| is_full(&system));
-            self.latch(Failure { cause: cause(&error), full })
+            self.fail(Failure { cause: cause(&error), full })
         })
     }
 
     /// Record the failure and leak the handles, so that the file is never touched again.
-    fn latch(&mut self, failure: Failure) -> StoreError {
+    fn fail(&mut self, failure: Failure) -> StoreError {
         std::mem::forget(self.open.take());
         self.failure = Some(failure);
         self.error()

@@ -66,8 +66,8 @@ impl Evidence {
             };
             return spread(&self.slips.iter().filter(|slip| slip.is_usual).map(off).collect::<Vec<_>>());
         }
-        let ways: Vec<f64> = self.reversals.iter().map(|(way, _)| *way).collect();
-        if ways.len() < 2 { 0.0 } else { spread(&ways) / std::f64::consts::SQRT_2 }
+        let changes: Vec<f64> = self.reversals.iter().map(|(change, _)| *change).collect();
+        if changes.len() < 2 { 0.0 } else { spread(&changes) / std::f64::consts::SQRT_2 }
     }
 }
 
@@ -90,8 +90,8 @@ impl Evidence {
     pub fn explained(&self, response: &Response) -> f64 {
         let onwards = self.slips.windows(2).filter(|pair| pair[0].sign == pair[1].sign);
         let [seen, gone] = onwards.fold([0.0; 2], |[seen, gone], pair| {
-            let way = (pair[1].temperature - pair[0].temperature) * pair[1].sign;
-            [seen + pair[0].size(response.sensor.still) / response.sensor.moving, gone + way]
+            let change = (pair[1].temperature - pair[0].temperature) * pair[1].sign;
+            [seen + pair[0].size(response.sensor.still) / response.sensor.moving, gone + change]
         });
         if gone > 0.0 { seen / gone } else { f64::NAN }
     }

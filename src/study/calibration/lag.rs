@@ -1,7 +1,7 @@
 //! The lag of the temperature of the steel behind that of the air.
 
 use super::level::{self, Sums};
-use super::lowest::golden;
+use super::lowest::golden_section_minimum;
 use super::samples::{HOUR, Record, Samples};
 use super::slips::Evidence;
 use super::sticks::{bins, sticks};
@@ -40,7 +40,7 @@ pub fn lag_profile(record: &Record, evidence: &Evidence) -> LagProfile {
         let steel = binned(&record.lagged(lag).samples());
         Sums::weighted(&level::sums(&steel, walk, 1, |_| 0), &[1.0]).deviance()
     };
-    let likeliest = golden(0.0, LONGEST, 20, deviance);
+    let likeliest = golden_section_minimum(0.0, LONGEST, 20, deviance);
     let (at_best, without) = (deviance(likeliest), deviance(0.0));
     let likeliest = if at_best < without { likeliest } else { 0.0 };
     let lowest = at_best.min(without);

@@ -171,5 +171,5 @@ const WALKS: [f64; 2] = [1e-4, 1e5];
 pub fn fitted_walk(bins: &[Bin]) -> f64 {
     let deviance = |log: f64| sums(bins, log.exp() / 3600.0, 1, |_| 0)[0].deviance();
     let [low, high] = WALKS.map(f64::ln);
-    super::lowest::golden(low, high, 24, deviance).exp() / 3600.0
+    super::lowest::golden_section_minimum(low, high, 24, deviance).exp() / 3600.0
 }

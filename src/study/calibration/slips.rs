@@ -112,9 +112,9 @@ impl Evidence {
         let is_whole = |from: usize, to: usize| !samples.starts.iter().any(|start| (from + 1..=to).contains(start));
         let pairs =
             slips.windows(2).filter(|pair| pair[0].sign != pair[1].sign && is_whole(pair[0].index, pair[1].index));
-        let ways =
+        let changes =
             pairs.map(|pair| ((pair[1].temperature - pair[0].temperature) * pair[1].sign, block(start, pair[1].time)));
-        let reversals = usual(ways.collect());
+        let reversals = usual(changes.collect());
         let first = slips.first()?;
         let beginning = (!is_whole(0, first.index)).then(|| sticks.after[0]);
         Some(Evidence {

@@ -82,7 +82,7 @@ pub fn starts(misfit: &Misfit, search: &Search, question: &Question, threads: us
     };
     // xi moves on the lattice xi(0) + n G. A start shifted by G gives the same motion once both
     // bodies have slipped.
-    let leap = |[reach, jump, start]: [f64; 3], way: f64| [reach, jump, start + jump.copysign(way)];
+    let leap = |[reach, jump, start]: [f64; 3], direction: f64| [reach, jump, start + jump.copysign(direction)];
     let make = |number: u64| {
         let (at, _) = evolve::lowest(&bounds, number, leap, value);
         let (err, sensor) = best(&motion(at));

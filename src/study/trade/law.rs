@@ -45,12 +45,12 @@ impl Law {
     /// by least squares. For each p the best C has a closed form, then the best p is chosen; its
     /// error is where chi-square has risen by one. The coarsest steps are left out until the rest
     /// fits. `None` if nothing fits, or if C is not resolved.
-    pub fn fit(changes: &[Change], finest: f64, anchor: Number) -> Option<Law> {
+    pub fn fit(changes: &[Change], finest: f64, finest_bias: Number) -> Option<Law> {
         // At least three observations are needed for the two parameters.
-        (0..changes.len().saturating_sub(1)).find_map(|first| Law::fit_all(&changes[first..], finest, anchor))
+        (0..changes.len().saturating_sub(1)).find_map(|first| Law::fit_all(&changes[first..], finest, finest_bias))
     }
 
-    fn fit_all(changes: &[Change], finest: f64, anchor: Number) -> Option<Law> {
+    fn fit_all(changes: &[Change], finest: f64, finest_bias: Number) -> Option<Law> {
         let at = |p: f64| {
             let mut sums = [0.0; 3]; // The sums of y^2, g y and g^2 over squared errors, where y = C g.
             let mut add = |y: Number, g: f64| {
@@ -60,7 +60,7 @@ impl Law {
                 }
             };
             changes.iter().for_each(|c| add(c.change, c.h.powf(p) * (1.0 - 2f64.powf(-p))));
-            add(anchor, finest.powf(p));
+            add(finest_bias, finest.powf(p));
             let [yy, gy, gg] = sums;
             (yy - gy * gy / gg, [p, gy / gg, gg.sqrt().recip()])
         };
@@ -109,8 +109,8 @@ mod tests {
     #[test]
     fn a_power_is_found_and_carried_on() {
         for (c, p) in [(2.4, 0.5), (-0.17, 1.0), (0.3, 2.0)] {
-            let (changes, finest, anchor) = ladder(|h| c * h.powf(p), 1e-9);
-            let law = Law::fit(&changes, finest, anchor).expect("a law");
+            let (changes, finest, finest_bias) = ladder(|h| c * h.powf(p), 1e-9);
+            let law = Law::fit(&changes, finest, finest_bias).expect("a law");
             assert!((law.order.value - p).abs() < 0.011, "{law:?}");
             let beyond = law.bias(1e-5);
             assert!((beyond.value / (c * 1e-5f64.powf(p)) - 1.0).abs() < 0.06, "{beyond:?}");
@@ -121,16 +121,16 @@ mod tests {
     fn steps_that_are_too_coarse_for_the_law_are_left_out() {
         // A bias like that of the corrected scheme: flat for coarse steps, of order one for fine
         // ones.
-        let (changes, finest, anchor) = ladder(|h| -h / (1.0 + (h / 0.01).powi(2)).sqrt(), 1e-6);
-        let law = Law::fit(&changes, finest, anchor).expect("a law");
+        let (changes, finest, finest_bias) = ladder(|h| -h / (1.0 + (h / 0.01).powi(2)).sqrt(), 1e-6);
+        let law = Law::fit(&changes, finest, finest_bias).expect("a law");
         assert!((law.order.value - 1.0).abs() < 0.05 && law.coarsest < 0.01, "{law:?}");
     }
 
     #[test]
     fn what_is_not_resolved_or_not_a_power_has_no_law() {
-        let (changes, finest, anchor) = ladder(|h| 1e-3 * h, 1e-2);
-        assert_eq!(Law::fit(&changes, finest, anchor), None);
-        let (changes, finest, anchor) = ladder(|h| h * (1.0 / h).sin(), 1e-9);
-        assert_eq!(Law::fit(&changes, finest, anchor), None);
+        let (changes, finest, finest_bias) = ladder(|h| 1e-3 * h, 1e-2);
+        assert_eq!(Law::fit(&changes, finest, finest_bias), None);
+        let (changes, finest, finest_bias) = ladder(|h| h * (1.0 / h).sin(), 1e-9);
+        assert_eq!(Law::fit(&changes, finest, finest_bias), None);
     }
 }

@@ -44,9 +44,9 @@ pub struct Likelihood {
 /// Largest number of processes.
 const STATES: usize = 2;
 
-/// For evenly spaced samples, the filter has settled when the variance of an innovation changes by
-/// less than this, relative to it.
-const SETTLED: f64 = 1e-13;
+/// For evenly spaced samples, the filter has converged when the variance of an innovation changes
+/// by less than this, relative to it.
+const CONVERGED: f64 = 1e-13;
 
 /// The variances and gains of the filter, which do not depend on the measured values.
 struct Filter<'a> {
@@ -57,7 +57,7 @@ struct Filter<'a> {
     decay: [f64; STATES],
     variance: f64,
     gain: [f64; STATES],
-    has_settled: bool,
+    has_converged: bool,
 }
 
 impl<'a> Filter<'a> {
@@ -68,7 +68,7 @@ impl<'a> Filter<'a> {
             covariance[j][j] = *variance;
         }
         let [decay, gain] = [[1.0; STATES], [0.0; STATES]];
-        let mut filter = Filter { shape, covariance, interval: 0.0, decay, variance: 0.0, gain, has_settled: false };
+        let mut filter = Filter { shape, covariance, interval: 0.0, decay, variance: 0.0, gain, has_converged: false };
         filter.update();
         filter
     }
@@ -78,12 +78,12 @@ impl<'a> Filter<'a> {
         // Stamps are whole seconds, but times computed from them are rounded, so intervals may
         // differ slightly.
         if (h - self.interval).abs() > 1e-9 * h {
-            (self.interval, self.has_settled) = (h, false);
+            (self.interval, self.has_converged) = (h, false);
             for (decay, (theta, _)) in self.decay.iter_mut().zip(&self.shape.processes) {
                 *decay = libm::exp(-theta * h);
             }
         }
-        if self.has_settled {
+        if self.has_converged {
             return;
         }
         for i in 0..STATES {
@@ -96,7 +96,7 @@ impl<'a> Filter<'a> {
         }
         let before = self.variance;
         self.update();
-        self.has_settled = (self.variance - before).abs() <= SETTLED * before;
+        self.has_converged = (self.variance - before).abs() <= CONVERGED * before;
     }
 
     /// Compute the variance of the innovation, and update the covariance of the states with the
