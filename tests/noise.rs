@@ -105,8 +105,8 @@ fn the_two_normals_of_a_draw_are_independent() {
 /// Null hypothesis: the states of neighbouring paths, and of neighbouring seeds, are independent
 /// uniform words, so that in a pair of words each of 64 bits differs with probability 1/2. Sample
 /// size: 2^16 pairs, so that the count of each bit has a standard deviation of 128. Bound: 6
-/// standard deviations. False-alarm rate: below 4e-6 for all 1536 counts together. The seeds `seed
-/// + i`, or increments of one linear congruential generator, fail by hundreds of standard
+/// standard deviations. False-alarm rate: below 4e-6 for all 1536 counts together. The seeds
+/// `seed + i`, or increments of one linear congruential generator, fail by hundreds of standard
 /// deviations.
 #[test]
 fn neighbouring_paths_and_seeds_share_no_bit_of_state() {

@@ -350,8 +350,8 @@ mod tests {
         }
     }
 
-    /// x - x0 is 0, 1, 5 and then 3, 3, 0, with variances 7 and 3, so S^2 = 5. The contributions (4
-    /// + 1)/2, (1 + 1)/2 and (9 + 4)/2 of the paths, times 3/2, have the variance 18.1875. The
+    /// x - x0 is 0, 1, 5 and then 3, 3, 0, with variances 7 and 3, so S^2 = 5. The contributions
+    /// (4 + 1)/2, (1 + 1)/2 and (9 + 4)/2 of the paths, times 3/2, have the variance 18.1875. The
     /// instant before the end of the burn-in is in the moments of each period only.
     #[test]
     fn the_spread_at_one_phase_and_its_error_are_those_computed_by_hand() {
