@@ -113,7 +113,7 @@ fn misses<const N: usize>(biases: impl Fn(f64) -> Vec<(Statistic, Bias)>, factor
 /// fixed. False-alarm rate, measured over 40 other seeds at five of the steps: 1.8 % of all
 /// comparisons failed. An estimate of twice the size fails in most comparisons.
 #[test]
-fn what_a_run_says_is_within_its_uncertainty_of_the_truth() {
+fn the_reported_bias_is_within_its_uncertainty_of_the_truth() {
     let model = paper(0.25, 0.25);
     let [exact, double] = misses(|h| reported(&model, plain(h), 1, 10_000, 2), [1.0, 2.0]);
     assert_eq!(exact, Vec::<String>::new());
@@ -128,7 +128,7 @@ fn what_a_run_says_is_within_its_uncertainty_of_the_truth() {
 /// most 5 %. Bound: 20 misses. False-alarm rate: if the biases were independent, 20 or more misses
 /// would have a probability of 0.3 %. With half the uncertainty there are more.
 #[test]
-fn over_the_seeds_it_is_missed_as_seldom_as_it_says() {
+fn over_seeds_at_most_5_percent_of_biases_are_missed() {
     let model = paper(0.25, 0.25);
     let at_corrected =
         [(0.408292, 0.00017), (18.3392, 0.0086), (1.27634, 0.00024), (0.188304, 0.00014), (0.138548, 6.8e-05)];
@@ -221,7 +221,7 @@ fn the_truth_is_within_its_uncertainty_where_the_changes_from_step_to_step_misle
 /// itself. The bias of x(t_end), whose paths hardly differ between h and 2h, is known to little
 /// more than the standard error of the run, 0.016. The observed order is between 0.45 and 0.75.
 #[test]
-fn the_uncertainty_says_something() {
+fn the_uncertainty_is_small_enough_to_be_useful() {
     let model = paper(0.25, 0.25);
     let all: Vec<Vec<(Statistic, Bias)>> = (0..9).map(|seed| reported(&model, plain(0.01), seed, 10_000, 2)).collect();
     let median = |statistic: Statistic, what: &dyn Fn(&Bias) -> f64| {
@@ -248,7 +248,7 @@ fn the_uncertainty_says_something() {
 /// with most estimates near 0.2. An uncertainty of half the estimate would claim too much
 /// precision, so for most seeds the uncertainty must be half a unit or more.
 #[test]
-fn so_is_a_median_that_jumps_from_one_kind_of_sticks_to_the_other() {
+fn the_bias_is_covered_for_a_median_that_jumps_between_kinds_of_sticks() {
     let mut model = paper(0.25, 0.1);
     (model.oscillator.mass, model.oscillator.stiffness) = (0.3, 0.2);
     (model.oscillator.damping, model.oscillator.dilatation) = (0.5, 20.0);
@@ -256,23 +256,23 @@ fn so_is_a_median_that_jumps_from_one_kind_of_sticks_to_the_other() {
     let noise = model.temperature.noise.as_mut().expect("it has noise");
     (noise.relaxation_rate, noise.initial) = (0.5, InitialNoise::At(-1.0));
     let (low, high) = (1.156, 1.167);
-    let is_told = |seed: &u64| {
+    let covered_and_width = |seed: &u64| {
         let Bias { estimate, uncertainty, .. } =
             of(&reported(&model, plain(0.01), *seed, 10_000, 2), Statistic::StickDurationMedian);
         println!("{estimate} +- {uncertainty}");
         (estimate - uncertainty <= high && estimate + uncertainty >= low, uncertainty)
     };
-    let all: Vec<(bool, f64)> = (1..=20).collect::<Vec<u64>>().iter().map(is_told).collect();
+    let all: Vec<(bool, f64)> = (1..=20).collect::<Vec<u64>>().iter().map(covered_and_width).collect();
     let misses = all.iter().filter(|(is_held, _)| !is_held).count();
-    let honest = all.iter().filter(|(_, uncertainty)| *uncertainty > 0.3).count();
-    assert!(misses <= 4 && honest >= 15, "{misses} misses, {honest} wide");
+    let wide = all.iter().filter(|(_, uncertainty)| *uncertainty > 0.3).count();
+    assert!(misses <= 4 && wide >= 15, "{misses} misses, {wide} wide");
 }
 
 /// The reference run is left out where it costs more than the run allows (theta = 1e6, which needs
 /// a cell each 5e-7, 10^8 of them), where it resolves less than is needed (f_s and f_d almost
 /// equal), and where its paths are too few. The bias is then estimated from the three steps.
 #[test]
-fn what_paths_without_a_step_cannot_tell_the_steps_do() {
+fn the_steps_give_the_bias_where_the_reference_run_cannot() {
     let referenced = |model: &Model, h: f64, paths: u64| {
         let run = run(model, plain(h), 1, paths, 2);
         ReferenceRun::new(model, &timeline(model), h, 1, paths, 20).estimate(&run, 2, &AtomicBool::new(false))
@@ -368,7 +368,7 @@ fn the_bits_do_not_depend_on_the_number_of_threads() {
 }
 
 #[test]
-fn where_there_is_no_estimate_the_reason_is_told() {
+fn where_there_is_no_estimate_the_reason_is_given() {
     let (model, quiet) = (paper(0.25, 0.25), paper(0.25, 0.0));
     let try_with = |model: &Model, h, paths| Differences::new(plain(h), model, &timeline(model), 1, paths).map(|_| ());
     assert_eq!(try_with(&model, 0.01, 767), Err(NoBias::FewPaths { needed: 768 }));

@@ -157,7 +157,7 @@ fn what_does_not_go_with_a_series_is_refused() {
 }
 
 #[test]
-fn what_was_mended_is_told_and_noise_on_top_is_warned_of() {
+fn repairs_are_reported_and_noise_on_top_of_a_series_is_warned_of() {
     let lines: Vec<String> = days().lines().map(String::from).collect();
     let mut mended = vec![lines[0].clone(), lines[2].clone(), lines[1].clone(), lines[2].clone()];
     mended.extend_from_slice(&lines[3..]);

@@ -150,8 +150,8 @@ fn every_mistake_is_answered_with_cause_place_and_remedy() {
         let words: Vec<String> = line.split(' ').map(|word| word.replace('~', " ")).collect();
         let words: Vec<&str> = words.iter().map(String::as_str).collect();
         let output = command::mc(folder.path(), &words);
-        let told = String::from_utf8_lossy(&output.stderr);
-        println!("$ mc {}\n{told}", line.replace('~', " "));
+        let message = String::from_utf8_lossy(&output.stderr);
+        println!("$ mc {}\n{message}", line.replace('~', " "));
         let mut wrong = Vec::new();
         if output.status.code() != Some(2) {
             wrong.push(format!("exit code {:?}", output.status.code()));
@@ -159,15 +159,15 @@ fn every_mistake_is_answered_with_cause_place_and_remedy() {
         if !output.stdout.is_empty() {
             wrong.push("something on standard output".to_string());
         }
-        wrong.extend(says.iter().filter(|part| !told.contains(**part)).map(|part| format!("no {part:?}")));
-        if !["fix: ", "tip: ", "--help", "["].iter().any(|sign| told.contains(sign)) {
+        wrong.extend(says.iter().filter(|part| !message.contains(**part)).map(|part| format!("no {part:?}")));
+        if !["fix: ", "tip: ", "--help", "["].iter().any(|sign| message.contains(sign)) {
             wrong.push("no remedy".to_string());
         }
-        if told.contains("panicked") {
+        if message.contains("panicked") {
             wrong.push("a panic".to_string());
         }
         if !wrong.is_empty() {
-            poor.push(format!("$ mc {line}\n{told}-> {}\n", wrong.join(", ")));
+            poor.push(format!("$ mc {line}\n{message}-> {}\n", wrong.join(", ")));
         }
     }
     assert!(poor.is_empty(), "{} of {} answers are poor:\n{}", poor.len(), MISTAKES.len(), poor.join("\n"));

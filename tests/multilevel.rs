@@ -118,7 +118,7 @@ fn threads_do_not_change_a_bit() {
 }
 
 #[test]
-fn what_is_no_mean_over_paths_or_has_no_noise_is_not_for_it() {
+fn statistics_that_are_no_means_and_scenes_without_noise_are_refused() {
     assert!(Multilevel::new(&paper(0.25, 0.25), END, Statistic::StickDurationMean, 1).is_none());
     assert!(Multilevel::new(&paper(0.25, 0.0), END, Statistic::DisplacementEndMean, 1).is_none());
     assert!(Multilevel::new(&paper(0.25, 0.25), 0.0, Statistic::DisplacementEndMean, 1).is_none());

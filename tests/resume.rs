@@ -240,7 +240,7 @@ fn a_sitting_that_continues_a_run_is_killed_at_every_change_of_the_disk() {
 /// refers to must be on the disk before the state has its name: first the rows, then the state
 /// itself, then its name.
 #[test]
-fn what_a_state_speaks_of_is_on_the_disk_before_it() {
+fn the_rows_that_a_state_refers_to_are_on_the_disk_before_it() {
     let (_outer, here) = folders();
     let (output, trace) = shimmed(&here, RUN, 0);
     assert!(output.status.success(), "{}", text(&output.stderr));

@@ -70,7 +70,7 @@ fn rmse(choice: &Choice, statistic: Statistic, runs: u64) -> f64 {
 /// 1e-4. Half or twice the paths change the error by a factor of 1.41, which 100 runs find with
 /// bounds of 0.31.
 #[track_caller]
-fn keeps_its_promise(choice: &Choice, statistic: Statistic, target: f64, runs: u64) {
+fn has_the_predicted_error(choice: &Choice, statistic: Statistic, target: f64, runs: u64) {
     let ratio = rmse(choice, statistic, runs) / target;
     let play = 4.0 / (2.0 * runs as f64).sqrt() + 0.03;
     let least = (1.0 - (choice.bias / target).powi(2)).sqrt();
@@ -93,19 +93,19 @@ fn the_recommended_run_has_the_error_it_was_recommended_for() {
     {
         let choice = PILOT.best(None, &[statistic], target).expect("a choice");
         assert!(matches!(choice.scheme, Scheme::EventDriven(_)), "{choice:?}");
-        keeps_its_promise(&choice, statistic, target, runs);
+        has_the_predicted_error(&choice, statistic, target, runs);
     }
 }
 
 /// This prediction depends on the bias, which for the discrete VI follows from the law, at a step
 /// that the pilot run did not simulate.
 #[test]
-fn so_has_the_best_run_of_a_scheme_with_a_step() {
+fn the_best_run_of_a_scheme_with_a_step_has_the_predicted_error() {
     let discrete = PILOT.best(Some(Kind::DiscreteVi), &[StickDurationMean], 0.05).expect("a choice");
     assert!(!discrete.is_measured && discrete.bias > 0.02, "{discrete:?}");
-    keeps_its_promise(&discrete, StickDurationMean, 0.05, 200);
+    has_the_predicted_error(&discrete, StickDurationMean, 0.05, 200);
     let corrected = PILOT.best(Some(Kind::CorrectedVi), &[StickDurationMean], 0.02).expect("a choice");
-    keeps_its_promise(&corrected, StickDurationMean, 0.02, 200);
+    has_the_predicted_error(&corrected, StickDurationMean, 0.02, 200);
 }
 
 /// With several statistics each is within the target, and the most demanding one determines the
@@ -117,7 +117,7 @@ fn a_run_for_several_statistics_suits_the_most_demanding() {
     let alone = all.map(|statistic| PILOT.best(Some(Kind::EventDriven), &[statistic], 0.01).expect("a choice"));
     let most = alone.iter().max_by_key(|choice| choice.paths).expect("four");
     assert!(together.paths >= most.paths && together.decisive == StickingFraction, "{together:?} {alone:?}");
-    keeps_its_promise(&together, StickingFraction, 0.01, 100);
+    has_the_predicted_error(&together, StickingFraction, 0.01, 100);
 }
 
 /// In theory the order is 1/2 for the discrete VI, and 1 for the corrected one. The first must be
@@ -303,7 +303,7 @@ fn one_path_is_the_answer_where_the_noise_does_not_diffuse() {
 }
 
 #[test]
-fn what_cannot_be_answered_says_why() {
+fn statistics_without_an_answer_have_a_reason() {
     let small = |name: &str, tolerances: usize| {
         let scenario = shipped(name);
         let effort = Effort { steps: 2, coupled_paths: 40, free_paths: vec![64; tolerances], timing: 0.0 };

@@ -107,7 +107,7 @@ fn every_kind_of_file_is_what_its_scenario_comes_to() {
 }
 
 #[test]
-fn it_says_how_much_was_checked() {
+fn the_report_says_how_much_was_checked() {
     let here = made(SCENE);
     let said = text(&verify(&here, &["--blocks", "3"]).stdout);
     assert!(said.contains("simulated    3 of 12 blocks"), "{said}");

@@ -17,7 +17,7 @@ fn base(overrides: &[&str]) -> Scenario {
 }
 
 #[test]
-fn what_moves_a_body_far_is_expected_to() {
+fn the_expected_amplitude_is_large_where_the_body_is_moved_far() {
     // Here A_c = 127, and v(0) = 1e5 moves the body by beta rho v(0). At w h = 2 pi + 8e-4 the
     // scheme takes a fast forcing for a slow one; at 0.9 pi it does not. With a step of 0.2, A_c is
     // 6.4: the relaxed start leaves no free oscillation, but the noise excites one.

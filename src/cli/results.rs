@@ -51,8 +51,8 @@ pub fn warnings(summary: &Summary, scenario: Option<&Scenario>) -> Vec<JsonWarni
     let due = scenario.map_or(Vec::new(), |scenario| scenario.warnings_of_run(summary.has_bias()));
     let due = due.iter().map(|warning| (warning.name(), Some(warning.to_string())));
     let found = [("dominating-bias", report::dominating_bias(summary)), ("unsettled", report::unsettled(summary))];
-    let told = due.chain(found);
-    told.filter_map(|(name, text)| Some(JsonWarning { name: name.to_string(), text: text? })).collect()
+    let all = due.chain(found);
+    all.filter_map(|(name, text)| Some(JsonWarning { name: name.to_string(), text: text? })).collect()
 }
 
 /// Prints a warning if the bias of the step is larger than the statistical interval suggests.

@@ -338,7 +338,7 @@ fn values_that_cannot_be_computed_with_are_refused_with_the_reason() {
 
 /// The same values are rejected in memory as in a file, since the checks do not depend on files.
 #[test]
-fn what_a_file_is_refused_for_data_are_refused_for() {
+fn data_are_refused_for_the_same_reasons_as_a_file() {
     type Change = fn(&mut Scenario);
     let changes: [(Change, &str, &str); 7] = [
         (|s| s.model.friction.dynamic_force = 2.0, "friction.dynamic", "is above `friction.static`"),

@@ -340,7 +340,7 @@ mod tests {
     }
 
     #[test]
-    fn what_counts_comes_back_and_what_is_torn_is_cut_off() {
+    fn counted_rows_are_read_back_and_torn_rows_are_cut_off() {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("rows");
         let blocks: Vec<OwnedRows> = (0..20).map(block).collect();

@@ -355,7 +355,7 @@ mod tests {
 
     /// The bytes are cut at every length, and one or two bits of every byte are flipped.
     #[test]
-    fn what_is_not_what_was_written_is_damaged() {
+    fn bytes_other_than_those_written_are_damage() {
         let bytes = state(2..3);
         let is_damaged = |bytes: &[u8]| matches!(read(bytes), Err(StoreError::DamagedState { .. }));
         assert!((0..bytes.len()).all(|length| is_damaged(&bytes[..length])));

@@ -321,7 +321,7 @@ mod tests {
     /// The alternative that is proposed is accepted when it is asked for, and a target 2.6 times
     /// smaller is rejected.
     #[test]
-    fn what_takes_too_long_is_refused_with_what_does_not() {
+    fn a_target_that_takes_too_long_is_refused_with_one_that_does_not() {
         let limits = [(1e-6, None), (1e-3, Some(Duration::from_secs(1))), (0.01, Some(Duration::from_millis(10)))];
         for (target, max_time) in limits {
             let asked = |target| Accuracy { max_time, ..wanted(target, &[MEAN]) };

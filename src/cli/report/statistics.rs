@@ -66,8 +66,8 @@ fn footnotes(lines: Vec<Line>, is_narrow: bool) -> (Vec<Row>, String) {
         _ => line.with_reason(),
     };
     let rows = lines.into_iter().map(&mut row).collect();
-    let told = below.iter().enumerate();
-    (rows, told.map(|(number, reason)| wrapped(&format!("({}) {reason}", mark(number)), "    ")).collect())
+    let numbered = below.iter().enumerate();
+    (rows, numbered.map(|(number, reason)| wrapped(&format!("({}) {reason}", mark(number)), "    ")).collect())
 }
 
 /// The mark of a footnote: a, b, c, ... There are fewer reasons than letters.
@@ -100,9 +100,9 @@ fn narrowed(mut table: Vec<Row>, columns: usize) -> String {
             table.iter_mut().filter(|row| place < row.cells.len()).for_each(|row| drop(row.cells.remove(place)));
         }
     }
-    let told = format!("(no room for {}; a wider terminal and --json show it)", left_out.join(" and "));
+    let note = format!("(no room for {}; a wider terminal and --json show it)", left_out.join(" and "));
     let gap = if width(&table) > columns { " " } else { GAP };
-    aligned(&table, gap) + &if left_out.is_empty() { String::new() } else { wrapped(&told, "") }
+    aligned(&table, gap) + &if left_out.is_empty() { String::new() } else { wrapped(&note, "") }
 }
 
 fn table(summary: &Summary, units: &Units) -> Vec<Line> {

@@ -223,7 +223,7 @@ mod tests {
     /// If beta, z0, K, f_s or f_s - f_d is held, the sensor has that value, and err is that of this
     /// sensor. If it is held at its best value, err does not change.
     #[test]
-    fn what_is_held_is_had() {
+    fn a_held_quantity_has_its_value() {
         let temperatures: Vec<f64> = (0..3000).map(|i| 10.0 + 8.0 * libm::sin(0.01 * f64::from(i))).collect();
         let motion = Motion { reach: 3.0, jump: 0.8, start: 9.0 };
         let positions = motion.follow(&temperatures);

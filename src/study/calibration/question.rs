@@ -98,9 +98,9 @@ impl Question {
             Ok((quantity, value.ok_or(NotHeld::NoNumber(quantity))?))
         });
         let held: Vec<Held> = held.collect::<Result<_, _>>()?;
-        let mut told =
+        let mut named =
             held.iter().map(|(quantity, _)| *quantity).chain(self.bounds.iter().map(|(quantity, _)| *quantity));
-        match told.find(|quantity| quantity.needs_shear_stiffness() && scene.shear_stiffness.is_none()) {
+        match named.find(|quantity| quantity.needs_shear_stiffness() && scene.shear_stiffness.is_none()) {
             Some(quantity) => Err(NotHeld::TakesShearStiffness(quantity)),
             None => Ok(Question { held, ..self }),
         }
