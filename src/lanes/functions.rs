@@ -3,32 +3,63 @@
 
 use super::Lanes;
 
+/// c0 + c1 x + .. + c7 x^7, given x, x^2 and x^4.
+///
+/// The sum follows Estrin's scheme, in which three operations wait for each other instead of seven:
+/// where lanes are worked on, most of the time is spent waiting for such chains.
+#[inline(always)]
+fn eight_terms<L: Lanes>(powers: [L; 3], [c0, c1, c2, c3, c4, c5, c6, c7]: [f64; 8]) -> L {
+    let high = four_terms(powers, [c4, c5, c6, c7]);
+    high.mul_add(powers[2], four_terms(powers, [c0, c1, c2, c3]))
+}
+
+/// c0 + c1 x + c2 x^2 + c3 x^3 likewise.
+#[inline(always)]
+fn four_terms<L: Lanes>([x, x2, _]: [L; 3], [c0, c1, c2, c3]: [f64; 4]) -> L {
+    let high = L::splat(c3).mul_add(x, L::splat(c2));
+    high.mul_add(x2, L::splat(c1).mul_add(x, L::splat(c0)))
+}
+
+/// x, x^2 and x^4.
+#[inline(always)]
+fn powers<L: Lanes>(x: L) -> [L; 3] {
+    let x2 = x * x;
+    [x, x2, x2 * x2]
+}
+
+/// first!/(first + 2)!, first!/(first + 4)!, .., which are eight coefficients of a series in every
+/// second power, with alternating signs where `sign` is -1.
+const fn every_second(first: u32, sign: f64) -> [f64; 8] {
+    let (mut all, mut i, mut term, mut n) = ([0.0; 8], 0, 1.0, first);
+    while i < 8 {
+        term *= sign / ((n + 1) as f64 * (n + 2) as f64);
+        all[i] = term;
+        n += 2;
+        i += 1;
+    }
+    all
+}
+
 /// cosh y and sinh(y)/y as functions of y^2 <= 1, correct up to rounding.
 #[inline(always)]
 pub fn cosh_and_sinh_over<L: Lanes>(y2: L) -> (L, L) {
-    let one = L::splat(1.0);
-    let (mut cosh, mut sinh) = (one, one);
-    // The series 1 + y^2/(n (n - 1)) (1 + ..) is summed from its last term on. The first omitted
-    // term is below 1/18!.
-    for n in [16.0, 14.0, 12.0, 10.0, 8.0, 6.0, 4.0, 2.0] {
-        cosh = one + y2 * (cosh * (1.0 / (n * (n - 1.0))));
-        sinh = one + y2 * (sinh * (1.0 / (n * (n + 1.0))));
-    }
-    (cosh, sinh)
+    const COSH: [f64; 8] = every_second(0, 1.0);
+    const SINH: [f64; 8] = every_second(1, 1.0);
+    // The first omitted term is below 1/18!.
+    let (one, powers) = (L::splat(1.0), powers(y2));
+    (eight_terms(powers, COSH).mul_add(y2, one), eight_terms(powers, SINH).mul_add(y2, one))
 }
 
 /// cos and sin of an angle with |angle| <= 1, correct up to rounding.
 #[inline(always)]
 pub fn small_unit<L: Lanes>(angle: L) -> (L, L) {
+    const COS: [f64; 8] = every_second(0, -1.0);
+    const SIN: [f64; 8] = every_second(1, -1.0);
+    // The first omitted term is below 1/18!.
     let (square, one) = (angle * angle, L::splat(1.0));
-    let (mut cos, mut sin) = (one, one);
-    // The series 1 - angle^2/(n (n - 1)) (1 - ..) is summed from its last term on. The first
-    // omitted term is below 1/18!.
-    for n in [16.0, 14.0, 12.0, 10.0, 8.0, 6.0, 4.0, 2.0] {
-        cos = one - square * (cos * (1.0 / (n * (n - 1.0))));
-        sin = one - square * (sin * (1.0 / (n * (n + 1.0))));
-    }
-    (cos, angle * sin)
+    let powers = powers(square);
+    let sin = eight_terms(powers, SIN).mul_add(square, one);
+    (eight_terms(powers, COS).mul_add(square, one), angle * sin)
 }
 
 /// 3 2^51. Adding and then subtracting it rounds a number below 2^51 to the nearest integer; the
@@ -43,15 +74,17 @@ const LN2: [f64; 2] = [6.931_471_803_691_238e-1, 1.908_214_929_270_587_7e-10];
 #[inline(always)]
 pub fn exp<L: Lanes>(x: L) -> L {
     let x = L::select(x.gt(L::splat(-700.0)), x, L::splat(-700.0));
-    let shifted = x * std::f64::consts::LOG2_E + ROUNDING;
+    let shifted = x.mul_add(L::splat(std::f64::consts::LOG2_E), L::splat(ROUNDING));
     let twos = shifted - ROUNDING;
-    let r = (x - twos * LN2[0]) - twos * LN2[1];
-    // The first omitted term is below 1e-17, because |r| <= ln(2)/2.
-    let mut sum = L::splat(1.0);
-    for n in [13.0, 12.0, 11.0, 10.0, 9.0, 8.0, 7.0, 6.0, 5.0, 4.0, 3.0, 2.0] {
-        sum = sum * r * (1.0 / n) + 1.0;
-    }
-    let sum = sum * r + 1.0;
+    let r = twos.mul_add(L::splat(-LN2[1]), twos.mul_add(L::splat(-LN2[0]), x));
+    // 1 + r + r^2 (1/2! + r/3! + ..). The first omitted term is below 1e-17, because |r| is at
+    // most ln(2)/2.
+    const LOW: [f64; 8] = inverse_factorials(2);
+    const HIGH: [f64; 4] = inverse_factorials(10);
+    let powers = powers(r);
+    let high = four_terms(powers, HIGH);
+    let rest = high.mul_add(powers[2] * powers[2], eight_terms(powers, LOW));
+    let sum = rest.mul_add(powers[1], r) + 1.0;
     L::from_bits(L::add_bits(sum.to_bits(), L::shl::<52>(shifted.to_bits())))
 }
 
@@ -70,15 +103,38 @@ pub fn log1p<L: Lanes>(z: L) -> L {
     let s = f / (f + 2.0);
     let s2 = s * s;
     // ln m = 2 s (1 + s^2/3 + ..) with |s| <= 0.172. The first omitted term is below 1e-18.
-    let mut sum = L::splat(1.0 / 23.0);
-    for n in [21.0, 19.0, 17.0, 15.0, 13.0, 11.0, 9.0, 7.0, 5.0, 3.0] {
-        sum = sum * s2 + 1.0 / n;
-    }
+    const LOW: [f64; 8] = inverse_odds(3);
+    const HIGH: [f64; 4] = inverse_odds(19);
+    let powers = powers(s2);
+    let sum = four_terms(powers, HIGH).mul_add(powers[2] * powers[2], eight_terms(powers, LOW));
     let rest = s * s2 * sum * 2.0;
     // f = 2 s + f s, so that the leading term of the sum is f itself, which is exact.
     let ln = f - (f * s - rest);
     let correction = one / u * lost;
     k * LN2[0] + (ln + (k * LN2[1] + correction))
+}
+
+/// 1/first!, 1/(first + 1)!, ..
+const fn inverse_factorials<const N: usize>(first: u32) -> [f64; N] {
+    let (mut all, mut factorial, mut n) = ([0.0; N], 1.0, 1);
+    while n < first + N as u32 {
+        factorial *= n as f64;
+        if n >= first {
+            all[(n - first) as usize] = 1.0 / factorial;
+        }
+        n += 1;
+    }
+    all
+}
+
+/// 1/first, 1/(first + 2), ..
+const fn inverse_odds<const N: usize>(first: u32) -> [f64; N] {
+    let (mut all, mut i) = ([0.0; N], 0);
+    while i < N {
+        all[i] = 1.0 / (first as f64 + 2.0 * i as f64);
+        i += 1;
+    }
+    all
 }
 
 const ONE_BITS: u64 = 0x3FF0_0000_0000_0000;

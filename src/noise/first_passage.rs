@@ -17,7 +17,7 @@
 //! of it becomes e^{theta t} U, whose second derivative in s is (U'' - theta^2 U) e^{-3 theta t} /
 //! sigma^4.
 
-use crate::lanes::{Lanes, exp};
+use crate::lanes::{Choose, Lanes, exp};
 
 /// P(met), the probability that the threshold is met; 1 where an end is on the threshold or beyond
 /// it.
@@ -25,7 +25,7 @@ use crate::lanes::{Lanes, exp};
 pub fn meeting_probability<L: Lanes>(d0: L, d1: L, duration: L) -> L {
     let zero = L::splat(0.0);
     let is_met = L::or(d0.le(zero), d1.le(zero));
-    L::select(is_met, L::splat(1.0), exp(d0 * -2.0 * d1 / duration))
+    L::select(is_met, L::splat(1.0), exp(d0 * -2.0 * d1 * (L::splat(1.0) / duration)))
 }
 
 /// The place s* of the first meeting, given that the threshold is met, from a standard normal and a
@@ -38,15 +38,20 @@ pub fn meeting_probability<L: Lanes>(d0: L, d1: L, duration: L) -> L {
 #[inline(always)]
 pub fn meeting_place<L: Lanes>(d0: L, d1: L, duration: L, normal: L, uniform: L) -> L {
     let (zero, one) = (L::splat(0.0), L::splat(1.0));
-    let (l, y) = (d0 * d0, normal * normal);
-    let rate = d1.abs() / (d0 * duration); // 1/mu
-    let g = (l * 4.0 * rate / y + 1.0).sqrt() + 1.0;
-    let small = l * 4.0 / (y * g * g);
+    // Divisions are slow, so there are few, and those by y and by S serve both calls for one piece.
+    // A normal that rounds to zero counts as a small one.
+    let y = (normal * normal).or_at_least(L::splat(1e-60));
+    let (inverse_y, inverse) = (one / y, one / duration);
+    let rate = d1.abs() * inverse; // d0/mu
+    let shape = d0 * 4.0 * inverse_y;
+    let g = (shape * rate + 1.0).sqrt() + 1.0;
+    let part = one / (g * g);
     // The larger root mu^2/small replaces the smaller one with probability small/(mu + small).
-    let is_larger = (uniform * (small * rate + 1.0)).gt(one);
-    let q = L::select(is_larger, one / (rate * rate * small), small);
-    let place = L::select(q.lt(L::splat(f64::INFINITY)), duration * q / (duration + q), duration);
-    L::select(d0.le(zero), zero, place)
+    let is_larger = (uniform * (shape * rate * part + 1.0)).gt(one);
+    // q as a fraction, because 1/q may be zero.
+    let upper = L::select(is_larger, one, shape * d0 * part);
+    let lower = L::select(is_larger, rate * rate * 4.0 * inverse_y * part, one);
+    L::select(d0.le(zero), zero, duration * upper / (duration * lower + upper))
 }
 
 /// E[u (1 - u)] at the place u = s/S where the bridge touches a straight threshold, for d0, d1 > 0.

@@ -264,7 +264,7 @@ impl Cascade for Noisy {
         if end < cell.length {
             piece.last = (end, piece.noise(&self.scene, end, &mut path.draws));
         }
-        watch.look(&self.scene, cell, || piece);
+        watch.look(&self.scene, || piece);
         (path.after, path.noise) = piece.last;
         if end >= cell.length {
             return Ok(None);
@@ -314,11 +314,11 @@ impl Piece for SwingPiece<'_> {
         self.last.0
     }
 
-    fn parted(&self, scene: &Scene, cell: &Cell, glance: Glance, draws: &mut AddressedDraws) -> (Seen, Self, Self) {
+    fn parted(&self, scene: &Scene, glance: Glance, draws: &mut AddressedDraws) -> (Seen, Self, Self) {
         let time = glance.time;
         let noise = self.noise(scene, time, draws);
         let (x, v) = self.slip.at(self.displacement, self.direction, time - self.began);
-        let seen = (x, v, temperature(scene, cell, time, noise), false);
+        let seen = (x, v, temperature(scene, glance, noise), false);
         (seen, SwingPiece { last: (time, noise), ..*self }, SwingPiece { first: (time, noise), ..*self })
     }
 }

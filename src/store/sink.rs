@@ -278,8 +278,10 @@ impl Sink for FileSink {
 
     fn save(&mut self, moment: &Moment<'_>) -> Result<(), SinkError> {
         let Some(open) = &mut self.open else { return Ok(()) };
-        // A run of which no path is done leaves nothing behind.
-        let is_due = open.appended > 0 && (moment.is_last || open.last.elapsed() >= open.interval);
+        // A run of which no path is done leaves nothing behind, and what is saved is not saved
+        // again.
+        let is_new = open.appended > open.workshop.saved_paths;
+        let is_due = is_new && (moment.is_last || open.last.elapsed() >= open.interval);
         if is_due { Ok(open.save(moment)?) } else { Ok(()) }
     }
 

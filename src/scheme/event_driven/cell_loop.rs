@@ -396,7 +396,7 @@ impl Inside {
             let time = stop.time - cell.start;
             match self.glances.last_mut().filter(|last| last.time == time) {
                 Some(last) => last.is_closer &= is_closer,
-                None => self.glances.push(Glance { time, is_closer }),
+                None => self.glances.push(Glance { time, is_closer, forcing: cell.forcing(time).value }),
             }
             self.places.push(self.glances.len() - 1);
         }
@@ -420,6 +420,12 @@ impl Inside {
         let mut watch = Glances { glances, draws, seen: &mut seen[lane] };
         let emit = |event| events.push((lane, event));
         path.is_lost = cross(cascade, cell, path, scratch, &mut watch, emit).is_err();
+    }
+
+    /// The observer of a path in a lane that crosses the cell without an event.
+    #[inline(always)]
+    pub fn watch(&mut self, lane: usize, draws: AddressedDraws, cell: &Cell) -> Glances<'_> {
+        Glances { glances: &self.glances, draws: draws.for_looking(cell.index), seen: &mut self.seen[lane] }
     }
 
     /// Passes events and states to the observer, in order of time. With `is_over`, there is no

@@ -135,12 +135,12 @@ impl Corridor {
                     let force = sign.value() * scene.friction.static_force;
                     let noise = force - cell.forcing(after).value + spring;
                     let right = Node { after, noise, force, curvature: 0.0 };
-                    watch.look(scene, cell, || piece(&left, &right, StickEnd::Exit(sign)));
+                    watch.look(scene, || piece(&left, &right, StickEnd::Exit(sign)));
                     return Ok(Some((after, sign)));
                 }
             }
             let kind = if reach.is_near { StickEnd::Kept } else { StickEnd::Clear };
-            watch.look(scene, cell, || piece(&left, &right, kind));
+            watch.look(scene, || piece(&left, &right, kind));
             if top == 0 {
                 return Ok(None);
             }

@@ -162,6 +162,18 @@ impl Pending {
 }
 
 impl StopSearch {
+    /// A whole step as an interval.
+    #[inline(always)]
+    pub fn whole(&self, step: &Step) -> Interval {
+        Interval {
+            end: step.end,
+            travel: step.travel,
+            length: step.length,
+            inverse: 1.0 / step.length,
+            noise: self.noise * step.root_length,
+        }
+    }
+
     /// The first zero of V in a step; none if V stays positive.
     ///
     /// `passed` is called, from left to right, for every interval without a zero: with the time and
@@ -175,13 +187,7 @@ impl StopSearch {
         work: &mut Work,
         mut passed: impl FnMut(f64, f64, Motion, &Interval),
     ) -> Result<Option<Stop>, Unresolved> {
-        let whole = Interval {
-            end: step.end,
-            travel: step.travel,
-            length: step.length,
-            inverse: 1.0 / step.length,
-            noise: self.noise * step.root_length,
-        };
+        let whole = self.whole(step);
         if self.is_clear(step.start, &whole) {
             passed(0.0, 0.0, step.start, &whole);
             return Ok(None);
@@ -524,17 +530,20 @@ impl<L: Lanes> Quintic<L> {
 
     #[inline(always)]
     fn travel(&self, p: L) -> L {
-        p * (self.d0 + p * (self.e0 + p * (self.c3 + p * (self.c4 + p * self.c5))))
+        let bend = p.mul_add(p.mul_add(self.c5, self.c4), self.c3);
+        p * p.mul_add(p.mul_add(bend, self.e0), self.d0)
     }
 
     #[inline(always)]
     fn velocity(&self, p: L) -> L {
-        self.d0 + p * (self.e0 * 2.0 + p * (self.c3 * 3.0 + p * (self.c4 * 4.0 + p * 5.0 * self.c5)))
+        let bend = p.mul_add(p.mul_add(self.c5 * 5.0, self.c4 * 4.0), self.c3 * 3.0);
+        p.mul_add(p.mul_add(bend, self.e0 * 2.0), self.d0)
     }
 
     #[inline(always)]
     fn acceleration(&self, p: L) -> L {
-        self.e0 * 2.0 + p * (self.c3 * 6.0 + p * (self.c4 * 12.0 + p * 20.0 * self.c5))
+        let bend = p.mul_add(p.mul_add(self.c5 * 20.0, self.c4 * 12.0), self.c3 * 6.0);
+        p.mul_add(bend, self.e0 * 2.0)
     }
 
     /// A fraction near the zero of V: the zero of the chord, improved by Newton steps. The law is

@@ -55,6 +55,16 @@ struct SlipStep {
     harmonics: Vec<HarmonicResponse>,
 }
 
+impl SlipStep {
+    /// The step between two places, with the motion there.
+    #[inline(always)]
+    fn between(&self, eps: f64, (x0, start): (f64, Motion), (x1, end): (f64, Motion)) -> Step {
+        let length = self.transition.length;
+        let travel = resolved_travel(eps * x0, eps * x1, start, end, length);
+        Step { start, end, travel, length, root_length: self.root_length }
+    }
+}
+
 /// Buffers for the computation of one path at a time.
 #[derive(Debug)]
 pub struct Scratch {
@@ -68,9 +78,11 @@ pub struct Scratch {
     passed: Vec<Passed>,
 }
 
-/// Responses to the harmonics, and terms of B, after a part of a step.
+/// The transition over a part of a step with its responses to the harmonics, which all paths share
+/// that are observed at one instant, and the terms of B at its end.
 #[derive(Debug)]
 struct FlowScratch {
+    transition: SlipTransition,
     harmonics: Vec<HarmonicResponse>,
     terms: Vec<Complex>,
 }
@@ -169,6 +181,35 @@ impl Noisy {
         }
         let mut all = OneByOne::new(self, instructions, seed, paths);
         cell_loop::simulate(&mut all, paths.len(), observer)
+    }
+
+    /// Observes a slip that crosses a cell in one step in which it cannot stop.
+    #[inline(always)]
+    pub fn look_at_whole_step(
+        &self,
+        cell: &Cell,
+        [from, to]: [&Path; 2],
+        direction: Sign,
+        scratch: &Scratch,
+        watch: &mut impl Watch,
+    ) {
+        let (start, end) = (self.motion(from, direction), self.motion(to, direction));
+        let searched = self.step.between(direction.value(), (from.displacement, start), (to.displacement, end));
+        let flow = StepFlow {
+            cascade: self,
+            cell,
+            step: &self.step,
+            direction,
+            after: 0.0,
+            start: State { x: from.displacement, v: from.motion, n: from.noise },
+            first: start,
+            end: (searched.length, to.noise),
+            last_drawn: cell::Cell::new([(0.0, from.noise); 2]),
+            scratch: &scratch.flow,
+        };
+        let known = [(0.0, from.noise), flow.end];
+        let interval = self.search.whole(&searched);
+        watch.look(&self.scene, || SlipPiece { flow: &flow, after: 0.0, travel: 0.0, start, interval, known });
     }
 
     /// The next step of a slip, when this much of the cell remains, and whether it ends with the
@@ -340,7 +381,8 @@ impl Cascade for Noisy {
 
     fn scratch(&self) -> Scratch {
         let terms = vec![Complex::ZERO; self.scene.harmonics.len()];
-        let flow = FlowScratch { harmonics: self.step.harmonics.clone(), terms: terms.clone() };
+        let SlipStep { transition, harmonics, .. } = self.step.clone();
+        let flow = FlowScratch { transition, harmonics, terms: terms.clone() };
         Scratch { partial: self.step.clone(), pending: Pending::new(), terms, flow: flow.into(), passed: Vec::new() }
     }
 
@@ -384,8 +426,7 @@ impl Cascade for Noisy {
             if !end.is_finite() {
                 return Err(Unresolved);
             }
-            let travel = resolved_travel(eps * before.1.x, eps * path.displacement, start, end, length);
-            let searched = Step { start, end, travel, length, root_length: step.root_length };
+            let searched = step.between(eps, (before.1.x, start), (path.displacement, end));
             let flow = StepFlow {
                 cascade: self,
                 cell,
@@ -418,7 +459,7 @@ impl Cascade for Noisy {
             for &(after, travel, start, interval) in passed.iter() {
                 let known = [flow.last_drawn.get()[0], flow.end];
                 let piece = SlipPiece { flow: &flow, after: before.0 + after, travel, start, interval, known };
-                watch.look(&self.scene, cell, || piece);
+                watch.look(&self.scene, || piece);
             }
             if let Some(stop) = stop {
                 return Ok(Some(self.stopped(cell, path, direction, before, &stop)));
@@ -481,14 +522,16 @@ impl StepFlow<'_> {
         let Noisy { scene, oscillator, .. } = self.cascade;
         let (body, eps) = (&scene.oscillator, self.direction.value());
         let friction = eps * scene.friction.dynamic_force;
-        let FlowScratch { harmonics, terms } = &mut *self.scratch.borrow_mut();
+        let FlowScratch { transition, harmonics, terms } = &mut *self.scratch.borrow_mut();
         self.cell.set_terms(self.after, terms);
         let mut to = self.start;
         if since == self.step.transition.length {
             to = mean_state(&self.step.transition, &self.step.harmonics, self.start, terms, friction);
         } else if since > 0.0 {
-            let transition = oscillator.transition(since, harmonics);
-            to = mean_state(&transition, harmonics, self.start, terms, friction);
+            if transition.length != since {
+                *transition = oscillator.transition(since, harmonics);
+            }
+            to = mean_state(transition, harmonics, self.start, terms, friction);
         }
         let motion = motion(body, eps, to.v, force(body, forcing(terms), to), friction);
         (resolved_travel(eps * self.start.x, eps * to.x, self.first, motion, since), motion, to)

@@ -43,8 +43,8 @@ impl<L: Lanes> SlipTransition<L> {
     pub fn free(&self, start: State<L>, friction: L) -> State<L> {
         let [x, v] = [&self.x, &self.v];
         State {
-            x: x[0] * start.x + x[1] * start.v + x[2] * start.n - x[3] * friction,
-            v: v[0] * start.x + v[1] * start.v + v[2] * start.n - v[3] * friction,
+            x: x[0].mul_add(start.x, x[1].mul_add(start.v, x[2].mul_add(start.n, -(x[3] * friction)))),
+            v: v[0].mul_add(start.x, v[1].mul_add(start.v, v[2].mul_add(start.n, -(v[3] * friction)))),
             n: self.n * start.n,
         }
     }
@@ -56,8 +56,8 @@ impl<L: Lanes> SlipTransition<L> {
         let factor = &self.factor;
         let a = (n - mean.n) / factor[0];
         State {
-            x: mean.x + factor[3] * a + factor[4] * b + factor[5] * c,
-            v: mean.v + factor[1] * a + factor[2] * b,
+            x: factor[3].mul_add(a, factor[4].mul_add(b, factor[5].mul_add(c, mean.x))),
+            v: factor[1].mul_add(a, factor[2].mul_add(b, mean.v)),
             n,
         }
     }
@@ -72,7 +72,7 @@ pub fn force<L: Lanes>(body: &Oscillator, forcing: L, state: State<L>) -> L {
 /// eps x' and its derivative, from the force b and the friction force `friction` = eps f_d.
 #[inline(always)]
 pub fn motion<L: Lanes>(body: &Oscillator, eps: L, v: L, force: L, friction: L) -> Motion<L> {
-    Motion { velocity: eps * v, acceleration: eps * (force - friction) / L::splat(body.mass) }
+    Motion { velocity: eps * v, acceleration: eps * (force - friction) * (1.0 / body.mass) }
 }
 
 /// The distance x1 - x0. Where rounding of x0 and x1 hides the difference (far from x = 0, or in a

@@ -86,7 +86,7 @@ impl<L: Lanes> StickStep<L> {
     #[inline(always)]
     pub fn is_near(&self, scene: &Scene, side: f64, ends: &StickEnds<L>) -> L::Mask {
         let f_s = L::splat(scene.friction.static_force);
-        let scale = self.noise.growth * 2.0 / self.noise.duration;
+        let scale = self.noise.growth * 2.0 * (L::splat(1.0) / self.noise.duration);
         (scale * (f_s - ends.start * side) * (f_s - ends.end * side)).lt(L::splat(FAR_EXPONENT))
     }
 

@@ -18,7 +18,6 @@
 //! drawn given those, from other random numbers. So a closer look agrees with everything that the
 //! run has recorded.
 
-use super::cells::Cell;
 use super::first_stop::{Interval, Motion, state_inside};
 use super::scene::Scene;
 use super::stick_step::FAR_EXPONENT;
@@ -31,9 +30,12 @@ pub type Seen = (f64, f64, f64, bool);
 /// An instant at which the state is observed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Glance {
+    /// The time after the start of the cell.
     pub time: f64,
     /// Whether it is a row between those of the run.
     pub is_closer: bool,
+    /// B at that time, which is the same for all paths.
+    pub forcing: f64,
 }
 
 /// An observer of one path inside a cell.
@@ -41,7 +43,7 @@ pub trait Watch {
     /// Whether there are instants to observe inside this cell.
     fn is_looking(&self) -> bool;
     /// Observes a piece of the path: draws the state at all instants up to the end of the piece.
-    fn look<P: Piece>(&mut self, scene: &Scene, cell: &Cell, piece: impl FnOnce() -> P);
+    fn look<P: Piece>(&mut self, scene: &Scene, piece: impl FnOnce() -> P);
 }
 
 /// There are no instants to observe inside this cell.
@@ -54,7 +56,7 @@ impl Watch for Nobody {
     }
 
     #[inline(always)]
-    fn look<P: Piece>(&mut self, _: &Scene, _: &Cell, _: impl FnOnce() -> P) {}
+    fn look<P: Piece>(&mut self, _: &Scene, _: impl FnOnce() -> P) {}
 }
 
 /// Observes one path at these times, in order.
@@ -73,16 +75,16 @@ impl Watch for Glances<'_> {
     }
 
     #[inline(always)]
-    fn look<P: Piece>(&mut self, scene: &Scene, cell: &Cell, piece: impl FnOnce() -> P) {
+    fn look<P: Piece>(&mut self, scene: &Scene, piece: impl FnOnce() -> P) {
         let mut rest = piece();
         while let Some(row) = self.ahead(rest.end()).find(|glance| !glance.is_closer) {
-            let (seen, before, behind) = rest.parted(scene, cell, row, &mut self.draws[0]);
-            self.look_closer(scene, cell, before, row.time);
+            let (seen, before, behind) = rest.parted(scene, row, &mut self.draws[0]);
+            self.look_closer(scene, before, row.time);
             self.seen.push(seen);
             rest = behind;
         }
         let end = rest.end();
-        self.look_closer(scene, cell, rest, end);
+        self.look_closer(scene, rest, end);
     }
 }
 
@@ -94,9 +96,9 @@ impl<'a> Glances<'a> {
 
     /// Draws the states at the rows between those of the run, up to `end`.
     #[inline(always)]
-    fn look_closer<P: Piece>(&mut self, scene: &Scene, cell: &Cell, mut piece: P, end: f64) {
+    fn look_closer<P: Piece>(&mut self, scene: &Scene, mut piece: P, end: f64) {
         while let Some(row) = self.ahead(end).next().filter(|glance| glance.is_closer) {
-            let (seen, _, behind) = piece.parted(scene, cell, row, &mut self.draws[1]);
+            let (seen, _, behind) = piece.parted(scene, row, &mut self.draws[1]);
             self.seen.push(seen);
             piece = behind;
         }
@@ -109,7 +111,7 @@ pub trait Piece: Sized {
     fn end(&self) -> f64;
     /// Draws the state at an instant inside the piece. Returns the state and the two parts of the
     /// piece before and after the instant.
-    fn parted(&self, scene: &Scene, cell: &Cell, glance: Glance, draws: &mut AddressedDraws) -> (Seen, Self, Self);
+    fn parted(&self, scene: &Scene, glance: Glance, draws: &mut AddressedDraws) -> (Seen, Self, Self);
 }
 
 /// The motion of a slip step without noise. The drawn motion is computed as a deviation from it, so
@@ -157,7 +159,7 @@ impl<F: Flow> Piece for SlipPiece<'_, F> {
     }
 
     #[inline(always)]
-    fn parted(&self, scene: &Scene, cell: &Cell, glance: Glance, draws: &mut AddressedDraws) -> (Seen, Self, Self) {
+    fn parted(&self, scene: &Scene, glance: Glance, draws: &mut AddressedDraws) -> (Seen, Self, Self) {
         let time = glance.time;
         let SlipPiece { flow, after, travel, start, interval, known } = *self;
         let (body, (direction, x0)) = (&scene.oscillator, flow.start());
@@ -186,10 +188,10 @@ impl<F: Flow> Piece for SlipPiece<'_, F> {
         let balance = body.mass * off.acceleration + 2.0 * body.damping * off.velocity + body.stiffness * aside;
         let largest = body.mass * here.acceleration.abs()
             + scene.friction.dynamic_force
-            + cell.forcing(time).value.abs()
+            + glance.forcing.abs()
             + body.stiffness * x0.abs();
         let noise = flow.resolved_noise(glance, noise + eps * balance, largest, known, draws);
-        let seen = (x0 + eps * total, eps * velocity, temperature(scene, cell, time, noise), false);
+        let seen = (x0 + eps * total, eps * velocity, temperature(scene, glance, noise), false);
         let [first, second] = if part > 0.0 { interval.parted(part, passed, motion) } else { [interval; 2] };
         let before = SlipPiece { interval: first, known: [known[0], (time, noise)], ..*self };
         let known = [(time, noise), known[1]];
@@ -228,10 +230,10 @@ impl Piece for StickPiece {
     }
 
     #[inline(always)]
-    fn parted(&self, scene: &Scene, cell: &Cell, glance: Glance, draws: &mut AddressedDraws) -> (Seen, Self, Self) {
+    fn parted(&self, scene: &Scene, glance: Glance, draws: &mut AddressedDraws) -> (Seen, Self, Self) {
         let time = glance.time;
-        let (noise, force) = self.stuck(scene, cell, time, draws);
-        let seen = (self.displacement, 0.0, temperature(scene, cell, time, noise), true);
+        let (noise, force) = self.stuck(scene, glance, draws);
+        let seen = (self.displacement, 0.0, temperature(scene, glance, noise), true);
         let kind = if self.kind == StickEnd::Clear { StickEnd::Clear } else { StickEnd::Kept };
         let before = StickPiece {
             after: (self.after.0, time),
@@ -255,7 +257,9 @@ const TRIES: usize = 1000;
 
 impl StickPiece {
     /// Draws n and b at a time inside the piece.
-    fn stuck(&self, scene: &Scene, cell: &Cell, time: f64, draws: &mut AddressedDraws) -> (f64, f64) {
+    #[inline(always)]
+    fn stuck(&self, scene: &Scene, glance: Glance, draws: &mut AddressedDraws) -> (f64, f64) {
+        let time = glance.time;
         let (before, behind) = (time - self.after.0, self.after.1 - time);
         if before <= 0.0 {
             return (self.noise.0, self.force.0);
@@ -264,7 +268,7 @@ impl StickPiece {
             return (self.noise.1, self.force.1);
         }
         let f_s = scene.friction.static_force;
-        let rest = cell.forcing(time).value - scene.oscillator.stiffness * self.displacement;
+        let rest = glance.forcing - scene.oscillator.stiffness * self.displacement;
         let (mean, sd) = bridge_at(scene.relaxation_rate, scene.diffusion, before, behind, self.noise);
         match self.kind {
             StickEnd::Clear => {
@@ -308,7 +312,7 @@ impl StickPiece {
     }
 }
 
-/// T at a time after the start of the cell, where n is `noise`.
-pub fn temperature(scene: &Scene, cell: &Cell, after: f64, noise: f64) -> f64 {
-    (cell.forcing(after).value + noise) / scene.force_per_temperature
+/// T at an instant, where n is `noise`.
+pub fn temperature(scene: &Scene, glance: Glance, noise: f64) -> f64 {
+    (glance.forcing + noise) / scene.force_per_temperature
 }

@@ -74,6 +74,12 @@ impl Jobs {
         }
     }
 
+    /// Empties all queues.
+    pub fn clear(&mut self) {
+        self.flagged.clear();
+        self.queues.iter_mut().for_each(|queue| queue.len = 0);
+    }
+
     /// Puts the lanes of a mask into a queue.
     #[inline(always)]
     pub fn push<L: Lanes>(&mut self, task: Task, rows: &Rows, lanes: u32) {
@@ -134,14 +140,16 @@ impl Jobs {
         L::gather_rows(&self.stack, &self.places(rows, count))
     }
 
-    /// The place in the stack of the next waiting piece of each lane.
+    /// The place in the stack of the next waiting piece of each lane. The first pieces of all lanes
+    /// are neighbours, and so are the second ones, so that what is used of the stack stays in the
+    /// cache.
     #[inline(always)]
     fn places<L: Lanes>(&self, rows: &Rows, count: Count<L>) -> Rows {
         let mut depths = [0; ROW];
         L::store_bits(count.behind(), &mut depths);
         let mut places = [0; ROW];
         for i in 0..L::WIDTH {
-            places[i] = rows[i] * DEPTH as u32 + (depths[i] as u32 & (DEPTH as u32 - 1));
+            places[i] = (depths[i] as u32 & (DEPTH as u32 - 1)) * self.lanes as u32 + rows[i];
         }
         places
     }

@@ -26,7 +26,7 @@ use super::cells::Cell;
 use super::corridor::Pending;
 use super::noisy::{Noisy, Scratch};
 use super::slip_transition::HarmonicResponse;
-use super::watch::Nobody;
+use super::watch::{Nobody, StickEnd, StickPiece, Watch as _};
 use super::work::{Simulated, Work};
 use crate::lanes::{InstructionSet, LaneProgram, Lanes, ROW, Table};
 use crate::model::{Event, Phase, Sign};
@@ -123,18 +123,18 @@ impl<'a> Abreast<'a> {
     }
 
     /// The path of a lane at the start of the cell, with its evaluations so far.
-    fn path(&self, lane: usize, spent: u64) -> Path<f64> {
-        let eps = self.now.eps[lane];
+    fn path(&self, states: &States, lane: usize, spent: u64) -> Path<f64> {
+        let eps = states.eps[lane];
         let mut work = Work::new(self.noisy.work_limit());
         work.spend_all(spent);
         Path {
             after: 0.0,
-            displacement: self.now.x[lane],
-            noise: self.now.n[lane],
+            displacement: states.x[lane],
+            noise: states.n[lane],
             second_noise: 0.0,
-            force: self.now.force[lane],
+            force: states.force[lane],
             phase: if eps == 0.0 { Phase::Static } else { Phase::Slip(Sign::of(eps)) },
-            motion: self.now.v[lane],
+            motion: states.v[lane],
             draws: self.draws[lane],
             work,
             is_lost: false,
@@ -154,10 +154,18 @@ impl<'a> Abreast<'a> {
         self.is_lost[lane] = path.is_lost;
     }
 
+    /// Gives up the paths that have spent all their evaluations.
+    fn give_up(&mut self) {
+        let limit = self.noisy.work_limit();
+        for (is_lost, &spent) in self.is_lost.iter_mut().zip(&self.spent) {
+            *is_lost |= spent > limit;
+        }
+    }
+
     /// Takes a lane across the cell alone.
     #[inline(always)]
     fn cross_alone(&mut self, lane: usize, cell: &Cell) {
-        let mut path = self.path(lane, self.spent_before[lane]);
+        let mut path = self.path(&self.now, lane, self.spent_before[lane]);
         let emit = |event| self.events.push((lane as u32, event));
         let crossed = cell_loop::cross(self.noisy, cell, &mut path, &mut self.scratch, &mut Nobody, emit);
         path.is_lost = crossed.is_err();
@@ -173,21 +181,26 @@ struct Crossing<'p, 'a, L: Lanes> {
     responses: Vec<HarmonicResponse<L>>,
 }
 
-/// A crossing of a cell without stops inside, for any instruction set.
-struct Quiet<'p, 'a> {
+/// A crossing of a cell in lanes, for any instruction set.
+struct InLanes<'p, 'a> {
     paths: &'p mut Abreast<'a>,
     cell: &'p Cell,
+    /// Whether there are stops inside: then the lanes in which something may happen are left in
+    /// `odd`.
+    is_watched: bool,
 }
 
-impl LaneProgram for Quiet<'_, '_> {
+impl LaneProgram for InLanes<'_, '_> {
     #[inline(always)]
     fn run<L: Lanes>(&mut self) {
         let responses = vec![HarmonicResponse::none(); self.cell.terms.len()];
-        Crossing::<L> { paths: self.paths, cell: self.cell, responses }.run();
+        let mut crossing = Crossing::<L> { paths: self.paths, cell: self.cell, responses };
+        crossing.run(self.is_watched);
     }
 }
 
-/// A crossing of a cell with stops inside, one path after the other.
+/// A look at the stops inside a cell, one path after the other. The lanes that are not in `odd`
+/// have crossed the cell, and nothing has happened to them.
 struct Watched<'p, 'a> {
     paths: &'p mut Abreast<'a>,
     cell: &'p Cell,
@@ -198,11 +211,32 @@ impl LaneProgram for Watched<'_, '_> {
     #[inline(always)]
     fn run<L: Lanes>(&mut self) {
         let Watched { paths, cell, inside } = self;
-        for lane in 0..paths.count {
-            if !paths.is_lost[lane] {
-                let mut path = paths.path(lane, paths.spent[lane]);
-                inside.cross(lane, paths.noisy, cell, &mut path, &mut paths.scratch);
-                paths.put(lane, &path);
+        let mut is_odd = vec![false; paths.count];
+        paths.odd.drain(..).for_each(|lane| is_odd[lane as usize] = true);
+        for (lane, &is_odd) in is_odd.iter().enumerate() {
+            if paths.is_lost[lane] {
+                continue;
+            }
+            let mut from = paths.path(&paths.now, lane, paths.spent_before[lane]);
+            if is_odd {
+                inside.cross(lane, paths.noisy, cell, &mut from, &mut paths.scratch);
+                paths.put(lane, &from);
+                continue;
+            }
+            let to = paths.path(&paths.next, lane, paths.spent[lane]);
+            let mut watch = inside.watch(lane, from.draws, cell);
+            match from.phase {
+                Phase::Static => watch.look(paths.noisy.scene(), || StickPiece {
+                    after: (0.0, cell.length),
+                    noise: (from.noise, to.noise),
+                    force: (from.force, to.force),
+                    displacement: from.displacement,
+                    kind: StickEnd::Clear,
+                }),
+                Phase::Slip(direction) => {
+                    let ends = [&from, &to];
+                    paths.noisy.look_at_whole_step(cell, ends, direction, &paths.scratch.0, &mut watch);
+                }
             }
         }
     }
@@ -210,41 +244,53 @@ impl LaneProgram for Watched<'_, '_> {
 
 impl<L: Lanes> Crossing<'_, '_, L> {
     #[inline(always)]
-    fn run(&mut self) {
+    fn run(&mut self, is_watched: bool) {
         self.paths.spent_before.copy_from_slice(&self.paths.spent);
+        self.paths.jobs.clear();
         if self.paths.turned_odd * MOST_ODD > self.paths.flagged && self.paths.flagged > FLAGGED {
             let Abreast { odd, is_lost, .. } = &mut *self.paths;
             odd.extend((0..).zip(is_lost.iter()).filter(|(_, is_lost)| !**is_lost).map(|(lane, _)| lane));
         } else {
-            self.paths.jobs.flagged.clear();
             self.sweep();
-            self.paths.flagged += self.paths.jobs.flagged.len();
-            while let Some(task) = self.paths.jobs.longest::<L>() {
-                while let Some((rows, lanes)) = self.paths.jobs.next::<L>() {
-                    match task {
-                        Task::Halve => self.halve(&rows, lanes),
-                        Task::Decide => self.decide(&rows, lanes),
-                        Task::StickOn => self.stick_on(&rows, lanes),
-                        Task::Begin => self.begin(&rows, lanes),
-                        Task::Bisect => self.bisect(&rows, lanes),
-                        Task::SlipOn => self.slip_on(&rows, lanes),
-                        Task::Stop => self.stop(&rows, lanes),
-                    }
+            if is_watched {
+                let Abreast { odd, jobs, .. } = &mut *self.paths;
+                odd.extend_from_slice(&jobs.flagged);
+            } else {
+                self.work_off();
+            }
+        }
+        if !is_watched {
+            while let Some(lane) = self.paths.odd.pop() {
+                self.paths.cross_alone(lane as usize, self.cell);
+            }
+        }
+    }
+
+    /// Works on the flagged lanes until all queues are empty.
+    #[inline(always)]
+    fn work_off(&mut self) {
+        self.paths.flagged += self.paths.jobs.flagged.len();
+        while let Some(task) = self.paths.jobs.longest::<L>() {
+            while let Some((rows, lanes)) = self.paths.jobs.next::<L>() {
+                match task {
+                    Task::Halve => self.halve(&rows, lanes),
+                    Task::Decide => self.decide(&rows, lanes),
+                    Task::StickOn => self.stick_on(&rows, lanes),
+                    Task::Begin => self.begin(&rows, lanes),
+                    Task::Bisect => self.bisect(&rows, lanes),
+                    Task::SlipOn => self.slip_on(&rows, lanes),
+                    Task::Stop => self.stop(&rows, lanes),
                 }
             }
-            let Abreast { odd, events, turned_odd, jobs, spent, .. } = &mut *self.paths;
-            for &lane in &jobs.flagged {
-                spent[lane as usize] += jobs.spent(lane as usize);
-            }
-            *turned_odd += odd.len();
-            if !odd.is_empty() {
-                events.retain(|(lane, _)| !odd.contains(lane));
-            }
         }
-        while let Some(lane) = self.paths.odd.pop() {
-            self.paths.cross_alone(lane as usize, self.cell);
+        let Abreast { odd, events, turned_odd, jobs, spent, .. } = &mut *self.paths;
+        for &lane in &jobs.flagged {
+            spent[lane as usize] += jobs.spent(lane as usize);
         }
-        std::mem::swap(&mut self.paths.now, &mut self.paths.next);
+        *turned_odd += odd.len();
+        if !odd.is_empty() {
+            events.retain(|(lane, _)| !odd.contains(lane));
+        }
     }
 }
 
@@ -261,21 +307,21 @@ impl Paths for Abreast<'_> {
             if observer.is_stopped() {
                 return;
             }
-            instructions.run(&mut Quiet { paths: self, cell });
+            instructions.run(&mut InLanes { paths: self, cell, is_watched: false });
+            std::mem::swap(&mut self.now, &mut self.next);
             for (lane, event) in self.events.drain(..) {
                 observer.event(lane as usize, event);
             }
         }
-        let limit = self.noisy.work_limit();
-        for (is_lost, &spent) in self.is_lost.iter_mut().zip(&self.spent) {
-            *is_lost |= spent > limit;
-        }
+        self.give_up();
     }
 
     fn cross_watched(&mut self, cell: &Cell, inside: &mut Inside) {
         let instructions = self.instructions;
+        instructions.run(&mut InLanes { paths: self, cell, is_watched: true });
         instructions.run(&mut Watched { paths: self, cell, inside });
         std::mem::swap(&mut self.now, &mut self.next);
+        self.give_up();
     }
 
     fn look(&self, passed: &Cell, columns: &mut Columns) {
