@@ -285,6 +285,15 @@ fn a_scenario_is_read_from_standard_input() {
     piped("sed s/1.2/0.2/ scene.toml | \"$0\" check -").refused(&["standard input:", "`friction.dynamic` = 1.0"]);
     piped("\"$0\" run - --paths 256 --quiet < scene.toml").done();
     assert!(desk.path("stdin.h5").is_file());
+    // A sweep reads its scenario again for each point, and standard input can be read only once.
+    let sweep = "--vary rho=temperature.noise.intensity=0.1:0.2:2 --paths 256 --no-bias --until 5";
+    let from_file = format!("\"$0\" sweep scene.toml {sweep} --json -o file.h5");
+    let second_point = |answer: Answer| {
+        let sweep: serde_json::Value = serde_json::from_str(answer.done()).unwrap();
+        sweep["points"][1]["statistics"].to_string()
+    };
+    let from_pipe = format!("\"$0\" sweep - {sweep} --json -o again.h5 < scene.toml");
+    assert_eq!(second_point(piped(&from_pipe)), second_point(piped(&from_file)));
     // A file of results also contains its scenario.
     piped("\"$0\" show stdin.h5 --scenario > again.toml").done();
     let [first, again] = ["scene.toml", "again.toml"].map(|name| Scenario::read(&desk.path(name), &[]).unwrap().model);

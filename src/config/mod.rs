@@ -37,9 +37,9 @@ pub use shipped::{SHIPPED, Shipped, shipped};
 use crate::model::{Series, Temperature};
 use crate::scenario::Scenario;
 use source::{Samples, Sources};
-use std::io::Read as _;
+use std::io::{self, Read};
 use std::path::Path;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// The symbol of the paper and the meaning of a dotted key that holds a number. The symbol is empty
 /// if the key has none.
@@ -83,6 +83,24 @@ const HDF5_SIGNATURE: &[u8] = b"\x89HDF\r\n\x1a\n";
 /// The path that stands for standard input.
 pub const STANDARD_INPUT: &str = "-";
 
+/// Everything up to one byte more than a scenario may have.
+fn read_all(from: impl Read) -> io::Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    from.take(MAX_FILE + 1).read_to_end(&mut bytes)?;
+    Ok(bytes)
+}
+
+/// The bytes of standard input. They are kept, because a stream can be read only once, and a sweep
+/// reads its scenario again for each of its points.
+fn standard_input() -> io::Result<Vec<u8>> {
+    static KEPT: Mutex<Option<Vec<u8>>> = Mutex::new(None);
+    let mut kept = KEPT.lock().unwrap_or_else(PoisonError::into_inner);
+    if kept.is_none() {
+        *kept = Some(read_all(io::stdin().lock())?);
+    }
+    Ok(kept.clone().unwrap_or_default())
+}
+
 /// The text of a scenario file, or of standard input if the path is "-". The first string returned
 /// is the name that messages use for it.
 pub fn text_of(path: &Path) -> Result<(String, String), ScenarioError> {
@@ -93,12 +111,11 @@ pub fn text_of(path: &Path) -> Result<(String, String), ScenarioError> {
     if path.is_dir() {
         return Err(unreadable("it is a directory".into(), not_scenario()));
     }
-    let mut bytes = Vec::new();
     let read = match is_standard_input {
-        true => std::io::stdin().lock().take(MAX_FILE + 1).read_to_end(&mut bytes),
-        false => std::fs::File::open(path).and_then(|file| file.take(MAX_FILE + 1).read_to_end(&mut bytes)),
+        true => standard_input(),
+        false => std::fs::File::open(path).and_then(read_all),
     };
-    read.map_err(|e| {
+    let bytes = read.map_err(|e| {
         let stem = path.file_stem().unwrap_or_default().to_string_lossy();
         let remedy = match (e.kind(), shipped(&stem)) {
             (std::io::ErrorKind::NotFound, Some(_)) => {
