@@ -1,5 +1,7 @@
 //! Messages between ranks: a kind and bytes, sent and awaited without keeping a processor busy.
 
+use mpi::point_to_point::{Message, Status};
+use mpi::request::{Request, Scope};
 use mpi::topology::SimpleCommunicator;
 use mpi::traits::*;
 use std::time::Duration;
@@ -28,6 +30,10 @@ pub(super) struct Received {
 /// Lengths are C integers, so that long messages go in pieces: all but the last have this length.
 const PIECE: usize = 1 << 28;
 
+/// How long to sleep between two looks at a transfer. Both sides have to look again and again until
+/// a long message is through, because MPI moves its parts only while somebody looks.
+const TRANSFER: Duration = Duration::from_micros(500);
+
 /// The next message, if one has come; of this rank, where only that one is to be heard.
 pub(super) fn receive_from(only: Option<usize>) -> Option<Received> {
     let world = SimpleCommunicator::world();
@@ -36,15 +42,11 @@ pub(super) fn receive_from(only: Option<usize>) -> Option<Received> {
         None => world.any_process().immediate_matched_probe()?,
     };
     let (from, tag) = (status.source_rank(), status.tag());
-    let mut bytes = vec![0_u8; length(&status)];
-    message.matched_receive_into(&mut bytes);
-    let mut last = bytes.len();
+    let mut bytes = Vec::new();
+    let mut last = append(message, &status, &mut bytes);
     while last == PIECE {
         let (message, status) = world.process_at_rank(from).matched_probe_with_tag(tag);
-        last = length(&status);
-        let start = bytes.len();
-        bytes.resize(start + last, 0);
-        message.matched_receive_into(&mut bytes[start..]);
+        last = append(message, &status, &mut bytes);
     }
     let kind = KINDS.into_iter().find(|kind| *kind as i32 == tag)?;
     Some(Received { kind, from: from as usize, bytes })
@@ -55,8 +57,22 @@ pub(super) fn receive() -> Option<Received> {
     receive_from(None)
 }
 
-fn length(status: &mpi::point_to_point::Status) -> usize {
-    status.count(u8::equivalent_datatype()).max(0) as usize
+/// Append the bytes of a message; returns how many there are.
+fn append(message: Message, status: &Status, bytes: &mut Vec<u8>) -> usize {
+    let length = status.count(u8::equivalent_datatype()).max(0) as usize;
+    let start = bytes.len();
+    bytes.resize(start + length, 0);
+    mpi::request::scope(|scope| finish(message.immediate_matched_receive_into(scope, &mut bytes[start..])));
+    length
+}
+
+/// Wait for a transfer. A blocking call of MPI would look for its end without a pause, and keep a
+/// processor busy for as long as the other side sleeps.
+fn finish<'a, S: Scope<'a>>(mut request: Request<'a, [u8], S>) {
+    while let Err(pending) = request.test() {
+        request = pending;
+        std::thread::sleep(TRANSFER);
+    }
 }
 
 /// Send a message, asleep until it is taken.
@@ -66,14 +82,7 @@ pub(super) fn send(to: usize, kind: Kind, bytes: &[u8]) {
     // A message of whole pieces ends with an empty one.
     let pieces = bytes.len() / PIECE + 1;
     for piece in (0..pieces).map(|k| &bytes[k * PIECE..bytes.len().min((k + 1) * PIECE)]) {
-        mpi::request::scope(|scope| {
-            let mut nap = Nap::default();
-            let mut request = process.immediate_send_with_tag(scope, piece, kind as i32);
-            while let Err(pending) = request.test() {
-                request = pending;
-                std::thread::sleep(nap.next());
-            }
-        });
+        mpi::request::scope(|scope| finish(process.immediate_send_with_tag(scope, piece, kind as i32)));
     }
 }
 
