@@ -3,7 +3,7 @@
 use super::{Asked, RunError};
 use crate::ensemble::{Delivered, Plan, Stops};
 use crate::scenario::Scenario;
-use crate::stats::{BlockResult, Companion, Merge, Overlap, RunTotals};
+use crate::stats::{BlockResult, Companion, Counts, Merge, Overlap, RunTotals};
 use std::ops::{ControlFlow, Range};
 use std::slice;
 
@@ -35,8 +35,10 @@ pub enum Portion<X = ()> {
         blocks: Range<u64>,
         /// What is kept of their paths, block by block; their totals are empty.
         results: Vec<BlockResult>,
-        /// What they sum to.
-        totals: Box<RunTotals<X>>,
+        /// What they sum to, without counts.
+        sums: Box<RunTotals<X>>,
+        /// The counts of all blocks that the crew has delivered, these included.
+        counts: Box<Counts>,
     },
 }
 
@@ -94,11 +96,16 @@ impl<X: Merge + Clone> Portion<X> {
         }
     }
 
-    /// Add its sums.
-    pub(super) fn add_to(self, totals: &mut RunTotals<X>) -> Result<(), Overlap> {
+    /// Add it to the totals of a run, which had these counts before the crew began.
+    pub(super) fn add_to(self, totals: &mut RunTotals<X>, before: &Counts) -> Result<(), Overlap> {
         match self {
             Portion::Block(block) => totals.push_with(block.index, block.result.totals, block.beside),
-            Portion::Stretch { totals: more, .. } => totals.merge(*more),
+            Portion::Stretch { sums, mut counts, .. } => {
+                totals.merge(*sums)?;
+                counts.merge(before);
+                totals.set_counts(*counts);
+                Ok(())
+            }
         }
     }
 }

@@ -186,6 +186,7 @@ impl<'a> Run<'a> {
         }
 
         let asked = self.asked.blocks();
+        let counts = totals.counts().clone();
         // Blocks are done in order, so those that are done come first.
         let first = totals.blocks().last().map_or(asked.start, |done| done.end);
         let look = |blocks: u64, totals: &RunTotals<X>| match endings.look(blocks, totals, spent()) {
@@ -206,7 +207,7 @@ impl<'a> Run<'a> {
             let done = (end * BLOCK_SIZE).min(plan.paths) - asked.start * BLOCK_SIZE;
             let mut results = portion.results().iter();
             let handed = results.try_for_each(|block| self.sinks.iter_mut().try_for_each(|sink| sink.block(block)));
-            portion.add_to(&mut totals)?;
+            portion.add_to(&mut totals, &counts)?;
             let moment = Moment { spent: spent(), is_last: false, state: &|| totals.to_bytes() };
             let saved = handed.and_then(|()| self.sinks.iter_mut().try_for_each(|sink| sink.save(&moment)));
             if let Err(error) = saved {

@@ -1,12 +1,13 @@
 //! Rank 0: lends, takes back, and hands what comes to the run in order.
 
-use super::lease::{self, Errand, Manner, Parcel};
+use super::lease::{self, Errand, Manner, Parcel, Simulator, Stretch};
 use super::message::{Kind, Nap, Received, abort, receive, receive_from, send};
-use crate::engine::{Crew, Deliver, RunError, Work};
-use crate::ensemble::{Leases, Plan};
-use crate::stats::Damaged;
+use super::settling::Settling;
+use super::snapshots::Snapshots;
+use crate::engine::{Crew, Deliver, Portion, RunError, Work};
+use crate::ensemble::{Delivered, Leases, Plan};
+use crate::stats::{BlockResult, Codec as _, Counts, Damaged, Reader};
 use crate::store::Question;
-use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Sender, channel};
 use std::thread;
@@ -81,56 +82,78 @@ fn processors() -> Option<usize> {
 impl Crew for Coordinator {
     fn simulate(&self, work: &Work<'_>, deliver: &mut Deliver<'_>) -> Result<u64, RunError> {
         let Work { scenario, asked, plan, threads, stops, .. } = work;
-        // A goal may be reached after any block.
-        let grain = if asked.goals.is_empty() { u64::MAX } else { 1 };
-        let manner = Manner { threads: *threads, grain };
+        let manner = Manner { threads: *threads, has_goals: !asked.goals.is_empty() };
         let question = Question { scenario: (*scenario).clone(), asked: (*asked).clone(), note: String::new() };
         let errand = Errand { question, manner }.to_bytes();
         (1..self.ranks).for_each(|rank| send(rank, Kind::Run, &errand));
+        let snapshots = &Snapshots::default();
         let (own_leases, to_do) = channel();
         let (done, parcels) = channel();
         thread::scope(|scope| {
             // Gone with this closure, so that the thread below ends.
             let own_leases = own_leases;
             scope.spawn(move || {
+                let mut simulator = Simulator::new(plan, manner, *stops, snapshots);
                 for lease in to_do {
                     // Nobody listens any more where the run has failed.
-                    let _ = done.send(lease::simulate(plan, lease, manner, *stops));
+                    let _ = done.send(simulator.simulate(lease));
                 }
             });
-            let mut desk = Desk { ranks: self.ranks, own_leases, last_order: None, flow: ControlFlow::Continue(()) };
+            let mut desk = Desk {
+                plan,
+                ranks: self.ranks,
+                has_goals: manner.has_goals,
+                own_leases,
+                last_order: None,
+                settling: Settling::new(plan, self.ranks),
+                deliver,
+                delivered: 0,
+                has_enough: false,
+                is_cut: false,
+            };
             let mut leases = Leases::new(work.blocks.clone(), &vec![*threads; self.ranks]);
-            let (mut delivered, mut nap, mut halted) = (0, Nap::default(), None::<Instant>);
+            let (mut nap, mut halted) = (Nap::default(), None::<Instant>);
             loop {
-                desk.tell(stops.stop.load(Ordering::Relaxed), stops.halt.load(Ordering::Relaxed));
-                if desk.flow.is_continue() && !stops.stop.load(Ordering::Relaxed) {
+                let is_stopped = stops.stop.load(Ordering::Relaxed);
+                desk.tell(is_stopped, stops.halt.load(Ordering::Relaxed));
+                if !desk.is_cut && !is_stopped {
                     desk.lend(&mut leases);
                 }
-                let own = parcels.recv_timeout(if leases.on_loan() > 0 { nap.next() } else { Duration::ZERO }).ok();
-                let own = own.map(|parcel| (0, Ok(parcel)));
-                let come = own.or_else(|| {
-                    let message = receive_from(leases.only().filter(|&rank| rank > 0));
-                    let Received { from, bytes, .. } = message.filter(|message| message.kind == Kind::Parcel)?;
-                    Some((from, Parcel::of_bytes(&bytes)))
-                });
-                if let Some((rank, parcel)) = come {
-                    let start = Instant::now();
-                    let parcel = parcel.unwrap_or_else(|damaged| panic!("the parcel of rank {rank}: {damaged}"));
-                    let Parcel { done, seconds, rows, ref lease, .. } = parcel;
-                    leases.take_back(rank, lease.start, done, seconds, rows, parcel);
-                    delivered += desk.hand_on(&mut leases, plan, deliver)?;
-                    leases.took(start.elapsed().as_secs_f64());
+                let is_waiting = leases.on_loan() > 0 || !desk.settling.is_empty();
+                let own = parcels.recv_timeout(if is_waiting { nap.next() } else { Duration::ZERO }).ok();
+                let come = match own {
+                    Some(parcel) => Some(Answer::Parcel(0, parcel)),
+                    None => Answer::receive(plan, &leases),
+                };
+                if come.is_some() {
                     nap = Nap::default();
                 }
-                let is_over = leases.is_done() || desk.flow.is_break() || stops.stop.load(Ordering::Relaxed);
-                if is_over && leases.on_loan() == 0 {
-                    return Ok(delivered);
+                match come {
+                    Some(Answer::Parcel(rank, parcel)) => {
+                        let start = Instant::now();
+                        let Parcel { done, seconds, rows, ref lease, .. } = parcel;
+                        leases.take_back(rank, lease.start, done, seconds, rows, parcel);
+                        desk.hand_on(&mut leases)?;
+                        leases.took(start.elapsed().as_secs_f64());
+                    }
+                    Some(Answer::Counts(counts)) => desk.settle(counts)?,
+                    None => {}
+                }
+                let is_over = leases.is_done() || desk.is_cut || stops.stop.load(Ordering::Relaxed);
+                let is_last = is_over && leases.on_loan() == 0;
+                if let Some(end) = desk.settling.ask(is_last) {
+                    let question = lease::to_bytes(&(0..end));
+                    (1..self.ranks).for_each(|rank| send(rank, Kind::Count, &question));
+                    desk.settle(snapshots.before(end))?;
+                }
+                if is_last && desk.settling.is_empty() {
+                    return Ok(desk.delivered);
                 }
                 if stops.halt.load(Ordering::Relaxed) {
                     let since = *halted.get_or_insert_with(Instant::now);
                     if since.elapsed() > PATIENCE {
                         self.has_lost.store(true, Ordering::Relaxed);
-                        return Ok(delivered);
+                        return Ok(desk.delivered);
                     }
                 }
             }
@@ -142,17 +165,53 @@ impl Crew for Coordinator {
     }
 }
 
-/// What lies between the leases and the ranks.
-struct Desk {
+/// What a rank has sent.
+enum Answer {
+    /// Its number, and a lease that it has done.
+    Parcel(usize, Parcel),
+    /// Its counts, if it has done any blocks.
+    Counts(Option<Counts>),
+}
+
+impl Answer {
+    /// The next one, if one has come.
+    fn receive(plan: &Plan, leases: &Leases<Parcel>) -> Option<Answer> {
+        let Received { kind, from, bytes } = receive_from(leases.only().filter(|&rank| rank > 0))?;
+        let refuse = |damaged: Damaged| -> ! { panic!("what rank {from} has sent: {damaged}") };
+        match kind {
+            Kind::Parcel => {
+                Some(Answer::Parcel(from, Parcel::of_bytes(&bytes).unwrap_or_else(|damaged| refuse(damaged))))
+            }
+            Kind::Counts if bytes.is_empty() => Some(Answer::Counts(None)),
+            Kind::Counts => {
+                let mut counts = Counts::empty(plan.model(), plan.timeline());
+                counts.read(&mut Reader::new(&bytes)).unwrap_or_else(|damaged| refuse(damaged));
+                Some(Answer::Counts(Some(counts)))
+            }
+            _ => None,
+        }
+    }
+}
+
+/// What lies between the leases, the ranks and the run.
+struct Desk<'a, 'd> {
+    plan: &'a Plan,
     ranks: usize,
+    has_goals: bool,
     own_leases: Sender<std::ops::Range<u64>>,
     /// What the ranks were told last: to stop, or to halt.
     last_order: Option<Kind>,
-    /// Whether more is wanted.
-    flow: ControlFlow<()>,
+    settling: Settling<'a>,
+    deliver: &'a mut Deliver<'d>,
+    /// Blocks that were delivered.
+    delivered: u64,
+    /// Whether the run wants no more.
+    has_enough: bool,
+    /// Whether no block is handed on any more: the run has enough, or a lease was cut.
+    is_cut: bool,
 }
 
-impl Desk {
+impl Desk<'_, '_> {
     /// Pass on what this process is told.
     fn tell(&mut self, stop: bool, halt: bool) {
         let now = if halt { Some(Kind::Halt) } else { stop.then_some(Kind::Stop) };
@@ -175,29 +234,52 @@ impl Desk {
         }
     }
 
-    /// Hand on what is in turn; returns the number of blocks.
-    fn hand_on(
-        &mut self,
-        leases: &mut Leases<Parcel>,
-        plan: &Plan,
-        deliver: &mut Deliver<'_>,
-    ) -> Result<u64, RunError> {
-        let mut delivered = 0;
-        while self.flow.is_continue() {
+    /// Hand on what is in turn: to the run where it has goals, and otherwise to where blocks wait
+    /// for their counts.
+    fn hand_on(&mut self, leases: &mut Leases<Parcel>) -> Result<(), RunError> {
+        while !self.is_cut {
             let Some(parcel) = leases.in_turn() else { break };
             let damaged = |damaged: Damaged| panic!("the parcel of blocks {:?}: {damaged}", parcel.lease);
-            for portion in parcel.portions(plan).unwrap_or_else(damaged) {
-                delivered += portion.blocks();
-                self.flow = deliver(portion)?;
-                if self.flow.is_break() {
-                    break;
+            for stretch in parcel.stretches(self.plan).unwrap_or_else(damaged) {
+                match self.has_goals {
+                    true => self.deliver_blocks(stretch)?,
+                    false => self.settling.add(stretch, parcel.rows)?,
                 }
             }
             // A lease that was cut is the last one.
             if parcel.done < parcel.lease.end - parcel.lease.start {
-                self.flow = ControlFlow::Break(());
+                self.is_cut = true;
             }
         }
-        Ok(delivered)
+        Ok(())
+    }
+
+    /// Deliver a stretch of one block with its own counts.
+    fn deliver_blocks(&mut self, stretch: Stretch) -> Result<(), RunError> {
+        let Stretch { blocks, results, totals } = stretch;
+        for (index, result) in blocks.zip(results) {
+            let result = BlockResult { totals: totals.totals(), ..result };
+            self.deliver(Portion::Block(Box::new(Delivered { index, result, beside: () })))?;
+        }
+        Ok(())
+    }
+
+    /// Take the counts of a rank, and deliver the blocks that they were the last missing piece of.
+    fn settle(&mut self, counts: Option<Counts>) -> Result<(), RunError> {
+        match self.settling.take(counts) {
+            Some(portion) => self.deliver(portion),
+            None => Ok(()),
+        }
+    }
+
+    /// Deliver a portion, unless the run has enough.
+    fn deliver(&mut self, portion: Portion) -> Result<(), RunError> {
+        if self.has_enough {
+            return Ok(());
+        }
+        self.delivered += portion.blocks();
+        self.has_enough = (self.deliver)(portion)?.is_break();
+        self.is_cut |= self.has_enough;
+        Ok(())
     }
 }

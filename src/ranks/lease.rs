@@ -1,8 +1,8 @@
 //! A lease, simulated, and the parcel that goes back with it.
 
-use crate::engine::Portion;
+use super::snapshots::Snapshots;
 use crate::ensemble::{Delivered, Plan, Stops};
-use crate::stats::{Codec as _, Damaged, Reader, RunTotals, Totals};
+use crate::stats::{BlockResult, Codec as _, Counts, Damaged, Reader, RunTotals, Totals};
 use crate::store::{self, Question, StoreError};
 use std::convert::Infallible;
 use std::ops::{ControlFlow, Range};
@@ -24,13 +24,15 @@ pub(super) struct Parcel {
     stretches: Vec<u8>,
 }
 
-/// How a lease is simulated.
+/// How leases are simulated.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Manner {
+    /// Threads of each rank.
     pub threads: usize,
-    /// Blocks whose sums are kept apart: one where the run may end after any of them, all of the
-    /// lease otherwise.
-    pub grain: u64,
+    /// Whether the run has goals. It may then end after any block, so that every block comes with
+    /// its own sums and counts; otherwise the sums of a lease come together, and counts when they
+    /// are asked for.
+    pub has_goals: bool,
 }
 
 /// What a worker is told before its first lease.
@@ -44,7 +46,7 @@ impl Errand {
     pub fn to_bytes(&self) -> Vec<u8> {
         let mut bytes = Vec::new();
         (self.manner.threads as u64).write(&mut bytes);
-        self.manner.grain.write(&mut bytes);
+        u64::from(self.manner.has_goals).write(&mut bytes);
         bytes.extend(self.question.to_bytes());
         bytes
     }
@@ -53,9 +55,9 @@ impl Errand {
     pub fn of_bytes(bytes: &[u8]) -> Result<Self, StoreError> {
         let damaged = |_| StoreError::DamagedState { path: "the message of rank 0".into() };
         let mut from = Reader::new(bytes);
-        let (threads, grain) = (number(&mut from).map_err(damaged)?, number(&mut from).map_err(damaged)?);
+        let (threads, has_goals) = (number(&mut from).map_err(damaged)?, number(&mut from).map_err(damaged)?);
         let rest = from.take(from.left()).map_err(damaged)?;
-        let manner = Manner { threads: threads as usize, grain };
+        let manner = Manner { threads: threads as usize, has_goals: has_goals > 0 };
         Ok(Errand { question: Question::of_bytes(rest, Path::new("the message of rank 0"))?, manner })
     }
 }
@@ -74,37 +76,70 @@ pub(super) fn of_bytes(bytes: &[u8]) -> Range<u64> {
     number(&mut from).and_then(|start| Ok(start..number(&mut from)?)).unwrap_or(0..0)
 }
 
-/// Simulate a lease, or its first blocks where a stop is raised.
-pub(super) fn simulate(plan: &Plan, lease: Range<u64>, manner: Manner, stops: Stops<'_>) -> Parcel {
-    let start = Instant::now();
-    let empty = RunTotals::empty(plan.model(), plan.timeline());
-    let (mut stretches, mut rows) = (Vec::new(), Vec::new());
-    let (mut totals, mut first, mut kept) = (empty.clone(), lease.start, 0);
-    let mut close = |totals: &mut RunTotals, blocks: Range<u64>, rows: &mut Vec<u8>| {
-        kept += rows.len();
-        blocks.start.write(&mut stretches);
-        blocks.end.write(&mut stretches);
-        write_bytes(rows, &mut stretches);
-        write_bytes(&totals.to_bytes(), &mut stretches);
-        *totals = empty.clone();
-        rows.clear();
-    };
-    let deliver = |Delivered { index, result, .. }: Delivered<()>| -> Result<ControlFlow<()>, Infallible> {
-        store::write_block(&result, &mut rows);
-        // Every block of a lease comes once.
-        let pushed = totals.push(index, result.totals);
-        debug_assert!(pushed.is_ok());
-        if index + 1 - first == manner.grain {
-            close(&mut totals, first..index + 1, &mut rows);
-            first = index + 1;
-        }
-        Ok(ControlFlow::Continue(()))
-    };
-    let Ok(done) = plan.run_beside(&(), lease.clone(), manner.threads, stops, deliver);
-    if first < lease.start + done {
-        close(&mut totals, first..lease.start + done, &mut rows);
+/// Simulates the leases of a rank, one after the other.
+pub(super) struct Simulator<'a> {
+    pub plan: &'a Plan,
+    pub manner: Manner,
+    pub stops: Stops<'a>,
+    /// The counts of all leases so far.
+    pub counts: Counts,
+    /// Where copies of them are kept for rank 0 to ask for.
+    pub snapshots: &'a Snapshots,
+}
+
+impl<'a> Simulator<'a> {
+    /// Of a rank that has done nothing yet.
+    pub fn new(plan: &'a Plan, manner: Manner, stops: Stops<'a>, snapshots: &'a Snapshots) -> Self {
+        let counts = Counts::empty(plan.model(), plan.timeline());
+        Simulator { plan, manner, stops, counts, snapshots }
     }
-    Parcel { lease, done, seconds: start.elapsed().as_secs_f64(), rows: kept, stretches }
+
+    /// Simulate a lease, or its first blocks where a stop is raised.
+    pub fn simulate(&mut self, lease: Range<u64>) -> Parcel {
+        let Simulator { plan, manner, stops, counts, snapshots } = self;
+        let start = Instant::now();
+        let empty = RunTotals::empty(plan.model(), plan.timeline());
+        let (mut stretches, mut rows) = (Vec::new(), Vec::new());
+        let (mut totals, mut kept) = (empty.clone(), 0);
+        let mut close = |totals: &mut RunTotals, blocks: Range<u64>, rows: &mut Vec<u8>| {
+            kept += rows.len();
+            blocks.start.write(&mut stretches);
+            blocks.end.write(&mut stretches);
+            write_bytes(rows, &mut stretches);
+            write_bytes(&totals.to_bytes(), &mut stretches);
+            *totals = empty.clone();
+            rows.clear();
+        };
+        let deliver = |Delivered { index, result, .. }: Delivered<()>| -> Result<ControlFlow<()>, Infallible> {
+            store::write_block(&result, &mut rows);
+            let pushed = match manner.has_goals {
+                true => totals.push(index, result.totals),
+                false => totals.push_sums(index, result.totals, (), counts),
+            };
+            // Every block of a lease comes once.
+            debug_assert!(pushed.is_ok());
+            if manner.has_goals {
+                close(&mut totals, index..index + 1, &mut rows);
+            }
+            Ok(ControlFlow::Continue(()))
+        };
+        let Ok(done) = plan.run_beside(&(), lease.clone(), manner.threads, *stops, deliver);
+        let end = lease.start + done;
+        if !manner.has_goals && done > 0 {
+            close(&mut totals, lease.start..end, &mut rows);
+            snapshots.add(end, counts);
+        }
+        Parcel { lease, done, seconds: start.elapsed().as_secs_f64(), rows: kept, stretches }
+    }
+}
+
+/// Neighbouring blocks that have come back.
+pub(super) struct Stretch {
+    pub blocks: Range<u64>,
+    /// What is kept of their paths, block by block; their totals are empty.
+    pub results: Vec<BlockResult>,
+    /// What they sum to; without counts unless the run has goals.
+    pub totals: RunTotals,
 }
 
 impl Parcel {
@@ -128,21 +163,21 @@ impl Parcel {
         Ok(Parcel { lease, done, seconds, rows, stretches: read_bytes(&mut from)?.to_vec() })
     }
 
-    /// What the run is handed, given its empty totals.
-    pub fn portions(&self, plan: &Plan) -> Result<Vec<Portion>, Damaged> {
+    /// What is in it.
+    pub fn stretches(&self, plan: &Plan) -> Result<Vec<Stretch>, Damaged> {
         let empty = RunTotals::empty(plan.model(), plan.timeline());
         // The smallest there are: nobody looks at them.
         let none = Totals::empty(plan.model(), &plan.timeline().without_rows());
         let mut from = Reader::new(&self.stretches);
-        let mut portions = Vec::new();
+        let mut stretches = Vec::new();
         while from.left() > 0 {
             let blocks = number(&mut from)?..number(&mut from)?;
             let mut rows = Reader::new(read_bytes(&mut from)?);
             let results = blocks.clone().map(|_| store::read_block(&mut rows, &none)).collect::<Result<_, _>>()?;
-            let totals = Box::new(empty.clone().read(read_bytes(&mut from)?)?);
-            portions.push(Portion::Stretch { blocks, results, totals });
+            let totals = empty.clone().read(read_bytes(&mut from)?)?;
+            stretches.push(Stretch { blocks, results, totals });
         }
-        Ok(portions)
+        Ok(stretches)
     }
 }
 
@@ -167,41 +202,59 @@ mod tests {
     use crate::scenario::Scenario;
     use std::sync::atomic::AtomicBool;
 
-    /// Leases of a run that went through bytes, in stretches of any size, have the sums of the run
-    /// and its rows.
+    /// Sums and rows of leases that went through bytes are those of the run, whether blocks come
+    /// alone or together. Counts are then those of all blocks before any lease's end, however the
+    /// leases are shared out, and although both ranks are beyond that end when they are asked.
     #[test]
     fn what_comes_back_has_the_bits_of_the_run() {
         let mut scenario = Scenario::shipped("rho025").expect("shipped");
         scenario.ensemble.paths = 1_500;
         let plan = scenario.plan();
         let never = AtomicBool::new(false);
-        let whole = |leases: &[Range<u64>], grain: u64| {
-            let mut totals = RunTotals::empty(plan.model(), plan.timeline());
-            let mut rows = Vec::new();
-            for lease in leases {
-                let manner = Manner { threads: 2, grain };
-                let parcel = simulate(&plan, lease.clone(), manner, Stops { stop: &never, halt: &never });
-                let parcel = Parcel::of_bytes(&parcel.to_bytes()).expect("as written");
-                assert_eq!((parcel.lease.clone(), parcel.done), (lease.clone(), lease.end - lease.start));
-                for portion in parcel.portions(&plan).expect("as written") {
-                    let Portion::Stretch { results, totals: more, .. } = portion else { unreachable!("not sent") };
-                    results.iter().for_each(|block| store::write_block(block, &mut rows));
-                    totals.merge(*more).expect("each block once");
-                }
+        let stops = Stops { stop: &never, halt: &never };
+        let of_run = |end: u64| {
+            let (mut totals, mut rows) = (RunTotals::empty(plan.model(), plan.timeline()), Vec::new());
+            for index in 0..end {
+                let block = plan.block(index);
+                store::write_block(&block, &mut rows);
+                totals.push(index, block.totals).expect("each block once");
             }
             (totals.to_bytes(), rows)
         };
-        let mut totals = RunTotals::empty(plan.model(), plan.timeline());
-        let mut rows = Vec::new();
-        for index in 0..plan.blocks() {
-            let block = plan.block(index);
-            store::write_block(&block, &mut rows);
-            totals.push(index, block.totals).expect("each block once");
-        }
-        let expected = (totals.to_bytes(), rows);
-        assert!(whole(&[0..2, 2..6], 6) == expected && whole(&[0..1, 1..4, 4..6], 2) == expected);
-        assert!(whole(&[0..4, 4..6], 1) == expected);
-        let bytes = simulate(&plan, 0..1, Manner { threads: 1, grain: 1 }, Stops { stop: &never, halt: &never });
+        let of_leases = |leases: &[Range<u64>], has_goals: bool| {
+            let snapshots = [Snapshots::default(), Snapshots::default()];
+            let manner = Manner { threads: 2, has_goals };
+            let mut ranks = snapshots.each_ref().map(|snapshots| Simulator::new(&plan, manner, stops, snapshots));
+            let parcels: Vec<Parcel> = leases
+                .iter()
+                .enumerate()
+                .map(|(k, lease)| {
+                    let parcel = ranks[k % 2].simulate(lease.clone());
+                    let parcel = Parcel::of_bytes(&parcel.to_bytes()).expect("as written");
+                    assert_eq!((parcel.lease.clone(), parcel.done), (lease.clone(), lease.end - lease.start));
+                    parcel
+                })
+                .collect();
+            let (mut totals, mut rows) = (RunTotals::empty(plan.model(), plan.timeline()), Vec::new());
+            for parcel in parcels {
+                for stretch in parcel.stretches(&plan).expect("as written") {
+                    stretch.results.iter().for_each(|block| store::write_block(block, &mut rows));
+                    totals.merge(stretch.totals).expect("each block once");
+                }
+                if !has_goals {
+                    let mut counts = Counts::empty(plan.model(), plan.timeline());
+                    let before = snapshots.iter().filter_map(|snapshots| snapshots.before(parcel.lease.end));
+                    before.for_each(|some| counts.merge(&some));
+                    totals.set_counts(counts);
+                }
+                assert!((totals.to_bytes(), rows.clone()) == of_run(parcel.lease.end), "{:?}", parcel.lease);
+            }
+        };
+        of_leases(&[0..2, 2..6], true);
+        of_leases(&[0..2, 2..6], false);
+        of_leases(&[0..1, 1..2, 2..4, 4..5, 5..6], false);
+        let snapshots = Snapshots::default();
+        let bytes = Simulator::new(&plan, Manner { threads: 1, has_goals: true }, stops, &snapshots).simulate(0..1);
         let bytes = bytes.to_bytes();
         assert!((0..bytes.len()).all(|length| Parcel::of_bytes(&bytes[..length]).is_err()));
     }

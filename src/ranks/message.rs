@@ -15,9 +15,12 @@ pub(super) enum Kind {
     Halt,
     End,
     Parcel,
+    Count,
+    Counts,
 }
 
-const KINDS: [Kind; 6] = [Kind::Run, Kind::Lease, Kind::Stop, Kind::Halt, Kind::End, Kind::Parcel];
+const KINDS: [Kind; 8] =
+    [Kind::Run, Kind::Lease, Kind::Stop, Kind::Halt, Kind::End, Kind::Parcel, Kind::Count, Kind::Counts];
 
 /// A message that has come.
 pub(super) struct Received {

@@ -10,8 +10,10 @@
 //! coordinator -> worker   Run     scenario, seed and what else is asked, as a saved run has it
 //!                         Lease   the first block and the last
 //!                         Stop    begin no more blocks            Halt    give up those in work
+//!                         Count   send the counts of your blocks before this one
 //!                         End     the program is over
 //! worker -> coordinator   Parcel  a lease: rows of its paths, sums of its blocks
+//!                         Counts  what Count asks for
 //!                         End     heard
 //! ```
 //!
@@ -21,6 +23,8 @@
 mod coordinator;
 mod lease;
 mod message;
+mod settling;
+mod snapshots;
 mod worker;
 
 pub use coordinator::Coordinator;

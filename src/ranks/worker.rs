@@ -1,8 +1,10 @@
 //! A rank that simulates what rank 0 lends to it.
 
-use super::lease::{self, Errand};
+use super::lease::{self, Errand, Simulator};
 use super::message::{Kind, Nap, Received, receive, send};
+use super::snapshots::Snapshots;
 use crate::ensemble::Stops;
+use crate::stats::Codec as _;
 use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM, SIGUSR1, SIGUSR2, SIGXCPU};
 use std::process::ExitCode;
 use std::sync::Arc;
@@ -38,15 +40,17 @@ fn work(bytes: &[u8]) {
     let plan = &question.plan();
     let [stop, halt] = [(); 2].map(|()| AtomicBool::new(false));
     let stops = Stops { stop: &stop, halt: &halt };
+    let snapshots = &Snapshots::default();
     let (leases, to_do) = channel();
     let (done, parcels) = channel();
     thread::scope(|scope| {
         // Gone with this closure, so that the thread below ends.
         let leases = leases;
         scope.spawn(move || {
+            let mut simulator = Simulator::new(plan, manner, stops, snapshots);
             for lease in to_do {
                 // Nobody listens any more where the program is over.
-                let _ = done.send(lease::simulate(plan, lease, manner, stops).to_bytes());
+                let _ = done.send(simulator.simulate(lease).to_bytes());
             }
         });
         let mut nap = Nap::default();
@@ -61,9 +65,20 @@ fn work(bytes: &[u8]) {
             halt.fetch_or(matches!(kind, Kind::Halt | Kind::End), Ordering::Relaxed);
             match kind {
                 Kind::Lease => drop(leases.send(lease::of_bytes(&bytes))),
+                Kind::Count => send(0, Kind::Counts, &counts_before(snapshots, &bytes)),
                 Kind::End => break,
-                Kind::Stop | Kind::Halt | Kind::Run | Kind::Parcel => {}
+                Kind::Stop | Kind::Halt | Kind::Run | Kind::Parcel | Kind::Counts => {}
             }
         }
     });
+}
+
+/// The counts of this rank before the block that the message names, as bytes; no bytes where it has
+/// done none.
+fn counts_before(snapshots: &Snapshots, message: &[u8]) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    if let Some(counts) = snapshots.before(lease::of_bytes(message).end) {
+        counts.write(&mut bytes);
+    }
+    bytes
 }
