@@ -22,6 +22,8 @@ pub struct Work<'a> {
     pub threads: usize,
     /// When to end before the last of them.
     pub stops: Stops<'a>,
+    /// Where the sink of the run lets other processes write, if it does ([`super::Sink::outlet`]).
+    pub outlet: Option<Vec<u8>>,
 }
 
 /// Blocks that are done, on their way to whoever sums and keeps them.
@@ -33,8 +35,11 @@ pub enum Portion<X = ()> {
     Stretch {
         /// Their numbers.
         blocks: Range<u64>,
-        /// What is kept of their paths, block by block; their totals are empty.
+        /// What is kept of their paths, block by block, unless it was left in the outlet of the
+        /// sink; their totals are empty.
         results: Vec<BlockResult>,
+        /// Receipts of processes that have left something there.
+        receipts: Vec<Vec<u8>>,
         /// What they sum to, without counts.
         sums: Box<RunTotals<X>>,
         /// The counts of all blocks that the crew has delivered, these included.
@@ -77,6 +82,14 @@ impl<X: Merge + Clone> Portion<X> {
         match self {
             Portion::Block(block) => slice::from_ref(&block.result),
             Portion::Stretch { results, .. } => results,
+        }
+    }
+
+    /// Receipts for what was left in the outlet of the sink.
+    pub(super) fn receipts(&self) -> &[Vec<u8>] {
+        match self {
+            Portion::Block(_) => &[],
+            Portion::Stretch { receipts, .. } => receipts,
         }
     }
 

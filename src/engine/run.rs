@@ -186,6 +186,7 @@ impl<'a> Run<'a> {
         }
 
         let asked = self.asked.blocks();
+        let paths_before = |end: u64| (end * BLOCK_SIZE).min(plan.paths).saturating_sub(asked.start * BLOCK_SIZE);
         let counts = totals.counts().clone();
         // Blocks are done in order, so those that are done come first.
         let first = totals.blocks().last().map_or(asked.start, |done| done.end);
@@ -201,14 +202,20 @@ impl<'a> Run<'a> {
         };
         let left = if ended_by.is_some() { first..first } else { first..asked.end };
         let own_paths = self.asked.own_paths();
+        // Several sinks would each need a place of their own.
+        let outlet = if let [sink] = self.sinks.as_mut_slice() { sink.outlet() } else { None };
         let mut broken = None;
         let mut deliver = |portion: Portion<X>| -> Result<ControlFlow<()>, RunError> {
             let end = portion.end();
-            let done = (end * BLOCK_SIZE).min(plan.paths) - asked.start * BLOCK_SIZE;
+            let done = paths_before(end);
             let mut results = portion.results().iter();
             let handed = results.try_for_each(|block| self.sinks.iter_mut().try_for_each(|sink| sink.block(block)));
+            let handed = handed.and_then(|()| {
+                let mut receipts = portion.receipts().iter();
+                receipts.try_for_each(|one| self.sinks.iter_mut().try_for_each(|sink| sink.left_in_outlet(one)))
+            });
             portion.add_to(&mut totals, &counts)?;
-            let moment = Moment { spent: spent(), is_last: false, state: &|| totals.to_bytes() };
+            let moment = Moment { spent: spent(), paths: done, is_last: false, state: &|| totals.to_bytes() };
             let saved = handed.and_then(|()| self.sinks.iter_mut().try_for_each(|sink| sink.save(&moment)));
             if let Err(error) = saved {
                 broken = Some(error);
@@ -237,6 +244,7 @@ impl<'a> Run<'a> {
             blocks: left,
             threads: self.threads,
             stops: alarm.stops(),
+            outlet,
         };
         let blocks = first + alarm.watching(|| crew.simulate(&work, &mut deliver))?;
         let is_whole = blocks >= asked.end;
@@ -245,7 +253,8 @@ impl<'a> Run<'a> {
             // Nothing else gives up blocks in work.
             ended_by = Some(EndedBy::TimeLimit { blocks });
         }
-        let moment = Moment { spent: spent(), is_last: true, state: &|| totals.to_bytes() };
+        let moment =
+            Moment { spent: spent(), paths: paths_before(blocks), is_last: true, state: &|| totals.to_bytes() };
         if broken.is_none() {
             broken = self.sinks.iter_mut().try_for_each(|sink| sink.save(&moment)).err();
         }

@@ -45,6 +45,20 @@ pub trait Sink: Send {
     /// the run: the sums of many blocks then come in one piece, as part of [`Moment::state`].
     fn block(&mut self, block: &BlockResult) -> Result<(), SinkError>;
 
+    /// Where other processes may write what is kept of the paths that they simulate, in words that
+    /// only the sink and its kin understand. Those blocks are not handed over. Most sinks have no
+    /// such place.
+    fn outlet(&mut self) -> Option<Vec<u8>> {
+        None
+    }
+
+    /// Another process has written there, and this is the receipt that it was given. All that was
+    /// handed over or written so far belongs to the blocks that are summed up.
+    fn left_in_outlet(&mut self, receipt: &[u8]) -> Result<(), SinkError> {
+        let _ = receipt;
+        Ok(())
+    }
+
     /// Every block that it was handed is summed up. It is told so after each of them, and once more
     /// when the paths are done: whoever keeps what a run can go on from should do so seldom.
     fn save(&mut self, moment: &Moment<'_>) -> Result<(), SinkError> {
@@ -63,6 +77,8 @@ pub trait Sink: Send {
 pub struct Moment<'a> {
     /// Time spent so far, that of earlier sittings included.
     pub spent: Duration,
+    /// Paths that are summed up, those of earlier sittings included.
+    pub paths: u64,
     /// Whether no more blocks follow.
     pub is_last: bool,
     pub(super) state: &'a dyn Fn() -> Vec<u8>,

@@ -3,10 +3,10 @@
 use super::lease::{self, Errand, Manner, Parcel, Simulator, Stretch};
 use super::message::{Kind, Nap, Received, abort, receive, receive_from, send};
 use super::settling::Settling;
-use super::snapshots::Snapshots;
+use super::snapshots::{Counted, Snapshots};
 use crate::engine::{Crew, Deliver, Portion, RunError, Work};
 use crate::ensemble::{Delivered, Leases, Plan};
-use crate::stats::{BlockResult, Codec as _, Counts, Damaged, Reader};
+use crate::stats::{BlockResult, Counts, Damaged};
 use crate::store::Question;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Sender, channel};
@@ -84,7 +84,8 @@ impl Crew for Coordinator {
         let Work { scenario, asked, plan, threads, stops, .. } = work;
         let manner = Manner { threads: *threads, has_goals: !asked.goals.is_empty() };
         let question = Question { scenario: (*scenario).clone(), asked: (*asked).clone(), note: String::new() };
-        let errand = Errand { question, manner }.to_bytes();
+        let outlet = work.outlet.clone().unwrap_or_default();
+        let errand = Errand { question, manner, outlet }.to_bytes();
         (1..self.ranks).for_each(|rank| send(rank, Kind::Run, &errand));
         let snapshots = &Snapshots::default();
         let (own_leases, to_do) = channel();
@@ -122,7 +123,8 @@ impl Crew for Coordinator {
                 let is_waiting = leases.on_loan() > 0 || !desk.settling.is_empty();
                 let own = parcels.recv_timeout(if is_waiting { nap.next() } else { Duration::ZERO }).ok();
                 let come = match own {
-                    Some(parcel) => Some(Answer::Parcel(0, parcel)),
+                    // Rank 0 keeps no log of its own here, so that nothing can fail.
+                    Some(parcel) => parcel.ok().map(|parcel| Answer::Parcel(0, parcel)),
                     None => Answer::receive(plan, &leases),
                 };
                 if come.is_some() {
@@ -136,7 +138,10 @@ impl Crew for Coordinator {
                         desk.hand_on(&mut leases)?;
                         leases.took(start.elapsed().as_secs_f64());
                     }
-                    Some(Answer::Counts(counts)) => desk.settle(counts)?,
+                    Some(Answer::Counted(counted)) => desk.settle(counted)?,
+                    Some(Answer::Failed(reason)) => {
+                        return Err(RunError::Sink { error: reason.into(), outcome: None });
+                    }
                     None => {}
                 }
                 let is_over = leases.is_done() || desk.is_cut || stops.stop.load(Ordering::Relaxed);
@@ -169,8 +174,10 @@ impl Crew for Coordinator {
 enum Answer {
     /// Its number, and a lease that it has done.
     Parcel(usize, Parcel),
-    /// Its counts, if it has done any blocks.
-    Counts(Option<Counts>),
+    /// What it has done of the blocks that it was asked about, if anything.
+    Counted(Option<Counted>),
+    /// Why it cannot go on.
+    Failed(String),
 }
 
 impl Answer {
@@ -182,12 +189,13 @@ impl Answer {
             Kind::Parcel => {
                 Some(Answer::Parcel(from, Parcel::of_bytes(&bytes).unwrap_or_else(|damaged| refuse(damaged))))
             }
-            Kind::Counts if bytes.is_empty() => Some(Answer::Counts(None)),
+            Kind::Counts if bytes.is_empty() => Some(Answer::Counted(None)),
             Kind::Counts => {
-                let mut counts = Counts::empty(plan.model(), plan.timeline());
-                counts.read(&mut Reader::new(&bytes)).unwrap_or_else(|damaged| refuse(damaged));
-                Some(Answer::Counts(Some(counts)))
+                let empty = Counts::empty(plan.model(), plan.timeline());
+                let counted = Counted::of_bytes(&bytes, empty).unwrap_or_else(|damaged| refuse(damaged));
+                Some(Answer::Counted(Some(counted)))
             }
+            Kind::Failed => Some(Answer::Failed(String::from_utf8_lossy(&bytes).into_owned())),
             _ => None,
         }
     }
@@ -265,8 +273,8 @@ impl Desk<'_, '_> {
     }
 
     /// Take the counts of a rank, and deliver the blocks that they were the last missing piece of.
-    fn settle(&mut self, counts: Option<Counts>) -> Result<(), RunError> {
-        match self.settling.take(counts) {
+    fn settle(&mut self, counted: Option<Counted>) -> Result<(), RunError> {
+        match self.settling.take(counted) {
             Some(portion) => self.deliver(portion),
             None => Ok(()),
         }

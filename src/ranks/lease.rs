@@ -1,10 +1,9 @@
 //! A lease, simulated, and the parcel that goes back with it.
 
-use super::snapshots::Snapshots;
+use super::snapshots::{Counted, Snapshots};
 use crate::ensemble::{Delivered, Plan, Stops};
 use crate::stats::{BlockResult, Codec as _, Counts, Damaged, Reader, RunTotals, Totals};
-use crate::store::{self, Question, StoreError};
-use std::convert::Infallible;
+use crate::store::{self, Question, RankLog, StoreError};
 use std::ops::{ControlFlow, Range};
 use std::path::Path;
 use std::time::Instant;
@@ -39,6 +38,8 @@ pub(super) struct Manner {
 pub(super) struct Errand {
     pub question: Question,
     pub manner: Manner,
+    /// Where it may write the rows of its paths; empty where they are to come with its leases.
+    pub outlet: Vec<u8>,
 }
 
 impl Errand {
@@ -47,6 +48,7 @@ impl Errand {
         let mut bytes = Vec::new();
         (self.manner.threads as u64).write(&mut bytes);
         u64::from(self.manner.has_goals).write(&mut bytes);
+        write_bytes(&self.outlet, &mut bytes);
         bytes.extend(self.question.to_bytes());
         bytes
     }
@@ -56,9 +58,10 @@ impl Errand {
         let damaged = |_| StoreError::DamagedState { path: "the message of rank 0".into() };
         let mut from = Reader::new(bytes);
         let (threads, has_goals) = (number(&mut from).map_err(damaged)?, number(&mut from).map_err(damaged)?);
+        let outlet = read_bytes(&mut from).map_err(damaged)?.to_vec();
         let rest = from.take(from.left()).map_err(damaged)?;
         let manner = Manner { threads: threads as usize, has_goals: has_goals > 0 };
-        Ok(Errand { question: Question::of_bytes(rest, Path::new("the message of rank 0"))?, manner })
+        Ok(Errand { question: Question::of_bytes(rest, Path::new("the message of rank 0"))?, manner, outlet })
     }
 }
 
@@ -85,18 +88,21 @@ pub(super) struct Simulator<'a> {
     pub counts: Counts,
     /// Where copies of them are kept for rank 0 to ask for.
     pub snapshots: &'a Snapshots,
+    /// Where rows go; without it they come with the leases.
+    pub log: Option<RankLog>,
 }
 
 impl<'a> Simulator<'a> {
     /// Of a rank that has done nothing yet.
     pub fn new(plan: &'a Plan, manner: Manner, stops: Stops<'a>, snapshots: &'a Snapshots) -> Self {
         let counts = Counts::empty(plan.model(), plan.timeline());
-        Simulator { plan, manner, stops, counts, snapshots }
+        Simulator { plan, manner, stops, counts, snapshots, log: None }
     }
 
-    /// Simulate a lease, or its first blocks where a stop is raised.
-    pub fn simulate(&mut self, lease: Range<u64>) -> Parcel {
-        let Simulator { plan, manner, stops, counts, snapshots } = self;
+    /// Simulate a lease, or its first blocks where a stop is raised. It is an error that rows cannot
+    /// be written to the log.
+    pub fn simulate(&mut self, lease: Range<u64>) -> Result<Parcel, StoreError> {
+        let Simulator { plan, manner, stops, counts, snapshots, log } = self;
         let start = Instant::now();
         let empty = RunTotals::empty(plan.model(), plan.timeline());
         let (mut stretches, mut rows) = (Vec::new(), Vec::new());
@@ -110,8 +116,11 @@ impl<'a> Simulator<'a> {
             *totals = empty.clone();
             rows.clear();
         };
-        let deliver = |Delivered { index, result, .. }: Delivered<()>| -> Result<ControlFlow<()>, Infallible> {
-            store::write_block(&result, &mut rows);
+        let deliver = |Delivered { index, result, .. }: Delivered<()>| -> Result<ControlFlow<()>, StoreError> {
+            match log {
+                Some(log) => log.append(&result)?,
+                None => store::write_block(&result, &mut rows),
+            }
             let pushed = match manner.has_goals {
                 true => totals.push(index, result.totals),
                 false => totals.push_sums(index, result.totals, (), counts),
@@ -123,20 +132,21 @@ impl<'a> Simulator<'a> {
             }
             Ok(ControlFlow::Continue(()))
         };
-        let Ok(done) = plan.run_beside(&(), lease.clone(), manner.threads, *stops, deliver);
+        let done = plan.run_beside(&(), lease.clone(), manner.threads, *stops, deliver)?;
         let end = lease.start + done;
         if !manner.has_goals && done > 0 {
             close(&mut totals, lease.start..end, &mut rows);
-            snapshots.add(end, counts);
+            let receipt = log.as_mut().map_or(Ok(Vec::new()), RankLog::sync)?;
+            snapshots.add(end, Counted { counts: counts.clone(), receipt });
         }
-        Parcel { lease, done, seconds: start.elapsed().as_secs_f64(), rows: kept, stretches }
+        Ok(Parcel { lease, done, seconds: start.elapsed().as_secs_f64(), rows: kept, stretches })
     }
 }
 
 /// Neighbouring blocks that have come back.
 pub(super) struct Stretch {
     pub blocks: Range<u64>,
-    /// What is kept of their paths, block by block; their totals are empty.
+    /// What is kept of their paths, block by block, unless that is in a log; their totals are empty.
     pub results: Vec<BlockResult>,
     /// What they sum to; without counts unless the run has goals.
     pub totals: RunTotals,
@@ -173,7 +183,10 @@ impl Parcel {
         while from.left() > 0 {
             let blocks = number(&mut from)?..number(&mut from)?;
             let mut rows = Reader::new(read_bytes(&mut from)?);
-            let results = blocks.clone().map(|_| store::read_block(&mut rows, &none)).collect::<Result<_, _>>()?;
+            let mut results = Vec::new();
+            while rows.left() > 0 {
+                results.push(store::read_block(&mut rows, &none)?);
+            }
             let totals = empty.clone().read(read_bytes(&mut from)?)?;
             stretches.push(Stretch { blocks, results, totals });
         }
@@ -186,12 +199,14 @@ fn number(from: &mut Reader<'_>) -> Result<u64, Damaged> {
     number.read(from).map(|()| number)
 }
 
-fn write_bytes(bytes: &[u8], out: &mut Vec<u8>) {
+/// Write a list of bytes.
+pub(super) fn write_bytes(bytes: &[u8], out: &mut Vec<u8>) {
     (bytes.len() as u64).write(out);
     out.extend(bytes);
 }
 
-fn read_bytes<'a>(from: &mut Reader<'a>) -> Result<&'a [u8], Damaged> {
+/// Read it back.
+pub(super) fn read_bytes<'a>(from: &mut Reader<'a>) -> Result<&'a [u8], Damaged> {
     let length = from.length()?;
     from.take(length)
 }
@@ -229,7 +244,7 @@ mod tests {
                 .iter()
                 .enumerate()
                 .map(|(k, lease)| {
-                    let parcel = ranks[k % 2].simulate(lease.clone());
+                    let parcel = ranks[k % 2].simulate(lease.clone()).expect("there is no log");
                     let parcel = Parcel::of_bytes(&parcel.to_bytes()).expect("as written");
                     assert_eq!((parcel.lease.clone(), parcel.done), (lease.clone(), lease.end - lease.start));
                     parcel
@@ -244,7 +259,7 @@ mod tests {
                 if !has_goals {
                     let mut counts = Counts::empty(plan.model(), plan.timeline());
                     let before = snapshots.iter().filter_map(|snapshots| snapshots.before(parcel.lease.end));
-                    before.for_each(|some| counts.merge(&some));
+                    before.for_each(|some| counts.merge(&some.counts));
                     totals.set_counts(counts);
                 }
                 assert!((totals.to_bytes(), rows.clone()) == of_run(parcel.lease.end), "{:?}", parcel.lease);
@@ -255,7 +270,7 @@ mod tests {
         of_leases(&[0..1, 1..2, 2..4, 4..5, 5..6], false);
         let snapshots = Snapshots::default();
         let bytes = Simulator::new(&plan, Manner { threads: 1, has_goals: true }, stops, &snapshots).simulate(0..1);
-        let bytes = bytes.to_bytes();
+        let bytes = bytes.expect("there is no log").to_bytes();
         assert!((0..bytes.len()).all(|length| Parcel::of_bytes(&bytes[..length]).is_err()));
     }
 }

@@ -17,10 +17,11 @@ pub(super) enum Kind {
     Parcel,
     Count,
     Counts,
+    Failed,
 }
 
-const KINDS: [Kind; 8] =
-    [Kind::Run, Kind::Lease, Kind::Stop, Kind::Halt, Kind::End, Kind::Parcel, Kind::Count, Kind::Counts];
+const KINDS: [Kind; 9] =
+    [Kind::Run, Kind::Lease, Kind::Stop, Kind::Halt, Kind::End, Kind::Parcel, Kind::Count, Kind::Counts, Kind::Failed];
 
 /// A message that has come.
 pub(super) struct Received {
@@ -87,6 +88,11 @@ pub(super) fn send(to: usize, kind: Kind, bytes: &[u8]) {
     for piece in (0..pieces).map(|k| &bytes[k * PIECE..bytes.len().min((k + 1) * PIECE)]) {
         mpi::request::scope(|scope| finish(process.immediate_send_with_tag(scope, piece, kind as i32)));
     }
+}
+
+/// The number of this rank.
+pub(super) fn rank() -> usize {
+    SimpleCommunicator::world().rank() as usize
 }
 
 /// End all ranks at once.

@@ -12,8 +12,10 @@
 //!                         Stop    begin no more blocks            Halt    give up those in work
 //!                         Count   send the counts of your blocks before this one
 //!                         End     the program is over
-//! worker -> coordinator   Parcel  a lease: rows of its paths, sums of its blocks
-//!                         Counts  what Count asks for
+//! worker -> coordinator   Parcel  a lease: sums of its blocks, and rows of its paths unless they are
+//!                                 in a log of the rank's own
+//!                         Counts  what Count asks for, and how much of the log they go with
+//!                         Failed  why the rank cannot go on
 //!                         End     heard
 //! ```
 //!

@@ -6,6 +6,7 @@
 //! Meanwhile the ranks go on with later blocks.
 
 use super::lease::Stretch;
+use super::snapshots::Counted;
 use crate::engine::Portion;
 use crate::ensemble::Plan;
 use crate::stats::{Counts, Overlap};
@@ -40,6 +41,7 @@ struct Waiting {
     stretch: Stretch,
     /// Those of the ranks that have answered.
     counts: Counts,
+    receipts: Vec<Vec<u8>>,
     answers: usize,
     cost: Duration,
 }
@@ -80,24 +82,26 @@ impl<'a> Settling<'a> {
         (self.bytes, self.last) = (0, Instant::now());
         let end = stretch.blocks.end;
         let counts = Counts::empty(self.plan.model(), self.plan.timeline());
-        self.waiting = Some(Waiting { stretch, counts, answers: 0, cost: Duration::ZERO });
+        self.waiting = Some(Waiting { stretch, counts, receipts: Vec::new(), answers: 0, cost: Duration::ZERO });
         Some(end)
     }
 
     /// Take the answer of a rank. The last answer makes a portion for the run.
-    pub fn take(&mut self, counts: Option<Counts>) -> Option<Portion> {
+    pub fn take(&mut self, counted: Option<Counted>) -> Option<Portion> {
         let start = Instant::now();
         let waiting = self.waiting.as_mut()?;
-        if let Some(counts) = counts {
+        if let Some(Counted { counts, receipt }) = counted {
             waiting.counts.merge(&counts);
+            waiting.receipts.extend((!receipt.is_empty()).then_some(receipt));
         }
         waiting.answers += 1;
         waiting.cost += start.elapsed();
         if waiting.answers < self.ranks {
             return None;
         }
-        let Waiting { stretch: Stretch { blocks, results, totals }, counts, cost, .. } = self.waiting.take()?;
+        let Waiting { stretch: Stretch { blocks, results, totals }, counts, receipts, cost, .. } =
+            self.waiting.take()?;
         self.cost = cost;
-        Some(Portion::Stretch { blocks, results, sums: Box::new(totals), counts: Box::new(counts) })
+        Some(Portion::Stretch { blocks, results, receipts, sums: Box::new(totals), counts: Box::new(counts) })
     }
 }

@@ -1,10 +1,10 @@
 //! A rank that simulates what rank 0 lends to it.
 
 use super::lease::{self, Errand, Simulator};
-use super::message::{Kind, Nap, Received, receive, send};
+use super::message::{Kind, Nap, Received, rank, receive, send};
 use super::snapshots::Snapshots;
 use crate::ensemble::Stops;
-use crate::stats::Codec as _;
+use crate::store::{RankLog, StoreError};
 use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM, SIGUSR1, SIGUSR2, SIGXCPU};
 use std::process::ExitCode;
 use std::sync::Arc;
@@ -36,7 +36,8 @@ pub(super) fn serve() -> ExitCode {
 /// Simulate leases of a run until the program is over.
 fn work(bytes: &[u8]) {
     let asked = Errand::of_bytes(bytes);
-    let Errand { question, manner } = asked.unwrap_or_else(|error| panic!("cannot do what rank 0 asks: {error}"));
+    let Errand { question, manner, outlet } =
+        asked.unwrap_or_else(|error| panic!("cannot do what rank 0 asks: {error}"));
     let plan = &question.plan();
     let [stop, halt] = [(); 2].map(|()| AtomicBool::new(false));
     let stops = Stops { stop: &stop, halt: &halt };
@@ -46,17 +47,29 @@ fn work(bytes: &[u8]) {
     thread::scope(|scope| {
         // Gone with this closure, so that the thread below ends.
         let leases = leases;
+        let simulated = done.clone();
         scope.spawn(move || {
-            let mut simulator = Simulator::new(plan, manner, stops, snapshots);
-            for lease in to_do {
-                // Nobody listens any more where the program is over.
-                let _ = done.send(simulator.simulate(lease).to_bytes());
+            let simulate = || -> Result<(), StoreError> {
+                let has_log = !manner.has_goals && !outlet.is_empty();
+                let log = if has_log { RankLog::create(&outlet, rank())? } else { None };
+                let mut simulator = Simulator { log, ..Simulator::new(plan, manner, stops, snapshots) };
+                for lease in to_do {
+                    // Nobody listens any more where the program is over.
+                    let _ = simulated.send(Ok(simulator.simulate(lease)?.to_bytes()));
+                }
+                Ok(())
+            };
+            if let Err(error) = simulate() {
+                let _ = simulated.send(Err(error.to_string()));
             }
         });
         let mut nap = Nap::default();
         loop {
             if let Ok(parcel) = parcels.recv_timeout(nap.next()) {
-                send(0, Kind::Parcel, &parcel);
+                match parcel {
+                    Ok(parcel) => send(0, Kind::Parcel, &parcel),
+                    Err(reason) => send(0, Kind::Failed, reason.as_bytes()),
+                }
                 nap = Nap::default();
             }
             let Some(Received { kind, bytes, .. }) = receive() else { continue };
@@ -65,20 +78,13 @@ fn work(bytes: &[u8]) {
             halt.fetch_or(matches!(kind, Kind::Halt | Kind::End), Ordering::Relaxed);
             match kind {
                 Kind::Lease => drop(leases.send(lease::of_bytes(&bytes))),
-                Kind::Count => send(0, Kind::Counts, &counts_before(snapshots, &bytes)),
+                Kind::Count => {
+                    let counted = snapshots.before(lease::of_bytes(&bytes).end);
+                    send(0, Kind::Counts, &counted.map_or_else(Vec::new, |counted| counted.to_bytes()));
+                }
                 Kind::End => break,
-                Kind::Stop | Kind::Halt | Kind::Run | Kind::Parcel | Kind::Counts => {}
+                Kind::Stop | Kind::Halt | Kind::Run | Kind::Parcel | Kind::Counts | Kind::Failed => {}
             }
         }
     });
-}
-
-/// The counts of this rank before the block that the message names, as bytes; no bytes where it has
-/// done none.
-fn counts_before(snapshots: &Snapshots, message: &[u8]) -> Vec<u8> {
-    let mut bytes = Vec::new();
-    if let Some(counts) = snapshots.before(lease::of_bytes(message).end) {
-        counts.write(&mut bytes);
-    }
-    bytes
 }

@@ -5,12 +5,13 @@
 //! the checksum at its end ([`Position`]). Whatever an interrupted write has left beyond that
 //! length is cut off.
 
+use super::StoreError;
 use super::checksum::checksum;
 use crate::dataset::Rows;
 use crate::stats::{BlockResult, Codec, Damaged, EventColumns, PathColumns, Reader, Totals, TrajectoryRows};
 use std::fs::File;
 use std::io::{self, BufReader, Read as _, Seek as _, SeekFrom, Write as _};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// How much of a log is valid.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -87,66 +88,93 @@ impl Log {
     }
 }
 
-/// Why a log cannot be read.
-#[derive(Debug)]
-pub(super) enum LogError {
-    /// The system reported an error.
-    Io(io::Error),
-    /// The bytes are not those that were written.
-    Damaged,
-    /// The function that received the rows returned an error.
-    Visitor(Box<super::StoreError>),
-}
-
-impl From<Damaged> for LogError {
-    fn from(_: Damaged) -> Self {
-        LogError::Damaged
-    }
-}
-
-/// Read the log up to `end` and hand every block to `show`, in order.
-pub(super) fn read(
-    path: &Path,
+/// A log that is read block by block.
+struct Reading {
+    path: PathBuf,
+    file: BufReader<File>,
+    /// What was read.
+    at: Position,
+    /// What counts.
     end: Position,
-    mut visit: impl FnMut(OwnedRows) -> Result<(), super::StoreError>,
-) -> Result<(), LogError> {
-    let failed = |error: io::Error| match error.kind() {
-        io::ErrorKind::UnexpectedEof => LogError::Damaged,
-        _ => LogError::Io(error),
-    };
-    let file = File::open(path).map_err(failed)?;
-    // The claimed length is compared with that of the file before any memory is allocated.
-    if file.metadata().map_err(failed)?.len() < end.length {
-        return Err(LogError::Damaged);
+    bytes: Vec<u8>,
+    /// The next block.
+    next: Option<OwnedRows>,
+}
+
+impl Reading {
+    fn open(path: PathBuf, end: Position) -> Result<Reading, StoreError> {
+        let failed = |source| StoreError::NotOpened { path: path.clone(), source };
+        let file = File::open(&path).map_err(failed)?;
+        // The claimed length is compared with that of the file before any memory is allocated.
+        if file.metadata().map_err(failed)?.len() < end.length {
+            return Err(StoreError::DamagedState { path });
+        }
+        let file = BufReader::with_capacity(BUFFER, file);
+        let mut reading = Reading { path, file, at: Position::default(), end, bytes: Vec::new(), next: None };
+        reading.advance()?;
+        Ok(reading)
     }
-    let mut file = BufReader::with_capacity(BUFFER, file);
-    let mut at = Position::default();
-    let mut bytes = Vec::new();
-    while at.length < end.length {
+
+    /// Take the next block, and read the one after it.
+    fn advance(&mut self) -> Result<Option<OwnedRows>, StoreError> {
+        let next = if self.at.length < self.end.length { Some(self.block()?) } else { None };
+        if next.is_none() && self.at != self.end {
+            return Err(self.damaged());
+        }
+        Ok(std::mem::replace(&mut self.next, next))
+    }
+
+    fn block(&mut self) -> Result<OwnedRows, StoreError> {
         let mut head = [0; 8];
-        file.read_exact(&mut head).map_err(failed)?;
+        self.exactly(&mut head)?;
         let length = u64::from_le_bytes(head);
-        let left = end.length - at.length;
+        let left = self.end.length - self.at.length;
         // The claimed length of the block is compared with what is left before memory is allocated.
         if left < 12 || length > left - 12 {
-            return Err(LogError::Damaged);
+            return Err(self.damaged());
         }
+        let (mut bytes, mut tail) = (std::mem::take(&mut self.bytes), [0; 4]);
         bytes.resize(length as usize, 0);
-        let mut tail = [0; 4];
-        file.read_exact(&mut bytes).and_then(|()| file.read_exact(&mut tail)).map_err(failed)?;
-        let sum = checksum(checksum(at.checksum, &head), &bytes);
+        self.exactly(&mut bytes)?;
+        self.exactly(&mut tail)?;
+        let sum = checksum(checksum(self.at.checksum, &head), &bytes);
         if u32::from_le_bytes(tail) != sum {
-            return Err(LogError::Damaged);
+            return Err(self.damaged());
         }
-        at = Position { length: at.length + length + 12, checksum: sum };
+        self.at = Position { length: self.at.length + length + 12, checksum: sum };
         let mut from = Reader::new(&bytes);
-        let rows = read_rows(&mut from)?;
-        if from.left() > 0 {
-            return Err(LogError::Damaged);
-        }
-        visit(rows).map_err(|error| LogError::Visitor(Box::new(error)))?;
+        let rows = read_rows(&mut from).ok().filter(|_| from.left() == 0).ok_or_else(|| self.damaged())?;
+        self.bytes = bytes;
+        Ok(rows)
     }
-    if at == end { Ok(()) } else { Err(LogError::Damaged) }
+
+    fn exactly(&mut self, bytes: &mut [u8]) -> Result<(), StoreError> {
+        self.file.read_exact(bytes).map_err(|source| match source.kind() {
+            io::ErrorKind::UnexpectedEof => self.damaged(),
+            _ => StoreError::NotOpened { path: self.path.clone(), source },
+        })
+    }
+
+    fn damaged(&self) -> StoreError {
+        StoreError::DamagedState { path: self.path.clone() }
+    }
+}
+
+/// Read each of these logs up to its end, and hand every block to `visit`, in the order of paths. The
+/// blocks of each log are in that order.
+pub(super) fn read(
+    logs: impl IntoIterator<Item = (PathBuf, Position)>,
+    mut visit: impl FnMut(OwnedRows) -> Result<(), StoreError>,
+) -> Result<(), StoreError> {
+    let open = |(path, end)| Reading::open(path, end);
+    let mut logs = logs.into_iter().map(open).collect::<Result<Vec<Reading>, _>>()?;
+    let first_path = |log: &&mut Reading| log.next.as_ref().map(|rows| rows.first_path);
+    while let Some(log) = logs.iter_mut().filter(|log| log.next.is_some()).min_by_key(first_path) {
+        if let Some(rows) = log.advance()? {
+            visit(rows)?;
+        }
+    }
+    Ok(())
 }
 
 /// The rows of one block, read back from a log.
@@ -321,9 +349,9 @@ mod tests {
         }
     }
 
-    fn read_all(path: &Path, end: Position) -> Result<Vec<OwnedRows>, LogError> {
+    fn read_all(path: &Path, end: Position) -> Result<Vec<OwnedRows>, StoreError> {
         let mut all = Vec::new();
-        read(path, end, |rows| {
+        read([(path.to_owned(), end)], |rows| {
             all.push(rows);
             Ok(())
         })?;
@@ -356,18 +384,21 @@ mod tests {
         }
         // Another checksum, or an end within a block, is reported as damage.
         let last = ends[20];
-        assert!(matches!(read_all(&path, Position { checksum: 1, ..last }), Err(LogError::Damaged)));
-        assert!(matches!(read_all(&path, Position { length: last.length - 1, ..last }), Err(LogError::Damaged)));
+        assert!(matches!(read_all(&path, Position { checksum: 1, ..last }), Err(StoreError::DamagedState { .. })));
+        assert!(matches!(
+            read_all(&path, Position { length: last.length - 1, ..last }),
+            Err(StoreError::DamagedState { .. })
+        ));
         // A length beyond that of the file is an error before memory is allocated.
-        assert!(matches!(read_all(&path, Position { length: 1 << 60, ..last }), Err(LogError::Damaged)));
+        assert!(matches!(read_all(&path, Position { length: 1 << 60, ..last }), Err(StoreError::DamagedState { .. })));
         // The log is cut at every byte, and one bit of every byte is flipped.
         for at in 0..whole.len() {
             std::fs::write(&path, &whole[..at]).expect("room");
-            assert!(matches!(read_all(&path, last), Err(LogError::Damaged)), "cut at {at}");
+            assert!(matches!(read_all(&path, last), Err(StoreError::DamagedState { .. })), "cut at {at}");
             let mut flipped = whole.clone();
             flipped[at] ^= 1 << (at % 8);
             std::fs::write(&path, &flipped).expect("room");
-            assert!(matches!(read_all(&path, last), Err(LogError::Damaged)), "flipped at {at}");
+            assert!(matches!(read_all(&path, last), Err(StoreError::DamagedState { .. })), "flipped at {at}");
         }
         // The log is continued after the seventh block, behind which a power failure has left other
         // bytes.

@@ -233,5 +233,5 @@ fn copy_rows(path: &Path, state: &State, writer: &mut Writer) -> Result<(), Stor
         position = position.after(&owned.rows(), &mut bytes);
         writer.append_rows(owned.rows())?;
     }
-    if position == state.log { Ok(()) } else { Err(damaged("its rows are not those that were written".into())) }
+    if state.logs == [position] { Ok(()) } else { Err(damaged("its rows are not those that were written".into())) }
 }

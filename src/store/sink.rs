@@ -1,9 +1,10 @@
 //! The sink that writes a run to a file.
 
 use super::lock::Lock;
-use super::log::{self, Log, LogError, Position};
+use super::log::{self, Log, Position};
+use super::outlet::{Outlet, read_receipt};
 use super::state::{self, Question, State};
-use super::workshop::{ROWS, STATE, Workshop, is_published, parent, partial_path};
+use super::workshop::{ROWS, STATE, Workshop, is_published, parent, partial_path, rows_name};
 use super::{StoreError, Writer, check_space};
 use crate::engine::{Asked, Moment, Outcome, Sink, SinkError, SoFar, Status};
 use crate::provenance::Provenance;
@@ -52,9 +53,9 @@ struct Open {
     question: Question,
     /// The log; `None` if nothing is recorded of single paths.
     log: Option<Log>,
-    /// How much of the log is on the disk.
-    position: Position,
-    appended: u64,
+    /// How much of each log is on the disk. The first one is ours, the others are those of processes
+    /// that simulate for us.
+    logs: Vec<Position>,
     last: Instant,
     interval: Duration,
 }
@@ -121,19 +122,11 @@ impl FileSink {
         state.check_program(&path)?;
         workshop.saved_paths = state.paths();
         let log = match is_logged(&state.question.scenario.record) {
-            true => Some(go_on_with_log(&workshop, state.log)?),
+            true => Some(go_on_with_logs(&workshop, &state.logs)?),
             false => None,
         };
-        let State { question, so_far, log: position, .. } = state;
-        let open = Open {
-            appended: workshop.saved_paths,
-            workshop,
-            question: question.clone(),
-            log,
-            position,
-            last: Instant::now(),
-            interval: INTERVAL,
-        };
+        let State { question, so_far, logs, .. } = state;
+        let open = Open { workshop, question: question.clone(), log, logs, last: Instant::now(), interval: INTERVAL };
         let sink = FileSink { open: Some(open), ..FileSink::new(target, force) };
         Ok(Some(Unfinished { question, so_far, sink }))
     }
@@ -155,15 +148,7 @@ impl FileSink {
         })?;
         let log = is_logged(&scenario.record).then(|| Log::create(&workshop.path(ROWS))).transpose();
         let log = log.map_err(|error| workshop.failed(&error))?;
-        Ok(Open {
-            workshop,
-            question,
-            log,
-            position: Position::default(),
-            appended: 0,
-            last: Instant::now(),
-            interval: INTERVAL,
-        })
+        Ok(Open { workshop, question, log, logs: vec![Position::default()], last: Instant::now(), interval: INTERVAL })
     }
 }
 
@@ -172,23 +157,17 @@ pub(super) fn is_logged(record: &Record) -> bool {
     *record != Record::NOTHING
 }
 
-/// Check the whole log up to `end`, and open it to continue it.
-fn go_on_with_log(workshop: &Workshop, end: Position) -> Result<Log, StoreError> {
-    let path = workshop.path(ROWS);
-    read_log(path.clone(), end, |_| Ok(()))?;
-    Log::go_on(&path, end).map_err(|error| workshop.failed(&error))
+/// Check all logs, and go on with our own, which is the first.
+fn go_on_with_logs(workshop: &Workshop, ends: &[Position]) -> Result<Log, StoreError> {
+    log::read(logs(workshop, ends), |_| Ok(()))?;
+    let own = ends.first().copied().unwrap_or_default();
+    Log::go_on(&workshop.path(ROWS), own).map_err(|error| workshop.failed(&error))
 }
 
-fn read_log(
-    path: PathBuf,
-    end: Position,
-    visit: impl FnMut(log::OwnedRows) -> Result<(), StoreError>,
-) -> Result<(), StoreError> {
-    log::read(&path, end, visit).map_err(|error| match error {
-        LogError::Damaged => StoreError::DamagedState { path },
-        LogError::Io(source) => StoreError::NotOpened { path, source },
-        LogError::Visitor(error) => *error,
-    })
+/// The logs that hold any rows, and their ends.
+fn logs(workshop: &Workshop, ends: &[Position]) -> Vec<(PathBuf, Position)> {
+    let all = (0..).zip(ends).filter(|(_, end)| end.length > 0);
+    all.map(|(number, end)| (workshop.path(&rows_name(number)), *end)).collect()
 }
 
 /// The error for a folder that holds a run already: the same run, another run, or something that
@@ -227,10 +206,10 @@ impl Open {
         let file = self.log.as_ref().map(|log| (ROWS, log.file()));
         self.workshop.check(file)?;
         if let Some(log) = &mut self.log {
-            self.position = log.sync().map_err(|error| self.workshop.failed(&error))?;
+            self.logs[0] = log.sync().map_err(|error| self.workshop.failed(&error))?;
         }
-        let state = state::to_bytes(&self.question, &moment.state(), moment.spent, self.position);
-        self.workshop.save(&state, self.appended)?;
+        let state = state::to_bytes(&self.question, &moment.state(), moment.spent, &self.logs);
+        self.workshop.save(&state, moment.paths)?;
         self.last = Instant::now();
         self.interval = INTERVAL.max(start.elapsed() * ONE_PART_IN);
         Ok(())
@@ -238,21 +217,27 @@ impl Open {
 
     /// Write the file of the run and give it its name.
     fn finish(self, outcome: &Outcome) -> Result<(), StoreError> {
-        let Open { workshop, question, log, position, .. } = self;
+        let Open { workshop, question, log, logs: ends, .. } = self;
         drop(log);
-        let Question { scenario, asked, .. } = question;
-        let header = Provenance { paths: asked.paths, ..Provenance::of(&scenario) };
-        let (rows, state) = (workshop.path(ROWS), workshop.path(STATE));
+        let Question { scenario, asked, .. } = &question;
+        let header = Provenance { paths: asked.paths, ..Provenance::of(scenario) };
+        let (rows, state) = (logs(&workshop, &ends), workshop.path(STATE));
         let mut writer = Writer::within(workshop, &header, &scenario.record)?;
-        if let Some(part) = asked.part {
-            let read = std::fs::read(&state);
-            writer.part(part, &read.map_err(|source| StoreError::NotOpened { path: state, source })?)?;
-        }
         if let Some(reason) = &outcome.ended_by {
             writer.ended_by(&reason.to_string())?;
         }
-        if position.length > 0 {
-            read_log(rows, position, |block| writer.append_rows(block.rows()))?;
+        let (mut in_one_log, mut bytes) = (Position::default(), Vec::new());
+        log::read(rows, |block| {
+            if asked.part.is_some() {
+                bytes.clear();
+                in_one_log = in_one_log.after(&block.rows(), &mut bytes);
+            }
+            writer.append_rows(block.rows())
+        })?;
+        if let Some(part) = asked.part {
+            // Whoever merges parts compares their rows with a checksum, in the order of the file.
+            let SoFar { totals, spent } = state::read(&state)?.so_far;
+            writer.part(part, &state::to_bytes(&question, &totals.to_bytes(), spent, &[in_one_log]))?;
         }
         writer.finish(&outcome.summary, outcome.status)
     }
@@ -272,7 +257,23 @@ impl Sink for FileSink {
         if let Some(log) = &mut open.log {
             log.append(&block.into()).map_err(|error| open.workshop.failed(&error))?;
         }
-        open.appended += block.paths;
+        Ok(())
+    }
+
+    fn outlet(&mut self) -> Option<Vec<u8>> {
+        let open = self.open.as_ref().filter(|open| open.log.is_some())?;
+        // Where it cannot be made, rows are handed over as usual.
+        Outlet::open(&open.workshop.path(""), open.logs.len()).ok()?.to_bytes()
+    }
+
+    fn left_in_outlet(&mut self, receipt: &[u8]) -> Result<(), SinkError> {
+        let Some(open) = &mut self.open else { return Ok(()) };
+        let (number, end) = read_receipt(receipt)?;
+        let number = usize::try_from(number)?;
+        if open.logs.len() <= number {
+            open.logs.resize(number + 1, Position::default());
+        }
+        open.logs[number] = end;
         Ok(())
     }
 
@@ -280,7 +281,7 @@ impl Sink for FileSink {
         let Some(open) = &mut self.open else { return Ok(()) };
         // A run of which no path is done leaves nothing behind, and what is saved is not saved
         // again.
-        let is_new = open.appended > open.workshop.saved_paths;
+        let is_new = moment.paths > open.workshop.saved_paths;
         let is_due = is_new && (moment.is_last || open.last.elapsed() >= open.interval);
         if is_due { Ok(open.save(moment)?) } else { Ok(()) }
     }

@@ -22,7 +22,7 @@ use std::time::Duration;
 /// The first bytes of a state.
 const MAGIC: &[u8; 8] = b"sticksav";
 /// Version of the contents.
-const VERSION: u64 = 2;
+const VERSION: u64 = 3;
 /// Size limit in bytes; a larger file is reported as damaged without being read. The largest state,
 /// with 100 000 rows of the output grid, is smaller.
 const LARGEST: u64 = 1 << 31;
@@ -47,7 +47,7 @@ impl Question {
     /// The question as bytes, to be sent to another process.
     pub fn to_bytes(&self) -> Vec<u8> {
         let totals = RunTotals::empty(&self.scenario.model, &self.scenario.timeline());
-        to_bytes(self, &totals.to_bytes(), Duration::ZERO, Position::default())
+        to_bytes(self, &totals.to_bytes(), Duration::ZERO, &[Position::default()])
     }
 
     /// Read a question from bytes. `origin` is named in error messages. Bytes that are damaged or
@@ -93,7 +93,9 @@ pub(super) struct State {
     pub program: Program,
     pub question: Question,
     pub so_far: SoFar,
-    pub log: Position,
+    /// How much of each log counts: of the process that keeps the run, then of those that simulate
+    /// for it.
+    pub logs: Vec<Position>,
 }
 
 impl State {
@@ -126,7 +128,7 @@ fn other_program(path: &Path, theirs: &Program, mine: &Program) -> StoreError {
 }
 
 /// The state of a run as bytes. `totals` are the bytes of its sums.
-pub(super) fn to_bytes(question: &Question, totals: &[u8], spent: Duration, log: Position) -> Vec<u8> {
+pub(super) fn to_bytes(question: &Question, totals: &[u8], spent: Duration, logs: &[Position]) -> Vec<u8> {
     let Question { scenario, asked, note } = question;
     let program = Program::of(&Provenance::of(scenario));
     let mut out = MAGIC.to_vec();
@@ -155,8 +157,7 @@ pub(super) fn to_bytes(question: &Question, totals: &[u8], spent: Duration, log:
     u64::from(asked.with_bias).write(&mut out);
     write_text(note, &mut out);
     nanoseconds(spent).write(&mut out);
-    log.length.write(&mut out);
-    u64::from(log.checksum).write(&mut out);
+    write_positions(logs, &mut out);
     (totals.len() as u64).write(&mut out);
     out.extend(totals);
     let sum = checksum(0, &out);
@@ -226,7 +227,7 @@ fn parse(from: &mut Reader<'_>) -> Result<State, ParseError> {
     let asked = Asked { paths, part, goals, max_time, with_bias };
     let note = read_text(from)?;
     let spent = Duration::from_nanos(count(from)?);
-    let log = Position { length: count(from)?, checksum: count(from)?.try_into().map_err(|_| Damaged)? };
+    let logs = read_positions(from)?;
     let length = from.length()?;
     let empty = RunTotals::empty(&scenario.model, &scenario.timeline());
     // If the sums cannot be read and the state names another program, that difference is reported
@@ -236,13 +237,29 @@ fn parse(from: &mut Reader<'_>) -> Result<State, ParseError> {
         true => ParseError::Damaged,
         false => ParseError::OtherProgram(Box::new([program.clone(), mine])),
     })?;
-    let is_sound = from.left() == 0 && is_of(&totals, &asked);
+    let is_sound = from.left() == 0 && !logs.is_empty() && is_of(&totals, &asked);
     let question = Question { scenario, asked, note };
     if is_sound {
-        Ok(State { program, question, so_far: SoFar { totals, spent }, log })
+        Ok(State { program, question, so_far: SoFar { totals, spent }, logs })
     } else {
         Err(ParseError::Damaged)
     }
+}
+
+/// Write how much of each log counts.
+pub(super) fn write_positions(logs: &[Position], out: &mut Vec<u8>) {
+    (logs.len() as u64).write(out);
+    for Position { length, checksum } in logs {
+        length.write(out);
+        u64::from(*checksum).write(out);
+    }
+}
+
+/// Read it back.
+pub(super) fn read_positions(from: &mut Reader<'_>) -> Result<Vec<Position>, Damaged> {
+    let logs = from.length()?;
+    let position = |_| Ok(Position { length: count(from)?, checksum: count(from)?.try_into().map_err(|_| Damaged)? });
+    (0..logs).map(position).collect()
 }
 
 /// Write the samples of a measured temperature: their number, all times, all values.
@@ -332,8 +349,8 @@ mod tests {
         let plan = question.scenario.plan();
         let mut totals = RunTotals::empty(plan.model(), plan.timeline());
         blocks.for_each(|block| totals.push(block, plan.block(block).totals).expect("once"));
-        let log = Position { length: 1 << 40, checksum: 0xdead_beef };
-        to_bytes(&question, &totals.to_bytes(), Duration::new(3, 5), log)
+        let logs = [Position { length: 1 << 40, checksum: 0xdead_beef }, Position::default()];
+        to_bytes(&question, &totals.to_bytes(), Duration::new(3, 5), &logs)
     }
 
     fn read(bytes: &[u8]) -> Result<State, StoreError> {
@@ -348,7 +365,7 @@ mod tests {
             assert_eq!(state.question, question());
             assert_eq!(state.paths(), (blocks.end - blocks.start) * BLOCK_SIZE);
             let SoFar { totals, spent } = &state.so_far;
-            assert_eq!(to_bytes(&state.question, &totals.to_bytes(), *spent, state.log), bytes);
+            assert_eq!(to_bytes(&state.question, &totals.to_bytes(), *spent, &state.logs), bytes);
             state.check_program(Path::new("state")).expect("this program");
         }
     }

@@ -4,6 +4,8 @@
 //! ```text
 //! NAME.partial/state        how far a run has come
 //! NAME.partial/rows         rows of its single paths
+//! NAME.partial/rows.1 ...   rows of paths that other processes have simulated for it
+//! NAME.partial/ranks        tells those processes that this is the folder
 //! NAME.partial/results.h5   the file itself, while it is written
 //! ```
 //!
@@ -23,6 +25,8 @@ use std::path::{Path, PathBuf};
 pub(super) const STATE: &str = "state";
 /// The rows of its single paths.
 pub(super) const ROWS: &str = "rows";
+/// Tells the other processes of a run that this is the folder.
+pub(super) const TOKEN: &str = "ranks";
 /// The file that is being made.
 pub(super) const RESULTS: &str = "results.h5";
 /// A new state, before it replaces the old one.
@@ -32,7 +36,12 @@ const LINK: &str = "results.link";
 
 /// The files of the folder in the order of their removal. If the process is interrupted in between,
 /// the files that remain still show what the folder was.
-const NAMES: [&str; 5] = [ROWS, NEW_STATE, LINK, STATE, RESULTS];
+const NAMES: [&str; 6] = [ROWS, TOKEN, NEW_STATE, LINK, STATE, RESULTS];
+
+/// The name of the log with this number: `rows`, `rows.1`, `rows.2` and so on.
+pub(super) fn rows_name(log: u64) -> String {
+    if log == 0 { ROWS.to_string() } else { format!("{ROWS}.{log}") }
+}
 
 /// The name of the folder in which a file is made: `NAME.partial`.
 pub fn partial_path(target: &Path) -> PathBuf {
@@ -229,7 +238,10 @@ pub(super) fn is_published(target: &Path) -> bool {
 /// Remove the files of this program, and then the folder. The folder stays, with an error, if it
 /// holds anything else.
 fn clear(folder: &Path) -> io::Result<()> {
-    for name in NAMES {
+    let is_log = |name: &str| name.strip_prefix("rows.").is_some_and(|number| number.parse::<u64>().is_ok());
+    let all = fs::read_dir(folder)?.filter_map(|entry| entry.ok()?.file_name().into_string().ok());
+    let logs: Vec<String> = all.filter(|name| is_log(name)).collect();
+    for name in logs.iter().map(String::as_str).chain(NAMES) {
         match fs::remove_file(folder.join(name)) {
             Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
             _ => {}
