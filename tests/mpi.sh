@@ -51,24 +51,72 @@ ranks 3 run "$scene" --paths 20000 --part 2/3 -o part.h5 || fail "$(cat messages
 ./mc verify part.h5 --blocks all 2>/dev/null | grep -q 'every statistic' || fail 'a part of a run'
 echo 'same: a part of a run'
 
-# There is one line of progress and one table for any number of ranks.
-timeout 60 mpirun -n 3 ./mc run "$scene" --paths 20000 --threads 1 -o shown.h5 >table 2>messages
+# There is one table and one progress for any number of ranks: three ranks print what one prints, but
+# for times.
+shown() { # RANKS
+    rm -f shown.h5
+    timeout 60 mpirun -n "$1" ./mc run "$scene" --paths 200000 --no-bias --threads 1 -o shown.h5 >table 2>messages || fail "$(cat messages)"
+    # How many lines about finished paths are printed depends on time, so they are not counted.
+    { grep -c '^stick_duration_mean' table; grep -cv 'paths' messages || true; } | xargs
+}
+[ "$(shown 1)" = "$(shown 3)" ] || fail "three ranks print something else than one: $(cat table messages)"
+sort messages | uniq -d | grep . && fail 'a line of progress is printed twice'
 [ "$(grep -c '^stick_duration_mean' table)" -eq 1 ] || fail "the table is not there once: $(cat table)"
-[ "$(grep -c 'paths.*left' messages)" -le 1 ] || fail "several lines of progress: $(cat messages)"
+echo 'one table and one progress, however many ranks there are'
 if timeout 60 mpirun -n 2 ./mc show shown.h5 >/dev/null 2>messages; then fail 'mc show with several ranks'; fi
 grep -q 'leave out mpirun' messages || fail "no reason: $(cat messages)"
 
-# Waiting ranks sleep: three ranks without work take almost no CPU time beside the one that works.
+# Waiting ranks sleep, and messages take little: the CPU time of ranks without work, and that of 4
+# ranks beside 4 threads. The bounds are wide, because the machine may be busy.
 cpu() { # COMMAND...: CPU seconds of it and its children
     local TIMEFORMAT='%U %S'
     { time "$@" 2>/dev/null; } 2>used
     awk '{ print $1 + $2 }' used
 }
+start=$(cpu ranks 4 run "$scene" --paths 256 --no-bias --set record.paths=false -o start.h5)
 long=(run "$scene" --paths 256 --step 0.00001 --no-bias --set time.output_step=5)
 alone=$(cpu ./mc "${long[@]}" --threads 1 --quiet -o alone.h5)
 together=$(cpu ranks 4 "${long[@]}" -o together.h5)
-echo "CPU time of one block: $alone s alone, $together s on 4 ranks, of which 3 wait"
+echo "CPU time of one block: $alone s alone, $together s on 4 ranks, of which 3 wait; $start s are the start of MPI"
 awk "BEGIN { exit !($together < 1.25 * $alone + 1.5) }" || fail 'waiting takes CPU time'
+many=(run "$scene" --paths 600000 --no-bias --force)
+threads=$(cpu ./mc "${many[@]}" --threads 4 --quiet -o threads.h5)
+ranks=$(cpu ranks 4 "${many[@]}" -o ranks.h5)
+same threads.h5 ranks.h5 '600000 paths on 4 ranks'
+echo "CPU time of 600000 paths: $threads s on 4 threads, $ranks s on 4 ranks"
+awk "BEGIN { exit !($ranks - $start < 1.25 * $threads) }" || fail 'messages take CPU time'
+rm -f ./*.h5
+
+# Each rank writes its rows to a log if the ranks share a disk. If a log cannot be written, all end
+# with a message, and nothing that was saved is lost.
+mpirun -n 3 ./mc run "$scene" --paths 600000 --no-bias --threads 1 --quiet -o logs.h5 2>messages &
+launcher=$!
+until [ -e logs.h5.partial/state ]; do sleep 0.05; done
+[ -s logs.h5.partial/rows ] && [ -s logs.h5.partial/rows.1 ] && [ -s logs.h5.partial/rows.2 ] || fail "no logs: $(ls logs.h5.partial)"
+kill -TERM "$launcher"; wait "$launcher" || true
+ranks 3 run "$scene" --paths 600000 --no-bias -o logs.h5 && fail 'an unfinished run is overwritten'
+mkdir -p logs.h5.partial/rows.3
+if ranks 2 resume logs.h5; then fail 'a log that cannot be written'; fi
+grep -q 'rank 1 could not write its rows' messages || fail "no reason: $(cat messages)"
+rmdir logs.h5.partial/rows.3
+ranks 2 resume logs.h5 || fail "$(cat messages)"
+[ ! -e logs.h5.partial ] || fail 'something is left of a finished run'
+./mc run "$scene" --paths 600000 --no-bias --quiet -o whole.h5 2>/dev/null
+same whole.h5 logs.h5 'logs of 3 ranks, then of 2'
+rm -f ./*.h5
+
+# A rank that panics ends all with its message. A worker of another version of the program panics,
+# because it must not simulate.
+hash=$(./mc --version | sed 's/.*(\([0-9a-f]*\).*/\1/')
+sed "s/$hash/$(printf '0%.0s' $(seq ${#hash}))/g" mc >other
+chmod +x other
+code=0
+args=(run "$scene" --paths 600000 --no-bias --threads 1 --quiet -o panic.h5)
+timeout 60 mpirun -n 1 ./mc "${args[@]}" : -n 1 ./other "${args[@]}" 2>messages || code=$?
+[ "$code" -ne 0 ] && [ "$code" -ne 124 ] || fail "a rank that panics: exit code $code"
+grep -q 'cannot do what rank 0 asks' messages || fail "no message of the rank that panics: $(cat messages)"
+[ ! -e panic.h5 ] || fail 'a file of a run that has failed'
+echo "ended: a worker panics, exit code $code"
 
 # Lost ranks and signals: all ranks end, and what was finished is continued.
 paths=(--paths 600000 --no-bias)

@@ -23,16 +23,17 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     for has_rows in [true, false] {
         scenario.record.paths = has_rows;
         let costs = Costs::of(&scenario)?;
-        costs.print(has_rows);
+        costs.print();
         println!(
-            "\n| ranks | time | efficiency | rank 0 is busy | a lease | messages | to rank 0 |\n|---|---|---|---|---|---|---|"
+            "\n| ranks | paths | file | efficiency | rank 0 is busy | a lease | to rank 0 |\n|---|---|---|---|---|---|---|"
         );
-        for ranks in [1, 4, 16, 64, 125, 250, 1000] {
-            let Outcome { seconds, busy, lease, messages, bytes } = simulate(PATHS, &Machine { ranks, costs: &costs });
-            let alone = PATHS as f64 / 256.0 * costs.block;
+        let blocks = PATHS as f64 / 256.0;
+        let file = costs.rows.map_or(0.0, |rows| rows.filed * blocks);
+        for ranks in [1, 4, 16, 64, 250, 1000, 4000] {
+            let Outcome { seconds, busy, lease, bytes } = simulate(PATHS, &Machine { ranks, costs: &costs });
             println!(
-                "| {ranks} | {seconds:.0} s | {:.0} % | {:.0} % | {lease:.2} s | {messages} | {:.2} GB/s |",
-                100.0 * alone / seconds / ranks as f64,
+                "| {ranks} | {seconds:.0} s | {file:.0} s | {:.0} % | {:.0} % | {lease:.2} s | {:.3} GB/s |",
+                100.0 * blocks * costs.block / (seconds + file) / ranks as f64,
                 100.0 * busy / seconds,
                 bytes / seconds / 1e9
             );

@@ -1,32 +1,55 @@
-//! Measures what a block, its rows and its sums cost on this machine.
+//! Measures what a block, its rows, its sums and its counts cost on this machine.
 
-use std::io::Write as _;
 use std::time::Instant;
+use stick_slip::engine::Status;
 use stick_slip::ensemble::Plan;
+use stick_slip::provenance::Provenance;
 use stick_slip::scenario::Scenario;
-use stick_slip::stats::{Reader, RunTotals, Totals};
-use stick_slip::store;
+use stick_slip::stats::{BlockResult, Codec as _, Counts, Reader, RunTotals};
+use stick_slip::store::{self, Writer};
 
-/// The lengths in blocks of the leases that are measured: a short lease, and one whose sketches are
-/// full.
-const LEASES: [u64; 2] = [8, 128];
+/// The number of blocks of the lease that is measured; its sketches are full.
+const LEASE: u64 = 128;
+
+type Done<T> = Result<T, Box<dyn std::error::Error>>;
+
+/// What a message costs.
+#[derive(Clone, Copy)]
+pub struct Message {
+    /// Its length in bytes.
+    pub bytes: f64,
+    /// Seconds that the sender needs to write it.
+    pub written: f64,
+    /// Seconds that rank 0 needs to read it and to add it to what it has.
+    pub joined: f64,
+}
+
+/// What the rows of a block cost.
+#[derive(Clone, Copy)]
+pub struct Rows {
+    /// Their length in the log, in bytes.
+    pub bytes: f64,
+    /// Seconds that a rank needs to write them to its log.
+    pub logged: f64,
+    /// Seconds that rank 0 needs for them in the end, when it writes the file.
+    pub filed: f64,
+}
 
 /// Costs in seconds and bytes.
 pub struct Costs {
     /// Seconds to simulate and sum a block.
     pub block: f64,
-    /// Bytes of the rows of a block, and seconds that rank 0 needs for them.
-    pub rows: [f64; 2],
-    /// Bytes of the sums of a lease, seconds to write them, and seconds that rank 0 needs to read
-    /// and to join them, for a short lease and for a long one.
-    pub sums: [[f64; 3]; 2],
+    /// The rows of a block, where they are kept.
+    pub rows: Option<Rows>,
+    /// The sums of a lease.
+    pub sums: Message,
+    /// The counts of a rank.
+    pub counts: Message,
 }
 
 /// Seconds that some work takes: the least of several measurements, because other programs may be
 /// running.
-fn fastest(
-    mut work: impl FnMut() -> Result<(), Box<dyn std::error::Error>>,
-) -> Result<f64, Box<dyn std::error::Error>> {
+fn fastest<T>(mut work: impl FnMut() -> Done<T>) -> Done<f64> {
     let mut least = f64::INFINITY;
     for _ in 0..7 {
         let start = Instant::now();
@@ -37,71 +60,80 @@ fn fastest(
 }
 
 impl Costs {
-    pub fn of(scenario: &Scenario) -> Result<Costs, Box<dyn std::error::Error>> {
-        let plan = Plan { paths: 1 << 20, ..scenario.plan() };
+    pub fn of(scenario: &Scenario) -> Done<Costs> {
+        let plan = Plan { paths: 256 * LEASE, ..scenario.plan() };
         let empty = RunTotals::empty(plan.model(), plan.timeline());
-        let (mut block, mut rows, mut sums) = (f64::INFINITY, [0.0; 2], [[0.0; 3]; 2]);
-        let mut first = 0;
-        for (lease, sums) in LEASES.into_iter().zip(&mut sums) {
-            let (mut totals, mut bytes) = (empty.clone(), Vec::new());
-            for index in first..first + lease {
-                let start = Instant::now();
-                let result = plan.block(index);
-                store::write_block(&result, &mut bytes);
-                totals.push(index, result.totals)?;
-                block = start.elapsed().as_secs_f64().min(block);
-            }
-            // The rows are read and written to a log.
-            let none = Totals::empty(plan.model(), &plan.timeline().without_rows());
-            let taken = fastest(|| {
-                let (mut from, mut log, mut file) = (Reader::new(&bytes), Vec::new(), tempfile::tempfile()?);
-                for _ in 0..lease {
-                    store::write_block(&store::read_block(&mut from, &none)?, &mut log);
-                }
-                file.write_all(&log)?;
-                Ok(())
-            })?;
-            rows = [bytes.len() as f64, taken].map(|all| all / lease as f64);
-            // The sums are written, read, and joined to those of as many blocks.
-            let mut before = empty.clone();
-            (0..first).try_for_each(|index| before.push(index, plan.block(index).totals))?;
-            first += lease;
-            let sent = totals.to_bytes();
-            let written = fastest(|| {
-                totals.to_bytes();
-                Ok(())
-            })?;
-            let joined = fastest(|| {
-                before.clone().merge(empty.clone().read(&sent)?)?;
-                Ok(())
-            })?;
-            *sums = [sent.len() as f64, written, joined];
+        let none = Counts::empty(plan.model(), plan.timeline());
+        let (mut sums, mut counts) = (empty.clone(), none.clone());
+        let (mut block, mut blocks) = (f64::INFINITY, Vec::new());
+        for index in 0..LEASE {
+            let start = Instant::now();
+            let result = plan.block(index);
+            sums.push_sums(index, result.totals.clone(), (), &mut counts)?;
+            block = start.elapsed().as_secs_f64().min(block);
+            blocks.push(result);
         }
-        Ok(Costs { block, rows, sums })
+        let rows = if scenario.record.paths { Some(rows(scenario, &plan, &blocks)?) } else { None };
+        // The sums are written, read, and joined to those of no block, which takes as long.
+        let sent = sums.to_bytes();
+        let sums = Message {
+            bytes: sent.len() as f64,
+            written: fastest(|| Ok(sums.to_bytes()))?,
+            joined: fastest(|| Ok(empty.clone().merge(empty.clone().read(&sent)?)?))?,
+        };
+        let bytes_of = |counts: &Counts| {
+            let mut bytes = Vec::new();
+            counts.write(&mut bytes);
+            bytes
+        };
+        let sent = bytes_of(&counts);
+        let counts = Message {
+            bytes: sent.len() as f64,
+            written: fastest(|| Ok(bytes_of(&counts)))?,
+            joined: fastest(|| {
+                let mut read = none.clone();
+                read.read(&mut Reader::new(&sent))?;
+                let mut all = counts.clone();
+                all.merge(&read);
+                Ok(all)
+            })?,
+        };
+        Ok(Costs { block, rows, sums, counts })
     }
 
-    /// Bytes of a message with a lease of so many blocks, and seconds that rank 0 needs for it.
-    /// Sketches grow until they are full.
-    pub fn message(&self, blocks: f64) -> [f64; 2] {
-        let [small, large] = self.sums;
-        let share = ((blocks.ln() - (LEASES[0] as f64).ln()) / ((LEASES[1] / LEASES[0]) as f64).ln()).clamp(0.0, 1.0);
-        let of = |k: usize| small[k] + share * (large[k] - small[k]);
-        [self.rows[0] * blocks + of(0), self.rows[1] * blocks + of(2)]
+    pub fn print(&self) {
+        let Costs { block, rows, sums, counts } = self;
+        let ms = |seconds: f64| 1e3 * seconds;
+        println!("{} rows of single paths", if rows.is_some() { "With" } else { "Without" });
+        println!("- a block of 256 paths: {:.2} ms to simulate", ms(*block));
+        if let Some(Rows { bytes, logged, filed }) = rows {
+            let (kb, per_path) = (bytes / 1e3, bytes / 256.0);
+            println!("- its rows: {kb:.1} kB, {per_path:.0} B a path; {:.3} ms for the log of the rank", ms(*logged));
+            println!("- its rows in the file: {:.3} ms, at the end", ms(*filed));
+        }
+        for (what, Message { bytes, written, joined }) in [("sums of a lease", sums), ("counts of a rank", counts)] {
+            let [kb, written, joined] = [bytes / 1e3, ms(*written), ms(*joined)];
+            println!("- the {what}: {kb:.0} kB, {written:.2} ms to write; rank 0 takes {joined:.2} ms for them");
+        }
     }
+}
 
-    pub fn print(&self, has_rows: bool) {
-        println!("{} rows of single paths", if has_rows { "With" } else { "Without" });
-        let Costs { block, rows: [bytes, seconds], sums } = self;
-        println!("- a block of 256 paths: {:.2} ms to simulate", 1e3 * block);
-        if has_rows {
-            let (per_path, ms) = (bytes / 256.0, 1e3 * seconds);
-            println!("- its rows: {:.1} kB, {per_path:.0} B a path; rank 0 takes {ms:.3} ms for them", bytes / 1e3);
-        }
-        for (lease, [bytes, written, joined]) in LEASES.iter().zip(sums) {
-            let [mb, written, joined] = [bytes / 1e6, 1e3 * written, 1e3 * joined];
-            println!(
-                "- the sums of {lease} blocks: {mb:.2} MB, {written:.2} ms to write; rank 0 takes {joined:.2} ms for them"
-            );
-        }
-    }
+fn rows(scenario: &Scenario, plan: &Plan, blocks: &[BlockResult]) -> Done<Rows> {
+    let folder = tempfile::tempdir()?;
+    let mut log = Vec::new();
+    let logged = fastest(|| {
+        log.clear();
+        blocks.iter().for_each(|block| store::write_block(block, &mut log));
+        Ok(std::fs::write(folder.path().join("rows"), &log)?)
+    })?;
+    let (mut scenario, summary) = (scenario.clone(), plan.run(1));
+    scenario.ensemble.paths = plan.paths;
+    let filed = fastest(|| {
+        let target = folder.path().join("file.h5");
+        let mut writer = Writer::create(&target, &Provenance::of(&scenario), &scenario.record, true)?;
+        blocks.iter().try_for_each(|block| writer.append(block))?;
+        Ok(writer.finish(&summary, Status::Complete)?)
+    })?;
+    let per_block = |seconds: f64| seconds / blocks.len() as f64;
+    Ok(Rows { bytes: per_block(log.len() as f64), logged: per_block(logged), filed: per_block(filed) })
 }

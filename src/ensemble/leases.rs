@@ -10,10 +10,6 @@ use std::ops::Range;
 /// How long a lease is to take, in seconds.
 const USUAL: f64 = 1.0;
 
-/// And how many times as long as taking it back: each begins its sketches anew, which costs a
-/// worker about as much again, or twice.
-const EFFORT: f64 = 100.0;
-
 /// The longest that it may take: what is on loan is lost in a crash.
 const LONGEST: f64 = 60.0;
 
@@ -113,7 +109,7 @@ impl<P> Leases<P> {
     fn wanted(&self, worker: usize) -> u64 {
         let Worker { threads, rate, .. } = self.workers[worker];
         let Some(rate) = rate else { return threads };
-        let time = (self.handling * EFFORT.max(PATIENCE * self.workers.len() as f64)).clamp(USUAL, LONGEST);
+        let time = (self.handling * PATIENCE * self.workers.len() as f64).clamp(USUAL, LONGEST);
         let all: f64 = self.workers.iter().filter_map(|worker| worker.rate).sum();
         let left = ((self.end - self.next) as f64 * LAST * rate / all.max(rate)).max(rate * SHORTEST);
         ((rate * time).min(left).min(PARCEL / self.rows.max(1.0)) as u64).max(threads)

@@ -16,12 +16,10 @@
 //!
 //! - for small r (all |root| r <= 1), by its Taylor series, which starts at the leading term r^2/2;
 //! - otherwise as a difference quotient over the two roots farthest apart. The first-order
-//!   differences inside use sinh(q)/q where their own roots are close.
-//!
-//! For a harmonic, z = i w, the distance of the two roots farthest apart is of the order of the
-//! largest root, because i w, l1, l2 with w >= 0 and gamma >= 0 cannot all be close together away
-//! from 0. For z = -theta they can: with theta = gamma = w0 the quotient is 0/0, which is not a
-//! number.
+//!   differences inside use sinh(q)/q where their own roots are close;
+//! - where all three roots are close together and away from 0, by the Taylor series of the same
+//!   difference about the centre of l1 and l2, because the quotient would be 0/0. For a harmonic, z =
+//!   i w, this cannot be, as w >= 0 and gamma >= 0. For z = -theta it can: theta = gamma = w0.
 
 use super::complex::Complex;
 
@@ -79,6 +77,17 @@ impl ImpulseResponse {
             return self.taylor(z, r, 2) * (r * r);
         }
         let (a, b, c) = farthest_apart(z, l1, l2);
+        if (a - c).abs() * r <= TAYLOR_RADIUS {
+            // exp[z, l1, l2] = e^{-gamma r} exp[z + gamma, l1 + gamma, l2 + gamma].
+            let gamma = Complex::new(self.damping_rate, 0.0);
+            let half_gap = (l1 - l2) * 0.5;
+            let centred = ImpulseResponse {
+                damping_rate: 0.0,
+                stiffness_ratio: -(half_gap * half_gap).re,
+                roots: [half_gap, Complex::ZERO - half_gap],
+            };
+            return centred.taylor(z + gamma, r, 2) * (r * r * libm::exp(-self.damping_rate * r));
+        }
         (first_difference(a, b, r) - first_difference(b, c, r)) / (a - c)
     }
 
@@ -236,6 +245,26 @@ mod tests {
             let exact = Complex::new(r.sin() - w * sin, w * cos - w * r.cos()) * (1.0 / (1.0 - w * w));
             let scale = w.recip().min(1.0);
             assert!((got - exact).abs() <= 16.0 * f64::EPSILON * scale, "{w}: {got:?} {exact:?}");
+        }
+    }
+
+    /// At theta = gamma = w0 the three roots are one, and the response is r^2 e^{-r}/2. Close to it,
+    /// the closed form for theta apart from a double root holds, to the digits that it has left.
+    #[test]
+    fn three_equal_roots_have_the_limit_of_close_ones() {
+        let critical = ImpulseResponse::new(1.0, 1.0);
+        for r in [0.5, 1.5, 7.0, 40.0] {
+            let exact = r * r / 2.0 * libm::exp(-r);
+            let [there, near] = [0.0, 1e-9].map(|gap| critical.exponential(Complex::new(-1.0 - gap, 0.0), r).re);
+            assert!((there - exact).abs() <= 1e-15 * exact.max(there), "{r}: {there} {exact}");
+            assert!((near - exact).abs() <= 1e-8 * (1.0 + r) * exact, "{r}: {near} {exact}");
+            // exp[-1-d, -1, -1] = e^{-r} (e^{-d r} - 1 + d r)/d^2
+            for gap in [-0.02, 0.01, 0.3] {
+                let z = Complex::new(-1.0 - gap, 0.0);
+                let expected = libm::exp(-r) * (libm::expm1(-gap * r) + gap * r) / (gap * gap);
+                let response = critical.exponential(z, r).re;
+                assert!((response - expected).abs() <= 1e-11 * expected, "{r} {gap}: {response} {expected}");
+            }
         }
     }
 }
