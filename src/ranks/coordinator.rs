@@ -138,7 +138,7 @@ impl Crew for Coordinator {
                         desk.hand_on(&mut leases)?;
                         leases.took(start.elapsed().as_secs_f64());
                     }
-                    Some(Answer::Counted(counted)) => desk.settle(counted)?,
+                    Some(Answer::Counted(counted)) => desk.settle(counted.map(|counted| *counted))?,
                     Some(Answer::Failed(reason)) => {
                         return Err(RunError::Sink { error: reason.into(), outcome: None });
                     }
@@ -175,7 +175,7 @@ enum Answer {
     /// Its number, and a lease that it has done.
     Parcel(usize, Parcel),
     /// What it has done of the blocks that it was asked about, if anything.
-    Counted(Option<Counted>),
+    Counted(Option<Box<Counted>>),
     /// Why it cannot go on.
     Failed(String),
 }
@@ -193,7 +193,7 @@ impl Answer {
             Kind::Counts => {
                 let empty = Counts::empty(plan.model(), plan.timeline());
                 let counted = Counted::of_bytes(&bytes, empty).unwrap_or_else(|damaged| refuse(damaged));
-                Some(Answer::Counted(Some(counted)))
+                Some(Answer::Counted(Some(Box::new(counted))))
             }
             Kind::Failed => Some(Answer::Failed(String::from_utf8_lossy(&bytes).into_owned())),
             _ => None,
