@@ -1,5 +1,6 @@
 //! A lease, simulated, and the parcel that goes back with it.
 
+use super::message::{read_bytes, write_bytes};
 use super::snapshots::{Counted, Snapshots};
 use crate::ensemble::{Delivered, Plan, Stops};
 use crate::stats::{BlockResult, Codec as _, Counts, Damaged, Reader, RunTotals, Totals};
@@ -197,18 +198,6 @@ impl Parcel {
 fn number(from: &mut Reader<'_>) -> Result<u64, Damaged> {
     let mut number = 0;
     number.read(from).map(|()| number)
-}
-
-/// Write a list of bytes.
-pub(super) fn write_bytes(bytes: &[u8], out: &mut Vec<u8>) {
-    (bytes.len() as u64).write(out);
-    out.extend(bytes);
-}
-
-/// Read it back.
-pub(super) fn read_bytes<'a>(from: &mut Reader<'a>) -> Result<&'a [u8], Damaged> {
-    let length = from.length()?;
-    from.take(length)
 }
 
 #[cfg(test)]

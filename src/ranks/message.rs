@@ -1,5 +1,6 @@
 //! Messages between ranks: a kind and bytes, sent and awaited without keeping a processor busy.
 
+use crate::stats::{Codec as _, Damaged, Reader};
 use mpi::point_to_point::{Message, Status};
 use mpi::request::{Request, Scope};
 use mpi::topology::SimpleCommunicator;
@@ -88,6 +89,18 @@ pub(super) fn send(to: usize, kind: Kind, bytes: &[u8]) {
     for piece in (0..pieces).map(|k| &bytes[k * PIECE..bytes.len().min((k + 1) * PIECE)]) {
         mpi::request::scope(|scope| finish(process.immediate_send_with_tag(scope, piece, kind as i32)));
     }
+}
+
+/// Write a list of bytes.
+pub(super) fn write_bytes(bytes: &[u8], out: &mut Vec<u8>) {
+    (bytes.len() as u64).write(out);
+    out.extend(bytes);
+}
+
+/// Read it back.
+pub(super) fn read_bytes<'a>(from: &mut Reader<'a>) -> Result<&'a [u8], Damaged> {
+    let length = from.length()?;
+    from.take(length)
 }
 
 /// The number of this rank.

@@ -6,7 +6,7 @@
 //! then asked for the counts of its blocks before a certain one, while it is already beyond that
 //! block, and has the copy that it made there.
 
-use super::lease::{read_bytes, write_bytes};
+use super::message::{read_bytes, write_bytes};
 use crate::stats::{Codec as _, Counts, Damaged, Reader};
 use std::collections::VecDeque;
 use std::sync::{Mutex, MutexGuard, PoisonError};
