@@ -15,6 +15,9 @@ use stick_slip::study::trade::{Choice, Limits, Standing, Trade, TradeError};
 /// The keys of a scenario whose values are chosen.
 pub const CHOSEN: [&str; 5] = ["ensemble.antithetic", "ensemble.paths", "scheme.kind", "scheme.tolerance", "time.step"];
 
+/// A run for all statistics that takes more seconds than this is announced with a way to shorten it.
+const NOTABLE: f64 = 20.0;
+
 /// The accuracy that is asked for, and whether only errors are printed.
 pub struct Chooser<'a> {
     pub accuracy: Accuracy<'a>,
@@ -63,6 +66,9 @@ impl Chooser<'_> {
             why += ", extrapolated from coarser steps: this step itself was not measured";
         }
         self.say(&why);
+        if choice.paths > 1 {
+            self.say("the error is a root mean square: a 95 % interval is about twice as wide to each side");
+        }
         for &statistic in asked.iter() {
             if let Standing::Deviation(deviation) = trade.standing(statistic) {
                 let unit = statistic.dimension().label(&scenario.units);
@@ -74,6 +80,14 @@ impl Chooser<'_> {
                     significant(target * deviation, 2),
                 ));
             }
+        }
+        let seconds = choice.seconds / self.accuracy.threads as f64;
+        if named.is_empty() && seconds > NOTABLE {
+            self.say(&format!(
+                "{decisive} alone decides, about {} here: name what matters with --statistic, and the run may be much \
+                 shorter; Ctrl-C saves it, and --max-time bounds it",
+                time(seconds)
+            ));
         }
         if named.is_empty() {
             for standing in [Standing::Zero, Standing::NoLimit, Standing::Absent] {

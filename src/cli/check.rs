@@ -120,10 +120,15 @@ fn derived(scenario: &Scenario) -> Vec<(&'static str, String)> {
     } = scenario.derived();
     let mut lines = vec![("w0 = sqrt(K/m), natural frequency", number(natural_frequency))];
     lines.extend(frequency_ratios.iter().map(|ratio| ("w/w0, forcing", number(*ratio))));
+    let body = scenario.model.oscillator;
+    let amplitudes = scenario.model.temperature.harmonics.iter().map(|harmonic| harmonic.amplitude.abs());
+    let forcing = body.stiffness * body.dilatation.abs() * amplitudes.sum::<f64>();
+    lines.push(("alpha/(m w0), damping ratio", number(body.damping / (body.mass * natural_frequency))));
+    lines.push(("K beta sum |a|, force of the harmonics", number(forcing)));
     lines.push(("f_d/f_s, friction ratio", optional(friction_ratio, "none: f_s = 0")));
     lines.push(("K beta rho sigma/sqrt(2 theta), noise in b", optional(noise_force, "no noise")));
     if noise_force.is_some() {
-        lines.push(("f_s/(K beta rho), corridor, in sd of v", optional(corridor_half_width, "unbounded")));
+        lines.push(("f_s/(K beta rho), corridor, half width in v", optional(corridor_half_width, "unbounded")));
         lines.push(("(f_s/(K beta rho sigma))^2, time to cross it", optional(corridor_time, "unbounded")));
     }
     lines.extend(stability.map(|stability| match stability {

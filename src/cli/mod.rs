@@ -60,7 +60,7 @@ Start here:
   mc plot mine.h5                           all of it in pictures, in mine.svg
 
 More:
-  mc run mine.toml --accuracy 1%            choose scheme, step and paths for an error of 1 %
+  mc run mine.toml --accuracy 1% --statistic stick_duration_mean   choose scheme, step and paths for that error
   mc run mine.toml --set friction.static=1.3 -o stronger.h5
   mc resume mine.h5                         continue a run that was interrupted
   mc merge part-*.h5 -o mine.h5             join the parts that mc run --part made

@@ -156,7 +156,24 @@ impl Plot {
         self.until.as_ref().map(|time| Override::flag("--until", "time.end", time))
     }
 
+    /// Refuses an option that would change nothing in the one figure that is asked for.
+    fn check_only(&self) -> Result<(), Failure> {
+        let Some(figure) = self.only else { return Ok(()) };
+        let options = [
+            ("--until", self.until.is_some(), &["path", "overview"][..]),
+            ("--log", self.log, &["sticks", "sub-phases", "sweep"]),
+        ];
+        match options.into_iter().find(|(_, is_given, figures)| *is_given && !figures.contains(&figure.name)) {
+            None => Ok(()),
+            Some((option, _, figures)) => Err(Failure::usage(
+                format!("{option} changes nothing in the figure `{}`", figure.name),
+                format!("leave it out; it is for {}", figures.join(", ")),
+            )),
+        }
+    }
+
     fn draw(&self, subject: &Subject, heading: &str, line: &str) -> Result<Scene, Failure> {
+        self.check_only()?;
         let style = Style { theme: self.theme, width: self.width, log: self.log };
         match (self.only, subject) {
             (Some(figure), _) => figure.draw(subject, &style).map_err(|absent| self.refused(figure, &absent)),

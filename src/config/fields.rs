@@ -58,8 +58,8 @@ impl<'a> Fields<'a> {
                         "write `harmonics = [{ amplitude = 1.0, angular_frequency = 0.25 }]` under [temperature]";
                     (format!("; did you mean `{name}`?"), example.to_string())
                 }
-                Some(name) => (format!("; did you mean `{name}`?"), format!("write `{name}`, or remove the line")),
-                None => (String::new(), "remove the line".to_string()),
+                Some(name) => (format!("; did you mean `{name}`?"), format!("write `{name}`, or remove it")),
+                None => (String::new(), "remove it".to_string()),
             };
             let problem = format!("unknown key `{}`{hint}", entry.key);
             let remedy = format!("{remedy}; {table} takes {}", known.join(", "));

@@ -5,12 +5,14 @@ use crate::cli::numbers::{Digits, counted, duration, grouped, significant};
 use std::fmt::Write as _;
 use stick_slip::engine::Status;
 use stick_slip::scheme::Timeline;
-use stick_slip::stats::{Dimension, Statistic, Summary, Transient};
+use stick_slip::stats::{Dimension, Statistic, SubPhaseCounts, Summary, Transient};
 
 /// Everything below the table, as labels and lines.
 pub fn remarks(summary: &Summary, info: &RunInfo) -> Vec<(&'static str, String)> {
     let mut remarks = vec![("sticks", sticks(summary))];
     remarks.extend(multiples(summary).map(|line| ("", line)));
+    remarks.push(("slips", slips(summary)));
+    remarks.extend(long_slips(summary).map(|line| ("", line)));
     remarks.extend(start(summary, info).map(|line| ("start", line)));
     remarks.extend(few_periods(summary).map(|line| ("drift", line)));
     remarks.extend(unsettled(summary).map(|line| ("drift", line)));
@@ -40,6 +42,25 @@ fn multiples(summary: &Summary) -> Option<String> {
     let sticks = &summary.stick_durations;
     let step = sticks.step.filter(|_| sticks.completed > 0)?;
     Some(format!("their durations are multiples of the step, {step:?}, and so is their median"))
+}
+
+fn slips(summary: &Summary) -> String {
+    let SubPhaseCounts { counts, censored, .. } = &summary.sub_phases;
+    format!("{} ended, {} still running at the end (censored)", grouped(counts.iter().sum()), grouped(*censored))
+}
+
+/// Censored slips are not mentioned below this share of all slips.
+const SMALL_SHARE: f64 = 0.02;
+
+/// Says that many slips are still running at the end, which are long ones more often than short
+/// ones: the statistics are of slips that ended, and are biased by this.
+fn long_slips(summary: &Summary) -> Option<String> {
+    let SubPhaseCounts { counts, censored, .. } = &summary.sub_phases;
+    let completed: u64 = counts.iter().sum();
+    let share = *censored as f64 / (completed + censored) as f64;
+    (share > SMALL_SHARE).then(|| {
+        "sub_phases_* and jump_* are of those that ended, and so miss long ones most; compare with a later `time.end`".into()
+    })
 }
 
 /// Says what is left out of the statistics because it happened before the time from which on they
@@ -79,7 +100,7 @@ pub fn unsettled(summary: &Summary) -> Option<String> {
     let names: Vec<&str> = summary.unsettled()?.into_iter().map(Statistic::name).collect();
     (!names.is_empty()).then(|| {
         format!(
-            "x at equal phases has not settled: {} {} not zero (level 1 %), as in the long run; \
+            "x at equal phases has not settled: {}, zero in the long run, {} not zero here (level 1 %); \
              a larger `statistics.after` leaves out more of the start",
             names.join(" and "),
             if names.len() == 1 { "is" } else { "are" },
@@ -91,8 +112,8 @@ pub fn unsettled(summary: &Summary) -> Option<String> {
 fn bias(summary: &Summary, info: &RunInfo) -> Option<String> {
     if summary.has_bias() {
         return Some(
-            "of the step: estimate minus the value at zero step, +- at 95 %; `corrected` has it taken off \
-             where it exceeds +-"
+            "of the step: estimate minus the value at zero step, +- at 95 %; `corrected` takes it off where \
+             it exceeds +-, in part where it is close to +-"
                 .into(),
         );
     }
@@ -199,6 +220,21 @@ mod tests {
     }
 
     #[test]
+    fn many_slips_that_have_not_ended_are_mentioned() {
+        let mut summary = summary();
+        let line = "sub_phases_* and jump_* are of those that ended";
+        summary.sub_phases.counts = vec![900, 80];
+        for (censored, is_mentioned) in [(19, false), (21, true)] {
+            summary.sub_phases.censored = censored;
+            let reported = table(&summary, &info());
+            assert!(reported.contains(&format!("slips   980 ended, {censored} still running at the end (censored)")));
+            assert_eq!(reported.contains(line), is_mentioned, "{reported}");
+        }
+        summary.sub_phases = SubPhaseCounts { counts: vec![0; 2], censored: 0, ..summary.sub_phases };
+        assert!(!table(&summary, &info()).contains(line));
+    }
+
+    #[test]
     fn what_a_burn_in_leaves_out_is_told() {
         let mut summary = summary();
         assert!(!table(&summary, &info()).contains("left out"));
@@ -224,7 +260,7 @@ mod tests {
         summary.periods.time = vec![25.1, 50.3, 75.4, 100.5];
         assert!(!reported(&summary).contains("whole forcing period"));
         // Both estimates are 1 +- 0.01.
-        let line = "drift   x at equal phases has not settled: drift_velocity and diffusion_coefficient are not zero (level 1 %)";
+        let line = "drift   x at equal phases has not settled: drift_velocity and diffusion_coefficient, zero in the long run, are not zero here";
         assert!(reported(&summary).contains(line), "{}", reported(&summary));
         let put = |summary: &mut Summary, statistic: Statistic, estimate: f64| {
             summary.estimates[statistic.index()].estimate = estimate;
@@ -232,7 +268,11 @@ mod tests {
         // The 99.75 % quantile of the normal distribution is 2.807.
         put(&mut summary, Statistic::DriftVelocity, -0.0281);
         put(&mut summary, Statistic::DiffusionCoefficient, 0.028);
-        assert!(reported(&summary).contains("has not settled: drift_velocity is not zero"), "{}", reported(&summary));
+        assert!(
+            reported(&summary).contains("has not settled: drift_velocity, zero in the long run, is not zero"),
+            "{}",
+            reported(&summary)
+        );
         put(&mut summary, Statistic::DriftVelocity, 0.028);
         assert!(!reported(&summary).contains("settled"), "{}", reported(&summary));
         // The end of the burn-in leaves two periods of four.
