@@ -1,4 +1,5 @@
-//! Rank 0: lends, takes back, and hands what comes to the run in order.
+//! The part of rank 0: it gives leases to the ranks, takes them back, and delivers their blocks to
+//! the run in order.
 
 use super::lease::{self, Errand, Manner, Parcel, Simulator, Stretch};
 use super::message::{Kind, Nap, Received, abort, receive, receive_from, send};
@@ -13,17 +14,17 @@ use std::sync::mpsc::{Sender, channel};
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// How long ranks that were told to give up may take to say so: much longer than they do. One that
-/// is lost never does.
+/// How long to wait for the ranks after they were told to give up their blocks, or that the program
+/// is over. They normally need much less; a rank that is lost never answers.
 const PATIENCE: Duration = Duration::from_secs(3);
 
 /// Several ranks, of which this process is the first.
 #[derive(Debug)]
 pub struct Coordinator {
     ranks: usize,
-    /// Ranks on this machine.
+    /// Number of ranks on this machine, this one included.
     here: usize,
-    /// Whether a rank did not answer.
+    /// Whether a rank has not answered in time.
     has_lost: AtomicBool,
 }
 
@@ -32,25 +33,26 @@ impl Coordinator {
         Coordinator { ranks, here, has_lost: AtomicBool::new(false) }
     }
 
-    /// One rank is what a process is without MPI.
+    /// The coordinator of a single rank, which has no others to send to.
     pub(super) fn alone() -> Self {
         Coordinator::new(1, 1)
     }
 
-    /// How many ranks there are, this one included.
+    /// Number of ranks, this one included.
     pub fn ranks(&self) -> usize {
         self.ranks
     }
 
-    /// Threads for each rank, where nobody says: those that this one may use, shared with the
-    /// others on this machine unless each has processors of its own.
+    /// Number of threads for each rank if the user does not set it. `usable` is the number of
+    /// processors that this rank may use. If these are all processors of the machine, the ranks on
+    /// this machine share them; otherwise the launcher has given each rank processors of its own.
     pub fn threads(&self, usable: usize) -> usize {
         let is_bound = processors().is_some_and(|all| usable < all);
         if is_bound { usable } else { (usable / self.here).max(1) }
     }
 
-    /// Tell all ranks that the program is over, and wait until they have heard it. Where one is
-    /// lost, all are ended at once.
+    /// Tell all ranks that the program is over, and wait until they have answered. If a rank is
+    /// lost or does not answer, all ranks are aborted.
     pub fn end(&self) {
         if self.has_lost.load(Ordering::Relaxed) {
             abort();
@@ -60,7 +62,7 @@ impl Coordinator {
         while left > 0 {
             match receive() {
                 Some(Received { kind: Kind::End, .. }) => left -= 1,
-                // A parcel that nobody waits for any more.
+                // This message is no longer needed.
                 Some(_) => nap = Nap::default(),
                 None if start.elapsed() > PATIENCE => abort(),
                 None => thread::sleep(nap.next()),
@@ -69,7 +71,7 @@ impl Coordinator {
     }
 }
 
-/// Processors of this machine, if it says.
+/// Number of processors of this machine, if the system states it.
 fn processors() -> Option<usize> {
     let text = std::fs::read_to_string("/sys/devices/system/cpu/online").ok()?;
     let count = |range: &str| -> Option<usize> {
@@ -91,12 +93,13 @@ impl Crew for Coordinator {
         let (own_leases, to_do) = channel();
         let (done, parcels) = channel();
         thread::scope(|scope| {
-            // Gone with this closure, so that the thread below ends.
+            // The sender is moved here, so that it is dropped when this closure ends, and the
+            // thread below then ends too.
             let own_leases = own_leases;
             scope.spawn(move || {
                 let mut simulator = Simulator::new(plan, manner, *stops, snapshots);
                 for lease in to_do {
-                    // Nobody listens any more where the run has failed.
+                    // An error means that the run has failed, and the parcel is then not needed.
                     let _ = done.send(simulator.simulate(lease));
                 }
             });
@@ -123,7 +126,7 @@ impl Crew for Coordinator {
                 let is_waiting = leases.on_loan() > 0 || !desk.settling.is_empty();
                 let own = parcels.recv_timeout(if is_waiting { nap.next() } else { Duration::ZERO }).ok();
                 let come = match own {
-                    // Rank 0 keeps no log of its own here, so that nothing can fail.
+                    // Rank 0 simulates without a log here, so its parcels are never errors.
                     Some(parcel) => parcel.ok().map(|parcel| Answer::Parcel(0, parcel)),
                     None => Answer::receive(plan, &leases),
                 };
@@ -170,18 +173,18 @@ impl Crew for Coordinator {
     }
 }
 
-/// What a rank has sent.
+/// A message of a rank.
 enum Answer {
-    /// Its number, and a lease that it has done.
+    /// The number of the rank, and the parcel of a lease that it has simulated.
     Parcel(usize, Parcel),
-    /// What it has done of the blocks that it was asked about, if anything.
+    /// What the rank has done of the blocks that it was asked about, if it has done any.
     Counted(Option<Box<Counted>>),
-    /// Why it cannot go on.
+    /// The rank cannot go on, for this reason.
     Failed(String),
 }
 
 impl Answer {
-    /// The next one, if one has come.
+    /// The next message, if one has come. A message that cannot be read ends all ranks by a panic.
     fn receive(plan: &Plan, leases: &Leases<Parcel>) -> Option<Answer> {
         let Received { kind, from, bytes } = receive_from(leases.only().filter(|&rank| rank > 0))?;
         let refuse = |damaged: Damaged| -> ! { panic!("what rank {from} has sent: {damaged}") };
@@ -201,26 +204,28 @@ impl Answer {
     }
 }
 
-/// What lies between the leases, the ranks and the run.
+/// What rank 0 keeps track of while the ranks simulate: the leases, the blocks that wait, and what
+/// was delivered.
 struct Desk<'a, 'd> {
     plan: &'a Plan,
     ranks: usize,
     has_goals: bool,
     own_leases: Sender<std::ops::Range<u64>>,
-    /// What the ranks were told last: to stop, or to halt.
+    /// The last order to the ranks: to stop, or to halt.
     last_order: Option<Kind>,
     settling: Settling<'a>,
     deliver: &'a mut Deliver<'d>,
-    /// Blocks that were delivered.
+    /// Number of blocks that were delivered.
     delivered: u64,
-    /// Whether the run wants no more.
+    /// Whether the run needs no more blocks.
     has_enough: bool,
-    /// Whether no block is handed on any more: the run has enough, or a lease was cut.
+    /// Whether no later block is delivered, because the run needs no more or because a lease was
+    /// not finished.
     is_cut: bool,
 }
 
 impl Desk<'_, '_> {
-    /// Pass on what this process is told.
+    /// Pass the flags of this process on to the other ranks, when they have changed.
     fn tell(&mut self, stop: bool, halt: bool) {
         let now = if halt { Some(Kind::Halt) } else { stop.then_some(Kind::Stop) };
         if now.is_some() && now != self.last_order {
@@ -229,12 +234,12 @@ impl Desk<'_, '_> {
         }
     }
 
-    /// Lend to whoever has too little to do.
+    /// Give leases to every rank that has too few.
     fn lend(&self, leases: &mut Leases<Parcel>) {
         for rank in 0..self.ranks {
             while let Some(lease) = leases.lend(rank) {
                 match rank {
-                    // The thread is there as long as this.
+                    // Sending cannot fail, because the thread runs as long as `own_leases` exists.
                     0 => drop(self.own_leases.send(lease)),
                     _ => send(rank, Kind::Lease, &lease::to_bytes(&lease)),
                 }
@@ -242,8 +247,8 @@ impl Desk<'_, '_> {
         }
     }
 
-    /// Hand on what is in turn: to the run where it has goals, and otherwise to where blocks wait
-    /// for their counts.
+    /// Pass on the parcels whose turn it is. With goals their blocks are delivered to the run, and
+    /// otherwise they wait for their counts.
     fn hand_on(&mut self, leases: &mut Leases<Parcel>) -> Result<(), RunError> {
         while !self.is_cut {
             let Some(parcel) = leases.in_turn() else { break };
@@ -254,7 +259,7 @@ impl Desk<'_, '_> {
                     false => self.settling.add(stretch, parcel.rows)?,
                 }
             }
-            // A lease that was cut is the last one.
+            // If a lease was not finished, no later block may be delivered.
             if parcel.done < parcel.lease.end - parcel.lease.start {
                 self.is_cut = true;
             }
@@ -262,7 +267,7 @@ impl Desk<'_, '_> {
         Ok(())
     }
 
-    /// Deliver a stretch of one block with its own counts.
+    /// Deliver a stretch of one block, which has its own counts.
     fn deliver_blocks(&mut self, stretch: Stretch) -> Result<(), RunError> {
         let Stretch { blocks, results, totals } = stretch;
         for (index, result) in blocks.zip(results) {
@@ -272,7 +277,8 @@ impl Desk<'_, '_> {
         Ok(())
     }
 
-    /// Take the counts of a rank, and deliver the blocks that they were the last missing piece of.
+    /// Take the counts of a rank. If they are the last that were missing, deliver the blocks that
+    /// waited for them.
     fn settle(&mut self, counted: Option<Counted>) -> Result<(), RunError> {
         match self.settling.take(counted) {
             Some(portion) => self.deliver(portion),
@@ -280,7 +286,7 @@ impl Desk<'_, '_> {
         }
     }
 
-    /// Deliver a portion, unless the run has enough.
+    /// Deliver blocks, unless the run needs no more.
     fn deliver(&mut self, portion: Portion) -> Result<(), RunError> {
         if self.has_enough {
             return Ok(());

@@ -1,4 +1,4 @@
-//! A lease, simulated, and the parcel that goes back with it.
+//! Simulates a lease, and packs the result into a parcel, which is sent to rank 0.
 
 use super::message::{read_bytes, write_bytes};
 use super::snapshots::{Counted, Snapshots};
@@ -9,42 +9,44 @@ use std::ops::{ControlFlow, Range};
 use std::path::Path;
 use std::time::Instant;
 
-/// What becomes of a lease: whose it is, how much of it is done, and what that came to.
+/// The result of a lease: which lease it is, how many of its blocks are done, and their rows and
+/// sums.
 #[derive(Debug)]
 pub(super) struct Parcel {
     /// The lease.
     pub lease: Range<u64>,
-    /// Its first so many blocks are done.
+    /// Number of blocks that are done. They are the first ones of the lease.
     pub done: u64,
-    /// Seconds that they took.
+    /// Wall-clock seconds that these blocks took.
     pub seconds: f64,
-    /// Bytes of rows among them.
+    /// Number of bytes of rows in `stretches`.
     pub rows: usize,
-    /// Rows and sums of neighbouring blocks.
+    /// Rows and sums of neighbouring blocks, as bytes.
     stretches: Vec<u8>,
 }
 
 /// How leases are simulated.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Manner {
-    /// Threads of each rank.
+    /// Number of threads of each rank.
     pub threads: usize,
-    /// Whether the run has goals. It may then end after any block, so that every block comes with
-    /// its own sums and counts; otherwise the sums of a lease come together, and counts when they
-    /// are asked for.
+    /// Whether the run has goals. A run with goals may end after any block, so every block is sent
+    /// with its own sums and counts. Without goals, the sums of a lease are merged, and counts are
+    /// sent only when rank 0 asks for them.
     pub has_goals: bool,
 }
 
-/// What a worker is told before its first lease.
+/// What a worker receives before its first lease.
 pub(super) struct Errand {
     pub question: Question,
     pub manner: Manner,
-    /// Where it may write the rows of its paths; empty where they are to come with its leases.
+    /// The outlet, where the worker may write the rows of its paths. It is empty if the rows are to
+    /// be sent with the leases.
     pub outlet: Vec<u8>,
 }
 
 impl Errand {
-    /// As bytes.
+    /// The bytes of the message.
     pub fn to_bytes(&self) -> Vec<u8> {
         let mut bytes = Vec::new();
         (self.manner.threads as u64).write(&mut bytes);
@@ -54,7 +56,8 @@ impl Errand {
         bytes
     }
 
-    /// From bytes. The question of another program is an error.
+    /// Read the bytes of the message. It is an error if another version of the program has written
+    /// the question.
     pub fn of_bytes(bytes: &[u8]) -> Result<Self, StoreError> {
         let damaged = |_| StoreError::DamagedState { path: "the message of rank 0".into() };
         let mut from = Reader::new(bytes);
@@ -66,7 +69,7 @@ impl Errand {
     }
 }
 
-/// A lease as bytes.
+/// The bytes of a lease.
 pub(super) fn to_bytes(lease: &Range<u64>) -> Vec<u8> {
     let mut bytes = Vec::new();
     lease.start.write(&mut bytes);
@@ -74,34 +77,34 @@ pub(super) fn to_bytes(lease: &Range<u64>) -> Vec<u8> {
     bytes
 }
 
-/// A lease from bytes; an empty one where they are none, which comes back empty.
+/// Read a lease. If the bytes cannot be read, the lease is empty, and so is its parcel.
 pub(super) fn of_bytes(bytes: &[u8]) -> Range<u64> {
     let mut from = Reader::new(bytes);
     number(&mut from).and_then(|start| Ok(start..number(&mut from)?)).unwrap_or(0..0)
 }
 
-/// Simulates the leases of a rank, one after the other.
+/// Simulates the leases of one rank, one after the other.
 pub(super) struct Simulator<'a> {
     pub plan: &'a Plan,
     pub manner: Manner,
     pub stops: Stops<'a>,
-    /// The counts of all leases so far.
+    /// The counts of all leases that the rank has simulated.
     pub counts: Counts,
-    /// Where copies of them are kept for rank 0 to ask for.
+    /// Keeps copies of the counts until rank 0 asks for them.
     pub snapshots: &'a Snapshots,
-    /// Where rows go; without it they come with the leases.
+    /// The log for the rows. If there is none, the rows are sent with the leases.
     pub log: Option<RankLog>,
 }
 
 impl<'a> Simulator<'a> {
-    /// Of a rank that has done nothing yet.
+    /// The simulator of a rank that has not simulated any lease yet. It has no log.
     pub fn new(plan: &'a Plan, manner: Manner, stops: Stops<'a>, snapshots: &'a Snapshots) -> Self {
         let counts = Counts::empty(plan.model(), plan.timeline());
         Simulator { plan, manner, stops, counts, snapshots, log: None }
     }
 
-    /// Simulate a lease, or its first blocks where a stop is raised. It is an error that rows cannot
-    /// be written to the log.
+    /// Simulate a lease, or only its first blocks if one of the flags in `stops` is set. It is an
+    /// error if rows cannot be written to the log.
     pub fn simulate(&mut self, lease: Range<u64>) -> Result<Parcel, StoreError> {
         let Simulator { plan, manner, stops, counts, snapshots, log } = self;
         let start = Instant::now();
@@ -126,7 +129,7 @@ impl<'a> Simulator<'a> {
                 true => totals.push(index, result.totals),
                 false => totals.push_sums(index, result.totals, (), counts),
             };
-            // Every block of a lease comes once.
+            // Every block of a lease is delivered once, so nothing overlaps.
             debug_assert!(pushed.is_ok());
             if manner.has_goals {
                 close(&mut totals, index..index + 1, &mut rows);
@@ -144,17 +147,18 @@ impl<'a> Simulator<'a> {
     }
 }
 
-/// Neighbouring blocks that have come back.
+/// Neighbouring blocks that a rank has simulated.
 pub(super) struct Stretch {
     pub blocks: Range<u64>,
-    /// What is kept of their paths, block by block, unless that is in a log; their totals are empty.
+    /// What is recorded of the single paths, block by block, unless it is in a log. The totals of
+    /// these blocks are empty.
     pub results: Vec<BlockResult>,
-    /// What they sum to; without counts unless the run has goals.
+    /// The sums of the blocks. Their counts are included only if the run has goals.
     pub totals: RunTotals,
 }
 
 impl Parcel {
-    /// As bytes.
+    /// The bytes of the message.
     pub fn to_bytes(&self) -> Vec<u8> {
         let Parcel { lease, done, seconds, rows, stretches } = self;
         let mut bytes = Vec::with_capacity(stretches.len() + 64);
@@ -164,7 +168,7 @@ impl Parcel {
         bytes
     }
 
-    /// From bytes.
+    /// Read the bytes of the message.
     pub fn of_bytes(bytes: &[u8]) -> Result<Self, Damaged> {
         let mut from = Reader::new(bytes);
         let (lease, done) = (number(&mut from)?..number(&mut from)?, number(&mut from)?);
@@ -174,10 +178,10 @@ impl Parcel {
         Ok(Parcel { lease, done, seconds, rows, stretches: read_bytes(&mut from)?.to_vec() })
     }
 
-    /// What is in it.
+    /// The rows and sums in the parcel, as stretches of neighbouring blocks.
     pub fn stretches(&self, plan: &Plan) -> Result<Vec<Stretch>, Damaged> {
         let empty = RunTotals::empty(plan.model(), plan.timeline());
-        // The smallest there are: nobody looks at them.
+        // These totals are not used, so they are as small as possible.
         let none = Totals::empty(plan.model(), &plan.timeline().without_rows());
         let mut from = Reader::new(&self.stretches);
         let mut stretches = Vec::new();
@@ -206,9 +210,10 @@ mod tests {
     use crate::scenario::Scenario;
     use std::sync::atomic::AtomicBool;
 
-    /// Sums and rows of leases that went through bytes are those of the run, whether blocks come
-    /// alone or together. Counts are then those of all blocks before any lease's end, however the
-    /// leases are shared out, and although both ranks are beyond that end when they are asked.
+    /// Sums and rows that were written to bytes and read again are those of the run, whether blocks
+    /// are sent one by one or together. The counts that are asked for before the end of a lease are
+    /// then those of all blocks before this end, however the leases are distributed, and although
+    /// both ranks have already simulated blocks beyond it.
     #[test]
     fn what_comes_back_has_the_bits_of_the_run() {
         let mut scenario = Scenario::shipped("rho025").expect("shipped");

@@ -1,4 +1,5 @@
-//! Messages between ranks: a kind and bytes, sent and awaited without keeping a processor busy.
+//! Messages between ranks, each of a kind and bytes. Sending and waiting do not keep a processor
+//! busy.
 
 use crate::stats::{Codec as _, Damaged, Reader};
 use mpi::point_to_point::{Message, Status};
@@ -7,7 +8,7 @@ use mpi::topology::SimpleCommunicator;
 use mpi::traits::*;
 use std::time::Duration;
 
-/// What a message is; the tag of MPI.
+/// The kind of a message, which is its tag in MPI.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Kind {
     Run,
@@ -24,7 +25,7 @@ pub(super) enum Kind {
 const KINDS: [Kind; 9] =
     [Kind::Run, Kind::Lease, Kind::Stop, Kind::Halt, Kind::End, Kind::Parcel, Kind::Count, Kind::Counts, Kind::Failed];
 
-/// A message that has come.
+/// A message that was received.
 pub(super) struct Received {
     pub kind: Kind,
     /// The rank that sent it.
@@ -32,14 +33,15 @@ pub(super) struct Received {
     pub bytes: Vec<u8>,
 }
 
-/// Lengths are C integers, so that long messages go in pieces: all but the last have this length.
+/// The length of a piece in bytes. MPI counts bytes with a C integer, so a long message is sent in
+/// pieces, all of this length but the last.
 const PIECE: usize = 1 << 28;
 
-/// How long to sleep between two looks at a transfer. Both sides have to look again and again until
-/// a long message is through, because MPI moves its parts only while somebody looks.
+/// How long to sleep between two looks at a transfer. Both sides must look repeatedly until a long
+/// message is transferred, because MPI moves its parts only during a call.
 const TRANSFER: Duration = Duration::from_micros(500);
 
-/// The next message, if one has come; of this rank, where only that one is to be heard.
+/// The next message, if one has arrived. With `only`, messages of other ranks are left waiting.
 pub(super) fn receive_from(only: Option<usize>) -> Option<Received> {
     let world = SimpleCommunicator::world();
     let (message, status) = match only {
@@ -57,12 +59,12 @@ pub(super) fn receive_from(only: Option<usize>) -> Option<Received> {
     Some(Received { kind, from: from as usize, bytes })
 }
 
-/// The next message, if one has come.
+/// The next message of any rank, if one has arrived.
 pub(super) fn receive() -> Option<Received> {
     receive_from(None)
 }
 
-/// Append the bytes of a message; returns how many there are.
+/// Append the bytes of a message, and return how many there are.
 fn append(message: Message, status: &Status, bytes: &mut Vec<u8>) -> usize {
     let length = status.count(u8::equivalent_datatype()).max(0) as usize;
     let start = bytes.len();
@@ -71,8 +73,8 @@ fn append(message: Message, status: &Status, bytes: &mut Vec<u8>) -> usize {
     length
 }
 
-/// Wait for a transfer. A blocking call of MPI would look for its end without a pause, and keep a
-/// processor busy for as long as the other side sleeps.
+/// Wait until a transfer is complete. A blocking call of MPI would check without a pause, and so
+/// keep a processor busy while the other side sleeps.
 fn finish<'a, S: Scope<'a>>(mut request: Request<'a, [u8], S>) {
     while let Err(pending) = request.test() {
         request = pending;
@@ -80,24 +82,25 @@ fn finish<'a, S: Scope<'a>>(mut request: Request<'a, [u8], S>) {
     }
 }
 
-/// Send a message, asleep until it is taken.
+/// Send a message, and sleep until it is received.
 pub(super) fn send(to: usize, kind: Kind, bytes: &[u8]) {
     let world = SimpleCommunicator::world();
     let process = world.process_at_rank(to as i32);
-    // A message of whole pieces ends with an empty one.
+    // If the last piece were full, the receiver would wait for another one, so an empty piece
+    // follows.
     let pieces = bytes.len() / PIECE + 1;
     for piece in (0..pieces).map(|k| &bytes[k * PIECE..bytes.len().min((k + 1) * PIECE)]) {
         mpi::request::scope(|scope| finish(process.immediate_send_with_tag(scope, piece, kind as i32)));
     }
 }
 
-/// Write a list of bytes.
+/// Write the length of a list of bytes, and then the bytes.
 pub(super) fn write_bytes(bytes: &[u8], out: &mut Vec<u8>) {
     (bytes.len() as u64).write(out);
     out.extend(bytes);
 }
 
-/// Read it back.
+/// Read a list of bytes that `write_bytes` wrote.
 pub(super) fn read_bytes<'a>(from: &mut Reader<'a>) -> Result<&'a [u8], Damaged> {
     let length = from.length()?;
     from.take(length)
@@ -108,20 +111,20 @@ pub(super) fn rank() -> usize {
     SimpleCommunicator::world().rank() as usize
 }
 
-/// End all ranks at once.
+/// End all ranks immediately.
 pub(super) fn abort() -> ! {
     SimpleCommunicator::world().abort(1)
 }
 
-/// How long to sleep until the next look: not at all, then longer and longer, until something
-/// happens.
+/// The time to sleep before the next look for messages. It is zero at first and grows with every
+/// look; a new `Nap` is begun when a message has come.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Nap(u32);
 
 impl Nap {
     const LONGEST: Duration = Duration::from_millis(20);
 
-    /// The next one.
+    /// The time to sleep now.
     pub fn next(&mut self) -> Duration {
         let nap = Duration::from_millis(1) * self.0.div_ceil(4);
         self.0 += 1;

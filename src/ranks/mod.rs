@@ -1,26 +1,29 @@
-//! One run in several processes, on one machine or many, by MPI. The only home of MPI (feature
-//! `mpi`).
+//! One run in several processes, on one machine or on many, by MPI. Only this module uses MPI
+//! (feature `mpi`).
 //!
-//! Rank 0 is the coordinator: it alone reads arguments and files, and prints. It lends runs of
-//! blocks to all ranks, its own threads among them ([`crate::ensemble::Leases`]), and takes back
-//! rows and nodes of the tree of sums, in order. The other ranks are workers, which know nothing
-//! but what they are sent.
+//! Rank 0 is the coordinator: only it reads arguments and files, and prints. It gives leases to all
+//! ranks, among them its own threads ([`crate::ensemble::Leases`]). A lease is a sequence of
+//! neighbouring blocks that one rank simulates. What comes back with a lease are rows and nodes of
+//! the tree of sums, which rank 0 puts in order. The other ranks are workers; they know only what
+//! messages tell them.
 //!
 //! ```text
-//! coordinator -> worker   Run     scenario, seed and what else is asked, as a saved run has it
-//!                         Lease   the first block and the last
-//!                         Stop    begin no more blocks            Halt    give up those in work
+//! coordinator -> worker   Run     scenario, seed and what else is asked, as a saved run keeps it
+//!                         Lease   the first block, and the block after the last one
+//!                         Stop    begin no more blocks
+//!                         Halt    give up the blocks that are being simulated
 //!                         Count   send the counts of your blocks before this one
 //!                         End     the program is over
-//! worker -> coordinator   Parcel  a lease: sums of its blocks, and rows of its paths unless they are
-//!                                 in a log of the rank's own
-//!                         Counts  what Count asks for, and how much of the log they go with
+//! worker -> coordinator   Parcel  a lease: the sums of its blocks, and rows of its paths unless
+//!                                 they are in a log of the rank
+//!                         Counts  the answer to Count, with a receipt for the log
 //!                         Failed  why the rank cannot go on
-//!                         End     heard
+//!                         End     the answer to End
 //! ```
 //!
-//! Whoever waits sleeps, for a millisecond at first and up to twenty. A panic anywhere ends all
-//! ranks with its message, and so does MPI itself where a rank is lost.
+//! A rank that waits looks for messages again and again, and sleeps in between, for 1 ms at first
+//! and for 20 ms at most. If a rank panics, its message is printed and all ranks end. If a rank is
+//! lost, MPI itself ends the others.
 
 mod coordinator;
 mod lease;
@@ -36,23 +39,25 @@ use mpi::environment::Universe;
 use mpi::traits::*;
 use std::process::ExitCode;
 
-/// Variables by which launchers tell a process that it is one of several: Open MPI, MPICH and its
-/// kin, PMIx (Slurm).
+/// Environment variables by which launchers tell a process that it is one of several: those of Open
+/// MPI, of MPICH and its relatives, and of PMIx (Slurm).
 const LAUNCHED: [&str; 4] = ["OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "PMI_RANK", "PMIX_RANK"];
 
-/// What this process is among several.
+/// The role of this process among the ranks.
 pub enum Place {
-    /// Rank 0, which does what it would do alone, with the others at hand.
+    /// Rank 0. It runs the program as a single process would, and can have the other ranks
+    /// simulate.
     First(Coordinator),
-    /// Another rank, which has served rank 0 until its end.
+    /// Another rank. It has served rank 0 until the program was over; this is its exit code.
     Other(ExitCode),
 }
 
-/// MPI itself; it is left when this is dropped.
+/// The use of MPI by this process, which ends when this value is dropped.
 pub struct Membership(#[expect(dead_code, reason = "kept for its end")] Universe);
 
-/// Join the other ranks, if a launcher has started several. A rank other than the first comes back
-/// when the program is over.
+/// Join the other ranks if a launcher has started several. Returns `None` if there is no launcher,
+/// or if MPI cannot be initialised. On a rank other than 0 this function returns only when the
+/// program is over.
 pub fn join() -> Option<(Membership, Place)> {
     if LAUNCHED.iter().all(|name| std::env::var_os(name).is_none()) {
         return None;
@@ -71,7 +76,7 @@ pub fn join() -> Option<(Membership, Place)> {
     Some((Membership(universe), place))
 }
 
-/// A panic of one rank would leave the others waiting for it.
+/// End all ranks after a panic of this one; the others would wait for it forever.
 fn abort_on_panic() {
     let say = std::panic::take_hook();
     std::panic::set_hook(Box::new(move |panic| {

@@ -1,9 +1,10 @@
-//! Blocks that have come back to rank 0, on their way to a run that can be saved.
+//! Blocks that have come back to rank 0 and wait for their counts, before they are delivered to the
+//! run.
 //!
-//! What is saved of a run are the sums of some blocks and the counts of just these blocks. Sums come
-//! back with each lease. Counts are large, so they come seldom: rank 0 asks all ranks for their
-//! counts of the blocks before a certain one, and hands the blocks on when every rank has answered.
-//! Meanwhile the ranks go on with later blocks.
+//! A saved run consists of the sums of some blocks and of the counts of exactly these blocks. Sums
+//! come back with each lease. Counts are large, so they are sent seldom: rank 0 asks all ranks for
+//! the counts of their blocks before a certain block, and delivers the blocks before it when every
+//! rank has answered. Meanwhile the ranks continue with later blocks.
 
 use super::lease::Stretch;
 use super::snapshots::Counted;
@@ -12,34 +13,36 @@ use crate::ensemble::Plan;
 use crate::stats::{Counts, Overlap};
 use std::time::{Duration, Instant};
 
-/// The shortest time between two questions. A run is saved after each of them, so that this, and
-/// the time until all have answered, is what a crash loses beside the leases in work.
+/// The shortest time between two questions for counts. A run is saved after each of them, so a
+/// crash loses the work of this time, of the time until all ranks have answered, and of the leases
+/// that are being simulated.
 const SHORTEST: Duration = Duration::from_secs(1);
 
-/// Joining the counts of all ranks takes at most one part in so many of the time of rank 0.
+/// Rank 0 spends at most one part in this many of its time on merging the counts of all ranks.
 const PART: u32 = 20;
 
-/// Blocks are handed on when they have so many bytes of rows, however short the time.
+/// Number of bytes of rows at which counts are asked for before the shortest time is over.
 const MOST: usize = 64 << 20;
 
-/// Takes blocks in their order, and hands them on with their counts.
+/// Takes blocks in their order, and returns them together with their counts.
 pub(super) struct Settling<'a> {
     plan: &'a Plan,
     ranks: usize,
-    /// Blocks of which no counts were asked for, and the bytes of their rows.
+    /// Blocks for whose counts the ranks have not been asked yet; `bytes` are the bytes of their
+    /// rows.
     open: Option<Stretch>,
     bytes: usize,
     waiting: Option<Waiting>,
-    /// When counts were asked for last.
+    /// When counts were last asked for.
     last: Instant,
-    /// Time that it took to join them, the last time that it was done.
+    /// The time that the last merging of counts took.
     cost: Duration,
 }
 
-/// Blocks whose counts were asked for.
+/// Blocks for whose counts the ranks have been asked.
 struct Waiting {
     stretch: Stretch,
-    /// Those of the ranks that have answered.
+    /// The merged counts of the ranks that have answered.
     counts: Counts,
     receipts: Vec<Vec<u8>>,
     answers: usize,
@@ -47,17 +50,17 @@ struct Waiting {
 }
 
 impl<'a> Settling<'a> {
-    /// For so many ranks.
+    /// With no blocks yet, for this number of ranks.
     pub fn new(plan: &'a Plan, ranks: usize) -> Self {
         Settling { plan, ranks, open: None, bytes: 0, waiting: None, last: Instant::now(), cost: Duration::ZERO }
     }
 
-    /// Whether every block was handed on.
+    /// Whether no block waits for its counts.
     pub fn is_empty(&self) -> bool {
         self.open.is_none() && self.waiting.is_none()
     }
 
-    /// Take the next blocks, whose rows have so many bytes.
+    /// Take the next blocks, with the number of bytes of their rows.
     pub fn add(&mut self, stretch: Stretch, bytes: usize) -> Result<(), Overlap> {
         self.bytes += bytes;
         match &mut self.open {
@@ -71,8 +74,8 @@ impl<'a> Settling<'a> {
         Ok(())
     }
 
-    /// The block before which all counts are to be asked for now, if they are; `is_last` says that
-    /// no block follows.
+    /// If counts are to be asked for now, begin to wait for them, and return the block before which
+    /// all blocks are to be counted. `is_last` states that no block follows.
     pub fn ask(&mut self, is_last: bool) -> Option<u64> {
         let is_due = is_last || self.bytes >= MOST || self.last.elapsed() >= SHORTEST.max(self.cost * PART);
         if !is_due || self.waiting.is_some() {
@@ -86,7 +89,8 @@ impl<'a> Settling<'a> {
         Some(end)
     }
 
-    /// Take the answer of a rank. The last answer makes a portion for the run.
+    /// Take the answer of a rank, which is `None` if it has done none of these blocks. After the
+    /// last answer, return the blocks with their counts.
     pub fn take(&mut self, counted: Option<Counted>) -> Option<Portion> {
         let start = Instant::now();
         let waiting = self.waiting.as_mut()?;

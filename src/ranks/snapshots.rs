@@ -1,44 +1,47 @@
-//! The counts of a rank, and how much of its log counts, as they were at the end of each of its
-//! leases.
+//! Copies of the counts of a rank, and of the receipts for its log, as they were at the end of each
+//! lease.
 //!
-//! Counts hold quantile sketches, which take long to begin and are large: a rank therefore keeps
-//! one set of them for the whole run, and gives it to rank 0 only where the run may be saved. It is
-//! then asked for the counts of its blocks before a certain one, while it is already beyond that
-//! block, and has the copy that it made there.
+//! Counts contain quantile sketches, which are large and take long to create. A rank therefore
+//! keeps one set of counts for the whole run, and sends it to rank 0 only when the run may be
+//! saved. Rank 0 asks for the counts of the blocks before a certain block when the rank has already
+//! simulated later blocks, so the rank needs the copy that it made at that block.
 
 use super::message::{read_bytes, write_bytes};
 use crate::stats::{Codec as _, Counts, Damaged, Reader};
 use std::collections::VecDeque;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// Shared by the thread that simulates leases and the one that hears messages.
+/// The copies. They are shared by the thread that simulates leases and the thread that receives
+/// messages.
 #[derive(Debug, Default)]
 pub(super) struct Snapshots(Mutex<VecDeque<Snapshot>>);
 
 #[derive(Debug)]
 struct Snapshot {
-    /// The block after the last one that is counted.
+    /// The number of the block after the last one that is counted.
     end: u64,
     counted: Counted,
 }
 
-/// What a rank has done of the blocks before a certain one.
+/// What a rank has done of the blocks before a certain block.
 #[derive(Clone, Debug)]
 pub(super) struct Counted {
     pub counts: Counts,
-    /// The receipt for the rows of these blocks, where they are in a log of the rank's own.
+    /// The receipt for the rows of these blocks if they are in a log of this rank, and otherwise
+    /// empty.
     pub receipt: Vec<u8>,
 }
 
 impl Snapshots {
-    /// This is what the rank has done before block `end`. A rank is given leases in the order of
-    /// their blocks.
+    /// Keep what the rank has done before block `end`. A rank receives leases in the order of their
+    /// blocks, so `end` grows from call to call.
     pub fn add(&self, end: u64, counted: Counted) {
         self.lock().push_back(Snapshot { end, counted });
     }
 
-    /// What it has done before block `end`, where a lease ends; none if it has done none of these
-    /// blocks. Nobody asks for an earlier end later.
+    /// What the rank has done before block `end`, which is the end of a lease. Returns `None` if it
+    /// has done none of these blocks. Older copies are dropped, so a later call must not ask for a
+    /// smaller `end`.
     pub fn before(&self, end: u64) -> Option<Counted> {
         let mut snapshots = self.lock();
         let later = snapshots.partition_point(|snapshot| snapshot.end <= end);
@@ -52,7 +55,7 @@ impl Snapshots {
 }
 
 impl Counted {
-    /// As bytes.
+    /// The bytes of the message.
     pub fn to_bytes(&self) -> Vec<u8> {
         let mut bytes = Vec::new();
         write_bytes(&self.receipt, &mut bytes);
@@ -60,7 +63,7 @@ impl Counted {
         bytes
     }
 
-    /// From bytes, given the empty counts of the run.
+    /// Read the bytes of the message into `counts`, which are the empty counts of the run.
     pub fn of_bytes(bytes: &[u8], mut counts: Counts) -> Result<Counted, Damaged> {
         let mut from = Reader::new(bytes);
         let receipt = read_bytes(&mut from)?.to_vec();

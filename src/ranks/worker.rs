@@ -1,4 +1,4 @@
-//! A rank that simulates what rank 0 lends to it.
+//! A rank that simulates the leases that rank 0 gives it.
 
 use super::lease::{self, Errand, Simulator};
 use super::message::{Kind, Nap, Received, rank, receive, send};
@@ -12,9 +12,10 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::channel;
 use std::thread;
 
-/// Serve rank 0 until the program is over, which simulates one run at most.
+/// Serve rank 0 until the program is over. A program simulates one run at most.
 pub(super) fn serve() -> ExitCode {
-    // A signal goes to all ranks, and rank 0 decides what becomes of the run.
+    // The launcher sends a signal to all ranks. Only rank 0 acts on it, and the other ranks ignore
+    // it.
     for signal in [SIGINT, SIGTERM, SIGHUP, SIGXCPU, SIGUSR1, SIGUSR2] {
         let _ = signal_hook::flag::register(signal, Arc::new(AtomicBool::new(false)));
     }
@@ -33,7 +34,7 @@ pub(super) fn serve() -> ExitCode {
     ExitCode::SUCCESS
 }
 
-/// Simulate leases of a run until the program is over.
+/// Simulate leases of one run until the program is over.
 fn work(bytes: &[u8]) {
     let asked = Errand::of_bytes(bytes);
     let Errand { question, manner, outlet } =
@@ -45,7 +46,8 @@ fn work(bytes: &[u8]) {
     let (leases, to_do) = channel();
     let (done, parcels) = channel();
     thread::scope(|scope| {
-        // Gone with this closure, so that the thread below ends.
+        // The sender is moved here, so that it is dropped when this closure ends, and the thread
+        // below then ends too.
         let leases = leases;
         let simulated = done.clone();
         scope.spawn(move || {
@@ -54,7 +56,7 @@ fn work(bytes: &[u8]) {
                 let log = if has_log { RankLog::create(&outlet, rank())? } else { None };
                 let mut simulator = Simulator { log, ..Simulator::new(plan, manner, stops, snapshots) };
                 for lease in to_do {
-                    // Nobody listens any more where the program is over.
+                    // An error means that the program is over, and the parcel is then not needed.
                     let _ = simulated.send(Ok(simulator.simulate(lease)?.to_bytes()));
                 }
                 Ok(())
