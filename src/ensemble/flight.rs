@@ -1,15 +1,17 @@
-//! Neighbouring blocks that are simulated together, each watched by its own observer.
+//! Neighbouring blocks that are simulated together. Each block has its own observer.
 //!
-//! A scheme that takes all its paths across a cell of time together fills its registers better the
-//! more paths there are. What a block is for sums and files does not change with it.
+//! Some schemes advance all their paths together over one cell of time after the other. Such a
+//! scheme fills its registers better with more paths than a block has. The sums and files of a
+//! block do not depend on whether it is simulated with others.
 
 use crate::model::Event;
 use crate::scheme::{Instant, Observer, Snapshot};
 
-/// The observers of blocks in flight, all of them full but for the last.
+/// The observers of the blocks. All blocks are full except perhaps the last one.
 pub(super) struct Flight<O> {
     pub blocks: Vec<O>,
-    /// The paths of a full block: lane i of the flight is lane `i % lanes` of block `i / lanes`.
+    /// Number of paths of a full block: lane i of the flight is lane `i % lanes` of block `i /
+    /// lanes`.
     pub lanes: usize,
 }
 

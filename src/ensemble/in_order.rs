@@ -1,20 +1,21 @@
-//! Numbered pieces of work on any number of threads, their results delivered in order.
+//! Numbered pieces of work, done on any number of threads. Their results are delivered in order.
 
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 
-/// How many pieces a thread may run ahead of the oldest one still in work; bounds the memory of a
-/// run.
+/// How many pieces each thread may be ahead of the oldest unfinished one. This limits the memory of
+/// a run.
 const PIECES_AHEAD: u64 = 8;
 
 /// Make the pieces `0 .. count` on `threads` threads, and deliver each in order, until all are
-/// delivered, `deliver` breaks or fails, or `stop` is set. Returns how many were delivered.
+/// delivered, `deliver` breaks or fails, or `stop` is set. Returns the number of delivered pieces.
+/// The only errors are those of `deliver`.
 ///
-/// When `deliver` breaks, the piece it was given is the last one, whatever else is in work: where a
-/// run ends is then as reproducible as what it delivers. When `stop` is set, from outside, the
-/// pieces in work are finished and delivered, so that no work is lost.
+/// When `deliver` breaks, the piece that it was given is the last one, although other pieces may be
+/// finished too: the end of a run is then as reproducible as the pieces themselves. When the caller
+/// sets `stop`, the unfinished pieces are completed and delivered, so that no work is lost.
 pub fn in_order<R: Send, E: Send>(
     count: u64,
     threads: usize,
@@ -25,7 +26,8 @@ pub fn in_order<R: Send, E: Send>(
     in_order_while(count, threads, stop, |piece| Some(make(piece)), deliver)
 }
 
-/// The same where a piece may be given up while it is made: then nothing more is delivered.
+/// The same, except that `make` may give up a piece by returning `None`. Then neither this piece
+/// nor a later one is delivered.
 pub(crate) fn in_order_while<R: Send, E: Send>(
     count: u64,
     threads: usize,
@@ -46,7 +48,7 @@ pub(crate) fn in_order_while<R: Send, E: Send>(
     let pool = (workers > 1).then(|| rayon::ThreadPoolBuilder::new().num_threads(workers).build());
     match pool {
         Some(Ok(pool)) => pool.scope(|scope| (0..workers).for_each(|_| scope.spawn(|_| work()))),
-        // where there are no threads to be had, the caller's own does it all
+        // If no threads can be created, the thread of the caller makes all pieces.
         _ => work(),
     }
     let state = queue.state.into_inner().unwrap_or_else(PoisonError::into_inner);
@@ -56,22 +58,22 @@ pub(crate) fn in_order_while<R: Send, E: Send>(
     }
 }
 
-/// Pieces on their way from the threads that make them to the one consumer, in order. Whichever
-/// thread completes the sequence delivers; there is no thread for delivering alone.
+/// Finished pieces that wait for their turn to be delivered. The thread that finishes the next
+/// piece in order delivers it and those that wait for it; no thread is there only for delivery.
 struct Queue<'a, R, E> {
     state: Mutex<State<'a, R, E>>,
     moved: Condvar,
 }
 
 struct State<'a, R, E> {
-    /// The next piece to make.
+    /// The number of the next piece to make.
     next: u64,
-    /// Pieces delivered.
+    /// Number of delivered pieces, which is also the number of the piece to deliver next.
     delivered: u64,
-    /// Pieces done before their turn.
+    /// Pieces that were finished before their turn.
     waiting: BTreeMap<u64, R>,
     deliver: &'a mut (dyn FnMut(R) -> Result<ControlFlow<()>, E> + Send),
-    /// Set when nothing more is to be delivered: the consumer broke, or failed.
+    /// Set when nothing more is to be delivered, because `deliver` has broken or failed.
     end: Option<Result<(), E>>,
 }
 
@@ -83,12 +85,12 @@ impl<'a, R, E> State<'a, R, E> {
 
 impl<'a, R, E> Queue<'a, R, E> {
     fn lock(&self) -> MutexGuard<'_, State<'a, R, E>> {
-        // a panic elsewhere is on its way to the caller already
+        // A panic of another thread reaches the caller in any case.
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// The next piece to make, once it is near enough to the oldest one in work; none when there is
-    /// no more to do.
+    /// The number of the next piece to make. This waits until that piece is near enough to the
+    /// oldest unfinished one. Returns `None` when no piece is left or the work has ended.
     fn take(&self, count: u64, ahead: u64, stop: &AtomicBool) -> Option<u64> {
         let mut state = self.lock();
         while state.next < count && state.next >= state.delivered + ahead && state.end.is_none() {
@@ -101,13 +103,14 @@ impl<'a, R, E> Queue<'a, R, E> {
         Some(state.next - 1)
     }
 
-    /// A piece will not come: no more are made, and those before it are delivered as they come.
+    /// State that a piece is given up. No more pieces are begun, and the pieces before it are still
+    /// delivered.
     fn give_up(&self) {
         self.lock().next = u64::MAX;
         self.moved.notify_all();
     }
 
-    /// Hand in a piece, and deliver all that are in turn.
+    /// Take a finished piece, and deliver all pieces whose turn it is.
     fn put(&self, index: u64, piece: R) {
         let mut state = self.lock();
         state.waiting.insert(index, piece);

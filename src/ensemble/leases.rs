@@ -1,58 +1,63 @@
-//! Runs of blocks on loan to workers that are far away, and what comes back, put in order.
+//! Leases of blocks to workers that are reached by messages, and the results of these leases, put
+//! in order. A lease is a sequence of neighbouring blocks that one worker simulates.
 //!
-//! A lease ends where a large node of the tree of sums does, so that its sums are few nodes. It
-//! lasts long enough for whoever hands out and takes back to be idle most of the time, and less
-//! towards the end of the work, so that all workers end together.
+//! A lease ends at the end of a large node of the tree of sums, so that its sums are few nodes. It
+//! lasts long enough for the coordinator, who gives leases and takes back results, to be idle most
+//! of the time. Leases become shorter towards the end of the run, so that all workers end together.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-/// How long a lease is to take, in seconds.
+/// The usual duration of a lease, in seconds.
 const USUAL: f64 = 1.0;
 
-/// The longest that it may take: what is on loan is lost in a crash.
+/// The longest duration of a lease, in seconds. The work of unfinished leases is lost in a crash.
 const LONGEST: f64 = 60.0;
 
-/// The shortest, when little is left: by twice as much may workers end apart.
+/// The shortest duration of a lease, in seconds, when few blocks are left. Since a worker has up to
+/// two leases, workers may end apart by twice this time.
 const SHORTEST: f64 = 0.1;
 
-/// Leases last so many times as long as taking back one from every worker takes, so that five parts
-/// in six of the time nothing waits to be taken back.
+/// A lease lasts at least this many times as long as it takes to take back one result from every
+/// worker, as far as the longest duration allows. The coordinator is then idle for five sixths of
+/// the time.
 const PATIENCE: f64 = 6.0;
 
-/// Leases of a worker at a time: the next one begins when the last one ends, and not when an answer
-/// has come.
+/// Number of leases that a worker has at a time. With two of them, the next lease begins when the
+/// last one ends, without waiting for a message.
 const AHEAD: usize = 2;
 
-/// A worker gets at most this share of its share of what is left.
+/// A lease is at most this part of what its worker would get if all blocks that are left were
+/// shared out by speed.
 const LAST: f64 = 0.25;
 
-/// Bytes of rows that a parcel is to have at most.
+/// The most bytes of rows that a result should have.
 const PARCEL: f64 = 64e6;
 
-/// Bytes of rows that may wait for an earlier parcel before only that one is asked for.
+/// When this many bytes of rows wait for the result of an earlier lease, only that result is taken
+/// back.
 const WAITING: usize = 1 << 30;
 
-/// Weight of the newest measurement in a running mean.
+/// Weight of the latest measurement in a running mean.
 const NEWEST: f64 = 0.3;
 
-/// The blocks of a run on loan. `P` is what comes back with a lease.
+/// The leases of the blocks of one run. `P`, a parcel, is the result of a lease.
 #[derive(Debug)]
 pub struct Leases<P> {
-    /// The first block that nobody has.
+    /// The first block that no lease has contained yet.
     next: u64,
     end: u64,
-    /// The first block that is not taken back in order.
+    /// The first block whose parcel has not been delivered in order.
     turn: u64,
     workers: Vec<Worker>,
-    /// Whose lease begins where.
+    /// The worker of each unfinished lease, by the first block of the lease.
     lent: BTreeMap<u64, usize>,
     waiting: BTreeMap<u64, Waiting<P>>,
-    /// Bytes of rows that wait.
+    /// Number of bytes of the rows in `waiting`.
     bytes: usize,
-    /// Seconds that it takes to take back a parcel.
+    /// Seconds that it takes the coordinator to take back a parcel, as a running mean.
     handling: f64,
-    /// Bytes of the rows of a block.
+    /// Number of bytes of the rows of one block, on average over the lease that came back last.
     rows: f64,
 }
 
@@ -66,13 +71,13 @@ struct Waiting<P> {
 #[derive(Clone, Debug)]
 struct Worker {
     threads: u64,
-    /// Blocks a second, once that is known.
+    /// Blocks per second, as a running mean; `None` before the first measurement.
     rate: Option<f64>,
     leases: usize,
 }
 
 impl<P> Leases<P> {
-    /// Of these blocks, to workers with so many threads each.
+    /// The leases of these blocks, for one worker per element of `threads`, with that many threads.
     pub fn new(blocks: Range<u64>, threads: &[usize]) -> Self {
         let worker = |&threads: &usize| Worker { threads: threads.max(1) as u64, rate: None, leases: 0 };
         Leases {
@@ -88,7 +93,8 @@ impl<P> Leases<P> {
         }
     }
 
-    /// The next lease of this worker; none while it has enough, and when no block is left.
+    /// Give the next lease to this worker. Returns `None` if the worker has as many leases as it
+    /// may have, or if no block is left.
     pub fn lend(&mut self, worker: usize) -> Option<Range<u64>> {
         if self.next >= self.end || self.workers[worker].leases >= AHEAD {
             return None;
@@ -96,7 +102,7 @@ impl<P> Leases<P> {
         let wanted = self.wanted(worker);
         let start = self.next;
         let node = 1 << (wanted / 2).max(1).ilog2();
-        // At least half of what is wanted, and it ends at a node of that size.
+        // The lease has at least half of the wanted blocks, and ends at a node of this size.
         let end = (start + wanted).min(self.end);
         let end = if end == self.end { end } else { (end / node * node).max(start + 1) };
         self.workers[worker].leases += 1;
@@ -105,7 +111,7 @@ impl<P> Leases<P> {
         Some(start..end)
     }
 
-    /// How many blocks this worker is to have now.
+    /// The number of blocks that this worker should get now.
     fn wanted(&self, worker: usize) -> u64 {
         let Worker { threads, rate, .. } = self.workers[worker];
         let Some(rate) = rate else { return threads };
@@ -115,8 +121,9 @@ impl<P> Leases<P> {
         ((rate * time).min(left).min(PARCEL / self.rows.max(1.0)) as u64).max(threads)
     }
 
-    /// A worker has done the first so many blocks of a lease that begins here, in so many seconds,
-    /// and they have so many bytes of rows; the rest of the lease is not done.
+    /// Take back a lease that begins at block `start`. The worker has done its first `done` blocks,
+    /// in this many seconds, and their rows have this many bytes. The other blocks of the lease are
+    /// not done.
     pub fn take_back(&mut self, worker: usize, start: u64, done: u64, seconds: f64, rows: usize, parcel: P) {
         let from = &mut self.workers[worker];
         from.leases = from.leases.saturating_sub(1);
@@ -132,7 +139,7 @@ impl<P> Leases<P> {
         self.waiting.insert(start, Waiting { end: start + done, rows, parcel });
     }
 
-    /// The parcel whose turn it is, if it is there.
+    /// The next parcel in the order of the blocks, if it has come back.
     pub fn in_turn(&mut self) -> Option<P> {
         let Waiting { end, rows, parcel } = self.waiting.remove(&self.turn)?;
         self.bytes -= rows;
@@ -140,24 +147,24 @@ impl<P> Leases<P> {
         Some(parcel)
     }
 
-    /// The only worker whose parcel may be taken back now: so much waits for it that there is no
-    /// room for others.
+    /// The only worker whose parcel may be taken back now, if so many rows wait for it that there
+    /// is no memory for those of others.
     pub fn only(&self) -> Option<usize> {
         if self.bytes < WAITING { None } else { self.lent.get(&self.turn).copied() }
     }
 
-    /// It took so many seconds to take back a parcel.
+    /// State how many seconds it took to take back a parcel.
     pub fn took(&mut self, seconds: f64) {
         let weight = if self.handling == 0.0 { 1.0 } else { NEWEST };
         self.handling += weight * (seconds - self.handling);
     }
 
-    /// Whether everything was taken back in order.
+    /// Whether the parcels of all blocks were delivered in order.
     pub fn is_done(&self) -> bool {
         self.turn >= self.end
     }
 
-    /// Leases that are not taken back.
+    /// Number of leases that have not come back.
     pub fn on_loan(&self) -> usize {
         self.workers.iter().map(|worker| worker.leases).sum()
     }
@@ -168,8 +175,9 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// Workers of these rates, in blocks a second, until all blocks are back in order; returns when
-    /// each worker has ended, and the leases in the order of their blocks.
+    /// Simulate workers of these rates, in blocks per second, until all blocks have come back in
+    /// order. Returns the time at which each worker has ended, and the leases in the order of their
+    /// blocks.
     fn simulate(end: u64, rates: &[f64], handling: f64) -> (Vec<f64>, Vec<Range<u64>>) {
         let mut leases = Leases::new(0..end, &vec![1; rates.len()]);
         let mut queues: Vec<Vec<(f64, Range<u64>)>> = vec![Vec::new(); rates.len()];
@@ -199,7 +207,7 @@ mod tests {
     }
 
     proptest! {
-        /// Nothing is left out, nothing is done twice, whoever is how fast.
+        /// No block is left out and none is done twice, whatever the speeds of the workers.
         #[test]
         fn every_block_comes_back_once_and_in_order(
             end in 1_u64..100_000,
@@ -213,8 +221,9 @@ mod tests {
         }
     }
 
-    /// Eight workers, one of them four times as slow: all end within two of the shortest leases of
-    /// each other, and no time is lost to speak of. A lease of them is one or few nodes.
+    /// Eight workers, of which one is four times slower than the others, end within 0.5 s of each
+    /// other, and the whole takes less than 2 % more than the ideal time. A lease consists of one
+    /// node or of few.
     #[test]
     fn unequal_workers_end_together() {
         let rates = [400.0, 400.0, 400.0, 400.0, 400.0, 400.0, 400.0, 100.0];
@@ -229,8 +238,8 @@ mod tests {
         assert!(size >= 16 && typical.end % (size / 4).next_power_of_two() == 0, "{typical:?}");
     }
 
-    /// What waits for a worker that is late does not fill the memory: then only its parcel is asked
-    /// for.
+    /// Parcels that wait for a late worker do not fill the memory: only its parcel is then taken
+    /// back.
     #[test]
     fn a_late_worker_is_waited_for() {
         let mut leases: Leases<()> = Leases::new(0..1000, &[1; 3]);
@@ -246,8 +255,8 @@ mod tests {
         assert_eq!(leases.only(), None);
     }
 
-    /// A coordinator that takes 10 ms for a parcel has a hundred workers: leases grow to seconds,
-    /// and it keeps up.
+    /// A coordinator that needs 10 ms for a parcel has a hundred workers. Leases then last for
+    /// seconds, and the coordinator is busy for 5 % to 30 % of the time.
     #[test]
     fn leases_grow_with_what_it_takes_to_take_them_back() {
         let (workers, rate, handling) = (100, 10.0, 0.01);

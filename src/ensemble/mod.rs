@@ -1,11 +1,11 @@
-//! Ensembles: fixed blocks of paths, simulated by any number of threads, delivered in order. The
-//! only home of rayon.
+//! Ensembles of paths in blocks of a fixed size, which are simulated on any number of threads and
+//! delivered in order. Only this module uses rayon.
 //!
-//! A run is the sequence of its blocks: block k holds the paths `k BLOCK_SIZE .. (k + 1)
-//! BLOCK_SIZE`, whatever the number of threads and whatever the machine. Each block's result is
-//! self-contained and mergeable. Blocks are delivered in order, so whatever folds or writes them
-//! sees the same sequence every time, and a run that is stopped leaves the first so many blocks,
-//! none missing in between.
+//! A run is the sequence of its blocks: block k contains the paths `k BLOCK_SIZE .. (k + 1)
+//! BLOCK_SIZE`, for any number of threads and on any machine. The result of a block does not depend
+//! on other blocks, and results can be merged. Since blocks are delivered in order, whoever sums or
+//! writes them receives the same sequence every time, and a run that is stopped consists of the
+//! first blocks, with none missing in between.
 
 mod flight;
 mod in_order;
@@ -26,46 +26,50 @@ use piece::Piece;
 use std::ops::{ControlFlow, Range};
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Paths in a block: enough to fill the registers many times over, few enough for a hundred
-/// thousandth of a large run to be lost to an interruption. Part of what makes a result
-/// reproducible: changing it changes the last bits of every mean.
+/// Number of paths in a block. They fill the registers many times over, and they are few, so that a
+/// large run loses little if unfinished blocks are given up. Results depend on this number: with
+/// another one the last bits of every mean change.
 pub const BLOCK_SIZE: u64 = 256;
 
-/// A thread takes several blocks at a time only if that leaves it so many turns, because the last
-/// ones of a run may find some threads idle.
+/// A thread simulates several blocks together only if every thread still gets at least this many
+/// such groups, because some threads may be idle while the last ones of a run are simulated.
 const TURNS: u64 = 4;
 
-/// Blocks with more rows of the output grid than this are taken one at a time: their tables would
-/// not stay in the cache, and looking takes longer than simulating.
+/// Blocks with more rows of the output grid than this are simulated one at a time: the tables of
+/// several would not stay in the cache, and the snapshots of such blocks take longer than the
+/// simulation.
 const MOST_ROWS: usize = 1000;
 
-/// Everything an ensemble is a function of.
+/// Everything that determines the results of an ensemble.
 #[derive(Clone, Debug)]
 pub struct Plan {
-    /// What is simulated, how, and when it is looked at.
+    /// What is simulated, with which scheme, and at which times snapshots are taken.
     pub simulation: Simulation,
-    /// What is kept of single paths.
+    /// What is recorded of single paths.
     pub record: Record,
-    /// With a path's number it determines the path.
+    /// The seed. Together with its number it determines a path.
     pub seed: u64,
     /// Number of paths.
     pub paths: u64,
-    /// Whether paths 2k and 2k + 1 see the same noise and its mirror image.
+    /// Whether the paths 2k and 2k + 1 are an antithetic pair: the second one has the noise of the
+    /// first one with the opposite sign.
     pub antithetic: bool,
 }
 
-/// What these paths draw from: paths of antithetic pairs, or of none.
+/// The path numbers from which these paths take their random numbers. In an ensemble of antithetic
+/// pairs these are the even path of each pair and its mirror image, and otherwise the paths
+/// themselves.
 pub fn drawn(paths: &[u64], antithetic: bool) -> Vec<u64> {
     paths.iter().map(|&path| if antithetic { noise::antithetic(path) } else { path }).collect()
 }
 
 impl Plan {
-    /// What is simulated.
+    /// The model that is simulated.
     pub fn model(&self) -> &Model {
         self.simulation.model()
     }
 
-    /// When paths are looked at.
+    /// The times of the snapshots.
     pub fn timeline(&self) -> &Timeline {
         self.simulation.timeline()
     }
@@ -81,22 +85,23 @@ impl Plan {
         self.piece(first, BLOCK_SIZE.min(self.paths - first))
     }
 
-    /// The same ensemble, of whose output rows every `closeness`-th is one of the run and the
-    /// others are a closer look ([`crate::scheme::Simulate::looked_at_closer`]).
+    /// The same ensemble with a finer output grid, of which every `closeness`-th row is one of the
+    /// run and the others are only for a closer look
+    /// ([`crate::scheme::Simulate::looked_at_closer`]).
     pub fn looked_at_closer(self, closeness: usize) -> Self {
         Plan { simulation: self.simulation.looked_at_closer(closeness), ..self }
     }
 
-    /// Simulate path `path` of the ensemble alone: the same path, bit for bit.
+    /// Simulate path number `path` of the ensemble alone. It has the same bits as in the ensemble.
     pub fn replay(&self, path: u64) -> BlockResult {
         self.piece(path, 1)
     }
 
-    /// Simulate the paths `first .. first + paths`, of this ensemble or beyond its end.
+    /// Simulate the paths `first .. first + paths`. They may lie beyond the end of the ensemble.
     pub fn piece(&self, first: u64, paths: u64) -> BlockResult {
         let never = AtomicBool::new(false);
         loop {
-            // Nobody raises the flag, so it is made at once.
+            // The flag is never set, so the first attempt succeeds.
             let piece = Piece::new(first, paths, self.antithetic);
             if let Some((piece, ())) = self.piece_beside(piece, &(), &never) {
                 return piece;
@@ -104,7 +109,7 @@ impl Plan {
         }
     }
 
-    /// Simulate block `index`, watched by a companion as well; none where `halt` is raised
+    /// Simulate block `index`, which a companion observes too. Returns `None` if `halt` is set
     /// meanwhile.
     pub(crate) fn block_beside<C: Companion>(
         &self,
@@ -116,8 +121,8 @@ impl Plan {
         Some(Delivered { index, result, beside })
     }
 
-    /// Simulate neighbouring blocks, all of them full but for the last of the run, together; none
-    /// where `halt` is raised meanwhile.
+    /// Simulate neighbouring blocks together. Only the last block of the run may be less than full.
+    /// Returns `None` if `halt` is set meanwhile.
     fn flight_beside<C: Companion>(
         &self,
         blocks: Range<u64>,
@@ -139,7 +144,7 @@ impl Plan {
         for ((piece, both), index) in pieces.into_iter().zip(all.0.blocks).zip(blocks.clone()) {
             let block = index - blocks.start;
             delivered.push(if lost.iter().any(|&lane| lane as u64 / BLOCK_SIZE == block) {
-                // The others of its paths are simulated again without those that diverged.
+                // The block is simulated again, without the paths that diverge.
                 self.block_beside(index, companion, halt)?
             } else {
                 let (result, beside) = piece.finish(both, companion);
@@ -149,7 +154,7 @@ impl Plan {
         Some(delivered)
     }
 
-    /// How many of so many blocks a thread takes at a time.
+    /// How many blocks a thread simulates together, given the number of all blocks and of threads.
     fn blocks_in_flight(&self, blocks: u64, threads: usize) -> u64 {
         if self.timeline().rows() > MOST_ROWS {
             return 1;
@@ -164,7 +169,7 @@ impl Plan {
         Piece::new(first, BLOCK_SIZE.min(self.paths - first), self.antithetic)
     }
 
-    /// What watches the paths of a piece that are left: the program's observer and a companion's.
+    /// The observers of the kept paths of a piece: that of the program and that of the companion.
     fn observers<C: Companion>(&self, piece: &Piece, companion: &C) -> (BlockObserver, C::Observer) {
         let own = BlockObserver::new(self.model(), self.timeline(), &self.record, &piece.kept)
             .with_step(self.simulation.step())
@@ -172,12 +177,12 @@ impl Plan {
         (own, companion.observer(&piece.kept))
     }
 
-    /// Simulate the paths of a piece, watched by a companion as well; none where `halt` is raised
-    /// meanwhile.
+    /// Simulate the paths of a piece, which a companion observes too. Returns `None` if `halt` is
+    /// set meanwhile.
     ///
-    /// A path that diverges is left out, with the other one of its pair, and the others are
-    /// simulated again without it. They are independent of it, so this happens at most once a
-    /// block.
+    /// A path that diverges is left out, together with the other path of its pair, and the others
+    /// are simulated again without it. They do not depend on it, so this happens at most once for
+    /// each block.
     fn piece_beside<C: Companion>(
         &self,
         mut piece: Piece,
@@ -197,20 +202,21 @@ impl Plan {
         }
     }
 
-    /// Simulate the whole ensemble on `threads` threads and sum it up.
+    /// Simulate the whole ensemble on `threads` threads, and return the summary of its statistics.
     pub fn run(&self, threads: usize) -> Summary {
         let mut totals = RunTotals::empty(self.model(), self.timeline());
         let deliver = |block: BlockResult| {
             totals.push(block.first_path / BLOCK_SIZE, block.totals)?;
             Ok::<_, Overlap>(ControlFlow::Continue(()))
         };
-        // No block is delivered twice, so nothing overlaps.
+        // No block is delivered twice, so there is no overlap and no error.
         let _ = self.run_into(threads, &AtomicBool::new(false), deliver);
         totals.totals().summary()
     }
 
-    /// Simulate block after block on `threads` threads, and deliver each in order to `deliver`, in
-    /// the order of their numbers. Returns the number of paths delivered.
+    /// Simulate all blocks on `threads` threads, and deliver them in the order of their numbers,
+    /// until `deliver` breaks or fails, or `stop` is set. Returns the number of delivered paths.
+    /// The only errors are those of `deliver`.
     pub fn run_into<E: Send>(
         &self,
         threads: usize,
@@ -222,8 +228,8 @@ impl Plan {
         Ok((blocks * BLOCK_SIZE).min(self.paths))
     }
 
-    /// The same for these blocks only, every block watched by a companion as well. Returns the
-    /// number of blocks delivered.
+    /// The same for these blocks only. A companion observes every block too, and `stops` may also
+    /// give up unfinished blocks. Returns the number of delivered blocks.
     pub fn run_beside<C: Companion, E: Send>(
         &self,
         companion: &C,
@@ -253,22 +259,22 @@ impl Plan {
     }
 }
 
-/// Two flags that end a run.
+/// Two flags by which a caller ends a run.
 #[derive(Clone, Copy, Debug)]
 pub struct Stops<'a> {
-    /// No more blocks are begun; those in work are finished.
+    /// If this flag is set, no more blocks are begun, and unfinished ones are completed.
     pub stop: &'a AtomicBool,
-    /// Those in work are given up.
+    /// If this flag is set, unfinished blocks are given up.
     pub halt: &'a AtomicBool,
 }
 
-/// A block on its way from the threads that simulate to whoever folds it.
+/// A block that was simulated, as it is delivered.
 #[derive(Clone, Debug)]
 pub struct Delivered<S> {
-    /// Its number.
+    /// The number of the block.
     pub index: u64,
-    /// What it leaves behind.
+    /// The result of the block.
     pub result: BlockResult,
-    /// What the companion made of it.
+    /// The sums of the companion.
     pub beside: S,
 }

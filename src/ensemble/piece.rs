@@ -1,4 +1,4 @@
-//! Consecutive paths of an ensemble, and those of them that are left after others diverged.
+//! Consecutive paths of an ensemble, of which those that diverge are left out.
 
 use crate::stats::{BlockObserver, BlockResult, Companion, Unit};
 
@@ -7,21 +7,23 @@ pub(super) struct Piece {
     first: u64,
     paths: u64,
     pub unit: Unit,
-    /// Those that are simulated, in ascending order.
+    /// The paths that are simulated, in ascending order.
     pub kept: Vec<u64>,
-    /// Those that are left out, in ascending order.
+    /// The paths that are left out, in ascending order.
     diverged: Vec<u64>,
 }
 
 impl Piece {
     pub fn new(first: u64, paths: u64, antithetic: bool) -> Self {
-        // A piece that cuts a pair, such as a path alone, has no pairs.
+        // A piece that contains only one path of some pair, such as a single path, is a piece of
+        // paths.
         let holds_pairs = antithetic && first.is_multiple_of(2) && paths.is_multiple_of(2);
         let unit = if holds_pairs { Unit::Pair } else { Unit::Path };
         Piece { first, paths, unit, kept: (first..first + paths).collect(), diverged: Vec::new() }
     }
 
-    /// Leave out the paths in these lanes, and with a path the other one of its pair.
+    /// Leave out the paths in these lanes. With a path of an antithetic pair, the other path is
+    /// left out too.
     pub fn leave_out(&mut self, lanes: &[usize]) {
         let lost: Vec<u64> = lanes.iter().map(|&lane| self.unit.of(self.kept[lane])).collect();
         let (out, rest): (Vec<u64>, _) =
@@ -31,7 +33,7 @@ impl Piece {
         self.diverged.sort_unstable();
     }
 
-    /// What it leaves behind.
+    /// The result of the piece: that of the program and the sums of the companion.
     pub fn finish<C: Companion>(
         self,
         (own, theirs): (BlockObserver, C::Observer),
