@@ -1,50 +1,53 @@
-//! Rings when a run is to end: somebody wants it to, or its time is up. Blocks in work then have a
-//! moment to be finished.
+//! Sets flags when a run is to end, because the caller stops it or its time is up. Unfinished
+//! blocks then get a moment to be completed.
 
 use crate::ensemble::Stops;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Condvar, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-/// How often it looks, and how long blocks in work may take once the run is to end.
+/// `LOOK` is the time between two looks at the clock and the caller's flag. `GRACE` is how long
+/// unfinished blocks may still take when the run is to end.
 const LOOK: Duration = Duration::from_millis(50);
 const GRACE: Duration = Duration::from_millis(150);
 
-/// Flags that are raised in time.
+/// The flags, and what decides when they are set.
 #[derive(Debug)]
 pub(super) struct Alarm<'a> {
-    /// Raised by somebody else.
+    /// Set by the caller.
     stop: &'a AtomicBool,
-    /// When the time for paths is up, and when all of it is.
+    /// When the time for the paths is up, and when the time for the whole run is.
     limits: [Option<Instant>; 2],
-    /// Raised when blocks in work are to be given up.
+    /// Set when unfinished blocks are to be given up.
     pub halt: AtomicBool,
-    /// Raised when the run is to end, whatever it does.
+    /// Set when the run is to end, whether it simulates paths or estimates the bias.
     pub end: AtomicBool,
     is_over: Mutex<bool>,
     over: Condvar,
 }
 
 impl<'a> Alarm<'a> {
-    /// For a run that somebody may stop, with so much time left for its paths, and in all.
+    /// For a run that ends if `stop` is set. `left` is the time that is left for its paths, and for
+    /// the whole run; `None` means no limit.
     pub fn new(stop: &'a AtomicBool, left: [Option<Duration>; 2]) -> Self {
         let limits = left.map(|left| left.and_then(|left| Instant::now().checked_add(left)));
         let [halt, end] = [(); 2].map(|()| AtomicBool::new(false));
         Alarm { stop, limits, halt, end, is_over: Mutex::new(false), over: Condvar::new() }
     }
 
-    /// Do something while it watches.
+    /// Do some work while a thread watches the flag and the clock.
     pub fn watching<R>(&self, work: impl FnOnce() -> R) -> R {
         std::thread::scope(|scope| {
             let watch = std::thread::Builder::new().spawn_scoped(scope, || self.watch());
-            // Where there is no thread to be had, the run ends at the end of a block.
+            // If no thread can be created, nothing is given up, and the run ends only at the end of
+            // a block.
             let _ = watch;
             let _over = Over(self);
             work()
         })
     }
 
-    /// The flags as blocks obey them.
+    /// The flags that the simulation of blocks checks.
     pub fn stops(&self) -> Stops<'_> {
         Stops { stop: self.stop, halt: &self.halt }
     }
@@ -65,7 +68,7 @@ impl<'a> Alarm<'a> {
     }
 }
 
-/// Ends the watch, whatever the work came to.
+/// Ends the watch when the work is over, also if it has panicked.
 struct Over<'a>(&'a Alarm<'a>);
 
 impl Drop for Over<'_> {

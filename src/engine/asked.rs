@@ -1,4 +1,5 @@
-//! What a run is asked besides its scenario: all that decides where it ends and what is made of it.
+//! What is asked of a run besides its scenario: everything that decides where the run ends and what
+//! is computed from its paths.
 
 use crate::ensemble::BLOCK_SIZE;
 use crate::stats::Goal;
@@ -7,37 +8,39 @@ use std::ops::Range;
 use std::str::FromStr;
 use std::time::Duration;
 
-/// What a run is asked besides its scenario. With the scenario it decides every bit of the outcome,
-/// but for a time limit.
+/// What is asked of a run besides its scenario. Both together determine every bit of the outcome,
+/// unless there is a time limit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Asked {
-    /// Most paths of the run; of all parts together, where it is cut into parts.
+    /// The largest number of paths of the run. If the run is cut into parts, it is that of all
+    /// parts together.
     pub paths: u64,
-    /// Which part of the run, if not all of it.
+    /// The part of the run that is simulated; `None` means the whole run.
     pub part: Option<Part>,
-    /// The run ends when all of them are reached.
+    /// The run ends when all these goals are reached.
     pub goals: Vec<Goal>,
-    /// The run ends when so much time is spent.
+    /// The run ends when this much wall-clock time is spent.
     pub max_time: Option<Duration>,
     /// Whether the bias of the step is estimated.
     pub with_bias: bool,
 }
 
 impl Asked {
-    /// Numbers of the blocks that are to be simulated.
+    /// The numbers of the blocks that are to be simulated.
     pub fn blocks(&self) -> Range<u64> {
         let all = self.paths.div_ceil(BLOCK_SIZE);
         self.part.map_or(0..all, |part| part.blocks(all))
     }
 
-    /// Number of the paths that are to be simulated.
+    /// The number of paths that are to be simulated; if this is a part, those of the part only.
     pub fn own_paths(&self) -> u64 {
         let Range { start, end } = self.blocks();
         (end * BLOCK_SIZE).min(self.paths) - (start * BLOCK_SIZE).min(self.paths)
     }
 }
 
-/// One of so many parts of a run, each of them consecutive blocks: written `3/16`.
+/// One of several parts of a run, such as `3/16` for the third of 16. Each part consists of
+/// consecutive blocks.
 ///
 /// ```
 /// use stick_slip::engine::Part;
@@ -52,28 +55,29 @@ pub struct Part {
     of: u64,
 }
 
-/// Why a text is no part.
+/// The error for a text that does not name a part.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("not a part such as 3/16, from 1/N to N/N")]
 pub struct NoPart;
 
 impl Part {
-    /// Part `number`, from 1, of so many.
+    /// Part `number` of `of` parts. Numbers begin at 1; `None` if there is no such part.
     pub fn new(number: u64, of: u64) -> Option<Part> {
         (1..=of).contains(&number).then_some(Part { number, of })
     }
 
-    /// Which part it is, from 1.
+    /// The number of the part, from 1.
     pub fn number(self) -> u64 {
         self.number
     }
 
-    /// How many parts there are.
+    /// Number of parts of the run.
     pub fn of(self) -> u64 {
         self.of
     }
 
-    /// Its blocks, of so many. The parts of a run have equally many blocks, or one more.
+    /// The blocks of this part, if the run has `all` blocks. The numbers of blocks of two parts of
+    /// a run differ by at most one.
     pub fn blocks(self, all: u64) -> Range<u64> {
         let before = |parts: u64| (u128::from(all) * u128::from(parts) / u128::from(self.of)) as u64;
         before(self.number - 1)..before(self.number)
@@ -102,8 +106,8 @@ mod tests {
     use proptest::prelude::*;
 
     proptest! {
-        /// Nothing is left out, nothing is done twice, and no part has more than one block more
-        /// than another.
+        /// No block is left out, none is in two parts, and the numbers of blocks of two parts
+        /// differ by at most one.
         #[test]
         fn parts_are_the_run(all in 1_u64..=1 << 40, of in 1_u64..200) {
             let blocks: Vec<_> = (1..=of).map(|number| Part::new(number, of).expect("in range").blocks(all)).collect();

@@ -1,4 +1,4 @@
-//! Who simulates the blocks of a run: the threads of this process, or a crew of several processes.
+//! A crew simulates the blocks of a run: the threads of this process, or several processes.
 
 use super::{Asked, RunError};
 use crate::ensemble::{Delivered, Plan, Stops};
@@ -7,65 +7,67 @@ use crate::stats::{BlockResult, Companion, Counts, Merge, Overlap, RunTotals};
 use std::ops::{ControlFlow, Range};
 use std::slice;
 
-/// What there is to do.
+/// What a crew is to do.
 #[derive(Clone, Debug)]
 pub struct Work<'a> {
     /// What is simulated.
     pub scenario: &'a Scenario,
-    /// What else is asked of the run.
+    /// What is asked of the run besides its scenario.
     pub asked: &'a Asked,
-    /// The ensemble that the two make.
+    /// The ensemble that follows from both.
     pub plan: &'a Plan,
-    /// The blocks that are left.
+    /// The blocks that have not been simulated yet.
     pub blocks: Range<u64>,
-    /// Threads of a process.
+    /// Number of threads of each process.
     pub threads: usize,
-    /// When to end before the last of them.
+    /// Flags that end the work before the last block.
     pub stops: Stops<'a>,
-    /// Where the sink of the run lets other processes write, if it does ([`super::Sink::outlet`]).
+    /// Where other processes may write rows, if the sink of the run has such a place
+    /// ([`super::Sink::outlet`]).
     pub outlet: Option<Vec<u8>>,
 }
 
-/// Blocks that are done, on their way to whoever sums and keeps them.
+/// Simulated blocks, as a crew delivers them.
 #[derive(Clone, Debug)]
 pub enum Portion<X = ()> {
     /// One block.
     Block(Box<Delivered<X>>),
-    /// Neighbouring blocks, whose sums come in one piece.
+    /// Neighbouring blocks, whose sums are merged.
     Stretch {
-        /// Their numbers.
+        /// The numbers of the blocks.
         blocks: Range<u64>,
-        /// What is kept of their paths, block by block, unless it was left in the outlet of the
-        /// sink; their totals are empty.
+        /// What is recorded of the paths, block by block, unless it was written to the outlet of
+        /// the sink. The totals of these blocks are empty.
         results: Vec<BlockResult>,
-        /// Receipts of processes that have left something there.
+        /// The receipts of the processes that have written to the outlet.
         receipts: Vec<Vec<u8>>,
-        /// What they sum to, without counts.
+        /// The sums of the blocks, without counts.
         sums: Box<RunTotals<X>>,
-        /// The counts of all blocks that the crew has delivered, these included.
+        /// The counts of all blocks that the crew has delivered, including these.
         counts: Box<Counts>,
     },
 }
 
-/// Takes portions in the order of their blocks; says whether there are to be more.
+/// Takes portions in the order of their blocks, and returns whether more are wanted.
 pub type Deliver<'a, X = ()> = dyn FnMut(Portion<X>) -> Result<ControlFlow<()>, RunError> + Send + 'a;
 
 /// Simulates blocks, and delivers all of them in order.
 ///
-/// Whoever makes a block makes the same bits, and sums of any blocks can be joined to the bits of
-/// the whole, so no number depends on the crew.
+/// A block has the same bits on whichever thread or process it is simulated, and sums of any blocks
+/// can be merged to the bits of the whole, so no number depends on the crew.
 pub trait Crew<X = ()> {
-    /// Do the work, until all of it is delivered, `deliver` breaks or fails, or a stop is raised.
-    /// Returns the number of blocks delivered.
+    /// Do the work, until all blocks are delivered, `deliver` breaks or fails, or a flag of
+    /// `work.stops` is set. Returns the number of delivered blocks. An error is that of `deliver`,
+    /// or one of the crew.
     fn simulate(&self, work: &Work<'_>, deliver: &mut Deliver<'_, X>) -> Result<u64, RunError>;
 
-    /// Threads of all processes together, given those of one.
+    /// Number of threads of all processes together, given that of one process.
     fn threads(&self, of_one: usize) -> usize {
         of_one
     }
 }
 
-/// The threads of this process, with a companion that watches every block.
+/// The threads of this process, with a companion that observes every block.
 pub(super) struct Threads<'a, C>(pub &'a C);
 
 impl<C: Companion> Crew<C::Sums> for Threads<'_, C> {
@@ -77,7 +79,7 @@ impl<C: Companion> Crew<C::Sums> for Threads<'_, C> {
 }
 
 impl<X: Merge + Clone> Portion<X> {
-    /// What is kept of its paths, block by block.
+    /// What is recorded of the paths, block by block.
     pub(super) fn results(&self) -> &[BlockResult] {
         match self {
             Portion::Block(block) => slice::from_ref(&block.result),
@@ -85,7 +87,7 @@ impl<X: Merge + Clone> Portion<X> {
         }
     }
 
-    /// Receipts for what was left in the outlet of the sink.
+    /// The receipts for what was written to the outlet of the sink.
     pub(super) fn receipts(&self) -> &[Vec<u8>] {
         match self {
             Portion::Block(_) => &[],
@@ -93,7 +95,7 @@ impl<X: Merge + Clone> Portion<X> {
         }
     }
 
-    /// How many blocks it is.
+    /// Number of blocks.
     pub fn blocks(&self) -> u64 {
         match self {
             Portion::Block(_) => 1,
@@ -101,7 +103,7 @@ impl<X: Merge + Clone> Portion<X> {
         }
     }
 
-    /// The number of the block after it.
+    /// The number of the block after the last one.
     pub(super) fn end(&self) -> u64 {
         match self {
             Portion::Block(block) => block.index + 1,
@@ -109,7 +111,8 @@ impl<X: Merge + Clone> Portion<X> {
         }
     }
 
-    /// Add it to the totals of a run, which had these counts before the crew began.
+    /// Add the blocks to the totals of a run. `before` are the counts that the totals had before
+    /// the crew began.
     pub(super) fn add_to(self, totals: &mut RunTotals<X>, before: &Counts) -> Result<(), Overlap> {
         match self {
             Portion::Block(block) => totals.push_with(block.index, block.result.totals, block.beside),

@@ -1,50 +1,53 @@
-//! When a run ends before its last path: its goals are reached, cannot be reached, or its time is
-//! up.
+//! The reasons for which a run ends before its last path: its goals are reached, one of them cannot
+//! be reached, or its time is up.
 //!
-//! Goals are judged at block boundaries, on the totals that the run would be summed up from if it
-//! ended there; so where they end it depends on the scenario and the seed alone. A time limit ends
-//! a run wherever the machine has got to. The outcome says after which block, and that many paths
-//! give the same results again.
+//! Goals are judged after each block, on the totals that the run would have if it ended there, so
+//! the block after which they end a run depends on the scenario and the seed alone. A time limit
+//! ends a run after a block that depends on the machine. The outcome contains the number of blocks,
+//! and a run of that many paths gives the same results.
 
 use crate::ensemble::BLOCK_SIZE;
 use crate::stats::{Estimate, Goal, Merge, RunTotals, Statistic, Verdict};
 use std::fmt;
 use std::time::Duration;
 
-/// Blocks before the first look: a standard error of 1024 paths is itself known to a few per cent,
-/// so that chance does not end a run early.
+/// Number of blocks before goals are first judged. From 1024 paths on, the relative error of a
+/// standard error is a few per cent, so that chance does not end a run too early.
 const FIRST_LOOK: u64 = 4;
 
-/// Blocks after which a statistic that does not exist, or is zero within its error, is given up.
+/// Number of blocks after which a run gives up a goal, if its statistic does not exist or is zero
+/// within its error.
 const PATIENCE: u64 = 64;
 
-/// The most paths of a run that is not told how many: more than any file or patience holds.
+/// The largest number of paths of a run for which no number is given. It is larger than any file or
+/// waiting time allows.
 pub const MOST_PATHS: u64 = 1_000_000_000;
 
-/// Paths recommended beyond those that a goal needs by the 1/sqrt(paths) law, as a share.
+/// The recommended number of paths is this many times the number that a goal needs by the
+/// 1/sqrt(paths) law.
 const MARGIN: f64 = 1.05;
 
-/// What may end a run.
+/// What may end a run before its last path.
 #[derive(Clone, Debug)]
 pub(super) struct Endings {
     pub goals: Vec<Goal>,
-    /// How long paths may be simulated.
+    /// The longest time for the simulation of paths.
     pub time: Option<Duration>,
 }
 
-/// What ended a run before its last path.
+/// What has ended a run before its last path.
 #[derive(Clone, Debug, PartialEq)]
 pub enum EndedBy {
     /// Every goal is reached.
     Goals {
-        /// All of them.
+        /// All goals of the run.
         goals: Vec<Goal>,
-        /// The number of blocks they took.
+        /// The number of blocks that were needed.
         blocks: u64,
     },
     /// The time is up.
     TimeLimit {
-        /// The number of blocks done by then.
+        /// The number of blocks that were done then.
         blocks: u64,
     },
     /// A goal cannot be reached.
@@ -54,32 +57,33 @@ pub enum EndedBy {
 /// Why a goal cannot be reached.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Hopeless {
-    /// The estimate is zero within its error, and no share of zero can be reached.
+    /// The estimate is zero within its error. A goal that is a share of the estimate can then not
+    /// be reached.
     Zero {
-        /// What is known of the statistic.
+        /// The estimate and its interval.
         estimate: Estimate,
-        /// After so many paths.
+        /// The number of paths that the estimate is from.
         paths: u64,
     },
     /// The statistic does not exist.
     Missing {
-        /// Which one.
+        /// The statistic.
         statistic: Statistic,
-        /// After so many paths.
+        /// The number of paths after which this was decided.
         paths: u64,
     },
-    /// It would take more paths than a run may have.
+    /// The goal needs more paths than a run may have.
     TooFar {
-        /// Which goal.
+        /// The goal.
         goal: Goal,
-        /// How many paths it would take.
+        /// The number of paths that the goal needs.
         needed: f64,
-        /// The standard error that [`MOST_PATHS`] make.
+        /// The standard error after [`MOST_PATHS`] paths.
         least_error: f64,
     },
 }
 
-/// As a file keeps it.
+/// The text that is written to files.
 impl fmt::Display for EndedBy {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -96,17 +100,17 @@ impl fmt::Display for EndedBy {
 /// A goal that a run has not reached.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MissedGoal {
-    /// Which goal.
+    /// The goal.
     pub goal: Goal,
-    /// Paths of the run.
+    /// The number of paths of the run.
     pub paths: u64,
-    /// What it would take.
+    /// How the estimate stands with respect to the goal.
     pub verdict: Verdict,
 }
 
 impl MissedGoal {
-    /// How many paths will probably reach it, in whole blocks; none where no number of paths is
-    /// known to.
+    /// The number of paths, in whole blocks, that will probably reach the goal. It is `None` if no
+    /// such number is known, because the estimate is zero within its error or does not exist.
     pub fn paths_needed(&self) -> Option<u64> {
         match self.verdict {
             Verdict::Ahead(times) => {
@@ -118,17 +122,18 @@ impl MissedGoal {
     }
 }
 
-/// What a look at the blocks so far says.
+/// What follows from the blocks so far.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Look {
-    /// Go on; about so many paths will do, as far as can be told.
+    /// Go on. If it can be estimated, the number is how many paths the run will need in all.
     GoOn(Option<u64>),
-    /// Stop here.
+    /// End the run.
     Stop(EndedBy),
 }
 
 impl Endings {
-    /// Look at the first `blocks` blocks, after so much time.
+    /// Judge the goals and the time limit after the first `blocks` blocks, with their totals and
+    /// the time spent on them.
     pub fn look<X: Merge + Clone>(&self, blocks: u64, totals: &RunTotals<X>, spent: Duration) -> Look {
         match (self.judge(blocks, totals), self.time) {
             (Look::GoOn(_), Some(limit)) if spent >= limit => Look::Stop(EndedBy::TimeLimit { blocks }),
@@ -142,7 +147,7 @@ impl Endings {
         }
         let paths = blocks * BLOCK_SIZE;
         let is_patient = blocks < PATIENCE;
-        // How many times as many paths the goal needs that needs most, and that goal.
+        // The goal that needs the most paths, and the ratio of this number to that so far.
         let mut farthest: Option<(f64, Goal)> = None;
         let mut is_open = false;
         for &goal in &self.goals {
@@ -176,7 +181,7 @@ impl Endings {
         Look::GoOn(Some(needed as u64))
     }
 
-    /// The goals that a run of so many paths has not reached.
+    /// The goals that a run with this number of paths has not reached.
     pub fn missed<X: Merge + Clone>(&self, totals: &RunTotals<X>, paths: u64) -> Vec<MissedGoal> {
         let judged = self.goals.iter().map(|&goal| MissedGoal {
             goal,
@@ -205,11 +210,12 @@ mod tests {
         Endings { goals: vec![goal.parse().expect("a goal")], time: None }
     }
 
-    /// Ending a run when its standard error looks small enough prefers runs that underestimate it.
-    /// Null: the intervals of such runs still hold the value of 10^5 other paths (its own error is
-    /// a ninth of theirs) in 95 % of cases. 400 runs, which end after 4 to 12 blocks, where the
-    /// preference is greatest; sd of the share 1.1 %, the bounds are 3.5 of them (false-alarm rate
-    /// 5e-4). Intervals of one standard error hold it in 68 %.
+    /// A run that ends when its standard error looks small enough is more likely to end when it
+    /// underestimates this error. Null hypothesis: the 95 % intervals of such runs still contain
+    /// the true value in 95 % of cases; the true value is estimated from 10^5 other paths, with an
+    /// error of a ninth of that of a run. 400 runs end after 4 to 12 blocks, where the effect is
+    /// greatest. The standard deviation of the share is 1.1 %, and the bounds are 3.5 of them
+    /// (false-alarm rate 5e-4). Intervals of one standard error contain the value in 68 % of cases.
     #[test]
     fn intervals_of_runs_ended_by_a_goal_hold_what_they_promise() {
         let statistic = Statistic::StickDurationMean;

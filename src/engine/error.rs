@@ -1,20 +1,21 @@
-//! Why a run comes to nothing.
+//! The errors of a run.
 
 use super::{Outcome, SinkError};
 use crate::stats::Overlap;
 
-/// Why a run has no outcome.
+/// Why a run has no outcome, or why its outcome could not be stored.
 #[derive(Debug, thiserror::Error)]
 pub enum RunError {
-    /// A sink failed. What it was handed before is its own.
+    /// A sink failed. What becomes of the blocks that it received before depends on the sink.
     #[error("{error}")]
     Sink {
-        /// What it says.
+        /// The error of the sink.
         error: SinkError,
-        /// What was simulated nevertheless; nothing where the run had not begun.
+        /// The outcome of the paths that were simulated before; `None` if the run had not begun, or
+        /// if another process of the run has failed.
         outcome: Option<Box<Outcome>>,
     },
-    /// A block was delivered twice: a flaw of this program.
+    /// A block was delivered twice, which is a flaw in this program.
     #[error("a flaw in the program: {0}")]
     Overlap(#[from] Overlap),
 }

@@ -1,18 +1,20 @@
-//! A run, from a scenario to its outcome: started, watched, ended and summed up. It knows no file,
-//! no terminal and no TOML.
+//! A run, from a scenario to its outcome: it is begun, ended early if its goals are reached or its
+//! time is up, and summed up. The engine reads and writes no files, prints nothing, and does not
+//! depend on TOML.
 //!
 //! ```text
-//! Run::of(&scenario)      what to simulate; then, if wanted:
-//!     .until(goals)         end when standard errors are small enough       (Goal)
-//!     .within(time)         end when the time is up
-//!     .stopped_by(&flag)    end when somebody raises a flag
-//!     .with_progress(&mut progress)  say how far it has come                         (Progress)
-//!     .with_crew(&crew)     simulate in several processes                   (Crew)
-//!     .into_sink(&mut sink) hand over every finished block, and the outcome (Sink)
-//!   -> simulate()         blocks on threads, summed along one tree, ended, the bias of the step estimated
-//!   -> go_on(so_far)      the same from where an earlier sitting of the run has saved it
-//!     -> Outcome          summary with biases, why it ended, how long it took
-//! Replay::of(&scenario, path)   one path of it alone
+//! Run::of(&scenario)            what to simulate; then, if wanted:
+//!     .until(goals)             end when standard errors are small enough         (Goal)
+//!     .within(time)             end when the time is up
+//!     .stopped_by(&flag)        end when the caller sets a flag
+//!     .with_progress(&mut p)    report how far the run has come                   (Progress)
+//!     .with_crew(&crew)         simulate in several processes                     (Crew)
+//!     .into_sink(&mut sink)     pass on every finished block, and the outcome     (Sink)
+//!     .simulate()               simulate the blocks, sum them along a binary tree, and estimate
+//!                               the bias of the step
+//!     .go_on(so_far)            the same for the rest of a run that was saved
+//!   -> Outcome                  statistics with biases, why the run ended, how long it took
+//! Replay::of(&scenario, path)   simulate one path of the run alone
 //! ```
 
 mod alarm;

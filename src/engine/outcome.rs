@@ -1,4 +1,4 @@
-//! What a run came to.
+//! The outcome of a run.
 
 use super::{EndedBy, MissedGoal, Part};
 use crate::bias::NoBias;
@@ -9,20 +9,21 @@ use crate::stats::Summary;
 pub enum Status {
     /// Every path that was asked for has been simulated.
     Complete,
-    /// It ended at the end of a block as it was asked to: its goals are reached or its time is up.
+    /// The run ended early at the end of a block, because its goals were reached, one of them
+    /// cannot be reached, or its time was up.
     Ended,
     /// Every path of one part of the run has been simulated.
     Part,
-    /// It was stopped from outside.
+    /// The run was stopped by the caller.
     Interrupted,
-    /// It is still going, or was killed.
+    /// The run is still going on, or was killed.
     Running,
 }
 
 impl Status {
     const ALL: [Status; 5] = [Status::Complete, Status::Ended, Status::Part, Status::Interrupted, Status::Running];
 
-    /// The word in files and JSON.
+    /// The name in files and in JSON.
     pub fn name(self) -> &'static str {
         match self {
             Status::Complete => "complete",
@@ -33,59 +34,62 @@ impl Status {
         }
     }
 
-    /// The status of this name.
+    /// The status with this name.
     pub fn from_name(name: &str) -> Option<Status> {
         Status::ALL.into_iter().find(|status| status.name() == name)
     }
 }
 
-/// What became of the estimate of the bias of the step. The biases themselves are in the summary.
+/// The cost of the estimate of the bias of the step, or why there is none. The biases themselves
+/// are in the summary.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct BiasReport {
-    /// Wall-clock seconds that it took.
+    /// Wall-clock seconds that the estimate took.
     pub seconds: f64,
-    /// Why there is none; `None` where there is one, or nobody asked.
+    /// Why there is no estimate; `None` if there is one, or if none was asked for.
     pub absence: Option<NoBias>,
 }
 
-/// What a run came to. `T` is what a user's own statistic came to.
+/// The outcome of a run. `T` is the result of a user's own statistic.
 #[derive(Clone, Debug)]
 pub struct Outcome<T = ()> {
-    /// Every statistic with its interval and, where known, its bias.
+    /// Every statistic with its interval, and with its bias if that is known.
     pub summary: Summary,
     /// Whether all paths were simulated.
     pub status: Status,
-    /// Most paths that the run could have come to.
+    /// The number of paths that the run would have without an early end; for a part, the number of
+    /// all parts together.
     pub paths: u64,
-    /// Which part of the run it is, if not all of it.
+    /// The part of the run that was simulated; `None` means the whole run.
     pub part: Option<Part>,
-    /// What ended it before its last path.
+    /// What has ended the run before its last path, if anything has.
     pub ended_by: Option<EndedBy>,
-    /// Goals that it has missed, unless it was interrupted.
+    /// The goals that the run has not reached. Empty if the run was interrupted, or ended because a
+    /// goal cannot be reached.
     pub missed: Vec<MissedGoal>,
-    /// The bias of the step.
+    /// The estimate of the bias of the step.
     pub bias: BiasReport,
-    /// Threads that it ran on.
+    /// Number of threads, those of all processes together.
     pub threads: usize,
-    /// Wall-clock seconds, those for the bias included.
+    /// Wall-clock seconds, including those for the bias.
     pub seconds: f64,
-    /// A user's own statistic.
+    /// The result of a user's own statistic.
     pub tally: T,
 }
 
 impl<T> Outcome<T> {
-    /// Whether paths were simulated, and every one of them diverged or had to be given up.
+    /// Whether all simulated paths have diverged or were given up, and there is at least one.
     pub fn is_all_lost(&self) -> bool {
         let lost = self.summary.diverged.len() as u64;
         lost > 0 && lost == self.summary.completed_paths
     }
 
-    /// Wall-clock seconds of the ensemble itself, the bias left out.
+    /// Wall-clock seconds without those for the bias.
     pub fn ensemble_seconds(&self) -> f64 {
         self.seconds - self.bias.seconds
     }
 
-    /// The same with what a user's own statistic came to.
+    /// The same outcome with this result of a user's own statistic.
     pub(super) fn with_tally<U>(self, tally: U) -> Outcome<U> {
         let Outcome { summary, status, paths, part, ended_by, missed, bias, threads, seconds, tally: _ } = self;
         Outcome { summary, status, paths, part, ended_by, missed, bias, threads, seconds, tally }

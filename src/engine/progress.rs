@@ -1,9 +1,9 @@
-//! Whom a run tells how far it has come.
+//! Reports to the caller how far a run has come.
 
 use crate::stats::{Estimate, Statistic};
 
-/// Told once a block, on whichever thread has finished it. Every method does nothing unless it is
-/// written.
+/// Receives the progress of a run after each block, on the thread that has finished the block. The
+/// default of every method does nothing.
 ///
 /// ```
 /// use stick_slip::engine::{Progress, Run};
@@ -23,26 +23,27 @@ use crate::stats::{Estimate, Statistic};
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub trait Progress: Send {
-    /// So many paths are done, and so many will be needed in all, as far as can be told now.
+    /// `done` paths are done. `expected` is the number of paths that the run will need in all, as
+    /// far as it can be estimated now.
     fn paths(&mut self, done: u64, expected: u64) {
         let _ = (done, expected);
     }
 
-    /// Which statistic it would like to see now, if any. It is asked once a block, and an estimate
-    /// of a run so far takes as long as a few paths: who shows it twice a second should not ask for
-    /// more.
+    /// The statistic that is to be reported now, if any. This is asked after each block, and an
+    /// estimate takes as long as a few paths, so an implementation that shows it twice a second
+    /// should not ask for it more often.
     fn watches(&mut self) -> Option<Statistic> {
         None
     }
 
-    /// What is known of that statistic by now.
+    /// The present estimate of that statistic.
     fn estimate(&mut self, estimate: &Estimate) {
         let _ = estimate;
     }
 
-    /// The paths are done; the bias of the step is being estimated.
+    /// The paths are done, and the bias of the step is being estimated.
     fn estimating_bias(&mut self) {}
 }
 
-/// Nobody is told.
+/// No progress is reported.
 impl Progress for () {}

@@ -1,10 +1,11 @@
-//! One path of an ensemble alone, with its events and as fine a trajectory as it has.
+//! One path of an ensemble, simulated again alone, with its events and a trajectory that is as fine
+//! as the scheme allows.
 
 use crate::ensemble::Plan;
 use crate::scenario::{MAX_TRAJECTORIES, Scenario};
 use crate::stats::{BlockResult, Record};
 
-/// One path, simulated again.
+/// One path of an ensemble, simulated again.
 ///
 /// ```
 /// use stick_slip::engine::Replay;
@@ -18,42 +19,45 @@ use crate::stats::{BlockResult, Record};
 /// ```
 #[derive(Clone, Debug)]
 pub struct Replay {
-    /// The scenario with the output grid of the trajectory, and everything recorded.
+    /// The scenario, with the output grid of the trajectory, in which everything is recorded.
     pub scenario: Scenario,
-    /// What was recorded of the path.
+    /// What is recorded of the path.
     pub record: Record,
-    /// How the rows of the trajectory lie.
+    /// The times of the rows of the trajectory.
     pub rows: Rows,
-    /// A block that holds this path only.
+    /// A block that contains only this path.
     pub block: BlockResult,
 }
 
-/// How the rows of the trajectory of a replay lie.
+/// The times of the rows of the trajectory of a replay.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Rows {
-    /// One in so many steps.
+    /// One row every `stride` steps.
     Steps {
-        /// How many steps from row to row.
+        /// Number of steps from row to row.
         stride: u64,
-        /// Steps of the path.
+        /// Number of steps of the path.
         of: u64,
     },
-    /// So many times as fine as the output grid of the run.
+    /// The output grid of the run, made finer by this factor.
     Finer(usize),
 }
 
 impl Replay {
-    /// Simulate path number `path` of the ensemble of this scenario: the same path, bit for bit.
+    /// Simulate path number `path` of the ensemble of this scenario. It has the same bits as in the
+    /// ensemble.
     ///
-    /// The trajectory holds every step of a scheme with steps, or one in so many where there would
-    /// be more than 10 000 rows. A scheme without steps is looked at ten times as often as the run
-    /// was, and at the instants of the run it is where the run saw it.
+    /// With a scheme that has a step, the trajectory contains every step, or one in several if
+    /// there would be more than 10 000 rows. With a scheme that has none, it is ten times finer
+    /// than the output grid of the run, or less if there would be more than 10 000 rows, and it has
+    /// the same states as the run at the times of that grid.
     pub fn of(scenario: &Scenario, path: u64) -> Self {
         let mut scenario = scenario.clone();
         let (output_step, rows) = finest_grid(&scenario);
         scenario.time.output_step = output_step;
         let record = Record { paths: true, events: true, trajectories: path + 1 };
-        // What a file says must read back as a scenario, and no scenario keeps more.
+        // The scenario in a file must be valid, and no valid scenario records more trajectories
+        // than `MAX_TRAJECTORIES`.
         scenario.record = Record { trajectories: record.trajectories.min(MAX_TRAJECTORIES), ..record };
         let mut plan = Plan { record, ..scenario.plan() };
         if let Rows::Finer(refinement) = rows {
@@ -69,14 +73,15 @@ impl Replay {
     }
 }
 
-/// Most rows of a trajectory, unless the run has more.
+/// The largest number of rows of a trajectory, unless the run itself has more.
 const MOST_ROWS: usize = 10_000;
 
-/// How many times finer than the run's grid a trajectory is without steps.
+/// The trajectory of a scheme without a step is at most this many times finer than the output grid
+/// of the run.
 const REFINEMENT: usize = 10;
 
-/// The spacing of the finest trajectory that is the same path and has no more than [`MOST_ROWS`]
-/// rows, and what it is.
+/// The output step of the finest trajectory of the same path that has at most [`MOST_ROWS`] rows,
+/// and the times of its rows.
 fn finest_grid(scenario: &Scenario) -> (f64, Rows) {
     let most = MOST_ROWS as u64 - 1;
     let output_step = scenario.time.output_step;
@@ -89,8 +94,9 @@ fn finest_grid(scenario: &Scenario) -> (f64, Rows) {
     (output_step / refinement as f64, Rows::Finer(refinement))
 }
 
-/// The least number of steps between rows that makes no more than `most` rows besides the first;
-/// one that divides the steps, if there is one up to twice that.
+/// The smallest number of steps between rows that gives at most `most` rows besides the first one.
+/// If a number up to twice as large divides `steps`, it is taken instead, so that the last row is
+/// at the end of the path.
 fn stride(steps: u64, most: u64) -> u64 {
     let least = steps.div_ceil(most).max(1);
     (least..=2 * least).take(MOST_ROWS).find(|stride| steps.is_multiple_of(*stride)).unwrap_or(least)

@@ -1,4 +1,5 @@
-//! The run itself: blocks are simulated, handed on, summed and looked at, until something ends it.
+//! The run itself: blocks are simulated, passed to the sinks, summed and judged, until all are done
+//! or something ends the run earlier.
 
 use super::alarm::Alarm;
 use super::crew::Threads;
@@ -14,9 +15,9 @@ use std::time::{Duration, Instant};
 
 /// A run of a scenario, set up by the methods below and started by [`Run::simulate`].
 ///
-/// The outcome is a function of the scenario and the goals: threads, progress and sinks change no
-/// bit of it. Only a time limit and a stop from outside depend on the machine, and they end a run
-/// after some block whose number is in the outcome.
+/// The outcome is a function of the scenario and of what is asked of the run: its bits do not
+/// depend on threads, progress or sinks. Only a time limit and a stop by the caller depend on the
+/// machine. They end a run after some block, and the outcome contains the number of its paths.
 ///
 /// ```
 /// use stick_slip::engine::Run;
@@ -40,22 +41,22 @@ pub struct Run<'a> {
     crew: Option<&'a dyn Crew>,
 }
 
-/// How far a run has come: what it takes to go on.
+/// The state from which a run can be continued.
 #[derive(Clone, Debug)]
 pub struct SoFar {
     /// The sums of the blocks that are done.
     pub totals: RunTotals,
-    /// Time spent on them.
+    /// Wall-clock time spent on them.
     pub spent: Duration,
 }
 
-/// The bias takes this share of the time of the paths at most, with some margin. A time limit is
-/// one on both.
+/// The estimate of the bias takes at most this share of the time of the paths, including a margin.
+/// A time limit is divided accordingly.
 const BIAS_SHARE: f64 = 0.15;
 
 impl<'a> Run<'a> {
-    /// Of all paths that the scenario asks for, on one thread a core, with an estimate of the bias
-    /// of the step.
+    /// A run of all paths that the scenario asks for, on one thread for each core, with an estimate
+    /// of the bias of the step.
     pub fn of(scenario: &'a Scenario) -> Self {
         let asked =
             Asked { paths: scenario.ensemble.paths, part: None, goals: Vec::new(), max_time: None, with_bias: true };
@@ -70,76 +71,79 @@ impl<'a> Run<'a> {
         }
     }
 
-    /// What it is asked besides its scenario.
+    /// What is asked of the run besides its scenario.
     pub fn question(&self) -> Asked {
         self.asked.clone()
     }
 
-    /// The same paths on so many threads. No bit depends on it.
+    /// Simulate on this many threads. No bit of the results depends on this number.
     pub fn threads(self, threads: usize) -> Self {
         Run { threads: threads.max(1), ..self }
     }
 
-    /// All that an earlier sitting of this run was asked.
+    /// Replace everything that is asked of the run by what was asked when it was begun.
     pub fn asked(self, asked: Asked) -> Self {
         Run { asked, ..self }
     }
 
-    /// At most so many paths, whatever the scenario asks for; whole pairs where they are
-    /// antithetic.
+    /// Simulate at most this many paths, whatever the scenario asks for. The number is rounded up
+    /// to whole pairs if paths are antithetic.
     pub fn paths(mut self, paths: u64) -> Self {
         let is_paired = self.scenario.ensemble.antithetic;
         self.asked.paths = if is_paired { paths.next_multiple_of(2) } else { paths };
         self
     }
 
-    /// One part of the run only.
+    /// Simulate only this part of the run.
     pub fn part(mut self, part: Option<Part>) -> Self {
         self.asked.part = part;
         self
     }
 
-    /// End at the first block after which every goal is reached.
+    /// End the run after the first block at which every goal is reached.
     pub fn until(mut self, goals: Vec<Goal>) -> Self {
         self.asked.goals = goals;
         self
     }
 
-    /// End in time for this limit, which is one on the paths and on the bias of the step.
+    /// End the run such that the paths and the estimate of the bias together keep this limit of
+    /// wall-clock time.
     pub fn within(mut self, time: Option<Duration>) -> Self {
         self.asked.max_time = time;
         self
     }
 
-    /// Do not estimate the bias of the step, which takes up to an eighth of the time.
+    /// Do not estimate the bias of the step. The estimate takes up to an eighth of the time of the
+    /// run.
     pub fn without_bias(mut self) -> Self {
         self.asked.with_bias = false;
         self
     }
 
-    /// End when this flag is raised: blocks in work have a moment to be finished.
+    /// End the run when this flag is set. Unfinished blocks then get a moment to be completed.
     pub fn stopped_by(self, stop: &'a AtomicBool) -> Self {
         Run { stop: Some(stop), ..self }
     }
 
-    /// Tell somebody how far the run has come.
+    /// Report how far the run has come.
     pub fn with_progress(self, progress: &'a mut dyn Progress) -> Self {
         Run { progress: Some(progress), ..self }
     }
 
-    /// Hand every finished block, and the outcome, to a sink. There may be several.
+    /// Pass every finished block, and the outcome, to this sink. There may be several sinks.
     pub fn into_sink(mut self, sink: &'a mut dyn Sink) -> Self {
         self.sinks.push(sink);
         self
     }
 
-    /// Have a crew of several processes simulate the paths, each on so many threads. No bit depends
-    /// on it. A statistic of the caller's own stays in this process.
+    /// Let a crew of several processes simulate the paths, each process on the given number of
+    /// threads. No bit of the results depends on this. A run with a statistic of the caller's own
+    /// does not use the crew, and is simulated in this process.
     pub fn with_crew(self, crew: &'a dyn Crew) -> Self {
         Run { crew: Some(crew), ..self }
     }
 
-    /// Simulate it.
+    /// Simulate the run.
     pub fn simulate(self) -> Result<Outcome, RunError> {
         let so_far = SoFar {
             totals: RunTotals::with((), &self.scenario.model, &self.scenario.timeline()),
@@ -148,14 +152,14 @@ impl<'a> Run<'a> {
         self.go_on(so_far)
     }
 
-    /// Simulate what is left of it. The outcome is that of a run which was never interrupted, bit
-    /// for bit.
+    /// Simulate the rest of a run. The outcome has the same bits as that of a run which was never
+    /// interrupted.
     pub fn go_on(self, so_far: SoFar) -> Result<Outcome, RunError> {
         let crew = self.crew.unwrap_or(&Threads(&()));
         self.simulate_by(crew, so_far.totals, so_far.spent)
     }
 
-    /// Simulate it with a statistic of the caller's own folded beside the program's.
+    /// Simulate the run, and compute a statistic of the caller's own beside those of the program.
     pub fn tallied<T: Tally<N>, const N: usize>(self, tally: &T) -> Result<Outcome<Measurement>, RunError> {
         let tallied = Tallied(tally);
         let totals = RunTotals::with(tallied.empty(), &self.scenario.model, &self.scenario.timeline());
@@ -188,21 +192,23 @@ impl<'a> Run<'a> {
         let asked = self.asked.blocks();
         let paths_before = |end: u64| (end * BLOCK_SIZE).min(plan.paths).saturating_sub(asked.start * BLOCK_SIZE);
         let counts = totals.counts().clone();
-        // Blocks are done in order, so those that are done come first.
+        // Blocks are done in order, so those that are done are the first ones.
         let first = totals.blocks().last().map_or(asked.start, |done| done.end);
         let look = |blocks: u64, totals: &RunTotals<X>| match endings.look(blocks, totals, spent()) {
-            // A run that is done needs no more time.
+            // A run of which all blocks are done needs no more time.
             Look::Stop(EndedBy::TimeLimit { blocks }) if blocks == asked.end => Look::GoOn(None),
             look => look,
         };
-        // What ended the run may have been seen already, and the end not come.
+        // An earlier process may have reached the end of the run, and was interrupted before it
+        // could finish.
         let mut ended_by = match look(first, &totals) {
             Look::Stop(reason) if first > asked.start => Some(reason),
             _ => None,
         };
         let left = if ended_by.is_some() { first..first } else { first..asked.end };
         let own_paths = self.asked.own_paths();
-        // Several sinks would each need a place of their own.
+        // Each sink would need an outlet of its own, so there is one only if there is a single
+        // sink.
         let outlet = if let [sink] = self.sinks.as_mut_slice() { sink.outlet() } else { None };
         let mut broken = None;
         let mut deliver = |portion: Portion<X>| -> Result<ControlFlow<()>, RunError> {
@@ -250,7 +256,7 @@ impl<'a> Run<'a> {
         let is_whole = blocks >= asked.end;
         let is_stopped = || stop.load(Ordering::Relaxed);
         if !is_whole && ended_by.is_none() && broken.is_none() && !is_stopped() {
-            // Nothing else gives up blocks in work.
+            // Only the time limit remains as a reason for which blocks were given up.
             ended_by = Some(EndedBy::TimeLimit { blocks });
         }
         let moment =
@@ -262,7 +268,8 @@ impl<'a> Run<'a> {
         let mut summary = totals.totals().summary();
         let bias = match broken {
             None if self.asked.with_bias && self.asked.part.is_none() => {
-                // The alarm looks only now and then.
+                // The alarm looks at the flag only from time to time, so it is checked here as
+                // well.
                 alarm.end.fetch_or(is_stopped(), Ordering::Relaxed);
                 alarm.watching(|| self.add_bias(summary.completed_paths, &alarm.end, progress, &mut summary))
             }
@@ -297,8 +304,7 @@ impl<'a> Run<'a> {
         Endings { goals: goals.clone(), time: max_time.map(|time| time.div_f64(share)) }
     }
 
-    /// Estimate the bias of the step from some of the paths that the run came to, and add it to the
-    /// summary.
+    /// Estimate the bias of the step from some of the simulated paths, and add it to the summary.
     fn add_bias(
         &self,
         paths: u64,

@@ -1,15 +1,15 @@
-//! Where the rows and the outcome of a run go: a file, memory, a socket, whatever implements
-//! [`Sink`].
+//! The destinations of the rows and of the outcome of a run: a file, memory, a socket, or anything
+//! else that implements [`Sink`].
 
 use super::{Asked, Outcome};
 use crate::scenario::Scenario;
 use crate::stats::BlockResult;
 use std::time::Duration;
 
-/// Why a sink cannot go on.
+/// Why a sink cannot continue.
 pub type SinkError = Box<dyn std::error::Error + Send + Sync>;
 
-/// Is handed every finished block of a run in the order of its paths, and the outcome. The first
+/// Receives every finished block of a run, in the order of its paths, and the outcome. The first
 /// error ends the run.
 ///
 /// ```
@@ -35,49 +35,51 @@ pub type SinkError = Box<dyn std::error::Error + Send + Sync>;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub trait Sink: Send {
-    /// A run of this scenario begins, or goes on.
+    /// A run of this scenario begins or is continued.
     fn begin(&mut self, scenario: &Scenario, asked: &Asked) -> Result<(), SinkError> {
         let _ = (scenario, asked);
         Ok(())
     }
 
-    /// The next block is finished. Its totals are empty where a crew of several processes simulates
-    /// the run: the sums of many blocks then come in one piece, as part of [`Moment::state`].
+    /// The next block is finished. Its totals are empty if a crew of several processes simulates
+    /// the run: the sums of many blocks are then merged, and are part of [`Moment::state`].
     fn block(&mut self, block: &BlockResult) -> Result<(), SinkError>;
 
-    /// Where other processes may write what is kept of the paths that they simulate, in words that
-    /// only the sink and its kin understand. Those blocks are not handed over. Most sinks have no
-    /// such place.
+    /// The place where other processes may write what is recorded of the paths that they simulate,
+    /// as bytes that only this kind of sink can read. Those blocks are not passed to `block`. Most
+    /// sinks have no such place.
     fn outlet(&mut self) -> Option<Vec<u8>> {
         None
     }
 
-    /// Another process has written there, and this is the receipt that it was given. All that was
-    /// handed over or written so far belongs to the blocks that are summed up.
+    /// Another process has written to the outlet, and has returned this receipt. At the next call
+    /// of `save`, the sums contain exactly the blocks that were passed to the sink or that a
+    /// receipt covers.
     fn left_in_outlet(&mut self, receipt: &[u8]) -> Result<(), SinkError> {
         let _ = receipt;
         Ok(())
     }
 
-    /// Every block that it was handed is summed up. It is told so after each of them, and once more
-    /// when the paths are done: whoever keeps what a run can go on from should do so seldom.
+    /// All blocks that the sink has received are summed up. This is called after each portion of
+    /// blocks, and once more when the paths are done. A sink that saves the run should do so only
+    /// from time to time.
     fn save(&mut self, moment: &Moment<'_>) -> Result<(), SinkError> {
         let _ = moment;
         Ok(())
     }
 
-    /// The run is over.
+    /// The run is over, with this outcome.
     fn finish(&mut self, outcome: &Outcome) -> Result<(), SinkError> {
         let _ = outcome;
         Ok(())
     }
 }
 
-/// A run between two blocks.
+/// The state of a run between two blocks.
 pub struct Moment<'a> {
-    /// Time spent so far, that of earlier sittings included.
+    /// Wall-clock time spent so far, including that before an interruption.
     pub spent: Duration,
-    /// Paths that are summed up, those of earlier sittings included.
+    /// Number of paths that are summed up, including those before an interruption.
     pub paths: u64,
     /// Whether no more blocks follow.
     pub is_last: bool,
@@ -85,13 +87,15 @@ pub struct Moment<'a> {
 }
 
 impl Moment<'_> {
-    /// The sums so far as bytes, which [`crate::stats::RunTotals::read`] turns into the same bits.
+    /// The sums so far as bytes, from which [`crate::stats::RunTotals::read`] restores the same
+    /// bits.
     pub fn state(&self) -> Vec<u8> {
         (self.state)()
     }
 }
 
-/// Keeps the rows of a run in memory: what `scenario.record` asks for, block by block.
+/// Keeps the rows of a run in memory, block by block. The scenario states in `record` which rows
+/// there are.
 ///
 /// ```
 /// use stick_slip::engine::{Memory, Run};
