@@ -1,9 +1,10 @@
-//! The log of a run: the rows of its single paths, block after block. It is only ever appended to.
+//! The log of a run: the rows of its single paths, block after block. Blocks are only ever
+//! appended.
 //!
 //! A block is stored as its length in bytes, its bytes, and a checksum of everything in the log up
-//! to here. The state of a run therefore needs to keep only the length of the log that is valid and
-//! the checksum at its end ([`Position`]). Whatever an interrupted write has left beyond that
-//! length is cut off.
+//! to there. Therefore the state of a run needs to contain only the length of the log that is valid
+//! and the checksum at its end ([`Position`]). Anything that an interrupted write has left beyond
+//! this length is cut off.
 
 use super::StoreError;
 use super::checksum::checksum;
@@ -92,9 +93,9 @@ impl Log {
 struct Reading {
     path: PathBuf,
     file: BufReader<File>,
-    /// What was read.
+    /// The position after what was read.
     at: Position,
-    /// What counts.
+    /// The end of the valid part.
     end: Position,
     bytes: Vec<u8>,
     /// The next block.
@@ -115,7 +116,7 @@ impl Reading {
         Ok(reading)
     }
 
-    /// Take the next block, and read the one after it.
+    /// Return the next block, and read the one after it. Damage is an error.
     fn advance(&mut self) -> Result<Option<OwnedRows>, StoreError> {
         let next = if self.at.length < self.end.length { Some(self.block()?) } else { None };
         if next.is_none() && self.at != self.end {
@@ -160,8 +161,8 @@ impl Reading {
     }
 }
 
-/// Read each of these logs up to its end, and hand every block to `visit`, in the order of paths. The
-/// blocks of each log are in that order.
+/// Read each of these logs up to its end, and pass every block to `visit`, in the order of paths.
+/// The blocks of each log must be in this order.
 pub(super) fn read(
     logs: impl IntoIterator<Item = (PathBuf, Position)>,
     mut visit: impl FnMut(OwnedRows) -> Result<(), StoreError>,

@@ -1,8 +1,9 @@
-//! Logs of other processes beside that of the process that keeps a run.
+//! Logs of other processes, beside the log of the process that keeps a run.
 //!
-//! Several processes that share a disk write the rows of the paths that they simulate into logs of
-//! their own, so that the rows do not go through messages. The process that keeps the run counts
-//! the logs in its state, and reads all of them in the order of paths when it writes the file.
+//! If several processes share a disk, each of them writes the rows of the paths that it simulates
+//! to a log of its own, so that the rows are not sent as messages. The process that keeps the run
+//! saves in its state how much of each log counts, and reads all logs in the order of paths when it
+//! writes the file.
 
 use super::StoreError;
 use super::log::{Log, Position};
@@ -19,16 +20,17 @@ use std::path::{Path, PathBuf};
 pub(super) struct Outlet {
     /// The folder `NAME.partial`, with its full path.
     folder: PathBuf,
-    /// What a file in it says, so that a folder of the same name on another disk is not taken for
-    /// it.
+    /// A random number, which a file in the folder contains too. It distinguishes the folder from
+    /// one with the same path on a disk of another machine.
     token: u64,
-    /// The number of the log of rank 1. Every sitting of a run has logs of its own, so that a process
-    /// that has outlived an earlier sitting writes to none of them.
+    /// The number of the log of rank 1. Each time a run is continued it gets new logs, so a process
+    /// that is left over from before the interruption writes to none of them.
     first: u64,
 }
 
 impl Outlet {
-    /// In this folder, which is given a new token, and in which so many logs are.
+    /// The outlet in this folder. A new token is written to the folder, and new logs are numbered
+    /// from `logs`, the number of logs that it has.
     pub fn open(folder: &Path, logs: usize) -> io::Result<Outlet> {
         // The keys of the standard library's hash are random.
         let token = RandomState::new().hash_one(folder);
@@ -36,7 +38,7 @@ impl Outlet {
         Ok(Outlet { folder: fs::canonicalize(folder)?, token, first: logs as u64 })
     }
 
-    /// As bytes, for another process. There are none where the path of the folder is not UTF-8.
+    /// The bytes of the outlet, for another process; `None` if the path of the folder is not UTF-8.
     pub fn to_bytes(&self) -> Option<Vec<u8>> {
         let Outlet { folder, token, first } = self;
         let mut out = Vec::new();
@@ -56,7 +58,7 @@ impl Outlet {
     }
 }
 
-/// The log of a process that simulates for another one.
+/// The log of a process that simulates for the process that keeps the run.
 #[derive(Debug)]
 pub struct RankLog {
     log: Log,
@@ -66,8 +68,8 @@ pub struct RankLog {
 }
 
 impl RankLog {
-    /// The log of this rank, which is not 0, where the outlet says. There is none if that folder is
-    /// not on a disk of this machine.
+    /// Create the log of this rank, which is not 0, in the outlet. Returns `None` if the folder of
+    /// the outlet is not on a disk that this machine shares.
     pub fn create(outlet: &[u8], rank: usize) -> Result<Option<RankLog>, StoreError> {
         let Ok(Outlet { folder, token, first }) = Outlet::of_bytes(outlet) else { return Ok(None) };
         let is_shared = fs::read_to_string(folder.join(TOKEN)).is_ok_and(|there| there == token.to_string());
@@ -76,18 +78,18 @@ impl RankLog {
         }
         let number = first + rank as u64 - 1;
         let path = folder.join(rows_name(number));
-        // A crash may have left a log of this number that does not count.
+        // A crash may have left a log of this number that no saved state contains.
         let log = remove(&path).and_then(|()| Log::create(&path)).map_err(|error| failed(&path, rank, &error))?;
         Ok(Some(RankLog { log, path, rank, number }))
     }
 
-    /// Append the rows of a block. Blocks come in their order.
+    /// Append the rows of a block. Blocks must be appended in their order.
     pub fn append(&mut self, block: &BlockResult) -> Result<(), StoreError> {
         self.log.append(&block.into()).map_err(|error| failed(&self.path, self.rank, &error))
     }
 
-    /// Bring everything to the disk. Returns how much of the log counts now, for the process that
-    /// keeps the run.
+    /// Write everything to the disk, and return the receipt for the process that keeps the run: the
+    /// number of the log, and how much of it counts now.
     pub fn sync(&mut self) -> Result<Vec<u8>, StoreError> {
         let end = self.log.sync().map_err(|error| failed(&self.path, self.rank, &error))?;
         let mut receipt = Vec::new();
@@ -101,7 +103,7 @@ fn failed(path: &Path, rank: usize, error: &io::Error) -> StoreError {
     StoreError::RankLog { path: path.to_owned(), rank, cause: error.to_string() }
 }
 
-/// The number of a log and how much of it counts, from what [`RankLog::sync`] has returned.
+/// The number of a log and how much of it counts, read from a receipt of [`RankLog::sync`].
 pub(super) fn read_receipt(receipt: &[u8]) -> Result<(u64, Position), Damaged> {
     let mut from = Reader::new(receipt);
     let mut number = 0;

@@ -53,8 +53,8 @@ struct Open {
     question: Question,
     /// The log; `None` if nothing is recorded of single paths.
     log: Option<Log>,
-    /// How much of each log is on the disk. The first one is ours, the others are those of processes
-    /// that simulate for us.
+    /// How much of each log is on the disk. The first log is that of this process, and the others
+    /// are those of processes that simulate for it.
     logs: Vec<Position>,
     last: Instant,
     interval: Duration,
@@ -139,7 +139,7 @@ impl FileSink {
     /// Create the folder and the log of a new run.
     fn create(&self, question: Question) -> Result<Open, StoreError> {
         let Question { scenario, asked, .. } = &question;
-        // The factor 2 is there because rows are written twice: to the log, and to the file.
+        // The factor is 2 because rows are written twice: to the log, and to the file.
         let share = asked.own_paths() as f64 / scenario.ensemble.paths.max(1) as f64;
         check_space(&parent(&self.target), (2.0 * share.min(1.0) * scenario.derived().output_bytes) as u64)?;
         let workshop = Workshop::open(&self.target, self.force).map_err(|error| match error {
@@ -157,20 +157,20 @@ pub(super) fn is_logged(record: &Record) -> bool {
     *record != Record::NOTHING
 }
 
-/// Check all logs, and go on with our own, which is the first.
+/// Check all logs, and open the one of this process, which is the first, to continue it.
 fn go_on_with_logs(workshop: &Workshop, ends: &[Position]) -> Result<Log, StoreError> {
     log::read(logs(workshop, ends), |_| Ok(()))?;
     let own = ends.first().copied().unwrap_or_default();
     Log::go_on(&workshop.path(ROWS), own).map_err(|error| workshop.failed(&error))
 }
 
-/// The logs that hold any rows, and their ends.
+/// The logs that contain rows, and their ends.
 fn logs(workshop: &Workshop, ends: &[Position]) -> Vec<(PathBuf, Position)> {
     let all = (0..).zip(ends).filter(|(_, end)| end.length > 0);
     all.map(|(number, end)| (workshop.path(&rows_name(number)), *end)).collect()
 }
 
-/// The error for a folder that holds a run already: the same run, another run, or something that
+/// The error for a folder that already contains a run: the same run, another run, or something that
 /// cannot be read.
 fn left_over(partial: PathBuf, target: PathBuf, question: &Question) -> StoreError {
     let Ok(state) = state::read(&partial.join(STATE)) else { return StoreError::LeftOver { partial, target } };
@@ -235,7 +235,8 @@ impl Open {
             writer.append_rows(block.rows())
         })?;
         if let Some(part) = asked.part {
-            // Whoever merges parts compares their rows with a checksum, in the order of the file.
+            // The state of a part contains a checksum of its rows in the order of the file, which
+            // is checked when parts are merged.
             let SoFar { totals, spent } = state::read(&state)?.so_far;
             writer.part(part, &state::to_bytes(&question, &totals.to_bytes(), spent, &[in_one_log]))?;
         }
@@ -262,7 +263,7 @@ impl Sink for FileSink {
 
     fn outlet(&mut self) -> Option<Vec<u8>> {
         let open = self.open.as_ref().filter(|open| open.log.is_some())?;
-        // Where it cannot be made, rows are handed over as usual.
+        // If the outlet cannot be created, other processes send their rows as messages.
         Outlet::open(&open.workshop.path(""), open.logs.len()).ok()?.to_bytes()
     }
 
@@ -279,8 +280,8 @@ impl Sink for FileSink {
 
     fn save(&mut self, moment: &Moment<'_>) -> Result<(), SinkError> {
         let Some(open) = &mut self.open else { return Ok(()) };
-        // A run of which no path is done leaves nothing behind, and what is saved is not saved
-        // again.
+        // A run of which no path is done leaves nothing behind, and what is saved already is not
+        // saved again.
         let is_new = moment.paths > open.workshop.saved_paths;
         let is_due = is_new && (moment.is_last || open.last.elapsed() >= open.interval);
         if is_due { Ok(open.save(moment)?) } else { Ok(()) }

@@ -1,11 +1,11 @@
-//! The folder `NAME.partial`, in which a file is made before it gets its name, together with the
-//! lock for making it.
+//! The folder `NAME.partial`, in which a file is written before it gets its name, together with the
+//! lock for writing it.
 //!
 //! ```text
 //! NAME.partial/state        how far a run has come
 //! NAME.partial/rows         rows of its single paths
 //! NAME.partial/rows.1 ...   rows of paths that other processes have simulated for it
-//! NAME.partial/ranks        tells those processes that this is the folder
+//! NAME.partial/ranks        a token by which those processes recognise the folder
 //! NAME.partial/results.h5   the file itself, while it is written
 //! ```
 //!
@@ -25,9 +25,9 @@ use std::path::{Path, PathBuf};
 pub(super) const STATE: &str = "state";
 /// The rows of its single paths.
 pub(super) const ROWS: &str = "rows";
-/// Tells the other processes of a run that this is the folder.
+/// A token by which the other processes of a run recognise the folder.
 pub(super) const TOKEN: &str = "ranks";
-/// The file that is being made.
+/// The file itself, while it is written.
 pub(super) const RESULTS: &str = "results.h5";
 /// A new state, before it replaces the old one.
 const NEW_STATE: &str = "state.new";
@@ -43,7 +43,7 @@ pub(super) fn rows_name(log: u64) -> String {
     if log == 0 { ROWS.to_string() } else { format!("{ROWS}.{log}") }
 }
 
-/// The name of the folder in which a file is made: `NAME.partial`.
+/// The name of the folder in which a file is written: `NAME.partial`.
 pub fn partial_path(target: &Path) -> PathBuf {
     let mut name = target.as_os_str().to_owned();
     name.push(".partial");
@@ -60,7 +60,7 @@ pub fn file_of(path: &Path) -> PathBuf {
     }
 }
 
-/// The folder for making one file, with the lock.
+/// The folder for writing one file, with the lock.
 #[derive(Debug)]
 pub(super) struct Workshop {
     target: PathBuf,
@@ -74,8 +74,8 @@ pub(super) struct Workshop {
 }
 
 impl Workshop {
-    /// Create an empty folder. What a run has left in it is an error, unless `force` lets it be
-    /// removed.
+    /// Create an empty folder. If the folder exists and contains a saved run, this is an error,
+    /// unless `force` lets it be removed.
     pub fn open(target: &Path, force: bool) -> Result<Workshop, StoreError> {
         let lock = lock(target)?;
         let folder = partial_path(target);
@@ -149,7 +149,7 @@ impl Workshop {
         self.failure(error.to_string(), is_full(error))
     }
 
-    /// The same from the cause as text, and whether the disk is full.
+    /// The same error, from the cause as text and whether the disk is full.
     pub fn failure(&self, cause: String, is_full: bool) -> StoreError {
         let (partial, target, saved_paths) = (self.folder.clone(), self.target.clone(), self.saved_paths);
         match is_full {
@@ -196,7 +196,8 @@ impl Workshop {
         Ok(())
     }
 
-    /// Remove the folder. Files in it that are not of this program stay, and the folder with them.
+    /// Remove the folder. If it contains files that are not of this program, they stay, and the
+    /// folder stays too.
     pub fn discard(&self) {
         // An error is ignored: a folder without a state hinders no later run.
         let _ = clear(&self.folder);
