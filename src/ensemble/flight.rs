@@ -10,7 +10,7 @@ use crate::scheme::{Instant, Observer, Snapshot};
 /// The observers of the blocks. All blocks are full except perhaps the last one.
 pub(super) struct Flight<O> {
     pub blocks: Vec<O>,
-    /// Number of paths of a full block: lane i of the flight is lane `i % lanes` of block `i /
+    /// Number of paths of a full block. Lane i of the flight is lane `i % lanes` of block `i /
     /// lanes`.
     pub lanes: usize,
 }

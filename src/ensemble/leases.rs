@@ -18,9 +18,9 @@ const LONGEST: f64 = 60.0;
 /// two leases, workers may end apart by twice this time.
 const SHORTEST: f64 = 0.1;
 
-/// A lease lasts at least this many times as long as it takes to take back one result from every
-/// worker, as far as the longest duration allows. The coordinator is then idle for five sixths of
-/// the time.
+/// Except near the end of the run, and up to the longest duration, a lease lasts at least this many
+/// times as long as it takes to take back one result from every worker. The coordinator is then
+/// idle for five sixths of the time.
 const PATIENCE: f64 = 6.0;
 
 /// Number of leases that a worker has at a time. With two of them, the next lease begins when the

@@ -47,7 +47,7 @@ pub struct Plan {
     pub simulation: Simulation,
     /// What is recorded of single paths.
     pub record: Record,
-    /// The seed. Together with its number it determines a path.
+    /// The seed. Together with the number of a path, it determines the path.
     pub seed: u64,
     /// Number of paths.
     pub paths: u64,

@@ -15,8 +15,8 @@ pub(super) struct Piece {
 
 impl Piece {
     pub fn new(first: u64, paths: u64, antithetic: bool) -> Self {
-        // A piece that contains only one path of some pair, such as a single path, is a piece of
-        // paths.
+        // If a piece contains only one path of some pair, for example because it is a single path,
+        // its independent units are paths.
         let holds_pairs = antithetic && first.is_multiple_of(2) && paths.is_multiple_of(2);
         let unit = if holds_pairs { Unit::Pair } else { Unit::Path };
         Piece { first, paths, unit, kept: (first..first + paths).collect(), diverged: Vec::new() }
