@@ -8,8 +8,8 @@ use std::ops::Range;
 use std::str::FromStr;
 use std::time::Duration;
 
-/// What is asked of a run besides its scenario. Both together determine every bit of the outcome,
-/// unless there is a time limit.
+/// What is asked of a run besides its scenario. Unless there is a time limit, it determines every
+/// bit of the outcome together with the scenario.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Asked {
     /// The largest number of paths of the run. If the run is cut into parts, it is that of all

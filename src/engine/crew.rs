@@ -14,7 +14,7 @@ pub struct Work<'a> {
     pub scenario: &'a Scenario,
     /// What is asked of the run besides its scenario.
     pub asked: &'a Asked,
-    /// The ensemble that follows from both.
+    /// The ensemble that follows from the scenario and from what is asked.
     pub plan: &'a Plan,
     /// The blocks that have not been simulated yet.
     pub blocks: Range<u64>,

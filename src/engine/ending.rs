@@ -4,7 +4,7 @@
 //! Goals are judged after each block, on the totals that the run would have if it ended there, so
 //! the block after which they end a run depends on the scenario and the seed alone. A time limit
 //! ends a run after a block that depends on the machine. The outcome contains the number of blocks,
-//! and a run of that many paths gives the same results.
+//! and a run of exactly the paths of these blocks gives the same results.
 
 use crate::ensemble::BLOCK_SIZE;
 use crate::stats::{Estimate, Goal, Merge, RunTotals, Statistic, Verdict};
