@@ -1,8 +1,8 @@
 //! The part of rank 0: it gives leases to the ranks, takes them back, and delivers their blocks to
 //! the run in order.
 
-use super::lease::{self, Errand, Manner, Parcel, Simulator, Stretch};
-use super::message::{Kind, Nap, Received, abort, receive, receive_from, send};
+use super::lease::{self, Instructions, Parcel, RankOptions, Simulator, Stretch};
+use super::message::{Kind, Pause, Received, abort, receive, receive_from, send};
 use super::settling::Settling;
 use super::snapshots::{Counted, Snapshots};
 use crate::engine::{Crew, Deliver, Portion, RunError, Work};
@@ -58,14 +58,14 @@ impl Coordinator {
             abort();
         }
         (1..self.ranks).for_each(|rank| send(rank, Kind::End, &[]));
-        let (start, mut nap, mut left) = (Instant::now(), Nap::default(), self.ranks - 1);
+        let (start, mut pause, mut left) = (Instant::now(), Pause::default(), self.ranks - 1);
         while left > 0 {
             match receive() {
                 Some(Received { kind: Kind::End, .. }) => left -= 1,
                 // This message is no longer needed.
-                Some(_) => nap = Nap::default(),
+                Some(_) => pause = Pause::default(),
                 None if start.elapsed() > PATIENCE => abort(),
-                None => thread::sleep(nap.next()),
+                None => thread::sleep(pause.next()),
             }
         }
     }
@@ -84,11 +84,11 @@ fn processors() -> Option<usize> {
 impl Crew for Coordinator {
     fn simulate(&self, work: &Work<'_>, deliver: &mut Deliver<'_>) -> Result<u64, RunError> {
         let Work { scenario, asked, plan, threads, stops, .. } = work;
-        let manner = Manner { threads: *threads, has_goals: !asked.goals.is_empty() };
+        let options = RankOptions { threads: *threads, has_goals: !asked.goals.is_empty() };
         let question = Question { scenario: (*scenario).clone(), asked: (*asked).clone(), note: String::new() };
         let outlet = work.outlet.clone().unwrap_or_default();
-        let errand = Errand { question, manner, outlet }.to_bytes();
-        (1..self.ranks).for_each(|rank| send(rank, Kind::Run, &errand));
+        let instructions = Instructions { question, options, outlet }.to_bytes();
+        (1..self.ranks).for_each(|rank| send(rank, Kind::Run, &instructions));
         let snapshots = &Snapshots::default();
         let (own_leases, to_do) = channel();
         let (done, parcels) = channel();
@@ -97,16 +97,16 @@ impl Crew for Coordinator {
             // thread below then ends too.
             let own_leases = own_leases;
             scope.spawn(move || {
-                let mut simulator = Simulator::new(plan, manner, *stops, snapshots);
+                let mut simulator = Simulator::new(plan, options, *stops, snapshots);
                 for lease in to_do {
                     // An error means that the run has failed, and the parcel is then not needed.
                     let _ = done.send(simulator.simulate(lease));
                 }
             });
-            let mut desk = Desk {
+            let mut dispatcher = Dispatcher {
                 plan,
                 ranks: self.ranks,
-                has_goals: manner.has_goals,
+                has_goals: options.has_goals,
                 own_leases,
                 last_order: None,
                 settling: Settling::new(plan, self.ranks),
@@ -116,52 +116,52 @@ impl Crew for Coordinator {
                 is_cut: false,
             };
             let mut leases = Leases::new(work.blocks.clone(), &vec![*threads; self.ranks]);
-            let (mut nap, mut halted) = (Nap::default(), None::<Instant>);
+            let (mut pause, mut halted) = (Pause::default(), None::<Instant>);
             loop {
                 let is_stopped = stops.stop.load(Ordering::Relaxed);
-                desk.tell(is_stopped, stops.halt.load(Ordering::Relaxed));
-                if !desk.is_cut && !is_stopped {
-                    desk.lend(&mut leases);
+                dispatcher.tell(is_stopped, stops.halt.load(Ordering::Relaxed));
+                if !dispatcher.is_cut && !is_stopped {
+                    dispatcher.lend(&mut leases);
                 }
-                let is_waiting = leases.on_loan() > 0 || !desk.settling.is_empty();
-                let own = parcels.recv_timeout(if is_waiting { nap.next() } else { Duration::ZERO }).ok();
+                let is_waiting = leases.on_loan() > 0 || !dispatcher.settling.is_empty();
+                let own = parcels.recv_timeout(if is_waiting { pause.next() } else { Duration::ZERO }).ok();
                 let come = match own {
                     // Rank 0 simulates without a log here, so its parcels are never errors.
                     Some(parcel) => parcel.ok().map(|parcel| Answer::Parcel(0, parcel)),
                     None => Answer::receive(plan, &leases),
                 };
                 if come.is_some() {
-                    nap = Nap::default();
+                    pause = Pause::default();
                 }
                 match come {
                     Some(Answer::Parcel(rank, parcel)) => {
                         let start = Instant::now();
                         let Parcel { done, seconds, rows, ref lease, .. } = parcel;
                         leases.take_back(rank, lease.start, done, seconds, rows, parcel);
-                        desk.hand_on(&mut leases)?;
+                        dispatcher.hand_on(&mut leases)?;
                         leases.took(start.elapsed().as_secs_f64());
                     }
-                    Some(Answer::Counted(counted)) => desk.settle(counted.map(|counted| *counted))?,
+                    Some(Answer::Counted(counted)) => dispatcher.settle(counted.map(|counted| *counted))?,
                     Some(Answer::Failed(reason)) => {
                         return Err(RunError::Sink { error: reason.into(), outcome: None });
                     }
                     None => {}
                 }
-                let is_over = leases.is_done() || desk.is_cut || stops.stop.load(Ordering::Relaxed);
+                let is_over = leases.is_done() || dispatcher.is_cut || stops.stop.load(Ordering::Relaxed);
                 let is_last = is_over && leases.on_loan() == 0;
-                if let Some(end) = desk.settling.ask(is_last) {
+                if let Some(end) = dispatcher.settling.ask(is_last) {
                     let question = lease::to_bytes(&(0..end));
                     (1..self.ranks).for_each(|rank| send(rank, Kind::Count, &question));
-                    desk.settle(snapshots.before(end))?;
+                    dispatcher.settle(snapshots.before(end))?;
                 }
-                if is_last && desk.settling.is_empty() {
-                    return Ok(desk.delivered);
+                if is_last && dispatcher.settling.is_empty() {
+                    return Ok(dispatcher.delivered);
                 }
                 if stops.halt.load(Ordering::Relaxed) {
                     let since = *halted.get_or_insert_with(Instant::now);
                     if since.elapsed() > PATIENCE {
                         self.has_lost.store(true, Ordering::Relaxed);
-                        return Ok(desk.delivered);
+                        return Ok(dispatcher.delivered);
                     }
                 }
             }
@@ -206,7 +206,7 @@ impl Answer {
 
 /// What rank 0 keeps track of while the ranks simulate: the leases, the blocks that wait, and what
 /// was delivered.
-struct Desk<'a, 'd> {
+struct Dispatcher<'a, 'd> {
     plan: &'a Plan,
     ranks: usize,
     has_goals: bool,
@@ -224,7 +224,7 @@ struct Desk<'a, 'd> {
     is_cut: bool,
 }
 
-impl Desk<'_, '_> {
+impl Dispatcher<'_, '_> {
     /// Pass the flags of this process on to the other ranks, when they have changed.
     fn tell(&mut self, stop: bool, halt: bool) {
         let now = if halt { Some(Kind::Halt) } else { stop.then_some(Kind::Stop) };

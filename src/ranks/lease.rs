@@ -27,7 +27,7 @@ pub(super) struct Parcel {
 
 /// How leases are simulated.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Manner {
+pub(super) struct RankOptions {
     /// Number of threads of each rank.
     pub threads: usize,
     /// Whether the run has goals. A run with goals may end after any block, so every block is sent
@@ -37,20 +37,20 @@ pub(super) struct Manner {
 }
 
 /// What a worker receives before its first lease.
-pub(super) struct Errand {
+pub(super) struct Instructions {
     pub question: Question,
-    pub manner: Manner,
+    pub options: RankOptions,
     /// The outlet, where the worker may write the rows of its paths. It is empty if the rows are to
     /// be sent with the leases.
     pub outlet: Vec<u8>,
 }
 
-impl Errand {
+impl Instructions {
     /// The bytes of the message.
     pub fn to_bytes(&self) -> Vec<u8> {
         let mut bytes = Vec::new();
-        (self.manner.threads as u64).write(&mut bytes);
-        u64::from(self.manner.has_goals).write(&mut bytes);
+        (self.options.threads as u64).write(&mut bytes);
+        u64::from(self.options.has_goals).write(&mut bytes);
         write_bytes(&self.outlet, &mut bytes);
         bytes.extend(self.question.to_bytes());
         bytes
@@ -64,8 +64,8 @@ impl Errand {
         let (threads, has_goals) = (number(&mut from).map_err(damaged)?, number(&mut from).map_err(damaged)?);
         let outlet = read_bytes(&mut from).map_err(damaged)?.to_vec();
         let rest = from.take(from.left()).map_err(damaged)?;
-        let manner = Manner { threads: threads as usize, has_goals: has_goals > 0 };
-        Ok(Errand { question: Question::of_bytes(rest, Path::new("the message of rank 0"))?, manner, outlet })
+        let options = RankOptions { threads: threads as usize, has_goals: has_goals > 0 };
+        Ok(Instructions { question: Question::of_bytes(rest, Path::new("the message of rank 0"))?, options, outlet })
     }
 }
 
@@ -86,7 +86,7 @@ pub(super) fn of_bytes(bytes: &[u8]) -> Range<u64> {
 /// Simulates the leases of one rank, one after the other.
 pub(super) struct Simulator<'a> {
     pub plan: &'a Plan,
-    pub manner: Manner,
+    pub options: RankOptions,
     pub stops: Stops<'a>,
     /// The counts of all leases that the rank has simulated.
     pub counts: Counts,
@@ -98,15 +98,15 @@ pub(super) struct Simulator<'a> {
 
 impl<'a> Simulator<'a> {
     /// The simulator of a rank that has not simulated any lease yet. It has no log.
-    pub fn new(plan: &'a Plan, manner: Manner, stops: Stops<'a>, snapshots: &'a Snapshots) -> Self {
+    pub fn new(plan: &'a Plan, options: RankOptions, stops: Stops<'a>, snapshots: &'a Snapshots) -> Self {
         let counts = Counts::empty(plan.model(), plan.timeline());
-        Simulator { plan, manner, stops, counts, snapshots, log: None }
+        Simulator { plan, options, stops, counts, snapshots, log: None }
     }
 
     /// Simulate a lease, or only its first blocks if one of the flags in `stops` is set. It is an
     /// error if rows cannot be written to the log.
     pub fn simulate(&mut self, lease: Range<u64>) -> Result<Parcel, StoreError> {
-        let Simulator { plan, manner, stops, counts, snapshots, log } = self;
+        let Simulator { plan, options, stops, counts, snapshots, log } = self;
         let start = Instant::now();
         let empty = RunTotals::empty(plan.model(), plan.timeline());
         let (mut stretches, mut rows) = (Vec::new(), Vec::new());
@@ -125,20 +125,20 @@ impl<'a> Simulator<'a> {
                 Some(log) => log.append(&result)?,
                 None => store::write_block(&result, &mut rows),
             }
-            let pushed = match manner.has_goals {
+            let pushed = match options.has_goals {
                 true => totals.push(index, result.totals),
                 false => totals.push_sums(index, result.totals, (), counts),
             };
             // Every block of a lease is delivered once, so nothing overlaps.
             debug_assert!(pushed.is_ok());
-            if manner.has_goals {
+            if options.has_goals {
                 close(&mut totals, index..index + 1, &mut rows);
             }
             Ok(ControlFlow::Continue(()))
         };
-        let done = plan.run_beside(&(), lease.clone(), manner.threads, *stops, deliver)?;
+        let done = plan.run_beside(&(), lease.clone(), options.threads, *stops, deliver)?;
         let end = lease.start + done;
-        if !manner.has_goals && done > 0 {
+        if !options.has_goals && done > 0 {
             close(&mut totals, lease.start..end, &mut rows);
             let receipt = log.as_mut().map_or(Ok(Vec::new()), RankLog::sync)?;
             snapshots.add(end, Counted { counts: counts.clone(), receipt });
@@ -232,8 +232,8 @@ mod tests {
         };
         let of_leases = |leases: &[Range<u64>], has_goals: bool| {
             let snapshots = [Snapshots::default(), Snapshots::default()];
-            let manner = Manner { threads: 2, has_goals };
-            let mut ranks = snapshots.each_ref().map(|snapshots| Simulator::new(&plan, manner, stops, snapshots));
+            let options = RankOptions { threads: 2, has_goals };
+            let mut ranks = snapshots.each_ref().map(|snapshots| Simulator::new(&plan, options, stops, snapshots));
             let parcels: Vec<Parcel> = leases
                 .iter()
                 .enumerate()
@@ -263,7 +263,8 @@ mod tests {
         of_leases(&[0..2, 2..6], false);
         of_leases(&[0..1, 1..2, 2..4, 4..5, 5..6], false);
         let snapshots = Snapshots::default();
-        let bytes = Simulator::new(&plan, Manner { threads: 1, has_goals: true }, stops, &snapshots).simulate(0..1);
+        let bytes =
+            Simulator::new(&plan, RankOptions { threads: 1, has_goals: true }, stops, &snapshots).simulate(0..1);
         let bytes = bytes.expect("there is no log").to_bytes();
         assert!((0..bytes.len()).all(|length| Parcel::of_bytes(&bytes[..length]).is_err()));
     }

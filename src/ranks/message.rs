@@ -117,17 +117,17 @@ pub(super) fn abort() -> ! {
 }
 
 /// The time to sleep before the next look for messages. It is zero at first and grows with every
-/// look; a new `Nap` is begun when a message has come.
+/// look; a new `Pause` is begun when a message has come.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Nap(u32);
+pub(super) struct Pause(u32);
 
-impl Nap {
+impl Pause {
     const LONGEST: Duration = Duration::from_millis(20);
 
     /// The time to sleep now.
     pub fn next(&mut self) -> Duration {
-        let nap = Duration::from_millis(1) * self.0.div_ceil(4);
+        let pause = Duration::from_millis(1) * self.0.div_ceil(4);
         self.0 += 1;
-        nap.min(Nap::LONGEST)
+        pause.min(Pause::LONGEST)
     }
 }

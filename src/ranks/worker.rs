@@ -1,7 +1,7 @@
 //! A rank that simulates the leases that rank 0 gives it.
 
-use super::lease::{self, Errand, Simulator};
-use super::message::{Kind, Nap, Received, rank, receive, send};
+use super::lease::{self, Instructions, Simulator};
+use super::message::{Kind, Pause, Received, rank, receive, send};
 use super::snapshots::Snapshots;
 use crate::ensemble::Stops;
 use crate::store::{RankLog, StoreError};
@@ -19,7 +19,7 @@ pub(super) fn serve() -> ExitCode {
     for signal in [SIGINT, SIGTERM, SIGHUP, SIGXCPU, SIGUSR1, SIGUSR2] {
         let _ = signal_hook::flag::register(signal, Arc::new(AtomicBool::new(false)));
     }
-    let mut nap = Nap::default();
+    let mut pause = Pause::default();
     loop {
         match receive() {
             Some(Received { kind: Kind::End, .. }) => break,
@@ -27,7 +27,7 @@ pub(super) fn serve() -> ExitCode {
                 work(&bytes);
                 break;
             }
-            _ => thread::sleep(nap.next()),
+            _ => thread::sleep(pause.next()),
         }
     }
     send(0, Kind::End, &[]);
@@ -36,8 +36,8 @@ pub(super) fn serve() -> ExitCode {
 
 /// Simulate leases of one run until the program is over.
 fn work(bytes: &[u8]) {
-    let asked = Errand::of_bytes(bytes);
-    let Errand { question, manner, outlet } =
+    let asked = Instructions::of_bytes(bytes);
+    let Instructions { question, options, outlet } =
         asked.unwrap_or_else(|error| panic!("cannot do what rank 0 asks: {error}"));
     let plan = &question.plan();
     let [stop, halt] = [(); 2].map(|()| AtomicBool::new(false));
@@ -52,9 +52,9 @@ fn work(bytes: &[u8]) {
         let simulated = done.clone();
         scope.spawn(move || {
             let simulate = || -> Result<(), StoreError> {
-                let has_log = !manner.has_goals && !outlet.is_empty();
+                let has_log = !options.has_goals && !outlet.is_empty();
                 let log = if has_log { RankLog::create(&outlet, rank())? } else { None };
-                let mut simulator = Simulator { log, ..Simulator::new(plan, manner, stops, snapshots) };
+                let mut simulator = Simulator { log, ..Simulator::new(plan, options, stops, snapshots) };
                 for lease in to_do {
                     // An error means that the program is over, and the parcel is then not needed.
                     let _ = simulated.send(Ok(simulator.simulate(lease)?.to_bytes()));
@@ -65,17 +65,17 @@ fn work(bytes: &[u8]) {
                 let _ = simulated.send(Err(error.to_string()));
             }
         });
-        let mut nap = Nap::default();
+        let mut pause = Pause::default();
         loop {
-            if let Ok(parcel) = parcels.recv_timeout(nap.next()) {
+            if let Ok(parcel) = parcels.recv_timeout(pause.next()) {
                 match parcel {
                     Ok(parcel) => send(0, Kind::Parcel, &parcel),
                     Err(reason) => send(0, Kind::Failed, reason.as_bytes()),
                 }
-                nap = Nap::default();
+                pause = Pause::default();
             }
             let Some(Received { kind, bytes, .. }) = receive() else { continue };
-            nap = Nap::default();
+            pause = Pause::default();
             stop.fetch_or(matches!(kind, Kind::Stop | Kind::Halt | Kind::End), Ordering::Relaxed);
             halt.fetch_or(matches!(kind, Kind::Halt | Kind::End), Ordering::Relaxed);
             match kind {
