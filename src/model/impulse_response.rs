@@ -266,5 +266,14 @@ mod tests {
                 assert!((response - expected).abs() <= 1e-11 * expected, "{r} {gap}: {response} {expected}");
             }
         }
+        // Roots -gamma +- i w close to z = -gamma + d: the convolution of e^{-gamma t} sin(w t)/w and e^{z t}.
+        let (w0, d) = (1.01_f64, -0.05);
+        let w = libm::sqrt(w0 * w0 - 1.0);
+        for r in [1.1, 3.0, 3.4, 9.0] {
+            let swing = libm::cos(w * r) + d / w * libm::sin(w * r);
+            let expected = libm::exp(-r) * (libm::exp(d * r) - swing) / (d * d + w * w);
+            let response = ImpulseResponse::new(1.0, w0).exponential(Complex::new(-1.0 + d, 0.0), r).re;
+            assert!((response - expected).abs() <= 1e-12 * expected, "{r}: {response} {expected}");
+        }
     }
 }

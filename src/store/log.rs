@@ -409,4 +409,29 @@ mod tests {
         assert_eq!(log.sync().expect("room"), last);
         assert_eq!(std::fs::read(&path).expect("there"), whole);
     }
+
+    /// Blocks that are spread over three logs are read in the order of their paths.
+    #[test]
+    fn several_logs_are_read_in_the_order_of_paths() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let blocks: Vec<OwnedRows> = (0..20).map(block).collect();
+        let logs: Vec<(PathBuf, Position)> = (0..3)
+            .map(|k| {
+                let path = folder.path().join(k.to_string());
+                let mut log = Log::create(&path).expect("a new log");
+                let own = blocks.iter().filter(|block| block.first_path * block.first_path % 3 == k);
+                own.for_each(|block| log.append(&block.rows()).expect("room"));
+                let end = log.sync().expect("room");
+                (path, end)
+            })
+            .collect();
+        let mut all = Vec::new();
+        read(logs, |rows| {
+            all.push(rows);
+            Ok(())
+        })
+        .expect("whole");
+        let paths: Vec<u64> = all.iter().map(|rows| rows.first_path).collect();
+        assert!(bits(&all) == bits(&blocks), "{paths:?}");
+    }
 }
