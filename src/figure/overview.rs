@@ -55,9 +55,9 @@ fn draw(subject: &Subject, style: &Style) -> Result<Scene, Absent> {
     outlasting.line(survival.iter().map(|(d, share, _)| [*d, *share]).collect(), solid(palette.first));
 
     let legend = [
-        Entry::area(palette.wide, "stick; 5–95 %"),
-        Entry::area(palette.narrow, "25–75 %; 95 % interval"),
-        Entry::line(solid(palette.first), "path; median; share"),
+        Entry::area(palette.wide, "**A**: stick; **B**: 5–95 %"),
+        Entry::area(palette.narrow, "**B**: 25–75 %; **C**: 95 % interval"),
+        Entry::line(solid(palette.first), "**A**: path; **B**: median; **C**: share"),
     ];
     Ok(sheet(
         style,
