@@ -2,24 +2,11 @@
 
 use super::terminal::columns;
 use std::time::Duration;
-pub use stick_slip::numbers::{bytes, significant};
+pub use stick_slip::numbers::{bytes, grouped, significant};
 
 /// A number of things with its noun: 1 path, 10 000 paths.
 pub fn counted(n: u64, thing: &str) -> String {
     format!("{} {thing}{}", grouped(n), if n == 1 { "" } else { "s" })
-}
-
-/// A whole number with its digits in groups of three: 60 000 000.
-pub fn grouped(n: u64) -> String {
-    let digits = n.to_string();
-    let mut text = String::with_capacity(digits.len() * 4 / 3);
-    for (i, digit) in digits.chars().enumerate() {
-        if i > 0 && (digits.len() - i).is_multiple_of(3) {
-            text.push(' ');
-        }
-        text.push(digit);
-    }
-    text
 }
 
 /// A duration in seconds, minutes or hours: 0.42 s, 3 min 20 s, 2 h 5 min.

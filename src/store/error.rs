@@ -1,6 +1,7 @@
 //! What can go wrong between a run and its file, and the remedy.
 
 use crate::numbers::bytes;
+use crate::numbers::grouped;
 use std::io;
 use std::path::{Path, PathBuf};
 
@@ -36,8 +37,8 @@ pub enum StoreError {
     },
     /// An earlier run to the same target was not finished and can be continued.
     #[error(
-        "{}: {what} is unfinished there, with {saved_paths} of {paths} paths\n  fix: continue it with `mc resume {}`, give it up with \
-         --force, or choose another output file with -o", partial.display(), target.display()
+        "{}: {what} is unfinished there, with {} of {} paths\n  fix: continue it with `mc resume {}`, give it up with \
+         --force, or choose another output file with -o", partial.display(), grouped(*saved_paths), grouped(*paths), target.display()
     )]
     Resumable {
         /// The folder in which it is saved.
@@ -288,6 +289,6 @@ pub(super) fn cause(error: &hdf5::Error) -> String {
 fn after_failure(saved_paths: u64, target: &Path, remedy: &str) -> String {
     match saved_paths {
         0 => format!("nothing was written: {remedy}, and run again"),
-        paths => format!("{paths} paths are safe: {remedy}, then `mc resume {}`", target.display()),
+        paths => format!("{} paths are safe: {remedy}, then `mc resume {}`", grouped(paths), target.display()),
     }
 }

@@ -1,7 +1,7 @@
 //! How to cite a run: what a reader needs to repeat it, and the paper of its model.
 
 use crate::cli::document::sha256;
-use crate::cli::numbers::counted;
+use crate::cli::numbers::{counted, grouped};
 use stick_slip::numbers::short;
 use stick_slip::store::Stored;
 
@@ -22,7 +22,7 @@ pub fn citation(stored: &Stored) -> [String; 2] {
     let step = header.step.map(|step| format!(", step {}", short(step))).unwrap_or_default();
     let paths = match stored.completed_paths == header.paths {
         true => counted(header.paths, "path"),
-        false => format!("{} of {}", stored.completed_paths, counted(header.paths, "path")),
+        false => format!("{} of {}", grouped(stored.completed_paths), counted(header.paths, "path")),
     };
     let program = format!(
         "stick-slip (mc) {} ({}), scenario \"{}\" (SHA-256 {}), scheme {}{step}, seed {}, {paths}.",
