@@ -1,6 +1,7 @@
 //! The names of statistics and keys at an axis.
 
 use super::kit::Label;
+use crate::numbers;
 use crate::stats::Statistic;
 
 /// The name of a statistic, e.g. "mean stick duration".
@@ -69,10 +70,7 @@ pub fn symbol(name: &str, key: &str) -> Label {
 
 /// A whole number in groups of three digits, which a line break does not separate.
 pub fn grouped(n: u64) -> String {
-    let digits = n.to_string();
-    let groups: Vec<&str> =
-        digits.as_bytes().rchunks(3).rev().filter_map(|group| std::str::from_utf8(group).ok()).collect();
-    groups.join("\u{a0}")
+    numbers::grouped(n).replace(' ', "\u{a0}")
 }
 
 #[cfg(test)]
