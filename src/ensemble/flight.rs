@@ -7,24 +7,21 @@
 use crate::model::Event;
 use crate::scheme::{Instant, Observer, Snapshot};
 
-/// The observers of the blocks. All blocks are full except perhaps the last one.
-pub(super) struct Flight<O> {
-    pub blocks: Vec<O>,
-    /// Number of paths of a full block. Lane i of the flight is lane `i % lanes` of block `i /
-    /// lanes`.
-    pub lanes: usize,
-}
+/// The observers of the blocks. All blocks have `LANES` paths except perhaps the last one, which may
+/// have fewer. Lane i of the flight is lane `i % LANES` of block `i / LANES`; since the number is a
+/// constant, this takes no division.
+pub(super) struct Flight<O, const LANES: usize>(pub Vec<O>);
 
-impl<O: Observer> Observer for Flight<O> {
+impl<O: Observer, const LANES: usize> Observer for Flight<O, LANES> {
     #[inline]
     fn event(&mut self, lane: usize, event: Event) {
-        self.blocks[lane / self.lanes].event(lane % self.lanes, event);
+        self.0[lane / LANES].event(lane % LANES, event);
     }
 
     fn snapshot(&mut self, instant: Instant, all: Snapshot<'_>) {
-        for (block, observer) in self.blocks.iter_mut().enumerate() {
-            let first = block * self.lanes;
-            let lanes = first..all.displacement.len().min(first + self.lanes);
+        for (block, observer) in self.0.iter_mut().enumerate() {
+            let first = block * LANES;
+            let lanes = first..all.displacement.len().min(first + LANES);
             let snapshot = Snapshot {
                 time: all.time,
                 displacement: &all.displacement[lanes.clone()],

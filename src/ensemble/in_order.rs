@@ -38,6 +38,7 @@ pub(crate) fn in_order_while<R: Send, E: Send>(
     let workers = threads.min(count.try_into().unwrap_or(usize::MAX)).max(1);
     let queue = Queue { state: Mutex::new(State::new(&mut deliver)), moved: Condvar::new() };
     let work = || {
+        let _watch = Watch(&queue);
         while let Some(index) = queue.take(count, workers as u64 * PIECES_AHEAD, stop) {
             match make(index) {
                 Some(piece) => queue.put(index, piece),
@@ -59,7 +60,8 @@ pub(crate) fn in_order_while<R: Send, E: Send>(
 }
 
 /// Finished pieces that wait for their turn to be delivered. The thread that finishes the next
-/// piece in order delivers it and those that wait for it; no thread is there only for delivery.
+/// piece in order delivers it and those that wait for it, also those that other threads finish
+/// meanwhile; no thread is there only for delivery, and none waits for a delivery to end.
 struct Queue<'a, R, E> {
     state: Mutex<State<'a, R, E>>,
     moved: Condvar,
@@ -72,14 +74,15 @@ struct State<'a, R, E> {
     delivered: u64,
     /// Pieces that were finished before their turn.
     waiting: BTreeMap<u64, R>,
-    deliver: &'a mut (dyn FnMut(R) -> Result<ControlFlow<()>, E> + Send),
+    /// None while a thread delivers.
+    deliver: Option<&'a mut (dyn FnMut(R) -> Result<ControlFlow<()>, E> + Send)>,
     /// Set when nothing more is to be delivered, because `deliver` has broken or failed.
     end: Option<Result<(), E>>,
 }
 
 impl<'a, R, E> State<'a, R, E> {
     fn new(deliver: &'a mut (dyn FnMut(R) -> Result<ControlFlow<()>, E> + Send)) -> Self {
-        State { next: 0, delivered: 0, waiting: BTreeMap::new(), deliver, end: None }
+        State { next: 0, delivered: 0, waiting: BTreeMap::new(), deliver: Some(deliver), end: None }
     }
 }
 
@@ -110,21 +113,94 @@ impl<'a, R, E> Queue<'a, R, E> {
         self.moved.notify_all();
     }
 
-    /// Take a finished piece, and deliver all pieces whose turn it is.
+    /// Take a finished piece, and deliver all pieces whose turn it is, unless another thread is
+    /// delivering. That thread will find this piece, because it looks for the next one before it
+    /// puts `deliver` back, under the same lock.
     fn put(&self, index: u64, piece: R) {
         let mut state = self.lock();
         state.waiting.insert(index, piece);
+        let Some(deliver) = state.deliver.take() else { return };
         while state.end.is_none() {
             let turn = state.delivered;
             let Some(piece) = state.waiting.remove(&turn) else { break };
-            match (state.deliver)(piece) {
+            drop(state);
+            let flow = deliver(piece);
+            state = self.lock();
+            match flow {
                 Ok(flow) => {
                     state.delivered += 1;
                     state.end = flow.is_break().then_some(Ok(()));
                 }
                 Err(error) => state.end = Some(Err(error)),
             }
+            self.moved.notify_all();
         }
-        self.moved.notify_all();
+        state.deliver = Some(deliver);
+    }
+}
+
+/// Gives up when its thread panics. Otherwise the other threads would wait for ever for the piece
+/// of that thread, and the panic would not reach the caller.
+struct Watch<'a, 'b, R, E>(&'b Queue<'a, R, E>);
+
+impl<R, E> Drop for Watch<'_, '_, R, E> {
+    fn drop(&mut self) {
+        if std::thread::panicking() {
+            self.0.give_up();
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::convert::Infallible;
+    use std::sync::mpsc;
+    use std::time::Duration;
+
+    const LONG: Duration = Duration::from_secs(20);
+
+    /// The delivery of piece 0 lasts until piece 3 is begun. So the other thread must be able to
+    /// finish the pieces 1 and 2 during that delivery.
+    #[test]
+    fn no_thread_waits_for_a_delivery_of_another_to_end() {
+        let (begun, third) = mpsc::channel();
+        let third = Mutex::new(third);
+        let make = |index: u64| {
+            if index == 3 {
+                begun.send(()).unwrap();
+            }
+            index
+        };
+        let mut seen = Vec::new();
+        let deliver = |index: u64| -> Result<_, Infallible> {
+            if index == 0 {
+                third.lock().unwrap().recv_timeout(LONG).expect("piece 3 begins during the delivery of piece 0");
+            }
+            seen.push(index);
+            Ok(ControlFlow::Continue(()))
+        };
+        assert_eq!(in_order(40, 2, &AtomicBool::new(false), make, deliver), Ok(40));
+        assert!(seen.into_iter().eq(0..40));
+    }
+
+    /// There are more pieces than the threads may be ahead of the one that is never finished.
+    #[test]
+    fn a_panic_reaches_the_caller_whoever_panics() {
+        for (maker, deliverer) in [(5, u64::MAX), (u64::MAX, 5)] {
+            let (done, ended) = mpsc::channel();
+            let run = std::thread::spawn(move || {
+                let make = |index: u64| if index == maker { panic!("planned") } else { index };
+                let deliver = |index: u64| -> Result<_, Infallible> {
+                    if index == deliverer { panic!("planned") } else { Ok(ControlFlow::Continue(())) }
+                };
+                let outcome = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| {
+                    in_order(1000, 3, &AtomicBool::new(false), make, deliver)
+                }));
+                done.send(outcome.is_err()).unwrap();
+            });
+            assert!(ended.recv_timeout(LONG).expect("the call ends"));
+            run.join().unwrap();
+        }
     }
 }

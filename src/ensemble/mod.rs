@@ -134,14 +134,14 @@ impl Plan {
         }
         let pieces: Vec<Piece> = blocks.clone().map(|index| self.block_piece(index)).collect();
         let observers = pieces.iter().map(|piece| self.observers(piece, companion)).collect();
-        let mut all = (Flight { blocks: observers, lanes: BLOCK_SIZE as usize }, halt);
+        let mut all = (Flight::<_, { BLOCK_SIZE as usize }>(observers), halt);
         let paths: Vec<u64> = pieces.iter().flat_map(|piece| &piece.kept).copied().collect();
         let lost = self.simulation.simulate(self.seed, &drawn(&paths, self.antithetic), &mut all);
         if halt.load(Ordering::Relaxed) {
             return None;
         }
         let mut delivered = Vec::with_capacity(pieces.len());
-        for ((piece, both), index) in pieces.into_iter().zip(all.0.blocks).zip(blocks.clone()) {
+        for ((piece, both), index) in pieces.into_iter().zip(all.0.0).zip(blocks.clone()) {
             let block = index - blocks.start;
             delivered.push(if lost.iter().any(|&lane| lane as u64 / BLOCK_SIZE == block) {
                 // The block is simulated again, without the paths that diverge.
