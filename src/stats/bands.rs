@@ -12,6 +12,7 @@ use super::{Band, Bands, QUANTILE_LEVELS};
 use crate::model::Model;
 use crate::scheme::{Snapshot, Timeline};
 use ndarray::Array2;
+use std::sync::Arc;
 
 /// The variables that have a band, in this order: x, x', T.
 const VARIABLES: usize = 3;
@@ -114,6 +115,11 @@ const VALUES_TOGETHER: usize = 4_500_000;
 /// The least and the largest number of values that one sketch keeps.
 const VALUES_PER_SKETCH: [usize; 2] = [256, 2048];
 
+/// Blocks wait until they have this many paths or this many values together. Then each sketch
+/// counts the values of all of them in turn, so that its bins are read once for many blocks.
+const WAITING_PATHS: usize = 1024;
+const WAITING_VALUES: usize = 1 << 19;
+
 /// The values of a block of paths, one by one.
 #[derive(Clone, Debug, Default)]
 struct BlockValues {
@@ -136,9 +142,8 @@ impl BlockValues {
 #[derive(Clone, Debug)]
 pub(super) struct BandCounts {
     rows: [Vec<Sketch>; VARIABLES],
-    /// The values of a block that has not been merged yet. They are in no sketch:
-    /// [`BandCounts::merge`] counts them in the sketches of the run.
-    block: Option<BlockValues>,
+    /// The values of blocks that wait to be counted. They are in no sketch yet.
+    waiting: Vec<Arc<BlockValues>>,
     /// For each row, the number of paths and how many of them are static.
     occupancy: Vec<[u64; 2]>,
 }
@@ -153,7 +158,7 @@ impl BandCounts {
         let row = |centre| Sketch::empty(Shape { centre, floor: i32::MIN, values, bins });
         BandCounts {
             rows: [model.initial_displacement, 0.0, 0.0].map(|centre| vec![row(centre); rows]),
-            block: None,
+            waiting: Vec::new(),
             occupancy: vec![[0, 0]; rows],
         }
     }
@@ -165,8 +170,11 @@ impl BandCounts {
         if row >= rows {
             return;
         }
-        let values = || Vec::with_capacity(VARIABLES * rows * paths);
-        let block = self.block.get_or_insert_with(|| BlockValues { paths, values: values(), starts: vec![None; rows] });
+        if self.waiting.is_empty() {
+            let values = Vec::with_capacity(VARIABLES * rows * paths);
+            self.waiting.push(Arc::new(BlockValues { paths, values, starts: vec![None; rows] }));
+        }
+        let block = Arc::make_mut(&mut self.waiting[0]);
         block.starts[row] = Some(block.values.len());
         variables(snapshot).iter().for_each(|values| block.values.extend_from_slice(values));
         let is_static = snapshot.is_static.iter().map(|&s| u64::from(s)).sum();
@@ -180,24 +188,28 @@ impl BandCounts {
             mine[0] += more[0];
             mine[1] += more[1];
         }
-        if let Some(block) = &other.block {
-            self.count(block);
+        self.waiting.extend_from_slice(&other.waiting);
+        let together = |of: fn(&BlockValues) -> usize| self.waiting.iter().map(|block| of(block)).sum::<usize>();
+        if together(|block| block.paths) >= WAITING_PATHS || together(|block| block.values.len()) >= WAITING_VALUES {
+            self.count_waiting();
         }
     }
 
-    fn count(&mut self, block: &BlockValues) {
-        for (variable, rows) in self.rows.iter_mut().enumerate() {
-            for (row, sketch) in rows.iter_mut().enumerate() {
-                sketch.extend(block.of(variable, row).unwrap_or_default());
+    /// Count the values of the blocks that wait.
+    fn count_waiting(&mut self) {
+        let waiting = std::mem::take(&mut self.waiting);
+        // This is the order in which the values lie in memory.
+        for row in 0..self.occupancy.len() {
+            for (variable, rows) in self.rows.iter_mut().enumerate() {
+                let parts: Vec<&[f64]> = waiting.iter().filter_map(|block| block.of(variable, row)).collect();
+                rows[row].extend_by_parts(&parts);
             }
         }
     }
 
     /// The same counts with all values in the sketches.
     fn normalised(mut self) -> Self {
-        if let Some(block) = self.block.take() {
-            self.count(&block);
-        }
+        self.count_waiting();
         self
     }
 }
@@ -216,7 +228,7 @@ impl Codec for BandCounts {
     }
 
     fn read(&mut self, from: &mut Reader<'_>) -> Result<(), Damaged> {
-        self.block = None;
+        self.waiting.clear();
         self.rows.read(from)?;
         self.occupancy.read(from)
     }

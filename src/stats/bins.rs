@@ -71,8 +71,11 @@ pub(super) struct Bins {
 }
 
 /// A count with the highest bit set. The slots are laid out anew before such a slot counts further.
-/// A single call counts at most half as many values, so that no slot overflows.
+/// A single call counts at most [`MOST_AT_ONCE`] values, so that no slot overflows.
 const FULL: u16 = 1 << 15;
+
+/// The largest number of values that may be counted in one call.
+pub(super) const MOST_AT_ONCE: usize = FULL as usize;
 
 /// With up to this many slots per value to be counted, all slots are read first.
 const SPARSE: usize = 16;
@@ -93,7 +96,7 @@ impl Bins {
             let ruler = Ruler::new(shape.centre, level);
             let [first, last] = [smallest, largest].map(|value| ruler.index(value) as i64);
             let mut slots = vec![0; (last - first + 1) as usize];
-            count_slots(values, &ruler, first, &mut slots);
+            count_slots(&[values], &ruler, first, &mut slots);
             (level, filled(first, &slots))
         } else {
             // The values form clusters, or there is an outlier: start from the lowest level.
@@ -105,26 +108,28 @@ impl Bins {
         bins
     }
 
-    /// Count more values. Values that are not at a finite distance from the centre are left out.
-    pub fn count(&mut self, values: &[f64], shape: &Shape) {
+    /// Count up to [`MOST_AT_ONCE`] more values, which come in parts. Values that are not at a
+    /// finite distance from the centre are left out.
+    pub fn count(&mut self, parts: &[&[f64]], shape: &Shape) {
+        let number = parts.iter().map(|part| part.len()).sum();
         // The slots are so short that those of hundreds of rows stay in a cache. Where there are
         // many values to be counted, reading all slots in order brings them into the nearest cache
         // faster than the scattered accesses of counting would.
-        if self.free_counts < values.len() || self.slots.len() <= SPARSE * values.len() {
+        if self.free_counts < number || self.slots.len() <= SPARSE * number {
             let fullest = fullest_slot(&self.slots);
             self.free_counts = FULL.saturating_sub(fullest).into();
             if fullest >= FULL {
                 self.lay_out(self.list(), shape.bins);
             }
         }
-        self.free_counts = self.free_counts.saturating_sub(values.len());
-        let mut others = self.count_inside(values, &Ruler::new(shape.centre, self.level));
+        self.free_counts = self.free_counts.saturating_sub(number);
+        let mut others = self.count_inside(parts, &Ruler::new(shape.centre, self.level));
         others.retain(|value| (value - shape.centre).is_finite());
         let (smallest, largest) = extremes(&others);
         self.extend_to(smallest, largest, shape);
         let is_scattered =
-            self.count_anywhere(&others, &Ruler::new(shape.centre, self.level)) > values.len() / ONE_OUTSIDE_IN;
-        self.counted_since_check += values.len();
+            self.count_anywhere(&others, &Ruler::new(shape.centre, self.level)) > number / ONE_OUTSIDE_IN;
+        self.counted_since_check += number;
         if is_scattered || self.counted_since_check >= shape.values {
             self.normalise(shape.bins, is_scattered && self.level > shape.lowest_level(self.smallest, self.largest));
         }
@@ -192,7 +197,7 @@ impl Bins {
 
     /// Count the values that lie in the first run, which is the fullest, and are surely not new
     /// extremes. Returns the other values.
-    fn count_inside(&mut self, values: &[f64], ruler: &Ruler) -> Vec<f64> {
+    fn count_inside(&mut self, parts: &[&[f64]], ruler: &Ruler) -> Vec<f64> {
         // The bin of an extreme may hold values beyond it. Only bin 0 cannot, because it holds a
         // single value.
         let [lowest, highest] = [self.smallest, self.largest].map(|value| ruler.index(value) as i64);
@@ -201,7 +206,7 @@ impl Bins {
         let first = run.first.max(lowest);
         let length = ((run.first + run.length).min(highest + 1) - first).max(0) as usize;
         let start = run.slot + (first - run.first) as usize;
-        count_slots(values, ruler, first, self.slots.get_mut(start..start + length).unwrap_or_default())
+        count_slots(parts, ruler, first, self.slots.get_mut(start..start + length).unwrap_or_default())
     }
 
     /// Count values, whether or not they lie in a run. Returns how many of them lie outside all
@@ -300,15 +305,15 @@ fn fullest(mut clusters: Vec<Cluster>) -> Vec<Cluster> {
 }
 
 /// Count values in the slots of the bins from `first` on. Returns the values that have no slot.
-fn count_slots(values: &[f64], ruler: &Ruler, first: i64, slots: &mut [u16]) -> Vec<f64> {
-    let mut count = CountSlots { values, ruler, first, slots, others: Vec::new() };
+fn count_slots(parts: &[&[f64]], ruler: &Ruler, first: i64, slots: &mut [u16]) -> Vec<f64> {
+    let mut count = CountSlots { parts, ruler, first, slots, others: Vec::new() };
     InstructionSet::detect().run(&mut count);
     count.others
 }
 
 /// See [`count_slots`].
 struct CountSlots<'a> {
-    values: &'a [f64],
+    parts: &'a [&'a [f64]],
     ruler: &'a Ruler,
     first: i64,
     slots: &'a mut [u16],
@@ -349,7 +354,7 @@ impl LaneProgram for FullestSlot<'_> {
 impl CountSlots<'_> {
     #[inline(always)]
     fn count(&mut self) {
-        let CountSlots { values, ruler, first, slots, others } = self;
+        let CountSlots { parts, ruler, first, slots, others } = self;
         // From 2^52 to 2^53 consecutive numbers differ by 1, and so do their bits. So the bits of
         // 2^52 + (index - first), less those of 2^52, are the distance from the first bin. If the
         // bin is before the first, or the index is NaN, the difference wraps round to a place far
@@ -357,7 +362,7 @@ impl CountSlots<'_> {
         let start = (1u64 << 52) as f64;
         let offset = start - *first as f64;
         let mut places = [0_u64; CHUNK];
-        for chunk in values.chunks(CHUNK) {
+        for chunk in parts.iter().flat_map(|part| part.chunks(CHUNK)) {
             for (place, &value) in places.iter_mut().zip(chunk) {
                 *place = (ruler.index(value) + offset).to_bits().wrapping_sub(start.to_bits());
             }

@@ -14,6 +14,7 @@ use super::sketch::Sketch;
 use super::survival::Survival;
 use super::{Ends, Histogram, QUANTILE_LEVELS, StickDurations};
 use crate::scheme::Timeline;
+use std::borrow::Cow;
 
 /// Fine bins per bin of the public histogram, which has 8 bins per octave.
 const COARSENING: i32 = 32;
@@ -24,6 +25,9 @@ const RESOLUTION: f64 = 1.0 / (1u64 << 30) as f64;
 /// A batch keeps up to this many durations one by one, and counts more than these in up to as many
 /// bins.
 const LIMIT: usize = 4096;
+
+/// Up to this many sticks are listed before they are counted in their batches.
+const LISTED: usize = 8192;
 
 /// The sticks of the units of one batch.
 #[derive(Clone, Debug, PartialEq)]
@@ -53,12 +57,16 @@ impl Batch {
 }
 
 /// Counts of stick durations.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub(super) struct DurationCounts {
     grid: LogGrid,
     /// h, if all durations are multiples of h. They are then counted as whole numbers of steps.
     step: Option<f64>,
     batches: [Batch; BATCHES],
+    /// Sticks of a block that are in no batch yet, each with its batch and its duration, in the
+    /// order in which they ended. [`DurationCounts::merge`] counts them in the batches of the run,
+    /// so that mostly a block has no batches of its own to fill.
+    listed: Vec<(u32, f64)>,
     first_completed: u64,
     first_censored: u64,
 }
@@ -69,6 +77,7 @@ impl DurationCounts {
             grid: LogGrid::new(timeline.end * RESOLUTION),
             step: None,
             batches: std::array::from_fn(|_| Batch::empty(false)),
+            listed: Vec::new(),
             first_completed: 0,
             first_censored: 0,
         }
@@ -83,12 +92,28 @@ impl DurationCounts {
     /// A stick, j >= 1, of a path of this unit has ended.
     #[inline]
     pub fn completed(&mut self, unit: u64, duration: f64) {
-        let batch = &mut self.batches[batch_of(unit)];
-        batch.durations.push(match self.step {
-            Some(step) => nearest(duration / step),
-            None => duration,
-        });
-        batch.bins.push(self.grid.key(duration));
+        if self.listed.len() == self.listed.capacity() {
+            self.make_room();
+        }
+        self.listed.push((batch_of(unit) as u32, duration));
+    }
+
+    #[cold]
+    fn make_room(&mut self) {
+        let mut listed = std::mem::take(&mut self.listed);
+        count(&mut self.batches, &listed, self.step, self.grid);
+        listed.clear();
+        listed.reserve(LISTED);
+        self.listed = listed;
+    }
+
+    /// The batches with all sticks in them.
+    fn batches(&self) -> Cow<'_, [Batch; BATCHES]> {
+        let mut batches = Cow::Borrowed(&self.batches);
+        if !self.listed.is_empty() {
+            count(batches.to_mut(), &self.listed, self.step, self.grid);
+        }
+        batches
     }
 
     /// A stick, j >= 1, of a path of this unit runs at t_end and has lasted for `so_far`.
@@ -116,20 +141,21 @@ impl DurationCounts {
         for (mine, more) in self.batches.iter_mut().zip(&other.batches) {
             mine.merge(more);
         }
+        count(&mut self.batches, &other.listed, self.step, self.grid);
         self.first_completed += other.first_completed;
         self.first_censored += other.first_censored;
     }
 
     /// The durations of all batches, in whole steps if there is a step.
-    fn pooled(&self) -> Ordered {
+    fn pooled(&self, batches: &[Batch]) -> Ordered {
         let mut pooled = Batch::empty(self.step.is_some()).durations;
-        self.batches.iter().for_each(|batch| pooled.merge(&batch.durations));
+        batches.iter().for_each(|batch| pooled.merge(&batch.durations));
         pooled.ordered()
     }
 
     /// The median with its interval.
     pub fn median(&self) -> Measured {
-        let [median] = self.quantiles([0.5]);
+        let [median] = self.quantiles(&*self.batches(), [0.5]);
         median
     }
 
@@ -138,14 +164,15 @@ impl DurationCounts {
         if self.step.is_some() {
             return [f64::NAN; BATCHES];
         }
-        let pooled = self.pooled();
-        self.batches.each_ref().map(|batch| pooled.median_without(&batch.durations.ordered()))
+        let batches = self.batches();
+        let pooled = self.pooled(&*batches);
+        batches.each_ref().map(|batch| pooled.median_without(&batch.durations.ordered()))
     }
 
     /// Quantiles of these orders with their intervals.
-    fn quantiles<const N: usize>(&self, orders: [f64; N]) -> [Measured; N] {
-        let batches: Vec<Ordered> = self.batches.iter().map(|batch| batch.durations.ordered()).collect();
-        let pooled = self.pooled();
+    fn quantiles<const N: usize>(&self, batches: &[Batch], orders: [f64; N]) -> [Measured; N] {
+        let pooled = self.pooled(batches);
+        let batches: Vec<Ordered> = batches.iter().map(|batch| batch.durations.ordered()).collect();
         orders.map(|p| match self.step {
             Some(step) => quantile::of_steps(&batches, &pooled, p).times(step),
             None => quantile::continuous(&batches, &pooled, p),
@@ -156,9 +183,10 @@ impl DurationCounts {
     /// of completed sticks. `chance` is the number of units with a completed stick, if these are
     /// random.
     pub fn summary(&self, completed_ends: [f64; 2], chance: Option<u64>, sample: Sample) -> StickDurations {
+        let batches = self.batches();
         let pooled = |of: fn(&Batch) -> &LogBins| {
             let mut pooled = LogBins::default();
-            self.batches.iter().for_each(|batch| pooled.merge(of(batch)));
+            batches.iter().for_each(|batch| pooled.merge(of(batch)));
             pooled.bins()
         };
         let (completed, censored) = (pooled(|batch| &batch.bins), pooled(|batch| &batch.censored));
@@ -172,8 +200,7 @@ impl DurationCounts {
             bins.iter().for_each(|&(bin, n)| counts[(bin - first) as usize] += n);
             counts
         };
-        let batch_counts: Vec<Vec<u64>> =
-            self.batches.iter().map(|batch| counts(&coarse(&batch.bins.bins()))).collect();
+        let batch_counts: Vec<Vec<u64>> = batches.iter().map(|batch| counts(&coarse(&batch.bins.bins()))).collect();
         let sizes: Vec<f64> = batch_counts.iter().map(|counts| counts.iter().sum::<u64>() as f64).collect();
         let share = |bin: usize| {
             Share::of(batch_counts.iter().zip(&sizes).map(|(counts, &size)| (counts[bin] as f64, size)))
@@ -181,10 +208,9 @@ impl DurationCounts {
         };
         let one_a_path = |count: u64| sample.number(count);
         let censored_counts = counts(&cut);
-        let batches = self.batches.iter().map(|batch| (batch.bins.bins(), batch.censored.bins()));
-        let survival =
-            Survival::new(batches.collect(), |key| (coarse_bin(key) - first) as usize, (end - first) as usize);
-        let quantiles = self.quantiles(QUANTILE_LEVELS);
+        let each = batches.iter().map(|batch| (batch.bins.bins(), batch.censored.bins()));
+        let survival = Survival::new(each.collect(), |key| (coarse_bin(key) - first) as usize, (end - first) as usize);
+        let quantiles = self.quantiles(&*batches, QUANTILE_LEVELS);
         StickDurations {
             step: self.step,
             completed: number(&completed),
@@ -210,6 +236,25 @@ impl DurationCounts {
     }
 }
 
+/// Count sticks in their batches. Each is given by its batch and its duration.
+fn count(batches: &mut [Batch; BATCHES], sticks: &[(u32, f64)], step: Option<f64>, grid: LogGrid) {
+    for &(batch, duration) in sticks {
+        let batch = &mut batches[batch as usize];
+        batch.durations.push(match step {
+            Some(step) => nearest(duration / step),
+            None => duration,
+        });
+        batch.bins.push(grid.key(duration));
+    }
+}
+
+impl PartialEq for DurationCounts {
+    fn eq(&self, other: &Self) -> bool {
+        let numbers = |counts: &Self| (counts.grid, counts.step, counts.first_completed, counts.first_censored);
+        numbers(self) == numbers(other) && self.batches() == other.batches()
+    }
+}
+
 /// The public bin of a fine bin. Fine bin 0, which holds durations of exactly zero, belongs to the
 /// first public bin.
 fn coarse_bin(key: i16) -> i32 {
@@ -220,7 +265,7 @@ impl Codec for DurationCounts {
     fn write(&self, out: &mut Vec<u8>) {
         // Zero stands for no step.
         self.step.unwrap_or(0.0).write(out);
-        self.batches.write(out);
+        self.batches().write(out);
         self.first_completed.write(out);
         self.first_censored.write(out);
     }
@@ -343,6 +388,48 @@ mod tests {
         assert!(greenwood[1].share() < 0.85, "{}", greenwood[1].share());
         counts.assert_95_percent("sticks in a bin");
         quantiles.assert_95_percent("upper quartile");
+    }
+
+    /// Blocks of 20 sticks are always listed, and one of 20 000 has most of its sticks in its
+    /// batches. Some of these sticks are cut off.
+    #[test]
+    fn sticks_are_the_same_whether_they_are_listed_or_counted() {
+        for step in [None, Some(1.0 / 1024.0)] {
+            let empty = || {
+                let mut counts = DurationCounts::empty(&timeline());
+                counts.set_step(step);
+                counts
+            };
+            let (mut whole, mut merged) = (empty(), DurationCounts::empty(&timeline()));
+            for block in 0..1000 {
+                let mut part = empty();
+                for stick in 0..20 {
+                    let duration = f64::from((block * 20 + stick) * 7919 % 20_011) / 1024.0;
+                    for counts in [&mut whole, &mut part] {
+                        counts.completed(block as u64, duration);
+                        if stick == 0 {
+                            counts.censored(block as u64, duration);
+                        }
+                    }
+                }
+                merged.merge(&part);
+            }
+            assert_eq!((whole.listed.len(), merged.listed.len()), (20_000 % LISTED, 0));
+            assert_eq!(whole, merged);
+            assert_eq!(whole.median(), merged.median());
+            assert_eq!(
+                whole.medians_without_each_batch().map(f64::to_bits),
+                merged.medians_without_each_batch().map(f64::to_bits)
+            );
+            let bytes = |counts: &DurationCounts| {
+                let mut bytes = Vec::new();
+                counts.write(&mut bytes);
+                bytes
+            };
+            assert_eq!(bytes(&whole), bytes(&merged));
+            let summary = |counts: &DurationCounts| counts.summary([0.0; 2], Some(1000), independent(1000, true));
+            assert_eq!(format!("{:?}", summary(&whole)), format!("{:?}", summary(&merged)));
+        }
     }
 
     #[test]

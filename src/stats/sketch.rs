@@ -5,7 +5,7 @@
 //! are counted in bins on a lattice that adapts itself to the values ([`Bins`]). Merging is exact,
 //! whatever the order and the grouping; quantiles of parts are never averaged.
 
-use super::bins::{Bins, Shape};
+use super::bins::{Bins, MOST_AT_ONCE, Shape};
 use super::codec::{Codec, Damaged, Reader};
 use super::ordered::{Binned, Kept, Ordered};
 
@@ -42,13 +42,24 @@ impl Sketch {
 
     /// Add these values. Values that are not finite are left out.
     pub fn extend(&mut self, values: &[f64]) {
+        self.extend_by_parts(&[values]);
+    }
+
+    /// Add the values of all these parts. Values that are not finite are left out.
+    pub fn extend_by_parts(&mut self, parts: &[&[f64]]) {
+        let number: usize = parts.iter().map(|part| part.len()).sum();
+        if number > MOST_AT_ONCE {
+            let pieces = parts.iter().flat_map(|part| part.chunks(MOST_AT_ONCE));
+            return pieces.for_each(|piece| self.extend_by_parts(&[piece]));
+        }
         match &mut self.bins {
-            Some(bins) if WORTHWHILE * values.len() >= self.shape.bins => return bins.count(values, &self.shape),
-            Some(_) => self.pending.extend_from_slice(values),
+            Some(bins) if WORTHWHILE * number >= self.shape.bins => return bins.count(parts, &self.shape),
+            Some(_) => parts.iter().for_each(|part| self.pending.extend_from_slice(part)),
             None => {
                 let before = self.pending.len();
-                self.pending.extend(values.iter().filter(|value| **value != self.shape.centre));
-                self.at_centre += (values.len() + before - self.pending.len()) as u64;
+                let values = parts.iter().copied().flatten();
+                self.pending.extend(values.filter(|value| **value != self.shape.centre));
+                self.at_centre += (number + before - self.pending.len()) as u64;
             }
         }
         if self.pending.len() > self.shape.values {
@@ -90,7 +101,7 @@ impl Sketch {
     fn count_pending(&mut self) {
         let mut pending = std::mem::take(&mut self.pending);
         if let Some(bins) = &mut self.bins {
-            bins.count(&pending, &self.shape);
+            bins.count(&[&pending], &self.shape);
             pending.clear();
             self.pending = pending;
             return;
@@ -348,6 +359,18 @@ mod tests {
                 assert!(error <= bound || name == "one value", "{name}: {n} values, {error} sd");
             }
         }
+    }
+
+    /// A bin may hold more values than its slot can count, all of which come at once.
+    #[test]
+    fn many_values_at_once_are_the_same_as_a_few_at_a_time() {
+        let values: Vec<f64> = (0..300_000).map(|i| if i % 3 == 0 { f64::from(i) } else { 7.0 }).collect();
+        let (mut one_by_one, mut parts) = (Sketch::empty(SHAPE), Sketch::empty(SHAPE));
+        values.iter().for_each(|&value| one_by_one.push(value));
+        parts.extend_by_parts(&[&values[..1], &values[1..200_001], &[], &values[200_001..]]);
+        assert_eq!(of(&values, SHAPE), one_by_one);
+        assert_eq!(parts, one_by_one);
+        assert_eq!(one_by_one.ordered().count(), 300_000);
     }
 
     #[test]

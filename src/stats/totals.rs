@@ -499,16 +499,15 @@ fn stick_duration_sd(paths: &JointMoments<3>, tails: &Tails, contributing: u64) 
 /// Counts of k(j).
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct SubPhaseTotals {
-    /// The counts of the paths of each batch.
-    counts: Vec<[u64; SUB_PHASE_CAP]>,
+    /// For each k from 1 on, the counts of the paths of each batch. Most phases have few sub-phases,
+    /// so that the entries in use lie close together.
+    counts: Vec<[u64; BATCHES]>,
     censored: u64,
 }
 
-codec_of_fields!(SubPhaseTotals { counts, censored });
-
 impl Default for SubPhaseTotals {
     fn default() -> Self {
-        SubPhaseTotals { counts: vec![[0; SUB_PHASE_CAP]; BATCHES], censored: 0 }
+        SubPhaseTotals { counts: vec![[0; BATCHES]; SUB_PHASE_CAP], censored: 0 }
     }
 }
 
@@ -516,7 +515,7 @@ impl SubPhaseTotals {
     /// A dynamic phase with k >= 1 sub-phases, of a path of this unit, is complete.
     #[inline]
     pub fn completed(&mut self, unit: u64, k: u32) {
-        self.counts[batch_of(unit)][(k.max(1) as usize).min(SUB_PHASE_CAP) - 1] += 1;
+        self.counts[(k.max(1) as usize).min(SUB_PHASE_CAP) - 1][batch_of(unit)] += 1;
     }
 
     /// A dynamic phase runs at t_end.
@@ -531,14 +530,20 @@ impl SubPhaseTotals {
         self.censored += other.censored;
     }
 
+    /// The counts of each batch, for each k.
+    fn batches(&self) -> Vec<[u64; SUB_PHASE_CAP]> {
+        (0..BATCHES).map(|batch| std::array::from_fn(|k| self.counts[k][batch])).collect()
+    }
+
     /// The distribution of k(j). `chance` is the number of units that completed a dynamic phase, if
     /// these are random.
     fn summary(&self, chance: Option<u64>, sample: Sample) -> SubPhaseCounts {
-        let counts: Vec<u64> = (0..SUB_PHASE_CAP).map(|k| self.counts.iter().map(|batch| batch[k]).sum()).collect();
+        let counts: Vec<u64> = self.counts.iter().map(|batches| batches.iter().sum()).collect();
         let all: u64 = counts.iter().sum();
-        let sizes: Vec<f64> = self.counts.iter().map(|batch| batch.iter().sum::<u64>() as f64).collect();
+        let batches = self.batches();
+        let sizes: Vec<f64> = batches.iter().map(|batch| batch.iter().sum::<u64>() as f64).collect();
         let share = |k: usize| {
-            Share::of(self.counts.iter().zip(&sizes).map(|(batch, &size)| (batch[k] as f64, size))).interval(chance)
+            Share::of(batches.iter().zip(&sizes).map(|(batch, &size)| (batch[k] as f64, size))).interval(chance)
         };
         let share_ends: Ends = (0..SUB_PHASE_CAP).map(share).collect();
         SubPhaseCounts {
@@ -549,6 +554,21 @@ impl SubPhaseTotals {
             censored: self.censored,
             censored_ends: sample.number(self.censored),
         }
+    }
+}
+
+/// Bytes hold the counts of one batch after the other.
+impl Codec for SubPhaseTotals {
+    fn write(&self, out: &mut Vec<u8>) {
+        self.batches().write(out);
+        self.censored.write(out);
+    }
+
+    fn read(&mut self, from: &mut Reader<'_>) -> Result<(), Damaged> {
+        let mut batches = self.batches();
+        batches.read(from)?;
+        self.counts = (0..SUB_PHASE_CAP).map(|k| std::array::from_fn(|batch| batches[batch][k])).collect();
+        self.censored.read(from)
     }
 }
 
