@@ -31,6 +31,19 @@ pub struct AddressedDraws {
 /// The first place of a cell whose numbers are only used for observing a path.
 const LOOKING: u64 = 1 << 31;
 
+/// The number of places that belong to one instant at which paths are observed. The most that are
+/// needed are two for each of the 1000 attempts to draw a bridge inside the corridor.
+const PER_LOOK: u64 = 1 << 11;
+
+/// The first place of the numbers for observing a path at an instant inside a cell, on which no
+/// event depends. `ordinal` is the number of the instant among those in the cell that belong to the
+/// run, or, for a closer look, among the others. More instants in a cell than there are places for
+/// use the same numbers again.
+pub fn looking_place(ordinal: u64, is_closer: bool) -> u64 {
+    let half = LOOKING / 2;
+    LOOKING + u64::from(is_closer) * half + ordinal * PER_LOOK % half
+}
+
 /// The place, in cell 0, of the numbers for the initial state of a path.
 const START: u64 = LOOKING - 1;
 
@@ -53,9 +66,10 @@ impl AddressedDraws {
         self.at(0, START)
     }
 
-    /// Two sequences of numbers of the same path in this cell, on which no event depends.
-    pub fn for_looking(&self, cell: u64) -> [Self; 2] {
-        [self.at(cell, LOOKING), self.at(cell, LOOKING + LOOKING / 2)]
+    /// The numbers of the same path from this place of the same cell on.
+    #[inline(always)]
+    pub fn from(&self, place: u64) -> Self {
+        self.at(self.counter >> 32, place)
     }
 
     /// The next 64 random bits.

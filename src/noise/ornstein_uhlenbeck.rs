@@ -122,11 +122,23 @@ pub fn bridge_at(theta: f64, sigma: f64, before: f64, behind: f64, (n0, n1): (f6
     if theta * whole > 1.0 {
         return long_bridge_at(theta, sigma, before, behind, (n0, n1));
     }
-    // With S(t) = sinh(theta t)/theta, the mean is (n0 S(behind) + n1 S(before))/S(whole) and the
-    // variance sigma^2 S(before) S(behind)/S(whole).
-    let sinh = |t: f64| t * cosh_and_sinh_over((theta * t) * (theta * t)).1;
-    let (before, behind, inverse) = (sinh(before), sinh(behind), 1.0 / sinh(whole));
-    ((n0 * behind + n1 * before) * inverse, sigma * (before * behind * inverse).sqrt())
+    short_bridge_at(theta, sigma, before, behind, (n0, n1))
+}
+
+/// [`bridge_at`] for theta (before + behind) <= 1. With S(t) = sinh(theta t)/theta, the mean is (n0
+/// S(behind) + n1 S(before))/S(whole) and the variance sigma^2 S(before) S(behind)/S(whole).
+#[inline(always)]
+pub fn short_bridge_at<L: Lanes>(theta: f64, sigma: f64, before: L, behind: L, (n0, n1): (L, L)) -> (L, L) {
+    let inverse = L::splat(1.0) / sinh_over(theta, before + behind);
+    let (before, behind) = (sinh_over(theta, before), sinh_over(theta, behind));
+    ((n0 * behind + n1 * before) * inverse, (before * behind * inverse).sqrt() * sigma)
+}
+
+/// sinh(theta t)/theta for theta t <= 1.
+#[inline(always)]
+fn sinh_over<L: Lanes>(theta: f64, t: L) -> L {
+    let y = t * theta;
+    t * cosh_and_sinh_over(y * y).1
 }
 
 #[inline(never)]

@@ -1,10 +1,12 @@
-//! The buffers of a snapshot, for the schemes that follow their paths one by one.
+//! The buffers of a snapshot, for the schemes that simulate events.
 
 use super::Snapshot;
+use crate::lanes::{Lanes, ROW};
 
 /// The state of every path at one time, one entry a lane.
 #[derive(Clone, Debug)]
 pub(super) struct Columns {
+    lanes: usize,
     displacement: Vec<f64>,
     velocity: Vec<f64>,
     temperature: Vec<f64>,
@@ -14,12 +16,14 @@ pub(super) struct Columns {
 impl Columns {
     /// Buffers for `lanes` lanes.
     pub(super) fn new(lanes: usize) -> Self {
-        let zeros = vec![0.0; lanes];
+        // There is room for a whole register at the end.
+        let zeros = vec![0.0; lanes + ROW];
         Columns {
+            lanes,
             displacement: zeros.clone(),
             velocity: zeros.clone(),
             temperature: zeros,
-            is_static: vec![true; lanes],
+            is_static: vec![true; lanes + ROW],
         }
     }
 
@@ -29,6 +33,18 @@ impl Columns {
         self.velocity[lane] = v;
         self.temperature[lane] = temperature;
         self.is_static[lane] = is_static;
+    }
+
+    /// Sets x, x', T and whether the paths are static (one bit a path), for a register of lanes
+    /// from `lane` on.
+    #[inline(always)]
+    pub(super) fn set_lanes<L: Lanes>(&mut self, lane: usize, (x, v, temperature): (L, L, L), is_static: u32) {
+        x.store(&mut self.displacement[lane..]);
+        v.store(&mut self.velocity[lane..]);
+        temperature.store(&mut self.temperature[lane..]);
+        for (i, to) in self.is_static[lane..lane + L::WIDTH].iter_mut().enumerate() {
+            *to = is_static >> i & 1 == 1;
+        }
     }
 
     /// Sets the same values for every lane.
@@ -43,10 +59,10 @@ impl Columns {
     pub(super) fn snapshot(&self, time: f64) -> Snapshot<'_> {
         Snapshot {
             time,
-            displacement: &self.displacement,
-            velocity: &self.velocity,
-            temperature: &self.temperature,
-            is_static: &self.is_static,
+            displacement: &self.displacement[..self.lanes],
+            velocity: &self.velocity[..self.lanes],
+            temperature: &self.temperature[..self.lanes],
+            is_static: &self.is_static[..self.lanes],
         }
     }
 }

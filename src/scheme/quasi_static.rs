@@ -37,7 +37,7 @@
 use super::columns::Columns;
 use super::event_driven::{
     self, Cascade, Cell, Corridor, ExactTime, Glance, Ladder, Noiseless, OneByOne, Piece, Scene, Seen, StepRules,
-    UnfeltNoise, Unresolved, WORK_LIMIT, Watch, Work, check_friction, round_down, temperature,
+    UnfeltNoise, Unresolved, WORK_LIMIT, Watch, Work, check_friction, round_down,
 };
 use super::{DEFAULT_TOLERANCE, Discretisation, Look, Method, Misfit, Observer, Parameter, Simulate, Timeline};
 use crate::lanes::InstructionSet;
@@ -318,7 +318,7 @@ impl Piece for SwingPiece<'_> {
         let time = glance.time;
         let noise = self.noise(scene, time, draws);
         let (x, v) = self.slip.at(self.displacement, self.direction, time - self.began);
-        let seen = (x, v, temperature(scene, glance, noise), false);
+        let seen = (x, v, scene.temperature(glance.forcing, noise), false);
         (seen, SwingPiece { last: (time, noise), ..*self }, SwingPiece { first: (time, noise), ..*self })
     }
 }

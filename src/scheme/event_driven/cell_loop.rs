@@ -21,7 +21,7 @@ use super::watch::{Glance, Glances, Nobody, Seen, Watch};
 use super::work::{Simulated, Unresolved, Work};
 use crate::lanes::{InstructionSet, LaneProgram, Lanes};
 use crate::model::{Event, EventKind, Phase, Sign};
-use crate::noise::AddressedDraws;
+use crate::noise::{AddressedDraws, looking_place};
 use crate::scheme::columns::Columns;
 use crate::scheme::timeline::Stop;
 use crate::scheme::{Instant, Observer, Timeline};
@@ -140,7 +140,7 @@ pub fn simulate(paths: &mut impl Paths, count: usize, observer: &mut dyn Observe
             let next = || stops.next_if(|stop| is_before(stop, cell.end));
             inside.begin(std::iter::from_fn(next), &cell, count, closeness);
             paths.cross_watched(&cell, &mut inside);
-            inside.tell(observer, &mut columns, stops.peek().is_none());
+            inside.tell(observer, stops.peek().is_none());
             quiet.push(cell.clone());
             cell.move_to(paths.cascade().scene(), paths.cascade().ladder(), cell.index + 1);
         } else {
@@ -264,7 +264,7 @@ fn at_the_end<C: Cascade>(cascade: &C, cell: &Cell, path: &Path<C::Motion>) -> S
         return LOST;
     }
     let (x, v) = cascade.look(path, cell);
-    let temperature = (cell.last.value + path.noise) / cascade.scene().force_per_temperature;
+    let temperature = cascade.scene().temperature(cell.last.value, path.noise);
     (x, v, temperature, path.phase == Phase::Static)
 }
 
@@ -375,13 +375,13 @@ fn stick<C: Cascade>(
 #[derive(Default)]
 pub struct Inside {
     stops: Vec<Stop>,
-    /// The times of the stops, each once, and whether they are only for a closer look.
-    glances: Vec<Glance>,
+    /// The times of the stops, each once.
+    pub glances: Vec<Glance>,
     /// The index in `glances` of each stop.
     places: Vec<usize>,
-    /// The states at `glances`, lane by lane.
-    seen: Vec<Vec<Seen>>,
-    events: Vec<(usize, Event)>,
+    /// The states of all paths at each of `glances`. There may be more than needed.
+    pub seen: Vec<Columns>,
+    pub events: Vec<(usize, Event)>,
 }
 
 impl Inside {
@@ -396,12 +396,20 @@ impl Inside {
             let time = stop.time - cell.start;
             match self.glances.last_mut().filter(|last| last.time == time) {
                 Some(last) => last.is_closer &= is_closer,
-                None => self.glances.push(Glance { time, is_closer, forcing: cell.forcing(time).value }),
+                None => self.glances.push(Glance { time, is_closer, forcing: cell.forcing(time).value, place: 0 }),
             }
             self.places.push(self.glances.len() - 1);
         }
-        self.seen.resize(paths, Vec::new());
-        self.seen.iter_mut().for_each(Vec::clear);
+        let mut ordinals = [0, 0];
+        for glance in &mut self.glances {
+            let ordinal = &mut ordinals[usize::from(glance.is_closer)];
+            glance.place = looking_place(*ordinal, glance.is_closer);
+            *ordinal += 1;
+        }
+        while self.seen.len() < self.glances.len() {
+            self.seen.push(Columns::new(paths));
+        }
+        self.seen[..self.glances.len()].iter_mut().for_each(|seen| seen.fill(LOST));
         self.events.clear();
     }
 
@@ -416,21 +424,19 @@ impl Inside {
         scratch: &mut (C::Scratch, Pending),
     ) {
         let Inside { glances, seen, events, .. } = self;
-        let draws = path.draws.for_looking(cell.index);
-        let mut watch = Glances { glances, draws, seen: &mut seen[lane] };
+        let draws = path.draws.at(cell.index, 0);
+        let mut watch = Glances { glances, draws, lane, seen, passed: 0 };
         let emit = |event| events.push((lane, event));
         path.is_lost = cross(cascade, cell, path, scratch, &mut watch, emit).is_err();
-    }
-
-    /// The observer of a path in a lane that crosses the cell without an event.
-    #[inline(always)]
-    pub fn watch(&mut self, lane: usize, draws: AddressedDraws, cell: &Cell) -> Glances<'_> {
-        Glances { glances: &self.glances, draws: draws.for_looking(cell.index), seen: &mut self.seen[lane] }
+        let passed = watch.passed;
+        if passed < glances.len() {
+            seen[passed..glances.len()].iter_mut().for_each(|seen| seen.set(lane, LOST));
+        }
     }
 
     /// Passes events and states to the observer, in order of time. With `is_over`, there is no
     /// later stop, and events after the last one are dropped.
-    fn tell(&mut self, observer: &mut dyn Observer, columns: &mut Columns, is_over: bool) {
+    fn tell(&mut self, observer: &mut dyn Observer, is_over: bool) {
         for (stop, &place) in self.stops.iter().zip(&self.places) {
             self.events.retain(|&(lane, event)| {
                 let is_due = event.time <= stop.time;
@@ -439,10 +445,7 @@ impl Inside {
                 }
                 !is_due
             });
-            for (lane, seen) in self.seen.iter().enumerate() {
-                columns.set(lane, seen.get(place).copied().unwrap_or(LOST));
-            }
-            observer.snapshot(stop.instant, columns.snapshot(stop.time));
+            observer.snapshot(stop.instant, self.seen[place].snapshot(stop.time));
         }
         if !is_over {
             self.events.iter().for_each(|&(lane, event)| observer.event(lane, event));

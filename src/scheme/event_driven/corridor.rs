@@ -104,13 +104,7 @@ impl Corridor {
             let forcing = cell.forcing(after);
             Node { after, noise, force: forcing.value - spring + noise, curvature: forcing.curvature }
         };
-        let piece = |left: &Node, right: &Node, kind| StickPiece {
-            after: (left.after, right.after),
-            noise: (left.noise, right.noise),
-            force: (left.force, right.force),
-            displacement,
-            kind,
-        };
+        let piece = |left: &Node, right: &Node, kind| (stick_piece(left, right, displacement), kind);
         let curvature = if after == 0.0 { cell.first.curvature } else { cell.forcing(after).curvature };
         let mut left = Node { after, noise, force, curvature };
         let end_force = cell.last.value - spring + end_noise;
@@ -135,7 +129,7 @@ impl Corridor {
                     let force = sign.value() * scene.friction.static_force;
                     let noise = force - cell.forcing(after).value + spring;
                     let right = Node { after, noise, force, curvature: 0.0 };
-                    watch.look(scene, || piece(&left, &right, StickEnd::Exit(sign)));
+                    watch.look(scene, || piece(&left, &right, StickEnd::Exit));
                     return Ok(Some((after, sign)));
                 }
             }
@@ -160,6 +154,17 @@ impl Corridor {
         let reach = L::select(up.is_near, up.bend, zero).or_at_least(L::select(down.is_near, down.bend, zero));
         let is_bent = (reach * reach * h * h * h).gt(L::splat(self.most_bend));
         Reach { is_near: L::or(up.is_near, down.is_near), is_long: L::or(h.gt(L::splat(self.widest)), is_bent) }
+    }
+}
+
+/// The piece of a stick between two nodes.
+#[inline(always)]
+pub fn stick_piece<L: Lanes>(left: &Node<L>, right: &Node<L>, displacement: L) -> StickPiece<L> {
+    StickPiece {
+        after: (left.after, right.after),
+        noise: (left.noise, right.noise),
+        force: (left.force, right.force),
+        displacement,
     }
 }
 

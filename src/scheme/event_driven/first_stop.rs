@@ -61,6 +61,21 @@ impl<L: Lanes> Motion<L> {
         let infinite = L::splat(f64::INFINITY);
         L::and(self.velocity.abs().lt(infinite), self.acceleration.abs().lt(infinite))
     }
+
+    /// The difference of two motions.
+    #[inline(always)]
+    pub fn less(self, other: Self) -> Self {
+        Motion { velocity: self.velocity - other.velocity, acceleration: self.acceleration - other.acceleration }
+    }
+
+    /// `a` where `mask` holds, `b` elsewhere.
+    #[inline(always)]
+    pub fn select(mask: L::Mask, a: Self, b: Self) -> Self {
+        Motion {
+            velocity: L::select(mask, a.velocity, b.velocity),
+            acceleration: L::select(mask, a.acceleration, b.acceleration),
+        }
+    }
 }
 
 /// A slip step: the motion at its ends, the distance between them, its length and the square root
@@ -389,7 +404,8 @@ pub fn forwards<L: Lanes>(travel: L) -> L {
 
 /// Draws the state at a fraction `p` of an interval with three normals, given both ends. Returns
 /// the distance from the start of the interval and the motion.
-pub fn state_inside(left: Motion, next: &Interval, p: f64, normals: [f64; 3]) -> (f64, Motion) {
+#[inline(always)]
+pub fn state_inside<L: Lanes>(left: Motion<L>, next: &Interval<L>, p: L, normals: [L; 3]) -> (L, Motion<L>) {
     let (mean, [dx, dv, da]) = (Quintic::new(left, next), conditional_factor(p, normals));
     let (h, inverse, noise) = (next.length, next.inverse, next.noise);
     let velocity = mean.velocity(p) * inverse + noise * h * dv;
@@ -397,40 +413,43 @@ pub fn state_inside(left: Motion, next: &Interval, p: f64, normals: [f64; 3]) ->
     (mean.travel(p) + noise * h * h * dx, Motion { velocity, acceleration })
 }
 
-impl Interval {
-    /// h.
-    pub fn length(&self) -> f64 {
-        self.length
-    }
-
-    /// The distance from start to end, and the motion at the end.
-    pub fn end(&self) -> (f64, Motion) {
-        (self.travel, self.end)
+impl<L: Lanes> Interval<L> {
+    /// An interval of a length, for noise of intensity `noise`.
+    #[inline(always)]
+    pub fn new(end: Motion<L>, travel: L, length: L, noise: f64) -> Self {
+        Interval { end, travel, length, inverse: L::splat(1.0) / length, noise: length.sqrt() * noise }
     }
 
     /// The same interval with other values at its end.
-    pub fn with_end(self, travel: f64, end: Motion) -> Self {
+    #[inline(always)]
+    pub fn with_end(self, travel: L, end: Motion<L>) -> Self {
         Interval { end, travel, ..self }
     }
 
     /// The two parts of the interval, divided at a fraction `p` of it, where the distance and the
     /// motion are these.
-    pub fn parted(self, p: f64, travel: f64, motion: Motion) -> [Self; 2] {
-        let part = |end: Motion, travel: f64, p: f64| Interval {
-            end,
-            travel,
-            length: p * self.length,
-            inverse: self.inverse / p,
-            noise: self.noise * p.sqrt(),
-        };
-        [part(motion, travel, p), part(self.end, self.travel - travel, 1.0 - p)]
-    }
-}
-
-impl<L: Lanes> Interval<L> {
     #[inline(always)]
-    fn new(end: Motion<L>, travel: L, length: L, noise: f64) -> Self {
-        Interval { end, travel, length, inverse: L::splat(1.0) / length, noise: length.sqrt() * noise }
+    pub fn parted(self, p: L, travel: L, motion: Motion<L>) -> [Self; 2] {
+        let behind = L::splat(1.0) - p;
+        [self.part(p).with_end(travel, motion), self.part(behind).with_end(self.travel - travel, self.end)]
+    }
+
+    /// The same interval with a fraction `p` of its length.
+    #[inline(always)]
+    fn part(self, p: L) -> Self {
+        Interval { length: p * self.length, inverse: self.inverse / p, noise: self.noise * p.sqrt(), ..self }
+    }
+
+    /// `a` where `mask` holds, `b` elsewhere.
+    #[inline(always)]
+    pub fn select(mask: L::Mask, a: &Self, b: &Self) -> Self {
+        Interval {
+            end: Motion::select(mask, a.end, b.end),
+            travel: L::select(mask, a.travel, b.travel),
+            length: L::select(mask, a.length, b.length),
+            inverse: L::select(mask, a.inverse, b.inverse),
+            noise: L::select(mask, a.noise, b.noise),
+        }
     }
 }
 

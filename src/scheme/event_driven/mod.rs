@@ -51,7 +51,7 @@ pub(super) use noiseless::Noiseless;
 pub(super) use scene::Scene;
 pub(super) use step_rules::StepRules;
 pub(super) use unfelt_noise::UnfeltNoise;
-pub(super) use watch::{Glance, Piece, Seen, Watch, temperature};
+pub(super) use watch::{Glance, Piece, Seen, Watch};
 pub(super) use work::{Unresolved, WORK_LIMIT, Work};
 
 use super::{Discretisation, Look, Method, Misfit, Parameter, Timeline};

@@ -20,10 +20,10 @@ use super::corridor::Corridor;
 use super::first_stop::{Interval, Motion, Pending, Step, Stop, StopSearch, forwards};
 use super::ladder::Ladder;
 use super::scene::{Scene, forcing};
-use super::slip_step::{Push, State, force, motion, resolved_travel};
+use super::slip_step::{State, force, motion, resolved_travel};
 use super::slip_transition::{DrivenOscillator, HarmonicResponse, SlipTransition};
 use super::step_rules::StepRules;
-use super::watch::{Flow, Glance, Known, SlipPiece, Watch};
+use super::watch::{Flow, FlowPiece, Glance, Known, SlipPiece, Watch, Way};
 use super::work::{Simulated, Unresolved, WORK_LIMIT};
 use crate::lanes::InstructionSet;
 use crate::model::{Complex, Event, EventKind, Model, Phase, Sign};
@@ -147,15 +147,22 @@ impl Noisy {
             && self.oscillator.has_series_for(length)
     }
 
-    /// The slip step of the usual length, and the square root of its length. It covers a whole cell
-    /// where [`Noisy::has_one_step_a_cell`].
-    pub fn usual_step(&self) -> (&SlipTransition, f64) {
-        (&self.step.transition, self.step.root_length)
+    /// The slip step of the usual length, and its responses to the harmonics. It covers a whole
+    /// cell where [`Noisy::has_one_step_a_cell`].
+    pub fn usual_step(&self) -> (&SlipTransition, &[HarmonicResponse]) {
+        (&self.step.transition, &self.step.harmonics)
     }
 
-    /// The contribution of each harmonic to a slip over a whole cell.
-    pub fn pushes(&self, cell: &Cell) -> Vec<Push> {
-        cell.terms.iter().zip(&self.step.harmonics).map(|(term, response)| response.push(*term)).collect()
+    /// The square root of the length of that step.
+    pub fn root_length(&self) -> f64 {
+        self.step.root_length
+    }
+
+    /// A slip step of another length, and its responses to the harmonics.
+    #[inline(always)]
+    pub fn part_of_step(&self, length: f64) -> (SlipTransition, Vec<HarmonicResponse>) {
+        let mut responses = vec![HarmonicResponse::none(); self.step.harmonics.len()];
+        (self.oscillator.transition(length, &mut responses), responses)
     }
 
     pub fn oscillator(&self) -> &DrivenOscillator {
@@ -181,35 +188,6 @@ impl Noisy {
         }
         let mut all = OneByOne::new(self, instructions, seed, paths);
         cell_loop::simulate(&mut all, paths.len(), observer)
-    }
-
-    /// Observes a slip that crosses a cell in one step in which it cannot stop.
-    #[inline(always)]
-    pub fn look_at_whole_step(
-        &self,
-        cell: &Cell,
-        [from, to]: [&Path; 2],
-        direction: Sign,
-        scratch: &Scratch,
-        watch: &mut impl Watch,
-    ) {
-        let (start, end) = (self.motion(from, direction), self.motion(to, direction));
-        let searched = self.step.between(direction.value(), (from.displacement, start), (to.displacement, end));
-        let flow = StepFlow {
-            cascade: self,
-            cell,
-            step: &self.step,
-            direction,
-            after: 0.0,
-            start: State { x: from.displacement, v: from.motion, n: from.noise },
-            first: start,
-            end: (searched.length, to.noise),
-            last_drawn: cell::Cell::new([(0.0, from.noise); 2]),
-            scratch: &scratch.flow,
-        };
-        let known = [(0.0, from.noise), flow.end];
-        let interval = self.search.whole(&searched);
-        watch.look(&self.scene, || SlipPiece { flow: &flow, after: 0.0, travel: 0.0, start, interval, known });
     }
 
     /// The next step of a slip, when this much of the cell remains, and whether it ends with the
@@ -458,8 +436,10 @@ impl Cascade for Noisy {
             // This is not a closure, because a closure is not compiled for the instruction set.
             for &(after, travel, start, interval) in passed.iter() {
                 let known = [flow.last_drawn.get()[0], flow.end];
-                let piece = SlipPiece { flow: &flow, after: before.0 + after, travel, start, interval, known };
-                watch.look(&self.scene, || piece);
+                let after = before.0 + after;
+                let until = after + interval.length;
+                let piece = SlipPiece { eps, x0: before.1.x, after, until, travel, start, interval };
+                watch.look(&self.scene, || FlowPiece { flow: &flow, piece, known });
             }
             if let Some(stop) = stop {
                 return Ok(Some(self.stopped(cell, path, direction, before, &stop)));
@@ -489,7 +469,7 @@ type Passed = (f64, f64, Motion, Interval);
 
 /// The interval before a stop, ending at the stop.
 fn ending_at((after, travel, start, interval): Passed, stop: &Stop) -> Passed {
-    let part = (stop.after - after) / interval.length();
+    let part = (stop.after - after) / interval.length;
     let end = Motion { velocity: 0.0, acceleration: stop.acceleration };
     let interval = if part > 0.0 { interval.parted(part, stop.travel - travel, end)[0] } else { interval };
     (after, travel, start, interval)
@@ -540,14 +520,9 @@ impl StepFlow<'_> {
 
 impl Flow for StepFlow<'_> {
     #[inline(always)]
-    fn start(&self) -> (Sign, f64) {
-        (self.direction, self.start.x)
-    }
-
-    #[inline(always)]
-    fn at(&self, after: f64) -> (f64, Motion, f64) {
+    fn at(&self, after: f64) -> Way {
         let (travel, motion, to) = self.motion(after - self.after);
-        (travel, motion, to.n)
+        Way { travel, motion, noise: to.n }
     }
 
     fn resolved_noise(
@@ -613,7 +588,7 @@ pub const SHORTEST: f64 = 1e-8;
 
 /// Where the noise moves the forces by less than this fraction of them, n cannot be computed from a
 /// balance of forces.
-const ROUNDED: f64 = 1e-6;
+pub const ROUNDED: f64 = 1e-6;
 
 /// No draw is further from its mean than this number of standard deviations. These are at most c
 /// sqrt(h) for a and c h^{3/2} for V.

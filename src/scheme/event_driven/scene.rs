@@ -7,6 +7,7 @@
 
 use super::ladder::{Ladder, Rung};
 use super::two_noises::{Part, TwoNoises};
+use crate::lanes::Lanes;
 use crate::model::{Complex, Friction, InitialNoise, Model, Noise, Oscillator, Series};
 use crate::noise::{AddressedDraws, Transition, bridge_at};
 use std::sync::Arc;
@@ -51,6 +52,12 @@ pub struct Scene {
 }
 
 impl Scene {
+    /// T where the forcing and n have these values.
+    #[inline(always)]
+    pub fn temperature<L: Lanes>(&self, forcing: f64, noise: L) -> L {
+        (noise + forcing) / L::splat(self.force_per_temperature)
+    }
+
     /// The constants of a model. Without noise in its temperature, n = 0 throughout.
     pub fn new(model: &Model) -> Self {
         let oscillator = model.oscillator;

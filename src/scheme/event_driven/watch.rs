@@ -21,8 +21,9 @@
 use super::first_stop::{Interval, Motion, state_inside};
 use super::scene::Scene;
 use super::stick_step::FAR_EXPONENT;
-use crate::model::Sign;
+use crate::lanes::{Choose, Lanes};
 use crate::noise::{AddressedDraws, TimeChange, bridge_at, meeting_probability};
+use crate::scheme::columns::Columns;
 
 /// x, x', T and whether the path is static.
 pub type Seen = (f64, f64, f64, bool);
@@ -36,6 +37,8 @@ pub struct Glance {
     pub is_closer: bool,
     /// B at that time, which is the same for all paths.
     pub forcing: f64,
+    /// The place of the random numbers for this instant ([`crate::noise::looking_place`]).
+    pub place: u64,
 }
 
 /// An observer of one path inside a cell.
@@ -62,10 +65,13 @@ impl Watch for Nobody {
 /// Observes one path at these times, in order.
 pub struct Glances<'a> {
     pub glances: &'a [Glance],
-    /// The random numbers for the rows of the run, and for the rows between them.
-    pub draws: [AddressedDraws; 2],
-    /// The states that have been drawn so far.
-    pub seen: &'a mut Vec<Seen>,
+    /// The random numbers of the path in this cell.
+    pub draws: AddressedDraws,
+    /// The lane of the path, and for each time the states of all paths.
+    pub lane: usize,
+    pub seen: &'a mut [Columns],
+    /// The number of times that have been observed so far.
+    pub passed: usize,
 }
 
 impl Watch for Glances<'_> {
@@ -78,9 +84,9 @@ impl Watch for Glances<'_> {
     fn look<P: Piece>(&mut self, scene: &Scene, piece: impl FnOnce() -> P) {
         let mut rest = piece();
         while let Some(row) = self.ahead(rest.end()).find(|glance| !glance.is_closer) {
-            let (seen, before, behind) = rest.parted(scene, row, &mut self.draws[0]);
+            let (seen, before, behind) = rest.parted(scene, row, &mut self.draws.from(row.place));
             self.look_closer(scene, before, row.time);
-            self.seen.push(seen);
+            self.put(seen);
             rest = behind;
         }
         let end = rest.end();
@@ -91,17 +97,23 @@ impl Watch for Glances<'_> {
 impl<'a> Glances<'a> {
     /// The instants that remain, up to `end`.
     fn ahead(&self, end: f64) -> impl Iterator<Item = Glance> + use<'a> {
-        self.glances[self.seen.len()..].iter().copied().take_while(move |glance| glance.time <= end)
+        self.glances[self.passed..].iter().copied().take_while(move |glance| glance.time <= end)
     }
 
     /// Draws the states at the rows between those of the run, up to `end`.
     #[inline(always)]
     fn look_closer<P: Piece>(&mut self, scene: &Scene, mut piece: P, end: f64) {
         while let Some(row) = self.ahead(end).next().filter(|glance| glance.is_closer) {
-            let (seen, _, behind) = piece.parted(scene, row, &mut self.draws[1]);
-            self.seen.push(seen);
+            let (seen, _, behind) = piece.parted(scene, row, &mut self.draws.from(row.place));
+            self.put(seen);
             piece = behind;
         }
+    }
+
+    #[inline(always)]
+    fn put(&mut self, seen: Seen) {
+        self.seen[self.passed].set(self.lane, seen);
+        self.passed += 1;
     }
 }
 
@@ -114,14 +126,107 @@ pub trait Piece: Sized {
     fn parted(&self, scene: &Scene, glance: Glance, draws: &mut AddressedDraws) -> (Seen, Self, Self);
 }
 
-/// The motion of a slip step without noise. The drawn motion is computed as a deviation from it, so
+/// The motion of a slip step without noise, at a time: the distance since the start of the step,
+/// the motion along the direction, and n. The drawn motion is computed as a deviation from it, so
 /// that it keeps its digits where the noise is feeble.
+#[derive(Clone, Copy, Debug)]
+pub struct Way<L = f64> {
+    pub travel: L,
+    pub motion: Motion<L>,
+    pub noise: L,
+}
+
+/// A piece of a slip, in any number of paths.
+#[derive(Clone, Copy, Debug)]
+pub struct SlipPiece<L = f64> {
+    /// The direction, and x at the start of the step.
+    pub eps: L,
+    pub x0: L,
+    /// The times at which the piece begins and ends, after the start of the cell.
+    pub after: L,
+    pub until: L,
+    /// The distance from the start of the step to the start of the piece.
+    pub travel: L,
+    /// The motion at the start of the piece.
+    pub start: Motion<L>,
+    /// The length of the piece, and the distance and motion at its end.
+    pub interval: Interval<L>,
+}
+
+/// The state at an instant inside a piece of a slip.
+#[derive(Clone, Copy, Debug)]
+pub struct SlipState<L = f64> {
+    /// The fraction of the piece that lies before the instant.
+    part: L,
+    /// The distance since the start of the piece, and since the start of the step.
+    passed: L,
+    total: L,
+    pub motion: Motion<L>,
+    /// n, computed from a balance of forces, and the sum of the sizes of these forces.
+    pub noise: L,
+    pub forces: L,
+}
+
+impl<L: Lanes> SlipPiece<L> {
+    /// Draws the state at an instant with three normals. The motion without noise is known at the
+    /// start of the piece, at the instant, and at the end of the piece.
+    #[inline(always)]
+    pub fn state(&self, scene: &Scene, glance: Glance, ways: [&Way<L>; 3], normals: [L; 3]) -> SlipState<L> {
+        let [before, here, behind] = ways;
+        let (zero, one, time) = (L::splat(0.0), L::splat(1.0), L::splat(glance.time));
+        let SlipPiece { eps, x0, after, travel, start, interval, .. } = *self;
+        let body = &scene.oscillator;
+        let end = interval.end.less(behind.motion);
+        let deviation = interval.with_end(interval.travel - (behind.travel - before.travel), end);
+        // In a piece of zero length the state is that at its start.
+        let part = L::select(time.gt(after), ((time - after) / interval.length).or_at_most(one), zero);
+        let is_inside = part.gt(zero);
+        let at_start = start.less(before.motion);
+        let (drawn_way, drawn) = state_inside(at_start, &deviation, part, normals);
+        let aside = L::select(is_inside, drawn_way, zero);
+        let off = Motion::select(is_inside, drawn, at_start);
+        // The velocity is positive in law, but for a probability that the search neglects.
+        let velocity = (here.motion.velocity + off.velocity).or_at_least(zero);
+        let motion = Motion { velocity, acceleration: here.motion.acceleration + off.acceleration };
+        let passed = aside + (here.travel - before.travel);
+        let total = travel + passed;
+        let balance =
+            off.acceleration * body.mass + off.velocity * (2.0 * body.damping) + (total - here.travel) * body.stiffness;
+        let forces = here.motion.acceleration.abs() * body.mass
+            + scene.friction.dynamic_force
+            + glance.forcing.abs()
+            + x0.abs() * body.stiffness;
+        SlipState { part, passed, total, motion, noise: here.noise + eps * balance, forces }
+    }
+
+    /// x and x' in a state.
+    #[inline(always)]
+    pub fn seen(&self, state: &SlipState<L>) -> (L, L) {
+        (self.x0 + self.eps * state.total, self.eps * state.motion.velocity)
+    }
+
+    /// The parts of the piece before and after a state at an instant.
+    #[inline(always)]
+    pub fn parted_at(&self, glance: Glance, state: &SlipState<L>) -> [Self; 2] {
+        let is_inside = state.part.gt(L::splat(0.0));
+        let [first, second] = self.interval.parted(state.part, state.passed, state.motion);
+        let first = Interval::select(is_inside, &first, &self.interval);
+        let second = Interval::select(is_inside, &second, &self.interval);
+        let behind = SlipPiece {
+            after: L::splat(glance.time),
+            travel: state.total,
+            start: state.motion,
+            interval: second,
+            ..*self
+        };
+        [SlipPiece { until: L::splat(glance.time), interval: first, ..*self }, behind]
+    }
+}
+
+/// The motion of a slip step of one path without noise.
 pub trait Flow {
-    /// Direction of the slip, and x at the start of the step.
-    fn start(&self) -> (Sign, f64);
-    /// The distance since the start of the step, the motion along the direction and n, at a time
-    /// after the start of the cell.
-    fn at(&self, after: f64) -> (f64, Motion, f64);
+    /// The motion at a time after the start of the cell.
+    fn at(&self, after: f64) -> Way;
     /// n at an instant. `noise` is n as computed from a balance of forces of size `forces`. Where
     /// this has lost its digits, n is drawn from the bridge of n between the two times of `known`
     /// instead.
@@ -138,181 +243,200 @@ pub trait Flow {
 /// A time after the start of the cell, and n at that time.
 pub type Known = (f64, f64);
 
-/// A piece of a slip.
-pub struct SlipPiece<'a, F> {
+/// A piece of a slip of one path, with the motion of its step without noise.
+pub struct FlowPiece<'a, F> {
     pub flow: &'a F,
-    /// The time at which it begins, after the start of the cell.
-    pub after: f64,
-    /// The distance from the start of the step to the start of the piece.
-    pub travel: f64,
-    /// The motion at the start of the piece.
-    pub start: Motion,
-    /// The length of the piece, and the distance and motion at its end.
-    pub interval: Interval,
+    pub piece: SlipPiece,
     /// n at known times before and after, as drawn for the rows of the run.
     pub known: [Known; 2],
 }
 
-impl<F: Flow> Piece for SlipPiece<'_, F> {
+impl<F: Flow> Piece for FlowPiece<'_, F> {
     fn end(&self) -> f64 {
-        self.after + self.interval.length()
+        self.piece.until
     }
 
     #[inline(always)]
     fn parted(&self, scene: &Scene, glance: Glance, draws: &mut AddressedDraws) -> (Seen, Self, Self) {
-        let time = glance.time;
-        let SlipPiece { flow, after, travel, start, interval, known } = *self;
-        let (body, (direction, x0)) = (&scene.oscillator, flow.start());
-        let eps = direction.value();
-        let (way_before, before, _) = flow.at(after);
-        let (way_here, here, noise) = flow.at(time);
-        let (way_behind, behind, _) = flow.at(self.end());
-        let less = |a: Motion, b: Motion| Motion {
-            velocity: a.velocity - b.velocity,
-            acceleration: a.acceleration - b.acceleration,
-        };
-        let deviation = interval.with_end(interval.end().0 - (way_behind - way_before), less(interval.end().1, behind));
-        // In a piece of zero length the state is that at its start.
-        let part = if time > after { ((time - after) / interval.length()).min(1.0) } else { 0.0 };
-        let (passed, off) = if part > 0.0 {
-            state_inside(less(start, before), &deviation, part, draws.three_normals())
-        } else {
-            (0.0, less(start, before))
-        };
-        // The velocity is positive in law, but for a probability that the search neglects.
-        let velocity = (here.velocity + off.velocity).max(0.0);
-        let motion = Motion { velocity, acceleration: here.acceleration + off.acceleration };
-        let passed = passed + (way_here - way_before);
-        let total = travel + passed;
-        let aside = total - way_here;
-        let balance = body.mass * off.acceleration + 2.0 * body.damping * off.velocity + body.stiffness * aside;
-        let largest = body.mass * here.acceleration.abs()
-            + scene.friction.dynamic_force
-            + glance.forcing.abs()
-            + body.stiffness * x0.abs();
-        let noise = flow.resolved_noise(glance, noise + eps * balance, largest, known, draws);
-        let seen = (x0 + eps * total, eps * velocity, temperature(scene, glance, noise), false);
-        let [first, second] = if part > 0.0 { interval.parted(part, passed, motion) } else { [interval; 2] };
-        let before = SlipPiece { interval: first, known: [known[0], (time, noise)], ..*self };
-        let known = [(time, noise), known[1]];
-        (seen, before, SlipPiece { after: time, travel: total, start: motion, interval: second, known, ..*self })
+        let FlowPiece { flow, ref piece, known } = *self;
+        let [before, here, behind] = [flow.at(piece.after), flow.at(glance.time), flow.at(piece.until)];
+        let state = piece.state(scene, glance, [&before, &here, &behind], draws.three_normals());
+        let noise = flow.resolved_noise(glance, state.noise, state.forces, known, draws);
+        let (x, v) = piece.seen(&state);
+        let [first, second] = piece.parted_at(glance, &state);
+        let now = (glance.time, noise);
+        let before = FlowPiece { flow, piece: first, known: [known[0], now] };
+        let behind = FlowPiece { flow, piece: second, known: [now, known[1]] };
+        ((x, v, scene.temperature(glance.forcing, noise), false), before, behind)
     }
 }
 
-/// A piece of a stick. The stick lasts at least until the end of the piece.
+/// A piece of a stick, in any number of paths. The stick lasts at least until the end of the piece.
 #[derive(Clone, Copy, Debug)]
-pub struct StickPiece {
+pub struct StickPiece<L = f64> {
     /// The times at which it begins and ends, after the start of the cell.
-    pub after: (f64, f64),
+    pub after: (L, L),
     /// n at both ends.
-    pub noise: (f64, f64),
+    pub noise: (L, L),
     /// b at both ends.
-    pub force: (f64, f64),
+    pub force: (L, L),
     /// x, which is constant in a stick.
-    pub displacement: f64,
-    pub kind: StickEnd,
+    pub displacement: L,
 }
 
 /// What is known of a piece of a stick.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StickEnd {
     /// Neither threshold can be met.
     Clear,
     /// Neither threshold is met.
     Kept,
-    /// The threshold on this side is met, at the end of the piece.
-    Exit(Sign),
+    /// One of the thresholds is met, at the end of the piece.
+    Exit,
 }
 
-impl Piece for StickPiece {
+/// The law of n at an instant inside a piece of a stick, given n at both ends: a bridge.
+#[derive(Clone, Copy, Debug)]
+pub struct Bridge<L = f64> {
+    /// Its mean and its standard deviation.
+    pub mean: L,
+    pub sd: L,
+    /// B - K x, so that b is this and n.
+    pub rest: L,
+}
+
+/// n and b in a stick at an instant.
+#[derive(Clone, Copy, Debug)]
+pub struct Stuck<L = f64> {
+    pub noise: L,
+    pub force: L,
+}
+
+impl<L: Lanes> Bridge<L> {
+    /// A draw where no threshold can be met.
+    #[inline(always)]
+    pub fn anywhere(&self, normal: L) -> Stuck<L> {
+        let noise = self.mean + self.sd * normal;
+        Stuck { noise, force: self.rest + noise }
+    }
+
+    /// A draw where the threshold on this side, 1 or -1, is met at the end of the piece for the
+    /// first time. The distance of b from it ends at zero, and is the length of a three-dimensional
+    /// vector whose components are bridges.
+    #[inline(always)]
+    pub fn before_exit(&self, scene: &Scene, side: L, [one, two, three]: [L; 3]) -> Stuck<L> {
+        let f_s = L::splat(scene.friction.static_force);
+        let along = f_s - side * (self.rest + self.mean) + self.sd * one;
+        let distance = (along * along + self.sd * self.sd * (two * two + three * three)).sqrt();
+        let force = side * (f_s - distance);
+        Stuck { noise: force - self.rest, force }
+    }
+}
+
+impl<L: Lanes> StickPiece<L> {
+    /// Whether a bridge through b inside the piece meets neither threshold, decided by a uniform
+    /// number. `halves` are the time changes of the parts before and after the instant.
+    #[inline(always)]
+    pub fn stays(&self, scene: &Scene, halves: &[TimeChange<L>; 2], force: L, uniform: L) -> L::Mask {
+        let [first, last] = halves;
+        uniform.lt(stay(scene, first, self.force.0, force) * stay(scene, last, force, self.force.1))
+    }
+
+    /// n and b at an instant, as drawn inside the piece, or those of an end on which it lies.
+    #[inline(always)]
+    pub fn inside(&self, glance: Glance, drawn: Stuck<L>) -> Stuck<L> {
+        let time = L::splat(glance.time);
+        let (is_first, is_last) = (time.le(self.after.0), time.ge(self.after.1));
+        let noise = L::select(is_last, self.noise.1, drawn.noise);
+        let force = L::select(is_last, self.force.1, drawn.force);
+        Stuck { noise: L::select(is_first, self.noise.0, noise), force: L::select(is_first, self.force.0, force) }
+    }
+
+    /// The part of the piece after an instant.
+    #[inline(always)]
+    pub fn behind(&self, glance: Glance, there: Stuck<L>) -> Self {
+        StickPiece {
+            after: (L::splat(glance.time), self.after.1),
+            noise: (there.noise, self.noise.1),
+            force: (there.force, self.force.1),
+            ..*self
+        }
+    }
+}
+
+/// The probability that a bridge between two values of b meets neither threshold.
+#[inline(always)]
+fn stay<L: Lanes>(scene: &Scene, half: &TimeChange<L>, from: L, to: L) -> L {
+    let one = L::splat(1.0);
+    (one - meet(scene, half, 1.0, from, to)) * (one - meet(scene, half, -1.0, from, to))
+}
+
+/// The probability that a bridge between two values of b meets the threshold on this side.
+#[inline(always)]
+fn meet<L: Lanes>(scene: &Scene, half: &TimeChange<L>, side: f64, from: L, to: L) -> L {
+    let (f_s, zero) = (L::splat(scene.friction.static_force), L::splat(0.0));
+    let (d0, d1) = (f_s - from * side, (f_s - to * side) * half.growth);
+    // Usually one of the thresholds is out of reach.
+    let is_beyond = (d0 * 2.0 * d1).gt(half.duration * FAR_EXPONENT);
+    let is_far = L::and(L::and(d0.gt(zero), d1.gt(zero)), is_beyond);
+    L::select(is_far, zero, meeting_probability(d0, d1, half.duration))
+}
+
+impl Piece for (StickPiece, StickEnd) {
     fn end(&self) -> f64 {
-        self.after.1
+        self.0.after.1
     }
 
     #[inline(always)]
     fn parted(&self, scene: &Scene, glance: Glance, draws: &mut AddressedDraws) -> (Seen, Self, Self) {
-        let time = glance.time;
-        let (noise, force) = self.stuck(scene, glance, draws);
-        let seen = (self.displacement, 0.0, temperature(scene, glance, noise), true);
-        let kind = if self.kind == StickEnd::Clear { StickEnd::Clear } else { StickEnd::Kept };
+        let (piece, kind) = *self;
+        let there = stuck(&piece, kind, scene, glance, draws);
+        let seen = (piece.displacement, 0.0, scene.temperature(glance.forcing, there.noise), true);
         let before = StickPiece {
-            after: (self.after.0, time),
-            noise: (self.noise.0, noise),
-            force: (self.force.0, force),
-            kind,
-            ..*self
+            after: (piece.after.0, glance.time),
+            noise: (piece.noise.0, there.noise),
+            force: (piece.force.0, there.force),
+            ..piece
         };
-        let behind = StickPiece {
-            after: (time, self.after.1),
-            noise: (noise, self.noise.1),
-            force: (force, self.force.1),
-            ..*self
-        };
-        (seen, before, behind)
+        let kind_before = if kind == StickEnd::Clear { StickEnd::Clear } else { StickEnd::Kept };
+        (seen, (before, kind_before), (piece.behind(glance, there), kind))
     }
 }
 
 /// The number of attempts to draw a bridge that stays inside the corridor.
-const TRIES: usize = 1000;
+pub const TRIES: usize = 1000;
 
-impl StickPiece {
-    /// Draws n and b at a time inside the piece.
-    #[inline(always)]
-    fn stuck(&self, scene: &Scene, glance: Glance, draws: &mut AddressedDraws) -> (f64, f64) {
-        let time = glance.time;
-        let (before, behind) = (time - self.after.0, self.after.1 - time);
-        if before <= 0.0 {
-            return (self.noise.0, self.force.0);
-        }
-        if behind <= 0.0 {
-            return (self.noise.1, self.force.1);
-        }
-        let f_s = scene.friction.static_force;
-        let rest = glance.forcing - scene.oscillator.stiffness * self.displacement;
-        let (mean, sd) = bridge_at(scene.relaxation_rate, scene.diffusion, before, behind, self.noise);
-        match self.kind {
-            StickEnd::Clear => {
-                let noise = mean + sd * draws.normal();
-                return (noise, rest + noise);
-            }
-            StickEnd::Exit(sign) => {
-                // The distance of b from the threshold ends at zero. It is the length of a
-                // three-dimensional vector whose components are bridges.
-                let side = sign.value();
-                let inside = f_s - side * (rest + mean);
-                let [one, two, three] = draws.three_normals();
-                let along = inside + sd * one;
-                let distance = (along * along + sd * sd * (two * two + three * three)).sqrt();
-                let force = side * (f_s - distance);
-                return (force - rest, force);
-            }
-            StickEnd::Kept => (),
-        }
-        let [to, from] = [before, behind].map(|h| TimeChange::new(scene.relaxation_rate, scene.diffusion, h));
-        let stays = |half: &TimeChange, from: f64, to: f64| -> f64 {
-            // Usually one of the thresholds is out of reach.
-            let met = |side: f64| {
-                let (d0, d1) = (f_s - side * from, (f_s - side * to) * half.growth);
-                let is_far = d0 > 0.0 && d1 > 0.0 && 2.0 * d0 * d1 > FAR_EXPONENT * half.duration;
-                if is_far { 0.0 } else { meeting_probability(d0, d1, half.duration) }
-            };
-            (1.0 - met(1.0)) * (1.0 - met(-1.0))
-        };
-        for _ in 0..TRIES {
-            let force = rest + mean + sd * draws.normal();
-            if draws.uniform() < stays(&to, self.force.0, force) * stays(&from, force, self.force.1) {
-                return (force - rest, force);
+/// Draws n and b at an instant inside a piece of a stick of one path.
+#[inline(always)]
+fn stuck(piece: &StickPiece, kind: StickEnd, scene: &Scene, glance: Glance, draws: &mut AddressedDraws) -> Stuck {
+    let (before, behind) = (glance.time - piece.after.0, piece.after.1 - glance.time);
+    let rest = glance.forcing - scene.oscillator.stiffness * piece.displacement;
+    let (mean, sd) = bridge_at(scene.relaxation_rate, scene.diffusion, before, behind, piece.noise);
+    let bridge = Bridge { mean, sd, rest };
+    let drawn = match kind {
+        _ if before <= 0.0 || behind <= 0.0 => Stuck { noise: mean, force: rest + mean },
+        StickEnd::Clear => bridge.anywhere(draws.normal()),
+        StickEnd::Exit => bridge.before_exit(scene, 1f64.copysign(piece.force.1), draws.three_normals()),
+        StickEnd::Kept => {
+            let (theta, sigma) = (scene.relaxation_rate, scene.diffusion);
+            let halves = [TimeChange::new(theta, sigma, before), TimeChange::new(theta, sigma, behind)];
+            // This is a loop, because closures are not compiled for the instruction set.
+            let mut tries = 0;
+            loop {
+                let drawn = bridge.anywhere(draws.normal());
+                if piece.stays(scene, &halves, drawn.force, draws.uniform()) {
+                    break drawn;
+                }
+                tries += 1;
+                if tries == TRIES {
+                    // All attempts fail only where both ends are very close to the threshold.
+                    // There, b on the straight line between them is used.
+                    let part = before / (before + behind);
+                    let force = piece.force.0 + part * (piece.force.1 - piece.force.0);
+                    break Stuck { noise: force - rest, force };
+                }
             }
         }
-        // All attempts fail only where both ends are very close to the threshold. There, b on the
-        // straight line between them is used.
-        let part = before / (before + behind);
-        let force = self.force.0 + part * (self.force.1 - self.force.0);
-        (force - rest, force)
-    }
-}
-
-/// T at an instant, where n is `noise`.
-pub fn temperature(scene: &Scene, glance: Glance, noise: f64) -> f64 {
-    (glance.forcing + noise) / scene.force_per_temperature
+    };
+    piece.inside(glance, drawn)
 }

@@ -11,6 +11,8 @@ pub enum Task {
     Halve,
     /// Decide whether a piece of a stick is left.
     Decide,
+    /// Find when a piece of a stick is left.
+    Leave,
     /// Go on to the next piece of a stick.
     StickOn,
     /// Begin a sub-phase inside the cell.
@@ -21,10 +23,21 @@ pub enum Task {
     SlipOn,
     /// Find the stop of a slip in an interval.
     Stop,
+    /// Begin what follows a stop.
+    Rest,
 }
 
-const TASKS: [Task; 7] =
-    [Task::Halve, Task::Decide, Task::StickOn, Task::Begin, Task::Bisect, Task::SlipOn, Task::Stop];
+const TASKS: [Task; 9] = [
+    Task::Halve,
+    Task::Decide,
+    Task::Leave,
+    Task::StickOn,
+    Task::Begin,
+    Task::Bisect,
+    Task::SlipOn,
+    Task::Stop,
+    Task::Rest,
+];
 
 /// The most pieces of one lane that may wait.
 pub const DEPTH: usize = 32;
@@ -44,18 +57,52 @@ pub struct Jobs {
     stack: Vec<Row>,
     /// The lanes that were flagged in this cell.
     pub flagged: Vec<u32>,
-    queues: [Queue; 7],
-    /// The lanes that were taken out of a queue, and how many of them remain to be worked on.
-    batch: Vec<u32>,
-    taken: usize,
+    queues: [Queue; TASKS.len()],
+    /// The lanes that were taken out of a queue and remain to be worked on.
+    batch: Queue,
     lanes: usize,
 }
 
-/// The lanes that wait for a task. The last one is taken first.
-struct Queue {
+/// Lanes that wait. The last one is taken first.
+pub(super) struct Queue {
     /// Has room for a whole register after the last lane.
     lanes: Vec<u32>,
     len: usize,
+}
+
+impl Queue {
+    /// An empty queue with room for `rows` lanes, and a register more.
+    pub fn new(rows: usize) -> Self {
+        Queue { lanes: vec![0; rows + ROW], len: 0 }
+    }
+
+    pub fn clear(&mut self) {
+        self.len = 0;
+    }
+
+    /// Puts the lanes of a mask into the queue.
+    #[inline(always)]
+    pub fn push<L: Lanes>(&mut self, rows: &Rows, lanes: u32) {
+        self.lanes[self.len..self.len + ROW].copy_from_slice(&L::compress(rows, lanes));
+        self.len += lanes.count_ones() as usize;
+    }
+
+    /// Takes out up to a register of lanes. Returns them and a mask of them; in the other places is
+    /// the row `nobody`.
+    #[inline(always)]
+    pub fn pop<L: Lanes>(&mut self, nobody: u32) -> Option<(Rows, u32)> {
+        if self.len == 0 {
+            return None;
+        }
+        let count = self.len.min(L::WIDTH);
+        self.len -= count;
+        let mut rows = [0; ROW];
+        rows.copy_from_slice(&self.lanes[self.len..self.len + ROW]);
+        if count < L::WIDTH {
+            rows[count..].fill(nobody);
+        }
+        Some((rows, (1 << count) - 1))
+    }
 }
 
 impl Jobs {
@@ -67,9 +114,8 @@ impl Jobs {
             right: vec![Row([0.0; ROW]); rows],
             stack: vec![Row([0.0; ROW]); rows * DEPTH],
             flagged: Vec::with_capacity(rows),
-            queues: std::array::from_fn(|_| Queue { lanes: vec![0; rows], len: 0 }),
-            batch: vec![0; rows],
-            taken: 0,
+            queues: std::array::from_fn(|_| Queue::new(rows)),
+            batch: Queue::new(rows),
             lanes: rows,
         }
     }
@@ -77,15 +123,13 @@ impl Jobs {
     /// Empties all queues.
     pub fn clear(&mut self) {
         self.flagged.clear();
-        self.queues.iter_mut().for_each(|queue| queue.len = 0);
+        self.queues.iter_mut().for_each(Queue::clear);
     }
 
     /// Puts the lanes of a mask into a queue.
     #[inline(always)]
     pub fn push<L: Lanes>(&mut self, task: Task, rows: &Rows, lanes: u32) {
-        let queue = &mut self.queues[task as usize];
-        queue.lanes[queue.len..queue.len + ROW].copy_from_slice(&L::compress(rows, lanes));
-        queue.len += lanes.count_ones() as usize;
+        self.queues[task as usize].push::<L>(rows, lanes);
     }
 
     /// Takes as many whole registers of lanes as there are from the longest queue; or all its
@@ -106,25 +150,20 @@ impl Jobs {
             return None;
         }
         queue.len -= taken;
-        self.batch[..taken].copy_from_slice(&queue.lanes[queue.len..queue.len + taken]);
-        self.taken = taken;
+        self.batch.lanes[..taken].copy_from_slice(&queue.lanes[queue.len..queue.len + taken]);
+        self.batch.len = taken;
         Some(TASKS[longest])
     }
 
     /// The next lanes of those taken out of the queue, and a mask of them.
     #[inline(always)]
     pub fn next<L: Lanes>(&mut self) -> Option<(Rows, u32)> {
-        if self.taken == 0 {
-            return None;
-        }
-        let count = self.taken.min(L::WIDTH);
-        self.taken -= count;
-        let mut rows = [0; ROW];
-        rows.copy_from_slice(&self.batch[self.taken..self.taken + ROW]);
-        if count < L::WIDTH {
-            rows[count..].fill((self.lanes - 1) as u32);
-        }
-        Some((rows, (1 << count) - 1))
+        self.batch.pop::<L>(self.nobody())
+    }
+
+    /// The row that belongs to no path.
+    pub fn nobody(&self) -> u32 {
+        (self.lanes - 1) as u32
     }
 
     /// Puts a piece on top of the waiting pieces of each lane.
@@ -157,7 +196,7 @@ impl Jobs {
     /// The rows of the lanes of a mask; for the other lanes the row that belongs to no path.
     #[inline(always)]
     pub fn only<L: Lanes>(&self, rows: &Rows, lanes: u32) -> Rows {
-        let nobody = (self.lanes - 1) as u32;
+        let nobody = self.nobody();
         let mut only = [nobody; ROW];
         for i in 0..L::WIDTH {
             only[i] = if lanes >> i & 1 == 1 { rows[i] } else { nobody };
@@ -187,7 +226,7 @@ impl<L: Lanes> Count<L> {
 
     /// All bits set where the normals of a path are mirrored.
     #[inline(always)]
-    fn flip(self) -> L::Bits {
+    pub fn flip(self) -> L::Bits {
         let is_not = L::xor(L::keep_and_set(self.0, MIRRORED, 0), L::splat_bits(MIRRORED));
         L::add_bits(L::shr::<39>(is_not), L::splat_bits(u64::MAX))
     }

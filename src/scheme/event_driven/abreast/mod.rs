@@ -3,6 +3,7 @@
 //! ```text
 //! sweep    draws n at the end of the cell, and takes every path there as if it had no event
 //! queues   treat the lanes that may have an event: a stick that may be left, a slip that may stop
+//! look     draws the states at output times inside the cell, in the pieces that hold them
 //! alone    the few lanes that meet a rare case cross the cell again, one by one
 //! ```
 //!
@@ -15,7 +16,11 @@
 //! faster than forcing and noise change, paths are simulated one by one.
 
 mod jobs;
+mod look;
+mod records;
+mod shared_step;
 mod slip;
+mod states;
 mod stick;
 mod sweep;
 #[cfg(test)]
@@ -26,14 +31,17 @@ use super::cells::Cell;
 use super::corridor::Pending;
 use super::noisy::{Noisy, Scratch};
 use super::slip_transition::HarmonicResponse;
-use super::watch::{Nobody, StickEnd, StickPiece, Watch as _};
+use super::watch::Nobody;
 use super::work::{Simulated, Work};
-use crate::lanes::{InstructionSet, LaneProgram, Lanes, ROW, Table};
+use crate::lanes::{InstructionSet, LaneProgram, Lanes, ROW, Row, Table};
 use crate::model::{Event, Phase, Sign};
 use crate::noise::{AddressedDraws, cells};
 use crate::scheme::Observer;
 use crate::scheme::columns::Columns;
-use jobs::{Jobs, Task};
+use jobs::{Jobs, Queue, Task};
+use records::Records;
+use states::{Border, Phases, rows_from};
+use std::collections::BTreeSet;
 
 /// The paths of a block.
 pub struct Abreast<'a> {
@@ -41,17 +49,24 @@ pub struct Abreast<'a> {
     instructions: InstructionSet,
     normals: &'static Table,
     count: usize,
-    /// The states at the start of the cell, and at its end.
-    now: States,
-    next: States,
+    /// The [`states::Border`] of each lane at the start of the cell, and at its end.
+    now: Vec<Row>,
+    next: Vec<Row>,
+    phases: Phases,
+    /// The lanes that slip, and those that stick, at the start of the cell.
+    slips: Queue,
+    sticks: Queue,
     draws: Vec<AddressedDraws>,
-    /// The keys of the random numbers of each path ([`AddressedDraws::keys`]).
-    keys: [Vec<u64>; 3],
     /// Evaluations of each path until now, and until the start of the cell.
     spent: Vec<u64>,
     spent_before: Vec<u64>,
-    is_lost: Vec<bool>,
+    /// The lanes whose paths have been given up.
+    lost: BTreeSet<usize>,
     jobs: Jobs,
+    /// The pieces in which the paths are observed.
+    records: Records,
+    /// n and b of each lane at the start of the slip step that began last inside the cell.
+    begun: [Vec<f64>; 2],
     /// The events in the cell, with their lanes.
     events: Vec<(u32, Event)>,
     /// The lanes that cross the cell again, alone.
@@ -61,19 +76,6 @@ pub struct Abreast<'a> {
     flagged: usize,
     turned_odd: usize,
     scratch: (Scratch, Pending),
-}
-
-/// The states of the paths at the border of two cells, one entry per lane.
-#[derive(Clone)]
-struct States {
-    x: Vec<f64>,
-    /// x', zero in a stick.
-    v: Vec<f64>,
-    n: Vec<f64>,
-    /// b.
-    force: Vec<f64>,
-    /// The direction of the slip; zero in a stick.
-    eps: Vec<f64>,
 }
 
 /// Where more than one in `MOST_ODD` flagged lanes has to cross the cell again, all paths are
@@ -88,8 +90,7 @@ impl<'a> Abreast<'a> {
     pub fn new(noisy: &'a Noisy, instructions: InstructionSet, seed: u64, paths: &[u64]) -> Self {
         let count = paths.len();
         let lanes = count.next_multiple_of(ROW);
-        let zeros = vec![0.0; lanes + ROW];
-        let states = States { x: zeros.clone(), v: zeros.clone(), n: zeros.clone(), force: zeros.clone(), eps: zeros };
+        let states = vec![Row([0.0; ROW]); lanes + ROW];
         let mut all = Abreast {
             noisy,
             instructions,
@@ -97,12 +98,16 @@ impl<'a> Abreast<'a> {
             count,
             now: states.clone(),
             next: states,
+            phases: Phases::new(count),
+            slips: Queue::new(lanes),
+            sticks: Queue::new(lanes),
             draws: Vec::with_capacity(count),
-            keys: [vec![0; lanes], vec![0; lanes], vec![0; lanes]],
             spent: vec![0; lanes + ROW],
             spent_before: vec![0; lanes + ROW],
-            is_lost: vec![false; count],
+            lost: BTreeSet::new(),
             jobs: Jobs::new(lanes),
+            records: Records::default(),
+            begun: [vec![0.0; lanes + ROW], vec![0.0; lanes + ROW]],
             events: Vec::new(),
             odd: Vec::new(),
             flagged: 0,
@@ -112,9 +117,6 @@ impl<'a> Abreast<'a> {
         for (lane, &number) in paths.iter().enumerate() {
             let path = cell_loop::start(noisy, seed, number);
             all.draws.push(path.draws);
-            for (keys, key) in all.keys.iter_mut().zip(path.draws.keys()) {
-                keys[lane] = key;
-            }
             all.put(lane, &path);
             std::mem::swap(&mut all.now, &mut all.next);
             all.put(lane, &path);
@@ -122,19 +124,19 @@ impl<'a> Abreast<'a> {
         all
     }
 
-    /// The path of a lane at the start of the cell, with its evaluations so far.
-    fn path(&self, states: &States, lane: usize, spent: u64) -> Path<f64> {
-        let eps = states.eps[lane];
+    /// The path of a lane at the start of the cell.
+    fn path(&self, lane: usize) -> Path<f64> {
+        let [displacement, motion, noise, force, eps, ..] = self.now[lane].0;
         let mut work = Work::new(self.noisy.work_limit());
-        work.spend_all(spent);
+        work.spend_all(self.spent_before[lane]);
         Path {
             after: 0.0,
-            displacement: states.x[lane],
-            noise: states.n[lane],
+            displacement,
+            noise,
             second_noise: 0.0,
-            force: states.force[lane],
+            force,
             phase: if eps == 0.0 { Phase::Static } else { Phase::Slip(Sign::of(eps)) },
-            motion: states.v[lane],
+            motion,
             draws: self.draws[lane],
             work,
             is_lost: false,
@@ -147,28 +149,49 @@ impl<'a> Abreast<'a> {
             Phase::Static => (0.0, 0.0),
             Phase::Slip(direction) => (direction.value(), path.motion),
         };
-        let next = &mut self.next;
-        (next.x[lane], next.v[lane], next.n[lane]) = (path.displacement, v, path.noise);
-        (next.force[lane], next.eps[lane]) = (path.force, eps);
+        let [origin, key, flip] = path.draws.keys().map(f64::from_bits);
+        self.next[lane] = Row([path.displacement, v, path.noise, path.force, eps, origin, key, flip]);
+        self.phases.set(lane, eps != 0.0);
         self.spent[lane] = self.noisy.work_limit() - path.work.left();
-        self.is_lost[lane] = path.is_lost;
+        if path.is_lost {
+            self.give_up(lane);
+        }
+    }
+
+    /// Gives up the path of a lane.
+    fn give_up(&mut self, lane: usize) {
+        self.phases.leave_out(lane);
+        self.lost.insert(lane);
     }
 
     /// Gives up the paths that have spent all their evaluations.
-    fn give_up(&mut self) {
+    #[inline(always)]
+    fn limit_work(&mut self) {
         let limit = self.noisy.work_limit();
-        for (is_lost, &spent) in self.is_lost.iter_mut().zip(&self.spent) {
-            *is_lost |= spent > limit;
+        let mut is_over = false;
+        for &spent in &self.spent {
+            is_over |= spent > limit;
+        }
+        if is_over {
+            for lane in 0..self.count {
+                if self.spent[lane] > limit {
+                    self.give_up(lane);
+                }
+            }
         }
     }
 
     /// Takes a lane across the cell alone.
     #[inline(always)]
-    fn cross_alone(&mut self, lane: usize, cell: &Cell) {
-        let mut path = self.path(&self.now, lane, self.spent_before[lane]);
-        let emit = |event| self.events.push((lane as u32, event));
-        let crossed = cell_loop::cross(self.noisy, cell, &mut path, &mut self.scratch, &mut Nobody, emit);
-        path.is_lost = crossed.is_err();
+    fn cross_alone(&mut self, lane: usize, cell: &Cell, inside: Option<&mut Inside>) {
+        let mut path = self.path(lane);
+        if let Some(inside) = inside {
+            inside.cross(lane, self.noisy, cell, &mut path, &mut self.scratch);
+        } else {
+            let emit = |event| self.events.push((lane as u32, event));
+            let crossed = cell_loop::cross(self.noisy, cell, &mut path, &mut self.scratch, &mut Nobody, emit);
+            path.is_lost = crossed.is_err();
+        }
         self.put(lane, &path);
     }
 }
@@ -181,13 +204,11 @@ struct Crossing<'p, 'a, L: Lanes> {
     responses: Vec<HarmonicResponse<L>>,
 }
 
-/// A crossing of a cell in lanes, for any instruction set.
+/// A crossing of a cell in lanes, for any instruction set. `inside` are the stops inside the cell.
 struct InLanes<'p, 'a> {
     paths: &'p mut Abreast<'a>,
     cell: &'p Cell,
-    /// Whether there are stops inside: then the lanes in which something may happen are left in
-    /// `odd`.
-    is_watched: bool,
+    inside: Option<&'p mut Inside>,
 }
 
 impl LaneProgram for InLanes<'_, '_> {
@@ -195,74 +216,40 @@ impl LaneProgram for InLanes<'_, '_> {
     fn run<L: Lanes>(&mut self) {
         let responses = vec![HarmonicResponse::none(); self.cell.terms.len()];
         let mut crossing = Crossing::<L> { paths: self.paths, cell: self.cell, responses };
-        crossing.run(self.is_watched);
-    }
-}
-
-/// A look at the stops inside a cell, one path after the other. The lanes that are not in `odd`
-/// have crossed the cell, and nothing has happened to them.
-struct Watched<'p, 'a> {
-    paths: &'p mut Abreast<'a>,
-    cell: &'p Cell,
-    inside: &'p mut Inside,
-}
-
-impl LaneProgram for Watched<'_, '_> {
-    #[inline(always)]
-    fn run<L: Lanes>(&mut self) {
-        let Watched { paths, cell, inside } = self;
-        let mut is_odd = vec![false; paths.count];
-        paths.odd.drain(..).for_each(|lane| is_odd[lane as usize] = true);
-        for (lane, &is_odd) in is_odd.iter().enumerate() {
-            if paths.is_lost[lane] {
-                continue;
-            }
-            let mut from = paths.path(&paths.now, lane, paths.spent_before[lane]);
-            if is_odd {
-                inside.cross(lane, paths.noisy, cell, &mut from, &mut paths.scratch);
-                paths.put(lane, &from);
-                continue;
-            }
-            let to = paths.path(&paths.next, lane, paths.spent[lane]);
-            let mut watch = inside.watch(lane, from.draws, cell);
-            match from.phase {
-                Phase::Static => watch.look(paths.noisy.scene(), || StickPiece {
-                    after: (0.0, cell.length),
-                    noise: (from.noise, to.noise),
-                    force: (from.force, to.force),
-                    displacement: from.displacement,
-                    kind: StickEnd::Clear,
-                }),
-                Phase::Slip(direction) => {
-                    let ends = [&from, &to];
-                    paths.noisy.look_at_whole_step(cell, ends, direction, &paths.scratch.0, &mut watch);
-                }
-            }
-        }
+        crossing.run(self.inside.as_deref_mut());
     }
 }
 
 impl<L: Lanes> Crossing<'_, '_, L> {
     #[inline(always)]
-    fn run(&mut self, is_watched: bool) {
+    fn run(&mut self, mut inside: Option<&mut Inside>) {
+        let glances = inside.as_ref().map_or(&[][..], |inside| &inside.glances);
+        let is_closer = glances.iter().any(|glance| glance.is_closer);
+        self.paths.records.begin(glances);
         self.paths.spent_before.copy_from_slice(&self.paths.spent);
         self.paths.jobs.clear();
-        if self.paths.turned_odd * MOST_ODD > self.paths.flagged && self.paths.flagged > FLAGGED {
-            let Abreast { odd, is_lost, .. } = &mut *self.paths;
-            odd.extend((0..).zip(is_lost.iter()).filter(|(_, is_lost)| !**is_lost).map(|(lane, _)| lane));
+        // A closer look is for few paths.
+        let are_odd = self.paths.turned_odd * MOST_ODD > self.paths.flagged && self.paths.flagged > FLAGGED;
+        if are_odd || is_closer {
+            let Abreast { odd, lost, count, .. } = &mut *self.paths;
+            odd.extend((0..*count).filter(|lane| !lost.contains(lane)).map(|lane| lane as u32));
         } else {
             self.sweep();
-            if is_watched {
-                let Abreast { odd, jobs, .. } = &mut *self.paths;
-                odd.extend_from_slice(&jobs.flagged);
-            } else {
-                self.work_off();
+            self.work_off();
+            if let Some(inside) = &mut inside {
+                self.look(inside);
+            }
+            let Abreast { odd, events, .. } = &mut *self.paths;
+            if !odd.is_empty() {
+                events.retain(|(lane, _)| !odd.contains(lane));
             }
         }
-        if !is_watched {
-            while let Some(lane) = self.paths.odd.pop() {
-                self.paths.cross_alone(lane as usize, self.cell);
-            }
+        while let Some(lane) = self.paths.odd.pop() {
+            self.paths.cross_alone(lane as usize, self.cell, inside.as_deref_mut());
+        }
+        self.paths.limit_work();
+        if let Some(inside) = inside {
+            inside.events.extend(self.paths.events.drain(..).map(|(lane, event)| (lane as usize, event)));
         }
     }
 
@@ -275,21 +262,40 @@ impl<L: Lanes> Crossing<'_, '_, L> {
                 match task {
                     Task::Halve => self.halve(&rows, lanes),
                     Task::Decide => self.decide(&rows, lanes),
+                    Task::Leave => self.leave(&rows, lanes),
                     Task::StickOn => self.stick_on(&rows, lanes),
                     Task::Begin => self.begin(&rows, lanes),
                     Task::Bisect => self.bisect(&rows, lanes),
                     Task::SlipOn => self.slip_on(&rows, lanes),
                     Task::Stop => self.stop(&rows, lanes),
+                    Task::Rest => self.rest(&rows, lanes),
                 }
             }
         }
-        let Abreast { odd, events, turned_odd, jobs, spent, .. } = &mut *self.paths;
+        let Abreast { odd, turned_odd, jobs, spent, .. } = &mut *self.paths;
         for &lane in &jobs.flagged {
             spent[lane as usize] += jobs.spent(lane as usize);
         }
         *turned_odd += odd.len();
-        if !odd.is_empty() {
-            events.retain(|(lane, _)| !odd.contains(lane));
+    }
+}
+
+/// Writes the state of every path at the end of a cell.
+struct LookAtEnd<'p, 'a> {
+    paths: &'p Abreast<'a>,
+    passed: &'p Cell,
+    columns: &'p mut Columns,
+}
+
+impl LaneProgram for LookAtEnd<'_, '_> {
+    #[inline(always)]
+    fn run<L: Lanes>(&mut self) {
+        let scene = self.paths.noisy.scene();
+        for lane in (0..self.paths.count).step_by(L::WIDTH) {
+            let now = Border::<L>::get(&self.paths.now, &rows_from(lane));
+            let temperature = scene.temperature(self.passed.last.value, now.n);
+            let is_slip = now.eps.abs().gt(L::splat(0.0));
+            self.columns.set_lanes(lane, (now.x, now.v, temperature), !L::bitmask(is_slip));
         }
     }
 }
@@ -307,42 +313,35 @@ impl Paths for Abreast<'_> {
             if observer.is_stopped() {
                 return;
             }
-            instructions.run(&mut InLanes { paths: self, cell, is_watched: false });
+            instructions.run(&mut InLanes { paths: self, cell, inside: None });
             std::mem::swap(&mut self.now, &mut self.next);
             for (lane, event) in self.events.drain(..) {
                 observer.event(lane as usize, event);
             }
         }
-        self.give_up();
     }
 
     fn cross_watched(&mut self, cell: &Cell, inside: &mut Inside) {
         let instructions = self.instructions;
-        instructions.run(&mut InLanes { paths: self, cell, is_watched: true });
-        instructions.run(&mut Watched { paths: self, cell, inside });
+        instructions.run(&mut InLanes { paths: self, cell, inside: Some(inside) });
         std::mem::swap(&mut self.now, &mut self.next);
-        self.give_up();
     }
 
     fn look(&self, passed: &Cell, columns: &mut Columns) {
-        let per_temperature = self.noisy.scene().force_per_temperature;
-        let now = &self.now;
-        for lane in 0..self.count {
-            let temperature = (passed.last.value + now.n[lane]) / per_temperature;
-            let seen = (now.x[lane], now.v[lane], temperature, now.eps[lane] == 0.0);
-            columns.set(lane, if self.is_lost[lane] { LOST } else { seen });
+        self.instructions.run(&mut LookAtEnd { paths: self, passed, columns });
+        for &lane in &self.lost {
+            columns.set(lane, LOST);
         }
     }
 
     fn are_lost(&self) -> bool {
-        self.is_lost.iter().all(|&is_lost| is_lost)
+        self.lost.len() == self.count
     }
 
     fn simulated(&self) -> Simulated {
-        let lost = self.is_lost.iter().enumerate().filter(|&(_, &is_lost)| is_lost).map(|(lane, _)| lane);
         let limit = self.noisy.work_limit();
         Simulated {
-            lost: lost.collect(),
+            lost: self.lost.iter().copied().collect(),
             evaluations: self.spent[..self.count].iter().map(|&spent| spent.min(limit)).sum(),
         }
     }

@@ -2,6 +2,7 @@
 
 use super::Crossing;
 use super::jobs::{Count, DEPTH, Jobs, Rows, Task};
+use super::states::Border;
 use super::stick::Piece;
 use crate::lanes::{Lanes, ROW};
 use crate::model::{Event, EventKind};
@@ -65,8 +66,7 @@ impl<L: Lanes> Searched<L> {
     fn pass(&mut self, mask: L::Mask, passed: &Interval<L>) {
         self.after = L::select(mask, self.after + passed.length, self.after);
         self.travel = L::select(mask, self.travel + passed.travel, self.travel);
-        self.left.velocity = L::select(mask, passed.end.velocity, self.left.velocity);
-        self.left.acceleration = L::select(mask, passed.end.acceleration, self.left.acceleration);
+        self.left = Motion::select(mask, passed.end, self.left);
         self.count = self.count.spent_where(mask);
     }
 }
@@ -77,21 +77,6 @@ fn interval_of<L: Lanes>(
 ) -> (Interval<L>, L::Bits, L::Bits) {
     let end = Motion { velocity: v, acceleration: a };
     (Interval { end, travel, length, inverse, noise }, origin.to_bits(), key.to_bits())
-}
-
-#[inline(always)]
-fn select<L: Lanes>(mask: L::Mask, a: &Interval<L>, b: &Interval<L>) -> Interval<L> {
-    let end = Motion {
-        velocity: L::select(mask, a.end.velocity, b.end.velocity),
-        acceleration: L::select(mask, a.end.acceleration, b.end.acceleration),
-    };
-    Interval {
-        end,
-        travel: L::select(mask, a.travel, b.travel),
-        length: L::select(mask, a.length, b.length),
-        inverse: L::select(mask, a.inverse, b.inverse),
-        noise: L::select(mask, a.noise, b.noise),
-    }
 }
 
 impl<L: Lanes> Crossing<'_, '_, L> {
@@ -111,9 +96,11 @@ impl<L: Lanes> Crossing<'_, '_, L> {
 
         let near_clear = search.is_clear(searched.left, &near);
         searched.count = searched.count.drawn(2).spent().behind_where(L::not(near_clear));
+        self.saw_slip(rows, L::bitmask(near_clear) & lanes, &searched, &near);
         searched.pass(near_clear, &near);
-        searched.interval = select(near_clear, &far, &near);
+        searched.interval = Interval::select(near_clear, &far, &near);
         let far_clear = L::and(near_clear, search.is_clear(searched.left, &far));
+        self.saw_slip(rows, L::bitmask(far_clear) & lanes, &searched, &far);
         searched.pass(far_clear, &far);
         let clear = L::bitmask(far_clear) & lanes;
         let more = !L::bitmask(searched.count.has_none());
@@ -143,62 +130,67 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         (interval, ..) = interval_of(self.paths.jobs.last_behind(rows, searched.count));
         searched.interval = interval;
         let is_clear = self.paths.noisy.search().is_clear(searched.left, &interval);
+        self.saw_slip(rows, L::bitmask(is_clear) & lanes, &searched, &interval);
         searched.pass(is_clear, &interval);
         let clear = L::bitmask(is_clear) & lanes;
         let more = !L::bitmask(searched.count.has_none());
         self.queue_searched(searched, rows, lanes & !clear, clear & more, is_clear);
     }
 
-    /// Draws a state near the stop. Where the stop is found, what follows it begins; elsewhere the
-    /// interval is refined.
+    /// Draws a state near the stop. Where the stop is found, the state is replaced by that at the
+    /// stop; elsewhere the interval is refined.
     #[inline(always)]
     pub(super) fn stop(&mut self, rows: &Rows, lanes: u32) {
-        let mut searched = Searched::<L>::get(&self.paths.jobs, rows);
+        let searched = Searched::<L>::get(&self.paths.jobs, rows);
         let search = *self.paths.noisy.search();
         let normals = searched.draws(self.cell.index).three_normals(self.paths.normals, 0);
         let near = search.near_stop(searched.left, &searched.interval, normals);
-        let found = L::bitmask(near.is_at_it) & lanes;
         let is_first = searched.count.has_none();
-        searched.count = searched.count.drawn(2).spent_where(is_first).behind_where(L::always());
+        let count = searched.count.drawn(2).spent_where(is_first).behind_where(L::always());
 
+        let is_before = near.motion.velocity.gt(L::splat(0.0));
+        let [before, behind] = near.parted(&searched.interval, search.noise);
+        let (there, rest) = near.zero();
+        let (found_after, found_travel) = (searched.after + there, searched.travel + rest);
+        let after = L::select(is_before, searched.after + near.after, searched.after);
+        let travel = L::select(is_before, searched.travel + near.travel, searched.travel);
+        let left = Motion::select(is_before, near.motion, searched.left);
+        let at_it = Searched {
+            left: Motion::select(near.is_at_it, near.motion, left),
+            after: L::select(near.is_at_it, found_after, after),
+            travel: L::select(near.is_at_it, forwards(found_travel), travel),
+            count,
+            interval: Interval::select(is_before, &behind, &before),
+            ..searched
+        };
+        at_it.put(&mut self.paths.jobs, rows);
+
+        let found = L::bitmask(near.is_at_it) & lanes;
+        let acceleration = near.motion.acceleration;
+        let is_finite = (found_after + found_travel + acceleration).abs().lt(L::splat(f64::INFINITY));
+        let step = L::splat(self.cell.length) - searched.start;
+        let is_felt = (step.sqrt() * search.noise).ge(acceleration.abs() * FEEBLE);
+        let good = L::bitmask(L::and(is_finite, is_felt)) & found;
         let missed = lanes & !found;
-        if missed != 0 {
-            let is_before = near.motion.velocity.gt(L::splat(0.0));
-            let [before, behind] = near.parted(&searched.interval, search.noise);
-            let mut refined = searched;
-            refined.after = L::select(is_before, searched.after + near.after, searched.after);
-            refined.travel = L::select(is_before, searched.travel + near.travel, searched.travel);
-            refined.left.velocity = L::select(is_before, near.motion.velocity, searched.left.velocity);
-            refined.left.acceleration = L::select(is_before, near.motion.acceleration, searched.left.acceleration);
-            refined.interval = select(is_before, &behind, &before);
-            let own = self.paths.jobs.only::<L>(rows, missed);
-            refined.put(&mut self.paths.jobs, &own);
-            let spoiled = L::bitmask(searched.count.has(STOP_REFINEMENTS as f64)) & missed;
-            self.odd_lanes(rows, spoiled);
-            self.paths.jobs.push::<L>(Task::Stop, rows, missed & !spoiled);
-        }
-        if found != 0 {
-            let (there, rest) = near.zero();
-            let after = searched.after + there;
-            let travel = searched.travel + rest;
-            let acceleration = near.motion.acceleration;
-            let is_finite = (after + travel + acceleration).abs().lt(L::splat(f64::INFINITY));
-            let step = L::splat(self.cell.length) - searched.start;
-            let is_felt = (step.sqrt() * search.noise).ge(acceleration.abs() * FEEBLE);
-            let good = L::bitmask(L::and(is_finite, is_felt)) & found;
-            self.odd_lanes(rows, found & !good);
-            self.stopped(rows, good, &searched, (searched.start + after, forwards(travel), acceleration));
-        }
+        let spoiled = L::bitmask(searched.count.has(STOP_REFINEMENTS as f64 - 1.0)) & missed;
+        self.odd_lanes(rows, (found & !good) | spoiled);
+        self.saw_slip(rows, L::bitmask(is_before) & missed, &searched, &before);
+        let end = Motion { velocity: L::splat(0.0), acceleration };
+        self.saw_slip(rows, good, &searched, &Interval::new(end, rest, there, search.noise));
+        self.paths.jobs.push::<L>(Task::Stop, rows, missed & !spoiled);
+        self.paths.jobs.push::<L>(Task::Rest, rows, good);
     }
 
     /// Begins what follows a stop: a stick, or another sub-phase.
     #[inline(always)]
-    fn stopped(&mut self, rows: &Rows, lanes: u32, searched: &Searched<L>, (after, travel, acceleration): (L, L, L)) {
+    pub(super) fn rest(&mut self, rows: &Rows, lanes: u32) {
+        let searched = Searched::<L>::get(&self.paths.jobs, rows);
         let scene = self.paths.noisy.scene();
         let (body, eps) = (&scene.oscillator, searched.eps);
-        let x = searched.x + eps * travel;
+        let after = searched.start + searched.after;
+        let x = searched.x + eps * searched.travel;
         let spring = x * body.stiffness;
-        let force = eps * scene.friction.dynamic_force + eps * body.mass * acceleration;
+        let force = eps * scene.friction.dynamic_force + eps * body.mass * searched.left.acceleration;
         let forcing = self.cell.forcing(after);
         let noise = force - forcing.value + spring;
         let f_s = L::splat(scene.friction.static_force);
@@ -208,7 +200,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         self.tell(rows, lanes, (after, x, force), |force, lane| EventKind::at_rest(held >> lane & 1 == 1, force));
         self.odd_lanes(rows, edge);
 
-        let Searched { origin, key, .. } = *searched;
+        let Searched { origin, key, .. } = searched;
         let count = searched.count.spent().alone_where(L::always());
         if turned != 0 {
             let eps = L::select(force.lt(L::splat(0.0)), L::splat(-1.0), L::splat(1.0));
@@ -224,7 +216,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
             let end_force = L::splat(self.cell.last.value) - spring + end_noise;
             let curvature = L::splat(self.cell.last.curvature);
             let right = Node { after: L::splat(self.cell.length), noise: end_noise, force: end_force, curvature };
-            let piece = Piece { left, right, x, count, origin, key };
+            let piece = Piece { left, right, x, side: L::splat(0.0), count, origin, key };
             self.begin_stick(rows, held, &piece);
         }
     }
@@ -255,7 +247,8 @@ impl<L: Lanes> Crossing<'_, '_, L> {
             forcing = forcing + push.term.re;
         }
         let draws = count.draws(self.cell.index, origin, key);
-        let end = transition.drawn(mean, self.end_noise(rows), draws.normal_pair(self.paths.normals, 0));
+        let end_noise = self.end_noise(rows);
+        let end = transition.drawn(mean, end_noise, draws.normal_pair(self.paths.normals, 0));
         let end_force = force(body, forcing, end);
         let first = motion(body, eps, start.v, start_force, friction);
         let last = motion(body, eps, end.v, end_force, friction);
@@ -270,7 +263,8 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         odd |= lanes & !L::bitmask(last.is_finite());
         self.odd_lanes(rows, odd);
         let lanes = lanes & !odd;
-        self.set_next(rows, lanes, (end.x, end.v, end_force, eps));
+        let next = Border { x: end.x, v: end.v, n: end_noise, force: end_force, eps, origin, key, flip: count.flip() };
+        self.set_next(rows, lanes, next, true);
         let is_clear = search.is_clear(first, &interval);
         let zero = L::splat(0.0);
         let searched = Searched {
@@ -285,36 +279,38 @@ impl<L: Lanes> Crossing<'_, '_, L> {
             origin,
             key,
         };
+        self.began(rows, lanes, noise, start_force);
+        self.saw_slip(rows, L::bitmask(is_clear) & lanes, &searched, &interval);
         self.queue_searched(searched, rows, lanes & !L::bitmask(is_clear), 0, is_clear);
+    }
+
+    /// Notes n and b at the start of a step, for observing it.
+    #[inline(always)]
+    fn began(&mut self, rows: &Rows, lanes: u32, noise: L, force: L) {
+        if self.paths.records.is_watched() {
+            let (mut noises, mut forces) = ([0.0; ROW], [0.0; ROW]);
+            noise.store(&mut noises);
+            force.store(&mut forces);
+            let own = self.paths.jobs.only::<L>(rows, lanes);
+            for i in 0..L::WIDTH {
+                self.paths.begun[0][own[i] as usize] = noises[i];
+                self.paths.begun[1][own[i] as usize] = forces[i];
+            }
+        }
     }
 
     /// n at the end of the cell.
     #[inline(always)]
     fn end_noise(&self, rows: &Rows) -> L {
-        let mut noise = [0.0; 8];
-        for (noise, &row) in noise.iter_mut().zip(rows) {
-            *noise = self.paths.next.n[row as usize];
-        }
-        L::load(&noise)
+        Border::<L>::get(&self.paths.next, rows).n
     }
 
-    /// Sets x, x', b and the direction at the end of the cell.
+    /// Sets the states of these lanes at the end of the cell.
     #[inline(always)]
-    pub(super) fn set_next(&mut self, rows: &Rows, lanes: u32, (x, v, force, eps): (L, L, L, L)) {
-        let (mut xs, mut vs, mut forces, mut signs) = ([0.0; ROW], [0.0; ROW], [0.0; ROW], [0.0; ROW]);
-        x.store(&mut xs);
-        v.store(&mut vs);
-        force.store(&mut forces);
-        eps.store(&mut signs);
+    pub(super) fn set_next(&mut self, rows: &Rows, lanes: u32, next: Border<L>, is_slip: bool) {
         let own = self.paths.jobs.only::<L>(rows, lanes);
-        let next = &mut self.paths.next;
-        for i in 0..L::WIDTH {
-            let row = own[i] as usize;
-            next.x[row] = xs[i];
-            next.v[row] = vs[i];
-            next.force[row] = forces[i];
-            next.eps[row] = signs[i];
-        }
+        next.put(&mut self.paths.next, &own);
+        self.paths.phases.set_all(rows, lanes, is_slip);
     }
 
     /// Records an event of each of these lanes, at these times after the start of the cell.

@@ -3,12 +3,15 @@
 use super::Crossing;
 use super::jobs::{Count, DEPTH, Jobs, Rows, Task};
 use super::slip::Begun;
+use super::states::Border;
 use crate::lanes::{Lanes, ROW};
 use crate::model::{EventKind, Sign};
 use crate::noise::{LaneDraws, TimeChange, short_bridge_middle};
 use crate::scheme::event_driven::cell_loop::Cascade as _;
 use crate::scheme::event_driven::corridor::{Node, ends};
+use crate::scheme::event_driven::scene::Scene;
 use crate::scheme::event_driven::stick_step::StickStep;
+use crate::scheme::event_driven::watch::StickEnd;
 
 /// A piece of a stick between two known values of n.
 #[derive(Clone, Copy)]
@@ -16,6 +19,8 @@ pub(super) struct Piece<L: Lanes> {
     pub left: Node<L>,
     pub right: Node<L>,
     pub x: L,
+    /// The side, 1 or -1, on which it is left.
+    pub side: L,
     pub count: Count<L>,
     pub origin: L::Bits,
     pub key: L::Bits,
@@ -27,7 +32,7 @@ impl<L: Lanes> Piece<L> {
         let Node { after, noise, force, curvature } = self.left;
         let zero = L::splat(0.0);
         L::scatter_rows(
-            [after, noise, force, curvature, self.count.number(), self.x, zero, zero],
+            [after, noise, force, curvature, self.count.number(), self.x, self.side, zero],
             &mut jobs.left,
             rows,
         );
@@ -36,9 +41,9 @@ impl<L: Lanes> Piece<L> {
 
     #[inline(always)]
     fn get(jobs: &Jobs, rows: &Rows) -> Self {
-        let [after, noise, force, curvature, count, x, ..] = L::gather_rows(&jobs.left, rows);
+        let [after, noise, force, curvature, count, x, side, _] = L::gather_rows(&jobs.left, rows);
         let (right, origin, key) = node_of(L::gather_rows(&jobs.right, rows));
-        Piece { left: Node { after, noise, force, curvature }, right, x, count: Count::of(count), origin, key }
+        Piece { left: Node { after, noise, force, curvature }, right, x, side, count: Count::of(count), origin, key }
     }
 
     #[inline(always)]
@@ -50,6 +55,12 @@ impl<L: Lanes> Piece<L> {
     #[inline(always)]
     fn draws(&self, cell: u64) -> LaneDraws<L> {
         self.count.draws(cell, self.origin, self.key)
+    }
+
+    #[inline(always)]
+    fn step(&self, scene: &Scene) -> StickStep<L> {
+        let length = self.length();
+        StickStep { length, noise: TimeChange::short(scene.relaxation_rate, scene.diffusion, length) }
     }
 
     #[inline(always)]
@@ -70,7 +81,10 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         let zero = L::splat(0.0);
         let spring = piece.x * self.paths.noisy.scene().oscillator.stiffness;
         let end_force = L::splat(self.cell.last.value) + piece.right.noise - spring;
-        self.set_next(rows, lanes, (piece.x, zero, end_force, zero));
+        let Piece { x, count, origin, key, .. } = *piece;
+        let flip = count.flip();
+        let next = Border { x, v: zero, n: piece.right.noise, force: end_force, eps: zero, origin, key, flip };
+        self.set_next(rows, lanes, next, false);
         let own = self.paths.jobs.only::<L>(rows, lanes);
         self.queue_piece(*piece, rows, &own, lanes);
     }
@@ -87,6 +101,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         let long = L::bitmask(reach.is_long) & near;
         self.paths.jobs.push::<L>(Task::Halve, rows, long);
         self.paths.jobs.push::<L>(Task::Decide, rows, near & !long);
+        self.saw_stick(rows, lanes & !near, (&piece.left, &piece.right), piece.x, StickEnd::Clear);
         let more = !L::bitmask(piece.count.has_none());
         self.paths.jobs.push::<L>(Task::StickOn, rows, lanes & !near & more);
     }
@@ -122,24 +137,20 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         self.queue_piece(piece, rows, rows, lanes);
     }
 
-    /// Decides whether pieces are left, and when.
+    /// Decides whether pieces are left.
     #[inline(always)]
     pub(super) fn decide(&mut self, rows: &Rows, lanes: u32) {
         let mut piece = Piece::<L>::get(&self.paths.jobs, rows);
         let scene = self.paths.noisy.scene();
-        let length = piece.length();
-        let step = StickStep { length, noise: TimeChange::short(scene.relaxation_rate, scene.diffusion, length) };
-        let ends = ends(&piece.left, &piece.right);
+        let (step, ends) = (piece.step(scene), ends(&piece.left, &piece.right));
         let (is_up_near, is_down_near) = (step.is_near(scene, 1.0, &ends), step.is_near(scene, -1.0, &ends));
         let is_near = L::or(is_up_near, is_down_near);
-        let draws = piece.draws(self.cell.index);
-        let u = draws.uniform(0);
+        let u = piece.draws(self.cell.index).uniform(0);
         // The upper threshold where it may be met, otherwise the lower one. The rare lanes that may
         // meet both look at the lower one below.
         let one = L::splat(1.0);
         let side = L::select(is_up_near, one, -one);
-        let chord = step.chord_on(scene, side, &ends);
-        let chance = step.chance(&chord);
+        let chance = step.chance(&step.chord_on(scene, side, &ends));
         let is_up = L::and(is_up_near, u.lt(chance));
         let mut is_down = L::and(L::and(is_down_near, L::not(is_up_near)), u.gt(one - chance));
         let is_both = L::and(is_up_near, is_down_near);
@@ -148,27 +159,34 @@ impl<L: Lanes> Crossing<'_, '_, L> {
             is_down = L::or(is_down, L::and(L::and(is_both, L::not(is_up)), u.gt(one - down_chance)));
         }
         let left = L::bitmask(L::or(is_up, is_down)) & lanes;
+        piece.side = L::select(is_up, one, -one);
         piece.count = piece.count.drawn_where(is_near);
+        piece.put(&mut self.paths.jobs, rows);
         let kept = lanes & !left;
-        if kept != 0 {
-            piece.put(&mut self.paths.jobs, rows);
-            let more = !L::bitmask(piece.count.has_none());
-            self.paths.jobs.push::<L>(Task::StickOn, rows, kept & more);
-        }
-        if left != 0 {
-            let side = L::select(is_up, one, -one);
-            let chord = step.chord_on(scene, side, &ends);
-            let passed = step.meeting_time(scene, &chord, draws.normal(self.paths.normals, 1), draws.uniform(2));
-            let after = piece.left.after + passed;
-            let force = side * scene.friction.static_force;
-            let noise = force - self.cell.forcing(after).value + piece.x * scene.oscillator.stiffness;
-            self.tell(rows, left, (after, piece.x, force), |force, _| EventKind::SlipStarted(Sign::of(force)));
-            let Piece { x, origin, key, count, .. } = piece;
-            let count = count.drawn(2).spent().alone_where(L::always());
-            // The rows of the lanes that stay in the corridor are not overwritten.
-            let own = self.paths.jobs.only::<L>(rows, left);
-            Begun { after, noise, force, eps: side, x, count, origin, key }.put(&mut self.paths.jobs, &own);
-            self.paths.jobs.push::<L>(Task::Begin, rows, left);
-        }
+        self.saw_stick(rows, kept, (&piece.left, &piece.right), piece.x, StickEnd::Kept);
+        let more = !L::bitmask(piece.count.has_none());
+        self.paths.jobs.push::<L>(Task::StickOn, rows, kept & more);
+        self.paths.jobs.push::<L>(Task::Leave, rows, left);
+    }
+
+    /// Finds when pieces are left.
+    #[inline(always)]
+    pub(super) fn leave(&mut self, rows: &Rows, lanes: u32) {
+        let piece = Piece::<L>::get(&self.paths.jobs, rows);
+        let scene = self.paths.noisy.scene();
+        let (step, ends) = (piece.step(scene), ends(&piece.left, &piece.right));
+        let Piece { x, side, origin, key, count, .. } = piece;
+        let draws = piece.draws(self.cell.index);
+        let (normal, uniform) = (draws.normal(self.paths.normals, 0), draws.uniform(1));
+        let passed = step.meeting_time(scene, &step.chord_on(scene, side, &ends), normal, uniform);
+        let after = piece.left.after + passed;
+        let force = side * scene.friction.static_force;
+        let noise = force - self.cell.forcing(after).value + x * scene.oscillator.stiffness;
+        let exit = Node { after, noise, force, curvature: L::splat(0.0) };
+        self.saw_stick(rows, lanes, (&piece.left, &exit), x, StickEnd::Exit);
+        self.tell(rows, lanes, (after, x, force), |force, _| EventKind::SlipStarted(Sign::of(force)));
+        let count = count.drawn(2).spent().alone_where(L::always());
+        Begun { after, noise, force, eps: side, x, count, origin, key }.put(&mut self.paths.jobs, rows);
+        self.paths.jobs.push::<L>(Task::Begin, rows, lanes);
     }
 }

@@ -62,7 +62,7 @@ fn scenes() -> Vec<(&'static str, Model)> {
 fn a_path_is_the_same_abreast_and_alone() {
     let paths: Vec<u64> = (100..300).chain((100..153).map(|path| path | MIRROR)).collect();
     for (name, model) in scenes() {
-        for output_step in [0.5, 0.77] {
+        for output_step in [0.5, 0.77, 0.1, 0.06] {
             let timeline = Timeline { end: 30.0, output_step, period: None, after: 0.0 };
             let noisy = Noisy::new(&model, &timeline, &StepRules::new(1e-3));
             assert!(noisy.has_one_step_a_cell(), "{name}");
@@ -82,6 +82,10 @@ fn a_path_is_the_same_abreast_and_alone() {
                 for (lane, (a, b)) in abreast.events.iter().zip(&alone.events).enumerate() {
                     let same = a.iter().zip(b).take_while(|(a, b)| a == b).count();
                     assert!(a == b, "{name}, {}, lane {lane}: {:?}, {:?}", set.name(), a.get(same), b.get(same));
+                }
+                for (i, (a, b)) in abreast.seen.iter().zip(&alone.seen).enumerate() {
+                    let (row, lane) = (i / paths.len(), i % paths.len());
+                    assert!(a == b, "{name}, {}, row {row}, lane {lane}: {a:?}, {b:?}", set.name());
                 }
                 assert!(abreast == alone, "{name}, {}", set.name());
                 assert_eq!(simulated.evaluations, one_by_one.evaluations, "{name}, {}", set.name());

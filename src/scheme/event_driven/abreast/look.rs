@@ -1,0 +1,371 @@
+//! The states of the paths at instants inside a cell, in lanes, after the paths have crossed it.
+
+use super::jobs::Rows;
+use super::records::is_inside;
+use super::shared_step::SharedStep;
+use super::slip::Searched;
+use super::states::{Border, rows_from};
+use super::{Abreast, Crossing};
+use crate::lanes::{Lanes, ROW};
+use crate::noise::{LaneDraws, TimeChange, short_bridge_at};
+use crate::scheme::columns::Columns;
+use crate::scheme::event_driven::cell_loop::{Cascade as _, Inside, LOST};
+use crate::scheme::event_driven::corridor::{Node, stick_piece};
+use crate::scheme::event_driven::first_stop::{Interval, Motion};
+use crate::scheme::event_driven::noisy::ROUNDED;
+use crate::scheme::event_driven::slip_step::{State, force, motion, resolved_travel};
+use crate::scheme::event_driven::watch::{Bridge, Glance, SlipPiece, StickEnd, StickPiece, Stuck, TRIES, Way};
+
+/// The start of a slip step.
+#[derive(Clone, Copy)]
+struct StepStart<L: Lanes> {
+    /// Its time after the start of the cell.
+    after: L,
+    state: State<L>,
+    motion: Motion<L>,
+    eps: L,
+}
+
+impl<L: Lanes> Crossing<'_, '_, L> {
+    /// Draws the states of all lanes at the instants inside the cell. A lane in which a state
+    /// cannot be drawn in lanes is added to `odd`.
+    #[inline(always)]
+    pub(super) fn look(&mut self, inside: &mut Inside) {
+        self.look_at_clear_lanes(inside);
+        self.look_at_slips(inside);
+        self.look_at_sticks(StickEnd::Clear, inside);
+        self.look_at_sticks(StickEnd::Kept, inside);
+        self.look_at_sticks(StickEnd::Exit, inside);
+    }
+
+    /// Draws the states of all lanes as if they crossed the cell in one piece. Those of the lanes
+    /// that do not are replaced afterwards.
+    #[inline(always)]
+    fn look_at_clear_lanes(&mut self, inside: &mut Inside) {
+        let noisy = self.paths.noisy;
+        let (scene, body) = (noisy.scene(), &noisy.scene().oscillator);
+        let whole = SharedStep::<L>::whole(noisy, self.cell);
+        let length = L::splat(self.cell.length);
+        let inverse = L::splat(1.0 / self.cell.length);
+        let spread = L::splat(noisy.search().noise * noisy.root_length());
+        let nothing = SharedStep::<L>::until(noisy, self.cell, 0.0);
+        let mut parts = Vec::with_capacity(inside.glances.len());
+        for glance in &inside.glances {
+            parts.push(SharedStep::<L>::until(noisy, self.cell, glance.time));
+        }
+        let zero = L::splat(0.0);
+        for lane in (0..self.paths.count).step_by(L::WIDTH) {
+            let rows = rows_from(lane);
+            let now = Border::<L>::get(&self.paths.now, &rows);
+            let next = Border::<L>::get(&self.paths.next, &rows);
+            let state = State { x: now.x, v: now.v, n: now.n };
+            let eps = now.eps;
+            let is_slip = eps.abs().gt(zero);
+            let friction = eps * scene.friction.dynamic_force;
+            let start = motion(body, eps, state.v, now.force, friction);
+            let end = motion(body, eps, next.v, next.force, friction);
+            let step = StepStart { after: zero, state, motion: start, eps };
+            let travel = resolved_travel(eps * state.x, eps * next.x, start, end, length);
+            let interval = Interval { end, travel, length, inverse, noise: spread };
+            let mut slip = SlipPiece { eps, x0: state.x, after: zero, until: length, travel: zero, start, interval };
+            let mut stick = StickPiece {
+                after: (zero, length),
+                noise: (now.n, next.n),
+                force: (now.force, next.force),
+                displacement: state.x,
+            };
+            let mut before = self.shared_way(&step, &nothing, 0.0);
+            let behind = self.shared_way(&step, &whole, self.cell.length);
+            let mut known_odd = 0;
+            for (i, part) in parts.iter().enumerate() {
+                let glance = inside.glances[i];
+                let draws = now.draws(self.cell.index << 32 | glance.place);
+                let here = self.shared_way(&step, part, glance.time);
+                let normals = draws.three_normals(self.paths.normals, 0);
+                let there = slip.state(scene, glance, [&before, &here, &behind], normals);
+                let is_felt = (length.sqrt() * scene.diffusion).gt(there.forces * ROUNDED);
+                let odd = L::bitmask(L::and(is_slip, L::not(is_felt)));
+                let bridge = self.bridge(&stick, glance);
+                let stuck = stick.inside(glance, bridge.anywhere(draws.normal(self.paths.normals, 0)));
+                let (x, v) = slip.seen(&there);
+                let noise = L::select(is_slip, there.noise, stuck.noise);
+                let seen = (
+                    L::select(is_slip, x, state.x),
+                    L::select(is_slip, v, zero),
+                    scene.temperature(glance.forcing, noise),
+                );
+                inside.seen[i].set_lanes(lane, seen, !L::bitmask(is_slip));
+                self.not_in_lanes(&rows, odd & !known_odd);
+                known_odd |= odd;
+                slip = slip.parted_at(glance, &there)[1];
+                stick = stick.behind(glance, stuck);
+                before = here;
+            }
+        }
+        for &lane in &self.paths.lost {
+            inside.seen[..parts.len()].iter_mut().for_each(|seen| seen.set(lane, LOST));
+        }
+    }
+
+    /// Draws the states in the recorded pieces of slips.
+    #[inline(always)]
+    fn look_at_slips(&mut self, inside: &mut Inside) {
+        let scene = self.paths.noisy.scene();
+        let (body, zero) = (&scene.oscillator, L::splat(0.0));
+        for first in (0..self.paths.records.slips.len).step_by(L::WIDTH) {
+            let (rows, lanes, left, right) = self.paths.records.slips.get::<L>(first);
+            let [velocity, acceleration, after, travel, began, x0, eps, _] = left;
+            let [v1, a1, distance, length, inverse, noise, noise0, force0] = right;
+            let interval =
+                Interval { end: Motion { velocity: v1, acceleration: a1 }, travel: distance, length, inverse, noise };
+            // A step that begins with the cell has the state at its start; one that begins later
+            // starts from rest.
+            let is_later = began.gt(zero);
+            let now = Border::<L>::get(&self.paths.now, &rows);
+            let state = State { x: x0, v: L::select(is_later, zero, now.v), n: L::select(is_later, noise0, now.n) };
+            let force0 = L::select(is_later, force0, now.force);
+            let friction = eps * scene.friction.dynamic_force;
+            let step = StepStart { after: began, state, motion: motion(body, eps, state.v, force0, friction), eps };
+            let start = Motion { velocity, acceleration };
+            let from = began + after;
+            let to = from + length;
+            let mut piece = SlipPiece { eps, x0, after: from, until: to, travel, start, interval };
+            let mut before = self.way(&step, from);
+            let behind = self.way(&step, to);
+            let mut odd = 0;
+            for (i, glance) in inside.glances.iter().enumerate() {
+                let is_held = is_inside(glance.time, from, to);
+                let held = L::bitmask(is_held) & lanes;
+                if held == 0 {
+                    continue;
+                }
+                let draws = now.draws(self.cell.index << 32 | glance.place);
+                let here = self.way(&step, L::splat(glance.time));
+                let there =
+                    piece.state(scene, *glance, [&before, &here, &behind], draws.three_normals(self.paths.normals, 0));
+                let until_end = L::splat(self.cell.length) - began;
+                let is_felt = (until_end.sqrt() * scene.diffusion).gt(there.forces * ROUNDED);
+                odd |= !L::bitmask(is_felt) & held;
+                let (x, v) = piece.seen(&there);
+                let seen = (x, v, scene.temperature(glance.forcing, there.noise));
+                set(&mut inside.seen[i], &rows, held, seen, false);
+                let rest = piece.parted_at(*glance, &there)[1];
+                piece = SlipPiece {
+                    after: L::select(is_held, rest.after, piece.after),
+                    travel: L::select(is_held, rest.travel, piece.travel),
+                    start: Motion::select(is_held, rest.start, piece.start),
+                    interval: Interval::select(is_held, &rest.interval, &piece.interval),
+                    ..piece
+                };
+                before = Way {
+                    travel: L::select(is_held, here.travel, before.travel),
+                    motion: Motion::select(is_held, here.motion, before.motion),
+                    noise: here.noise,
+                };
+            }
+            self.not_in_lanes(&rows, odd);
+        }
+    }
+
+    /// Draws the states in the recorded pieces of sticks of one kind.
+    #[inline(always)]
+    fn look_at_sticks(&mut self, kind: StickEnd, inside: &mut Inside) {
+        let scene = self.paths.noisy.scene();
+        let zero = L::splat(0.0);
+        for first in (0..self.paths.records.sticks(kind).len).step_by(L::WIDTH) {
+            let (rows, lanes, left, right) = self.paths.records.sticks(kind).get::<L>(first);
+            let [from, noise, force, _, displacement, ..] = left;
+            let [to, end_noise, end_force, ..] = right;
+            let now = Border::<L>::get(&self.paths.now, &rows);
+            let mut piece =
+                StickPiece { after: (from, to), noise: (noise, end_noise), force: (force, end_force), displacement };
+            for (i, glance) in inside.glances.iter().enumerate() {
+                let is_held = is_inside(glance.time, from, to);
+                let held = L::bitmask(is_held) & lanes;
+                if held == 0 {
+                    continue;
+                }
+                let draws = now.draws(self.cell.index << 32 | glance.place);
+                let bridge = self.bridge(&piece, *glance);
+                let drawn = match kind {
+                    StickEnd::Clear => bridge.anywhere(draws.normal(self.paths.normals, 0)),
+                    StickEnd::Exit => {
+                        let side = L::select(end_force.lt(zero), L::splat(-1.0), L::splat(1.0));
+                        bridge.before_exit(scene, side, draws.three_normals(self.paths.normals, 0))
+                    }
+                    StickEnd::Kept => self.kept(&piece, *glance, &bridge, &draws, (&rows, held)),
+                };
+                let there = piece.inside(*glance, drawn);
+                let seen = (displacement, zero, scene.temperature(glance.forcing, there.noise));
+                set(&mut inside.seen[i], &rows, held, seen, true);
+                let rest = piece.behind(*glance, there);
+                piece = StickPiece {
+                    after: (L::select(is_held, rest.after.0, piece.after.0), to),
+                    noise: (L::select(is_held, rest.noise.0, piece.noise.0), end_noise),
+                    force: (L::select(is_held, rest.force.0, piece.force.0), end_force),
+                    ..piece
+                };
+            }
+        }
+    }
+
+    /// Draws n and b where neither threshold is met: a bridge is drawn again until it is accepted.
+    #[inline(always)]
+    fn kept(
+        &mut self,
+        piece: &StickPiece<L>,
+        glance: Glance,
+        bridge: &Bridge<L>,
+        draws: &LaneDraws<L>,
+        (rows, held): (&Rows, u32),
+    ) -> Stuck<L> {
+        let scene = self.paths.noisy.scene();
+        let (theta, sigma) = (scene.relaxation_rate, scene.diffusion);
+        let time = L::splat(glance.time);
+        let halves = [
+            TimeChange::short(theta, sigma, time - piece.after.0),
+            TimeChange::short(theta, sigma, piece.after.1 - time),
+        ];
+        // On an end of the piece n is known, and nothing is drawn.
+        let is_between = L::and(piece.after.0.lt(time), time.lt(piece.after.1));
+        let mut left = L::bitmask(is_between) & held;
+        let mut is_left = is_between;
+        let mut stuck = Stuck { noise: bridge.mean, force: bridge.rest + bridge.mean };
+        for attempt in 0..TRIES as u64 {
+            if left == 0 {
+                return stuck;
+            }
+            let drawn = bridge.anywhere(draws.normal(self.paths.normals, 2 * attempt));
+            let stays = piece.stays(scene, &halves, drawn.force, draws.uniform(2 * attempt + 1));
+            let accepted = L::and(is_left, stays);
+            stuck.noise = L::select(accepted, drawn.noise, stuck.noise);
+            stuck.force = L::select(accepted, drawn.force, stuck.force);
+            is_left = L::and(is_left, L::not(stays));
+            left &= !L::bitmask(stays);
+        }
+        self.not_in_lanes(rows, left);
+        stuck
+    }
+
+    /// The bridge of n in a piece of a stick at an instant.
+    #[inline(always)]
+    fn bridge(&self, piece: &StickPiece<L>, glance: Glance) -> Bridge<L> {
+        let scene = self.paths.noisy.scene();
+        let (before, behind) = (L::splat(glance.time) - piece.after.0, piece.after.1 - glance.time);
+        let (mean, sd) = short_bridge_at(scene.relaxation_rate, scene.diffusion, before, behind, piece.noise);
+        Bridge { mean, sd, rest: L::splat(glance.forcing) - piece.displacement * scene.oscillator.stiffness }
+    }
+
+    /// The motion without noise of a step that begins with the cell, at the end of `part`.
+    #[inline(always)]
+    fn shared_way(&self, step: &StepStart<L>, part: &SharedStep<L>, since: f64) -> Way<L> {
+        let friction = step.eps * self.paths.noisy.scene().friction.dynamic_force;
+        let mean = part.mean(step.state, friction);
+        self.way_to(step, mean, L::splat(part.forcing), L::splat(since))
+    }
+
+    /// The motion of a step without noise, at a time after the start of the cell.
+    #[inline(always)]
+    fn way(&mut self, step: &StepStart<L>, after: L) -> Way<L> {
+        let noisy = self.paths.noisy;
+        let since = after - step.after;
+        let transition = noisy.oscillator().series(since, &mut self.responses);
+        let mut mean = transition.free(step.state, step.eps * noisy.scene().friction.dynamic_force);
+        let mut forcing = L::splat(0.0);
+        for (harmonic, response) in self.responses.iter().enumerate() {
+            let push = response.push(self.cell.term(harmonic, step.after));
+            (mean.x, mean.v) = (mean.x + push.x, mean.v + push.v);
+            forcing = forcing + push.term.re;
+        }
+        self.way_to(step, mean, forcing, since)
+    }
+
+    #[inline(always)]
+    fn way_to(&self, step: &StepStart<L>, mean: State<L>, forcing: L, since: L) -> Way<L> {
+        let scene = self.paths.noisy.scene();
+        let (body, eps) = (&scene.oscillator, step.eps);
+        let friction = eps * scene.friction.dynamic_force;
+        let motion = motion(body, eps, mean.v, force(body, forcing, mean), friction);
+        let travel = resolved_travel(eps * step.state.x, eps * mean.x, step.motion, motion, since);
+        Way { travel, motion, noise: mean.n }
+    }
+
+    /// Adds these lanes to `odd`, unless they are there or have been given up.
+    #[inline(always)]
+    fn not_in_lanes(&mut self, rows: &Rows, mut lanes: u32) {
+        while lanes != 0 {
+            let lane = rows[lanes.trailing_zeros() as usize];
+            let Abreast { odd, lost, .. } = &mut *self.paths;
+            if !odd.contains(&lane) && !lost.contains(&(lane as usize)) {
+                odd.push(lane);
+            }
+            lanes &= lanes - 1;
+        }
+    }
+
+    /// Records the interval of a slip, which begins where the search has come to, in lanes in which
+    /// it has no stop, or one at its end.
+    #[inline(always)]
+    pub(super) fn saw_slip(&mut self, rows: &Rows, lanes: u32, searched: &Searched<L>, interval: &Interval<L>) {
+        if !self.paths.records.is_watched() {
+            return;
+        }
+        let Searched { left, after, travel, x, start, eps, .. } = *searched;
+        let from = start + after;
+        let held = self.paths.records.hold(from, from + interval.length) & lanes;
+        if held != 0 {
+            let Interval { end, travel: distance, length, inverse, noise } = *interval;
+            let [noise0, force0] = [at::<L>(&self.paths.begun[0], rows), at::<L>(&self.paths.begun[1], rows)];
+            let left = [left.velocity, left.acceleration, after, travel, start, x, eps, eps];
+            let right = [end.velocity, end.acceleration, distance, length, inverse, noise, noise0, force0];
+            self.paths.records.slips.push(rows, held, left, right);
+        }
+    }
+
+    /// Records a piece of a stick in these lanes.
+    #[inline(always)]
+    pub(super) fn saw_stick(
+        &mut self,
+        rows: &Rows,
+        lanes: u32,
+        (left, right): (&Node<L>, &Node<L>),
+        displacement: L,
+        kind: StickEnd,
+    ) {
+        if !self.paths.records.is_watched() {
+            return;
+        }
+        let held = self.paths.records.hold(left.after, right.after) & lanes;
+        if held != 0 {
+            let StickPiece { after, noise, force, .. } = stick_piece(left, right, displacement);
+            let x = displacement;
+            let left = [after.0, noise.0, force.0, x, x, x, x, x];
+            let right = [after.1, noise.1, force.1, x, x, x, x, x];
+            self.paths.records.sticks(kind).push(rows, held, left, right);
+        }
+    }
+}
+
+/// The entries of a column in these rows.
+#[inline(always)]
+fn at<L: Lanes>(column: &[f64], rows: &Rows) -> L {
+    let mut values = [0.0; ROW];
+    for (value, &row) in values.iter_mut().zip(rows) {
+        *value = column[row as usize];
+    }
+    L::load(&values)
+}
+
+/// Sets x, x' and T in these lanes.
+#[inline(always)]
+fn set<L: Lanes>(seen: &mut Columns, rows: &Rows, mut lanes: u32, (x, v, temperature): (L, L, L), is_static: bool) {
+    let (mut xs, mut vs, mut ts) = ([0.0; ROW], [0.0; ROW], [0.0; ROW]);
+    x.store(&mut xs);
+    v.store(&mut vs);
+    temperature.store(&mut ts);
+    while lanes != 0 {
+        let i = lanes.trailing_zeros() as usize;
+        seen.set(rows[i] as usize, (xs[i], vs[i], ts[i], is_static));
+        lanes &= lanes - 1;
+    }
+}

@@ -1,0 +1,108 @@
+//! The pieces of paths in which an instant lies at which the paths are observed. They are recorded
+//! while the lanes cross the cell, and the states are drawn afterwards.
+
+use super::jobs::Rows;
+use crate::lanes::{Lanes, ROW, Row};
+use crate::scheme::event_driven::watch::{Glance, StickEnd};
+
+/// The pieces in one cell.
+#[derive(Default)]
+pub(super) struct Records {
+    /// The instants in the cell; none where the paths are not observed.
+    times: Vec<f64>,
+    pub slips: Pieces,
+    /// Sticks with each [`StickEnd`].
+    sticks: [Pieces; 3],
+}
+
+/// Pieces of one kind, with two rows of numbers each.
+#[derive(Default)]
+pub(super) struct Pieces {
+    pub left: Vec<Row>,
+    pub right: Vec<Row>,
+    pub lanes: Vec<u32>,
+    pub len: usize,
+}
+
+impl Records {
+    /// Starts a new cell with these instants.
+    pub fn begin(&mut self, glances: &[Glance]) {
+        self.times.clear();
+        self.times.extend(glances.iter().map(|glance| glance.time));
+        self.slips.len = 0;
+        self.sticks.iter_mut().for_each(|sticks| sticks.len = 0);
+    }
+
+    /// Whether the paths are observed in this cell.
+    #[inline(always)]
+    pub fn is_watched(&self) -> bool {
+        !self.times.is_empty()
+    }
+
+    pub fn sticks(&mut self, kind: StickEnd) -> &mut Pieces {
+        &mut self.sticks[kind as usize]
+    }
+
+    /// A mask of the lanes in which a piece between these times has an instant inside. One at the
+    /// end of a piece belongs to it; one at its start only where the cell starts there.
+    #[inline(always)]
+    pub fn hold<L: Lanes>(&self, from: L, to: L) -> u32 {
+        let mut any = 0;
+        for &time in &self.times {
+            any |= L::bitmask(is_inside(time, from, to));
+        }
+        any
+    }
+}
+
+/// The lanes in which this time is inside a piece between these times.
+#[inline(always)]
+pub(super) fn is_inside<L: Lanes>(time: f64, from: L, to: L) -> L::Mask {
+    let time = L::splat(time);
+    L::and(L::or(from.lt(time), from.le(L::splat(0.0))), time.le(to))
+}
+
+impl Pieces {
+    /// Records a piece in each lane of a mask.
+    #[inline(always)]
+    pub fn push<L: Lanes>(&mut self, rows: &Rows, lanes: u32, left: [L; ROW], right: [L; ROW]) {
+        if self.lanes.len() <= self.len + ROW {
+            self.grow();
+        }
+        // The last row holds what is not needed.
+        let nobody = self.lanes.len() - 1;
+        let mut places = [nobody as u32; ROW];
+        for i in 0..L::WIDTH {
+            if lanes >> i & 1 == 1 {
+                places[i] = self.len as u32;
+                self.lanes[self.len] = rows[i];
+                self.len += 1;
+            }
+        }
+        L::scatter_rows(left, &mut self.left, &places);
+        L::scatter_rows(right, &mut self.right, &places);
+    }
+
+    /// Makes room for at least one more piece in each lane of a register.
+    #[cold]
+    #[inline(never)]
+    fn grow(&mut self) {
+        let more = 2 * (self.len + ROW + 1);
+        self.left.resize(more, Row([0.0; ROW]));
+        self.right.resize(more, Row([0.0; ROW]));
+        self.lanes.resize(more, 0);
+    }
+
+    /// The lanes of the pieces from `first` on, with a mask of them, and their rows of numbers. A
+    /// place without a piece has the lane of the first one.
+    #[inline(always)]
+    pub fn get<L: Lanes>(&self, first: usize) -> (Rows, u32, [L; ROW], [L; ROW]) {
+        let count = (self.len - first).min(L::WIDTH);
+        let (mut places, mut lanes) = ([first as u32; ROW], [self.lanes[first]; ROW]);
+        for i in 0..count {
+            places[i] = (first + i) as u32;
+            lanes[i] = self.lanes[first + i];
+        }
+        (lanes, (1 << count) - 1, L::gather_rows(&self.left, &places), L::gather_rows(&self.right, &places))
+    }
+}
