@@ -148,6 +148,8 @@ fn writing(c: &mut Criterion) {
     let mut group = group(c, "writing", 10_000 * 60_000);
     group.bench_function("10000 paths", |b| {
         b.iter(|| {
+            // A file that is there already is not written over. The first time, there is none.
+            let _ = std::fs::remove_file(&target);
             let mut writer =
                 Writer::create(&target, &Provenance::of(&scenario), &scenario.record, false).expect("writable");
             blocks.iter().for_each(|block| writer.append(block).expect("room"));
