@@ -704,6 +704,27 @@ fn looking_at_a_path_does_not_change_it() {
     }
 }
 
+/// A slip begins 2e-9 before the end of a cell at t = 2.5, where it is too short for an exact step,
+/// and a row lies in its middle. The forcing is that of the paper, shifted so that |b| = f_s there;
+/// the noise moves this time by 6e-11. At the row the body has moved for 1e-9 with the acceleration
+/// -(f_s - f_d)/m = -0.2, and T is the forcing.
+#[test]
+fn a_slip_that_begins_just_before_the_end_of_a_cell_is_observed() {
+    let (exit, row, w) = (2.5 - 2e-9, 2.5 - 1e-9, 0.25);
+    let mut model = paper(w, 1e-11);
+    let phase = w * (2.574_004_435_173_137_6 - exit);
+    model.temperature.harmonics[0].phase = phase;
+    let line = Timeline { end: 3.0, output_step: row, period: None, after: 0.0 };
+    let mut reported = Reported::default();
+    let simulation = EventDrivenSimulation::new(&model, &line, DEFAULT_TOLERANCE);
+    assert!(simulation.simulate(3, &(0..20).collect::<Vec<_>>(), &mut reported).is_empty());
+    for (x, v, temperature, is_static) in &reported.rows[1].1 {
+        assert!(!is_static && *x <= 6.0 && (x - 6.0).abs() < 1e-15, "{x} {is_static}");
+        assert!((v / (-0.2 * 1e-9) - 1.0).abs() < 0.5, "{v}");
+        assert!((temperature - (w * row + phase).cos()).abs() < 1e-9, "{temperature}");
+    }
+}
+
 /// Moments of the states at one instant, each with its standard error: of x, x', T and of whether
 /// the path is static, of the noise where it is static, and of x' where it slips.
 fn seen_moments(model: &Model, tolerance: f64, times: &[f64], seed: u64, paths: u64) -> Vec<Vec<(f64, f64)>> {

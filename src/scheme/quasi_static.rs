@@ -36,13 +36,13 @@
 
 use super::columns::Columns;
 use super::event_driven::{
-    self, Cascade, Cell, Corridor, ExactTime, Glance, Ladder, Noiseless, OneByOne, Piece, Scene, Seen, StepRules,
-    UnfeltNoise, Unresolved, WORK_LIMIT, Watch, Work, check_friction, round_down,
+    self, Cascade, Cell, Corridor, ExactTime, Glance, Known, Ladder, Noiseless, OneByOne, Piece, Scene, Seen,
+    StepRules, UnfeltNoise, Unresolved, WORK_LIMIT, Watch, Work, cell_length, check_friction, noise_between,
 };
 use super::{DEFAULT_TOLERANCE, Discretisation, Look, Method, Misfit, Observer, Parameter, Simulate, Timeline};
 use crate::lanes::InstructionSet;
 use crate::model::{Event, EventKind, Model, Phase, Sign, StepResponse};
-use crate::noise::{AddressedDraws, bridge_at};
+use crate::noise::AddressedDraws;
 
 /// The quasi-static scheme with this tolerance.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -114,7 +114,8 @@ impl Swing {
     fn at(&self, x0: f64, direction: Sign, since: f64) -> (f64, f64) {
         let equilibrium = direction.value() * self.jump / (1.0 + self.response.overshoot);
         let (way, velocity) = self.response.at(equilibrium, since);
-        (x0 + way, velocity)
+        // The body does not turn within the slip; at its ends, rounding decides the sign.
+        (x0 + way, if velocity * direction.value() < 0.0 { 0.0 } else { velocity })
     }
 }
 
@@ -203,7 +204,8 @@ type Path = event_driven::Path<f64>;
 impl Noisy {
     fn new(scene: Scene, timeline: &Timeline, rules: &StepRules, slip: Swing) -> Self {
         let rates = scene.harmonics.iter().map(|h| h.angular_frequency);
-        let ladder = scene.ladder(round_down(rules.slip_length / rates.fold(scene.noise_rate(), f64::max)));
+        let longest = rules.slip_length / rates.fold(scene.noise_rate(), f64::max);
+        let ladder = scene.ladder(cell_length(longest, timeline.end));
         let corridor = Corridor::new(&scene, rules.chord_error);
         Noisy { scene, timeline: *timeline, ladder, corridor, slip, work_limit: WORK_LIMIT, closeness: 1 }
     }
@@ -258,14 +260,13 @@ impl Cascade for Noisy {
             began,
             displacement: x0,
             direction,
-            first: (path.after, path.noise),
-            last: (cell.length, end_noise),
+            ends: [(path.after, path.noise), (cell.length, end_noise)],
         };
         if end < cell.length {
-            piece.last = (end, piece.noise(&self.scene, end, &mut path.draws));
+            piece.ends[1] = (end, noise_between(&self.scene, piece.ends, end, &mut path.draws));
         }
         watch.look(&self.scene, || piece);
-        (path.after, path.noise) = piece.last;
+        (path.after, path.noise) = piece.ends[1];
         if end >= cell.length {
             return Ok(None);
         }
@@ -296,30 +297,22 @@ struct SwingPiece<'a> {
     began: f64,
     displacement: f64,
     direction: Sign,
-    /// The times at which the piece begins and ends, after the start of the cell, and n there.
-    first: (f64, f64),
-    last: (f64, f64),
-}
-
-impl SwingPiece<'_> {
-    fn noise(&self, scene: &Scene, time: f64, draws: &mut AddressedDraws) -> f64 {
-        let ((from, start), (to, end)) = (self.first, self.last);
-        let (mean, sd) = bridge_at(scene.relaxation_rate, scene.diffusion, time - from, to - time, (start, end));
-        mean + sd * draws.normal()
-    }
+    /// The times at which the piece begins and ends, and n there.
+    ends: [Known; 2],
 }
 
 impl Piece for SwingPiece<'_> {
     fn end(&self) -> f64 {
-        self.last.0
+        self.ends[1].0
     }
 
     fn parted(&self, scene: &Scene, glance: Glance, draws: &mut AddressedDraws) -> (Seen, Self, Self) {
         let time = glance.time;
-        let noise = self.noise(scene, time, draws);
+        let noise = noise_between(scene, self.ends, time, draws);
         let (x, v) = self.slip.at(self.displacement, self.direction, time - self.began);
         let seen = (x, v, scene.temperature(glance.forcing, noise), false);
-        (seen, SwingPiece { last: (time, noise), ..*self }, SwingPiece { first: (time, noise), ..*self })
+        let ([first, last], here) = (self.ends, (time, noise));
+        (seen, SwingPiece { ends: [first, here], ..*self }, SwingPiece { ends: [here, last], ..*self })
     }
 }
 

@@ -394,9 +394,12 @@ impl Inside {
         for stop in &self.stops {
             let is_closer = matches!(stop.instant, Instant::Output(row) if !row.is_multiple_of(closeness));
             let time = stop.time - cell.start;
-            match self.glances.last_mut().filter(|last| last.time == time) {
+            match self.glances.last_mut().filter(|last| last.at == stop.time) {
                 Some(last) => last.is_closer &= is_closer,
-                None => self.glances.push(Glance { time, is_closer, forcing: cell.forcing(time).value, place: 0 }),
+                None => {
+                    let forcing = cell.forcing(time).value;
+                    self.glances.push(Glance { at: stop.time, time, is_closer, forcing, place: 0 });
+                }
             }
             self.places.push(self.glances.len() - 1);
         }
@@ -425,7 +428,7 @@ impl Inside {
     ) {
         let Inside { glances, seen, events, .. } = self;
         let draws = path.draws.at(cell.index, 0);
-        let mut watch = Glances { glances, draws, lane, seen, passed: 0 };
+        let mut watch = Glances { glances, cell_start: cell.start, draws, lane, seen, passed: 0 };
         let emit = |event| events.push((lane, event));
         path.is_lost = cross(cascade, cell, path, scratch, &mut watch, emit).is_err();
         let passed = watch.passed;

@@ -120,10 +120,21 @@ impl Cell {
     }
 }
 
+/// The length of the cells of a run that lasts until `end`, from the longest that the scene allows.
+/// A cell does not last longer than the run, because the search inside a cell resolves no times
+/// below a certain fraction of it.
+pub fn cell_length(longest: f64, end: f64) -> f64 {
+    round_down(if end > 0.0 { longest.min(end.max(longest * SHORTEST_CELL)) } else { longest })
+}
+
+/// The shortest cell of a very short run, as a fraction of the longest that the scene allows. The
+/// fifth power of its length occurs in the variances of a step, and must be representable.
+const SHORTEST_CELL: f64 = 1e-24;
+
 /// The largest of 1, 2, 2.5 and 5 times a power of ten that is at most `length`. Output times are
 /// usually multiples of such numbers, so they fall on ends of cells, where the state is known
 /// without a further draw.
-pub fn round_down(length: f64) -> f64 {
+fn round_down(length: f64) -> f64 {
     let mut decade = 10f64.powi(libm::log10(length).floor() as i32);
     // Rounding of the logarithm may have raised it to the next integer.
     if decade > length {

@@ -1,7 +1,7 @@
 //! Helpers that the unit tests of the noisy scheme share.
 
 use super::cell_loop::Path;
-use super::cells::{Cell, round_down};
+use super::cells::{Cell, cell_length};
 use super::corridor::{Corridor, Pending};
 use super::ladder::Ladder;
 use super::scene::Scene;
@@ -16,7 +16,7 @@ pub fn exits(model: &Model, noise: f64, kappa: f64, horizon: f64, seed: u64, pat
     let scene = Scene::new(model);
     let corridor = Corridor::new(&scene, kappa);
     let rates = scene.harmonics.iter().map(|h| h.angular_frequency);
-    let length = round_down(0.5 / rates.fold(scene.relaxation_rate, f64::max));
+    let length = cell_length(0.5 / rates.fold(scene.relaxation_rate, f64::max), f64::INFINITY);
     let transition = Transition::new(scene.relaxation_rate, scene.diffusion, length);
     let spring_force = scene.oscillator.stiffness * scene.initial_displacement;
     let ladder = Ladder::even(length);

@@ -43,7 +43,7 @@ pub use step_rules::{DEFAULT_TOLERANCE, Resolution, TOLERANCES};
 pub use work::Simulated;
 
 pub(super) use cell_loop::{Cascade, OneByOne, Path, simulate};
-pub(super) use cells::{Cell, round_down};
+pub(super) use cells::{Cell, cell_length};
 pub(super) use corridor::Corridor;
 pub(super) use exact_time::ExactTime;
 pub(super) use ladder::Ladder;
@@ -51,7 +51,7 @@ pub(super) use noiseless::Noiseless;
 pub(super) use scene::Scene;
 pub(super) use step_rules::StepRules;
 pub(super) use unfelt_noise::UnfeltNoise;
-pub(super) use watch::{Glance, Piece, Seen, Watch};
+pub(super) use watch::{Glance, Known, Piece, Seen, Watch, noise_between};
 pub(super) use work::{Unresolved, WORK_LIMIT, Work};
 
 use super::{Discretisation, Look, Method, Misfit, Parameter, Timeline};

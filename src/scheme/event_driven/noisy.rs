@@ -15,7 +15,7 @@
 
 use super::abreast::Abreast;
 use super::cell_loop::{self, Cascade, OneByOne, WHOLE_PLACE};
-use super::cells::{Cell, round_down};
+use super::cells::{Cell, cell_length};
 use super::corridor::Corridor;
 use super::first_stop::{Interval, Motion, Pending, Step, Stop, StopSearch, forwards};
 use super::ladder::Ladder;
@@ -23,7 +23,7 @@ use super::scene::{Scene, forcing};
 use super::slip_step::{State, force, motion, resolved_travel};
 use super::slip_transition::{DrivenOscillator, HarmonicResponse, SlipTransition};
 use super::step_rules::StepRules;
-use super::watch::{Flow, FlowPiece, Glance, Known, SlipPiece, Watch, Way};
+use super::watch::{CoastPiece, Flow, FlowPiece, Glance, Known, SlipPiece, Watch, Way, noise_between};
 use super::work::{Simulated, Unresolved, WORK_LIMIT};
 use crate::lanes::InstructionSet;
 use crate::model::{Complex, Event, EventKind, Model, Phase, Sign};
@@ -116,7 +116,8 @@ impl Noisy {
         let longest = rules.slip_length / fastest;
         let slow = frequencies.iter().copied().fold(scene.noise_rate(), f64::max);
         let is_swift = fastest > TWO_SCALES * slow;
-        let ladder = scene.ladder(round_down(if is_swift { rules.slip_length / slow } else { longest }));
+        let longest_cell = if is_swift { rules.slip_length / slow } else { longest };
+        let ladder = scene.ladder(cell_length(longest_cell, timeline.end));
         let cell_length = ladder.length();
         let length = cell_length / (cell_length / longest).ceil();
         let mut harmonics = vec![HarmonicResponse::none(); frequencies.len()];
@@ -257,12 +258,17 @@ impl Noisy {
 
     /// Crosses the remainder of a cell with uniform acceleration, where it is too short for the
     /// noise to be distinguished from rounding.
-    fn coast(&self, cell: &Cell, path: &mut Path, direction: Sign, remaining: f64, end_noise: f64) {
+    fn coast(&self, cell: &Cell, path: &mut Path, direction: Sign, end_noise: f64, watch: &mut impl Watch) {
         let body = &self.scene.oscillator;
-        let eps = direction.value();
-        let acceleration = (path.force - eps * self.scene.friction.dynamic_force) / body.mass;
-        path.displacement += remaining * (path.motion + 0.5 * remaining * acceleration);
-        path.motion = eps * (eps * (path.motion + remaining * acceleration)).max(0.0);
+        let piece = CoastPiece {
+            direction,
+            displacement: path.displacement,
+            velocity: path.motion,
+            acceleration: (path.force - direction.value() * self.scene.friction.dynamic_force) / body.mass,
+            ends: [(path.after, path.noise), (cell.length, end_noise)],
+        };
+        watch.look(&self.scene, || piece);
+        (path.displacement, path.motion) = piece.at(cell.length);
         path.noise = end_noise;
         path.force =
             cell.last.value + end_noise - body.stiffness * path.displacement - 2.0 * body.damping * path.motion;
@@ -386,7 +392,7 @@ impl Cascade for Noisy {
         loop {
             let remaining = cell.length - path.after;
             if remaining <= SHORTEST * cell.length {
-                self.coast(cell, path, direction, remaining, end_noise);
+                self.coast(cell, path, direction, end_noise, watch);
                 return Ok(None);
             }
             path.work.spend()?;
@@ -433,19 +439,25 @@ impl Cascade for Noisy {
                     *last = ending_at(*last, stop);
                 }
             }
+            // Before a stop, n is known to become what the balance of forces requires there.
+            let (mut event, mut known_end) = (None, flow.end);
+            if let Some(stop) = &stop {
+                event = Some(self.stopped(cell, path, direction, before, stop));
+                known_end = (path.after, path.noise);
+            }
             // This is not a closure, because a closure is not compiled for the instruction set.
-            for &(after, travel, start, interval) in passed.iter() {
-                let known = [flow.last_drawn.get()[0], flow.end];
-                let after = before.0 + after;
-                let until = after + interval.length;
+            for (i, &(after, travel, start, interval)) in passed.iter().enumerate() {
+                let known = [flow.last_drawn.get()[0], known_end];
+                let mut end = after + interval.length;
+                if let Some(stop) = stop.filter(|_| i + 1 == passed.len()) {
+                    end = stop.after;
+                }
+                let (after, until) = (before.0 + after, before.0 + end);
                 let piece = SlipPiece { eps, x0: before.1.x, after, until, travel, start, interval };
                 watch.look(&self.scene, || FlowPiece { flow: &flow, piece, known });
             }
-            if let Some(stop) = stop {
-                return Ok(Some(self.stopped(cell, path, direction, before, &stop)));
-            }
-            if is_last {
-                return Ok(None);
+            if event.is_some() || is_last {
+                return Ok(event);
             }
             start = end;
         }
@@ -533,9 +545,8 @@ impl Flow for StepFlow<'_> {
         [mut before, behind]: [Known; 2],
         draws: &mut AddressedDraws,
     ) -> f64 {
-        let Scene { relaxation_rate, diffusion, .. } = self.cascade.scene;
         // The comparison is written so that an undefined value does not pass it.
-        if diffusion * (self.end.0 - self.after).sqrt() > ROUNDED * forces {
+        if self.cascade.scene.diffusion * (self.end.0 - self.after).sqrt() > ROUNDED * forces {
             return noise;
         }
         let mut last_drawn = self.last_drawn.get();
@@ -543,15 +554,7 @@ impl Flow for StepFlow<'_> {
         if between.0 > before.0 {
             before = *between;
         }
-        let noise = if glance.time <= before.0 {
-            before.1
-        } else if glance.time >= behind.0 {
-            behind.1
-        } else {
-            let parts = (glance.time - before.0, behind.0 - glance.time);
-            let (mean, sd) = bridge_at(relaxation_rate, diffusion, parts.0, parts.1, (before.1, behind.1));
-            mean + sd * draws.normal()
-        };
+        let noise = noise_between(&self.cascade.scene, [before, behind], glance.time, draws);
         *between = (glance.time, noise);
         self.last_drawn.set(last_drawn);
         noise

@@ -22,6 +22,7 @@ use super::first_stop::{Interval, Motion, state_inside};
 use super::scene::Scene;
 use super::stick_step::FAR_EXPONENT;
 use crate::lanes::{Choose, Lanes};
+use crate::model::Sign;
 use crate::noise::{AddressedDraws, TimeChange, bridge_at, meeting_probability};
 use crate::scheme::columns::Columns;
 
@@ -31,6 +32,9 @@ pub type Seen = (f64, f64, f64, bool);
 /// An instant at which the state is observed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Glance {
+    /// Its time. An instant and an event at the same time are in the order in which an observer is
+    /// told of them, so the times that are compared are those that an observer sees.
+    pub at: f64,
     /// The time after the start of the cell.
     pub time: f64,
     /// Whether it is a row between those of the run.
@@ -45,7 +49,8 @@ pub struct Glance {
 pub trait Watch {
     /// Whether there are instants to observe inside this cell.
     fn is_looking(&self) -> bool;
-    /// Observes a piece of the path: draws the state at all instants up to the end of the piece.
+    /// Observes a piece of the path: draws the state at all instants before the end of the piece.
+    /// One at its end belongs to the next piece.
     fn look<P: Piece>(&mut self, scene: &Scene, piece: impl FnOnce() -> P);
 }
 
@@ -65,6 +70,8 @@ impl Watch for Nobody {
 /// Observes one path at these times, in order.
 pub struct Glances<'a> {
     pub glances: &'a [Glance],
+    /// When the cell begins.
+    pub cell_start: f64,
     /// The random numbers of the path in this cell.
     pub draws: AddressedDraws,
     /// The lane of the path, and for each time the states of all paths.
@@ -83,24 +90,24 @@ impl Watch for Glances<'_> {
     #[inline(always)]
     fn look<P: Piece>(&mut self, scene: &Scene, piece: impl FnOnce() -> P) {
         let mut rest = piece();
-        while let Some(row) = self.ahead(rest.end()).find(|glance| !glance.is_closer) {
+        let end = self.cell_start + rest.end();
+        while let Some(row) = self.ahead(end).find(|glance| !glance.is_closer) {
             let (seen, before, behind) = rest.parted(scene, row, &mut self.draws.from(row.place));
-            self.look_closer(scene, before, row.time);
+            self.look_closer(scene, before, row.at);
             self.put(seen);
             rest = behind;
         }
-        let end = rest.end();
         self.look_closer(scene, rest, end);
     }
 }
 
 impl<'a> Glances<'a> {
-    /// The instants that remain, up to `end`.
+    /// The instants that remain before the time `end`.
     fn ahead(&self, end: f64) -> impl Iterator<Item = Glance> + use<'a> {
-        self.glances[self.passed..].iter().copied().take_while(move |glance| glance.time <= end)
+        self.glances[self.passed..].iter().copied().take_while(move |glance| glance.at < end)
     }
 
-    /// Draws the states at the rows between those of the run, up to `end`.
+    /// Draws the states at the rows between those of the run, before the time `end`.
     #[inline(always)]
     fn look_closer<P: Piece>(&mut self, scene: &Scene, mut piece: P, end: f64) {
         while let Some(row) = self.ahead(end).next().filter(|glance| glance.is_closer) {
@@ -242,6 +249,59 @@ pub trait Flow {
 
 /// A time after the start of the cell, and n at that time.
 pub type Known = (f64, f64);
+
+/// Draws n at a time between two known values of it: from its bridge, or, at and beyond one of
+/// their times, that value itself.
+pub fn noise_between(scene: &Scene, [before, behind]: [Known; 2], time: f64, draws: &mut AddressedDraws) -> f64 {
+    if time <= before.0 {
+        before.1
+    } else if time >= behind.0 {
+        behind.1
+    } else {
+        let parts = (time - before.0, behind.0 - time);
+        let ends = (before.1, behind.1);
+        let (mean, sd) = bridge_at(scene.relaxation_rate, scene.diffusion, parts.0, parts.1, ends);
+        mean + sd * draws.normal()
+    }
+}
+
+/// A piece of a slip that is too short for the noise to be distinguished from rounding: the body
+/// has a uniform acceleration.
+#[derive(Clone, Copy)]
+pub struct CoastPiece {
+    pub direction: Sign,
+    /// x, x' and x'' at the start of the piece.
+    pub displacement: f64,
+    pub velocity: f64,
+    pub acceleration: f64,
+    /// The times at which the piece begins and ends, and n there.
+    pub ends: [Known; 2],
+}
+
+impl CoastPiece {
+    /// x and x' at a time. The body does not turn.
+    #[inline(always)]
+    pub fn at(&self, time: f64) -> (f64, f64) {
+        let CoastPiece { direction, displacement, velocity, acceleration, ends } = *self;
+        let (eps, since) = (direction.value(), (time - ends[0].0).max(0.0));
+        let x = displacement + since * (velocity + 0.5 * since * acceleration);
+        (x, eps * (eps * (velocity + since * acceleration)).max(0.0))
+    }
+}
+
+impl Piece for CoastPiece {
+    fn end(&self) -> f64 {
+        self.ends[1].0
+    }
+
+    fn parted(&self, scene: &Scene, glance: Glance, draws: &mut AddressedDraws) -> (Seen, Self, Self) {
+        let noise = noise_between(scene, self.ends, glance.time, draws);
+        let ((x, v), here) = (self.at(glance.time), (glance.time, noise));
+        let seen = (x, v, scene.temperature(glance.forcing, noise), false);
+        let behind = CoastPiece { displacement: x, velocity: v, ends: [here, self.ends[1]], ..*self };
+        (seen, CoastPiece { ends: [self.ends[0], here], ..*self }, behind)
+    }
+}
 
 /// A piece of a slip of one path, with the motion of its step without noise.
 pub struct FlowPiece<'a, F> {

@@ -111,7 +111,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
     #[inline(always)]
     fn look_at_slips(&mut self, inside: &mut Inside) {
         let scene = self.paths.noisy.scene();
-        let (body, zero) = (&scene.oscillator, L::splat(0.0));
+        let (body, zero, cell_start) = (&scene.oscillator, L::splat(0.0), L::splat(self.cell.start));
         for first in (0..self.paths.records.slips.len).step_by(L::WIDTH) {
             let (rows, lanes, left, right) = self.paths.records.slips.get::<L>(first);
             let [velocity, acceleration, after, travel, began, x0, eps, _] = left;
@@ -127,14 +127,13 @@ impl<L: Lanes> Crossing<'_, '_, L> {
             let friction = eps * scene.friction.dynamic_force;
             let step = StepStart { after: began, state, motion: motion(body, eps, state.v, force0, friction), eps };
             let start = Motion { velocity, acceleration };
-            let from = began + after;
-            let to = from + length;
+            let (from, to) = (began + after, began + (after + length));
             let mut piece = SlipPiece { eps, x0, after: from, until: to, travel, start, interval };
             let mut before = self.way(&step, from);
             let behind = self.way(&step, to);
             let mut odd = 0;
             for (i, glance) in inside.glances.iter().enumerate() {
-                let is_held = is_inside(glance.time, from, to);
+                let is_held = is_inside(glance.at, cell_start + from, cell_start + to);
                 let held = L::bitmask(is_held) & lanes;
                 if held == 0 {
                     continue;
@@ -171,7 +170,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
     #[inline(always)]
     fn look_at_sticks(&mut self, kind: StickEnd, inside: &mut Inside) {
         let scene = self.paths.noisy.scene();
-        let zero = L::splat(0.0);
+        let (zero, cell_start) = (L::splat(0.0), L::splat(self.cell.start));
         for first in (0..self.paths.records.sticks(kind).len).step_by(L::WIDTH) {
             let (rows, lanes, left, right) = self.paths.records.sticks(kind).get::<L>(first);
             let [from, noise, force, _, displacement, ..] = left;
@@ -180,7 +179,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
             let mut piece =
                 StickPiece { after: (from, to), noise: (noise, end_noise), force: (force, end_force), displacement };
             for (i, glance) in inside.glances.iter().enumerate() {
-                let is_held = is_inside(glance.time, from, to);
+                let is_held = is_inside(glance.at, cell_start + from, cell_start + to);
                 let held = L::bitmask(is_held) & lanes;
                 if held == 0 {
                     continue;
@@ -311,8 +310,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
             return;
         }
         let Searched { left, after, travel, x, start, eps, .. } = *searched;
-        let from = start + after;
-        let held = self.paths.records.hold(from, from + interval.length) & lanes;
+        let held = self.paths.records.hold(start + after, start + (after + interval.length)) & lanes;
         if held != 0 {
             let Interval { end, travel: distance, length, inverse, noise } = *interval;
             let [noise0, force0] = [at::<L>(&self.paths.begun[0], rows), at::<L>(&self.paths.begun[1], rows)];

@@ -225,7 +225,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
     fn run(&mut self, mut inside: Option<&mut Inside>) {
         let glances = inside.as_ref().map_or(&[][..], |inside| &inside.glances);
         let is_closer = glances.iter().any(|glance| glance.is_closer);
-        self.paths.records.begin(glances);
+        self.paths.records.begin(self.cell.start, glances);
         self.paths.spent_before.copy_from_slice(&self.paths.spent);
         self.paths.jobs.clear();
         // A closer look is for few paths.

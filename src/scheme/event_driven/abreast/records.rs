@@ -8,6 +8,8 @@ use crate::scheme::event_driven::watch::{Glance, StickEnd};
 /// The pieces in one cell.
 #[derive(Default)]
 pub(super) struct Records {
+    /// When the cell begins.
+    cell_start: f64,
     /// The instants in the cell; none where the paths are not observed.
     times: Vec<f64>,
     pub slips: Pieces,
@@ -25,10 +27,11 @@ pub(super) struct Pieces {
 }
 
 impl Records {
-    /// Starts a new cell with these instants.
-    pub fn begin(&mut self, glances: &[Glance]) {
+    /// Starts a new cell, which begins at this time and has these instants inside.
+    pub fn begin(&mut self, cell_start: f64, glances: &[Glance]) {
+        self.cell_start = cell_start;
         self.times.clear();
-        self.times.extend(glances.iter().map(|glance| glance.time));
+        self.times.extend(glances.iter().map(|glance| glance.at));
         self.slips.len = 0;
         self.sticks.iter_mut().for_each(|sticks| sticks.len = 0);
     }
@@ -43,10 +46,12 @@ impl Records {
         &mut self.sticks[kind as usize]
     }
 
-    /// A mask of the lanes in which a piece between these times has an instant inside. One at the
-    /// end of a piece belongs to it; one at its start only where the cell starts there.
+    /// A mask of the lanes in which a piece between these times after the start of the cell has an
+    /// instant inside.
     #[inline(always)]
     pub fn hold<L: Lanes>(&self, from: L, to: L) -> u32 {
+        let start = L::splat(self.cell_start);
+        let (from, to) = (start + from, start + to);
         let mut any = 0;
         for &time in &self.times {
             any |= L::bitmask(is_inside(time, from, to));
@@ -55,11 +60,12 @@ impl Records {
     }
 }
 
-/// The lanes in which this time is inside a piece between these times.
+/// The lanes in which this time is inside a piece between these times. One at the start of a piece
+/// belongs to it; one at its end belongs to the next piece.
 #[inline(always)]
 pub(super) fn is_inside<L: Lanes>(time: f64, from: L, to: L) -> L::Mask {
     let time = L::splat(time);
-    L::and(L::or(from.lt(time), from.le(L::splat(0.0))), time.le(to))
+    L::and(from.le(time), time.lt(to))
 }
 
 impl Pieces {
