@@ -5,13 +5,14 @@
 //!
 //! - is *clear* if it cannot meet a threshold: the probability that it does, after the threshold
 //!   has been moved towards the noise by the most that it bends, is below exp(-35);
-//! - is *decided* by [`StickStep::exit`] if it is short enough: h <= width^2/(8 s^2) and, where both
-//!   thresholds may be met, h <= d width/(8 s^2), where d is the distance of b from the nearer
-//!   threshold at the start. Then a bridge that meets one threshold has met the other one before
-//!   with a probability below exp(-16). A stick often begins close to the threshold that it was
-//!   last left at, where d is small. And |c| h^2/8 <= kappa s sqrt(h) for each threshold that may
-//!   be met, where c is the bend of the threshold ([`super::stick_step`]) and kappa follows from
-//!   the tolerance;
+//! - is *decided* by [`StickStep::exit`] if it is short enough. A bridge from the middle meets both
+//!   thresholds with a probability below 2 exp(-16): h <= width^2/(8 s^2). A bridge between these
+//!   two ends does with a probability below 2 exp(-8): h <= width (width - |b1 - b0|)/(4 s^2),
+//!   where b1 counts as f_s or -f_s if it lies beyond. (A stick often begins close to the threshold
+//!   at which the last slip began. If b then ends near or beyond the other one, it has most likely
+//!   met the near one first.) And the threshold is straight enough: |c| h^2/8 <= kappa s sqrt(h)
+//!   for each threshold that may be met, where c is the bend of the threshold
+//!   ([`super::stick_step`]) and kappa follows from the tolerance;
 //! - is otherwise divided: n is drawn in the middle, and the halves are treated from left to right.
 
 use super::cell_loop::Path;
@@ -24,8 +25,9 @@ use crate::lanes::{Choose, Lanes};
 use crate::model::Sign;
 use crate::noise::bridge_middle;
 
-/// The number in the width rule: pieces of at most width^2 / (WIDTH_RULE s^2) are decided.
+/// The numbers in the two width rules, that for any ends and that for known ends.
 const WIDTH_RULE: f64 = 8.0;
+const ORDER_RULE: f64 = 4.0;
 
 /// The number of halvings after which a piece is decided, whatever its bend.
 const DEPTH: usize = 60;
@@ -35,8 +37,7 @@ const DEPTH: usize = 60;
 pub struct Corridor {
     /// The longest piece by the width rule, a time.
     widest: f64,
-    /// The same for a bridge that may meet both thresholds, per distance of its start from the
-    /// nearer one: a time over a force.
+    /// The same for each unit of width - |b1 - b0|, a time over a force.
     widest_between: f64,
     /// (8 kappa s)^2, the largest |c|^2 h^3 of a piece that is decided.
     most_bend: f64,
@@ -88,9 +89,11 @@ pub struct Reach<L: Lanes> {
 impl Corridor {
     pub fn new(scene: &Scene, kappa: f64) -> Self {
         let (width, s) = (2.0 * scene.friction.static_force, scene.diffusion);
-        let widest_between = width / (WIDTH_RULE * s * s);
-        let most_bend = (8.0 * kappa * s) * (8.0 * kappa * s);
-        Corridor { widest: width * widest_between, widest_between, most_bend }
+        Corridor {
+            widest: width * width / (WIDTH_RULE * s * s),
+            widest_between: width / (ORDER_RULE * s * s),
+            most_bend: (8.0 * kappa * s) * (8.0 * kappa * s),
+        }
     }
 
     /// The exit of a path from its static phase before the end of the cell, where n is `end_noise`:
@@ -161,9 +164,9 @@ impl Corridor {
         let zero = L::splat(0.0);
         let reach = L::select(up.is_near, up.bend, zero).or_at_least(L::select(down.is_near, down.bend, zero));
         let is_bent = (reach * reach * h * h * h).gt(L::splat(self.most_bend));
-        let nearest = L::splat(scene.friction.static_force) - left.force.abs();
-        let is_between = L::and(up.is_near, down.is_near);
-        let is_wide = L::or(h.gt(L::splat(self.widest)), L::and(is_between, h.gt(nearest * self.widest_between)));
+        let f_s = scene.friction.static_force;
+        let way = (right.force.or_at_most(L::splat(f_s)).or_at_least(L::splat(-f_s)) - left.force).abs();
+        let is_wide = L::or(h.gt(L::splat(self.widest)), h.gt((L::splat(2.0 * f_s) - way) * self.widest_between));
         Reach { is_near: L::or(up.is_near, down.is_near), is_long: L::or(is_wide, is_bent) }
     }
 }
@@ -273,12 +276,12 @@ mod tests {
     }
 
     /// Exit of dv = -v dt + dW from (-0.25, 0.25), started a fiftieth of the width above the lower
-    /// end, as a stick that follows a short slip does. A piece of 1/32 is just short enough by the
-    /// width rule, and its end lies beyond the upper threshold with a probability of 0.003; such a
-    /// bridge has nearly always met the lower one before. Null: the share of exits at the upper
+    /// end, as a stick that follows a short slip does. A piece of 1/32 = width^2/(8 s^2) ends beyond
+    /// the upper threshold with a probability of 0.003; such a bridge has nearly always met the
+    /// lower one before. Null: the share of exits at the upper
     /// threshold is the ratio of the integrals of exp(v^2), the scale function of the process. 4e5
-    /// paths give a standard error of 1.1 %; a decision that asks for the upper threshold first
-    /// finds a share that is 16 % too large.
+    /// paths give a standard error of 1.1 %; if pieces of that length were decided whatever their
+    /// ends, the upper threshold being asked for first, the share would be 16 % too large.
     #[test]
     fn a_stick_that_begins_close_to_one_threshold_is_rarely_left_at_the_other() {
         let (half, from) = (0.25, -0.24);

@@ -17,7 +17,7 @@ use super::abreast::Abreast;
 use super::cell_loop::{self, Cascade, OneByOne, WHOLE_PLACE};
 use super::cells::{Cell, cell_length};
 use super::corridor::Corridor;
-use super::first_stop::{Interval, Motion, Pending, Step, Stop, StopSearch, forwards};
+use super::first_stop::{FEEBLE, Interval, Motion, Pending, Step, Stop, StopSearch, forwards};
 use super::ladder::Ladder;
 use super::scene::{Scene, forcing};
 use super::slip_step::{State, force, motion, resolved_travel};
@@ -439,6 +439,13 @@ impl Cascade for Noisy {
                     *last = ending_at(*last, stop);
                 }
             }
+            let whole = self.search.whole(&searched);
+            if watch.is_looking() && self.search.is_feeble(start, &whole) {
+                // The intervals of the search lie on the quintic, so they are replaced by one.
+                let whole = (0.0, 0.0, start, whole);
+                passed.clear();
+                passed.push(if let Some(stop) = &stop { ending_at(whole, stop) } else { whole });
+            }
             // Before a stop, n is known to become what the balance of forces requires there.
             let (mut event, mut known_end) = (None, flow.end);
             if let Some(stop) = &stop {
@@ -453,8 +460,11 @@ impl Cascade for Noisy {
                     end = stop.after;
                 }
                 let (after, until) = (before.0 + after, before.0 + end);
-                let piece = SlipPiece { eps, x0: before.1.x, after, until, travel, start, interval };
-                watch.look(&self.scene, || FlowPiece { flow: &flow, piece, known });
+                if watch.is_ahead(until) {
+                    let piece = SlipPiece { eps, x0: before.1.x, after, until, travel, start, interval };
+                    let piece = piece.less([&flow.at(after), &flow.at(until)]);
+                    watch.look(&self.scene, || FlowPiece { flow: &flow, piece, known });
+                }
             }
             if event.is_some() || is_last {
                 return Ok(event);
@@ -537,6 +547,11 @@ impl Flow for StepFlow<'_> {
         Way { travel, motion, noise: to.n }
     }
 
+    fn length(&self) -> f64 {
+        self.step.transition.length
+    }
+
+    #[inline(always)]
     fn resolved_noise(
         &self,
         glance: Glance,
@@ -546,7 +561,7 @@ impl Flow for StepFlow<'_> {
         draws: &mut AddressedDraws,
     ) -> f64 {
         // The comparison is written so that an undefined value does not pass it.
-        if self.cascade.scene.diffusion * (self.end.0 - self.after).sqrt() > ROUNDED * forces {
+        if self.cascade.scene.diffusion * self.length().sqrt() > ROUNDED * forces {
             return noise;
         }
         let mut last_drawn = self.last_drawn.get();
@@ -580,18 +595,14 @@ fn mean_state(
     mean
 }
 
-/// The noise is feeble where c sqrt(h)/|a| is below this. There the error of the quintic in a,
-/// (rate h)^4/1920 of a, is no longer below the first neglected terms of the conditional law, (rate
-/// h)^2/100 of its standard deviation c sqrt(h)/4. The value is for the default step, rate h = 1/2.
-pub const FEEBLE: f64 = 0.05;
-
 /// A remainder of a cell that is shorter than this fraction of it takes no exact step: the
 /// difference of n at both its ends, which such a step needs, would have lost its digits.
 pub const SHORTEST: f64 = 1e-8;
 
 /// Where the noise moves the forces by less than this fraction of them, n cannot be computed from a
-/// balance of forces.
-pub const ROUNDED: f64 = 1e-6;
+/// balance of forces. Rounding of the distance, 2e-16 of it, changes the acceleration of the quintic
+/// by up to 60/h^2 times as much, which is 1e-4 of the noise here.
+pub const ROUNDED: f64 = 1e-10;
 
 /// No draw is further from its mean than this number of standard deviations. These are at most c
 /// sqrt(h) for a and c h^{3/2} for V.

@@ -49,6 +49,8 @@ pub struct Glance {
 pub trait Watch {
     /// Whether there are instants to observe inside this cell.
     fn is_looking(&self) -> bool;
+    /// Whether there are instants to observe before this time after the start of the cell.
+    fn is_ahead(&self, end: f64) -> bool;
     /// Observes a piece of the path: draws the state at all instants before the end of the piece.
     /// One at its end belongs to the next piece.
     fn look<P: Piece>(&mut self, scene: &Scene, piece: impl FnOnce() -> P);
@@ -60,6 +62,11 @@ pub struct Nobody;
 impl Watch for Nobody {
     #[inline(always)]
     fn is_looking(&self) -> bool {
+        false
+    }
+
+    #[inline(always)]
+    fn is_ahead(&self, _: f64) -> bool {
         false
     }
 
@@ -85,6 +92,11 @@ impl Watch for Glances<'_> {
     #[inline(always)]
     fn is_looking(&self) -> bool {
         true
+    }
+
+    #[inline(always)]
+    fn is_ahead(&self, end: f64) -> bool {
+        self.glances[self.passed..].first().is_some_and(|glance| glance.at < self.cell_start + end)
     }
 
     #[inline(always)]
@@ -143,7 +155,8 @@ pub struct Way<L = f64> {
     pub noise: L,
 }
 
-/// A piece of a slip, in any number of paths.
+/// A piece of a slip, in any number of paths. It is known by how it deviates from the motion of its
+/// step without noise, so that a deviation keeps its digits where the noise is feeble.
 #[derive(Clone, Copy, Debug)]
 pub struct SlipPiece<L = f64> {
     /// The direction, and x at the start of the step.
@@ -152,77 +165,102 @@ pub struct SlipPiece<L = f64> {
     /// The times at which the piece begins and ends, after the start of the cell.
     pub after: L,
     pub until: L,
-    /// The distance from the start of the step to the start of the piece.
+    /// The deviation of the distance since the start of the step, and of the motion, at the start
+    /// of the piece.
     pub travel: L,
-    /// The motion at the start of the piece.
     pub start: Motion<L>,
-    /// The length of the piece, and the distance and motion at its end.
+    /// The length of the piece, and the deviations of its distance and of the motion at its end.
     pub interval: Interval<L>,
 }
 
 /// The state at an instant inside a piece of a slip.
 #[derive(Clone, Copy, Debug)]
 pub struct SlipState<L = f64> {
+    /// The distance since the start of the step, and x' along the direction.
+    travel: L,
+    velocity: L,
+    /// n, computed from a balance of forces.
+    pub noise: L,
     /// The fraction of the piece that lies before the instant.
     part: L,
-    /// The distance since the start of the piece, and since the start of the step.
+    /// The deviations of the distance since the start of the piece and since the start of the step,
+    /// and of the motion.
     passed: L,
-    total: L,
-    pub motion: Motion<L>,
-    /// n, computed from a balance of forces, and the sum of the sizes of these forces.
-    pub noise: L,
-    pub forces: L,
+    off_travel: L,
+    off: Motion<L>,
 }
 
 impl<L: Lanes> SlipPiece<L> {
-    /// Draws the state at an instant with three normals. The motion without noise is known at the
-    /// start of the piece, at the instant, and at the end of the piece.
+    /// This piece, of which `travel`, `start` and `interval` are the motion itself, as a deviation
+    /// from the motion without noise, which is known at both its ends.
     #[inline(always)]
-    pub fn state(&self, scene: &Scene, glance: Glance, ways: [&Way<L>; 3], normals: [L; 3]) -> SlipState<L> {
-        let [before, here, behind] = ways;
+    pub fn less(self, [before, behind]: [&Way<L>; 2]) -> Self {
+        let SlipPiece { travel, start, interval, .. } = self;
+        let off = interval.travel - (behind.travel - before.travel);
+        SlipPiece {
+            travel: travel - before.travel,
+            start: start.less(before.motion),
+            interval: interval.with_end(off, interval.end.less(behind.motion)),
+            ..self
+        }
+    }
+
+    /// Draws the state at an instant with three normals. `here` is the motion without noise at the
+    /// instant.
+    #[inline(always)]
+    pub fn state(&self, scene: &Scene, glance: Glance, here: &Way<L>, normals: [L; 3]) -> SlipState<L> {
         let (zero, one, time) = (L::splat(0.0), L::splat(1.0), L::splat(glance.time));
-        let SlipPiece { eps, x0, after, travel, start, interval, .. } = *self;
         let body = &scene.oscillator;
-        let end = interval.end.less(behind.motion);
-        let deviation = interval.with_end(interval.travel - (behind.travel - before.travel), end);
         // In a piece of zero length the state is that at its start.
-        let part = L::select(time.gt(after), ((time - after) / interval.length).or_at_most(one), zero);
+        let since = (time - self.after) / self.interval.length;
+        let part = L::select(time.gt(self.after), since.or_at_most(one), zero);
         let is_inside = part.gt(zero);
-        let at_start = start.less(before.motion);
-        let (drawn_way, drawn) = state_inside(at_start, &deviation, part, normals);
-        let aside = L::select(is_inside, drawn_way, zero);
-        let off = Motion::select(is_inside, drawn, at_start);
+        let (way, drawn) = state_inside(self.start, &self.interval, part, normals);
+        let passed = L::select(is_inside, way, zero);
+        let Motion { velocity, acceleration } = Motion::select(is_inside, drawn, self.start);
         // The velocity is positive in law, but for a probability that the search neglects.
-        let velocity = (here.motion.velocity + off.velocity).or_at_least(zero);
-        let motion = Motion { velocity, acceleration: here.motion.acceleration + off.acceleration };
-        let passed = aside + (here.travel - before.travel);
-        let total = travel + passed;
-        let balance =
-            off.acceleration * body.mass + off.velocity * (2.0 * body.damping) + (total - here.travel) * body.stiffness;
-        let forces = here.motion.acceleration.abs() * body.mass
+        let velocity = velocity.or_at_least(-here.motion.velocity);
+        let off_travel = self.travel + passed;
+        let balance = acceleration * body.mass + velocity * (2.0 * body.damping) + off_travel * body.stiffness;
+        SlipState {
+            travel: here.travel + off_travel,
+            velocity: here.motion.velocity + velocity,
+            noise: here.noise + self.eps * balance,
+            part,
+            passed,
+            off_travel,
+            off: Motion { velocity, acceleration },
+        }
+    }
+
+    /// The sum of the forces whose rounding limits the n of a state, in a step of this length.
+    /// Rounding of x acts like a force of m/h^2 times x.
+    #[inline(always)]
+    pub fn forces(&self, scene: &Scene, glance: Glance, here: &Way<L>, length: L) -> L {
+        let body = &scene.oscillator;
+        here.motion.acceleration.abs() * body.mass
             + scene.friction.dynamic_force
             + glance.forcing.abs()
-            + x0.abs() * body.stiffness;
-        SlipState { part, passed, total, motion, noise: here.noise + eps * balance, forces }
+            + self.x0.abs() * (L::splat(body.mass) / (length * length) + body.stiffness)
     }
 
     /// x and x' in a state.
     #[inline(always)]
     pub fn seen(&self, state: &SlipState<L>) -> (L, L) {
-        (self.x0 + self.eps * state.total, self.eps * state.motion.velocity)
+        (self.x0 + self.eps * state.travel, self.eps * state.velocity)
     }
 
     /// The parts of the piece before and after a state at an instant.
     #[inline(always)]
     pub fn parted_at(&self, glance: Glance, state: &SlipState<L>) -> [Self; 2] {
         let is_inside = state.part.gt(L::splat(0.0));
-        let [first, second] = self.interval.parted(state.part, state.passed, state.motion);
+        let [first, second] = self.interval.parted(state.part, state.passed, state.off);
         let first = Interval::select(is_inside, &first, &self.interval);
         let second = Interval::select(is_inside, &second, &self.interval);
         let behind = SlipPiece {
             after: L::splat(glance.time),
-            travel: state.total,
-            start: state.motion,
+            travel: state.off_travel,
+            start: state.off,
             interval: second,
             ..*self
         };
@@ -234,6 +272,8 @@ impl<L: Lanes> SlipPiece<L> {
 pub trait Flow {
     /// The motion at a time after the start of the cell.
     fn at(&self, after: f64) -> Way;
+    /// The length of the step.
+    fn length(&self) -> f64;
     /// n at an instant. `noise` is n as computed from a balance of forces of size `forces`. Where
     /// this has lost its digits, n is drawn from the bridge of n between the two times of `known`
     /// instead.
@@ -319,9 +359,10 @@ impl<F: Flow> Piece for FlowPiece<'_, F> {
     #[inline(always)]
     fn parted(&self, scene: &Scene, glance: Glance, draws: &mut AddressedDraws) -> (Seen, Self, Self) {
         let FlowPiece { flow, ref piece, known } = *self;
-        let [before, here, behind] = [flow.at(piece.after), flow.at(glance.time), flow.at(piece.until)];
-        let state = piece.state(scene, glance, [&before, &here, &behind], draws.three_normals());
-        let noise = flow.resolved_noise(glance, state.noise, state.forces, known, draws);
+        let here = flow.at(glance.time);
+        let state = piece.state(scene, glance, &here, draws.three_normals());
+        let forces = piece.forces(scene, glance, &here, flow.length());
+        let noise = flow.resolved_noise(glance, state.noise, forces, known, draws);
         let (x, v) = piece.seen(&state);
         let [first, second] = piece.parted_at(glance, &state);
         let now = (glance.time, noise);
@@ -382,12 +423,14 @@ impl<L: Lanes> Bridge<L> {
 
     /// A draw where the threshold on this side, 1 or -1, is met at the end of the piece for the
     /// first time. The distance of b from it ends at zero, and is the length of a three-dimensional
-    /// vector whose components are bridges.
+    /// vector whose components are bridges. That it passes the other threshold on the way is so
+    /// unlikely in a piece that is short enough to be decided that it is only kept from doing so.
     #[inline(always)]
     pub fn before_exit(&self, scene: &Scene, side: L, [one, two, three]: [L; 3]) -> Stuck<L> {
         let f_s = L::splat(scene.friction.static_force);
         let along = f_s - side * (self.rest + self.mean) + self.sd * one;
         let distance = (along * along + self.sd * self.sd * (two * two + three * three)).sqrt();
+        let distance = distance.or_at_most(f_s * 2.0);
         let force = side * (f_s - distance);
         Stuck { noise: force - self.rest, force }
     }

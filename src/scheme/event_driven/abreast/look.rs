@@ -67,23 +67,25 @@ impl<L: Lanes> Crossing<'_, '_, L> {
             let step = StepStart { after: zero, state, motion: start, eps };
             let travel = resolved_travel(eps * state.x, eps * next.x, start, end, length);
             let interval = Interval { end, travel, length, inverse, noise: spread };
-            let mut slip = SlipPiece { eps, x0: state.x, after: zero, until: length, travel: zero, start, interval };
+            let slip = SlipPiece { eps, x0: state.x, after: zero, until: length, travel: zero, start, interval };
             let mut stick = StickPiece {
                 after: (zero, length),
                 noise: (now.n, next.n),
                 force: (now.force, next.force),
                 displacement: state.x,
             };
-            let mut before = self.shared_way(&step, &nothing, 0.0);
+            let before = self.shared_way(&step, &nothing, 0.0);
             let behind = self.shared_way(&step, &whole, self.cell.length);
+            let mut slip = slip.less([&before, &behind]);
             let mut known_odd = 0;
             for (i, part) in parts.iter().enumerate() {
                 let glance = inside.glances[i];
                 let draws = now.draws(self.cell.index << 32 | glance.place);
                 let here = self.shared_way(&step, part, glance.time);
                 let normals = draws.three_normals(self.paths.normals, 0);
-                let there = slip.state(scene, glance, [&before, &here, &behind], normals);
-                let is_felt = (length.sqrt() * scene.diffusion).gt(there.forces * ROUNDED);
+                let there = slip.state(scene, glance, &here, normals);
+                let forces = slip.forces(scene, glance, &here, length);
+                let is_felt = (length.sqrt() * scene.diffusion).gt(forces * ROUNDED);
                 let odd = L::bitmask(L::and(is_slip, L::not(is_felt)));
                 let bridge = self.bridge(&stick, glance);
                 let stuck = stick.inside(glance, bridge.anywhere(draws.normal(self.paths.normals, 0)));
@@ -99,7 +101,6 @@ impl<L: Lanes> Crossing<'_, '_, L> {
                 known_odd |= odd;
                 slip = slip.parted_at(glance, &there)[1];
                 stick = stick.behind(glance, stuck);
-                before = here;
             }
         }
         for &lane in &self.paths.lost {
@@ -128,9 +129,9 @@ impl<L: Lanes> Crossing<'_, '_, L> {
             let step = StepStart { after: began, state, motion: motion(body, eps, state.v, force0, friction), eps };
             let start = Motion { velocity, acceleration };
             let (from, to) = (began + after, began + (after + length));
-            let mut piece = SlipPiece { eps, x0, after: from, until: to, travel, start, interval };
-            let mut before = self.way(&step, from);
-            let behind = self.way(&step, to);
+            let piece = SlipPiece { eps, x0, after: from, until: to, travel, start, interval };
+            let mut piece = piece.less([&self.way(&step, from), &self.way(&step, to)]);
+            let step_length = L::splat(self.cell.length) - began;
             let mut odd = 0;
             for (i, glance) in inside.glances.iter().enumerate() {
                 let is_held = is_inside(glance.at, cell_start + from, cell_start + to);
@@ -140,10 +141,9 @@ impl<L: Lanes> Crossing<'_, '_, L> {
                 }
                 let draws = now.draws(self.cell.index << 32 | glance.place);
                 let here = self.way(&step, L::splat(glance.time));
-                let there =
-                    piece.state(scene, *glance, [&before, &here, &behind], draws.three_normals(self.paths.normals, 0));
-                let until_end = L::splat(self.cell.length) - began;
-                let is_felt = (until_end.sqrt() * scene.diffusion).gt(there.forces * ROUNDED);
+                let there = piece.state(scene, *glance, &here, draws.three_normals(self.paths.normals, 0));
+                let forces = piece.forces(scene, *glance, &here, step_length);
+                let is_felt = (step_length.sqrt() * scene.diffusion).gt(forces * ROUNDED);
                 odd |= !L::bitmask(is_felt) & held;
                 let (x, v) = piece.seen(&there);
                 let seen = (x, v, scene.temperature(glance.forcing, there.noise));
@@ -155,11 +155,6 @@ impl<L: Lanes> Crossing<'_, '_, L> {
                     start: Motion::select(is_held, rest.start, piece.start),
                     interval: Interval::select(is_held, &rest.interval, &piece.interval),
                     ..piece
-                };
-                before = Way {
-                    travel: L::select(is_held, here.travel, before.travel),
-                    motion: Motion::select(is_held, here.motion, before.motion),
-                    noise: here.noise,
                 };
             }
             self.not_in_lanes(&rows, odd);
