@@ -138,14 +138,17 @@ impl Noisy {
         }
     }
 
-    /// Whether the paths can be simulated abreast: all cells have the length of one slip step, its
-    /// transition is a sum of power series without doubling, and there is only one noise.
+    /// Whether the paths can be simulated abreast: all cells have one length, and there is only one
+    /// noise.
+    pub fn has_equal_cells(&self) -> bool {
+        self.scene.two_noises.is_none() && self.ladder.is_even()
+    }
+
+    /// Whether slips can be simulated abreast too: the cells have the length of one slip step, and
+    /// its transition is a sum of power series without doubling.
     pub fn has_one_step_a_cell(&self) -> bool {
         let length = self.step.transition.length;
-        self.scene.two_noises.is_none()
-            && self.ladder.is_even()
-            && self.ladder.length() == length
-            && self.oscillator.has_series_for(length)
+        self.has_equal_cells() && self.ladder.length() == length && self.oscillator.has_series_for(length)
     }
 
     /// The slip step of the usual length, and its responses to the harmonics. It covers a whole
@@ -183,7 +186,7 @@ impl Noisy {
     /// Simulates the paths with these numbers.
     pub fn simulate(&self, seed: u64, paths: &[u64], observer: &mut dyn Observer) -> Simulated {
         let instructions = InstructionSet::detect();
-        if paths.len() > FEW && self.has_one_step_a_cell() {
+        if paths.len() > FEW && self.has_equal_cells() {
             let mut all = Abreast::new(self, instructions, seed, paths);
             return cell_loop::simulate(&mut all, paths.len(), observer);
         }

@@ -86,6 +86,9 @@ impl Simulate for EventDrivenSimulation {
             Kernel::Noisy(cascade) if cascade.has_one_step_a_cell() => {
                 format!("{} lanes, cell by cell", InstructionSet::detect().name())
             }
+            Kernel::Noisy(cascade) if cascade.has_equal_cells() => {
+                format!("{} lanes for sticks, cell by cell; slips path by path", InstructionSet::detect().name())
+            }
             _ => "scalar, path by path".to_string(),
         }
     }

@@ -50,7 +50,8 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         let spread = L::splat(noisy.search().noise * noisy.root_length());
         let nothing = SharedStep::<L>::until(noisy, self.cell, 0.0);
         let mut parts = Vec::with_capacity(inside.glances.len());
-        for glance in &inside.glances {
+        // Slips of many steps cross the cell alone, and are observed there.
+        for glance in inside.glances.iter().filter(|_| noisy.has_one_step_a_cell()) {
             parts.push(SharedStep::<L>::until(noisy, self.cell, glance.time));
         }
         let zero = L::splat(0.0);
@@ -78,33 +79,33 @@ impl<L: Lanes> Crossing<'_, '_, L> {
             let behind = self.shared_way(&step, &whole, self.cell.length);
             let mut slip = slip.less([&before, &behind]);
             let mut known_odd = 0;
-            for (i, part) in parts.iter().enumerate() {
-                let glance = inside.glances[i];
+            for (i, &glance) in inside.glances.iter().enumerate() {
                 let draws = now.draws(self.cell.index << 32 | glance.place);
-                let here = self.shared_way(&step, part, glance.time);
-                let normals = draws.three_normals(self.paths.normals, 0);
-                let there = slip.state(scene, glance, &here, normals);
-                let forces = slip.forces(scene, glance, &here, length);
-                let is_felt = (length.sqrt() * scene.diffusion).gt(forces * ROUNDED);
-                let odd = L::bitmask(L::and(is_slip, L::not(is_felt)));
                 let bridge = self.bridge(&stick, glance);
                 let stuck = stick.inside(glance, bridge.anywhere(draws.normal(self.paths.normals, 0)));
-                let (x, v) = slip.seen(&there);
-                let noise = L::select(is_slip, there.noise, stuck.noise);
-                let seen = (
-                    L::select(is_slip, x, state.x),
-                    L::select(is_slip, v, zero),
-                    scene.temperature(glance.forcing, noise),
-                );
-                inside.seen[i].set_lanes(lane, seen, !L::bitmask(is_slip));
-                self.not_in_lanes(&rows, odd & !known_odd);
-                known_odd |= odd;
-                slip = slip.parted_at(glance, &there)[1];
                 stick = stick.behind(glance, stuck);
+                let (mut x, mut v, mut noise) = (state.x, zero, stuck.noise);
+                if let Some(part) = parts.get(i) {
+                    let here = self.shared_way(&step, part, glance.time);
+                    let normals = draws.three_normals(self.paths.normals, 0);
+                    let there = slip.state(scene, glance, &here, normals);
+                    let forces = slip.forces(scene, glance, &here, length);
+                    let is_felt = (length.sqrt() * scene.diffusion).gt(forces * ROUNDED);
+                    let odd = L::bitmask(L::and(is_slip, L::not(is_felt)));
+                    self.not_in_lanes(&rows, odd & !known_odd);
+                    known_odd |= odd;
+                    let seen = slip.seen(&there);
+                    x = L::select(is_slip, seen.0, x);
+                    v = L::select(is_slip, seen.1, v);
+                    noise = L::select(is_slip, there.noise, noise);
+                    slip = slip.parted_at(glance, &there)[1];
+                }
+                let seen = (x, v, scene.temperature(glance.forcing, noise));
+                inside.seen[i].set_lanes(lane, seen, !L::bitmask(is_slip));
             }
         }
         for &lane in &self.paths.lost {
-            inside.seen[..parts.len()].iter_mut().for_each(|seen| seen.set(lane, LOST));
+            inside.seen[..inside.glances.len()].iter_mut().for_each(|seen| seen.set(lane, LOST));
         }
     }
 

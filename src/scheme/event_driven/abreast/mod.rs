@@ -12,8 +12,8 @@
 //! bisection, noise that is too feeble for the quintic, a start on a threshold) need not be treated
 //! in lanes: such a lane crosses the cell again alone.
 //!
-//! This is for scenes in which a slip takes one step per cell. Where the body oscillates much
-//! faster than forcing and noise change, paths are simulated one by one.
+//! Where the body oscillates much faster than forcing and noise change, a slip takes many steps per
+//! cell. Then only sticks are treated in lanes, and a lane with a slip crosses the cell alone.
 
 mod jobs;
 mod look;
@@ -71,19 +71,19 @@ pub struct Abreast<'a> {
     events: Vec<(u32, Event)>,
     /// The lanes that cross the cell again, alone.
     odd: Vec<u32>,
-    /// The number of flagged lanes in all cells so far, and how many of them crossed the cell again
+    /// The number of lanes that have crossed a cell together, and how many of them crossed it again
     /// alone.
-    flagged: usize,
+    swept: usize,
     turned_odd: usize,
     scratch: (Scratch, Pending),
 }
 
-/// Where more than one in `MOST_ODD` flagged lanes has to cross the cell again, all paths are
-/// simulated alone.
-const MOST_ODD: usize = 4;
+/// Where more than one in `MOST_ODD` lanes has to cross the cell again, all paths are simulated
+/// alone.
+const MOST_ODD: usize = 2;
 
-/// The number of flagged lanes after which the decision for `MOST_ODD` is made.
-const FLAGGED: usize = 512;
+/// The number of lanes after which the decision for `MOST_ODD` is made.
+const SWEPT: usize = 4096;
 
 impl<'a> Abreast<'a> {
     /// The paths with these numbers, at t = 0.
@@ -110,7 +110,7 @@ impl<'a> Abreast<'a> {
             begun: [vec![0.0; lanes + ROW], vec![0.0; lanes + ROW]],
             events: Vec::new(),
             odd: Vec::new(),
-            flagged: 0,
+            swept: 0,
             turned_odd: 0,
             scratch: (noisy.scratch(), Pending::new()),
         };
@@ -229,11 +229,12 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         self.paths.spent_before.copy_from_slice(&self.paths.spent);
         self.paths.jobs.clear();
         // A closer look is for few paths.
-        let are_odd = self.paths.turned_odd * MOST_ODD > self.paths.flagged && self.paths.flagged > FLAGGED;
+        let are_odd = self.paths.turned_odd * MOST_ODD > self.paths.swept && self.paths.swept > SWEPT;
         if are_odd || is_closer {
             let Abreast { odd, lost, count, .. } = &mut *self.paths;
             odd.extend((0..*count).filter(|lane| !lost.contains(lane)).map(|lane| lane as u32));
         } else {
+            self.paths.swept += self.paths.count;
             self.sweep();
             self.work_off();
             if let Some(inside) = &mut inside {
@@ -256,7 +257,6 @@ impl<L: Lanes> Crossing<'_, '_, L> {
     /// Works on the flagged lanes until all queues are empty.
     #[inline(always)]
     fn work_off(&mut self) {
-        self.paths.flagged += self.paths.jobs.flagged.len();
         while let Some(task) = self.paths.jobs.longest::<L>() {
             while let Some((rows, lanes)) = self.paths.jobs.next::<L>() {
                 match task {

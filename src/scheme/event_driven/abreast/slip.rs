@@ -224,6 +224,9 @@ impl<L: Lanes> Crossing<'_, '_, L> {
     /// Begins a sub-phase in the cell, with one exact step to the end of the cell.
     #[inline(always)]
     pub(super) fn begin(&mut self, rows: &Rows, lanes: u32) {
+        if !self.paths.noisy.has_one_step_a_cell() {
+            return self.odd_lanes(rows, lanes);
+        }
         let begun = Begun::<L>::get(&self.paths.jobs, rows);
         let Begun { after, noise, force: start_force, eps, x, count, origin, key } = begun;
         let scene = self.paths.noisy.scene();

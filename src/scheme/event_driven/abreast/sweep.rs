@@ -21,8 +21,13 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         spent.iter_mut().for_each(|spent| *spent += 1);
         let nobody = self.paths.jobs.nobody();
         let whole = SharedStep::<L>::whole(self.paths.noisy, self.cell);
+        let has_one_step = self.paths.noisy.has_one_step_a_cell();
         while let Some((rows, lanes)) = self.paths.slips.pop::<L>(nobody) {
-            self.slip_whole(&whole, &rows, lanes);
+            if has_one_step {
+                self.slip_whole(&whole, &rows, lanes);
+            } else {
+                self.odd_lanes(&rows, lanes);
+            }
         }
         while let Some((rows, lanes)) = self.paths.sticks.pop::<L>(nobody) {
             self.stick_whole(&rows, lanes);
