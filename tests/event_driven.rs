@@ -729,9 +729,8 @@ fn a_slip_that_begins_just_before_the_end_of_a_cell_is_observed() {
 /// body: from row to row, through slips, stops and sticks, v is an Ornstein-Uhlenbeck process.
 /// Null: the squared innovations over such a step, divided by their variance, have mean 1. With
 /// 100 paths and 400 rows the standard error is 0.7 %, and 4 of them are allowed for each of three
-/// noises, which is exceeded by chance once in 5000 runs of the test. If the states at the ends of
-/// bisected intervals were taken from the quintic of the search instead of from the motion without
-/// noise, the mean would be above 2 for the second noise.
+/// noises, which is exceeded by chance once in 5000 runs of the test. If the states inside a step
+/// were drawn with twice their spread, the mean would be 2.6.
 #[test]
 fn under_weak_noise_rows_inside_a_cell_show_the_noise_that_moves_the_body() {
     let (w, lag) = (0.25, 0.05);

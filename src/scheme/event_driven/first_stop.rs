@@ -126,11 +126,6 @@ pub struct StopSearch {
     pub caution: f64,
 }
 
-/// The noise is feeble where c sqrt(h)/|a| is below this. There the error of the quintic in a,
-/// (rate h)^4/1920 of a, is no longer below the first neglected terms of the conditional law, (rate
-/// h)^2/100 of its standard deviation c sqrt(h)/4. The value is for the default step, rate h = 1/2.
-pub const FEEBLE: f64 = 0.05;
-
 /// Halvings of a step; 2^-40 of it is far below the time scale of any slip.
 const DEPTH: usize = 40;
 
@@ -291,13 +286,6 @@ impl StopSearch {
         let c3 = L::select(is_start, c3 * (4.0 / 3.0), c3);
         let later = L::and(L::and(c2.gt(least), c3.gt(least)), v1.gt(least));
         L::and(L::or(from_rest, L::and(L::not(is_start), in_motion)), later)
-    }
-
-    /// Whether the noise is feeble in a whole step: then the motion inside is closer to that without
-    /// noise than to the quintic.
-    #[inline(always)]
-    pub fn is_feeble<L: Lanes>(&self, left: Motion<L>, whole: &Interval<L>) -> L::Mask {
-        whole.noise.lt(left.acceleration.abs().or_at_least(whole.end.acceleration.abs()) * FEEBLE)
     }
 
     /// Whether V falls throughout an interval and has one zero in it.

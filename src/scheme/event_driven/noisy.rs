@@ -17,7 +17,7 @@ use super::abreast::Abreast;
 use super::cell_loop::{self, Cascade, OneByOne, WHOLE_PLACE};
 use super::cells::{Cell, cell_length};
 use super::corridor::Corridor;
-use super::first_stop::{FEEBLE, Interval, Motion, Pending, Step, Stop, StopSearch, forwards};
+use super::first_stop::{Interval, Motion, Pending, Step, Stop, StopSearch, forwards};
 use super::ladder::Ladder;
 use super::scene::{Scene, forcing};
 use super::slip_step::{State, force, motion, resolved_travel};
@@ -442,13 +442,6 @@ impl Cascade for Noisy {
                     *last = ending_at(*last, stop);
                 }
             }
-            let whole = self.search.whole(&searched);
-            if watch.is_looking() && self.search.is_feeble(start, &whole) {
-                // The intervals of the search lie on the quintic, so they are replaced by one.
-                let whole = (0.0, 0.0, start, whole);
-                passed.clear();
-                passed.push(if let Some(stop) = &stop { ending_at(whole, stop) } else { whole });
-            }
             // Before a stop, n is known to become what the balance of forces requires there.
             let (mut event, mut known_end) = (None, flow.end);
             if let Some(stop) = &stop {
@@ -597,6 +590,11 @@ fn mean_state(
     }
     mean
 }
+
+/// The noise is feeble where c sqrt(h)/|a| is below this. There the error of the quintic in a,
+/// (rate h)^4/1920 of a, is no longer below the first neglected terms of the conditional law, (rate
+/// h)^2/100 of its standard deviation c sqrt(h)/4. The value is for the default step, rate h = 1/2.
+pub const FEEBLE: f64 = 0.05;
 
 /// A remainder of a cell that is shorter than this fraction of it takes no exact step: the
 /// difference of n at both its ends, which such a step needs, would have lost its digits.

@@ -9,8 +9,8 @@ use crate::model::{Event, EventKind};
 use crate::noise::LaneDraws;
 use crate::scheme::event_driven::cell_loop::Cascade as _;
 use crate::scheme::event_driven::corridor::Node;
-use crate::scheme::event_driven::first_stop::{FEEBLE, Interval, Motion, STOP_REFINEMENTS, forwards, halves};
-use crate::scheme::event_driven::noisy::{ALIGNMENT, SHORTEST};
+use crate::scheme::event_driven::first_stop::{Interval, Motion, STOP_REFINEMENTS, forwards, halves};
+use crate::scheme::event_driven::noisy::{ALIGNMENT, FEEBLE, SHORTEST};
 use crate::scheme::event_driven::slip_step::{State, force, motion, resolved_travel};
 use crate::scheme::event_driven::slip_transition::cholesky;
 
@@ -264,10 +264,6 @@ impl<L: Lanes> Crossing<'_, '_, L> {
             noise: remaining.sqrt() * search.noise,
         };
         odd |= lanes & !L::bitmask(last.is_finite());
-        if self.paths.records.is_watched() {
-            let is_open = L::and(search.is_feeble(first, &interval), L::not(search.is_clear(first, &interval)));
-            odd |= lanes & L::bitmask(is_open);
-        }
         self.odd_lanes(rows, odd);
         let lanes = lanes & !odd;
         let next = Border { x: end.x, v: end.v, n: end_noise, force: end_force, eps, origin, key, flip: count.flip() };

@@ -97,13 +97,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         let clear = L::bitmask(search.is_clear(first, &interval)) & finite;
         let flagged = lanes & !clear;
         if flagged != 0 {
-            let mut odd = flagged & !finite;
-            if self.paths.records.is_watched() {
-                odd |= flagged & L::bitmask(search.is_feeble(first, &interval));
-            }
-            self.odd_lanes(rows, odd);
-            self.flag(rows, flagged);
-            let flagged = flagged & !odd;
+            self.odd_lanes(rows, flagged & !finite);
             let zero = L::splat(0.0);
             let searched = Searched {
                 left: first,
@@ -119,9 +113,10 @@ impl<L: Lanes> Crossing<'_, '_, L> {
             };
             let own = self.paths.jobs.only::<L>(rows, flagged);
             searched.put(&mut self.paths.jobs, &own);
-            let stops = L::bitmask(search.is_stop(first, &interval)) & flagged;
+            self.flag(rows, flagged);
+            let stops = L::bitmask(search.is_stop(first, &interval)) & flagged & finite;
             self.paths.jobs.push::<L>(Task::Stop, rows, stops);
-            self.paths.jobs.push::<L>(Task::Bisect, rows, flagged & !stops);
+            self.paths.jobs.push::<L>(Task::Bisect, rows, flagged & finite & !stops);
         }
     }
 
