@@ -121,11 +121,14 @@ impl Cell {
 }
 
 /// The length of the cells of a run that lasts until `end`, from the longest that the scene allows.
-/// A cell does not last longer than the run, because the search inside a cell resolves no times
-/// below a certain fraction of it.
+/// It depends on `end` only for a run that is extremely short: the search inside a cell resolves no
+/// times below 2^-40 of a step.
 pub fn cell_length(longest: f64, end: f64) -> f64 {
-    round_down(if end > 0.0 { longest.min(end.max(longest * SHORTEST_CELL)) } else { longest })
+    round_down(if end > 0.0 { longest.min((end * MOST_RUNS).max(longest * SHORTEST_CELL)) } else { longest })
 }
+
+/// A cell lasts at most this many times as long as the run.
+const MOST_RUNS: f64 = 1e6;
 
 /// The shortest cell of a very short run, as a fraction of the longest that the scene allows. The
 /// fifth power of its length occurs in the variances of a step, and must be representable.
