@@ -278,10 +278,10 @@ mod tests {
     /// Exit of dv = -v dt + dW from (-0.25, 0.25), started a fiftieth of the width above the lower
     /// end, as a stick that follows a short slip does. A piece of 1/32 = width^2/(8 s^2) ends beyond
     /// the upper threshold with a probability of 0.003; such a bridge has nearly always met the
-    /// lower one before. Null: the share of exits at the upper
-    /// threshold is the ratio of the integrals of exp(v^2), the scale function of the process. 4e5
-    /// paths give a standard error of 1.1 %; if pieces of that length were decided whatever their
-    /// ends, the upper threshold being asked for first, the share would be 16 % too large.
+    /// lower one before. Null: the share of exits at the upper threshold is the ratio of the
+    /// integrals of exp(v^2), the scale function of the process. 4e5 paths give a standard error of
+    /// 1.1 %; if pieces of that length were decided whatever their ends, the upper threshold being
+    /// asked for first, the share would be 16 % too large.
     #[test]
     fn a_stick_that_begins_close_to_one_threshold_is_rarely_left_at_the_other() {
         let (half, from) = (0.25, -0.24);
