@@ -27,7 +27,7 @@ use super::watch::{CoastPiece, Flow, FlowPiece, Glance, Known, SlipPiece, Watch,
 use super::work::{Simulated, Unresolved, WORK_LIMIT};
 use crate::lanes::InstructionSet;
 use crate::model::{Complex, Event, EventKind, Model, Phase, Sign};
-use crate::noise::{AddressedDraws, bridge_at};
+use crate::noise::AddressedDraws;
 use crate::scheme::{Observer, Timeline};
 use std::cell;
 
@@ -280,10 +280,7 @@ impl Noisy {
     /// Draws n at the end of a step that ends before the cell does.
     #[inline(always)]
     fn noise_after(&self, path: &mut Path, length: f64, remaining: f64, end_noise: f64) -> f64 {
-        let Scene { relaxation_rate, diffusion, .. } = self.scene;
-        let ends = (path.noise, end_noise);
-        let (mean, sd) = bridge_at(relaxation_rate, diffusion, length, remaining - length, ends);
-        mean + sd * path.draws.normal()
+        noise_between(&self.scene, [(0.0, path.noise), (remaining, end_noise)], length, &mut path.draws)
     }
 
     /// Moves a stop from the quintic of the search to the exact motion without noise; for feeble
@@ -548,18 +545,7 @@ impl Flow for StepFlow<'_> {
     }
 
     #[inline(always)]
-    fn resolved_noise(
-        &self,
-        glance: Glance,
-        noise: f64,
-        forces: f64,
-        [mut before, behind]: [Known; 2],
-        draws: &mut AddressedDraws,
-    ) -> f64 {
-        // The comparison is written so that an undefined value does not pass it.
-        if self.cascade.scene.diffusion * self.length().sqrt() > ROUNDED * forces {
-            return noise;
-        }
+    fn noise(&self, glance: Glance, [mut before, behind]: [Known; 2], draws: &mut AddressedDraws) -> f64 {
         let mut last_drawn = self.last_drawn.get();
         let between = &mut last_drawn[usize::from(glance.is_closer)];
         if between.0 > before.0 {
@@ -599,11 +585,6 @@ pub const FEEBLE: f64 = 0.05;
 /// A remainder of a cell that is shorter than this fraction of it takes no exact step: the
 /// difference of n at both its ends, which such a step needs, would have lost its digits.
 pub const SHORTEST: f64 = 1e-8;
-
-/// Where the noise moves the forces by less than this fraction of them, n cannot be computed from a
-/// balance of forces. Rounding of the distance, 2e-16 of it, changes the acceleration of the quintic
-/// by up to 60/h^2 times as much, which is 1e-4 of the noise here.
-pub const ROUNDED: f64 = 1e-10;
 
 /// No draw is further from its mean than this number of standard deviations. These are at most c
 /// sqrt(h) for a and c h^{3/2} for V.

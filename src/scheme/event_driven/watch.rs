@@ -96,7 +96,7 @@ impl Watch for Glances<'_> {
 
     #[inline(always)]
     fn is_ahead(&self, end: f64) -> bool {
-        self.glances[self.passed..].first().is_some_and(|glance| glance.at < self.cell_start + end)
+        self.ahead(self.cell_start + end).next().is_some()
     }
 
     #[inline(always)]
@@ -173,6 +173,11 @@ pub struct SlipPiece<L = f64> {
     pub interval: Interval<L>,
 }
 
+/// Where the noise moves the forces by less than this fraction of them, n cannot be computed from a
+/// balance of forces. Rounding of the distance, 2e-16 of it, changes the acceleration of the quintic
+/// by up to 60/h^2 times as much, which is 1e-4 of the noise here.
+const ROUNDED: f64 = 1e-10;
+
 /// The state at an instant inside a piece of a slip.
 #[derive(Clone, Copy, Debug)]
 pub struct SlipState<L = f64> {
@@ -233,15 +238,17 @@ impl<L: Lanes> SlipPiece<L> {
         }
     }
 
-    /// The sum of the forces whose rounding limits the n of a state, in a step of this length.
-    /// Rounding of x acts like a force of m/h^2 times x.
+    /// Whether the noise in a step of this length is above the rounding of the forces, so that n
+    /// can be computed from their balance. Rounding of x acts like a force of m/h^2 times x. This
+    /// does not hold for undefined values.
     #[inline(always)]
-    pub fn forces(&self, scene: &Scene, glance: Glance, here: &Way<L>, length: L) -> L {
+    pub fn is_felt(&self, scene: &Scene, glance: Glance, here: &Way<L>, length: L) -> L::Mask {
         let body = &scene.oscillator;
-        here.motion.acceleration.abs() * body.mass
+        let forces = here.motion.acceleration.abs() * body.mass
             + scene.friction.dynamic_force
             + glance.forcing.abs()
-            + self.x0.abs() * (L::splat(body.mass) / (length * length) + body.stiffness)
+            + self.x0.abs() * (L::splat(body.mass) / (length * length) + body.stiffness);
+        (length.sqrt() * scene.diffusion).gt(forces * ROUNDED)
     }
 
     /// x and x' in a state.
@@ -274,17 +281,9 @@ pub trait Flow {
     fn at(&self, after: f64) -> Way;
     /// The length of the step.
     fn length(&self) -> f64;
-    /// n at an instant. `noise` is n as computed from a balance of forces of size `forces`. Where
-    /// this has lost its digits, n is drawn from the bridge of n between the two times of `known`
-    /// instead.
-    fn resolved_noise(
-        &self,
-        glance: Glance,
-        noise: f64,
-        forces: f64,
-        known: [Known; 2],
-        draws: &mut AddressedDraws,
-    ) -> f64;
+    /// Draws n at an instant from its bridge between two known times, or between the instant that
+    /// was drawn before it and the later of these times.
+    fn noise(&self, glance: Glance, known: [Known; 2], draws: &mut AddressedDraws) -> f64;
 }
 
 /// A time after the start of the cell, and n at that time.
@@ -292,6 +291,7 @@ pub type Known = (f64, f64);
 
 /// Draws n at a time between two known values of it: from its bridge, or, at and beyond one of
 /// their times, that value itself.
+#[inline(always)]
 pub fn noise_between(scene: &Scene, [before, behind]: [Known; 2], time: f64, draws: &mut AddressedDraws) -> f64 {
     if time <= before.0 {
         before.1
@@ -361,8 +361,8 @@ impl<F: Flow> Piece for FlowPiece<'_, F> {
         let FlowPiece { flow, ref piece, known } = *self;
         let here = flow.at(glance.time);
         let state = piece.state(scene, glance, &here, draws.three_normals());
-        let forces = piece.forces(scene, glance, &here, flow.length());
-        let noise = flow.resolved_noise(glance, state.noise, forces, known, draws);
+        let is_felt = piece.is_felt(scene, glance, &here, flow.length());
+        let noise = if is_felt { state.noise } else { flow.noise(glance, known, draws) };
         let (x, v) = piece.seen(&state);
         let [first, second] = piece.parted_at(glance, &state);
         let now = (glance.time, noise);

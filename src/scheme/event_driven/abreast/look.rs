@@ -12,7 +12,6 @@ use crate::scheme::columns::Columns;
 use crate::scheme::event_driven::cell_loop::{Cascade as _, Inside, LOST};
 use crate::scheme::event_driven::corridor::{Node, stick_piece};
 use crate::scheme::event_driven::first_stop::{Interval, Motion};
-use crate::scheme::event_driven::noisy::ROUNDED;
 use crate::scheme::event_driven::slip_step::{State, force, motion, resolved_travel};
 use crate::scheme::event_driven::watch::{Bridge, Glance, SlipPiece, StickEnd, StickPiece, Stuck, TRIES, Way};
 
@@ -51,8 +50,10 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         let nothing = SharedStep::<L>::until(noisy, self.cell, 0.0);
         let mut parts = Vec::with_capacity(inside.glances.len());
         // Slips of many steps cross the cell alone, and are observed there.
-        for glance in inside.glances.iter().filter(|_| noisy.has_one_step_a_cell()) {
-            parts.push(SharedStep::<L>::until(noisy, self.cell, glance.time));
+        if noisy.has_one_step_a_cell() {
+            for glance in &inside.glances {
+                parts.push(SharedStep::<L>::until(noisy, self.cell, glance.time));
+            }
         }
         let zero = L::splat(0.0);
         for lane in (0..self.paths.count).step_by(L::WIDTH) {
@@ -89,8 +90,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
                     let here = self.shared_way(&step, part, glance.time);
                     let normals = draws.three_normals(self.paths.normals, 0);
                     let there = slip.state(scene, glance, &here, normals);
-                    let forces = slip.forces(scene, glance, &here, length);
-                    let is_felt = (length.sqrt() * scene.diffusion).gt(forces * ROUNDED);
+                    let is_felt = slip.is_felt(scene, glance, &here, length);
                     let odd = L::bitmask(L::and(is_slip, L::not(is_felt)));
                     self.not_in_lanes(&rows, odd & !known_odd);
                     known_odd |= odd;
@@ -143,8 +143,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
                 let draws = now.draws(self.cell.index << 32 | glance.place);
                 let here = self.way(&step, L::splat(glance.time));
                 let there = piece.state(scene, *glance, &here, draws.three_normals(self.paths.normals, 0));
-                let forces = piece.forces(scene, *glance, &here, step_length);
-                let is_felt = (step_length.sqrt() * scene.diffusion).gt(forces * ROUNDED);
+                let is_felt = piece.is_felt(scene, *glance, &here, step_length);
                 odd |= !L::bitmask(is_felt) & held;
                 let (x, v) = piece.seen(&there);
                 let seen = (x, v, scene.temperature(glance.forcing, there.noise));
