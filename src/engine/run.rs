@@ -259,6 +259,7 @@ impl<'a> Run<'a> {
             // Only the time limit remains as a reason for which blocks were given up.
             ended_by = Some(EndedBy::TimeLimit { blocks });
         }
+        totals.settle();
         let moment =
             Moment { spent: spent(), paths: paths_before(blocks), is_last: true, state: &|| totals.to_bytes() };
         if broken.is_none() {

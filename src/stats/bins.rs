@@ -165,8 +165,9 @@ impl Bins {
         let mut list = self.listed.clone();
         for run in &self.runs {
             let slots = &self.slots[run.slot..run.slot + run.length as usize];
+            let filled = filled(run.first, slots);
             // The margins of two runs may overlap, so that both may have counted a bin.
-            list = union(&list, &filled(run.first, slots));
+            list = if list.is_empty() { filled } else { union(&list, &filled) };
         }
         list
     }

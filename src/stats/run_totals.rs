@@ -114,6 +114,12 @@ impl<X: Merge + Clone> RunTotals<X> {
         Ok(())
     }
 
+    /// Counts what waits to be counted. This changes no result. It is done once at the end of a run,
+    /// because otherwise the state and each estimate would do it again.
+    pub fn settle(&mut self) {
+        self.counts.settle();
+    }
+
     /// The counts of all blocks that are in it.
     pub fn counts(&self) -> &Counts {
         &self.counts

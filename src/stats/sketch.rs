@@ -90,12 +90,18 @@ impl Sketch {
     /// The same values in their only form, except for the order of those that are kept one by one.
     fn normalised(&self) -> Sketch {
         let mut normalised = self.clone();
-        normalised.count_pending();
-        if let Some(bins) = &mut normalised.bins {
-            bins.count_at_centre(std::mem::take(&mut normalised.at_centre), &normalised.shape);
-            bins.normalise(normalised.shape.bins, false);
-        }
+        normalised.settle();
         normalised
+    }
+
+    /// Counts what waits to be counted. This changes no result; it makes the results that are asked
+    /// for afterwards cheaper.
+    pub fn settle(&mut self) {
+        self.count_pending();
+        if let Some(bins) = &mut self.bins {
+            bins.count_at_centre(std::mem::take(&mut self.at_centre), &self.shape);
+            bins.normalise(self.shape.bins, false);
+        }
     }
 
     fn count_pending(&mut self) {

@@ -3,7 +3,7 @@
 use super::bands::{self, BandCounts, BandSums};
 use super::batches::{BATCHES, Share, batch_of};
 use super::codec::{Codec, Damaged, Reader, codec_of_fields};
-use super::durations::DurationCounts;
+use super::durations::{DurationCounts, InOrder};
 use super::interval::Measured;
 use super::moments::{JointMoments, Moments};
 use super::path::PathFold;
@@ -104,6 +104,12 @@ impl Counts {
             early_slips: 0,
             bands: BandCounts::empty(model, timeline.rows()),
         }
+    }
+
+    /// Counts what waits to be counted.
+    pub(super) fn settle(&mut self) {
+        self.durations.settle();
+        self.bands.settle();
     }
 
     /// This number of units, if their agreement would be a matter of chance.
@@ -207,11 +213,18 @@ impl Totals {
     /// The summary: estimates with intervals, bands, and histograms.
     pub fn summary(&self) -> Summary {
         let Totals { timeline, sums, counts } = self;
+        let in_order = counts.durations.in_order();
+        let estimate = |statistic| match statistic {
+            Statistic::StickDurationMedian => {
+                sums.phases.in_its_range(statistic, in_order.median(), counts).named(statistic)
+            }
+            other => self.estimate(other),
+        };
         Summary {
             completed_paths: counts.paths + counts.diverged.len() as u64,
             diverged: counts.diverged.clone(),
-            estimates: Statistic::ALL.map(|statistic| self.estimate(statistic)),
-            stick_durations: self.stick_durations(),
+            estimates: Statistic::ALL.map(estimate),
+            stick_durations: self.stick_durations(&in_order),
             sub_phases: counts
                 .sub_phases
                 .summary(counts.chance(sums.phases.cascade.contributing.slips), counts.sample()),
@@ -221,12 +234,12 @@ impl Totals {
         }
     }
 
-    fn stick_durations(&self) -> StickDurations {
+    fn stick_durations(&self, in_order: &InOrder) -> StickDurations {
         let Totals { sums, counts, .. } = self;
         let chance = counts.chance(sums.phases.cascade.contributing.sticks);
         let sticks_per_path = self.estimate(Statistic::SticksPerPath);
         let completed = [sticks_per_path.low, sticks_per_path.high].map(|end| end * counts.paths as f64);
-        counts.durations.summary(completed, chance, counts.sample())
+        counts.durations.summary(in_order, completed, chance, counts.sample())
     }
 
     fn transient(&self) -> Transient {
@@ -276,6 +289,12 @@ impl PhaseSums {
 
     /// A statistic of the run that has these sums.
     pub(super) fn measured(&self, statistic: Statistic, timeline: &Timeline, counts: &Counts) -> Measured {
+        self.in_its_range(statistic, self.without_range(statistic, timeline, counts), counts)
+    }
+
+    /// A measured value of a statistic, with an interval that does not leave the range of the
+    /// statistic.
+    fn in_its_range(&self, statistic: Statistic, measured: Measured, counts: &Counts) -> Measured {
         let CascadeSums { contributing, .. } = &self.cascade;
         let (range, units) = match statistic {
             Statistic::StickDurationMean | Statistic::StickDurationSd | Statistic::StickDurationMedian => {
@@ -300,7 +319,7 @@ impl PhaseSums {
             | Statistic::DiffusionCoefficient
             | Statistic::PeriodDisplacementMean => (Range::ANY, counts.units),
         };
-        self.without_range(statistic, timeline, counts).in_range(range, counts.chance(units))
+        measured.in_range(range, counts.chance(units))
     }
 
     fn without_range(&self, statistic: Statistic, timeline: &Timeline, counts: &Counts) -> Measured {
@@ -310,7 +329,7 @@ impl PhaseSums {
         match statistic {
             Statistic::StickDurationMean => Measured::ratio(sticks, STICK_SUM, STICKS, contributing.sticks),
             Statistic::StickDurationSd => stick_duration_sd(sticks, &self.cascade.stick_tails, contributing.sticks),
-            Statistic::StickDurationMedian => counts.durations.median(),
+            Statistic::StickDurationMedian => counts.durations.in_order().median(),
             Statistic::FirstStickDurationMean => Measured::ratio(first_sticks, 1, 0, contributing.first_sticks),
             Statistic::SticksPerPath => Measured::mean_of(sticks, STICKS),
             Statistic::SlipsPerPath => Measured::mean_of(slips, SLIPS),
