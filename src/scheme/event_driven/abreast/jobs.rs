@@ -40,7 +40,7 @@ const TASKS: [Task; 9] = [
 ];
 
 /// The most pieces of one lane that may wait.
-pub const DEPTH: usize = 16;
+pub const DEPTH: usize = 32;
 
 /// The rows of the lanes that are worked on together. A place without a lane holds the last row of
 /// the tables, which belongs to no path.
