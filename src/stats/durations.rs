@@ -153,12 +153,12 @@ impl DurationCounts {
     }
 
     /// The durations of each batch, and those of all batches, in order.
-    pub fn in_order(&self) -> InOrder {
+    pub fn ordered(&self) -> OrderedDurations {
         let batches = self.batches();
         let mut pooled = Batch::empty(self.step.is_some()).durations;
         batches.iter().for_each(|batch| pooled.merge(&batch.durations));
-        let ordered = |batch: &Batch| batch.durations.ordered();
-        InOrder { step: self.step, batches: batches.iter().map(ordered).collect(), pooled: pooled.ordered() }
+        let of = |batch: &Batch| batch.durations.ordered();
+        OrderedDurations { step: self.step, batches: batches.iter().map(of).collect(), pooled: pooled.ordered() }
     }
 
     /// The median without the sticks of each batch; NaN where durations are whole numbers of steps.
@@ -166,16 +166,16 @@ impl DurationCounts {
         if self.step.is_some() {
             return [f64::NAN; BATCHES];
         }
-        let InOrder { batches, pooled, .. } = self.in_order();
+        let OrderedDurations { batches, pooled, .. } = self.ordered();
         std::array::from_fn(|batch| pooled.median_without(&batches[batch]))
     }
 
-    /// Everything that is reported of the durations, which `in_order` holds in order.
+    /// Everything that is reported of the durations, which `ordered` holds in order.
     /// `completed_ends` is the interval of the number of completed sticks. `chance` is the number of
     /// units with a completed stick, if these are random.
     pub fn summary(
         &self,
-        in_order: &InOrder,
+        ordered: &OrderedDurations,
         completed_ends: [f64; 2],
         chance: Option<u64>,
         sample: Sample,
@@ -207,7 +207,7 @@ impl DurationCounts {
         let censored_counts = counts(&cut);
         let each = batches.iter().map(|batch| (batch.bins.bins(), batch.censored.bins()));
         let survival = Survival::new(each.collect(), |key| (coarse_bin(key) - first) as usize, (end - first) as usize);
-        let quantiles = QUANTILE_LEVELS.map(|p| in_order.quantile(p));
+        let quantiles = QUANTILE_LEVELS.map(|p| ordered.quantile(p));
         StickDurations {
             step: self.step,
             completed: number(&completed),
@@ -235,14 +235,14 @@ impl DurationCounts {
 
 /// The durations of completed sticks in order, in whole steps if there is a step. Putting them in
 /// order takes long, so this is done once for all statistics that need it.
-pub(super) struct InOrder {
+pub(super) struct OrderedDurations {
     step: Option<f64>,
     batches: Vec<Ordered>,
     /// Those of all batches together.
     pooled: Ordered,
 }
 
-impl InOrder {
+impl OrderedDurations {
     /// The median with its interval.
     pub fn median(&self) -> Measured {
         self.quantile(0.5)
@@ -329,7 +329,7 @@ mod tests {
         let mut totals = DurationCounts::empty(&timeline());
         relapsed.iter().for_each(|&d| totals.completed(0, d));
         censored.iter().for_each(|&d| totals.censored(0, d));
-        let summary = totals.summary(&totals.in_order(), [0.0; 2], Some(21), independent(21, true));
+        let summary = totals.summary(&totals.ordered(), [0.0; 2], Some(21), independent(21, true));
         assert_eq!((summary.completed, summary.censored), (9, 12));
         // All these times lie in different public bins, except 22 and 23 (bins are 2 wide there).
         for (time, survival) in printed.into_iter().filter(|p| p.0 != 22.0) {
@@ -380,7 +380,7 @@ mod tests {
                     sticks.push((duration.min(clock), duration <= clock));
                 }
             }
-            let summary = totals.summary(&totals.in_order(), [0.0; 2], Some(paths), independent(paths, true));
+            let summary = totals.summary(&totals.ordered(), [0.0; 2], Some(paths), independent(paths, true));
             let edges = &summary.histogram.edges;
             let bin = |time: f64| edges.windows(2).position(|e| e[0] <= time && time < e[1]).expect("a bin");
             sticks.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -437,7 +437,7 @@ mod tests {
             }
             assert_eq!((whole.listed.len(), merged.listed.len()), (20_000 % LISTED, 0));
             assert_eq!(whole, merged);
-            assert_eq!(whole.in_order().median(), merged.in_order().median());
+            assert_eq!(whole.ordered().median(), merged.ordered().median());
             assert_eq!(
                 whole.medians_without_each_batch().map(f64::to_bits),
                 merged.medians_without_each_batch().map(f64::to_bits)
@@ -449,7 +449,7 @@ mod tests {
             };
             assert_eq!(bytes(&whole), bytes(&merged));
             let summary = |counts: &DurationCounts| {
-                counts.summary(&counts.in_order(), [0.0; 2], Some(1000), independent(1000, true))
+                counts.summary(&counts.ordered(), [0.0; 2], Some(1000), independent(1000, true))
             };
             assert_eq!(format!("{:?}", summary(&whole)), format!("{:?}", summary(&merged)));
             // Counting what waits changes nothing, now and for sticks that come later.
@@ -468,13 +468,13 @@ mod tests {
     fn a_curve_that_few_tell_is_not_certain() {
         let mut totals = DurationCounts::empty(&timeline());
         (0..4).for_each(|path| totals.completed(path, 1.0 + 0.4 * path as f64));
-        let sticks = totals.summary(&totals.in_order(), [0.0; 2], Some(4), independent(4, true));
+        let sticks = totals.summary(&totals.ordered(), [0.0; 2], Some(4), independent(4, true));
         let (last, low, high) = (sticks.survival.len() - 1, &sticks.survival_ends.low, &sticks.survival_ends.high);
         assert_eq!((sticks.survival[last], low[last]), (0.0, 0.0));
         assert!(high[last] > 0.2 && low[0] < 0.6, "{low:?} {high:?}");
         assert!(sticks.count_ends.high.iter().all(|high| *high > 1.0), "{:?}", sticks.count_ends);
         // Where nothing is random, every number is certain.
-        let sticks = totals.summary(&totals.in_order(), [0.0; 2], None, independent(4, false));
+        let sticks = totals.summary(&totals.ordered(), [0.0; 2], None, independent(4, false));
         assert_eq!(sticks.survival_ends.low, sticks.survival);
         assert_eq!(sticks.survival_ends.high, sticks.survival);
     }
@@ -486,7 +486,7 @@ mod tests {
             totals.completed(i, 0.75 + 0.001 * i as f64);
         }
         totals.completed(5, 0.0);
-        let histogram = totals.summary(&totals.in_order(), [0.0; 2], Some(1000), independent(1000, true)).histogram;
+        let histogram = totals.summary(&totals.ordered(), [0.0; 2], Some(1000), independent(1000, true)).histogram;
         assert_eq!(histogram.edges.len(), histogram.counts.len() + 1);
         assert_eq!(histogram.edges[0], 0.0);
         for (edges, &count) in histogram.edges.windows(2).zip(&histogram.counts) {
@@ -508,20 +508,20 @@ mod tests {
         for path in 0..100 {
             [1.1, 2.3, 3.7].iter().for_each(|&d| totals.completed(path, d));
         }
-        let e = totals.in_order().median().named(crate::stats::Statistic::StickDurationMedian);
+        let e = totals.ordered().median().named(crate::stats::Statistic::StickDurationMedian);
         assert_eq!((e.estimate, e.standard_error, e.low, e.high), (2.3, 0.0, 2.3, 2.3));
     }
 
     #[test]
     fn few_sticks_bound_the_median_by_nothing() {
         let mut totals = DurationCounts::empty(&timeline());
-        assert!(totals.in_order().median().named(crate::stats::Statistic::StickDurationMedian).estimate.is_nan());
+        assert!(totals.ordered().median().named(crate::stats::Statistic::StickDurationMedian).estimate.is_nan());
         totals.completed(0, 1.0);
-        let one = totals.in_order().median().named(crate::stats::Statistic::StickDurationMedian);
+        let one = totals.ordered().median().named(crate::stats::Statistic::StickDurationMedian);
         assert_eq!(one.estimate, 1.0);
         assert!(one.low.is_nan() && one.high.is_nan());
         totals.completed(1, 2.0);
-        let two = totals.in_order().median().named(crate::stats::Statistic::StickDurationMedian);
+        let two = totals.ordered().median().named(crate::stats::Statistic::StickDurationMedian);
         assert_eq!((two.low, two.high), (0.0, f64::INFINITY));
     }
 }

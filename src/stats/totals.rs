@@ -3,7 +3,7 @@
 use super::bands::{self, BandCounts, BandSums};
 use super::batches::{BATCHES, Share, batch_of};
 use super::codec::{Codec, Damaged, Reader, codec_of_fields};
-use super::durations::{DurationCounts, InOrder};
+use super::durations::{DurationCounts, OrderedDurations};
 use super::interval::Measured;
 use super::moments::{JointMoments, Moments};
 use super::path::PathFold;
@@ -213,10 +213,10 @@ impl Totals {
     /// The summary: estimates with intervals, bands, and histograms.
     pub fn summary(&self) -> Summary {
         let Totals { timeline, sums, counts } = self;
-        let in_order = counts.durations.in_order();
+        let ordered = counts.durations.ordered();
         let estimate = |statistic| match statistic {
             Statistic::StickDurationMedian => {
-                sums.phases.in_its_range(statistic, in_order.median(), counts).named(statistic)
+                sums.phases.in_its_range(statistic, ordered.median(), counts).named(statistic)
             }
             other => self.estimate(other),
         };
@@ -224,7 +224,7 @@ impl Totals {
             completed_paths: counts.paths + counts.diverged.len() as u64,
             diverged: counts.diverged.clone(),
             estimates: Statistic::ALL.map(estimate),
-            stick_durations: self.stick_durations(&in_order),
+            stick_durations: self.stick_durations(&ordered),
             sub_phases: counts
                 .sub_phases
                 .summary(counts.chance(sums.phases.cascade.contributing.slips), counts.sample()),
@@ -234,12 +234,12 @@ impl Totals {
         }
     }
 
-    fn stick_durations(&self, in_order: &InOrder) -> StickDurations {
+    fn stick_durations(&self, ordered: &OrderedDurations) -> StickDurations {
         let Totals { sums, counts, .. } = self;
         let chance = counts.chance(sums.phases.cascade.contributing.sticks);
         let sticks_per_path = self.estimate(Statistic::SticksPerPath);
         let completed = [sticks_per_path.low, sticks_per_path.high].map(|end| end * counts.paths as f64);
-        counts.durations.summary(in_order, completed, chance, counts.sample())
+        counts.durations.summary(ordered, completed, chance, counts.sample())
     }
 
     fn transient(&self) -> Transient {
@@ -329,7 +329,7 @@ impl PhaseSums {
         match statistic {
             Statistic::StickDurationMean => Measured::ratio(sticks, STICK_SUM, STICKS, contributing.sticks),
             Statistic::StickDurationSd => stick_duration_sd(sticks, &self.cascade.stick_tails, contributing.sticks),
-            Statistic::StickDurationMedian => counts.durations.in_order().median(),
+            Statistic::StickDurationMedian => counts.durations.ordered().median(),
             Statistic::FirstStickDurationMean => Measured::ratio(first_sticks, 1, 0, contributing.first_sticks),
             Statistic::SticksPerPath => Measured::mean_of(sticks, STICKS),
             Statistic::SlipsPerPath => Measured::mean_of(slips, SLIPS),

@@ -39,8 +39,8 @@ const TASKS: [Task; 9] = [
     Task::Rest,
 ];
 
-/// The most pieces of one lane that may wait. A lane that needs room for more crosses the cell
-/// alone, which is common with room for 16 where f_s is close to f_d.
+/// The most pieces of one lane that may wait. A lane with more crosses the cell alone, which would
+/// happen often with half as many, where f_s is close to f_d.
 pub const DEPTH: usize = 32;
 
 /// The rows of the lanes that are worked on together. A place without a lane holds the last row of
