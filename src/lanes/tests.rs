@@ -2,7 +2,7 @@
 //! are small enough for Miri:
 //!
 //! ```text
-//! MIRIFLAGS=-Zmiri-disable-isolation RUSTFLAGS="-C target-feature=+avx2,+fma" \
+//! MIRIFLAGS=-Zmiri-disable-isolation RUSTFLAGS="-C target-feature=+avx2,+fma,+popcnt" \
 //!     cargo +nightly miri test --no-default-features --lib lanes::tests
 //! ```
 

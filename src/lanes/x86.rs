@@ -14,7 +14,7 @@ use std::arch::x86_64::*;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 pub(super) fn run_avx512(program: &mut impl LaneProgram) {
-    #[target_feature(enable = "avx512f,avx512dq,avx512vl,avx2,fma")]
+    #[target_feature(enable = "avx512f,avx512dq,avx512vl,avx2,fma,popcnt")]
     fn widened(program: &mut impl LaneProgram) {
         program.run::<Avx512>();
     }
@@ -23,7 +23,7 @@ pub(super) fn run_avx512(program: &mut impl LaneProgram) {
 }
 
 pub(super) fn run_avx2(program: &mut impl LaneProgram) {
-    #[target_feature(enable = "avx2,fma")]
+    #[target_feature(enable = "avx2,fma,popcnt")]
     fn widened(program: &mut impl LaneProgram) {
         program.run::<Avx2>();
     }
@@ -299,6 +299,29 @@ fn transposed(rows: [__m512d; 8]) -> [__m512d; 8] {
     }
 }
 
+/// For each mask of four lanes, the bytes of four 32-bit entries in the order that packs those of
+/// the mask at the front. Entries written one by one would have to reach the cache before they
+/// could be read as a whole.
+static PACKED: [[u8; 16]; 16] = {
+    let (mut all, mut mask) = ([[0; 16]; 16], 0);
+    while mask < 16 {
+        let (mut lane, mut to) = (0, 0);
+        while lane < 4 {
+            if mask >> lane & 1 == 1 {
+                let mut byte = 0;
+                while byte < 4 {
+                    all[mask][4 * to + byte] = (4 * lane + byte) as u8;
+                    byte += 1;
+                }
+                to += 1;
+            }
+            lane += 1;
+        }
+        mask += 1;
+    }
+    all
+};
+
 /// Four lanes.
 #[derive(Clone, Copy)]
 struct Avx2(__m256d);
@@ -368,6 +391,16 @@ impl Lanes for Avx2 {
             high[i].store(&mut row[4..]);
             i += 1;
         }
+    }
+    #[inline(always)]
+    fn compress(entries: &[u32; ROW], lanes: u32) -> [u32; ROW] {
+        let mut all = [0; ROW];
+        unsafe {
+            let places = _mm_loadu_si128(PACKED[lanes as usize & 15].as_ptr().cast());
+            let packed = _mm_shuffle_epi8(_mm_loadu_si128(entries.as_ptr().cast()), places);
+            _mm256_storeu_si256(all.as_mut_ptr().cast(), _mm256_zextsi128_si256(packed));
+        }
+        all
     }
     #[inline(always)]
     fn sqrt(self) -> Self {
