@@ -390,15 +390,17 @@ fn the_slip_transition_keeps_ten_digits_in_every_entry_for_every_step() {
                 "w0 {w0} theta {theta} alpha {alpha} h {h}, {column}: {got:e} {want:e}"
             );
         }
-        // The factor reproduces the covariance. Its diagonal is positive, although the condition
-        // number of the covariance is h^-4.
-        let [nn, vn, vv, xn, xv, xx] = step.factor;
-        assert!(nn > 0.0 && vv > 0.0 && xx > 0.0, "{w0} {theta} {alpha} {h}: {:?}", step.factor);
+        // The law of v and x given n reproduces the covariance. Its standard deviations are
+        // positive, although the condition number of the covariance is h^-4.
+        let [v_on_n, v_sd, x_on_n, x_on_v, x_sd] = step.given_noise;
+        assert!(v_sd > 0.0 && x_sd > 0.0, "{w0} {theta} {alpha} {h}: {:?}", step.given_noise);
+        let (vn, xn) = (v_on_n * sn, x_on_n * sn);
         for (got, want, scale) in [
-            (vn * vn + vv * vv, row[14], sv * sv),
-            (xn * nn, row[13], sn * sx),
-            (xn * vn + xv * vv, row[15], sv * sx),
-            (xn * xn + xv * xv + xx * xx, row[16], sx * sx),
+            (vn * sn, row[12], sn * sv),
+            (vn * vn + v_sd * v_sd, row[14], sv * sv),
+            (xn * sn, row[13], sn * sx),
+            (xn * vn + x_on_v * v_sd, row[15], sv * sx),
+            (xn * xn + x_on_v * x_on_v + x_sd * x_sd, row[16], sx * sx),
         ] {
             assert!((got - want).abs() <= 1e-10 * scale, "{w0} {theta} {alpha} {h}");
         }

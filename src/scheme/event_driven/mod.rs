@@ -34,6 +34,7 @@ mod step_rules;
 mod stick_step;
 mod two_noises;
 mod unfelt_noise;
+mod velocity_bounds;
 mod watch;
 mod work;
 

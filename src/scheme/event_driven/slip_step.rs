@@ -53,11 +53,11 @@ impl<L: Lanes> SlipTransition<L> {
     /// one for x.
     #[inline(always)]
     pub fn drawn(&self, mean: State<L>, n: L, [b, c]: [L; 2]) -> State<L> {
-        let factor = &self.factor;
-        let a = (n - mean.n) / factor[0];
+        let [v_on_n, v_sd, x_on_n, x_on_v, x_sd] = self.given_noise;
+        let a = n - mean.n;
         State {
-            x: factor[3].mul_add(a, factor[4].mul_add(b, factor[5].mul_add(c, mean.x))),
-            v: factor[1].mul_add(a, factor[2].mul_add(b, mean.v)),
+            x: x_on_n.mul_add(a, x_on_v.mul_add(b, x_sd.mul_add(c, mean.x))),
+            v: v_on_n.mul_add(a, v_sd.mul_add(b, mean.v)),
             n,
         }
     }

@@ -100,8 +100,9 @@ pub struct SlipTransition<L = f64> {
     pub n: L,
     /// Covariances nn, nv, nx, vv, vx, xx.
     pub covariance: [L; 6],
-    /// Lower triangle of its Cholesky factor in the order n, v, x: n; v on n, v; x on n, v, x.
-    pub factor: [L; 6],
+    /// The law of v and x given n: the slope of v on n, and the sd of the rest of v; the slope of x
+    /// on n, the slope of x on a unit of the rest of v, and the sd of the rest of x.
+    pub given_noise: [L; 5],
 }
 
 impl DrivenOscillator {
@@ -180,11 +181,11 @@ impl DrivenOscillator {
         for _ in 0..doublings {
             step = self.doubled(&step, harmonics);
         }
-        step.factor = cholesky(&step.covariance);
+        step.given_noise = given_noise(&step.covariance);
         step
     }
 
-    /// The transition over (fastest rate) h <= 1/2, by the series. `factor` is left at zero.
+    /// The transition over (fastest rate) h <= 1/2, by the series. `given_noise` is left at zero.
     #[inline(always)]
     pub fn series<L: Lanes>(&self, h: L, harmonics: &mut [HarmonicResponse<L>]) -> SlipTransition<L> {
         let r = h * self.fastest;
@@ -196,7 +197,13 @@ impl DrivenOscillator {
         let per_mass = 1.0 / m;
         let g_x = h2 * g_x * per_mass;
         for (i, (responses, w)) in harmonics.chunks_mut(2).zip(self.frequencies.chunks(2)).enumerate() {
-            let sums = self::sums(&self.harmonic[i], r);
+            let zero = L::splat(0.0);
+            let sums = if let [_] = w {
+                let [x_re, x_im, cos, sin] = self::sums(&self.harmonic[i], r);
+                [x_re, x_im, cos, sin, zero, zero, zero, zero]
+            } else {
+                self::sums(&self.harmonic[i], r)
+            };
             for (j, (response, &w)) in responses.iter_mut().zip(w).enumerate() {
                 let x = (h2 * sums[4 * j] * per_mass, h2 * sums[4 * j + 1] * per_mass);
                 // G' = i w G + S/m.
@@ -228,7 +235,7 @@ impl DrivenOscillator {
                 g_x * g_x * (0.5 * s2),
                 cov_xx,
             ],
-            factor: [L::splat(0.0); 6],
+            given_noise: [L::splat(0.0); 5],
         }
     }
 
@@ -268,7 +275,7 @@ impl DrivenOscillator {
                 0.5 * self.diffusion * self.diffusion * g_x * g_x,
                 xx + a * qx[0] + b * qx[1] + c * qx[2],
             ],
-            factor: [0.0; 6],
+            given_noise: [0.0; 5],
         }
     }
 }
@@ -279,14 +286,14 @@ pub fn splat<L: Lanes>(step: &SlipTransition) -> SlipTransition<L> {
     let [x0, x1, x2, x3] = step.x;
     let [v0, v1, v2, v3] = step.v;
     let [c0, c1, c2, c3, c4, c5] = step.covariance;
-    let [f0, f1, f2, f3, f4, f5] = step.factor;
+    let [g0, g1, g2, g3, g4] = step.given_noise;
     SlipTransition {
         length: L::splat(step.length),
         x: [L::splat(x0), L::splat(x1), L::splat(x2), L::splat(x3)],
         v: [L::splat(v0), L::splat(v1), L::splat(v2), L::splat(v3)],
         n: L::splat(step.n),
         covariance: [L::splat(c0), L::splat(c1), L::splat(c2), L::splat(c3), L::splat(c4), L::splat(c5)],
-        factor: [L::splat(f0), L::splat(f1), L::splat(f2), L::splat(f3), L::splat(f4), L::splat(f5)],
+        given_noise: [L::splat(g0), L::splat(g1), L::splat(g2), L::splat(g3), L::splat(g4)],
     }
 }
 
@@ -327,10 +334,10 @@ fn side_by_side(series: [Series; 8]) -> SeriesOf8 {
     std::array::from_fn(|k| std::array::from_fn(|i| series[i][k]))
 }
 
-/// The sums of eight series, all at once, by Horner's rule.
+/// The sums of the first `N` of eight series, all at once, by Horner's rule.
 #[inline(always)]
-fn sums<L: Lanes>(series: &SeriesOf8, r: L) -> [L; 8] {
-    let mut sums = [L::splat(0.0); 8];
+fn sums<L: Lanes, const N: usize>(series: &SeriesOf8, r: L) -> [L; N] {
+    let mut sums = [L::splat(0.0); N];
     for coefficients in series.iter().rev() {
         for (sum, &c) in sums.iter_mut().zip(coefficients) {
             *sum = sum.mul_add(r, L::splat(c));
@@ -339,10 +346,11 @@ fn sums<L: Lanes>(series: &SeriesOf8, r: L) -> [L; 8] {
     sums
 }
 
-/// The Cholesky factor of a covariance, computed from its correlation matrix. The entries of the
-/// latter are all of order one, while the covariance itself has a condition number of h^-4.
+/// The law of v and x given n, from the covariance of n, v and x ([`SlipTransition::given_noise`]).
+/// It is computed from the Cholesky factor of the correlation matrix. The entries of this matrix are
+/// all of order one, while the covariance itself has a condition number of h^-4.
 #[inline(always)]
-pub fn cholesky<L: Lanes>(&[nn, nv, nx, vv, vx, xx]: &[L; 6]) -> [L; 6] {
+pub fn given_noise<L: Lanes>(&[nn, nv, nx, vv, vx, xx]: &[L; 6]) -> [L; 5] {
     let (zero, one) = (L::splat(0.0), L::splat(1.0));
     let (sn, sv, sx) = (nn.sqrt(), vv.sqrt(), xx.sqrt());
     let (rnv, rnx, rvx) = (ratio(nv, sn * sv), ratio(nx, sn * sx), ratio(vx, sv * sx));
@@ -351,7 +359,8 @@ pub fn cholesky<L: Lanes>(&[nn, nv, nx, vv, vx, xx]: &[L; 6]) -> [L; 6] {
     let l22 = (one - rnv * rnv).or_at_least(zero).sqrt();
     let l32 = ratio(rvx - rnv * rnx, l22);
     let l33 = (one - rnx * rnx - l32 * l32).or_at_least(zero).sqrt();
-    [sn, sv * rnv, sv * l22, sx * rnx, sx * l32, sx * l33]
+    let per_noise = ratio(one, sn);
+    [sv * rnv * per_noise, sv * l22, sx * rnx * per_noise, sx * l32, sx * l33]
 }
 
 /// a/b, or 0 where b = 0.

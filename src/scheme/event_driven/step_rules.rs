@@ -8,7 +8,7 @@
 //! - `chord_error` bounds kappa, the bend of a threshold in a stick step relative to the noise.
 //!   After the correction for the bend, the error is of order kappa^2; the default rule is 0.03.
 //! - `caution` is the number of standard deviations beyond which a zero of x' is taken to be
-//!   impossible. The error is of order exp(-caution^2/2); the default rule is 4.
+//!   impossible. The error is of order exp(-caution^2/2); the default rule is 3.
 //!
 //! The states at the ends of slip steps are exact draws for any tolerance.
 
@@ -55,8 +55,8 @@ impl StepRules {
         StepRules {
             slip_length: (0.5 * t.sqrt()).min(1.0),
             chord_error: (0.03 * t.sqrt()).min(0.15),
-            // caution is 4 at the default; exp(-caution^2/2) is proportional to the tolerance.
-            caution: (16.0 - 2.0 * libm::log(t)).max(4.0).sqrt(),
+            // caution is 3 at the default; exp(-caution^2/2) is proportional to the tolerance.
+            caution: (9.0 - 2.0 * libm::log(t)).max(4.0).sqrt(),
             shortest_slip: 1e-6 * t,
         }
     }

@@ -9,10 +9,10 @@ use crate::model::{Event, EventKind};
 use crate::noise::LaneDraws;
 use crate::scheme::event_driven::cell_loop::Cascade as _;
 use crate::scheme::event_driven::corridor::Node;
-use crate::scheme::event_driven::first_stop::{Interval, Motion, STOP_REFINEMENTS, forwards, halves};
+use crate::scheme::event_driven::first_stop::{Interval, Motion, STOP_REFINEMENTS, early_parts, forwards, halves};
 use crate::scheme::event_driven::noisy::{ALIGNMENT, FEEBLE, SHORTEST};
 use crate::scheme::event_driven::slip_step::{State, force, motion, resolved_travel};
-use crate::scheme::event_driven::slip_transition::cholesky;
+use crate::scheme::event_driven::slip_transition::given_noise;
 
 /// A slip that is searched for its stop, from left to right.
 #[derive(Clone, Copy)]
@@ -80,22 +80,35 @@ fn interval_of<L: Lanes>(
 }
 
 impl<L: Lanes> Crossing<'_, '_, L> {
-    /// Divides the intervals in their middles. Where both halves are clear, the lane goes on to the
-    /// next waiting interval.
+    /// Divides the intervals in their middles.
     #[inline(always)]
     pub(super) fn bisect(&mut self, rows: &Rows, lanes: u32) {
-        let mut searched = Searched::<L>::get(&self.paths.jobs, rows);
-        let search = *self.paths.noisy.search();
+        let searched = Searched::<L>::get(&self.paths.jobs, rows);
         let too_short = searched.interval.length.le(L::splat(self.cell.length * (2.0 / (1u64 << 40) as f64)));
         let odd = L::bitmask(L::or(too_short, searched.count.has(DEPTH as f64 - 1.0))) & lanes;
         self.odd_lanes(rows, odd);
         let lanes = lanes & !odd;
         let normals = searched.draws(self.cell.index).three_normals(self.paths.normals, 0);
-        let (near, far) = halves(searched.left, &searched.interval, normals);
-        self.paths.jobs.place_behind(rows, searched.count, searched.row_of(&far));
+        let parts = halves(searched.left, &searched.interval, normals);
+        self.search_parts(searched, rows, lanes, parts, L::always());
+    }
 
-        let near_clear = search.is_clear(searched.left, &near);
-        searched.count = searched.count.drawn(2).spent().behind_where(L::not(near_clear));
+    /// Searches the two parts of the intervals of `lanes`, which are the lanes of `is_divided`.
+    /// Where both parts are clear, the lane goes on to the next waiting interval.
+    #[inline(always)]
+    fn search_parts(
+        &mut self,
+        mut searched: Searched<L>,
+        rows: &Rows,
+        lanes: u32,
+        (near, far): (Interval<L>, Interval<L>),
+        is_divided: L::Mask,
+    ) {
+        let search = *self.paths.noisy.search();
+        self.paths.jobs.place_behind(rows, searched.count, searched.row_of(&far));
+        let near_clear = L::and(is_divided, search.is_clear(searched.left, &near));
+        let waits = L::and(is_divided, L::not(near_clear));
+        searched.count = searched.count.drawn(2).spent_where(is_divided).behind_where(waits);
         self.saw_slip(rows, L::bitmask(near_clear) & lanes, &searched, &near);
         searched.pass(near_clear, &near);
         searched.interval = Interval::select(near_clear, &far, &near);
@@ -221,7 +234,8 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         }
     }
 
-    /// Begins a sub-phase in the cell, with one exact step to the end of the cell.
+    /// Begins a sub-phase in the cell, with one exact step to the end of the cell, which is divided
+    /// soon after its start where it is not clear.
     #[inline(always)]
     pub(super) fn begin(&mut self, rows: &Rows, lanes: u32) {
         if !self.paths.noisy.has_one_step_a_cell() {
@@ -239,7 +253,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         let mut odd = lanes & !L::bitmask(is_usual);
 
         let mut transition = self.paths.noisy.oscillator().series(remaining, &mut self.responses);
-        transition.factor = cholesky(&transition.covariance);
+        transition.given_noise = given_noise(&transition.covariance);
         let friction = eps * scene.friction.dynamic_force;
         let start = State { x, v: L::splat(0.0), n: noise };
         let mut mean = transition.free(start, friction);
@@ -255,20 +269,18 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         let end_force = force(body, forcing, end);
         let first = motion(body, eps, start.v, start_force, friction);
         let last = motion(body, eps, end.v, end_force, friction);
-        let search = *self.paths.noisy.search();
         let interval = Interval {
             end: last,
             travel: resolved_travel(eps * x, eps * end.x, first, last, remaining),
             length: remaining,
             inverse: L::splat(1.0) / remaining,
-            noise: remaining.sqrt() * search.noise,
+            noise: remaining.sqrt() * self.paths.noisy.search().noise,
         };
         odd |= lanes & !L::bitmask(last.is_finite());
         self.odd_lanes(rows, odd);
         let lanes = lanes & !odd;
         let next = Border { x: end.x, v: end.v, n: end_noise, force: end_force, eps, origin, key, flip: count.flip() };
         self.set_next(rows, lanes, next, true);
-        let is_clear = search.is_clear(first, &interval);
         let zero = L::splat(0.0);
         let searched = Searched {
             left: first,
@@ -283,8 +295,14 @@ impl<L: Lanes> Crossing<'_, '_, L> {
             key,
         };
         self.began(rows, lanes, noise, start_force);
-        self.saw_slip(rows, L::bitmask(is_clear) & lanes, &searched, &interval);
-        self.queue_searched(searched, rows, lanes & !L::bitmask(is_clear), 0, is_clear);
+        // Under weak noise the motion inside a step is known better than its division by the quintic
+        // would say, so a clear step stays whole.
+        let is_clear = self.paths.noisy.search().is_clear(first, &interval);
+        let clear = L::bitmask(is_clear) & lanes;
+        self.saw_slip(rows, clear, &searched, &interval);
+        let normals = searched.draws(self.cell.index).three_normals(self.paths.normals, 0);
+        let parts = early_parts(first, &interval, normals);
+        self.search_parts(searched, rows, lanes & !clear, parts, L::not(is_clear));
     }
 
     /// Notes n and b at the start of a step, for observing it.

@@ -97,7 +97,6 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         let clear = L::bitmask(search.is_clear(first, &interval)) & finite;
         let flagged = lanes & !clear;
         if flagged != 0 {
-            self.odd_lanes(rows, flagged & !finite);
             let zero = L::splat(0.0);
             let searched = Searched {
                 left: first,
@@ -114,9 +113,12 @@ impl<L: Lanes> Crossing<'_, '_, L> {
             let own = self.paths.jobs.only::<L>(rows, flagged);
             searched.put(&mut self.paths.jobs, &own);
             self.flag(rows, flagged);
-            let stops = L::bitmask(search.is_stop(first, &interval)) & flagged & finite;
+            // A slip from rest is divided otherwise, which is rare here.
+            let searches = L::bitmask(first.velocity.gt(zero)) & flagged & finite;
+            self.odd_lanes(rows, flagged & !searches);
+            let stops = L::bitmask(search.is_stop(first, &interval)) & searches;
             self.paths.jobs.push::<L>(Task::Stop, rows, stops);
-            self.paths.jobs.push::<L>(Task::Bisect, rows, flagged & finite & !stops);
+            self.paths.jobs.push::<L>(Task::Bisect, rows, searches & !stops);
         }
     }
 
