@@ -4,10 +4,10 @@
 //! the processor has their instruction set. The two lane types are private to this file and are
 //! only named by `run_avx512` and `run_avx2`, which [`super::InstructionSet::run`] calls after
 //! detecting that instruction set. Loads from and stores to slices need no alignment, and they
-//! reach exactly `WIDTH` elements of a slice whose length is checked first. The aligned loads and
-//! stores of AVX-512 go to entries of a [`Row`], which is aligned to 64 bytes. Table lookups read
-//! the entry whose index is 64 bits shifted right by `KEY_SHIFT`, and a [`Table`] has one entry for
-//! each such index.
+//! reach exactly `WIDTH` elements of a slice whose length is checked first, or no more elements of
+//! an array than its type has. The aligned loads and stores of AVX-512 go to entries of a [`Row`],
+//! which is aligned to 64 bytes. Table lookups read the entry whose index is 64 bits shifted right
+//! by `KEY_SHIFT`, and a [`Table`] has one entry for each such index.
 
 use super::{KEY_SHIFT, LaneProgram, Lanes, ROW, Row, Table};
 use std::arch::x86_64::*;
