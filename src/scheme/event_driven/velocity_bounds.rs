@@ -5,7 +5,8 @@
 //! the fraction p of the interval, and with q = p (1-p)
 //!
 //! ```text
-//! sd V = c h^{3/2} q^{3/2} ((4 - 15 q)/12)^{1/2},    sd a = c h^{1/2} (q (1 - 8q + 20q^2))^{1/2} <= c h^{1/2}/4
+//! sd V = c h^{3/2} q^{3/2} ((4 - 15 q)/12)^{1/2}
+//! sd a = c h^{1/2} (q (1 - 8q + 20q^2))^{1/2} <= c h^{1/2}/4
 //! ```
 //!
 //! A polynomial lies above another one if its Bezier control points do. So V is taken to be
@@ -145,8 +146,8 @@ mod tests {
     }
 
     /// The spreads are those of the conditional law, whose factor is tested against its precision,
-    /// and `SPREAD` bounds sd V at every time, with at most 2e-4 to spare in the middle of the
-    /// interval, where the bound is tightest. sd a is at most 1/4.
+    /// and `SPREAD` bounds sd V at every time; in the middle of the interval it exceeds sd V by less
+    /// than 0.1 %. sd a is at most 1/4.
     #[test]
     fn the_bounds_are_nowhere_below_the_spread() {
         let [s1, s2, s3, s4] = SPREAD;

@@ -295,8 +295,8 @@ impl<L: Lanes> Crossing<'_, '_, L> {
             key,
         };
         self.began(rows, lanes, noise, start_force);
-        // Under weak noise the motion inside a step is known better than its division by the quintic
-        // would say, so a clear step stays whole.
+        // Under weak noise the motion inside a step is known better than its division by the
+        // quintic would say, so a clear step stays whole.
         let is_clear = self.paths.noisy.search().is_clear(first, &interval);
         let clear = L::bitmask(is_clear) & lanes;
         self.saw_slip(rows, clear, &searched, &interval);
