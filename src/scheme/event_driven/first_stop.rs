@@ -565,8 +565,8 @@ impl<L: Lanes> Quintic<L> {
 }
 
 #[cfg(test)]
-pub mod tests {
-    use super::super::harness::mean_and_error;
+mod tests {
+    use super::super::harness::{free_step, mean_and_error};
     use super::super::step_rules::{DEFAULT_TOLERANCE, StepRules};
     use super::*;
 
@@ -661,40 +661,20 @@ pub mod tests {
     /// to be a straight line. A pair of zeros within one step is missed, with a probability of some
     /// 1e-3 in all.
     fn by_small_steps(start: Motion, c: f64, draws: &mut AddressedDraws) -> Option<Stop> {
-        let (steps, mut x, mut v, mut a) = (4096, 0.0, start.velocity, start.acceleration);
+        let (steps, mut x, mut motion) = (4096, 0.0, start);
         let u = 1.0 / f64::from(steps);
         for i in 0..steps {
-            // Cholesky factor of the covariance u, u^2/2, u^3/6; ., u^3/3, u^4/8; ., ., u^5/20 of
-            // (a, V, x).
-            let (one, two, three) = (draws.normal(), draws.normal(), draws.normal());
-            let root = c * u.sqrt();
-            let next_x = x
-                + u * v
-                + 0.5 * u * u * a
-                + root * u * u * (one / 6.0 + two / (4.0 * 3f64.sqrt()) + three / (12.0 * 5f64.sqrt()));
-            let next_v = v + u * a + root * u * (0.5 * one + two / (2.0 * 3f64.sqrt()));
-            let next_a = a + root * one;
-            if next_v <= 0.0 {
+            let Step { start, end, travel, .. } = free_step(motion, u, c, draws);
+            if end.velocity <= 0.0 {
+                let (v, next_v) = (start.velocity, end.velocity);
                 let part = if v > next_v { v / (v - next_v) } else { 0.0 };
                 let after = u * (f64::from(i) + part);
-                return Some(Stop { after, acceleration: a + part * (next_a - a), travel: x + part * (next_x - x) });
+                let acceleration = start.acceleration + part * (end.acceleration - start.acceleration);
+                return Some(Stop { after, acceleration, travel: x + part * travel });
             }
-            (x, v, a) = (next_x, next_v, next_a);
+            (x, motion) = (x + travel, end);
         }
         None
-    }
-
-    /// The end of a free step of length h, from the law of a twice integrated Brownian motion.
-    pub fn free_step(start: Motion, h: f64, c: f64, draws: &mut AddressedDraws) -> Step {
-        let (one, two, three) = (draws.normal(), draws.normal(), draws.normal());
-        let (root, Motion { velocity, acceleration }) = (c * h.sqrt(), start);
-        let end = Motion {
-            velocity: velocity + h * acceleration + root * h * (0.5 * one + two / (2.0 * 3f64.sqrt())),
-            acceleration: acceleration + root * one,
-        };
-        let noise = one / 6.0 + two / (4.0 * 3f64.sqrt()) + three / (12.0 * 5f64.sqrt());
-        let travel = h * (velocity + 0.5 * h * acceleration) + root * h * h * noise;
-        Step { start, end, travel, length: h, root_length: h.sqrt() }
     }
 
     /// The number of 200 000 slips from rest, with the constants of `rho025`, in which a zero lies

@@ -3,6 +3,7 @@
 use super::cell_loop::Path;
 use super::cells::{Cell, cell_length};
 use super::corridor::{Corridor, Pending};
+use super::first_stop::{Motion, Step};
 use super::ladder::Ladder;
 use super::scene::Scene;
 use super::watch::Nobody;
@@ -47,4 +48,19 @@ pub fn mean_and_error(values: &[f64]) -> (f64, f64) {
     let mean = values.iter().sum::<f64>() / n;
     let variance = values.iter().map(|v| (v - mean) * (v - mean)).sum::<f64>() / (n - 1.0);
     (mean, (variance / n).sqrt())
+}
+
+/// A slip step of length h whose end is drawn from the law of a twice integrated Brownian motion,
+/// by the Cholesky factor of the covariance h, h^2/2, h^3/6; ., h^3/3, h^4/8; ., ., h^5/20 of (a,
+/// V, x) for c = 1.
+pub fn free_step(start: Motion, h: f64, c: f64, draws: &mut AddressedDraws) -> Step {
+    let (one, two, three) = (draws.normal(), draws.normal(), draws.normal());
+    let (root, Motion { velocity, acceleration }) = (c * h.sqrt(), start);
+    let end = Motion {
+        velocity: velocity + h * acceleration + root * h * (0.5 * one + two / (2.0 * 3f64.sqrt())),
+        acceleration: acceleration + root * one,
+    };
+    let noise = one / 6.0 + two / (4.0 * 3f64.sqrt()) + three / (12.0 * 5f64.sqrt());
+    let travel = h * (velocity + 0.5 * h * acceleration) + root * h * h * noise;
+    Step { start, end, travel, length: h, root_length: h.sqrt() }
 }

@@ -347,8 +347,8 @@ fn sums<L: Lanes, const N: usize>(series: &SeriesOf8, r: L) -> [L; N] {
 }
 
 /// The law of v and x given n, from the covariance of n, v and x ([`SlipTransition::given_noise`]).
-/// It is computed from the Cholesky factor of the correlation matrix. The entries of this matrix are
-/// all of order one, while the covariance itself has a condition number of h^-4.
+/// It is computed from the Cholesky factor of the correlation matrix. The entries of this matrix
+/// are all of order one, while the covariance itself has a condition number of h^-4.
 #[inline(always)]
 pub fn given_noise<L: Lanes>(&[nn, nv, nx, vv, vx, xx]: &[L; 6]) -> [L; 5] {
     let (zero, one) = (L::splat(0.0), L::splat(1.0));

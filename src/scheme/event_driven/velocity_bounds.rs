@@ -121,8 +121,8 @@ fn slope_halves<L: Lanes>([d0, d1, d2, d3]: [L; 4]) -> [[L; 4]; 2] {
 
 #[cfg(test)]
 mod tests {
-    use super::super::first_stop::tests::free_step;
     use super::super::first_stop::{Step, conditional_factor};
+    use super::super::harness::free_step;
     use super::*;
     use crate::noise::AddressedDraws;
 
@@ -146,8 +146,8 @@ mod tests {
     }
 
     /// The spreads are those of the conditional law, whose factor is tested against its precision,
-    /// and `SPREAD` bounds sd V at every time; in the middle of the interval it exceeds sd V by less
-    /// than 0.1 %. sd a is at most 1/4.
+    /// and `SPREAD` bounds sd V at every time; in the middle of the interval it exceeds sd V by
+    /// less than 0.1 %. sd a is at most 1/4.
     #[test]
     fn the_bounds_are_nowhere_below_the_spread() {
         let [s1, s2, s3, s4] = SPREAD;

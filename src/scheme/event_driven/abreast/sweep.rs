@@ -113,8 +113,8 @@ impl<L: Lanes> Crossing<'_, '_, L> {
             let own = self.paths.jobs.only::<L>(rows, flagged);
             searched.put(&mut self.paths.jobs, &own);
             self.flag(rows, flagged);
-            // A slip from rest is first divided elsewhere. Only a path that slips at t = 0 is at rest
-            // at the start of a cell.
+            // A slip from rest is first divided elsewhere. Only a path that slips at t = 0 is at
+            // rest at the start of a cell.
             let searches = L::bitmask(first.velocity.gt(zero)) & flagged & finite;
             self.odd_lanes(rows, flagged & !searches);
             let stops = L::bitmask(search.is_stop(first, &interval)) & searches;
