@@ -54,10 +54,11 @@ pub struct Jobs {
     /// For each lane, the end of its piece or interval, and the keys of the random numbers of its
     /// path.
     pub right: Vec<Row>,
-    /// The pieces of each lane that wait, in the layout of `right`.
+    /// The pieces of each lane that wait, in the layout of `right`. It grows when it is full, since
+    /// few paths ever have as many waiting pieces as they may.
     stack: Vec<Row>,
     /// The lanes that were flagged in this cell.
-    pub flagged: Vec<u32>,
+    flagged: Queue,
     queues: [Queue; TASKS.len()],
     /// The lanes that were taken out of a queue and remain to be worked on.
     batch: Queue,
@@ -113,8 +114,8 @@ impl Jobs {
         Jobs {
             left: vec![Row([0.0; ROW]); rows],
             right: vec![Row([0.0; ROW]); rows],
-            stack: vec![Row([0.0; ROW]); rows * DEPTH],
-            flagged: Vec::with_capacity(rows),
+            stack: vec![Row([0.0; ROW]); rows],
+            flagged: Queue::new(rows),
             queues: std::array::from_fn(|_| Queue::new(rows)),
             batch: Queue::new(rows),
             lanes: rows,
@@ -125,6 +126,17 @@ impl Jobs {
     pub fn clear(&mut self) {
         self.flagged.clear();
         self.queues.iter_mut().for_each(Queue::clear);
+    }
+
+    /// Notes that the lanes of a mask may have an event in this cell.
+    #[inline(always)]
+    pub fn flag<L: Lanes>(&mut self, rows: &Rows, lanes: u32) {
+        self.flagged.push::<L>(rows, lanes);
+    }
+
+    /// The lanes that were flagged in this cell.
+    pub fn flagged(&self) -> &[u32] {
+        &self.flagged.lanes[..self.flagged.len]
     }
 
     /// Puts the lanes of a mask into a queue.
@@ -171,7 +183,19 @@ impl Jobs {
     #[inline(always)]
     pub fn place_behind<L: Lanes>(&mut self, rows: &Rows, count: Count<L>, piece: [L; ROW]) {
         let places = self.places(rows, count);
+        let last = places.into_iter().fold(0, u32::max);
+        if last as usize >= self.stack.len() {
+            self.grow(last);
+        }
         L::scatter_rows(piece, &mut self.stack, &places);
+    }
+
+    /// Makes room in the stack for this place.
+    #[cold]
+    #[inline(never)]
+    fn grow(&mut self, place: u32) {
+        let layers = place as usize / self.lanes + 1;
+        self.stack.resize(layers * self.lanes, Row([0.0; ROW]));
     }
 
     /// The topmost waiting piece of each lane. `count` no longer counts it.
@@ -182,14 +206,15 @@ impl Jobs {
 
     /// The place in the stack of the next waiting piece of each lane. The first pieces of all lanes
     /// are neighbours, and so are the second ones, so that what is used of the stack stays in the
-    /// cache.
+    /// cache. The row that belongs to no path has one place.
     #[inline(always)]
     fn places<L: Lanes>(&self, rows: &Rows, count: Count<L>) -> Rows {
         let mut depths = [0; ROW];
         L::store_bits(count.behind(), &mut depths);
         let mut places = [0; ROW];
         for i in 0..L::WIDTH {
-            places[i] = (depths[i] as u32 & (DEPTH as u32 - 1)) * self.lanes as u32 + rows[i];
+            let depth = if rows[i] == self.nobody() { 0 } else { depths[i] as u32 & (DEPTH as u32 - 1) };
+            places[i] = depth * self.lanes as u32 + rows[i];
         }
         places
     }

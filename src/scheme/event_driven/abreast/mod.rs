@@ -273,7 +273,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
             }
         }
         let Abreast { odd, turned_odd, jobs, spent, .. } = &mut *self.paths;
-        for &lane in &jobs.flagged {
+        for &lane in jobs.flagged() {
             spent[lane as usize] += jobs.spent(lane as usize);
         }
         *turned_odd += odd.len();

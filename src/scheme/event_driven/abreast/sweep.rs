@@ -62,7 +62,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
             let piece = Piece { left, right, x, side: L::splat(0.0), count, origin: now.origin, key: now.key };
             let own = self.paths.jobs.only::<L>(rows, near);
             piece.put(&mut self.paths.jobs, &own);
-            self.flag(rows, near);
+            self.paths.jobs.flag::<L>(rows, near);
             let is_long = L::bitmask(reach.is_long) & near;
             self.paths.jobs.push::<L>(Task::Halve, rows, is_long);
             self.paths.jobs.push::<L>(Task::Decide, rows, near & !is_long);
@@ -112,7 +112,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
             };
             let own = self.paths.jobs.only::<L>(rows, flagged);
             searched.put(&mut self.paths.jobs, &own);
-            self.flag(rows, flagged);
+            self.paths.jobs.flag::<L>(rows, flagged);
             // A slip from rest is first divided elsewhere. Only a path that slips at t = 0 is at
             // rest at the start of a cell.
             let searches = L::bitmask(first.velocity.gt(zero)) & flagged & finite;
@@ -121,13 +121,6 @@ impl<L: Lanes> Crossing<'_, '_, L> {
             self.paths.jobs.push::<L>(Task::Stop, rows, stops);
             self.paths.jobs.push::<L>(Task::Bisect, rows, searches & !stops);
         }
-    }
-
-    /// Notes that these lanes may have an event.
-    #[inline(always)]
-    fn flag(&mut self, rows: &Rows, lanes: u32) {
-        let flagged = L::compress(rows, lanes);
-        self.paths.jobs.flagged.extend_from_slice(&flagged[..lanes.count_ones() as usize]);
     }
 
     /// Marks lanes that have to cross the cell again, alone.
