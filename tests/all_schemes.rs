@@ -241,15 +241,15 @@ fn a_body_that_shrinks_in_the_heat_does_the_same_on_the_other_side() {
 #[test]
 fn a_burn_in_leaves_out_the_same_of_every_scheme() {
     let (model, after, end) = (paper(0.25, 0.25), 20.0, 60.0);
-    let paths: Vec<u64> = (0..100).collect();
+    let paths: Vec<u64> = (0..300).collect();
     let line = Timeline { after, ..timeline(end, 20.0) };
     for scheme in schemes(0.02) {
         let mut both = (
             Keep::lanes(paths.len()),
             BlockObserver::new(&model, &line, &Record { paths: true, ..Record::NOTHING }, &paths),
         );
-        assert!(scheme.simulation(&model, &line).simulate(8, &paths, &mut both).is_empty());
-        let columns = both.1.finish(0, 100, Vec::new()).path_columns.expect("asked for");
+        assert!(scheme.simulation(&model, &line).simulate(9, &paths, &mut both).is_empty());
+        let columns = both.1.finish(0, 300, Vec::new()).path_columns.expect("asked for");
         let (mut sticking, mut straddling) = (0, 0);
         for (lane, (events, rows)) in both.0.events.iter().zip(&both.0.rows).enumerate() {
             let (at_end, at_after) = (rows[3].1, rows[1].1);

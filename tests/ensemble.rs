@@ -199,7 +199,7 @@ fn blocks_in_flight_together_are_the_blocks_alone() {
     let model = paper(0.25, 0.25);
     let timeline = Timeline { end: 30.0, output_step: 3.0, period: model.temperature.period(), after: 0.0 };
     let scheme = Scheme::from(EventDriven { tolerance: 1e-3 });
-    let simulation = scheme.simulation(&model, &timeline).with_work_limit(380);
+    let simulation = scheme.simulation(&model, &timeline).with_work_limit(340);
     assert!(simulation.paths_abreast() as u64 >= 2 * BLOCK_SIZE);
     let record = Record { paths: true, events: true, trajectories: 3 };
     let paths = 17 * BLOCK_SIZE + 40;

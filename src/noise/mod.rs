@@ -2,6 +2,7 @@
 //! Ornstein-Uhlenbeck process and its bridges.
 
 mod addressed;
+mod bent_threshold;
 mod first_passage;
 mod mirror;
 mod normal;
@@ -11,13 +12,14 @@ mod stream;
 
 pub use addressed::AddressedDraws;
 pub(crate) use addressed::{LaneDraws, looking_place};
-pub(crate) use first_passage::{mean_touching_spread, meeting_place, meeting_probability};
+pub(crate) use bent_threshold::BentThreshold;
+pub(crate) use first_passage::{first_meeting_probability, misses_other, no_meeting_probability};
 pub use mirror::{MIRROR, antithetic};
 pub(crate) use normal::cells;
 pub use normal::{MAX_NORMAL_ERROR, standard_normal};
 pub use ornstein_uhlenbeck::Transition;
 pub(crate) use ornstein_uhlenbeck::{
-    TimeChange, bridge_at, bridge_middle, increment_variance, short_bridge_at, short_bridge_middle, time_of,
+    TimeChange, bridge_at, bridge_middle, increment_variance, short_bridge_at, short_bridge_middle,
 };
 pub(crate) use stream::LaneNormals;
 pub use stream::{LaneStreams, Stream};

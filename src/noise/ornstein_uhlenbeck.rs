@@ -2,10 +2,11 @@
 //!
 //! ```text
 //! transition   v(t + h) = e^{-theta h} v(t) + sigma sqrt((1 - e^{-2 theta h})/(2 theta)) xi
-//! time change  y = e^{theta t} v is Brownian motion in s = sigma^2 (e^{2 theta t} - 1)/(2 theta)
+//! time change  v cosh(theta h/2)/cosh(theta (t - h/2)) is a Brownian bridge, if v(0), v(h) are known
 //! ```
 //!
-//! Here xi is a standard normal. The time change is Doob's (Annals of Mathematics 43, 1942).
+//! Here xi is a standard normal. The time change is that of Doob (Annals of Mathematics 43, 1942),
+//! followed by the projective map of a Brownian bridge that makes it symmetric in both ends.
 
 use crate::lanes::{Lanes, cosh_and_sinh_over, log1p};
 
@@ -37,18 +38,25 @@ pub fn increment_variance(theta: f64, sigma: f64, h: f64) -> f64 {
     spread(theta, sigma, forgotten(theta, h))
 }
 
-/// The process over a time h as the Brownian motion y of Doob's time change. y starts at the value
-/// of v.
+/// The process over a time h, given both ends, as a Brownian bridge with the same ends. The fraction
+/// of the bridge that has passed at the time t is
+///
+/// ```text
+/// u = (1 + tanh(theta (t - h/2))/tanh(theta h/2))/2 = X/(shrink X + stretch),   X = e^{2 theta t} - 1
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TimeChange<L = f64> {
-    /// e^{theta h}, the factor that turns a distance of v at the end into a distance of y.
-    pub growth: L,
-    /// S = sigma^2 (e^{2 theta h} - 1)/(2 theta), the duration of y.
+    /// S = sigma^2 sinh(theta h)/theta, the duration of the Brownian bridge.
     pub duration: L,
-    /// (S/sigma^2)^2 e^{-3 theta h/2} = h^2 (1 + theta h/2 + ..). A threshold U of v becomes a
-    /// threshold of y. At a fraction u of S it deviates from a straight line by c bow u (1 - u)/2,
-    /// where c = U'' - theta^2 U in the middle of the step.
+    /// (8/theta^2) (cosh(theta h/2) - 1) = h^2 (1 + (theta h)^2/48 + ..). A threshold U of v becomes
+    /// a threshold of the Brownian bridge, with the same distances at both ends. At a fraction u it
+    /// deviates from a straight line by -c bow u (1 - u)/2, where c = U'' - theta^2 U. This is
+    /// exact up to (theta h)^2/16 of itself if c is constant.
     pub bow: L,
+    /// 1 - e^{-theta h}.
+    shrink: L,
+    /// 2 sinh(theta h).
+    stretch: L,
 }
 
 impl TimeChange {
@@ -60,33 +68,35 @@ impl TimeChange {
 
     #[inline(never)]
     fn long(theta: f64, sigma: f64, h: f64) -> Self {
-        let forgotten = forgotten(theta, h);
-        let growth = libm::exp(theta * h);
+        let (sinh, quarter) = (libm::sinh(theta * h), libm::sinh(0.25 * theta * h));
         TimeChange {
-            growth,
-            duration: spread(theta, sigma, forgotten) * growth * growth,
-            bow: (forgotten / (2.0 * theta)).powi(2) * growth * growth * growth.sqrt(),
+            duration: sigma * sigma * sinh / theta,
+            bow: 16.0 * quarter * quarter / (theta * theta),
+            shrink: -libm::expm1(-theta * h),
+            stretch: 2.0 * sinh,
         }
     }
 }
 
 impl<L: Lanes> TimeChange<L> {
-    /// The time change for y = theta h <= 1, in terms of c = cosh y and s = sinh(y)/y: growth = c +
-    /// y s, and S = sigma^2 h s e^y.
+    /// The time change for y = theta h <= 1, in terms of c = cosh y and s = sinh(y)/y.
     #[inline(always)]
     pub fn short(theta: f64, sigma: f64, h: L) -> Self {
         let y = h * theta;
-        let (c, s) = cosh_and_sinh_over(y * y);
-        let growth = c + y * s;
-        let clock = h * s;
-        TimeChange { growth, duration: clock * (sigma * sigma) * growth, bow: clock * clock * growth.sqrt() }
+        let y2 = y * y;
+        let (c, s) = cosh_and_sinh_over(y2);
+        let sinh = y * s;
+        // The first omitted term is y^6/1290240.
+        let bow = h * h * ((y2 * (1.0 / 120.0) + 1.0) * y2 * (1.0 / 48.0) + 1.0);
+        TimeChange { duration: h * s * (sigma * sigma), bow, shrink: L::splat(1.0) - c + sinh, stretch: sinh * 2.0 }
     }
-}
 
-/// The time t after which the Brownian motion of the time change has run for s.
-#[inline(always)]
-pub fn time_of<L: Lanes>(theta: f64, sigma: f64, s: L) -> L {
-    log1p(s * (2.0 * theta / (sigma * sigma))) * (0.5 / theta)
+    /// The time t at which a fraction u of the Brownian bridge has passed.
+    #[inline(always)]
+    pub fn time_at(&self, theta: f64, u: L) -> L {
+        let x = self.stretch * u / (L::splat(1.0) - u * self.shrink);
+        log1p(x) * (0.5 / theta)
+    }
 }
 
 /// The bridge half-way between two values n0 and n1 a time `h` apart: the factor of n0 + n1 in the
@@ -225,19 +235,33 @@ mod tests {
             product / n / stationary
         );
     }
-    /// v(h) = y(S) e^{-theta h}, so Var v(h) = S e^{-2 theta h}. y has run for S at the time h, and
-    /// decay times growth is 1.
+    /// A Brownian bridge over S has the variance S u (1 - u) at a fraction u, and its mean is linear
+    /// in u. The scale between v and the bridge is cosh(theta h/2)/cosh(theta (t - h/2)). Mean and
+    /// variance of v at t, given both ends, are compared with [`bridge_at`]. The deviation of the
+    /// threshold U = 1 from a straight line is compared with the one that `bow` tells, in the middle
+    /// and at a quarter.
     #[test]
-    fn the_time_change_is_that_of_the_transition() {
-        for (theta, sigma, h) in [(1.0, 1.0, 0.01), (3.0, 0.5, 2.0), (1e-8, 2.0, 1e-4), (0.3, 1.0, 30.0)] {
+    fn the_time_change_makes_a_brownian_bridge() {
+        for (theta, sigma, h) in
+            [(1.0, 1.0, 0.01), (3.0, 0.5, 2.0), (1e-8, 2.0, 1e-4), (1.0, 1.5, 0.5), (0.3, 1.0, 30.0)]
+        {
             let change = TimeChange::new(theta, sigma, h);
-            let transition = Transition::new(theta, sigma, h);
-            let variance = change.duration / (change.growth * change.growth);
-            assert!((variance / transition.increment_sd.powi(2) - 1.0).abs() < 1e-14, "{theta} {sigma} {h}");
-            assert!((change.growth * transition.decay - 1.0).abs() < 1e-14, "{theta} {sigma} {h}");
-            assert!((time_of(theta, sigma, change.duration) / h - 1.0).abs() < 1e-13, "{theta} {sigma} {h}");
-            let clock = (change.duration / (sigma * sigma)).powi(2) * (-1.5 * theta * h).exp();
-            assert!((change.bow / clock - 1.0).abs() < 1e-12, "{theta} {sigma} {h}");
+            let ends = (0.7, -1.1);
+            for u in [0.03, 0.25, 0.5, 0.9] {
+                let t = change.time_at(theta, u);
+                let scale: f64 = libm::cosh(0.5 * theta * h) / libm::cosh(theta * (t - 0.5 * h));
+                let (mean, sd) = bridge_at(theta, sigma, t, h - t, ends);
+                let straight = ends.0 + u * (ends.1 - ends.0);
+                assert!((mean * scale - straight).abs() < 1e-12, "{theta} {h} {u}: {mean} {scale}");
+                let variance = change.duration * u * (1.0 - u);
+                assert!(((sd * scale).powi(2) / variance - 1.0).abs() < 1e-11, "{theta} {h} {u}");
+                if theta * h <= 1.0 && theta * h > 1e-3 {
+                    let bent = 0.5 * theta * theta * change.bow * u * (1.0 - u);
+                    let bound = if u == 0.5 { 1e-6 } else { (theta * h).powi(2) / 16.0 + 1e-6 };
+                    assert!(((scale - 1.0) / bent - 1.0).abs() < bound, "{theta} {h} {u}: {scale} {bent}");
+                }
+            }
+            assert!((change.time_at(theta, 1.0) / h - 1.0).abs() < 1e-12, "{theta} {h}");
         }
     }
 

@@ -5,14 +5,12 @@
 //!
 //! - is *clear* if it cannot meet a threshold: the probability that it does, after the threshold
 //!   has been moved towards the noise by the most that it bends, is below exp(-35);
-//! - is *decided* by [`StickStep::exit`] if it is short enough. A bridge from the middle meets both
-//!   thresholds with a probability below 2 exp(-16): h <= width^2/(8 s^2). A bridge between these
-//!   two ends does with a probability below 2 exp(-8): h <= width (width - |b1 - b0|)/(4 s^2),
-//!   where b1 counts as f_s or -f_s if it lies beyond. (A stick often begins close to the threshold
-//!   at which the last slip began. If b then ends near or beyond the other one, it has most likely
-//!   met the near one first.) And the threshold is straight enough: |c| h^2/8 <= kappa s sqrt(h)
-//!   for each threshold that may be met, where c is the bend of the threshold
-//!   ([`super::stick_step`]) and kappa follows from the tolerance;
+//! - is *decided* by [`StickStep::exit`] if it is short enough. A bridge between these two ends
+//!   meets first one threshold and then the other with a probability below 2 exp(-4), which is taken
+//!   into account: h <= width (width - |b1 - b0|)/(2 s^2), where b1 counts as f_s or -f_s if it lies
+//!   beyond. And the threshold is straight enough: |c| h^2/8 <= kappa s sqrt(h) for each threshold
+//!   that may be met, where c is the bend of the threshold ([`super::stick_step`]) and kappa follows
+//!   from the tolerance;
 //! - is otherwise divided: n is drawn in the middle, and the halves are treated from left to right.
 
 use super::cell_loop::Path;
@@ -25,9 +23,8 @@ use crate::lanes::{Choose, Lanes};
 use crate::model::Sign;
 use crate::noise::bridge_middle;
 
-/// The numbers in the two width rules, that for any ends and that for known ends.
-const WIDTH_RULE: f64 = 8.0;
-const ORDER_RULE: f64 = 4.0;
+/// The number in the width rule.
+const WIDTH_RULE: f64 = 2.0;
 
 /// The number of halvings after which a piece is decided, whatever its bend.
 const DEPTH: usize = 60;
@@ -35,10 +32,8 @@ const DEPTH: usize = 60;
 /// Finds the exits from sticks.
 #[derive(Clone, Debug)]
 pub struct Corridor {
-    /// The longest piece by the width rule, a time.
+    /// The longest piece by the width rule for each unit of width - |b1 - b0|, a time over a force.
     widest: f64,
-    /// The same for each unit of width - |b1 - b0|, a time over a force.
-    widest_between: f64,
     /// (8 kappa s)^2, the largest |c|^2 h^3 of a piece that is decided.
     most_bend: f64,
 }
@@ -89,11 +84,7 @@ pub struct Reach<L: Lanes> {
 impl Corridor {
     pub fn new(scene: &Scene, kappa: f64) -> Self {
         let (width, s) = (2.0 * scene.friction.static_force, scene.diffusion);
-        Corridor {
-            widest: width * width / (WIDTH_RULE * s * s),
-            widest_between: width / (ORDER_RULE * s * s),
-            most_bend: (8.0 * kappa * s) * (8.0 * kappa * s),
-        }
+        Corridor { widest: width / (WIDTH_RULE * s * s), most_bend: (8.0 * kappa * s) * (8.0 * kappa * s) }
     }
 
     /// The exit of a path from its static phase before the end of the cell, where n is `end_noise`:
@@ -166,7 +157,7 @@ impl Corridor {
         let is_bent = (reach * reach * h * h * h).gt(L::splat(self.most_bend));
         let f_s = scene.friction.static_force;
         let way = (right.force.or_at_most(L::splat(f_s)).or_at_least(L::splat(-f_s)) - left.force).abs();
-        let is_wide = L::or(h.gt(L::splat(self.widest)), h.gt((L::splat(2.0 * f_s) - way) * self.widest_between));
+        let is_wide = h.gt((L::splat(2.0 * f_s) - way) * self.widest);
         Reach { is_near: L::or(up.is_near, down.is_near), is_long: L::or(is_wide, is_bent) }
     }
 }

@@ -6,7 +6,8 @@
 //! - `slip_length` bounds the relative error of the conditional law between the ends of a slip
 //!   step, (rate h)^2/100. The error is of order h^2; the default rule is 1/2.
 //! - `chord_error` bounds kappa, the bend of a threshold in a stick step relative to the noise.
-//!   After the correction for the bend, the error is of order kappa^2; the default rule is 0.03.
+//!   The law of an exit is exact to first order in kappa, so the error is of order kappa^2; the
+//!   default rule is 0.08.
 //! - `caution` is the number of standard deviations beyond which a zero of x' is taken to be
 //!   impossible. The error is of order exp(-caution^2/2); the default rule is 3.
 //!
@@ -54,7 +55,7 @@ impl StepRules {
         let t = if tolerance > 0.0 { tolerance.clamp(least, greatest) } else { least } / DEFAULT_TOLERANCE;
         StepRules {
             slip_length: (0.5 * t.sqrt()).min(1.0),
-            chord_error: (0.03 * t.sqrt()).min(0.15),
+            chord_error: (0.08 * t.sqrt()).min(0.15),
             // caution is 3 at the default; exp(-caution^2/2) is proportional to the tolerance.
             caution: (9.0 - 2.0 * libm::log(t)).max(4.0).sqrt(),
             shortest_slip: 1e-6 * t,

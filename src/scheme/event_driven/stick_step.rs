@@ -1,36 +1,39 @@
 //! One step of the noise in a static phase, and whether b left the corridor on the way.
 //!
-//! In a step of length h, n is known at both ends. For each threshold it is drawn whether the
-//! bridge between the two ends met the threshold ([`meeting_probability`]), and if so when
-//! ([`meeting_place`]). Let U = f_s - B + K x be the value of n at which the upper threshold is
-//! met, and d0, d1 the distances of n below U at both ends. Doob's time change ([`TimeChange`])
-//! gives
+//! In a step of length h, n is known at both ends. It is drawn which threshold the bridge between
+//! the two ends met first, if any ([`first_meeting_probability`]), and then when
+//! ([`BentThreshold::proposed_place`]). Let U = f_s - B + K x be the value of n at which the upper
+//! threshold is met, and d0, d1 the distances of n below U at both ends. A time change
+//! ([`TimeChange`]) makes the bridge of n a Brownian one with the same ends,
 //!
 //! ```text
-//! S = s^2 (e^{2 theta h} - 1)/(2 theta),   distances d0 and D1 = d1 e^{theta h},
+//! S = s^2 sinh(theta h)/theta,
 //! ```
 //!
-//! which is exact for U = A e^{theta t} + C e^{-theta t}. Any other U deviates from that chord, at
-//! a fraction u of the step, by c h^2 u (1-u)/2 to leading order, where c = U'' - theta^2 U in the
-//! middle of the step. Both distances are corrected by the mean of this deviation over the place at
-//! which a bridge touches the threshold. After that correction the error of a step is of second
-//! order in c h^2 / (8 s sqrt h). The lower threshold is treated symmetrically.
+//! and U a straight line if U'' = theta^2 U. Any other U is bent: at a fraction u of the step it
+//! deviates from that line by -c h^2 u (1-u)/2 to leading order, where c = U'' - theta^2 U. The law
+//! of the meeting is exact to first order in c h^2 / (8 s sqrt h). The lower threshold is treated
+//! symmetrically.
 
 use super::scene::Scene;
 use crate::lanes::{Choose, Lanes};
 use crate::model::Sign;
-use crate::noise::{AddressedDraws, TimeChange, mean_touching_spread, meeting_place, meeting_probability, time_of};
+use crate::noise::{AddressedDraws, BentThreshold, TimeChange, first_meeting_probability, misses_other};
 
 /// The constants of a step of one length.
 #[derive(Clone, Debug)]
 pub struct StickStep<L = f64> {
     pub length: L,
-    /// The time change that turns n over the step into Brownian motion.
+    /// The time change that turns n over the step into a Brownian bridge.
     pub noise: TimeChange<L>,
 }
 
 /// exp(-FAR_EXPONENT) is a probability that is negligible even in 1e10 steps.
 pub const FAR_EXPONENT: f64 = 35.0;
+
+/// After so many attempts the last time is taken, whether it is accepted or not. This happens only
+/// where the start is as close to one threshold as it bends, and the other is met.
+pub const ATTEMPTS: usize = 64;
 
 /// What is known of a step: b at both ends (`start`, `end`), and -B'' and n in its middle.
 #[derive(Clone, Copy)]
@@ -39,15 +42,6 @@ pub struct StickEnds<L> {
     pub end: L,
     pub bend: L,
     pub mean_noise: L,
-}
-
-/// A threshold after the time change: the distances of n below it at both ends, and its bend. At a
-/// fraction u of the step it deviates from a straight line by `bend` u (1 - u)/2.
-#[derive(Clone, Copy)]
-pub struct Chord<L> {
-    start: L,
-    end: L,
-    bend: L,
 }
 
 impl StickStep {
@@ -61,88 +55,73 @@ impl StickStep {
     /// since the start of the step; none if it stays inside.
     #[inline(always)]
     pub fn exit(&self, scene: &Scene, ends: &StickEnds<f64>, draws: &mut AddressedDraws) -> Option<(Sign, f64)> {
-        // Often both thresholds are out of reach, which is decided before the correction for the
-        // bend.
-        let (is_up_near, is_down_near) = (self.is_near(scene, 1.0, ends), self.is_near(scene, -1.0, ends));
-        if !(is_up_near || is_down_near) {
-            return None;
-        }
-        let chance = |side: f64| self.chance(&self.chord(scene, side, ends));
+        let [up, down] = self.first_meeting_probabilities(scene, ends);
         let u = draws.uniform();
-        let sign = if is_up_near && u < chance(1.0) {
+        let sign = if u < up {
             Sign::Positive
-        } else if is_down_near && u > 1.0 - chance(-1.0) {
+        } else if u > 1.0 - down {
             Sign::Negative
         } else {
             return None;
         };
-        let normal = draws.normal();
-        Some((sign, self.meeting_time(scene, &self.chord(scene, sign.value(), ends), normal, draws.uniform())))
+        let mut attempts = 1;
+        loop {
+            let [normal, place, acceptance] = [draws.normal(), draws.uniform(), draws.uniform()];
+            let (after, is_accepted) = self.meeting_time(scene, sign.value(), ends, [normal, place, acceptance]);
+            if is_accepted || attempts == ATTEMPTS {
+                return Some((sign, after));
+            }
+            attempts += 1;
+        }
     }
 }
 
 impl<L: Lanes> StickStep<L> {
-    /// Whether the bridge may meet the threshold on this side at all.
-    #[inline(always)]
-    pub fn is_near(&self, scene: &Scene, side: f64, ends: &StickEnds<L>) -> L::Mask {
-        let f_s = L::splat(scene.friction.static_force);
-        let scale = self.noise.growth * 2.0 * (L::splat(1.0) / self.noise.duration);
-        (scale * (f_s - ends.start * side) * (f_s - ends.end * side)).lt(L::splat(FAR_EXPONENT))
-    }
-
-    /// The threshold on this side, 1 or -1.
-    #[inline(always)]
-    pub fn chord(&self, scene: &Scene, side: f64, ends: &StickEnds<L>) -> Chord<L> {
-        self.chord_on(scene, L::splat(side), ends)
-    }
-
     /// The threshold on a side, 1 or -1, that may differ from lane to lane.
     #[inline(always)]
-    pub fn chord_on(&self, scene: &Scene, side: L, ends: &StickEnds<L>) -> Chord<L> {
+    fn threshold(&self, scene: &Scene, side: L, ends: &StickEnds<L>) -> BentThreshold<L> {
         let (f_s, theta) = (L::splat(scene.friction.static_force), scene.relaxation_rate);
         let (d0, d1) = (f_s - side * ends.start, f_s - side * ends.end);
         // Threshold = n + distance, on this side.
         let threshold = side * ends.mean_noise + (d0 + d1) * 0.5;
         let c = side * ends.bend - threshold * (theta * theta);
-        Chord { start: d0, end: d1 * self.noise.growth, bend: c * self.noise.bow }
+        BentThreshold { distances: (d0, d1), bend: -c * self.noise.bow, duration: self.noise.duration }
     }
 
-    /// The probability that the bridge meets a threshold. The threshold is moved by its mean
-    /// deviation from the chord at the place where a bridge touches it.
+    /// The probabilities that the bridge meets the upper threshold, and the lower one, before the
+    /// other.
     #[inline(always)]
-    pub fn chance(&self, &Chord { start: d0, end: d1, bend }: &Chord<L>) -> L {
-        let shift = bend * 0.5 * mean_touching_spread(d0, d1, self.noise.duration);
-        let chance = meeting_probability(d0 - shift, d1 - shift, self.noise.duration);
-        L::select(d1.le(L::splat(0.0)), L::splat(1.0), chance)
+    pub fn first_meeting_probabilities(&self, scene: &Scene, ends: &StickEnds<L>) -> [L; 2] {
+        let one = L::splat(1.0);
+        let up = self.threshold(scene, one, ends).straightened();
+        let down = self.threshold(scene, -one, ends).straightened();
+        let duration = self.noise.duration;
+        [first_meeting_probability(up, down, duration), first_meeting_probability(down, up, duration)]
     }
 
-    /// The time at which the bridge meets a threshold, given that it does, from a normal and a
-    /// uniform random number.
+    /// The time at which the bridge meets the threshold on a side, given that it does and meets no
+    /// other before, from a normal and two uniform random numbers; and whether it is accepted.
+    /// Otherwise another one has to be drawn.
     #[inline(always)]
     pub fn meeting_time(
         &self,
         scene: &Scene,
-        &Chord { start: d0, end: d1, bend }: &Chord<L>,
-        normal: L,
-        uniform: L,
-    ) -> L {
-        let duration = self.noise.duration;
-        let first = meeting_place(d0, d1, duration, normal, uniform);
-        // The threshold is bent, so the place is computed a second time, with the chord moved by
-        // the bend at the first place.
-        let u = first / duration;
-        let shift = bend * 0.5 * u * (L::splat(1.0) - u);
-        let second = meeting_place(d0 - shift, d1 - shift, duration, normal, uniform);
-        // The second place is not used where the start is closer to the threshold than four times
-        // the bend, |bend|/8. There the threshold is met before it has bent much, while a chord
-        // that is moved to the start would be met at once.
-        let place = L::select(bend.abs().lt(d0 * 2.0), second, first);
-        time_of(scene.relaxation_rate, scene.diffusion, place).or_at_most(self.length)
+        side: L,
+        ends: &StickEnds<L>,
+        [normal, place, acceptance]: [L; 3],
+    ) -> (L, L::Mask) {
+        let threshold = self.threshold(scene, side, ends);
+        let (place, chance) = threshold.proposed_place(normal, place);
+        let width = L::splat(2.0 * scene.friction.static_force);
+        let misses_other = misses_other(threshold.distances.0, width, place * self.noise.duration);
+        let after = self.noise.time_at(scene.relaxation_rate, place).or_at_most(self.length);
+        (after, acceptance.lt(chance * misses_other))
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::harness::mean_and_error;
     use super::*;
     use crate::model::paper::paper;
 
@@ -247,9 +226,45 @@ mod tests {
         }
     }
 
+    /// A step of Brownian motion that begins close to the lower threshold. Null: the share of the
+    /// bridges that leave the corridor at the upper threshold, and the mean time of this, are the
+    /// exact ones, from sums over images. If it was not looked at whether the lower threshold is met
+    /// before, the mean time would be 7 % too long. 1.6e6 bridges to each of two ends; seed 26; each
+    /// of the four comparisons fails by chance once in 1e4.
+    #[test]
+    fn a_step_is_left_at_the_farther_threshold_when_the_nearer_one_is_missed() {
+        let (f_s, from, bridges) = (0.9, -0.75, 1_600_000);
+        let mut model = paper(0.25, 1.0);
+        model.oscillator.dilatation = 1.0;
+        model.temperature.harmonics.clear();
+        model.friction.static_force = f_s;
+        if let Some(noise) = &mut model.temperature.noise {
+            noise.relaxation_rate = 1e-9;
+        }
+        let step = StickStep::new(&Scene::new(&model), 1.0);
+        let normal = |x: f64, t: f64| (-x * x / (2.0 * t)).exp() / (std::f64::consts::TAU * t).sqrt();
+        for end in [0.3, 1.1] {
+            let density = |t: f64| {
+                let images = (-10..=10).map(|k| f_s - from + 4.0 * f_s * f64::from(k));
+                images.map(|d| d / t * normal(d, t)).sum::<f64>() * normal(end - f_s, 1.0 - t) / normal(end - from, 1.0)
+            };
+            let times = (0..20_000).map(|i| (f64::from(i) + 0.5) / 20_000.0);
+            let (share, moment) = times.fold((0.0, 0.0), |(p, m), t| (p + density(t) / 2e4, m + t * density(t) / 2e4));
+            let ends = StickEnds { start: from, end, bend: 0.0, mean_noise: 0.5 * (from + end) };
+            let mut draws = AddressedDraws::new(26, 0);
+            let exits = (0..bridges).filter_map(|_| step.exit(&Scene::new(&model), &ends, &mut draws));
+            let up: Vec<f64> = exits.filter(|exit| exit.0 == Sign::Positive).map(|exit| exit.1).collect();
+            let (mean, error) = mean_and_error(&up);
+            let (got, n) = (up.len() as f64 / f64::from(bridges), f64::from(bridges));
+            println!("to {end}: {got}, exact {share}; {mean} +- {error}, exact {}", moment / share);
+            assert!((got - share).abs() < 3.9 * (share * (1.0 - share) / n).sqrt(), "to {end}: {got}, exact {share}");
+            assert!((mean - moment / share).abs() < 3.9 * error, "to {end}: {mean}, exact {}", moment / share);
+        }
+    }
+
     /// The start is as close to the threshold as the threshold bends in a step, 0.1 standard
     /// deviations. Null: the mean time at which the threshold is met is the exact one
-    /// (tests/reference/bent_bridge.py) within 20 %, the error of an exit that neglects the bend; a
+    /// (tests/reference/bent_bridge.py) within 6 %. An exit that neglects the bend is 20 % off, and a
     /// chord that is moved to the start would halve it. The times are so short that theta = 1 does
     /// not matter. 1e5 bridges each, so that the errors of the means are below 0.7 %; seed 24.
     #[test]
@@ -267,7 +282,7 @@ mod tests {
                 (0..100_000).filter_map(|_| step.exit(&scene, &ends, &mut draws)).map(|(_, after)| after / h).collect();
             let mean = times.iter().sum::<f64>() / times.len() as f64;
             println!("to {end}, bent by {bent}: {mean}, exact {exact}");
-            assert!((mean / exact - 1.0).abs() < 0.2, "to {end}, bent by {bent}: {mean}, exact {exact}");
+            assert!((mean / exact - 1.0).abs() < 0.06, "to {end}, bent by {bent}: {mean}, exact {exact}");
         }
     }
 }

@@ -297,12 +297,6 @@ impl<L: Lanes> Count<L> {
         Count(L::add_bits(self.0, L::splat_bits(numbers)))
     }
 
-    /// Counts one random number in these lanes.
-    #[inline(always)]
-    pub fn drawn_where(self, mask: L::Mask) -> Self {
-        self.plus(mask, 1)
-    }
-
     /// Counts one more waiting piece, or one more attempt, in these lanes.
     #[inline(always)]
     pub fn behind_where(self, mask: L::Mask) -> Self {

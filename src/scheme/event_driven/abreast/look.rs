@@ -183,11 +183,9 @@ impl<L: Lanes> Crossing<'_, '_, L> {
                 let bridge = self.bridge(&piece, *glance);
                 let drawn = match kind {
                     StickEnd::Clear => bridge.anywhere(draws.normal(self.paths.normals, 0)),
-                    StickEnd::Exit => {
-                        let side = L::select(end_force.lt(zero), L::splat(-1.0), L::splat(1.0));
-                        bridge.before_exit(scene, side, draws.three_normals(self.paths.normals, 0))
+                    StickEnd::Kept | StickEnd::Exit => {
+                        self.accepted(kind, &piece, *glance, &bridge, &draws, (&rows, held))
                     }
-                    StickEnd::Kept => self.kept(&piece, *glance, &bridge, &draws, (&rows, held)),
                 };
                 let there = piece.inside(*glance, drawn);
                 let seen = (displacement, zero, scene.temperature(glance.forcing, there.noise));
@@ -203,10 +201,12 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         }
     }
 
-    /// Draws n and b where neither threshold is met: a bridge is drawn again until it is accepted.
+    /// Draws n and b where no threshold is met, or none before the end of the piece: they are drawn
+    /// again until they are accepted.
     #[inline(always)]
-    fn kept(
+    fn accepted(
         &mut self,
+        kind: StickEnd,
         piece: &StickPiece<L>,
         glance: Glance,
         bridge: &Bridge<L>,
@@ -224,18 +224,24 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         let is_between = L::and(piece.after.0.lt(time), time.lt(piece.after.1));
         let mut left = L::bitmask(is_between) & held;
         let mut is_left = is_between;
+        let side = L::select(piece.force.1.lt(L::splat(0.0)), L::splat(-1.0), L::splat(1.0));
         let mut stuck = Stuck { noise: bridge.mean, force: bridge.rest + bridge.mean };
         for attempt in 0..TRIES as u64 {
             if left == 0 {
                 return stuck;
             }
-            let drawn = bridge.anywhere(draws.normal(self.paths.normals, 2 * attempt));
-            let stays = piece.stays(scene, &halves, drawn.force, draws.uniform(2 * attempt + 1));
-            let accepted = L::and(is_left, stays);
+            let (drawn, is_accepted) = if kind == StickEnd::Kept {
+                let drawn = bridge.anywhere(draws.normal(self.paths.normals, 2 * attempt));
+                (drawn, piece.stays(scene, &halves, drawn.force, draws.uniform(2 * attempt + 1)))
+            } else {
+                let drawn = bridge.before_exit(scene, side, draws.three_normals(self.paths.normals, 3 * attempt));
+                (drawn, piece.misses_other(scene, side, &halves, drawn.force, draws.uniform(3 * attempt + 2)))
+            };
+            let accepted = L::and(is_left, is_accepted);
             stuck.noise = L::select(accepted, drawn.noise, stuck.noise);
             stuck.force = L::select(accepted, drawn.force, stuck.force);
-            is_left = L::and(is_left, L::not(stays));
-            left &= !L::bitmask(stays);
+            is_left = L::and(is_left, L::not(is_accepted));
+            left &= !L::bitmask(is_accepted);
         }
         self.not_in_lanes(rows, left);
         stuck

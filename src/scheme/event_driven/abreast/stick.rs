@@ -10,7 +10,7 @@ use crate::noise::{LaneDraws, TimeChange, short_bridge_middle};
 use crate::scheme::event_driven::cell_loop::Cascade as _;
 use crate::scheme::event_driven::corridor::{Node, ends};
 use crate::scheme::event_driven::scene::Scene;
-use crate::scheme::event_driven::stick_step::StickStep;
+use crate::scheme::event_driven::stick_step::{ATTEMPTS, StickStep};
 use crate::scheme::event_driven::watch::StickEnd;
 
 /// A piece of a stick between two known values of n.
@@ -142,25 +142,17 @@ impl<L: Lanes> Crossing<'_, '_, L> {
     pub(super) fn decide(&mut self, rows: &Rows, lanes: u32) {
         let mut piece = Piece::<L>::get(&self.paths.jobs, rows);
         let scene = self.paths.noisy.scene();
-        let (step, ends) = (piece.step(scene), ends(&piece.left, &piece.right));
-        let (is_up_near, is_down_near) = (step.is_near(scene, 1.0, &ends), step.is_near(scene, -1.0, &ends));
-        let is_near = L::or(is_up_near, is_down_near);
+        let step = piece.step(scene);
+        let [up, down] = step.first_meeting_probabilities(scene, &ends(&piece.left, &piece.right));
         let u = piece.draws(self.cell.index).uniform(0);
-        // The upper threshold where it may be met, otherwise the lower one. The rare lanes that may
-        // meet both look at the lower one below.
         let one = L::splat(1.0);
-        let side = L::select(is_up_near, one, -one);
-        let chance = step.chance(&step.chord_on(scene, side, &ends));
-        let is_up = L::and(is_up_near, u.lt(chance));
-        let mut is_down = L::and(L::and(is_down_near, L::not(is_up_near)), u.gt(one - chance));
-        let is_both = L::and(is_up_near, is_down_near);
-        if L::bitmask(is_both) & lanes != 0 {
-            let down_chance = step.chance(&step.chord(scene, -1.0, &ends));
-            is_down = L::or(is_down, L::and(L::and(is_both, L::not(is_up)), u.gt(one - down_chance)));
-        }
-        let left = L::bitmask(L::or(is_up, is_down)) & lanes;
+        let is_up = u.lt(up);
+        let is_left = L::or(is_up, u.gt(one - down));
+        let left = L::bitmask(is_left) & lanes;
         piece.side = L::select(is_up, one, -one);
-        piece.count = piece.count.drawn_where(is_near);
+        // A stick that is left has no waiting pieces any more. The attempts to find the time are
+        // counted in their place.
+        piece.count = piece.count.drawn(1).alone_where(is_left);
         piece.put(&mut self.paths.jobs, rows);
         let kept = lanes & !left;
         self.saw_stick(rows, kept, (&piece.left, &piece.right), piece.x, StickEnd::Kept);
@@ -177,16 +169,26 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         let (step, ends) = (piece.step(scene), ends(&piece.left, &piece.right));
         let Piece { x, side, origin, key, count, .. } = piece;
         let draws = piece.draws(self.cell.index);
-        let (normal, uniform) = (draws.normal(self.paths.normals, 0), draws.uniform(1));
-        let passed = step.meeting_time(scene, &step.chord_on(scene, side, &ends), normal, uniform);
+        let numbers = [draws.normal(self.paths.normals, 0), draws.uniform(1), draws.uniform(2)];
+        let (passed, is_accepted) = step.meeting_time(scene, side, &ends, numbers);
+        let is_found = L::or(is_accepted, count.has(ATTEMPTS as f64 - 1.0));
+        let again = lanes & !L::bitmask(is_found);
+        if again != 0 {
+            let own = self.paths.jobs.only::<L>(rows, again);
+            let count = count.drawn(3).behind_where(L::always());
+            Piece { count, ..piece }.put(&mut self.paths.jobs, &own);
+            self.paths.jobs.push::<L>(Task::Leave, rows, again);
+        }
+        let lanes = lanes & !again;
         let after = piece.left.after + passed;
         let force = side * scene.friction.static_force;
         let noise = force - self.cell.forcing(after).value + x * scene.oscillator.stiffness;
         let exit = Node { after, noise, force, curvature: L::splat(0.0) };
         self.saw_stick(rows, lanes, (&piece.left, &exit), x, StickEnd::Exit);
         self.tell(rows, lanes, (after, x, force), |force, _| EventKind::SlipStarted(Sign::of(force)));
-        let count = count.drawn(2).spent().alone_where(L::always());
-        Begun { after, noise, force, eps: side, x, count, origin, key }.put(&mut self.paths.jobs, rows);
+        let count = count.drawn(3).spent().alone_where(L::always());
+        let own = self.paths.jobs.only::<L>(rows, lanes);
+        Begun { after, noise, force, eps: side, x, count, origin, key }.put(&mut self.paths.jobs, &own);
         self.paths.jobs.push::<L>(Task::Begin, rows, lanes);
     }
 }
