@@ -38,12 +38,12 @@ pub struct BentThreshold<L> {
     pub duration: L,
 }
 
-/// Places are proposed a little too often where the ratio of the densities is largest, so that an
-/// acceptance stays below one: by so many times |b|/sqrt S. The ratio exceeds this only where places
-/// are rare.
+/// An acceptance is the ratio of the densities over a bound of it. Where the ratio is smallest at
+/// the typical place, it has no bound, and one that is larger by so many times |b|/sqrt S is used
+/// in its place. The ratio exceeds it only where places are rare.
 const MARGIN: f64 = 0.3;
 
-/// The factor by which the square of the distance at the end may be moved.
+/// The square of the distance at the end is moved by this factor at most.
 const MOST_MOVED: f64 = 4.0;
 
 /// Nothing is divided by less.
@@ -207,10 +207,10 @@ mod tests {
         }
     }
 
-    /// Null: the share of places below each of four is that of the integral equation, within 1 %
-    /// of the proposals. 1e5 places for each threshold, so that 3.9 standard errors are below 0.62 %,
-    /// and each of 112 comparisons fails by chance less than once in 1e4, if the law is exact. Seed
-    /// 41. A law without the bend is up to 6 % off, and one with twice the bend too.
+    /// Null: the share of places below each of four is that of the integral equation within 1 %, the
+    /// error of second order. 1e5 places for each threshold, so that 3.9 standard errors are below
+    /// 0.62 %, and each of 112 comparisons fails by chance less than once in 1e4. Seed 41. A law
+    /// without the bend is up to 6 % off, and one with twice the bend too.
     #[test]
     fn a_bent_threshold_is_met_where_the_integral_equation_tells() {
         let n = 1000;

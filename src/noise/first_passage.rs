@@ -15,7 +15,7 @@
 //!
 //! With a second threshold at a distance w from the first, at both ends, the order in which they
 //! are met follows by repeated reflection (Anderson, Annals of Mathematical Statistics 31, 1960,
-//! theorem 4.3). With p = max(d1, 0) and m = max(-d1, 0),
+//! section 4). With p = max(d1, 0) and m = max(-d1, 0),
 //!
 //! ```text
 //! P(met first) = exp(-2 d0 p/S) - exp(-2 (w - d0 + p) (w + m)/S) + exp(-2 (w + p) (w + d0 + m)/S) - ..
@@ -64,8 +64,8 @@ pub fn no_meeting_probability<L: Lanes>(this: Distances<L>, other: Distances<L>,
 /// takes place after `passed`, given that meeting and d0 > 0. The way to it is a Bessel bridge of
 /// dimension 3. `width` is the distance of the two thresholds.
 ///
-/// It is the derivative of [`no_meeting_probability`] in d1 at d1 = 0, divided by the same with one
-/// threshold.
+/// It is the derivative of [`no_meeting_probability`] with respect to d1 at d1 = 0, divided by that
+/// with one threshold.
 #[inline(always)]
 pub fn misses_other<L: Lanes>(d0: L, width: L, passed: L) -> L {
     let one = L::splat(1.0);
