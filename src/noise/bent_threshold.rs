@@ -132,15 +132,16 @@ impl<L: Lanes> Touching<L> {
         let inverse_root = one / duration.sqrt();
         let sum = (d0 + d1).or_at_least(L::splat(LEAST));
         let product = d0 * d1;
+        let product_over_s = product * inverse_root * inverse_root;
         let z1 = sum * inverse_root * (P * std::f64::consts::FRAC_1_SQRT_2) + 1.0;
-        let product1 = product * inverse_root * inverse_root + 0.03;
+        let product1 = product_over_s + 0.03;
         // One division for the inverse of each of the three.
         let all = one / (sum * z1 * product1);
         let (t, inverse) = (sum * product1 * all, z1 * product1 * all);
         let series = L::splat(C[3]).mul_add(t, L::splat(C[2])).mul_add(t, L::splat(C[1])).mul_add(t, L::splat(C[0]));
         let spread = product * inverse * inverse_root * ROOT * (t * series);
         // r/(2 D)
-        let second = product * inverse_root * inverse_root * (0.5 * 0.0052) * (sum * z1 * all) * inverse;
+        let second = product_over_s * (0.5 * 0.0052) * (sum * z1 * all) * inverse;
         Touching { spread, second }
     }
 }

@@ -33,10 +33,10 @@ pub type Distances<L> = (L, L);
 /// P(met) where only one of two thresholds can be met; 1 where an end is on the threshold or beyond
 /// it.
 #[inline(always)]
-fn meeting_probability<L: Lanes>((d0, d1): Distances<L>, twice_rate: L) -> L {
+pub fn meeting_probability<L: Lanes>((d0, d1): Distances<L>, duration: L) -> L {
     let zero = L::splat(0.0);
     let is_met = L::or(d0.le(zero), d1.le(zero));
-    L::select(is_met, L::splat(1.0), exp(d0 * d1 * twice_rate))
+    L::select(is_met, L::splat(1.0), exp(d0 * d1 * (L::splat(-2.0) / duration)))
 }
 
 /// The probability that a threshold is met, and before the other threshold, given the distances of
@@ -49,7 +49,7 @@ pub fn first_meeting_probability<L: Lanes>(this: Distances<L>, other: Distances<
     let width = this.0 + other.0;
     let other_first = (other.0 + inside) * (width + beyond) * twice_rate;
     let this_again = (width + inside) * (width + this.0 + beyond) * twice_rate;
-    let chance = meeting_probability(this, twice_rate) - (exp(other_first.or_at_most(zero)) - exp(this_again));
+    let chance = meeting_probability(this, duration) - (exp(other_first.or_at_most(zero)) - exp(this_again));
     chance.or_at_least(zero)
 }
 
@@ -118,7 +118,7 @@ mod tests {
             .map(|i| {
                 let z = -farthest + 2.0 * farthest * (i as f64 + 0.5) / n as f64;
                 let end = 0.5 + 0.3 * total - total.sqrt() * z;
-                meeting_probability((0.5, end), -2.0 / total) * (-0.5 * z * z).exp()
+                meeting_probability((0.5, end), total) * (-0.5 * z * z).exp()
             })
             .sum();
         let probability = sum * 2.0 * farthest / n as f64 / (2.0 * std::f64::consts::PI).sqrt();

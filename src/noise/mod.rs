@@ -13,7 +13,9 @@ mod stream;
 pub use addressed::AddressedDraws;
 pub(crate) use addressed::{LaneDraws, looking_place};
 pub(crate) use bent_threshold::BentThreshold;
-pub(crate) use first_passage::{first_meeting_probability, misses_other, no_meeting_probability};
+pub(crate) use first_passage::{
+    Distances, first_meeting_probability, meeting_probability, misses_other, no_meeting_probability,
+};
 pub use mirror::{MIRROR, antithetic};
 pub(crate) use normal::cells;
 pub use normal::{MAX_NORMAL_ERROR, standard_normal};

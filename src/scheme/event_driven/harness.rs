@@ -8,8 +8,23 @@ use super::ladder::Ladder;
 use super::scene::Scene;
 use super::watch::Nobody;
 use super::work::Work;
+use crate::model::paper::paper;
 use crate::model::{Model, Sign};
 use crate::noise::{AddressedDraws, Transition};
+
+/// A stick in which the noise is the only force, b = n: K = beta = rho = sigma = 1, x0 = 0, with
+/// this relaxation rate.
+pub fn noise_alone(static_force: f64, relaxation_rate: f64) -> Model {
+    let mut model = paper(0.25, 1.0);
+    model.oscillator.dilatation = 1.0;
+    model.temperature.harmonics.clear();
+    model.friction.static_force = static_force;
+    model.initial_displacement = 0.0;
+    if let Some(noise) = &mut model.temperature.noise {
+        noise.relaxation_rate = relaxation_rate;
+    }
+    model
+}
 
 /// The time and the side of the first exit from the initial stick of each path, started at n =
 /// `noise`.

@@ -28,9 +28,6 @@ pub struct StickStep<L = f64> {
     pub noise: TimeChange<L>,
 }
 
-/// exp(-FAR_EXPONENT) is a probability that is negligible even in 1e10 steps.
-pub const FAR_EXPONENT: f64 = 35.0;
-
 /// After so many attempts the last time is taken, whether it is accepted or not. This happens only
 /// where the start is as close to one threshold as it bends, and the other is met.
 pub const ATTEMPTS: usize = 64;
@@ -121,20 +118,15 @@ impl<L: Lanes> StickStep<L> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::harness::mean_and_error;
+    use super::super::harness::{mean_and_error, noise_alone};
     use super::*;
-    use crate::model::paper::paper;
 
     /// The scene has theta = 1, s = 1 and f_s = 3. Its upper threshold is at n = 0, so that it is
     /// straight after the time change.
     const F_S: f64 = 3.0;
 
     fn scene() -> Scene {
-        let mut model = paper(0.25, 1.0);
-        model.oscillator.dilatation = 1.0;
-        model.temperature.harmonics.clear();
-        model.friction.static_force = F_S;
-        Scene::new(&model)
+        Scene::new(&noise_alone(F_S, 1.0))
     }
 
     /// The time at which a bridge of this duration between two values of n < 0 first reaches 0, if
@@ -234,14 +226,8 @@ mod tests {
     #[test]
     fn a_step_is_left_at_the_farther_threshold_when_the_nearer_one_is_missed() {
         let (f_s, from, bridges) = (0.9, -0.75, 1_600_000);
-        let mut model = paper(0.25, 1.0);
-        model.oscillator.dilatation = 1.0;
-        model.temperature.harmonics.clear();
-        model.friction.static_force = f_s;
-        if let Some(noise) = &mut model.temperature.noise {
-            noise.relaxation_rate = 1e-9;
-        }
-        let step = StickStep::new(&Scene::new(&model), 1.0);
+        let scene = Scene::new(&noise_alone(f_s, 1e-9));
+        let step = StickStep::new(&scene, 1.0);
         let normal = |x: f64, t: f64| (-x * x / (2.0 * t)).exp() / (std::f64::consts::TAU * t).sqrt();
         for end in [0.3, 1.1] {
             let density = |t: f64| {
@@ -252,7 +238,7 @@ mod tests {
             let (share, moment) = times.fold((0.0, 0.0), |(p, m), t| (p + density(t) / 2e4, m + t * density(t) / 2e4));
             let ends = StickEnds { start: from, end, bend: 0.0, mean_noise: 0.5 * (from + end) };
             let mut draws = AddressedDraws::new(26, 0);
-            let exits = (0..bridges).filter_map(|_| step.exit(&Scene::new(&model), &ends, &mut draws));
+            let exits = (0..bridges).filter_map(|_| step.exit(&scene, &ends, &mut draws));
             let up: Vec<f64> = exits.filter(|exit| exit.0 == Sign::Positive).map(|exit| exit.1).collect();
             let (mean, error) = mean_and_error(&up);
             let (got, n) = (up.len() as f64 / f64::from(bridges), f64::from(bridges));

@@ -21,9 +21,11 @@
 
 use super::first_stop::{Interval, Motion, state_inside};
 use super::scene::Scene;
-use crate::lanes::{Choose, Lanes, exp};
+use crate::lanes::{Choose, Lanes};
 use crate::model::Sign;
-use crate::noise::{AddressedDraws, TimeChange, bridge_at, misses_other, no_meeting_probability};
+use crate::noise::{
+    AddressedDraws, Distances, TimeChange, bridge_at, meeting_probability, misses_other, no_meeting_probability,
+};
 use crate::scheme::columns::Columns;
 
 /// x, x', T and whether the path is static.
@@ -439,30 +441,29 @@ impl<L: Lanes> StickPiece<L> {
     /// number. `halves` are the time changes of the parts before and after the instant.
     #[inline(always)]
     pub fn stays(&self, scene: &Scene, halves: &[TimeChange<L>; 2], force: L, uniform: L) -> L::Mask {
-        let (one, [first, last]) = (L::splat(1.0), halves);
-        uniform.lt(stay(scene, one, first, (self.force.0, force)) * stay(scene, one, last, (force, self.force.1)))
+        let [first, last] = halves;
+        uniform.lt(stay(scene, first, (self.force.0, force)) * stay(scene, last, (force, self.force.1)))
     }
 
-    /// Whether a bridge through b inside the piece, which meets the threshold on this side, 1 or -1,
-    /// at the end of the piece for the first time, does not meet the other threshold, decided by a
-    /// uniform number.
+    /// The side, 1 or -1, on which the corridor is left at the end of the piece.
     #[inline(always)]
-    pub fn misses_other(
-        &self,
-        scene: &Scene,
-        side: L,
-        [first, last]: &[TimeChange<L>; 2],
-        force: L,
-        uniform: L,
-    ) -> L::Mask {
-        let (f_s, one) = (L::splat(scene.friction.static_force), L::splat(1.0));
-        let (d0, d1) = (f_s - side * self.force.0, f_s - side * force);
-        let misses_side = one - exp(d0 * d1 * -2.0 / first.duration);
-        let misses_both = stay(scene, side, first, (self.force.0, force));
+    pub fn exit_side(&self) -> L {
+        L::select(self.force.1.lt(L::splat(0.0)), L::splat(-1.0), L::splat(1.0))
+    }
+
+    /// Whether a bridge through b inside the piece, which meets the threshold at the end of the piece
+    /// for the first time, does not meet the other threshold, decided by a uniform number.
+    #[inline(always)]
+    pub fn misses_other(&self, scene: &Scene, [first, last]: &[TimeChange<L>; 2], force: L, uniform: L) -> L::Mask {
+        let one = L::splat(1.0);
+        let [this, other] = distances(scene, self.exit_side(), (self.force.0, force));
+        let misses_this = one - meeting_probability(this, first.duration);
+        let misses_both = no_meeting_probability(this, other, first.duration);
         // Where rounding leaves nothing of both, the other threshold is far away.
-        let is_lost = misses_side.lt(L::splat(1e-9));
-        let before = L::select(is_lost, one, misses_both / misses_side);
-        uniform.lt(before * misses_other(d1, f_s * 2.0, last.duration))
+        let is_lost = misses_this.lt(L::splat(1e-9));
+        let before = L::select(is_lost, one, misses_both / misses_this);
+        let width = L::splat(2.0 * scene.friction.static_force);
+        uniform.lt(before * misses_other(this.1, width, last.duration))
     }
 
     /// n and b at an instant, as drawn inside the piece, or those of an end on which it lies.
@@ -487,12 +488,18 @@ impl<L: Lanes> StickPiece<L> {
     }
 }
 
-/// The probability that a bridge between two values of b meets neither threshold. `side` is 1 or -1.
+/// The probability that a bridge between two values of b meets neither threshold.
 #[inline(always)]
-fn stay<L: Lanes>(scene: &Scene, side: L, half: &TimeChange<L>, (from, to): (L, L)) -> L {
+fn stay<L: Lanes>(scene: &Scene, half: &TimeChange<L>, ends: (L, L)) -> L {
+    let [upper, lower] = distances(scene, L::splat(1.0), ends);
+    no_meeting_probability(upper, lower, half.duration)
+}
+
+/// The distances of two values of b from the threshold on this side, 1 or -1, and from the other.
+#[inline(always)]
+fn distances<L: Lanes>(scene: &Scene, side: L, (from, to): (L, L)) -> [Distances<L>; 2] {
     let f_s = L::splat(scene.friction.static_force);
-    let (this, other) = ((f_s - side * from, f_s - side * to), (f_s + side * from, f_s + side * to));
-    no_meeting_probability(this, other, half.duration)
+    [(f_s - side * from, f_s - side * to), (f_s + side * from, f_s + side * to)]
 }
 
 impl Piece for (StickPiece, StickEnd) {
@@ -533,7 +540,6 @@ fn stuck(piece: &StickPiece, kind: StickEnd, scene: &Scene, glance: Glance, draw
         StickEnd::Kept | StickEnd::Exit => {
             let (theta, sigma) = (scene.relaxation_rate, scene.diffusion);
             let halves = [TimeChange::new(theta, sigma, before), TimeChange::new(theta, sigma, behind)];
-            let side = 1f64.copysign(piece.force.1);
             // This is a loop, because closures are not compiled for the instruction set.
             let mut tries = 0;
             loop {
@@ -541,8 +547,8 @@ fn stuck(piece: &StickPiece, kind: StickEnd, scene: &Scene, glance: Glance, draw
                     let drawn = bridge.anywhere(draws.normal());
                     (drawn, piece.stays(scene, &halves, drawn.force, draws.uniform()))
                 } else {
-                    let drawn = bridge.before_exit(scene, side, draws.three_normals());
-                    (drawn, piece.misses_other(scene, side, &halves, drawn.force, draws.uniform()))
+                    let drawn = bridge.before_exit(scene, piece.exit_side(), draws.three_normals());
+                    (drawn, piece.misses_other(scene, &halves, drawn.force, draws.uniform()))
                 };
                 if is_accepted {
                     break drawn;
@@ -563,28 +569,18 @@ fn stuck(piece: &StickPiece, kind: StickEnd, scene: &Scene, glance: Glance, draw
 
 #[cfg(test)]
 mod tests {
-    use super::super::harness::mean_and_error;
+    use super::super::harness::{mean_and_error, noise_alone};
     use super::*;
-    use crate::model::paper::paper;
 
     /// Null: the mean of b at an instant inside a piece of a stick is the exact one. n is Brownian
     /// motion here, which is absorbed at both thresholds; its densities before and after the instant
-    /// are sums over images. In the pieces with an end close to the lower threshold, the mean would
-    /// be 17 % and more of its distance from that threshold lower if this threshold was not looked
-    /// at. 2e5 draws each; seed 51; each of the four comparisons fails by chance once in 1e4 (3.9
+    /// are sums over images. In the first piece, which begins close to the lower threshold, the mean
+    /// would be closer to that threshold by 17 % if it was not looked at. 2e5 draws each; seed 51; each of the four comparisons fails by chance once in 1e4 (3.9
     /// standard errors).
     #[test]
     fn a_row_inside_a_stick_is_drawn_between_both_thresholds() {
         let (f_s, width) = (0.9, 1.8);
-        let mut model = paper(0.25, 1.0);
-        model.oscillator.dilatation = 1.0;
-        model.temperature.harmonics.clear();
-        model.friction.static_force = f_s;
-        model.initial_displacement = 0.0;
-        if let Some(noise) = &mut model.temperature.noise {
-            noise.relaxation_rate = 1e-9;
-        }
-        let scene = Scene::new(&model);
+        let scene = Scene::new(&noise_alone(f_s, 1e-9));
         let images = |term: &dyn Fn(f64) -> f64| (-10..=10).map(|k| term(2.0 * width * f64::from(k))).sum::<f64>();
         let normal = |x: f64, t: f64| (-x * x / (2.0 * t)).exp();
         let absorbed = |from: f64, to: f64, t: f64| {

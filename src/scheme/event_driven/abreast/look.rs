@@ -224,7 +224,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         let is_between = L::and(piece.after.0.lt(time), time.lt(piece.after.1));
         let mut left = L::bitmask(is_between) & held;
         let mut is_left = is_between;
-        let side = L::select(piece.force.1.lt(L::splat(0.0)), L::splat(-1.0), L::splat(1.0));
+        let side = piece.exit_side();
         let mut stuck = Stuck { noise: bridge.mean, force: bridge.rest + bridge.mean };
         for attempt in 0..TRIES as u64 {
             if left == 0 {
@@ -235,7 +235,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
                 (drawn, piece.stays(scene, &halves, drawn.force, draws.uniform(2 * attempt + 1)))
             } else {
                 let drawn = bridge.before_exit(scene, side, draws.three_normals(self.paths.normals, 3 * attempt));
-                (drawn, piece.misses_other(scene, side, &halves, drawn.force, draws.uniform(3 * attempt + 2)))
+                (drawn, piece.misses_other(scene, &halves, drawn.force, draws.uniform(3 * attempt + 2)))
             };
             let accepted = L::and(is_left, is_accepted);
             stuck.noise = L::select(accepted, drawn.noise, stuck.noise);
