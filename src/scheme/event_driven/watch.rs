@@ -575,8 +575,8 @@ mod tests {
     /// Null: the mean of b at an instant inside a piece of a stick is the exact one. n is Brownian
     /// motion here, which is absorbed at both thresholds; its densities before and after the instant
     /// are sums over images. In the first piece, which begins close to the lower threshold, the mean
-    /// would be closer to that threshold by 17 % if it was not looked at. 2e5 draws each; seed 51; each of the four comparisons fails by chance once in 1e4 (3.9
-    /// standard errors).
+    /// would be closer to that threshold by 17 % if it was not looked at. 2e5 draws each; seed 51;
+    /// each of the four comparisons fails by chance once in 1e4 (3.9 standard errors).
     #[test]
     fn a_row_inside_a_stick_is_drawn_between_both_thresholds() {
         let (f_s, width) = (0.9, 1.8);
