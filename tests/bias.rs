@@ -72,10 +72,12 @@ fn of(biases: &[(Statistic, Bias)], statistic: Statistic) -> Bias {
 /// period to the next.
 const EXISTING: usize = Statistic::ALL.len() - 1;
 
-/// The biases that a run of the discrete scheme, corrected or not, reports.
+/// The biases that a run of the discrete scheme, corrected or not, reports with the rows of the
+/// shipped scene, which are a part of its cost. No row is needed here, so none is simulated.
 fn reported(model: &Model, scheme: Scheme, seed: u64, paths: u64, threads: usize) -> Vec<(Statistic, Bias)> {
     let run = run(model, scheme, seed, paths, threads);
-    let plan = BiasPlan::new(scheme, model, &timeline(model), seed, paths).expect("enough paths");
+    let with_rows = Timeline { output_step: 0.5, ..timeline(model) };
+    let plan = BiasPlan::new(scheme, model, &with_rows, seed, paths).expect("enough paths");
     plan.estimate(&run, threads, &AtomicBool::new(false)).expect("none diverges")
 }
 
@@ -217,7 +219,7 @@ fn the_truth_is_within_its_uncertainty_where_the_changes_from_step_to_step_misle
 }
 
 /// The uncertainty is small enough to be useful. With 10 000 paths at the step of the paper, in the
-/// median of nine seeds, the bias of the mean stick duration is known to better than 35 % of
+/// median of nine seeds, the bias of the mean stick duration is known to better than 11 % of
 /// itself. The bias of x(t_end), whose paths hardly differ between h and 2h, is known to little
 /// more than the standard error of the run, 0.016. The observed order is between 0.45 and 0.75.
 #[test]
@@ -230,7 +232,7 @@ fn the_uncertainty_is_small_enough_to_be_useful() {
         println!("{}: {values:?}", statistic.name());
         values[4]
     };
-    assert!(median(Statistic::StickDurationMean, &|b| b.uncertainty / b.estimate) < 0.35);
+    assert!(median(Statistic::StickDurationMean, &|b| b.uncertainty / b.estimate) < 0.11);
     assert!(median(Statistic::DisplacementEndMean, &|b| b.uncertainty) < 0.02);
     let order = median(Statistic::StickDurationMean, &|b| b.order.unwrap_or(f64::NAN));
     assert!((0.45..0.75).contains(&order), "{order}");
@@ -245,8 +247,9 @@ fn the_uncertainty_is_small_enough_to_be_useful() {
 ///
 /// Null hypothesis: each of 20 seeds is within its uncertainty with 95 %. False-alarm rate: more
 /// than 4 misses have a probability of 0.3 %. Extrapolation from h, 2h and 4h alone has 6 misses,
-/// with most estimates near 0.2. An uncertainty of half the estimate would claim too much
-/// precision, so for most seeds the uncertainty must be half a unit or more.
+/// with most estimates near 0.2. The number of reference paths leaves it open for most seeds
+/// whether the median is that of the short sticks, so the uncertainty must exceed a quarter of a
+/// unit for at least 13 seeds (16 do; if it were half as large, 2 would).
 #[test]
 fn the_bias_is_covered_for_a_median_that_jumps_between_kinds_of_sticks() {
     let mut model = paper(0.25, 0.1);
@@ -264,8 +267,8 @@ fn the_bias_is_covered_for_a_median_that_jumps_between_kinds_of_sticks() {
     };
     let all: Vec<(bool, f64)> = (1..=20).collect::<Vec<u64>>().iter().map(covered_and_width).collect();
     let misses = all.iter().filter(|(is_held, _)| !is_held).count();
-    let wide = all.iter().filter(|(_, uncertainty)| *uncertainty > 0.3).count();
-    assert!(misses <= 4 && wide >= 15, "{misses} misses, {wide} wide");
+    let wide = all.iter().filter(|(_, uncertainty)| *uncertainty > 0.25).count();
+    assert!(misses <= 4 && wide >= 13, "{misses} misses, {wide} wide");
 }
 
 /// The reference run is left out where it costs more than the run allows (theta = 1e6, which needs
@@ -279,7 +282,7 @@ fn the_steps_give_the_bias_where_the_reference_run_cannot() {
     };
     let model = paper(0.25, 0.25);
     assert_eq!(referenced(&model, 0.01, 10_000).map(|biases| biases.len()), Some(EXISTING));
-    assert_eq!(referenced(&model, 0.01, 1000), None);
+    assert_eq!(referenced(&model, 0.04, 1000), None);
     let mut fast = model.clone();
     fast.temperature.noise.as_mut().expect("it has noise").relaxation_rate = 1e6;
     let mut close = model.clone();

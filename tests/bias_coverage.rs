@@ -28,9 +28,9 @@ fn run(model: &Model, scheme: Scheme, seed: u64, paths: u64) -> Summary {
         .run(2)
 }
 
-/// The biases that a run reports.
+/// The biases that a run with the rows of the shipped scene reports.
 fn reported(model: &Model, scheme: Scheme, seed: u64, paths: u64) -> Vec<(Statistic, Bias)> {
-    let timeline = Timeline { end: 60.0, output_step: 60.0, period: model.temperature.period(), after: 0.0 };
+    let timeline = Timeline { end: 60.0, output_step: 0.5, period: model.temperature.period(), after: 0.0 };
     let plan = BiasPlan::new(scheme, model, &timeline, seed, paths).expect("enough paths");
     plan.estimate(&run(model, scheme, seed, paths), 2, &AtomicBool::new(false)).unwrap_or_default()
 }

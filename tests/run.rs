@@ -120,10 +120,11 @@ fn a_run_tells_how_much_of_a_number_is_the_step_or_why_it_does_not() {
     let few = run(&["--paths", "300"]);
     assert!(text(&few.stdout).contains("not estimated: at least 768 paths are needed"), "{}", text(&few.stdout));
     assert!(text(&few.stderr).contains("as a guide"));
-    let corrected = |paths| run(&["--paths", paths, "--scheme", "corrected-vi"]);
-    let few = corrected("800");
+    // 800 paths of 600 steps, with two rows, do not pay for 32 event-driven paths.
+    let little = ["--paths", "800", "--step", "0.1", "--set", "time.output_step=60", "--scheme", "corrected-vi"];
+    let few = mc(&here, &[&["run", RHO025, "--force"], &little[..]].concat());
     assert!(text(&few.stdout).contains("not estimated: the error of corrected-vi"), "{}", text(&few.stdout));
-    let reported = corrected("10000");
+    let reported = run(&["--paths", "10000", "--scheme", "corrected-vi"]);
     assert!(text(&reported.stdout).contains("of the step"), "{}", text(&reported.stdout));
     assert!(!text(&reported.stderr).contains("as a guide"), "{}", text(&reported.stderr));
     let reasons = [

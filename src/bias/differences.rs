@@ -49,7 +49,8 @@ pub(super) const MIN_STEPS: f64 = 16.0;
 const MAX_WIDTH: u64 = 16;
 
 /// Number of pieces into which a level is divided at least, so that threads can share the work.
-const PIECES: u64 = 8;
+/// With more of them, most of the time would go into their sums and into vectors that are not full.
+const PIECES: u64 = 2;
 
 /// Some paths of a run, to be simulated at three steps. The three simulations end, and observe
 /// whole forcing periods, at the same instants. These are the multiples of 4h nearest to the
@@ -107,14 +108,15 @@ impl Differences {
     /// The bias of every statistic that exists and can be extrapolated. The result has the same
     /// bits for any number of `threads`.
     pub fn estimate(&self, threads: usize, stop: &AtomicBool) -> Result<Vec<(Statistic, Bias)>, NoBias> {
-        let levels = self.simulate(threads, stop)?.map(|groups| groups.values());
+        // A median is expensive, so it is not computed where it would not be used.
+        let is_wanted = |statistic| is_smooth(statistic) || !self.model.temperature.is_random();
+        let levels = self.simulate(threads, stop)?.map(|groups| groups.values(is_wanted));
         let at = |of: &dyn Fn(&Grouped) -> f64| Levels(levels.each_ref().map(of));
         let sticks = levels[0].all[Statistic::SticksPerPath.index()];
         let bias = |(i, &statistic): (usize, &Statistic)| {
             let all = at(&|level| level.all[i]);
             let without: Vec<Levels> = (0..self.groups).map(|g| at(&|level| level.without[g][i])).collect();
-            let has_bias = all.are_finite() && (is_smooth(statistic) || !self.model.temperature.is_random());
-            has_bias.then(|| (statistic, self.bias(statistic, all, &without, sticks)))
+            all.are_finite().then(|| (statistic, self.bias(statistic, all, &without, sticks)))
         };
         Ok(Statistic::ALL.iter().enumerate().filter_map(bias).collect())
     }

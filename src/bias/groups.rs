@@ -5,7 +5,7 @@ use crate::model::{Event, Model};
 use crate::scheme::{Instant, Observer, Snapshot, Timeline};
 use crate::stats::{BlockObserver, Record, Statistic, Totals, jackknife};
 
-/// The value of every statistic, in the order of `Statistic::ALL`.
+/// The values of statistics, in the order of `Statistic::ALL`; NaN for one that is not wanted.
 pub(super) type Values = [f64; Statistic::ALL.len()];
 
 /// The statistics of paths in groups.
@@ -38,9 +38,10 @@ impl Groups {
         }
     }
 
-    /// The statistics of all paths, and without each group.
-    pub fn values(&self) -> Grouped {
-        let (all, without) = jackknife::leaving_one_out(&self.empty, &self.groups, Totals::values);
+    /// The wanted statistics of all paths, and without each group; NaN in the place of the others.
+    pub fn values(&self, is_wanted: impl Fn(Statistic) -> bool) -> Grouped {
+        let values = |totals: &Totals| totals.values(&is_wanted);
+        let (all, without) = jackknife::leaving_one_out(&self.empty, &self.groups, values);
         Grouped { all, without }
     }
 }
@@ -116,7 +117,7 @@ mod tests {
                     let scheme = DiscreteVi { step: 0.05 }.into();
                     let plan = Differences::new(scheme, &model, &timeline, seed, 8000).expect("enough paths");
                     let levels = plan.simulate(1, &AtomicBool::new(false)).expect("none diverges");
-                    let [fine, middle, _] = levels.map(|groups| groups.values());
+                    let [fine, middle, _] = levels.map(|groups| groups.values(|each| each == statistic));
                     let without: Vec<f64> =
                         middle.without.iter().zip(&fine.without).map(|(middle, fine)| middle[i] - fine[i]).collect();
                     (middle.all[i] - fine.all[i], jackknife::standard_error(&without))

@@ -14,20 +14,39 @@ use std::convert::Infallible;
 use std::ops::ControlFlow;
 use std::sync::atomic::AtomicBool;
 
+/// The number of pieces of work into which the reference run is divided if their size permits it,
+/// so that threads can share the work.
+const PIECES: u64 = 8;
+
 /// How event-driven paths are simulated beside a run.
-struct PieceCost {
-    /// Number of paths in a piece of work.
-    paths: u64,
-    /// The cost of one evaluation in path-steps. A path-step takes 0.8 to 1.25 ns (with AVX-512;
-    /// otherwise it takes longer, and an evaluation costs fewer of them).
+struct Pricing {
+    /// The largest number of paths in a piece of work lies between these two. In a large piece a
+    /// path takes less time, so pieces grow with the number of paths.
+    piece: [u64; 2],
+    /// The cost of one evaluation in path-steps. A path-step takes 0.75 ns with AVX-512. Other
+    /// instruction sets take longer for both.
     path_steps_per_evaluation: u64,
 }
 
-/// Paths that are simulated one by one: 63 to 77 ns per evaluation.
-const ONE_BY_ONE: PieceCost = PieceCost { paths: 16, path_steps_per_evaluation: 64 };
+/// Paths that are simulated one by one: 63 to 84 ns per evaluation.
+const ONE_BY_ONE: Pricing = Pricing { piece: [16, 16], path_steps_per_evaluation: 100 };
 
-/// Paths that are simulated together in lanes: 25 to 40 ns per evaluation with 64 paths and more.
-const IN_LANES: PieceCost = PieceCost { paths: 128, path_steps_per_evaluation: 32 };
+/// Paths that are simulated together in lanes: 17 to 20 ns per evaluation.
+const IN_LANES: Pricing = Pricing { piece: [256, 1024], path_steps_per_evaluation: 23 };
+
+impl Pricing {
+    /// The number of paths in a piece, if there are this many paths. All pieces are nearly equal,
+    /// so that no thread waits long for another one.
+    fn piece_size(&self, paths: u64) -> u64 {
+        let [smallest, largest] = self.piece;
+        let most = (paths / PIECES).clamp(smallest, largest);
+        paths.div_ceil(paths.div_ceil(most))
+    }
+}
+
+/// The cost of a row of the output grid, per path of the run, in path-steps. A row takes 8 ns if
+/// there are 100 000 paths, and 21 ns if there are 10 000.
+const PATH_STEPS_PER_ROW: f64 = 19.0;
 
 /// The number of paths from which the cost of a path is measured.
 const FIRST: u64 = 16;
@@ -51,7 +70,7 @@ impl ReferenceRun {
     /// A reference run beside a run of this many paths with this step and seed. It may cost one
     /// part in `one_part_in` of the run.
     pub fn new(model: &Model, timeline: &Timeline, h: f64, seed: u64, paths: u64, one_part_in: u64) -> Self {
-        let path_steps = timeline.end / h * paths as f64;
+        let path_steps = (timeline.end / h + PATH_STEPS_PER_ROW * timeline.rows() as f64) * paths as f64;
         let budget = path_steps as u64 / one_part_in;
         // Rows of the output grid are left out, because the bands have no bias estimate. The seed
         // gives other random numbers than those of the run.
@@ -61,16 +80,16 @@ impl ReferenceRun {
     /// The bias of the statistics of a run, without an order; none where the reference run costs
     /// too much, or does not resolve all slips (f_s and f_d nearly equal under noise).
     pub fn estimate(&self, run: &Summary, threads: usize, stop: &AtomicBool) -> Option<Vec<(Statistic, Bias)>> {
-        Some(biases(run, &self.simulate(threads, stop)?))
+        Some(self.simulate(threads, stop)?.biases(run))
     }
 
     /// The statistics of the reference run; none where it costs too much, or does not resolve all
     /// slips.
-    pub(super) fn simulate(&self, threads: usize, stop: &AtomicBool) -> Option<Summary> {
+    pub(super) fn simulate(&self, threads: usize, stop: &AtomicBool) -> Option<Referenced> {
         let exact = EventDrivenSimulation::new(&self.model, &self.timeline, DEFAULT_TOLERANCE);
-        let cost = if exact.paths_abreast() > 1 { IN_LANES } else { ONE_BY_ONE };
-        let paths = self.affordable(&exact, self.budget / cost.path_steps_per_evaluation)?;
-        let size = cost.paths;
+        let pricing = if exact.paths_abreast() > 1 { IN_LANES } else { ONE_BY_ONE };
+        let paths = self.affordable(&exact, self.budget / pricing.path_steps_per_evaluation)?;
+        let size = pricing.piece_size(paths);
         let simulation = Simulation::EventDriven(Box::new(exact));
         let plan = Plan { simulation, record: Record::NOTHING, seed: self.seed, paths, antithetic: false };
         let mut totals = Totals::empty(plan.model(), plan.timeline());
@@ -81,7 +100,8 @@ impl ReferenceRun {
         };
         let pieces = paths.div_ceil(size);
         let Ok(delivered) = in_order(pieces, threads, stop, make, deliver);
-        Some(totals.summary()).filter(|summary| delivered == pieces && summary.diverged.is_empty())
+        let is_whole = delivered == pieces && totals.diverged().is_empty();
+        is_whole.then(|| Referenced { paths, estimates: totals.estimates() })
     }
 
     /// The number of paths that this many evaluations allow, judged by the cost of the first paths,
@@ -100,11 +120,20 @@ impl ReferenceRun {
     }
 }
 
-/// The bias of the statistics of a run, given those of its reference run.
-pub(super) fn biases(run: &Summary, exact: &Summary) -> Vec<(Statistic, Bias)> {
-    let widening_factor = widening_factor(exact.completed_paths);
-    let both = run.estimates.iter().zip(&exact.estimates);
-    both.filter_map(|(run, exact)| Some((run.statistic, difference(run, exact, widening_factor)?))).collect()
+/// The statistics of a reference run.
+#[derive(Clone, Debug)]
+pub(super) struct Referenced {
+    paths: u64,
+    estimates: [Estimate; Statistic::ALL.len()],
+}
+
+impl Referenced {
+    /// The bias of the statistics of a run that has this reference run.
+    pub fn biases(&self, run: &Summary) -> Vec<(Statistic, Bias)> {
+        let widening_factor = widening_factor(self.paths);
+        let both = run.estimates.iter().zip(&self.estimates);
+        both.filter_map(|(run, exact)| Some((run.statistic, difference(run, exact, widening_factor)?))).collect()
+    }
 }
 
 /// The statistic of the run minus that of the reference run. The two are independent, so their

@@ -262,11 +262,22 @@ impl Totals {
         self.sums.phases.measured(statistic, &self.timeline, &self.counts).named(statistic)
     }
 
-    /// The value of every statistic, in the order of `Statistic::ALL`, without errors and
-    /// intervals.
-    pub fn values(&self) -> [f64; Statistic::ALL.len()] {
+    /// The numbers of the diverged paths, in ascending order.
+    pub fn diverged(&self) -> &[u64] {
+        &self.counts.diverged
+    }
+
+    /// Every statistic with its interval, in the order of `Statistic::ALL`.
+    pub fn estimates(&self) -> [Estimate; Statistic::ALL.len()] {
+        Statistic::ALL.map(|statistic| self.estimate(statistic))
+    }
+
+    /// The values of the wanted statistics, in the order of `Statistic::ALL`, without errors and
+    /// intervals; NaN in the place of the others.
+    pub fn values(&self, is_wanted: impl Fn(Statistic) -> bool) -> [f64; Statistic::ALL.len()] {
         let measured = |statistic| self.sums.phases.measured(statistic, &self.timeline, &self.counts);
-        Statistic::ALL.map(|statistic| measured(statistic).estimate())
+        let value = |statistic| if is_wanted(statistic) { measured(statistic).estimate() } else { f64::NAN };
+        Statistic::ALL.map(value)
     }
 }
 

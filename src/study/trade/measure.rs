@@ -360,7 +360,7 @@ fn coupled(
         return Ok(Vec::new());
     }
     groups.iter_mut().for_each(|groups| groups.truncate(reached));
-    let without = |r: usize| jackknife::leaving_one_out(&empty, &groups[r], Totals::values).1;
+    let without = |r: usize| jackknife::leaving_one_out(&empty, &groups[r], |totals| totals.values(|_| true)).1;
     let mut rungs: Vec<Rung> = Vec::new();
     for (r, (scheme, _)) in plans.iter().enumerate() {
         let mut totals = empty.clone();
