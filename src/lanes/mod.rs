@@ -2,16 +2,17 @@
 //! ordinary operators, so that formulas stay readable.
 //!
 //! [`Lanes`] is the arithmetic that noise and schemes need. It is implemented by eight lanes of
-//! AVX-512, by four lanes of AVX2 with FMA, by four lanes in portable Rust, and by `f64` as a
-//! single lane, so that a formula is written once for one path and for many. All of them compute
-//! the same bits: IEEE 754 defines the correct rounding of every operation that is used, and a
-//! fused multiply-add is written out where it is wanted and never left to the compiler. Each run
-//! chooses the widest lanes that the processor has ([`InstructionSet::detect`],
+//! AVX-512, by four lanes of AVX2 with FMA, by four lanes in portable Rust, by a pair of registers
+//! as one, and by `f64` as a single lane, so that a formula is written once for one path and for
+//! many. All of them compute the same bits: IEEE 754 defines the correct rounding of every operation
+//! that is used, and a fused multiply-add is written out where it is wanted and never left to the
+//! compiler. Each run chooses the widest lanes that the processor has ([`InstructionSet::detect`],
 //! [`InstructionSet::run`]).
 //!
 //! This is the only module that uses `unsafe` for speed. It is sound because the x86 lane types
-//! only wrap intrinsics of one instruction set, and because the only way to code that uses them is
-//! `run`, which checks with `is_x86_feature_detected!` that the processor has that instruction set.
+//! only wrap intrinsics of one instruction set, and because the only way to code that uses them are
+//! `run` and `run_paired`, which check with `is_x86_feature_detected!` that the processor has that
+//! instruction set.
 
 /// Implements the operators between two values of a lane type, and those between lanes and one
 /// number for every lane. The bodies are not passed as closures, because a closure would not be
@@ -45,6 +46,7 @@ macro_rules! arithmetic {
 use arithmetic;
 
 mod functions;
+mod pair;
 mod portable;
 mod scalar;
 #[cfg(test)]
@@ -106,12 +108,12 @@ pub trait Lanes:
     fn sqrt(self) -> Self;
     /// |self|
     fn abs(self) -> Self;
-    /// Those of the first `WIDTH` entries whose bit in `lanes` is set, packed at the front of the
-    /// result. What follows them in the result has no meaning.
+    /// Those of the entries whose bit in `lanes` is set, packed at the front of the result. What
+    /// follows them in the result has no meaning. No bit beyond the lanes may be set.
     #[inline(always)]
     fn compress(entries: &[u32; ROW], lanes: u32) -> [u32; ROW] {
         let (mut all, mut count) = ([0; ROW], 0);
-        for (i, &entry) in entries[..Self::WIDTH].iter().enumerate() {
+        for (i, &entry) in entries.iter().enumerate() {
             all[count & (ROW - 1)] = entry;
             count += (lanes >> i & 1) as usize;
         }
@@ -258,7 +260,7 @@ impl InstructionSet {
         }
     }
 
-    /// Run a program on this instruction set's lanes, or on the portable ones if the processor
+    /// Runs a program on this instruction set's lanes, or on the portable ones if the processor
     /// lacks it; the result is the same either way.
     pub fn run(self, program: &mut impl LaneProgram) {
         match self {
@@ -267,6 +269,16 @@ impl InstructionSet {
             #[cfg(target_arch = "x86_64")]
             InstructionSet::Avx2 if self.is_available() => x86::run_avx2(program),
             _ => program.run::<Portable>(),
+        }
+    }
+
+    /// The same, with the four lanes of AVX2 in pairs of registers ([`pair::Pair`]). This is for a
+    /// program that takes long for each register.
+    pub fn run_paired(self, program: &mut impl LaneProgram) {
+        match self {
+            #[cfg(target_arch = "x86_64")]
+            InstructionSet::Avx2 if self.is_available() => x86::run_avx2_paired(program),
+            _ => self.run(program),
         }
     }
 }

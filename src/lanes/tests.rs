@@ -201,6 +201,16 @@ impl LaneProgram for Moved {
     }
 }
 
+/// Every kind of lanes of this processor: an instruction set, and whether its registers are paired
+/// where they have four lanes.
+fn lanes() -> impl Iterator<Item = (InstructionSet, bool)> {
+    available().into_iter().flat_map(|set| [(set, false), (set, true)])
+}
+
+fn run(set: InstructionSet, is_paired: bool, program: &mut impl LaneProgram) {
+    if is_paired { set.run_paired(program) } else { set.run(program) }
+}
+
 fn available() -> Vec<InstructionSet> {
     let all: Vec<InstructionSet> = InstructionSet::ALL.into_iter().filter(|set| set.is_available()).collect();
     // If the test was compiled for an instruction set, as under Miri, that set must be among the
@@ -221,15 +231,15 @@ fn every_operation_has_the_bits_of_the_scalar_lane() {
     let mut scalar = new();
     scalar.run::<f64>();
     assert_eq!(scalar.results.len(), 45);
-    for set in available() {
+    for (set, is_paired) in lanes() {
         let mut wide = new();
-        set.run(&mut wide);
+        run(set, is_paired, &mut wide);
         assert_eq!(wide.results.len(), scalar.results.len());
         for ((name, found), (_, expected)) in wide.results.iter().zip(&scalar.results) {
             let differs = found.iter().zip(expected).position(|(a, b)| a != b);
             assert!(
                 found.len() == expected.len() && differs.is_none(),
-                "{name} on {}: number {differs:?} of {} is {:x?} and not {:x?}",
+                "{name} on {}, in pairs {is_paired}: number {differs:?} of {} is {:x?} and not {:x?}",
                 set.name(),
                 found.len(),
                 differs.map(|i| found[i]),
@@ -244,10 +254,10 @@ fn rows_are_gathered_scattered_and_compressed_alike() {
     let new = || Moved { columns: Vec::new(), scattered: Vec::new(), compressed: Vec::new() };
     let mut scalar = new();
     scalar.run::<f64>();
-    for set in available() {
+    for (set, is_paired) in lanes() {
         let mut wide = new();
-        set.run(&mut wide);
+        run(set, is_paired, &mut wide);
         assert_eq!(wide.columns.len(), 16);
-        assert!(wide.columns == scalar.columns && wide.scattered == scalar.scattered, "{}", set.name());
+        assert!(wide.columns == scalar.columns && wide.scattered == scalar.scattered, "{}, {is_paired}", set.name());
     }
 }

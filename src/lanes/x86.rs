@@ -2,13 +2,14 @@
 //!
 //! SAFETY, for every `unsafe` block of this file. Arithmetic intrinsics have one precondition: that
 //! the processor has their instruction set. The two lane types are private to this file and are
-//! only named by `run_avx512` and `run_avx2`, which [`super::InstructionSet::run`] calls after
-//! detecting that instruction set. Loads from and stores to slices need no alignment, and they
-//! reach exactly `WIDTH` elements of a slice whose length is checked first, or no more elements of
-//! an array than its type has. The aligned loads and stores of AVX-512 go to entries of a [`Row`],
-//! which is aligned to 64 bytes. Table lookups read the entry whose index is 64 bits shifted right
-//! by `KEY_SHIFT`, and a [`Table`] has one entry for each such index.
+//! only named by `run_avx512`, `run_avx2` and `run_avx2_paired`, which [`super::InstructionSet`]
+//! calls after detecting that instruction set. Loads from and stores to slices need no alignment,
+//! and they reach exactly `WIDTH` elements of a slice whose length is checked first, or no more
+//! elements of an array than its type has. The aligned loads and stores of AVX-512 go to entries of
+//! a [`Row`], which is aligned to 64 bytes. Table lookups read the entry whose index is 64 bits
+//! shifted right by `KEY_SHIFT`, and a [`Table`] has one entry for each such index.
 
+use super::pair::Pair;
 use super::{KEY_SHIFT, LaneProgram, Lanes, ROW, Row, Table};
 use std::arch::x86_64::*;
 use std::ops::{Add, Div, Mul, Neg, Sub};
@@ -26,6 +27,15 @@ pub(super) fn run_avx2(program: &mut impl LaneProgram) {
     #[target_feature(enable = "avx2,fma,popcnt")]
     fn widened(program: &mut impl LaneProgram) {
         program.run::<Avx2>();
+    }
+    // SAFETY: see the head of this file.
+    unsafe { widened(program) }
+}
+
+pub(super) fn run_avx2_paired(program: &mut impl LaneProgram) {
+    #[target_feature(enable = "avx2,fma,popcnt")]
+    fn widened(program: &mut impl LaneProgram) {
+        program.run::<Pair<Avx2>>();
     }
     // SAFETY: see the head of this file.
     unsafe { widened(program) }
@@ -299,20 +309,15 @@ fn transposed(rows: [__m512d; 8]) -> [__m512d; 8] {
     }
 }
 
-/// For each mask of four lanes, the bytes of four 32-bit entries in the order that packs those of
-/// the mask at the front. Entries written one by one would have to reach the cache before they
-/// could be read as a whole.
-static PACKED: [[u8; 16]; 16] = {
-    let (mut all, mut mask) = ([[0; 16]; 16], 0);
-    while mask < 16 {
+/// For each mask of the entries of a row, the numbers of those of the mask, at the front. Entries
+/// written one by one would have to reach the cache before they could be read as a whole.
+static PACKED: [[u32; ROW]; 1 << ROW] = {
+    let (mut all, mut mask) = ([[0; ROW]; 1 << ROW], 0);
+    while mask < 1 << ROW {
         let (mut lane, mut to) = (0, 0);
-        while lane < 4 {
+        while lane < ROW {
             if mask >> lane & 1 == 1 {
-                let mut byte = 0;
-                while byte < 4 {
-                    all[mask][4 * to + byte] = (4 * lane + byte) as u8;
-                    byte += 1;
-                }
+                all[mask][to] = lane as u32;
                 to += 1;
             }
             lane += 1;
@@ -396,9 +401,9 @@ impl Lanes for Avx2 {
     fn compress(entries: &[u32; ROW], lanes: u32) -> [u32; ROW] {
         let mut all = [0; ROW];
         unsafe {
-            let places = _mm_loadu_si128(PACKED[lanes as usize & 15].as_ptr().cast());
-            let packed = _mm_shuffle_epi8(_mm_loadu_si128(entries.as_ptr().cast()), places);
-            _mm256_storeu_si256(all.as_mut_ptr().cast(), _mm256_zextsi128_si256(packed));
+            let places = _mm256_loadu_si256(PACKED[lanes as usize & 0xFF].as_ptr().cast());
+            let packed = _mm256_permutevar8x32_epi32(_mm256_loadu_si256(entries.as_ptr().cast()), places);
+            _mm256_storeu_si256(all.as_mut_ptr().cast(), packed);
         }
         all
     }

@@ -77,7 +77,7 @@ impl AddressedDraws {
     pub fn next_u64(&mut self) -> u64 {
         let counter = self.counter;
         self.counter += 1;
-        bits_at::<f64>(self.origin, self.key, counter)
+        mixed::<f64>(self.origin.wrapping_add(counter.wrapping_mul(GAMMA)), self.key)
     }
 
     /// The keys that distinguish the numbers of this path from those of others: origin, key and
@@ -114,10 +114,9 @@ impl AddressedDraws {
     }
 }
 
-/// The 64 random bits at a counter of the path with these keys.
+/// The 64 random bits of a state of SplitMix64, with a second key.
 #[inline(always)]
-fn bits_at<L: Lanes>(origin: L::Bits, key: L::Bits, counter: L::Bits) -> L::Bits {
-    let z = L::add_bits(origin, L::mul_bits(counter, L::splat_bits(GAMMA)));
+fn mixed<L: Lanes>(z: L::Bits, key: L::Bits) -> L::Bits {
     let z = L::xor(z, L::shr::<30>(z));
     let z = L::xor(L::mul_bits(z, L::splat_bits(0xBF58_476D_1CE4_E5B9)), key);
     let z = L::mul_bits(L::xor(z, L::shr::<27>(z)), L::splat_bits(0x94D0_49BB_1331_11EB));
@@ -129,19 +128,30 @@ fn bits_at<L: Lanes>(origin: L::Bits, key: L::Bits, counter: L::Bits) -> L::Bits
 /// after the next one the number is.
 #[derive(Clone, Copy)]
 pub struct LaneDraws<L: Lanes> {
-    /// The keys of the paths ([`AddressedDraws::keys`]).
-    pub origin: L::Bits,
-    pub key: L::Bits,
-    /// The address of the next number of each path, cell 2^32 + place.
-    pub counter: L::Bits,
-    /// The bits of [`mirror::parts`].
-    pub flip: L::Bits,
+    /// The state of SplitMix64 at the next number of each path.
+    state: L::Bits,
+    key: L::Bits,
+    flip: L::Bits,
 }
 
 impl<L: Lanes> LaneDraws<L> {
+    /// The numbers of the paths with these keys ([`AddressedDraws::keys`]) from an address, cell
+    /// 2^32 + place, on.
+    #[inline(always)]
+    pub fn at([origin, key, flip]: [L::Bits; 3], address: u64) -> Self {
+        LaneDraws { state: L::add_bits(origin, L::splat_bits(address.wrapping_mul(GAMMA))), key, flip }
+    }
+
+    /// The same from a place on that may differ from path to path.
+    #[inline(always)]
+    pub fn at_places(keys: [L::Bits; 3], cell: u64, place: L::Bits) -> Self {
+        let first = Self::at(keys, cell << 32);
+        LaneDraws { state: L::add_bits(first.state, L::mul_bits(place, L::splat_bits(GAMMA))), ..first }
+    }
+
     #[inline(always)]
     fn bits(&self, after: u64) -> L::Bits {
-        bits_at::<L>(self.origin, self.key, L::add_bits(self.counter, L::splat_bits(after)))
+        mixed::<L>(L::add_bits(self.state, L::splat_bits(after.wrapping_mul(GAMMA))), self.key)
     }
 
     /// [`AddressedDraws::normal`].

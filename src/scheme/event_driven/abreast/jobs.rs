@@ -261,7 +261,7 @@ impl<L: Lanes> Count<L> {
     #[inline(always)]
     pub fn draws(self, cell: u64, origin: L::Bits, key: L::Bits) -> LaneDraws<L> {
         let place = L::keep_and_set(self.0, BEHIND - 1, 0);
-        LaneDraws { origin, key, counter: L::add_bits(place, L::splat_bits(cell << 32)), flip: self.flip() }
+        LaneDraws::at_places([origin, key, self.flip()], cell, place)
     }
 
     #[inline(always)]

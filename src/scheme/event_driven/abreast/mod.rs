@@ -313,7 +313,7 @@ impl Paths for Abreast<'_> {
             if observer.is_stopped() {
                 return;
             }
-            instructions.run(&mut InLanes { paths: self, cell, inside: None });
+            instructions.run_paired(&mut InLanes { paths: self, cell, inside: None });
             std::mem::swap(&mut self.now, &mut self.next);
             for (lane, event) in self.events.drain(..) {
                 observer.event(lane as usize, event);
@@ -323,7 +323,7 @@ impl Paths for Abreast<'_> {
 
     fn cross_watched(&mut self, cell: &Cell, inside: &mut Inside) {
         let instructions = self.instructions;
-        instructions.run(&mut InLanes { paths: self, cell, inside: Some(inside) });
+        instructions.run_paired(&mut InLanes { paths: self, cell, inside: Some(inside) });
         std::mem::swap(&mut self.now, &mut self.next);
     }
 

@@ -39,8 +39,7 @@ impl<L: Lanes> Border<L> {
     /// The random numbers of the paths at this address, cell 2^32 + place.
     #[inline(always)]
     pub fn draws(&self, address: u64) -> LaneDraws<L> {
-        let Border { origin, key, flip, .. } = *self;
-        LaneDraws { origin, key, counter: L::splat_bits(address), flip }
+        LaneDraws::at([self.origin, self.key, self.flip], address)
     }
 }
 
