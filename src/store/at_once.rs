@@ -20,7 +20,7 @@ pub(super) fn write_at_once(
     let path = workshop.path(RESULTS);
     let file =
         create_file(&path).map_err(|error| StoreError::NotCreated { partial: path.clone(), cause: cause(&error) })?;
-    let mut place = Place { file, units };
+    let mut place = Place::new(file, units);
     let written = fill(&mut place).and_then(|()| place.file.flush());
     if let Err(error) = written {
         // The handles are leaked, because closing a file that could not be written may crash HDF5.

@@ -7,6 +7,8 @@ use crate::dataset::{Attribute, Column, Destination, Kind, Source, Values};
 use crate::stats::Units;
 use hdf5::types::VarLenUnicode;
 use hdf5::{Dataset, Error, Extent, File, H5Type, Location, Result};
+use std::cell::RefCell;
+use std::collections::BTreeMap;
 use std::str::FromStr;
 
 /// How a growing variable is cut into chunks.
@@ -21,6 +23,9 @@ pub(super) struct Growth {
 /// An HDF5 file as a destination for netCDF variables.
 #[derive(Debug)]
 pub(super) struct Place {
+    /// The coordinates that variables have been attached to. They are kept open, because most
+    /// variables share a few. They come first, so that they are closed before the file.
+    coordinates: RefCell<BTreeMap<String, Dataset>>,
     /// The file; all variables are in its root group.
     pub file: File,
     /// Labels of the units.
@@ -28,6 +33,29 @@ pub(super) struct Place {
 }
 
 impl Place {
+    /// A place for variables in a file.
+    pub fn new(file: File, units: Units) -> Self {
+        Place { coordinates: RefCell::default(), file, units }
+    }
+
+    /// The coordinate of an axis; `None` if it is not in the file.
+    fn coordinate(&self, axis: &str) -> Result<Option<Dataset>> {
+        if let Some(open) = self.coordinates.borrow().get(axis) {
+            return Ok(Some(open.clone()));
+        }
+        if !self.file.link_exists(axis) {
+            return Ok(None);
+        }
+        let opened = self.file.dataset(axis)?;
+        self.coordinates.borrow_mut().insert(axis.to_owned(), opened.clone());
+        Ok(Some(opened))
+    }
+
+    /// The same for an axis that must be there.
+    fn known_coordinate(&self, axis: &str) -> Result<Dataset> {
+        self.coordinate(axis)?.ok_or_else(|| format!("{axis} is not in the file").into())
+    }
+
     /// Write a variable whose size is known. An empty variable is left out together with its
     /// dimension, because readers take a dimension of length zero for an unlimited one.
     fn write<T: Element>(&self, variable: &Described, values: &[T]) -> Result<()> {
@@ -53,7 +81,7 @@ impl Place {
         let mut chunk = vec![growth.rows];
         if variable.axes.len() > 1 {
             for axis in &variable.axes[1..] {
-                shape.push(Extent::fixed(self.file.dataset(axis)?.size()));
+                shape.push(Extent::fixed(self.known_coordinate(axis)?.size()));
             }
             chunk.push(growth.columns);
         }
@@ -69,10 +97,8 @@ impl Place {
     fn shape_along_axes(&self, variable: &Described) -> Result<Option<Vec<usize>>> {
         let mut shape = Vec::new();
         for axis in variable.axes {
-            if !self.file.link_exists(axis) {
-                return Ok(None);
-            }
-            shape.push(self.file.dataset(axis)?.size());
+            let Some(coordinate) = self.coordinate(axis)? else { return Ok(None) };
+            shape.push(coordinate.size());
         }
         Ok(Some(shape))
     }
@@ -97,7 +123,7 @@ impl Place {
         }
         T::mark_missing(dataset)?;
         for (index, axis) in variable.axes.iter().enumerate() {
-            attach_scale(dataset, index, &self.file.dataset(axis)?)?;
+            attach_scale(dataset, index, &self.known_coordinate(axis)?)?;
         }
         Ok(())
     }
@@ -125,9 +151,9 @@ impl Destination for Place {
 
     fn set_attribute(&mut self, name: &str, value: impl Into<Attribute>) -> Result<()> {
         match value.into() {
-            Attribute::Text(value) => write_scalar(&self.file, name, &text(&value)?),
-            Attribute::Real(value) => write_scalar(&self.file, name, &value),
-            Attribute::Count(value) => write_scalar(&self.file, name, &value),
+            Attribute::Text(value) => replace_scalar(&self.file, name, &text(&value)?),
+            Attribute::Real(value) => replace_scalar(&self.file, name, &value),
+            Attribute::Count(value) => replace_scalar(&self.file, name, &value),
             Attribute::Flags(values) => self.file.new_attr_builder().with_data(&values).create(name).map(drop),
         }
     }
@@ -188,15 +214,20 @@ impl Element for f64 {
     }
 }
 
-/// Write an attribute, replacing an earlier value.
+/// Write a new attribute.
 fn write_scalar<T: H5Type>(location: &Location, name: &str, value: &T) -> Result<()> {
+    location.new_attr::<T>().create(name)?.write_scalar(value)
+}
+
+/// Write an attribute, replacing an earlier value.
+fn replace_scalar<T: H5Type>(location: &Location, name: &str, value: &T) -> Result<()> {
     match location.attr_names()?.iter().any(|there| there == name) {
         true => location.attr(name)?.write_scalar(value),
-        false => location.new_attr::<T>().create(name)?.write_scalar(value),
+        false => write_scalar(location, name, value),
     }
 }
 
-/// Write a text attribute.
+/// Write a new text attribute.
 fn write_text(location: &Location, name: &str, value: &str) -> Result<()> {
     write_scalar(location, name, &text(value)?)
 }

@@ -72,7 +72,7 @@ impl Writer {
         let _ = fs::remove_file(&path);
         let file = create_file(&path)
             .map_err(|error| StoreError::NotCreated { partial: path.clone(), cause: cause(&error) })?;
-        let place = Place { file, units: header.units.clone() };
+        let place = Place::new(file, header.units.clone());
         let open = Some(Open { place, tables: Vec::new(), bearing: header.bearing });
         let mut writer = Writer { workshop, open, failure: None, appended: 0 };
         writer.guarded(|open| open.define(header, record))?;

@@ -21,7 +21,7 @@ pub(super) fn replace(path: &Path, header: &Provenance, sweep: &Sweep) -> Result
     let _ = fs::remove_file(&beside);
     let file = create_file(&beside)
         .map_err(|error| StoreError::NotCreated { partial: beside.clone(), cause: cause(&error) })?;
-    let mut place = Place { file, units: header.units.clone() };
+    let mut place = Place::new(file, header.units.clone());
     let failed = |full: bool, cause: String| match full {
         true => StoreError::DiskFull { partial: beside.clone(), target: path.to_owned(), saved_paths: 0, cause },
         false => StoreError::Write { partial: beside.clone(), target: path.to_owned(), saved_paths: 0, cause },
