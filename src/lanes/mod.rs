@@ -10,9 +10,9 @@
 //! [`InstructionSet::run`]).
 //!
 //! This is the only module that uses `unsafe` for speed. It is sound because the x86 lane types
-//! only wrap intrinsics of one instruction set, and because the only way to code that uses them are
-//! `run` and `run_paired`, which check with `is_x86_feature_detected!` that the processor has that
-//! instruction set.
+//! only wrap intrinsics of one instruction set, and because code that uses them can only be reached
+//! through `run` and `run_paired`, which check with `is_x86_feature_detected!` that the processor
+//! has that instruction set.
 
 /// Implements the operators between two values of a lane type, and those between lanes and one
 /// number for every lane. The bodies are not passed as closures, because a closure would not be
@@ -272,8 +272,8 @@ impl InstructionSet {
         }
     }
 
-    /// The same, with the four lanes of AVX2 in pairs of registers ([`pair::Pair`]). This is for a
-    /// program that takes long for each register.
+    /// The same, with two registers of four lanes of AVX2 as one of eight. This is for a program that
+    /// takes long for each register.
     pub fn run_paired(self, program: &mut impl LaneProgram) {
         match self {
             #[cfg(target_arch = "x86_64")]

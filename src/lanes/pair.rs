@@ -12,7 +12,7 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 #[derive(Clone, Copy)]
 pub struct Pair<L>(L, L);
 
-/// Implements operators register by register.
+/// Implements operators between two pairs.
 macro_rules! operators {
     ($($Trait:ident $name:ident)+) => {
         $(
@@ -28,6 +28,7 @@ macro_rules! operators {
 }
 operators! { Add add Sub sub Mul mul Div div }
 
+/// Implements operators between a pair and one number for every lane.
 macro_rules! operators_with_a_number {
     ($($Trait:ident $name:ident)+) => {
         $(
