@@ -4,10 +4,10 @@
 //! [`Lanes`] is the arithmetic that noise and schemes need. It is implemented by eight lanes of
 //! AVX-512, by four lanes of AVX2 with FMA, by four lanes in portable Rust, by a pair of registers
 //! as one, and by `f64` as a single lane, so that a formula is written once for one path and for
-//! many. All of them compute the same bits: IEEE 754 defines the correct rounding of every operation
-//! that is used, and a fused multiply-add is written out where it is wanted and never left to the
-//! compiler. Each run chooses the widest lanes that the processor has ([`InstructionSet::detect`],
-//! [`InstructionSet::run`]).
+//! many. All of them compute the same bits: IEEE 754 defines the correct rounding of every
+//! operation that is used, and a fused multiply-add is written out where it is wanted and never
+//! left to the compiler. Each run chooses the widest lanes that the processor has
+//! ([`InstructionSet::detect`], [`InstructionSet::run`]).
 //!
 //! This is the only module that uses `unsafe` for speed. It is sound because the x86 lane types
 //! only wrap intrinsics of one instruction set, and because code that uses them can only be reached
@@ -272,8 +272,8 @@ impl InstructionSet {
         }
     }
 
-    /// The same, with two registers of four lanes of AVX2 as one of eight. This is for a program that
-    /// takes long for each register.
+    /// The same, with two registers of four lanes of AVX2 as one of eight. This is for a program
+    /// that takes long for each register.
     pub fn run_paired(self, program: &mut impl LaneProgram) {
         match self {
             #[cfg(target_arch = "x86_64")]

@@ -258,6 +258,10 @@ fn rows_are_gathered_scattered_and_compressed_alike() {
         let mut wide = new();
         run(set, is_paired, &mut wide);
         assert_eq!(wide.columns.len(), 16);
-        assert!(wide.columns == scalar.columns && wide.scattered == scalar.scattered, "{}, {is_paired}", set.name());
+        assert!(
+            wide.columns == scalar.columns && wide.scattered == scalar.scattered,
+            "{}, in pairs {is_paired}",
+            set.name()
+        );
     }
 }
