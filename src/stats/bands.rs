@@ -12,6 +12,7 @@ use super::{Band, Bands, QUANTILE_LEVELS};
 use crate::model::Model;
 use crate::scheme::{Snapshot, Timeline};
 use ndarray::Array2;
+use std::borrow::Cow;
 use std::sync::Arc;
 
 /// The variables that have a band, in this order: x, x', T.
@@ -214,22 +215,25 @@ impl BandCounts {
     }
 
     /// The same counts with all values in the sketches.
-    fn normalised(mut self) -> Self {
-        self.count_waiting();
-        self
+    fn normalised(&self) -> Cow<'_, Self> {
+        let mut normalised = Cow::Borrowed(self);
+        if !self.waiting.is_empty() {
+            normalised.to_mut().count_waiting();
+        }
+        normalised
     }
 }
 
 impl PartialEq for BandCounts {
     fn eq(&self, other: &Self) -> bool {
-        let (mine, theirs) = (self.clone().normalised(), other.clone().normalised());
+        let (mine, theirs) = (self.normalised(), other.normalised());
         mine.rows == theirs.rows && mine.occupancy == theirs.occupancy
     }
 }
 
 impl Codec for BandCounts {
     fn write(&self, out: &mut Vec<u8>) {
-        self.clone().normalised().rows.write(out);
+        self.normalised().rows.write(out);
         self.occupancy.write(out);
     }
 
@@ -242,7 +246,7 @@ impl Codec for BandCounts {
 
 /// The bands of a run, from their sums and their counts.
 pub(super) fn summary(sums: &BandSums, counts: &BandCounts, timeline: &Timeline, is_random: bool, unit: Unit) -> Bands {
-    let counts = counts.clone().normalised();
+    let counts = counts.normalised();
     let size = unit.size() as f64;
     let band = |variable: usize| {
         let (moments, variances, rows) = (&sums.rows[variable], sums.variances(variable), &counts.rows[variable]);

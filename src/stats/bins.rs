@@ -152,6 +152,11 @@ impl Bins {
         }
     }
 
+    /// Whether nothing was counted since the occupied bins were last counted.
+    pub fn is_normalised(&self) -> bool {
+        self.counted_since_check == 0
+    }
+
     /// Add the counts of `other`.
     pub fn merge(&mut self, other: &Bins, shape: &Shape) {
         self.extend_to(other.smallest, other.largest, shape);

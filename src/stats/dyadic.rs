@@ -121,17 +121,15 @@ pub(super) fn coarsen(bins: &[(i64, u64)], levels: u32) -> List {
 /// The sum of two lists of counts.
 pub(super) fn union(a: &[(i64, u64)], b: &[(i64, u64)]) -> List {
     let mut both = List::with_capacity(a.len() + b.len());
-    let (mut i, mut j) = (0, 0);
-    while i < a.len() && j < b.len() {
-        if a[i].0 <= b[j].0 {
-            append(&mut both, a[i]);
-            i += 1;
-        } else {
-            append(&mut both, b[j]);
-            j += 1;
-        }
+    let (mut next, mut other) = (a, b);
+    // The bins of one list up to the next bin of the other are copied together, because mostly one
+    // list is short, or they hardly overlap.
+    while let Some(&(limit, _)) = other.first() {
+        let ready = next.iter().take_while(|bin| bin.0 <= limit).count();
+        append_all(&mut both, &next[..ready]);
+        (next, other) = (other, &next[ready..]);
     }
-    a[i..].iter().chain(&b[j..]).for_each(|&bin| append(&mut both, bin));
+    append_all(&mut both, next);
     both
 }
 
@@ -151,10 +149,19 @@ fn append(list: &mut List, (index, count): (i64, u64)) {
     }
 }
 
+/// Add the bins of another list, the first of which is not before the last one of this list.
+fn append_all(list: &mut List, bins: &[(i64, u64)]) {
+    if let Some((&first, others)) = bins.split_first() {
+        append(list, first);
+        list.extend_from_slice(others);
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use proptest::prelude::*;
+    use std::collections::BTreeMap;
 
     /// The bin by its definition, in integers: |i| is the smallest with |u| <= |i| 2^level.
     fn by_definition(u: f64, level: i32) -> i64 {
@@ -192,6 +199,16 @@ mod tests {
             let levels = more.min((1000 - fine).unsigned_abs());
             let coarse = Ruler::new(0.0, fine + levels as i32).index(u) as i64;
             prop_assert_eq!(coarsened(Ruler::new(0.0, fine).index(u) as i64, levels), coarse);
+        }
+
+        #[test]
+        fn the_sum_of_two_lists_has_the_counts_of_both(
+            [a, b] in prop::array::uniform2(prop::collection::btree_map(-40i64..40, 1u64..9, 0..60)),
+        ) {
+            let list = |counts: &BTreeMap<i64, u64>| counts.iter().map(|(&bin, &count)| (bin, count)).collect::<List>();
+            let mut sum = a.clone();
+            b.iter().for_each(|(&bin, &count)| *sum.entry(bin).or_default() += count);
+            prop_assert_eq!(union(&list(&a), &list(&b)), list(&sum));
         }
 
         #[test]

@@ -8,6 +8,7 @@
 use super::bins::{Bins, MOST_AT_ONCE, Shape};
 use super::codec::{Codec, Damaged, Reader};
 use super::ordered::{Binned, Kept, Ordered};
+use std::borrow::Cow;
 
 /// Values of one quantity.
 #[derive(Clone, Debug)]
@@ -56,9 +57,14 @@ impl Sketch {
             Some(bins) if WORTHWHILE * number >= self.shape.bins => return bins.count(parts, &self.shape),
             Some(_) => parts.iter().for_each(|part| self.pending.extend_from_slice(part)),
             None => {
-                let before = self.pending.len();
-                let values = parts.iter().copied().flatten();
-                self.pending.extend(values.filter(|value| **value != self.shape.centre));
+                let (before, centre) = (self.pending.len(), self.shape.centre);
+                for part in parts {
+                    // Mostly no value is at the centre, and then the part is copied as a whole.
+                    match part.contains(&centre) {
+                        false => self.pending.extend_from_slice(part),
+                        true => self.pending.extend(part.iter().filter(|value| **value != centre)),
+                    }
+                }
                 self.at_centre += (number + before - self.pending.len()) as u64;
             }
         }
@@ -80,18 +86,25 @@ impl Sketch {
 
     /// The values in order.
     pub fn ordered(&self) -> Ordered {
-        let Sketch { shape, at_centre, pending, bins } = self.normalised();
-        match bins {
-            None => Ordered::Kept(Kept::of(pending, shape.centre, at_centre)),
-            Some(bins) => Ordered::Binned(Binned::of(&bins, shape.centre)),
+        let normalised = self.normalised();
+        match &normalised.bins {
+            None => {
+                let Sketch { shape, at_centre, pending, .. } = normalised.into_owned();
+                Ordered::Kept(Kept::of(pending, shape.centre, at_centre))
+            }
+            Some(bins) => Ordered::Binned(Binned::of(bins, self.shape.centre)),
         }
     }
 
     /// The same values in their only form, except for the order of those that are kept one by one.
-    fn normalised(&self) -> Sketch {
+    fn normalised(&self) -> Cow<'_, Sketch> {
+        let is_waiting = !self.pending.is_empty() || self.at_centre > 0;
+        if !is_waiting && self.bins.as_ref().is_some_and(|bins| bins.is_normalised()) {
+            return Cow::Borrowed(self);
+        }
         let mut normalised = self.clone();
         normalised.settle();
-        normalised
+        Cow::Owned(normalised)
     }
 
     /// Counts what waits to be counted. This changes no result; it makes the results that are asked
@@ -135,10 +148,11 @@ impl PartialEq for Sketch {
 /// at the centre follows, and then the other values in ascending order.
 impl Codec for Sketch {
     fn write(&self, out: &mut Vec<u8>) {
-        let Sketch { mut pending, bins, at_centre, .. } = self.normalised();
-        u64::from(bins.is_some()).write(out);
-        match bins {
+        let normalised = self.normalised();
+        u64::from(normalised.bins.is_some()).write(out);
+        match &normalised.bins {
             None => {
+                let Sketch { mut pending, at_centre, .. } = normalised.into_owned();
                 pending.sort_unstable_by(f64::total_cmp);
                 at_centre.write(out);
                 pending.write(out);

@@ -54,8 +54,9 @@ pub struct Jobs {
     /// For each lane, the end of its piece or interval, and the keys of the random numbers of its
     /// path.
     pub right: Vec<Row>,
-    /// The pieces of each lane that wait, in the layout of `right`. It grows when it is full, since
-    /// few paths ever have as many waiting pieces as they may.
+    /// The pieces of each lane that wait, in the layout of `right`. It has room for as many as may
+    /// wait, and grows within that room, so that nothing is copied; few paths ever have as many, and
+    /// memory that is not used takes no time.
     stack: Vec<Row>,
     /// The lanes that were flagged in this cell.
     flagged: Queue,
@@ -111,10 +112,12 @@ impl Jobs {
     /// Tables and queues for `lanes` lanes, a whole number of registers.
     pub fn new(lanes: usize) -> Self {
         let rows = lanes + ROW;
+        let mut stack = Vec::with_capacity(DEPTH * rows);
+        stack.resize(rows, Row([0.0; ROW]));
         Jobs {
             left: vec![Row([0.0; ROW]); rows],
             right: vec![Row([0.0; ROW]); rows],
-            stack: vec![Row([0.0; ROW]); rows],
+            stack,
             flagged: Queue::new(rows),
             queues: std::array::from_fn(|_| Queue::new(rows)),
             batch: Queue::new(rows),
