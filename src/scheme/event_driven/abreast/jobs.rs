@@ -64,6 +64,8 @@ pub struct Jobs {
     /// The lanes that were taken out of a queue and remain to be worked on.
     batch: Queue,
     lanes: usize,
+    /// The number of lanes of a register.
+    width: usize,
 }
 
 /// Lanes that wait. The last one is taken first.
@@ -109,8 +111,8 @@ impl Queue {
 }
 
 impl Jobs {
-    /// Tables and queues for `lanes` lanes, a whole number of registers.
-    pub fn new(lanes: usize) -> Self {
+    /// Tables and queues for `lanes` lanes, a whole number of registers of `width` lanes.
+    pub fn new(lanes: usize, width: usize) -> Self {
         let rows = lanes + ROW;
         let mut stack = Vec::with_capacity(DEPTH * rows);
         stack.resize(rows, Row([0.0; ROW]));
@@ -122,6 +124,7 @@ impl Jobs {
             queues: std::array::from_fn(|_| Queue::new(rows)),
             batch: Queue::new(rows),
             lanes: rows,
+            width,
         }
     }
 
@@ -152,8 +155,7 @@ impl Jobs {
     /// lanes, where no queue fills a register. [`Jobs::next`] returns them register by register, so
     /// that the work on one register need not wait for the queues to which the lanes of the one
     /// before are sent.
-    #[inline(always)]
-    pub fn longest<L: Lanes>(&mut self) -> Option<Task> {
+    pub fn longest(&mut self) -> Option<Task> {
         let mut longest = 0;
         for i in 1..TASKS.len() {
             if self.queues[i].len > self.queues[longest].len {
@@ -161,7 +163,7 @@ impl Jobs {
             }
         }
         let queue = &mut self.queues[longest];
-        let taken = if queue.len < L::WIDTH { queue.len } else { queue.len - queue.len % L::WIDTH };
+        let taken = if queue.len < self.width { queue.len } else { queue.len - queue.len % self.width };
         if taken == 0 {
             return None;
         }

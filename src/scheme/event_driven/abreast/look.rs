@@ -1,11 +1,12 @@
 //! The states of the paths at instants inside a cell, in lanes, after the paths have crossed it.
 
+use super::Abreast;
+use super::crossing::Crossing;
 use super::jobs::Rows;
 use super::records::is_inside;
 use super::shared_step::SharedStep;
 use super::slip::Searched;
 use super::states::{Border, rows_from};
-use super::{Abreast, Crossing};
 use crate::lanes::{Lanes, ROW};
 use crate::noise::{LaneDraws, TimeChange, short_bridge_at};
 use crate::scheme::columns::Columns;
@@ -13,6 +14,7 @@ use crate::scheme::event_driven::cell_loop::{Cascade as _, Inside, LOST};
 use crate::scheme::event_driven::corridor::{Node, stick_piece};
 use crate::scheme::event_driven::first_stop::{Interval, Motion};
 use crate::scheme::event_driven::slip_step::{State, force, motion, resolved_travel};
+use crate::scheme::event_driven::slip_transition::HarmonicResponse;
 use crate::scheme::event_driven::watch::{Bridge, Glance, SlipPiece, StickEnd, StickPiece, Stuck, TRIES, Way};
 
 /// The start of a slip step.
@@ -269,6 +271,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
     fn way(&mut self, step: &StepStart<L>, after: L) -> Way<L> {
         let noisy = self.paths.noisy;
         let since = after - step.after;
+        self.responses.resize(self.cell.terms.len(), HarmonicResponse::none());
         let transition = noisy.oscillator().series(since, &mut self.responses);
         let mut mean = transition.free(step.state, step.eps * noisy.scene().friction.dynamic_force);
         let mut forcing = L::splat(0.0);

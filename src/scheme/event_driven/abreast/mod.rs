@@ -15,6 +15,7 @@
 //! Where the body oscillates much faster than forcing and noise change, a slip takes many steps per
 //! cell. Then only sticks are treated in lanes, and a lane with a slip crosses the cell alone.
 
+mod crossing;
 mod jobs;
 mod look;
 mod records;
@@ -30,7 +31,6 @@ use super::cell_loop::{self, Cascade, Inside, LOST, Path, Paths};
 use super::cells::Cell;
 use super::corridor::Pending;
 use super::noisy::{Noisy, Scratch};
-use super::slip_transition::HarmonicResponse;
 use super::watch::Nobody;
 use super::work::{Simulated, Work};
 use crate::lanes::{InstructionSet, LaneProgram, Lanes, ROW, Row, Table};
@@ -38,7 +38,7 @@ use crate::model::{Event, Phase, Sign};
 use crate::noise::{AddressedDraws, cells};
 use crate::scheme::Observer;
 use crate::scheme::columns::Columns;
-use jobs::{Jobs, Queue, Task};
+use jobs::{Jobs, Queue};
 use records::Records;
 use states::{Border, Phases, rows_from};
 use std::collections::BTreeSet;
@@ -78,13 +78,6 @@ pub struct Abreast<'a> {
     scratch: (Scratch, Pending),
 }
 
-/// Where more than one in `MOST_ODD` lanes has to cross the cell again, all paths are simulated
-/// alone.
-const MOST_ODD: usize = 2;
-
-/// The number of lanes after which the decision for `MOST_ODD` is made.
-const SWEPT: usize = 4096;
-
 impl<'a> Abreast<'a> {
     /// The paths with these numbers, at t = 0.
     pub fn new(noisy: &'a Noisy, instructions: InstructionSet, seed: u64, paths: &[u64]) -> Self {
@@ -105,7 +98,7 @@ impl<'a> Abreast<'a> {
             spent: vec![0; lanes + ROW],
             spent_before: vec![0; lanes + ROW],
             lost: BTreeSet::new(),
-            jobs: Jobs::new(lanes),
+            jobs: Jobs::new(lanes, crossing::width(instructions)),
             records: Records::default(),
             begun: [vec![0.0; lanes + ROW], vec![0.0; lanes + ROW]],
             events: Vec::new(),
@@ -196,90 +189,6 @@ impl<'a> Abreast<'a> {
     }
 }
 
-/// A crossing of one cell by all paths, in lanes of one kind.
-struct Crossing<'p, 'a, L: Lanes> {
-    paths: &'p mut Abreast<'a>,
-    cell: &'p Cell,
-    /// Buffer for the responses of a step to the harmonics.
-    responses: Vec<HarmonicResponse<L>>,
-}
-
-/// A crossing of a cell in lanes, for any instruction set. `inside` are the stops inside the cell.
-struct InLanes<'p, 'a> {
-    paths: &'p mut Abreast<'a>,
-    cell: &'p Cell,
-    inside: Option<&'p mut Inside>,
-}
-
-impl LaneProgram for InLanes<'_, '_> {
-    #[inline(always)]
-    fn run<L: Lanes>(&mut self) {
-        let responses = vec![HarmonicResponse::none(); self.cell.terms.len()];
-        let mut crossing = Crossing::<L> { paths: self.paths, cell: self.cell, responses };
-        crossing.run(self.inside.as_deref_mut());
-    }
-}
-
-impl<L: Lanes> Crossing<'_, '_, L> {
-    #[inline(always)]
-    fn run(&mut self, mut inside: Option<&mut Inside>) {
-        let glances = inside.as_ref().map_or(&[][..], |inside| &inside.glances);
-        let is_closer = glances.iter().any(|glance| glance.is_closer);
-        self.paths.records.begin(self.cell.start, glances);
-        self.paths.spent_before.copy_from_slice(&self.paths.spent);
-        self.paths.jobs.clear();
-        // A closer look is for few paths.
-        let are_odd = self.paths.turned_odd * MOST_ODD > self.paths.swept && self.paths.swept > SWEPT;
-        if are_odd || is_closer {
-            let Abreast { odd, lost, count, .. } = &mut *self.paths;
-            odd.extend((0..*count).filter(|lane| !lost.contains(lane)).map(|lane| lane as u32));
-        } else {
-            self.paths.swept += self.paths.count;
-            self.sweep();
-            self.work_off();
-            if let Some(inside) = &mut inside {
-                self.look(inside);
-            }
-            let Abreast { odd, events, .. } = &mut *self.paths;
-            if !odd.is_empty() {
-                events.retain(|(lane, _)| !odd.contains(lane));
-            }
-        }
-        while let Some(lane) = self.paths.odd.pop() {
-            self.paths.cross_alone(lane as usize, self.cell, inside.as_deref_mut());
-        }
-        self.paths.limit_work();
-        if let Some(inside) = inside {
-            inside.events.extend(self.paths.events.drain(..).map(|(lane, event)| (lane as usize, event)));
-        }
-    }
-
-    /// Works on the flagged lanes until all queues are empty.
-    #[inline(always)]
-    fn work_off(&mut self) {
-        while let Some(task) = self.paths.jobs.longest::<L>() {
-            while let Some((rows, lanes)) = self.paths.jobs.next::<L>() {
-                match task {
-                    Task::Halve => self.halve(&rows, lanes),
-                    Task::Decide => self.decide(&rows, lanes),
-                    Task::Leave => self.leave(&rows, lanes),
-                    Task::StickOn => self.stick_on(&rows, lanes),
-                    Task::Begin => self.begin(&rows, lanes),
-                    Task::Bisect => self.bisect(&rows, lanes),
-                    Task::SlipOn => self.slip_on(&rows, lanes),
-                    Task::Stop => self.stop(&rows, lanes),
-                    Task::Rest => self.rest(&rows, lanes),
-                }
-            }
-        }
-        let Abreast { odd, turned_odd, jobs, spent, .. } = &mut *self.paths;
-        for &lane in jobs.flagged() {
-            spent[lane as usize] += jobs.spent(lane as usize);
-        }
-        *turned_odd += odd.len();
-    }
-}
-
 /// Writes the state of every path at the end of a cell.
 struct LookAtEnd<'p, 'a> {
     paths: &'p Abreast<'a>,
@@ -308,13 +217,11 @@ impl Paths for Abreast<'_> {
     }
 
     fn cross(&mut self, cells: &[Cell], observer: &mut dyn Observer) {
-        let instructions = self.instructions;
         for cell in cells {
             if observer.is_stopped() {
                 return;
             }
-            instructions.run_paired(&mut InLanes { paths: self, cell, inside: None });
-            std::mem::swap(&mut self.now, &mut self.next);
+            self.cross_cell(cell, None);
             for (lane, event) in self.events.drain(..) {
                 observer.event(lane as usize, event);
             }
@@ -322,9 +229,7 @@ impl Paths for Abreast<'_> {
     }
 
     fn cross_watched(&mut self, cell: &Cell, inside: &mut Inside) {
-        let instructions = self.instructions;
-        instructions.run_paired(&mut InLanes { paths: self, cell, inside: Some(inside) });
-        std::mem::swap(&mut self.now, &mut self.next);
+        self.cross_cell(cell, Some(inside));
     }
 
     fn look(&self, passed: &Cell, columns: &mut Columns) {

@@ -1,6 +1,6 @@
 //! Sub-phases that may stop in the cell, and those that begin in it.
 
-use super::Crossing;
+use super::crossing::Crossing;
 use super::jobs::{Count, DEPTH, Jobs, Rows, Task};
 use super::states::Border;
 use super::stick::Piece;
@@ -12,7 +12,7 @@ use crate::scheme::event_driven::corridor::Node;
 use crate::scheme::event_driven::first_stop::{Interval, Motion, STOP_REFINEMENTS, early_parts, forwards, halves};
 use crate::scheme::event_driven::noisy::{ALIGNMENT, FEEBLE, SHORTEST};
 use crate::scheme::event_driven::slip_step::{State, force, motion, resolved_travel};
-use crate::scheme::event_driven::slip_transition::given_noise;
+use crate::scheme::event_driven::slip_transition::{HarmonicResponse, given_noise};
 
 /// A slip that is searched for its stop, from left to right.
 #[derive(Clone, Copy)]
@@ -252,6 +252,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         );
         let mut odd = lanes & !L::bitmask(is_usual);
 
+        self.responses.resize(self.cell.terms.len(), HarmonicResponse::none());
         let mut transition = self.paths.noisy.oscillator().series(remaining, &mut self.responses);
         transition.given_noise = given_noise(&transition.covariance);
         let friction = eps * scene.friction.dynamic_force;

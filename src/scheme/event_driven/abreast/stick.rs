@@ -1,6 +1,6 @@
 //! Sticks that may be left in the cell.
 
-use super::Crossing;
+use super::crossing::Crossing;
 use super::jobs::{Count, DEPTH, Jobs, Rows, Task};
 use super::slip::Begun;
 use super::states::Border;

@@ -1,11 +1,12 @@
 //! Takes all lanes across a cell as if it had no event, and finds the lanes that may have one.
 
+use super::Abreast;
+use super::crossing::Crossing;
 use super::jobs::{Count, Rows, Task};
 use super::shared_step::SharedStep;
 use super::slip::Searched;
 use super::states::Border;
 use super::stick::Piece;
-use super::{Abreast, Crossing};
 use crate::lanes::Lanes;
 use crate::scheme::event_driven::cell_loop::{Cascade as _, EVENT_PLACE, NOISE_PLACE, WHOLE_PLACE};
 use crate::scheme::event_driven::corridor::Node;
