@@ -15,7 +15,8 @@ use stick_slip::study::trade::{Choice, Limits, Standing, Trade, TradeError};
 /// The keys of a scenario whose values are chosen.
 pub const CHOSEN: [&str; 5] = ["ensemble.antithetic", "ensemble.paths", "scheme.kind", "scheme.tolerance", "time.step"];
 
-/// A run for all statistics that takes more seconds than this is announced with a way to shorten it.
+/// A run for all statistics that takes more seconds than this is announced with a way to shorten
+/// it.
 const NOTABLE: f64 = 20.0;
 
 /// The accuracy that is asked for, and whether only errors are printed.

@@ -62,8 +62,8 @@ pub struct Run {
     /// Overwrite the results of another run
     #[arg(long)]
     force: bool,
-    /// Do not estimate the bias of each statistic that comes from the step; saves up to an eighth of
-    /// the time
+    /// Do not estimate the bias of each statistic that comes from the step; saves up to an eighth
+    /// of the time
     #[arg(long)]
     no_bias: bool,
     /// Print the resolved scenario and what follows from it before the run

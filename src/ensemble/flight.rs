@@ -7,9 +7,9 @@
 use crate::model::Event;
 use crate::scheme::{Instant, Observer, Snapshot};
 
-/// The observers of the blocks. All blocks have `LANES` paths except perhaps the last one, which may
-/// have fewer. Lane i of the flight is lane `i % LANES` of block `i / LANES`; since the number is a
-/// constant, this takes no division.
+/// The observers of the blocks. All blocks have `LANES` paths except perhaps the last one, which
+/// may have fewer. Lane i of the flight is lane `i % LANES` of block `i / LANES`; since the number
+/// is a constant, this takes no division.
 pub(super) struct Flight<O, const LANES: usize>(pub Vec<O>);
 
 impl<O: Observer, const LANES: usize> Observer for Flight<O, LANES> {

@@ -18,8 +18,9 @@
 //! - otherwise as a difference quotient over the two roots farthest apart. The first-order
 //!   differences inside use sinh(q)/q where their own roots are close;
 //! - where all three roots are close together and away from 0, by the Taylor series of the same
-//!   difference about the centre of l1 and l2, because the quotient would be 0/0. For a harmonic, z =
-//!   i w, this cannot be, as w >= 0 and gamma >= 0. For z = -theta it can: theta = gamma = w0.
+//!   difference about the centre of l1 and l2, because the quotient would be 0/0. For a
+//!   harmonic, z = i w, this cannot be, as w >= 0 and gamma >= 0. For z = -theta it can: theta =
+//!   gamma = w0.
 
 use super::complex::Complex;
 
@@ -248,8 +249,9 @@ mod tests {
         }
     }
 
-    /// At theta = gamma = w0 the three roots are one, and the response is r^2 e^{-r}/2. Close to it,
-    /// the closed form for theta apart from a double root holds, to the digits that it has left.
+    /// At theta = gamma = w0 the three roots are one, and the response is r^2 e^{-r}/2. Close to
+    /// it, the closed form for theta apart from a double root holds, to the digits that it has
+    /// left.
     #[test]
     fn three_equal_roots_have_the_limit_of_close_ones() {
         let critical = ImpulseResponse::new(1.0, 1.0);
@@ -266,7 +268,8 @@ mod tests {
                 assert!((response - expected).abs() <= 1e-11 * expected, "{r} {gap}: {response} {expected}");
             }
         }
-        // Roots -gamma +- i w close to z = -gamma + d: the convolution of e^{-gamma t} sin(w t)/w and e^{z t}.
+        // Roots -gamma +- i w close to z = -gamma + d: the convolution of e^{-gamma t} sin(w t)/w
+        // and e^{z t}.
         let (w0, d) = (1.01_f64, -0.05);
         let w = libm::sqrt(w0 * w0 - 1.0);
         for r in [1.1, 3.0, 3.4, 9.0] {

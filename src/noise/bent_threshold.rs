@@ -170,8 +170,9 @@ mod tests {
         }
     }
 
-    /// The density of the place of the first meeting, times P(met), on a grid of midpoints: Durbin's
-    /// integral equation for Brownian motion, and then the probability to end at 0 from there.
+    /// The density of the place of the first meeting, times P(met), on a grid of midpoints:
+    /// Durbin's integral equation for Brownian motion, and then the probability to end at 0 from
+    /// there.
     fn density(&BentThreshold { distances: (d0, d1), bend, .. }: &BentThreshold<f64>, n: usize) -> Vec<f64> {
         let normal = |x: f64, s: f64| (-x * x / (2.0 * s)).exp() / (std::f64::consts::TAU * s).sqrt();
         let place = |i: usize| (i as f64 + 0.5) / n as f64;
@@ -192,8 +193,8 @@ mod tests {
     }
 
     /// The probability to meet a threshold whose deviation is up to 0.08 sqrt(S), the most at the
-    /// default tolerance, is exact within 0.07 %. Without the term of second order it is 0.25 % off,
-    /// with a mean deviation that is 10 % off 1 %.
+    /// default tolerance, is exact within 0.07 %. Without the term of second order it is 0.25 %
+    /// off, with a mean deviation that is 10 % off 1 %.
     #[test]
     fn a_bent_threshold_is_met_as_often_as_the_integral_equation_tells() {
         for bend in [0.64, -0.64] {
@@ -208,10 +209,10 @@ mod tests {
         }
     }
 
-    /// Null: the share of places below each of four is that of the integral equation within 1 %, the
-    /// error of second order. 1e5 places for each threshold, so that 3.9 standard errors are below
-    /// 0.62 %, and each of 112 comparisons fails by chance less than once in 1e4. Seed 41. A law
-    /// without the bend is up to 6 % off, and one with twice the bend too.
+    /// Null: the share of places below each of four is that of the integral equation within 1 %,
+    /// the error of second order. 1e5 places for each threshold, so that 3.9 standard errors are
+    /// below 0.62 %, and each of 112 comparisons fails by chance less than once in 1e4. Seed 41. A
+    /// law without the bend is up to 6 % off, and one with twice the bend too.
     #[test]
     fn a_bent_threshold_is_met_where_the_integral_equation_tells() {
         let n = 1000;

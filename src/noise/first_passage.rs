@@ -22,8 +22,8 @@
 //! ```
 //!
 //! The terms are the probabilities to meet this threshold, the other and then this one, and this
-//! one, the other, and this one again. The first omitted term is below exp(-4 w^2/S) where both ends
-//! lie between the thresholds.
+//! one, the other, and this one again. The first omitted term is below exp(-4 w^2/S) where both
+//! ends lie between the thresholds.
 
 use crate::lanes::{Choose, Lanes, exp};
 

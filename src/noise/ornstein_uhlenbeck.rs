@@ -38,8 +38,8 @@ pub fn increment_variance(theta: f64, sigma: f64, h: f64) -> f64 {
     spread(theta, sigma, forgotten(theta, h))
 }
 
-/// The process over a time h, given both ends, as a Brownian bridge with the same ends. The fraction
-/// of the bridge that has passed at the time t is
+/// The process over a time h, given both ends, as a Brownian bridge with the same ends. The
+/// fraction of the bridge that has passed at the time t is
 ///
 /// ```text
 /// u = (1 + tanh(theta (t - h/2))/tanh(theta h/2))/2 = X/(shrink X + stretch),   X = e^{2 theta t} - 1
@@ -48,10 +48,10 @@ pub fn increment_variance(theta: f64, sigma: f64, h: f64) -> f64 {
 pub struct TimeChange<L = f64> {
     /// S = sigma^2 sinh(theta h)/theta, the duration of the Brownian bridge.
     pub duration: L,
-    /// (8/theta^2) (cosh(theta h/2) - 1) = h^2 (1 + (theta h)^2/48 + ..). A threshold U of v becomes
-    /// a threshold of the Brownian bridge, with the same distances at both ends. At a fraction u it
-    /// deviates from a straight line by -c bow u (1 - u)/2, where c = U'' - theta^2 U. This is
-    /// exact up to (theta h)^2/16 of itself if c is constant.
+    /// (8/theta^2) (cosh(theta h/2) - 1) = h^2 (1 + (theta h)^2/48 + ..). A threshold U of v
+    /// becomes a threshold of the Brownian bridge, with the same distances at both ends. At a
+    /// fraction u it deviates from a straight line by -c bow u (1 - u)/2, where c = U'' - theta^2
+    /// U. This is exact up to (theta h)^2/16 of itself if c is constant.
     pub bow: L,
     /// 1 - e^{-theta h}.
     shrink: L,
@@ -235,11 +235,11 @@ mod tests {
             product / n / stationary
         );
     }
-    /// A Brownian bridge over S has the variance S u (1 - u) at a fraction u, and its mean is linear
-    /// in u. The scale between v and the bridge is cosh(theta h/2)/cosh(theta (t - h/2)). Mean and
-    /// variance of v at t, given both ends, are compared with [`bridge_at`]. The deviation of the
-    /// threshold U = 1 from a straight line is compared with the one that `bow` tells, in the middle
-    /// and at a quarter.
+    /// A Brownian bridge over S has the variance S u (1 - u) at a fraction u, and its mean is
+    /// linear in u. The scale between v and the bridge is cosh(theta h/2)/cosh(theta (t - h/2)).
+    /// Mean and variance of v at t, given both ends, are compared with [`bridge_at`]. The deviation
+    /// of the threshold U = 1 from a straight line is compared with the one that `bow` tells, in
+    /// the middle and at a quarter.
     #[test]
     fn the_time_change_makes_a_brownian_bridge() {
         for (theta, sigma, h) in

@@ -171,8 +171,8 @@ impl DurationCounts {
     }
 
     /// Everything that is reported of the durations, which `ordered` holds in order.
-    /// `completed_ends` is the interval of the number of completed sticks. `chance` is the number of
-    /// units with a completed stick, if these are random.
+    /// `completed_ends` is the interval of the number of completed sticks. `chance` is the number
+    /// of units with a completed stick, if these are random.
     pub fn summary(
         &self,
         ordered: &OrderedDurations,

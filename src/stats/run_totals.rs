@@ -114,8 +114,8 @@ impl<X: Merge + Clone> RunTotals<X> {
         Ok(())
     }
 
-    /// Counts what waits to be counted. This changes no result. It is done once at the end of a run,
-    /// because otherwise the state and each estimate would do it again.
+    /// Counts what waits to be counted. This changes no result. It is done once at the end of a
+    /// run, because otherwise the state and each estimate would do it again.
     pub fn settle(&mut self) {
         self.counts.settle();
     }

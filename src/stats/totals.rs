@@ -529,8 +529,8 @@ fn stick_duration_sd(paths: &JointMoments<3>, tails: &Tails, contributing: u64) 
 /// Counts of k(j).
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct SubPhaseTotals {
-    /// For each k from 1 on, the counts of the paths of each batch. Most phases have few sub-phases,
-    /// so that the entries in use lie close together.
+    /// For each k from 1 on, the counts of the paths of each batch. Most phases have few
+    /// sub-phases, so that the entries in use lie close together.
     counts: Vec<[u64; BATCHES]>,
     censored: u64,
 }

@@ -6,11 +6,11 @@
 //! - is *clear* if it cannot meet a threshold: the probability that it does, after the threshold
 //!   has been moved towards the noise by the most that it bends, is below exp(-35);
 //! - is *decided* by [`StickStep::exit`] if it is short enough. A bridge between these two ends
-//!   meets first one threshold and then the other with a probability below 2 exp(-4), which is taken
-//!   into account: h <= width (width - |b1 - b0|)/(2 s^2), where b1 counts as f_s or -f_s if it lies
-//!   beyond. And the threshold is straight enough: |c| h^2/8 <= kappa s sqrt(h) for each threshold
-//!   that may be met, where c is the bend of the threshold ([`super::stick_step`]) and kappa follows
-//!   from the tolerance;
+//!   meets first one threshold and then the other with a probability below 2 exp(-4), which is
+//!   taken into account: h <= width (width - |b1 - b0|)/(2 s^2), where b1 counts as f_s or -f_s if
+//!   it lies beyond. And the threshold is straight enough: |c| h^2/8 <= kappa s sqrt(h) for each
+//!   threshold that may be met, where c is the bend of the threshold ([`super::stick_step`]) and
+//!   kappa follows from the tolerance;
 //! - is otherwise divided: n is drawn in the middle, and the halves are treated from left to right.
 
 use super::cell_loop::Path;
@@ -266,9 +266,9 @@ mod tests {
     }
 
     /// Exit of dv = -v dt + dW from (-0.25, 0.25), started a fiftieth of the width above the lower
-    /// end, as a stick that follows a short slip does. A piece of 1/32 = width^2/(8 s^2) ends beyond
-    /// the upper threshold with a probability of 0.003; such a bridge has nearly always met the
-    /// lower one before. Null: the share of exits at the upper threshold is the ratio of the
+    /// end, as a stick that follows a short slip does. A piece of 1/32 = width^2/(8 s^2) ends
+    /// beyond the upper threshold with a probability of 0.003; such a bridge has nearly always met
+    /// the lower one before. Null: the share of exits at the upper threshold is the ratio of the
     /// integrals of exp(v^2), the scale function of the process. 4e5 paths give a standard error of
     /// 1.1 %; if pieces of that length were decided for one threshold after the other, the upper
     /// one first, the share would be 16 % too large.
@@ -340,8 +340,8 @@ mod tests {
     /// the probability to leave in the first dip, and the mean time of these exits, are the exact
     /// ones (`tests/reference/first_stick.py`) within the default tolerance, 0.1 %. 8e5 paths give
     /// standard errors of 0.12 and 0.06 %; each of the two comparisons fails by chance once in 1e4.
-    /// At four times the chord error the time is 0.3 % too short; with twice the first-order change of
-    /// the rate of crossing it is 0.4 % too short at the default.
+    /// At four times the chord error the time is 0.3 % too short; with twice the first-order change
+    /// of the rate of crossing it is 0.4 % too short at the default.
     #[test]
     fn a_bent_threshold_is_left_when_it_should_be_at_the_default_tolerance() {
         let (amplitude, w): (f64, f64) = (100.0, 0.1);

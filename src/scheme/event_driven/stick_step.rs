@@ -220,9 +220,9 @@ mod tests {
 
     /// A step of Brownian motion that begins close to the lower threshold. Null: the share of the
     /// bridges that leave the corridor at the upper threshold, and the mean time of this, are the
-    /// exact ones, from sums over images. If it was not looked at whether the lower threshold is met
-    /// before, the mean time would be 7 % too long. 1.6e6 bridges to each of two ends; seed 26; each
-    /// of the four comparisons fails by chance once in 1e4.
+    /// exact ones, from sums over images. If it was not looked at whether the lower threshold is
+    /// met before, the mean time would be 7 % too long. 1.6e6 bridges to each of two ends; seed 26;
+    /// each of the four comparisons fails by chance once in 1e4.
     #[test]
     fn a_step_is_left_at_the_farther_threshold_when_the_nearer_one_is_missed() {
         let (f_s, from, bridges) = (0.9, -0.75, 1_600_000);
@@ -250,9 +250,9 @@ mod tests {
 
     /// The start is as close to the threshold as the threshold bends in a step, 0.1 standard
     /// deviations. Null: the mean time at which the threshold is met is the exact one
-    /// (tests/reference/bent_bridge.py) within 6 %. An exit that neglects the bend is 20 % off, and a
-    /// chord that is moved to the start would halve it. The times are so short that theta = 1 does
-    /// not matter. 1e5 bridges each, so that the errors of the means are below 0.7 %; seed 24.
+    /// (tests/reference/bent_bridge.py) within 6 %. An exit that neglects the bend is 20 % off, and
+    /// a chord that is moved to the start would halve it. The times are so short that theta = 1
+    /// does not matter. 1e5 bridges each, so that the errors of the means are below 0.7 %; seed 24.
     #[test]
     fn a_start_as_near_as_the_bend_is_not_an_exit() {
         let (scene, h): (Scene, f64) = (scene(), 1e-6);

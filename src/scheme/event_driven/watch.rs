@@ -176,8 +176,8 @@ pub struct SlipPiece<L = f64> {
 }
 
 /// Where the noise moves the forces by less than this fraction of them, n cannot be computed from a
-/// balance of forces. Rounding of the distance, 2e-16 of it, changes the acceleration of the quintic
-/// by up to 60/h^2 times as much, which is 1e-4 of the noise here.
+/// balance of forces. Rounding of the distance, 2e-16 of it, changes the acceleration of the
+/// quintic by up to 60/h^2 times as much, which is 1e-4 of the noise here.
 const ROUNDED: f64 = 1e-10;
 
 /// The state at an instant inside a piece of a slip.
@@ -451,8 +451,8 @@ impl<L: Lanes> StickPiece<L> {
         L::select(self.force.1.lt(L::splat(0.0)), L::splat(-1.0), L::splat(1.0))
     }
 
-    /// Whether a bridge through b inside the piece, which meets the threshold at the end of the piece
-    /// for the first time, does not meet the other threshold, decided by a uniform number.
+    /// Whether a bridge through b inside the piece, which meets the threshold at the end of the
+    /// piece for the first time, does not meet the other threshold, decided by a uniform number.
     #[inline(always)]
     pub fn misses_other(&self, scene: &Scene, [first, last]: &[TimeChange<L>; 2], force: L, uniform: L) -> L::Mask {
         let one = L::splat(1.0);
@@ -573,10 +573,10 @@ mod tests {
     use super::*;
 
     /// Null: the mean of b at an instant inside a piece of a stick is the exact one. n is Brownian
-    /// motion here, which is absorbed at both thresholds; its densities before and after the instant
-    /// are sums over images. In the first piece, which begins close to the lower threshold, the mean
-    /// would be closer to that threshold by 17 % if it was not looked at. 2e5 draws each; seed 51;
-    /// each of the four comparisons fails by chance once in 1e4 (3.9 standard errors).
+    /// motion here, which is absorbed at both thresholds; its densities before and after the
+    /// instant are sums over images. In the first piece, which begins close to the lower threshold,
+    /// the mean would be closer to that threshold by 17 % if it was not looked at. 2e5 draws each;
+    /// seed 51; each of the four comparisons fails by chance once in 1e4 (3.9 standard errors).
     #[test]
     fn a_row_inside_a_stick_is_drawn_between_both_thresholds() {
         let (f_s, width) = (0.9, 1.8);

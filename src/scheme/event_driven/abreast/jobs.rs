@@ -55,8 +55,8 @@ pub struct Jobs {
     /// path.
     pub right: Vec<Row>,
     /// The pieces of each lane that wait, in the layout of `right`. It has room for as many as may
-    /// wait, and grows within that room, so that nothing is copied; few paths ever have as many, and
-    /// memory that is not used takes no time.
+    /// wait, and grows within that room, so that nothing is copied; few paths ever have as many,
+    /// and memory that is not used takes no time.
     stack: Vec<Row>,
     /// The lanes that were flagged in this cell.
     flagged: Queue,
