@@ -60,9 +60,10 @@ impl Sketch {
                 let (before, centre) = (self.pending.len(), self.shape.centre);
                 for part in parts {
                     // Mostly no value is at the centre, and then the part is copied as a whole.
-                    match part.contains(&centre) {
-                        false => self.pending.extend_from_slice(part),
-                        true => self.pending.extend(part.iter().filter(|value| **value != centre)),
+                    if part.contains(&centre) {
+                        self.pending.extend(part.iter().filter(|value| **value != centre));
+                    } else {
+                        self.pending.extend_from_slice(part);
                     }
                 }
                 self.at_centre += (number + before - self.pending.len()) as u64;

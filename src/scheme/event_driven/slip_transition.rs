@@ -177,7 +177,14 @@ impl DrivenOscillator {
             base *= 0.5;
             doublings += 1;
         }
-        let mut step = self.series(base, harmonics);
+        let mut step = self.series(base);
+        for (pair, responses) in harmonics.chunks_mut(2).enumerate() {
+            let (first, second) = self.two_responses(&step, pair);
+            responses[0] = first;
+            if let Some(second) = second {
+                responses[1] = second;
+            }
+        }
         for _ in 0..doublings {
             step = self.doubled(&step, harmonics);
         }
@@ -187,7 +194,7 @@ impl DrivenOscillator {
 
     /// The transition over (fastest rate) h <= 1/2, by the series. `given_noise` is left at zero.
     #[inline(always)]
-    pub fn series<L: Lanes>(&self, h: L, harmonics: &mut [HarmonicResponse<L>]) -> SlipTransition<L> {
+    pub fn series<L: Lanes>(&self, h: L) -> SlipTransition<L> {
         let r = h * self.fastest;
         let (w2, g2, theta, m) = (self.w0_squared, self.two_gamma, self.relaxation_rate, self.mass);
         let [impulse, g_x, cov_nx, cov_vv, cov_xx, constant, remembered, spread] = sums(&self.responses, r);
@@ -196,21 +203,6 @@ impl DrivenOscillator {
         let constant = h2 * constant; // int S
         let per_mass = 1.0 / m;
         let g_x = h2 * g_x * per_mass;
-        for (i, (responses, w)) in harmonics.chunks_mut(2).zip(self.frequencies.chunks(2)).enumerate() {
-            let zero = L::splat(0.0);
-            let sums = if let [_] = w {
-                let [x_re, x_im, cos, sin] = self::sums(&self.harmonic[i], r);
-                [x_re, x_im, cos, sin, zero, zero, zero, zero]
-            } else {
-                self::sums(&self.harmonic[i], r)
-            };
-            for (j, (response, &w)) in responses.iter_mut().zip(w).enumerate() {
-                let x = (h2 * sums[4 * j] * per_mass, h2 * sums[4 * j + 1] * per_mass);
-                // G' = i w G + S/m.
-                let v = (impulse * per_mass - x.1 * w, x.0 * w);
-                *response = HarmonicResponse { x, v, turn: (sums[4 * j + 2], sums[4 * j + 3]) };
-            }
-        }
         let s2 = self.diffusion * self.diffusion;
         let h3 = h2 * h * s2;
         let cov_nx = h3 * cov_nx * per_mass;
@@ -237,6 +229,40 @@ impl DrivenOscillator {
             ],
             given_noise: [L::splat(0.0); 5],
         }
+    }
+
+    /// The responses to harmonic 2 `pair` and to the next one, if there is one, over a step of
+    /// [`series`](Self::series).
+    #[inline(always)]
+    pub fn two_responses<L: Lanes>(
+        &self,
+        step: &SlipTransition<L>,
+        pair: usize,
+    ) -> (HarmonicResponse<L>, Option<HarmonicResponse<L>>) {
+        let r = step.length * self.fastest;
+        match self.frequencies[2 * pair..] {
+            [w] => (self.response(step, sums(&self.harmonic[pair], r), w), None),
+            [w, next, ..] => {
+                let [a, b, c, d, e, f, g, h] = sums(&self.harmonic[pair], r);
+                (self.response(step, [a, b, c, d], w), Some(self.response(step, [e, f, g, h], next)))
+            }
+            [] => unreachable!("a pair has a first harmonic"),
+        }
+    }
+
+    /// The response to a harmonic of frequency w, from the sums of its series.
+    #[inline(always)]
+    fn response<L: Lanes>(
+        &self,
+        step: &SlipTransition<L>,
+        [x_re, x_im, cos, sin]: [L; 4],
+        w: f64,
+    ) -> HarmonicResponse<L> {
+        let (h2, impulse, per_mass) = (step.length * step.length, step.x[1], 1.0 / self.mass);
+        let x = (h2 * x_re * per_mass, h2 * x_im * per_mass);
+        // G' = i w G + S/m.
+        let v = (impulse * per_mass - x.1 * w, x.0 * w);
+        HarmonicResponse { x, v, turn: (cos, sin) }
     }
 
     fn noise_variance(&self, h: f64) -> f64 {

@@ -6,7 +6,7 @@ use super::jobs::Task;
 use crate::lanes::{InstructionSet, LaneProgram, Lanes};
 use crate::scheme::event_driven::cell_loop::Inside;
 use crate::scheme::event_driven::cells::Cell;
-use crate::scheme::event_driven::slip_transition::HarmonicResponse;
+use std::marker::PhantomData;
 
 /// Where more than one in `MOST_ODD` lanes has to cross the cell again, all paths are simulated
 /// alone.
@@ -36,8 +36,7 @@ impl LaneProgram for Width {
 pub struct Crossing<'p, 'a, L: Lanes> {
     pub paths: &'p mut Abreast<'a>,
     pub cell: &'p Cell,
-    /// Buffer for the responses of a step to the harmonics, empty at first.
-    pub responses: Vec<HarmonicResponse<L>>,
+    lanes: PhantomData<L>,
 }
 
 /// A part of a crossing. Each part is compiled as a function of its own, so that the registers of
@@ -56,7 +55,7 @@ struct InLanes<'p, 'a, P> {
 impl<P: Part> LaneProgram for InLanes<'_, '_, P> {
     #[inline(always)]
     fn run<L: Lanes>(&mut self) {
-        self.part.run(&mut Crossing::<L> { paths: self.paths, cell: self.cell, responses: Vec::new() });
+        self.part.run(&mut Crossing::<L> { paths: self.paths, cell: self.cell, lanes: PhantomData });
     }
 }
 

@@ -14,7 +14,6 @@ use crate::scheme::event_driven::cell_loop::{Cascade as _, Inside, LOST};
 use crate::scheme::event_driven::corridor::{Node, stick_piece};
 use crate::scheme::event_driven::first_stop::{Interval, Motion};
 use crate::scheme::event_driven::slip_step::{State, force, motion, resolved_travel};
-use crate::scheme::event_driven::slip_transition::HarmonicResponse;
 use crate::scheme::event_driven::watch::{Bridge, Glance, SlipPiece, StickEnd, StickPiece, Stuck, TRIES, Way};
 
 /// The start of a slip step.
@@ -268,18 +267,12 @@ impl<L: Lanes> Crossing<'_, '_, L> {
 
     /// The motion of a step without noise, at a time after the start of the cell.
     #[inline(always)]
-    fn way(&mut self, step: &StepStart<L>, after: L) -> Way<L> {
+    fn way(&self, step: &StepStart<L>, after: L) -> Way<L> {
         let noisy = self.paths.noisy;
         let since = after - step.after;
-        self.responses.resize(self.cell.terms.len(), HarmonicResponse::none());
-        let transition = noisy.oscillator().series(since, &mut self.responses);
-        let mut mean = transition.free(step.state, step.eps * noisy.scene().friction.dynamic_force);
-        let mut forcing = L::splat(0.0);
-        for (harmonic, response) in self.responses.iter().enumerate() {
-            let push = response.push(self.cell.term(harmonic, step.after));
-            (mean.x, mean.v) = (mean.x + push.x, mean.v + push.v);
-            forcing = forcing + push.term.re;
-        }
+        let transition = noisy.oscillator().series(since);
+        let friction = step.eps * noisy.scene().friction.dynamic_force;
+        let (mean, forcing) = self.mean_state(&transition, step.state, step.after, friction);
         self.way_to(step, mean, forcing, since)
     }
 

@@ -12,7 +12,7 @@ use crate::scheme::event_driven::corridor::Node;
 use crate::scheme::event_driven::first_stop::{Interval, Motion, STOP_REFINEMENTS, early_parts, forwards, halves};
 use crate::scheme::event_driven::noisy::{ALIGNMENT, FEEBLE, SHORTEST};
 use crate::scheme::event_driven::slip_step::{State, force, motion, resolved_travel};
-use crate::scheme::event_driven::slip_transition::{HarmonicResponse, given_noise};
+use crate::scheme::event_driven::slip_transition::{SlipTransition, given_noise};
 
 /// A slip that is searched for its stop, from left to right.
 #[derive(Clone, Copy)]
@@ -234,6 +234,30 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         }
     }
 
+    /// The mean state after a step which starts a time `after` the start of the cell, and B at the
+    /// end of the step.
+    #[inline(always)]
+    pub(super) fn mean_state(
+        &self,
+        transition: &SlipTransition<L>,
+        start: State<L>,
+        after: L,
+        friction: L,
+    ) -> (State<L>, L) {
+        let mut mean = transition.free(start, friction);
+        let mut forcing = L::splat(0.0);
+        for harmonic in (0..self.cell.terms.len()).step_by(2) {
+            let (first, second) = self.paths.noisy.oscillator().two_responses(transition, harmonic / 2);
+            for (response, harmonic) in [(Some(first), harmonic), (second, harmonic + 1)] {
+                let Some(response) = response else { break };
+                let push = response.push(self.cell.term(harmonic, after));
+                (mean.x, mean.v) = (mean.x + push.x, mean.v + push.v);
+                forcing = forcing + push.term.re;
+            }
+        }
+        (mean, forcing)
+    }
+
     /// Begins a sub-phase in the cell, with one exact step to the end of the cell, which is divided
     /// soon after its start where it is not clear.
     #[inline(always)]
@@ -252,18 +276,11 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         );
         let mut odd = lanes & !L::bitmask(is_usual);
 
-        self.responses.resize(self.cell.terms.len(), HarmonicResponse::none());
-        let mut transition = self.paths.noisy.oscillator().series(remaining, &mut self.responses);
+        let mut transition = self.paths.noisy.oscillator().series(remaining);
         transition.given_noise = given_noise(&transition.covariance);
         let friction = eps * scene.friction.dynamic_force;
         let start = State { x, v: L::splat(0.0), n: noise };
-        let mut mean = transition.free(start, friction);
-        let mut forcing = L::splat(0.0);
-        for (harmonic, response) in self.responses.iter().enumerate() {
-            let push = response.push(self.cell.term(harmonic, after));
-            (mean.x, mean.v) = (mean.x + push.x, mean.v + push.v);
-            forcing = forcing + push.term.re;
-        }
+        let (mean, forcing) = self.mean_state(&transition, start, after, friction);
         let draws = count.draws(self.cell.index, origin, key);
         let end_noise = self.end_noise(rows);
         let end = transition.drawn(mean, end_noise, draws.normal_pair(self.paths.normals, 0));
