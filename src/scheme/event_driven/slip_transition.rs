@@ -48,10 +48,10 @@ const DOUBLINGS: u32 = 2100;
 
 type Series = [f64; TERMS];
 
-/// m, gamma, w0, theta, s and the forcing frequencies, with the power series of all responses.
+/// 1/m, gamma, w0, theta, s and the forcing frequencies, with the power series of all responses.
 #[derive(Clone, Debug)]
 pub struct DrivenOscillator {
-    mass: f64,
+    per_mass: f64,
     two_gamma: f64,
     w0_squared: f64,
     relaxation_rate: f64,
@@ -81,6 +81,7 @@ pub struct HarmonicResponse<L = f64> {
 
 impl<L: Lanes> HarmonicResponse<L> {
     /// The response over a step of zero length.
+    #[inline(always)]
     pub fn none() -> Self {
         let (zero, one) = (L::splat(0.0), L::splat(1.0));
         HarmonicResponse { x: (zero, zero), v: (zero, zero), turn: (one, zero) }
@@ -146,7 +147,7 @@ impl DrivenOscillator {
             side_by_side([first[0], first[1], first[2], first[3], second[0], second[1], second[2], second[3]])
         });
         DrivenOscillator {
-            mass,
+            per_mass: 1.0 / mass,
             two_gamma: 2.0 * g,
             w0_squared: w0 * w0,
             relaxation_rate,
@@ -179,11 +180,7 @@ impl DrivenOscillator {
         }
         let mut step = self.series(base);
         for (pair, responses) in harmonics.chunks_mut(2).enumerate() {
-            let (first, second) = self.two_responses(&step, pair);
-            responses[0] = first;
-            if let Some(second) = second {
-                responses[1] = second;
-            }
+            self.one_or_two_responses(&step, pair, responses);
         }
         for _ in 0..doublings {
             step = self.doubled(&step, harmonics);
@@ -196,12 +193,11 @@ impl DrivenOscillator {
     #[inline(always)]
     pub fn series<L: Lanes>(&self, h: L) -> SlipTransition<L> {
         let r = h * self.fastest;
-        let (w2, g2, theta, m) = (self.w0_squared, self.two_gamma, self.relaxation_rate, self.mass);
+        let (w2, g2, theta, per_mass) = (self.w0_squared, self.two_gamma, self.relaxation_rate, self.per_mass);
         let [impulse, g_x, cov_nx, cov_vv, cov_xx, constant, remembered, spread] = sums(&self.responses, r);
         let (h2, one) = (h * h, L::splat(1.0));
         let impulse = h * impulse;
         let constant = h2 * constant; // int S
-        let per_mass = 1.0 / m;
         let g_x = h2 * g_x * per_mass;
         let s2 = self.diffusion * self.diffusion;
         let h3 = h2 * h * s2;
@@ -231,38 +227,30 @@ impl DrivenOscillator {
         }
     }
 
-    /// The responses to harmonic 2 `pair` and to the next one, if there is one, over a step of
-    /// [`series`](Self::series).
+    /// The responses over a step of [`series`](Self::series) to harmonic 2 `pair`, and to the next
+    /// one if `responses` has two entries.
     #[inline(always)]
-    pub fn two_responses<L: Lanes>(
+    pub fn one_or_two_responses<L: Lanes>(
         &self,
         step: &SlipTransition<L>,
         pair: usize,
-    ) -> (HarmonicResponse<L>, Option<HarmonicResponse<L>>) {
+        responses: &mut [HarmonicResponse<L>],
+    ) {
         let r = step.length * self.fastest;
-        match self.frequencies[2 * pair..] {
-            [w] => (self.response(step, sums(&self.harmonic[pair], r), w), None),
-            [w, next, ..] => {
-                let [a, b, c, d, e, f, g, h] = sums(&self.harmonic[pair], r);
-                (self.response(step, [a, b, c, d], w), Some(self.response(step, [e, f, g, h], next)))
-            }
-            [] => unreachable!("a pair has a first harmonic"),
+        let (h2, impulse, per_mass) = (step.length * step.length, step.x[1], self.per_mass);
+        let zero = L::splat(0.0);
+        let sums = if let [_] = responses {
+            let [x_re, x_im, cos, sin] = sums(&self.harmonic[pair], r);
+            [x_re, x_im, cos, sin, zero, zero, zero, zero]
+        } else {
+            sums(&self.harmonic[pair], r)
+        };
+        for (j, (response, &w)) in responses.iter_mut().zip(&self.frequencies[2 * pair..]).enumerate() {
+            let x = (h2 * sums[4 * j] * per_mass, h2 * sums[4 * j + 1] * per_mass);
+            // G' = i w G + S/m.
+            let v = (impulse * per_mass - x.1 * w, x.0 * w);
+            *response = HarmonicResponse { x, v, turn: (sums[4 * j + 2], sums[4 * j + 3]) };
         }
-    }
-
-    /// The response to a harmonic of frequency w, from the sums of its series.
-    #[inline(always)]
-    fn response<L: Lanes>(
-        &self,
-        step: &SlipTransition<L>,
-        [x_re, x_im, cos, sin]: [L; 4],
-        w: f64,
-    ) -> HarmonicResponse<L> {
-        let (h2, impulse, per_mass) = (step.length * step.length, step.x[1], 1.0 / self.mass);
-        let x = (h2 * x_re * per_mass, h2 * x_im * per_mass);
-        // G' = i w G + S/m.
-        let v = (impulse * per_mass - x.1 * w, x.0 * w);
-        HarmonicResponse { x, v, turn: (cos, sin) }
     }
 
     fn noise_variance(&self, h: f64) -> f64 {

@@ -12,7 +12,7 @@ use crate::scheme::event_driven::corridor::Node;
 use crate::scheme::event_driven::first_stop::{Interval, Motion, STOP_REFINEMENTS, early_parts, forwards, halves};
 use crate::scheme::event_driven::noisy::{ALIGNMENT, FEEBLE, SHORTEST};
 use crate::scheme::event_driven::slip_step::{State, force, motion, resolved_travel};
-use crate::scheme::event_driven::slip_transition::{SlipTransition, given_noise};
+use crate::scheme::event_driven::slip_transition::{HarmonicResponse, SlipTransition, given_noise};
 
 /// A slip that is searched for its stop, from left to right.
 #[derive(Clone, Copy)]
@@ -246,10 +246,11 @@ impl<L: Lanes> Crossing<'_, '_, L> {
     ) -> (State<L>, L) {
         let mut mean = transition.free(start, friction);
         let mut forcing = L::splat(0.0);
-        for harmonic in (0..self.cell.terms.len()).step_by(2) {
-            let (first, second) = self.paths.noisy.oscillator().two_responses(transition, harmonic / 2);
-            for (response, harmonic) in [(Some(first), harmonic), (second, harmonic + 1)] {
-                let Some(response) = response else { break };
+        let mut responses = [HarmonicResponse::none(); 2];
+        for (pair, terms) in self.cell.terms.chunks(2).enumerate() {
+            let responses = &mut responses[..terms.len()];
+            self.paths.noisy.oscillator().one_or_two_responses(transition, pair, responses);
+            for (response, harmonic) in responses.iter().zip(2 * pair..) {
                 let push = response.push(self.cell.term(harmonic, after));
                 (mean.x, mean.v) = (mean.x + push.x, mean.v + push.v);
                 forcing = forcing + push.term.re;
