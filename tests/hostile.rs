@@ -292,6 +292,75 @@ fn a_file_without_what_a_table_needs_is_damaged() {
 /// 400 files with one bit inverted, all of which are refused because of their checksum, and 40
 /// files that are cut short. Without the checksum, one in two hundred would end in a signal and one
 /// in four hundred in a panic.
+/// Every variable that a reader asks for is taken out of a file, one at a time. It is named, or the
+/// file is one that may lack it. No verb panics.
+#[test]
+fn a_variable_that_is_missing_is_named_by_every_verb() {
+    let here = folder();
+    run(&here, &["--set", "record.trajectories=2", "--set", "record.events=true", "--set", "statistics.after=5"]);
+    let whole = fs::read(here.path().join("a.h5")).expect("written");
+    let names = hdf5::File::open(here.path().join("a.h5")).and_then(|file| file.member_names()).expect("HDF5");
+    let (mut named, mut lacking) = (0, Vec::new());
+    for name in &names {
+        fs::write(here.path().join("a.h5"), &whole).expect("written");
+        edited(&here, |file| file.unlink(name).expect("there"));
+        for verb in [&["show", "a.h5"][..], &["plot", "a.h5", "--force"], &["report", "a.h5", "--force"]] {
+            let output = mc(&here, verb);
+            let said = text(&output.stderr);
+            assert!(said.contains("a.h5 has no checksum"), "{name}, {verb:?}: {said}");
+            match output.status.code() {
+                Some(0) => lacking.push(name.as_str()),
+                Some(1) if said.contains(&format!("{name} is missing")) => named += 1,
+                code => panic!("{name}, {verb:?}: {code:?} {said}"),
+            }
+        }
+    }
+    // Rows of single paths are read by other verbs, and corrected estimates follow from the others.
+    let may_lack =
+        ["path", "event", "trajectory", "estimate_corrected", "statistic_", "sub_phase", "period", "transient"];
+    let others = |name: &&&str| !may_lack.iter().any(|begin| name.starts_with(begin));
+    assert_eq!(lacking.iter().filter(others).collect::<Vec<_>>(), Vec::<&&str>::new());
+    assert!(named >= 3 * 60, "{named}");
+}
+
+/// Every verb that reads a file says that another program has changed it.
+#[test]
+fn every_verb_says_that_a_file_has_no_checksum() {
+    let here = folder();
+    run(&here, &["--part", "1/1"]);
+    fs::rename(here.path().join("a.h5"), here.path().join("part.h5")).expect("renamed");
+    run(&here, &[]);
+    let sweep = ["sweep", RHO025, "--vary", "friction.static=1.1,1.2", "--paths", "256", "--quiet", "-o", "sweep.h5"];
+    assert!(mc(&here, &sweep).status.success());
+    for name in ["a.h5", "part.h5", "sweep.h5"] {
+        let path = here.path().join(name);
+        let mut bytes = fs::read(&path).expect("there");
+        bytes.truncate(bytes.len() - 24);
+        fs::write(&path, bytes).expect("written");
+    }
+    for verb in [
+        &["show", "a.h5"][..],
+        &["show", "a.h5", "part.h5"],
+        &["show", "a.h5", "--csv"],
+        &["show", "a.h5", "--cite"],
+        &["show", "a.h5", "--scenario"],
+        &["show", "sweep.h5"],
+        &["plot", "a.h5", "-o", "a.svg"],
+        &["plot", "sweep.h5", "-o", "sweep.svg"],
+        &["report", "a.h5"],
+        &["replay", "a.h5", "--path", "3", "-o", "path.h5"],
+        &["merge", "part.h5", "-o", "merged.h5", "--quiet"],
+        &["verify", "a.h5"],
+        &["verify", "sweep.h5"],
+    ] {
+        let output = mc(&here, verb);
+        let said = text(&output.stderr);
+        assert!(output.status.success(), "{verb:?}: {said}");
+        let file = verb.iter().find(|word| word.ends_with(".h5")).expect("a file");
+        assert_eq!(said.matches(&format!("{file} has no checksum")).count(), 1, "{verb:?}: {said}");
+    }
+}
+
 #[test]
 fn flipped_bits_are_refused_before_anything_follows_them() {
     let here = folder();
@@ -299,23 +368,23 @@ fn flipped_bits_are_refused_before_anything_follows_them() {
     let whole = fs::read(here.path().join("a.h5")).expect("written");
     let mut rng = Pcg64Dxsm::seed_from_u64(3);
     let mut below = |end: usize| (rng.next_u64() % end as u64) as usize;
-    // The checksum itself is left out: a file without one is read as it is.
-    let sealed = whole.len() - 24;
+    let all = whole.len();
     let read = |bytes: &[u8]| {
         fs::write(here.path().join("b.h5"), bytes).expect("written");
         stick_slip::store::read(&here.path().join("b.h5"))
     };
-    assert!(read(&whole).expect("whole").is_sealed);
+    assert_eq!(read(&whole).expect("whole").completed_paths, 40);
+    // Every byte of the checksum at the end, and as many others.
     for i in 0..400 {
         let mut flipped = whole.clone();
-        let at = below(sealed);
+        let at = if i < 24 { all - 1 - i } else { below(all) };
         flipped[at] ^= 1 << below(8);
         let error = read(&flipped).expect_err("refused").to_string();
         let is_named = error.contains("b.h5") && (error.contains("checksum") || error.contains("not an HDF5 file"));
         assert!(is_named && !error.contains('\n'), "{i}, byte {at}: {error}");
     }
     for _ in 0..40 {
-        let error = read(&whole[..below(sealed)]).expect_err("refused").to_string();
+        let error = read(&whole[..below(all)]).expect_err("refused").to_string();
         assert!(error.contains("b.h5") && !error.contains('\n'), "{error}");
     }
     // The command refuses such a file as well.

@@ -1,6 +1,7 @@
 //! `mc merge`: joins the parts of a run to the whole run.
 
 use super::failure::{Failure, writable};
+use super::files;
 use super::interrupt::stop_on_signals;
 use super::sitting::{Leaves, RunOptions, Sitting};
 use std::path::PathBuf;
@@ -33,6 +34,7 @@ pub struct Merge {
 impl Merge {
     pub fn call(&self) -> Result<(), Failure> {
         writable(&self.output, self.force, self.parts.iter().map(PathBuf::as_path))?;
+        self.parts.iter().try_for_each(|part| files::look(part))?;
         let parts = Parts::open(&self.parts)?;
         let stop = stop_on_signals();
         let (scenario, asked) = (&parts.question.scenario, parts.question.asked.clone());

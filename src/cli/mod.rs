@@ -11,6 +11,7 @@ mod cost;
 mod document;
 mod ending;
 mod failure;
+mod files;
 mod fit_temperature;
 mod forecast;
 mod html;
@@ -124,6 +125,9 @@ enum Verb {
     Init(init::Init),
     /// Print a completion script for a shell
     Completions(completions::Completions),
+    /// Read a file in a process of its own, which mc starts for files without a checksum
+    #[command(hide = true)]
+    LookThrough(files::LookThrough),
 }
 
 impl Arguments {
@@ -151,6 +155,7 @@ impl Arguments {
             Verb::Forecast(forecast) => forecast.call(),
             Verb::Init(init) => init.call(),
             Verb::Completions(completions) => completions.call(),
+            Verb::LookThrough(look) => look.call(),
         }
     }
 }
@@ -178,9 +183,9 @@ fn file_without_verb(answer: &clap::Error) -> Option<Failure> {
     let ContextValue::String(word) = answer.get(ContextKind::InvalidSubcommand)? else { return None };
     let path = Path::new(word);
     let is_file = path.is_file() || path.extension().is_some_and(|ending| ending == "toml" || ending == "h5");
-    let remedy = match store::kind(path) {
+    let remedy = match store::is_sealed(path) {
         _ if !is_file => return None,
-        Ok(Some(_)) => format!("write `mc show {word}` for what is in it, or `mc plot {word}` for a picture"),
+        Ok(_) => format!("write `mc show {word}` for what is in it, or `mc plot {word}` for a picture"),
         _ => format!("write `mc run {word}` to simulate it, or `mc check {word}` to see what it says"),
     };
     Some(Failure::usage(format!("{word} is a file, and what to do with it is not said"), remedy))

@@ -1,6 +1,7 @@
 //! `mc plot`: draws a path of a scenario, a run, a trade, a sweep or a calibration.
 
 use super::failure::{Failure, note, writable};
+use super::files;
 use super::numbers::counted;
 use super::{results, sweep};
 use std::path::{Path, PathBuf};
@@ -90,7 +91,7 @@ impl Plot {
     }
 
     fn scene(&self) -> Result<Scene, Failure> {
-        match store::kind(&self.subject)? {
+        match files::kind(&self.subject)? {
             None => {
                 let set = self.set.iter().map(|text| Override::set(text));
                 let mut overrides = set.collect::<Result<Vec<_>, _>>()?;
@@ -110,15 +111,15 @@ impl Plot {
                 let problem = format!("--set changes a scenario, and {} says what was run", self.subject.display());
                 Err(Failure::usage(problem, "give the scenario instead of the file, or leave --set out"))
             }
-            Some(FileKind::Run) => self.scene_of_run(&store::read(&self.subject)?),
+            Some(FileKind::Run) => self.scene_of_run(&files::run(&self.subject)?),
             Some(FileKind::Sweep) => self.scene_of_sweeps(),
             Some(FileKind::Calibration) => {
-                let stored = store::read_calibration(&self.subject)?;
+                let stored = files::calibration(&self.subject)?;
                 let subject = Subject::Calibration { title: &stored.title, calibration: &stored.calibration };
                 self.draw(&subject, &stored.title, "")
             }
             Some(FileKind::Trade) => {
-                let prices = store::read_prices(&self.subject, self.statistic)?;
+                let prices = files::prices(&self.subject, self.statistic)?;
                 self.draw(&Subject::Trade(&prices), &prices.title, "what accuracy costs")
             }
         }
@@ -127,7 +128,7 @@ impl Plot {
     fn scene_of_sweeps(&self) -> Result<Scene, Failure> {
         let read = |file: &PathBuf| -> Result<(String, Sweep), Failure> {
             let name = file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-            Ok((name, sweep::stored(file, store::read_sweep(file)?)?))
+            Ok((name, sweep::stored(file, files::sweep(file)?)?))
         };
         let files = std::iter::once(&self.subject).chain(&self.beside).map(read).collect::<Result<Vec<_>, _>>()?;
         let sweeps: Vec<(String, &Sweep)> = files.iter().map(|(name, sweep)| (name.clone(), sweep)).collect();

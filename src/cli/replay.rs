@@ -2,6 +2,7 @@
 //! trajectory that its scheme has.
 
 use super::failure::{Failure, note, print, writable};
+use super::files;
 use super::numbers::counted;
 use super::results;
 use std::path::{Path, PathBuf};
@@ -39,7 +40,7 @@ pub struct Replay {
 
 impl Replay {
     pub fn call(&self) -> Result<(), Failure> {
-        let stored = store::read(&self.file)?;
+        let stored = files::run(&self.file)?;
         // Any number names a path that can be simulated, but one outside the ensemble is most
         // likely a typing error.
         if self.path >= stored.header.paths {

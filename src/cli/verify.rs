@@ -2,6 +2,7 @@
 
 use super::document::document;
 use super::failure::{Failure, note, print, print_data};
+use super::files;
 use super::numbers::grouped;
 use super::results;
 use serde_json::{Value, json};
@@ -78,11 +79,11 @@ struct Checked {
 
 impl Verify {
     pub fn call(&self) -> Result<(), Failure> {
-        let kind = store::kind(&self.file)?;
+        let kind = files::kind(&self.file)?;
         if let Some(FileKind::Trade | FileKind::Sweep | FileKind::Calibration) = kind {
             return self.bytes_only(store::check_bytes(&self.file)?);
         }
-        let stored = store::read(&self.file)?;
+        let stored = files::run(&self.file)?;
         if stored.unfinished.is_some() || self.file.is_dir() || !self.file.exists() {
             let problem = format!("{}: the run is not finished", self.file.display());
             return Err(Failure::usage(problem, "finish it with `mc resume`, which checks what was saved"));

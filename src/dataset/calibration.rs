@@ -211,9 +211,9 @@ pub(crate) fn read<S: Source>(from: &S) -> Result<StoredCalibration, S::Error> {
         is_mirrored: whole("mirrored")? != 0,
         response,
         estimates: found,
-        least_squares: match column(&ERR_ESTIMATE)?.is_empty() {
-            true => None,
-            false => Some(estimates([&ERR_ESTIMATE, &ERR_LOW, &ERR_HIGH])?),
+        least_squares: match from.has(ERR_ESTIMATE.name) {
+            false => None,
+            true => Some(estimates([&ERR_ESTIMATE, &ERR_LOW, &ERR_HIGH])?),
         },
         correlations: rows(&column(&CORRELATION)?),
         slips: (0..slips)

@@ -80,6 +80,13 @@ macro_rules! kinds {
                 }
             }
 
+            /// The type of the values.
+            pub(crate) fn kind(&self) -> Kind {
+                match self {
+                    $(Values::$kind(_) => Kind::$kind,)*
+                }
+            }
+
             /// A column of this type without values.
             pub(crate) fn empty_column(&self) -> Column {
                 match self {
@@ -93,6 +100,13 @@ macro_rules! kinds {
             pub fn len(&self) -> usize {
                 match self {
                     $(Column::$kind(values) => values.len(),)*
+                }
+            }
+
+            /// The values, borrowed.
+            pub(crate) fn values(&self) -> Values<'_> {
+                match self {
+                    $(Column::$kind(values) => Values::$kind(values),)*
                 }
             }
 
@@ -193,6 +207,9 @@ pub(crate) trait Source {
     /// The values of a variable; none if there is no such variable.
     fn column(&self, variable: &Described, kind: Kind) -> Result<Option<Column>, Self::Error>;
 
+    /// Whether there is a variable of this name.
+    fn has(&self, name: &str) -> bool;
+
     /// An attribute of the data set, or of one of its variables; none if there is no such
     /// attribute.
     fn attribute(&self, variable: Option<&str>, name: &str) -> Result<Option<Attribute>, Self::Error>;
@@ -244,10 +261,18 @@ pub(crate) fn read_count<S: Source>(from: &S, name: &str) -> Result<u64, S::Erro
     }
 }
 
-/// Read a variable. An absent variable gives an empty list.
+/// Read a variable. A variable that is left out because one of its dimensions has no length gives
+/// an empty list. Any other absent variable is an error.
 pub(crate) fn read_or_empty<S: Source, T: Element>(from: &S, variable: &Described) -> Result<Vec<T>, S::Error> {
-    let Some(column) = from.column(variable, T::KIND)? else { return Ok(Vec::new()) };
-    T::of(column).ok_or_else(|| format!("{} has another type than it was written with", variable.name).into())
+    match from.column(variable, T::KIND)? {
+        Some(column) => {
+            T::of(column).ok_or_else(|| format!("{} has another type than it was written with", variable.name).into())
+        }
+        None if variable.axes.iter().all(|axis| *axis != variable.name && from.has(axis)) => {
+            Err(format!("{} is missing", variable.name).into())
+        }
+        None => Ok(Vec::new()),
+    }
 }
 
 /// Read a variable that must be present and have values.

@@ -231,7 +231,20 @@ impl Source for Dataset {
     type Error = String;
 
     fn column(&self, variable: &Described, _: Kind) -> Result<Option<Column>, String> {
-        Ok(self.entry(variable.name).map(|entry| entry.column.clone()))
+        let Some(entry) = self.entry(variable.name) else { return Ok(None) };
+        let known = |axis: &&str| self.entry(axis).map(|coordinate| coordinate.column.len());
+        let length = variable.axes.iter().map(known).product::<Option<usize>>();
+        if length.is_some_and(|length| length != entry.column.len()) {
+            return Err(format!("{} has another shape than its axes", variable.name));
+        }
+        if length.is_none() {
+            return Err(format!("{} has values but no coordinate", variable.name));
+        }
+        Ok(Some(entry.column.clone()))
+    }
+
+    fn has(&self, name: &str) -> bool {
+        self.entry(name).is_some()
     }
 
     fn attribute(&self, variable: Option<&str>, name: &str) -> Result<Option<Attribute>, String> {

@@ -36,6 +36,9 @@ pub(crate) fn write<D: Destination>(to: &mut D, summary: &Summary) -> Result<(),
 
 /// The statistics of a finished run; `step` is the step of its scheme, if it has one.
 pub(crate) fn read<S: Source>(from: &S, completed_paths: u64, step: Option<f64>) -> Result<Summary, S::Error> {
+    if read_variable::<S, f64>(from, &layout::QUANTILE)? != QUANTILE_LEVELS {
+        return Err(format!("{} has other levels than this program", layout::QUANTILE.name).into());
+    }
     Ok(Summary {
         completed_paths,
         diverged: read_or_empty(from, &layout::DIVERGED_PATH)?,
@@ -76,17 +79,14 @@ fn write_scalar_ends<D: Destination>(
     write_ends(to, variables, &Ends::from_iter([ends]))
 }
 
-/// Read the ends of the intervals of a curve; empty if an earlier version of the program wrote
-/// none.
+/// Read the ends of the intervals of a curve.
 fn read_ends<S: Source>(from: &S, [low, high]: &[layout::Variable; 2]) -> Result<Ends, S::Error> {
     Ok(Ends { low: read_or_empty(from, low)?, high: read_or_empty(from, high)? })
 }
 
-/// Read the ends of the interval of a single number; NaN if an earlier version of the program wrote
-/// none.
-fn read_scalar_ends<S: Source>(from: &S, variables: &[layout::Variable; 2]) -> Result<[f64; 2], S::Error> {
-    let Ends { low, high } = read_ends(from, variables)?;
-    Ok([low, high].map(|end| end.first().copied().unwrap_or(f64::NAN)))
+/// Read the ends of the interval of a single number.
+fn read_scalar_ends<S: Source>(from: &S, [low, high]: &[layout::Variable; 2]) -> Result<[f64; 2], S::Error> {
+    Ok([read_scalar(from, low)?, read_scalar(from, high)?])
 }
 
 /// One estimate for each entry of `Statistic::ALL`.
@@ -325,7 +325,10 @@ fn write_transient<D: Destination>(to: &mut D, transient: Option<Transient>) -> 
 }
 
 fn read_transient<S: Source>(from: &S) -> Result<Option<Transient>, S::Error> {
-    let Some(&end) = read_or_empty::<S, f64>(from, &layout::TRANSIENT_END)?.first() else { return Ok(None) };
+    if !from.has(layout::TRANSIENT_END.name) {
+        return Ok(None);
+    }
+    let end = read_scalar(from, &layout::TRANSIENT_END)?;
     let [low, high] = read_scalar_ends(from, &layout::TRANSIENT_DISPLACEMENT_ENDS)?;
     Ok(Some(Transient {
         end,

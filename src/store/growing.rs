@@ -3,6 +3,7 @@
 //! A block of 256 paths is far smaller than a chunk. If it were appended directly, the same chunk
 //! would be rewritten many times, so rows wait in memory until they fill one.
 
+use super::ledger::{Ledger, Sum};
 use super::variable::{Element, Growth, Place};
 use crate::dataset::layout::{self, Variable};
 use crate::dataset::rows::{Along, Table};
@@ -19,6 +20,8 @@ struct GrowingVariable {
     width: usize,
     /// Values that wait to be written.
     pending: Column,
+    /// All values, written or waiting.
+    sum: Sum,
 }
 
 /// A growing dimension with all its variables.
@@ -38,14 +41,14 @@ pub(super) struct GrowingTable {
 impl GrowingTable {
     /// Create the variables with no rows. The first variable is the coordinate of the dimension;
     /// only the dimension of events has no coordinate and gets a bare dimension instead.
-    pub(super) fn define(place: &Place, table: &Table, growth: Growth) -> Result<GrowingTable> {
+    pub(super) fn define(place: &mut Place, table: &Table, growth: Growth) -> Result<GrowingTable> {
         let bare_dimension = match table.along {
             Along::Event => Some(place.define_growing::<u32>(&layout::EVENT, growth)?),
             Along::Path | Along::Trajectory => None,
         };
-        let define =
+        let mut define =
             |(variable, values): &(&Variable, Values)| GrowingVariable::define(place, variable, *values, growth);
-        let columns = table.variables.iter().map(define).collect::<Result<_>>()?;
+        let columns = table.variables.iter().map(&mut define).collect::<Result<_>>()?;
         Ok(GrowingTable { bare_dimension, columns, chunk: growth.rows, written: 0, pending: 0 })
     }
 
@@ -61,15 +64,21 @@ impl GrowingTable {
                 return Err(format!("{} has {} values, not {expected}", variable.name, values.len()).into());
             }
             column.pending.extend(*values);
+            column.sum.add(*values);
         }
         self.pending += rows;
         let full = (self.written + self.pending) / self.chunk * self.chunk;
         self.write_to(full)
     }
 
-    /// Write all rows that wait, including a last incomplete chunk.
-    pub(super) fn write_all(&mut self) -> Result<()> {
-        self.write_to(self.written + self.pending)
+    /// Write all rows that wait, including a last incomplete chunk, and note in `ledger` what was
+    /// written in all.
+    pub(super) fn write_all(&mut self, ledger: &mut Ledger) -> Result<()> {
+        self.write_to(self.written + self.pending)?;
+        for column in &self.columns {
+            ledger.variable(column.name, column.sum);
+        }
+        Ok(())
     }
 
     fn write_to(&mut self, end: usize) -> Result<()> {
@@ -89,7 +98,7 @@ impl GrowingTable {
 }
 
 impl GrowingVariable {
-    fn define(place: &Place, variable: &Variable, values: Values, growth: Growth) -> Result<GrowingVariable> {
+    fn define(place: &mut Place, variable: &Variable, values: Values, growth: Growth) -> Result<GrowingVariable> {
         let dataset = match values {
             Values::F64(_) => place.define_growing::<f64>(variable, growth)?,
             Values::U64(_) => place.define_growing::<u64>(variable, growth)?,
@@ -99,7 +108,8 @@ impl GrowingVariable {
             Values::Text(_) => return Err("no text is kept of single paths".into()),
         };
         let width = dataset.shape().iter().skip(1).product();
-        Ok(GrowingVariable { name: variable.name, dataset, width, pending: values.empty_column() })
+        let (pending, sum) = (values.empty_column(), Sum::of(values.kind()));
+        Ok(GrowingVariable { name: variable.name, dataset, width, pending, sum })
     }
 
     fn write(&mut self, start: usize, end: usize) -> Result<()> {

@@ -2,6 +2,7 @@
 
 use super::error::{cause, system_error};
 use super::lock::Lock;
+use super::superblock::superblock;
 use super::workshop::{STATE, file_of, partial_path};
 use super::{StoreError, seal, state};
 use crate::dataset::calibration::CALIBRATION_FORMAT_NAME;
@@ -13,7 +14,7 @@ use crate::engine::{Part, Status};
 use crate::provenance::Provenance;
 use crate::stats::Summary;
 use hdf5::File;
-use std::io::{self, Read};
+use std::io;
 use std::path::{Path, PathBuf};
 
 /// The header and the statistics of a file, or of an unfinished run.
@@ -30,9 +31,6 @@ pub struct Stored {
     pub ended_by: Option<String>,
     /// The file that the run was to write, if the run is not finished and no process is running it.
     pub unfinished: Option<PathBuf>,
-    /// Whether the file is covered by a checksum. It is not if another program has changed it, or
-    /// if an earlier version has written it.
-    pub is_sealed: bool,
     /// Number of paths in the file.
     pub completed_paths: u64,
     /// Statistics of these paths.
@@ -72,9 +70,6 @@ pub fn kind(path: &Path) -> Result<Option<FileKind>, StoreError> {
     }
 }
 
-/// The first bytes of every HDF5 file.
-const SIGNATURE: [u8; 8] = *b"\x89HDF\r\n\x1a\n";
-
 /// The target of an unfinished run, if there is one. `path` is either the target itself or the
 /// folder in which the run is saved.
 pub(super) fn unfinished(path: &Path) -> Option<PathBuf> {
@@ -90,7 +85,7 @@ fn read_unfinished(target: &Path) -> Result<Stored, StoreError> {
     let status = if Lock::is_taken(target) { Status::Running } else { Status::Interrupted };
     let summary = state.so_far.totals.totals().summary();
     let unfinished = Some(target.to_owned()).filter(|_| status != Status::Running);
-    Ok(Stored { header, status, part, ended_by: None, unfinished, is_sealed: true, completed_paths, summary })
+    Ok(Stored { header, status, part, ended_by: None, unfinished, completed_paths, summary })
 }
 
 /// Read the header and the statistics of a finished file, or of a run that is not finished.
@@ -98,7 +93,7 @@ pub fn read(path: &Path) -> Result<Stored, StoreError> {
     if let Some(target) = unfinished(path) {
         return read_unfinished(&target);
     }
-    let is_sealed = check_file(path)?;
+    check_file(path)?;
     let file = open(path)?;
     match header::format_version(&file) {
         None => return Err(StoreError::Foreign { path: path.to_owned() }),
@@ -114,7 +109,7 @@ pub fn read(path: &Path) -> Result<Stored, StoreError> {
     let summary = summary::read(&file, completed_paths, header.step).map_err(damaged)?;
     let ended_by = header::read_ended_by(&file).map_err(damaged)?;
     let part = header::read_part(&file).map_err(damaged)?;
-    Ok(Stored { header, status, part, ended_by, unfinished: None, is_sealed, completed_paths, summary })
+    Ok(Stored { header, status, part, ended_by, unfinished: None, completed_paths, summary })
 }
 
 /// Check a file before the HDF5 library opens it, and return whether the file has a seal. The
@@ -122,18 +117,14 @@ pub fn read(path: &Path) -> Result<Stored, StoreError> {
 /// whatever address a flipped bit has made.
 pub(super) fn check_file(path: &Path) -> Result<bool, StoreError> {
     let not_opened = |source| StoreError::NotOpened { path: path.to_owned(), source };
-    let mut start = [0; SIGNATURE.len()];
     // Opening a pipe would wait for its other end.
     if std::fs::metadata(path).is_ok_and(|there| !there.is_file() && !there.is_dir()) {
         return Err(StoreError::NotHdf5 { path: path.to_owned() });
     }
-    match std::fs::File::open(path).map_err(not_opened)?.read_exact(&mut start) {
-        Ok(()) if start == SIGNATURE => seal::check(path),
-        Ok(()) => Err(StoreError::NotHdf5 { path: path.to_owned() }),
-        Err(error) if error.kind() == io::ErrorKind::UnexpectedEof => {
-            Err(StoreError::NotHdf5 { path: path.to_owned() })
-        }
-        Err(error) => Err(not_opened(error)),
+    let mut file = std::fs::File::open(path).map_err(not_opened)?;
+    match superblock(&mut file).map_err(not_opened)? {
+        Some(_) => seal::check(path),
+        None => Err(StoreError::NotHdf5 { path: path.to_owned() }),
     }
 }
 

@@ -3,10 +3,12 @@
 use super::StoreError;
 use super::error::cause;
 use super::reader::{check_file, open};
+use super::variable::readable;
 use crate::dataset::layout;
+use crate::dataset::{Column, Kind};
 use crate::stats::{EventColumns, PathColumns, TrajectoryRows};
-use hdf5::{File, H5Type, Result};
-use ndarray::s;
+use hdf5::{Dataset, File, H5Type, Result};
+use ndarray::{IxDyn, s};
 use std::ops::Range;
 use std::path::Path;
 
@@ -37,9 +39,30 @@ pub(super) fn column<T: H5Type + Clone>(
     if dataset.shape().first().is_none_or(|&length| length < rows.end) {
         return Err(format!("{} is too short", variable.name).into());
     }
-    match dataset.ndim() {
-        1 => Ok(dataset.read_slice_1d::<T, _>(s![rows.clone()])?.to_vec()),
-        _ => Ok(dataset.read_slice_2d::<T, _>(s![rows.clone(), ..])?.into_iter().collect()),
+    slice(&dataset, rows)
+}
+
+/// Read some rows of a variable as values of this type, row by row.
+pub(super) fn some_rows(dataset: &Dataset, kind: Kind, rows: &Range<usize>) -> Result<Column> {
+    Ok(match kind {
+        Kind::F64 => Column::F64(slice(dataset, rows)?),
+        Kind::U64 => Column::U64(slice(dataset, rows)?),
+        Kind::U32 => Column::U32(slice(dataset, rows)?),
+        Kind::I8 => Column::I8(slice(dataset, rows)?),
+        Kind::U8 => Column::U8(slice(dataset, rows)?),
+        Kind::Text => Column::Text(slice(dataset, rows)?.iter().map(readable).collect::<Result<_>>()?),
+    })
+}
+
+fn slice<T: H5Type + Clone>(dataset: &Dataset, rows: &Range<usize>) -> Result<Vec<T>> {
+    let some = rows.clone();
+    match dataset.shape()[..] {
+        // A variable that is read as a whole needs no selection, which is much faster.
+        [] => dataset.read_raw(),
+        [length, ..] if *rows == (0..length) => dataset.read_raw(),
+        [_] => Ok(dataset.read_slice_1d::<T, _>(s![some])?.to_vec()),
+        [_, _] => Ok(dataset.read_slice_2d::<T, _>(s![some, ..])?.into_iter().collect()),
+        _ => Ok(dataset.read_slice::<T, _, IxDyn>(s![some, .., ..])?.into_iter().collect()),
     }
 }
 

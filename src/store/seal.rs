@@ -3,10 +3,13 @@
 //!
 //! HDF5 follows whatever address a flipped bit has made, which may give wrong numbers, a crash or
 //! an endless loop. A file is therefore compared with its seal before the library opens it. A
-//! program that changes the file drops the bytes behind the end, and the seal with them.
+//! program that changes the file drops the bytes behind the end, and the seal with them. Where
+//! there are bytes behind the end they must be a seal, so that a seal which is itself damaged does
+//! not pass for one that is absent.
 
 use super::StoreError;
 use super::checksum::checksum;
+use super::superblock::superblock;
 use std::fs::File;
 use std::io::{self, Read, Seek as _, SeekFrom, Write as _};
 use std::path::Path;
@@ -45,12 +48,14 @@ fn check_up_to(path: &Path, largest: u64) -> Result<bool, StoreError> {
     let read = || -> io::Result<Option<bool>> {
         let mut file = File::open(path)?;
         let all = file.metadata()?.len();
+        let end = superblock(&mut file)?.and_then(|superblock| superblock.end);
+        let is_absent = end.is_none_or(|end| end == all);
         let Some(length) = all.checked_sub(LENGTH as u64) else { return Ok(None) };
         let mut found = [0; LENGTH];
         file.seek(SeekFrom::Start(length))?;
         file.read_exact(&mut found)?;
         if !found.starts_with(MAGIC) {
-            return Ok(None);
+            return Ok(if is_absent { None } else { Some(false) });
         }
         if length > largest {
             return Ok(Some(true));
@@ -61,7 +66,7 @@ fn check_up_to(path: &Path, largest: u64) -> Result<bool, StoreError> {
     };
     match read().map_err(not_opened)? {
         Some(false) => {
-            let cause = "its checksum is another one".to_string();
+            let cause = "its checksum is not that of its bytes".to_string();
             Err(StoreError::Damaged { path: path.to_owned(), cause })
         }
         sealed => Ok(sealed.is_some()),

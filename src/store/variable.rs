@@ -1,6 +1,7 @@
 //! A netCDF variable in HDF5: a dataset with attributes, and a coordinate attached to each of its
 //! axes.
 
+use super::ledger::{Ledger, Sum};
 use super::scale::{attach_scale, make_scale};
 use crate::dataset::layout::{BARE_DIMENSION, Described};
 use crate::dataset::{Attribute, Column, Destination, Kind, Source, Values};
@@ -30,12 +31,14 @@ pub(super) struct Place {
     pub file: File,
     /// Labels of the units.
     pub units: Units,
+    /// Everything that was written so far.
+    pub ledger: Ledger,
 }
 
 impl Place {
     /// A place for variables in a file.
     pub fn new(file: File, units: Units) -> Self {
-        Place { coordinates: RefCell::default(), file, units }
+        Place { coordinates: RefCell::default(), file, units, ledger: Ledger::default() }
     }
 
     /// The coordinate of an axis; `None` if it is not in the file.
@@ -58,7 +61,7 @@ impl Place {
 
     /// Write a variable whose size is known. An empty variable is left out together with its
     /// dimension, because readers take a dimension of length zero for an unlimited one.
-    fn write<T: Element>(&self, variable: &Described, values: &[T]) -> Result<()> {
+    fn write<T: Element>(&mut self, variable: &Described, values: &[T]) -> Result<()> {
         if values.is_empty() {
             return Ok(());
         }
@@ -76,7 +79,7 @@ impl Place {
     }
 
     /// Create a variable that grows along its first axis, without rows.
-    pub(super) fn define_growing<T: Element>(&self, variable: &Described, growth: Growth) -> Result<Dataset> {
+    pub(super) fn define_growing<T: Element>(&mut self, variable: &Described, growth: Growth) -> Result<Dataset> {
         let mut shape = vec![Extent::resizable(0)];
         let mut chunk = vec![growth.rows];
         if variable.axes.len() > 1 {
@@ -104,19 +107,13 @@ impl Place {
     }
 
     /// Write the attributes of a variable, and attach the coordinates of its axes.
-    fn describe<T: Element>(&self, dataset: &Dataset, variable: &Described) -> Result<()> {
+    fn describe<T: Element>(&mut self, dataset: &Dataset, variable: &Described) -> Result<()> {
         if variable.is_bare_dimension() {
             return make_scale(dataset, BARE_DIMENSION);
         }
-        write_text(dataset, "long_name", variable.long_name)?;
-        if let Some(label) = variable.unit.label(&self.units) {
-            write_text(dataset, "units", &label)?;
-        }
-        if !variable.flags.is_empty() {
-            dataset.new_attr_builder().with_data(variable.flags).create("flag_values")?;
-        }
-        for (name, value) in variable.attributes {
-            write_text(dataset, name, value)?;
+        for (name, value) in attributes_of(variable, &self.units) {
+            new_attribute(dataset, name, &value)?;
+            self.ledger.attribute(variable.name, name, value);
         }
         if variable.is_coordinate() {
             return make_scale(dataset, variable.name);
@@ -137,7 +134,13 @@ impl Destination for Place {
     }
 
     fn write_variable<'a>(&mut self, variable: &Described, values: impl Into<Values<'a>>) -> Result<()> {
-        match values.into() {
+        let values = values.into();
+        let mut sum = Sum::of(values.kind());
+        sum.add(values);
+        if values.len() > 0 {
+            self.ledger.variable(variable.name, sum);
+        }
+        match values {
             Values::F64(values) => self.write(variable, values),
             Values::U64(values) => self.write(variable, values),
             Values::U32(values) => self.write(variable, values),
@@ -150,12 +153,13 @@ impl Destination for Place {
     }
 
     fn set_attribute(&mut self, name: &str, value: impl Into<Attribute>) -> Result<()> {
-        match value.into() {
-            Attribute::Text(value) => replace_scalar(&self.file, name, &text(&value)?),
-            Attribute::Real(value) => replace_scalar(&self.file, name, &value),
-            Attribute::Count(value) => replace_scalar(&self.file, name, &value),
-            Attribute::Flags(values) => self.file.new_attr_builder().with_data(&values).create(name).map(drop),
+        let value = value.into();
+        match self.file.attr_names()?.iter().any(|there| there == name) {
+            true => replace_attribute(&self.file, name, &value)?,
+            false => new_attribute(&self.file, name, &value)?,
         }
+        self.ledger.attribute("", name, value);
+        Ok(())
     }
 }
 
@@ -174,6 +178,10 @@ impl Source for File {
             Kind::U8 => Column::U8(read_variable(self, variable)?),
             Kind::Text => Column::Text(read_variable(self, variable)?.iter().map(readable).collect::<Result<_>>()?),
         }))
+    }
+
+    fn has(&self, name: &str) -> bool {
+        self.link_exists(name)
     }
 
     fn attribute(&self, variable: Option<&str>, name: &str) -> Result<Option<Attribute>> {
@@ -219,31 +227,49 @@ fn write_scalar<T: H5Type>(location: &Location, name: &str, value: &T) -> Result
     location.new_attr::<T>().create(name)?.write_scalar(value)
 }
 
-/// Write an attribute, replacing an earlier value.
-fn replace_scalar<T: H5Type>(location: &Location, name: &str, value: &T) -> Result<()> {
-    match location.attr_names()?.iter().any(|there| there == name) {
-        true => location.attr(name)?.write_scalar(value),
-        false => write_scalar(location, name, value),
+/// Write a new attribute.
+fn new_attribute(location: &Location, name: &str, value: &Attribute) -> Result<()> {
+    match value {
+        Attribute::Text(value) => write_scalar(location, name, &text(value)?),
+        Attribute::Real(value) => write_scalar(location, name, value),
+        Attribute::Count(value) => write_scalar(location, name, value),
+        Attribute::Flags(values) => location.new_attr_builder().with_data(values).create(name).map(drop),
     }
 }
 
-/// Write a new text attribute.
-fn write_text(location: &Location, name: &str, value: &str) -> Result<()> {
-    write_scalar(location, name, &text(value)?)
+/// Write another value to an attribute that exists.
+fn replace_attribute(location: &Location, name: &str, value: &Attribute) -> Result<()> {
+    let attribute = location.attr(name)?;
+    match value {
+        Attribute::Text(value) => attribute.write_scalar(&text(value)?),
+        Attribute::Real(value) => attribute.write_scalar(value),
+        Attribute::Count(value) => attribute.write_scalar(value),
+        Attribute::Flags(values) => attribute.write_raw(values),
+    }
 }
 
-fn read_attribute(location: &Location, name: &str) -> Result<Option<Attribute>> {
+/// The attributes of a variable, in the order of the file.
+pub(super) fn attributes_of<'a>(variable: &Described<'a>, units: &Units) -> Vec<(&'a str, Attribute)> {
+    let flags = (!variable.flags.is_empty()).then(|| ("flag_values", Attribute::Flags(variable.flags.to_vec())));
+    let unit = variable.unit.label(units).map(|label| ("units", Attribute::Text(label)));
+    let others = variable.attributes.iter().map(|&(name, value)| (name, Attribute::from(value)));
+    [("long_name", Attribute::from(variable.long_name))].into_iter().chain(unit).chain(flags).chain(others).collect()
+}
+
+/// Read an attribute; none if there is no such attribute.
+pub(super) fn read_attribute(location: &Location, name: &str) -> Result<Option<Attribute>> {
     let Ok(attribute) = location.attr(name) else { return Ok(None) };
     let kind = attribute.dtype()?;
     Ok(Some(match () {
         () if kind.is::<f64>() => Attribute::Real(attribute.read_scalar()?),
         () if kind.is::<u64>() => Attribute::Count(attribute.read_scalar()?),
+        () if kind.is::<i8>() => Attribute::Flags(attribute.read_raw()?),
         () => Attribute::Text(readable(&attribute.read_scalar()?)?),
     }))
 }
 
 /// The text of a file as UTF-8. The file may hold any bytes, so this is checked.
-fn readable(text: &VarLenUnicode) -> Result<String> {
+pub(super) fn readable(text: &VarLenUnicode) -> Result<String> {
     let text = std::str::from_utf8(text.as_str().as_bytes());
     text.map(str::to_owned).map_err(|_| Error::from("a text is not UTF-8"))
 }
@@ -265,10 +291,12 @@ pub(super) fn read_variable<T: H5Type>(file: &File, variable: &Described) -> Res
         return Err(format!("{name} has another type than it was written with").into());
     }
     let shape = dataset.shape();
-    let is_along = |(axis, length): (&&str, &usize)| {
-        *axis == name || !file.link_exists(axis) || file.dataset(axis).is_ok_and(|axis| axis.size() == *length)
-    };
-    if shape.len() != variable.axes.len() || !variable.axes.iter().zip(&shape).all(is_along) {
+    let axes = variable.axes.iter();
+    if let Some(axis) = axes.clone().find(|axis| !file.link_exists(axis)) {
+        return Err(format!("{axis} is missing, the coordinate of {name}").into());
+    }
+    let has_length = |(axis, length): (&&str, &usize)| file.dataset(axis).is_ok_and(|axis| axis.size() == *length);
+    if shape.len() != variable.axes.len() || !axes.zip(&shape).all(has_length) {
         return Err(format!("{name} has another shape than its axes").into());
     }
     // Nothing is compressed, so a variable that claims to be larger than its file is damaged.

@@ -1,19 +1,16 @@
 //! Writing the file of a run, once its statistics are known.
 
-use super::error::{cause, is_full, system_error};
+use super::StoreError;
+use super::draft::{Draft, Failure};
 use super::growing::GrowingTable;
 use super::variable::{Growth, Place};
 use super::workshop::{RESULTS, Workshop};
-use super::{StoreError, seal};
 use crate::dataset::rows::{self, Along};
 use crate::dataset::{Destination as _, Rows, header, layout, run};
 use crate::engine::{Part, Status};
 use crate::provenance::Provenance;
 use crate::scenario::Bearing;
 use crate::stats::{BlockResult, Record, Summary};
-use hdf5::File;
-use hdf5::file::{FileCloseDegree, LibraryVersion};
-use hdf5::plist::file_create::{AttrCreationOrder, LinkCreationOrder};
 use std::fs;
 use std::path::Path;
 
@@ -24,37 +21,17 @@ const CHUNK: usize = 16_384;
 /// A file that is being written, in the folder `NAME.partial`.
 ///
 /// Rows must arrive in the order of their paths. Dropping a writer without `finish` leaves no file
-/// behind.
-///
-/// # When the disk is full
-///
-/// The first error of a write or a flush is final: the HDF5 handles are leaked on purpose, and
-/// every later call returns an error. Closing such a file crashes some versions of the HDF5
-/// library, and others report success.
+/// behind. The first error of a write is final, and every later call returns it again.
 #[derive(Debug)]
 pub struct Writer {
     workshop: Workshop,
-    /// The open file; `None` after a write has failed.
-    open: Option<Open>,
-    /// Why the file is no longer open.
+    draft: Draft,
+    tables: Vec<(Along, GrowingTable)>,
+    bearing: Option<Bearing>,
+    /// Why nothing can be written any more.
     failure: Option<Failure>,
     /// Number of paths appended.
     appended: u64,
-}
-
-/// The handles of an open file. They must not be dropped after a write error.
-#[derive(Debug)]
-struct Open {
-    place: Place,
-    tables: Vec<(Along, GrowingTable)>,
-    bearing: Option<Bearing>,
-}
-
-/// The first failure, kept so that every later call can report it again.
-#[derive(Clone, Debug)]
-struct Failure {
-    cause: String,
-    full: bool,
 }
 
 impl Writer {
@@ -70,12 +47,17 @@ impl Writer {
         let path = workshop.path(RESULTS);
         // An earlier attempt to finish the run may have left a file of this name.
         let _ = fs::remove_file(&path);
-        let file = create_file(&path)
-            .map_err(|error| StoreError::NotCreated { partial: path.clone(), cause: cause(&error) })?;
-        let place = Place::new(file, header.units.clone());
-        let open = Some(Open { place, tables: Vec::new(), bearing: header.bearing });
-        let mut writer = Writer { workshop, open, failure: None, appended: 0 };
-        writer.guarded(|open| open.define(header, record))?;
+        let draft = Draft::create(&path, header.units.clone())?;
+        let bearing = header.bearing;
+        let mut writer = Writer { workshop, draft, tables: Vec::new(), bearing, failure: None, appended: 0 };
+        writer.guarded(|place, tables| {
+            run::write_start(place, header)?;
+            rows::empty_tables(record, header, |table| {
+                let growth = growth(table.along, header, record);
+                tables.push((table.along, GrowingTable::define(place, &table, growth)?));
+                Ok(())
+            })
+        })?;
         Ok(writer)
     }
 
@@ -86,22 +68,28 @@ impl Writer {
 
     /// Append the rows of consecutive paths.
     pub fn append_rows(&mut self, rows: Rows) -> Result<(), StoreError> {
-        self.guarded(|open| open.append(rows))?;
+        let bearing = self.bearing;
+        self.guarded(|_, tables| {
+            rows::tables(&rows, bearing, |rows| match tables.iter_mut().find(|(along, _)| *along == rows.along) {
+                Some((_, table)) => table.push(&rows),
+                None => Ok(()),
+            })
+        })?;
         self.appended += rows.paths;
         Ok(())
     }
 
     /// Write what ended the run before its last path.
     pub fn ended_by(&mut self, reason: &str) -> Result<(), StoreError> {
-        self.guarded(|open| header::write_ended_by(&mut open.place, reason))
+        self.guarded(|place, _| header::write_ended_by(place, reason))
     }
 
     /// Write which part of a run this is, and keep the state of the part, from which it can be
     /// joined to the others.
     pub(super) fn part(&mut self, part: Part, state: &[u8]) -> Result<(), StoreError> {
-        self.guarded(|open| {
-            header::write_part(&mut open.place, part)?;
-            open.place.write_variable(&layout::PART_STATE, state)
+        self.guarded(|place, _| {
+            header::write_part(place, part)?;
+            place.write_variable(&layout::PART_STATE, state)
         })
     }
 
@@ -110,101 +98,38 @@ impl Writer {
     pub fn finish(mut self, summary: &Summary, status: Status) -> Result<(), StoreError> {
         let paths = summary.completed_paths;
         let appended = self.appended;
-        self.guarded(|open| {
-            if open.tables.iter().any(|(along, _)| *along == Along::Path) && appended != paths {
+        self.guarded(|place, tables| {
+            if tables.iter().any(|(along, _)| *along == Along::Path) && appended != paths {
                 return Err(format!("the statistics are of {paths} paths, but {appended} were appended").into());
             }
-            open.finish(summary, status)
+            tables.iter_mut().try_for_each(|(_, table)| table.write_all(&mut place.ledger))?;
+            run::write_end(place, summary, status)?;
+            place.file.flush()
         })?;
-        // Everything is written by now, so closing the file writes nothing more.
-        drop(self.open.take());
-        // Some file systems report only at this point that they are full.
-        seal::seal(&self.workshop.path(RESULTS))
-            .map_err(|error| self.fail(Failure { full: is_full(&error), cause: error.to_string() }))?;
-        self.workshop.publish()
+        // Everything is written by now, so closing the variables writes nothing more.
+        let Writer { workshop, draft, tables, .. } = self;
+        drop(tables);
+        draft.finish().map_err(|failure| workshop.failure(failure.cause, failure.full))?;
+        workshop.publish()
     }
 
     /// Do something with the open file. After the first failure, every call returns that failure.
-    fn guarded(&mut self, work: impl FnOnce(&mut Open) -> hdf5::Result<()>) -> Result<(), StoreError> {
-        let Some(open) = &mut self.open else {
-            return Err(self.error());
-        };
-        work(open).map_err(|error| {
-            let full = system_error(&error).is_some_and(|system| is_full(&system));
-            self.fail(Failure { cause: cause(&error), full })
-        })
-    }
-
-    /// Record the failure and leak the handles, so that the file is never touched again.
-    fn fail(&mut self, failure: Failure) -> StoreError {
-        std::mem::forget(self.open.take());
-        self.failure = Some(failure);
-        self.error()
-    }
-
-    fn error(&self) -> StoreError {
-        let failure = self.failure.clone();
-        let Failure { cause, full } = failure.unwrap_or(Failure { cause: "the file is closed".into(), full: false });
-        self.workshop.failure(cause, full)
-    }
-}
-
-impl Drop for Writer {
-    /// Closing the file writes what is still in memory, and an error then may crash the library. So
-    /// the file is flushed first, and leaked if that fails.
-    fn drop(&mut self) {
-        if let Some(open) = self.open.take()
-            && open.place.file.flush().is_err()
+    fn guarded(
+        &mut self,
+        work: impl FnOnce(&mut Place, &mut Vec<(Along, GrowingTable)>) -> hdf5::Result<()>,
+    ) -> Result<(), StoreError> {
+        let Writer { draft, tables, failure, .. } = self;
+        if failure.is_none()
+            && let Err(new) = draft.write(|place| work(place, tables))
         {
-            std::mem::forget(open);
+            // The variables are leaked like the file, because closing them would write to it.
+            std::mem::forget(std::mem::take(tables));
+            *failure = Some(new);
         }
-    }
-}
-
-/// Create an empty file of the kind that netCDF-4 readers expect.
-pub(super) fn create_file(path: &Path) -> hdf5::Result<File> {
-    File::with_options()
-        // With V18 the file stays readable after the process is killed; V110 and later mark it as
-        // open for writing. A strong close closes the file even if a handle to one of its objects
-        // still exists.
-        .with_fapl(|access| {
-            access.libver_bounds(LibraryVersion::V18, LibraryVersion::V110).fclose_degree(FileCloseDegree::Strong)
-        })
-        // netCDF-4 appends only to files that record the order in which their variables were
-        // created. Equal runs give equal files only if no modification times are stored.
-        .with_fcpl(|creation| {
-            creation
-                .link_creation_order(LinkCreationOrder::Indexed)
-                .attr_creation_order(AttrCreationOrder::Indexed)
-                .obj_track_times(false)
-        })
-        .create_excl(path)
-}
-
-impl Open {
-    fn define(&mut self, header: &Provenance, record: &Record) -> hdf5::Result<()> {
-        let Open { place, tables, .. } = self;
-        run::write_start(place, header)?;
-        rows::empty_tables(record, header, |table| {
-            let growth = growth(table.along, header, record);
-            tables.push((table.along, GrowingTable::define(place, &table, growth)?));
-            Ok(())
-        })
-    }
-
-    fn append(&mut self, block: Rows) -> hdf5::Result<()> {
-        rows::tables(&block, self.bearing, |rows| {
-            match self.tables.iter_mut().find(|(along, _)| *along == rows.along) {
-                Some((_, table)) => table.push(&rows),
-                None => Ok(()),
-            }
-        })
-    }
-
-    fn finish(&mut self, summary: &Summary, status: Status) -> hdf5::Result<()> {
-        self.tables.iter_mut().try_for_each(|(_, table)| table.write_all())?;
-        run::write_end(&mut self.place, summary, status)?;
-        self.place.file.flush()
+        match &self.failure {
+            Some(Failure { cause, full }) => Err(self.workshop.failure(cause.clone(), *full)),
+            None => Ok(()),
+        }
     }
 }
 

@@ -1,6 +1,8 @@
-// Kills the process at its KILL_AT-th change of a file system, for tests of what a killed run
-// leaves behind. It is linked in front of the C library with LD_PRELOAD. Half of the bytes of a
-// write at which it kills reach the file. Every change is written to KILL_TRACE.
+// Kills the process at its KILL_AT-th change of a file system, or lets that one change fail, for
+// tests of what a run leaves behind. It is linked in front of the C library with LD_PRELOAD. Half
+// of the bytes of a write at which it kills reach the file. With FAIL_ERRNO the change fails with
+// this error instead, and all later ones succeed; with FAIL_ERRNO=0 a write is short, and anything
+// else succeeds. Every change is written to KILL_TRACE.
 #define _GNU_SOURCE
 #include <dlfcn.h>
 #include <errno.h>
@@ -48,7 +50,13 @@ static int is_due(const char *what, const char *path) {
     return number == at("KILL_AT");
 }
 
-static void end(void) { kill(getpid(), SIGKILL); }
+// What happens at the change that is due: a kill, an error (-1), or a short write (0).
+static int fault(void) {
+    const char *code = getenv("FAIL_ERRNO");
+    if (!code) kill(getpid(), SIGKILL);
+    errno = atoi(code);
+    return errno ? -1 : 0;
+}
 
 static int is_file(int fd) {
     struct stat there;
@@ -61,13 +69,19 @@ static int is_file(int fd) {
 
 ssize_t write(int fd, const void *bytes, size_t n) {
     NEXT(write);
-    if (is_file(fd) && is_due("write", path_of(fd))) { if (next(fd, bytes, n / 2)) {} end(); }
+    if (is_file(fd) && is_due("write", path_of(fd))) {
+        if (!getenv("FAIL_ERRNO") && next(fd, bytes, n / 2)) {}
+        return fault() ? -1 : next(fd, bytes, (n + 1) / 2);
+    }
     return next(fd, bytes, n);
 }
 
 ssize_t pwrite64(int fd, const void *bytes, size_t n, off64_t offset) {
     NEXT(pwrite64);
-    if (is_file(fd) && is_due("write", path_of(fd))) { if (next(fd, bytes, n / 2, offset)) {} end(); }
+    if (is_file(fd) && is_due("write", path_of(fd))) {
+        if (!getenv("FAIL_ERRNO") && next(fd, bytes, n / 2, offset)) {}
+        return fault() ? -1 : next(fd, bytes, (n + 1) / 2, offset);
+    }
     return next(fd, bytes, n, offset);
 }
 
@@ -76,7 +90,7 @@ ssize_t pwrite(int fd, const void *bytes, size_t n, off_t offset) { return pwrit
 #define ON_FD(name) \
     int name(int fd) { \
         NEXT(name); \
-        if (is_due("sync", path_of(fd))) end(); \
+        if (is_due("sync", path_of(fd)) && fault()) return -1; \
         return next(fd); \
     }
 ON_FD(fsync)
@@ -84,32 +98,32 @@ ON_FD(fdatasync)
 
 int ftruncate64(int fd, off64_t length) {
     NEXT(ftruncate64);
-    if (is_due("truncate", path_of(fd))) end();
+    if (is_due("truncate", path_of(fd)) && fault()) return -1;
     return next(fd, length);
 }
 
 int rename(const char *from, const char *to) {
     NEXT(rename);
-    if (is_due("rename", to)) end();
+    if (is_due("rename", to) && fault()) return -1;
     return next(from, to);
 }
 
 int linkat(int a, const char *from, int b, const char *to, int flags) {
     NEXT(linkat);
-    if (is_due("link", to)) end();
+    if (is_due("link", to) && fault()) return -1;
     return next(a, from, b, to, flags);
 }
 
 int link(const char *from, const char *to) {
     NEXT(link);
-    if (is_due("link", to)) end();
+    if (is_due("link", to) && fault()) return -1;
     return next(from, to);
 }
 
 #define ON_PATH(name, what) \
     int name(const char *path) { \
         NEXT(name); \
-        if (is_due(what, path)) end(); \
+        if (is_due(what, path) && fault()) return -1; \
         return next(path); \
     }
 ON_PATH(unlink, "unlink")
@@ -117,6 +131,22 @@ ON_PATH(rmdir, "rmdir")
 
 int mkdir(const char *path, mode_t mode) {
     NEXT(mkdir);
-    if (is_due("mkdir", path)) end();
+    if (is_due("mkdir", path) && fault()) return -1;
     return next(path, mode);
 }
+
+// A file that is opened to be created.
+static mode_t mode_of(int flags, va_list arguments) { return flags & O_CREAT ? va_arg(arguments, mode_t) : 0; }
+
+#define ON_OPEN(name) \
+    int name(const char *path, int flags, ...) { \
+        NEXT(name); \
+        va_list arguments; \
+        va_start(arguments, flags); \
+        mode_t mode = mode_of(flags, arguments); \
+        va_end(arguments); \
+        if (flags & O_CREAT && getenv("FAIL_ERRNO") && is_due("open", path) && fault()) return -1; \
+        return next(path, flags, mode); \
+    }
+ON_OPEN(open)
+ON_OPEN(open64)

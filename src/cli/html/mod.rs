@@ -12,6 +12,7 @@ mod data;
 
 use super::document::JsonWarning;
 use super::failure::{Failure, note, writable};
+use super::files;
 use super::report::{self, RunInfo};
 use super::results;
 use base64::Engine as _;
@@ -52,7 +53,7 @@ impl Report {
         let default = || PathBuf::from(self.file.file_stem().unwrap_or("report".as_ref())).with_extension("html");
         let output = self.output.clone().unwrap_or_else(default);
         writable(&output, self.force, [self.file.as_path()])?;
-        let stored = store::read(&self.file)?;
+        let stored = files::run(&self.file)?;
         let scenario = results::scenario("scenario", &stored, &[]).ok();
         let info = super::show::info(&self.file, &stored, scenario.as_ref());
         let page = page(&stored, scenario.as_ref(), &info);

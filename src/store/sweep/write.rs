@@ -2,10 +2,8 @@
 
 use crate::dataset;
 use crate::provenance::Provenance;
-use crate::store::error::{cause, is_full, system_error};
-use crate::store::variable::Place;
-use crate::store::writer::create_file;
-use crate::store::{StoreError, seal};
+use crate::store::StoreError;
+use crate::store::draft::{Draft, Failure};
 use crate::study::sweep::Sweep;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -19,20 +17,12 @@ pub(super) fn replace(path: &Path, header: &Provenance, sweep: &Sweep) -> Result
     // A killed process may have left a file of this name. The lock excludes that another process is
     // writing it now.
     let _ = fs::remove_file(&beside);
-    let file = create_file(&beside)
-        .map_err(|error| StoreError::NotCreated { partial: beside.clone(), cause: cause(&error) })?;
-    let mut place = Place::new(file, header.units.clone());
-    let failed = |full: bool, cause: String| match full {
+    let mut draft = Draft::create(&beside, header.units.clone())?;
+    let written = draft.write(|place| dataset::sweep::write(place, header, sweep)).and_then(|()| draft.finish());
+    written.map_err(|Failure { cause, full }| match full {
         true => StoreError::DiskFull { partial: beside.clone(), target: path.to_owned(), saved_paths: 0, cause },
         false => StoreError::Write { partial: beside.clone(), target: path.to_owned(), saved_paths: 0, cause },
-    };
-    if let Err(error) = dataset::sweep::write(&mut place, header, sweep).and_then(|()| place.file.flush()) {
-        // The handles are leaked, because closing a file that could not be written may crash HDF5.
-        std::mem::forget(place);
-        return Err(failed(system_error(&error).is_some_and(|system| is_full(&system)), cause(&error)));
-    }
-    drop(place);
-    seal::seal(&beside).map_err(|error| failed(is_full(&error), error.to_string()))?;
+    })?;
     rename(&beside, path)
 }
 

@@ -1,0 +1,124 @@
+//! An HDF5 file while it is being written: nothing counts as written before it was read back.
+//!
+//! HDF5 writes late, some of it only when a variable or the file is closed, and then it may fail
+//! without a word. So a file is written such that every failure is seen:
+//!
+//! ```text
+//! write     values go to the system at once, because there is no sieve buffer
+//! flush     writes what the library still holds, and its result is looked at
+//! close     has nothing left to write
+//! compare   the file is opened anew, and everything in it is compared with the ledger
+//! seal      a checksum of the whole file, synced to the disk with it
+//! ```
+//!
+//! After a failed write or flush the handles are leaked on purpose, and the file is never touched
+//! again. Closing such a file crashes some versions of the library, and others report success.
+
+use super::error::{cause, is_full, system_error};
+use super::ledger::Ledger;
+use super::superblock::superblock;
+use super::variable::Place;
+use super::{StoreError, seal};
+use crate::stats::Units;
+use hdf5::File;
+use hdf5::file::{FileCloseDegree, LibraryVersion};
+use hdf5::plist::file_create::{AttrCreationOrder, LinkCreationOrder};
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+
+/// Why a file could not be written.
+#[derive(Clone, Debug)]
+pub(super) struct Failure {
+    /// What the system or HDF5 says.
+    pub cause: String,
+    /// Whether there was no room left.
+    pub full: bool,
+}
+
+impl From<hdf5::Error> for Failure {
+    fn from(error: hdf5::Error) -> Self {
+        Failure { cause: cause(&error), full: system_error(&error).is_some_and(|system| is_full(&system)) }
+    }
+}
+
+impl From<io::Error> for Failure {
+    fn from(error: io::Error) -> Self {
+        Failure { full: is_full(&error), cause: error.to_string() }
+    }
+}
+
+/// A file that is being written.
+#[derive(Debug)]
+pub(super) struct Draft {
+    path: PathBuf,
+    /// The open file; `None` after a failure.
+    place: Option<Place>,
+}
+
+impl Draft {
+    /// Create a file, which must not exist.
+    pub fn create(path: &Path, units: Units) -> Result<Draft, StoreError> {
+        let file =
+            create(path).map_err(|error| StoreError::NotCreated { partial: path.to_owned(), cause: cause(&error) })?;
+        Ok(Draft { path: path.to_owned(), place: Some(Place::new(file, units)) })
+    }
+
+    /// Do something with the file. After the first failure nothing is done any more.
+    pub fn write(&mut self, work: impl FnOnce(&mut Place) -> hdf5::Result<()>) -> Result<(), Failure> {
+        let closed = || Failure { cause: "the file is closed".into(), full: false };
+        let done = work(self.place.as_mut().ok_or_else(closed)?);
+        done.map_err(|error| {
+            std::mem::forget(self.place.take());
+            error.into()
+        })
+    }
+
+    /// Close the file, of which every variable must be flushed, compare it with what was to be
+    /// written, and seal it.
+    pub fn finish(mut self) -> Result<(), Failure> {
+        let mut ledger = Ledger::default();
+        self.write(|place| {
+            place.file.flush()?;
+            ledger = std::mem::take(&mut place.ledger);
+            Ok(())
+        })?;
+        drop(self.place.take());
+        if superblock(&mut fs::File::open(&self.path)?)?.is_none_or(|superblock| superblock.is_open) {
+            return Err(Failure { cause: "HDF5 could not close the file".into(), full: false });
+        }
+        ledger.compare(&self.path)?;
+        // Some file systems report only at this point that they are full.
+        Ok(seal::seal(&self.path)?)
+    }
+}
+
+impl Drop for Draft {
+    /// A file that is given up is closed if nothing is left to be written, and leaked otherwise.
+    fn drop(&mut self) {
+        let _ = self.write(|place| place.file.flush());
+    }
+}
+
+/// Create an empty file of the kind that netCDF-4 readers expect.
+fn create(path: &Path) -> hdf5::Result<File> {
+    File::with_options()
+        // With V18 the file stays readable after the process is killed; V110 and later mark it as
+        // open for writing. A strong close closes the file even if a handle to one of its objects
+        // still exists. Without a sieve buffer no values wait for the close of their variable.
+        .with_fapl(|access| {
+            access
+                .libver_bounds(LibraryVersion::V18, LibraryVersion::V110)
+                .fclose_degree(FileCloseDegree::Strong)
+                .sieve_buf_size(0)
+        })
+        // netCDF-4 appends only to files that record the order in which their variables were
+        // created. Equal runs give equal files only if no modification times are stored.
+        .with_fcpl(|creation| {
+            creation
+                .link_creation_order(LinkCreationOrder::Indexed)
+                .attr_creation_order(AttrCreationOrder::Indexed)
+                .obj_track_times(false)
+        })
+        .create_excl(path)
+}
