@@ -14,6 +14,13 @@ pub const PROGRAM_VERSION: &str = env!("CARGO_PKG_VERSION");
 /// Commit that the program was built from; `unknown` if it was built outside a repository.
 pub const GIT_HASH: &str = env!("MC_GIT_HASH");
 
+/// Says which program has written a file, and that its numbers may therefore differ. None if it was
+/// this program.
+pub fn other_program(version: &str, git_hash: &str) -> Option<String> {
+    let is_own = version == PROGRAM_VERSION && git_hash == GIT_HASH;
+    (!is_own).then(|| format!("written by mc {version} ({git_hash}); this is mc {PROGRAM_VERSION} ({GIT_HASH})"))
+}
+
 /// Everything that is needed to repeat a run, and to know which program made it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Provenance {

@@ -11,7 +11,7 @@ use pyo3::prelude::*;
 use std::path::Path;
 use stick_slip::config::{self, Override, ScenarioError};
 use stick_slip::data::{DataError, Origin, Pair, Start, TimeColumn, Wanted};
-use stick_slip::dataset::Dataset;
+use stick_slip::dataset::{Dataset, StoredCalibration};
 use stick_slip::scenario::{BridgeScene, Scenario as Checked};
 use stick_slip::study::calibration::{
     Bearing, Calibration, CalibrationError, Flaws, Lag, Method, NotHeld, Quantity, Question, Record,
@@ -157,7 +157,10 @@ pub fn calibrate<'py>(
     if is_interrupted {
         remarks.push("interrupted: fewer starts of the least squares than asked for".into());
     }
-    Ok((to_python(py, Dataset::of_calibration(&scene.title, &scene.text, &calibration))?, remarks))
+    Ok((
+        to_python(py, Dataset::of_calibration(&StoredCalibration::of(&scene.title, &scene.text, calibration)))?,
+        remarks,
+    ))
 }
 
 /// Simulates future years of a bearing that is calibrated from its slips, under the weather of the

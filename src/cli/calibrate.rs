@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 use stick_slip::config::Override;
 use stick_slip::scenario::BridgeScene;
-use stick_slip::store;
+use stick_slip::store::{self, StoredCalibration};
 use stick_slip::study::calibration::{
     Calibration, CalibrationError, Lag, Method, NotHeld, Quantity, Question, calibrate,
 };
@@ -98,12 +98,10 @@ impl Calibrate {
             let remedy = "take --method err, which needs none, and beware of its estimates";
             refused(&self.source.data, &error, remedy)
         })?;
-        let warnings: Vec<(String, String)> =
-            calibration.warnings.iter().map(|warning| (warning.name().to_string(), warning.to_string())).collect();
-        let title = &scene.title;
-        show(title, &calibration, &warnings, self.json)?;
+        let stored = StoredCalibration::of(&scene.title, &scene.text, calibration);
+        show(&stored.title, &stored.calibration, &stored.warnings, self.json)?;
         if let Some(output) = &self.output {
-            store::write_calibration(output, title, &scene.text, &calibration, self.force)?;
+            store::write_calibration(output, &stored, self.force)?;
             note(&format!("{} has all of it; `mc plot {0}` draws it", output.display()));
         }
         if stop.load(Ordering::Relaxed) { Err(Failure::Interrupted) } else { Ok(()) }

@@ -8,7 +8,7 @@ use super::results;
 use std::path::{Path, PathBuf};
 use stick_slip::engine::{self, Rows, Status};
 use stick_slip::ensemble::Plan;
-use stick_slip::provenance::Provenance;
+use stick_slip::provenance::{Provenance, other_program};
 use stick_slip::scenario::Scenario;
 use stick_slip::stats::{PathColumns, Record};
 use stick_slip::store::{self, Writer};
@@ -49,7 +49,7 @@ impl Replay {
             return Err(Failure::usage(problem, remedy));
         }
         let scenario = results::scenario(&self.file.display().to_string(), &stored, &[])?;
-        if let Some(other) = results::other_program(&stored.header, &Provenance::of(&scenario)) {
+        if let Some(other) = other_program(&stored.header.program_version, &stored.header.git_hash) {
             note(&format!("warning: {} was {other}", self.file.display()));
         }
         self.check_path(&scenario)?;

@@ -7,7 +7,6 @@ use super::report;
 use std::path::{Path, PathBuf};
 use stick_slip::config::{Override, STANDARD_INPUT, ScenarioError};
 use stick_slip::engine::RunError;
-use stick_slip::provenance::Provenance;
 use stick_slip::scenario::Scenario;
 use stick_slip::stats::Summary;
 use stick_slip::store::{StoreError, Stored};
@@ -25,17 +24,6 @@ pub fn default_output(scenario: &Path, ending: &str) -> PathBuf {
 /// The scenario of a file of results, with its measured temperature, after these overrides.
 pub fn scenario(name: &str, stored: &Stored, overrides: &[Override]) -> Result<Scenario, ScenarioError> {
     Scenario::parse_stored(name, &stored.header.scenario_text, overrides, stored.header.series.as_ref())
-}
-
-/// Says which program has written a file, and that its numbers may therefore differ. None if it was
-/// this program.
-pub fn other_program(theirs: &Provenance, mine: &Provenance) -> Option<String> {
-    let of = |header: &Provenance| {
-        let Provenance { program_version, git_hash, generator, .. } = header;
-        format!("mc {program_version} ({git_hash}), {generator}")
-    };
-    let (theirs, mine) = (of(theirs), of(mine));
-    (theirs != mine).then(|| format!("written by {theirs}; this is {mine}"))
 }
 
 /// Prints the warnings of a scenario on standard error. The warnings that only estimate the bias of

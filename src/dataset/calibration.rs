@@ -4,21 +4,21 @@
 use super::header::CONVENTIONS;
 use super::layout::{Unit, Variable, variable};
 use super::{
-    Destination, Source, read_count, read_or_empty, read_real, read_real_if_present, read_text, read_text_if_present,
-    texts,
+    Destination, Source, read_count, read_or_empty, read_other_program, read_real, read_real_if_present, read_text,
+    read_text_if_present, texts,
 };
 use crate::provenance::{GIT_HASH, PROGRAM_VERSION};
 use crate::stats::{Dimension, Units};
 use crate::study::calibration::{
-    Calibration, Estimate, Lag, LagProfile, Method, Quantity, Question, Record, Residuals, SeenSlip, Spikes, Start,
-    Values, response_of,
+    Calibration, Estimate, Lag, LagProfile, Method, Motion, Quantity, Question, Record, Residuals, SeenSlip, Spikes,
+    Start, Values, response_of,
 };
 
 /// The attribute `format_name` of a calibration.
 pub(crate) const CALIBRATION_FORMAT_NAME: &str = "stick-slip calibration";
 
 /// Major and minor version of the format.
-pub(crate) const CALIBRATION_FORMAT_VERSION: (u32, u32) = (1, 0);
+pub(crate) const CALIBRATION_FORMAT_VERSION: (u32, u32) = (1, 1);
 
 /// A calibration as it is read back from a data set.
 #[derive(Clone, Debug, PartialEq)]
@@ -27,10 +27,26 @@ pub struct StoredCalibration {
     pub title: String,
     /// The scenario, as it was written.
     pub scenario_text: String,
-    /// The result. Its list of warnings is empty; they are in `warnings`.
+    /// The result. Where it was read back, its list of warnings is empty; they are in `warnings`.
     pub calibration: Calibration,
     /// Name and sentence of each warning.
     pub warnings: Vec<(String, String)>,
+    /// The program that wrote the calibration, if it was another one.
+    pub other_program: Option<String>,
+    /// Whether everything is known that is needed to repeat the fit. Files of format 1.0 lack some
+    /// of it.
+    pub is_repeatable: bool,
+}
+
+impl StoredCalibration {
+    /// A calibration as it is to be stored. `title` is one line, and `scenario_text` is the
+    /// scenario as it was written.
+    pub fn of(title: &str, scenario_text: &str, calibration: Calibration) -> Self {
+        let warnings = calibration.warnings.iter();
+        let warnings = warnings.map(|warning| (warning.name().to_string(), warning.to_string())).collect();
+        let (title, scenario_text) = (title.to_string(), scenario_text.to_string());
+        StoredCalibration { title, scenario_text, calibration, warnings, other_program: None, is_repeatable: true }
+    }
 }
 
 /// Labels of the units of a calibration.
@@ -40,22 +56,14 @@ pub(crate) fn units() -> Units {
 }
 
 /// Write a calibration.
-pub(crate) fn write<D: Destination>(
-    to: &mut D,
-    title: &str,
-    scenario_text: &str,
-    calibration: &Calibration,
-) -> Result<(), D::Error> {
-    attributes(to, title, scenario_text, calibration)?;
-    variables(to, calibration)
+pub(crate) fn write<D: Destination>(to: &mut D, stored: &StoredCalibration) -> Result<(), D::Error> {
+    attributes(to, stored)?;
+    write_question(to, &stored.calibration.question)?;
+    variables(to, &stored.calibration)
 }
 
-fn attributes<D: Destination>(
-    to: &mut D,
-    title: &str,
-    scenario_text: &str,
-    calibration: &Calibration,
-) -> Result<(), D::Error> {
+fn attributes<D: Destination>(to: &mut D, stored: &StoredCalibration) -> Result<(), D::Error> {
+    let StoredCalibration { title, scenario_text, calibration, warnings, .. } = stored;
     let Calibration { question, lag, spikes, .. } = calibration;
     let (major, minor) = CALIBRATION_FORMAT_VERSION;
     for (name, value) in [
@@ -80,6 +88,7 @@ fn attributes<D: Destination>(
         ("lag_low", lag.low),
         ("lag_high", lag.high),
         ("residual_rms", calibration.residuals.rms),
+        ("temperature_resolution", calibration.resolution),
     ] {
         to.set_attribute(name, value)?;
     }
@@ -94,9 +103,43 @@ fn attributes<D: Destination>(
     ] {
         to.set_attribute(name, value)?;
     }
-    let warnings: Vec<String> =
-        calibration.warnings.iter().map(|warning| format!("{}: {warning}", warning.name())).collect();
-    if warnings.is_empty() { Ok(()) } else { to.set_attribute("warnings", warnings.join("\n")) }
+    let lines: Vec<String> = warnings.iter().map(|(name, sentence)| format!("{name}: {sentence}")).collect();
+    if lines.is_empty() { Ok(()) } else { to.set_attribute("warnings", lines.join("\n")) }
+}
+
+/// Write what was asked and does not follow from the answer.
+fn write_question<D: Destination>(to: &mut D, question: &Question) -> Result<(), D::Error> {
+    let Motion { reach, jump, start } = question.guess;
+    to.set_attribute("guess_reach", reach)?;
+    to.set_attribute("guess_jump", jump)?;
+    to.set_attribute("guess_start", start)?;
+    let held = |quantity| question.held.iter().find(|held| held.0 == quantity).map_or(f64::NAN, |held| held.1);
+    let bound = |quantity, end: usize| {
+        question.bounds.iter().find(|bound| bound.0 == quantity).map_or(f64::NAN, |bound| bound.1[end])
+    };
+    to.write_variable(&QUANTITY, &texts(Quantity::ALL.map(Quantity::key)))?;
+    to.write_variable(&HELD, &Quantity::ALL.map(held))?;
+    to.write_variable(&BOUND_LOW, &Quantity::ALL.map(|quantity| bound(quantity, 0)))?;
+    to.write_variable(&BOUND_HIGH, &Quantity::ALL.map(|quantity| bound(quantity, 1)))
+}
+
+/// Read what `write_question` has written into a question.
+fn read_question<S: Source>(from: &S, question: &mut Question) -> Result<(), S::Error> {
+    let [held, low, high]: [Result<Vec<f64>, _>; 3] =
+        [&HELD, &BOUND_LOW, &BOUND_HIGH].map(|variable| read_or_empty(from, variable));
+    let (held, low, high) = (held?, low?, high?);
+    if [&held, &low, &high].iter().any(|values| values.len() != Quantity::ALL.len()) {
+        return Err(format!("{} has another size", HELD.name).into());
+    }
+    let is_held = |quantity: &Quantity| !held[*quantity as usize].is_nan();
+    question.held =
+        Quantity::FITTED.into_iter().filter(is_held).map(|quantity| (quantity, held[quantity as usize])).collect();
+    let is_bound = |quantity: &Quantity| !low[*quantity as usize].is_nan();
+    let bound = |quantity: Quantity| (quantity, [low[quantity as usize], high[quantity as usize]]);
+    question.bounds = Quantity::ALL.into_iter().filter(is_bound).map(bound).collect();
+    let [reach, jump, start] = ["guess_reach", "guess_jump", "guess_start"].map(|name| read_real(from, name));
+    question.guess = Motion { reach: reach?, jump: jump?, start: start? };
+    Ok(())
 }
 
 fn ends(estimates: &[Estimate]) -> [Vec<f64>; 3] {
@@ -105,8 +148,6 @@ fn ends(estimates: &[Estimate]) -> [Vec<f64>; 3] {
 }
 
 fn variables<D: Destination>(to: &mut D, calibration: &Calibration) -> Result<(), D::Error> {
-    let keys = texts(Quantity::ALL.map(Quantity::key));
-    to.write_variable(&QUANTITY, &keys)?;
     to.write_variable(&QUANTITY_SYMBOL, &texts(Quantity::ALL.map(Quantity::symbol)))?;
     to.write_variable(&QUANTITY_UNIT, &texts(Quantity::ALL.map(Quantity::unit)))?;
     for (variable, values) in [&ESTIMATE, &LOW, &HIGH].into_iter().zip(ends(&calibration.estimates)) {
@@ -118,7 +159,7 @@ fn variables<D: Destination>(to: &mut D, calibration: &Calibration) -> Result<()
         }
     }
     if !calibration.correlations.is_empty() {
-        to.write_variable(&OTHER, &keys)?;
+        to.write_variable(&OTHER, &texts(Quantity::ALL.map(Quantity::key)))?;
         to.write_variable(&CORRELATION, &calibration.correlations.concat())?;
     }
     let slips = &calibration.slips;
@@ -185,7 +226,7 @@ pub(crate) fn read<S: Source>(from: &S) -> Result<StoredCalibration, S::Error> {
     let method = Method::from_name(&read_text(from, "method")?).ok_or_else(|| "an unknown method".to_string())?;
     let lag = Estimate { estimate: number("lag")?, low: number("lag_low")?, high: number("lag_high")? };
     let response = response_of(&found.map(|estimate| estimate.estimate));
-    let question = Question {
+    let mut question = Question {
         method,
         shear_stiffness: read_real_if_present(from, "shear_stiffness")?,
         starts: errs.len() as u32,
@@ -195,6 +236,10 @@ pub(crate) fn read<S: Source>(from: &S) -> Result<StoredCalibration, S::Error> {
         bounds: Vec::new(),
         guess: response.motion,
     };
+    let is_repeatable = from.has(HELD.name);
+    if is_repeatable {
+        read_question(from, &mut question)?;
+    }
     let profile = (!lags.is_empty()).then(|| {
         let profile = lags.into_iter().zip(deviances).collect();
         Ok::<_, S::Error>(LagProfile { likeliest: number("lag_likeliest")?, gain: number("lag_gain")?, profile })
@@ -204,6 +249,7 @@ pub(crate) fn read<S: Source>(from: &S) -> Result<StoredCalibration, S::Error> {
         steel: along(&STEEL, n)?,
         modelled: along(&MODELLED, n)?,
         record,
+        resolution: if is_repeatable { number("temperature_resolution")? } else { f64::NAN },
         spikes: Spikes {
             readings: whole("spikes_displacement")? as usize,
             temperatures: whole("spikes_temperature")? as usize,
@@ -244,6 +290,8 @@ pub(crate) fn read<S: Source>(from: &S) -> Result<StoredCalibration, S::Error> {
         scenario_text: read_text(from, "scenario")?,
         calibration,
         warnings: warnings.lines().filter_map(split).collect(),
+        other_program: read_other_program(from)?,
+        is_repeatable,
     })
 }
 
@@ -273,6 +321,12 @@ table! {
         "lower end of the interval of the least squares").with(PER_QUANTITY);
     ERR_HIGH = variable("least_squares_high", &["quantity"], Unit::None,
         "upper end of the interval of the least squares").with(PER_QUANTITY);
+    HELD = variable("held", &["quantity"], Unit::None, "value at which the quantity was held, missing where fitted")
+        .with(PER_QUANTITY);
+    BOUND_LOW = variable("bound_low", &["quantity"], Unit::None,
+        "lower bound of the search, missing where there was none").with(PER_QUANTITY);
+    BOUND_HIGH = variable("bound_high", &["quantity"], Unit::None,
+        "upper bound of the search, missing where there was none").with(PER_QUANTITY);
     OTHER = variable("other", &["other"], Unit::None, "key of the other quantity");
     CORRELATION = variable("correlation", &["quantity", "other"], Unit::ONE,
         "correlation of the errors of two quantities");

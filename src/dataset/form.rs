@@ -1,6 +1,7 @@
 //! Where a data set is written and from where it is read back, be it a file or memory.
 
 use super::layout::Described;
+use crate::provenance::other_program;
 use crate::stats::Units;
 
 /// An attribute of a data set or of a variable.
@@ -259,6 +260,11 @@ pub(crate) fn read_count<S: Source>(from: &S, name: &str) -> Result<u64, S::Erro
         Some(_) => Err(format!("{name} is no count").into()),
         None => Err(format!("{name} is missing").into()),
     }
+}
+
+/// The program that wrote the data set, if it was another one.
+pub(crate) fn read_other_program<S: Source>(from: &S) -> Result<Option<String>, S::Error> {
+    Ok(other_program(&read_text(from, "program_version")?, &read_text(from, "git_hash")?))
 }
 
 /// Read a variable. A variable that is left out because one of its dimensions has no length gives

@@ -11,7 +11,7 @@ use crate::model::Series;
 use crate::provenance::Provenance;
 use crate::scenario::Scenario;
 use crate::stats::{Statistic, Summary, Units};
-use crate::study::calibration::{self as bearing, Calibration, Twin};
+use crate::study::calibration::{self as bearing, Twin};
 use crate::study::forecast::Forecast;
 use crate::study::sweep::Sweep;
 use crate::study::trade::{Prices, Trade};
@@ -69,11 +69,10 @@ impl Dataset {
         dataset
     }
 
-    /// The data set of a calibration. `title` is one line, and `scenario_text` is the scenario as
-    /// it was written.
-    pub fn of_calibration(title: &str, scenario_text: &str, calibration: &Calibration) -> Self {
+    /// The data set of a calibration.
+    pub fn of_calibration(calibration: &StoredCalibration) -> Self {
         let mut dataset = Dataset::new(&calibration::units());
-        let Ok(()) = calibration::write(&mut dataset, title, scenario_text, calibration);
+        let Ok(()) = calibration::write(&mut dataset, calibration);
         dataset
     }
 

@@ -34,8 +34,8 @@ mod twin;
 pub use calibration::StoredCalibration;
 pub use form::{Attribute, Column};
 pub(crate) use form::{
-    Destination, Element, Kind, Source, Values, read_count, read_or_empty, read_real, read_real_if_present,
-    read_scalar, read_text, read_text_if_present, read_text_of, read_variable, texts,
+    Destination, Element, Kind, Source, Values, read_count, read_or_empty, read_other_program, read_real,
+    read_real_if_present, read_scalar, read_text, read_text_if_present, read_text_of, read_variable, texts,
 };
 pub use header::FORMAT_VERSION;
 pub use memory::{Dataset, Entry};

@@ -6,8 +6,8 @@ use super::layout::{Described, Unit, Variable, variable};
 use super::summary::write_statistics;
 use super::sweep_layout::{self as own, along};
 use super::{
-    Destination, Element, Source, read_count, read_or_empty, read_real, read_text, read_text_of, read_variable, series,
-    texts,
+    Destination, Element, Source, read_count, read_or_empty, read_other_program, read_real, read_text, read_text_of,
+    read_variable, series, texts,
 };
 use crate::engine::Status;
 use crate::model::Series;
@@ -32,6 +32,8 @@ pub struct StoredSweep {
     pub series: Option<Arc<Series>>,
     /// Version, commit, generator and block size of the program that wrote the sweep, in one line.
     pub program: String,
+    /// The program that wrote the sweep, if it was another one.
+    pub other_program: Option<String>,
     /// The design, which determines the points.
     pub design: Design,
     /// Whether all points see the same noise.
@@ -267,6 +269,7 @@ pub(crate) fn read<S: Source>(from: &S) -> Result<StoredSweep, S::Error> {
             &read_text(from, "generator")?,
             read_count(from, "block_size")?,
         ),
+        other_program: read_other_program(from)?,
         with_bias: read_text(from, "bias_of_the_step")? == "estimated",
         seeds,
         status: Status::from_name(&status).ok_or_else(|| format!("unknown status \"{status}\""))?,

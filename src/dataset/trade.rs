@@ -4,11 +4,12 @@
 use super::header::CONVENTIONS;
 use super::layout::{self, Unit, Variable, variable};
 use super::summary::write_statistics;
-use super::{Destination, Source, read_or_empty, read_text, texts};
+use super::{Destination, Source, read_or_empty, read_text, read_variable, series, texts};
 use crate::provenance::Provenance;
+use crate::scenario::Scenario;
 use crate::scheme::{Kind, Scheme};
-use crate::stats::Statistic;
-use crate::study::trade::{Choice, Prices, Rung, TARGETS, Trade};
+use crate::stats::{Estimate, Statistic};
+use crate::study::trade::{Choice, Cost, Number, Pairing, Prices, Rung, TARGETS, Trade};
 
 /// The attribute `format_name` of a trade.
 pub(crate) const TRADE_FORMAT_NAME: &str = "stick-slip trade";
@@ -16,6 +17,9 @@ pub(crate) const TRADE_FORMAT_NAME: &str = "stick-slip trade";
 /// Write a trade.
 pub(crate) fn write<D: Destination>(to: &mut D, header: &Provenance, trade: &Trade) -> Result<(), D::Error> {
     attributes(to, header, trade)?;
+    if let Some(samples) = &header.series {
+        series::write(to, samples, header.series_start.as_deref())?;
+    }
     coordinates(to, trade)?;
     measured(to, trade)?;
     orders(to, trade)?;
@@ -26,7 +30,7 @@ fn attributes<D: Destination>(to: &mut D, header: &Provenance, trade: &Trade) ->
     to.set_attribute("Conventions", CONVENTIONS)?;
     to.set_attribute("title", header.title.as_str())?;
     to.set_attribute("format_name", TRADE_FORMAT_NAME)?;
-    to.set_attribute("format_version", "1.0")?;
+    to.set_attribute("format_version", "1.1")?;
     to.set_attribute("program_version", header.program_version.as_str())?;
     to.set_attribute("git_hash", header.git_hash.as_str())?;
     to.set_attribute("seed", header.seed)?;
@@ -76,6 +80,9 @@ fn orders<D: Destination>(to: &mut D, trade: &Trade) -> Result<(), D::Error> {
     let notes = Statistic::ALL.map(|statistic| trade.standing(statistic).to_string());
     to.write_variable(&STATISTIC_SCALE, &scales)?;
     to.write_variable(&STATISTIC_NOTE, &texts(notes.iter().map(String::as_str)))?;
+    if let Pairing::Measured(ratios) = &trade.pairing {
+        to.write_variable(&STATISTIC_PAIRING, ratios)?;
+    }
     to.write_variable(&SCHEME_ORDER, &orders.iter().map(|order| order[0]).collect::<Vec<_>>())?;
     to.write_variable(&SCHEME_ORDER_ERROR, &orders.iter().map(|order| order[1]).collect::<Vec<_>>())
 }
@@ -103,6 +110,62 @@ fn predicted<D: Destination>(to: &mut D, trade: &Trade) -> Result<(), D::Error> 
     };
     let winners = Statistic::ALL.into_iter().flat_map(|s| TARGETS.map(|target| winner(s, target)));
     to.write_variable(&WINNER, &texts(winners))
+}
+
+/// Read the measurements of a trade of this scenario back. What follows from them is computed again
+/// and not read.
+pub(crate) fn read<S: Source>(from: &S, scenario: &Scenario) -> Result<Trade, S::Error> {
+    let rungs = read_rungs(from)?;
+    let reference = read_text(from, "reference")?;
+    let reference = rungs.iter().position(|rung| rung.scheme.to_string() == reference);
+    let reference = reference.ok_or_else(|| "reference is none of its rungs".to_string())?;
+    let ratios: Vec<f64> =
+        if from.has(STATISTIC_PAIRING.name) { read_or_empty(from, &STATISTIC_PAIRING)? } else { Vec::new() };
+    let pairing = match ratios.is_empty() {
+        _ if scenario.ensemble.antithetic => Pairing::Asked,
+        true => Pairing::Unknown,
+        false => Pairing::Measured(ratios),
+    };
+    Trade::of_rungs(scenario, rungs, reference, pairing).map_err(|misfit| misfit.to_string().into())
+}
+
+fn read_rungs<S: Source>(from: &S) -> Result<Vec<Rung>, S::Error> {
+    let names: Vec<String> = read_variable(from, &RUNG_SCHEME)?;
+    let column = |variable: &Variable, width: usize| match read_or_empty::<S, f64>(from, variable)? {
+        values if values.len() == names.len() * width => Ok(values),
+        _ => Err(S::Error::from(format!("{} has another size", variable.name))),
+    };
+    let all = Statistic::ALL.len();
+    let (steps, tolerances) = (column(&RUNG_STEP, 1)?, column(&RUNG_TOLERANCE, 1)?);
+    let (first, each) = (column(&RUNG_SECONDS_FIRST, 1)?, column(&RUNG_SECONDS, 1)?);
+    let (estimates, errors) = (column(&RUNG_ESTIMATE, all)?, column(&RUNG_STANDARD_ERROR, all)?);
+    let (changes, change_errors) = (column(&RUNG_CHANGE, all)?, column(&RUNG_CHANGE_ERROR, all)?);
+    let whole = |variable: &Variable| -> Result<Vec<u64>, S::Error> { read_variable(from, variable) };
+    let (paths, diverged) = (whole(&RUNG_PATHS)?, whole(&RUNG_DIVERGED)?);
+    let rung = |(i, name): (usize, &String)| -> Result<Rung, S::Error> {
+        let kind = Kind::from_name(name).ok_or_else(|| format!("unknown scheme \"{name}\""))?;
+        let at = |values: &[f64], statistic: Statistic| values[i * all + statistic.index()];
+        let estimate = |statistic| Estimate {
+            statistic,
+            estimate: at(&estimates, statistic),
+            standard_error: at(&errors, statistic),
+            low: f64::NAN,
+            high: f64::NAN,
+            bias: None,
+        };
+        let change = |statistic| Number { value: at(&changes, statistic), error: at(&change_errors, statistic) };
+        let changes = Statistic::ALL.map(change);
+        let is_measured = changes.iter().any(|change| !change.value.is_nan());
+        Ok(Rung {
+            scheme: kind.with(if kind.has_step() { steps[i] } else { tolerances[i] }),
+            paths: paths[i],
+            diverged: diverged[i].min(paths[i]),
+            cost: Cost { first: first[i], each: each[i] },
+            estimates: Statistic::ALL.map(estimate),
+            changes: if is_measured { changes.to_vec() } else { Vec::new() },
+        })
+    };
+    names.iter().enumerate().map(rung).collect()
 }
 
 /// The prices of accuracy in a trade, for each statistic.
@@ -229,6 +292,12 @@ const STATISTIC_SCALE: Variable =
     variable("statistic_scale", &["statistic"], Unit::None, "what errors of the statistic are relative to");
 const STATISTIC_NOTE: Variable =
     variable("statistic_note", &["statistic"], Unit::None, "what that is, or why there is none");
+const STATISTIC_PAIRING: Variable = variable(
+    "statistic_pairing",
+    &["statistic"],
+    Unit::ONE,
+    "variance with antithetic pairs over that with as many independent paths, where it was measured",
+);
 const SCHEME_ORDER: Variable =
     variable("scheme_order", &["scheme", "statistic"], Unit::ONE, "observed order p of the bias C h^p");
 const SCHEME_ORDER_ERROR: Variable =
@@ -273,6 +342,7 @@ mod tests {
             RUNG_CHANGE_ERROR,
             STATISTIC_SCALE,
             STATISTIC_NOTE,
+            STATISTIC_PAIRING,
             SCHEME_ORDER,
             SCHEME_ORDER_ERROR,
             PREDICTED_SECONDS,

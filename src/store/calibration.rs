@@ -6,19 +6,12 @@ use super::error::cause;
 use super::reader::{check_file, open};
 use crate::dataset::calibration::{CALIBRATION_FORMAT_NAME, CALIBRATION_FORMAT_VERSION, units};
 use crate::dataset::{self, StoredCalibration, read_text};
-use crate::study::calibration::Calibration;
 use std::path::Path;
 
 /// Write a calibration to `target`. Like every file it is made in the folder `NAME.partial`. With
 /// `force`, an existing file of this name is replaced.
-pub fn write_calibration(
-    target: &Path,
-    title: &str,
-    scenario_text: &str,
-    calibration: &Calibration,
-    force: bool,
-) -> Result<(), StoreError> {
-    write_at_once(target, units(), force, |place| dataset::calibration::write(place, title, scenario_text, calibration))
+pub fn write_calibration(target: &Path, calibration: &StoredCalibration, force: bool) -> Result<(), StoreError> {
+    write_at_once(target, units(), force, |place| dataset::calibration::write(place, calibration))
 }
 
 /// Read the file of a calibration. A file that is not one, is newer than this program or is damaged

@@ -51,7 +51,9 @@ pub use sink::{FileSink, Unfinished};
 pub use space::check_space;
 pub use state::Question;
 pub use sweep::{SweepFile, read_sweep, sweep_bytes};
-pub use trade::{StoredTrade, read_prices, read_trade, write_trade};
-pub use verify::{Difference, Sealed, Verification, check_bytes};
+pub use trade::{StoredTrade, read_prices, read_rungs, read_trade, write_trade};
+pub use verify::{
+    Difference, Expected, Sealed, Verification, Verified, check_bytes, verify_calibration, verify_sweep, verify_trade,
+};
 pub use workshop::{file_of, partial_path, write_whole};
 pub use writer::Writer;

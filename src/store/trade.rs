@@ -5,10 +5,14 @@ use super::at_once::write_at_once;
 use super::error::cause;
 use super::reader::{check_file, open};
 use crate::dataset::trade::{self, Cheapest};
+use crate::dataset::{read_other_program, series};
+use crate::model::Series;
 use crate::provenance::Provenance;
+use crate::scenario::Scenario;
 use crate::stats::Statistic;
 use crate::study::trade::{Prices, Trade};
 use std::path::Path;
+use std::sync::Arc;
 
 /// Write a trade to `target`. Like every file it is made in the folder `NAME.partial`. With
 /// `force`, an existing file of this name is replaced.
@@ -23,6 +27,10 @@ pub struct StoredTrade {
     pub title: String,
     /// The resolved scenario.
     pub scenario_text: String,
+    /// The measured temperature of the scenario, if there is one.
+    pub series: Option<Arc<Series>>,
+    /// The program that wrote the trade, if it was another one.
+    pub other_program: Option<String>,
     /// One entry for each statistic and each target, in the order of the file.
     pub cheapest: Vec<Cheapest>,
 }
@@ -33,7 +41,21 @@ pub fn read_trade(path: &Path) -> Result<StoredTrade, StoreError> {
     let file = open(path)?;
     let damaged = |error: hdf5::Error| StoreError::Damaged { path: path.to_owned(), cause: cause(&error) };
     let (title, scenario_text) = trade::read_origin(&file).map_err(damaged)?;
-    Ok(StoredTrade { title, scenario_text, cheapest: trade::read_cheapest(&file).map_err(damaged)? })
+    Ok(StoredTrade {
+        title,
+        scenario_text,
+        series: series::read(&file).map_err(damaged)?,
+        other_program: read_other_program(&file).map_err(damaged)?,
+        cheapest: trade::read_cheapest(&file).map_err(damaged)?,
+    })
+}
+
+/// Read the measurements of a trade of this scenario, from which everything else in its file
+/// follows.
+pub fn read_rungs(path: &Path, scenario: &Scenario) -> Result<Trade, StoreError> {
+    check_file(path)?;
+    let damaged = |error: hdf5::Error| StoreError::Damaged { path: path.to_owned(), cause: cause(&error) };
+    trade::read(&open(path)?, scenario).map_err(damaged)
 }
 
 /// Read the prices of accuracy from the file of a trade: those of `statistic`, or of the first

@@ -8,7 +8,7 @@ use super::question::{CalibrationError, LEAST, Lag, Method, Question};
 use super::report::{Calibration, Parts};
 use super::samples::Record;
 use super::slips::Evidence;
-use super::spikes;
+use super::spikes::{self, Spikes};
 use super::starts::{Search, starts};
 use super::uncertainty::{AroundLag, Replicates};
 use super::warnings::warnings;
@@ -30,9 +30,45 @@ pub fn calibrate(
     stop: &AtomicBool,
 ) -> Result<Calibration, CalibrationError> {
     check(record)?;
-    let resolution = record.resolution();
     let (clean, spikes) = spikes::without_spikes(record);
     let (clean, is_mirrored) = upright(clean);
+    let prepared = Prepared { record: clean, resolution: record.resolution(), spikes, is_mirrored };
+    fit(prepared, question, threads, stop)
+}
+
+/// Repeat a calibration with the record that it was made from. The result is the same, bit for bit.
+///
+/// # Errors
+///
+/// As for [`calibrate`]. A calibration that [`calibrate`] has made gives none.
+pub fn calibrate_again(
+    calibration: &Calibration,
+    threads: usize,
+    stop: &AtomicBool,
+) -> Result<Calibration, CalibrationError> {
+    let Calibration { question, record, resolution, spikes, is_mirrored, .. } = calibration;
+    check(record)?;
+    let prepared =
+        Prepared { record: record.clone(), resolution: *resolution, spikes: *spikes, is_mirrored: *is_mirrored };
+    fit(prepared, question, threads, stop)
+}
+
+/// A record as it is fitted: without spikes, and with the sign with which displacements grow with
+/// temperature.
+struct Prepared {
+    record: Record,
+    /// The resolution of the thermometer before spikes were taken out.
+    resolution: f64,
+    spikes: Spikes,
+    is_mirrored: bool,
+}
+
+fn fit(
+    Prepared { record: clean, resolution, spikes, is_mirrored }: Prepared,
+    question: &Question,
+    threads: usize,
+    stop: &AtomicBool,
+) -> Result<Calibration, CalibrationError> {
     let given = match question.lag {
         Lag::Known(lag) => lag,
         Lag::Auto => 0.0,
@@ -82,6 +118,7 @@ pub fn calibrate(
         question,
         record: &clean,
         steel: &steel,
+        resolution,
         spikes,
         is_mirrored,
         used,

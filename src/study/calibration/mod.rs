@@ -39,7 +39,7 @@ mod warnings;
 mod weather;
 
 pub use bearing::{Bearing, Response, Sensor};
-pub use calibrate::calibrate;
+pub use calibrate::{calibrate, calibrate_again};
 pub use hold::Held;
 pub use lag::LagProfile;
 pub use misfit::Misfit;

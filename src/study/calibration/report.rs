@@ -78,6 +78,8 @@ pub struct Calibration {
     pub record: Record,
     /// The temperature of the steel at each sample.
     pub steel: Vec<f64>,
+    /// The resolution of the thermometer, in kelvin.
+    pub resolution: f64,
     /// Number of spikes that were taken out.
     pub spikes: Spikes,
     /// Whether displacements fell as the temperature rose, so that their sign was changed.
@@ -112,6 +114,7 @@ pub(super) struct Parts<'a> {
     pub question: &'a Question,
     pub record: &'a Record,
     pub steel: &'a Record,
+    pub resolution: f64,
     pub spikes: Spikes,
     pub is_mirrored: bool,
     pub used: f64,
@@ -169,6 +172,7 @@ impl Calibration {
             question: parts.question.clone(),
             record: parts.record.clone(),
             steel: parts.steel.temperatures.clone(),
+            resolution: parts.resolution,
             spikes: parts.spikes,
             is_mirrored: parts.is_mirrored,
             response,

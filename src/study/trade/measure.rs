@@ -211,12 +211,11 @@ pub fn measure(
     for rung in &mut rungs {
         rung.cost = cost(&scenario.with_scheme(rung.scheme)?.plan(), timing);
     }
-    let has_limitless_phases = scenario.with_scheme(rungs[reference].scheme)?.resolution().is_some();
     left_out.extend(rungs.iter().filter(|rung| rung.diverged > 0).map(|rung| LeftOut {
         what: rung.scheme.to_string(),
         why: format!("{} of {} paths diverged, so it is recommended for nothing", rung.diverged, rung.paths),
     }));
-    Ok(Trade { rungs, reference, left_out, pairing, is_random, has_limitless_phases })
+    Ok(Trade { left_out, ..Trade::of_rungs(scenario, rungs, reference, pairing)? })
 }
 
 /// The ensemble that a scheme simulates for the estimates, without an output grid and without rows

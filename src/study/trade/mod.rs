@@ -34,7 +34,8 @@ pub use predict::{Choice, Refusal, TARGETS};
 pub use prices::Prices;
 pub use standing::Standing;
 
-use crate::scheme::Kind;
+use crate::scenario::Scenario;
+use crate::scheme::{Kind, Misfit};
 use crate::stats::Statistic;
 
 /// A number and its standard error.
@@ -76,6 +77,19 @@ pub struct Trade {
 }
 
 impl Trade {
+    /// The trade of a scenario whose rungs were measured. Fails if the scheme of the reference does
+    /// not go with the scenario.
+    pub fn of_rungs(
+        scenario: &Scenario,
+        rungs: Vec<Rung>,
+        reference: usize,
+        pairing: Pairing,
+    ) -> Result<Trade, Misfit> {
+        let has_limitless_phases = scenario.with_scheme(rungs[reference].scheme)?.resolution().is_some();
+        let is_random = scenario.model.temperature.is_random();
+        Ok(Trade { rungs, reference, left_out: Vec::new(), pairing, is_random, has_limitless_phases })
+    }
+
     /// The rung that every bias is measured against.
     pub fn reference(&self) -> &Rung {
         &self.rungs[self.reference]

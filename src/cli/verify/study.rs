@@ -1,0 +1,115 @@
+//! Files of many runs, and of a fit.
+
+use super::{Checked, Sample, UNASKED, Verify, drawn};
+use crate::cli::failure::Failure;
+use crate::cli::numbers::grouped;
+use crate::cli::sweep;
+use serde_json::json;
+use std::collections::BTreeSet;
+use std::sync::atomic::AtomicBool;
+use std::time::Instant;
+use stick_slip::provenance::Provenance;
+use stick_slip::scenario::Scenario;
+use stick_slip::store::{self, StoreError, StoredCalibration, StoredSweep, StoredTrade};
+use stick_slip::study::calibration::calibrate_again;
+use stick_slip::study::sweep::{Simulation, Sweep};
+
+impl Verify {
+    /// Check a sweep: points are simulated again, and all comparisons are computed again.
+    pub(super) fn sweep(&self, stored: &StoredSweep) -> Result<Checked, Failure> {
+        let other_program = stored.other_program.clone();
+        let mut again = sweep::stored(&self.file, stored.clone())?;
+        let all = again.points.len() as u64;
+        let (wanted, limit) = match self.blocks {
+            Some(Sample::All) => (all, None),
+            Some(Sample::Some(wanted)) => (wanted.min(all), None),
+            None => (all, Some(UNASKED)),
+        };
+        let (start, mut done) = (Instant::now(), BTreeSet::new());
+        for point in shuffled(drawn(&(0..all), wanted)) {
+            if limit.is_some_and(|limit| !done.is_empty() && start.elapsed() > limit) {
+                break;
+            }
+            self.simulate_point(&mut again, point as usize)?;
+            done.insert(point);
+        }
+        let header = Provenance::of(&again.question.scenario);
+        let verified = store::verify_sweep(&self.file, &header, &again)?;
+        let is_whole = done.len() as u64 == all;
+        Ok(Checked {
+            simulated: format!("{} of {} points", grouped(done.len() as u64), grouped(all)),
+            compared: "statistics, comparisons between points, attributes, coordinates and units".into(),
+            not_compared: (!is_whole)
+                .then(|| "the other points with a simulation: --blocks all simulates every point".to_string()),
+            fields: json!({ "points": all, "points_checked": done, "statistics_checked": is_whole }),
+            values: verified.values,
+            other_program,
+            difference: verified.difference,
+        })
+    }
+
+    /// Simulate a point of the sweep again. The time that it took is that of the file.
+    fn simulate_point(&self, sweep: &mut Sweep, point: usize) -> Result<(), Failure> {
+        let Some(stored) = sweep.points[point].take() else { return Ok(()) };
+        let simulation = Simulation { threads: self.threads(), stop: &AtomicBool::new(false), progress: &mut () };
+        simulation.run(sweep, |_| Ok::<_, StoreError>(())).map_err(|end| Failure::Run(end.to_string()))?;
+        if let Some(again) = &mut sweep.points[point] {
+            again.seconds = stored.seconds;
+        }
+        Ok(())
+    }
+
+    /// Check a trade: everything that follows from its measurements is computed again.
+    pub(super) fn trade(&self, stored: &StoredTrade) -> Result<Checked, Failure> {
+        let name = self.file.display().to_string();
+        let scenario = Scenario::parse_stored(&name, &stored.scenario_text, &[], stored.series.as_ref())?;
+        let trade = store::read_rungs(&self.file, &scenario)?;
+        let verified = store::verify_trade(&self.file, &Provenance::of(&scenario), &trade)?;
+        Ok(Checked {
+            simulated: "nothing: times cannot be measured twice, and estimates depend on the time that there was"
+                .into(),
+            compared: "every bias, order and prediction with the measurements that they follow from, attributes, \
+                       coordinates and units"
+                .into(),
+            not_compared: Some("the measurements with a simulation".into()),
+            fields: json!({ "statistics_checked": false }),
+            values: verified.values,
+            other_program: stored.other_program.clone(),
+            difference: verified.difference,
+        })
+    }
+
+    /// Check a calibration: the fit is repeated with the record that is in the file.
+    pub(super) fn calibration(&self, stored: StoredCalibration) -> Result<Checked, Failure> {
+        let other_program = stored.other_program.clone();
+        if !stored.is_repeatable {
+            let cause = "the file has format 1.0, which does not keep all that was asked";
+            return Err(Failure::Run(format!(
+                "{}: the fit cannot be repeated: {cause}\n  fix: calibrate again",
+                self.file.display()
+            )));
+        }
+        let again = calibrate_again(&stored.calibration, self.threads(), &AtomicBool::new(false));
+        let again = again.map_err(|error| Failure::Run(format!("{}: {error}", self.file.display())))?;
+        let again = StoredCalibration::of(&stored.title, &stored.scenario_text, again);
+        let verified = store::verify_calibration(&self.file, &again)?;
+        Ok(Checked {
+            simulated: "the fit, with the record in the file".into(),
+            compared: "estimates, intervals, slips, the model, attributes, coordinates and units".into(),
+            not_compared: None,
+            fields: json!({ "statistics_checked": true }),
+            values: verified.values,
+            other_program,
+            difference: verified.difference,
+        })
+    }
+}
+
+/// The numbers in a random order.
+fn shuffled(numbers: BTreeSet<u64>) -> Vec<u64> {
+    use std::hash::{BuildHasher as _, RandomState};
+    let random = RandomState::new();
+    let mut numbers: Vec<u64> = numbers.into_iter().collect();
+    numbers.sort_by_key(|number| random.hash_one(number));
+    numbers
+}

@@ -1,0 +1,218 @@
+//! A destination that compares a data set with a file instead of writing it.
+
+use super::Difference;
+use crate::dataset::layout::Described;
+use crate::dataset::{Attribute, Column, Destination, Kind, Source as _, Values};
+use crate::provenance::{GIT_HASH, PROGRAM_VERSION};
+use crate::stats::Units;
+use crate::store::StoreError;
+use crate::store::error::cause;
+use crate::store::reader::open;
+use crate::store::variable::{attributes_of, read_attribute};
+use hdf5::{File, Location, Result};
+use std::collections::{BTreeMap, BTreeSet};
+use std::fmt;
+use std::path::{Path, PathBuf};
+
+/// Attributes that name the program. They are not compared, because a file of another program is
+/// told apart before it is compared.
+const OF_PROGRAM: [&str; 2] = ["program_version", "git_hash"];
+
+/// Attributes that another version may write otherwise although every number is the same: the
+/// version of the format, and the text of the scenario.
+const OF_FORMAT: [&str; 3] = ["Conventions", "format_version", "scenario"];
+
+/// Attributes by which HDF5 and netCDF-4 attach coordinates to variables.
+const OF_LIBRARY: [&str; 8] = [
+    "CLASS",
+    "NAME",
+    "DIMENSION_LIST",
+    "REFERENCE_LIST",
+    "_Netcdf4Dimid",
+    "_Netcdf4Coordinates",
+    "_NCProperties",
+    "_nc3_strict",
+];
+
+/// A file while a data set is compared with it.
+#[derive(Debug)]
+pub(super) struct Against {
+    path: PathBuf,
+    pub file: File,
+    units: Units,
+    /// Names of the variables that were compared.
+    seen: BTreeSet<String>,
+    /// The attributes of the data set. A later value replaces an earlier one, so they are compared
+    /// at the end.
+    attributes: BTreeMap<String, Attribute>,
+    values: u64,
+    difference: Option<Difference>,
+}
+
+impl Against {
+    pub fn open(path: &Path, units: Units) -> std::result::Result<Against, StoreError> {
+        let (seen, attributes) = Default::default();
+        Ok(Against { path: path.to_owned(), file: open(path)?, units, seen, attributes, values: 0, difference: None })
+    }
+
+    /// Number of values and texts that were compared so far.
+    pub fn values(&self) -> u64 {
+        self.values
+    }
+
+    /// Count values that were compared elsewhere.
+    pub fn count(&mut self, values: usize) {
+        self.values += values as u64;
+    }
+
+    /// The first difference that was found, if any.
+    pub fn difference(&self) -> Option<&Difference> {
+        self.difference.as_ref()
+    }
+
+    /// The error that the file could not be read.
+    pub fn damaged(&self, error: &hdf5::Error) -> StoreError {
+        StoreError::Damaged { path: self.path.clone(), cause: cause(error) }
+    }
+
+    /// Keep a difference if it is the first one. Later differences often follow from the first.
+    pub fn differ(&mut self, new: Difference) {
+        self.difference.get_or_insert(new);
+    }
+
+    fn differs_at(&mut self, variable: &str, (index, stored, computed): FirstDifference) {
+        self.differ(Difference { variable: variable.to_owned(), path: None, index, stored, computed });
+    }
+
+    /// Compare the attributes of a variable that is written elsewhere, or row by row.
+    pub fn describe(&mut self, variable: &Described, kind: Kind) -> Result<()> {
+        self.seen.insert(variable.name.to_owned());
+        if variable.is_bare_dimension() || !self.file.has(variable.name) {
+            return Ok(());
+        }
+        let mut expected: BTreeMap<String, Attribute> = attributes_of(variable, &self.units)
+            .into_iter()
+            .map(|(name, attribute)| (name.to_owned(), attribute))
+            .collect();
+        if kind == Kind::F64 && !variable.is_coordinate() {
+            expected.insert("_FillValue".into(), Attribute::Real(f64::NAN));
+        }
+        let dataset = self.file.dataset(variable.name)?;
+        self.compare_attributes(Some(variable.name), &dataset, &expected, &[])
+    }
+
+    /// Compare the attributes of the data set, and see that the file has nothing that the data set
+    /// has not.
+    pub fn finish(&mut self) -> Result<()> {
+        let expected = std::mem::take(&mut self.attributes);
+        let text_in_file = |name: &str| match read_attribute(&self.file, name) {
+            Ok(Some(Attribute::Text(text))) => text,
+            _ => String::new(),
+        };
+        let is_own = text_in_file("program_version") == PROGRAM_VERSION && text_in_file("git_hash") == GIT_HASH;
+        let left_out = if is_own { OF_PROGRAM.to_vec() } else { [&OF_PROGRAM[..], &OF_FORMAT[..]].concat() };
+        let file = self.file.clone();
+        self.compare_attributes(None, &file, &expected, &left_out)?;
+        let surplus = file.member_names()?.into_iter().find(|name| !self.seen.contains(name));
+        if let Some(name) = surplus {
+            self.differs_at(&name, (None, "there".into(), "missing".into()));
+        }
+        Ok(())
+    }
+
+    fn compare_attributes(
+        &mut self,
+        variable: Option<&str>,
+        location: &Location,
+        expected: &BTreeMap<String, Attribute>,
+        left_out: &[&str],
+    ) -> Result<()> {
+        let there: BTreeSet<String> = location.attr_names()?.into_iter().collect();
+        let names = there.iter().chain(expected.keys().filter(|name| !there.contains(*name)));
+        for name in names.filter(|name| !left_out.contains(&name.as_str())) {
+            let computed = expected.get(name);
+            if computed.is_none() && OF_LIBRARY.contains(&name.as_str()) {
+                continue;
+            }
+            self.values += 1;
+            // Reals are compared as they are printed, which tells any two of them apart and takes
+            // one NaN for another.
+            let stored = read_attribute(location, name)?;
+            let [stored, computed] =
+                [stored.as_ref(), computed].map(|attribute| attribute.map_or("missing".into(), shown));
+            if stored != computed {
+                let name = variable.map_or_else(|| name.clone(), |variable| format!("{name} of {variable}"));
+                self.differs_at(&name, (None, stored, computed));
+            }
+        }
+        Ok(())
+    }
+}
+
+fn shown(attribute: &Attribute) -> String {
+    match attribute {
+        Attribute::Text(text) => format!("{text:?}"),
+        Attribute::Real(value) => format!("{value:?}"),
+        Attribute::Count(value) => value.to_string(),
+        Attribute::Flags(values) => format!("{values:?}"),
+    }
+}
+
+/// Compares each value with the file instead of writing it.
+impl Destination for Against {
+    type Error = hdf5::Error;
+
+    fn units(&self) -> &Units {
+        &self.units
+    }
+
+    fn write_variable<'a>(&mut self, variable: &Described, values: impl Into<Values<'a>>) -> Result<()> {
+        let values = values.into();
+        if values.len() == 0 {
+            return Ok(());
+        }
+        self.describe(variable, values.kind())?;
+        self.count(values.len());
+        let found = match self.file.column(variable, values.kind())? {
+            Some(stored) => first_difference(&stored, values),
+            None => Some((None, "missing".into(), "there".into())),
+        };
+        if let Some(found) = found {
+            self.differs_at(variable.name, found);
+        }
+        Ok(())
+    }
+
+    fn set_attribute(&mut self, name: &str, value: impl Into<Attribute>) -> Result<()> {
+        self.attributes.insert(name.to_owned(), value.into());
+        Ok(())
+    }
+}
+
+/// The index of a difference, and the stored and the computed value as text.
+pub(super) type FirstDifference = (Option<usize>, String, String);
+
+/// The first value that differs. Reals are compared bit for bit, except that all NaN are equal,
+/// since NaN means a missing value.
+pub(super) fn first_difference(stored: &Column, computed: Values) -> Option<FirstDifference> {
+    let same_real = |a: &f64, b: &f64| a.to_bits() == b.to_bits() || a.is_nan() && b.is_nan();
+    match (stored, computed) {
+        // `first` prints reals with `{:?}`, which gives enough digits to distinguish any two of
+        // them.
+        (Column::F64(stored), Values::F64(computed)) => first(stored, computed, same_real),
+        (Column::U64(stored), Values::U64(computed)) => first(stored, computed, u64::eq),
+        (Column::U32(stored), Values::U32(computed)) => first(stored, computed, u32::eq),
+        (Column::I8(stored), Values::I8(computed)) => first(stored, computed, i8::eq),
+        (Column::U8(stored), Values::U8(computed)) => first(stored, computed, u8::eq),
+        (Column::Text(stored), Values::Text(computed)) => first(stored, computed, String::eq),
+        _ => Some((None, "of another type".into(), "there".into())),
+    }
+}
+
+fn first<T: fmt::Debug>(stored: &[T], computed: &[T], is_same: impl Fn(&T, &T) -> bool) -> Option<FirstDifference> {
+    if stored.len() != computed.len() {
+        return Some((None, format!("one of {} values", stored.len()), format!("one of {}", computed.len())));
+    }
+    let at = stored.iter().zip(computed).position(|(stored, computed)| !is_same(stored, computed))?;
+    Some((Some(at), format!("{:?}", stored[at]), format!("{:?}", computed[at])))
+}

@@ -1,0 +1,266 @@
+//! The file of a run against its scenario: [`Verification`] takes the place of the writer.
+
+use super::Difference;
+use super::against::{Against, FirstDifference, first_difference};
+use crate::dataset::header;
+use crate::dataset::layout::{self, Variable};
+use crate::dataset::rows::{self, Along, Table};
+use crate::dataset::{Destination as _, Kind, Rows, Values, run, summary};
+use crate::engine::{Asked, Part, Status};
+use crate::ensemble::BLOCK_SIZE;
+use crate::provenance::Provenance;
+use crate::scenario::Bearing;
+use crate::stats::{BlockResult, Record, Summary};
+use crate::store::rows::{column, some_rows};
+use crate::store::variable::read_variable;
+use crate::store::{StoreError, Stored, state};
+use hdf5::Result;
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+
+/// Number of rows that are read at a time.
+const PIECE: usize = 65_536;
+
+/// What the file of a run must say of itself, given its scenario.
+#[derive(Clone, Debug)]
+pub struct Expected {
+    /// Where its numbers come from.
+    pub header: Provenance,
+    /// What it records of single paths.
+    pub record: Record,
+    /// How the run ended.
+    pub status: Status,
+    /// Number of paths.
+    pub completed_paths: u64,
+    /// Which part of a run it is, if it is one.
+    pub part: Option<Part>,
+    /// What ended the run before its last path. This is a fact that a scenario does not tell.
+    pub ended_by: Option<String>,
+}
+
+impl Expected {
+    /// What this file must say if its scenario has this provenance. The number of paths is that of
+    /// the scenario, except in a run that ended at a goal.
+    pub fn of(stored: &Stored, own: Provenance, record: Record) -> Expected {
+        let (part, ended_by) = (stored.part, stored.ended_by.clone());
+        let paths = if ended_by.is_some() { stored.header.paths } else { own.paths };
+        let all = Asked { paths, part, goals: Vec::new(), max_time: None, with_bias: false }.own_paths();
+        let (status, completed_paths) = match (&ended_by, part) {
+            // It ended after a block that is not the last.
+            (Some(_), _) => (Status::Ended, stored.completed_paths.min(all) / BLOCK_SIZE * BLOCK_SIZE),
+            (None, Some(_)) => (Status::Part, all),
+            (None, None) => (Status::Complete, all),
+        };
+        Expected { header: Provenance { paths, ..own }, record, status, completed_paths, part, ended_by }
+    }
+}
+
+/// A finished file of a run while it is compared with a simulation of its scenario.
+#[derive(Debug)]
+pub struct Verification {
+    against: Against,
+    path: PathBuf,
+    /// The number of the first path in the file.
+    origin: u64,
+    bearing: Option<Bearing>,
+    /// The first path whose events are not counted yet, and the number of events before it.
+    counted: (u64, usize),
+}
+
+impl Verification {
+    /// Open the file at `path`, whose first path is number `origin`, of a run with this header.
+    pub fn open(path: &Path, origin: u64, header: &Provenance) -> std::result::Result<Self, StoreError> {
+        Ok(Verification {
+            against: Against::open(path, header.units.clone())?,
+            path: path.to_owned(),
+            origin,
+            bearing: header.bearing,
+            counted: (origin, 0),
+        })
+    }
+
+    /// Number of values and texts that were compared so far.
+    pub fn values(&self) -> u64 {
+        self.against.values()
+    }
+
+    /// The first difference that was found, if any.
+    pub fn difference(&self) -> Option<&Difference> {
+        self.against.difference()
+    }
+
+    /// Compare the rows in the file with those of a block that was simulated again. Blocks must be
+    /// given in ascending order.
+    pub fn block(&mut self, block: &BlockResult) -> std::result::Result<(), StoreError> {
+        let compared = rows::tables(&Rows::from(block), self.bearing, |table| self.table(block, &table));
+        compared.map_err(|error| self.against.damaged(&error))
+    }
+
+    /// Compare everything but the rows: attributes, coordinates, lengths and statistics. `summary`
+    /// holds the statistics that were computed again, or else those of the file, whose derived
+    /// values are then compared.
+    pub fn rest(&mut self, expected: &Expected, summary: &Summary) -> std::result::Result<(), StoreError> {
+        self.compare_rest(expected, summary).map_err(|error| self.against.damaged(&error))?;
+        if self.difference().is_none() && expected.part.is_some() {
+            self.part_state(expected)?;
+        }
+        Ok(())
+    }
+
+    fn compare_rest(&mut self, expected: &Expected, summary: &Summary) -> Result<()> {
+        let Expected { header, record, status, completed_paths, part, ended_by } = expected;
+        let against = &mut self.against;
+        run::write_start(against, header)?;
+        run::write_end(against, summary, *status)?;
+        against.set_attribute("completed_paths", *completed_paths)?;
+        if let Some(reason) = ended_by {
+            header::write_ended_by(against, reason)?;
+        }
+        if let Some(part) = part {
+            header::write_part(against, *part)?;
+            against.describe(&layout::PART_STATE, Kind::U8)?;
+        }
+        rows::empty_tables(record, header, |table| self.lengths(expected, &table))?;
+        self.against.finish()
+    }
+
+    /// See that a table has as many rows as there are paths or events, and compare the attributes
+    /// of its variables.
+    fn lengths(&mut self, expected: &Expected, table: &Table) -> Result<()> {
+        let paths = expected.completed_paths;
+        let rows = match table.along {
+            Along::Path => paths as usize,
+            Along::Trajectory => expected.record.trajectories.saturating_sub(self.origin).min(paths) as usize,
+            Along::Event => {
+                let rows = self.events_before(self.origin + paths)?;
+                self.bare(&layout::EVENT, rows)?;
+                rows
+            }
+        };
+        for (variable, values) in table.variables {
+            if rows == 0 && !self.against.file.link_exists(variable.name) {
+                continue;
+            }
+            self.against.describe(variable, values.kind())?;
+            let there = self.against.file.dataset(variable.name)?.shape().first().copied().unwrap_or(0);
+            if there != rows {
+                let (stored, computed) = (format!("one of {there} rows"), format!("one of {rows}"));
+                self.differs(variable.name, None, (None, stored, computed));
+            }
+        }
+        Ok(())
+    }
+
+    /// A dimension without a variable has this length and no values.
+    fn bare(&mut self, dimension: &Variable, rows: usize) -> Result<()> {
+        self.against.describe(dimension, Kind::U32)?;
+        let dataset = self.against.file.dataset(dimension.name)?;
+        if dataset.size() != rows {
+            let (stored, computed) = (format!("one of {} values", dataset.size()), format!("one of {rows}"));
+            self.differs(dimension.name, None, (None, stored, computed));
+            return Ok(());
+        }
+        for start in (0..rows).step_by(PIECE) {
+            let piece = start..(start + PIECE).min(rows);
+            let nothing = vec![0_u32; piece.len()];
+            let found = first_difference(&some_rows(&dataset, Kind::U32, &piece)?, (&nothing).into());
+            if let Some((at, stored, computed)) = found {
+                self.differs(dimension.name, None, (at.map(|at| start + at), stored, computed));
+            }
+        }
+        Ok(())
+    }
+
+    /// The state from which a part is joined to the others must have the scenario and the statistics
+    /// of the part.
+    fn part_state(&mut self, expected: &Expected) -> std::result::Result<(), StoreError> {
+        let bytes: Vec<u8> =
+            read_variable(&self.against.file, &layout::PART_STATE).map_err(|error| self.against.damaged(&error))?;
+        let state = state::of_bytes(&bytes, &self.path)?;
+        let mut derived = Against::open(&self.path, expected.header.units.clone())?;
+        let compared = summary::write(&mut derived, &state.so_far.totals.totals().summary());
+        compared.map_err(|error| self.against.damaged(&error))?;
+        if let Some(difference) = derived.difference() {
+            let variable = format!("{} in {}", difference.variable, layout::PART_STATE.name);
+            self.against.differ(Difference { variable, ..difference.clone() });
+        }
+        let text = |header: &Provenance| header.scenario_text.clone();
+        if text(&state.header()) != text(&expected.header) {
+            let (stored, computed) = ("another scenario".into(), "that of the file".into());
+            self.differs(layout::PART_STATE.name, None, (None, stored, computed));
+        }
+        Ok(())
+    }
+
+    fn differs(&mut self, variable: &str, path: Option<u64>, (index, stored, computed): FirstDifference) {
+        self.against.differ(Difference { variable: variable.to_owned(), path, index, stored, computed });
+    }
+
+    /// Compare the rows of a block along one dimension.
+    fn table(&mut self, block: &BlockResult, table: &Table) -> Result<()> {
+        if self.difference().is_some() {
+            return Ok(());
+        }
+        let first = (block.first_path - self.origin) as usize;
+        let counts = block.events.as_ref().map_or(&[][..], |events| &events.count);
+        let rows = match table.along {
+            Along::Path | Along::Trajectory => first..first + table.rows,
+            Along::Event => {
+                let start = self.events_before(block.first_path)?;
+                self.counted = (block.first_path + block.paths, start + table.rows);
+                start..start + table.rows
+            }
+        };
+        for (variable, values) in table.variables {
+            let Some((at, stored, computed)) = self.held(variable, *values, &rows)? else { continue };
+            let (width, at) = (values.len() / table.rows, at.unwrap_or(0));
+            let (row, within) = (at / width, at % width);
+            let (path, index) = match table.along {
+                Along::Path | Along::Trajectory => (row, within),
+                Along::Event => path_of(counts, row),
+            };
+            self.differs(variable.name, Some(block.first_path + path as u64), (Some(index), stored, computed));
+            return Ok(());
+        }
+        Ok(())
+    }
+
+    /// Compare some rows of a variable; returns the first difference.
+    fn held(&mut self, variable: &Variable, values: Values, rows: &Range<usize>) -> Result<Option<FirstDifference>> {
+        if rows.is_empty() {
+            return Ok(None);
+        }
+        self.against.count(values.len());
+        let dataset = self.against.file.dataset(variable.name)?;
+        if dataset.shape().first().is_none_or(|&length| length < rows.end) {
+            return Err(format!("{} is too short", variable.name).into());
+        }
+        Ok(first_difference(&some_rows(&dataset, values.kind(), rows)?, values))
+    }
+
+    /// The number of events of all paths before this one, according to the file.
+    fn events_before(&mut self, path: u64) -> Result<usize> {
+        let (mut next, mut events) = self.counted;
+        while next < path {
+            let some = next..path.min(next + PIECE as u64);
+            let rows = (some.start - self.origin) as usize..(some.end - self.origin) as usize;
+            let counts: Vec<u32> = column(&self.against.file, &layout::EVENT_COUNT, &rows)?;
+            events += counts.iter().map(|&count| count as usize).sum::<usize>();
+            next = some.end;
+        }
+        Ok(events)
+    }
+}
+
+/// The path, counted from the first of the block, and the event of that path that a row of events
+/// belongs to.
+fn path_of(counts: &[u32], row: usize) -> (usize, usize) {
+    let mut left = row;
+    for (path, &count) in counts.iter().enumerate() {
+        match left.checked_sub(count as usize) {
+            Some(rest) => left = rest,
+            None => return (path, left),
+        }
+    }
+    (counts.len(), left)
+}
