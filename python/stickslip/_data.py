@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import os
 import warnings
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
+
+from ._seal import has_seal
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -63,12 +66,20 @@ def load(file: str | os.PathLike[str]) -> xr.Dataset:
     Returns:
         The data set that the function of the same name in this package returns.
 
+    Warns:
+        StickSlipWarning: the file has no checksum, because another program changed it, or because
+            an earlier version of mc wrote it.
+
     Raises:
         OSError: the file cannot be opened.
         ValueError: no reader of netCDF-4 files is installed, or the file is not such a file.
     """
     import xarray as xr
 
+    path = Path(file)
+    if path.is_file() and not has_seal(path):
+        cause = "another program changed it, or an earlier version of mc wrote it"
+        warn([f"{path} has no checksum: {cause}"])
     return xr.open_dataset(os.fspath(file), decode_times=False, decode_timedelta=False)
 
 

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import os
 import random
-import zlib
-from collections.abc import Iterator
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
@@ -13,6 +12,7 @@ from typing import TYPE_CHECKING, Any, Literal
 from . import _native
 from ._data import dataset, load, ready, warn
 from ._run import of_run
+from ._seal import is_sealed
 from .errors import RunError, VerificationError, wrong_argument
 
 if TYPE_CHECKING:
@@ -20,12 +20,11 @@ if TYPE_CHECKING:
     import numpy.typing as npt
     import xarray as xr
 
-#: Attributes that may differ although every number is the same: which program made the run, how its
-#: scenario is written, and how many paths were completed.
-_NOT_COMPARED = {
-    "Conventions", "format_version", "program_version", "git_hash", "generator", "status",
-    "completed_paths", "scenario", "paths",
-}  # fmt: skip
+#: Attributes that another program writes otherwise although every number is the same.
+_OF_PROGRAM = {"Conventions", "format_version", "program_version", "git_hash", "scenario"}
+
+#: Attributes that say how a run ended, which are compared with each other.
+_OF_END = {"status", "completed_paths", "paths", "ended_by", "part"}
 
 #: Dimensions of what is kept of single paths.
 _ROWS = ("path", "event", "trajectory")
@@ -67,8 +66,8 @@ def verify(
 
     Args:
         run: a data set that `run`, `merge` or `load` returned, or the path of the file of a run.
-            The path may also be the file of a trade, a sweep or a calibration. Such a file keeps no
-            paths, so only its checksum is compared.
+            The path may also be the file of a trade, a sweep or a calibration, of which only the
+            checksum is compared; `mc verify` compares these as well.
         blocks: how many blocks of 256 paths are simulated again; they are drawn at random in each
             call. "all" simulates the whole run again and compares all statistics, which takes as
             long as the run.
@@ -93,7 +92,7 @@ def verify(
     where = "data set"
     if isinstance(run, (str, os.PathLike)):
         where, path = "file", Path(run)
-        has_checksum = _sealed(path)
+        has_checksum = is_sealed(path)
         with load(path) as ds:
             if ds.attrs.get("format_name") in (
                 "stick-slip trade",
@@ -133,6 +132,7 @@ def _verified(
         list(there) if is_whole else sorted(random.sample(there, int(blocks))) if has_rows else []
     )
     compared = _Compared(where, first * size)
+    _compare_end(compared, ds, size, first)
     if is_whole:
         # A run that a goal or Ctrl-C has ended equals a run of the paths that it completed.
         whole = of_run(ds, paths if part else completed)
@@ -156,7 +156,7 @@ def _verified(
             if not name.startswith("own") and name not in ("part_sums", "part_state")
         }
         for name in sorted(surplus):
-            compared.differ(name, None, 0, "there", "missing")
+            compared.differ(name, None, None, "there", "missing")
         names = [str(name) for name in computed.variables]
     else:
         computed = dataset(_native.blocks(scenario, paths, again, threads))
@@ -170,10 +170,13 @@ def _verified(
         [range(n * size, min((n + 1) * size, first * size + completed)) for n in again],
         first * size,
     )
-    for name, value in computed.attrs.items():
-        if name not in _NOT_COMPARED:
-            compared.attribute(name, ds.attrs.get(name), value)
+    # A run that ended early has the scenario of the whole run.
+    is_own = _is_same_program(ds) and ds.attrs["status"] in ("complete", "part")
+    left_out = _OF_END | (set() if is_own else _OF_PROGRAM) | (set() if is_whole else {"diverged_paths"})
+    compared.attributes("", ds.attrs, computed.attrs, left_out)
     for name in names:
+        if name in ds.variables:
+            compared.attributes(f" of {name}", ds[name].attrs, computed[name].attrs)
         axis = str(computed[name].dims[0]) if computed[name].dims else ""
         compared.variable(name, ds.get(name), computed[name], rows.get(axis), ds.get("event_count"))
     again_paths = sum(min((n + 1) * size, first * size + completed) - n * size for n in again)
@@ -189,6 +192,22 @@ def _verified(
     )
 
 
+def _compare_end(compared: _Compared, ds: xr.Dataset, size: int, first: int) -> None:
+    """Compare how the run ended and its number of paths with what was asked for."""
+    paths, completed, part = (ds.attrs.get(name) for name in ("paths", "completed_paths", "part"))
+    end = _first_block(-(-paths // size), part, 0) * size
+    own = min(paths, end) - first * size
+    status = "part" if part else "complete"
+    if "ended_by" in ds.attrs or ds.attrs["status"] == "interrupted":
+        # It ended after a block that is not the last.
+        status = "ended" if "ended_by" in ds.attrs else "interrupted"
+        own = min(own, completed) // size * size
+    compared.attribute("status", ds.attrs["status"], status)
+    compared.attribute("completed_paths", completed, own)
+    if "path" in ds.sizes:
+        compared.attribute("number of rows along path", ds.sizes["path"], own)
+
+
 def _is_same_program(ds: xr.Dataset) -> bool:
     return (
         ds.attrs.get("program_version") == _native.VERSION
@@ -196,12 +215,10 @@ def _is_same_program(ds: xr.Dataset) -> bool:
     )
 
 
-def _first_block(blocks: int, part: str | None) -> int:
-    """The first block of a part such as "3/16"."""
-    if part is None:
-        return 0
-    number, count = map(int, part.split("/"))
-    return blocks * (number - 1) // count
+def _first_block(blocks: int, part: str | None, before: int = 1) -> int:
+    """The first block of a part such as "3/16"; with `before` = 0 the first one after it."""
+    number, count = map(int, (part or "1/1").split("/"))
+    return blocks * (number - before) // count
 
 
 def _rows(ds: xr.Dataset, ranges: list[range], origin: int) -> dict[str, npt.NDArray[np.intp]]:
@@ -225,13 +242,15 @@ class _Compared:
         self.where, self.origin, self.values = where, origin, 0
 
     def differ(
-        self, variable: str, path: int | None, index: int, stored: object, computed: object
+        self, variable: str, path: int | None, index: int | None, stored: object, computed: object
     ) -> None:
-        place = f"{variable}, value {index}," if path is None else f"path {path}: {variable}"
-        if path is not None and index > 0:
+        place = variable if path is None else f"path {path}: {variable}"
+        if path is not None and index:
             place = f"{place}, value {index} of the path,"
+        elif path is None and index is not None:
+            place = f"{place}, value {index},"
         problem = (
-            f"{place} is {stored} in the {self.where}, and {computed} when it is simulated again"
+            f"{place} is {stored} in the {self.where}, and {computed} when it is computed again"
         )
         remedy = (
             f"take the {self.where} as it was made; "
@@ -249,9 +268,23 @@ class _Compared:
         )
 
     def attribute(self, name: str, stored: object, computed: object) -> None:
+        import numpy as np
+
         self.values += 1
-        if stored is None or stored != computed:
-            self.differ(name, None, 0, "missing" if stored is None else stored, computed)
+        if stored is None or computed is None or not np.array_equal(stored, computed):  # type: ignore[arg-type]
+            shown = ["missing" if value is None else value for value in (stored, computed)]
+            self.differ(name, None, None, *shown)
+
+    def attributes(
+        self,
+        where: str,
+        stored: Mapping[Any, object],
+        computed: Mapping[Any, object],
+        left_out: set[str] | None = None,
+    ) -> None:
+        """Compare all attributes of a data set or of a variable; `where` follows their names."""
+        for name in sorted({*stored, *computed} - (left_out or set())):
+            self.attribute(f"{name}{where}", stored.get(name), computed.get(name))
 
     def variable(
         self,
@@ -266,12 +299,12 @@ class _Compared:
         right = computed.to_numpy()
         self.values += right.size
         if stored is None:
-            return self.differ(name, None, 0, "missing", "there") if right.size else None
+            return self.differ(name, None, None, "missing", "there") if right.size else None
         left = stored.to_numpy()
         if rows is not None:
             left = left[rows[rows < len(left)]]
         if left.shape != right.shape:
-            return self.differ(name, None, 0, f"one of {left.size} values", f"one of {right.size}")
+            return self.differ(name, None, None, f"one of {left.size} values", f"one of {right.size}")
         same = left == right
         if right.dtype.kind == "f":
             same = (left.view(np.uint64) == right.view(np.uint64)) | (
@@ -295,46 +328,3 @@ class _Compared:
             path = int(np.searchsorted(ends, row, side="right"))
             index = row - int(ends[path] - counts.to_numpy()[path])
         return self.differ(name, self.origin + path, index, *shown)
-
-
-#: The seal at the end of a finished file begins with these bytes and has this length. Then follow
-#: the length of the file before the seal, its checksum, and a checksum of the seal.
-_MAGIC, _SEAL = b"mc-seal\n", 24
-
-
-def _sealed(path: Path) -> bool:
-    """Whether a file has a checksum.
-
-    Raises:
-        RunError: the checksum is wrong.
-    """
-    size = path.stat().st_size - _SEAL
-    if size < 0:
-        return False
-    with path.open("rb") as file:
-        file.seek(size)
-        seal = file.read(_SEAL)
-        if not seal.startswith(_MAGIC):
-            return False
-        file.seek(0)
-        checksum = 0
-        for some in _pieces(file, size):
-            checksum = zlib.crc32(some, checksum)
-    right = _MAGIC + size.to_bytes(8, "little") + checksum.to_bytes(4, "little")
-    if seal != right + zlib.crc32(right).to_bytes(4, "little"):
-        problem, remedy = (
-            f"{path} is damaged: its checksum is another one",
-            "take another copy of it, or run its scenario again",
-        )
-        raise RunError(f"{problem}\n  fix: {remedy}", problem=problem, remedy=remedy)
-    return True
-
-
-def _pieces(file: Any, size: int) -> Iterator[bytes]:
-    left = size
-    while left > 0:
-        some = file.read(min(left, 1 << 20))
-        if not some:
-            return
-        left -= len(some)
-        yield some

@@ -109,7 +109,7 @@ class VerificationError(RunError):
         *,
         variable: str = "",
         path: int | None = None,
-        index: int = 0,
+        index: int | None = None,
         stored: str = "",
         computed: str = "",
         problem: str = "",
