@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Write src/noise/normal_table.rs: the parabolas of the inverse normal CDF, and reference values to
-test them against.
+"""Write src/noise/normal_table.bin, the parabolas of the inverse normal CDF, and reference values to
+test them against, tests/reference/normals.csv. Print the checksum that a test compares.
 
 usage: python3 -m venv v && v/bin/pip install mpmath==1.4.1 && v/bin/python tools/normal_table.py
 
@@ -99,18 +99,12 @@ def place(o, i):
     return o * CELLS + i
 
 
-def rows(words):
-    return [", ".join("0x%016x" % w for w in words[i : i + 6]) for i in range(0, len(words), 6)]
-
-
-def write(f, name, doc, kind, rows, test=False, length=None):
-    f.write(
-        "\n/// %s\n%s#[rustfmt::skip]\npub(super) static %s: [%s; %d] = [\n"
-        % (doc, "#[cfg(test)]\n" if test else "", name, kind, length or len(rows))
-    )
-    for row in rows:
-        f.write("    %s,\n" % row)
-    f.write("];\n")
+def fnv(data):
+    """The checksum FNV-1a."""
+    total = 0xCBF29CE484222325
+    for byte in data:
+        total = (total ^ byte) * 0x100000001B3 % 2**64
+    return total
 
 
 if __name__ == "__main__":
@@ -136,28 +130,14 @@ if __name__ == "__main__":
                 else []
             )
     points += [1, 3, 5, 7, 9, 15, 33, 101]
-    with open("src/noise/normal_table.rs", "w") as f:
+    table = struct.pack("<%dQ" % len(words), *words)
+    print("checksum: 0x%016x" % fnv(table))
+    with open("src/noise/normal_table.bin", "wb") as f:
+        f.write(table)
+    with open("tests/reference/normals.csv", "w") as f:
         f.write(
-            "//! Parabolas of the inverse normal CDF; written by tools/normal_table.py, not by hand.\n"
+            "# z(y), the standard normal that the 64-bit integer y represents, from arithmetic with 40 digits\n"
+            "# (tools/normal_table.py): 32 points an octave, and the smallest y.\ny,z\n"
         )
-        f.write(
-            "\n/// Bits of a cell that hold its slope: 2^21 plus the slope in units of 2^-28.\npub(super) const SLOPE_BITS: u32 = %d;\n"
-            % SLOPE_BITS
-        )
-        write(
-            f,
-            "CELLS",
-            "The cells of y = 1 to 2^63: each one's level, a double, whose lowest bits hold the slope.",
-            "u64",
-            rows(words),
-            length=len(words),
-        )
-        pairs = ["(%d, %r)" % (y, float(mp.sqrt(2) * erfc_inverse(y))) for y in points]
-        write(
-            f,
-            "REFERENCE",
-            "(y, z(y)), 40 digits rounded: 32 points an octave, and the smallest y.",
-            "(u64, f64)",
-            pairs,
-            True,
-        )
+        for y in points:
+            f.write("%d,%r\n" % (y, float(mp.sqrt(2) * erfc_inverse(y))))

@@ -6,7 +6,6 @@ mod bent_threshold;
 mod first_passage;
 mod mirror;
 mod normal;
-mod normal_table;
 mod ornstein_uhlenbeck;
 mod stream;
 

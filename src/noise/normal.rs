@@ -14,7 +14,6 @@
 //! from the lower bits. So there is no search, no special case for the tail, and no branch. The
 //! normals reach from the median to 9.1 sigma, where |y| = 1. A cell of negative y has -A and -b.
 
-use super::normal_table::{CELLS, SLOPE_BITS};
 use crate::lanes::{KEY_SHIFT, Lanes, Table};
 use std::f64::consts::SQRT_2;
 use std::sync::LazyLock;
@@ -25,6 +24,25 @@ use std::sync::LazyLock;
 /// median, 1.3e-9 of the last bit of the slope, and in the tails 2.7e-9 of the bits of the level
 /// that hold the slope. The normals of y and -y add up to at most 1e-9 instead of 0.
 pub const MAX_NORMAL_ERROR: f64 = 5e-9;
+
+/// Bits of a cell that hold its slope: 2^21 plus the slope in units of 2^-28.
+const SLOPE_BITS: u32 = 22;
+
+/// The cells of y = 1 to 2^63, as `tools/normal_table.py` writes them: each one's level, a double,
+/// whose lowest bits hold the slope.
+static CELLS: [u64; 8192] = words(include_bytes!("normal_table.bin"));
+
+/// Little-endian words.
+const fn words<const N: usize>(bytes: &[u8]) -> [u64; N] {
+    assert!(bytes.len() == 8 * N);
+    let mut words = [0; N];
+    let mut i = 0;
+    while i < 8 * N {
+        words[i / 8] |= (bytes[i] as u64) << (8 * (i % 8));
+        i += 1;
+    }
+    words
+}
 
 const SIGN: u64 = 1 << 63;
 /// The mantissa bits of a double below those in the number of its cell (52 less seven bits); they
@@ -88,14 +106,34 @@ pub(super) fn half_normals<L: Lanes>(cells: &Table, draws: L::Bits) -> L {
 
 #[cfg(test)]
 mod tests {
-    use super::super::normal_table::REFERENCE;
     use super::*;
 
-    /// The reference values are from 40-digit arithmetic, at 1736 integers y in every octave.
+    /// Integers y in every octave and their normals z, from arithmetic with 40 digits.
+    fn reference() -> Vec<(u64, f64)> {
+        let lines = include_str!("../../tests/reference/normals.csv").lines();
+        let numbers = lines.filter(|line| line.starts_with(|c: char| c.is_ascii_digit()));
+        let pair = |line: &str| {
+            let (y, z) = line.split_once(',').expect("two columns");
+            (y.parse().expect("an integer"), z.parse().expect("a number"))
+        };
+        numbers.map(pair).collect()
+    }
+
+    /// `tools/normal_table.py` prints this checksum (FNV-1a) of the table that it writes. Any other
+    /// table would change every path of every run.
+    #[test]
+    fn the_table_is_the_one_that_the_script_writes() {
+        let step = |sum: u64, byte: &u8| (sum ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3);
+        let sum = include_bytes!("normal_table.bin").iter().fold(0xcbf2_9ce4_8422_2325, step);
+        assert_eq!(sum, 0x17e1_6d59_852c_8d35, "{sum:#x}");
+    }
+
     #[test]
     fn the_inverse_is_within_its_stated_error_on_every_octave() {
         let mut worst = [0.0f64; 64];
-        for &(y, z) in &REFERENCE {
+        let reference = reference();
+        assert_eq!(reference.len(), 1736);
+        for (y, z) in reference {
             // A double holds 53 bits, so y moves by half a unit in its last place and z by less
             // than 2^-53 / z'.
             let error = (standard_normal(y) - z).abs();
