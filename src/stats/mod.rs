@@ -17,6 +17,7 @@ mod bands;
 mod batches;
 mod bins;
 mod catalogue;
+mod certain;
 mod codec;
 mod corrected;
 mod dimension;

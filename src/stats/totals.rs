@@ -2,6 +2,7 @@
 
 use super::bands::{self, BandCounts, BandSums};
 use super::batches::{BATCHES, Share, batch_of};
+use super::certain::Certain;
 use super::codec::{Codec, Damaged, Reader, codec_of_fields};
 use super::durations::{DurationCounts, OrderedDurations};
 use super::interval::Measured;
@@ -53,8 +54,8 @@ codec_of_fields!(PhaseSums { cascade, periods });
 /// Integers, extremes and lists of numbers. Merging them is exact in any order.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Counts {
-    /// Whether paths differ by chance, which follows from the scenario.
-    is_random: bool,
+    /// What all paths must agree on, which follows from the scenario.
+    certain: Certain,
     /// Number of paths folded, without the diverged ones.
     paths: u64,
     /// Number of independent units: that of the paths, or half of it for pairs.
@@ -94,7 +95,7 @@ impl Counts {
     /// The counts of no paths.
     pub fn empty(model: &Model, timeline: &Timeline) -> Self {
         Counts {
-            is_random: model.temperature.is_random() && model.oscillator.dilatation != 0.0,
+            certain: Certain::of(model, timeline),
             paths: 0,
             units: 0,
             diverged: Vec::new(),
@@ -114,7 +115,7 @@ impl Counts {
 
     /// This number of units, if their agreement would be a matter of chance.
     fn chance(&self, units: u64) -> Option<u64> {
-        self.is_random.then_some(units)
+        (!self.certain.everything).then_some(units)
     }
 
     /// Number of independent units folded, without the diverged paths.
@@ -123,7 +124,7 @@ impl Counts {
     }
 
     fn sample(&self) -> Sample {
-        Sample { paths: self.paths, units: self.units, is_random: self.is_random }
+        Sample { paths: self.paths, units: self.units, is_random: !self.certain.everything }
     }
 
     fn unit(&self) -> Unit {
@@ -229,8 +230,8 @@ impl Totals {
                 .sub_phases
                 .summary(counts.chance(sums.phases.cascade.contributing.slips), counts.sample()),
             transient: (timeline.after > 0.0).then(|| self.transient()),
-            periods: sums.phases.periods.summary(timeline, counts.is_random),
-            bands: bands::summary(&sums.bands, &counts.bands, timeline, counts.is_random, counts.unit()),
+            periods: sums.phases.periods.summary(timeline, !counts.certain.everything),
+            bands: bands::summary(&sums.bands, &counts.bands, timeline, counts.certain, counts.unit()),
         }
     }
 
@@ -239,21 +240,29 @@ impl Totals {
         let chance = counts.chance(sums.phases.cascade.contributing.sticks);
         let sticks_per_path = self.estimate(Statistic::SticksPerPath);
         let completed = [sticks_per_path.low, sticks_per_path.high].map(|end| end * counts.paths as f64);
-        counts.durations.summary(ordered, completed, chance, counts.sample())
+        let mut sticks = counts.durations.summary(ordered, completed, chance, counts.sample());
+        if counts.certain.first_stick {
+            let certain = |count| Sample { is_random: false, ..counts.sample() }.number(count);
+            sticks.first_completed_ends = certain(sticks.first_completed);
+            sticks.first_censored_ends = certain(sticks.first_censored);
+        }
+        sticks
     }
 
     fn transient(&self) -> Transient {
         let Totals { timeline, sums, counts } = self;
         let early = &sums.phases.cascade.early;
-        let mean = |moments, range| Measured::mean(moments).in_range(range, counts.chance(counts.units));
-        let number = |moments| mean(moments, Range::NOT_NEGATIVE).interval().map(|end| end * counts.paths as f64);
+        let of_phases = counts.chance(counts.units).filter(|_| !counts.certain.is_without_phases());
+        let mean = |moments, range, chance| Measured::mean(moments).in_range(range, chance);
+        let ends = |moments| mean(moments, Range::NOT_NEGATIVE, of_phases).interval();
+        let number = |moments| ends(moments).map(|end| end * counts.paths as f64);
         Transient {
             end: timeline.after,
             sticks: counts.early_sticks,
             stick_ends: number(&early.sticks),
             slips: counts.early_slips,
             slip_ends: number(&early.slips),
-            displacement: mean(&early.displacement, Range::ANY).measurement(),
+            displacement: mean(&early.displacement, Range::ANY, counts.chance(counts.units)).measurement(),
         }
     }
 
@@ -330,7 +339,7 @@ impl PhaseSums {
             | Statistic::DiffusionCoefficient
             | Statistic::PeriodDisplacementMean => (Range::ANY, counts.units),
         };
-        measured.in_range(range, counts.chance(units))
+        measured.in_range(range, counts.chance(units).filter(|_| !counts.certain.holds(statistic)))
     }
 
     fn without_range(&self, statistic: Statistic, timeline: &Timeline, counts: &Counts) -> Measured {
@@ -339,7 +348,9 @@ impl PhaseSums {
         let contributing = &self.cascade.contributing;
         match statistic {
             Statistic::StickDurationMean => Measured::ratio(sticks, STICK_SUM, STICKS, contributing.sticks),
-            Statistic::StickDurationSd => stick_duration_sd(sticks, &self.cascade.stick_tails, contributing.sticks),
+            Statistic::StickDurationSd => {
+                stick_duration_sd(sticks, &self.cascade.stick_tails, contributing.sticks, counts.unit())
+            }
             Statistic::StickDurationMedian => counts.durations.ordered().median(),
             Statistic::FirstStickDurationMean => Measured::ratio(first_sticks, 1, 0, contributing.first_sticks),
             Statistic::SticksPerPath => Measured::mean_of(sticks, STICKS),
@@ -353,7 +364,7 @@ impl PhaseSums {
             Statistic::DriftVelocity => self.periods.drift_velocity(timeline),
             Statistic::DiffusionCoefficient => self.periods.diffusion_coefficient(timeline),
             Statistic::PeriodDisplacementMean => self.periods.period_displacements.mean(),
-            Statistic::PeriodDisplacementSd => self.periods.period_displacements.sd(),
+            Statistic::PeriodDisplacementSd => self.periods.period_displacements.sd(counts.unit()),
             Statistic::PeriodDisplacementCorrelation => self.periods.period_displacements.correlation(),
             Statistic::PhaseDisplacementSd => self.periods.spread_at_phase(timeline),
             Statistic::JumpMean => Measured::ratio(slips, JUMP, SLIPS, contributing.slips),
@@ -509,20 +520,20 @@ impl CascadeSums {
 /// sqrt(q/n - (s/n)^2), where n, s and q are the means over paths of the number of sticks, of their
 /// summed durations and of their summed squares. An sd below 1e-8 of the root mean square is lost
 /// in rounding, and the result is zero.
-fn stick_duration_sd(paths: &JointMoments<3>, tails: &Tails, contributing: u64) -> Measured {
-    let [n, s, q] = paths.mean;
+fn stick_duration_sd(units: &JointMoments<3>, tails: &Tails, contributing: u64, unit: Unit) -> Measured {
+    let [n, s, q] = units.mean;
     // A single stick has no spread.
-    if n * paths.count as f64 <= 1.5 {
+    if n * (units.count * unit.size()) as f64 <= 1.5 {
         return Measured::NOTHING;
     }
     let (mean, mean_square) = (s / n, q / n);
     let variance = mean_square - mean * mean;
     if variance <= 4.0 * f64::EPSILON * mean_square {
-        return Measured::smooth(0.0, paths, [0.0; 3], contributing);
+        return Measured::smooth(0.0, units, [0.0; 3], contributing);
     }
     let sd = variance.sqrt();
     let gradient = [2.0 * mean * mean - mean_square, -2.0 * mean, 1.0].map(|g| g / (2.0 * sd * n));
-    let error = Measured::smooth(sd, paths, gradient, contributing).measurement().standard_error;
+    let error = Measured::smooth(sd, units, gradient, contributing).measurement().standard_error;
     Measured::spread(sd, error, tails.freedom(contributing))
 }
 
@@ -1045,6 +1056,36 @@ mod tests {
         assert!((transient.displacement.standard_error - (squares / 20.0).sqrt()).abs() < 1e-12, "{transient:?}");
     }
 
+    /// Paths that form pairs, each with its number of sticks of the given durations. The means over
+    /// pairs count half of the sticks of the pairs.
+    #[test]
+    fn the_sticks_of_pairs_are_counted_one_by_one() {
+        let sd = |durations: [&[f64]; 4]| {
+            let numbers: Vec<u64> = (0..4).collect();
+            let mut observer = BlockObserver::new(&model(), &TIMELINE, &Record::NOTHING, &numbers).in_units(Unit::Pair);
+            for (lane, durations) in durations.into_iter().enumerate() {
+                path_of(durations).events.into_iter().for_each(|event| observer.event(lane, event));
+            }
+            let x = [1.0; 4];
+            let is_static = [false; 4];
+            let end = Snapshot { time: 1000.0, displacement: &x, velocity: &x, temperature: &x, is_static: &is_static };
+            observer.snapshot(Instant::End, end);
+            estimate(&observer.finish(0, 4, Vec::new()).totals.summary(), Statistic::StickDurationSd)
+        };
+        // The sd is about the mean, over all sticks.
+        for (durations, expected) in [
+            ([&[1.0][..], &[], &[3.0], &[]], 1.0),
+            ([&[1.0], &[3.0], &[], &[]], 1.0),
+            ([&[1.0], &[2.5], &[2.5], &[]], 0.5f64.sqrt()),
+        ] {
+            let e = sd(durations);
+            assert!((e.estimate - expected).abs() < 1e-12, "{durations:?}: {e:?}");
+            // A single pair has no error.
+            assert_eq!(e.low.is_nan(), durations[2].is_empty(), "{durations:?}: {e:?}");
+        }
+        assert!(sd([&[1.0], &[], &[], &[]]).estimate.is_nan());
+    }
+
     /// Durations from 1 to 2 are evenly spaced, so that the quantile of order p is 1 + p. From path
     /// to path, 60 % and 40 % of the sticks alternately are below the median. So each of the 32
     /// batches of paths is off by 10 of its 100 sticks, and the share of the 3200 sticks below the
@@ -1115,7 +1156,7 @@ mod tests {
         let rows = [vec![6.0; 4], vec![6.0; 4]];
         let timeline = Timeline { end: 1000.0, output_step: 1000.0, period: None, after: 0.0 };
         let mut totals = observe(&timeline, &Record::NOTHING, 0, &paths, &rows, &[]).totals;
-        totals.counts.is_random = true;
+        totals.counts.certain.everything = false;
         let summary = totals.summary();
         let interval = |statistic| {
             let e = estimate(&summary, statistic);
