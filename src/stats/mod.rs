@@ -36,6 +36,7 @@ mod period_displacements;
 mod periods;
 mod quantile;
 mod range;
+mod rare;
 mod record;
 mod run_totals;
 mod settling;

@@ -390,7 +390,7 @@ mod tests {
             fold.fold(1, &[8.0; 40]);
             fold.fold(2, &x);
             let sums = fold.finish();
-            (sums.period_displacements.sd(unit).measurement(), sums.spread_at_phase(&timeline).measurement())
+            (sums.period_displacements.sd(Unit::Path).measurement(), sums.spread_at_phase(&timeline).measurement())
         };
         let relative_width = |low: f64, estimate: f64| estimate / low - 1.0;
         let wanted = relative_width(plain.low, plain.estimate) * n / (n - 1.0);
