@@ -270,7 +270,7 @@ fn diverged_paths_are_counted_listed_and_kept_out() {
 /// The numbers that the scene alone decides, from few paths: without f_d there is no friction work,
 /// and with |b(0)| = 2.4 > f_s the first stick lasts zero and no path is static at t = 0. Twenty
 /// random paths that agree by chance would have an interval without an upper end. The temperature
-/// of a pair has the mean of the harmonics, and T(0) is given.
+/// of a pair has the mean of the harmonics, up to rounding, and T(0) is given.
 #[test]
 fn what_the_scene_alone_decides_has_an_interval_of_width_zero() {
     let mut model = paper(0.25, 0.25);
@@ -298,6 +298,6 @@ fn what_the_scene_alone_decides_has_an_interval_of_width_zero() {
         assert!(x.quantile_ends.low[0] == 3.6 && x.quantile_ends.high[0] == 3.6, "{:?}", x.quantile_ends);
         let mean = &summary.bands.temperature.mean_ends;
         let is_bounded = mean.low.iter().chain(&mean.high).all(|end| end.is_finite());
-        assert!(is_bounded && (mean.high[1] - mean.low[1] < 1e-12) == antithetic, "{mean:?}");
+        assert!(is_bounded && (mean.high[1] - mean.low[1] < 1e-9) == antithetic, "{mean:?}");
     }
 }
