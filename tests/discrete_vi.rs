@@ -11,7 +11,7 @@ use stick_slip::ensemble::Plan;
 use stick_slip::lanes::InstructionSet;
 use stick_slip::model::*;
 use stick_slip::noise::{Stream, standard_normal};
-use stick_slip::scheme::{DiscreteSimulation, DiscreteVi, Scheme, Simulate as _, reference_path};
+use stick_slip::scheme::{DiscreteSimulation, DiscreteVi, Scheme, Simulate as _, Timeline, reference_path};
 use stick_slip::stats::Record;
 
 fn simulate(model: &Model, end: f64, h: f64, output_step: f64, paths: &[u64]) -> Keep {
@@ -529,4 +529,72 @@ fn steps_fed_by_finer_ones_see_the_same_noise() {
             assert!((coarse - fine).abs() < 1e-12, "{h}: {coarse} {fine}");
         }
     }
+}
+
+/// The row at which a stick ends belongs to the slip, as its event does. So with a row at every
+/// step, a row is static if and only if the body is at rest there and at the next row, the force of
+/// a static row is held by f_s, and the static rows times the step are the time in sticks. With the
+/// row at the end of a stick counted as static, they would be a step for each stick more, here 8 %.
+#[test]
+fn a_path_is_static_at_the_rows_of_its_sticks_and_not_where_they_end() {
+    let (model, h, end) = (paper(0.25, 0.25), 0.02, 60.0);
+    let timeline = Timeline { output_step: h, ..timeline(end, h) };
+    for simulation in
+        [DiscreteSimulation::new(&model, &timeline, h), DiscreteSimulation::corrected(&model, &timeline, h)]
+    {
+        let mut keep = Keep::lanes(200);
+        let numbers: Vec<u64> = (0..200).collect();
+        assert_eq!(simulation.simulate(3, &numbers, &mut keep), []);
+        let (mut static_rows, mut in_sticks, mut sticks) = (0, 0.0, 0);
+        for (rows, events) in keep.rows.iter().zip(&keep.events) {
+            for pair in rows.windows(2) {
+                let [(t, x, v, temperature, is_static), (_, _, next, ..)] = [pair[0], pair[1]];
+                let force = model.oscillator.force(temperature, x, v);
+                let is_at_rest = v == 0.0 && next == 0.0;
+                // A stick that is entered and left at once has no row.
+                assert!(is_static == is_at_rest, "{t}: {is_static} {v} {next}");
+                assert!(!is_static || force.abs() <= model.friction.static_force + 1e-12, "{t}: {force}");
+                static_rows += u32::from(is_static);
+            }
+            let mut entered = Some(0.0);
+            for event in events {
+                match event.kind {
+                    EventKind::StickEntered => entered = Some(event.time),
+                    EventKind::SlipStarted(_) => {
+                        in_sticks += event.time - entered.take().expect("in a stick");
+                        sticks += 1;
+                    }
+                    EventKind::SubPhaseBoundary(_) => {}
+                }
+            }
+            in_sticks += entered.map_or(0.0, |since| end - since);
+        }
+        assert!(sticks > 1000 && near(f64::from(static_rows) * h / in_sticks, 1.0, 1e-9), "{static_rows} {in_sticks}");
+    }
+}
+
+/// In the trajectories of a file, the friction of a row at rest in a slip, which is at the end of a
+/// stick or at a turning point, is f_d in the direction in which the body is about to move.
+#[test]
+fn the_friction_of_a_row_is_that_of_the_next_step() {
+    let (model, h) = (paper(0.25, 0.25), 0.02);
+    let timeline = Timeline { output_step: h, ..timeline(60.0, h) };
+    let simulation = Scheme::from(DiscreteVi { step: h }).simulation(&model, &timeline);
+    let record = Record { paths: false, events: false, trajectories: 50 };
+    let plan = Plan { simulation, record, seed: 1, paths: 50, antithetic: false };
+    let rows = plan.piece(0, 50).trajectories.expect("asked for");
+    let per_path = timeline.rows();
+    let (mut moved, mut at_rest) = (0, 0);
+    for row in (0..rows.friction.len() - 1).filter(|row| (row + 1) % per_path != 0) {
+        // From m (V' - V) = h (b - F). A body that turns within the step is left out, because the
+        // friction of the step is then that of the new direction.
+        let [v, next] = [rows.velocity[row], rows.velocity[row + 1]];
+        let friction = rows.force[row] - model.oscillator.mass * (next - v) / h;
+        if next != 0.0 && v * next >= 0.0 {
+            assert!(near(rows.friction[row], friction, 1e-9), "{row}: {} {friction}", rows.friction[row]);
+            moved += 1;
+            at_rest += u32::from(v == 0.0);
+        }
+    }
+    assert!(moved > 10_000 && at_rest > 500, "{moved} {at_rest}");
 }

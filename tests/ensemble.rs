@@ -266,3 +266,38 @@ fn diverged_paths_are_counted_listed_and_kept_out() {
     let (ours, _) = estimate(&summary, Statistic::DisplacementEndMean);
     assert!((ours - mean).abs() < 1e-12 && ours.abs() < 1.0, "{ours} {mean}");
 }
+
+/// The numbers that the scene alone decides, from few paths: without f_d there is no friction work,
+/// and with |b(0)| = 2.4 > f_s the first stick lasts zero and no path is static at t = 0. Twenty
+/// random paths that agree by chance would have an interval without an upper end. The temperature
+/// of a pair has the mean of the harmonics, up to rounding, and T(0) is given.
+#[test]
+fn what_the_scene_alone_decides_has_an_interval_of_width_zero() {
+    let mut model = paper(0.25, 0.25);
+    model.friction.dynamic_force = 0.0;
+    model.initial_displacement = 3.6;
+    for (scheme, antithetic) in [
+        (Scheme::from(DiscreteVi { step: 0.02 }), false),
+        (Scheme::from(DiscreteVi { step: 0.02 }), true),
+        (Scheme::from(EventDriven { tolerance: 1e-3 }), false),
+    ] {
+        let timeline = Timeline { end: 20.0, output_step: 5.0, period: None, after: 0.0 };
+        let record = Record { paths: false, events: false, trajectories: 0 };
+        let simulation = scheme.simulation(&model, &timeline);
+        let summary = Plan { simulation, record, seed: 1, paths: 20, antithetic }.run(2);
+        for statistic in [Statistic::FrictionWorkMean, Statistic::FirstStickDurationMean] {
+            let e = summary.estimate(statistic);
+            assert_eq!([e.estimate, e.low, e.high], [0.0; 3], "{}", statistic.name());
+        }
+        let sticks = &summary.stick_durations;
+        assert_eq!((sticks.first_completed_ends, sticks.first_censored_ends), ([20.0; 2], [0.0; 2]));
+        let ends = &summary.bands.static_probability_ends;
+        assert_eq!([ends.low[0], ends.high[0]], [0.0; 2]);
+        assert!(ends.high[1] > 0.1, "{ends:?}");
+        let x = &summary.bands.displacement;
+        assert!(x.quantile_ends.low[0] == 3.6 && x.quantile_ends.high[0] == 3.6, "{:?}", x.quantile_ends);
+        let mean = &summary.bands.temperature.mean_ends;
+        let is_bounded = mean.low.iter().chain(&mean.high).all(|end| end.is_finite());
+        assert!(is_bounded && (mean.high[1] - mean.low[1] < 1e-9) == antithetic, "{mean:?}");
+    }
+}

@@ -38,7 +38,11 @@ pub fn warn(scenario: &Scenario, measures_bias: bool) {
 pub fn warnings(summary: &Summary, scenario: Option<&Scenario>) -> Vec<JsonWarning> {
     let due = scenario.map_or(Vec::new(), |scenario| scenario.warnings_of_run(summary.has_bias()));
     let due = due.iter().map(|warning| (warning.name(), Some(warning.to_string())));
-    let found = [("dominating-bias", report::dominating_bias(summary)), ("unsettled", report::unsettled(summary))];
+    let found = [
+        ("dominating-bias", report::dominating_bias(summary)),
+        ("unsettled", report::unsettled(summary)),
+        ("too-few-events", report::too_few(summary)),
+    ];
     let all = due.chain(found);
     all.filter_map(|(name, text)| Some(JsonWarning { name: name.to_string(), text: text? })).collect()
 }

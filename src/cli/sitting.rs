@@ -164,6 +164,9 @@ impl Sitting<'_> {
         if let Some(line) = report::unsettled(summary).filter(|_| json || quiet) {
             note(&format!("warning: {line}"));
         }
+        if let Some(line) = report::too_few(summary).filter(|_| json || quiet) {
+            note(&format!("warning: {line}"));
+        }
         results::warn_of_bias(summary);
         let missed = outcome.missed.iter().map(|missed| ending::missed(missed, missed.paths_needed()));
         let broken =

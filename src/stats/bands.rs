@@ -1,6 +1,7 @@
 //! Pointwise distribution of x, x' and T over the ensemble, row by row of the output grid.
 
 use super::bins::Shape;
+use super::certain::Certain;
 use super::codec::{Codec, Damaged, Reader};
 use super::interval::Measured;
 use super::moments::Moments;
@@ -17,6 +18,9 @@ use std::sync::Arc;
 
 /// The variables that have a band, in this order: x, x', T.
 const VARIABLES: usize = 3;
+
+/// The place of T among them.
+const TEMPERATURE: usize = 2;
 
 /// The values of these variables in a snapshot, each with one value per path.
 fn variables<'a>(snapshot: &Snapshot<'a>) -> [&'a [f64]; VARIABLES] {
@@ -245,7 +249,13 @@ impl Codec for BandCounts {
 }
 
 /// The bands of a run, from their sums and their counts.
-pub(super) fn summary(sums: &BandSums, counts: &BandCounts, timeline: &Timeline, is_random: bool, unit: Unit) -> Bands {
+pub(super) fn summary(
+    sums: &BandSums,
+    counts: &BandCounts,
+    timeline: &Timeline,
+    certain: Certain,
+    unit: Unit,
+) -> Bands {
     let counts = counts.normalised();
     let size = unit.size() as f64;
     let band = |variable: usize| {
@@ -253,10 +263,15 @@ pub(super) fn summary(sums: &BandSums, counts: &BandCounts, timeline: &Timeline,
         let values: Vec<Ordered> = rows.iter().map(Sketch::ordered).collect();
         let quantile = |level: f64| values.iter().map(move |row| row.quantile(level));
         let quantiles: Vec<f64> = QUANTILE_LEVELS.into_iter().flat_map(quantile).collect();
-        let quantile_ends =
-            QUANTILE_LEVELS.into_iter().flat_map(|level| values.iter().map(move |row| ends(row, level, size)));
-        // In row 0, at t = 0, all paths agree by construction and not by chance.
-        let chance = |row: usize, moments: &Moments| (is_random && row > 0).then_some(moments.count);
+        let may_differ = |row: usize| !agrees_by_law(variable, row, certain);
+        let ends_of = |level: f64| {
+            values.iter().enumerate().map(move |(row, values)| {
+                let [least, most] = [0.0, 1.0].map(|p| values.quantile(p));
+                let is_point = least == most && !may_differ(row) && values.count() > unit.size();
+                if is_point { [least; 2] } else { ends(values, level, size) }
+            })
+        };
+        let chance = |row: usize, moments: &Moments| may_differ(row).then_some(moments.count);
         let mean_ends = |(row, m): (usize, &Moments)| Measured::mean(m).in_range(Range::ANY, chance(row, m)).interval();
         let sd_ends = |(((row, m), variance), values): (((usize, &Moments), &f64), &Ordered)| {
             let sd = variance.sqrt();
@@ -272,18 +287,28 @@ pub(super) fn summary(sums: &BandSums, counts: &BandCounts, timeline: &Timeline,
             quantiles: Array2::from_shape_fn((QUANTILE_LEVELS.len(), rows.len()), |(i, j)| {
                 quantiles[i * rows.len() + j]
             }),
-            quantile_ends: quantile_ends.collect(),
+            quantile_ends: QUANTILE_LEVELS.into_iter().flat_map(ends_of).collect(),
         }
     };
-    let is_static = |&[paths, still]: &[u64; 2]| Sample { paths, units: paths / unit.size(), is_random }.share(still);
+    let is_static = |(row, &[paths, still]): (usize, &[u64; 2])| {
+        let is_random = !(certain.everything || row == 0 && certain.start);
+        Sample { paths, units: paths / unit.size(), is_random }.share(still)
+    };
     Bands {
         time: timeline.output_times(),
         displacement: band(0),
         velocity: band(1),
         temperature: band(2),
         static_probability: counts.occupancy.iter().map(|&[paths, still]| still as f64 / paths as f64).collect(),
-        static_probability_ends: counts.occupancy.iter().map(is_static).collect(),
+        static_probability_ends: counts.occupancy.iter().enumerate().map(is_static).collect(),
     }
+}
+
+/// Whether all paths that agree on a variable in a row do so by the law of the scene and not by
+/// chance. At t = 0 each is at rest at x0. The temperature of two paths is the same where it is
+/// known, at a sample of a pinned series or at t = 0, and nowhere else.
+fn agrees_by_law(variable: usize, row: usize, certain: Certain) -> bool {
+    certain.everything || row == 0 || variable == TEMPERATURE
 }
 
 /// The 95 % interval of a quantile by Woodruff's method, where `size` values form one independent
@@ -365,7 +390,7 @@ mod tests {
                 Snapshot { time: 1.0, displacement: &x, velocity: &x, temperature: &x, is_static: &is_static };
             part.0.fold(1, &snapshot, Unit::Path);
             part.1.fold(1, &snapshot);
-            let bands = summary(&part.0, &part.1, &timeline, true, Unit::Path);
+            let bands = summary(&part.0, &part.1, &timeline, Certain::NOTHING, Unit::Path);
             let x = &bands.displacement;
             // The upper quartile of the standard normal law is 0.674490. It is the fourth level,
             // and there are two times, so its index is 3 * 2 + 1 at the second time.
@@ -404,7 +429,7 @@ mod tests {
             sums.merge(&part.0);
             counts.merge(&part.1);
         }
-        let bands = summary(&sums, &counts, &timeline, true, Unit::Path);
+        let bands = summary(&sums, &counts, &timeline, Certain::NOTHING, Unit::Path);
         assert_eq!((bands.time.clone(), bands.static_probability[1]), (vec![0.0, 1.0], 0.4));
         assert!(bands.static_probability[0].is_nan() && bands.displacement.mean[0].is_nan());
         // The reference is computed in two passes over all values. Rounding is 1e-16 per value.

@@ -20,6 +20,10 @@
 //! and its error depend on each other less. For a normal law and 50 paths or more, the interval
 //! agrees with that of chi square to within 5 %.
 //!
+//! The interval of a mean of positive numbers is that of Student's t for its logarithm
+//! ([`super::rare`]), because a mean that rests on few events has long tails. Where too few paths
+//! have any such event, there is no interval.
+//!
 //! The interval of a number that has a range stays within it ([`super::range`]).
 
 use super::moments::{JointMoments, Moments};
@@ -85,7 +89,12 @@ pub(super) struct Measured {
 enum Interval {
     /// From Student's t with this many degrees of freedom. The quantile is costly, so it is
     /// computed only when the interval is asked for.
-    Student(u64),
+    Student(f64),
+    /// From Student's t with this many degrees of freedom, for the logarithm of the estimate less
+    /// this floor.
+    Logarithmic(f64, f64),
+    /// There is none, because too few paths contribute.
+    Missing,
     /// From Student's t for the reciprocal of the estimate.
     Reciprocal(f64),
     /// Lower and upper end, found by other means.
@@ -97,14 +106,14 @@ impl Measured {
     pub const NOTHING: Measured = Measured {
         estimate: f64::NAN,
         standard_error: f64::NAN,
-        interval: Interval::Student(0),
+        interval: Interval::Student(0.0),
         range: Range::ANY,
         chance: None,
     };
 
     /// An estimate with the interval of Student's t.
     fn new(estimate: f64, standard_error: f64, freedom: u64) -> Self {
-        Measured { estimate, standard_error, interval: Interval::Student(freedom), ..Measured::NOTHING }
+        Measured { estimate, standard_error, interval: Interval::Student(freedom as f64), ..Measured::NOTHING }
     }
 
     /// An estimate whose interval was found by other means.
@@ -116,6 +125,22 @@ impl Measured {
     pub fn spread(estimate: f64, standard_error: f64, freedom: f64) -> Self {
         let standard_error = if standard_error < ROUNDING * estimate { 0.0 } else { standard_error };
         Measured { estimate, standard_error, interval: Interval::Reciprocal(freedom), ..Measured::NOTHING }
+    }
+
+    /// The same number, whose error is known with this many degrees of freedom.
+    pub fn with_freedom(self, freedom: f64) -> Self {
+        Measured { interval: Interval::Student(freedom), ..self }
+    }
+
+    /// The same number, with an interval that is symmetric for the logarithm of its excess over
+    /// `floor`.
+    pub fn on_log_scale(self, floor: f64, freedom: f64) -> Self {
+        Measured { interval: Interval::Logarithmic(floor, freedom), ..self }
+    }
+
+    /// The same number without an interval.
+    pub fn without_interval(self) -> Self {
+        Measured { interval: Interval::Missing, ..self }
     }
 
     /// The same number, which cannot leave this range. `chance` is the number of paths that
@@ -182,6 +207,7 @@ impl Measured {
     fn in_units(self, of: impl Fn(f64) -> f64) -> Self {
         let interval = match self.interval {
             Interval::Ends(low, high) => Interval::Ends(of(low), of(high)),
+            Interval::Logarithmic(floor, freedom) => Interval::Logarithmic(of(floor), freedom),
             of_a_law => of_a_law,
         };
         Measured { estimate: of(self.estimate), standard_error: of(self.standard_error), interval, ..self }
@@ -224,17 +250,24 @@ impl Measured {
                 let is_median_among_agreeing = wilson(0.0, paths as f64, NORMAL)[1] < 0.5;
                 if is_median_among_agreeing { [low, high] } else { [range.low, range.high] }
             }
+            (Interval::Missing, _) => [f64::NAN; 2],
             (_, Some(paths)) => range.interval_where_all_agree(estimate, paths),
             (Interval::Ends(low, high), None) => [low, high],
             (Interval::Student(freedom), None) if range.has_inside(estimate) && standard_error > 0.0 => {
                 let scale = range.high - range.low;
                 let (share, error) = ((estimate - range.low) / scale, standard_error / scale);
                 let paths = share * (1.0 - share) / (error * error);
-                wilson(share, paths, student(freedom)).map(|end| range.low + scale * end)
+                wilson(share, paths, student_quantile(UPPER, freedom)).map(|end| range.low + scale * end)
             }
             (Interval::Student(freedom), None) => {
-                let half_width = student(freedom) * standard_error;
+                let half_width = student_quantile(UPPER, freedom) * standard_error;
                 [estimate - half_width, estimate + half_width]
+            }
+            (Interval::Logarithmic(..), None) if standard_error == 0.0 => [estimate; 2],
+            (Interval::Logarithmic(floor, freedom), None) => {
+                let excess = estimate - floor;
+                let factor = (student_quantile(UPPER, freedom) * standard_error / excess).exp();
+                [floor + excess / factor, floor + excess * factor]
             }
             (Interval::Reciprocal(_), None) if standard_error == 0.0 => [estimate; 2],
             (Interval::Reciprocal(freedom), None) => {

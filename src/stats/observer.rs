@@ -5,7 +5,7 @@ use super::path::{Censored, Completed, PathFold};
 use super::periods::PeriodFold;
 use super::unit::Unit;
 use super::{BlockResult, EventColumns, PathColumns, Record, Totals, TrajectoryRows};
-use crate::model::{Event, Model, Oscillator};
+use crate::model::{Event, Model, Oscillator, Sign};
 use crate::scheme::{Instant, Observer, Snapshot, Timeline};
 
 /// The observer of one block of paths.
@@ -147,7 +147,10 @@ impl Observer for BlockObserver {
                     let lane = kept.lane;
                     let (x, v, t) = (snapshot.displacement[lane], snapshot.velocity[lane], snapshot.temperature[lane]);
                     let b = self.oscillator.force(t, x, v);
-                    let sliding = self.dynamic_force * self.paths[lane].direction.value();
+                    // At rest in a slip, at a turning point or at the end of a stick, the body is
+                    // about to follow b.
+                    let direction = if v == 0.0 { Sign::of(b) } else { self.paths[lane].direction };
+                    let sliding = self.dynamic_force * direction.value();
                     kept.displacement[row] = x;
                     kept.velocity[row] = v;
                     kept.temperature[row] = t;

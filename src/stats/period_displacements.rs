@@ -3,12 +3,15 @@
 //! From the displacements u_n = x((n + 1)P) - x(nP), n = 1..M, each path contributes the means
 //!
 //! ```text
-//! a = mean u_n,   b = mean u_n^2,   c = mean u_n u_{n+1},   d = mean (u_n + u_{n+1})
+//! a = mean u_n,   b = mean u_n^2
+//! c = mean u_n u_{n+1},   d = mean (u_n + u_{n+1})/2,   e = mean (u_n^2 + u_{n+1}^2)/2
 //! ```
 //!
-//! the last two over n = 1..M-1. In terms of the means of these over paths, the mean of u is a, its
-//! variance is b - a^2, and the covariance of neighbours is c - a d + a^2. Errors follow from the
-//! scatter of a, b, c and d from path to path.
+//! the last three over n = 1..M-1. In terms of the means of these over paths, the mean of u is a
+//! and its variance is b - a^2. The correlation of neighbours is that of the pairs: their covariance
+//! c - d^2 over the variance e - d^2 of their members, both about the mean d of the members. So it
+//! lies between -1 and 1, and u_1 and u_M, which are in one pair only, count half in it. Errors
+//! follow from the scatter of a to e from path to path.
 
 use super::codec::{Codec, Damaged, Reader};
 use super::interval::Measured;
@@ -22,8 +25,8 @@ use crate::scheme::Timeline;
 pub(super) struct PeriodDisplacements {
     /// M, which follows from the timeline.
     displacements: usize,
-    /// Moments of a, b, c and d.
-    paths: JointMoments<4>,
+    /// Moments of a, b, c, d and e.
+    paths: JointMoments<5>,
     /// Powers of the influences on the standard deviation of u_n.
     tails: Tails,
 }
@@ -49,17 +52,17 @@ impl PeriodDisplacements {
 
     /// Standard deviation of u_n. A value below 1e-8 of the root mean square is lost in rounding,
     /// and the result is zero.
-    pub fn sd(&self) -> Measured {
+    pub fn sd(&self, unit: Unit) -> Measured {
         // A single number has no spread.
-        if self.displacements as u64 * self.paths.count < 2 {
+        if self.displacements as u64 * self.paths.count * unit.size() < 2 {
             return Measured::NOTHING;
         }
-        let [a, ..] = self.paths.mean;
-        match self.variance() {
-            0.0 => Measured::smooth(0.0, &self.paths, [0.0; 4], self.paths.count),
+        let [a, b, ..] = self.paths.mean;
+        match variance(b, a) {
+            0.0 => Measured::smooth(0.0, &self.paths, [0.0; 5], self.paths.count),
             variance => {
                 let sd = variance.sqrt();
-                let smooth = Measured::smooth(sd, &self.paths, [-a / sd, 0.5 / sd, 0.0, 0.0], self.paths.count);
+                let smooth = Measured::smooth(sd, &self.paths, [-a / sd, 0.5 / sd, 0.0, 0.0, 0.0], self.paths.count);
                 Measured::spread(sd, smooth.measurement().standard_error, self.tails.freedom(self.paths.count))
             }
         }
@@ -67,23 +70,22 @@ impl PeriodDisplacements {
 
     /// Correlation of u_n and u_{n+1}; it does not exist where u_n does not vary.
     pub fn correlation(&self) -> Measured {
-        let variance = self.variance();
+        let [.., c, d, e] = self.paths.mean;
+        let variance = variance(e, d);
         if self.displacements < 2 || self.paths.count == 0 || variance == 0.0 {
             return Measured::NOTHING;
         }
-        let [a, _, c, d] = self.paths.mean;
-        let r = (c - a * d + a * a) / variance;
-        let gradient = [2.0 * a - d + 2.0 * a * r, -r, 1.0, -a].map(|g| g / variance);
-        // Over few periods the estimate may leave the range of a correlation, by chance or by
-        // rounding.
+        let r = (c - d * d) / variance;
+        let gradient = [0.0, 0.0, 1.0, -2.0 * d * (1.0 - r), -r].map(|g| g / variance);
+        // Rounding may carry the estimate out of the range of a correlation.
         Measured::smooth(r.clamp(-1.0, 1.0), &self.paths, gradient, self.paths.count)
     }
+}
 
-    fn variance(&self) -> f64 {
-        let [a, b, ..] = self.paths.mean;
-        let variance = b - a * a;
-        if variance <= 4.0 * f64::EPSILON * b { 0.0 } else { variance }
-    }
+/// The variance of numbers with this mean square and this mean; zero where it is lost in rounding.
+fn variance(mean_square: f64, mean: f64) -> f64 {
+    let variance = mean_square - mean * mean;
+    if variance <= 4.0 * f64::EPSILON * mean_square { 0.0 } else { variance }
 }
 
 impl Codec for PeriodDisplacements {
@@ -159,7 +161,8 @@ impl PeriodDisplacementsFold {
             &column(&|path| path.sum / all),
             &column(&|path| path.squares / all),
             &column(&|path| of_pairs(path.products)),
-            &column(&|path| of_pairs(2.0 * path.sum - path.first - path.last)),
+            &column(&|path| of_pairs(path.sum - 0.5 * (path.first + path.last))),
+            &column(&|path| of_pairs(path.squares - 0.5 * (path.first * path.first + path.last * path.last))),
         ]);
         let [a, b, ..] = paths.mean;
         let influences = column(&|path| path.squares / all - b - 2.0 * a * (path.sum / all - a));
@@ -173,10 +176,13 @@ mod tests {
     use crate::stats::Statistic;
 
     /// Three paths with u = 1, 2, 0 and -1, 1, 3 and -2, -1, -3, with mean 0. a is 1, 1, -2. b is
-    /// 5/3, 11/3, 14/3, and its mean 10/3 is the variance. c is 1, 1, 5/2, and its mean 3/2 is the
-    /// covariance. d is 5/2, 2, -7/2, with mean 1/3. The influences on the standard deviation are
-    /// (b - 10/3)/(2 sd), and those on the correlation r = 9/20 are (-a/3 - r (b - 10/3) + c -
-    /// 3/2)/(10/3). A constant added to every u changes the mean alone.
+    /// 5/3, 11/3, 14/3, and its mean 10/3 is the variance. The influences on the standard deviation
+    /// are (b - 10/3)/(2 sd).
+    ///
+    /// Of the pairs, c is 1, 1, 5/2, with mean 3/2; d is 5/4, 1, -7/4, with mean 1/6; and e is 9/4,
+    /// 3, 15/4, with mean 3. So the covariance is 3/2 - 1/36 = 53/36, the variance of the members
+    /// is 107/36, and r = 53/107. The influences on it are (c - 3/2 - (1 - r)/3 (d - 1/6) - r (e -
+    /// 3))/(107/36). A constant added to every u changes the mean alone.
     #[test]
     fn the_errors_of_unequal_paths_are_those_computed_by_hand() {
         let timeline = Timeline { end: 4.0, output_step: 4.0, period: Some(1.0), after: 0.0 };
@@ -197,10 +203,12 @@ mod tests {
             all.merge(&part(&u[1..]));
             let (sd, t) = ((10.0f64 / 3.0).sqrt(), 4.302_652_729_9);
             let on_sd = (42.0f64 / 9.0 / 6.0).sqrt() / (2.0 * sd);
-            let on_r = [-1.0 / 3.0 + 0.75 - 0.5, -1.0 / 3.0 - 0.15 - 0.5, 2.0 / 3.0 - 0.6 + 1.0];
-            let on_r = (on_r.iter().map(|e: &f64| e * e).sum::<f64>() / 6.0).sqrt() * 0.3;
+            let r = 53.0 / 107.0;
+            let on_r = [[1.0, 1.25, 2.25], [1.0, 1.0, 3.0], [2.5, -1.75, 3.75]]
+                .map(|[c, d, e]: [f64; 3]| c - 1.5 - (1.0 - r) / 3.0 * (d - 1.0 / 6.0) - r * (e - 3.0));
+            let on_r = (on_r.iter().map(|e| e * e).sum::<f64>() / 6.0).sqrt() * 36.0 / 107.0;
             for (measured, value, error) in
-                [(all.mean(), constant, 1.0), (all.sd(), sd, on_sd), (all.correlation(), 0.45, on_r)]
+                [(all.mean(), constant, 1.0), (all.sd(Unit::Path), sd, on_sd), (all.correlation(), r, on_r)]
             {
                 let e = measured.named(Statistic::PeriodDisplacementMean);
                 // Three numbers about their mean always have two degrees of freedom.
@@ -219,7 +227,7 @@ mod tests {
             let mut fold = PeriodDisplacementsFold::new(&timeline, paths);
             (0..ends as usize).for_each(|n| fold.fold(&vec![0.1 * n as f64; paths]));
             let fold = fold.finish(Unit::Path);
-            [fold.mean(), fold.sd(), fold.correlation()].map(|measured| measured.estimate())
+            [fold.mean(), fold.sd(Unit::Path), fold.correlation()].map(|measured| measured.estimate())
         };
         let near = |a: f64, b: f64| (a - b).abs() < 1e-12;
         assert!(of(1.0, 3).iter().all(|e| e.is_nan()));

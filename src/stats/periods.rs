@@ -272,7 +272,7 @@ mod tests {
             }
             let v = totals.drift_velocity(&timeline).named(Statistic::DriftVelocity);
             let d = totals.diffusion_coefficient(&timeline).named(Statistic::DiffusionCoefficient);
-            let sd = totals.period_displacements.sd().named(Statistic::PeriodDisplacementSd);
+            let sd = totals.period_displacements.sd(Unit::Path).named(Statistic::PeriodDisplacementSd);
             let r = totals.period_displacements.correlation().named(Statistic::PeriodDisplacementCorrelation);
             let step = totals.period_displacements.mean().named(Statistic::PeriodDisplacementMean);
             step_held.count(step.low <= 2.5 * drift && 2.5 * drift <= step.high);
@@ -390,7 +390,7 @@ mod tests {
             fold.fold(1, &[8.0; 40]);
             fold.fold(2, &x);
             let sums = fold.finish();
-            (sums.period_displacements.sd().measurement(), sums.spread_at_phase(&timeline).measurement())
+            (sums.period_displacements.sd(Unit::Path).measurement(), sums.spread_at_phase(&timeline).measurement())
         };
         let relative_width = |low: f64, estimate: f64| estimate / low - 1.0;
         let wanted = relative_width(plain.low, plain.estimate) * n / (n - 1.0);

@@ -305,15 +305,9 @@ def check_trajectories(data, events):
     same("trajectory_force", data["trajectory_force"], b)
     static, sign = np.ones(x.shape, dtype=bool), np.zeros(x.shape)
     for path, of in enumerate(events):
-        # A stick includes the instant at which it ends; a sub-phase includes the one at which it
-        # begins.
-        begins = np.where(
-            of["kind"] == STARTED,
-            np.searchsorted(time, of["time"], "right"),
-            np.searchsorted(time, of["time"], "left"),
-        )
-        # After a start outside the corridor there is no instant of rest.
-        begins = np.where((of["kind"] == STARTED) & (of["time"] == 0), 0, begins)
+        # A stick and a sub-phase include the instant at which they begin, and not that at which
+        # they end.
+        begins = np.searchsorted(time, of["time"], "left")
         for first, kind, direction in zip(begins, of["kind"], of["sign"], strict=True):
             static[path, first:] = kind == ENTERED
             sign[path, first:] = direction
@@ -365,19 +359,20 @@ def check_bands(data):
         check_band_intervals(data, name, rows)
         check_quantiles(f"{name}_quantile", data[f"{name}_quantile"], rows)
     same("static_probability", data["static_probability"], data["trajectory_static"].mean(axis=0))
-    same_interval(
-        data,
-        "static_probability",
-        *wilson(data["static_probability"], len(data["trajectory_static"])),
-    )
+    low, high = wilson(data["static_probability"], len(data["trajectory_static"]))
+    if data.scenario["temperature"]["noise"]["initial"] != "stationary":
+        # Whether a path is static at t = 0 is the same for all.
+        low[0] = high[0] = data["static_probability"][0]
+    same_interval(data, "static_probability", low, high)
 
 
 def check_band_intervals(data, name, rows):
     """The intervals of means, standard deviations and shares along time. Where all paths agree by
     chance at a time after t = 0, the spread of other paths is not known, and an interval has no
-    upper end."""
+    upper end. Temperatures never agree by chance."""
     n, sd = len(rows), rows.std(axis=0, ddof=1)
-    agree, starts = (rows == rows[0]).all(axis=0), np.arange(rows.shape[1]) == 0
+    agree = (rows == rows[0]).all(axis=0)
+    starts = (np.arange(rows.shape[1]) == 0) | (name == "temperature")
     reach = student(n - 1) * sd / math.sqrt(n)
     reach = np.where(agree, np.where(starts, 0, np.inf), reach)
     same_interval(data, f"{name}_mean", rows.mean(axis=0) - reach, rows.mean(axis=0) + reach)
@@ -395,7 +390,9 @@ def check_band_intervals(data, name, rows):
                 if 0 < p < 1
                 else np.full(rows.shape[1], np.sign(p) * np.inf)
             )
-    same_interval(data, f"{name}_quantile", np.array(wanted[::2]), np.array(wanted[1::2]))
+    low, high = np.array(wanted[::2]), np.array(wanted[1::2])
+    low[:, agree & starts] = high[:, agree & starts] = rows[0, agree & starts]
+    same_interval(data, f"{name}_quantile", low, high)
 
 
 def spread_interval(x, blocks=None):
@@ -423,8 +420,21 @@ def spread_interval(x, blocks=None):
     )
 
 
-def reciprocal_interval(sd, relative, influences, m):
-    freedom = min(2 / ((influences**4).sum() / (influences**2).sum() ** 2 - 1 / m), m - 1)
+def freedom_of(influences, m):
+    """The degrees of freedom of an error from the influences of m paths, after Satterthwaite."""
+    scatter = ((influences**4).sum() / (influences**2).sum() ** 2 - 1 / m) / 2
+    return 1 / scatter if scatter * (m - 1) > 1 else m - 1
+
+
+def cautious(freedom, some, paths):
+    """What is left of them where only some of the paths have any events."""
+    return freedom**2 / (freedom + 2 * (1 - some / paths))
+
+
+def reciprocal_interval(sd, relative, influences, m, paths=None):
+    freedom = freedom_of(influences, m)
+    if paths is not None:
+        freedom = cautious(freedom, m, paths)
     reach = student(freedom) * relative
     return sd / (1 + reach), sd / (1 - reach) if reach < 1 else math.inf
 
@@ -702,7 +712,12 @@ def check_statistics(data, paths, times, x):
         ratio = tops.sum() / bottoms.sum() if estimate is None else estimate
         residuals = tops - (ratio * bottoms if estimate is None else 0)
         m = int((bottoms > 0).sum())
-        return ratio, math.sqrt(m / (m - 1) * (residuals**2).sum()) / bottoms.sum(), m - 1
+        error = math.sqrt(m / (m - 1) * (residuals**2).sum()) / bottoms.sum()
+        return ratio, error, m - 1, cautious(freedom_of(residuals, m), m, n)
+
+    def number(values):
+        freedom = freedom_of(values - values.mean(), n)
+        return *mean(values), cautious(freedom, int((values > 0).sum()), n)
 
     durations = np.concatenate([path.sticks for path in paths])
     sticks = column(lambda p: len(p.sticks))
@@ -716,16 +731,13 @@ def check_statistics(data, paths, times, x):
     about, pairs = u - u.mean(), np.stack([u[:, :-1], u[:, 1:]])
     u_sd = u.std()
     on_sd = ((about**2).mean(axis=1) - u_sd**2) / (2 * u_sd)
-    # The correlation is about the mean of all displacements. Its influence is as if that mean were
-    # given, up to the difference between the pairs and all displacements.
-    covariance = ((pairs[0] - u.mean()) * (pairs[1] - u.mean())).mean()
-    correlation = covariance / u_sd**2
-    shift = (pairs - u.mean()).sum(axis=0).mean()
-    on_correlation = (
-        ((pairs[0] - u.mean()) * (pairs[1] - u.mean())).mean(axis=1)
-        - covariance
-        - shift * about.mean(axis=1)
-    ) / u_sd**2 - correlation * ((about**2).mean(axis=1) / u_sd**2 - 1)
+    # The correlation is that of the pairs, about the mean of their members.
+    members = pairs - pairs.mean()
+    variance = (members**2).mean()
+    correlation = (members[0] * members[1]).mean() / variance
+    on_correlation = (members[0] * members[1]).mean(axis=1) / variance - correlation * (
+        members**2
+    ).mean(axis=(0, 2)) / variance
     slips = column(lambda p: len(p.jumps))
     ends = column(lambda p: p.end)
     squares = (ends - ends.mean()) ** 2
@@ -751,11 +763,11 @@ def check_statistics(data, paths, times, x):
         "stick_duration_mean": pooled(column(lambda p: sum(p.sticks)), sticks),
         "stick_duration_sd": pooled(spread, sticks, sd),
         "first_stick_duration_mean": pooled(first, column(lambda p: not p.is_first_censored)),
-        "sticks_per_path": mean(sticks),
-        "slips_per_path": mean(slips),
+        "sticks_per_path": number(sticks),
+        "slips_per_path": number(slips),
         "sub_phases_mean": pooled(column(lambda p: sum(p.counts)), slips),
         "sub_phases_multiple_share": pooled(column(lambda p: sum(k > 1 for k in p.counts)), slips),
-        "sticking_fraction": mean(column(lambda p: p.stick_time) / counted_time),
+        "sticking_fraction": number(column(lambda p: p.stick_time) / counted_time),
         "displacement_end_mean": mean(ends),
         "displacement_end_sd": (
             ends.std(ddof=1),
@@ -787,12 +799,22 @@ def check_statistics(data, paths, times, x):
             for kind in ("estimate", "standard_error", "interval_low", "interval_high")
         ]
         if name in found:
-            value, error, freedom = found[name]
+            # For means of events, the degrees of freedom that their tails leave.
+            value, error, freedom, *of_tails = found[name]
             reach = student(freedom) * error
             low, high = value - reach, value + reach
+            is_rare = name in (
+                "stick_duration_mean first_stick_duration_mean sub_phases_mean jump_abs_mean "
+                "sticks_per_path slips_per_path"
+            ).split()
+            if is_rare and error > 1e-14 * abs(value):
+                # Student's t for the logarithm of what exceeds the least value.
+                excess = value - (name == "sub_phases_mean")
+                factor = math.exp(student(of_tails[0]) * error / excess)
+                low, high = value - excess + excess / factor, value - excess + excess * factor
             if name == "stick_duration_sd":
                 low, high = reciprocal_interval(
-                    value, error / value, stick_influences(paths, block), freedom + 1
+                    value, error / value, stick_influences(paths, block), freedom + 1, n
                 )
             elif name == "displacement_end_sd":
                 low, high = spread_interval(ends, np.split(ends, range(block, n, block)))
@@ -812,10 +834,13 @@ def check_statistics(data, paths, times, x):
             elif name in ("sticking_fraction", "sub_phases_multiple_share"):
                 sure = error == 0
                 size = freedom + 1 if sure else value * (1 - value) / error**2
+                degrees = of_tails[0] if name == "sticking_fraction" else freedom
                 low, high = (
                     float(end)
                     for end in (
-                        wilson(value, size) if sure else wilson(value, size, student(freedom))
+                        wilson(value, size)
+                        if sure
+                        else wilson(value, size, student(degrees))
                     )
                 )
             else:

@@ -33,7 +33,7 @@ pub use csv::Csv;
 pub use info::RunInfo;
 pub use json::json;
 pub use plots::plots;
-pub use remarks::{lost, remarks, unsettled};
+pub use remarks::{lost, remarks, too_few, unsettled};
 pub use statistics::cells;
 
 use super::numbers::{counted, fitted};

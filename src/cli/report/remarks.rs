@@ -5,7 +5,7 @@ use crate::cli::numbers::{Digits, counted, duration, grouped, significant};
 use std::fmt::Write as _;
 use stick_slip::engine::Status;
 use stick_slip::scheme::Timeline;
-use stick_slip::stats::{Dimension, Statistic, SubPhaseCounts, Summary, Transient};
+use stick_slip::stats::{Dimension, Estimate, Statistic, SubPhaseCounts, Summary, Transient};
 
 /// Everything below the table, as labels and lines.
 pub fn remarks(summary: &Summary, info: &RunInfo) -> Vec<(&'static str, String)> {
@@ -18,6 +18,7 @@ pub fn remarks(summary: &Summary, info: &RunInfo) -> Vec<(&'static str, String)>
     remarks.extend(unsettled(summary).map(|line| ("drift", line)));
     remarks.extend(bias(summary, info).map(|line| ("bias", line)));
     remarks.extend(without_bias(summary).map(|line| ("", line)));
+    remarks.extend(too_few(summary).map(|line| ("few", line)));
     remarks.push(("paths", paths(summary, info)));
     remarks.extend(lost(summary, info).map(|line| (info.loss(), format!(" {line}"))));
     remarks.extend(time(summary, info).map(|line| ("time", line)));
@@ -132,6 +133,14 @@ fn without_bias(summary: &Summary) -> Option<String> {
     })
 }
 
+/// Says which numbers have no interval because too few paths carry them.
+pub fn too_few(summary: &Summary) -> Option<String> {
+    let is_without = |e: &&Estimate| e.estimate.is_finite() && e.standard_error.is_finite() && e.low.is_nan();
+    let names: Vec<&str> = summary.estimates.iter().filter(is_without).map(|e| e.statistic.name()).collect();
+    (!names.is_empty())
+        .then(|| format!("too few of the paths have any sticks or slips to bound {}; run more paths", names.join(", ")))
+}
+
 /// The number of paths, and how the run ended.
 fn paths(summary: &Summary, info: &RunInfo) -> String {
     let completed = grouped(summary.completed_paths);
@@ -206,6 +215,21 @@ mod tests {
         assert!(reported.contains("that of stick_duration_median is not known"), "{reported}");
         summary.estimates[Statistic::StickDurationMedian.index()].bias = bias;
         assert!(!table(&summary, &info()).contains("is not known"));
+    }
+
+    #[test]
+    fn numbers_without_an_interval_are_named() {
+        let mut summary = summary();
+        assert!(!table(&summary, &info()).contains("too few"));
+        for statistic in [Statistic::StickDurationSd, Statistic::StickDurationMean] {
+            let e = &mut summary.estimates[statistic.index()];
+            (e.estimate, e.standard_error, e.low, e.high) = (1.0, 0.5, f64::NAN, f64::NAN);
+        }
+        let line = "too few of the paths have any sticks or slips to bound stick_duration_mean, stick_duration_sd";
+        assert_eq!(too_few(&summary).map(|text| text.starts_with(line)), Some(true), "{:?}", too_few(&summary));
+        // A single path has no errors at all, and another line says so.
+        summary.estimates.iter_mut().for_each(|e| e.standard_error = f64::NAN);
+        assert_eq!(too_few(&summary), None);
     }
 
     #[test]

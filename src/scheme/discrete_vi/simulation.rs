@@ -3,7 +3,7 @@
 use super::kernel::{Kernel, Paths, RUN};
 use super::reading::Reader;
 use crate::lanes::InstructionSet;
-use crate::model::{HarmonicClock, InitialNoise, Model, Phase};
+use crate::model::{HarmonicClock, InitialNoise, Model};
 use crate::noise::LaneStreams;
 use crate::scheme::{Observer, Simulate, Snapshot, Timeline};
 
@@ -146,8 +146,9 @@ impl Simulate for DiscreteSimulation {
                 n += steps as u64;
                 harmonics[0] = harmonics[steps];
             }
-            let snapshot =
-                sampled.take(&state, reader.phases(), harmonics[0], kernel.noise.temperature, n as f64 * self.h);
+            sampled.is_static.clear();
+            sampled.is_static.extend(reader.statics(&kernel, &state, to_force * harmonics[0]));
+            let snapshot = sampled.take(&state, harmonics[0], kernel.noise.temperature, n as f64 * self.h);
             observer.snapshot(stop.instant, snapshot);
         }
         (0..paths).filter(|&lane| diverged[lane]).collect()
@@ -175,19 +176,10 @@ struct Samples {
 }
 
 impl Samples {
-    fn take<'a>(
-        &'a mut self,
-        state: &'a Paths,
-        phases: &[Phase],
-        harmonic: f64,
-        noise: f64,
-        time: f64,
-    ) -> Snapshot<'a> {
-        let paths = phases.len();
+    fn take<'a>(&'a mut self, state: &'a Paths, harmonic: f64, noise: f64, time: f64) -> Snapshot<'a> {
+        let paths = self.is_static.len();
         self.temperature.clear();
         self.temperature.extend(state.noise[..paths].iter().map(|v| harmonic + noise * v));
-        self.is_static.clear();
-        self.is_static.extend(phases.iter().map(|phase| *phase == Phase::Static));
         Snapshot {
             time,
             displacement: &state.displacement[..paths],

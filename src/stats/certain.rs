@@ -1,0 +1,108 @@
+//! What the scene alone decides, so that all paths must agree on it.
+//!
+//! Where all paths of a random scene agree on a number by chance, its interval says that other
+//! paths may differ ([`super::range`]). Where they cannot differ, it is a single point.
+
+use super::Statistic;
+use crate::model::{InitialNoise, Model, Noise};
+use crate::scheme::Timeline;
+
+/// The numbers that are the same for all paths of a scene.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Certain {
+    /// Every number: nothing is random, or nothing has time to happen.
+    pub everything: bool,
+    /// Whether a path is static at t = 0, because v(0) is given.
+    pub start: bool,
+    /// The first stick lasts zero, because |b(0)| > f_s on every path.
+    pub first_stick: bool,
+    /// Nothing ever sticks, because f_s = 0.
+    never_sticks: bool,
+    /// Friction takes no work, because f_d = 0.
+    frictionless: bool,
+}
+
+impl Certain {
+    /// Nothing is certain.
+    #[cfg(test)]
+    pub const NOTHING: Certain =
+        Certain { everything: false, start: false, first_stick: false, never_sticks: false, frictionless: false };
+
+    pub fn of(model: &Model, timeline: &Timeline) -> Self {
+        let Model { oscillator, friction, temperature, initial_displacement } = model;
+        let is_given = |noise: Noise| matches!(noise.initial, InitialNoise::At(_));
+        let start = oscillator.dilatation == 0.0 || temperature.noises().all(is_given);
+        let force = oscillator.force(temperature.mean(0.0), *initial_displacement, 0.0);
+        let is_random = temperature.is_random() && oscillator.dilatation != 0.0;
+        Certain {
+            everything: !is_random || timeline.end == 0.0,
+            start,
+            first_stick: start && force.abs() > friction.static_force,
+            never_sticks: friction.static_force == 0.0,
+            frictionless: friction.dynamic_force == 0.0,
+        }
+    }
+
+    /// Whether all paths must agree on this statistic.
+    pub fn holds(self, statistic: Statistic) -> bool {
+        let is_certain = match statistic {
+            Statistic::FrictionWorkMean => self.frictionless,
+            Statistic::FirstStickDurationMean => self.first_stick,
+            Statistic::SticksPerPath | Statistic::SlipsPerPath => self.never_sticks,
+            Statistic::StickingFraction => self.never_sticks && self.first_stick,
+            _ => false,
+        };
+        self.everything || is_certain
+    }
+
+    /// Whether all paths must agree on how many sticks and slips they complete.
+    pub fn is_without_phases(self) -> bool {
+        self.everything || self.never_sticks
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::{Friction, Temperature};
+    use crate::stats::synthetic::model;
+
+    const TIMELINE: Timeline = Timeline { end: 10.0, output_step: 10.0, period: None, after: 0.0 };
+
+    /// x0 = 6 and K = beta = 1, so that b(0) = v(0)/4 - 6.
+    fn scene(static_force: f64, dynamic_force: f64, initial: InitialNoise) -> Model {
+        let noise = Noise { intensity: 0.25, relaxation_rate: 1.0, diffusion: 1.0, initial };
+        Model {
+            friction: Friction { static_force, dynamic_force },
+            temperature: Temperature { noise: Some(noise), ..Temperature::default() },
+            ..model()
+        }
+    }
+
+    fn certain(model: &Model, timeline: &Timeline) -> Vec<Statistic> {
+        let certain = Certain::of(model, timeline);
+        Statistic::ALL.into_iter().filter(|statistic| certain.holds(*statistic)).collect()
+    }
+
+    #[test]
+    fn only_what_the_scene_alone_decides_is_certain() {
+        let given = InitialNoise::At(0.0);
+        assert_eq!(certain(&scene(7.0, 2.0, given), &TIMELINE), []);
+        assert_eq!(certain(&scene(7.0, 0.0, given), &TIMELINE), [Statistic::FrictionWorkMean]);
+        assert_eq!(certain(&scene(5.0, 2.0, given), &TIMELINE), [Statistic::FirstStickDurationMean]);
+        // With v(0) = 8, b(0) is -4, and with a random v(0) it may be anything.
+        assert_eq!(certain(&scene(5.0, 2.0, InitialNoise::At(8.0)), &TIMELINE), []);
+        assert_eq!(certain(&scene(5.0, 2.0, InitialNoise::Stationary), &TIMELINE), []);
+        let never = [
+            Statistic::FirstStickDurationMean,
+            Statistic::SticksPerPath,
+            Statistic::SlipsPerPath,
+            Statistic::StickingFraction,
+            Statistic::FrictionWorkMean,
+        ];
+        assert_eq!(certain(&scene(0.0, 0.0, given), &TIMELINE), never);
+        let at_once = Timeline { end: 0.0, ..TIMELINE };
+        assert_eq!(certain(&scene(7.0, 2.0, given), &at_once), Statistic::ALL);
+        assert_eq!(certain(&model(), &TIMELINE), Statistic::ALL);
+    }
+}
