@@ -5,6 +5,7 @@ use super::failure::{Failure, note, print, print_data};
 use super::files;
 use super::numbers::grouped;
 use super::results;
+use super::threads::Threads;
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
 use std::hash::{BuildHasher as _, RandomState};
@@ -36,9 +37,8 @@ pub struct Verify {
     /// Number of blocks to simulate again, or `all`
     #[arg(long, value_name = "N|all", default_value = "8", value_parser = sample)]
     blocks: Sample,
-    /// Threads [default: one a core]
-    #[arg(long, value_name = "K", value_parser = clap::value_parser!(u16).range(1..=1024))]
-    threads: Option<u16>,
+    #[command(flatten)]
+    threads: Threads,
     /// Print one JSON object on standard output, and nothing else there
     #[arg(long)]
     json: bool,
@@ -178,6 +178,8 @@ impl Verify {
         let plan = Plan { paths, ..scenario.plan() };
         let numbers: Vec<u64> = blocks.iter().copied().collect();
         let mut totals = RunTotals::empty(plan.model(), plan.timeline());
+        let used = scenario.run_bytes(paths, self.threads.number());
+        let threads = self.threads.ready("this verification", used)?;
         let make = |index: u64| plan.block(numbers[index as usize]);
         let deliver = |block: BlockResult| -> Result<ControlFlow<()>, Failure> {
             file.block(&block)?;
@@ -185,7 +187,7 @@ impl Verify {
             totals.push(index, block.totals).map_err(|flaw| Failure::Run(flaw.to_string()))?;
             Ok(if file.difference().is_some() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) })
         };
-        in_order(numbers.len() as u64, self.threads(), &AtomicBool::new(false), make, deliver)?;
+        in_order(numbers.len() as u64, threads, &AtomicBool::new(false), make, deliver)?;
         Ok(totals)
     }
 
@@ -194,14 +196,10 @@ impl Verify {
         let mut summary = totals.totals().summary();
         if stored.summary.has_bias() {
             let plan = scenario.bias_plan(stored.completed_paths).ok()?;
-            let biases = plan.estimate(&summary, self.threads(), &AtomicBool::new(false)).ok()?;
+            let biases = plan.estimate(&summary, self.threads.number(), &AtomicBool::new(false)).ok()?;
             summary.set_biases(&biases);
         }
         Some(summary)
-    }
-
-    fn threads(&self) -> usize {
-        self.threads.map_or_else(super::cores, usize::from)
     }
 
     fn refusal(&self, difference: &Difference, checked: &Checked) -> String {

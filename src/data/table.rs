@@ -97,6 +97,10 @@ struct Reading<'a> {
 /// century with a row every ten minutes has 5 10^6 rows.
 const MAX_ROWS: u64 = 20_000_000;
 
+/// Largest number that a measurement may hold, as a value or as a time: far beyond any temperature,
+/// displacement or date in seconds, and small enough for sums of squares.
+pub const LARGEST_MEASURED: f64 = 1e15;
+
 /// Texts, in lower case, that mark a missing value; an empty cell marks one as well.
 const NOTHING: [&str; 9] = ["nan", "na", "n/a", "null", "none", "-", "--", "#n/a", "missing"];
 
@@ -142,6 +146,9 @@ pub(super) fn table<'w>(
         };
         let may_be_commas = decimals.may_be_commas;
         let when = clock.read(cell, |cell| number(cell, may_be_commas)).map_err(at)?;
+        if when.abs() > LARGEST_MEASURED {
+            return Err(at(("is too large for a time".into(), "mend the cell, or give another column of times".into())));
+        }
         for reading in &mut readings {
             let cell = rows.cell(reading.field);
             if is_missing(cell) {
@@ -163,6 +170,9 @@ pub(super) fn table<'w>(
             }
             if !value.is_finite() {
                 return at("is not finite", "mend the cell, or empty it");
+            }
+            if value.abs() > LARGEST_MEASURED {
+                return at("is too large for a measurement", "mend the cell, or empty it");
             }
             if value < reading.unit.least {
                 return at("is below absolute zero", "empty the cell, if it marks a missing value, or mend the unit");

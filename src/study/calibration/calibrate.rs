@@ -12,6 +12,7 @@ use super::spikes;
 use super::starts::{Search, starts};
 use super::uncertainty::{AroundLag, Replicates};
 use super::warnings::warnings;
+use crate::data::LARGEST_MEASURED;
 use std::sync::atomic::AtomicBool;
 
 /// The fewest usual slips that determine anything.
@@ -21,7 +22,7 @@ const FEWEST_SLIPS: usize = 6;
 ///
 /// # Errors
 ///
-/// If the record is too short, if a column is constant, or if only the method by slips is asked for
+/// If the record is too short, if a number in it is absurdly large, if a column is constant, or if only the method by slips is asked for
 /// and no slips are visible.
 pub fn calibrate(
     record: &Record,
@@ -101,6 +102,12 @@ fn check(record: &Record) -> Result<(), CalibrationError> {
     let seen = record.samples();
     if seen.times.len() < LEAST {
         return Err(CalibrationError::TooShort(seen.times.len()));
+    }
+    let is_sound = |time: &f64, value: &f64| time.abs() <= LARGEST_MEASURED && value.abs() <= LARGEST_MEASURED;
+    for (name, values) in [("temperature", &seen.temperatures), ("displacement", &seen.readings)] {
+        if let Some(index) = seen.times.iter().zip(values).position(|(time, value)| !is_sound(time, value)) {
+            return Err(CalibrationError::Absurd { name, index });
+        }
     }
     let is_constant = |values: &[f64]| values.iter().all(|value| *value == values[0]);
     for (name, values) in [("temperature", &seen.temperatures), ("displacement", &seen.readings)] {

@@ -127,6 +127,14 @@ pub enum CalibrationError {
     /// The temperature or the displacement is constant.
     #[error("the {0} is the same in all samples")]
     Constant(&'static str),
+    /// A number is too large to be a temperature, a displacement or a time.
+    #[error("sample {} of the {name} has a value or a time too large to compute with", .index + 1)]
+    Absurd {
+        /// What was measured.
+        name: &'static str,
+        /// The number of the sample, from 0.
+        index: usize,
+    },
     /// No slips are visible, and no other method was asked for.
     #[error("no slips are visible: too few jumps of the displacement, or too small for its noise")]
     NoSlips,
@@ -138,6 +146,7 @@ impl CalibrationError {
         match self {
             CalibrationError::TooShort(_) => "measure for longer: weeks at least, with tens of slips",
             CalibrationError::Constant(_) => "see that it is the right column, and that its sensor works",
+            CalibrationError::Absurd { .. } => "mend the sample, or remove it",
             CalibrationError::NoSlips => "measure for longer, until tens of slips are in the record",
         }
     }

@@ -2,6 +2,7 @@
 
 use super::kalman::{Likelihood, Shape, likelihood};
 use super::simplex;
+use crate::data::LARGEST_MEASURED;
 use crate::model::{Harmonic, InitialNoise, Noise, Temperature};
 use crate::noise::Stream;
 use crate::study::linear::{Matrix, cholesky, inverse, times as product};
@@ -88,6 +89,12 @@ pub enum WeatherError {
     /// Two harmonics have the same period.
     #[error("one period is named twice: {0} s")]
     PeriodTwice(f64),
+    /// A number is too large to be a temperature or a time.
+    #[error("sample {} has a temperature or a time too large to compute with", .0 + 1)]
+    Absurd(usize),
+    /// All temperatures are equal.
+    #[error("the temperature is the same in all samples")]
+    Constant,
     /// The samples leave nothing to fit.
     #[error("no process explains these samples: is the temperature constant, or purely periodic?")]
     NoProcess,
@@ -103,7 +110,8 @@ impl WeatherError {
             WeatherError::TooShort(_) => "measure for longer",
             WeatherError::ShorterThanPeriod(_) => "measure for at least half of that period",
             WeatherError::PeriodTwice(_) => "name it once",
-            WeatherError::NoProcess => "see that it is the right column, and that its sensor works",
+            WeatherError::Absurd(_) => "mend the sample, or remove it",
+            WeatherError::Constant | WeatherError::NoProcess => "see that it is the right column, and that its sensor works",
             WeatherError::OneIsEnough => "fit one process",
         }
     }
@@ -125,12 +133,19 @@ const ENOUGH: f64 = 1e-6;
 ///
 /// # Errors
 ///
-/// If the record is too short, a period is named twice, or the samples do not determine the
+/// If the record is too short, a number in it is too large, all temperatures are equal, a period is named twice, or the samples do not determine the
 /// processes.
 pub fn fit(times: &[f64], temperatures: &[f64], periods: &[f64], processes: usize) -> Result<WeatherFit, WeatherError> {
     let n = times.len();
     if n < LEAST {
         return Err(WeatherError::TooShort(n));
+    }
+    let is_absurd = |i: &usize| !(times[*i].abs() <= LARGEST_MEASURED && temperatures[*i].abs() <= LARGEST_MEASURED);
+    if let Some(sample) = (0..n).find(is_absurd) {
+        return Err(WeatherError::Absurd(sample));
+    }
+    if temperatures.iter().all(|temperature| *temperature == temperatures[0]) {
+        return Err(WeatherError::Constant);
     }
     let duration = times[n - 1] - times[0];
     if let Some((_, period)) = periods.iter().enumerate().find(|(i, period)| periods[..*i].contains(period)) {
