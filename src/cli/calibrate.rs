@@ -1,8 +1,8 @@
 //! `mc calibrate`: estimates friction, stiffness and dilatation of a bearing from measured
 //! temperatures and displacements.
 
-use super::cost::STUDY_BYTES;
 use super::calibrate_report as report;
+use super::cost::STUDY_BYTES;
 use super::failure::{Failure, note, print, writable};
 use super::interrupt::stop_on_signals;
 use super::measurements::Source;

@@ -1,7 +1,7 @@
 //! `mc forecast`: simulates future years of a bearing that was measured.
 
-use super::cost::STUDY_BYTES;
 use super::calibrate;
+use super::cost::STUDY_BYTES;
 use super::document::document;
 use super::failure::{Failure, note, print, writable};
 use super::interrupt::stop_on_signals;

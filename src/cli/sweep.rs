@@ -120,7 +120,8 @@ impl Sweep {
     }
 
     fn simulate(&self, sweep: &mut Swept, file: &mut SweepFile) -> Result<(), Failure> {
-        let used = sweep.question.points.iter().map(|point| point.run_bytes(point.ensemble.paths, self.threads.number()));
+        let used =
+            sweep.question.points.iter().map(|point| point.run_bytes(point.ensemble.paths, self.threads.number()));
         let threads = self.threads.ready("the largest point of this sweep", used.fold(0.0, f64::max))?;
         let stop = stop_on_signals()?;
         let left = sweep.points.iter().zip(&sweep.question.points).filter(|(point, _)| point.is_none());

@@ -70,7 +70,8 @@ pub(super) const DYNAMIC: Key = key("dynamic", "f_d", "|F| in motion, at most f_
 pub(super) const AMPLITUDE: Key = key("amplitude", "a", "amplitude of the harmonic", Range::Any);
 pub(super) const ANGULAR_FREQUENCY: Key =
     key("angular_frequency", "w", "angular frequency of the forcing, not of the oscillator", Range::NonNegative);
-pub(super) const PHASE: Key = key("phase", "phi", "phase at t = 0, in radians; whole turns may be left out", Range::Phase);
+pub(super) const PHASE: Key =
+    key("phase", "phi", "phase at t = 0, in radians; whole turns may be left out", Range::Phase);
 pub(super) const INTENSITY: Key = key("intensity", "rho", "weight of v in T", Range::NonNegative);
 pub(super) const RELAXATION_RATE: Key = key("relaxation_rate", "theta", "dv = -theta v dt + sigma dW", Range::Positive);
 pub(super) const DIFFUSION: Key = key("diffusion", "sigma", "dv = -theta v dt + sigma dW", Range::NonNegative);

@@ -15,9 +15,9 @@ impl Scenario {
         [model.temperature.noise, model.temperature.second_noise].iter().flatten().try_for_each(noise)?;
         forces(model)?;
         series(model, time.end)?;
+        check_end(*scheme, time.end)?;
         phases(model, time.end)?;
         check_extent(model, time.end)?;
-        check_end(*scheme, time.end)?;
         scheme.check(model, time.end)?;
         time.check_rows(*scheme)?;
         statistics.check(time.end)?;
@@ -123,7 +123,8 @@ pub(crate) fn phases(model: &Model, end: f64) -> Result<(), Misfit> {
         let Harmonic { angular_frequency: w, phase, .. } = *harmonic;
         let key = format!("temperature.harmonics.{i}");
         if phase.abs() > MAX_PHASE {
-            let problem = format!("`{key}.phase` = {phase:?} is above {MAX_PHASE:e}, where a phase has lost its digits");
+            let problem =
+                format!("`{key}.phase` = {phase:?} is above {MAX_PHASE:e}, where a phase has lost its digits");
             return Err(Misfit::new(&[], problem, format!("write `phase = {:?}`, which is the same", reduced(phase))));
         }
         let turned = w * end;

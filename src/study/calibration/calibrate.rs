@@ -12,7 +12,7 @@ use super::spikes;
 use super::starts::{Search, starts};
 use super::uncertainty::{AroundLag, Replicates};
 use super::warnings::warnings;
-use crate::data::LARGEST_MEASURED;
+use crate::data::{absurd, is_constant};
 use std::sync::atomic::AtomicBool;
 
 /// The fewest usual slips that determine anything.
@@ -103,13 +103,12 @@ fn check(record: &Record) -> Result<(), CalibrationError> {
     if seen.times.len() < LEAST {
         return Err(CalibrationError::TooShort(seen.times.len()));
     }
-    let is_sound = |time: &f64, value: &f64| time.abs() <= LARGEST_MEASURED && value.abs() <= LARGEST_MEASURED;
-    for (name, values) in [("temperature", &seen.temperatures), ("displacement", &seen.readings)] {
-        if let Some(index) = seen.times.iter().zip(values).position(|(time, value)| !is_sound(time, value)) {
-            return Err(CalibrationError::Absurd { name, index });
+    let columns = [("temperature", &record.times, &record.temperatures), ("displacement", &seen.times, &seen.readings)];
+    for (name, times, values) in columns {
+        if let Some((time, value)) = absurd(times, values) {
+            return Err(CalibrationError::Absurd { name, time, value });
         }
     }
-    let is_constant = |values: &[f64]| values.iter().all(|value| *value == values[0]);
     for (name, values) in [("temperature", &seen.temperatures), ("displacement", &seen.readings)] {
         if is_constant(values) {
             return Err(CalibrationError::Constant(name));

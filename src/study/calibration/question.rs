@@ -127,13 +127,15 @@ pub enum CalibrationError {
     /// The temperature or the displacement is constant.
     #[error("the {0} is the same in all samples")]
     Constant(&'static str),
-    /// A number is too large to be a temperature, a displacement or a time.
-    #[error("sample {} of the {name} has a value or a time too large to compute with", .index + 1)]
+    /// A number or its time is not finite, or too large to compute with.
+    #[error("the {name} at {time:?} s is {value:?}: one of them is not finite, or too large to compute with")]
     Absurd {
         /// What was measured.
         name: &'static str,
-        /// The number of the sample, from 0.
-        index: usize,
+        /// The time of the sample.
+        time: f64,
+        /// Its value.
+        value: f64,
     },
     /// No slips are visible, and no other method was asked for.
     #[error("no slips are visible: too few jumps of the displacement, or too small for its noise")]

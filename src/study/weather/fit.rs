@@ -2,7 +2,7 @@
 
 use super::kalman::{Likelihood, Shape, likelihood};
 use super::simplex;
-use crate::data::LARGEST_MEASURED;
+use crate::data::{absurd, is_constant};
 use crate::model::{Harmonic, InitialNoise, Noise, Temperature};
 use crate::noise::Stream;
 use crate::study::linear::{Matrix, cholesky, inverse, times as product};
@@ -89,9 +89,14 @@ pub enum WeatherError {
     /// Two harmonics have the same period.
     #[error("one period is named twice: {0} s")]
     PeriodTwice(f64),
-    /// A number is too large to be a temperature or a time.
-    #[error("sample {} has a temperature or a time too large to compute with", .0 + 1)]
-    Absurd(usize),
+    /// A temperature or its time is not finite, or too large to compute with.
+    #[error("the temperature at {time:?} s is {value:?}: one of them is not finite, or too large to compute with")]
+    Absurd {
+        /// The time of the sample.
+        time: f64,
+        /// Its temperature.
+        value: f64,
+    },
     /// All temperatures are equal.
     #[error("the temperature is the same in all samples")]
     Constant,
@@ -110,8 +115,10 @@ impl WeatherError {
             WeatherError::TooShort(_) => "measure for longer",
             WeatherError::ShorterThanPeriod(_) => "measure for at least half of that period",
             WeatherError::PeriodTwice(_) => "name it once",
-            WeatherError::Absurd(_) => "mend the sample, or remove it",
-            WeatherError::Constant | WeatherError::NoProcess => "see that it is the right column, and that its sensor works",
+            WeatherError::Absurd { .. } => "mend the sample, or remove it",
+            WeatherError::Constant | WeatherError::NoProcess => {
+                "see that it is the right column, and that its sensor works"
+            }
             WeatherError::OneIsEnough => "fit one process",
         }
     }
@@ -140,11 +147,10 @@ pub fn fit(times: &[f64], temperatures: &[f64], periods: &[f64], processes: usiz
     if n < LEAST {
         return Err(WeatherError::TooShort(n));
     }
-    let is_absurd = |i: &usize| !(times[*i].abs() <= LARGEST_MEASURED && temperatures[*i].abs() <= LARGEST_MEASURED);
-    if let Some(sample) = (0..n).find(is_absurd) {
-        return Err(WeatherError::Absurd(sample));
+    if let Some((time, value)) = absurd(times, temperatures) {
+        return Err(WeatherError::Absurd { time, value });
     }
-    if temperatures.iter().all(|temperature| *temperature == temperatures[0]) {
+    if is_constant(temperatures) {
         return Err(WeatherError::Constant);
     }
     let duration = times[n - 1] - times[0];
