@@ -64,7 +64,8 @@ fn with_any_memory_a_verb_succeeds_or_says_what_is_missing() {
     grid(&[80, 120, 250, 500, 4000], &[1, 2, 1024]);
 }
 
-/// Last result: 180 commands, each done or refused, in 190 s (dev profile, two busy processors).
+/// Last result: not run as it stands; a script with 63 commands of this kind gave 17 results and 46
+/// refusals.
 #[test]
 #[ignore = "takes minutes"]
 fn with_any_memory_and_any_number_of_threads_a_verb_succeeds_or_says_what_is_missing() {
@@ -87,10 +88,10 @@ fn hostile() -> Vec<(&'static str, Vec<f64>, Option<&'static str>)> {
     let with = |at: usize, value: f64| (0..300).map(|i| if i == at { value } else { usual(i) }).collect::<Vec<_>>();
     let all = |of: &dyn Fn(usize) -> f64| (0..300).map(of).collect::<Vec<_>>();
     vec![
-        ("one of 1e308", with(140, 1e308), Some("line 142")),
-        ("one of -1e308", with(140, -1e308), Some("line 142")),
-        ("the first of 1e200", with(0, 1e200), Some("line 2")),
-        ("one of 1e16", with(299, 1e16), Some("line 301")),
+        ("one of 1e308", with(140, 1e308), Some("data.csv:142:")),
+        ("one of -1e308", with(140, -1e308), Some("data.csv:142:")),
+        ("the first of 1e200", with(0, 1e200), Some("data.csv:2:")),
+        ("one of 1e16", with(299, 1e16), Some("data.csv:301:")),
         ("one of 1e14", with(140, 1e14), None),
         ("one of 1e5", with(140, 1e5), None),
         ("all equal", vec![15.0; 300], Some("the same in all samples")),
@@ -139,7 +140,7 @@ fn a_fit_of_any_series_ends() {
 #[test]
 fn a_fit_of_any_times_ends() {
     let here = tempfile::tempdir().expect("a folder");
-    for (last, says) in [("1e308", Some("line 302")), ("1e17", Some("line 302")), ("1e14", None)] {
+    for (last, says) in [("1e308", Some("data.csv:302:")), ("1e17", Some("line 302")), ("1e14", None)] {
         let rows: String = (0..300).map(|i| format!("{},{}\n", 600 * i, (i * i) % 17)).collect();
         fs::write(here.path().join("data.csv"), format!("time_s,temperature\n{rows}{last},3\n")).expect("room");
         let output =

@@ -21,7 +21,7 @@ const fn mistake(line: &'static str, says: &'static [&'static str]) -> Mistake {
 
 /// `scene.toml` is a copy of the shipped rho025, `done.h5` is a run of it, and [`desk`] makes the
 /// other files. Words that belong together are joined by `~`.
-const MISTAKES: [Mistake; 78] = [
+const MISTAKES: [Mistake; 81] = [
     // Mistakes in the verb.
     mistake("scene.toml", &["scene.toml", "mc run scene.toml", "mc check scene.toml"]),
     mistake("done.h5", &["done.h5", "mc show done.h5", "mc plot done.h5"]),
