@@ -41,7 +41,7 @@ impl Need {
     /// limit is known.
     pub fn check(&self) -> Result<(), Short> {
         let short = |(free, needed, limit): (Option<f64>, f64, &'static str)| {
-            free.filter(|free| *free < needed).map(|free| Short { needed, free, limit })
+            free.filter(|free| *free < needed).map(|free| Short { needed, free: free.max(0.0), limit })
         };
         let used = self.bytes + RESERVE;
         let limits = [
