@@ -37,6 +37,7 @@
 //! | module | purpose |
 //! |---|---|
 //! | [`numbers`] | numbers in the form in which people read them |
+//! | [`memory`] | what memory a process needs, and what the system gives it |
 //! | [`model`] | oscillator, friction, temperature, and the vocabulary of phases; pure functions |
 //! | [`lanes`] | several numbers in one processor register |
 //! | [`noise`] | random streams, normal numbers, exact transitions |
@@ -83,6 +84,7 @@ pub mod ensemble;
 #[cfg(feature = "figure")]
 pub mod figure;
 pub mod lanes;
+pub mod memory;
 pub mod model;
 pub mod noise;
 pub mod numbers;

@@ -21,7 +21,7 @@ const fn mistake(line: &'static str, says: &'static [&'static str]) -> Mistake {
 
 /// `scene.toml` is a copy of the shipped rho025, `done.h5` is a run of it, and [`desk`] makes the
 /// other files. Words that belong together are joined by `~`.
-const MISTAKES: [Mistake; 78] = [
+const MISTAKES: [Mistake; 81] = [
     // Mistakes in the verb.
     mistake("scene.toml", &["scene.toml", "mc run scene.toml", "mc check scene.toml"]),
     mistake("done.h5", &["done.h5", "mc show done.h5", "mc plot done.h5"]),
@@ -86,6 +86,9 @@ const MISTAKES: [Mistake; 78] = [
     mistake("run scene.toml --part 4/3", &["'4/3'", "--part"]),
     mistake("run scene.toml --part 1/2 --max-time 1m", &["--part 1/2", "--max-time", "mc resume"]),
     mistake("run scene.toml --threads 0", &["'0'", "--threads", "1..="]),
+    mistake("run scene.toml --threads 1025", &["'1025'", "--threads", "1..=1024"]),
+    mistake("run scene.toml --set temperature.harmonics.0.phase=1e16", &["phase", "1e16", "lost its digits", "fix: "]),
+    mistake("run scene.toml --scheme event-driven --until 1e14", &["w t reach 2.5e13", "lower `time.end`"]),
     // Mistakes in where results are written.
     mistake("run scene.toml -o nowhere/a.h5", &["no directory nowhere", "create it"]),
     mistake("run scene.toml -o done.h5", &["done.h5 exists", "--force"]),

@@ -3,7 +3,7 @@
 use crate::dataset::to_python;
 use crate::errors;
 use crate::run::Variables;
-use crate::studies::threads;
+use crate::studies::Threads;
 use crate::watched::watched;
 use numpy::PyReadonlyArray1;
 use pyo3::exceptions::PyKeyboardInterrupt;
@@ -119,7 +119,7 @@ pub fn calibrate<'py>(
     starts: u32,
     lag: Option<f64>,
     interval: f64,
-    workers: Option<usize>,
+    workers: Threads,
 ) -> PyResult<(Variables<'py>, Vec<String>)> {
     let scene = read(py, scenario)?.scene;
     let (record, mut remarks) = measured.record(py, &scene)?;
@@ -150,7 +150,7 @@ pub fn calibrate<'py>(
         errors::of_argument(py, "fit or bounds", quantity.key(), &error.to_string(), remedy)
     })?;
     let (calibration, is_interrupted) =
-        watched(py, None, |watch| calibrated(&record, &question, threads(workers), &watch.stop))?;
+        watched(py, None, |watch| calibrated(&record, &question, workers.0, &watch.stop))?;
     let remedy = "take method=\"err\", which needs none, and beware of its estimates";
     let calibration = calibration.map_err(|error| no_calibration(py, &error, Some(remedy)))?;
     remarks.extend(warnings(&calibration));
@@ -178,14 +178,14 @@ pub fn forecast<'py>(
     interval: f64,
     share: f64,
     processes: usize,
-    workers: Option<usize>,
+    workers: Threads,
 ) -> PyResult<(Variables<'py>, Vec<String>)> {
     let scene = read(py, scenario)?.scene;
     let (record, mut remarks) = measured.record(py, &scene)?;
     let question = Question { method: Method::Slips, level: interval, ..Question::of(&scene, &record) };
     let asked = Asked { draws, years, seed, level: interval, share };
     let (ended, is_interrupted) = watched(py, None, |watch| {
-        let workers = threads(workers);
+        let workers = workers.0;
         let calibration = calibrated(&record, &question, workers, &watch.stop).map_err(Missing::Bearing)?;
         let weather =
             fit(&calibration.record.times, &calibration.steel, &PERIODS, processes).map_err(Missing::Weather)?;

@@ -4,6 +4,7 @@ use crate::dataset::{Handed, from_python, to_python};
 use crate::errors;
 use crate::own::{Kept, Own};
 use crate::scenario::Scenario;
+use crate::studies::{Threads, enough_memory};
 use crate::watched::{Watch, WatchedProgress, watched};
 use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
@@ -14,7 +15,7 @@ use stick_slip::dataset::{Dataset, Recorder};
 use stick_slip::engine::{
     Asked, EndedBy, MOST_PATHS, MissedGoal, Outcome, Part, Replay, Run, RunError, Sink as _, SoFar,
 };
-use stick_slip::ensemble::{Plan, in_order};
+use stick_slip::ensemble::{Plan, ThreadsError, in_order};
 use stick_slip::scenario::Scenario as Checked;
 use stick_slip::stats::{Goal, Measurement, RunTotals};
 
@@ -40,7 +41,7 @@ pub fn run<'py>(
     max_time: Option<f64>,
     part: Option<&str>,
     bias: bool,
-    threads: Option<usize>,
+    threads: Threads,
     progress: Option<Py<PyAny>>,
     own: Vec<(String, Py<PyAny>)>,
 ) -> PyResult<Ran<'py>> {
@@ -52,6 +53,7 @@ pub fn run<'py>(
     let goals = goals.iter().map(goal).collect::<PyResult<Vec<_>>>()?;
     let is_open = !goals.is_empty() && !is_bounded;
     let paths = if is_open { MOST_PATHS } else { scenario.ensemble.paths };
+    enough_memory(py, scenario, paths, threads)?;
     let asked = Asked {
         paths,
         part: part.map(|text| cut(py, text, scenario, &goals, max_time)).transpose()?,
@@ -64,7 +66,7 @@ pub fn run<'py>(
     let watched_scenario = kept.watched(scenario);
     let (outcome, is_interrupted) = watched(py, progress.as_ref(), |watch| {
         let mut reported = WatchedProgress(watch);
-        let run = with_threads(Run::of(&watched_scenario).asked(asked), threads);
+        let run = Run::of(&watched_scenario).asked(asked).threads(threads.0);
         run.stopped_by(&watch.stop).with_progress(&mut reported).into_sink(&mut kept).simulate()
     })?;
     let outcome = outcome.map_err(|error| of_run(py, error))?;
@@ -87,7 +89,7 @@ pub fn merge<'py>(
     scenario: &Scenario,
     parts: Vec<(Handed<'py>, Vec<u8>)>,
     bias: bool,
-    threads: Option<usize>,
+    threads: Threads,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<(Variables<'py>, Vec<String>)> {
     let scenario = &scenario.checked;
@@ -106,7 +108,7 @@ pub fn merge<'py>(
     let mut recorder = Recorder::default();
     let (outcome, is_interrupted) = watched(py, progress.as_ref(), |watch: &Watch| {
         let mut reported = WatchedProgress(watch);
-        let run = with_threads(Run::of(scenario).asked(asked), threads);
+        let run = Run::of(scenario).asked(asked).threads(threads.0);
         run.stopped_by(&watch.stop).with_progress(&mut reported).into_sink(&mut recorder).go_on(so_far)
     })?;
     let outcome = outcome.map_err(|error| of_run(py, error))?;
@@ -127,7 +129,7 @@ pub fn blocks<'py>(
     scenario: &Scenario,
     paths: u64,
     numbers: Vec<u64>,
-    threads: Option<usize>,
+    threads: Threads,
 ) -> PyResult<Variables<'py>> {
     let scenario = &scenario.checked;
     let plan = Plan { paths, ..scenario.plan() };
@@ -137,7 +139,7 @@ pub fn blocks<'py>(
     let (ended, is_interrupted) = watched(py, None, |watch: &Watch| {
         let make = |index: u64| plan.block(numbers[index as usize]);
         let deliver = |block| recorder.block(&block).map(ControlFlow::<()>::Continue);
-        let ended = in_order(numbers.len() as u64, crate::studies::threads(threads), &watch.stop, make, deliver);
+        let ended = in_order(numbers.len() as u64, threads.0, &watch.stop, make, deliver);
         ended.map(drop).map_err(|error| error.to_string())
     })?;
     let flaw = |problem: String| errors::of_run(py, &problem, "report it");
@@ -165,10 +167,6 @@ fn cut(py: Python<'_>, text: &str, scenario: &Checked, goals: &[Goal], max_time:
     Ok(part)
 }
 
-fn with_threads(run: Run<'_>, threads: Option<usize>) -> Run<'_> {
-    if let Some(threads) = threads { run.threads(threads) } else { run }
-}
-
 /// The exception for a failed run. If a statistic of the caller's own raised an exception, it is
 /// that exception.
 fn of_run(py: Python<'_>, error: RunError) -> PyErr {
@@ -177,6 +175,7 @@ fn of_run(py: Python<'_>, error: RunError) -> PyErr {
             Ok(error) => *error,
             Err(error) => errors::of_run(py, &error.to_string(), "report it"),
         },
+        RunError::Threads(error) => errors::of_run(py, &error.to_string(), ThreadsError::REMEDY),
         RunError::Overlap(error) => errors::of_run(py, &error.to_string(), "report it"),
     }
 }

@@ -11,6 +11,9 @@ use std::convert::Infallible;
 use std::time::Duration;
 use stick_slip::config::{Override, symbol_and_meaning};
 use stick_slip::dataset::Dataset;
+use stick_slip::ensemble::{MOST_THREADS, check_threads};
+use stick_slip::memory::{Need, Short};
+use stick_slip::scenario::Scenario as Checked;
 use stick_slip::stats::Statistic;
 use stick_slip::study::accuracy::{Accuracy, AccuracyGoal};
 use stick_slip::study::sweep::{
@@ -18,9 +21,37 @@ use stick_slip::study::sweep::{
 };
 use stick_slip::study::trade::{Limits, measure_within};
 
-/// The number of threads: the given one, or one for each core.
-pub fn threads(threads: Option<usize>) -> usize {
-    threads.unwrap_or_else(|| std::thread::available_parallelism().map_or(1, usize::from)).max(1)
+/// The number of threads of a call: the given one, or one for each core. The system starts so many.
+#[derive(Clone, Copy)]
+pub struct Threads(pub usize);
+
+impl<'py> FromPyObject<'_, 'py> for Threads {
+    type Error = PyErr;
+
+    fn extract(given: Borrowed<'_, 'py, PyAny>) -> PyResult<Self> {
+        let cores = || std::thread::available_parallelism().map_or(1, usize::from).min(MOST_THREADS);
+        let wrong = |problem: &str| errors::of_argument(given.py(), "threads", &given.to_string(), problem, REMEDY);
+        let number = match given.is_none() {
+            true => cores(),
+            false => given.extract().map_err(|_| wrong("it is no number of threads"))?,
+        };
+        check_threads(number).map_err(|error| wrong(&error.to_string()))?;
+        Ok(Threads(number))
+    }
+}
+
+const REMEDY: &str = "give 1 to 1024, or leave it out for one a core; the results do not depend on it";
+
+/// Refuses a run of so many paths for which there is too little memory.
+pub fn enough_memory(py: Python<'_>, scenario: &Checked, paths: u64, Threads(threads): Threads) -> PyResult<()> {
+    let need = Need { bytes: scenario.run_bytes(paths, threads), threads };
+    need.check().map_err(|Short { needed, free, limit }| {
+        let megabytes = |bytes: f64| (bytes / 1e6).round();
+        let (needed, free) = (megabytes(needed), megabytes(free));
+        let problem =
+            format!("it takes about {needed} MB of memory on {threads} threads, and {limit} leaves {free} MB");
+        errors::of_run(py, &problem, "give fewer threads, a larger time.output_step, or record less of single paths")
+    })
 }
 
 /// The statistic with this name.
@@ -40,11 +71,11 @@ pub fn choose(
     target: f64,
     statistics: Vec<String>,
     max_time: Option<f64>,
-    workers: Option<usize>,
+    workers: Threads,
 ) -> PyResult<(Scenario, String)> {
     let named = statistics.iter().map(|name| statistic(py, name)).collect::<PyResult<Vec<_>>>()?;
     let max_time = max_time.map(Duration::from_secs_f64);
-    let accuracy = Accuracy { target, named: &named, max_time, threads: threads(workers) };
+    let accuracy = Accuracy { target, named: &named, max_time, threads: workers.0 };
     let (chosen, is_interrupted) = watched(py, None, |watch| {
         accuracy.choose(&scenario.checked, Limits { stop: Some(&watch.stop), ..Limits::default() })
     })?;
@@ -71,7 +102,7 @@ pub fn sweep<'py>(
     relative_step: f64,
     independent: bool,
     bias: bool,
-    workers: Option<usize>,
+    workers: Threads,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<(Variables<'py>, bool)> {
     let design = if elasticity.is_empty() {
@@ -94,10 +125,13 @@ pub fn sweep<'py>(
         scenario.with(&own).map_err(|error| errors::of_scenario(py, &error))
     };
     let seeds = if independent { Seeds::Independent } else { Seeds::Common };
-    let mut swept = Sweep::new(Question::at_each(design, seeds, bias, point)?);
+    let question = Question::at_each(design, seeds, bias, point)?;
+    for point in &question.points {
+        enough_memory(py, point, point.ensemble.paths, workers)?;
+    }
+    let mut swept = Sweep::new(question);
     let (ended, is_interrupted) = watched(py, progress.as_ref(), |watch| {
-        let simulation =
-            Simulation { threads: threads(workers), stop: &watch.stop, progress: &mut WatchedProgress(watch) };
+        let simulation = Simulation { threads: workers.0, stop: &watch.stop, progress: &mut WatchedProgress(watch) };
         simulation.run(&mut swept, |_| Ok::<(), Infallible>(()))
     })?;
     ended.map_err(|error| errors::of_run(py, &error.to_string(), "report it"))?;
@@ -131,7 +165,7 @@ pub fn trade<'py>(
     py: Python<'py>,
     scenario: &Scenario,
     budget: f64,
-    workers: Option<usize>,
+    workers: Threads,
 ) -> PyResult<(Variables<'py>, bool)> {
     let scenario = &scenario.checked;
     if !(1.0..=604_800.0).contains(&budget) {
@@ -144,9 +178,10 @@ pub fn trade<'py>(
             "give 1 to 604800 seconds",
         ));
     }
+    enough_memory(py, scenario, scenario.ensemble.paths, workers)?;
     let (measured, is_interrupted) = watched(py, None, |watch| {
         let limits = Limits { stop: Some(&watch.stop), ..Limits::default() };
-        measure_within(scenario, Duration::from_secs_f64(budget), threads(workers), limits)
+        measure_within(scenario, Duration::from_secs_f64(budget), workers.0, limits)
     })?;
     let measured =
         measured.map_err(|error| errors::of_run(py, &error.to_string(), "a larger budget, or a shorter time.end"))?;

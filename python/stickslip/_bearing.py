@@ -14,6 +14,8 @@ from ._scenario import ScenarioLike, Settings, samples, source, written
 from .errors import wrong_argument
 
 if TYPE_CHECKING:
+    import numpy as np
+    import numpy.typing as npt
     import xarray as xr
 
 #: A length of time: seconds, or a timedelta.
@@ -260,7 +262,7 @@ def fit_temperature(
     if _is_table(data):
         measured = _table(data, None, None, None)
     else:
-        times, values, _ = samples(data, "data")
+        times, values, _ = _present(data, "data")
         measured = _arrays([times, values])
     fit = _native.fit_temperature(
         measured,
@@ -469,8 +471,8 @@ def _record(
             "leave it out; arrays are in degrees and metres",
         )
     (times, temperatures, first), (when, readings, later) = (
-        samples(data, "data"),
-        samples(displacement, "displacement"),
+        _present(data, "data"),
+        _present(displacement, "displacement"),
     )
     if (first is None) != (later is None):
         raise wrong_argument(
@@ -509,6 +511,21 @@ def _table(
         "displacement": displacement,
         "unit": unit,
     }
+
+
+def _present(
+    given: Any, argument: str
+) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64], np.datetime64 | None]:
+    """The samples that have a value, as the reader of a file leaves out empty cells."""
+    import numpy as np
+
+    times, values, first = samples(given, argument)
+    is_there = ~np.isnan(values)
+    missing = len(values) - int(np.count_nonzero(is_there))
+    if missing:
+        noun = "sample" if missing == 1 else "samples"
+        warn([f"{argument}: left out {missing} {noun} without a value"], level=5)
+    return times[is_there], values[is_there], first
 
 
 def _arrays(arrays: list[Any]) -> _native.Measured:

@@ -93,11 +93,11 @@ def samples(
     """Times and values of a measurement, and the first date if the times are dates.
 
     `given` is a pandas Series, whose index is the time, a one-dimensional xarray DataArray, or a
-    pair of arrays. Dates become seconds since the first of them. `argument` is the name of the
-    argument in messages.
+    pair of arrays. Dates become seconds since the first of them. Masked values are missing, as NaN
+    is. `argument` is the name of the argument in messages.
 
     Raises:
-        ArgumentError: there are no times and values, or their shapes differ.
+        ArgumentError: there are no times and values, their shapes differ, or a time is masked.
     """
     import numpy as np
 
@@ -115,7 +115,15 @@ def samples(
                 "it has no times and values",
                 "give a pandas Series, a one-dimensional DataArray, or a pair (times, values)",
             ) from None
-    times, values = np.asarray(times), np.asarray(values, dtype=np.float64)
+    if np.ma.is_masked(times):
+        raise wrong_argument(
+            argument,
+            "a masked time",
+            "a value without a time cannot be placed",
+            "leave out the samples without a time, e.g. x[~numpy.ma.getmaskarray(times)]",
+        )
+    times = np.asarray(times)
+    values = np.ma.filled(np.ma.asarray(values, dtype=np.float64), np.nan)
     first = None
     if times.dtype.kind == "O" and len(times) and hasattr(times[0], "timestamp"):
         # Dates with a time zone.

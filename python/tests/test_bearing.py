@@ -94,6 +94,41 @@ def test_a_data_frame_and_two_files_are_the_file(mc, tmp_path):
         ss.calibrate(BRIDGE, temperature, (np.arange(300.0), np.arange(300.0)))
 
 
+def test_masked_values_are_missing_as_nan_is():
+    with open(TWIN) as file:
+        rows = [row for row in csv.reader(file) if not row[0].startswith("#")]
+    table = np.array([[float(x or "nan") for x in row[1:3]] for row in rows[1:]]).T
+    time = 600.0 * np.arange(table.shape[1])
+    names = rows[0][1:3]
+    scale = 1e-3 if any("mm" in name for name in names) else 1.0
+    order = 0 if "temp" in names[0] else 1
+    temperatures, readings = table[order], table[1 - order] * scale
+    # A sensor that says 60 degrees where it fails, and its user masks these values.
+    is_off = np.zeros(len(time), dtype=bool)
+    is_off[100::37] = True
+    spoilt = np.where(is_off, 60.0, temperatures)
+    arguments = {"method": "slips"}
+    masked = ss.calibrate(
+        BRIDGE, (time, np.ma.array(spoilt, mask=is_off)), (time, readings), **arguments
+    )
+    without = ss.calibrate(BRIDGE, (time[~is_off], temperatures[~is_off]), (time, readings), **arguments)
+    as_nan = ss.calibrate(
+        BRIDGE, (time, np.where(is_off, np.nan, temperatures)), (time, readings), **arguments
+    )
+    same(masked, without)
+    same(masked, as_nan)
+    moved = np.where(is_off, 1.0, readings)
+    with_masked_readings = ss.calibrate(
+        BRIDGE, (time, temperatures), (time, np.ma.array(moved, mask=is_off)), **arguments
+    )
+    same(
+        with_masked_readings,
+        ss.calibrate(BRIDGE, (time, temperatures), (time[~is_off], readings[~is_off]), **arguments),
+    )
+    weather = ss.fit_temperature((time, np.ma.array(spoilt, mask=is_off)), periods=[86_400])
+    assert weather == ss.fit_temperature((time[~is_off], temperatures[~is_off]), periods=[86_400])
+
+
 def test_forecast(mc, tmp_path):
     few = ["--draws", 4, "--years", 3, "--seed", 5, "--interval", 0.8, "--share", 0.7]
     told = json.loads(mc("forecast", BEARING, TWIN, *few, "--json", "-o", "years.csv")[0])

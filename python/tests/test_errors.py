@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 import stickslip as ss
-from conftest import SCENARIOS
+from conftest import ROOT, SCENARIOS
 
 FAULTS = {
     "a key that is misspelt": ("[friction]\nstatic = ", "[friction]\nsttic = "),
@@ -59,6 +59,12 @@ def test_an_override_is_named_as_the_command_names_it(mc):
         ({"until": "stick_duration_maen < 1%"}, "until"),
         ({"until": ["10", "20"]}, "until"),
         ({"max_time": -1}, "max_time"),
+        ({"threads": 0}, "threads"),
+        ({"threads": -1}, "threads"),
+        ({"threads": 1025}, "threads"),
+        ({"threads": 2**63}, "threads"),
+        ({"threads": 2**64}, "threads"),
+        ({"threads": 1.5}, "threads"),
         ({"set": {"friction.static": object()}}, "friction.static"),
     ],
 )
@@ -66,6 +72,32 @@ def test_an_argument_that_is_wrong_is_named(arguments, argument):
     with pytest.raises(ss.ArgumentError) as raised:
         ss.run("rho025", **arguments)
     assert raised.value.argument == argument and raised.value.remedy
+
+
+@pytest.mark.parametrize("threads", [0, -1, 1025, 2**63, 2**64])
+def test_every_function_with_threads_says_how_many_there_are(threads):
+    bridge = ROOT / "examples/bridge/bridge.toml"
+    twin = ROOT / "examples/bridge/twin.csv"
+    run = ss.run("rho025", paths=256, bias=False, threads=1)
+    for call in (
+        lambda: ss.sweep("rho025", vary={"friction.static": [1.1, 1.2]}, threads=threads),
+        lambda: ss.trade("rho025", budget=1, threads=threads),
+        lambda: ss.calibrate(bridge, twin, threads=threads),
+        lambda: ss.forecast(bridge, twin, threads=threads),
+        lambda: ss.verify(run, threads=threads),
+    ):
+        with pytest.raises(ValueError, match="1 to 1024"):
+            call()
+
+
+@pytest.mark.parametrize(
+    ("key", "value"),
+    [("time.end", 1e14), ("temperature.harmonics.0.phase", 1e20)],
+)
+def test_a_phase_that_has_lost_its_digits_is_refused(key, value):
+    with pytest.raises(ss.ScenarioError, match="lost its digits") as raised:
+        ss.run("rho025", scheme="event-driven", set={key: value})
+    assert raised.value.key == key and raised.value.remedy
 
 
 @pytest.mark.filterwarnings("ignore::stickslip.StickSlipWarning")

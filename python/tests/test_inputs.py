@@ -98,6 +98,8 @@ def test_a_series_with_dates_is_in_seconds():
         (([0.0, 0.0], [1.0, 2.0]), "the samples"),
         (([0.0, 1.0], [1.0, float("nan")]), "the samples"),
         (3.0, "no times and values"),
+        (([0.0, 1.0], np.ma.array([1.0, 2.0], mask=[False, True])), "the samples"),
+        ((np.ma.array([0.0, 1.0], mask=[False, True]), [1.0, 2.0]), "a masked time"),
     ],
 )
 def test_samples_that_make_no_sense_are_refused(samples, problem):

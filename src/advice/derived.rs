@@ -1,7 +1,7 @@
 //! Quantities that follow from a scenario.
 
 use super::amplitude::expected_amplitude;
-use super::size::{block_bytes, output_bytes, thread_bytes};
+use super::size::{output_bytes, run_bytes, thread_bytes};
 use crate::model::{Model, Noise, Oscillator};
 use crate::scenario::Scenario;
 use crate::scheme::{Discretisation, Resolution, Stability, monitoring_shift};
@@ -113,9 +113,9 @@ impl Derived {
 }
 
 impl Scenario {
-    /// Estimated memory for what is recorded of the single paths of a block, in bytes.
-    pub fn block_bytes(&self) -> f64 {
-        block_bytes(self)
+    /// Estimated memory of a run of so many paths on so many threads, in bytes.
+    pub fn run_bytes(&self, paths: u64, threads: usize) -> f64 {
+        run_bytes(self, paths, threads)
     }
 
     /// The quantities that follow from the scenario before it is run.

@@ -2,10 +2,12 @@
 //! temperatures and displacements.
 
 use super::calibrate_report as report;
+use super::cost::STUDY_BYTES;
 use super::failure::{Failure, note, print, writable};
 use super::interrupt::stop_on_signals;
 use super::measurements::Source;
 use super::numbers::{parse_duration, wrapped};
+use super::threads::Threads;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 use stick_slip::config::Override;
@@ -60,9 +62,8 @@ pub struct Calibrate {
     #[arg(long, value_name = "KEY=VALUE", allow_hyphen_values = true, value_parser = super::completed::SETTING,
           hide_possible_values = true)]
     set: Vec<String>,
-    /// Number of threads [default: one for each core]
-    #[arg(long, value_name = "K", value_parser = clap::value_parser!(u16).range(1..=1024))]
-    threads: Option<u16>,
+    #[command(flatten)]
+    threads: Threads,
     /// Write everything to FILE: estimates, slips, starting points with their results, the
     /// measurements and the model
     #[arg(short, long, value_name = "FILE.h5")]
@@ -92,8 +93,8 @@ impl Calibrate {
             ..Question::of(&scene, &record)
         };
         let question = question.fitting(&self.fit, &scene)?;
-        let threads = self.threads.map_or_else(super::cores, usize::from);
-        let stop = stop_on_signals();
+        let threads = self.threads.ready("this calibration", STUDY_BYTES)?;
+        let stop = stop_on_signals()?;
         let calibration = calibrate(&record, &question, threads, &stop).map_err(|error| {
             let remedy = "take --method err, which needs none, and beware of its estimates";
             refused(&self.source.data, &error, remedy)

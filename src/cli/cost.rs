@@ -1,9 +1,9 @@
 //! What a run will need, estimated before it begins: time and memory.
 
 use super::failure::{Failure, note};
-use super::numbers::{bytes, counted, time};
+use super::numbers::{counted, time};
+use super::threads::enough_memory;
 use std::time::Duration;
-use stick_slip::advice::Derived;
 use stick_slip::scenario::Scenario;
 use stick_slip::study::pace::seconds_per_path;
 
@@ -17,13 +17,8 @@ const MEASURING_TIME: Duration = Duration::from_millis(100);
 /// If the work of a path is not known beforehand, only runs of at least so many paths are timed
 /// before they begin.
 const MANY: u64 = 100_000;
-/// Bytes of the program itself (`PROGRAM`), and of the sums for one row of the output grid (`ROW`).
-/// Measured: 253 MB with 10 001 rows on one thread, and 105 MB more with a second thread.
-const PROGRAM: f64 = 50e6;
-const ROW: f64 = 10e3;
-/// How many blocks each thread holds in memory with what is recorded of single paths: one that is
-/// simulated, one that waits for its turn, one that is being written. Measured: 2.3.
-const BLOCKS: f64 = 3.0;
+/// Bytes that a calibration or a forecast needs; its record is read before.
+pub const STUDY_BYTES: f64 = 30e6;
 
 /// CPU seconds of all paths of a scenario on this machine, from the time that some of its paths
 /// take. Where they take too long to be timed, the seconds follow from the number of steps. None if
@@ -38,31 +33,14 @@ fn cpu_seconds(scenario: &Scenario, paths: u64) -> Option<f64> {
     scenario.steps().map(|steps| steps as f64 * paths as f64 * PATH_STEP)
 }
 
-/// Approximate bytes of memory that a run needs.
-fn memory(scenario: &Scenario, threads: usize) -> f64 {
-    let Derived { rows, thread_bytes, .. } = scenario.derived();
-    PROGRAM + rows as f64 * ROW + threads as f64 * (thread_bytes + BLOCKS * scenario.block_bytes())
+/// Refuses a run that does not fit into the memory.
+pub fn check_memory(scenario: &Scenario, paths: u64, threads: usize) -> Result<(), Failure> {
+    let run = format!("a run of {}", counted(scenario.timeline().rows() as u64, "row"));
+    enough_memory(&run, scenario.run_bytes(paths, threads), threads)
 }
 
-/// Announces a run that takes long. Refuses a run that does not fit into the memory.
-pub fn announce(scenario: &Scenario, paths: u64, threads: usize, is_quiet: bool) -> Result<(), Failure> {
-    let needed = memory(scenario, threads);
-    if let Some(free) = free_memory().filter(|free| *free < needed) {
-        let problem = format!(
-            "a run of {} rows on {} takes about {} of memory, and {} are free",
-            scenario.timeline().rows(),
-            counted(threads as u64, "thread"),
-            bytes(needed),
-            bytes(free)
-        );
-        return Err(Failure::usage(
-            problem,
-            "give fewer --threads, a larger `time.output_step`, or record less of single paths",
-        ));
-    }
-    if is_quiet {
-        return Ok(());
-    }
+/// Announces a run that takes long.
+pub fn announce(scenario: &Scenario, paths: u64, threads: usize) {
     let seconds = match scenario.steps() {
         Some(_) => cpu_seconds(scenario, paths),
         None if paths < MANY => None,
@@ -75,19 +53,4 @@ pub fn announce(scenario: &Scenario, paths: u64, threads: usize, is_quiet: bool)
             counted(threads as u64, "thread")
         ));
     }
-    Ok(())
-}
-
-/// Bytes of memory that this process can still get; none where the system does not say.
-fn free_memory() -> Option<f64> {
-    let number = |file: &str, name: &str| -> Option<f64> {
-        let text = std::fs::read_to_string(file).ok()?;
-        let line = text.lines().find_map(|line| line.strip_prefix(name))?;
-        line.split_whitespace().next()?.parse().ok()
-    };
-    let machine = number("/proc/meminfo", "MemAvailable:").map(|kilobytes| kilobytes * 1024.0);
-    // The limit that `ulimit -v` has set. It counts address space, so it includes the libraries and
-    // the stacks of threads.
-    let limit = number("/proc/self/limits", "Max address space");
-    [machine, limit].into_iter().flatten().reduce(f64::min)
 }

@@ -1,12 +1,14 @@
 //! `mc forecast`: simulates future years of a bearing that was measured.
 
 use super::calibrate;
+use super::cost::STUDY_BYTES;
 use super::document::document;
 use super::failure::{Failure, note, print, writable};
 use super::interrupt::stop_on_signals;
 use super::measurements::Source;
 use super::numbers::{Digits, grouped, percent, wrapped};
 use super::table::{Row, aligned};
+use super::threads::Threads;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -59,9 +61,8 @@ pub struct Forecast {
     #[arg(long, value_name = "KEY=VALUE", allow_hyphen_values = true, value_parser = super::completed::SETTING,
           hide_possible_values = true)]
     set: Vec<String>,
-    /// Number of threads [default: one for each core]
-    #[arg(long, value_name = "K", value_parser = clap::value_parser!(u16).range(1..=1024))]
-    threads: Option<u16>,
+    #[command(flatten)]
+    threads: Threads,
     /// Write every year to FILE
     #[arg(short, long, value_name = "FILE.csv")]
     output: Option<PathBuf>,
@@ -80,8 +81,8 @@ impl Forecast {
         if let Some(output) = &self.output {
             writable(output, self.force, self.source.files().chain([self.scenario.as_path()]))?;
         }
-        let threads = self.threads.map_or_else(super::cores, usize::from);
-        let stop = stop_on_signals();
+        let threads = self.threads.ready("this forecast", STUDY_BYTES)?;
+        let stop = stop_on_signals()?;
         let calibration = self.calibration(&scene, threads, &stop)?;
         for warning in &calibration.warnings {
             note(wrapped(&format!("warning: {warning}"), "  ").trim_end());

@@ -4,7 +4,7 @@
 //! A signal that is ignored when the process begins stays ignored. `nohup`, for instance, starts a
 //! process that ignores SIGHUP, the signal of a terminal that closes.
 
-use super::failure::note;
+use super::failure::{Failure, note};
 use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM, SIGUSR1, SIGUSR2, SIGXCPU, SIGXFSZ};
 use signal_hook::iterator::Signals;
 use std::sync::Arc;
@@ -29,7 +29,7 @@ pub fn exit_code() -> u8 {
 
 /// A flag that the first of these signals raises. The second signal ends the process. May be called
 /// once in a process.
-pub fn stop_on_signals() -> Arc<AtomicBool> {
+pub fn stop_on_signals() -> Result<Arc<AtomicBool>, Failure> {
     let stop = Arc::new(AtomicBool::new(false));
     // With a handler for SIGXFSZ, writing beyond the size limit of files is an error of the write,
     // whose message says what to do. Without one, the signal ends the process.
@@ -38,9 +38,9 @@ pub fn stop_on_signals() -> Arc<AtomicBool> {
     let heard = ENDING.into_iter().filter(|signal| ignored >> (signal - 1) & 1 == 0);
     // If the handlers cannot be installed, a signal still ends the process, but the run is not
     // stopped and saved.
-    let Ok(mut signals) = Signals::new(heard) else { return stop };
+    let Ok(mut signals) = Signals::new(heard) else { return Ok(stop) };
     let raised = Arc::clone(&stop);
-    std::thread::spawn(move || {
+    let listening = std::thread::Builder::new().spawn(move || {
         for signal in signals.forever() {
             CAME.store(signal, Ordering::Relaxed);
             if raised.swap(true, Ordering::Relaxed) {
@@ -49,7 +49,13 @@ pub fn stop_on_signals() -> Arc<AtomicBool> {
             note("\nstopping; press Ctrl-C again to stop at once");
         }
     });
-    stop
+    match listening {
+        Ok(_) => Ok(stop),
+        Err(error) => {
+            let remedy = "allow more processes (`ulimit -u`) or more memory (`ulimit -v`)";
+            Err(Failure::Run(format!("the system does not start a thread: {error}\n  fix: {remedy}")))
+        }
+    }
 }
 
 /// The signals that this process ignores: signal n is bit n - 1. Zero where the system does not

@@ -1,5 +1,6 @@
 //! `mc merge`: joins the parts of a run to the whole run.
 
+use super::cost;
 use super::failure::{Failure, writable};
 use super::files;
 use super::interrupt::stop_on_signals;
@@ -36,8 +37,9 @@ impl Merge {
         writable(&self.output, self.force, self.parts.iter().map(PathBuf::as_path))?;
         self.parts.iter().try_for_each(|part| files::look(part))?;
         let parts = Parts::open(&self.parts)?;
-        let stop = stop_on_signals();
         let (scenario, asked) = (&parts.question.scenario, parts.question.asked.clone());
+        cost::check_memory(scenario, asked.paths, self.options.threads())?;
+        let stop = stop_on_signals()?;
         let name = scenario.title.clone();
         let mut file = parts.sink(&self.output, self.force);
         Sitting {

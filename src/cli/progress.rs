@@ -7,6 +7,7 @@ use super::terminal::Letters;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::{self, IsTerminal as _};
 use std::time::{Duration, Instant};
+use stick_slip::ensemble::check_threads;
 use stick_slip::stats::{Estimate, Statistic};
 
 /// Shows the progress of a run. The engine calls it after every finished block of paths.
@@ -173,7 +174,10 @@ impl Measuring {
         let target = if quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
         let line = ProgressBar::with_draw_target(None, target);
         line.set_style(style(&format!("{{elapsed}} of about {} s: {{msg}}", budget.as_secs())));
-        line.enable_steady_tick(TICK);
+        // The crate panics where the system starts no thread for it. The line then stands still.
+        if check_threads(2).is_ok() {
+            line.enable_steady_tick(TICK);
+        }
         Measuring(line)
     }
 

@@ -61,6 +61,7 @@ impl From<RunError> for Failure {
                 Ok(error) => Failure::from(*error),
                 Err(error) => Failure::Run(error.to_string()),
             },
+            RunError::Threads(error) => super::threads::refused(error),
             RunError::Overlap(_) => Failure::Run(error.to_string()),
         }
     }

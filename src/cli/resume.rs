@@ -1,5 +1,6 @@
 //! `mc resume`: continues a run that was interrupted or killed.
 
+use super::cost;
 use super::failure::{Failure, note};
 use super::interrupt::stop_on_signals;
 use super::numbers::grouped;
@@ -39,9 +40,10 @@ impl Resume {
             note(&format!("{} is finished: there is nothing to resume", output.display()));
             return Ok(());
         };
-        let stop = stop_on_signals();
-        stop.store(self.end, Ordering::Relaxed);
         let (scenario, asked) = (&question.scenario, &question.asked);
+        cost::check_memory(scenario, asked.own_paths(), self.options.threads())?;
+        let stop = stop_on_signals()?;
+        stop.store(self.end, Ordering::Relaxed);
         if !self.options.quiet {
             let (done, all) = (grouped(sink.saved_paths()), grouped(asked.own_paths()));
             note(&format!("continuing: {done} of {all} paths are done"));

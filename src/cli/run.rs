@@ -79,10 +79,13 @@ impl Run {
         let output = self.output.clone().unwrap_or_else(|| results::default_output(&self.scenario, ".h5"));
         writable(&output, self.force, [self.scenario.as_path()])?;
         let threads = self.options.threads();
-        if self.accuracy.is_none() {
-            cost::announce(&scenario, scenario.ensemble.paths, threads, self.options.quiet)?;
+        let is_open_ended = !goals.is_empty() && !self.overrides.gives_paths();
+        let paths_of = |scenario: &Scenario| if is_open_ended { MOST_PATHS } else { scenario.ensemble.paths };
+        cost::check_memory(&scenario, paths_of(&scenario), threads)?;
+        if self.accuracy.is_none() && !self.options.quiet {
+            cost::announce(&scenario, scenario.ensemble.paths, threads);
         }
-        let stop = stop_on_signals();
+        let stop = stop_on_signals()?;
         let mut decision = None;
         if let Some(target) = self.accuracy {
             if let Some(decided) = self.overrides.decides(&accuracy::CHOSEN) {
@@ -100,8 +103,7 @@ impl Run {
             decision = Some(chosen);
         }
         self.check_part(&scenario, &goals)?;
-        let is_open_ended = !goals.is_empty() && !self.overrides.gives_paths();
-        let paths = if is_open_ended { MOST_PATHS } else { scenario.ensemble.paths };
+        let paths = paths_of(&scenario);
         if self.verbose {
             note(&super::check::report(&scenario));
             note(&format!("kernel: {}", scenario.plan().simulation.kernel()));

@@ -6,6 +6,7 @@ use super::ending;
 use super::failure::{Failure, note, print, print_data};
 use super::progress::Progress;
 use super::report::{self, RunInfo};
+use super::threads::Threads;
 use super::{ranks, results};
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
@@ -27,9 +28,8 @@ pub struct RunOptions {
     /// or --accuracy]
     #[arg(long, value_name = "NAME", value_parser = super::completed::STATISTIC, hide_possible_values = true)]
     watch: Option<Statistic>,
-    /// Number of threads [default: one for each core]
-    #[arg(long, value_name = "K", value_parser = clap::value_parser!(u16).range(1..=1024))]
-    threads: Option<u16>,
+    #[command(flatten)]
+    threads: Threads,
     /// Print nothing but warnings and errors
     #[arg(short, long)]
     pub quiet: bool,
@@ -41,7 +41,7 @@ pub struct RunOptions {
 impl RunOptions {
     /// The number of threads to use.
     pub fn threads(&self) -> usize {
-        self.threads.map_or_else(super::cores, usize::from)
+        self.threads.number()
     }
 }
 

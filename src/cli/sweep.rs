@@ -8,6 +8,7 @@ use super::overrides::Overrides;
 use super::progress::Progress;
 use super::results;
 use super::sweep_report;
+use super::threads::Threads;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use stick_slip::config::{Override, symbol_and_meaning};
@@ -67,9 +68,8 @@ pub struct Sweep {
     /// Do not estimate the bias of each statistic that comes from the step
     #[arg(long)]
     no_bias: bool,
-    /// Number of threads [default: one for each core]
-    #[arg(long, value_name = "K", value_parser = clap::value_parser!(u16).range(1..=1024))]
-    threads: Option<u16>,
+    #[command(flatten)]
+    threads: Threads,
     /// Where to write the results [default: SCENARIO-sweep.h5 in the current directory]
     #[arg(short, long, value_name = "FILE.h5")]
     output: Option<PathBuf>,
@@ -87,9 +87,8 @@ pub struct Sweep {
 impl Sweep {
     pub fn call(&self) -> Result<(), Failure> {
         let question = self.question()?;
-        let threads = self.threads.map_or_else(super::cores, usize::from);
         if self.dry_run {
-            return print(&outlook(&question, threads));
+            return print(&outlook(&question, self.threads.number()));
         }
         let output = self.output.clone().unwrap_or_else(|| results::default_output(&self.scenario, "-sweep.h5"));
         // An existing file is read before anything else: it may hold this sweep, done or half done.
@@ -105,7 +104,7 @@ impl Sweep {
             if sweep.done() > 0 {
                 note(&format!("continuing: {} of {} points are done", sweep.done(), sweep.points.len()));
             }
-            self.simulate(&mut sweep, &mut file, threads)?;
+            self.simulate(&mut sweep, &mut file)?;
         }
         if !sweep.is_complete() {
             file.save_now(&sweep)?;
@@ -120,8 +119,11 @@ impl Sweep {
         self.print(&sweep, &output)
     }
 
-    fn simulate(&self, sweep: &mut Swept, file: &mut SweepFile, threads: usize) -> Result<(), Failure> {
-        let stop = stop_on_signals();
+    fn simulate(&self, sweep: &mut Swept, file: &mut SweepFile) -> Result<(), Failure> {
+        let used =
+            sweep.question.points.iter().map(|point| point.run_bytes(point.ensemble.paths, self.threads.number()));
+        let threads = self.threads.ready("the largest point of this sweep", used.fold(0.0, f64::max))?;
+        let stop = stop_on_signals()?;
         let left = sweep.points.iter().zip(&sweep.question.points).filter(|(point, _)| point.is_none());
         let mut progress = Progress::new(left.map(|(_, scenario)| scenario.ensemble.paths).sum(), self.quiet, None);
         let simulation = Simulation { threads, stop: &stop, progress: &mut progress };

@@ -6,6 +6,7 @@ use super::interrupt::stop_on_signals;
 use super::numbers::{parse_duration, wrapped};
 use super::plot::{self, Format};
 use super::progress::Measuring;
+use super::threads::Threads;
 use super::trade_report::{self, Asked};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
@@ -48,9 +49,8 @@ pub struct Trade {
     /// Seed [ensemble.seed]
     #[arg(long, value_name = "S", allow_hyphen_values = true)]
     seed: Option<String>,
-    /// Number of threads to measure with [default: one for each core]
-    #[arg(long, value_name = "K", value_parser = clap::value_parser!(u16).range(1..=1024))]
-    threads: Option<u16>,
+    #[command(flatten)]
+    threads: Threads,
     /// Write all measurements to FILE, and the picture next to it as SVG and PNG
     #[arg(short, long, value_name = "FILE.h5")]
     output: Option<PathBuf>,
@@ -70,9 +70,10 @@ impl Trade {
         if let Some(output) = &self.output {
             self.refuse_to_lose(output)?;
         }
-        let threads = self.threads.map_or_else(super::cores, usize::from);
+        let used = scenario.run_bytes(scenario.ensemble.paths, self.threads.number());
+        let threads = self.threads.ready("a measurement of this scenario", used)?;
         note(&format!("measuring for about {} s on {threads} threads", self.budget.as_secs()));
-        let stop = stop_on_signals();
+        let stop = stop_on_signals()?;
         let line = Measuring::new(self.budget, false);
         let begins = |what: &str| line.begin(what);
         let limits = Limits { time: None, stop: Some(&stop), begins: Some(&begins) };

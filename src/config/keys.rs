@@ -1,5 +1,6 @@
 //! Every key that a scenario may hold: its table, its symbol, its meaning and its range.
 
+use crate::scenario::MAX_PHASE;
 use crate::scheme::TOLERANCES;
 
 /// The range of numbers that a key accepts. Infinities and NaN are never accepted.
@@ -11,6 +12,8 @@ pub(super) enum Range {
     /// A friction threshold, at least 0. It has no upper limit, because a threshold that no force
     /// reaches does not enter the computation.
     Threshold,
+    /// A phase in radians that has not lost its digits.
+    Phase,
     Tolerance,
 }
 
@@ -20,6 +23,7 @@ impl Range {
             Range::Any => true,
             Range::Positive => x > 0.0,
             Range::NonNegative | Range::Threshold => x >= 0.0,
+            Range::Phase => x.abs() <= MAX_PHASE,
             Range::Tolerance => TOLERANCES.contains(&x),
         }
     }
@@ -38,6 +42,7 @@ impl Range {
             Range::Any => "a finite number",
             Range::Positive => "a finite number above 0",
             Range::NonNegative | Range::Threshold => "a finite number, 0 or above",
+            Range::Phase => "a phase from -1e13 to 1e13, beyond which it has lost its digits",
             Range::Tolerance => "a number from 1e-9 to 0.1",
         }
     }
@@ -65,7 +70,8 @@ pub(super) const DYNAMIC: Key = key("dynamic", "f_d", "|F| in motion, at most f_
 pub(super) const AMPLITUDE: Key = key("amplitude", "a", "amplitude of the harmonic", Range::Any);
 pub(super) const ANGULAR_FREQUENCY: Key =
     key("angular_frequency", "w", "angular frequency of the forcing, not of the oscillator", Range::NonNegative);
-pub(super) const PHASE: Key = key("phase", "phi", "phase at t = 0, in radians", Range::Any);
+pub(super) const PHASE: Key =
+    key("phase", "phi", "phase at t = 0, in radians; whole turns may be left out", Range::Phase);
 pub(super) const INTENSITY: Key = key("intensity", "rho", "weight of v in T", Range::NonNegative);
 pub(super) const RELAXATION_RATE: Key = key("relaxation_rate", "theta", "dv = -theta v dt + sigma dW", Range::Positive);
 pub(super) const DIFFUSION: Key = key("diffusion", "sigma", "dv = -theta v dt + sigma dW", Range::NonNegative);

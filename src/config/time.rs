@@ -36,6 +36,7 @@ pub(super) fn scheme_and_time(sources: &Sources<'_>, root: &Fields<'_>, model: &
     let output_step = table.number_if_present(keys::OUTPUT_STEP).map(|read| read.value);
     together(check::series(model, end));
     together(check_end(scheme, end));
+    together(check::phases(model, end));
     // The following checks use all values, so they are meaningful only if all values are valid.
     if sources.are_sound() {
         together(check::check_extent(model, end).and_then(|()| scheme.check(model, end)));

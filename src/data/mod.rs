@@ -35,7 +35,7 @@ pub use error::{Cell, DataError};
 pub use pair::{Origin, Pair};
 pub use query::{Name, TimeColumn, Wanted};
 pub use span::seconds;
-pub use table::{Column, Repairs, Table};
+pub use table::{Column, Repairs, Table, absurd, is_constant};
 pub use unit::Quantity;
 
 use std::io::Read as _;

@@ -97,6 +97,26 @@ struct Reading<'a> {
 /// century with a row every ten minutes has 5 10^6 rows.
 const MAX_ROWS: u64 = 20_000_000;
 
+/// Largest number that a measurement may hold, as a value or as a time: far beyond any temperature,
+/// displacement or date in seconds, and small enough for sums of squares.
+const LARGEST_MEASURED: f64 = 1e15;
+
+/// Whether all values are the same, or so close together that no sensor tells them apart and their
+/// squares are no doubles.
+pub fn is_constant(values: &[f64]) -> bool {
+    let (low, high) =
+        values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(*x), high.max(*x)));
+    high - low < 1.0 / LARGEST_MEASURED
+}
+
+/// The first sample, as its time and its value, that is not finite or is too large for a
+/// measurement. A file with such a sample is refused when it is read.
+pub fn absurd(times: &[f64], values: &[f64]) -> Option<(f64, f64)> {
+    let is_sound = |x: f64| x.abs() <= LARGEST_MEASURED;
+    let mut samples = times.iter().copied().zip(values.iter().copied());
+    samples.find(|(time, value)| !(is_sound(*time) && is_sound(*value)))
+}
+
 /// Texts, in lower case, that mark a missing value; an empty cell marks one as well.
 const NOTHING: [&str; 9] = ["nan", "na", "n/a", "null", "none", "-", "--", "#n/a", "missing"];
 
@@ -142,6 +162,12 @@ pub(super) fn table<'w>(
         };
         let may_be_commas = decimals.may_be_commas;
         let when = clock.read(cell, |cell| number(cell, may_be_commas)).map_err(at)?;
+        if when.abs() > LARGEST_MEASURED {
+            return Err(at((
+                "is too large for a time".into(),
+                "mend the cell, or give another column of times".into(),
+            )));
+        }
         for reading in &mut readings {
             let cell = rows.cell(reading.field);
             if is_missing(cell) {
@@ -163,6 +189,9 @@ pub(super) fn table<'w>(
             }
             if !value.is_finite() {
                 return at("is not finite", "mend the cell, or empty it");
+            }
+            if value.abs() > LARGEST_MEASURED {
+                return at("is too large for a measurement", "mend the cell, or empty it");
             }
             if value < reading.unit.least {
                 return at("is below absolute zero", "empty the cell, if it marks a missing value, or mend the unit");

@@ -1,6 +1,7 @@
 //! The errors of a run.
 
 use super::{Outcome, SinkError};
+use crate::ensemble::ThreadsError;
 use crate::stats::Overlap;
 
 /// Why a run has no outcome, or why its outcome could not be stored.
@@ -15,6 +16,9 @@ pub enum RunError {
         /// if another process of the run has failed.
         outcome: Option<Box<Outcome>>,
     },
+    /// There are not so many threads to share the work. Nothing was begun.
+    #[error("{0}")]
+    Threads(#[from] ThreadsError),
     /// A block was delivered twice, which is a flaw in this program.
     #[error("a flaw in the program: {0}")]
     Overlap(#[from] Overlap),

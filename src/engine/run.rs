@@ -6,7 +6,7 @@ use super::crew::Threads;
 use super::ending::{Endings, Look};
 use super::{Asked, BiasReport, Crew, EndedBy, Moment, Outcome, Part, Portion, Progress, RunError, Sink, Status, Work};
 use crate::bias::NoBias;
-use crate::ensemble::{BLOCK_SIZE, Plan};
+use crate::ensemble::{BLOCK_SIZE, MOST_THREADS, Plan, check_threads};
 use crate::scenario::Scenario;
 use crate::stats::{Companion as _, Goal, Measurement, Merge, RunTotals, Summary, Tallied, Tally};
 use std::ops::ControlFlow;
@@ -63,7 +63,7 @@ impl<'a> Run<'a> {
         Run {
             scenario,
             asked,
-            threads: std::thread::available_parallelism().map_or(1, usize::from),
+            threads: std::thread::available_parallelism().map_or(1, usize::from).min(MOST_THREADS),
             stop: None,
             progress: None,
             sinks: Vec::new(),
@@ -76,9 +76,10 @@ impl<'a> Run<'a> {
         self.asked.clone()
     }
 
-    /// Simulate on this many threads. No bit of the results depends on this number.
+    /// Simulate on this many threads, 1 to [`MOST_THREADS`]. No bit of the results depends on this
+    /// number.
     pub fn threads(self, threads: usize) -> Self {
-        Run { threads: threads.max(1), ..self }
+        Run { threads, ..self }
     }
 
     /// Replace everything that is asked of the run by what was asked when it was begun.
@@ -174,6 +175,7 @@ impl<'a> Run<'a> {
         mut totals: RunTotals<X>,
         spent: Duration,
     ) -> Result<Outcome<X>, RunError> {
+        check_threads(self.threads)?;
         let start = Instant::now();
         let before = spent;
         let spent = move || before + start.elapsed();

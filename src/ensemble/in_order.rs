@@ -1,5 +1,6 @@
 //! Numbered pieces of work, done on any number of threads. Their results are delivered in order.
 
+use super::MOST_THREADS;
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -7,9 +8,9 @@ use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 
 /// How many pieces each thread may be ahead of the oldest unfinished one. This limits the memory of
 /// a run.
-const PIECES_AHEAD: u64 = 8;
+pub(super) const PIECES_AHEAD: u64 = 8;
 
-/// Make the pieces `0 .. count` on `threads` threads, and deliver each in order, until all are
+/// Make the pieces `0 .. count` on `threads` threads, [`MOST_THREADS`] at most, and deliver each in order, until all are
 /// delivered, `deliver` breaks or fails, or `stop` is set. Returns the number of delivered pieces.
 /// The only errors are those of `deliver`.
 ///
@@ -35,7 +36,7 @@ pub(crate) fn in_order_while<R: Send, E: Send>(
     make: impl Fn(u64) -> Option<R> + Sync,
     mut deliver: impl FnMut(R) -> Result<ControlFlow<()>, E> + Send,
 ) -> Result<u64, E> {
-    let workers = threads.min(count.try_into().unwrap_or(usize::MAX)).max(1);
+    let workers = threads.min(count.try_into().unwrap_or(usize::MAX)).clamp(1, MOST_THREADS);
     let queue = Queue { state: Mutex::new(State::new(&mut deliver)), moved: Condvar::new() };
     let work = || {
         let _watch = Watch(&queue);

@@ -11,17 +11,20 @@ mod flight;
 mod in_order;
 mod leases;
 mod piece;
+mod threads;
 
 #[doc(hidden)]
 pub use in_order::in_order;
 pub(crate) use in_order::in_order_while;
 pub use leases::Leases;
+pub use threads::{MOST_THREADS, ThreadsError, check_threads};
 
 use crate::model::Model;
 use crate::noise;
 use crate::scheme::{Simulate as _, Simulation, Timeline};
 use crate::stats::{BlockObserver, BlockResult, Companion, Overlap, Record, RunTotals, Summary};
 use flight::Flight;
+use in_order::PIECES_AHEAD;
 use piece::Piece;
 use std::ops::{ControlFlow, Range};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -152,6 +155,15 @@ impl Plan {
             });
         }
         Some(delivered)
+    }
+
+    /// How many blocks are in memory at a time, at most: those that are simulated, and finished ones
+    /// that wait to be delivered in order. Where each thread has a processor, none waits for long.
+    pub fn blocks_held(&self, threads: usize) -> u64 {
+        let cores = std::thread::available_parallelism().map_or(1, usize::from);
+        let pieces = if threads > cores { PIECES_AHEAD } else { PIECES_AHEAD.min(5) };
+        let of_threads = (threads as u64).saturating_mul(pieces * self.blocks_in_flight(self.blocks(), threads));
+        of_threads.min(self.blocks())
     }
 
     /// How many blocks a thread simulates together, given the number of all blocks and of threads.

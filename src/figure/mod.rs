@@ -34,7 +34,7 @@ mod tornado;
 mod trade;
 mod words;
 
-pub use kit::{Scene, pdf, png, svg};
+pub use kit::{Scene, escaped, pdf, png, svg};
 pub use page::page;
 pub use subject::{Absent, Figure, Subject};
 pub use theme::{COLUMN, Style, Theme};

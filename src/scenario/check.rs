@@ -1,9 +1,10 @@
 //! Checks of values against each other. The range of each single value is checked by whoever reads
 //! it.
 
+use super::limits::MAX_PHASE;
 use super::time::check_end;
 use super::{Ensemble, Scenario, Statistics};
-use crate::model::{Friction, InitialNoise, LARGEST, Model, Noise, Temperature, can_be_computed_with};
+use crate::model::{Friction, Harmonic, InitialNoise, LARGEST, Model, Noise, Temperature, can_be_computed_with};
 use crate::scheme::{Misfit, Scheme, divergence_bound};
 
 impl Scenario {
@@ -14,8 +15,9 @@ impl Scenario {
         [model.temperature.noise, model.temperature.second_noise].iter().flatten().try_for_each(noise)?;
         forces(model)?;
         series(model, time.end)?;
-        check_extent(model, time.end)?;
         check_end(*scheme, time.end)?;
+        phases(model, time.end)?;
+        check_extent(model, time.end)?;
         scheme.check(model, time.end)?;
         time.check_rows(*scheme)?;
         statistics.check(time.end)?;
@@ -113,6 +115,35 @@ pub(crate) fn forces(model: &Model) -> Result<(), Misfit> {
     let mut factors = [stiffness, dilatation, ("initial.displacement", *initial_displacement)];
     factors.sort_by(|a, b| b.1.abs().total_cmp(&a.1.abs()));
     Err(Misfit::new(&factors, problem, remedy))
+}
+
+/// The phases of all harmonics keep their digits up to t_end.
+pub(crate) fn phases(model: &Model, end: f64) -> Result<(), Misfit> {
+    for (i, harmonic) in model.temperature.harmonics.iter().enumerate().filter(|(_, one)| one.amplitude != 0.0) {
+        let Harmonic { angular_frequency: w, phase, .. } = *harmonic;
+        let key = format!("temperature.harmonics.{i}");
+        if phase.abs() > MAX_PHASE {
+            let problem =
+                format!("`{key}.phase` = {phase:?} is above {MAX_PHASE:e}, where a phase has lost its digits");
+            return Err(Misfit::new(&[], problem, format!("write `phase = {:?}`, which is the same", reduced(phase))));
+        }
+        let turned = w * end;
+        if turned > MAX_PHASE {
+            let problem = format!(
+                "`time.end` = {end:?} lets w t reach {turned:e}, with `{key}.angular_frequency` = {w:?}; above \
+                 {MAX_PHASE:e} the phase of the forcing has lost its digits"
+            );
+            let remedy = "lower `time.end` or the frequency, or write `amplitude = 0`";
+            return Err(Misfit::new(&[("time.end", end)], problem, remedy));
+        }
+    }
+    Ok(())
+}
+
+/// The same phase between -pi and pi.
+pub(crate) fn reduced(phase: f64) -> f64 {
+    let (sin, cos) = libm::sincos(phase);
+    libm::atan2(sin, cos)
 }
 
 /// A measured temperature has samples up to t_end.

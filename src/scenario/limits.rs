@@ -15,6 +15,10 @@ pub const MAX_ROWS: usize = 100_000;
 /// every n.
 pub const MAX_STEPS: f64 = 9_007_199_254_740_992.0;
 
+/// Largest phase of the forcing, w t or the phase at t = 0, in radians. A phase is a double, and at
+/// this size it is rounded to a thousandth of a radian; at 1e16 it has no digits left.
+pub const MAX_PHASE: f64 = 1e13;
+
 /// Largest number of forcing periods at which x is observed. The drift statistics need few, and
 /// memory grows with them.
 pub const MAX_PERIODS: usize = 10_000;

@@ -24,7 +24,7 @@ mod plan;
 pub(crate) mod time;
 
 pub use bridge::BridgeScene;
-pub use limits::{MAX_PATHS, MAX_PERIODS, MAX_ROWS, MAX_STEPS, MAX_TRAJECTORIES};
+pub use limits::{MAX_PATHS, MAX_PERIODS, MAX_PHASE, MAX_ROWS, MAX_STEPS, MAX_TRAJECTORIES};
 pub use measured::{Bearing, Measured};
 pub use time::Time;
 

@@ -19,6 +19,7 @@ use base64::Engine as _;
 use sha2::{Digest as _, Sha256};
 use std::fmt::Write as _;
 use std::path::PathBuf;
+use stick_slip::figure::escaped;
 use stick_slip::scenario::Scenario;
 use stick_slip::store::{self, Stored};
 
@@ -106,25 +107,6 @@ fn policy() -> String {
         hash(ECHARTS),
         hash(CHARTS)
     )
-}
-
-/// A text with the escapes of HTML. Control characters, which HTML does not allow, become
-/// replacement characters.
-fn escaped(text: &str) -> String {
-    let mut out = String::with_capacity(text.len());
-    for c in text.chars() {
-        match c {
-            '&' => out.push_str("&amp;"),
-            '<' => out.push_str("&lt;"),
-            '>' => out.push_str("&gt;"),
-            '"' => out.push_str("&quot;"),
-            '\'' => out.push_str("&#39;"),
-            '\n' | '\t' => out.push(c),
-            c if c.is_control() => out.push('\u{fffd}'),
-            c => out.push(c),
-        }
-    }
-    out
 }
 
 fn list_of_warnings(warnings: &[JsonWarning]) -> String {

@@ -7,6 +7,7 @@ use super::document::document;
 use super::failure::{Failure, note, print, print_data};
 use super::files;
 use super::numbers::grouped;
+use super::threads::Threads;
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
 use std::hash::{BuildHasher as _, RandomState};
@@ -37,9 +38,8 @@ pub struct Verify {
     /// Number of blocks to simulate again, or `all` [default: all, or 8 where all take long]
     #[arg(long, value_name = "N|all", value_parser = sample)]
     blocks: Option<Sample>,
-    /// Threads [default: one a core]
-    #[arg(long, value_name = "K", value_parser = clap::value_parser!(u16).range(1..=1024))]
-    threads: Option<u16>,
+    #[command(flatten)]
+    threads: Threads,
     /// Print one JSON object on standard output, and nothing else there
     #[arg(long)]
     json: bool,
@@ -102,10 +102,6 @@ impl Verify {
             Some(difference) => Err(Failure::Run(self.refusal(difference, &checked))),
             None => Ok(()),
         }
-    }
-
-    fn threads(&self) -> usize {
-        self.threads.map_or_else(super::cores, usize::from)
     }
 
     fn refusal(&self, difference: &Difference, checked: &Checked) -> String {

@@ -111,6 +111,8 @@ impl Claim<'_> {
         let plan = Plan { paths: self.expected.header.paths, ..self.scenario.plan() };
         let numbers: Vec<u64> = blocks.iter().copied().collect();
         let mut totals = RunTotals::empty(plan.model(), plan.timeline());
+        let used = self.scenario.run_bytes(plan.paths, self.verify.threads.number());
+        let threads = self.verify.threads.ready("this verification", used)?;
         let make = |index: u64| plan.block(numbers[index as usize]);
         let deliver = |block: BlockResult| -> Result<ControlFlow<()>, Failure> {
             file.block(&block)?;
@@ -118,7 +120,7 @@ impl Claim<'_> {
             totals.push(index, block.totals).map_err(|flaw| Failure::Run(flaw.to_string()))?;
             Ok(if file.difference().is_some() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) })
         };
-        in_order(numbers.len() as u64, self.verify.threads(), &AtomicBool::new(false), make, deliver)?;
+        in_order(numbers.len() as u64, threads, &AtomicBool::new(false), make, deliver)?;
         Ok(Simulated { blocks, file, totals })
     }
 
@@ -127,7 +129,7 @@ impl Claim<'_> {
         let mut summary = totals.totals().summary();
         if self.stored.summary.has_bias()
             && let Ok(plan) = self.scenario.bias_plan(self.expected.completed_paths)
-            && let Ok(biases) = plan.estimate(&summary, self.verify.threads(), &AtomicBool::new(false))
+            && let Ok(biases) = plan.estimate(&summary, self.verify.threads.number(), &AtomicBool::new(false))
         {
             summary.set_biases(&biases);
         }

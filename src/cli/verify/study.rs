@@ -51,7 +51,7 @@ impl Verify {
     /// Simulate a point of the sweep again. The time that it took is that of the file.
     fn simulate_point(&self, sweep: &mut Sweep, point: usize) -> Result<(), Failure> {
         let Some(stored) = sweep.points[point].take() else { return Ok(()) };
-        let simulation = Simulation { threads: self.threads(), stop: &AtomicBool::new(false), progress: &mut () };
+        let simulation = Simulation { threads: self.threads.number(), stop: &AtomicBool::new(false), progress: &mut () };
         simulation.run(sweep, |_| Ok::<_, StoreError>(())).map_err(|end| Failure::Run(end.to_string()))?;
         if let Some(again) = &mut sweep.points[point] {
             again.seconds = stored.seconds;
@@ -89,7 +89,7 @@ impl Verify {
                 self.file.display()
             )));
         }
-        let again = calibrate_again(&stored.calibration, self.threads(), &AtomicBool::new(false));
+        let again = calibrate_again(&stored.calibration, self.threads.number(), &AtomicBool::new(false));
         let again = again.map_err(|error| Failure::Run(format!("{}: {error}", self.file.display())))?;
         let again = StoredCalibration::of(&stored.title, &stored.scenario_text, again);
         let verified = store::verify_calibration(&self.file, &again)?;

@@ -11,6 +11,7 @@
 //!
 //! Lengths are in points of 1/72 inch, and y points down.
 
+mod escape;
 mod face;
 mod label;
 mod pdf;
@@ -18,6 +19,7 @@ mod png;
 mod scene;
 mod svg;
 
+pub use escape::escaped;
 pub use label::Label;
 pub use pdf::pdf;
 pub use png::png;

@@ -1,6 +1,7 @@
 //! A scene as SVG. Letters are outlines, so that no font is needed to show it. Each outline is
 //! stored once and referred to wherever it occurs.
 
+use super::escape::escaped;
 use super::face::Face;
 use super::scene::{Colour, Item, Path, Rect, Scene, Step};
 use std::collections::BTreeSet;
@@ -21,7 +22,7 @@ pub fn svg(scene: &Scene) -> String {
         millimetres(height),
         number(width),
         number(height),
-        escaped(&scene.title)
+        one_line(&scene.title)
     );
     out.push_str("<defs>\n");
     for (face, glyph) in &writer.glyphs {
@@ -79,7 +80,7 @@ impl Writer {
                 let _ = writeln!(
                     self.body,
                     "<g role=\"img\" aria-label=\"{}\" fill=\"{}\" transform=\"translate({} {}){turn}\">",
-                    escaped(&label.words()),
+                    one_line(&label.words()),
                     hex(*colour),
                     number(*x),
                     number(*y)
@@ -150,22 +151,9 @@ fn opacity(attribute: &str, colour: Colour) -> String {
     if colour.opacity < 1.0 { format!(" {attribute}=\"{}\"", number(colour.opacity)) } else { String::new() }
 }
 
-/// A text with the escapes of XML. Characters that XML does not allow, such as NUL, become
-/// replacement characters.
-fn escaped(text: &str) -> String {
-    let mut out = String::with_capacity(text.len());
-    for c in text.chars() {
-        match c {
-            '&' => out.push_str("&amp;"),
-            '<' => out.push_str("&lt;"),
-            '>' => out.push_str("&gt;"),
-            '"' => out.push_str("&quot;"),
-            '\t' | '\n' | '\r' => out.push(' '),
-            c if c.is_control() || ['\u{fffe}', '\u{ffff}'].contains(&c) => out.push('\u{fffd}'),
-            c => out.push(c),
-        }
-    }
-    out
+/// A text of one line, with the escapes of XML.
+fn one_line(text: &str) -> String {
+    escaped(&text.replace(['\t', '\n', '\r'], " "))
 }
 
 #[cfg(test)]
@@ -185,7 +173,7 @@ mod tests {
     }
 
     #[test]
-    fn texts_are_escaped() {
-        assert_eq!(escaped("a<b>&\"c\"\u{0}\n"), "a&lt;b&gt;&amp;&quot;c&quot;\u{fffd} ");
+    fn texts_are_escaped_and_have_one_line() {
+        assert_eq!(one_line("a<b>'c'\r\u{0}\n"), "a&lt;b&gt;&#39;c&#39; \u{fffd} ");
     }
 }

@@ -12,6 +12,7 @@ use super::spikes::{self, Spikes};
 use super::starts::{Search, starts};
 use super::uncertainty::{AroundLag, Replicates};
 use super::warnings::warnings;
+use crate::data::{absurd, is_constant};
 use std::sync::atomic::AtomicBool;
 
 /// The fewest usual slips that determine anything.
@@ -21,7 +22,7 @@ const FEWEST_SLIPS: usize = 6;
 ///
 /// # Errors
 ///
-/// If the record is too short, if a column is constant, or if only the method by slips is asked for
+/// If the record is too short, if a number in it is absurdly large, if a column is constant, or if only the method by slips is asked for
 /// and no slips are visible.
 pub fn calibrate(
     record: &Record,
@@ -139,7 +140,12 @@ fn check(record: &Record) -> Result<(), CalibrationError> {
     if seen.times.len() < LEAST {
         return Err(CalibrationError::TooShort(seen.times.len()));
     }
-    let is_constant = |values: &[f64]| values.iter().all(|value| *value == values[0]);
+    let columns = [("temperature", &record.times, &record.temperatures), ("displacement", &seen.times, &seen.readings)];
+    for (name, times, values) in columns {
+        if let Some((time, value)) = absurd(times, values) {
+            return Err(CalibrationError::Absurd { name, time, value });
+        }
+    }
     for (name, values) in [("temperature", &seen.temperatures), ("displacement", &seen.readings)] {
         if is_constant(values) {
             return Err(CalibrationError::Constant(name));

@@ -127,6 +127,16 @@ pub enum CalibrationError {
     /// The temperature or the displacement is constant.
     #[error("the {0} is the same in all samples")]
     Constant(&'static str),
+    /// A number or its time is not finite, or too large to compute with.
+    #[error("the {name} at {time:?} s is {value:?}: one of them is not finite, or too large to compute with")]
+    Absurd {
+        /// What was measured.
+        name: &'static str,
+        /// The time of the sample.
+        time: f64,
+        /// Its value.
+        value: f64,
+    },
     /// No slips are visible, and no other method was asked for.
     #[error("no slips are visible: too few jumps of the displacement, or too small for its noise")]
     NoSlips,
@@ -138,6 +148,7 @@ impl CalibrationError {
         match self {
             CalibrationError::TooShort(_) => "measure for longer: weeks at least, with tens of slips",
             CalibrationError::Constant(_) => "see that it is the right column, and that its sensor works",
+            CalibrationError::Absurd { .. } => "mend the sample, or remove it",
             CalibrationError::NoSlips => "measure for longer, until tens of slips are in the record",
         }
     }

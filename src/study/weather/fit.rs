@@ -2,6 +2,7 @@
 
 use super::kalman::{Likelihood, Shape, likelihood};
 use super::simplex;
+use crate::data::{absurd, is_constant};
 use crate::model::{Harmonic, InitialNoise, Noise, Temperature};
 use crate::noise::Stream;
 use crate::study::linear::{Matrix, cholesky, inverse, times as product};
@@ -88,6 +89,17 @@ pub enum WeatherError {
     /// Two harmonics have the same period.
     #[error("one period is named twice: {0} s")]
     PeriodTwice(f64),
+    /// A temperature or its time is not finite, or too large to compute with.
+    #[error("the temperature at {time:?} s is {value:?}: one of them is not finite, or too large to compute with")]
+    Absurd {
+        /// The time of the sample.
+        time: f64,
+        /// Its temperature.
+        value: f64,
+    },
+    /// All temperatures are equal.
+    #[error("the temperature is the same in all samples")]
+    Constant,
     /// The samples leave nothing to fit.
     #[error("no process explains these samples: is the temperature constant, or purely periodic?")]
     NoProcess,
@@ -103,7 +115,10 @@ impl WeatherError {
             WeatherError::TooShort(_) => "measure for longer",
             WeatherError::ShorterThanPeriod(_) => "measure for at least half of that period",
             WeatherError::PeriodTwice(_) => "name it once",
-            WeatherError::NoProcess => "see that it is the right column, and that its sensor works",
+            WeatherError::Absurd { .. } => "mend the sample, or remove it",
+            WeatherError::Constant | WeatherError::NoProcess => {
+                "see that it is the right column, and that its sensor works"
+            }
             WeatherError::OneIsEnough => "fit one process",
         }
     }
@@ -125,12 +140,18 @@ const ENOUGH: f64 = 1e-6;
 ///
 /// # Errors
 ///
-/// If the record is too short, a period is named twice, or the samples do not determine the
+/// If the record is too short, a number in it is too large, all temperatures are equal, a period is named twice, or the samples do not determine the
 /// processes.
 pub fn fit(times: &[f64], temperatures: &[f64], periods: &[f64], processes: usize) -> Result<WeatherFit, WeatherError> {
     let n = times.len();
     if n < LEAST {
         return Err(WeatherError::TooShort(n));
+    }
+    if let Some((time, value)) = absurd(times, temperatures) {
+        return Err(WeatherError::Absurd { time, value });
+    }
+    if is_constant(temperatures) {
+        return Err(WeatherError::Constant);
     }
     let duration = times[n - 1] - times[0];
     if let Some((_, period)) = periods.iter().enumerate().find(|(i, period)| periods[..*i].contains(period)) {

@@ -3,9 +3,11 @@
 //! Nelder and Mead, *A simplex method for function minimization*, Computer Journal 7 (1965).
 
 /// The lowest point found, and its value. The search begins at `start` with steps of length `step`,
-/// and ends when the values of the simplex agree within `enough`.
+/// and ends when the values of the simplex agree within `enough`. Where the function is not a number
+/// it counts as infinite, and where its lowest value is infinite the search ends as well.
 pub fn lowest(start: &[f64], step: f64, enough: f64, mut f: impl FnMut(&[f64]) -> f64) -> (Vec<f64>, f64) {
     let n = start.len();
+    let mut f = |x: &[f64]| Some(f(x)).filter(|value| !value.is_nan()).unwrap_or(f64::INFINITY);
     let mut all: Vec<(Vec<f64>, f64)> = (0..=n)
         .map(|i| {
             let mut x = start.to_vec();
@@ -19,7 +21,7 @@ pub fn lowest(start: &[f64], step: f64, enough: f64, mut f: impl FnMut(&[f64]) -
     for _ in 0..MOST_STEPS {
         all.sort_by(|a, b| a.1.total_cmp(&b.1));
         let (best, worst) = (all[0].1, all[n].1);
-        if worst - best <= enough {
+        if !best.is_finite() || worst - best <= enough {
             break;
         }
         let centre: Vec<f64> = (0..n).map(|k| all[..n].iter().map(|(x, _)| x[k]).sum::<f64>() / n as f64).collect();
@@ -59,6 +61,22 @@ const MOST_STEPS: usize = 2000;
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Infinity less infinity is not a number, and no step would make the values of the simplex agree.
+    #[test]
+    fn a_function_without_finite_values_is_given_up_at_once() {
+        for nowhere in [f64::INFINITY, f64::NEG_INFINITY, f64::NAN] {
+            let mut calls = 0;
+            let (_, value) = lowest(&[0.0; 3], 0.5, 1e-9, |_| {
+                calls += 1;
+                nowhere
+            });
+            assert!(!value.is_finite() && calls == 4, "{nowhere}: {value} after {calls} calls");
+        }
+        let beside = |x: &[f64]| if x[0] < 0.5 { f64::NAN } else { (x[0] - 2.0).powi(2) };
+        let (x, value) = lowest(&[0.0], 1.0, 1e-12, beside);
+        assert!((x[0] - 2.0).abs() < 1e-5 && value < 1e-10, "{x:?}");
+    }
 
     /// Rosenbrock's function, which has a curved valley, in two and in four dimensions. Its minimum
     /// is where all coordinates are 1.

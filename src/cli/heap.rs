@@ -1,0 +1,59 @@
+//! The heap of the command. Where the system gives no more memory, the command says so and ends
+//! with an exit code; otherwise the standard library would abort it.
+//!
+//! A verb estimates the memory that it needs and refuses what does not fit. This is for what no
+//! estimate foresees. Every piece of memory is asked for here, whether it belongs to this program
+//! or to a crate that it uses.
+//!
+//! SAFETY, for every `unsafe` of this file: each call goes to the system's allocator with the
+//! arguments that the caller gave, under the conditions that the caller keeps.
+
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::io;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
+
+#[global_allocator]
+static HEAP: Heap = Heap;
+
+struct Heap;
+
+unsafe impl GlobalAlloc for Heap {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        there(unsafe { System.alloc(layout) })
+    }
+
+    unsafe fn alloc_zeroed(&self, layout: Layout) -> *mut u8 {
+        there(unsafe { System.alloc_zeroed(layout) })
+    }
+
+    unsafe fn realloc(&self, memory: *mut u8, layout: Layout, size: usize) -> *mut u8 {
+        there(unsafe { System.realloc(memory, layout, size) })
+    }
+
+    unsafe fn dealloc(&self, memory: *mut u8, layout: Layout) {
+        unsafe { System.dealloc(memory, layout) }
+    }
+}
+
+fn there(memory: *mut u8) -> *mut u8 {
+    if memory.is_null() { give_up() } else { memory }
+}
+
+const MESSAGE: &[u8] =
+    b"error: the system gives this process no more memory\n  fix: give fewer --threads, or allow more \
+memory (`ulimit -v`, the limit of the container); `mc resume` continues a run that had begun\n";
+
+/// Ends the process, as a kill would: nothing here may ask for memory.
+#[cold]
+fn give_up() -> ! {
+    static IS_SAID: AtomicBool = AtomicBool::new(false);
+    if IS_SAID.swap(true, Ordering::Relaxed) {
+        // Another thread is ending the process.
+        loop {
+            std::thread::sleep(Duration::from_secs(1));
+        }
+    }
+    let _ = rustix::io::write(io::stderr(), MESSAGE);
+    signal_hook::low_level::exit(1)
+}
