@@ -80,6 +80,7 @@ pub mod data;
 pub mod dataset;
 pub mod engine;
 pub mod ensemble;
+mod excerpt;
 #[cfg(feature = "figure")]
 pub mod figure;
 pub mod lanes;

@@ -77,7 +77,7 @@ impl Run {
     pub fn call(&self) -> Result<(), Failure> {
         let (mut scenario, goals) = self.overrides.scenario_and_goals(&self.scenario)?;
         let output = self.output.clone().unwrap_or_else(|| results::default_output(&self.scenario, ".h5"));
-        writable(&output, self.force, [self.scenario.as_path()])?;
+        writable(&output, self.force, results::inputs(&self.scenario, &scenario))?;
         let threads = self.options.threads();
         if self.accuracy.is_none() {
             cost::announce(&scenario, scenario.ensemble.paths, threads, self.options.quiet)?;

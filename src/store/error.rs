@@ -148,6 +148,15 @@ pub enum StoreError {
         /// The file.
         path: PathBuf,
     },
+    /// The points of a sweep are in a file that another program has changed or written.
+    #[error(
+        "{}: it has no checksum, because another program changed or wrote it, so its points are not used\n  fix: take the file as mc \
+         wrote it, or move it away", path.display()
+    )]
+    NotSealed {
+        /// The file.
+        path: PathBuf,
+    },
     /// The disk has too little space for the run; this is checked before the run starts.
     #[error("{}: about {} are needed and {} are free; free some space, choose another disk, or record less", folder.display(), bytes(*needed as f64), bytes(*free as f64))]
     TooLittleSpace {

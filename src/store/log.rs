@@ -6,8 +6,8 @@
 //! and the checksum at its end ([`Position`]). Anything that an interrupted write has left beyond
 //! this length is cut off.
 
-use super::StoreError;
 use super::checksum::checksum;
+use super::{StoreError, own};
 use crate::dataset::Rows;
 use crate::stats::{BlockResult, Codec, Damaged, EventColumns, PathColumns, Reader, Totals, TrajectoryRows};
 use std::fs::File;
@@ -50,15 +50,15 @@ pub(super) struct Log {
 }
 
 impl Log {
-    /// Create a new log; an error if there is one.
+    /// Create a new log. One that a killed process has left is removed.
     pub fn create(path: &Path) -> io::Result<Log> {
-        let file = File::options().create_new(true).write(true).open(path)?;
+        let file = own::create(path)?;
         Ok(Log { file, waiting: Vec::new(), end: Position::default() })
     }
 
     /// Open a log to continue it; everything beyond `end` is cut off.
     pub fn go_on(path: &Path, end: Position) -> io::Result<Log> {
-        let mut file = File::options().write(true).open(path)?;
+        let mut file = own::open(path, File::options().write(true))?;
         file.set_len(end.length)?;
         file.seek(SeekFrom::End(0))?;
         Ok(Log { file, waiting: Vec::new(), end })
@@ -105,7 +105,7 @@ struct Reading {
 impl Reading {
     fn open(path: PathBuf, end: Position) -> Result<Reading, StoreError> {
         let failed = |source| StoreError::NotOpened { path: path.clone(), source };
-        let file = File::open(&path).map_err(failed)?;
+        let file = own::open(&path, File::options().read(true)).map_err(failed)?;
         // The claimed length is compared with that of the file before any memory is allocated.
         if file.metadata().map_err(failed)?.len() < end.length {
             return Err(StoreError::DamagedState { path });

@@ -3,11 +3,12 @@
 
 use super::error::cause;
 use super::log::{OwnedRows, Position};
+use super::naming::parent;
 use super::reader::{check_file, open};
 use super::sink::is_logged;
 use super::state::{self, Question, State};
 use super::variable::read_variable;
-use super::workshop::{Workshop, parent};
+use super::workshop::Workshop;
 use super::{StoreError, Writer, check_space, rows};
 use crate::dataset::{header, layout};
 use crate::engine::{Asked, Outcome, Sink, SinkError, SoFar, Status};
@@ -121,13 +122,12 @@ impl Parts {
             return Err(PartError::Missing { missing: missing.join(", ") });
         }
         let mut totals = RunTotals::empty(&question.scenario.model, &question.scenario.timeline());
-        let mut spent = Duration::ZERO;
         for (path, state) in &parts {
             let damaged = |_| StoreError::DamagedState { path: path.clone() };
             totals.merge(state.so_far.totals.clone()).map_err(damaged)?;
-            spent += state.so_far.spent;
         }
-        Ok(Parts { question, so_far: SoFar { totals, spent }, parts })
+        // What a part took is not in its file.
+        Ok(Parts { question, so_far: SoFar { totals, spent: Duration::ZERO }, parts })
     }
 
     /// A sink that writes the file of the whole run to `target`, once the merged sums are handed to

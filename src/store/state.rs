@@ -4,9 +4,9 @@
 //! The bytes are a magic name, a version, the contents, and a checksum of all of these. Numbers are
 //! written as [`crate::stats::Codec`] writes them, texts as their length and their bytes.
 
-use super::StoreError;
 use super::checksum::checksum;
 use super::log::Position;
+use super::{StoreError, own};
 use crate::engine::{Asked, Part, SoFar};
 use crate::ensemble::Plan;
 use crate::model::Series;
@@ -165,13 +165,19 @@ pub(super) fn to_bytes(question: &Question, totals: &[u8], spent: Duration, logs
     out
 }
 
+/// Whether a file begins as only states of this program do, damaged or not.
+pub(super) fn has_mark(path: &Path) -> bool {
+    let mut bytes = [0; MAGIC.len()];
+    let read = own::open(path, File::options().read(true)).and_then(|mut file| file.read_exact(&mut bytes));
+    read.is_ok() && bytes == *MAGIC
+}
+
 /// Read the state of a run from a file.
 pub(super) fn read(path: &Path) -> Result<State, StoreError> {
     let not_opened = |source| StoreError::NotOpened { path: path.to_owned(), source };
-    let there = std::fs::metadata(path).map_err(not_opened)?;
+    let mut file = own::open(path, File::options().read(true)).map_err(not_opened)?;
     let mut bytes = Vec::new();
-    if there.is_file() && there.len() <= LARGEST {
-        let mut file = File::open(path).map_err(not_opened)?;
+    if file.metadata().map_err(not_opened)?.len() <= LARGEST {
         file.by_ref().take(MAGIC.len() as u64).read_to_end(&mut bytes).map_err(not_opened)?;
         // A file with other first bytes is no state, so the rest of it is not read.
         if bytes == MAGIC {
