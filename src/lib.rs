@@ -90,6 +90,7 @@ pub mod numbers;
 pub mod provenance;
 #[cfg(feature = "mpi")]
 pub mod ranks;
+pub mod saved;
 pub mod scenario;
 pub mod scheme;
 pub mod stats;

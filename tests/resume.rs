@@ -15,6 +15,7 @@ use std::process::{Command, ExitStatus, Output, Stdio};
 use std::sync::LazyLock;
 use std::thread::sleep;
 use std::time::{Duration, Instant};
+use stick_slip::saved::SavedError;
 use stick_slip::store::{self, StoreError};
 
 const RHO025: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenarios/rho025.toml");
@@ -433,7 +434,7 @@ fn a_damaged_state_or_log_is_one_clear_message_and_nothing_else_is_touched() {
             let error = refusal(here.path());
             let message = error.to_string();
             assert!(message.contains(&format!("a.h5.partial/{name}")) && !message.contains('\n'), "{message}");
-            assert!(matches!(error, StoreError::DamagedState { .. }), "{message}");
+            assert!(matches!(error, StoreError::Saved(SavedError::Damaged { .. })), "{message}");
         }
         put(name, &[]);
         let output = command::mc(here.path(), RESUME);

@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 use stick_slip::config::{Override, STANDARD_INPUT, ScenarioError};
 use stick_slip::engine::RunError;
 use stick_slip::provenance::Provenance;
+use stick_slip::saved::SavedError;
 use stick_slip::scenario::Scenario;
 use stick_slip::stats::Summary;
 use stick_slip::store::{StoreError, Stored};
@@ -99,8 +100,7 @@ impl From<StoreError> for Failure {
             | StoreError::Resumable { .. }
             | StoreError::NothingToResume { .. }
             | StoreError::InTheWay { .. }
-            | StoreError::OtherProgram { .. }
-            | StoreError::NewerState { .. }
+            | StoreError::Saved(SavedError::OtherProgram { .. } | SavedError::Newer { .. })
             | StoreError::Busy { .. }
             | StoreError::OtherSweep { .. }
             | StoreError::NotASweep { .. }

@@ -13,7 +13,6 @@
 
 mod at_once;
 mod calibration;
-mod checksum;
 mod draft;
 mod error;
 mod found;
@@ -43,20 +42,19 @@ mod workshop;
 mod writer;
 
 pub use crate::dataset::{Cheapest, CheapestRun, StoredCalibration, StoredSweep};
+pub use crate::saved::{Parts, Question, SavedError, read_block, write_block};
 pub use calibration::{read_calibration, write_calibration};
 pub use error::StoreError;
 pub use found::is_unfinished_sweep;
 pub use lock::lock_path;
-pub use log::{read_block, write_block};
 pub use look::{is_sealed, look_through};
 pub use outlet::RankLog;
-pub use parts::{PartError, Parts};
+pub use parts::PartError;
 pub use reader::{FileKind, Stored, kind, read};
 pub use remains::take_remains;
 pub use rows::read_path;
 pub use sink::{FileSink, Unfinished};
 pub use space::check_space;
-pub use state::Question;
 pub use sweep::{SweepFile, read_sweep, sweep_bytes};
 pub use trade::{StoredTrade, read_prices, read_trade, write_trade};
 pub use verify::{Difference, Sealed, Verification, check_bytes};

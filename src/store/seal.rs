@@ -7,9 +7,9 @@
 //! there are bytes behind the end they must be a seal, so that a seal which is itself damaged does
 //! not pass for one that is absent.
 
-use super::checksum::checksum;
 use super::superblock::superblock;
 use super::{StoreError, own};
+use crate::saved::checksum;
 use std::fs::File;
 use std::io::{self, Read, Seek as _, SeekFrom, Write as _};
 use std::path::Path;

@@ -1,13 +1,14 @@
 //! The sink that writes a run to a file.
 
-use super::log::{self, Log, Position};
+use super::log::{self, Log};
 use super::naming::parent;
 use super::outlet::{Outlet, read_receipt};
-use super::state::{self, Question, State};
+use super::state;
 use super::workshop::{ROWS, STATE, Workshop, lock, partial_path, rows_name};
 use super::{StoreError, Writer, check_space, found};
 use crate::engine::{Asked, Moment, Outcome, Sink, SinkError, SoFar, Status};
 use crate::provenance::Provenance;
+use crate::saved::{Position, Question, State, to_bytes};
 use crate::scenario::Scenario;
 use crate::stats::{BlockResult, Record};
 use std::path::{Path, PathBuf};
@@ -197,23 +198,6 @@ fn left_over(partial: PathBuf, target: PathBuf, question: &Question) -> StoreErr
     StoreError::Resumable { partial, target, what, saved_paths, paths }
 }
 
-impl Question {
-    /// The first difference between this question and another one, in words; `None` if they are
-    /// equal.
-    pub(super) fn difference_from(&self, other: &Question) -> Option<String> {
-        let (mine, theirs) = (self.scenario.to_toml(), other.scenario.to_toml());
-        let lines = || mine.lines().zip(theirs.lines());
-        let said = |line: &str| line.split("  #").next().unwrap_or("").trim().to_string();
-        if let Some((mine, theirs)) = lines().find(|(mine, theirs)| mine != theirs) {
-            return Some(format!("it has `{}`, and this one `{}`", said(mine), said(theirs)));
-        }
-        if mine != theirs {
-            return Some("its scenario is another one".into());
-        }
-        (self.asked != other.asked).then(|| "its goals, limits or options are others".into())
-    }
-}
-
 impl Open {
     /// Write everything to the disk: first the rows, then the state, which refers to them.
     fn save(&mut self, moment: &Moment<'_>) -> Result<(), StoreError> {
@@ -223,7 +207,7 @@ impl Open {
         if let Some(log) = &mut self.log {
             self.logs[0] = log.sync().map_err(|error| self.workshop.failed(&error))?;
         }
-        let state = state::to_bytes(&self.question, &moment.state(), moment.spent, &self.logs);
+        let state = to_bytes(&self.question, &moment.state(), moment.spent, &self.logs);
         self.workshop.save(&state, moment.paths)?;
         self.last = Instant::now();
         self.interval = INTERVAL.max(start.elapsed() * ONE_PART_IN);
@@ -254,7 +238,7 @@ impl Open {
             // is checked when parts are merged. It does not say how long the part took, so that
             // equal parts are equal files.
             let totals = state::read(&state)?.so_far.totals;
-            writer.part(part, &state::to_bytes(&question, &totals.to_bytes(), Duration::ZERO, &[in_one_log]))?;
+            writer.part(part, &to_bytes(&question, &totals.to_bytes(), Duration::ZERO, &[in_one_log]))?;
         }
         writer.finish(&outcome.summary, outcome.status)
     }
