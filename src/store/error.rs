@@ -276,7 +276,7 @@ pub(super) fn cause(error: &hdf5::Error) -> String {
 /// The end of a message about a failed write: how many paths are saved, and what to do next.
 fn after_failure(saved_paths: u64, target: &Path, remedy: &str) -> String {
     match saved_paths {
-        0 => format!("nothing was written: {remedy}, and run again"),
+        0 => format!("nothing more was written: {remedy}, and run again"),
         paths => format!("{} paths are safe: {remedy}, then `mc resume {}`", grouped(paths), target.display()),
     }
 }

@@ -90,7 +90,8 @@ impl Workshop {
         found::make_room(target, force)?;
         let folder = partial_path(target);
         let made = DirBuilder::new().mode(mode(target, force)).create(&folder);
-        let made = made.and_then(|()| own::create(&folder.join(MARK)).map(drop));
+        let mark = || own::create(&folder.join(MARK)).inspect_err(|_| drop(fs::remove_dir(&folder)));
+        let made = made.and_then(|()| mark().map(drop));
         made.map_err(|error| StoreError::NotCreated { partial: folder.clone(), cause: error.to_string() })?;
         Workshop::of(target, force, lock)
     }

@@ -111,7 +111,14 @@ impl SweepFile {
             return Err(StoreError::TakenAway { partial, target: self.target.clone() });
         }
         let units = self.header.units.clone();
-        write_at_once(&partial, units, true, |place| dataset::sweep::write(place, &self.header, sweep))?;
+        let written = write_at_once(&partial, units, true, |place| dataset::sweep::write(place, &self.header, sweep));
+        written.map_err(|error| match error {
+            // The file that could not be named is not one that `mc resume` knows.
+            StoreError::Rename { target, source, .. } => {
+                StoreError::Write { partial: partial.clone(), target, saved_paths: 0, cause: source.to_string() }
+            }
+            error => error,
+        })?;
         self.partial = identity(&partial);
         self.last = Some(Instant::now());
         self.interval = INTERVAL.max(start.elapsed() * ONE_PART_IN);
