@@ -2,18 +2,23 @@
 //! is done then, so it is no error.
 
 use std::io;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
-static REMAINS: Mutex<Vec<String>> = Mutex::new(Vec::new());
+static REMAINS: Mutex<Vec<(PathBuf, String)>> = Mutex::new(Vec::new());
 
 /// Note that this could not be removed.
 pub(super) fn stays(path: &Path, error: &io::Error) {
-    let line = format!("{} stays, because it cannot be removed: {error}; remove it yourself", path.display());
-    REMAINS.lock().unwrap_or_else(PoisonError::into_inner).push(line);
+    REMAINS.lock().unwrap_or_else(PoisonError::into_inner).push((path.to_owned(), error.to_string()));
 }
 
 /// What this process has left behind so far, in sentences. Each is returned once.
 pub fn take_remains() -> Vec<String> {
-    std::mem::take(&mut *REMAINS.lock().unwrap_or_else(PoisonError::into_inner))
+    let mut remains = std::mem::take(&mut *REMAINS.lock().unwrap_or_else(PoisonError::into_inner));
+    // A second attempt may have removed it.
+    remains.retain(|(path, _)| path.symlink_metadata().is_ok());
+    let line = |(path, error): (PathBuf, String)| {
+        format!("{} stays, because it cannot be removed: {error}; remove it yourself", path.display())
+    };
+    remains.into_iter().map(line).collect()
 }
