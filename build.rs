@@ -1,22 +1,58 @@
 //! Makes the commit available to the program as MC_GIT_HASH. It is "unknown" without git, or
-//! outside the repository of this package.
+//! outside the repository of this package. Where the commit does not say what the program was built
+//! from, a fingerprint of the sources follows: two programs of different sources must not pass for
+//! the same, because their numbers may differ.
 
 use std::env;
+use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
+/// What the program is built from. `target` is not among it, because it changes with every build.
+const SOURCES: [&str; 5] = ["build.rs", "Cargo.toml", "Cargo.lock", "src", "scenarios"];
+
 fn main() {
     let root = PathBuf::from(env::var_os("CARGO_MANIFEST_DIR").unwrap_or_default());
-    // The files whose changes make a commit "-dirty". `target` is not among them, because it
-    // changes with every build.
-    for watched in ["build.rs", "Cargo.toml", "Cargo.lock", "src", "scenarios"] {
+    for watched in SOURCES {
         watch(&root.join(watched));
     }
-    let hash = commit(&root).unwrap_or_else(|| "unknown".into());
+    let hash = match commit(&root) {
+        Some((hash, false)) => hash,
+        Some((hash, true)) => format!("{hash}-dirty-{}", fingerprint(&root)),
+        None => format!("unknown-{}", fingerprint(&root)),
+    };
     println!("cargo:rustc-env=MC_GIT_HASH={hash}");
 }
 
-fn commit(root: &Path) -> Option<String> {
+/// A fingerprint of the sources, FNV-1a of their names and contents in 64 bits.
+fn fingerprint(root: &Path) -> String {
+    let mut files: Vec<PathBuf> = Vec::new();
+    SOURCES.iter().for_each(|source| list(&root.join(source), &mut files));
+    files.sort();
+    let mut hash = 0xcbf2_9ce4_8422_2325_u64;
+    let mut add = |bytes: &[u8]| {
+        for byte in (bytes.len() as u64).to_le_bytes().iter().chain(bytes) {
+            hash = (hash ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3);
+        }
+    };
+    for file in &files {
+        add(file.strip_prefix(root).unwrap_or(file).as_os_str().as_encoded_bytes());
+        add(&fs::read(file).unwrap_or_default());
+    }
+    format!("{hash:016x}")
+}
+
+/// Adds a file, or all files of a folder.
+fn list(path: &Path, files: &mut Vec<PathBuf>) {
+    match fs::read_dir(path) {
+        Ok(entries) => entries.flatten().for_each(|entry| list(&entry.path(), files)),
+        Err(_) if path.is_file() => files.push(path.to_owned()),
+        Err(_) => {}
+    }
+}
+
+/// The commit, and whether the sources are others than its own.
+fn commit(root: &Path) -> Option<(String, bool)> {
     // An unpacked copy of this package inside another repository has no commit of its own.
     let top = git(root, &["rev-parse", "--show-toplevel"])?;
     if Path::new(&top).canonicalize().ok()? != root.canonicalize().ok()? {
@@ -32,7 +68,7 @@ fn commit(root: &Path) -> Option<String> {
     }
     let hash = git(root, &["rev-parse", "--short=12", "HEAD"])?;
     let changes = git(root, &["status", "--porcelain", "--untracked-files=no"])?;
-    Some(if changes.is_empty() { hash } else { format!("{hash}-dirty") })
+    Some((hash, !changes.is_empty()))
 }
 
 /// Makes cargo run this script again when the path changes. A path that does not exist is left out,

@@ -81,6 +81,7 @@ pub mod data;
 pub mod dataset;
 pub mod engine;
 pub mod ensemble;
+mod excerpt;
 #[cfg(feature = "figure")]
 pub mod figure;
 pub mod lanes;
@@ -91,6 +92,7 @@ pub mod numbers;
 pub mod provenance;
 #[cfg(feature = "mpi")]
 pub mod ranks;
+pub mod saved;
 pub mod scenario;
 pub mod scheme;
 pub mod stats;

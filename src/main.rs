@@ -7,10 +7,11 @@ use std::process::ExitCode;
 
 fn main() -> ExitCode {
     cli::once(|| match cli::Arguments::try_parse() {
-        Ok(arguments) => match arguments.call() {
-            Ok(()) => ExitCode::SUCCESS,
-            Err(failure) => failure.report(),
-        },
+        Ok(arguments) => {
+            let done = arguments.call();
+            cli::say_what_stays();
+            done.map_or_else(|failure| failure.report(), |()| ExitCode::SUCCESS)
+        }
         Err(answer) => cli::answer(&answer),
     })
 }

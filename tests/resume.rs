@@ -4,10 +4,13 @@
 
 #[path = "common/command.rs"]
 mod command;
+#[path = "common/shim.rs"]
+mod shim;
 
 use command::{LONGEST, Running, within};
 use rand_pcg::Pcg64Dxsm;
 use rand_pcg::rand_core::{Rng, SeedableRng};
+use shim::{folders, shimmed};
 use std::collections::HashMap;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -15,6 +18,7 @@ use std::process::{Command, ExitStatus, Output, Stdio};
 use std::sync::LazyLock;
 use std::thread::sleep;
 use std::time::{Duration, Instant};
+use stick_slip::saved::SavedError;
 use stick_slip::store::{self, StoreError};
 
 const RHO025: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenarios/rho025.toml");
@@ -153,38 +157,6 @@ fn killed_at_random_moments_a_run_comes_to_the_same_file() {
 #[ignore = "four minutes"]
 fn killed_a_thousand_times_a_run_comes_to_the_same_file() {
     many_kills([3, 4], 1000);
-}
-
-/// Runs `mc` and kills it at change number `kill_at` of the disk. Returns its output, and the
-/// changes of the disk that it made.
-fn shimmed(folder: &Path, arguments: &[&str], kill_at: u64) -> (Output, Vec<String>) {
-    let trace = folder.join("../trace");
-    let _ = fs::remove_file(&trace);
-    let mut command = Command::new(assert_cmd::cargo::cargo_bin!("mc"));
-    let command = command.current_dir(folder).args(arguments).env("LD_PRELOAD", shim()).env("KILL_TRACE", &trace);
-    let output = command.env("KILL_AT", kill_at.to_string()).output().expect("runs");
-    let trace = fs::read_to_string(&trace).unwrap_or_default();
-    (output, trace.lines().map(str::to_string).collect())
-}
-
-fn shim() -> &'static Path {
-    static SHIM: LazyLock<PathBuf> = LazyLock::new(|| {
-        let library = Path::new(env!("CARGO_TARGET_TMPDIR")).join("kill.so");
-        let source = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/shim/kill.c");
-        let mut compiler = Command::new("cc");
-        compiler.args(["-shared", "-fPIC", "-O1", "-o"]).arg(&library).args([source, "-ldl"]);
-        assert!(compiler.status().expect("a C compiler").success(), "{source} is not compiled");
-        library
-    });
-    &SHIM
-}
-
-/// A temporary folder and a folder within it.
-fn folders() -> (tempfile::TempDir, PathBuf) {
-    let outer = tempfile::tempdir().expect("a folder");
-    let inner = outer.path().join("here");
-    fs::create_dir(&inner).expect("made");
-    (outer, inner)
 }
 
 /// A run is killed at every write (which then has reached the file by half), sync, rename, link and
@@ -433,7 +405,7 @@ fn a_damaged_state_or_log_is_one_clear_message_and_nothing_else_is_touched() {
             let error = refusal(here.path());
             let message = error.to_string();
             assert!(message.contains(&format!("a.h5.partial/{name}")) && !message.contains('\n'), "{message}");
-            assert!(matches!(error, StoreError::DamagedState { .. }), "{message}");
+            assert!(matches!(error, StoreError::Saved(SavedError::Damaged { .. })), "{message}");
         }
         put(name, &[]);
         let output = command::mc(here.path(), RESUME);

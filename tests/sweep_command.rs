@@ -2,10 +2,14 @@
 
 #[path = "common/command.rs"]
 mod command;
+#[path = "common/shim.rs"]
+mod shim;
 
 use command::{Running, mc};
 use hdf5::File;
 use hdf5::types::VarLenUnicode;
+use shim::{failing, folders, shimmed};
+use std::fs;
 use std::path::Path;
 use std::process::Output;
 
@@ -127,6 +131,164 @@ fn a_finished_sweep_is_not_simulated_again_and_another_one_is_refused_with_the_d
     assert_eq!(refused.status.code(), Some(2));
     assert!(err(&refused).contains("HDF5"), "{}", err(&refused));
     assert_eq!(std::fs::read_to_string(here.join("note.txt")).expect("it is there"), "mine");
+}
+
+/// A sweep of two points, each of one block.
+const TINY: [&str; 10] = [
+    "sweep",
+    SCENARIO,
+    "--vary",
+    "rho=temperature.noise.intensity=0.1:0.2:2",
+    "--paths=256",
+    "--step",
+    "0.05",
+    "--quiet",
+    "-o",
+    "s.h5",
+];
+
+fn tiny(more: &[&'static str]) -> Vec<&'static str> {
+    [&TINY[..], more].concat()
+}
+
+/// The sweep is finished with the numbers of an undisturbed one, and nothing is beside its file.
+#[track_caller]
+fn assert_finished(here: &Path, expected: &[(String, Vec<u64>)], what: &str) {
+    assert_eq!(numbers(&here.join("s.h5")), expected, "{what}");
+    let left: Vec<_> = fs::read_dir(here).expect("a folder").map(|entry| entry.expect("read").file_name()).collect();
+    assert_eq!(left, ["s.h5"], "{what}");
+}
+
+fn undisturbed() -> Vec<(String, Vec<u64>)> {
+    let here = tempfile::tempdir().expect("a folder");
+    done(&mc(here.path(), &TINY));
+    numbers(&here.path().join("s.h5"))
+}
+
+/// A sweep is killed at every change of the disk that it makes. The same command, or `mc resume`
+/// where there is something to continue, finishes it. Every third change is tried.
+#[test]
+fn killed_at_any_change_of_the_disk_a_sweep_comes_to_the_same_numbers() {
+    let expected = undisturbed();
+    let mut kills = 0;
+    for kill_at in (1..).step_by(3) {
+        let (_outer, here) = folders();
+        let (output, _) = shimmed(&here, &TINY, kill_at);
+        if output.status.success() {
+            break;
+        }
+        assert_eq!(output.status.code(), None, "{}", err(&output));
+        kills += 1;
+        let is_saved = here.join("s.h5.partial").exists() || here.join("s.h5").exists();
+        let again = match is_saved && kills % 2 == 0 {
+            true => mc(&here, &["resume", "s.h5", "--quiet"]),
+            false => mc(&here, &TINY),
+        };
+        assert_eq!(again.status.code(), Some(0), "killed at {kill_at}: {}", err(&again));
+        assert_finished(&here, &expected, &format!("killed at {kill_at}"));
+    }
+    assert!(kills > 15, "{kills}");
+}
+
+/// The renames, links and removals of a sweep fail, one in each try. Either it succeeds, or it says
+/// what failed; the command that it advises then finishes it. A link that fails is no failure of the
+/// sweep, because the file is renamed instead.
+#[test]
+fn a_sweep_of_which_a_link_or_a_removal_fails_is_right_or_finished_by_the_command_that_it_advises() {
+    let expected = undisturbed();
+    let (_outer, here) = folders();
+    let (_, trace) = failing(&here, &TINY, 0, 5);
+    let is_name = |line: &&String| ["rename", "link", "unlink"].iter().any(|what| line.contains(&format!(" {what} ")));
+    let names: Vec<u64> =
+        trace.iter().filter(is_name).filter_map(|line| line.split(' ').next()?.parse().ok()).collect();
+    assert!(names.len() >= 8, "{trace:?}");
+    for number in names {
+        let (_outer, here) = folders();
+        let (output, _) = failing(&here, &TINY, number, 5);
+        if !output.status.success() {
+            assert_eq!(output.status.code(), Some(1), "{number}: {}", err(&output));
+            let advises_resume = err(&output).contains("mc resume s.h5");
+            let again = if advises_resume && here.join("s.h5.partial").exists() {
+                mc(&here, &["resume", "s.h5", "--quiet"])
+            } else {
+                mc(&here, &TINY)
+            };
+            assert_eq!(again.status.code(), Some(0), "{number}: {}{}", err(&output), err(&again));
+            assert_finished(&here, &expected, &format!("failed at {number}"));
+        } else {
+            assert_eq!(numbers(&here.join("s.h5")), expected, "{number}");
+            let is_alone = fs::read_dir(&here).expect("a folder").count() == 1;
+            assert!(is_alone || err(&output).contains("cannot be removed"), "{number}: {}", err(&output));
+        }
+    }
+}
+
+#[test]
+fn with_force_the_file_has_the_numbers_of_the_table_whatever_was_left_behind() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let here = folder.path();
+    done(&mc(here, &tiny(&["--seed", "2"])));
+    let expected = numbers(&here.join("s.h5"));
+    // All points of the sweep are known, and its file is still that of an older sweep.
+    fs::rename(here.join("s.h5"), here.join("s.h5.partial")).expect("renamed");
+    done(&mc(here, &[&TINY[..8], &["--seed", "3", "-o", "old.h5"]].concat()));
+    fs::rename(here.join("old.h5"), here.join("s.h5")).expect("renamed");
+    let refused = mc(here, &tiny(&["--seed", "2"]));
+    assert_eq!(refused.status.code(), Some(2), "{}", err(&refused));
+    done(&mc(here, &tiny(&["--seed", "2", "--force"])));
+    assert_finished(here, &expected, "with --force");
+}
+
+#[test]
+fn mc_resume_continues_a_sweep_and_says_what_it_does_not_do() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let here = folder.path();
+    done(&mc(here, &TINY));
+    let expected = numbers(&here.join("s.h5"));
+    fs::rename(here.join("s.h5"), here.join("s.h5.partial")).expect("renamed");
+    let refused = mc(here, &["resume", "s.h5", "--end"]);
+    assert_eq!(refused.status.code(), Some(2), "{}", err(&refused));
+    assert!(err(&refused).contains("is a sweep"), "{}", err(&refused));
+    fs::write(here.join("s.h5"), "by hand").expect("written");
+    let refused = mc(here, &["resume", "s.h5"]);
+    assert_eq!(refused.status.code(), Some(1), "{}", err(&refused));
+    assert!(err(&refused).contains("appeared"), "{}", err(&refused));
+    fs::remove_file(here.join("s.h5")).expect("removed");
+    let resumed = mc(here, &["resume", "s.h5.partial"]);
+    done(&resumed);
+    assert!(out(&resumed).contains("stick_duration_mean"), "{}", out(&resumed));
+    assert_finished(here, &expected, "resumed");
+    // What is finished is not simulated again.
+    let again = mc(here, &["resume", "s.h5"]);
+    done(&again);
+    assert!(err(&again).contains("is finished"), "{}", err(&again));
+}
+
+/// A program that changes a file drops its checksum. Its points are not continued and not sealed
+/// again, neither those of a finished sweep nor those of one that is not.
+#[test]
+fn a_sweep_that_another_program_has_changed_is_refused() {
+    for name in ["s.h5", "s.h5.partial"] {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let here = folder.path();
+        done(&mc(here, &TINY));
+        fs::rename(here.join("s.h5"), here.join("made.h5")).expect("renamed");
+        fs::rename(here.join("made.h5"), here.join(name)).expect("renamed");
+        let file = File::open_rw(here.join(name)).expect("an HDF5 file");
+        let estimate = file.dataset("estimate").expect("there");
+        let mut values = estimate.read_raw::<f64>().expect("read");
+        values[0] = 7.0;
+        estimate.write_raw(&values).expect("written");
+        drop((estimate, file));
+        let changed = fs::read(here.join(name)).expect("there");
+        let commands: &[&[&str]] = if name == "s.h5" { &[&TINY] } else { &[&TINY, &["resume", "s.h5"]] };
+        for command in commands {
+            let refused = mc(here, command);
+            assert_eq!(refused.status.code(), Some(2), "{name}: {}", err(&refused));
+            assert!(err(&refused).contains("no checksum") && err(&refused).contains(name), "{}", err(&refused));
+        }
+        assert_eq!(fs::read(here.join(name)).expect("there"), changed, "{name}");
+    }
 }
 
 #[test]

@@ -9,15 +9,16 @@ use crate::watched::{Watch, WatchedProgress, watched};
 use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
+use std::collections::HashMap;
 use std::ops::ControlFlow;
+use std::path::PathBuf;
 use std::time::Duration;
 use stick_slip::dataset::{Dataset, Recorder};
-use stick_slip::engine::{
-    Asked, EndedBy, MOST_PATHS, MissedGoal, Outcome, Part, Replay, Run, RunError, Sink as _, SoFar,
-};
+use stick_slip::engine::{Asked, EndedBy, MOST_PATHS, MissedGoal, Outcome, Part, Replay, Run, RunError, Sink as _};
 use stick_slip::ensemble::{Plan, ThreadsError, in_order};
+use stick_slip::saved::{PartRecorder, Parts, PartsError};
 use stick_slip::scenario::Scenario as Checked;
-use stick_slip::stats::{Goal, Measurement, RunTotals};
+use stick_slip::stats::{Goal, Measurement};
 
 /// The attributes and the variables of a data set.
 pub type Variables<'py> = (Bound<'py, PyDict>, Bound<'py, PyList>);
@@ -25,7 +26,7 @@ pub type Variables<'py> = (Bound<'py, PyDict>, Bound<'py, PyList>);
 /// A statistic of the caller's own: name, estimate, standard error, and the ends of the interval.
 type OwnEstimate = (String, f64, f64, f64, f64);
 
-/// The results of a run: its data set, warnings, the statistics of the caller's own, and the sums
+/// The results of a run: its data set, warnings, the statistics of the caller's own, and its state
 /// if it is a part.
 type Ran<'py> = (Variables<'py>, Vec<String>, Vec<OwnEstimate>, Option<Vec<u8>>);
 
@@ -61,61 +62,62 @@ pub fn run<'py>(
         max_time: max_time.map(Duration::from_secs_f64),
         with_bias: bias,
     };
-    let mut kept = Kept::new(scenario, own);
+    let (mut kept, mut part) = (Kept::new(scenario, own), PartRecorder::default());
     // Statistics of the caller's own need events, even if the data set is not to contain them.
     let watched_scenario = kept.watched(scenario);
     let (outcome, is_interrupted) = watched(py, progress.as_ref(), |watch| {
         let mut reported = WatchedProgress(watch);
         let run = Run::of(&watched_scenario).asked(asked).threads(threads.0);
-        run.stopped_by(&watch.stop).with_progress(&mut reported).into_sink(&mut kept).simulate()
+        run.stopped_by(&watch.stop).with_progress(&mut reported).into_sink(&mut kept).into_sink(&mut part).simulate()
     })?;
     let outcome = outcome.map_err(|error| of_run(py, error))?;
     let remarks = remarks(py, &outcome, is_interrupted)?;
     let Kept { recorder, own, .. } = kept;
-    let sums = recorder.sums().map(<[u8]>::to_vec);
     let named = |Own { name, estimate, .. }: &Own| {
         let Measurement { estimate, standard_error, low, high } = *estimate;
         (name.clone(), estimate, standard_error, low, high)
     };
-    Ok((to_python(py, recorder.into_dataset())?, remarks, own.iter().map(named).collect(), sums))
+    Ok((to_python(py, recorder.into_dataset())?, remarks, own.iter().map(named).collect(), part.into_state()))
 }
 
-/// Joins the parts of a run, given their data sets and their sums. The bias of the step is
-/// estimated here.
+/// Joins the parts of a run, given the name, the data set and the state of each, with the checks of
+/// `mc merge`. The bias of the step is estimated here.
 #[pyfunction]
-#[pyo3(signature = (scenario, parts, *, bias, threads, progress))]
+#[pyo3(signature = (parts, *, bias, threads, progress))]
 pub fn merge<'py>(
     py: Python<'py>,
-    scenario: &Scenario,
-    parts: Vec<(Handed<'py>, Vec<u8>)>,
+    parts: Vec<(String, Handed<'py>, Vec<u8>)>,
     bias: bool,
     threads: Threads,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<(Variables<'py>, Vec<String>)> {
-    let scenario = &scenario.checked;
-    let damaged = |problem: &str| errors::of_argument(py, "parts", "a part", problem, "give it as run() returned it");
-    let empty = || RunTotals::empty(&scenario.model, &scenario.timeline());
-    let mut totals = empty();
+    let refused = |error: PartsError| {
+        let (problem, remedy) = (error.to_string(), "give all parts of one run, as run() returned them");
+        errors::of_argument(py, "parts", "these", &problem, remedy)
+    };
+    let states = parts.iter().map(|(name, _, state)| (PathBuf::from(name), state.clone()));
+    let whole = Parts::of_bytes(states).map_err(refused)?;
+    let mut given: HashMap<String, Handed> = parts.into_iter().map(|(name, dataset, _)| (name, dataset)).collect();
     let mut datasets = Vec::new();
-    for (part, sums) in parts {
-        let sums = empty().read(&sums).map_err(|_| damaged("its sums are not those of this run"))?;
-        totals.merge(sums).map_err(|error| damaged(&error.to_string()))?;
-        datasets.push(from_python(part)?);
+    for (number, name) in whole.names().enumerate() {
+        let Some(handed) = name.to_str().and_then(|name| given.remove(name)) else { continue };
+        let dataset = from_python(handed)?;
+        whole.check_rows(number, &dataset).map_err(refused)?;
+        datasets.push(dataset);
     }
-    let asked =
-        Asked { paths: scenario.ensemble.paths, part: None, goals: Vec::new(), max_time: None, with_bias: bias };
-    let so_far = SoFar { totals, spent: Duration::ZERO };
+    let scenario = &whole.question.scenario;
+    let asked = Asked { with_bias: bias, ..whole.question.asked.clone() };
     let mut recorder = Recorder::default();
     let (outcome, is_interrupted) = watched(py, progress.as_ref(), |watch: &Watch| {
         let mut reported = WatchedProgress(watch);
         let run = Run::of(scenario).asked(asked).threads(threads.0);
-        run.stopped_by(&watch.stop).with_progress(&mut reported).into_sink(&mut recorder).go_on(so_far)
+        run.stopped_by(&watch.stop).with_progress(&mut reported).into_sink(&mut recorder).go_on(whole.so_far.clone())
     })?;
     let outcome = outcome.map_err(|error| of_run(py, error))?;
     let remarks = remarks(py, &outcome, is_interrupted)?;
     let mut dataset = recorder.into_dataset();
     for part in &datasets {
-        dataset.append_rows(part).map_err(|error| damaged(&error))?;
+        dataset.append_rows(part).map_err(|cause| refused(PartsError::Rows { path: "a part".into(), cause }))?;
     }
     Ok((to_python(py, dataset)?, remarks))
 }

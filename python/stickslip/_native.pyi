@@ -61,8 +61,7 @@ def run(
     own: list[tuple[str, Callable[..., Any]]],
 ) -> tuple[Variables, list[str], list[tuple[str, float, float, float, float]], bytes | None]: ...
 def merge(
-    scenario: Scenario,
-    parts: list[tuple[Handed, bytes]],
+    parts: list[tuple[str, Handed, bytes]],
     *,
     bias: bool,
     threads: int | None,

@@ -11,7 +11,7 @@ from ._data import dataset, raw, ready, warn
 from ._own import Statistic
 from ._progress import Progress, shown
 from ._scenario import ScenarioLike, Settings, parse
-from .errors import ArgumentError, wrong_argument
+from .errors import wrong_argument
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -23,6 +23,9 @@ Until = Union[float, str, Sequence[str]]
 #: What is kept of single paths: the names "paths" and "events", or a dictionary, which may also
 #: have the key "trajectories".
 Record = Union[str, Sequence[str], Mapping[str, Any]]
+
+#: The attributes of the state of a part.
+PART_STATE = {"long_name": "state of a part of a run, from which mc merge joins it to the others"}
 
 
 def run(
@@ -166,7 +169,7 @@ def run(
         )
     warn([text for _, text in parsed.warnings(measures_bias=bias)])
     with shown(progress) as told:
-        made, remarks, estimates, sums = _native.run(
+        made, remarks, estimates, state = _native.run(
             parsed,
             goals=goals,
             is_bounded=paths is not None,
@@ -183,8 +186,8 @@ def run(
     ds = dataset(made)
     if accuracy is not None:
         ds.attrs["accuracy"] = goal
-    if sums is not None:
-        ds["part_sums"] = ("part_sum", np.frombuffer(sums, dtype=np.uint8))
+    if state is not None:
+        ds["part_state"] = ("part_state", np.frombuffer(state, dtype=np.uint8), PART_STATE)
     return ds.merge(_of_own(estimates)) if estimates else ds
 
 
@@ -199,7 +202,7 @@ def merge(
 
     Args:
         parts: the data sets of all parts of one run, in any order. They may come from several
-            machines, but from one version of the package.
+            machines, and from files of `mc run --part`, but from one build of the program.
         bias: whether to estimate the bias of each statistic that comes from the time step. Parts
             have no such estimate, so it is made here.
         threads: number of threads for that estimate; one for each core if not given.
@@ -209,49 +212,25 @@ def merge(
         The data set that `run` would have returned for the whole run, bit for bit.
 
     Raises:
-        ArgumentError: a part is missing, given twice, damaged, or of another run or version.
+        ArgumentError: a part is missing, given twice, damaged, or of another run or program. The
+            checks are those of `mc merge`.
     """
-    given = {}
-    for ds in parts:
-        name = ds.attrs.get("part")
-        if not isinstance(name, str) or "part_sums" not in ds:
-            raise _wrong_parts(
-                "a data set", "it is no part", 'give what run(..., part="1/4") returned'
+    given = []
+    for number, ds in enumerate(parts):
+        if "part" not in ds.attrs or "part_state" not in ds:
+            raise wrong_argument(
+                "parts",
+                f"parts[{number}]",
+                "it is no part",
+                'give what run(..., part="1/4") returned, or the file of mc run --part',
             )
-        if name in given:
-            raise _wrong_parts(name, "it is given twice", "leave out one of them")
-        given[name] = ds
+        given.append((f"parts[{number}]", raw(ds), ds.part_state.to_numpy().tobytes()))
     if not given:
-        raise _wrong_parts("nothing", "there are no parts", "give all parts of a run")
-    first = next(iter(given.values()))
-    count = int(first.attrs["part"].split("/")[1])
-    for name, ds in given.items():
-        for key in ("scenario", "program_version", "git_hash", "generator", "block_size", "paths"):
-            if ds.attrs.get(key) != first.attrs.get(key):
-                raise _wrong_parts(
-                    name,
-                    f"its attribute `{key}` is another one",
-                    "give the parts of one run, made by one version",
-                )
-    wanted = [f"{number}/{count}" for number in range(1, count + 1)]
-    missing = [name for name in wanted if name not in given]
-    if missing or len(given) > count:
-        raise _wrong_parts(
-            ", ".join(missing) or "too many",
-            "missing, or cut otherwise",
-            "give all parts of one run",
-        )
+        raise wrong_argument("parts", "nothing", "there are no parts", "give all parts of a run")
     with shown(progress) as told:
-        handed = [(raw(given[name]), given[name].part_sums.to_numpy().tobytes()) for name in wanted]
-        made, remarks = _native.merge(
-            of_run(first), handed, bias=bias, threads=threads, progress=told
-        )
+        made, remarks = _native.merge(given, bias=bias, threads=threads, progress=told)
     warn(remarks)
     return dataset(made)
-
-
-def _wrong_parts(value: str, problem: str, remedy: str) -> ArgumentError:
-    return wrong_argument("parts", value, problem, remedy)
 
 
 def _chosen(

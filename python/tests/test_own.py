@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import zlib
+
 import numpy as np
 import pytest
 import stickslip as ss
@@ -109,18 +111,49 @@ def test_a_part_is_that_of_the_command(mc, tmp_path):
         ss.run(SCENARIOS / "rho025.toml", paths=1500, part="2/4"),
         ss.load(tmp_path / "part.h5"),
     )
-    # Only the form of the sums differs, because a file also holds the state of its log.
-    same(mine.drop_dims("part_sum"), file.drop_dims("part_state"))
+    same(mine.drop_dims("part_state"), file.drop_dims("part_state"))
+    if mine.attrs["git_hash"] != file.attrs["git_hash"]:
+        return
+    # Of one build they are the same in all of their bytes, and parts of both kinds are joined.
+    assert mine.part_state.to_numpy().tobytes() == file.part_state.to_numpy().tobytes()
+    others = [ss.run(SCENARIOS / "rho025.toml", paths=1500, part=f"{i}/4") for i in (1, 3, 4)]
+    same(ss.merge([file, *others]), ss.run(SCENARIOS / "rho025.toml", paths=1500))
+
+
+def with_state(ds, state):
+    """The part with another state."""
+    return ds.drop_vars("part_state").assign(part_state=("part_state", np.array(state)))
+
+
+def of_another_build(ds):
+    """The part as another build would have made it, with a checksum that fits."""
+    body = bytearray(ds.part_state.to_numpy().tobytes()[:-4])
+    body[body.index(ss._native.GIT_HASH.encode())] ^= 1
+    state = bytes(body) + zlib.crc32(body).to_bytes(4, "little")
+    return with_state(ds, np.frombuffer(state, dtype=np.uint8))
 
 
 def test_parts_that_do_not_go_together_are_named():
-    half = [ss.run("rho025", paths=600, part=f"{i}/2") for i in (1, 2)]
+    half = [ss.run("rho025", paths=600, part=f"{i}/2", record="paths") for i in (1, 2)]
+    other = [of_another_build(ds) for ds in half]
+    wrong_rows = half[1].copy(deep=True)
+    wrong_rows.path_stick_time[17] += 1e-9
+    swapped = [with_state(ds, half[1 - i].part_state) for i, ds in enumerate(half)]
+    damaged = half[1].part_state.to_numpy().copy()
+    damaged[len(damaged) // 2] ^= 1
+    repeated = {"paths": 600, "part": "2/2", "record": "paths"}
     for parts, problem in [
         ([], "no parts"),
-        (half[:1], "2/2: missing"),
-        ([half[0], half[0]], "1/2: it is given twice"),
-        ([half[0], ss.run("rho025", paths=600, part="2/2", seed=2)], "`scenario` is another"),
-        ([half[0], half[1].drop_vars("part_sums")], "no part"),
+        (half[:1], "missing: part 2/2"),
+        ([half[0], half[0]], "both are part 1/2"),
+        ([half[0], ss.run("rho025", **repeated, seed=2)], "not of the same"),
+        ([half[0], ss.run("rho025", **repeated, bias=False)], "others"),
+        ([half[0], half[1].drop_vars("part_state")], "no part"),
+        # All of them are of one build, which is not this one.
+        (other, "begun by mc"),
+        ([half[0], wrong_rows], r"parts\[1\]: its rows are not those"),
+        (swapped, "its rows are not those"),
+        ([half[0], with_state(half[1], damaged)], "damaged"),
     ]:
         with pytest.raises(ss.ArgumentError, match=problem):
             ss.merge(parts)

@@ -7,6 +7,7 @@ use super::failure::{Failure, note, print, writable};
 use super::interrupt::stop_on_signals;
 use super::measurements::Source;
 use super::numbers::{parse_duration, wrapped};
+use super::results;
 use super::threads::Threads;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
@@ -81,7 +82,8 @@ impl Calibrate {
         let set = self.set.iter().map(|text| Override::set(text)).collect::<Result<Vec<_>, _>>()?;
         let scene = BridgeScene::read(&self.scenario, &set)?;
         if let Some(output) = &self.output {
-            writable(output, self.force, self.source.files().chain([self.scenario.as_path()]))?;
+            let inputs = results::with_series(&self.scenario, scene.file.as_deref());
+            writable(output, self.force, self.source.files().chain(inputs.iter().map(PathBuf::as_path)))?;
         }
         let record = self.source.record(&scene)?;
         let question = Question {

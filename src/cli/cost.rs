@@ -24,7 +24,11 @@ pub const STUDY_BYTES: f64 = 30e6;
 /// take. Where they take too long to be timed, the seconds follow from the number of steps. None if
 /// that is not known either.
 pub fn measured_cpu_seconds(scenario: &Scenario) -> Option<f64> {
-    let paths = scenario.ensemble.paths;
+    cpu_seconds_of(scenario, scenario.ensemble.paths)
+}
+
+/// The same of so many paths.
+pub fn cpu_seconds_of(scenario: &Scenario, paths: u64) -> Option<f64> {
     seconds_per_path(scenario, MEASURING_TIME).map(|each| each * paths as f64).or_else(|| cpu_seconds(scenario, paths))
 }
 

@@ -3,10 +3,12 @@
 use super::interrupt::exit_code;
 use super::safe;
 use std::io::{self, Write as _};
+use std::os::unix::fs::MetadataExt as _;
 use std::path::Path;
 use std::process::ExitCode;
 use stick_slip::config::ScenarioError;
 use stick_slip::scheme::Misfit;
+use stick_slip::store::{lock_path, partial_path};
 
 /// Why a verb did not do what it was asked to do.
 #[derive(Debug)]
@@ -109,8 +111,8 @@ pub fn note(text: &str) {
 
 /// Checks that a file may be written at `path`: its directory exists, and it replaces at most a
 /// regular file, and that only with `force`. A file among `inputs`, from which the results are
-/// made, is never replaced.
-pub fn writable<'a>(path: &Path, force: bool, inputs: impl IntoIterator<Item = &'a Path>) -> Result<(), Failure> {
+/// made, is never replaced, and none of the names that are taken while the file is made is one.
+pub fn writable<P: AsRef<Path>>(path: &Path, force: bool, inputs: impl IntoIterator<Item = P>) -> Result<(), Failure> {
     let shown = path.display();
     let refuse = |problem: String| Err(Failure::usage(problem, "choose another file with -o"));
     if path == Path::new("-") {
@@ -119,10 +121,16 @@ pub fn writable<'a>(path: &Path, force: bool, inputs: impl IntoIterator<Item = &
     if path.to_str().is_none() {
         return refuse(format!("{shown}: its name is not UTF-8"));
     }
-    let same =
-        |input: &Path| path.canonicalize().is_ok_and(|path| input.canonicalize().is_ok_and(|input| path == input));
-    if inputs.into_iter().any(same) {
-        return refuse(format!("{shown} is what the results are made from"));
+    let taken = [path.to_owned(), partial_path(path), lock_path(path)];
+    for input in inputs {
+        match taken.iter().find(|name| is_same(name, input.as_ref())) {
+            Some(name) if name == path => return refuse(format!("{shown} is what the results are made from")),
+            Some(name) => {
+                let name = name.display();
+                return refuse(format!("{name}, which mc needs to make {shown}, is what the results are made from"));
+            }
+            None => {}
+        }
     }
     if path.is_dir() {
         return Err(Failure::usage(format!("{shown} is a directory"), "give the name of a file with -o"));
@@ -142,4 +150,10 @@ pub fn writable<'a>(path: &Path, force: bool, inputs: impl IntoIterator<Item = &
         }
         _ => Ok(()),
     }
+}
+
+/// Whether two names are of one file, whatever links lead to it.
+fn is_same(one: &Path, other: &Path) -> bool {
+    let of = |path: &Path| path.metadata().map(|there| (there.dev(), there.ino()));
+    matches!((of(one), of(other)), (Ok(one), Ok(other)) if one == other)
 }

@@ -7,6 +7,7 @@ use super::failure::{Failure, note, print, writable};
 use super::interrupt::stop_on_signals;
 use super::measurements::Source;
 use super::numbers::{Digits, grouped, percent, wrapped};
+use super::results;
 use super::table::{Row, aligned};
 use super::threads::Threads;
 use serde::Serialize;
@@ -79,7 +80,8 @@ impl Forecast {
         let set = self.set.iter().map(|text| Override::set(text)).collect::<Result<Vec<_>, _>>()?;
         let scene = BridgeScene::read(&self.scenario, &set)?;
         if let Some(output) = &self.output {
-            writable(output, self.force, self.source.files().chain([self.scenario.as_path()]))?;
+            let inputs = results::with_series(&self.scenario, scene.file.as_deref());
+            writable(output, self.force, self.source.files().chain(inputs.iter().map(PathBuf::as_path)))?;
         }
         let threads = self.threads.ready("this forecast", STUDY_BYTES)?;
         let stop = stop_on_signals()?;

@@ -73,7 +73,7 @@ impl Init {
         let beside = start.data.iter().map(|(name, text)| (output.with_file_name(name), *text));
         let files: Vec<(PathBuf, &str)> = std::iter::once((output.clone(), text.as_str())).chain(beside).collect();
         for (path, _) in &files {
-            writable(path, self.force, [])?;
+            writable(path, self.force, [""; 0])?;
         }
         for (path, text) in &files {
             store::write_whole(path, text.as_bytes(), self.force)?;

@@ -35,6 +35,7 @@ mod show;
 mod sitting;
 mod sweep;
 mod sweep_report;
+mod sweep_sitting;
 mod table;
 mod terminal;
 mod threads;
@@ -47,6 +48,7 @@ pub use failure::Failure;
 pub use ranks::once;
 
 use clap::error::{ContextKind, ContextValue};
+use std::io::{self, IsTerminal as _};
 use std::path::Path;
 use std::process::ExitCode;
 use stick_slip::stats::Statistic;
@@ -93,7 +95,7 @@ pub struct Arguments {
 enum Verb {
     /// Simulate an ensemble of paths and write its statistics
     Run(run::Run),
-    /// Continue a run that was interrupted or killed
+    /// Continue a run or a sweep that was interrupted or killed
     Resume(resume::Resume),
     /// Join the parts of a run
     Merge(merge::Merge),
@@ -162,6 +164,11 @@ impl Arguments {
     }
 }
 
+/// Warns of what could not be removed after the work.
+pub fn say_what_stays() {
+    store::take_remains().iter().for_each(|line| failure::note(&format!("warning: {line}")));
+}
+
 /// Prints the answer of the argument parser: help, the version, or an error. Arguments are shown
 /// with unsafe characters escaped.
 pub fn answer(answer: &clap::Error) -> ExitCode {
@@ -169,6 +176,14 @@ pub fn answer(answer: &clap::Error) -> ExitCode {
         return failure.report();
     }
     let plain = answer.to_string();
+    if !answer.use_stderr() {
+        // Help and the version are what was asked for. A terminal gets them with colours.
+        let printed = match io::stdout().is_terminal() {
+            true => answer.print().map_err(Failure::Output),
+            false => failure::print(&plain),
+        };
+        return printed.map_or_else(|failure| failure.report(), |()| ExitCode::SUCCESS);
+    }
     // Escaping would destroy the colours, so the text is escaped, without colours, only if it
     // contains something unsafe for a terminal.
     if safe::text(&plain) == plain {

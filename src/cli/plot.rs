@@ -83,20 +83,21 @@ impl Plot {
     pub fn call(&self) -> Result<(), Failure> {
         let output = self.output.clone().unwrap_or_else(|| self.default_output());
         let format = Format::of(&output)?;
-        writable(&output, self.force, [self.subject.as_path()])?;
-        let scene = self.scene()?;
+        writable(&output, self.force, std::iter::once(&self.subject).chain(&self.beside))?;
+        let scene = self.scene(&output)?;
         write(&scene, format, &output, self.force)?;
         note(&format!("{}: {}", output.display(), size(&scene)));
         Ok(())
     }
 
-    fn scene(&self) -> Result<Scene, Failure> {
+    fn scene(&self, output: &Path) -> Result<Scene, Failure> {
         match files::kind(&self.subject)? {
             None => {
                 let set = self.set.iter().map(|text| Override::set(text));
                 let mut overrides = set.collect::<Result<Vec<_>, _>>()?;
                 overrides.extend(self.until());
                 let scenario = Scenario::read(&self.subject, &overrides)?;
+                writable(output, self.force, results::inputs(&self.subject, &scenario))?;
                 self.draw(
                     &Subject::Scenario { scenario: &scenario, path: self.path },
                     &scenario.title,

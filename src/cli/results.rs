@@ -7,6 +7,7 @@ use super::report;
 use std::path::{Path, PathBuf};
 use stick_slip::config::{Override, STANDARD_INPUT, ScenarioError};
 use stick_slip::engine::RunError;
+use stick_slip::saved::SavedError;
 use stick_slip::scenario::Scenario;
 use stick_slip::stats::Summary;
 use stick_slip::store::{StoreError, Stored};
@@ -19,6 +20,19 @@ pub fn default_output(scenario: &Path, ending: &str) -> PathBuf {
     let mut name = stem.to_os_string();
     name.push(ending);
     PathBuf::from(name)
+}
+
+/// The files that a run of a scenario is made from: the scenario, and the measured temperature that
+/// it names.
+pub fn inputs(path: &Path, scenario: &Scenario) -> Vec<PathBuf> {
+    let measured = scenario.measured.as_ref().map(|measured| measured.file.as_str());
+    with_series(path, measured)
+}
+
+/// A scenario and the file of a temperature that it names.
+pub fn with_series(path: &Path, file: Option<&str>) -> Vec<PathBuf> {
+    let series = file.map(|file| path.parent().unwrap_or(Path::new("")).join(file));
+    std::iter::once(path.to_owned()).chain(series).collect()
 }
 
 /// The scenario of a file of results, with its measured temperature, after these overrides.
@@ -79,11 +93,11 @@ impl From<StoreError> for Failure {
             | StoreError::Resumable { .. }
             | StoreError::NothingToResume { .. }
             | StoreError::InTheWay { .. }
-            | StoreError::OtherProgram { .. }
-            | StoreError::NewerState { .. }
+            | StoreError::Saved(SavedError::OtherProgram { .. } | SavedError::Newer { .. })
             | StoreError::Busy { .. }
             | StoreError::OtherSweep { .. }
-            | StoreError::NotASweep { .. } => Failure::Refused(error.to_string()),
+            | StoreError::NotASweep { .. }
+            | StoreError::NotSealed { .. } => Failure::Refused(error.to_string()),
             _ => Failure::Run(error.to_string()),
         }
     }

@@ -1,13 +1,15 @@
-//! `mc resume`: continues a run that was interrupted or killed.
+//! `mc resume`: continues a run or a sweep that was interrupted or killed.
 
 use super::cost;
 use super::failure::{Failure, note};
 use super::interrupt::stop_on_signals;
 use super::numbers::grouped;
 use super::sitting::{Leaves, RunOptions, Sitting};
-use std::path::PathBuf;
+use super::sweep_sitting::SweepSitting;
+use super::{files, ranks, sweep};
+use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
-use stick_slip::store::{self, FileSink, Unfinished};
+use stick_slip::store::{self, FileSink, StoreError, Unfinished};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -21,7 +23,7 @@ was spent counts, and what --accuracy chose are those of the run. Only the progr
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Resume {
-    /// The file that the run would have written, or the folder FILE.partial that it left
+    /// The file that the run or the sweep would have written, or FILE.partial, which it left
     file: PathBuf,
     /// Do not continue: write a file with the paths that are done; its status is `interrupted`
     #[arg(long)]
@@ -36,6 +38,12 @@ pub struct Resume {
 impl Resume {
     pub fn call(&self) -> Result<(), Failure> {
         let output = store::file_of(&self.file);
+        if store::is_unfinished_sweep(&output) {
+            return self.sweep(&output);
+        }
+        if output.is_file() {
+            files::look(&output)?;
+        }
         let Some(Unfinished { question, so_far, sink }) = FileSink::go_on(&output, self.force)? else {
             note(&format!("{} is finished: there is nothing to resume", output.display()));
             return Ok(());
@@ -54,5 +62,25 @@ impl Resume {
         let mut sink = if self.end { sink.ending() } else { sink };
         Sitting { options: &self.options, name, scenario, output: &output, accuracy_goal, stop: &stop, leaves }
             .simulate(asked.clone(), Some(so_far), &mut sink)
+    }
+
+    /// Continues a sweep, of which the file of its points says what was asked.
+    fn sweep(&self, output: &Path) -> Result<(), Failure> {
+        let partial = store::partial_path(output);
+        if self.end || self.options.watch.is_some() || ranks::crew().is_some() {
+            let problem =
+                format!("{} is a sweep, which is not resumed with --end, --watch or mpirun", partial.display());
+            return Err(Failure::usage(
+                problem,
+                format!("leave them out; the points that are done are in {0}", partial.display()),
+            ));
+        }
+        if output.symlink_metadata().is_ok() && !self.force {
+            return Err(StoreError::Appeared { partial, target: output.to_owned() }.into());
+        }
+        let question = sweep::stored(&partial, files::sweep(&partial)?)?.question;
+        let RunOptions { quiet, json, .. } = self.options;
+        SweepSitting { output, force: self.force, threads: &self.options.threads, statistics: &[], quiet, json }
+            .simulate(question)
     }
 }

@@ -2,8 +2,10 @@
 //! simulates, then prints the results and how precise they are.
 
 use super::accuracy;
+use super::cost;
 use super::ending;
 use super::failure::{Failure, note, print, print_data};
+use super::numbers::time;
 use super::progress::Progress;
 use super::report::{self, RunInfo};
 use super::threads::Threads;
@@ -27,15 +29,15 @@ pub struct RunOptions {
     /// Show the running estimate of this statistic and its relative error [default: that of --until
     /// or --accuracy]
     #[arg(long, value_name = "NAME", value_parser = super::completed::STATISTIC, hide_possible_values = true)]
-    watch: Option<Statistic>,
+    pub watch: Option<Statistic>,
     #[command(flatten)]
-    threads: Threads,
+    pub threads: Threads,
     /// Print nothing but warnings and errors
     #[arg(short, long)]
     pub quiet: bool,
     /// Print one JSON object on standard output, and nothing else there
     #[arg(long)]
-    json: bool,
+    pub json: bool,
 }
 
 impl RunOptions {
@@ -119,9 +121,14 @@ impl Sitting<'_> {
             return Err(Failure::Interrupted);
         }
         if outcome.summary.completed_paths == 0 {
+            let first = BLOCK_SIZE.min(outcome.paths);
+            let takes = cost::cpu_seconds_of(self.scenario, first);
+            let takes =
+                takes.map_or_else(String::new, |seconds| format!(", which take about {} on a thread", time(seconds)));
             return Err(Failure::Run(format!(
-                "the time was up before the first {BLOCK_SIZE} paths were done; nothing is written\n  fix: a longer --max-time, or a \
-                 larger step or tolerance; mc check says how long it takes"
+                "the time was up before the first {first} paths were done{takes}; nothing is written, because results are those of \
+                 whole blocks of {BLOCK_SIZE} paths\n  fix: a longer --max-time, or a larger step or tolerance; mc check says how long it \
+                 takes"
             )));
         }
         let info = self.print(outcome)?;

@@ -1,24 +1,19 @@
 //! `mc sweep`: computes statistics as functions of keys of the scenario, or how strongly a key
 //! affects them.
 
-use super::failure::{Failure, note, print, print_data, writable};
-use super::interrupt::stop_on_signals;
-use super::numbers::{bytes, duration, grouped, wrapped};
+use super::failure::{Failure, print, writable};
+use super::numbers::{bytes, duration, grouped};
 use super::overrides::Overrides;
-use super::progress::Progress;
 use super::results;
-use super::sweep_report;
+use super::sweep_sitting::SweepSitting;
 use super::threads::Threads;
-use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use stick_slip::config::{Override, symbol_and_meaning};
-use stick_slip::provenance::Provenance;
 use stick_slip::scenario::Scenario;
 use stick_slip::stats::Statistic;
-use stick_slip::store::{StoredSweep, SweepFile, sweep_bytes};
+use stick_slip::store::{StoredSweep, sweep_bytes};
 use stick_slip::study::sweep::{
-    Axis, Design, DesignError, Question, RELATIVE_STEPS, Seeds, Setting, Simulation, StarError, Sweep as Swept,
-    SweepEnd, estimated_seconds,
+    Axis, Design, DesignError, Question, RELATIVE_STEPS, Seeds, Setting, StarError, Sweep as Swept, estimated_seconds,
 };
 
 const EXAMPLES: &str = "\
@@ -29,7 +24,7 @@ Examples:
 
 Values are START:STOP:COUNT, log:START:STOP:COUNT, or a list. Several --vary are crossed, or go together with --zip.
 All points see the same noise, which makes differences between neighbours sharp; the table says by how much (gain), with errors
-whose unit is the path. Ctrl-C, or a crash, leaves FILE.h5.partial with the points that are done; the same command continues it.";
+whose unit is the path. Ctrl-C, or a crash, leaves FILE.h5.partial with the points that are done; the same command, or mc resume FILE.h5, continues it.";
 
 /// Arguments of `mc sweep`.
 #[derive(Debug, clap::Args)]
@@ -92,65 +87,17 @@ impl Sweep {
         }
         let output = self.output.clone().unwrap_or_else(|| results::default_output(&self.scenario, "-sweep.h5"));
         // An existing file is read before anything else: it may hold this sweep, done or half done.
-        writable(&output, true, [self.scenario.as_path()])?;
-        let header = Provenance::of(&question.scenario);
-        let (mut file, known) = SweepFile::open(&output, &header, &question, self.force)?;
-        warn(&question);
-        let mut sweep = Swept { question, points: known };
-        let was_complete = sweep.is_complete();
-        if was_complete {
-            note(&format!("{} holds this sweep already", output.display()));
-        } else {
-            if sweep.done() > 0 {
-                note(&format!("continuing: {} of {} points are done", sweep.done(), sweep.points.len()));
-            }
-            self.simulate(&mut sweep, &mut file)?;
+        writable(&output, true, results::inputs(&self.scenario, &question.scenario))?;
+        let (quiet, json) = (self.quiet, self.json);
+        SweepSitting {
+            output: &output,
+            force: self.force,
+            threads: &self.threads,
+            statistics: &self.statistic,
+            quiet,
+            json,
         }
-        if !sweep.is_complete() {
-            file.save_now(&sweep)?;
-            let (done, all) = (sweep.done(), sweep.points.len());
-            let partial = stick_slip::store::partial_path(&output);
-            note(&format!("{done} of {all} points are in {}; the same command continues", partial.display()));
-            return Err(Failure::Interrupted);
-        }
-        if !was_complete {
-            file.finish(&sweep)?;
-        }
-        self.print(&sweep, &output)
-    }
-
-    fn simulate(&self, sweep: &mut Swept, file: &mut SweepFile) -> Result<(), Failure> {
-        let used =
-            sweep.question.points.iter().map(|point| point.run_bytes(point.ensemble.paths, self.threads.number()));
-        let threads = self.threads.ready("the largest point of this sweep", used.fold(0.0, f64::max))?;
-        let stop = stop_on_signals()?;
-        let left = sweep.points.iter().zip(&sweep.question.points).filter(|(point, _)| point.is_none());
-        let mut progress = Progress::new(left.map(|(_, scenario)| scenario.ensemble.paths).sum(), self.quiet, None);
-        let simulation = Simulation { threads, stop: &stop, progress: &mut progress };
-        let ended = simulation.run(sweep, |sweep| file.save(sweep));
-        progress.finish();
-        ended.map_err(|end| match end {
-            SweepEnd::Receiver(error) => Failure::from(error),
-            SweepEnd::Overlap(_) => Failure::Run(end.to_string()),
-        })
-    }
-
-    fn print(&self, sweep: &Swept, output: &Path) -> Result<(), Failure> {
-        if self.json {
-            print_data(&sweep_report::json(sweep, output))?;
-        } else if !self.quiet {
-            print(&sweep_report::table(sweep, &self.statistic, output))?;
-        }
-        for line in sweep_report::remarks(sweep) {
-            note(wrapped(&format!("warning: {line}"), "  ").trim_end());
-        }
-        let lost = sweep.points.iter().flatten().filter(|point| point.completed_paths == point.diverged_paths).count();
-        if lost == sweep.points.len() {
-            return Err(Failure::Run(
-                "every path of every point diverged or was given up\n  fix: a smaller step".into(),
-            ));
-        }
-        Ok(())
+        .simulate(question)
     }
 
     /// The sweep that is asked for, with the scenario of every point checked.
@@ -250,23 +197,6 @@ fn outlook(question: &Question, threads: usize) -> String {
         duration(estimated_seconds(question, threads)),
         bytes(sweep_bytes(design) as f64)
     )
-}
-
-/// Prints each warning once, with the number of points that it concerns.
-fn warn(question: &Question) {
-    let mut due: BTreeMap<&str, (String, usize)> = BTreeMap::new();
-    for scenario in &question.points {
-        let measures_bias = question.with_bias && scenario.bias_plan(scenario.ensemble.paths).is_ok();
-        for warning in scenario.warnings_of_run(measures_bias) {
-            due.entry(warning.name()).or_insert_with(|| (warning.to_string(), 0)).1 += 1;
-        }
-    }
-    for (text, points) in due.into_values() {
-        let all = question.points.len();
-        let which =
-            if points == all { String::new() } else { format!(" (at {points} of {all} points, the first here)") };
-        note(wrapped(&format!("warning{which}: {text}"), "  ").trim_end());
-    }
 }
 
 /// Reads a share: 0.05 or 5%.

@@ -6,6 +6,7 @@ use super::interrupt::stop_on_signals;
 use super::numbers::{parse_duration, wrapped};
 use super::plot::{self, Format};
 use super::progress::Measuring;
+use super::results;
 use super::threads::Threads;
 use super::trade_report::{self, Asked};
 use std::path::{Path, PathBuf};
@@ -68,7 +69,7 @@ impl Trade {
         overrides.extend(self.seed.iter().map(|seed| Override::flag("--seed", "ensemble.seed", seed)));
         let scenario = Scenario::read(&self.scenario, &overrides)?;
         if let Some(output) = &self.output {
-            self.refuse_to_lose(output)?;
+            self.refuse_to_lose(output, &scenario)?;
         }
         let used = scenario.run_bytes(scenario.ensemble.paths, self.threads.number());
         let threads = self.threads.ready("a measurement of this scenario", used)?;
@@ -92,14 +93,14 @@ impl Trade {
         if stop.load(Ordering::Relaxed) { Err(Failure::Interrupted) } else { Ok(()) }
     }
 
-    fn refuse_to_lose(&self, output: &Path) -> Result<(), Failure> {
+    fn refuse_to_lose(&self, output: &Path, scenario: &Scenario) -> Result<(), Failure> {
         if pictures(output).iter().any(|picture| picture == output) {
             let problem = format!("{} is the name of a picture", output.display());
             return Err(Failure::usage(problem, "name the HDF5 file, e.g. -o trade.h5; the pictures go next to it"));
         }
-        let inputs = [self.scenario.as_path()];
-        writable(output, self.force, inputs)?;
-        pictures(output).iter().try_for_each(|picture| writable(picture, self.force, inputs))
+        let inputs = results::inputs(&self.scenario, scenario);
+        writable(output, self.force, &inputs)?;
+        pictures(output).iter().try_for_each(|picture| writable(picture, self.force, &inputs))
     }
 
     fn write(

@@ -3,6 +3,7 @@
 use super::failure::{Failure, note, print, writable};
 use super::measurements;
 use super::numbers::{grouped, parse_duration, significant};
+use super::results;
 use super::table::{Row, aligned};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -91,7 +92,7 @@ impl Twin {
     pub fn call(&self) -> Result<(), Failure> {
         let set = self.set.iter().map(|text| Override::set(text)).collect::<Result<Vec<_>, _>>()?;
         let scene = BridgeScene::read(&self.scenario, &set)?;
-        writable(&self.output, self.force, [self.scenario.as_path()])?;
+        writable(&self.output, self.force, results::with_series(&self.scenario, scene.file.as_deref()))?;
         let air = match &scene.file {
             Some(file) => measured(&self.scenario, file, &scene)?,
             None => self.drawn(&set)?,

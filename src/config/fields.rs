@@ -7,6 +7,7 @@ use super::error::Fault;
 use super::keys::{self, Key, Range};
 use super::source::{Place, Sources};
 use super::tree::{Entry, Node, Value};
+use crate::excerpt::short;
 use crate::model::LARGEST;
 
 /// A number with its place. `place` is `None` if the number is a default.
@@ -61,7 +62,7 @@ impl<'a> Fields<'a> {
                 Some(name) => (format!("; did you mean `{name}`?"), format!("write `{name}`, or remove it")),
                 None => (String::new(), "remove it".to_string()),
             };
-            let problem = format!("unknown key `{}`{hint}", entry.key);
+            let problem = format!("unknown key `{}`{hint}", short(&entry.key));
             let remedy = format!("{remedy}; {table} takes {}", known.join(", "));
             sources.report(sources.fault(Some(entry.key_place), problem, remedy));
         }

@@ -2,6 +2,7 @@
 
 use super::error::{Fault, ScenarioError};
 use super::overrides::Override;
+use crate::excerpt::{short, underlined};
 use crate::model::Series;
 use std::cell::RefCell;
 use std::sync::Arc;
@@ -149,9 +150,8 @@ impl Sources<'_> {
             Some(o) => o.value.as_str(),
             None => self.text.get(place.start..place.end).unwrap_or(""),
         };
-        let line = raw.lines().next().unwrap_or("");
-        let short: String = line.chars().take(QUOTE_LENGTH).collect();
-        if short.len() < raw.len() { format!("{short}...") } else { short }
+        let line = short(raw.lines().next().unwrap_or(""));
+        if raw.contains('\n') && !line.ends_with("...") { line + "..." } else { line }
     }
 
     /// Line, column and excerpt of a place in the file.
@@ -166,22 +166,13 @@ impl Sources<'_> {
         let content = self.text[line_start..line_end].trim_end_matches('\r');
         let before = &self.text[line_start..start];
         let marked = &self.text[start..floor_boundary(self.text, place.end.clamp(start, line_end))];
+        let column = before.chars().count() + 1;
+        let [content, carets] = underlined(content, column - 1, marked.trim_end().chars().count());
         let margin = line.to_string();
-        // A tab before the caret is copied, so that the caret is under its place for every tab
-        // width.
-        let indent: String = before.chars().map(|c| if c == '\t' { '\t' } else { ' ' }).collect();
-        let drawing = format!(
-            "{0:1$} |\n{margin} | {content}\n{0:1$} | {indent}{2}",
-            "",
-            margin.len(),
-            "^".repeat(marked.trim_end().chars().count().max(1)),
-        );
-        Some(Excerpt { line, column: before.chars().count() + 1, drawing })
+        let drawing = format!("{0:1$} |\n{margin} | {content}\n{0:1$} | {carets}", "", margin.len());
+        Some(Excerpt { line, column, drawing })
     }
 }
-
-/// Length of the longest quoted value, in characters; every number is shorter.
-const QUOTE_LENGTH: usize = 40;
 
 /// The last character boundary at or before `index`.
 fn floor_boundary(text: &str, index: usize) -> usize {

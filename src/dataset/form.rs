@@ -111,6 +111,13 @@ macro_rules! kinds {
                 }
             }
 
+            /// Some of the values; none if there are not so many.
+            pub(crate) fn slice(&self, range: std::ops::Range<usize>) -> Option<Column> {
+                match self {
+                    $(Column::$kind(values) => Some(Column::$kind(values.get(range)?.to_vec())),)*
+                }
+            }
+
             /// Add the values of another column. Fails if that column has another type.
             pub(crate) fn append(&mut self, other: &Column) -> Result<(), ()> {
                 match (self, other) {

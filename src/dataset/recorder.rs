@@ -2,7 +2,7 @@
 
 use super::rows::{self, Rows};
 use super::{Dataset, header, run};
-use crate::engine::{Asked, Moment, Outcome, Sink, SinkError};
+use crate::engine::{Asked, Outcome, Sink, SinkError};
 use crate::provenance::Provenance;
 use crate::scenario::Scenario;
 use crate::stats::BlockResult;
@@ -26,21 +26,12 @@ use crate::stats::BlockResult;
 pub struct Recorder {
     dataset: Dataset,
     header: Option<Provenance>,
-    /// The sums of a part of a run, once all of the part is simulated.
-    sums: Option<Vec<u8>>,
-    is_part: bool,
 }
 
 impl Recorder {
     /// The data set.
     pub fn into_dataset(self) -> Dataset {
         self.dataset
-    }
-
-    /// The sums of a part of a run as bytes, which [`crate::stats::RunTotals::read`] turns into the
-    /// same bits, to be joined with those of the other parts; none for a run that is no part.
-    pub fn sums(&self) -> Option<&[u8]> {
-        self.sums.as_deref()
     }
 }
 
@@ -51,20 +42,12 @@ impl Sink for Recorder {
         let Ok(()) = run::write_start(&mut self.dataset, &header);
         let Ok(()) = rows::empty_tables(&scenario.record, &header, |table| self.dataset.grow(&table));
         self.header = Some(header);
-        self.is_part = asked.part.is_some();
         Ok(())
     }
 
     fn block(&mut self, block: &BlockResult) -> Result<(), SinkError> {
         let bearing = self.header.as_ref().and_then(|header| header.bearing);
         let Ok(()) = rows::tables(&Rows::from(block), bearing, |table| self.dataset.grow(&table));
-        Ok(())
-    }
-
-    fn save(&mut self, moment: &Moment<'_>) -> Result<(), SinkError> {
-        if moment.is_last && self.is_part {
-            self.sums = Some(moment.state());
-        }
         Ok(())
     }
 

@@ -59,7 +59,7 @@ impl Instructions {
     /// Read the bytes of the message. It is an error if another version of the program has written
     /// the question.
     pub fn of_bytes(bytes: &[u8]) -> Result<Self, StoreError> {
-        let damaged = |_| StoreError::DamagedState { path: "the message of rank 0".into() };
+        let damaged = |_| SavedError::Damaged { path: "the message of rank 0".into() };
         let mut from = Reader::new(bytes);
         let (threads, has_goals) = (number(&mut from).map_err(damaged)?, number(&mut from).map_err(damaged)?);
         let outlet = read_bytes(&mut from).map_err(damaged)?.to_vec();

@@ -2,6 +2,7 @@
 
 use crate::numbers::bytes;
 use crate::numbers::grouped;
+use crate::saved::SavedError;
 use std::io;
 use std::path::{Path, PathBuf};
 
@@ -74,31 +75,9 @@ pub enum StoreError {
         /// The file that was to be made.
         target: PathBuf,
     },
-    /// The run was begun by another version or build of the program.
-    #[error(
-        "{}: begun by {theirs}; this is {mine}, which need not come to the same numbers\n  fix: continue it with the program that \
-         began it, or run it again with this one", path.display()
-    )]
-    OtherProgram {
-        /// The file with the state of the run.
-        path: PathBuf,
-        /// The program that began it.
-        theirs: String,
-        /// This program.
-        mine: String,
-    },
-    /// The saved state or log of a run cannot be used: its bytes are not those that were saved.
-    #[error("{}: damaged, or not what this program has saved; take it from a backup, or run again with --force", path.display())]
-    DamagedState {
-        /// The file.
-        path: PathBuf,
-    },
-    /// A newer version of the program has saved the run.
-    #[error("{}: saved by a newer version of mc; continue it with that version", path.display())]
-    NewerState {
-        /// The file.
-        path: PathBuf,
-    },
+    /// What was saved of the run cannot be used.
+    #[error(transparent)]
+    Saved(#[from] SavedError),
     /// A file appeared under the target's name while the results were being made.
     #[error(
         "{}: appeared while it was being made, and was not replaced; the results are in {}\n  fix: move the file away, or replace it \
@@ -145,6 +124,15 @@ pub enum StoreError {
     /// The file is not the file of a sweep.
     #[error("{}: this is no file of a sweep; choose another output file with -o, or overwrite it with --force", path.display())]
     NotASweep {
+        /// The file.
+        path: PathBuf,
+    },
+    /// The points of a sweep are in a file that another program has changed or written.
+    #[error(
+        "{}: it has no checksum, because another program changed or wrote it, so its points are not used\n  fix: take the file as mc \
+         wrote it, or move it away", path.display()
+    )]
+    NotSealed {
         /// The file.
         path: PathBuf,
     },
@@ -288,7 +276,7 @@ pub(super) fn cause(error: &hdf5::Error) -> String {
 /// The end of a message about a failed write: how many paths are saved, and what to do next.
 fn after_failure(saved_paths: u64, target: &Path, remedy: &str) -> String {
     match saved_paths {
-        0 => format!("nothing was written: {remedy}, and run again"),
+        0 => format!("nothing more was written: {remedy}, and run again"),
         paths => format!("{} paths are safe: {remedy}, then `mc resume {}`", grouped(paths), target.display()),
     }
 }

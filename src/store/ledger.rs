@@ -2,11 +2,11 @@
 //!
 //! Values are kept as checksums, so that a ledger is small however large the file is.
 
-use super::checksum::checksum;
 use super::draft::Failure;
 use super::rows::some_rows;
 use super::variable::read_attribute;
 use crate::dataset::{Attribute, Kind, Values};
+use crate::saved::checksum;
 use hdf5::{Dataset, File};
 use std::collections::BTreeMap;
 use std::ops::Range;

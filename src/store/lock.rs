@@ -3,10 +3,14 @@
 //!
 //! HDF5 has a lock of its own, but it is commonly switched off on file systems that many machines
 //! share.
+//!
+//! The file holds a mark, because other programs have locks of such names too, `Cargo.lock` for
+//! example. What holds anything else is not touched.
 
-use super::StoreError;
+use super::own::identity;
+use super::{StoreError, own, remains};
 use std::fs::{File, TryLockError};
-use std::io;
+use std::io::{self, Read as _, Seek as _, Write as _};
 use std::os::unix::fs::MetadataExt as _;
 use std::path::{Path, PathBuf};
 use std::thread::sleep;
@@ -17,15 +21,18 @@ use std::time::Duration;
 const TRIES: u32 = 5;
 const PAUSE: Duration = Duration::from_millis(20);
 
+/// What a lock file holds. A process that was killed may have left a part of it, or nothing.
+const MARK: &[u8] = b"made by mc, which removes it\n";
+
 /// The right to make a file. Dropping it removes the lock file.
 #[derive(Debug)]
 pub(super) struct Lock {
     path: PathBuf,
-    _file: File,
+    file: File,
 }
 
 /// The path of the lock file, `NAME.lock`.
-fn lock_path(target: &Path) -> PathBuf {
+pub fn lock_path(target: &Path) -> PathBuf {
     let mut name = target.as_os_str().to_owned();
     name.push(".lock");
     PathBuf::from(name)
@@ -38,7 +45,9 @@ impl Lock {
         let not_created = |error: io::Error| StoreError::NotCreated { partial: path.clone(), cause: error.to_string() };
         let mut tries = 0;
         loop {
-            let (file, is_new) = open(&path).map_err(not_created)?;
+            let Some((mut file, is_new)) = open(&path).map_err(not_created)? else {
+                return Err(StoreError::InTheWay { path });
+            };
             match file.try_lock() {
                 Ok(()) => {}
                 Err(TryLockError::WouldBlock) if tries < TRIES => {
@@ -55,38 +64,52 @@ impl Lock {
             // The previous holder may have removed the file after it was opened here and before it
             // was locked. The lock is then on a file without a name, which excludes nobody, so it
             // is tried again.
-            let here = file.metadata().map_err(not_created)?;
-            if std::fs::metadata(&path).is_ok_and(|there| (there.dev(), there.ino()) == (here.dev(), here.ino())) {
-                return Ok(Lock { path, _file: file });
+            if is_at(&file, &path) {
+                // A disk that is full is reported by what needs room there.
+                let _ = file.write_all(MARK);
+                return Ok(Lock { path, file });
             }
         }
     }
 
     /// Whether a process holds the lock of a target.
     pub fn is_taken(target: &Path) -> bool {
-        let file = File::open(lock_path(target));
+        let file = own::open(&lock_path(target), File::options().read(true));
         file.is_ok_and(|file| matches!(file.try_lock_shared(), Err(TryLockError::WouldBlock)))
     }
 }
 
-/// Open the lock file; the flag is true if it was created just now. Only a regular file is opened:
-/// opening a pipe would wait for its other end.
-fn open(path: &Path) -> io::Result<(File, bool)> {
+/// Open the lock file; the flag is true if it was created just now. None if a file of this name is
+/// no lock of ours.
+fn open(path: &Path) -> io::Result<Option<(File, bool)>> {
     match File::options().create_new(true).write(true).open(path) {
         Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}
-        made => return made.map(|file| (file, true)),
+        made => return made.map(|file| Some((file, true))),
     }
-    match std::fs::symlink_metadata(path) {
-        Ok(there) if !there.is_file() => {
-            Err(io::Error::new(io::ErrorKind::AlreadyExists, "there is something else of this name"))
-        }
-        _ => Ok((File::options().create(true).truncate(false).write(true).open(path)?, false)),
-    }
+    let mut file = match own::open(path, File::options().read(true).write(true)) {
+        // The previous holder has removed it meanwhile.
+        Err(error) if error.kind() == io::ErrorKind::NotFound => return open(path),
+        opened => opened?,
+    };
+    let mut found = Vec::new();
+    (&file).take(MARK.len() as u64 + 1).read_to_end(&mut found)?;
+    file.rewind()?;
+    Ok(MARK.starts_with(&found).then_some((file, false)))
+}
+
+/// Whether this open file has this name.
+fn is_at(file: &File, path: &Path) -> bool {
+    file.metadata().is_ok_and(|here| identity(path) == Some((here.dev(), here.ino())))
 }
 
 impl Drop for Lock {
+    /// Remove the lock file, unless somebody has replaced it. If it stays, it blocks nobody, since
+    /// nobody has it locked.
     fn drop(&mut self) {
-        // If removal fails, the empty file that remains blocks nobody, since nobody has it locked.
-        let _ = std::fs::remove_file(&self.path);
+        if is_at(&self.file, &self.path)
+            && let Err(error) = std::fs::remove_file(&self.path)
+        {
+            remains::stays(&self.path, &error);
+        }
     }
 }

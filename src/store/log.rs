@@ -6,36 +6,13 @@
 //! and the checksum at its end ([`Position`]). Anything that an interrupted write has left beyond
 //! this length is cut off.
 
-use super::StoreError;
-use super::checksum::checksum;
+use super::{StoreError, own};
 use crate::dataset::Rows;
-use crate::stats::{BlockResult, Codec, Damaged, EventColumns, PathColumns, Reader, Totals, TrajectoryRows};
+use crate::saved::{OwnedRows, Position, SavedError, checksum, read_rows};
+use crate::stats::Reader;
 use std::fs::File;
 use std::io::{self, BufReader, Read as _, Seek as _, SeekFrom, Write as _};
 use std::path::{Path, PathBuf};
-
-/// How much of a log is valid.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(super) struct Position {
-    /// Length in bytes.
-    pub length: u64,
-    /// Checksum of these bytes.
-    pub checksum: u32,
-}
-
-impl Position {
-    /// The position after one more block, whose bytes are appended to `out`.
-    pub fn after(self, rows: &Rows, out: &mut Vec<u8>) -> Position {
-        let start = out.len();
-        out.extend([0; 8]);
-        write_rows(rows, out);
-        let length = (out.len() - start - 8) as u64;
-        out[start..start + 8].copy_from_slice(&length.to_le_bytes());
-        let checksum = checksum(self.checksum, &out[start..]);
-        out.extend(checksum.to_le_bytes());
-        Position { length: self.length + (out.len() - start) as u64, checksum }
-    }
-}
 
 /// Number of bytes that are gathered in memory before they are written.
 const BUFFER: usize = 1 << 20;
@@ -50,15 +27,15 @@ pub(super) struct Log {
 }
 
 impl Log {
-    /// Create a new log; an error if there is one.
+    /// Create a new log. One that a killed process has left is removed.
     pub fn create(path: &Path) -> io::Result<Log> {
-        let file = File::options().create_new(true).write(true).open(path)?;
+        let file = own::create(path)?;
         Ok(Log { file, waiting: Vec::new(), end: Position::default() })
     }
 
     /// Open a log to continue it; everything beyond `end` is cut off.
     pub fn go_on(path: &Path, end: Position) -> io::Result<Log> {
-        let mut file = File::options().write(true).open(path)?;
+        let mut file = own::open(path, File::options().write(true))?;
         file.set_len(end.length)?;
         file.seek(SeekFrom::End(0))?;
         Ok(Log { file, waiting: Vec::new(), end })
@@ -105,10 +82,10 @@ struct Reading {
 impl Reading {
     fn open(path: PathBuf, end: Position) -> Result<Reading, StoreError> {
         let failed = |source| StoreError::NotOpened { path: path.clone(), source };
-        let file = File::open(&path).map_err(failed)?;
+        let file = own::open(&path, File::options().read(true)).map_err(failed)?;
         // The claimed length is compared with that of the file before any memory is allocated.
         if file.metadata().map_err(failed)?.len() < end.length {
-            return Err(StoreError::DamagedState { path });
+            return Err(SavedError::Damaged { path }.into());
         }
         let file = BufReader::with_capacity(BUFFER, file);
         let mut reading = Reading { path, file, at: Position::default(), end, bytes: Vec::new(), next: None };
@@ -157,7 +134,7 @@ impl Reading {
     }
 
     fn damaged(&self) -> StoreError {
-        StoreError::DamagedState { path: self.path.clone() }
+        SavedError::Damaged { path: self.path.clone() }.into()
     }
 }
 
@@ -178,154 +155,11 @@ pub(super) fn read(
     Ok(())
 }
 
-/// The rows of one block, read back from a log.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct OwnedRows {
-    pub first_path: u64,
-    pub paths: u64,
-    pub path_columns: Option<PathColumns>,
-    pub events: Option<EventColumns>,
-    pub trajectories: Option<TrajectoryRows>,
-}
-
-impl OwnedRows {
-    /// The same rows, borrowed, in the form that the writer takes.
-    pub fn rows(&self) -> Rows<'_> {
-        Rows {
-            first_path: self.first_path,
-            paths: self.paths,
-            path_columns: self.path_columns.as_ref(),
-            events: self.events.as_ref(),
-            trajectories: self.trajectories.as_ref(),
-        }
-    }
-}
-
-/// A number whose bytes have a fixed length.
-trait Fixed<const N: usize>: Copy {
-    fn bytes(self) -> [u8; N];
-    fn of(bytes: [u8; N]) -> Result<Self, Damaged>;
-}
-
-macro_rules! fixed {
-    ($($type:ty, $size:literal;)*) => {$(
-        impl Fixed<$size> for $type {
-            fn bytes(self) -> [u8; $size] {
-                self.to_le_bytes()
-            }
-
-            fn of(bytes: [u8; $size]) -> Result<Self, Damaged> {
-                Ok(<$type>::from_le_bytes(bytes))
-            }
-        }
-    )*};
-}
-
-fixed! { f64, 8; u64, 8; u32, 4; i8, 1; }
-
-impl Fixed<1> for bool {
-    fn bytes(self) -> [u8; 1] {
-        [self.into()]
-    }
-
-    fn of([byte]: [u8; 1]) -> Result<Self, Damaged> {
-        if byte > 1 { Err(Damaged) } else { Ok(byte == 1) }
-    }
-}
-
-/// Write a list: its length, then its numbers.
-fn write_list<T: Fixed<N>, const N: usize>(list: &[T], out: &mut Vec<u8>) {
-    (list.len() as u64).write(out);
-    list.iter().for_each(|number| out.extend(number.bytes()));
-}
-
-fn read_list<T: Fixed<N>, const N: usize>(from: &mut Reader<'_>) -> Result<Vec<T>, Damaged> {
-    let length = from.length()?.checked_mul(N).ok_or(Damaged)?;
-    let numbers = from.take(length)?.as_chunks::<N>().0;
-    numbers.iter().map(|bytes| T::of(*bytes)).collect()
-}
-
-/// Define the functions that write and read all lists of a struct.
-macro_rules! lists {
-    ($write:ident, $read:ident, $type:ident { $($field:ident),* $(,)? }) => {
-        fn $write(columns: Option<&$type>, out: &mut Vec<u8>) {
-            u64::from(columns.is_some()).write(out);
-            if let Some($type { $($field),* }) = columns {
-                $(write_list($field, out);)*
-            }
-        }
-
-        fn $read(from: &mut Reader<'_>) -> Result<Option<$type>, Damaged> {
-            let mut is_there = 0_u64;
-            is_there.read(from)?;
-            if is_there == 0 { Ok(None) } else { Ok(Some($type { $($field: read_list(from)?),* })) }
-        }
-    };
-}
-
-lists!(
-    write_paths,
-    read_paths,
-    PathColumns {
-        displacement_end,
-        max_displacement,
-        first_stick_duration,
-        stick_time,
-        friction_work,
-        sticks,
-        slips,
-        sub_phases,
-        diverged,
-    }
-);
-lists!(write_events, read_events, EventColumns { count, time, displacement, force, sign, kind });
-lists!(
-    write_trajectories,
-    read_trajectories,
-    TrajectoryRows { path, displacement, velocity, temperature, force, friction, is_static }
-);
-
-/// Append the rows of a block and the numbers of its diverged paths to `out`. Its sums are not
-/// written.
-pub fn write_block(block: &BlockResult, out: &mut Vec<u8>) {
-    (block.diverged.len() as u64).write(out);
-    block.diverged.iter().for_each(|path| path.write(out));
-    write_rows(&block.into(), out);
-}
-
-/// Read a block that [`write_block`] wrote. Its sums are not among the bytes, so a copy of `totals`
-/// takes their place.
-pub fn read_block(from: &mut Reader<'_>, totals: &Totals) -> Result<BlockResult, Damaged> {
-    let mut diverged = vec![0; from.length()?];
-    diverged.iter_mut().try_for_each(|path| path.read(from))?;
-    let OwnedRows { first_path, paths, path_columns, events, trajectories } = read_rows(from)?;
-    Ok(BlockResult { first_path, paths, diverged, totals: totals.clone(), path_columns, events, trajectories })
-}
-
-fn write_rows(rows: &Rows, out: &mut Vec<u8>) {
-    rows.first_path.write(out);
-    rows.paths.write(out);
-    write_paths(rows.path_columns, out);
-    write_events(rows.events, out);
-    write_trajectories(rows.trajectories, out);
-}
-
-fn read_rows(from: &mut Reader<'_>) -> Result<OwnedRows, Damaged> {
-    let (mut first_path, mut paths) = (0, 0);
-    first_path.read(from)?;
-    paths.read(from)?;
-    Ok(OwnedRows {
-        first_path,
-        paths,
-        path_columns: read_paths(from)?,
-        events: read_events(from)?,
-        trajectories: read_trajectories(from)?,
-    })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::saved::write_rows;
+    use crate::stats::{EventColumns, PathColumns};
 
     fn block(first_path: u64) -> OwnedRows {
         let n = (first_path % 5) as usize;
@@ -385,21 +219,30 @@ mod tests {
         }
         // Another checksum, or an end within a block, is reported as damage.
         let last = ends[20];
-        assert!(matches!(read_all(&path, Position { checksum: 1, ..last }), Err(StoreError::DamagedState { .. })));
+        assert!(matches!(
+            read_all(&path, Position { checksum: 1, ..last }),
+            Err(StoreError::Saved(SavedError::Damaged { .. }))
+        ));
         assert!(matches!(
             read_all(&path, Position { length: last.length - 1, ..last }),
-            Err(StoreError::DamagedState { .. })
+            Err(StoreError::Saved(SavedError::Damaged { .. }))
         ));
         // A length beyond that of the file is an error before memory is allocated.
-        assert!(matches!(read_all(&path, Position { length: 1 << 60, ..last }), Err(StoreError::DamagedState { .. })));
+        assert!(matches!(
+            read_all(&path, Position { length: 1 << 60, ..last }),
+            Err(StoreError::Saved(SavedError::Damaged { .. }))
+        ));
         // The log is cut at every byte, and one bit of every byte is flipped.
         for at in 0..whole.len() {
             std::fs::write(&path, &whole[..at]).expect("room");
-            assert!(matches!(read_all(&path, last), Err(StoreError::DamagedState { .. })), "cut at {at}");
+            assert!(matches!(read_all(&path, last), Err(StoreError::Saved(SavedError::Damaged { .. }))), "cut at {at}");
             let mut flipped = whole.clone();
             flipped[at] ^= 1 << (at % 8);
             std::fs::write(&path, &flipped).expect("room");
-            assert!(matches!(read_all(&path, last), Err(StoreError::DamagedState { .. })), "flipped at {at}");
+            assert!(
+                matches!(read_all(&path, last), Err(StoreError::Saved(SavedError::Damaged { .. }))),
+                "flipped at {at}"
+            );
         }
         // The log is continued after the seventh block, behind which a power failure has left other
         // bytes.

@@ -13,17 +13,20 @@
 
 mod at_once;
 mod calibration;
-mod checksum;
 mod draft;
 mod error;
+mod found;
 mod growing;
 mod ledger;
 mod lock;
 mod log;
 mod look;
+mod naming;
 mod outlet;
+mod own;
 mod parts;
 mod reader;
+mod remains;
 mod rows;
 mod scale;
 mod seal;
@@ -39,17 +42,19 @@ mod workshop;
 mod writer;
 
 pub use crate::dataset::{Cheapest, CheapestRun, StoredCalibration, StoredSweep};
+pub use crate::saved::{Parts, Question, SavedError, read_block, write_block};
 pub use calibration::{read_calibration, write_calibration};
 pub use error::StoreError;
-pub use log::{read_block, write_block};
+pub use found::is_unfinished_sweep;
+pub use lock::lock_path;
 pub use look::{is_sealed, look_through};
 pub use outlet::RankLog;
-pub use parts::{PartError, Parts};
+pub use parts::PartError;
 pub use reader::{FileKind, Stored, kind, read};
+pub use remains::take_remains;
 pub use rows::read_path;
 pub use sink::{FileSink, Unfinished};
 pub use space::check_space;
-pub use state::Question;
 pub use sweep::{SweepFile, read_sweep, sweep_bytes};
 pub use trade::{StoredTrade, read_prices, read_rungs, read_trade, write_trade};
 pub use verify::{

@@ -5,14 +5,14 @@
 //! saves in its state how much of each log counts, and reads all logs in the order of paths when it
 //! writes the file.
 
-use super::StoreError;
-use super::log::{Log, Position};
-use super::state::{read_positions, write_positions};
+use super::log::Log;
 use super::workshop::{TOKEN, rows_name};
+use super::{StoreError, own};
+use crate::saved::{Position, read_positions, write_positions};
 use crate::stats::{BlockResult, Codec as _, Damaged, Reader};
-use std::fs;
+use std::fs::{self, File};
 use std::hash::{BuildHasher as _, RandomState};
-use std::io;
+use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 
 /// Where other processes may write their logs.
@@ -34,7 +34,7 @@ impl Outlet {
     pub fn open(folder: &Path, logs: usize) -> io::Result<Outlet> {
         // The keys of the standard library's hash are random.
         let token = RandomState::new().hash_one(folder);
-        fs::write(folder.join(TOKEN), token.to_string())?;
+        own::create(&folder.join(TOKEN))?.write_all(token.to_string().as_bytes())?;
         Ok(Outlet { folder: fs::canonicalize(folder)?, token, first: logs as u64 })
     }
 
@@ -72,14 +72,15 @@ impl RankLog {
     /// the outlet is not on a disk that this machine shares.
     pub fn create(outlet: &[u8], rank: usize) -> Result<Option<RankLog>, StoreError> {
         let Ok(Outlet { folder, token, first }) = Outlet::of_bytes(outlet) else { return Ok(None) };
-        let is_shared = fs::read_to_string(folder.join(TOKEN)).is_ok_and(|there| there == token.to_string());
+        let there = own::open(&folder.join(TOKEN), File::options().read(true)).and_then(io::read_to_string);
+        let is_shared = there.is_ok_and(|there| there == token.to_string());
         if !is_shared {
             return Ok(None);
         }
         let number = first + rank as u64 - 1;
         let path = folder.join(rows_name(number));
-        // A crash may have left a log of this number that no saved state contains.
-        let log = remove(&path).and_then(|()| Log::create(&path)).map_err(|error| failed(&path, rank, &error))?;
+        // A crash may have left a log of this number that no saved state contains. It is removed.
+        let log = Log::create(&path).map_err(|error| failed(&path, rank, &error))?;
         Ok(Some(RankLog { log, path, rank, number }))
     }
 
@@ -111,12 +112,5 @@ pub(super) fn read_receipt(receipt: &[u8]) -> Result<(u64, Position), Damaged> {
     match read_positions(&mut from)?.as_slice() {
         [end] if from.left() == 0 => Ok((number, *end)),
         _ => Err(Damaged),
-    }
-}
-
-fn remove(path: &Path) -> io::Result<()> {
-    match fs::remove_file(path) {
-        Err(error) if error.kind() != io::ErrorKind::NotFound => Err(error),
-        _ => Ok(()),
     }
 }

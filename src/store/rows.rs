@@ -6,7 +6,8 @@ use super::reader::{check_file, open};
 use super::variable::readable;
 use crate::dataset::layout;
 use crate::dataset::{Column, Kind};
-use crate::stats::{EventColumns, PathColumns, TrajectoryRows};
+use crate::saved::{self, RowSource};
+use crate::stats::PathColumns;
 use hdf5::{Dataset, File, H5Type, Result};
 use ndarray::{IxDyn, s};
 use std::ops::Range;
@@ -24,7 +25,7 @@ pub fn read_path(path: &Path, number: u64) -> std::result::Result<Option<PathCol
         let first: Vec<u64> = column(&file, &layout::PATH, &(0..1))?;
         let row = first.first().and_then(|first| number.checked_sub(*first)).and_then(|row| usize::try_from(row).ok());
         let rows = file.dataset(layout::PATH.name)?.size();
-        row.filter(|row| *row < rows).map(|row| paths(&file, &(row..row + 1))).transpose()
+        row.filter(|row| *row < rows).map(|row| saved::paths(&file, &(row..row + 1))).transpose()
     };
     read().map_err(|error| StoreError::Damaged { path: path.to_owned(), cause: cause(&error) })
 }
@@ -35,11 +36,24 @@ pub(super) fn column<T: H5Type + Clone>(
     variable: &layout::Variable,
     rows: &Range<usize>,
 ) -> Result<Vec<T>> {
+    slice(&dataset(file, variable, rows)?, rows)
+}
+
+/// The variable, which must have these rows.
+fn dataset(file: &File, variable: &layout::Variable, rows: &Range<usize>) -> Result<Dataset> {
     let dataset = file.dataset(variable.name)?;
-    if dataset.shape().first().is_none_or(|&length| length < rows.end) {
-        return Err(format!("{} is too short", variable.name).into());
+    match dataset.shape().first() {
+        Some(&length) if length >= rows.end => Ok(dataset),
+        _ => Err(format!("{} is too short", variable.name).into()),
     }
-    slice(&dataset, rows)
+}
+
+impl RowSource for File {
+    type Error = hdf5::Error;
+
+    fn rows(&self, variable: &layout::Variable, kind: Kind, rows: &Range<usize>) -> Result<Column> {
+        some_rows(&dataset(self, variable, rows)?, kind, rows)
+    }
 }
 
 /// Read some rows of a variable as values of this type, row by row.
@@ -64,53 +78,4 @@ fn slice<T: H5Type + Clone>(dataset: &Dataset, rows: &Range<usize>) -> Result<Ve
         [_, _] => Ok(dataset.read_slice_2d::<T, _>(s![some, ..])?.into_iter().collect()),
         _ => Ok(dataset.read_slice::<T, _, IxDyn>(s![some, .., ..])?.into_iter().collect()),
     }
-}
-
-/// Read the scalars of some paths.
-pub(super) fn paths(file: &File, rows: &Range<usize>) -> Result<PathColumns> {
-    let diverged: Vec<i8> = column(file, &layout::PATH_DIVERGED, rows)?;
-    Ok(PathColumns {
-        displacement_end: column(file, &layout::PATH_DISPLACEMENT_END, rows)?,
-        max_displacement: column(file, &layout::PATH_MAX_DISPLACEMENT, rows)?,
-        first_stick_duration: column(file, &layout::PATH_FIRST_STICK_DURATION, rows)?,
-        stick_time: column(file, &layout::PATH_STICK_TIME, rows)?,
-        friction_work: column(file, &layout::PATH_FRICTION_WORK, rows)?,
-        sticks: column(file, &layout::PATH_STICKS, rows)?,
-        slips: column(file, &layout::PATH_SLIPS, rows)?,
-        sub_phases: column(file, &layout::PATH_SUB_PHASES, rows)?,
-        diverged: diverged.iter().map(|&flag| flag != 0).collect(),
-    })
-}
-
-/// Read the events of some paths. `first` is the row of their first event; the row after their last
-/// event is returned with them.
-pub(super) fn events(file: &File, rows: &Range<usize>, first: usize) -> Result<(EventColumns, usize)> {
-    let count: Vec<u32> = column(file, &layout::EVENT_COUNT, rows)?;
-    let next = first + count.iter().map(|&count| count as usize).sum::<usize>();
-    if next == first {
-        return Ok((EventColumns { count, ..EventColumns::default() }, next));
-    }
-    let rows = &(first..next);
-    let events = EventColumns {
-        count,
-        time: column(file, &layout::EVENT_TIME, rows)?,
-        displacement: column(file, &layout::EVENT_DISPLACEMENT, rows)?,
-        force: column(file, &layout::EVENT_FORCE, rows)?,
-        sign: column(file, &layout::EVENT_SIGN, rows)?,
-        kind: column(file, &layout::EVENT_KIND, rows)?,
-    };
-    Ok((events, next))
-}
-
-/// Read some of the paths that were kept on the output grid.
-pub(super) fn trajectories(file: &File, rows: &Range<usize>) -> Result<TrajectoryRows> {
-    Ok(TrajectoryRows {
-        path: column(file, &layout::TRAJECTORY, rows)?,
-        displacement: column(file, &layout::TRAJECTORY_DISPLACEMENT, rows)?,
-        velocity: column(file, &layout::TRAJECTORY_VELOCITY, rows)?,
-        temperature: column(file, &layout::TRAJECTORY_TEMPERATURE, rows)?,
-        force: column(file, &layout::TRAJECTORY_FORCE, rows)?,
-        friction: column(file, &layout::TRAJECTORY_FRICTION, rows)?,
-        is_static: column(file, &layout::TRAJECTORY_STATIC, rows)?,
-    })
 }

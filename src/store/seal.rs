@@ -7,9 +7,9 @@
 //! there are bytes behind the end they must be a seal, so that a seal which is itself damaged does
 //! not pass for one that is absent.
 
-use super::StoreError;
-use super::checksum::checksum;
 use super::superblock::superblock;
+use super::{StoreError, own};
+use crate::saved::checksum;
 use std::fs::File;
 use std::io::{self, Read, Seek as _, SeekFrom, Write as _};
 use std::path::Path;
@@ -71,6 +71,18 @@ fn check_up_to(path: &Path, largest: u64) -> Result<bool, StoreError> {
         }
         sealed => Ok(sealed.is_some()),
     }
+}
+
+/// Whether a file ends as only files of this program do, damaged or not.
+pub(super) fn has_mark(path: &Path) -> bool {
+    let end = || -> io::Result<[u8; 8]> {
+        let mut file = own::open(path, File::options().read(true))?;
+        let mut found = [0; 8];
+        file.seek(SeekFrom::End(-(LENGTH as i64)))?;
+        file.read_exact(&mut found)?;
+        Ok(found)
+    };
+    end().is_ok_and(|found| found == *MAGIC)
 }
 
 fn bytes(length: u64, sum: u32) -> [u8; LENGTH] {

@@ -1,13 +1,14 @@
 //! The sink that writes a run to a file.
 
-use super::lock::Lock;
-use super::log::{self, Log, Position};
+use super::log::{self, Log};
+use super::naming::parent;
 use super::outlet::{Outlet, read_receipt};
-use super::state::{self, Question, State};
-use super::workshop::{ROWS, STATE, Workshop, is_published, parent, partial_path, rows_name};
-use super::{StoreError, Writer, check_space};
+use super::state;
+use super::workshop::{ROWS, STATE, Workshop, lock, partial_path, rows_name};
+use super::{StoreError, Writer, check_space, found};
 use crate::engine::{Asked, Moment, Outcome, Sink, SinkError, SoFar, Status};
 use crate::provenance::Provenance;
+use crate::saved::{Position, Question, State, to_bytes};
 use crate::scenario::Scenario;
 use crate::stats::{BlockResult, Record};
 use std::path::{Path, PathBuf};
@@ -89,35 +90,50 @@ impl FileSink {
     }
 
     /// Continue the run that is saved in `NAME.partial`, where `target` is `NAME`. Returns `None`
-    /// if the run was finished: the file exists, and the folder, if it was left behind, is removed.
+    /// if the run was finished: the file exists and is whole, and the folder, if it was left
+    /// behind, is removed.
     ///
     /// It is an error if there is nothing to continue, if a file of the target's name has appeared
-    /// (unless `force` lets it be replaced), if the saved state is damaged, or if another program
-    /// began the run.
+    /// (unless `force` lets it be replaced), if the file or the saved state is damaged, or if
+    /// another program began the run.
     pub fn go_on(target: &Path, force: bool) -> Result<Option<Unfinished>, StoreError> {
         let partial = partial_path(target);
-        if !partial.exists() && !target.exists() {
-            return Err(StoreError::NothingToResume { target: target.to_owned(), partial });
+        let is_there = target.symlink_metadata().is_ok();
+        let nothing = || StoreError::NothingToResume { target: target.to_owned(), partial: partial.clone() };
+        let is_ours = |found| {
+            use found::Unfinished::{Foreign, Nothing, Unsealed};
+            !matches!(found, Nothing | Foreign | Unsealed)
+        };
+        if !is_there && !is_ours(found::unfinished(target)) {
+            return Err(match found::unfinished(target) {
+                found::Unfinished::Unsealed => StoreError::NotSealed { path: partial },
+                _ => nothing(),
+            });
         }
         // A lock file that a killed process has left is removed together with this lock.
-        let lock = Lock::take(target)?;
-        if !partial.exists() {
-            return Ok(None);
+        let lock = lock(target)?;
+        match found::unfinished(target) {
+            found::Unfinished::Folder { is_saved: true } if is_there && !force => {
+                return Err(StoreError::Appeared { partial, target: target.to_owned() });
+            }
+            found::Unfinished::Folder { is_saved: true } => {}
+            found::Unfinished::File => return Err(StoreError::LeftOver { partial, target: target.to_owned() }),
+            // The run was finished, and at most its folder was left to be removed.
+            found if is_there => {
+                found::check_finished(target)?;
+                if is_ours(found) {
+                    found::clear(target)?;
+                }
+                return Ok(None);
+            }
+            found::Unfinished::Folder { is_saved: false } => {
+                found::clear(target)?;
+                return Err(nothing());
+            }
+            _ => return Err(nothing()),
         }
         let mut workshop = Workshop::enter(target, force, lock)?;
         let path = workshop.path(STATE);
-        let (is_there, is_saved) = (target.symlink_metadata().is_ok(), path.exists());
-        if is_published(target) || is_there && !is_saved {
-            // The run was finished, and only its folder was left to be removed.
-            workshop.discard();
-            return Ok(None);
-        }
-        if is_there && !force {
-            return Err(StoreError::Appeared { partial, target: target.to_owned() });
-        }
-        if !is_saved {
-            return Err(StoreError::NothingToResume { target: target.to_owned(), partial });
-        }
         let state = state::read(&path)?;
         state.check_program(&path)?;
         workshop.saved_paths = state.paths();
@@ -182,23 +198,6 @@ fn left_over(partial: PathBuf, target: PathBuf, question: &Question) -> StoreErr
     StoreError::Resumable { partial, target, what, saved_paths, paths }
 }
 
-impl Question {
-    /// The first difference between this question and another one, in words; `None` if they are
-    /// equal.
-    pub(super) fn difference_from(&self, other: &Question) -> Option<String> {
-        let (mine, theirs) = (self.scenario.to_toml(), other.scenario.to_toml());
-        let lines = || mine.lines().zip(theirs.lines());
-        let said = |line: &str| line.split("  #").next().unwrap_or("").trim().to_string();
-        if let Some((mine, theirs)) = lines().find(|(mine, theirs)| mine != theirs) {
-            return Some(format!("it has `{}`, and this one `{}`", said(mine), said(theirs)));
-        }
-        if mine != theirs {
-            return Some("its scenario is another one".into());
-        }
-        (self.asked != other.asked).then(|| "its goals, limits or options are others".into())
-    }
-}
-
 impl Open {
     /// Write everything to the disk: first the rows, then the state, which refers to them.
     fn save(&mut self, moment: &Moment<'_>) -> Result<(), StoreError> {
@@ -208,7 +207,7 @@ impl Open {
         if let Some(log) = &mut self.log {
             self.logs[0] = log.sync().map_err(|error| self.workshop.failed(&error))?;
         }
-        let state = state::to_bytes(&self.question, &moment.state(), moment.spent, &self.logs);
+        let state = to_bytes(&self.question, &moment.state(), moment.spent, &self.logs);
         self.workshop.save(&state, moment.paths)?;
         self.last = Instant::now();
         self.interval = INTERVAL.max(start.elapsed() * ONE_PART_IN);
@@ -236,9 +235,10 @@ impl Open {
         })?;
         if let Some(part) = asked.part {
             // The state of a part contains a checksum of its rows in the order of the file, which
-            // is checked when parts are merged.
-            let SoFar { totals, spent } = state::read(&state)?.so_far;
-            writer.part(part, &state::to_bytes(&question, &totals.to_bytes(), spent, &[in_one_log]))?;
+            // is checked when parts are merged. It does not say how long the part took, so that
+            // equal parts are equal files.
+            let totals = state::read(&state)?.so_far.totals;
+            writer.part(part, &to_bytes(&question, &totals.to_bytes(), Duration::ZERO, &[in_one_log]))?;
         }
         writer.finish(&outcome.summary, outcome.status)
     }

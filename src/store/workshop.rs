@@ -7,18 +7,24 @@
 //! NAME.partial/rows.1 ...   rows of paths that other processes have simulated for it
 //! NAME.partial/ranks        a token by which those processes recognise the folder
 //! NAME.partial/results.h5   the file itself, while it is written
+//! NAME.partial/made-by-mc   the mark of the folder: what has these names in it is ours
 //! ```
+//!
+//! A folder without the mark is not touched, unless it is empty or has a saved state, which begins
+//! with a mark of its own.
 //!
 //! `results.h5` gets its final name by a hard link, because a link cannot replace another file. If
 //! the process is interrupted after that, the two names of one file show that only the folder is
 //! left to be removed.
 
-use super::StoreError;
 use super::error::is_full;
 use super::lock::Lock;
-use std::fs::{self, File};
+use super::naming::{give_name, parent, sync_folder};
+use super::own::{self, identity};
+use super::{StoreError, found, remains, state};
+use std::fs::{self, DirBuilder, File};
 use std::io::{self, Write as _};
-use std::os::unix::fs::MetadataExt as _;
+use std::os::unix::fs::{DirBuilderExt as _, MetadataExt as _, PermissionsExt as _};
 use std::path::{Path, PathBuf};
 
 /// The state of a run.
@@ -34,9 +40,12 @@ const NEW_STATE: &str = "state.new";
 /// A second name of the results, from which they are renamed to replace an earlier file.
 const LINK: &str = "results.link";
 
+/// The mark of the folder. It is the first file in it, and it is removed last.
+const MARK: &str = "made-by-mc";
+
 /// The files of the folder in the order of their removal. If the process is interrupted in between,
 /// the files that remain still show what the folder was.
-const NAMES: [&str; 6] = [ROWS, TOKEN, NEW_STATE, LINK, STATE, RESULTS];
+const NAMES: [&str; 7] = [ROWS, TOKEN, NEW_STATE, LINK, STATE, RESULTS, MARK];
 
 /// The name of the log with this number: `rows`, `rows.1`, `rows.2` and so on.
 pub(super) fn rows_name(log: u64) -> String {
@@ -78,35 +87,27 @@ impl Workshop {
     /// unless `force` lets it be removed.
     pub fn open(target: &Path, force: bool) -> Result<Workshop, StoreError> {
         let lock = lock(target)?;
+        found::make_room(target, force)?;
         let folder = partial_path(target);
-        match fs::symlink_metadata(&folder) {
-            Err(_) => {}
-            Ok(there) if there.is_dir() => {
-                if fs::exists(folder.join(STATE)).unwrap_or(true) && !force {
-                    return Err(StoreError::LeftOver { partial: folder, target: target.to_owned() });
-                }
-                clear(&folder).map_err(|source| StoreError::Remove { partial: folder.clone(), source })?;
-            }
-            Ok(there) if there.is_file() && force => {
-                let removed = fs::remove_file(&folder);
-                removed.map_err(|source| StoreError::Remove { partial: folder.clone(), source })?;
-            }
-            Ok(_) => return Err(StoreError::InTheWay { path: folder }),
-        }
-        let made = fs::create_dir(&folder);
+        let made = DirBuilder::new().mode(mode(target, force)).create(&folder);
+        let mark = || own::create(&folder.join(MARK)).inspect_err(|_| drop(fs::remove_dir(&folder)));
+        let made = made.and_then(|()| mark().map(drop));
         made.map_err(|error| StoreError::NotCreated { partial: folder.clone(), cause: error.to_string() })?;
-        Workshop::of(target, folder, force, lock)
+        Workshop::of(target, force, lock)
     }
 
-    /// Take over the folder that an unfinished run has left, which must exist.
+    /// Take over the folder that an unfinished run has left, which must exist and be ours.
     pub fn enter(target: &Path, force: bool, lock: Lock) -> Result<Workshop, StoreError> {
-        Workshop::of(target, partial_path(target), force, lock)
+        let workshop = Workshop::of(target, force, lock)?;
+        // Where the state alone shows whose the folder is, it is not the first file to be removed.
+        own::create(&workshop.path(MARK)).map_err(|error| workshop.failed(&error))?;
+        Ok(workshop)
     }
 
-    fn of(target: &Path, folder: PathBuf, force: bool, lock: Lock) -> Result<Workshop, StoreError> {
-        let there = fs::symlink_metadata(&folder);
-        let there = there.map_err(|source| StoreError::NotOpened { path: folder.clone(), source })?;
-        let identity = (there.dev(), there.ino());
+    fn of(target: &Path, force: bool, lock: Lock) -> Result<Workshop, StoreError> {
+        let folder = partial_path(target);
+        let gone = || StoreError::TakenAway { partial: folder.clone(), target: target.to_owned() };
+        let identity = identity(&folder).ok_or_else(gone)?;
         Ok(Workshop { target: target.to_owned(), folder, identity, force, saved_paths: 0, _lock: lock })
     }
 
@@ -118,12 +119,9 @@ impl Workshop {
     /// Check that the folder still is the one that was opened, and that the name of an open file in
     /// it still belongs to that file.
     pub fn check(&self, open: Option<(&str, &File)>) -> Result<(), StoreError> {
-        let is = |path: &Path, identity: (u64, u64)| {
-            fs::symlink_metadata(path).is_ok_and(|there| (there.dev(), there.ino()) == identity)
-        };
-        let is_ours = is(&self.folder, self.identity)
+        let is_ours = identity(&self.folder) == Some(self.identity)
             && open.is_none_or(|(name, file)| {
-                file.metadata().is_ok_and(|here| is(&self.path(name), (here.dev(), here.ino())))
+                file.metadata().is_ok_and(|here| identity(&self.path(name)) == Some((here.dev(), here.ino())))
             });
         let (partial, target) = (self.folder.clone(), self.target.clone());
         if is_ours { Ok(()) } else { Err(StoreError::TakenAway { partial, target }) }
@@ -133,7 +131,7 @@ impl Workshop {
     pub fn save(&mut self, state: &[u8], paths: u64) -> Result<(), StoreError> {
         let new = self.path(NEW_STATE);
         let write = || {
-            let mut file = File::create(&new)?;
+            let mut file = own::create(&new)?;
             file.write_all(state)?;
             file.sync_all()?;
             fs::rename(&new, self.path(STATE))?;
@@ -161,37 +159,9 @@ impl Workshop {
     /// Give the results, which must be complete and on the disk, their final name, and remove the
     /// folder. Nothing is replaced except a regular file, and that only with `force`.
     pub fn publish(&self) -> Result<(), StoreError> {
-        let force = self.force;
-        let (results, target) = (self.path(RESULTS), self.target.clone());
-        let failed = |source: io::Error| match source.kind() {
-            io::ErrorKind::AlreadyExists => {
-                StoreError::Appeared { partial: self.folder.clone(), target: target.clone() }
-            }
-            _ => StoreError::Rename { partial: results.clone(), target: target.clone(), source },
-        };
         self.check(None)?;
-        if force && fs::symlink_metadata(&target).is_ok_and(|there| !there.is_file()) {
-            return Err(StoreError::InTheWay { path: target });
-        }
-        let named = if force {
-            let link = self.path(LINK);
-            let _ = fs::remove_file(&link);
-            fs::hard_link(&results, &link).and_then(|()| fs::rename(&link, &target))
-        } else {
-            fs::hard_link(&results, &target)
-        };
-        match named {
-            // Not every file system has hard links.
-            Err(error) if error.kind() != io::ErrorKind::AlreadyExists => {
-                if !force && fs::symlink_metadata(&target).is_ok() {
-                    return Err(failed(io::ErrorKind::AlreadyExists.into()));
-                }
-                fs::rename(&results, &target).map_err(failed)?;
-            }
-            named => named.map_err(failed)?,
-        }
-        // Not every file system can sync folders; the contents of the file are on the disk already.
-        let _ = sync_folder(&parent(&self.target));
+        let (results, link) = (self.path(RESULTS), self.path(LINK));
+        give_name(&results, Some(&link), &self.target, &self.folder, self.force)?;
         self.discard();
         Ok(())
     }
@@ -199,8 +169,10 @@ impl Workshop {
     /// Remove the folder. If it contains files that are not of this program, they stay, and the
     /// folder stays too.
     pub fn discard(&self) {
-        // An error is ignored: a folder without a state hinders no later run.
-        let _ = clear(&self.folder);
+        // A folder without a state hinders no later run, so this is no more than said.
+        if let Err(error) = clear(&self.folder) {
+            remains::stays(&self.folder, &error);
+        }
     }
 }
 
@@ -208,7 +180,7 @@ impl Drop for Workshop {
     /// Remove the folder if no state was saved in it.
     fn drop(&mut self) {
         if self.check(None).is_ok() && !fs::exists(self.path(STATE)).unwrap_or(true) {
-            let _ = clear(&self.folder);
+            self.discard();
         }
     }
 }
@@ -218,7 +190,7 @@ impl Drop for Workshop {
 pub fn write_whole(target: &Path, bytes: &[u8], force: bool) -> Result<(), StoreError> {
     let workshop = Workshop::open(target, force)?;
     let write = || {
-        let mut file = File::create_new(workshop.path(RESULTS))?;
+        let mut file = own::create(&workshop.path(RESULTS))?;
         file.write_all(bytes)?;
         file.sync_all()
     };
@@ -226,49 +198,50 @@ pub fn write_whole(target: &Path, bytes: &[u8], force: bool) -> Result<(), Store
     workshop.publish()
 }
 
-/// Whether the target and the results in its folder are the same file: then only the folder is left
-/// to be removed.
-pub(super) fn is_published(target: &Path) -> bool {
-    let of = |path: &Path| fs::symlink_metadata(path).map(|there| (there.dev(), there.ino()));
-    match (of(target), of(&partial_path(target).join(RESULTS))) {
-        (Ok(there), Ok(here)) => there == here,
-        _ => false,
-    }
+/// Whether this program has made a folder.
+pub(super) fn is_ours(folder: &Path) -> bool {
+    let is_file = |name: &str| fs::symlink_metadata(folder.join(name)).is_ok_and(|there| there.is_file());
+    let is_empty = || fs::read_dir(folder).is_ok_and(|mut entries| entries.next().is_none());
+    is_file(MARK) || is_file(STATE) && state::has_mark(&folder.join(STATE)) || is_empty()
+}
+
+/// The name of something in a folder of ours that this program has not made, if there is any.
+pub(super) fn stranger(folder: &Path) -> Option<String> {
+    let names = fs::read_dir(folder).ok()?.filter_map(|entry| Some(entry.ok()?.file_name().display().to_string()));
+    let is_ours = |name: &str| NAMES.contains(&name) || is_log(name);
+    let is_file = |name: &str| fs::symlink_metadata(folder.join(name)).is_ok_and(|there| there.is_file());
+    names.into_iter().find(|name| !is_ours(name) || !is_file(name))
 }
 
 /// Remove the files of this program, and then the folder. The folder stays, with an error, if it
 /// holds anything else.
-fn clear(folder: &Path) -> io::Result<()> {
-    let is_log = |name: &str| name.strip_prefix("rows.").is_some_and(|number| number.parse::<u64>().is_ok());
+pub(super) fn clear(folder: &Path) -> io::Result<()> {
     let all = fs::read_dir(folder)?.filter_map(|entry| entry.ok()?.file_name().into_string().ok());
     let logs: Vec<String> = all.filter(|name| is_log(name)).collect();
-    for name in logs.iter().map(String::as_str).chain(NAMES) {
-        match fs::remove_file(folder.join(name)) {
-            Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
-            _ => {}
-        }
-    }
+    let mut names = logs.iter().map(String::as_str).chain(NAMES);
+    names.try_for_each(|name| own::remove(&folder.join(name)))?;
     fs::remove_dir(folder)
 }
 
-/// The folder that contains a file; `.` for a bare file name.
-pub(super) fn parent(target: &Path) -> PathBuf {
-    target.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new(".")).to_owned()
+fn is_log(name: &str) -> bool {
+    name.strip_prefix("rows.").is_some_and(|number| number.parse::<u64>().is_ok())
 }
 
-fn lock(target: &Path) -> Result<Lock, StoreError> {
+/// The permissions of the folder: where a file is replaced that others may not read, they may not
+/// read the new one either, while it is made.
+fn mode(target: &Path, force: bool) -> u32 {
+    let there = fs::symlink_metadata(target).ok().filter(|there| force && there.is_file());
+    there.map_or(0o777, |there| {
+        let readers = there.permissions().mode() & 0o044;
+        0o700 | readers | readers >> 2
+    })
+}
+
+/// Take the lock of a target, whose folder must exist.
+pub(super) fn lock(target: &Path) -> Result<Lock, StoreError> {
     let folder = parent(target);
     if !folder.is_dir() {
         return Err(StoreError::NoFolder { target: target.to_owned(), folder });
     }
     Lock::take(target)
-}
-
-/// Write the names in a folder to the disk.
-fn sync_folder(folder: &Path) -> io::Result<()> {
-    match File::open(folder)?.sync_all() {
-        // On a file system that cannot sync folders this step is left out.
-        Err(error) if matches!(error.kind(), io::ErrorKind::InvalidInput | io::ErrorKind::Unsupported) => Ok(()),
-        synced => synced,
-    }
 }

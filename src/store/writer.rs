@@ -1,17 +1,16 @@
 //! Writing the file of a run, once its statistics are known.
 
-use super::StoreError;
 use super::draft::{Draft, Failure};
 use super::growing::GrowingTable;
 use super::variable::{Growth, Place};
 use super::workshop::{RESULTS, Workshop};
+use super::{StoreError, own};
 use crate::dataset::rows::{self, Along};
 use crate::dataset::{Destination as _, Rows, header, layout, run};
 use crate::engine::{Part, Status};
 use crate::provenance::Provenance;
 use crate::scenario::Bearing;
 use crate::stats::{BlockResult, Record, Summary};
-use std::fs;
 use std::path::Path;
 
 /// Number of values in a chunk of per-path data. As reals they take 128 kB, so that one chunk of
@@ -46,7 +45,7 @@ impl Writer {
     pub(super) fn within(workshop: Workshop, header: &Provenance, record: &Record) -> Result<Writer, StoreError> {
         let path = workshop.path(RESULTS);
         // An earlier attempt to finish the run may have left a file of this name.
-        let _ = fs::remove_file(&path);
+        own::remove(&path).map_err(|error| workshop.failed(&error))?;
         let draft = Draft::create(&path, header.units.clone())?;
         let bearing = header.bearing;
         let mut writer = Writer { workshop, draft, tables: Vec::new(), bearing, failure: None, appended: 0 };

@@ -29,6 +29,18 @@ pub fn faulty(folder: &Path, arguments: &[&str], at: u64, fault: Fault) -> Comma
     command
 }
 
+/// Runs `mc` and kills it at change number `kill_at` of the disk. Returns its output, and the
+/// changes of the disk that it made.
+pub fn shimmed(folder: &Path, arguments: &[&str], kill_at: u64) -> (Output, Vec<String>) {
+    traced(faulty(folder, arguments, kill_at, Fault::Kill), folder)
+}
+
+/// Runs `mc`, and lets change number `fail_at` of the disk fail with this error, and only that one.
+/// Files that are created count as changes here.
+pub fn failing(folder: &Path, arguments: &[&str], fail_at: u64, errno: i32) -> (Output, Vec<String>) {
+    traced(faulty(folder, arguments, fail_at, Fault::Error(errno)), folder)
+}
+
 /// The output of a command, and the changes of the disk that it made.
 pub fn traced(mut command: Command, folder: &Path) -> (Output, Vec<String>) {
     let trace = folder.join("../trace");

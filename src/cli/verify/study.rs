@@ -51,7 +51,8 @@ impl Verify {
     /// Simulate a point of the sweep again. The time that it took is that of the file.
     fn simulate_point(&self, sweep: &mut Sweep, point: usize) -> Result<(), Failure> {
         let Some(stored) = sweep.points[point].take() else { return Ok(()) };
-        let simulation = Simulation { threads: self.threads.number(), stop: &AtomicBool::new(false), progress: &mut () };
+        let simulation =
+            Simulation { threads: self.threads.number(), stop: &AtomicBool::new(false), progress: &mut () };
         simulation.run(sweep, |_| Ok::<_, StoreError>(())).map_err(|end| Failure::Run(end.to_string()))?;
         if let Some(again) = &mut sweep.points[point] {
             again.seconds = stored.seconds;

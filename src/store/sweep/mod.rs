@@ -4,18 +4,25 @@
 //! ```text
 //! SweepFile::open   takes the lock, and returns the points that are saved already
 //!   -> save         replaces NAME.partial, a complete file of the points done so far, in one step
-//!     -> finish     renames NAME.partial to NAME
+//!     -> finish     gives NAME.partial the name NAME
 //! read_sweep        reads either of the two
 //! ```
+//!
+//! NAME.partial is written as every file is: in a folder of its own, NAME.partial.partial.
 
 mod read;
-mod write;
 
 pub use read::read_sweep;
 
+use super::at_once::write_at_once;
 use super::error::StoreError;
+use super::found::{self, Unfinished};
 use super::lock::Lock;
-use super::{check_space, partial_path};
+use super::naming::{give_name, parent};
+use super::own::{self, identity};
+use super::reader::check_file;
+use super::{check_space, partial_path, remains, workshop};
+use crate::dataset;
 use crate::provenance::Provenance;
 use crate::stats::{GROUPS, Statistic};
 use crate::study::sweep::{Design, Point, Question, Sweep};
@@ -39,46 +46,54 @@ pub struct SweepFile {
     interval: Duration,
     /// Whether a regular file of the target's name is replaced.
     force: bool,
+    /// Whether every point is in a file that has its name already.
+    has_name: bool,
+    /// The file that was NAME.partial when it was last looked at; none if there was none.
+    partial: Option<(u64, u64)>,
     _lock: Lock,
 }
 
 impl SweepFile {
     /// Take the lock for a sweep, and return the points that are known already. If the target
-    /// exists and answers the same question, these are all of its points; if an interrupted sweep
-    /// of the same question left `NAME.partial`, they are the points in it. A file of another
-    /// question is an error, unless `force` lets it be replaced.
+    /// exists and answers the same question, these are its points; if an interrupted sweep of the
+    /// same question left `NAME.partial`, they are the points in it. A file of another question, or
+    /// one that another program has changed, is an error, unless `force` lets it be replaced.
     pub fn open(
         target: &Path,
         header: &Provenance,
         question: &Question,
         force: bool,
     ) -> Result<(SweepFile, Vec<Option<Point>>), StoreError> {
-        let folder = target.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-        if !folder.is_dir() {
-            return Err(StoreError::NoFolder { target: target.to_owned(), folder: folder.to_owned() });
+        let lock = workshop::lock(target)?;
+        if found::unfinished(target) == Unfinished::Named {
+            found::clear(target)?;
         }
-        let lock = Lock::take(target)?;
-        let nothing = vec![None; question.points.len()];
-        let file = |points| {
-            let (target, header) = (target.to_owned(), header.clone());
-            (SweepFile { target, header, last: None, interval: INTERVAL, force, _lock: lock }, points)
+        let is_there = target.symlink_metadata().is_ok() && !force;
+        let points = match is_there {
+            true => Some(same_question(target, header, question)?),
+            false => known(target, header, question, force)?,
         };
-        if target.symlink_metadata().is_ok() && !force {
-            return Ok(file(same_question(target, header, question)?));
-        }
-        check_space(folder, 2 * sweep_bytes(&question.design))?;
-        let partial = partial_path(target);
-        if !partial.exists() {
-            return Ok(file(nothing));
-        }
-        match same_question(&partial, header, question) {
-            Ok(points) => Ok(file(points)),
-            Err(_) if force => {
-                std::fs::remove_file(&partial).map_err(|source| StoreError::Remove { partial, source })?;
-                Ok(file(nothing))
+        let points = points.unwrap_or_else(|| vec![None; question.points.len()]);
+        let has_name = is_there && points.iter().all(Option::is_some);
+        if !has_name {
+            if is_there {
+                found::make_room(target, false)?;
             }
-            Err(error) => Err(error),
+            check_space(&parent(target), 2 * sweep_bytes(&question.design))?;
         }
+        let partial = identity(&partial_path(target));
+        let (target, header) = (target.to_owned(), header.clone());
+        // A file of this question without some of its points is replaced by one with all of them.
+        let force = force || is_there;
+        Ok((
+            SweepFile { target, header, last: None, interval: INTERVAL, force, has_name, partial, _lock: lock },
+            points,
+        ))
+    }
+
+    /// Whether every point is in a file that has its name already, so that nothing is left to do.
+    pub fn has_name(&self) -> bool {
+        self.has_name
     }
 
     /// Update `NAME.partial`, unless that was done a moment ago.
@@ -87,33 +102,68 @@ impl SweepFile {
         if is_due { self.save_now(sweep) } else { Ok(()) }
     }
 
-    /// Update `NAME.partial` now.
+    /// Update `NAME.partial` now. A file that somebody has put in its place is not replaced.
     pub fn save_now(&mut self, sweep: &Sweep) -> Result<(), StoreError> {
         let start = Instant::now();
-        write::replace(&partial_path(&self.target), &self.header, sweep)?;
+        let partial = partial_path(&self.target);
+        let found = identity(&partial);
+        if found.is_some() && found != self.partial {
+            return Err(StoreError::TakenAway { partial, target: self.target.clone() });
+        }
+        let units = self.header.units.clone();
+        let written = write_at_once(&partial, units, true, |place| dataset::sweep::write(place, &self.header, sweep));
+        written.map_err(|error| match error {
+            // The file that could not be named is not one that `mc resume` knows.
+            StoreError::Rename { target, source, .. } => {
+                StoreError::Write { partial: partial.clone(), target, saved_paths: 0, cause: source.to_string() }
+            }
+            error => error,
+        })?;
+        self.partial = identity(&partial);
         self.last = Some(Instant::now());
         self.interval = INTERVAL.max(start.elapsed() * ONE_PART_IN);
         Ok(())
     }
 
-    /// Update the file a last time and rename it to the target. Every point must be done.
+    /// Update the file a last time and give it its name. Every point must be done.
     pub fn finish(mut self, sweep: &Sweep) -> Result<(), StoreError> {
         self.save_now(sweep)?;
         let partial = partial_path(&self.target);
-        if self.target.symlink_metadata().is_ok_and(|there| !self.force || !there.is_file()) {
-            return Err(StoreError::InTheWay { path: self.target });
+        give_name(&partial, None, &self.target, &partial, self.force)?;
+        if let Err(error) = own::remove(&partial) {
+            remains::stays(&partial, &error);
         }
-        write::rename(&partial, &self.target)
+        Ok(())
     }
+}
+
+/// The points that an interrupted sweep of this question has left in `NAME.partial`, if any. With
+/// `force`, what is left of anything else is removed.
+fn known(
+    target: &Path,
+    header: &Provenance,
+    question: &Question,
+    force: bool,
+) -> Result<Option<Vec<Option<Point>>>, StoreError> {
+    if found::unfinished(target) == Unfinished::File {
+        match same_question(&partial_path(target), header, question) {
+            Err(_) if force => {}
+            points => return points.map(Some),
+        }
+    }
+    found::make_room(target, force).map(|()| None)
 }
 
 /// The points in a file, if it is of this question and was written by this program; an error
 /// otherwise.
 fn same_question(path: &Path, header: &Provenance, question: &Question) -> Result<Vec<Option<Point>>, StoreError> {
+    if !check_file(path)? {
+        return Err(StoreError::NotSealed { path: path.to_owned() });
+    }
     let stored = read_sweep(path)?;
     match read::difference(&stored, header, question) {
-        None => Ok(stored.points),
         Some(what) => Err(StoreError::OtherSweep { path: path.to_owned(), what }),
+        None => Ok(stored.points),
     }
 }
 

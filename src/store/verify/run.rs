@@ -9,11 +9,12 @@ use crate::dataset::{Destination as _, Kind, Rows, Values, run, summary};
 use crate::engine::{Asked, Part, Status};
 use crate::ensemble::BLOCK_SIZE;
 use crate::provenance::Provenance;
+use crate::saved::of_bytes;
 use crate::scenario::Bearing;
 use crate::stats::{BlockResult, Record, Summary};
 use crate::store::rows::{column, some_rows};
 use crate::store::variable::read_variable;
-use crate::store::{StoreError, Stored, state};
+use crate::store::{StoreError, Stored};
 use hdf5::Result;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -176,7 +177,7 @@ impl Verification {
     fn part_state(&mut self, expected: &Expected) -> std::result::Result<(), StoreError> {
         let bytes: Vec<u8> =
             read_variable(&self.against.file, &layout::PART_STATE).map_err(|error| self.against.damaged(&error))?;
-        let state = state::of_bytes(&bytes, &self.path)?;
+        let state = of_bytes(&bytes, &self.path)?;
         let mut derived = Against::open(&self.path, expected.header.units.clone())?;
         let compared = summary::write(&mut derived, &state.so_far.totals.totals().summary());
         compared.map_err(|error| self.against.damaged(&error))?;

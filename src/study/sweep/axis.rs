@@ -1,5 +1,6 @@
 //! One axis of a sweep: a key of the scenario, and the values that it takes.
 
+use crate::excerpt::underlined;
 use crate::numbers::tidy;
 use std::fmt;
 use std::ops::Range;
@@ -50,8 +51,9 @@ impl fmt::Display for AxisError {
         let before = self.text.get(..self.at.start).unwrap_or("").chars().count();
         let marked = self.text.get(self.at.clone()).unwrap_or("").chars().count().max(1);
         let line: String = self.text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
+        let [line, carets] = underlined(&line, before, marked);
         writeln!(f, "{}", self.problem)?;
-        writeln!(f, "  {line}\n  {}{}", " ".repeat(before), "^".repeat(marked))?;
+        writeln!(f, "  {line}\n  {carets}")?;
         write!(f, "  fix: {}", self.remedy)
     }
 }

@@ -3,7 +3,7 @@
 
 /// The checksum of these bytes, continued from `before`, the checksum of the bytes that precede
 /// them (0 at the start).
-pub(super) fn checksum(before: u32, bytes: &[u8]) -> u32 {
+pub(crate) fn checksum(before: u32, bytes: &[u8]) -> u32 {
     let mut hasher = crc32fast::Hasher::new_with_initial(before);
     hasher.update(bytes);
     hasher.finalize()

@@ -1,0 +1,33 @@
+//! Why what was saved of a run cannot be used.
+
+use std::path::PathBuf;
+
+/// Why bytes that were saved of a run cannot be used. `path` is where they come from.
+#[derive(Debug, thiserror::Error)]
+pub enum SavedError {
+    /// The run was begun by another version or build of the program.
+    #[error(
+        "{}: begun by {theirs}; this is {mine}, which need not come to the same numbers\n  fix: continue it with the program that \
+         began it, or run it again with this one", path.display()
+    )]
+    OtherProgram {
+        /// The file with the state of the run.
+        path: PathBuf,
+        /// The program that began it.
+        theirs: String,
+        /// This program.
+        mine: String,
+    },
+    /// The saved state or log of a run cannot be used: its bytes are not those that were saved.
+    #[error("{}: damaged, or not what this program has saved; take it from a backup, or run again with --force", path.display())]
+    Damaged {
+        /// The file.
+        path: PathBuf,
+    },
+    /// A newer version of the program has saved the run.
+    #[error("{}: saved by a newer version of mc; continue it with that version", path.display())]
+    Newer {
+        /// The file.
+        path: PathBuf,
+    },
+}

@@ -1,0 +1,32 @@
+//! What is saved of a run, as bytes: how far it has come, and what joins its parts. Where these
+//! bytes are kept, in files or in memory, is not known here.
+//!
+//! ```text
+//! Question      what a run is asked to do
+//! State         the question, the sums so far, and how much of the rows is valid
+//! PartRecorder  a sink that makes the state of a part
+//! Parts         the states of all parts, checked against each other
+//! ```
+
+mod checksum;
+mod error;
+mod part;
+mod parts;
+mod rows;
+mod state;
+
+pub use error::SavedError;
+pub use part::PartRecorder;
+pub use parts::{Parts, PartsError};
+pub use rows::{read_block, write_block};
+pub use state::Question;
+
+#[cfg(all(test, feature = "store"))]
+pub(crate) use rows::write_rows;
+#[cfg(feature = "store")]
+pub(crate) use {
+    checksum::checksum,
+    parts::{RowSource, each_block, paths},
+    rows::{OwnedRows, Position, read_rows},
+    state::{MAGIC, State, of_bytes, read_positions, to_bytes, write_positions},
+};

@@ -1,0 +1,252 @@
+//! Joining the parts of a run: their states are checked against each other, their sums are merged
+//! along the tree, and their rows are compared with the checksum of those that were simulated.
+
+use super::SavedError;
+use super::rows::{OwnedRows, Position};
+use super::state::{Question, State, of_bytes};
+use crate::dataset::layout::{self, Variable};
+use crate::dataset::{Column, Dataset, Element, Kind};
+use crate::engine::SoFar;
+use crate::ensemble::BLOCK_SIZE;
+use crate::scenario::Scenario;
+use crate::stats::{EventColumns, PathColumns, Record, RunTotals, TrajectoryRows};
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+/// Why parts cannot be joined.
+#[derive(Debug, thiserror::Error)]
+pub enum PartsError {
+    /// What was saved of a part cannot be used.
+    #[error(transparent)]
+    Saved(#[from] SavedError),
+    /// The parts belong to different runs, or to the same run cut into different numbers of parts.
+    #[error("{}: not of the same run as {}: {difference}; give the parts of one run", path.display(), first.display())]
+    Foreign {
+        /// The part.
+        path: PathBuf,
+        /// The part that it was compared with.
+        first: PathBuf,
+        /// Where they differ.
+        difference: String,
+    },
+    /// Two parts hold the same paths.
+    #[error("{} and {}: both are part {part} of the run; leave out one of them", first.display(), second.display())]
+    Repeated {
+        /// The first one.
+        first: PathBuf,
+        /// The second one.
+        second: PathBuf,
+        /// Which part both of them are, such as `2/3`.
+        part: String,
+    },
+    /// Some parts of the run were not given.
+    #[error("missing: part {missing} of the run; give them as well, or make them with `mc run --part`")]
+    Missing {
+        /// The missing parts, such as `1/3, 3/3`.
+        missing: String,
+    },
+    /// The rows of a part are not those that were simulated.
+    #[error("{}: {cause}; take the part as it was made", path.display())]
+    Rows {
+        /// The part.
+        path: PathBuf,
+        /// What is wrong with them.
+        cause: String,
+    },
+}
+
+/// All parts of one run.
+#[derive(Debug)]
+pub struct Parts {
+    /// The run as a whole.
+    pub question: Question,
+    /// The merged sums of all parts.
+    pub so_far: SoFar,
+    /// The names of the parts and their states, in the order of their paths.
+    pub(crate) parts: Vec<(PathBuf, State)>,
+}
+
+impl Parts {
+    /// Check that these states of parts, each with its name, are one whole run together. Parts that
+    /// are unreadable, unfinished, repeated, missing, of another run or of another program are
+    /// errors.
+    pub fn of_bytes(parts: impl IntoIterator<Item = (PathBuf, Vec<u8>)>) -> Result<Parts, PartsError> {
+        let read = |(name, bytes): (PathBuf, Vec<u8>)| of_bytes(&bytes, &name).map(|state| (name, state));
+        Parts::of(parts.into_iter().map(read).collect::<Result<_, _>>()?)
+    }
+
+    /// The same of states that are read already.
+    pub(crate) fn of(mut parts: Vec<(PathBuf, State)>) -> Result<Parts, PartsError> {
+        let Some((first, of)) = parts.first().cloned() else {
+            return Err(PartsError::Missing { missing: "1/1".into() });
+        };
+        of.check_program(&first)?;
+        let whole = |state: &State| {
+            let mut question = state.question.clone();
+            let of = question.asked.part.take().map(|part| part.of());
+            (question, of)
+        };
+        let (question, count) = whole(&of);
+        for (path, state) in &parts {
+            state.check_program(path)?;
+            if state.question.asked.part.is_none() || state.paths() != state.question.asked.own_paths() {
+                return Err(SavedError::Damaged { path: path.clone() }.into());
+            }
+            let (mine, cut) = whole(state);
+            let difference = mine.difference_from(&question).or_else(|| {
+                (cut != count)
+                    .then(|| format!("it is one of {} parts, not of {}", cut.unwrap_or(1), count.unwrap_or(1)))
+            });
+            if let Some(difference) = difference {
+                return Err(PartsError::Foreign { path: path.clone(), first, difference });
+            }
+        }
+        let number = |state: &State| state.question.asked.part.map_or(1, |part| part.number());
+        parts.sort_by_key(|(_, state)| number(state));
+        if let Some([(first, state), (second, _)]) = parts.windows(2).find_map(|pair| match pair {
+            [a, b] if number(&a.1) == number(&b.1) => Some([a.clone(), b.clone()]),
+            _ => None,
+        }) {
+            let part = state.question.asked.part.map_or_else(String::new, |part| part.to_string());
+            return Err(PartsError::Repeated { first, second, part });
+        }
+        let count = count.unwrap_or(1);
+        let is_there = |wanted: &u64| parts.iter().any(|(_, state)| number(state) == *wanted);
+        let missing: Vec<String> =
+            (1..=count).filter(|wanted| !is_there(wanted)).map(|number| format!("{number}/{count}")).collect();
+        if !missing.is_empty() {
+            return Err(PartsError::Missing { missing: missing.join(", ") });
+        }
+        let mut totals = RunTotals::empty(&question.scenario.model, &question.scenario.timeline());
+        for (path, state) in &parts {
+            let damaged = |_| SavedError::Damaged { path: path.clone() };
+            totals.merge(state.so_far.totals.clone()).map_err(damaged)?;
+        }
+        // What a part took is not in its file.
+        Ok(Parts { question, so_far: SoFar { totals, spent: Duration::ZERO }, parts })
+    }
+
+    /// The names of the parts, in the order of their paths.
+    pub fn names(&self) -> impl Iterator<Item = &Path> {
+        self.parts.iter().map(|(path, _)| path.as_path())
+    }
+
+    /// Check that the rows in the data set of a part, counted in the order of paths, are those that
+    /// were simulated.
+    pub fn check_rows(&self, part: usize, dataset: &Dataset) -> Result<(), PartsError> {
+        let Some((path, state)) = self.parts.get(part) else { return Ok(()) };
+        let wrong = |cause: String| PartsError::Rows { path: path.clone(), cause };
+        each_block(state, dataset, |_| Ok(())).map_err(wrong)
+    }
+}
+
+/// Read the rows of a part block by block, and compare them with the checksum of those that were
+/// simulated.
+pub(crate) fn each_block<S: RowSource, E: From<S::Error> + From<String>>(
+    state: &State,
+    from: &S,
+    mut visit: impl FnMut(&OwnedRows) -> Result<(), E>,
+) -> Result<(), E> {
+    let Question { scenario: Scenario { record, .. }, asked, .. } = &state.question;
+    if *record == Record::NOTHING {
+        return Ok(());
+    }
+    let origin = asked.blocks().start * BLOCK_SIZE;
+    let (mut position, mut bytes, mut event) = (Position::default(), Vec::new(), 0);
+    for block in asked.blocks() {
+        let (first_path, end) = (block * BLOCK_SIZE, ((block + 1) * BLOCK_SIZE).min(asked.paths));
+        let place = (first_path - origin) as usize..(end - origin) as usize;
+        let mut owned = OwnedRows { first_path, paths: end - first_path, ..OwnedRows::default() };
+        if record.paths {
+            owned.path_columns = Some(paths(from, &place)?);
+        }
+        if record.events {
+            let (found, next) = events(from, &place, event)?;
+            (owned.events, event) = (Some(found), next);
+        }
+        if first_path < record.trajectories {
+            let kept = place.start..(record.trajectories.min(end) - origin) as usize;
+            owned.trajectories = Some(trajectories(from, &kept)?);
+        }
+        bytes.clear();
+        position = position.after(&owned.rows(), &mut bytes);
+        visit(&owned)?;
+    }
+    if state.logs == [position] { Ok(()) } else { Err("its rows are not those that were written".to_string().into()) }
+}
+
+/// Where rows of single paths are read from: a file, or a data set in memory.
+pub(crate) trait RowSource {
+    /// The error of reading.
+    type Error: From<String>;
+
+    /// Some rows of a variable. Fewer rows than these are an error.
+    fn rows(&self, variable: &Variable, kind: Kind, rows: &Range<usize>) -> Result<Column, Self::Error>;
+}
+
+impl RowSource for Dataset {
+    type Error = String;
+
+    fn rows(&self, variable: &Variable, _: Kind, rows: &Range<usize>) -> Result<Column, String> {
+        let name = variable.name;
+        let entry = self.entry(name).ok_or_else(|| format!("{name} is missing"))?;
+        let width = self.shape(entry).iter().skip(1).product::<usize>();
+        entry.column.slice(rows.start * width..rows.end * width).ok_or_else(|| format!("{name} is too short"))
+    }
+}
+
+/// Some rows of a variable with values of this type.
+fn column<S: RowSource, T: Element>(from: &S, variable: &Variable, rows: &Range<usize>) -> Result<Vec<T>, S::Error> {
+    let wrong = || format!("{} has another type than it was written with", variable.name).into();
+    T::of(from.rows(variable, T::KIND, rows)?).ok_or_else(wrong)
+}
+
+/// Read the scalars of some paths.
+pub(crate) fn paths<S: RowSource>(from: &S, rows: &Range<usize>) -> Result<PathColumns, S::Error> {
+    let diverged: Vec<i8> = column(from, &layout::PATH_DIVERGED, rows)?;
+    Ok(PathColumns {
+        displacement_end: column(from, &layout::PATH_DISPLACEMENT_END, rows)?,
+        max_displacement: column(from, &layout::PATH_MAX_DISPLACEMENT, rows)?,
+        first_stick_duration: column(from, &layout::PATH_FIRST_STICK_DURATION, rows)?,
+        stick_time: column(from, &layout::PATH_STICK_TIME, rows)?,
+        friction_work: column(from, &layout::PATH_FRICTION_WORK, rows)?,
+        sticks: column(from, &layout::PATH_STICKS, rows)?,
+        slips: column(from, &layout::PATH_SLIPS, rows)?,
+        sub_phases: column(from, &layout::PATH_SUB_PHASES, rows)?,
+        diverged: diverged.iter().map(|&flag| flag != 0).collect(),
+    })
+}
+
+/// Read the events of some paths. `first` is the row of their first event; the row after their last
+/// event is returned with them.
+fn events<S: RowSource>(from: &S, rows: &Range<usize>, first: usize) -> Result<(EventColumns, usize), S::Error> {
+    let count: Vec<u32> = column(from, &layout::EVENT_COUNT, rows)?;
+    let next = first + count.iter().map(|&count| count as usize).sum::<usize>();
+    if next == first {
+        return Ok((EventColumns { count, ..EventColumns::default() }, next));
+    }
+    let rows = &(first..next);
+    let events = EventColumns {
+        count,
+        time: column(from, &layout::EVENT_TIME, rows)?,
+        displacement: column(from, &layout::EVENT_DISPLACEMENT, rows)?,
+        force: column(from, &layout::EVENT_FORCE, rows)?,
+        sign: column(from, &layout::EVENT_SIGN, rows)?,
+        kind: column(from, &layout::EVENT_KIND, rows)?,
+    };
+    Ok((events, next))
+}
+
+/// Read some of the paths that were kept on the output grid.
+fn trajectories<S: RowSource>(from: &S, rows: &Range<usize>) -> Result<TrajectoryRows, S::Error> {
+    Ok(TrajectoryRows {
+        path: column(from, &layout::TRAJECTORY, rows)?,
+        displacement: column(from, &layout::TRAJECTORY_DISPLACEMENT, rows)?,
+        velocity: column(from, &layout::TRAJECTORY_VELOCITY, rows)?,
+        temperature: column(from, &layout::TRAJECTORY_TEMPERATURE, rows)?,
+        force: column(from, &layout::TRAJECTORY_FORCE, rows)?,
+        friction: column(from, &layout::TRAJECTORY_FRICTION, rows)?,
+        is_static: column(from, &layout::TRAJECTORY_STATIC, rows)?,
+    })
+}

@@ -1,0 +1,94 @@
+//! What there is under the names of a file: the one place that decides what a run, a sweep or
+//! `mc resume` meets, and whether it is ours.
+//!
+//! ```text
+//! NAME           a finished file, which check_finished looks through
+//! NAME.partial   what is unfinished: the folder of a run, or the points of a sweep in a file
+//! ```
+
+use super::naming::has_name;
+use super::workshop::{self, RESULTS, STATE, partial_path};
+use super::{FileKind, StoreError, kind, read_calibration, read_sweep, read_trade, reader, seal};
+use std::fs;
+use std::path::Path;
+
+/// What lies under `NAME.partial`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Unfinished {
+    /// Nothing.
+    Nothing,
+    /// The folder in which a file was being made.
+    Folder {
+        /// Whether a run is saved in it.
+        is_saved: bool,
+    },
+    /// The points of a sweep, or another file that this program has sealed.
+    File,
+    /// An HDF5 file without a seal: another program has changed or written it. It is not opened.
+    Unsealed,
+    /// The file that is finished already; only this name of it is left to be removed.
+    Named,
+    /// Something that this program has not made.
+    Foreign,
+}
+
+/// Look at what lies under `NAME.partial`.
+pub(super) fn unfinished(target: &Path) -> Unfinished {
+    let partial = partial_path(target);
+    let Ok(there) = fs::symlink_metadata(&partial) else { return Unfinished::Nothing };
+    match () {
+        () if there.is_dir() && workshop::is_ours(&partial) => match has_name(&partial.join(RESULTS), target) {
+            true => Unfinished::Named,
+            false => Unfinished::Folder { is_saved: fs::exists(partial.join(STATE)).unwrap_or(true) },
+        },
+        () if there.is_file() && has_name(&partial, target) => Unfinished::Named,
+        () if there.is_file() && seal::has_mark(&partial) => Unfinished::File,
+        () if there.is_file() && reader::check_file(&partial).is_ok() => Unfinished::Unsealed,
+        () => Unfinished::Foreign,
+    }
+}
+
+/// Whether `NAME.partial` holds a sweep that is not finished.
+pub fn is_unfinished_sweep(target: &Path) -> bool {
+    unfinished(target) == Unfinished::File
+}
+
+/// Remove what lies under `NAME.partial`, so that something new is begun there. Without `force`, a
+/// saved run or sweep is an error. What this program has not made is never removed.
+pub(super) fn make_room(target: &Path, force: bool) -> Result<(), StoreError> {
+    let partial = partial_path(target);
+    let left_over = || StoreError::LeftOver { partial: partial.clone(), target: target.to_owned() };
+    match unfinished(target) {
+        Unfinished::Folder { is_saved: true } | Unfinished::File if !force => Err(left_over()),
+        Unfinished::Unsealed => Err(StoreError::NotSealed { path: partial }),
+        Unfinished::Foreign => Err(StoreError::InTheWay { path: partial }),
+        Unfinished::Nothing => Ok(()),
+        Unfinished::Folder { .. } | Unfinished::File | Unfinished::Named => clear(target),
+    }
+}
+
+/// Remove what lies under `NAME.partial`, which must be ours.
+pub(super) fn clear(target: &Path) -> Result<(), StoreError> {
+    let partial = partial_path(target);
+    if !partial.is_dir() {
+        return fs::remove_file(&partial).map_err(|source| StoreError::Remove { partial, source });
+    }
+    if let Some(name) = workshop::stranger(&partial) {
+        return Err(StoreError::InTheWay { path: partial.join(name) });
+    }
+    workshop::clear(&partial).map_err(|source| StoreError::Remove { partial, source })
+}
+
+/// Check that there is a finished file of this name: every byte is that of its seal, and it can be
+/// read. Whether a file without a seal was changed cannot be known.
+pub(super) fn check_finished(target: &Path) -> Result<(), StoreError> {
+    reader::check_file(target)?;
+    seal::check_all(target)?;
+    match kind(target)? {
+        Some(FileKind::Run) => reader::read(target).map(drop),
+        Some(FileKind::Sweep) => read_sweep(target).map(drop),
+        Some(FileKind::Calibration) => read_calibration(target).map(drop),
+        Some(FileKind::Trade) => read_trade(target).map(drop),
+        None => Err(StoreError::NotHdf5 { path: target.to_owned() }),
+    }
+}
