@@ -396,6 +396,24 @@ fn flipped_bits_are_refused_before_anything_follows_them() {
     }
 }
 
+/// The checksum is that of the whole file, also where the file is read in several pieces.
+#[test]
+fn a_flipped_bit_is_found_anywhere_in_a_large_file() {
+    let here = folder();
+    run(&here, &["--set", "record.trajectories=40", "--set", "time.output_step=0.05"]);
+    let mut bytes = fs::read(here.path().join("a.h5")).expect("written");
+    let all = bytes.len();
+    assert!(all > 5 << 19, "{all}");
+    for place in 1..20 {
+        let at = place * all / 20;
+        bytes[at] ^= 1;
+        fs::write(here.path().join("b.h5"), &bytes).expect("written");
+        let error = stick_slip::store::read(&here.path().join("b.h5")).expect_err("refused").to_string();
+        assert!(error.contains("b.h5") && error.contains("checksum"), "byte {at}: {error}");
+        bytes[at] ^= 1;
+    }
+}
+
 #[test]
 fn nothing_reaches_the_terminal_that_moves_it() {
     let here = folder();

@@ -57,6 +57,13 @@ fn the_error_is_the_one_asked_for() {
         assert!((0.6..1.4).contains(&scatter), "{}: {scatter}", statistic.name());
         assert!((centre - truth).abs() < bias + 4.0 * known_to, "{}: {centre} {truth}", statistic.name());
         assert!((0.85..1.02).contains(&reported), "{}: {reported}", statistic.name());
+        // The step after the last halves a bias of order 1, so that it is what the last halving has
+        // changed, or half of what the one before has. No less is reported than the larger one.
+        for Outcome { bias, levels, .. } in &outcomes {
+            let [.., before, last] = &levels[..] else { panic!("{levels:?}") };
+            let least = last.mean.abs().max(before.mean.abs() / 2.0);
+            assert!(*bias >= least * (1.0 - 1e-12), "{}: {bias}, {levels:?}", statistic.name());
+        }
         let scaled = mean(&|o| (o.estimate - truth).powi(2)) / (target.powi(2) + truth_error.powi(2));
         assert!((0.43..1.5).contains(&scaled), "{}: {scaled}", statistic.name());
     }

@@ -154,23 +154,30 @@ const HELD: [Statistic; 8] = [
     Statistic::JumpAbsMean,
 ];
 
-/// The estimates of a number for many seeds, with the error and interval of each.
+/// The estimates of a number for many seeds, with the error, the interval and the gain of each.
 #[derive(Default)]
 struct Seen {
     estimates: Vec<f64>,
     errors: Vec<f64>,
     intervals: Vec<[f64; 2]>,
+    gains: Vec<f64>,
+    /// The number from points that have different seeds.
+    independent: Vec<f64>,
 }
 
 impl Seen {
     /// The share of intervals that hold the mean over all seeds; and the mean square of the errors
     /// divided by the variance of the estimates.
     fn coverage_and_ratio(&self) -> (f64, f64) {
-        let n = self.estimates.len() as f64;
-        let mean = self.estimates.iter().sum::<f64>() / n;
-        let variance = self.estimates.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / (n - 1.0);
+        let (n, (mean, variance)) = (self.estimates.len() as f64, mean_and_variance(&self.estimates));
         let held = self.intervals.iter().filter(|[low, high]| *low <= mean && mean <= *high).count() as f64;
         (held / n, self.errors.iter().map(|e| e * e).sum::<f64>() / n / variance)
+    }
+
+    /// The mean of the variances that the number is said to have if its points are independent.
+    fn told_independent(&self) -> f64 {
+        let told = self.gains.iter().zip(&self.errors).map(|(gain, error)| gain * error * error);
+        told.sum::<f64>() / self.gains.len() as f64
     }
 
     /// Null hypothesis: intervals hold the truth, here the mean over all seeds, with 95 %, and the
@@ -186,35 +193,77 @@ impl Seen {
         assert!((coverage - 0.95).abs() < 0.054, "{what}: {coverage}");
         assert!((0.75..1.35).contains(&ratio), "{what}: {ratio}");
     }
+
+    /// Null hypothesis: the gain times the square of the error is the variance of the number from
+    /// points that have different seeds. The seeds are the same 500, each point from another one.
+    /// Bounds: those of the ratio above, for the same reasons.
+    fn check_gain(&self, what: &str) {
+        let ratio = self.told_independent() / mean_and_variance(&self.independent).1;
+        println!("{what}: variance of independent points, told over seen {ratio:.3}");
+        assert!((0.75..1.35).contains(&ratio), "{what}: {ratio}");
+    }
+}
+
+fn mean_and_variance(x: &[f64]) -> (f64, f64) {
+    let n = x.len() as f64;
+    let mean = x.iter().sum::<f64>() / n;
+    (mean, x.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / (n - 1.0))
 }
 
 #[test]
 fn paired_intervals_of_differences_and_elasticities_hold_what_many_seeds_show() {
     let base = ["time.end=30", "time.output_step=30", "ensemble.paths=320", "scheme.kind=event-driven"];
-    let mut differences: Vec<Seen> = HELD.map(|_| Seen::default()).into();
-    let mut elasticities: Vec<Seen> = HELD.map(|_| Seen::default()).into();
-    for seed in 0..500 {
+    let star = |seed: u64| {
         let seed = format!("ensemble.seed={}", 1000 + seed);
         let set = [&base[..], &[&seed]].concat();
         let key = ("temperature.noise.intensity".to_string(), 0.25);
         let star = Design::Star { keys: vec![key], relative_step: 0.05 };
-        let sweep = simulated(question("rho025", &set, star, Seeds::Common), 2);
+        simulated(question("rho025", &set, star, Seeds::Common), 2)
+    };
+    let stars: Vec<Sweep> = (0..500).map(star).collect();
+    let mut differences: Vec<Seen> = HELD.map(|_| Seen::default()).into();
+    let mut elasticities: Vec<Seen> = HELD.map(|_| Seen::default()).into();
+    let mut pooled: Vec<Vec<f64>> = HELD.map(|_| Vec::new()).into();
+    for (seed, sweep) in stars.iter().enumerate() {
+        // The centre from this seed, the point below it from the next one, and so on.
+        let points = (0..3).map(|i| stars[(seed + i) % stars.len()].points[i].clone()).collect();
+        let apart = Sweep { points, ..sweep.clone() };
         for (i, statistic) in HELD.into_iter().enumerate() {
-            let elasticity = sweep.elasticity(0, statistic).expect("its points are done");
-            let as_grid = Sweep { question: Question { design: line(), ..sweep.question.clone() }, ..sweep.clone() };
-            let difference = as_grid.difference(1, 0, statistic).expect("both are done");
-            for (seen, paired) in [(&mut elasticities[i], elasticity), (&mut differences[i], difference)] {
+            let both = |sweep: &Sweep| {
+                let elasticity = sweep.elasticity(0, statistic).expect("its points are done");
+                [elasticity, as_line(sweep).difference(1, 0, statistic).expect("both are done")]
+            };
+            let seen = [&mut elasticities[i], &mut differences[i]];
+            for (seen, (paired, apart)) in seen.into_iter().zip(both(sweep).into_iter().zip(both(&apart))) {
                 let m = paired.measurement;
                 seen.estimates.push(m.estimate);
                 seen.errors.push(m.standard_error);
                 seen.intervals.push([m.low, m.high]);
+                seen.gains.push(paired.gain);
+                seen.independent.push(apart.measurement.estimate);
             }
+            // Of both differences along the line together: the sum of the variances of independent
+            // points over the sum of the variances.
+            let line = as_line(sweep);
+            let errors = [0, 1].map(|p| line.difference(p, 0, statistic).expect("done").measurement.standard_error);
+            pooled[i].push(line.gain(0, statistic) * errors.iter().map(|e| e * e).sum::<f64>());
         }
     }
     for (i, statistic) in HELD.into_iter().enumerate() {
-        differences[i].check(&format!("difference of {}", statistic.name()));
-        elasticities[i].check(&format!("elasticity of {}", statistic.name()));
+        for (seen, what) in [(&differences[i], "difference"), (&elasticities[i], "elasticity")] {
+            seen.check(&format!("{what} of {}", statistic.name()));
+            seen.check_gain(&format!("{what} of {}", statistic.name()));
+        }
+        // The two differences of the line have independent points of nearly the same variance.
+        let ratio = mean_and_variance(&pooled[i]).0 / (2.0 * mean_and_variance(&differences[i].independent).1);
+        println!("pooled gain of {}: told over seen {ratio:.3}", statistic.name());
+        assert!((0.75..1.35).contains(&ratio), "{}: {ratio}", statistic.name());
     }
+}
+
+/// The sweep of a star of one key as a line.
+fn as_line(star: &Sweep) -> Sweep {
+    Sweep { question: Question { design: line(), ..star.question.clone() }, ..star.clone() }
 }
 
 /// The points of a star of one key as a line: the centre, below it, above it.

@@ -14,8 +14,10 @@
 //! After a failed write or flush the handles are leaked on purpose, and the file is never touched
 //! again. Closing such a file crashes some versions of the library, and others report success.
 
-use super::error::{cause, is_full, system_error};
+use super::error::cause;
+use super::failure::Failure;
 use super::ledger::Ledger;
+use super::read_back::compare;
 use super::superblock::superblock;
 use super::variable::Place;
 use super::{StoreError, seal};
@@ -24,29 +26,7 @@ use hdf5::File;
 use hdf5::file::{FileCloseDegree, LibraryVersion};
 use hdf5::plist::file_create::{AttrCreationOrder, LinkCreationOrder};
 use std::fs;
-use std::io;
 use std::path::{Path, PathBuf};
-
-/// Why a file could not be written.
-#[derive(Clone, Debug)]
-pub(super) struct Failure {
-    /// What the system or HDF5 says.
-    pub cause: String,
-    /// Whether there was no room left.
-    pub full: bool,
-}
-
-impl From<hdf5::Error> for Failure {
-    fn from(error: hdf5::Error) -> Self {
-        Failure { cause: cause(&error), full: system_error(&error).is_some_and(|system| is_full(&system)) }
-    }
-}
-
-impl From<io::Error> for Failure {
-    fn from(error: io::Error) -> Self {
-        Failure { full: is_full(&error), cause: error.to_string() }
-    }
-}
 
 /// A file that is being written.
 #[derive(Debug)]
@@ -87,7 +67,7 @@ impl Draft {
         if superblock(&mut fs::File::open(&self.path)?)?.is_none_or(|superblock| superblock.is_open) {
             return Err(Failure { cause: "HDF5 could not close the file".into(), full: false });
         }
-        ledger.compare(&self.path)?;
+        compare(&ledger, &self.path)?;
         // Some file systems report only at this point that they are full.
         Ok(seal::seal(&self.path)?)
     }
@@ -121,4 +101,44 @@ fn create(path: &Path) -> hdf5::Result<File> {
                 .obj_track_times(false)
         })
         .create_excl(path)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::dataset::Destination as _;
+    use crate::dataset::Kind;
+    use crate::dataset::layout;
+    use crate::store::ledger::Sum;
+
+    /// A file whose ledger says something else than was written cannot be finished.
+    #[test]
+    fn what_is_not_in_the_file_as_it_was_to_be_written_is_found() {
+        let changes: [fn(&mut Ledger); 5] = [
+            |_| (),
+            |ledger| {
+                ledger.variable("quantile", {
+                    let mut sum = Sum::of(Kind::F64);
+                    sum.add((&[0.5, 0.25]).into());
+                    sum
+                })
+            },
+            |ledger| ledger.variable("lost", Sum::of(Kind::F64)),
+            |ledger| ledger.attribute("", "title", "another".into()),
+            |ledger| ledger.attribute("quantile", "long_name", "another".into()),
+        ];
+        for (i, change) in changes.into_iter().enumerate() {
+            let here = tempfile::tempdir().expect("a folder");
+            let path = here.path().join("a.h5");
+            let mut draft = Draft::create(&path, Units::default()).expect("made");
+            let written = draft.write(|place| {
+                place.set_attribute("title", "a title")?;
+                place.write_variable(&layout::QUANTILE, &[0.25, 0.5])?;
+                change(&mut place.ledger);
+                Ok(())
+            });
+            written.expect("written");
+            assert_eq!(draft.finish().is_ok(), i == 0, "change {i}");
+        }
+    }
 }

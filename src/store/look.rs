@@ -1,6 +1,6 @@
 //! Looking through a file that nobody vouches for.
 
-use super::ledger::sum_of;
+use super::read_back::sum_of;
 use super::reader::{self, check_file, open};
 use super::variable::read_attribute;
 use super::{StoreError, read_calibration, read_prices, read_sweep, read_trade};

@@ -1,6 +1,7 @@
 //! Writing the file of a run, once its statistics are known.
 
-use super::draft::{Draft, Failure};
+use super::draft::Draft;
+use super::failure::Failure;
 use super::growing::GrowingTable;
 use super::variable::{Growth, Place};
 use super::workshop::{RESULTS, Workshop};

@@ -161,3 +161,49 @@ impl Observer for YearObserver<'_> {
         self.stop.load(Ordering::Relaxed)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::Sign;
+    use crate::study::calibration::Sensor;
+
+    /// A bearing with K = 4 and beta = 1.5 + 0.5, so that kappa = 1/4, f_s = A K beta = 16, and z =
+    /// 0.1 + x + F/16. Its forces are F = 4 (2 T - x). It is seen at x = 0 under T = 0, 1.5, -1.5
+    /// and 0.5, so under F = 0, 12, -12 and 4, of which two exceed 8, half of f_s, in size. Then it
+    /// slips from x = 0 under F = 16, where z = 1.1, to x = -2 under F = -8, where z = -2.4, and is
+    /// seen in a slip, where it does not count. What happens in the burn-in is farther away and
+    /// does not count either.
+    #[test]
+    fn a_year_holds_what_was_seen_of_it() {
+        let sensor = Sensor { offset: 0.1, moving: 1.5, still: 0.5 };
+        let bearing = DrawnBearing { reach: 2.0, jump: 0.5, sensor, stiffness: 4.0 };
+        let stop = AtomicBool::new(false);
+        let mut observer = YearObserver::new(bearing, 0.5, 2, &stop);
+        let event = |kind, displacement, force| Event { kind, time: 0.0, displacement, force };
+        let look = |observer: &mut YearObserver<'_>, instant, x: f64, temperature: f64, is_static: bool| {
+            let (displacement, velocity) = (&[x; 2], &[0.0; 2]);
+            let (temperature, is_static) = (&[temperature; 2], &[is_static, false]);
+            observer.snapshot(instant, Snapshot { time: 0.0, displacement, velocity, temperature, is_static });
+        };
+        observer.event(0, event(EventKind::SlipStarted(Sign::Positive), 30.0, 99.0));
+        look(&mut observer, Instant::Output(0), 30.0, 30.0, true);
+        observer.event(0, event(EventKind::StickEntered, 0.0, 99.0));
+        look(&mut observer, Instant::Counting, 0.0, 0.0, true);
+        for (row, temperature) in [0.0, 1.5, -1.5, 0.5].into_iter().enumerate() {
+            look(&mut observer, Instant::Output(1 + row), 0.0, temperature, true);
+        }
+        observer.event(0, event(EventKind::SlipStarted(Sign::Negative), 0.0, 16.0));
+        observer.event(0, event(EventKind::StickEntered, -2.0, -8.0));
+        look(&mut observer, Instant::Output(5), -50.0, 0.0, false);
+        let years = observer.years(&[1]);
+        // The way, the slips, the range of z, the largest |z|, the share above 8, the largest |F|.
+        let expected = [2.0, 1.0, 3.5, 2.4, 0.5, 16.0];
+        assert_eq!(years.len(), 1);
+        for (quantity, (found, expected)) in Quantity::ALL.iter().zip(years[0].iter().zip(expected)) {
+            assert!((found - expected).abs() < 1e-12, "{quantity:?}: {found}, expected {expected}");
+        }
+        stop.store(true, Ordering::Relaxed);
+        assert!(observer.years(&[]).is_empty());
+    }
+}

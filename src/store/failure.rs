@@ -1,0 +1,25 @@
+//! Why a file could not be written.
+
+use super::error::{cause, is_full, system_error};
+use std::io;
+
+/// Why a file could not be written.
+#[derive(Clone, Debug)]
+pub(super) struct Failure {
+    /// What the system or HDF5 says.
+    pub cause: String,
+    /// Whether there was no room left.
+    pub full: bool,
+}
+
+impl From<hdf5::Error> for Failure {
+    fn from(error: hdf5::Error) -> Self {
+        Failure { cause: cause(&error), full: system_error(&error).is_some_and(|system| is_full(&system)) }
+    }
+}
+
+impl From<io::Error> for Failure {
+    fn from(error: io::Error) -> Self {
+        Failure { full: is_full(&error), cause: error.to_string() }
+    }
+}
