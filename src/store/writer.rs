@@ -1,9 +1,10 @@
 //! Writing the file of a run, once its statistics are known.
 
 use super::draft::{Draft, Failure};
+use super::folder::RESULTS;
 use super::growing::GrowingTable;
 use super::variable::{Growth, Place};
-use super::workshop::{RESULTS, Workshop};
+use super::workshop::Workshop;
 use super::{StoreError, own};
 use crate::dataset::rows::{self, Along};
 use crate::dataset::{Destination as _, Rows, header, layout, run};
