@@ -13,7 +13,7 @@ use rand_pcg::rand_core::{Rng, SeedableRng};
 use shim::{folders, shimmed};
 use std::collections::HashMap;
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::{Command, ExitStatus, Output, Stdio};
 use std::sync::LazyLock;
 use std::thread::sleep;

@@ -2,8 +2,9 @@
 
 use super::StoreError;
 use super::draft::Draft;
+use super::folder::RESULTS;
 use super::variable::Place;
-use super::workshop::{RESULTS, Workshop};
+use super::workshop::Workshop;
 use crate::stats::Units;
 use std::path::Path;
 

@@ -2,13 +2,13 @@
 //! `mc resume` meets, and whether it is ours.
 //!
 //! ```text
-//! NAME           a finished file, which check_finished looks through
+//! NAME           a finished file, which finished.rs looks through
 //! NAME.partial   what is unfinished: the folder of a run, or the points of a sweep in a file
 //! ```
 
+use super::folder::{self, RESULTS, STATE, partial_path};
 use super::naming::has_name;
-use super::workshop::{self, RESULTS, STATE, partial_path};
-use super::{FileKind, StoreError, kind, read_calibration, read_sweep, read_trade, reader, seal};
+use super::{StoreError, reader, seal};
 use std::fs;
 use std::path::Path;
 
@@ -37,7 +37,7 @@ pub(super) fn unfinished(target: &Path) -> Unfinished {
     let partial = partial_path(target);
     let Ok(there) = fs::symlink_metadata(&partial) else { return Unfinished::Nothing };
     match () {
-        () if there.is_dir() && workshop::is_ours(&partial) => match has_name(&partial.join(RESULTS), target) {
+        () if there.is_dir() && folder::is_ours(&partial) => match has_name(&partial.join(RESULTS), target) {
             true => Unfinished::Named,
             false => Unfinished::Folder { is_saved: fs::exists(partial.join(STATE)).unwrap_or(true) },
         },
@@ -73,22 +73,8 @@ pub(super) fn clear(target: &Path) -> Result<(), StoreError> {
     if !partial.is_dir() {
         return fs::remove_file(&partial).map_err(|source| StoreError::Remove { partial, source });
     }
-    if let Some(name) = workshop::stranger(&partial) {
+    if let Some(name) = folder::stranger(&partial) {
         return Err(StoreError::InTheWay { path: partial.join(name) });
     }
-    workshop::clear(&partial).map_err(|source| StoreError::Remove { partial, source })
-}
-
-/// Check that there is a finished file of this name: every byte is that of its seal, and it can be
-/// read. Whether a file without a seal was changed cannot be known.
-pub(super) fn check_finished(target: &Path) -> Result<(), StoreError> {
-    reader::check_file(target)?;
-    seal::check_all(target)?;
-    match kind(target)? {
-        Some(FileKind::Run) => reader::read(target).map(drop),
-        Some(FileKind::Sweep) => read_sweep(target).map(drop),
-        Some(FileKind::Calibration) => read_calibration(target).map(drop),
-        Some(FileKind::Trade) => read_trade(target).map(drop),
-        None => Err(StoreError::NotHdf5 { path: target.to_owned() }),
-    }
+    folder::clear(&partial).map_err(|source| StoreError::Remove { partial, source })
 }

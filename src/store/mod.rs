@@ -16,6 +16,8 @@ mod calibration;
 mod draft;
 mod error;
 mod failure;
+mod finished;
+mod folder;
 mod found;
 mod growing;
 mod ledger;
@@ -47,6 +49,7 @@ pub use crate::dataset::{Cheapest, CheapestRun, StoredCalibration, StoredSweep};
 pub use crate::saved::{Parts, Question, SavedError, read_block, write_block};
 pub use calibration::{read_calibration, write_calibration};
 pub use error::StoreError;
+pub use folder::{file_of, partial_path};
 pub use found::is_unfinished_sweep;
 pub use lock::lock_path;
 pub use look::{is_sealed, look_through};
@@ -62,5 +65,5 @@ pub use trade::{StoredTrade, read_prices, read_rungs, read_trade, write_trade};
 pub use verify::{
     Difference, Expected, Sealed, Verification, Verified, check_bytes, verify_calibration, verify_sweep, verify_trade,
 };
-pub use workshop::{file_of, partial_path, write_whole};
+pub use workshop::write_whole;
 pub use writer::Writer;

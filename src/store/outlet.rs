@@ -5,8 +5,8 @@
 //! saves in its state how much of each log counts, and reads all logs in the order of paths when it
 //! writes the file.
 
+use super::folder::{TOKEN, rows_name};
 use super::log::Log;
-use super::workshop::{TOKEN, rows_name};
 use super::{StoreError, own};
 use crate::saved::{Position, read_positions, write_positions};
 use crate::stats::{BlockResult, Codec as _, Damaged, Reader};

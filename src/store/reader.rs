@@ -1,9 +1,9 @@
 //! Reading a finished file back.
 
 use super::error::{cause, system_error};
+use super::folder::{STATE, file_of, partial_path};
 use super::lock::Lock;
 use super::superblock::superblock;
-use super::workshop::{STATE, file_of, partial_path};
 use super::{StoreError, seal, state};
 use crate::dataset::calibration::CALIBRATION_FORMAT_NAME;
 use crate::dataset::header::{FORMAT_NAME, FORMAT_VERSION};

@@ -1,11 +1,12 @@
 //! The sink that writes a run to a file.
 
+use super::folder::{ROWS, STATE, partial_path, rows_name};
 use super::log::{self, Log};
 use super::naming::parent;
 use super::outlet::{Outlet, read_receipt};
 use super::state;
-use super::workshop::{ROWS, STATE, Workshop, lock, partial_path, rows_name};
-use super::{StoreError, Writer, check_space, found};
+use super::workshop::{Workshop, lock};
+use super::{StoreError, Writer, check_space, finished, found};
 use crate::engine::{Asked, Moment, Outcome, Sink, SinkError, SoFar, Status};
 use crate::provenance::Provenance;
 use crate::saved::{Position, Question, State, to_bytes};
@@ -120,7 +121,7 @@ impl FileSink {
             found::Unfinished::File => return Err(StoreError::LeftOver { partial, target: target.to_owned() }),
             // The run was finished, and at most its folder was left to be removed.
             found if is_there => {
-                found::check_finished(target)?;
+                finished::check_finished(target)?;
                 if is_ours(found) {
                     found::clear(target)?;
                 }

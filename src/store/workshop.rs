@@ -18,56 +18,15 @@
 //! left to be removed.
 
 use super::error::is_full;
+use super::folder::{self, LINK, MARK, NEW_STATE, RESULTS, STATE, partial_path};
 use super::lock::Lock;
 use super::naming::{give_name, parent, sync_folder};
 use super::own::{self, identity};
-use super::{StoreError, found, remains, state};
+use super::{StoreError, found, remains};
 use std::fs::{self, DirBuilder, File};
 use std::io::{self, Write as _};
 use std::os::unix::fs::{DirBuilderExt as _, MetadataExt as _, PermissionsExt as _};
 use std::path::{Path, PathBuf};
-
-/// The state of a run.
-pub(super) const STATE: &str = "state";
-/// The rows of its single paths.
-pub(super) const ROWS: &str = "rows";
-/// A token by which the other processes of a run recognise the folder.
-pub(super) const TOKEN: &str = "ranks";
-/// The file itself, while it is written.
-pub(super) const RESULTS: &str = "results.h5";
-/// A new state, before it replaces the old one.
-const NEW_STATE: &str = "state.new";
-/// A second name of the results, from which they are renamed to replace an earlier file.
-const LINK: &str = "results.link";
-
-/// The mark of the folder. It is the first file in it, and it is removed last.
-const MARK: &str = "made-by-mc";
-
-/// The files of the folder in the order of their removal. If the process is interrupted in between,
-/// the files that remain still show what the folder was.
-const NAMES: [&str; 7] = [ROWS, TOKEN, NEW_STATE, LINK, STATE, RESULTS, MARK];
-
-/// The name of the log with this number: `rows`, `rows.1`, `rows.2` and so on.
-pub(super) fn rows_name(log: u64) -> String {
-    if log == 0 { ROWS.to_string() } else { format!("{ROWS}.{log}") }
-}
-
-/// The name of the folder in which a file is written: `NAME.partial`.
-pub fn partial_path(target: &Path) -> PathBuf {
-    let mut name = target.as_os_str().to_owned();
-    name.push(".partial");
-    PathBuf::from(name)
-}
-
-/// The target that a path stands for: `NAME` if the path is `NAME.partial`, and the path itself
-/// otherwise.
-pub fn file_of(path: &Path) -> PathBuf {
-    if path.extension().is_some_and(|extension| extension == "partial") {
-        path.with_extension("")
-    } else {
-        path.to_owned()
-    }
-}
 
 /// The folder for writing one file, with the lock.
 #[derive(Debug)]
@@ -170,7 +129,7 @@ impl Workshop {
     /// folder stays too.
     pub fn discard(&self) {
         // A folder without a state hinders no later run, so this is no more than said.
-        if let Err(error) = clear(&self.folder) {
+        if let Err(error) = folder::clear(&self.folder) {
             remains::stays(&self.folder, &error);
         }
     }
@@ -196,35 +155,6 @@ pub fn write_whole(target: &Path, bytes: &[u8], force: bool) -> Result<(), Store
     };
     write().map_err(|error| workshop.failed(&error))?;
     workshop.publish()
-}
-
-/// Whether this program has made a folder.
-pub(super) fn is_ours(folder: &Path) -> bool {
-    let is_file = |name: &str| fs::symlink_metadata(folder.join(name)).is_ok_and(|there| there.is_file());
-    let is_empty = || fs::read_dir(folder).is_ok_and(|mut entries| entries.next().is_none());
-    is_file(MARK) || is_file(STATE) && state::has_mark(&folder.join(STATE)) || is_empty()
-}
-
-/// The name of something in a folder of ours that this program has not made, if there is any.
-pub(super) fn stranger(folder: &Path) -> Option<String> {
-    let names = fs::read_dir(folder).ok()?.filter_map(|entry| Some(entry.ok()?.file_name().display().to_string()));
-    let is_ours = |name: &str| NAMES.contains(&name) || is_log(name);
-    let is_file = |name: &str| fs::symlink_metadata(folder.join(name)).is_ok_and(|there| there.is_file());
-    names.into_iter().find(|name| !is_ours(name) || !is_file(name))
-}
-
-/// Remove the files of this program, and then the folder. The folder stays, with an error, if it
-/// holds anything else.
-pub(super) fn clear(folder: &Path) -> io::Result<()> {
-    let all = fs::read_dir(folder)?.filter_map(|entry| entry.ok()?.file_name().into_string().ok());
-    let logs: Vec<String> = all.filter(|name| is_log(name)).collect();
-    let mut names = logs.iter().map(String::as_str).chain(NAMES);
-    names.try_for_each(|name| own::remove(&folder.join(name)))?;
-    fs::remove_dir(folder)
-}
-
-fn is_log(name: &str) -> bool {
-    name.strip_prefix("rows.").is_some_and(|number| number.parse::<u64>().is_ok())
 }
 
 /// The permissions of the folder: where a file is replaced that others may not read, they may not

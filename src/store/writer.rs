@@ -2,9 +2,10 @@
 
 use super::draft::Draft;
 use super::failure::Failure;
+use super::folder::RESULTS;
 use super::growing::GrowingTable;
 use super::variable::{Growth, Place};
-use super::workshop::{RESULTS, Workshop};
+use super::workshop::Workshop;
 use super::{StoreError, own};
 use crate::dataset::rows::{self, Along};
 use crate::dataset::{Destination as _, Rows, header, layout, run};
