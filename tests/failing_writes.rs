@@ -66,7 +66,7 @@ fn commands() -> Vec<Writes> {
     let trade: &[&str] = &["trade", SHAW, "--budget", "1s", "-o", "t.h5"];
     vec![
         writes(&[], &[RUN, &["-o", "a.h5"]], "a.h5"),
-        Writes { is_repeatable: false, ..writes(&[], &[RUN, &["--part", "2/2", "-o", "a.h5"]], "a.h5") },
+        writes(&[], &[RUN, &["--part", "2/2", "-o", "a.h5"]], "a.h5"),
         writes(&[&first, &second], &[&["merge", "1.h5", "2.h5", "-o", "a.h5"]], "a.h5"),
         writes(&[&run], &[&["replay", "a.h5", "--path", "3", "-o", "r.h5"]], "r.h5"),
         Writes { is_repeatable: false, ..writes(&[], &[sweep, &["-o", "s.h5"]], "s.h5") },

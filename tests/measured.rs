@@ -202,3 +202,13 @@ fn a_balanced_bearing_shows_its_offset_first() {
         assert_eq!(rows("series_time").len(), 289);
     }
 }
+
+/// A scenario that is made in memory has the checks of one that is read.
+#[test]
+fn pinned_noise_without_a_series_is_refused_in_memory_as_well() {
+    let text = stick_slip::config::shipped("rho025").expect("shipped").text;
+    let mut scenario = stick_slip::scenario::Scenario::parse("rho025", text, &[]).expect("sound");
+    scenario.model.temperature.is_pinned = true;
+    let misfit = scenario.check().expect_err("there is nothing to pin to");
+    assert!(misfit.sentence().contains("`temperature.noise.pinned` = true, and there is no"), "{misfit:?}");
+}

@@ -78,15 +78,10 @@ impl<'a> Fields<'a> {
     }
 
     /// The place of the value of a key, if it is there. The key may be dotted, for a table within
-    /// this one.
+    /// this one; in an array of tables it is that of the first table that has the key.
     pub fn place_of(&self, dotted: &str) -> Option<Place> {
-        let mut names = dotted.split('.');
-        let mut node = self.node(names.next()?)?;
-        for name in names {
-            let Value::Table(entries) = &node.value else { return None };
-            node = &entries.iter().find(|entry| entry.key == name)?.node;
-        }
-        Some(node.place)
+        let (first, rest) = dotted.split_once('.').map_or((dotted, None), |(first, rest)| (first, Some(rest)));
+        place_in(self.node(first)?, rest)
     }
 
     /// A table within this one; an empty one if it is missing.
@@ -330,6 +325,19 @@ fn float(node: &Node) -> Option<f64> {
         Value::Float(text) => text.parse().ok(),
         Value::Integer { digits, radix: 10 } => digits.parse().ok(),
         Value::Integer { digits, radix } => i128::from_str_radix(digits, *radix).ok().map(|n| n as f64),
+        _ => None,
+    }
+}
+
+/// The place of a value below a node, by its dotted key; that of the node itself without one.
+fn place_in(node: &Node, dotted: Option<&str>) -> Option<Place> {
+    let Some(dotted) = dotted else { return Some(node.place) };
+    match &node.value {
+        Value::Table(entries) => {
+            let (first, rest) = dotted.split_once('.').map_or((dotted, None), |(first, rest)| (first, Some(rest)));
+            place_in(&entries.iter().find(|entry| entry.key == first)?.node, rest)
+        }
+        Value::Array(items) => items.iter().find_map(|item| place_in(item, Some(dotted))),
         _ => None,
     }
 }

@@ -8,7 +8,7 @@ use super::physics::{Physics, bearing, physics};
 use super::source::Sources;
 use super::time::scheme_and_time;
 use super::tree;
-use crate::scenario::{Ensemble, MAX_PATHS, MAX_TRAJECTORIES, Scenario, Statistics, Units};
+use crate::scenario::{Ensemble, MAX_PATHS, MAX_TRAJECTORIES, Scenario, Statistics, Time, Units};
 use crate::stats::Record;
 
 /// Number of paths if a scenario does not give it.
@@ -24,26 +24,24 @@ pub(super) fn scenario(sources: &Sources<'_>, default_title: &str) -> Result<Sce
     report_unknown_keys(&root);
     let Physics { model, measured, is_balanced } = physics(sources, &root);
     let bearing = bearing(&root);
-    let (scheme, time) = scheme_and_time(sources, &root, &model);
+    let (scheme, end, output_step) = scheme_and_time(sources, &root, &model);
     // `abs` turns -0.0 into 0.0.
     let statistics = Statistics { after: root.table("statistics").number_or(keys::AFTER, 0.0).abs() };
-    report_misfit(sources, &root, statistics.check(time.end));
     let ensemble = root.table("ensemble");
     let ensemble = Ensemble {
         paths: ensemble.whole_or("paths", DEFAULT_PATHS, (1, MAX_PATHS)),
         seed: ensemble.whole_or("seed", DEFAULT_SEED, (0, u64::MAX)),
         antithetic: ensemble.flag_or("antithetic", false),
     };
-    report_misfit(sources, &root, ensemble.check());
     let record = root.table("record");
     let units = root.table("units");
-    sources.outcome(Scenario {
+    let mut scenario = Scenario {
         title: root.line_or("title", default_title),
         model,
         measured,
         is_balanced,
         bearing,
-        time,
+        time: Time { end, output_step: output_step.unwrap_or(end) },
         scheme,
         statistics,
         ensemble,
@@ -58,7 +56,13 @@ pub(super) fn scenario(sources: &Sources<'_>, default_title: &str) -> Result<Sce
             force: units.line_or("force", ""),
             temperature: units.line_or("temperature", ""),
         },
-    })
+    };
+    // Rows can be laid out only over a time that goes with the rest.
+    if output_step.is_none() && sources.are_sound() && scenario.check().is_ok() {
+        scenario.time = Time::with_default_rows(end, scheme);
+    }
+    scenario.misfits().into_iter().for_each(|misfit| report_misfit(sources, &root, Err(misfit)));
+    sources.outcome(scenario)
 }
 
 /// Open every table, even one that is not read below, so that its unknown keys are reported.

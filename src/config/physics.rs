@@ -1,12 +1,11 @@
 //! The model from the tables that describe the physics.
 
-use super::blame::report_misfit;
 use super::fields::Fields;
 use super::keys;
 use super::series;
 use super::source::Sources;
 use crate::model::{Friction, Harmonic, InitialNoise, Model, Noise, Oscillator, Temperature};
-use crate::scenario::{Bearing, Measured, check};
+use crate::scenario::{Bearing, Measured};
 
 /// The model, and where parts of it come from.
 pub(super) struct Physics {
@@ -18,7 +17,6 @@ pub(super) struct Physics {
 
 /// Read `[oscillator]`, `[friction]`, `[temperature]` and `[initial]`.
 pub(super) fn physics(sources: &Sources<'_>, root: &Fields<'_>) -> Physics {
-    let together = |check| report_misfit(sources, root, check);
     let table = root.table("oscillator");
     let oscillator = Oscillator {
         mass: table.number(keys::MASS),
@@ -29,7 +27,6 @@ pub(super) fn physics(sources: &Sources<'_>, root: &Fields<'_>) -> Physics {
 
     let table = root.table("friction");
     let friction = Friction { static_force: table.number(keys::STATIC), dynamic_force: table.number(keys::DYNAMIC) };
-    together(check::friction(&friction));
 
     let table = root.table("temperature");
     let mut harmonics = Vec::new();
@@ -45,12 +42,7 @@ pub(super) fn physics(sources: &Sources<'_>, root: &Fields<'_>) -> Physics {
         let remedy = "keep two of them, or add up those whose relaxation rates are alike: their variances add";
         sources.report(third.fault_of_table("is one noise too many; two are simulated at most", remedy));
     }
-    let mut read = Vec::new();
-    for table in &noises {
-        let noise = noise(table);
-        together(check::noise(&noise));
-        read.push(noise);
-    }
+    let read: Vec<Noise> = noises.iter().map(noise).collect();
     let (noise, second_noise) = (read.first().copied(), read.get(1).copied());
 
     let (series, measured) = sources.or_report(series::series(sources, root)).flatten().unzip();
@@ -59,10 +51,6 @@ pub(super) fn physics(sources: &Sources<'_>, root: &Fields<'_>) -> Physics {
         is_pinned |= table.flag_or("pinned", false);
     }
     let temperature = Temperature { harmonics, series, is_pinned, noise, second_noise };
-    if let Some((problem, remedy)) = check::pinned(&temperature) {
-        let place = noises.iter().find_map(|table| table.place_of("pinned"));
-        sources.report_misfit(*sources.fault(place, problem.into(), remedy.into()).of("temperature.noise.pinned"));
-    }
 
     let table = root.table("initial");
     let given = table.number_or_word(keys::DISPLACEMENT, &["balanced"]);
@@ -73,9 +61,6 @@ pub(super) fn physics(sources: &Sources<'_>, root: &Fields<'_>) -> Physics {
         None => table.number(keys::DISPLACEMENT),
     };
     let model = Model { oscillator, friction, temperature, initial_displacement };
-    if sources.are_sound() {
-        together(check::forces(&model));
-    }
     Physics { model, measured, is_balanced }
 }
 

@@ -7,13 +7,10 @@ use super::keys;
 use super::source::Sources;
 use crate::model::Model;
 use crate::numbers::tidy;
-use crate::scenario::time::check_end;
-use crate::scenario::{Time, check};
 use crate::scheme::{DEFAULT_TOLERANCE, Kind, Misfit, Parameter, Scheme};
 
-/// Read `[scheme]` and `[time]`.
-pub(super) fn scheme_and_time(sources: &Sources<'_>, root: &Fields<'_>, model: &Model) -> (Scheme, Time) {
-    let together = |check| report_misfit(sources, root, check);
+/// Read `[scheme]` and `[time]`. An output step that is not given is none.
+pub(super) fn scheme_and_time(sources: &Sources<'_>, root: &Fields<'_>, model: &Model) -> (Scheme, f64, Option<f64>) {
     let (kind, tolerance) = kind(sources, root);
     let table = root.table("time");
     let scheme = kind.with(match kind.parameter() {
@@ -34,21 +31,7 @@ pub(super) fn scheme_and_time(sources: &Sources<'_>, root: &Fields<'_>, model: &
         (None, None) => table.number(keys::END),
     };
     let output_step = table.number_if_present(keys::OUTPUT_STEP).map(|read| read.value);
-    together(check::series(model, end));
-    together(check_end(scheme, end));
-    together(check::phases(model, end));
-    // The following checks use all values, so they are meaningful only if all values are valid.
-    if sources.are_sound() {
-        together(check::check_extent(model, end).and_then(|()| scheme.check(model, end)));
-    }
-    let time = match output_step {
-        None if sources.are_sound() => Time::with_default_rows(end, scheme),
-        output_step => Time { end, output_step: output_step.unwrap_or(end) },
-    };
-    if sources.are_sound() {
-        together(time.check_rows(scheme));
-    }
-    (scheme, time)
+    (scheme, end, output_step)
 }
 
 /// The time of the last sample, or of the last step before it.

@@ -10,18 +10,28 @@ use crate::scheme::{Misfit, Scheme, divergence_bound};
 impl Scenario {
     /// Check that the values go together. Each of them must already be in its own range.
     pub fn check(&self) -> Result<(), Misfit> {
-        let Scenario { model, time, scheme, statistics, .. } = self;
-        friction(&model.friction)?;
-        [model.temperature.noise, model.temperature.second_noise].iter().flatten().try_for_each(noise)?;
-        forces(model)?;
-        series(model, time.end)?;
-        check_end(*scheme, time.end)?;
-        phases(model, time.end)?;
-        check_extent(model, time.end)?;
-        scheme.check(model, time.end)?;
-        time.check_rows(*scheme)?;
-        statistics.check(time.end)?;
-        self.ensemble.check()
+        self.misfits().into_iter().next().map_or(Ok(()), Err)
+    }
+
+    /// All values that do not go together, so far as each can be judged beside the others.
+    pub(crate) fn misfits(&self) -> Vec<Misfit> {
+        let Scenario { model, time, scheme, statistics, ensemble, .. } = self;
+        let Temperature { noise: first, second_noise: second, .. } = &model.temperature;
+        let mut found = Misfits(Vec::new());
+        found.note(|| friction(&model.friction));
+        [first, second].into_iter().flatten().for_each(|one| found.note(|| noise(one)));
+        found.note(|| pinned(&model.temperature));
+        found.note_if_sound(|| forces(model));
+        found.note(|| series(model, time.end));
+        found.note(|| check_end(*scheme, time.end));
+        found.note(|| phases(model, time.end));
+        // These use all values, so they mean something only if the values before them go together.
+        found.note_if_sound(|| check_extent(model, time.end));
+        found.note_if_sound(|| scheme.check(model, time.end));
+        found.note_if_sound(|| time.check_rows(*scheme));
+        found.note(|| statistics.check(time.end));
+        found.note(|| ensemble.check());
+        found.0
     }
 
     /// The same scenario with another scheme. It is an error if the step or the tolerance of that
@@ -33,9 +43,25 @@ impl Scenario {
     }
 }
 
+/// What does not go together, in the order of the checks.
+struct Misfits(Vec<Misfit>);
+
+impl Misfits {
+    fn note(&mut self, check: impl FnOnce() -> Result<(), Misfit>) {
+        self.0.extend(check().err());
+    }
+
+    /// The same for a check that takes it for granted that nothing was found before.
+    fn note_if_sound(&mut self, check: impl FnOnce() -> Result<(), Misfit>) {
+        if self.0.is_empty() {
+            self.note(check);
+        }
+    }
+}
+
 impl Ensemble {
     /// Antithetic paths come in pairs, so their number must be even.
-    pub(crate) fn check(&self) -> Result<(), Misfit> {
+    fn check(&self) -> Result<(), Misfit> {
         let paths = self.paths;
         if !self.antithetic || paths.is_multiple_of(2) {
             return Ok(());
@@ -48,7 +74,7 @@ impl Ensemble {
 
 impl Statistics {
     /// after < t_end, or after = 0 for no burn-in.
-    pub(crate) fn check(&self, end: f64) -> Result<(), Misfit> {
+    fn check(&self, end: f64) -> Result<(), Misfit> {
         let after = self.after;
         if after == 0.0 || after < end {
             return Ok(());
@@ -60,7 +86,7 @@ impl Statistics {
 }
 
 /// f_d <= f_s.
-pub(crate) fn friction(friction: &Friction) -> Result<(), Misfit> {
+fn friction(friction: &Friction) -> Result<(), Misfit> {
     let Friction { static_force: f_s, dynamic_force: f_d } = *friction;
     if f_d <= f_s {
         return Ok(());
@@ -71,7 +97,7 @@ pub(crate) fn friction(friction: &Friction) -> Result<(), Misfit> {
 }
 
 /// The stationary standard deviations of v and of rho v are neither too large nor subnormal.
-pub(crate) fn noise(noise: &Noise) -> Result<(), Misfit> {
+fn noise(noise: &Noise) -> Result<(), Misfit> {
     let sd = noise.stationary_sd();
     if can_be_computed_with(&[noise.intensity * sd, sd]) && (noise.diffusion == 0.0 || sd.is_normal()) {
         return Ok(());
@@ -85,7 +111,7 @@ pub(crate) fn noise(noise: &Noise) -> Result<(), Misfit> {
 }
 
 /// K/m, alpha/m, b and b/m are neither too small nor too large for a double.
-pub(crate) fn forces(model: &Model) -> Result<(), Misfit> {
+fn forces(model: &Model) -> Result<(), Misfit> {
     let Model { oscillator, initial_displacement, .. } = model;
     let mass = ("oscillator.mass", oscillator.mass);
     let stiffness = ("oscillator.stiffness", oscillator.stiffness);
@@ -118,7 +144,7 @@ pub(crate) fn forces(model: &Model) -> Result<(), Misfit> {
 }
 
 /// The phases of all harmonics keep their digits up to t_end.
-pub(crate) fn phases(model: &Model, end: f64) -> Result<(), Misfit> {
+fn phases(model: &Model, end: f64) -> Result<(), Misfit> {
     for (i, harmonic) in model.temperature.harmonics.iter().enumerate().filter(|(_, one)| one.amplitude != 0.0) {
         let Harmonic { angular_frequency: w, phase, .. } = *harmonic;
         let key = format!("temperature.harmonics.{i}");
@@ -147,7 +173,7 @@ pub(crate) fn reduced(phase: f64) -> f64 {
 }
 
 /// A measured temperature has samples up to t_end.
-pub(crate) fn series(model: &Model, end: f64) -> Result<(), Misfit> {
+fn series(model: &Model, end: f64) -> Result<(), Misfit> {
     let Some(series) = &model.temperature.series else { return Ok(()) };
     let last = series.end();
     if end <= last {
@@ -159,29 +185,25 @@ pub(crate) fn series(model: &Model, end: f64) -> Result<(), Misfit> {
 }
 
 /// Pinned noise needs a series of samples, has no second noise beside it, and is zero at the first
-/// sample. Returns what is wrong and the remedy.
-pub(crate) fn pinned(temperature: &Temperature) -> Option<(&'static str, &'static str)> {
-    let noise = temperature.noise.filter(|_| temperature.is_pinned)?;
-    if temperature.series.is_none() {
-        return Some((
-            "is true, and there is no [temperature.series] to pin the noise to",
-            "remove it, or give a series",
-        ));
-    }
-    if temperature.second_noise.is_some() {
-        return Some((
-            "is true, and there are two noises",
-            "keep the faster one: between samples the other hardly moves",
-        ));
-    }
-    let starts_at_zero = matches!(noise.initial, InitialNoise::At(0.0));
-    let remedy = "leave out `temperature.noise.initial`, or write 0";
-    (!starts_at_zero)
-        .then_some(("is true, so v is zero at the first sample, and `temperature.noise.initial` is not", remedy))
+/// sample.
+fn pinned(temperature: &Temperature) -> Result<(), Misfit> {
+    let Some(noise) = temperature.noise.filter(|_| temperature.is_pinned) else { return Ok(()) };
+    let (problem, remedy) = if temperature.series.is_none() {
+        ("and there is no [temperature.series] to pin the noise to", "remove it, or give a series")
+    } else if temperature.second_noise.is_some() {
+        ("and there are two noises", "keep the faster one: between samples the other hardly moves")
+    } else if !matches!(noise.initial, InitialNoise::At(0.0)) {
+        let problem = "so v is zero at the first sample, and `temperature.noise.initial` is not";
+        (problem, "leave out `temperature.noise.initial`, or write 0")
+    } else {
+        return Ok(());
+    };
+    let key = "temperature.noise.pinned";
+    Err(Misfit::new(&[(key, 1.0)], format!("`{key}` = true, {problem}"), remedy))
 }
 
 /// |x| and |x'| stay small enough for a double up to `end`.
-pub(crate) fn check_extent(model: &Model, end: f64) -> Result<(), Misfit> {
+fn check_extent(model: &Model, end: f64) -> Result<(), Misfit> {
     // The bound is that of motion without friction, because friction does not drive the body.
     let mut free = model.clone();
     free.friction.static_force = 0.0;
