@@ -150,7 +150,7 @@ fn nothing_of_others_is_replaced() {
     fs::create_dir(partial_path(&target)).unwrap();
     fs::write(partial_path(&target).join("thesis.tex"), "by hand").unwrap();
     for force in [false, true] {
-        assert!(matches!(create(force).unwrap_err(), StoreError::Remove { .. }));
+        assert!(matches!(create(force).unwrap_err(), StoreError::InTheWay { .. }));
     }
     fs::remove_dir_all(partial_path(&target)).unwrap();
     let writer = create(false).unwrap();
