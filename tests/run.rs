@@ -218,16 +218,18 @@ fn diverged_paths_are_announced() {
     assert!(text(&output.stderr).contains("every path diverged") && text(&output.stderr).contains("smaller step"));
 }
 
-/// A file with the name of the folder in which results are made is not overwritten either.
+/// A file of others with the name of the folder in which results are made is not overwritten, even
+/// with --force.
 #[test]
 fn a_leftover_is_not_lost_silently() {
     let here = folder();
     std::fs::write(here.path().join("rho025.h5.partial"), "of a sweep").expect("written");
-    let refused = mc(&here, &["run", RHO025, "--paths", "10"]);
-    assert_eq!(refused.status.code(), Some(2), "{}", text(&refused.stderr));
-    assert!(text(&refused.stderr).contains("rho025.h5.partial"));
-    assert!(mc(&here, &["run", RHO025, "--paths", "10", "--force", "--quiet"]).status.success());
-    assert!(Path::exists(&here.path().join("rho025.h5")));
+    for force in [&[][..], &["--force"]] {
+        let refused = mc(&here, &[&["run", RHO025, "--paths", "10"], force].concat());
+        assert_eq!(refused.status.code(), Some(2), "{}", text(&refused.stderr));
+        assert!(text(&refused.stderr).contains("rho025.h5.partial"));
+    }
+    assert_eq!(std::fs::read(here.path().join("rho025.h5.partial")).expect("there"), b"of a sweep");
 }
 
 /// The kernel that is used is printed, and so is every derived number.

@@ -35,13 +35,15 @@ pub(super) fn scenario(sources: &Sources<'_>, default_title: &str) -> Result<Sce
     };
     let record = root.table("record");
     let units = root.table("units");
+    // A grid that goes with any duration, until it is known that a default one can be laid out.
+    let whole = if end > 0.0 { end } else { scheme.step().unwrap_or(1.0) };
     let mut scenario = Scenario {
         title: root.line_or("title", default_title),
         model,
         measured,
         is_balanced,
         bearing,
-        time: Time { end, output_step: output_step.unwrap_or(end) },
+        time: Time { end, output_step: output_step.unwrap_or(whole) },
         scheme,
         statistics,
         ensemble,
@@ -57,7 +59,6 @@ pub(super) fn scenario(sources: &Sources<'_>, default_title: &str) -> Result<Sce
             temperature: units.line_or("temperature", ""),
         },
     };
-    // Rows can be laid out only over a time that goes with the rest.
     if output_step.is_none() && sources.are_sound() && scenario.check().is_ok() {
         scenario.time = Time::with_default_rows(end, scheme);
     }

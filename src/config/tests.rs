@@ -340,12 +340,18 @@ fn values_that_cannot_be_computed_with_are_refused_with_the_reason() {
 #[test]
 fn data_are_refused_for_the_same_reasons_as_a_file() {
     type Change = fn(&mut Scenario);
-    let changes: [(Change, &str, &str); 7] = [
+    fn slow_and_endless(s: &mut Scenario) {
+        s.scheme = Kind::EventDriven.with(1e-3);
+        s.model.temperature.harmonics[0].angular_frequency = 1e-90;
+        s.time.end = 1e101;
+    }
+    let changes: [(Change, &str, &str); 8] = [
         (|s| s.model.friction.dynamic_force = 2.0, "friction.dynamic", "is above `friction.static`"),
         (|s| s.model.oscillator.mass = 1e-310, "oscillator.stiffness", "K/m = inf"),
         (|s| s.model.oscillator.damping = 1e101, "oscillator.damping", "alpha/m"),
         (|s| s.model.oscillator.dilatation = 5e99, "oscillator.dilatation", "reach 4"),
-        (|s| s.time.end = 1e101, "time.end", "lets |x| grow"),
+        (|s| s.time.end = 1e101, "time.step", "2^53"),
+        (slow_and_endless, "time.end", "lets |x| grow"),
         (|s| s.time.output_step = 0.007, "time.output_step", "is not a whole number of steps"),
         (|s| s.time = Time { end: 1000.0, output_step: 0.01 }, "time.output_step", "100001 rows"),
     ];

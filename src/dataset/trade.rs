@@ -80,9 +80,8 @@ fn orders<D: Destination>(to: &mut D, trade: &Trade) -> Result<(), D::Error> {
     let notes = Statistic::ALL.map(|statistic| trade.standing(statistic).to_string());
     to.write_variable(&STATISTIC_SCALE, &scales)?;
     to.write_variable(&STATISTIC_NOTE, &texts(notes.iter().map(String::as_str)))?;
-    if let Pairing::Measured(ratios) = &trade.pairing {
-        to.write_variable(&STATISTIC_PAIRING, ratios)?;
-    }
+    let ratios = Statistic::ALL.map(|statistic| trade.pairing.ratio(statistic).unwrap_or(f64::NAN));
+    to.write_variable(&STATISTIC_PAIRING, &ratios)?;
     to.write_variable(&SCHEME_ORDER, &orders.iter().map(|order| order[0]).collect::<Vec<_>>())?;
     to.write_variable(&SCHEME_ORDER_ERROR, &orders.iter().map(|order| order[1]).collect::<Vec<_>>())
 }
@@ -121,7 +120,7 @@ pub(crate) fn read<S: Source>(from: &S, scenario: &Scenario) -> Result<Trade, S:
     let reference = reference.ok_or_else(|| "reference is none of its rungs".to_string())?;
     let ratios: Vec<f64> =
         if from.has(STATISTIC_PAIRING.name) { read_or_empty(from, &STATISTIC_PAIRING)? } else { Vec::new() };
-    let pairing = match ratios.is_empty() {
+    let pairing = match ratios.iter().all(|ratio| ratio.is_nan()) {
         _ if scenario.ensemble.antithetic => Pairing::Asked,
         true => Pairing::Unknown,
         false => Pairing::Measured(ratios),
@@ -296,7 +295,7 @@ const STATISTIC_PAIRING: Variable = variable(
     "statistic_pairing",
     &["statistic"],
     Unit::ONE,
-    "variance with antithetic pairs over that with as many independent paths, where it was measured",
+    "variance with antithetic pairs over that with as many independent paths, missing where not measured",
 );
 const SCHEME_ORDER: Variable =
     variable("scheme_order", &["scheme", "statistic"], Unit::ONE, "observed order p of the bias C h^p");

@@ -1,5 +1,6 @@
 //! Random valid scenarios for tests.
 
+use super::limits::MAX_PHASE;
 use super::{Bearing, Ensemble, MAX_PATHS, MAX_TRAJECTORIES, Scenario, Statistics, Time, Units};
 use crate::model::{Friction, Harmonic, InitialNoise, Model, Noise, Oscillator, Temperature};
 use crate::scheme::{Kind, monitoring_shift};
@@ -79,6 +80,11 @@ prop_compose! {
             record: Record { paths: keep_paths, events, trajectories },
             units: Units { time, length, force, temperature },
         };
+        let end = scenario.time.end;
+        for harmonic in &mut scenario.model.temperature.harmonics {
+            harmonic.angular_frequency = harmonic.angular_frequency.min(0.5 * MAX_PHASE / end);
+            harmonic.phase = harmonic.phase.clamp(-MAX_PHASE, MAX_PHASE);
+        }
         // A second noise is invalid with some of these values, for example if both noises move
         // nothing.
         if scenario.check().is_err() {
