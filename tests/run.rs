@@ -7,7 +7,6 @@ mod reference;
 
 use command::Running;
 use serde_json::Value;
-use std::path::Path;
 use std::process::Output;
 use stick_slip::engine::Status;
 use stick_slip::store;

@@ -172,13 +172,15 @@ def _verified(
     )
     # A run that ended early has the scenario of the whole run.
     is_own = _is_same_program(ds) and ds.attrs["status"] in ("complete", "part")
-    left_out = _OF_END | (set() if is_own else _OF_PROGRAM) | (set() if is_whole else {"diverged_paths"})
-    compared.attributes("", ds.attrs, computed.attrs, left_out)
+    left_out = _OF_END | (set() if is_own else _OF_PROGRAM)
+    if not is_whole:
+        left_out |= {"diverged_paths"}
     for name in names:
         if name in ds.variables:
             compared.attributes(f" of {name}", ds[name].attrs, computed[name].attrs)
         axis = str(computed[name].dims[0]) if computed[name].dims else ""
         compared.variable(name, ds.get(name), computed[name], rows.get(axis), ds.get("event_count"))
+    compared.attributes("", ds.attrs, computed.attrs, left_out)
     again_paths = sum(min((n + 1) * size, first * size + completed) - n * size for n in again)
     return Verified(
         len(there),
@@ -194,7 +196,8 @@ def _verified(
 
 def _compare_end(compared: _Compared, ds: xr.Dataset, size: int, first: int) -> None:
     """Compare how the run ended and its number of paths with what was asked for."""
-    paths, completed, part = (ds.attrs.get(name) for name in ("paths", "completed_paths", "part"))
+    paths, completed = int(ds.attrs["paths"]), int(ds.attrs["completed_paths"])
+    part = ds.attrs.get("part")
     end = _first_block(-(-paths // size), part, 0) * size
     own = min(paths, end) - first * size
     status = "part" if part else "complete"
@@ -271,9 +274,12 @@ class _Compared:
         import numpy as np
 
         self.values += 1
-        if stored is None or computed is None or not np.array_equal(stored, computed):  # type: ignore[arg-type]
+        is_same = stored is not None and computed is not None
+        if not is_same or not np.array_equal(np.asarray(stored), np.asarray(computed)):
             shown = ["missing" if value is None else value for value in (stored, computed)]
-            self.differ(name, None, None, *shown)
+            # Of texts of several lines, such as a scenario, the first lines that differ are shown.
+            lines = zip(*(str(value).splitlines() for value in shown), strict=False)
+            self.differ(name, None, None, *next((x for x in lines if x[0] != x[1]), shown))
 
     def attributes(
         self,
@@ -304,7 +310,8 @@ class _Compared:
         if rows is not None:
             left = left[rows[rows < len(left)]]
         if left.shape != right.shape:
-            return self.differ(name, None, None, f"one of {left.size} values", f"one of {right.size}")
+            sizes = f"one of {left.size} values", f"one of {right.size}"
+            return self.differ(name, None, None, *sizes)
         same = left == right
         if right.dtype.kind == "f":
             same = (left.view(np.uint64) == right.view(np.uint64)) | (

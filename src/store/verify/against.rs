@@ -138,8 +138,9 @@ impl Against {
             // Reals are compared as they are printed, which tells any two of them apart and takes
             // one NaN for another.
             let stored = read_attribute(location, name)?;
-            let [stored, computed] =
-                [stored.as_ref(), computed].map(|attribute| attribute.map_or("missing".into(), shown));
+            let [stored, computed] = lines_that_differ(stored.as_ref(), computed).unwrap_or_else(|| {
+                [stored.as_ref(), computed].map(|attribute| attribute.map_or("missing".into(), shown))
+            });
             if stored != computed {
                 let name = variable.map_or_else(|| name.clone(), |variable| format!("{name} of {variable}"));
                 self.differs_at(&name, (None, stored, computed));
@@ -147,6 +148,14 @@ impl Against {
         }
         Ok(())
     }
+}
+
+/// The first lines that differ between two texts of several lines, such as a scenario.
+fn lines_that_differ(stored: Option<&Attribute>, computed: Option<&Attribute>) -> Option<[String; 2]> {
+    let (Attribute::Text(stored), Attribute::Text(computed)) = (stored?, computed?) else { return None };
+    let both = stored.lines().zip(computed.lines());
+    let (stored, computed) = both.into_iter().find(|(stored, computed)| stored != computed)?;
+    Some([format!("{stored:?}"), format!("{computed:?}")])
 }
 
 fn shown(attribute: &Attribute) -> String {
