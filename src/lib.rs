@@ -92,6 +92,7 @@ pub mod numbers;
 pub mod provenance;
 #[cfg(feature = "mpi")]
 pub mod ranks;
+#[cfg(feature = "saved")]
 pub mod saved;
 pub mod scenario;
 pub mod scheme;
