@@ -523,10 +523,11 @@ def check_duration_intervals(data, paths, count):
         low, high = wilson(data[name] / n, n)
         same_interval(data, name, low * n, high * n)
     sticks = np.array([len(path.sticks) for path in paths])
-    reach = student(n - 1) * sticks.std(ddof=1) / math.sqrt(n) * n
-    same_interval(
-        data, "stick_duration_completed", max(0, sticks.sum() - reach), sticks.sum() + reach
-    )
+    # As for sticks_per_path: Student's t for the logarithm.
+    freedom = cautious(freedom_of(sticks - sticks.mean(), n), contributing, n)
+    relative = sticks.std(ddof=1) / math.sqrt(n) / sticks.mean()
+    factor = math.exp(student(freedom) * relative)
+    same_interval(data, "stick_duration_completed", sticks.sum() / factor, sticks.sum() * factor)
 
     def survival(paths):
         """The survival curve computed bin by bin of the file, which is near the curve of the file."""
