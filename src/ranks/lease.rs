@@ -3,6 +3,7 @@
 use super::message::{read_bytes, write_bytes};
 use super::snapshots::{Counted, Snapshots};
 use crate::ensemble::{Delivered, Plan, Stops};
+use crate::saved::SavedError;
 use crate::stats::{BlockResult, Codec as _, Counts, Damaged, Reader, RunTotals, Totals};
 use crate::store::{self, Question, RankLog, StoreError};
 use std::ops::{ControlFlow, Range};
