@@ -294,6 +294,19 @@ def check_events(data, paths, events, is_on_grid):
     )
 
 
+def holding_force(data):
+    """The force up to which a scheme with a step holds a body at rest: f_s, or for the corrected
+    scheme less the overshoot of a barrier that is looked at once a step, -zeta(1/2)/sqrt(2 pi)
+    standard deviations of the force in a step, but no less than f_d."""
+    friction, oscillator = data.scenario["friction"], data.scenario["oscillator"]
+    if data.scenario["scheme"]["kind"] != "corrected-vi":
+        return friction["static"]
+    noise = data.scenario["temperature"]["noise"]
+    in_a_step = noise["intensity"] * noise["diffusion"] * math.sqrt(data.attributes["step"])
+    shift = 0.5825971579390107 * oscillator["stiffness"] * abs(oscillator["dilatation"]) * in_a_step
+    return max(friction["static"] - shift, friction["dynamic"])
+
+
 def check_trajectories(data, events):
     """b and F of the trajectories follow from their formulas, with the phases of the events."""
     friction, oscillator = data.scenario["friction"], data.scenario["oscillator"]
@@ -311,6 +324,11 @@ def check_trajectories(data, events):
         for first, kind, direction in zip(begins, of["kind"], of["sign"], strict=True):
             static[path, first:] = kind == ENTERED
             sign[path, first:] = direction
+    if data.has_step:
+        # A stick ends at the instant from which the force no longer holds the body. At the end of
+        # the run that shows in the row only, because the event is found in the next step.
+        is_left = static[:, -1] & (np.abs(b[:, -1]) > holding_force(data))
+        static[is_left, -1], sign[is_left, -1] = False, np.sign(b[is_left, -1])
     same("trajectory_static", data["trajectory_static"], static)
     check(bool((v[static] == 0).all()), "trajectory_velocity: zero in a stick")
     same(

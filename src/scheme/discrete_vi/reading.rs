@@ -5,8 +5,7 @@
 //! |b(X_{n+1}, 0, t_{n+1})| <= f_s. A zero that does not begin a static phase, or V_n V_{n+1} < 0,
 //! is a sub-phase boundary at t_{n+1}. A static phase ends at t_n, the last instant with V_n = 0;
 //! this is the paper's convention (its tau_{3/2} = 14.86). So a path that is observed at t_n is
-//! static if and only if V_n = V_{n+1} = 0, in its rows as in its events; at the end of a run the next
-//! step is not known, and V_n decides. If every zero counted as a stick, sticks
+//! static if and only if V_n = V_{n+1} = 0, in its rows as in its events. If every zero counted as a stick, sticks
 //! would be 23 % shorter at h = 0.01 (docs/model.md), and their duration would not converge.
 
 use super::kernel::{Coefficients, Kernel, Paths, Point, Turn};
@@ -42,16 +41,14 @@ impl Reader {
         Reader { phases: phases.collect() }
     }
 
-    /// Whether each path is in a static phase at t_n, where `forcing` is that at t_n, or none if no
-    /// step follows. A static phase ends at the last instant with V = 0, so that this instant belongs
-    /// to the slip. It is the one at which the force no longer holds, and its event is found in the
-    /// next step.
-    pub(super) fn statics(&self, kernel: &Kernel, state: &Paths, forcing: Option<f64>) -> impl Iterator<Item = bool> {
+    /// Whether each path is in a static phase at t_n, where `forcing` is that at t_n. A static phase
+    /// ends at the last instant with V = 0, so that this instant belongs to the slip. It is the one
+    /// at which the force no longer holds, and its event is found in the next step.
+    pub(super) fn statics(&self, kernel: &Kernel, state: &Paths, forcing: f64) -> impl Iterator<Item = bool> {
         let c = &kernel.coefficients;
         self.phases.iter().enumerate().map(move |(lane, phase)| {
             let at = Point { displacement: state.displacement[lane], velocity: 0.0, noise: state.noise[lane] };
-            let holds = |forcing| (c.h_over_m * c.force(&at, forcing)).abs() <= c.exit_impulse;
-            *phase == Phase::Static && forcing.is_none_or(holds)
+            *phase == Phase::Static && (c.h_over_m * c.force(&at, forcing)).abs() <= c.exit_impulse
         })
     }
 

@@ -122,7 +122,6 @@ impl Simulate for DiscreteSimulation {
         let mut turns = Vec::new();
 
         let mut n = 0u64;
-        let last = (self.timeline.end / self.h).round() as u64;
         for stop in self.timeline.stops() {
             let grid = self.h * self.observed_every as f64;
             let target = (stop.time / grid).round() as u64 * self.observed_every;
@@ -148,9 +147,7 @@ impl Simulate for DiscreteSimulation {
                 harmonics[0] = harmonics[steps];
             }
             sampled.is_static.clear();
-            // The end of the run cuts sticks off: no slip begins there, and no event.
-            let ending = (n < last).then_some(to_force * harmonics[0]);
-            sampled.is_static.extend(reader.statics(&kernel, &state, ending));
+            sampled.is_static.extend(reader.statics(&kernel, &state, to_force * harmonics[0]));
             let snapshot = sampled.take(&state, harmonics[0], kernel.noise.temperature, n as f64 * self.h);
             observer.snapshot(stop.instant, snapshot);
         }
