@@ -1,18 +1,18 @@
 //! Looking through a file that nobody vouches for.
 
 use super::read_back::sum_of;
-use super::reader::{self, check_file, open};
+use super::reader::{self, check_is_hdf5, open};
 use super::variable::read_attribute;
-use super::{StoreError, read_calibration, read_prices, read_sweep, read_trade};
+use super::{StoreError, read_calibration, read_prices, read_sweep, read_trade, seal};
 use crate::dataset::Kind;
 use hdf5::types::VarLenUnicode;
 use std::path::Path;
 
-/// Whether a file is covered by a checksum, which then fits. A file that another program has
-/// changed has none. A checksum that does not fit is an error, and so is a file that is not an HDF5
-/// file.
+/// Whether a file has a checksum, right or wrong; its readers compare it. A file that another
+/// program has changed has none. A file that is not an HDF5 file is an error.
 pub fn is_sealed(path: &Path) -> Result<bool, StoreError> {
-    check_file(path)
+    check_is_hdf5(path)?;
+    seal::is_there(path).map_err(|source| StoreError::NotOpened { path: path.to_owned(), source })
 }
 
 /// Read everything in a file, as its readers do and then variable by variable, and forget it.

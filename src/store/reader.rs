@@ -116,6 +116,12 @@ pub fn read(path: &Path) -> Result<Stored, StoreError> {
 /// library gives the same error for a missing, an unreadable and a foreign file, and it follows
 /// whatever address a flipped bit has made.
 pub(super) fn check_file(path: &Path) -> Result<bool, StoreError> {
+    check_is_hdf5(path)?;
+    seal::check(path)
+}
+
+/// Check that a file begins as HDF5 files do.
+pub(super) fn check_is_hdf5(path: &Path) -> Result<(), StoreError> {
     let not_opened = |source| StoreError::NotOpened { path: path.to_owned(), source };
     // Opening a pipe would wait for its other end.
     if std::fs::metadata(path).is_ok_and(|there| !there.is_file() && !there.is_dir()) {
@@ -123,7 +129,7 @@ pub(super) fn check_file(path: &Path) -> Result<bool, StoreError> {
     }
     let mut file = std::fs::File::open(path).map_err(not_opened)?;
     match superblock(&mut file).map_err(not_opened)? {
-        Some(_) => seal::check(path),
+        Some(_) => Ok(()),
         None => Err(StoreError::NotHdf5 { path: path.to_owned() }),
     }
 }

@@ -44,33 +44,41 @@ pub(super) fn check_all(path: &Path) -> Result<bool, StoreError> {
 }
 
 fn check_up_to(path: &Path, largest: u64) -> Result<bool, StoreError> {
-    let not_opened = |source| StoreError::NotOpened { path: path.to_owned(), source };
     let read = || -> io::Result<Option<bool>> {
         let mut file = File::open(path)?;
-        let all = file.metadata()?.len();
-        let end = superblock(&mut file)?.and_then(|superblock| superblock.end);
-        let is_absent = end.is_none_or(|end| end == all);
-        let Some(length) = all.checked_sub(LENGTH as u64) else { return Ok(None) };
-        let mut found = [0; LENGTH];
-        file.seek(SeekFrom::Start(length))?;
-        file.read_exact(&mut found)?;
-        if !found.starts_with(MAGIC) {
-            return Ok(if is_absent { None } else { Some(false) });
-        }
+        let Some((length, found)) = find(&mut file)? else { return Ok(None) };
         if length > largest {
-            return Ok(Some(true));
+            return Ok(Some(found.starts_with(MAGIC)));
         }
         file.rewind()?;
         let sum = sum(&mut file, length)?;
         Ok(Some(found == bytes(length, sum)))
     };
-    match read().map_err(not_opened)? {
+    match read().map_err(|source| StoreError::NotOpened { path: path.to_owned(), source })? {
         Some(false) => {
             let cause = "its checksum is not that of its bytes".to_string();
             Err(StoreError::Damaged { path: path.to_owned(), cause })
         }
         sealed => Ok(sealed.is_some()),
     }
+}
+
+/// Whether a file has a seal, right or wrong. Only its two ends are read.
+pub(super) fn is_there(path: &Path) -> io::Result<bool> {
+    find(&mut File::open(path)?).map(|found| found.is_some())
+}
+
+/// The length of the file before its seal, and the seal itself, or what stands where one must be.
+/// None if the file has none.
+fn find(file: &mut File) -> io::Result<Option<(u64, [u8; LENGTH])>> {
+    let all = file.metadata()?.len();
+    let end = superblock(file)?.and_then(|superblock| superblock.end);
+    let is_absent = end.is_none_or(|end| end == all);
+    let Some(length) = all.checked_sub(LENGTH as u64) else { return Ok(None) };
+    let mut found = [0; LENGTH];
+    file.seek(SeekFrom::Start(length))?;
+    file.read_exact(&mut found)?;
+    Ok(if found.starts_with(MAGIC) || !is_absent { Some((length, found)) } else { None })
 }
 
 /// Whether a file ends as only files of this program do, damaged or not.
