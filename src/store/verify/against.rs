@@ -2,8 +2,7 @@
 
 use super::Difference;
 use crate::dataset::layout::Described;
-use crate::dataset::{Attribute, Column, Destination, Kind, Source as _, Values};
-use crate::provenance::{GIT_HASH, PROGRAM_VERSION};
+use crate::dataset::{Attribute, Column, Destination, Kind, Source as _, Values, read_other_program};
 use crate::stats::Units;
 use crate::store::StoreError;
 use crate::store::error::cause;
@@ -105,11 +104,7 @@ impl Against {
     /// has not.
     pub fn finish(&mut self) -> Result<()> {
         let expected = std::mem::take(&mut self.attributes);
-        let text_in_file = |name: &str| match read_attribute(&self.file, name) {
-            Ok(Some(Attribute::Text(text))) => text,
-            _ => String::new(),
-        };
-        let is_own = text_in_file("program_version") == PROGRAM_VERSION && text_in_file("git_hash") == GIT_HASH;
+        let is_own = read_other_program(&self.file)?.is_none();
         let left_out = if is_own { OF_PROGRAM.to_vec() } else { [&OF_PROGRAM[..], &OF_FORMAT[..]].concat() };
         let file = self.file.clone();
         self.compare_attributes(None, &file, &expected, &left_out)?;
@@ -153,8 +148,7 @@ impl Against {
 /// The first lines that differ between two texts of several lines, such as a scenario.
 fn lines_that_differ(stored: Option<&Attribute>, computed: Option<&Attribute>) -> Option<[String; 2]> {
     let (Attribute::Text(stored), Attribute::Text(computed)) = (stored?, computed?) else { return None };
-    let both = stored.lines().zip(computed.lines());
-    let (stored, computed) = both.into_iter().find(|(stored, computed)| stored != computed)?;
+    let (stored, computed) = stored.lines().zip(computed.lines()).find(|(stored, computed)| stored != computed)?;
     Some([format!("{stored:?}"), format!("{computed:?}")])
 }
 

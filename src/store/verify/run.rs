@@ -9,7 +9,7 @@ use crate::dataset::{Destination as _, Kind, Rows, Values, run, summary};
 use crate::engine::{Asked, Part, Status};
 use crate::ensemble::BLOCK_SIZE;
 use crate::provenance::Provenance;
-use crate::saved::of_bytes;
+use crate::saved::{RowSource as _, of_bytes};
 use crate::scenario::Bearing;
 use crate::stats::{BlockResult, Record, Summary};
 use crate::store::rows::{column, some_rows};
@@ -232,11 +232,7 @@ impl Verification {
             return Ok(None);
         }
         self.against.count(values.len());
-        let dataset = self.against.file.dataset(variable.name)?;
-        if dataset.shape().first().is_none_or(|&length| length < rows.end) {
-            return Err(format!("{} is too short", variable.name).into());
-        }
-        Ok(first_difference(&some_rows(&dataset, values.kind(), rows)?, values))
+        Ok(first_difference(&self.against.file.rows(variable, values.kind(), rows)?, values))
     }
 
     /// The number of events of all paths before this one, according to the file.
