@@ -11,9 +11,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::sync::{Mutex, PoisonError};
-use stick_slip::stats::Statistic;
-use stick_slip::store::{self, FileKind, Stored, StoredCalibration, StoredSweep, StoredTrade};
-use stick_slip::study::trade::Prices;
+use stick_slip::store::{self, StoreError};
 
 /// The memory that the child process may use besides the size of the file.
 const MEMORY: u64 = 4 << 30;
@@ -24,40 +22,10 @@ const SECONDS: u64 = 20;
 /// Bytes of a file that take at most a second to read.
 const BYTES_A_SECOND: u64 = 50_000_000;
 
-/// What kind of file this is; none if it is not an HDF5 file.
-pub fn kind(path: &Path) -> Result<Option<FileKind>, Failure> {
+/// What one of the readers of the store reads from a file.
+pub fn read<T>(path: &Path, reader: impl FnOnce(&Path) -> Result<T, StoreError>) -> Result<T, Failure> {
     look(path)?;
-    Ok(store::kind(path)?)
-}
-
-/// A run, finished or not.
-pub fn run(path: &Path) -> Result<Stored, Failure> {
-    look(path)?;
-    Ok(store::read(path)?)
-}
-
-/// A sweep.
-pub fn sweep(path: &Path) -> Result<StoredSweep, Failure> {
-    look(path)?;
-    Ok(store::read_sweep(path)?)
-}
-
-/// A calibration.
-pub fn calibration(path: &Path) -> Result<StoredCalibration, Failure> {
-    look(path)?;
-    Ok(store::read_calibration(path)?)
-}
-
-/// A trade.
-pub fn trade(path: &Path) -> Result<StoredTrade, Failure> {
-    look(path)?;
-    Ok(store::read_trade(path)?)
-}
-
-/// The prices in a trade for this statistic, or for the first one that has any.
-pub fn prices(path: &Path, statistic: Option<Statistic>) -> Result<Prices, Failure> {
-    look(path)?;
-    Ok(store::read_prices(path, statistic)?)
+    Ok(reader(path)?)
 }
 
 /// Says once of each file that it has no checksum, and has a child process read it first.

@@ -91,7 +91,7 @@ impl Plot {
     }
 
     fn scene(&self, output: &Path) -> Result<Scene, Failure> {
-        match files::kind(&self.subject)? {
+        match files::read(&self.subject, store::kind)? {
             None => {
                 let set = self.set.iter().map(|text| Override::set(text));
                 let mut overrides = set.collect::<Result<Vec<_>, _>>()?;
@@ -112,15 +112,15 @@ impl Plot {
                 let problem = format!("--set changes a scenario, and {} says what was run", self.subject.display());
                 Err(Failure::usage(problem, "give the scenario instead of the file, or leave --set out"))
             }
-            Some(FileKind::Run) => self.scene_of_run(&files::run(&self.subject)?),
+            Some(FileKind::Run) => self.scene_of_run(&files::read(&self.subject, store::read)?),
             Some(FileKind::Sweep) => self.scene_of_sweeps(),
             Some(FileKind::Calibration) => {
-                let stored = files::calibration(&self.subject)?;
+                let stored = files::read(&self.subject, store::read_calibration)?;
                 let subject = Subject::Calibration { title: &stored.title, calibration: &stored.calibration };
                 self.draw(&subject, &stored.title, "")
             }
             Some(FileKind::Trade) => {
-                let prices = files::prices(&self.subject, self.statistic)?;
+                let prices = files::read(&self.subject, |path| store::read_prices(path, self.statistic))?;
                 self.draw(&Subject::Trade(&prices), &prices.title, "what accuracy costs")
             }
         }
@@ -129,7 +129,7 @@ impl Plot {
     fn scene_of_sweeps(&self) -> Result<Scene, Failure> {
         let read = |file: &PathBuf| -> Result<(String, Sweep), Failure> {
             let name = file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-            Ok((name, sweep::stored(file, files::sweep(file)?)?))
+            Ok((name, sweep::stored(file, files::read(file, store::read_sweep)?)?))
         };
         let files = std::iter::once(&self.subject).chain(&self.beside).map(read).collect::<Result<Vec<_>, _>>()?;
         let sweeps: Vec<(String, &Sweep)> = files.iter().map(|(name, sweep)| (name.clone(), sweep)).collect();

@@ -40,7 +40,7 @@ pub struct Replay {
 
 impl Replay {
     pub fn call(&self) -> Result<(), Failure> {
-        let stored = files::run(&self.file)?;
+        let stored = files::read(&self.file, store::read)?;
         // Any number names a path that can be simulated, but one outside the ensemble is most
         // likely a typing error.
         if self.path >= stored.header.paths {

@@ -78,7 +78,7 @@ impl Resume {
         if output.symlink_metadata().is_ok() && !self.force {
             return Err(StoreError::Appeared { partial, target: output.to_owned() }.into());
         }
-        let question = sweep::stored(&partial, files::sweep(&partial)?)?.question;
+        let question = sweep::stored(&partial, files::read(&partial, store::read_sweep)?)?.question;
         let RunOptions { quiet, json, .. } = self.options;
         SweepSitting { output, force: self.force, threads: &self.options.threads, statistics: &[], quiet, json }
             .simulate(question)

@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 use stick_slip::provenance::Provenance;
 use stick_slip::scenario::Scenario;
 use stick_slip::stats::Summary;
-use stick_slip::store::{FileKind, Stored};
+use stick_slip::store::{self, FileKind, Stored};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -74,20 +74,20 @@ impl Show {
     /// Prints one file of any kind. A file that is not a file of results is read as a run, whose
     /// reader reports what is wrong.
     fn print_alone(&self, file: &Path) -> Result<(), Failure> {
-        match files::kind(file) {
+        match files::read(file, store::kind) {
             Ok(Some(FileKind::Calibration)) => {
-                let stored = files::calibration(file)?;
+                let stored = files::read(file, store::read_calibration)?;
                 calibrate::show(&stored.title, &stored.calibration, &stored.warnings, self.json)
             }
             Ok(Some(FileKind::Trade)) => {
-                let trade = files::trade(file)?;
+                let trade = files::read(file, store::read_trade)?;
                 match self.json {
                     true => print_data(&trade_report::stored_json(&trade, &file.display().to_string())),
                     false => print(&trade_report::stored_table(&trade)),
                 }
             }
             Ok(Some(FileKind::Sweep)) => {
-                let sweep = sweep::stored(file, files::sweep(file)?)?;
+                let sweep = sweep::stored(file, files::read(file, store::read_sweep)?)?;
                 match self.json {
                     true => print_data(&sweep_report::json(&sweep, file)),
                     false => print(&sweep_report::table(&sweep, &[], file)),
@@ -101,15 +101,15 @@ impl Show {
         let [file] = self.files.as_slice() else {
             return Err(Failure::usage("--scenario prints the scenario of one file", "give one file"));
         };
-        let (text, is_measured) = match files::kind(file)? {
+        let (text, is_measured) = match files::read(file, store::kind)? {
             Some(FileKind::Sweep) => {
-                let stored = files::sweep(file)?;
+                let stored = files::read(file, store::read_sweep)?;
                 (stored.scenario_text, stored.series.is_some())
             }
-            Some(FileKind::Trade) => (files::trade(file)?.scenario_text, false),
-            Some(FileKind::Calibration) => (files::calibration(file)?.scenario_text, false),
+            Some(FileKind::Trade) => (files::read(file, store::read_trade)?.scenario_text, false),
+            Some(FileKind::Calibration) => (files::read(file, store::read_calibration)?.scenario_text, false),
             Some(FileKind::Run) | None => {
-                let stored = files::run(file)?;
+                let stored = files::read(file, store::read)?;
                 (stored.header.scenario_text, stored.header.series.is_some())
             }
         };
@@ -122,7 +122,7 @@ impl Show {
     }
 
     fn print_one(&self, file: &Path) -> Result<(), Failure> {
-        let stored = files::run(file)?;
+        let stored = files::read(file, store::read)?;
         let scenario = results::scenario("scenario", &stored, &[]).ok();
         let info = info(file, &stored, scenario.as_ref());
         if let Some(scenario) = &scenario {
@@ -150,7 +150,7 @@ impl Show {
             let problem = format!("{} is a sweep, whose points are many runs", file.display());
             return Err(Failure::usage(problem, "show it alone, or several files with --csv"));
         }
-        let runs = files.iter().map(|file| files::run(file)).collect::<Result<Vec<_>, _>>()?;
+        let runs = files.iter().map(|file| files::read(file, store::read)).collect::<Result<Vec<_>, _>>()?;
         let infos: Vec<RunInfo> = files.iter().zip(&runs).map(|(file, run)| info(file, run, None)).collect();
         if self.json {
             let warnings =
@@ -164,7 +164,7 @@ impl Show {
     }
 
     fn print_citations(&self) -> Result<(), Failure> {
-        let sentences = self.files.iter().map(|file| Ok(report::citation(&files::run(file)?)));
+        let sentences = self.files.iter().map(|file| Ok(report::citation(&files::read(file, store::read)?)));
         let sentences: Vec<[String; 2]> = sentences.collect::<Result<_, Failure>>()?;
         let paper = sentences.first().map(|[_, paper]| paper.clone());
         let lines = sentences.into_iter().map(|[run, _]| run).chain(paper);
@@ -176,9 +176,9 @@ impl Show {
         for file in &self.files {
             let name = file.display().to_string();
             if is_sweep(file) {
-                table.add_sweep(&name, &sweep::stored(file, files::sweep(file)?)?);
+                table.add_sweep(&name, &sweep::stored(file, files::read(file, store::read_sweep)?)?);
             } else {
-                let run = files::run(file)?;
+                let run = files::read(file, store::read)?;
                 table.add(&name, &[], &run.summary.estimates, &run.header.units);
             }
         }
@@ -189,7 +189,7 @@ impl Show {
 /// Whether the file holds a sweep. A file that cannot be read counts as no sweep here, because the
 /// reader that comes next reports the error.
 fn is_sweep(file: &Path) -> bool {
-    matches!(files::kind(file), Ok(Some(FileKind::Sweep)))
+    matches!(files::read(file, store::kind), Ok(Some(FileKind::Sweep)))
 }
 
 pub(super) fn info(file: &Path, stored: &Stored, scenario: Option<&Scenario>) -> RunInfo {

@@ -54,7 +54,7 @@ impl Report {
         let default = || PathBuf::from(self.file.file_stem().unwrap_or("report".as_ref())).with_extension("html");
         let output = self.output.clone().unwrap_or_else(default);
         writable(&output, self.force, [self.file.as_path()])?;
-        let stored = files::run(&self.file)?;
+        let stored = files::read(&self.file, store::read)?;
         let scenario = results::scenario("scenario", &stored, &[]).ok();
         let info = super::show::info(&self.file, &stored, scenario.as_ref());
         let page = page(&stored, scenario.as_ref(), &info);

@@ -77,7 +77,7 @@ struct Checked {
 
 impl Verify {
     pub fn call(&self) -> Result<(), Failure> {
-        let kind = files::kind(&self.file)?;
+        let kind = files::read(&self.file, store::kind)?;
         let is_unfinished = self.file.is_dir() || !self.file.exists();
         if is_unfinished && matches!(kind, Some(FileKind::Run)) {
             let problem = format!("{}: the run is not finished", self.file.display());
@@ -85,10 +85,10 @@ impl Verify {
         }
         let sealed = store::check_bytes(&self.file)?;
         let checked = match kind {
-            Some(FileKind::Sweep) => self.sweep(&files::sweep(&self.file)?)?,
-            Some(FileKind::Trade) => self.trade(&files::trade(&self.file)?)?,
-            Some(FileKind::Calibration) => self.calibration(files::calibration(&self.file)?)?,
-            Some(FileKind::Run) | None => self.run(&files::run(&self.file)?)?,
+            Some(FileKind::Sweep) => self.sweep(&files::read(&self.file, store::read_sweep)?)?,
+            Some(FileKind::Trade) => self.trade(&files::read(&self.file, store::read_trade)?)?,
+            Some(FileKind::Calibration) => self.calibration(files::read(&self.file, store::read_calibration)?)?,
+            Some(FileKind::Run) | None => self.run(&files::read(&self.file, store::read)?)?,
         };
         if let Some(other) = &checked.other_program {
             note(&format!("warning: {} was {other}", self.file.display()));
