@@ -35,15 +35,13 @@ pub(super) fn scenario(sources: &Sources<'_>, default_title: &str) -> Result<Sce
     };
     let record = root.table("record");
     let units = root.table("units");
-    // A grid that goes with any duration, until it is known that a default one can be laid out.
-    let whole = if end > 0.0 { end } else { scheme.step().unwrap_or(1.0) };
-    let mut scenario = Scenario {
+    let scenario = Scenario {
         title: root.line_or("title", default_title),
         model,
         measured,
         is_balanced,
         bearing,
-        time: Time { end, output_step: output_step.unwrap_or(whole) },
+        time: output_step.map_or_else(|| Time::with_default_rows(end, scheme), |output_step| Time { end, output_step }),
         scheme,
         statistics,
         ensemble,
@@ -59,9 +57,6 @@ pub(super) fn scenario(sources: &Sources<'_>, default_title: &str) -> Result<Sce
             temperature: units.line_or("temperature", ""),
         },
     };
-    if output_step.is_none() && sources.are_sound() && scenario.check().is_ok() {
-        scenario.time = Time::with_default_rows(end, scheme);
-    }
     scenario.misfits().into_iter().for_each(|misfit| report_misfit(sources, &root, Err(misfit)));
     sources.outcome(scenario)
 }

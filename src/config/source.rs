@@ -100,11 +100,6 @@ impl<'a> Sources<'a> {
         }
     }
 
-    /// Whether no fault has been found so far.
-    pub fn are_sound(&self) -> bool {
-        self.faults.borrow().found.is_empty()
-    }
-
     /// The value that was read if no fault was found; otherwise all faults, in the order of the
     /// file.
     pub fn outcome<T>(&self, read: T) -> Result<T, ScenarioError> {
