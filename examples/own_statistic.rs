@@ -5,7 +5,8 @@
 use stick_slip::engine::Run;
 use stick_slip::model::{Event, EventKind};
 use stick_slip::scenario::Scenario;
-use stick_slip::stats::{Measurement, PathMeans, PathState, Tally};
+use stick_slip::stats::{PathMeans, PathState, Tally};
+use stick_slip::sums::Measurement;
 
 /// The share of sticks that last longer than this. The first stick of each path is left out.
 struct LongSticks(f64);

@@ -42,6 +42,7 @@
 //! | [`lanes`] | several numbers in one processor register |
 //! | [`noise`] | random streams, normal numbers, exact transitions |
 //! | [`scheme`] | the schemes that turn noise into the cascade of stick and slip phases |
+//! | [`sums`] | sums over paths, merged along a tree, and the intervals that follow from them |
 //! | [`stats`] | statistics of the cascade with their intervals |
 //! | [`ensemble`] | blocks of paths on threads, delivered in order |
 //! | [`bias`] | the bias of the time step |
@@ -50,7 +51,8 @@
 //! | [`config`] | scenarios as TOML, with overrides of single keys |
 //! | [`advice`] | what follows from a scenario before it is run: derived numbers and warnings |
 //! | [`engine`] | a run from its scenario to its outcome |
-//! | [`study`] | many runs for one question: the cost of accuracy, sweeps, calibration |
+//! | [`study`] | many runs for one question: the cost of accuracy, sweeps |
+//! | [`bearing`] | a bridge's bearing: calibration, weather and forecast from measurements |
 //! | [`provenance`] | where the numbers of a run come from |
 //! | [`dataset`] | results as data: variables, dimensions, units |
 //! | `store` | the same data as files (feature `store`) |
@@ -75,6 +77,7 @@
 #![deny(missing_docs)]
 
 pub mod advice;
+pub mod bearing;
 pub mod bias;
 pub mod config;
 pub mod data;
@@ -100,3 +103,4 @@ pub mod stats;
 #[cfg(feature = "store")]
 pub mod store;
 pub mod study;
+pub mod sums;

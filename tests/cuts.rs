@@ -10,9 +10,8 @@ use stick_slip::ensemble::{BLOCK_SIZE, Plan, Stops};
 use stick_slip::model::{Event, EventKind};
 use stick_slip::scenario::Scenario;
 use stick_slip::scheme::DiscreteVi;
-use stick_slip::stats::{
-    BlockResult, Companion, Measurement, PathMeans, PathState, RunTotals, Statistic, Summary, Tallied, Tally,
-};
+use stick_slip::stats::{BlockResult, Companion, PathMeans, PathState, RunTotals, Statistic, Summary, Tallied, Tally};
+use stick_slip::sums::Measurement;
 
 const BLOCKS: u64 = 23;
 
@@ -199,7 +198,7 @@ fn a_tally_is_folded_in_parallel_to_the_same_bits_and_sees_what_the_program_sees
     let mut joined = RunTotals::with(Tallied(&Slips).empty(), plan().model(), plan().timeline());
     let deliver = |block: stick_slip::ensemble::Delivered<PathMeans<2>>| {
         joined.push_with(block.index, block.result.totals, block.beside)?;
-        Ok::<_, stick_slip::stats::Overlap>(std::ops::ControlFlow::Continue(()))
+        Ok::<_, stick_slip::sums::Overlap>(std::ops::ControlFlow::Continue(()))
     };
     let never = AtomicBool::new(false);
     let stops = Stops { stop: &never, halt: &never };

@@ -6,8 +6,9 @@ mod synthetic;
 use std::fs;
 use std::path::{Path, PathBuf};
 use stick_slip::engine::Status;
-use stick_slip::stats::{Ends, Estimate, Histogram, PeriodMoments, Record, Statistic, Summary};
+use stick_slip::stats::{Estimate, Histogram, PeriodMoments, Record, Statistic, Summary};
 use stick_slip::store::{StoreError, Writer, check_space, partial_path, read};
+use stick_slip::sums::Ends;
 use synthetic::{Block, EVERYTHING, NOTHING, block, header, summary, write};
 
 /// Compares as text: NaN does not equal itself but prints the same, and `{:?}` prints every digit

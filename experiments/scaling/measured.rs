@@ -5,8 +5,9 @@ use stick_slip::engine::Status;
 use stick_slip::ensemble::Plan;
 use stick_slip::provenance::Provenance;
 use stick_slip::scenario::Scenario;
-use stick_slip::stats::{BlockResult, Codec as _, Counts, Reader, RunTotals};
+use stick_slip::stats::{BlockResult, Counts, RunTotals};
 use stick_slip::store::{self, Writer};
+use stick_slip::sums::{Codec as _, Reader};
 
 /// The number of blocks of the lease that is measured; its sketches are full.
 const LEASE: u64 = 128;

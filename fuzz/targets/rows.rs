@@ -8,7 +8,8 @@ use std::path::PathBuf;
 use std::sync::LazyLock;
 use stick_slip::engine::Run;
 use stick_slip::scenario::Scenario;
-use stick_slip::stats::{Codec as _, RunTotals};
+use stick_slip::stats::RunTotals;
+use stick_slip::sums::Codec as _;
 use stick_slip::store::{self, FileSink, Question};
 
 /// A folder in memory, where there is one.

@@ -9,16 +9,16 @@ use numpy::PyReadonlyArray1;
 use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
 use std::path::Path;
+use stick_slip::bearing::calibration::{
+    Bearing, Calibration, CalibrationError, Flaws, Lag, Method, NotHeld, Quantity, Question, Record,
+    calibrate as calibrated, drawn, twin as made, values,
+};
+use stick_slip::bearing::forecast::{ForecastError, Question as Asked, forecast as foreseen};
+use stick_slip::bearing::weather::{PERIODS, WeatherError, WeatherFit, fit};
 use stick_slip::config::{self, Override, ScenarioError};
 use stick_slip::data::{DataError, Origin, Pair, Start, TimeColumn, Wanted};
 use stick_slip::dataset::{Dataset, StoredCalibration};
 use stick_slip::scenario::{BridgeScene, Scenario as Checked};
-use stick_slip::study::calibration::{
-    Bearing, Calibration, CalibrationError, Flaws, Lag, Method, NotHeld, Quantity, Question, Record,
-    calibrate as calibrated, drawn, twin as made, values,
-};
-use stick_slip::study::forecast::{ForecastError, Question as Asked, forecast as foreseen};
-use stick_slip::study::weather::{PERIODS, WeatherError, WeatherFit, fit};
 
 /// A scenario from Python: its name in messages, its text (none if the name is that of a file), and
 /// overrides as pairs of a key and a value in TOML.

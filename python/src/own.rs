@@ -7,7 +7,8 @@ use pyo3::prelude::*;
 use stick_slip::dataset::Recorder;
 use stick_slip::engine::{Asked, Moment, Outcome, Sink, SinkError};
 use stick_slip::scenario::Scenario;
-use stick_slip::stats::{BlockResult, EventColumns, Measurement, PathMeans, Record, Tree, Unit};
+use stick_slip::stats::{BlockResult, EventColumns, PathMeans, Record};
+use stick_slip::sums::{Measurement, Tree, Unit};
 
 /// A statistic of the caller's own.
 pub struct Own {

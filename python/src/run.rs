@@ -18,7 +18,8 @@ use stick_slip::engine::{Asked, EndedBy, MOST_PATHS, MissedGoal, Outcome, Part, 
 use stick_slip::ensemble::{Plan, ThreadsError, in_order};
 use stick_slip::saved::{PartRecorder, Parts, PartsError};
 use stick_slip::scenario::Scenario as Checked;
-use stick_slip::stats::{Goal, Measurement};
+use stick_slip::stats::Goal;
+use stick_slip::sums::Measurement;
 
 /// The attributes and the variables of a data set.
 pub type Variables<'py> = (Bound<'py, PyDict>, Bound<'py, PyList>);

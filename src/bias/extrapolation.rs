@@ -21,7 +21,7 @@
 //! describes: slips that turn back within a step are missed, and appear one after another as the
 //! step falls. That part is measured ([`model_error_share`]).
 
-use crate::stats::Statistic;
+use crate::stats::{Statistic, StepError};
 
 /// The value of one statistic at the steps h, 2h and 4h.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -34,9 +34,7 @@ pub(super) struct Levels(pub [f64; 3]);
 /// `noise_to_gap` of 4 are only half of those without a step, and for the standard deviation of
 /// durations.
 pub(super) fn model_error_share(statistic: Statistic, noise_to_gap: f64) -> f64 {
-    let is_missed_most =
-        matches!(statistic, Statistic::SticksPerPath | Statistic::SlipsPerPath | Statistic::StickDurationSd);
-    let slope = if is_missed_most { 0.5 } else { 0.2 };
+    let slope = if statistic.row().step_error == StepError::RootOfRare { 0.5 } else { 0.2 };
     (slope * noise_to_gap).max(0.4)
 }
 
@@ -95,25 +93,13 @@ impl Levels {
 /// Whether a statistic depends on the step as smoothly as the law of the paths does. A median does
 /// not: where the law has two humps, it jumps from one to the other.
 pub(super) fn is_smooth(statistic: Statistic) -> bool {
-    statistic != Statistic::StickDurationMedian
+    statistic.row().step_error != StepError::Jumps
 }
 
 /// The order p of the leading term.
 pub(super) fn leading_order(statistic: Statistic, levels: Levels) -> f64 {
-    let is_of_displacement = matches!(
-        statistic,
-        Statistic::DisplacementEndMean
-            | Statistic::DisplacementEndSd
-            | Statistic::DriftVelocity
-            | Statistic::DiffusionCoefficient
-            | Statistic::PeriodDisplacementMean
-            | Statistic::PeriodDisplacementSd
-            | Statistic::PeriodDisplacementCorrelation
-            | Statistic::PhaseDisplacementSd
-            | Statistic::FrictionWorkMean
-            | Statistic::SlidingPathRate
-    );
-    if is_of_displacement && levels.observed_order() > 0.75 { 1.0 } else { 0.5 }
+    let may_be_first = statistic.row().step_error == StepError::FirstOrRoot;
+    if may_be_first && levels.observed_order() > 0.75 { 1.0 } else { 0.5 }
 }
 
 /// The weight in the estimate of a second term c with this standard error. It is 1/2 where c is

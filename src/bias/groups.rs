@@ -3,7 +3,8 @@
 
 use crate::model::{Event, Model};
 use crate::scheme::{Instant, Observer, Snapshot, Timeline};
-use crate::stats::{BlockObserver, Record, Statistic, Totals, jackknife};
+use crate::stats::{BlockObserver, Record, Statistic, Totals};
+use crate::sums::jackknife;
 
 /// The values of statistics, in the order of `Statistic::ALL`; NaN for one that is not wanted.
 pub(super) type Values = [f64; Statistic::ALL.len()];

@@ -11,12 +11,12 @@ use super::results;
 use super::threads::Threads;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
+use stick_slip::bearing::calibration::{
+    Calibration, CalibrationError, Lag, Method, NotHeld, Quantity, Question, calibrate,
+};
 use stick_slip::config::Override;
 use stick_slip::scenario::BridgeScene;
 use stick_slip::store::{self, StoredCalibration};
-use stick_slip::study::calibration::{
-    Calibration, CalibrationError, Lag, Method, NotHeld, Quantity, Question, calibrate,
-};
 
 const EXAMPLES: &str = "\
 Examples:

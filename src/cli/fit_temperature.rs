@@ -8,10 +8,10 @@ use super::table::{Row, aligned};
 use serde::Serialize;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
+use stick_slip::bearing::weather::{WeatherError, WeatherFit, fit};
 use stick_slip::config;
 use stick_slip::data::{self, Origin, TimeColumn, Wanted};
 use stick_slip::store;
-use stick_slip::study::weather::{WeatherError, WeatherFit, fit};
 
 const EXAMPLES: &str = "\
 Examples:

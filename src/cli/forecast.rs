@@ -15,12 +15,12 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::PathBuf;
 use std::sync::atomic::Ordering;
+use stick_slip::bearing::calibration::{self, Calibration, Method};
+use stick_slip::bearing::forecast::{Forecast as Found, ForecastError, Quantity, Question, forecast};
+use stick_slip::bearing::weather::{PERIODS, WeatherError, fit};
 use stick_slip::config::Override;
 use stick_slip::scenario::BridgeScene;
 use stick_slip::store;
-use stick_slip::study::calibration::{self, Calibration, Method};
-use stick_slip::study::forecast::{Forecast as Found, ForecastError, Quantity, Question, forecast};
-use stick_slip::study::weather::{PERIODS, WeatherError, fit};
 
 const EXAMPLES: &str = "\
 Examples:

@@ -2,9 +2,9 @@
 
 use super::failure::{Failure, note};
 use std::path::{Path, PathBuf};
+use stick_slip::bearing::calibration::Record;
 use stick_slip::data::{DataError, Origin, Pair, Repairs, TimeColumn, Wanted};
 use stick_slip::scenario::BridgeScene;
-use stick_slip::study::calibration::Record;
 
 /// The column of times that a scenario names, and its time zone.
 pub fn time(scene: &BridgeScene) -> TimeColumn<'_> {

@@ -7,11 +7,11 @@ use super::results;
 use super::table::{Row, aligned};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
+use stick_slip::bearing::calibration::{Bearing, Flaws, Quantity, Twin as Made, drawn, twin, values};
 use stick_slip::config::Override;
 use stick_slip::data::{self, Start, Wanted};
 use stick_slip::scenario::{BridgeScene, Scenario};
 use stick_slip::store;
-use stick_slip::study::calibration::{Bearing, Flaws, Quantity, Twin as Made, drawn, twin, values};
 
 const EXAMPLES: &str = "\
 Examples:

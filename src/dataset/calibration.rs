@@ -7,12 +7,12 @@ use super::{
     Destination, Source, read_count, read_or_empty, read_other_program, read_real, read_real_if_present, read_text,
     read_text_if_present, texts,
 };
-use crate::provenance::{GIT_HASH, PROGRAM_VERSION};
-use crate::stats::{Dimension, Units};
-use crate::study::calibration::{
+use crate::bearing::calibration::{
     Calibration, Estimate, Lag, LagProfile, Method, Motion, Quantity, Question, Record, Residuals, SeenSlip, Spikes,
     Start, Values, response_of,
 };
+use crate::provenance::{GIT_HASH, PROGRAM_VERSION};
+use crate::stats::{Dimension, Units};
 
 /// The attribute `format_name` of a calibration.
 pub(crate) const CALIBRATION_FORMAT_NAME: &str = "stick-slip calibration";

@@ -2,9 +2,9 @@
 
 use super::layout::{Unit, Variable, variable};
 use super::{Destination, texts};
+use crate::bearing::forecast::{Forecast, Level, ReturnLevel};
 use crate::provenance::{GIT_HASH, PROGRAM_VERSION};
 use crate::stats::Dimension;
-use crate::study::forecast::{Forecast, Level, ReturnLevel};
 
 /// The attribute `format_name` of a forecast.
 const FORMAT_NAME: &str = "stick-slip forecast";

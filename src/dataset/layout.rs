@@ -1,7 +1,7 @@
 //! Every dimension and variable of a run, in one table for writers and readers: name, axes, unit
 //! and meaning.
 
-use crate::stats::{Dimension, Statistic, Units};
+use crate::stats::{Dimension, Units};
 
 /// The unit of a variable; `label` gives its text.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -293,35 +293,6 @@ ends! {
         "mean of the displacement since the start, at the end of the period";
     DISPLACEMENT_PERIOD_VARIANCE_ENDS = "displacement_period_variance", &["period"], Unit::AREA,
         "variance of the displacement at the end of the period";
-}
-
-/// The meaning of a statistic, in words that fit a table or the title of a plot.
-pub(crate) fn long_name(statistic: Statistic) -> &'static str {
-    match statistic {
-        Statistic::StickDurationMean => "mean duration of the completed sticks",
-        Statistic::StickDurationSd => "standard deviation of the durations of the completed sticks",
-        Statistic::StickDurationMedian => "median duration of the completed sticks",
-        Statistic::FirstStickDurationMean => "mean duration of the first sticks that ended",
-        Statistic::SticksPerPath => "completed sticks per path, the first left out",
-        Statistic::SlipsPerPath => "completed dynamic phases per path",
-        Statistic::SubPhasesMean => "mean number of sub-phases of a dynamic phase",
-        Statistic::SubPhasesMultipleShare => "share of dynamic phases with two or more sub-phases",
-        Statistic::StickingFraction => "share of the time spent in static phases",
-        Statistic::DisplacementEndMean => "mean displacement at the end",
-        Statistic::DisplacementEndSd => "standard deviation of the displacement at the end",
-        Statistic::DriftVelocity => "slope of the mean displacement over whole forcing periods",
-        Statistic::DiffusionCoefficient => {
-            "half the slope of the variance of the displacement over whole forcing periods"
-        }
-        Statistic::PeriodDisplacementMean => "mean displacement from one forcing period to the next",
-        Statistic::PeriodDisplacementSd => "standard deviation of the displacement from one forcing period to the next",
-        Statistic::PeriodDisplacementCorrelation => "correlation of the displacements in successive forcing periods",
-        Statistic::PhaseDisplacementSd => "standard deviation of the displacement at one phase of the forcing",
-        Statistic::JumpMean => "mean jump of the displacement in a dynamic phase",
-        Statistic::JumpAbsMean => "mean size of the jump of the displacement in a dynamic phase",
-        Statistic::FrictionWorkMean => "mean work done against dynamic friction",
-        Statistic::SlidingPathRate => "mean sliding path per unit of time",
-    }
 }
 
 #[cfg(test)]

@@ -6,13 +6,13 @@ use super::{
     Attribute, Column, Destination, Kind, Source, StoredCalibration, StoredSweep, Values, calibration, forecast, run,
     series, summary, sweep, trade, twin,
 };
+use crate::bearing::calibration::{self as bearing, Twin};
+use crate::bearing::forecast::Forecast;
 use crate::engine::{Replay, Status};
 use crate::model::Series;
 use crate::provenance::Provenance;
 use crate::scenario::Scenario;
 use crate::stats::{Statistic, Summary, Units};
-use crate::study::calibration::{self as bearing, Twin};
-use crate::study::forecast::Forecast;
 use crate::study::sweep::Sweep;
 use crate::study::trade::{Prices, Trade};
 use std::convert::Infallible;

@@ -3,9 +3,10 @@
 use super::layout;
 use super::{Destination, Source, read_or_empty, read_scalar, read_variable, texts};
 use crate::stats::{
-    Band, Bands, Bias, Corrected, Ends, Estimate, Histogram, Measurement, PeriodMoments, QUANTILE_LEVELS, Statistic,
-    StickDurations, SubPhaseCounts, Summary, Transient,
+    Band, Bands, Bias, Corrected, Estimate, Histogram, PeriodMoments, QUANTILE_LEVELS, Statistic, StickDurations,
+    SubPhaseCounts, Summary, Transient,
 };
+use crate::sums::{Ends, Measurement};
 use ndarray::Array2;
 
 /// Write the coordinates that are known before a run: statistics, quantile levels, and times.
@@ -19,7 +20,7 @@ pub(crate) fn write_coordinates<D: Destination>(to: &mut D, time: &[f64]) -> Res
 pub(crate) fn write_statistics<D: Destination>(to: &mut D) -> Result<(), D::Error> {
     let units = Statistic::ALL.map(|statistic| statistic.dimension().udunits(to.units()));
     to.write_variable(&layout::STATISTIC, &texts(Statistic::ALL.map(Statistic::name)))?;
-    to.write_variable(&layout::STATISTIC_LONG_NAME, &texts(Statistic::ALL.map(layout::long_name)))?;
+    to.write_variable(&layout::STATISTIC_LONG_NAME, &texts(Statistic::ALL.map(Statistic::meaning)))?;
     to.write_variable(&layout::STATISTIC_UNIT, &units)
 }
 

@@ -3,9 +3,9 @@
 use super::calibration::{QUANTITY, QUANTITY_SYMBOL, QUANTITY_UNIT, TIME};
 use super::layout::{Unit, Variable, variable};
 use super::{Destination, texts};
+use crate::bearing::calibration::{Quantity, Twin, Values};
 use crate::provenance::{GIT_HASH, PROGRAM_VERSION};
 use crate::stats::Dimension;
-use crate::study::calibration::{Quantity, Twin, Values};
 
 /// The attribute `format_name` of a twin.
 const FORMAT_NAME: &str = "stick-slip twin";

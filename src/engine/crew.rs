@@ -3,7 +3,8 @@
 use super::{Asked, RunError};
 use crate::ensemble::{Delivered, Plan, Stops};
 use crate::scenario::Scenario;
-use crate::stats::{BlockResult, Companion, Counts, Merge, Overlap, RunTotals};
+use crate::stats::{BlockResult, Companion, Counts, RunTotals};
+use crate::sums::{Merge, Overlap};
 use std::ops::{ControlFlow, Range};
 use std::slice;
 

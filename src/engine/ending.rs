@@ -7,7 +7,8 @@
 //! and a run of exactly the paths of these blocks gives the same results.
 
 use crate::ensemble::BLOCK_SIZE;
-use crate::stats::{Estimate, Goal, Merge, RunTotals, Statistic, Verdict};
+use crate::stats::{Estimate, Goal, RunTotals, Statistic, Verdict};
+use crate::sums::Merge;
 use std::fmt;
 use std::time::Duration;
 

@@ -2,7 +2,7 @@
 
 use super::{Outcome, SinkError};
 use crate::ensemble::ThreadsError;
-use crate::stats::Overlap;
+use crate::sums::Overlap;
 
 /// Why a run has no outcome, or why its outcome could not be stored.
 #[derive(Debug, thiserror::Error)]

@@ -8,7 +8,8 @@ use super::{Asked, BiasReport, Crew, EndedBy, Moment, Outcome, Part, Portion, Pr
 use crate::bias::NoBias;
 use crate::ensemble::{BLOCK_SIZE, MOST_THREADS, Plan, check_threads};
 use crate::scenario::Scenario;
-use crate::stats::{Companion as _, Goal, Measurement, Merge, RunTotals, Summary, Tallied, Tally};
+use crate::stats::{Companion as _, Goal, RunTotals, Summary, Tallied, Tally};
+use crate::sums::{Measurement, Merge};
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};

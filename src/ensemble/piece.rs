@@ -1,6 +1,7 @@
 //! Consecutive paths of an ensemble, of which those that diverge are left out.
 
-use crate::stats::{BlockObserver, BlockResult, Companion, Unit};
+use crate::stats::{BlockObserver, BlockResult, Companion};
+use crate::sums::Unit;
 
 /// Consecutive paths that are summed together.
 pub(super) struct Piece {

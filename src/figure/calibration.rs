@@ -7,7 +7,7 @@ use super::panel::{Mark, Panel};
 use super::sheet::{Entry, sheet};
 use super::subject::{Absent, Figure, Subject};
 use super::theme::{Style, THIN};
-use crate::study::calibration::Calibration;
+use crate::bearing::calibration::Calibration;
 use std::ops::Range;
 
 /// The figure.

@@ -7,7 +7,8 @@ use super::panel::{Mark, Panel};
 use super::sheet::{Entry, sheet};
 use super::subject::{Absent, Figure, Subject};
 use super::theme::{DASHES, LINE, Style};
-use crate::stats::{Dimension, Ends, Statistic, Summary};
+use crate::stats::{Dimension, Statistic, Summary};
+use crate::sums::Ends;
 
 /// The figure.
 pub const FIGURE: Figure = Figure { name: "drift", shows: "whether x wanders from period to period", draws: draw };

@@ -6,7 +6,8 @@ use super::panel::Panel;
 use super::sheet::{Entry, sheet, solid};
 use super::subject::{Absent, Figure, Subject};
 use super::theme::{DASHES, LINE, Style};
-use crate::stats::{Dimension, Ends, QUANTILE_LEVELS};
+use crate::stats::{Dimension, QUANTILE_LEVELS};
+use crate::sums::Ends;
 
 /// The figure.
 pub const FIGURE: Figure =

@@ -38,7 +38,6 @@ pub use kit::{Scene, escaped, pdf, png, svg};
 pub use page::page;
 pub use subject::{Absent, Figure, Subject};
 pub use theme::{COLUMN, Style, Theme};
-pub use words::words;
 
 /// Every figure, in the order in which a page shows them.
 pub const FIGURES: &[Figure] = &[

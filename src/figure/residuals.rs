@@ -8,7 +8,7 @@ use super::panel::{Mark, Panel};
 use super::sheet::{Entry, sheet};
 use super::subject::{Absent, Figure, Subject};
 use super::theme::{Style, THIN};
-use crate::study::calibration::Quantity;
+use crate::bearing::calibration::Quantity;
 
 /// The figure.
 pub const FIGURE: Figure =

@@ -2,9 +2,9 @@
 
 use super::kit::Scene;
 use super::theme::Style;
+use crate::bearing::calibration::Calibration;
 use crate::scenario::Scenario;
 use crate::stats::{Statistic, Summary};
-use crate::study::calibration::Calibration;
 use crate::study::sweep::Sweep;
 use crate::study::trade::Prices;
 

@@ -8,7 +8,7 @@ use super::sheet::{Entry, sheet};
 use super::subject::{Absent, Figure, Subject};
 use super::theme::{LINE, Palette, Style};
 use super::trade::look;
-use super::words::{symbol, words};
+use super::words::symbol;
 use crate::stats::{Estimate, Statistic};
 use crate::study::sweep::{self, Design, Sweep};
 
@@ -75,7 +75,7 @@ fn draw(subject: &Subject, style: &Style) -> Result<Scene, Absent> {
             return Err(Absent::Nothing("the statistic exists at no point"));
         }
         let unit = statistic.dimension().label(&first.question.scenario.units);
-        let title = Label::new(words(statistic));
+        let title = Label::new(statistic.words());
         let positive = range_of(drawn.iter().flatten().map(|p| p[1]).filter(|y| *y > 0.0));
         let vertical = match style.log && positive[0].is_finite() {
             true => Axis::log([positive[0] / 1.3, positive[1] * 1.3], title, &unit),

@@ -8,7 +8,7 @@ use super::sheet::{Entry, sheet};
 use super::subject::{Absent, Figure, Subject};
 use super::sweep::USUAL;
 use super::theme::{Style, THIN};
-use super::words::{letter_of_key, words};
+use super::words::letter_of_key;
 use crate::study::sweep::Design;
 
 /// The figure.
@@ -40,7 +40,7 @@ fn draw(subject: &Subject, style: &Style) -> Result<Scene, Absent> {
         }
         bars.sort_by(|a, b| a.1.estimate.abs().total_cmp(&b.1.estimate.abs()));
         let ends = bars.iter().flat_map(|(_, m)| [m.estimate, m.low, m.high]);
-        let across = Axis::around(ends.chain([0.0]), Label::new(words(statistic)), "");
+        let across = Axis::around(ends.chain([0.0]), Label::new(statistic.words()), "");
         let places = bars.iter().enumerate().map(|(i, (key, _))| (i as f64, letter_of_key(&keys[*key].0)));
         let upwards = Axis::named([-0.6, bars.len() as f64 - 0.4], places.collect());
         let mut panel = Panel::new(across, upwards, BAR * bars.len() as f64);

@@ -7,7 +7,6 @@ use super::panel::{Mark, Panel};
 use super::sheet::{Entry, sheet};
 use super::subject::{Absent, Figure, Subject};
 use super::theme::{LINE, Style};
-use super::words::words;
 use crate::scheme::Kind;
 
 /// The figure.
@@ -30,7 +29,7 @@ fn draw(subject: &Subject, style: &Style) -> Result<Scene, Absent> {
     let [cheapest, dearest] = range_of(points().map(|point| point[0]));
     let [finest, coarsest] = range_of(points().map(|point| point[1]));
     let seconds = Axis::log([cheapest / 2.0, dearest * 2.0], Label::new("CPU time on one thread"), "s");
-    let error = format!("relative RMSE, {}", words(prices.statistic));
+    let error = format!("relative RMSE, {}", prices.statistic.words());
     let mut panel = Panel::new(seconds, Axis::log([finest / 1.5, coarsest * 1.5], Label::new(&error), ""), 150.0);
     let mut legend = Vec::new();
     for (kind, points) in curves.iter().filter(|(_, points)| !points.is_empty()) {

@@ -1,35 +1,7 @@
-//! The names of statistics and keys at an axis.
+//! The names of keys and numbers at an axis.
 
 use super::kit::Label;
 use crate::numbers;
-use crate::stats::Statistic;
-
-/// The name of a statistic, e.g. "mean stick duration".
-pub fn words(statistic: Statistic) -> &'static str {
-    match statistic {
-        Statistic::StickDurationMean => "mean stick duration",
-        Statistic::StickDurationSd => "sd of stick durations",
-        Statistic::StickDurationMedian => "median stick duration",
-        Statistic::FirstStickDurationMean => "mean first stick",
-        Statistic::SticksPerPath => "sticks per path",
-        Statistic::SlipsPerPath => "slips per path",
-        Statistic::SubPhasesMean => "mean number of sub-phases",
-        Statistic::SubPhasesMultipleShare => "share of slips with sub-phases",
-        Statistic::StickingFraction => "share of time spent static",
-        Statistic::DisplacementEndMean => "mean final displacement",
-        Statistic::DisplacementEndSd => "sd of final displacement",
-        Statistic::DriftVelocity => "drift velocity",
-        Statistic::DiffusionCoefficient => "diffusion coefficient",
-        Statistic::PeriodDisplacementMean => "mean displacement per period",
-        Statistic::PeriodDisplacementSd => "sd of displacement per period",
-        Statistic::PeriodDisplacementCorrelation => "correlation of successive periods",
-        Statistic::PhaseDisplacementSd => "sd of displacement at one phase",
-        Statistic::JumpMean => "mean jump",
-        Statistic::JumpAbsMean => "mean size of a jump",
-        Statistic::FrictionWorkMean => "mean friction work",
-        Statistic::SlidingPathRate => "sliding path per time",
-    }
-}
 
 /// The Greek letters among the symbols of the paper.
 const GREEK: [(&str, &str); 7] =

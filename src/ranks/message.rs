@@ -1,7 +1,7 @@
 //! Messages between ranks, each of a kind and bytes. Sending and waiting do not keep a processor
 //! busy.
 
-use crate::stats::{Codec as _, Damaged, Reader};
+use crate::sums::{Codec as _, Damaged, Reader};
 use mpi::point_to_point::{Message, Status};
 use mpi::request::{Request, Scope};
 use mpi::topology::SimpleCommunicator;

@@ -10,7 +10,8 @@ use super::lease::Stretch;
 use super::snapshots::Counted;
 use crate::engine::Portion;
 use crate::ensemble::Plan;
-use crate::stats::{Counts, Overlap};
+use crate::stats::Counts;
+use crate::sums::Overlap;
 use std::time::{Duration, Instant};
 
 /// The shortest time between two questions for counts. A run is saved after each of them, so a

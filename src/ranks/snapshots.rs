@@ -7,7 +7,8 @@
 //! simulated later blocks, so the rank needs the copy that it made at that block.
 
 use super::message::{read_bytes, write_bytes};
-use crate::stats::{Codec as _, Counts, Damaged, Reader};
+use crate::stats::Counts;
+use crate::sums::{Codec as _, Damaged, Reader};
 use std::collections::VecDeque;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 

@@ -2,7 +2,8 @@
 
 use super::checksum::checksum;
 use crate::dataset::Rows;
-use crate::stats::{BlockResult, Codec, Damaged, EventColumns, PathColumns, Reader, Totals, TrajectoryRows};
+use crate::stats::{BlockResult, EventColumns, PathColumns, Totals, TrajectoryRows};
+use crate::sums::{Codec, Damaged, Reader};
 
 /// How much of a log is valid.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -2,7 +2,7 @@
 //! valid.
 //!
 //! The bytes are a magic name, a version, the contents, and a checksum of all of these. Numbers are
-//! written as [`crate::stats::Codec`] writes them, texts as their length and their bytes.
+//! written as [`crate::sums::Codec`] writes them, texts as their length and their bytes.
 
 use super::SavedError;
 use super::checksum::checksum;
@@ -12,7 +12,8 @@ use crate::ensemble::Plan;
 use crate::model::Series;
 use crate::provenance::Provenance;
 use crate::scenario::Scenario;
-use crate::stats::{Bound, Codec, Damaged, Goal, Reader, RunTotals, Statistic};
+use crate::stats::{Bound, Goal, RunTotals, Statistic};
+use crate::sums::{Codec, Damaged, Reader};
 use std::path::Path;
 use std::sync::Arc;
 use std::time::Duration;

@@ -1,17 +1,17 @@
 //! Pointwise distribution of x, x' and T over the ensemble, row by row of the output grid.
 
-use super::bins::Shape;
 use super::certain::Certain;
-use super::codec::{Codec, Damaged, Reader};
-use super::interval::Measured;
-use super::moments::Moments;
-use super::ordered::Ordered;
-use super::range::{NORMAL, Range, Sample};
-use super::sketch::Sketch;
-use super::unit::Unit;
 use super::{Band, Bands, QUANTILE_LEVELS};
 use crate::model::Model;
 use crate::scheme::{Snapshot, Timeline};
+use crate::sums::Unit;
+use crate::sums::bins::Shape;
+use crate::sums::interval::Measured;
+use crate::sums::moments::Moments;
+use crate::sums::ordered::Ordered;
+use crate::sums::range::{NORMAL, Range, Sample};
+use crate::sums::sketch::Sketch;
+use crate::sums::{Codec, Damaged, Reader};
 use ndarray::Array2;
 use std::borrow::Cow;
 use std::sync::Arc;
@@ -327,7 +327,8 @@ fn ends(values: &Ordered, level: f64, size: f64) -> [f64; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::stats::synthetic::{Coverage, model};
+    use crate::stats::synthetic::model;
+    use crate::sums::coverage::Coverage;
     use rand_distr::{Distribution, Normal, StandardUniform};
     use rand_pcg::Pcg64Dxsm;
     use rand_pcg::rand_core::SeedableRng;

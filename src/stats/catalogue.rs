@@ -1,86 +1,305 @@
-//! The list of reported statistics. Each has one name, which is the same in tables, JSON and HDF5.
+//! The list of reported statistics: one row for each, from which tables, files, pictures and the
+//! bias of the step take what they say of it. Its formula is in [`super::totals`].
 
+use super::certain::Certain;
 use super::dimension::Dimension;
+use super::need::Need;
+use crate::sums::range::Range;
 
-/// A reported statistic of an ensemble of paths.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Statistic {
+/// What is known of a statistic before any path is simulated.
+pub(crate) struct Row {
+    /// Its name in tables, JSON and HDF5.
+    name: &'static str,
+    /// Its name at an axis.
+    words: &'static str,
+    /// Its meaning, in words that fit a table or the title of a plot.
+    meaning: &'static str,
+    /// Its dimension, from which its unit follows.
+    dimension: Dimension,
+    pub range: Range,
+    pub over: Over,
+    pub step_error: StepError,
+    /// Whether the scene alone decides the statistic.
+    is_certain: fn(Certain) -> bool,
+    /// Why it may not exist: the first of these needs that is not met.
+    pub needs: &'static [Need],
+}
+
+/// What a statistic is a mean over, or a number of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Over {
+    /// Completed sticks, the first one apart.
+    Sticks,
+    /// First sticks that ended.
+    FirstSticks,
+    /// Completed dynamic phases.
+    Slips,
+    /// Paths, for each of which phases are counted.
+    CountsOfPaths,
+    /// Paths.
+    Paths,
+}
+
+impl Over {
+    /// Whether phases are counted or averaged over. There are infinitely many of them where slips
+    /// of all sizes occur. Total times, the first stick and positions are not affected by that.
+    pub fn counts_phases(self) -> bool {
+        matches!(self, Over::Sticks | Over::Slips | Over::CountsOfPaths)
+    }
+}
+
+/// How the error of the time step depends on the step h.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum StepError {
+    /// As sqrt(h): thresholds are checked only once a step.
+    Root,
+    /// Likewise, and it suffers most from the short slips that a long step misses.
+    RootOfRare,
+    /// As h, or as sqrt(h), whichever is observed.
+    FirstOrRoot,
+    /// In jumps: a median jumps from one hump of the law to another.
+    Jumps,
+}
+
+/// From one list: the statistics, and their rows in the same order.
+macro_rules! catalogue {
+    ($($(#[$doc:meta])* $statistic:ident: $row:expr,)*) => {
+        /// A reported statistic of an ensemble of paths.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+        pub enum Statistic {
+            $($(#[$doc])* $statistic,)*
+        }
+
+        impl Statistic {
+            /// Every statistic, in the order of tables and files.
+            pub const ALL: [Statistic; ROWS.len()] = [$(Statistic::$statistic,)*];
+        }
+
+        static ROWS: [Row; [$(Statistic::$statistic,)*].len()] = [$($row,)*];
+    };
+}
+
+const OF_PATHS: Row = Row {
+    name: "",
+    words: "",
+    meaning: "",
+    dimension: Dimension::LENGTH,
+    range: Range::ANY,
+    over: Over::Paths,
+    step_error: StepError::FirstOrRoot,
+    is_certain: |_| false,
+    needs: &[],
+};
+const OF_STICKS: Row = Row {
+    dimension: Dimension::TIME,
+    range: Range::NOT_NEGATIVE,
+    over: Over::Sticks,
+    step_error: StepError::Root,
+    needs: &[Need::Stick],
+    ..OF_PATHS
+};
+const OF_SLIPS: Row = Row { over: Over::Slips, step_error: StepError::Root, needs: &[Need::Slip], ..OF_PATHS };
+const COUNTED: Row = Row {
+    dimension: Dimension::ONE,
+    range: Range::NOT_NEGATIVE,
+    over: Over::CountsOfPaths,
+    step_error: StepError::RootOfRare,
+    is_certain: |scene| scene.never_sticks,
+    ..OF_PATHS
+};
+const OF_PERIODS: Row = Row { needs: &[Need::Period], ..OF_PATHS };
+
+catalogue! {
     /// Mean stick duration D_j = tau_{j+1/2} - tau_j over completed sticks, j >= 1.
-    StickDurationMean,
+    StickDurationMean: Row {
+        name: "stick_duration_mean",
+        words: "mean stick duration",
+        meaning: "mean duration of the completed sticks",
+        ..OF_STICKS
+    },
     /// Standard deviation of the stick duration D_j over completed sticks, j >= 1.
-    StickDurationSd,
+    StickDurationSd: Row {
+        name: "stick_duration_sd",
+        words: "sd of stick durations",
+        meaning: "standard deviation of the durations of the completed sticks",
+        step_error: StepError::RootOfRare,
+        needs: &[Need::Stick, Need::TwoSticks],
+        ..OF_STICKS
+    },
     /// Median stick duration D_j over completed sticks, j >= 1.
-    StickDurationMedian,
+    StickDurationMedian: Row {
+        name: "stick_duration_median",
+        words: "median stick duration",
+        meaning: "median duration of the completed sticks",
+        step_error: StepError::Jumps,
+        ..OF_STICKS
+    },
     /// Mean duration D_0 of the first stick over the paths in which it ended.
-    FirstStickDurationMean,
+    FirstStickDurationMean: Row {
+        name: "first_stick_duration_mean",
+        words: "mean first stick",
+        meaning: "mean duration of the first sticks that ended",
+        over: Over::FirstSticks,
+        is_certain: |scene| scene.first_stick,
+        needs: &[Need::FirstStick],
+        ..OF_STICKS
+    },
     /// Number of completed sticks, j >= 1, per path.
-    SticksPerPath,
+    SticksPerPath: Row {
+        name: "sticks_per_path",
+        words: "sticks per path",
+        meaning: "completed sticks per path, the first left out",
+        ..COUNTED
+    },
     /// Number of completed dynamic phases per path.
-    SlipsPerPath,
+    SlipsPerPath: Row {
+        name: "slips_per_path",
+        words: "slips per path",
+        meaning: "completed dynamic phases per path",
+        ..COUNTED
+    },
     /// Mean number k(j) of sub-phases over completed dynamic phases.
-    SubPhasesMean,
+    SubPhasesMean: Row {
+        name: "sub_phases_mean",
+        words: "mean number of sub-phases",
+        meaning: "mean number of sub-phases of a dynamic phase",
+        dimension: Dimension::ONE,
+        range: Range::FROM_ONE,
+        ..OF_SLIPS
+    },
     /// Share of completed dynamic phases with several sub-phases, k(j) >= 2.
-    SubPhasesMultipleShare,
+    SubPhasesMultipleShare: Row {
+        name: "sub_phases_multiple_share",
+        words: "share of slips with sub-phases",
+        meaning: "share of dynamic phases with two or more sub-phases",
+        dimension: Dimension::ONE,
+        range: Range::SHARE,
+        ..OF_SLIPS
+    },
     /// Share of the counted time, [after, t_end], that is spent static, the first and the last
     /// stick included.
-    StickingFraction,
+    StickingFraction: Row {
+        name: "sticking_fraction",
+        words: "share of time spent static",
+        meaning: "share of the time spent in static phases",
+        dimension: Dimension::ONE,
+        range: Range::SHARE,
+        step_error: StepError::Root,
+        is_certain: |scene| scene.never_sticks && scene.first_stick,
+        needs: &[Need::Duration],
+        ..OF_PATHS
+    },
     /// Mean displacement at the end, x(t_end).
-    DisplacementEndMean,
+    DisplacementEndMean: Row {
+        name: "displacement_end_mean",
+        words: "mean final displacement",
+        meaning: "mean displacement at the end",
+        ..OF_PATHS
+    },
     /// Standard deviation of the displacement at the end, x(t_end).
-    DisplacementEndSd,
+    DisplacementEndSd: Row {
+        name: "displacement_end_sd",
+        words: "sd of final displacement",
+        meaning: "standard deviation of the displacement at the end",
+        range: Range::NOT_NEGATIVE,
+        needs: &[Need::TwoPaths],
+        ..OF_PATHS
+    },
     /// Drift velocity: slope of the mean of x(nP) over the whole forcing periods n >= 1 from
     /// `after` on.
-    DriftVelocity,
+    DriftVelocity: Row {
+        name: "drift_velocity",
+        words: "drift velocity",
+        meaning: "slope of the mean displacement over whole forcing periods",
+        dimension: Dimension::VELOCITY,
+        ..OF_PERIODS
+    },
     /// Diffusion coefficient: half the slope of the variance of x(nP) over the whole forcing
     /// periods n >= 1 from `after` on.
-    DiffusionCoefficient,
+    DiffusionCoefficient: Row {
+        name: "diffusion_coefficient",
+        words: "diffusion coefficient",
+        meaning: "half the slope of the variance of the displacement over whole forcing periods",
+        dimension: Dimension::DIFFUSIVITY,
+        needs: &[Need::Period, Need::TwoPaths],
+        ..OF_PATHS
+    },
     /// Mean of u_n = x((n + 1)P) - x(nP) over paths and over the whole forcing periods n >= 1 from
     /// `after` on.
-    PeriodDisplacementMean,
+    PeriodDisplacementMean: Row {
+        name: "period_displacement_mean",
+        words: "mean displacement per period",
+        meaning: "mean displacement from one forcing period to the next",
+        ..OF_PERIODS
+    },
     /// Standard deviation of u_n over the same paths and periods.
-    PeriodDisplacementSd,
+    PeriodDisplacementSd: Row {
+        name: "period_displacement_sd",
+        words: "sd of displacement per period",
+        meaning: "standard deviation of the displacement from one forcing period to the next",
+        range: Range::NOT_NEGATIVE,
+        needs: &[Need::Period, Need::TwoDisplacements],
+        ..OF_PATHS
+    },
     /// Correlation of u_n and u_{n+1}, over the same paths and periods.
-    PeriodDisplacementCorrelation,
+    PeriodDisplacementCorrelation: Row {
+        name: "period_displacement_correlation",
+        words: "correlation of successive periods",
+        meaning: "correlation of the displacements in successive forcing periods",
+        dimension: Dimension::ONE,
+        range: Range::CORRELATION,
+        needs: &[Need::TwoPeriods, Need::DifferentDisplacements],
+        ..OF_PATHS
+    },
     /// Standard deviation of x(nP) over paths, as the root mean square over the whole forcing
     /// periods n >= 1 from `after` on.
-    PhaseDisplacementSd,
+    PhaseDisplacementSd: Row {
+        name: "phase_displacement_sd",
+        words: "sd of displacement at one phase",
+        meaning: "standard deviation of the displacement at one phase of the forcing",
+        range: Range::NOT_NEGATIVE,
+        needs: &[Need::TwoPaths, Need::EndOfPeriod],
+        ..OF_PATHS
+    },
     /// Mean jump of the displacement, x_{j+1} - x_j, over completed dynamic phases.
-    JumpMean,
+    JumpMean: Row {
+        name: "jump_mean",
+        words: "mean jump",
+        meaning: "mean jump of the displacement in a dynamic phase",
+        ..OF_SLIPS
+    },
     /// Mean size of that jump, |x_{j+1} - x_j|, over completed dynamic phases.
-    JumpAbsMean,
+    JumpAbsMean: Row {
+        name: "jump_abs_mean",
+        words: "mean size of a jump",
+        meaning: "mean size of the jump of the displacement in a dynamic phase",
+        range: Range::NOT_NEGATIVE,
+        ..OF_SLIPS
+    },
     /// Mean over paths of the friction work, the integral of f_d |x'| dt over [after, t_end].
-    FrictionWorkMean,
+    FrictionWorkMean: Row {
+        name: "friction_work_mean",
+        words: "mean friction work",
+        meaning: "mean work done against dynamic friction",
+        dimension: Dimension::WORK,
+        range: Range::NOT_NEGATIVE,
+        is_certain: |scene| scene.frictionless,
+        ..OF_PATHS
+    },
     /// Mean over paths of the sliding path, the integral of |x'| dt over [after, t_end], divided by
     /// that time.
-    SlidingPathRate,
+    SlidingPathRate: Row {
+        name: "sliding_path_rate",
+        words: "sliding path per time",
+        meaning: "mean sliding path per unit of time",
+        dimension: Dimension::VELOCITY,
+        range: Range::NOT_NEGATIVE,
+        needs: &[Need::Duration],
+        ..OF_PATHS
+    },
 }
 
 impl Statistic {
-    /// Every statistic, in the order of tables and files.
-    pub const ALL: [Statistic; 21] = [
-        Statistic::StickDurationMean,
-        Statistic::StickDurationSd,
-        Statistic::StickDurationMedian,
-        Statistic::FirstStickDurationMean,
-        Statistic::SticksPerPath,
-        Statistic::SlipsPerPath,
-        Statistic::SubPhasesMean,
-        Statistic::SubPhasesMultipleShare,
-        Statistic::StickingFraction,
-        Statistic::DisplacementEndMean,
-        Statistic::DisplacementEndSd,
-        Statistic::DriftVelocity,
-        Statistic::DiffusionCoefficient,
-        Statistic::PeriodDisplacementMean,
-        Statistic::PeriodDisplacementSd,
-        Statistic::PeriodDisplacementCorrelation,
-        Statistic::PhaseDisplacementSd,
-        Statistic::JumpMean,
-        Statistic::JumpAbsMean,
-        Statistic::FrictionWorkMean,
-        Statistic::SlidingPathRate,
-    ];
-
     /// The position of the statistic in [`Statistic::ALL`].
     pub fn index(self) -> usize {
         self as usize
@@ -91,57 +310,33 @@ impl Statistic {
         Statistic::ALL.into_iter().find(|statistic| statistic.name() == name)
     }
 
+    pub(crate) fn row(self) -> &'static Row {
+        &ROWS[self.index()]
+    }
+
+    /// Whether the scene alone decides the statistic, so that all paths must agree on it.
+    pub(super) fn is_decided_by(self, scene: Certain) -> bool {
+        scene.everything || (self.row().is_certain)(scene)
+    }
+
     /// The name of the statistic in tables, JSON and HDF5.
     pub fn name(self) -> &'static str {
-        match self {
-            Statistic::StickDurationMean => "stick_duration_mean",
-            Statistic::StickDurationSd => "stick_duration_sd",
-            Statistic::StickDurationMedian => "stick_duration_median",
-            Statistic::FirstStickDurationMean => "first_stick_duration_mean",
-            Statistic::SticksPerPath => "sticks_per_path",
-            Statistic::SlipsPerPath => "slips_per_path",
-            Statistic::SubPhasesMean => "sub_phases_mean",
-            Statistic::SubPhasesMultipleShare => "sub_phases_multiple_share",
-            Statistic::StickingFraction => "sticking_fraction",
-            Statistic::DisplacementEndMean => "displacement_end_mean",
-            Statistic::DisplacementEndSd => "displacement_end_sd",
-            Statistic::DriftVelocity => "drift_velocity",
-            Statistic::DiffusionCoefficient => "diffusion_coefficient",
-            Statistic::PeriodDisplacementMean => "period_displacement_mean",
-            Statistic::PeriodDisplacementSd => "period_displacement_sd",
-            Statistic::PeriodDisplacementCorrelation => "period_displacement_correlation",
-            Statistic::PhaseDisplacementSd => "phase_displacement_sd",
-            Statistic::JumpMean => "jump_mean",
-            Statistic::JumpAbsMean => "jump_abs_mean",
-            Statistic::FrictionWorkMean => "friction_work_mean",
-            Statistic::SlidingPathRate => "sliding_path_rate",
-        }
+        self.row().name
+    }
+
+    /// The name of the statistic at an axis, e.g. "mean stick duration".
+    pub fn words(self) -> &'static str {
+        self.row().words
+    }
+
+    /// The meaning of the statistic, in words that fit a table or the title of a plot.
+    pub fn meaning(self) -> &'static str {
+        self.row().meaning
     }
 
     /// The dimension of the statistic, from which its unit follows.
     pub fn dimension(self) -> Dimension {
-        match self {
-            Statistic::StickDurationMean
-            | Statistic::StickDurationSd
-            | Statistic::StickDurationMedian
-            | Statistic::FirstStickDurationMean => Dimension::TIME,
-            Statistic::SticksPerPath
-            | Statistic::SlipsPerPath
-            | Statistic::SubPhasesMean
-            | Statistic::SubPhasesMultipleShare
-            | Statistic::StickingFraction
-            | Statistic::PeriodDisplacementCorrelation => Dimension::ONE,
-            Statistic::DisplacementEndMean
-            | Statistic::DisplacementEndSd
-            | Statistic::PeriodDisplacementMean
-            | Statistic::PeriodDisplacementSd
-            | Statistic::PhaseDisplacementSd
-            | Statistic::JumpMean
-            | Statistic::JumpAbsMean => Dimension::LENGTH,
-            Statistic::DriftVelocity | Statistic::SlidingPathRate => Dimension::VELOCITY,
-            Statistic::DiffusionCoefficient => Dimension::DIFFUSIVITY,
-            Statistic::FrictionWorkMean => Dimension::WORK,
-        }
+        self.row().dimension
     }
 }
 
@@ -153,6 +348,15 @@ mod tests {
     fn every_statistic_stands_at_its_index() {
         for (i, statistic) in Statistic::ALL.into_iter().enumerate() {
             assert_eq!(statistic.index(), i, "{}", statistic.name());
+        }
+    }
+
+    #[test]
+    fn every_row_is_written_out() {
+        for statistic in Statistic::ALL {
+            let texts = [statistic.name(), statistic.words(), statistic.meaning()];
+            assert!(texts.iter().all(|text| !text.is_empty()), "{statistic:?}");
+            assert_eq!(Statistic::from_name(statistic.name()), Some(statistic));
         }
     }
 }

@@ -1,15 +1,14 @@
 //! What the scene alone decides, so that all paths must agree on it.
 //!
 //! Where all paths of a random scene agree on a number by chance, its interval says that other
-//! paths may differ ([`super::range`]). Where they cannot differ, it is a single point.
+//! paths may differ ([`crate::sums::range`]). Where they cannot differ, it is a single point.
 
-use super::Statistic;
 use crate::model::{InitialNoise, Model, Noise};
 use crate::scheme::Timeline;
 
 /// The numbers that are the same for all paths of a scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Certain {
+pub(crate) struct Certain {
     /// Every number: nothing is random, or nothing has time to happen.
     pub everything: bool,
     /// Whether a path is static at t = 0, because v(0) is given.
@@ -17,9 +16,9 @@ pub(super) struct Certain {
     /// The first stick lasts zero, because |b(0)| > f_s on every path.
     pub first_stick: bool,
     /// Nothing ever sticks, because f_s = 0.
-    never_sticks: bool,
+    pub never_sticks: bool,
     /// Friction takes no work, because f_d = 0.
-    frictionless: bool,
+    pub frictionless: bool,
 }
 
 impl Certain {
@@ -43,18 +42,6 @@ impl Certain {
         }
     }
 
-    /// Whether all paths must agree on this statistic.
-    pub fn holds(self, statistic: Statistic) -> bool {
-        let is_certain = match statistic {
-            Statistic::FrictionWorkMean => self.frictionless,
-            Statistic::FirstStickDurationMean => self.first_stick,
-            Statistic::SticksPerPath | Statistic::SlipsPerPath => self.never_sticks,
-            Statistic::StickingFraction => self.never_sticks && self.first_stick,
-            _ => false,
-        };
-        self.everything || is_certain
-    }
-
     /// Whether all paths must agree on how many sticks and slips they complete.
     pub fn is_without_phases(self) -> bool {
         self.everything || self.never_sticks
@@ -65,6 +52,7 @@ impl Certain {
 mod tests {
     use super::*;
     use crate::model::{Friction, Temperature};
+    use crate::stats::Statistic;
     use crate::stats::synthetic::model;
 
     const TIMELINE: Timeline = Timeline { end: 10.0, output_step: 10.0, period: None, after: 0.0 };
@@ -81,7 +69,7 @@ mod tests {
 
     fn certain(model: &Model, timeline: &Timeline) -> Vec<Statistic> {
         let certain = Certain::of(model, timeline);
-        Statistic::ALL.into_iter().filter(|statistic| certain.holds(*statistic)).collect()
+        Statistic::ALL.into_iter().filter(|statistic| statistic.is_decided_by(certain)).collect()
     }
 
     #[test]

@@ -1,19 +1,20 @@
 //! Stick durations: their quantiles, the interval of their median, and their survival function,
 //! which takes the censored sticks into account.
 
-use super::batches::{BATCHES, Share, batch_of};
-use super::bins::Shape;
-use super::codec::{Codec, Damaged, Reader, codec_of_fields};
-use super::dyadic::nearest;
-use super::interval::Measured;
-use super::log_bins::{LogBins, LogGrid};
-use super::ordered::Ordered;
-use super::quantile;
-use super::range::Sample;
-use super::sketch::Sketch;
 use super::survival::Survival;
-use super::{Ends, Histogram, QUANTILE_LEVELS, StickDurations};
+use super::{Histogram, QUANTILE_LEVELS, StickDurations};
 use crate::scheme::Timeline;
+use crate::sums::Ends;
+use crate::sums::batches::{BATCHES, Share, batch_of};
+use crate::sums::bins::Shape;
+use crate::sums::codec::{Codec, Damaged, Reader, codec_of_fields};
+use crate::sums::dyadic::nearest;
+use crate::sums::interval::Measured;
+use crate::sums::log_bins::{LogBins, LogGrid};
+use crate::sums::ordered::Ordered;
+use crate::sums::quantile;
+use crate::sums::range::Sample;
+use crate::sums::sketch::Sketch;
 use std::borrow::Cow;
 
 /// Fine bins per bin of the public histogram, which has 8 bins per octave.
@@ -307,8 +308,8 @@ impl Codec for DurationCounts {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::stats::range::independent;
-    use crate::stats::synthetic::Coverage;
+    use crate::sums::coverage::Coverage;
+    use crate::sums::range::independent;
     use rand_distr::{Distribution, Exp1, StandardUniform, Uniform};
     use rand_pcg::Pcg64Dxsm;
     use rand_pcg::rand_core::SeedableRng;
@@ -508,20 +509,20 @@ mod tests {
         for path in 0..100 {
             [1.1, 2.3, 3.7].iter().for_each(|&d| totals.completed(path, d));
         }
-        let e = totals.ordered().median().named(crate::stats::Statistic::StickDurationMedian);
+        let e = totals.ordered().median().measurement();
         assert_eq!((e.estimate, e.standard_error, e.low, e.high), (2.3, 0.0, 2.3, 2.3));
     }
 
     #[test]
     fn few_sticks_bound_the_median_by_nothing() {
         let mut totals = DurationCounts::empty(&timeline());
-        assert!(totals.ordered().median().named(crate::stats::Statistic::StickDurationMedian).estimate.is_nan());
+        assert!(totals.ordered().median().measurement().estimate.is_nan());
         totals.completed(0, 1.0);
-        let one = totals.ordered().median().named(crate::stats::Statistic::StickDurationMedian);
+        let one = totals.ordered().median().measurement();
         assert_eq!(one.estimate, 1.0);
         assert!(one.low.is_nan() && one.high.is_nan());
         totals.completed(1, 2.0);
-        let two = totals.ordered().median().named(crate::stats::Statistic::StickDurationMedian);
+        let two = totals.ordered().median().measurement();
         assert_eq!((two.low, two.high), (0.0, f64::INFINITY));
     }
 }

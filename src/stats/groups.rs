@@ -4,21 +4,22 @@
 //! In every run, a path is in the group of its number modulo [`GROUPS`], and an antithetic pair in
 //! that of the pair's number. Where path n of two runs sees the same noise, so do all paths of a
 //! group, and the effects of a group on both runs are kept together. The errors of differences and
-//! ratios of runs then follow by the jackknife ([`super::jackknife`]). Groups hold whole paths, so
+//! ratios of runs then follow by the jackknife ([`crate::sums::jackknife`]). Groups hold whole paths, so
 //! the phases of a path may depend on each other in any way.
 //!
 //! A group holds moments alone. The median comes from the durations of the run, which are kept in
 //! the same groups.
 
-use super::batches::{BATCHES, batch_of};
-use super::jackknife::leaving_one_out;
 use super::path::PathFold;
 use super::periods::PeriodFold;
 use super::totals::PhaseSums;
-use super::tree::Merge;
-use super::{Companion, Statistic, Totals, Unit};
+use super::{Companion, Statistic, Totals};
 use crate::model::{Event, Model};
 use crate::scheme::{Instant, Observer, Snapshot, Timeline};
+use crate::sums::Merge;
+use crate::sums::Unit;
+use crate::sums::batches::{BATCHES, batch_of};
+use crate::sums::jackknife::leaving_one_out;
 
 /// Number of groups of paths. With 31 degrees of freedom an interval is 4 % wider than by the
 /// normal law, and an error is known to 13 %.

@@ -13,61 +13,42 @@
 //! order, then over blocks along a binary tree; counts are integers. So no statistic depends on the
 //! threads, the lanes, the vector width, or the way in which a run is cut into parts.
 
+mod absence;
 mod bands;
-mod batches;
-mod bins;
 mod catalogue;
 mod certain;
-mod codec;
 mod corrected;
 mod dimension;
 mod durations;
-mod dyadic;
 mod goal;
 mod groups;
-mod interval;
-pub(crate) mod jackknife;
-mod log_bins;
-mod moments;
+mod need;
 mod observer;
-mod ordered;
 mod path;
 mod period_displacements;
 mod periods;
-mod quantile;
-mod range;
-mod rare;
 mod record;
 mod run_totals;
 mod settling;
-mod sketch;
-mod spread;
-mod steps;
 mod summary;
 mod survival;
 #[cfg(test)]
 mod synthetic;
 mod tally;
 mod totals;
-mod tree;
-mod unit;
 
 pub use catalogue::Statistic;
-pub use codec::{Codec, Damaged, Reader};
+pub(crate) use catalogue::StepError;
 pub use corrected::Corrected;
 pub use dimension::{Dimension, Units};
 pub use goal::{Bound, Goal, GoalError, Verdict};
 pub use groups::{GROUPS, Grouping, Groups, Values};
-pub(crate) use interval::student;
-pub use moments::Moments;
 pub use observer::BlockObserver;
 pub use record::{BlockResult, EventColumns, PathColumns, Record, TrajectoryRows};
 pub use run_totals::RunTotals;
 pub use summary::{
-    Band, Bands, Bias, Ends, Estimate, Histogram, Measurement, PeriodMoments, QUANTILE_LEVELS, StickDurations,
-    SubPhaseCounts, Summary, Transient,
+    Band, Bands, Bias, Estimate, Histogram, PeriodMoments, QUANTILE_LEVELS, StickDurations, SubPhaseCounts, Summary,
+    Transient,
 };
 pub use tally::{Companion, PathMeans, PathState, Tallied, Tally};
 pub use totals::{Counts, SUB_PHASE_CAP, Sums, Totals};
-pub use tree::{Merge, Overlap, Tree};
-pub use unit::Unit;

@@ -3,10 +3,10 @@
 
 use super::path::{Censored, Completed, PathFold};
 use super::periods::PeriodFold;
-use super::unit::Unit;
 use super::{BlockResult, EventColumns, PathColumns, Record, Totals, TrajectoryRows};
 use crate::model::{Event, Model, Oscillator, Sign};
 use crate::scheme::{Instant, Observer, Snapshot, Timeline};
+use crate::sums::Unit;
 
 /// The observer of one block of paths.
 pub struct BlockObserver {
@@ -340,7 +340,7 @@ mod tests {
     }
 
     /// The error of a standard deviation has the degrees of freedom that the tails of the law leave
-    /// ([`crate::stats::spread`]), and those are the tails of all paths. So the interval is as wide
+    /// ([`crate::sums::spread`]), and those are the tails of all paths. So the interval is as wide
     /// from eight blocks as from the same paths in one block, up to what is taken about the means of
     /// blocks (1 %). With the tails of the first block alone it would be wider by 6 to 13 %.
     #[test]

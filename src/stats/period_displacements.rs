@@ -13,12 +13,12 @@
 //! lies between -1 and 1, and u_1 and u_M, which are in one pair only, count half in it. Errors
 //! follow from the scatter of a to e from path to path.
 
-use super::codec::{Codec, Damaged, Reader};
-use super::interval::Measured;
-use super::moments::JointMoments;
-use super::spread::Tails;
-use super::unit::Unit;
 use crate::scheme::Timeline;
+use crate::sums::Unit;
+use crate::sums::interval::Measured;
+use crate::sums::moments::JointMoments;
+use crate::sums::spread::Tails;
+use crate::sums::{Codec, Damaged, Reader};
 
 /// Moments of the displacements from period to period.
 #[derive(Clone, Debug, PartialEq)]
@@ -173,7 +173,6 @@ impl PeriodDisplacementsFold {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::stats::Statistic;
 
     /// Three paths with u = 1, 2, 0 and -1, 1, 3 and -2, -1, -3, with mean 0. a is 1, 1, -2. b is
     /// 5/3, 11/3, 14/3, and its mean 10/3 is the variance. The influences on the standard deviation
@@ -210,7 +209,7 @@ mod tests {
             for (measured, value, error) in
                 [(all.mean(), constant, 1.0), (all.sd(Unit::Path), sd, on_sd), (all.correlation(), r, on_r)]
             {
-                let e = measured.named(Statistic::PeriodDisplacementMean);
+                let e = measured.measurement();
                 // Three numbers about their mean always have two degrees of freedom.
                 let high = if value == sd { sd / (1.0 - t * error / sd) } else { value + t * error };
                 let all = [(e.estimate, value), (e.standard_error, error), (e.high, high)];

@@ -10,15 +10,16 @@
 //! spread at one phase     S^2 = 1/K sum_n Var x(t_n)
 //! ```
 
-use super::codec::codec_of_fields;
-use super::interval::Measured;
-use super::moments::Moments;
+use super::PeriodMoments;
 use super::period_displacements::{PeriodDisplacements, PeriodDisplacementsFold};
-use super::range::Range;
-use super::spread::{SpreadMoments, Tails};
-use super::unit::Unit;
-use super::{Ends, PeriodMoments};
 use crate::scheme::{Snapshot, Timeline};
+use crate::sums::Ends;
+use crate::sums::Unit;
+use crate::sums::codec::codec_of_fields;
+use crate::sums::interval::Measured;
+use crate::sums::moments::Moments;
+use crate::sums::range::Range;
+use crate::sums::spread::{SpreadMoments, Tails};
 
 /// The times of the whole forcing periods, and the weights of the counted ones in a slope.
 #[derive(Clone, Debug, PartialEq)]
@@ -109,7 +110,7 @@ impl PeriodSums {
     }
 
     /// S. One instant and two paths are needed. Estimate and error are found like those of D, with
-    /// 1/K in place of c_n. The interval is that of a standard deviation ([`super::spread`]).
+    /// 1/K in place of c_n. The interval is that of a standard deviation ([`crate::sums::spread`]).
     pub fn spread_at_phase(&self, timeline: &Timeline) -> Measured {
         let counted = &self.displacement[Slope::over(timeline).skipped..];
         if counted.is_empty() {
@@ -237,8 +238,7 @@ fn unbiased(mut shares: Vec<f64>) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::stats::Statistic;
-    use crate::stats::synthetic::Coverage;
+    use crate::sums::coverage::Coverage;
     use rand_distr::{Distribution, StandardNormal};
     use rand_pcg::Pcg64Dxsm;
     use rand_pcg::rand_core::SeedableRng;
@@ -270,11 +270,11 @@ mod tests {
                 }
                 totals.merge(&fold.finish());
             }
-            let v = totals.drift_velocity(&timeline).named(Statistic::DriftVelocity);
-            let d = totals.diffusion_coefficient(&timeline).named(Statistic::DiffusionCoefficient);
-            let sd = totals.period_displacements.sd(Unit::Path).named(Statistic::PeriodDisplacementSd);
-            let r = totals.period_displacements.correlation().named(Statistic::PeriodDisplacementCorrelation);
-            let step = totals.period_displacements.mean().named(Statistic::PeriodDisplacementMean);
+            let v = totals.drift_velocity(&timeline).measurement();
+            let d = totals.diffusion_coefficient(&timeline).measurement();
+            let sd = totals.period_displacements.sd(Unit::Path).measurement();
+            let r = totals.period_displacements.correlation().measurement();
+            let step = totals.period_displacements.mean().measurement();
             step_held.count(step.low <= 2.5 * drift && 2.5 * drift <= step.high);
             let step_sd = (2.0 * diffusion * 2.5f64).sqrt();
             sd_held.count(sd.low <= step_sd && step_sd <= sd.high);
@@ -316,8 +316,8 @@ mod tests {
         fold.fold(2, &[-20.0, 30.0, 5.0]); // the middle period, where the weight is zero
         fold.fold(3, &[10.0, 6.0, 5.0]);
         let totals = fold.finish();
-        let d = totals.diffusion_coefficient(&timeline).named(Statistic::DiffusionCoefficient);
-        let v = totals.drift_velocity(&timeline).named(Statistic::DriftVelocity);
+        let d = totals.diffusion_coefficient(&timeline).measurement();
+        let v = totals.drift_velocity(&timeline).measurement();
         let t = 4.302_652_729_9; // Student's t with two degrees of freedom
         for (e, value, error) in [(d, 1.5, (7.3125f64 / 3.0).sqrt() / 2.0), (v, 0.0, (3.25f64 / 3.0).sqrt())] {
             let all = [(e.estimate, value), (e.standard_error, error), (e.high, value + t * error)];
@@ -361,7 +361,7 @@ mod tests {
         fold.fold(2, &[6.0, 7.0, 11.0]);
         fold.fold(3, &[9.0, 9.0, 6.0]);
         let totals = fold.finish();
-        let e = totals.spread_at_phase(&timeline).named(Statistic::PhaseDisplacementSd);
+        let e = totals.spread_at_phase(&timeline).measurement();
         let error = (18.1875f64 / 3.0).sqrt() / (2.0 * 5f64.sqrt());
         // Three numbers about their mean always have two degrees of freedom. 4.3 standard errors
         // are more than S, so that the upper end is infinite.
@@ -369,7 +369,7 @@ mod tests {
         let all = [(e.estimate, 5f64.sqrt()), (e.standard_error, error), (e.low, low)];
         assert!(all.iter().all(|(got, expected)| (got - expected).abs() < 1e-9), "{e:?}");
         assert_eq!(e.high, f64::INFINITY);
-        assert_eq!(totals.drift_velocity(&timeline).named(Statistic::DriftVelocity).estimate, 0.0);
+        assert_eq!(totals.drift_velocity(&timeline).measurement().estimate, 0.0);
         assert!((totals.period_displacements.mean().estimate()).abs() < 1e-12);
         assert_eq!(totals.summary(&timeline, true).mean.len(), 3);
     }
@@ -408,8 +408,8 @@ mod tests {
         let mut fold = PeriodFold::new(&timeline, 0.0, 3);
         fold.fold(1, &[1.0, 2.0, 6.0]);
         let totals = fold.finish();
-        assert!(totals.drift_velocity(&timeline).named(Statistic::DriftVelocity).estimate.is_nan());
-        assert!(totals.diffusion_coefficient(&timeline).named(Statistic::DiffusionCoefficient).estimate.is_nan());
+        assert!(totals.drift_velocity(&timeline).measurement().estimate.is_nan());
+        assert!(totals.diffusion_coefficient(&timeline).measurement().estimate.is_nan());
         let summary = totals.summary(&timeline, true);
         assert_eq!((summary.mean, summary.variance), (vec![3.0], vec![7.0]));
     }

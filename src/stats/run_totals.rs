@@ -1,12 +1,12 @@
 //! The state of a run after some of its blocks. It is all that is needed to continue the run, to
 //! join it with other parts, and to compute its statistics.
 
-use super::codec::{Codec, Damaged, Reader};
 use super::totals::PhaseSums;
-use super::tree::{Merge, Overlap, Tree};
 use super::{Counts, Estimate, Statistic, Sums, Totals};
 use crate::model::Model;
 use crate::scheme::Timeline;
+use crate::sums::{Codec, Damaged, Reader};
+use crate::sums::{Merge, Overlap, Tree};
 use std::ops::Range;
 
 /// The first bytes of a state: a name, and the version of what follows.
@@ -148,7 +148,7 @@ impl<X: Merge + Clone> RunTotals<X> {
     pub fn estimate(&self, statistic: Statistic) -> Estimate {
         let phases: PhaseSums =
             self.tree.total(|(sums, _)| &sums.phases).unwrap_or_else(|| self.empty.0.phases.clone());
-        phases.measured(statistic, &self.timeline, &self.counts).named(statistic)
+        Estimate::new(statistic, phases.measured(statistic, &self.timeline, &self.counts))
     }
 
     /// The totals of all paths that have been added.

@@ -5,8 +5,8 @@
 //! `diffusion_coefficient` are zero. Each of the two is tested against zero at the level of 0.5 %,
 //! so that together they raise a false alarm in at most 1 % of all runs (Bonferroni).
 
-use super::interval::student_quantile;
 use super::{Statistic, Summary};
+use crate::sums::interval::student_quantile;
 
 /// Probability that each of the two statistics is within its bounds if it is zero.
 const CONFIDENCE: f64 = 0.995;
@@ -39,7 +39,8 @@ mod tests {
     use super::*;
     use crate::scheme::Timeline;
     use crate::stats::Record;
-    use crate::stats::synthetic::{Coverage, Path, estimate, observe};
+    use crate::stats::synthetic::{Path, estimate, observe};
+    use crate::sums::coverage::Coverage;
     use rand_distr::{Distribution, StandardNormal};
     use rand_pcg::Pcg64Dxsm;
     use rand_pcg::rand_core::SeedableRng;

@@ -1,24 +1,12 @@
 //! The summary of an ensemble: plain numbers, ready to be printed or stored.
 
 use super::Statistic;
+use crate::sums::interval::Measured;
+use crate::sums::{Ends, Measurement};
 use ndarray::Array2;
 
 /// The quantile levels of every band and of the stick durations.
 pub const QUANTILE_LEVELS: [f64; 5] = [0.05, 0.25, 0.5, 0.75, 0.95];
-
-/// A number with its 95 % interval, for which the path is the independent unit. A value that does
-/// not exist is NaN.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Measurement {
-    /// The estimate.
-    pub estimate: f64,
-    /// Standard error of the estimate.
-    pub standard_error: f64,
-    /// Lower end of the 95 % interval.
-    pub low: f64,
-    /// Upper end of the 95 % interval.
-    pub high: f64,
-}
 
 /// One statistic with its 95 % interval, in the unit of the statistic. A value that does not exist
 /// (for example because no stick ended, or there are fewer than two periods) is NaN.
@@ -53,36 +41,15 @@ pub struct Bias {
 }
 
 impl Estimate {
+    /// The estimate of this statistic.
+    pub(super) fn new(statistic: Statistic, measured: Measured) -> Self {
+        let Measurement { estimate, standard_error, low, high } = measured.measurement();
+        Estimate { statistic, estimate, standard_error, low, high, bias: None }
+    }
+
     /// Half the width of the 95 % interval.
     pub fn half_width(&self) -> f64 {
         (self.high - self.low) / 2.0
-    }
-}
-
-/// Ends of the 95 % interval of each point of a curve, for which the path is the independent unit.
-///
-/// An end that the data do not bound is infinite, or is the end of the range of the quantity. With
-/// fewer than two paths there is no interval, and both ends are NaN.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Ends {
-    /// The lower end at each point.
-    pub low: Vec<f64>,
-    /// The upper end at each point.
-    pub high: Vec<f64>,
-}
-
-impl Ends {
-    /// The ends times a number that is not negative.
-    pub(super) fn times(&self, number: f64) -> Ends {
-        let times = |ends: &[f64]| ends.iter().map(|end| end * number).collect();
-        Ends { low: times(&self.low), high: times(&self.high) }
-    }
-}
-
-impl FromIterator<[f64; 2]> for Ends {
-    fn from_iter<I: IntoIterator<Item = [f64; 2]>>(ends: I) -> Self {
-        let (low, high) = ends.into_iter().map(|[low, high]| (low, high)).unzip();
-        Ends { low, high }
     }
 }
 

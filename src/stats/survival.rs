@@ -6,12 +6,12 @@
 //! all durations, where n sticks reached a duration and d of them ended in it. Its textbook error,
 //! Greenwood's, assumes that all sticks are independent. The sticks of one path are not. So the
 //! error comes from batches of whole paths, by the jackknife over the curves without each batch
-//! ([`super::jackknife`]).
+//! ([`crate::sums::jackknife`]).
 
-use super::Ends;
-use super::interval::student;
-use super::jackknife::standard_error;
-use super::range::{NORMAL, wilson};
+use crate::sums::Ends;
+use crate::sums::interval::student;
+use crate::sums::jackknife::standard_error;
+use crate::sums::range::{NORMAL, wilson};
 
 /// Fine bins with their counts, in ascending order.
 type Bins = Vec<(i16, u64)>;

@@ -7,14 +7,14 @@
 //!     -> Tally::estimate -> Measurement   with an interval whose independent unit is the path
 //! ```
 
-use super::Measurement;
-use super::codec::codec_of_fields;
-use super::interval::Measured;
-use super::moments::JointMoments;
-use super::tree::Merge;
-use super::unit::Unit;
 use crate::model::Event;
 use crate::scheme::{Instant, Observer, Snapshot};
+use crate::sums::Measurement;
+use crate::sums::Merge;
+use crate::sums::Unit;
+use crate::sums::codec::codec_of_fields;
+use crate::sums::interval::Measured;
+use crate::sums::moments::JointMoments;
 
 /// The state of one path at one time.
 #[derive(Clone, Copy, Debug, PartialEq)]

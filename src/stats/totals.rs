@@ -1,22 +1,24 @@
 //! The sums from which every statistic is computed: empty, of a block, merged, and summarised.
 
 use super::bands::{self, BandCounts, BandSums};
-use super::batches::{BATCHES, Share, batch_of};
+use super::catalogue::Over;
 use super::certain::Certain;
-use super::codec::{Codec, Damaged, Reader, codec_of_fields};
 use super::durations::{DurationCounts, OrderedDurations};
-use super::interval::Measured;
-use super::moments::{JointMoments, Moments};
 use super::path::PathFold;
 use super::periods::PeriodSums;
-use super::range::{Range, Sample};
-use super::rare::{FEWEST, FEWEST_FOR_SPREAD, Fourths, are_too_few, cautious};
-use super::spread::{SpreadMoments, Tails};
-use super::tree::Merge;
-use super::unit::Unit;
-use super::{Ends, Estimate, Statistic, StickDurations, SubPhaseCounts, Summary, Transient};
+use super::{Estimate, Statistic, StickDurations, SubPhaseCounts, Summary, Transient};
 use crate::model::Model;
 use crate::scheme::{Snapshot, Timeline};
+use crate::sums::Ends;
+use crate::sums::Merge;
+use crate::sums::Unit;
+use crate::sums::batches::{BATCHES, Share, batch_of};
+use crate::sums::codec::{Codec, Damaged, Reader, codec_of_fields};
+use crate::sums::interval::Measured;
+use crate::sums::moments::{JointMoments, Moments};
+use crate::sums::range::{Range, Sample};
+use crate::sums::rare::{FEWEST, FEWEST_FOR_SPREAD, Fourths, are_too_few, cautious};
+use crate::sums::spread::{SpreadMoments, Tails};
 
 /// Dynamic phases with this many sub-phases or more are counted together.
 pub const SUB_PHASE_CAP: usize = 64;
@@ -218,7 +220,7 @@ impl Totals {
         let ordered = counts.durations.ordered();
         let estimate = |statistic| match statistic {
             Statistic::StickDurationMedian => {
-                sums.phases.in_its_range(statistic, ordered.median(), counts).named(statistic)
+                Estimate::new(statistic, sums.phases.in_its_range(statistic, ordered.median(), counts))
             }
             other => self.estimate(other),
         };
@@ -269,7 +271,7 @@ impl Totals {
 
     /// One statistic with its interval.
     pub fn estimate(&self, statistic: Statistic) -> Estimate {
-        self.sums.phases.measured(statistic, &self.timeline, &self.counts).named(statistic)
+        Estimate::new(statistic, self.sums.phases.measured(statistic, &self.timeline, &self.counts))
     }
 
     /// The numbers of the diverged paths, in ascending order.
@@ -316,31 +318,15 @@ impl PhaseSums {
     /// A measured value of a statistic, with an interval that does not leave the range of the
     /// statistic.
     fn in_its_range(&self, statistic: Statistic, measured: Measured, counts: &Counts) -> Measured {
-        let CascadeSums { contributing, .. } = &self.cascade;
-        let (range, units) = match statistic {
-            Statistic::StickDurationMean | Statistic::StickDurationSd | Statistic::StickDurationMedian => {
-                (Range::NOT_NEGATIVE, contributing.sticks)
-            }
-            Statistic::FirstStickDurationMean => (Range::NOT_NEGATIVE, contributing.first_sticks),
-            Statistic::SubPhasesMean => (Range::FROM_ONE, contributing.slips),
-            Statistic::SubPhasesMultipleShare => (Range::SHARE, contributing.slips),
-            Statistic::JumpAbsMean => (Range::NOT_NEGATIVE, contributing.slips),
-            Statistic::JumpMean => (Range::ANY, contributing.slips),
-            Statistic::StickingFraction => (Range::SHARE, counts.units),
-            Statistic::PeriodDisplacementCorrelation => (Range::CORRELATION, counts.units),
-            Statistic::SticksPerPath
-            | Statistic::SlipsPerPath
-            | Statistic::DisplacementEndSd
-            | Statistic::PeriodDisplacementSd
-            | Statistic::PhaseDisplacementSd
-            | Statistic::FrictionWorkMean
-            | Statistic::SlidingPathRate => (Range::NOT_NEGATIVE, counts.units),
-            Statistic::DisplacementEndMean
-            | Statistic::DriftVelocity
-            | Statistic::DiffusionCoefficient
-            | Statistic::PeriodDisplacementMean => (Range::ANY, counts.units),
+        let contributing = &self.cascade.contributing;
+        let units = match statistic.row().over {
+            Over::Sticks => contributing.sticks,
+            Over::FirstSticks => contributing.first_sticks,
+            Over::Slips => contributing.slips,
+            Over::CountsOfPaths | Over::Paths => counts.units,
         };
-        measured.in_range(range, counts.chance(units).filter(|_| !counts.certain.holds(statistic)))
+        let range = statistic.row().range;
+        measured.in_range(range, counts.chance(units).filter(|_| !statistic.is_decided_by(counts.certain)))
     }
 
     fn without_range(&self, statistic: Statistic, timeline: &Timeline, counts: &Counts) -> Measured {
@@ -718,8 +704,9 @@ impl Codec for SubPhaseTotals {
 mod tests {
     use super::*;
     use crate::scheme::{Instant, Observer as _};
-    use crate::stats::synthetic::{Coverage, Path, estimate, model, observe, slip, stick, turn};
+    use crate::stats::synthetic::{Path, estimate, model, observe, slip, stick, turn};
     use crate::stats::{BlockObserver, Record};
+    use crate::sums::coverage::Coverage;
     use rand_distr::{Distribution, Exp1, Gamma, LogNormal, StandardNormal, StandardUniform, Uniform};
     use rand_pcg::Pcg64Dxsm;
     use rand_pcg::rand_core::SeedableRng;
@@ -1253,7 +1240,7 @@ mod tests {
                 held[i].count(e.low <= truth && truth <= e.high);
                 let contributing = totals.sums.phases.cascade.contributing.sticks;
                 let m = if statistic == Statistic::StickDurationMean { contributing } else { 100 };
-                let half_width = crate::stats::interval::student(m - 1) * e.standard_error;
+                let half_width = crate::sums::interval::student(m - 1) * e.standard_error;
                 straight[i].count((e.estimate - truth).abs() <= half_width);
             }
         }

@@ -9,7 +9,7 @@
 use super::{StoreError, own};
 use crate::dataset::Rows;
 use crate::saved::{OwnedRows, Position, SavedError, checksum, read_rows};
-use crate::stats::Reader;
+use crate::sums::Reader;
 use std::fs::File;
 use std::io::{self, BufReader, Read as _, Seek as _, SeekFrom, Write as _};
 use std::path::{Path, PathBuf};

@@ -20,7 +20,8 @@
 use crate::ensemble::{BLOCK_SIZE, Plan, in_order};
 use crate::model::Model;
 use crate::scheme::{CorrectedVi, Scheme, Simulate as _, Timeline};
-use crate::stats::{BlockResult, Moments, PathColumns, Record, Statistic};
+use crate::stats::{BlockResult, PathColumns, Record, Statistic};
+use crate::sums::Moments;
 use std::convert::Infallible;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};

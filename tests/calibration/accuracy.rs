@@ -1,7 +1,7 @@
 //! The accuracy of estimates, and how often their intervals hold the truth.
 
 use crate::bridge::{BRIDGE, RED_CAMPAIGN, ask, by_slips, covered, question, record, rmse, twin_of};
-use stick_slip::study::calibration::{Method, Misfit, Motion, Quantity, Record, values};
+use stick_slip::bearing::calibration::{Method, Misfit, Motion, Quantity, Record, values};
 
 const PARAMETERS: &[Quantity] = Quantity::ALL.split_at(Quantity::PARAMETERS).0;
 

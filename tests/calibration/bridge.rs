@@ -2,10 +2,10 @@
 //! made for the tests.
 
 use std::f64::consts::TAU;
-use stick_slip::noise::{Stream, Transition};
-use stick_slip::study::calibration::{
+use stick_slip::bearing::calibration::{
     Bearing, Calibration, Flaws, Lag, Method, Motion, Quantity, Question, Record, Twin, Values, calibrate, twin, values,
 };
+use stick_slip::noise::{Stream, Transition};
 
 /// Seconds of a day.
 pub const DAY: f64 = 86_400.0;

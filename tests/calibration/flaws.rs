@@ -6,7 +6,7 @@
 //! of seeds.
 
 use crate::bridge::{BRIDGE, Campaign, RED, RED_CAMPAIGN, ask, by_slips, covered, question, record, rmse, twin_of};
-use stick_slip::study::calibration::{Flaws, Lag, Method, Quantity, Question, Record, Warning};
+use stick_slip::bearing::calibration::{Flaws, Lag, Method, Quantity, Question, Record, Warning};
 
 const FORCES: [Quantity; 3] = [Quantity::Stiffness, Quantity::Static, Quantity::Dynamic];
 
@@ -101,7 +101,7 @@ fn friction_that_scatters_is_noticed() {
     let scattering = Campaign { flaws: Flaws { scatter: 0.05, ..RED }, ..RED_CAMPAIGN };
     let all = by_slips(&scattering, 900..904);
     let says_so = |(fit, _): &(_, _)| {
-        let fit: &stick_slip::study::calibration::Calibration = fit;
+        let fit: &stick_slip::bearing::calibration::Calibration = fit;
         fit.warnings.iter().any(|warning| matches!(warning, Warning::Scatter(_)))
     };
     assert!(all.iter().all(says_so));

@@ -4,10 +4,10 @@
 use crate::bridge::{BRIDGE, DAY, RED_CAMPAIGN, question, record, twin_of};
 use std::f64::consts::TAU;
 use std::sync::atomic::AtomicBool;
+use stick_slip::bearing::calibration::{Method, Motion, calibrate};
+use stick_slip::bearing::forecast::{Forecast, Quantity, Question, forecast};
+use stick_slip::bearing::weather::fit;
 use stick_slip::noise::{Stream, Transition};
-use stick_slip::study::calibration::{Method, Motion, calibrate};
-use stick_slip::study::forecast::{Forecast, Quantity, Question, forecast};
-use stick_slip::study::weather::fit;
 
 const PERIODS: [f64; 2] = [365.25 * DAY, DAY];
 const ASKED: Question = Question { draws: 20, years: 10, seed: 3, level: 0.9, share: 0.9 };

@@ -1,7 +1,7 @@
 //! Limits of a calibration: what cannot be known, and what is refused.
 
 use crate::bridge::{BRIDGE, RED_CAMPAIGN, ask, question, record, twin_of};
-use stick_slip::study::calibration::{
+use stick_slip::bearing::calibration::{
     Bearing, CalibrationError, Method, Quantity, Question, Record, Warning, calibrate,
 };
 

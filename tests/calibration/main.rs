@@ -1,6 +1,6 @@
 //! Calibrations of synthetic measurements ("twins"), whose true parameters are known.
 //!
-//! The measurements are made by `study::calibration::twin`, except that of `examples/bridge`, which
+//! The measurements are made by `bearing::calibration::twin`, except that of `examples/bridge`, which
 //! another program made.
 
 mod accuracy;

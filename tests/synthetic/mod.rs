@@ -8,10 +8,11 @@ use stick_slip::dataset::Rows;
 use stick_slip::engine::Status;
 use stick_slip::provenance::Provenance;
 use stick_slip::stats::{
-    Band, Bands, Bias, Ends, Estimate, EventColumns, Histogram, Measurement, PathColumns, PeriodMoments,
-    QUANTILE_LEVELS, Record, Statistic, StickDurations, SubPhaseCounts, Summary, TrajectoryRows, Transient, Units,
+    Band, Bands, Bias, Estimate, EventColumns, Histogram, PathColumns, PeriodMoments, QUANTILE_LEVELS, Record,
+    Statistic, StickDurations, SubPhaseCounts, Summary, TrajectoryRows, Transient, Units,
 };
 use stick_slip::store::Writer;
+use stick_slip::sums::{Ends, Measurement};
 
 pub const EVERYTHING: Record = Record { paths: true, events: true, trajectories: 40 };
 pub const NOTHING: Record = Record { paths: false, events: false, trajectories: 0 };

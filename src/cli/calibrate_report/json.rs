@@ -3,7 +3,7 @@
 use crate::cli::document::{JsonWarning, document};
 use serde::Serialize;
 use std::collections::BTreeMap;
-use stick_slip::study::calibration::{Calibration, Estimate, Lag, Quantity};
+use stick_slip::bearing::calibration::{Calibration, Estimate, Lag, Quantity};
 
 #[derive(Serialize)]
 struct JsonCalibration<'a> {

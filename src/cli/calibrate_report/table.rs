@@ -3,7 +3,7 @@
 use crate::cli::numbers::{Digits, grouped, percent, significant, time, wrapped};
 use crate::cli::table::{Row, aligned};
 use std::fmt::Write as _;
-use stick_slip::study::calibration::{Calibration, Estimate, Lag, Method, Quantity, Start};
+use stick_slip::bearing::calibration::{Calibration, Estimate, Lag, Method, Quantity, Start};
 
 const GAP: &str = "  ";
 

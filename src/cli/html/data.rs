@@ -3,8 +3,9 @@
 use super::RunInfo;
 use crate::cli::report;
 use serde_json::{Map, Value, json};
-use stick_slip::stats::{Dimension, Ends, Summary};
+use stick_slip::stats::{Dimension, Summary};
 use stick_slip::store::Stored;
+use stick_slip::sums::Ends;
 
 /// The numbers of a run. Those that are not finite are null.
 pub(super) fn json(stored: &Stored, info: &RunInfo) -> String {

@@ -3,7 +3,6 @@
 //! ```text
 //! info         what a report says about a run besides its statistics
 //! statistics   the rows of the table
-//!   absence    why a number in them is missing
 //! remarks      the remarks below the table
 //! bias         the bias of the step: its cells in the table, and the warning where it dominates
 //! plots        stick durations and sub-phases as bars made of letters
@@ -13,7 +12,6 @@
 //! comparison   several files as one table, with their differences
 //! ```
 
-mod absence;
 mod bias;
 mod citation;
 mod comparison;

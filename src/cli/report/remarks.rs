@@ -196,7 +196,8 @@ mod tests {
     use super::super::table;
     use super::*;
     use stick_slip::scenario::Units;
-    use stick_slip::stats::{Bias, Measurement, Statistic, Transient};
+    use stick_slip::stats::{Bias, Statistic, Transient};
+    use stick_slip::sums::Measurement;
 
     #[test]
     fn the_table_says_how_long_and_where() {

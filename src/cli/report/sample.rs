@@ -5,9 +5,10 @@ use ndarray::Array2;
 use stick_slip::engine::Status;
 use stick_slip::scenario::Units;
 use stick_slip::stats::{
-    Band, Bands, Ends, Estimate, Histogram, PeriodMoments, QUANTILE_LEVELS, Statistic, StickDurations, SubPhaseCounts,
+    Band, Bands, Estimate, Histogram, PeriodMoments, QUANTILE_LEVELS, Statistic, StickDurations, SubPhaseCounts,
     Summary,
 };
+use stick_slip::sums::Ends;
 
 /// An ensemble like that of `rho025`, with made-up standard errors.
 pub fn summary() -> Summary {

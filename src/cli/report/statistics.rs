@@ -1,6 +1,5 @@
 //! The table of statistics: a row for each, with its interval, its bias and its unit.
 
-use super::absence::absence;
 use super::bias::{bias_cells, corrected_cell};
 use crate::cli::numbers::{Digits, wrapped};
 use crate::cli::table::{Row, aligned};
@@ -109,7 +108,7 @@ fn table(summary: &Summary, units: &Units) -> Vec<Line> {
     let has_bias = summary.has_bias();
     let labels: Vec<String> = summary.estimates.iter().map(|e| e.statistic.dimension().label(units)).collect();
     let headings = headings(has_bias, labels.iter().any(|label| !label.is_empty()));
-    let of = |(e, note)| Line { row: Row { note, ..row(e, has_bias) }, reason: absence(e, summary) };
+    let of = |(e, note)| Line { row: Row { note, ..row(e, has_bias) }, reason: summary.absence(e) };
     let lines = summary.estimates.iter().zip(labels).map(of);
     std::iter::once(Line { row: headings, reason: None }).chain(lines).collect()
 }
@@ -139,10 +138,10 @@ fn row(e: &Estimate, has_bias: bool) -> Row {
 
 #[cfg(test)]
 mod tests {
-    use super::super::sample::{info, row, summary};
+    use super::super::sample::{info, reason, row, set, summary};
     use super::super::{RunInfo, table};
     use stick_slip::scenario::Units;
-    use stick_slip::stats::{Bias, Statistic};
+    use stick_slip::stats::{Bias, Estimate, Statistic};
 
     #[test]
     fn the_table_shows_every_statistic_to_two_digits_of_its_error() {
@@ -201,5 +200,49 @@ mod tests {
         assert!(
             row(&super::super::table(&self::summary(), &RunInfo { units, ..info() }), "jump_mean").ends_with("(mm)")
         );
+    }
+
+    #[test]
+    fn a_number_that_does_not_exist_says_why() {
+        let mut summary = summary();
+        summary.stick_durations.completed = 0;
+        summary.stick_durations.first_completed = 0;
+        summary.sub_phases.counts = vec![];
+        summary.periods.time.truncate(1);
+        for (statistic, why) in [
+            (Statistic::StickDurationMean, "no stick ended, the first one apart"),
+            (Statistic::FirstStickDurationMean, "no first stick ended"),
+            (Statistic::SubPhasesMean, "no slip was completed"),
+            (Statistic::JumpAbsMean, "no slip was completed"),
+            (Statistic::DriftVelocity, "needs the ends of two forcing periods"),
+            (Statistic::PeriodDisplacementCorrelation, "needs the ends of three forcing periods"),
+        ] {
+            set(&mut summary, statistic, f64::NAN);
+            let table = table(&summary, &info());
+            assert!(row(&table, statistic.name()).contains("none"), "{table}");
+            assert_eq!(reason(&table, statistic.name()), why);
+        }
+    }
+
+    #[test]
+    fn paths_that_agree_by_chance_have_no_interval_and_the_table_says_why() {
+        let mut summary = summary();
+        for e in summary.estimates.iter_mut().filter(|e| e.statistic == Statistic::SlipsPerPath) {
+            *e = Estimate { estimate: 0.0, standard_error: 0.0, low: 0.0, high: f64::INFINITY, ..*e };
+        }
+        let table = table(&summary, &info());
+        assert!(row(&table, "slips_per_path").contains("none"), "{table}");
+        assert_eq!(reason(&table, "slips_per_path"), "all paths agree");
+    }
+
+    #[test]
+    fn one_path_has_estimates_without_intervals() {
+        let mut summary = summary();
+        summary.completed_paths = 1;
+        set(&mut summary, Statistic::SticksPerPath, 4.0);
+        let table = table(&summary, &info());
+        assert!(row(&table, "sticks_per_path").contains("4.000000"), "{table}");
+        assert_eq!(reason(&table, "sticks_per_path"), "an interval needs two paths");
+        assert_eq!(table.matches("an interval needs two paths").count(), 1, "said once:\n{table}");
     }
 }

@@ -7,7 +7,9 @@
 //! independent seeds would give, divided by the variance found in this way, is the gain.
 
 use super::Point;
-use crate::stats::{Measurement, Statistic, jackknife, student};
+use crate::stats::Statistic;
+use crate::sums::interval::student;
+use crate::sums::{Measurement, jackknife};
 
 /// A number that compares several points.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -56,7 +56,7 @@ impl Trade {
         let Number { value, error } = reference.estimate(statistic);
         if !value.is_finite() || !error.is_finite() {
             Standing::Absent
-        } else if self.has_limitless_phases && counts_phases(statistic) {
+        } else if self.has_limitless_phases && statistic.row().over.counts_phases() {
             Standing::NoLimit
         } else if value == 0.0 && error == 0.0 {
             Standing::Zero
@@ -70,33 +70,5 @@ impl Trade {
     /// The statistics that have a relative error in this scenario.
     pub fn answerable(&self) -> Vec<Statistic> {
         Statistic::ALL.into_iter().filter(|statistic| self.standing(*statistic).scale().is_some()).collect()
-    }
-}
-
-/// Whether a statistic counts phases or averages over them. There are infinitely many phases where
-/// slips of all sizes occur. Total times, the first stick and positions are not affected by that.
-fn counts_phases(statistic: Statistic) -> bool {
-    match statistic {
-        Statistic::StickDurationMean
-        | Statistic::StickDurationSd
-        | Statistic::StickDurationMedian
-        | Statistic::SticksPerPath
-        | Statistic::SlipsPerPath
-        | Statistic::SubPhasesMean
-        | Statistic::SubPhasesMultipleShare
-        | Statistic::JumpMean
-        | Statistic::JumpAbsMean => true,
-        Statistic::FirstStickDurationMean
-        | Statistic::StickingFraction
-        | Statistic::DisplacementEndMean
-        | Statistic::DisplacementEndSd
-        | Statistic::DriftVelocity
-        | Statistic::DiffusionCoefficient
-        | Statistic::PeriodDisplacementMean
-        | Statistic::PeriodDisplacementSd
-        | Statistic::PeriodDisplacementCorrelation
-        | Statistic::PhaseDisplacementSd
-        | Statistic::FrictionWorkMean
-        | Statistic::SlidingPathRate => false,
     }
 }

@@ -1,0 +1,98 @@
+//! The response of a bearing, computed from its slips.
+
+use super::bearing::{Response, Sensor};
+use super::level::Sums;
+use super::motion::Motion;
+use super::samples::{median, spread};
+use super::slips::{Evidence, Slip};
+use crate::bearing::linear::Normal;
+
+impl Evidence {
+    /// A, G, xi(0), z0 and the two slopes, with these weights of the blocks of time. `None` if too
+    /// few slips were seen.
+    ///
+    /// Each number is computed from a different part of the data, and none of them depends on how
+    /// many slips were missed in between:
+    ///
+    /// - `still` is the slope of z against T during sticks;
+    /// - between a slip and the next slip in the other direction, T changes by 2 A - G = 2 f_d/(K
+    ///   beta);
+    /// - the middle of a jump, minus still T, is z0 + moving (T -+ (A - G/2)): a line whose slope
+    ///   is `moving`;
+    /// - the height of a jump is moving G;
+    /// - xi(0) differs by A from the temperature of the first slip; if that slip fell into a gap,
+    ///   xi(0) follows from the level before it.
+    ///
+    /// f_s may vary from slip to slip; the results are then right for its mean.
+    pub fn fit(&self, weights: &[f64]) -> Option<Response> {
+        let still = Sums::weighted(&self.sums, weights).slope();
+        let mean = |values: &mut dyn Iterator<Item = (f64, usize)>| {
+            let [sum, weight] = values
+                .fold([0.0; 2], |[sum, all], (value, block)| [sum + weights[block] * value, all + weights[block]]);
+            sum / weight
+        };
+        let kinetic = 0.5 * mean(&mut self.reversals.iter().copied());
+        let usual = || self.slips.iter().filter(|slip| slip.is_usual);
+        let mut line = Normal::<2>::default();
+        for slip in usual() {
+            let centre = slip.temperature - slip.sign * kinetic;
+            line.add([1.0, centre], slip.middle(still), weights[self.block(slip.time)]);
+        }
+        let [offset, moving] = line.solve()?;
+        let jump = mean(&mut usual().map(|slip| (slip.size(still), self.block(slip.time)))) / moving;
+        let reach = kinetic + 0.5 * jump;
+        let first = self.slips.first()?;
+        let start = match &self.beginning {
+            None => first.temperature - first.sign * reach,
+            Some(level) => (level.minus_slope(still) - offset) / moving,
+        };
+        let fit = Response { motion: Motion { reach, jump, start }, sensor: Sensor { offset, moving, still } };
+        (reach.is_finite() && jump.is_finite()).then_some(fit)
+    }
+}
+
+impl Evidence {
+    /// The standard error of xi(0) when everything else is known, in kelvin. If xi(0) comes from
+    /// the temperature of one slip, this follows from the scatter of the reversals, each of which
+    /// contains two such temperatures. If it comes from a level, it follows from the distances of
+    /// the middles of jumps from their line.
+    pub fn scatter(&self) -> f64 {
+        if self.beginning.is_some() {
+            let Some(Response { motion, sensor }) = self.fit(&self.unweighted()) else { return 0.0 };
+            let kinetic = motion.reach - 0.5 * motion.jump;
+            let off = |slip: &Slip| {
+                let line = sensor.offset + sensor.moving * (slip.temperature - slip.sign * kinetic);
+                (slip.middle(sensor.still) - line) / sensor.moving
+            };
+            return spread(&self.slips.iter().filter(|slip| slip.is_usual).map(off).collect::<Vec<_>>());
+        }
+        let changes: Vec<f64> = self.reversals.iter().map(|(change, _)| *change).collect();
+        if changes.len() < 2 { 0.0 } else { spread(&changes) / std::f64::consts::SQRT_2 }
+    }
+}
+
+impl Evidence {
+    /// The standard deviation of the sizes of slips beyond the noise of the sensor, divided by
+    /// their mean.
+    pub fn excess_scatter(&self) -> f64 {
+        let still = Sums::weighted(&self.sums, &self.unweighted()).slope();
+        let sizes: Vec<f64> = self.slips.iter().map(|slip| slip.size(still)).collect();
+        let middle = median(&mut sizes.clone());
+        // Two slips between two samples look like one of twice the size, and are left out.
+        let single: Vec<f64> = sizes.into_iter().filter(|size| *size < 1.5 * middle).collect();
+        let noise = self.contrast.recip();
+        ((spread(&single) / middle).powi(2) - noise * noise).max(0.0).sqrt()
+    }
+
+    /// The share of the motion that the visible slips explain while the body moves on in one
+    /// direction. It is 1 if all slips are seen, because the next one comes after T has changed by
+    /// G. If the body slides without jumps, only part of its motion appears as slips.
+    pub fn explained(&self, response: &Response) -> f64 {
+        let onwards = self.slips.windows(2).filter(|pair| pair[0].sign == pair[1].sign);
+        let [seen, gone] = onwards.fold([0.0; 2], |[seen, gone], pair| {
+            let change = (pair[1].temperature - pair[0].temperature) * pair[1].sign;
+            [seen + pair[0].size(response.sensor.still) / response.sensor.moving, gone + change]
+        });
+        if gone > 0.0 { seen / gone } else { f64::NAN }
+    }
+}

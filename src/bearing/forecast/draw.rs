@@ -1,0 +1,112 @@
+//! Random bearings, distributed as a calibration allows.
+
+use crate::bearing::calibration::{Calibration, Quantity, Sensor};
+use crate::bearing::linear::{Matrix, cholesky, times};
+use crate::model::{Friction, Model, Oscillator, Temperature};
+use crate::noise::Stream;
+
+/// The quantities that determine motion and reading. K, f_s and f_d follow from them, and x(0) is
+/// forgotten in the burn-in.
+const DRAWN: [Quantity; 5] = [Quantity::Dilatation, Quantity::Shear, Quantity::Offset, Quantity::Reach, Quantity::Jump];
+
+/// G is at least this share of its estimate, because a very small G gives an enormous number of
+/// slips.
+const LEAST_JUMP: f64 = 0.1;
+
+/// Duration of a slip in seconds, which is negligible against the time scales of the weather.
+const SLIP: f64 = 0.1;
+
+/// The parameters of a bearing in kelvin, and how a sensor sees it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DrawnBearing {
+    /// A = f_s/(K beta), in kelvin.
+    pub reach: f64,
+    /// G = 2 (f_s - f_d)/(K beta), in kelvin.
+    pub jump: f64,
+    /// z0 and the two slopes.
+    pub sensor: Sensor,
+    /// K; 1 if it is not known.
+    pub stiffness: f64,
+}
+
+impl DrawnBearing {
+    /// beta.
+    pub fn dilatation(&self) -> f64 {
+        self.sensor.moving + self.sensor.still
+    }
+
+    /// The model of this bearing, for the quasi-static scheme.
+    pub fn model(&self, temperature: Temperature) -> Model {
+        let slope = self.stiffness * self.dilatation();
+        let static_force = self.reach * slope;
+        let rate = std::f64::consts::PI / SLIP;
+        Model {
+            oscillator: Oscillator {
+                mass: self.stiffness / (rate * rate),
+                stiffness: self.stiffness,
+                damping: 0.0,
+                dilatation: self.dilatation(),
+            },
+            friction: Friction { static_force, dynamic_force: static_force - 0.5 * self.jump * slope },
+            initial_displacement: self.dilatation() * temperature.deterministic(0.0),
+            temperature,
+        }
+    }
+}
+
+/// The distribution of the parameters according to a calibration.
+pub struct BearingDraws {
+    estimates: [f64; DRAWN.len()],
+    errors: Matrix,
+    shear_stiffness: Option<f64>,
+}
+
+impl BearingDraws {
+    /// A normal distribution with the standard errors and the correlations that the calibration
+    /// found.
+    pub fn new(calibration: &Calibration) -> Self {
+        let estimates = DRAWN.map(|quantity| calibration.estimate(quantity).estimate);
+        let sds = DRAWN.map(|quantity| calibration.standard_error(quantity));
+        let correlation = |i: usize, j: usize| match i == j {
+            true => 1.0,
+            false => calibration.correlations[DRAWN[i] as usize][DRAWN[j] as usize],
+        };
+        let covariance: Matrix = (0..DRAWN.len())
+            .map(|i| (0..DRAWN.len()).map(|j| finite(sds[i] * sds[j] * correlation(i, j))).collect())
+            .collect();
+        // A quantity that was held has no error. The matrix then has a row of zeros and no Cholesky
+        // factor, so the correlations are left out.
+        let errors = cholesky(&covariance).unwrap_or_else(|| {
+            let diagonal = |i: usize, j: usize| if i == j { finite(sds[i]) } else { 0.0 };
+            (0..DRAWN.len()).map(|i| (0..DRAWN.len()).map(|j| diagonal(i, j)).collect()).collect()
+        });
+        BearingDraws { estimates, errors, shear_stiffness: calibration.question.shear_stiffness }
+    }
+
+    /// The most likely bearing.
+    pub fn likeliest(&self) -> DrawnBearing {
+        self.at(&[0.0; DRAWN.len()])
+    }
+
+    /// A random bearing.
+    pub fn draw(&self, random: &mut Stream) -> DrawnBearing {
+        self.at(&DRAWN.map(|_| random.normal()))
+    }
+
+    /// The bearing whose independent standardised errors are these.
+    fn at(&self, normals: &[f64]) -> DrawnBearing {
+        let errors = times(&self.errors, normals);
+        let [beta, kappa, offset, reach, jump] = std::array::from_fn(|i| self.estimates[i] + errors[i]);
+        let jump = jump.clamp(LEAST_JUMP * self.estimates[4], 2.0 * reach);
+        DrawnBearing {
+            reach,
+            jump,
+            sensor: Sensor { offset, moving: (1.0 - kappa) * beta, still: kappa * beta },
+            stiffness: self.shear_stiffness.map_or(1.0, |shear| kappa * shear),
+        }
+    }
+}
+
+fn finite(x: f64) -> f64 {
+    if x.is_finite() { x } else { 0.0 }
+}

@@ -1,0 +1,50 @@
+//! Why a statistic or its interval is missing.
+
+use super::need::Need;
+use super::{Estimate, Summary};
+
+/// Whether the summary shows that a need is not met. A need that a summary cannot show comes
+/// last in a row, and is what remains as the reason.
+fn is_missing(need: Need, summary: &Summary) -> bool {
+    match need {
+        Need::Stick => summary.stick_durations.completed == 0,
+        Need::FirstStick => summary.stick_durations.first_completed == 0,
+        Need::Slip => summary.sub_phases.counts.iter().all(|count| *count == 0),
+        Need::Period => summary.counted_periods() < 1,
+        Need::TwoPeriods => summary.counted_periods() < 2,
+        Need::TwoPaths => summary.valid_paths() < 2,
+        Need::TwoSticks
+        | Need::EndOfPeriod
+        | Need::TwoDisplacements
+        | Need::DifferentDisplacements
+        | Need::Duration => true,
+    }
+}
+
+impl Summary {
+    /// Number of completed paths that did not diverge.
+    fn valid_paths(&self) -> u64 {
+        self.completed_paths.saturating_sub(self.diverged.len() as u64)
+    }
+
+    /// Why an estimate or its interval is missing; none if both exist.
+    pub fn absence(&self, e: &Estimate) -> Option<&'static str> {
+        if e.estimate.is_finite() {
+            let has_interval = e.standard_error.is_finite() && e.low.is_finite() && e.high.is_finite();
+            return match (has_interval, self.valid_paths()) {
+                (true, _) => None,
+                (false, 0..=1) => Some("an interval needs two paths"),
+                (false, _) if e.standard_error == 0.0 => Some("all paths agree"),
+                (false, _) => Some("too little to form an interval"),
+            };
+        }
+        if self.completed_paths == 0 {
+            return Some("no path was completed");
+        }
+        if self.valid_paths() == 0 {
+            return Some("every path diverged or was given up");
+        }
+        let missing = e.statistic.row().needs.iter().find(|need| is_missing(**need, self));
+        Some(missing.map_or("does not exist", |need| need.words()))
+    }
+}

@@ -1,0 +1,39 @@
+//! What statistics need in order to exist.
+
+/// What a statistic needs in order to exist.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Need {
+    /// A completed stick, the first one apart.
+    Stick,
+    TwoSticks,
+    FirstStick,
+    Slip,
+    /// A whole forcing period.
+    Period,
+    TwoPeriods,
+    EndOfPeriod,
+    TwoPaths,
+    TwoDisplacements,
+    DifferentDisplacements,
+    /// A time that is counted.
+    Duration,
+}
+
+impl Need {
+    /// What to say where the need is not met.
+    pub fn words(self) -> &'static str {
+        match self {
+            Need::Stick => "no stick ended, the first one apart",
+            Need::TwoSticks => "needs two sticks that ended",
+            Need::FirstStick => "no first stick ended",
+            Need::Slip => "no slip was completed",
+            Need::Period => "needs the ends of two forcing periods",
+            Need::TwoPeriods => "needs the ends of three forcing periods",
+            Need::EndOfPeriod => "needs the end of a forcing period",
+            Need::TwoPaths => "needs two paths",
+            Need::TwoDisplacements => "needs two displacements",
+            Need::DifferentDisplacements => "needs displacements that differ",
+            Need::Duration => "the run has no duration",
+        }
+    }
+}

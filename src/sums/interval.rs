@@ -1,0 +1,331 @@
+//! Estimates with their 95 % intervals, from moments over paths.
+//!
+//! Every reported number is a smooth function g of means over paths, and the path is the
+//! independent unit. To first order the error of g is the mean of the influences e_i = grad g .
+//! (z_i - mean) of the paths (the delta method), so
+//!
+//! ```text
+//! standard error^2 = m/(m - 1) sum_i e_i^2 / n^2
+//! ```
+//!
+//! For a ratio R = sum y / sum x this is the classical e_i = (y_i - R x_i) / mean x (W. G. Cochran,
+//! *Sampling Techniques*, 3rd edition (1977), chapter 6). Paths with x_i = y_i = 0 have e_i = 0 and
+//! contain no information on R. So only the m paths that contribute are counted in the correction
+//! and in the degrees of freedom of Student's t.
+//!
+//! The interval of a standard deviation is that of Student's t for its reciprocal, with the degrees
+//! of freedom that the tails of the law leave ([`super::spread`]). The estimate of a standard
+//! deviation and that of its error rise and fall together, since both come from the few values
+//! farthest out. Therefore an interval with equal arms often ends below the truth. The reciprocal
+//! and its error depend on each other less. For a normal law and 50 paths or more, the interval
+//! agrees with that of chi square to within 5 %.
+//!
+//! The interval of a mean of positive numbers is that of Student's t for its logarithm
+//! ([`super::rare`]), because a mean that rests on few events has long tails. Where too few paths
+//! have any such event, there is no interval.
+//!
+//! The interval of a number that has a range stays within it ([`super::range`]).
+
+use super::Measurement;
+use super::moments::{JointMoments, Moments};
+use super::range::{NORMAL, Range, wilson};
+use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
+
+/// Upper end of the central 95 % of a distribution.
+const UPPER: f64 = 0.975;
+
+/// From this number of degrees of freedom on, the quantile comes from an expansion about that of
+/// the normal law, which is accurate to 1e-8. Inverting the incomplete beta function takes a
+/// thousand times as long, and loses digits as the degrees of freedom grow.
+const LARGE_FREEDOM: f64 = 100.0;
+
+/// The 97.5 % quantile of Student's t; NaN for zero degrees of freedom.
+pub(crate) fn student(freedom: u64) -> f64 {
+    student_quantile(UPPER, freedom as f64)
+}
+
+/// The quantile of order p of Student's t. The degrees of freedom may be any number above zero;
+/// otherwise the quantile is NaN.
+pub(crate) fn student_quantile(p: f64, freedom: f64) -> f64 {
+    if freedom.is_nan() || freedom <= 0.0 {
+        f64::NAN
+    } else if freedom >= LARGE_FREEDOM {
+        // Abramowitz and Stegun, 26.7.5, to the fourth power of 1/nu.
+        let normal = Normal::standard().inverse_cdf(p);
+        let z = |power: i32| normal.powi(power);
+        let terms = [
+            (z(3) + z(1)) / 4.0,
+            (5.0 * z(5) + 16.0 * z(3) + 3.0 * z(1)) / 96.0,
+            (3.0 * z(7) + 19.0 * z(5) + 17.0 * z(3) - 15.0 * z(1)) / 384.0,
+            (79.0 * z(9) + 776.0 * z(7) + 1482.0 * z(5) - 1920.0 * z(3) - 945.0 * z(1)) / 92_160.0,
+        ];
+        normal + terms.iter().rev().fold(0.0, |sum, term| (sum + term) / freedom)
+    } else {
+        StudentsT::new(0.0, 1.0, freedom).map_or(f64::NAN, |d| d.inverse_cdf(p))
+    }
+}
+
+/// If the relative error of a number is below this, it is rounding, and all paths agree on the
+/// number.
+const AGREEMENT: f64 = 1e-14;
+
+/// If the relative error of a standard deviation is below this, it is rounding, and the error is
+/// zero. For example, two values are always equally far from their mean.
+const ROUNDING: f64 = 1e-7;
+
+/// An estimate with its uncertainty, before it is given the name of a statistic.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Measured {
+    estimate: f64,
+    standard_error: f64,
+    interval: Interval,
+    range: Range,
+    /// The number of paths that contribute, where their agreement would be a matter of chance.
+    chance: Option<u64>,
+}
+
+/// How the interval is found.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Interval {
+    /// From Student's t with this many degrees of freedom. The quantile is costly, so it is
+    /// computed only when the interval is asked for.
+    Student(f64),
+    /// From Student's t with this many degrees of freedom, for the logarithm of the estimate less
+    /// this floor.
+    Logarithmic(f64, f64),
+    /// There is none, because too few paths contribute.
+    Missing,
+    /// From Student's t for the reciprocal of the estimate.
+    Reciprocal(f64),
+    /// Lower and upper end, found by other means.
+    Ends(f64, f64),
+}
+
+impl Measured {
+    /// A number that does not exist.
+    pub const NOTHING: Measured = Measured {
+        estimate: f64::NAN,
+        standard_error: f64::NAN,
+        interval: Interval::Student(0.0),
+        range: Range::ANY,
+        chance: None,
+    };
+
+    /// An estimate with the interval of Student's t.
+    fn new(estimate: f64, standard_error: f64, freedom: u64) -> Self {
+        Measured { estimate, standard_error, interval: Interval::Student(freedom as f64), ..Measured::NOTHING }
+    }
+
+    /// An estimate whose interval was found by other means.
+    pub fn within(estimate: f64, standard_error: f64, low: f64, high: f64) -> Self {
+        Measured { estimate, standard_error, interval: Interval::Ends(low, high), ..Measured::NOTHING }
+    }
+
+    /// A standard deviation, whose error is known with this many degrees of freedom.
+    pub fn spread(estimate: f64, standard_error: f64, freedom: f64) -> Self {
+        let standard_error = if standard_error < ROUNDING * estimate { 0.0 } else { standard_error };
+        Measured { estimate, standard_error, interval: Interval::Reciprocal(freedom), ..Measured::NOTHING }
+    }
+
+    /// The same number, whose error is known with this many degrees of freedom.
+    pub fn with_freedom(self, freedom: f64) -> Self {
+        Measured { interval: Interval::Student(freedom), ..self }
+    }
+
+    /// The same number, with an interval that is symmetric for the logarithm of its excess over
+    /// `floor`.
+    pub fn on_log_scale(self, floor: f64, freedom: f64) -> Self {
+        Measured { interval: Interval::Logarithmic(floor, freedom), ..self }
+    }
+
+    /// The same number without an interval.
+    pub fn without_interval(self) -> Self {
+        Measured { interval: Interval::Missing, ..self }
+    }
+
+    /// The same number, which cannot leave this range. `chance` is the number of paths that
+    /// contribute; it is none where nothing is random, so that all paths must agree.
+    pub fn in_range(self, range: Range, chance: Option<u64>) -> Self {
+        Measured { range, chance, ..self }
+    }
+
+    /// A function g of the means of `paths`, with its gradient at the means. `contributing` is the
+    /// number of paths that contain information on it.
+    pub fn smooth<const N: usize>(
+        estimate: f64,
+        paths: &JointMoments<N>,
+        gradient: [f64; N],
+        contributing: u64,
+    ) -> Self {
+        let n = paths.count as f64;
+        let freedom = contributing.saturating_sub(1);
+        let correction = contributing as f64 / freedom as f64;
+        let error = if freedom == 0 { f64::NAN } else { (correction * paths.spread_along(gradient)).sqrt() / n };
+        Measured::new(estimate, error, freedom)
+    }
+
+    /// Mean of entry `top` divided by the mean of entry `bottom`. It does not exist where the
+    /// latter is zero.
+    pub fn ratio<const N: usize>(paths: &JointMoments<N>, top: usize, bottom: usize, contributing: u64) -> Self {
+        let denominator = paths.mean[bottom];
+        if denominator == 0.0 {
+            return Measured::NOTHING;
+        }
+        let ratio = paths.mean[top] / denominator;
+        let mut gradient = [0.0; N];
+        gradient[top] = 1.0 / denominator;
+        gradient[bottom] = -ratio / denominator;
+        Measured::smooth(ratio, paths, gradient, contributing)
+    }
+
+    /// Mean of one entry over paths.
+    pub fn mean_of<const N: usize>(paths: &JointMoments<N>, entry: usize) -> Self {
+        if paths.count == 0 {
+            return Measured::NOTHING;
+        }
+        let mut gradient = [0.0; N];
+        gradient[entry] = 1.0;
+        Measured::smooth(paths.mean[entry], paths, gradient, paths.count)
+    }
+
+    /// Mean over paths.
+    pub fn mean(paths: &Moments) -> Self {
+        let n = paths.count;
+        Measured::new(paths.mean(), (paths.variance() / n as f64).sqrt(), n.saturating_sub(1))
+    }
+
+    /// The same number, divided by a constant.
+    pub fn divided_by(self, constant: f64) -> Self {
+        self.in_units(|number| number / constant)
+    }
+
+    /// The same number times a constant.
+    pub fn times(self, constant: f64) -> Self {
+        self.in_units(|number| number * constant)
+    }
+
+    fn in_units(self, of: impl Fn(f64) -> f64) -> Self {
+        let interval = match self.interval {
+            Interval::Ends(low, high) => Interval::Ends(of(low), of(high)),
+            Interval::Logarithmic(floor, freedom) => Interval::Logarithmic(of(floor), freedom),
+            of_a_law => of_a_law,
+        };
+        Measured { estimate: of(self.estimate), standard_error: of(self.standard_error), interval, ..self }
+    }
+
+    /// The same error with another estimate.
+    pub fn about(self, estimate: f64) -> Self {
+        let interval = match self.interval {
+            Interval::Ends(low, high) => {
+                Interval::Ends(estimate + (low - self.estimate), estimate + (high - self.estimate))
+            }
+            of_a_law => of_a_law,
+        };
+        Measured { estimate, interval, ..self }
+    }
+
+    /// The estimate alone.
+    pub fn estimate(self) -> f64 {
+        self.estimate
+    }
+
+    /// The estimate with its standard error and the ends of its interval.
+    pub fn measurement(self) -> Measurement {
+        let [low, high] = self.interval();
+        Measurement { estimate: self.estimate, standard_error: self.standard_error, low, high }
+    }
+
+    /// The ends of the 95 % interval, within the range.
+    pub fn interval(self) -> [f64; 2] {
+        self.range.clip(self.ends())
+    }
+
+    /// The ends of the 95 % interval, which may lie outside the range.
+    fn ends(self) -> [f64; 2] {
+        let Measured { estimate, standard_error, interval, range, chance } = self;
+        let agreeing = chance.filter(|paths| standard_error <= AGREEMENT * estimate.abs() && *paths > 1);
+        match (interval, agreeing) {
+            // A median is where at least half of the paths agree.
+            (Interval::Ends(low, high), Some(paths)) => {
+                let is_median_among_agreeing = wilson(0.0, paths as f64, NORMAL)[1] < 0.5;
+                if is_median_among_agreeing { [low, high] } else { [range.low, range.high] }
+            }
+            (Interval::Missing, _) => [f64::NAN; 2],
+            (_, Some(paths)) => range.interval_where_all_agree(estimate, paths),
+            (Interval::Ends(low, high), None) => [low, high],
+            (Interval::Student(freedom), None) if range.has_inside(estimate) && standard_error > 0.0 => {
+                let scale = range.high - range.low;
+                let (share, error) = ((estimate - range.low) / scale, standard_error / scale);
+                let paths = share * (1.0 - share) / (error * error);
+                wilson(share, paths, student_quantile(UPPER, freedom)).map(|end| range.low + scale * end)
+            }
+            (Interval::Student(freedom), None) => {
+                let half_width = student_quantile(UPPER, freedom) * standard_error;
+                [estimate - half_width, estimate + half_width]
+            }
+            (Interval::Logarithmic(..), None) if standard_error == 0.0 => [estimate; 2],
+            (Interval::Logarithmic(floor, freedom), None) => {
+                let excess = estimate - floor;
+                let factor = (student_quantile(UPPER, freedom) * standard_error / excess).exp();
+                [floor + excess / factor, floor + excess * factor]
+            }
+            (Interval::Reciprocal(_), None) if standard_error == 0.0 => [estimate; 2],
+            (Interval::Reciprocal(freedom), None) => {
+                let half_width = student_quantile(UPPER, freedom) * standard_error / estimate;
+                let high = if half_width < 1.0 { estimate / (1.0 - half_width) } else { f64::INFINITY };
+                [estimate / (1.0 + half_width), if half_width.is_nan() { half_width } else { high }]
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn student_quantiles_are_those_of_the_printed_tables() {
+        // Abramowitz and Stegun, table 26.10: three decimals.
+        for (freedom, table) in [(1, 12.706), (2, 4.303), (9, 2.262), (30, 2.042), (120, 1.980), (u64::MAX, 1.960)] {
+            assert!((student(freedom) - table).abs() < 0.0005 + 1e-12, "{freedom}: {}", student(freedom));
+        }
+        // Where the expansion takes over, it is as good as the inversion that it replaces. With
+        // 1000 degrees of freedom the quantile is 1.962339, to six places.
+        let from = StudentsT::new(0.0, 1.0, LARGE_FREEDOM).map(|law| law.inverse_cdf(UPPER)).expect("a law");
+        assert!((student(LARGE_FREEDOM as u64) - from).abs() < 1e-8, "{from}");
+        assert!((student(1000) - 1.962_339).abs() < 1e-6, "{}", student(1000));
+        assert!(student(0).is_nan());
+    }
+
+    #[test]
+    fn a_ratio_and_its_error_are_those_of_a_hand_computed_sample() {
+        // x = 1, 2, 3 and y = 2, 5, 5 give R = 2, residuals y - 2 x = 0, 1, -1, and mean x = 2. So
+        // the standard error is sqrt(3/2 * 2) / (3 * 2) = sqrt(3)/6.
+        let paths = JointMoments::of([&[2.0, 5.0, 5.0], &[1.0, 2.0, 3.0]]);
+        let measured = Measured::ratio(&paths, 0, 1, 3);
+        assert!((measured.estimate - 2.0).abs() < 1e-15);
+        assert!((measured.standard_error - 3f64.sqrt() / 6.0).abs() < 1e-15);
+        let high = measured.measurement().high;
+        assert!((high - 2.0 - 4.302_652_729_911_275 * 3f64.sqrt() / 6.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn paths_that_do_not_contribute_leave_the_interval_of_a_ratio_alone() {
+        let few = Measured::ratio(&JointMoments::of([&[2.0, 5.0, 5.0], &[1.0, 2.0, 3.0]]), 0, 1, 3);
+        let many =
+            Measured::ratio(&JointMoments::of([&[2.0, 0.0, 5.0, 0.0, 5.0], &[1.0, 0.0, 2.0, 0.0, 3.0]]), 0, 1, 3);
+        assert!((few.estimate - many.estimate).abs() < 1e-15);
+        assert!((few.standard_error - many.standard_error).abs() < 1e-15);
+    }
+
+    #[test]
+    fn one_path_gives_an_estimate_without_an_interval_and_none_gives_nothing() {
+        let one = Measured::mean_of(&JointMoments::of([&[3.0]]), 0);
+        assert_eq!(one.estimate, 3.0);
+        let one = one.measurement();
+        assert!(one.standard_error.is_nan() && one.low.is_nan() && one.high.is_nan());
+        let none = Measured::mean_of(&JointMoments::<1>::default(), 0);
+        assert!(none.estimate.is_nan());
+        assert!(Measured::ratio(&JointMoments::of([&[0.0, 0.0], &[0.0, 0.0]]), 0, 1, 0).estimate.is_nan());
+    }
+}

@@ -1,0 +1,40 @@
+//! Sums over paths, and the intervals that follow from them. Nothing here knows of sticks and
+//! slips.
+//!
+//! ```text
+//! moments, spread, rare      means, standard deviations and fourth powers of numbers per path
+//! tree                       partial sums, merged along a binary tree over blocks
+//! codec                      sums as bytes
+//! dyadic, bins, log_bins     exact counts in bins, which merge in any order
+//! sketch, ordered, steps     many numbers in order, in bounded memory
+//! batches, jackknife         groups of paths, and the errors that follow from their scatter
+//! interval, range, quantile  an estimate with its 95 % interval
+//! unit                       what is independent: a path, or a pair of paths
+//! ```
+
+pub(crate) mod batches;
+pub(crate) mod bins;
+pub(crate) mod codec;
+#[cfg(test)]
+pub(crate) mod coverage;
+pub(crate) mod dyadic;
+pub(crate) mod interval;
+pub(crate) mod jackknife;
+pub(crate) mod log_bins;
+mod measurement;
+pub(crate) mod moments;
+pub(crate) mod ordered;
+pub(crate) mod quantile;
+pub(crate) mod range;
+pub(crate) mod rare;
+pub(crate) mod sketch;
+pub(crate) mod spread;
+mod steps;
+mod tree;
+mod unit;
+
+pub use codec::{Codec, Damaged, Reader};
+pub use measurement::{Ends, Measurement};
+pub use moments::Moments;
+pub use tree::{Merge, Overlap, Tree};
+pub use unit::Unit;

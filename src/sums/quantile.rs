@@ -1,0 +1,78 @@
+//! Quantiles of the stick durations, above all their median, with Woodruff's interval: the interval
+//! of a share, read back through the distribution.
+//!
+//! The error of the share F(m) of sticks no longer than the quantile m is turned into one of m (R.
+//! S. Woodruff, *Confidence intervals for medians and other position measures*, Journal of the
+//! American Statistical Association 47 (1952)). F(m) is a ratio of sums over batches of whole paths
+//! ([`Share`]), so sticks of a path may depend on each other in any way.
+//!
+//! Where the interval of the share leaves (0, 1), the data give no bound of the quantile, and the
+//! end of its interval is 0 or infinity.
+
+use super::batches::Share;
+use super::interval::{Measured, student};
+use super::ordered::Ordered;
+use super::steps::{Cell, Steps};
+
+/// The share of durations that are no longer than `duration`.
+fn share(batches: &[Ordered], duration: f64) -> Share {
+    Share::of(batches.iter().map(|batch| (batch.up_to(duration), batch.count() as f64)))
+}
+
+/// The quantile of order p of durations with a continuous law. The ends of its interval are the
+/// quantiles of orders p -+ t se(F(m)).
+pub(crate) fn continuous(batches: &[Ordered], pooled: &Ordered, p: f64) -> Measured {
+    if pooled.count() == 0 {
+        return Measured::NOTHING;
+    }
+    let quantile = pooled.quantile(p);
+    let share = share(batches, quantile);
+    let half_width = share.half_width();
+    if !half_width.is_finite() {
+        return Measured::within(quantile, f64::NAN, f64::NAN, f64::NAN);
+    }
+    let low = if half_width < p { pooled.quantile(p - half_width) } else { 0.0 };
+    let high = if p + half_width < 1.0 { pooled.quantile(p + half_width) } else { f64::INFINITY };
+    Measured::within(quantile, (high - low) / (2.0 * student(share.freedom)), low, high)
+}
+
+/// The quantile of order p of durations that are whole numbers of steps, in steps: the smallest m
+/// with F(m) >= p.
+///
+/// Its interval holds every m that the data do not refute. The data refute a lower m by F(m) < p,
+/// and a higher m by F(m - 1) >= p, each at the level of 2.5 %. The error of the share is taken at
+/// that very m, because where a law has atoms the error may differ from one value to the next.
+/// Since m is a whole number, the interval covers the truth in 95 % of all cases or more, and is
+/// often a single number.
+///
+/// The standard error is that of the law when each duration is spread evenly over half a step to
+/// either side, because the median of that law moves smoothly. It falls like 1/sqrt(paths), and is
+/// below a step where the steps are too long to resolve the median any further.
+pub(crate) fn of_steps(batches: &[Ordered], pooled: &Ordered, p: f64) -> Measured {
+    if pooled.count() == 0 {
+        return Measured::NOTHING;
+    }
+    let steps = Steps::of(pooled);
+    let (place, quantile) = steps.at_least(p);
+    let at_quantile = share(batches, quantile);
+    let half_width = at_quantile.half_width();
+    if !half_width.is_finite() {
+        return Measured::within(quantile, f64::NAN, f64::NAN, f64::NAN);
+    }
+    let (below, above) = (steps.spread(p - half_width), steps.spread(p + half_width));
+    let error = (above - below) / (2.0 * student(at_quantile.freedom));
+    let is_too_low = |cell: &&Cell| {
+        let share = share(batches, cell.last);
+        share.estimate + share.half_width() < p
+    };
+    let is_high_enough = |cell: &&Cell| {
+        let share = share(batches, cell.last);
+        share.estimate - share.half_width() >= p
+    };
+    let (lower, upper) = (&steps.cells()[..=place], &steps.cells()[place..]);
+    let low = lower.iter().rev().take_while(|cell| !is_too_low(cell)).last().map_or(quantile, |cell| cell.first);
+    let high = upper.iter().find(is_high_enough).map_or(f64::INFINITY, |cell| cell.last);
+    // The data give no bound under the same condition as with a continuous law.
+    let (low, high) = (if half_width < p { low } else { 0.0 }, if p + half_width < 1.0 { high } else { f64::INFINITY });
+    Measured::within(quantile, error, low, high)
+}

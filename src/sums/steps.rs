@@ -1,0 +1,84 @@
+//! Durations in whole steps, as a discrete law: its distribution function rises at whole numbers
+//! and is constant between them.
+
+use super::dyadic::width;
+use super::ordered::Ordered;
+
+/// Consecutive whole numbers, most often a single one, and how many durations are no longer than
+/// the last of them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Cell {
+    pub first: f64,
+    pub last: f64,
+    pub up_to: u64,
+}
+
+/// The cells in which there are durations, in ascending order.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Steps(Vec<Cell>);
+
+impl Steps {
+    /// The cells of durations that are whole numbers.
+    pub fn of(durations: &Ordered) -> Self {
+        match durations {
+            Ordered::Kept(kept) => Steps::of_values(kept.ascending()),
+            Ordered::Binned(binned) => {
+                let width = width(binned.level);
+                let cell = |&(index, up_to): &(i64, u64)| {
+                    let last = index as f64 * width;
+                    let first = if index > 0 { last - width + 1.0 } else { last };
+                    Cell { first: first.max(binned.smallest), last: last.min(binned.largest), up_to }
+                };
+                Steps(binned.up_to.iter().map(cell).collect())
+            }
+        }
+    }
+
+    fn of_values(ascending: impl Iterator<Item = f64>) -> Self {
+        let mut cells: Vec<Cell> = Vec::new();
+        for (value, up_to) in ascending.zip(1..) {
+            match cells.last_mut() {
+                Some(cell) if cell.last == value => cell.up_to = up_to,
+                _ => cells.push(Cell { first: value, last: value, up_to }),
+            }
+        }
+        Steps(cells)
+    }
+
+    /// The cells, in ascending order.
+    pub fn cells(&self) -> &[Cell] {
+        &self.0
+    }
+
+    /// The smallest whole number m such that at least a share p of the durations are no longer than
+    /// m, 0 < p <= 1, and the index of its cell; NaN if there are no durations.
+    pub fn at_least(&self, p: f64) -> (usize, f64) {
+        let n = self.0.last().map_or(0, |cell| cell.up_to) as f64;
+        // Rounding may put p n just above a whole number.
+        let rank = (p * n * (1.0 - 4.0 * f64::EPSILON)).ceil().max(1.0);
+        let place = self.place(rank);
+        let Some(cell) = self.0.get(place) else { return (0, f64::NAN) };
+        let (share, numbers) = (self.share(place, rank - 0.5), cell.last - cell.first + 1.0);
+        (place, cell.first - 1.0 + (numbers * share).ceil())
+    }
+
+    /// The quantile of order p when each duration is spread evenly over half a step to either side.
+    pub fn spread(&self, p: f64) -> f64 {
+        let n = self.0.last().map_or(0, |cell| cell.up_to) as f64;
+        let rank = p.clamp(0.0, 1.0) * n;
+        let place = self.place(rank);
+        let Some(cell) = self.0.get(place) else { return f64::NAN };
+        cell.first - 0.5 + (cell.last - cell.first + 1.0) * self.share(place, rank)
+    }
+
+    /// The index of the first cell up to which there are at least `rank` durations.
+    fn place(&self, rank: f64) -> usize {
+        self.0.partition_point(|cell| (cell.up_to as f64) < rank)
+    }
+
+    /// The share of the durations of a cell that have ranks up to `rank`.
+    fn share(&self, place: usize, rank: f64) -> f64 {
+        let before = if place == 0 { 0 } else { self.0[place - 1].up_to };
+        (rank - before as f64) / (self.0[place].up_to - before) as f64
+    }
+}
