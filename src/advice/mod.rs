@@ -16,4 +16,4 @@ mod tests;
 mod warnings;
 
 pub use derived::{Derived, Quantity};
-pub use warnings::*;
+pub use warnings::{Class, Warning};

@@ -16,7 +16,7 @@
 
 use super::common::Keep;
 use std::f64::consts::PI;
-use stick_slip::advice::Warning;
+use stick_slip::advice::{Class, Warning};
 use stick_slip::config::Override;
 use stick_slip::model::{Event, EventKind};
 use stick_slip::scenario::Scenario;
@@ -67,7 +67,7 @@ fn turns(events: &[Event]) -> Vec<f64> {
 }
 
 fn foretold(scenario: &Scenario) -> bool {
-    let grows = |w: &Warning| matches!(w, Warning::StepUnstable { .. } | Warning::AmplitudeAboveCritical { .. });
+    let grows = |w: &Warning| w.class() == Class::Growth;
     scenario.warnings().iter().any(grows)
 }
 

@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
-use stick_slip::advice::Warning;
+use stick_slip::advice::{Class, Warning};
 use stick_slip::config::{Override, ScenarioError};
 use stick_slip::ensemble::Plan;
 use stick_slip::model::Event;
@@ -157,7 +157,7 @@ impl Observer for Events {
 }
 
 fn foretells_divergence(warning: &Warning) -> bool {
-    matches!(warning, Warning::StepUnstable { .. } | Warning::AmplitudeAboveCritical { .. })
+    warning.class() == Class::Growth
 }
 
 /// The numbers that the engine keeps of each path agree with those of the observer.

@@ -1,10 +1,9 @@
 //! What to know before trusting a run, in plain words.
 //!
-//! Each warning is a type that holds its numbers. Its condition, the function `due`, is next to the
-//! sentence that it prints, and each file has the warnings of one subject. The list below makes the
-//! closed set of them, and `due.rs` selects those of a scenario.
+//! A warning is one row of the list below: its name, its class, and the function that says it
+//! where it is due. The functions are in files by subject.
 
-mod due;
+mod case;
 mod file;
 mod noise;
 mod quasi_static;
@@ -12,77 +11,118 @@ mod question;
 mod series;
 mod step;
 
-pub use file::{LargeOutput, ManyRows};
-pub use noise::{
-    CorrectedBias, EqualFriction, IncompleteCorrection, LargeShift, MicroSlips, StepAgainstCorridor, StickExitBias,
-    Unresolved,
-};
-pub use quasi_static::{Creep, ForcingDuringSlip, NeverMoves};
-pub use question::{FewPeriods, IdenticalPaths, ManyPeriods, NeverSlips, NoCommonPeriod, NoDilatation};
-pub use series::{NoiseOverSeries, RepairedSeries};
-pub use step::{AmplitudeAboveCritical, StepAgainstForcing, StepAgainstNoise, StepAgainstOscillator, StepUnstable};
-
+use crate::scenario::Scenario;
+use case::Case;
 use std::fmt;
 
-/// Makes the enum of the warnings from a list of their types and names.
-macro_rules! warnings {
-    ($($Warning:ident = $name:literal),+ $(,)?) => {
-        /// A reason why the results of a scenario may not be what they seem to be.
-        #[derive(Clone, Debug, PartialEq)]
-        pub enum Warning {
-            $(#[doc = concat!("[`", stringify!($Warning), "`].")] $Warning($Warning),)+
-        }
-
-        impl Warning {
-            /// The names of all warnings.
-            pub const NAMES: &'static [&'static str] = &[$($name),+];
-
-            /// The name of the warning, for programs.
-            pub fn name(&self) -> &'static str {
-                match self { $(Warning::$Warning(_) => $name,)+ }
-            }
-        }
-
-        /// The warning in a sentence or two, for people.
-        impl fmt::Display for Warning {
-            fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                match self { $(Warning::$Warning(warning) => warning.fmt(f),)+ }
-            }
-        }
-
-        $(impl From<$Warning> for Warning {
-            fn from(warning: $Warning) -> Self {
-                Warning::$Warning(warning)
-            }
-        })+
-    };
+/// A reason why the results of a scenario may not be what they seem to be.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Warning {
+    name: &'static str,
+    class: Class,
+    text: String,
 }
 
-warnings! {
-    StepUnstable = "step-unstable",
-    AmplitudeAboveCritical = "amplitude-above-critical",
-    StepAgainstOscillator = "step-against-oscillator",
-    StepAgainstForcing = "step-against-forcing",
-    StepAgainstNoise = "step-against-noise",
-    StepAgainstCorridor = "step-against-corridor",
-    EqualFriction = "equal-friction",
-    StickExitBias = "stick-exit-bias",
-    MicroSlips = "micro-slips",
-    CorrectedBias = "corrected-bias",
-    LargeShift = "large-shift",
-    IncompleteCorrection = "incomplete-correction",
-    Unresolved = "resolution",
-    ForcingDuringSlip = "forcing-during-slip",
-    Creep = "creep",
-    NeverMoves = "never-moves",
-    NeverSlips = "never-slips",
-    IdenticalPaths = "identical-paths",
-    NoDilatation = "no-dilatation",
-    NoiseOverSeries = "weather-twice",
-    RepairedSeries = "repaired-series",
-    FewPeriods = "few-periods",
-    ManyPeriods = "many-periods",
-    NoCommonPeriod = "no-common-period",
-    ManyRows = "many-rows",
-    LargeOutput = "large-output",
+/// What a warning is about.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Class {
+    /// Paths may grow without bound, because the step is too long.
+    Growth,
+    /// The step is too long for something that happens in it.
+    LongStep,
+    /// A guess of the bias of the step, which a run may measure.
+    Bias,
+    /// The quasi-static recursion leaves out something that matters.
+    Approximation,
+    /// Anything else.
+    Other,
+}
+
+/// One warning of the list.
+struct Row {
+    name: &'static str,
+    class: Class,
+    /// The sentences of the warning in this case, one for each thing that it concerns.
+    says: fn(&Case) -> Vec<String>,
+}
+
+const fn row(name: &'static str, class: Class, says: fn(&Case) -> Vec<String>) -> Row {
+    Row { name, class, says }
+}
+
+/// All warnings, the most serious first.
+const ALL: [Row; 26] = [
+    row("step-unstable", Class::Growth, step::unstable),
+    row("amplitude-above-critical", Class::Growth, step::amplitude_above_critical),
+    row("step-against-oscillator", Class::LongStep, step::against_oscillator),
+    row("step-against-forcing", Class::LongStep, step::against_forcing),
+    row("step-against-noise", Class::LongStep, step::against_noise),
+    row("step-against-corridor", Class::LongStep, noise::against_corridor),
+    row("large-shift", Class::LongStep, noise::large_shift),
+    row("incomplete-correction", Class::Other, noise::incomplete_correction),
+    row("equal-friction", Class::Other, noise::equal_friction),
+    row("stick-exit-bias", Class::Bias, noise::stick_exit_bias),
+    row("corrected-bias", Class::Bias, noise::corrected_bias),
+    row("micro-slips", Class::Other, noise::micro_slips),
+    row("resolution", Class::Other, noise::unresolved),
+    row("never-moves", Class::Approximation, quasi_static::never_moves),
+    row("forcing-during-slip", Class::Approximation, quasi_static::forcing_during_slip),
+    row("creep", Class::Approximation, quasi_static::creep),
+    row("never-slips", Class::Other, question::never_slips),
+    row("identical-paths", Class::Other, question::identical_paths),
+    row("no-dilatation", Class::Other, question::no_dilatation),
+    row("weather-twice", Class::Other, series::noise_over_series),
+    row("repaired-series", Class::Other, series::repaired_series),
+    row("few-periods", Class::Other, question::few_periods),
+    row("many-periods", Class::Other, question::many_periods),
+    row("no-common-period", Class::Other, question::no_common_period),
+    row("many-rows", Class::Other, file::many_rows),
+    row("large-output", Class::Other, file::large_output),
+];
+
+/// The sentence of a warning that concerns one thing, where it is due.
+fn when(is_due: bool, sentence: impl FnOnce() -> String) -> Vec<String> {
+    if is_due { vec![sentence()] } else { Vec::new() }
+}
+
+impl Warning {
+    /// The names of all warnings.
+    pub fn names() -> impl Iterator<Item = &'static str> {
+        ALL.iter().map(|row| row.name)
+    }
+
+    /// The name of the warning, for programs.
+    pub fn name(&self) -> &'static str {
+        self.name
+    }
+
+    /// What the warning is about.
+    pub fn class(&self) -> Class {
+        self.class
+    }
+}
+
+/// The warning in a sentence or two, for people.
+impl fmt::Display for Warning {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.text)
+    }
+}
+
+impl Scenario {
+    /// What the user should know before trusting the run, the most serious first.
+    pub fn warnings(&self) -> Vec<Warning> {
+        let case = Case::new(self);
+        let of_row = |&Row { name, class, says }: &Row| {
+            says(&case).into_iter().map(move |text| Warning { name, class, text }).collect::<Vec<_>>()
+        };
+        ALL.iter().flat_map(of_row).collect()
+    }
+
+    /// The warnings for a run. If the run measures the bias of the step, warnings that only give a
+    /// guess of it are left out.
+    pub fn warnings_of_run(&self, measures_bias: bool) -> Vec<Warning> {
+        let is_due = |warning: &Warning| !(measures_bias && warning.class == Class::Bias);
+        self.warnings().into_iter().filter(is_due).collect()
+    }
 }

@@ -1,30 +1,12 @@
 //! Warnings about the quasi-static recursion, which takes the forcing as constant during a slip.
 
+use super::case::Case;
+use super::when;
 use crate::model::{Model, StepResponse};
 use crate::numbers::short;
-use std::fmt;
-
-/// f_s = f_d in the quasi-static recursion: the body never moves.
-#[derive(Clone, Debug, PartialEq)]
-pub struct NeverMoves;
-
-impl NeverMoves {
-    pub(super) fn due(model: &Model) -> Option<Self> {
-        (model.friction.static_force == model.friction.dynamic_force).then_some(NeverMoves)
-    }
-}
-
-impl fmt::Display for NeverMoves {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(
-            "f_s = f_d: in the quasi-static recursion a slip moves the body by 2 (f_s - f_d)/K = 0, so x stays at \
-             x0 and only the times of the slips mean something",
-        )
-    }
-}
 
 /// A slip of the recursion, and what the forcing does during it.
-struct Slip {
+pub(super) struct Slip {
     /// Duration of the slip: pi/w0 without damping.
     duration: f64,
     /// By how much, roughly, the force changes in that time.
@@ -35,14 +17,12 @@ struct Slip {
     rate: f64,
     /// The rate from which on the slip does not end.
     limit: f64,
+    /// Whether slips move the body, which they do not where f_s = f_d.
+    moves: bool,
 }
 
 impl Slip {
-    /// None where slips do not move the body.
-    fn of(model: &Model) -> Option<Self> {
-        if NeverMoves::due(model).is_some() {
-            return None;
-        }
+    pub fn of(model: &Model) -> Self {
         let Model { oscillator, friction, temperature, .. } = model;
         let swing = StepResponse::new(oscillator);
         let duration = swing.duration;
@@ -64,29 +44,27 @@ impl Slip {
         // A slip ends because the body swings back faster than the forcing moves on, or because of
         // the noise.
         let swings_back = swing.return_speed * oscillator.natural_frequency() * gap;
-        Some(Slip {
+        Slip {
             duration,
             change: to_force * (harmonics + noise),
             released: (1.0 + swing.overshoot) * gap,
             rate: to_force * rates.sum::<f64>(),
             limit: swings_back + to_force * noise / duration,
-        })
+            moves: gap != 0.0,
+        }
     }
 
     fn creeps(&self) -> bool {
-        self.rate > self.limit && self.change <= self.released
+        self.moves && self.rate > self.limit && self.change <= self.released
     }
 }
 
-/// The force changes too much during a slip for the quasi-static recursion.
-#[derive(Clone, Debug, PartialEq)]
-pub struct ForcingDuringSlip {
-    /// Duration of a slip: pi/w0 without damping.
-    pub duration: f64,
-    /// By how much, roughly, the force changes in that time.
-    pub change: f64,
-    /// The force that a slip releases: 2 (f_s - f_d) without damping.
-    pub released: f64,
+pub(super) fn never_moves(case: &Case) -> Vec<String> {
+    when(case.slip.as_ref().is_some_and(|slip| !slip.moves), || {
+        "f_s = f_d: in the quasi-static recursion a slip moves the body by 2 (f_s - f_d)/K = 0, so x stays at \
+         x0 and only the times of the slips mean something"
+            .to_string()
+    })
 }
 
 /// If the change of the force during a slip is above this share of the force that the slip
@@ -94,20 +72,13 @@ pub struct ForcingDuringSlip {
 /// jumps are off by 0.85 times that share (docs/event-driven.md).
 const SLOW_FORCING: f64 = 0.01;
 
-impl ForcingDuringSlip {
-    /// This warning is not due where slips do not move the body, nor where the body creeps.
-    pub(super) fn due(model: &Model) -> Option<Self> {
-        let slip = Slip::of(model).filter(|slip| !slip.creeps())?;
-        let Slip { duration, change, released, .. } = slip;
-        (change > SLOW_FORCING * released).then_some(ForcingDuringSlip { duration, change, released })
-    }
-}
-
-impl fmt::Display for ForcingDuringSlip {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let ForcingDuringSlip { duration, change, released } = *self;
-        write!(
-            f,
+/// The force changes too much during a slip for the quasi-static recursion. The warning is not due
+/// where slips do not move the body, nor where the body creeps.
+pub(super) fn forcing_during_slip(case: &Case) -> Vec<String> {
+    let Some(slip) = case.slip.as_ref().filter(|slip| slip.moves && !slip.creeps()) else { return Vec::new() };
+    let &Slip { duration, change, released, .. } = slip;
+    when(change > SLOW_FORCING * released, || {
+        format!(
             "the forcing is not slow: during a slip, which lasts {}, it changes the force by about {}, \
              while the slip releases {}. The quasi-static recursion takes the forcing as constant, so its \
              displacements will be off by about {} %; `--scheme event-driven` follows it",
@@ -116,34 +87,18 @@ impl fmt::Display for ForcingDuringSlip {
             short(released),
             short((100.0 * change / released).ceil())
         )
-    }
+    })
 }
 
 /// The damped body does not swing back fast enough to end a slip of the quasi-static recursion
 /// while the forcing moves on: the body creeps.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Creep {
-    /// The largest rate at which harmonics and series change the force.
-    pub rate: f64,
-    /// The rate from which on a slip does not end.
-    pub limit: f64,
-}
-
-impl Creep {
-    pub(super) fn due(model: &Model) -> Option<Self> {
-        let Slip { rate, limit, .. } = Slip::of(model).filter(Slip::creeps)?;
-        Some(Creep { rate, limit })
-    }
-}
-
-impl fmt::Display for Creep {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(
-            f,
-            "the damped body does not swing back fast enough to end a slip: the harmonics change the force by up to {} \
-             per unit of time, and above {} the body creeps behind the temperature until that turns. The quasi-static recursion shows sticks and slips instead; `--scheme event-driven` follows the creep",
-            short(self.rate),
-            short(self.limit)
-        )
-    }
+pub(super) fn creep(case: &Case) -> Vec<String> {
+    let Some(slip) = case.slip.as_ref().filter(|slip| slip.creeps()) else { return Vec::new() };
+    vec![format!(
+        "the damped body does not swing back fast enough to end a slip: the harmonics change the force by up to {} \
+         per unit of time, and above {} the body creeps behind the temperature until that turns. The quasi-static \
+         recursion shows sticks and slips instead; `--scheme event-driven` follows the creep",
+        short(slip.rate),
+        short(slip.limit)
+    )]
 }

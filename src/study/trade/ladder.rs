@@ -1,6 +1,6 @@
 //! The settings with which a scenario can sensibly be run.
 
-use crate::advice::Warning;
+use crate::advice::{Class, Warning};
 use crate::scenario::Scenario;
 use crate::scheme::{DEFAULT_TOLERANCE, Discretisation, Kind, Parameter, Scheme};
 
@@ -101,16 +101,7 @@ fn gcd(a: u64, b: u64) -> u64 {
 /// Whether a warning means that a scheme is not worth running at its step, and that a smaller step
 /// would help. Warnings of bias are not among these, because the bias is measured.
 fn is_against_step(warning: &Warning) -> bool {
-    matches!(
-        warning,
-        Warning::StepUnstable { .. }
-            | Warning::AmplitudeAboveCritical { .. }
-            | Warning::StepAgainstOscillator { .. }
-            | Warning::StepAgainstForcing { .. }
-            | Warning::StepAgainstNoise { .. }
-            | Warning::StepAgainstCorridor { .. }
-            | Warning::LargeShift { .. }
-    )
+    matches!(warning.class(), Class::Growth | Class::LongStep)
 }
 
 /// Check that a scheme without a step suits the scenario, as far as [`Scenario::warnings`] can
@@ -123,9 +114,7 @@ fn suits(scenario: &Scenario, scheme: Kind) -> Result<(), String> {
         return Ok(());
     }
     let candidate = scenario.with_scheme(scheme).map_err(|misfit| misfit.to_string())?;
-    let against = |warning: &Warning| {
-        matches!(warning, Warning::ForcingDuringSlip(_) | Warning::Creep(_) | Warning::NeverMoves(_))
-    };
+    let against = |warning: &Warning| warning.class() == Class::Approximation;
     match candidate.warnings().into_iter().find(against) {
         Some(warning) => Err(warning.to_string()),
         None => Ok(()),

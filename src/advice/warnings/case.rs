@@ -1,0 +1,40 @@
+//! A scenario with the numbers that its warnings depend on.
+
+use super::noise::NoisyStep;
+use super::quasi_static::Slip;
+use crate::advice::derived::Derived;
+use crate::scenario::Scenario;
+use crate::scheme::Discretisation;
+
+/// A scenario with the numbers that its warnings depend on.
+pub(super) struct Case<'a> {
+    pub scenario: &'a Scenario,
+    pub derived: Derived,
+    /// The step h, for schemes that have one.
+    pub step: Option<f64>,
+    /// The noise in a step, for a scheme that checks stick exits once a step.
+    pub checked: Option<NoisyStep>,
+    /// The noise in a step, for a scheme that checks them once a step and corrects for this.
+    pub corrected: Option<NoisyStep>,
+    /// A slip of the quasi-static recursion.
+    pub slip: Option<Slip>,
+}
+
+impl<'a> Case<'a> {
+    pub fn new(scenario: &'a Scenario) -> Self {
+        let derived = scenario.derived();
+        let noisy = |h| NoisyStep::of(&scenario.model, &derived, h);
+        let (step, checked, corrected, slip) = match scenario.scheme.discretisation() {
+            Discretisation::Step { h } => (Some(h), noisy(h), None, None),
+            Discretisation::CorrectedStep { h } => (Some(h), None, noisy(h), None),
+            Discretisation::Tolerance { .. } => (None, None, None, None),
+            Discretisation::Approximation => (None, None, None, Some(Slip::of(&scenario.model))),
+        };
+        Case { scenario, derived, step, checked, corrected, slip }
+    }
+
+    /// The noise in a step, whether or not the scheme corrects for it.
+    pub fn noisy_step(&self) -> Option<&NoisyStep> {
+        self.checked.as_ref().or(self.corrected.as_ref())
+    }
+}
