@@ -53,7 +53,6 @@
 //! | [`engine`] | a run from its scenario to its outcome |
 //! | [`study`] | many runs for one question: the cost of accuracy, sweeps |
 //! | [`bearing`] | a bridge's bearing: calibration, weather and forecast from measurements |
-//! | [`provenance`] | where the numbers of a run come from |
 //! | [`dataset`] | results as data: variables, dimensions, units |
 //! | `store` | the same data as files (feature `store`) |
 //! | `ranks` | one run in several processes, by MPI (feature `mpi`) |
@@ -92,7 +91,6 @@ pub mod memory;
 pub mod model;
 pub mod noise;
 pub mod numbers;
-pub mod provenance;
 #[cfg(feature = "mpi")]
 pub mod ranks;
 #[cfg(feature = "saved")]

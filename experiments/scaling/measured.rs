@@ -1,9 +1,8 @@
 //! Measures what a block, its rows, its sums and its counts cost on this machine.
 
 use std::time::Instant;
-use stick_slip::engine::Status;
+use stick_slip::engine::{Provenance, Status};
 use stick_slip::ensemble::Plan;
-use stick_slip::provenance::Provenance;
 use stick_slip::scenario::Scenario;
 use stick_slip::stats::{BlockResult, Counts, RunTotals};
 use stick_slip::store::{self, Writer};

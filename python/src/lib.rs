@@ -39,8 +39,8 @@ mod _native {
     #[pymodule_init]
     fn init(module: &pyo3::Bound<'_, pyo3::types::PyModule>) -> pyo3::PyResult<()> {
         use pyo3::types::PyModuleMethods as _;
-        module.add("VERSION", stick_slip::provenance::PROGRAM_VERSION)?;
-        module.add("GIT_HASH", stick_slip::provenance::GIT_HASH)?;
+        module.add("VERSION", stick_slip::engine::PROGRAM_VERSION)?;
+        module.add("GIT_HASH", stick_slip::engine::GIT_HASH)?;
         let statistics = stick_slip::stats::Statistic::ALL.map(stick_slip::stats::Statistic::name);
         module.add("STATISTICS", statistics.to_vec())
     }

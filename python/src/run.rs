@@ -15,7 +15,7 @@ use std::path::PathBuf;
 use std::time::Duration;
 use stick_slip::dataset::{Dataset, Recorder};
 use stick_slip::engine::{Asked, EndedBy, MOST_PATHS, MissedGoal, Outcome, Part, Replay, Run, RunError, Sink as _};
-use stick_slip::ensemble::{Plan, ThreadsError, in_order};
+use stick_slip::ensemble::{ThreadsError, in_order};
 use stick_slip::saved::{PartRecorder, Parts, PartsError};
 use stick_slip::scenario::Scenario as Checked;
 use stick_slip::stats::Goal;
@@ -135,8 +135,8 @@ pub fn blocks<'py>(
     threads: Threads,
 ) -> PyResult<Variables<'py>> {
     let scenario = &scenario.checked;
-    let plan = Plan { paths, ..scenario.plan() };
-    let asked = Asked { paths, part: None, goals: Vec::new(), max_time: None, with_bias: false };
+    let asked = Asked::paths(paths);
+    let plan = asked.plan(scenario);
     let mut recorder = Recorder::default();
     let begun = recorder.begin(scenario, &asked);
     let (ended, is_interrupted) = watched(py, None, |watch: &Watch| {

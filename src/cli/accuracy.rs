@@ -2,7 +2,7 @@
 //! paths, and prints what was chosen and why.
 
 use super::failure::{Failure, note};
-use super::numbers::{grouped, percent, significant, time, wrapped};
+use super::numbers::{grouped, parse_share, percent, significant, time, wrapped};
 use super::progress::Measuring;
 use std::sync::atomic::{AtomicBool, Ordering};
 use stick_slip::scenario::Scenario;
@@ -199,13 +199,8 @@ fn why_not(statistic: Statistic, standing: Standing) -> String {
 
 /// Reads a relative error, e.g. `1e-2` or `1%`.
 pub fn target(text: &str) -> Result<f64, String> {
-    let (number, unit) = text.trim().strip_suffix('%').map_or((text.trim(), 1.0), |percent| (percent.trim(), 0.01));
-    let target = number.parse::<f64>().map(|number| number * unit).unwrap_or(f64::NAN);
-    if TARGETS.contains(&target) {
-        Ok(target)
-    } else {
-        Err("write a relative error from 1e-6 to 0.5, e.g. 1e-2 or 1%".into())
-    }
+    let target = parse_share(text).filter(|target| TARGETS.contains(target));
+    target.ok_or_else(|| "write a relative error from 1e-6 to 0.5, e.g. 1e-2 or 1%".into())
 }
 
 #[cfg(test)]

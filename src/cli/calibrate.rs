@@ -6,7 +6,7 @@ use super::cost::STUDY_BYTES;
 use super::failure::{Failure, note, print, writable};
 use super::interrupt::stop_on_signals;
 use super::measurements::Source;
-use super::numbers::{parse_duration, wrapped};
+use super::numbers::{parse_duration, parse_share, wrapped};
 use super::results;
 use super::threads::Threads;
 use std::path::{Path, PathBuf};
@@ -173,6 +173,6 @@ fn lag(text: &str) -> Result<Lag, String> {
 }
 
 pub(super) fn level(text: &str) -> Result<f64, String> {
-    let level = text.parse::<f64>().ok().filter(|level| (0.5..=0.999).contains(level));
+    let level = parse_share(text).filter(|level| (0.5..=0.999).contains(level));
     level.ok_or_else(|| "write a probability from 0.5 to 0.999".to_string())
 }

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 use sha2::{Digest as _, Sha256};
-use stick_slip::provenance::GIT_HASH;
+use stick_slip::engine::GIT_HASH;
 
 /// The schema version, one for all objects together (docs/json.md). It rises where a key changes
 /// its meaning or is removed, and not where a key is added.

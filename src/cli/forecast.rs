@@ -6,7 +6,7 @@ use super::document::document;
 use super::failure::{Failure, note, print, writable};
 use super::interrupt::stop_on_signals;
 use super::measurements::Source;
-use super::numbers::{Digits, grouped, percent, wrapped};
+use super::numbers::{Digits, grouped, parse_share, percent, wrapped};
 use super::results;
 use super::table::{Row, aligned};
 use super::threads::Threads;
@@ -270,6 +270,6 @@ fn json(found: &Found) -> String {
 }
 
 fn share(text: &str) -> Result<f64, String> {
-    let share = text.parse::<f64>().ok().filter(|share| (0.0..1.0).contains(share));
+    let share = parse_share(text).filter(|share| (0.0..1.0).contains(share));
     share.ok_or_else(|| "write a share of f_s from 0 to below 1".to_string())
 }

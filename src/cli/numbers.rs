@@ -1,4 +1,4 @@
-//! Formats numbers and sentences for people, and reads durations.
+//! Formats numbers and sentences for people, and reads durations and shares.
 
 use super::terminal::columns;
 use std::time::Duration;
@@ -36,36 +36,21 @@ pub fn percent(share: f64) -> String {
     format!("{} %", significant(100.0 * share, 3))
 }
 
-/// Reads a duration: 90, 90s, 15m, 1.5h, 4h50m, 1d 2h.
+/// Reads a duration: 90, 90s, 15m, 1.5h, 4h50m, 1d 2h. A number without a unit is in seconds.
 pub fn parse_duration(text: &str) -> Result<Duration, String> {
-    let seconds = seconds(text.trim()).filter(|seconds| *seconds > 0.0);
-    let duration = seconds.and_then(|seconds| Duration::try_from_secs_f64(seconds).ok());
+    let seconds = text.trim().parse().ok().or_else(|| stick_slip::data::seconds(text));
+    let duration =
+        seconds.filter(|seconds| *seconds > 0.0).and_then(|seconds| Duration::try_from_secs_f64(seconds).ok());
     duration.ok_or_else(|| "not a time above zero, such as 90, 90s, 15m, 2h or 4h50m".to_string())
 }
 
-/// Reads numbers with units, from the largest unit to the smallest. A number without a unit is in
-/// seconds.
-fn seconds(text: &str) -> Option<f64> {
-    if let Ok(seconds) = text.parse::<f64>() {
-        return Some(seconds);
+/// Reads a share, as a number or as a percentage: 0.05 or 5%.
+pub fn parse_share(text: &str) -> Option<f64> {
+    let text = text.trim();
+    match text.strip_suffix('%') {
+        Some(percent) => Some(percent.trim_end().parse::<f64>().ok()? / 100.0),
+        None => text.parse().ok(),
     }
-    let (mut rest, mut largest, mut sum) = (text, f64::INFINITY, 0.0);
-    while !rest.is_empty() {
-        let (number, behind) = rest.split_at(rest.find(|c: char| c.is_ascii_alphabetic())?);
-        let number = number.trim().parse::<f64>().ok().filter(|number| *number >= 0.0)?;
-        let unit = match behind.as_bytes()[0] {
-            b's' => 1.0,
-            b'm' => 60.0,
-            b'h' => 3600.0,
-            b'd' => 86_400.0,
-            _ => return None,
-        };
-        if unit >= largest {
-            return None;
-        }
-        (largest, sum, rest) = (unit, sum + number * unit, behind[1..].trim_start());
-    }
-    Some(sum)
 }
 
 /// The longest line of prose, in characters.

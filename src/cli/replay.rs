@@ -6,9 +6,8 @@ use super::files;
 use super::numbers::counted;
 use super::results;
 use std::path::{Path, PathBuf};
-use stick_slip::engine::{self, Rows, Status};
+use stick_slip::engine::{self, Rows, Status, other_program};
 use stick_slip::ensemble::Plan;
-use stick_slip::provenance::{Provenance, other_program};
 use stick_slip::scenario::Scenario;
 use stick_slip::stats::{PathColumns, Record};
 use stick_slip::store::{self, Writer};
@@ -106,9 +105,7 @@ fn bits(path: &PathColumns) -> Vec<u64> {
 fn replay(scenario: &Scenario, path: u64, output: &Path, force: bool) -> Result<(), Failure> {
     let replay = engine::Replay::of(scenario, path);
     note(&format!("trajectory: {}", rows(replay.rows)));
-    // The written file holds one path, whatever the number of that path in the ensemble.
-    let provenance = Provenance { paths: 1, ..Provenance::of(&replay.scenario) };
-    let mut writer = Writer::create(output, &provenance, &replay.record, force)?;
+    let mut writer = Writer::create(output, &replay.provenance(), &replay.record, force)?;
     writer.append(&replay.block)?;
     writer.finish(&replay.block.totals.summary(), Status::Complete)?;
     print(&format!("path {path}\n"))?;

@@ -9,7 +9,7 @@ use super::terminal::Letters;
 use super::{calibrate, sweep, sweep_report, trade_report};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
-use stick_slip::provenance::Provenance;
+use stick_slip::engine::Provenance;
 use stick_slip::scenario::Scenario;
 use stick_slip::stats::Summary;
 use stick_slip::store::{self, FileKind, Stored};
@@ -139,7 +139,7 @@ impl Show {
         let mut text = report::table(&stored.summary, &info);
         if self.plot {
             text.push('\n');
-            text += &report::plots(&stored.summary, &info.units, Letters::of_locale());
+            text += &report::plots(&stored.summary, &info.provenance.units, Letters::of_locale());
             text.push('\n');
         }
         print(&(text + &provenance(&stored.header)))
@@ -196,14 +196,8 @@ pub(super) fn info(file: &Path, stored: &Stored, scenario: Option<&Scenario>) ->
     let Stored { header, status, part, ended_by, .. } = stored;
     RunInfo {
         scenario: header.title.clone(),
-        title: header.title.clone(),
-        scheme: header.scheme.clone(),
-        step: header.step,
-        resolution: header.resolution,
-        seed: header.seed,
-        paths: header.paths,
+        provenance: header.clone(),
         part: *part,
-        antithetic: header.antithetic,
         threads: None,
         seconds: None,
         bias_seconds: None,
@@ -214,8 +208,6 @@ pub(super) fn info(file: &Path, stored: &Stored, scenario: Option<&Scenario>) ->
         file: file.display().to_string(),
         status: *status,
         ended_by: ended_by.clone(),
-        scenario_text: Some(header.scenario_text.clone()),
-        units: header.units.clone(),
     }
 }
 

@@ -190,14 +190,8 @@ impl Sitting<'_> {
         let file = if self.is_unfinished(outcome) { saved.as_path() } else { output };
         RunInfo {
             scenario: self.name.clone(),
-            title: scenario.title.clone(),
-            scheme: scenario.scheme.name().to_string(),
-            step: scenario.scheme.step(),
-            resolution: scenario.resolution().map(|resolution| resolution.shortest_slip),
-            seed: scenario.ensemble.seed,
-            paths: outcome.paths,
+            provenance: Asked::paths(outcome.paths).provenance(scenario),
             part: outcome.part,
-            antithetic: scenario.ensemble.antithetic,
             threads: Some(outcome.threads),
             seconds: Some(outcome.seconds),
             bias_seconds: Some(outcome.bias.seconds),
@@ -206,8 +200,6 @@ impl Sitting<'_> {
             file: file.display().to_string(),
             status: outcome.status,
             ended_by: outcome.ended_by.as_ref().map(EndedBy::to_string),
-            scenario_text: Some(scenario.to_toml()),
-            units: scenario.units.clone(),
         }
     }
 }

@@ -2,7 +2,7 @@
 //! affects them.
 
 use super::failure::{Failure, print, writable};
-use super::numbers::{bytes, duration, grouped};
+use super::numbers::{bytes, duration, grouped, parse_share};
 use super::overrides::Overrides;
 use super::results;
 use super::sweep_sitting::SweepSitting;
@@ -194,18 +194,13 @@ fn outlook(question: &Question, threads: usize) -> String {
         "points  {}{of}\npaths   {each}{} in all\ntime    about {} on {threads} threads\ndisk    about {}\n",
         grouped(design.points() as u64),
         grouped(all),
-        duration(estimated_seconds(question, threads)),
+        estimated_seconds(question, threads).map_or_else(|| "a time that no path showed".to_string(), duration),
         bytes(sweep_bytes(design) as f64)
     )
 }
 
-/// Reads a share: 0.05 or 5%.
 fn share(text: &str) -> Result<f64, String> {
-    let number = match text.trim().strip_suffix('%') {
-        Some(percent) => percent.trim().parse::<f64>().map(|percent| percent / 100.0),
-        None => text.trim().parse::<f64>(),
-    };
-    let share = number.ok().filter(|share| RELATIVE_STEPS.contains(share));
+    let share = parse_share(text).filter(|share| RELATIVE_STEPS.contains(share));
     share.ok_or_else(|| "write a share from 1e-6 to 50%, such as 5% or 0.05".to_string())
 }
 

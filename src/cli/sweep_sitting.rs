@@ -8,7 +8,7 @@ use super::sweep_report;
 use super::threads::Threads;
 use std::collections::BTreeMap;
 use std::path::Path;
-use stick_slip::provenance::Provenance;
+use stick_slip::engine::Provenance;
 use stick_slip::stats::Statistic;
 use stick_slip::store::{SweepFile, partial_path};
 use stick_slip::study::sweep::{Question, Simulation, Sweep, SweepEnd};

@@ -2,7 +2,7 @@
 
 use super::failure::{Failure, note, print, writable};
 use super::measurements;
-use super::numbers::{grouped, parse_duration, significant};
+use super::numbers::{grouped, parse_duration, parse_share, significant};
 use super::results;
 use super::table::{Row, aligned};
 use std::fmt::Write as _;
@@ -177,7 +177,9 @@ fn not_negative(text: &str) -> Result<f64, String> {
 }
 
 fn share(text: &str) -> Result<f64, String> {
-    not_negative(text).ok().filter(|x| *x < 0.5).ok_or_else(|| "write a number from 0 to below 0.5".to_string())
+    parse_share(text)
+        .filter(|share| (0.0..0.5).contains(share))
+        .ok_or_else(|| "write a number from 0 to below 0.5".to_string())
 }
 
 fn parse_seconds(text: &str) -> Result<f64, String> {

@@ -11,7 +11,7 @@ use crate::bearing::calibration::{
     Calibration, Estimate, Lag, LagProfile, Method, Motion, Quantity, Question, Record, Residuals, SeenSlip, Spikes,
     Start, Values, response_of,
 };
-use crate::provenance::{GIT_HASH, PROGRAM_VERSION};
+use crate::engine::{GIT_HASH, PROGRAM_VERSION};
 use crate::stats::{Dimension, Units};
 
 /// The attribute `format_name` of a calibration.

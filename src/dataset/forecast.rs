@@ -3,7 +3,7 @@
 use super::layout::{Unit, Variable, variable};
 use super::{Destination, texts};
 use crate::bearing::forecast::{Forecast, Level, ReturnLevel};
-use crate::provenance::{GIT_HASH, PROGRAM_VERSION};
+use crate::engine::{GIT_HASH, PROGRAM_VERSION};
 use crate::stats::Dimension;
 
 /// The attribute `format_name` of a forecast.

@@ -1,7 +1,7 @@
 //! Where a data set is written and from where it is read back, be it a file or memory.
 
 use super::layout::Described;
-use crate::provenance::other_program;
+use crate::engine::other_program;
 use crate::stats::Units;
 
 /// An attribute of a data set or of a variable.

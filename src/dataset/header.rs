@@ -2,9 +2,8 @@
 //! reading are side by side.
 
 use super::{Destination, Source, read_count, read_real_if_present, read_text, read_text_if_present};
-use crate::engine::{NoPart, Part, Status};
+use crate::engine::{NoPart, Part, Provenance, Status};
 use crate::model::Series;
-use crate::provenance::Provenance;
 use crate::stats::Units;
 use std::sync::Arc;
 

@@ -8,9 +8,8 @@ use super::{
 };
 use crate::bearing::calibration::{self as bearing, Twin};
 use crate::bearing::forecast::Forecast;
-use crate::engine::{Replay, Status};
+use crate::engine::{Provenance, Replay, Status};
 use crate::model::Series;
-use crate::provenance::Provenance;
 use crate::scenario::Scenario;
 use crate::stats::{Statistic, Summary, Units};
 use crate::study::sweep::Sweep;
@@ -94,8 +93,7 @@ impl Dataset {
 
     /// The data set of a single path of an ensemble.
     pub fn of_replay(replay: &Replay) -> Self {
-        // The data set has one path, whatever its number in the ensemble.
-        let header = Provenance { paths: 1, ..Provenance::of(&replay.scenario) };
+        let header = replay.provenance();
         let mut dataset = Dataset::new(&header.units);
         let Ok(()) = run::write_start(&mut dataset, &header);
         let Ok(()) = rows::tables(&Rows::from(&replay.block), header.bearing, |table| dataset.grow(&table));

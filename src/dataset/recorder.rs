@@ -2,8 +2,7 @@
 
 use super::rows::{self, Rows};
 use super::{Dataset, header, run};
-use crate::engine::{Asked, Outcome, Sink, SinkError};
-use crate::provenance::Provenance;
+use crate::engine::{Asked, Outcome, Provenance, Sink, SinkError};
 use crate::scenario::Scenario;
 use crate::stats::BlockResult;
 
@@ -37,7 +36,7 @@ impl Recorder {
 
 impl Sink for Recorder {
     fn begin(&mut self, scenario: &Scenario, asked: &Asked) -> Result<(), SinkError> {
-        let header = Provenance { paths: asked.paths, ..Provenance::of(scenario) };
+        let header = asked.provenance(scenario);
         self.dataset = Dataset::new(&header.units);
         let Ok(()) = run::write_start(&mut self.dataset, &header);
         let Ok(()) = rows::empty_tables(&scenario.record, &header, |table| self.dataset.grow(&table));

@@ -2,7 +2,7 @@
 
 use super::Values;
 use super::layout::{self, Variable};
-use crate::provenance::Provenance;
+use crate::engine::Provenance;
 use crate::scenario::Bearing;
 use crate::stats::{BlockResult, EventColumns, PathColumns, Record, TrajectoryRows};
 

@@ -2,8 +2,7 @@
 //! is known at its end.
 
 use super::{Destination, header, series, summary};
-use crate::engine::Status;
-use crate::provenance::Provenance;
+use crate::engine::{Provenance, Status};
 use crate::stats::Summary;
 
 /// Write where the numbers of the run come from, and the coordinates.

@@ -9,9 +9,8 @@ use super::{
     Destination, Element, Source, read_count, read_or_empty, read_other_program, read_real, read_text, read_text_of,
     read_variable, series, texts,
 };
-use crate::engine::Status;
+use crate::engine::{Provenance, Status};
 use crate::model::Series;
-use crate::provenance::Provenance;
 use crate::scenario::Scenario;
 use crate::stats::{Bias, Estimate, GROUPS, Statistic, Values};
 use crate::study::sweep::{Axis, Design, DesignError, Paired, Point, Question, Seeds, Setting, Sweep};

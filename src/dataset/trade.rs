@@ -5,7 +5,7 @@ use super::header::CONVENTIONS;
 use super::layout::{self, Unit, Variable, variable};
 use super::summary::write_statistics;
 use super::{Destination, Source, read_or_empty, read_text, read_variable, series, texts};
-use crate::provenance::Provenance;
+use crate::engine::Provenance;
 use crate::scenario::Scenario;
 use crate::scheme::{Kind, Scheme};
 use crate::stats::{Estimate, Statistic};

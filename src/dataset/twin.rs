@@ -4,7 +4,7 @@ use super::calibration::{QUANTITY, QUANTITY_SYMBOL, QUANTITY_UNIT, TIME};
 use super::layout::{Unit, Variable, variable};
 use super::{Destination, texts};
 use crate::bearing::calibration::{Quantity, Twin, Values};
-use crate::provenance::{GIT_HASH, PROGRAM_VERSION};
+use crate::engine::{GIT_HASH, PROGRAM_VERSION};
 use crate::stats::Dimension;
 
 /// The attribute `format_name` of a twin.

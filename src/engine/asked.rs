@@ -1,7 +1,9 @@
 //! What is asked of a run besides its scenario: everything that decides where the run ends and what
 //! is computed from its paths.
 
-use crate::ensemble::BLOCK_SIZE;
+use super::Provenance;
+use crate::ensemble::{BLOCK_SIZE, Plan};
+use crate::scenario::Scenario;
 use crate::stats::Goal;
 use std::fmt;
 use std::ops::Range;
@@ -26,6 +28,21 @@ pub struct Asked {
 }
 
 impl Asked {
+    /// All of this many paths, whatever time they take, without the bias of the step.
+    pub fn paths(paths: u64) -> Self {
+        Asked { paths, part: None, goals: Vec::new(), max_time: None, with_bias: false }
+    }
+
+    /// Where the numbers of a run of the scenario come from.
+    pub fn provenance(&self, scenario: &Scenario) -> Provenance {
+        Provenance { paths: self.paths, ..Provenance::of(scenario) }
+    }
+
+    /// The ensemble of a run of the scenario.
+    pub fn plan(&self, scenario: &Scenario) -> Plan {
+        Plan { paths: self.paths, ..scenario.plan() }
+    }
+
     /// The numbers of the blocks that are to be simulated.
     pub fn blocks(&self) -> Range<u64> {
         let all = self.paths.div_ceil(BLOCK_SIZE);

@@ -1,6 +1,7 @@
 //! One path of an ensemble, simulated again alone, with its events and a trajectory that is as fine
 //! as the scheme allows.
 
+use super::{Asked, Provenance};
 use crate::ensemble::Plan;
 use crate::scenario::{MAX_TRAJECTORIES, Scenario};
 use crate::stats::{BlockResult, Record};
@@ -65,6 +66,11 @@ impl Replay {
         }
         let block = plan.replay(path);
         Replay { scenario, record, rows, block }
+    }
+
+    /// Where its numbers come from: a run of one path, whatever its number in the ensemble.
+    pub fn provenance(&self) -> Provenance {
+        Asked::paths(1).provenance(&self.scenario)
     }
 
     /// Whether the path diverged or was given up.

@@ -6,7 +6,7 @@ use super::crew::Threads;
 use super::ending::{Endings, Look};
 use super::{Asked, BiasReport, Crew, EndedBy, Moment, Outcome, Part, Portion, Progress, RunError, Sink, Status, Work};
 use crate::bias::NoBias;
-use crate::ensemble::{BLOCK_SIZE, MOST_THREADS, Plan, check_threads};
+use crate::ensemble::{BLOCK_SIZE, MOST_THREADS, check_threads};
 use crate::scenario::Scenario;
 use crate::stats::{Companion as _, Goal, RunTotals, Summary, Tallied, Tally};
 use crate::sums::{Measurement, Merge};
@@ -59,11 +59,9 @@ impl<'a> Run<'a> {
     /// A run of all paths that the scenario asks for, on one thread for each core, with an estimate
     /// of the bias of the step.
     pub fn of(scenario: &'a Scenario) -> Self {
-        let asked =
-            Asked { paths: scenario.ensemble.paths, part: None, goals: Vec::new(), max_time: None, with_bias: true };
         Run {
             scenario,
-            asked,
+            asked: Asked { with_bias: true, ..Asked::paths(scenario.ensemble.paths) },
             threads: std::thread::available_parallelism().map_or(1, usize::from).min(MOST_THREADS),
             stop: None,
             progress: None,
@@ -184,7 +182,7 @@ impl<'a> Run<'a> {
         let stop = self.stop.unwrap_or(&never);
         let mut nobody = ();
         let progress = self.progress.take().unwrap_or(&mut nobody);
-        let plan = Plan { paths: self.asked.paths, ..self.scenario.plan() };
+        let plan = self.asked.plan(self.scenario);
         let endings = self.endings();
         let left = [endings.time, self.asked.max_time].map(|limit| limit.map(|limit| limit.saturating_sub(before)));
         let alarm = Alarm::new(stop, left);

@@ -7,10 +7,10 @@
 use super::SavedError;
 use super::checksum::checksum;
 use super::rows::Position;
-use crate::engine::{Asked, Part, SoFar};
-use crate::ensemble::Plan;
+use crate::engine::{Asked, GIT_HASH, PROGRAM_VERSION, Part, Provenance, SoFar};
+use crate::ensemble::{BLOCK_SIZE, Plan};
 use crate::model::Series;
-use crate::provenance::Provenance;
+use crate::noise::GENERATOR;
 use crate::scenario::Scenario;
 use crate::stats::{Bound, Goal, RunTotals, Statistic};
 use crate::sums::{Codec, Damaged, Reader};
@@ -37,7 +37,7 @@ pub struct Question {
 impl Question {
     /// The plan of the ensemble, with the number of paths that was asked for.
     pub fn plan(&self) -> Plan {
-        Plan { paths: self.asked.paths, ..self.scenario.plan() }
+        self.asked.plan(&self.scenario)
     }
 
     /// The first difference between this question and another one, in words; `None` if they are
@@ -80,13 +80,13 @@ pub(crate) struct Program {
 }
 
 impl Program {
-    fn of(header: &Provenance) -> Self {
-        let Provenance { program_version, git_hash, generator, block_size, .. } = header;
+    /// This program.
+    fn mine() -> Self {
         Program {
-            version: program_version.clone(),
-            git_hash: git_hash.clone(),
-            generator: generator.clone(),
-            block_size: *block_size,
+            version: PROGRAM_VERSION.to_string(),
+            git_hash: GIT_HASH.to_string(),
+            generator: GENERATOR.to_string(),
+            block_size: BLOCK_SIZE,
         }
     }
 }
@@ -123,14 +123,13 @@ impl State {
     #[cfg(feature = "store")]
     pub fn header(&self) -> Provenance {
         let Program { version, git_hash, generator, block_size } = self.program.clone();
-        let paths = self.question.asked.paths;
-        let header = Provenance::of(&self.question.scenario);
-        Provenance { program_version: version, git_hash, generator, block_size, paths, ..header }
+        let header = self.question.asked.provenance(&self.question.scenario);
+        Provenance { program_version: version, git_hash, generator, block_size, ..header }
     }
 
     /// An error if another program began the run, because it need not produce the same bits.
     pub fn check_program(&self, path: &Path) -> Result<(), SavedError> {
-        let mine = Program::of(&Provenance::of(&self.question.scenario));
+        let mine = Program::mine();
         if self.program == mine { Ok(()) } else { Err(other_program(path, &self.program, &mine)) }
     }
 }
@@ -142,7 +141,7 @@ fn other_program(path: &Path, theirs: &Program, mine: &Program) -> SavedError {
 /// The state of a run as bytes. `totals` are the bytes of its sums.
 pub(crate) fn to_bytes(question: &Question, totals: &[u8], spent: Duration, logs: &[Position]) -> Vec<u8> {
     let Question { scenario, asked, note } = question;
-    let program = Program::of(&Provenance::of(scenario));
+    let program = Program::mine();
     let mut out = MAGIC.to_vec();
     VERSION.write(&mut out);
     for text in [&program.version, &program.git_hash, &program.generator] {
@@ -228,7 +227,7 @@ fn parse(from: &mut Reader<'_>) -> Result<State, ParseError> {
     let empty = RunTotals::empty(&scenario.model, &scenario.timeline());
     // If the sums cannot be read and the state names another program, that difference is reported
     // instead of damage.
-    let mine = Program::of(&Provenance::of(&scenario));
+    let mine = Program::mine();
     let totals = empty.read(from.take(length)?).map_err(|_| match program == mine {
         true => ParseError::Damaged,
         false => ParseError::OtherProgram(Box::new([program.clone(), mine])),
@@ -409,7 +408,7 @@ mod tests {
     #[test]
     fn another_program_and_a_newer_one_are_told_from_damage() {
         let bytes = state(2..3);
-        let mine = crate::provenance::PROGRAM_VERSION;
+        let mine = crate::engine::PROGRAM_VERSION;
         let at = MAGIC.len() + 2;
         assert_eq!(&bytes[at..at + mine.len()], mine.as_bytes());
         let with = |change: &dyn Fn(&mut Vec<u8>)| {

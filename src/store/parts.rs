@@ -8,7 +8,6 @@ use super::workshop::Workshop;
 use super::{StoreError, Writer, check_space};
 use crate::dataset::{header, layout};
 use crate::engine::{Asked, Outcome, Sink, SinkError, Status};
-use crate::provenance::Provenance;
 use crate::saved::{Parts, PartsError, Question, State, each_block, of_bytes};
 use crate::scenario::Scenario;
 use crate::stats::BlockResult;
@@ -103,7 +102,7 @@ impl Sink for Merge<'_> {
             return Ok(());
         }
         let Question { scenario, asked, .. } = self.question;
-        let header = Provenance { paths: asked.paths, ..Provenance::of(scenario) };
+        let header = asked.provenance(scenario);
         let mut writer = Writer::within(workshop, &header, &scenario.record)?;
         for (path, state) in self.parts {
             copy_rows(path, state, &mut writer)?;

@@ -8,7 +8,6 @@ use super::state;
 use super::workshop::{Workshop, lock};
 use super::{StoreError, Writer, check_space, finished, found};
 use crate::engine::{Asked, Moment, Outcome, Sink, SinkError, SoFar, Status};
-use crate::provenance::Provenance;
 use crate::saved::{Position, Question, State, to_bytes};
 use crate::scenario::Scenario;
 use crate::stats::{BlockResult, Record};
@@ -220,7 +219,7 @@ impl Open {
         let Open { workshop, question, log, logs: ends, .. } = self;
         drop(log);
         let Question { scenario, asked, .. } = &question;
-        let header = Provenance { paths: asked.paths, ..Provenance::of(scenario) };
+        let header = asked.provenance(scenario);
         let (rows, state) = (logs(&workshop, &ends), workshop.path(STATE));
         let mut writer = Writer::within(workshop, &header, &scenario.record)?;
         if let Some(reason) = &outcome.ended_by {

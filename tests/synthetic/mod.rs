@@ -5,8 +5,7 @@
 use ndarray::Array2;
 use std::path::Path;
 use stick_slip::dataset::Rows;
-use stick_slip::engine::Status;
-use stick_slip::provenance::Provenance;
+use stick_slip::engine::{Provenance, Status};
 use stick_slip::stats::{
     Band, Bands, Bias, Estimate, EventColumns, Histogram, PathColumns, PeriodMoments, QUANTILE_LEVELS, Record,
     Statistic, StickDurations, SubPhaseCounts, Summary, TrajectoryRows, Transient, Units,

@@ -10,7 +10,7 @@ use stick_slip::sums::Ends;
 /// The numbers of a run. Those that are not finite are null.
 pub(super) fn json(stored: &Stored, info: &RunInfo) -> String {
     let summary = &stored.summary;
-    let unit = |dimension: Dimension| Some(dimension.label(&info.units)).filter(|unit| !unit.is_empty());
+    let unit = |dimension: Dimension| Some(dimension.label(&info.provenance.units)).filter(|unit| !unit.is_empty());
     let name = |text: &str, dimension| unit(dimension).map_or(text.to_string(), |unit| format!("{text} ({unit})"));
     let remarks = report::remarks(summary, info);
     let remark = |of: &str| {
@@ -39,7 +39,8 @@ fn statistics(summary: &Summary, info: &RunInfo) -> Value {
         numbers(&summary.estimates.iter().map(of).collect::<Vec<_>>())
     };
     let names: Vec<&str> = summary.estimates.iter().map(|e| e.statistic.name()).collect();
-    let units: Vec<String> = summary.estimates.iter().map(|e| e.statistic.dimension().label(&info.units)).collect();
+    let units: Vec<String> =
+        summary.estimates.iter().map(|e| e.statistic.dimension().label(&info.provenance.units)).collect();
     columns([
         ("statistic", names.into()),
         ("unit", units.into()),

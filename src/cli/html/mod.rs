@@ -75,7 +75,7 @@ fn page(stored: &Stored, scenario: Option<&Scenario>, info: &RunInfo) -> String 
         ("style", STYLE.to_string()),
         ("about", escaped(&about)),
         ("warnings", list_of_warnings(&results::warnings(summary, scenario))),
-        ("statistics", rows(&report::cells(summary, &info.units))),
+        ("statistics", rows(&report::cells(summary, &info.provenance.units))),
         ("scenario", escaped(&header.scenario_text)),
         ("provenance", provenance(stored, info)),
         ("cite", cite(stored)),

@@ -4,6 +4,7 @@ use super::RunInfo;
 use crate::cli::numbers::{Digits, counted, wrapped};
 use crate::cli::table::{Row, aligned};
 use std::fmt::Write as _;
+use stick_slip::engine::Provenance;
 use stick_slip::stats::{Statistic, Summary};
 
 /// Half the width of a 95 % interval, in standard errors.
@@ -15,9 +16,10 @@ pub fn comparison(summaries: &[&Summary], infos: &[RunInfo]) -> String {
     let mut text = String::new();
     let letters: Vec<String> = (0..infos.len()).map(letter).collect();
     for (letter, info) in letters.iter().zip(infos) {
-        let step = info.step.map_or(String::new(), |h| format!(", step {h:?}"));
-        let paths = counted(info.paths, "path");
-        let _ = writeln!(text, "{letter:<3}{}: {}{step}, seed {}, {paths}", info.file, info.scheme, info.seed);
+        let Provenance { scheme, step, seed, paths, .. } = &info.provenance;
+        let step = step.map_or(String::new(), |h| format!(", step {h:?}"));
+        let paths = counted(*paths, "path");
+        let _ = writeln!(text, "{letter:<3}{}: {scheme}{step}, seed {seed}, {paths}", info.file);
     }
     let mut headings = vec![letters[0].clone(), "std. error".to_string()];
     for letter in &letters[1..] {
@@ -67,7 +69,7 @@ fn legend(infos: &[RunInfo], letters: &[String]) -> String {
         .iter()
         .zip(infos)
         .skip(1)
-        .filter(|(_, info)| info.seed == infos[0].seed)
+        .filter(|(_, info)| info.provenance.seed == infos[0].provenance.seed)
         .map(|l| l.0.as_str())
         .collect();
     if !same.is_empty() {
@@ -80,7 +82,9 @@ fn legend(infos: &[RunInfo], letters: &[String]) -> String {
             same.join(", ")
         );
     }
-    if infos.iter().any(|info| info.scheme != infos[0].scheme || info.step != infos[0].step) {
+    if infos.iter().any(|info| {
+        info.provenance.scheme != infos[0].provenance.scheme || info.provenance.step != infos[0].provenance.step
+    }) {
         legend.push_str(". Differences contain the biases of the steps");
     }
     legend
@@ -101,7 +105,8 @@ mod tests {
             summary.estimates[Statistic::SubPhasesMean.index()].standard_error = error;
         }
         set(&mut b, Statistic::JumpMean, f64::NAN);
-        let other = RunInfo { seed: info().seed + 1, ..info() };
+        let provenance = Provenance { seed: 2, ..info().provenance };
+        let other = RunInfo { provenance, ..info() };
         let table = comparison(&[&a, &b, &a], &[info(), other, info()]);
         let cells: Vec<&str> = row(&table, "sub_phases_mean").split_whitespace().skip(1).collect();
         assert_eq!(

@@ -120,8 +120,13 @@ mod tests {
         summary.estimates[0].bias = Some(Bias { estimate: 0.05, uncertainty: 0.01, order: None });
         summary.estimates[1].high = f64::INFINITY;
         let mut csv = Csv::default();
-        csv.add("a, \"b\".h5", &[], &summary.estimates, &info().units);
-        csv.add("point.h5", &[("friction.static".to_string(), 1.25)], &summary.estimates[..1], &info().units);
+        csv.add("a, \"b\".h5", &[], &summary.estimates, &info().provenance.units);
+        csv.add(
+            "point.h5",
+            &[("friction.static".to_string(), 1.25)],
+            &summary.estimates[..1],
+            &info().provenance.units,
+        );
         let text = csv.text();
         let lines: Vec<&str> = text.lines().collect();
         assert_eq!(lines.len(), 2 + Statistic::ALL.len());

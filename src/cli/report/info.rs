@@ -1,29 +1,16 @@
 //! Everything a report says about a run besides its statistics, and the speeds that follow from it.
 
-use stick_slip::engine::{Part, Status};
-use stick_slip::scenario::Units;
+use stick_slip::engine::{Part, Provenance, Status};
 
 /// Everything a report says about a run besides its statistics.
 #[derive(Clone, Debug)]
 pub struct RunInfo {
     /// The name of the scenario: its file for a new run, its title for a stored one.
     pub scenario: String,
-    /// The title of the scenario.
-    pub title: String,
-    /// Name of the scheme.
-    pub scheme: String,
-    /// The step h, for time-stepping schemes.
-    pub step: Option<f64>,
-    /// The shortest slip that the scheme resolves, where the results depend on it.
-    pub resolution: Option<f64>,
-    /// Seed of the ensemble.
-    pub seed: u64,
-    /// The number of paths that were asked for.
-    pub paths: u64,
+    /// Where the numbers come from.
+    pub provenance: Provenance,
     /// Which part of the paths this is, if not all of them.
     pub part: Option<Part>,
-    /// Whether the paths are antithetic pairs.
-    pub antithetic: bool,
     /// The number of threads, if this process simulated the run.
     pub threads: Option<usize>,
     /// Wall-clock time in seconds, if known.
@@ -40,10 +27,6 @@ pub struct RunInfo {
     pub status: Status,
     /// What ended the run before its last path; none if the run was not ended early.
     pub ended_by: Option<String>,
-    /// The resolved scenario as TOML, if it is available.
-    pub scenario_text: Option<String>,
-    /// The labels of the units.
-    pub units: Units,
 }
 
 impl RunInfo {
@@ -51,7 +34,7 @@ impl RunInfo {
     /// A scheme without a step gives up a path that takes more work than is allowed or meets a
     /// number that is not finite.
     pub(super) fn loss(&self) -> &'static str {
-        if self.step.is_some() { "diverged" } else { "given up" }
+        if self.provenance.step.is_some() { "diverged" } else { "given up" }
     }
 
     /// Wall-clock time of the simulation without the estimate of the bias.

@@ -7,23 +7,23 @@ use stick_slip::stats::{Estimate, Statistic, Summary, Transient};
 
 /// The report as one JSON object. A number that does not exist is null.
 pub fn json(summary: &Summary, info: &RunInfo, warnings: &[JsonWarning]) -> String {
-    let sticks = &summary.stick_durations;
+    let (sticks, run) = (&summary.stick_durations, &info.provenance);
     let report = JsonReport {
         scenario: &info.scenario,
-        title: &info.title,
-        scenario_sha256: info.scenario_text.as_deref().map(sha256),
+        title: &run.title,
+        scenario_sha256: sha256(&run.scenario_text),
         units: JsonUnits {
-            time: &info.units.time,
-            length: &info.units.length,
-            force: &info.units.force,
-            temperature: &info.units.temperature,
+            time: &run.units.time,
+            length: &run.units.length,
+            force: &run.units.force,
+            temperature: &run.units.temperature,
         },
-        scheme: &info.scheme,
-        step: info.step,
-        resolution: info.resolution,
-        seed: info.seed,
-        paths: info.paths,
-        antithetic: info.antithetic,
+        scheme: &run.scheme,
+        step: run.step,
+        resolution: run.resolution,
+        seed: run.seed,
+        paths: run.paths,
+        antithetic: run.antithetic,
         completed_paths: summary.completed_paths,
         diverged_paths: summary.diverged.len(),
         diverged: &summary.diverged,
@@ -64,7 +64,7 @@ struct JsonReport<'a> {
     scenario: &'a str,
     title: &'a str,
     /// The hash of the resolved scenario, as `mc check` prints it and files hold it.
-    scenario_sha256: Option<String>,
+    scenario_sha256: String,
     units: JsonUnits<'a>,
     scheme: &'a str,
     step: Option<f64>,

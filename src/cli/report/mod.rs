@@ -37,18 +37,18 @@ pub use statistics::cells;
 use super::numbers::{counted, fitted};
 use statistics::statistics;
 use std::fmt::Write as _;
-use stick_slip::engine::Status;
+use stick_slip::engine::{Provenance, Status};
 use stick_slip::stats::Summary;
 
 /// The table for people.
 pub fn table(summary: &Summary, info: &RunInfo) -> String {
     let mut text = String::new();
-    let _ = writeln!(text, "{}", info.title);
-    let step = info.step.map_or(String::new(), |h| format!(", step {h:?}"));
-    let paths = counted(if info.status == Status::Ended { summary.completed_paths } else { info.paths }, "path");
-    let pairs = if info.antithetic { " in antithetic pairs" } else { "" };
-    let _ = writeln!(text, "{}{step}, seed {}, {paths}{pairs}\n", info.scheme, info.seed);
-    text.push_str(&statistics(summary, &info.units));
+    let Provenance { title, scheme, step, seed, paths, antithetic, units, .. } = &info.provenance;
+    let step = step.map_or(String::new(), |h| format!(", step {h:?}"));
+    let paths = counted(if info.status == Status::Ended { summary.completed_paths } else { *paths }, "path");
+    let pairs = if *antithetic { " in antithetic pairs" } else { "" };
+    let _ = writeln!(text, "{title}\n{scheme}{step}, seed {seed}, {paths}{pairs}\n");
+    text.push_str(&statistics(summary, units));
     text.push('\n');
     for (label, line) in remarks(summary, info) {
         text.push_str(&fitted(&format!("{label:<8}{line}"), "        "));

@@ -69,7 +69,7 @@ fn long_slips(summary: &Summary) -> Option<String> {
 fn start(summary: &Summary, info: &RunInfo) -> Option<String> {
     let Transient { end, sticks, slips, displacement, .. } = summary.transient?;
     let digits = Digits::of(displacement.estimate, displacement.standard_error);
-    let unit = |dimension: Dimension| Some(dimension.label(&info.units)).filter(|unit| !unit.is_empty());
+    let unit = |dimension: Dimension| Some(dimension.label(&info.provenance.units)).filter(|unit| !unit.is_empty());
     let with_unit =
         |number: String, dimension| unit(dimension).map_or(number.clone(), |unit| format!("{number} {unit}"));
     Some(format!(
@@ -144,7 +144,7 @@ pub fn too_few(summary: &Summary) -> Option<String> {
 /// The number of paths, and how the run ended.
 fn paths(summary: &Summary, info: &RunInfo) -> String {
     let completed = grouped(summary.completed_paths);
-    let of_all = format!("{completed} of {} completed", grouped(info.paths));
+    let of_all = format!("{completed} of {} completed", grouped(info.provenance.paths));
     match info.status {
         Status::Complete => of_all,
         Status::Ended => format!("{completed} completed; ended by {}", info.ended_by.as_deref().unwrap_or("request")),
@@ -192,9 +192,10 @@ pub fn lost(summary: &Summary, info: &RunInfo) -> Option<String> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::sample::{info, set, summary};
+    use super::super::sample::{info, info_in, set, summary};
     use super::super::table;
     use super::*;
+    use stick_slip::engine::Provenance;
     use stick_slip::scenario::Units;
     use stick_slip::stats::{Bias, Statistic, Transient};
     use stick_slip::sums::Measurement;
@@ -270,7 +271,7 @@ mod tests {
         let units = Units { time: "s".into(), length: "mm".into(), ..Units::default() };
         let line = "start   left out: what began before t = 25.5 s: 31 000 sticks and 42 000 slips; until then x moved by \
                     -1.250 mm in the mean (std. error 0.050)";
-        let reported = table(&summary, &RunInfo { units, ..info() });
+        let reported = table(&summary, &info_in(units));
         assert!(reported.contains(line), "{reported}");
     }
 
@@ -317,7 +318,7 @@ mod tests {
         summary.diverged = (0..10_000).collect();
         set(&mut summary, Statistic::DisplacementEndMean, f64::NAN);
         assert!(super::super::table(&summary, &info()).contains("every path diverged"));
-        let without_step = RunInfo { step: None, ..info() };
+        let without_step = RunInfo { provenance: Provenance { step: None, ..info().provenance }, ..info() };
         let table = super::super::table(&summary, &without_step);
         assert!(
             table.contains("10 000 paths given up, in no statistic") && !table.contains("paths diverged"),

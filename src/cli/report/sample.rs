@@ -2,8 +2,8 @@
 
 use super::RunInfo;
 use ndarray::Array2;
-use stick_slip::engine::Status;
-use stick_slip::scenario::Units;
+use stick_slip::engine::{Provenance, Status};
+use stick_slip::scenario::{Scenario, Units};
 use stick_slip::stats::{
     Band, Bands, Estimate, Histogram, PeriodMoments, QUANTILE_LEVELS, Statistic, StickDurations, SubPhaseCounts,
     Summary,
@@ -83,14 +83,15 @@ pub fn summary() -> Summary {
 pub fn info() -> RunInfo {
     RunInfo {
         scenario: "scenarios/rho025.toml".into(),
-        title: "Noisy temperature".into(),
-        scheme: "discrete-vi".into(),
-        step: Some(0.01),
-        resolution: None,
-        seed: 1,
-        paths: 10_000,
+        provenance: Provenance {
+            scheme: "discrete-vi".into(),
+            step: Some(0.01),
+            seed: 1,
+            paths: 10_000,
+            units: Units::default(),
+            ..Provenance::of(&Scenario::shipped("rho025").expect("shipped"))
+        },
         part: None,
-        antithetic: false,
         threads: Some(2),
         seconds: Some(0.6),
         bias_seconds: Some(0.0),
@@ -99,9 +100,12 @@ pub fn info() -> RunInfo {
         file: "rho025.h5".into(),
         status: Status::Complete,
         ended_by: None,
-        scenario_text: None,
-        units: Units::default(),
     }
+}
+
+/// The same run with other units.
+pub fn info_in(units: Units) -> RunInfo {
+    RunInfo { provenance: Provenance { units, ..info().provenance }, ..info() }
 }
 
 pub fn set(summary: &mut Summary, statistic: Statistic, estimate: f64) {

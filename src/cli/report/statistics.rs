@@ -138,8 +138,8 @@ fn row(e: &Estimate, has_bias: bool) -> Row {
 
 #[cfg(test)]
 mod tests {
-    use super::super::sample::{info, reason, row, set, summary};
-    use super::super::{RunInfo, table};
+    use super::super::sample::{info, info_in, reason, row, set, summary};
+    use super::super::table;
     use stick_slip::scenario::Units;
     use stick_slip::stats::{Bias, Estimate, Statistic};
 
@@ -189,7 +189,7 @@ mod tests {
     fn units_get_a_column_where_they_have_labels() {
         let (time, length, force) = ("s".to_string(), "m".to_string(), "N".to_string());
         let units = Units { time, length, force, temperature: String::new() };
-        let table = table(&summary(), &RunInfo { units, ..info() });
+        let table = table(&summary(), &info_in(units));
         let unit = |name| row(&table, name).rsplit("  ").next().unwrap_or_default();
         assert_eq!(unit("stick_duration_mean"), "s");
         assert_eq!(unit("drift_velocity"), "m/s");
@@ -197,9 +197,7 @@ mod tests {
         assert_eq!(unit("friction_work_mean"), "N m");
         // A label of a unit may contain brackets, which are not the brackets of a reason.
         let units = Units { length: "(mm)".to_string(), ..Units::default() };
-        assert!(
-            row(&super::super::table(&self::summary(), &RunInfo { units, ..info() }), "jump_mean").ends_with("(mm)")
-        );
+        assert!(row(&super::super::table(&self::summary(), &info_in(units)), "jump_mean").ends_with("(mm)"));
     }
 
     #[test]

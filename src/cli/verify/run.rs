@@ -9,9 +9,8 @@ use std::collections::BTreeSet;
 use std::ops::{ControlFlow, Range};
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
-use stick_slip::engine::Asked;
-use stick_slip::ensemble::{BLOCK_SIZE, Plan, in_order};
-use stick_slip::provenance::{Provenance, other_program};
+use stick_slip::engine::{Asked, Provenance, other_program};
+use stick_slip::ensemble::{BLOCK_SIZE, in_order};
 use stick_slip::scenario::Scenario;
 use stick_slip::stats::{BlockResult, Record, RunTotals, Summary};
 use stick_slip::store::{Expected, Stored, Verification};
@@ -45,13 +44,7 @@ impl Verify {
         let scenario = results::scenario(&self.file.display().to_string(), stored, &[])?;
         let own = Provenance::of(&scenario);
         let expected = Expected::of(stored, own, scenario.record);
-        let asked = Asked {
-            paths: expected.header.paths,
-            part: stored.part,
-            goals: Vec::new(),
-            max_time: None,
-            with_bias: false,
-        };
+        let asked = Asked { part: stored.part, ..Asked::paths(expected.header.paths) };
         let first = asked.blocks().start;
         let blocks = first..first + stored.completed_paths.div_ceil(BLOCK_SIZE);
         Claim { verify: self, stored, scenario, expected, blocks }.check()
@@ -108,7 +101,7 @@ impl Claim<'_> {
     /// Simulates these blocks again and compares each with the file.
     fn simulate(&self, blocks: BTreeSet<u64>) -> Result<Simulated, Failure> {
         let mut file = Verification::open(&self.verify.file, self.origin(), &self.expected.header)?;
-        let plan = Plan { paths: self.expected.header.paths, ..self.scenario.plan() };
+        let plan = Asked::paths(self.expected.header.paths).plan(&self.scenario);
         let numbers: Vec<u64> = blocks.iter().copied().collect();
         let mut totals = RunTotals::empty(plan.model(), plan.timeline());
         let used = self.scenario.run_bytes(plan.paths, self.verify.threads.number());

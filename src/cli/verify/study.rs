@@ -9,7 +9,7 @@ use std::collections::BTreeSet;
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 use stick_slip::bearing::calibration::calibrate_again;
-use stick_slip::provenance::Provenance;
+use stick_slip::engine::Provenance;
 use stick_slip::scenario::Scenario;
 use stick_slip::store::{self, StoreError, StoredCalibration, StoredSweep, StoredTrade};
 use stick_slip::study::sweep::{Simulation, Sweep};

@@ -23,7 +23,7 @@ use super::own::{self, identity};
 use super::reader::check_file;
 use super::{check_space, partial_path, remains, workshop};
 use crate::dataset;
-use crate::provenance::Provenance;
+use crate::engine::Provenance;
 use crate::stats::{GROUPS, Statistic};
 use crate::study::sweep::{Design, Point, Question, Sweep};
 use std::path::{Path, PathBuf};

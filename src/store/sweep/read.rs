@@ -2,7 +2,7 @@
 
 use crate::dataset::sweep::{self, SWEEP_FORMAT_NAME, SWEEP_FORMAT_VERSION, name, program};
 use crate::dataset::{StoredSweep, read_text};
-use crate::provenance::Provenance;
+use crate::engine::Provenance;
 use crate::store::StoreError;
 use crate::store::error::cause;
 use crate::store::reader::{check_file, open};

@@ -6,9 +6,8 @@ use crate::dataset::header;
 use crate::dataset::layout::{self, Variable};
 use crate::dataset::rows::{self, Along, Table};
 use crate::dataset::{Destination as _, Kind, Rows, Values, run, summary};
-use crate::engine::{Asked, Part, Status};
+use crate::engine::{Asked, Part, Provenance, Status};
 use crate::ensemble::BLOCK_SIZE;
-use crate::provenance::Provenance;
 use crate::saved::{RowSource as _, of_bytes};
 use crate::scenario::Bearing;
 use crate::stats::{BlockResult, Record, Summary};
@@ -45,7 +44,7 @@ impl Expected {
     pub fn of(stored: &Stored, own: Provenance, record: Record) -> Expected {
         let (part, ended_by) = (stored.part, stored.ended_by.clone());
         let paths = if ended_by.is_some() { stored.header.paths } else { own.paths };
-        let all = Asked { paths, part, goals: Vec::new(), max_time: None, with_bias: false }.own_paths();
+        let all = Asked { part, ..Asked::paths(paths) }.own_paths();
         let (status, completed_paths) = match (&ended_by, part) {
             // It ended after a block that is not the last.
             (Some(_), _) => (Status::Ended, stored.completed_paths.min(all) / BLOCK_SIZE * BLOCK_SIZE),

@@ -3,7 +3,7 @@
 use super::Difference;
 use super::against::Against;
 use crate::dataset::{self, StoredCalibration, sweep, trade};
-use crate::provenance::Provenance;
+use crate::engine::Provenance;
 use crate::stats::Units;
 use crate::store::StoreError;
 use crate::study::sweep::Sweep;

@@ -65,7 +65,7 @@ pub struct Provenance {
 }
 
 impl Provenance {
-    /// The provenance of a run of this scenario by this program.
+    /// The provenance of all paths that a scenario asks for, by this program.
     pub fn of(scenario: &Scenario) -> Self {
         Provenance {
             title: scenario.title.clone(),
