@@ -28,11 +28,11 @@ fn scene(sources: &Sources<'_>) -> Result<BridgeScene, ScenarioError> {
     let root = Fields::root(sources, &tree);
     let (oscillator, friction) = (root.table("oscillator"), root.table("friction"));
     let (bearing, series) = (root.table("bearing"), root.table("temperature").table("series"));
-    let line = |name: &str| Some(series.line_or(name, "")).filter(|text| !text.is_empty());
+    let line = |key| Some(series.line_or(key, "")).filter(|text| !text.is_empty());
     let stem = Path::new(sources.name).file_stem().unwrap_or_default().to_string_lossy();
     let initial = root.table("initial").number_or_word(keys::DISPLACEMENT, &["balanced", "free"]);
     sources.outcome(BridgeScene {
-        title: root.line_or("title", &stem),
+        title: root.line_or(keys::TITLE, &stem),
         stiffness: oscillator.number(keys::STIFFNESS),
         dilatation: oscillator.number(keys::DILATATION),
         f_s: friction.number(keys::STATIC),
@@ -40,10 +40,10 @@ fn scene(sources: &Sources<'_>) -> Result<BridgeScene, ScenarioError> {
         shear_stiffness: bearing.number_if_present(keys::BEARING_STIFFNESS).map(|read| read.value),
         offset: bearing.number_or(keys::OFFSET, 0.0),
         displacement: initial.and_then(Result::ok),
-        file: line("file"),
-        time: series.line_or("time", "time"),
-        value: line("value"),
-        zone: line("zone"),
+        file: line(keys::FILE),
+        time: series.line_or(keys::SERIES_TIME, "time"),
+        value: line(keys::VALUE),
+        zone: line(keys::ZONE),
         text: sources.text.to_string(),
     })
 }

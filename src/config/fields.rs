@@ -196,8 +196,8 @@ impl<'a> Fields<'a> {
     }
 
     /// A word from a list, if it is there.
-    pub fn word(&self, name: &str, words: &[&'static str]) -> Option<&'static str> {
-        self.sources.or_report(self.word_in(self.node(name)?, name, words))
+    pub fn word(&self, key: Key, words: &[&'static str]) -> Option<&'static str> {
+        self.sources.or_report(self.word_in(self.node(key.name)?, key.name, words))
     }
 
     fn word_in(&self, node: &Node, name: &str, words: &[&'static str]) -> Result<&'static str, Box<Fault>> {
@@ -224,7 +224,8 @@ impl<'a> Fields<'a> {
     }
 
     /// A whole number within a range, or its default if it is missing.
-    pub fn whole_or(&self, name: &str, default: u64, range: (u64, u64)) -> u64 {
+    pub fn whole_or(&self, key: Key, default: u64, range: (u64, u64)) -> u64 {
+        let name = key.name;
         self.node(name).and_then(|node| self.sources.or_report(self.whole_in(node, name, range))).unwrap_or(default)
     }
 
@@ -252,12 +253,12 @@ impl<'a> Fields<'a> {
     }
 
     /// True or false, or the default if it is missing.
-    pub fn flag_or(&self, name: &str, default: bool) -> bool {
-        match self.node(name) {
+    pub fn flag_or(&self, key: Key, default: bool) -> bool {
+        match self.node(key.name) {
             None => default,
             Some(Node { value: Value::Boolean(value), .. }) => *value,
             Some(node) => {
-                let path = self.dotted(name);
+                let path = self.dotted(key.name);
                 self.sources.report(wrong_kind(self.sources, node, &path, "true or false", "write true or false"));
                 default
             }
@@ -265,7 +266,8 @@ impl<'a> Fields<'a> {
     }
 
     /// One line of text, or the default if it is missing.
-    pub fn line_or(&self, name: &str, default: &str) -> String {
+    pub fn line_or(&self, key: Key, default: &str) -> String {
+        let name = key.name;
         let read = self.node(name).and_then(|node| self.sources.or_report(self.line_in(node, name)));
         read.unwrap_or_else(|| default.to_string())
     }

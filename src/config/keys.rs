@@ -6,6 +6,8 @@ use crate::scheme::TOLERANCES;
 /// The range of numbers that a key accepts. Infinities and NaN are never accepted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Range {
+    /// The key holds no number.
+    None,
     Any,
     Positive,
     NonNegative,
@@ -20,6 +22,7 @@ pub(super) enum Range {
 impl Range {
     pub fn holds(self, x: f64) -> bool {
         match self {
+            Range::None => false,
             Range::Any => true,
             Range::Positive => x > 0.0,
             Range::NonNegative | Range::Threshold => x >= 0.0,
@@ -39,6 +42,7 @@ impl Range {
 
     pub fn words(self) -> &'static str {
         match self {
+            Range::None => "no number",
             Range::Any => "a finite number",
             Range::Positive => "a finite number above 0",
             Range::NonNegative | Range::Threshold => "a finite number, 0 or above",
@@ -48,7 +52,7 @@ impl Range {
     }
 }
 
-/// A key that holds a number.
+/// A key of a scenario. Keys that hold no number have no range.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Key {
     pub name: &'static str,
@@ -57,108 +61,137 @@ pub(super) struct Key {
     pub range: Range,
 }
 
-const fn key(name: &'static str, symbol: &'static str, meaning: &'static str, range: Range) -> Key {
+/// A key that holds a number.
+const fn number(name: &'static str, symbol: &'static str, meaning: &'static str, range: Range) -> Key {
     Key { name, symbol, meaning, range }
 }
 
-pub(super) const MASS: Key = key("mass", "m", "mass", Range::Positive);
-pub(super) const STIFFNESS: Key = key("stiffness", "K", "stiffness of the spring", Range::Positive);
-pub(super) const DAMPING: Key = key("damping", "alpha", "the damping force is 2 alpha x'", Range::NonNegative);
-pub(super) const DILATATION: Key = key("dilatation", "beta", "the rest position is beta T", Range::Any);
-pub(super) const STATIC: Key = key("static", "f_s", "a stick lasts while |b| <= f_s", Range::Threshold);
-pub(super) const DYNAMIC: Key = key("dynamic", "f_d", "|F| in motion, at most f_s", Range::Threshold);
-pub(super) const AMPLITUDE: Key = key("amplitude", "a", "amplitude of the harmonic", Range::Any);
-pub(super) const ANGULAR_FREQUENCY: Key =
-    key("angular_frequency", "w", "angular frequency of the forcing, not of the oscillator", Range::NonNegative);
-pub(super) const PHASE: Key =
-    key("phase", "phi", "phase at t = 0, in radians; whole turns may be left out", Range::Phase);
-pub(super) const INTENSITY: Key = key("intensity", "rho", "weight of v in T", Range::NonNegative);
-pub(super) const RELAXATION_RATE: Key = key("relaxation_rate", "theta", "dv = -theta v dt + sigma dW", Range::Positive);
-pub(super) const DIFFUSION: Key = key("diffusion", "sigma", "dv = -theta v dt + sigma dW", Range::NonNegative);
-pub(super) const INITIAL_NOISE: Key = key("initial", "v(0)", "start of the noise", Range::Any);
-pub(super) const DISPLACEMENT: Key = key("displacement", "x0", "x(0); x'(0) = 0", Range::Any);
-pub(super) const MAX_GAP: Key = key("max_gap", "", "longest time between two samples", Range::Positive);
-pub(super) const BEARING_STIFFNESS: Key = key("stiffness", "K_B", "shear of the bearing under F", Range::Positive);
-pub(super) const OFFSET: Key = key("offset", "z0", "what the sensor shows at x = 0", Range::Any);
-pub(super) const END: Key = key("end", "t_end", "duration", Range::NonNegative);
-pub(super) const STEP: Key = key("step", "h", "time step", Range::Positive);
-pub(super) const OUTPUT_STEP: Key = key("output_step", "", "spacing of the output grid", Range::Positive);
-pub(super) const TOLERANCE: Key =
-    key("tolerance", "", "relative error that discretisation may leave", Range::Tolerance);
-pub(super) const AFTER: Key = key("after", "", "statistics count from this time on", Range::NonNegative);
+/// A key that holds a text, a flag or a whole number.
+const fn other(name: &'static str, meaning: &'static str) -> Key {
+    Key { name, symbol: "", meaning, range: Range::None }
+}
 
-/// The keys that hold numbers, each with its table.
-const NUMBERS: [(&str, Key); 22] = [
-    ("oscillator", MASS),
-    ("oscillator", STIFFNESS),
-    ("oscillator", DAMPING),
-    ("oscillator", DILATATION),
-    ("friction", STATIC),
-    ("friction", DYNAMIC),
-    ("temperature.harmonics", AMPLITUDE),
-    ("temperature.harmonics", ANGULAR_FREQUENCY),
-    ("temperature.harmonics", PHASE),
-    ("temperature.noise", INTENSITY),
-    ("temperature.noise", RELAXATION_RATE),
-    ("temperature.noise", DIFFUSION),
-    ("temperature.noise", INITIAL_NOISE),
-    ("temperature.series", MAX_GAP),
-    ("initial", DISPLACEMENT),
-    ("bearing", BEARING_STIFFNESS),
-    ("bearing", OFFSET),
-    ("time", END),
-    ("time", STEP),
-    ("time", OUTPUT_STEP),
-    ("scheme", TOLERANCE),
-    ("statistics", AFTER),
-];
+/// A key that holds a table, or tables.
+const fn table(name: &'static str) -> Key {
+    other(name, "")
+}
+
+/// From one list: a constant for each key, and the tables with their keys.
+macro_rules! keys {
+    ($($table:literal { $($KEY:ident = $key:expr;)+ })+) => {
+        $($(pub(super) const $KEY: Key = $key;)+)+
+
+        /// The tables and the keys of each, in the order in which a resolved scenario is written.
+        pub(super) const TABLES: &[(&str, &[Key])] = &[$(($table, &[$($KEY),+])),+];
+    };
+}
+
+keys! {
+    "" {
+        TITLE = other("title", "what the scenario asks, in one line");
+        OSCILLATOR = table("oscillator");
+        FRICTION = table("friction");
+        TEMPERATURE = table("temperature");
+        INITIAL = table("initial");
+        BEARING = table("bearing");
+        TIME = table("time");
+        SCHEME = table("scheme");
+        STATISTICS = table("statistics");
+        ENSEMBLE = table("ensemble");
+        RECORD = table("record");
+        UNITS = table("units");
+    }
+    "oscillator" {
+        MASS = number("mass", "m", "mass", Range::Positive);
+        STIFFNESS = number("stiffness", "K", "stiffness of the spring", Range::Positive);
+        DAMPING = number("damping", "alpha", "the damping force is 2 alpha x'", Range::NonNegative);
+        DILATATION = number("dilatation", "beta", "the rest position is beta T", Range::Any);
+    }
+    "friction" {
+        STATIC = number("static", "f_s", "a stick lasts while |b| <= f_s", Range::Threshold);
+        DYNAMIC = number("dynamic", "f_d", "|F| in motion, at most f_s", Range::Threshold);
+    }
+    "temperature" {
+        HARMONICS = table("harmonics");
+        SERIES = table("series");
+        NOISE = table("noise");
+    }
+    "temperature.harmonics" {
+        AMPLITUDE = number("amplitude", "a", "amplitude of the harmonic", Range::Any);
+        ANGULAR_FREQUENCY = number(
+            "angular_frequency", "w", "angular frequency of the forcing, not of the oscillator", Range::NonNegative);
+        PHASE = number("phase", "phi", "phase at t = 0, in radians; whole turns may be left out", Range::Phase);
+    }
+    "temperature.series" {
+        FILE = other("file", "relative to the folder of the scenario");
+        SERIES_TIME = other("time", "its column of times");
+        VALUE = other("value", "its column of temperatures");
+        ZONE = other("zone", "of stamps that name none");
+        MAX_GAP = number("max_gap", "", "longest time between two samples", Range::Positive);
+        START = other("start", "stamp of t = 0, as the samples say");
+        HASH = other("hash", "of the samples");
+    }
+    "temperature.noise" {
+        INTENSITY = number("intensity", "rho", "weight of v in T", Range::NonNegative);
+        RELAXATION_RATE = number("relaxation_rate", "theta", "dv = -theta v dt + sigma dW", Range::Positive);
+        DIFFUSION = number("diffusion", "sigma", "dv = -theta v dt + sigma dW", Range::NonNegative);
+        INITIAL_NOISE = number("initial", "v(0)", "start of the noise", Range::Any);
+        PINNED = other("pinned", "v is zero at every sample of the series");
+    }
+    "initial" {
+        DISPLACEMENT = number("displacement", "x0", "x(0); x'(0) = 0", Range::Any);
+    }
+    "bearing" {
+        BEARING_STIFFNESS = number("stiffness", "K_B", "shear of the bearing under F", Range::Positive);
+        OFFSET = number("offset", "z0", "what the sensor shows at x = 0", Range::Any);
+    }
+    "time" {
+        END = number("end", "t_end", "duration", Range::NonNegative);
+        STEP = number("step", "h", "time step", Range::Positive);
+        OUTPUT_STEP = number("output_step", "", "spacing of the output grid", Range::Positive);
+    }
+    "scheme" {
+        KIND = other("kind", "the scheme");
+        TOLERANCE = number("tolerance", "", "relative error that discretisation may leave", Range::Tolerance);
+    }
+    "statistics" {
+        AFTER = number("after", "", "statistics count from this time on", Range::NonNegative);
+    }
+    "ensemble" {
+        PATHS = other("paths", "number of paths");
+        SEED = other("seed", "with the number of a path, determines its noise");
+        ANTITHETIC = other("antithetic", "paths 2k and 2k + 1 see the same noise and its mirror image");
+    }
+    "record" {
+        RECORD_PATHS = other("paths", "scalars of every path");
+        EVENTS = other("events", "the event table of every path");
+        TRAJECTORIES = other("trajectories", "so many paths, the first, on the output grid");
+    }
+    "units" {
+        TIME_LABEL = other("time", "label");
+        LENGTH_LABEL = other("length", "label");
+        FORCE_LABEL = other("force", "label");
+        TEMPERATURE_LABEL = other("temperature", "label");
+    }
+}
 
 /// The key that a dotted name stands for, if it holds a number. The index of a harmonic is ignored.
-pub(super) fn number(dotted: &str) -> Option<Key> {
+pub(super) fn of_name(dotted: &str) -> Option<Key> {
     let is_name = |segment: &&str| !segment.bytes().all(|byte| byte.is_ascii_digit());
     let plain = dotted.split('.').map(str::trim).filter(is_name).collect::<Vec<_>>().join(".");
     let (table, name) = plain.rsplit_once('.')?;
-    NUMBERS.iter().find(|(home, key)| *home == table && key.name == name).map(|(_, key)| *key)
+    let (_, keys) = TABLES.iter().find(|(home, _)| *home == table)?;
+    keys.iter().find(|key| key.name == name && key.range != Range::None).copied()
 }
 
-/// The tables and the keys of each, in the order in which a resolved scenario is written.
-pub(super) const TABLES: [(&str, &[&str]); 15] = [
-    (
-        "",
-        &[
-            "title",
-            "oscillator",
-            "friction",
-            "temperature",
-            "initial",
-            "bearing",
-            "time",
-            "scheme",
-            "statistics",
-            "ensemble",
-            "record",
-            "units",
-        ],
-    ),
-    ("oscillator", &["mass", "stiffness", "damping", "dilatation"]),
-    ("friction", &["static", "dynamic"]),
-    ("temperature", &["harmonics", "series", "noise"]),
-    ("temperature.harmonics", &["amplitude", "angular_frequency", "phase"]),
-    ("temperature.series", &["file", "time", "value", "zone", "max_gap", "start", "hash"]),
-    ("temperature.noise", &["intensity", "relaxation_rate", "diffusion", "initial", "pinned"]),
-    ("initial", &["displacement"]),
-    ("bearing", &["stiffness", "offset"]),
-    ("time", &["end", "step", "output_step"]),
-    ("scheme", &["kind", "tolerance"]),
-    ("statistics", &["after"]),
-    ("ensemble", &["paths", "seed", "antithetic"]),
-    ("record", &["paths", "events", "trajectories"]),
-    ("units", &["time", "length", "force", "temperature"]),
-];
+/// The names of the keys of a table.
+pub(super) fn of_table(table: &str) -> Vec<&'static str> {
+    TABLES.iter().find(|(name, _)| *name == table).map_or(Vec::new(), |(_, keys)| names(keys))
+}
 
-/// The keys of a table.
-pub(super) fn of_table(table: &str) -> &'static [&'static str] {
-    TABLES.iter().find(|(name, _)| *name == table).map_or(&[], |(_, keys)| keys)
+/// The names of these keys.
+pub(super) fn names(keys: &[Key]) -> Vec<&'static str> {
+    keys.iter().map(|key| key.name).collect()
 }
 
 /// Other names that users write for a key: the symbols of the paper and common synonyms.
@@ -206,7 +239,7 @@ const ALIKE_ACROSS: f64 = 0.85;
 pub(super) fn suggestion(table: &str, key: &str) -> Option<String> {
     let word = key.to_lowercase();
     let dotted = |home: &str, name: &str| if home.is_empty() { name.to_string() } else { format!("{home}.{name}") };
-    let within = || most_alike(&word, of_table(table), ALIKE_WITHIN).map(|(_, name)| name.to_string());
+    let within = || most_alike(&word, &of_table(table), ALIKE_WITHIN).map(|(_, name)| name.to_string());
     let synonym = || {
         let (home, name) = SYNONYMS.iter().find(|(synonym, _)| *synonym == word)?.1.rsplit_once('.')?;
         Some(if home == table { name.to_string() } else { dotted(home, name) })
@@ -214,13 +247,13 @@ pub(super) fn suggestion(table: &str, key: &str) -> Option<String> {
     let across = || {
         TABLES
             .iter()
-            .filter_map(|(home, names)| Some((most_alike(&word, names, ALIKE_ACROSS)?, *home)))
+            .filter_map(|(home, keys)| Some((most_alike(&word, &names(keys), ALIKE_ACROSS)?, *home)))
             .max_by(|a, b| a.0.0.total_cmp(&b.0.0))
             .map(|((_, name), home)| dotted(home, name))
     };
     // A key of exactly this name in one other table.
     let elsewhere = || {
-        let mut homes = TABLES.iter().filter(|(home, names)| *home != table && names.contains(&word.as_str()));
+        let mut homes = TABLES.iter().filter(|(home, keys)| *home != table && names(keys).contains(&word.as_str()));
         homes.next().filter(|_| homes.next().is_none()).map(|(home, _)| dotted(home, &word))
     };
     synonym().or_else(elsewhere).or_else(within).or_else(across)

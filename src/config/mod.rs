@@ -52,7 +52,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 /// assert_eq!(symbol_and_meaning("ensemble.paths"), None);
 /// ```
 pub fn symbol_and_meaning(key: &str) -> Option<(&'static str, &'static str)> {
-    keys::number(key).map(|key| (key.symbol, key.meaning))
+    keys::of_name(key).map(|key| (key.symbol, key.meaning))
 }
 
 /// Every key of a scenario, dotted, in the order in which `mc check` prints them. Of the harmonics
@@ -64,7 +64,7 @@ pub fn keys() -> Vec<String> {
         table => format!("{table}.{name}"),
     };
     let is_table = |key: &String| keys::TABLES.iter().any(|(table, _)| table == key);
-    let all = keys::TABLES.iter().flat_map(|(table, names)| names.iter().map(|name| dotted(table, name)));
+    let all = keys::TABLES.iter().flat_map(|(table, keys)| keys.iter().map(|key| dotted(table, key.name)));
     all.filter(|key| !is_table(key)).collect()
 }
 

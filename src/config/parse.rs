@@ -29,14 +29,14 @@ pub(super) fn scenario(sources: &Sources<'_>, default_title: &str) -> Result<Sce
     let statistics = Statistics { after: root.table("statistics").number_or(keys::AFTER, 0.0).abs() };
     let ensemble = root.table("ensemble");
     let ensemble = Ensemble {
-        paths: ensemble.whole_or("paths", DEFAULT_PATHS, (1, MAX_PATHS)),
-        seed: ensemble.whole_or("seed", DEFAULT_SEED, (0, u64::MAX)),
-        antithetic: ensemble.flag_or("antithetic", false),
+        paths: ensemble.whole_or(keys::PATHS, DEFAULT_PATHS, (1, MAX_PATHS)),
+        seed: ensemble.whole_or(keys::SEED, DEFAULT_SEED, (0, u64::MAX)),
+        antithetic: ensemble.flag_or(keys::ANTITHETIC, false),
     };
     let record = root.table("record");
     let units = root.table("units");
     let scenario = Scenario {
-        title: root.line_or("title", default_title),
+        title: root.line_or(keys::TITLE, default_title),
         model,
         measured,
         is_balanced,
@@ -46,15 +46,15 @@ pub(super) fn scenario(sources: &Sources<'_>, default_title: &str) -> Result<Sce
         statistics,
         ensemble,
         record: Record {
-            paths: record.flag_or("paths", true),
-            events: record.flag_or("events", false),
-            trajectories: record.whole_or("trajectories", 0, (0, MAX_TRAJECTORIES)),
+            paths: record.flag_or(keys::RECORD_PATHS, true),
+            events: record.flag_or(keys::EVENTS, false),
+            trajectories: record.whole_or(keys::TRAJECTORIES, 0, (0, MAX_TRAJECTORIES)),
         },
         units: Units {
-            time: units.line_or("time", ""),
-            length: units.line_or("length", ""),
-            force: units.line_or("force", ""),
-            temperature: units.line_or("temperature", ""),
+            time: units.line_or(keys::TIME_LABEL, ""),
+            length: units.line_or(keys::LENGTH_LABEL, ""),
+            force: units.line_or(keys::FORCE_LABEL, ""),
+            temperature: units.line_or(keys::TEMPERATURE_LABEL, ""),
         },
     };
     scenario.misfits().into_iter().for_each(|misfit| report_misfit(sources, &root, Err(misfit)));

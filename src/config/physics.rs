@@ -48,7 +48,7 @@ pub(super) fn physics(sources: &Sources<'_>, root: &Fields<'_>) -> Physics {
     let (series, measured) = sources.or_report(series::series(sources, root)).flatten().unzip();
     let mut is_pinned = false;
     for table in &noises {
-        is_pinned |= table.flag_or("pinned", false);
+        is_pinned |= table.flag_or(keys::PINNED, false);
     }
     let temperature = Temperature { harmonics, series, is_pinned, noise, second_noise };
 

@@ -23,15 +23,15 @@ pub(super) fn series(sources: &Sources<'_>, root: &Fields<'_>) -> Result<Option<
         return Ok(Some((samples.clone(), in_memory())));
     }
     let Some(table) = root.table("temperature").table_if_present("series") else { return Ok(None) };
-    let line = |name: &str, default: &str| table.line_or(name, default);
+    let line = |key, default| table.line_or(key, default);
     let mut measured = Measured {
-        file: line("file", ""),
-        time: line("time", "time"),
-        value: line("value", ""),
-        zone: line("zone", ""),
+        file: line(keys::FILE, ""),
+        time: line(keys::SERIES_TIME, "time"),
+        value: line(keys::VALUE, ""),
+        zone: line(keys::ZONE, ""),
         max_gap: table.span_if_present(keys::MAX_GAP),
         // If the samples are read from a file, this is overwritten with their first stamp.
-        start: Some(line("start", "")).filter(|stamp| !stamp.is_empty()),
+        start: Some(line(keys::START, "")).filter(|stamp| !stamp.is_empty()),
         repairs: Vec::new(),
     };
     let place = table.place_of("file");
@@ -39,7 +39,7 @@ pub(super) fn series(sources: &Sources<'_>, root: &Fields<'_>) -> Result<Option<
         let remedy = "add `file = \"t.csv\"`: a CSV file with a column of times and one of temperatures";
         return Err(table.missing_text("file", remedy));
     }
-    let hash = line("hash", "");
+    let hash = line(keys::HASH, "");
     let is_override = sources.is_override(place);
     let series = match sources.samples {
         Some(Samples::Stored(stored)) if !is_override => stored.clone(),
@@ -104,7 +104,7 @@ fn read(
         max_gap = Some(DEFAULT_MAX_GAP);
         found = columns(max_gap).map_err(cannot)?;
     }
-    let unit = root.table("units").line_or("time", "");
+    let unit = root.table("units").line_or(keys::TIME_LABEL, "");
     if found.in_seconds && !SECONDS.contains(&unit.as_str()) {
         let problem = format!("has times in seconds, and `units.time` is \"{unit}\"");
         return Err(fault(problem, "write the whole scenario in seconds, and `time = \"s\"` under [units]".into()));

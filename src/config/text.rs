@@ -28,26 +28,26 @@ pub(super) fn resolved(scenario: &Scenario) -> String {
     }
     number(&mut text, keys::OUTPUT_STEP, output_step);
     table(&mut text, "scheme");
-    line(&mut text, "kind", &string(scheme.name()), scheme.kind().meaning());
+    line(&mut text, keys::KIND.name, &string(scheme.name()), scheme.kind().meaning());
     if let Some(tolerance) = scheme.tolerance() {
         number(&mut text, keys::TOLERANCE, tolerance);
     }
     table(&mut text, "statistics");
     number(&mut text, keys::AFTER, statistics.after);
     table(&mut text, "ensemble");
-    line(&mut text, "paths", &ensemble.paths.to_string(), "number of paths");
-    line(&mut text, "seed", &ensemble.seed.to_string(), "with the number of a path, determines its noise");
-    let pairs = "paths 2k and 2k + 1 see the same noise and its mirror image";
-    line(&mut text, "antithetic", &ensemble.antithetic.to_string(), pairs);
+    other(&mut text, keys::PATHS, &ensemble.paths.to_string());
+    other(&mut text, keys::SEED, &ensemble.seed.to_string());
+    other(&mut text, keys::ANTITHETIC, &ensemble.antithetic.to_string());
     let Record { paths, events, trajectories } = *record;
     table(&mut text, "record");
-    line(&mut text, "paths", &paths.to_string(), "scalars of every path");
-    line(&mut text, "events", &events.to_string(), "the event table of every path");
-    line(&mut text, "trajectories", &trajectories.to_string(), "so many paths, the first, on the output grid");
+    other(&mut text, keys::RECORD_PATHS, &paths.to_string());
+    other(&mut text, keys::EVENTS, &events.to_string());
+    other(&mut text, keys::TRAJECTORIES, &trajectories.to_string());
     let Units { time, length, force, temperature } = units;
     table(&mut text, "units");
-    for (name, label) in [("time", time), ("length", length), ("force", force), ("temperature", temperature)] {
-        line(&mut text, name, &string(label), "label");
+    let labels = [keys::TIME_LABEL, keys::LENGTH_LABEL, keys::FORCE_LABEL, keys::TEMPERATURE_LABEL];
+    for (key, label) in labels.into_iter().zip([time, length, force, temperature]) {
+        other(&mut text, key, &string(label));
     }
     text
 }
@@ -111,7 +111,12 @@ fn physics(text: &mut String, scenario: &Scenario) {
     table(text, "initial");
     if *is_balanced {
         let x0 = model.initial_displacement;
-        line(text, "displacement", "\"balanced\"", &format!("x0: beta T(0) = {x0:?}, where no spring force acts"));
+        line(
+            text,
+            keys::DISPLACEMENT.name,
+            "\"balanced\"",
+            &format!("x0: beta T(0) = {x0:?}, where no spring force acts"),
+        );
     } else {
         number(text, keys::DISPLACEMENT, model.initial_displacement);
     }
@@ -127,7 +132,7 @@ pub(super) fn of_temperature(temperature: &Temperature) -> String {
 fn temperature(text: &mut String, of: &Temperature, measured: Option<&Measured>) {
     if of.harmonics.is_empty() {
         table(text, "temperature");
-        line(text, "harmonics", "[]", "no deterministic part");
+        line(text, keys::HARMONICS.name, "[]", "no deterministic part");
     }
     for harmonic in &of.harmonics {
         text.push_str("\n[[temperature.harmonics]]  # a cos(w t + phi)\n");
@@ -144,7 +149,7 @@ fn temperature(text: &mut String, of: &Temperature, measured: Option<&Measured>)
             table(text, "temperature.noise");
             noise(text, only);
             if of.is_pinned {
-                line(text, "pinned", "true", "v is zero at every sample of the series");
+                other(text, keys::PINNED, "true");
             }
         }
         (Some(first), Some(second)) => {
@@ -162,27 +167,29 @@ fn noise(text: &mut String, Noise { intensity, relaxation_rate, diffusion, initi
     number(text, keys::DIFFUSION, *diffusion);
     match initial {
         InitialNoise::At(v0) => number(text, keys::INITIAL_NOISE, *v0),
-        InitialNoise::Stationary => line(text, "initial", "\"stationary\"", "v(0) ~ N(0, sigma^2 / (2 theta))"),
+        InitialNoise::Stationary => {
+            line(text, keys::INITIAL_NOISE.name, "\"stationary\"", "v(0) ~ N(0, sigma^2 / (2 theta))")
+        }
     }
 }
 
 fn series(text: &mut String, measured: &Measured, samples: &Series) {
     let Measured { file, time, value, zone, max_gap, start, .. } = measured;
     table(text, "temperature.series");
-    line(text, "file", &string(file), "relative to the folder of the scenario");
-    line(text, "time", &string(time), "its column of times");
-    line(text, "value", &string(value), "its column of temperatures");
+    other(text, keys::FILE, &string(file));
+    other(text, keys::SERIES_TIME, &string(time));
+    other(text, keys::VALUE, &string(value));
     if !zone.is_empty() {
-        line(text, "zone", &string(zone), "of stamps that name none");
+        other(text, keys::ZONE, &string(zone));
     }
     if let Some(max_gap) = *max_gap {
         number(text, keys::MAX_GAP, max_gap);
     }
     if let Some(start) = start {
-        line(text, "start", &string(start), "stamp of t = 0, as the samples say");
+        other(text, keys::START, &string(start));
     }
     let hash = format!("{:016x}", samples.fingerprint());
-    line(text, "hash", &string(&hash), &format!("of the {} samples", samples.times().len()));
+    line(text, keys::HASH.name, &string(&hash), &format!("of the {} samples", samples.times().len()));
 }
 
 fn table(text: &mut String, name: &str) {
@@ -190,9 +197,14 @@ fn table(text: &mut String, name: &str) {
 }
 
 fn number(text: &mut String, key: Key, value: f64) {
-    let comment =
-        if key.symbol.is_empty() { key.meaning.to_string() } else { format!("{}: {}", key.symbol, key.meaning) };
-    line(text, key.name, &format!("{value:?}"), &comment);
+    other(text, key, &format!("{value:?}"));
+}
+
+/// A line with the meaning of its key as a comment.
+fn other(text: &mut String, key: Key, value: &str) {
+    let Key { name, symbol, meaning, .. } = key;
+    let comment = if symbol.is_empty() { meaning.to_string() } else { format!("{symbol}: {meaning}") };
+    line(text, name, value, &comment);
 }
 
 /// Column at which comments start if the value is short enough.

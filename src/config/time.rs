@@ -43,11 +43,11 @@ fn last_step(end: f64, scheme: Scheme) -> f64 {
 fn kind(sources: &Sources<'_>, root: &Fields<'_>) -> (Kind, Option<f64>) {
     let table = root.table("scheme");
     let names: Vec<&'static str> = Kind::ALL.iter().map(|kind| kind.name()).collect();
-    let kind = table.word("kind", &names).and_then(Kind::from_name).unwrap_or(Kind::DiscreteVi);
+    let kind = table.word(keys::KIND, &names).and_then(Kind::from_name).unwrap_or(Kind::DiscreteVi);
     let Some(tolerance) = table.number_if_present(keys::TOLERANCE) else { return (kind, None) };
     // If the command line chooses a scheme with a step, a tolerance in the file is ignored, since
     // it belongs to the scheme that the file chose.
-    let is_left_behind = sources.is_override(table.place_of("kind")) && !sources.is_override(tolerance.place);
+    let is_left_behind = sources.is_override(table.place_of(keys::KIND.name)) && !sources.is_override(tolerance.place);
     if !kind.has_step() || is_left_behind {
         return (kind, Some(tolerance.value));
     }
